@@ -1,0 +1,169 @@
+/// The drive: one call per PWM period, from ADC counts to duties.
+///
+/// Set up:    lode_drive_init() with a configuration of which only motor, inverter, sense and f_pwm
+///            are needed.
+/// Interrupt: lode_drive_step() in every PWM period, with all that was sampled at its start t_k.
+///            The duties that it returns act from t_k+1 on (shadow registers), its gate state at once.
+/// Elsewhere: lode_drive_post_command(), lode_drive_post_tuning(), lode_drive_telemetry(), from ONE
+///            thread that the interrupt may interrupt, but which never interrupts it.
+#ifndef LODESTAR_DRIVE_H
+#define LODESTAR_DRIVE_H
+
+#include "lodestar/current.h"
+#include "lodestar/estimator.h"
+#include "lodestar/guard.h"
+#include "lodestar/inverter.h"
+#include "lodestar/modulator.h"
+#include "lodestar/motor.h"
+#include "lodestar/references.h"
+#include "lodestar/sense.h"
+#include "lodestar/speed.h"
+#include "lodestar/start.h"
+
+/// Every field that may be 0 is then computed from the others by lode_drive_design().
+typedef struct {
+    float f_pwm_Hz;                  ///< rate of the step, 1e3 .. 2e5
+    lode_motor_t motor;              ///< needed
+    lode_inverter_config_t inverter; ///< needed: v_bus_V and i_max_A
+    lode_sense_config_t sense;       ///< needed: gains and offset
+    lode_estimator_config_t estimator;
+    lode_references_config_t references;
+    lode_current_config_t current;
+    lode_speed_config_t speed;
+    lode_start_config_t start;
+    lode_guard_config_t guard;
+} lode_drive_config_t;
+
+/// Everything derived from a configuration. Never written by the step: it may serve several drives,
+/// and lie in flash. It must stay as it is while a drive uses it.
+typedef struct {
+    float ts_s;
+    float Rs_Ohm;
+    float inv_pole_pairs;
+    float omega_min;         ///< least electrical speed in RUN
+    lode_sense_tuning_t sense;
+    lode_inverter_tuning_t inverter;
+    lode_estimator_tuning_t estimator;
+    lode_references_tuning_t references;
+    lode_current_tuning_t current;
+    lode_speed_tuning_t speed;
+    lode_start_tuning_t start;
+    lode_guard_tuning_t guard;
+} lode_drive_tuning_t;
+
+typedef enum {
+    LODE_MODE_OFF,       ///< gates off
+    LODE_MODE_CALIBRATE, ///< gates off, current offsets are measured
+    LODE_MODE_VOLTAGE,   ///< voltage vector at a given angle
+    LODE_MODE_CURRENT,   ///< current vector at a given angle
+    LODE_MODE_START,     ///< I-f: current vector turned by the start-up, or by the stop
+    LODE_MODE_RUN,       ///< speed control without a sensor
+    LODE_MODE_FAULT      ///< gates off until the fault is cleared
+} lode_mode_t;
+
+/// The enumerator's name, for logs.
+const char *lode_mode_name(lode_mode_t mode);
+
+/// What the drive shall do. RUN calibrates and starts by itself where that is needed, and with speed 0
+/// stops and switches off.
+typedef struct {
+    lode_mode_t mode;   ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
+    float speed_rad_s;  ///< RUN: MECHANICAL speed, either sign
+    lode_dq_t vector;   ///< VOLTAGE: V, CURRENT: A, in a frame at theta_rad
+    float theta_rad;    ///< VOLTAGE, CURRENT: angle of that frame when the mode is entered
+    float omega_rad_s;  ///< VOLTAGE, CURRENT: electrical speed at which it turns
+    bool clear_fault;   ///< with OFF: leave FAULT
+} lode_command_t;
+
+typedef struct {
+    lode_abc_t duty; ///< high-side on-time as a share of the period, [0, 1], on the timer's grid
+    bool gates;      ///< false: all six switches off, at once
+} lode_drive_out_t;
+
+/// A drive. Visible for static allocation; written by its functions only.
+typedef struct {
+    const lode_drive_tuning_t *tuning;
+    const lode_drive_tuning_t *posted_tuning; ///< mailbox: NULL when taken
+    lode_command_t posted;                    ///< mailbox
+    bool command_posted;
+    bool calibrated;
+    bool gates;
+    uint_least8_t mode;     ///< lode_mode_t
+    uint32_t steps;         ///< periods since init
+    lode_command_t command; ///< being followed
+    float direction;        ///< sense of rotation, -1 or +1
+    float theta_rad;        ///< of the frame of VOLTAGE and CURRENT
+    lode_abc_t duty;        ///< written by the last call
+    lode_dq_t i_A;          ///< in the frame of control
+    lode_dq_t ref_A;
+    lode_dq_t u_V;
+    float temperature_degC;
+    lode_sense_t sense;
+    lode_inverter_t inverter;
+    lode_estimator_t estimator;
+    lode_current_t current;
+    lode_speed_t speed;
+    lode_start_t start;
+    lode_guard_t guard;
+} lode_drive_t;
+
+/// One period's inputs to estimation.
+typedef struct {
+    lode_sample_t sample;
+    lode_ab_t u_V;        ///< mean voltage over [t_k-1, t_k)
+    lode_calibration_t calibration;
+    float offset_count;   ///< worst offset, while calibrating
+} lode_measurement_t;
+
+/// A consistent picture of one period, for logs and displays.
+typedef struct {
+    uint32_t steps;
+    lode_mode_t mode;
+    lode_fault_t fault;
+    lode_abc_t duty;
+    lode_dq_t i_A;         ///< in the frame of control: the rotor's in RUN, the vector's in START
+    lode_dq_t ref_A;
+    lode_dq_t u_V;
+    float v_bus_V;
+    float temperature_degC;
+    float theta_rad;       ///< estimated rotor angle at t_k
+    float omega_rad_s;     ///< estimated electrical speed
+    float speed_ref_rad_s; ///< ramped mechanical reference
+    float load_torque_Nm;
+    float lock;
+    lode_ab_t e_V;
+} lode_telemetry_t;
+
+/// Computes every value that `config` leaves open (0 or LODE_AUTO). Used by lode_drive_init() and by
+/// the host tool alike. Call it after checking nothing: wrong inputs give values that init refuses.
+void lode_drive_design(lode_drive_config_t *config);
+
+/// Completes a copy of `config`, checks every field and derives the tuning. On any error `tuning` is
+/// left alone. Not for the interrupt; about 800 B of stack.
+lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
+
+/// lode_drive_tune(), then a drive at rest in OFF. On any error both are left alone.
+lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
+
+/// One PWM period: sense, estimate, act. Total, bounded, without allocation.
+lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts);
+
+/// The step is these three calls in a row. A host may put its own estimate in place of the second.
+lode_measurement_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts);
+lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_measurement_t *measurement);
+lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *measurement,
+                                const lode_estimate_t *estimate);
+
+/// Leaves a command for the next period; a later one replaces one not yet taken.
+lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command);
+
+/// Leaves a tuning, checked and derived by lode_drive_tune(), for the next period. All states go on.
+/// The old one may be reused once lode_drive_tuning_taken() is true.
+lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);
+bool lode_drive_tuning_taken(const lode_drive_t *self);
+
+/// A picture of the last period. False if the interrupt came in between three times running; the
+/// picture is then whole fields of different periods.
+bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry);
+
+#endif

@@ -1,0 +1,87 @@
+/// Reference frames. All transforms are amplitude invariant: the length of a vector is the amplitude
+/// of a phase. A vector in alpha-beta is treated as the complex number alpha + j beta.
+#ifndef LODESTAR_FRAMES_H
+#define LODESTAR_FRAMES_H
+
+#include "lodestar/scalar.h"
+
+/// Phase quantities.
+typedef struct {
+    float a;
+    float b;
+    float c;
+} lode_abc_t;
+
+/// Stationary frame, alpha on phase a.
+typedef struct {
+    float alpha;
+    float beta;
+} lode_ab_t;
+
+/// Rotor frame, d on the magnet.
+typedef struct {
+    float d;
+    float q;
+} lode_dq_t;
+
+/// Clarke transform of three phases; what they have in common drops out.
+static inline lode_ab_t lode_clarke(lode_abc_t x) {
+    return (lode_ab_t){(2.0f * x.a - x.b - x.c) * (1.0f / 3.0f), (x.b - x.c) * (1.0f / LODE_SQRT3)};
+}
+
+/// Clarke transform of phases a and b where the three sum to zero.
+static inline lode_ab_t lode_clarke_two(float a, float b) {
+    return (lode_ab_t){a, (a + 2.0f * b) * (1.0f / LODE_SQRT3)};
+}
+
+/// Phase quantities that sum to zero.
+static inline lode_abc_t lode_clarke_inverse(lode_ab_t x) {
+    const float half = -0.5f * x.alpha;
+    const float side = 0.5f * LODE_SQRT3 * x.beta;
+    return (lode_abc_t){x.alpha, half + side, half - side};
+}
+
+/// Park transform: x exp(-j theta).
+static inline lode_dq_t lode_park(lode_ab_t x, lode_sincos_t theta) {
+    return (lode_dq_t){x.alpha * theta.cos + x.beta * theta.sin,
+                       x.beta * theta.cos - x.alpha * theta.sin};
+}
+
+/// Inverse Park transform: x exp(j theta).
+static inline lode_ab_t lode_park_inverse(lode_dq_t x, lode_sincos_t theta) {
+    return (lode_ab_t){x.d * theta.cos - x.q * theta.sin, x.d * theta.sin + x.q * theta.cos};
+}
+
+/// Sine and cosine of the sum of two angles.
+static inline lode_sincos_t lode_angle_add(lode_sincos_t a, lode_sincos_t b) {
+    return (lode_sincos_t){a.sin * b.cos + a.cos * b.sin, a.cos * b.cos - a.sin * b.sin};
+}
+
+/// Sine and cosine of the difference a - b.
+static inline lode_sincos_t lode_angle_subtract(lode_sincos_t a, lode_sincos_t b) {
+    return (lode_sincos_t){a.sin * b.cos - a.cos * b.sin, a.cos * b.cos + a.sin * b.sin};
+}
+
+static inline lode_ab_t lode_ab_subtract(lode_ab_t x, lode_ab_t y) {
+    return (lode_ab_t){x.alpha - y.alpha, x.beta - y.beta};
+}
+
+/// x + k y.
+static inline lode_ab_t lode_ab_add_scaled(lode_ab_t x, float k, lode_ab_t y) {
+    return (lode_ab_t){x.alpha + k * y.alpha, x.beta + k * y.beta};
+}
+
+static inline lode_ab_t lode_ab_scale(float k, lode_ab_t x) {
+    return (lode_ab_t){k * x.alpha, k * x.beta};
+}
+
+static inline float lode_ab_length(lode_ab_t x) {
+    return lode_sqrt(x.alpha * x.alpha + x.beta * x.beta);
+}
+
+/// Every component within +-limit; false for NaN.
+static inline bool lode_ab_in_range(lode_ab_t x, float limit) {
+    return lode_in_range(x.alpha, -limit, limit) && lode_in_range(x.beta, -limit, limit);
+}
+
+#endif

@@ -1,0 +1,68 @@
+/// What stands between a duty and the voltage at the motor: dead time, on-state drops, the timer's
+/// grid, and the two periods from the call that writes a duty to the call that sees its effect.
+#ifndef LODESTAR_INVERTER_H
+#define LODESTAR_INVERTER_H
+
+#include "lodestar/config.h"
+#include "lodestar/frames.h"
+#include "lodestar/motor.h"
+#include "lodestar/status.h"
+
+typedef struct {
+    float v_bus_V;     ///< nominal bus voltage, 1 .. 2000
+    float i_max_A;     ///< highest amplitude of the phase current that the drive may command
+    float dead_time_s; ///< both switches of a leg off, per edge; turn-on minus turn-off delay included
+    float v_drop_V;    ///< on-state threshold of switch and diode
+    float r_on_Ohm;    ///< on-state slope
+    float i_dead_A;    ///< below this phase current the effect of dead time fades, proportionally: the
+                       ///< ripple reverses the current within the period. 0: half the ripple amplitude
+    float pwm_ticks;   ///< timer steps from duty 0 to 1; 0: not quantised
+    lode_choice_t dead_time_correction; ///< correct in the duties; auto: where there is a dead time
+    lode_choice_t dead_time_model; ///< without the correction: take the loss out of the observer's voltage; auto: no
+} lode_inverter_config_t;
+
+typedef struct {
+    float ts_s;
+    float v_min_V;        ///< least bus voltage that is divided by
+    float dead_duty;      ///< share of the period lost to dead time
+    float v_drop_V;
+    float r_on_Ohm;
+    float inv_i_dead;     ///< 1/A
+    float ticks;          ///< 0: not quantised
+    float inv_ticks;
+    bool correct;         ///< loss added to the duties
+    bool model;           ///< loss taken out of the observer's voltage instead
+} lode_inverter_tuning_t;
+
+/// The duties on their way. Call k writes what acts over [t_k+1, t_k+2); the current sampled by call
+/// k+2 is the first that has seen it in full.
+typedef struct {
+    lode_ab_t written; ///< by the last call, volts per bus volt
+    lode_ab_t acting;  ///< by the call before it: this acts until the next sample
+    float v_bus_V;     ///< bus voltage sampled at the start of the period under way
+} lode_inverter_t;
+
+/// Fills every zero field that has a default.
+void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *motor, float ts_s);
+
+lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning, const lode_inverter_config_t *config, float ts_s);
+
+/// No voltage on its way.
+void lode_inverter_reset(lode_inverter_t *self);
+
+/// Called at t_k before anything is written: the mean voltage over [t_k-1, t_k), V, from the duty
+/// written by call k-2 and the bus sampled at t_k-1. Takes in the bus voltage sampled now.
+lode_ab_t lode_inverter_realised(lode_inverter_t *self, float v_bus_V);
+
+/// Notes what call k has written.
+static inline void lode_inverter_write(lode_inverter_t *self, lode_ab_t realised) {
+    self->written = realised;
+}
+
+/// Loss of duty in one phase at the current `i_A`: dead time and drops. Odd in the current.
+static inline float lode_inverter_loss(const lode_inverter_tuning_t *tuning, float i_A, float inv_v_bus) {
+    const float share = lode_clamp(i_A * tuning->inv_i_dead, -1.0f, 1.0f);
+    return share * (tuning->dead_duty + tuning->v_drop_V * inv_v_bus) + tuning->r_on_Ohm * i_A * inv_v_bus;
+}
+
+#endif

@@ -1,0 +1,35 @@
+/// The phase lag of an EMF observer as an odd polynomial of speed, fitted by init to the exact lag.
+#ifndef LODESTAR_LAG_H
+#define LODESTAR_LAG_H
+
+#include "lodestar/emf.h"
+
+#define LODE_LAG_TERMS 6
+/// Largest deviation of polynomial from exact lag that init accepts: 0.01 degree.
+#define LODE_LAG_TOLERANCE_rad 1.7e-4f
+
+/// Which correction is added to the angle of the PLL.
+typedef enum {
+    LODE_LAG_EXACT, ///< the exact lag of the discrete observer
+    LODE_LAG_NONE   ///< none: the angle lags as in paper 1, Fig. 13
+} lode_lag_kind_t;
+
+typedef struct {
+    float inv_range2;              ///< 1/omega^2 at the end of the fitted range
+    float coefficient[LODE_LAG_TERMS]; ///< lag/omega in powers of (omega/range)^2, s
+} lode_lag_t;
+
+/// Fits the lag of the observer of `config` over +-omega_max_rad_s.
+/// LODE_ERROR_LAG where it deviates by more than LODE_LAG_TOLERANCE_rad.
+lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_emf_config_t *config,
+                            const lode_motor_t *motor, float ts_s, float omega_max_rad_s);
+
+/// Lag at `omega_rad_s`, rad; odd. Beyond the fitted range it goes on with the slope at its end.
+static inline float lode_lag_rad(const lode_lag_t *lag, float omega_rad_s) {
+    const float v = lode_min(omega_rad_s * omega_rad_s * lag->inv_range2, 1.0f);
+    const float *c = lag->coefficient;
+    const float slope = c[0] + v * (c[1] + v * (c[2] + v * (c[3] + v * (c[4] + v * c[5]))));
+    return omega_rad_s * slope;
+}
+
+#endif

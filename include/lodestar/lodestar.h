@@ -1,0 +1,10 @@
+/// Lodestar: sensorless permanent-magnet motor drives. Includes everything.
+#ifndef LODESTAR_LODESTAR_H
+#define LODESTAR_LODESTAR_H
+
+#include "lodestar/drive.h"
+#include "lodestar/lowpass.h"
+#include "lodestar/sogi.h"
+#include "lodestar/version.h"
+
+#endif

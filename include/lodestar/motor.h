@@ -1,0 +1,64 @@
+/// Motor parameters, and how to get them from what data sheets and other tools print.
+#ifndef LODESTAR_MOTOR_H
+#define LODESTAR_MOTOR_H
+
+#include "lodestar/frames.h"
+#include "lodestar/status.h"
+
+/// One phase of the star equivalent, peak values. Paper 1, Table 3 is the example.
+typedef struct {
+    float pole_pairs;        ///< 1 .. 100, a whole number
+    float Rs_Ohm;            ///< phase resistance at working temperature, 0 .. 1e3
+    float Ld_H;              ///< d-axis inductance, 1e-7 .. 10
+    float Lq_H;              ///< q-axis inductance, 1e-7 .. 10
+    float psi_Wb;            ///< peak flux linkage of the magnets per phase, 1e-6 .. 100
+    float J_kgm2;            ///< inertia of rotor and load, 1e-9 .. 1e4
+    float B_Nms;             ///< viscous friction, Nm per mechanical rad/s, 0 .. 1e3
+    float omega_rated_rad_s; ///< rated ELECTRICAL speed; 0: from bus voltage and current
+} lode_motor_t;
+
+/// LODE_OK, or which parameter is out of range.
+lode_status_t lode_motor_check(const lode_motor_t *motor);
+
+/// Active flux psi + (Ld - Lq) id, Wb (paper 1, eq. 8).
+static inline float lode_motor_active_flux_Wb(const lode_motor_t *motor, float id_A) {
+    return motor->psi_Wb + (motor->Ld_H - motor->Lq_H) * id_A;
+}
+
+/// Electromagnetic torque, Nm (paper 1, eq. 17).
+float lode_motor_torque_Nm(const lode_motor_t *motor, lode_dq_t i_A);
+
+/// Torque per q-axis ampere at id = 0, Nm/A.
+float lode_motor_kt_Nm_A(const lode_motor_t *motor);
+
+typedef enum { LODE_STAR, LODE_DELTA } lode_winding_t;
+
+/// Phase value of the star equivalent from a resistance or inductance measured between two
+/// terminals. The terminals cannot tell star from delta: half the value, for either winding.
+float lode_phase_from_line_line(float line_line);
+
+/// The same from the value of one winding itself: a delta winding counts a third.
+float lode_phase_from_winding(float winding, lode_winding_t connection);
+
+/// psi from the voltage constant, V RMS line to line per 1000 rpm (mechanical).
+float lode_psi_from_Vrms_krpm(float Vrms_krpm, float pole_pairs);
+
+/// psi from the peak phase voltage per electrical hertz, V/Hz.
+float lode_psi_from_V_Hz(float V_Hz);
+
+/// psi from KV, rpm (mechanical) per volt of peak line-to-line EMF, as printed on hobby motors.
+float lode_psi_from_KV(float rpm_V, float pole_pairs);
+
+/// psi from the torque constant, Nm per ampere of phase-current amplitude.
+float lode_psi_from_kt(float Nm_A, float pole_pairs);
+
+/// The way back, for display: V RMS line to line per 1000 rpm, V/Hz and rpm/V.
+float lode_psi_to_Vrms_krpm(float psi_Wb, float pole_pairs);
+float lode_psi_to_V_Hz(float psi_Wb);
+float lode_psi_to_KV(float psi_Wb, float pole_pairs);
+
+/// Electrical rad/s from mechanical rpm, and back.
+float lode_omega_from_rpm(float rpm, float pole_pairs);
+float lode_omega_to_rpm(float omega_rad_s, float pole_pairs);
+
+#endif

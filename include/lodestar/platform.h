@@ -1,0 +1,25 @@
+/// What depends on the compiler, and nothing else does.
+#ifndef LODESTAR_PLATFORM_H
+#define LODESTAR_PLATFORM_H
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "Lodestar needs IEEE comparisons: build it without -ffast-math and -ffinite-math-only"
+#endif
+
+/// Where the code of the interrupt goes. Define it (for instance as
+/// `__attribute__((section(".ccmram")))`) to place every step function in fast memory.
+#ifndef LODE_HOT
+#define LODE_HOT
+#endif
+
+/// Keeps the compiler from moving memory accesses across it. It orders a thread against an
+/// interrupt on the SAME core, which is all that the mailboxes of a drive need.
+#ifndef LODE_SIGNAL_FENCE
+#if defined(__GNUC__)
+#define LODE_SIGNAL_FENCE() __atomic_signal_fence(__ATOMIC_SEQ_CST)
+#else
+#error "define LODE_SIGNAL_FENCE() as a compiler barrier of your toolchain"
+#endif
+#endif
+
+#endif

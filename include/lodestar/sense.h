@@ -1,0 +1,90 @@
+/// From converter counts to amperes, volts and degrees, with the calibration of the current offsets.
+#ifndef LODESTAR_SENSE_H
+#define LODESTAR_SENSE_H
+
+#include "lodestar/config.h"
+#include "lodestar/frames.h"
+#include "lodestar/status.h"
+
+/// Where the currents are measured.
+typedef enum {
+    LODE_SHUNTS_THREE, ///< all three phases
+    LODE_SHUNTS_TWO    ///< phases a and b; c follows from the isolated star point
+} lode_shunts_t;
+
+/// What a board's converters deliver. Gains may be negative where an amplifier inverts.
+typedef struct {
+    lode_shunts_t shunts;
+    float i_gain_A_count;         ///< current out of the inverter per count
+    float i_offset_count;         ///< nominal count at zero current
+    float i_offset_tol_count;     ///< largest plausible deviation of a calibrated offset; 0: 5 % of full scale
+    float count_max;              ///< highest count of the converters; 0: 4095
+    float v_bus_gain_V_count;     ///< bus voltage per count, from count 0
+    float temperature_gain_degC_count; ///< 0: no sensor
+    float temperature_offset_degC;     ///< temperature at count 0
+    float duty_max;    ///< low-side shunts: above this duty a phase has no time to be sampled and is
+                       ///< taken from the other two; 1: sampled always. 0: 1
+    float calibrate_s; ///< time over which offsets are averaged; 0: 0.1
+} lode_sense_config_t;
+
+/// The raw results of one period, all sampled at t_k, the start of PWM period k.
+typedef struct {
+    uint16_t i[3];        ///< phase currents a, b, c
+    uint16_t v_bus;       ///< bus voltage
+    uint16_t temperature; ///< power stage
+    bool trip;            ///< the hardware has switched the gates off
+    uint32_t stamp;       ///< free-running counter, any rate; watched by the guard if configured
+} lode_counts_t;
+
+typedef struct {
+    float i_gain;
+    float i_offset_nominal;
+    float i_offset_tol;
+    float v_bus_gain;
+    float temperature_gain;
+    float temperature_offset;
+    float duty_max;
+    float count_max;
+    float calibrate_periods;
+    lode_shunts_t shunts;
+} lode_sense_tuning_t;
+
+typedef struct {
+    lode_abc_t offset_count; ///< offsets in use
+    lode_abc_t sum_count;    ///< running sums while calibrating
+    float samples;           ///< how many are in the sums
+} lode_sense_t;
+
+/// Quantities valid at t_k.
+typedef struct {
+    lode_abc_t i_abc_A;
+    lode_ab_t i_A;
+    float v_bus_V;
+    float temperature_degC;
+    uint32_t stamp;
+    bool trip;   ///< the hardware has switched the gates off
+    bool railed; ///< a current sample in use sits at the end of the converter's range
+} lode_sample_t;
+
+typedef enum { LODE_CALIBRATION_RUNNING, LODE_CALIBRATION_DONE, LODE_CALIBRATION_IMPLAUSIBLE } lode_calibration_t;
+
+/// Fills every zero field that has a default.
+void lode_sense_design(lode_sense_config_t *config);
+
+/// Checks `config` for currents up to `i_max_A` and a bus of `v_bus_V`, and derives the tuning.
+lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_config_t *config, float i_max_A,
+                              float v_bus_V, float ts_s);
+
+/// Nominal offsets, no calibration under way.
+void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning);
+
+/// `duty`: the duties that acted when the sample was taken.
+lode_sample_t lode_sense_step(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
+                              const lode_counts_t *counts, lode_abc_t duty);
+
+/// Takes one more sample at zero current (gates off). At the end either all three offsets change or,
+/// where one is implausible, none; `worst_count` is the largest deviation from nominal.
+lode_calibration_t lode_sense_calibrate(lode_sense_t *self, const lode_sense_tuning_t *tuning,
+                                        const lode_counts_t *counts, float *worst_count);
+
+#endif

@@ -1,0 +1,32 @@
+/// Second-order generalised integrator, prewarped: a notch, and the quadrature pair at its centre.
+///
+/// Notch: paper 1, eq. (34), (s^2 + wn^2)/(s^2 + k wn s + wn^2), trapezoidal and prewarped at wn:
+/// gain exactly 0 at wn and 1 at DC, at any sample rate. What the notch takes out is the in-phase
+/// output of the pair. The states are those of the two integrators, so the centre may move from
+/// call to call without a jump.
+#ifndef LODESTAR_SOGI_H
+#define LODESTAR_SOGI_H
+
+#include "lodestar/scalar.h"
+
+#define LODE_SOGI_CENTRE_MIN_rad 1.0e-4f ///< lowest centre, rad per sample
+#define LODE_SOGI_CENTRE_MAX_rad 2.5f    ///< highest centre: 0.8 pi, short of Nyquist
+
+typedef struct {
+    float band; ///< integrator of the band-pass
+    float low;  ///< integrator of the low-pass
+} lode_sogi_t;
+
+typedef struct {
+    float notch;      ///< the input without its component at wn
+    float in_phase;   ///< the component at wn
+    float quadrature; ///< the same, a quarter period later
+} lode_sogi_out_t;
+
+void lode_sogi_reset(lode_sogi_t *self);
+
+/// k: relative width of the band, clamped to 0.001 .. 2; wn_Ts: centre in rad per sample, clamped
+/// to LODE_SOGI_CENTRE_*. A non-finite input resets the states and passes as 0.
+lode_sogi_out_t lode_sogi_step(lode_sogi_t *self, float k, float wn_Ts, float x);
+
+#endif

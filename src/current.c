@@ -1,0 +1,76 @@
+#include "lodestar/current.h"
+
+// Crossover of the loop over 1/Ts: 1.5 periods of delay leave 73 degrees of phase margin.
+#define BANDWIDTH_TS 0.2f
+#define BANDWIDTH_TS_MAX 0.4f // 56 degrees
+#define VOLTAGE_USE 0.95f
+#define D_SHARE 0.9f          // leaves the q axis 44 % of the circle
+
+void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s) {
+    config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_TS / ts_s);
+    // Pole-zero cancellation: the zero of the controller at R/L.
+    const float bandwidth = config->bandwidth_rad_s;
+    config->kp_d_V_A = lode_given_or(config->kp_d_V_A, bandwidth * motor->Ld_H);
+    config->kp_q_V_A = lode_given_or(config->kp_q_V_A, bandwidth * motor->Lq_H);
+    config->ki_d_V_As = lode_given_or(config->ki_d_V_As, bandwidth * motor->Rs_Ohm);
+    config->ki_q_V_As = lode_given_or(config->ki_q_V_As, bandwidth * motor->Rs_Ohm);
+    config->voltage_use = lode_given_or(config->voltage_use, VOLTAGE_USE);
+}
+
+lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_current_config_t *config,
+                                const lode_motor_t *motor, float ts_s) {
+    if (!lode_in_range(config->bandwidth_rad_s, 1.0f, BANDWIDTH_TS_MAX / ts_s)) {
+        return LODE_ERROR_CURRENT_BANDWIDTH;
+    }
+    const float kp_max = BANDWIDTH_TS_MAX / ts_s;
+    // The integrator's corner stays a factor of 3 below the crossover that kp gives.
+    const bool d_sound = lode_in_range(config->kp_d_V_A, 1.0e-6f, 1.001f * kp_max * motor->Ld_H) &&
+                         lode_in_range(config->ki_d_V_As * motor->Ld_H * 3.0f, 0.0f, config->kp_d_V_A * config->kp_d_V_A);
+    const bool q_sound = lode_in_range(config->kp_q_V_A, 1.0e-6f, 1.001f * kp_max * motor->Lq_H) &&
+                         lode_in_range(config->ki_q_V_As * motor->Lq_H * 3.0f, 0.0f, config->kp_q_V_A * config->kp_q_V_A);
+    if (!d_sound || !q_sound) {
+        return LODE_ERROR_CURRENT_GAINS;
+    }
+    if (!lode_in_range(config->voltage_use, 0.1f, 1.0f)) {
+        return LODE_ERROR_CURRENT_VOLTAGE;
+    }
+    *tuning = (lode_current_tuning_t){
+        .d = {config->kp_d_V_A, config->ki_d_V_As * ts_s},
+        .q = {config->kp_q_V_A, config->ki_q_V_As * ts_s},
+        .Ld_H = motor->Ld_H,
+        .Lq_H = motor->Lq_H,
+        .psi_Wb = motor->psi_Wb,
+        .circle = config->voltage_use / LODE_SQRT3,
+        .d_share = D_SHARE,
+    };
+    return LODE_OK;
+}
+
+// What rotation induces: decoupling and EMF feed-forward.
+static lode_dq_t induced(const lode_current_tuning_t *tuning, lode_dq_t i_A, float omega_rad_s) {
+    return (lode_dq_t){-omega_rad_s * tuning->Lq_H * i_A.q, omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
+}
+
+void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t u_V, lode_dq_t i_A,
+                        float omega_rad_s) {
+    const lode_dq_t ff = induced(tuning, i_A, omega_rad_s);
+    lode_pi_reset(&self->d, u_V.d - ff.d);
+    lode_pi_reset(&self->q, u_V.q - ff.q);
+}
+
+LODE_HOT lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t ref_A,
+                                     lode_dq_t i_A, float omega_rad_s, float v_bus_V) {
+    const lode_dq_t ff = induced(tuning, i_A, omega_rad_s);
+    const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
+    const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
+                             lode_pi_output(&self->q, &tuning->q, error.q, ff.q)};
+    // The circle, d first: it holds the flux; q keeps what is left, at least 44 %.
+    const float radius = tuning->circle * lode_max(v_bus_V, 0.0f);
+    const float d_max = tuning->d_share * radius;
+    const float ud = lode_clamp(asked.d, -d_max, d_max);
+    const float q_max = lode_sqrt(radius * radius - ud * ud);
+    const lode_dq_t u_V = {ud, lode_clamp(asked.q, -q_max, q_max)};
+    lode_pi_settle(&self->d, &tuning->d, error.d, asked.d, u_V.d);
+    lode_pi_settle(&self->q, &tuning->q, error.q, asked.q, u_V.q);
+    return u_V;
+}

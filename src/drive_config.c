@@ -1,0 +1,110 @@
+#include "lodestar/drive.h"
+
+#include <stddef.h>
+
+#define F_PWM_MIN_Hz 1.0e3f
+#define F_PWM_MAX_Hz 2.0e5f
+
+// Electrical speed at which EMF and reactance of half the largest current use up the bus.
+static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
+    const float reactive = motor->Lq_H * 0.5f * inverter->i_max_A;
+    const float flux = lode_sqrt(motor->psi_Wb * motor->psi_Wb + reactive * reactive);
+    return inverter->v_bus_V / (LODE_SQRT3 * lode_max(flux, FLT_MIN));
+}
+
+void lode_drive_design(lode_drive_config_t *config) {
+    const float ts_s = 1.0f / lode_max(config->f_pwm_Hz, FLT_MIN);
+    lode_motor_t *motor = &config->motor;
+    const lode_inverter_config_t *inverter = &config->inverter;
+    motor->omega_rated_rad_s = lode_given_or(motor->omega_rated_rad_s, rated_omega(motor, inverter));
+    lode_sense_design(&config->sense);
+    lode_inverter_design(&config->inverter, motor, ts_s);
+    lode_estimator_design(&config->estimator, motor, ts_s);
+    lode_references_design(&config->references, inverter, motor);
+    lode_current_design(&config->current, motor, ts_s);
+    lode_start_design(&config->start, inverter, motor);
+    lode_speed_design(&config->speed, inverter, motor, config->estimator.pll.sigma_low_rad_s,
+                      config->start.omega_handover_rad_s);
+    lode_guard_design(&config->guard, inverter, &config->estimator);
+}
+
+// Sensing, inverter and estimator: what is needed to see.
+static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    lode_status_t status = lode_inverter_tune(&t->inverter, &c->inverter, t->ts_s);
+    if (status == LODE_OK) {
+        status = lode_sense_tune(&t->sense, &c->sense, c->inverter.i_max_A, c->inverter.v_bus_V, t->ts_s);
+    }
+    if (status == LODE_OK) {
+        status = lode_estimator_tune(&t->estimator, &c->estimator, &c->motor, t->ts_s);
+    }
+    return status;
+}
+
+// References, controllers, start and guard: what is needed to act.
+static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    lode_status_t status = lode_references_tune(&t->references, &c->references, &c->inverter, &c->motor);
+    if (status == LODE_OK) {
+        status = lode_current_tune(&t->current, &c->current, &c->motor, t->ts_s);
+    }
+    if (status == LODE_OK) {
+        status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor, c->estimator.omega_max_rad_s, t->ts_s);
+    }
+    if (status == LODE_OK) {
+        status = lode_speed_tune(&t->speed, &c->speed, &c->inverter, &c->motor, c->estimator.pll.sigma_low_rad_s,
+                                 t->ts_s);
+    }
+    if (status == LODE_OK) {
+        status = lode_guard_tune(&t->guard, &c->guard, &c->inverter, &c->sense, t->ts_s);
+    }
+    if (status == LODE_OK && !lode_in_range(c->speed.omega_min_rad_s, 0.5f * c->start.omega_handover_rad_s,
+                                            c->estimator.omega_max_rad_s)) {
+        status = LODE_ERROR_START_SPEED;
+    }
+    return status;
+}
+
+lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config) {
+    if (tuning == NULL || config == NULL) {
+        return LODE_ERROR_NULL;
+    }
+    if (!lode_in_range(config->f_pwm_Hz, F_PWM_MIN_Hz, F_PWM_MAX_Hz)) {
+        return LODE_ERROR_F_PWM;
+    }
+    lode_status_t status = lode_motor_check(&config->motor);
+    if (status != LODE_OK) {
+        return status;
+    }
+    lode_drive_config_t complete = *config;
+    lode_drive_design(&complete);
+    lode_drive_tuning_t t;
+    t.ts_s = 1.0f / complete.f_pwm_Hz;
+    t.Rs_Ohm = complete.motor.Rs_Ohm;
+    t.inv_pole_pairs = 1.0f / complete.motor.pole_pairs;
+    t.omega_min = complete.speed.omega_min_rad_s;
+    status = tune_senses(&t, &complete);
+    if (status == LODE_OK) {
+        status = tune_control(&t, &complete);
+    }
+    if (status == LODE_OK) {
+        *tuning = t;
+    }
+    return status;
+}
+
+#define NAME(mode) \
+    case mode:     \
+        return #mode
+
+const char *lode_mode_name(lode_mode_t mode) {
+    switch (mode) {
+        NAME(LODE_MODE_OFF);
+        NAME(LODE_MODE_CALIBRATE);
+        NAME(LODE_MODE_VOLTAGE);
+        NAME(LODE_MODE_CURRENT);
+        NAME(LODE_MODE_START);
+        NAME(LODE_MODE_RUN);
+        NAME(LODE_MODE_FAULT);
+    default:
+        return "LODE_MODE_UNKNOWN";
+    }
+}

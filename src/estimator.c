@@ -1,0 +1,212 @@
+#include "lodestar/estimator.h"
+
+#define EMIN_SHARE 0.03f        // of the rated EMF: 2 V for paper 1's motor
+#define OMEGA_MAX_SHARE 2.5f    // of the rated speed
+#define OMEGA_TS_MAX 0.5f       // the EMF observers' lag and the modulator want 12 periods per turn
+#define LOCK_TIME_s 5.0e-3f
+// The PLL's crossover is near 3 sigma, where each of the observer's two poles costs 31 degrees of its
+// 71 degrees of margin if w0 = 5 sigma: docs/theory/pll.md.
+#define SIGMA_PER_W0_MAX 0.2f
+#define SETTLE_OBSERVER 8.0f    // time constants 1/w0 until the double pole has settled to 0.3 %
+#define SETTLE_ROTATION 3.0f    // time constants of the mean rotation until it tells the speed to 5 %
+// Amplitudes beyond any motor's: larger ones could overflow when squared.
+#define INPUT_LIMIT 1.0e6f
+// The sine of an angle, with room for rounding: NaN, and what an overflow leaves, fall outside.
+#define ERROR_LIMIT 1.01f
+// A wrapped angle, with room for rounding.
+#define ANGLE_LIMIT_rad 3.1416f
+// Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
+#define LEVEL_SLOPE 1.25f
+
+void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *motor, float ts_s) {
+    const float omega_rated = motor->omega_rated_rad_s;
+    lode_emf_design(&config->emf, motor, ts_s);
+    lode_pll_design(&config->pll, omega_rated);
+    if (config->active_flux == LODE_AUTO) {
+        config->active_flux = LODE_ON;
+    }
+    config->emin_V = lode_given_or(config->emin_V, EMIN_SHARE * omega_rated * motor->psi_Wb);
+    const float omega_max = lode_min(OMEGA_MAX_SHARE * omega_rated, OMEGA_TS_MAX / ts_s);
+    config->omega_max_rad_s = lode_given_or(config->omega_max_rad_s, omega_max);
+    config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
+}
+
+static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
+    if (config->active_flux != LODE_ON && config->active_flux != LODE_OFF) {
+        return LODE_ERROR_CHOICE;
+    }
+    if (!lode_in_range(config->emin_V, 1.0e-4f, 1.0e3f)) {
+        return LODE_ERROR_EMIN;
+    }
+    if (!lode_in_range(config->omega_max_rad_s, 1.0f, 1.001f * OMEGA_TS_MAX / ts_s)) {
+        return LODE_ERROR_OMEGA_MAX;
+    }
+    if (!lode_in_range(config->lock_s, ts_s, 1.0f)) {
+        return LODE_ERROR_LOCK_TIME;
+    }
+    if (!(config->pll.sigma_rad_s <= SIGMA_PER_W0_MAX * config->emf.w0_rad_s)) {
+        return LODE_ERROR_PLL_OBSERVER;
+    }
+    return LODE_OK;
+}
+
+lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning, const lode_estimator_config_t *config,
+                                  const lode_motor_t *motor, float ts_s) {
+    lode_estimator_tuning_t t;
+    lode_status_t status = lode_motor_check(motor);
+    if (status == LODE_OK) {
+        status = lode_emf_tune(&t.emf, &config->emf, motor, config->active_flux == LODE_ON, ts_s);
+    }
+    if (status == LODE_OK) {
+        status = lode_pll_tune(&t.pll, &config->pll, ts_s);
+    }
+    if (status == LODE_OK) {
+        status = check(config, ts_s);
+    }
+    if (status == LODE_OK) {
+        status = lode_lag_tune(&t.lag, config->compensation, &config->emf, motor, ts_s, config->omega_max_rad_s);
+    }
+    if (status != LODE_OK) {
+        return status;
+    }
+    const bool leso = config->pll.kind == LODE_PLL_LESO;
+    const float np = motor->pole_pairs;
+    const float settle_s =
+        lode_max(SETTLE_OBSERVER / config->emf.w0_rad_s, SETTLE_ROTATION * config->lock_s);
+    t.half_ts_s = 0.5f * ts_s;
+    t.emin_V = config->emin_V;
+    t.omega_limit = 2.0f * config->omega_max_rad_s;
+    t.psi_Wb = motor->psi_Wb;
+    t.salient_H = motor->Ld_H - motor->Lq_H;
+    t.acc_per_torque = leso ? 1.5f * np * np / motor->J_kgm2 : 0.0f;
+    t.acc_per_omega = leso ? motor->B_Nms / motor->J_kgm2 : 0.0f;
+    t.load_per_f_Nm = leso ? -motor->J_kgm2 / np : 0.0f;
+    t.lock_weight = lode_one_minus_exp(ts_s / config->lock_s);
+    // Both times are bounded by the checks above, far inside an int32.
+    t.settle_periods = (uint32_t)(int32_t)(settle_s / ts_s) + 1u;
+    t.patience_periods = (uint32_t)(int32_t)(config->lock_s / ts_s) + 1u;
+    *tuning = t;
+    return LODE_OK;
+}
+
+void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    lode_emf_reset(&self->emf, (lode_ab_t){0.0f, 0.0f});
+    lode_pll_reset(&self->pll, 0.0f, 0.0f);
+    self->lag_rad = 0.0f;
+    self->rotation = (lode_ab_t){0.0f, 0.0f};
+    self->lock = 0.0f;
+    self->wait = tuning->settle_periods;
+}
+
+static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float theta_pll_rad,
+                  float omega_rad_s) {
+    lode_pll_reset(&self->pll, theta_pll_rad, omega_rad_s);
+    self->lag_rad = lode_lag_rad(&tuning->lag, omega_rad_s);
+    self->wait = tuning->patience_periods;
+}
+
+void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float theta_rad,
+                         float omega_rad_s) {
+    place(self, tuning, theta_rad - lode_lag_rad(&tuning->lag, omega_rad_s), omega_rad_s);
+}
+
+// Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
+// quarter turn ahead of the rotor in the sense of rotation. False if there is too little of it.
+static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    const lode_ab_t e_V = self->emf.e_V;
+    if (!lode_ab_in_range(self->rotation, FLT_MAX)) {
+        self->rotation = (lode_ab_t){0.0f, 0.0f};
+    }
+    const float omega = lode_atan2(self->rotation.beta, self->rotation.alpha) * tuning->pll.inv_ts;
+    if (!(lode_ab_length(e_V) > tuning->emin_V) || !(lode_abs(omega) <= tuning->omega_limit)) {
+        return false;
+    }
+    place(self, tuning, lode_atan2(e_V.beta, e_V.alpha) - lode_sign(omega) * LODE_HALF_PI, omega);
+    return true;
+}
+
+// Re-acquires when the lock has been missing for long enough. The waiting time lets observer and
+// mean rotation settle after a reset, and a new acquisition prove itself. A longer one than any of
+// these is no time that was ever set: it must not keep a corrupted state waiting.
+static bool supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    if (self->lock >= LODE_LOCK_LOST) {
+        self->wait = tuning->patience_periods;
+        return false;
+    }
+    if (self->wait > 0u && self->wait <= tuning->settle_periods + tuning->patience_periods) {
+        self->wait--;
+        return false;
+    }
+    return acquire(self, tuning);
+}
+
+// Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
+static void note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, lode_ab_t e, lode_ab_t before) {
+    const lode_ab_t turn = {e.alpha * before.alpha + e.beta * before.beta, e.beta * before.alpha - e.alpha * before.beta};
+    self->rotation = lode_ab_add_scaled(self->rotation, tuning->lock_weight, lode_ab_subtract(turn, self->rotation));
+}
+
+// Two independent signs: the EMF's amplitude against what the speed induces, and the mean cosine of
+// the angle between the EMF and where the PLL has it. The worse one counts.
+static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float inv_e, float cosine,
+                      float id_A) {
+    const float induced_V = lode_abs(self->pll.omega_rad_s) * (tuning->psi_Wb + tuning->salient_H * id_A);
+    const float level = 1.0f - LEVEL_SLOPE * lode_abs(induced_V * inv_e - 1.0f);
+    const float quality = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
+    self->lock = lode_clamp(self->lock + tuning->lock_weight * (quality - self->lock), 0.0f, 1.0f);
+}
+
+static bool is_sound(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float error) {
+    return lode_in_range(error, -ERROR_LIMIT, ERROR_LIMIT) &&
+           lode_in_range(self->pll.theta_rad, -ANGLE_LIMIT_rad, ANGLE_LIMIT_rad) &&
+           lode_in_range(self->pll.omega_rad_s, -tuning->omega_limit, tuning->omega_limit);
+}
+
+static lode_estimate_t restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, lode_ab_t i_A) {
+    lode_estimator_reset(self, tuning);
+    lode_emf_reset(&self->emf, i_A);
+    return (lode_estimate_t){.rotor = {0.0f, 1.0f}, .i_A = {i_A.alpha, i_A.beta}, .reseeded = true};
+}
+
+LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                                             lode_ab_t u_V, lode_ab_t i_A) {
+    if (!lode_ab_in_range(u_V, INPUT_LIMIT) || !lode_ab_in_range(i_A, INPUT_LIMIT)) {
+        return restart(self, tuning, (lode_ab_t){0.0f, 0.0f});
+    }
+    lode_pll_t *pll = &self->pll;
+    lode_pll_predict(pll, &tuning->pll);
+    const lode_sincos_t half_turn = lode_sincos(tuning->half_ts_s * pll->omega_rad_s);
+    const lode_sincos_t predicted = lode_sincos(pll->theta_rad + self->lag_rad);
+    const lode_ab_t before = self->emf.e_V;
+    const lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, predicted, half_turn);
+    note_rotation(self, tuning, e_V, before);
+
+    // Phase detector (paper 1, eq. 13) with the sign of speed, without which it locks half a turn off.
+    const float inv_e = lode_sign(pll->omega_rad_s) / lode_max(lode_ab_length(e_V), tuning->emin_V);
+    const lode_dq_t seen = lode_park(e_V, lode_sincos(pll->theta_rad));
+    const float error = -seen.d * inv_e;
+    if (!is_sound(self, tuning, error)) {
+        return restart(self, tuning, i_A);
+    }
+    lode_pll_correct(pll, &tuning->pll, error);
+    const bool reseeded = supervise(self, tuning);
+
+    self->lag_rad = lode_lag_rad(&tuning->lag, pll->omega_rad_s);
+    const float theta = lode_wrap_once(pll->theta_rad + self->lag_rad);
+    const lode_sincos_t rotor = lode_sincos(theta);
+    const lode_dq_t i_dq = lode_park(i_A, rotor);
+    note_lock(self, tuning, lode_abs(inv_e), seen.q * inv_e, i_dq.d);
+    // Known acceleration over the period to come: torque of the measured current, and friction.
+    pll->acc_rad_s2 = tuning->acc_per_torque * (tuning->psi_Wb + tuning->salient_H * i_dq.d) * i_dq.q -
+                      tuning->acc_per_omega * pll->omega_rad_s;
+    return (lode_estimate_t){
+        .theta_rad = theta,
+        .omega_rad_s = pll->omega_rad_s,
+        .rotor = rotor,
+        .i_A = i_dq,
+        .e_V = e_V,
+        .load_torque_Nm = tuning->load_per_f_Nm * pll->f_rad_s2,
+        .lock = self->lock,
+        .reseeded = reseeded,
+    };
+}

@@ -1,0 +1,82 @@
+#include "lodestar/inverter.h"
+
+// Least bus voltage that is divided by, as a share of nominal: below it the guard has tripped.
+#define V_MIN_SHARE 0.1f
+
+void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *motor, float ts_s) {
+    // Half the peak of the current ripple of one leg switching alone: v_bus Ts/(4 L) is its
+    // peak-to-peak value at half duty, the worst case; L the smaller of both axes.
+    const float ripple_pp_A = config->v_bus_V * ts_s / (4.0f * lode_min(motor->Ld_H, motor->Lq_H));
+    const float i_dead_A = lode_clamp(0.25f * ripple_pp_A, 0.01f * config->i_max_A, config->i_max_A);
+    config->i_dead_A = lode_given_or(config->i_dead_A, i_dead_A);
+    if (config->dead_time_correction == LODE_AUTO) {
+        config->dead_time_correction = config->dead_time_s > 0.0f ? LODE_ON : LODE_OFF;
+    }
+    if (config->dead_time_model == LODE_AUTO) {
+        config->dead_time_model = LODE_OFF;
+    }
+}
+
+static bool is_decided(lode_choice_t choice) {
+    return choice == LODE_ON || choice == LODE_OFF;
+}
+
+static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
+    if (!lode_in_range(config->v_bus_V, 1.0f, 2000.0f)) {
+        return LODE_ERROR_V_BUS;
+    }
+    if (!lode_in_range(config->i_max_A, 1.0e-3f, 1.0e4f)) {
+        return LODE_ERROR_I_MAX;
+    }
+    if (!lode_in_range(config->dead_time_s, 0.0f, 0.2f * ts_s)) {
+        return LODE_ERROR_DEAD_TIME;
+    }
+    if (!lode_in_range(config->v_drop_V, 0.0f, 10.0f)) {
+        return LODE_ERROR_V_DROP;
+    }
+    if (!lode_in_range(config->r_on_Ohm, 0.0f, 10.0f)) {
+        return LODE_ERROR_R_ON;
+    }
+    if (!lode_in_range(config->i_dead_A, 1.0e-3f * config->i_max_A, config->i_max_A)) {
+        return LODE_ERROR_I_DEAD;
+    }
+    if (!lode_in_range(config->pwm_ticks, 0.0f, 65535.0f)) {
+        return LODE_ERROR_PWM_TICKS;
+    }
+    if (!is_decided(config->dead_time_correction) || !is_decided(config->dead_time_model)) {
+        return LODE_ERROR_CHOICE;
+    }
+    return LODE_OK;
+}
+
+lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning, const lode_inverter_config_t *config, float ts_s) {
+    const lode_status_t status = check(config, ts_s);
+    if (status != LODE_OK) {
+        return status;
+    }
+    const float ticks = (float)(int32_t)config->pwm_ticks;
+    *tuning = (lode_inverter_tuning_t){
+        .ts_s = ts_s,
+        .v_min_V = V_MIN_SHARE * config->v_bus_V,
+        .dead_duty = config->dead_time_s / ts_s,
+        .v_drop_V = config->v_drop_V,
+        .r_on_Ohm = config->r_on_Ohm,
+        .inv_i_dead = 1.0f / config->i_dead_A,
+        .ticks = ticks,
+        .inv_ticks = ticks > 0.0f ? 1.0f / ticks : 0.0f,
+        .correct = config->dead_time_correction == LODE_ON,
+        .model = config->dead_time_correction == LODE_OFF && config->dead_time_model == LODE_ON,
+    };
+    return LODE_OK;
+}
+
+void lode_inverter_reset(lode_inverter_t *self) {
+    *self = (lode_inverter_t){{0.0f, 0.0f}, {0.0f, 0.0f}, 0.0f};
+}
+
+LODE_HOT lode_ab_t lode_inverter_realised(lode_inverter_t *self, float v_bus_V) {
+    const lode_ab_t u_V = lode_ab_scale(self->v_bus_V, self->acting);
+    self->acting = self->written;
+    self->v_bus_V = v_bus_V;
+    return u_V;
+}

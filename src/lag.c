@@ -1,0 +1,54 @@
+#include "lodestar/lag.h"
+
+#define CHECK_POINTS 48
+
+// Lag per speed, s, at the squared share v of the range.
+static float exact_slope(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s, float range, float v) {
+    const float omega = range * lode_sqrt(v);
+    return lode_emf_lag_rad(config, motor, ts_s, omega) / omega;
+}
+
+// Interpolation at the Chebyshev nodes of [0, 1]: Newton's divided differences, then expanded.
+static void fit(lode_lag_t *lag, const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s, float range) {
+    float node[LODE_LAG_TERMS];
+    float newton[LODE_LAG_TERMS];
+    for (int32_t i = 0; i < LODE_LAG_TERMS; i++) {
+        const float angle = LODE_PI * ((float)i + 0.5f) / (float)LODE_LAG_TERMS;
+        node[i] = 0.5f - 0.5f * lode_sincos(angle).cos;
+        newton[i] = exact_slope(config, motor, ts_s, range, node[i]);
+    }
+    for (int32_t order = 1; order < LODE_LAG_TERMS; order++) {
+        for (int32_t i = LODE_LAG_TERMS - 1; i >= order; i--) {
+            newton[i] = (newton[i] - newton[i - 1]) / (node[i] - node[i - order]);
+        }
+    }
+    float *c = lag->coefficient;
+    for (int32_t i = 0; i < LODE_LAG_TERMS; i++) {
+        c[i] = 0.0f;
+    }
+    for (int32_t i = LODE_LAG_TERMS - 1; i >= 0; i--) { // c(v) = c(v) (v - node) + newton
+        for (int32_t j = LODE_LAG_TERMS - 1; j > 0; j--) {
+            c[j] = c[j - 1] - node[i] * c[j];
+        }
+        c[0] = newton[i] - node[i] * c[0];
+    }
+}
+
+lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_emf_config_t *config,
+                            const lode_motor_t *motor, float ts_s, float omega_max_rad_s) {
+    lode_lag_t fitted = {1.0f / (omega_max_rad_s * omega_max_rad_s), {0.0f}};
+    if (kind == LODE_LAG_EXACT) {
+        fit(&fitted, config, motor, ts_s, omega_max_rad_s);
+        for (int32_t i = 1; i <= CHECK_POINTS; i++) {
+            const float omega = omega_max_rad_s * (float)i / (float)CHECK_POINTS;
+            const float error = lode_lag_rad(&fitted, omega) - lode_emf_lag_rad(config, motor, ts_s, omega);
+            if (!lode_in_range(error, -LODE_LAG_TOLERANCE_rad, LODE_LAG_TOLERANCE_rad)) {
+                return LODE_ERROR_LAG;
+            }
+        }
+    } else if (kind != LODE_LAG_NONE) {
+        return LODE_ERROR_LAG;
+    }
+    *lag = fitted;
+    return LODE_OK;
+}

@@ -1,0 +1,47 @@
+#include "lodestar/pll.h"
+
+// Shares of the rated electrical speed. At 471 rad/s they give sigma = 60 .. 100 rad/s between 47 and
+// 188 rad/s: 60 for the hand-over, 100 as the most that survives all parameter errors at once.
+#define SIGMA_LOW_SHARE 0.1273f
+#define SIGMA_HIGH_SHARE 0.2122f
+#define OMEGA_LOW_SHARE 0.1f
+#define OMEGA_HIGH_SHARE 0.4f
+#define SIGMA_TS_MAX 0.3f
+
+void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s) {
+    const bool given = config->sigma_rad_s > 0.0f;
+    const float sigma_low = given ? config->sigma_rad_s : SIGMA_LOW_SHARE * omega_rated_rad_s;
+    config->sigma_low_rad_s = lode_given_or(config->sigma_low_rad_s, sigma_low);
+    config->sigma_rad_s = lode_given_or(config->sigma_rad_s, SIGMA_HIGH_SHARE * omega_rated_rad_s);
+    config->omega_low_rad_s = lode_given_or(config->omega_low_rad_s, OMEGA_LOW_SHARE * omega_rated_rad_s);
+    config->omega_high_rad_s = lode_given_or(config->omega_high_rad_s, OMEGA_HIGH_SHARE * omega_rated_rad_s);
+}
+
+lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *config, float ts_s) {
+    if (config->kind != LODE_PLL_LESO && config->kind != LODE_PLL_QPLL) {
+        return LODE_ERROR_PLL_KIND;
+    }
+    if (!lode_in_range(config->sigma_rad_s, 1.0f, SIGMA_TS_MAX / ts_s) ||
+        !lode_in_range(config->sigma_low_rad_s, 1.0f, config->sigma_rad_s)) {
+        return LODE_ERROR_PLL_SIGMA;
+    }
+    if (!(config->omega_low_rad_s >= 0.0f && config->omega_high_rad_s > config->omega_low_rad_s) ||
+        !lode_is_finite(config->omega_high_rad_s)) {
+        return LODE_ERROR_PLL_SCHEDULE;
+    }
+    const float x_low = lode_one_minus_exp(config->sigma_low_rad_s * ts_s);
+    *tuning = (lode_pll_tuning_t){
+        .ts_s = ts_s,
+        .inv_ts = 1.0f / ts_s,
+        .x_low = x_low,
+        .x_rise = lode_one_minus_exp(config->sigma_rad_s * ts_s) - x_low,
+        .omega_low = config->omega_low_rad_s,
+        .inv_span = 1.0f / (config->omega_high_rad_s - config->omega_low_rad_s),
+        .third_order = config->kind == LODE_PLL_LESO,
+    };
+    return LODE_OK;
+}
+
+void lode_pll_reset(lode_pll_t *self, float theta_rad, float omega_rad_s) {
+    *self = (lode_pll_t){lode_wrap(theta_rad), omega_rad_s, 0.0f, 0.0f};
+}

@@ -1,0 +1,116 @@
+#include "lodestar/start.h"
+
+#define CURRENT_SHARE 0.7f        // of i_max
+#define HANDOVER_SHARE 0.1f       // of rated speed
+#define RAMP_TORQUE_SHARE (1.0f / 6.0f)
+#define RISE_TIME_s 0.2f
+#define DAMPING 0.3f
+#define LOCK_TIME_s 0.05f
+#define FADE_TIME_s 0.1f
+#define TIMEOUT_FACTOR 4.0f
+#define TIMEOUT_EXTRA_s 1.0f
+#define POWER_SLOWNESS 0.3f       // corner of the mean power, over the swing's natural frequency
+#define DAMPED_SHARE 0.25f        // of hand-over speed: below, power is copper loss more than torque
+#define HOLD_SHARE 0.5f           // of hand-over speed: below, the EMF drowns in the inverter's errors
+#define SPEED_TOLERANCE 0.25f     // of hand-over speed, between estimator and vector
+
+// Torque per electrical radian between rotor and vector, Nm/rad.
+static float stiffness(float current_A, const lode_motor_t *motor) {
+    return current_A * lode_motor_kt_Nm_A(motor);
+}
+
+void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
+    config->current_A = lode_given_or(config->current_A, CURRENT_SHARE * inverter->i_max_A);
+    config->omega_handover_rad_s = lode_given_or(config->omega_handover_rad_s, HANDOVER_SHARE * motor->omega_rated_rad_s);
+    const float torque = stiffness(config->current_A, motor);
+    config->ramp_rad_s2 =
+        lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * torque / motor->J_kgm2 * motor->pole_pairs);
+    config->current_rise_s = lode_given_or(config->current_rise_s, RISE_TIME_s);
+    config->damping = lode_given_or_none(config->damping, DAMPING);
+    config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
+    config->fade_s = lode_given_or(config->fade_s, FADE_TIME_s);
+    const float profile_s =
+        config->current_rise_s + config->omega_handover_rad_s / config->ramp_rad_s2 + config->lock_s;
+    config->timeout_s = lode_given_or(config->timeout_s, TIMEOUT_FACTOR * profile_s + TIMEOUT_EXTRA_s);
+}
+
+static lode_status_t check(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
+                           float omega_max_rad_s, float ts_s) {
+    if (!lode_in_range(config->current_A, 1.0e-3f * inverter->i_max_A, inverter->i_max_A)) {
+        return LODE_ERROR_START_CURRENT;
+    }
+    if (!lode_in_range(config->omega_handover_rad_s, 1.0e-3f * omega_max_rad_s, omega_max_rad_s)) {
+        return LODE_ERROR_START_SPEED;
+    }
+    if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f) || !lode_in_range(config->current_rise_s, ts_s, 100.0f) ||
+        !lode_in_range(config->lock_s, ts_s, 10.0f) || !lode_in_range(config->fade_s, ts_s, 10.0f) ||
+        !lode_in_range(config->timeout_s, config->lock_s, 1000.0f)) {
+        return LODE_ERROR_START_RAMP;
+    }
+    if (!lode_in_range(config->damping, LODE_NONE, 2.0f)) {
+        return LODE_ERROR_START_DAMPING;
+    }
+    return LODE_OK;
+}
+
+lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_config_t *config,
+                              const lode_inverter_config_t *inverter, const lode_motor_t *motor, float omega_max_rad_s,
+                              float ts_s) {
+    const lode_status_t status = check(config, inverter, omega_max_rad_s, ts_s);
+    if (status != LODE_OK) {
+        return status;
+    }
+    // Rotor and vector make a spring of stiffness K: natural frequency sqrt(np K/J). Turning the vector
+    // back by kd per unit of power over speed (K delta/np) damps it with kd K/(2 np wn).
+    const float K = stiffness(config->current_A, motor);
+    const float np = motor->pole_pairs;
+    const float swing = lode_sqrt(np * K / motor->J_kgm2);
+    *tuning = (lode_start_tuning_t){
+        .current_A = config->current_A,
+        .current_step = config->current_A * ts_s / config->current_rise_s,
+        .omega_handover = config->omega_handover_rad_s,
+        .omega_step = config->ramp_rad_s2 * ts_s,
+        .damping = lode_max(config->damping, 0.0f) * 2.0f * np * swing / K,
+        .power_weight = lode_one_minus_exp(POWER_SLOWNESS * swing * ts_s),
+        .omega_damped = DAMPED_SHARE * config->omega_handover_rad_s,
+        .omega_hold = HOLD_SHARE * config->omega_handover_rad_s,
+        .fade_step = ts_s / config->fade_s,
+        .ts_s = ts_s,
+        // Times are at most 1000 s of at most 200 kHz: inside an int32.
+        .lock_periods = (uint32_t)(int32_t)(config->lock_s / ts_s),
+        .timeout_periods = (uint32_t)(int32_t)(config->timeout_s / ts_s),
+    };
+    return LODE_OK;
+}
+
+void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, float current_A) {
+    *self = (lode_start_t){.theta_rad = lode_wrap(theta_rad), .omega_rad_s = omega_rad_s, .current_A = current_A};
+}
+
+LODE_HOT void lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
+                              float current_A, float power_W) {
+    // Below omega_damped the mean follows at once, so that damping sets in without a jump.
+    const float speed = lode_abs(self->omega_rad_s);
+    const bool damped = speed > tuning->omega_damped;
+    const float swing_W = power_W - self->power_W;
+    self->power_W += (damped ? tuning->power_weight : 1.0f) * swing_W;
+    const float correction = damped ? tuning->damping * swing_W / self->omega_rad_s : 0.0f;
+    // The vector may slow down to a standstill, not turn back, and at most double its speed.
+    const float turning = self->omega_rad_s - lode_clamp(correction, -speed, speed);
+    self->theta_rad = lode_wrap(self->theta_rad + tuning->ts_s * turning);
+    self->current_A = lode_ramp(self->current_A, current_A, tuning->current_step);
+    // Turning begins when the current is there.
+    if (self->current_A >= current_A) {
+        self->omega_rad_s = lode_ramp(self->omega_rad_s, omega_target_rad_s, tuning->omega_step);
+    }
+    self->periods++;
+}
+
+bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning, const lode_estimate_t *estimate) {
+    const float omega = self->omega_rad_s;
+    const float difference = lode_abs(estimate->omega_rad_s - omega);
+    const bool sound = lode_abs(omega) >= tuning->omega_handover && estimate->lock >= LODE_LOCK_HANDOVER &&
+                       difference <= SPEED_TOLERANCE * tuning->omega_handover;
+    self->locked = sound ? self->locked + 1u : 0u;
+    return self->locked >= tuning->lock_periods;
+}
