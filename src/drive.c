@@ -177,7 +177,7 @@ static lode_dq_t seen_from(lode_dq_t x, lode_sincos_t turn) {
 // the start current fades from the d axis.
 static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const lode_dq_t u_V = seen_from(self->u_V, lode_sincos(est->theta_rad - self->start.theta_rad));
+    const lode_dq_t u_V = seen_from(self->u_V, lode_sincos(est->theta_rad - self->theta_rad));
     lode_current_reset(&self->current, &tuning->current, u_V, est->i_A, est->omega_rad_s);
     const float torque = lode_references_torque_Nm(&tuning->references, est->i_A);
     lode_speed_reset(&self->speed, &tuning->speed, est->omega_rad_s * tuning->inv_pole_pairs, torque,
@@ -193,25 +193,20 @@ static void hand_back(lode_drive_t *self, const lode_estimate_t *est) {
     const float turn = lode_atan2(est->i_A.q, est->i_A.d);
     const lode_dq_t u_V = seen_from(self->u_V, lode_sincos(turn));
     const float current_A = lode_ab_length((lode_ab_t){est->i_A.d, est->i_A.q});
-    lode_start_reset(&self->start, est->theta_rad + turn, est->omega_rad_s, current_A);
+    self->theta_rad = lode_wrap(est->theta_rad + turn);
+    lode_start_reset(&self->start, self->theta_rad, est->omega_rad_s, current_A);
     lode_current_reset(&self->current, &self->tuning->current, u_V, (lode_dq_t){current_A, 0.0f}, 0.0f);
     set_mode(self, LODE_MODE_START);
 }
 
-// Electrical power into the EMF over the last period: what the copper does not take.
-static float converted_power_W(const lode_drive_t *self, const lode_measurement_t *m) {
-    const lode_ab_t e = lode_ab_add_scaled(m->u_V, -self->tuning->Rs_Ohm, m->sample.i_A);
-    return 1.5f * (e.alpha * m->sample.i_A.alpha + e.beta * m->sample.i_A.beta);
-}
-
-static void follow_start(lode_drive_t *self, const lode_measurement_t *m, const lode_estimate_t *est) {
+static void follow_start(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->start;
     const bool stopping = is_stop(self);
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target = stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
     const float current_A = stopping && at_rest ? 0.0f : tuning->current_A;
-    lode_start_step(start, tuning, target, current_A, converted_power_W(self, m));
+    self->theta_rad = lode_start_step(start, tuning, target, current_A, est->e_V);
     if (self->command.mode != LODE_MODE_RUN || (stopping && at_rest && !(start->current_A > 0.0f))) {
         switch_off(self, LODE_MODE_OFF);
     } else if (!stopping && start->omega_rad_s * target > 0.0f && lode_start_ready(start, tuning, est)) {
@@ -273,7 +268,7 @@ static void follow_command(lode_drive_t *self, const lode_measurement_t *m, cons
         }
         break;
     case LODE_MODE_START:
-        follow_start(self, m, est);
+        follow_start(self, est);
         break;
     case LODE_MODE_RUN:
         follow_run(self, est);
@@ -299,7 +294,7 @@ static frame_t control_frame(lode_drive_t *self, const lode_measurement_t *m, co
         return (frame_t){est->rotor, est->omega_rad_s, est->omega_rad_s, est->i_A};
     }
     if (mode == LODE_MODE_START) {
-        return frame_at(self->start.theta_rad, self->start.omega_rad_s, m->sample.i_A);
+        return frame_at(self->theta_rad, self->start.omega_rad_s, m->sample.i_A);
     }
     const float omega = self->command.omega_rad_s;
     self->theta_rad = lode_wrap(self->theta_rad + self->tuning->ts_s * omega);

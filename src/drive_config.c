@@ -78,7 +78,6 @@ lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_conf
     lode_drive_design(&complete);
     lode_drive_tuning_t t;
     t.ts_s = 1.0f / complete.f_pwm_Hz;
-    t.Rs_Ohm = complete.motor.Rs_Ohm;
     t.inv_pole_pairs = 1.0f / complete.motor.pole_pairs;
     t.omega_min = complete.speed.omega_min_rad_s;
     status = tune_senses(&t, &complete);

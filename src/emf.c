@@ -55,11 +55,11 @@ static lode_ab_t active_flux_emf(const lode_emf_t *self, const lode_emf_tuning_t
 }
 
 LODE_HOT lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning, lode_ab_t u_V, lode_ab_t i_A,
-                                 lode_sincos_t rotor, lode_sincos_t half_turn) {
+                                 lode_sincos_t rotor, lode_sincos_t half_turn, bool rotor_known) {
     // Dead-beat EMF: u[k-1] - (i[k] - a i[k-1])/b less the active-flux term; (1 - a)/b is R.
     const lode_ab_t salient = active_flux_emf(self, tuning, i_A, rotor, half_turn);
     const lode_ab_t rise = lode_ab_subtract(i_A, self->i_A);
-    lode_ab_t m = lode_ab_subtract(u_V, salient);
+    lode_ab_t m = lode_ab_add_scaled(u_V, rotor_known ? -1.0f : 0.0f, salient);
     m = lode_ab_add_scaled(m, -tuning->Rs_Ohm, self->i_A);
     m = lode_ab_add_scaled(m, -tuning->inv_b, rise);
     self->i_A = i_A;

@@ -178,7 +178,8 @@ LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_
     const lode_sincos_t half_turn = lode_sincos(tuning->half_ts_s * pll->omega_rad_s);
     const lode_sincos_t predicted = lode_sincos(pll->theta_rad + self->lag_rad);
     const lode_ab_t before = self->emf.e_V;
-    const lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, predicted, half_turn);
+    const bool locked = self->lock >= LODE_LOCK_LOST;
+    const lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, predicted, half_turn, locked);
     note_rotation(self, tuning, e_V, before);
 
     // Phase detector (paper 1, eq. 13) with the sign of speed, without which it locks half a turn off.

@@ -2,12 +2,14 @@
 
 // Least bus voltage that is divided by, as a share of nominal: below it the guard has tripped.
 #define V_MIN_SHARE 0.1f
+// Of i_dead at no modulation: there is next to no ripple, but noise in the current.
+#define I_DEAD_MIN_SHARE 0.05f
 
 void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *motor, float ts_s) {
-    // Half the peak of the current ripple of one leg switching alone: v_bus Ts/(4 L) is its
-    // peak-to-peak value at half duty, the worst case; L the smaller of both axes.
+    // v_bus Ts/(4 L) is the peak-to-peak ripple of one leg switching alone at half duty, the worst
+    // case; L the smaller of both axes.
     const float ripple_pp_A = config->v_bus_V * ts_s / (4.0f * lode_min(motor->Ld_H, motor->Lq_H));
-    const float i_dead_A = lode_clamp(0.25f * ripple_pp_A, 0.01f * config->i_max_A, config->i_max_A);
+    const float i_dead_A = lode_clamp(0.5f * ripple_pp_A, 0.01f * config->i_max_A, config->i_max_A);
     config->i_dead_A = lode_given_or(config->i_dead_A, i_dead_A);
     if (config->dead_time_correction == LODE_AUTO) {
         config->dead_time_correction = config->dead_time_s > 0.0f ? LODE_ON : LODE_OFF;
@@ -61,7 +63,8 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning, const lode_inve
         .dead_duty = config->dead_time_s / ts_s,
         .v_drop_V = config->v_drop_V,
         .r_on_Ohm = config->r_on_Ohm,
-        .inv_i_dead = 1.0f / config->i_dead_A,
+        .i_dead_min_A = I_DEAD_MIN_SHARE * config->i_dead_A,
+        .i_dead_span_A = (1.0f - I_DEAD_MIN_SHARE) * config->i_dead_A,
         .ticks = ticks,
         .inv_ticks = ticks > 0.0f ? 1.0f / ticks : 0.0f,
         .correct = config->dead_time_correction == LODE_ON,

@@ -12,16 +12,15 @@ LODE_HOT lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_t *
                                                   lode_ab_t i_acting_A) {
     const float inv_v_bus = 1.0f / lode_max(v_bus_V, inverter->v_min_V);
     const lode_abc_t v = lode_clarke_inverse(lode_ab_scale(inv_v_bus, u_V));
-    lode_abc_t loss = {0.0f, 0.0f, 0.0f};
-    if ((inverter->correct || inverter->model) && lode_ab_in_range(i_acting_A, CURRENT_LIMIT_A)) {
-        const lode_abc_t i = lode_clarke_inverse(i_acting_A);
-        loss = (lode_abc_t){lode_inverter_loss(inverter, i.a, inv_v_bus), lode_inverter_loss(inverter, i.b, inv_v_bus),
-                            lode_inverter_loss(inverter, i.c, inv_v_bus)};
-    }
-    const float added = inverter->correct ? 1.0f : 0.0f;
     // The common mode that centres the three: min-max, equal to space-vector modulation.
     const float high = lode_max(lode_max(v.a, v.b), v.c);
     const float low = lode_min(lode_min(v.a, v.b), v.c);
+    lode_abc_t loss = {0.0f, 0.0f, 0.0f};
+    if ((inverter->correct || inverter->model) && lode_ab_in_range(i_acting_A, CURRENT_LIMIT_A)) {
+        const float span = lode_clamp(high - low, 0.0f, 1.0f);
+        loss = lode_inverter_loss(inverter, lode_clarke_inverse(i_acting_A), span, inv_v_bus);
+    }
+    const float added = inverter->correct ? 1.0f : 0.0f;
     const float centre = 0.5f - 0.5f * (high + low);
     const lode_abc_t duty = {on_grid(inverter, lode_clamp(v.a + centre + added * loss.a, 0.0f, 1.0f)),
                              on_grid(inverter, lode_clamp(v.b + centre + added * loss.b, 0.0f, 1.0f)),

@@ -1,6 +1,7 @@
 #include "lodestar/speed.h"
 
-#define BANDWIDTH_PER_SIGMA 0.5f
+// Up to four times lighter an inertia than configured keeps the loop inside the PLL.
+#define BANDWIDTH_PER_SIGMA 0.25f
 #define INTEGRAL_SHARE 0.25f      // ki = kp bandwidth/4: the zero two octaves below the crossover
 #define BANDWIDTH_PER_SIGMA_MAX 1.0f
 #define RAMP_TORQUE_SHARE 0.5f

@@ -9,8 +9,9 @@
 #define FADE_TIME_s 0.1f
 #define TIMEOUT_FACTOR 4.0f
 #define TIMEOUT_EXTRA_s 1.0f
-#define POWER_SLOWNESS 0.3f       // corner of the mean power, over the swing's natural frequency
-#define DAMPED_SHARE 0.25f        // of hand-over speed: below, power is copper loss more than torque
+#define MEAN_CORNER 0.3f          // of the mean EMF, over the swing's natural frequency
+#define SWING_CORNER 3.0f         // of its deviation: above, an error in Lq would close a loop
+#define SHIFT_MAX_rad 0.5f        // the vector gives way, it does not run away
 #define HOLD_SHARE 0.5f           // of hand-over speed: below, the EMF drowns in the inverter's errors
 #define SPEED_TOLERANCE 0.25f     // of hand-over speed, between estimator and vector
 
@@ -60,8 +61,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     if (status != LODE_OK) {
         return status;
     }
-    // Rotor and vector make a spring of stiffness K: natural frequency sqrt(np K/J). Turning the vector
-    // back by kd per unit of power over speed (K delta/np) damps it with kd K/(2 np wn).
+    // Rotor and vector make a spring of stiffness K, natural frequency wn = sqrt(np K/J). A vector that
+    // gives way by 2 zeta/wn per rad/s of the rotor's swing damps it with the ratio zeta: torque K times
+    // that angle. The swing shows as EMF across the vector, psi volts per rad/s, at standstill too.
     const float K = stiffness(config->current_A, motor);
     const float np = motor->pole_pairs;
     const float swing = lode_sqrt(np * K / motor->J_kgm2);
@@ -70,9 +72,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .current_step = config->current_A * ts_s / config->current_rise_s,
         .omega_handover = config->omega_handover_rad_s,
         .omega_step = config->ramp_rad_s2 * ts_s,
-        .damping = lode_max(config->damping, 0.0f) * 2.0f * np * swing / K,
-        .power_weight = lode_one_minus_exp(POWER_SLOWNESS * swing * ts_s),
-        .omega_damped = DAMPED_SHARE * config->omega_handover_rad_s,
+        .damping = 2.0f * lode_max(config->damping, 0.0f) / (swing * motor->psi_Wb),
+        .mean_weight = lode_one_minus_exp(MEAN_CORNER * swing * ts_s),
+        .swing_weight = lode_one_minus_exp(SWING_CORNER * swing * ts_s),
         .omega_hold = HOLD_SHARE * config->omega_handover_rad_s,
         .fade_step = ts_s / config->fade_s,
         .ts_s = ts_s,
@@ -87,23 +89,20 @@ void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, fl
     *self = (lode_start_t){.theta_rad = lode_wrap(theta_rad), .omega_rad_s = omega_rad_s, .current_A = current_A};
 }
 
-LODE_HOT void lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
-                              float current_A, float power_W) {
-    // Below omega_damped the mean follows at once, so that damping sets in without a jump.
-    const float speed = lode_abs(self->omega_rad_s);
-    const bool damped = speed > tuning->omega_damped;
-    const float swing_W = power_W - self->power_W;
-    self->power_W += (damped ? tuning->power_weight : 1.0f) * swing_W;
-    const float correction = damped ? tuning->damping * swing_W / self->omega_rad_s : 0.0f;
-    // The vector may slow down to a standstill, not turn back, and at most double its speed.
-    const float turning = self->omega_rad_s - lode_clamp(correction, -speed, speed);
-    self->theta_rad = lode_wrap(self->theta_rad + tuning->ts_s * turning);
+LODE_HOT float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
+                               float current_A, lode_ab_t e_V) {
+    self->theta_rad = lode_wrap(self->theta_rad + tuning->ts_s * self->omega_rad_s);
+    const float across_V = lode_park(e_V, lode_sincos(self->theta_rad)).q;
+    self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
+    self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
+    self->shift_rad = lode_clamp(-tuning->damping * self->swing_V, -SHIFT_MAX_rad, SHIFT_MAX_rad);
     self->current_A = lode_ramp(self->current_A, current_A, tuning->current_step);
     // Turning begins when the current is there.
     if (self->current_A >= current_A) {
         self->omega_rad_s = lode_ramp(self->omega_rad_s, omega_target_rad_s, tuning->omega_step);
     }
     self->periods++;
+    return lode_wrap_once(self->theta_rad + self->shift_rad);
 }
 
 bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning, const lode_estimate_t *estimate) {

@@ -38,7 +38,6 @@ typedef struct {
 /// and lie in flash. It must stay as it is while a drive uses it.
 typedef struct {
     float ts_s;
-    float Rs_Ohm;
     float inv_pole_pairs;
     float omega_min;         ///< least electrical speed in RUN
     lode_sense_tuning_t sense;
@@ -92,7 +91,7 @@ typedef struct {
     uint32_t steps;         ///< periods since init
     lode_command_t command; ///< being followed
     float direction;        ///< sense of rotation, -1 or +1
-    float theta_rad;        ///< of the frame of VOLTAGE and CURRENT
+    float theta_rad;        ///< of the frame of VOLTAGE, CURRENT and START
     lode_abc_t duty;        ///< written by the last call
     lode_dq_t i_A;          ///< in the frame of control
     lode_dq_t ref_A;

@@ -43,10 +43,11 @@ lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *
 void lode_emf_reset(lode_emf_t *self, lode_ab_t i_A);
 
 /// One period. `u_V`: mean voltage over [t_k-1, t_k); `i_A`: current at t_k; `rotor`: the predicted
-/// rotor angle at t_k; `half_turn`: the angle of half a period, w Ts/2.
+/// rotor angle at t_k; `half_turn`: the angle of half a period, w Ts/2; `rotor_known`: whether that
+/// angle can be trusted with the EMF of the active flux.
 /// Returns the estimated EMF at t_k, V: it lags the true one by the lag of `lode_lag_t`.
 lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning, lode_ab_t u_V, lode_ab_t i_A,
-                        lode_sincos_t rotor, lode_sincos_t half_turn);
+                        lode_sincos_t rotor, lode_sincos_t half_turn, bool rotor_known);
 
 /// Exact phase of the estimate behind the true EMF at t_k in steady rotation, rad, odd in omega.
 /// For init and host: it costs three arc tangents.

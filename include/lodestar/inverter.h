@@ -15,7 +15,8 @@ typedef struct {
     float v_drop_V;    ///< on-state threshold of switch and diode
     float r_on_Ohm;    ///< on-state slope
     float i_dead_A;    ///< below this phase current the effect of dead time fades, proportionally: the
-                       ///< ripple reverses the current within the period. 0: half the ripple amplitude
+                       ///< ripple reverses the current within the period. At full modulation; it falls
+                       ///< with the modulation, as the ripple does. 0: half the ripple, v_bus Ts/(8 L)
     float pwm_ticks;   ///< timer steps from duty 0 to 1; 0: not quantised
     lode_choice_t dead_time_correction; ///< correct in the duties; auto: where there is a dead time
     lode_choice_t dead_time_model; ///< without the correction: take the loss out of the observer's voltage; auto: no
@@ -27,7 +28,8 @@ typedef struct {
     float dead_duty;      ///< share of the period lost to dead time
     float v_drop_V;
     float r_on_Ohm;
-    float inv_i_dead;     ///< 1/A
+    float i_dead_min_A;   ///< at no modulation
+    float i_dead_span_A;  ///< added at full modulation
     float ticks;          ///< 0: not quantised
     float inv_ticks;
     bool correct;         ///< loss added to the duties
@@ -59,10 +61,16 @@ static inline void lode_inverter_write(lode_inverter_t *self, lode_ab_t realised
     self->written = realised;
 }
 
-/// Loss of duty in one phase at the current `i_A`: dead time and drops. Odd in the current.
-static inline float lode_inverter_loss(const lode_inverter_tuning_t *tuning, float i_A, float inv_v_bus) {
-    const float share = lode_clamp(i_A * tuning->inv_i_dead, -1.0f, 1.0f);
-    return share * (tuning->dead_duty + tuning->v_drop_V * inv_v_bus) + tuning->r_on_Ohm * i_A * inv_v_bus;
+/// Loss of duty in each phase at the currents `i_A`: dead time and drops. Odd in the current.
+/// `span`: largest less smallest duty, 0 .. 1.
+static inline lode_abc_t lode_inverter_loss(const lode_inverter_tuning_t *tuning, lode_abc_t i_A, float span,
+                                            float inv_v_bus) {
+    const float i_dead = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
+    const float per_A = (tuning->dead_duty + tuning->v_drop_V * inv_v_bus) / i_dead;
+    const float slope = tuning->r_on_Ohm * inv_v_bus;
+    return (lode_abc_t){per_A * lode_clamp(i_A.a, -i_dead, i_dead) + slope * i_A.a,
+                        per_A * lode_clamp(i_A.b, -i_dead, i_dead) + slope * i_A.b,
+                        per_A * lode_clamp(i_A.c, -i_dead, i_dead) + slope * i_A.c};
 }
 
 #endif

@@ -11,7 +11,7 @@
 typedef struct {
     float kp_Nms;           ///< torque per mechanical rad/s; 0: from the bandwidth
     float ki_Nm;            ///< torque per mechanical rad; 0: kp times bandwidth/4
-    float bandwidth_rad_s;  ///< crossover; 0: half of the PLL's sigma at low speed
+    float bandwidth_rad_s;  ///< crossover; 0: a quarter of the PLL's sigma at low speed
     float ramp_rad_s2;      ///< slope of the MECHANICAL speed reference; 0: half the torque limit over J
     float load_feed_forward;  ///< share of the estimated load torque, 0 .. 1; 0: 0.5; LODE_NONE: none
     float omega_min_rad_s;  ///< least ELECTRICAL speed that is controlled without a sensor; 0: hand-over

@@ -23,9 +23,9 @@ typedef struct {
     float current_step;      ///< A per period
     float omega_handover;
     float omega_step;        ///< electrical rad/s per period
-    float damping;           ///< rad/s of vector speed per W s/rad of power over speed
-    float power_weight;      ///< of a new sample in the mean power
-    float omega_damped;      ///< least speed at which power tells torque
+    float damping;           ///< rad by which the vector gives way per V of swinging EMF
+    float mean_weight;       ///< of a new sample in the mean EMF
+    float swing_weight;      ///< of a new sample in its swing
     float omega_hold;        ///< up to this speed the estimator is held to the vector
     float ts_s;
     float fade_step;         ///< per period
@@ -34,10 +34,12 @@ typedef struct {
 } lode_start_tuning_t;
 
 typedef struct {
-    float theta_rad;      ///< angle of the current vector
-    float omega_rad_s;    ///< its electrical speed before damping
+    float theta_rad;      ///< angle of the current vector before damping
+    float omega_rad_s;    ///< its electrical speed
     float current_A;      ///< its length
-    float power_W;        ///< mean of the power that the motor converts
+    float shift_rad;      ///< by which the vector stands ahead of theta, to damp the rotor's swing
+    float mean_V;         ///< mean EMF across the vector
+    float swing_V;        ///< its deviation from the mean
     float fade;           ///< 1 at hand-over, 0 when the references have taken over
     float id_A;           ///< d-axis current at hand-over, which fades
     uint32_t locked;      ///< periods for which the lock has held
@@ -58,9 +60,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, float current_A);
 
 /// One period from t_k-1 to t_k, towards the electrical speed `omega_target_rad_s` and the amplitude
-/// `current_A`. `power_W`: electrical power less copper loss over the period.
-void lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s, float current_A,
-                     float power_W);
+/// `current_A`. `e_V`: estimated EMF at t_k. Returns the angle of the vector at t_k.
+float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s, float current_A,
+                      lode_ab_t e_V);
 
 /// The estimator holds at hand-over speed, in the direction of the vector, and has for long enough.
 bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning, const lode_estimate_t *estimate);
