@@ -7,8 +7,10 @@
 #define DAMPING 0.3f
 #define LOCK_TIME_s 0.05f
 #define FADE_TIME_s 0.1f
-#define TIMEOUT_FACTOR 4.0f
-#define TIMEOUT_EXTRA_s 1.0f
+#define PATIENCE_s 0.4f
+#define ATTEMPTS 3.0f             // until the start has failed
+#define PERIODS_MAX 2.0e9f        // inside an int32
+#define SWEEP_rad (LODE_TWO_PI / 3.0f)
 #define MEAN_CORNER 0.3f          // of the mean EMF, over the swing's natural frequency
 #define SWING_CORNER 3.0f         // of its deviation: above, an error in Lq would close a loop
 #define SHIFT_MAX_rad 0.5f        // the vector gives way, it does not run away
@@ -18,6 +20,13 @@
 // Torque per electrical radian between rotor and vector, Nm/rad.
 static float stiffness(float current_A, const lode_motor_t *motor) {
     return current_A * lode_motor_kt_Nm_A(motor);
+}
+
+// What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
+static float attempt_s(const lode_start_config_t *config) {
+    const float profile_s =
+        config->current_rise_s + config->omega_handover_rad_s / config->ramp_rad_s2 + config->lock_s;
+    return profile_s + lode_max(profile_s, PATIENCE_s);
 }
 
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
@@ -30,9 +39,7 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     config->damping = lode_given_or_none(config->damping, DAMPING);
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
     config->fade_s = lode_given_or(config->fade_s, FADE_TIME_s);
-    const float profile_s =
-        config->current_rise_s + config->omega_handover_rad_s / config->ramp_rad_s2 + config->lock_s;
-    config->timeout_s = lode_given_or(config->timeout_s, TIMEOUT_FACTOR * profile_s + TIMEOUT_EXTRA_s);
+    config->timeout_s = lode_given_or(config->timeout_s, ATTEMPTS * attempt_s(config));
 }
 
 static lode_status_t check(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
@@ -71,6 +78,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .current_A = config->current_A,
         .current_step = config->current_A * ts_s / config->current_rise_s,
         .omega_handover = config->omega_handover_rad_s,
+        .sweep_step_rad = SWEEP_rad * ts_s / config->current_rise_s,
         .omega_step = config->ramp_rad_s2 * ts_s,
         .damping = 2.0f * lode_max(config->damping, 0.0f) / (swing * motor->psi_Wb),
         .mean_weight = lode_one_minus_exp(MEAN_CORNER * swing * ts_s),
@@ -80,6 +88,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .ts_s = ts_s,
         // Times are at most 1000 s of at most 200 kHz: inside an int32.
         .lock_periods = (uint32_t)(int32_t)(config->lock_s / ts_s),
+        .attempt_periods = (uint32_t)(int32_t)lode_min(attempt_s(config) / ts_s, PERIODS_MAX),
         .timeout_periods = (uint32_t)(int32_t)(config->timeout_s / ts_s),
     };
     return LODE_OK;
@@ -89,6 +98,17 @@ void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, fl
     *self = (lode_start_t){.theta_rad = lode_wrap(theta_rad), .omega_rad_s = omega_rad_s, .current_A = current_A};
 }
 
+// A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
+static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s) {
+    const bool starting = lode_abs(omega_target_rad_s) > 0.0f;
+    self->attempt = starting ? self->attempt + 1u : 0u;
+    if (self->attempt > tuning->attempt_periods) {
+        self->attempt = 0u;
+        self->omega_rad_s = 0.0f;
+        self->current_A = 0.0f;
+    }
+}
+
 LODE_HOT float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                                float current_A, lode_ab_t e_V) {
     self->theta_rad = lode_wrap(self->theta_rad + tuning->ts_s * self->omega_rad_s);
@@ -96,12 +116,16 @@ LODE_HOT float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tu
     self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
     self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
     self->shift_rad = lode_clamp(-tuning->damping * self->swing_V, -SHIFT_MAX_rad, SHIFT_MAX_rad);
-    self->current_A = lode_ramp(self->current_A, current_A, tuning->current_step);
-    // Turning begins when the current is there.
+    // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
+    // turn, or a rotor that happens to lie opposite to it would feel no torque.
     if (self->current_A >= current_A) {
         self->omega_rad_s = lode_ramp(self->omega_rad_s, omega_target_rad_s, tuning->omega_step);
+    } else if (!(lode_abs(self->omega_rad_s) > 0.0f)) {
+        self->theta_rad += lode_sign(omega_target_rad_s) * tuning->sweep_step_rad;
     }
+    self->current_A = lode_ramp(self->current_A, current_A, tuning->current_step);
     self->periods++;
+    try_again(self, tuning, omega_target_rad_s);
     return lode_wrap_once(self->theta_rad + self->shift_rad);
 }
 

@@ -14,7 +14,7 @@ typedef struct {
     float current_rise_s;     ///< 0: 0.2
     float damping;            ///< ratio of the rotor's swing about the vector; 0: 0.3; LODE_NONE: none
     float lock_s;             ///< lock quality must have held for this long; 0: 0.05
-    float timeout_s;          ///< from start to hand-over; 0: 4 times what the profile needs, and 1 s
+    float timeout_s;          ///< from start to hand-over; 0: three attempts
     float fade_s;             ///< from the start current to the references after hand-over; 0: 0.1
 } lode_start_config_t;
 
@@ -22,6 +22,7 @@ typedef struct {
     float current_A;
     float current_step;      ///< A per period
     float omega_handover;
+    float sweep_step_rad;    ///< per period while the current rises
     float omega_step;        ///< electrical rad/s per period
     float damping;           ///< rad by which the vector gives way per V of swinging EMF
     float mean_weight;       ///< of a new sample in the mean EMF
@@ -30,6 +31,7 @@ typedef struct {
     float ts_s;
     float fade_step;         ///< per period
     uint32_t lock_periods;
+    uint32_t attempt_periods;
     uint32_t timeout_periods;
 } lode_start_tuning_t;
 
@@ -43,6 +45,7 @@ typedef struct {
     float fade;           ///< 1 at hand-over, 0 when the references have taken over
     float id_A;           ///< d-axis current at hand-over, which fades
     uint32_t locked;      ///< periods for which the lock has held
+    uint32_t attempt;     ///< periods since the present attempt began
     uint32_t periods;     ///< since the start
 } lode_start_t;
 
