@@ -4,7 +4,7 @@
 #define BANDWIDTH_TS 0.2f
 #define BANDWIDTH_TS_MAX 0.4f // 56 degrees
 #define VOLTAGE_USE 0.95f
-#define D_SHARE 0.9f          // leaves the q axis 44 % of the circle
+#define D_SHARE 0.9f // leaves the q axis 44 % of the circle
 
 void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s) {
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_TS / ts_s);
@@ -25,9 +25,11 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
     const float kp_max = BANDWIDTH_TS_MAX / ts_s;
     // The integrator's corner stays a factor of 3 below the crossover that kp gives.
     const bool d_sound = lode_in_range(config->kp_d_V_A, 1.0e-6f, 1.001f * kp_max * motor->Ld_H) &&
-                         lode_in_range(config->ki_d_V_As * motor->Ld_H * 3.0f, 0.0f, config->kp_d_V_A * config->kp_d_V_A);
+                         lode_in_range(config->ki_d_V_As * motor->Ld_H * 3.0f, 0.0f,
+                                       config->kp_d_V_A * config->kp_d_V_A);
     const bool q_sound = lode_in_range(config->kp_q_V_A, 1.0e-6f, 1.001f * kp_max * motor->Lq_H) &&
-                         lode_in_range(config->ki_q_V_As * motor->Lq_H * 3.0f, 0.0f, config->kp_q_V_A * config->kp_q_V_A);
+                         lode_in_range(config->ki_q_V_As * motor->Lq_H * 3.0f, 0.0f,
+                                       config->kp_q_V_A * config->kp_q_V_A);
     if (!d_sound || !q_sound) {
         return LODE_ERROR_CURRENT_GAINS;
     }
@@ -48,18 +50,20 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
 
 // What rotation induces: decoupling and EMF feed-forward.
 static lode_dq_t induced(const lode_current_tuning_t *tuning, lode_dq_t i_A, float omega_rad_s) {
-    return (lode_dq_t){-omega_rad_s * tuning->Lq_H * i_A.q, omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
+    return (lode_dq_t){-omega_rad_s * tuning->Lq_H * i_A.q,
+                       omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
 }
 
-void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t u_V, lode_dq_t i_A,
-                        float omega_rad_s) {
+void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t u_V,
+                        lode_dq_t i_A, float omega_rad_s) {
     const lode_dq_t ff = induced(tuning, i_A, omega_rad_s);
     lode_pi_reset(&self->d, u_V.d - ff.d);
     lode_pi_reset(&self->q, u_V.q - ff.q);
 }
 
-LODE_HOT lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t ref_A,
-                                     lode_dq_t i_A, float omega_rad_s, float v_bus_V) {
+LODE_HOT lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tuning_t *tuning,
+                                     lode_dq_t ref_A, lode_dq_t i_A, float omega_rad_s,
+                                     float v_bus_V) {
     const lode_dq_t ff = induced(tuning, i_A, omega_rad_s);
     const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
     const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),

@@ -15,8 +15,8 @@
 // The frame in which the currents are controlled, at t_k.
 typedef struct {
     lode_sincos_t rotor;
-    float omega_rad_s;    // at which it turns
-    float omega_rotor;    // of the rotor, where the frame is the rotor's; else 0
+    float omega_rad_s; // at which it turns
+    float omega_rotor; // of the rotor, where the frame is the rotor's; else 0
     lode_dq_t i_A;
 } frame_t;
 
@@ -52,7 +52,8 @@ static void fault(lode_drive_t *self, lode_check_t check, float measured, float 
     lode_guard_trip(&self->guard, self->mode, check, measured, limit);
 }
 
-lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning, const lode_drive_config_t *config) {
+lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
+                              const lode_drive_config_t *config) {
     if (self == NULL) {
         return LODE_ERROR_NULL;
     }
@@ -155,7 +156,8 @@ LODE_HOT lode_measurement_t lode_drive_sense(lode_drive_t *self, const lode_coun
     return m;
 }
 
-LODE_HOT lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_measurement_t *measurement) {
+LODE_HOT lode_estimate_t lode_drive_estimate(lode_drive_t *self,
+                                             const lode_measurement_t *measurement) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     if (!self->gates) { // the voltage at open terminals is not known
         lode_estimator_reset(&self->estimator, tuning);
@@ -180,10 +182,11 @@ static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_dq_t u_V = seen_from(self->u_V, lode_sincos(est->theta_rad - self->theta_rad));
     lode_current_reset(&self->current, &tuning->current, u_V, est->i_A, est->omega_rad_s);
     const float torque = lode_references_torque_Nm(&tuning->references, est->i_A);
-    lode_speed_reset(&self->speed, &tuning->speed, est->omega_rad_s * tuning->inv_pole_pairs, torque,
-                     est->load_torque_Nm);
+    lode_speed_reset(&self->speed, &tuning->speed, est->omega_rad_s * tuning->inv_pole_pairs,
+                     torque, est->load_torque_Nm);
     self->start.fade = 1.0f;
-    self->start.id_A = est->i_A.d - lode_references_step(&tuning->references, torque, est->omega_rad_s, 0.0f).d;
+    self->start.id_A =
+        est->i_A.d - lode_references_step(&tuning->references, torque, est->omega_rad_s, 0.0f).d;
     self->direction = lode_sign(est->omega_rad_s);
     set_mode(self, LODE_MODE_RUN);
 }
@@ -195,7 +198,8 @@ static void hand_back(lode_drive_t *self, const lode_estimate_t *est) {
     const float current_A = lode_ab_length((lode_ab_t){est->i_A.d, est->i_A.q});
     self->theta_rad = lode_wrap(est->theta_rad + turn);
     lode_start_reset(&self->start, self->theta_rad, est->omega_rad_s, current_A);
-    lode_current_reset(&self->current, &self->tuning->current, u_V, (lode_dq_t){current_A, 0.0f}, 0.0f);
+    lode_current_reset(&self->current, &self->tuning->current, u_V, (lode_dq_t){current_A, 0.0f},
+                       0.0f);
     set_mode(self, LODE_MODE_START);
 }
 
@@ -204,17 +208,21 @@ static void follow_start(lode_drive_t *self, const lode_estimate_t *est) {
     lode_start_t *start = &self->start;
     const bool stopping = is_stop(self);
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
-    const float target = stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
+    const float target =
+        stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
     const float current_A = stopping && at_rest ? 0.0f : tuning->current_A;
     self->theta_rad = lode_start_step(start, tuning, target, current_A, est->e_V);
-    if (self->command.mode != LODE_MODE_RUN || (stopping && at_rest && !(start->current_A > 0.0f))) {
+    if (self->command.mode != LODE_MODE_RUN ||
+        (stopping && at_rest && !(start->current_A > 0.0f))) {
         switch_off(self, LODE_MODE_OFF);
-    } else if (!stopping && start->omega_rad_s * target > 0.0f && lode_start_ready(start, tuning, est)) {
+    } else if (!stopping && start->omega_rad_s * target > 0.0f &&
+               lode_start_ready(start, tuning, est)) {
         hand_over(self, est);
     } else if (!stopping && start->periods > tuning->timeout_periods) {
         fault(self, LODE_CHECK_START, est->lock, LODE_LOCK_HANDOVER);
     } else if (lode_abs(start->omega_rad_s) < tuning->omega_hold) {
-        lode_estimator_hold(&self->estimator, &self->tuning->estimator, start->theta_rad, start->omega_rad_s);
+        lode_estimator_hold(&self->estimator, &self->tuning->estimator, start->theta_rad,
+                            start->omega_rad_s);
     }
 }
 
@@ -231,7 +239,8 @@ static void follow_run(lode_drive_t *self, const lode_estimate_t *est) {
 
 static void follow_off(lode_drive_t *self) {
     const lode_mode_t wanted = self->command.mode;
-    if (wanted == LODE_MODE_CALIBRATE || (wanted == LODE_MODE_RUN && !is_stop(self) && !self->calibrated)) {
+    if (wanted == LODE_MODE_CALIBRATE ||
+        (wanted == LODE_MODE_RUN && !is_stop(self) && !self->calibrated)) {
         set_mode(self, LODE_MODE_CALIBRATE);
     } else if (wanted == LODE_MODE_VOLTAGE || wanted == LODE_MODE_CURRENT) {
         switch_on(self, wanted);
@@ -246,14 +255,16 @@ static void follow_calibrate(lode_drive_t *self, const lode_measurement_t *m) {
     } else if (m->calibration == LODE_CALIBRATION_DONE) {
         self->calibrated = true;
         set_mode(self, LODE_MODE_OFF);
-        self->command.mode = self->command.mode == LODE_MODE_CALIBRATE ? LODE_MODE_OFF : self->command.mode;
+        self->command.mode =
+            self->command.mode == LODE_MODE_CALIBRATE ? LODE_MODE_OFF : self->command.mode;
     } else if (self->command.mode == LODE_MODE_OFF) {
         set_mode(self, LODE_MODE_OFF);
     }
 }
 
 // The state machine: at most one transition per period.
-static void follow_command(lode_drive_t *self, const lode_measurement_t *m, const lode_estimate_t *est) {
+static void follow_command(lode_drive_t *self, const lode_measurement_t *m,
+                           const lode_estimate_t *est) {
     switch (mode_of(self)) {
     case LODE_MODE_OFF:
         follow_off(self);
@@ -288,7 +299,8 @@ static frame_t frame_at(float theta_rad, float omega_rad_s, lode_ab_t i_A) {
     return (frame_t){rotor, omega_rad_s, 0.0f, lode_park(i_A, rotor)};
 }
 
-static frame_t control_frame(lode_drive_t *self, const lode_measurement_t *m, const lode_estimate_t *est) {
+static frame_t control_frame(lode_drive_t *self, const lode_measurement_t *m,
+                             const lode_estimate_t *est) {
     const lode_mode_t mode = mode_of(self);
     if (mode == LODE_MODE_RUN) {
         return (frame_t){est->rotor, est->omega_rad_s, est->omega_rad_s, est->i_A};
@@ -304,9 +316,12 @@ static frame_t control_frame(lode_drive_t *self, const lode_measurement_t *m, co
 static lode_dq_t run_references(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float least = tuning->omega_min * tuning->inv_pole_pairs;
-    const float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
-    const float torque =
-        lode_speed_step(&self->speed, &tuning->speed, target, est->omega_rad_s, est->load_torque_Nm);
+    // While the start current fades, the speed of the hand-over is held.
+    const float wanted =
+        lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
+    const float target = self->start.fade > 0.0f ? self->speed.reference_rad_s : wanted;
+    const float torque = lode_speed_step(&self->speed, &tuning->speed, target, est->omega_rad_s,
+                                         est->load_torque_Nm);
     const float id_add = self->start.fade * self->start.id_A;
     self->start.fade = lode_max(self->start.fade - tuning->start.fade_step, 0.0f);
     return lode_references_step(&tuning->references, torque, est->omega_rad_s, id_add);
@@ -334,13 +349,14 @@ static lode_dq_t control(lode_drive_t *self, const frame_t *frame, const lode_me
                            lode_clamp(self->command.vector.q, -limit, limit)};
     }
     self->ref_A = current_references(self, est);
-    return lode_current_step(&self->current, &self->tuning->current, self->ref_A, frame->i_A, frame->omega_rotor,
-                             v_bus_V);
+    return lode_current_step(&self->current, &self->tuning->current, self->ref_A, frame->i_A,
+                             frame->omega_rotor, v_bus_V);
 }
 
 // Duties for the voltage `u_V` of the frame, turned to where it will stand while they act.
 static lode_ab_t modulate(lode_drive_t *self, const frame_t *frame, float v_bus_V) {
-    const lode_sincos_t ahead = lode_sincos(ACTING_PERIODS * self->tuning->ts_s * frame->omega_rad_s);
+    const lode_sincos_t ahead =
+        lode_sincos(ACTING_PERIODS * self->tuning->ts_s * frame->omega_rad_s);
     const lode_sincos_t acting = lode_angle_add(frame->rotor, ahead);
     const lode_modulator_out_t out =
         lode_modulator_step(&self->tuning->inverter, lode_park_inverse(self->u_V, acting), v_bus_V,
@@ -365,7 +381,8 @@ LODE_HOT lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurem
             .direction = self->direction,
             .finite = lode_ab_in_range((lode_ab_t){self->u_V.d, self->u_V.q}, VOLTAGE_LIMIT_V),
         };
-        (void)lode_guard_step(&self->guard, &self->tuning->guard, &measurement->sample, estimate, now);
+        (void)lode_guard_step(&self->guard, &self->tuning->guard, &measurement->sample, estimate,
+                              now);
     }
     if (self->guard.fault.check != (uint_least8_t)LODE_CHECK_NONE) {
         switch_off(self, LODE_MODE_FAULT);
@@ -374,7 +391,9 @@ LODE_HOT lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurem
 }
 
 LODE_HOT lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts) {
-    const lode_measurement_t measurement = lode_drive_sense(self, counts);        // counts -> A, V, realised voltage
-    const lode_estimate_t estimate = lode_drive_estimate(self, &measurement);     // -> angle and speed at t_k
-    return lode_drive_act(self, &measurement, &estimate);                         // -> duties, gates
+    const lode_measurement_t measurement =
+        lode_drive_sense(self, counts); // counts -> A, V, realised voltage
+    const lode_estimate_t estimate =
+        lode_drive_estimate(self, &measurement);          // -> angle and speed at t_k
+    return lode_drive_act(self, &measurement, &estimate); // -> duties, gates
 }

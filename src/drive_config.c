@@ -16,7 +16,8 @@ void lode_drive_design(lode_drive_config_t *config) {
     const float ts_s = 1.0f / lode_max(config->f_pwm_Hz, FLT_MIN);
     lode_motor_t *motor = &config->motor;
     const lode_inverter_config_t *inverter = &config->inverter;
-    motor->omega_rated_rad_s = lode_given_or(motor->omega_rated_rad_s, rated_omega(motor, inverter));
+    motor->omega_rated_rad_s =
+        lode_given_or(motor->omega_rated_rad_s, rated_omega(motor, inverter));
     lode_sense_design(&config->sense);
     lode_inverter_design(&config->inverter, motor, ts_s);
     lode_estimator_design(&config->estimator, motor, ts_s);
@@ -32,7 +33,8 @@ void lode_drive_design(lode_drive_config_t *config) {
 static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     lode_status_t status = lode_inverter_tune(&t->inverter, &c->inverter, t->ts_s);
     if (status == LODE_OK) {
-        status = lode_sense_tune(&t->sense, &c->sense, c->inverter.i_max_A, c->inverter.v_bus_V, t->ts_s);
+        status = lode_sense_tune(&t->sense, &c->sense, c->inverter.i_max_A, c->inverter.v_bus_V,
+                                 t->ts_s);
     }
     if (status == LODE_OK) {
         status = lode_estimator_tune(&t->estimator, &c->estimator, &c->motor, t->ts_s);
@@ -42,22 +44,25 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
 
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
-    lode_status_t status = lode_references_tune(&t->references, &c->references, &c->inverter, &c->motor);
+    lode_status_t status =
+        lode_references_tune(&t->references, &c->references, &c->inverter, &c->motor);
     if (status == LODE_OK) {
         status = lode_current_tune(&t->current, &c->current, &c->motor, t->ts_s);
     }
     if (status == LODE_OK) {
-        status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor, c->estimator.omega_max_rad_s, t->ts_s);
+        status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,
+                                 c->estimator.omega_max_rad_s, t->ts_s);
     }
     if (status == LODE_OK) {
-        status = lode_speed_tune(&t->speed, &c->speed, &c->inverter, &c->motor, c->estimator.pll.sigma_low_rad_s,
-                                 t->ts_s);
+        status = lode_speed_tune(&t->speed, &c->speed, &c->inverter, &c->motor,
+                                 c->estimator.pll.sigma_low_rad_s, t->ts_s);
     }
     if (status == LODE_OK) {
         status = lode_guard_tune(&t->guard, &c->guard, &c->inverter, &c->sense, t->ts_s);
     }
-    if (status == LODE_OK && !lode_in_range(c->speed.omega_min_rad_s, 0.5f * c->start.omega_handover_rad_s,
-                                            c->estimator.omega_max_rad_s)) {
+    if (status == LODE_OK &&
+        !lode_in_range(c->speed.omega_min_rad_s, 0.5f * c->start.omega_handover_rad_s,
+                       c->estimator.omega_max_rad_s)) {
         status = LODE_ERROR_START_SPEED;
     }
     return status;
@@ -90,8 +95,8 @@ lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_conf
     return status;
 }
 
-#define NAME(mode) \
-    case mode:     \
+#define NAME(mode)                                                                                 \
+    case mode:                                                                                     \
         return #mode
 
 const char *lode_mode_name(lode_mode_t mode) {

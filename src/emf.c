@@ -8,7 +8,8 @@
 #define MU_TS_MAX 1.0f
 
 void lode_emf_design(lode_emf_config_t *config, const lode_motor_t *motor, float ts_s) {
-    const float w0 = lode_min(W0_PER_OMEGA_RATED * motor->omega_rated_rad_s, W0_TS_DEFAULT_MAX / ts_s);
+    const float w0 =
+        lode_min(W0_PER_OMEGA_RATED * motor->omega_rated_rad_s, W0_TS_DEFAULT_MAX / ts_s);
     config->w0_rad_s = lode_given_or(config->w0_rad_s, w0);
 }
 
@@ -19,8 +20,8 @@ static float volts_per_ampere(const lode_motor_t *motor, float ts_s) {
     return decay > 0.0f ? motor->Rs_Ohm / decay : motor->Lq_H / ts_s;
 }
 
-lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *config, const lode_motor_t *motor,
-                            bool active_flux, float ts_s) {
+lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *config,
+                            const lode_motor_t *motor, bool active_flux, float ts_s) {
     if (config->kind != LODE_EMF_C_LESO) {
         return LODE_ERROR_EMF_KIND;
     }
@@ -44,8 +45,8 @@ void lode_emf_reset(lode_emf_t *self, lode_ab_t i_A) {
 }
 
 // (Ld - Lq) did/dt on the d axis, at the angle half a period back: the mean over the period.
-static lode_ab_t active_flux_emf(const lode_emf_t *self, const lode_emf_tuning_t *tuning, lode_ab_t i_A,
-                                 lode_sincos_t rotor, lode_sincos_t half_turn) {
+static lode_ab_t active_flux_emf(const lode_emf_t *self, const lode_emf_tuning_t *tuning,
+                                 lode_ab_t i_A, lode_sincos_t rotor, lode_sincos_t half_turn) {
     const lode_sincos_t middle = lode_angle_subtract(rotor, half_turn);
     const lode_sincos_t before = lode_angle_subtract(middle, half_turn);
     const float id = i_A.alpha * rotor.cos + i_A.beta * rotor.sin;
@@ -54,8 +55,9 @@ static lode_ab_t active_flux_emf(const lode_emf_t *self, const lode_emf_tuning_t
     return (lode_ab_t){e_V * middle.cos, e_V * middle.sin};
 }
 
-LODE_HOT lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning, lode_ab_t u_V, lode_ab_t i_A,
-                                 lode_sincos_t rotor, lode_sincos_t half_turn, bool rotor_known) {
+LODE_HOT lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning, lode_ab_t u_V,
+                                 lode_ab_t i_A, lode_sincos_t rotor, lode_sincos_t half_turn,
+                                 bool rotor_known) {
     // Dead-beat EMF: u[k-1] - (i[k] - a i[k-1])/b less the active-flux term; (1 - a)/b is R.
     const lode_ab_t salient = active_flux_emf(self, tuning, i_A, rotor, half_turn);
     const lode_ab_t rise = lode_ab_subtract(i_A, self->i_A);
@@ -65,7 +67,8 @@ LODE_HOT lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuni
     self->i_A = i_A;
     // C-LESO with both poles at p = exp(-w0 Ts), current form (paper 1, eqs. 6 and 11).
     self->y_V = lode_ab_add_scaled(self->y_V, tuning->one_m_p, lode_ab_subtract(m, self->y_V));
-    self->e_V = lode_ab_add_scaled(self->e_V, tuning->one_m_p, lode_ab_subtract(self->y_V, self->e_V));
+    self->e_V =
+        lode_ab_add_scaled(self->e_V, tuning->one_m_p, lode_ab_subtract(self->y_V, self->e_V));
     return self->e_V;
 }
 
@@ -75,11 +78,13 @@ static float arg_from_pole(float one_m_pole, float turn_rad) {
     return lode_atan2(lode_sincos(turn_rad).sin, one_m_pole - 2.0f * half * half);
 }
 
-float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s, float omega_rad_s) {
+float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s,
+                       float omega_rad_s) {
     const float turn_rad = omega_rad_s * ts_s;
     const float mu = motor->Rs_Ohm / motor->Lq_H;
     const float pole = arg_from_pole(lode_one_minus_exp(config->w0_rad_s * ts_s), turn_rad);
     // The held voltage sees the R-Lq circuit as Gamma = (rho - a)/((mu + j w) b Lq).
-    const float gamma = arg_from_pole(lode_one_minus_exp(mu * ts_s), turn_rad) - lode_atan2(omega_rad_s, mu);
+    const float gamma =
+        arg_from_pole(lode_one_minus_exp(mu * ts_s), turn_rad) - lode_atan2(omega_rad_s, mu);
     return 2.0f * pole - turn_rad - gamma;
 }

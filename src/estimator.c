@@ -1,14 +1,14 @@
 #include "lodestar/estimator.h"
 
-#define EMIN_SHARE 0.03f        // of the rated EMF: 2 V for paper 1's motor
-#define OMEGA_MAX_SHARE 2.5f    // of the rated speed
-#define OMEGA_TS_MAX 0.5f       // the EMF observers' lag and the modulator want 12 periods per turn
+#define EMIN_SHARE 0.03f     // of the rated EMF: 2 V for paper 1's motor
+#define OMEGA_MAX_SHARE 2.5f // of the rated speed
+#define OMEGA_TS_MAX 0.5f    // the EMF observers' lag and the modulator want 12 periods per turn
 #define LOCK_TIME_s 5.0e-3f
 // The PLL's crossover is near 3 sigma, where each of the observer's two poles costs 31 degrees of its
 // 71 degrees of margin if w0 = 5 sigma: docs/theory/pll.md.
 #define SIGMA_PER_W0_MAX 0.2f
-#define SETTLE_OBSERVER 8.0f    // time constants 1/w0 until the double pole has settled to 0.3 %
-#define SETTLE_ROTATION 3.0f    // time constants of the mean rotation until it tells the speed to 5 %
+#define SETTLE_OBSERVER 8.0f // time constants 1/w0 until the double pole has settled to 0.3 %
+#define SETTLE_ROTATION 3.0f // time constants of the mean rotation until it tells the speed to 5 %
 // Amplitudes beyond any motor's: larger ones could overflow when squared.
 #define INPUT_LIMIT 1.0e6f
 // The sine of an angle, with room for rounding: NaN, and what an overflow leaves, fall outside.
@@ -50,8 +50,9 @@ static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
     return LODE_OK;
 }
 
-lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning, const lode_estimator_config_t *config,
-                                  const lode_motor_t *motor, float ts_s) {
+lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
+                                  const lode_estimator_config_t *config, const lode_motor_t *motor,
+                                  float ts_s) {
     lode_estimator_tuning_t t;
     lode_status_t status = lode_motor_check(motor);
     if (status == LODE_OK) {
@@ -64,7 +65,8 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning, const lode_es
         status = check(config, ts_s);
     }
     if (status == LODE_OK) {
-        status = lode_lag_tune(&t.lag, config->compensation, &config->emf, motor, ts_s, config->omega_max_rad_s);
+        status = lode_lag_tune(&t.lag, config->compensation, &config->emf, motor, ts_s,
+                               config->omega_max_rad_s);
     }
     if (status != LODE_OK) {
         return status;
@@ -98,15 +100,15 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
     self->wait = tuning->settle_periods;
 }
 
-static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float theta_pll_rad,
-                  float omega_rad_s) {
+static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                  float theta_pll_rad, float omega_rad_s) {
     lode_pll_reset(&self->pll, theta_pll_rad, omega_rad_s);
     self->lag_rad = lode_lag_rad(&tuning->lag, omega_rad_s);
     self->wait = tuning->patience_periods;
 }
 
-void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float theta_rad,
-                         float omega_rad_s) {
+void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                         float theta_rad, float omega_rad_s) {
     place(self, tuning, theta_rad - lode_lag_rad(&tuning->lag, omega_rad_s), omega_rad_s);
 }
 
@@ -141,35 +143,42 @@ static bool supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tun
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
-static void note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, lode_ab_t e, lode_ab_t before) {
-    const lode_ab_t turn = {e.alpha * before.alpha + e.beta * before.beta, e.beta * before.alpha - e.alpha * before.beta};
-    self->rotation = lode_ab_add_scaled(self->rotation, tuning->lock_weight, lode_ab_subtract(turn, self->rotation));
+static void note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                          lode_ab_t e, lode_ab_t before) {
+    const lode_ab_t turn = {e.alpha * before.alpha + e.beta * before.beta,
+                            e.beta * before.alpha - e.alpha * before.beta};
+    self->rotation = lode_ab_add_scaled(self->rotation, tuning->lock_weight,
+                                        lode_ab_subtract(turn, self->rotation));
 }
 
 // Two independent signs: the EMF's amplitude against what the speed induces, and the mean cosine of
 // the angle between the EMF and where the PLL has it. The worse one counts.
-static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float inv_e, float cosine,
-                      float id_A) {
-    const float induced_V = lode_abs(self->pll.omega_rad_s) * (tuning->psi_Wb + tuning->salient_H * id_A);
+static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float inv_e,
+                      float cosine, float id_A) {
+    const float induced_V =
+        lode_abs(self->pll.omega_rad_s) * (tuning->psi_Wb + tuning->salient_H * id_A);
     const float level = 1.0f - LEVEL_SLOPE * lode_abs(induced_V * inv_e - 1.0f);
     const float quality = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
     self->lock = lode_clamp(self->lock + tuning->lock_weight * (quality - self->lock), 0.0f, 1.0f);
 }
 
-static bool is_sound(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float error) {
+static bool is_sound(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                     float error) {
     return lode_in_range(error, -ERROR_LIMIT, ERROR_LIMIT) &&
            lode_in_range(self->pll.theta_rad, -ANGLE_LIMIT_rad, ANGLE_LIMIT_rad) &&
            lode_in_range(self->pll.omega_rad_s, -tuning->omega_limit, tuning->omega_limit);
 }
 
-static lode_estimate_t restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, lode_ab_t i_A) {
+static lode_estimate_t restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                               lode_ab_t i_A) {
     lode_estimator_reset(self, tuning);
     lode_emf_reset(&self->emf, i_A);
     return (lode_estimate_t){.rotor = {0.0f, 1.0f}, .i_A = {i_A.alpha, i_A.beta}, .reseeded = true};
 }
 
-LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                             lode_ab_t u_V, lode_ab_t i_A) {
+LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self,
+                                             const lode_estimator_tuning_t *tuning, lode_ab_t u_V,
+                                             lode_ab_t i_A) {
     if (!lode_ab_in_range(u_V, INPUT_LIMIT) || !lode_ab_in_range(i_A, INPUT_LIMIT)) {
         return restart(self, tuning, (lode_ab_t){0.0f, 0.0f});
     }
@@ -179,7 +188,8 @@ LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_
     const lode_sincos_t predicted = lode_sincos(pll->theta_rad + self->lag_rad);
     const lode_ab_t before = self->emf.e_V;
     const bool locked = self->lock >= LODE_LOCK_LOST;
-    const lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, predicted, half_turn, locked);
+    const lode_ab_t e_V =
+        lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, predicted, half_turn, locked);
     note_rotation(self, tuning, e_V, before);
 
     // Phase detector (paper 1, eq. 13) with the sign of speed, without which it locks half a turn off.
@@ -198,8 +208,9 @@ LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_
     const lode_dq_t i_dq = lode_park(i_A, rotor);
     note_lock(self, tuning, lode_abs(inv_e), seen.q * inv_e, i_dq.d);
     // Known acceleration over the period to come: torque of the measured current, and friction.
-    pll->acc_rad_s2 = tuning->acc_per_torque * (tuning->psi_Wb + tuning->salient_H * i_dq.d) * i_dq.q -
-                      tuning->acc_per_omega * pll->omega_rad_s;
+    pll->acc_rad_s2 =
+        tuning->acc_per_torque * (tuning->psi_Wb + tuning->salient_H * i_dq.d) * i_dq.q -
+        tuning->acc_per_omega * pll->omega_rad_s;
     return (lode_estimate_t){
         .theta_rad = theta,
         .omega_rad_s = pll->omega_rad_s,

@@ -1,16 +1,16 @@
 #include "lodestar/guard.h"
 
-#define I_TRIP_SHARE 1.5f         // of i_max
-#define V_BUS_MAX_SHARE 1.25f     // of nominal
+#define I_TRIP_SHARE 1.5f     // of i_max
+#define V_BUS_MAX_SHARE 1.25f // of nominal
 #define V_BUS_MIN_SHARE 0.6f
 #define TEMPERATURE_MAX_degC 100.0f
-#define OMEGA_SHARE 1.3f          // of the estimator's highest speed
+#define OMEGA_SHARE 1.3f // of the estimator's highest speed
 #define BUS_TIME_s 1.0e-3f
-#define LOCK_TIME_s 15.0e-3f      // with the lock's own 3.5 ms it trips in less than 20 ms
-#define STAMP_TOLERANCE 0.25f     // of a period
+#define LOCK_TIME_s 15.0e-3f  // with the lock's own 3.5 ms it trips in less than 20 ms
+#define STAMP_TOLERANCE 0.25f // of a period
 
-#define NAME(check) \
-    case check:     \
+#define NAME(check)                                                                                \
+    case check:                                                                                    \
         return #check
 
 const char *lode_check_name(lode_check_t check) {
@@ -40,20 +40,24 @@ void lode_guard_design(lode_guard_config_t *config, const lode_inverter_config_t
     config->i_trip_A = lode_given_or(config->i_trip_A, I_TRIP_SHARE * inverter->i_max_A);
     config->v_bus_max_V = lode_given_or(config->v_bus_max_V, V_BUS_MAX_SHARE * inverter->v_bus_V);
     config->v_bus_min_V = lode_given_or(config->v_bus_min_V, V_BUS_MIN_SHARE * inverter->v_bus_V);
-    config->temperature_max_degC = lode_given_or(config->temperature_max_degC, TEMPERATURE_MAX_degC);
-    config->omega_max_rad_s = lode_given_or(config->omega_max_rad_s, OMEGA_SHARE * estimator->omega_max_rad_s);
+    config->temperature_max_degC =
+        lode_given_or(config->temperature_max_degC, TEMPERATURE_MAX_degC);
+    config->omega_max_rad_s =
+        lode_given_or(config->omega_max_rad_s, OMEGA_SHARE * estimator->omega_max_rad_s);
     config->bus_s = lode_given_or(config->bus_s, BUS_TIME_s);
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
 }
 
-static lode_status_t check_limits(const lode_guard_config_t *config, const lode_inverter_config_t *inverter,
+static lode_status_t check_limits(const lode_guard_config_t *config,
+                                  const lode_inverter_config_t *inverter,
                                   const lode_sense_config_t *sense) {
     const float i_range = lode_abs(sense->i_gain_A_count) *
                           lode_min(sense->i_offset_count, sense->count_max - sense->i_offset_count);
     if (!lode_in_range(config->i_trip_A, inverter->i_max_A, i_range)) {
         return LODE_ERROR_GUARD_CURRENT;
     }
-    if (!lode_in_range(config->v_bus_max_V, inverter->v_bus_V, sense->v_bus_gain_V_count * sense->count_max) ||
+    if (!lode_in_range(config->v_bus_max_V, inverter->v_bus_V,
+                       sense->v_bus_gain_V_count * sense->count_max) ||
         !lode_in_range(config->v_bus_min_V, 0.0f, inverter->v_bus_V)) {
         return LODE_ERROR_GUARD_BUS;
     }
@@ -67,7 +71,8 @@ static lode_status_t check_limits(const lode_guard_config_t *config, const lode_
 }
 
 lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_config_t *config,
-                              const lode_inverter_config_t *inverter, const lode_sense_config_t *sense, float ts_s) {
+                              const lode_inverter_config_t *inverter,
+                              const lode_sense_config_t *sense, float ts_s) {
     const lode_status_t status = check_limits(config, inverter, sense);
     if (status != LODE_OK) {
         return status;
@@ -95,7 +100,8 @@ void lode_guard_reset(lode_guard_t *self) {
     *self = (lode_guard_t){.stamped = false};
 }
 
-void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured, float limit) {
+void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
+                     float limit) {
     if (self->fault.check == (uint_least8_t)LODE_CHECK_NONE) {
         self->fault = (lode_fault_t){state, (uint_least8_t)check, measured, limit};
     }
@@ -113,8 +119,8 @@ static float largest(lode_abc_t i) {
 }
 
 // Comparisons are written so that NaN is bad.
-static void check_power(lode_guard_t *self, const lode_guard_tuning_t *tuning, const lode_sample_t *sample,
-                        uint_least8_t state) {
+static void check_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                        const lode_sample_t *sample, uint_least8_t state) {
     const float i = largest(sample->i_abc_A);
     if (sample->trip) {
         lode_guard_trip(self, state, LODE_CHECK_HARDWARE_TRIP, i, tuning->i_trip);
@@ -137,17 +143,19 @@ static void check_power(lode_guard_t *self, const lode_guard_tuning_t *tuning, c
     }
 }
 
-static void check_timing(lode_guard_t *self, const lode_guard_tuning_t *tuning, uint32_t stamp, uint_least8_t state) {
+static void check_timing(lode_guard_t *self, const lode_guard_tuning_t *tuning, uint32_t stamp,
+                         uint_least8_t state) {
     const uint32_t passed = stamp - self->stamp;
-    if (tuning->stamp_max > 0u && self->stamped && (passed < tuning->stamp_min || passed > tuning->stamp_max)) {
+    if (tuning->stamp_max > 0u && self->stamped &&
+        (passed < tuning->stamp_min || passed > tuning->stamp_max)) {
         lode_guard_trip(self, state, LODE_CHECK_TIMING, (float)passed, (float)tuning->stamp_max);
     }
     self->stamp = stamp;
     self->stamped = true;
 }
 
-static void check_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning, const lode_estimate_t *estimate,
-                         lode_situation_t now) {
+static void check_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                         const lode_estimate_t *estimate, lode_situation_t now) {
     const float omega = estimate->omega_rad_s;
     if (persists(&self->lock, !(estimate->lock >= LODE_LOCK_LOST), tuning->lock_periods)) {
         lode_guard_trip(self, now.state, LODE_CHECK_LOST_LOCK, estimate->lock, LODE_LOCK_LOST);
@@ -160,15 +168,17 @@ static void check_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning, 
     }
 }
 
-LODE_HOT bool lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning, const lode_sample_t *sample,
-                              const lode_estimate_t *estimate, lode_situation_t now) {
+LODE_HOT bool lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                              const lode_sample_t *sample, const lode_estimate_t *estimate,
+                              lode_situation_t now) {
     check_power(self, tuning, sample, now.state);
     check_timing(self, tuning, sample->stamp, now.state);
     if (now.sensorless) {
         check_motion(self, tuning, estimate, now);
     }
     if (!now.finite) {
-        lode_guard_trip(self, now.state, LODE_CHECK_NON_FINITE, estimate->omega_rad_s, tuning->omega_max);
+        lode_guard_trip(self, now.state, LODE_CHECK_NON_FINITE, estimate->omega_rad_s,
+                        tuning->omega_max);
     }
     return self->fault.check == (uint_least8_t)LODE_CHECK_NONE;
 }

@@ -51,7 +51,8 @@ static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
     return LODE_OK;
 }
 
-lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning, const lode_inverter_config_t *config, float ts_s) {
+lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
+                                 const lode_inverter_config_t *config, float ts_s) {
     const lode_status_t status = check(config, ts_s);
     if (status != LODE_OK) {
         return status;

@@ -3,13 +3,15 @@
 #define CHECK_POINTS 48
 
 // Lag per speed, s, at the squared share v of the range.
-static float exact_slope(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s, float range, float v) {
+static float exact_slope(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s,
+                         float range, float v) {
     const float omega = range * lode_sqrt(v);
     return lode_emf_lag_rad(config, motor, ts_s, omega) / omega;
 }
 
 // Interpolation at the Chebyshev nodes of [0, 1]: Newton's divided differences, then expanded.
-static void fit(lode_lag_t *lag, const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s, float range) {
+static void fit(lode_lag_t *lag, const lode_emf_config_t *config, const lode_motor_t *motor,
+                float ts_s, float range) {
     float node[LODE_LAG_TERMS];
     float newton[LODE_LAG_TERMS];
     for (int32_t i = 0; i < LODE_LAG_TERMS; i++) {
@@ -41,7 +43,8 @@ lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_em
         fit(&fitted, config, motor, ts_s, omega_max_rad_s);
         for (int32_t i = 1; i <= CHECK_POINTS; i++) {
             const float omega = omega_max_rad_s * (float)i / (float)CHECK_POINTS;
-            const float error = lode_lag_rad(&fitted, omega) - lode_emf_lag_rad(config, motor, ts_s, omega);
+            const float error =
+                lode_lag_rad(&fitted, omega) - lode_emf_lag_rad(config, motor, ts_s, omega);
             if (!lode_in_range(error, -LODE_LAG_TOLERANCE_rad, LODE_LAG_TOLERANCE_rad)) {
                 return LODE_ERROR_LAG;
             }

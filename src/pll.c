@@ -13,11 +13,14 @@ void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s) {
     const float sigma_low = given ? config->sigma_rad_s : SIGMA_LOW_SHARE * omega_rated_rad_s;
     config->sigma_low_rad_s = lode_given_or(config->sigma_low_rad_s, sigma_low);
     config->sigma_rad_s = lode_given_or(config->sigma_rad_s, SIGMA_HIGH_SHARE * omega_rated_rad_s);
-    config->omega_low_rad_s = lode_given_or(config->omega_low_rad_s, OMEGA_LOW_SHARE * omega_rated_rad_s);
-    config->omega_high_rad_s = lode_given_or(config->omega_high_rad_s, OMEGA_HIGH_SHARE * omega_rated_rad_s);
+    config->omega_low_rad_s =
+        lode_given_or(config->omega_low_rad_s, OMEGA_LOW_SHARE * omega_rated_rad_s);
+    config->omega_high_rad_s =
+        lode_given_or(config->omega_high_rad_s, OMEGA_HIGH_SHARE * omega_rated_rad_s);
 }
 
-lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *config, float ts_s) {
+lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *config,
+                            float ts_s) {
     if (config->kind != LODE_PLL_LESO && config->kind != LODE_PLL_QPLL) {
         return LODE_ERROR_PLL_KIND;
     }

@@ -5,18 +5,22 @@
 #define OMEGA_HIGH_SHARE 0.23f
 #define BIAS_SHARE 0.25f // of i_max: 3 A of 12 A leaves no phase at zero for long
 
-void lode_references_design(lode_references_config_t *config, const lode_inverter_config_t *inverter,
-                            const lode_motor_t *motor) {
+void lode_references_design(lode_references_config_t *config,
+                            const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
     config->id_bias_A = lode_given_or_none(config->id_bias_A, BIAS_SHARE * inverter->i_max_A);
-    config->omega_low_rad_s = lode_given_or(config->omega_low_rad_s, OMEGA_LOW_SHARE * motor->omega_rated_rad_s);
-    config->omega_high_rad_s = lode_given_or(config->omega_high_rad_s, OMEGA_HIGH_SHARE * motor->omega_rated_rad_s);
+    config->omega_low_rad_s =
+        lode_given_or(config->omega_low_rad_s, OMEGA_LOW_SHARE * motor->omega_rated_rad_s);
+    config->omega_high_rad_s =
+        lode_given_or(config->omega_high_rad_s, OMEGA_HIGH_SHARE * motor->omega_rated_rad_s);
 }
 
-lode_status_t lode_references_tune(lode_references_tuning_t *tuning, const lode_references_config_t *config,
-                                   const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
+lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
+                                   const lode_references_config_t *config,
+                                   const lode_inverter_config_t *inverter,
+                                   const lode_motor_t *motor) {
     const float span = config->omega_high_rad_s - config->omega_low_rad_s;
-    if (!(config->id_bias_A <= inverter->i_max_A) || !lode_is_finite(config->id_bias_A) || !(span > 0.0f) ||
-        !lode_is_finite(span)) {
+    if (!(config->id_bias_A <= inverter->i_max_A) || !lode_is_finite(config->id_bias_A) ||
+        !(span > 0.0f) || !lode_is_finite(span)) {
         return LODE_ERROR_ID_BIAS;
     }
     *tuning = (lode_references_tuning_t){
@@ -34,8 +38,8 @@ static float torque_per_iq(const lode_references_tuning_t *tuning, float id_A) {
     return tuning->torque_factor * (tuning->psi_Wb + tuning->salient_H * id_A);
 }
 
-LODE_HOT lode_dq_t lode_references_step(const lode_references_tuning_t *tuning, float torque_Nm, float omega_rad_s,
-                                        float id_add_A) {
+LODE_HOT lode_dq_t lode_references_step(const lode_references_tuning_t *tuning, float torque_Nm,
+                                        float omega_rad_s, float id_add_A) {
     const float i_max = tuning->i_max_A;
     const float bias = tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
     const float id = lode_clamp(id_add_A - bias, -i_max, i_max);

@@ -12,7 +12,8 @@ float lode_wrap(float x_rad) {
 // Arc tangent for t in [0, 1]. Near-minimax, error 6.4e-7: tests/golden/gen_minimax.py.
 static float arctan_unit(float t) {
     const float u = t * t;
-    const float high = 0.103942618060f + u * (-0.0668908062700f + u * (0.0298522633178f - u * 0.00634397411173f));
+    const float high =
+        0.103942618060f + u * (-0.0668908062700f + u * (0.0298522633178f - u * 0.00634397411173f));
     const float low = -0.333332672666f + u * (0.199934678977f + u * (-0.141764298350f + u * high));
     return t + t * u * low;
 }
@@ -41,7 +42,8 @@ float lode_one_minus_exp(float x) {
     }
     // x/2^7 <= 0.16: five terms leave 2e-8 of it. Then 1 - exp(-2x) = y (2 - y) seven times.
     const float r = x * (1.0f / 128.0f);
-    float y = r * (1.0f - r * (0.5f - r * (1.0f / 6.0f - r * (1.0f / 24.0f - r * (1.0f / 120.0f)))));
+    float y =
+        r * (1.0f - r * (0.5f - r * (1.0f / 6.0f - r * (1.0f / 24.0f - r * (1.0f / 120.0f)))));
     for (int32_t i = 0; i < 7; i++) {
         y *= 2.0f - y;
     }

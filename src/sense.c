@@ -9,7 +9,8 @@
 
 void lode_sense_design(lode_sense_config_t *config) {
     config->count_max = lode_given_or(config->count_max, COUNT_MAX_12_BIT);
-    config->i_offset_tol_count = lode_given_or(config->i_offset_tol_count, OFFSET_TOLERANCE * config->count_max);
+    config->i_offset_tol_count =
+        lode_given_or(config->i_offset_tol_count, OFFSET_TOLERANCE * config->count_max);
     config->duty_max = lode_given_or(config->duty_max, 1.0f);
     config->calibrate_s = lode_given_or(config->calibrate_s, CALIBRATION_TIME_s);
 }
@@ -20,11 +21,14 @@ static lode_status_t check_ranges(const lode_sense_config_t *config, float i_max
         !lode_in_range(config->i_offset_tol_count, 0.0f, config->count_max)) {
         return LODE_ERROR_SENSE_OFFSET;
     }
-    const float headroom = lode_min(config->i_offset_count, config->count_max - config->i_offset_count);
-    if (!lode_is_finite(config->i_gain_A_count) || !(headroom * lode_abs(config->i_gain_A_count) >= i_max_A)) {
+    const float headroom =
+        lode_min(config->i_offset_count, config->count_max - config->i_offset_count);
+    if (!lode_is_finite(config->i_gain_A_count) ||
+        !(headroom * lode_abs(config->i_gain_A_count) >= i_max_A)) {
         return LODE_ERROR_SENSE_CURRENT;
     }
-    if (!lode_is_finite(config->v_bus_gain_V_count) || !(config->count_max * config->v_bus_gain_V_count >= v_bus_V)) {
+    if (!lode_is_finite(config->v_bus_gain_V_count) ||
+        !(config->count_max * config->v_bus_gain_V_count >= v_bus_V)) {
         return LODE_ERROR_SENSE_BUS;
     }
     if (!lode_in_range(config->temperature_gain_degC_count, -1.0e3f, 1.0e3f) ||
@@ -34,8 +38,8 @@ static lode_status_t check_ranges(const lode_sense_config_t *config, float i_max
     return LODE_OK;
 }
 
-lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_config_t *config, float i_max_A,
-                              float v_bus_V, float ts_s) {
+lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_config_t *config,
+                              float i_max_A, float v_bus_V, float ts_s) {
     if (config->shunts != LODE_SHUNTS_THREE && config->shunts != LODE_SHUNTS_TWO) {
         return LODE_ERROR_SENSE_SHUNTS;
     }
@@ -105,7 +109,8 @@ LODE_HOT lode_sample_t lode_sense_step(const lode_sense_t *self, const lode_sens
         .i_abc_A = i,
         .i_A = i_A,
         .v_bus_V = (float)counts->v_bus * tuning->v_bus_gain,
-        .temperature_degC = tuning->temperature_offset + (float)counts->temperature * tuning->temperature_gain,
+        .temperature_degC =
+            tuning->temperature_offset + (float)counts->temperature * tuning->temperature_gain,
         .stamp = counts->stamp,
         .trip = counts->trip,
         .railed = railed,
@@ -131,11 +136,13 @@ lode_calibration_t lode_sense_calibrate(lode_sense_t *self, const lode_sense_tun
         return LODE_CALIBRATION_RUNNING;
     }
     const float share = 1.0f / self->samples;
-    const lode_abc_t offset = {nominal + self->sum_count.a * share, nominal + self->sum_count.b * share,
+    const lode_abc_t offset = {nominal + self->sum_count.a * share,
+                               nominal + self->sum_count.b * share,
                                nominal + self->sum_count.c * share};
     self->sum_count = (lode_abc_t){0.0f, 0.0f, 0.0f};
     self->samples = 0.0f;
-    *worst_count = offset_error(offset.c, nominal, offset_error(offset.b, nominal, offset.a - nominal));
+    *worst_count =
+        offset_error(offset.c, nominal, offset_error(offset.b, nominal, offset.a - nominal));
     if (!lode_in_range(*worst_count, -tuning->i_offset_tol, tuning->i_offset_tol)) {
         return LODE_CALIBRATION_IMPLAUSIBLE;
     }

@@ -2,28 +2,35 @@
 
 // Up to four times lighter an inertia than configured keeps the loop inside the PLL.
 #define BANDWIDTH_PER_SIGMA 0.25f
-#define INTEGRAL_SHARE 0.25f      // ki = kp bandwidth/4: the zero two octaves below the crossover
+#define INTEGRAL_SHARE 0.25f // ki = kp bandwidth/4: the zero two octaves below the crossover
 #define BANDWIDTH_PER_SIGMA_MAX 1.0f
 #define RAMP_TORQUE_SHARE 0.5f
-#define FEED_FORWARD 0.5f
+#define LOAD_FEED_FORWARD 0.5f
+#define INERTIA_FEED_FORWARD 1.0f
 
-void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter, const lode_motor_t *motor,
-                       float sigma_low_rad_s, float omega_handover_rad_s) {
+void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
+                       const lode_motor_t *motor, float sigma_low_rad_s,
+                       float omega_handover_rad_s) {
     const float J = motor->J_kgm2;
-    const float bandwidth = config->kp_Nms > 0.0f ? config->kp_Nms / J : BANDWIDTH_PER_SIGMA * sigma_low_rad_s;
+    const float bandwidth =
+        config->kp_Nms > 0.0f ? config->kp_Nms / J : BANDWIDTH_PER_SIGMA * sigma_low_rad_s;
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
     config->kp_Nms = lode_given_or(config->kp_Nms, config->bandwidth_rad_s * J);
-    config->ki_Nm = lode_given_or(config->ki_Nm, INTEGRAL_SHARE * config->bandwidth_rad_s * config->kp_Nms);
-    config->ramp_rad_s2 =
-        lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * inverter->i_max_A * lode_motor_kt_Nm_A(motor) / J);
-    config->load_feed_forward = lode_given_or_none(config->load_feed_forward, FEED_FORWARD);
+    config->ki_Nm =
+        lode_given_or(config->ki_Nm, INTEGRAL_SHARE * config->bandwidth_rad_s * config->kp_Nms);
+    config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * inverter->i_max_A *
+                                                                 lode_motor_kt_Nm_A(motor) / J);
+    config->load_feed_forward = lode_given_or_none(config->load_feed_forward, LOAD_FEED_FORWARD);
+    config->inertia_feed_forward =
+        lode_given_or_none(config->inertia_feed_forward, INERTIA_FEED_FORWARD);
     config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);
 }
 
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
                               const lode_inverter_config_t *inverter, const lode_motor_t *motor,
                               float sigma_low_rad_s, float ts_s) {
-    if (!lode_in_range(config->kp_Nms, 1.0e-9f, 1.0e6f) || !lode_in_range(config->ki_Nm, 0.0f, 1.0e6f)) {
+    if (!lode_in_range(config->kp_Nms, 1.0e-9f, 1.0e6f) ||
+        !lode_in_range(config->ki_Nm, 0.0f, 1.0e6f)) {
         return LODE_ERROR_SPEED_GAINS;
     }
     if (!(config->kp_Nms <= BANDWIDTH_PER_SIGMA_MAX * sigma_low_rad_s * motor->J_kgm2)) {
@@ -32,30 +39,34 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
     if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f)) {
         return LODE_ERROR_SPEED_RAMP;
     }
-    if (!lode_in_range(config->load_feed_forward, LODE_NONE, 1.0f)) {
+    if (!lode_in_range(config->load_feed_forward, LODE_NONE, 1.0f) ||
+        !lode_in_range(config->inertia_feed_forward, LODE_NONE, 1.0f)) {
         return LODE_ERROR_SPEED_FEED_FORWARD;
     }
     *tuning = (lode_speed_tuning_t){
         .pi = {config->kp_Nms, config->ki_Nm * ts_s},
         .inv_pole_pairs = 1.0f / motor->pole_pairs,
         .ramp_step = config->ramp_rad_s2 * ts_s,
-        .feed_forward = lode_max(config->load_feed_forward, 0.0f),
+        .load_feed_forward = lode_max(config->load_feed_forward, 0.0f),
+        .inertia_Nm = lode_max(config->inertia_feed_forward, 0.0f) * motor->J_kgm2 / ts_s,
         .torque_max_Nm = inverter->i_max_A * lode_motor_kt_Nm_A(motor),
     };
     return LODE_OK;
 }
 
-void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s, float torque_Nm,
-                      float load_Nm) {
-    lode_pi_reset(&self->pi, torque_Nm - tuning->feed_forward * load_Nm);
+void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,
+                      float torque_Nm, float load_Nm) {
+    lode_pi_reset(&self->pi, torque_Nm - tuning->load_feed_forward * load_Nm);
     self->reference_rad_s = omega_rad_s;
 }
 
-LODE_HOT float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning, float target_rad_s,
-                               float omega_rad_s, float load_Nm) {
-    self->reference_rad_s = lode_ramp(self->reference_rad_s, target_rad_s, tuning->ramp_step);
+LODE_HOT float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                               float target_rad_s, float omega_rad_s, float load_Nm) {
+    const float before = self->reference_rad_s;
+    self->reference_rad_s = lode_ramp(before, target_rad_s, tuning->ramp_step);
     const float error = self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs;
-    const float ff = tuning->feed_forward * load_Nm;
+    const float ff =
+        tuning->load_feed_forward * load_Nm + tuning->inertia_Nm * (self->reference_rad_s - before);
     const float asked = lode_pi_output(&self->pi, &tuning->pi, error, ff);
     const float torque = lode_clamp(asked, -tuning->torque_max_Nm, tuning->torque_max_Nm);
     lode_pi_settle(&self->pi, &tuning->pi, error, asked, torque);

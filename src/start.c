@@ -1,21 +1,21 @@
 #include "lodestar/start.h"
 
-#define CURRENT_SHARE 0.7f        // of i_max
-#define HANDOVER_SHARE 0.1f       // of rated speed
+#define CURRENT_SHARE 0.7f  // of i_max
+#define HANDOVER_SHARE 0.1f // of rated speed
 #define RAMP_TORQUE_SHARE (1.0f / 6.0f)
 #define RISE_TIME_s 0.2f
 #define DAMPING 0.3f
 #define LOCK_TIME_s 0.05f
 #define FADE_TIME_s 0.1f
 #define PATIENCE_s 0.4f
-#define ATTEMPTS 3.0f             // until the start has failed
-#define PERIODS_MAX 2.0e9f        // inside an int32
+#define ATTEMPTS 3.0f      // until the start has failed
+#define PERIODS_MAX 2.0e9f // inside an int32
 #define SWEEP_rad (LODE_TWO_PI / 3.0f)
-#define MEAN_CORNER 0.3f          // of the mean EMF, over the swing's natural frequency
-#define SWING_CORNER 3.0f         // of its deviation: above, an error in Lq would close a loop
-#define SHIFT_MAX_rad 0.5f        // the vector gives way, it does not run away
-#define HOLD_SHARE 0.5f           // of hand-over speed: below, the EMF drowns in the inverter's errors
-#define SPEED_TOLERANCE 0.25f     // of hand-over speed, between estimator and vector
+#define MEAN_CORNER 0.3f      // of the mean EMF, over the swing's natural frequency
+#define SWING_CORNER 3.0f     // of its deviation: above, an error in Lq would close a loop
+#define SHIFT_MAX_rad 0.5f    // the vector gives way, it does not run away
+#define HOLD_SHARE 0.5f       // of hand-over speed: below, the EMF drowns in the inverter's errors
+#define SPEED_TOLERANCE 0.25f // of hand-over speed, between estimator and vector
 
 // Torque per electrical radian between rotor and vector, Nm/rad.
 static float stiffness(float current_A, const lode_motor_t *motor) {
@@ -24,17 +24,19 @@ static float stiffness(float current_A, const lode_motor_t *motor) {
 
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
 static float attempt_s(const lode_start_config_t *config) {
-    const float profile_s =
-        config->current_rise_s + config->omega_handover_rad_s / config->ramp_rad_s2 + config->lock_s;
+    const float profile_s = config->current_rise_s +
+                            config->omega_handover_rad_s / config->ramp_rad_s2 + config->lock_s;
     return profile_s + lode_max(profile_s, PATIENCE_s);
 }
 
-void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
+void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
+                       const lode_motor_t *motor) {
     config->current_A = lode_given_or(config->current_A, CURRENT_SHARE * inverter->i_max_A);
-    config->omega_handover_rad_s = lode_given_or(config->omega_handover_rad_s, HANDOVER_SHARE * motor->omega_rated_rad_s);
+    config->omega_handover_rad_s =
+        lode_given_or(config->omega_handover_rad_s, HANDOVER_SHARE * motor->omega_rated_rad_s);
     const float torque = stiffness(config->current_A, motor);
-    config->ramp_rad_s2 =
-        lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * torque / motor->J_kgm2 * motor->pole_pairs);
+    config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * torque /
+                                                                 motor->J_kgm2 * motor->pole_pairs);
     config->current_rise_s = lode_given_or(config->current_rise_s, RISE_TIME_s);
     config->damping = lode_given_or_none(config->damping, DAMPING);
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
@@ -42,16 +44,19 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     config->timeout_s = lode_given_or(config->timeout_s, ATTEMPTS * attempt_s(config));
 }
 
-static lode_status_t check(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
-                           float omega_max_rad_s, float ts_s) {
+static lode_status_t check(const lode_start_config_t *config,
+                           const lode_inverter_config_t *inverter, float omega_max_rad_s,
+                           float ts_s) {
     if (!lode_in_range(config->current_A, 1.0e-3f * inverter->i_max_A, inverter->i_max_A)) {
         return LODE_ERROR_START_CURRENT;
     }
     if (!lode_in_range(config->omega_handover_rad_s, 1.0e-3f * omega_max_rad_s, omega_max_rad_s)) {
         return LODE_ERROR_START_SPEED;
     }
-    if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f) || !lode_in_range(config->current_rise_s, ts_s, 100.0f) ||
-        !lode_in_range(config->lock_s, ts_s, 10.0f) || !lode_in_range(config->fade_s, ts_s, 10.0f) ||
+    if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f) ||
+        !lode_in_range(config->current_rise_s, ts_s, 100.0f) ||
+        !lode_in_range(config->lock_s, ts_s, 10.0f) ||
+        !lode_in_range(config->fade_s, ts_s, 10.0f) ||
         !lode_in_range(config->timeout_s, config->lock_s, 1000.0f)) {
         return LODE_ERROR_START_RAMP;
     }
@@ -62,8 +67,8 @@ static lode_status_t check(const lode_start_config_t *config, const lode_inverte
 }
 
 lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_config_t *config,
-                              const lode_inverter_config_t *inverter, const lode_motor_t *motor, float omega_max_rad_s,
-                              float ts_s) {
+                              const lode_inverter_config_t *inverter, const lode_motor_t *motor,
+                              float omega_max_rad_s, float ts_s) {
     const lode_status_t status = check(config, inverter, omega_max_rad_s, ts_s);
     if (status != LODE_OK) {
         return status;
@@ -95,11 +100,13 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 }
 
 void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, float current_A) {
-    *self = (lode_start_t){.theta_rad = lode_wrap(theta_rad), .omega_rad_s = omega_rad_s, .current_A = current_A};
+    *self = (lode_start_t){
+        .theta_rad = lode_wrap(theta_rad), .omega_rad_s = omega_rad_s, .current_A = current_A};
 }
 
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
-static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s) {
+static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
+                      float omega_target_rad_s) {
     const bool starting = lode_abs(omega_target_rad_s) > 0.0f;
     self->attempt = starting ? self->attempt + 1u : 0u;
     if (self->attempt > tuning->attempt_periods) {
@@ -109,8 +116,8 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning, flo
     }
 }
 
-LODE_HOT float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
-                               float current_A, lode_ab_t e_V) {
+LODE_HOT float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
+                               float omega_target_rad_s, float current_A, lode_ab_t e_V) {
     self->theta_rad = lode_wrap(self->theta_rad + tuning->ts_s * self->omega_rad_s);
     const float across_V = lode_park(e_V, lode_sincos(self->theta_rad)).q;
     self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
@@ -129,10 +136,12 @@ LODE_HOT float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tu
     return lode_wrap_once(self->theta_rad + self->shift_rad);
 }
 
-bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning, const lode_estimate_t *estimate) {
+bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning,
+                      const lode_estimate_t *estimate) {
     const float omega = self->omega_rad_s;
     const float difference = lode_abs(estimate->omega_rad_s - omega);
-    const bool sound = lode_abs(omega) >= tuning->omega_handover && estimate->lock >= LODE_LOCK_HANDOVER &&
+    const bool sound = lode_abs(omega) >= tuning->omega_handover &&
+                       estimate->lock >= LODE_LOCK_HANDOVER &&
                        difference <= SPEED_TOLERANCE * tuning->omega_handover;
     self->locked = sound ? self->locked + 1u : 0u;
     return self->locked >= tuning->lock_periods;

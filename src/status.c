@@ -1,8 +1,8 @@
 #include "lodestar/status.h"
 
 // One row per enumerator: the compiler's -Wswitch finds a missing one.
-#define NAME(status) \
-    case status:     \
+#define NAME(status)                                                                               \
+    case status:                                                                                   \
         return #status
 
 const char *lode_status_name(lode_status_t status) {

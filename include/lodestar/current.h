@@ -14,8 +14,8 @@ typedef struct {
     float kp_q_V_A;
     float ki_d_V_As;
     float ki_q_V_As;
-    float voltage_use;     ///< share of v_bus/sqrt(3) that may be used; 0: 0.95, the rest is for the
-                           ///< dead-time correction
+    float voltage_use; ///< share of v_bus/sqrt(3) that may be used; 0: 0.95, the rest is for the
+                       ///< dead-time correction
 } lode_current_config_t;
 
 typedef struct {
@@ -24,8 +24,8 @@ typedef struct {
     float Ld_H;
     float Lq_H;
     float psi_Wb;
-    float circle;     ///< radius of the voltage circle per bus volt
-    float d_share;    ///< of the circle that the d axis may take, so that q keeps headroom
+    float circle;  ///< radius of the voltage circle per bus volt
+    float d_share; ///< of the circle that the d axis may take, so that q keeps headroom
 } lode_current_tuning_t;
 
 typedef struct {
@@ -40,13 +40,13 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
 
 /// Puts the integrators where the output is `u_V` without control error: for a bumpless start of
 /// control, or a change of frame, at the currents `i_A` and the electrical speed `omega_rad_s`.
-void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t u_V, lode_dq_t i_A,
-                        float omega_rad_s);
+void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t u_V,
+                        lode_dq_t i_A, float omega_rad_s);
 
 /// Voltage for the references `ref_A` at the currents `i_A`. `omega_rad_s`: electrical speed of the
 /// rotor for decoupling and EMF feed-forward, 0 in a frame that is not the rotor's. Integrates on the
 /// voltage inside the circle: what the modulator clamps beyond that is the dead-time correction's only.
-lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t ref_A, lode_dq_t i_A,
-                            float omega_rad_s, float v_bus_V);
+lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tuning_t *tuning,
+                            lode_dq_t ref_A, lode_dq_t i_A, float omega_rad_s, float v_bus_V);
 
 #endif

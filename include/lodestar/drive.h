@@ -39,7 +39,7 @@ typedef struct {
 typedef struct {
     float ts_s;
     float inv_pole_pairs;
-    float omega_min;         ///< least electrical speed in RUN
+    float omega_min; ///< least electrical speed in RUN
     lode_sense_tuning_t sense;
     lode_inverter_tuning_t inverter;
     lode_estimator_tuning_t estimator;
@@ -66,12 +66,12 @@ const char *lode_mode_name(lode_mode_t mode);
 /// What the drive shall do. RUN calibrates and starts by itself where that is needed, and with speed 0
 /// stops and switches off.
 typedef struct {
-    lode_mode_t mode;   ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
-    float speed_rad_s;  ///< RUN: MECHANICAL speed, either sign
-    lode_dq_t vector;   ///< VOLTAGE: V, CURRENT: A, in a frame at theta_rad
-    float theta_rad;    ///< VOLTAGE, CURRENT: angle of that frame when the mode is entered
-    float omega_rad_s;  ///< VOLTAGE, CURRENT: electrical speed at which it turns
-    bool clear_fault;   ///< with OFF: leave FAULT
+    lode_mode_t mode;  ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
+    float speed_rad_s; ///< RUN: MECHANICAL speed, either sign
+    lode_dq_t vector;  ///< VOLTAGE: V, CURRENT: A, in a frame at theta_rad
+    float theta_rad;   ///< VOLTAGE, CURRENT: angle of that frame when the mode is entered
+    float omega_rad_s; ///< VOLTAGE, CURRENT: electrical speed at which it turns
+    bool clear_fault;  ///< with OFF: leave FAULT
 } lode_command_t;
 
 typedef struct {
@@ -109,9 +109,9 @@ typedef struct {
 /// One period's inputs to estimation.
 typedef struct {
     lode_sample_t sample;
-    lode_ab_t u_V;        ///< mean voltage over [t_k-1, t_k)
+    lode_ab_t u_V; ///< mean voltage over [t_k-1, t_k)
     lode_calibration_t calibration;
-    float offset_count;   ///< worst offset, while calibrating
+    float offset_count; ///< worst offset, while calibrating
 } lode_measurement_t;
 
 /// A consistent picture of one period, for logs and displays.
@@ -120,7 +120,7 @@ typedef struct {
     lode_mode_t mode;
     lode_fault_t fault;
     lode_abc_t duty;
-    lode_dq_t i_A;         ///< in the frame of control: the rotor's in RUN, the vector's in START
+    lode_dq_t i_A; ///< in the frame of control: the rotor's in RUN, the vector's in START
     lode_dq_t ref_A;
     lode_dq_t u_V;
     float v_bus_V;
@@ -142,7 +142,8 @@ void lode_drive_design(lode_drive_config_t *config);
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
 
 /// lode_drive_tune(), then a drive at rest in OFF. On any error both are left alone.
-lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
+lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
+                              const lode_drive_config_t *config);
 
 /// One PWM period: sense, estimate, act. Total, bounded, without allocation.
 lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts);

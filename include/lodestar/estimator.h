@@ -15,10 +15,11 @@ typedef struct {
     lode_emf_config_t emf;
     lode_pll_config_t pll;
     lode_lag_kind_t compensation;
-    lode_choice_t active_flux; ///< the EMF of a changing active flux, which both papers drop; auto: on
-    float emin_V;              ///< least EMF that is divided by; 0: 0.03 of rated
-    float omega_max_rad_s;     ///< highest electrical speed of the application; 0: 2.5 times rated
-    float lock_s;              ///< time constant of the lock quality; 0: 5 ms
+    lode_choice_t
+        active_flux;       ///< the EMF of a changing active flux, which both papers drop; auto: on
+    float emin_V;          ///< least EMF that is divided by; 0: 0.03 of rated
+    float omega_max_rad_s; ///< highest electrical speed of the application; 0: 2.5 times rated
+    float lock_s;          ///< time constant of the lock quality; 0: 5 ms
 } lode_estimator_config_t;
 
 typedef struct {
@@ -27,24 +28,24 @@ typedef struct {
     lode_lag_t lag;
     float half_ts_s;
     float emin_V;
-    float omega_limit;      ///< twice omega_max: beyond it the speed is taken for an alias
+    float omega_limit; ///< twice omega_max: beyond it the speed is taken for an alias
     float psi_Wb;
-    float salient_H;        ///< Ld - Lq
-    float acc_per_torque;   ///< 1.5 np^2/J; 0 without feed-forward
-    float acc_per_omega;    ///< B/J
-    float load_per_f_Nm;    ///< -J/np; 0 without disturbance state
-    float lock_weight;      ///< of a new sample in lock quality and mean rotation
-    uint32_t settle_periods; ///< from reset until the first acquisition
+    float salient_H;           ///< Ld - Lq
+    float acc_per_torque;      ///< 1.5 np^2/J; 0 without feed-forward
+    float acc_per_omega;       ///< B/J
+    float load_per_f_Nm;       ///< -J/np; 0 without disturbance state
+    float lock_weight;         ///< of a new sample in lock quality and mean rotation
+    uint32_t settle_periods;   ///< from reset until the first acquisition
     uint32_t patience_periods; ///< without lock until the next one
 } lode_estimator_tuning_t;
 
 typedef struct {
     lode_emf_t emf;
     lode_pll_t pll;
-    float lag_rad;        ///< of the observer at the present speed
-    lode_ab_t rotation;   ///< mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
+    float lag_rad;      ///< of the observer at the present speed
+    lode_ab_t rotation; ///< mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
     float lock;
-    uint32_t wait;        ///< periods until the next acquisition, while there is no lock
+    uint32_t wait; ///< periods until the next acquisition, while there is no lock
 } lode_estimator_t;
 
 /// All at t_k, the instant of the current sample.
@@ -56,7 +57,7 @@ typedef struct {
     lode_ab_t e_V;        ///< raw output of the EMF observer
     float load_torque_Nm; ///< 0 with the QPLL
     float lock;           ///< 0: no information .. 1: trustworthy; below LODE_LOCK_LOST it is lost
-    bool reseeded;        ///< the state was out of range or lost, and was taken up anew in this call
+    bool reseeded; ///< the state was out of range or lost, and was taken up anew in this call
 } lode_estimate_t;
 
 /// Below this quality the angle must not be used: the EMF's amplitude is 40 % off what the speed
@@ -67,19 +68,20 @@ typedef struct {
 /// Fills every zero field that has a default; `motor->omega_rated_rad_s` must be set.
 void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *motor, float ts_s);
 
-lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning, const lode_estimator_config_t *config,
-                                  const lode_motor_t *motor, float ts_s);
+lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
+                                  const lode_estimator_config_t *config, const lode_motor_t *motor,
+                                  float ts_s);
 
 /// Knows nothing: angle and speed are acquired from the EMF within a few milliseconds of motion.
 void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 
 /// Puts angle and speed where the caller knows them to be, as in a forced start. The EMF goes on.
-void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float theta_rad,
-                         float omega_rad_s);
+void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                         float theta_rad, float omega_rad_s);
 
 /// One period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k.
 /// Total: whatever goes in, finite and in range comes out, and `reseeded` tells.
-lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, lode_ab_t u_V,
-                                    lode_ab_t i_A);
+lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                                    lode_ab_t u_V, lode_ab_t i_A);
 
 #endif

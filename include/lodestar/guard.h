@@ -7,19 +7,19 @@
 
 typedef enum {
     LODE_CHECK_NONE = 0,
-    LODE_CHECK_HARDWARE_TRIP, ///< the power stage reported a trip
-    LODE_CHECK_OVER_CURRENT,  ///< a phase current, A, of either sign
-    LODE_CHECK_CURRENT_RAIL,  ///< a current sample at the end of the converter's range, A
-    LODE_CHECK_OVER_VOLTAGE,  ///< bus, V
-    LODE_CHECK_UNDER_VOLTAGE, ///< bus, V
+    LODE_CHECK_HARDWARE_TRIP,    ///< the power stage reported a trip
+    LODE_CHECK_OVER_CURRENT,     ///< a phase current, A, of either sign
+    LODE_CHECK_CURRENT_RAIL,     ///< a current sample at the end of the converter's range, A
+    LODE_CHECK_OVER_VOLTAGE,     ///< bus, V
+    LODE_CHECK_UNDER_VOLTAGE,    ///< bus, V
     LODE_CHECK_OVER_TEMPERATURE, ///< power stage, degC
-    LODE_CHECK_TIMING,        ///< stamp between two calls, counts
-    LODE_CHECK_NON_FINITE,    ///< a quantity left the finite range
-    LODE_CHECK_OVER_SPEED,    ///< electrical, rad/s
-    LODE_CHECK_LOST_LOCK,     ///< lock quality while running without a sensor
-    LODE_CHECK_WRONG_WAY,     ///< electrical speed against the commanded direction, rad/s
-    LODE_CHECK_START,         ///< no lock before the time-out: best lock quality seen last
-    LODE_CHECK_OFFSET,        ///< deviation of a calibrated current offset, counts
+    LODE_CHECK_TIMING,           ///< stamp between two calls, counts
+    LODE_CHECK_NON_FINITE,       ///< a quantity left the finite range
+    LODE_CHECK_OVER_SPEED,       ///< electrical, rad/s
+    LODE_CHECK_LOST_LOCK,        ///< lock quality while running without a sensor
+    LODE_CHECK_WRONG_WAY,        ///< electrical speed against the commanded direction, rad/s
+    LODE_CHECK_START,            ///< no lock before the time-out: best lock quality seen last
+    LODE_CHECK_OFFSET,           ///< deviation of a calibrated current offset, counts
     LODE_CHECK_COUNT
 } lode_check_t;
 
@@ -27,14 +27,14 @@ typedef enum {
 const char *lode_check_name(lode_check_t check);
 
 typedef struct {
-    float i_trip_A;          ///< phase current, either sign, at once; 0: 1.5 i_max
-    float v_bus_max_V;       ///< 0: 1.25 times nominal
-    float v_bus_min_V;       ///< 0: 0.6 times nominal
+    float i_trip_A;             ///< phase current, either sign, at once; 0: 1.5 i_max
+    float v_bus_max_V;          ///< 0: 1.25 times nominal
+    float v_bus_min_V;          ///< 0: 0.6 times nominal
     float temperature_max_degC; ///< 0: 100
-    float omega_max_rad_s;   ///< electrical; 0: 1.3 times the estimator's
-    float bus_s;             ///< debounce of bus, temperature and rail; 0: 1 ms
-    float lock_s;            ///< lost lock, wrong way and over-speed; 0: 15 ms
-    float stamp_per_period;  ///< counts of the free-running stamp per period; 0: not watched
+    float omega_max_rad_s;      ///< electrical; 0: 1.3 times the estimator's
+    float bus_s;                ///< debounce of bus, temperature and rail; 0: 1 ms
+    float lock_s;               ///< lost lock, wrong way and over-speed; 0: 15 ms
+    float stamp_per_period;     ///< counts of the free-running stamp per period; 0: not watched
 } lode_guard_config_t;
 
 typedef struct {
@@ -46,50 +46,53 @@ typedef struct {
     int32_t bus_periods;
     int32_t lock_periods;
     uint32_t stamp_min;
-    uint32_t stamp_max;   ///< 0: not watched
+    uint32_t stamp_max; ///< 0: not watched
 } lode_guard_tuning_t;
 
 typedef struct {
-    uint_least8_t state;   ///< lode_mode_t in which it happened
-    uint_least8_t check;   ///< lode_check_t
-    float measured;        ///< in the unit of the check
+    uint_least8_t state; ///< lode_mode_t in which it happened
+    uint_least8_t check; ///< lode_check_t
+    float measured;      ///< in the unit of the check
     float limit;
 } lode_fault_t;
 
 typedef struct {
-    lode_fault_t fault;    ///< check == LODE_CHECK_NONE: none
-    int32_t bus;           ///< debounce counters: up while out of range, down while in range
+    lode_fault_t fault; ///< check == LODE_CHECK_NONE: none
+    int32_t bus;        ///< debounce counters: up while out of range, down while in range
     int32_t temperature;
     int32_t rail;
     int32_t lock;
     int32_t speed;
     int32_t direction;
     uint32_t stamp;
-    bool stamped;          ///< `stamp` holds the one of the last call
+    bool stamped; ///< `stamp` holds the one of the last call
 } lode_guard_t;
 
 /// What the guard needs to know of the period.
 typedef struct {
-    uint_least8_t state;  ///< lode_mode_t
-    bool sensorless;      ///< the estimator drives the motor
-    float direction;      ///< commanded sense of rotation, -1 or +1
-    bool finite;          ///< voltage and duties of this period are finite
+    uint_least8_t state; ///< lode_mode_t
+    bool sensorless;     ///< the estimator drives the motor
+    float direction;     ///< commanded sense of rotation, -1 or +1
+    bool finite;         ///< voltage and duties of this period are finite
 } lode_situation_t;
 
 /// No fault, nothing counted.
 void lode_guard_reset(lode_guard_t *self);
 
 /// Latches a fault unless one is latched already.
-void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured, float limit);
+void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
+                     float limit);
 
 /// Checks one period with the gates on. False: a fault is latched and the gates must go off.
-bool lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning, const lode_sample_t *sample,
-                     const lode_estimate_t *estimate, lode_situation_t now);
+bool lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                     const lode_sample_t *sample, const lode_estimate_t *estimate,
+                     lode_situation_t now);
 
 void lode_guard_design(lode_guard_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_estimator_config_t *estimator);
 
 lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_config_t *config,
-                              const lode_inverter_config_t *inverter, const lode_sense_config_t *sense, float ts_s);
+                              const lode_inverter_config_t *inverter,
+                              const lode_sense_config_t *sense, float ts_s);
 
 #endif

@@ -9,31 +9,33 @@
 #include "lodestar/status.h"
 
 typedef struct {
-    float v_bus_V;     ///< nominal bus voltage, 1 .. 2000
-    float i_max_A;     ///< highest amplitude of the phase current that the drive may command
-    float dead_time_s; ///< both switches of a leg off, per edge; turn-on minus turn-off delay included
-    float v_drop_V;    ///< on-state threshold of switch and diode
-    float r_on_Ohm;    ///< on-state slope
-    float i_dead_A;    ///< below this phase current the effect of dead time fades, proportionally: the
-                       ///< ripple reverses the current within the period. At full modulation; it falls
-                       ///< with the modulation, as the ripple does. 0: half the ripple, v_bus Ts/(8 L)
-    float pwm_ticks;   ///< timer steps from duty 0 to 1; 0: not quantised
+    float v_bus_V; ///< nominal bus voltage, 1 .. 2000
+    float i_max_A; ///< highest amplitude of the phase current that the drive may command
+    float
+        dead_time_s; ///< both switches of a leg off, per edge; turn-on minus turn-off delay included
+    float v_drop_V;  ///< on-state threshold of switch and diode
+    float r_on_Ohm;  ///< on-state slope
+    float i_dead_A; ///< below this phase current the effect of dead time fades, proportionally: the
+                    ///< ripple reverses the current within the period. At full modulation; it falls
+                    ///< with the modulation, as the ripple does. 0: half the ripple, v_bus Ts/(8 L)
+    float pwm_ticks;                    ///< timer steps from duty 0 to 1; 0: not quantised
     lode_choice_t dead_time_correction; ///< correct in the duties; auto: where there is a dead time
-    lode_choice_t dead_time_model; ///< without the correction: take the loss out of the observer's voltage; auto: no
+    lode_choice_t
+        dead_time_model; ///< without the correction: take the loss out of the observer's voltage; auto: no
 } lode_inverter_config_t;
 
 typedef struct {
     float ts_s;
-    float v_min_V;        ///< least bus voltage that is divided by
-    float dead_duty;      ///< share of the period lost to dead time
+    float v_min_V;   ///< least bus voltage that is divided by
+    float dead_duty; ///< share of the period lost to dead time
     float v_drop_V;
     float r_on_Ohm;
-    float i_dead_min_A;   ///< at no modulation
-    float i_dead_span_A;  ///< added at full modulation
-    float ticks;          ///< 0: not quantised
+    float i_dead_min_A;  ///< at no modulation
+    float i_dead_span_A; ///< added at full modulation
+    float ticks;         ///< 0: not quantised
     float inv_ticks;
-    bool correct;         ///< loss added to the duties
-    bool model;           ///< loss taken out of the observer's voltage instead
+    bool correct; ///< loss added to the duties
+    bool model;   ///< loss taken out of the observer's voltage instead
 } lode_inverter_tuning_t;
 
 /// The duties on their way. Call k writes what acts over [t_k+1, t_k+2); the current sampled by call
@@ -47,7 +49,8 @@ typedef struct {
 /// Fills every zero field that has a default.
 void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *motor, float ts_s);
 
-lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning, const lode_inverter_config_t *config, float ts_s);
+lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
+                                 const lode_inverter_config_t *config, float ts_s);
 
 /// No voltage on its way.
 void lode_inverter_reset(lode_inverter_t *self);
@@ -63,8 +66,8 @@ static inline void lode_inverter_write(lode_inverter_t *self, lode_ab_t realised
 
 /// Loss of duty in each phase at the currents `i_A`: dead time and drops. Odd in the current.
 /// `span`: largest less smallest duty, 0 .. 1.
-static inline lode_abc_t lode_inverter_loss(const lode_inverter_tuning_t *tuning, lode_abc_t i_A, float span,
-                                            float inv_v_bus) {
+static inline lode_abc_t lode_inverter_loss(const lode_inverter_tuning_t *tuning, lode_abc_t i_A,
+                                            float span, float inv_v_bus) {
     const float i_dead = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
     const float per_A = (tuning->dead_duty + tuning->v_drop_V * inv_v_bus) / i_dead;
     const float slope = tuning->r_on_Ohm * inv_v_bus;

@@ -15,7 +15,7 @@ typedef enum {
 } lode_lag_kind_t;
 
 typedef struct {
-    float inv_range2;              ///< 1/omega^2 at the end of the fitted range
+    float inv_range2;                  ///< 1/omega^2 at the end of the fitted range
     float coefficient[LODE_LAG_TERMS]; ///< lag/omega in powers of (omega/range)^2, s
 } lode_lag_t;
 

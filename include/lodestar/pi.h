@@ -18,8 +18,8 @@ static inline void lode_pi_reset(lode_pi_t *self, float integral) {
 }
 
 /// What the controller asks for, before any limit.
-static inline float lode_pi_output(const lode_pi_t *self, const lode_pi_tuning_t *tuning, float error,
-                                   float feed_forward) {
+static inline float lode_pi_output(const lode_pi_t *self, const lode_pi_tuning_t *tuning,
+                                   float error, float feed_forward) {
     return tuning->kp * error + self->integral + feed_forward;
 }
 

@@ -16,20 +16,21 @@ typedef enum {
 
 typedef struct {
     lode_pll_kind_t kind;
-    float sigma_rad_s;       ///< triple (double) pole at and above omega_high; 0: scheduled, 0.21 of rated speed
-    float sigma_low_rad_s;   ///< the same at and below omega_low; 0: as sigma_rad_s if that is given,
-                             ///< else 0.13 of rated speed
-    float omega_low_rad_s;   ///< 0: 0.1 of rated speed
-    float omega_high_rad_s;  ///< 0: 0.4 of rated speed
+    float
+        sigma_rad_s; ///< triple (double) pole at and above omega_high; 0: scheduled, 0.21 of rated speed
+    float sigma_low_rad_s; ///< the same at and below omega_low; 0: as sigma_rad_s if that is given,
+                           ///< else 0.13 of rated speed
+    float omega_low_rad_s; ///< 0: 0.1 of rated speed
+    float omega_high_rad_s; ///< 0: 0.4 of rated speed
 } lode_pll_config_t;
 
 typedef struct {
     float ts_s;
     float inv_ts;
-    float x_low;       ///< 1 - exp(-sigma Ts) at low speed
-    float x_rise;      ///< its increase up to omega_high
+    float x_low;  ///< 1 - exp(-sigma Ts) at low speed
+    float x_rise; ///< its increase up to omega_high
     float omega_low;
-    float inv_span;    ///< 1/(omega_high - omega_low)
+    float inv_span; ///< 1/(omega_high - omega_low)
     bool third_order;
 } lode_pll_tuning_t;
 
@@ -51,13 +52,15 @@ void lode_pll_reset(lode_pll_t *self, float theta_rad, float omega_rad_s);
 /// Moves the state from t_k-1 to t_k (paper 1, eq. 19, exact for constant acceleration).
 static inline void lode_pll_predict(lode_pll_t *self, const lode_pll_tuning_t *tuning) {
     const float step = tuning->ts_s * (self->f_rad_s2 + self->acc_rad_s2);
-    self->theta_rad = lode_wrap_once(self->theta_rad + tuning->ts_s * (self->omega_rad_s + 0.5f * step));
+    self->theta_rad =
+        lode_wrap_once(self->theta_rad + tuning->ts_s * (self->omega_rad_s + 0.5f * step));
     self->omega_rad_s += step;
 }
 
 /// Corrects the state by the position error `error_rad` found at t_k. It may come from the EMF, from
 /// signal injection, or from a weighted sum of both.
-static inline void lode_pll_correct(lode_pll_t *self, const lode_pll_tuning_t *tuning, float error_rad) {
+static inline void lode_pll_correct(lode_pll_t *self, const lode_pll_tuning_t *tuning,
+                                    float error_rad) {
     const float up = (lode_abs(self->omega_rad_s) - tuning->omega_low) * tuning->inv_span;
     const float x = tuning->x_low + tuning->x_rise * lode_clamp(up, 0.0f, 1.0f);
     if (tuning->third_order) {

@@ -71,7 +71,8 @@ float lode_wrap(float x_rad);
 /// Sine and cosine from one range reduction. Error at most 1e-6 for |x| <= 8 pi; beyond
 /// LODE_ANGLE_LIMIT_rad and for NaN those of angle 0.
 static inline lode_sincos_t lode_sincos(float x_rad) {
-    const float x = lode_in_range(x_rad, -LODE_ANGLE_LIMIT_rad, LODE_ANGLE_LIMIT_rad) ? x_rad : 0.0f;
+    const float x =
+        lode_in_range(x_rad, -LODE_ANGLE_LIMIT_rad, LODE_ANGLE_LIMIT_rad) ? x_rad : 0.0f;
     // Quarter turns to the nearest; |x| is bounded, so the cast is defined.
     const float quarters = x * 0.636619772367581343f;
     const int32_t n = (int32_t)(quarters + (quarters < 0.0f ? -0.5f : 0.5f));
@@ -79,12 +80,15 @@ static inline lode_sincos_t lode_sincos(float x_rad) {
     const float r = (x - (float)n * 1.5703125f) - (float)n * 4.83826794896619231e-4f;
     const float r2 = r * r;
     // Near-minimax on [-pi/4, pi/4]: tests/golden/gen_minimax.py.
-    const float s = r + r * r2 * (-1.66666646563e-1f + r2 * (8.33274710437e-3f - r2 * 1.95876390353e-4f));
-    const float c = 1.0f + r2 * (-0.5f + r2 * (4.16666505965e-2f + r2 * (-1.38875865646e-3f + r2 * 2.44634525345e-5f)));
+    const float s =
+        r + r * r2 * (-1.66666646563e-1f + r2 * (8.33274710437e-3f - r2 * 1.95876390353e-4f));
+    const float c = 1.0f + r2 * (-0.5f + r2 * (4.16666505965e-2f +
+                                               r2 * (-1.38875865646e-3f + r2 * 2.44634525345e-5f)));
     const bool swap = (n & 1) != 0;
     const float sin_abs = swap ? c : s;
     const float cos_abs = swap ? s : c;
-    return (lode_sincos_t){(n & 2) != 0 ? -sin_abs : sin_abs, ((n + 1) & 2) != 0 ? -cos_abs : cos_abs};
+    return (lode_sincos_t){(n & 2) != 0 ? -sin_abs : sin_abs,
+                           ((n + 1) & 2) != 0 ? -cos_abs : cos_abs};
 }
 
 /// Angle of the vector (x, y) in [-pi, pi]. Error at most 1e-6 rad; 0 for (0, 0) and for NaN.

@@ -15,15 +15,16 @@ typedef enum {
 /// What a board's converters deliver. Gains may be negative where an amplifier inverts.
 typedef struct {
     lode_shunts_t shunts;
-    float i_gain_A_count;         ///< current out of the inverter per count
-    float i_offset_count;         ///< nominal count at zero current
-    float i_offset_tol_count;     ///< largest plausible deviation of a calibrated offset; 0: 5 % of full scale
-    float count_max;              ///< highest count of the converters; 0: 4095
-    float v_bus_gain_V_count;     ///< bus voltage per count, from count 0
+    float i_gain_A_count; ///< current out of the inverter per count
+    float i_offset_count; ///< nominal count at zero current
+    float
+        i_offset_tol_count; ///< largest plausible deviation of a calibrated offset; 0: 5 % of full scale
+    float count_max;        ///< highest count of the converters; 0: 4095
+    float v_bus_gain_V_count;          ///< bus voltage per count, from count 0
     float temperature_gain_degC_count; ///< 0: no sensor
     float temperature_offset_degC;     ///< temperature at count 0
-    float duty_max;    ///< low-side shunts: above this duty a phase has no time to be sampled and is
-                       ///< taken from the other two; 1: sampled always. 0: 1
+    float duty_max; ///< low-side shunts: above this duty a phase has no time to be sampled and is
+                    ///< taken from the other two; 1: sampled always. 0: 1
     float calibrate_s; ///< time over which offsets are averaged; 0: 0.1
 } lode_sense_config_t;
 
@@ -66,14 +67,18 @@ typedef struct {
     bool railed; ///< a current sample in use sits at the end of the converter's range
 } lode_sample_t;
 
-typedef enum { LODE_CALIBRATION_RUNNING, LODE_CALIBRATION_DONE, LODE_CALIBRATION_IMPLAUSIBLE } lode_calibration_t;
+typedef enum {
+    LODE_CALIBRATION_RUNNING,
+    LODE_CALIBRATION_DONE,
+    LODE_CALIBRATION_IMPLAUSIBLE
+} lode_calibration_t;
 
 /// Fills every zero field that has a default.
 void lode_sense_design(lode_sense_config_t *config);
 
 /// Checks `config` for currents up to `i_max_A` and a bus of `v_bus_V`, and derives the tuning.
-lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_config_t *config, float i_max_A,
-                              float v_bus_V, float ts_s);
+lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_config_t *config,
+                              float i_max_A, float v_bus_V, float ts_s);
 
 /// Nominal offsets, no calibration under way.
 void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning);

@@ -9,41 +9,47 @@
 #include "lodestar/status.h"
 
 typedef struct {
-    float kp_Nms;           ///< torque per mechanical rad/s; 0: from the bandwidth
-    float ki_Nm;            ///< torque per mechanical rad; 0: kp times bandwidth/4
-    float bandwidth_rad_s;  ///< crossover; 0: a quarter of the PLL's sigma at low speed
-    float ramp_rad_s2;      ///< slope of the MECHANICAL speed reference; 0: half the torque limit over J
-    float load_feed_forward;  ///< share of the estimated load torque, 0 .. 1; 0: 0.5; LODE_NONE: none
-    float omega_min_rad_s;  ///< least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
+    float kp_Nms;          ///< torque per mechanical rad/s; 0: from the bandwidth
+    float ki_Nm;           ///< torque per mechanical rad; 0: kp times bandwidth/4
+    float bandwidth_rad_s; ///< crossover; 0: a quarter of the PLL's sigma at low speed
+    float ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: half the torque limit over J
+    float inertia_feed_forward; ///< share of the torque that the ramp needs for J, 0 .. 1; 0: 1;
+                                ///< LODE_NONE: none
+    float
+        load_feed_forward; ///< share of the estimated load torque, 0 .. 1; 0: 0.5; LODE_NONE: none
+    float
+        omega_min_rad_s; ///< least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
 } lode_speed_config_t;
 
 typedef struct {
     lode_pi_tuning_t pi;
     float inv_pole_pairs;
-    float ramp_step;        ///< mechanical rad/s per period
-    float feed_forward;
+    float ramp_step; ///< mechanical rad/s per period
+    float load_feed_forward;
+    float inertia_Nm; ///< torque per mechanical rad/s and period
     float torque_max_Nm;
 } lode_speed_tuning_t;
 
 typedef struct {
     lode_pi_t pi;
-    float reference_rad_s;  ///< ramped reference, mechanical
+    float reference_rad_s; ///< ramped reference, mechanical
 } lode_speed_t;
 
-void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter, const lode_motor_t *motor,
-                       float sigma_low_rad_s, float omega_handover_rad_s);
+void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
+                       const lode_motor_t *motor, float sigma_low_rad_s,
+                       float omega_handover_rad_s);
 
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
                               const lode_inverter_config_t *inverter, const lode_motor_t *motor,
                               float sigma_low_rad_s, float ts_s);
 
 /// Starts from the mechanical speed `omega_rad_s` with the torque `torque_Nm`, without a jump.
-void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s, float torque_Nm,
-                      float load_Nm);
+void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,
+                      float torque_Nm, float load_Nm);
 
 /// Torque reference, Nm, for the mechanical target `target_rad_s` at the estimated ELECTRICAL speed
 /// `omega_rad_s` and load torque `load_Nm`.
-float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning, float target_rad_s, float omega_rad_s,
-                      float load_Nm);
+float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning, float target_rad_s,
+                      float omega_rad_s, float load_Nm);
 
 #endif
