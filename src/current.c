@@ -17,20 +17,20 @@ void lode_current_design(lode_current_config_t *config, const lode_motor_t *moto
     config->voltage_use = lode_given_or(config->voltage_use, VOLTAGE_USE);
 }
 
+// Fast enough for the delay, and the poles of L s^2 + (R + kp) s + ki damped by at least 0.5.
+static bool is_damped(float kp, float ki, float R, float L, float ts_s) {
+    const float total = R + kp;
+    return lode_in_range(kp, 1.0e-6f, 1.001f * BANDWIDTH_TS_MAX * L / ts_s) &&
+           lode_in_range(ki * L, 0.0f, total * total);
+}
+
 lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_current_config_t *config,
                                 const lode_motor_t *motor, float ts_s) {
     if (!lode_in_range(config->bandwidth_rad_s, 1.0f, BANDWIDTH_TS_MAX / ts_s)) {
         return LODE_ERROR_CURRENT_BANDWIDTH;
     }
-    const float kp_max = BANDWIDTH_TS_MAX / ts_s;
-    // The integrator's corner stays a factor of 3 below the crossover that kp gives.
-    const bool d_sound = lode_in_range(config->kp_d_V_A, 1.0e-6f, 1.001f * kp_max * motor->Ld_H) &&
-                         lode_in_range(config->ki_d_V_As * motor->Ld_H * 3.0f, 0.0f,
-                                       config->kp_d_V_A * config->kp_d_V_A);
-    const bool q_sound = lode_in_range(config->kp_q_V_A, 1.0e-6f, 1.001f * kp_max * motor->Lq_H) &&
-                         lode_in_range(config->ki_q_V_As * motor->Lq_H * 3.0f, 0.0f,
-                                       config->kp_q_V_A * config->kp_q_V_A);
-    if (!d_sound || !q_sound) {
+    if (!is_damped(config->kp_d_V_A, config->ki_d_V_As, motor->Rs_Ohm, motor->Ld_H, ts_s) ||
+        !is_damped(config->kp_q_V_A, config->ki_q_V_As, motor->Rs_Ohm, motor->Lq_H, ts_s)) {
         return LODE_ERROR_CURRENT_GAINS;
     }
     if (!lode_in_range(config->voltage_use, 0.1f, 1.0f)) {
@@ -74,7 +74,7 @@ LODE_HOT lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tu
     const float ud = lode_clamp(asked.d, -d_max, d_max);
     const float q_max = lode_sqrt(radius * radius - ud * ud);
     const lode_dq_t u_V = {ud, lode_clamp(asked.q, -q_max, q_max)};
-    lode_pi_settle(&self->d, &tuning->d, error.d, asked.d, u_V.d);
-    lode_pi_settle(&self->q, &tuning->q, error.q, asked.q, u_V.q);
+    lode_pi_settle(&self->d, &tuning->d, error.d, ff.d, asked.d, u_V.d);
+    lode_pi_settle(&self->q, &tuning->q, error.q, ff.q, asked.q, u_V.q);
     return u_V;
 }

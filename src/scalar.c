@@ -23,8 +23,7 @@ float lode_atan2(float y, float x) {
     const float ay = lode_abs(y);
     const float large = lode_max(ax, ay);
     const float small = lode_min(ax, ay);
-    // False for NaN too; Inf would make the ratio NaN.
-    if (!(large > 0.0f && large <= FLT_MAX && small >= 0.0f)) {
+    if (!lode_is_finite(x) || !lode_is_finite(y) || !(large > 0.0f)) {
         return 0.0f;
     }
     const float octant = arctan_unit(small / large);

@@ -4,8 +4,11 @@
 #define OFFSET_TOLERANCE 0.05f
 #define COUNT_MAX_12_BIT 4095.0f
 #define CALIBRATION_TIME_s 0.1f
-// From here on a sum of 16-bit counts in a float still resolves a tenth of a count on average.
+// So many 16-bit counts fit into a sum of 32 bits.
 #define CALIBRATION_SAMPLES_MAX 65536.0f
+#define PHASES 3
+// Beyond any board: keeps every sample finite.
+#define GAIN_MAX 1.0e4f
 
 void lode_sense_design(lode_sense_config_t *config) {
     config->count_max = lode_given_or(config->count_max, COUNT_MAX_12_BIT);
@@ -23,11 +26,11 @@ static lode_status_t check_ranges(const lode_sense_config_t *config, float i_max
     }
     const float headroom =
         lode_min(config->i_offset_count, config->count_max - config->i_offset_count);
-    if (!lode_is_finite(config->i_gain_A_count) ||
+    if (!lode_in_range(config->i_gain_A_count, -GAIN_MAX, GAIN_MAX) ||
         !(headroom * lode_abs(config->i_gain_A_count) >= i_max_A)) {
         return LODE_ERROR_SENSE_CURRENT;
     }
-    if (!lode_is_finite(config->v_bus_gain_V_count) ||
+    if (!lode_in_range(config->v_bus_gain_V_count, 0.0f, GAIN_MAX) ||
         !(config->count_max * config->v_bus_gain_V_count >= v_bus_V)) {
         return LODE_ERROR_SENSE_BUS;
     }
@@ -63,7 +66,7 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
         .temperature_offset = config->temperature_offset_degC,
         .duty_max = config->duty_max,
         .count_max = config->count_max,
-        .calibrate_periods = lode_min(periods, CALIBRATION_SAMPLES_MAX),
+        .calibrate_periods = (uint32_t)lode_clamp(periods, 1.0f, CALIBRATION_SAMPLES_MAX),
         .shunts = config->shunts,
     };
     return LODE_OK;
@@ -71,43 +74,45 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
 
 void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning) {
     const float nominal = tuning->i_offset_nominal;
-    *self = (lode_sense_t){{nominal, nominal, nominal}, {0.0f, 0.0f, 0.0f}, 0.0f};
+    *self = (lode_sense_t){{nominal, nominal, nominal}, {0u, 0u, 0u}, 0u};
+}
+
+// The phase whose sample is not used: the third where there are two shunts; else the one with the
+// longest duty, where that leaves its low-side shunt no time. PHASES if all are.
+static int32_t unused_phase(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
+    if (tuning->shunts == LODE_SHUNTS_TWO) {
+        return 2;
+    }
+    const float longest = lode_max(lode_max(duty.a, duty.b), duty.c);
+    if (!(longest > tuning->duty_max)) {
+        return PHASES;
+    }
+    return duty.a >= longest ? 0 : (duty.b >= longest ? 1 : 2);
 }
 
 static bool at_rail(const lode_sense_tuning_t *tuning, uint16_t count) {
     return count == 0u || (float)count >= tuning->count_max;
 }
 
-// Where the longest duty leaves a low-side shunt no time, that phase follows from the other two.
-static lode_abc_t reconstruct(lode_abc_t i, lode_abc_t duty, float duty_max) {
-    if (duty.a > duty_max && duty.a >= duty.b && duty.a >= duty.c) {
-        i.a = -i.b - i.c;
-    } else if (duty.b > duty_max && duty.b >= duty.c) {
-        i.b = -i.a - i.c;
-    } else if (duty.c > duty_max) {
-        i.c = -i.a - i.b;
-    }
-    return i;
-}
-
 LODE_HOT lode_sample_t lode_sense_step(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
                                        const lode_counts_t *counts, lode_abc_t duty) {
     lode_abc_t i = {((float)counts->i[0] - self->offset_count.a) * tuning->i_gain,
-                    ((float)counts->i[1] - self->offset_count.b) * tuning->i_gain, 0.0f};
-    lode_ab_t i_A;
-    bool railed = at_rail(tuning, counts->i[0]) || at_rail(tuning, counts->i[1]);
-    if (tuning->shunts == LODE_SHUNTS_TWO) {
+                    ((float)counts->i[1] - self->offset_count.b) * tuning->i_gain,
+                    ((float)counts->i[2] - self->offset_count.c) * tuning->i_gain};
+    const int32_t unused = unused_phase(tuning, duty);
+    if (unused == 0) {
+        i.a = -i.b - i.c;
+    } else if (unused == 1) {
+        i.b = -i.a - i.c;
+    } else if (unused == 2) {
         i.c = -i.a - i.b;
-        i_A = lode_clarke_two(i.a, i.b);
-    } else {
-        i.c = ((float)counts->i[2] - self->offset_count.c) * tuning->i_gain;
-        i = reconstruct(i, duty, tuning->duty_max);
-        i_A = lode_clarke(i);
-        railed = railed || at_rail(tuning, counts->i[2]);
     }
+    const bool railed = (unused != 0 && at_rail(tuning, counts->i[0])) ||
+                        (unused != 1 && at_rail(tuning, counts->i[1])) ||
+                        (unused != 2 && at_rail(tuning, counts->i[2]));
     return (lode_sample_t){
         .i_abc_A = i,
-        .i_A = i_A,
+        .i_A = lode_clarke(i),
         .v_bus_V = (float)counts->v_bus * tuning->v_bus_gain,
         .temperature_degC =
             tuning->temperature_offset + (float)counts->temperature * tuning->temperature_gain,
@@ -117,32 +122,30 @@ LODE_HOT lode_sample_t lode_sense_step(const lode_sense_t *self, const lode_sens
     };
 }
 
-static float offset_error(float offset, float nominal, float worst) {
-    const float error = offset - nominal;
-    return lode_abs(error) > lode_abs(worst) ? error : worst;
+static float further(float a, float b) {
+    return lode_abs(a) > lode_abs(b) ? a : b;
 }
 
 lode_calibration_t lode_sense_calibrate(lode_sense_t *self, const lode_sense_tuning_t *tuning,
                                         const lode_counts_t *counts, float *worst_count) {
-    // Sums of deviations from nominal stay small, so a float loses nothing.
-    const float nominal = tuning->i_offset_nominal;
-    self->sum_count.a += (float)counts->i[0] - nominal;
-    self->sum_count.b += (float)counts->i[1] - nominal;
-    // A third converter that is not wired must not fail the plausibility check.
-    self->sum_count.c += tuning->shunts == LODE_SHUNTS_TWO ? 0.0f : (float)counts->i[2] - nominal;
-    self->samples += 1.0f;
+    for (int32_t i = 0; i < PHASES; i++) {
+        self->sum_count[i] += counts->i[i];
+    }
+    self->samples++;
     *worst_count = 0.0f;
     if (self->samples < tuning->calibrate_periods) {
         return LODE_CALIBRATION_RUNNING;
     }
-    const float share = 1.0f / self->samples;
-    const lode_abc_t offset = {nominal + self->sum_count.a * share,
-                               nominal + self->sum_count.b * share,
-                               nominal + self->sum_count.c * share};
-    self->sum_count = (lode_abc_t){0.0f, 0.0f, 0.0f};
-    self->samples = 0.0f;
-    *worst_count =
-        offset_error(offset.c, nominal, offset_error(offset.b, nominal, offset.a - nominal));
+    const float nominal = tuning->i_offset_nominal;
+    const float share = 1.0f / (float)self->samples;
+    lode_abc_t offset = {(float)self->sum_count[0] * share, (float)self->sum_count[1] * share,
+                         (float)self->sum_count[2] * share};
+    if (tuning->shunts == LODE_SHUNTS_TWO) {
+        offset.c = nominal; // nothing need be wired there
+    }
+    self->sum_count[0] = self->sum_count[1] = self->sum_count[2] = 0u;
+    self->samples = 0u;
+    *worst_count = further(further(offset.a - nominal, offset.b - nominal), offset.c - nominal);
     if (!lode_in_range(*worst_count, -tuning->i_offset_tol, tuning->i_offset_tol)) {
         return LODE_CALIBRATION_IMPLAUSIBLE;
     }

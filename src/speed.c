@@ -33,7 +33,8 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         !lode_in_range(config->ki_Nm, 0.0f, 1.0e6f)) {
         return LODE_ERROR_SPEED_GAINS;
     }
-    if (!(config->kp_Nms <= BANDWIDTH_PER_SIGMA_MAX * sigma_low_rad_s * motor->J_kgm2)) {
+    if (!lode_in_range(config->bandwidth_rad_s, 1.0e-3f, 1.0e5f) ||
+        !(config->kp_Nms <= BANDWIDTH_PER_SIGMA_MAX * sigma_low_rad_s * motor->J_kgm2)) {
         return LODE_ERROR_SPEED_BANDWIDTH;
     }
     if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f)) {
@@ -69,6 +70,6 @@ LODE_HOT float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tu
         tuning->load_feed_forward * load_Nm + tuning->inertia_Nm * (self->reference_rad_s - before);
     const float asked = lode_pi_output(&self->pi, &tuning->pi, error, ff);
     const float torque = lode_clamp(asked, -tuning->torque_max_Nm, tuning->torque_max_Nm);
-    lode_pi_settle(&self->pi, &tuning->pi, error, asked, torque);
+    lode_pi_settle(&self->pi, &tuning->pi, error, ff, asked, torque);
     return torque;
 }

@@ -23,11 +23,17 @@ static inline float lode_pi_output(const lode_pi_t *self, const lode_pi_tuning_t
     return tuning->kp * error + self->integral + feed_forward;
 }
 
-/// Tells the controller which part of its `output` became real. Not limited, it integrates the
-/// error; limited, the integral follows what proportional part and feed-forward leave.
+/// Tells the controller which part of its `output` became real. Inside the limits it integrates the
+/// error. At a limit the integral moves inwards only, and at least as far as the feed-forward leaves
+/// room: it does not wind up, and an error of the other sign, or none, takes effect at once.
 static inline void lode_pi_settle(lode_pi_t *self, const lode_pi_tuning_t *tuning, float error,
-                                  float output, float realised) {
-    self->integral += tuning->ki_Ts * error + (realised - output);
+                                  float feed_forward, float output, float realised) {
+    const float next = self->integral + tuning->ki_Ts * error;
+    const float room = realised - feed_forward;
+    const float below = lode_min(lode_min(next, self->integral), room);
+    const float above = lode_max(lode_max(next, self->integral), room);
+    const float held = output > realised ? below : (output < realised ? above : next);
+    self->integral = lode_is_finite(held) ? held : self->integral;
 }
 
 #endif

@@ -46,14 +46,14 @@ typedef struct {
     float temperature_offset;
     float duty_max;
     float count_max;
-    float calibrate_periods;
+    uint32_t calibrate_periods;
     lode_shunts_t shunts;
 } lode_sense_tuning_t;
 
 typedef struct {
     lode_abc_t offset_count; ///< offsets in use
-    lode_abc_t sum_count;    ///< running sums while calibrating
-    float samples;           ///< how many are in the sums
+    uint32_t sum_count[3];   ///< running sums while calibrating
+    uint32_t samples;        ///< how many are in the sums
 } lode_sense_t;
 
 /// Quantities valid at t_k.

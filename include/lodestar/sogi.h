@@ -26,7 +26,8 @@ typedef struct {
 void lode_sogi_reset(lode_sogi_t *self);
 
 /// k: relative width of the band, clamped to 0.001 .. 2; wn_Ts: centre in rad per sample, clamped
-/// to LODE_SOGI_CENTRE_*. A non-finite input resets the states and passes as 0.
+/// to LODE_SOGI_CENTRE_*. An input that is not finite, or beyond 1e12,
+/// resets the states and passes as 0.
 lode_sogi_out_t lode_sogi_step(lode_sogi_t *self, float k, float wn_Ts, float x);
 
 #endif
