@@ -5,11 +5,15 @@
 #define F_PWM_MIN_Hz 1.0e3f
 #define F_PWM_MAX_Hz 2.0e5f
 
-// Electrical speed at which EMF and reactance of half the largest current use up the bus.
+// Machines are rated at some two thirds of the speed at which the bus is used up: the rest is for
+// control. (Paper 1: 471 of 713 rad/s.)
+#define RATED_SHARE 0.66f
+
+// From the electrical speed at which EMF and reactance of half the largest current use up the bus.
 static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
     const float reactive = motor->Lq_H * 0.5f * inverter->i_max_A;
     const float flux = lode_sqrt(motor->psi_Wb * motor->psi_Wb + reactive * reactive);
-    return inverter->v_bus_V / (LODE_SQRT3 * lode_max(flux, FLT_MIN));
+    return RATED_SHARE * inverter->v_bus_V / (LODE_SQRT3 * lode_max(flux, FLT_MIN));
 }
 
 void lode_drive_design(lode_drive_config_t *config) {

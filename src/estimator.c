@@ -7,6 +7,8 @@
 // The PLL's crossover is near 3 sigma, where each of the observer's two poles costs 31 degrees of its
 // 71 degrees of margin if w0 = 5 sigma: docs/theory/pll.md.
 #define SIGMA_PER_W0_MAX 0.2f
+// With the estimated speed fed back into the observer: docs/theory/pll.md.
+#define K2_PER_SIGMA_MIN 0.549f
 #define SETTLE_OBSERVER 8.0f // time constants 1/w0 until the double pole has settled to 0.3 %
 #define SETTLE_ROTATION 3.0f // time constants of the mean rotation until it tells the speed to 5 %
 // Amplitudes beyond any motor's: larger ones could overflow when squared.
@@ -20,8 +22,8 @@
 
 void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *motor, float ts_s) {
     const float omega_rated = motor->omega_rated_rad_s;
-    lode_emf_design(&config->emf, motor, ts_s);
     lode_pll_design(&config->pll, omega_rated);
+    lode_emf_design(&config->emf, motor, config->pll.sigma_rad_s, ts_s);
     if (config->active_flux == LODE_AUTO) {
         config->active_flux = LODE_ON;
     }
@@ -29,6 +31,18 @@ void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *
     const float omega_max = lode_min(OMEGA_MAX_SHARE * omega_rated, OMEGA_TS_MAX / ts_s);
     config->omega_max_rad_s = lode_given_or(config->omega_max_rad_s, omega_max);
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
+}
+
+// Observer and PLL are stable together.
+static lode_status_t check_bandwidths(const lode_emf_config_t *emf, float sigma_rad_s) {
+    const bool adaptive = emf->kind == LODE_EMF_FA_LESO || emf->kind == LODE_EMF_FA_MULTI;
+    if (adaptive && !(emf->k2_rad_s >= K2_PER_SIGMA_MIN * sigma_rad_s)) {
+        return LODE_ERROR_EMF_PLL;
+    }
+    if (!adaptive && !(sigma_rad_s <= SIGMA_PER_W0_MAX * emf->w0_rad_s)) {
+        return LODE_ERROR_PLL_OBSERVER;
+    }
+    return LODE_OK;
 }
 
 static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
@@ -44,10 +58,10 @@ static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
     if (!lode_in_range(config->lock_s, ts_s, 1.0f)) {
         return LODE_ERROR_LOCK_TIME;
     }
-    if (!(config->pll.sigma_rad_s <= SIGMA_PER_W0_MAX * config->emf.w0_rad_s)) {
-        return LODE_ERROR_PLL_OBSERVER;
+    if (!lode_in_range(config->w_filter_rad_s, 0.0f, 1.0f / ts_s)) {
+        return LODE_ERROR_W_FILTER;
     }
-    return LODE_OK;
+    return check_bandwidths(&config->emf, config->pll.sigma_rad_s);
 }
 
 lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
@@ -68,6 +82,13 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
         status = lode_lag_tune(&t.lag, config->compensation, &config->emf, motor, ts_s,
                                config->omega_max_rad_s);
     }
+    const float sigma = config->pll.sigma_rad_s;
+    if (status == LODE_OK) {
+        status = lode_notch_tune(&t.notch, 6.0f, config->notch_k, sigma, ts_s);
+    }
+    if (status == LODE_OK) {
+        status = lode_notch_tune(&t.notch12, 12.0f, config->notch12_k, sigma, ts_s);
+    }
     if (status != LODE_OK) {
         return status;
     }
@@ -75,6 +96,8 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     const float np = motor->pole_pairs;
     const float settle_s =
         lode_max(SETTLE_OBSERVER / config->emf.w0_rad_s, SETTLE_ROTATION * config->lock_s);
+    t.w_weight =
+        config->w_filter_rad_s > 0.0f ? lode_one_minus_exp(config->w_filter_rad_s * ts_s) : 1.0f;
     t.half_ts_s = 0.5f * ts_s;
     t.emin_V = config->emin_V;
     t.omega_limit = 2.0f * config->omega_max_rad_s;
@@ -94,6 +117,9 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
 void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     lode_emf_reset(&self->emf, (lode_ab_t){0.0f, 0.0f});
     lode_pll_reset(&self->pll, 0.0f, 0.0f);
+    lode_sogi_reset(&self->notch);
+    lode_sogi_reset(&self->notch12);
+    self->omega_tune = 0.0f;
     self->lag_rad = 0.0f;
     self->rotation = (lode_ab_t){0.0f, 0.0f};
     self->lock = 0.0f;
@@ -103,6 +129,7 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                   float theta_pll_rad, float omega_rad_s) {
     lode_pll_reset(&self->pll, theta_pll_rad, omega_rad_s);
+    self->omega_tune = omega_rad_s;
     self->lag_rad = lode_lag_rad(&tuning->lag, omega_rad_s);
     self->wait = tuning->patience_periods;
 }
@@ -115,7 +142,7 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
 // Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
 // quarter turn ahead of the rotor in the sense of rotation. False if there is too little of it.
 static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    const lode_ab_t e_V = self->emf.e_V;
+    const lode_ab_t e_V = self->emf.leso.e_V;
     if (!lode_ab_in_range(self->rotation, FLT_MAX)) {
         self->rotation = (lode_ab_t){0.0f, 0.0f};
     }
@@ -165,8 +192,17 @@ static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tun
 static bool is_sound(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                      float error) {
     return lode_in_range(error, -ERROR_LIMIT, ERROR_LIMIT) &&
+           lode_in_range(self->omega_tune, -tuning->omega_limit, tuning->omega_limit) &&
            lode_in_range(self->pll.theta_rad, -ANGLE_LIMIT_rad, ANGLE_LIMIT_rad) &&
            lode_in_range(self->pll.omega_rad_s, -tuning->omega_limit, tuning->omega_limit);
+}
+
+// The harmonics of the EMF show at 6 w and 12 w in the position error.
+static float without_harmonics(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                               float error) {
+    const float omega = self->pll.omega_rad_s;
+    const float sixth = lode_notch_step(&self->notch, &tuning->notch, omega, error);
+    return lode_notch_step(&self->notch12, &tuning->notch12, omega, sixth);
 }
 
 static lode_estimate_t restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
@@ -184,12 +220,16 @@ LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self,
     }
     lode_pll_t *pll = &self->pll;
     lode_pll_predict(pll, &tuning->pll);
-    const lode_sincos_t half_turn = lode_sincos(tuning->half_ts_s * pll->omega_rad_s);
-    const lode_sincos_t predicted = lode_sincos(pll->theta_rad + self->lag_rad);
-    const lode_ab_t before = self->emf.e_V;
-    const bool locked = self->lock >= LODE_LOCK_LOST;
-    const lode_ab_t e_V =
-        lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, predicted, half_turn, locked);
+    self->omega_tune += tuning->w_weight * (pll->omega_rad_s - self->omega_tune);
+    const lode_emf_motion_t motion = {
+        .rotor = lode_sincos(pll->theta_rad + self->lag_rad),
+        .half_turn = lode_sincos(tuning->half_ts_s * pll->omega_rad_s),
+        .turn = lode_sincos(2.0f * tuning->half_ts_s * self->omega_tune),
+        .omega_rad_s = self->omega_tune,
+        .known = self->lock >= LODE_LOCK_LOST,
+    };
+    const lode_ab_t before = self->emf.leso.e_V;
+    const lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, &motion);
     note_rotation(self, tuning, e_V, before);
 
     // Phase detector (paper 1, eq. 13) with the sign of speed, without which it locks half a turn off.
@@ -199,7 +239,7 @@ LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self,
     if (!is_sound(self, tuning, error)) {
         return restart(self, tuning, i_A);
     }
-    lode_pll_correct(pll, &tuning->pll, error);
+    lode_pll_correct(pll, &tuning->pll, without_harmonics(self, tuning, error));
     const bool reseeded = supervise(self, tuning);
 
     self->lag_rad = lode_lag_rad(&tuning->lag, pll->omega_rad_s);

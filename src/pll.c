@@ -1,11 +1,11 @@
 #include "lodestar/pll.h"
 
 // Shares of the rated electrical speed. At 471 rad/s they give sigma = 60 .. 100 rad/s between 47 and
-// 188 rad/s: 60 for the hand-over, 100 as the most that survives all parameter errors at once.
+// 94 rad/s: 60 for the hand-over, 100 as the most that survives all parameter errors at once.
 #define SIGMA_LOW_SHARE 0.1273f
 #define SIGMA_HIGH_SHARE 0.2122f
 #define OMEGA_LOW_SHARE 0.1f
-#define OMEGA_HIGH_SHARE 0.4f
+#define OMEGA_HIGH_SHARE 0.2f
 #define SIGMA_TS_MAX 0.3f
 
 void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s) {

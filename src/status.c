@@ -5,6 +5,7 @@
     case status:                                                                                   \
         return #status
 
+// A table in the form of a switch. NOLINTNEXTLINE(readability-function-size)
 const char *lode_status_name(lode_status_t status) {
     switch (status) {
         NAME(LODE_OK);
@@ -34,10 +35,15 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_SENSE_WINDOW);
         NAME(LODE_ERROR_SENSE_CALIBRATION);
         NAME(LODE_ERROR_EMF_KIND);
+        NAME(LODE_ERROR_EMF_GI);
+        NAME(LODE_ERROR_EMF_FA);
         NAME(LODE_ERROR_EMF_W0);
         NAME(LODE_ERROR_PLL_KIND);
         NAME(LODE_ERROR_PLL_SIGMA);
         NAME(LODE_ERROR_PLL_OBSERVER);
+        NAME(LODE_ERROR_NOTCH);
+        NAME(LODE_ERROR_EMF_PLL);
+        NAME(LODE_ERROR_W_FILTER);
         NAME(LODE_ERROR_PLL_SCHEDULE);
         NAME(LODE_ERROR_LAG);
         NAME(LODE_ERROR_EMIN);

@@ -9,15 +9,18 @@
 #include "lodestar/emf.h"
 #include "lodestar/inverter.h"
 #include "lodestar/lag.h"
+#include "lodestar/notch.h"
 #include "lodestar/pll.h"
 
 typedef struct {
     lode_emf_config_t emf;
     lode_pll_config_t pll;
     lode_lag_kind_t compensation;
-    lode_choice_t
-        active_flux;       ///< the EMF of a changing active flux, which both papers drop; auto: on
-    float emin_V;          ///< least EMF that is divided by; 0: 0.03 of rated
+    lode_choice_t active_flux; ///< EMF of a changing active flux, which both papers drop; auto: on
+    float w_filter_rad_s;      ///< low-pass on the speed that tunes GI and FA; 0: none
+    float notch_k;   ///< width of the notch at 6 w on the position error (paper 1, eq. 34); 0: none
+    float notch12_k; ///< the same at 12 w; 0: none
+    float emin_V;    ///< least EMF that is divided by; 0: 0.03 of rated
     float omega_max_rad_s; ///< highest electrical speed of the application; 0: 2.5 times rated
     float lock_s;          ///< time constant of the lock quality; 0: 5 ms
 } lode_estimator_config_t;
@@ -26,6 +29,9 @@ typedef struct {
     lode_emf_tuning_t emf;
     lode_pll_tuning_t pll;
     lode_lag_t lag;
+    lode_notch_tuning_t notch;
+    lode_notch_tuning_t notch12;
+    float w_weight; ///< of a new sample in the speed that tunes the observer; 1: no filter
     float half_ts_s;
     float emin_V;
     float omega_limit; ///< twice omega_max: beyond it the speed is taken for an alias
@@ -42,6 +48,9 @@ typedef struct {
 typedef struct {
     lode_emf_t emf;
     lode_pll_t pll;
+    lode_sogi_t notch;
+    lode_sogi_t notch12;
+    float omega_tune;   ///< the speed that tunes the observer
     float lag_rad;      ///< of the observer at the present speed
     lode_ab_t rotation; ///< mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
     float lock;

@@ -62,6 +62,12 @@ static inline lode_sincos_t lode_angle_subtract(lode_sincos_t a, lode_sincos_t b
     return (lode_sincos_t){a.sin * b.cos - a.cos * b.sin, a.cos * b.cos + a.sin * b.sin};
 }
 
+/// x exp(j angle).
+static inline lode_ab_t lode_ab_turn(lode_ab_t x, lode_sincos_t angle) {
+    return (lode_ab_t){x.alpha * angle.cos - x.beta * angle.sin,
+                       x.alpha * angle.sin + x.beta * angle.cos};
+}
+
 static inline lode_ab_t lode_ab_subtract(lode_ab_t x, lode_ab_t y) {
     return (lode_ab_t){x.alpha - y.alpha, x.beta - y.beta};
 }

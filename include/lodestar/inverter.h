@@ -11,17 +11,17 @@
 typedef struct {
     float v_bus_V; ///< nominal bus voltage, 1 .. 2000
     float i_max_A; ///< highest amplitude of the phase current that the drive may command
-    float
-        dead_time_s; ///< both switches of a leg off, per edge; turn-on minus turn-off delay included
-    float v_drop_V;  ///< on-state threshold of switch and diode
-    float r_on_Ohm;  ///< on-state slope
+    /// both switches of a leg off, per edge; turn-on minus turn-off delay included
+    float dead_time_s;
+    float v_drop_V; ///< on-state threshold of switch and diode
+    float r_on_Ohm; ///< on-state slope
     float i_dead_A; ///< below this phase current the effect of dead time fades, proportionally: the
                     ///< ripple reverses the current within the period. At full modulation; it falls
                     ///< with the modulation, as the ripple does. 0: half the ripple, v_bus Ts/(8 L)
     float pwm_ticks;                    ///< timer steps from duty 0 to 1; 0: not quantised
     lode_choice_t dead_time_correction; ///< correct in the duties; auto: where there is a dead time
-    lode_choice_t
-        dead_time_model; ///< without the correction: take the loss out of the observer's voltage; auto: no
+    /// without the correction: take the loss out of the observer's voltage; auto: no
+    lode_choice_t dead_time_model;
 } lode_inverter_config_t;
 
 typedef struct {

@@ -17,9 +17,9 @@ typedef struct {
     lode_shunts_t shunts;
     float i_gain_A_count; ///< current out of the inverter per count
     float i_offset_count; ///< nominal count at zero current
-    float
-        i_offset_tol_count; ///< largest plausible deviation of a calibrated offset; 0: 5 % of full scale
-    float count_max;        ///< highest count of the converters; 0: 4095
+    /// largest plausible deviation of a calibrated offset; 0: 5 % of full scale
+    float i_offset_tol_count;
+    float count_max;                   ///< highest count of the converters; 0: 4095
     float v_bus_gain_V_count;          ///< bus voltage per count, from count 0
     float temperature_gain_degC_count; ///< 0: no sensor
     float temperature_offset_degC;     ///< temperature at count 0

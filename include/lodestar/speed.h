@@ -15,10 +15,10 @@ typedef struct {
     float ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: half the torque limit over J
     float inertia_feed_forward; ///< share of the torque that the ramp needs for J, 0 .. 1; 0: 1;
                                 ///< LODE_NONE: none
-    float
-        load_feed_forward; ///< share of the estimated load torque, 0 .. 1; 0: 0.5; LODE_NONE: none
-    float
-        omega_min_rad_s; ///< least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
+    /// share of the estimated load torque, 0 .. 1; 0: 0.5; LODE_NONE: none
+    float load_feed_forward;
+    /// least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
+    float omega_min_rad_s;
 } lode_speed_config_t;
 
 typedef struct {

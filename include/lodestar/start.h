@@ -9,14 +9,14 @@
 
 typedef struct {
     float current_A; ///< amplitude of the vector; 0: 0.7 i_max
-    float
-        omega_handover_rad_s; ///< ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm)
-    float ramp_rad_s2;        ///< electrical; 0: what a sixth of the start torque gives the inertia
-    float current_rise_s;     ///< 0: 0.2
-    float damping;   ///< ratio of the rotor's swing about the vector; 0: 0.3; LODE_NONE: none
-    float lock_s;    ///< lock quality must have held for this long; 0: 0.05
-    float timeout_s; ///< from start to hand-over; 0: three attempts
-    float fade_s;    ///< from the start current to the references after hand-over; 0: 0.1
+    /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm)
+    float omega_handover_rad_s;
+    float ramp_rad_s2;    ///< electrical; 0: what a sixth of the start torque gives the inertia
+    float current_rise_s; ///< 0: 0.2
+    float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.3; LODE_NONE: none
+    float lock_s;         ///< lock quality must have held for this long; 0: 0.05
+    float timeout_s;      ///< from start to hand-over; 0: three attempts
+    float fade_s;         ///< from the start current to the references after hand-over; 0: 0.1
 } lode_start_config_t;
 
 typedef struct {

@@ -30,10 +30,15 @@ typedef enum {
     LODE_ERROR_SENSE_WINDOW,      ///< duty_max outside 0.5 .. 1
     LODE_ERROR_SENSE_CALIBRATION, ///< calibrate_s outside 1 period .. 10 s
     LODE_ERROR_EMF_KIND,          ///< emf not an enumerator of an observer that is built in
+    LODE_ERROR_EMF_GI,            ///< gi_kappa outside 0 .. 10, or gi_wc_rad_s outside 0.01 .. 100
+    LODE_ERROR_EMF_FA,            ///< k1 outside 0 .. 1e4, or k2 outside 1 .. 1/Ts
     LODE_ERROR_EMF_W0,            ///< w0_rad_s outside 1 .. 2/Ts
     LODE_ERROR_PLL_KIND,          ///< pll not an enumerator
     LODE_ERROR_PLL_SIGMA,         ///< sigma outside 1 .. 0.3/Ts, or the low one above the high one
     LODE_ERROR_PLL_OBSERVER, ///< sigma too near the EMF observer's bandwidth: unstable together
+    LODE_ERROR_NOTCH,        ///< width of a notch neither 0 nor 0.01 .. 2
+    LODE_ERROR_EMF_PLL,      ///< k2 below 0.549 sigma: FA observer and PLL unstable together
+    LODE_ERROR_W_FILTER,     ///< w_filter_rad_s outside 0 .. 1/Ts
     LODE_ERROR_PLL_SCHEDULE, ///< the speeds between which sigma rises are not in order
     LODE_ERROR_LAG,          ///< the observer's phase cannot be held within 0.01 degree
     LODE_ERROR_EMIN,         ///< emin_V outside 1e-4 .. 1e3

@@ -1,0 +1,71 @@
+/// The linear extended state observers of both papers as filters of the dead-beat EMF m[k].
+///
+/// Written on the R-Lq circuit and discretised exactly, every one of them reduces to a filter from
+/// m to the estimate e (docs/theory/emf.md). They share one state, so that a drive may hold any.
+#ifndef LODESTAR_LESO_H
+#define LODESTAR_LESO_H
+
+#include "lodestar/config.h"
+#include "lodestar/frames.h"
+#include "lodestar/status.h"
+
+/// Which filter. GI, FA and the modes of FA can be left out of a build with LODE_WITHOUT_GI_LESO,
+/// LODE_WITHOUT_FA_LESO and LODE_WITHOUT_FA_MULTI; init then refuses them.
+typedef enum {
+    LODE_EMF_C_LESO,  ///< conventional, double pole at w0 (paper 1, eq. 11), current form
+    LODE_EMF_GI_LESO, ///< with a generalised integrator at the speed (paper 2, eqs. 29, 30)
+    LODE_EMF_FA_LESO, ///< frequency adaptive (paper 2, eqs. 26-28)
+    LODE_EMF_FA_MULTI ///< the same with further modes at 0, -5 w and +7 w
+} lode_emf_kind_t;
+
+typedef struct {
+    lode_emf_kind_t kind;
+    float w0_rad_s; ///< C, GI: bandwidth, 1 .. 2/Ts (paper 1, eq. 6); 0: 4.25 times rated speed, at
+                    ///< most 0.5/Ts
+    float gi_kappa; ///< GI: Kr/w0^2, 0 .. 10; 0: 2
+    float gi_wc_rad_s; ///< GI: half width of the integrator, 0.01 .. 100; 0: pi
+    float k1_rad2_s2;  ///< FA: 0 .. 1e4; 0: first order, which takes no DC in
+    float k2_rad_s;    ///< FA: bandwidth, 1 .. 1/Ts; 0: 3 times the PLL's sigma, multi 10 times
+} lode_leso_config_t;
+
+typedef struct {
+    lode_emf_kind_t kind;
+    float ts_s;
+    float one_m_p;    ///< C, GI: 1 - exp(-w0 Ts)
+    float p2;         ///< GI: exp(-2 w0 Ts)
+    float gi_kappa;   ///< GI
+    float gi_gain;    ///< GI: al/(1 + al), al = wc Ts
+    float gi_decay;   ///< GI: (1 - al)/(1 + al)
+    float q;          ///< FA: exp(-k2 Ts)
+    float sqrt_q;     ///< FA: exp(-k2 Ts/2)
+    float k1_Ts2;     ///< FA: k1 Ts^2
+    float half_k2_Ts; ///< FA: k2 Ts/2
+    float k2_rad_s;   ///< multi
+    float omega_low;  ///< multi: speed up to which the further modes stay out
+    float inv_span;   ///< multi: 1/(speed from which they are in full - omega_low)
+} lode_leso_tuning_t;
+
+typedef struct {
+    lode_ab_t e_V; ///< the estimate
+    lode_ab_t
+        s[3]; ///< C: first stage. GI: error, band-pass. FA: slow mode. Multi: modes 0, -5 w, 7 w
+} lode_leso_t;
+
+/// Fills every zero field that has a default.
+void lode_leso_design(lode_leso_config_t *config, float omega_rated_rad_s, float sigma_rad_s,
+                      float ts_s);
+
+lode_status_t lode_leso_tune(lode_leso_tuning_t *tuning, const lode_leso_config_t *config,
+                             float omega_rated_rad_s, float ts_s);
+
+void lode_leso_reset(lode_leso_t *self);
+
+/// One period: the estimate from `m_V`. `turn`: the angle w Ts of a period at the speed
+/// `omega_rad_s` to which the adaptive ones are tuned.
+lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m_V,
+                         lode_sincos_t turn, float omega_rad_s);
+
+/// Exact phase of e behind m in steady rotation at `omega_rad_s`, rad, odd. For init and host.
+float lode_leso_lag_rad(const lode_leso_config_t *config, float ts_s, float omega_rad_s);
+
+#endif

@@ -1,0 +1,29 @@
+/// A notch at a harmonic of the speed, inside the position PLL, where the loop is stable with it.
+#ifndef LODESTAR_NOTCH_H
+#define LODESTAR_NOTCH_H
+
+#include "lodestar/ramp.h"
+#include "lodestar/sogi.h"
+#include "lodestar/status.h"
+
+/// Inside the loop the notch costs phase below its centre: the loop is unstable where the harmonic
+/// is under about 2 sigma. It fades in over these multiples of sigma (docs/theory/pll.md).
+#define LODE_NOTCH_LOW_SIGMA 6.0f
+#define LODE_NOTCH_HIGH_SIGMA 8.0f
+
+typedef struct {
+    float k;          ///< relative width; 0: no notch
+    float order_Ts;   ///< harmonic order times Ts
+    float centre_low; ///< rad per sample up to which it stays out
+    float inv_span;   ///< 1/(rad per sample from which it is in full - centre_low)
+} lode_notch_tuning_t;
+
+/// `order`: harmonic of the electrical speed; `k`: 0 (none) or 0.01 .. 2.
+lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k, float sigma_rad_s,
+                              float ts_s);
+
+/// The error without its harmonic at the speed `omega_rad_s`; unchanged where the notch is out.
+float lode_notch_step(lode_sogi_t *sogi, const lode_notch_tuning_t *tuning, float omega_rad_s,
+                      float error);
+
+#endif

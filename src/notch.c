@@ -1,0 +1,29 @@
+#include "lodestar/notch.h"
+
+lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k, float sigma_rad_s,
+                              float ts_s) {
+    const bool none = lode_in_range(k, 0.0f, 0.0f);
+    if (!none && !lode_in_range(k, 0.01f, 2.0f)) {
+        return LODE_ERROR_NOTCH;
+    }
+    *tuning = (lode_notch_tuning_t){
+        .k = k,
+        .order_Ts = order * ts_s,
+        .centre_low = LODE_NOTCH_LOW_SIGMA * sigma_rad_s * ts_s,
+        .inv_span = 1.0f / ((LODE_NOTCH_HIGH_SIGMA - LODE_NOTCH_LOW_SIGMA) * sigma_rad_s * ts_s),
+    };
+    return LODE_OK;
+}
+
+LODE_HOT float lode_notch_step(lode_sogi_t *sogi, const lode_notch_tuning_t *tuning,
+                               float omega_rad_s, float error) {
+    if (!(tuning->k > 0.0f)) {
+        return error;
+    }
+    const float centre = tuning->order_Ts * lode_abs(omega_rad_s);
+    // The filter runs all the time, so that it has settled when it is blended in.
+    const float notch = lode_sogi_step(sogi, tuning->k, centre, error).notch;
+    const float in = lode_clamp((centre - tuning->centre_low) * tuning->inv_span, 0.0f, 1.0f);
+    const float weight = centre < LODE_SOGI_CENTRE_MAX_rad ? in : 0.0f;
+    return error + weight * (notch - error);
+}
