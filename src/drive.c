@@ -191,11 +191,13 @@ static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
     set_mode(self, LODE_MODE_RUN);
 }
 
-// The way back: the I-f frame takes over the current vector as it stands, with its d axis along it.
+// The way back: a start current ahead of the rotor by the angle at which it makes the torque that the
+// present one makes. (In the direction of the present one it might be opposed to the rotor.)
 static void hand_back(lode_drive_t *self, const lode_estimate_t *est) {
-    const float turn = lode_atan2(est->i_A.q, est->i_A.d);
+    const float current_A = self->tuning->start.current_A;
+    const float iq = lode_clamp(est->i_A.q, -current_A, current_A);
+    const float turn = lode_atan2(iq, lode_sqrt(current_A * current_A - iq * iq));
     const lode_dq_t u_V = seen_from(self->u_V, lode_sincos(turn));
-    const float current_A = lode_ab_length((lode_ab_t){est->i_A.d, est->i_A.q});
     self->theta_rad = lode_wrap(est->theta_rad + turn);
     lode_start_reset(&self->start, self->theta_rad, est->omega_rad_s, current_A);
     lode_current_reset(&self->current, &self->tuning->current, u_V, (lode_dq_t){current_A, 0.0f},

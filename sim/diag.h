@@ -1,0 +1,23 @@
+/// Messages to the user, on stderr, and what the exit code says.
+#ifndef RIG_DIAG_H
+#define RIG_DIAG_H
+
+#if defined(__GNUC__)
+#define RIG_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#else
+#define RIG_PRINTF(text, first)
+#endif
+
+typedef enum {
+    RIG_DONE = 0,     ///< did what was asked for
+    RIG_FAILED = 1,   ///< the drive faulted, or a bar was missed
+    RIG_BAD_INPUT = 2 ///< the command line or a file is not usable
+} rig_exit_t;
+
+/// "lodestar: ..."
+void rig_error(const char *format, ...) RIG_PRINTF(1, 2);
+
+/// "FILE:LINE: ..."; line 0: "FILE: ..."
+void rig_error_at(const char *file, int line, const char *format, ...) RIG_PRINTF(3, 4);
+
+#endif

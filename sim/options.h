@@ -1,0 +1,49 @@
+/// The command line.
+#ifndef RIG_OPTIONS_H
+#define RIG_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum {
+    COMMAND_MAIN_JOB,
+    COMMAND_LIST,
+    COMMAND_RUN,
+    COMMAND_REPLAY,
+    COMMAND_DESIGN,
+    COMMAND_HELP,
+    COMMAND_VERSION
+} options_command_t;
+
+enum { OPTIONS_SETS_MAX = 64 };
+
+/// Strings are those of argv; NULL: not given.
+typedef struct {
+    options_command_t command;
+    const char *help_for; ///< name of a command
+    const char *scenario;
+    const char *motor;
+    const char *drive;
+    const char *recording;
+    const char *emf;
+    const char *pll;
+    const char *out;
+    const char *csv;
+    const char *json;
+    const char *plot;
+    bool json_on_stdout; ///< design --json without a file
+    bool has_seed;
+    uint64_t seed;
+    bool has_campaign; ///< seeds `seed` .. `seed_last`, one line each
+    uint64_t seed_last;
+    int sets;
+    const char *set[OPTIONS_SETS_MAX];
+} options_t;
+
+/// False after a message.
+bool options_parse(options_t *options, int argc, char **argv);
+
+/// The text of --help, for a command or (NULL) for the tool.
+void options_print_help(const char *command);
+
+#endif

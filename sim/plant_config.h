@@ -1,0 +1,86 @@
+/// The plant's configuration: what motor, what shaft, what inverter, what sensors.
+///
+/// SI units, with the unit's symbol at the end of each name. Zero switches an effect off wherever
+/// that makes sense.
+#ifndef PLANT_CONFIG_H
+#define PLANT_CONFIG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { PLANT_PHASES = 3 };
+
+/// How true to life the inverter is.
+typedef enum {
+    /// duty * v_bus on each phase through the whole period; no dead time, no drops, no ripple.
+    /// Currents at t_k are those of the switching inverter's zero-vector samples, less ripple.
+    PLANT_AVERAGED,
+    /// Every gate edge, dead time, on-state drops, currents that stop at zero.
+    PLANT_SWITCHING
+} plant_level_t;
+
+typedef struct {
+    // Motor, amplitude-invariant dq, d on the magnet's flux.
+    int pole_pairs;  ///< 1 and up
+    double Rs_Ohm;   ///< winding resistance per phase, 0 and up
+    double Ld_H;     ///< above 0
+    double Lq_H;     ///< unsaturated, above 0
+    double psi_Wb;   ///< magnet flux linkage, 0 and up
+    double i_sat_A;  ///< q saturation: Lq_H falls towards Lq_sat_H around this current; 0: linear
+    double Lq_sat_H; ///< what is left of Lq_H at infinite current, 0 < Lq_sat_H <= Lq_H
+    /// EMF harmonics in phase a: -w psi (sin th + r5 sin(5 th + p5) + r7 sin(7 th + p7)).
+    double emf5_ratio, emf5_phase_rad;
+    double emf7_ratio, emf7_phase_rad;
+
+    // Shaft.
+    double J_kgm2;            ///< above 0
+    double B_Nms;             ///< viscous friction, 0 and up
+    double load_Nm;           ///< at the start; see plant_set_load
+    bool load_is_passive;     ///< true: opposes motion and holds; false: signed, may drive
+    bool speed_is_prescribed; ///< true: a dynamometer holds omega_m; see plant_set_speed
+    double theta_e_rad;       ///< at the start
+    double omega_m_rad_s;     ///< at the start, mechanical
+
+    // Inverter.
+    plant_level_t level;
+    double period_s;       ///< PWM period
+    double v_bus_V;        ///< at the start; see plant_set_bus
+    double dead_time_s;    ///< 0 up to a quarter of the period
+    double v_transistor_V; ///< on-state drop at zero current
+    double v_diode_V;      ///< the same of the diode across it
+    double r_on_Ohm;       ///< slope of both
+    uint32_t pwm_ticks;    ///< duty steps per period; 0: not quantised (both levels)
+
+    // Analogue-to-digital conversion.
+    int adc_bits;                      ///< 4..16
+    double i_A_per_count;              ///< nominal; 0 A is half of full scale
+    double i_offset_A[PLANT_PHASES];   ///< error, per phase
+    double i_gain_error[PLANT_PHASES]; ///< relative error, per phase
+    double i_noise_A;                  ///< Gaussian, rms
+    double v_bus_V_per_count;          ///< nominal; 0 V is count 0
+    double v_bus_noise_V;              ///< Gaussian, rms
+    double temperature_degC_per_count; ///< nominal
+    double temperature_zero_degC;      ///< at count 0
+    double temperature_degC;           ///< at the start; see plant_set_temperature
+    /// Sampling instant relative to t_k, within half a period either way.
+    double sample_offset_s;
+    uint64_t seed;   ///< of the noise; equal seeds give equal runs
+    double stamp_Hz; ///< rate of the free-running 32-bit stamp
+} plant_config_t;
+
+/// What the firmware sees at t_k.
+typedef struct {
+    uint16_t i[PLANT_PHASES]; ///< out of the inverter into the motor: above half scale
+    uint16_t v_bus;
+    uint16_t temperature;
+    bool trip;      ///< hardware trip; see plant_set_trip
+    uint32_t stamp; ///< free-running, wraps
+} plant_counts_t;
+
+/// The motor of Jiang et al., Energies 2022, 15, 1943, Table 3, at 200 V, 5 kHz and 4 us dead time,
+/// switching level, at rest, no load. The paper gives neither on-state drops, harmonics nor
+/// saturation: those are zero here. The ADC (12 bit, +-25 A, 0..409.5 V) and a timer of
+/// 16800 steps are a plausible board, also not from the paper.
+plant_config_t plant_config_jiang2022(void);
+
+#endif

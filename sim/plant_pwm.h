@@ -1,0 +1,39 @@
+/// Gate timing of one inverter leg: centre-aligned PWM with dead time.
+///
+/// The high side is asked for in [(1-d)/2, (1+d)/2) of the period and the low side in the rest. The
+/// gate that turns off does so at once, the one that turns on waits for the dead time; a request
+/// shorter than the dead time leaves both off. Requests and waits carry over the period's boundary.
+#ifndef PLANT_PWM_H
+#define PLANT_PWM_H
+
+#include <stdbool.h>
+
+typedef enum { PLANT_GATE_OFF, PLANT_GATE_LOW, PLANT_GATE_HIGH } plant_gate_t;
+
+typedef struct {
+    double at_s; ///< from the start of the period
+    plant_gate_t gate;
+} plant_edge_t;
+
+enum { PLANT_EDGES = 8 };
+
+typedef struct {
+    plant_edge_t edge[PLANT_EDGES]; ///< of this period, in order of time
+    int edges;
+    int next;            ///< first edge still to come
+    plant_gate_t gate;   ///< on now
+    plant_gate_t wanted; ///< asked for last
+    bool waiting;        ///< the wanted gate is not on yet ...
+    double ready_s;      ///< ... and turns on at this time
+} plant_pwm_t;
+
+void plant_pwm_init(plant_pwm_t *self);
+
+/// Lays out the edges of the period that begins now. A duty of 0 or 1 makes none.
+void plant_pwm_schedule(plant_pwm_t *self, double duty, bool gates_on, double period_s,
+                        double dead_time_s);
+
+/// Makes all edges up to this time; true if there was any.
+bool plant_pwm_apply(plant_pwm_t *self, double now_s);
+
+#endif

@@ -1,0 +1,21 @@
+/// How far a long run has got, on stderr and only where a terminal is there.
+#ifndef RIG_PROGRESS_H
+#define RIG_PROGRESS_H
+
+#include <stdbool.h>
+
+typedef struct {
+    bool terminal;
+    bool shown;
+    double started_s, shown_s; ///< wall clock
+} progress_t;
+
+void progress_start(progress_t *self);
+
+/// Shows `fraction` of the work and `what`, a few times a second at most.
+void progress_show(progress_t *self, double fraction, const char *what);
+
+/// Clears the line. Returns the seconds since the start.
+double progress_end(progress_t *self);
+
+#endif

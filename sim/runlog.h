@@ -1,0 +1,62 @@
+/// What is recorded of a run: rows of named columns, and events.
+#ifndef RIG_RUNLOG_H
+#define RIG_RUNLOG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/// One row, in SI units and those of people where the name says so.
+typedef struct {
+    double t_s;
+    double phase; ///< index
+    double mode;  ///< lode_mode_t
+    double speed_command_rpm, speed_ref_rpm, speed_rpm, speed_est_rpm;
+    double theta_e_rad, theta_est_rad, angle_error_deg;
+    double id_A, iq_A;         ///< in the true rotor frame
+    double i1_A, i2_A;         ///< d and q in the frame of control, as measured
+    double i1_ref_A, i2_ref_A; ///< their references
+    double u1_V, u2_V;
+    double e_alpha_V, e_beta_V; ///< observer's raw output
+    double e_true_alpha_V, e_true_beta_V;
+    double ia_A, ib_A, ic_A;
+    double duty_a, duty_b, duty_c;
+    double v_bus_V;
+    double lock;
+    double torque_Nm, load_Nm, load_est_Nm;
+} runlog_row_t;
+
+typedef struct {
+    const char *name;
+    size_t offset; ///< of a double in runlog_row_t
+    int digits;
+} runlog_column_t;
+
+/// The columns in the order of a file; NULL-terminated by name.
+extern const runlog_column_t runlog_columns[];
+
+typedef struct {
+    double t_s;
+    char text[160];
+} runlog_event_t;
+
+enum { RUNLOG_EVENTS_MAX = 100 };
+
+typedef struct {
+    runlog_row_t *row;
+    size_t rows, capacity;
+    int events;
+    int events_dropped;
+    runlog_event_t event[RUNLOG_EVENTS_MAX];
+} runlog_t;
+
+void runlog_init(runlog_t *self);
+void runlog_free(runlog_t *self);
+
+/// False after a message where memory is out.
+bool runlog_add(runlog_t *self, const runlog_row_t *row);
+
+void runlog_note(runlog_t *self, double t_s, const char *text);
+
+double runlog_value(const runlog_row_t *row, const runlog_column_t *column);
+
+#endif

@@ -1,0 +1,387 @@
+#include "runner.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "diag.h"
+#include "progress.h"
+#include "refusal.h"
+#include "units.h"
+
+enum { LOG_ROWS = 6000, PERIODS_PER_PROGRESS = 4096 };
+
+typedef struct {
+    const rig_config_t *config;
+    runner_estimator_t estimate;
+    runner_result_t *result;
+    runlog_t *log;
+    plant_t plant;
+    lode_drive_t drive;
+    lode_drive_tuning_t tuning;
+    double ts_s;
+    double extra_load_Nm;
+    double load_Nm;
+    double total_s;
+    uint64_t log_every;
+    uint64_t k;
+    lode_command_t command;
+    double speed_rpm;      ///< commanded now
+    double speed_goal_rpm; ///< where the command is moving to
+    double speed_step_rpm; ///< per period
+    lode_mode_t mode;
+    bool faulted;
+    progress_t progress;
+} run_t;
+
+/// One period as seen from outside.
+typedef struct {
+    plant_truth_t truth;
+    lode_estimate_t estimate;
+    double error_deg;
+} moment_t;
+
+// ---- Estimates ----------------------------------------------------------------------------------
+
+static lode_estimate_t own_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                    const plant_truth_t *truth) {
+    (void)truth;
+    return lode_drive_estimate(drive, measurement);
+}
+
+/// As if the motor had a perfect encoder. The drive's own estimator runs along.
+static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                     const plant_truth_t *truth) {
+    lode_estimate_t estimate = lode_drive_estimate(drive, measurement);
+    estimate.theta_rad = (float)truth->theta_e_rad;
+    estimate.omega_rad_s = (float)truth->omega_e_rad_s;
+    estimate.rotor = lode_sincos(estimate.theta_rad);
+    estimate.i_A = lode_park(measurement->sample.i_A, estimate.rotor);
+    estimate.lock = 1.0f;
+    return estimate;
+}
+
+runner_estimator_t runner_estimator(rig_source_t source) {
+    return source == RIG_SOURCE_TRUTH ? true_estimate : own_estimate;
+}
+
+// ---- Log ----------------------------------------------------------------------------------------
+
+static void note_changes(run_t *run, const lode_estimate_t *estimate) {
+    const double t_s = (double)run->k * run->ts_s;
+    const lode_mode_t mode = (lode_mode_t)run->drive.mode;
+    char text[160];
+    if (mode != run->mode) {
+        const size_t prefix = strlen("LODE_MODE_");
+        (void)snprintf(text, sizeof text, "%s -> %s", lode_mode_name(run->mode) + prefix,
+                       lode_mode_name(mode) + prefix);
+        runlog_note(run->log, t_s, text);
+        if (mode == LODE_MODE_RUN && isnan(run->result->handover_s)) {
+            run->result->handover_s = t_s;
+        }
+        run->mode = mode;
+    }
+    if (estimate->reseeded && mode == LODE_MODE_RUN) {
+        runlog_note(run->log, t_s, "estimator acquired anew");
+    }
+    const lode_fault_t *fault = &run->drive.guard.fault;
+    if (mode == LODE_MODE_FAULT && !run->faulted) {
+        (void)snprintf(text, sizeof text, "fault in %s: %s, measured %.4g, limit %.4g",
+                       lode_mode_name((lode_mode_t)fault->state) + strlen("LODE_MODE_"),
+                       lode_check_name((lode_check_t)fault->check), (double)fault->measured,
+                       (double)fault->limit);
+        runlog_note(run->log, t_s, text);
+        run->result->fault = *fault;
+        run->result->fault_s = t_s;
+    }
+    run->faulted = mode == LODE_MODE_FAULT;
+}
+
+static bool log_row(run_t *run, int phase, const moment_t *now) {
+    lode_telemetry_t seen;
+    (void)lode_drive_telemetry(&run->drive, &seen);
+    const plant_truth_t *truth = &now->truth;
+    const double np = (double)run->config->drive.motor.pole_pairs;
+    const double est_rpm = rig_rpm_from_rad_s((double)now->estimate.omega_rad_s) / np;
+    const runlog_row_t row = {
+        .t_s = (double)run->k * run->ts_s,
+        .phase = phase,
+        .mode = (double)seen.mode,
+        .speed_command_rpm = run->speed_rpm,
+        .speed_ref_rpm =
+            seen.mode == LODE_MODE_RUN ? rig_rpm_from_rad_s((double)seen.speed_ref_rad_s) : NAN,
+        .speed_rpm = rig_rpm_from_rad_s(truth->omega_m_rad_s),
+        .speed_est_rpm = est_rpm,
+        .theta_e_rad = truth->theta_e_rad,
+        .theta_est_rad = (double)now->estimate.theta_rad,
+        .angle_error_deg = now->error_deg,
+        .id_A = truth->id_A,
+        .iq_A = truth->iq_A,
+        .i1_A = (double)seen.i_A.d,
+        .i2_A = (double)seen.i_A.q,
+        .i1_ref_A = (double)seen.ref_A.d,
+        .i2_ref_A = (double)seen.ref_A.q,
+        .u1_V = (double)seen.u_V.d,
+        .u2_V = (double)seen.u_V.q,
+        .e_alpha_V = (double)now->estimate.e_V.alpha,
+        .e_beta_V = (double)now->estimate.e_V.beta,
+        .e_true_alpha_V = truth->e_alpha_V,
+        .e_true_beta_V = truth->e_beta_V,
+        .ia_A = truth->i_abc_A[0],
+        .ib_A = truth->i_abc_A[1],
+        .ic_A = truth->i_abc_A[2],
+        .duty_a = (double)seen.duty.a,
+        .duty_b = (double)seen.duty.b,
+        .duty_c = (double)seen.duty.c,
+        .v_bus_V = (double)seen.v_bus_V,
+        .lock = (double)now->estimate.lock,
+        .torque_Nm = truth->torque_Nm,
+        .load_Nm = run->load_Nm,
+        .load_est_Nm = (double)now->estimate.load_torque_Nm,
+    };
+    return runlog_add(run->log, &row);
+}
+
+// ---- One period ---------------------------------------------------------------------------------
+
+static void move_command(run_t *run) {
+    const double left_rpm = run->speed_goal_rpm - run->speed_rpm;
+    if (fabs(left_rpm) <= 0.0) {
+        return;
+    }
+    const bool there = fabs(left_rpm) <= run->speed_step_rpm;
+    run->speed_rpm =
+        there ? run->speed_goal_rpm : run->speed_rpm + copysign(run->speed_step_rpm, left_rpm);
+    run->command.speed_rad_s = (float)rig_rad_s_from_rpm(run->speed_rpm);
+    (void)lode_drive_post_command(&run->drive, &run->command);
+}
+
+static lode_counts_t counts_of(const plant_counts_t *plant) {
+    return (lode_counts_t){
+        .i = {plant->i[0], plant->i[1], plant->i[2]},
+        .v_bus = plant->v_bus,
+        .temperature = plant->temperature,
+        .trip = plant->trip,
+        .stamp = plant->stamp,
+    };
+}
+
+static void step_drive(run_t *run, moment_t *now) {
+    plant_counts_t sampled;
+    plant_sample(&run->plant, &sampled, &now->truth);
+    const lode_counts_t counts = counts_of(&sampled);
+    // lode_drive_step() in its three parts.
+    const lode_measurement_t measurement = lode_drive_sense(&run->drive, &counts);
+    now->estimate = run->estimate(&run->drive, &measurement, &now->truth);
+    const lode_drive_out_t out = lode_drive_act(&run->drive, &measurement, &now->estimate);
+    const double duty[PLANT_PHASES] = {(double)out.duty.a, (double)out.duty.b, (double)out.duty.c};
+    plant_write(&run->plant, duty, out.gates);
+    plant_advance(&run->plant);
+    now->error_deg = rig_angle_error_deg((double)now->estimate.theta_rad, now->truth.theta_e_rad);
+}
+
+// ---- Phases -------------------------------------------------------------------------------------
+
+static void apply_to_plant(run_t *run, const rig_phase_t *phase) {
+    if (!isnan(phase->load_Nm)) {
+        run->load_Nm = phase->load_Nm + run->extra_load_Nm;
+        plant_set_load(&run->plant, run->load_Nm);
+    }
+    if (!isnan(phase->v_bus_V)) {
+        plant_set_bus(&run->plant, phase->v_bus_V);
+    }
+    if (!isnan(phase->temperature_degC)) {
+        plant_set_temperature(&run->plant, phase->temperature_degC);
+    }
+    if (isinf(phase->dyno_rpm)) {
+        plant_release_speed(&run->plant);
+    } else if (!isnan(phase->dyno_rpm)) {
+        plant_set_speed(&run->plant, rig_rad_s_from_rpm(phase->dyno_rpm));
+    }
+    if (phase->trip >= 0) {
+        plant_set_trip(&run->plant, phase->trip == 1);
+    }
+}
+
+static void set_if_given(float *field, double value) {
+    *field = isnan(value) ? *field : (float)value;
+}
+
+static void apply_to_command(run_t *run, const rig_phase_t *phase) {
+    static const lode_mode_t modes[] = {LODE_MODE_OFF, LODE_MODE_CALIBRATE, LODE_MODE_VOLTAGE,
+                                        LODE_MODE_CURRENT, LODE_MODE_RUN};
+    lode_command_t *command = &run->command;
+    command->mode = phase->mode >= 0 ? modes[phase->mode] : command->mode;
+    set_if_given(&command->vector.d, phase->d);
+    set_if_given(&command->vector.q, phase->q);
+    set_if_given(&command->theta_rad, rig_rad_from_deg(phase->theta_deg));
+    set_if_given(&command->omega_rad_s, phase->omega_rad_s);
+    run->speed_goal_rpm = isnan(phase->speed_rpm) ? run->speed_goal_rpm : phase->speed_rpm;
+    const bool at_once = isnan(phase->ramp_rpm_s);
+    run->speed_step_rpm = at_once ? HUGE_VAL : phase->ramp_rpm_s * run->ts_s;
+    run->speed_rpm = at_once ? run->speed_goal_rpm : run->speed_rpm;
+    command->speed_rad_s = (float)rig_rad_s_from_rpm(run->speed_rpm);
+    (void)lode_drive_post_command(&run->drive, command);
+}
+
+static void measure(const run_t *run, runner_phase_t *out, const moment_t *now, bool in_window) {
+    const double np = (double)run->config->drive.motor.pole_pairs;
+    const double rpm = rig_rpm_from_rad_s(now->truth.omega_m_rad_s);
+    const bool running = run->mode == LODE_MODE_RUN;
+    if (running) {
+        rig_stats_add(&out->run_error_deg, now->error_deg);
+        rig_stats_add(&out->run_lock, (double)now->estimate.lock);
+        out->reseeds += now->estimate.reseeded ? 1u : 0u;
+    }
+    if (!in_window) {
+        return;
+    }
+    rig_stats_add(&out->speed_rpm, rpm);
+    rig_stats_add(&out->id_A, now->truth.id_A);
+    rig_stats_add(&out->iq_A, now->truth.iq_A);
+    if (running) {
+        rig_stats_add(&out->error_deg, now->error_deg);
+        rig_stats_add(&out->speed_error_rpm,
+                      rig_rpm_from_rad_s((double)now->estimate.omega_rad_s) / np - rpm);
+        rig_stats_add(&out->load_est_Nm, (double)now->estimate.load_torque_Nm);
+    }
+}
+
+static void check_bar(runner_phase_t *out, const char *what, double measured, double bar) {
+    // A figure that does not exist has missed its bar too.
+    if (isnan(bar) || measured <= bar) {
+        return;
+    }
+    const size_t used = strlen(out->missed);
+    (void)snprintf(out->missed + used, sizeof out->missed - used, "%s%s %.3g, bar %.3g",
+                   used > 0 ? "; " : "", what, measured, bar);
+}
+
+static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out) {
+    check_bar(out, "angle error mean", fabs(rig_stats_mean(&out->error_deg)), phase->bar_dc_deg);
+    check_bar(out, "angle error pp", rig_stats_peak_to_peak(&out->error_deg), phase->bar_pp_deg);
+    check_bar(out, "angle error max", rig_stats_peak(&out->run_error_deg), phase->bar_error_deg);
+    check_bar(out, "speed off by", fabs(rig_stats_mean(&out->speed_rpm) - out->speed_command_rpm),
+              phase->bar_speed_rpm);
+    if (phase->end_mode >= 0 && (int)out->mode != phase->end_mode) {
+        const size_t used = strlen(out->missed);
+        (void)snprintf(out->missed + used, sizeof out->missed - used, "%sended in %s, bar %s",
+                       used > 0 ? "; " : "", lode_mode_name(out->mode),
+                       lode_mode_name((lode_mode_t)phase->end_mode));
+    }
+    if (run->faulted && phase->end_mode == (int)LODE_MODE_FAULT) {
+        run->result->fault_expected = true;
+    }
+    run->result->missed = run->result->missed || out->missed[0] != '\0';
+}
+
+static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_window) {
+    moment_t now;
+    move_command(run);
+    step_drive(run, &now);
+    note_changes(run, &now.estimate);
+    measure(run, out, &now, in_window);
+    const bool good = run->k % run->log_every != 0 || log_row(run, index, &now);
+    run->k++;
+    if (run->k % PERIODS_PER_PROGRESS == 0) {
+        progress_show(&run->progress, (double)run->k * run->ts_s / run->total_s, out->name);
+    }
+    return good;
+}
+
+static bool run_phase(run_t *run, int index) {
+    const rig_phase_t *phase = &run->config->scenario.phase[index];
+    runner_phase_t *out = &run->result->phase[index];
+    const uint64_t periods = (uint64_t)llround(phase->duration_s / run->ts_s);
+    const uint64_t window = (uint64_t)llround(RUNNER_WINDOW_s / run->ts_s);
+    const uint64_t window_from = periods > window ? periods - window : 0;
+    bool good = true;
+    (void)snprintf(out->name, sizeof out->name, "%s", phase->name);
+    out->start_s = (double)run->k * run->ts_s;
+    apply_to_plant(run, phase);
+    uint64_t k = 0;
+    if (phase->clear_fault == 1) {
+        const lode_command_t clear = {.mode = LODE_MODE_OFF, .clear_fault = true};
+        (void)lode_drive_post_command(&run->drive, &clear);
+        good = run_period(run, index, out, false);
+        k++;
+    }
+    apply_to_command(run, phase);
+    for (; good && k < periods; ++k) {
+        good = run_period(run, index, out, k >= window_from);
+    }
+    if (out->error_deg.count < periods - window_from) {
+        rig_stats_reset(&out->error_deg);
+    }
+    out->end_s = (double)run->k * run->ts_s;
+    out->speed_command_rpm = run->speed_goal_rpm;
+    out->load_Nm = run->load_Nm;
+    out->mode = run->mode;
+    check_bars(run, phase, out);
+    run->result->phases = index + 1;
+    return good;
+}
+
+static bool check_phases(const rig_config_t *config) {
+    const rig_scenario_t *scenario = &config->scenario;
+    const char *file = config->file[0];
+    if (scenario->phases == 0) {
+        rig_error_at(file, 0, "no [phase.NAME]; expected at least one, with its duration_s");
+        return false;
+    }
+    for (int k = 0; k < scenario->phases; ++k) {
+        if (isnan(scenario->phase[k].duration_s)) {
+            rig_error_at(file, 0, "[phase.%s] duration_s: missing; expected the phase's length",
+                         scenario->phase[k].name);
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool start(run_t *run) {
+    const rig_scenario_t *scenario = &run->config->scenario;
+    plant_config_t plant;
+    if (!check_phases(run->config) || !rig_config_plant(run->config, &plant, &run->extra_load_Nm)) {
+        return false;
+    }
+    const lode_status_t status = lode_drive_init(&run->drive, &run->tuning, &run->config->drive);
+    if (status != LODE_OK) {
+        refusal_report(run->config, status);
+        return false;
+    }
+    (void)plant_init(&run->plant, &plant);
+    run->ts_s = 1.0 / (double)run->config->drive.f_pwm_Hz;
+    run->command = (lode_command_t){.mode = LODE_MODE_RUN};
+    run->mode = LODE_MODE_OFF;
+    for (int k = 0; k < scenario->phases; ++k) {
+        run->total_s += scenario->phase[k].duration_s;
+    }
+    const double log_s = isnan(scenario->log_s) ? run->total_s / LOG_ROWS : scenario->log_s;
+    run->log_every = (uint64_t)fmax(1.0, round(log_s / run->ts_s));
+    if (run->extra_load_Nm > 0.0 || run->extra_load_Nm < 0.0) {
+        run->load_Nm = run->extra_load_Nm;
+        plant_set_load(&run->plant, run->load_Nm);
+    }
+    return true;
+}
+
+bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_result_t *result,
+                runlog_t *log) {
+    run_t run = {.config = config, .estimate = estimate, .result = result, .log = log};
+    *result = (runner_result_t){.handover_s = NAN, .fault_s = NAN};
+    if (!start(&run)) {
+        return false;
+    }
+    progress_start(&run.progress);
+    bool good = true;
+    for (int k = 0; good && k < config->scenario.phases; ++k) {
+        // Nothing happens any more after a fault that no phase clears.
+        if (!run.faulted || config->scenario.phase[k].clear_fault == 1) {
+            good = run_phase(&run, k);
+        }
+    }
+    result->simulated_s = (double)run.k * run.ts_s;
+    result->wall_s = progress_end(&run.progress);
+    return good;
+}

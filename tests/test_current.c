@@ -1,0 +1,285 @@
+// Current control: feed-forward, bumpless reset, voltage circle, anti-windup, closed loop.
+#include "support/fields.h"
+
+#include "lodestar/current.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+static lode_current_config_t sound(void) {
+    // Paper 1, Section 5: kp 3.3 and 9.2 V/A, ki 705 V/(As).
+    return (lode_current_config_t){.bandwidth_rad_s = 940.0f,
+                                   .kp_d_V_A = 3.3f,
+                                   .kp_q_V_A = 9.2f,
+                                   .ki_d_V_As = 705.0f,
+                                   .ki_q_V_As = 705.0f,
+                                   .voltage_use = 0.9f};
+}
+
+static lode_current_tuning_t tuned(const lode_current_config_t *config) {
+    const lode_motor_t motor = paper_motor();
+    lode_current_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_current_tune(&tuning, config, &motor, PAPER_TS_s));
+    return tuning;
+}
+
+#define RADIUS (0.9 * 200.0 / 1.7320508075688772)
+
+static void test_what_it_asks_for(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    lode_current_t current = {.d = {2.0f}, .q = {-3.0f}};
+    const lode_dq_t ref = {1.0f, 4.0f};
+    const lode_dq_t i = {-1.5f, 3.0f};
+    for (int n = 0; n < 20; n++) {
+        const lode_dq_t u = lode_current_step(&current, &tuning, ref, i, 300.0f, 200.0f);
+        const double time = n * 2.0e-4;
+        // kp e + integral + decoupling: -w Lq iq, w (Ld id + psi).
+        const double ud = 3.3 * 2.5 + 2.0 + 705.0 * 2.5 * time - 300.0 * 9.8e-3 * 3.0;
+        const double uq = 9.2 * 1.0 - 3.0 + 705.0 * 1.0 * time + 300.0 * (3.5e-3 * -1.5 + 0.142);
+        CHECK_NEAR(3.0e-5, ud, u.d); // sums of numbers up to 50
+        CHECK_NEAR(3.0e-5, uq, u.q);
+    }
+}
+
+static void test_without_speed_there_is_no_feed_forward(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    lode_current_t current = {.d = {0.0f}, .q = {0.0f}};
+    const lode_dq_t i = {5.0f, -7.0f};
+    const lode_dq_t u = lode_current_step(&current, &tuning, i, i, 0.0f, 200.0f);
+    TEST_ASSERT_TRUE(u.d == 0.0f && u.q == 0.0f);
+}
+
+static void test_reset_is_bumpless(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    random_t random = random_seed(1);
+    for (int n = 0; n < 2000; n++) {
+        const double length = random_between(&random, 0.0, 0.85 * RADIUS);
+        const double angle = random_between(&random, -3.0, 3.0);
+        const lode_dq_t u = {(float)(length * cos(angle)), (float)(length * sin(angle))};
+        const lode_dq_t i = {random_float(&random, -12.0, 12.0), random_float(&random, -12.0, 12.0)};
+        const float omega = random_float(&random, -1000.0, 1000.0);
+        lode_current_t current;
+        lode_current_reset(&current, &tuning, u, i, omega);
+        for (int again = 0; again < 3; again++) {
+            const lode_dq_t out = lode_current_step(&current, &tuning, i, i, omega, 200.0f);
+            CHECK_NEAR(1.0e-4, u.d, out.d); // feed-forward of up to 300 V added and taken off
+            CHECK_NEAR(1.0e-4, u.q, out.q);
+        }
+    }
+}
+
+static void test_circle_with_d_first_and_headroom_for_q(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    random_t random = random_seed(2);
+    for (int n = 0; n < 50000; n++) {
+        lode_current_t current = {.d = {random_float(&random, -200.0, 200.0)},
+                                  .q = {random_float(&random, -200.0, 200.0)}};
+        const lode_current_t before = current;
+        const lode_dq_t u = lode_current_step(&current, &tuning, (lode_dq_t){0.0f, 0.0f},
+                                              (lode_dq_t){0.0f, 0.0f}, 0.0f, 200.0f);
+        CHECK_AT_MOST(RADIUS * (1.0 + 1.0e-6), hypot((double)u.d, (double)u.q));
+        const double d_max = (double)tuning.d_share * RADIUS;
+        const double d = fmax(-d_max, fmin(d_max, (double)before.d.integral));
+        const double q_max = sqrt(RADIUS * RADIUS - d * d);
+        CHECK_NEAR(1.0e-4, d, u.d);
+        CHECK_NEAR(1.0e-4, fmax(-q_max, fmin(q_max, (double)before.q.integral)), u.q);
+        // However much the d axis asks for, q keeps two fifths of the circle.
+        CHECK_AT_LEAST(0.4 * RADIUS, q_max);
+    }
+}
+
+static void test_circle_follows_the_bus(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    const float buses[] = {400.0f, 200.0f, 20.0f, 0.0f, -100.0f, NAN};
+    for (int i = 0; i < COUNT_OF(buses); i++) {
+        lode_current_t current = {.d = {0.0f}, .q = {500.0f}};
+        const lode_dq_t zero = {0.0f, 0.0f};
+        const lode_dq_t u = lode_current_step(&current, &tuning, zero, zero, 0.0f, buses[i]);
+        const double bus = buses[i] > 0.0f ? (double)buses[i] : 0.0;
+        CHECK_NEAR(1.0e-4, 0.9 * bus / sqrt(3.0), u.q);
+    }
+}
+
+/// The motor's R-L circuits in dq at a fixed speed, exact for R-L and with the coupling by sampling.
+typedef struct {
+    double id, iq, omega;
+} plant_t;
+
+static void plant_step(plant_t *p, lode_dq_t u) {
+    const int count = 20;
+    const double h = 2.0e-4 / count;
+    for (int n = 0; n < count; n++) {
+        const double did = ((double)u.d - 0.75 * p->id + p->omega * 9.8e-3 * p->iq) / 3.5e-3;
+        const double diq =
+            ((double)u.q - 0.75 * p->iq - p->omega * (3.5e-3 * p->id + 0.142)) / 9.8e-3;
+        p->id += h * did;
+        p->iq += h * diq;
+    }
+}
+
+static lode_dq_t measured(const plant_t *p) {
+    return (lode_dq_t){(float)p->id, (float)p->iq};
+}
+
+static void test_closed_loop_has_the_bandwidth_asked_for(void) {
+    const lode_motor_t motor = paper_motor();
+    lode_current_config_t config = {.bandwidth_rad_s = 100.0f};
+    lode_current_design(&config, &motor, PAPER_TS_s);
+    lode_current_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_current_tune(&tuning, &config, &motor, PAPER_TS_s));
+    plant_t plant = {.id = 0.0, .iq = 0.0, .omega = 300.0};
+    lode_current_t current;
+    lode_current_reset(&current, &tuning, (lode_dq_t){0.0f, (float)(300.0 * 0.142)}, measured(&plant), 300.0f);
+    lode_dq_t acting = {0.0f, (float)(300.0 * 0.142)};
+    for (int n = 0; n < 500; n++) {
+        // Pole-zero cancellation leaves 1 - exp(-bandwidth t). One period of delay and sampling at
+        // bandwidth Ts = 0.02 shift it by 0.03 at most.
+        CHECK_NEAR(0.03 * 4.0, 4.0 * (1.0 - exp(-100.0 * 2.0e-4 * n)), plant.iq);
+        CHECK_NEAR(0.03 * 4.0, -2.0 * (1.0 - exp(-100.0 * 2.0e-4 * n)), plant.id);
+        const lode_dq_t u = lode_current_step(&current, &tuning, (lode_dq_t){-2.0f, 4.0f}, measured(&plant),
+                                              300.0f, 200.0f);
+        plant_step(&plant, acting);
+        acting = u;
+    }
+    CHECK_NEAR(2.0e-3, 4.0, plant.iq); // exp(-10)
+}
+
+static void test_no_windup_in_a_second_of_saturation(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        plant_t plant = {.id = 0.0, .iq = 0.0, .omega = 600.0};
+        lode_current_t current;
+        lode_dq_t acting = {0.0f, (float)(600.0 * 0.142)};
+        lode_current_reset(&current, &tuning, acting, measured(&plant), 600.0f);
+        int settled = 0;
+        for (int n = 0; n < 5200; n++) {
+            // 30 A at 600 rad/s are far outside the circle; 2 A inside it.
+            const float iq = n < 5000 ? 30.0f : 2.0f;
+            const lode_dq_t ref = {0.0f, iq * (float)sign};
+            const lode_dq_t u = lode_current_step(&current, &tuning, ref, measured(&plant), 600.0f, 200.0f);
+            plant_step(&plant, acting);
+            acting = u;
+            settled = n >= 5000 && fabs(plant.iq - 2.0 * sign) < 0.2 && fabs(plant.id) < 0.3 ? settled + 1 : 0;
+        }
+        // In again within 100 periods, ten time constants of the loop, and there to stay.
+        CHECK_AT_LEAST(100, settled);
+    }
+}
+
+static void test_any_input_stays_in_the_circle(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    random_t random = random_seed(3);
+    lode_current_t current = {.d = {0.0f}, .q = {0.0f}};
+    for (int n = 0; n < 300000; n++) {
+        const lode_dq_t ref = {random_any(&random), random_any(&random)};
+        const lode_dq_t i = {random_any(&random), random_any(&random)};
+        const lode_dq_t u = lode_current_step(&current, &tuning, ref, i, random_any(&random), 200.0f);
+        CHECK_AT_MOST(RADIUS * (1.0 + 1.0e-6), hypot((double)u.d, (double)u.q));
+    }
+}
+
+static void test_one_bad_sample_does_not_stay(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        lode_current_t current;
+        lode_current_reset(&current, &tuning, (lode_dq_t){1.0f, 2.0f}, (lode_dq_t){0.0f, 0.0f}, 0.0f);
+        const lode_dq_t bad = {check_not_finite[i], check_not_finite[i]};
+        const lode_dq_t zero = {0.0f, 0.0f};
+        (void)lode_current_step(&current, &tuning, zero, bad, 0.0f, 200.0f);
+        (void)lode_current_step(&current, &tuning, zero, zero, check_not_finite[i], 200.0f);
+        TEST_ASSERT_TRUE(lode_is_finite(current.d.integral) && lode_is_finite(current.q.integral));
+    }
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_current_config_t config = sound();
+    field_set(&config, offset, value);
+    const lode_motor_t motor = paper_motor();
+    lode_current_tuning_t tuning;
+    memset(&tuning, 0x5a, sizeof tuning);
+    const lode_current_tuning_t before = tuning;
+    const lode_status_t status = lode_current_tune(&tuning, &config, &motor, PAPER_TS_s);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+static void test_every_field_at_its_limits(void) {
+    static const field_t fields[] = {
+        {FIELD(lode_current_config_t, bandwidth_rad_s), .lo = 1.0f, .hi = 2000.0f, .computed = true,
+         .error = LODE_ERROR_CURRENT_BANDWIDTH}, // 0.4/Ts
+        {FIELD(lode_current_config_t, voltage_use), .lo = 0.1f, .hi = 1.0f,
+         .error = LODE_ERROR_CURRENT_VOLTAGE},
+    };
+    field_check_all(fields, COUNT_OF(fields), try_one);
+}
+
+static void test_gains_must_be_positive_and_stable(void) {
+    const size_t kp[] = {offsetof(lode_current_config_t, kp_d_V_A), offsetof(lode_current_config_t, kp_q_V_A)};
+    const size_t ki[] = {offsetof(lode_current_config_t, ki_d_V_As), offsetof(lode_current_config_t, ki_q_V_As)};
+    const float inductance[] = {3.5e-3f, 9.8e-3f};
+    for (int axis = 0; axis < 2; axis++) {
+        const float bad[] = {0.0f, -1.0f, NAN, INFINITY, -INFINITY, FLT_MAX};
+        for (int i = 0; i < COUNT_OF(bad); i++) {
+            TEST_ASSERT_EQUAL_INT(LODE_ERROR_CURRENT_GAINS, try_one(kp[axis], bad[i]));
+        }
+        const float none[] = {-1.0f, NAN, INFINITY, -INFINITY, FLT_MAX};
+        for (int i = 0; i < COUNT_OF(none); i++) {
+            TEST_ASSERT_EQUAL_INT(LODE_ERROR_CURRENT_GAINS, try_one(ki[axis], none[i]));
+        }
+        // kp/L is the crossover: 0.4/Ts passes, L/Ts (oscillation with the delay) does not.
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(kp[axis], 0.39f / PAPER_TS_s * inductance[axis]));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_CURRENT_GAINS, try_one(kp[axis], 1.0f / PAPER_TS_s * inductance[axis]));
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(ki[axis], 0.0f));
+        // An integrator as fast as the crossover leaves no phase.
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_CURRENT_GAINS, try_one(ki[axis], 940.0f * 940.0f * inductance[axis]));
+    }
+}
+
+static void test_design_fills_what_is_open(void) {
+    const lode_motor_t motor = paper_motor();
+    lode_current_config_t config = {.bandwidth_rad_s = 940.0f};
+    lode_current_design(&config, &motor, PAPER_TS_s);
+    // kp = L bandwidth, ki = R bandwidth: the paper's own 3.3, 9.2 and 705.
+    CHECK_CLOSE(0.01, 3.3, config.kp_d_V_A);
+    CHECK_CLOSE(0.01, 9.2, config.kp_q_V_A);
+    CHECK_CLOSE(1.0e-6, 705.0, config.ki_d_V_As);
+    CHECK_CLOSE(1.0e-6, 705.0, config.ki_q_V_As);
+    CHECK_CLOSE(1.0e-6, 0.95, config.voltage_use);
+    lode_current_config_t open = {.bandwidth_rad_s = 0.0f};
+    lode_current_design(&open, &motor, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-6, 1000.0, open.bandwidth_rad_s); // 0.2/Ts
+    const lode_current_config_t all = sound();
+    lode_current_config_t kept = all;
+    lode_current_design(&kept, &motor, PAPER_TS_s);
+    TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_what_it_asks_for);
+    RUN_TEST(test_without_speed_there_is_no_feed_forward);
+    RUN_TEST(test_reset_is_bumpless);
+    RUN_TEST(test_circle_with_d_first_and_headroom_for_q);
+    RUN_TEST(test_circle_follows_the_bus);
+    RUN_TEST(test_closed_loop_has_the_bandwidth_asked_for);
+    RUN_TEST(test_no_windup_in_a_second_of_saturation);
+    RUN_TEST(test_any_input_stays_in_the_circle);
+    RUN_TEST(test_one_bad_sample_does_not_stay);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_gains_must_be_positive_and_stable);
+    RUN_TEST(test_design_fills_what_is_open);
+    return UNITY_END();
+}

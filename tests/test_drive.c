@@ -1,0 +1,659 @@
+// The drive: modes, commands, tunings, faults, telemetry, and a motor in double behind it.
+#include "support/rig.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+static lode_drive_tuning_t tuning;
+static lode_drive_tuning_t other_tuning;
+
+static rig_t fresh(void) {
+    const lode_drive_config_t config = rig_config();
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    return rig;
+}
+
+static const lode_command_t off = {.mode = LODE_MODE_OFF};
+static const lode_command_t clear = {.mode = LODE_MODE_OFF, .clear_fault = true};
+
+/// Sensorless running at a mechanical speed.
+static lode_command_t run_at(double speed) {
+    return (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = (float)speed};
+}
+
+/// Steps until `mode`, at most `seconds`; false if it never comes.
+static bool reach(rig_t *rig, lode_mode_t mode, double seconds) {
+    for (int n = 0; n < (int)(seconds / RIG_TS_s); n++) {
+        rig_step(rig);
+        if (rig_telemetry(rig).mode == mode) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// --- Off, calibration -------------------------------------------------------------------------
+
+static bool is_idle(lode_drive_out_t out) {
+    return !out.gates && out.duty.a == 0.5f && out.duty.b == 0.5f && out.duty.c == 0.5f;
+}
+
+static void test_init_is_at_rest_and_idempotent(void) {
+    rig_t rig = fresh();
+    const rig_t first = rig;
+    rig_expect(&rig, LODE_MODE_OFF);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
+    TEST_ASSERT_EQUAL_UINT32(0, rig_telemetry(&rig).steps);
+    rig_command(&rig, run_at(100.0));
+    rig_run(&rig, 1.0);
+    const lode_drive_config_t config = rig_config();
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_init(&rig.drive, &tuning, &config));
+    TEST_ASSERT_EQUAL_MEMORY(&first.drive, &rig.drive, sizeof rig.drive);
+}
+
+static void test_off_stays_off(void) {
+    rig_t rig = fresh();
+    rig.trip = true; // the power stage may say what it likes
+    for (int n = 0; n < 1000; n++) {
+        rig_step(&rig);
+        TEST_ASSERT_TRUE(is_idle(rig.out));
+    }
+    rig_expect(&rig, LODE_MODE_OFF);
+    TEST_ASSERT_EQUAL_UINT32(1000, rig_telemetry(&rig).steps);
+}
+
+static void test_calibration_measures_offsets_with_gates_off(void) {
+    rig_t rig = fresh();
+    rig.offset[0] = 20.0;
+    rig.offset[1] = -35.0;
+    rig.offset[2] = 4.0;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    for (int n = 0; n < 400; n++) { // of the 500 of 0.1 s
+        rig_step(&rig);
+        TEST_ASSERT_TRUE(is_idle(rig.out));
+        rig_expect(&rig, LODE_MODE_CALIBRATE);
+    }
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.1));
+    CHECK_NEAR(0.01, 2068.0, rig.drive.sense.offset_count.a);
+    CHECK_NEAR(0.01, 2013.0, rig.drive.sense.offset_count.b);
+    CHECK_NEAR(0.01, 2052.0, rig.drive.sense.offset_count.c);
+    rig_run(&rig, 0.2); // once
+    rig_expect(&rig, LODE_MODE_OFF);
+}
+
+static void test_an_implausible_offset_is_a_fault(void) {
+    rig_t rig = fresh();
+    rig.offset[1] = -300.0;
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_FAULT, 0.2));
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OFFSET, fault.check);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_CALIBRATE, fault.state);
+    CHECK_NEAR(0.01, -300.0, fault.measured);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+}
+
+static void test_off_interrupts_a_calibration(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    rig_run(&rig, 0.05);
+    rig_command(&rig, off);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_OFF);
+}
+
+// --- Voltage and current at a given angle -----------------------------------------------------
+
+static void test_voltage_vector_at_an_angle(void) {
+    for (int n = 0; n < 12; n++) {
+        rig_t rig = fresh();
+        rig.blocked = true;
+        const double theta = n * CHECK_PI / 6.0;
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE, .vector = {3.0f, -2.0f},
+                                           .theta_rad = (float)theta});
+        rig_run(&rig, 0.01);
+        TEST_ASSERT_TRUE(rig.out.gates);
+        const lode_ab_t u = lode_clarke(rig.out.duty);
+        // (3 - 2j) exp(j theta) V of 200 V; float rounding.
+        CHECK_NEAR(5.0e-4, 3.0 * cos(theta) + 2.0 * sin(theta), 200.0f * u.alpha);
+        CHECK_NEAR(5.0e-4, 3.0 * sin(theta) - 2.0 * cos(theta), 200.0f * u.beta);
+    }
+}
+
+static void test_turning_voltage_is_ahead_by_one_and_a_half_periods(void) {
+    rig_t rig = fresh();
+    rig.blocked = true;
+    const double omega = -400.0;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE, .vector = {5.0f, 0.0f},
+                                       .theta_rad = 1.0f, .omega_rad_s = (float)omega});
+    double before = 0.0;
+    for (int n = 0; n < 200; n++) {
+        rig_step(&rig);
+        const lode_ab_t u = lode_clarke(rig.out.duty);
+        const double angle = atan2((double)u.beta, (double)u.alpha);
+        if (n > 0) {
+            CHECK_NEAR(1.0e-4, 0.0, angle_error(angle - before, omega * RIG_TS_s));
+            // The frame stands at 1 rad when the mode is entered; the middle of the period in
+            // which the duties act is 1.5 periods after the sample. One period of slack for when
+            // "entered" is.
+            const double ahead = 1.0 + omega * RIG_TS_s * (n + 1.5);
+            CHECK_NEAR(1.01 * fabs(omega) * RIG_TS_s, 0.0, angle_error(angle, ahead));
+        }
+        before = angle;
+    }
+    // Against the telemetry's own frame it is exact: there is none but the voltage's.
+    TEST_ASSERT_EQUAL_FLOAT(5.0f, rig_telemetry(&rig).u_V.d);
+}
+
+static void test_voltage_stays_in_the_circle(void) {
+    rig_t rig = fresh();
+    rig.blocked = true;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE, .vector = {1.0e6f, -1.0e6f}});
+    rig_step(&rig);
+    const lode_abc_t d = rig.out.duty;
+    TEST_ASSERT_TRUE(d.a >= 0.0f && d.a <= 1.0f && d.b >= 0.0f && d.b <= 1.0f && d.c >= 0.0f && d.c <= 1.0f);
+}
+
+static void test_current_vector_at_an_angle(void) {
+    for (int n = 0; n < 6; n++) {
+        rig_t rig = fresh();
+        rig.blocked = true;
+        const double theta = n * CHECK_PI / 3.0;
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {4.0f, 1.0f},
+                                           .theta_rad = (float)theta});
+        rig_run(&rig, 0.3);
+        const lode_ab_t i = ipmsm_current(&rig.motor);
+        // A converter's step is 12.5 mA.
+        CHECK_NEAR(0.03, 4.0 * cos(theta) - sin(theta), i.alpha);
+        CHECK_NEAR(0.03, 4.0 * sin(theta) + cos(theta), i.beta);
+        const lode_telemetry_t t = rig_telemetry(&rig);
+        CHECK_NEAR(0.03, 4.0, t.i_A.d);
+        CHECK_NEAR(0.03, 1.0, t.i_A.q);
+        TEST_ASSERT_EQUAL_FLOAT(4.0f, t.ref_A.d);
+    }
+}
+
+static void test_current_command_is_limited(void) {
+    rig_t rig = fresh();
+    rig.blocked = true;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {50.0f, 0.0f}});
+    rig_run(&rig, 0.3);
+    CHECK_NEAR(0.05, 12.0, lode_ab_length(ipmsm_current(&rig.motor)));
+    // A vector of both components too.
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {50.0f, 50.0f}});
+    rig_run(&rig, 0.3);
+    CHECK_AT_MOST(12.05, lode_ab_length(ipmsm_current(&rig.motor)));
+}
+
+// --- Sensorless running -----------------------------------------------------------------------
+
+static void check_running(rig_t *rig, double speed) {
+    worst_t angle = {0.0};
+    worst_t off_speed = {0.0};
+    for (int n = 0; n < 1000; n++) {
+        rig_step(rig);
+        worst_note(&angle, rig->angle_error);
+        worst_note(&off_speed, rig->motor.omega / 3.0 - speed);
+    }
+    rig_expect(rig, LODE_MODE_RUN);
+    CHECK_AT_MOST(1.0 * CHECK_DEG, angle.value); // counts of 12.5 mA move it
+    CHECK_AT_MOST(0.01 * fabs(speed), off_speed.value);
+    CHECK_AT_LEAST(0.7, rig_telemetry(rig).lock);
+}
+
+static void test_run_calibrates_starts_and_turns_both_ways(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = fresh();
+        rig.load_Nm = 1.0;
+        rig_command(&rig, run_at(100.0 * sign));
+        rig_step(&rig);
+        rig_expect(&rig, LODE_MODE_CALIBRATE);
+        TEST_ASSERT_TRUE(is_idle(rig.out));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
+        TEST_ASSERT_TRUE(rig.out.gates);
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+        rig_run(&rig, 2.0);
+        check_running(&rig, 100.0 * sign);
+        const lode_telemetry_t t = rig_telemetry(&rig);
+        CHECK_NEAR(0.2, ipmsm_torque(&rig.motor) - 7.5e-4 * 100.0 * sign, t.load_torque_Nm);
+        CHECK_NEAR(0.5, 200.0, t.v_bus_V);
+        CHECK_NEAR(0.1, 100.0 * sign, t.speed_ref_rad_s);
+    }
+}
+
+static void test_load_steps_and_speed_changes(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(60.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.5);
+    check_running(&rig, 60.0);
+    rig.load_Nm = 5.0;
+    rig_run(&rig, 2.0);
+    check_running(&rig, 60.0);
+    rig_command(&rig, run_at(150.0));
+    rig_run(&rig, 2.5);
+    check_running(&rig, 150.0);
+    rig.load_Nm = 0.0;
+    rig_run(&rig, 2.0);
+    check_running(&rig, 150.0);
+}
+
+static void test_speed_zero_stops_and_switches_off(void) {
+    rig_t rig = fresh();
+    rig.load_Nm = 0.5;
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.0);
+    rig_command(&rig, run_at(0.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 5.0));
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    CHECK_NEAR(10.0, 0.0, rig.motor.omega / 3.0); // down on the vector, not coasting
+    rig_run(&rig, 1.0);
+    rig_expect(&rig, LODE_MODE_OFF);
+    rig_command(&rig, run_at(80.0));
+    rig_step(&rig);
+    TEST_ASSERT_FALSE(rig_telemetry(&rig).mode == LODE_MODE_CALIBRATE); // that has been done
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+}
+
+static void test_reversal(void) {
+    rig_t rig = fresh();
+    rig.load_Nm = 0.5;
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.5);
+    check_running(&rig, 80.0);
+    rig_command(&rig, run_at(-80.0));
+    rig_run(&rig, 6.0);
+    check_running(&rig, -80.0);
+}
+
+static void test_off_at_speed_switches_off_at_once(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_command(&rig, off);
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    rig_expect(&rig, LODE_MODE_OFF);
+}
+
+static void test_a_blocked_rotor_ends_in_a_start_fault(void) {
+    rig_t rig = fresh();
+    rig.blocked = true;
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_FAULT, 12.0));
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_START", lode_check_name((lode_check_t)fault.check));
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_START, fault.state);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+}
+
+// --- Commands ---------------------------------------------------------------------------------
+
+static void test_bad_commands_are_refused_and_change_nothing(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    const lode_drive_t before = rig.drive;
+    const int modes[] = {LODE_MODE_START, LODE_MODE_FAULT, 7, -1, 1000};
+    for (int i = 0; i < COUNT_OF(modes); i++) {
+        const lode_command_t command = {.mode = (lode_mode_t)modes[i]};
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND, lode_drive_post_command(&rig.drive, &command));
+    }
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        for (int field = 0; field < 5; field++) {
+            lode_command_t command = {.mode = LODE_MODE_CURRENT};
+            float *const values[] = {&command.speed_rad_s, &command.vector.d, &command.vector.q,
+                                     &command.theta_rad, &command.omega_rad_s};
+            *values[field] = check_not_finite[i];
+            TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND, lode_drive_post_command(&rig.drive, &command));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_command(&rig.drive, NULL));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_command(NULL, &off));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &rig.drive, sizeof before);
+}
+
+static void test_commands_wait_for_the_next_period_and_the_last_counts(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE, .vector = {2.0f, 0.0f}});
+    rig_expect(&rig, LODE_MODE_OFF);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_VOLTAGE);
+    // The vector follows a new command without leaving the mode.
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE, .vector = {4.0f, 0.0f}});
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(rig.out.gates);
+    TEST_ASSERT_EQUAL_FLOAT(4.0f, rig_telemetry(&rig).u_V.d);
+}
+
+static void test_huge_commands_give_duties(void) {
+    const float huge[] = {FLT_MAX, -FLT_MAX, 1.0e20f};
+    for (int i = 0; i < COUNT_OF(huge); i++) {
+        const lode_mode_t modes[] = {LODE_MODE_VOLTAGE, LODE_MODE_CURRENT, LODE_MODE_RUN};
+        for (int m = 0; m < COUNT_OF(modes); m++) {
+            rig_t rig = fresh();
+            rig.blocked = true;
+            rig_command(&rig, (lode_command_t){.mode = modes[m], .speed_rad_s = huge[i], .vector = {huge[i], huge[i]},
+                                               .theta_rad = huge[i], .omega_rad_s = huge[i]});
+            for (int n = 0; n < 2000; n++) {
+                rig_step(&rig);
+                const lode_abc_t d = rig.out.duty;
+                TEST_ASSERT_TRUE(lode_in_range(d.a, 0.0f, 1.0f) && lode_in_range(d.b, 0.0f, 1.0f) &&
+                                 lode_in_range(d.c, 0.0f, 1.0f));
+            }
+        }
+    }
+}
+
+// --- Tunings ----------------------------------------------------------------------------------
+
+static void test_the_same_tuning_changes_nothing(void) {
+    rig_t one = fresh();
+    rig_command(&one, run_at(90.0));
+    TEST_ASSERT_TRUE(reach(&one, LODE_MODE_RUN, 8.0));
+    rig_t two = one;
+    other_tuning = tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&two.drive, &other_tuning));
+    for (int n = 0; n < 5000; n++) {
+        rig_step(&one);
+        rig_step(&two);
+        TEST_ASSERT_EQUAL_MEMORY(&one.out.duty, &two.out.duty, sizeof one.out.duty);
+    }
+    TEST_ASSERT_TRUE(lode_drive_tuning_taken(&two.drive));
+    TEST_ASSERT_TRUE(two.drive.tuning == &other_tuning);
+}
+
+static void test_a_new_tuning_is_taken_at_a_period(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(90.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 2.0);
+    lode_drive_config_t config = rig_config();
+    config.estimator.pll.kind = LODE_PLL_QPLL;
+    config.current.voltage_use = 0.8f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    TEST_ASSERT_TRUE(lode_drive_tuning_taken(&rig.drive));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    TEST_ASSERT_FALSE(lode_drive_tuning_taken(&rig.drive));
+    TEST_ASSERT_TRUE(rig.drive.tuning == &tuning);
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(lode_drive_tuning_taken(&rig.drive));
+    TEST_ASSERT_TRUE(rig.drive.tuning == &other_tuning);
+    rig_run(&rig, 2.0);
+    check_running(&rig, 90.0); // all states went on
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, rig_telemetry(&rig).load_torque_Nm); // the QPLL has none
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_tuning(&rig.drive, NULL));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_tuning(NULL, &tuning));
+}
+
+// --- Faults -----------------------------------------------------------------------------------
+
+/// A rig that holds 4 A at an angle.
+static rig_t holding(void) {
+    rig_t rig = fresh();
+    rig.blocked = true;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {4.0f, 0.0f}});
+    rig_run(&rig, 0.1);
+    TEST_ASSERT_TRUE(rig.out.gates);
+    return rig;
+}
+
+static void test_over_current_of_either_sign_in_the_same_call(void) {
+    for (int phase = 0; phase < 3; phase++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            rig_t rig = holding();
+            lode_counts_t counts = rig_counts(&rig);
+            counts.i[phase] = (uint16_t)(2048 + sign * 1500); // 18.75 A of 18 A
+            const lode_drive_out_t out = lode_drive_step(&rig.drive, &counts);
+            TEST_ASSERT_TRUE(is_idle(out));
+            const lode_fault_t fault = rig_telemetry(&rig).fault;
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, fault.check);
+            TEST_ASSERT_EQUAL_INT(LODE_MODE_CURRENT, fault.state);
+            CHECK_NEAR(1.0e-3, sign * 18.75, fault.measured);
+            CHECK_NEAR(1.0e-3, 18.0, fault.limit);
+            rig_expect(&rig, LODE_MODE_FAULT);
+        }
+    }
+}
+
+static void test_hardware_trip_in_the_same_call(void) {
+    rig_t rig = holding();
+    rig.trip = true;
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, rig_telemetry(&rig).fault.check);
+}
+
+static void test_bus_out_of_range_trips_after_its_debounce(void) {
+    const uint16_t buses[] = {2600, 1100}; // 260 V of 250 V, 110 V of 120 V
+    const lode_check_t checks[] = {LODE_CHECK_OVER_VOLTAGE, LODE_CHECK_UNDER_VOLTAGE};
+    for (int i = 0; i < COUNT_OF(buses); i++) {
+        rig_t rig = holding();
+        lode_counts_t counts = rig_counts(&rig);
+        counts.v_bus = buses[i];
+        for (int n = 0; n < 4; n++) {
+            TEST_ASSERT_TRUE(lode_drive_step(&rig.drive, &counts).gates);
+        }
+        TEST_ASSERT_FALSE(lode_drive_step(&rig.drive, &counts).gates); // 1 ms
+        TEST_ASSERT_EQUAL_INT(checks[i], rig_telemetry(&rig).fault.check);
+    }
+}
+
+static void test_a_fault_stays_until_it_is_cleared(void) {
+    rig_t rig = holding();
+    rig.trip = true;
+    rig_step(&rig);
+    rig.trip = false;
+    const lode_fault_t first = rig_telemetry(&rig).fault;
+    const lode_command_t commands[] = {off, run_at(50.0), {.mode = LODE_MODE_CURRENT, .vector = {1.0f, 0.0f}},
+                                       {.mode = LODE_MODE_CALIBRATE},
+                                       {.mode = LODE_MODE_RUN, .speed_rad_s = 50.0f, .clear_fault = true}};
+    for (int i = 0; i < COUNT_OF(commands); i++) {
+        rig_command(&rig, commands[i]);
+        rig_run(&rig, 0.3);
+        rig_expect(&rig, LODE_MODE_FAULT);
+        TEST_ASSERT_TRUE(is_idle(rig.out));
+        const lode_fault_t now = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_MEMORY(&first, &now, sizeof now);
+    }
+    rig_command(&rig, clear);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_OFF);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {1.0f, 0.0f}});
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(rig.out.gates);
+}
+
+/// Steps in RUN with an estimate of the host's own until the gates go off; how many it took.
+static int steps_until_off(rig_t *rig, float lock, float omega_share, int limit) {
+    for (int n = 1; n <= limit; n++) {
+        const lode_counts_t counts = rig_counts(rig);
+        const lode_measurement_t m = lode_drive_sense(&rig->drive, &counts);
+        lode_estimate_t e = lode_drive_estimate(&rig->drive, &m);
+        e.lock = lock;
+        e.omega_rad_s *= omega_share;
+        rig->out = lode_drive_act(&rig->drive, &m, &e);
+        if (!rig->out.gates) {
+            return n;
+        }
+        rig_move(rig);
+    }
+    return limit + 1;
+}
+
+static void test_lost_lock_and_wrong_way_trip_in_20_ms(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.0);
+    rig_t lost = rig;
+    CHECK_AT_MOST(100, steps_until_off(&lost, 0.3f, 1.0f, 1000));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&lost).fault.check);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig_telemetry(&lost).fault.state);
+    rig_t wrong = rig;
+    CHECK_AT_MOST(100, steps_until_off(&wrong, 0.9f, -1.0f, 1000));
+    rig_t fast = rig;
+    CHECK_AT_MOST(100, steps_until_off(&fast, 0.9f, 10.0f, 1000));
+    rig_t sound = rig;
+    TEST_ASSERT_EQUAL_INT(1001, steps_until_off(&sound, 0.9f, 1.0f, 1000));
+}
+
+// --- The step as a whole ----------------------------------------------------------------------
+
+static void test_the_step_is_three_calls_in_a_row(void) {
+    rig_t one = fresh();
+    rig_t two = one;
+    rig_command(&one, run_at(70.0));
+    rig_command(&two, run_at(70.0));
+    for (int n = 0; n < 15000; n++) {
+        const lode_counts_t counts = rig_counts(&one);
+        one.out = lode_drive_step(&one.drive, &counts);
+        const lode_measurement_t m = lode_drive_sense(&two.drive, &counts);
+        const lode_estimate_t e = lode_drive_estimate(&two.drive, &m);
+        two.out = lode_drive_act(&two.drive, &m, &e);
+        TEST_ASSERT_EQUAL_MEMORY(&one.out.duty, &two.out.duty, sizeof one.out.duty);
+        TEST_ASSERT_EQUAL_INT(one.out.gates, two.out.gates);
+        rig_move(&one);
+    }
+    rig_expect(&one, LODE_MODE_RUN);
+}
+
+static void test_two_drives_share_nothing(void) {
+    lode_drive_config_t config = rig_config();
+    static rig_t alone[2];
+    static rig_t together[2];
+    static lode_drive_tuning_t tunings[2];
+    for (int i = 0; i < 2; i++) {
+        config.estimator.pll.kind = i == 0 ? LODE_PLL_LESO : LODE_PLL_QPLL;
+        rig_init(&alone[i], &tunings[i], &config);
+        rig_command(&alone[i], run_at(i == 0 ? 90.0 : -60.0));
+        alone[i].load_Nm = 1.0 + i;
+        together[i] = alone[i];
+    }
+    for (int i = 0; i < 2; i++) {
+        rig_run(&alone[i], 3.0);
+    }
+    for (int n = 0; n < 15000; n++) {
+        rig_step(&together[n % 2]);
+        rig_step(&together[1 - n % 2]);
+    }
+    for (int i = 0; i < 2; i++) {
+        rig_expect(&alone[i], LODE_MODE_RUN);
+        const lode_telemetry_t a = rig_telemetry(&alone[i]);
+        const lode_telemetry_t b = rig_telemetry(&together[i]);
+        TEST_ASSERT_EQUAL_MEMORY(&a, &b, sizeof a);
+        TEST_ASSERT_TRUE(alone[i].motor.theta == together[i].motor.theta);
+    }
+}
+
+static bool is_finite_picture(const lode_telemetry_t *t) {
+    const float values[] = {t->duty.a,       t->duty.b,   t->duty.c,  t->i_A.d,
+                            t->i_A.q,        t->ref_A.d,  t->ref_A.q, t->u_V.d,
+                            t->u_V.q,        t->v_bus_V,  t->theta_rad, t->omega_rad_s,
+                            t->speed_ref_rad_s, t->load_torque_Nm, t->lock, t->e_V.alpha,
+                            t->e_V.beta,     t->temperature_degC};
+    bool finite = true;
+    for (int i = 0; i < COUNT_OF(values); i++) {
+        finite = finite && lode_is_finite(values[i]);
+    }
+    return finite;
+}
+
+static void test_any_counts_give_duties_on_the_grid(void) {
+    lode_drive_config_t config = rig_config();
+    config.inverter.pwm_ticks = 8400.0f;
+    config.inverter.dead_time_s = 4.0e-6f;
+    config.guard.i_trip_A = 25.0f; // as far as the sensor goes
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    random_t random = random_seed(1);
+    const lode_mode_t modes[] = {LODE_MODE_OFF, LODE_MODE_CALIBRATE, LODE_MODE_VOLTAGE, LODE_MODE_CURRENT,
+                                 LODE_MODE_RUN};
+    for (int n = 0; n < 200000; n++) {
+        if (n % 50 == 0) {
+            rig_command(&rig, (lode_command_t){.mode = modes[random_bits(&random) % 5u],
+                                               .speed_rad_s = random_float(&random, -300.0, 300.0),
+                                               .vector = {random_float(&random, -50.0, 50.0), 3.0f},
+                                               .omega_rad_s = random_float(&random, -2.0e3, 2.0e3),
+                                               .clear_fault = true});
+        }
+        const uint32_t spread = n % 3 == 0 ? 4096u : 512u;
+        lode_counts_t counts = {.v_bus = (uint16_t)(1500u + random_bits(&random) % spread),
+                                .trip = random_bits(&random) % 997u == 0u};
+        for (int i = 0; i < 3; i++) {
+            counts.i[i] = (uint16_t)(2048u - spread / 4u + random_bits(&random) % (spread / 2u));
+        }
+        const lode_drive_out_t out = lode_drive_step(&rig.drive, &counts);
+        TEST_ASSERT_TRUE(lode_in_range(out.duty.a, 0.0f, 1.0f) && lode_in_range(out.duty.b, 0.0f, 1.0f) &&
+                         lode_in_range(out.duty.c, 0.0f, 1.0f));
+        CHECK_NEAR(0.01, round((double)out.duty.a * 8400.0), (double)out.duty.a * 8400.0);
+        const lode_telemetry_t t = rig_telemetry(&rig);
+        TEST_ASSERT_TRUE(is_finite_picture(&t));
+    }
+}
+
+static void test_telemetry_is_what_was_put_out(void) {
+    rig_t rig = holding();
+    for (int n = 0; n < 20; n++) {
+        rig_step(&rig);
+        const lode_telemetry_t t = rig_telemetry(&rig);
+        TEST_ASSERT_EQUAL_MEMORY(&rig.out.duty, &t.duty, sizeof t.duty);
+        TEST_ASSERT_EQUAL_UINT32(rig.drive.steps, t.steps);
+        CHECK_NEAR(0.05, 200.0, t.v_bus_V);
+    }
+}
+
+static void test_names_of_modes(void) {
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_OFF", lode_mode_name(LODE_MODE_OFF));
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN", lode_mode_name(LODE_MODE_RUN));
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_FAULT", lode_mode_name(LODE_MODE_FAULT));
+    for (int i = 0; i <= (int)LODE_MODE_FAULT; i++) {
+        for (int j = 0; j < i; j++) {
+            TEST_ASSERT_TRUE(strcmp(lode_mode_name((lode_mode_t)i), lode_mode_name((lode_mode_t)j)) != 0);
+        }
+    }
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_UNKNOWN", lode_mode_name((lode_mode_t)77));
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_init_is_at_rest_and_idempotent);
+    RUN_TEST(test_off_stays_off);
+    RUN_TEST(test_calibration_measures_offsets_with_gates_off);
+    RUN_TEST(test_an_implausible_offset_is_a_fault);
+    RUN_TEST(test_off_interrupts_a_calibration);
+    RUN_TEST(test_voltage_vector_at_an_angle);
+    RUN_TEST(test_turning_voltage_is_ahead_by_one_and_a_half_periods);
+    RUN_TEST(test_voltage_stays_in_the_circle);
+    RUN_TEST(test_current_vector_at_an_angle);
+    RUN_TEST(test_current_command_is_limited);
+    RUN_TEST(test_run_calibrates_starts_and_turns_both_ways);
+    RUN_TEST(test_load_steps_and_speed_changes);
+    RUN_TEST(test_speed_zero_stops_and_switches_off);
+    RUN_TEST(test_reversal);
+    RUN_TEST(test_off_at_speed_switches_off_at_once);
+    RUN_TEST(test_a_blocked_rotor_ends_in_a_start_fault);
+    RUN_TEST(test_bad_commands_are_refused_and_change_nothing);
+    RUN_TEST(test_commands_wait_for_the_next_period_and_the_last_counts);
+    RUN_TEST(test_huge_commands_give_duties);
+    RUN_TEST(test_the_same_tuning_changes_nothing);
+    RUN_TEST(test_a_new_tuning_is_taken_at_a_period);
+    RUN_TEST(test_over_current_of_either_sign_in_the_same_call);
+    RUN_TEST(test_hardware_trip_in_the_same_call);
+    RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
+    RUN_TEST(test_a_fault_stays_until_it_is_cleared);
+    RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
+    RUN_TEST(test_the_step_is_three_calls_in_a_row);
+    RUN_TEST(test_two_drives_share_nothing);
+    RUN_TEST(test_any_counts_give_duties_on_the_grid);
+    RUN_TEST(test_telemetry_is_what_was_put_out);
+    RUN_TEST(test_names_of_modes);
+    return UNITY_END();
+}

@@ -1,0 +1,341 @@
+// What init accepts, what it refuses and by which name; what it computes by itself.
+#include "support/fields.h"
+
+#include "lodestar/drive.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+static lode_drive_config_t minimal(void) {
+    lode_drive_config_t config = {
+        .f_pwm_Hz = 5000.0f,
+        .motor = paper_motor(),
+        .inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f},
+        .sense = {.i_gain_A_count = 0.0125f, .i_offset_count = 2048.0f, .v_bus_gain_V_count = 0.1f}};
+    return config;
+}
+
+/// Refused, and neither drive nor tuning touched; or accepted.
+static lode_status_t try_config(const lode_drive_config_t *config) {
+    static lode_drive_t drive;
+    static lode_drive_tuning_t tuning;
+    static lode_drive_t drive_before;
+    static lode_drive_tuning_t tuning_before;
+    memset(&drive, 0x5a, sizeof drive);
+    memset(&tuning, 0x5a, sizeof tuning);
+    memcpy(&drive_before, &drive, sizeof drive);
+    memcpy(&tuning_before, &tuning, sizeof tuning);
+    const lode_status_t status = lode_drive_init(&drive, &tuning, config);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&drive_before, &drive, sizeof drive);
+        TEST_ASSERT_EQUAL_MEMORY(&tuning_before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_drive_config_t config = minimal();
+    field_set(&config, offset, value);
+    return try_config(&config);
+}
+
+#define TS 2.0e-4f
+#define F(member) FIELD(lode_drive_config_t, member)
+#define NEEDED(member, low, high, name)                                                            \
+    { F(member), .lo = (low), .hi = (high), .error = (name), .coupled = true }
+#define OPEN(member, low, high, name)                                                              \
+    {                                                                                              \
+        F(member), .lo = (low), .hi = (high), .error = (name), .coupled = true, .computed = true,  \
+                                .zero_is_auto = true                                               \
+    }
+
+/// Fields without a default. The ranges are those that status.h names.
+static const field_t needed[] = {
+    NEEDED(f_pwm_Hz, 1.0e3f, 2.0e5f, LODE_ERROR_F_PWM),
+    NEEDED(motor.Rs_Ohm, 0.0f, 1.0e3f, LODE_ERROR_MOTOR_RS),
+    NEEDED(motor.Ld_H, 1.0e-7f, 10.0f, LODE_ERROR_MOTOR_LD),
+    NEEDED(motor.Lq_H, 1.0e-7f, 10.0f, LODE_ERROR_MOTOR_LQ),
+    NEEDED(motor.psi_Wb, 1.0e-6f, 100.0f, LODE_ERROR_MOTOR_PSI),
+    NEEDED(motor.J_kgm2, 1.0e-9f, 1.0e4f, LODE_ERROR_MOTOR_J),
+    NEEDED(motor.B_Nms, 0.0f, 1.0e3f, LODE_ERROR_MOTOR_B),
+    NEEDED(motor.omega_rated_rad_s, 0.0f, 1.0e5f, LODE_ERROR_MOTOR_OMEGA),
+    NEEDED(inverter.v_bus_V, 1.0f, 2000.0f, LODE_ERROR_V_BUS),
+    NEEDED(inverter.i_max_A, 1.0e-3f, 1.0e4f, LODE_ERROR_I_MAX),
+    NEEDED(inverter.v_drop_V, 0.0f, 10.0f, LODE_ERROR_V_DROP),
+    NEEDED(inverter.r_on_Ohm, 0.0f, 10.0f, LODE_ERROR_R_ON),
+    NEEDED(inverter.pwm_ticks, 0.0f, 65535.0f, LODE_ERROR_PWM_TICKS),
+};
+
+/// Fields of which 0 asks for a default.
+static const field_t open_fields[] = {
+    OPEN(inverter.i_dead_A, 0.012f, 12.0f, LODE_ERROR_I_DEAD),
+    OPEN(sense.duty_max, 0.5f, 1.0f, LODE_ERROR_SENSE_WINDOW),
+    OPEN(sense.calibrate_s, TS, 10.0f, LODE_ERROR_SENSE_CALIBRATION),
+    OPEN(estimator.emf.w0_rad_s, 1.0f, 2.0f / TS, LODE_ERROR_EMF_W0),
+    OPEN(estimator.pll.sigma_rad_s, 1.0f, 0.3f / TS, LODE_ERROR_PLL_SIGMA),
+    OPEN(estimator.emin_V, 1.0e-4f, 1.0e3f, LODE_ERROR_EMIN),
+    OPEN(estimator.omega_max_rad_s, 1.0f, 0.5f / TS, LODE_ERROR_OMEGA_MAX),
+    OPEN(estimator.lock_s, TS, 1.0f, LODE_ERROR_LOCK_TIME),
+    OPEN(current.bandwidth_rad_s, 1.0f, 0.4f / TS, LODE_ERROR_CURRENT_BANDWIDTH),
+    OPEN(current.voltage_use, 0.1f, 1.0f, LODE_ERROR_CURRENT_VOLTAGE),
+    OPEN(start.current_A, 0.5f, 12.0f, LODE_ERROR_START_CURRENT),
+    OPEN(guard.i_trip_A, 12.0f, 2047.0f * 0.0125f, LODE_ERROR_GUARD_CURRENT),
+    OPEN(guard.v_bus_max_V, 200.0f, 409.5f, LODE_ERROR_GUARD_BUS),
+    OPEN(guard.bus_s, TS, 10.0f, LODE_ERROR_GUARD_TIME),
+    OPEN(guard.lock_s, TS, 10.0f, LODE_ERROR_GUARD_TIME),
+};
+
+/// Fields whose limits hang on others: here only that NaN and Inf are refused by name.
+static const field_t numbers[] = {
+    OPEN(estimator.pll.sigma_low_rad_s, 1.0f, 1.0f, LODE_ERROR_PLL_SIGMA),
+    OPEN(estimator.pll.omega_low_rad_s, 1.0f, 1.0f, LODE_ERROR_PLL_SCHEDULE),
+    OPEN(references.id_bias_A, 1.0f, 12.0f, LODE_ERROR_ID_BIAS),
+    OPEN(references.omega_low_rad_s, 1.0f, 1.0f, LODE_ERROR_ID_BIAS),
+    OPEN(current.kp_d_V_A, 1.0f, 1.0f, LODE_ERROR_CURRENT_GAINS),
+    OPEN(current.kp_q_V_A, 1.0f, 1.0f, LODE_ERROR_CURRENT_GAINS),
+    OPEN(current.ki_d_V_As, 1.0f, 1.0f, LODE_ERROR_CURRENT_GAINS),
+    OPEN(current.ki_q_V_As, 1.0f, 1.0f, LODE_ERROR_CURRENT_GAINS),
+    OPEN(speed.kp_Nms, 1.0f, 1.0f, LODE_ERROR_SPEED_GAINS),
+    OPEN(speed.ki_Nm, 1.0f, 1.0f, LODE_ERROR_SPEED_GAINS),
+    OPEN(speed.ramp_rad_s2, 1.0f, 1.0f, LODE_ERROR_SPEED_RAMP),
+    OPEN(speed.load_feed_forward, 0.0f, 1.0f, LODE_ERROR_SPEED_FEED_FORWARD),
+    OPEN(speed.inertia_feed_forward, 0.0f, 1.0f, LODE_ERROR_SPEED_FEED_FORWARD),
+    OPEN(speed.omega_min_rad_s, 1.0f, 1.0f, LODE_ERROR_START_SPEED),
+    OPEN(start.omega_handover_rad_s, 1.0f, 1.0f, LODE_ERROR_START_SPEED),
+    OPEN(start.ramp_rad_s2, 1.0f, 1.0f, LODE_ERROR_START_RAMP),
+    OPEN(start.current_rise_s, 1.0f, 1.0f, LODE_ERROR_START_RAMP),
+    OPEN(start.damping, 0.0f, 2.0f, LODE_ERROR_START_DAMPING),
+    OPEN(start.lock_s, 1.0f, 1.0f, LODE_ERROR_START_RAMP),
+    OPEN(start.timeout_s, 1.0f, 1.0f, LODE_ERROR_START_RAMP),
+    OPEN(start.fade_s, 1.0f, 1.0f, LODE_ERROR_START_RAMP),
+    OPEN(sense.i_offset_tol_count, 1.0f, 1.0f, LODE_ERROR_SENSE_OFFSET),
+    OPEN(sense.count_max, 1.0f, 1.0f, LODE_ERROR_SENSE_OFFSET),
+    OPEN(guard.v_bus_min_V, 1.0f, 1.0f, LODE_ERROR_GUARD_BUS),
+    OPEN(guard.temperature_max_degC, 1.0f, 1.0f, LODE_ERROR_GUARD_TEMPERATURE),
+    OPEN(guard.omega_max_rad_s, 1.0f, 1.0f, LODE_ERROR_GUARD_SPEED),
+    OPEN(guard.stamp_per_period, 1.0f, 1.0f, LODE_ERROR_GUARD_TIME),
+};
+
+static void test_only_motor_inverter_sense_and_rate_are_needed(void) {
+    const lode_drive_config_t config = minimal();
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(try_config(&config)));
+    lode_drive_config_t no_rating = minimal();
+    no_rating.motor.omega_rated_rad_s = 0.0f;
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(try_config(&no_rating)));
+}
+
+typedef struct {
+    const char *name;
+    float pole_pairs, R, Ld, Lq, psi, J, v_bus, i_max, f_pwm;
+} machine_t;
+
+static void test_motors_of_many_kinds_need_no_more(void) {
+    static const machine_t machines[] = {
+        {"paper", 3.0f, 0.75f, 3.5e-3f, 9.8e-3f, 0.142f, 0.0174f, 200.0f, 12.0f, 5.0e3f},
+        {"paper, 20 kHz", 3.0f, 0.75f, 3.5e-3f, 9.8e-3f, 0.142f, 0.0174f, 200.0f, 12.0f, 2.0e4f},
+        {"drone", 7.0f, 0.06f, 18.0e-6f, 22.0e-6f, 1.1e-3f, 9.0e-6f, 16.0f, 30.0f, 4.0e4f},
+        {"gimbal", 7.0f, 10.0f, 2.0e-3f, 2.0e-3f, 0.018f, 8.0e-6f, 12.0f, 1.0f, 2.0e4f},
+        {"e-bike hub", 23.0f, 0.11f, 0.18e-3f, 0.21e-3f, 0.018f, 0.07f, 36.0f, 25.0f, 2.0e4f},
+        {"fan", 4.0f, 3.2f, 6.0e-3f, 6.5e-3f, 0.025f, 8.0e-5f, 24.0f, 2.0f, 1.6e4f},
+        {"compressor", 3.0f, 0.9f, 7.0e-3f, 12.0e-3f, 0.11f, 1.0e-3f, 310.0f, 12.0f, 8.0e3f},
+        {"servo, 400 V", 4.0f, 1.1f, 5.0e-3f, 5.0e-3f, 0.2f, 8.0e-4f, 560.0f, 10.0f, 1.0e4f},
+        {"traction", 4.0f, 8.0e-3f, 0.11e-3f, 0.3e-3f, 0.065f, 0.05f, 350.0f, 400.0f, 1.0e4f},
+        {"spindle", 2.0f, 0.4f, 0.9e-3f, 0.9e-3f, 0.03f, 1.0e-4f, 300.0f, 15.0f, 2.0e4f},
+    };
+    for (int i = 0; i < COUNT_OF(machines); i++) {
+        const machine_t *m = &machines[i];
+        lode_drive_config_t config = minimal();
+        config.f_pwm_Hz = m->f_pwm;
+        config.motor = (lode_motor_t){.pole_pairs = m->pole_pairs, .Rs_Ohm = m->R, .Ld_H = m->Ld,
+                                      .Lq_H = m->Lq, .psi_Wb = m->psi, .J_kgm2 = m->J};
+        config.inverter = (lode_inverter_config_t){.v_bus_V = m->v_bus, .i_max_A = m->i_max,
+                                                   .dead_time_s = 5.0e-7f};
+        config.sense.i_gain_A_count = 2.0f * m->i_max / 2047.0f;
+        config.sense.v_bus_gain_V_count = 1.5f * m->v_bus / 4095.0f;
+        TEST_ASSERT_EQUAL_STRING_MESSAGE("LODE_OK", lode_status_name(try_config(&config)), m->name);
+    }
+}
+
+static void test_every_needed_field_at_its_limits(void) {
+    field_check_all(needed, COUNT_OF(needed), try_one);
+    const field_t dead_time = NEEDED(inverter.dead_time_s, 0.0f, 0.2f * TS, LODE_ERROR_DEAD_TIME);
+    field_check_numbers(&dead_time, try_one);
+    field_accepted(&dead_time, try_one, 0.0f);
+    field_accepted(&dead_time, try_one, 0.199f * TS);
+    field_refused(&dead_time, try_one, 0.201f * TS);
+    field_refused(&dead_time, try_one, -1.0e-9f);
+}
+
+static void test_every_open_field_at_its_limits(void) {
+    field_check_all(open_fields, COUNT_OF(open_fields), try_one);
+}
+
+static void test_no_field_takes_what_is_no_number(void) {
+    for (int i = 0; i < COUNT_OF(numbers); i++) {
+        field_check_numbers(&numbers[i], try_one);
+        field_accepted(&numbers[i], try_one, 0.0f);
+    }
+    const size_t several[] = {offsetof(lode_drive_config_t, estimator.pll.omega_high_rad_s),
+                              offsetof(lode_drive_config_t, references.omega_high_rad_s),
+                              offsetof(lode_drive_config_t, speed.bandwidth_rad_s)};
+    for (int i = 0; i < COUNT_OF(several); i++) {
+        for (int n = 0; n < COUNT_OF(check_not_finite); n++) {
+            if (check_not_finite[n] != -INFINITY) {
+                TEST_ASSERT_TRUE(try_one(several[i], check_not_finite[n]) != LODE_OK);
+            }
+        }
+    }
+}
+
+static void test_negative_values_ask_for_no_default(void) {
+    for (int i = 0; i < COUNT_OF(open_fields); i++) {
+        field_check_negative(&open_fields[i], try_one);
+    }
+}
+
+static void test_lode_none_is_for_those_that_may_be_done_without(void) {
+    const size_t fields[] = {offsetof(lode_drive_config_t, references.id_bias_A),
+                             offsetof(lode_drive_config_t, speed.load_feed_forward),
+                             offsetof(lode_drive_config_t, speed.inertia_feed_forward),
+                             offsetof(lode_drive_config_t, start.damping)};
+    for (int i = 0; i < COUNT_OF(fields); i++) {
+        TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(try_one(fields[i], LODE_NONE)));
+    }
+}
+
+static void test_sense_must_fit_the_inverter(void) {
+    const size_t i_gain = offsetof(lode_drive_config_t, sense.i_gain_A_count);
+    const size_t v_gain = offsetof(lode_drive_config_t, sense.v_bus_gain_V_count);
+    const size_t offset = offsetof(lode_drive_config_t, sense.i_offset_count);
+    const size_t t_gain = offsetof(lode_drive_config_t, sense.temperature_gain_degC_count);
+    const size_t t_offset = offsetof(lode_drive_config_t, sense.temperature_offset_degC);
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(i_gain, 0.005f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(i_gain, 0.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(i_gain, -0.0125f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_BUS, try_one(v_gain, 0.04f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_BUS, try_one(v_gain, 0.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_OFFSET, try_one(offset, 5000.0f));
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        const float x = check_not_finite[i];
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(i_gain, x));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_BUS, try_one(v_gain, x));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_OFFSET, try_one(offset, x));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_TEMPERATURE, try_one(t_gain, x));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_TEMPERATURE, try_one(t_offset, x));
+    }
+}
+
+static void test_enumerators(void) {
+    lode_drive_config_t config = minimal();
+    config.sense.shunts = (lode_shunts_t)9;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_SHUNTS, try_config(&config));
+    config = minimal();
+    config.estimator.emf.kind = (lode_emf_kind_t)9;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_EMF_KIND, try_config(&config));
+    config = minimal();
+    config.estimator.pll.kind = (lode_pll_kind_t)9;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_PLL_KIND, try_config(&config));
+    config = minimal();
+    config.estimator.compensation = (lode_lag_kind_t)9;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_LAG, try_config(&config));
+    config = minimal();
+    config.estimator.active_flux = (lode_choice_t)9;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
+    config = minimal();
+    config.inverter.dead_time_correction = (lode_choice_t)9;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
+    config = minimal();
+    config.inverter.dead_time_model = (lode_choice_t)9;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
+}
+
+static void test_pole_pairs(void) {
+    const size_t offset = offsetof(lode_drive_config_t, motor.pole_pairs);
+    const float bad[] = {0.0f, 0.5f, 1.5f, 101.0f, -3.0f, NAN, INFINITY, -INFINITY, FLT_MAX};
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_POLE_PAIRS, try_one(offset, bad[i]));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, 1.0f));
+}
+
+static void test_combinations_that_would_not_be_stable(void) {
+    lode_drive_config_t config = minimal();
+    config.estimator.emf.w0_rad_s = 200.0f; // sigma 100 at half of it
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_PLL_OBSERVER, try_config(&config));
+    config = minimal();
+    config.speed.kp_Nms = 5.0f; // crossover 287 rad/s above the PLL's 60
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_BANDWIDTH, try_config(&config));
+    config = minimal();
+    config.current.kp_q_V_A = 49.0f; // Lq/Ts
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CURRENT_GAINS, try_config(&config));
+    config = minimal();
+    config.motor.Rs_Ohm = 30.0f; // settles within a period
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_PERIOD, try_config(&config));
+}
+
+static void test_null_pointers(void) {
+    const lode_drive_config_t config = minimal();
+    static lode_drive_t drive;
+    static lode_drive_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_init(NULL, &tuning, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_init(&drive, NULL, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_init(&drive, &tuning, NULL));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_tune(NULL, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_tune(&tuning, NULL));
+}
+
+static void test_design_of_the_papers_drive(void) {
+    lode_drive_config_t config = minimal();
+    lode_drive_design(&config);
+    // Near what the paper and its simulation chose: w0 2000, 150 rpm, Emin 2 V.
+    CHECK_CLOSE(0.06, 2000.0, config.estimator.emf.w0_rad_s);
+    CHECK_CLOSE(1.0e-5, 0.1 * PAPER_OMEGA_RATED, config.start.omega_handover_rad_s);
+    CHECK_CLOSE(0.01, 2.0, config.estimator.emin_V);
+    // A second design leaves a complete configuration alone.
+    lode_drive_config_t again = config;
+    lode_drive_design(&again);
+    TEST_ASSERT_EQUAL_MEMORY(&config, &again, sizeof config);
+    // And init makes the same of the open and of the completed one.
+    static lode_drive_tuning_t a;
+    static lode_drive_tuning_t b;
+    const lode_drive_config_t open = minimal();
+    memset(&a, 0, sizeof a);
+    memset(&b, 0, sizeof b);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&a, &open));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&b, &config));
+    TEST_ASSERT_EQUAL_FLOAT(a.estimator.emf.one_m_p, b.estimator.emf.one_m_p);
+    TEST_ASSERT_EQUAL_FLOAT(a.speed.pi.kp, b.speed.pi.kp);
+    TEST_ASSERT_EQUAL_FLOAT(a.guard.i_trip, b.guard.i_trip);
+}
+
+static void test_rated_speed_follows_from_bus_and_current(void) {
+    lode_drive_config_t config = minimal();
+    config.motor.omega_rated_rad_s = 0.0f;
+    lode_drive_design(&config);
+    // Between what half the current with the reactance leaves of the bus, and the EMF alone.
+    const double most = 200.0 / sqrt(3.0) / 0.142;
+    CHECK_AT_MOST(most, config.motor.omega_rated_rad_s);
+    CHECK_AT_LEAST(0.5 * most, config.motor.omega_rated_rad_s);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_only_motor_inverter_sense_and_rate_are_needed);
+    RUN_TEST(test_motors_of_many_kinds_need_no_more);
+    RUN_TEST(test_every_needed_field_at_its_limits);
+    RUN_TEST(test_every_open_field_at_its_limits);
+    RUN_TEST(test_no_field_takes_what_is_no_number);
+    RUN_TEST(test_negative_values_ask_for_no_default);
+    RUN_TEST(test_lode_none_is_for_those_that_may_be_done_without);
+    RUN_TEST(test_sense_must_fit_the_inverter);
+    RUN_TEST(test_enumerators);
+    RUN_TEST(test_pole_pairs);
+    RUN_TEST(test_combinations_that_would_not_be_stable);
+    RUN_TEST(test_null_pointers);
+    RUN_TEST(test_design_of_the_papers_drive);
+    RUN_TEST(test_rated_speed_follows_from_bus_and_current);
+    return UNITY_END();
+}

@@ -1,0 +1,612 @@
+// Angle and speed from voltages and currents: synthetic motor, recordings, recovery from any state.
+#include "support/fields.h"
+#include "support/ipmsm.h"
+#include "support/recording.h"
+
+#include "lodestar/estimator.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+static const lode_pll_kind_t both_plls[] = {LODE_PLL_LESO, LODE_PLL_QPLL};
+
+/// Completed from nothing but the PLL's kind.
+static lode_estimator_config_t designed(lode_pll_kind_t pll) {
+    const lode_motor_t motor = paper_motor();
+    lode_estimator_config_t config = {.pll = {.kind = pll}};
+    lode_estimator_design(&config, &motor, PAPER_TS_s);
+    return config;
+}
+
+static lode_estimator_tuning_t tuned(const lode_estimator_config_t *config) {
+    const lode_motor_t motor = paper_motor();
+    lode_estimator_tuning_t tuning;
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(lode_estimator_tune(&tuning, config, &motor, PAPER_TS_s)));
+    return tuning;
+}
+
+/// A motor and the estimator that watches it.
+typedef struct {
+    ipmsm_t motor;
+    lode_estimator_tuning_t tuning;
+    lode_estimator_t estimator;
+    lode_estimate_t last;
+    bool reseeded; ///< at least once
+} watch_t;
+
+static watch_t watch(const lode_estimator_config_t *config, double omega, double iq) {
+    watch_t w = {.motor = ipmsm_paper(omega), .tuning = tuned(config)};
+    w.motor.iq = iq;
+    lode_estimator_reset(&w.estimator, &w.tuning);
+    return w;
+}
+
+/// One period with the motor held at (id, iq); returns the angle's error, rad.
+static double watch_step(watch_t *w, double id, double iq) {
+    const double ts = 2.0e-4;
+    const lode_ab_t u = ipmsm_voltage(&w->motor, id, iq, ts);
+    ipmsm_step(&w->motor, (double)u.alpha, (double)u.beta, ts);
+    w->last = lode_estimator_step(&w->estimator, &w->tuning, u, ipmsm_current(&w->motor));
+    w->reseeded = w->reseeded || w->last.reseeded;
+    return angle_error((double)w->last.theta_rad, w->motor.theta);
+}
+
+static void check_steady(const lode_estimator_config_t *config, double rpm, double iq) {
+    watch_t w = watch(config, paper_omega(rpm), iq);
+    for (int k = 0; k < 4000; k++) { // 0.8 s: 60 time constants L/R of the open-loop currents
+        (void)watch_step(&w, 0.0, iq);
+    }
+    double sum = 0.0;
+    worst_t speed = {0.0};
+    for (int k = 0; k < 500; k++) {
+        sum += watch_step(&w, 0.0, iq);
+        worst_note(&speed, (double)w.last.omega_rad_s - w.motor.omega);
+    }
+    // What the exact compensation is to leave: 0.02 degree.
+    CHECK_NEAR(0.02 * CHECK_DEG, 0.0, sum / 500.0);
+    CHECK_AT_MOST(1.0e-3 * fabs(w.motor.omega) + 0.05, speed.value); // float noise of 0.1 %
+    // The EMF's amplitude comes with the observer's gain, 0.95 at 1500 rpm.
+    CHECK_AT_LEAST(0.85, w.last.lock);
+    // Its current is the motor's, in the rotor's frame, within that angle and float rounding.
+    CHECK_NEAR(5.0e-3, w.motor.id, w.last.i_A.d);
+    CHECK_NEAR(5.0e-3, w.motor.iq, w.last.i_A.q);
+    // At constant speed the load takes the torque that friction leaves (LESO-QPLL only).
+    const bool leso = config->pll.kind == LODE_PLL_LESO;
+    const double load = ipmsm_torque(&w.motor) - 7.5e-4 * w.motor.omega / 3.0;
+    CHECK_NEAR(0.05, leso ? load : 0.0, w.last.load_torque_Nm);
+}
+
+static void test_steady_angle_open_loop(void) {
+    const double rpms[] = {300.0, 600.0, 900.0, 1200.0, 1500.0};
+    const double rated = 5.0 / 0.639;
+    for (int p = 0; p < COUNT_OF(both_plls); p++) {
+        const lode_estimator_config_t config = designed(both_plls[p]);
+        for (int r = 0; r < COUNT_OF(rpms); r++) {
+            for (int sign = -1; sign <= 1; sign += 2) {
+                check_steady(&config, sign * rpms[r], 0.0);
+                check_steady(&config, sign * rpms[r], sign * rated);
+                check_steady(&config, sign * rpms[r], -sign * rated); // braking
+            }
+        }
+    }
+}
+
+static void test_paper_settings(void) {
+    // w0 = 2000 rad/s, sigma = 150 rad/s at all speeds: with the active-flux term it holds.
+    for (int p = 0; p < COUNT_OF(both_plls); p++) {
+        lode_estimator_config_t config = {.emf = {.w0_rad_s = 2000.0f},
+                                          .pll = {.kind = both_plls[p], .sigma_rad_s = 150.0f}};
+        const lode_motor_t motor = paper_motor();
+        lode_estimator_design(&config, &motor, PAPER_TS_s);
+        check_steady(&config, 300.0, 5.0 / 0.639);
+        check_steady(&config, 1500.0, 5.0 / 0.639);
+    }
+}
+
+static void test_without_compensation_the_angle_lags_as_computed(void) {
+    // Degrees at w0 = 2000 rad/s, from the table of the exact current form.
+    const double table[][2] = {{300.0, 4.926}, {900.0, 14.685}, {1500.0, 24.169}};
+    const lode_motor_t motor = paper_motor();
+    for (int i = 0; i < COUNT_OF(table); i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            lode_estimator_config_t config = {.emf = {.w0_rad_s = 2000.0f}, .compensation = LODE_LAG_NONE};
+            lode_estimator_design(&config, &motor, PAPER_TS_s);
+            watch_t w = watch(&config, sign * paper_omega(table[i][0]), 0.0);
+            double error = 0.0;
+            for (int k = 0; k < 4000; k++) {
+                error = watch_step(&w, 0.0, 0.0);
+            }
+            CHECK_NEAR(0.05, -sign * table[i][1], error / CHECK_DEG); // single samples carry noise
+        }
+    }
+}
+
+static void test_acquisition_from_reset_takes_milliseconds(void) {
+    const double rpms[] = {-3000.0, -1500.0, -300.0, 150.0, 300.0, 1500.0, 3000.0};
+    for (int p = 0; p < COUNT_OF(both_plls); p++) {
+        const lode_estimator_config_t config = designed(both_plls[p]);
+        for (int r = 0; r < COUNT_OF(rpms); r++) {
+            for (int start = 0; start < 8; start++) {
+                watch_t w = watch(&config, paper_omega(rpms[r]), 0.0);
+                w.motor.theta = start * CHECK_PI / 4.0 - CHECK_PI;
+                double error = 0.0;
+                for (int k = 0; k < 500; k++) { // 0.1 s
+                    error = watch_step(&w, 0.0, 0.0);
+                }
+                CHECK_NEAR(2.0 * CHECK_DEG, 0.0, error);
+                CHECK_AT_LEAST(LODE_LOCK_LOST, w.last.lock);
+            }
+        }
+    }
+}
+
+/// Steady lock quality at the speed `omega`, no load.
+static double steady_lock(const lode_estimator_config_t *config, double omega) {
+    watch_t w = watch(config, omega, 0.0);
+    for (int k = 0; k < 4000; k++) {
+        (void)watch_step(&w, 0.0, 0.0);
+    }
+    return (double)w.last.lock;
+}
+
+static void test_sound_running_keeps_its_lock_at_all_speeds(void) {
+    // Whatever bandwidth is accepted: an ideal motor within omega_max must never look lost. 0.7 is
+    // what a start asks for before it hands over.
+    const lode_motor_t motor = paper_motor();
+    const float w0s[] = {0.0f, 600.0f, 1000.0f, 2500.0f};
+    const double shares[] = {0.1, 0.5, 1.0};
+    for (int i = 0; i < COUNT_OF(w0s); i++) {
+        lode_estimator_config_t config = {.emf = {.w0_rad_s = w0s[i]}};
+        lode_estimator_design(&config, &motor, PAPER_TS_s);
+        for (int n = 0; n < COUNT_OF(shares); n++) {
+            CHECK_AT_LEAST(0.7, steady_lock(&config, shares[n] * (double)config.omega_max_rad_s));
+        }
+    }
+}
+
+static void test_standstill_is_no_lock(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    watch_t w = watch(&config, 0.0, 0.0);
+    for (int k = 0; k < 5000; k++) {
+        (void)watch_step(&w, 0.0, 0.0);
+        TEST_ASSERT_TRUE(w.last.lock < LODE_LOCK_LOST);
+    }
+}
+
+static void test_ramps_and_load_steps(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+        watch_t w = watch(&config, sign * paper_omega(600.0), 0.0);
+        for (int k = 0; k < 2000; k++) {
+            (void)watch_step(&w, 0.0, 0.0);
+        }
+        worst_t ramp = {0.0};
+        w.motor.acc = sign * 628.0; // 2000 rpm/s
+        for (int k = 0; k < 2000; k++) {
+            worst_note(&ramp, watch_step(&w, 0.0, 0.0));
+        }
+        w.motor.acc = 0.0;
+        worst_t step = {0.0};
+        for (int k = 0; k < 2000; k++) { // currents of rated torque come and go with L/R
+            worst_note(&step, watch_step(&w, 0.0, k < 1000 ? 7.8 : 0.0));
+        }
+        CHECK_AT_MOST(6.0 * CHECK_DEG, ramp.value);
+        CHECK_AT_MOST(6.0 * CHECK_DEG, step.value);
+        CHECK_AT_LEAST(0.9, w.last.lock);
+    }
+}
+
+/// id steps up and down by 6 A while the rotor turns evenly; the worst error after settling in.
+static double worst_with_changing_id(lode_choice_t active_flux) {
+    lode_estimator_config_t config = designed(LODE_PLL_QPLL);
+    config.active_flux = active_flux;
+    watch_t w = watch(&config, paper_omega(900.0), 0.0);
+    worst_t worst = {0.0};
+    for (int k = 0; k < 6000; k++) {
+        const double error = watch_step(&w, k % 200 < 100 ? -3.0 : 3.0, 0.0);
+        if (k > 2000) {
+            worst_note(&worst, error);
+        }
+    }
+    return worst.value;
+}
+
+static void test_changing_id_does_not_turn_the_angle(void) {
+    const double with = worst_with_changing_id(LODE_ON);
+    const double without = worst_with_changing_id(LODE_OFF);
+    // What is left: the observer turns a changing amplitude a little. 0.32 and 7.8 degrees.
+    CHECK_AT_MOST(0.5 * CHECK_DEG, with);
+    CHECK_AT_LEAST(10.0 * with, without);
+}
+
+// --- Recordings -------------------------------------------------------------------------------
+
+static recording_t recording;
+
+/// Mean error of the angle over the last 0.1 s, row k with row k-1's voltage, from reset.
+static double replayed(lode_pll_kind_t pll, bool mirrored) {
+    const lode_estimator_config_t config = designed(pll);
+    const lode_estimator_tuning_t tuning = tuned(&config);
+    lode_estimator_t estimator;
+    lode_estimator_reset(&estimator, &tuning);
+    const float turn = mirrored ? -1.0f : 1.0f;
+    double sum = 0.0;
+    for (int k = 1; k < recording.rows; k++) {
+        const lode_ab_t u = {(float)recording.u_alpha[k - 1], turn * (float)recording.u_beta[k - 1]};
+        const lode_ab_t i = {(float)recording.i_alpha[k], turn * (float)recording.i_beta[k]};
+        const lode_estimate_t e = lode_estimator_step(&estimator, &tuning, u, i);
+        if (k >= recording.rows - 500) {
+            sum += angle_error((double)e.theta_rad, (double)turn * recording.theta[k]);
+        }
+    }
+    return sum / 500.0;
+}
+
+static void test_recordings_of_an_independent_simulator(void) {
+    static const char *const names[] = {"steady-300rpm-5Nm.csv", "steady-1500rpm-5Nm.csv",
+                                        "load-step-300rpm.csv", "ramp-300-1500-300rpm-1Nm.csv",
+                                        "carrier-pwm-300rpm-5Nm.csv"};
+    for (int n = 0; n < COUNT_OF(names); n++) {
+        TEST_ASSERT_TRUE_MESSAGE(recording_load(&recording, names[n]), names[n]);
+        for (int p = 0; p < COUNT_OF(both_plls); p++) {
+            for (int mirrored = 0; mirrored < 2; mirrored++) {
+                // The bar for every recording.
+                CHECK_NEAR(0.05 * CHECK_DEG, 0.0, replayed(both_plls[p], mirrored != 0));
+            }
+        }
+    }
+}
+
+// --- Recovery ---------------------------------------------------------------------------------
+
+#define LOCK_STEPS 2500 // 0.5 s
+#define RATED_STEPS 5000
+
+/// One second of the motor at rated speed and half of rated torque, made once.
+static struct {
+    lode_ab_t u[RATED_STEPS], i[RATED_STEPS];
+    double theta[RATED_STEPS];
+    double omega;
+} rated;
+
+static void make_rated(double omega) {
+    ipmsm_t motor = ipmsm_paper(omega);
+    motor.iq = omega > 0.0 ? 4.0 : -4.0;
+    const double iq = motor.iq;
+    for (int k = -2000; k < RATED_STEPS; k++) {
+        const lode_ab_t u = ipmsm_voltage(&motor, 0.0, iq, 2.0e-4);
+        ipmsm_step(&motor, (double)u.alpha, (double)u.beta, 2.0e-4);
+        if (k >= 0) {
+            rated.u[k] = u;
+            rated.i[k] = ipmsm_current(&motor);
+            rated.theta[k] = motor.theta;
+        }
+    }
+    rated.omega = omega;
+}
+
+typedef struct {
+    bool flagged; ///< reseeded at least once
+    bool finite;  ///< every output
+    bool locked;  ///< to angle and speed over the last 0.1 s
+} recovery_t;
+
+static bool is_finite_estimate(const lode_estimate_t *e) {
+    return lode_in_range(e->theta_rad, -LODE_PI, LODE_PI) && lode_is_finite(e->omega_rad_s) &&
+           lode_is_finite(e->rotor.sin) && lode_is_finite(e->rotor.cos) && lode_is_finite(e->i_A.d) &&
+           lode_is_finite(e->i_A.q) && lode_is_finite(e->e_V.alpha) && lode_is_finite(e->e_V.beta) &&
+           lode_is_finite(e->load_torque_Nm) && lode_in_range(e->lock, 0.0f, 1.0f);
+}
+
+static recovery_t recover(lode_estimator_t *estimator, const lode_estimator_tuning_t *tuning, int steps) {
+    recovery_t r = {.flagged = false, .finite = true, .locked = true};
+    for (int k = 0; k < steps; k++) {
+        const lode_estimate_t e = lode_estimator_step(estimator, tuning, rated.u[k], rated.i[k]);
+        r.flagged = r.flagged || e.reseeded;
+        r.finite = r.finite && is_finite_estimate(&e);
+        if (k >= steps - 500) {
+            const double angle = angle_error((double)e.theta_rad, rated.theta[k]);
+            r.locked = r.locked && fabs(angle) < 1.0 * CHECK_DEG && e.lock >= LODE_LOCK_LOST &&
+                       fabs((double)e.omega_rad_s - rated.omega) < 0.01 * fabs(rated.omega);
+        }
+    }
+    return r;
+}
+
+static lode_ab_t random_vector(random_t *random, double length) {
+    const double angle = random_between(random, -CHECK_PI, CHECK_PI);
+    const double l = random_between(random, 0.0, length);
+    return (lode_ab_t){(float)(l * cos(angle)), (float)(l * sin(angle))};
+}
+
+/// |w| up to twice the highest, f and EMF up to ten times rated, everything else anywhere.
+static lode_estimator_t random_state(random_t *random, const lode_estimator_tuning_t *tuning) {
+    const double e_rated = PAPER_OMEGA_RATED * 0.142;
+    const double f_rated = 3.0 / 0.0174 * 5.0; // np T/J
+    const double omega_max = 0.5 * (double)tuning->omega_limit;
+    lode_estimator_t s;
+    lode_estimator_reset(&s, tuning);
+    s.emf.e_V = random_vector(random, 10.0 * e_rated);
+    s.emf.y_V = random_vector(random, 10.0 * e_rated);
+    s.emf.i_A = random_vector(random, 80.0);
+    s.pll.theta_rad = random_float(random, -CHECK_PI, CHECK_PI);
+    s.pll.omega_rad_s = random_float(random, -2.0 * omega_max, 2.0 * omega_max);
+    s.pll.f_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
+    s.pll.acc_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
+    s.lag_rad = random_float(random, -1.0, 1.0);
+    s.rotation = random_vector(random, e_rated * e_rated);
+    s.lock = random_float(random, 0.0, 1.0);
+    s.wait = random_bits(random) % (tuning->settle_periods + 1u);
+    return s;
+}
+
+static void test_reconvergence_from_1000_random_states(void) {
+    for (int p = 0; p < COUNT_OF(both_plls); p++) {
+        const lode_estimator_config_t config = designed(both_plls[p]);
+        const lode_estimator_tuning_t tuning = tuned(&config);
+        random_t random = random_seed(7);
+        int relocked = 0;
+        for (int n = 0; n < 1000; n++) {
+            if (n % 500 == 0) {
+                make_rated(n == 0 ? PAPER_OMEGA_RATED : -PAPER_OMEGA_RATED);
+            }
+            lode_estimator_t state = random_state(&random, &tuning);
+            const recovery_t r = recover(&state, &tuning, LOCK_STEPS);
+            TEST_ASSERT_TRUE(r.finite);
+            relocked += r.locked ? 1 : 0;
+        }
+        TEST_ASSERT_EQUAL_INT(1000, relocked);
+    }
+}
+
+static bool is_in_range(const lode_estimator_t *s, const lode_estimator_tuning_t *t) {
+    return lode_ab_in_range(s->emf.e_V, FLT_MAX) && lode_ab_in_range(s->emf.y_V, FLT_MAX) &&
+           lode_ab_in_range(s->emf.i_A, FLT_MAX) && lode_in_range(s->pll.theta_rad, -LODE_PI, LODE_PI) &&
+           lode_in_range(s->pll.omega_rad_s, -t->omega_limit, t->omega_limit) &&
+           lode_is_finite(s->pll.f_rad_s2) && lode_is_finite(s->pll.acc_rad_s2);
+}
+
+static void test_any_state_is_detected_flagged_and_relocked(void) {
+    make_rated(PAPER_OMEGA_RATED);
+    for (int p = 0; p < COUNT_OF(both_plls); p++) {
+        const lode_estimator_config_t config = designed(both_plls[p]);
+        const lode_estimator_tuning_t tuning = tuned(&config);
+        random_t random = random_seed(8);
+        for (int n = 0; n < 1000; n++) {
+            lode_estimator_t state;
+            lode_estimator_reset(&state, &tuning);
+            float *const fields[] = {
+                &state.emf.i_A.alpha, &state.emf.i_A.beta,    &state.emf.y_V.alpha,
+                &state.emf.y_V.beta,  &state.emf.e_V.alpha,   &state.emf.e_V.beta,
+                &state.pll.theta_rad, &state.pll.omega_rad_s, &state.pll.f_rad_s2,
+                &state.pll.acc_rad_s2, &state.lag_rad,         &state.rotation.alpha,
+                &state.rotation.beta, &state.lock};
+            // First every field alone with every odd number, then all of them at random.
+            const int single = n < COUNT_OF(fields) * COUNT_OF(check_odd_floats) ? n % COUNT_OF(fields) : -1;
+            for (int f = 0; f < COUNT_OF(fields); f++) {
+                if (single < 0) {
+                    *fields[f] = random_any(&random);
+                } else if (f == single) {
+                    *fields[f] = check_odd_floats[n / COUNT_OF(fields)];
+                }
+            }
+            state.wait = single < 0 ? random_bits(&random) : state.wait;
+            const bool sound = is_in_range(&state, &tuning);
+            // An EMF of 1e38 V takes its time to leave an observer that is not clamped.
+            const recovery_t r = recover(&state, &tuning, RATED_STEPS);
+            char text[40];
+            (void)snprintf(text, sizeof text, "state %d", n);
+            TEST_ASSERT_TRUE_MESSAGE(r.finite, text);
+            TEST_ASSERT_TRUE_MESSAGE(r.locked, text);
+            TEST_ASSERT_TRUE_MESSAGE(sound || r.flagged, text);
+        }
+    }
+}
+
+static void test_alias_of_the_speed_is_caught(void) {
+    // w + 2 pi/Ts turns the sampled EMF alike: only the range tells.
+    make_rated(PAPER_OMEGA_RATED);
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    const lode_estimator_tuning_t tuning = tuned(&config);
+    for (int n = -2; n <= 2; n++) {
+        lode_estimator_t state;
+        lode_estimator_reset(&state, &tuning);
+        (void)recover(&state, &tuning, LOCK_STEPS);
+        state.pll.theta_rad = (float)rated.theta[0];
+        state.pll.omega_rad_s += (float)(n * 2.0 * CHECK_PI / 2.0e-4);
+        const recovery_t r = recover(&state, &tuning, LOCK_STEPS);
+        TEST_ASSERT_TRUE(r.locked);
+        TEST_ASSERT_TRUE(n == 0 || r.flagged);
+    }
+}
+
+static void test_half_a_turn_off_is_no_rest(void) {
+    make_rated(-PAPER_OMEGA_RATED);
+    for (int p = 0; p < COUNT_OF(both_plls); p++) {
+        const lode_estimator_config_t config = designed(both_plls[p]);
+        const lode_estimator_tuning_t tuning = tuned(&config);
+        lode_estimator_t state;
+        lode_estimator_reset(&state, &tuning);
+        (void)recover(&state, &tuning, LOCK_STEPS);
+        state.pll.theta_rad = (float)remainder(rated.theta[0] + CHECK_PI, 2.0 * CHECK_PI);
+        TEST_ASSERT_TRUE(recover(&state, &tuning, LOCK_STEPS).locked);
+    }
+}
+
+static void test_inputs_that_are_no_numbers_are_flagged(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    const float bad[] = {NAN, INFINITY, -INFINITY, FLT_MAX, -FLT_MAX};
+    for (int n = 0; n < 4 * COUNT_OF(bad); n++) {
+        watch_t w = watch(&config, PAPER_OMEGA_RATED, 0.0);
+        for (int k = 0; k < 1000; k++) {
+            (void)watch_step(&w, 0.0, 0.0);
+        }
+        float in[4] = {10.0f, 5.0f, 1.0f, -1.0f};
+        in[n % 4] = bad[n / 4];
+        const lode_estimate_t e = lode_estimator_step(&w.estimator, &w.tuning, (lode_ab_t){in[0], in[1]},
+                                                      (lode_ab_t){in[2], in[3]});
+        TEST_ASSERT_TRUE(e.reseeded);
+        TEST_ASSERT_TRUE(is_finite_estimate(&e));
+        TEST_ASSERT_TRUE(e.lock < LODE_LOCK_LOST);
+        double error = 0.0;
+        for (int k = 0; k < 500; k++) {
+            error = watch_step(&w, 0.0, 0.0);
+        }
+        CHECK_NEAR(1.0 * CHECK_DEG, 0.0, error); // there again within 0.1 s
+    }
+}
+
+static void test_outputs_are_finite_for_any_input(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    const lode_estimator_tuning_t tuning = tuned(&config);
+    lode_estimator_t estimator;
+    lode_estimator_reset(&estimator, &tuning);
+    random_t random = random_seed(9);
+    for (int n = 0; n < 300000; n++) {
+        // Any bit pattern one time, plausible the next: so that states build up too.
+        const bool wild = random_bits(&random) % 8u == 0u;
+        const lode_ab_t u = wild ? (lode_ab_t){random_any(&random), random_any(&random)} : random_vector(&random, 1.0e6);
+        const lode_ab_t i = wild ? (lode_ab_t){random_any(&random), random_any(&random)} : random_vector(&random, 1.0e6);
+        const lode_estimate_t e = lode_estimator_step(&estimator, &tuning, u, i);
+        TEST_ASSERT_TRUE(is_finite_estimate(&e));
+    }
+}
+
+// --- Hold, reset, configuration ---------------------------------------------------------------
+
+static void test_hold_takes_the_angle_given(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    watch_t w = watch(&config, 0.0, 0.0);
+    for (int k = 0; k < 100; k++) {
+        const double theta = remainder(0.02 * k, 2.0 * CHECK_PI);
+        lode_estimator_hold(&w.estimator, &w.tuning, (float)theta, 100.0f);
+        (void)watch_step(&w, 0.0, 0.0);
+        // One period on at 100 rad/s; no EMF to argue with.
+        CHECK_NEAR(1.0e-4, 0.0, angle_error(theta + 0.02, (double)w.last.theta_rad));
+        CHECK_NEAR(0.1, 100.0, w.last.omega_rad_s);
+    }
+}
+
+static void test_hold_at_the_true_angle_is_seamless(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    watch_t w = watch(&config, paper_omega(300.0), 0.0);
+    for (int k = 0; k < 2000; k++) {
+        (void)watch_step(&w, 0.0, 0.0);
+    }
+    lode_estimator_hold(&w.estimator, &w.tuning, (float)w.motor.theta, (float)w.motor.omega);
+    for (int k = 0; k < 500; k++) {
+        CHECK_NEAR(0.1 * CHECK_DEG, 0.0, watch_step(&w, 0.0, 0.0));
+    }
+}
+
+static void test_reset_is_idempotent_and_complete(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    watch_t w = watch(&config, 300.0, 0.0);
+    const lode_estimator_t fresh = w.estimator;
+    for (int k = 0; k < 1000; k++) {
+        (void)watch_step(&w, 0.0, 3.0);
+    }
+    lode_estimator_reset(&w.estimator, &w.tuning);
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &w.estimator, sizeof fresh);
+    lode_estimator_reset(&w.estimator, &w.tuning);
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &w.estimator, sizeof fresh);
+}
+
+static lode_status_t try_config(const lode_estimator_config_t *config, const lode_motor_t *motor) {
+    lode_estimator_tuning_t tuning;
+    memset(&tuning, 0x5a, sizeof tuning);
+    const lode_estimator_tuning_t before = tuning;
+    const lode_status_t status = lode_estimator_tune(&tuning, config, motor, PAPER_TS_s);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    field_set(&config, offset, value);
+    const lode_motor_t motor = paper_motor();
+    return try_config(&config, &motor);
+}
+
+static void test_every_field_at_its_limits(void) {
+    static const field_t fields[] = {
+        {FIELD(lode_estimator_config_t, emin_V), .lo = 1.0e-4f, .hi = 1.0e3f, .error = LODE_ERROR_EMIN},
+        {FIELD(lode_estimator_config_t, omega_max_rad_s), .lo = 1.0f, .hi = 2500.0f, .computed = true,
+         .coupled = true, .error = LODE_ERROR_OMEGA_MAX}, // 0.5/Ts
+        {FIELD(lode_estimator_config_t, lock_s), .lo = PAPER_TS_s, .hi = 1.0f, .error = LODE_ERROR_LOCK_TIME},
+    };
+    field_check(&fields[0], try_one);
+    field_check(&fields[2], try_one);
+    const float bad[] = {0.9f, 2510.0f, -100.0f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        field_refused(&fields[1], try_one, bad[i]);
+    }
+    field_accepted(&fields[1], try_one, 1.0f);
+    field_accepted(&fields[1], try_one, 2499.0f);
+}
+
+static void test_errors_of_the_parts_come_through(void) {
+    const lode_motor_t motor = paper_motor();
+    lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    config.emf.w0_rad_s = 0.5f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_EMF_W0, try_config(&config, &motor));
+    config = designed(LODE_PLL_LESO);
+    config.pll.sigma_rad_s = NAN;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_PLL_SIGMA, try_config(&config, &motor));
+    config = designed(LODE_PLL_LESO);
+    config.compensation = (lode_lag_kind_t)5;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_LAG, try_config(&config, &motor));
+    config = designed(LODE_PLL_LESO);
+    config.active_flux = (lode_choice_t)7;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config, &motor));
+    config = designed(LODE_PLL_LESO);
+    config.pll.sigma_rad_s = 0.5f * config.emf.w0_rad_s;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_PLL_OBSERVER, try_config(&config, &motor));
+    lode_motor_t bad = motor;
+    bad.psi_Wb = 0.0f;
+    config = designed(LODE_PLL_LESO);
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_PSI, try_config(&config, &bad));
+}
+
+static void test_design_fills_what_is_open(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    CHECK_CLOSE(1.0e-5, 0.03 * PAPER_OMEGA_RATED * 0.142, config.emin_V); // 2 V
+    CHECK_CLOSE(1.0e-5, 2.5 * PAPER_OMEGA_RATED, config.omega_max_rad_s);
+    CHECK_CLOSE(1.0e-6, 5.0e-3, config.lock_s);
+    TEST_ASSERT_EQUAL_INT(LODE_ON, config.active_flux);
+    const lode_motor_t motor = paper_motor();
+    lode_estimator_config_t kept = config;
+    lode_estimator_design(&kept, &motor, PAPER_TS_s);
+    TEST_ASSERT_EQUAL_MEMORY(&config, &kept, sizeof config);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_steady_angle_open_loop);
+    RUN_TEST(test_paper_settings);
+    RUN_TEST(test_without_compensation_the_angle_lags_as_computed);
+    RUN_TEST(test_acquisition_from_reset_takes_milliseconds);
+    RUN_TEST(test_sound_running_keeps_its_lock_at_all_speeds);
+    RUN_TEST(test_standstill_is_no_lock);
+    RUN_TEST(test_ramps_and_load_steps);
+    RUN_TEST(test_changing_id_does_not_turn_the_angle);
+    RUN_TEST(test_recordings_of_an_independent_simulator);
+    RUN_TEST(test_reconvergence_from_1000_random_states);
+    RUN_TEST(test_any_state_is_detected_flagged_and_relocked);
+    RUN_TEST(test_alias_of_the_speed_is_caught);
+    RUN_TEST(test_half_a_turn_off_is_no_rest);
+    RUN_TEST(test_inputs_that_are_no_numbers_are_flagged);
+    RUN_TEST(test_outputs_are_finite_for_any_input);
+    RUN_TEST(test_hold_takes_the_angle_given);
+    RUN_TEST(test_hold_at_the_true_angle_is_seamless);
+    RUN_TEST(test_reset_is_idempotent_and_complete);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_errors_of_the_parts_come_through);
+    RUN_TEST(test_design_fills_what_is_open);
+    return UNITY_END();
+}

@@ -1,0 +1,436 @@
+// Every check fires at its limit and not just inside; debounce; the first cause stays.
+#include "support/fields.h"
+
+#include "lodestar/guard.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+#define STATE 5 // any number: the record repeats it
+#define BUS_PERIODS 5   // 1 ms of 200 us
+#define LOCK_PERIODS 75 // 15 ms
+
+static const lode_inverter_config_t inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
+static const lode_sense_config_t sense = {.i_gain_A_count = 0.0125f,
+                                          .i_offset_count = 2048.0f,
+                                          .count_max = 4095.0f,
+                                          .v_bus_gain_V_count = 0.1f};
+
+static lode_guard_config_t sound(void) {
+    return (lode_guard_config_t){.i_trip_A = 18.0f,
+                                 .v_bus_max_V = 250.0f,
+                                 .v_bus_min_V = 120.0f,
+                                 .temperature_max_degC = 90.0f,
+                                 .omega_max_rad_s = 1500.0f,
+                                 .bus_s = 1.0e-3f,
+                                 .lock_s = 15.0e-3f,
+                                 .stamp_per_period = 1000.0f};
+}
+
+static lode_guard_tuning_t tuned(const lode_guard_config_t *config) {
+    lode_guard_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_guard_tune(&tuning, config, &inverter, &sense, PAPER_TS_s));
+    return tuning;
+}
+
+/// A guard with everything that it looks at.
+typedef struct {
+    lode_guard_tuning_t tuning;
+    lode_guard_t guard;
+    lode_sample_t sample;
+    lode_estimate_t estimate;
+    lode_situation_t now;
+} bench_t;
+
+static bench_t bench(void) {
+    bench_t b = {.sample = {.i_abc_A = {1.0f, -2.0f, 1.0f}, .v_bus_V = 200.0f, .temperature_degC = 40.0f},
+                 .estimate = {.omega_rad_s = 300.0f, .lock = 0.95f},
+                 .now = {.state = STATE, .sensorless = true, .direction = 1.0f, .finite = true}};
+    const lode_guard_config_t config = sound();
+    b.tuning = tuned(&config);
+    lode_guard_reset(&b.guard);
+    return b;
+}
+
+static bool step(bench_t *b) {
+    b->sample.stamp += 1000u;
+    return lode_guard_step(&b->guard, &b->tuning, &b->sample, &b->estimate, b->now);
+}
+
+/// Steps until the guard trips, at most `limit` times; how many it took, or `limit`.
+static int steps_to_trip(bench_t *b, int limit) {
+    for (int n = 1; n < limit; n++) {
+        if (!step(b)) {
+            return n;
+        }
+    }
+    return limit;
+}
+
+static void check_fault(const bench_t *b, lode_check_t check, double measured, double limit) {
+    TEST_ASSERT_EQUAL_STRING(lode_check_name(check), lode_check_name((lode_check_t)b->guard.fault.check));
+    TEST_ASSERT_EQUAL_INT(STATE, b->guard.fault.state);
+    CHECK_NEAR(1.0e-4 * fabs(limit) + 1.0e-6, measured, b->guard.fault.measured);
+    CHECK_NEAR(1.0e-4 * fabs(limit) + 1.0e-6, limit, b->guard.fault.limit);
+}
+
+static void test_a_sound_period_passes(void) {
+    bench_t b = bench();
+    TEST_ASSERT_EQUAL_INT(10000, steps_to_trip(&b, 10000));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, b.guard.fault.check);
+}
+
+static void set_phase(bench_t *b, int phase, float i_A) {
+    b->sample.i_abc_A = (lode_abc_t){phase == 0 ? i_A : 0.0f, phase == 1 ? i_A : 0.0f, phase == 2 ? i_A : 0.0f};
+}
+
+static void test_over_current_of_every_phase_and_sign_at_once(void) {
+    for (int phase = 0; phase < 3; phase++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            bench_t b = bench();
+            set_phase(&b, phase, 18.0f * (float)sign);
+            TEST_ASSERT_EQUAL_INT(200, steps_to_trip(&b, 200));
+            const float beyond = nextafterf(18.0f, 100.0f) * (float)sign;
+            set_phase(&b, phase, beyond);
+            TEST_ASSERT_FALSE(step(&b));
+            check_fault(&b, LODE_CHECK_OVER_CURRENT, (double)beyond, 18.0);
+        }
+    }
+}
+
+static void test_a_current_that_is_no_number_trips_at_once(void) {
+    for (int phase = 0; phase < 3; phase++) {
+        for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+            bench_t b = bench();
+            set_phase(&b, phase, check_not_finite[i]);
+            TEST_ASSERT_FALSE(step(&b));
+        }
+    }
+}
+
+static void test_hardware_trip_at_once(void) {
+    bench_t b = bench();
+    b.sample.trip = true;
+    TEST_ASSERT_FALSE(step(&b));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, b.guard.fault.check);
+}
+
+/// A debounced condition: passes one period short of `periods`, trips in the last one; half-way down
+/// it counts back.
+static void check_debounce(bench_t good, bench_t bad, int periods, lode_check_t check) {
+    bench_t b = bad;
+    TEST_ASSERT_EQUAL_INT(periods, steps_to_trip(&b, 1000));
+    TEST_ASSERT_EQUAL_STRING(lode_check_name(check), lode_check_name((lode_check_t)b.guard.fault.check));
+    b = good;
+    TEST_ASSERT_EQUAL_INT(1000, steps_to_trip(&b, 1000));
+    // Bad and good in turn never trips.
+    b = bad;
+    for (int n = 0; n < 1000; n++) {
+        b.sample = n % 2 == 0 ? bad.sample : good.sample;
+        b.sample.stamp = (uint32_t)n * 1000u;
+        b.estimate = n % 2 == 0 ? bad.estimate : good.estimate;
+        TEST_ASSERT_TRUE(lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now));
+    }
+    // Two bad ones for every good one get there three times as slowly.
+    b = bad;
+    int n = 0;
+    bool runs = true;
+    for (; n < 1000 && runs; n++) {
+        b.sample = n % 3 < 2 ? bad.sample : good.sample;
+        b.sample.stamp = (uint32_t)n * 1000u;
+        b.estimate = n % 3 < 2 ? bad.estimate : good.estimate;
+        runs = lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now);
+    }
+    CHECK_NEAR(4.0, 3.0 * periods - 2.0, n);
+}
+
+static void test_over_voltage(void) {
+    bench_t good = bench();
+    good.sample.v_bus_V = 250.0f;
+    bench_t bad = good;
+    bad.sample.v_bus_V = nextafterf(250.0f, 300.0f);
+    check_debounce(good, bad, BUS_PERIODS, LODE_CHECK_OVER_VOLTAGE);
+    (void)steps_to_trip(&bad, 100);
+    check_fault(&bad, LODE_CHECK_OVER_VOLTAGE, 250.0, 250.0);
+}
+
+static void test_under_voltage(void) {
+    bench_t good = bench();
+    good.sample.v_bus_V = 120.0f;
+    bench_t bad = good;
+    bad.sample.v_bus_V = nextafterf(120.0f, 0.0f);
+    check_debounce(good, bad, BUS_PERIODS, LODE_CHECK_UNDER_VOLTAGE);
+    (void)steps_to_trip(&bad, 100);
+    check_fault(&bad, LODE_CHECK_UNDER_VOLTAGE, 120.0, 120.0);
+}
+
+static void test_over_temperature(void) {
+    bench_t good = bench();
+    good.sample.temperature_degC = 90.0f;
+    bench_t bad = good;
+    bad.sample.temperature_degC = nextafterf(90.0f, 100.0f);
+    check_debounce(good, bad, BUS_PERIODS, LODE_CHECK_OVER_TEMPERATURE);
+    (void)steps_to_trip(&bad, 100);
+    check_fault(&bad, LODE_CHECK_OVER_TEMPERATURE, 90.0, 90.0);
+}
+
+static void test_current_rail(void) {
+    const bench_t good = bench();
+    bench_t bad = good;
+    bad.sample.railed = true;
+    check_debounce(good, bad, BUS_PERIODS, LODE_CHECK_CURRENT_RAIL);
+}
+
+static void test_lost_lock(void) {
+    bench_t good = bench();
+    good.estimate.lock = LODE_LOCK_LOST;
+    bench_t bad = good;
+    bad.estimate.lock = nextafterf(LODE_LOCK_LOST, 0.0f);
+    check_debounce(good, bad, LOCK_PERIODS, LODE_CHECK_LOST_LOCK);
+    (void)steps_to_trip(&bad, 100);
+    check_fault(&bad, LODE_CHECK_LOST_LOCK, 0.5, 0.5);
+}
+
+static void test_over_speed_both_ways(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        bench_t good = bench();
+        good.now.direction = (float)sign;
+        good.estimate.omega_rad_s = 1500.0f * (float)sign;
+        bench_t bad = good;
+        bad.estimate.omega_rad_s = 1500.1f * (float)sign;
+        check_debounce(good, bad, LOCK_PERIODS, LODE_CHECK_OVER_SPEED);
+        (void)steps_to_trip(&bad, 100);
+        check_fault(&bad, LODE_CHECK_OVER_SPEED, 1500.1 * sign, 1500.0);
+    }
+}
+
+static void test_wrong_way(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        bench_t good = bench();
+        good.now.direction = (float)sign;
+        good.estimate.omega_rad_s = 100.0f * (float)sign;
+        bench_t bad = good;
+        bad.estimate.omega_rad_s = -100.0f * (float)sign;
+        check_debounce(good, bad, LOCK_PERIODS, LODE_CHECK_WRONG_WAY);
+        (void)steps_to_trip(&bad, 100);
+        TEST_ASSERT_EQUAL_FLOAT(-100.0f * (float)sign, bad.guard.fault.measured);
+    }
+}
+
+static void test_motion_is_watched_only_without_a_sensor(void) {
+    bench_t b = bench();
+    b.now.sensorless = false;
+    b.estimate.lock = 0.0f;
+    b.estimate.omega_rad_s = -9000.0f;
+    TEST_ASSERT_EQUAL_INT(1000, steps_to_trip(&b, 1000));
+}
+
+static void test_non_finite_at_once(void) {
+    bench_t b = bench();
+    b.now.finite = false;
+    TEST_ASSERT_FALSE(step(&b));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NON_FINITE, b.guard.fault.check);
+}
+
+static void test_samples_that_are_no_number_trip(void) {
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        const float x = check_not_finite[i];
+        bench_t bus = bench();
+        bus.sample.v_bus_V = x;
+        TEST_ASSERT_EQUAL_INT(BUS_PERIODS, steps_to_trip(&bus, 1000));
+        bench_t lock = bench();
+        lock.estimate.lock = NAN;
+        TEST_ASSERT_EQUAL_INT(LOCK_PERIODS, steps_to_trip(&lock, 1000));
+        bench_t speed = bench();
+        speed.estimate.omega_rad_s = x;
+        TEST_ASSERT_EQUAL_INT(LOCK_PERIODS, steps_to_trip(&speed, 1000));
+    }
+    bench_t hot = bench();
+    hot.sample.temperature_degC = NAN;
+    TEST_ASSERT_EQUAL_INT(BUS_PERIODS, steps_to_trip(&hot, 1000));
+}
+
+/// Trips on the second stamp after `passed` counts?
+static bool late(uint32_t first, uint32_t passed) {
+    bench_t b = bench();
+    b.sample.stamp = first;
+    TEST_ASSERT_TRUE(lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now));
+    b.sample.stamp = first + passed;
+    const bool runs = lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now);
+    if (!runs) {
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_TIMING, b.guard.fault.check);
+    }
+    return !runs;
+}
+
+static void test_timing_by_the_stamp(void) {
+    // Starts include one that wraps round.
+    const uint32_t starts[] = {0u, 12345u, UINT32_MAX - 3u};
+    for (int i = 0; i < COUNT_OF(starts); i++) {
+        TEST_ASSERT_FALSE(late(starts[i], 1000u));
+        TEST_ASSERT_FALSE(late(starts[i], 800u));
+        TEST_ASSERT_FALSE(late(starts[i], 1200u));
+        TEST_ASSERT_TRUE(late(starts[i], 2000u)); // one period missed
+        TEST_ASSERT_TRUE(late(starts[i], 0u));    // called twice
+        TEST_ASSERT_TRUE(late(starts[i], 500u));
+    }
+}
+
+static void test_timing_is_not_watched_unless_configured(void) {
+    lode_guard_config_t config = sound();
+    config.stamp_per_period = 0.0f;
+    bench_t b = bench();
+    b.tuning = tuned(&config);
+    random_t random = random_seed(1);
+    for (int n = 0; n < 1000; n++) {
+        b.sample.stamp = random_bits(&random);
+        TEST_ASSERT_TRUE(lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now));
+    }
+}
+
+static void test_the_first_cause_stays(void) {
+    bench_t b = bench();
+    b.now.finite = false;
+    TEST_ASSERT_FALSE(step(&b));
+    const lode_fault_t first = b.guard.fault;
+    b.now.finite = true;
+    b.sample.i_abc_A.a = 100.0f;
+    b.sample.trip = true;
+    TEST_ASSERT_EQUAL_INT(1, steps_to_trip(&b, 100));
+    lode_guard_trip(&b.guard, 1, LODE_CHECK_START, 1.0f, 2.0f);
+    TEST_ASSERT_EQUAL_MEMORY(&first, &b.guard.fault, sizeof first);
+    // Sound again: the fault stays until it is reset.
+    b = bench();
+    lode_guard_trip(&b.guard, 3, LODE_CHECK_START, 0.25f, 0.7f);
+    TEST_ASSERT_FALSE(step(&b));
+    const lode_fault_t expected = {3, LODE_CHECK_START, 0.25f, 0.7f};
+    TEST_ASSERT_EQUAL_UINT(expected.check, b.guard.fault.check);
+    TEST_ASSERT_EQUAL_UINT(expected.state, b.guard.fault.state);
+    TEST_ASSERT_EQUAL_FLOAT(expected.measured, b.guard.fault.measured);
+    TEST_ASSERT_EQUAL_FLOAT(expected.limit, b.guard.fault.limit);
+}
+
+static void test_reset_forgets_fault_and_counts(void) {
+    bench_t b = bench();
+    b.sample.v_bus_V = 300.0f;
+    (void)steps_to_trip(&b, BUS_PERIODS);
+    b.now.finite = false;
+    TEST_ASSERT_FALSE(step(&b));
+    lode_guard_reset(&b.guard);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, b.guard.fault.check);
+    b.now.finite = true;
+    b.sample.stamp += 77777u;
+    TEST_ASSERT_EQUAL_INT(BUS_PERIODS, steps_to_trip(&b, 1000));
+}
+
+static void test_names_are_distinct(void) {
+    for (int i = 0; i < (int)LODE_CHECK_COUNT; i++) {
+        TEST_ASSERT_EQUAL_STRING_LEN("LODE_CHECK_", lode_check_name((lode_check_t)i), 11);
+        for (int j = 0; j <= i; j++) {
+            TEST_ASSERT_EQUAL_INT(i == j, strcmp(lode_check_name((lode_check_t)i), lode_check_name((lode_check_t)j)) == 0);
+        }
+    }
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_LOST_LOCK", lode_check_name(LODE_CHECK_LOST_LOCK));
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_UNKNOWN", lode_check_name(LODE_CHECK_COUNT));
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_UNKNOWN", lode_check_name((lode_check_t)99));
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_guard_config_t config = sound();
+    field_set(&config, offset, value);
+    lode_guard_tuning_t tuning;
+    memset(&tuning, 0x5a, sizeof tuning);
+    const lode_guard_tuning_t before = tuning;
+    const lode_status_t status = lode_guard_tune(&tuning, &config, &inverter, &sense, PAPER_TS_s);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+static void test_every_field_at_its_limits(void) {
+    // The sensor reaches 2047 * 0.0125 A and 409.5 V.
+    static const field_t fields[] = {
+        {FIELD(lode_guard_config_t, i_trip_A), .lo = 12.0f, .hi = 2047.0f * 0.0125f, .computed = true,
+         .error = LODE_ERROR_GUARD_CURRENT},
+        {FIELD(lode_guard_config_t, v_bus_max_V), .lo = 200.0f, .hi = 409.5f, .computed = true,
+         .error = LODE_ERROR_GUARD_BUS},
+        {FIELD(lode_guard_config_t, v_bus_min_V), .lo = 0.0f, .hi = 200.0f, .error = LODE_ERROR_GUARD_BUS},
+        {FIELD(lode_guard_config_t, bus_s), .lo = PAPER_TS_s, .hi = 10.0f, .error = LODE_ERROR_GUARD_TIME},
+        {FIELD(lode_guard_config_t, lock_s), .lo = PAPER_TS_s, .hi = 10.0f, .error = LODE_ERROR_GUARD_TIME},
+    };
+    field_check_all(fields, COUNT_OF(fields), try_one);
+    const size_t speed = offsetof(lode_guard_config_t, omega_max_rad_s);
+    const size_t hot = offsetof(lode_guard_config_t, temperature_max_degC);
+    const size_t stamp = offsetof(lode_guard_config_t, stamp_per_period);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(speed, 1.0e6f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_SPEED, try_one(speed, 1.1e6f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_SPEED, try_one(speed, -1.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME, try_one(stamp, -1.0f));
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_SPEED, try_one(speed, check_not_finite[i]));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TEMPERATURE, try_one(hot, check_not_finite[i]));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME, try_one(stamp, check_not_finite[i]));
+    }
+}
+
+static void test_times_become_periods(void) {
+    const float times[] = {2.0e-4f, 4.0e-4f, 6.0e-4f, 1.0e-3f, 3.0e-3f, 15.0e-3f, 0.1f};
+    const int periods[] = {1, 2, 3, 5, 15, 75, 500};
+    for (int i = 0; i < COUNT_OF(times); i++) {
+        lode_guard_config_t config = sound();
+        config.bus_s = times[i];
+        config.lock_s = times[i];
+        const lode_guard_tuning_t tuning = tuned(&config);
+        TEST_ASSERT_EQUAL_INT(periods[i], tuning.bus_periods);
+        TEST_ASSERT_EQUAL_INT(periods[i], tuning.lock_periods);
+    }
+}
+
+static void test_design_fills_what_is_open(void) {
+    const lode_estimator_config_t estimator = {.omega_max_rad_s = 1000.0f};
+    lode_guard_config_t config = {.i_trip_A = 0.0f};
+    lode_guard_design(&config, &inverter, &estimator);
+    CHECK_CLOSE(1.0e-6, 18.0, config.i_trip_A);
+    CHECK_CLOSE(1.0e-6, 250.0, config.v_bus_max_V);
+    CHECK_CLOSE(1.0e-6, 120.0, config.v_bus_min_V);
+    CHECK_CLOSE(1.0e-6, 100.0, config.temperature_max_degC);
+    CHECK_CLOSE(1.0e-6, 1300.0, config.omega_max_rad_s);
+    CHECK_CLOSE(1.0e-6, 1.0e-3, config.bus_s);
+    CHECK_CLOSE(1.0e-6, 15.0e-3, config.lock_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, config.stamp_per_period);
+    const lode_guard_config_t all = sound();
+    lode_guard_config_t kept = all;
+    lode_guard_design(&kept, &inverter, &estimator);
+    TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_a_sound_period_passes);
+    RUN_TEST(test_over_current_of_every_phase_and_sign_at_once);
+    RUN_TEST(test_a_current_that_is_no_number_trips_at_once);
+    RUN_TEST(test_hardware_trip_at_once);
+    RUN_TEST(test_over_voltage);
+    RUN_TEST(test_under_voltage);
+    RUN_TEST(test_over_temperature);
+    RUN_TEST(test_current_rail);
+    RUN_TEST(test_lost_lock);
+    RUN_TEST(test_over_speed_both_ways);
+    RUN_TEST(test_wrong_way);
+    RUN_TEST(test_motion_is_watched_only_without_a_sensor);
+    RUN_TEST(test_non_finite_at_once);
+    RUN_TEST(test_samples_that_are_no_number_trip);
+    RUN_TEST(test_timing_by_the_stamp);
+    RUN_TEST(test_timing_is_not_watched_unless_configured);
+    RUN_TEST(test_the_first_cause_stays);
+    RUN_TEST(test_reset_forgets_fault_and_counts);
+    RUN_TEST(test_names_are_distinct);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_times_become_periods);
+    RUN_TEST(test_design_fills_what_is_open);
+    return UNITY_END();
+}

@@ -1,0 +1,226 @@
+// Dead-time loss, and which duty and which bus voltage made the voltage that the observer is given.
+#include "support/fields.h"
+
+#include "lodestar/inverter.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+static lode_inverter_config_t sound(void) {
+    return (lode_inverter_config_t){.v_bus_V = 200.0f,
+                                    .i_max_A = 12.0f,
+                                    .dead_time_s = 4.0e-6f,
+                                    .v_drop_V = 1.2f,
+                                    .r_on_Ohm = 0.05f,
+                                    .i_dead_A = 0.5f,
+                                    .pwm_ticks = 10000.0f,
+                                    .dead_time_correction = LODE_ON,
+                                    .dead_time_model = LODE_OFF};
+}
+
+static lode_inverter_tuning_t tuned(const lode_inverter_config_t *config) {
+    lode_inverter_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_inverter_tune(&tuning, config, PAPER_TS_s));
+    return tuning;
+}
+
+static void test_voltage_is_of_the_call_before_last_at_the_bus_of_the_last(void) {
+    lode_inverter_t inverter;
+    lode_inverter_reset(&inverter);
+    random_t random = random_seed(1);
+    double bus[1000];
+    lode_ab_t written[1000];
+    for (int k = 0; k < COUNT_OF(bus); k++) {
+        bus[k] = random_between(&random, 100.0, 300.0);
+        const lode_ab_t u = lode_inverter_realised(&inverter, (float)bus[k]);
+        const double alpha = k < 2 ? 0.0 : bus[k - 1] * (double)written[k - 2].alpha;
+        const double beta = k < 2 ? 0.0 : bus[k - 1] * (double)written[k - 2].beta;
+        CHECK_NEAR(3.0e-5, alpha, u.alpha); // one product of up to 180 V
+        CHECK_NEAR(3.0e-5, beta, u.beta);
+        written[k] = (lode_ab_t){random_float(&random, -0.6, 0.6), random_float(&random, -0.6, 0.6)};
+        lode_inverter_write(&inverter, written[k]);
+    }
+}
+
+static void test_reset_forgets_what_is_on_its_way(void) {
+    lode_inverter_t inverter;
+    lode_inverter_reset(&inverter);
+    for (int k = 0; k < 3; k++) {
+        (void)lode_inverter_realised(&inverter, 200.0f);
+        lode_inverter_write(&inverter, (lode_ab_t){0.3f, -0.2f});
+    }
+    lode_inverter_reset(&inverter);
+    for (int k = 0; k < 2; k++) {
+        const lode_ab_t u = lode_inverter_realised(&inverter, 200.0f);
+        TEST_ASSERT_TRUE(u.alpha == 0.0f && u.beta == 0.0f);
+        lode_inverter_write(&inverter, (lode_ab_t){0.0f, 0.0f});
+    }
+}
+
+/// Loss of phase a alone; b and c carry what it leaves, as in a motor.
+static double loss_of(const lode_inverter_tuning_t *tuning, double i, double span, double bus) {
+    const lode_abc_t phases = {(float)i, (float)(-0.5 * i), (float)(-0.5 * i)};
+    return (double)lode_inverter_loss(tuning, phases, (float)span, (float)(1.0 / bus)).a;
+}
+
+static void test_loss_at_full_modulation_is_a_ramp_with_a_resistance(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    // Beyond 0.5 A: 4 us of 200 us, 1.2 V of 200 V, 50 mOhm on top. 2 %, 0.6 %, 0.025 %/A.
+    CHECK_NEAR(1.0e-8, 0.02 + 0.006 + 10.0 * 0.05 / 200.0, loss_of(&tuning, 10.0, 1.0, 200.0));
+    CHECK_NEAR(1.0e-8, 0.02 + 0.006 + 0.5 * 0.05 / 200.0, loss_of(&tuning, 0.5, 1.0, 200.0));
+    // In the dead band in proportion.
+    CHECK_NEAR(1.0e-8, 0.4 * (0.02 + 0.006) + 0.2 * 0.05 / 200.0, loss_of(&tuning, 0.2, 1.0, 200.0));
+    // Half the bus: the drops count double, dead time does not.
+    CHECK_NEAR(1.0e-8, 0.02 + 0.012 + 2.0 * 0.05 / 100.0, loss_of(&tuning, 2.0, 1.0, 100.0));
+    TEST_ASSERT_TRUE(loss_of(&tuning, 0.0, 1.0, 200.0) == 0.0);
+}
+
+static void test_the_dead_band_falls_with_the_modulation(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    CHECK_CLOSE(1.0e-6, 0.5, tuning.i_dead_min_A + tuning.i_dead_span_A);
+    CHECK_AT_LEAST(1.0e-3, tuning.i_dead_min_A);
+    for (int n = 0; n <= 10; n++) {
+        const double span = 0.1 * n;
+        const double band = (double)tuning.i_dead_min_A + (double)tuning.i_dead_span_A * span;
+        const double i = 0.02 + 0.03 * n;
+        const double share = fmin(1.0, i / band);
+        CHECK_NEAR(2.0e-8, share * 0.026 + i * 0.05 / 200.0, loss_of(&tuning, i, span, 200.0));
+    }
+}
+
+static void test_loss_of_each_phase_by_its_own_current(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    const lode_abc_t loss =
+        lode_inverter_loss(&tuning, (lode_abc_t){3.0f, -5.0f, 0.0f}, 0.5f, 1.0f / 200.0f);
+    CHECK_NEAR(1.0e-8, 0.026 + 3.0 * 2.5e-4, loss.a);
+    CHECK_NEAR(1.0e-8, -0.026 - 5.0 * 2.5e-4, loss.b);
+    CHECK_NEAR(1.0e-8, 0.0, loss.c);
+}
+
+static void test_loss_is_odd_and_rises_with_the_current(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    double before = loss_of(&tuning, -15.0, 0.7, 200.0);
+    for (int n = -1500; n <= 1500; n++) {
+        const double i = 0.01 * n;
+        const double loss = loss_of(&tuning, i, 0.7, 200.0);
+        TEST_ASSERT_TRUE(loss == -loss_of(&tuning, -i, 0.7, 200.0));
+        TEST_ASSERT_TRUE(loss >= before);
+        before = loss;
+    }
+}
+
+static void test_tuning_of_a_configuration(void) {
+    lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    CHECK_CLOSE(1.0e-6, 0.02, tuning.dead_duty);
+    TEST_ASSERT_EQUAL_FLOAT(10000.0f, tuning.ticks);
+    TEST_ASSERT_TRUE(tuning.correct && !tuning.model);
+    config.pwm_ticks = 0.0f;
+    config.dead_time_correction = LODE_OFF;
+    config.dead_time_model = LODE_ON;
+    const lode_inverter_tuning_t other = tuned(&config);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, other.ticks);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, other.inv_ticks);
+    TEST_ASSERT_TRUE(!other.correct && other.model);
+    // With the correction on, the loss is made good: it is not taken out as well.
+    config.dead_time_correction = LODE_ON;
+    const lode_inverter_tuning_t both = tuned(&config);
+    TEST_ASSERT_TRUE(both.correct && !both.model);
+    TEST_ASSERT_TRUE(tuning.v_min_V > 0.0f && tuning.v_min_V < 100.0f);
+}
+
+static lode_status_t try_config(const lode_inverter_config_t *config) {
+    lode_inverter_tuning_t tuning;
+    memset(&tuning, 0x5a, sizeof tuning);
+    const lode_inverter_tuning_t before = tuning;
+    const lode_status_t status = lode_inverter_tune(&tuning, config, PAPER_TS_s);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_inverter_config_t config = sound();
+    field_set(&config, offset, value);
+    return try_config(&config);
+}
+
+static void test_every_field_at_its_limits(void) {
+    static const field_t fields[] = {
+        {FIELD(lode_inverter_config_t, v_bus_V), .lo = 1.0f, .hi = 2000.0f, .error = LODE_ERROR_V_BUS},
+        {FIELD(lode_inverter_config_t, i_max_A), .lo = 1.0e-3f, .hi = 1.0e4f, .coupled = true,
+         .error = LODE_ERROR_I_MAX},
+        {FIELD(lode_inverter_config_t, dead_time_s), .lo = 0.0f, .hi = 4.0e-5f, .computed = true,
+         .error = LODE_ERROR_DEAD_TIME},
+        {FIELD(lode_inverter_config_t, v_drop_V), .lo = 0.0f, .hi = 10.0f, .error = LODE_ERROR_V_DROP},
+        {FIELD(lode_inverter_config_t, r_on_Ohm), .lo = 0.0f, .hi = 10.0f, .error = LODE_ERROR_R_ON},
+        {FIELD(lode_inverter_config_t, i_dead_A), .lo = 0.012f, .hi = 12.0f, .computed = true,
+         .error = LODE_ERROR_I_DEAD},
+        {FIELD(lode_inverter_config_t, pwm_ticks), .lo = 0.0f, .hi = 65535.0f,
+         .error = LODE_ERROR_PWM_TICKS},
+    };
+    for (int i = 0; i < COUNT_OF(fields); i++) {
+        if (fields[i].computed && fields[i].lo == 0.0f) {
+            field_accepted(&fields[i], try_one, 0.0f);
+            field_accepted(&fields[i], try_one, 0.999f * fields[i].hi);
+            field_refused(&fields[i], try_one, 1.001f * fields[i].hi);
+            field_refused(&fields[i], try_one, -1.0e-9f);
+            field_refused(&fields[i], try_one, NAN);
+            field_refused(&fields[i], try_one, INFINITY);
+        } else {
+            field_check(&fields[i], try_one);
+        }
+    }
+}
+
+static void test_choices_must_be_made(void) {
+    const int bad[] = {LODE_AUTO, 3, 77};
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        lode_inverter_config_t config = sound();
+        config.dead_time_correction = (lode_choice_t)bad[i];
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
+        config = sound();
+        config.dead_time_model = (lode_choice_t)bad[i];
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
+    }
+}
+
+static void test_design_decides(void) {
+    const lode_motor_t motor = paper_motor();
+    lode_inverter_config_t config = {.v_bus_V = 200.0f, .i_max_A = 12.0f, .dead_time_s = 4.0e-6f};
+    lode_inverter_design(&config, &motor, PAPER_TS_s);
+    TEST_ASSERT_EQUAL_INT(LODE_ON, config.dead_time_correction);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, config.dead_time_model);
+    // Half the ripple, v_bus Ts/(8 L) with the smaller L.
+    CHECK_CLOSE(1.0e-5, 200.0 * 2.0e-4 / (8.0 * 3.5e-3), config.i_dead_A);
+    lode_inverter_config_t ideal = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
+    lode_inverter_design(&ideal, &motor, PAPER_TS_s);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, ideal.dead_time_correction);
+    const lode_inverter_config_t all = sound();
+    lode_inverter_config_t kept = all;
+    lode_inverter_design(&kept, &motor, PAPER_TS_s);
+    TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_voltage_is_of_the_call_before_last_at_the_bus_of_the_last);
+    RUN_TEST(test_reset_forgets_what_is_on_its_way);
+    RUN_TEST(test_loss_at_full_modulation_is_a_ramp_with_a_resistance);
+    RUN_TEST(test_the_dead_band_falls_with_the_modulation);
+    RUN_TEST(test_loss_of_each_phase_by_its_own_current);
+    RUN_TEST(test_loss_is_odd_and_rises_with_the_current);
+    RUN_TEST(test_tuning_of_a_configuration);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_choices_must_be_made);
+    RUN_TEST(test_design_decides);
+    return UNITY_END();
+}

@@ -1,0 +1,126 @@
+// The polynomial of the observer's lag against the exact lag in float64.
+#include "support/check.h"
+
+#include "lodestar/lag.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+typedef struct {
+    double R, Lq, ts, w0, omega_max;
+} case_t;
+
+// Paper 1's motor up to 2.5 times rated speed, a servo, a drone motor, one without resistance.
+static const case_t cases[] = {
+    {0.75, 9.8e-3, 2.0e-4, 2000.0, 1178.0},  {0.75, 9.8e-3, 2.0e-4, 600.0, 600.0},
+    {0.032, 34.0e-6, 2.5e-5, 9000.0, 9000.0}, {0.0, 5.0e-3, 1.0e-4, 3000.0, 3000.0},
+    {4.0, 1.2e-3, 1.0e-4, 4000.0, 2000.0},
+};
+
+/// arg(exp(j x) - pole).
+static double arg_from(double pole, double x) {
+    return atan2(sin(x), cos(x) - pole);
+}
+
+/// 2 arg(rho - p) - w Ts - arg Gamma, Gamma = (rho - a)/((mu + j w) b Lq).
+static double exact(const case_t *c, double omega) {
+    const double mu = c->R / c->Lq;
+    const double x = omega * c->ts;
+    const double gamma = arg_from(exp(-mu * c->ts), x) - atan2(omega, mu);
+    return 2.0 * arg_from(exp(-c->w0 * c->ts), x) - x - gamma;
+}
+
+static lode_status_t tune(lode_lag_t *lag, lode_lag_kind_t kind, const case_t *c) {
+    lode_motor_t motor = paper_motor();
+    motor.Rs_Ohm = (float)c->R;
+    motor.Lq_H = (float)c->Lq;
+    const lode_emf_config_t config = {.kind = LODE_EMF_C_LESO, .w0_rad_s = (float)c->w0};
+    return lode_lag_tune(lag, kind, &config, &motor, (float)c->ts, (float)c->omega_max);
+}
+
+static void test_polynomial_is_within_its_tolerance(void) {
+    for (int i = 0; i < COUNT_OF(cases); i++) {
+        lode_lag_t lag;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[i]));
+        for (int k = -1000; k <= 1000; k++) {
+            const float omega = (float)(cases[i].omega_max * k / 1000.0);
+            // The documented 0.01 degree.
+            CHECK_NEAR(LODE_LAG_TOLERANCE_rad, exact(&cases[i], (double)omega),
+                       lode_lag_rad(&lag, omega));
+        }
+    }
+}
+
+static void test_polynomial_of_the_papers_motor_is_ten_times_better(void) {
+    // The whole error of the compensated angle is to be 0.02 degree: this part is kept below 0.002.
+    lode_lag_t lag;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[0]));
+    for (int k = 1; k <= 500; k++) {
+        const float omega = (float)(cases[0].omega_max * k / 500.0);
+        CHECK_NEAR(0.002 * CHECK_DEG, exact(&cases[0], (double)omega), lode_lag_rad(&lag, omega));
+    }
+}
+
+static void test_polynomial_is_odd(void) {
+    lode_lag_t lag;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[0]));
+    random_t random = random_seed(1);
+    for (int k = 0; k < 10000; k++) {
+        const float omega = random_float(&random, 0.0, 3000.0);
+        TEST_ASSERT_TRUE(lode_lag_rad(&lag, -omega) == -lode_lag_rad(&lag, omega));
+    }
+    TEST_ASSERT_TRUE(lode_lag_rad(&lag, 0.0f) == 0.0f);
+}
+
+static void test_beyond_the_range_it_is_a_straight_line(void) {
+    lode_lag_t lag;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[0]));
+    const double end = cases[0].omega_max;
+    const double slope = (double)lode_lag_rad(&lag, (float)end) / end;
+    for (int k = 1; k <= 20; k++) {
+        const float omega = (float)(end * (1.0 + 0.1 * k));
+        CHECK_CLOSE(2.0e-6, slope * (double)omega, lode_lag_rad(&lag, omega)); // float rounding
+    }
+}
+
+static void test_no_compensation(void) {
+    lode_lag_t lag;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_NONE, &cases[0]));
+    for (int k = -30; k <= 30; k++) {
+        TEST_ASSERT_TRUE(lode_lag_rad(&lag, 100.0f * (float)k) == 0.0f);
+    }
+}
+
+static void check_refused(lode_lag_kind_t kind, const case_t *c) {
+    lode_lag_t lag;
+    memset(&lag, 0x5a, sizeof lag);
+    const lode_lag_t before = lag;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_LAG, tune(&lag, kind, c));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &lag, sizeof lag);
+}
+
+static void test_what_cannot_be_fitted_is_refused(void) {
+    check_refused((lode_lag_kind_t)9, &cases[0]);
+    // A range of 25 times w0: the arc tangent has its bend in the first 2 % of it.
+    const case_t steep = {0.75, 9.8e-3, 2.0e-4, 100.0, 2500.0};
+    check_refused(LODE_LAG_EXACT, &steep);
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        case_t bad = cases[0];
+        bad.omega_max = (double)check_not_finite[i];
+        check_refused(LODE_LAG_EXACT, &bad);
+    }
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_polynomial_is_within_its_tolerance);
+    RUN_TEST(test_polynomial_of_the_papers_motor_is_ten_times_better);
+    RUN_TEST(test_polynomial_is_odd);
+    RUN_TEST(test_beyond_the_range_it_is_a_straight_line);
+    RUN_TEST(test_no_compensation);
+    RUN_TEST(test_what_cannot_be_fitted_is_refused);
+    return UNITY_END();
+}

@@ -1,0 +1,228 @@
+// Min-max modulation against sectors and dwell times; limits, grid, dead-time correction.
+#include "support/check.h"
+
+#include "golden/modulator.h"
+#include "lodestar/modulator.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+static lode_inverter_tuning_t inverter(float dead_time_s, float ticks, lode_choice_t correct,
+                                       lode_choice_t model) {
+    const lode_inverter_config_t config = {.v_bus_V = 200.0f,
+                                           .i_max_A = 12.0f,
+                                           .dead_time_s = dead_time_s,
+                                           .v_drop_V = dead_time_s > 0.0f ? 1.0f : 0.0f,
+                                           .r_on_Ohm = 0.0f,
+                                           .i_dead_A = 0.5f,
+                                           .pwm_ticks = ticks,
+                                           .dead_time_correction = correct,
+                                           .dead_time_model = model};
+    lode_inverter_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_inverter_tune(&tuning, &config, PAPER_TS_s));
+    return tuning;
+}
+
+static lode_inverter_tuning_t ideal(void) {
+    return inverter(0.0f, 0.0f, LODE_OFF, LODE_OFF);
+}
+
+static const lode_ab_t no_current = {0.0f, 0.0f};
+
+static bool inside(lode_abc_t d) {
+    return lode_in_range(d.a, 0.0f, 1.0f) && lode_in_range(d.b, 0.0f, 1.0f) && lode_in_range(d.c, 0.0f, 1.0f);
+}
+
+static lode_ab_t vector(double length, double angle) {
+    return (lode_ab_t){(float)(length * cos(angle)), (float)(length * sin(angle))};
+}
+
+static void test_duties_are_those_of_space_vectors(void) {
+    const lode_inverter_tuning_t tuning = ideal();
+    for (int i = 0; i < COUNT_OF(modulator_cases); i++) {
+        const modulator_case_t *g = &modulator_cases[i];
+        const float bus = 120.0f + (float)i;
+        const lode_ab_t u = {(float)(g->alpha * (double)bus), (float)(g->beta * (double)bus)};
+        const lode_modulator_out_t out = lode_modulator_step(&tuning, u, bus, no_current);
+        // A few roundings of numbers up to 1.
+        CHECK_NEAR(4.0e-7, g->duty[0], out.duty.a);
+        CHECK_NEAR(4.0e-7, g->duty[1], out.duty.b);
+        CHECK_NEAR(4.0e-7, g->duty[2], out.duty.c);
+        CHECK_NEAR(4.0e-7, g->alpha, out.realised.alpha);
+        CHECK_NEAR(4.0e-7, g->beta, out.realised.beta);
+    }
+}
+
+static void test_line_to_line_voltages_are_exact_up_to_the_circle(void) {
+    const lode_inverter_tuning_t tuning = ideal();
+    for (int i = 0; i < 3600; i++) {
+        const double length = 0.99999 * 200.0 / sqrt(3.0) * (i % 7 + 1) / 7.0;
+        const lode_ab_t u = vector(length, i * CHECK_PI / 1800.0);
+        const lode_abc_t d = lode_modulator_step(&tuning, u, 200.0f, no_current).duty;
+        const lode_abc_t v = lode_clarke_inverse(u);
+        // 1e-6 of the bus.
+        CHECK_NEAR(2.0e-4, v.a - v.b, 200.0f * (d.a - d.b));
+        CHECK_NEAR(2.0e-4, v.b - v.c, 200.0f * (d.b - d.c));
+        // Min-max: the outer duties keep the same distance from the rails.
+        const float high = lode_max(lode_max(d.a, d.b), d.c);
+        const float low = lode_min(lode_min(d.a, d.b), d.c);
+        CHECK_NEAR(1.0e-6, 1.0, high + low);
+    }
+}
+
+static void test_nothing_asked_for_is_half_on(void) {
+    const lode_inverter_tuning_t tuning = ideal();
+    const lode_modulator_out_t out = lode_modulator_step(&tuning, no_current, 200.0f, no_current);
+    TEST_ASSERT_TRUE(out.duty.a == 0.5f && out.duty.b == 0.5f && out.duty.c == 0.5f);
+    TEST_ASSERT_TRUE(out.realised.alpha == 0.0f && out.realised.beta == 0.0f);
+}
+
+static void test_beyond_the_hexagon_realised_says_what_is_left(void) {
+    const lode_inverter_tuning_t tuning = ideal();
+    for (int i = 0; i < 720; i++) {
+        const lode_ab_t u = vector(180.0, i * CHECK_PI / 360.0); // 1.56 times the circle
+        const lode_modulator_out_t out = lode_modulator_step(&tuning, u, 200.0f, no_current);
+        TEST_ASSERT_TRUE(inside(out.duty));
+        const lode_ab_t expected = lode_clarke(out.duty);
+        CHECK_NEAR(1.0e-6, expected.alpha, out.realised.alpha);
+        CHECK_NEAR(1.0e-6, expected.beta, out.realised.beta);
+        const double length = 200.0 * (double)lode_ab_length(out.realised);
+        CHECK_AT_MOST(200.0 * 2.0 / 3.0 + 1.0e-3, length);  // corner of the hexagon
+        CHECK_AT_LEAST(200.0 / sqrt(3.0) - 1.0e-3, length); // and middle of its side
+    }
+}
+
+static void test_duties_lie_on_the_grid(void) {
+    const float grids[] = {100.0f, 1000.0f, 16384.0f, 65535.0f};
+    random_t random = random_seed(1);
+    for (int g = 0; g < COUNT_OF(grids); g++) {
+        const lode_inverter_tuning_t fine = ideal();
+        const lode_inverter_tuning_t tuning = inverter(0.0f, grids[g], LODE_OFF, LODE_OFF);
+        const double ticks = (double)grids[g];
+        for (int n = 0; n < 2000; n++) {
+            const lode_ab_t u = {random_float(&random, -130.0, 130.0), random_float(&random, -130.0, 130.0)};
+            const lode_modulator_out_t out = lode_modulator_step(&tuning, u, 200.0f, no_current);
+            const lode_abc_t exact = lode_modulator_step(&fine, u, 200.0f, no_current).duty;
+            // A whole number of ticks, the nearest: half a tick, and float rounding of the product.
+            CHECK_NEAR(0.01, round((double)out.duty.a * ticks), (double)out.duty.a * ticks);
+            CHECK_NEAR(0.01, round((double)out.duty.c * ticks), (double)out.duty.c * ticks);
+            CHECK_NEAR(0.51 / ticks, exact.a, out.duty.a);
+            CHECK_NEAR(0.51 / ticks, exact.b, out.duty.b);
+            CHECK_NEAR(0.51 / ticks, exact.c, out.duty.c);
+            // What is realised is what the grid leaves.
+            CHECK_NEAR(1.0e-6, lode_clarke(out.duty).beta, out.realised.beta);
+            TEST_ASSERT_TRUE(inside(out.duty));
+        }
+    }
+}
+
+/// Loss of duty of the inverter above: 4 us of 200 us and 1 V of 200 V, fading in the dead band of
+/// the modulation's `span`.
+static double loss_of(const lode_inverter_tuning_t *tuning, double i, double span) {
+    const double band = (double)tuning->i_dead_min_A + (double)tuning->i_dead_span_A * span;
+    return fmax(-1.0, fmin(1.0, i / band)) * (0.02 + 0.005);
+}
+
+static void test_correction_adds_the_loss_and_realised_leaves_it_out(void) {
+    const lode_inverter_tuning_t off = ideal();
+    const lode_inverter_tuning_t on = inverter(4.0e-6f, 0.0f, LODE_ON, LODE_OFF);
+    random_t random = random_seed(2);
+    for (int n = 0; n < 2000; n++) {
+        const lode_ab_t u = vector(random_between(&random, 0.0, 90.0), random_between(&random, 0.0, 6.3));
+        const lode_ab_t i = vector(random_between(&random, 0.0, 3.0), random_between(&random, 0.0, 6.3));
+        const lode_abc_t phases = lode_clarke_inverse(i);
+        const lode_modulator_out_t plain = lode_modulator_step(&off, u, 200.0f, i);
+        const lode_modulator_out_t out = lode_modulator_step(&on, u, 200.0f, i);
+        const lode_abc_t d = plain.duty;
+        const double span = (double)(lode_max(lode_max(d.a, d.b), d.c) - lode_min(lode_min(d.a, d.b), d.c));
+        CHECK_NEAR(1.0e-6, (double)d.a + loss_of(&on, (double)phases.a, span), out.duty.a);
+        CHECK_NEAR(1.0e-6, (double)d.b + loss_of(&on, (double)phases.b, span), out.duty.b);
+        CHECK_NEAR(1.0e-6, (double)d.c + loss_of(&on, (double)phases.c, span), out.duty.c);
+        // The motor gets what was asked for: the correction covers the loss and no more.
+        CHECK_NEAR(1.0e-6, u.alpha / 200.0f, out.realised.alpha);
+        CHECK_NEAR(1.0e-6, u.beta / 200.0f, out.realised.beta);
+    }
+}
+
+static void test_correction_at_the_rail_is_lost_and_realised_says_so(void) {
+    const lode_inverter_tuning_t on = inverter(4.0e-6f, 0.0f, LODE_ON, LODE_OFF);
+    // Phase a at the upper rail with current out of it: nothing can be added.
+    const lode_ab_t u = vector(0.5 * 200.0 * 2.0 / sqrt(3.0), CHECK_PI / 6.0);
+    const lode_ab_t i = {5.0f, 0.0f};
+    const lode_modulator_out_t out = lode_modulator_step(&on, u, 200.0f, i);
+    CHECK_NEAR(1.0e-6, 1.0, out.duty.a);
+    const double a = (double)out.duty.a - 0.025;
+    const double b = (double)out.duty.b + 0.025;
+    const double c = (double)out.duty.c + 0.025;
+    CHECK_NEAR(1.0e-6, (2.0 * a - b - c) / 3.0, out.realised.alpha);
+    CHECK_NEAR(1.0e-6, (b - c) / sqrt(3.0), out.realised.beta);
+}
+
+static void test_the_model_takes_the_loss_out_of_realised_only(void) {
+    const lode_inverter_tuning_t off = ideal();
+    const lode_inverter_tuning_t model = inverter(4.0e-6f, 0.0f, LODE_OFF, LODE_ON);
+    const lode_ab_t u = {40.0f, -25.0f};
+    const lode_ab_t i = {4.0f, 1.0f}; // phases 4, -1.13, -2.87: all beyond the dead band
+    const lode_modulator_out_t plain = lode_modulator_step(&off, u, 200.0f, i);
+    const lode_modulator_out_t out = lode_modulator_step(&model, u, 200.0f, i);
+    TEST_ASSERT_EQUAL_MEMORY(&plain.duty, &out.duty, sizeof out.duty);
+    // Signs + - -: 4/3 of the loss on alpha, none on beta.
+    CHECK_NEAR(1.0e-6, 40.0 / 200.0 - 0.025 * 4.0 / 3.0, out.realised.alpha);
+    CHECK_NEAR(1.0e-6, -25.0 / 200.0, out.realised.beta);
+}
+
+static void test_a_low_bus_is_not_divided_by(void) {
+    const lode_inverter_tuning_t tuning = ideal();
+    const float buses[] = {0.0f, -0.0f, -50.0f, 1.0e-40f, 1.0f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(buses); i++) {
+        const lode_modulator_out_t out =
+            lode_modulator_step(&tuning, (lode_ab_t){10.0f, 3.0f}, buses[i], no_current);
+        TEST_ASSERT_TRUE(inside(out.duty));
+        TEST_ASSERT_TRUE(lode_ab_in_range(out.realised, 1.0f));
+    }
+}
+
+static void test_any_input_gives_duties(void) {
+    const lode_inverter_tuning_t tunings[] = {
+        ideal(), inverter(4.0e-6f, 0.0f, LODE_ON, LODE_OFF), inverter(4.0e-6f, 8400.0f, LODE_ON, LODE_OFF),
+        inverter(4.0e-6f, 65535.0f, LODE_OFF, LODE_ON)};
+    random_t random = random_seed(3);
+    for (int n = 0; n < 400000; n++) {
+        const lode_ab_t u = {random_any(&random), random_any(&random)};
+        const lode_ab_t i = {random_any(&random), random_any(&random)};
+        const lode_modulator_out_t out =
+            lode_modulator_step(&tunings[n % COUNT_OF(tunings)], u, random_any(&random), i);
+        TEST_ASSERT_TRUE(inside(out.duty));
+        TEST_ASSERT_TRUE(lode_is_finite(out.realised.alpha) && lode_is_finite(out.realised.beta));
+    }
+}
+
+static void test_scale_of_bus_and_voltage_alike_changes_nothing(void) {
+    const lode_inverter_tuning_t tuning = ideal();
+    random_t random = random_seed(4);
+    for (int n = 0; n < 10000; n++) {
+        const lode_ab_t u = {random_float(&random, -100.0, 100.0), random_float(&random, -100.0, 100.0)};
+        const lode_modulator_out_t one = lode_modulator_step(&tuning, u, 150.0f, no_current);
+        const lode_modulator_out_t two = lode_modulator_step(&tuning, lode_ab_scale(2.0f, u), 300.0f, no_current);
+        TEST_ASSERT_EQUAL_MEMORY(&one, &two, sizeof one);
+    }
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_duties_are_those_of_space_vectors);
+    RUN_TEST(test_line_to_line_voltages_are_exact_up_to_the_circle);
+    RUN_TEST(test_nothing_asked_for_is_half_on);
+    RUN_TEST(test_beyond_the_hexagon_realised_says_what_is_left);
+    RUN_TEST(test_duties_lie_on_the_grid);
+    RUN_TEST(test_correction_adds_the_loss_and_realised_leaves_it_out);
+    RUN_TEST(test_correction_at_the_rail_is_lost_and_realised_says_so);
+    RUN_TEST(test_the_model_takes_the_loss_out_of_realised_only);
+    RUN_TEST(test_a_low_bus_is_not_divided_by);
+    RUN_TEST(test_any_input_gives_duties);
+    RUN_TEST(test_scale_of_bus_and_voltage_alike_changes_nothing);
+    return UNITY_END();
+}

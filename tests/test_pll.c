@@ -1,0 +1,308 @@
+// Position PLLs: golden trajectories, tracking errors of paper 1's Table 1, poles, disturbance.
+#include "support/fields.h"
+
+#include "golden/pll.h"
+#include "lodestar/pll.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+/// One sigma at all speeds.
+static lode_pll_tuning_t tuned(lode_pll_kind_t kind, double ts, double sigma) {
+    const lode_pll_config_t config = {.kind = kind,
+                                      .sigma_rad_s = (float)sigma,
+                                      .sigma_low_rad_s = (float)sigma,
+                                      .omega_low_rad_s = 10.0f,
+                                      .omega_high_rad_s = 20.0f};
+    lode_pll_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_pll_tune(&tuning, &config, (float)ts));
+    return tuning;
+}
+
+static void check_golden(const pll_case_t *golden) {
+    const lode_pll_tuning_t tuning =
+        tuned(golden->third_order ? LODE_PLL_LESO : LODE_PLL_QPLL, golden->ts_s, golden->sigma_rad_s);
+    lode_pll_t pll;
+    lode_pll_reset(&pll, 0.0f, (float)golden->omega_rad_s);
+    pll.acc_rad_s2 = golden->third_order ? (float)golden->torque_rad_s2 : 0.0f;
+    double theta = 0.4;
+    double omega = golden->omega_rad_s;
+    for (int k = 0; k < PLL_STEPS; k++) {
+        const double acc = golden->torque_rad_s2 - (k >= 200 ? golden->load_rad_s2 : 0.0);
+        theta += golden->ts_s * omega + 0.5 * golden->ts_s * golden->ts_s * acc;
+        omega += golden->ts_s * acc;
+        lode_pll_predict(&pll, &tuning);
+        lode_pll_correct(&pll, &tuning, (float)sin(theta - (double)pll.theta_rad));
+        if ((k + 1) % PLL_EVERY == 0) {
+            const int row = k / PLL_EVERY;
+            // The loop holds the float state at the angle to its resolution near pi, 2.4e-7,
+            // times a few steps' noise; speed and disturbance amplify it by 3 sigma and sigma^2.
+            const double noise = 3.0e-6;
+            const double sigma = golden->sigma_rad_s;
+            CHECK_NEAR(noise, 0.0, angle_error(golden->theta[row], (double)pll.theta_rad));
+            CHECK_NEAR(noise * 3.0 * sigma + 5.0e-4, golden->omega[row], pll.omega_rad_s);
+            CHECK_NEAR(noise * 3.0 * sigma * sigma + 0.02, golden->f[row], pll.f_rad_s2);
+        }
+    }
+}
+
+static void test_both_orders_against_float64(void) {
+    for (int i = 0; i < COUNT_OF(pll_cases); i++) {
+        check_golden(&pll_cases[i]);
+    }
+}
+
+/// Error theta - th' of the prediction after `steps` at the acceleration r, without torque known.
+static double ramp_error(const lode_pll_tuning_t *tuning, double ts, double r, int steps) {
+    lode_pll_t pll;
+    lode_pll_reset(&pll, 0.0f, 100.0f);
+    double theta = 0.0;
+    double omega = 100.0;
+    double error = 0.0;
+    for (int k = 0; k < steps; k++) {
+        theta += ts * omega + 0.5 * ts * ts * r;
+        omega += ts * r;
+        lode_pll_predict(&pll, tuning);
+        error = angle_error(theta, (double)pll.theta_rad);
+        lode_pll_correct(&pll, tuning, (float)error);
+    }
+    return error;
+}
+
+static void test_tracking_errors_of_table_1(void) {
+    const double ts = 2.0e-4;
+    const double sigma = 150.0;
+    const lode_pll_tuning_t qpll = tuned(LODE_PLL_QPLL, ts, sigma);
+    const lode_pll_tuning_t leso = tuned(LODE_PLL_LESO, ts, sigma);
+    // A constant speed leaves no error; 1e-5: rounding of the wrapped angle.
+    CHECK_NEAR(1.0e-5, 0.0, ramp_error(&qpll, ts, 0.0, 3000));
+    CHECK_NEAR(1.0e-5, 0.0, ramp_error(&leso, ts, 0.0, 3000));
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const double r = sign * 628.0;
+        const double x = 1.0 - exp(-sigma * ts);
+        const double error = ramp_error(&qpll, ts, r, 3000);
+        // In the z-plane: r Ts = (1-s)^2 er/Ts each period. Float noise again.
+        CHECK_NEAR(2.0e-5, r * ts * ts / (x * x), error);
+        // Paper 1, Table 1: r/Ki, Ki = sigma^2; sampling makes it 3 % more at sigma Ts = 0.03.
+        CHECK_CLOSE(0.05, r / (sigma * sigma), error);
+        CHECK_NEAR(2.0e-5, 0.0, ramp_error(&leso, ts, r, 3000));
+    }
+}
+
+/// Free response to a start angle of 0.1 rad; no wrap and no sine.
+static void free_response(const lode_pll_tuning_t *tuning, double *angle, int count) {
+    lode_pll_t pll;
+    lode_pll_reset(&pll, 0.1f, 0.0f);
+    for (int k = 0; k < count; k++) {
+        lode_pll_predict(&pll, tuning);
+        lode_pll_correct(&pll, tuning, -pll.theta_rad);
+        angle[k] = (double)pll.theta_rad;
+    }
+}
+
+static void test_poles_lie_at_exp_minus_sigma_Ts(void) {
+    const double sigmas[] = {20.0, 100.0, 150.0, 400.0, 1400.0};
+    for (int i = 0; i < COUNT_OF(sigmas); i++) {
+        const double s = exp(-sigmas[i] * 2.0e-4);
+        double a[100];
+        const lode_pll_tuning_t qpll = tuned(LODE_PLL_QPLL, 2.0e-4, sigmas[i]);
+        free_response(&qpll, a, COUNT_OF(a));
+        for (int k = 2; k < COUNT_OF(a); k++) {
+            // (z - s)^2; four terms of up to 0.2 rounded to 6e-8.
+            CHECK_NEAR(5.0e-8, 0.0, a[k] - 2.0 * s * a[k - 1] + s * s * a[k - 2]);
+        }
+        const lode_pll_tuning_t leso = tuned(LODE_PLL_LESO, 2.0e-4, sigmas[i]);
+        free_response(&leso, a, COUNT_OF(a));
+        for (int k = 3; k < COUNT_OF(a); k++) {
+            CHECK_NEAR(1.0e-7, 0.0, a[k] - 3.0 * s * a[k - 1] + 3.0 * s * s * a[k - 2] -
+                                        s * s * s * a[k - 3]);
+        }
+    }
+}
+
+/// How much faster the error falls in one period at this speed: the product of the poles is what
+/// the correction leaves of the angle, 1 - (1 - s^n).
+static double pole_at(const lode_pll_tuning_t *tuning, double omega) {
+    lode_pll_t pll;
+    lode_pll_reset(&pll, 0.0f, (float)omega);
+    lode_pll_correct(&pll, tuning, 0.01f);
+    const double left = 1.0 - (double)pll.theta_rad / 0.01;
+    return tuning->third_order ? cbrt(left) : sqrt(left);
+}
+
+static void test_bandwidth_is_scheduled_with_speed(void) {
+    const double ts = 2.0e-4;
+    lode_pll_config_t config = {.sigma_rad_s = 300.0f,
+                                .sigma_low_rad_s = 50.0f,
+                                .omega_low_rad_s = 40.0f,
+                                .omega_high_rad_s = 200.0f};
+    const lode_pll_kind_t kinds[] = {LODE_PLL_LESO, LODE_PLL_QPLL};
+    for (int i = 0; i < COUNT_OF(kinds); i++) {
+        config.kind = kinds[i];
+        lode_pll_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_pll_tune(&tuning, &config, (float)ts));
+        for (int sign = -1; sign <= 1; sign += 2) {
+            // A correction of 0.01 rad carries 1e-7 relative.
+            CHECK_NEAR(2.0e-6, exp(-50.0 * ts), pole_at(&tuning, 0.0));
+            CHECK_NEAR(2.0e-6, exp(-50.0 * ts), pole_at(&tuning, 40.0 * sign));
+            CHECK_NEAR(2.0e-6, exp(-300.0 * ts), pole_at(&tuning, 200.0 * sign));
+            CHECK_NEAR(2.0e-6, exp(-300.0 * ts), pole_at(&tuning, 5000.0 * sign));
+            // Between them straight in 1 - s.
+            CHECK_NEAR(2.0e-6, 0.75 * exp(-50.0 * ts) + 0.25 * exp(-300.0 * ts),
+                       pole_at(&tuning, 80.0 * sign));
+        }
+    }
+}
+
+static void test_disturbance_is_the_load_torque(void) {
+    const lode_motor_t motor = paper_motor();
+    const double np = (double)motor.pole_pairs;
+    const double J = (double)motor.J_kgm2;
+    const lode_pll_tuning_t tuning = tuned(LODE_PLL_LESO, 2.0e-4, 100.0);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const double load = sign * 5.0;
+        const double torque = sign * 3.5;
+        lode_pll_t pll;
+        lode_pll_reset(&pll, 0.0f, 200.0f);
+        pll.acc_rad_s2 = (float)(np / J * torque);
+        double theta = 0.0;
+        double omega = 200.0;
+        for (int k = 0; k < 1500; k++) {
+            const double acc = np / J * (torque - load);
+            theta += 2.0e-4 * omega + 2.0e-8 * acc;
+            omega += 2.0e-4 * acc;
+            lode_pll_predict(&pll, &tuning);
+            lode_pll_correct(&pll, &tuning, (float)angle_error(theta, (double)pll.theta_rad));
+        }
+        CHECK_CLOSE(2.0e-3, -np * load / J, pll.f_rad_s2); // 30 time constants; float noise
+        CHECK_NEAR(0.01, omega, pll.omega_rad_s);
+    }
+}
+
+static void test_motion_mirrored_gives_states_mirrored(void) {
+    const lode_pll_kind_t kinds[] = {LODE_PLL_LESO, LODE_PLL_QPLL};
+    for (int i = 0; i < COUNT_OF(kinds); i++) {
+        const lode_pll_tuning_t tuning = tuned(kinds[i], 2.0e-4, 150.0);
+        lode_pll_t ahead;
+        lode_pll_t back;
+        lode_pll_reset(&ahead, 1.0f, 50.0f);
+        lode_pll_reset(&back, -1.0f, -50.0f);
+        random_t random = random_seed(1);
+        for (int k = 0; k < 2000; k++) {
+            const float error = random_float(&random, -0.2, 0.2);
+            lode_pll_predict(&ahead, &tuning);
+            lode_pll_predict(&back, &tuning);
+            lode_pll_correct(&ahead, &tuning, error);
+            lode_pll_correct(&back, &tuning, -error);
+            TEST_ASSERT_TRUE(ahead.theta_rad == -back.theta_rad);
+            TEST_ASSERT_TRUE(ahead.omega_rad_s == -back.omega_rad_s);
+            TEST_ASSERT_TRUE(ahead.f_rad_s2 == -back.f_rad_s2);
+        }
+    }
+}
+
+static void test_reset_takes_up_a_motion(void) {
+    lode_pll_t pll = {.theta_rad = 9.0f, .omega_rad_s = NAN, .f_rad_s2 = 1.0f, .acc_rad_s2 = 2.0f};
+    lode_pll_reset(&pll, 7.0f, -33.0f);
+    CHECK_NEAR(1.0e-6, 7.0 - 2.0 * CHECK_PI, pll.theta_rad);
+    TEST_ASSERT_EQUAL_FLOAT(-33.0f, pll.omega_rad_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, pll.f_rad_s2);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, pll.acc_rad_s2);
+}
+
+static lode_pll_config_t sound_config(void) {
+    return (lode_pll_config_t){.kind = LODE_PLL_LESO,
+                               .sigma_rad_s = 150.0f,
+                               .sigma_low_rad_s = 60.0f,
+                               .omega_low_rad_s = 40.0f,
+                               .omega_high_rad_s = 200.0f};
+}
+
+static lode_status_t try_config(const lode_pll_config_t *config) {
+    lode_pll_tuning_t tuning;
+    memset(&tuning, 0x5a, sizeof tuning);
+    const lode_pll_tuning_t before = tuning;
+    const lode_status_t status = lode_pll_tune(&tuning, config, PAPER_TS_s);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_pll_config_t config = sound_config();
+    field_set(&config, offset, value);
+    return try_config(&config);
+}
+
+static void test_every_field_at_its_limits(void) {
+    // sigma: 1 .. 0.3/Ts = 1500, above the low one; the schedule rises.
+    static const field_t fields[] = {
+        {FIELD(lode_pll_config_t, sigma_rad_s), .lo = 60.0f, .hi = 1500.0f, .computed = true,
+         .error = LODE_ERROR_PLL_SIGMA},
+        {FIELD(lode_pll_config_t, sigma_low_rad_s), .lo = 1.0f, .hi = 150.0f,
+         .error = LODE_ERROR_PLL_SIGMA},
+        {FIELD(lode_pll_config_t, omega_low_rad_s), .lo = 0.0f, .hi = 199.9f, .coupled = true,
+         .computed = true, .error = LODE_ERROR_PLL_SCHEDULE},
+    };
+    field_check(&fields[0], try_one);
+    field_check(&fields[1], try_one);
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        field_refused(&fields[2], try_one, check_not_finite[i]);
+    }
+    field_accepted(&fields[2], try_one, 0.0f);
+    field_accepted(&fields[2], try_one, 199.9f);
+    field_refused(&fields[2], try_one, -0.01f);
+    field_refused(&fields[2], try_one, 200.0f);
+    field_refused(&fields[2], try_one, 200.1f);
+    const size_t high = offsetof(lode_pll_config_t, omega_high_rad_s);
+    const float bad[] = {40.0f, 39.0f, 0.0f, -1.0f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_PLL_SCHEDULE, try_one(high, bad[i]));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(high, 40.1f));
+}
+
+static void test_kind_is_an_enumerator(void) {
+    lode_pll_config_t config = sound_config();
+    config.kind = (lode_pll_kind_t)2;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_PLL_KIND, try_config(&config));
+    config.kind = LODE_PLL_QPLL;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_config(&config));
+}
+
+static void test_design_fills_what_is_open(void) {
+    lode_pll_config_t config = {.kind = LODE_PLL_LESO};
+    lode_pll_design(&config, 471.239f);
+    // As documented: 0.21 and 0.13 of the rated speed, between 0.1 and 0.4 of it; two digits.
+    CHECK_CLOSE(0.025, 0.21 * 471.239, config.sigma_rad_s);
+    CHECK_CLOSE(0.04, 0.13 * 471.239, config.sigma_low_rad_s);
+    CHECK_CLOSE(1.0e-6, 47.1239, config.omega_low_rad_s);
+    CHECK_CLOSE(1.0e-6, 188.4956, config.omega_high_rad_s);
+    lode_pll_config_t given = {.sigma_rad_s = 150.0f};
+    lode_pll_design(&given, 471.239f);
+    TEST_ASSERT_EQUAL_FLOAT(150.0f, given.sigma_rad_s);
+    TEST_ASSERT_EQUAL_FLOAT(150.0f, given.sigma_low_rad_s);
+    const lode_pll_config_t all = sound_config();
+    lode_pll_config_t kept = all;
+    lode_pll_design(&kept, 471.239f);
+    TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_both_orders_against_float64);
+    RUN_TEST(test_tracking_errors_of_table_1);
+    RUN_TEST(test_poles_lie_at_exp_minus_sigma_Ts);
+    RUN_TEST(test_bandwidth_is_scheduled_with_speed);
+    RUN_TEST(test_disturbance_is_the_load_torque);
+    RUN_TEST(test_motion_mirrored_gives_states_mirrored);
+    RUN_TEST(test_reset_takes_up_a_motion);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_kind_is_an_enumerator);
+    RUN_TEST(test_design_fills_what_is_open);
+    return UNITY_END();
+}

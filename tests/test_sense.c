@@ -1,0 +1,429 @@
+// Counts to amperes, volts and degrees; offset calibration; low-side window.
+#include "support/fields.h"
+
+#include "lodestar/sense.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+#define I_MAX_A 12.0f
+
+static lode_sense_config_t board(void) {
+    return (lode_sense_config_t){.shunts = LODE_SHUNTS_THREE,
+                                 .i_gain_A_count = 0.0125f,
+                                 .i_offset_count = 2048.0f,
+                                 .i_offset_tol_count = 100.0f,
+                                 .count_max = 4095.0f,
+                                 .v_bus_gain_V_count = 0.1f,
+                                 .temperature_gain_degC_count = 0.05f,
+                                 .temperature_offset_degC = -40.0f,
+                                 .duty_max = 1.0f,
+                                 .calibrate_s = 0.01f};
+}
+
+static lode_sense_tuning_t tuned(const lode_sense_config_t *config) {
+    lode_sense_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(
+        LODE_OK, lode_sense_tune(&tuning, config, I_MAX_A, PAPER_V_BUS, PAPER_TS_s));
+    return tuning;
+}
+
+static const lode_abc_t half = {0.5f, 0.5f, 0.5f};
+
+static lode_sample_t sampled(const lode_sense_config_t *config, lode_counts_t counts, lode_abc_t duty) {
+    const lode_sense_tuning_t tuning = tuned(config);
+    lode_sense_t sense;
+    lode_sense_reset(&sense, &tuning);
+    return lode_sense_step(&sense, &tuning, &counts, duty);
+}
+
+// Products of counts up to 65535 in float.
+#define ROUNDING 1.0e-5
+
+static void test_three_shunts(void) {
+    const lode_sense_config_t config = board();
+    const lode_counts_t counts = {.i = {2148, 1948, 2098}, .v_bus = 2000, .temperature = 1300,
+                                  .trip = true, .stamp = 77};
+    const lode_sample_t s = sampled(&config, counts, half);
+    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.a);
+    CHECK_NEAR(ROUNDING, -1.25, s.i_abc_A.b);
+    CHECK_NEAR(ROUNDING, 0.625, s.i_abc_A.c);
+    // (2a - b - c)/3 and (b - c)/sqrt(3); what the three have in common drops out.
+    CHECK_NEAR(ROUNDING, (2.5 + 1.25 - 0.625) / 3.0, s.i_A.alpha);
+    CHECK_NEAR(ROUNDING, (-1.25 - 0.625) / sqrt(3.0), s.i_A.beta);
+    CHECK_NEAR(ROUNDING, 200.0, s.v_bus_V);
+    CHECK_NEAR(ROUNDING, 25.0, s.temperature_degC);
+    TEST_ASSERT_TRUE(s.trip);
+    TEST_ASSERT_EQUAL_UINT32(77, s.stamp);
+    TEST_ASSERT_FALSE(s.railed);
+}
+
+static void test_two_shunts(void) {
+    lode_sense_config_t config = board();
+    config.shunts = LODE_SHUNTS_TWO;
+    // The third converter is not wired: whatever it says does not count.
+    const lode_counts_t counts = {.i = {2148, 2088, 0}, .v_bus = 2000};
+    const lode_sample_t s = sampled(&config, counts, half);
+    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.a);
+    CHECK_NEAR(ROUNDING, 0.5, s.i_abc_A.b);
+    CHECK_NEAR(ROUNDING, -1.75, s.i_abc_A.c);
+    CHECK_NEAR(ROUNDING, 1.25, s.i_A.alpha);
+    CHECK_NEAR(ROUNDING, (1.25 + 2.0 * 0.5) / sqrt(3.0), s.i_A.beta);
+    TEST_ASSERT_FALSE(s.railed);
+    TEST_ASSERT_FALSE(s.trip);
+}
+
+static void test_an_inverting_amplifier(void) {
+    lode_sense_config_t config = board();
+    config.i_gain_A_count = -0.0125f;
+    const lode_counts_t counts = {.i = {2148, 1948, 2048}};
+    const lode_sample_t s = sampled(&config, counts, half);
+    CHECK_NEAR(ROUNDING, -1.25, s.i_abc_A.a);
+    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.b);
+    CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.c);
+}
+
+static void test_no_temperature_sensor(void) {
+    lode_sense_config_t config = board();
+    config.temperature_gain_degC_count = 0.0f;
+    config.temperature_offset_degC = 25.0f;
+    const lode_counts_t counts = {.temperature = 65535};
+    CHECK_NEAR(ROUNDING, 25.0, sampled(&config, counts, half).temperature_degC);
+}
+
+static void test_rails_are_reported(void) {
+    const lode_sense_config_t config = board();
+    const uint16_t rails[] = {0, 4095, 4096, 65535};
+    for (int phase = 0; phase < 3; phase++) {
+        for (int r = 0; r < COUNT_OF(rails); r++) {
+            lode_counts_t counts = {.i = {2048, 2048, 2048}};
+            counts.i[phase] = rails[r];
+            TEST_ASSERT_TRUE(sampled(&config, counts, half).railed);
+        }
+        lode_counts_t counts = {.i = {2048, 2048, 2048}};
+        counts.i[phase] = 1;
+        TEST_ASSERT_FALSE(sampled(&config, counts, half).railed);
+        counts.i[phase] = 4094;
+        TEST_ASSERT_FALSE(sampled(&config, counts, half).railed);
+    }
+}
+
+static void test_rails_of_two_shunts(void) {
+    lode_sense_config_t config = board();
+    config.shunts = LODE_SHUNTS_TWO;
+    const lode_counts_t a = {.i = {4095, 2048, 2048}};
+    const lode_counts_t b = {.i = {2048, 0, 2048}};
+    const lode_counts_t c = {.i = {2048, 2048, 4095}};
+    TEST_ASSERT_TRUE(sampled(&config, a, half).railed);
+    TEST_ASSERT_TRUE(sampled(&config, b, half).railed);
+    TEST_ASSERT_FALSE(sampled(&config, c, half).railed);
+}
+
+static float phase_of(lode_abc_t x, int phase) {
+    return phase == 0 ? x.a : (phase == 1 ? x.b : x.c);
+}
+
+static lode_abc_t duty_with(int phase, float value) {
+    lode_abc_t duty = {0.4f, 0.3f, 0.35f};
+    if (phase == 0) {
+        duty.a = value;
+    } else if (phase == 1) {
+        duty.b = value;
+    } else {
+        duty.c = value;
+    }
+    return duty;
+}
+
+static void test_a_phase_without_a_window_follows_from_the_others(void) {
+    lode_sense_config_t config = board();
+    config.duty_max = 0.9f;
+    for (int phase = 0; phase < 3; phase++) {
+        lode_counts_t counts = {.i = {2148, 2088, 2000}};
+        const double currents[] = {1.25, 0.5, -0.6};
+        const double other_two = currents[0] + currents[1] + currents[2] - currents[phase];
+        const lode_sample_t s = sampled(&config, counts, duty_with(phase, 0.93f));
+        CHECK_NEAR(ROUNDING, -other_two, phase_of(s.i_abc_A, phase));
+        // What the blind converter says does not reach the result.
+        counts.i[phase] = 3000;
+        const lode_sample_t t = sampled(&config, counts, duty_with(phase, 0.93f));
+        TEST_ASSERT_EQUAL_MEMORY(&s.i_abc_A, &t.i_abc_A, sizeof s.i_abc_A);
+        TEST_ASSERT_EQUAL_MEMORY(&s.i_A, &t.i_A, sizeof s.i_A);
+        // At the limit it is still sampled.
+        const lode_sample_t u = sampled(&config, counts, duty_with(phase, 0.9f));
+        CHECK_NEAR(ROUNDING, 0.0125 * (3000 - 2048), phase_of(u.i_abc_A, phase));
+    }
+}
+
+static void test_of_two_phases_without_a_window_the_longest_is_replaced(void) {
+    lode_sense_config_t config = board();
+    config.duty_max = 0.9f;
+    const lode_counts_t counts = {.i = {2148, 2088, 2000}};
+    const lode_sample_t s = sampled(&config, counts, (lode_abc_t){0.91f, 0.95f, 0.1f});
+    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.a);
+    CHECK_NEAR(ROUNDING, -1.25 + 0.6, s.i_abc_A.b);
+    CHECK_NEAR(ROUNDING, -0.6, s.i_abc_A.c);
+}
+
+static void test_the_rail_of_a_sample_that_is_not_used_does_not_count(void) {
+    lode_sense_config_t config = board();
+    config.duty_max = 0.9f;
+    for (int phase = 0; phase < 3; phase++) {
+        lode_counts_t counts = {.i = {2048, 2048, 2048}};
+        counts.i[phase] = 4095;
+        TEST_ASSERT_FALSE(sampled(&config, counts, duty_with(phase, 0.95f)).railed);
+        TEST_ASSERT_TRUE(sampled(&config, counts, duty_with((phase + 1) % 3, 0.95f)).railed);
+    }
+}
+
+/// Calibrates on counts that alternate by +-3 about the given means.
+static lode_calibration_t calibrate(lode_sense_t *sense, const lode_sense_tuning_t *tuning, int a, int b,
+                                    int c, int *steps, float *worst) {
+    lode_calibration_t result = LODE_CALIBRATION_RUNNING;
+    for (*steps = 0; *steps < 1000 && result == LODE_CALIBRATION_RUNNING; (*steps)++) {
+        const int ripple = *steps % 2 == 0 ? 3 : -3;
+        const lode_counts_t counts = {
+            .i = {(uint16_t)(a + ripple), (uint16_t)(b - ripple), (uint16_t)(c + ripple)}};
+        result = lode_sense_calibrate(sense, tuning, &counts, worst);
+    }
+    return result;
+}
+
+static void test_calibration_averages(void) {
+    const lode_sense_config_t config = board();
+    const lode_sense_tuning_t tuning = tuned(&config);
+    lode_sense_t sense;
+    lode_sense_reset(&sense, &tuning);
+    for (int again = 0; again < 2; again++) {
+        int steps;
+        float worst = NAN;
+        TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_DONE,
+                              calibrate(&sense, &tuning, 2060, 1990, 2050, &steps, &worst));
+        TEST_ASSERT_EQUAL_INT(50, steps); // 0.01 s of 200 us
+        CHECK_NEAR(1.0e-3, 2060.0, sense.offset_count.a);
+        CHECK_NEAR(1.0e-3, 1990.0, sense.offset_count.b);
+        CHECK_NEAR(1.0e-3, 2050.0, sense.offset_count.c);
+        CHECK_NEAR(1.0e-3, 58.0, fabsf(worst));
+    }
+    const lode_counts_t counts = {.i = {2060, 1990, 2150}};
+    const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, half);
+    CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.a);
+    CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.b);
+    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.c);
+}
+
+static void test_implausible_offsets_change_nothing(void) {
+    const lode_sense_config_t config = board();
+    const lode_sense_tuning_t tuning = tuned(&config);
+    for (int phase = 0; phase < 3; phase++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            lode_sense_t sense;
+            lode_sense_reset(&sense, &tuning);
+            int means[3] = {2050, 2050, 2050};
+            means[phase] = 2048 + sign * 101;
+            int steps;
+            float worst = 0.0f;
+            TEST_ASSERT_EQUAL_INT(
+                LODE_CALIBRATION_IMPLAUSIBLE,
+                calibrate(&sense, &tuning, means[0], means[1], means[2], &steps, &worst));
+            CHECK_NEAR(1.0e-3, 101.0, fabsf(worst));
+            CHECK_NEAR(0.0, 2048.0, sense.offset_count.a);
+            CHECK_NEAR(0.0, 2048.0, sense.offset_count.b);
+            CHECK_NEAR(0.0, 2048.0, sense.offset_count.c);
+            // The next attempt starts afresh; 100 counts are just plausible.
+            means[phase] = 2048 + sign * 100;
+            TEST_ASSERT_EQUAL_INT(
+                LODE_CALIBRATION_DONE,
+                calibrate(&sense, &tuning, means[0], means[1], means[2], &steps, &worst));
+        }
+    }
+}
+
+static void test_calibration_of_two_shunts_ignores_the_third(void) {
+    lode_sense_config_t config = board();
+    config.shunts = LODE_SHUNTS_TWO;
+    const lode_sense_tuning_t tuning = tuned(&config);
+    lode_sense_t sense;
+    lode_sense_reset(&sense, &tuning);
+    int steps;
+    float worst;
+    TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_DONE,
+                          calibrate(&sense, &tuning, 2058, 2048, 10, &steps, &worst));
+    CHECK_NEAR(1.0e-3, 2058.0, sense.offset_count.a);
+}
+
+static void test_a_long_calibration_keeps_its_precision(void) {
+    lode_sense_config_t config = board();
+    config.count_max = 65535.0f;
+    config.i_offset_count = 32768.0f;
+    config.calibrate_s = 10.0f;
+    config.i_offset_tol_count = 1000.0f;
+    const lode_sense_tuning_t tuning = tuned(&config);
+    lode_sense_t sense;
+    lode_sense_reset(&sense, &tuning);
+    const lode_counts_t counts = {.i = {33700, 31801, 32769}};
+    float worst;
+    int steps = 1;
+    while (lode_sense_calibrate(&sense, &tuning, &counts, &worst) == LODE_CALIBRATION_RUNNING &&
+           steps < 60000) {
+        steps++;
+    }
+    TEST_ASSERT_EQUAL_INT(50000, steps);
+    // Sums of 5e7 are exact to 4 in float; over 5e4 samples a small part of a count.
+    CHECK_NEAR(0.1, 33700.0, sense.offset_count.a);
+    CHECK_NEAR(0.1, 31801.0, sense.offset_count.b);
+    CHECK_NEAR(0.1, 32769.0, sense.offset_count.c);
+}
+
+static void test_reset_forgets_the_calibration(void) {
+    const lode_sense_config_t config = board();
+    const lode_sense_tuning_t tuning = tuned(&config);
+    lode_sense_t sense = {.offset_count = {1.0f, 2.0f, 3.0f}, .sum_count = {4.0f, 5.0f, 6.0f}, .samples = 7.0f};
+    lode_sense_reset(&sense, &tuning);
+    const lode_sense_t expected = {
+        .offset_count = {2048.0f, 2048.0f, 2048.0f}, .sum_count = {0.0f, 0.0f, 0.0f}, .samples = 0.0f};
+    TEST_ASSERT_EQUAL_MEMORY(&expected, &sense, sizeof sense);
+}
+
+static lode_status_t try_config(const lode_sense_config_t *config) {
+    lode_sense_tuning_t tuning;
+    memset(&tuning, 0x5a, sizeof tuning);
+    const lode_sense_tuning_t before = tuning;
+    const lode_status_t status = lode_sense_tune(&tuning, config, I_MAX_A, PAPER_V_BUS, PAPER_TS_s);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_sense_config_t config = board();
+    field_set(&config, offset, value);
+    return try_config(&config);
+}
+
+static void test_every_field_at_its_limits(void) {
+    static const field_t fields[] = {
+        {FIELD(lode_sense_config_t, duty_max), .lo = 0.5f, .hi = 1.0f,
+         .error = LODE_ERROR_SENSE_WINDOW},
+        {FIELD(lode_sense_config_t, calibrate_s), .lo = PAPER_TS_s, .hi = 10.0f,
+         .error = LODE_ERROR_SENSE_CALIBRATION},
+        {FIELD(lode_sense_config_t, i_offset_tol_count), .lo = 0.0f, .hi = 4095.0f,
+         .error = LODE_ERROR_SENSE_OFFSET},
+    };
+    field_check_all(fields, COUNT_OF(fields), try_one);
+}
+
+static void test_currents_must_reach_i_max(void) {
+    const size_t gain = offsetof(lode_sense_config_t, i_gain_A_count);
+    // 12 A within 2047 counts on the shorter side.
+    const float least = I_MAX_A / 2047.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(gain, least * 1.001f));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(gain, -least * 1.001f));
+    const float bad[] = {least * 0.999f, -least * 0.999f, 0.0f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(gain, bad[i]));
+    }
+    const size_t offset = offsetof(lode_sense_config_t, i_offset_count);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, 961.0f)); // 12 A are 960 counts
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(offset, 959.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(offset, 4095.0f - 959.0f));
+    const float none[] = {-1.0f, 4096.0f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(none); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_OFFSET, try_one(offset, none[i]));
+    }
+}
+
+static void test_the_bus_must_reach_its_voltage(void) {
+    const size_t gain = offsetof(lode_sense_config_t, v_bus_gain_V_count);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(gain, 200.5f / 4095.0f));
+    const float bad[] = {199.5f / 4095.0f, 0.0f, -0.1f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_BUS, try_one(gain, bad[i]));
+    }
+}
+
+static void test_range_of_the_converter(void) {
+    const size_t count = offsetof(lode_sense_config_t, count_max);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(count, 65535.0f));
+    const float bad[] = {65536.0f, -4095.0f, NAN, INFINITY, -INFINITY, 2047.0f};
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_OFFSET, try_one(count, bad[i]));
+    }
+}
+
+static void test_temperature_must_be_finite(void) {
+    const size_t gain = offsetof(lode_sense_config_t, temperature_gain_degC_count);
+    const size_t offset = offsetof(lode_sense_config_t, temperature_offset_degC);
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_TEMPERATURE, try_one(gain, check_not_finite[i]));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_TEMPERATURE, try_one(offset, check_not_finite[i]));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(gain, -0.05f));
+}
+
+static void test_shunts_are_an_enumerator(void) {
+    lode_sense_config_t config = board();
+    config.shunts = (lode_shunts_t)2;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_SHUNTS, try_config(&config));
+}
+
+static void test_samples_are_finite_for_any_accepted_gain(void) {
+    random_t random = random_seed(4);
+    for (int n = 0; n < 20000; n++) {
+        lode_sense_config_t config = board();
+        config.i_gain_A_count = random_any(&random);
+        config.v_bus_gain_V_count = random_any(&random);
+        config.temperature_gain_degC_count = random_any(&random);
+        config.temperature_offset_degC = random_any(&random);
+        if (try_config(&config) == LODE_OK) {
+            const lode_counts_t counts = {.i = {65535, 0, 65535}, .v_bus = 65535, .temperature = 65535};
+            const lode_sample_t s = sampled(&config, counts, half);
+            TEST_ASSERT_TRUE(isfinite(s.i_A.alpha) && isfinite(s.i_A.beta));
+            TEST_ASSERT_TRUE(isfinite(s.v_bus_V) && isfinite(s.temperature_degC));
+        }
+    }
+}
+
+static void test_design_fills_what_is_open(void) {
+    lode_sense_config_t config = {.i_gain_A_count = 0.01f};
+    lode_sense_design(&config);
+    TEST_ASSERT_EQUAL_FLOAT(4095.0f, config.count_max);
+    CHECK_NEAR(1.0e-3, 0.05 * 4095.0, config.i_offset_tol_count);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, config.duty_max);
+    TEST_ASSERT_EQUAL_FLOAT(0.1f, config.calibrate_s);
+    const lode_sense_config_t all = board();
+    lode_sense_config_t kept = all;
+    lode_sense_design(&kept);
+    TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_three_shunts);
+    RUN_TEST(test_two_shunts);
+    RUN_TEST(test_an_inverting_amplifier);
+    RUN_TEST(test_no_temperature_sensor);
+    RUN_TEST(test_rails_are_reported);
+    RUN_TEST(test_rails_of_two_shunts);
+    RUN_TEST(test_a_phase_without_a_window_follows_from_the_others);
+    RUN_TEST(test_of_two_phases_without_a_window_the_longest_is_replaced);
+    RUN_TEST(test_the_rail_of_a_sample_that_is_not_used_does_not_count);
+    RUN_TEST(test_calibration_averages);
+    RUN_TEST(test_implausible_offsets_change_nothing);
+    RUN_TEST(test_calibration_of_two_shunts_ignores_the_third);
+    RUN_TEST(test_a_long_calibration_keeps_its_precision);
+    RUN_TEST(test_reset_forgets_the_calibration);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_currents_must_reach_i_max);
+    RUN_TEST(test_the_bus_must_reach_its_voltage);
+    RUN_TEST(test_range_of_the_converter);
+    RUN_TEST(test_temperature_must_be_finite);
+    RUN_TEST(test_shunts_are_an_enumerator);
+    RUN_TEST(test_samples_are_finite_for_any_accepted_gain);
+    RUN_TEST(test_design_fills_what_is_open);
+    return UNITY_END();
+}

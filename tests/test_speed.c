@@ -1,0 +1,285 @@
+// Speed control: ramped reference, PI in torque, load feed-forward, limits.
+#include "support/fields.h"
+
+#include "lodestar/speed.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+static const lode_inverter_config_t inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
+#define SIGMA_LOW 100.0f
+#define TORQUE_MAX (12.0 * 0.639) // 1.5 np psi i_max
+
+static lode_speed_config_t sound(void) {
+    return (lode_speed_config_t){.kp_Nms = 0.8f,
+                                 .ki_Nm = 6.0f,
+                                 .bandwidth_rad_s = 46.0f,
+                                 .ramp_rad_s2 = 200.0f,
+                                 .inertia_feed_forward = LODE_NONE,
+                                 .load_feed_forward = 0.5f,
+                                 .omega_min_rad_s = 47.0f};
+}
+
+static lode_speed_tuning_t tuned(const lode_speed_config_t *config) {
+    const lode_motor_t motor = paper_motor();
+    lode_speed_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_speed_tune(&tuning, config, &inverter, &motor, SIGMA_LOW, PAPER_TS_s));
+    return tuning;
+}
+
+static void test_reference_is_a_mechanical_ramp(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    lode_speed_t speed;
+    lode_speed_reset(&speed, &tuning, 20.0f, 0.0f, 0.0f);
+    for (int n = 1; n <= 3000; n++) {
+        (void)lode_speed_step(&speed, &tuning, 100.0f, 60.0f, 0.0f);
+        // 200 rad/s^2; 2500 additions of 0.04 in float.
+        CHECK_NEAR(0.02, fmin(100.0, 20.0 + 200.0 * 2.0e-4 * n), speed.reference_rad_s);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(100.0f, speed.reference_rad_s);
+}
+
+static void test_torque_is_pi_and_feed_forward(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    lode_speed_t speed;
+    lode_speed_reset(&speed, &tuning, 50.0f, 1.5f, 2.0f);
+    for (int n = 0; n < 50; n++) {
+        // The rotor, 3 pole pairs, is 1 rad/s slow; the load rises to 3 Nm, half of it is fed.
+        const float torque = lode_speed_step(&speed, &tuning, 50.0f, 147.0f, 3.0f);
+        const double integral = 1.5 - 0.5 * 2.0 + 6.0 * 2.0e-4 * n;
+        CHECK_NEAR(1.0e-5, 0.8 * 1.0 + integral + 0.5 * 3.0, torque);
+    }
+}
+
+static void test_reset_is_bumpless(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    random_t random = random_seed(1);
+    for (int n = 0; n < 2000; n++) {
+        const float omega = random_float(&random, -150.0, 150.0);
+        const float torque = random_float(&random, -7.0, 7.0);
+        const float load = random_float(&random, -7.0, 7.0);
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, omega, torque, load);
+        // One rounding of 3 omega times a third, times kp.
+        CHECK_NEAR(5.0e-5, torque, lode_speed_step(&speed, &tuning, omega, 3.0f * omega, load));
+    }
+}
+
+static void test_torque_is_limited_by_the_current(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    lode_speed_t speed;
+    lode_speed_reset(&speed, &tuning, 0.0f, 0.0f, 0.0f);
+    CHECK_CLOSE(1.0e-6, -TORQUE_MAX, lode_speed_step(&speed, &tuning, 0.0f, 3000.0f, 0.0f));
+    lode_speed_reset(&speed, &tuning, 0.0f, 0.0f, 0.0f);
+    CHECK_CLOSE(1.0e-6, TORQUE_MAX, lode_speed_step(&speed, &tuning, 0.0f, -3000.0f, 0.0f));
+}
+
+/// The shaft of paper 1: J domega/dt = T - load - B omega; returns the mechanical speed.
+static double shaft(double omega, double torque, double load) {
+    return omega + 2.0e-4 * (torque - load - 7.5e-4 * omega) / 0.0174;
+}
+
+static void test_closed_loop_holds_against_a_load(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, 0.0f, 0.0f, 0.0f);
+        double omega = 0.0;
+        for (int n = 0; n < 20000; n++) {
+            const double load = n < 10000 ? 0.0 : 4.0 * sign;
+            const float torque =
+                lode_speed_step(&speed, &tuning, 100.0f * (float)sign, (float)(3.0 * omega), 0.0f);
+            omega = shaft(omega, (double)torque, load);
+        }
+        CHECK_NEAR(0.01, 100.0 * sign, omega); // 2 s are 15 time constants of kp/ki
+    }
+}
+
+static void test_no_windup_in_a_second_of_saturation(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    lode_speed_t speed;
+    lode_speed_reset(&speed, &tuning, 100.0f, 0.0f, 0.0f);
+    double omega = 100.0;
+    for (int n = 0; n < 5000; n++) { // 10 Nm of load beat the 7.67 Nm that the current allows
+        const float torque = lode_speed_step(&speed, &tuning, 100.0f, (float)(3.0 * omega), 0.0f);
+        omega = shaft(omega, (double)torque, 10.0);
+        CHECK_AT_MOST(TORQUE_MAX * 1.000001, torque);
+    }
+    CHECK_AT_MOST(-20.0, omega);
+    double peak = omega;
+    for (int n = 0; n < 10000; n++) {
+        const float torque = lode_speed_step(&speed, &tuning, 100.0f, (float)(3.0 * omega), 0.0f);
+        omega = shaft(omega, (double)torque, 0.0);
+        peak = fmax(peak, omega);
+    }
+    // The linear loop overshoots a step by 12 % of kp/ki's tail; windup would add some 40 rad/s.
+    CHECK_AT_MOST(112.0, peak);
+    CHECK_NEAR(0.5, 100.0, omega);
+}
+
+static void test_any_input_gives_a_torque_in_range(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    lode_speed_t speed;
+    lode_speed_reset(&speed, &tuning, 0.0f, 0.0f, 0.0f);
+    random_t random = random_seed(2);
+    for (int n = 0; n < 300000; n++) {
+        const float torque =
+            lode_speed_step(&speed, &tuning, random_any(&random), random_any(&random), random_any(&random));
+        CHECK_AT_MOST(TORQUE_MAX * 1.000001, fabs((double)torque));
+    }
+}
+
+static void test_a_target_that_is_no_number_is_ignored(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, 40.0f, 1.0f, 0.0f);
+        const float torque = lode_speed_step(&speed, &tuning, check_not_finite[i], 120.0f, 0.0f);
+        CHECK_NEAR(1.0e-5, 1.0, torque);
+        TEST_ASSERT_EQUAL_FLOAT(40.0f, speed.reference_rad_s);
+    }
+}
+
+static lode_status_t try_config(const lode_speed_config_t *config) {
+    const lode_motor_t motor = paper_motor();
+    lode_speed_tuning_t tuning;
+    memset(&tuning, 0x5a, sizeof tuning);
+    const lode_speed_tuning_t before = tuning;
+    const lode_status_t status = lode_speed_tune(&tuning, config, &inverter, &motor, SIGMA_LOW, PAPER_TS_s);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_speed_config_t config = sound();
+    field_set(&config, offset, value);
+    return try_config(&config);
+}
+
+static void test_every_field_at_its_limits(void) {
+    static const field_t fields[] = {
+        {FIELD(lode_speed_config_t, ki_Nm), .lo = 0.0f, .hi = 1.0e6f, .error = LODE_ERROR_SPEED_GAINS},
+    };
+    field_check_all(fields, COUNT_OF(fields), try_one);
+    const size_t kp = offsetof(lode_speed_config_t, kp_Nms);
+    const float none[] = {0.0f, -0.1f, 2.0e6f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(none); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_GAINS, try_one(kp, none[i]));
+    }
+    // kp/J is the crossover: not beyond the 100 rad/s of the PLL.
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(kp, 0.99f * 100.0f * 0.0174f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_BANDWIDTH, try_one(kp, 1.01f * 100.0f * 0.0174f));
+    const size_t ramp = offsetof(lode_speed_config_t, ramp_rad_s2);
+    const float slopes[] = {0.0f, -1.0f, 1.0e9f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(slopes); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_RAMP, try_one(ramp, slopes[i]));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(ramp, 0.5f));
+}
+
+static void test_shares_of_the_feed_forwards(void) {
+    const size_t fields[] = {offsetof(lode_speed_config_t, load_feed_forward),
+                             offsetof(lode_speed_config_t, inertia_feed_forward)};
+    const float shares[] = {LODE_NONE, 0.0f, 0.3f, 1.0f};
+    const float wrong[] = {1.00001f, -1.00001f, NAN, INFINITY, -INFINITY};
+    for (int f = 0; f < COUNT_OF(fields); f++) {
+        for (int i = 0; i < COUNT_OF(shares); i++) {
+            TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(fields[f], shares[i]));
+        }
+        for (int i = 0; i < COUNT_OF(wrong); i++) {
+            TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_FEED_FORWARD, try_one(fields[f], wrong[i]));
+        }
+    }
+}
+
+static void test_the_ramp_brings_the_torque_of_the_inertia(void) {
+    lode_speed_config_t config = sound();
+    config.inertia_feed_forward = 0.6f;
+    const lode_speed_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, 0.0f, 0.0f, 0.0f);
+        for (int n = 1; n <= 100; n++) {
+            // A rotor that follows exactly: 0.6 J ramp, 2.088 Nm, and nothing of the PI. The steps
+            // of the reference carry float rounding, kp = 0.8 and 1/Ts times J multiply it.
+            const double omega = sign * 200.0 * 2.0e-4 * n;
+            const float torque = lode_speed_step(&speed, &tuning, 50.0f * (float)sign, (float)(3.0 * omega), 0.0f);
+            CHECK_NEAR(2.0e-3, sign * 0.6 * 0.0174 * 200.0, torque);
+        }
+        // At its end the torque goes too.
+        lode_speed_reset(&speed, &tuning, 50.0f * (float)sign, 0.0f, 0.0f);
+        CHECK_NEAR(1.0e-4, 0.0, lode_speed_step(&speed, &tuning, 50.0f * (float)sign, 150.0f * (float)sign, 0.0f));
+    }
+}
+
+static void test_a_bandwidth_that_is_no_number_is_refused(void) {
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        TEST_ASSERT_EQUAL_INT(
+            LODE_ERROR_SPEED_BANDWIDTH,
+            try_one(offsetof(lode_speed_config_t, bandwidth_rad_s), check_not_finite[i]));
+    }
+}
+
+static void test_no_feed_forward(void) {
+    lode_speed_config_t config = sound();
+    config.load_feed_forward = LODE_NONE;
+    const lode_speed_tuning_t tuning = tuned(&config);
+    lode_speed_t speed;
+    lode_speed_reset(&speed, &tuning, 10.0f, 2.0f, 5.0f);
+    CHECK_NEAR(1.0e-5, 2.0, lode_speed_step(&speed, &tuning, 10.0f, 30.0f, -7.0f));
+}
+
+static void test_design_fills_what_is_open(void) {
+    const lode_motor_t motor = paper_motor();
+    lode_speed_config_t config = {.kp_Nms = 0.0f};
+    lode_speed_design(&config, &inverter, &motor, SIGMA_LOW, 47.0f);
+    // As documented: a quarter of sigma, kp = bandwidth J, ki = kp bandwidth/4.
+    CHECK_CLOSE(1.0e-6, 25.0, config.bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-6, 25.0 * 0.0174, config.kp_Nms);
+    CHECK_CLOSE(1.0e-6, 25.0 * 25.0 / 4.0 * 0.0174, config.ki_Nm);
+    CHECK_CLOSE(1.0e-6, 0.5 * TORQUE_MAX / 0.0174, config.ramp_rad_s2);
+    CHECK_CLOSE(1.0e-6, 0.5, config.load_feed_forward);
+    CHECK_CLOSE(1.0e-6, 1.0, config.inertia_feed_forward);
+    CHECK_CLOSE(1.0e-6, 47.0, config.omega_min_rad_s);
+    const lode_speed_config_t all = sound();
+    lode_speed_config_t kept = all;
+    lode_speed_design(&kept, &inverter, &motor, SIGMA_LOW, 30.0f);
+    TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
+    lode_speed_config_t by_gain = {.kp_Nms = 0.5f};
+    lode_speed_design(&by_gain, &inverter, &motor, SIGMA_LOW, 30.0f);
+    CHECK_CLOSE(1.0e-6, 0.5 / 0.0174, by_gain.bandwidth_rad_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, by_gain.kp_Nms);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_reference_is_a_mechanical_ramp);
+    RUN_TEST(test_torque_is_pi_and_feed_forward);
+    RUN_TEST(test_reset_is_bumpless);
+    RUN_TEST(test_torque_is_limited_by_the_current);
+    RUN_TEST(test_closed_loop_holds_against_a_load);
+    RUN_TEST(test_no_windup_in_a_second_of_saturation);
+    RUN_TEST(test_any_input_gives_a_torque_in_range);
+    RUN_TEST(test_a_target_that_is_no_number_is_ignored);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_shares_of_the_feed_forwards);
+    RUN_TEST(test_the_ramp_brings_the_torque_of_the_inertia);
+    RUN_TEST(test_a_bandwidth_that_is_no_number_is_refused);
+    RUN_TEST(test_no_feed_forward);
+    RUN_TEST(test_design_fills_what_is_open);
+    return UNITY_END();
+}

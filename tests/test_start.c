@@ -1,0 +1,341 @@
+// I-f start: profile of the vector, damping of the rotor's swing, conditions of the hand-over.
+#include "support/fields.h"
+
+#include "lodestar/start.h"
+
+void setUp(void) {
+}
+
+void tearDown(void) {
+}
+
+static const lode_inverter_config_t inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
+#define OMEGA_MAX 1178.0f
+
+static lode_start_config_t sound(void) {
+    return (lode_start_config_t){.current_A = 8.0f,
+                                 .omega_handover_rad_s = 47.0f,
+                                 .ramp_rad_s2 = 100.0f,
+                                 .current_rise_s = 0.2f,
+                                 .damping = 0.3f,
+                                 .lock_s = 0.05f,
+                                 .timeout_s = 3.0f,
+                                 .fade_s = 0.1f};
+}
+
+static lode_start_tuning_t tuned(const lode_start_config_t *config) {
+    const lode_motor_t motor = paper_motor();
+    lode_start_tuning_t tuning;
+    TEST_ASSERT_EQUAL_STRING(
+        "LODE_OK",
+        lode_status_name(lode_start_tune(&tuning, config, &inverter, &motor, OMEGA_MAX, PAPER_TS_s)));
+    return tuning;
+}
+
+static const lode_ab_t no_emf = {0.0f, 0.0f};
+
+static void test_current_rises_first_then_the_vector_turns(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_start_t start;
+        lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
+        for (int n = 1; n <= 4000; n++) {
+            (void)lode_start_step(&start, &tuning, 47.0f * (float)sign, 8.0f, no_emf);
+            const double t = 2.0e-4 * n;
+            // Two periods of slack where one ramp ends and the other begins; float sums.
+            CHECK_NEAR(0.03, fmin(8.0, 8.0 * t / 0.2), start.current_A);
+            CHECK_NEAR(0.06, sign * fmin(47.0, fmax(0.0, 100.0 * (t - 0.2))), start.omega_rad_s);
+        }
+    }
+}
+
+static void test_angle_is_the_integral_of_the_speed(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_start_t start;
+        lode_start_reset(&start, 0.5f, 0.0f, 8.0f); // the current is there already
+        double theta = 0.5;
+        for (int n = 1; n <= 4000; n++) {
+            theta += 2.0e-4 * (double)start.omega_rad_s;
+            const float angle = lode_start_step(&start, &tuning, 47.0f * (float)sign, 8.0f, no_emf);
+            // 4000 additions to a wrapped angle of float resolution.
+            CHECK_NEAR(5.0e-4, 0.0, angle_error(theta, (double)angle));
+        }
+    }
+}
+
+static void test_the_vector_sweeps_while_the_current_rises(void) {
+    // A rotor that lies opposite to a standing vector feels no torque: it must not stand still,
+    // and it turns the way that is wanted.
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_start_t start;
+        lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
+        double swept = 0.0;
+        float before = 0.0f;
+        for (int n = 1; n <= 1000; n++) { // 0.2 s
+            const float angle = lode_start_step(&start, &tuning, 47.0f * (float)sign, 8.0f, no_emf);
+            swept += sign * angle_error((double)angle, (double)before);
+            before = angle;
+        }
+        CHECK_AT_LEAST(CHECK_PI / 4.0, swept);
+        CHECK_AT_MOST(CHECK_PI, swept);
+    }
+}
+
+static void test_way_back_takes_up_a_turning_vector(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_reset(&start, 10.0f, 50.0f, 3.0f);
+    CHECK_NEAR(1.0e-5, 10.0 - 4.0 * CHECK_PI, start.theta_rad);
+    double theta = 10.0;
+    for (int n = 1; n <= 6000; n++) {
+        theta += 2.0e-4 * (double)start.omega_rad_s;
+        const float angle = lode_start_step(&start, &tuning, 0.0f, 8.0f, no_emf);
+        CHECK_NEAR(1.0e-3, 0.0, angle_error(theta, (double)angle));
+        TEST_ASSERT_TRUE(start.omega_rad_s >= 0.0f && start.omega_rad_s <= 50.0f);
+    }
+    TEST_ASSERT_TRUE(start.omega_rad_s == 0.0f);
+}
+
+/// A rotor on the vector's spring: J/np dw/dt = K sin(vector - theta), K = current kt. Starts 0.4 rad
+/// off; returns the largest deviation in the last half of `seconds`.
+static double swing_after(float damping, double omega, double seconds) {
+    lode_start_config_t config = sound();
+    config.damping = damping;
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_reset(&start, 0.0f, (float)omega, 8.0f);
+    const double stiffness = 3.0 / 0.0174 * 8.0 * 0.639;
+    double theta = -0.4;
+    double w = omega;
+    worst_t worst = {0.0};
+    const int count = (int)(seconds / 2.0e-4);
+    for (int n = 0; n < count; n++) {
+        const lode_ab_t e = {(float)(-0.142 * w * sin(theta)), (float)(0.142 * w * cos(theta))};
+        const double vector = (double)lode_start_step(&start, &tuning, (float)omega, 8.0f, e);
+        w += 2.0e-4 * stiffness * sin(vector - theta);
+        theta += 2.0e-4 * w;
+        if (n > count / 2) {
+            worst_note(&worst, angle_error((double)start.theta_rad, theta));
+        }
+    }
+    return worst.value;
+}
+
+static void test_damping_calms_the_rotor(void) {
+    const double speeds[] = {-47.0, -20.0, 0.0, 20.0, 47.0};
+    for (int i = 0; i < COUNT_OF(speeds); i++) {
+        // Natural frequency 30 rad/s. In half a second a ratio of 0.3, if half of it gets through
+        // mean and filter, leaves exp(-0.15 30 0.5) = 0.1 of 0.4 rad.
+        CHECK_AT_MOST(0.06, swing_after(0.3f, speeds[i], 1.0));
+        // Without it the swing stays.
+        CHECK_AT_LEAST(0.3, swing_after(LODE_NONE, speeds[i], 1.0));
+    }
+}
+
+static void test_damping_gives_way_to_a_bound(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    random_t random = random_seed(1);
+    lode_start_reset(&start, 0.0f, 30.0f, 8.0f);
+    for (int n = 0; n < 20000; n++) {
+        const lode_ab_t e = {random_float(&random, -1.0e5, 1.0e5), random_float(&random, -1.0e5, 1.0e5)};
+        const float angle = lode_start_step(&start, &tuning, 47.0f, 8.0f, e);
+        TEST_ASSERT_TRUE(lode_in_range(angle, -LODE_PI, LODE_PI));
+        // Less than a quarter turn, beyond which the torque would fall again.
+        CHECK_AT_MOST(CHECK_PI / 2.0, fabs(angle_error((double)angle, (double)start.theta_rad)));
+    }
+}
+
+static void test_any_emf_gives_an_angle(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    random_t random = random_seed(2);
+    lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
+    for (int n = 0; n < 100000; n++) {
+        const lode_ab_t e = {random_any(&random), random_any(&random)};
+        const float angle = lode_start_step(&start, &tuning, 47.0f, 8.0f, e);
+        TEST_ASSERT_TRUE(lode_in_range(angle, -LODE_PI, LODE_PI));
+        TEST_ASSERT_TRUE(lode_in_range(start.current_A, 0.0f, 8.0f));
+    }
+}
+
+static void test_a_failed_attempt_begins_again_at_rest(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
+    int again = 0;
+    float before = 0.0f;
+    for (int n = 0; n < 15000; n++) { // the 3 s of the time-out
+        (void)lode_start_step(&start, &tuning, 47.0f, 8.0f, no_emf);
+        again += start.current_A < before - 4.0f ? 1 : 0;
+        before = start.current_A;
+        if (start.current_A < 0.1f) {
+            TEST_ASSERT_TRUE(start.omega_rad_s == 0.0f);
+        }
+    }
+    // An attempt takes 0.2 + 0.47 + 0.05 s and at least as long to settle.
+    CHECK_AT_LEAST(1, again);
+    CHECK_AT_MOST(3, again);
+    TEST_ASSERT_EQUAL_UINT32(15000, start.periods);
+}
+
+/// A vector at hand-over speed and an estimate that agrees with it.
+static lode_start_t turning(double omega) {
+    lode_start_t start;
+    lode_start_reset(&start, 0.0f, (float)omega, 8.0f);
+    return start;
+}
+
+static void test_hand_over_needs_the_lock_for_its_time(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_start_t start = turning(47.0 * sign);
+        lode_estimate_t estimate = {.omega_rad_s = 47.0f * (float)sign, .lock = LODE_LOCK_HANDOVER};
+        int n = 1;
+        while (!lode_start_ready(&start, &tuning, &estimate) && n < 10000) {
+            n++;
+        }
+        TEST_ASSERT_EQUAL_INT(250, n); // 0.05 s
+        // A single bad period starts the time anew.
+        start = turning(47.0 * sign);
+        for (n = 0; n < 240; n++) {
+            TEST_ASSERT_FALSE(lode_start_ready(&start, &tuning, &estimate));
+        }
+        estimate.lock = LODE_LOCK_HANDOVER - 0.01f;
+        TEST_ASSERT_FALSE(lode_start_ready(&start, &tuning, &estimate));
+        estimate.lock = 1.0f;
+        for (n = 0; n < 249; n++) {
+            TEST_ASSERT_FALSE(lode_start_ready(&start, &tuning, &estimate));
+        }
+        TEST_ASSERT_TRUE(lode_start_ready(&start, &tuning, &estimate));
+    }
+}
+
+static bool ever_ready(double omega_vector, lode_estimate_t estimate) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start = turning(omega_vector);
+    for (int n = 0; n < 2000; n++) {
+        if (lode_start_ready(&start, &tuning, &estimate)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void test_hand_over_needs_speed_and_direction(void) {
+    TEST_ASSERT_TRUE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = 45.0f, .lock = 0.9f}));
+    TEST_ASSERT_FALSE(ever_ready(40.0, (lode_estimate_t){.omega_rad_s = 40.0f, .lock = 0.9f}));
+    TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = -47.0f, .lock = 0.9f}));
+    TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = 94.0f, .lock = 0.9f}));
+    TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = 20.0f, .lock = 0.9f}));
+    TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = 47.0f, .lock = 0.6f}));
+    TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = 47.0f, .lock = NAN}));
+    TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = NAN, .lock = 0.9f}));
+}
+
+static void test_times_become_periods(void) {
+    lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    TEST_ASSERT_EQUAL_UINT32(250, tuning.lock_periods);
+    TEST_ASSERT_EQUAL_UINT32(15000, tuning.timeout_periods);
+    CHECK_CLOSE(1.0e-6, 1.0 / 500.0, tuning.fade_step);
+    config.lock_s = PAPER_TS_s;
+    config.timeout_s = 1000.0f;
+    const lode_start_tuning_t far = tuned(&config);
+    TEST_ASSERT_EQUAL_UINT32(1, far.lock_periods);
+    CHECK_CLOSE(1.0e-6, 5.0e6, far.timeout_periods);
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_start_config_t config = sound();
+    field_set(&config, offset, value);
+    const lode_motor_t motor = paper_motor();
+    lode_start_tuning_t tuning;
+    memset(&tuning, 0x5a, sizeof tuning);
+    const lode_start_tuning_t before = tuning;
+    const lode_status_t status = lode_start_tune(&tuning, &config, &inverter, &motor, OMEGA_MAX, PAPER_TS_s);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+/// Refused from `lo` down and from `hi` up; NaN and Inf too. `good` passes.
+static void check_bounds(size_t offset, float lo, float good, float hi, lode_status_t error) {
+    const float bad[] = {lo, -good, hi, NAN, INFINITY, -INFINITY, FLT_MAX, -FLT_MAX};
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        char text[60];
+        (void)snprintf(text, sizeof text, "offset %u, %g", (unsigned)offset, (double)bad[i]);
+        TEST_ASSERT_EQUAL_STRING_MESSAGE(lode_status_name(error), lode_status_name(try_one(offset, bad[i])), text);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, good));
+}
+
+static void test_every_field_at_its_limits(void) {
+    check_bounds(offsetof(lode_start_config_t, current_A), 0.0f, 12.0f, nextafterf(12.0f, 13.0f),
+                 LODE_ERROR_START_CURRENT);
+    check_bounds(offsetof(lode_start_config_t, omega_handover_rad_s), 0.0f, OMEGA_MAX,
+                 nextafterf(OMEGA_MAX, INFINITY), LODE_ERROR_START_SPEED);
+    check_bounds(offsetof(lode_start_config_t, ramp_rad_s2), 0.0f, 1.0f, 1.0e9f, LODE_ERROR_START_RAMP);
+    check_bounds(offsetof(lode_start_config_t, current_rise_s), 0.0f, PAPER_TS_s, 1.0e6f, LODE_ERROR_START_RAMP);
+    check_bounds(offsetof(lode_start_config_t, lock_s), 0.0f, PAPER_TS_s, 1.0e6f, LODE_ERROR_START_RAMP);
+    check_bounds(offsetof(lode_start_config_t, fade_s), 0.0f, PAPER_TS_s, 1.0e6f, LODE_ERROR_START_RAMP);
+    check_bounds(offsetof(lode_start_config_t, timeout_s), 0.0f, 10.0f, 1.0e6f, LODE_ERROR_START_RAMP);
+    const size_t damping = offsetof(lode_start_config_t, damping);
+    const float good[] = {LODE_NONE, 0.0f, 0.7f, 2.0f};
+    const float bad[] = {-1.001f, 2.001f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(good); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(damping, good[i]));
+    }
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_START_DAMPING, try_one(damping, bad[i]));
+    }
+}
+
+static void test_design_fills_what_is_open(void) {
+    const lode_motor_t motor = paper_motor();
+    lode_start_config_t config = {.current_A = 0.0f};
+    lode_start_design(&config, &inverter, &motor);
+    CHECK_CLOSE(1.0e-6, 0.7 * 12.0, config.current_A);
+    CHECK_CLOSE(1.0e-6, 0.1 * PAPER_OMEGA_RATED, config.omega_handover_rad_s); // 150 rpm
+    // A sixth of the start torque on the inertia, electrical.
+    CHECK_CLOSE(1.0e-5, 8.4 * 0.639 / 6.0 / 0.0174 * 3.0, config.ramp_rad_s2);
+    CHECK_CLOSE(1.0e-6, 0.2, config.current_rise_s);
+    CHECK_CLOSE(1.0e-6, 0.3, config.damping);
+    CHECK_CLOSE(1.0e-6, 0.05, config.lock_s);
+    CHECK_CLOSE(1.0e-6, 0.1, config.fade_s);
+    TEST_ASSERT_TRUE(config.timeout_s > 1.0f && config.timeout_s < 10.0f);
+    const lode_start_config_t all = sound();
+    lode_start_config_t kept = all;
+    lode_start_design(&kept, &inverter, &motor);
+    TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_current_rises_first_then_the_vector_turns);
+    RUN_TEST(test_angle_is_the_integral_of_the_speed);
+    RUN_TEST(test_the_vector_sweeps_while_the_current_rises);
+    RUN_TEST(test_way_back_takes_up_a_turning_vector);
+    RUN_TEST(test_damping_calms_the_rotor);
+    RUN_TEST(test_damping_gives_way_to_a_bound);
+    RUN_TEST(test_any_emf_gives_an_angle);
+    RUN_TEST(test_a_failed_attempt_begins_again_at_rest);
+    RUN_TEST(test_hand_over_needs_the_lock_for_its_time);
+    RUN_TEST(test_hand_over_needs_speed_and_direction);
+    RUN_TEST(test_times_become_periods);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_design_fills_what_is_open);
+    return UNITY_END();
+}

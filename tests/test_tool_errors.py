@@ -1,0 +1,155 @@
+"""What the tool says to bad input: exit code 2, the place, and what was expected."""
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+from tool import DRIVE, MOTOR, RECORDINGS, SOURCE, Checks, Folder, refused
+
+STEADY = RECORDINGS / "steady-300rpm-5Nm.csv"
+NOT_BUILT = {
+    "--emf": ["gi-leso", "fa-leso", "fa-multi", "c-leso-euler", "gi-leso-euler", "fa-leso-euler"],
+    "--pll": ["enhanced", "qpll-euler", "leso-qpll-euler", "enhanced-euler"],
+}
+
+
+def command_line(checks, folder):
+    for arguments, pattern in [
+        (["foo"], "foo: unknown command; expected list, run, replay or design"),
+        (["--foo"], "--foo: unknown here; expected one of --set, --seed"),
+        (["list", "--seed", "1"], "--seed: unknown here"),
+        (["run"], "run: expected a scenario file"),
+        (["run", "a.ini", "b.ini"], "b.ini: expected nothing there"),
+        (["run", "nofile.ini"], r"nofile.ini: No such file.*expected an INI file"),
+        (["run", "main", "--set"], "--set: expected a value after it"),
+        (["run", "main", "--set", "x"], "--set x: expected section.key=value"),
+        (["run", "main", "--set", "a=1"], "--set a=1: expected section.key=value"),
+        (["run", "main", "--seed", "1.5"], "--seed 1.5: expected a whole number"),
+        (["run", "main", "--seed", "-1"], "--seed -1: expected a whole number"),
+        (["run", "start", "--seeds", "5-1"], "--seeds 5-1: expected two whole numbers"),
+        (["run", "start", "--seeds", "1-2", "--seed", "1"], "--seed or --seeds, not both"),
+        (["run", "start", "--seeds", "1-2", "--csv", "a.csv"], "expected no --csv"),
+        (["replay", "--motor", MOTOR], "replay: expected --recording"),
+        (["replay", "--recording", STEADY], "replay: expected --motor"),
+        (["design"], "design: expected --motor"),
+        (["design", "--motor", MOTOR, "--json", "a.json"], "or --json=a.json"),
+    ]:
+        refused(checks, folder, arguments, pattern)
+
+
+def values(checks, folder):
+    for assignment, pattern in [
+        ("foo.bar=1", r"--set: \[foo\] bar: unknown; expected one of motor, drive, estimator"),
+        ("motor.foo=1", r"--set: \[motor\] foo: unknown; expected one of pole_pairs, Rs_Ohm"),
+        ("motor.Rs_Ohm=", "expected a finite number, not ''"),
+        ("motor.Rs_Ohm=0.75x", "expected a finite number, not '0.75x'"),
+        ("motor.Rs_Ohm=nan", "expected a finite number"),
+        ("motor.Rs_Ohm=1e999", "expected a finite number"),
+        ("motor.Rs_Ohm=1e-60", "expected a finite number"),
+        ("motor.Rs_Ohm=auto", "expected a finite number"),
+        ("motor.Rs_Ohm=-1", r"\[motor\] Rs_Ohm: LODE_ERROR_MOTOR_RS: expected 0 .. 1e3"),
+        ("motor.pole_pairs=2.5", "LODE_ERROR_MOTOR_POLE_PAIRS"),
+        ("drive.f_pwm_Hz=100", r"\[drive\] f_pwm_Hz: LODE_ERROR_F_PWM"),
+        ("drive.i_range_A=1", r"\[drive\] i_range_A: LODE_ERROR_SENSE_CURRENT"),
+        ("drive.shunts=four", "expected three or two, not 'four'"),
+        ("estimator.sigma_rad_s=900", r"\[estimator\] sigma_rad_s: LODE_ERROR_PLL_OBSERVER"),
+        ("estimator.emf=nonsense", "expected c-leso"),
+        ("start.current_A=1000", "LODE_ERROR_START_CURRENT"),
+        ("plant.inverter=perfect", "expected ideal or switched, not 'perfect'"),
+        ("plant.Rs_Ohm=-1", r"expected a number in 0 \.\. "),
+        ("plant.theta0_deg=north", "or random, not 'north'"),
+        ("phase.nowhere.load_Nm=1", "expected the name of a phase of the scenario"),
+        ("phase.start.lod=1", r"\[phase.start\] lod: unknown; expected one of duration_s"),
+        ("phase.start.end_mode=stop", "expected off, calibrate, voltage"),
+        ("scenario.motor=x.ini", "expected in a scenario file only"),
+        ("scenario.seed=-1", "expected a number in 0"),
+    ]:
+        refused(checks, folder, ["run", "main", "--set", assignment], pattern)
+    # Two units for one thing.
+    refused(checks, folder, ["run", "main", "--set", "start.handover_rpm=150", "--set",
+                             "start.omega_handover_rad_s=50"], "expected one of them")
+
+
+def reserved_names(checks, folder):
+    built = {"--emf": [], "--pll": []}
+    listed = folder.run("list").stdout
+    for option, names in NOT_BUILT.items():
+        for name in names:
+            arguments = ["replay", "--motor", MOTOR, "--recording", STEADY, option, name]
+            if folder.run(*arguments).returncode == 0:
+                built[option].append(name)
+                continue
+            done = refused(checks, folder, arguments, "expected .*not built in yet")
+            known = "c-leso" if option == "--emf" else "leso-qpll or qpll"
+            if not built[option]:
+                checks.true(known in done.stderr, f"{name}: {done.stderr!r} lists {known}")
+            checks.true(name in listed, f"{name} is in `lodestar list`")
+        refused(checks, folder, ["replay", "--motor", MOTOR, "--recording", STEADY, option,
+                                 "nonsense"], f"{option}: .*expected .*not 'nonsense'")
+
+
+def ini_files(checks, folder):
+    scenario = (f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
+                "[phase.a]\nduration_s = 0.01\n")
+    for text, pattern in [
+        (scenario + "bogus = 1\n", r"s.ini:6: \[phase.a\] bogus: unknown"),
+        (scenario + "[motor]\nRs_Ohm = 0,75\n", r"s.ini:7: \[motor\] Rs_Ohm: expected a finite"),
+        (scenario + "[motors]\nRs_Ohm = 1\n", r"s.ini:7: \[motors\] Rs_Ohm: unknown"),
+        (scenario + "[motor]\nRs_Ohm = 1\nRs_Ohm = 2\n", r"s.ini:8: .*given twice, first in line 7"),
+        (scenario + "load_Nm = 1\nload_Nm = 2\n", r"s.ini:7: .*given twice, first in line 6"),
+        (scenario + "no equals sign\n", r"s.ini:6: expected `\[section\]`"),
+        (scenario + "[phase.b]\nload_Nm = 1\n", r"\[phase.b\] duration_s: missing"),
+        (scenario + "[estimator]\nk2_rad_s = 5\n", r"s.ini:7: \[estimator\] k2_rad_s: "),
+        (scenario + "[estimator]\nsigma_rad_s = 900\n",
+         r"s.ini:7: \[estimator\] sigma_rad_s: LODE_ERROR_PLL_OBSERVER"),
+        (scenario + "# " + 300 * "x" + "\n", r"s.ini:6: expected lines of at most"),
+        (scenario + f"[phase.{40 * 'x'}]\nduration_s = 1\n", r"s.ini:7: .*names of 1 to 31"),
+        (scenario.replace("duration_s = 0.01", "duration_s = 0"), r"s.ini:5: .*expected a number"),
+        (scenario.replace("[phase.a]\nduration_s = 0.01\n", ""), "no .phase.NAME."),
+        (scenario.replace(str(MOTOR), "nowhere.ini"), r"s.ini:2: \[scenario\] motor: expected the path"),
+        (scenario.replace(f"motor = {MOTOR}\n", ""), r"\[motor\] pole_pairs: missing"),
+        (scenario.replace(f"drive = {DRIVE}\n", ""), r"\[drive\] f_pwm_Hz: missing"),
+        ("", "missing|no .phase.NAME."),
+        (b"\x00\xff\x00\n", "expected"),
+    ]:
+        path = folder.write("s.ini", text)
+        refused(checks, folder, ["run", path], pattern)
+    # What counts is the place that said it: here the motor's file, not the scenario.
+    folder.write("m.ini", MOTOR.read_text().replace("psi_Wb = 0.142", "psi_Wb = 0"))
+    folder.write("s.ini", scenario.replace(str(MOTOR), "m.ini"))
+    refused(checks, folder, ["run", "s.ini"], r"m.ini:7: \[motor\] psi_Wb: LODE_ERROR_MOTOR_PSI")
+    # Parts hold no scenario.
+    folder.write("m.ini", MOTOR.read_text() + "[scenario]\nseed = 1\n")
+    refused(checks, folder, ["run", "s.ini"], r"m.ini:\d+: \[scenario\] seed: expected in a scenario")
+    refused(checks, folder, ["run", folder.path], "expected an INI file")
+
+
+def every_key_is_there(checks, folder):
+    """No float field of a configuration of the library without its key."""
+    import re
+    derived = {"omega_rated_rad_s", "i_gain_A_count", "i_offset_count", "count_max",
+               "v_bus_gain_V_count", "temperature_gain_degC_count", "temperature_offset_degC"}
+    design = folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--json")
+    checks.equal(design.returncode, 0, "exit code of design --json")
+    keys = set(re.findall(r'"(\w+)":', design.stdout))
+    fields = set()
+    for header in sorted((SOURCE / "include/lodestar").glob("*.h")):
+        for body in re.findall(r"typedef struct \{([^}]*)\} lode_\w+_config_t;", header.read_text()):
+            body = re.sub(r"//.*", "", body)
+            fields |= set(re.findall(r"\bfloat\s+(\w+);", body))
+    checks.true(len(fields) > 40, f"{len(fields)} fields found in the headers, expected over 40")
+    missing = sorted(fields - derived - keys)
+    checks.equal(missing, [], "fields of the library's configuration without a key in INI files")
+
+
+def main():
+    checks = Checks()
+    with Folder() as folder:
+        command_line(checks, folder)
+        values(checks, folder)
+        reserved_names(checks, folder)
+        ini_files(checks, folder)
+        every_key_is_there(checks, folder)
+    checks.done()
+
+
+main()

@@ -1,0 +1,115 @@
+"""Output files appear complete or not at all: bad paths, full disks, Ctrl-C, no gnuplot."""
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+from tool import MOTOR, DRIVE, RECORDINGS, TOOL, Checks, Folder, refused
+
+REPLAY = ["replay", "--motor", MOTOR, "--recording", RECORDINGS / "steady-300rpm-5Nm.csv"]
+LONG = f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n[phase.a]\nduration_s = 9000\nspeed_rpm = 300\n"
+
+
+def bad_paths(checks, folder):
+    for option in ["--csv", "--json"]:
+        refused(checks, folder, ["run", "main", option, "no/such/folder/a"],
+                "no/such/folder/a: cannot write: No such file or directory; expected a path in")
+        refused(checks, folder, ["run", "main", option, "."], "cannot write: it is a folder")
+    refused(checks, folder, ["run", "main", "--csv", "a", "--json", "a"], "two outputs of that name")
+    refused(checks, folder, [*REPLAY, "--out", "no/o.csv", "--json", "o.json"], "cannot write")
+    if os.geteuid() != 0:  # root may write anywhere
+        (folder.path / "closed").mkdir(mode=0o500)
+        refused(checks, folder, ["run", "main", "--csv", "closed/a"], "Permission denied")
+    if pathlib.Path("/dev/full").exists():
+        refused(checks, folder, ["run", "main", "--csv", "/dev/full"], "/dev/full: cannot write")
+        refused(checks, folder, [*REPLAY, "--out", "/dev/full", "--json", "never.json"],
+                "/dev/full: cannot write")
+    done = folder.run(*REPLAY, "--out", "/dev/null")
+    checks.equal(done.returncode, 0, "exit code with /dev/null")
+
+
+def nothing_half_written(checks, folder):
+    folder.write("keep.csv", "old")
+    refused(checks, folder, ["run", "main", "--csv", "keep.csv", "--json", "no/x"], "cannot write")
+    refused(checks, folder, [*REPLAY, "--out", "keep.csv", "--set", "motor.Lq_H=0"], "LODE_ERROR")
+    checks.equal((folder.path / "keep.csv").read_text(), "old", "an old file after a refusal")
+    checks.equal(folder.run(*REPLAY, "--out", "keep.csv").returncode, 0, "exit code, replacing")
+    checks.true((folder.path / "keep.csv").stat().st_size > 1000, "the old file was replaced")
+    target = folder.write("target.csv", "old")
+    (folder.path / "link.csv").symlink_to("target.csv")
+    folder.run(*REPLAY, "--out", "link.csv")
+    checks.true((folder.path / "link.csv").is_symlink(), "a link stays a link")
+    checks.true(target.stat().st_size > 1000, "and its target is written")
+    umask = os.umask(0o027)
+    folder.run(*REPLAY, "--out", "mode.csv")
+    os.umask(umask)
+    checks.equal(oct((folder.path / "mode.csv").stat().st_mode & 0o777), "0o640", "rights by umask")
+
+
+def interrupt(checks, folder):
+    folder.write("long.ini", LONG)
+    folder.write("keep.json", "old")
+    for number, code in [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]:
+        before = folder.names()
+        process = subprocess.Popen(
+            [TOOL, "run", "long.ini", "--csv", "new.csv", "--json", "keep.json"], cwd=folder.path,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
+        deadline = time.monotonic() + 20
+        while folder.names() == before and time.monotonic() < deadline:
+            time.sleep(0.01)
+        checks.true(folder.names() != before, f"signal {number}: under way")
+        process.send_signal(number)
+        checks.equal(process.wait(timeout=20), code, f"exit code after signal {number}")
+        checks.equal(folder.names(), before, f"files after signal {number}")
+        checks.equal((folder.path / "keep.json").read_text(), "old", "the old file")
+
+
+def closed_pipe(checks, folder):
+    before = folder.names()
+    with subprocess.Popen([TOOL, "run", "start", "--seeds", "1-200", "--json", "c.json"],
+                          cwd=folder.path, stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL) as process:
+        process.stdout.readline()
+        process.stdout.close()
+        checks.equal(process.wait(timeout=60), 128 + signal.SIGPIPE, "exit code, closed pipe")
+    checks.equal(folder.names(), before, "files after a closed pipe")
+
+
+def no_gnuplot(checks, folder):
+    (folder.path / "empty").mkdir()
+    env = {"PATH": str(folder.path / "empty")}
+    done = folder.run(*REPLAY, "--plot", "p.svg", env=env)
+    checks.equal(done.returncode, 2, "exit code, --plot without gnuplot")
+    checks.true("expected it to be installed" in done.stderr, f"says {done.stderr!r}")
+    checks.true(not (folder.path / "p.svg").exists(), "no file")
+    done = folder.run(env=env)
+    checks.equal(done.returncode, 0, f"main job without gnuplot: {done.stderr}")
+    checks.true("gnuplot" in done.stderr, "the main job says that there is no plot")
+    checks.true((folder.path / "lodestar-out/main.json").exists(), "and writes the rest")
+    checks.equal(sorted(p.name for p in (folder.path / "lodestar-out").iterdir()),
+                 ["main.csv", "main.json"], "no leftovers")
+    # One that fails.
+    broken = folder.write("empty/gnuplot", "#!/bin/sh\ntest \"$1\" = --version && exit 0\nexit 1\n")
+    broken.chmod(0o755)
+    done = folder.run(*REPLAY, "--plot", "p.svg", "--json", "q.json",
+                      env={"PATH": f"{folder.path}/empty:{os.environ['PATH']}"})
+    checks.equal(done.returncode, 2, "exit code, gnuplot fails")
+    checks.true("gnuplot failed" in done.stderr, f"says {done.stderr!r}")
+    checks.true(not {"p.svg", "q.json"} & set(folder.names()), "no file")
+
+
+def main():
+    checks = Checks()
+    with Folder() as folder:
+        bad_paths(checks, folder)
+        nothing_half_written(checks, folder)
+        interrupt(checks, folder)
+        closed_pipe(checks, folder)
+        no_gnuplot(checks, folder)
+    checks.done()
+
+
+main()

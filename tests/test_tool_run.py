@@ -1,0 +1,177 @@
+"""`lodestar` without arguments, `run`, `list` and `design`: what they do and what they write."""
+import csv
+import math
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+from tool import DRIVE, FULL, MOTOR, SOURCE, Checks, Folder, refused
+
+REAL_TIME_MIN = 30
+
+
+def main_job(checks, folder):
+    done = folder.run()
+    checks.equal(done.returncode, 0, f"exit code of the main job: {done.stdout}{done.stderr}")
+    for name in ["main.csv", "main.json", "main.svg"]:
+        path = folder.path / "lodestar-out" / name
+        if name == "main.svg" and not path.exists():
+            checks.true("gnuplot" in done.stderr, "no plot only where gnuplot is not there")
+            continue
+        checks.true(path.stat().st_size > 1000, f"{name} was written")
+        checks.true(f"written: lodestar-out/{name}" in done.stdout, f"{name} is named")
+    result = folder.json("lodestar-out/main.json")
+    checks.equal(result["passed"], True, "main job passed")
+    checks.equal(result["fault"], None, "main job without a fault")
+    phases = {phase["name"]: phase for phase in result["phases"]}
+    checks.at_most(abs(phases["rated_load"]["speed_rpm"]["mean"] - 1500), 15, "rpm off 1500")
+    for name in ["rated_load", "braking", "load_900", "load_600", "brake_600"]:
+        error = phases[name]["angle_error_deg"]
+        checks.at_most(abs(error["mean"]), 0.3, f"{name}: mean angle error")
+        checks.at_most(error["pp"], 1.0, f"{name}: angle error, peak to peak")
+    for name in ["ramp", "rated_load", "no_load"]:
+        checks.at_most(phases[name]["angle_error_max_deg"], 6, f"{name}: largest angle error")
+    checks.equal(phases["stop"]["mode"], "OFF", "mode after the stop")
+    checks.true(result["times_real_time"] >= REAL_TIME_MIN,
+                f"{result['times_real_time']:.0f} times real time, expected {REAL_TIME_MIN}")
+    print(f"main job: {result['times_real_time']:.0f} times real time")
+    with open(folder.path / "lodestar-out/main.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    checks.true(len(rows) > 1000, f"{len(rows)} rows in main.csv")
+    checks.true(all(len(row) == len(rows[0]) for row in rows), "rows of equal length")
+    checks.true(max(float(row["speed_rpm"]) for row in rows) > 1450, "CSV reaches 1500 rpm")
+    svg = folder.path / "lodestar-out/main.svg"
+    if svg.exists():
+        text = svg.read_text()
+        checks.true(text.lstrip().startswith("<?xml") and "</svg>" in text, "a whole SVG")
+        for word in ["speed [rpm]", "angle error", "current [A]", "EMF", "state", "time [s]"]:
+            checks.true(word in text, f"'{word}' in the plot")
+
+
+def seeds(checks, folder):
+    def signals(*arguments):
+        done = folder.run("run", "main", "--csv", "s.csv", *arguments)
+        checks.equal(done.returncode, 0, f"exit code with {arguments}: {done.stdout}")
+        return (folder.path / "s.csv").read_bytes()
+    checks.true(signals("--seed", 5) == signals("--seed", 5), "equal seeds, equal signals")
+    checks.true(signals("--seed", 5) != signals("--seed", 6), "other seed, other signals")
+    checks.true(signals("--seed", 5) == signals("--set", "scenario.seed=5"), "--seed is its key")
+
+
+def scenarios(checks, folder):
+    expected_to_fail = {"start_100rpm"}
+    for path in sorted((SOURCE / "sim/scenarios").glob("*.ini")):
+        if path.stem in expected_to_fail:
+            continue
+        for pll in ["leso-qpll", "qpll"] if path.stem == "steady_ideal" else ["leso-qpll"]:
+            done = folder.run("run", path, "--set", f"estimator.pll={pll}")
+            checks.equal(done.returncode, 0, f"{path.stem} {pll}: {done.stdout}{done.stderr}")
+        checks.true(path.stem in folder.run("list").stdout, f"{path.stem} is listed")
+
+
+def starts(checks, folder):
+    done = folder.run("run", "start", "--seeds", "1-20", "--json", "c.json")
+    passed = folder.json("c.json")["passed"]
+    checks.true(passed >= 19, f"random starts, seeds 1-20: {passed} passed, expected 19\n{done.stdout}")
+    more = folder.run("run", "start", "--seeds", "21-220" if FULL else "21-60")
+    print("random starts, more seeds:", more.stdout.strip().splitlines()[-1])
+    paper = folder.run("run", "start_100rpm", "--seeds", "1-220" if FULL else "1-60")
+    print("the same with hand-over at 100 rpm:", paper.stdout.strip().splitlines()[-1])
+
+
+def exit_codes(checks, folder):
+    done = folder.run("run", "main", "--set", "phase.ramp.bar_dc_deg=0", "--json", "j.json")
+    checks.equal(done.returncode, 1, "exit code after a missed bar")
+    checks.true("BAR MISSED: angle error mean" in done.stdout, "names the bar")
+    checks.equal(folder.json("j.json")["passed"], False, "JSON says so")
+    done = folder.run("run", "main", "--set", "phase.ramp.trip=on", "--json", "j.json")
+    checks.equal(done.returncode, 1, "exit code after a fault")
+    fault = folder.json("j.json")["fault"]
+    checks.equal((fault["state"], fault["check"]), ("RUN", "LODE_CHECK_HARDWARE_TRIP"), "the fault")
+    checks.at_most(abs(fault["t_s"] - 2.0), 1e-3, "time of the fault, off 2 s")
+    checks.true("FAULT at 2.0000 s in RUN: LODE_CHECK_HARDWARE_TRIP" in done.stdout, "and in words")
+    checks.equal(len(folder.json("j.json")["phases"]), 2, "phases up to the fault")
+
+
+def mismatch(checks, folder):
+    """The estimator's parameters are other keys than the plant's."""
+    def error(*sets):
+        arguments = [x for s in sets for x in ("--set", s)]
+        folder.run("run", "steady_ideal", "--json", "m.json", *arguments)
+        phases = {p["name"]: p for p in folder.json("m.json")["phases"]}
+        return phases["1500"]["angle_error_deg"]["mean"]
+    checks.at_most(abs(error()), 0.05, "angle error, all parameters right")
+    # sin(delta) = (Lq - Lq^) iq/psi: 8 A here.
+    for factor in (0.8, 1.2):
+        expected = math.degrees(math.asin((1 - factor) * 9.8e-3 * 8.0 / 0.142))
+        found = error(f"motor.Lq_H={9.8e-3 * factor}", "plant.Lq_H=9.8e-3")
+        checks.at_most(abs(found - expected), 1.0, f"angle error with Lq x {factor} off {expected:.2f}")
+
+
+def truth_as_source(checks, folder):
+    done = folder.run("run", "main", "--set", "estimator.source=truth", "--json", "t.json")
+    checks.equal(done.returncode, 0, f"exit code with the true angle: {done.stdout}")
+    worst = max(p["angle_error_max_deg"] or 0 for p in folder.json("t.json")["phases"])
+    checks.at_most(worst, 1e-3, "angle error with the true angle")
+
+
+def list_and_help(checks, folder):
+    done = folder.run("list")
+    checks.equal(done.returncode, 0, "exit code of list")
+    for word in ["jiang2022", "main", "c-leso", "leso-qpll", "qpll"]:
+        checks.true(word in done.stdout, f"{word} is listed")
+    for arguments in [["--help"], ["-h"], ["help"], ["help", "run"], ["run", "--help"],
+                      ["replay", "--help"], ["design", "--help"], ["list", "--help"]]:
+        done = folder.run(*arguments)
+        checks.equal(done.returncode, 0, f"exit code of {arguments}")
+        checks.true("usage: lodestar" in done.stdout, f"{arguments}: usage")
+    done = folder.run("--version")
+    checks.true(done.returncode == 0 and done.stdout.startswith("lodestar 0."), "--version")
+
+
+def design(checks, folder):
+    done = folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--json=d.json")
+    checks.equal(done.returncode, 0, f"exit code of design: {done.stderr}")
+    for word in ["w0_rad_s", "sigma_rad_s", "kp_q_V_A", "omega_handover_rad_s", "lag of the EMF",
+                 "stability of the PLL", "bandwidths", "dead time takes"]:
+        checks.true(word in done.stdout, f"{word} in design")
+    result = folder.json("d.json")
+    # 4/pi 4 us 5 kHz 200 V, and psi w = 5.09 V at 114 rpm.
+    checks.at_most(abs(result["dead_time_V"] - 5.093), 0.01, "dead-time voltage off 5.093 V")
+    checks.at_most(abs(result["dead_time_equal_rpm"] - 114.2), 0.5, "rpm off 114.2")
+    for at in result["speeds"]:
+        what = f"{at['speed_rpm']:.0f} rpm"
+        checks.at_most(abs(at["lag_polynomial_deg"] - at["lag_exact_deg"]), 0.01, f"lag, {what}")
+        checks.true(at["phase_margin_deg"] > 30, f"margin {at['phase_margin_deg']}, {what}")
+        checks.true(at["sigma_rad_s"] < at["sigma_limit_rad_s"], f"sigma under its limit, {what}")
+    # The observers' lags that an independent computation gave for w0 = 2000 rad/s.
+    folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--set", "estimator.w0_rad_s=2000",
+               "--json=d.json")
+    at = {round(a["speed_rpm"]): a for a in folder.json("d.json")["speeds"]}
+    for rpm, exact, eq30 in [(300, 4.926, 5.396), (900, 14.685, 16.093), (1500, 24.169, 26.516)]:
+        checks.at_most(abs(at[rpm]["lag_exact_deg"] - exact), 0.003, f"exact lag at {rpm} rpm")
+        checks.at_most(abs(at[rpm]["lag_eq30_deg"] - eq30), 0.003, f"eq. (30) at {rpm} rpm")
+    # A motor alone is enough.
+    done = folder.run("design", "--motor", "jiang2022")
+    checks.equal(done.returncode, 0, f"exit code of design without a drive: {done.stderr}")
+    checks.true("assumed: [drive] f_pwm_Hz" in done.stderr, "says what it assumed")
+    refused(checks, folder, ["design", "--motor", MOTOR, "--set", "estimator.sigma_rad_s=2000"],
+            "LODE_ERROR_PLL")
+
+
+def main():
+    checks = Checks()
+    with Folder() as folder:
+        main_job(checks, folder)
+        seeds(checks, folder)
+        scenarios(checks, folder)
+        starts(checks, folder)
+        exit_codes(checks, folder)
+        mismatch(checks, folder)
+        truth_as_source(checks, folder)
+        list_and_help(checks, folder)
+        design(checks, folder)
+    checks.done()
+
+
+main()

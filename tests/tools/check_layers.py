@@ -1,0 +1,54 @@
+"""usage: check_layers.py ROOT: a module of the core includes only its own layer or a lower one."""
+import sys
+
+from csource import files, includes_of
+
+# Bottom up. A module is a public header and the source of the same name.
+LAYERS = [
+    ["platform", "status", "version"],
+    ["scalar", "frames", "config"],
+    ["motor", "pi", "ramp", "lowpass", "sogi", "leso"],
+    ["sense", "inverter", "modulator", "emf", "pll", "lag", "notch"],
+    ["estimator", "current", "speed", "references", "start", "guard"],
+    ["drive", "drive_config"],
+    ["lodestar"],
+]
+SYSTEM = {"stdbool.h", "stddef.h", "stdint.h", "math.h", "float.h"}
+
+rank = {module: number for number, layer in enumerate(LAYERS) for module in layer}
+
+
+def module_of(name):
+    return name.rsplit("/", 1)[-1].rsplit(".", 1)[0]
+
+
+def problems_of(path):
+    module = module_of(path.name)
+    if module not in rank:
+        yield 1, f"module '{module}' is not in the table of layers (LAYERS in check_layers.py)"
+        return
+    for line, name, quoted in includes_of(path):
+        if not quoted:
+            if name not in SYSTEM:
+                yield line, f"<{name}>: expected one of {', '.join(sorted(SYSTEM))}"
+        elif not name.startswith("lodestar/"):
+            yield line, f'"{name}": expected "lodestar/<module>.h"'
+        elif module_of(name) not in rank:
+            yield line, f"module '{module_of(name)}' is not in the table of layers"
+        elif rank[module_of(name)] > rank[module]:
+            yield line, (f"'{module}' (layer {rank[module]}) includes '{module_of(name)}' "
+                         f"(layer {rank[module_of(name)]}): expected its own layer or a lower one")
+
+
+def main(root):
+    count = failed = 0
+    for path in files(root, "include", "src"):
+        count += 1
+        for line, text in problems_of(path):
+            failed += 1
+            print(f"{path}:{line}: {text}")
+    print(f"{count} files, {failed} breaches")
+    return 1 if failed or not count else 0
+
+
+sys.exit(main(sys.argv[1]))
