@@ -27,13 +27,19 @@ static const char *verdict(const runner_result_t *result) {
 static void print_case(double seed, const plant_config_t *plant, double load_Nm,
                        const runner_result_t *result) {
     const runner_phase_t *last = &result->phase[result->phases - 1];
-    (void)printf("seed %-5.0f %-7s hand-over %6.4f s, at the end %7.1f rpm, error %6.2f deg mean "
-                 "%6.2f pp | theta0 %6.1f deg, %5.2f Nm, Rs %6.4g Ohm, Lq %6.4g mH, J %6.4g",
-                 seed, report_run_failed(result) ? "FAILED" : "passed", result->handover_s,
-                 rig_stats_mean(&last->speed_rpm), rig_stats_mean(&last->error_deg),
-                 rig_stats_peak_to_peak(&last->error_deg), rig_deg_from_rad(plant->theta_e_rad),
-                 load_Nm, plant->Rs_Ohm, 1e3 * plant->Lq_H, plant->J_kgm2);
-    (void)printf("%s%s\n", report_run_failed(result) ? " | " : "",
+    (void)printf(
+        "seed %-5.0f %-6s  theta0 %6.1f deg, %5.2f Nm, Rs %6.4g Ohm, Lq %6.4g mH, J %6.4g | ", seed,
+        report_run_failed(result) ? "FAILED" : "passed", rig_deg_from_rad(plant->theta_e_rad),
+        load_Nm, plant->Rs_Ohm, 1e3 * plant->Lq_H, plant->J_kgm2);
+    if (!isnan(result->handover_s)) {
+        (void)printf("hand-over %.4f s", result->handover_s);
+    }
+    if (last->error_deg.count > 0) {
+        (void)printf(", at the end %.1f rpm, error %.2f deg mean, %.2f pp",
+                     rig_stats_mean(&last->speed_rpm), rig_stats_mean(&last->error_deg),
+                     rig_stats_peak_to_peak(&last->error_deg));
+    }
+    (void)printf("%s%s\n", report_run_failed(result) ? ", " : "",
                  report_run_failed(result) ? verdict(result) : "");
 }
 

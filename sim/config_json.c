@@ -43,9 +43,7 @@ cJSON *config_json(const rig_config_t *config) {
         if (k == 0 || strcmp(key->section, schema.row[k - 1].section) != 0) {
             section = cJSON_AddObjectToObject(root, key->section);
         }
-        if (key->kind != RIG_KEY_RESERVED) {
-            add_key(section, config, key);
-        }
+        add_key(section, config, key);
     }
     return root;
 }

@@ -6,24 +6,32 @@
 
 #include "units.h"
 
-enum { POINTS = 4000, BISECTIONS = 50 };
+enum { POINTS = 4000, POINTS_COARSE = 800, BISECTIONS = 14 };
 #define SWEEP_FROM_SIGMA 0.02
 #define SIGMA_TS_MAX 3.0
+#define SCAN_RATIO 1.1
 
 typedef struct {
+    const lode_estimator_config_t *config;
     double ts_s;
     double omega_rad_s;
-    double p; ///< pole of the C-LESO
-    bool third_order;
-    bool with_observer;
     double s; ///< pole of the PLL
+    bool third_order;
+    bool alone;            ///< without observer and notches
+    double sigma_of_notch; ///< from which its blending goes
 } loop_t;
 
 typedef struct {
     double crossover_rad_s, phase_deg, gain_up_dB, gain_down_dB;
+    int turns; ///< crossings of -180 degrees above unity gain that are still missing, upwards
 } sweep_t;
 
-static double complex pll_loop(const loop_t *loop, double complex z) {
+/// From a position error to what the PLL predicts for the next period.
+typedef struct {
+    double complex theta, omega;
+} prediction_t;
+
+static prediction_t predict(const loop_t *loop, double complex z) {
     const double ts = loop->ts_s;
     const double s = loop->s;
     const double x = 1.0 - s;
@@ -34,16 +42,51 @@ static double complex pll_loop(const loop_t *loop, double complex z) {
     const double complex x3 = l3 / d;
     const double complex x2 = (l2 + ts * x3) / d;
     const double complex x1 = (l1 + ts * x2 + 0.5 * ts * ts * x3) / d;
-    return x1 + ts * x2 + 0.5 * ts * ts * x3;
+    return (prediction_t){x1 + ts * x2 + 0.5 * ts * ts * x3, x2 + ts * x3};
 }
 
-/// The C-LESO on the dead-beat EMF.
-static double complex observer(const loop_t *loop, double complex z) {
-    const double complex stage = (1.0 - loop->p) / (1.0 - loop->p / z);
+// ---- Observers on the dead-beat EMF, tuned to the speed -------------------------------------------
+
+static double complex conventional(const loop_t *loop, double complex z) {
+    const double p = exp(-(double)loop->config->emf.w0_rad_s * loop->ts_s);
+    const double complex stage = (1.0 - p) / (1.0 - p / z);
     return stage * stage;
 }
 
-/// Its answer to a swing of the angle with exp(j Omega Ts).
+static double complex generalised(const loop_t *loop, double complex z) {
+    const lode_emf_config_t *emf = &loop->config->emf;
+    const double p = exp(-(double)emf->w0_rad_s * loop->ts_s);
+    const double al = (double)emf->gi_wc_rad_s * loop->ts_s;
+    const double c = cos(loop->omega_rad_s * loop->ts_s);
+    const double complex band =
+        al * (1.0 - 1.0 / (z * z)) / (1.0 + al - 2.0 * c / z + (1.0 - al) / (z * z));
+    const double complex g = (1.0 - p) * (1.0 - p) * (1.0 + (double)emf->gi_kappa * band);
+    return g / ((1.0 - p * p / z) * (1.0 - 1.0 / z) + g / z);
+}
+
+static double fa_pole(const loop_t *loop) {
+    return exp(-(double)loop->config->emf.k2_rad_s * loop->ts_s);
+}
+
+static double complex adaptive(const loop_t *loop, double complex z) {
+    const double q = fa_pole(loop);
+    return (1.0 - q) / (1.0 - q * cexp(I * loop->omega_rad_s * loop->ts_s) / z);
+}
+
+static bool is_adaptive(const loop_t *loop) {
+    const lode_emf_kind_t kind = loop->config->emf.kind;
+    return kind == LODE_EMF_FA_LESO || kind == LODE_EMF_FA_MULTI;
+}
+
+static double complex observer(const loop_t *loop, double complex z) {
+    if (is_adaptive(loop)) {
+        return adaptive(loop, z);
+    }
+    return loop->config->emf.kind == LODE_EMF_GI_LESO ? generalised(loop, z)
+                                                      : conventional(loop, z);
+}
+
+/// Its answer to a swing of the EMF's angle with exp(j Omega Ts).
 static double complex angle_response(const loop_t *loop, double Omega_rad_s) {
     const double w = loop->omega_rad_s;
     const double ts = loop->ts_s;
@@ -53,71 +96,117 @@ static double complex angle_response(const loop_t *loop, double Omega_rad_s) {
     return 0.5 * (above / carrier + conj(below / carrier));
 }
 
-static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
-    const double complex alone = pll_loop(loop, cexp(I * Omega_rad_s * loop->ts_s));
-    return loop->with_observer ? alone * angle_response(loop, Omega_rad_s) : alone;
+/// Notch at a harmonic of the speed, blended in as the firmware does.
+static double complex notch(const loop_t *loop, double order, double k, double complex z) {
+    const double centre = order * fabs(loop->omega_rad_s) * loop->ts_s;
+    const double sigma_Ts = loop->sigma_of_notch * loop->ts_s;
+    const double low = (double)LODE_NOTCH_LOW_SIGMA * sigma_Ts;
+    const double high = (double)LODE_NOTCH_HIGH_SIGMA * sigma_Ts;
+    if (!(k > 0.0) || centre >= (double)LODE_SOGI_CENTRE_MAX_rad) {
+        return 1.0;
+    }
+    const double weight = fmin(fmax((centre - low) / (high - low), 0.0), 1.0);
+    const double al = 0.5 * k * sin(centre);
+    const double complex top = 1.0 - 2.0 * cos(centre) / z + 1.0 / (z * z);
+    return 1.0 + weight * (top / (top + al * (1.0 - 1.0 / (z * z))) - 1.0);
 }
 
-/// Walks up the frequencies: the last crossing of unity gain counts, and the crossings of -180
-/// degrees on either side of it.
-static sweep_t sweep(const loop_t *loop) {
+/// FA turns its estimate with the PLL's speed, which so comes back as a part of the angle.
+static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
+    const double complex z = cexp(I * Omega_rad_s * loop->ts_s);
+    const prediction_t pll = predict(loop, z);
+    if (loop->alone) {
+        return pll.theta;
+    }
+    const double complex filtered = notch(loop, 6.0, (double)loop->config->notch_k, z) *
+                                    notch(loop, 12.0, (double)loop->config->notch12_k, z);
+    if (is_adaptive(loop)) {
+        const double q = fa_pole(loop);
+        return filtered * (pll.theta - q * loop->ts_s / (1.0 - q / z) * pll.omega);
+    }
+    return filtered * pll.theta * angle_response(loop, Omega_rad_s);
+}
+
+static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s,
+                        double sigma_of_notch) {
+    const double ts_s = 1.0 / (double)config->f_pwm_Hz;
+    return (loop_t){
+        .config = &config->estimator,
+        .ts_s = ts_s,
+        .omega_rad_s = omega_rad_s,
+        .s = exp(-sigma_rad_s * ts_s),
+        .sigma_of_notch = sigma_of_notch,
+        .third_order = config->estimator.pll.kind == LODE_PLL_LESO,
+    };
+}
+
+// ---- Margins --------------------------------------------------------------------------------------
+
+/// One step of the way up: crossings of unity gain and of -180 degrees.
+static void note_crossings(sweep_t *found, double gain_before, double gain, double phase_before,
+                           double phase, double Omega_rad_s) {
+    const bool rises = phase_before < -RIG_PI && phase >= -RIG_PI;
+    const bool falls = phase_before >= -RIG_PI && phase < -RIG_PI;
+    const double gain_dB = 20.0 * log10(gain);
+    if (gain_before >= 1.0 && gain < 1.0) {
+        found->crossover_rad_s = Omega_rad_s;
+        found->phase_deg = rig_deg_from_rad(phase + RIG_PI);
+    }
+    if (rises && gain > 1.0) {
+        found->gain_down_dB = gain_dB;
+    }
+    if (falls && gain < 1.0 && isnan(found->gain_up_dB)) {
+        found->gain_up_dB = -gain_dB;
+    }
+    if (gain > 1.0) {
+        found->turns -= rises ? 1 : 0;
+        found->turns += falls ? 1 : 0;
+    }
+}
+
+/// Walks up the frequencies; the last crossing of unity gain counts.
+static sweep_t sweep(const loop_t *loop, int points) {
     const double sigma = -log(loop->s) / loop->ts_s;
     const double low = SWEEP_FROM_SIGMA * sigma;
-    const double ratio = pow(RIG_PI / (loop->ts_s * low), 1.0 / POINTS);
-    sweep_t found = {NAN, NAN, NAN, NAN};
+    const double ratio = pow(RIG_PI / (loop->ts_s * low), 1.0 / points);
+    sweep_t found = {NAN, NAN, NAN, NAN, 0};
     double complex before = open_loop(loop, low);
-    // Integrators alone, far below sigma.
+    // The integrators alone, far below sigma.
     double phase = loop->third_order ? -1.5 * RIG_PI : -RIG_PI;
     phase += remainder(carg(before) - phase, 2.0 * RIG_PI);
+    found.turns = phase < -RIG_PI ? 1 : 0;
     double Omega = low;
-    for (int k = 0; k < POINTS - 1; ++k) {
+    for (int k = 0; k < points - 1; ++k) {
         Omega *= ratio;
         const double complex now = open_loop(loop, Omega);
         const double phase_before = phase;
-        phase += remainder(carg(now / before), 2.0 * RIG_PI);
-        if (cabs(before) >= 1.0 && cabs(now) < 1.0) {
-            found.crossover_rad_s = Omega;
-            found.phase_deg = rig_deg_from_rad(phase + RIG_PI);
-        }
-        if (phase_before < -RIG_PI && phase >= -RIG_PI && cabs(now) > 1.0) {
-            found.gain_down_dB = 20.0 * log10(cabs(now));
-        }
-        if (phase_before >= -RIG_PI && phase < -RIG_PI && cabs(now) < 1.0 &&
-            isnan(found.gain_up_dB)) {
-            found.gain_up_dB = -20.0 * log10(cabs(now));
-        }
+        phase += carg(now / before);
+        note_crossings(&found, cabs(before), cabs(now), phase_before, phase, Omega);
         before = now;
     }
     return found;
 }
 
-static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s) {
-    const double ts_s = 1.0 / (double)config->f_pwm_Hz;
-    return (loop_t){
-        .ts_s = ts_s,
-        .omega_rad_s = omega_rad_s,
-        .p = exp(-(double)config->estimator.emf.w0_rad_s * ts_s),
-        .third_order = config->estimator.pll.kind == LODE_PLL_LESO,
-        .with_observer = true,
-        .s = exp(-sigma_rad_s * ts_s),
-    };
+/// Nyquist: what the integrators turn below -180 degrees must have come back above unity gain.
+static bool is_stable(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s) {
+    const loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
+    return sweep(&loop, POINTS_COARSE).turns == 0;
 }
 
-static bool has_margin(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s) {
-    const loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s);
-    return sweep(&loop).phase_deg > 0.0;
-}
-
-/// NaN where even the fastest PLL that makes sense keeps a margin.
+/// The first sigma on the way up that is unstable; NaN where there is none that makes sense.
 static double find_sigma_limit(const lode_drive_config_t *config, double omega_rad_s) {
-    double low = 1.0;
-    double high = SIGMA_TS_MAX * (double)config->f_pwm_Hz;
-    if (has_margin(config, omega_rad_s, high)) {
+    const double last = SIGMA_TS_MAX * (double)config->f_pwm_Hz;
+    double high = 1.0;
+    while (high < last && is_stable(config, omega_rad_s, high)) {
+        high *= SCAN_RATIO;
+    }
+    if (high >= last) {
         return NAN;
     }
-    for (int k = 0; k < BISECTIONS && high - low > 1e-4 * high; ++k) {
-        const double middle = sqrt(low * high);
-        if (has_margin(config, omega_rad_s, middle)) {
+    double low = high / SCAN_RATIO;
+    for (int k = 0; k < BISECTIONS; ++k) {
+        const double middle = 0.5 * (low + high);
+        if (is_stable(config, omega_rad_s, middle)) {
             low = middle;
         } else {
             high = middle;
@@ -138,10 +227,10 @@ double margins_sigma(const lode_pll_config_t *pll, double omega_rad_s, double ts
 margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s) {
     const double ts_s = 1.0 / (double)config->f_pwm_Hz;
     const double sigma = margins_sigma(&config->estimator.pll, omega_rad_s, ts_s);
-    loop_t loop = make_loop(config, omega_rad_s, sigma);
-    const sweep_t whole = sweep(&loop);
-    loop.with_observer = false;
-    const sweep_t alone = sweep(&loop);
+    loop_t loop = make_loop(config, omega_rad_s, sigma, (double)config->estimator.pll.sigma_rad_s);
+    const sweep_t whole = sweep(&loop, POINTS);
+    loop.alone = true;
+    const sweep_t alone = sweep(&loop, POINTS);
     return (margins_t){
         .sigma_rad_s = sigma,
         .crossover_rad_s = alone.crossover_rad_s,
@@ -167,7 +256,7 @@ double margins_sigma_accepted(const lode_drive_config_t *config) {
     if (!accepts(config, low)) {
         return NAN;
     }
-    for (int k = 0; k < BISECTIONS && high - low > 1e-5 * high; ++k) {
+    for (int k = 0; k < 2 * BISECTIONS; ++k) {
         const double middle = 0.5 * (low + high);
         if (accepts(config, middle)) {
             low = middle;

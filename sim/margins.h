@@ -1,9 +1,12 @@
 /// How far the PLL is from instability, in double from the gains that the firmware uses.
 ///
 /// Open loop in the z-plane: O(z) = C A (zI - A)^-1 L, with A the motion over one period, L the
-/// gains. The EMF observer in front of it answers to a small swing of the EMF's angle with
-///     G(z) = (H(rho z)/H(rho) + H(rho* z)*'/H(rho)*)/2,
-/// the mean of both side bands of the carrier; H is the C-LESO, rho = exp(j w Ts).
+/// gains. The EMF observer H in front of it answers to a small swing of the EMF's angle with the
+/// mean of both side bands of the carrier rho = exp(j w Ts):
+///     G(z) = (H(rho z)/H(rho) + conj(H(rho/z)/H(rho)))/2.
+/// C and GI: the loop is O G, as where the angle acts on the current and so on the EMF. FA: the speed
+/// that tunes the observer comes back through it: O - F W, with F = q Ts/(1 - q/z), W = speed per
+/// error; the further modes of the multi-mode form are left out. Notches count with their blending.
 #ifndef RIG_MARGINS_H
 #define RIG_MARGINS_H
 

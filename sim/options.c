@@ -10,6 +10,9 @@
 
 enum { MAIN_JOB = 1, RUN = 2, REPLAY = 4, DESIGN = 8, ALL = 15 };
 
+// Seeds pass through a double, which holds them up to here.
+#define SEED_MAX (UINT64_C(1) << 53)
+
 typedef struct {
     const char *name;
     int argument; ///< of getopt_long
@@ -23,8 +26,8 @@ static const option_t table[] = {
     {"motor", required_argument, 'm', REPLAY | DESIGN, "F.ini", "motor, and whatever else it sets"},
     {"drive", required_argument, 'd', REPLAY | DESIGN, "F.ini", "drive, over the motor's file"},
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
-    {"emf", required_argument, 'e', REPLAY, "NAME", "EMF observer: c-leso"},
-    {"pll", required_argument, 'p', REPLAY, "NAME", "position PLL: leso-qpll, qpll"},
+    {"emf", required_argument, 'e', REPLAY, "NAME", "EMF observer, as `lodestar list` has it"},
+    {"pll", required_argument, 'p', REPLAY, "NAME", "position PLL, as `lodestar list` has it"},
     {"set", required_argument, 's', ALL, "SECTION.KEY=VALUE", "over what files say; repeatable"},
     {"seed", required_argument, 'n', MAIN_JOB | RUN, "S", "of noise and all that is random"},
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
@@ -48,7 +51,7 @@ typedef struct {
 
 static const command_t commands[] = {
     {"list", COMMAND_LIST, 0, "lodestar list",
-     "Lists the motors, drives, plants and scenarios that come with the tool, and the estimators."},
+     "Lists what comes with the tool: motors, drives, plants, scenarios, estimators."},
     {"run", COMMAND_RUN, RUN, "lodestar run SCENARIO.ini [OPTION...]",
      "Runs the drive against the simulated motor through the phases of a scenario.\n"
      "SCENARIO.ini is a file, or the name of a scenario that `lodestar list` shows."},
@@ -58,8 +61,10 @@ static const command_t commands[] = {
      "Columns, by name: t_s u_alpha_V u_beta_V i_alpha_A i_beta_A, optional theta_e_rad\n"
      "omega_e_rad_s. Row k holds the currents AT t_k and the mean voltage over [t_k, t_k+1)."},
     {"design", COMMAND_DESIGN, DESIGN, "lodestar design --motor F.ini [OPTION...]",
-     "Prints every value that follows from a motor and a drive: gains, bandwidths, limits, the\n"
-     "stability of the PLL, the lag of the observer and the limit at low speed."},
+     "Prints every value that follows from a motor and a drive.\n"
+     "Gains, bandwidths and limits, the stability of the PLL, the lag of the observer, and the "
+     "limit\n"
+     "at low speed. What is missing of the drive is assumed, and said."},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -122,7 +127,7 @@ void options_print_help(const char *command) {
 static bool read_integer(const char *text, char **end, uint64_t *value) {
     errno = 0;
     *value = strtoull(text, end, 10);
-    return *end != text && text[0] >= '0' && text[0] <= '9' && errno == 0;
+    return *end != text && text[0] >= '0' && text[0] <= '9' && errno == 0 && *value <= SEED_MAX;
 }
 
 static bool take_seed(options_t *options, const char *text) {
@@ -131,7 +136,7 @@ static bool take_seed(options_t *options, const char *text) {
     if (read_integer(text, &end, &options->seed) && *end == '\0') {
         return true;
     }
-    rig_error("--seed %s: expected a whole number, 0 and up", text);
+    rig_error("--seed %s: expected a whole number, 0 .. 2^53", text);
     return false;
 }
 
@@ -143,7 +148,7 @@ static bool take_seeds(options_t *options, const char *text) {
         options->seed_last >= options->seed) {
         return true;
     }
-    rig_error("--seeds %s: expected two whole numbers, as in 1-20", text);
+    rig_error("--seeds %s: expected two whole numbers up to 2^53, as in 1-20", text);
     return false;
 }
 

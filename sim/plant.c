@@ -134,13 +134,18 @@ static const char *check_adc(const plant_config_t *c) {
 }
 
 const char *plant_init(plant_t *self, const plant_config_t *config) {
-    const char *(*const checks[])(const plant_config_t *) = {check_motor, check_shaft,
-                                                             check_inverter, check_adc};
-    for (size_t n = 0; n < sizeof checks / sizeof checks[0]; n++) {
-        const char *error = checks[n](config);
-        if (error != NULL) {
-            return error;
-        }
+    const char *error = check_motor(config);
+    if (error == NULL) {
+        error = check_shaft(config);
+    }
+    if (error == NULL) {
+        error = check_inverter(config);
+    }
+    if (error == NULL) {
+        error = check_adc(config);
+    }
+    if (error != NULL) {
+        return error;
     }
     *self = (plant_t){
         .period_s = config->period_s,

@@ -7,17 +7,20 @@
 #define SHOW_AFTER_s 0.5
 #define SHOW_EVERY_s 0.2
 
-static double wall_clock_s(void) {
+static double read_clock_s(clockid_t clock) {
     struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    (void)clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+static double wall_clock_s(void) {
+    return read_clock_s(CLOCK_MONOTONIC);
+}
+
 void progress_start(progress_t *self) {
-    const double now_s = wall_clock_s();
     *self = (progress_t){.terminal = isatty(STDERR_FILENO) == 1,
-                         .started_s = now_s,
-                         .shown_s = now_s + SHOW_AFTER_s - SHOW_EVERY_s};
+                         .started_s = read_clock_s(CLOCK_PROCESS_CPUTIME_ID),
+                         .shown_s = wall_clock_s() + SHOW_AFTER_s - SHOW_EVERY_s};
 }
 
 void progress_show(progress_t *self, double fraction, const char *what) {
@@ -34,5 +37,5 @@ double progress_end(progress_t *self) {
     if (self->shown) {
         (void)fputs("\r\033[K", stderr);
     }
-    return wall_clock_s() - self->started_s;
+    return read_clock_s(CLOCK_PROCESS_CPUTIME_ID) - self->started_s;
 }

@@ -7,7 +7,8 @@
 typedef struct {
     bool terminal;
     bool shown;
-    double started_s, shown_s; ///< wall clock
+    double started_s; ///< processor time
+    double shown_s;   ///< wall clock
 } progress_t;
 
 void progress_start(progress_t *self);
@@ -15,7 +16,8 @@ void progress_start(progress_t *self);
 /// Shows `fraction` of the work and `what`, a few times a second at most.
 void progress_show(progress_t *self, double fraction, const char *what);
 
-/// Clears the line. Returns the seconds since the start.
+/// Clears the line. Returns the processor time since the start, s: what other programs take does not
+/// count.
 double progress_end(progress_t *self);
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "config_json.h"
+#include "schema.h"
 #include "units.h"
 
 #include "lodestar/version.h"
@@ -66,21 +67,29 @@ static void print_verdict(FILE *file, const runner_result_t *result) {
                       (double)result->fault.measured, (double)result->fault.limit,
                       result->fault_expected ? " (as the scenario expects)" : "");
     }
-    (void)fprintf(file, "\n%s: %.2f s of drive simulated in %.2f s: %.0f times real time\n",
+    (void)fprintf(file,
+                  "\n%s: %.2f s of drive simulated in %.2f s on one core: %.0f times real time\n",
                   report_run_failed(result) ? "FAILED" : "passed", result->simulated_s,
-                  result->wall_s, result->simulated_s / result->wall_s);
+                  result->processor_s, result->simulated_s / result->processor_s);
+}
+
+static void key_text(const rig_config_t *config, const char *key, char *text, size_t size) {
+    const rig_schema_t schema = rig_schema();
+    rig_key_print(&schema.row[rig_schema_find(schema, "estimator", key)], config, text, size);
 }
 
 static void print_heading(FILE *file, const rig_config_t *config) {
     const lode_drive_config_t *drive = &config->drive;
+    char emf[RIG_NAME_LENGTH];
+    char pll[RIG_NAME_LENGTH];
+    key_text(config, "emf", emf, sizeof emf);
+    key_text(config, "pll", pll, sizeof pll);
     (void)fprintf(file,
-                  "%s: %g pole pairs, %g Hz, %g V bus, %s inverter, estimate: %s, seed %.0f\n\n",
+                  "%s: %g pole pairs, %g Hz, %g V bus, %s inverter, %s and %s%s, seed %.0f\n\n",
                   config->files > 0 ? config->file[0] : "", (double)drive->motor.pole_pairs,
                   (double)drive->f_pwm_Hz, (double)drive->inverter.v_bus_V,
-                  config->plant.inverter == (int)PLANT_SWITCHING ? "switched" : "ideal",
-                  config->source == RIG_SOURCE_TRUTH           ? "the true angle"
-                  : drive->estimator.pll.kind == LODE_PLL_QPLL ? "c-leso, qpll"
-                                                               : "c-leso, leso-qpll",
+                  config->plant.inverter == (int)PLANT_SWITCHING ? "switched" : "ideal", emf, pll,
+                  config->source == RIG_SOURCE_TRUTH ? " unused: driven by the true angle" : "",
                   config->scenario.seed);
 }
 
@@ -178,7 +187,7 @@ void report_run_json(FILE *file, const rig_config_t *config, const runner_result
     config_json_number(root, "window_s", RUNNER_WINDOW_s);
     config_json_number(root, "handover_s", result->handover_s);
     config_json_number(root, "simulated_s", result->simulated_s);
-    config_json_number(root, "times_real_time", result->simulated_s / result->wall_s);
+    config_json_number(root, "times_real_time", result->simulated_s / result->processor_s);
     add_fault(root, result);
     cJSON *phases = cJSON_AddArrayToObject(root, "phases");
     for (int k = 0; k < result->phases; ++k) {

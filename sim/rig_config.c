@@ -17,6 +17,7 @@
 #define TEMPERATURE_SPAN_degC 200.0
 #define AMBIENT_degC 25.0
 #define STAMP_Hz 1.0e6
+#define NOTCH_K 0.5f // paper 1, Section 5
 
 static void unset_all(rig_schema_t schema, void *object) {
     const double unset = RIG_UNSET;
@@ -131,6 +132,14 @@ static void fit_board(rig_config_t *config) {
     drive->sense.temperature_offset_degC = (float)TEMPERATURE_ZERO_degC;
 }
 
+static void choose_pll(rig_config_t *config) {
+    lode_estimator_config_t *estimator = &config->drive.estimator;
+    estimator->pll.kind = config->pll == RIG_PLL_QPLL ? LODE_PLL_QPLL : LODE_PLL_LESO;
+    if (config->pll == RIG_PLL_ENHANCED) {
+        estimator->notch_k = lode_given_or(estimator->notch_k, NOTCH_K);
+    }
+}
+
 bool rig_config_complete(rig_config_t *config, rig_need_t need) {
     static const char *const motor[] = {"pole_pairs", "Rs_Ohm", "Ld_H", "Lq_H",
                                         "psi_Wb",     "J_kgm2", NULL};
@@ -141,6 +150,7 @@ bool rig_config_complete(rig_config_t *config, rig_need_t need) {
         return false;
     }
     fit_board(config);
+    choose_pll(config);
     default_to(&config->scenario.seed, 1.0);
     return true;
 }

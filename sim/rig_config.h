@@ -60,6 +60,13 @@ typedef struct {
 /// Where the drive's estimate comes from.
 typedef enum { RIG_SOURCE_OWN, RIG_SOURCE_TRUTH } rig_source_t;
 
+/// Position PLL by its name: the library has two orders, and a notch for either.
+typedef enum {
+    RIG_PLL_LESO,
+    RIG_PLL_QPLL,
+    RIG_PLL_ENHANCED ///< LESO-QPLL with the notch at 6 w (paper 1, Section 4)
+} rig_pll_t;
+
 /// One stretch of a scenario. What a phase leaves unset stays as it was.
 typedef struct {
     char name[RIG_NAME_LENGTH];
@@ -101,6 +108,7 @@ typedef struct {
     rig_convenience_t people;
     rig_plant_t plant;
     rig_source_t source;
+    rig_pll_t pll;
     rig_scenario_t scenario;
     int files;
     char file[RIG_FILES_MAX][RIG_PATH_LENGTH];

@@ -92,6 +92,7 @@ static void note_changes(run_t *run, const lode_estimate_t *estimate) {
                        (double)fault->limit);
         runlog_note(run->log, t_s, text);
         run->result->fault = *fault;
+        run->result->fault_expected = false;
         run->result->fault_s = t_s;
     }
     run->faulted = mode == LODE_MODE_FAULT;
@@ -382,6 +383,6 @@ bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_
         }
     }
     result->simulated_s = (double)run.k * run.ts_s;
-    result->wall_s = progress_end(&run.progress);
+    result->processor_s = progress_end(&run.progress);
     return good;
 }

@@ -35,7 +35,7 @@ typedef struct {
     bool fault_expected;
     double handover_s; ///< first time in RUN, NaN: never
     double simulated_s;
-    double wall_s;
+    double processor_s;
     bool missed; ///< a bar
 } runner_result_t;
 

@@ -27,7 +27,7 @@ static bool first_of_section(rig_schema_t schema, int row) {
 void rig_schema_expected(rig_schema_t schema, const char *section, char *text, size_t size) {
     text[0] = '\0';
     for (int k = 0; k < schema.rows; ++k) {
-        if (strcmp(schema.row[k].section, section) == 0 && schema.row[k].kind != RIG_KEY_RESERVED) {
+        if (strcmp(schema.row[k].section, section) == 0) {
             append(text, size, schema.row[k].key);
         }
     }
@@ -54,25 +54,33 @@ static void store(void *object, size_t offset, const void *value, size_t size) {
     memcpy((char *)object + offset, value, size);
 }
 
+/// What a word stands for in this kind of key; false where it is none of its words.
+static bool read_word(rig_key_kind_t kind, const char *value, float *result) {
+    if (kind == RIG_KEY_FLOAT_OR_NONE && strcmp(value, "none") == 0) {
+        *result = LODE_NONE;
+        return true;
+    }
+    *result = 0.0f;
+    return kind != RIG_KEY_GIVEN && strcmp(value, "auto") == 0;
+}
+
 static bool assign_float(const rig_key_t *key, void *object, const char *value, char *expected,
                          size_t size) {
-    double number = 0.0;
-    const bool may_be_none = key->kind == RIG_KEY_FLOAT_OR_NONE;
+    const char *words = key->kind == RIG_KEY_FLOAT ? " or auto" : ", auto or none";
     float result = 0.0f;
-    if (may_be_none && strcmp(value, "none") == 0) {
-        result = LODE_NONE;
-    } else if (key->kind == RIG_KEY_GIVEN || strcmp(value, "auto") != 0) {
+    if (!read_word(key->kind, value, &result)) {
+        double number = 0.0;
         const bool read = read_number(value, &number);
         result = (float)number;
         // A magnitude that a float cannot hold would turn into infinity or into `auto`.
         if (!read || !isfinite(result) || (result == 0.0f && number != 0.0)) {
             (void)snprintf(expected, size, "expected a finite number%s",
-                           may_be_none                  ? ", auto or none"
-                           : key->kind == RIG_KEY_FLOAT ? " or auto"
-                                                        : "");
+                           key->kind == RIG_KEY_GIVEN ? "" : words);
             return false;
         }
-        result = may_be_none && result == 0.0f ? LODE_NONE : result;
+        if (key->kind == RIG_KEY_FLOAT_OR_NONE && result == 0.0f) {
+            result = LODE_NONE;
+        }
     }
     store(object, key->offset, &result, sizeof result);
     return true;
@@ -168,13 +176,8 @@ bool rig_key_assign(const rig_key_t *key, void *object, const char *value, char 
     case RIG_KEY_CHOICE:
         return assign_choice(key, object, value, expected, size);
     case RIG_KEY_TEXT:
-        return assign_text(key, object, value, expected, size);
-    case RIG_KEY_RESERVED:
     default:
-        (void)snprintf(expected, size,
-                       "belongs to %s, which is not built in yet; expected no such key",
-                       key->names);
-        return false;
+        return assign_text(key, object, value, expected, size);
     }
 }
 

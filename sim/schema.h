@@ -14,8 +14,7 @@ typedef enum {
     RIG_KEY_DOUBLE,        ///< double of the host, within lo .. hi
     RIG_KEY_DOUBLE_OR,     ///< the same, or the word in `names`, stored as RIG_RANDOM
     RIG_KEY_CHOICE,        ///< int or enum: index into `names`, which are separated by '|'
-    RIG_KEY_TEXT,          ///< path of at most RIG_PATH_LENGTH - 1 characters
-    RIG_KEY_RESERVED       ///< belongs to something not built in yet, which `names` says
+    RIG_KEY_TEXT           ///< path of at most RIG_PATH_LENGTH - 1 characters
 } rig_key_kind_t;
 
 typedef struct {

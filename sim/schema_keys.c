@@ -22,11 +22,10 @@ typedef char enum_is_int[sizeof(lode_choice_t) == sizeof(int) ? 1 : -1];
     { section, key, RIG_KEY_DOUBLE_OR, offsetof(rig_config_t, field), lo, hi, word, NULL }
 #define TEXT(section, key, field)                                                                  \
     { section, key, RIG_KEY_TEXT, offsetof(rig_config_t, field), 0.0, 0.0, NULL, NULL }
-#define RESERVED(section, key, owner)                                                              \
-    { section, key, RIG_KEY_RESERVED, 0, 0.0, 0.0, owner, NULL }
-
-#define EMF_LATER "gi-leso|fa-leso|fa-multi|c-leso-euler|gi-leso-euler|fa-leso-euler"
-#define PLL_LATER "enhanced|qpll-euler|leso-qpll-euler|enhanced-euler"
+#define EMF "c-leso|gi-leso|fa-leso|fa-multi"
+#define EMF_LATER "c-leso-euler|gi-leso-euler|fa-leso-euler"
+#define PLL "leso-qpll|qpll|enhanced"
+#define PLL_LATER "qpll-euler|leso-qpll-euler|enhanced-euler"
 
 // The rows of a section stand together; the order of the names of a choice is its enumerators'.
 static const rig_key_t keys[] = {
@@ -58,9 +57,16 @@ static const rig_key_t keys[] = {
     FLOAT("drive", "duty_max", sense.duty_max),
     FLOAT("drive", "calibrate_s", sense.calibrate_s),
 
-    CHOICE("estimator", "emf", drive.estimator.emf.kind, "c-leso", EMF_LATER),
-    CHOICE("estimator", "pll", drive.estimator.pll.kind, "leso-qpll|qpll", PLL_LATER),
+    CHOICE("estimator", "emf", drive.estimator.emf.kind, EMF, EMF_LATER),
+    CHOICE("estimator", "pll", pll, PLL, PLL_LATER),
     FLOAT("estimator", "w0_rad_s", estimator.emf.w0_rad_s),
+    FLOAT("estimator", "gi_kappa", estimator.emf.gi_kappa),
+    FLOAT("estimator", "gi_wc_rad_s", estimator.emf.gi_wc_rad_s),
+    FLOAT("estimator", "k1_rad2_s2", estimator.emf.k1_rad2_s2),
+    FLOAT("estimator", "k2_rad_s", estimator.emf.k2_rad_s),
+    FLOAT("estimator", "w_filter_rad_s", estimator.w_filter_rad_s),
+    FLOAT("estimator", "notch_k", estimator.notch_k),
+    FLOAT("estimator", "notch12_k", estimator.notch12_k),
     FLOAT("estimator", "sigma_rad_s", estimator.pll.sigma_rad_s),
     FLOAT("estimator", "sigma_low_rad_s", estimator.pll.sigma_low_rad_s),
     FLOAT("estimator", "omega_low_rad_s", estimator.pll.omega_low_rad_s),
@@ -72,12 +78,6 @@ static const rig_key_t keys[] = {
     CHOICE("estimator", "active_flux", drive.estimator.active_flux, "auto|on|off", NULL),
     CHOICE("estimator", "compensation", drive.estimator.compensation, "exact|none", NULL),
     CHOICE("estimator", "source", source, "own|truth", NULL),
-    RESERVED("estimator", "k1_rad2_s2", "the FA-LESO"),
-    RESERVED("estimator", "k2_rad_s", "the FA-LESO"),
-    RESERVED("estimator", "gi_kappa", "the GI-LESO"),
-    RESERVED("estimator", "gi_wc_rad_s", "the GI-LESO"),
-    RESERVED("estimator", "w_filter_rad_s", "the GI-LESO and the FA-LESO"),
-    RESERVED("estimator", "notch_k", "the enhanced PLL"),
 
     FLOAT("current", "bandwidth_rad_s", current.bandwidth_rad_s),
     FLOAT("current", "kp_d_V_A", current.kp_d_V_A),

@@ -45,7 +45,7 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     lode_guard_reset(&self->guard);
     lode_pi_reset(&self->current.d, 0.0f);
     lode_pi_reset(&self->current.q, 0.0f);
-    lode_start_reset(&self->start, 0.0f, 0.0f, 0.0f);
+    lode_start_begin(&self->start, &self->tuning->start);
 }
 
 static void fault(lode_drive_t *self, lode_check_t check, float measured, float limit) {
@@ -208,6 +208,12 @@ static void hand_back(lode_drive_t *self, const lode_estimate_t *est) {
 static void follow_start(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->start;
+    if (start->catching > 0u && self->command.mode == LODE_MODE_RUN) {
+        if (lode_start_catch(start, tuning, est)) {
+            hand_over(self, est);
+        }
+        return;
+    }
     const bool stopping = is_stop(self);
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target =

@@ -28,7 +28,7 @@ void lode_drive_design(lode_drive_config_t *config) {
     lode_references_design(&config->references, inverter, motor);
     lode_current_design(&config->current, motor, ts_s);
     lode_start_design(&config->start, inverter, motor);
-    lode_speed_design(&config->speed, inverter, motor, config->estimator.pll.sigma_low_rad_s,
+    lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
                       config->start.omega_handover_rad_s);
     lode_guard_design(&config->guard, inverter, &config->estimator);
 }
@@ -58,8 +58,8 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
                                  c->estimator.omega_max_rad_s, t->ts_s);
     }
     if (status == LODE_OK) {
-        status = lode_speed_tune(&t->speed, &c->speed, &c->inverter, &c->motor,
-                                 c->estimator.pll.sigma_low_rad_s, t->ts_s);
+        status = lode_speed_tune(&t->speed, &c->speed, &c->inverter, &c->motor, &c->estimator.pll,
+                                 t->ts_s);
     }
     if (status == LODE_OK) {
         status = lode_guard_tune(&t->guard, &c->guard, &c->inverter, &c->sense, t->ts_s);

@@ -123,7 +123,7 @@ static void check_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                         const lode_sample_t *sample, uint_least8_t state) {
     const float i = largest(sample->i_abc_A);
     if (sample->trip) {
-        lode_guard_trip(self, state, LODE_CHECK_HARDWARE_TRIP, i, tuning->i_trip);
+        lode_guard_trip(self, state, LODE_CHECK_HARDWARE_TRIP, 1.0f, 0.0f);
     }
     if (!(lode_abs(i) <= tuning->i_trip)) {
         lode_guard_trip(self, state, LODE_CHECK_OVER_CURRENT, i, tuning->i_trip);

@@ -1,8 +1,8 @@
 #include "lodestar/pll.h"
 
-// Shares of the rated electrical speed. At 471 rad/s they give sigma = 60 .. 100 rad/s between 47 and
-// 94 rad/s: 60 for the hand-over, 100 as the most that survives all parameter errors at once.
-#define SIGMA_LOW_SHARE 0.1273f
+// Shares of the rated electrical speed. At 471 rad/s they give sigma = 50 .. 100 rad/s between 47 and
+// 94 rad/s: 50 for the hand-over, 100 as the most that survives all parameter errors at once.
+#define SIGMA_LOW_SHARE 0.1061f
 #define SIGMA_HIGH_SHARE 0.2122f
 #define OMEGA_LOW_SHARE 0.1f
 #define OMEGA_HIGH_SHARE 0.2f

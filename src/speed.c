@@ -4,16 +4,20 @@
 #define BANDWIDTH_PER_SIGMA 0.25f
 #define INTEGRAL_SHARE 0.25f // ki = kp bandwidth/4: the zero two octaves below the crossover
 #define BANDWIDTH_PER_SIGMA_MAX 1.0f
+#define RISE_MAX 10.0f
 #define RAMP_TORQUE_SHARE 0.5f
 #define LOAD_FEED_FORWARD 0.5f
 #define INERTIA_FEED_FORWARD 1.0f
 
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
-                       const lode_motor_t *motor, float sigma_low_rad_s,
+                       const lode_motor_t *motor, const lode_pll_config_t *pll,
                        float omega_handover_rad_s) {
     const float J = motor->J_kgm2;
-    const float bandwidth =
-        config->kp_Nms > 0.0f ? config->kp_Nms / J : BANDWIDTH_PER_SIGMA * sigma_low_rad_s;
+    const bool given = config->kp_Nms > 0.0f;
+    const float bandwidth = given ? config->kp_Nms / J : BANDWIDTH_PER_SIGMA * pll->sigma_low_rad_s;
+    config->gain_rise = lode_given_or(
+        config->gain_rise,
+        given ? 1.0f : lode_clamp(pll->sigma_rad_s / pll->sigma_low_rad_s, 1.0f, RISE_MAX));
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
     config->kp_Nms = lode_given_or(config->kp_Nms, config->bandwidth_rad_s * J);
     config->ki_Nm =
@@ -28,13 +32,14 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
 
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
                               const lode_inverter_config_t *inverter, const lode_motor_t *motor,
-                              float sigma_low_rad_s, float ts_s) {
+                              const lode_pll_config_t *pll, float ts_s) {
     if (!lode_in_range(config->kp_Nms, 1.0e-9f, 1.0e6f) ||
-        !lode_in_range(config->ki_Nm, 0.0f, 1.0e6f)) {
+        !lode_in_range(config->ki_Nm, 0.0f, 1.0e6f) ||
+        !lode_in_range(config->gain_rise, 1.0f, RISE_MAX)) {
         return LODE_ERROR_SPEED_GAINS;
     }
     if (!lode_in_range(config->bandwidth_rad_s, 1.0e-3f, 1.0e5f) ||
-        !(config->kp_Nms <= BANDWIDTH_PER_SIGMA_MAX * sigma_low_rad_s * motor->J_kgm2)) {
+        !(config->kp_Nms <= BANDWIDTH_PER_SIGMA_MAX * pll->sigma_low_rad_s * motor->J_kgm2)) {
         return LODE_ERROR_SPEED_BANDWIDTH;
     }
     if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f)) {
@@ -46,6 +51,10 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
     }
     *tuning = (lode_speed_tuning_t){
         .pi = {config->kp_Nms, config->ki_Nm * ts_s},
+        .rise = config->gain_rise - 1.0f,
+        // From where the PLL has its full bandwidth to twice that speed, clear of the dead band's ripple.
+        .omega_low = pll->omega_high_rad_s,
+        .inv_span = 1.0f / pll->omega_high_rad_s,
         .inv_pole_pairs = 1.0f / motor->pole_pairs,
         .ramp_step = config->ramp_rad_s2 * ts_s,
         .load_feed_forward = lode_max(config->load_feed_forward, 0.0f),
@@ -65,7 +74,9 @@ LODE_HOT float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tu
                                float target_rad_s, float omega_rad_s, float load_Nm) {
     const float before = self->reference_rad_s;
     self->reference_rad_s = lode_ramp(before, target_rad_s, tuning->ramp_step);
-    const float error = self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs;
+    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
+    const float gain = 1.0f + tuning->rise * lode_clamp(up, 0.0f, 1.0f);
+    const float error = gain * (self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs);
     const float ff =
         tuning->load_feed_forward * load_Nm + tuning->inertia_Nm * (self->reference_rad_s - before);
     const float asked = lode_pi_output(&self->pi, &tuning->pi, error, ff);

@@ -4,8 +4,10 @@
 #define HANDOVER_SHARE 0.1f // of rated speed
 #define RAMP_TORQUE_SHARE (1.0f / 6.0f)
 #define RISE_TIME_s 0.2f
-#define DAMPING 0.3f
-#define LOCK_TIME_s 0.05f
+#define DAMPING 0.5f
+#define LOCK_TIME_s 0.1f
+#define CATCH_TIME_s 0.05f // the estimator needs 20 to 30 ms from a reset to a sure lock
+#define CATCH_PARTS 5u     // the lock must hold for this part of the time
 #define FADE_TIME_s 0.1f
 #define PATIENCE_s 0.4f
 #define ATTEMPTS 3.0f      // until the start has failed
@@ -40,6 +42,7 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     config->current_rise_s = lode_given_or(config->current_rise_s, RISE_TIME_s);
     config->damping = lode_given_or_none(config->damping, DAMPING);
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
+    config->catch_s = lode_given_or_none(config->catch_s, CATCH_TIME_s);
     config->fade_s = lode_given_or(config->fade_s, FADE_TIME_s);
     config->timeout_s = lode_given_or(config->timeout_s, ATTEMPTS * attempt_s(config));
 }
@@ -55,6 +58,7 @@ static lode_status_t check(const lode_start_config_t *config,
     }
     if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f) ||
         !lode_in_range(config->current_rise_s, ts_s, 100.0f) ||
+        !lode_in_range(config->catch_s, LODE_NONE, 10.0f) ||
         !lode_in_range(config->lock_s, ts_s, 10.0f) ||
         !lode_in_range(config->fade_s, ts_s, 10.0f) ||
         !lode_in_range(config->timeout_s, config->lock_s, 1000.0f)) {
@@ -92,6 +96,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .fade_step = ts_s / config->fade_s,
         .ts_s = ts_s,
         // Times are at most 1000 s of at most 200 kHz: inside an int32.
+        .catch_periods = (uint32_t)(int32_t)(lode_max(config->catch_s, 0.0f) / ts_s),
         .lock_periods = (uint32_t)(int32_t)(config->lock_s / ts_s),
         .attempt_periods = (uint32_t)(int32_t)lode_min(attempt_s(config) / ts_s, PERIODS_MAX),
         .timeout_periods = (uint32_t)(int32_t)(config->timeout_s / ts_s),
@@ -102,6 +107,27 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, float current_A) {
     *self = (lode_start_t){
         .theta_rad = lode_wrap(theta_rad), .omega_rad_s = omega_rad_s, .current_A = current_A};
+}
+
+void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
+    lode_start_reset(self, 0.0f, 0.0f, 0.0f);
+    self->catching = tuning->catch_periods;
+}
+
+// Counts the periods for which the estimate has been good enough to run on.
+static bool has_held(lode_start_t *self, const lode_start_tuning_t *tuning,
+                     const lode_estimate_t *estimate, bool consistent, uint32_t periods) {
+    const bool sound =
+        consistent && estimate->lock >= LODE_LOCK_HANDOVER &&
+        lode_abs(estimate->omega_rad_s) >= (1.0f - SPEED_TOLERANCE) * tuning->omega_handover;
+    self->locked = sound ? self->locked + 1u : 0u;
+    return self->locked >= periods;
+}
+
+bool lode_start_catch(lode_start_t *self, const lode_start_tuning_t *tuning,
+                      const lode_estimate_t *estimate) {
+    self->catching--;
+    return has_held(self, tuning, estimate, true, tuning->catch_periods / CATCH_PARTS + 1u);
 }
 
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
@@ -140,9 +166,7 @@ bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning,
                       const lode_estimate_t *estimate) {
     const float omega = self->omega_rad_s;
     const float difference = lode_abs(estimate->omega_rad_s - omega);
-    const bool sound = lode_abs(omega) >= tuning->omega_handover &&
-                       estimate->lock >= LODE_LOCK_HANDOVER &&
-                       difference <= SPEED_TOLERANCE * tuning->omega_handover;
-    self->locked = sound ? self->locked + 1u : 0u;
-    return self->locked >= tuning->lock_periods;
+    const bool consistent = lode_abs(omega) >= tuning->omega_handover &&
+                            difference <= SPEED_TOLERANCE * tuning->omega_handover;
+    return has_held(self, tuning, estimate, consistent, tuning->lock_periods);
 }

@@ -3,18 +3,17 @@
 
 #include "lodestar/drive.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static lode_drive_config_t minimal(void) {
-    lode_drive_config_t config = {
-        .f_pwm_Hz = 5000.0f,
-        .motor = paper_motor(),
-        .inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f},
-        .sense = {.i_gain_A_count = 0.0125f, .i_offset_count = 2048.0f, .v_bus_gain_V_count = 0.1f}};
+    lode_drive_config_t config = {.f_pwm_Hz = 5000.0f,
+                                  .motor = paper_motor(),
+                                  .inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f},
+                                  .sense = {.i_gain_A_count = 0.0125f,
+                                            .i_offset_count = 2048.0f,
+                                            .v_bus_gain_V_count = 0.1f}};
     return config;
 }
 
@@ -49,7 +48,7 @@ static lode_status_t try_one(size_t offset, float value) {
 #define OPEN(member, low, high, name)                                                              \
     {                                                                                              \
         F(member), .lo = (low), .hi = (high), .error = (name), .coupled = true, .computed = true,  \
-                                .zero_is_auto = true                                               \
+                   .zero_is_auto = true                                                            \
     }
 
 /// Fields without a default. The ranges are those that status.h names.
@@ -81,7 +80,7 @@ static const field_t open_fields[] = {
     OPEN(estimator.lock_s, TS, 1.0f, LODE_ERROR_LOCK_TIME),
     OPEN(current.bandwidth_rad_s, 1.0f, 0.4f / TS, LODE_ERROR_CURRENT_BANDWIDTH),
     OPEN(current.voltage_use, 0.1f, 1.0f, LODE_ERROR_CURRENT_VOLTAGE),
-    OPEN(start.current_A, 0.5f, 12.0f, LODE_ERROR_START_CURRENT),
+    OPEN(start.current_A, 0.012f, 12.0f, LODE_ERROR_START_CURRENT),
     OPEN(guard.i_trip_A, 12.0f, 2047.0f * 0.0125f, LODE_ERROR_GUARD_CURRENT),
     OPEN(guard.v_bus_max_V, 200.0f, 409.5f, LODE_ERROR_GUARD_BUS),
     OPEN(guard.bus_s, TS, 10.0f, LODE_ERROR_GUARD_TIME),
@@ -149,10 +148,14 @@ static void test_motors_of_many_kinds_need_no_more(void) {
         const machine_t *m = &machines[i];
         lode_drive_config_t config = minimal();
         config.f_pwm_Hz = m->f_pwm;
-        config.motor = (lode_motor_t){.pole_pairs = m->pole_pairs, .Rs_Ohm = m->R, .Ld_H = m->Ld,
-                                      .Lq_H = m->Lq, .psi_Wb = m->psi, .J_kgm2 = m->J};
-        config.inverter = (lode_inverter_config_t){.v_bus_V = m->v_bus, .i_max_A = m->i_max,
-                                                   .dead_time_s = 5.0e-7f};
+        config.motor = (lode_motor_t){.pole_pairs = m->pole_pairs,
+                                      .Rs_Ohm = m->R,
+                                      .Ld_H = m->Ld,
+                                      .Lq_H = m->Lq,
+                                      .psi_Wb = m->psi,
+                                      .J_kgm2 = m->J};
+        config.inverter = (lode_inverter_config_t){
+            .v_bus_V = m->v_bus, .i_max_A = m->i_max, .dead_time_s = 5.0e-7f};
         config.sense.i_gain_A_count = 2.0f * m->i_max / 2047.0f;
         config.sense.v_bus_gain_V_count = 1.5f * m->v_bus / 4095.0f;
         TEST_ASSERT_EQUAL_STRING_MESSAGE("LODE_OK", lode_status_name(try_config(&config)), m->name);
@@ -276,6 +279,18 @@ static void test_combinations_that_would_not_be_stable(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_PERIOD, try_config(&config));
 }
 
+static void test_least_speed_is_near_or_above_the_hand_over(void) {
+    lode_drive_config_t config = minimal();
+    lode_drive_design(&config);
+    const float handover = config.start.omega_handover_rad_s;
+    const size_t least = offsetof(lode_drive_config_t, speed.omega_min_rad_s);
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_START_SPEED, try_one(least, 0.4f * handover));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(least, 0.6f * handover));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(least, 2.0f * handover));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_START_SPEED,
+                          try_one(least, 1.01f * config.estimator.omega_max_rad_s));
+}
+
 static void test_null_pointers(void) {
     const lode_drive_config_t config = minimal();
     static lode_drive_t drive;
@@ -306,7 +321,7 @@ static void test_design_of_the_papers_drive(void) {
     memset(&b, 0, sizeof b);
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&a, &open));
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&b, &config));
-    TEST_ASSERT_EQUAL_FLOAT(a.estimator.emf.one_m_p, b.estimator.emf.one_m_p);
+    TEST_ASSERT_EQUAL_FLOAT(a.estimator.emin_V, b.estimator.emin_V);
     TEST_ASSERT_EQUAL_FLOAT(a.speed.pi.kp, b.speed.pi.kp);
     TEST_ASSERT_EQUAL_FLOAT(a.guard.i_trip, b.guard.i_trip);
 }
@@ -334,6 +349,7 @@ int main(void) {
     RUN_TEST(test_enumerators);
     RUN_TEST(test_pole_pairs);
     RUN_TEST(test_combinations_that_would_not_be_stable);
+    RUN_TEST(test_least_speed_is_near_or_above_the_hand_over);
     RUN_TEST(test_null_pointers);
     RUN_TEST(test_design_of_the_papers_drive);
     RUN_TEST(test_rated_speed_follows_from_bus_and_current);

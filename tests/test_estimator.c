@@ -5,11 +5,9 @@
 
 #include "lodestar/estimator.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static const lode_pll_kind_t both_plls[] = {LODE_PLL_LESO, LODE_PLL_QPLL};
 
@@ -24,7 +22,8 @@ static lode_estimator_config_t designed(lode_pll_kind_t pll) {
 static lode_estimator_tuning_t tuned(const lode_estimator_config_t *config) {
     const lode_motor_t motor = paper_motor();
     lode_estimator_tuning_t tuning;
-    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(lode_estimator_tune(&tuning, config, &motor, PAPER_TS_s)));
+    TEST_ASSERT_EQUAL_STRING(
+        "LODE_OK", lode_status_name(lode_estimator_tune(&tuning, config, &motor, PAPER_TS_s)));
     return tuning;
 }
 
@@ -112,7 +111,8 @@ static void test_without_compensation_the_angle_lags_as_computed(void) {
     const lode_motor_t motor = paper_motor();
     for (int i = 0; i < COUNT_OF(table); i++) {
         for (int sign = -1; sign <= 1; sign += 2) {
-            lode_estimator_config_t config = {.emf = {.w0_rad_s = 2000.0f}, .compensation = LODE_LAG_NONE};
+            lode_estimator_config_t config = {.emf = {.w0_rad_s = 2000.0f},
+                                              .compensation = LODE_LAG_NONE};
             lode_estimator_design(&config, &motor, PAPER_TS_s);
             watch_t w = watch(&config, sign * paper_omega(table[i][0]), 0.0);
             double error = 0.0;
@@ -156,7 +156,7 @@ static void test_sound_running_keeps_its_lock_at_all_speeds(void) {
     // Whatever bandwidth is accepted: an ideal motor within omega_max must never look lost. 0.7 is
     // what a start asks for before it hands over.
     const lode_motor_t motor = paper_motor();
-    const float w0s[] = {0.0f, 600.0f, 1000.0f, 2500.0f};
+    const float w0s[] = {0.0f, 1000.0f, 2500.0f};
     const double shares[] = {0.1, 0.5, 1.0};
     for (int i = 0; i < COUNT_OF(w0s); i++) {
         lode_estimator_config_t config = {.emf = {.w0_rad_s = w0s[i]}};
@@ -235,7 +235,8 @@ static double replayed(lode_pll_kind_t pll, bool mirrored) {
     const float turn = mirrored ? -1.0f : 1.0f;
     double sum = 0.0;
     for (int k = 1; k < recording.rows; k++) {
-        const lode_ab_t u = {(float)recording.u_alpha[k - 1], turn * (float)recording.u_beta[k - 1]};
+        const lode_ab_t u = {(float)recording.u_alpha[k - 1],
+                             turn * (float)recording.u_beta[k - 1]};
         const lode_ab_t i = {(float)recording.i_alpha[k], turn * (float)recording.i_beta[k]};
         const lode_estimate_t e = lode_estimator_step(&estimator, &tuning, u, i);
         if (k >= recording.rows - 500) {
@@ -296,12 +297,14 @@ typedef struct {
 
 static bool is_finite_estimate(const lode_estimate_t *e) {
     return lode_in_range(e->theta_rad, -LODE_PI, LODE_PI) && lode_is_finite(e->omega_rad_s) &&
-           lode_is_finite(e->rotor.sin) && lode_is_finite(e->rotor.cos) && lode_is_finite(e->i_A.d) &&
-           lode_is_finite(e->i_A.q) && lode_is_finite(e->e_V.alpha) && lode_is_finite(e->e_V.beta) &&
-           lode_is_finite(e->load_torque_Nm) && lode_in_range(e->lock, 0.0f, 1.0f);
+           lode_is_finite(e->rotor.sin) && lode_is_finite(e->rotor.cos) &&
+           lode_is_finite(e->i_A.d) && lode_is_finite(e->i_A.q) && lode_is_finite(e->e_V.alpha) &&
+           lode_is_finite(e->e_V.beta) && lode_is_finite(e->load_torque_Nm) &&
+           lode_in_range(e->lock, 0.0f, 1.0f);
 }
 
-static recovery_t recover(lode_estimator_t *estimator, const lode_estimator_tuning_t *tuning, int steps) {
+static recovery_t recover(lode_estimator_t *estimator, const lode_estimator_tuning_t *tuning,
+                          int steps) {
     recovery_t r = {.flagged = false, .finite = true, .locked = true};
     for (int k = 0; k < steps; k++) {
         const lode_estimate_t e = lode_estimator_step(estimator, tuning, rated.u[k], rated.i[k]);
@@ -329,13 +332,14 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     const double omega_max = 0.5 * (double)tuning->omega_limit;
     lode_estimator_t s;
     lode_estimator_reset(&s, tuning);
-    s.emf.e_V = random_vector(random, 10.0 * e_rated);
-    s.emf.y_V = random_vector(random, 10.0 * e_rated);
+    s.emf.leso.e_V = random_vector(random, 10.0 * e_rated);
+    s.emf.leso.s[0] = random_vector(random, 10.0 * e_rated);
     s.emf.i_A = random_vector(random, 80.0);
     s.pll.theta_rad = random_float(random, -CHECK_PI, CHECK_PI);
     s.pll.omega_rad_s = random_float(random, -2.0 * omega_max, 2.0 * omega_max);
     s.pll.f_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
     s.pll.acc_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
+    s.omega_tune = random_float(random, -2.0 * omega_max, 2.0 * omega_max);
     s.lag_rad = random_float(random, -1.0, 1.0);
     s.rotation = random_vector(random, e_rated * e_rated);
     s.lock = random_float(random, 0.0, 1.0);
@@ -363,8 +367,9 @@ static void test_reconvergence_from_1000_random_states(void) {
 }
 
 static bool is_in_range(const lode_estimator_t *s, const lode_estimator_tuning_t *t) {
-    return lode_ab_in_range(s->emf.e_V, FLT_MAX) && lode_ab_in_range(s->emf.y_V, FLT_MAX) &&
-           lode_ab_in_range(s->emf.i_A, FLT_MAX) && lode_in_range(s->pll.theta_rad, -LODE_PI, LODE_PI) &&
+    return lode_ab_in_range(s->emf.leso.e_V, FLT_MAX) &&
+           lode_ab_in_range(s->emf.leso.s[0], FLT_MAX) && lode_ab_in_range(s->emf.i_A, FLT_MAX) &&
+           lode_in_range(s->pll.theta_rad, -LODE_PI, LODE_PI) &&
            lode_in_range(s->pll.omega_rad_s, -t->omega_limit, t->omega_limit) &&
            lode_is_finite(s->pll.f_rad_s2) && lode_is_finite(s->pll.acc_rad_s2);
 }
@@ -379,13 +384,14 @@ static void test_any_state_is_detected_flagged_and_relocked(void) {
             lode_estimator_t state;
             lode_estimator_reset(&state, &tuning);
             float *const fields[] = {
-                &state.emf.i_A.alpha, &state.emf.i_A.beta,    &state.emf.y_V.alpha,
-                &state.emf.y_V.beta,  &state.emf.e_V.alpha,   &state.emf.e_V.beta,
-                &state.pll.theta_rad, &state.pll.omega_rad_s, &state.pll.f_rad_s2,
-                &state.pll.acc_rad_s2, &state.lag_rad,         &state.rotation.alpha,
-                &state.rotation.beta, &state.lock};
+                &state.emf.i_A.alpha,      &state.emf.i_A.beta,       &state.emf.leso.s[0].alpha,
+                &state.emf.leso.s[0].beta, &state.emf.leso.e_V.alpha, &state.emf.leso.e_V.beta,
+                &state.omega_tune,         &state.pll.theta_rad,      &state.pll.omega_rad_s,
+                &state.pll.f_rad_s2,       &state.pll.acc_rad_s2,     &state.lag_rad,
+                &state.rotation.alpha,     &state.rotation.beta,      &state.lock};
             // First every field alone with every odd number, then all of them at random.
-            const int single = n < COUNT_OF(fields) * COUNT_OF(check_odd_floats) ? n % COUNT_OF(fields) : -1;
+            const int single =
+                n < COUNT_OF(fields) * COUNT_OF(check_odd_floats) ? n % COUNT_OF(fields) : -1;
             for (int f = 0; f < COUNT_OF(fields); f++) {
                 if (single < 0) {
                     *fields[f] = random_any(&random);
@@ -446,8 +452,8 @@ static void test_inputs_that_are_no_numbers_are_flagged(void) {
         }
         float in[4] = {10.0f, 5.0f, 1.0f, -1.0f};
         in[n % 4] = bad[n / 4];
-        const lode_estimate_t e = lode_estimator_step(&w.estimator, &w.tuning, (lode_ab_t){in[0], in[1]},
-                                                      (lode_ab_t){in[2], in[3]});
+        const lode_estimate_t e = lode_estimator_step(
+            &w.estimator, &w.tuning, (lode_ab_t){in[0], in[1]}, (lode_ab_t){in[2], in[3]});
         TEST_ASSERT_TRUE(e.reseeded);
         TEST_ASSERT_TRUE(is_finite_estimate(&e));
         TEST_ASSERT_TRUE(e.lock < LODE_LOCK_LOST);
@@ -459,7 +465,7 @@ static void test_inputs_that_are_no_numbers_are_flagged(void) {
     }
 }
 
-static void test_outputs_are_finite_for_any_input(void) {
+static void test_outputs_are_in_range_for_any_input(void) {
     const lode_estimator_config_t config = designed(LODE_PLL_LESO);
     const lode_estimator_tuning_t tuning = tuned(&config);
     lode_estimator_t estimator;
@@ -468,10 +474,13 @@ static void test_outputs_are_finite_for_any_input(void) {
     for (int n = 0; n < 300000; n++) {
         // Any bit pattern one time, plausible the next: so that states build up too.
         const bool wild = random_bits(&random) % 8u == 0u;
-        const lode_ab_t u = wild ? (lode_ab_t){random_any(&random), random_any(&random)} : random_vector(&random, 1.0e6);
-        const lode_ab_t i = wild ? (lode_ab_t){random_any(&random), random_any(&random)} : random_vector(&random, 1.0e6);
+        const lode_ab_t u = wild ? (lode_ab_t){random_any(&random), random_any(&random)}
+                                 : random_vector(&random, 1.0e6);
+        const lode_ab_t i = wild ? (lode_ab_t){random_any(&random), random_any(&random)}
+                                 : random_vector(&random, 1.0e6);
         const lode_estimate_t e = lode_estimator_step(&estimator, &tuning, u, i);
         TEST_ASSERT_TRUE(is_finite_estimate(&e));
+        TEST_ASSERT_TRUE(lode_in_range(e.omega_rad_s, -tuning.omega_limit, tuning.omega_limit));
     }
 }
 
@@ -535,10 +544,12 @@ static lode_status_t try_one(size_t offset, float value) {
 
 static void test_every_field_at_its_limits(void) {
     static const field_t fields[] = {
-        {FIELD(lode_estimator_config_t, emin_V), .lo = 1.0e-4f, .hi = 1.0e3f, .error = LODE_ERROR_EMIN},
-        {FIELD(lode_estimator_config_t, omega_max_rad_s), .lo = 1.0f, .hi = 2500.0f, .computed = true,
-         .coupled = true, .error = LODE_ERROR_OMEGA_MAX}, // 0.5/Ts
-        {FIELD(lode_estimator_config_t, lock_s), .lo = PAPER_TS_s, .hi = 1.0f, .error = LODE_ERROR_LOCK_TIME},
+        {FIELD(lode_estimator_config_t, emin_V), .lo = 1.0e-4f, .hi = 1.0e3f,
+         .error = LODE_ERROR_EMIN},
+        {FIELD(lode_estimator_config_t, omega_max_rad_s), .lo = 1.0f, .hi = 2500.0f,
+         .computed = true, .coupled = true, .error = LODE_ERROR_OMEGA_MAX}, // 0.5/Ts
+        {FIELD(lode_estimator_config_t, lock_s), .lo = PAPER_TS_s, .hi = 1.0f,
+         .error = LODE_ERROR_LOCK_TIME},
     };
     field_check(&fields[0], try_one);
     field_check(&fields[2], try_one);
@@ -601,7 +612,7 @@ int main(void) {
     RUN_TEST(test_alias_of_the_speed_is_caught);
     RUN_TEST(test_half_a_turn_off_is_no_rest);
     RUN_TEST(test_inputs_that_are_no_numbers_are_flagged);
-    RUN_TEST(test_outputs_are_finite_for_any_input);
+    RUN_TEST(test_outputs_are_in_range_for_any_input);
     RUN_TEST(test_hold_takes_the_angle_given);
     RUN_TEST(test_hold_at_the_true_angle_is_seamless);
     RUN_TEST(test_reset_is_idempotent_and_complete);

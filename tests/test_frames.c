@@ -3,11 +3,9 @@
 
 #include "lodestar/frames.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 #define CASES 20000
 // A handful of float roundings of numbers up to 100.

@@ -3,11 +3,9 @@
 
 #include "lodestar/inverter.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static lode_inverter_config_t sound(void) {
     return (lode_inverter_config_t){.v_bus_V = 200.0f,
@@ -40,7 +38,8 @@ static void test_voltage_is_of_the_call_before_last_at_the_bus_of_the_last(void)
         const double beta = k < 2 ? 0.0 : bus[k - 1] * (double)written[k - 2].beta;
         CHECK_NEAR(3.0e-5, alpha, u.alpha); // one product of up to 180 V
         CHECK_NEAR(3.0e-5, beta, u.beta);
-        written[k] = (lode_ab_t){random_float(&random, -0.6, 0.6), random_float(&random, -0.6, 0.6)};
+        written[k] =
+            (lode_ab_t){random_float(&random, -0.6, 0.6), random_float(&random, -0.6, 0.6)};
         lode_inverter_write(&inverter, written[k]);
     }
 }
@@ -73,7 +72,8 @@ static void test_loss_at_full_modulation_is_a_ramp_with_a_resistance(void) {
     CHECK_NEAR(1.0e-8, 0.02 + 0.006 + 10.0 * 0.05 / 200.0, loss_of(&tuning, 10.0, 1.0, 200.0));
     CHECK_NEAR(1.0e-8, 0.02 + 0.006 + 0.5 * 0.05 / 200.0, loss_of(&tuning, 0.5, 1.0, 200.0));
     // In the dead band in proportion.
-    CHECK_NEAR(1.0e-8, 0.4 * (0.02 + 0.006) + 0.2 * 0.05 / 200.0, loss_of(&tuning, 0.2, 1.0, 200.0));
+    CHECK_NEAR(1.0e-8, 0.4 * (0.02 + 0.006) + 0.2 * 0.05 / 200.0,
+               loss_of(&tuning, 0.2, 1.0, 200.0));
     // Half the bus: the drops count double, dead time does not.
     CHECK_NEAR(1.0e-8, 0.02 + 0.012 + 2.0 * 0.05 / 100.0, loss_of(&tuning, 2.0, 1.0, 100.0));
     TEST_ASSERT_TRUE(loss_of(&tuning, 0.0, 1.0, 200.0) == 0.0);
@@ -155,13 +155,16 @@ static lode_status_t try_one(size_t offset, float value) {
 
 static void test_every_field_at_its_limits(void) {
     static const field_t fields[] = {
-        {FIELD(lode_inverter_config_t, v_bus_V), .lo = 1.0f, .hi = 2000.0f, .error = LODE_ERROR_V_BUS},
+        {FIELD(lode_inverter_config_t, v_bus_V), .lo = 1.0f, .hi = 2000.0f,
+         .error = LODE_ERROR_V_BUS},
         {FIELD(lode_inverter_config_t, i_max_A), .lo = 1.0e-3f, .hi = 1.0e4f, .coupled = true,
          .error = LODE_ERROR_I_MAX},
         {FIELD(lode_inverter_config_t, dead_time_s), .lo = 0.0f, .hi = 4.0e-5f, .computed = true,
          .error = LODE_ERROR_DEAD_TIME},
-        {FIELD(lode_inverter_config_t, v_drop_V), .lo = 0.0f, .hi = 10.0f, .error = LODE_ERROR_V_DROP},
-        {FIELD(lode_inverter_config_t, r_on_Ohm), .lo = 0.0f, .hi = 10.0f, .error = LODE_ERROR_R_ON},
+        {FIELD(lode_inverter_config_t, v_drop_V), .lo = 0.0f, .hi = 10.0f,
+         .error = LODE_ERROR_V_DROP},
+        {FIELD(lode_inverter_config_t, r_on_Ohm), .lo = 0.0f, .hi = 10.0f,
+         .error = LODE_ERROR_R_ON},
         {FIELD(lode_inverter_config_t, i_dead_A), .lo = 0.012f, .hi = 12.0f, .computed = true,
          .error = LODE_ERROR_I_DEAD},
         {FIELD(lode_inverter_config_t, pwm_ticks), .lo = 0.0f, .hi = 65535.0f,

@@ -3,11 +3,9 @@
 
 #include "lodestar/lowpass.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static void test_step_response_is_the_continuous_one(void) {
     const double taus[] = {2.0e-5, 2.0e-4, 1.0e-3, 0.05};
@@ -17,8 +15,8 @@ static void test_step_response_is_the_continuous_one(void) {
         for (int n = 1; n <= 1000; n++) {
             value = lode_lowpass(value, weight, -3.0f);
             // The filter settles within half a last place of its step over the weight.
-            CHECK_NEAR(2.0e-7 / (double)weight + 2.0e-6,
-                       -3.0 + 4.0 * exp(-2.0e-4 * n / taus[i]), value);
+            CHECK_NEAR(2.0e-7 / (double)weight + 2.0e-6, -3.0 + 4.0 * exp(-2.0e-4 * n / taus[i]),
+                       value);
         }
     }
 }

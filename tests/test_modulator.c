@@ -4,11 +4,9 @@
 #include "golden/modulator.h"
 #include "lodestar/modulator.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static lode_inverter_tuning_t inverter(float dead_time_s, float ticks, lode_choice_t correct,
                                        lode_choice_t model) {
@@ -33,7 +31,8 @@ static lode_inverter_tuning_t ideal(void) {
 static const lode_ab_t no_current = {0.0f, 0.0f};
 
 static bool inside(lode_abc_t d) {
-    return lode_in_range(d.a, 0.0f, 1.0f) && lode_in_range(d.b, 0.0f, 1.0f) && lode_in_range(d.c, 0.0f, 1.0f);
+    return lode_in_range(d.a, 0.0f, 1.0f) && lode_in_range(d.b, 0.0f, 1.0f) &&
+           lode_in_range(d.c, 0.0f, 1.0f);
 }
 
 static lode_ab_t vector(double length, double angle) {
@@ -103,7 +102,8 @@ static void test_duties_lie_on_the_grid(void) {
         const lode_inverter_tuning_t tuning = inverter(0.0f, grids[g], LODE_OFF, LODE_OFF);
         const double ticks = (double)grids[g];
         for (int n = 0; n < 2000; n++) {
-            const lode_ab_t u = {random_float(&random, -130.0, 130.0), random_float(&random, -130.0, 130.0)};
+            const lode_ab_t u = {random_float(&random, -130.0, 130.0),
+                                 random_float(&random, -130.0, 130.0)};
             const lode_modulator_out_t out = lode_modulator_step(&tuning, u, 200.0f, no_current);
             const lode_abc_t exact = lode_modulator_step(&fine, u, 200.0f, no_current).duty;
             // A whole number of ticks, the nearest: half a tick, and float rounding of the product.
@@ -131,13 +131,16 @@ static void test_correction_adds_the_loss_and_realised_leaves_it_out(void) {
     const lode_inverter_tuning_t on = inverter(4.0e-6f, 0.0f, LODE_ON, LODE_OFF);
     random_t random = random_seed(2);
     for (int n = 0; n < 2000; n++) {
-        const lode_ab_t u = vector(random_between(&random, 0.0, 90.0), random_between(&random, 0.0, 6.3));
-        const lode_ab_t i = vector(random_between(&random, 0.0, 3.0), random_between(&random, 0.0, 6.3));
+        const lode_ab_t u =
+            vector(random_between(&random, 0.0, 90.0), random_between(&random, 0.0, 6.3));
+        const lode_ab_t i =
+            vector(random_between(&random, 0.0, 3.0), random_between(&random, 0.0, 6.3));
         const lode_abc_t phases = lode_clarke_inverse(i);
         const lode_modulator_out_t plain = lode_modulator_step(&off, u, 200.0f, i);
         const lode_modulator_out_t out = lode_modulator_step(&on, u, 200.0f, i);
         const lode_abc_t d = plain.duty;
-        const double span = (double)(lode_max(lode_max(d.a, d.b), d.c) - lode_min(lode_min(d.a, d.b), d.c));
+        const double span =
+            (double)(lode_max(lode_max(d.a, d.b), d.c) - lode_min(lode_min(d.a, d.b), d.c));
         CHECK_NEAR(1.0e-6, (double)d.a + loss_of(&on, (double)phases.a, span), out.duty.a);
         CHECK_NEAR(1.0e-6, (double)d.b + loss_of(&on, (double)phases.b, span), out.duty.b);
         CHECK_NEAR(1.0e-6, (double)d.c + loss_of(&on, (double)phases.c, span), out.duty.c);
@@ -186,9 +189,9 @@ static void test_a_low_bus_is_not_divided_by(void) {
 }
 
 static void test_any_input_gives_duties(void) {
-    const lode_inverter_tuning_t tunings[] = {
-        ideal(), inverter(4.0e-6f, 0.0f, LODE_ON, LODE_OFF), inverter(4.0e-6f, 8400.0f, LODE_ON, LODE_OFF),
-        inverter(4.0e-6f, 65535.0f, LODE_OFF, LODE_ON)};
+    const lode_inverter_tuning_t tunings[] = {ideal(), inverter(4.0e-6f, 0.0f, LODE_ON, LODE_OFF),
+                                              inverter(4.0e-6f, 8400.0f, LODE_ON, LODE_OFF),
+                                              inverter(4.0e-6f, 65535.0f, LODE_OFF, LODE_ON)};
     random_t random = random_seed(3);
     for (int n = 0; n < 400000; n++) {
         const lode_ab_t u = {random_any(&random), random_any(&random)};
@@ -204,9 +207,11 @@ static void test_scale_of_bus_and_voltage_alike_changes_nothing(void) {
     const lode_inverter_tuning_t tuning = ideal();
     random_t random = random_seed(4);
     for (int n = 0; n < 10000; n++) {
-        const lode_ab_t u = {random_float(&random, -100.0, 100.0), random_float(&random, -100.0, 100.0)};
+        const lode_ab_t u = {random_float(&random, -100.0, 100.0),
+                             random_float(&random, -100.0, 100.0)};
         const lode_modulator_out_t one = lode_modulator_step(&tuning, u, 150.0f, no_current);
-        const lode_modulator_out_t two = lode_modulator_step(&tuning, lode_ab_scale(2.0f, u), 300.0f, no_current);
+        const lode_modulator_out_t two =
+            lode_modulator_step(&tuning, lode_ab_scale(2.0f, u), 300.0f, no_current);
         TEST_ASSERT_EQUAL_MEMORY(&one, &two, sizeof one);
     }
 }

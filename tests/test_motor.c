@@ -3,11 +3,9 @@
 
 #include "lodestar/motor.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 // One float product and one quotient of rounded constants.
 #define ROUNDING 5.0e-7
@@ -34,7 +32,7 @@ static void test_every_field_at_its_limits(void) {
 
 static void test_pole_pairs_are_a_whole_number(void) {
     const float good[] = {1.0f, 2.0f, 21.0f, 100.0f};
-    const float bad[] = {0.0f,     -1.0f,    0.5f, 1.5f, 2.999f, 101.0f,
+    const float bad[] = {0.0f,   -1.0f,   0.5f, 1.5f,     2.999f,   101.0f,
                          100.5f, FLT_MAX, NAN,  INFINITY, -INFINITY};
     const size_t offset = offsetof(lode_motor_t, pole_pairs);
     for (int i = 0; i < COUNT_OF(good); i++) {
@@ -92,8 +90,7 @@ static void test_voltage_constants_are_inverses(void) {
         const float psi = (float)pow(10.0, random_between(&random, -6.0, 2.0));
         const float pole_pairs = (float)(1 + (int)random_between(&random, 0.0, 99.99));
         CHECK_CLOSE(ROUNDING, psi, lode_psi_from_V_Hz(lode_psi_to_V_Hz(psi)));
-        CHECK_CLOSE(ROUNDING, psi,
-                    lode_psi_from_KV(lode_psi_to_KV(psi, pole_pairs), pole_pairs));
+        CHECK_CLOSE(ROUNDING, psi, lode_psi_from_KV(lode_psi_to_KV(psi, pole_pairs), pole_pairs));
         CHECK_CLOSE(ROUNDING, psi,
                     lode_psi_from_Vrms_krpm(lode_psi_to_Vrms_krpm(psi, pole_pairs), pole_pairs));
         lode_motor_t motor = paper_motor();

@@ -3,11 +3,9 @@
 
 #include "lodestar/pi.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static void test_step_response_is_a_straight_line(void) {
     const lode_pi_tuning_t tuning = {.kp = 2.5f, .ki_Ts = 0.03f};
@@ -19,7 +17,7 @@ static void test_step_response_is_a_straight_line(void) {
         const float output = lode_pi_output(&pi, &tuning, error, feed_forward);
         // A thousand float additions of 0.012 to numbers up to 12.
         CHECK_NEAR(5.0e-4, 1.0 - 0.4 * 2.5 + 7.0 - 0.4 * 0.03 * n, output);
-        lode_pi_settle(&pi, &tuning, error, output, output);
+        lode_pi_settle(&pi, &tuning, error, feed_forward, output, output);
     }
 }
 
@@ -35,7 +33,7 @@ static void test_output_leaves_the_state_alone(void) {
 static float limited(lode_pi_t *pi, const lode_pi_tuning_t *tuning, float error, float ff) {
     const float output = lode_pi_output(pi, tuning, error, ff);
     const float realised = lode_clamp(output, -10.0f, 10.0f);
-    lode_pi_settle(pi, tuning, error, output, realised);
+    lode_pi_settle(pi, tuning, error, ff, output, realised);
     return realised;
 }
 
@@ -97,7 +95,7 @@ static void test_closed_loop_around_an_integrator(void) {
     for (int n = 0; n < 200; n++) {
         const float error = 1.0f - x;
         const float u = lode_pi_output(&pi, &tuning, error, 0.0f);
-        lode_pi_settle(&pi, &tuning, error, u, u);
+        lode_pi_settle(&pi, &tuning, error, 0.0f, u, u);
         const double e = 1.0 - y;
         y += 0.3 * e + integral;
         integral += 0.0225 * e;

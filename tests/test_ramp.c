@@ -3,11 +3,9 @@
 
 #include "lodestar/ramp.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static void test_ramp_is_a_straight_line_to_its_target(void) {
     float value = -1.0f;

@@ -3,11 +3,9 @@
 
 #include "lodestar/references.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 #define I_MAX_A 12.0f
 
@@ -43,7 +41,8 @@ static void test_at_speed_id_is_zero(void) {
 static void test_bias_fades_with_speed(void) {
     const lode_references_config_t config = sound();
     const lode_references_tuning_t tuning = tuned(&config);
-    const double table[][2] = {{0.0, -3.0}, {60.0, -3.0}, {85.0, -1.5}, {100.0, -0.6}, {110.0, 0.0}, {500.0, 0.0}};
+    const double table[][2] = {{0.0, -3.0},   {60.0, -3.0}, {85.0, -1.5},
+                               {100.0, -0.6}, {110.0, 0.0}, {500.0, 0.0}};
     for (int i = 0; i < COUNT_OF(table); i++) {
         for (int sign = -1; sign <= 1; sign += 2) {
             const float omega = (float)(sign * table[i][0]);
@@ -105,10 +104,12 @@ static void test_torque_is_the_inverse(void) {
     for (int n = 0; n < 10000; n++) {
         // Inside the circle for every id from -5 to 5 A.
         const float torque = random_float(&random, -5.0, 5.0);
-        const lode_dq_t i = lode_references_step(&tuning, torque, random_float(&random, -200.0, 200.0),
-                                                 random_float(&random, -2.0, 5.0));
+        const lode_dq_t i =
+            lode_references_step(&tuning, torque, random_float(&random, -200.0, 200.0),
+                                 random_float(&random, -2.0, 5.0));
         CHECK_NEAR(1.0e-5, torque, lode_references_torque_Nm(&tuning, i));
-        CHECK_NEAR(1.0e-5, torque_of((double)i.d, (double)i.q), lode_references_torque_Nm(&tuning, i));
+        CHECK_NEAR(1.0e-5, torque_of((double)i.d, (double)i.q),
+                   lode_references_torque_Nm(&tuning, i));
     }
 }
 
@@ -117,8 +118,8 @@ static void test_any_input_stays_in_the_circle(void) {
     const lode_references_tuning_t tuning = tuned(&config);
     random_t random = random_seed(3);
     for (int n = 0; n < 300000; n++) {
-        const lode_dq_t i =
-            lode_references_step(&tuning, random_any(&random), random_any(&random), random_any(&random));
+        const lode_dq_t i = lode_references_step(&tuning, random_any(&random), random_any(&random),
+                                                 random_any(&random));
         CHECK_AT_MOST(12.0 * (1.0 + 1.0e-6), hypot((double)i.d, (double)i.q));
     }
 }

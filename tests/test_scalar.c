@@ -4,11 +4,9 @@
 #include "golden/minimax.h"
 #include "lodestar/scalar.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 // Documented error of sine and cosine up to 8 pi.
 #define SINCOS_ERROR 1.0e-6
@@ -81,8 +79,13 @@ static void test_sincos_of_any_float_lies_within_one(void) {
 }
 
 static void test_sincos_beyond_the_limit_is_that_of_zero(void) {
-    const float beyond[] = {nextafterf(LODE_ANGLE_LIMIT_rad, INFINITY), -2049.0f, 1.0e30f, FLT_MAX,
-                            NAN, INFINITY, -INFINITY};
+    const float beyond[] = {nextafterf(LODE_ANGLE_LIMIT_rad, INFINITY),
+                            -2049.0f,
+                            1.0e30f,
+                            FLT_MAX,
+                            NAN,
+                            INFINITY,
+                            -INFINITY};
     for (int i = 0; i < COUNT_OF(beyond); i++) {
         const lode_sincos_t s = lode_sincos(beyond[i]);
         TEST_ASSERT_TRUE(s.sin == 0.0f && s.cos == 1.0f);
@@ -177,8 +180,7 @@ static void test_wrap_keeps_the_angle(void) {
         const float wrapped = lode_wrap(x);
         TEST_ASSERT_TRUE(wrapped >= -LODE_PI && wrapped <= LODE_PI);
         // n 2 pi is off by the rounding of 2 pi and of the product: 1.2e-7 of x.
-        CHECK_NEAR(1.2e-7 * fabs((double)x) + 3.0e-7, 0.0,
-                   angle_error((double)x, (double)wrapped));
+        CHECK_NEAR(1.2e-7 * fabs((double)x) + 3.0e-7, 0.0, angle_error((double)x, (double)wrapped));
     }
     TEST_ASSERT_EQUAL_FLOAT(1.0f, lode_wrap(1.0f));
     TEST_ASSERT_EQUAL_FLOAT(-3.0f, lode_wrap(-3.0f));

@@ -3,11 +3,9 @@
 
 #include "lodestar/sense.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 #define I_MAX_A 12.0f
 
@@ -26,14 +24,15 @@ static lode_sense_config_t board(void) {
 
 static lode_sense_tuning_t tuned(const lode_sense_config_t *config) {
     lode_sense_tuning_t tuning;
-    TEST_ASSERT_EQUAL_INT(
-        LODE_OK, lode_sense_tune(&tuning, config, I_MAX_A, PAPER_V_BUS, PAPER_TS_s));
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_sense_tune(&tuning, config, I_MAX_A, PAPER_V_BUS, PAPER_TS_s));
     return tuning;
 }
 
 static const lode_abc_t half = {0.5f, 0.5f, 0.5f};
 
-static lode_sample_t sampled(const lode_sense_config_t *config, lode_counts_t counts, lode_abc_t duty) {
+static lode_sample_t sampled(const lode_sense_config_t *config, lode_counts_t counts,
+                             lode_abc_t duty) {
     const lode_sense_tuning_t tuning = tuned(config);
     lode_sense_t sense;
     lode_sense_reset(&sense, &tuning);
@@ -45,8 +44,8 @@ static lode_sample_t sampled(const lode_sense_config_t *config, lode_counts_t co
 
 static void test_three_shunts(void) {
     const lode_sense_config_t config = board();
-    const lode_counts_t counts = {.i = {2148, 1948, 2098}, .v_bus = 2000, .temperature = 1300,
-                                  .trip = true, .stamp = 77};
+    const lode_counts_t counts = {
+        .i = {2148, 1948, 2098}, .v_bus = 2000, .temperature = 1300, .trip = true, .stamp = 77};
     const lode_sample_t s = sampled(&config, counts, half);
     CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.a);
     CHECK_NEAR(ROUNDING, -1.25, s.i_abc_A.b);
@@ -180,8 +179,8 @@ static void test_the_rail_of_a_sample_that_is_not_used_does_not_count(void) {
 }
 
 /// Calibrates on counts that alternate by +-3 about the given means.
-static lode_calibration_t calibrate(lode_sense_t *sense, const lode_sense_tuning_t *tuning, int a, int b,
-                                    int c, int *steps, float *worst) {
+static lode_calibration_t calibrate(lode_sense_t *sense, const lode_sense_tuning_t *tuning, int a,
+                                    int b, int c, int *steps, float *worst) {
     lode_calibration_t result = LODE_CALIBRATION_RUNNING;
     for (*steps = 0; *steps < 1000 && result == LODE_CALIBRATION_RUNNING; (*steps)++) {
         const int ripple = *steps % 2 == 0 ? 3 : -3;
@@ -281,10 +280,12 @@ static void test_a_long_calibration_keeps_its_precision(void) {
 static void test_reset_forgets_the_calibration(void) {
     const lode_sense_config_t config = board();
     const lode_sense_tuning_t tuning = tuned(&config);
-    lode_sense_t sense = {.offset_count = {1.0f, 2.0f, 3.0f}, .sum_count = {4.0f, 5.0f, 6.0f}, .samples = 7.0f};
+    lode_sense_t sense = {
+        .offset_count = {1.0f, 2.0f, 3.0f}, .sum_count = {4.0f, 5.0f, 6.0f}, .samples = 7.0f};
     lode_sense_reset(&sense, &tuning);
-    const lode_sense_t expected = {
-        .offset_count = {2048.0f, 2048.0f, 2048.0f}, .sum_count = {0.0f, 0.0f, 0.0f}, .samples = 0.0f};
+    const lode_sense_t expected = {.offset_count = {2048.0f, 2048.0f, 2048.0f},
+                                   .sum_count = {0.0f, 0.0f, 0.0f},
+                                   .samples = 0.0f};
     TEST_ASSERT_EQUAL_MEMORY(&expected, &sense, sizeof sense);
 }
 
@@ -380,7 +381,8 @@ static void test_samples_are_finite_for_any_accepted_gain(void) {
         config.temperature_gain_degC_count = random_any(&random);
         config.temperature_offset_degC = random_any(&random);
         if (try_config(&config) == LODE_OK) {
-            const lode_counts_t counts = {.i = {65535, 0, 65535}, .v_bus = 65535, .temperature = 65535};
+            const lode_counts_t counts = {
+                .i = {65535, 0, 65535}, .v_bus = 65535, .temperature = 65535};
             const lode_sample_t s = sampled(&config, counts, half);
             TEST_ASSERT_TRUE(isfinite(s.i_A.alpha) && isfinite(s.i_A.beta));
             TEST_ASSERT_TRUE(isfinite(s.v_bus_V) && isfinite(s.temperature_degC));

@@ -4,11 +4,9 @@
 #include "golden/sogi.h"
 #include "lodestar/sogi.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static void test_notch_against_the_direct_form(void) {
     for (int c = 0; c < COUNT_OF(sogi_cases); c++) {
@@ -97,8 +95,8 @@ static void test_edges_of_the_band(void) {
                 const double bin = round(turn * 4000.0 / (2.0 * CHECK_PI));
                 const double near = 2.0 * CHECK_PI * bin / 4000.0;
                 const double x = tan(0.5 * near) / tan(0.5 * wn);
-                const double expected =
-                    fabs(1.0 - x * x) / sqrt((1.0 - x * x) * (1.0 - x * x) + 4.0 * half_k * half_k * x * x);
+                const double expected = fabs(1.0 - x * x) / sqrt((1.0 - x * x) * (1.0 - x * x) +
+                                                                 4.0 * half_k * half_k * x * x);
                 const response_t r = respond(widths[w], (float)wn, near, 20000);
                 CHECK_NEAR(2.0e-5, expected, gain_of(r.notch)); // floats over 4000 samples
                 if (widths[w] > 0.2f && centres[c] > 300) {

@@ -3,11 +3,9 @@
 
 #include "lodestar/speed.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static const lode_inverter_config_t inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
 #define SIGMA_LOW 100.0f
@@ -26,8 +24,8 @@ static lode_speed_config_t sound(void) {
 static lode_speed_tuning_t tuned(const lode_speed_config_t *config) {
     const lode_motor_t motor = paper_motor();
     lode_speed_tuning_t tuning;
-    TEST_ASSERT_EQUAL_INT(LODE_OK,
-                          lode_speed_tune(&tuning, config, &inverter, &motor, SIGMA_LOW, PAPER_TS_s));
+    TEST_ASSERT_EQUAL_INT(
+        LODE_OK, lode_speed_tune(&tuning, config, &inverter, &motor, SIGMA_LOW, PAPER_TS_s));
     return tuning;
 }
 
@@ -134,8 +132,8 @@ static void test_any_input_gives_a_torque_in_range(void) {
     lode_speed_reset(&speed, &tuning, 0.0f, 0.0f, 0.0f);
     random_t random = random_seed(2);
     for (int n = 0; n < 300000; n++) {
-        const float torque =
-            lode_speed_step(&speed, &tuning, random_any(&random), random_any(&random), random_any(&random));
+        const float torque = lode_speed_step(&speed, &tuning, random_any(&random),
+                                             random_any(&random), random_any(&random));
         CHECK_AT_MOST(TORQUE_MAX * 1.000001, fabs((double)torque));
     }
 }
@@ -157,7 +155,8 @@ static lode_status_t try_config(const lode_speed_config_t *config) {
     lode_speed_tuning_t tuning;
     memset(&tuning, 0x5a, sizeof tuning);
     const lode_speed_tuning_t before = tuning;
-    const lode_status_t status = lode_speed_tune(&tuning, config, &inverter, &motor, SIGMA_LOW, PAPER_TS_s);
+    const lode_status_t status =
+        lode_speed_tune(&tuning, config, &inverter, &motor, SIGMA_LOW, PAPER_TS_s);
     if (status != LODE_OK) {
         TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
     }
@@ -172,7 +171,8 @@ static lode_status_t try_one(size_t offset, float value) {
 
 static void test_every_field_at_its_limits(void) {
     static const field_t fields[] = {
-        {FIELD(lode_speed_config_t, ki_Nm), .lo = 0.0f, .hi = 1.0e6f, .error = LODE_ERROR_SPEED_GAINS},
+        {FIELD(lode_speed_config_t, ki_Nm), .lo = 0.0f, .hi = 1.0e6f,
+         .error = LODE_ERROR_SPEED_GAINS},
     };
     field_check_all(fields, COUNT_OF(fields), try_one);
     const size_t kp = offsetof(lode_speed_config_t, kp_Nms);
@@ -217,12 +217,15 @@ static void test_the_ramp_brings_the_torque_of_the_inertia(void) {
             // A rotor that follows exactly: 0.6 J ramp, 2.088 Nm, and nothing of the PI. The steps
             // of the reference carry float rounding, kp = 0.8 and 1/Ts times J multiply it.
             const double omega = sign * 200.0 * 2.0e-4 * n;
-            const float torque = lode_speed_step(&speed, &tuning, 50.0f * (float)sign, (float)(3.0 * omega), 0.0f);
+            const float torque =
+                lode_speed_step(&speed, &tuning, 50.0f * (float)sign, (float)(3.0 * omega), 0.0f);
             CHECK_NEAR(2.0e-3, sign * 0.6 * 0.0174 * 200.0, torque);
         }
         // At its end the torque goes too.
         lode_speed_reset(&speed, &tuning, 50.0f * (float)sign, 0.0f, 0.0f);
-        CHECK_NEAR(1.0e-4, 0.0, lode_speed_step(&speed, &tuning, 50.0f * (float)sign, 150.0f * (float)sign, 0.0f));
+        CHECK_NEAR(
+            1.0e-4, 0.0,
+            lode_speed_step(&speed, &tuning, 50.0f * (float)sign, 150.0f * (float)sign, 0.0f));
     }
 }
 

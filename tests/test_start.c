@@ -3,11 +3,9 @@
 
 #include "lodestar/start.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static const lode_inverter_config_t inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
 #define OMEGA_MAX 1178.0f
@@ -26,9 +24,9 @@ static lode_start_config_t sound(void) {
 static lode_start_tuning_t tuned(const lode_start_config_t *config) {
     const lode_motor_t motor = paper_motor();
     lode_start_tuning_t tuning;
-    TEST_ASSERT_EQUAL_STRING(
-        "LODE_OK",
-        lode_status_name(lode_start_tune(&tuning, config, &inverter, &motor, OMEGA_MAX, PAPER_TS_s)));
+    TEST_ASSERT_EQUAL_STRING("LODE_OK",
+                             lode_status_name(lode_start_tune(&tuning, config, &inverter, &motor,
+                                                              OMEGA_MAX, PAPER_TS_s)));
     return tuning;
 }
 
@@ -145,7 +143,8 @@ static void test_damping_gives_way_to_a_bound(void) {
     random_t random = random_seed(1);
     lode_start_reset(&start, 0.0f, 30.0f, 8.0f);
     for (int n = 0; n < 20000; n++) {
-        const lode_ab_t e = {random_float(&random, -1.0e5, 1.0e5), random_float(&random, -1.0e5, 1.0e5)};
+        const lode_ab_t e = {random_float(&random, -1.0e5, 1.0e5),
+                             random_float(&random, -1.0e5, 1.0e5)};
         const float angle = lode_start_step(&start, &tuning, 47.0f, 8.0f, e);
         TEST_ASSERT_TRUE(lode_in_range(angle, -LODE_PI, LODE_PI));
         // Less than a quarter turn, beyond which the torque would fall again.
@@ -264,7 +263,8 @@ static lode_status_t try_one(size_t offset, float value) {
     lode_start_tuning_t tuning;
     memset(&tuning, 0x5a, sizeof tuning);
     const lode_start_tuning_t before = tuning;
-    const lode_status_t status = lode_start_tune(&tuning, &config, &inverter, &motor, OMEGA_MAX, PAPER_TS_s);
+    const lode_status_t status =
+        lode_start_tune(&tuning, &config, &inverter, &motor, OMEGA_MAX, PAPER_TS_s);
     if (status != LODE_OK) {
         TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
     }
@@ -277,7 +277,8 @@ static void check_bounds(size_t offset, float lo, float good, float hi, lode_sta
     for (int i = 0; i < COUNT_OF(bad); i++) {
         char text[60];
         (void)snprintf(text, sizeof text, "offset %u, %g", (unsigned)offset, (double)bad[i]);
-        TEST_ASSERT_EQUAL_STRING_MESSAGE(lode_status_name(error), lode_status_name(try_one(offset, bad[i])), text);
+        TEST_ASSERT_EQUAL_STRING_MESSAGE(lode_status_name(error),
+                                         lode_status_name(try_one(offset, bad[i])), text);
     }
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, good));
 }
@@ -287,11 +288,16 @@ static void test_every_field_at_its_limits(void) {
                  LODE_ERROR_START_CURRENT);
     check_bounds(offsetof(lode_start_config_t, omega_handover_rad_s), 0.0f, OMEGA_MAX,
                  nextafterf(OMEGA_MAX, INFINITY), LODE_ERROR_START_SPEED);
-    check_bounds(offsetof(lode_start_config_t, ramp_rad_s2), 0.0f, 1.0f, 1.0e9f, LODE_ERROR_START_RAMP);
-    check_bounds(offsetof(lode_start_config_t, current_rise_s), 0.0f, PAPER_TS_s, 1.0e6f, LODE_ERROR_START_RAMP);
-    check_bounds(offsetof(lode_start_config_t, lock_s), 0.0f, PAPER_TS_s, 1.0e6f, LODE_ERROR_START_RAMP);
-    check_bounds(offsetof(lode_start_config_t, fade_s), 0.0f, PAPER_TS_s, 1.0e6f, LODE_ERROR_START_RAMP);
-    check_bounds(offsetof(lode_start_config_t, timeout_s), 0.0f, 10.0f, 1.0e6f, LODE_ERROR_START_RAMP);
+    check_bounds(offsetof(lode_start_config_t, ramp_rad_s2), 0.0f, 1.0f, 1.0e9f,
+                 LODE_ERROR_START_RAMP);
+    check_bounds(offsetof(lode_start_config_t, current_rise_s), 0.0f, PAPER_TS_s, 1.0e6f,
+                 LODE_ERROR_START_RAMP);
+    check_bounds(offsetof(lode_start_config_t, lock_s), 0.0f, PAPER_TS_s, 1.0e6f,
+                 LODE_ERROR_START_RAMP);
+    check_bounds(offsetof(lode_start_config_t, fade_s), 0.0f, PAPER_TS_s, 1.0e6f,
+                 LODE_ERROR_START_RAMP);
+    check_bounds(offsetof(lode_start_config_t, timeout_s), 0.0f, 10.0f, 1.0e6f,
+                 LODE_ERROR_START_RAMP);
     const size_t damping = offsetof(lode_start_config_t, damping);
     const float good[] = {LODE_NONE, 0.0f, 0.7f, 2.0f};
     const float bad[] = {-1.001f, 2.001f, NAN, INFINITY, -INFINITY};

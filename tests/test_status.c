@@ -3,11 +3,9 @@
 
 #include "lodestar/status.h"
 
-void setUp(void) {
-}
+void setUp(void) {}
 
-void tearDown(void) {
-}
+void tearDown(void) {}
 
 static void test_names_are_distinct_and_prefixed(void) {
     for (int i = 0; i < (int)LODE_STATUS_COUNT; i++) {

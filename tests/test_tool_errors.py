@@ -1,5 +1,6 @@
 """What the tool says to bad input: exit code 2, the place, and what was expected."""
 import pathlib
+import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
@@ -7,9 +8,11 @@ from tool import DRIVE, MOTOR, RECORDINGS, SOURCE, Checks, Folder, refused
 
 STEADY = RECORDINGS / "steady-300rpm-5Nm.csv"
 NOT_BUILT = {
-    "--emf": ["gi-leso", "fa-leso", "fa-multi", "c-leso-euler", "gi-leso-euler", "fa-leso-euler"],
-    "--pll": ["enhanced", "qpll-euler", "leso-qpll-euler", "enhanced-euler"],
+    "--emf": ["c-leso-euler", "gi-leso-euler", "fa-leso-euler"],
+    "--pll": ["qpll-euler", "leso-qpll-euler", "enhanced-euler"],
 }
+BUILT = {"--emf": ["c-leso", "gi-leso", "fa-leso", "fa-multi"],
+         "--pll": ["leso-qpll", "qpll", "enhanced"]}
 
 
 def command_line(checks, folder):
@@ -25,6 +28,7 @@ def command_line(checks, folder):
         (["run", "main", "--set", "a=1"], "--set a=1: expected section.key=value"),
         (["run", "main", "--seed", "1.5"], "--seed 1.5: expected a whole number"),
         (["run", "main", "--seed", "-1"], "--seed -1: expected a whole number"),
+        (["run", "main", "--seed", "18446744073709551615"], "expected a whole number, 0"),
         (["run", "start", "--seeds", "5-1"], "--seeds 5-1: expected two whole numbers"),
         (["run", "start", "--seeds", "1-2", "--seed", "1"], "--seed or --seeds, not both"),
         (["run", "start", "--seeds", "1-2", "--csv", "a.csv"], "expected no --csv"),
@@ -69,22 +73,23 @@ def values(checks, folder):
                              "start.omega_handover_rad_s=50"], "expected one of them")
 
 
-def reserved_names(checks, folder):
-    built = {"--emf": [], "--pll": []}
+def estimator_names(checks, folder):
     listed = folder.run("list").stdout
+    replay = ["replay", "--motor", MOTOR, "--recording", STEADY]
     for option, names in NOT_BUILT.items():
-        for name in names:
-            arguments = ["replay", "--motor", MOTOR, "--recording", STEADY, option, name]
-            if folder.run(*arguments).returncode == 0:
-                built[option].append(name)
-                continue
-            done = refused(checks, folder, arguments, "expected .*not built in yet")
-            known = "c-leso" if option == "--emf" else "leso-qpll or qpll"
-            if not built[option]:
-                checks.true(known in done.stderr, f"{name}: {done.stderr!r} lists {known}")
+        for name in [*names, "nonsense"]:
+            done = refused(checks, folder, [*replay, option, name],
+                           f"{option}: .*expected .*not built in.*, not '{name}'")
+            for known in BUILT[option]:
+                checks.true(known in done.stderr, f"{name}: {done.stderr!r} names {known}")
+        for name in names + BUILT[option]:
             checks.true(name in listed, f"{name} is in `lodestar list`")
-        refused(checks, folder, ["replay", "--motor", MOTOR, "--recording", STEADY, option,
-                                 "nonsense"], f"{option}: .*expected .*not 'nonsense'")
+    for emf in BUILT["--emf"]:
+        for pll in BUILT["--pll"]:
+            checks.equal(folder.run(*replay, "--emf", emf, "--pll", pll).returncode, 0,
+                         f"exit code with {emf} and {pll}")
+    refused(checks, folder, [*replay, "--emf", "fa-leso", "--set", "estimator.k2_rad_s=20"],
+            "k2_rad_s: LODE_ERROR_EMF_PLL: expected k2_rad_s at least 0.549")
 
 
 def ini_files(checks, folder):
@@ -98,7 +103,8 @@ def ini_files(checks, folder):
         (scenario + "load_Nm = 1\nload_Nm = 2\n", r"s.ini:7: .*given twice, first in line 6"),
         (scenario + "no equals sign\n", r"s.ini:6: expected `\[section\]`"),
         (scenario + "[phase.b]\nload_Nm = 1\n", r"\[phase.b\] duration_s: missing"),
-        (scenario + "[estimator]\nk2_rad_s = 5\n", r"s.ini:7: \[estimator\] k2_rad_s: "),
+        (scenario + "[estimator]\nemf = fa-leso\nk2_rad_s = 5\n",
+         r"s.ini:8: \[estimator\] k2_rad_s: LODE_ERROR_EMF_PLL"),
         (scenario + "[estimator]\nsigma_rad_s = 900\n",
          r"s.ini:7: \[estimator\] sigma_rad_s: LODE_ERROR_PLL_OBSERVER"),
         (scenario + "# " + 300 * "x" + "\n", r"s.ini:6: expected lines of at most"),
@@ -125,7 +131,6 @@ def ini_files(checks, folder):
 
 def every_key_is_there(checks, folder):
     """No float field of a configuration of the library without its key."""
-    import re
     derived = {"omega_rated_rad_s", "i_gain_A_count", "i_offset_count", "count_max",
                "v_bus_gain_V_count", "temperature_gain_degC_count", "temperature_offset_degC"}
     design = folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--json")
@@ -139,6 +144,14 @@ def every_key_is_there(checks, folder):
     checks.true(len(fields) > 40, f"{len(fields)} fields found in the headers, expected over 40")
     missing = sorted(fields - derived - keys)
     checks.equal(missing, [], "fields of the library's configuration without a key in INI files")
+    # Each key is in the rig's README: the tool itself lists them.
+    text = (SOURCE / "sim/README.md").read_text()
+    for section in ["motor", "drive", "estimator", "current", "references", "speed", "start",
+                    "guard", "plant", "scenario", "phase.start"]:
+        said = folder.run("run", "main", "--set", f"{section}.unknown=1").stderr
+        listed = said.split("expected one of ")[1].strip().split(", ")
+        missing = [key for key in listed if not re.search(rf"\b{key}\b", text)]
+        checks.equal(missing, [], f"keys of [{section}] that sim/README.md does not name")
 
 
 def main():
@@ -146,7 +159,7 @@ def main():
     with Folder() as folder:
         command_line(checks, folder)
         values(checks, folder)
-        reserved_names(checks, folder)
+        estimator_names(checks, folder)
         ini_files(checks, folder)
         every_key_is_there(checks, folder)
     checks.done()

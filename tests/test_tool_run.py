@@ -151,6 +151,17 @@ def design(checks, folder):
     for rpm, exact, eq30 in [(300, 4.926, 5.396), (900, 14.685, 16.093), (1500, 24.169, 26.516)]:
         checks.at_most(abs(at[rpm]["lag_exact_deg"] - exact), 0.003, f"exact lag at {rpm} rpm")
         checks.at_most(abs(at[rpm]["lag_eq30_deg"] - eq30), 0.003, f"eq. (30) at {rpm} rpm")
+    # Second order, continuous: 76.3 degrees at any sigma; sampled a little less.
+    folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--set", "estimator.pll=qpll",
+               "--json=d.json")
+    alone = folder.json("d.json")["speeds"][0]["phase_margin_alone_deg"]
+    checks.true(75 < alone < 76.4, f"margin of the QPLL alone {alone}, expected 75 .. 76.4")
+    # FA-LESO with the speed fed back: the Routh condition gives sigma = k2/0.549.
+    folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--set", "estimator.emf=fa-leso",
+               "--set", "estimator.k2_rad_s=100", "--set", "estimator.sigma_rad_s=50",
+               "--json=d.json")
+    limit = folder.json("d.json")["speeds"][-1]["sigma_limit_rad_s"]
+    checks.at_most(abs(limit * 0.549 / 100 - 1), 0.02, f"FA-LESO's limit {limit}, off 182")
     # A motor alone is enough.
     done = folder.run("design", "--motor", "jiang2022")
     checks.equal(done.returncode, 0, f"exit code of design without a drive: {done.stderr}")

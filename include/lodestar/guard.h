@@ -7,7 +7,7 @@
 
 typedef enum {
     LODE_CHECK_NONE = 0,
-    LODE_CHECK_HARDWARE_TRIP,    ///< the power stage reported a trip
+    LODE_CHECK_HARDWARE_TRIP,    ///< the power stage reported a trip (1, limit 0)
     LODE_CHECK_OVER_CURRENT,     ///< a phase current, A, of either sign
     LODE_CHECK_CURRENT_RAIL,     ///< a current sample at the end of the converter's range, A
     LODE_CHECK_OVER_VOLTAGE,     ///< bus, V

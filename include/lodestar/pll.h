@@ -19,7 +19,7 @@ typedef struct {
     /// triple (double) pole at and above omega_high; 0: scheduled, 0.21 of rated speed
     float sigma_rad_s;
     float sigma_low_rad_s; ///< the same at and below omega_low; 0: as sigma_rad_s if that is given,
-                           ///< else 0.13 of rated speed
+                           ///< else 0.11 of rated speed
     float omega_low_rad_s; ///< 0: 0.1 of rated speed
     float omega_high_rad_s; ///< 0: 0.2 of rated speed
 } lode_pll_config_t;

@@ -5,6 +5,7 @@
 #include "lodestar/inverter.h"
 #include "lodestar/motor.h"
 #include "lodestar/pi.h"
+#include "lodestar/pll.h"
 #include "lodestar/ramp.h"
 #include "lodestar/status.h"
 
@@ -12,6 +13,9 @@ typedef struct {
     float kp_Nms;          ///< torque per mechanical rad/s; 0: from the bandwidth
     float ki_Nm;           ///< torque per mechanical rad; 0: kp times bandwidth/4
     float bandwidth_rad_s; ///< crossover; 0: a quarter of the PLL's sigma at low speed
+    /// factor by which both gains rise with the PLL's sigma, 1 .. 10; 0: as sigma does, or 1 (not at
+    /// all) where kp_Nms is given
+    float gain_rise;
     float ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: half the torque limit over J
     float inertia_feed_forward; ///< share of the torque that the ramp needs for J, 0 .. 1; 0: 1;
                                 ///< LODE_NONE: none
@@ -23,6 +27,9 @@ typedef struct {
 
 typedef struct {
     lode_pi_tuning_t pi;
+    float rise;      ///< gain_rise - 1
+    float omega_low; ///< electrical speed up to which the gains are not raised
+    float inv_span;  ///< 1/(speed from which they are in full - omega_low)
     float inv_pole_pairs;
     float ramp_step; ///< mechanical rad/s per period
     float load_feed_forward;
@@ -36,12 +43,12 @@ typedef struct {
 } lode_speed_t;
 
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
-                       const lode_motor_t *motor, float sigma_low_rad_s,
+                       const lode_motor_t *motor, const lode_pll_config_t *pll,
                        float omega_handover_rad_s);
 
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
                               const lode_inverter_config_t *inverter, const lode_motor_t *motor,
-                              float sigma_low_rad_s, float ts_s);
+                              const lode_pll_config_t *pll, float ts_s);
 
 /// Starts from the mechanical speed `omega_rad_s` with the torque `torque_Nm`, without a jump.
 void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,

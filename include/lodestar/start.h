@@ -13,10 +13,11 @@ typedef struct {
     float omega_handover_rad_s;
     float ramp_rad_s2;    ///< electrical; 0: what a sixth of the start torque gives the inertia
     float current_rise_s; ///< 0: 0.2
-    float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.3; LODE_NONE: none
-    float lock_s;         ///< lock quality must have held for this long; 0: 0.05
-    float timeout_s;      ///< from start to hand-over; 0: three attempts
-    float fade_s;         ///< from the start current to the references after hand-over; 0: 0.1
+    float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
+    float lock_s;         ///< lock quality must have held for this long; 0: 0.1
+    float catch_s;   ///< zero current, to see whether the rotor turns already; 0: 0.05; LODE_NONE
+    float timeout_s; ///< from start to hand-over; 0: three attempts
+    float fade_s;    ///< from the start current to the references after hand-over; 0: 0.1
 } lode_start_config_t;
 
 typedef struct {
@@ -31,6 +32,7 @@ typedef struct {
     float omega_hold;     ///< up to this speed the estimator is held to the vector
     float ts_s;
     float fade_step; ///< per period
+    uint32_t catch_periods;
     uint32_t lock_periods;
     uint32_t attempt_periods;
     uint32_t timeout_periods;
@@ -46,6 +48,7 @@ typedef struct {
     float fade;        ///< 1 at hand-over, 0 when the references have taken over
     float id_A;        ///< d-axis current at hand-over, which fades
     uint32_t locked;   ///< periods for which the lock has held
+    uint32_t catching; ///< periods left to find a rotor that turns already
     uint32_t attempt;  ///< periods since the present attempt began
     uint32_t periods;  ///< since the start
 } lode_start_t;
@@ -63,6 +66,14 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 /// A vector at `theta_rad`, turning at `omega_rad_s`, of length `current_A`: nothing, for a start from
 /// standstill, or the motor's own for the way back from sensorless running.
 void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, float current_A);
+
+/// From rest, but first with zero current for a while: the voltage that this takes shows a rotor that
+/// turns already.
+void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
+
+/// One period of looking for such a rotor. True: the estimator holds one, of either direction.
+bool lode_start_catch(lode_start_t *self, const lode_start_tuning_t *tuning,
+                      const lode_estimate_t *estimate);
 
 /// One period from t_k-1 to t_k, towards the electrical speed `omega_target_rad_s` and the amplitude
 /// `current_A`. `e_V`: estimated EMF at t_k. Returns the angle of the vector at t_k.

@@ -60,7 +60,7 @@ static inline void worst_note(worst_t *self, double x) {
 
 /// Floats that arithmetic tends to forget.
 static const float check_odd_floats[] = {
-    0.0f, -0.0f, 1.0e-45f, -1.0e-45f, FLT_MIN,   -FLT_MIN, 1.0f,     -1.0f,
+    0.0f, -0.0f, 1.0e-45f, -1.0e-45f, FLT_MIN, -FLT_MIN, 1.0f,    -1.0f,
     NAN,  -NAN,  INFINITY, -INFINITY, 3.0e38f, -3.0e38f, FLT_MAX, -FLT_MAX};
 
 /// Numbers that are no configuration value.

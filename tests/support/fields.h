@@ -10,10 +10,10 @@
 typedef struct {
     const char *name;
     size_t offset;
-    float lo;          ///< least value that is accepted
-    float hi;          ///< largest value that is accepted
+    float lo; ///< least value that is accepted
+    float hi; ///< largest value that is accepted
     lode_status_t error;
-    bool computed;     ///< a limit is computed: 0.1 % either side of it instead of the next float
+    bool computed;     ///< a limit is computed: 0.2 % either side of it instead of the next float
     bool zero_is_auto; ///< 0 asks for the default, and is accepted whatever `lo`
     bool coupled;      ///< at its limits another check may refuse, but not with this error
 } field_t;
@@ -38,7 +38,7 @@ static inline float field_beyond(const field_t *field, float limit, float toward
     if (!field->computed) {
         return nextafterf(limit, towards);
     }
-    const float step = 1.0e-3f * fabsf(limit);
+    const float step = 2.0e-3f * fabsf(limit);
     return towards > limit ? limit + step : limit - step;
 }
 

@@ -18,10 +18,12 @@ typedef struct {
 
 /// Table 3's motor at rest in the air, turning.
 static inline ipmsm_t ipmsm_paper(double omega) {
-    return (ipmsm_t){.R = 0.75, .Ld = 3.5e-3, .Lq = 9.8e-3, .psi = 0.142, .theta = 0.3, .omega = omega};
+    return (ipmsm_t){
+        .R = 0.75, .Ld = 3.5e-3, .Lq = 9.8e-3, .psi = 0.142, .theta = 0.3, .omega = omega};
 }
 
-static inline void ipmsm_slope(const ipmsm_t *m, double ua, double ub, double t, const double x[2], double out[2]) {
+static inline void ipmsm_slope(const ipmsm_t *m, double ua, double ub, double t, const double x[2],
+                               double out[2]) {
     const double theta = m->theta + t * (m->omega + 0.5 * t * m->acc);
     const double w = m->omega + t * m->acc;
     const double ud = ua * cos(theta) + ub * sin(theta);

@@ -16,7 +16,7 @@ typedef struct {
 } recording_t;
 
 static inline double *recording_column(recording_t *self, const char *name, size_t length) {
-    static const char *const names[] = {"t_s",         "u_alpha_V",   "u_beta_V",     "i_alpha_A",
+    static const char *const names[] = {"t_s",      "u_alpha_V",   "u_beta_V",     "i_alpha_A",
                                         "i_beta_A", "theta_e_rad", "omega_e_rad_s"};
     double *const columns[] = {self->t,      self->u_alpha, self->u_beta, self->i_alpha,
                                self->i_beta, self->theta,   self->omega};

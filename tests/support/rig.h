@@ -26,18 +26,20 @@ typedef struct {
     lode_drive_t drive;
     lode_drive_out_t out;
     ipmsm_t motor;
-    double load_Nm;   ///< friction-like: against the rotation
-    bool blocked;     ///< the rotor stands still
-    double offset[3]; ///< of the current converters, counts
+    double load_Nm;    ///< friction-like: against the rotation
+    bool blocked;      ///< the rotor stands still
+    double offset[3];  ///< of the current converters, counts
     lode_abc_t acting; ///< duties under way
     uint32_t stamp;
     bool trip;
     double angle_error;
 } rig_t;
 
-static inline void rig_init(rig_t *self, lode_drive_tuning_t *tuning, const lode_drive_config_t *config) {
+static inline void rig_init(rig_t *self, lode_drive_tuning_t *tuning,
+                            const lode_drive_config_t *config) {
     *self = (rig_t){.motor = ipmsm_paper(0.0), .acting = {0.5f, 0.5f, 0.5f}};
-    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(lode_drive_init(&self->drive, tuning, config)));
+    TEST_ASSERT_EQUAL_STRING("LODE_OK",
+                             lode_status_name(lode_drive_init(&self->drive, tuning, config)));
 }
 
 static inline uint16_t rig_count(double x) {
@@ -63,7 +65,8 @@ static inline void rig_move(rig_t *self) {
     m->acc = self->blocked ? 0.0 : 3.0 / 0.0174 * (torque - drag);
     const lode_ab_t u = lode_clarke(self->acting);
     if (self->out.gates) {
-        ipmsm_step(m, (double)PAPER_V_BUS * (double)u.alpha, (double)PAPER_V_BUS * (double)u.beta, RIG_TS_s);
+        ipmsm_step(m, (double)PAPER_V_BUS * (double)u.alpha, (double)PAPER_V_BUS * (double)u.beta,
+                   RIG_TS_s);
     } else { // the diodes let the current die at once
         m->id = 0.0;
         m->iq = 0.0;

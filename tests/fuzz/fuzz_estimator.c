@@ -1,0 +1,46 @@
+// Estimator: any configuration that is accepted, any voltages and currents, any state.
+#include "lodestar/estimator.h"
+#include "support/fuzz.h"
+
+static void check(const lode_estimate_t *e, const lode_estimator_tuning_t *tuning) {
+    FUZZ_CHECK(lode_in_range(e->theta_rad, -LODE_PI, LODE_PI));
+    FUZZ_CHECK(lode_in_range(e->omega_rad_s, -tuning->omega_limit, tuning->omega_limit));
+    FUZZ_CHECK(lode_in_range(e->rotor.sin, -1.0f, 1.0f) &&
+               lode_in_range(e->rotor.cos, -1.0f, 1.0f));
+    FUZZ_CHECK(lode_is_finite(e->i_A.d) && lode_is_finite(e->i_A.q));
+    FUZZ_CHECK(lode_is_finite(e->e_V.alpha) && lode_is_finite(e->e_V.beta));
+    FUZZ_CHECK(lode_is_finite(e->load_torque_Nm));
+    FUZZ_CHECK(lode_in_range(e->lock, 0.0f, 1.0f));
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    fuzz_t in = {data, size};
+    const lode_motor_t motor = fuzz_motor();
+    const uint8_t choice = fuzz_byte(&in);
+    lode_estimator_config_t config = {
+        .pll = {.kind = (choice & 1u) != 0u ? LODE_PLL_QPLL : LODE_PLL_LESO},
+        .compensation = (choice & 2u) != 0u ? LODE_LAG_NONE : LODE_LAG_EXACT,
+    };
+    if ((choice & 4u) != 0u) {
+        config.emf.w0_rad_s = fuzz_number(&in, 4000.0f);
+        config.pll.sigma_rad_s = fuzz_number(&in, 400.0f);
+        config.omega_max_rad_s = fuzz_number(&in, 2000.0f);
+    }
+    lode_estimator_tuning_t tuning;
+    lode_estimator_design(&config, &motor, 2.0e-4f);
+    if (lode_estimator_tune(&tuning, &config, &motor, 2.0e-4f) != LODE_OK) {
+        return 0;
+    }
+    lode_estimator_t estimator;
+    lode_estimator_reset(&estimator, &tuning);
+    if ((choice & 8u) != 0u) {
+        fuzz_take(&in, &estimator, sizeof estimator);
+    }
+    while (fuzz_more(&in)) {
+        const lode_ab_t u = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
+        const lode_ab_t i = {fuzz_number(&in, 50.0f), fuzz_number(&in, 50.0f)};
+        const lode_estimate_t e = lode_estimator_step(&estimator, &tuning, u, i);
+        check(&e, &tuning);
+    }
+    return 0;
+}

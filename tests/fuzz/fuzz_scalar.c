@@ -1,0 +1,30 @@
+// Every scalar function: a finite result in its range, whatever goes in.
+#include "lodestar/ramp.h"
+#include "lodestar/sogi.h"
+#include "support/fuzz.h"
+
+static void check_angle(float x) {
+    FUZZ_CHECK(lode_in_range(x, -LODE_PI, LODE_PI));
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    fuzz_t in = {data, size};
+    lode_sogi_t sogi;
+    lode_sogi_reset(&sogi);
+    while (fuzz_more(&in)) {
+        const float x = fuzz_float(&in);
+        const float y = fuzz_float(&in);
+        const lode_sincos_t s = lode_sincos(x);
+        FUZZ_CHECK(lode_in_range(s.sin, -1.0f, 1.0f) && lode_in_range(s.cos, -1.0f, 1.0f));
+        check_angle(lode_wrap(x));
+        check_angle(lode_atan2(y, x));
+        FUZZ_CHECK(lode_in_range(lode_one_minus_exp(x), 0.0f, 1.0f));
+        FUZZ_CHECK(lode_in_range(lode_clamp(x, -2.0f, 3.0f), -2.0f, 3.0f));
+        FUZZ_CHECK(!(lode_sqrt(x) < 0.0f) && !isnan(lode_sqrt(x)));
+        FUZZ_CHECK(lode_in_range(lode_ramp(1.0f, x, 0.5f), 0.5f, 1.5f));
+        const lode_sogi_out_t out = lode_sogi_step(&sogi, x, y, fuzz_float(&in));
+        FUZZ_CHECK(lode_is_finite(out.notch) && lode_is_finite(out.in_phase) &&
+                   lode_is_finite(out.quadrature));
+    }
+    return 0;
+}
