@@ -3,6 +3,7 @@
 // Crossover of the loop over 1/Ts: 1.5 periods of delay leave 73 degrees of phase margin.
 #define BANDWIDTH_TS 0.2f
 #define BANDWIDTH_TS_MAX 0.4f // 56 degrees
+#define GAIN_MARGIN 2.0f
 #define VOLTAGE_USE 0.95f
 #define D_SHARE 0.9f // leaves the q axis 44 % of the circle
 
@@ -17,11 +18,21 @@ void lode_current_design(lode_current_config_t *config, const lode_motor_t *moto
     config->voltage_use = lode_given_or(config->voltage_use, VOLTAGE_USE);
 }
 
-// Fast enough for the delay, and the poles of L s^2 + (R + kp) s + ki damped by at least 0.5.
-static bool is_damped(float kp, float ki, float R, float L, float ts_s) {
-    const float total = R + kp;
+// Jury's conditions on z^3 + c2 z^2 + c1 z + c0 = (z - a) z (z - 1) + b (kp (z - 1) + ki Ts): the R-L
+// circuit held over the period, the voltage one period late.
+static bool is_stable(float kp, float ki_Ts, float R, float L, float ts_s) {
+    const float rise = lode_one_minus_exp(R * ts_s / L);
+    const float b = rise > 0.0f ? rise / R : ts_s / L;
+    const float c2 = rise - 2.0f;
+    const float c1 = 1.0f - rise + b * kp;
+    const float c0 = b * (ki_Ts - kp);
+    return b * ki_Ts >= 0.0f && 1.0f - c2 + c1 - c0 > 0.0f && c0 * c0 < 1.0f &&
+           1.0f - c0 * c0 > lode_abs(c0 * c2 - c1);
+}
+
+static bool is_sound(float kp, float ki, float R, float L, float ts_s) {
     return lode_in_range(kp, 1.0e-6f, 1.001f * BANDWIDTH_TS_MAX * L / ts_s) &&
-           lode_in_range(ki * L, 0.0f, total * total);
+           is_stable(GAIN_MARGIN * kp, GAIN_MARGIN * ki * ts_s, R, L, ts_s);
 }
 
 lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_current_config_t *config,
@@ -29,8 +40,8 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
     if (!lode_in_range(config->bandwidth_rad_s, 1.0f, BANDWIDTH_TS_MAX / ts_s)) {
         return LODE_ERROR_CURRENT_BANDWIDTH;
     }
-    if (!is_damped(config->kp_d_V_A, config->ki_d_V_As, motor->Rs_Ohm, motor->Ld_H, ts_s) ||
-        !is_damped(config->kp_q_V_A, config->ki_q_V_As, motor->Rs_Ohm, motor->Lq_H, ts_s)) {
+    if (!is_sound(config->kp_d_V_A, config->ki_d_V_As, motor->Rs_Ohm, motor->Ld_H, ts_s) ||
+        !is_sound(config->kp_q_V_A, config->ki_q_V_As, motor->Rs_Ohm, motor->Lq_H, ts_s)) {
         return LODE_ERROR_CURRENT_GAINS;
     }
     if (!lode_in_range(config->voltage_use, 0.1f, 1.0f)) {

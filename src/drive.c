@@ -317,8 +317,9 @@ static frame_t control_frame(lode_drive_t *self, const lode_measurement_t *m,
         return frame_at(self->theta_rad, self->start.omega_rad_s, m->sample.i_A);
     }
     const float omega = self->command.omega_rad_s;
-    self->theta_rad = lode_wrap(self->theta_rad + self->tuning->ts_s * omega);
-    return frame_at(self->theta_rad, omega, m->sample.i_A);
+    const float theta = self->theta_rad;
+    self->theta_rad = lode_wrap(theta + self->tuning->ts_s * omega);
+    return frame_at(theta, omega, m->sample.i_A);
 }
 
 static lode_dq_t run_references(lode_drive_t *self, const lode_estimate_t *est) {
@@ -335,6 +336,13 @@ static lode_dq_t run_references(lode_drive_t *self, const lode_estimate_t *est) 
     return lode_references_step(&tuning->references, torque, est->omega_rad_s, id_add);
 }
 
+// A commanded vector, shortened to `radius` where it is longer.
+static lode_dq_t in_circle(lode_dq_t x, float radius) {
+    const float length = lode_ab_length((lode_ab_t){x.d, x.q});
+    const float scale = length > radius ? radius / length : 1.0f;
+    return (lode_dq_t){scale * x.d, scale * x.q};
+}
+
 static lode_dq_t current_references(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_mode_t mode = mode_of(self);
     if (mode == LODE_MODE_RUN) {
@@ -343,18 +351,14 @@ static lode_dq_t current_references(lode_drive_t *self, const lode_estimate_t *e
     if (mode == LODE_MODE_START) {
         return (lode_dq_t){self->start.current_A, 0.0f};
     }
-    const float i_max = self->tuning->references.i_max_A;
-    const lode_dq_t wanted = self->command.vector;
-    return (lode_dq_t){lode_clamp(wanted.d, -i_max, i_max), lode_clamp(wanted.q, -i_max, i_max)};
+    return in_circle(self->command.vector, self->tuning->references.i_max_A);
 }
 
 static lode_dq_t control(lode_drive_t *self, const frame_t *frame, const lode_measurement_t *m,
                          const lode_estimate_t *est) {
     const float v_bus_V = m->sample.v_bus_V;
     if (mode_of(self) == LODE_MODE_VOLTAGE) {
-        const float limit = self->tuning->current.circle * v_bus_V;
-        return (lode_dq_t){lode_clamp(self->command.vector.d, -limit, limit),
-                           lode_clamp(self->command.vector.q, -limit, limit)};
+        return in_circle(self->command.vector, self->tuning->current.circle * v_bus_V);
     }
     self->ref_A = current_references(self, est);
     return lode_current_step(&self->current, &self->tuning->current, self->ref_A, frame->i_A,

@@ -98,6 +98,8 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
         lode_max(SETTLE_OBSERVER / config->emf.w0_rad_s, SETTLE_ROTATION * config->lock_s);
     t.w_weight =
         config->w_filter_rad_s > 0.0f ? lode_one_minus_exp(config->w_filter_rad_s * ts_s) : 1.0f;
+    const float w0 = config->emf.w0_rad_s;
+    t.inv_w02 = config->emf.kind == LODE_EMF_C_LESO ? 1.0f / (w0 * w0) : 0.0f;
     t.half_ts_s = 0.5f * ts_s;
     t.emin_V = config->emin_V;
     t.omega_limit = 2.0f * config->omega_max_rad_s;
@@ -182,9 +184,11 @@ static void note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t 
 // the angle between the EMF and where the PLL has it. The worse one counts.
 static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float inv_e,
                       float cosine, float id_A) {
-    const float induced_V =
-        lode_abs(self->pll.omega_rad_s) * (tuning->psi_Wb + tuning->salient_H * id_A);
-    const float level = 1.0f - LEVEL_SLOPE * lode_abs(induced_V * inv_e - 1.0f);
+    const float omega = self->pll.omega_rad_s;
+    const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * id_A);
+    // The double pole of C-LESO takes its part of the amplitude: 1 + (w/w0)^2.
+    const float passed_V = induced_V / (1.0f + omega * omega * tuning->inv_w02);
+    const float level = 1.0f - LEVEL_SLOPE * lode_abs(passed_V * inv_e - 1.0f);
     const float quality = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
     self->lock = lode_clamp(self->lock + tuning->lock_weight * (quality - self->lock), 0.0f, 1.0f);
 }

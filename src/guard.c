@@ -121,11 +121,14 @@ static float largest(lode_abc_t i) {
 // Comparisons are written so that NaN is bad.
 static void check_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                         const lode_sample_t *sample, uint_least8_t state) {
-    const float i = largest(sample->i_abc_A);
+    const lode_abc_t abc = sample->i_abc_A;
+    const float i = largest(abc);
+    const bool bounded = lode_abs(abc.a) <= tuning->i_trip && lode_abs(abc.b) <= tuning->i_trip &&
+                         lode_abs(abc.c) <= tuning->i_trip;
     if (sample->trip) {
         lode_guard_trip(self, state, LODE_CHECK_HARDWARE_TRIP, 1.0f, 0.0f);
     }
-    if (!(lode_abs(i) <= tuning->i_trip)) {
+    if (!bounded) {
         lode_guard_trip(self, state, LODE_CHECK_OVER_CURRENT, i, tuning->i_trip);
     }
     if (persists(&self->rail, sample->railed, tuning->bus_periods)) {

@@ -7,7 +7,7 @@
 
 void lode_references_design(lode_references_config_t *config,
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
-    config->id_bias_A = lode_given_or_none(config->id_bias_A, BIAS_SHARE * inverter->i_max_A);
+    config->id_bias_A = lode_given_or(config->id_bias_A, BIAS_SHARE * inverter->i_max_A);
     config->omega_low_rad_s =
         lode_given_or(config->omega_low_rad_s, OMEGA_LOW_SHARE * motor->omega_rated_rad_s);
     config->omega_high_rad_s =

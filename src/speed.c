@@ -24,9 +24,9 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
         lode_given_or(config->ki_Nm, INTEGRAL_SHARE * config->bandwidth_rad_s * config->kp_Nms);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * inverter->i_max_A *
                                                                  lode_motor_kt_Nm_A(motor) / J);
-    config->load_feed_forward = lode_given_or_none(config->load_feed_forward, LOAD_FEED_FORWARD);
+    config->load_feed_forward = lode_given_or(config->load_feed_forward, LOAD_FEED_FORWARD);
     config->inertia_feed_forward =
-        lode_given_or_none(config->inertia_feed_forward, INERTIA_FEED_FORWARD);
+        lode_given_or(config->inertia_feed_forward, INERTIA_FEED_FORWARD);
     config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);
 }
 

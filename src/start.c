@@ -40,9 +40,9 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * torque /
                                                                  motor->J_kgm2 * motor->pole_pairs);
     config->current_rise_s = lode_given_or(config->current_rise_s, RISE_TIME_s);
-    config->damping = lode_given_or_none(config->damping, DAMPING);
+    config->damping = lode_given_or(config->damping, DAMPING);
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
-    config->catch_s = lode_given_or_none(config->catch_s, CATCH_TIME_s);
+    config->catch_s = lode_given_or(config->catch_s, CATCH_TIME_s);
     config->fade_s = lode_given_or(config->fade_s, FADE_TIME_s);
     config->timeout_s = lode_given_or(config->timeout_s, ATTEMPTS * attempt_s(config));
 }

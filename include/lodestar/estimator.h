@@ -35,6 +35,7 @@ typedef struct {
     float half_ts_s;
     float emin_V;
     float omega_limit; ///< twice omega_max: beyond it the speed is taken for an alias
+    float inv_w02;     ///< 1/w0^2 of C-LESO, whose amplitude falls with speed; 0 for the others
     float psi_Wb;
     float salient_H;           ///< Ld - Lq
     float acc_per_torque;      ///< 1.5 np^2/J; 0 without feed-forward
