@@ -240,10 +240,10 @@ LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self,
     const float inv_e = lode_sign(pll->omega_rad_s) / lode_max(lode_ab_length(e_V), tuning->emin_V);
     const lode_dq_t seen = lode_park(e_V, lode_sincos(pll->theta_rad));
     const float error = -seen.d * inv_e;
+    lode_pll_correct(pll, &tuning->pll, without_harmonics(self, tuning, error));
     if (!is_sound(self, tuning, error)) {
         return restart(self, tuning, i_A);
     }
-    lode_pll_correct(pll, &tuning->pll, without_harmonics(self, tuning, error));
     const bool reseeded = supervise(self, tuning);
 
     self->lag_rad = lode_lag_rad(&tuning->lag, pll->omega_rad_s);

@@ -285,6 +285,20 @@ static void test_reversal(void) {
     check_running(&rig, -80.0);
 }
 
+static void test_a_rotor_that_turns_already_is_taken_over(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = fresh();
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.2));
+        rig.motor.omega = 3.0 * 80.0 * sign; // coasting
+        rig_command(&rig, run_at(80.0 * sign));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 0.1)); // no I-f start in so short a time
+        CHECK_AT_LEAST(70.0, sign * rig.motor.omega / 3.0);
+        rig_run(&rig, 2.0);
+        check_running(&rig, 80.0 * sign);
+    }
+}
+
 static void test_off_at_speed_switches_off_at_once(void) {
     rig_t rig = fresh();
     rig_command(&rig, run_at(80.0));
@@ -663,6 +677,7 @@ int main(void) {
     RUN_TEST(test_load_steps_and_speed_changes);
     RUN_TEST(test_speed_zero_stops_and_switches_off);
     RUN_TEST(test_reversal);
+    RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
     RUN_TEST(test_off_at_speed_switches_off_at_once);
     RUN_TEST(test_a_blocked_rotor_ends_in_a_start_fault);
     RUN_TEST(test_bad_commands_are_refused_and_change_nothing);

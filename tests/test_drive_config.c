@@ -100,6 +100,8 @@ static const field_t numbers[] = {
     OPEN(speed.kp_Nms, 1.0f, 1.0f, LODE_ERROR_SPEED_GAINS),
     OPEN(speed.ki_Nm, 1.0f, 1.0f, LODE_ERROR_SPEED_GAINS),
     OPEN(speed.ramp_rad_s2, 1.0f, 1.0f, LODE_ERROR_SPEED_RAMP),
+    OPEN(speed.gain_rise, 1.0f, 1.0f, LODE_ERROR_SPEED_GAINS),
+    OPEN(start.catch_s, 0.0f, 10.0f, LODE_ERROR_START_RAMP),
     OPEN(speed.load_feed_forward, 0.0f, 1.0f, LODE_ERROR_SPEED_FEED_FORWARD),
     OPEN(speed.inertia_feed_forward, 0.0f, 1.0f, LODE_ERROR_SPEED_FEED_FORWARD),
     OPEN(speed.omega_min_rad_s, 1.0f, 1.0f, LODE_ERROR_START_SPEED),
@@ -203,7 +205,8 @@ static void test_lode_none_is_for_those_that_may_be_done_without(void) {
     const size_t fields[] = {offsetof(lode_drive_config_t, references.id_bias_A),
                              offsetof(lode_drive_config_t, speed.load_feed_forward),
                              offsetof(lode_drive_config_t, speed.inertia_feed_forward),
-                             offsetof(lode_drive_config_t, start.damping)};
+                             offsetof(lode_drive_config_t, start.damping),
+                             offsetof(lode_drive_config_t, start.catch_s)};
     for (int i = 0; i < COUNT_OF(fields); i++) {
         TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(try_one(fields[i], LODE_NONE)));
     }

@@ -466,21 +466,28 @@ static void test_inputs_that_are_no_numbers_are_flagged(void) {
 }
 
 static void test_outputs_are_in_range_for_any_input(void) {
-    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
-    const lode_estimator_tuning_t tuning = tuned(&config);
-    lode_estimator_t estimator;
-    lode_estimator_reset(&estimator, &tuning);
-    random_t random = random_seed(9);
-    for (int n = 0; n < 300000; n++) {
-        // Any bit pattern one time, plausible the next: so that states build up too.
-        const bool wild = random_bits(&random) % 8u == 0u;
-        const lode_ab_t u = wild ? (lode_ab_t){random_any(&random), random_any(&random)}
-                                 : random_vector(&random, 1.0e6);
-        const lode_ab_t i = wild ? (lode_ab_t){random_any(&random), random_any(&random)}
-                                 : random_vector(&random, 1.0e6);
-        const lode_estimate_t e = lode_estimator_step(&estimator, &tuning, u, i);
-        TEST_ASSERT_TRUE(is_finite_estimate(&e));
-        TEST_ASSERT_TRUE(lode_in_range(e.omega_rad_s, -tuning.omega_limit, tuning.omega_limit));
+    const lode_motor_t motor = paper_motor();
+    const float omega_maxima[] = {0.0f, 100.0f}; // the default, and one below a jump of the PLL
+    for (int m = 0; m < COUNT_OF(omega_maxima); m++) {
+        lode_estimator_config_t config = {.omega_max_rad_s = omega_maxima[m]};
+        lode_estimator_design(&config, &motor, PAPER_TS_s);
+        const lode_estimator_tuning_t tuning = tuned(&config);
+        lode_estimator_t estimator;
+        lode_estimator_reset(&estimator, &tuning);
+        random_t random = random_seed(9);
+        for (int n = 0; n < 200000; n++) {
+            // Any bit pattern now and then, plausible in between: so that states build up too.
+            const bool wild = random_bits(&random) % 8u == 0u;
+            lode_ab_t u = random_vector(&random, 1.0e6);
+            lode_ab_t i = random_vector(&random, 1.0e6);
+            if (wild) {
+                u = (lode_ab_t){random_any(&random), random_any(&random)};
+                i = (lode_ab_t){random_any(&random), random_any(&random)};
+            }
+            const lode_estimate_t e = lode_estimator_step(&estimator, &tuning, u, i);
+            TEST_ASSERT_TRUE(is_finite_estimate(&e));
+            TEST_ASSERT_TRUE(lode_in_range(e.omega_rad_s, -tuning.omega_limit, tuning.omega_limit));
+        }
     }
 }
 

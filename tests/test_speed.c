@@ -8,13 +8,17 @@ void setUp(void) {}
 void tearDown(void) {}
 
 static const lode_inverter_config_t inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
-#define SIGMA_LOW 100.0f
+static const lode_pll_config_t pll = {.sigma_rad_s = 150.0f,
+                                      .sigma_low_rad_s = 100.0f,
+                                      .omega_low_rad_s = 150.0f,
+                                      .omega_high_rad_s = 200.0f};
 #define TORQUE_MAX (12.0 * 0.639) // 1.5 np psi i_max
 
 static lode_speed_config_t sound(void) {
     return (lode_speed_config_t){.kp_Nms = 0.8f,
                                  .ki_Nm = 6.0f,
                                  .bandwidth_rad_s = 46.0f,
+                                 .gain_rise = 1.0f,
                                  .ramp_rad_s2 = 200.0f,
                                  .inertia_feed_forward = LODE_NONE,
                                  .load_feed_forward = 0.5f,
@@ -24,8 +28,8 @@ static lode_speed_config_t sound(void) {
 static lode_speed_tuning_t tuned(const lode_speed_config_t *config) {
     const lode_motor_t motor = paper_motor();
     lode_speed_tuning_t tuning;
-    TEST_ASSERT_EQUAL_INT(
-        LODE_OK, lode_speed_tune(&tuning, config, &inverter, &motor, SIGMA_LOW, PAPER_TS_s));
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_speed_tune(&tuning, config, &inverter, &motor, &pll, PAPER_TS_s));
     return tuning;
 }
 
@@ -156,7 +160,7 @@ static lode_status_t try_config(const lode_speed_config_t *config) {
     memset(&tuning, 0x5a, sizeof tuning);
     const lode_speed_tuning_t before = tuning;
     const lode_status_t status =
-        lode_speed_tune(&tuning, config, &inverter, &motor, SIGMA_LOW, PAPER_TS_s);
+        lode_speed_tune(&tuning, config, &inverter, &motor, &pll, PAPER_TS_s);
     if (status != LODE_OK) {
         TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
     }
@@ -206,6 +210,43 @@ static void test_shares_of_the_feed_forwards(void) {
     }
 }
 
+static void test_gains_rise_with_the_pll(void) {
+    lode_speed_config_t config = sound();
+    config.gain_rise = 1.5f;
+    const lode_speed_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        float before = 0.0f;
+        for (int omega = 0; omega <= 900; omega += 30) {
+            lode_speed_t speed;
+            const float electrical = (float)(sign * omega);
+            lode_speed_reset(&speed, &tuning, electrical / 3.0f + 1.0f, 0.0f, 0.0f);
+            // An error of 1 rad/s shows the gain: torque and integral alike.
+            const float target = electrical / 3.0f + 1.0f;
+            const float torque = lode_speed_step(&speed, &tuning, target, electrical, 0.0f);
+            const double gain = (double)torque / 0.8;
+            CHECK_AT_LEAST((double)before - 1.0e-4, gain);
+            CHECK_NEAR(1.0e-6, gain * 6.0 * 2.0e-4, speed.pi.integral);
+            if (omega <= 150) { // where the PLL has its low bandwidth
+                CHECK_NEAR(1.0e-4, 1.0, gain);
+            }
+            before = (float)gain;
+        }
+        CHECK_NEAR(1.0e-4, 1.5, before); // well above
+    }
+}
+
+static void test_range_of_the_gain_rise(void) {
+    const size_t rise = offsetof(lode_speed_config_t, gain_rise);
+    const float bad[] = {0.999f, 10.01f, 0.0f, -1.0f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_GAINS, try_one(rise, bad[i]));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(rise, 1.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(rise, 1.5f));
+    // kp/J is 46 rad/s: five times that is above the PLL's 150, where the gains are in full.
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_BANDWIDTH, try_one(rise, 5.0f));
+}
+
 static void test_the_ramp_brings_the_torque_of_the_inertia(void) {
     lode_speed_config_t config = sound();
     config.inertia_feed_forward = 0.6f;
@@ -249,23 +290,25 @@ static void test_no_feed_forward(void) {
 static void test_design_fills_what_is_open(void) {
     const lode_motor_t motor = paper_motor();
     lode_speed_config_t config = {.kp_Nms = 0.0f};
-    lode_speed_design(&config, &inverter, &motor, SIGMA_LOW, 47.0f);
+    lode_speed_design(&config, &inverter, &motor, &pll, 47.0f);
     // As documented: a quarter of sigma, kp = bandwidth J, ki = kp bandwidth/4.
     CHECK_CLOSE(1.0e-6, 25.0, config.bandwidth_rad_s);
     CHECK_CLOSE(1.0e-6, 25.0 * 0.0174, config.kp_Nms);
     CHECK_CLOSE(1.0e-6, 25.0 * 25.0 / 4.0 * 0.0174, config.ki_Nm);
+    CHECK_CLOSE(1.0e-6, 1.5, config.gain_rise); // as sigma rises
     CHECK_CLOSE(1.0e-6, 0.5 * TORQUE_MAX / 0.0174, config.ramp_rad_s2);
     CHECK_CLOSE(1.0e-6, 0.5, config.load_feed_forward);
     CHECK_CLOSE(1.0e-6, 1.0, config.inertia_feed_forward);
     CHECK_CLOSE(1.0e-6, 47.0, config.omega_min_rad_s);
     const lode_speed_config_t all = sound();
     lode_speed_config_t kept = all;
-    lode_speed_design(&kept, &inverter, &motor, SIGMA_LOW, 30.0f);
+    lode_speed_design(&kept, &inverter, &motor, &pll, 30.0f);
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
     lode_speed_config_t by_gain = {.kp_Nms = 0.5f};
-    lode_speed_design(&by_gain, &inverter, &motor, SIGMA_LOW, 30.0f);
+    lode_speed_design(&by_gain, &inverter, &motor, &pll, 30.0f);
     CHECK_CLOSE(1.0e-6, 0.5 / 0.0174, by_gain.bandwidth_rad_s);
     TEST_ASSERT_EQUAL_FLOAT(0.5f, by_gain.kp_Nms);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, by_gain.gain_rise);
 }
 
 int main(void) {
@@ -280,6 +323,8 @@ int main(void) {
     RUN_TEST(test_a_target_that_is_no_number_is_ignored);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_shares_of_the_feed_forwards);
+    RUN_TEST(test_gains_rise_with_the_pll);
+    RUN_TEST(test_range_of_the_gain_rise);
     RUN_TEST(test_the_ramp_brings_the_torque_of_the_inertia);
     RUN_TEST(test_a_bandwidth_that_is_no_number_is_refused);
     RUN_TEST(test_no_feed_forward);

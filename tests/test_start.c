@@ -17,6 +17,7 @@ static lode_start_config_t sound(void) {
                                  .current_rise_s = 0.2f,
                                  .damping = 0.3f,
                                  .lock_s = 0.05f,
+                                 .catch_s = 0.05f,
                                  .timeout_s = 3.0f,
                                  .fade_s = 0.1f};
 }
@@ -29,6 +30,8 @@ static lode_start_tuning_t tuned(const lode_start_config_t *config) {
                                                               OMEGA_MAX, PAPER_TS_s)));
     return tuning;
 }
+
+static lode_status_t try_one(size_t offset, float value);
 
 static const lode_ab_t no_emf = {0.0f, 0.0f};
 
@@ -243,6 +246,52 @@ static void test_hand_over_needs_speed_and_direction(void) {
     TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = NAN, .lock = 0.9f}));
 }
 
+/// Looks for a rotor that turns already as `estimate` says; the periods until it is held, or 0.
+static int caught_after(lode_estimate_t estimate) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    memset(&start, 0xff, sizeof start);
+    lode_start_begin(&start, &tuning);
+    TEST_ASSERT_TRUE(start.current_A == 0.0f && start.omega_rad_s == 0.0f &&
+                     start.theta_rad == 0.0f);
+    int n = 0;
+    while (start.catching > 0u && n < 10000) {
+        n++;
+        if (lode_start_catch(&start, &tuning, &estimate)) {
+            return n;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(250, n); // 0.05 s, and no longer
+    return 0;
+}
+
+static void test_a_rotor_that_turns_already_is_caught(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const float s = (float)sign;
+        const int n = caught_after((lode_estimate_t){.omega_rad_s = 300.0f * s, .lock = 0.9f});
+        TEST_ASSERT_TRUE(n > 10 && n < 250); // not on the first good sample, yet in time
+        TEST_ASSERT_EQUAL_INT(
+            0, caught_after((lode_estimate_t){.omega_rad_s = 300.0f * s, .lock = 0.6f}));
+        TEST_ASSERT_EQUAL_INT(
+            0, caught_after((lode_estimate_t){.omega_rad_s = 5.0f * s, .lock = 0.9f}));
+    }
+    TEST_ASSERT_EQUAL_INT(0, caught_after((lode_estimate_t){.omega_rad_s = NAN, .lock = 0.9f}));
+    TEST_ASSERT_EQUAL_INT(0, caught_after((lode_estimate_t){.omega_rad_s = 300.0f, .lock = NAN}));
+}
+
+static void test_range_of_the_time_to_catch(void) {
+    const size_t offset = offsetof(lode_start_config_t, catch_s);
+    const float good[] = {LODE_NONE, 0.0f, 0.05f, 10.0f};
+    const float bad[] = {-1.001f, 10.01f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(good); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, good[i]));
+    }
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_START_RAMP, try_one(offset, bad[i]));
+    }
+}
+
 static void test_times_become_periods(void) {
     lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
@@ -318,8 +367,9 @@ static void test_design_fills_what_is_open(void) {
     // A sixth of the start torque on the inertia, electrical.
     CHECK_CLOSE(1.0e-5, 8.4 * 0.639 / 6.0 / 0.0174 * 3.0, config.ramp_rad_s2);
     CHECK_CLOSE(1.0e-6, 0.2, config.current_rise_s);
-    CHECK_CLOSE(1.0e-6, 0.3, config.damping);
-    CHECK_CLOSE(1.0e-6, 0.05, config.lock_s);
+    CHECK_CLOSE(1.0e-6, 0.5, config.damping);
+    CHECK_CLOSE(1.0e-6, 0.1, config.lock_s);
+    CHECK_CLOSE(1.0e-6, 0.05, config.catch_s);
     CHECK_CLOSE(1.0e-6, 0.1, config.fade_s);
     TEST_ASSERT_TRUE(config.timeout_s > 1.0f && config.timeout_s < 10.0f);
     const lode_start_config_t all = sound();
@@ -340,6 +390,8 @@ int main(void) {
     RUN_TEST(test_a_failed_attempt_begins_again_at_rest);
     RUN_TEST(test_hand_over_needs_the_lock_for_its_time);
     RUN_TEST(test_hand_over_needs_speed_and_direction);
+    RUN_TEST(test_a_rotor_that_turns_already_is_caught);
+    RUN_TEST(test_range_of_the_time_to_catch);
     RUN_TEST(test_times_become_periods);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_design_fills_what_is_open);

@@ -71,6 +71,7 @@ static inline void lode_pll_correct(lode_pll_t *self, const lode_pll_tuning_t *t
     } else {
         self->theta_rad = lode_wrap_once(self->theta_rad + x * (2.0f - x) * error_rad);
         self->omega_rad_s += x * x * error_rad * tuning->inv_ts;
+        self->f_rad_s2 = 0.0f; // no state of this order, whatever stood there
     }
 }
 
