@@ -70,10 +70,10 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     lode_estimator_tuning_t t;
     lode_status_t status = lode_motor_check(motor);
     if (status == LODE_OK) {
-        status = lode_emf_tune(&t.emf, &config->emf, motor, config->active_flux == LODE_ON, ts_s);
+        status = lode_pll_tune(&t.pll, &config->pll, ts_s);
     }
     if (status == LODE_OK) {
-        status = lode_pll_tune(&t.pll, &config->pll, ts_s);
+        status = lode_emf_tune(&t.emf, &config->emf, motor, config->active_flux == LODE_ON, ts_s);
     }
     if (status == LODE_OK) {
         status = check(config, ts_s);

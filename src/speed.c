@@ -39,7 +39,9 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         return LODE_ERROR_SPEED_GAINS;
     }
     if (!lode_in_range(config->bandwidth_rad_s, 1.0e-3f, 1.0e5f) ||
-        !(config->kp_Nms <= BANDWIDTH_PER_SIGMA_MAX * pll->sigma_low_rad_s * motor->J_kgm2)) {
+        !(config->kp_Nms <= BANDWIDTH_PER_SIGMA_MAX * pll->sigma_low_rad_s * motor->J_kgm2) ||
+        !(config->kp_Nms * config->gain_rise <=
+          BANDWIDTH_PER_SIGMA_MAX * pll->sigma_rad_s * motor->J_kgm2)) {
         return LODE_ERROR_SPEED_BANDWIDTH;
     }
     if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f)) {
