@@ -65,7 +65,7 @@ static bool run_case(campaign_t *self, rig_config_t *config, double seed) {
     double load_Nm = 0.0;
     config->scenario.seed = seed;
     runlog_init(&log);
-    const bool good = runner_run(config, runner_estimator(config->source), &result, &log) &&
+    const bool good = runner_run(config, runner_estimator(config), &result, &log) &&
                       rig_config_plant(config, &plant, &load_Nm);
     runlog_free(&log);
     if (!good) {

@@ -69,7 +69,7 @@ static rig_exit_t run_once(const options_t *options, const char *scenario) {
         return RIG_BAD_INPUT;
     }
     runlog_init(&log);
-    bool good = runner_run(&config, runner_estimator(config.source), &result, &log);
+    bool good = runner_run(&config, runner_estimator(&config), &result, &log);
     if (good) {
         report_run_table(stdout, &config, &result, &log);
         (void)fflush(stdout);

@@ -132,12 +132,64 @@ static void fit_board(rig_config_t *config) {
     drive->sense.temperature_offset_degC = (float)TEMPERATURE_ZERO_degC;
 }
 
-static void choose_pll(rig_config_t *config) {
+/// The papers' own observers go with their own PLLs: one of them brings the other, where it is open.
+static bool pair_up(rig_config_t *config) {
+    bool emf = config->emf >= RIG_EMF_C_EULER;
+    bool pll = config->pll >= RIG_PLL_LESO_EULER;
+    if (emf && !pll && !is_given(config, "estimator", "pll")) {
+        config->pll = (rig_pll_t)((int)config->pll + (int)RIG_PLL_LESO_EULER);
+        pll = true;
+    }
+    if (pll && !emf && !is_given(config, "estimator", "emf")) {
+        config->emf = RIG_EMF_C_EULER;
+        emf = true;
+    }
+    if (emf != pll) {
+        rig_error("[estimator] emf, pll: expected an observer and a PLL that both end in -euler, or "
+                  "neither");
+    }
+    return emf == pll;
+}
+
+static bool choose_compensation(rig_config_t *config) {
+    const bool euler = config->emf >= RIG_EMF_C_EULER;
+    if (config->compensation == RIG_COMPENSATION_AUTO) {
+        const bool enhanced = config->pll == RIG_PLL_ENHANCED_EULER;
+        const rig_compensation_t printed =
+            enhanced ? RIG_COMPENSATION_EQ30 : RIG_COMPENSATION_NONE;
+        config->compensation = euler ? printed : RIG_COMPENSATION_EXACT;
+    }
+    const bool eq30 = config->compensation == RIG_COMPENSATION_EQ30;
+    if (eq30 && !euler) {
+        rig_error("[estimator] compensation: eq30 is the papers'; expected it with an observer and a "
+                  "PLL that end in -euler");
+    }
+    config->drive.estimator.compensation =
+        config->compensation == RIG_COMPENSATION_NONE ? LODE_LAG_NONE : LODE_LAG_EXACT;
+    return euler || !eq30;
+}
+
+/// What the names of observer and PLL stand for. With the papers' own forms the library's counterpart is
+/// still there, for its gains and for the start.
+static bool choose_estimator(rig_config_t *config) {
+    static const lode_emf_kind_t kinds[] = {
+        [RIG_EMF_C] = LODE_EMF_C_LESO,         [RIG_EMF_GI] = LODE_EMF_GI_LESO,
+        [RIG_EMF_FA] = LODE_EMF_FA_LESO,       [RIG_EMF_FA_MULTI] = LODE_EMF_FA_MULTI,
+        [RIG_EMF_C_EULER] = LODE_EMF_C_LESO,   [RIG_EMF_GI_EULER] = LODE_EMF_GI_LESO,
+        [RIG_EMF_FA_EULER] = LODE_EMF_FA_LESO,
+    };
     lode_estimator_config_t *estimator = &config->drive.estimator;
-    estimator->pll.kind = config->pll == RIG_PLL_QPLL ? LODE_PLL_QPLL : LODE_PLL_LESO;
-    if (config->pll == RIG_PLL_ENHANCED) {
+    if (!pair_up(config) || !choose_compensation(config)) {
+        return false;
+    }
+    const rig_pll_t pll = config->pll;
+    const bool second = pll == RIG_PLL_QPLL || pll == RIG_PLL_QPLL_EULER;
+    estimator->emf.kind = kinds[config->emf];
+    estimator->pll.kind = second ? LODE_PLL_QPLL : LODE_PLL_LESO;
+    if (pll == RIG_PLL_ENHANCED || pll == RIG_PLL_ENHANCED_EULER) {
         estimator->notch_k = lode_given_or(estimator->notch_k, NOTCH_K);
     }
+    return true;
 }
 
 bool rig_config_complete(rig_config_t *config, rig_need_t need) {
@@ -150,7 +202,9 @@ bool rig_config_complete(rig_config_t *config, rig_need_t need) {
         return false;
     }
     fit_board(config);
-    choose_pll(config);
+    if (!choose_estimator(config)) {
+        return false;
+    }
     default_to(&config->scenario.seed, 1.0);
     return true;
 }

@@ -58,14 +58,40 @@ typedef struct {
 } rig_plant_t;
 
 /// Where the drive's estimate comes from.
-typedef enum { RIG_SOURCE_OWN, RIG_SOURCE_TRUTH } rig_source_t;
+typedef enum {
+    RIG_SOURCE_OWN,
+    RIG_SOURCE_TRUTH, ///< the plant
+    RIG_SOURCE_SEEDED ///< the plant until the drive runs, then `own` from the true angle and speed on
+} rig_source_t;
+
+/// EMF observer by its name: those of the library in its order, then the papers' own forms.
+typedef enum {
+    RIG_EMF_C,
+    RIG_EMF_GI,
+    RIG_EMF_FA,
+    RIG_EMF_FA_MULTI,
+    RIG_EMF_C_EULER,
+    RIG_EMF_GI_EULER,
+    RIG_EMF_FA_EULER
+} rig_emf_t;
 
 /// Position PLL by its name: the library has two orders, and a notch for either.
 typedef enum {
     RIG_PLL_LESO,
     RIG_PLL_QPLL,
-    RIG_PLL_ENHANCED ///< LESO-QPLL with the notch at 6 w (paper 1, Section 4)
+    RIG_PLL_ENHANCED, ///< LESO-QPLL with the notch at 6 w (paper 1, Section 4)
+    RIG_PLL_LESO_EULER,
+    RIG_PLL_QPLL_EULER,
+    RIG_PLL_ENHANCED_EULER
 } rig_pll_t;
+
+/// What is added to the PLL's angle.
+typedef enum {
+    RIG_COMPENSATION_AUTO, ///< exact; the papers' own forms: as printed
+    RIG_COMPENSATION_EXACT,
+    RIG_COMPENSATION_NONE,
+    RIG_COMPENSATION_EQ30 ///< paper 1, eq. 30
+} rig_compensation_t;
 
 /// One stretch of a scenario. What a phase leaves unset stays as it was.
 typedef struct {
@@ -108,7 +134,9 @@ typedef struct {
     rig_convenience_t people;
     rig_plant_t plant;
     rig_source_t source;
+    rig_emf_t emf;
     rig_pll_t pll;
+    rig_compensation_t compensation;
     rig_scenario_t scenario;
     int files;
     char file[RIG_FILES_MAX][RIG_PATH_LENGTH];

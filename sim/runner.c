@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "diag.h"
+#include "euler_estimate.h"
 #include "progress.h"
 #include "refusal.h"
 #include "units.h"
@@ -14,6 +15,7 @@ enum { LOG_ROWS = 6000, PERIODS_PER_PROGRESS = 4096 };
 typedef struct {
     const rig_config_t *config;
     runner_estimator_t estimate;
+    runner_memory_t memory;
     runner_result_t *result;
     runlog_t *log;
     plant_t plant;
@@ -44,14 +46,16 @@ typedef struct {
 // ---- Estimates ----------------------------------------------------------------------------------
 
 static lode_estimate_t own_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
-                                    const plant_truth_t *truth) {
+                                    const plant_truth_t *truth, runner_memory_t *memory) {
     (void)truth;
+    (void)memory;
     return lode_drive_estimate(drive, measurement);
 }
 
 /// As if the motor had a perfect encoder. The drive's own estimator runs along.
 static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
-                                     const plant_truth_t *truth) {
+                                     const plant_truth_t *truth, runner_memory_t *memory) {
+    (void)memory;
     lode_estimate_t estimate = lode_drive_estimate(drive, measurement);
     estimate.theta_rad = (float)truth->theta_e_rad;
     estimate.omega_rad_s = (float)truth->omega_e_rad_s;
@@ -61,8 +65,60 @@ static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_measurement
     return estimate;
 }
 
-runner_estimator_t runner_estimator(rig_source_t source) {
-    return source == RIG_SOURCE_TRUTH ? true_estimate : own_estimate;
+/// The drive's own estimator, started at the truth: until the drive runs it has the encoder.
+static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                       const plant_truth_t *truth, runner_memory_t *memory) {
+    if (drive->mode == (uint_least8_t)LODE_MODE_RUN) {
+        return lode_drive_estimate(drive, measurement);
+    }
+    const lode_estimate_t estimate = true_estimate(drive, measurement, truth, memory);
+    lode_estimator_hold(&drive->estimator, &drive->tuning->estimator, estimate.theta_rad,
+                        estimate.omega_rad_s);
+    return estimate;
+}
+
+/// One of the papers' forms in its place. Until the drive runs it is held to `leader`, which makes the
+/// start: the papers' forms have nothing for that.
+static lode_estimate_t euler_after(const lode_estimate_t *leader, lode_drive_t *drive,
+                                   const lode_measurement_t *measurement, runner_memory_t *memory) {
+    const lode_ab_t i_A = measurement->sample.i_A;
+    if (!drive->gates) { // the voltage at open terminals is not known
+        euler_reset(&memory->euler, (double)i_A.alpha + I * (double)i_A.beta);
+        return *leader;
+    }
+    const lode_estimate_t estimate =
+        euler_estimate_step(&memory->euler, &memory->euler_config, measurement->u_V, i_A);
+    if (drive->mode == (uint_least8_t)LODE_MODE_RUN) {
+        return estimate;
+    }
+    euler_hold(&memory->euler, &memory->euler_config, (double)leader->theta_rad,
+               (double)leader->omega_rad_s);
+    return *leader;
+}
+
+static lode_estimate_t euler_own(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                 const plant_truth_t *truth, runner_memory_t *memory) {
+    const lode_estimate_t leader = own_estimate(drive, measurement, truth, memory);
+    return euler_after(&leader, drive, measurement, memory);
+}
+
+static lode_estimate_t euler_seeded(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                    const plant_truth_t *truth, runner_memory_t *memory) {
+    const lode_estimate_t leader = seeded_estimate(drive, measurement, truth, memory);
+    return euler_after(&leader, drive, measurement, memory);
+}
+
+runner_estimator_t runner_estimator(const rig_config_t *config) {
+    const bool euler = euler_estimate_wanted(config);
+    switch (config->source) {
+    case RIG_SOURCE_TRUTH:
+        return true_estimate;
+    case RIG_SOURCE_SEEDED:
+        return euler ? euler_seeded : seeded_estimate;
+    case RIG_SOURCE_OWN:
+    default:
+        return euler ? euler_own : own_estimate;
+    }
 }
 
 // ---- Log ----------------------------------------------------------------------------------------
@@ -173,7 +229,7 @@ static void step_drive(run_t *run, moment_t *now) {
     const lode_counts_t counts = counts_of(&sampled);
     // lode_drive_step() in its three parts.
     const lode_measurement_t measurement = lode_drive_sense(&run->drive, &counts);
-    now->estimate = run->estimate(&run->drive, &measurement, &now->truth);
+    now->estimate = run->estimate(&run->drive, &measurement, &now->truth, &run->memory);
     const lode_drive_out_t out = lode_drive_act(&run->drive, &measurement, &now->estimate);
     const double duty[PLANT_PHASES] = {(double)out.duty.a, (double)out.duty.b, (double)out.duty.c};
     plant_write(&run->plant, duty, out.gates);
@@ -352,6 +408,9 @@ static bool start(run_t *run) {
         return false;
     }
     (void)plant_init(&run->plant, &plant);
+    if (euler_estimate_wanted(run->config)) {
+        run->memory.euler_config = euler_estimate_config(run->config);
+    }
     run->ts_s = 1.0 / (double)run->config->drive.f_pwm_Hz;
     run->command = (lode_command_t){.mode = LODE_MODE_RUN};
     run->mode = LODE_MODE_OFF;

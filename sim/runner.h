@@ -2,6 +2,7 @@
 #ifndef RIG_RUNNER_H
 #define RIG_RUNNER_H
 
+#include "euler.h"
 #include "rig_config.h"
 #include "runlog.h"
 #include "stats.h"
@@ -39,13 +40,19 @@ typedef struct {
     bool missed; ///< a bar
 } runner_result_t;
 
+/// What an estimator other than the drive's own has to remember.
+typedef struct {
+    euler_config_t euler_config;
+    euler_t euler;
+} runner_memory_t;
+
 /// Where an estimate comes from: the place at which other estimators can be compared.
 typedef lode_estimate_t (*runner_estimator_t)(lode_drive_t *drive,
                                               const lode_measurement_t *measurement,
-                                              const plant_truth_t *truth);
+                                              const plant_truth_t *truth, runner_memory_t *memory);
 
-/// The one that [estimator] source names.
-runner_estimator_t runner_estimator(rig_source_t source);
+/// The one that [estimator] names.
+runner_estimator_t runner_estimator(const rig_config_t *config);
 
 /// Runs all phases. `config` must be complete and designed. False after a message: refused input.
 bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_result_t *result,

@@ -22,10 +22,8 @@ typedef char enum_is_int[sizeof(lode_choice_t) == sizeof(int) ? 1 : -1];
     { section, key, RIG_KEY_DOUBLE_OR, offsetof(rig_config_t, field), lo, hi, word, NULL }
 #define TEXT(section, key, field)                                                                  \
     { section, key, RIG_KEY_TEXT, offsetof(rig_config_t, field), 0.0, 0.0, NULL, NULL }
-#define EMF "c-leso|gi-leso|fa-leso|fa-multi"
-#define EMF_LATER "c-leso-euler|gi-leso-euler|fa-leso-euler"
-#define PLL "leso-qpll|qpll|enhanced"
-#define PLL_LATER "qpll-euler|leso-qpll-euler|enhanced-euler"
+#define EMF "c-leso|gi-leso|fa-leso|fa-multi|c-leso-euler|gi-leso-euler|fa-leso-euler"
+#define PLL "leso-qpll|qpll|enhanced|leso-qpll-euler|qpll-euler|enhanced-euler"
 
 // The rows of a section stand together; the order of the names of a choice is its enumerators'.
 static const rig_key_t keys[] = {
@@ -57,8 +55,8 @@ static const rig_key_t keys[] = {
     FLOAT("drive", "duty_max", sense.duty_max),
     FLOAT("drive", "calibrate_s", sense.calibrate_s),
 
-    CHOICE("estimator", "emf", drive.estimator.emf.kind, EMF, EMF_LATER),
-    CHOICE("estimator", "pll", pll, PLL, PLL_LATER),
+    CHOICE("estimator", "emf", emf, EMF, NULL),
+    CHOICE("estimator", "pll", pll, PLL, NULL),
     FLOAT("estimator", "w0_rad_s", estimator.emf.w0_rad_s),
     FLOAT("estimator", "gi_kappa", estimator.emf.gi_kappa),
     FLOAT("estimator", "gi_wc_rad_s", estimator.emf.gi_wc_rad_s),
@@ -76,8 +74,8 @@ static const rig_key_t keys[] = {
     NUMBER("estimator", "speed_max_rpm", people.speed_max_rpm, 1e-3, 1e6),
     FLOAT("estimator", "lock_s", estimator.lock_s),
     CHOICE("estimator", "active_flux", drive.estimator.active_flux, "auto|on|off", NULL),
-    CHOICE("estimator", "compensation", drive.estimator.compensation, "exact|none", NULL),
-    CHOICE("estimator", "source", source, "own|truth", NULL),
+    CHOICE("estimator", "compensation", compensation, "auto|exact|none|eq30", NULL),
+    CHOICE("estimator", "source", source, "own|truth|seeded", NULL),
 
     FLOAT("current", "bandwidth_rad_s", current.bandwidth_rad_s),
     FLOAT("current", "kp_d_V_A", current.kp_d_V_A),
@@ -95,6 +93,7 @@ static const rig_key_t keys[] = {
     NUMBER("speed", "kp_A_s_rad", people.kp_A_s_rad, 1e-9, 1e9),
     NUMBER("speed", "ki_A_rad", people.ki_A_rad, 1e-9, 1e9),
     FLOAT("speed", "bandwidth_rad_s", speed.bandwidth_rad_s),
+    FLOAT("speed", "gain_rise", speed.gain_rise),
     FLOAT("speed", "ramp_rad_s2", speed.ramp_rad_s2),
     NUMBER("speed", "ramp_rpm_s", people.ramp_rpm_s, 1e-3, 1e9),
     FLOAT_OR_NONE("speed", "inertia_feed_forward", speed.inertia_feed_forward),
@@ -108,6 +107,7 @@ static const rig_key_t keys[] = {
     FLOAT("start", "current_rise_s", start.current_rise_s),
     FLOAT_OR_NONE("start", "damping", start.damping),
     FLOAT("start", "lock_s", start.lock_s),
+    FLOAT_OR_NONE("start", "catch_s", start.catch_s),
     FLOAT("start", "timeout_s", start.timeout_s),
     FLOAT("start", "fade_s", start.fade_s),
 

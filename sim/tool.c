@@ -19,8 +19,10 @@ static void list_choice(const char *title, const char *key) {
     for (const char *at = row->names; *at != '\0'; ++at) {
         (void)putchar(*at == '|' ? ' ' : *at);
     }
-    (void)printf("\n  reserved   ");
-    for (const char *at = row->later; *at != '\0'; ++at) {
+    if (row->later != NULL) {
+        (void)printf("\n  reserved   ");
+    }
+    for (const char *at = row->later; at != NULL && *at != '\0'; ++at) {
         (void)putchar(*at == '|' ? ' ' : *at);
     }
     (void)putchar('\n');

@@ -79,7 +79,7 @@ LODE_HOT lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tu
     const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
     const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
                              lode_pi_output(&self->q, &tuning->q, error.q, ff.q)};
-    // The circle, d first: it holds the flux; q keeps what is left, at least 44 %.
+    // The circle (K5), d first: it holds the flux; q keeps what is left, at least 44 %.
     const float radius = tuning->circle * lode_max(v_bus_V, 0.0f);
     const float d_max = tuning->d_share * radius;
     const float ud = lode_clamp(asked.d, -d_max, d_max);

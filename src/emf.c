@@ -39,7 +39,7 @@ void lode_emf_reset(lode_emf_t *self, lode_ab_t i_A) {
     lode_leso_reset(&self->leso);
 }
 
-// (Ld - Lq) did/dt on the d axis, at the angle half a period back: the mean over the period.
+// (Ld - Lq) did/dt on the d axis (E5), at the angle half a period back: the mean over the period.
 static lode_ab_t active_flux_emf(const lode_emf_t *self, const lode_emf_tuning_t *tuning,
                                  lode_ab_t i_A, const lode_emf_motion_t *motion) {
     const lode_sincos_t middle = lode_angle_subtract(motion->rotor, motion->half_turn);
@@ -52,7 +52,7 @@ static lode_ab_t active_flux_emf(const lode_emf_t *self, const lode_emf_tuning_t
 
 LODE_HOT lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning, lode_ab_t u_V,
                                  lode_ab_t i_A, const lode_emf_motion_t *motion) {
-    // Dead-beat EMF: u[k-1] - (i[k] - a i[k-1])/b less the active-flux term; (1 - a)/b is R.
+    // Dead-beat EMF (E3): u[k-1] - (i[k] - a i[k-1])/b less the active-flux term; (1 - a)/b is R.
     const lode_ab_t rise = lode_ab_subtract(i_A, self->i_A);
     lode_ab_t m = lode_ab_subtract(u_V, active_flux_emf(self, tuning, i_A, motion));
     m = lode_ab_add_scaled(m, -tuning->Rs_Ohm, self->i_A);

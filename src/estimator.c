@@ -236,7 +236,7 @@ LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self,
     const lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, &motion);
     note_rotation(self, tuning, e_V, before);
 
-    // Phase detector (paper 1, eq. 13) with the sign of speed, without which it locks half a turn off.
+    // Phase detector (paper 1, eq. 13; P1) with the sign of speed: else it locks half a turn off.
     const float inv_e = lode_sign(pll->omega_rad_s) / lode_max(lode_ab_length(e_V), tuning->emin_V);
     const lode_dq_t seen = lode_park(e_V, lode_sincos(pll->theta_rad));
     const float error = -seen.d * inv_e;
@@ -251,7 +251,7 @@ LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self,
     const lode_sincos_t rotor = lode_sincos(theta);
     const lode_dq_t i_dq = lode_park(i_A, rotor);
     note_lock(self, tuning, lode_abs(inv_e), seen.q * inv_e, i_dq.d);
-    // Known acceleration over the period to come: torque of the measured current, and friction.
+    // Known acceleration over the period to come (P3): torque of the measured current, and friction.
     pll->acc_rad_s2 =
         tuning->acc_per_torque * (tuning->psi_Wb + tuning->salient_H * i_dq.d) * i_dq.q -
         tuning->acc_per_omega * pll->omega_rad_s;

@@ -87,7 +87,7 @@ void lode_leso_reset(lode_leso_t *self) {
     *self = (lode_leso_t){{0.0f, 0.0f}, {{0.0f, 0.0f}, {0.0f, 0.0f}, {0.0f, 0.0f}}};
 }
 
-// Both poles at p = exp(-w0 Ts), current form.
+// Both poles at p = exp(-w0 Ts), current form (E10).
 static void step_c(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m) {
     lode_ab_t *y = &self->s[0];
     *y = lode_ab_add_scaled(*y, tuning->one_m_p, lode_ab_subtract(m, *y));
@@ -114,7 +114,7 @@ static void step_gi(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab
 #endif
 
 #ifndef LODE_WITHOUT_FA_LESO
-// First order: e = q rho e + (1 - q) m.
+// First order: e = q rho e + (1 - q) m (E17).
 static void step_fa(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m,
                     lode_sincos_t turn) {
     const lode_ab_t turned = lode_ab_turn(self->e_V, turn);

@@ -15,7 +15,7 @@ LODE_HOT lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_t *
                                                   lode_ab_t i_acting_A) {
     const float inv_v_bus = 1.0f / lode_max(v_bus_V, inverter->v_min_V);
     const lode_abc_t v = lode_clarke_inverse(lode_ab_scale(inv_v_bus, u_V));
-    // The common mode that centres the three: min-max, equal to space-vector modulation.
+    // The common mode that centres the three (B9): min-max, equal to space-vector modulation.
     const float high = lode_max(lode_max(v.a, v.b), v.c);
     const float low = lode_min(lode_min(v.a, v.b), v.c);
     lode_abc_t loss = {0.0f, 0.0f, 0.0f};

@@ -12,7 +12,7 @@ LODE_HOT lode_sogi_out_t lode_sogi_step(lode_sogi_t *self, float k, float wn_Ts,
     const float centre = lode_clamp(wn_Ts, LODE_SOGI_CENTRE_MIN_rad, LODE_SOGI_CENTRE_MAX_rad);
     const lode_sincos_t half = lode_sincos(0.5f * centre);
     const float g = half.sin / half.cos; // the prewarped integrator gain, tan(wn Ts/2)
-    // Trapezoidal solution of: band' = wn (x - k band - low), low' = wn band.
+    // Trapezoidal solution (B7) of: band' = wn (x - k band - low), low' = wn band.
     const float high = (x - (width + g) * self->band - self->low) / (1.0f + g * (width + g));
     const float band = self->band + g * high;
     const float low = self->low + g * band;

@@ -12,9 +12,9 @@
 /// Which filter. GI, FA and the modes of FA can be left out of a build with LODE_WITHOUT_GI_LESO,
 /// LODE_WITHOUT_FA_LESO and LODE_WITHOUT_FA_MULTI; init then refuses them.
 typedef enum {
-    LODE_EMF_C_LESO,  ///< conventional, double pole at w0 (paper 1, eq. 11), current form
-    LODE_EMF_GI_LESO, ///< with a generalised integrator at the speed (paper 2, eqs. 29, 30)
-    LODE_EMF_FA_LESO, ///< frequency adaptive (paper 2, eqs. 26-28)
+    LODE_EMF_C_LESO,  ///< conventional, double pole at w0 (paper 1, eq. 11; E10), current form
+    LODE_EMF_GI_LESO, ///< with a generalised integrator at the speed (paper 2, eqs. 29, 30; E13)
+    LODE_EMF_FA_LESO, ///< frequency adaptive (paper 2, eqs. 26-28; E17, E18)
     LODE_EMF_FA_MULTI ///< the same with further modes at 0, -5 w and +7 w
 } lode_emf_kind_t;
 

@@ -20,12 +20,12 @@ typedef struct {
 /// LODE_OK, or which parameter is out of range.
 lode_status_t lode_motor_check(const lode_motor_t *motor);
 
-/// Active flux psi + (Ld - Lq) id, Wb (paper 1, eq. 8).
+/// Active flux psi + (Ld - Lq) id, Wb (paper 1, eq. 8; C3).
 static inline float lode_motor_active_flux_Wb(const lode_motor_t *motor, float id_A) {
     return motor->psi_Wb + (motor->Ld_H - motor->Lq_H) * id_A;
 }
 
-/// Electromagnetic torque, Nm (paper 1, eq. 17).
+/// Electromagnetic torque, Nm (paper 1, eq. 17; C5).
 float lode_motor_torque_Nm(const lode_motor_t *motor, lode_dq_t i_A);
 
 /// Torque per q-axis ampere at id = 0, Nm/A.

@@ -49,7 +49,7 @@ lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *
 /// Takes up the motion given, with no disturbance.
 void lode_pll_reset(lode_pll_t *self, float theta_rad, float omega_rad_s);
 
-/// Moves the state from t_k-1 to t_k (paper 1, eq. 19, exact for constant acceleration).
+/// Moves the state from t_k-1 to t_k (paper 1, eq. 19; P2), exact for constant acceleration.
 static inline void lode_pll_predict(lode_pll_t *self, const lode_pll_tuning_t *tuning) {
     const float step = tuning->ts_s * (self->f_rad_s2 + self->acc_rad_s2);
     self->theta_rad =
@@ -58,7 +58,7 @@ static inline void lode_pll_predict(lode_pll_t *self, const lode_pll_tuning_t *t
 }
 
 /// Corrects the state by the position error `error_rad` found at t_k. It may come from the EMF, from
-/// signal injection, or from a weighted sum of both.
+/// signal injection, or from a weighted sum of both (P4, P6).
 static inline void lode_pll_correct(lode_pll_t *self, const lode_pll_tuning_t *tuning,
                                     float error_rad) {
     const float up = (lode_abs(self->omega_rad_s) - tuning->omega_low) * tuning->inv_span;
