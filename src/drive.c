@@ -32,6 +32,7 @@ static void switch_off(lode_drive_t *self, lode_mode_t mode) {
     set_mode(self, mode);
     self->gates = false;
     self->duty = (lode_abc_t){DUTY_IDLE, DUTY_IDLE, DUTY_IDLE};
+    self->duty_before = self->duty;
     self->i_A = (lode_dq_t){0.0f, 0.0f};
     self->ref_A = (lode_dq_t){0.0f, 0.0f};
     self->u_V = (lode_dq_t){0.0f, 0.0f};
@@ -151,7 +152,7 @@ LODE_HOT lode_measurement_t lode_drive_sense(lode_drive_t *self, const lode_coun
     if (mode_of(self) == LODE_MODE_CALIBRATE) {
         m.calibration = lode_sense_calibrate(&self->sense, &tuning->sense, counts, &m.offset_count);
     }
-    m.sample = lode_sense_step(&self->sense, &tuning->sense, counts, self->duty);
+    m.sample = lode_sense_step(&self->sense, &tuning->sense, counts, self->duty_before);
     m.u_V = lode_inverter_realised(&self->inverter, m.sample.v_bus_V);
     return m;
 }
@@ -249,6 +250,7 @@ static void follow_off(lode_drive_t *self) {
     const lode_mode_t wanted = self->command.mode;
     if (wanted == LODE_MODE_CALIBRATE ||
         (wanted == LODE_MODE_RUN && !is_stop(self) && !self->calibrated)) {
+        lode_sense_begin(&self->sense);
         set_mode(self, LODE_MODE_CALIBRATE);
     } else if (wanted == LODE_MODE_VOLTAGE || wanted == LODE_MODE_CURRENT) {
         switch_on(self, wanted);
@@ -373,6 +375,7 @@ static lode_ab_t modulate(lode_drive_t *self, const frame_t *frame, float v_bus_
     const lode_modulator_out_t out =
         lode_modulator_step(&self->tuning->inverter, lode_park_inverse(self->u_V, acting), v_bus_V,
                             lode_park_inverse(frame->i_A, acting));
+    self->duty_before = self->duty;
     self->duty = out.duty;
     return out.realised;
 }
@@ -396,7 +399,8 @@ LODE_HOT lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurem
         (void)lode_guard_step(&self->guard, &self->tuning->guard, &measurement->sample, estimate,
                               now);
     }
-    if (self->guard.fault.check != (uint_least8_t)LODE_CHECK_NONE) {
+    const bool faulty = self->guard.fault.check != (uint_least8_t)LODE_CHECK_NONE;
+    if (faulty && mode_of(self) != LODE_MODE_FAULT) {
         switch_off(self, LODE_MODE_FAULT);
     }
     return (lode_drive_out_t){self->duty, self->gates};

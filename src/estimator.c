@@ -34,12 +34,13 @@ void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *
 }
 
 // Observer and PLL are stable together.
-static lode_status_t check_bandwidths(const lode_emf_config_t *emf, float sigma_rad_s) {
+static lode_status_t check_bandwidths(const lode_emf_config_t *emf, const lode_pll_config_t *pll) {
     const bool adaptive = emf->kind == LODE_EMF_FA_LESO || emf->kind == LODE_EMF_FA_MULTI;
-    if (adaptive && !(emf->k2_rad_s >= K2_PER_SIGMA_MIN * sigma_rad_s)) {
+    if (adaptive && pll->kind == LODE_PLL_LESO &&
+        !(emf->k2_rad_s >= K2_PER_SIGMA_MIN * pll->sigma_rad_s)) {
         return LODE_ERROR_EMF_PLL;
     }
-    if (!adaptive && !(sigma_rad_s <= SIGMA_PER_W0_MAX * emf->w0_rad_s)) {
+    if (!adaptive && !(pll->sigma_rad_s <= SIGMA_PER_W0_MAX * emf->w0_rad_s)) {
         return LODE_ERROR_PLL_OBSERVER;
     }
     return LODE_OK;
@@ -61,7 +62,7 @@ static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
     if (!lode_in_range(config->w_filter_rad_s, 0.0f, 1.0f / ts_s)) {
         return LODE_ERROR_W_FILTER;
     }
-    return check_bandwidths(&config->emf, config->pll.sigma_rad_s);
+    return check_bandwidths(&config->emf, &config->pll);
 }
 
 lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,

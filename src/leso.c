@@ -5,6 +5,7 @@
 #define W0_TS_DEFAULT_MAX 0.5f
 #define W0_TS_MAX 2.0f
 #define GI_KAPPA 2.0f       // paper 2, Table II
+#define GI_KAPPA_MAX 7.0f   // stable at every speed below 8
 #define GI_WC_rad_s LODE_PI // paper 2, Table II
 #define K2_PER_SIGMA 3.0f   // a comfortable margin over 0.549: docs/theory/pll.md
 #define K2_PER_SIGMA_MULTI 10.0f
@@ -53,7 +54,7 @@ lode_status_t lode_leso_tune(lode_leso_tuning_t *tuning, const lode_leso_config_
     if (!lode_in_range(config->w0_rad_s, 1.0f, W0_TS_MAX / ts_s)) {
         return LODE_ERROR_EMF_W0;
     }
-    if (!lode_in_range(config->gi_kappa, 0.0f, 10.0f) ||
+    if (!lode_in_range(config->gi_kappa, 0.0f, GI_KAPPA_MAX) ||
         !lode_in_range(config->gi_wc_rad_s, 0.01f, 100.0f)) {
         return LODE_ERROR_EMF_GI;
     }
@@ -131,7 +132,7 @@ static lode_ab_t quotient(lode_ab_t a, lode_ab_t b) {
 }
 
 // Second order, k1 > 0, as two modes in parallel: z1 near q rho and z2 = 1 - t near 1, with
-// z1 z2 = q rho and (1 - z1) t = d. The slow one starts from zero and stays small.
+// z1 z2 = q rho and (1 - z1) t = d: t = d/(1 - q rho/(1 - t)), two steps from t = 0. The slow one starts from zero and stays small.
 static void step_fa_slow(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m,
                          lode_sincos_t turn, float omega_rad_s) {
     const lode_ab_t one = {1.0f, 0.0f};
@@ -144,7 +145,9 @@ static void step_fa_slow(lode_leso_t *self, const lode_leso_tuning_t *tuning, lo
     const lode_sincos_t half = lode_sincos(0.5f * tuning->ts_s * omega_rad_s);
     const lode_ab_t root = {tuning->sqrt_q * half.cos, tuning->sqrt_q * half.sin};
     const lode_ab_t d = lode_ab_scale(tuning->k1_Ts2, product(root, series));
-    const lode_ab_t t = quotient(d, lode_ab_subtract(one, q_rho));
+    const lode_ab_t first = quotient(d, lode_ab_subtract(one, q_rho));
+    const lode_ab_t rest = lode_ab_subtract(one, first);
+    const lode_ab_t t = quotient(product(d, rest), lode_ab_subtract(rest, q_rho));
     const lode_ab_t z2 = lode_ab_subtract(one, t);
     const lode_ab_t z1 = quotient(q_rho, z2);
     // Residues of z ((1 - q)(z - 1) + d)/((z - z1)(z - z2)).

@@ -74,7 +74,13 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
 
 void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning) {
     const float nominal = tuning->i_offset_nominal;
-    *self = (lode_sense_t){{nominal, nominal, nominal}, {0u, 0u, 0u}, 0u};
+    self->offset_count = (lode_abc_t){nominal, nominal, nominal};
+    lode_sense_begin(self);
+}
+
+void lode_sense_begin(lode_sense_t *self) {
+    self->sum_count[0] = self->sum_count[1] = self->sum_count[2] = 0u;
+    self->samples = 0u;
 }
 
 // The phase whose sample is not used: the third where there are two shunts; else the one with the
@@ -143,8 +149,7 @@ lode_calibration_t lode_sense_calibrate(lode_sense_t *self, const lode_sense_tun
     if (tuning->shunts == LODE_SHUNTS_TWO) {
         offset.c = nominal; // nothing need be wired there
     }
-    self->sum_count[0] = self->sum_count[1] = self->sum_count[2] = 0u;
-    self->samples = 0u;
+    lode_sense_begin(self);
     *worst_count = further(further(offset.a - nominal, offset.b - nominal), offset.c - nominal);
     if (!lode_in_range(*worst_count, -tuning->i_offset_tol, tuning->i_offset_tol)) {
         return LODE_CALIBRATION_IMPLAUSIBLE;

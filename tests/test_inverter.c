@@ -202,8 +202,8 @@ static void test_design_decides(void) {
     lode_inverter_design(&config, &motor, PAPER_TS_s);
     TEST_ASSERT_EQUAL_INT(LODE_ON, config.dead_time_correction);
     TEST_ASSERT_EQUAL_INT(LODE_OFF, config.dead_time_model);
-    // Half the ripple, v_bus Ts/(8 L) with the smaller L.
-    CHECK_CLOSE(1.0e-5, 200.0 * 2.0e-4 / (8.0 * 3.5e-3), config.i_dead_A);
+    // Three quarters of the ripple, v_bus Ts/(6 L) with the mean of both axes.
+    CHECK_CLOSE(1.0e-5, 0.75 * 200.0 * 2.0e-4 / (6.0 * 6.65e-3), config.i_dead_A);
     lode_inverter_config_t ideal = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
     lode_inverter_design(&ideal, &motor, PAPER_TS_s);
     TEST_ASSERT_EQUAL_INT(LODE_OFF, ideal.dead_time_correction);

@@ -163,8 +163,8 @@ static void test_design_fills_what_is_open(void) {
     lode_references_config_t config = {.id_bias_A = 0.0f};
     lode_references_design(&config, &inverter, &motor);
     CHECK_CLOSE(1.0e-6, 0.25 * 12.0, config.id_bias_A);
-    CHECK_CLOSE(1.0e-6, 0.13 * PAPER_OMEGA_RATED, config.omega_low_rad_s);
-    CHECK_CLOSE(1.0e-6, 0.23 * PAPER_OMEGA_RATED, config.omega_high_rad_s);
+    CHECK_CLOSE(1.0e-6, 0.2 * PAPER_OMEGA_RATED, config.omega_low_rad_s);
+    CHECK_CLOSE(1.0e-6, 0.4 * PAPER_OMEGA_RATED, config.omega_high_rad_s);
     const lode_references_config_t all = sound();
     lode_references_config_t kept = all;
     lode_references_design(&kept, &inverter, &motor);

@@ -93,6 +93,7 @@ typedef struct {
     float direction;        ///< sense of rotation, -1 or +1
     float theta_rad;        ///< of the frame of VOLTAGE, CURRENT and START
     lode_abc_t duty;        ///< written by the last call
+    lode_abc_t duty_before; ///< by the one before it: acts until the next sample
     lode_dq_t i_A;          ///< in the frame of control
     lode_dq_t ref_A;
     lode_dq_t u_V;

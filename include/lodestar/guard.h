@@ -18,7 +18,7 @@ typedef enum {
     LODE_CHECK_OVER_SPEED,       ///< electrical, rad/s
     LODE_CHECK_LOST_LOCK,        ///< lock quality while running without a sensor
     LODE_CHECK_WRONG_WAY,        ///< electrical speed against the commanded direction, rad/s
-    LODE_CHECK_START,            ///< no lock before the time-out: best lock quality seen last
+    LODE_CHECK_START,            ///< no lock before the time-out: lock quality at that moment
     LODE_CHECK_OFFSET,           ///< deviation of a calibrated current offset, counts
     LODE_CHECK_COUNT
 } lode_check_t;

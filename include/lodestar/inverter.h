@@ -17,7 +17,7 @@ typedef struct {
     float r_on_Ohm; ///< on-state slope
     float i_dead_A; ///< below this phase current the effect of dead time fades, proportionally: the
                     ///< ripple reverses the current within the period. At full modulation; it falls
-                    ///< with the modulation, as the ripple does. 0: half the ripple, v_bus Ts/(8 L)
+                    ///< with the modulation, as the ripple does. 0: v_bus Ts/(4 (Ld + Lq))
     float pwm_ticks;                    ///< timer steps from duty 0 to 1; 0: not quantised
     lode_choice_t dead_time_correction; ///< correct in the duties; auto: where there is a dead time
     /// without the correction: take the loss out of the observer's voltage; auto: no

@@ -9,8 +9,8 @@
 typedef struct {
     float id_bias_A; ///< magnitude of the negative id at low speed, which keeps the phase currents
                      ///< away from the dead band of the inverter; 0: 0.25 i_max; LODE_NONE: none
-    float omega_low_rad_s;  ///< electrical speed up to which it is full; 0: 0.13 of rated
-    float omega_high_rad_s; ///< from which it is gone; 0: 0.23 of rated
+    float omega_low_rad_s;  ///< electrical speed up to which it is full; 0: 0.2 of rated
+    float omega_high_rad_s; ///< from which it is gone; 0: 0.4 of rated
 } lode_references_config_t;
 
 typedef struct {

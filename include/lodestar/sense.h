@@ -87,6 +87,9 @@ void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning);
 lode_sample_t lode_sense_step(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
                               const lode_counts_t *counts, lode_abc_t duty);
 
+/// Starts a calibration anew; the offsets in use stay.
+void lode_sense_begin(lode_sense_t *self);
+
 /// Takes one more sample at zero current (gates off). At the end either all three offsets change or,
 /// where one is implausible, none; `worst_count` is the largest deviation from nominal.
 lode_calibration_t lode_sense_calibrate(lode_sense_t *self, const lode_sense_tuning_t *tuning,

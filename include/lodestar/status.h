@@ -4,47 +4,47 @@
 
 typedef enum {
     LODE_OK = 0,
-    LODE_ERROR_NULL,              ///< a pointer argument is NULL
-    LODE_ERROR_F_PWM,             ///< f_pwm_Hz outside 1 kHz .. 200 kHz
-    LODE_ERROR_MOTOR_POLE_PAIRS,  ///< pole_pairs outside 1 .. 100
-    LODE_ERROR_MOTOR_RS,          ///< Rs_Ohm outside 0 .. 1e3
-    LODE_ERROR_MOTOR_LD,          ///< Ld_H outside 1e-7 .. 10
-    LODE_ERROR_MOTOR_LQ,          ///< Lq_H outside 1e-7 .. 10
-    LODE_ERROR_MOTOR_PSI,         ///< psi_Wb outside 1e-6 .. 100
-    LODE_ERROR_MOTOR_J,           ///< J_kgm2 outside 1e-9 .. 1e4
-    LODE_ERROR_MOTOR_B,           ///< B_Nms outside 0 .. 1e3
-    LODE_ERROR_MOTOR_OMEGA,       ///< omega_rated_rad_s outside 0 .. 1e5
-    LODE_ERROR_MOTOR_PERIOD,      ///< R/L so large that the current settles within one period
-    LODE_ERROR_V_BUS,             ///< v_bus_V outside 1 .. 2000
-    LODE_ERROR_I_MAX,             ///< i_max_A outside 1e-3 .. 1e4
-    LODE_ERROR_DEAD_TIME,         ///< dead_time_s outside 0 .. 0.2 periods
-    LODE_ERROR_V_DROP,            ///< v_drop_V outside 0 .. 10
-    LODE_ERROR_R_ON,              ///< r_on_Ohm outside 0 .. 10
-    LODE_ERROR_I_DEAD,            ///< i_dead_A outside 1e-3 .. 1 times i_max_A
-    LODE_ERROR_PWM_TICKS,         ///< pwm_ticks outside 0 .. 65535
-    LODE_ERROR_SENSE_SHUNTS,      ///< shunts not an enumerator
-    LODE_ERROR_SENSE_CURRENT,     ///< current gain zero or not finite, or its range below i_max_A
-    LODE_ERROR_SENSE_BUS,         ///< bus gain not positive, or its range below v_bus_V
-    LODE_ERROR_SENSE_TEMPERATURE, ///< temperature gain or offset not finite
-    LODE_ERROR_SENSE_OFFSET,      ///< offsets or their tolerance outside the converter's range
-    LODE_ERROR_SENSE_WINDOW,      ///< duty_max outside 0.5 .. 1
-    LODE_ERROR_SENSE_CALIBRATION, ///< calibrate_s outside 1 period .. 10 s
-    LODE_ERROR_EMF_KIND,          ///< emf not an enumerator of an observer that is built in
-    LODE_ERROR_EMF_GI,            ///< gi_kappa outside 0 .. 10, or gi_wc_rad_s outside 0.01 .. 100
-    LODE_ERROR_EMF_FA,            ///< k1 outside 0 .. 1e4, or k2 outside 1 .. 1/Ts
-    LODE_ERROR_EMF_W0,            ///< w0_rad_s outside 1 .. 2/Ts
-    LODE_ERROR_PLL_KIND,          ///< pll not an enumerator
-    LODE_ERROR_PLL_SIGMA,         ///< sigma outside 1 .. 0.3/Ts, or the low one above the high one
-    LODE_ERROR_PLL_OBSERVER, ///< sigma too near the EMF observer's bandwidth: unstable together
-    LODE_ERROR_NOTCH,        ///< width of a notch neither 0 nor 0.01 .. 2
-    LODE_ERROR_EMF_PLL,      ///< k2 below 0.549 sigma: FA observer and PLL unstable together
-    LODE_ERROR_W_FILTER,     ///< w_filter_rad_s outside 0 .. 1/Ts
-    LODE_ERROR_PLL_SCHEDULE, ///< the speeds between which sigma rises are not in order
-    LODE_ERROR_LAG,          ///< the observer's phase cannot be held within 0.01 degree
-    LODE_ERROR_EMIN,         ///< emin_V outside 1e-4 .. 1e3
-    LODE_ERROR_OMEGA_MAX,    ///< omega_max_rad_s outside 1 .. 0.5/Ts
-    LODE_ERROR_CHOICE,       ///< a choice is not LODE_AUTO, LODE_ON or LODE_OFF
-    LODE_ERROR_LOCK_TIME,    ///< lock_s outside 1 period .. 1 s
+    LODE_ERROR_NULL,               ///< a pointer argument is NULL
+    LODE_ERROR_F_PWM,              ///< f_pwm_Hz outside 1 kHz .. 200 kHz
+    LODE_ERROR_MOTOR_POLE_PAIRS,   ///< pole_pairs outside 1 .. 100
+    LODE_ERROR_MOTOR_RS,           ///< Rs_Ohm outside 0 .. 1e3
+    LODE_ERROR_MOTOR_LD,           ///< Ld_H outside 1e-7 .. 10
+    LODE_ERROR_MOTOR_LQ,           ///< Lq_H outside 1e-7 .. 10
+    LODE_ERROR_MOTOR_PSI,          ///< psi_Wb outside 1e-6 .. 100
+    LODE_ERROR_MOTOR_J,            ///< J_kgm2 outside 1e-9 .. 1e4
+    LODE_ERROR_MOTOR_B,            ///< B_Nms outside 0 .. 1e3
+    LODE_ERROR_MOTOR_OMEGA,        ///< omega_rated_rad_s outside 0 .. 1e5
+    LODE_ERROR_MOTOR_PERIOD,       ///< R/L so large that the current settles within one period
+    LODE_ERROR_V_BUS,              ///< v_bus_V outside 1 .. 2000
+    LODE_ERROR_I_MAX,              ///< i_max_A outside 1e-3 .. 1e4
+    LODE_ERROR_DEAD_TIME,          ///< dead_time_s outside 0 .. 0.2 periods
+    LODE_ERROR_V_DROP,             ///< v_drop_V outside 0 .. 10
+    LODE_ERROR_R_ON,               ///< r_on_Ohm outside 0 .. 10
+    LODE_ERROR_I_DEAD,             ///< i_dead_A outside 1e-3 .. 1 times i_max_A
+    LODE_ERROR_PWM_TICKS,          ///< pwm_ticks outside 0 .. 65535
+    LODE_ERROR_SENSE_SHUNTS,       ///< shunts not an enumerator
+    LODE_ERROR_SENSE_CURRENT,      ///< current gain zero or not finite, or its range below i_max_A
+    LODE_ERROR_SENSE_BUS,          ///< bus gain not positive, or its range below v_bus_V
+    LODE_ERROR_SENSE_TEMPERATURE,  ///< temperature gain or offset not finite
+    LODE_ERROR_SENSE_OFFSET,       ///< offsets or their tolerance outside the converter's range
+    LODE_ERROR_SENSE_WINDOW,       ///< duty_max outside 0.5 .. 1
+    LODE_ERROR_SENSE_CALIBRATION,  ///< calibrate_s outside 1 period .. 10 s
+    LODE_ERROR_EMF_KIND,           ///< emf not an enumerator of an observer that is built in
+    LODE_ERROR_EMF_GI,             ///< gi_kappa outside 0 .. 7, or gi_wc_rad_s outside 0.01 .. 100
+    LODE_ERROR_EMF_FA,             ///< k1 outside 0 .. 1e4, or k2 outside 1 .. 1/Ts
+    LODE_ERROR_EMF_W0,             ///< w0_rad_s outside 1 .. 2/Ts
+    LODE_ERROR_PLL_KIND,           ///< pll not an enumerator
+    LODE_ERROR_PLL_SIGMA,          ///< sigma outside 1 .. 0.3/Ts, or the low one above the high one
+    LODE_ERROR_PLL_OBSERVER,       ///< sigma above a fifth of the EMF observer's bandwidth
+    LODE_ERROR_NOTCH,              ///< width of a notch neither 0 nor 0.01 .. 2
+    LODE_ERROR_EMF_PLL,            ///< k2 below 0.549 sigma: FA observer and PLL unstable together
+    LODE_ERROR_W_FILTER,           ///< w_filter_rad_s outside 0 .. 1/Ts
+    LODE_ERROR_PLL_SCHEDULE,       ///< the speeds between which sigma rises are not in order
+    LODE_ERROR_LAG,                ///< the observer's phase cannot be held within 0.01 degree
+    LODE_ERROR_EMIN,               ///< emin_V outside 1e-4 .. 1e3
+    LODE_ERROR_OMEGA_MAX,          ///< omega_max_rad_s outside 1 .. 0.5/Ts
+    LODE_ERROR_CHOICE,             ///< a choice is not LODE_AUTO, LODE_ON or LODE_OFF
+    LODE_ERROR_LOCK_TIME,          ///< lock_s outside 1 period .. 1 s
     LODE_ERROR_CURRENT_BANDWIDTH,  ///< current bandwidth outside 1 .. 0.4/Ts
     LODE_ERROR_CURRENT_GAINS,      ///< current gains not positive, or unstable with the motor's L
     LODE_ERROR_CURRENT_VOLTAGE,    ///< use of the voltage circle outside 0.1 .. 1
@@ -53,14 +53,14 @@ typedef enum {
     LODE_ERROR_SPEED_RAMP,         ///< acceleration not positive
     LODE_ERROR_SPEED_FEED_FORWARD, ///< share of a feed-forward outside 0 .. 1
     LODE_ERROR_ID_BIAS,            ///< id bias above i_max_A, or its speeds not in order
-    LODE_ERROR_START_CURRENT,      ///< start current outside 0 .. i_max_A
+    LODE_ERROR_START_CURRENT,      ///< start current outside 0.001 .. 1 times i_max_A
     LODE_ERROR_START_SPEED,        ///< hand-over speed outside 0 .. omega_max_rad_s
     LODE_ERROR_START_RAMP,         ///< start acceleration or a start time not positive
     LODE_ERROR_START_DAMPING,      ///< damping ratio outside 0 .. 2
-    LODE_ERROR_GUARD_CURRENT,      ///< trip current outside i_max_A .. 1e5, or beyond the sensor
+    LODE_ERROR_GUARD_CURRENT,      ///< trip current below i_max_A, or beyond the sensor
     LODE_ERROR_GUARD_BUS,          ///< bus limits not around v_bus_V, or beyond the sensor
     LODE_ERROR_GUARD_TEMPERATURE,  ///< temperature limit not finite
-    LODE_ERROR_GUARD_SPEED,        ///< over-speed limit outside 0 .. 1e6
+    LODE_ERROR_GUARD_SPEED,        ///< over-speed limit outside 1 .. 1e6
     LODE_ERROR_GUARD_TIME,         ///< a debounce time outside 1 period .. 10 s
     LODE_ERROR_COMMAND,            ///< a command with an unknown mode or a value that is not finite
     LODE_STATUS_COUNT              ///< number of statuses, none itself
