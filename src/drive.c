@@ -380,6 +380,14 @@ static lode_ab_t modulate(lode_drive_t *self, const frame_t *frame, float v_bus_
     return out.realised;
 }
 
+// What the gates are driven by is a number. An estimate from outside may not be one.
+static bool is_finite(const lode_drive_t *self, const frame_t *frame) {
+    return lode_ab_in_range((lode_ab_t){self->u_V.d, self->u_V.q}, VOLTAGE_LIMIT_V) &&
+           lode_ab_in_range((lode_ab_t){frame->i_A.d, frame->i_A.q}, FLT_MAX) &&
+           lode_ab_in_range((lode_ab_t){frame->rotor.cos, frame->rotor.sin}, FLT_MAX) &&
+           lode_is_finite(frame->omega_rad_s);
+}
+
 LODE_HOT lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *measurement,
                                          const lode_estimate_t *estimate) {
     self->steps++;
@@ -394,7 +402,7 @@ LODE_HOT lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurem
             .state = self->mode,
             .sensorless = mode_of(self) == LODE_MODE_RUN,
             .direction = self->direction,
-            .finite = lode_ab_in_range((lode_ab_t){self->u_V.d, self->u_V.q}, VOLTAGE_LIMIT_V),
+            .finite = is_finite(self, &frame),
         };
         (void)lode_guard_step(&self->guard, &self->tuning->guard, &measurement->sample, estimate,
                               now);

@@ -226,10 +226,13 @@ LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self,
     lode_pll_t *pll = &self->pll;
     lode_pll_predict(pll, &tuning->pll);
     self->omega_tune += tuning->w_weight * (pll->omega_rad_s - self->omega_tune);
+    const lode_sincos_t half_turn = lode_sincos(tuning->half_ts_s * pll->omega_rad_s);
     const lode_emf_motion_t motion = {
         .rotor = lode_sincos(pll->theta_rad + self->lag_rad),
-        .half_turn = lode_sincos(tuning->half_ts_s * pll->omega_rad_s),
-        .turn = lode_sincos(2.0f * tuning->half_ts_s * self->omega_tune),
+        .half_turn = half_turn,
+        .turn = tuning->w_weight < 1.0f
+                    ? lode_sincos(2.0f * tuning->half_ts_s * self->omega_tune)
+                    : lode_angle_add(half_turn, half_turn), // no filter: the same speed
         .omega_rad_s = self->omega_tune,
         .known = self->lock >= LODE_LOCK_LOST,
     };

@@ -543,6 +543,26 @@ static void test_lost_lock_and_wrong_way_trip_in_20_ms(void) {
 
 // --- The step as a whole ----------------------------------------------------------------------
 
+static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
+    for (int field = -1; field < 4; field++) { // -1: the same without the fault
+        rig_t rig = fresh();
+        rig_command(&rig, run_at(60.0));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+        const lode_counts_t counts = rig_counts(&rig);
+        const lode_measurement_t m = lode_drive_sense(&rig.drive, &counts);
+        lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
+        float *const fields[] = {&e.omega_rad_s, &e.rotor.sin, &e.rotor.cos, &e.i_A.d};
+        if (field >= 0) {
+            *fields[field] = NAN;
+        }
+        const lode_drive_out_t out = lode_drive_act(&rig.drive, &m, &e);
+        TEST_ASSERT_EQUAL_INT(field < 0, out.gates);
+        TEST_ASSERT_EQUAL_INT(field < 0 ? LODE_CHECK_NONE : LODE_CHECK_NON_FINITE,
+                              rig.drive.guard.fault.check);
+        TEST_ASSERT_TRUE(lode_in_range(out.duty.a, 0.0f, 1.0f));
+    }
+}
+
 static void test_the_step_is_three_calls_in_a_row(void) {
     rig_t one = fresh();
     rig_t two = one;
@@ -690,6 +710,7 @@ int main(void) {
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
+    RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
     RUN_TEST(test_the_step_is_three_calls_in_a_row);
     RUN_TEST(test_two_drives_share_nothing);
     RUN_TEST(test_any_counts_give_duties_on_the_grid);
