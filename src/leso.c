@@ -4,10 +4,11 @@
 #define W0_PER_OMEGA_RATED 4.25f
 #define W0_TS_DEFAULT_MAX 0.5f
 #define W0_TS_MAX 2.0f
-#define GI_KAPPA 2.0f       // paper 2, Table II
-#define GI_KAPPA_MAX 7.0f   // stable at every speed below 8
-#define GI_WC_rad_s LODE_PI // paper 2, Table II
-#define K2_PER_SIGMA 3.0f   // a comfortable margin over 0.549: docs/theory/pll.md
+#define GI_KAPPA 2.0f     // paper 2, Table II
+#define GI_KAPPA_MAX 7.0f // stable at every speed below 8
+// Twice paper 2's: with pi the lag that a ramp leaves takes a second to go, 0.9 degrees after 0.4 s.
+#define GI_WC_rad_s LODE_TWO_PI
+#define K2_PER_SIGMA 3.0f // a comfortable margin over 0.549: docs/theory/pll.md
 #define K2_PER_SIGMA_MULTI 10.0f
 #define K2_TS_MAX 1.0f
 // The further modes hunt below 0.3 of rated speed.

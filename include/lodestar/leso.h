@@ -23,7 +23,7 @@ typedef struct {
     float w0_rad_s; ///< C, GI: bandwidth, 1 .. 2/Ts (paper 1, eq. 6); 0: 4.25 times rated speed, at
                     ///< most 0.5/Ts
     float gi_kappa; ///< GI: Kr/w0^2, 0 .. 7; 0: 2
-    float gi_wc_rad_s; ///< GI: half width of the integrator, 0.01 .. 100; 0: pi
+    float gi_wc_rad_s; ///< GI: half width of the integrator, 0.01 .. 100; 0: 2 pi
     float k1_rad2_s2;  ///< FA: 0 .. 1e4; 0: first order, which takes no DC in
     float k2_rad_s;    ///< FA: bandwidth, 1 .. 1/Ts; 0: 3 times the PLL's sigma, multi 10 times
 } lode_leso_config_t;
