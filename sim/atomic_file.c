@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FILES_MAX = 8, NAME_MAX_LENGTH = 4096 };
+enum { FILES_MAX = 64, NAME_MAX_LENGTH = 4096 };
 
 typedef struct {
     FILE *file; ///< NULL: free

@@ -6,6 +6,7 @@
 
 #include "atomic_file.h"
 #include "data_files.h"
+#include "euler_estimate.h"
 #include "ini_config.h"
 #include "outputs.h"
 #include "plot_replay.h"
@@ -136,10 +137,18 @@ static rig_exit_t replay_recording(const options_t *options, rig_config_t *confi
                                    const recording_t *recording) {
     lode_estimator_tuning_t tuning;
     replay_t replay;
+    euler_config_t euler;
     files_t files = {NULL, NULL, NULL};
     if (!prepare(config, options->recording, recording, &tuning) ||
         !outputs_open(&files.out, options->out) || !outputs_open(&files.json, options->json) ||
-        !outputs_open(&files.plot, options->plot) || !replay_run(&replay, recording, &tuning)) {
+        !outputs_open(&files.plot, options->plot)) {
+        return RIG_BAD_INPUT;
+    }
+    const bool wanted = euler_estimate_wanted(config);
+    if (wanted) {
+        euler = euler_estimate_config(config);
+    }
+    if (!replay_run(&replay, recording, &tuning, wanted ? &euler : NULL)) {
         return RIG_BAD_INPUT;
     }
     report_replay_values(stdout, config);

@@ -20,6 +20,10 @@ static void at_speed(design_speed_t *at, const lode_drive_config_t *drive,
     at->lag_eq30_deg =
         rig_deg_from_rad(2.0 * atan(omega_rad_s / (double)drive->estimator.emf.w0_rad_s));
     at->margins = margins_at(drive, omega_rad_s);
+    const joint_t joint = joint_make(&tuning->estimator, omega_rad_s);
+    double complex poles[JOINT_STATES_MAX];
+    at->pole = joint_poles(&joint, poles) > 0 ? poles[0] : NAN;
+    at->radius = joint_radius(&joint);
 }
 
 lode_status_t design_compute(design_t *design, const rig_config_t *config) {
@@ -30,6 +34,11 @@ lode_status_t design_compute(design_t *design, const rig_config_t *config) {
     if (status != LODE_OK) {
         return status;
     }
+    const lode_status_t guided = guide_compute(&design->guide, config);
+    if (guided != LODE_OK) {
+        return guided;
+    }
+    design->limits = limits_compute(drive);
     const double np = (double)motor->pole_pairs;
     const double rated = (double)motor->omega_rated_rad_s;
     const double highest = (double)drive->estimator.omega_max_rad_s;

@@ -2,6 +2,8 @@
 #ifndef RIG_DESIGN_H
 #define RIG_DESIGN_H
 
+#include "design_guide.h"
+#include "design_limits.h"
 #include "margins.h"
 #include "rig_config.h"
 
@@ -15,10 +17,14 @@ typedef struct {
     double lag_polynomial_deg; ///< as the firmware computes it
     double lag_eq30_deg;       ///< paper 1, eq. (30), continuous time: 2 atan(w/w0)
     margins_t margins;
+    double complex pole; ///< least damped one of observer, PLL and notches together
+    double radius;       ///< largest |z| of theirs
 } design_speed_t;
 
 typedef struct {
     design_speed_t at[DESIGN_SPEEDS];
+    guide_t guide;
+    limits_t limits;
     double sigma_accepted_rad_s; ///< largest sigma that the library takes
     double rated_rpm, max_rpm, handover_rpm;
     double dead_time_V;         ///< fundamental of what the dead time takes: 4/pi Td f v_bus

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "design_joint.h"
 #include "units.h"
 
 enum { POINTS = 4000, POINTS_COARSE = 800, BISECTIONS = 14 };
@@ -19,6 +20,8 @@ typedef struct {
     bool third_order;
     bool alone;            ///< without observer and notches
     double sigma_of_notch; ///< from which its blending goes
+    observer_t observer;
+    joint_t joint; ///< its observer's part
 } loop_t;
 
 typedef struct {
@@ -45,54 +48,21 @@ static prediction_t predict(const loop_t *loop, double complex z) {
     return (prediction_t){x1 + ts * x2 + 0.5 * ts * ts * x3, x2 + ts * x3};
 }
 
-// ---- Observers on the dead-beat EMF, tuned to the speed -------------------------------------------
-
-static double complex conventional(const loop_t *loop, double complex z) {
-    const double p = exp(-(double)loop->config->emf.w0_rad_s * loop->ts_s);
-    const double complex stage = (1.0 - p) / (1.0 - p / z);
-    return stage * stage;
-}
-
-static double complex generalised(const loop_t *loop, double complex z) {
-    const lode_emf_config_t *emf = &loop->config->emf;
-    const double p = exp(-(double)emf->w0_rad_s * loop->ts_s);
-    const double al = (double)emf->gi_wc_rad_s * loop->ts_s;
-    const double c = cos(loop->omega_rad_s * loop->ts_s);
-    const double complex band =
-        al * (1.0 - 1.0 / (z * z)) / (1.0 + al - 2.0 * c / z + (1.0 - al) / (z * z));
-    const double complex g = (1.0 - p) * (1.0 - p) * (1.0 + (double)emf->gi_kappa * band);
-    return g / ((1.0 - p * p / z) * (1.0 - 1.0 / z) + g / z);
-}
-
-static double fa_pole(const loop_t *loop) {
-    return exp(-(double)loop->config->emf.k2_rad_s * loop->ts_s);
-}
-
-static double complex adaptive(const loop_t *loop, double complex z) {
-    const double q = fa_pole(loop);
-    return (1.0 - q) / (1.0 - q * cexp(I * loop->omega_rad_s * loop->ts_s) / z);
-}
+// ---- The observer, tuned to the speed ---------------------------------------------------------------
 
 static bool is_adaptive(const loop_t *loop) {
     const lode_emf_kind_t kind = loop->config->emf.kind;
     return kind == LODE_EMF_FA_LESO || kind == LODE_EMF_FA_MULTI;
 }
 
-static double complex observer(const loop_t *loop, double complex z) {
-    if (is_adaptive(loop)) {
-        return adaptive(loop, z);
-    }
-    return loop->config->emf.kind == LODE_EMF_GI_LESO ? generalised(loop, z)
-                                                      : conventional(loop, z);
-}
-
 /// Its answer to a swing of the EMF's angle with exp(j Omega Ts).
 static double complex angle_response(const loop_t *loop, double Omega_rad_s) {
     const double w = loop->omega_rad_s;
     const double ts = loop->ts_s;
-    const double complex carrier = observer(loop, cexp(I * w * ts));
-    const double complex above = observer(loop, cexp(I * (w + Omega_rad_s) * ts));
-    const double complex below = observer(loop, cexp(I * (w - Omega_rad_s) * ts));
+    const observer_t *o = &loop->observer;
+    const double complex carrier = observer_response(o, cexp(I * w * ts));
+    const double complex above = observer_response(o, cexp(I * (w + Omega_rad_s) * ts));
+    const double complex below = observer_response(o, cexp(I * (w - Omega_rad_s) * ts));
     return 0.5 * (above / carrier + conj(below / carrier));
 }
 
@@ -121,8 +91,7 @@ static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
     const double complex filtered = notch(loop, 6.0, (double)loop->config->notch_k, z) *
                                     notch(loop, 12.0, (double)loop->config->notch12_k, z);
     if (is_adaptive(loop)) {
-        const double q = fa_pole(loop);
-        return filtered * (pll.theta - q * loop->ts_s / (1.0 - q / z) * pll.omega);
+        return filtered * (pll.theta - joint_speed_response(&loop->joint, z) * pll.omega);
     }
     return filtered * pll.theta * angle_response(loop, Omega_rad_s);
 }
@@ -130,14 +99,20 @@ static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
 static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s,
                         double sigma_of_notch) {
     const double ts_s = 1.0 / (double)config->f_pwm_Hz;
-    return (loop_t){
+    lode_leso_tuning_t leso = {.ts_s = (float)ts_s};
+    (void)lode_leso_tune(&leso, &config->estimator.emf, config->motor.omega_rated_rad_s,
+                         (float)ts_s);
+    loop_t loop = {
         .config = &config->estimator,
         .ts_s = ts_s,
         .omega_rad_s = omega_rad_s,
         .s = exp(-sigma_rad_s * ts_s),
         .sigma_of_notch = sigma_of_notch,
         .third_order = config->estimator.pll.kind == LODE_PLL_LESO,
+        .observer = observer_make(&leso, omega_rad_s),
     };
+    joint_observer(&loop.joint, &leso, omega_rad_s);
+    return loop;
 }
 
 // ---- Margins --------------------------------------------------------------------------------------

@@ -5,8 +5,9 @@
 /// mean of both side bands of the carrier rho = exp(j w Ts):
 ///     G(z) = (H(rho z)/H(rho) + conj(H(rho/z)/H(rho)))/2.
 /// C and GI: the loop is O G, as where the angle acts on the current and so on the EMF. FA: the speed
-/// that tunes the observer comes back through it: O - F W, with F = q Ts/(1 - q/z), W = speed per
-/// error; the further modes of the multi-mode form are left out. Notches count with their blending.
+/// that tunes the observer comes back through it: O - F W, with F the angle that a deviation of that
+/// speed makes (k1 = 0: q Ts/(1 - q/z)), W = speed per error. Notches count with their blending.
+/// Poles of all of it, and of GI with its speed fed back: design_joint.h.
 #ifndef RIG_MARGINS_H
 #define RIG_MARGINS_H
 

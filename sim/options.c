@@ -8,7 +8,7 @@
 
 #include "diag.h"
 
-enum { MAIN_JOB = 1, RUN = 2, REPLAY = 4, DESIGN = 8, ALL = 15 };
+enum { MAIN_JOB = 1, RUN = 2, REPLAY = 4, DESIGN = 8, ANALYSE = 16, REPRODUCE = 32, ALL = 63 };
 
 // Seeds pass through a double, which holds them up to here.
 #define SEED_MAX (UINT64_C(1) << 53)
@@ -23,8 +23,10 @@ typedef struct {
 } option_t;
 
 static const option_t table[] = {
-    {"motor", required_argument, 'm', REPLAY | DESIGN, "F.ini", "motor, and whatever else it sets"},
-    {"drive", required_argument, 'd', REPLAY | DESIGN, "F.ini", "drive, over the motor's file"},
+    {"motor", required_argument, 'm', REPLAY | DESIGN | ANALYSE, "F.ini",
+     "motor, and whatever else it sets"},
+    {"drive", required_argument, 'd', REPLAY | DESIGN | ANALYSE, "F.ini",
+     "drive, over the motor's file"},
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
     {"emf", required_argument, 'e', REPLAY, "NAME", "EMF observer, as `lodestar list` has it"},
     {"pll", required_argument, 'p', REPLAY, "NAME", "position PLL, as `lodestar list` has it"},
@@ -33,10 +35,14 @@ static const option_t table[] = {
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
     {"out", required_argument, 'o', REPLAY, "F.csv", "one row of estimates per recorded row"},
     {"csv", required_argument, 'c', MAIN_JOB | RUN, "F.csv", "signals over time"},
-    {"json", required_argument, 'j', MAIN_JOB | RUN | REPLAY, "F.json",
+    {"csv", required_argument, 'c', ANALYSE, "F.csv", "the curves of all figures"},
+    {"csv", required_argument, 'c', REPRODUCE, "F.csv", "the table"},
+    {"json", required_argument, 'j', MAIN_JOB | RUN | REPLAY | ANALYSE | REPRODUCE, "F.json",
      "results and all values used"},
     {"json", optional_argument, 'J', DESIGN, "[=F.json]", "JSON in place of the table"},
     {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY, "F.svg", "a picture (needs gnuplot)"},
+    {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",
+     "one picture per figure (needs gnuplot)"},
     {"help", no_argument, 'h', ALL, "", "this text"},
 };
 enum { TABLE_ROWS = sizeof table / sizeof table[0] };
@@ -65,6 +71,14 @@ static const command_t commands[] = {
      "Gains, bandwidths and limits, the stability of the PLL, the lag of the observer, and the "
      "limit\n"
      "at low speed. What is missing of the drive is assumed, and said."},
+    {"analyse", COMMAND_ANALYSE, ANALYSE, "lodestar analyse [OPTION...]",
+     "Sets the papers' Bode diagrams, poles and margins beside what the firmware's coefficients "
+     "give.\n"
+     "Without a motor and a drive those of paper 1."},
+    {"reproduce", COMMAND_REPRODUCE, REPRODUCE, "lodestar reproduce jiang2022 [OPTION...]",
+     "Makes every experiment of a paper again and sets its claims beside what comes out.\n"
+     "The paper's estimators as printed, the library's with the paper's gains, and the library's "
+     "own."},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -179,6 +193,8 @@ static const char **text_option(options_t *options, int letter) {
         return &options->csv;
     case 'g':
         return &options->plot;
+    case 'G':
+        return &options->plots;
     case 'j':
     case 'J':
     default:
@@ -276,7 +292,10 @@ static bool check(const options_t *options) {
                needs("replay", "--recording F.csv", options->recording);
     case COMMAND_DESIGN:
         return needs("design", "--motor F.ini", options->motor);
+    case COMMAND_REPRODUCE:
+        return needs("reproduce", "the name of a paper: jiang2022", options->paper);
     case COMMAND_MAIN_JOB:
+    case COMMAND_ANALYSE:
     case COMMAND_LIST:
     case COMMAND_HELP:
     case COMMAND_VERSION:
@@ -289,6 +308,9 @@ static bool take_operands(options_t *options, const command_t *command, int argc
     int next = optind;
     if (command->command == COMMAND_RUN && next < argc) {
         options->scenario = argv[next++];
+    }
+    if (command->command == COMMAND_REPRODUCE && next < argc) {
+        options->paper = argv[next++];
     }
     if (next < argc) {
         const bool is_json = options->json_on_stdout;
@@ -313,7 +335,9 @@ bool options_parse(options_t *options, int argc, char **argv) {
         return true;
     }
     if (command == NULL) {
-        rig_error("%s: unknown command; expected list, run, replay or design", argv[1]);
+        rig_error("%s: unknown command; expected list, run, replay, design, analyse or "
+                  "reproduce",
+                  argv[1]);
         return false;
     }
     options->command = command->command;

@@ -11,6 +11,8 @@ typedef enum {
     COMMAND_RUN,
     COMMAND_REPLAY,
     COMMAND_DESIGN,
+    COMMAND_ANALYSE,
+    COMMAND_REPRODUCE,
     COMMAND_HELP,
     COMMAND_VERSION
 } options_command_t;
@@ -22,6 +24,7 @@ typedef struct {
     options_command_t command;
     const char *help_for; ///< name of a command
     const char *scenario;
+    const char *paper; ///< to be reproduced
     const char *motor;
     const char *drive;
     const char *recording;
@@ -31,6 +34,7 @@ typedef struct {
     const char *csv;
     const char *json;
     const char *plot;
+    const char *plots;   ///< folder
     bool json_on_stdout; ///< design --json without a file
     bool has_seed;
     uint64_t seed;

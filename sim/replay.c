@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "diag.h"
+#include "euler_estimate.h"
 #include "units.h"
 
 static lode_ab_t vector(double alpha, double beta) {
@@ -23,6 +24,23 @@ static void estimate_rows(replay_t *self, const recording_t *recording,
         const lode_ab_t i_A = vector(row[k].i_alpha_A, row[k].i_beta_A);
         self->row[k] = lode_estimator_step(&estimator, tuning, u_V, i_A);
         self->reseeds += self->row[k].reseeded ? 1u : 0u;
+    }
+}
+
+static void estimate_rows_euler(replay_t *self, const recording_t *recording,
+                                const euler_config_t *config) {
+    euler_t estimator;
+    const recording_row_t *row = recording->row;
+    const size_t acquire = (size_t)llround(REPLAY_ACQUIRE_s / recording->ts_s);
+    euler_reset(&estimator, row[0].i_alpha_A + I * row[0].i_beta_A);
+    self->row[0] = (lode_estimate_t){.rotor = {0.0f, 1.0f}};
+    for (size_t k = 1; k < recording->rows; ++k) {
+        const lode_ab_t u_V = vector(row[k - 1].u_alpha_V, row[k - 1].u_beta_V);
+        const lode_ab_t i_A = vector(row[k].i_alpha_A, row[k].i_beta_A);
+        self->row[k] = euler_estimate_step(&estimator, config, u_V, i_A);
+        if (k <= acquire) {
+            euler_acquire(&estimator, config);
+        }
     }
 }
 
@@ -53,8 +71,8 @@ static void compare(replay_t *self, const recording_t *recording) {
         close_from < rows ? recording->row[close_from].t_s - recording->row[0].t_s : NAN;
 }
 
-bool replay_run(replay_t *self, const recording_t *recording,
-                const lode_estimator_tuning_t *tuning) {
+bool replay_run(replay_t *self, const recording_t *recording, const lode_estimator_tuning_t *tuning,
+                const euler_config_t *euler) {
     *self = (replay_t){.rows = recording->rows, .close_after_s = NAN};
     self->row = calloc(recording->rows, sizeof *self->row);
     self->error_deg = calloc(recording->rows, sizeof *self->error_deg);
@@ -63,7 +81,11 @@ bool replay_run(replay_t *self, const recording_t *recording,
         replay_free(self);
         return false;
     }
-    estimate_rows(self, recording, tuning);
+    if (euler != NULL) {
+        estimate_rows_euler(self, recording, euler);
+    } else {
+        estimate_rows(self, recording, tuning);
+    }
     compare(self, recording);
     if (!recording->has_theta) {
         rig_stats_reset(&self->error_window_deg);

@@ -4,6 +4,7 @@
 
 #include "lodestar/estimator.h"
 
+#include "euler.h"
 #include "recording.h"
 #include "stats.h"
 
@@ -11,6 +12,7 @@
 #define REPLAY_WINDOW_s 0.1
 #define REPLAY_SETTLE_s 0.2
 #define REPLAY_CLOSE_deg 1.0
+#define REPLAY_ACQUIRE_s 0.02
 
 /// One estimate per row of the recording, valid at that row's t_s.
 typedef struct {
@@ -26,9 +28,11 @@ typedef struct {
 } replay_t;
 
 /// Runs from reset. Row k sees the voltage of row k-1 and the current of row k; the first row has
-/// no voltage before it and gives no estimate. False after a message.
-bool replay_run(replay_t *self, const recording_t *recording,
-                const lode_estimator_tuning_t *tuning);
+/// no voltage before it and gives no estimate. `euler`: the papers' own forms in place of the library's
+/// estimator, or NULL; they have no acquisition, so for REPLAY_ACQUIRE_s they are put on the EMF as they
+/// see it. False after a message.
+bool replay_run(replay_t *self, const recording_t *recording, const lode_estimator_tuning_t *tuning,
+                const euler_config_t *euler);
 
 void replay_free(replay_t *self);
 

@@ -5,6 +5,7 @@
 
 #include "config_json.h"
 #include "ini_config.h"
+#include "report_guide.h"
 #include "schema.h"
 
 #include "lodestar/version.h"
@@ -115,6 +116,7 @@ void report_design_text(FILE *file, const rig_config_t *config, const design_t *
     print_values(file, config);
     print_bandwidths(file, config, design);
     print_margins(file, design);
+    report_guide_text(file, config, design);
     print_lags(file, design);
     print_limits(file, config, design);
 }
@@ -137,6 +139,9 @@ static void add_speed(cJSON *array, const design_speed_t *at) {
     config_json_number(item, "gain_margin_up_dB", at->margins.gain_up_dB);
     config_json_number(item, "gain_margin_down_dB", at->margins.gain_down_dB);
     config_json_number(item, "sigma_limit_rad_s", at->margins.sigma_limit_rad_s);
+    config_json_number(item, "pole_re_rad_s", creal(at->pole));
+    config_json_number(item, "pole_im_rad_s", fabs(cimag(at->pole)));
+    config_json_number(item, "pole_damping", joint_damping(at->pole));
 }
 
 void report_design_json(FILE *file, const rig_config_t *config, const design_t *design) {
@@ -160,6 +165,7 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
     for (int k = 0; k < DESIGN_SPEEDS; ++k) {
         add_speed(speeds, &design->at[k]);
     }
+    report_guide_json(root, design);
     (void)cJSON_AddItemToObject(root, "config", config_json(config));
     (void)config_json_write(file, root);
 }

@@ -145,8 +145,9 @@ static bool pair_up(rig_config_t *config) {
         emf = true;
     }
     if (emf != pll) {
-        rig_error("[estimator] emf, pll: expected an observer and a PLL that both end in -euler, or "
-                  "neither");
+        rig_error(
+            "[estimator] emf, pll: expected an observer and a PLL that both end in -euler, or "
+            "neither");
     }
     return emf == pll;
 }
@@ -154,15 +155,16 @@ static bool pair_up(rig_config_t *config) {
 static bool choose_compensation(rig_config_t *config) {
     const bool euler = config->emf >= RIG_EMF_C_EULER;
     if (config->compensation == RIG_COMPENSATION_AUTO) {
-        const bool enhanced = config->pll == RIG_PLL_ENHANCED_EULER;
-        const rig_compensation_t printed =
-            enhanced ? RIG_COMPENSATION_EQ30 : RIG_COMPENSATION_NONE;
+        // Eq. 30 is the lag of the C-LESO; paper 2 compensates nothing.
+        const bool eq30 = config->pll == RIG_PLL_ENHANCED_EULER && config->emf == RIG_EMF_C_EULER;
+        const rig_compensation_t printed = eq30 ? RIG_COMPENSATION_EQ30 : RIG_COMPENSATION_NONE;
         config->compensation = euler ? printed : RIG_COMPENSATION_EXACT;
     }
     const bool eq30 = config->compensation == RIG_COMPENSATION_EQ30;
     if (eq30 && !euler) {
-        rig_error("[estimator] compensation: eq30 is the papers'; expected it with an observer and a "
-                  "PLL that end in -euler");
+        rig_error(
+            "[estimator] compensation: eq30 is the papers'; expected it with an observer and a "
+            "PLL that end in -euler");
     }
     config->drive.estimator.compensation =
         config->compensation == RIG_COMPENSATION_NONE ? LODE_LAG_NONE : LODE_LAG_EXACT;

@@ -61,7 +61,8 @@ typedef struct {
 typedef enum {
     RIG_SOURCE_OWN,
     RIG_SOURCE_TRUTH, ///< the plant
-    RIG_SOURCE_SEEDED ///< the plant until the drive runs, then `own` from the true angle and speed on
+    /// the plant until the drive runs and seeded_s is over, then `own` from the true angle and speed on
+    RIG_SOURCE_SEEDED
 } rig_source_t;
 
 /// EMF observer by its name: those of the library in its order, then the papers' own forms.
@@ -107,7 +108,9 @@ typedef struct {
     double dyno_rpm; ///< speed held by a dynamometer; RIG_RANDOM ("free"): no longer
     int trip;        ///< hardware trip: 0 off, 1 on, -1 as before
     int clear_fault; ///< 1: leave the fault state first
-    double d, q;     ///< V or A, modes voltage and current
+    /// from here on the firmware takes its motor's value times this for true; unset: as before
+    double Lq_factor, Rs_factor;
+    double d, q; ///< V or A, modes voltage and current
     double theta_deg, omega_rad_s;
     // Bars: what the phase must reach.
     double bar_dc_deg, bar_pp_deg, bar_error_deg, bar_speed_rpm;
@@ -134,9 +137,11 @@ typedef struct {
     rig_convenience_t people;
     rig_plant_t plant;
     rig_source_t source;
+    double seeded_s; ///< unset: 0
     rig_emf_t emf;
     rig_pll_t pll;
     rig_compensation_t compensation;
+    bool speed_of_eq14; ///< no key: qpll-euler takes eq. 14 at its word
     rig_scenario_t scenario;
     int files;
     char file[RIG_FILES_MAX][RIG_PATH_LENGTH];

@@ -20,7 +20,8 @@ typedef struct {
     runlog_t *log;
     plant_t plant;
     lode_drive_t drive;
-    lode_drive_tuning_t tuning;
+    lode_drive_tuning_t tuning[2]; ///< in use, and the next one
+    double Lq_factor, Rs_factor;
     double ts_s;
     double extra_load_Nm;
     double load_Nm;
@@ -65,10 +66,15 @@ static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_measurement
     return estimate;
 }
 
-/// The drive's own estimator, started at the truth: until the drive runs it has the encoder.
+static bool on_its_own(const lode_drive_t *drive, const plant_truth_t *truth,
+                       const runner_memory_t *memory) {
+    return drive->mode == (uint_least8_t)LODE_MODE_RUN && truth->t_s >= memory->seeded_s;
+}
+
+/// The drive's own estimator, started at the truth: until then the drive has an encoder.
 static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
                                        const plant_truth_t *truth, runner_memory_t *memory) {
-    if (drive->mode == (uint_least8_t)LODE_MODE_RUN) {
+    if (on_its_own(drive, truth, memory)) {
         return lode_drive_estimate(drive, measurement);
     }
     const lode_estimate_t estimate = true_estimate(drive, measurement, truth, memory);
@@ -77,10 +83,11 @@ static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_measureme
     return estimate;
 }
 
-/// One of the papers' forms in its place. Until the drive runs it is held to `leader`, which makes the
-/// start: the papers' forms have nothing for that.
-static lode_estimate_t euler_after(const lode_estimate_t *leader, lode_drive_t *drive,
-                                   const lode_measurement_t *measurement, runner_memory_t *memory) {
+/// One of the papers' forms in its place. Until `own` it is held to `leader`, which makes the start:
+/// the papers' forms have nothing for that.
+static lode_estimate_t euler_after(const lode_estimate_t *leader, bool own,
+                                   const lode_drive_t *drive, const lode_measurement_t *measurement,
+                                   runner_memory_t *memory) {
     const lode_ab_t i_A = measurement->sample.i_A;
     if (!drive->gates) { // the voltage at open terminals is not known
         euler_reset(&memory->euler, (double)i_A.alpha + I * (double)i_A.beta);
@@ -88,7 +95,7 @@ static lode_estimate_t euler_after(const lode_estimate_t *leader, lode_drive_t *
     }
     const lode_estimate_t estimate =
         euler_estimate_step(&memory->euler, &memory->euler_config, measurement->u_V, i_A);
-    if (drive->mode == (uint_least8_t)LODE_MODE_RUN) {
+    if (own) {
         return estimate;
     }
     euler_hold(&memory->euler, &memory->euler_config, (double)leader->theta_rad,
@@ -99,13 +106,14 @@ static lode_estimate_t euler_after(const lode_estimate_t *leader, lode_drive_t *
 static lode_estimate_t euler_own(lode_drive_t *drive, const lode_measurement_t *measurement,
                                  const plant_truth_t *truth, runner_memory_t *memory) {
     const lode_estimate_t leader = own_estimate(drive, measurement, truth, memory);
-    return euler_after(&leader, drive, measurement, memory);
+    const bool own = drive->mode == (uint_least8_t)LODE_MODE_RUN;
+    return euler_after(&leader, own, drive, measurement, memory);
 }
 
 static lode_estimate_t euler_seeded(lode_drive_t *drive, const lode_measurement_t *measurement,
                                     const plant_truth_t *truth, runner_memory_t *memory) {
     const lode_estimate_t leader = seeded_estimate(drive, measurement, truth, memory);
-    return euler_after(&leader, drive, measurement, memory);
+    return euler_after(&leader, on_its_own(drive, truth, memory), drive, measurement, memory);
 }
 
 runner_estimator_t runner_estimator(const rig_config_t *config) {
@@ -260,6 +268,27 @@ static void apply_to_plant(run_t *run, const rig_phase_t *phase) {
     }
 }
 
+/// What the firmware believes of its motor changes under way. False after a message.
+static bool retune(run_t *run, const rig_phase_t *phase) {
+    if (isnan(phase->Lq_factor) && isnan(phase->Rs_factor)) {
+        return true;
+    }
+    run->Lq_factor = isnan(phase->Lq_factor) ? run->Lq_factor : phase->Lq_factor;
+    run->Rs_factor = isnan(phase->Rs_factor) ? run->Rs_factor : phase->Rs_factor;
+    lode_drive_config_t drive = run->config->drive;
+    drive.motor.Lq_H *= (float)run->Lq_factor;
+    drive.motor.Rs_Ohm *= (float)run->Rs_factor;
+    lode_drive_tuning_t *next = &run->tuning[run->drive.tuning == &run->tuning[0] ? 1 : 0];
+    const lode_status_t status = lode_drive_tune(next, &drive);
+    if (status != LODE_OK) {
+        refusal_report(run->config, status);
+        return false;
+    }
+    run->memory.euler_config.Lq_H = (double)drive.motor.Lq_H;
+    run->memory.euler_config.Rs_Ohm = (double)drive.motor.Rs_Ohm;
+    return lode_drive_post_tuning(&run->drive, next) == LODE_OK;
+}
+
 static void set_if_given(float *field, double value) {
     *field = isnan(value) ? *field : (float)value;
 }
@@ -352,12 +381,12 @@ static bool run_phase(run_t *run, int index) {
     const uint64_t periods = (uint64_t)llround(phase->duration_s / run->ts_s);
     const uint64_t window = (uint64_t)llround(RUNNER_WINDOW_s / run->ts_s);
     const uint64_t window_from = periods > window ? periods - window : 0;
-    bool good = true;
+    bool good = retune(run, phase);
     (void)snprintf(out->name, sizeof out->name, "%s", phase->name);
     out->start_s = (double)run->k * run->ts_s;
     apply_to_plant(run, phase);
     uint64_t k = 0;
-    if (phase->clear_fault == 1) {
+    if (good && phase->clear_fault == 1) {
         const lode_command_t clear = {.mode = LODE_MODE_OFF, .clear_fault = true};
         (void)lode_drive_post_command(&run->drive, &clear);
         good = run_period(run, index, out, false);
@@ -402,12 +431,13 @@ static bool start(run_t *run) {
     if (!check_phases(run->config) || !rig_config_plant(run->config, &plant, &run->extra_load_Nm)) {
         return false;
     }
-    const lode_status_t status = lode_drive_init(&run->drive, &run->tuning, &run->config->drive);
+    const lode_status_t status = lode_drive_init(&run->drive, &run->tuning[0], &run->config->drive);
     if (status != LODE_OK) {
         refusal_report(run->config, status);
         return false;
     }
     (void)plant_init(&run->plant, &plant);
+    run->memory.seeded_s = isnan(run->config->seeded_s) ? 0.0 : run->config->seeded_s;
     if (euler_estimate_wanted(run->config)) {
         run->memory.euler_config = euler_estimate_config(run->config);
     }
@@ -428,7 +458,12 @@ static bool start(run_t *run) {
 
 bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_result_t *result,
                 runlog_t *log) {
-    run_t run = {.config = config, .estimate = estimate, .result = result, .log = log};
+    run_t run = {.config = config,
+                 .estimate = estimate,
+                 .result = result,
+                 .log = log,
+                 .Lq_factor = 1.0,
+                 .Rs_factor = 1.0};
     *result = (runner_result_t){.handover_s = NAN, .fault_s = NAN};
     if (!start(&run)) {
         return false;

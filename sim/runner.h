@@ -42,6 +42,7 @@ typedef struct {
 
 /// What an estimator other than the drive's own has to remember.
 typedef struct {
+    double seeded_s; ///< until then `seeded` is driven by the truth
     euler_config_t euler_config;
     euler_t euler;
 } runner_memory_t;

@@ -76,6 +76,7 @@ static const rig_key_t keys[] = {
     CHOICE("estimator", "active_flux", drive.estimator.active_flux, "auto|on|off", NULL),
     CHOICE("estimator", "compensation", compensation, "auto|exact|none|eq30", NULL),
     CHOICE("estimator", "source", source, "own|truth|seeded", NULL),
+    NUMBER("estimator", "seeded_s", seeded_s, 0.0, 1e4),
 
     FLOAT("current", "bandwidth_rad_s", current.bandwidth_rad_s),
     FLOAT("current", "kp_d_V_A", current.kp_d_V_A),
@@ -184,6 +185,8 @@ static const rig_key_t phase_keys[] = {
     PHASE_NUMBER_OR("dyno_rpm", dyno_rpm, -1e6, 1e6, "free"),
     PHASE_CHOICE("trip", trip, "off|on"),
     PHASE_CHOICE("clear_fault", clear_fault, "off|on"),
+    PHASE_NUMBER("Lq_factor", Lq_factor, 0.01, 100.0),
+    PHASE_NUMBER("Rs_factor", Rs_factor, 0.0, 100.0),
     PHASE_NUMBER("d", d, -1e5, 1e5),
     PHASE_NUMBER("q", q, -1e5, 1e5),
     PHASE_NUMBER("theta_deg", theta_deg, -360.0, 360.0),

@@ -3,8 +3,10 @@
 #include <stdio.h>
 
 #include "atomic_file.h"
+#include "command_analyse.h"
 #include "command_design.h"
 #include "command_replay.h"
+#include "command_reproduce.h"
 #include "command_run.h"
 #include "data_files.h"
 #include "options.h"
@@ -50,6 +52,10 @@ static rig_exit_t dispatch(const options_t *options) {
         return command_replay(options);
     case COMMAND_DESIGN:
         return command_design(options);
+    case COMMAND_ANALYSE:
+        return command_analyse(options);
+    case COMMAND_REPRODUCE:
+        return command_reproduce(options);
     case COMMAND_HELP:
         options_print_help(options->help_for);
         return RIG_DONE;

@@ -9,6 +9,7 @@
 #define SIGMA_PER_W0_MAX 0.2f
 // With the estimated speed fed back into the observer: docs/theory/pll.md.
 #define K2_PER_SIGMA_MIN 0.549f
+#define K2_PER_SIGMA_MIN_MULTI 1.2f // where the further modes blend in
 #define SETTLE_OBSERVER 8.0f // time constants 1/w0 until the double pole has settled to 0.3 %
 #define SETTLE_ROTATION 3.0f // time constants of the mean rotation until it tells the speed to 5 %
 // Amplitudes beyond any motor's: larger ones could overflow when squared.
@@ -35,9 +36,10 @@ void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *
 
 // Observer and PLL are stable together.
 static lode_status_t check_bandwidths(const lode_emf_config_t *emf, const lode_pll_config_t *pll) {
-    const bool adaptive = emf->kind == LODE_EMF_FA_LESO || emf->kind == LODE_EMF_FA_MULTI;
-    if (adaptive && pll->kind == LODE_PLL_LESO &&
-        !(emf->k2_rad_s >= K2_PER_SIGMA_MIN * pll->sigma_rad_s)) {
+    const bool multi = emf->kind == LODE_EMF_FA_MULTI;
+    const bool adaptive = multi || emf->kind == LODE_EMF_FA_LESO;
+    const float least = multi ? K2_PER_SIGMA_MIN_MULTI : K2_PER_SIGMA_MIN;
+    if (adaptive && pll->kind == LODE_PLL_LESO && !(emf->k2_rad_s >= least * pll->sigma_rad_s)) {
         return LODE_ERROR_EMF_PLL;
     }
     if (!adaptive && !(pll->sigma_rad_s <= SIGMA_PER_W0_MAX * emf->w0_rad_s)) {
@@ -146,6 +148,7 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
 // quarter turn ahead of the rotor in the sense of rotation. False if there is too little of it.
 static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e_V = self->emf.leso.e_V;
+    lode_leso_calm(&self->emf.leso, &tuning->emf.leso);
     if (!lode_ab_in_range(self->rotation, FLT_MAX)) {
         self->rotation = (lode_ab_t){0.0f, 0.0f};
     }

@@ -8,6 +8,9 @@
 #define GI_KAPPA_MAX 7.0f // stable at every speed below 8
 // Twice paper 2's: with pi the lag that a ramp leaves takes a second to go, 0.9 degrees after 0.4 s.
 #define GI_WC_rad_s LODE_TWO_PI
+// With more k1 the joint model with the PLL is unstable at low speed: docs/theory/fa_guideline.md.
+#define K2_PER_K1 10.0f
+#define LOWEST_DIVISOR 1.0e-3f
 #define K2_PER_SIGMA 3.0f // a comfortable margin over 0.549: docs/theory/pll.md
 #define K2_PER_SIGMA_MULTI 10.0f
 #define K2_TS_MAX 1.0f
@@ -60,11 +63,11 @@ lode_status_t lode_leso_tune(lode_leso_tuning_t *tuning, const lode_leso_config_
         return LODE_ERROR_EMF_GI;
     }
     if (!lode_in_range(config->k1_rad2_s2, 0.0f, 1.0e4f) ||
-        !lode_in_range(config->k2_rad_s, 1.0f, 1.001f * K2_TS_MAX / ts_s)) {
+        !lode_in_range(config->k2_rad_s, 1.0f, 1.001f * K2_TS_MAX / ts_s) ||
+        !(K2_PER_K1 * config->k1_rad2_s2 <= config->k2_rad_s * config->k2_rad_s)) {
         return LODE_ERROR_EMF_FA;
     }
     const float one_m_p = lode_one_minus_exp(config->w0_rad_s * ts_s);
-    const float al = config->gi_wc_rad_s * ts_s;
     const float k2_Ts = config->k2_rad_s * ts_s;
     *tuning = (lode_leso_tuning_t){
         .kind = config->kind,
@@ -72,8 +75,7 @@ lode_status_t lode_leso_tune(lode_leso_tuning_t *tuning, const lode_leso_config_
         .one_m_p = one_m_p,
         .p2 = (1.0f - one_m_p) * (1.0f - one_m_p),
         .gi_kappa = config->gi_kappa,
-        .gi_gain = al / (1.0f + al),
-        .gi_decay = (1.0f - al) / (1.0f + al),
+        .gi_al = config->gi_wc_rad_s * ts_s,
         .q = 1.0f - lode_one_minus_exp(k2_Ts),
         .sqrt_q = 1.0f - lode_one_minus_exp(0.5f * k2_Ts),
         .k1_Ts2 = config->k1_rad2_s2 * ts_s * ts_s,
@@ -89,6 +91,16 @@ void lode_leso_reset(lode_leso_t *self) {
     *self = (lode_leso_t){{0.0f, 0.0f}, {{0.0f, 0.0f}, {0.0f, 0.0f}, {0.0f, 0.0f}}};
 }
 
+void lode_leso_calm(lode_leso_t *self, const lode_leso_tuning_t *tuning) {
+    const lode_ab_t none = {0.0f, 0.0f};
+    if (tuning->kind == LODE_EMF_GI_LESO || tuning->kind == LODE_EMF_FA_MULTI) {
+        self->s[0] = self->s[1] = self->s[2] = none;
+    } else if (tuning->kind == LODE_EMF_FA_LESO) {
+        self->s[0] = none;
+        self->s[1] = self->e_V;
+    }
+}
+
 // Both poles at p = exp(-w0 Ts), current form (E10).
 static void step_c(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m) {
     lode_ab_t *y = &self->s[0];
@@ -102,12 +114,17 @@ static void step_gi(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab
                     lode_sincos_t turn) {
     const lode_ab_t error =
         lode_ab_add_scaled(lode_ab_subtract(m, self->e_V), tuning->p2, self->s[0]);
-    // b (1 - z^-2)/(1 - 2 c z^-1/(1 + al) + decay z^-2), transposed; 1/(1 + al) = 1 - b.
-    const lode_ab_t band = lode_ab_add_scaled(self->s[1], tuning->gi_gain, error);
-    const float twice = 2.0f * turn.cos * (1.0f - tuning->gi_gain);
-    self->s[1] = lode_ab_add_scaled(self->s[2], twice, band);
-    self->s[2] =
-        lode_ab_add_scaled(lode_ab_scale(-tuning->gi_gain, error), -tuning->gi_decay, band);
+    // The band-pass as two integrators that exchange their content, trapezoidal and prewarped, as in
+    // the SOGI: B' = 2 wc (error - B) - w L, L' = w B. It loses energy at any course of the speed.
+    const float g = turn.sin / lode_max(1.0f + turn.cos, LOWEST_DIVISOR); // tan(w Ts/2)
+    const float al = tuning->gi_al * (1.0f + g * g);
+    lode_ab_t *B = &self->s[1];
+    lode_ab_t *L = &self->s[2];
+    const lode_ab_t sum_B = lode_ab_add_scaled(lode_ab_add_scaled(*B, al, error), -g, *L);
+    const lode_ab_t band = lode_ab_scale(1.0f / (1.0f + al + g * g), sum_B);
+    const lode_ab_t low = lode_ab_add_scaled(*L, g, band);
+    *B = lode_ab_add_scaled(lode_ab_scale(-1.0f, *B), 2.0f, band);
+    *L = lode_ab_add_scaled(lode_ab_scale(-1.0f, *L), 2.0f, low);
     self->s[0] = error;
     const float gain = tuning->one_m_p * tuning->one_m_p;
     const lode_ab_t sum = lode_ab_add_scaled(error, tuning->gi_kappa, band);
@@ -133,7 +150,7 @@ static lode_ab_t quotient(lode_ab_t a, lode_ab_t b) {
 }
 
 // Second order, k1 > 0, as two modes in parallel: z1 near q rho and z2 = 1 - t near 1, with
-// z1 z2 = q rho and (1 - z1) t = d: t = d/(1 - q rho/(1 - t)), two steps from t = 0. The slow one starts from zero and stays small.
+// z1 z2 = q rho and (1 - z1) t = d. The slow one starts from zero and stays small.
 static void step_fa_slow(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m,
                          lode_sincos_t turn, float omega_rad_s) {
     const lode_ab_t one = {1.0f, 0.0f};
@@ -146,9 +163,15 @@ static void step_fa_slow(lode_leso_t *self, const lode_leso_tuning_t *tuning, lo
     const lode_sincos_t half = lode_sincos(0.5f * tuning->ts_s * omega_rad_s);
     const lode_ab_t root = {tuning->sqrt_q * half.cos, tuning->sqrt_q * half.sin};
     const lode_ab_t d = lode_ab_scale(tuning->k1_Ts2, product(root, series));
-    const lode_ab_t first = quotient(d, lode_ab_subtract(one, q_rho));
-    const lode_ab_t rest = lode_ab_subtract(one, first);
-    const lode_ab_t t = quotient(product(d, rest), lode_ab_subtract(rest, q_rho));
+    // The smaller root of t^2 - B t + d = 0, B = 1 - q rho + d, as a series in u = d/B^2.
+    const lode_ab_t inv_B =
+        quotient(one, lode_ab_add_scaled(lode_ab_subtract(one, q_rho), 1.0f, d));
+    const lode_ab_t t0 = product(d, inv_B);
+    const lode_ab_t u = product(t0, inv_B);
+    lode_ab_t sum = lode_ab_add_scaled((lode_ab_t){2.0f, 0.0f}, 5.0f, u);
+    sum = lode_ab_add_scaled(one, 1.0f, product(u, sum));
+    sum = lode_ab_add_scaled(one, 1.0f, product(u, sum));
+    const lode_ab_t t = product(t0, sum);
     const lode_ab_t z2 = lode_ab_subtract(one, t);
     const lode_ab_t z1 = quotient(q_rho, z2);
     // Residues of z ((1 - q)(z - 1) + d)/((z - z1)(z - z2)).

@@ -300,6 +300,10 @@ static void test_gains_must_be_positive_and_stable(void) {
         const float slope = (axis == 0 ? 3.3f : 9.2f) + 0.75f;
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_CURRENT_GAINS,
                               try_one(ki[axis], 4.0f * slope * slope / inductance[axis]));
+        // ki = 2 L/Ts^2, the product of the roots beyond 1 though their polynomial at -1 is sound.
+        TEST_ASSERT_EQUAL_INT(
+            LODE_ERROR_CURRENT_GAINS,
+            try_one(ki[axis], 2.0f * inductance[axis] / (PAPER_TS_s * PAPER_TS_s)));
     }
 }
 

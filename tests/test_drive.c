@@ -544,7 +544,7 @@ static void test_lost_lock_and_wrong_way_trip_in_20_ms(void) {
 // --- The step as a whole ----------------------------------------------------------------------
 
 static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
-    for (int field = -1; field < 4; field++) { // -1: the same without the fault
+    for (int field = -1; field < 8; field++) { // -1: the same without the fault
         rig_t rig = fresh();
         rig_command(&rig, run_at(60.0));
         TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
@@ -553,7 +553,7 @@ static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
         lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
         float *const fields[] = {&e.omega_rad_s, &e.rotor.sin, &e.rotor.cos, &e.i_A.d};
         if (field >= 0) {
-            *fields[field] = NAN;
+            *fields[field % 4] = field < 4 ? NAN : INFINITY;
         }
         const lode_drive_out_t out = lode_drive_act(&rig.drive, &m, &e);
         TEST_ASSERT_EQUAL_INT(field < 0, out.gates);
@@ -561,6 +561,19 @@ static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
                               rig.drive.guard.fault.check);
         TEST_ASSERT_TRUE(lode_in_range(out.duty.a, 0.0f, 1.0f));
     }
+}
+
+static void test_a_voltage_that_is_none_trips_in_the_same_call(void) {
+    // A bus and a speed that no sensor and no estimator of this library reports ask for 3 MV.
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(60.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    const lode_counts_t counts = rig_counts(&rig);
+    lode_measurement_t m = lode_drive_sense(&rig.drive, &counts);
+    lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
+    m.sample.v_bus_V = 1.0e7f;
+    e.omega_rad_s = 1.0e9f;
+    TEST_ASSERT_FALSE(lode_drive_act(&rig.drive, &m, &e).gates);
 }
 
 static void test_the_step_is_three_calls_in_a_row(void) {
@@ -711,6 +724,7 @@ int main(void) {
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
+    RUN_TEST(test_a_voltage_that_is_none_trips_in_the_same_call);
     RUN_TEST(test_the_step_is_three_calls_in_a_row);
     RUN_TEST(test_two_drives_share_nothing);
     RUN_TEST(test_any_counts_give_duties_on_the_grid);

@@ -28,18 +28,17 @@ static const lode_leso_config_t observers[] = {
 
 static lode_leso_tuning_t tuned(const lode_leso_config_t *config) {
     lode_leso_tuning_t tuning;
-    TEST_ASSERT_EQUAL_STRING("LODE_OK",
-                             lode_status_name(lode_leso_tune(
-                                 &tuning, config, (float)PAPER_OMEGA_RATED, PAPER_TS_s)));
+    TEST_ASSERT_EQUAL_STRING(
+        "LODE_OK",
+        lode_status_name(lode_leso_tune(&tuning, config, (float)PAPER_OMEGA_RATED, PAPER_TS_s)));
     return tuning;
 }
 
 /// One period at the speed `omega`.
 static double complex feed(lode_leso_t *leso, const lode_leso_tuning_t *tuning, double omega,
                            double complex m) {
-    const lode_ab_t e =
-        lode_leso_step(leso, tuning, (lode_ab_t){(float)creal(m), (float)cimag(m)},
-                       sincos_of(omega * (double)tuning->ts_s), (float)omega);
+    const lode_ab_t e = lode_leso_step(leso, tuning, (lode_ab_t){(float)creal(m), (float)cimag(m)},
+                                       sincos_of(omega * (double)tuning->ts_s), (float)omega);
     return (double)e.alpha + I * (double)e.beta;
 }
 
@@ -56,20 +55,18 @@ static double complex golden_input(double angle, int k) {
            (2.0 - 1.0 * I) + cos(chirp) + I * sin(0.6 * chirp);
 }
 
-/// Volts of 60: the loops hold a rounding of 6e-8 for some ten to some hundred periods.
+/// Volts of 60: the loops hold a rounding of 6e-8 for 1/(w0 Ts), 1/(k2 Ts), 1/(20 Ts) periods, GI's
+/// band-pass for the 1600 periods 1/(wc Ts).
 static double golden_tolerance(const leso_case_t *golden) {
-    // The band-pass of GI turns by an angle whose cosine is rounded to 6e-8: that detunes it by
-    // 6e-8/(Ts^2 w), 0.005 rad/s at 300 rad/s and more than its width of pi near standstill.
-    if (golden->kind == LODE_EMF_GI_LESO) {
-        return golden->w_from * golden->w_to < 0.0 ? 1.5e-2 : 2.0e-3;
-    }
-    return golden->kind == LODE_EMF_FA_MULTI ? 2.0e-4 : 1.0e-4;
+    const double of_kind[] = {2.0e-5, 1.5e-3, 1.5e-4, 2.0e-4};
+    // The slow pole is a series in u = k1/k2^2 up to u^3, which leaves 14 u^4 of it: 5e-5 at k1 = 4000,
+    // of the 60 V that the mode takes in near standstill.
+    return golden->k1 > 1000.0 ? 4.0e-3 : of_kind[golden->kind];
 }
 
 static void check_golden(const leso_case_t *golden) {
-    const lode_leso_config_t config = {
-        golden->kind,      (float)golden->w0, (float)golden->kappa,
-        (float)golden->wc, (float)golden->k1, (float)golden->k2};
+    const lode_leso_config_t config = {golden->kind,      (float)golden->w0, (float)golden->kappa,
+                                       (float)golden->wc, (float)golden->k1, (float)golden->k2};
     const lode_leso_tuning_t tuning = tuned(&config);
     const double tolerance = golden_tolerance(golden);
     lode_leso_t leso;
@@ -134,13 +131,13 @@ static void test_steady_gain_and_lag(void) {
             const double omega = (r % 2 == 0 ? 1.0 : -1.0) * paper_omega(rpms[r / 2]);
             const double complex h = respond(&observers[i], omega, omega * 2.0e-4, 3.0);
             const double complex expected = expected_response(&observers[i], omega);
-            // Rounding of 6e-8 held for up to 1/(k2 Ts) = 16 periods; the slow mode of FA, and the
-            // rounded cosine of GI's band-pass (see golden_tolerance), leave more.
-            CHECK_NEAR(1.0e-5, cabs(expected), cabs(h));
-            CHECK_NEAR(1.0e-5, 0.0, angle_error(carg(expected), carg(h)));
-            const double lag =
-                (double)lode_leso_lag_rad(&observers[i], PAPER_TS_s, (float)omega);
-            CHECK_NEAR(1.0e-5, 0.0, angle_error(-lag, carg(h)));
+            const double lag = (double)lode_leso_lag_rad(&observers[i], PAPER_TS_s, (float)omega);
+            // Rounding of 6e-8 held for up to 1/(k2 Ts) = 16 periods. GI holds it longest: 1500
+            // periods, 1/(wc Ts), in a branch that adds the error of gain, at most a few percent.
+            const double tolerance = observers[i].kind == LODE_EMF_GI_LESO ? 1.0e-4 : 2.0e-6;
+            CHECK_NEAR(tolerance, cabs(expected), cabs(h));
+            CHECK_NEAR(tolerance, 0.0, angle_error(carg(expected), carg(h)));
+            CHECK_NEAR(tolerance, 0.0, angle_error(-lag, carg(h)));
         }
     }
 }
@@ -184,7 +181,7 @@ static void test_offset_shrinks_in_fa(void) {
     const double omegas[] = {-471.0, -94.0, 94.0, 314.0, 942.0};
     for (int n = 0; n < COUNT_OF(omegas); n++) {
         const double complex rho = cexp(I * omegas[n] * 2.0e-4);
-        const double complex expected = (1.0 - q) / (1.0 - q / rho / rho * rho * rho * rho);
+        const double complex expected = (1.0 - q) / (1.0 - q * rho);
         CHECK_NEAR(1.0e-5, 0.0, cabs(expected - respond(FA, omegas[n], 0.0, 1.0)));
         // k2/sqrt(k2^2 + w^2) of the continuous filter, within sampling's 3 % of k2 Ts/2.
         const double k2 = 100.0 * CHECK_PI;
@@ -197,7 +194,8 @@ static void test_multi_leaves_no_offset_and_no_fifth_and_seventh(void) {
     const double shares[] = {-2.0, -1.0, -0.36, 0.36, 1.0, 2.0, 2.5};
     for (int n = 0; n < COUNT_OF(shares); n++) {
         const double omega = shares[n] * PAPER_OMEGA_RATED;
-        CHECK_AT_MOST(1.0e-5, cabs(respond(MULTI, omega, 0.0, 2.0)));
+        // 1e-7 of rounding per period, held for 1/(10 Ts) = 500 of them.
+        CHECK_AT_MOST(5.0e-5, cabs(respond(MULTI, omega, 0.0, 2.0)));
         const double complex fifth = respond(MULTI, omega, -5.0 * omega * 2.0e-4, 2.0);
         const double complex seventh = respond(MULTI, omega, 7.0 * omega * 2.0e-4, 2.0);
         // Float angles 5 w Ts and 7 w Ts made by addition theorems: off by 4e-7 rad per period
@@ -226,13 +224,15 @@ static void test_slow_mode_passes_offset_in_the_end(void) {
     config.k1_rad2_s2 = 3000.0f;
     const double omegas[] = {-100.0, 100.0, 300.0};
     for (int n = 0; n < COUNT_OF(omegas); n++) {
-        // The poles come from a series in k1: their product with 1 is off by 1e-4 and less.
-        CHECK_NEAR(2.0e-4, 0.0, cabs(1.0 - respond(&config, omegas[n], 0.0, 4.0)));
+        // The slow mode holds its rounding of 6e-8 for 1/(9 Ts) = 550 periods.
+        CHECK_NEAR(4.0e-5, 0.0, cabs(1.0 - respond(&config, omegas[n], 0.0, 4.0)));
     }
 }
 
 static void test_slow_mode_is_silent_from_reset(void) {
-    // k1 = 10 pi puts a pole at -k1/(k2 - j w), 10 to 30 s: rotation must not stir it.
+    // k1 = 10 pi puts a pole at -k1/(k2 - j w), 10 to 30 s: rotation must not stir it. Its residue is
+    // -k1/(k2 - j w)^2 at most, 3.2e-4; over two seconds the sum stays below twice that, and so does
+    // the whole estimate's distance from the one without k1: 0.04 degree.
     const double omegas[] = {-471.0, -100.0, 50.0, 100.0, 314.0, 471.0};
     for (int n = 0; n < COUNT_OF(omegas); n++) {
         const lode_leso_tuning_t slow_tuning = tuned(FA_SLOW);
@@ -249,74 +249,391 @@ static void test_slow_mode_is_silent_from_reset(void) {
             worst_note(&apart, cabs(e - feed(&fast, &fast_tuning, omegas[n], m)) / EMF_V);
             worst_note(&part, hypot((double)slow.s[0].alpha, (double)slow.s[0].beta) / EMF_V);
         }
-        printf("slow %g: part %.3g apart %.3g\n", omegas[n], part.value, apart.value);
+        CHECK_AT_MOST(6.4e-4, part.value);
+        CHECK_AT_MOST(6.4e-4, apart.value);
     }
 }
 
-// --- Speed through zero ------------------------------------------------------------------------
+// --- Speed that changes ------------------------------------------------------------------------
 
-/// Speed from +400 to -400 rad/s within 0.4 s, then steady, with the EMF of 0.142 Vs.
-static void check_crossing(const lode_leso_config_t *config) {
-    const lode_leso_tuning_t tuning = tuned(config);
+/// An observer and the EMF of 0.142 Vs that it watches.
+typedef struct {
     lode_leso_t leso;
-    lode_leso_reset(&leso);
-    double angle = 0.0;
-    double complex e = 0.0;
-    double complex m = 0.0;
-    worst_t jump = {0.0};
-    worst_t size = {0.0};
-    for (int k = 0; k < 12000; k++) {
-        const double omega = fmax(-400.0, fmin(400.0, 400.0 - 2000.0 * (k - 2000) / 5000.0));
-        angle += omega * 2.0e-4;
-        m = 0.142 * omega * I * cexp(I * angle);
-        const double complex before = e;
-        e = feed(&leso, &tuning, omega, m);
-        worst_note(&size, cabs(e));
-        worst_note(&jump, k > 1000 ? cabs(e - before) : 0.0);
-    }
-    const double complex h = expected_response(config, -400.0);
-    printf("crossing kind %d k1 %g: size %.4g jump %.4g end %.3g\n", (int)config->kind, (double)config->k1_rad2_s2, size.value, jump.value, cabs(e/m/h-1));
+    lode_leso_tuning_t tuning;
+    double angle;
+    double complex m;
+    double complex e;
+} rotor_t;
+
+static rotor_t rotor_of(const lode_leso_config_t *config) {
+    rotor_t rotor = {.tuning = tuned(config)};
+    lode_leso_reset(&rotor.leso);
+    return rotor;
 }
 
-static void test_speed_through_zero(void) {
+static void rotor_step(rotor_t *rotor, double omega) {
+    rotor->angle += omega * 2.0e-4;
+    rotor->m = 0.142 * omega * I * cexp(I * rotor->angle);
+    rotor->e = feed(&rotor->leso, &rotor->tuning, omega, rotor->m);
+}
+
+static void test_reversal_makes_no_jump(void) {
     for (int i = 0; i < COUNT_OF(observers); i++) {
-        check_crossing(&observers[i]);
+        rotor_t rotor = rotor_of(&observers[i]);
+        worst_t jump = {0.0};
+        worst_t size = {0.0};
+        // 400 to -400 rad/s within 0.4 s, then 1.6 s as it is.
+        for (int k = 0; k < 12000; k++) {
+            const double complex before = rotor.e;
+            rotor_step(&rotor, fmax(-400.0, fmin(400.0, 400.0 - 0.4 * (k - 2000))));
+            worst_note(&jump, k > 1000 ? cabs(rotor.e - before) : 0.0);
+            worst_note(&size, cabs(rotor.e));
+        }
+        // The EMF of 56.8 V moves by w Ts |m| = 4.54 V per period, its estimate no faster than the
+        // largest gain allows: 1.03 of GI at 400 rad/s.
+        CHECK_AT_MOST(1.05 * 0.142 * 400.0, size.value);
+        CHECK_AT_MOST(1.05 * 4.544, jump.value);
+        // At the new speed all is as if it had never been another one. What takes longest is GI's
+        // band-pass, whose closed loop decays with wc/(1 + kappa), about 1/s at this speed; the slow
+        // mode of FA keeps its 3e-4.
+        const double complex h = rotor.e / rotor.m;
+        CHECK_NEAR(1.0e-3, 0.0, cabs(h - expected_response(&observers[i], -400.0)));
     }
 }
 
-static void check_rest(const lode_leso_config_t *config) {
+static void test_rest_is_silent(void) {
+    const double rates[] = {100.0, 1000.0, 3000.0};
+    for (int i = 0; i < COUNT_OF(observers); i++) {
+        for (int r = 0; r < COUNT_OF(rates); r++) {
+            rotor_t rotor = rotor_of(&observers[i]);
+            for (int k = 0; k < 30000; k++) {
+                rotor_step(&rotor, fmax(0.0, 400.0 - rates[r] * 2.0e-4 * k));
+            }
+            const double stopped = cabs(rotor.e);
+            for (int k = 0; k < 100000; k++) { // another 20 s without any input
+                rotor_step(&rotor, 0.0);
+                TEST_ASSERT_TRUE(cabs(rotor.e) <= 1.001 * stopped + 1.0e-30);
+            }
+            // What k1 keeps goes with k1/k2, 10 s; all else within a second of the stop.
+            const bool slow = observers[i].k1_rad2_s2 > 0.0f;
+            CHECK_AT_MOST(slow ? 0.02 : 1.0e-6, stopped);
+            CHECK_AT_MOST(slow ? 0.15 * stopped : 1.0e-6, cabs(rotor.e));
+        }
+    }
+}
+
+/// The largest estimate from random inputs within the unit square.
+static double worst_at_speeds(const lode_leso_config_t *config, double omega_max, int every) {
     const lode_leso_tuning_t tuning = tuned(config);
-    lode_leso_t leso;
-    lode_leso_reset(&leso);
-    double angle = 0.0;
-    worst_t first = {0.0}, later = {0.0};
-    for (int k = 0; k < 50000; k++) {
-        const double omega = fmax(0.0, 400.0 - 1000.0 * k / 5000.0);
-        angle += omega * 2.0e-4;
-        const double complex e = feed(&leso, &tuning, omega, 0.142 * omega * I * cexp(I * angle));
-        if (k > 2500 && k < 7500) worst_note(&first, cabs(e));
-        if (k > 40000) worst_note(&later, cabs(e));
-    }
-    printf("rest kind %d k1 %g: first %.4g later %.4g\n", (int)config->kind, (double)config->k1_rad2_s2, first.value, later.value);
-}
-static void test_rest(void) {
-    for (int i = 0; i < COUNT_OF(observers); i++) check_rest(&observers[i]);
-}
-static void test_bounded(void) {
-    for (int i = 0; i < COUNT_OF(observers); i++) {
-    const lode_leso_tuning_t tuning = tuned(&observers[i]);
     lode_leso_t leso;
     lode_leso_reset(&leso);
     random_t random = random_seed(5);
-    worst_t w={0.0};
-    double omega=0;
-    for (int k = 0; k < 500000; k++) {
-        if (k % 50==0 || k > 400000) omega = random_between(&random,-OMEGA_MAX,OMEGA_MAX);
-        const double complex e = feed(&leso, &tuning, omega, random_between(&random,-1,1)+I*random_between(&random,-1,1));
-        worst_note(&w,cabs(e));
+    worst_t worst = {0.0};
+    double omega = 0.0;
+    for (int k = 0; k < 100000; k++) {
+        omega = k % every == 0 ? random_between(&random, -omega_max, omega_max) : omega;
+        const double re = random_between(&random, -1.0, 1.0);
+        const double im = random_between(&random, -1.0, 1.0);
+        worst_note(&worst, cabs(feed(&leso, &tuning, omega, re + I * im)));
     }
-    printf("bounded %d %g\n", i, w.value);
+    return worst.value;
+}
+
+static void test_bounded_whatever_the_speed_does(void) {
+    // White noise comes out smaller than it goes in; the largest seen is 0.9 of a corner of 1.41.
+    const double maxima[] = {100.0, 1000.0, OMEGA_MAX};
+    for (int i = 0; i < COUNT_OF(observers); i++) {
+        for (int n = 0; n < COUNT_OF(maxima); n++) {
+            for (int every = 1; every <= 1000; every *= 10) {
+                CHECK_AT_MOST(1.41, worst_at_speeds(&observers[i], maxima[n], every));
+            }
+        }
     }
+}
+
+static void test_bounded_while_the_speed_swings(void) {
+    // An EMF of 1 V whose speed swings about its mean, as with a load that beats.
+    const double swings[][3] = {
+        {0.0, 270.0, 13.5}, {300.0, 270.0, 13.5}, {300.0, 800.0, 5.0}, {600.0, 800.0, 40.0}};
+    for (int i = 0; i < COUNT_OF(observers); i++) {
+        for (int n = 0; n < COUNT_OF(swings); n++) {
+            const lode_leso_tuning_t tuning = tuned(&observers[i]);
+            lode_leso_t leso;
+            lode_leso_reset(&leso);
+            worst_t worst = {0.0};
+            double angle = 0.0;
+            for (int k = 0; k < 50000; k++) {
+                const double swing = sin(2.0 * CHECK_PI * swings[n][2] * 2.0e-4 * k);
+                const double omega = swings[n][0] + swings[n][1] * swing;
+                angle += omega * 2.0e-4;
+                worst_note(&worst, cabs(feed(&leso, &tuning, omega, cexp(I * angle))));
+            }
+            CHECK_AT_MOST(2.0, worst.value); // GI's band-pass rings when it is swept past the EMF
+        }
+    }
+}
+
+static void test_multi_fades_without_a_jump(void) {
+    // Slowly up and down through 0.25 .. 0.35 of rated speed with an offset of 5 % in the EMF.
+    const lode_leso_tuning_t tuning = tuned(MULTI);
+    lode_leso_t leso;
+    lode_leso_reset(&leso);
+    double angle = 0.0;
+    double complex before = 0.0;
+    worst_t jump = {0.0};
+    for (int k = 0; k < 40000; k++) {
+        const double omega = PAPER_OMEGA_RATED * (0.3 - 0.1 * cos(2.0 * CHECK_PI * k / 20000.0));
+        angle += omega * 2.0e-4;
+        const double complex e = feed(&leso, &tuning, omega, rotating(angle) + 0.05 * EMF_V);
+        const double complex seen = e * cexp(-I * angle);
+        worst_note(&jump, k > 500 ? cabs(seen - before) : 0.0);
+        before = seen;
+    }
+    // Seen in the rotor's frame, only the offset moves: 3 V by 0.4 rated speed x Ts, 0.11 V.
+    CHECK_AT_MOST(0.05 * EMF_V * 0.4 * PAPER_OMEGA_RATED * 2.0e-4, jump.value);
+}
+
+// --- Stability ---------------------------------------------------------------------------------
+
+/// Schur and Cohn: all roots of c[0] z^n + .. + c[n] inside the unit circle.
+static bool is_stable(const double *coefficients, int n) {
+    double c[8];
+    memcpy(c, coefficients, (size_t)(n + 1) * sizeof c[0]);
+    for (; n > 0; n--) {
+        const double k = c[n] / c[0];
+        if (!(fabs(k) < 1.0)) {
+            return false;
+        }
+        double next[8];
+        for (int i = 0; i < n; i++) {
+            next[i] = c[i] - k * c[n - i];
+        }
+        memcpy(c, next, sizeof c);
+    }
+    return true;
+}
+
+/// (1 - z^-1)(1 - p^2 z^-1) A + g z^-1 (A + kappa B), B/A the band-pass.
+static bool is_gi_stable(double w0_Ts, double kappa, double al, double turn) {
+    const double p2 = exp(-2.0 * w0_Ts);
+    const double g = (1.0 - exp(-w0_Ts)) * (1.0 - exp(-w0_Ts));
+    const double b = al / (1.0 + al);
+    const double band[] = {1.0, -2.0 * cos(turn) * (1.0 - b), 1.0 - 2.0 * b};
+    const double loop[] = {1.0, -1.0 - p2, p2};
+    const double in[] = {b, 0.0, -b};
+    double c[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            c[i + j] += band[i] * loop[j];
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        c[i + 1] += g * (band[i] + kappa * in[i]);
+    }
+    return is_stable(c, 4);
+}
+
+static void test_gi_is_stable_at_every_speed(void) {
+    // Whatever is accepted, down to 1 kHz (wc Ts = 0.1), up to 0.5 rad per period.
+    const double w0s[] = {0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0};
+    const double kappas[] = {0.0, 0.5, 1.0, 2.0, 4.0, 6.0, 7.0};
+    const double widths[] = {2.0e-5, 6.3e-4, 6.0e-3, 0.02, 0.1};
+    for (int a = 0; a < COUNT_OF(w0s) * COUNT_OF(kappas) * COUNT_OF(widths); a++) {
+        const double w0 = w0s[a % COUNT_OF(w0s)];
+        const double kappa = kappas[a / COUNT_OF(w0s) % COUNT_OF(kappas)];
+        const double width = widths[a / COUNT_OF(w0s) / COUNT_OF(kappas)];
+        for (int n = 1; n <= 200; n++) {
+            char text[80];
+            (void)snprintf(text, sizeof text, "w0 Ts %g, kappa %g, wc Ts %g, w Ts %g", w0, kappa,
+                           width, 0.0025 * n);
+            TEST_ASSERT_TRUE_MESSAGE(is_gi_stable(w0, kappa, width, 0.0025 * n), text);
+        }
+    }
+}
+
+/// Largest part of the state in the second half of a run without input over that of the first.
+static double growth(const lode_leso_config_t *config, double omega) {
+    const lode_leso_tuning_t tuning = tuned(config);
+    lode_leso_t leso = {{1.0f, -0.5f}, {{0.3f, 0.7f}, {-1.0f, 0.2f}, {0.5f, 0.5f}}};
+    worst_t half[2] = {{0.0}, {0.0}};
+    for (int k = 0; k < 6000; k++) {
+        (void)feed(&leso, &tuning, omega, 0.0);
+        worst_note(&half[k / 3000], hypot((double)leso.e_V.alpha, (double)leso.e_V.beta));
+        for (int n = 0; n < 3; n++) {
+            worst_note(&half[k / 3000], hypot((double)leso.s[n].alpha, (double)leso.s[n].beta));
+        }
+    }
+    return half[1].value / half[0].value;
+}
+
+static void test_what_is_left_decays_at_every_speed(void) {
+    // The corners of what is accepted. Over 0.6 s everything but a slow mode of FA has gone.
+    const lode_leso_config_t corners[] = {
+        {LODE_EMF_GI_LESO, 2000.0f, 7.0f, 3.0f, 0.0f, 300.0f},
+        {LODE_EMF_GI_LESO, 2000.0f, 7.0f, 100.0f, 0.0f, 300.0f},
+        {LODE_EMF_GI_LESO, 5000.0f, 7.0f, 100.0f, 0.0f, 300.0f},
+        {LODE_EMF_FA_LESO, 2000.0f, 2.0f, 3.0f, 999.0f, 100.0f},
+        {LODE_EMF_FA_LESO, 2000.0f, 2.0f, 3.0f, 8.9e3f, 300.0f},
+        {LODE_EMF_FA_LESO, 2000.0f, 2.0f, 3.0f, 1.0e4f, 5000.0f},
+        {LODE_EMF_FA_MULTI, 2000.0f, 2.0f, 3.0f, 0.0f, 100.0f},
+        {LODE_EMF_FA_MULTI, 2000.0f, 2.0f, 3.0f, 0.0f, 1000.0f},
+        {LODE_EMF_FA_MULTI, 2000.0f, 2.0f, 3.0f, 0.0f, 5000.0f},
+    };
+    for (int i = 0; i < COUNT_OF(corners); i++) {
+        for (int n = -50; n <= 50; n++) {
+            CHECK_AT_MOST(0.95, growth(&corners[i], 50.0 * n));
+        }
+    }
+}
+
+// --- What is no number, reset, configuration ---------------------------------------------------
+
+static void test_what_is_no_number_shows(void) {
+    // An observer cannot tell: the estimator checks what comes out, and starts anew.
+    for (int i = 0; i < COUNT_OF(observers); i++) {
+        for (int n = 0; n < COUNT_OF(check_not_finite); n++) {
+            rotor_t rotor = rotor_of(&observers[i]);
+            for (int k = 0; k < 100; k++) {
+                rotor_step(&rotor, 300.0);
+            }
+            const double complex e =
+                feed(&rotor.leso, &rotor.tuning, 300.0, (double)check_not_finite[n]);
+            TEST_ASSERT_FALSE(isfinite(creal(e)) && isfinite(cimag(e)));
+            lode_leso_reset(&rotor.leso);
+            rotor_step(&rotor, 300.0);
+            TEST_ASSERT_TRUE(isfinite(creal(rotor.e)) && isfinite(cimag(rotor.e)));
+        }
+    }
+}
+
+static void test_any_bits_do_no_harm(void) {
+    // Nothing to expect but that the sanitizers stay silent.
+    for (int i = 0; i < COUNT_OF(observers); i++) {
+        const lode_leso_tuning_t tuning = tuned(&observers[i]);
+        lode_leso_t leso;
+        lode_leso_reset(&leso);
+        random_t random = random_seed(6);
+        for (int k = 0; k < 20000; k++) {
+            const lode_ab_t m = {random_any(&random), random_any(&random)};
+            const lode_sincos_t turn = {random_any(&random), random_any(&random)};
+            (void)lode_leso_step(&leso, &tuning, m, turn, random_any(&random));
+        }
+    }
+}
+
+static void test_calm_keeps_the_estimate(void) {
+    for (int i = 0; i < COUNT_OF(observers); i++) {
+        rotor_t rotor = rotor_of(&observers[i]);
+        for (int k = 0; k < 10000; k++) {
+            rotor_step(&rotor, 300.0);
+        }
+        // Something that would take long to go: 200 V in each of the further states.
+        for (int n = 0; n < 3; n++) {
+            rotor.leso.s[n].alpha += observers[i].kind == LODE_EMF_C_LESO ? 0.0f : 200.0f;
+        }
+        const lode_leso_t before = rotor.leso;
+        lode_leso_calm(&rotor.leso, &rotor.tuning);
+        TEST_ASSERT_EQUAL_MEMORY(&before.e_V, &rotor.leso.e_V, sizeof before.e_V);
+        // It goes on as if there had been nothing: gone after 0.1 s, 30 of the time constants 1/k2; GI
+        // builds its band-pass anew, from the 3 % that it is to add at this speed.
+        for (int k = 0; k < 500; k++) {
+            rotor_step(&rotor, 300.0);
+        }
+        const double complex h = rotor.e / rotor.m;
+        const double tolerance = observers[i].kind == LODE_EMF_GI_LESO ? 0.15 : 1.0e-3;
+        CHECK_NEAR(tolerance, 0.0, cabs(h - expected_response(&observers[i], 300.0)));
+    }
+}
+
+static void test_reset_forgets_everything(void) {
+    const lode_leso_t expected = {.e_V = {0.0f, 0.0f}};
+    lode_leso_t leso;
+    memset(&leso, 0xff, sizeof leso); // all NaN
+    lode_leso_reset(&leso);
+    TEST_ASSERT_EQUAL_MEMORY(&expected, &leso, sizeof leso);
+    lode_leso_reset(&leso);
+    TEST_ASSERT_EQUAL_MEMORY(&expected, &leso, sizeof leso);
+}
+
+static lode_status_t try_with(const lode_leso_config_t *config) {
+    lode_leso_tuning_t tuning;
+    memset(&tuning, 0x5a, sizeof tuning);
+    const lode_leso_tuning_t before = tuning;
+    const lode_status_t status =
+        lode_leso_tune(&tuning, config, (float)PAPER_OMEGA_RATED, PAPER_TS_s);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
+    }
+    return status;
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_leso_config_t config = observers[0];
+    field_set(&config, offset, value);
+    return try_with(&config);
+}
+
+static void test_every_field_at_its_limits(void) {
+    static const field_t fields[] = {
+        {FIELD(lode_leso_config_t, w0_rad_s), .lo = 1.0f, .hi = 1.0e4f, .computed = true,
+         .error = LODE_ERROR_EMF_W0}, // 2/Ts
+        {FIELD(lode_leso_config_t, gi_kappa), .lo = 0.0f, .hi = 7.0f, .error = LODE_ERROR_EMF_GI},
+        {FIELD(lode_leso_config_t, gi_wc_rad_s), .lo = 0.01f, .hi = 100.0f,
+         .error = LODE_ERROR_EMF_GI},
+        {FIELD(lode_leso_config_t, k1_rad2_s2), .lo = 0.0f, .hi = 9.0e3f,
+         .computed = true, // k2^2/10
+         .error = LODE_ERROR_EMF_FA},
+        {FIELD(lode_leso_config_t, k2_rad_s), .lo = 1.0f, .hi = 5000.0f, .computed = true,
+         .error = LODE_ERROR_EMF_FA}, // 1/Ts
+    };
+    field_check_all(fields, COUNT_OF(fields), try_one);
+}
+
+static void test_k1_is_bound_to_k2(void) {
+    // s^2 + k2 s + k1 at standstill: far from k1 = k2^2/4, where its poles meet, and with a margin
+    // for the speed that is fed back.
+    const float k1s[] = {1.0f, 31.4f, 1000.0f, 1.0e4f};
+    for (int i = 0; i < COUNT_OF(k1s); i++) {
+        lode_leso_config_t config = *FA_SLOW;
+        config.k1_rad2_s2 = k1s[i];
+        config.k2_rad_s = 3.15f * sqrtf(k1s[i]);
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_EMF_FA, try_with(&config));
+        config.k2_rad_s = 3.17f * sqrtf(k1s[i]);
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_with(&config));
+        for (int n = -40; n <= 40; n++) { // what is accepted holds or loses, at every speed
+            CHECK_AT_MOST(1.0, growth(&config, 60.0 * n));
+        }
+    }
+}
+
+static void test_kind_is_an_enumerator(void) {
+    const int kinds[] = {-1, 4, 77};
+    for (int i = 0; i < COUNT_OF(kinds); i++) {
+        lode_leso_config_t config = observers[0];
+        config.kind = (lode_emf_kind_t)kinds[i];
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_EMF_KIND, try_with(&config));
+    }
+}
+
+static void test_design_fills_what_is_open(void) {
+    const float rated = (float)PAPER_OMEGA_RATED;
+    lode_leso_config_t config = {.kind = LODE_EMF_FA_LESO};
+    lode_leso_design(&config, rated, 100.0f, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-6, 4.25 * PAPER_OMEGA_RATED, config.w0_rad_s);
+    CHECK_CLOSE(1.0e-6, 2.0, config.gi_kappa);               // paper 2, Table II
+    CHECK_CLOSE(1.0e-6, 2.0 * CHECK_PI, config.gi_wc_rad_s); // twice its Table II
+    CHECK_CLOSE(1.0e-6, 300.0, config.k2_rad_s);             // 3 sigma
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, config.k1_rad2_s2);
+    lode_leso_config_t kept = config;
+    lode_leso_design(&kept, 2.0f * rated, 50.0f, PAPER_TS_s);
+    TEST_ASSERT_EQUAL_MEMORY(&config, &kept, sizeof config);
+    lode_leso_config_t multi = {.kind = LODE_EMF_FA_MULTI};
+    lode_leso_design(&multi, rated, 100.0f, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-6, 1000.0, multi.k2_rad_s); // 10 sigma
+    lode_leso_config_t quick = {.kind = LODE_EMF_FA_MULTI};
+    lode_leso_design(&quick, rated, 600.0f, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-6, 5000.0, quick.k2_rad_s); // at most 1/Ts
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(try_with(&quick)));
 }
 
 int main(void) {
@@ -330,8 +647,20 @@ int main(void) {
     RUN_TEST(test_multi_below_its_speed_is_plain_fa);
     RUN_TEST(test_slow_mode_passes_offset_in_the_end);
     RUN_TEST(test_slow_mode_is_silent_from_reset);
-    RUN_TEST(test_speed_through_zero);
-    RUN_TEST(test_rest);
-    RUN_TEST(test_bounded);
+    RUN_TEST(test_reversal_makes_no_jump);
+    RUN_TEST(test_rest_is_silent);
+    RUN_TEST(test_bounded_whatever_the_speed_does);
+    RUN_TEST(test_bounded_while_the_speed_swings);
+    RUN_TEST(test_multi_fades_without_a_jump);
+    RUN_TEST(test_gi_is_stable_at_every_speed);
+    RUN_TEST(test_what_is_left_decays_at_every_speed);
+    RUN_TEST(test_what_is_no_number_shows);
+    RUN_TEST(test_any_bits_do_no_harm);
+    RUN_TEST(test_calm_keeps_the_estimate);
+    RUN_TEST(test_reset_forgets_everything);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_k1_is_bound_to_k2);
+    RUN_TEST(test_kind_is_an_enumerator);
+    RUN_TEST(test_design_fills_what_is_open);
     return UNITY_END();
 }

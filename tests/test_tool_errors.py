@@ -7,17 +7,16 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
 from tool import DRIVE, MOTOR, RECORDINGS, SOURCE, Checks, Folder, refused
 
 STEADY = RECORDINGS / "steady-300rpm-5Nm.csv"
-NOT_BUILT = {
-    "--emf": ["c-leso-euler", "gi-leso-euler", "fa-leso-euler"],
-    "--pll": ["qpll-euler", "leso-qpll-euler", "enhanced-euler"],
-}
 BUILT = {"--emf": ["c-leso", "gi-leso", "fa-leso", "fa-multi"],
          "--pll": ["leso-qpll", "qpll", "enhanced"]}
+# The papers' own forms, which go together.
+EULER = {"--emf": ["c-leso-euler", "gi-leso-euler", "fa-leso-euler"],
+         "--pll": ["leso-qpll-euler", "qpll-euler", "enhanced-euler"]}
 
 
 def command_line(checks, folder):
     for arguments, pattern in [
-        (["foo"], "foo: unknown command; expected list, run, replay or design"),
+        (["foo"], "foo: unknown command; expected list, run, replay, design"),
         (["--foo"], "--foo: unknown here; expected one of --set, --seed"),
         (["list", "--seed", "1"], "--seed: unknown here"),
         (["run"], "run: expected a scenario file"),
@@ -76,18 +75,22 @@ def values(checks, folder):
 def estimator_names(checks, folder):
     listed = folder.run("list").stdout
     replay = ["replay", "--motor", MOTOR, "--recording", STEADY]
-    for option, names in NOT_BUILT.items():
-        for name in [*names, "nonsense"]:
-            done = refused(checks, folder, [*replay, option, name],
-                           f"{option}: .*expected .*not built in.*, not '{name}'")
-            for known in BUILT[option]:
-                checks.true(known in done.stderr, f"{name}: {done.stderr!r} names {known}")
-        for name in names + BUILT[option]:
+    for option in BUILT:
+        done = refused(checks, folder, [*replay, option, "nonsense"],
+                       f"{option}: .*expected .* or .*, not 'nonsense'")
+        for name in BUILT[option] + EULER[option]:
+            checks.true(name in done.stderr, f"{done.stderr!r} names {name}")
             checks.true(name in listed, f"{name} is in `lodestar list`")
-    for emf in BUILT["--emf"]:
-        for pll in BUILT["--pll"]:
-            checks.equal(folder.run(*replay, "--emf", emf, "--pll", pll).returncode, 0,
-                         f"exit code with {emf} and {pll}")
+    for names in (BUILT, EULER):
+        for emf in names["--emf"]:
+            for pll in names["--pll"]:
+                checks.equal(folder.run(*replay, "--emf", emf, "--pll", pll).returncode, 0,
+                             f"exit code with {emf} and {pll}")
+    for emf, pll in [("c-leso", "qpll-euler"), ("c-leso-euler", "qpll")]:
+        refused(checks, folder, [*replay, "--emf", emf, "--pll", pll],
+                "expected an observer and a PLL that both end in -euler, or neither")
+    refused(checks, folder, [*replay, "--set", "estimator.compensation=eq30"],
+            "compensation: eq30 is the papers'")
     refused(checks, folder, [*replay, "--emf", "fa-leso", "--set", "estimator.k2_rad_s=20"],
             "k2_rad_s: LODE_ERROR_EMF_PLL: expected k2_rad_s at least 0.549")
 

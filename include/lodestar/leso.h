@@ -24,7 +24,7 @@ typedef struct {
                     ///< most 0.5/Ts
     float gi_kappa; ///< GI: Kr/w0^2, 0 .. 7; 0: 2
     float gi_wc_rad_s; ///< GI: half width of the integrator, 0.01 .. 100; 0: 2 pi
-    float k1_rad2_s2;  ///< FA: 0 .. 1e4; 0: first order, which takes no DC in
+    float k1_rad2_s2;  ///< FA: 0 .. 1e4 and k2^2/10; 0: first order, which takes no DC in
     float k2_rad_s;    ///< FA: bandwidth, 1 .. 1/Ts; 0: 3 times the PLL's sigma, multi 10 times
 } lode_leso_config_t;
 
@@ -34,8 +34,7 @@ typedef struct {
     float one_m_p;    ///< C, GI: 1 - exp(-w0 Ts)
     float p2;         ///< GI: exp(-2 w0 Ts)
     float gi_kappa;   ///< GI
-    float gi_gain;    ///< GI: al/(1 + al), al = wc Ts
-    float gi_decay;   ///< GI: (1 - al)/(1 + al)
+    float gi_al;      ///< GI: wc Ts
     float q;          ///< FA: exp(-k2 Ts)
     float sqrt_q;     ///< FA: exp(-k2 Ts/2)
     float k1_Ts2;     ///< FA: k1 Ts^2
@@ -59,6 +58,9 @@ lode_status_t lode_leso_tune(lode_leso_tuning_t *tuning, const lode_leso_config_
                              float omega_rated_rad_s, float ts_s);
 
 void lode_leso_reset(lode_leso_t *self);
+
+/// Empties what forgets slowly, the band-pass of GI and the further modes of FA; the estimate stays.
+void lode_leso_calm(lode_leso_t *self, const lode_leso_tuning_t *tuning);
 
 /// One period: the estimate from `m_V`. `turn`: the angle w Ts of a period at the speed
 /// `omega_rad_s` to which the adaptive ones are tuned.

@@ -4,40 +4,40 @@
 
 typedef enum {
     LODE_OK = 0,
-    LODE_ERROR_NULL,               ///< a pointer argument is NULL
-    LODE_ERROR_F_PWM,              ///< f_pwm_Hz outside 1 kHz .. 200 kHz
-    LODE_ERROR_MOTOR_POLE_PAIRS,   ///< pole_pairs outside 1 .. 100
-    LODE_ERROR_MOTOR_RS,           ///< Rs_Ohm outside 0 .. 1e3
-    LODE_ERROR_MOTOR_LD,           ///< Ld_H outside 1e-7 .. 10
-    LODE_ERROR_MOTOR_LQ,           ///< Lq_H outside 1e-7 .. 10
-    LODE_ERROR_MOTOR_PSI,          ///< psi_Wb outside 1e-6 .. 100
-    LODE_ERROR_MOTOR_J,            ///< J_kgm2 outside 1e-9 .. 1e4
-    LODE_ERROR_MOTOR_B,            ///< B_Nms outside 0 .. 1e3
-    LODE_ERROR_MOTOR_OMEGA,        ///< omega_rated_rad_s outside 0 .. 1e5
-    LODE_ERROR_MOTOR_PERIOD,       ///< R/L so large that the current settles within one period
-    LODE_ERROR_V_BUS,              ///< v_bus_V outside 1 .. 2000
-    LODE_ERROR_I_MAX,              ///< i_max_A outside 1e-3 .. 1e4
-    LODE_ERROR_DEAD_TIME,          ///< dead_time_s outside 0 .. 0.2 periods
-    LODE_ERROR_V_DROP,             ///< v_drop_V outside 0 .. 10
-    LODE_ERROR_R_ON,               ///< r_on_Ohm outside 0 .. 10
-    LODE_ERROR_I_DEAD,             ///< i_dead_A outside 1e-3 .. 1 times i_max_A
-    LODE_ERROR_PWM_TICKS,          ///< pwm_ticks outside 0 .. 65535
-    LODE_ERROR_SENSE_SHUNTS,       ///< shunts not an enumerator
-    LODE_ERROR_SENSE_CURRENT,      ///< current gain zero or not finite, or its range below i_max_A
-    LODE_ERROR_SENSE_BUS,          ///< bus gain not positive, or its range below v_bus_V
-    LODE_ERROR_SENSE_TEMPERATURE,  ///< temperature gain or offset not finite
-    LODE_ERROR_SENSE_OFFSET,       ///< offsets or their tolerance outside the converter's range
-    LODE_ERROR_SENSE_WINDOW,       ///< duty_max outside 0.5 .. 1
-    LODE_ERROR_SENSE_CALIBRATION,  ///< calibrate_s outside 1 period .. 10 s
-    LODE_ERROR_EMF_KIND,           ///< emf not an enumerator of an observer that is built in
-    LODE_ERROR_EMF_GI,             ///< gi_kappa outside 0 .. 7, or gi_wc_rad_s outside 0.01 .. 100
-    LODE_ERROR_EMF_FA,             ///< k1 outside 0 .. 1e4, or k2 outside 1 .. 1/Ts
-    LODE_ERROR_EMF_W0,             ///< w0_rad_s outside 1 .. 2/Ts
-    LODE_ERROR_PLL_KIND,           ///< pll not an enumerator
-    LODE_ERROR_PLL_SIGMA,          ///< sigma outside 1 .. 0.3/Ts, or the low one above the high one
-    LODE_ERROR_PLL_OBSERVER,       ///< sigma above a fifth of the EMF observer's bandwidth
-    LODE_ERROR_NOTCH,              ///< width of a notch neither 0 nor 0.01 .. 2
-    LODE_ERROR_EMF_PLL,            ///< k2 below 0.549 sigma: FA observer and PLL unstable together
+    LODE_ERROR_NULL,              ///< a pointer argument is NULL
+    LODE_ERROR_F_PWM,             ///< f_pwm_Hz outside 1 kHz .. 200 kHz
+    LODE_ERROR_MOTOR_POLE_PAIRS,  ///< pole_pairs outside 1 .. 100
+    LODE_ERROR_MOTOR_RS,          ///< Rs_Ohm outside 0 .. 1e3
+    LODE_ERROR_MOTOR_LD,          ///< Ld_H outside 1e-7 .. 10
+    LODE_ERROR_MOTOR_LQ,          ///< Lq_H outside 1e-7 .. 10
+    LODE_ERROR_MOTOR_PSI,         ///< psi_Wb outside 1e-6 .. 100
+    LODE_ERROR_MOTOR_J,           ///< J_kgm2 outside 1e-9 .. 1e4
+    LODE_ERROR_MOTOR_B,           ///< B_Nms outside 0 .. 1e3
+    LODE_ERROR_MOTOR_OMEGA,       ///< omega_rated_rad_s outside 0 .. 1e5
+    LODE_ERROR_MOTOR_PERIOD,      ///< R/L so large that the current settles within one period
+    LODE_ERROR_V_BUS,             ///< v_bus_V outside 1 .. 2000
+    LODE_ERROR_I_MAX,             ///< i_max_A outside 1e-3 .. 1e4
+    LODE_ERROR_DEAD_TIME,         ///< dead_time_s outside 0 .. 0.2 periods
+    LODE_ERROR_V_DROP,            ///< v_drop_V outside 0 .. 10
+    LODE_ERROR_R_ON,              ///< r_on_Ohm outside 0 .. 10
+    LODE_ERROR_I_DEAD,            ///< i_dead_A outside 1e-3 .. 1 times i_max_A
+    LODE_ERROR_PWM_TICKS,         ///< pwm_ticks outside 0 .. 65535
+    LODE_ERROR_SENSE_SHUNTS,      ///< shunts not an enumerator
+    LODE_ERROR_SENSE_CURRENT,     ///< current gain zero or not finite, or its range below i_max_A
+    LODE_ERROR_SENSE_BUS,         ///< bus gain not positive, or its range below v_bus_V
+    LODE_ERROR_SENSE_TEMPERATURE, ///< temperature gain or offset not finite
+    LODE_ERROR_SENSE_OFFSET,      ///< offsets or their tolerance outside the converter's range
+    LODE_ERROR_SENSE_WINDOW,      ///< duty_max outside 0.5 .. 1
+    LODE_ERROR_SENSE_CALIBRATION, ///< calibrate_s outside 1 period .. 10 s
+    LODE_ERROR_EMF_KIND,          ///< emf not an enumerator of an observer that is built in
+    LODE_ERROR_EMF_GI,            ///< gi_kappa outside 0 .. 7, or gi_wc_rad_s outside 0.01 .. 100
+    LODE_ERROR_EMF_FA,            ///< k1 outside 0 .. 1e4 or above k2^2/10, or k2 outside 1 .. 1/Ts
+    LODE_ERROR_EMF_W0,            ///< w0_rad_s outside 1 .. 2/Ts
+    LODE_ERROR_PLL_KIND,          ///< pll not an enumerator
+    LODE_ERROR_PLL_SIGMA,         ///< sigma outside 1 .. 0.3/Ts, or the low one above the high one
+    LODE_ERROR_PLL_OBSERVER,      ///< sigma above a fifth of the EMF observer's bandwidth
+    LODE_ERROR_NOTCH,             ///< width of a notch neither 0 nor 0.01 .. 2
+    LODE_ERROR_EMF_PLL, ///< k2 below 0.549 sigma (multi: 1.2): FA observer and PLL unstable together
     LODE_ERROR_W_FILTER,           ///< w_filter_rad_s outside 0 .. 1/Ts
     LODE_ERROR_PLL_SCHEDULE,       ///< the speeds between which sigma rises are not in order
     LODE_ERROR_LAG,                ///< the observer's phase cannot be held within 0.01 degree

@@ -1,0 +1,29 @@
+/// The EMF observers as complex linear systems, from the coefficients that the firmware uses.
+///
+/// x[k] = A x[k-1] + B m[k], e[k] = c x[k], in the stationary frame, tuned to a constant speed. A, B
+/// and c repeat the recursions of lode_leso_step() in double.
+#ifndef RIG_ANALYSE_OBSERVER_H
+#define RIG_ANALYSE_OBSERVER_H
+
+#include <complex.h>
+
+#include "lodestar/emf.h"
+
+enum { OBSERVER_MODES_MAX = 4 };
+
+typedef struct {
+    int modes;
+    double complex a[OBSERVER_MODES_MAX][OBSERVER_MODES_MAX];
+    double complex b[OBSERVER_MODES_MAX];
+    double complex c[OBSERVER_MODES_MAX];
+} observer_t;
+
+observer_t observer_make(const lode_leso_tuning_t *tuning, double omega_rad_s);
+
+/// e/m at z, in the stationary frame: z = exp(j w Ts) is a vector that turns with w.
+double complex observer_response(const observer_t *observer, double complex z);
+
+/// m/e(t_k) for an EMF that turns with `omega_rad_s`: the exact R-Lq circuit over one period.
+double complex observer_circuit(const lode_motor_t *motor, double ts_s, double omega_rad_s);
+
+#endif
