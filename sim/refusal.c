@@ -46,7 +46,8 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_EMF_FA, "estimator", "k2_rad_s k1_rad2_s2", "k2_rad_s 1 .. 1/Ts, k1 0 .. 1e4"},
     {LODE_ERROR_NOTCH, "estimator", "notch_k notch12_k", "0 (none) or 0.01 .. 2"},
     {LODE_ERROR_EMF_PLL, "estimator", "k2_rad_s sigma_rad_s",
-     "k2_rad_s at least 0.549 sigma_rad_s: else observer and PLL are unstable together"},
+     "k2_rad_s at least 0.549 (fa-multi: 1.2) sigma_rad_s: else observer and PLL are unstable "
+     "together"},
     {LODE_ERROR_W_FILTER, "estimator", "w_filter_rad_s", "0 (none) .. 1/Ts"},
     {LODE_ERROR_CHOICE, "estimator", "active_flux", "auto, on or off"},
     {LODE_ERROR_PLL_KIND, "estimator", "pll", "a PLL that is built in"},

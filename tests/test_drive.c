@@ -617,7 +617,12 @@ static void test_two_drives_share_nothing(void) {
         rig_expect(&alone[i], LODE_MODE_RUN);
         const lode_telemetry_t a = rig_telemetry(&alone[i]);
         const lode_telemetry_t b = rig_telemetry(&together[i]);
-        TEST_ASSERT_EQUAL_MEMORY(&a, &b, sizeof a);
+        TEST_ASSERT_EQUAL_UINT32(a.steps, b.steps);
+        TEST_ASSERT_EQUAL_INT(a.fault.check, b.fault.check);
+        // All that follows is floats: no padding, which may hold anything.
+        const size_t numbers = offsetof(lode_telemetry_t, duty);
+        TEST_ASSERT_EQUAL_MEMORY((const char *)&a + numbers, (const char *)&b + numbers,
+                                 sizeof a - numbers);
         TEST_ASSERT_TRUE(alone[i].motor.theta == together[i].motor.theta);
     }
 }
