@@ -152,7 +152,7 @@ static bool pair_up(rig_config_t *config) {
     return emf == pll;
 }
 
-static bool choose_compensation(rig_config_t *config) {
+static void choose_compensation(rig_config_t *config) {
     const bool euler = config->emf >= RIG_EMF_C_EULER;
     if (config->compensation == RIG_COMPENSATION_AUTO) {
         // Eq. 30 is the lag of the C-LESO; paper 2 compensates nothing.
@@ -160,15 +160,10 @@ static bool choose_compensation(rig_config_t *config) {
         const rig_compensation_t printed = eq30 ? RIG_COMPENSATION_EQ30 : RIG_COMPENSATION_NONE;
         config->compensation = euler ? printed : RIG_COMPENSATION_EXACT;
     }
-    const bool eq30 = config->compensation == RIG_COMPENSATION_EQ30;
-    if (eq30 && !euler) {
-        rig_error(
-            "[estimator] compensation: eq30 is the papers'; expected it with an observer and a "
-            "PLL that end in -euler");
-    }
-    config->drive.estimator.compensation =
-        config->compensation == RIG_COMPENSATION_NONE ? LODE_LAG_NONE : LODE_LAG_EXACT;
-    return euler || !eq30;
+    // Beside the papers' own forms the library's counterpart, which starts the motor, stays exact.
+    const lode_lag_kind_t kinds[] = {LODE_LAG_EXACT, LODE_LAG_NONE,
+                                     euler ? LODE_LAG_EXACT : LODE_LAG_EQ30};
+    config->drive.estimator.compensation = kinds[config->compensation - RIG_COMPENSATION_EXACT];
 }
 
 /// What the names of observer and PLL stand for. With the papers' own forms the library's counterpart is
@@ -181,9 +176,10 @@ static bool choose_estimator(rig_config_t *config) {
         [RIG_EMF_FA_EULER] = LODE_EMF_FA_LESO,
     };
     lode_estimator_config_t *estimator = &config->drive.estimator;
-    if (!pair_up(config) || !choose_compensation(config)) {
+    if (!pair_up(config)) {
         return false;
     }
+    choose_compensation(config);
     const rig_pll_t pll = config->pll;
     const bool second = pll == RIG_PLL_QPLL || pll == RIG_PLL_QPLL_EULER;
     estimator->emf.kind = kinds[config->emf];

@@ -99,6 +99,19 @@ static void check_refused(lode_lag_kind_t kind, const case_t *c) {
     TEST_ASSERT_EQUAL_MEMORY(&before, &lag, sizeof lag);
 }
 
+static void test_eq_30_is_the_continuous_lag(void) {
+    const lode_motor_t motor = paper_motor();
+    const lode_emf_config_t config = {.kind = LODE_EMF_C_LESO, .w0_rad_s = 2000.0f};
+    lode_lag_t lag;
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_lag_tune(&lag, LODE_LAG_EQ30, &config, &motor, PAPER_TS_s, 1178.0f));
+    for (int n = -20; n <= 20; n++) {
+        const double omega = 1178.0 * n / 20.0;
+        // Paper 1, eq. (30), as 2 atan(w/w0); the polynomial is right to 1e-5 rad.
+        CHECK_NEAR(2.0e-5, 2.0 * atan(omega / 2000.0), lode_lag_rad(&lag, (float)omega));
+    }
+}
+
 static void test_what_cannot_be_fitted_is_refused(void) {
     check_refused((lode_lag_kind_t)9, &cases[0]);
     // A range of 25 times w0: the arc tangent has its bend in the first 2 % of it.
@@ -118,6 +131,7 @@ int main(void) {
     RUN_TEST(test_polynomial_is_odd);
     RUN_TEST(test_beyond_the_range_it_is_a_straight_line);
     RUN_TEST(test_no_compensation);
+    RUN_TEST(test_eq_30_is_the_continuous_lag);
     RUN_TEST(test_what_cannot_be_fitted_is_refused);
     return UNITY_END();
 }

@@ -89,8 +89,6 @@ def estimator_names(checks, folder):
     for emf, pll in [("c-leso", "qpll-euler"), ("c-leso-euler", "qpll")]:
         refused(checks, folder, [*replay, "--emf", emf, "--pll", pll],
                 "expected an observer and a PLL that both end in -euler, or neither")
-    refused(checks, folder, [*replay, "--set", "estimator.compensation=eq30"],
-            "compensation: eq30 is the papers'")
     refused(checks, folder, [*replay, "--emf", "fa-leso", "--set", "estimator.k2_rad_s=20"],
             "k2_rad_s: LODE_ERROR_EMF_PLL: expected k2_rad_s at least 0.549")
 

@@ -11,7 +11,8 @@
 /// Which correction is added to the angle of the PLL.
 typedef enum {
     LODE_LAG_EXACT, ///< the exact lag of the discrete observer
-    LODE_LAG_NONE   ///< none: the angle lags as in paper 1, Fig. 13
+    LODE_LAG_NONE,  ///< none: the angle lags as in paper 1, Fig. 13
+    LODE_LAG_EQ30   ///< paper 1, eq. (30), 2 atan(w/w0): C-LESO in continuous time, to compare with
 } lode_lag_kind_t;
 
 typedef struct {
@@ -19,7 +20,7 @@ typedef struct {
     float coefficient[LODE_LAG_TERMS]; ///< lag/omega in powers of (omega/range)^2, s
 } lode_lag_t;
 
-/// Fits the lag of the observer of `config` over +-omega_max_rad_s.
+/// Fits the lag of the observer of `config`, of the `kind` given, over +-omega_max_rad_s.
 /// LODE_ERROR_LAG where it deviates by more than LODE_LAG_TOLERANCE_rad.
 lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_emf_config_t *config,
                             const lode_motor_t *motor, float ts_s, float omega_max_rad_s);
