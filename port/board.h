@@ -1,0 +1,54 @@
+/// What a board is to a drive: the functions that a port implements, one board per image.
+///
+/// Each contract says who calls the function and when. "Interrupt": from the handler of the period
+/// only. "Thread": from main() only, which the interrupt may interrupt.
+///
+/// The port's handler of the end of conversion clears its flag and calls app_period(), nothing else.
+#ifndef LODESTAR_PORT_BOARD_H
+#define LODESTAR_PORT_BOARD_H
+
+#include "lodestar/lodestar.h"
+
+/// Fills in what the board decides: f_pwm_Hz, inverter and sense. Leaves the motor to the application.
+/// Thread, before board_init(). Touches no hardware.
+void board_describe(lode_drive_config_t *config);
+
+/// Clocks, PWM timer, converters, comparator or break input, watchdog. Leaves the gates off, the
+/// interrupt masked and the trip path armed. Thread, once. False: the hardware does not answer as
+/// expected, and the gates must never go on.
+bool board_init(void);
+
+/// Lets the PWM count, the converters sample and the interrupt come. The gates stay off. Thread, once.
+void board_start(void);
+
+/// What was sampled at the start of this period. Interrupt, first thing. Must not wait for a
+/// conversion: the interrupt comes when the last one is done.
+void board_read(lode_counts_t *counts);
+
+/// Compare values into the shadow registers, to act from the next period on; with out->gates false all
+/// six switches off at once, before anything else. Interrupt, last thing. Must not switch the gates on
+/// while the trip is latched.
+void board_write(const lode_drive_out_t *out);
+
+/// All six switches off, now. From anywhere, fault handlers included; before board_init() too. Must
+/// need neither interrupt nor stack to speak of.
+void board_gates_off(void);
+
+/// Clears a latched hardware trip. Thread. False: its cause is still there.
+bool board_clear_trip(void);
+
+/// Restarts the watchdog, whose end switches the gates off. Thread, and only after the period's
+/// interrupt has come again: a stopped interrupt must starve it.
+void board_feed_watchdog(void);
+
+/// A free-running counter of core cycles, which wraps. From anywhere.
+uint32_t board_cycles(void);
+
+/// Puts up to `count` octets (values 0 .. 255) into the transmitter; returns how many it took. Thread.
+/// Must not wait.
+uint32_t board_send(const uint16_t *octets, uint32_t count);
+
+/// Of the application (port/example/app.c): one period, from board_read() to board_write().
+void app_period(void);
+
+#endif
