@@ -111,7 +111,7 @@ static void note_gains(guide_row_t *row, const guide_t *guide, const lode_leso_t
 static void note_speed(guide_row_t *row, const task_t *task, const joint_t *joint,
                        double omega_rad_s) {
     const guide_t *guide = task->guide;
-    const double decay = 1.0 - (double)task->tuning->emf.Rs_Ohm / (double)task->tuning->emf.inv_b;
+    const double decay = (double)task->tuning->emf.a_over_b / (double)task->tuning->emf.inv_b;
     const double step = rig_deg_from_rad(step_peak(joint) * guide->acceleration_rad_s2);
     const double ripple =
         rig_deg_from_rad(ripple_of(joint, omega_rad_s, guide->fifth, guide->seventh));

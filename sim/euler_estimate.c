@@ -52,10 +52,10 @@ static double complex vector(lode_ab_t x) {
 lode_estimate_t euler_estimate_step(euler_t *self, const euler_config_t *config, lode_ab_t u_V,
                                     lode_ab_t i_A) {
     const euler_out_t out = euler_step(self, config, vector(u_V), vector(i_A));
-    const float theta = narrow(remainder(out.theta_rad, 2.0 * RIG_PI));
     const lode_sincos_t rotor = {narrow(sin(out.theta_rad)), narrow(cos(out.theta_rad))};
+    const double half = 0.5 * config->ts_s * out.omega_rad_s;
     return (lode_estimate_t){
-        .theta_rad = theta,
+        .half_turn = {narrow(sin(half)), narrow(cos(half))},
         .omega_rad_s = narrow(out.omega_rad_s),
         .rotor = rotor,
         .i_A = lode_park(i_A, rotor),

@@ -52,7 +52,7 @@ static void compare(replay_t *self, const recording_t *recording) {
     for (size_t k = 0; k < rows; ++k) {
         const recording_row_t *truth = &recording->row[k];
         const double error_deg =
-            rig_angle_error_deg((double)self->row[k].theta_rad, truth->theta_e_rad);
+            rig_angle_error_deg((double)lode_estimate_theta_rad(&self->row[k]), truth->theta_e_rad);
         const double error_rad_s = (double)self->row[k].omega_rad_s - truth->omega_e_rad_s;
         self->error_deg[k] = recording->has_theta ? error_deg : NAN;
         if (fabs(error_deg) >= REPLAY_CLOSE_deg) {

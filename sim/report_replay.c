@@ -89,8 +89,8 @@ void report_replay_csv(FILE *file, const recording_t *recording, const replay_t 
     for (size_t k = 0; k < replay->rows; ++k) {
         const lode_estimate_t *row = &replay->row[k];
         (void)fprintf(file, "%.12g,%.9g,%.9g,%.9g,%.9g,%.9g\n", recording->row[k].t_s,
-                      (double)row->theta_rad, (double)row->omega_rad_s, (double)row->e_V.alpha,
-                      (double)row->e_V.beta, (double)row->lock);
+                      (double)lode_estimate_theta_rad(row), (double)row->omega_rad_s,
+                      (double)row->e_V.alpha, (double)row->e_V.beta, (double)row->lock);
     }
 }
 

@@ -30,9 +30,12 @@ static double printed_angle(euler_t *self, const euler_config_t *config, double 
 }
 
 static double exact_angle(lode_pll_t *self, const lode_pll_tuning_t *tuning, double angle_rad) {
-    lode_pll_predict(self, tuning);
-    lode_pll_correct(self, tuning, (float)sin(angle_rad - (double)self->theta_rad));
-    return (double)self->theta_rad;
+    float omega = 0.0f;
+    const float advance = lode_pll_advance_rad(self, tuning, &omega);
+    const lode_sincos_t frame = lode_angle_add(self->frame, lode_sincos(advance));
+    const double theta = atan2((double)frame.sin, (double)frame.cos);
+    lode_pll_move(self, lode_pll_gains(tuning, omega), frame, omega, (float)sin(angle_rad - theta));
+    return atan2((double)self->frame.sin, (double)self->frame.cos);
 }
 
 double tables_tracking_deg(const theory_t *t, bool leso, int motion, bool printed) {

@@ -58,9 +58,9 @@ static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_measurement
                                      const plant_truth_t *truth, runner_memory_t *memory) {
     (void)memory;
     lode_estimate_t estimate = lode_drive_estimate(drive, measurement);
-    estimate.theta_rad = (float)truth->theta_e_rad;
     estimate.omega_rad_s = (float)truth->omega_e_rad_s;
-    estimate.rotor = lode_sincos(estimate.theta_rad);
+    estimate.rotor = lode_sincos((float)truth->theta_e_rad);
+    estimate.half_turn = lode_sincos(0.5f * drive->tuning->ts_s * estimate.omega_rad_s);
     estimate.i_A = lode_park(measurement->sample.i_A, estimate.rotor);
     estimate.lock = 1.0f;
     return estimate;
@@ -78,7 +78,7 @@ static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_measureme
         return lode_drive_estimate(drive, measurement);
     }
     const lode_estimate_t estimate = true_estimate(drive, measurement, truth, memory);
-    lode_estimator_hold(&drive->estimator, &drive->tuning->estimator, estimate.theta_rad,
+    lode_estimator_hold(&drive->estimator, &drive->tuning->estimator, (float)truth->theta_e_rad,
                         estimate.omega_rad_s);
     return estimate;
 }
@@ -98,7 +98,7 @@ static lode_estimate_t euler_after(const lode_estimate_t *leader, bool own,
     if (own) {
         return estimate;
     }
-    euler_hold(&memory->euler, &memory->euler_config, (double)leader->theta_rad,
+    euler_hold(&memory->euler, &memory->euler_config, (double)lode_estimate_theta_rad(leader),
                (double)leader->omega_rad_s);
     return *leader;
 }
@@ -178,7 +178,7 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
         .speed_rpm = rig_rpm_from_rad_s(truth->omega_m_rad_s),
         .speed_est_rpm = est_rpm,
         .theta_e_rad = truth->theta_e_rad,
-        .theta_est_rad = (double)now->estimate.theta_rad,
+        .theta_est_rad = (double)lode_estimate_theta_rad(&now->estimate),
         .angle_error_deg = now->error_deg,
         .id_A = truth->id_A,
         .iq_A = truth->iq_A,
@@ -242,7 +242,8 @@ static void step_drive(run_t *run, moment_t *now) {
     const double duty[PLANT_PHASES] = {(double)out.duty.a, (double)out.duty.b, (double)out.duty.c};
     plant_write(&run->plant, duty, out.gates);
     plant_advance(&run->plant);
-    now->error_deg = rig_angle_error_deg((double)now->estimate.theta_rad, now->truth.theta_e_rad);
+    now->error_deg = rig_angle_error_deg((double)lode_estimate_theta_rad(&now->estimate),
+                                         now->truth.theta_e_rad);
 }
 
 // ---- Phases -------------------------------------------------------------------------------------

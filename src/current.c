@@ -59,33 +59,24 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
     return LODE_OK;
 }
 
-// What rotation induces: decoupling and EMF feed-forward.
-static lode_dq_t induced(const lode_current_tuning_t *tuning, lode_dq_t i_A, float omega_rad_s) {
-    return (lode_dq_t){-omega_rad_s * tuning->Lq_H * i_A.q,
-                       omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
-}
-
 void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t u_V,
                         lode_dq_t i_A, float omega_rad_s) {
-    const lode_dq_t ff = induced(tuning, i_A, omega_rad_s);
+    const lode_dq_t ff = lode_current_induced_V(tuning, i_A, omega_rad_s);
     lode_pi_reset(&self->d, u_V.d - ff.d);
     lode_pi_reset(&self->q, u_V.q - ff.q);
 }
 
-LODE_HOT lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tuning_t *tuning,
-                                     lode_dq_t ref_A, lode_dq_t i_A, float omega_rad_s,
-                                     float v_bus_V) {
-    const lode_dq_t ff = induced(tuning, i_A, omega_rad_s);
-    const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
-    const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
-                             lode_pi_output(&self->q, &tuning->q, error.q, ff.q)};
-    // The circle (K5), d first: it holds the flux; q keeps what is left, at least 44 %.
-    const float radius = tuning->circle * lode_max(v_bus_V, 0.0f);
+LODE_HOT LODE_COLD lode_dq_t lode_current_limit(lode_current_t *self,
+                                                const lode_current_tuning_t *tuning,
+                                                lode_dq_t error_A, lode_dq_t induced_V,
+                                                lode_dq_t asked_V, float radius_V) {
+    // d first: it holds the flux; q keeps what is left, at least 44 %.
+    const float radius = lode_max(radius_V, 0.0f);
     const float d_max = tuning->d_share * radius;
-    const float ud = lode_clamp(asked.d, -d_max, d_max);
+    const float ud = lode_clamp(asked_V.d, -d_max, d_max);
     const float q_max = lode_sqrt(radius * radius - ud * ud);
-    const lode_dq_t u_V = {ud, lode_clamp(asked.q, -q_max, q_max)};
-    lode_pi_settle(&self->d, &tuning->d, error.d, ff.d, asked.d, u_V.d);
-    lode_pi_settle(&self->q, &tuning->q, error.q, ff.q, asked.q, u_V.q);
+    const lode_dq_t u_V = {ud, lode_clamp(asked_V.q, -q_max, q_max)};
+    lode_pi_settle(&self->d, &tuning->d, error_A.d, induced_V.d, asked_V.d, u_V.d);
+    lode_pi_settle(&self->q, &tuning->q, error_A.q, induced_V.q, asked_V.q, u_V.q);
     return u_V;
 }

@@ -5,6 +5,10 @@
 #define F_PWM_MIN_Hz 1.0e3f
 #define F_PWM_MAX_Hz 2.0e5f
 
+#define SPEED_RATE_Hz 2.5e3f
+#define SPEED_SLOW_Hz 1.0e4f
+#define SPEED_PERIODS_MAX 8u
+
 // Machines are rated at some two thirds of the speed at which the bus is used up: the rest is for
 // control. (Paper 1: 471 of 713 rad/s.)
 #define RATED_SHARE 0.66f
@@ -14,6 +18,13 @@ static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t
     const float reactive = motor->Lq_H * 0.5f * inverter->i_max_A;
     const float flux = lode_sqrt(motor->psi_Wb * motor->psi_Wb + reactive * reactive);
     return RATED_SHARE * inverter->v_bus_V / (LODE_SQRT3 * lode_max(flux, FLT_MIN));
+}
+
+// What estimator and current control see: the slope of the switches is one with the windings.
+static lode_motor_t circuit_of(const lode_drive_config_t *config) {
+    lode_motor_t circuit = config->motor;
+    circuit.Rs_Ohm += config->inverter.r_on_Ohm;
+    return circuit;
 }
 
 void lode_drive_design(lode_drive_config_t *config) {
@@ -26,11 +37,22 @@ void lode_drive_design(lode_drive_config_t *config) {
     lode_inverter_design(&config->inverter, motor, ts_s);
     lode_estimator_design(&config->estimator, motor, ts_s);
     lode_references_design(&config->references, inverter, motor);
-    lode_current_design(&config->current, motor, ts_s);
+    const lode_motor_t circuit = circuit_of(config);
+    lode_current_design(&config->current, &circuit, ts_s);
     lode_start_design(&config->start, inverter, motor);
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
                       config->start.omega_handover_rad_s);
     lode_guard_design(&config->guard, inverter, &config->estimator);
+}
+
+// Speed moves slowly: its control need not run faster than SPEED_RATE_Hz. Slow interrupts have time.
+static uint32_t speed_periods(float f_pwm_Hz) {
+    uint32_t periods = 1u;
+    while (f_pwm_Hz >= SPEED_SLOW_Hz && periods < SPEED_PERIODS_MAX &&
+           f_pwm_Hz >= 2.0f * SPEED_RATE_Hz * (float)periods) {
+        periods *= 2u;
+    }
+    return periods;
 }
 
 // Sensing, inverter and estimator: what is needed to see.
@@ -41,7 +63,8 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
                                  t->ts_s);
     }
     if (status == LODE_OK) {
-        status = lode_estimator_tune(&t->estimator, &c->estimator, &c->motor, t->ts_s);
+        const lode_motor_t circuit = circuit_of(c);
+        status = lode_estimator_tune(&t->estimator, &c->estimator, &circuit, t->ts_s);
     }
     return status;
 }
@@ -51,18 +74,22 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
     lode_status_t status =
         lode_references_tune(&t->references, &c->references, &c->inverter, &c->motor);
     if (status == LODE_OK) {
-        status = lode_current_tune(&t->current, &c->current, &c->motor, t->ts_s);
+        const lode_motor_t circuit = circuit_of(c);
+        status = lode_current_tune(&t->current, &c->current, &circuit, t->ts_s);
     }
     if (status == LODE_OK) {
         status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,
                                  c->estimator.omega_max_rad_s, t->ts_s);
+        t->start.fade_step *= (float)t->speed_periods;
     }
     if (status == LODE_OK) {
         status = lode_speed_tune(&t->speed, &c->speed, &c->inverter, &c->motor, &c->estimator.pll,
-                                 t->ts_s);
+                                 (float)t->speed_periods * t->ts_s);
     }
     if (status == LODE_OK) {
         status = lode_guard_tune(&t->guard, &c->guard, &c->inverter, &c->sense, t->ts_s);
+        const float trip_count = t->guard.i_trip / lode_abs(t->sense.i_gain);
+        t->sense.alert_count = lode_min(t->sense.alert_count, trip_count);
     }
     if (status == LODE_OK &&
         !lode_in_range(c->speed.omega_min_rad_s, 0.5f * c->start.omega_handover_rad_s,
@@ -87,6 +114,7 @@ lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_conf
     lode_drive_design(&complete);
     lode_drive_tuning_t t;
     t.ts_s = 1.0f / complete.f_pwm_Hz;
+    t.speed_periods = speed_periods(complete.f_pwm_Hz);
     t.inv_pole_pairs = 1.0f / complete.motor.pole_pairs;
     t.omega_min = complete.speed.omega_min_rad_s;
     status = tune_senses(&t, &complete);

@@ -25,10 +25,12 @@ lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *
     if (!(motor->Rs_Ohm * ts_s <= MU_TS_MAX * lode_min(motor->Ld_H, motor->Lq_H))) {
         return LODE_ERROR_MOTOR_PERIOD;
     }
+    const float inv_b = volts_per_ampere(motor, ts_s);
     *tuning = (lode_emf_tuning_t){
-        .Rs_Ohm = motor->Rs_Ohm,
-        .inv_b = volts_per_ampere(motor, ts_s),
-        .salient_Ohm = active_flux ? (motor->Ld_H - motor->Lq_H) / ts_s : 0.0f,
+        .inv_b = inv_b,
+        .a_over_b = inv_b - motor->Rs_Ohm,
+        .salient_Ohm = (motor->Ld_H - motor->Lq_H) / ts_s,
+        .salient = active_flux && lode_abs(motor->Ld_H - motor->Lq_H) > 0.0f,
         .leso = leso,
     };
     return LODE_OK;
@@ -37,28 +39,6 @@ lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *
 void lode_emf_reset(lode_emf_t *self, lode_ab_t i_A) {
     self->i_A = i_A;
     lode_leso_reset(&self->leso);
-}
-
-// (Ld - Lq) did/dt on the d axis (E5), at the angle half a period back: the mean over the period.
-static lode_ab_t active_flux_emf(const lode_emf_t *self, const lode_emf_tuning_t *tuning,
-                                 lode_ab_t i_A, const lode_emf_motion_t *motion) {
-    const lode_sincos_t middle = lode_angle_subtract(motion->rotor, motion->half_turn);
-    const lode_sincos_t before = lode_angle_subtract(middle, motion->half_turn);
-    const float id = lode_park(i_A, motion->rotor).d;
-    const float id_before = lode_park(self->i_A, before).d;
-    const float e_V = motion->known ? tuning->salient_Ohm * (id - id_before) : 0.0f;
-    return (lode_ab_t){e_V * middle.cos, e_V * middle.sin};
-}
-
-LODE_HOT lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning, lode_ab_t u_V,
-                                 lode_ab_t i_A, const lode_emf_motion_t *motion) {
-    // Dead-beat EMF (E3): u[k-1] - (i[k] - a i[k-1])/b less the active-flux term; (1 - a)/b is R.
-    const lode_ab_t rise = lode_ab_subtract(i_A, self->i_A);
-    lode_ab_t m = lode_ab_subtract(u_V, active_flux_emf(self, tuning, i_A, motion));
-    m = lode_ab_add_scaled(m, -tuning->Rs_Ohm, self->i_A);
-    m = lode_ab_add_scaled(m, -tuning->inv_b, rise);
-    self->i_A = i_A;
-    return lode_leso_step(&self->leso, &tuning->leso, m, motion->turn, motion->omega_rad_s);
 }
 
 float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s,

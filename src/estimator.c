@@ -12,12 +12,8 @@
 #define K2_PER_SIGMA_MIN_MULTI 1.2f // where the further modes blend in
 #define SETTLE_OBSERVER 8.0f // time constants 1/w0 until the double pole has settled to 0.3 %
 #define SETTLE_ROTATION 3.0f // time constants of the mean rotation until it tells the speed to 5 %
-// Amplitudes beyond any motor's: larger ones could overflow when squared.
+// Amplitudes beyond any motor's.
 #define INPUT_LIMIT 1.0e6f
-// The sine of an angle, with room for rounding: NaN, and what an overflow leaves, fall outside.
-#define ERROR_LIMIT 1.01f
-// A wrapped angle, with room for rounding.
-#define ANGLE_LIMIT_rad 3.1416f
 // Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
 #define LEVEL_SLOPE 1.25f
 
@@ -103,7 +99,10 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
         config->w_filter_rad_s > 0.0f ? lode_one_minus_exp(config->w_filter_rad_s * ts_s) : 1.0f;
     const float w0 = config->emf.w0_rad_s;
     t.inv_w02 = config->emf.kind == LODE_EMF_C_LESO ? 1.0f / (w0 * w0) : 0.0f;
-    t.half_ts_s = 0.5f * ts_s;
+    t.w_filtered = t.w_weight < 1.0f;
+    t.adaptive = config->emf.kind != LODE_EMF_C_LESO;
+    t.notched = t.notch.k > 0.0f;
+    t.notched12 = t.notch12.k > 0.0f;
     t.emin_V = config->emin_V;
     t.omega_limit = 2.0f * config->omega_max_rad_s;
     t.psi_Wb = motor->psi_Wb;
@@ -111,32 +110,52 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     t.acc_per_torque = leso ? 1.5f * np * np / motor->J_kgm2 : 0.0f;
     t.acc_per_omega = leso ? motor->B_Nms / motor->J_kgm2 : 0.0f;
     t.load_per_f_Nm = leso ? -motor->J_kgm2 / np : 0.0f;
-    t.lock_weight = lode_one_minus_exp(ts_s / config->lock_s);
+    const float slow_s = (float)LODE_SLOW_PERIODS * ts_s;
+    t.lock_weight = lode_one_minus_exp(slow_s / config->lock_s);
+    t.rotation_weight = lode_one_minus_exp(ts_s / config->lock_s);
     // Both times are bounded by the checks above, far inside an int32.
-    t.settle_periods = (uint32_t)(int32_t)(settle_s / ts_s) + 1u;
-    t.patience_periods = (uint32_t)(int32_t)(config->lock_s / ts_s) + 1u;
+    t.settle_turns = (uint32_t)(int32_t)(settle_s / slow_s) + 1u;
+    t.patience_turns = (uint32_t)(int32_t)(config->lock_s / slow_s) + 1u;
     *tuning = t;
     return LODE_OK;
 }
 
-void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    lode_emf_reset(&self->emf, (lode_ab_t){0.0f, 0.0f});
-    lode_pll_reset(&self->pll, 0.0f, 0.0f);
-    lode_sogi_reset(&self->notch);
-    lode_sogi_reset(&self->notch12);
-    self->omega_tune = 0.0f;
-    self->lag_rad = 0.0f;
-    self->rotation = (lode_ab_t){0.0f, 0.0f};
-    self->lock = 0.0f;
-    self->wait = tuning->settle_periods;
+// Everything that follows the speed.
+static void adapt(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    const float omega = self->pll.omega_rad_s;
+    self->gains = lode_pll_gains(&tuning->pll, omega);
+    self->lag = lode_lag_line(&tuning->lag, omega);
+    lode_notch_adapt(&self->notch, &tuning->notch, omega);
+    lode_notch_adapt(&self->notch12, &tuning->notch12, omega);
 }
 
 static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                   float theta_pll_rad, float omega_rad_s) {
     lode_pll_reset(&self->pll, theta_pll_rad, omega_rad_s);
     self->omega_tune = omega_rad_s;
-    self->lag_rad = lode_lag_rad(&tuning->lag, omega_rad_s);
-    self->wait = tuning->patience_periods;
+    self->wait = tuning->patience_turns;
+    adapt(self, tuning);
+    self->rotor = lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, omega_rad_s));
+    self->id_A = lode_park(self->emf.i_A, self->rotor).d;
+}
+
+void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    *self = (lode_estimator_t){.lock = 0.0f};
+    place(self, tuning, 0.0f, 0.0f);
+    self->wait = tuning->settle_turns;
+}
+
+// Returns the current, or none where it is no number.
+LODE_HOT LODE_COLD lode_ab_t lode_estimator_restart(lode_estimator_t *self,
+                                                    const lode_estimator_tuning_t *tuning,
+                                                    lode_ab_t i_A) {
+    const uint32_t calls = self->calls;
+    lode_estimator_reset(self, tuning);
+    self->calls = calls;
+    if (lode_ab_in_range(i_A, INPUT_LIMIT)) {
+        self->emf.i_A = i_A;
+    }
+    return self->emf.i_A;
 }
 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
@@ -164,11 +183,12 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
 // mean rotation settle after a reset, and a new acquisition prove itself. A longer one than any of
 // these is no time that was ever set: it must not keep a corrupted state waiting.
 static bool supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    if (self->lock >= LODE_LOCK_LOST) {
-        self->wait = tuning->patience_periods;
+    if (self->locked) {
+        self->wait = tuning->patience_turns;
+        self->rotation = self->before_V = (lode_ab_t){0.0f, 0.0f};
         return false;
     }
-    if (self->wait > 0u && self->wait <= tuning->settle_periods + tuning->patience_periods) {
+    if (self->wait > 0u && self->wait <= tuning->settle_turns + tuning->patience_turns) {
         self->wait--;
         return false;
     }
@@ -176,100 +196,61 @@ static bool supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tun
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
-static void note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                          lode_ab_t e, lode_ab_t before) {
+LODE_HOT LODE_COLD void lode_estimator_note_rotation(lode_estimator_t *self,
+                                                     const lode_estimator_tuning_t *tuning) {
+    const lode_ab_t e = self->emf.leso.e_V;
+    const lode_ab_t before = self->before_V;
     const lode_ab_t turn = {e.alpha * before.alpha + e.beta * before.beta,
                             e.beta * before.alpha - e.alpha * before.beta};
-    self->rotation = lode_ab_add_scaled(self->rotation, tuning->lock_weight,
+    self->before_V = e;
+    self->rotation = lode_ab_add_scaled(self->rotation, tuning->rotation_weight,
                                         lode_ab_subtract(turn, self->rotation));
+}
+
+LODE_HOT LODE_COLD lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
+                                                              const lode_estimator_tuning_t *tuning,
+                                                              float omega_rad_s) {
+    self->omega_tune += tuning->w_weight * (omega_rad_s - self->omega_tune);
+    return lode_sincos(tuning->pll.ts_s * self->omega_tune);
 }
 
 // Two independent signs: the EMF's amplitude against what the speed induces, and the mean cosine of
 // the angle between the EMF and where the PLL has it. The worse one counts.
-static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float inv_e,
-                      float cosine, float id_A) {
+static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    const lode_ab_t e_V = self->emf.leso.e_V;
     const float omega = self->pll.omega_rad_s;
-    const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * id_A);
+    const float inv_e = 1.0f / lode_max(lode_ab_length(e_V), tuning->emin_V);
+    const float cosine = lode_sign(omega) * lode_park(e_V, self->pll.frame).q * inv_e;
+    const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * self->id_A);
     // The double pole of C-LESO takes its part of the amplitude: 1 + (w/w0)^2.
     const float passed_V = induced_V / (1.0f + omega * omega * tuning->inv_w02);
     const float level = 1.0f - LEVEL_SLOPE * lode_abs(passed_V * inv_e - 1.0f);
     const float quality = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
     self->lock = lode_clamp(self->lock + tuning->lock_weight * (quality - self->lock), 0.0f, 1.0f);
+    self->locked = self->lock >= LODE_LOCK_LOST;
 }
 
-static bool is_sound(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                     float error) {
-    return lode_in_range(error, -ERROR_LIMIT, ERROR_LIMIT) &&
-           lode_in_range(self->omega_tune, -tuning->omega_limit, tuning->omega_limit) &&
-           lode_in_range(self->pll.theta_rad, -ANGLE_LIMIT_rad, ANGLE_LIMIT_rad) &&
-           lode_in_range(self->pll.omega_rad_s, -tuning->omega_limit, tuning->omega_limit);
-}
-
-// The harmonics of the EMF show at 6 w and 12 w in the position error.
-static float without_harmonics(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                               float error) {
+LODE_HOT bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                                   lode_adapt_t part) {
     const float omega = self->pll.omega_rad_s;
-    const float sixth = lode_notch_step(&self->notch, &tuning->notch, omega, error);
-    return lode_notch_step(&self->notch12, &tuning->notch12, omega, sixth);
-}
-
-static lode_estimate_t restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                               lode_ab_t i_A) {
-    lode_estimator_reset(self, tuning);
-    lode_emf_reset(&self->emf, i_A);
-    return (lode_estimate_t){.rotor = {0.0f, 1.0f}, .i_A = {i_A.alpha, i_A.beta}, .reseeded = true};
-}
-
-LODE_HOT lode_estimate_t lode_estimator_step(lode_estimator_t *self,
-                                             const lode_estimator_tuning_t *tuning, lode_ab_t u_V,
-                                             lode_ab_t i_A) {
-    if (!lode_ab_in_range(u_V, INPUT_LIMIT) || !lode_ab_in_range(i_A, INPUT_LIMIT)) {
-        return restart(self, tuning, (lode_ab_t){0.0f, 0.0f});
+    switch (part) {
+    case LODE_ADAPT_GAINS:
+        self->gains = lode_pll_gains(&tuning->pll, omega);
+        if (!(self->gains.f_s2 > 0.0f)) {
+            self->pll.f_rad_s2 = 0.0f; // no state of the QPLL, whatever stood there
+        }
+        return false;
+    case LODE_ADAPT_LAG:
+        self->lag = lode_lag_line(&tuning->lag, omega);
+        return false;
+    case LODE_ADAPT_NOTCHES:
+        lode_notch_adapt(&self->notch, &tuning->notch, omega);
+        lode_notch_adapt(&self->notch12, &tuning->notch12, omega);
+        return false;
+    case LODE_ADAPT_LOCK:
+    case LODE_ADAPT_PARTS:
+    default:
+        note_lock(self, tuning);
+        return supervise(self, tuning);
     }
-    lode_pll_t *pll = &self->pll;
-    lode_pll_predict(pll, &tuning->pll);
-    self->omega_tune += tuning->w_weight * (pll->omega_rad_s - self->omega_tune);
-    const lode_sincos_t half_turn = lode_sincos(tuning->half_ts_s * pll->omega_rad_s);
-    const lode_emf_motion_t motion = {
-        .rotor = lode_sincos(pll->theta_rad + self->lag_rad),
-        .half_turn = half_turn,
-        .turn = tuning->w_weight < 1.0f
-                    ? lode_sincos(2.0f * tuning->half_ts_s * self->omega_tune)
-                    : lode_angle_add(half_turn, half_turn), // no filter: the same speed
-        .omega_rad_s = self->omega_tune,
-        .known = self->lock >= LODE_LOCK_LOST,
-    };
-    const lode_ab_t before = self->emf.leso.e_V;
-    const lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, &motion);
-    note_rotation(self, tuning, e_V, before);
-
-    // Phase detector (paper 1, eq. 13; P1) with the sign of speed: else it locks half a turn off.
-    const float inv_e = lode_sign(pll->omega_rad_s) / lode_max(lode_ab_length(e_V), tuning->emin_V);
-    const lode_dq_t seen = lode_park(e_V, lode_sincos(pll->theta_rad));
-    const float error = -seen.d * inv_e;
-    lode_pll_correct(pll, &tuning->pll, without_harmonics(self, tuning, error));
-    if (!is_sound(self, tuning, error)) {
-        return restart(self, tuning, i_A);
-    }
-    const bool reseeded = supervise(self, tuning);
-
-    self->lag_rad = lode_lag_rad(&tuning->lag, pll->omega_rad_s);
-    const float theta = lode_wrap_once(pll->theta_rad + self->lag_rad);
-    const lode_sincos_t rotor = lode_sincos(theta);
-    const lode_dq_t i_dq = lode_park(i_A, rotor);
-    note_lock(self, tuning, lode_abs(inv_e), seen.q * inv_e, i_dq.d);
-    // Known acceleration over the period to come (P3): torque of the measured current, and friction.
-    pll->acc_rad_s2 =
-        tuning->acc_per_torque * (tuning->psi_Wb + tuning->salient_H * i_dq.d) * i_dq.q -
-        tuning->acc_per_omega * pll->omega_rad_s;
-    return (lode_estimate_t){
-        .theta_rad = theta,
-        .omega_rad_s = pll->omega_rad_s,
-        .rotor = rotor,
-        .i_A = i_dq,
-        .e_V = e_V,
-        .load_torque_Nm = tuning->load_per_f_Nm * pll->f_rad_s2,
-        .lock = self->lock,
-        .reseeded = reseeded,
-    };
 }

@@ -6,7 +6,9 @@
 #define TEMPERATURE_MAX_degC 100.0f
 #define OMEGA_SHARE 1.3f // of the estimator's highest speed
 #define BUS_TIME_s 1.0e-3f
-#define LOCK_TIME_s 15.0e-3f  // with the lock's own 3.5 ms it trips in less than 20 ms
+#define LOCK_TIME_s 15.0e-3f // with the lock's own 3.5 ms it trips in less than 20 ms
+#define WATCH_PERIODS (0.5f * (float)LODE_SLOW_PERIODS)
+#define COUNTER_MAX 65535.0f
 #define STAMP_TOLERANCE 0.25f // of a period
 
 #define NAME(check)                                                                                \
@@ -70,6 +72,11 @@ static lode_status_t check_limits(const lode_guard_config_t *config,
     return LODE_OK;
 }
 
+// Two at least, so that a single sample passes, and as many as the counters hold.
+static uint32_t periods_in(float time_s, float period_s) {
+    return (uint32_t)(int32_t)lode_clamp(time_s / period_s, 2.0f, COUNTER_MAX);
+}
+
 lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_config_t *config,
                               const lode_inverter_config_t *inverter,
                               const lode_sense_config_t *sense, float ts_s) {
@@ -82,16 +89,20 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         return LODE_ERROR_GUARD_TIME;
     }
     const float stamp = config->stamp_per_period;
+    const bool watched = stamp > 0.0f;
+    const uint32_t stamp_min = (uint32_t)(int32_t)((1.0f - STAMP_TOLERANCE) * stamp);
+    const uint32_t stamp_max = (uint32_t)(int32_t)((1.0f + STAMP_TOLERANCE) * stamp);
     *tuning = (lode_guard_tuning_t){
         .i_trip = config->i_trip_A,
         .v_bus_max = config->v_bus_max_V,
         .v_bus_min = config->v_bus_min_V,
         .temperature_max = config->temperature_max_degC,
         .omega_max = config->omega_max_rad_s,
-        .bus_periods = (int32_t)(config->bus_s / ts_s),
-        .lock_periods = (int32_t)(config->lock_s / ts_s),
-        .stamp_min = (uint32_t)(int32_t)((1.0f - STAMP_TOLERANCE) * stamp),
-        .stamp_max = (uint32_t)(int32_t)((1.0f + STAMP_TOLERANCE) * stamp),
+        .rail_periods = periods_in(config->bus_s, ts_s),
+        .bus_turns = periods_in(config->bus_s, WATCH_PERIODS * ts_s),
+        .lock_turns = periods_in(config->lock_s, WATCH_PERIODS * ts_s),
+        .stamp_min = stamp_min,
+        .stamp_span = watched ? stamp_max - stamp_min : UINT32_MAX,
     };
     return LODE_OK;
 }
@@ -108,9 +119,12 @@ void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check
 }
 
 // Up while bad, down while good: single samples pass, a condition that mostly holds trips.
-static bool persists(int32_t *counter, bool bad, int32_t periods) {
-    *counter = bad ? *counter + 1 : (*counter > 0 ? *counter - 1 : 0);
-    return *counter >= periods;
+static bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad, uint32_t periods) {
+    const uint32_t count = *counter;
+    const uint32_t next = bad ? count + 1u : (count > 0u ? count - 1u : 0u);
+    *counter = (uint_least16_t)next;
+    self->pending = self->pending || next > 0u;
+    return next >= periods;
 }
 
 static float largest(lode_abc_t i) {
@@ -118,70 +132,82 @@ static float largest(lode_abc_t i) {
     return lode_abs(i.c) > lode_abs(ab) ? i.c : ab;
 }
 
-// Comparisons are written so that NaN is bad.
-static void check_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                        const lode_sample_t *sample, uint_least8_t state) {
-    const lode_abc_t abc = sample->i_abc_A;
-    const float i = largest(abc);
-    const bool bounded = lode_abs(abc.a) <= tuning->i_trip && lode_abs(abc.b) <= tuning->i_trip &&
-                         lode_abs(abc.c) <= tuning->i_trip;
-    if (sample->trip) {
-        lode_guard_trip(self, state, LODE_CHECK_HARDWARE_TRIP, 1.0f, 0.0f);
+LODE_HOT LODE_COLD void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                           lode_abc_t i_A, uint32_t passed, bool trip, bool railed,
+                                           lode_situation_t now) {
+    const float i = largest(i_A);
+    const bool bounded = lode_abs(i_A.a) <= tuning->i_trip && lode_abs(i_A.b) <= tuning->i_trip &&
+                         lode_abs(i_A.c) <= tuning->i_trip;
+    if (trip) {
+        lode_guard_trip(self, now.state, LODE_CHECK_HARDWARE_TRIP, 1.0f, 0.0f);
     }
     if (!bounded) {
-        lode_guard_trip(self, state, LODE_CHECK_OVER_CURRENT, i, tuning->i_trip);
+        lode_guard_trip(self, now.state, LODE_CHECK_OVER_CURRENT, i, tuning->i_trip);
     }
-    if (persists(&self->rail, sample->railed, tuning->bus_periods)) {
-        lode_guard_trip(self, state, LODE_CHECK_CURRENT_RAIL, i, tuning->i_trip);
+    self->railed = self->railed || railed; // lode_guard_watch() empties it
+    if (railed && persists(self, &self->rail, true, tuning->rail_periods)) {
+        lode_guard_trip(self, now.state, LODE_CHECK_CURRENT_RAIL, i, tuning->i_trip);
     }
-    const float v = sample->v_bus_V;
-    const bool high = !(v <= tuning->v_bus_max);
-    if (persists(&self->bus, high || v < tuning->v_bus_min, tuning->bus_periods)) {
-        lode_guard_trip(self, state, high ? LODE_CHECK_OVER_VOLTAGE : LODE_CHECK_UNDER_VOLTAGE, v,
-                        high ? tuning->v_bus_max : tuning->v_bus_min);
+    if (self->stamped && passed - tuning->stamp_min > tuning->stamp_span) {
+        lode_guard_trip(self, now.state, LODE_CHECK_TIMING, (float)passed,
+                        (float)(tuning->stamp_min + tuning->stamp_span));
     }
-    const float hot = sample->temperature_degC;
-    if (persists(&self->temperature, !(hot <= tuning->temperature_max), tuning->bus_periods)) {
-        lode_guard_trip(self, state, LODE_CHECK_OVER_TEMPERATURE, hot, tuning->temperature_max);
+    if (!now.finite) {
+        lode_guard_trip(self, now.state, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
     }
-}
-
-static void check_timing(lode_guard_t *self, const lode_guard_tuning_t *tuning, uint32_t stamp,
-                         uint_least8_t state) {
-    const uint32_t passed = stamp - self->stamp;
-    if (tuning->stamp_max > 0u && self->stamped &&
-        (passed < tuning->stamp_min || passed > tuning->stamp_max)) {
-        lode_guard_trip(self, state, LODE_CHECK_TIMING, (float)passed, (float)tuning->stamp_max);
-    }
-    self->stamp = stamp;
     self->stamped = true;
 }
 
-static void check_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                         const lode_estimate_t *estimate, lode_situation_t now) {
-    const float omega = estimate->omega_rad_s;
-    if (persists(&self->lock, !(estimate->lock >= LODE_LOCK_LOST), tuning->lock_periods)) {
-        lode_guard_trip(self, now.state, LODE_CHECK_LOST_LOCK, estimate->lock, LODE_LOCK_LOST);
+static void count_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                        lode_condition_t condition, uint_least8_t state) {
+    const float v = condition.v_bus_V;
+    const bool high = !(v <= tuning->v_bus_max);
+    if (persists(self, &self->bus, high || v < tuning->v_bus_min, tuning->bus_turns)) {
+        lode_guard_trip(self, state, high ? LODE_CHECK_OVER_VOLTAGE : LODE_CHECK_UNDER_VOLTAGE, v,
+                        high ? tuning->v_bus_max : tuning->v_bus_min);
     }
-    if (persists(&self->speed, !(lode_abs(omega) <= tuning->omega_max), tuning->lock_periods)) {
-        lode_guard_trip(self, now.state, LODE_CHECK_OVER_SPEED, omega, tuning->omega_max);
+    const float hot = condition.temperature_degC;
+    if (persists(self, &self->temperature, !(hot <= tuning->temperature_max), tuning->bus_turns)) {
+        lode_guard_trip(self, state, LODE_CHECK_OVER_TEMPERATURE, hot, tuning->temperature_max);
     }
-    if (persists(&self->direction, !(omega * now.direction >= 0.0f), tuning->lock_periods)) {
-        lode_guard_trip(self, now.state, LODE_CHECK_WRONG_WAY, omega, 0.0f);
+    if (!self->railed) {
+        (void)persists(self, &self->rail, false, tuning->rail_periods);
+    }
+    self->railed = false;
+}
+
+static void count_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                         lode_condition_t condition, uint_least8_t state) {
+    const float omega = condition.omega_rad_s;
+    if (persists(self, &self->lock, !(condition.lock >= LODE_LOCK_LOST), tuning->lock_turns)) {
+        lode_guard_trip(self, state, LODE_CHECK_LOST_LOCK, condition.lock, LODE_LOCK_LOST);
+    }
+    if (persists(self, &self->speed, !(lode_abs(omega) <= tuning->omega_max), tuning->lock_turns)) {
+        lode_guard_trip(self, state, LODE_CHECK_OVER_SPEED, omega, tuning->omega_max);
+    }
+    if (persists(self, &self->direction, !(omega >= 0.0f), tuning->lock_turns)) {
+        lode_guard_trip(self, state, LODE_CHECK_WRONG_WAY, omega, 0.0f);
     }
 }
 
-LODE_HOT bool lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                              const lode_sample_t *sample, const lode_estimate_t *estimate,
-                              lode_situation_t now) {
-    check_power(self, tuning, sample, now.state);
-    check_timing(self, tuning, sample->stamp, now.state);
+static LODE_COLD void count_all(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                lode_condition_t condition, lode_situation_t now) {
+    self->pending = self->rail > 0u;
+    count_power(self, tuning, condition, now.state);
     if (now.sensorless) {
-        check_motion(self, tuning, estimate, now);
+        count_motion(self, tuning, condition, now.state);
     }
-    if (!now.finite) {
-        lode_guard_trip(self, now.state, LODE_CHECK_NON_FINITE, estimate->omega_rad_s,
-                        tuning->omega_max);
+}
+
+LODE_HOT void lode_guard_watch(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                               lode_condition_t condition, lode_situation_t now) {
+    const float omega = condition.omega_rad_s;
+    const bool sound = condition.v_bus_V <= tuning->v_bus_max &&
+                       condition.v_bus_V >= tuning->v_bus_min &&
+                       condition.temperature_degC <= tuning->temperature_max;
+    const bool moves =
+        condition.lock >= LODE_LOCK_LOST && omega >= 0.0f && omega <= tuning->omega_max;
+    if (self->pending || !sound || (now.sensorless && !moves)) {
+        count_all(self, tuning, condition, now);
     }
-    return self->fault.check == (uint_least8_t)LODE_CHECK_NONE;
 }

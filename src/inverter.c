@@ -5,6 +5,9 @@
 // Of i_dead at no modulation: there is next to no ripple, but noise in the current.
 #define I_DEAD_MIN_SHARE 0.05f
 
+// Room for rounding.
+#define ROUNDING 0.999f
+
 void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *motor, float ts_s) {
     // One leg switching against the other two at half duty makes a ripple of v_bus Ts/(6 L) peak to
     // peak. Three quarters of it, L the mean of both axes: simulated without load, half as much hunts
@@ -59,29 +62,39 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
         return status;
     }
     const float ticks = (float)(int32_t)config->pwm_ticks;
+    const bool correct = config->dead_time_correction == LODE_ON;
+    const bool model = !correct && config->dead_time_model == LODE_ON;
+    const float v_min_V = V_MIN_SHARE * config->v_bus_V;
+    const float dead_duty = config->dead_time_s / ts_s;
+    // Min-max centring leaves each rail half of what the span leaves over; the correction takes of it.
+    const float most_loss = correct ? dead_duty + config->v_drop_V / v_min_V : 0.0f;
+    const float room = (1.0f - 2.0f * most_loss) / LODE_SQRT3;
     *tuning = (lode_inverter_tuning_t){
         .ts_s = ts_s,
-        .v_min_V = V_MIN_SHARE * config->v_bus_V,
-        .dead_duty = config->dead_time_s / ts_s,
+        .v_min_V = v_min_V,
+        .dead_duty = dead_duty,
         .v_drop_V = config->v_drop_V,
-        .r_on_Ohm = config->r_on_Ohm,
         .i_dead_min_A = I_DEAD_MIN_SHARE * config->i_dead_A,
         .i_dead_span_A = (1.0f - I_DEAD_MIN_SHARE) * config->i_dead_A,
         .ticks = ticks,
         .inv_ticks = ticks > 0.0f ? 1.0f / ticks : 0.0f,
-        .correct = config->dead_time_correction == LODE_ON,
-        .model = config->dead_time_correction == LODE_OFF && config->dead_time_model == LODE_ON,
+        .v2_free = room > 0.0f ? ROUNDING * room * room : -1.0f,
+        .correct = correct,
+        .model = model,
+        .plain = !model && !(ticks > 0.0f),
     };
     return LODE_OK;
 }
 
 void lode_inverter_reset(lode_inverter_t *self) {
-    *self = (lode_inverter_t){{0.0f, 0.0f}, {0.0f, 0.0f}, 0.0f};
+    *self = (lode_inverter_t){.v_bus_V = 0.0f};
 }
 
-LODE_HOT lode_ab_t lode_inverter_realised(lode_inverter_t *self, float v_bus_V) {
-    const lode_ab_t u_V = lode_ab_scale(self->v_bus_V, self->acting);
-    self->acting = self->written;
-    self->v_bus_V = v_bus_V;
-    return u_V;
+LODE_HOT void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
+                                  lode_dq_t u_V, float v_bus_V) {
+    const float inv_v_bus = 1.0f / lode_max(v_bus_V, tuning->v_min_V);
+    // Largest less smallest duty is sqrt(3) times the amplitude, at most.
+    const float span =
+        lode_clamp(LODE_SQRT3 * lode_sqrt(u_V.d * u_V.d + u_V.q * u_V.q) * inv_v_bus, 0.0f, 1.0f);
+    self->loss = lode_inverter_shape(tuning, span, inv_v_bus);
 }

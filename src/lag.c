@@ -62,3 +62,17 @@ lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_em
     *lag = fitted;
     return LODE_OK;
 }
+
+LODE_HOT lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s) {
+    const float v = omega_rad_s * omega_rad_s * lag->inv_range2;
+    const float in = lode_min(v, 1.0f);
+    const float *c = lag->coefficient;
+    const float share = c[0] + in * (c[1] + in * (c[2] + in * (c[3] + in * (c[4] + in * c[5]))));
+    const float rise =
+        c[1] + in * (2.0f * c[2] + in * (3.0f * c[3] + in * (4.0f * c[4] + in * 5.0f * c[5])));
+    const float slope = v < 1.0f ? share + 2.0f * v * rise : share;
+    const float lag_rad = omega_rad_s * share;
+    // Within the octant up to a lag of 90 degrees, which no observer reaches below omega_max.
+    const lode_sincos_t at = lode_angle_double(lode_sincos_octant(0.5f * lag_rad));
+    return (lode_lag_line_t){at, omega_rad_s, slope};
+}

@@ -101,13 +101,6 @@ void lode_leso_calm(lode_leso_t *self, const lode_leso_tuning_t *tuning) {
     }
 }
 
-// Both poles at p = exp(-w0 Ts), current form (E10).
-static void step_c(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m) {
-    lode_ab_t *y = &self->s[0];
-    *y = lode_ab_add_scaled(*y, tuning->one_m_p, lode_ab_subtract(m, *y));
-    self->e_V = lode_ab_add_scaled(self->e_V, tuning->one_m_p, lode_ab_subtract(*y, self->e_V));
-}
-
 #ifndef LODE_WITHOUT_GI_LESO
 // C-LESO whose error passes, on top, a band-pass that has gain 1 exactly at the speed.
 static void step_gi(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m,
@@ -133,13 +126,6 @@ static void step_gi(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab
 #endif
 
 #ifndef LODE_WITHOUT_FA_LESO
-// First order: e = q rho e + (1 - q) m (E17).
-static void step_fa(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m,
-                    lode_sincos_t turn) {
-    const lode_ab_t turned = lode_ab_turn(self->e_V, turn);
-    self->e_V = lode_ab_add_scaled(m, tuning->q, lode_ab_subtract(turned, m));
-}
-
 static lode_ab_t product(lode_ab_t a, lode_ab_t b) {
     return (lode_ab_t){a.alpha * b.alpha - a.beta * b.beta, a.alpha * b.beta + a.beta * b.alpha};
 }
@@ -222,10 +208,9 @@ static void step_multi(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode
 }
 #endif
 
-LODE_HOT lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t *tuning,
-                                  lode_ab_t m_V, lode_sincos_t turn, float omega_rad_s) {
-    (void)turn;
-    (void)omega_rad_s;
+LODE_HOT void lode_leso_step_other(lode_leso_t *self, const lode_leso_tuning_t *tuning,
+                                   lode_ab_t m_V, lode_sincos_t turn, float omega_rad_s) {
+    (void)self, (void)m_V, (void)turn, (void)omega_rad_s;
     switch (tuning->kind) {
 #ifndef LODE_WITHOUT_GI_LESO
     case LODE_EMF_GI_LESO:
@@ -234,11 +219,7 @@ LODE_HOT lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t *t
 #endif
 #ifndef LODE_WITHOUT_FA_LESO
     case LODE_EMF_FA_LESO:
-        if (tuning->k1_Ts2 > 0.0f) {
-            step_fa_slow(self, tuning, m_V, turn, omega_rad_s);
-        } else {
-            step_fa(self, tuning, m_V, turn);
-        }
+        step_fa_slow(self, tuning, m_V, turn, omega_rad_s);
         break;
 #endif
 #ifndef LODE_WITHOUT_FA_MULTI
@@ -248,10 +229,8 @@ LODE_HOT lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t *t
 #endif
     case LODE_EMF_C_LESO:
     default:
-        step_c(self, tuning, m_V);
         break;
     }
-    return self->e_V;
 }
 
 // arg(exp(j turn) - pole) for a real pole, from 1 - pole, without cancellation.

@@ -15,15 +15,13 @@ lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k,
     return LODE_OK;
 }
 
-LODE_HOT float lode_notch_step(lode_sogi_t *sogi, const lode_notch_tuning_t *tuning,
-                               float omega_rad_s, float error) {
+LODE_HOT void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning,
+                               float omega_rad_s) {
     if (!(tuning->k > 0.0f)) {
-        return error;
+        return;
     }
     const float centre = tuning->order_Ts * lode_abs(omega_rad_s);
-    // The filter runs all the time, so that it has settled when it is blended in.
-    const float notch = lode_sogi_step(sogi, tuning->k, centre, error).notch;
     const float in = lode_clamp((centre - tuning->centre_low) * tuning->inv_span, 0.0f, 1.0f);
-    const float weight = centre < LODE_SOGI_CENTRE_MAX_rad ? in : 0.0f;
-    return error + weight * (notch - error);
+    self->weight = centre < LODE_SOGI_CENTRE_MAX_rad ? in : 0.0f;
+    self->tuned = lode_sogi_tune(tuning->k, centre);
 }

@@ -46,5 +46,5 @@ lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *
 }
 
 void lode_pll_reset(lode_pll_t *self, float theta_rad, float omega_rad_s) {
-    *self = (lode_pll_t){lode_wrap(theta_rad), omega_rad_s, 0.0f, 0.0f};
+    *self = (lode_pll_t){lode_sincos(theta_rad), omega_rad_s, 0.0f, 0.0f};
 }

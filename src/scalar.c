@@ -1,5 +1,21 @@
 #include "lodestar/scalar.h"
 
+LODE_HOT lode_sincos_t lode_sincos(float x_rad) {
+    const float x =
+        lode_in_range(x_rad, -LODE_ANGLE_LIMIT_rad, LODE_ANGLE_LIMIT_rad) ? x_rad : 0.0f;
+    // Quarter turns to the nearest; |x| is bounded, so the cast is defined.
+    const float quarters = x * 0.636619772367581343f;
+    const int32_t n = (int32_t)(quarters + (quarters < 0.0f ? -0.5f : 0.5f));
+    // pi/2 in two parts, the first with 15 trailing zero bits: n times it is exact (|n| <= 1304).
+    const float r = (x - (float)n * 1.5703125f) - (float)n * 4.83826794896619231e-4f;
+    const lode_sincos_t near = lode_sincos_octant(r);
+    const bool swap = (n & 1) != 0;
+    const float sin_abs = swap ? near.cos : near.sin;
+    const float cos_abs = swap ? near.sin : near.cos;
+    return (lode_sincos_t){(n & 2) != 0 ? -sin_abs : sin_abs,
+                           ((n + 1) & 2) != 0 ? -cos_abs : cos_abs};
+}
+
 float lode_wrap(float x_rad) {
     if (!lode_in_range(x_rad, -LODE_ANGLE_LIMIT_rad, LODE_ANGLE_LIMIT_rad)) {
         return 0.0f;

@@ -6,7 +6,6 @@
 #define CALIBRATION_TIME_s 0.1f
 // So many 16-bit counts fit into a sum of 32 bits.
 #define CALIBRATION_SAMPLES_MAX 65536.0f
-#define PHASES 3
 // Beyond any board: keeps every sample finite.
 #define GAIN_MAX 1.0e4f
 
@@ -18,16 +17,19 @@ void lode_sense_design(lode_sense_config_t *config) {
     config->calibrate_s = lode_given_or(config->calibrate_s, CALIBRATION_TIME_s);
 }
 
+// From the nominal offset to the nearer rail.
+static float headroom_count(const lode_sense_config_t *config) {
+    return lode_min(config->i_offset_count, config->count_max - config->i_offset_count);
+}
+
 static lode_status_t check_ranges(const lode_sense_config_t *config, float i_max_A, float v_bus_V) {
     if (!lode_in_range(config->count_max, 1.0f, 65535.0f) ||
         !lode_in_range(config->i_offset_count, 0.0f, config->count_max) ||
         !lode_in_range(config->i_offset_tol_count, 0.0f, config->count_max)) {
         return LODE_ERROR_SENSE_OFFSET;
     }
-    const float headroom =
-        lode_min(config->i_offset_count, config->count_max - config->i_offset_count);
     if (!lode_in_range(config->i_gain_A_count, -GAIN_MAX, GAIN_MAX) ||
-        !(headroom * lode_abs(config->i_gain_A_count) >= i_max_A)) {
+        !(headroom_count(config) * lode_abs(config->i_gain_A_count) >= i_max_A)) {
         return LODE_ERROR_SENSE_CURRENT;
     }
     if (!lode_in_range(config->v_bus_gain_V_count, 0.0f, GAIN_MAX) ||
@@ -59,15 +61,19 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
     }
     *tuning = (lode_sense_tuning_t){
         .i_gain = config->i_gain_A_count,
+        .alpha_gain = config->i_gain_A_count / 3.0f,
+        .beta_gain = config->i_gain_A_count / LODE_SQRT3,
         .i_offset_nominal = config->i_offset_count,
         .i_offset_tol = config->i_offset_tol_count,
         .v_bus_gain = config->v_bus_gain_V_count,
         .temperature_gain = config->temperature_gain_degC_count,
         .temperature_offset = config->temperature_offset_degC,
         .duty_max = config->duty_max,
-        .count_max = config->count_max,
+        .count_max = (uint16_t)(int32_t)config->count_max,
+        .alert_count = headroom_count(config) - config->i_offset_tol_count - 1.0f,
         .calibrate_periods = (uint32_t)lode_clamp(periods, 1.0f, CALIBRATION_SAMPLES_MAX),
         .shunts = config->shunts,
+        .windowed = config->shunts == LODE_SHUNTS_TWO || config->duty_max < 1.0f,
     };
     return LODE_OK;
 }
@@ -84,28 +90,19 @@ void lode_sense_begin(lode_sense_t *self) {
 }
 
 // The phase whose sample is not used: the third where there are two shunts; else the one with the
-// longest duty, where that leaves its low-side shunt no time. PHASES if all are.
-static int32_t unused_phase(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
+// longest duty, where that leaves its low-side shunt no time. LODE_PHASES if all are.
+LODE_HOT int32_t lode_sense_unused(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
     if (tuning->shunts == LODE_SHUNTS_TWO) {
         return 2;
     }
     const float longest = lode_max(lode_max(duty.a, duty.b), duty.c);
     if (!(longest > tuning->duty_max)) {
-        return PHASES;
+        return LODE_PHASES;
     }
     return duty.a >= longest ? 0 : (duty.b >= longest ? 1 : 2);
 }
 
-static bool at_rail(const lode_sense_tuning_t *tuning, uint16_t count) {
-    return count == 0u || (float)count >= tuning->count_max;
-}
-
-LODE_HOT lode_sample_t lode_sense_step(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
-                                       const lode_counts_t *counts, lode_abc_t duty) {
-    lode_abc_t i = {((float)counts->i[0] - self->offset_count.a) * tuning->i_gain,
-                    ((float)counts->i[1] - self->offset_count.b) * tuning->i_gain,
-                    ((float)counts->i[2] - self->offset_count.c) * tuning->i_gain};
-    const int32_t unused = unused_phase(tuning, duty);
+LODE_HOT lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused) {
     if (unused == 0) {
         i.a = -i.b - i.c;
     } else if (unused == 1) {
@@ -113,19 +110,18 @@ LODE_HOT lode_sample_t lode_sense_step(const lode_sense_t *self, const lode_sens
     } else if (unused == 2) {
         i.c = -i.a - i.b;
     }
-    const bool railed = (unused != 0 && at_rail(tuning, counts->i[0])) ||
-                        (unused != 1 && at_rail(tuning, counts->i[1])) ||
-                        (unused != 2 && at_rail(tuning, counts->i[2]));
-    return (lode_sample_t){
-        .i_abc_A = i,
-        .i_A = lode_clarke(i),
-        .v_bus_V = (float)counts->v_bus * tuning->v_bus_gain,
-        .temperature_degC =
-            tuning->temperature_offset + (float)counts->temperature * tuning->temperature_gain,
-        .stamp = counts->stamp,
-        .trip = counts->trip,
-        .railed = railed,
-    };
+    return i;
+}
+
+static bool at_rail(const lode_sense_tuning_t *tuning, uint16_t count) {
+    return count == 0u || count >= tuning->count_max;
+}
+
+LODE_HOT LODE_COLD bool lode_sense_railed(const lode_sense_tuning_t *tuning,
+                                          const lode_counts_t *counts, int32_t unused) {
+    return (unused != 0 && at_rail(tuning, counts->i[0])) ||
+           (unused != 1 && at_rail(tuning, counts->i[1])) ||
+           (unused != 2 && at_rail(tuning, counts->i[2]));
 }
 
 static float further(float a, float b) {
@@ -134,7 +130,7 @@ static float further(float a, float b) {
 
 lode_calibration_t lode_sense_calibrate(lode_sense_t *self, const lode_sense_tuning_t *tuning,
                                         const lode_counts_t *counts, float *worst_count) {
-    for (int32_t i = 0; i < PHASES; i++) {
+    for (int32_t i = 0; i < LODE_PHASES; i++) {
         self->sum_count[i] += counts->i[i];
     }
     self->samples++;

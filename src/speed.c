@@ -70,6 +70,7 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
                       float torque_Nm, float load_Nm) {
     lode_pi_reset(&self->pi, torque_Nm - tuning->load_feed_forward * load_Nm);
     self->reference_rad_s = omega_rad_s;
+    self->torque_Nm = torque_Nm;
 }
 
 LODE_HOT float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
@@ -79,10 +80,22 @@ LODE_HOT float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tu
     const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
     const float gain = 1.0f + tuning->rise * lode_clamp(up, 0.0f, 1.0f);
     const float error = gain * (self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs);
-    const float ff =
-        tuning->load_feed_forward * load_Nm + tuning->inertia_Nm * (self->reference_rad_s - before);
+    // A rotor that is ahead of its ramp needs no torque to follow it: as much less as the controller
+    // asks against it, but not the other way.
+    const float push = tuning->inertia_Nm * (self->reference_rad_s - before);
+    const float against = tuning->pi.kp * error;
+    const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)
+                                   : lode_clamp(push + against, push, 0.0f);
+    const float ff = tuning->load_feed_forward * load_Nm + ramp;
     const float asked = lode_pi_output(&self->pi, &tuning->pi, error, ff);
-    const float torque = lode_clamp(asked, -tuning->torque_max_Nm, tuning->torque_max_Nm);
+    const float limit = tuning->torque_max_Nm;
+    if (lode_abs(asked) <= limit) {
+        lode_pi_integrate(&self->pi, &tuning->pi, error);
+        self->torque_Nm = asked;
+        return asked;
+    }
+    const float torque = lode_clamp(asked, -limit, limit);
     lode_pi_settle(&self->pi, &tuning->pi, error, ff, asked, torque);
+    self->torque_Nm = torque;
     return torque;
 }

@@ -238,6 +238,36 @@ static void test_run_calibrates_starts_and_turns_both_ways(void) {
     }
 }
 
+static void test_two_shunts_do(void) {
+    lode_drive_config_t config = rig_config();
+    config.sense.shunts = LODE_SHUNTS_TWO;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 2.0);
+    check_running(&rig, 100.0);
+}
+
+static void test_speed_control_takes_turns_from_10_kHz_on(void) {
+    const float rates[] = {5.0e3f, 9.9e3f, 1.0e4f, 2.0e4f, 1.0e5f};
+    const uint32_t periods[] = {1u, 1u, 4u, 8u, 8u};
+    for (int n = 0; n < COUNT_OF(rates); n++) {
+        lode_drive_config_t config = rig_config();
+        config.f_pwm_Hz = rates[n];
+        config.inverter.dead_time_s = 1.0e-6f;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+        TEST_ASSERT_EQUAL_UINT32(periods[n], other_tuning.speed_periods);
+    }
+    // The drive runs as well when only every fourth period has speed control.
+    rig_t rig = fresh();
+    tuning.speed_periods = 4u;
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 10.0);
+    check_running(&rig, 100.0);
+}
+
 static void test_load_steps_and_speed_changes(void) {
     rig_t rig = fresh();
     rig_command(&rig, run_at(60.0));
@@ -468,10 +498,13 @@ static void test_bus_out_of_range_trips_after_its_debounce(void) {
         rig_t rig = holding();
         lode_counts_t counts = rig_counts(&rig);
         counts.v_bus = buses[i];
-        for (int n = 0; n < 4; n++) {
-            TEST_ASSERT_TRUE(lode_drive_step(&rig.drive, &counts).gates);
+        // 1 ms are two turns of the slow checks, each 0.8 ms: one is under way.
+        int periods = 1;
+        while (lode_drive_step(&rig.drive, &counts).gates && periods < 100) {
+            periods++;
         }
-        TEST_ASSERT_FALSE(lode_drive_step(&rig.drive, &counts).gates); // 1 ms
+        CHECK_AT_LEAST(0.5 * LODE_SLOW_PERIODS + 1.0, periods);
+        CHECK_AT_MOST(LODE_SLOW_PERIODS, periods);
         TEST_ASSERT_EQUAL_INT(checks[i], rig_telemetry(&rig).fault.check);
     }
 }
@@ -563,17 +596,27 @@ static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
     }
 }
 
-static void test_a_voltage_that_is_none_trips_in_the_same_call(void) {
-    // A bus and a speed that no sensor and no estimator of this library reports ask for 3 MV.
+static void test_a_voltage_that_is_none_stays_in_range_and_trips(void) {
+    // A bus and a speed that no sensor and no estimator of this library reports ask for 3 MV. The
+    // voltage lies in the circle of that bus, so the duties are duties; bus and speed trip in time.
     rig_t rig = fresh();
     rig_command(&rig, run_at(60.0));
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
     const lode_counts_t counts = rig_counts(&rig);
-    lode_measurement_t m = lode_drive_sense(&rig.drive, &counts);
-    lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
-    m.sample.v_bus_V = 1.0e7f;
-    e.omega_rad_s = 1.0e9f;
-    TEST_ASSERT_FALSE(lode_drive_act(&rig.drive, &m, &e).gates);
+    int periods = 0;
+    do {
+        lode_measurement_t m = lode_drive_sense(&rig.drive, &counts);
+        lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
+        m.sample.v_bus_V = 1.0e7f;
+        e.omega_rad_s = 1.0e9f;
+        rig.out = lode_drive_act(&rig.drive, &m, &e);
+        TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.a, 0.0f, 1.0f));
+        TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.b, 0.0f, 1.0f));
+        TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.c, 0.0f, 1.0f));
+        periods++;
+    } while (rig.out.gates && periods < 100);
+    CHECK_AT_MOST(LODE_SLOW_PERIODS, periods); // two turns of the slow checks
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_VOLTAGE, rig_telemetry(&rig).fault.check);
 }
 
 static void test_the_step_is_three_calls_in_a_row(void) {
@@ -712,6 +755,8 @@ int main(void) {
     RUN_TEST(test_current_vector_at_an_angle);
     RUN_TEST(test_current_command_is_limited);
     RUN_TEST(test_run_calibrates_starts_and_turns_both_ways);
+    RUN_TEST(test_two_shunts_do);
+    RUN_TEST(test_speed_control_takes_turns_from_10_kHz_on);
     RUN_TEST(test_load_steps_and_speed_changes);
     RUN_TEST(test_speed_zero_stops_and_switches_off);
     RUN_TEST(test_reversal);
@@ -729,7 +774,7 @@ int main(void) {
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
-    RUN_TEST(test_a_voltage_that_is_none_trips_in_the_same_call);
+    RUN_TEST(test_a_voltage_that_is_none_stays_in_range_and_trips);
     RUN_TEST(test_the_step_is_three_calls_in_a_row);
     RUN_TEST(test_two_drives_share_nothing);
     RUN_TEST(test_any_counts_give_duties_on_the_grid);

@@ -8,8 +8,12 @@ void setUp(void) {}
 void tearDown(void) {}
 
 #define STATE 5         // any number: the record repeats it
-#define BUS_PERIODS 5   // 1 ms of 200 us
-#define LOCK_PERIODS 75 // 15 ms
+#define RAIL_PERIODS 5  // 1 ms of 200 us
+#define WATCH_PERIODS 4 // the slow checks: twice in LODE_SLOW_PERIODS
+#define BUS_TURNS 2     // 1 ms of 800 us: two at least
+#define LOCK_TURNS 18   // 15 ms
+#define BUS_PERIODS (BUS_TURNS * WATCH_PERIODS)
+#define LOCK_PERIODS (LOCK_TURNS * WATCH_PERIODS)
 
 static const lode_inverter_config_t inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
 static const lode_sense_config_t sense = {.i_gain_A_count = 0.0125f,
@@ -39,24 +43,50 @@ typedef struct {
     lode_guard_tuning_t tuning;
     lode_guard_t guard;
     lode_sample_t sample;
-    lode_estimate_t estimate;
+    lode_condition_t condition;
     lode_situation_t now;
+    int periods;
 } bench_t;
 
 static bench_t bench(void) {
-    bench_t b = {
-        .sample = {.i_abc_A = {1.0f, -2.0f, 1.0f}, .v_bus_V = 200.0f, .temperature_degC = 40.0f},
-        .estimate = {.omega_rad_s = 300.0f, .lock = 0.95f},
-        .now = {.state = STATE, .sensorless = true, .direction = 1.0f, .finite = true}};
+    bench_t b = {.sample = {.i_abc_A = {1.0f, -2.0f, 1.0f}},
+                 .condition = {.v_bus_V = 200.0f,
+                               .temperature_degC = 40.0f,
+                               .omega_rad_s = 300.0f,
+                               .lock = 0.95f},
+                 .now = {.state = STATE, .sensorless = true, .finite = true}};
     const lode_guard_config_t config = sound();
     b.tuning = tuned(&config);
     lode_guard_reset(&b.guard);
     return b;
 }
 
-static bool step(bench_t *b) {
+/// The fast checks of a period. `sample.alert` is what lode_sense_step() makes of it.
+static bool fast(bench_t *b) {
+    const lode_abc_t i = b->sample.i_abc_A;
+    const bool small = fabsf(i.a) <= 17.0f && fabsf(i.b) <= 17.0f && fabsf(i.c) <= 17.0f;
+    b->sample.alert = b->sample.railed || !small;
+    lode_guard_step(&b->guard, &b->tuning, &b->sample, b->now);
+    return lode_guard_is_good(&b->guard);
+}
+
+/// The same, a period after the last one.
+static bool fast_on_time(bench_t *b) {
     b->sample.stamp += 1000u;
-    return lode_guard_step(&b->guard, &b->tuning, &b->sample, &b->estimate, b->now);
+    return fast(b);
+}
+
+/// The slow checks.
+static bool slow(bench_t *b) {
+    lode_guard_watch(&b->guard, &b->tuning, b->condition, b->now);
+    return lode_guard_is_good(&b->guard);
+}
+
+/// A period as the drive has it: the slow checks in every fourth.
+static bool step(bench_t *b) {
+    b->periods++;
+    (void)fast_on_time(b);
+    return b->periods % WATCH_PERIODS == 0 ? slow(b) : lode_guard_is_good(&b->guard);
 }
 
 /// Steps until the guard trips, at most `limit` times; how many it took, or `limit`.
@@ -119,11 +149,11 @@ static void test_hardware_trip_at_once(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, b.guard.fault.check);
 }
 
-/// A debounced condition: passes one period short of `periods`, trips in the last one; half-way down
-/// it counts back.
-static void check_debounce(bench_t good, bench_t bad, int periods, lode_check_t check) {
+/// A debounced condition: passes one turn of the slow checks short of `turns`, trips in the last one;
+/// half-way down it counts back.
+static void check_debounce(bench_t good, bench_t bad, int turns, lode_check_t check) {
     bench_t b = bad;
-    TEST_ASSERT_EQUAL_INT(periods, steps_to_trip(&b, 1000));
+    TEST_ASSERT_EQUAL_INT(turns * WATCH_PERIODS, steps_to_trip(&b, 1000));
     TEST_ASSERT_EQUAL_STRING(lode_check_name(check),
                              lode_check_name((lode_check_t)b.guard.fault.check));
     b = good;
@@ -131,102 +161,129 @@ static void check_debounce(bench_t good, bench_t bad, int periods, lode_check_t 
     // Bad and good in turn never trips.
     b = bad;
     for (int n = 0; n < 1000; n++) {
-        b.sample = n % 2 == 0 ? bad.sample : good.sample;
-        b.sample.stamp = (uint32_t)n * 1000u;
-        b.estimate = n % 2 == 0 ? bad.estimate : good.estimate;
-        TEST_ASSERT_TRUE(lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now));
+        b.condition = n % 2 == 0 ? bad.condition : good.condition;
+        TEST_ASSERT_TRUE(slow(&b));
     }
     // Two bad ones for every good one get there three times as slowly.
     b = bad;
     int n = 0;
     bool runs = true;
     for (; n < 1000 && runs; n++) {
-        b.sample = n % 3 < 2 ? bad.sample : good.sample;
-        b.sample.stamp = (uint32_t)n * 1000u;
-        b.estimate = n % 3 < 2 ? bad.estimate : good.estimate;
-        runs = lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now);
+        b.condition = n % 3 < 2 ? bad.condition : good.condition;
+        runs = slow(&b);
     }
-    CHECK_NEAR(4.0, 3.0 * periods - 2.0, n);
+    CHECK_NEAR(4.0, 3.0 * turns - 2.0, n);
 }
 
 static void test_over_voltage(void) {
     bench_t good = bench();
-    good.sample.v_bus_V = 250.0f;
+    good.condition.v_bus_V = 250.0f;
     bench_t bad = good;
-    bad.sample.v_bus_V = nextafterf(250.0f, 300.0f);
-    check_debounce(good, bad, BUS_PERIODS, LODE_CHECK_OVER_VOLTAGE);
+    bad.condition.v_bus_V = nextafterf(250.0f, 300.0f);
+    check_debounce(good, bad, BUS_TURNS, LODE_CHECK_OVER_VOLTAGE);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_OVER_VOLTAGE, 250.0, 250.0);
 }
 
 static void test_under_voltage(void) {
     bench_t good = bench();
-    good.sample.v_bus_V = 120.0f;
+    good.condition.v_bus_V = 120.0f;
     bench_t bad = good;
-    bad.sample.v_bus_V = nextafterf(120.0f, 0.0f);
-    check_debounce(good, bad, BUS_PERIODS, LODE_CHECK_UNDER_VOLTAGE);
+    bad.condition.v_bus_V = nextafterf(120.0f, 0.0f);
+    check_debounce(good, bad, BUS_TURNS, LODE_CHECK_UNDER_VOLTAGE);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_UNDER_VOLTAGE, 120.0, 120.0);
 }
 
 static void test_over_temperature(void) {
     bench_t good = bench();
-    good.sample.temperature_degC = 90.0f;
+    good.condition.temperature_degC = 90.0f;
     bench_t bad = good;
-    bad.sample.temperature_degC = nextafterf(90.0f, 100.0f);
-    check_debounce(good, bad, BUS_PERIODS, LODE_CHECK_OVER_TEMPERATURE);
+    bad.condition.temperature_degC = nextafterf(90.0f, 100.0f);
+    check_debounce(good, bad, BUS_TURNS, LODE_CHECK_OVER_TEMPERATURE);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_OVER_TEMPERATURE, 90.0, 90.0);
 }
 
+// Rails are met in the fast part and forgotten in the slow one: up per period, down per turn without.
 static void test_current_rail(void) {
-    const bench_t good = bench();
-    bench_t bad = good;
-    bad.sample.railed = true;
-    check_debounce(good, bad, BUS_PERIODS, LODE_CHECK_CURRENT_RAIL);
+    bench_t b = bench();
+    b.sample.railed = true;
+    TEST_ASSERT_EQUAL_INT(RAIL_PERIODS, steps_to_trip(&b, 1000));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_RAIL, b.guard.fault.check);
+    // A single one, and then a turn without, for ever.
+    b = bench();
+    for (int n = 0; n < 1000; n++) {
+        b.sample.railed = n % (2 * WATCH_PERIODS) == 1;
+        TEST_ASSERT_TRUE(step(&b));
+    }
+    // One in every turn is not forgotten.
+    b = bench();
+    int n = 0;
+    do {
+        b.sample.railed = n % WATCH_PERIODS == 1;
+        n++;
+    } while (step(&b) && n < 1000);
+    TEST_ASSERT_EQUAL_INT((RAIL_PERIODS - 1) * WATCH_PERIODS + 2, n);
+    // One short of the limit is forgotten in as many turns, and no sooner.
+    for (int rest = 0; rest < RAIL_PERIODS; rest++) {
+        b = bench();
+        b.sample.railed = true;
+        for (int k = 0; k < RAIL_PERIODS - 1; k++) {
+            TEST_ASSERT_TRUE(fast_on_time(&b));
+        }
+        b.sample.railed = false;
+        for (int k = 0; k <= rest; k++) { // the first turn still sees it
+            TEST_ASSERT_TRUE(slow(&b));
+        }
+        b.sample.railed = true;
+        for (int k = 0; k < rest; k++) {
+            TEST_ASSERT_TRUE(fast_on_time(&b));
+        }
+        TEST_ASSERT_FALSE(fast_on_time(&b));
+    }
 }
 
 static void test_lost_lock(void) {
     bench_t good = bench();
-    good.estimate.lock = LODE_LOCK_LOST;
+    good.condition.lock = LODE_LOCK_LOST;
     bench_t bad = good;
-    bad.estimate.lock = nextafterf(LODE_LOCK_LOST, 0.0f);
-    check_debounce(good, bad, LOCK_PERIODS, LODE_CHECK_LOST_LOCK);
+    bad.condition.lock = nextafterf(LODE_LOCK_LOST, 0.0f);
+    check_debounce(good, bad, LOCK_TURNS, LODE_CHECK_LOST_LOCK);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_LOST_LOCK, 0.5, 0.5);
 }
 
+// The drive counts the speed in the commanded sense of rotation.
 static void test_over_speed_both_ways(void) {
-    for (int sign = -1; sign <= 1; sign += 2) {
-        bench_t good = bench();
-        good.now.direction = (float)sign;
-        good.estimate.omega_rad_s = 1500.0f * (float)sign;
-        bench_t bad = good;
-        bad.estimate.omega_rad_s = 1500.1f * (float)sign;
-        check_debounce(good, bad, LOCK_PERIODS, LODE_CHECK_OVER_SPEED);
-        (void)steps_to_trip(&bad, 100);
-        check_fault(&bad, LODE_CHECK_OVER_SPEED, 1500.1 * sign, 1500.0);
-    }
+    bench_t good = bench();
+    good.condition.omega_rad_s = 1500.0f;
+    bench_t bad = good;
+    bad.condition.omega_rad_s = 1500.1f;
+    check_debounce(good, bad, LOCK_TURNS, LODE_CHECK_OVER_SPEED);
+    (void)steps_to_trip(&bad, 100);
+    check_fault(&bad, LODE_CHECK_OVER_SPEED, 1500.1, 1500.0);
+    bench_t back = bench();
+    back.condition.omega_rad_s = -1500.1f;
+    TEST_ASSERT_EQUAL_INT(LOCK_PERIODS, steps_to_trip(&back, 100));
+    check_fault(&back, LODE_CHECK_OVER_SPEED, -1500.1, 1500.0);
 }
 
 static void test_wrong_way(void) {
-    for (int sign = -1; sign <= 1; sign += 2) {
-        bench_t good = bench();
-        good.now.direction = (float)sign;
-        good.estimate.omega_rad_s = 100.0f * (float)sign;
-        bench_t bad = good;
-        bad.estimate.omega_rad_s = -100.0f * (float)sign;
-        check_debounce(good, bad, LOCK_PERIODS, LODE_CHECK_WRONG_WAY);
-        (void)steps_to_trip(&bad, 100);
-        TEST_ASSERT_EQUAL_FLOAT(-100.0f * (float)sign, bad.guard.fault.measured);
-    }
+    bench_t good = bench();
+    good.condition.omega_rad_s = 100.0f;
+    bench_t bad = good;
+    bad.condition.omega_rad_s = -100.0f;
+    check_debounce(good, bad, LOCK_TURNS, LODE_CHECK_WRONG_WAY);
+    (void)steps_to_trip(&bad, 100);
+    TEST_ASSERT_EQUAL_FLOAT(-100.0f, bad.guard.fault.measured);
 }
 
 static void test_motion_is_watched_only_without_a_sensor(void) {
     bench_t b = bench();
     b.now.sensorless = false;
-    b.estimate.lock = 0.0f;
-    b.estimate.omega_rad_s = -9000.0f;
+    b.condition.lock = 0.0f;
+    b.condition.omega_rad_s = -9000.0f;
     TEST_ASSERT_EQUAL_INT(1000, steps_to_trip(&b, 1000));
 }
 
@@ -241,17 +298,17 @@ static void test_samples_that_are_no_number_trip(void) {
     for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
         const float x = check_not_finite[i];
         bench_t bus = bench();
-        bus.sample.v_bus_V = x;
+        bus.condition.v_bus_V = x;
         TEST_ASSERT_EQUAL_INT(BUS_PERIODS, steps_to_trip(&bus, 1000));
         bench_t lock = bench();
-        lock.estimate.lock = NAN;
+        lock.condition.lock = NAN;
         TEST_ASSERT_EQUAL_INT(LOCK_PERIODS, steps_to_trip(&lock, 1000));
         bench_t speed = bench();
-        speed.estimate.omega_rad_s = x;
+        speed.condition.omega_rad_s = x;
         TEST_ASSERT_EQUAL_INT(LOCK_PERIODS, steps_to_trip(&speed, 1000));
     }
     bench_t hot = bench();
-    hot.sample.temperature_degC = NAN;
+    hot.condition.temperature_degC = NAN;
     TEST_ASSERT_EQUAL_INT(BUS_PERIODS, steps_to_trip(&hot, 1000));
 }
 
@@ -259,9 +316,9 @@ static void test_samples_that_are_no_number_trip(void) {
 static bool late(uint32_t first, uint32_t passed) {
     bench_t b = bench();
     b.sample.stamp = first;
-    TEST_ASSERT_TRUE(lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now));
+    TEST_ASSERT_TRUE(fast(&b));
     b.sample.stamp = first + passed;
-    const bool runs = lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now);
+    const bool runs = fast(&b);
     if (!runs) {
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_TIMING, b.guard.fault.check);
     }
@@ -269,8 +326,8 @@ static bool late(uint32_t first, uint32_t passed) {
 }
 
 static void test_timing_by_the_stamp(void) {
-    // Starts include one that wraps round.
-    const uint32_t starts[] = {0u, 12345u, UINT32_MAX - 3u};
+    // Starts include one that wraps round, and one that a guard which has seen none could take for good.
+    const uint32_t starts[] = {0u, 12345u, UINT32_MAX - 3u, 1000u};
     for (int i = 0; i < COUNT_OF(starts); i++) {
         TEST_ASSERT_FALSE(late(starts[i], 1000u));
         TEST_ASSERT_FALSE(late(starts[i], 800u));
@@ -289,7 +346,7 @@ static void test_timing_is_not_watched_unless_configured(void) {
     random_t random = random_seed(1);
     for (int n = 0; n < 1000; n++) {
         b.sample.stamp = random_bits(&random);
-        TEST_ASSERT_TRUE(lode_guard_step(&b.guard, &b.tuning, &b.sample, &b.estimate, b.now));
+        TEST_ASSERT_TRUE(fast(&b));
     }
 }
 
@@ -320,14 +377,15 @@ static void test_the_first_cause_stays(void) {
 
 static void test_reset_forgets_fault_and_counts(void) {
     bench_t b = bench();
-    b.sample.v_bus_V = 300.0f;
-    (void)steps_to_trip(&b, BUS_PERIODS);
+    b.condition.v_bus_V = 300.0f;
+    TEST_ASSERT_EQUAL_INT(BUS_PERIODS - 1, steps_to_trip(&b, BUS_PERIODS - 1));
     b.now.finite = false;
     TEST_ASSERT_FALSE(step(&b));
     lode_guard_reset(&b.guard);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, b.guard.fault.check);
     b.now.finite = true;
     b.sample.stamp += 77777u;
+    b.periods = 0;
     TEST_ASSERT_EQUAL_INT(BUS_PERIODS, steps_to_trip(&b, 1000));
 }
 
@@ -386,16 +444,73 @@ static void test_every_field_at_its_limits(void) {
     }
 }
 
-static void test_times_become_periods(void) {
+static void test_times_become_periods_and_turns(void) {
+    // In turns of the slow checks, 0.8 ms, two at least: a single sample passes.
     const float times[] = {2.0e-4f, 4.0e-4f, 6.0e-4f, 1.0e-3f, 3.0e-3f, 15.0e-3f, 0.1f};
-    const int periods[] = {1, 2, 3, 5, 15, 75, 500};
+    const int periods[] = {2, 2, 3, 5, 15, 75, 500};
+    const int turns[] = {2, 2, 2, 2, 3, 18, 125};
     for (int i = 0; i < COUNT_OF(times); i++) {
         lode_guard_config_t config = sound();
         config.bus_s = times[i];
         config.lock_s = times[i];
         const lode_guard_tuning_t tuning = tuned(&config);
-        TEST_ASSERT_EQUAL_INT(periods[i], tuning.bus_periods);
-        TEST_ASSERT_EQUAL_INT(periods[i], tuning.lock_periods);
+        TEST_ASSERT_EQUAL_INT(periods[i], tuning.rail_periods);
+        TEST_ASSERT_EQUAL_INT(turns[i], tuning.bus_turns);
+        TEST_ASSERT_EQUAL_INT(turns[i], tuning.lock_turns);
+    }
+}
+
+static void test_the_fast_part_has_no_eye_on_what_is_slow(void) {
+    bench_t b = bench();
+    b.condition = (lode_condition_t){NAN, NAN, NAN, NAN};
+    for (int n = 0; n < 1000; n++) {
+        TEST_ASSERT_TRUE(fast_on_time(&b));
+    }
+    // Nor the slow part on what is fast.
+    b = bench();
+    b.sample.trip = true;
+    b.now.finite = false;
+    set_phase(&b, 0, 100.0f);
+    for (int n = 0; n < 1000; n++) {
+        TEST_ASSERT_TRUE(slow(&b));
+    }
+}
+
+static void test_counters_come_down_when_all_is_sound_again(void) {
+    // One turn short of a trip, then sound for as many: a new start from nothing.
+    bench_t b = bench();
+    for (int again = 0; again < 5; again++) {
+        b.condition.lock = 0.1f;
+        for (int n = 0; n < LOCK_TURNS - 1; n++) {
+            TEST_ASSERT_TRUE(slow(&b));
+        }
+        b.condition.lock = 0.9f;
+        for (int n = 0; n < LOCK_TURNS - 1; n++) {
+            TEST_ASSERT_TRUE(slow(&b));
+        }
+        TEST_ASSERT_EQUAL_UINT(0, b.guard.lock);
+    }
+    (void)slow(&b);
+    TEST_ASSERT_FALSE(b.guard.pending);
+    b.condition.lock = 0.1f;
+    for (int n = 1; n < LOCK_TURNS; n++) {
+        TEST_ASSERT_TRUE(slow(&b));
+    }
+    TEST_ASSERT_FALSE(slow(&b));
+}
+
+static void test_debounces_do_not_mix(void) {
+    // Each of the six in turn: every counter rises once in six turns and falls five times.
+    bench_t b = bench();
+    for (int n = 0; n < 6000; n++) {
+        b.condition = bench().condition;
+        b.sample.railed = n % 6 == 0;
+        b.condition.v_bus_V = n % 6 == 1 ? 300.0f : b.condition.v_bus_V;
+        b.condition.temperature_degC = n % 6 == 2 ? 95.0f : b.condition.temperature_degC;
+        b.condition.lock = n % 6 == 3 ? 0.1f : b.condition.lock;
+        b.condition.omega_rad_s = n % 6 == 4 ? 1600.0f : (n % 6 == 5 ? -10.0f : 300.0f);
+        TEST_ASSERT_TRUE(fast_on_time(&b));
+        TEST_ASSERT_TRUE(slow(&b));
     }
 }
 
@@ -439,7 +554,10 @@ int main(void) {
     RUN_TEST(test_reset_forgets_fault_and_counts);
     RUN_TEST(test_names_are_distinct);
     RUN_TEST(test_every_field_at_its_limits);
-    RUN_TEST(test_times_become_periods);
+    RUN_TEST(test_times_become_periods_and_turns);
+    RUN_TEST(test_the_fast_part_has_no_eye_on_what_is_slow);
+    RUN_TEST(test_counters_come_down_when_all_is_sound_again);
+    RUN_TEST(test_debounces_do_not_mix);
     RUN_TEST(test_design_fills_what_is_open);
     return UNITY_END();
 }

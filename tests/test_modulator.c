@@ -30,6 +30,19 @@ static lode_inverter_tuning_t ideal(void) {
 
 static const lode_ab_t no_current = {0.0f, 0.0f};
 
+/// Largest less smallest duty that a voltage needs at the worst angle: how the loss is shaped.
+static float span_of(lode_ab_t u, float bus) {
+    return lode_clamp(LODE_SQRT3 * lode_ab_length(u) / bus, 0.0f, 1.0f);
+}
+
+/// One period with the loss shaped for the voltage and the bus of that same period.
+static lode_modulator_out_t modulated(const lode_inverter_tuning_t *tuning, lode_ab_t u, float bus,
+                                      lode_ab_t i) {
+    const lode_loss_t shape =
+        lode_inverter_shape(tuning, span_of(u, bus), 1.0f / lode_max(bus, tuning->v_min_V));
+    return lode_modulator_step(tuning, shape, u, bus, i);
+}
+
 static bool inside(lode_abc_t d) {
     return lode_in_range(d.a, 0.0f, 1.0f) && lode_in_range(d.b, 0.0f, 1.0f) &&
            lode_in_range(d.c, 0.0f, 1.0f);
@@ -45,7 +58,7 @@ static void test_duties_are_those_of_space_vectors(void) {
         const modulator_case_t *g = &modulator_cases[i];
         const float bus = 120.0f + (float)i;
         const lode_ab_t u = {(float)(g->alpha * (double)bus), (float)(g->beta * (double)bus)};
-        const lode_modulator_out_t out = lode_modulator_step(&tuning, u, bus, no_current);
+        const lode_modulator_out_t out = modulated(&tuning, u, bus, no_current);
         // A few roundings of numbers up to 1.
         CHECK_NEAR(4.0e-7, g->duty[0], out.duty.a);
         CHECK_NEAR(4.0e-7, g->duty[1], out.duty.b);
@@ -60,7 +73,7 @@ static void test_line_to_line_voltages_are_exact_up_to_the_circle(void) {
     for (int i = 0; i < 3600; i++) {
         const double length = 0.99999 * 200.0 / sqrt(3.0) * (i % 7 + 1) / 7.0;
         const lode_ab_t u = vector(length, i * CHECK_PI / 1800.0);
-        const lode_abc_t d = lode_modulator_step(&tuning, u, 200.0f, no_current).duty;
+        const lode_abc_t d = modulated(&tuning, u, 200.0f, no_current).duty;
         const lode_abc_t v = lode_clarke_inverse(u);
         // 1e-6 of the bus.
         CHECK_NEAR(2.0e-4, v.a - v.b, 200.0f * (d.a - d.b));
@@ -74,7 +87,7 @@ static void test_line_to_line_voltages_are_exact_up_to_the_circle(void) {
 
 static void test_nothing_asked_for_is_half_on(void) {
     const lode_inverter_tuning_t tuning = ideal();
-    const lode_modulator_out_t out = lode_modulator_step(&tuning, no_current, 200.0f, no_current);
+    const lode_modulator_out_t out = modulated(&tuning, no_current, 200.0f, no_current);
     TEST_ASSERT_TRUE(out.duty.a == 0.5f && out.duty.b == 0.5f && out.duty.c == 0.5f);
     TEST_ASSERT_TRUE(out.realised.alpha == 0.0f && out.realised.beta == 0.0f);
 }
@@ -83,7 +96,7 @@ static void test_beyond_the_hexagon_realised_says_what_is_left(void) {
     const lode_inverter_tuning_t tuning = ideal();
     for (int i = 0; i < 720; i++) {
         const lode_ab_t u = vector(180.0, i * CHECK_PI / 360.0); // 1.56 times the circle
-        const lode_modulator_out_t out = lode_modulator_step(&tuning, u, 200.0f, no_current);
+        const lode_modulator_out_t out = modulated(&tuning, u, 200.0f, no_current);
         TEST_ASSERT_TRUE(inside(out.duty));
         const lode_ab_t expected = lode_clarke(out.duty);
         CHECK_NEAR(1.0e-6, expected.alpha, out.realised.alpha);
@@ -104,8 +117,8 @@ static void test_duties_lie_on_the_grid(void) {
         for (int n = 0; n < 2000; n++) {
             const lode_ab_t u = {random_float(&random, -130.0, 130.0),
                                  random_float(&random, -130.0, 130.0)};
-            const lode_modulator_out_t out = lode_modulator_step(&tuning, u, 200.0f, no_current);
-            const lode_abc_t exact = lode_modulator_step(&fine, u, 200.0f, no_current).duty;
+            const lode_modulator_out_t out = modulated(&tuning, u, 200.0f, no_current);
+            const lode_abc_t exact = modulated(&fine, u, 200.0f, no_current).duty;
             // A whole number of ticks, the nearest: half a tick, and float rounding of the product.
             CHECK_NEAR(0.01, round((double)out.duty.a * ticks), (double)out.duty.a * ticks);
             CHECK_NEAR(0.01, round((double)out.duty.c * ticks), (double)out.duty.c * ticks);
@@ -136,11 +149,11 @@ static void test_correction_adds_the_loss_and_realised_leaves_it_out(void) {
         const lode_ab_t i =
             vector(random_between(&random, 0.0, 3.0), random_between(&random, 0.0, 6.3));
         const lode_abc_t phases = lode_clarke_inverse(i);
-        const lode_modulator_out_t plain = lode_modulator_step(&off, u, 200.0f, i);
-        const lode_modulator_out_t out = lode_modulator_step(&on, u, 200.0f, i);
+        const lode_modulator_out_t plain = modulated(&off, u, 200.0f, i);
+        const lode_modulator_out_t out = modulated(&on, u, 200.0f, i);
         const lode_abc_t d = plain.duty;
-        const double span =
-            (double)(lode_max(lode_max(d.a, d.b), d.c) - lode_min(lode_min(d.a, d.b), d.c));
+        // Shaped for the amplitude, not for the angle of the moment: it is renewed now and then.
+        const double span = (double)span_of(u, 200.0f);
         CHECK_NEAR(1.0e-6, (double)d.a + loss_of(&on, (double)phases.a, span), out.duty.a);
         CHECK_NEAR(1.0e-6, (double)d.b + loss_of(&on, (double)phases.b, span), out.duty.b);
         CHECK_NEAR(1.0e-6, (double)d.c + loss_of(&on, (double)phases.c, span), out.duty.c);
@@ -155,7 +168,7 @@ static void test_correction_at_the_rail_is_lost_and_realised_says_so(void) {
     // Phase a at the upper rail with current out of it: nothing can be added.
     const lode_ab_t u = vector(0.5 * 200.0 * 2.0 / sqrt(3.0), CHECK_PI / 6.0);
     const lode_ab_t i = {5.0f, 0.0f};
-    const lode_modulator_out_t out = lode_modulator_step(&on, u, 200.0f, i);
+    const lode_modulator_out_t out = modulated(&on, u, 200.0f, i);
     CHECK_NEAR(1.0e-6, 1.0, out.duty.a);
     const double a = (double)out.duty.a - 0.025;
     const double b = (double)out.duty.b + 0.025;
@@ -169,8 +182,8 @@ static void test_the_model_takes_the_loss_out_of_realised_only(void) {
     const lode_inverter_tuning_t model = inverter(4.0e-6f, 0.0f, LODE_OFF, LODE_ON);
     const lode_ab_t u = {40.0f, -25.0f};
     const lode_ab_t i = {4.0f, 1.0f}; // phases 4, -1.13, -2.87: all beyond the dead band
-    const lode_modulator_out_t plain = lode_modulator_step(&off, u, 200.0f, i);
-    const lode_modulator_out_t out = lode_modulator_step(&model, u, 200.0f, i);
+    const lode_modulator_out_t plain = modulated(&off, u, 200.0f, i);
+    const lode_modulator_out_t out = modulated(&model, u, 200.0f, i);
     TEST_ASSERT_EQUAL_MEMORY(&plain.duty, &out.duty, sizeof out.duty);
     // Signs + - -: 4/3 of the loss on alpha, none on beta.
     CHECK_NEAR(1.0e-6, 40.0 / 200.0 - 0.025 * 4.0 / 3.0, out.realised.alpha);
@@ -182,7 +195,7 @@ static void test_a_low_bus_is_not_divided_by(void) {
     const float buses[] = {0.0f, -0.0f, -50.0f, 1.0e-40f, 1.0f, NAN, INFINITY, -INFINITY};
     for (int i = 0; i < COUNT_OF(buses); i++) {
         const lode_modulator_out_t out =
-            lode_modulator_step(&tuning, (lode_ab_t){10.0f, 3.0f}, buses[i], no_current);
+            modulated(&tuning, (lode_ab_t){10.0f, 3.0f}, buses[i], no_current);
         TEST_ASSERT_TRUE(inside(out.duty));
         TEST_ASSERT_TRUE(lode_ab_in_range(out.realised, 1.0f));
     }
@@ -195,9 +208,11 @@ static void test_any_input_gives_duties(void) {
     random_t random = random_seed(3);
     for (int n = 0; n < 400000; n++) {
         const lode_ab_t u = {random_any(&random), random_any(&random)};
-        const lode_ab_t i = {random_any(&random), random_any(&random)};
+        // Currents come from counts: finite, and never beyond 65535 of 1e4 A, twice.
+        const lode_ab_t i = {lode_clamp(random_any(&random), -1.3e9f, 1.3e9f),
+                             lode_clamp(random_any(&random), -1.3e9f, 1.3e9f)};
         const lode_modulator_out_t out =
-            lode_modulator_step(&tunings[n % COUNT_OF(tunings)], u, random_any(&random), i);
+            modulated(&tunings[n % COUNT_OF(tunings)], u, random_any(&random), i);
         TEST_ASSERT_TRUE(inside(out.duty));
         TEST_ASSERT_TRUE(lode_is_finite(out.realised.alpha) && lode_is_finite(out.realised.beta));
     }
@@ -209,11 +224,119 @@ static void test_scale_of_bus_and_voltage_alike_changes_nothing(void) {
     for (int n = 0; n < 10000; n++) {
         const lode_ab_t u = {random_float(&random, -100.0, 100.0),
                              random_float(&random, -100.0, 100.0)};
-        const lode_modulator_out_t one = lode_modulator_step(&tuning, u, 150.0f, no_current);
+        const lode_modulator_out_t one = modulated(&tuning, u, 150.0f, no_current);
         const lode_modulator_out_t two =
-            lode_modulator_step(&tuning, lode_ab_scale(2.0f, u), 300.0f, no_current);
+            modulated(&tuning, lode_ab_scale(2.0f, u), 300.0f, no_current);
         TEST_ASSERT_EQUAL_MEMORY(&one, &two, sizeof one);
     }
+}
+
+// --- The fast path -----------------------------------------------------------------------------
+
+/// Inverters whose fast path is used, from ideal to all but none left.
+static int plain_inverters(lode_inverter_tuning_t *tunings, int count) {
+    const float dead_times[] = {0.0f, 1.0e-6f, 4.0e-6f, 2.0e-5f, 4.0e-5f};
+    const float drops[] = {0.0f, 1.0f, 3.0f};
+    int n = 0;
+    for (int k = 0; k < COUNT_OF(dead_times) * COUNT_OF(drops) && n < count; k++) {
+        const lode_inverter_config_t config = {.v_bus_V = 200.0f,
+                                               .i_max_A = 12.0f,
+                                               .dead_time_s = dead_times[k / COUNT_OF(drops)],
+                                               .v_drop_V = drops[k % COUNT_OF(drops)],
+                                               .i_dead_A = 0.5f,
+                                               .dead_time_correction = LODE_ON,
+                                               .dead_time_model = LODE_OFF};
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_inverter_tune(&tunings[n], &config, PAPER_TS_s));
+        TEST_ASSERT_TRUE(tunings[n].plain);
+        n++;
+    }
+    return n;
+}
+
+/// Length of the longest vector of the fast path, V.
+static double free_length(const lode_inverter_tuning_t *tuning, double bus) {
+    return sqrt((double)tuning->v2_free) * fmax(bus, (double)tuning->v_min_V);
+}
+
+static void test_no_duty_of_the_fast_path_leaves_its_range(void) {
+    lode_inverter_tuning_t tunings[20];
+    const int count = plain_inverters(tunings, COUNT_OF(tunings));
+    random_t random = random_seed(5);
+    for (int t = 0; t < count; t++) {
+        const lode_inverter_tuning_t *tuning = &tunings[t];
+        for (int n = 0; n < 36000; n++) {
+            // Every angle and length, mostly the longest; the least bus now and then; a loss that is
+            // shaped for another voltage; currents far beyond any trip, where the loss is constant.
+            const float bus = n % 3 == 0 ? tuning->v_min_V : random_float(&random, 1.0, 250.0);
+            const double length = n % 2 == 0 ? 0.999999 : random_between(&random, 0.0, 1.0);
+            const lode_ab_t u =
+                vector(length * free_length(tuning, (double)bus), n * CHECK_PI / 1800.0);
+            const lode_ab_t i = vector(random_between(&random, 0.0, n % 5 == 0 ? 100.0 : 1.0),
+                                       random_between(&random, 0.0, 6.3));
+            const lode_loss_t shape = lode_inverter_shape(tuning, random_float(&random, 0.0, 1.0),
+                                                          1.0f / lode_max(bus, tuning->v_min_V));
+            const lode_modulator_out_t out = lode_modulator_step(tuning, shape, u, bus, i);
+            TEST_ASSERT_TRUE(inside(out.duty));
+        }
+    }
+}
+
+static void test_a_loss_that_leaves_no_room_leaves_no_fast_path(void) {
+    // A board of 24 V whose bus has gone: the drops alone are more than half of the least bus. With
+    // the bus, the circle of the current control is gone too: what it asks for is 0.
+    const lode_inverter_config_t config = {.v_bus_V = 24.0f,
+                                           .i_max_A = 12.0f,
+                                           .dead_time_s = 4.0e-6f,
+                                           .v_drop_V = 1.3f,
+                                           .i_dead_A = 0.5f,
+                                           .dead_time_correction = LODE_ON,
+                                           .dead_time_model = LODE_OFF};
+    lode_inverter_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_inverter_tune(&tuning, &config, PAPER_TS_s));
+    for (int n = 0; n < 360; n++) {
+        const lode_ab_t i = vector(10.0, n * CHECK_PI / 180.0);
+        TEST_ASSERT_TRUE(inside(modulated(&tuning, (lode_ab_t){0.0f, 0.0f}, 0.0f, i).duty));
+    }
+}
+
+static void test_the_fast_path_is_as_long_as_the_loss_leaves(void) {
+    // Each rail keeps the largest loss free: 1 - 2 loss of the circle, and a thousandth of it squared.
+    const lode_inverter_tuning_t none = ideal();
+    CHECK_CLOSE(1.1e-3, 1.0 / 3.0, none.v2_free);
+    const lode_inverter_tuning_t on = inverter(4.0e-6f, 0.0f, LODE_ON, LODE_OFF);
+    const double loss = 0.02 + 1.0 / (double)on.v_min_V;
+    CHECK_CLOSE(1.1e-3, (1.0 - 2.0 * loss) * (1.0 - 2.0 * loss) / 3.0, on.v2_free);
+    // The timer's grid and the model need every duty looked at.
+    TEST_ASSERT_TRUE(none.plain && on.plain);
+    TEST_ASSERT_FALSE(inverter(4.0e-6f, 8400.0f, LODE_ON, LODE_OFF).plain);
+    TEST_ASSERT_FALSE(inverter(4.0e-6f, 0.0f, LODE_OFF, LODE_ON).plain);
+}
+
+static void test_the_fast_path_gives_what_the_limit_gives(void) {
+    lode_inverter_tuning_t tunings[20];
+    const int count = plain_inverters(tunings, COUNT_OF(tunings));
+    random_t random = random_seed(6);
+    int fast = 0;
+    for (int t = 0; t < count; t++) {
+        lode_inverter_tuning_t limit = tunings[t];
+        limit.plain = false;
+        for (int n = 0; n < 10000; n++) {
+            const float bus = random_float(&random, 150.0, 250.0);
+            const lode_ab_t u =
+                vector(random_between(&random, 0.0, 1.2) * free_length(&limit, (double)bus),
+                       random_between(&random, 0.0, 6.3));
+            const lode_ab_t i =
+                vector(random_between(&random, 0.0, 20.0), random_between(&random, 0.0, 6.3));
+            const lode_modulator_out_t one = modulated(&tunings[t], u, bus, i);
+            const lode_modulator_out_t two = modulated(&limit, u, bus, i);
+            TEST_ASSERT_EQUAL_MEMORY(&two.duty, &one.duty, sizeof one.duty);
+            // The way through the duties and back rounds a few times.
+            CHECK_NEAR(4.0e-7, two.realised.alpha, one.realised.alpha);
+            CHECK_NEAR(4.0e-7, two.realised.beta, one.realised.beta);
+            fast += lode_ab_length(u) < 0.99f * (float)free_length(&limit, (double)bus) ? 1 : 0;
+        }
+    }
+    CHECK_AT_LEAST(0.7 * 10000.0 * count, fast); // the comparison was not one of equal paths
 }
 
 int main(void) {
@@ -229,5 +352,9 @@ int main(void) {
     RUN_TEST(test_a_low_bus_is_not_divided_by);
     RUN_TEST(test_any_input_gives_duties);
     RUN_TEST(test_scale_of_bus_and_voltage_alike_changes_nothing);
+    RUN_TEST(test_no_duty_of_the_fast_path_leaves_its_range);
+    RUN_TEST(test_a_loss_that_leaves_no_room_leaves_no_fast_path);
+    RUN_TEST(test_the_fast_path_is_as_long_as_the_loss_leaves);
+    RUN_TEST(test_the_fast_path_gives_what_the_limit_gives);
     return UNITY_END();
 }

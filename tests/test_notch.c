@@ -1,6 +1,7 @@
 // Notch at a harmonic of the speed: depth, the speeds at which it is out, in and between, limits.
 #include "support/fields.h"
 
+#include "lodestar/config.h"
 #include "lodestar/notch.h"
 
 void setUp(void) {}
@@ -18,15 +19,28 @@ static lode_notch_tuning_t tuned(double order, double k) {
     return tuning;
 }
 
+/// A notch that has seen nothing yet.
+static lode_notch_t empty(void) {
+    lode_notch_t notch = {.weight = 0.0f};
+    lode_sogi_reset(&notch.sogi);
+    return notch;
+}
+
+/// One period at the speed `omega`.
+static float stepped(lode_notch_t *notch, const lode_notch_tuning_t *tuning, float omega,
+                     float error) {
+    lode_notch_adapt(notch, tuning, omega);
+    return lode_notch_step(notch, error);
+}
+
 /// Largest output over the last 1000 of `steps` calls with cos(turn k) + dc at the speed `omega`.
 static double worst_output(const lode_notch_tuning_t *tuning, double omega, double turn, double dc,
                            int steps) {
-    lode_sogi_t sogi;
-    lode_sogi_reset(&sogi);
+    lode_notch_t notch = empty();
     worst_t worst = {0.0};
     for (int k = 0; k < steps; k++) {
         const float error = (float)(cos(turn * k) + dc);
-        const float out = lode_notch_step(&sogi, tuning, (float)omega, error);
+        const float out = stepped(&notch, tuning, (float)omega, error);
         worst_note(&worst, k >= steps - 1000 ? (double)out - dc : 0.0);
     }
     return worst.value;
@@ -69,12 +83,11 @@ static void test_between_it_is_blended(void) {
 
 /// Every sample comes out as it went in, bit by bit.
 static void check_unchanged(const lode_notch_tuning_t *tuning, double omega) {
-    lode_sogi_t sogi;
-    lode_sogi_reset(&sogi);
+    lode_notch_t notch = empty();
     random_t random = random_seed(1);
     for (int k = 0; k < 1000; k++) {
         const float error = random_float(&random, -1.0, 1.0);
-        TEST_ASSERT_TRUE(lode_notch_step(&sogi, tuning, (float)omega, error) == error);
+        TEST_ASSERT_TRUE(stepped(&notch, tuning, (float)omega, error) == error);
     }
 }
 
@@ -107,21 +120,21 @@ static void test_without_width_there_is_no_notch(void) {
     const lode_notch_tuning_t none = tuned(6.0, 0.0);
     check_unchanged(&none, 300.0);
     check_unchanged(&none, -300.0);
-    lode_sogi_t sogi;
-    lode_sogi_reset(&sogi);
-    const lode_sogi_t before = sogi;
-    for (int i = 0; i < COUNT_OF(check_odd_floats); i++) {
-        const float out = lode_notch_step(&sogi, &none, 300.0f, check_odd_floats[i]);
-        TEST_ASSERT_EQUAL_MEMORY(&check_odd_floats[i], &out, sizeof out);
-        TEST_ASSERT_EQUAL_MEMORY(&before, &sogi, sizeof sogi);
+    lode_notch_t notch = empty();
+    // The estimator does not even call it; it is empty and stays so.
+    random_t random = random_seed(2);
+    const lode_notch_t before = notch;
+    for (int i = 0; i < 1000; i++) {
+        const float error = random_float(&random, -1.0, 1.0);
+        TEST_ASSERT_TRUE(stepped(&notch, &none, 300.0f, error) == error);
+        TEST_ASSERT_EQUAL_MEMORY(&before, &notch, sizeof notch);
     }
 }
 
 static void test_no_jump_while_the_speed_changes(void) {
     // Twice up and down through the blend, sigma = 100: the harmonic at 500 .. 900 rad/s.
     const lode_notch_tuning_t tuning = tuned(6.0, 0.5);
-    lode_sogi_t sogi;
-    lode_sogi_reset(&sogi);
+    lode_notch_t notch = empty();
     double angle = 0.0;
     double before = 0.0;
     worst_t jump = {0.0};
@@ -130,7 +143,7 @@ static void test_no_jump_while_the_speed_changes(void) {
         const double centre = 700.0 - 200.0 * cos(2.0 * CHECK_PI * k / 10000.0);
         angle += centre * (double)PAPER_TS_s;
         const float error = (float)(0.1 + 0.05 * cos(angle));
-        const double out = (double)lode_notch_step(&sogi, &tuning, (float)(centre / 6.0), error);
+        const double out = (double)stepped(&notch, &tuning, (float)(centre / 6.0), error);
         worst_note(&jump, k > 0 ? out - before : 0.0);
         worst_note(&size, out - 0.1);
         before = out;
@@ -144,28 +157,48 @@ static void test_no_jump_while_the_speed_changes(void) {
 static void test_an_offset_alone_never_moves(void) {
     // The filter runs before it is blended in: a constant passes at whatever speed.
     const lode_notch_tuning_t tuning = tuned(6.0, 0.5);
-    lode_sogi_t sogi;
-    lode_sogi_reset(&sogi);
+    lode_notch_t notch = empty();
     for (int k = 0; k < 40000; k++) {
         const double omega = 3000.0 * sin(2.0 * CHECK_PI * k / 20000.0);
-        const float out = lode_notch_step(&sogi, &tuning, (float)omega, 0.25f);
+        const float out = stepped(&notch, &tuning, (float)omega, 0.25f);
         // From reset the first blend begins after 21 ms and 1.6 time constants 2/(k wn): 3 % are
         // left of the start.
         CHECK_NEAR(k < 1000 ? 1.0e-2 : 2.0e-6, 0.25, out);
     }
 }
 
-static void test_what_is_no_number_does_not_stay(void) {
+// An error that is no number never gets here: the estimator starts anew instead. Speeds may be any.
+static void test_adapting_is_total(void) {
     const lode_notch_tuning_t tuning = tuned(6.0, 0.5);
-    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
-        lode_sogi_t sogi;
-        lode_sogi_reset(&sogi);
-        (void)lode_notch_step(&sogi, &tuning, 300.0f, check_not_finite[i]);
-        (void)lode_notch_step(&sogi, &tuning, check_not_finite[i], 0.1f);
-        for (int k = 0; k < 10; k++) {
-            TEST_ASSERT_TRUE(lode_is_finite(lode_notch_step(&sogi, &tuning, 300.0f, 0.1f)));
-        }
+    random_t random = random_seed(3);
+    lode_notch_t notch = empty();
+    for (int n = 0; n < 200000; n++) {
+        const float speed = n < 3 ? check_not_finite[n] : random_any(&random);
+        lode_notch_adapt(&notch, &tuning, speed);
+        TEST_ASSERT_TRUE(lode_in_range(notch.weight, 0.0f, 1.0f));
+        TEST_ASSERT_TRUE(lode_is_finite(lode_notch_step(&notch, random_float(&random, -1.0, 1.0))));
     }
+}
+
+static void test_adapting_now_and_then_is_enough(void) {
+    // A ramp of 628 rad/s^2 moves the speed by 1 rad/s in LODE_SLOW_PERIODS; the notch is 150 rad/s
+    // wide at 900 rpm.
+    const lode_notch_tuning_t tuning = tuned(6.0, 0.5);
+    lode_notch_t often = empty();
+    lode_notch_t seldom = empty();
+    double angle = 0.0;
+    worst_t apart = {0.0};
+    for (int k = 0; k < 5000; k++) {
+        const double omega = 150.0 + 628.0 * (double)PAPER_TS_s * k;
+        angle += 6.0 * omega * (double)PAPER_TS_s;
+        const float error = (float)cos(angle);
+        if (k % (int)LODE_SLOW_PERIODS == 0) {
+            lode_notch_adapt(&seldom, &tuning, (float)omega);
+        }
+        worst_note(&apart, (double)stepped(&often, &tuning, (float)omega, error) -
+                               (double)lode_notch_step(&seldom, error));
+    }
+    CHECK_AT_MOST(0.02, apart.value);
 }
 
 static lode_status_t try_width(size_t offset, float value) {
@@ -198,7 +231,8 @@ int main(void) {
     RUN_TEST(test_without_width_there_is_no_notch);
     RUN_TEST(test_no_jump_while_the_speed_changes);
     RUN_TEST(test_an_offset_alone_never_moves);
-    RUN_TEST(test_what_is_no_number_does_not_stay);
+    RUN_TEST(test_adapting_is_total);
+    RUN_TEST(test_adapting_now_and_then_is_enough);
     RUN_TEST(test_width_at_its_limits);
     return UNITY_END();
 }

@@ -105,6 +105,23 @@ static void test_closed_loop_around_an_integrator(void) {
     CHECK_NEAR(1.0e-4, 1.0, x);
 }
 
+static void test_integrating_is_settling_inside_the_limits(void) {
+    random_t random = random_seed(1);
+    for (int n = 0; n < 100000; n++) {
+        const lode_pi_tuning_t tuning = {.kp = random_float(&random, 0.0, 10.0),
+                                         .ki_Ts = random_float(&random, 0.0, 1.0)};
+        lode_pi_t one;
+        lode_pi_reset(&one, random_float(&random, -100.0, 100.0));
+        lode_pi_t two = one;
+        const float error = random_float(&random, -20.0, 20.0);
+        const float ff = random_float(&random, -50.0, 50.0);
+        const float output = lode_pi_output(&one, &tuning, error, ff);
+        lode_pi_settle(&one, &tuning, error, ff, output, output);
+        lode_pi_integrate(&two, &tuning, error);
+        TEST_ASSERT_TRUE(one.integral == two.integral);
+    }
+}
+
 static void test_reset_is_idempotent(void) {
     lode_pi_t pi;
     lode_pi_reset(&pi, -4.0f);
@@ -120,6 +137,7 @@ int main(void) {
     RUN_TEST(test_release_from_saturation_does_not_kick);
     RUN_TEST(test_integral_never_takes_in_the_feed_forward);
     RUN_TEST(test_closed_loop_around_an_integrator);
+    RUN_TEST(test_integrating_is_settling_inside_the_limits);
     RUN_TEST(test_reset_is_idempotent);
     return UNITY_END();
 }

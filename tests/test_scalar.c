@@ -95,6 +95,37 @@ static void test_sincos_beyond_the_limit_is_that_of_zero(void) {
     CHECK_NEAR(1.0e-4, cos(-2048.0), lode_sincos(-LODE_ANGLE_LIMIT_rad).cos);
 }
 
+static void test_sincos_of_an_octant(void) {
+    worst_t worst = {0.0};
+    for (int i = -200000; i <= 200000; i++) {
+        const float x = (float)(i * CHECK_PI / 800000.0);
+        const lode_sincos_t s = lode_sincos_octant(x);
+        worst_note(&worst, (double)s.sin - sin((double)x));
+        worst_note(&worst, (double)s.cos - cos((double)x));
+        // Within the octant there is nothing to reduce: the same to the bit. At its end either may be.
+        const lode_sincos_t whole = lode_sincos(x);
+        TEST_ASSERT_TRUE((s.sin == whole.sin && s.cos == whole.cos) || i <= -199999 || i >= 199999);
+    }
+    CHECK_AT_MOST(1.0e-7, worst.value);
+}
+
+static void test_sincos_of_a_small_angle(void) {
+    worst_t at_quarter = {0.0};
+    for (int i = -100000; i <= 100000; i++) {
+        const float x = 0.5f * (float)i / 100000.0f;
+        const double a = fabs((double)x);
+        const lode_sincos_t s = lode_sincos_small(x);
+        const double angle = angle_error(atan2((double)s.sin, (double)s.cos), (double)x);
+        // x^5/30 of angle and x^4/24 of length, with the next terms of both series, and rounding.
+        CHECK_NEAR(1.3 * pow(a, 5.0) / 30.0 + 1.0e-7, 0.0, angle);
+        CHECK_NEAR(1.3 * pow(a, 4.0) / 24.0 + 2.0e-7, 1.0, hypot((double)s.sin, (double)s.cos));
+        worst_note(&at_quarter, a <= 0.25 ? angle : 0.0);
+    }
+    CHECK_AT_MOST(3.5e-5, at_quarter.value); // as documented, to its one digit
+    const lode_sincos_t zero = lode_sincos_small(0.0f);
+    TEST_ASSERT_TRUE(zero.sin == 0.0f && zero.cos == 1.0f);
+}
+
 static double horner(const double *c, int count, double t) {
     double value = 0.0;
     for (int i = count - 1; i >= 0; i--) {
@@ -286,6 +317,8 @@ int main(void) {
     RUN_TEST(test_sine_is_odd_and_cosine_even);
     RUN_TEST(test_sincos_of_any_float_lies_within_one);
     RUN_TEST(test_sincos_beyond_the_limit_is_that_of_zero);
+    RUN_TEST(test_sincos_of_an_octant);
+    RUN_TEST(test_sincos_of_a_small_angle);
     RUN_TEST(test_polynomials_are_the_generated_ones);
     RUN_TEST(test_atan2_error_in_all_octants);
     RUN_TEST(test_atan2_on_axes_diagonals_and_denormals);

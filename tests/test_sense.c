@@ -36,7 +36,12 @@ static lode_sample_t sampled(const lode_sense_config_t *config, lode_counts_t co
     const lode_sense_tuning_t tuning = tuned(config);
     lode_sense_t sense;
     lode_sense_reset(&sense, &tuning);
-    return lode_sense_step(&sense, &tuning, &counts, duty);
+    return lode_sense_step(&sense, &tuning, &counts, &duty);
+}
+
+static double degrees(const lode_sense_config_t *config, lode_sample_t sample) {
+    const lode_sense_tuning_t tuning = tuned(config);
+    return (double)lode_sense_temperature_degC(&tuning, sample.temperature_count);
 }
 
 // Products of counts up to 65535 in float.
@@ -54,7 +59,7 @@ static void test_three_shunts(void) {
     CHECK_NEAR(ROUNDING, (2.5 + 1.25 - 0.625) / 3.0, s.i_A.alpha);
     CHECK_NEAR(ROUNDING, (-1.25 - 0.625) / sqrt(3.0), s.i_A.beta);
     CHECK_NEAR(ROUNDING, 200.0, s.v_bus_V);
-    CHECK_NEAR(ROUNDING, 25.0, s.temperature_degC);
+    CHECK_NEAR(ROUNDING, 25.0, degrees(&config, s));
     TEST_ASSERT_TRUE(s.trip);
     TEST_ASSERT_EQUAL_UINT32(77, s.stamp);
     TEST_ASSERT_FALSE(s.railed);
@@ -90,7 +95,7 @@ static void test_no_temperature_sensor(void) {
     config.temperature_gain_degC_count = 0.0f;
     config.temperature_offset_degC = 25.0f;
     const lode_counts_t counts = {.temperature = 65535};
-    CHECK_NEAR(ROUNDING, 25.0, sampled(&config, counts, half).temperature_degC);
+    CHECK_NEAR(ROUNDING, 25.0, degrees(&config, sampled(&config, counts, half)));
 }
 
 static void test_rails_are_reported(void) {
@@ -178,6 +183,62 @@ static void test_the_rail_of_a_sample_that_is_not_used_does_not_count(void) {
     }
 }
 
+static void test_windowed_is_where_a_phase_may_be_missing(void) {
+    lode_sense_config_t config = board();
+    TEST_ASSERT_FALSE(tuned(&config).windowed);
+    config.duty_max = 0.999f;
+    TEST_ASSERT_TRUE(tuned(&config).windowed);
+    config.duty_max = 1.0f;
+    config.shunts = LODE_SHUNTS_TWO;
+    TEST_ASSERT_TRUE(tuned(&config).windowed);
+    // All three phases in every period: the duties do not matter.
+    config.shunts = LODE_SHUNTS_THREE;
+    const lode_counts_t counts = {.i = {2148, 1948, 2098}, .v_bus = 2000};
+    const lode_sample_t s = sampled(&config, counts, (lode_abc_t){1.0f, 1.0f, 1.0f});
+    const lode_sample_t t = sampled(&config, counts, half);
+    TEST_ASSERT_EQUAL_MEMORY(&t.i_abc_A, &s.i_abc_A, sizeof s.i_abc_A);
+    TEST_ASSERT_EQUAL_MEMORY(&t.i_A, &s.i_A, sizeof s.i_A);
+}
+
+static void test_vector_is_that_of_the_phases(void) {
+    random_t random = random_seed(6);
+    const float duty_maxima[] = {1.0f, 0.9f};
+    for (int n = 0; n < 20000; n++) {
+        lode_sense_config_t config = board();
+        config.shunts = n % 2 == 0 ? LODE_SHUNTS_THREE : LODE_SHUNTS_TWO;
+        config.duty_max = duty_maxima[n / 2 % 2];
+        const lode_counts_t counts = {.i = {(uint16_t)(random_bits(&random) % 4096u),
+                                            (uint16_t)(random_bits(&random) % 4096u),
+                                            (uint16_t)(random_bits(&random) % 4096u)}};
+        const lode_abc_t duty = {random_float(&random, 0.0, 1.0), random_float(&random, 0.0, 1.0),
+                                 random_float(&random, 0.0, 1.0)};
+        const lode_sample_t s = sampled(&config, counts, duty);
+        const lode_ab_t expected = lode_clarke(s.i_abc_A);
+        CHECK_NEAR(ROUNDING, expected.alpha, s.i_A.alpha);
+        CHECK_NEAR(ROUNDING, expected.beta, s.i_A.beta);
+    }
+}
+
+static void test_every_sample_at_a_rail_is_an_alert(void) {
+    // The rails are looked at only then: whatever offset a calibration may have found.
+    const uint16_t rails[] = {0, 4095, 4096, 65535};
+    const lode_sense_config_t config = board();
+    const lode_sense_tuning_t tuning = tuned(&config);
+    random_t random = random_seed(5);
+    for (int n = 0; n < 12000; n++) {
+        lode_sense_t sense;
+        lode_sense_reset(&sense, &tuning);
+        sense.offset_count = (lode_abc_t){2048.0f + random_float(&random, -100.0, 100.0),
+                                          2048.0f + random_float(&random, -100.0, 100.0),
+                                          2048.0f + random_float(&random, -100.0, 100.0)};
+        lode_counts_t counts = {.i = {2048, 2048, 2048}};
+        TEST_ASSERT_FALSE(lode_sense_step(&sense, &tuning, &counts, &half).alert);
+        counts.i[n % 3] = rails[n / 3 % COUNT_OF(rails)];
+        const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, &half);
+        TEST_ASSERT_TRUE(s.alert && s.railed);
+    }
+}
+
 /// Calibrates on counts that alternate by +-3 about the given means.
 static lode_calibration_t calibrate(lode_sense_t *sense, const lode_sense_tuning_t *tuning, int a,
                                     int b, int c, int *steps, float *worst) {
@@ -208,7 +269,7 @@ static void test_calibration_averages(void) {
         CHECK_NEAR(1.0e-3, 58.0, fabsf(worst));
     }
     const lode_counts_t counts = {.i = {2060, 1990, 2150}};
-    const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, half);
+    const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, &half);
     CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.a);
     CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.b);
     CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.c);
@@ -385,7 +446,7 @@ static void test_samples_are_finite_for_any_accepted_gain(void) {
                 .i = {65535, 0, 65535}, .v_bus = 65535, .temperature = 65535};
             const lode_sample_t s = sampled(&config, counts, half);
             TEST_ASSERT_TRUE(isfinite(s.i_A.alpha) && isfinite(s.i_A.beta));
-            TEST_ASSERT_TRUE(isfinite(s.v_bus_V) && isfinite(s.temperature_degC));
+            TEST_ASSERT_TRUE(isfinite(s.v_bus_V) && isfinite(degrees(&config, s)));
         }
     }
 }
@@ -414,6 +475,9 @@ int main(void) {
     RUN_TEST(test_a_phase_without_a_window_follows_from_the_others);
     RUN_TEST(test_of_two_phases_without_a_window_the_longest_is_replaced);
     RUN_TEST(test_the_rail_of_a_sample_that_is_not_used_does_not_count);
+    RUN_TEST(test_windowed_is_where_a_phase_may_be_missing);
+    RUN_TEST(test_vector_is_that_of_the_phases);
+    RUN_TEST(test_every_sample_at_a_rail_is_an_alert);
     RUN_TEST(test_calibration_averages);
     RUN_TEST(test_implausible_offsets_change_nothing);
     RUN_TEST(test_calibration_of_two_shunts_ignores_the_third);

@@ -319,7 +319,8 @@ static double bench_step(bench_t *b, double complex deviation) {
     (void)lode_estimator_step(&b->estimator, &b->tuning,
                               (lode_ab_t){(float)creal(m), (float)cimag(m)},
                               (lode_ab_t){0.0f, 0.0f});
-    return angle_error((double)b->estimator.pll.theta_rad, b->theta);
+    const lode_sincos_t frame = b->estimator.pll.frame;
+    return angle_error(atan2((double)frame.sin, (double)frame.cos), b->theta);
 }
 
 /// Settled: what the observer's lag leaves.
@@ -348,7 +349,7 @@ static void check_return(const lode_estimator_tuning_t *tuning, double omega, do
     const joint_input_t none = {0.0, 0.0};
     double x[2][JOINT_STATES_MAX] = {{0.0}};
     x[0][joint.pll] = off;
-    bench.estimator.pll.theta_rad += (float)off;
+    bench.estimator.pll.frame = lode_angle_add(bench.estimator.pll.frame, lode_sincos((float)off));
     worst_t worst = {0.0};
     for (int k = 0; k < 1500; k++) { // 0.3 s
         joint_step(&joint, &none, x[k % 2], x[1 - k % 2]);
@@ -427,7 +428,7 @@ static void check_swing(const lode_estimator_tuning_t *rest_tuning,
     const float psi = bench.tuning.psi_Wb;
     bench.tuning = *tuning;
     bench.tuning.psi_Wb = psi;
-    bench.estimator.pll.theta_rad += 0.02f;
+    bench.estimator.pll.frame = lode_angle_add(bench.estimator.pll.frame, lode_sincos(0.02f));
     for (double t = 0.0; t < wait_s; t += TS) { // what is better damped dies first
         (void)bench_step(&bench, 0.0);
     }
@@ -572,13 +573,13 @@ static void test_sampled_notch_is_the_firmware(void) {
     const double at[] = {300.0, 850.0, 900.0, 2000.0};
     const loop_ratio_t notch = loop_notch_sampled(0.5, centre, TS);
     for (int k = 0; k < COUNT_OF(at); k++) {
+        const lode_sogi_tuning_t tuning = lode_sogi_tune(0.5f, (float)(centre * TS));
         lode_sogi_t state;
         lode_sogi_reset(&state);
         double complex sum = 0.0;
         const int count = (int)(20.0 * 2.0 * CHECK_PI / (at[k] * TS) + 0.5);
         for (int n = 0; n < 3000 + count; n++) {
-            const lode_sogi_out_t out =
-                lode_sogi_step(&state, 0.5f, (float)(centre * TS), (float)cos(at[k] * TS * n));
+            const lode_sogi_out_t out = lode_sogi_step(&state, &tuning, (float)cos(at[k] * TS * n));
             sum += n < 3000 ? 0.0 : (double)out.notch * cexp(-I * at[k] * TS * n);
         }
         // 20 periods end within half a sample: 1e-2 of a period in 20.

@@ -8,14 +8,20 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
+/// Tuned and stepped in one.
+static lode_sogi_out_t stepped(lode_sogi_t *sogi, float k, float wn_Ts, float x) {
+    const lode_sogi_tuning_t tuning = lode_sogi_tune(k, wn_Ts);
+    return lode_sogi_step(sogi, &tuning, x);
+}
+
 static void test_notch_against_the_direct_form(void) {
     for (int c = 0; c < COUNT_OF(sogi_cases); c++) {
         const sogi_case_t *golden = &sogi_cases[c];
         lode_sogi_t sogi;
         lode_sogi_reset(&sogi);
         for (int n = 0; n < COUNT_OF(golden->input); n++) {
-            const lode_sogi_out_t out = lode_sogi_step(
-                &sogi, (float)golden->k, (float)golden->wn_Ts, (float)golden->input[n]);
+            const lode_sogi_out_t out =
+                stepped(&sogi, (float)golden->k, (float)golden->wn_Ts, (float)golden->input[n]);
             // Inputs up to 1; a float centre is off by 6e-8 and its error adds up over 120 steps.
             CHECK_NEAR(3.0e-6, golden->notch[n], out.notch);
             CHECK_NEAR(1.0e-6, golden->input[n], out.notch + out.in_phase);
@@ -47,7 +53,7 @@ static response_t respond(float k, float wn_Ts, double turn, int settle) {
     response_t response = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     for (int n = 0; n < settle + 4000; n++) {
         const double angle = turn * n;
-        const lode_sogi_out_t out = lode_sogi_step(&sogi, k, wn_Ts, (float)cos(angle));
+        const lode_sogi_out_t out = stepped(&sogi, k, wn_Ts, (float)cos(angle));
         if (n >= settle) {
             correlate(&response.notch, angle, (double)out.notch, 2.0 / 4000.0);
             correlate(&response.in_phase, angle, (double)out.in_phase, 2.0 / 4000.0);
@@ -113,7 +119,7 @@ static void test_dc_passes(void) {
         lode_sogi_reset(&sogi);
         lode_sogi_out_t out = {0.0f, 0.0f, 0.0f};
         for (int n = 0; n < 20000; n++) {
-            out = lode_sogi_step(&sogi, 0.5f, (float)(2.0 * CHECK_PI * centres[c] / 4000.0), 3.0f);
+            out = stepped(&sogi, 0.5f, (float)(2.0 * CHECK_PI * centres[c] / 4000.0), 3.0f);
         }
         CHECK_NEAR(1.0e-5, 3.0, out.notch); // rounding of the integrators
         CHECK_NEAR(1.0e-5, 0.0, out.in_phase);
@@ -135,8 +141,8 @@ static void test_width_and_centre_are_clamped(void) {
     for (int n = 0; n < 600; n++) {
         const float *c = cases[n % COUNT_OF(cases)];
         const float x = random_float(&random, -1.0, 1.0);
-        const lode_sogi_out_t asked = lode_sogi_step(&a, c[0], c[1], x);
-        const lode_sogi_out_t clamped = lode_sogi_step(&b, c[2], c[3], x);
+        const lode_sogi_out_t asked = stepped(&a, c[0], c[1], x);
+        const lode_sogi_out_t clamped = stepped(&b, c[2], c[3], x);
         TEST_ASSERT_EQUAL_MEMORY(&clamped, &asked, sizeof asked);
     }
 }
@@ -148,8 +154,7 @@ static void test_a_moving_centre_stays_bounded(void) {
     worst_t worst = {0.0};
     for (int n = 0; n < 500000; n++) {
         const float centre = random_float(&random, 1.0e-4, 2.5);
-        const lode_sogi_out_t out =
-            lode_sogi_step(&sogi, 0.5f, centre, random_float(&random, -1.0, 1.0));
+        const lode_sogi_out_t out = stepped(&sogi, 0.5f, centre, random_float(&random, -1.0, 1.0));
         worst_note(&worst, (double)out.notch);
         worst_note(&worst, (double)out.quadrature);
     }
@@ -166,7 +171,7 @@ static void test_a_slow_sweep_follows_the_input(void) {
     for (int n = 0; n < 200000; n++) {
         const double turn = 0.05 + 1.5 * n / 200000.0;
         angle += turn;
-        const lode_sogi_out_t out = lode_sogi_step(&sogi, 0.5f, (float)turn, (float)cos(angle));
+        const lode_sogi_out_t out = stepped(&sogi, 0.5f, (float)turn, (float)cos(angle));
         if (n > 2000) {
             worst_note(&worst, (double)out.notch);
         }
@@ -176,29 +181,53 @@ static void test_a_slow_sweep_follows_the_input(void) {
     CHECK_AT_MOST(0.05, worst.value);
 }
 
-static void test_what_is_no_number_resets(void) {
-    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
-        lode_sogi_t sogi;
-        lode_sogi_reset(&sogi);
-        for (int n = 0; n < 10; n++) {
-            (void)lode_sogi_step(&sogi, 0.5f, 0.3f, 1.0f);
-        }
-        const lode_sogi_out_t out = lode_sogi_step(&sogi, 0.5f, 0.3f, check_not_finite[i]);
-        TEST_ASSERT_TRUE(out.notch == 0.0f && out.in_phase == 0.0f && out.quadrature == 0.0f);
-        TEST_ASSERT_TRUE(sogi.band == 0.0f && sogi.low == 0.0f);
+static void test_tuning_is_total(void) {
+    random_t random = random_seed(3);
+    for (int n = 0; n < 500000; n++) {
+        const lode_sogi_tuning_t t = lode_sogi_tune(random_any(&random), random_any(&random));
+        TEST_ASSERT_TRUE(lode_in_range(t.width, 0.001f, 2.0f));
+        // The prewarped gain at 1e-4 and 2.5 rad per sample: 5e-5 and 3.01.
+        CHECK_AT_LEAST(4.9e-5, (double)t.g);
+        CHECK_AT_MOST(3.02, (double)t.g);
+        TEST_ASSERT_TRUE(t.inv_sum > 0.0f && t.inv_sum <= 1.0f);
     }
 }
 
-static void test_outputs_are_finite_for_any_input(void) {
+// What is no number is kept out by the caller, and the step no longer looks: its input is bounded.
+static void test_outputs_are_finite_for_any_input_in_bounds(void) {
     lode_sogi_t sogi;
     lode_sogi_reset(&sogi);
-    random_t random = random_seed(3);
+    random_t random = random_seed(4);
     for (int n = 0; n < 500000; n++) {
-        const lode_sogi_out_t out =
-            lode_sogi_step(&sogi, random_any(&random), random_any(&random), random_any(&random));
+        const float x = lode_clamp(random_any(&random), -1.0e12f, 1.0e12f);
+        const lode_sogi_out_t out = stepped(&sogi, random_any(&random), random_any(&random), x);
         TEST_ASSERT_TRUE(lode_is_finite(out.notch) && lode_is_finite(out.in_phase) &&
                          lode_is_finite(out.quadrature));
     }
+}
+
+static void test_the_narrowest_band_in_resonance_stays_finite(void) {
+    // The largest input at the centre of the narrowest band: the pair builds up to that input.
+    const float centres_rad[] = {LODE_SOGI_CENTRE_MIN_rad, 0.3f, LODE_SOGI_CENTRE_MAX_rad};
+    for (int c = 0; c < COUNT_OF(centres_rad); c++) {
+        lode_sogi_t sogi;
+        lode_sogi_reset(&sogi);
+        const lode_sogi_tuning_t tuning = lode_sogi_tune(0.0f, centres_rad[c]);
+        for (int n = 0; n < 300000; n++) {
+            const float x =
+                1.0e12f * lode_sign(cosf((float)fmod((double)centres_rad[c] * n, 2.0 * CHECK_PI)));
+            const lode_sogi_out_t out = lode_sogi_step(&sogi, &tuning, x);
+            // A square wave has 4/pi of its fundamental.
+            CHECK_AT_MOST(1.5e12, fabsf(out.in_phase));
+            CHECK_AT_MOST(1.5e12, fabsf(out.quadrature));
+        }
+    }
+}
+
+static void test_reset_empties_both_integrators(void) {
+    lode_sogi_t sogi = {1.0f, NAN};
+    lode_sogi_reset(&sogi);
+    TEST_ASSERT_TRUE(sogi.band == 0.0f && sogi.low == 0.0f);
 }
 
 int main(void) {
@@ -210,7 +239,9 @@ int main(void) {
     RUN_TEST(test_width_and_centre_are_clamped);
     RUN_TEST(test_a_moving_centre_stays_bounded);
     RUN_TEST(test_a_slow_sweep_follows_the_input);
-    RUN_TEST(test_what_is_no_number_resets);
-    RUN_TEST(test_outputs_are_finite_for_any_input);
+    RUN_TEST(test_tuning_is_total);
+    RUN_TEST(test_outputs_are_finite_for_any_input_in_bounds);
+    RUN_TEST(test_the_narrowest_band_in_resonance_stays_finite);
+    RUN_TEST(test_reset_empties_both_integrators);
     return UNITY_END();
 }

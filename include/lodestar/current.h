@@ -43,10 +43,37 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
 void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t u_V,
                         lode_dq_t i_A, float omega_rad_s);
 
+/// What rotation induces: decoupling and EMF feed-forward.
+LODE_INLINE lode_dq_t lode_current_induced_V(const lode_current_tuning_t *tuning, lode_dq_t i_A,
+                                             float omega_rad_s) {
+    return (lode_dq_t){-omega_rad_s * tuning->Lq_H * i_A.q,
+                       omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
+}
+
+/// Part of lode_current_step(), which alone calls it: the voltage `asked_V` lies outside the circle.
+lode_dq_t lode_current_limit(lode_current_t *self, const lode_current_tuning_t *tuning,
+                             lode_dq_t error_A, lode_dq_t induced_V, lode_dq_t asked_V,
+                             float radius_V);
+
 /// Voltage for the references `ref_A` at the currents `i_A`. `omega_rad_s`: electrical speed of the
 /// rotor for decoupling and EMF feed-forward, 0 in a frame that is not the rotor's. Integrates on the
 /// voltage inside the circle: what the modulator clamps beyond that is the dead-time correction's only.
-lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tuning_t *tuning,
-                            lode_dq_t ref_A, lode_dq_t i_A, float omega_rad_s, float v_bus_V);
+LODE_INLINE lode_dq_t lode_current_step(lode_current_t *self, const lode_current_tuning_t *tuning,
+                                        lode_dq_t ref_A, lode_dq_t i_A, float omega_rad_s,
+                                        float v_bus_V) {
+    const lode_dq_t ff = lode_current_induced_V(tuning, i_A, omega_rad_s);
+    const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
+    const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
+                             lode_pi_output(&self->q, &tuning->q, error.q, ff.q)};
+    // The circle (K5): radius per bus volt, and the share of it that d may take.
+    const float radius = tuning->circle * v_bus_V;
+    if (lode_abs(asked.d) <= tuning->d_share * radius &&
+        asked.d * asked.d + asked.q * asked.q <= radius * radius) {
+        lode_pi_integrate(&self->d, &tuning->d, error.d);
+        lode_pi_integrate(&self->q, &tuning->q, error.q);
+        return asked;
+    }
+    return lode_current_limit(self, tuning, error, ff, asked, radius);
+}
 
 #endif

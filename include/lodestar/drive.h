@@ -39,7 +39,8 @@ typedef struct {
 typedef struct {
     float ts_s;
     float inv_pole_pairs;
-    float omega_min; ///< least electrical speed in RUN
+    uint32_t speed_periods; ///< between two calls of speed control and references: 1, 2, 4 or 8
+    float omega_min;        ///< least electrical speed in RUN
     lode_sense_tuning_t sense;
     lode_inverter_tuning_t inverter;
     lode_estimator_tuning_t estimator;
@@ -85,6 +86,7 @@ typedef struct {
     const lode_drive_tuning_t *posted_tuning; ///< mailbox: NULL when taken
     lode_command_t posted;                    ///< mailbox
     bool command_posted;
+    bool mail; ///< something is posted
     bool calibrated;
     bool gates;
     uint_least8_t mode;     ///< lode_mode_t
@@ -142,14 +144,18 @@ void lode_drive_design(lode_drive_config_t *config);
 /// left alone. Not for the interrupt; about 800 B of stack.
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
 
-/// lode_drive_tune(), then a drive at rest in OFF. On any error both are left alone.
+/// A drive at rest in OFF on a tuning that lode_drive_tune() has made, for this drive or for others too.
+void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning);
+
+/// lode_drive_tune(), then lode_drive_begin(). On any error both are left alone.
 lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
                               const lode_drive_config_t *config);
 
 /// One PWM period: sense, estimate, act. Total, bounded, without allocation.
 lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts);
 
-/// The step is these three calls in a row. A host may put its own estimate in place of the second.
+/// The step is these three calls in a row. A host may put its own estimate in place of the second:
+/// rotor, half_turn, i_A, omega_rad_s, load_torque_Nm and lock are used.
 lode_measurement_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts);
 lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_measurement_t *measurement);
 lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *measurement,

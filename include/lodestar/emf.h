@@ -12,9 +12,10 @@
 typedef lode_leso_config_t lode_emf_config_t;
 
 typedef struct {
-    float Rs_Ohm;
     float inv_b;       ///< 1/b, V/A: b is the current that one volt makes in one period
-    float salient_Ohm; ///< (Ld - Lq)/Ts; 0 leaves the EMF of a changing active flux in the estimate
+    float a_over_b;    ///< V/A: a is what a period leaves of a current; (1 - a)/b is R
+    float salient_Ohm; ///< (Ld - Lq)/Ts
+    bool salient;      ///< false leaves the EMF of a changing active flux in the estimate
     lode_leso_tuning_t leso;
 } lode_emf_tuning_t;
 
@@ -39,13 +40,27 @@ typedef struct {
     lode_sincos_t half_turn; ///< angle of half a period, w Ts/2
     lode_sincos_t turn; ///< angle of a period at the speed to which adaptive observers are tuned
     float omega_rad_s;  ///< that speed
+    float id_before_A;  ///< d-axis current at t_k-1
     bool known;         ///< the angle can be trusted with the EMF of the active flux
 } lode_emf_motion_t;
 
 /// One period. `u_V`: mean voltage over [t_k-1, t_k); `i_A`: current at t_k.
 /// Returns the estimated EMF at t_k, V: it lags the true one by the lag of `lode_lag_t`.
-lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning, lode_ab_t u_V,
-                        lode_ab_t i_A, const lode_emf_motion_t *motion);
+LODE_INLINE lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning,
+                                    lode_ab_t u_V, lode_ab_t i_A, const lode_emf_motion_t *motion) {
+    // Dead-beat EMF (E3): u[k-1] - (i[k] - a i[k-1])/b, less the active-flux term.
+    lode_ab_t m = lode_ab_add_scaled(u_V, tuning->a_over_b, self->i_A);
+    m = lode_ab_add_scaled(m, -tuning->inv_b, i_A);
+    if (tuning->salient && motion->known) {
+        // (Ld - Lq) did/dt on the d axis (E5), at the angle half a period back: the mean over it.
+        const lode_sincos_t middle = lode_angle_subtract(motion->rotor, motion->half_turn);
+        const float rise_d = lode_park(i_A, motion->rotor).d - motion->id_before_A;
+        m = lode_ab_add_scaled(m, -tuning->salient_Ohm * rise_d,
+                               (lode_ab_t){middle.cos, middle.sin});
+    }
+    self->i_A = i_A;
+    return lode_leso_step(&self->leso, &tuning->leso, m, motion->turn, motion->omega_rad_s);
+}
 
 /// Exact phase of the estimate behind the true EMF at t_k in steady rotation, rad, odd in omega.
 /// For init and host: it costs three arc tangents.

@@ -32,43 +32,58 @@ typedef struct {
     lode_notch_tuning_t notch;
     lode_notch_tuning_t notch12;
     float w_weight; ///< of a new sample in the speed that tunes the observer; 1: no filter
-    float half_ts_s;
+    bool w_filtered;
+    bool adaptive; ///< the observer turns with the speed: all but C-LESO
+    bool notched;
+    bool notched12;
     float emin_V;
     float omega_limit; ///< twice omega_max: beyond it the speed is taken for an alias
     float inv_w02;     ///< 1/w0^2 of C-LESO, whose amplitude falls with speed; 0 for the others
     float psi_Wb;
-    float salient_H;           ///< Ld - Lq
-    float acc_per_torque;      ///< 1.5 np^2/J; 0 without feed-forward
-    float acc_per_omega;       ///< B/J
-    float load_per_f_Nm;       ///< -J/np; 0 without disturbance state
-    float lock_weight;         ///< of a new sample in lock quality and mean rotation
-    uint32_t settle_periods;   ///< from reset until the first acquisition
-    uint32_t patience_periods; ///< without lock until the next one
+    float salient_H;         ///< Ld - Lq
+    float acc_per_torque;    ///< 1.5 np^2/J; 0 without feed-forward
+    float acc_per_omega;     ///< B/J
+    float load_per_f_Nm;     ///< -J/np; 0 without disturbance state
+    float lock_weight;       ///< of a new sample in the lock quality
+    float rotation_weight;   ///< in the mean rotation
+    uint32_t settle_turns;   ///< from reset until the first acquisition, in LODE_SLOW_PERIODS
+    uint32_t patience_turns; ///< without lock until the next one
 } lode_estimator_tuning_t;
 
 typedef struct {
     lode_emf_t emf;
     lode_pll_t pll;
-    lode_sogi_t notch;
-    lode_sogi_t notch12;
-    float omega_tune;   ///< the speed that tunes the observer
-    float lag_rad;      ///< of the observer at the present speed
-    lode_ab_t rotation; ///< mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
+    lode_sincos_t rotor; ///< angle of the rotor at t_k
+    float id_A;          ///< current in its direction at t_k
     float lock;
-    uint32_t wait; ///< periods until the next acquisition, while there is no lock
+    bool locked;            ///< lock >= LODE_LOCK_LOST
+    uint32_t calls;         ///< of lode_estimator_step()
+    lode_pll_gains_t gains; ///< at the present speed
+    lode_lag_line_t lag;    ///< of the observer, about the present speed
+    lode_notch_t notch;
+    lode_notch_t notch12;
+    float omega_tune;   ///< the speed that tunes the observer, where it is filtered
+    lode_ab_t rotation; ///< without lock: mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
+    lode_ab_t before_V; ///< without lock: e[k-1]
+    uint32_t wait;      ///< until the next acquisition, while there is no lock
 } lode_estimator_t;
 
 /// All at t_k, the instant of the current sample.
 typedef struct {
-    float theta_rad;      ///< electrical rotor angle, [-pi, pi]
-    float omega_rad_s;    ///< electrical speed
-    lode_sincos_t rotor;  ///< sine and cosine of theta
-    lode_dq_t i_A;        ///< current in the frame of theta
-    lode_ab_t e_V;        ///< raw output of the EMF observer
-    float load_torque_Nm; ///< 0 with the QPLL
-    float lock;           ///< 0: no information .. 1: trustworthy; below LODE_LOCK_LOST it is lost
+    float omega_rad_s;       ///< electrical speed
+    lode_sincos_t rotor;     ///< sine and cosine of the electrical rotor angle
+    lode_sincos_t half_turn; ///< of the angle by which the rotor turns in half a period
+    lode_dq_t i_A;           ///< current in the rotor's frame
+    lode_ab_t e_V;           ///< raw output of the EMF observer
+    float load_torque_Nm;    ///< 0 with the QPLL
+    float lock;    ///< 0: no information .. 1: trustworthy; below LODE_LOCK_LOST it is lost
     bool reseeded; ///< the state was out of range or lost, and was taken up anew in this call
 } lode_estimate_t;
+
+/// Electrical rotor angle of an estimate, [-pi, pi].
+static inline float lode_estimate_theta_rad(const lode_estimate_t *estimate) {
+    return lode_atan2(estimate->rotor.sin, estimate->rotor.cos);
+}
 
 /// Below this quality the angle must not be used: the EMF's amplitude is 40 % off what the speed
 /// would induce (lost in all of 100 simulated slips, in none of the sound runs), or the angle is on
@@ -89,9 +104,139 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                          float theta_rad, float omega_rad_s);
 
-/// One period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k.
+/// Parts of lode_estimator_follow(), which alone calls them: what is not due in every period.
+lode_ab_t lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                                 lode_ab_t i_A);
+void lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
+                                           const lode_estimator_tuning_t *tuning,
+                                           float omega_rad_s);
+
+/// Amplitude, squared, beyond any motor's EMF: NaN and Inf fall outside.
+#define LODE_EMF2_LIMIT_V2 1.0e12f
+
+/// What follows the speed, and the lock quality.
+typedef enum {
+    LODE_ADAPT_GAINS,
+    LODE_ADAPT_LAG,
+    LODE_ADAPT_NOTCHES,
+    LODE_ADAPT_LOCK, ///< and supervision
+    LODE_ADAPT_PARTS
+} lode_adapt_t;
+
+/// The slow part of a period, after lode_estimator_follow(): each of lode_adapt_t once in
+/// LODE_SLOW_PERIODS, in periods of their own. True: angle and speed were taken up anew.
+bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                          lode_adapt_t part);
+
+/// The rotor's angle at t_k, in [-pi, pi].
+static inline float lode_estimator_theta_rad(const lode_estimator_t *self) {
+    const lode_sincos_t rotor =
+        lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
+    return lode_atan2(rotor.sin, rotor.cos);
+}
+
+LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
+                                                const lode_estimator_tuning_t *tuning) {
+    return tuning->load_per_f_Nm * self->pll.f_rad_s2;
+}
+
+/// What the EMF observer is told: the rotor's angle and speed as predicted.
+LODE_INLINE lode_emf_motion_t lode_estimator_motion(lode_estimator_t *self,
+                                                    const lode_estimator_tuning_t *tuning,
+                                                    lode_sincos_t half_turn, float advance_rad,
+                                                    float omega_rad_s) {
+    const lode_sincos_t turn = lode_angle_double(half_turn);
+    lode_emf_motion_t motion = {
+        .rotor = lode_angle_add(self->rotor, turn), // the frame of id_A, moved on and not corrected
+        .half_turn = half_turn,
+        .turn = turn,
+        .omega_rad_s = omega_rad_s,
+        .id_before_A = self->id_A,
+        .known = self->locked,
+    };
+    if (tuning->adaptive) { // (G1): at the speed predicted, not at the mean of the period
+        const float more = tuning->pll.ts_s * omega_rad_s - advance_rad;
+        motion.turn.sin = turn.sin + more * turn.cos;
+        motion.turn.cos = turn.cos - more * turn.sin;
+    }
+    if (tuning->w_filtered) {
+        motion.turn = lode_estimator_filtered_turn(self, tuning, omega_rad_s);
+        motion.omega_rad_s = self->omega_tune;
+    }
+    return motion;
+}
+
+/// The fast part of a period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k.
 /// Total: whatever goes in, finite and in range comes out, and `reseeded` tells.
-lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                    lode_ab_t u_V, lode_ab_t i_A);
+LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
+                                                  const lode_estimator_tuning_t *tuning,
+                                                  lode_ab_t u_V, lode_ab_t i_A) {
+    float omega;
+    const float advance = lode_pll_advance_rad(&self->pll, &tuning->pll, &omega);
+    lode_sincos_t half_turn = lode_sincos_small(0.5f * advance);
+    const lode_sincos_t frame = lode_angle_add(self->pll.frame, lode_angle_double(half_turn));
+    const lode_emf_motion_t motion = lode_estimator_motion(self, tuning, half_turn, advance, omega);
+    if (!motion.known) {
+        lode_estimator_note_rotation(self, tuning);
+    }
+    lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, &motion);
+
+    // Phase detector (paper 1, eq. 13; P1) with the sign of speed: else it locks half a turn off.
+    const float e2 = e_V.alpha * e_V.alpha + e_V.beta * e_V.beta;
+    const float e_abs = lode_max(sqrtf(e2), tuning->emin_V);
+    float error = -lode_park(e_V, frame).d * ((omega < 0.0f ? -1.0f : 1.0f) / e_abs);
+    // The harmonics of the EMF show at 6 w and 12 w in the position error.
+    if (tuning->notched) {
+        error = lode_notch_step(&self->notch, error);
+    }
+    if (tuning->notched12) {
+        error = lode_notch_step(&self->notch12, error);
+    }
+    lode_pll_move(&self->pll, self->gains, frame, omega, error);
+    const bool lost = !(e2 <= LODE_EMF2_LIMIT_V2 &&
+                        lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit); // NaN included
+    if (lost) {
+        i_A = lode_estimator_restart(self, tuning, i_A);
+        e_V = (lode_ab_t){0.0f, 0.0f};
+        half_turn = (lode_sincos_t){0.0f, 1.0f};
+    }
+
+    if (lode_lag_is_far(&self->lag, self->pll.omega_rad_s)) {
+        (void)lode_estimator_adapt(self, tuning, LODE_ADAPT_LAG);
+    }
+    const lode_sincos_t rotor =
+        lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
+    const lode_dq_t i_dq = lode_park(i_A, rotor);
+    self->rotor = rotor;
+    self->id_A = i_dq.d;
+    // Known acceleration over the period to come (P3): torque of the measured current, and friction.
+    self->pll.acc_rad_s2 =
+        tuning->acc_per_torque * (tuning->psi_Wb + tuning->salient_H * i_dq.d) * i_dq.q -
+        tuning->acc_per_omega * self->pll.omega_rad_s;
+    return (lode_estimate_t){
+        .omega_rad_s = self->pll.omega_rad_s,
+        .rotor = rotor,
+        .half_turn = half_turn,
+        .i_A = i_dq,
+        .e_V = e_V,
+        .load_torque_Nm = lode_estimator_load_torque_Nm(self, tuning),
+        .lock = self->lock,
+        .reseeded = lost,
+    };
+}
+
+/// Both parts.
+static inline lode_estimate_t lode_estimator_step(lode_estimator_t *self,
+                                                  const lode_estimator_tuning_t *tuning,
+                                                  lode_ab_t u_V, lode_ab_t i_A) {
+    lode_estimate_t estimate = lode_estimator_follow(self, tuning, u_V, i_A);
+    const uint32_t part = self->calls++ % LODE_SLOW_PERIODS;
+    if (part < (uint32_t)LODE_ADAPT_PARTS &&
+        lode_estimator_adapt(self, tuning, (lode_adapt_t)part)) {
+        estimate.reseeded = true;
+    }
+    return estimate;
+}
 
 #endif

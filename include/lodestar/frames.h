@@ -25,68 +25,87 @@ typedef struct {
 } lode_dq_t;
 
 /// Clarke transform of three phases; what they have in common drops out.
-static inline lode_ab_t lode_clarke(lode_abc_t x) {
+LODE_INLINE lode_ab_t lode_clarke(lode_abc_t x) {
     return (lode_ab_t){(2.0f * x.a - x.b - x.c) * (1.0f / 3.0f), (x.b - x.c) * (1.0f / LODE_SQRT3)};
 }
 
 /// Clarke transform of phases a and b where the three sum to zero.
-static inline lode_ab_t lode_clarke_two(float a, float b) {
+LODE_INLINE lode_ab_t lode_clarke_two(float a, float b) {
     return (lode_ab_t){a, (a + 2.0f * b) * (1.0f / LODE_SQRT3)};
 }
 
 /// Phase quantities that sum to zero.
-static inline lode_abc_t lode_clarke_inverse(lode_ab_t x) {
+LODE_INLINE lode_abc_t lode_clarke_inverse(lode_ab_t x) {
     const float half = -0.5f * x.alpha;
     const float side = 0.5f * LODE_SQRT3 * x.beta;
     return (lode_abc_t){x.alpha, half + side, half - side};
 }
 
 /// Park transform: x exp(-j theta).
-static inline lode_dq_t lode_park(lode_ab_t x, lode_sincos_t theta) {
+LODE_INLINE lode_dq_t lode_park(lode_ab_t x, lode_sincos_t theta) {
     return (lode_dq_t){x.alpha * theta.cos + x.beta * theta.sin,
                        x.beta * theta.cos - x.alpha * theta.sin};
 }
 
 /// Inverse Park transform: x exp(j theta).
-static inline lode_ab_t lode_park_inverse(lode_dq_t x, lode_sincos_t theta) {
+LODE_INLINE lode_ab_t lode_park_inverse(lode_dq_t x, lode_sincos_t theta) {
     return (lode_ab_t){x.d * theta.cos - x.q * theta.sin, x.d * theta.sin + x.q * theta.cos};
 }
 
 /// Sine and cosine of the sum of two angles.
-static inline lode_sincos_t lode_angle_add(lode_sincos_t a, lode_sincos_t b) {
+LODE_INLINE lode_sincos_t lode_angle_add(lode_sincos_t a, lode_sincos_t b) {
     return (lode_sincos_t){a.sin * b.cos + a.cos * b.sin, a.cos * b.cos - a.sin * b.sin};
 }
 
 /// Sine and cosine of the difference a - b.
-static inline lode_sincos_t lode_angle_subtract(lode_sincos_t a, lode_sincos_t b) {
+LODE_INLINE lode_sincos_t lode_angle_subtract(lode_sincos_t a, lode_sincos_t b) {
     return (lode_sincos_t){a.sin * b.cos - a.cos * b.sin, a.cos * b.cos + a.sin * b.sin};
 }
 
 /// x exp(j angle).
-static inline lode_ab_t lode_ab_turn(lode_ab_t x, lode_sincos_t angle) {
+LODE_INLINE lode_ab_t lode_ab_turn(lode_ab_t x, lode_sincos_t angle) {
     return (lode_ab_t){x.alpha * angle.cos - x.beta * angle.sin,
                        x.alpha * angle.sin + x.beta * angle.cos};
 }
 
-static inline lode_ab_t lode_ab_subtract(lode_ab_t x, lode_ab_t y) {
+/// Those of an angle moved on by a small one: atan(`x_rad`), at most 3 % less than it for 0.3 rad. The
+/// length is drawn to 1: what rounding takes from it, or the move adds, does not pile up.
+LODE_INLINE lode_sincos_t lode_angle_nudged(lode_sincos_t a, float x_rad) {
+    const lode_sincos_t moved = {a.sin + x_rad * a.cos, a.cos - x_rad * a.sin};
+    const float to_one = 1.5f - 0.5f * (moved.sin * moved.sin + moved.cos * moved.cos);
+    return (lode_sincos_t){to_one * moved.sin, to_one * moved.cos};
+}
+
+/// Sine and cosine of twice an angle.
+LODE_INLINE lode_sincos_t lode_angle_double(lode_sincos_t a) {
+    return (lode_sincos_t){2.0f * a.sin * a.cos, 1.0f - 2.0f * a.sin * a.sin};
+}
+
+/// Sine and cosine of three times an angle.
+LODE_INLINE lode_sincos_t lode_angle_triple(lode_sincos_t a) {
+    const float q = 1.0f - 4.0f * a.sin * a.sin;
+    return (lode_sincos_t){a.sin * (q + 2.0f), a.cos * q};
+}
+
+LODE_INLINE lode_ab_t lode_ab_subtract(lode_ab_t x, lode_ab_t y) {
     return (lode_ab_t){x.alpha - y.alpha, x.beta - y.beta};
 }
 
 /// x + k y.
-static inline lode_ab_t lode_ab_add_scaled(lode_ab_t x, float k, lode_ab_t y) {
+LODE_INLINE lode_ab_t lode_ab_add_scaled(lode_ab_t x, float k, lode_ab_t y) {
     return (lode_ab_t){x.alpha + k * y.alpha, x.beta + k * y.beta};
 }
 
-static inline lode_ab_t lode_ab_scale(float k, lode_ab_t x) {
+LODE_INLINE lode_ab_t lode_ab_scale(float k, lode_ab_t x) {
     return (lode_ab_t){k * x.alpha, k * x.beta};
 }
 
-static inline float lode_ab_length(lode_ab_t x) {
+LODE_INLINE float lode_ab_length(lode_ab_t x) {
     return lode_sqrt(x.alpha * x.alpha + x.beta * x.beta);
 }
 
 /// Every component within +-limit; false for NaN.
-static inline bool lode_ab_in_range(lode_ab_t x, float limit) {
+LODE_INLINE bool lode_ab_in_range(lode_ab_t x, float limit) {
     return lode_in_range(x.alpha, -limit, limit) && lode_in_range(x.beta, -limit, limit);
 }
 

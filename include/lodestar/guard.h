@@ -32,9 +32,10 @@ typedef struct {
     float v_bus_min_V;          ///< 0: 0.6 times nominal
     float temperature_max_degC; ///< 0: 100
     float omega_max_rad_s;      ///< electrical; 0: 1.3 times the estimator's
-    float bus_s;                ///< debounce of bus, temperature and rail; 0: 1 ms
-    float lock_s;               ///< lost lock, wrong way and over-speed; 0: 15 ms
-    float stamp_per_period;     ///< counts of the free-running stamp per period; 0: not watched
+    /// debounce of bus, temperature and rail; 0: 1 ms. Seen every 4 periods, at least twice
+    float bus_s;
+    float lock_s;           ///< the same of lost lock, wrong way and over-speed; 0: 15 ms
+    float stamp_per_period; ///< counts of the free-running stamp per period; 0: not watched
 } lode_guard_config_t;
 
 typedef struct {
@@ -43,10 +44,11 @@ typedef struct {
     float v_bus_min;
     float temperature_max;
     float omega_max;
-    int32_t bus_periods;
-    int32_t lock_periods;
+    uint32_t rail_periods;
+    uint32_t bus_turns; ///< in calls of lode_guard_watch()
+    uint32_t lock_turns;
     uint32_t stamp_min;
-    uint32_t stamp_max; ///< 0: not watched
+    uint32_t stamp_span; ///< largest less smallest count between two calls; all ones: not watched
 } lode_guard_tuning_t;
 
 typedef struct {
@@ -58,23 +60,32 @@ typedef struct {
 
 typedef struct {
     lode_fault_t fault; ///< check == LODE_CHECK_NONE: none
-    int32_t bus;        ///< debounce counters: up while out of range, down while in range
-    int32_t temperature;
-    int32_t rail;
-    int32_t lock;
-    int32_t speed;
-    int32_t direction;
-    uint32_t stamp;
-    bool stamped; ///< `stamp` holds the one of the last call
+    uint32_t stamp;     ///< of the last call
+    uint_least16_t bus; ///< debounce counters: up while out of range, down while in range
+    uint_least16_t temperature;
+    uint_least16_t rail;
+    uint_least16_t lock;
+    uint_least16_t speed;
+    uint_least16_t direction;
+    bool stamped; ///< `stamp` holds one
+    bool railed;  ///< a rail was met since the last lode_guard_watch()
+    bool pending; ///< some counter is not 0
 } lode_guard_t;
 
-/// What the guard needs to know of the period.
+/// What the guard needs to know of the drive.
 typedef struct {
     uint_least8_t state; ///< lode_mode_t
     bool sensorless;     ///< the estimator drives the motor
-    float direction;     ///< commanded sense of rotation, -1 or +1
     bool finite;         ///< voltage and duties of this period are finite
 } lode_situation_t;
+
+/// What moves slowly.
+typedef struct {
+    float v_bus_V;
+    float temperature_degC;
+    float omega_rad_s; ///< estimated electrical speed, counted in the commanded sense of rotation
+    float lock;
+} lode_condition_t;
 
 /// No fault, nothing counted.
 void lode_guard_reset(lode_guard_t *self);
@@ -83,10 +94,32 @@ void lode_guard_reset(lode_guard_t *self);
 void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
                      float limit);
 
-/// Checks one period with the gates on. False: a fault is latched and the gates must go off.
-bool lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                     const lode_sample_t *sample, const lode_estimate_t *estimate,
-                     lode_situation_t now);
+/// Part of lode_guard_step(), which alone calls it: something is wrong with this period.
+void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning, lode_abc_t i_A,
+                        uint32_t passed, bool trip, bool railed, lode_situation_t now);
+
+/// Checks what must not wait, in every period with the gates on: trip, phase currents, rails, timing,
+/// finite numbers. Comparisons are written so that NaN is bad.
+LODE_INLINE void lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                 const lode_sample_t *sample, lode_situation_t now) {
+    const uint32_t passed = sample->stamp - self->stamp;
+    const bool good = self->stamped && !sample->trip && !sample->alert && now.finite &&
+                      passed - tuning->stamp_min <= tuning->stamp_span;
+    if (!good) {
+        lode_guard_examine(self, tuning, sample->i_abc_A, passed, sample->trip, sample->railed,
+                           now);
+    }
+    self->stamp = sample->stamp;
+}
+
+/// Checks what may last for a while, twice in LODE_SLOW_PERIODS: bus, temperature, lock, speed,
+/// direction.
+void lode_guard_watch(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                      lode_condition_t condition, lode_situation_t now);
+
+LODE_INLINE bool lode_guard_is_good(const lode_guard_t *self) {
+    return self->fault.check == (uint_least8_t)LODE_CHECK_NONE;
+}
 
 void lode_guard_design(lode_guard_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_estimator_config_t *estimator);

@@ -14,7 +14,7 @@ typedef struct {
     /// both switches of a leg off, per edge; turn-on minus turn-off delay included
     float dead_time_s;
     float v_drop_V; ///< on-state threshold of switch and diode
-    float r_on_Ohm; ///< on-state slope
+    float r_on_Ohm; ///< on-state slope: counts as winding resistance
     float i_dead_A; ///< below this phase current the effect of dead time fades, proportionally: the
                     ///< ripple reverses the current within the period. At full modulation; it falls
                     ///< with the modulation, as the ripple does. 0: v_bus Ts/(4 (Ld + Lq))
@@ -29,14 +29,20 @@ typedef struct {
     float v_min_V;   ///< least bus voltage that is divided by
     float dead_duty; ///< share of the period lost to dead time
     float v_drop_V;
-    float r_on_Ohm;
     float i_dead_min_A;  ///< at no modulation
     float i_dead_span_A; ///< added at full modulation
     float ticks;         ///< 0: not quantised
     float inv_ticks;
-    bool correct; ///< loss added to the duties
-    bool model;   ///< loss taken out of the observer's voltage instead
+    float v2_free; ///< (volts per bus volt)^2 up to which no duty can reach a rail; -1: none
+    bool correct;  ///< loss added to the duties
+    bool model;    ///< loss taken out of the observer's voltage instead
+    bool plain;    ///< no timer's grid and no model: up to v2_free the voltage is what was asked
 } lode_inverter_tuning_t;
+
+typedef struct {
+    float half_per_A; ///< half the duty lost per ampere below i_dead
+    float i_dead_A;
+} lode_loss_t;
 
 /// The duties on their way. Call k writes what acts over [t_k+1, t_k+2); the current sampled by call
 /// k+2 is the first that has seen it in full.
@@ -44,6 +50,7 @@ typedef struct {
     lode_ab_t written; ///< by the last call, volts per bus volt
     lode_ab_t acting;  ///< by the call before it: this acts until the next sample
     float v_bus_V;     ///< bus voltage sampled at the start of the period under way
+    lode_loss_t loss;
 } lode_inverter_t;
 
 /// Fills every zero field that has a default.
@@ -57,23 +64,35 @@ void lode_inverter_reset(lode_inverter_t *self);
 
 /// Called at t_k before anything is written: the mean voltage over [t_k-1, t_k), V, from the duty
 /// written by call k-2 and the bus sampled at t_k-1. Takes in the bus voltage sampled now.
-lode_ab_t lode_inverter_realised(lode_inverter_t *self, float v_bus_V);
+LODE_INLINE lode_ab_t lode_inverter_realised(lode_inverter_t *self, float v_bus_V) {
+    const lode_ab_t u_V = lode_ab_scale(self->v_bus_V, self->acting);
+    self->acting = self->written;
+    self->v_bus_V = v_bus_V;
+    return u_V;
+}
 
 /// Notes what call k has written.
 static inline void lode_inverter_write(lode_inverter_t *self, lode_ab_t realised) {
     self->written = realised;
 }
 
-/// Loss of duty in each phase at the currents `i_A`: dead time and drops. Odd in the current.
-/// `span`: largest less smallest duty, 0 .. 1.
-static inline lode_abc_t lode_inverter_loss(const lode_inverter_tuning_t *tuning, lode_abc_t i_A,
-                                            float span, float inv_v_bus) {
+/// How the loss follows the current at a modulation and bus voltage: `span`: largest less smallest
+/// duty, 0 .. 1. Both move slowly.
+static inline lode_loss_t lode_inverter_shape(const lode_inverter_tuning_t *tuning, float span,
+                                              float inv_v_bus) {
     const float i_dead = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
-    const float per_A = (tuning->dead_duty + tuning->v_drop_V * inv_v_bus) / i_dead;
-    const float slope = tuning->r_on_Ohm * inv_v_bus;
-    return (lode_abc_t){per_A * lode_clamp(i_A.a, -i_dead, i_dead) + slope * i_A.a,
-                        per_A * lode_clamp(i_A.b, -i_dead, i_dead) + slope * i_A.b,
-                        per_A * lode_clamp(i_A.c, -i_dead, i_dead) + slope * i_A.c};
+    return (lode_loss_t){0.5f * (tuning->dead_duty + tuning->v_drop_V * inv_v_bus) / i_dead,
+                         i_dead};
 }
+
+/// Loss of duty in a phase at the current `i_A`: dead time and drops. Proportional to the current up to
+/// i_dead, constant beyond: |i + i_dead| - |i - i_dead| is twice the clamped current.
+LODE_INLINE float lode_inverter_loss(lode_loss_t shape, float i_A) {
+    return shape.half_per_A * (lode_abs(i_A + shape.i_dead_A) - lode_abs(i_A - shape.i_dead_A));
+}
+
+/// Follows the modulation by the voltage `u_V` at the bus `v_bus_V`.
+void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning, lode_dq_t u_V,
+                         float v_bus_V);
 
 #endif

@@ -63,10 +63,34 @@ void lode_leso_reset(lode_leso_t *self);
 /// Empties what forgets slowly, the band-pass of GI and the further modes of FA; the estimate stays.
 void lode_leso_calm(lode_leso_t *self, const lode_leso_tuning_t *tuning);
 
+/// GI, FA with k1 > 0, and the multi-mode FA: the part of lode_leso_step() that is rarely built in.
+void lode_leso_step_other(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m_V,
+                          lode_sincos_t turn, float omega_rad_s);
+
 /// One period: the estimate from `m_V`. `turn`: the angle w Ts of a period at the speed
 /// `omega_rad_s` to which the adaptive ones are tuned.
-lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m_V,
-                         lode_sincos_t turn, float omega_rad_s);
+LODE_INLINE lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t *tuning,
+                                     lode_ab_t m_V, lode_sincos_t turn, float omega_rad_s) {
+    if (tuning->kind == LODE_EMF_C_LESO) {
+        // Both poles at p = exp(-w0 Ts), current form (E10).
+        const float weight = tuning->one_m_p;
+        const lode_ab_t y =
+            lode_ab_add_scaled(self->s[0], weight, lode_ab_subtract(m_V, self->s[0]));
+        const lode_ab_t e = lode_ab_add_scaled(self->e_V, weight, lode_ab_subtract(y, self->e_V));
+        self->s[0] = y;
+        self->e_V = e;
+        return e;
+    }
+    if (tuning->kind == LODE_EMF_FA_LESO && !(tuning->k1_Ts2 > 0.0f)) {
+        // First order: e = q rho e + (1 - q) m (E17).
+        const lode_ab_t turned = lode_ab_turn(self->e_V, turn);
+        const lode_ab_t e = lode_ab_add_scaled(m_V, tuning->q, lode_ab_subtract(turned, m_V));
+        self->e_V = e;
+        return e;
+    }
+    lode_leso_step_other(self, tuning, m_V, turn, omega_rad_s);
+    return (lode_ab_t){self->e_V.alpha, self->e_V.beta};
+}
 
 /// Exact phase of e behind m in steady rotation at `omega_rad_s`, rad, odd. For init and host.
 float lode_leso_lag_rad(const lode_leso_config_t *config, float ts_s, float omega_rad_s);

@@ -9,10 +9,39 @@ typedef struct {
     lode_ab_t realised; ///< voltage per bus volt that the motor is expected to see of it
 } lode_modulator_out_t;
 
+/// Part of lode_modulator_step(), which alone calls it: duties at a rail, on the timer's grid, or with
+/// a loss to be reckoned with.
+lode_modulator_out_t lode_modulator_limit(const lode_inverter_tuning_t *inverter, lode_abc_t duty,
+                                          lode_abc_t loss);
+
 /// Duties for the voltage `u_V` at a bus of `v_bus_V`, to act while the currents are `i_acting_A`.
 /// Linear up to v_bus/sqrt(3); beyond, and where the correction reaches past the rails, the duties
-/// are clamped and `realised` says what is left. Duties lie on the timer's grid.
-lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_t *inverter, lode_ab_t u_V,
-                                         float v_bus_V, lode_ab_t i_acting_A);
+/// are clamped and `realised` says what is left. Duties lie on the timer's grid. The currents must be
+/// finite.
+LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_t *inverter,
+                                                     lode_loss_t shape, lode_ab_t u_V,
+                                                     float v_bus_V, lode_ab_t i_acting_A) {
+    const lode_ab_t v = lode_ab_scale(1.0f / lode_max(v_bus_V, inverter->v_min_V), u_V);
+    const lode_abc_t abc = lode_clarke_inverse(v);
+    // The common mode that centres the three (B9), half of the middle one, equals space-vector
+    // modulation. They sum to zero, so the middle one is the smallest by magnitude.
+    const float ab = lode_abs(abc.a) < lode_abs(abc.b) ? abc.a : abc.b;
+    const float middle = lode_abs(abc.c) < lode_abs(ab) ? abc.c : ab;
+    const float centre = 0.5f + 0.5f * middle;
+    lode_abc_t duty = {abc.a + centre, abc.b + centre, abc.c + centre};
+    lode_abc_t loss = {0.0f, 0.0f, 0.0f};
+    if (inverter->correct || inverter->model) {
+        const lode_abc_t i = lode_clarke_inverse(i_acting_A);
+        loss = (lode_abc_t){lode_inverter_loss(shape, i.a), lode_inverter_loss(shape, i.b),
+                            lode_inverter_loss(shape, i.c)};
+    }
+    if (inverter->correct) {
+        duty = (lode_abc_t){duty.a + loss.a, duty.b + loss.b, duty.c + loss.c};
+    }
+    if (inverter->plain && v.alpha * v.alpha + v.beta * v.beta <= inverter->v2_free) {
+        return (lode_modulator_out_t){duty, v};
+    }
+    return lode_modulator_limit(inverter, duty, loss);
+}
 
 #endif

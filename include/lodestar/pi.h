@@ -18,9 +18,14 @@ static inline void lode_pi_reset(lode_pi_t *self, float integral) {
 }
 
 /// What the controller asks for, before any limit.
-static inline float lode_pi_output(const lode_pi_t *self, const lode_pi_tuning_t *tuning,
-                                   float error, float feed_forward) {
+LODE_INLINE float lode_pi_output(const lode_pi_t *self, const lode_pi_tuning_t *tuning, float error,
+                                 float feed_forward) {
     return tuning->kp * error + self->integral + feed_forward;
+}
+
+/// Integrates the error: for an output that became real in full, inside finite limits.
+LODE_INLINE void lode_pi_integrate(lode_pi_t *self, const lode_pi_tuning_t *tuning, float error) {
+    self->integral += tuning->ki_Ts * error;
 }
 
 /// Tells the controller which part of its `output` became real. Inside the limits it integrates the

@@ -12,6 +12,24 @@
 #define LODE_HOT
 #endif
 
+/// A kernel of the interrupt: small, and part of the function that uses it.
+#ifndef LODE_INLINE
+#if defined(__GNUC__)
+#define LODE_INLINE static inline __attribute__((always_inline))
+#else
+#define LODE_INLINE static inline
+#endif
+#endif
+
+/// A rare branch of the interrupt: kept out of the code that runs every time, and small.
+#ifndef LODE_COLD
+#if defined(__GNUC__)
+#define LODE_COLD __attribute__((noinline, cold))
+#else
+#define LODE_COLD
+#endif
+#endif
+
 /// Keeps the compiler from moving memory accesses across it. It orders a thread against an
 /// interrupt on the SAME core, which is all that the mailboxes of a drive need.
 #ifndef LODE_SIGNAL_FENCE

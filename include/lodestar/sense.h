@@ -39,15 +39,20 @@ typedef struct {
 
 typedef struct {
     float i_gain;
+    float alpha_gain; ///< i_gain/3: of 2a - b - c (Clarke)
+    float beta_gain;  ///< i_gain/sqrt(3): of b - c
     float i_offset_nominal;
     float i_offset_tol;
+    float alert_count; ///< from the offset, up to which no sample sits at a rail; the drive lowers
+                       ///< it to the trip
     float v_bus_gain;
     float temperature_gain;
     float temperature_offset;
     float duty_max;
-    float count_max;
     uint32_t calibrate_periods;
+    uint16_t count_max;
     lode_shunts_t shunts;
+    bool windowed; ///< not every phase is sampled in every period
 } lode_sense_tuning_t;
 
 typedef struct {
@@ -61,9 +66,10 @@ typedef struct {
     lode_abc_t i_abc_A;
     lode_ab_t i_A;
     float v_bus_V;
-    float temperature_degC;
+    uint16_t temperature_count;
     uint32_t stamp;
     bool trip;   ///< the hardware has switched the gates off
+    bool alert;  ///< a current is beyond alert_count
     bool railed; ///< a current sample in use sits at the end of the converter's range
 } lode_sample_t;
 
@@ -83,9 +89,46 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
 /// Nominal offsets, no calibration under way.
 void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning);
 
+/// Parts of lode_sense_step(), which alone calls them: which phase could not be sampled while the duties
+/// were `duty` (LODE_PHASES: all could), and the currents with that one taken from the other two.
+#define LODE_PHASES 3
+int32_t lode_sense_unused(const lode_sense_tuning_t *tuning, lode_abc_t duty);
+lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused);
+
+bool lode_sense_railed(const lode_sense_tuning_t *tuning, const lode_counts_t *counts,
+                       int32_t unused);
+
 /// `duty`: the duties that acted when the sample was taken.
-lode_sample_t lode_sense_step(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
-                              const lode_counts_t *counts, lode_abc_t duty);
+LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
+                                          const lode_sense_tuning_t *tuning,
+                                          const lode_counts_t *counts, const lode_abc_t *duty) {
+    lode_abc_t i = {(float)counts->i[0] - self->offset_count.a,
+                    (float)counts->i[1] - self->offset_count.b,
+                    (float)counts->i[2] - self->offset_count.c};
+    int32_t unused = LODE_PHASES;
+    if (tuning->windowed) {
+        unused = lode_sense_unused(tuning, *duty);
+        const lode_abc_t whole = lode_sense_completed(i, unused);
+        i = (lode_abc_t){whole.a, whole.b, whole.c};
+    }
+    const bool alert =
+        !(lode_abs(i.a) <= tuning->alert_count && lode_abs(i.b) <= tuning->alert_count &&
+          lode_abs(i.c) <= tuning->alert_count);
+    return (lode_sample_t){
+        .i_abc_A = {tuning->i_gain * i.a, tuning->i_gain * i.b, tuning->i_gain * i.c},
+        .i_A = {(2.0f * i.a - i.b - i.c) * tuning->alpha_gain, (i.b - i.c) * tuning->beta_gain},
+        .v_bus_V = (float)counts->v_bus * tuning->v_bus_gain,
+        .temperature_count = counts->temperature,
+        .stamp = counts->stamp,
+        .trip = counts->trip,
+        .alert = alert,
+        .railed = alert && lode_sense_railed(tuning, counts, unused),
+    };
+}
+
+LODE_INLINE float lode_sense_temperature_degC(const lode_sense_tuning_t *tuning, uint16_t count) {
+    return tuning->temperature_offset + (float)count * tuning->temperature_gain;
+}
 
 /// Starts a calibration anew; the offsets in use stay.
 void lode_sense_begin(lode_sense_t *self);

@@ -7,7 +7,7 @@
 #ifndef LODESTAR_SOGI_H
 #define LODESTAR_SOGI_H
 
-#include "lodestar/scalar.h"
+#include "lodestar/frames.h"
 
 #define LODE_SOGI_CENTRE_MIN_rad 1.0e-4f ///< lowest centre, rad per sample
 #define LODE_SOGI_CENTRE_MAX_rad 2.5f    ///< highest centre: 0.8 pi, short of Nyquist
@@ -23,11 +23,33 @@ typedef struct {
     float quadrature; ///< the same, a quarter period later
 } lode_sogi_out_t;
 
+/// What width and centre make of the two integrators (B7).
+typedef struct {
+    float width;
+    float g;       ///< tan(wn Ts/2): the gain of the prewarped integrator
+    float inv_sum; ///< 1/(1 + g (k + g))
+} lode_sogi_tuning_t;
+
 void lode_sogi_reset(lode_sogi_t *self);
 
 /// k: relative width of the band, clamped to 0.001 .. 2; wn_Ts: centre in rad per sample, clamped
-/// to LODE_SOGI_CENTRE_*. An input that is not finite, or beyond 1e12,
-/// resets the states and passes as 0.
-lode_sogi_out_t lode_sogi_step(lode_sogi_t *self, float k, float wn_Ts, float x);
+/// to LODE_SOGI_CENTRE_*. It may be tuned anew at any time; the states go on. Two divisions.
+lode_sogi_tuning_t lode_sogi_tune(float k, float wn_Ts);
+
+/// Finite for every input within +-1e12 rad, V or A.
+LODE_INLINE lode_sogi_out_t lode_sogi_step(lode_sogi_t *self, const lode_sogi_tuning_t *tuning,
+                                           float x) {
+    // Trapezoidal solution (B7) of: band' = wn (x - k band - low), low' = wn band.
+    const float g = tuning->g;
+    const float high = (x - (tuning->width + g) * self->band - self->low) * tuning->inv_sum;
+    const float rise = g * high;
+    const float band = self->band + rise;
+    const float climb = g * band;
+    const float low = self->low + climb;
+    self->band = band + rise;
+    self->low = low + climb;
+    const float in_phase = tuning->width * band;
+    return (lode_sogi_out_t){x - in_phase, in_phase, tuning->width * low};
+}
 
 #endif

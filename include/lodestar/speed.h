@@ -40,6 +40,7 @@ typedef struct {
 typedef struct {
     lode_pi_t pi;
     float reference_rad_s; ///< ramped reference, mechanical
+    float torque_Nm;       ///< torque reference
 } lode_speed_t;
 
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,

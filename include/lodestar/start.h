@@ -31,7 +31,7 @@ typedef struct {
     float swing_weight;   ///< of a new sample in its swing
     float omega_hold;     ///< up to this speed the estimator is held to the vector
     float ts_s;
-    float fade_step; ///< per period
+    float fade_step; ///< per call of the references
     uint32_t catch_periods;
     uint32_t lock_periods;
     uint32_t attempt_periods;

@@ -27,11 +27,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (lode_inverter_tune(&tuning, &config, 2.0e-4f) != LODE_OK) {
         return 0;
     }
+    lode_inverter_t inverter;
+    lode_inverter_reset(&inverter);
     while (fuzz_more(&in)) {
         const lode_ab_t u = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
         const float bus = fuzz_number(&in, 400.0f);
-        const lode_ab_t i = {fuzz_number(&in, 30.0f), fuzz_number(&in, 30.0f)};
-        const lode_modulator_out_t out = lode_modulator_step(&tuning, u, bus, i);
+        // Currents come from counts: finite, and never beyond 65535 of 1e4 A, twice.
+        const lode_ab_t i = {lode_clamp(fuzz_number(&in, 30.0f), -1.3e9f, 1.3e9f),
+                             lode_clamp(fuzz_number(&in, 30.0f), -1.3e9f, 1.3e9f)};
+        if ((fuzz_byte(&in) & 1u) != 0u) { // the loss is shaped now and then, for what was then
+            const lode_dq_t shaped_V = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
+            lode_inverter_adapt(&inverter, &tuning, shaped_V, fuzz_number(&in, 400.0f));
+        }
+        const lode_modulator_out_t out = lode_modulator_step(&tuning, inverter.loss, u, bus, i);
         check_duty(&tuning, out.duty.a);
         check_duty(&tuning, out.duty.b);
         check_duty(&tuning, out.duty.c);

@@ -45,11 +45,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
             (void)lode_sense_calibrate(&sense, &tuning, &counts, &worst);
             FUZZ_CHECK(lode_in_range(worst, -65535.0f, 65535.0f));
         }
-        const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, duty);
+        const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, &duty);
         FUZZ_CHECK(lode_ab_in_range(s.i_A, FLT_MAX));
         FUZZ_CHECK(lode_is_finite(s.i_abc_A.a) && lode_is_finite(s.i_abc_A.b) &&
                    lode_is_finite(s.i_abc_A.c));
-        FUZZ_CHECK(lode_is_finite(s.v_bus_V) && lode_is_finite(s.temperature_degC));
+        FUZZ_CHECK(lode_is_finite(s.v_bus_V));
+        FUZZ_CHECK(lode_is_finite(lode_sense_temperature_degC(&tuning, s.temperature_count)));
+        FUZZ_CHECK(s.alert || !s.railed);
         FUZZ_CHECK(lode_in_range(sense.offset_count.a, 0.0f, 65535.0f));
     }
     return 0;

@@ -3,5 +3,6 @@
 #define MATH_H
 
 float sqrtf(float x);
+float fabsf(float x);
 
 #endif
