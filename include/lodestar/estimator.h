@@ -124,6 +124,9 @@ typedef enum {
     LODE_ADAPT_PARTS
 } lode_adapt_t;
 
+/// The angle of a period at twice the highest omega_max, and some more.
+#define LODE_ADVANCE_MAX_rad 1.1f
+
 /// The slow part of a period, after lode_estimator_follow(): each of lode_adapt_t once in
 /// LODE_SLOW_PERIODS, in periods of their own. True: angle and speed were taken up anew.
 bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
@@ -194,7 +197,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
         error = lode_notch_step(&self->notch12, error);
     }
     lode_pll_move(&self->pll, self->gains, frame, omega, error);
-    const bool lost = !(e2 <= LODE_EMF2_LIMIT_V2 &&
+    const bool lost = !(lode_abs(advance) <= LODE_ADVANCE_MAX_rad && e2 <= LODE_EMF2_LIMIT_V2 &&
                         lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit); // NaN included
     if (lost) {
         i_A = lode_estimator_restart(self, tuning, i_A);
