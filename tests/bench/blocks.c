@@ -1,0 +1,208 @@
+/// Single blocks of a step at the operating point. Unlike the drives of drives.c they are called as
+/// the core calls them, with its tunings.
+#include "image.h"
+
+enum { C_LESO_QPLL, FA_LESO_LESO_QPLL, ENHANCED, ESTIMATORS };
+
+static const int32_t drive_of[ESTIMATORS] = {BENCH_c_leso_qpll, BENCH_fa_leso_leso_qpll,
+                                             BENCH_enhanced};
+
+static lode_estimator_t estimator[ESTIMATORS];
+static lode_drive_tuning_t tuning[ESTIMATORS];
+static lode_estimate_t estimate[ESTIMATORS];
+static uint32_t row[ESTIMATORS]; // of the last estimate
+
+// What the other blocks work on.
+static lode_sense_t sense;
+static lode_current_t current;
+static lode_speed_t speed;
+static lode_guard_t guard;
+static lode_start_t start;
+static lode_pi_t pi;
+static lode_sogi_t sogi;
+static lode_pll_t pll;
+static lode_emf_t emf;
+static lode_sample_t sample;
+static lode_sincos_t rotor;
+
+// Where results go, so that the compiler keeps them.
+float bench_sink[8];
+
+static const bench_inputs_t *input(uint32_t call) {
+    return &bench_inputs[BENCH_SETTLE_ESTIMATOR + call % BENCH_ROWS];
+}
+
+static void estimate_row(int32_t n, uint32_t k) {
+    estimate[n] = lode_estimator_step(&estimator[n], &tuning[n].estimator, bench_inputs[k].u_V,
+                                      bench_inputs[k].i_A);
+    row[n] = k;
+}
+
+bool bench_blocks_setup(void) {
+    bool good = true;
+    for (int32_t n = 0; n < ESTIMATORS; n++) {
+        const lode_drive_config_t config = bench_config(drive_of[n]);
+        good = lode_drive_tune(&tuning[n], &config) == LODE_OK && good;
+        lode_estimator_reset(&estimator[n], &tuning[n].estimator);
+        for (uint32_t k = 0; k < BENCH_SETTLE_ESTIMATOR; k++) {
+            estimate_row(n, k);
+        }
+    }
+    const lode_drive_tuning_t *t = &tuning[ENHANCED];
+    const lode_dq_t i_A = {0.0f, BENCH_IQ_A};
+    lode_sense_reset(&sense, &t->sense);
+    rotor = lode_sincos(1.0f);
+    lode_current_reset(&current, &t->current, (lode_dq_t){-0.5f, 9.9f}, i_A, BENCH_OMEGA_rad_s);
+    lode_speed_reset(&speed, &t->speed, BENCH_OMEGA_rad_s / BENCH_POLE_PAIRS,
+                     lode_references_torque_Nm(&t->references, i_A), 0.0f);
+    lode_guard_reset(&guard);
+    lode_start_reset(&start, 0.0f, BENCH_OMEGA_rad_s, BENCH_IQ_A);
+    pll = estimator[ENHANCED].pll;
+    emf = estimator[ENHANCED].emf;
+    sample = lode_sense_step(&sense, &t->sense, &bench_counted[BENCH_enhanced][0],
+                             (lode_abc_t){0.5f, 0.5f, 0.5f});
+    return good;
+}
+
+bool bench_blocks_good(void) {
+    for (int32_t n = 0; n < ESTIMATORS; n++) {
+        const lode_telemetry_t telemetry = {.theta_rad = estimate[n].theta_rad,
+                                            .omega_rad_s = estimate[n].omega_rad_s,
+                                            .lock = estimate[n].lock};
+        if (!bench_estimate_is_good(drive_of[n], &telemetry, bench_inputs[row[n]].theta_rad)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+#define BLOCK(name)                                                                                \
+    void bench_##name(uint32_t call);                                                              \
+    void bench_##name(uint32_t call)
+
+// What every one of them costs before it does anything: to be subtracted where it matters.
+BLOCK(nothing) {
+    bench_sink[0] = input(call)->theta_rad;
+}
+
+BLOCK(estimator_c_leso_qpll) {
+    estimate_row(C_LESO_QPLL, BENCH_SETTLE_ESTIMATOR + call % BENCH_ROWS);
+}
+
+BLOCK(estimator_fa_leso_leso_qpll) {
+    estimate_row(FA_LESO_LESO_QPLL, BENCH_SETTLE_ESTIMATOR + call % BENCH_ROWS);
+}
+
+BLOCK(estimator_enhanced) {
+    estimate_row(ENHANCED, BENCH_SETTLE_ESTIMATOR + call % BENCH_ROWS);
+}
+
+BLOCK(sense) {
+    sample = lode_sense_step(&sense, &tuning[ENHANCED].sense,
+                             &bench_counted[BENCH_enhanced][call % BENCH_ROWS],
+                             (lode_abc_t){0.5f, 0.5f, 0.5f});
+}
+
+BLOCK(emf_c_leso) {
+    const bench_inputs_t *in = input(call);
+    const lode_emf_motion_t motion = {rotor, rotor, rotor, BENCH_OMEGA_rad_s, true};
+    const lode_ab_t e_V =
+        lode_emf_step(&emf, &tuning[ENHANCED].estimator.emf, in->u_V, in->i_A, &motion);
+    bench_sink[0] = e_V.alpha;
+    bench_sink[1] = e_V.beta;
+}
+
+BLOCK(pll) {
+    const lode_pll_tuning_t *t = &tuning[ENHANCED].estimator.pll;
+    lode_pll_predict(&pll, t);
+    lode_pll_correct(&pll, t, 1.0e-3f * input(call)->i_A.alpha);
+}
+
+BLOCK(lag) {
+    bench_sink[0] =
+        lode_lag_rad(&tuning[ENHANCED].estimator.lag, BENCH_OMEGA_rad_s + input(call)->theta_rad);
+}
+
+BLOCK(current) {
+    const bench_inputs_t *in = input(call);
+    const lode_dq_t u_V = lode_current_step(
+        &current, &tuning[ENHANCED].current, (lode_dq_t){0.0f, BENCH_IQ_A},
+        (lode_dq_t){0.01f * in->i_A.alpha, BENCH_IQ_A}, BENCH_OMEGA_rad_s, BENCH_V_BUS_V);
+    bench_sink[0] = u_V.d;
+    bench_sink[1] = u_V.q;
+}
+
+BLOCK(speed) {
+    bench_sink[0] =
+        lode_speed_step(&speed, &tuning[ENHANCED].speed, BENCH_OMEGA_rad_s / BENCH_POLE_PAIRS,
+                        BENCH_OMEGA_rad_s + 0.01f * input(call)->theta_rad, 1.2f);
+}
+
+BLOCK(references) {
+    const lode_dq_t ref_A =
+        lode_references_step(&tuning[ENHANCED].references, 1.2f + 0.01f * input(call)->theta_rad,
+                             BENCH_OMEGA_rad_s, 0.0f);
+    bench_sink[0] = ref_A.d;
+    bench_sink[1] = ref_A.q;
+}
+
+BLOCK(modulator) {
+    const bench_inputs_t *in = input(call);
+    const lode_modulator_out_t m =
+        lode_modulator_step(&tuning[ENHANCED].inverter, in->u_V, BENCH_V_BUS_V, in->i_A);
+    bench_sink[0] = m.duty.a;
+    bench_sink[1] = m.duty.b;
+    bench_sink[2] = m.duty.c;
+    bench_sink[3] = m.realised.alpha;
+    bench_sink[4] = m.realised.beta;
+}
+
+BLOCK(guard) {
+    const lode_situation_t now = {LODE_MODE_RUN, true, 1.0f, true};
+    sample.stamp = call * BENCH_STAMP_PER_PERIOD;
+    bench_sink[0] =
+        lode_guard_step(&guard, &tuning[ENHANCED].guard, &sample, &estimate[ENHANCED], now) ? 1.0f
+                                                                                            : 0.0f;
+}
+
+BLOCK(start) {
+    const bench_inputs_t *in = input(call);
+    bench_sink[0] =
+        lode_start_step(&start, &tuning[ENHANCED].start, BENCH_OMEGA_rad_s, BENCH_IQ_A, in->u_V);
+}
+
+BLOCK(sincos) {
+    const lode_sincos_t s = lode_sincos(input(call)->theta_rad);
+    bench_sink[0] = s.sin;
+    bench_sink[1] = s.cos;
+}
+
+BLOCK(atan2) {
+    const bench_inputs_t *in = input(call);
+    bench_sink[0] = lode_atan2(in->u_V.beta, in->u_V.alpha);
+}
+
+BLOCK(pi) {
+    const lode_pi_tuning_t *t = &tuning[ENHANCED].current.q;
+    const float error = 0.01f * input(call)->theta_rad;
+    const float asked = lode_pi_output(&pi, t, error, 9.0f);
+    const float realised = lode_min(asked, 12.0f);
+    lode_pi_settle(&pi, t, error, 9.0f, asked, realised);
+    bench_sink[0] = realised;
+}
+
+BLOCK(sogi) {
+    const lode_sogi_out_t s = lode_sogi_step(&sogi, 0.7f, 6.0f * BENCH_OMEGA_rad_s / BENCH_F_PWM_Hz,
+                                             input(call)->theta_rad);
+    bench_sink[0] = s.notch;
+    bench_sink[1] = s.in_phase;
+    bench_sink[2] = s.quadrature;
+}
+
+BLOCK(clarke_park) {
+    const bench_inputs_t *in = input(call);
+    const lode_dq_t x =
+        lode_park(lode_clarke((lode_abc_t){in->u_V.alpha, in->u_V.beta, in->i_A.alpha}), rotor);
+    bench_sink[0] = x.d;
+    bench_sink[1] = x.q;
+}

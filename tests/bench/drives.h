@@ -1,0 +1,91 @@
+/// The drives that the budget counts, for the host that records them and for the image that replays
+/// what was recorded. Only the public interface of the drive is used.
+#ifndef BENCH_DRIVES_H
+#define BENCH_DRIVES_H
+
+#include "lodestar/lodestar.h"
+
+/// Operating point of every steady case.
+#define BENCH_POLE_PAIRS 4.0f
+#define BENCH_F_PWM_Hz 1.0e4f
+#define BENCH_V_BUS_V 48.0f
+#define BENCH_RS_Ohm 0.05f
+#define BENCH_L_H 1.0e-4f
+#define BENCH_PSI_Wb 0.02f
+#define BENCH_J_kgm2 1.0e-4f
+#define BENCH_OMEGA_rad_s 471.0f // electrical
+#define BENCH_IQ_A 10.0f
+#define BENCH_DEAD_TIME_s 1.0e-6f
+/// Phase current below which the effect of the dead time fades.
+#define BENCH_I_DEAD_A 0.5f
+
+/// The board: converters of 12 bits.
+#define BENCH_I_OFFSET_count 2048.0f
+#define BENCH_I_GAIN_A_count 0.02f
+#define BENCH_V_GAIN_V_count 0.02f
+#define BENCH_STAMP_PER_PERIOD 1000u
+
+/// Periods in which a drive of BENCH_STEADY calibrates, catches the turning rotor and settles.
+#define BENCH_SETTLE 1200
+/// The same for BENCH_START: the measured ones hold most of the start and the hand-over.
+#define BENCH_SETTLE_START 140
+/// Periods that are counted. After them the call number wraps around, and the record with a jump.
+#define BENCH_ROWS 512
+
+typedef enum {
+    BENCH_STEADY,    ///< RUN at the operating point
+    BENCH_START,     ///< current vector from standstill, hand-over, RUN
+    BENCH_SATURATED, ///< RUN at the current limit while the bus falls to the voltage limit
+    BENCH_FAULT,     ///< RUN, over-voltage, FAULT
+    BENCH_OFF        ///< gates off
+} bench_scene_t;
+
+/// name, scene, EMF observer, PLL, options: notch at 6 w / everything that costs
+#define BENCH_CASES(X)                                                                             \
+    X(c_leso_qpll, STEADY, C_LESO, QPLL, PLAIN)                                                    \
+    X(c_leso_leso_qpll, STEADY, C_LESO, LESO, PLAIN)                                               \
+    X(gi_leso_leso_qpll, STEADY, GI_LESO, LESO, PLAIN)                                             \
+    X(fa_leso_leso_qpll, STEADY, FA_LESO, LESO, PLAIN)                                             \
+    X(fa_multi_leso_qpll, STEADY, FA_MULTI, LESO, PLAIN)                                           \
+    X(enhanced, STEADY, C_LESO, LESO, NOTCH)                                                       \
+    X(all_options, STEADY, FA_MULTI, LESO, ALL)                                                    \
+    X(start, START, C_LESO, LESO, NOTCH)                                                           \
+    X(saturated, SATURATED, C_LESO, LESO, NOTCH)                                                   \
+    X(fault, FAULT, C_LESO, LESO, NOTCH)                                                           \
+    X(off, OFF, C_LESO, LESO, NOTCH)
+
+#define BENCH_ENUMERATOR(name, ...) BENCH_##name,
+enum { BENCH_CASES(BENCH_ENUMERATOR) BENCH_CASE_COUNT };
+
+bench_scene_t bench_scene(int32_t number);
+
+/// Periods before the first counted one.
+int32_t bench_settle(int32_t number);
+
+/// Configuration of a case; fields left open are computed by init.
+lode_drive_config_t bench_config(int32_t number);
+
+extern lode_drive_t bench_drive[BENCH_CASE_COUNT];
+
+/// Initialises drive `number` and posts its first command. False: refused.
+bool bench_begin(int32_t number);
+
+/// To be called between the settling periods and the counted ones.
+void bench_settled(int32_t number);
+
+/// Where a drive must be after so many counted calls.
+typedef struct {
+    uint32_t digest; ///< of the last output: the same to the bit on every machine
+    float theta_rad; ///< true rotor angle
+    lode_mode_t mode;
+} bench_truth_t;
+
+/// The duties and the gates of one period as one number.
+uint32_t bench_digest(lode_drive_out_t out);
+
+/// The estimate of a drive in RUN is good: lock above 0.9, angle within 0.1 rad of the rotor's, and in
+/// the steady cases speed within 1 % of the operating point. BENCH_SATURATED, which changes speed as
+/// fast as it can: 0.7 and 0.3 rad.
+bool bench_estimate_is_good(int32_t number, const lode_telemetry_t *telemetry, float theta_rad);
+
+#endif

@@ -1,0 +1,87 @@
+#include "motor.h"
+
+#include <math.h>
+
+#define PARTS 16         // of a period, for the equations
+#define FREE_SHARE 0.1   // of the load that stays on a free shaft
+#define FREE_rad_s 40.0  // below which it falls
+#define BRAKE_Nms 0.02   // rise of the brake's torque with speed
+#define DRAG_rad_s 300.0 // natural frequency with which the machine follows the current vector
+
+#define TORQUE_PER_A (1.5 * (double)BENCH_POLE_PAIRS * (double)BENCH_PSI_Wb)
+
+static const double pi = 3.14159265358979324;
+
+static double clamped(double x, double limit) {
+    return fmax(fmin(x, limit), -limit);
+}
+
+// What a phase loses of its duty to the dead time while it carries a current.
+static double lost_duty(double i_A) {
+    return (double)(BENCH_DEAD_TIME_s * BENCH_F_PWM_Hz) *
+           clamped(i_A / (double)BENCH_I_DEAD_A, 1.0);
+}
+
+void motor_phases(const motor_t *motor, double i_A[3]) {
+    for (int k = 0; k < 3; k++) {
+        const double angle = motor->theta_rad - 2.0 * pi / 3.0 * k;
+        i_A[k] = motor->id_A * cos(angle) - motor->iq_A * sin(angle);
+    }
+}
+
+static double load_Nm(const motor_t *m, shaft_t shaft) {
+    const double rated_Nm = TORQUE_PER_A * (double)BENCH_IQ_A;
+    if (shaft == SHAFT_FREE) {
+        return FREE_SHARE * rated_Nm * clamped(m->omega_rad_s / FREE_rad_s, 1.0);
+    }
+    const double above = m->omega_rad_s - (double)BENCH_OMEGA_rad_s;
+    return rated_Nm + BRAKE_Nms * above / (double)BENCH_POLE_PAIRS;
+}
+
+static void turn(motor_t *m, double h, shaft_t shaft) {
+    double slide = 0.0;
+    if (shaft == SHAFT_DRAGGED) { // a second-order loop on the angle between current and q axis
+        const double ahead = atan2(-m->id_A, m->iq_A);
+        m->omega_rad_s += h * DRAG_rad_s * DRAG_rad_s * ahead;
+        slide = 2.0 * DRAG_rad_s * ahead;
+    } else {
+        const double torque_Nm = TORQUE_PER_A * m->iq_A - load_Nm(m, shaft);
+        m->omega_rad_s += h * (double)BENCH_POLE_PAIRS * torque_Nm / (double)BENCH_J_kgm2;
+    }
+    m->theta_rad = remainder(m->theta_rad + h * (m->omega_rad_s + slide), 2.0 * pi);
+}
+
+static void carry(motor_t *m, double h, double alpha_V, double beta_V) {
+    const double R = (double)BENCH_RS_Ohm;
+    const double L = (double)BENCH_L_H;
+    const double w = m->omega_rad_s;
+    const double middle = m->theta_rad + 0.5 * h * w;
+    const double ud = alpha_V * cos(middle) + beta_V * sin(middle);
+    const double uq = beta_V * cos(middle) - alpha_V * sin(middle);
+    const double rise_d = (ud - R * m->id_A) / L + w * m->iq_A;
+    const double rise_q = (uq - R * m->iq_A - w * (double)BENCH_PSI_Wb) / L - w * m->id_A;
+    m->id_A += h * rise_d;
+    m->iq_A += h * rise_q;
+}
+
+void motor_period(motor_t *motor, lode_drive_out_t acting, double v_bus_V, shaft_t shaft) {
+    const double h = 1.0 / (double)BENCH_F_PWM_Hz / PARTS;
+    motor->u_alpha_V = motor->u_beta_V = 0.0;
+    for (int part = 0; part < PARTS; part++) {
+        double i[3];
+        motor_phases(motor, i);
+        const double a = v_bus_V * ((double)acting.duty.a - lost_duty(i[0]));
+        const double b = v_bus_V * ((double)acting.duty.b - lost_duty(i[1]));
+        const double c = v_bus_V * ((double)acting.duty.c - lost_duty(i[2]));
+        const double alpha = (2.0 * a - b - c) / 3.0;
+        const double beta = (b - c) / sqrt(3.0);
+        if (acting.gates) {
+            carry(motor, h, alpha, beta);
+        } else { // the bus is well above the EMF: nothing flows
+            motor->id_A = motor->iq_A = 0.0;
+        }
+        motor->u_alpha_V += alpha / PARTS;
+        motor->u_beta_V += beta / PARTS;
+        turn(motor, h, shaft);
+    }
+}
