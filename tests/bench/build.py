@@ -85,7 +85,7 @@ def image(core="m4f", level="-O2", tables=None):
 def firmware(core="m4f", level="-O2", options=ONE_OBSERVER):
     sources = [HERE / "firmware.c", *core_sources()]
     return link(core, level, OUT / f"lodestar-firmware-{core}{level}.elf", sources, *options,
-                "-Wl,-u,firmware,-u,firmware_interrupt")
+                "-Wl,-u,firmware,-u,firmware_interrupt,--emit-relocs")
 
 
 if __name__ == "__main__":

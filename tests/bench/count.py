@@ -7,7 +7,7 @@ return 0 where the image has it.
 import argparse
 import json
 
-from emulator import CORES, STACK_TOP, Image, Machine
+from emulator import STACK_TOP, Image, Machine
 from m4 import cycles_of
 
 LINE = 16  # bytes of flash that a common accelerator holds in a line
@@ -48,7 +48,7 @@ def measure(machine, name, target=None, calls=400, warm=100, memory=True):
         "lines": len({address // LINE for address in executed}),
         "text": sum(function.size for function in functions),
     }
-    if machine.core is CORES["m4f"]:
+    if machine.core == "m4f":
         found["cycles"] = spread(list(cycles_of_all(runs)))
     if memory:
         found["loads"] = spread([run.loads for run in runs])

@@ -16,16 +16,15 @@ STACK_SIZE = 0x10000
 RETURN_TO = FLASH + SIZE - 0x1000  # code never gets there by itself
 IT_BITS = 0x0600FC00               # of xPSR: what is left of an IT block
 
-Core = namedtuple("Core", "model thumb")
 CORES = {
-    "m0": Core(reg.UC_CPU_ARM_CORTEX_M0, True),
-    "m3": Core(reg.UC_CPU_ARM_CORTEX_M3, True),
-    "m4f": Core(reg.UC_CPU_ARM_CORTEX_M4, True),
-    "m7": Core(reg.UC_CPU_ARM_CORTEX_M7, True),
-    "m33": Core(reg.UC_CPU_ARM_CORTEX_M33, True),
-    "r5f": Core(reg.UC_CPU_ARM_CORTEX_R5F, False),
+    "m0": reg.UC_CPU_ARM_CORTEX_M0,
+    "m3": reg.UC_CPU_ARM_CORTEX_M3,
+    "m4f": reg.UC_CPU_ARM_CORTEX_M4,
+    "m7": reg.UC_CPU_ARM_CORTEX_M7,
+    "m33": reg.UC_CPU_ARM_CORTEX_M33,
+    "r5f": reg.UC_CPU_ARM_CORTEX_R5F,
 }
-Function = namedtuple("Function", "name start size")
+Function = namedtuple("Function", "name start size thumb")
 
 
 class Image:
@@ -37,7 +36,8 @@ class Image:
                              if s["p_type"] == "PT_LOAD" and s["p_filesz"]]
             symbols = [s for s in elf.get_section_by_name(".symtab").iter_symbols()]
         self.symbols = {s.name: s["st_value"] for s in symbols}
-        self.functions = sorted({Function(s.name, s["st_value"] & ~1, s["st_size"]) for s in symbols
+        self.functions = sorted({Function(s.name, s["st_value"] & ~1, s["st_size"],
+                                          bool(s["st_value"] & 1)) for s in symbols
                                  if s["st_info"]["type"] == "STT_FUNC"}, key=lambda f: f.start)
         self.objects = {s.name: s["st_size"] for s in symbols
                         if s["st_info"]["type"] == "STT_OBJECT"}
@@ -46,7 +46,7 @@ class Image:
         for function in self.functions:
             if function.start <= address < function.start + max(function.size, 2):
                 return function
-        return Function(f"{address:#x}", address, 0)
+        return Function(f"{address:#x}", address, 0, True)
 
 
 class Run:
@@ -68,17 +68,20 @@ class Run:
 
 class Machine:
     def __init__(self, image, core):
-        self.image, self.core = image, CORES[core]
-        thumb = self.core.thumb
-        mode = (UC_MODE_THUMB | UC_MODE_MCLASS) if thumb else UC_MODE_ARM
-        self.decoder = Decoder((CS_MODE_THUMB | CS_MODE_MCLASS) if thumb else CS_MODE_ARM)
+        self.image, self.core = image, core
+        profile_m = core.startswith("m")
+        self.decoders = {True: Decoder(CS_MODE_THUMB | (CS_MODE_MCLASS if profile_m else 0)),
+                         False: Decoder(CS_MODE_ARM)}
         self.decoded, self.blocks, self.endings = {}, {}, set()
-        self.uc = Uc(UC_ARCH_ARM, mode)
-        self.uc.ctl_set_cpu_model(self.core.model)
+        self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS if profile_m else UC_MODE_ARM)
+        self.uc.ctl_set_cpu_model(CORES[core])
         self.uc.mem_map(FLASH, SIZE)
         self.uc.mem_map(RAM, SIZE)
         for address, data in image.segments:
             self.uc.mem_write(address, data)
+        if not profile_m:  # switch the FPU on, which the M cores' models have done
+            self.uc.reg_write(reg.UC_ARM_REG_C1_C0_2, 0xF << 20)
+            self.uc.reg_write(reg.UC_ARM_REG_FPEXC, 1 << 30)
         self.uc.mem_write(RETURN_TO, struct.pack("<HH", 0xE7FE, 0xE7FE))
         self.pcs, self.bits, self.run, self.hooks = [], {}, Run([]), []
 
@@ -86,10 +89,10 @@ class Machine:
         """Runs a function at full speed and returns its r0."""
         uc = self.uc
         uc.reg_write(reg.UC_ARM_REG_SP, STACK_TOP)
-        uc.reg_write(reg.UC_ARM_REG_LR, RETURN_TO | self.core.thumb)
+        uc.reg_write(reg.UC_ARM_REG_LR, RETURN_TO | (self.image.symbols.get(name, 0) & 1))
         uc.reg_write(reg.UC_ARM_REG_R0, argument)
         try:
-            uc.emu_start(self.image.symbols[name] | self.core.thumb, RETURN_TO)
+            uc.emu_start(self.image.symbols[name], RETURN_TO)
         except KeyError:
             raise SystemExit(f"{self.image.path}: no function {name}") from None
         except UcError as error:
@@ -125,7 +128,8 @@ class Machine:
     def instruction(self, address):
         found = self.decoded.get(address)
         if found is None:
-            found = self.decoder.at(address, bytes(self.uc.mem_read(address, 4)))
+            decoder = self.decoders[self.image.owner(address).thumb]
+            found = decoder.at(address, bytes(self.uc.mem_read(address, 4)))
             self.decoded[address] = found
             self._note_block(found)
         return found

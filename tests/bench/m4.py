@@ -44,10 +44,9 @@ def words_of(register):
 class Instruction:
     """What the model needs to know of one instruction, whatever it works on."""
 
-    def __init__(self, address, raw, insn):
-        self.address, self.size, self.raw = address, insn.size, raw
+    def __init__(self, address, insn):
+        self.address, self.size = address, insn.size
         self.mnemonic = insn.mnemonic.split(".")[0]
-        self.text = f"{insn.mnemonic} {insn.op_str}".strip()
         self.row = self._row(insn)
         registers = [insn.reg_name(op.reg) for op in insn.operands if op.type == ARM_OP_REG]
         self.moved = self._moved(registers)
@@ -85,7 +84,7 @@ class Decoder:
         insn = next(self.capstone.disasm(raw, address, 1), None)
         if insn is None:
             raise SystemExit(f"{address:#x}: {raw.hex()} is not an instruction")
-        return Instruction(address, raw[:insn.size], insn)
+        return Instruction(address, insn)
 
 
 def own_cycles(this, single_before, bits):
@@ -97,7 +96,7 @@ def own_cycles(this, single_before, bits):
     if "words-of-two" in rules:
         return cycles + (this.moved == 4), False
     if "wide" in rules:
-        return cycles + (this.moved == 2 and "d" in this.text.split()[1][:1]), False
+        return cycles + (this.moved == 2), False
     if "divide" in rules:
         return cycles + min(DIVIDE_MAX, -(-bits // BITS_PER_CYCLE)), False
     if "indexed" in rules and this.indexed:

@@ -1,0 +1,240 @@
+"""usage: budget.py write | check | print
+
+write: measures everything, rewrites docs/budget.json and the tables of docs/budget.md.
+check: measures the Cortex-M4F at -O2 and compares; fails where a figure moved by more than 2 %.
+print: measures as check does and prints, with any compiler.
+Exit code 77: something to measure with is missing.
+"""
+import json
+import sys
+
+import build
+
+try:
+    import count
+    import sizes
+    from emulator import Image
+except ImportError as error:
+    print(f"skipped: {error} (tests/run bench tries to install it)")
+    sys.exit(77)
+
+DOCS = build.ROOT / "docs"
+PAGE, FIGURES = DOCS / "budget.md", DOCS / "budget.json"
+REMEDY = "if that is meant, run `tests/run bench` and commit docs/budget.md and docs/budget.json"
+TOLERANCE = 0.02
+SLACK = 1.0  # in any unit: figures of a few cycles or bytes
+
+WARM, CALLS = 100, 300
+# name: warm-up calls, counted calls
+STEPS = {
+    "c_leso_qpll": (WARM, CALLS),
+    "c_leso_leso_qpll": (WARM, CALLS),
+    "gi_leso_leso_qpll": (WARM, CALLS),
+    "fa_leso_leso_qpll": (WARM, CALLS),
+    "fa_multi_leso_qpll": (WARM, CALLS),
+    "enhanced": (WARM, CALLS),
+    "all_options": (WARM, CALLS),
+    "start": (WARM, CALLS),
+    "saturated": (WARM, CALLS),
+    "fault": (190, 30),  # around the trip, from period 200 on
+    "off": (WARM, CALLS),
+}
+STEADY = list(STEPS)[:7]
+PHASES = {"steady": "enhanced", "start, hand-over": "start", "limit of current, of voltage":
+          "saturated", "over-voltage, trip, fault": "fault", "off": "off"}
+BLOCKS = ["estimator_c_leso_qpll", "estimator_fa_leso_leso_qpll", "estimator_enhanced", "sense",
+          "emf_c_leso", "pll", "lag", "speed", "references", "current", "modulator", "guard",
+          "start", "sincos", "atan2", "pi", "sogi", "clarke_park", "nothing"]
+BLOCK_CALLS = 100
+LEVELS = ["-Os", "-O2", "-O3"]
+COMPARED = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced"]
+OTHER_CORES = ["m7", "m33", "m3", "m0", "r5f"]
+CORE_NAMES = {"m4f": "Cortex-M4F", "m7": "Cortex-M7", "m33": "Cortex-M33", "m3": "Cortex-M3",
+              "m0": "Cortex-M0", "r5f": "Cortex-R5F"}
+
+
+def measure_steps(machine, names, calls=None):
+    steps = {}
+    for name in names:
+        warm, counted = STEPS[name]
+        steps[name] = count.measure(machine, f"bench_step_{name}", "lode_drive_step",
+                                    calls or counted, warm)
+    return steps
+
+
+def measure_m4f(tables):
+    machine = count.start(Image(build.image("m4f", "-O2", tables)))
+    figures = {"steps": measure_steps(machine, STEPS),
+               "blocks": {name: count.measure(machine, f"bench_{name}", None, BLOCK_CALLS, WARM)
+                          for name in BLOCKS}}
+    count.check(machine)
+    figures["firmware"] = {"m4f -O2": sizes.firmware_sizes(build.firmware())}
+    return figures
+
+
+def measure_others(figures, tables):
+    figures["levels"], figures["cores"] = {}, {}
+    for level in LEVELS:
+        machine = count.start(Image(build.image("m4f", level, tables)))
+        figures["levels"][level] = measure_steps(machine, COMPARED)
+        count.check(machine)
+    for core in OTHER_CORES:
+        machine = count.start(Image(build.image(core, "-O2", tables)), core)
+        figures["cores"][core] = measure_steps(machine, COMPARED, calls=CALLS // 10)
+        count.check(machine)
+    firmware = figures["firmware"]
+    for core, level in [("m4f", "-Os"), ("m4f", "-O3")] + [(core, "-Os") for core in OTHER_CORES]:
+        firmware[f"{core} {level}"] = sizes.firmware_sizes(build.firmware(core, level))
+    firmware["m4f -O2, all observers"] = sizes.firmware_sizes(build.firmware(options=[]))
+
+
+def table(head, rows):
+    lines = [head, ["---"] + ["---:"] * (len(head) - 1), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
+
+
+def three(figure):
+    return f"{figure['min']} / {figure['avg']:.0f} / {figure['max']}"
+
+
+def step_table(figures):
+    head = ["step", "instructions", "cycles", "max/min", "loads", "stores", "text B", "executed B",
+            "lines", "RAM B", "stack B"]
+    rows = []
+    for name, f in figures["steps"].items():
+        ratio = f"{f['cycles']['max'] / f['cycles']['min']:.2f}"
+        rows.append([f"`{name}`", three(f["instructions"]), three(f["cycles"]), ratio,
+                     f"{f['loads']['avg']:.0f}", f"{f['stores']['avg']:.0f}", f["text"],
+                     f["executed"], f["lines"], f["ram"], f["stack"]])
+    return table(head, rows)
+
+
+def phase_table(figures):
+    usual = figures["steps"][PHASES["steady"]]["cycles"]["max"]
+    rows = []
+    for phase, name in PHASES.items():
+        cycles = figures["steps"][name]["cycles"]
+        rows.append([phase, f"`{name}`", cycles["min"], f"{cycles['avg']:.0f}", cycles["max"],
+                     f"{cycles['max'] / usual:.2f}"])
+    return table(["phase", "step", "least cycles", "mean", "most", "most, by steady"], rows)
+
+
+def block_table(figures):
+    rows = [[f"`{name}`", three(f["instructions"]), three(f["cycles"]), f["text"], f["stack"]]
+            for name, f in figures["blocks"].items()]
+    return table(["block", "instructions", "cycles", "text B", "stack B"], rows)
+
+
+def level_table(figures):
+    rows = []
+    for name in COMPARED:
+        for what in ("instructions", "cycles", "text", "stack"):
+            found = [figures["levels"][level][name][what] for level in LEVELS]
+            rows.append([f"`{name}`, {what}", *(three(f) if isinstance(f, dict) else f
+                                                for f in found)])
+    return table(["step", *(f"`{level}`" for level in LEVELS)], rows)
+
+
+def core_table(figures):
+    rows = []
+    for core in ["m4f", *OTHER_CORES]:
+        found = figures["steps"] if core == "m4f" else figures["cores"][core]
+        flags = " ".join(build.CORES[core])
+        rows.append([CORE_NAMES[core], *(f"{found[name]['instructions']['avg']:.0f}"
+                                         for name in COMPARED),
+                     found["enhanced"]["text"], found["enhanced"]["stack"], f"`{flags}`"])
+    return table(["core", *(f"`{name}`" for name in COMPARED), "text B", "stack B", "flags"], rows)
+
+
+def firmware_table(figures):
+    rows = []
+    for name, f in figures["firmware"].items():
+        core, rest = name.split(" ", 1)
+        rows.append([f"{CORE_NAMES[core]} {rest}", f["step"], f["init"], f["constants"],
+                     f["libraries"], f["text"]])
+    return table(["firmware", "step path", "init, design, mailboxes", "constants", "libraries",
+                  "text B"], rows)
+
+
+def object_table(figures):
+    f = figures["firmware"]["m4f -O2"]
+    return table(["object", "bytes"], [["`lode_drive_t`", f["drive"]],
+                                       ["`lode_drive_tuning_t`, may lie in flash", f["tuning"]],
+                                       ["`lode_drive_config_t`, only for init", f["config"]]])
+
+
+TABLES = {"steps": step_table, "phases": phase_table, "blocks": block_table, "levels": level_table,
+          "cores": core_table, "firmware": firmware_table, "objects": object_table}
+
+
+def page_with(figures):
+    page = PAGE.read_text()
+    for name, make in TABLES.items():
+        begin, end = f"<!-- begin {name} -->\n", f"<!-- end {name} -->\n"
+        head, found, rest = page.partition(begin)
+        tail = rest.partition(end)
+        if not found or not tail[1]:
+            raise SystemExit(f"{PAGE}: expected '{begin.strip()}' and '{end.strip()}'")
+        page = head + begin + make(figures) + end + tail[2]
+    return page
+
+
+def flat(figures, prefix=""):
+    for name, value in figures.items():
+        if isinstance(value, dict):
+            yield from flat(value, f"{prefix}{name}, ")
+        elif isinstance(value, (int, float)):
+            yield f"{prefix}{name}", value
+
+
+def differences(figures, documented):
+    now, then = dict(flat(figures)), dict(flat(documented))
+    for name in sorted(now.keys() | then.keys()):
+        if name not in then or name not in now:
+            yield f"{name}: {'not in docs/budget.json' if name in now else 'no longer measured'}"
+        elif abs(now[name] - then[name]) > max(TOLERANCE * abs(then[name]), SLACK):
+            yield f"{name}: {now[name]}, in docs/budget.json {then[name]}"
+
+
+def check(figures):
+    documented = json.loads(FIGURES.read_text())
+    found = []
+    if page_with(documented) != PAGE.read_text():
+        found.append("the tables of docs/budget.md are not those of docs/budget.json")
+    gated = {name: documented.get(name, {}) for name in ("steps", "blocks")}
+    gated["firmware"] = {"m4f -O2": documented.get("firmware", {}).get("m4f -O2", {})}
+    found.extend(differences(figures, gated))
+    for text in found:
+        print(text)
+    print(f"{len(found)} figures moved by more than {100 * TOLERANCE:.0f} %"
+          + (f"; {REMEDY}" if found else ""))
+    return 1 if found else 0
+
+
+def write(figures):
+    FIGURES.write_text(json.dumps(figures, indent=1) + "\n")
+    PAGE.write_text(page_with(figures))
+
+
+def main():
+    if len(sys.argv) != 2 or sys.argv[1] not in ("write", "check", "print"):
+        raise SystemExit(__doc__)
+    mode, lack = sys.argv[1], build.missing()
+    version = None if lack else build.compiler_version()
+    if not lack and mode != "print" and not version.startswith(build.TABLE_VERSION + "."):
+        lack = f"{build.GCC} is {version}, the figures in docs are of {build.TABLE_VERSION}"
+    if lack:
+        print(f"skipped: {lack}")
+        return 77
+    tables = build.recording()
+    figures = {"compiler": f"{build.GCC} {version}", **measure_m4f(tables)}
+    if mode == "write":
+        measure_others(figures, tables)
+        write(figures)
+    print(step_table(figures), phase_table(figures), block_table(figures),
+          firmware_table(figures), object_table(figures), sep="\n")
+    return check(figures) if mode == "check" else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
