@@ -23,8 +23,8 @@ extern const bench_inputs_t bench_inputs[BENCH_SETTLE_ESTIMATOR + BENCH_ROWS];
 /// Called once before any other: brings every drive into the state that its case is named for.
 void setup(void);
 
-/// 0: every drive and estimator is where the recording says it should be. Else 100 times the number of the
-/// case (or BENCH_CASE_COUNT for a block) and what is wrong: 1 refused, 2 called too often,
+/// 0: every drive and estimator is where the recording says it should be. Else 100 times the number
+/// of the case (BENCH_CASE_COUNT for a block) and what is wrong: 1 refused, 2 called too often,
 /// 3 mode, 4 not the output of the recording to the bit, 5 estimate.
 uint32_t bench_check(void);
 

@@ -1,5 +1,5 @@
-/// Start-up code and main program of the image on QEMU's mps2 boards: counts the instructions of some cases by
-/// SysTick, which under `-icount shift=6` advances by 64 ns per instruction, and prints the sums.
+/// Start-up code and main program of the image on QEMU's mps2 boards: counts the instructions of some
+/// cases by SysTick, which under `-icount shift=6` advances by 64 ns per instruction, and prints the sums.
 #include "image.h"
 
 #define SYST_CSR (*(volatile uint32_t *)0xE000E010u)
@@ -21,8 +21,13 @@ void bench_step_enhanced(uint32_t call);
 void bench_step_start(uint32_t call);
 void bench_step_fa_leso_leso_qpll(uint32_t call);
 
-__attribute__((used, section(".vectors"))) static const void *const vectors[] = {&bench_stack_top,
-                                                                                 bench_reset};
+typedef struct {
+    const uint32_t *stack;
+    void (*reset)(void);
+} vectors_t;
+
+__attribute__((used, section(".vectors"))) static const vectors_t vectors = {&bench_stack_top,
+                                                                             bench_reset};
 
 static void semihost(int operation, const void *argument) {
     register int r0 __asm__("r0") = operation;
