@@ -90,8 +90,13 @@ def measure_others(figures, tables):
 
 
 def table(head, rows):
-    lines = [head, ["---"] + ["---:"] * (len(head) - 1), *rows]
-    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
+    """A Markdown table that can also be read as it is."""
+    cells = [[str(cell) for cell in line] for line in [head, *rows]]
+    widths = [max(len(line[k]) for line in cells) for k in range(len(head))]
+    rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
+    padded = [[cell.ljust(width) if k == 0 else cell.rjust(width)
+               for k, (cell, width) in enumerate(zip(line, widths))] for line in cells]
+    return "".join("| " + " | ".join(line) + " |\n" for line in [padded[0], rule, *padded[1:]])
 
 
 def three(figure):
