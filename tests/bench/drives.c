@@ -66,7 +66,7 @@ lode_drive_config_t bench_config(int32_t number) {
         .speed = {.bandwidth_rad_s = 80.0f,
                   .ki_Nm = 0.5f,
                   .omega_min_rad_s = 0.5f * BENCH_OMEGA_rad_s},
-        .start = {.current_A = (c->pll == LODE_PLL_QPLL ? 1.1f : 0.97f) * BENCH_IQ_A,
+        .start = {.current_A = BENCH_IQ_A,
                   .omega_handover_rad_s = BENCH_OMEGA_rad_s,
                   .ramp_rad_s2 = 2.0e4f,
                   .current_rise_s = 0.005f,

@@ -25,8 +25,8 @@
 #define BENCH_V_GAIN_V_count 0.02f
 #define BENCH_STAMP_PER_PERIOD 1000u
 
-/// Periods in which a drive of BENCH_STEADY calibrates, catches the turning rotor and settles.
-#define BENCH_SETTLE 1200
+/// Periods in which a drive calibrates, starts, hands over and settles.
+#define BENCH_SETTLE 1000
 /// The same for BENCH_START: the measured ones hold most of the start and the hand-over.
 #define BENCH_SETTLE_START 140
 /// Periods that are counted. After them the call number wraps around, and the record with a jump.

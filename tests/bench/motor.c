@@ -6,6 +6,7 @@
 #define FREE_SHARE 0.1   // of the load that stays on a free shaft
 #define FREE_rad_s 40.0  // below which it falls
 #define BRAKE_Nms 0.02   // rise of the brake's torque with speed
+#define GRIP_A 8.0       // below which the machine hardly sees the vector
 #define DRAG_rad_s 300.0 // natural frequency with which the machine follows the current vector
 
 #define TORQUE_PER_A (1.5 * (double)BENCH_POLE_PAIRS * (double)BENCH_PSI_Wb)
@@ -41,7 +42,8 @@ static double load_Nm(const motor_t *m, shaft_t shaft) {
 static void turn(motor_t *m, double h, shaft_t shaft) {
     double slide = 0.0;
     if (shaft == SHAFT_DRAGGED) { // a second-order loop on the angle between current and q axis
-        const double ahead = atan2(-m->id_A, m->iq_A);
+        const double grip = clamped(hypot(m->id_A, m->iq_A) / GRIP_A, 1.0);
+        const double ahead = grip * atan2(-m->id_A, m->iq_A);
         m->omega_rad_s += h * DRAG_rad_s * DRAG_rad_s * ahead;
         slide = 2.0 * DRAG_rad_s * ahead;
     } else {

@@ -130,7 +130,9 @@ static bool is_as_named(const run_t *run) {
 }
 
 static bool record(run_t *run) {
-    run->motor = (motor_t){.theta_rad = 1.0};
+    const bool dragged =
+        bench_scene(run->number) != BENCH_START; // behind a vector that starts at 0
+    run->motor = (motor_t){.theta_rad = dragged ? -1.5 : 1.0};
     if (!bench_begin(run->number)) {
         fprintf(stderr, "case %d: the configuration was refused\n", (int)run->number);
         return false;
