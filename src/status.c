@@ -68,6 +68,10 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_GUARD_SPEED);
         NAME(LODE_ERROR_GUARD_TIME);
         NAME(LODE_ERROR_COMMAND);
+        NAME(LODE_ERROR_CHANNELS);
+        NAME(LODE_ERROR_BUFFER);
+        NAME(LODE_ERROR_TRIGGER);
+        NAME(LODE_ERROR_PRE_SHARE);
     case LODE_STATUS_COUNT:
     default:
         return "LODE_STATUS_UNKNOWN";

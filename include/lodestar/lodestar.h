@@ -4,6 +4,8 @@
 
 #include "lodestar/drive.h"
 #include "lodestar/lowpass.h"
+#include "lodestar/ring.h"
+#include "lodestar/scope.h"
 #include "lodestar/sogi.h"
 #include "lodestar/version.h"
 

@@ -63,7 +63,11 @@ typedef enum {
     LODE_ERROR_GUARD_SPEED,        ///< over-speed limit outside 1 .. 1e6
     LODE_ERROR_GUARD_TIME,         ///< a debounce time outside 1 period .. 10 s
     LODE_ERROR_COMMAND,            ///< a command with an unknown mode or a value that is not finite
-    LODE_STATUS_COUNT              ///< number of statuses, none itself
+    LODE_ERROR_CHANNELS,           ///< no channel, too many of them, or one that does not exist
+    LODE_ERROR_BUFFER,             ///< a recorder's buffer holds less than two frames or rows
+    LODE_ERROR_TRIGGER,   ///< trigger or its channel not an enumerator, or level not finite
+    LODE_ERROR_PRE_SHARE, ///< share of rows before the trigger outside 0 .. 1
+    LODE_STATUS_COUNT     ///< number of statuses, none itself
 } lode_status_t;
 
 /// The enumerator's name, for logs; "LODE_STATUS_UNKNOWN" for any other value.

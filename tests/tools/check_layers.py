@@ -5,12 +5,14 @@ from csource import files, includes_of
 
 # Bottom up. A module is a public header and the source of the same name.
 LAYERS = [
-    ["platform", "status", "version"],
+    ["platform", "status", "version", "wire"],
     ["scalar", "frames", "config"],
     ["motor", "pi", "ramp", "lowpass", "sogi", "leso"],
     ["sense", "inverter", "modulator", "emf", "pll", "lag", "notch"],
     ["estimator", "current", "speed", "references", "start", "guard"],
     ["drive", "drive_config"],
+    ["channel"],
+    ["ring", "scope"],
     ["lodestar"],
 ]
 SYSTEM = {"stdbool.h", "stddef.h", "stdint.h", "math.h", "float.h"}

@@ -1,0 +1,78 @@
+/// What can be recorded of a drive: one quantity per channel, each a float. And which of them a recorder
+/// takes, and how often.
+#ifndef LODESTAR_CHANNEL_H
+#define LODESTAR_CHANNEL_H
+
+#include "lodestar/drive.h"
+
+/// The channels: enumerator, number, name in files, unit. Meaning and instant are those of the field in
+/// lode_telemetry_t. The numbers stand in files and on the wire: none is ever changed or used again.
+#define LODE_CHANNELS(ROW)                                                                         \
+    ROW(MODE, 0, "mode", "")     /* lode_mode_t */                                                 \
+    ROW(CHECK, 1, "check", "")   /* of the fault: lode_check_t, 0 none */                          \
+    ROW(DUTY_A, 2, "duty_a", "") /* share of the period */                                         \
+    ROW(DUTY_B, 3, "duty_b", "")                                                                   \
+    ROW(DUTY_C, 4, "duty_c", "")                                                                   \
+    ROW(ID, 5, "id_A", "A") /* in the frame of control */                                          \
+    ROW(IQ, 6, "iq_A", "A")                                                                        \
+    ROW(ID_REF, 7, "id_ref_A", "A")                                                                \
+    ROW(IQ_REF, 8, "iq_ref_A", "A")                                                                \
+    ROW(UD, 9, "ud_V", "V")                                                                        \
+    ROW(UQ, 10, "uq_V", "V")                                                                       \
+    ROW(V_BUS, 11, "v_bus_V", "V")                                                                 \
+    ROW(TEMPERATURE, 12, "temperature_degC", "degC")                                               \
+    ROW(THETA, 13, "theta_rad", "rad")             /* electrical, in -pi .. pi */                  \
+    ROW(OMEGA, 14, "omega_rad_s", "rad/s")         /* electrical */                                \
+    ROW(SPEED_REF, 15, "speed_ref_rad_s", "rad/s") /* mechanical */                                \
+    ROW(LOAD_TORQUE, 16, "load_torque_Nm", "Nm")                                                   \
+    ROW(LOCK, 17, "lock", "")          /* 0 .. 1 */                                                \
+    ROW(E_ALPHA, 18, "e_alpha_V", "V") /* raw output of the EMF observer */                        \
+    ROW(E_BETA, 19, "e_beta_V", "V")                                                               \
+    ROW(FAULT_MEASURED, 20, "fault_measured", "of check") /* 0 without a fault */                  \
+    ROW(FAULT_LIMIT, 21, "fault_limit", "of check")
+
+#define LODE_CHANNEL_ENUMERATOR(channel, number, name, unit) LODE_CHANNEL_##channel = (number),
+typedef enum {
+    LODE_CHANNELS(LODE_CHANNEL_ENUMERATOR) LODE_CHANNEL_COUNT ///< number of them, none itself
+} lode_channel_t;
+#undef LODE_CHANNEL_ENUMERATOR
+
+/// Most channels of one recorder.
+#define LODE_CHANNELS_MAX 16
+
+/// What a row of a recorder holds, and in which periods one is taken.
+typedef struct {
+    float f_pwm_Hz;      ///< rate of the step, 1e3 .. 2e5
+    uint16_t decimation; ///< a row in every so many periods; 0: in each
+    uint16_t count;      ///< channels in use, 1 .. LODE_CHANNELS_MAX
+    lode_channel_t channel[LODE_CHANNELS_MAX];
+} lode_channels_config_t;
+
+typedef struct {
+    uint16_t decimation;
+    uint16_t wait; ///< periods until the next row
+    uint16_t count;
+    uint_least8_t channel[LODE_CHANNELS_MAX]; ///< lode_channel_t
+} lode_channels_t;
+
+/// The value that `channel` has in the last period of `drive`; 0 for any other number. For the interrupt,
+/// after lode_drive_step().
+float lode_channel_read(const lode_drive_t *drive, lode_channel_t channel);
+
+/// The bits of an IEEE-754 single: sign, 8 of exponent, 23 of fraction, from the highest bit down.
+uint32_t lode_channel_bits(float value);
+
+/// Checks `config`; on any error (NULL, F_PWM, CHANNELS) `self` is left alone.
+lode_status_t lode_channels_init(lode_channels_t *self, const lode_channels_config_t *config);
+
+/// Counts one period. True: a row is due.
+static inline bool lode_channels_due(lode_channels_t *self) {
+    const bool due = self->wait == 0u;
+    self->wait = (uint16_t)((due ? self->decimation : self->wait) - 1u);
+    return due;
+}
+
+/// Writes the bits of all channels to `row`, which holds self->count words.
+void lode_channels_row(const lode_channels_t *self, const lode_drive_t *drive, uint32_t *row);
+
+#endif

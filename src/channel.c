@@ -1,0 +1,93 @@
+#include "lodestar/channel.h"
+
+#include <stddef.h>
+
+// The one place that knows where a drive keeps its quantities.
+LODE_HOT float lode_channel_read(const lode_drive_t *drive, lode_channel_t channel) {
+    switch (channel) {
+    case LODE_CHANNEL_MODE:
+        return (float)drive->mode;
+    case LODE_CHANNEL_CHECK:
+        return (float)drive->guard.fault.check;
+    case LODE_CHANNEL_DUTY_A:
+        return drive->duty.a;
+    case LODE_CHANNEL_DUTY_B:
+        return drive->duty.b;
+    case LODE_CHANNEL_DUTY_C:
+        return drive->duty.c;
+    case LODE_CHANNEL_ID:
+        return drive->i_A.d;
+    case LODE_CHANNEL_IQ:
+        return drive->i_A.q;
+    case LODE_CHANNEL_ID_REF:
+        return drive->ref_A.d;
+    case LODE_CHANNEL_IQ_REF:
+        return drive->ref_A.q;
+    case LODE_CHANNEL_UD:
+        return drive->u_V.d;
+    case LODE_CHANNEL_UQ:
+        return drive->u_V.q;
+    case LODE_CHANNEL_V_BUS:
+        return drive->inverter.v_bus_V;
+    case LODE_CHANNEL_TEMPERATURE:
+        return drive->temperature_degC;
+    case LODE_CHANNEL_THETA:
+        return lode_wrap(drive->estimator.pll.theta_rad + drive->estimator.lag_rad);
+    case LODE_CHANNEL_OMEGA:
+        return drive->estimator.pll.omega_rad_s;
+    case LODE_CHANNEL_SPEED_REF:
+        return drive->speed.reference_rad_s;
+    case LODE_CHANNEL_LOAD_TORQUE:
+        return drive->tuning->estimator.load_per_f_Nm * drive->estimator.pll.f_rad_s2;
+    case LODE_CHANNEL_LOCK:
+        return drive->estimator.lock;
+    case LODE_CHANNEL_E_ALPHA:
+        return drive->estimator.emf.leso.e_V.alpha;
+    case LODE_CHANNEL_E_BETA:
+        return drive->estimator.emf.leso.e_V.beta;
+    case LODE_CHANNEL_FAULT_MEASURED:
+        return drive->guard.fault.measured;
+    case LODE_CHANNEL_FAULT_LIMIT:
+        return drive->guard.fault.limit;
+    case LODE_CHANNEL_COUNT:
+    default:
+        return 0.0f;
+    }
+}
+
+LODE_HOT uint32_t lode_channel_bits(float value) {
+    const union {
+        float value;
+        uint32_t bits;
+    } same = {value};
+    return same.bits;
+}
+
+lode_status_t lode_channels_init(lode_channels_t *self, const lode_channels_config_t *config) {
+    if (self == NULL || config == NULL) {
+        return LODE_ERROR_NULL;
+    }
+    if (!lode_in_range(config->f_pwm_Hz, 1.0e3f, 2.0e5f)) {
+        return LODE_ERROR_F_PWM;
+    }
+    if (config->count < 1u || config->count > LODE_CHANNELS_MAX) {
+        return LODE_ERROR_CHANNELS;
+    }
+    lode_channels_t channels = {.count = config->count};
+    channels.decimation = config->decimation > 0u ? config->decimation : 1u;
+    for (uint16_t n = 0u; n < config->count; n++) {
+        if ((uint32_t)config->channel[n] >= (uint32_t)LODE_CHANNEL_COUNT) {
+            return LODE_ERROR_CHANNELS;
+        }
+        channels.channel[n] = (uint_least8_t)config->channel[n];
+    }
+    *self = channels;
+    return LODE_OK;
+}
+
+LODE_HOT void lode_channels_row(const lode_channels_t *self, const lode_drive_t *drive,
+                                uint32_t *row) {
+    for (uint16_t n = 0u; n < self->count; n++) {
+        row[n] = lode_channel_bits(lode_channel_read(drive, (lode_channel_t)self->channel[n]));
+    }
+}
