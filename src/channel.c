@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 // The one place that knows where a drive keeps its quantities.
-LODE_HOT float lode_channel_read(const lode_drive_t *drive, lode_channel_t channel) {
+static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) {
     switch (channel) {
     case LODE_CHANNEL_MODE:
         return (float)drive->mode;
@@ -32,7 +32,7 @@ LODE_HOT float lode_channel_read(const lode_drive_t *drive, lode_channel_t chann
     case LODE_CHANNEL_TEMPERATURE:
         return drive->temperature_degC;
     case LODE_CHANNEL_THETA:
-        return lode_wrap(drive->estimator.pll.theta_rad + drive->estimator.lag_rad);
+        return lode_wrap_once(drive->estimator.pll.theta_rad + drive->estimator.lag_rad);
     case LODE_CHANNEL_OMEGA:
         return drive->estimator.pll.omega_rad_s;
     case LODE_CHANNEL_SPEED_REF:
@@ -53,6 +53,10 @@ LODE_HOT float lode_channel_read(const lode_drive_t *drive, lode_channel_t chann
     default:
         return 0.0f;
     }
+}
+
+LODE_HOT float lode_channel_read(const lode_drive_t *drive, lode_channel_t channel) {
+    return value_of(drive, channel);
 }
 
 LODE_HOT uint32_t lode_channel_bits(float value) {
@@ -88,6 +92,6 @@ lode_status_t lode_channels_init(lode_channels_t *self, const lode_channels_conf
 LODE_HOT void lode_channels_row(const lode_channels_t *self, const lode_drive_t *drive,
                                 uint32_t *row) {
     for (uint16_t n = 0u; n < self->count; n++) {
-        row[n] = lode_channel_bits(lode_channel_read(drive, (lode_channel_t)self->channel[n]));
+        row[n] = lode_channel_bits(value_of(drive, (lode_channel_t)self->channel[n]));
     }
 }
