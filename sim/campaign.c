@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "atomic_file.h"
+#include "capture.h"
 #include "command_run.h"
 #include "config_json.h"
 #include "outputs.h"
@@ -107,8 +108,9 @@ rig_exit_t campaign(const options_t *options) {
     rig_config_t config;
     FILE *json = NULL;
     campaign_t self = {.options = options};
-    if (options->csv != NULL || options->plot != NULL) {
-        rig_error("run --seeds: expected no --csv and no --plot; they show a single --seed");
+    if (options->csv != NULL || options->plot != NULL || capture_wanted(options)) {
+        rig_error("run --seeds: expected no --csv, --plot, --ring and --scope; they show a single "
+                  "--seed");
         return RIG_BAD_INPUT;
     }
     if (!command_run_load(&config, options, options->scenario) ||

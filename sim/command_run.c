@@ -8,6 +8,7 @@
 
 #include "atomic_file.h"
 #include "campaign.h"
+#include "capture.h"
 #include "data_files.h"
 #include "ini_config.h"
 #include "outputs.h"
@@ -65,15 +66,21 @@ static rig_exit_t run_once(const options_t *options, const char *scenario) {
     runner_result_t result;
     runlog_t log;
     files_t files = {NULL, NULL, NULL};
-    if (!command_run_load(&config, options, scenario) || !open_files(&files, options)) {
+    static capture_t capture;
+    if (!command_run_load(&config, options, scenario) || !open_files(&files, options) ||
+        (capture_wanted(options) && !capture_start(&capture, options, config.drive.f_pwm_Hz))) {
         return RIG_BAD_INPUT;
     }
     runlog_init(&log);
+    log.capture = capture_wanted(options) ? &capture : NULL;
     bool good = runner_run(&config, runner_estimator(&config), &result, &log);
     if (good) {
         report_run_table(stdout, &config, &result, &log);
         (void)fflush(stdout);
         good = write_files(&files, &config, &result, &log);
+    }
+    if (log.capture != NULL) {
+        capture_finish(&capture);
     }
     runlog_free(&log);
     if (!good || !atomic_file_commit_all()) {
@@ -82,6 +89,8 @@ static rig_exit_t run_once(const options_t *options, const char *scenario) {
     outputs_say(options->csv);
     outputs_say(options->json);
     outputs_say(options->plot);
+    outputs_say(options->ring);
+    outputs_say(options->scope);
     return report_run_failed(&result) ? RIG_FAILED : RIG_DONE;
 }
 

@@ -8,7 +8,8 @@
 
 #include "diag.h"
 
-enum { MAIN_JOB = 1, RUN = 2, REPLAY = 4, DESIGN = 8, ANALYSE = 16, REPRODUCE = 32, ALL = 63 };
+enum { MAIN_JOB = 1, RUN = 2, REPLAY = 4, DESIGN = 8, ANALYSE = 16, REPRODUCE = 32, DECODE = 64 };
+enum { CONFIGURED = 63, ALL = 127 };
 
 // Seeds pass through a double, which holds them up to here.
 #define SEED_MAX (UINT64_C(1) << 53)
@@ -30,17 +31,28 @@ static const option_t table[] = {
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
     {"emf", required_argument, 'e', REPLAY, "NAME", "EMF observer, as `lodestar list` has it"},
     {"pll", required_argument, 'p', REPLAY, "NAME", "position PLL, as `lodestar list` has it"},
-    {"set", required_argument, 's', ALL, "SECTION.KEY=VALUE", "over what files say; repeatable"},
+    {"set", required_argument, 's', CONFIGURED, "SECTION.KEY=VALUE",
+     "over what files say; repeatable"},
     {"seed", required_argument, 'n', MAIN_JOB | RUN, "S", "of noise and all that is random"},
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
     {"out", required_argument, 'o', REPLAY, "F.csv", "one row of estimates per recorded row"},
     {"csv", required_argument, 'c', MAIN_JOB | RUN, "F.csv", "signals over time"},
+    {"ring", required_argument, 'R', RUN, "F.bin", "octets that the telemetry ring would send"},
+    {"scope", required_argument, 'S', RUN, "F.bin", "dump of a scope's buffer"},
+    {"channels", required_argument, 'C', RUN, "A,B,...", "of ring and scope"},
+    {"every", required_argument, 'E', RUN, "N", "periods per row of ring and scope; 1"},
+    {"trigger", required_argument, 'T', RUN, "WHEN",
+     "of the scope: fault, immediate, 'CHANNEL>LEVEL' or '<'"},
+    {"kind", required_argument, 'k', DECODE, "KIND", "auto, ring or scope"},
+    {"csv", required_argument, 'c', DECODE, "F.csv", "one line per row"},
     {"csv", required_argument, 'c', ANALYSE, "F.csv", "the curves of all figures"},
     {"csv", required_argument, 'c', REPRODUCE, "F.csv", "the table"},
     {"json", required_argument, 'j', MAIN_JOB | RUN | REPLAY | ANALYSE | REPRODUCE, "F.json",
      "results and all values used"},
+    {"json", required_argument, 'j', DECODE, "F.json", "the summary"},
     {"json", optional_argument, 'J', DESIGN, "[=F.json]", "JSON in place of the table"},
-    {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY, "F.svg", "a picture (needs gnuplot)"},
+    {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY | DECODE, "F.svg",
+     "a picture (needs gnuplot)"},
     {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",
      "one picture per figure (needs gnuplot)"},
     {"help", no_argument, 'h', ALL, "", "this text"},
@@ -79,6 +91,11 @@ static const command_t commands[] = {
      "Makes every experiment of a paper again and sets its claims beside what comes out.\n"
      "The paper's estimators as printed, the library's with the paper's gains, and the library's "
      "own."},
+    {"decode", COMMAND_DECODE, DECODE, "lodestar decode FILE [OPTION...]",
+     "Reads what the library's telemetry ring or scope has recorded, sent or dumped.\n"
+     "FILE holds octets of lode_ring_drain() or lode_scope_drain(), or a debugger's dump of "
+     "either's\n"
+     "buffer. Which it is, and the order of its octets, is seen from its first words."},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -195,6 +212,18 @@ static const char **text_option(options_t *options, int letter) {
         return &options->plot;
     case 'G':
         return &options->plots;
+    case 'k':
+        return &options->kind;
+    case 'R':
+        return &options->ring;
+    case 'S':
+        return &options->scope;
+    case 'C':
+        return &options->channels;
+    case 'E':
+        return &options->every;
+    case 'T':
+        return &options->trigger;
     case 'j':
     case 'J':
     default:
@@ -231,7 +260,7 @@ static void list_options(int mask, char *text, size_t size) {
 }
 
 static bool refuse_option(const command_t *command, int answer, const char *given) {
-    char known[256];
+    char known[320];
     list_options(command->mask, known, sizeof known);
     if (answer == ':') {
         rig_error("%s: expected a value after it", given);
@@ -292,6 +321,8 @@ static bool check(const options_t *options) {
                needs("replay", "--recording F.csv", options->recording);
     case COMMAND_DESIGN:
         return needs("design", "--motor F.ini", options->motor);
+    case COMMAND_DECODE:
+        return needs("decode", "a file", options->recording);
     case COMMAND_REPRODUCE:
         return needs("reproduce", "the name of a paper: jiang2022", options->paper);
     case COMMAND_MAIN_JOB:
@@ -308,6 +339,9 @@ static bool take_operands(options_t *options, const command_t *command, int argc
     int next = optind;
     if (command->command == COMMAND_RUN && next < argc) {
         options->scenario = argv[next++];
+    }
+    if (command->command == COMMAND_DECODE && next < argc) {
+        options->recording = argv[next++];
     }
     if (command->command == COMMAND_REPRODUCE && next < argc) {
         options->paper = argv[next++];
@@ -335,8 +369,8 @@ bool options_parse(options_t *options, int argc, char **argv) {
         return true;
     }
     if (command == NULL) {
-        rig_error("%s: unknown command; expected list, run, replay, design, analyse or "
-                  "reproduce",
+        rig_error("%s: unknown command; expected list, run, replay, design, analyse, "
+                  "reproduce or decode",
                   argv[1]);
         return false;
     }

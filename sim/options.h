@@ -13,6 +13,7 @@ typedef enum {
     COMMAND_DESIGN,
     COMMAND_ANALYSE,
     COMMAND_REPRODUCE,
+    COMMAND_DECODE,
     COMMAND_HELP,
     COMMAND_VERSION
 } options_command_t;
@@ -27,14 +28,20 @@ typedef struct {
     const char *paper; ///< to be reproduced
     const char *motor;
     const char *drive;
-    const char *recording;
+    const char *recording; ///< of replay and decode
     const char *emf;
     const char *pll;
     const char *out;
     const char *csv;
     const char *json;
     const char *plot;
-    const char *plots;   ///< folder
+    const char *plots; ///< folder
+    const char *kind;  ///< of what is decoded
+    const char *ring;  ///< recorders beside a run
+    const char *scope;
+    const char *channels;
+    const char *every;
+    const char *trigger;
     bool json_on_stdout; ///< design --json without a file
     bool has_seed;
     uint64_t seed;

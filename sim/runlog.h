@@ -47,6 +47,7 @@ typedef struct {
     int events;
     int events_dropped;
     runlog_event_t event[RUNLOG_EVENTS_MAX];
+    struct capture *capture; ///< recorders of the library beside the drive; NULL: none
 } runlog_t;
 
 void runlog_init(runlog_t *self);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "capture.h"
 #include "diag.h"
 #include "euler_estimate.h"
 #include "progress.h"
@@ -366,6 +367,9 @@ static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_windo
     moment_t now;
     move_command(run);
     step_drive(run, &now);
+    if (run->log->capture != NULL) {
+        capture_step(run->log->capture, &run->drive);
+    }
     note_changes(run, &now.estimate);
     measure(run, out, &now, in_window);
     const bool good = run->k % run->log_every != 0 || log_row(run, index, &now);

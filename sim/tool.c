@@ -4,6 +4,7 @@
 
 #include "atomic_file.h"
 #include "command_analyse.h"
+#include "command_decode.h"
 #include "command_design.h"
 #include "command_replay.h"
 #include "command_reproduce.h"
@@ -56,6 +57,8 @@ static rig_exit_t dispatch(const options_t *options) {
         return command_analyse(options);
     case COMMAND_REPRODUCE:
         return command_reproduce(options);
+    case COMMAND_DECODE:
+        return command_decode(options);
     case COMMAND_HELP:
         options_print_help(options->help_for);
         return RIG_DONE;

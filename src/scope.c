@@ -186,7 +186,6 @@ static bool next_word(lode_scope_t *self) {
     const uint32_t words = LODE_SCOPE_WORDS(self->channels.count, self->rows);
     const uint32_t at = self->sent;
     if (at > words) {
-        self->sent = 0u;
         return false;
     }
     if (at == 0u) {
@@ -205,6 +204,9 @@ uint32_t lode_scope_drain(lode_scope_t *self, uint16_t *octets, uint32_t count) 
     uint32_t n = 0u;
     while (n < count && (self->wire.left > 0u || next_word(self))) {
         octets[n++] = lode_wire_octet(&self->wire);
+    }
+    if (n == 0u && count > 0u) {
+        self->sent = 0u; // the end was told: from the beginning again
     }
     return n;
 }

@@ -1,0 +1,21 @@
+/// The library's channels by name.
+#ifndef RIG_CHANNELS_H
+#define RIG_CHANNELS_H
+
+#include <stdint.h>
+
+#include "lodestar/channel.h"
+
+/// "channel" and its number for one that this version does not know; valid until the next call.
+const char *channels_name(uint32_t number);
+
+/// Empty for a ratio or an enumerator.
+const char *channels_unit(uint32_t number);
+
+/// LODE_CHANNEL_COUNT for an unknown name.
+lode_channel_t channels_find(const char *name);
+
+/// All names, separated by ", ".
+const char *channels_list(void);
+
+#endif
