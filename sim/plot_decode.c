@@ -92,6 +92,17 @@ static void send_range(FILE *script, const decode_t *decoded, const char *group)
     (void)fprintf(script, "set yrange [%.6g:%.6g]\n", low - room, high + room);
 }
 
+/// gnuplot warns of a curve without a point.
+static void send_curve(FILE *script, const decode_t *decoded, uint32_t channel) {
+    for (size_t row = 0; row < decoded->rows; ++row) {
+        if (isfinite(decoded->value[row * decoded->channels + channel])) {
+            (void)fprintf(script, "$rows using 1:%lu", (unsigned long)channel + 2);
+            return;
+        }
+    }
+    (void)fputs("NaN", script);
+}
+
 static void send_panel(FILE *script, const decode_t *decoded, uint32_t first, bool last) {
     const char *group = group_of(decoded->channel[first]);
     const char *separator = "plot ";
@@ -104,11 +115,10 @@ static void send_panel(FILE *script, const decode_t *decoded, uint32_t first, bo
     }
     for (uint32_t k = first; k < decoded->channels; ++k) {
         if (strcmp(group_of(decoded->channel[k]), group) == 0) {
-            (void)fprintf(script,
-                          "%s$rows using 1:%lu with lines lc rgb '%s' lw 1.2 title '%s' "
-                          "noenhanced",
-                          separator, (unsigned long)k + 2, colours[colour++ % COLOURS],
-                          channels_name(decoded->channel[k]));
+            (void)fputs(separator, script);
+            send_curve(script, decoded, k);
+            (void)fprintf(script, " with lines lc rgb '%s' lw 1.2 title '%s' noenhanced",
+                          colours[colour++ % COLOURS], channels_name(decoded->channel[k]));
             separator = ", ";
         }
     }
