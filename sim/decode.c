@@ -68,26 +68,8 @@ bool decode_setup(decode_t *self, const decode_source_t *source, size_t f_pwm_at
     return true;
 }
 
-static bool grow(decode_t *self) {
-    const size_t capacity = self->row_capacity > 0 ? 2 * self->row_capacity : 1024;
-    double *t_s = realloc(self->t_s, capacity * sizeof *t_s);
-    self->t_s = t_s != NULL ? t_s : self->t_s;
-    uint32_t *number = realloc(self->number, capacity * sizeof *number);
-    self->number = number != NULL ? number : self->number;
-    float *value = realloc(self->value, capacity * self->channels * sizeof *value);
-    self->value = value != NULL ? value : self->value;
-    if (t_s == NULL || number == NULL || value == NULL) {
-        return decode_refuse(self, 0, "out of memory for %zu rows", capacity);
-    }
-    self->row_capacity = capacity;
-    return true;
-}
-
-bool decode_add_row(decode_t *self, const decode_source_t *source, size_t offset, uint32_t number,
+void decode_add_row(decode_t *self, const decode_source_t *source, size_t offset, uint32_t number,
                     double t_s) {
-    if (self->rows == self->row_capacity && !grow(self)) {
-        return false;
-    }
     self->t_s[self->rows] = t_s;
     self->number[self->rows] = number;
     for (uint32_t k = 0; k < self->channels; ++k) {
@@ -95,7 +77,6 @@ bool decode_add_row(decode_t *self, const decode_source_t *source, size_t offset
             decode_float(decode_word(source, offset + 4 * (size_t)k));
     }
     self->rows++;
-    return true;
 }
 
 void decode_note_gap(decode_t *self, size_t offset, uint32_t lost) {
@@ -141,6 +122,14 @@ static bool parse(decode_t *self, decode_source_t *source, decode_want_t want) {
 bool decode_parse(decode_t *self, const unsigned char *data, size_t size, decode_want_t want) {
     decode_source_t source = {data, size, 0};
     *self = (decode_t){0};
+    // Every value of every row is a word of its own in the file.
+    self->t_s = calloc(size / 4 + 1, sizeof self->t_s[0]);
+    self->number = calloc(size / 4 + 1, sizeof self->number[0]);
+    self->value = calloc(size / 4 + 1, sizeof self->value[0]);
+    if (self->t_s == NULL || self->number == NULL || self->value == NULL) {
+        decode_free(self);
+        return decode_refuse(self, 0, "out of memory for %zu octets", size);
+    }
     if (!parse(self, &source, want)) {
         decode_free(self);
         return false;

@@ -42,7 +42,6 @@ typedef struct {
     double f_pwm_Hz;
     uint32_t decimation;
     size_t rows;
-    size_t row_capacity;
     double *t_s;      ///< since the recorder's init
     uint32_t *number; ///< of the frame; scope: of the period
     float *value;     ///< rows x channels
@@ -100,7 +99,7 @@ bool decode_setup(decode_t *self, const decode_source_t *source, size_t f_pwm_at
                   size_t decimation_at, size_t channels_at);
 
 /// Adds a row whose words begin at `offset`.
-bool decode_add_row(decode_t *self, const decode_source_t *source, size_t offset, uint32_t number,
+void decode_add_row(decode_t *self, const decode_source_t *source, size_t offset, uint32_t number,
                     double t_s);
 
 void decode_note_gap(decode_t *self, size_t offset, uint32_t lost);

@@ -114,8 +114,9 @@ static bool take_data(reader_t *self, size_t at, size_t words) {
     }
     const uint32_t number = self->next + gap;
     self->next = number + 1u;
-    return decode_add_row(out, self->source, at + 4, number,
-                          (double)number * (double)out->decimation / out->f_pwm_Hz);
+    decode_add_row(out, self->source, at + 4, number,
+                   (double)number * (double)out->decimation / out->f_pwm_Hz);
+    return true;
 }
 
 static bool take_frame(reader_t *self, size_t at, size_t words) {

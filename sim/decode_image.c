@@ -73,10 +73,8 @@ bool decode_ring_image(decode_t *self, const decode_source_t *source, size_t off
             decode_note_gap(self, at, number - next);
         }
         next = number + 1u;
-        if (!decode_add_row(self, source, at + 4, number,
-                            (double)number * (double)self->decimation / self->f_pwm_Hz)) {
-            return false;
-        }
+        decode_add_row(self, source, at + 4, number,
+                       (double)number * (double)self->decimation / self->f_pwm_Hz);
     }
     return true;
 }
@@ -89,8 +87,8 @@ typedef struct {
 } scope_t;
 
 /// A number of the header that must be less than `limit`.
-static bool below(decode_t *self, const decode_source_t *source, size_t at, const char *what,
-                  uint32_t limit, uint32_t *value) {
+static bool limited(decode_t *self, const decode_source_t *source, size_t at, const char *what,
+                    uint32_t limit, uint32_t *value) {
     *value = decode_word(source, at);
     return *value < limit || decode_refuse(self, at, "%s %lu; expected at most %lu", what,
                                            (unsigned long)*value, (unsigned long)limit - 1);
@@ -108,11 +106,11 @@ static bool take_state(decode_t *self, const decode_source_t *source, size_t off
     }
     self->level = decode_float(decode_word(source, offset + 4 * LODE_SCOPE_AT_LEVEL));
     self->source = decode_word(source, offset + 4 * LODE_SCOPE_AT_SOURCE);
-    if (!below(self, source, offset + 4 * LODE_SCOPE_AT_TRIGGER, "trigger", 4u, &self->trigger) ||
-        !below(self, source, offset + 4 * LODE_SCOPE_AT_FILLED, "rows written", scope->rows + 1u,
-               &scope->filled) ||
-        !below(self, source, offset + 4 * LODE_SCOPE_AT_NEXT, "next row", scope->rows,
-               &scope->next)) {
+    if (!limited(self, source, offset + 4 * LODE_SCOPE_AT_TRIGGER, "trigger", 4u, &self->trigger) ||
+        !limited(self, source, offset + 4 * LODE_SCOPE_AT_FILLED, "rows written", scope->rows + 1u,
+                 &scope->filled) ||
+        !limited(self, source, offset + 4 * LODE_SCOPE_AT_NEXT, "next row", scope->rows,
+                 &scope->next)) {
         return false;
     }
     if (scope->filled == 0u) {
@@ -120,8 +118,8 @@ static bool take_state(decode_t *self, const decode_source_t *source, size_t off
                              "no row was written; expected a scope that had been armed");
     }
     self->has_event = self->state >= (uint32_t)LODE_SCOPE_TRIGGERED;
-    return !self->has_event || below(self, source, offset + 4 * LODE_SCOPE_AT_EVENT,
-                                     "row of the event", scope->filled, &scope->event);
+    return !self->has_event || limited(self, source, offset + 4 * LODE_SCOPE_AT_EVENT,
+                                       "row of the event", scope->filled, &scope->event);
 }
 
 /// The check over all words before it, the lowest octet first.
@@ -150,7 +148,7 @@ static bool check(decode_t *self, const decode_source_t *source, size_t offset, 
     return true;
 }
 
-static bool take_rows(decode_t *self, const decode_source_t *source, size_t offset,
+static void take_rows(decode_t *self, const decode_source_t *source, size_t offset,
                       const scope_t *scope) {
     const uint32_t newest = decode_word(source, offset + 4 * LODE_SCOPE_AT_PERIOD);
     const uint32_t oldest = scope->filled < scope->rows ? 0u : scope->next;
@@ -160,12 +158,9 @@ static bool take_rows(decode_t *self, const decode_source_t *source, size_t offs
         if (self->has_event && row == scope->event) {
             self->event = k;
         }
-        if (!decode_add_row(self, source, scope->first + 4 * (size_t)row * self->channels,
-                            newest - back, (double)(newest - back) / self->f_pwm_Hz)) {
-            return false;
-        }
+        decode_add_row(self, source, scope->first + 4 * (size_t)row * self->channels, newest - back,
+                       (double)(newest - back) / self->f_pwm_Hz);
     }
-    return true;
 }
 
 bool decode_scope_image(decode_t *self, const decode_source_t *source, size_t offset) {
@@ -184,6 +179,9 @@ bool decode_scope_image(decode_t *self, const decode_source_t *source, size_t of
         return false;
     }
     const size_t end = scope.first + 4 * (size_t)scope.rows * self->channels;
-    return take_state(self, source, offset, &scope) && check(self, source, offset, end) &&
-           take_rows(self, source, offset, &scope);
+    if (!take_state(self, source, offset, &scope) || !check(self, source, offset, end)) {
+        return false;
+    }
+    take_rows(self, source, offset, &scope);
+    return true;
 }

@@ -10,7 +10,7 @@
 
 typedef enum {
     RIG_DONE = 0,     ///< did what was asked for
-    RIG_FAILED = 1,   ///< the drive faulted, or a bar was missed
+    RIG_FAILED = 1,   ///< the drive faulted, a bar was missed, or what is decoded is damaged
     RIG_BAD_INPUT = 2 ///< the command line or a file is not usable
 } rig_exit_t;
 

@@ -127,8 +127,8 @@ static void print_tool_help(void) {
     (void)puts("\noptions of the main job:");
     print_options(MAIN_JOB);
     (void)puts("  --version                  version of library and tool\n\n"
-               "`lodestar COMMAND --help` tells more. Exit code: 0 done, 1 the drive faulted or\n"
-               "missed a bar, 2 bad input.");
+               "`lodestar COMMAND --help` tells more. Exit code: 0 done, 1 the drive faulted,\n"
+               "missed a bar or what is decoded is damaged, 2 bad input.");
 }
 
 static const command_t *find_command(const char *name) {

@@ -6,8 +6,8 @@ enum { REQUEST_NONE, REQUEST_ARM, REQUEST_STOP };
 
 // Between LODE_CHECK_NONE and all others.
 #define FAULT_LEVEL 0.5f
-// So many a float counts exactly; what the buffer holds beyond is not used.
-#define ROWS_MAX 0x1000000u
+// So many a float counts exactly in halves; what the buffer holds beyond is not used.
+#define ROWS_MAX 0x800000u
 
 static lode_status_t take_trigger(lode_scope_t *self, const lode_scope_config_t *config) {
     self->trigger = config->trigger;
@@ -75,9 +75,9 @@ lode_status_t lode_scope_init(lode_scope_t *self, const lode_scope_config_t *con
     scope.row = &buffer[LODE_SCOPE_AT_CHANNEL + count];
     const uint32_t rows = (words - LODE_SCOPE_AT_CHANNEL - count) / count;
     scope.rows = rows < ROWS_MAX ? rows : ROWS_MAX;
-    const uint32_t before = (uint32_t)(config->pre_share * (float)scope.rows);
-    // At least the row of the event itself.
-    scope.rows_after = before < scope.rows ? scope.rows - before : 1u;
+    // Of all but the event's own row, to the nearest.
+    const uint32_t before = (uint32_t)(config->pre_share * (float)(scope.rows - 1u) + 0.5f);
+    scope.rows_after = scope.rows - before;
     write_header(&scope, config->rows.f_pwm_Hz);
     *self = scope;
     return LODE_OK;

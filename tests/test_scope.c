@@ -100,7 +100,7 @@ static void test_rows_before_and_after_the_event(void) {
     const struct {
         float pre_share;
         uint32_t before;
-    } cases[] = {{0.0f, 0}, {0.1f, 2}, {0.25f, 5}, {0.5f, 10}, {0.96f, 19}, {1.0f, 19}};
+    } cases[] = {{0.0f, 0}, {0.1f, 2}, {0.25f, 5}, {0.5f, 10}, {0.96f, 18}, {1.0f, 19}};
     for (int i = 0; i < COUNT_OF(cases); i++) {
         for (uint16_t decimation = 1; decimation < 6u; decimation++) {
             source_init(&source);
@@ -375,7 +375,7 @@ static void test_more_rows_than_a_float_counts(void) {
     lode_scope_config_t config = config_of(LODE_TRIGGER_RISING, 30.0f, 1.0f, 1);
     config.rows.count = 1u;
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_scope_init(&scope, &config, buffer, 0xFFFFFFFFu));
-    TEST_ASSERT_EQUAL_UINT32(0x1000000u, buffer[LODE_SCOPE_AT_ROWS]);
+    TEST_ASSERT_EQUAL_UINT32(0x800000u, buffer[LODE_SCOPE_AT_ROWS]);
 }
 
 int main(void) {

@@ -63,7 +63,7 @@ typedef struct {
     lode_trigger_t trigger;
     lode_channel_t source; ///< RISING, FALLING: channel, which need not be one of the rows
     float level;           ///< RISING, FALLING: in the channel's unit
-    float pre_share;       ///< rows before the event, as a share of all, 0 .. 1
+    float pre_share;       ///< rows before the event, as a share of all others, 0 .. 1
 } lode_scope_config_t;
 
 /// Visible for static allocation; written by its functions only.
