@@ -258,6 +258,21 @@ static void test_armed_anew_in_any_state(void) {
     }
 }
 
+static void test_armed_anew_nothing_of_before_counts(void) {
+    start(LODE_TRIGGER_RISING, 50.0f, 0.5f, 10);
+    lode_scope_arm(&scope);
+    run(14); // below the level, 6 periods before the next row
+    lode_scope_stop(&scope);
+    run(86);
+    lode_scope_arm(&scope); // above it
+    run(1);
+    expect(LODE_SCOPE_ARMED);
+    TEST_ASSERT_EQUAL_UINT32(1u, buffer[LODE_SCOPE_AT_FILLED]); // a row at once
+    TEST_ASSERT_EQUAL_UINT32(100u, buffer[LODE_SCOPE_AT_PERIOD]);
+    run(300);
+    expect(LODE_SCOPE_ARMED);
+}
+
 // ---- Wire ---------------------------------------------------------------------------------------
 
 static uint32_t word_of(const uint16_t *o) {
@@ -298,6 +313,11 @@ static void test_drain_in_pieces_of_any_size(void) {
     }
     // Armed in the middle of it: the next capture begins at its beginning.
     (void)lode_scope_drain(&scope, octets, 41u);
+    const uint16_t before = octets[40];
+    TEST_ASSERT_EQUAL_UINT32(0u, lode_scope_drain(&scope, octets, 0u)); // no room: not the end
+    (void)lode_scope_drain(&scope, &octets[41], 3u);
+    TEST_ASSERT_EQUAL_HEX32(buffer[10], word_of(&octets[40]));
+    TEST_ASSERT_EQUAL_HEX16(before, octets[40]);
     source.periods = 0u;
     lode_scope_arm(&scope);
     TEST_ASSERT_EQUAL_UINT32(0u, lode_scope_drain(&scope, octets, 100u));
@@ -391,6 +411,7 @@ int main(void) {
     RUN_TEST(test_immediate);
     RUN_TEST(test_fault);
     RUN_TEST(test_armed_anew_in_any_state);
+    RUN_TEST(test_armed_anew_nothing_of_before_counts);
     RUN_TEST(test_drain_in_pieces_of_any_size);
     RUN_TEST(test_bad_configurations_are_refused);
     RUN_TEST(test_spare_words_are_not_touched);
