@@ -315,8 +315,9 @@ static void test_drain_in_pieces_of_any_size(void) {
     (void)lode_scope_drain(&scope, octets, 41u);
     const uint16_t before = octets[40];
     TEST_ASSERT_EQUAL_UINT32(0u, lode_scope_drain(&scope, octets, 0u)); // no room: not the end
-    (void)lode_scope_drain(&scope, &octets[41], 3u);
+    (void)lode_scope_drain(&scope, &octets[41], 7u);
     TEST_ASSERT_EQUAL_HEX32(buffer[10], word_of(&octets[40]));
+    TEST_ASSERT_EQUAL_HEX32(buffer[11], word_of(&octets[44]));
     TEST_ASSERT_EQUAL_HEX16(before, octets[40]);
     source.periods = 0u;
     lode_scope_arm(&scope);
