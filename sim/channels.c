@@ -30,6 +30,7 @@ lode_channel_t channels_find(const char *name) {
 
 const char *channels_list(void) {
 #define NAME(channel, number, name, unit) ", " name
-    return LODE_CHANNELS(NAME) + 2;
+    static const char all[] = LODE_CHANNELS(NAME);
+    return &all[2]; // behind the first separator
 #undef NAME
 }
