@@ -32,7 +32,7 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
     case LODE_CHANNEL_TEMPERATURE:
         return drive->temperature_degC;
     case LODE_CHANNEL_THETA:
-        return lode_wrap_once(drive->estimator.pll.theta_rad + drive->estimator.lag_rad);
+        return lode_estimator_theta_rad(&drive->estimator);
     case LODE_CHANNEL_OMEGA:
         return drive->estimator.pll.omega_rad_s;
     case LODE_CHANNEL_SPEED_REF:
