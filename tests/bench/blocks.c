@@ -20,6 +20,7 @@ static lode_guard_t guard;
 static lode_start_t start;
 static lode_pi_t pi;
 static lode_sogi_t sogi;
+static lode_sogi_tuning_t sogi_tuning;
 static lode_pll_t pll;
 static lode_emf_t emf;
 static lode_sample_t sample;
@@ -27,6 +28,8 @@ static lode_sincos_t rotor;
 
 // Where results go, so that the compiler keeps them.
 float bench_sink[8];
+
+static const lode_abc_t half = {0.5f, 0.5f, 0.5f};
 
 static const bench_inputs_t *input(uint32_t call) {
     return &bench_inputs[BENCH_SETTLE_ESTIMATOR + call % BENCH_ROWS];
@@ -59,14 +62,14 @@ bool bench_blocks_setup(void) {
     lode_start_reset(&start, 0.0f, BENCH_OMEGA_rad_s, BENCH_IQ_A);
     pll = estimator[ENHANCED].pll;
     emf = estimator[ENHANCED].emf;
-    sample = lode_sense_step(&sense, &t->sense, &bench_counted[BENCH_enhanced][0],
-                             (lode_abc_t){0.5f, 0.5f, 0.5f});
+    sample = lode_sense_step(&sense, &t->sense, &bench_counted[BENCH_enhanced][0], &half);
+    sogi_tuning = lode_sogi_tune(0.7f, 6.0f * BENCH_OMEGA_rad_s / BENCH_F_PWM_Hz);
     return good;
 }
 
 bool bench_blocks_good(void) {
     for (int32_t n = 0; n < ESTIMATORS; n++) {
-        const lode_telemetry_t telemetry = {.theta_rad = estimate[n].theta_rad,
+        const lode_telemetry_t telemetry = {.theta_rad = lode_estimate_theta_rad(&estimate[n]),
                                             .omega_rad_s = estimate[n].omega_rad_s,
                                             .lock = estimate[n].lock};
         if (!bench_estimate_is_good(drive_of[n], &telemetry, bench_inputs[row[n]].theta_rad)) {
@@ -99,13 +102,12 @@ BLOCK(estimator_enhanced) {
 
 BLOCK(sense) {
     sample = lode_sense_step(&sense, &tuning[ENHANCED].sense,
-                             &bench_counted[BENCH_enhanced][call % BENCH_ROWS],
-                             (lode_abc_t){0.5f, 0.5f, 0.5f});
+                             &bench_counted[BENCH_enhanced][call % BENCH_ROWS], &half);
 }
 
 BLOCK(emf_c_leso) {
     const bench_inputs_t *in = input(call);
-    const lode_emf_motion_t motion = {rotor, rotor, rotor, BENCH_OMEGA_rad_s, true};
+    const lode_emf_motion_t motion = {rotor, rotor, rotor, BENCH_OMEGA_rad_s, 0.0f, true};
     const lode_ab_t e_V =
         lode_emf_step(&emf, &tuning[ENHANCED].estimator.emf, in->u_V, in->i_A, &motion);
     bench_sink[0] = e_V.alpha;
@@ -114,13 +116,17 @@ BLOCK(emf_c_leso) {
 
 BLOCK(pll) {
     const lode_pll_tuning_t *t = &tuning[ENHANCED].estimator.pll;
-    lode_pll_predict(&pll, t);
-    lode_pll_correct(&pll, t, 1.0e-3f * input(call)->i_A.alpha);
+    float omega;
+    const float advance = lode_pll_advance_rad(&pll, t, &omega);
+    const lode_sincos_t frame = lode_angle_add(pll.frame, lode_sincos_small(advance));
+    lode_pll_move(&pll, lode_pll_gains(t, omega), frame, omega, 1.0e-3f * input(call)->i_A.alpha);
 }
 
 BLOCK(lag) {
-    bench_sink[0] =
-        lode_lag_rad(&tuning[ENHANCED].estimator.lag, BENCH_OMEGA_rad_s + input(call)->theta_rad);
+    const lode_lag_line_t line =
+        lode_lag_line(&tuning[ENHANCED].estimator.lag, BENCH_OMEGA_rad_s + input(call)->theta_rad);
+    bench_sink[0] = line.at.sin;
+    bench_sink[1] = line.slope_s;
 }
 
 BLOCK(current) {
@@ -148,8 +154,9 @@ BLOCK(references) {
 
 BLOCK(modulator) {
     const bench_inputs_t *in = input(call);
-    const lode_modulator_out_t m =
-        lode_modulator_step(&tuning[ENHANCED].inverter, in->u_V, BENCH_V_BUS_V, in->i_A);
+    const lode_inverter_tuning_t *t = &tuning[ENHANCED].inverter;
+    const lode_loss_t loss = {0.005f, 1.0f};
+    const lode_modulator_out_t m = lode_modulator_step(t, loss, in->u_V, BENCH_V_BUS_V, in->i_A);
     bench_sink[0] = m.duty.a;
     bench_sink[1] = m.duty.b;
     bench_sink[2] = m.duty.c;
@@ -158,11 +165,12 @@ BLOCK(modulator) {
 }
 
 BLOCK(guard) {
-    const lode_situation_t now = {LODE_MODE_RUN, true, 1.0f, true};
+    const lode_situation_t now = {LODE_MODE_RUN, true, true};
+    const lode_condition_t condition = {BENCH_V_BUS_V, 25.0f, BENCH_OMEGA_rad_s,
+                                        estimate[ENHANCED].lock};
     sample.stamp = call * BENCH_STAMP_PER_PERIOD;
-    bench_sink[0] =
-        lode_guard_step(&guard, &tuning[ENHANCED].guard, &sample, &estimate[ENHANCED], now) ? 1.0f
-                                                                                            : 0.0f;
+    lode_guard_step(&guard, &tuning[ENHANCED].guard, &sample, now);
+    lode_guard_watch(&guard, &tuning[ENHANCED].guard, condition, now);
 }
 
 BLOCK(start) {
@@ -186,14 +194,14 @@ BLOCK(pi) {
     const lode_pi_tuning_t *t = &tuning[ENHANCED].current.q;
     const float error = 0.01f * input(call)->theta_rad;
     const float asked = lode_pi_output(&pi, t, error, 9.0f);
-    const float realised = lode_min(asked, 12.0f);
-    lode_pi_settle(&pi, t, error, 9.0f, asked, realised);
-    bench_sink[0] = realised;
+    if (lode_abs(asked) <= 12.0f) {
+        lode_pi_integrate(&pi, t, error);
+    }
+    bench_sink[0] = asked;
 }
 
 BLOCK(sogi) {
-    const lode_sogi_out_t s = lode_sogi_step(&sogi, 0.7f, 6.0f * BENCH_OMEGA_rad_s / BENCH_F_PWM_Hz,
-                                             input(call)->theta_rad);
+    const lode_sogi_out_t s = lode_sogi_step(&sogi, &sogi_tuning, input(call)->theta_rad);
     bench_sink[0] = s.notch;
     bench_sink[1] = s.in_phase;
     bench_sink[2] = s.quadrature;

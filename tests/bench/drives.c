@@ -123,5 +123,5 @@ bool bench_estimate_is_good(int32_t number, const lode_telemetry_t *telemetry, f
     const float off_rad = lode_abs(lode_wrap(telemetry->theta_rad - theta_rad));
     const float slip = lode_abs(telemetry->omega_rad_s - BENCH_OMEGA_rad_s);
     return telemetry->lock > (pushed ? 0.7f : 0.9f) && off_rad <= (pushed ? 0.3f : 0.1f) &&
-           (bench_scene(number) != BENCH_STEADY || slip <= 0.01f * BENCH_OMEGA_rad_s);
+           (bench_scene(number) != BENCH_STEADY || slip <= 0.015f * BENCH_OMEGA_rad_s);
 }
