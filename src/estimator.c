@@ -120,28 +120,22 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     return LODE_OK;
 }
 
-// Everything that follows the speed.
-static void adapt(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    const float omega = self->pll.omega_rad_s;
-    self->gains = lode_pll_gains(&tuning->pll, omega);
-    self->lag = lode_lag_line(&tuning->lag, omega);
-    lode_notch_adapt(&self->notch, &tuning->notch, omega);
-    lode_notch_adapt(&self->notch12, &tuning->notch12, omega);
-}
-
+// At a known angle of the rotor and speed; the notches follow in their turn.
 static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                  float theta_pll_rad, float omega_rad_s) {
-    lode_pll_reset(&self->pll, theta_pll_rad, omega_rad_s);
+                  lode_sincos_t rotor, float omega_rad_s) {
+    self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
+    self->gains = lode_pll_gains(&tuning->pll, omega_rad_s);
+    self->pll =
+        (lode_pll_t){.frame = lode_angle_subtract(rotor, self->lag.at), .omega_rad_s = omega_rad_s};
+    self->rotor = rotor;
+    self->id_A = lode_park(self->emf.i_A, rotor).d;
     self->omega_tune = omega_rad_s;
     self->wait = tuning->patience_turns;
-    adapt(self, tuning);
-    self->rotor = lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, omega_rad_s));
-    self->id_A = lode_park(self->emf.i_A, self->rotor).d;
 }
 
 void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     *self = (lode_estimator_t){.lock = 0.0f};
-    place(self, tuning, 0.0f, 0.0f);
+    place(self, tuning, (lode_sincos_t){0.0f, 1.0f}, 0.0f);
     self->wait = tuning->settle_turns;
 }
 
@@ -160,7 +154,7 @@ LODE_HOT LODE_COLD lode_ab_t lode_estimator_restart(lode_estimator_t *self,
 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                          float theta_rad, float omega_rad_s) {
-    place(self, tuning, theta_rad - lode_lag_rad(&tuning->lag, omega_rad_s), omega_rad_s);
+    place(self, tuning, lode_sincos(theta_rad), omega_rad_s);
 }
 
 // Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
@@ -175,7 +169,8 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     if (!(lode_ab_length(e_V) > tuning->emin_V) || !(lode_abs(omega) <= tuning->omega_limit)) {
         return false;
     }
-    place(self, tuning, lode_atan2(e_V.beta, e_V.alpha) - lode_sign(omega) * LODE_HALF_PI, omega);
+    const float theta_pll = lode_atan2(e_V.beta, e_V.alpha) - lode_sign(omega) * LODE_HALF_PI;
+    place(self, tuning, lode_sincos(theta_pll + lode_lag_rad(&tuning->lag, omega)), omega);
     return true;
 }
 
