@@ -21,8 +21,8 @@ typedef struct {
 enum {
     TURN_GUARD_AND_LOCK = 0,
     TURN_LAG = 3,
-    TURN_GUARD_AND_GAINS = 4, // of the PLL, and the shape of the dead-time loss
-    TURN_NOTCHES = 7
+    TURN_GUARD_AND_LOSS = 4, // the shape of the dead-time loss
+    TURN_GAINS_AND_NOTCHES = 7
 };
 
 static lode_mode_t mode_of(const lode_drive_t *self) {
@@ -409,15 +409,15 @@ LODE_INLINE void adapt(lode_drive_t *self, const lode_measurement_t *m, const lo
         }
         part = LODE_ADAPT_LOCK;
         break;
-    case TURN_GUARD_AND_GAINS:
+    case TURN_GUARD_AND_LOSS:
         watch(self, m, est, now);
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V, v_bus_V);
-        part = LODE_ADAPT_GAINS;
-        break;
+        return;
     case TURN_LAG:
         part = LODE_ADAPT_LAG;
         break;
-    case TURN_NOTCHES:
+    case TURN_GAINS_AND_NOTCHES:
+        (void)lode_estimator_adapt(&self->estimator, &tuning->estimator, LODE_ADAPT_GAINS);
         part = LODE_ADAPT_NOTCHES;
         break;
     default:
