@@ -20,6 +20,7 @@ typedef struct {
 // Who is due in which of LODE_SLOW_PERIODS: about equally dear.
 enum {
     TURN_GUARD_AND_LOCK = 0,
+    TURN_HOLD = 1, // in START
     TURN_LAG = 3,
     TURN_GUARD_AND_LOSS = 4, // the shape of the dead-time loss
     TURN_GAINS_AND_NOTCHES = 7
@@ -256,7 +257,8 @@ static void follow_start(lode_drive_t *self, const lode_estimate_t *est) {
         hand_over(self, est);
     } else if (!stopping && start->periods > tuning->timeout_periods) {
         fault(self, LODE_CHECK_START, est->lock, LODE_LOCK_HANDOVER);
-    } else if (lode_abs(start->omega_rad_s) < tuning->omega_hold) {
+    } else if (lode_abs(start->omega_rad_s) < tuning->omega_hold &&
+               self->steps % LODE_SLOW_PERIODS == TURN_HOLD) {
         lode_estimator_hold(&self->estimator, &self->tuning->estimator, start->theta_rad,
                             start->omega_rad_s);
     }
