@@ -53,6 +53,18 @@ static void test_init_is_at_rest_and_idempotent(void) {
     TEST_ASSERT_EQUAL_MEMORY(&first.drive, &rig.drive, sizeof rig.drive);
 }
 
+static void test_one_tuning_serves_two_drives(void) {
+    rig_t rig = fresh();
+    lode_drive_t other;
+    lode_drive_begin(&other, &tuning);
+    lode_telemetry_t mine;
+    lode_telemetry_t its;
+    TEST_ASSERT_TRUE(lode_drive_telemetry(&rig.drive, &mine));
+    TEST_ASSERT_TRUE(lode_drive_telemetry(&other, &its));
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, its.mode);
+    TEST_ASSERT_EQUAL_MEMORY(&mine, &its, sizeof mine);
+}
+
 static void test_off_stays_off(void) {
     rig_t rig = fresh();
     rig.trip = true; // the power stage may say what it likes
@@ -744,6 +756,7 @@ static void test_names_of_modes(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_init_is_at_rest_and_idempotent);
+    RUN_TEST(test_one_tuning_serves_two_drives);
     RUN_TEST(test_off_stays_off);
     RUN_TEST(test_calibration_measures_offsets_with_gates_off);
     RUN_TEST(test_an_implausible_offset_is_a_fault);
