@@ -234,6 +234,12 @@ LODE_INLINE bool is_too_slow(const lode_drive_t *self, float omega_rad_s) {
            lode_abs(omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
 }
 
+// Slow in START the estimator has nothing to go by: it is put on the vector from time to time.
+static bool is_held(const lode_drive_t *self) {
+    return lode_abs(self->start.omega_rad_s) < self->tuning->start.omega_hold &&
+           self->steps % LODE_SLOW_PERIODS == TURN_HOLD;
+}
+
 static void follow_start(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->start;
@@ -257,8 +263,7 @@ static void follow_start(lode_drive_t *self, const lode_estimate_t *est) {
         hand_over(self, est);
     } else if (!stopping && start->periods > tuning->timeout_periods) {
         fault(self, LODE_CHECK_START, est->lock, LODE_LOCK_HANDOVER);
-    } else if (lode_abs(start->omega_rad_s) < tuning->omega_hold &&
-               self->steps % LODE_SLOW_PERIODS == TURN_HOLD) {
+    } else if (is_held(self)) {
         lode_estimator_hold(&self->estimator, &self->tuning->estimator, start->theta_rad,
                             start->omega_rad_s);
     }

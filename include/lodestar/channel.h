@@ -5,6 +5,10 @@
 
 #include "lodestar/drive.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// The channels: enumerator, number, name in files, unit. Meaning and instant are those of the field in
 /// lode_telemetry_t. The numbers stand in files and on the wire: none is ever changed or used again.
 #define LODE_CHANNELS(ROW)                                                                         \
@@ -74,5 +78,9 @@ static inline bool lode_channels_due(lode_channels_t *self) {
 
 /// Writes the bits of all channels to `row`, which holds self->count words.
 void lode_channels_row(const lode_channels_t *self, const lode_drive_t *drive, uint32_t *row);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 
 #include <stdbool.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// A three-state choice.
 typedef enum { LODE_AUTO = 0, LODE_ON, LODE_OFF } lode_choice_t;
 
@@ -20,5 +24,9 @@ static inline float lode_given_or(float value, float otherwise) {
     const bool zero = value >= 0.0f && value <= 0.0f;
     return zero ? otherwise : value;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

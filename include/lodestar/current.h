@@ -8,6 +8,10 @@
 #include "lodestar/pi.h"
 #include "lodestar/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     float bandwidth_rad_s; ///< places kp = L bandwidth, ki = R bandwidth; 0: 0.2/Ts
     float kp_d_V_A;        ///< 0: from the bandwidth
@@ -75,5 +79,9 @@ LODE_INLINE lode_dq_t lode_current_step(lode_current_t *self, const lode_current
     }
     return lode_current_limit(self, tuning, error, ff, asked, radius);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

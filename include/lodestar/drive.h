@@ -20,6 +20,10 @@
 #include "lodestar/speed.h"
 #include "lodestar/start.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Every field that may be 0 is then computed from the others by lode_drive_design().
 typedef struct {
     float f_pwm_Hz;                  ///< rate of the step, 1e3 .. 2e5
@@ -172,5 +176,9 @@ bool lode_drive_tuning_taken(const lode_drive_t *self);
 /// A picture of the last period. False if the interrupt came in between three times running; the
 /// picture is then whole fields of different periods.
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -9,6 +9,10 @@
 #include "lodestar/motor.h"
 #include "lodestar/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef lode_leso_config_t lode_emf_config_t;
 
 typedef struct {
@@ -66,5 +70,9 @@ LODE_INLINE lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *t
 /// For init and host: it costs three arc tangents.
 float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s,
                        float omega_rad_s);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

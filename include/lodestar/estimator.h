@@ -12,6 +12,10 @@
 #include "lodestar/notch.h"
 #include "lodestar/pll.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     lode_emf_config_t emf;
     lode_pll_config_t pll;
@@ -241,5 +245,9 @@ static inline lode_estimate_t lode_estimator_step(lode_estimator_t *self,
     }
     return estimate;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 
 #include "lodestar/scalar.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Phase quantities.
 typedef struct {
     float a;
@@ -108,5 +112,9 @@ LODE_INLINE float lode_ab_length(lode_ab_t x) {
 LODE_INLINE bool lode_ab_in_range(lode_ab_t x, float limit) {
     return lode_in_range(x.alpha, -limit, limit) && lode_in_range(x.beta, -limit, limit);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 #include "lodestar/estimator.h"
 #include "lodestar/sense.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     LODE_CHECK_NONE = 0,
     LODE_CHECK_HARDWARE_TRIP,    ///< the power stage reported a trip (1, limit 0)
@@ -127,5 +131,9 @@ void lode_guard_design(lode_guard_config_t *config, const lode_inverter_config_t
 lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_config_t *config,
                               const lode_inverter_config_t *inverter,
                               const lode_sense_config_t *sense, float ts_s);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

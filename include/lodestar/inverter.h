@@ -8,6 +8,10 @@
 #include "lodestar/motor.h"
 #include "lodestar/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     float v_bus_V; ///< nominal bus voltage, 1 .. 2000
     float i_max_A; ///< highest amplitude of the phase current that the drive may command
@@ -94,5 +98,9 @@ LODE_INLINE float lode_inverter_loss(lode_loss_t shape, float i_A) {
 /// Follows the modulation by the voltage `u_V` at the bus `v_bus_V`.
 void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning, lode_dq_t u_V,
                          float v_bus_V);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 
 #include "lodestar/emf.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define LODE_LAG_TERMS 6
 /// Largest deviation of polynomial from exact lag that init accepts: 0.01 degree.
 #define LODE_LAG_TOLERANCE_rad 1.7e-4f
@@ -55,5 +59,9 @@ LODE_INLINE lode_sincos_t lode_lag_near(const lode_lag_line_t *line, float omega
 LODE_INLINE bool lode_lag_is_far(const lode_lag_line_t *line, float omega_rad_s) {
     return !(lode_abs(line->slope_s * (omega_rad_s - line->omega_rad_s)) <= LODE_LAG_MOVE_MAX_rad);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -9,6 +9,10 @@
 #include "lodestar/frames.h"
 #include "lodestar/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Which filter. GI, FA and the modes of FA can be left out of a build with LODE_WITHOUT_GI_LESO,
 /// LODE_WITHOUT_FA_LESO and LODE_WITHOUT_FA_MULTI; init then refuses them. On a Cortex-M4F (gcc 12.2,
 /// -O2) that saves 336, 1332 and 680 of the 4688 bytes of leso.c.
@@ -94,5 +98,9 @@ LODE_INLINE lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t
 
 /// Exact phase of e behind m in steady rotation at `omega_rad_s`, rad, odd. For init and host.
 float lode_leso_lag_rad(const lode_leso_config_t *config, float ts_s, float omega_rad_s);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 
 #include "lodestar/inverter.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     lode_abc_t duty;    ///< on-time of the high sides as a share of the period, in [0, 1]
     lode_ab_t realised; ///< voltage per bus volt that the motor is expected to see of it
@@ -43,5 +47,9 @@ LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_
     }
     return lode_modulator_limit(inverter, duty, loss);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

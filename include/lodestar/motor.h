@@ -5,6 +5,10 @@
 #include "lodestar/frames.h"
 #include "lodestar/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// One phase of the star equivalent, peak values. Paper 1, Table 3 is the example.
 typedef struct {
     float pole_pairs;        ///< 1 .. 100, a whole number
@@ -60,5 +64,9 @@ float lode_psi_to_KV(float psi_Wb, float pole_pairs);
 /// Electrical rad/s from mechanical rpm, and back.
 float lode_omega_from_rpm(float rpm, float pole_pairs);
 float lode_omega_to_rpm(float omega_rad_s, float pole_pairs);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

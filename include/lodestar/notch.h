@@ -6,6 +6,10 @@
 #include "lodestar/sogi.h"
 #include "lodestar/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Inside the loop the notch costs phase below its centre: the loop is unstable where the harmonic
 /// is under about 2 sigma. It fades in over these multiples of sigma (docs/theory/pll.md).
 #define LODE_NOTCH_LOW_SIGMA 6.0f
@@ -36,5 +40,9 @@ void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning, flo
 LODE_INLINE float lode_notch_step(lode_notch_t *self, float error) {
     return error - self->weight * lode_sogi_step(&self->sogi, &self->tuned, error).in_phase;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

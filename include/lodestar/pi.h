@@ -4,6 +4,10 @@
 
 #include "lodestar/scalar.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     float kp;    ///< output per error
     float ki_Ts; ///< output per error and period: ki Ts
@@ -40,5 +44,9 @@ static inline void lode_pi_settle(lode_pi_t *self, const lode_pi_tuning_t *tunin
     const float held = output > realised ? below : (output < realised ? above : next);
     self->integral = lode_is_finite(held) ? held : self->integral;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

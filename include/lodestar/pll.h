@@ -9,6 +9,10 @@
 #include "lodestar/motor.h"
 #include "lodestar/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     LODE_PLL_LESO, ///< third order, disturbance state and torque feed-forward
     LODE_PLL_QPLL  ///< second order
@@ -86,5 +90,9 @@ LODE_INLINE void lode_pll_move(lode_pll_t *self, lode_pll_gains_t gains, lode_si
     self->omega_rad_s = omega_rad_s + gains.omega_s * error_rad;
     self->f_rad_s2 += gains.f_s2 * error_rad;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

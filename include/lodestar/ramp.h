@@ -4,6 +4,10 @@
 
 #include "lodestar/scalar.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// The next value on the way from `value` to `target`, at most `step` >= 0 away. For a NaN target
 /// the value stays.
 static inline float lode_ramp(float value, float target, float step) {
@@ -22,5 +26,9 @@ typedef struct {
 static inline float lode_fade(const lode_fade_t *fade, float x) {
     return lode_clamp((fade->high - x) * fade->slope, 0.0f, 1.0f);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -6,6 +6,10 @@
 #include "lodestar/inverter.h"
 #include "lodestar/ramp.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     float id_bias_A; ///< magnitude of the negative id at low speed, which keeps the phase currents
                      ///< away from the dead band of the inverter; 0: 0.25 i_max; LODE_NONE: none
@@ -37,5 +41,9 @@ lode_dq_t lode_references_step(const lode_references_tuning_t *tuning, float tor
 
 /// Torque that `iq_A` makes with `id_A`, Nm: the inverse of the step without its limits.
 float lode_references_torque_Nm(const lode_references_tuning_t *tuning, lode_dq_t i_A);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -13,6 +13,10 @@
 #include "lodestar/channel.h"
 #include "lodestar/wire.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define LODE_RING_MAGIC 0x69526F4Cu ///< "LoRi" where the lowest octet comes first
 #define LODE_RING_VERSION 1u
 
@@ -84,5 +88,9 @@ uint32_t lode_ring_drain(lode_ring_t *self, uint16_t *octets, uint32_t count);
 
 /// Frames left out since init, because the thread did not keep up.
 uint32_t lode_ring_overruns(const lode_ring_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

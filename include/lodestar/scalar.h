@@ -9,6 +9,10 @@
 
 #include "lodestar/platform.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define LODE_PI 3.14159265358979324f
 #define LODE_TWO_PI 6.28318530717958648f
 #define LODE_HALF_PI 1.57079632679489662f
@@ -95,5 +99,9 @@ float lode_atan2(float y, float x);
 
 /// 1 - exp(-x), without cancellation, for x >= 0; 0 for negative x and NaN. For init: it iterates.
 float lode_one_minus_exp(float x);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

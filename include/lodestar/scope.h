@@ -13,6 +13,10 @@
 #include "lodestar/channel.h"
 #include "lodestar/wire.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define LODE_SCOPE_MAGIC 0x63536F4Cu ///< "LoSc" where the lowest octet comes first
 #define LODE_SCOPE_VERSION 1u
 
@@ -114,5 +118,9 @@ lode_scope_state_t lode_scope_state(const lode_scope_t *self);
 /// how many. The next call goes on; at the end comes one 0, and then the same again. In any other
 /// state 0.
 uint32_t lode_scope_drain(lode_scope_t *self, uint16_t *octets, uint32_t count);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -6,6 +6,10 @@
 #include "lodestar/frames.h"
 #include "lodestar/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Where the currents are measured.
 typedef enum {
     LODE_SHUNTS_THREE, ///< all three phases
@@ -137,5 +141,9 @@ void lode_sense_begin(lode_sense_t *self);
 /// where one is implausible, none; `worst_count` is the largest deviation from nominal.
 lode_calibration_t lode_sense_calibrate(lode_sense_t *self, const lode_sense_tuning_t *tuning,
                                         const lode_counts_t *counts, float *worst_count);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -9,6 +9,10 @@
 
 #include "lodestar/frames.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define LODE_SOGI_CENTRE_MIN_rad 1.0e-4f ///< lowest centre, rad per sample
 #define LODE_SOGI_CENTRE_MAX_rad 2.5f    ///< highest centre: 0.8 pi, short of Nyquist
 
@@ -51,5 +55,9 @@ LODE_INLINE lode_sogi_out_t lode_sogi_step(lode_sogi_t *self, const lode_sogi_tu
     const float in_phase = tuning->width * band;
     return (lode_sogi_out_t){x - in_phase, in_phase, tuning->width * low};
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

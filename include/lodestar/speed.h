@@ -9,6 +9,10 @@
 #include "lodestar/ramp.h"
 #include "lodestar/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     float kp_Nms;          ///< torque per mechanical rad/s; 0: from the bandwidth
     float ki_Nm;           ///< torque per mechanical rad; 0: kp times bandwidth/4
@@ -59,5 +63,9 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
 /// `omega_rad_s` and load torque `load_Nm`.
 float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning, float target_rad_s,
                       float omega_rad_s, float load_Nm);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 #include "lodestar/inverter.h"
 #include "lodestar/references.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     float current_A; ///< amplitude of the vector; 0: 0.7 i_max
     /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm)
@@ -83,5 +87,9 @@ float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
 /// The estimator holds at hand-over speed, in the direction of the vector, and has for long enough.
 bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning,
                       const lode_estimate_t *estimate);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

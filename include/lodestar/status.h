@@ -2,6 +2,10 @@
 #ifndef LODESTAR_STATUS_H
 #define LODESTAR_STATUS_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     LODE_OK = 0,
     LODE_ERROR_NULL,              ///< a pointer argument is NULL
@@ -72,5 +76,9 @@ typedef enum {
 
 /// The enumerator's name, for logs; "LODE_STATUS_UNKNOWN" for any other value.
 const char *lode_status_name(lode_status_t status);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Where a check begins.
 #define LODE_CRC_START 0xFFFFFFFFu
 
@@ -30,5 +34,9 @@ static inline uint16_t lode_wire_octet(lode_wire_t *self) {
     self->crc = lode_crc_octet(self->crc, octet);
     return octet;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

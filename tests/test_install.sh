@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# Installs the library, uses it by find_package() and pkg-config from C99 and C++17, moves it, and
+# does so again.
+set -eu -o pipefail
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+fail() {
+    echo "FAILED: $1" >&2
+    exit 1
+}
+
+mkdir "$work/consumer"
+cat >"$work/consumer/main.c" <<'END'
+#include <stdio.h>
+
+#include "lodestar/lodestar.h"
+
+static lode_drive_tuning_t tuning;
+static lode_drive_t drive;
+
+int main(void) {
+    lode_drive_config_t config = {0};
+    config.f_pwm_Hz = 5.0e3f;
+    config.motor.pole_pairs = 3.0f;
+    config.motor.Rs_Ohm = 0.75f;
+    config.motor.Ld_H = 3.5e-3f;
+    config.motor.Lq_H = 9.8e-3f;
+    config.motor.psi_Wb = 0.142f;
+    config.motor.J_kgm2 = 0.0174f;
+    config.inverter.v_bus_V = 200.0f;
+    config.inverter.i_max_A = 12.0f;
+    config.sense.i_gain_A_count = 0.0125f;
+    config.sense.i_offset_count = 2048.0f;
+    config.sense.v_bus_gain_V_count = 0.1f;
+    const lode_status_t status = lode_drive_init(&drive, &tuning, &config);
+    lode_counts_t counts = {{2048, 2048, 2048}, 2000, 0, false, 0};
+    lode_drive_out_t out = lode_drive_step(&drive, &counts);
+    printf("%s %g\n", lode_status_name(status), (double)out.duty.a);
+    return status != LODE_OK;
+}
+END
+cp "$work/consumer/main.c" "$work/consumer/main.cpp"
+cat >"$work/consumer/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.18)
+project(consumer C CXX)
+find_package(lodestar 0.1 REQUIRED)
+foreach(source main.c main.cpp)
+  string(MAKE_C_IDENTIFIER ${source} name)
+  add_executable(${name} ${source})
+  set_target_properties(${name} PROPERTIES CXX_STANDARD 17 CXX_STANDARD_REQUIRED ON C_STANDARD 99)
+  target_link_libraries(${name} lodestar::lodestar m)
+endforeach()
+END
+
+use() { # use PREFIX
+    rm -rf "$work/use"
+    cmake -S "$work/consumer" -B "$work/use" -DCMAKE_PREFIX_PATH="$1" >"$work/log" 2>&1 &&
+        cmake --build "$work/use" >>"$work/log" 2>&1 || fail "find_package: $(tail -n 5 "$work/log")"
+    for program in main_c main_cpp; do
+        [ "$("$work/use/$program")" = "LODE_OK 0.5" ] || fail "$program says '$("$work/use/$program")'"
+    done
+    if command -v pkg-config >/dev/null; then
+        local flags
+        flags=$(PKG_CONFIG_PATH=$(dirname "$(find "$1" -name lodestar.pc)") \
+            pkg-config --static --cflags --libs lodestar)
+        # shellcheck disable=SC2086
+        cc -std=c99 "$work/consumer/main.c" $flags -o "$work/by_pc"
+        [ "$("$work/by_pc")" = "LODE_OK 0.5" ] || fail "by pkg-config: '$("$work/by_pc")'"
+        case "$flags" in *-ffp-contract=off*) ;; *) fail "pkg-config's flags: $flags" ;; esac
+    else
+        echo "pkg-config is not here: left out"
+    fi
+}
+
+cmake -S "${LODE_SOURCE_DIR:?}" -B "$work/build" -DLODE_BUILD_SIM=OFF -DLODE_BUILD_TESTS=OFF \
+    -DCMAKE_INSTALL_PREFIX="$work/prefix" >"$work/log" 2>&1 &&
+    cmake --build "$work/build" >>"$work/log" 2>&1 &&
+    cmake --install "$work/build" >>"$work/log" 2>&1 || fail "install: $(tail -n 5 "$work/log")"
+use "$work/prefix"
+mv "$work/prefix" "$work/moved"
+use "$work/moved"
+if grep -rn "$LODE_SOURCE_DIR" "$work/moved" --include='*.cmake' --include='*.pc'; then
+    fail "the installed files name the source folder"
+fi
+echo "installed, used, moved, used"
