@@ -2,6 +2,8 @@
 # Installs the library, uses it by find_package() and pkg-config from C99 and C++17, moves it, and
 # does so again.
 set -eu -o pipefail
+command -v c++ >/dev/null || { echo "no C++ compiler here" && exit 77; }
+command -v ninja >/dev/null && export CMAKE_GENERATOR=Ninja
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 fail() {
