@@ -1,0 +1,175 @@
+#include "app.h"
+
+#include "board.h"
+#include "report.h"
+
+#ifdef LODE_MOTOR_H
+#include LODE_MOTOR_H
+#else
+#include "motor.h"
+#endif
+
+#ifndef APP_MODE
+#define APP_MODE APP_MODE_OFF
+#endif
+
+#define RESTARTS_MAX 3u      // after a fault; then it stays off until the mode is set anew
+#define RESTART_PAUSE_s 1.0f // lets the cause die down and the rotor slow down
+
+volatile uint32_t app_mode = APP_MODE;
+volatile float app_speed_rad_s = MOTOR_SPEED_rad_s;
+volatile float app_angle_rad;
+volatile float app_turn_rad_s;
+
+// Of the interrupt: it alone writes these while periods come.
+static lode_drive_t drive;
+static volatile bringup_cycles_t cycles;
+static volatile bringup_window_t window;
+static volatile bool cycles_restart; // set by the thread, cleared by the interrupt
+
+// Of the thread.
+static lode_drive_tuning_t tuning;
+static lode_drive_config_t config;
+static lode_status_t status;
+static bringup_t bringup;
+static uint32_t mode_now = APP_MODE_OFF;
+static uint32_t steps_seen;
+static uint32_t restarts;
+static uint32_t fault_steps; // steps at which a fault was seen first
+static bool faulted;
+static float speed_now;
+
+static void note_cycles(uint32_t entered) {
+    if (cycles_restart) {
+        cycles = (bringup_cycles_t){
+            .work_min = UINT32_MAX, .interval_min = UINT32_MAX, .first = entered};
+        cycles_restart = false;
+    } else {
+        const uint32_t interval = entered - cycles.last;
+        cycles.interval_min = interval < cycles.interval_min ? interval : cycles.interval_min;
+        cycles.interval_max = interval > cycles.interval_max ? interval : cycles.interval_max;
+    }
+    cycles.last = entered;
+    cycles.periods++;
+    const uint32_t work = board_cycles() - entered;
+    cycles.work_min = work < cycles.work_min ? work : cycles.work_min;
+    cycles.work_max = work > cycles.work_max ? work : cycles.work_max;
+}
+
+LODE_HOT void app_period(void) {
+    const uint32_t entered = board_cycles();
+    lode_counts_t counts;
+    board_read(&counts);
+    const lode_drive_out_t out = lode_drive_step(&drive, &counts);
+    board_write(&out);
+
+    // PLUG: a telemetry ring or a scope records here, after the duties are written.
+    bringup_window_take(&window, &counts);
+    note_cycles(entered);
+}
+
+bool app_start(void) {
+    board_gates_off();
+    board_describe(&config);
+    config.motor = motor_data();
+    config.inverter.i_max_A = lode_min(config.inverter.i_max_A, MOTOR_I_MAX_A);
+    lode_drive_design(&config);
+    status = lode_drive_init(&drive, &tuning, &config);
+    if (status != LODE_OK || !board_init()) {
+        board_gates_off();
+        return false;
+    }
+    bringup = (bringup_t){.drive = &drive, .config = &config, .window = &window};
+    cycles_restart = true;
+    board_start();
+    return true;
+}
+
+lode_status_t app_status(void) {
+    return status;
+}
+
+bringup_result_t app_result(void) {
+    return bringup.result;
+}
+
+bringup_cycles_t app_cycles(void) {
+    return (bringup_cycles_t){.work_min = cycles.work_min,
+                              .work_max = cycles.work_max,
+                              .interval_min = cycles.interval_min,
+                              .interval_max = cycles.interval_max,
+                              .first = cycles.first,
+                              .last = cycles.last,
+                              .periods = cycles.periods};
+}
+
+lode_telemetry_t app_telemetry(void) {
+    lode_telemetry_t now;
+    while (!lode_drive_telemetry(&drive, &now)) { // an interrupt in each of three tries
+    }
+    return now;
+}
+
+static void post(lode_command_t command) {
+    (void)lode_drive_post_command(&drive, &command);
+}
+
+static void begin_mode(uint32_t mode) {
+    mode_now = mode;
+    restarts = 0u;
+    faulted = false;
+    speed_now = 0.0f;
+    cycles_restart = true;
+    (void)board_clear_trip();
+    bringup.speed_rad_s = app_speed_rad_s;
+    bringup.angle_rad = app_angle_rad;
+    bringup.turn_rad_s = app_turn_rad_s;
+    bringup_begin(&bringup, mode < (uint32_t)BRINGUP_COUNT ? (bringup_mode_t)mode : BRINGUP_NONE);
+}
+
+// After a fault: gates stay off for the pause, then the trip must clear and the motor starts again.
+static void restart(const lode_telemetry_t *now) {
+    if (!faulted) {
+        faulted = true;
+        fault_steps = now->steps;
+    } else if (restarts < RESTARTS_MAX &&
+               (float)(now->steps - fault_steps) > RESTART_PAUSE_s * config.f_pwm_Hz &&
+               board_clear_trip()) {
+        restarts++;
+        faulted = false;
+        speed_now = 0.0f;
+        post((lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
+    }
+}
+
+static void run_application(const lode_telemetry_t *now) {
+    if (now->mode == LODE_MODE_FAULT) {
+        restart(now);
+        return;
+    }
+    const float wanted = app_speed_rad_s;
+    const bool changed = lode_abs(wanted - speed_now) > 0.0f;
+    // In OFF the command may be the one that cleared the fault: it is taken before the next one.
+    if (changed && !faulted) {
+        speed_now = wanted;
+        post((lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = wanted});
+    }
+}
+
+void app_poll(void) {
+    const bringup_view_t view = {.now = app_telemetry(), .cycles = app_cycles()};
+    if (view.now.steps != steps_seen) { // a stopped interrupt starves the watchdog
+        steps_seen = view.now.steps;
+        board_feed_watchdog();
+    }
+    const uint32_t mode = app_mode;
+    if (mode != mode_now) {
+        begin_mode(mode);
+    } else if (mode == APP_MODE_APPLICATION) {
+        run_application(&view.now);
+    } else if (mode > 0u && mode < (uint32_t)BRINGUP_COUNT) {
+        (void)bringup_step(&bringup, &view);
+    }
+    // PLUG: a link that drains the telemetry ring goes here, in place of the report.
+    report_poll(&bringup.result);
+}

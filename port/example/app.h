@@ -1,0 +1,40 @@
+/// The application: one drive on one board. Nothing here knows which board.
+///
+/// What to do is one variable, app_mode, set in a debugger or with -DAPP_MODE=n at build time. What came
+/// of it stands in app_result().
+#ifndef LODESTAR_PORT_APP_H
+#define LODESTAR_PORT_APP_H
+
+#include "bringup.h"
+#include "lodestar/lodestar.h"
+
+/// Values of app_mode beside those of bringup_mode_t (1 .. 7).
+#define APP_MODE_OFF 0u
+#define APP_MODE_APPLICATION 8u ///< turn at app_speed_rad_s, restart after a fault
+
+extern volatile uint32_t app_mode;
+/// Mechanical rad/s for the modes "run" and "application"; 0 stops.
+extern volatile float app_speed_rad_s;
+/// Angle of the vector in the modes "voltage" and "current", electrical rad; read when the mode begins.
+extern volatile float app_angle_rad;
+/// Electrical speed at which that vector turns, rad/s.
+extern volatile float app_turn_rad_s;
+
+/// Configures board and drive and starts the periods. Thread, once, first of all. False: app_status()
+/// names the wrong field, or says LODE_OK and the board did not come up. The gates stay off for good.
+bool app_start(void);
+
+/// One pass of the main loop, without waiting: watchdog, mode, faults. Thread, as often as can be and at
+/// least once within the watchdog's time.
+void app_poll(void);
+
+/// What lode_drive_init() said.
+lode_status_t app_status(void);
+/// Of the bring-up mode chosen last.
+bringup_result_t app_result(void);
+/// The drive's picture of the last period.
+lode_telemetry_t app_telemetry(void);
+/// How long the periods took, since app_start() or the last begin of a mode.
+bringup_cycles_t app_cycles(void);
+
+#endif

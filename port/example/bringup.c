@@ -1,0 +1,543 @@
+#include "bringup.h"
+
+// Times, s.
+#define PWM_TIME 0.5f  // long enough for a scope's trigger and for a mean over thousands of periods
+#define RISE_TIME 0.5f // of the test voltage from zero to its end
+#define SETTLE_TIME 0.3f  // for the rotor to swing out
+#define AVERAGE_TIME 0.2f // of telemetry
+#define HOLD_TIME 0.5f    // for which the lock must hold after a start
+#define RUN_TIME 2.0f
+#define RUN_TIMEOUT 30.0f
+#define MARGIN_TIME 1.0f // added to the drive's own time-outs
+
+#define WINDOW_PERIODS 1024u // at gates off, for offsets
+#define SIGN_PERIODS 64u
+
+// Criteria.
+#define PERIOD_TOLERANCE 0.01f  // a wrong divider is off by far more
+#define JITTER_SHARE 0.05f      // a masked or delayed interrupt
+#define WORK_SHARE 0.8f         // the rest is for the thread
+#define NOISE_SHARE 0.02f       // of full scale
+#define TEST_CURRENT_SHARE 0.2f // of i_max: above the noise, far from the trip
+#define VOLTAGE_MARGIN 3.0f     // times R i: cold to hot, cables, drops
+#define SEEN_SHARE 0.5f         // of the test current, else there is none
+#define IN_PHASE 0.75f          // share of the largest current: +-1 is right, +-0.5 another phase
+#define NOTHING 0.25f
+#define RETURN_TOLERANCE 0.2f // of the half that should come back in each other phase
+#define ACROSS_SHARE 0.3f
+#define RESISTANCE_FACTOR 2.0f
+#define CURRENT_SHARE 0.3f
+#define CURRENT_TOLERANCE 0.05f
+#define RIPPLE_SHARE 0.3f
+#define START_SHARE 1.5f // speed commanded for the start, of the hand-over speed
+#define SPEED_TOLERANCE 0.02f
+
+#define PHASE_ANGLE_rad 2.0943951f // 2 pi/3
+
+#define NAME(x)                                                                                    \
+    case BRINGUP_##x:                                                                              \
+        return #x
+
+const char *bringup_state_name(uint_least8_t state) {
+    switch (state) {
+        NAME(RUNNING);
+        NAME(PASS);
+    default:
+        return "FAIL";
+    }
+}
+
+const char *bringup_reason_name(uint_least8_t reason) {
+    switch (reason) {
+        NAME(OK);
+        NAME(NO_TIME_BASE);
+        NAME(PERIOD);
+        NAME(JITTER);
+        NAME(TOO_SLOW);
+        NAME(TRIP);
+        NAME(OFFSET);
+        NAME(NOISE);
+        NAME(BUS);
+        NAME(NO_CURRENT);
+        NAME(NO_SIGNAL);
+        NAME(SIGN);
+        NAME(ORDER);
+        NAME(RATIO);
+        NAME(ANGLE);
+        NAME(RESISTANCE);
+        NAME(CURRENT_OFF);
+        NAME(RIPPLE);
+        NAME(LOCK);
+        NAME(SPEED);
+        NAME(TIMEOUT);
+        NAME(FAULT);
+    default:
+        return "UNKNOWN";
+    }
+}
+
+void bringup_window_ask(volatile bringup_window_t *self, uint32_t periods) {
+    self->wanted = 0u; // the interrupt leaves it alone from here on
+    self->taken = 0u;
+    self->trips = 0u;
+    for (uint32_t x = 0; x < 3u; x++) {
+        self->sum_count[x] = 0u;
+        self->min_count[x] = 65535u;
+        self->max_count[x] = 0u;
+    }
+    self->wanted = periods;
+}
+
+LODE_HOT void bringup_window_take(volatile bringup_window_t *self, const lode_counts_t *counts) {
+    if (self->taken >= self->wanted) {
+        return;
+    }
+    for (uint32_t x = 0; x < 3u; x++) {
+        const uint16_t count = counts->i[x];
+        self->sum_count[x] += count;
+        self->min_count[x] = count < self->min_count[x] ? count : self->min_count[x];
+        self->max_count[x] = count > self->max_count[x] ? count : self->max_count[x];
+    }
+    self->trips += counts->trip ? 1u : 0u;
+    self->taken++;
+}
+
+static bool window_done(const bringup_t *self) {
+    return self->window->wanted > 0u && self->window->taken >= self->window->wanted;
+}
+
+static float window_mean(const bringup_t *self, uint32_t x) {
+    return (float)self->window->sum_count[x] / (float)self->window->taken;
+}
+
+static void post(const bringup_t *self, lode_command_t command) {
+    (void)lode_drive_post_command(self->drive, &command);
+}
+
+static void post_off(const bringup_t *self) {
+    post(self, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
+}
+
+static void next_stage(bringup_t *self, const bringup_view_t *view) {
+    self->stage++;
+    self->since = view->now.steps;
+}
+
+static float elapsed_s(const bringup_t *self, const bringup_view_t *view) {
+    return (float)(view->now.steps - self->since) / self->config->f_pwm_Hz;
+}
+
+static void finish(bringup_t *self, bringup_reason_t reason, uint32_t phase, float measured,
+                   float limit) {
+    self->result.state = (uint_least8_t)(reason == BRINGUP_OK ? BRINGUP_PASS : BRINGUP_FAIL);
+    self->result.reason = (uint_least8_t)reason;
+    self->result.phase = (uint_least8_t)phase;
+    self->result.measured = measured;
+    self->result.limit = limit;
+    if (reason != BRINGUP_OK || self->result.mode != (uint_least8_t)BRINGUP_RUN) {
+        post(self, (lode_command_t){.mode = LODE_MODE_OFF});
+    }
+}
+
+void bringup_begin(bringup_t *self, bringup_mode_t mode) {
+    self->result = (bringup_result_t){.mode = (uint_least8_t)mode};
+    self->stage = 0u;
+    self->u_V = 0.0f;
+    self->count = 0.0f;
+    self->window->wanted = 0u;
+    post_off(self);
+}
+
+// --- 1: clock and PWM ---
+
+static void step_pwm(bringup_t *self, const bringup_view_t *view) {
+    const bringup_cycles_t *cycles = &view->cycles;
+    const float expected = self->config->guard.stamp_per_period;
+    if (self->stage == 0u) {
+        bringup_window_ask(self->window, WINDOW_PERIODS);
+        next_stage(self, view);
+        return;
+    }
+    if (elapsed_s(self, view) < PWM_TIME || !window_done(self) || cycles->periods < 2u) {
+        return;
+    }
+    // The counter wraps within seconds: the stamps' difference holds over this half second.
+    const float mean = (float)(cycles->last - cycles->first) / (float)(cycles->periods - 1u);
+    const float jitter = (float)(cycles->interval_max - cycles->interval_min);
+    const float work = (float)cycles->work_max / (float)cycles->interval_min;
+    if (!(expected > 0.0f)) {
+        finish(self, BRINGUP_NO_TIME_BASE, 0u, mean, expected);
+    } else if (!(lode_abs(mean - expected) <= PERIOD_TOLERANCE * expected)) {
+        finish(self, BRINGUP_PERIOD, 0u, mean, expected);
+    } else if (!(jitter <= JITTER_SHARE * expected)) {
+        finish(self, BRINGUP_JITTER, 0u, jitter, JITTER_SHARE * expected);
+    } else if (!(work <= WORK_SHARE)) {
+        finish(self, BRINGUP_TOO_SLOW, 0u, work, WORK_SHARE);
+    } else if (self->window->trips > 0u) {
+        finish(self, BRINGUP_TRIP, 0u, (float)self->window->trips, 0.0f);
+    } else {
+        finish(self, BRINGUP_OK, 0u, mean, expected);
+    }
+}
+
+// --- 2: offsets ---
+
+static void judge_offsets(bringup_t *self, const bringup_view_t *view) {
+    const lode_sense_config_t *sense = &self->config->sense;
+    const lode_guard_config_t *guard = &self->config->guard;
+    const uint32_t phases = sense->shunts == LODE_SHUNTS_TWO ? 2u : 3u;
+    float worst = 0.0f;
+    uint32_t where = 0u;
+    for (uint32_t x = 0; x < phases; x++) {
+        const float off = window_mean(self, x) - sense->i_offset_count;
+        const float noise = (float)(self->window->max_count[x] - self->window->min_count[x]);
+        if (!(noise <= NOISE_SHARE * sense->count_max)) {
+            finish(self, BRINGUP_NOISE, x, noise, NOISE_SHARE * sense->count_max);
+            return;
+        }
+        if (lode_abs(off) >= lode_abs(worst)) {
+            worst = off;
+            where = x;
+        }
+    }
+    const float v = view->now.v_bus_V;
+    if (!(lode_abs(worst) <= sense->i_offset_tol_count)) {
+        finish(self, BRINGUP_OFFSET, where, worst, sense->i_offset_tol_count);
+    } else if (!(v >= guard->v_bus_min_V && v <= guard->v_bus_max_V)) {
+        finish(self, BRINGUP_BUS, 0u, v,
+               v > guard->v_bus_max_V ? guard->v_bus_max_V : guard->v_bus_min_V);
+    } else {
+        finish(self, BRINGUP_OK, where, worst, sense->i_offset_tol_count);
+    }
+}
+
+// Off, counts at zero current, then the drive's own calibration. True when all is done.
+static bool calibrated(bringup_t *self, const bringup_view_t *view) {
+    const bool off = view->now.mode == LODE_MODE_OFF;
+    if (self->stage == 0u && off && view->now.steps > self->since) {
+        bringup_window_ask(self->window, WINDOW_PERIODS);
+        next_stage(self, view);
+    } else if (self->stage == 1u && window_done(self)) {
+        for (uint32_t x = 0; x < 3u; x++) {
+            self->offset_count[x] = window_mean(self, x);
+        }
+        post(self, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+        next_stage(self, view);
+    } else if (self->stage == 2u && off &&
+               elapsed_s(self, view) > self->config->sense.calibrate_s) {
+        next_stage(self, view);
+    }
+    return self->stage >= 3u;
+}
+
+// --- 3 and 4: voltage ---
+
+static lode_command_t voltage_at(const bringup_t *self, float angle_rad, float turn_rad_s) {
+    return (lode_command_t){.mode = LODE_MODE_VOLTAGE,
+                            .vector = {self->u_V, 0.0f},
+                            .theta_rad = angle_rad,
+                            .omega_rad_s = turn_rad_s};
+}
+
+static float length_of(lode_dq_t x) {
+    return lode_ab_length((lode_ab_t){x.d, x.q});
+}
+
+// Raises the voltage until the current shows. The current answers within L/R, well inside a look.
+static bool raise_voltage(bringup_t *self, const bringup_view_t *view, float angle_rad,
+                          float turn_rad_s) {
+    const lode_drive_config_t *config = self->config;
+    const float test_A = TEST_CURRENT_SHARE * config->inverter.i_max_A;
+    const float seen_A = length_of(view->now.i_A);
+    const float end_V =
+        VOLTAGE_MARGIN * config->motor.Rs_Ohm * test_A + 2.0f * config->inverter.v_drop_V +
+        2.0f * config->inverter.v_bus_V * config->inverter.dead_time_s * config->f_pwm_Hz;
+    if (seen_A >= test_A) {
+        return true;
+    }
+    const float share = elapsed_s(self, view) / RISE_TIME;
+    if (share > 1.0f) {
+        if (seen_A >= SEEN_SHARE * test_A) {
+            return true;
+        }
+        finish(self, BRINGUP_NO_CURRENT, 0u, seen_A, SEEN_SHARE * test_A);
+        return false;
+    }
+    self->u_V = share * end_V;
+    post(self, voltage_at(self, angle_rad, turn_rad_s));
+    return false;
+}
+
+// One phase driven, the other two carry half of it back each.
+static bool judge_phase(bringup_t *self, uint32_t driven) {
+    const lode_sense_config_t *sense = &self->config->sense;
+    float i[3];
+    for (uint32_t x = 0; x < 3u; x++) {
+        i[x] = sense->i_gain_A_count * (window_mean(self, x) - self->offset_count[x]);
+    }
+    if (sense->shunts == LODE_SHUNTS_TWO) {
+        i[2] = -(i[0] + i[1]);
+    }
+    const float largest = lode_max(lode_max(lode_abs(i[0]), lode_abs(i[1])), lode_abs(i[2]));
+    const float share = i[driven] / lode_max(largest, 1.0e-6f);
+    if (share < -IN_PHASE) {
+        finish(self, BRINGUP_SIGN, driven, share, IN_PHASE);
+        return false;
+    }
+    if (!(lode_abs(share) >= NOTHING)) {
+        finish(self, BRINGUP_NO_SIGNAL, driven, share, NOTHING);
+        return false;
+    }
+    if (!(share >= IN_PHASE)) {
+        finish(self, BRINGUP_ORDER, driven, share, IN_PHASE);
+        return false;
+    }
+    for (uint32_t x = 0; x < 3u; x++) {
+        const float back = -i[x] / i[driven];
+        if (x != driven && !(lode_abs(back - 0.5f) <= RETURN_TOLERANCE)) {
+            finish(self, back < 0.0f ? BRINGUP_SIGN : BRINGUP_RATIO, x, back, 0.5f);
+            return false;
+        }
+    }
+    self->result.measured = share;
+    return true;
+}
+
+// Four stages for each of the three phases, after the three of the calibration.
+static void step_signs(bringup_t *self, const bringup_view_t *view) {
+    if (!calibrated(self, view)) {
+        return;
+    }
+    const uint32_t phase = (self->stage - 3u) / 4u;
+    const float angle = (float)phase * PHASE_ANGLE_rad;
+    switch ((self->stage - 3u) % 4u) {
+    case 0u:
+        if (raise_voltage(self, view, angle, 0.0f)) {
+            next_stage(self, view);
+        }
+        break;
+    case 1u:
+        if (elapsed_s(self, view) > SETTLE_TIME) {
+            bringup_window_ask(self->window, SIGN_PERIODS);
+            next_stage(self, view);
+        }
+        break;
+    case 2u:
+        if (window_done(self) && judge_phase(self, phase)) {
+            post(self, (lode_command_t){.mode = LODE_MODE_OFF});
+            next_stage(self, view);
+        }
+        break;
+    default: // the current must die before the next phase
+        if (phase == 2u) {
+            finish(self, BRINGUP_OK, 0u, self->result.measured, IN_PHASE);
+        } else if (elapsed_s(self, view) > SETTLE_TIME) {
+            self->u_V = 0.0f;
+            next_stage(self, view);
+        }
+        break;
+    }
+}
+
+// Takes in each period's picture once, over AVERAGE_TIME. True when the mean is there.
+static bool averaged(bringup_t *self, const bringup_view_t *view, float reference_d) {
+    const lode_dq_t i = view->now.i_A;
+    const float error = length_of((lode_dq_t){i.d - reference_d, i.q});
+    if (!(self->count > 0.0f)) {
+        self->sum_d = 0.0f;
+        self->sum_q = 0.0f;
+        self->sum_error = 0.0f;
+        self->least = i.d;
+        self->greatest = i.d;
+        self->settled = view->now.steps;
+    }
+    if (!(self->count > 0.0f) || view->now.steps != self->seen) {
+        self->seen = view->now.steps;
+        self->sum_d += i.d;
+        self->sum_q += i.q;
+        self->sum_error += error;
+        self->least = lode_min(self->least, i.d);
+        self->greatest = lode_max(self->greatest, i.d);
+        self->count += 1.0f;
+    }
+    return (float)(view->now.steps - self->settled) >= AVERAGE_TIME * self->config->f_pwm_Hz;
+}
+
+static bool resistance_plausible(bringup_t *self, float R_Ohm) {
+    const float configured = self->config->motor.Rs_Ohm;
+    if (!(R_Ohm <= RESISTANCE_FACTOR * configured && R_Ohm * RESISTANCE_FACTOR >= configured)) {
+        finish(self, BRINGUP_RESISTANCE, 0u, R_Ohm, configured);
+        return false;
+    }
+    return true;
+}
+
+static void step_voltage(bringup_t *self, const bringup_view_t *view) {
+    if (!calibrated(self, view)) {
+        return;
+    }
+    if (self->stage == 3u) {
+        if (raise_voltage(self, view, self->angle_rad, self->turn_rad_s)) {
+            next_stage(self, view);
+        }
+        return;
+    }
+    if (elapsed_s(self, view) < SETTLE_TIME || !averaged(self, view, 0.0f)) {
+        return;
+    }
+    const float d = self->sum_d / self->count;
+    const float across = self->sum_q / self->count / lode_max(lode_abs(d), 1.0e-6f);
+    if (!(lode_abs(across) <= ACROSS_SHARE)) {
+        finish(self, BRINGUP_ANGLE, 0u, across, ACROSS_SHARE);
+    } else if (resistance_plausible(self, self->u_V / d)) {
+        finish(self, BRINGUP_OK, 0u, self->u_V / d, self->config->motor.Rs_Ohm);
+    }
+}
+
+// --- 5: current ---
+
+static void step_current(bringup_t *self, const bringup_view_t *view) {
+    const float wanted = CURRENT_SHARE * self->config->inverter.i_max_A;
+    if (!calibrated(self, view)) {
+        return;
+    }
+    if (self->stage == 3u) {
+        post(self, (lode_command_t){.mode = LODE_MODE_CURRENT,
+                                    .vector = {wanted, 0.0f},
+                                    .theta_rad = self->angle_rad,
+                                    .omega_rad_s = self->turn_rad_s});
+        next_stage(self, view);
+        return;
+    }
+    if (elapsed_s(self, view) < SETTLE_TIME || !averaged(self, view, wanted)) {
+        return;
+    }
+    const float d = self->sum_d / self->count;
+    const float ripple = self->greatest - self->least;
+    if (!(lode_abs(d - wanted) <= CURRENT_TOLERANCE * wanted)) {
+        finish(self, BRINGUP_CURRENT_OFF, 0u, d - wanted, CURRENT_TOLERANCE * wanted);
+    } else if (!(ripple <= RIPPLE_SHARE * wanted)) {
+        finish(self, BRINGUP_RIPPLE, 0u, ripple, RIPPLE_SHARE * wanted);
+    } else if (resistance_plausible(self, view->now.u_V.d / d)) {
+        finish(self, BRINGUP_OK, 0u, d, wanted);
+    }
+}
+
+// --- 6 and 7: sensorless ---
+
+static void step_start(bringup_t *self, const bringup_view_t *view) {
+    const lode_start_config_t *start = &self->config->start;
+    const float timeout = start->timeout_s + MARGIN_TIME;
+    if (!calibrated(self, view)) {
+        return;
+    }
+    if (self->stage == 3u) {
+        const float speed =
+            START_SHARE * start->omega_handover_rad_s / self->config->motor.pole_pairs;
+        post(self, (lode_command_t){.mode = LODE_MODE_RUN,
+                                    .speed_rad_s = self->speed_rad_s < 0.0f ? -speed : speed});
+        next_stage(self, view);
+    } else if (self->stage == 4u) {
+        if (view->now.mode == LODE_MODE_RUN) {
+            self->least = view->now.lock;
+            next_stage(self, view);
+        } else if (elapsed_s(self, view) > timeout) {
+            finish(self, BRINGUP_TIMEOUT, 0u, elapsed_s(self, view), timeout);
+        }
+    } else {
+        self->least = lode_min(self->least, view->now.lock);
+        if (elapsed_s(self, view) > HOLD_TIME) {
+            const bool good = self->least >= LODE_LOCK_HANDOVER;
+            finish(self, good ? BRINGUP_OK : BRINGUP_LOCK, 0u, self->least, LODE_LOCK_HANDOVER);
+        }
+    }
+}
+
+static void judge_run(bringup_t *self) {
+    const float off = self->sum_error / self->count;
+    const float limit = SPEED_TOLERANCE * lode_abs(self->speed_rad_s);
+    if (!(self->least >= LODE_LOCK_HANDOVER)) {
+        finish(self, BRINGUP_LOCK, 0u, self->least, LODE_LOCK_HANDOVER);
+    } else {
+        finish(self, lode_abs(off) <= limit ? BRINGUP_OK : BRINGUP_SPEED, 0u, off, limit);
+    }
+}
+
+static void step_run(bringup_t *self, const bringup_view_t *view) {
+    if (!calibrated(self, view)) {
+        return;
+    }
+    const float wanted = self->speed_rad_s;
+    const bool there = view->now.mode == LODE_MODE_RUN &&
+                       lode_abs(view->now.speed_ref_rad_s - wanted) <= 1.0e-3f * lode_abs(wanted);
+    if (self->stage == 3u) {
+        post(self, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = wanted});
+        next_stage(self, view);
+    } else if (self->stage == 4u) {
+        if (there) {
+            next_stage(self, view);
+        } else if (elapsed_s(self, view) > RUN_TIMEOUT) {
+            finish(self, BRINGUP_TIMEOUT, 0u, elapsed_s(self, view), RUN_TIMEOUT);
+        }
+    } else if (self->stage == 5u) {
+        if (elapsed_s(self, view) > RUN_TIME) { // the speed has settled
+            self->sum_error = 0.0f;
+            self->count = 0.0f;
+            self->least = view->now.lock;
+            next_stage(self, view);
+        }
+    } else {
+        const float speed = view->now.omega_rad_s / self->config->motor.pole_pairs;
+        self->sum_error += speed - wanted;
+        self->count += 1.0f;
+        self->least = lode_min(self->least, view->now.lock);
+        if (elapsed_s(self, view) > RUN_TIME) {
+            judge_run(self);
+        }
+    }
+}
+
+static void step_mode(bringup_t *self, const bringup_view_t *view) {
+    switch (self->result.mode) {
+    case BRINGUP_PWM:
+        step_pwm(self, view);
+        break;
+    case BRINGUP_OFFSETS:
+        if (calibrated(self, view)) {
+            judge_offsets(self, view);
+        }
+        break;
+    case BRINGUP_SIGNS:
+        step_signs(self, view);
+        break;
+    case BRINGUP_VOLTAGE:
+        step_voltage(self, view);
+        break;
+    case BRINGUP_CURRENT:
+        step_current(self, view);
+        break;
+    case BRINGUP_START:
+        step_start(self, view);
+        break;
+    case BRINGUP_RUN:
+        step_run(self, view);
+        break;
+    default:
+        break;
+    }
+}
+
+bringup_state_t bringup_step(bringup_t *self, const bringup_view_t *view) {
+    if (self->result.state != (uint_least8_t)BRINGUP_RUNNING) {
+        return (bringup_state_t)self->result.state;
+    }
+    // Before the first stage the drive may still show a fault of what went before.
+    if (view->now.mode == LODE_MODE_FAULT && self->stage > 0u) {
+        const lode_fault_t *fault = &view->now.fault;
+        self->result.check = fault->check;
+        finish(self, BRINGUP_FAULT, 0u, fault->measured, fault->limit);
+    } else {
+        step_mode(self, view);
+    }
+    return (bringup_state_t)self->result.state;
+}

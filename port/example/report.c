@@ -1,0 +1,84 @@
+#include "report.h"
+
+#include "board.h"
+
+#define LINE_MAX 96u
+#define THOUSAND 1000.0f
+#define VALUE_MAX 2.0e6f // thousandths of it fit 32 bits
+
+static uint16_t line[LINE_MAX];
+static uint32_t length;
+static uint32_t sent;
+static uint_least8_t state_reported;
+static uint_least8_t mode_reported;
+
+static void put(char c) {
+    if (length < LINE_MAX) {
+        line[length++] = (uint16_t)c;
+    }
+}
+
+static void put_text(const char *text) {
+    for (; *text != '\0'; text++) {
+        put(*text);
+    }
+}
+
+static void put_digits(uint32_t value, uint32_t least) {
+    char digits[10];
+    uint32_t count = 0u;
+    while (value > 0u || count < least) {
+        digits[count++] = (char)('0' + (char)(value % 10u));
+        value /= 10u;
+    }
+    while (count > 0u) {
+        put(digits[--count]);
+    }
+}
+
+// Three decimals; out of range, NaN included, as ends of the range.
+static void put_float(float value) {
+    const float x = value > -VALUE_MAX ? lode_min(value, VALUE_MAX) : -VALUE_MAX;
+    const uint32_t thousandths = (uint32_t)(lode_abs(x) * THOUSAND + 0.5f);
+    if (x < 0.0f) {
+        put('-');
+    }
+    put_digits(thousandths / 1000u, 1u);
+    put('.');
+    put_digits(thousandths % 1000u, 3u);
+}
+
+static void compose(const bringup_result_t *result) {
+    length = 0u;
+    sent = 0u;
+    put_digits(result->mode, 1u);
+    put(' ');
+    put_text(bringup_state_name(result->state));
+    put(' ');
+    put_text(bringup_reason_name(result->reason));
+    if (result->reason == (uint_least8_t)BRINGUP_FAULT) {
+        put_text(" check ");
+        put_digits(result->check, 1u);
+    }
+    put_text(" phase ");
+    put_digits(result->phase, 1u);
+    put_text(" measured ");
+    put_float(result->measured);
+    put_text(" limit ");
+    put_float(result->limit);
+    put_text("\r\n");
+}
+
+void report_poll(const bringup_result_t *result) {
+    if (sent < length) {
+        sent += board_send(&line[sent], length - sent);
+        return;
+    }
+    if (result->mode != mode_reported || result->state != state_reported) {
+        mode_reported = result->mode;
+        state_reported = result->state;
+        if (result->state != (uint_least8_t)BRINGUP_RUNNING) {
+            compose(result);
+        }
+    }
+}
