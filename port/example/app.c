@@ -37,6 +37,7 @@ static uint32_t steps_seen;
 static uint32_t restarts;
 static uint32_t fault_steps; // steps at which a fault was seen first
 static bool faulted;
+static bool clearing; // posted, not yet taken
 static float speed_now;
 
 static void note_cycles(uint32_t entered) {
@@ -118,6 +119,7 @@ static void begin_mode(uint32_t mode) {
     mode_now = mode;
     restarts = 0u;
     faulted = false;
+    clearing = false;
     speed_now = 0.0f;
     cycles_restart = true;
     (void)board_clear_trip();
@@ -129,6 +131,9 @@ static void begin_mode(uint32_t mode) {
 
 // After a fault: gates stay off for the pause, then the trip must clear and the motor starts again.
 static void restart(const lode_telemetry_t *now) {
+    if (clearing) {
+        return;
+    }
     if (!faulted) {
         faulted = true;
         fault_steps = now->steps;
@@ -137,6 +142,7 @@ static void restart(const lode_telemetry_t *now) {
                board_clear_trip()) {
         restarts++;
         faulted = false;
+        clearing = true;
         speed_now = 0.0f;
         post((lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
     }
@@ -147,10 +153,9 @@ static void run_application(const lode_telemetry_t *now) {
         restart(now);
         return;
     }
+    clearing = false;
     const float wanted = app_speed_rad_s;
-    const bool changed = lode_abs(wanted - speed_now) > 0.0f;
-    // In OFF the command may be the one that cleared the fault: it is taken before the next one.
-    if (changed && !faulted) {
+    if (lode_abs(wanted - speed_now) > 0.0f) {
         speed_now = wanted;
         post((lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = wanted});
     }

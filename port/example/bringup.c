@@ -214,7 +214,7 @@ static void judge_offsets(bringup_t *self, const bringup_view_t *view) {
 // Off, counts at zero current, then the drive's own calibration. True when all is done.
 static bool calibrated(bringup_t *self, const bringup_view_t *view) {
     const bool off = view->now.mode == LODE_MODE_OFF;
-    if (self->stage == 0u && off && view->now.steps > self->since) {
+    if (self->stage == 0u && off) {
         bringup_window_ask(self->window, WINDOW_PERIODS);
         next_stage(self, view);
     } else if (self->stage == 1u && window_done(self)) {

@@ -1,0 +1,78 @@
+/// TIM1 as a three-phase PWM, the same in STM32F4 and STM32G4.
+///
+/// It counts up and down. In PWM mode 2 the high sides are on around the upper turning point, so all low
+/// sides are on around the lower one: there the shunts carry the phase currents. The update event comes
+/// there once per period (repetition counter 1). It takes the compare values over and triggers the
+/// converters: that instant is t_k.
+#ifndef LODESTAR_PORT_STM32_PWM_H
+#define LODESTAR_PORT_STM32_PWM_H
+
+#include "lodestar/lodestar.h"
+#include "reg.h"
+
+typedef struct {
+    uint32_t f_timer_Hz;
+    uint32_t f_pwm_Hz;
+    uint32_t dead_time_ns; ///< rounded up to the timer's next step
+    bool low_sides;        ///< complementary outputs drive the low sides
+    uint32_t break_bits;   ///< of BDTR: enable, polarity and filter of the break inputs
+} stm32_pwm_t;
+
+/// Timer steps from duty 0 to 1; 0 where they do not fit the timer's 16 bits.
+uint32_t stm32_pwm_steps(uint32_t f_timer_Hz, uint32_t f_pwm_Hz);
+
+/// BDTR.DTG for at least this dead time; false where it is too long for the timer.
+bool stm32_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint32_t *dtg);
+
+/// Largest duty with which a low-side shunt can still be sampled. `settle_ns`: from the low side's
+/// turn-on to a settled amplifier, dead time included. `sample_ns`: from t_k to the end of the last
+/// current's sampling. The low side is on for (1 - duty)/2 of the period before t_k and after it.
+float stm32_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns);
+
+/// Largest share of the voltage circle with which the second largest duty stays at or below `duty_max`,
+/// so that two phases can be sampled at any angle; at most the core's default. 0 where there is none.
+float stm32_voltage_use(float duty_max);
+
+/// Everything but the counter's start and the outputs. Its clock must be on, its pins must not be its
+/// outputs yet. False: period or dead time do not fit.
+bool stm32_pwm_init(const stm32_pwm_t *config);
+
+/// The counter starts at the lower turning point.
+void stm32_pwm_start(void);
+
+/// Into the compare registers' preload; duties in [0, 1].
+static inline void stm32_pwm_write(lode_abc_t duty) {
+    const float steps = (float)REG_READ(TIM1->ARR);
+    REG_WRITE(TIM1->CCR1, (uint32_t)(int32_t)((1.0f - duty.a) * steps + 0.5f));
+    REG_WRITE(TIM1->CCR2, (uint32_t)(int32_t)((1.0f - duty.b) * steps + 0.5f));
+    REG_WRITE(TIM1->CCR3, (uint32_t)(int32_t)((1.0f - duty.c) * steps + 0.5f));
+}
+
+/// A break has come and not been cleared.
+static inline bool stm32_pwm_tripped(void) {
+    return (REG_READ(TIM1->SR) & STM32_BREAK_FLAGS) != 0u;
+}
+
+/// The counter runs down: the interrupt comes half a period late, or the trigger sits at the wrong end.
+static inline bool stm32_pwm_counts_down(void) {
+    return (REG_READ(TIM1->CR1) & TIM_CR1_DIR) != 0u;
+}
+
+/// All outputs to their inactive level, at once.
+static inline void stm32_pwm_off(void) {
+    REG_CLEAR(TIM1->BDTR, TIM_BDTR_MOE);
+}
+
+/// Outputs on, unless a break is latched.
+static inline bool stm32_pwm_on(void) {
+    if (stm32_pwm_tripped()) {
+        return false;
+    }
+    REG_SET(TIM1->BDTR, TIM_BDTR_MOE);
+    return true;
+}
+
+/// False: the break input is still active.
+bool stm32_pwm_clear_trip(void);
+
+#endif

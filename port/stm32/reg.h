@@ -1,0 +1,42 @@
+/// Every access of the STM32 ports to a register. On the chip they are plain loads and stores. A device
+/// header may define REG_READ and REG_WRITE itself: the tests' one does, and so sees the order.
+#ifndef LODESTAR_PORT_STM32_REG_H
+#define LODESTAR_PORT_STM32_REG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "stm32_device.h"
+
+#ifndef REG_WRITE
+#define REG_READ(reg) (reg)
+#define REG_WRITE(reg, value) ((reg) = (value))
+#endif
+
+#define REG_SET(reg, bits) REG_WRITE(reg, REG_READ(reg) | (bits))
+#define REG_CLEAR(reg, bits) REG_WRITE(reg, REG_READ(reg) & ~(uint32_t)(bits))
+/// `value` into the bits of `mask`.
+#define REG_CHANGE(reg, mask, value)                                                               \
+    REG_WRITE(reg, (REG_READ(reg) & ~(uint32_t)(mask)) | (value))
+
+/// Polls of a ready flag before the hardware is given up: a crystal takes milliseconds, at 16 MHz some
+/// ten cycles per poll.
+#define REG_POLLS 200000u
+
+/// Waits until `condition` holds; `ok` becomes false if it does not in time.
+#define REG_AWAIT(condition, ok)                                                                   \
+    do {                                                                                           \
+        uint32_t polls = 0u;                                                                       \
+        while (!(condition) && polls < REG_POLLS) {                                                \
+            polls++;                                                                               \
+        }                                                                                          \
+        (ok) = (ok) && polls < REG_POLLS;                                                          \
+    } while (0)
+
+/// At least this many loops of some cycles each.
+static inline void stm32_wait(uint32_t loops) {
+    for (volatile uint32_t n = 0u; n < loops; n++) {
+    }
+}
+
+#endif

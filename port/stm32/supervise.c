@@ -1,0 +1,22 @@
+#include "supervise.h"
+
+// LSI / 4 is some 8 kHz.
+#define WATCHDOG_DIVIDER 0u
+#define WATCHDOG_RELOAD 160u
+
+bool stm32_watchdog_start(void) {
+    bool ok = true;
+    REG_WRITE(IWDG->KR, 0xCCCCu); // starts it, and its clock
+    REG_WRITE(IWDG->KR, 0x5555u); // unlocks the next two
+    REG_WRITE(IWDG->PR, WATCHDOG_DIVIDER);
+    REG_WRITE(IWDG->RLR, WATCHDOG_RELOAD);
+    REG_AWAIT(REG_READ(IWDG->SR) == 0u, ok);
+    stm32_watchdog_feed();
+    return ok;
+}
+
+void stm32_cycles_start(void) {
+    REG_SET(CoreDebug->DEMCR, CoreDebug_DEMCR_TRCENA_Msk);
+    REG_WRITE(DWT->CYCCNT, 0u);
+    REG_SET(DWT->CTRL, DWT_CTRL_CYCCNTENA_Msk);
+}

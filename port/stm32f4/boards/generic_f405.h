@@ -1,0 +1,50 @@
+/// An STM32F405RG on a board of your own: half-bridge drivers with six inputs, three low-side shunts with
+/// external amplifiers around half the range, a fault output of the driver, 8 MHz crystal. Change what
+/// differs; every figure is an example.
+#ifndef LODESTAR_PORT_BOARD_VARIANT_H
+#define LODESTAR_PORT_BOARD_VARIANT_H
+
+#define VARIANT_HSE_Hz 8000000u // 0: no crystal, the 16 MHz RC oscillator instead
+#define VARIANT_F_PWM_Hz 20000u
+#define VARIANT_DEAD_TIME_ns 500u
+#define VARIANT_LOW_SIDES true
+
+#define VARIANT_V_BUS_V 24.0f
+#define VARIANT_I_MAX_A 20.0f
+#define VARIANT_V_DROP_V 0.0f
+#define VARIANT_R_ON_Ohm 0.0f
+
+#define VARIANT_V_REF_V 3.3f
+#define VARIANT_COUNTS 4096.0f
+#define VARIANT_SHUNT_Ohm 0.001f
+#define VARIANT_AMPLIFIER 20.0f
+// Negative: a current into the motor pulls the low-side shunt below ground.
+#define VARIANT_I_GAIN_A_count                                                                     \
+    (-VARIANT_V_REF_V / VARIANT_COUNTS / (VARIANT_SHUNT_Ohm * VARIANT_AMPLIFIER))
+#define VARIANT_I_OFFSET_count 2048.0f
+#define VARIANT_I_OFFSET_TOL_count 200.0f
+#define VARIANT_V_BUS_GAIN_V_count                                                                 \
+    (VARIANT_V_REF_V / VARIANT_COUNTS * (39.0f + 2.2f) / 2.2f) // 39 kOhm over 2.2 kOhm
+#define VARIANT_T_GAIN_degC_count 0.0f
+#define VARIANT_T_OFFSET_degC 0.0f
+#define VARIANT_SETTLE_ns 2000.0f
+
+// The three currents at once: one converter each, rank 1. Rank 2: bus, temperature, anything.
+#define VARIANT_ADC1_RANKS {10u, 13u} // i_a on PC0, bus on PC3
+#define VARIANT_ADC2_RANKS {11u, 3u}  // i_b on PC1, temperature on PA3
+#define VARIANT_ADC3_RANKS {12u, 12u} // i_c on PC2
+#define VARIANT_COUNT_A ADC1->JDR1
+#define VARIANT_COUNT_B ADC2->JDR1
+#define VARIANT_COUNT_C ADC3->JDR1
+#define VARIANT_COUNT_BUS ADC1->JDR2
+#define VARIANT_COUNT_T ADC2->JDR2
+
+#define VARIANT_PWM_PINS                                                                           \
+    {GPIOA, 8u, 1u}, {GPIOA, 9u, 1u}, {GPIOA, 10u, 1u}, {GPIOB, 13u, 1u}, {GPIOB, 14u, 1u},        \
+        {GPIOB, 15u, 1u}
+#define VARIANT_ANALOG_PINS                                                                        \
+    {GPIOC, 0u, 0u}, {GPIOC, 1u, 0u}, {GPIOC, 2u, 0u}, {GPIOC, 3u, 0u}, {GPIOA, 3u, 0u}
+#define VARIANT_BREAK_PIN {GPIOB, 12u, 1u} // the driver's fault output, active low, on TIM1_BKIN
+#define VARIANT_TX_PIN {GPIOB, 10u, 7u}    // USART3
+
+#endif

@@ -1,0 +1,29 @@
+/// The parts of the STM32F4 that board.c puts together.
+#ifndef LODESTAR_PORT_STM32F4_CHIP_H
+#define LODESTAR_PORT_STM32F4_CHIP_H
+
+#include "gpio.h"
+#include "reg.h"
+
+#ifndef STM32_BOARD_H
+#define STM32_BOARD_H "boards/generic_f405.h"
+#endif
+#include STM32_BOARD_H
+
+#define CHIP_F_CPU_Hz 168000000u ///< core and TIM1
+#define CHIP_F_APB1_Hz 42000000u ///< USART3
+
+/// Core 168 MHz, APB1 42 MHz, APB2 84 MHz. False: an oscillator or the PLL does not come.
+bool chip_clock_init(void);
+
+/// ADC1, ADC2 and ADC3, injected and simultaneous, two ranks each, on TIM1's TRGO.
+void chip_converters_init(void);
+
+/// USART3's transmitter, 115200 baud.
+void chip_serial_init(void);
+uint32_t chip_serial_send(const uint16_t *octets, uint32_t count);
+
+/// ADC clock 21 MHz; 15 cycles of sampling, three from the trigger to it.
+#define CHIP_SAMPLE_ns ((3.0f + 15.0f) / 21.0f * 1000.0f)
+
+#endif

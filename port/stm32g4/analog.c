@@ -1,0 +1,115 @@
+#include "chip.h"
+
+#define CLOCK_BY_4 3u         // 42.5 MHz of at most 52 with two converters at work
+#define DUAL_INJECTED 5u      // ADC2 follows ADC1's trigger
+#define SAMPLE_6_5 1u         // cycles of 23.5 ns
+#define RANKS 3u              // of either: equal lengths end together
+#define RISING_EDGE 1u        // of
+#define TRIGGER_TIM1_TRGO 0u  // the update event
+#define REGULATOR_LOOPS 1000u // 20 us at 170 MHz and some cycles per loop
+#define READY_LOOPS 100u
+
+#ifdef VARIANT_INTERNAL_ANALOG
+
+#define AMPLIFIER_PGA 2u      // VMSEL
+#define GAIN_16_BIASED 0x0Bu  // PGGAIN: 16, the foot of the divider on VINM0
+#define MINUS_DAC3 4u         // INMSEL: channel 1 for comparator 1, channel 2 for 2 and 4
+#define HYSTERESIS 3u         // 30 mV at the pin would be 17 A; 3 of 7 steps of 10 mV
+#define DAC_INTERNAL 3u       // MODE: to the chip only, no buffer
+#define DAC_FAST 2u           // HFSEL: AHB above 160 MHz
+#define DAC_RANGE 4095.0f
+
+static void amplifier(volatile uint32_t *csr) {
+    REG_WRITE(*csr, AMPLIFIER_PGA << OPAMP_CSR_VMSEL_Pos | GAIN_16_BIASED << OPAMP_CSR_PGGAIN_Pos |
+                        OPAMP_CSR_HIGHSPEEDEN);
+    REG_SET(*csr, OPAMP_CSR_OPAMPxEN);
+}
+
+static void comparator(volatile uint32_t *csr) {
+    REG_WRITE(*csr, MINUS_DAC3 << COMP_CSR_INMSEL_Pos | COMP_CSR_EN);
+}
+
+void chip_protection_init(void) {
+    const uint32_t threshold =
+        (uint32_t)(int32_t)(VARIANT_TRIP_V / VARIANT_V_REF_V * DAC_RANGE + 0.5f);
+    REG_SET(RCC->APB2ENR, RCC_APB2ENR_SYSCFGEN); // clocks amplifiers and comparators too
+    REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_DAC3EN);
+    amplifier(&OPAMP1->CSR);
+    amplifier(&OPAMP2->CSR);
+    amplifier(&OPAMP3->CSR);
+    REG_WRITE(DAC3->MCR, DAC_FAST << DAC_MCR_HFSEL_Pos | DAC_INTERNAL << DAC_MCR_MODE1_Pos |
+                             DAC_INTERNAL << DAC_MCR_MODE2_Pos);
+    REG_WRITE(DAC3->CR, DAC_CR_EN1 | DAC_CR_EN2);
+    REG_WRITE(DAC3->DHR12R1, threshold);
+    REG_WRITE(DAC3->DHR12R2, threshold);
+    stm32_wait(REGULATOR_LOOPS); // the threshold stands before anything compares with it
+    comparator(&COMP1->CSR);
+    comparator(&COMP2->CSR);
+    comparator(&COMP4->CSR);
+}
+
+#else
+
+void chip_protection_init(void) {
+    static const stm32_pin_t pin = VARIANT_BREAK_PIN;
+    gpio_pull_up(pin); // active low: a broken wire would not trip, the board's own pull-up decides
+    gpio_alternate(pin);
+}
+
+#endif
+
+static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t trigger) {
+    uint32_t low = 0u;
+    uint32_t high = 0u;
+    for (uint32_t n = 0u; n < RANKS; n++) {
+        if (ranks[n] < 10u) {
+            low |= SAMPLE_6_5 << (3u * ranks[n]);
+        } else {
+            high |= SAMPLE_6_5 << (3u * (ranks[n] - 10u));
+        }
+    }
+    REG_WRITE(adc->SMPR1, low);
+    REG_WRITE(adc->SMPR2, high);
+    REG_WRITE(adc->JSQR, (RANKS - 1u) << ADC_JSQR_JL_Pos | trigger |
+                             ranks[0] << ADC_JSQR_JSQ1_Pos | ranks[1] << ADC_JSQR_JSQ2_Pos |
+                             ranks[2] << ADC_JSQR_JSQ3_Pos);
+}
+
+static bool wake(ADC_TypeDef *adc) {
+    bool ok = true;
+    REG_WRITE(adc->CR, 0u); // out of deep power-down
+    REG_WRITE(adc->CR, ADC_CR_ADVREGEN);
+    stm32_wait(REGULATOR_LOOPS);
+    REG_WRITE(adc->CR, ADC_CR_ADVREGEN | ADC_CR_ADCAL);
+    REG_AWAIT((REG_READ(adc->CR) & ADC_CR_ADCAL) == 0u, ok);
+    stm32_wait(READY_LOOPS); // four ADC cycles between calibration and enable
+    return ok;
+}
+
+static bool enable(ADC_TypeDef *adc) {
+    bool ok = true;
+    REG_WRITE(adc->CR, ADC_CR_ADVREGEN | ADC_CR_ADEN);
+    REG_AWAIT((REG_READ(adc->ISR) & ADC_ISR_ADRDY) != 0u, ok);
+    return ok;
+}
+
+bool chip_converters_init(void) {
+    static const uint32_t ranks1[RANKS] = VARIANT_ADC1_RANKS;
+    static const uint32_t ranks2[RANKS] = VARIANT_ADC2_RANKS;
+    REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_ADC12EN);
+    REG_WRITE(ADC12_COMMON->CCR,
+              CLOCK_BY_4 << ADC_CCR_CKMODE_Pos | DUAL_INJECTED << ADC_CCR_DUAL_Pos);
+    if (!wake(ADC1) || !wake(ADC2)) {
+        return false;
+    }
+    sequence(ADC1, ranks1,
+             RISING_EDGE << ADC_JSQR_JEXTEN_Pos | TRIGGER_TIM1_TRGO << ADC_JSQR_JEXTSEL_Pos);
+    sequence(ADC2, ranks2, 0u);
+    REG_WRITE(ADC1->IER, ADC_IER_JEOSIE);
+    return enable(ADC1) && enable(ADC2);
+}
+
+void chip_converters_arm(void) {
+    REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
+    REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART); // starts both
+}

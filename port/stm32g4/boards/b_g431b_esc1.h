@@ -1,0 +1,67 @@
+/// ST B-G431B-ESC1: STM32G431CB, L6387 gate drivers, three low-side shunts into the chip's own
+/// operational amplifiers, over-current by the chip's own comparators. 8 MHz crystal.
+#ifndef LODESTAR_PORT_BOARD_VARIANT_H
+#define LODESTAR_PORT_BOARD_VARIANT_H
+
+// Clock and PWM.
+#define VARIANT_HSE_Hz 8000000u // 0: no crystal, the 16 MHz RC oscillator instead
+#define VARIANT_F_PWM_Hz 20000u
+#define VARIANT_DEAD_TIME_ns 800u // L6387 has none of its own worth counting on (320 ns)
+#define VARIANT_LOW_SIDES true
+
+// Power stage. Up to 6S LiPo.
+#define VARIANT_V_BUS_V 24.0f
+#define VARIANT_I_MAX_A 20.0f
+#define VARIANT_V_DROP_V 0.0f
+#define VARIANT_R_ON_Ohm 0.0f
+
+// Shunt 3 mOhm; 1.5 kOhm against 22 kOhm || 2.2 kOhm passes 4/7 of it, the amplifier is set to 16. A
+// current into the motor pulls the low-side shunt below ground: negative gain.
+#define VARIANT_V_REF_V 3.3f
+#define VARIANT_COUNTS 4096.0f
+#define VARIANT_SHUNT_Ohm 0.003f
+#define VARIANT_DIVIDER (4.0f / 7.0f)
+#define VARIANT_AMPLIFIER 16.0f
+#define VARIANT_I_GAIN_A_count                                                                     \
+    (-VARIANT_V_REF_V / VARIANT_COUNTS / (VARIANT_SHUNT_Ohm * VARIANT_DIVIDER * VARIANT_AMPLIFIER))
+// The same network lifts the input by 3.3 V * (1.5 || 2.2)/(22 + 1.5 || 2.2).
+#define VARIANT_BIAS_V 0.1286f
+#define VARIANT_I_OFFSET_count                                                                     \
+    (VARIANT_BIAS_V * VARIANT_AMPLIFIER / VARIANT_V_REF_V * VARIANT_COUNTS)
+#define VARIANT_I_OFFSET_TOL_count 300.0f // resistors of 1 % and the amplifier's offset, times 16
+#define VARIANT_V_BUS_GAIN_V_count                                                                 \
+    (VARIANT_V_REF_V / VARIANT_COUNTS * (169.0f + 18.0f) / 18.0f) // 169 kOhm over 18 kOhm
+// The board's NTC (PB14) is sampled but not used: it is no straight line. Enter your own tangent.
+#define VARIANT_T_GAIN_degC_count 0.0f
+#define VARIANT_T_OFFSET_degC 0.0f
+// Dead time, then nine time constants of an amplifier of 13 MHz / 16.
+#define VARIANT_SETTLE_ns 2600.0f
+
+// Converters. Rank 1 of both is sampled at t_k, rank 2 some 0.45 us later.
+#define VARIANT_ADC1_RANKS {3u, 12u, 5u} // i_a on PA2, i_c on PB1, NTC on PB14
+#define VARIANT_ADC2_RANKS {3u, 1u, 1u}  // i_b on PA6, bus on PA0 twice
+#define VARIANT_COUNT_A ADC1->JDR1
+#define VARIANT_COUNT_B ADC2->JDR1
+#define VARIANT_COUNT_C ADC1->JDR2
+#define VARIANT_COUNT_BUS ADC2->JDR2
+#define VARIANT_COUNT_T ADC1->JDR3
+
+// Pins: port, number, alternate function.
+#define VARIANT_PWM_PINS                                                                           \
+    {GPIOA, 8u, 6u}, {GPIOA, 9u, 6u}, {GPIOA, 10u, 6u}, {GPIOC, 13u, 4u}, {GPIOA, 12u, 6u},       \
+        {GPIOB, 15u, 4u}
+#define VARIANT_ANALOG_PINS                                                                        \
+    {GPIOA, 0u, 0u}, {GPIOA, 1u, 0u}, {GPIOA, 2u, 0u}, {GPIOA, 3u, 0u}, {GPIOA, 5u, 0u},          \
+        {GPIOA, 6u, 0u}, {GPIOA, 7u, 0u}, {GPIOB, 0u, 0u}, {GPIOB, 1u, 0u}, {GPIOB, 2u, 0u},      \
+    {                                                                                              \
+        GPIOB, 14u, 0u                                                                             \
+    }
+#define VARIANT_TX_PIN {GPIOB, 3u, 7u} // USART2, the ST-LINK's virtual COM port
+
+// Over-current: comparators 1, 2 and 4 on the amplifiers' inputs against DAC3. They see the current that
+// flows back into the low side; one that flows out returns through the other two phases.
+#define VARIANT_INTERNAL_ANALOG 1
+#define VARIANT_TRIP_A 36.0f
+#define VARIANT_TRIP_V (VARIANT_BIAS_V + VARIANT_TRIP_A * VARIANT_SHUNT_Ohm * VARIANT_DIVIDER)
+
+#endif

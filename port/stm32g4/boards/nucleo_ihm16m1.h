@@ -1,0 +1,52 @@
+/// NUCLEO-G431RB with X-NUCLEO-IHM16M1: STSPIN830 driver, three shunts with amplifiers on the board,
+/// over-current by the driver (EN/FAULT). 24 MHz crystal.
+///
+/// The driver is used with one PWM input and one enable input per phase: it makes low sides and dead time
+/// itself. With the enables low a phase floats.
+#ifndef LODESTAR_PORT_BOARD_VARIANT_H
+#define LODESTAR_PORT_BOARD_VARIANT_H
+
+// Clock and PWM.
+#define VARIANT_HSE_Hz 24000000u
+#define VARIANT_F_PWM_Hz 20000u
+#define VARIANT_DEAD_TIME_ns 0u // the driver's own: take it from its data sheet, or measure it
+#define VARIANT_LOW_SIDES false
+
+// Power stage: 7 .. 45 V, 1.5 A effective.
+#define VARIANT_V_BUS_V 12.0f
+#define VARIANT_I_MAX_A 1.5f
+#define VARIANT_V_DROP_V 0.0f
+#define VARIANT_R_ON_Ohm 0.0f
+
+#define VARIANT_V_REF_V 3.3f
+#define VARIANT_COUNTS 4096.0f
+#define VARIANT_SHUNT_Ohm 0.33f
+#define VARIANT_AMPLIFIER 1.53f
+#define VARIANT_I_GAIN_A_count                                                                     \
+    (-VARIANT_V_REF_V / VARIANT_COUNTS / (VARIANT_SHUNT_Ohm * VARIANT_AMPLIFIER))
+// Half the range is assumed, with a wide tolerance: bring-up step 2 shows the board's own.
+#define VARIANT_I_OFFSET_count 2048.0f
+#define VARIANT_I_OFFSET_TOL_count 600.0f
+#define VARIANT_V_BUS_GAIN_V_count                                                                 \
+    (VARIANT_V_REF_V / VARIANT_COUNTS * (169.0f + 9.31f) / 9.31f) // 169 kOhm over 9.31 kOhm
+#define VARIANT_T_GAIN_degC_count 0.0f // PC4 is sampled; enter a tangent to use it
+#define VARIANT_T_OFFSET_degC 0.0f
+#define VARIANT_SETTLE_ns 2000.0f // a cautious figure: look at the amplifier's output with a scope
+
+#define VARIANT_ADC1_RANKS {12u, 15u, 15u} // i_b on PB1, i_c on PB0
+#define VARIANT_ADC2_RANKS {2u, 1u, 5u}    // i_a on PA1, bus on PA0, NTC on PC4
+#define VARIANT_COUNT_A ADC2->JDR1
+#define VARIANT_COUNT_B ADC1->JDR1
+#define VARIANT_COUNT_C ADC1->JDR2
+#define VARIANT_COUNT_BUS ADC2->JDR2
+#define VARIANT_COUNT_T ADC2->JDR3
+
+#define VARIANT_PWM_PINS {GPIOA, 8u, 6u}, {GPIOA, 9u, 6u}, {GPIOA, 10u, 6u}
+#define VARIANT_ANALOG_PINS                                                                        \
+    {GPIOA, 0u, 0u}, {GPIOA, 1u, 0u}, {GPIOB, 0u, 0u}, {GPIOB, 1u, 0u}, {GPIOC, 4u, 0u}
+#define VARIANT_TX_PIN {GPIOA, 2u, 7u} // USART2, the ST-LINK's virtual COM port
+
+#define VARIANT_ENABLE_PINS {GPIOB, 13u, 0u}, {GPIOB, 14u, 0u}, {GPIOB, 15u, 0u}
+#define VARIANT_BREAK_PIN {GPIOB, 12u, 6u} // EN/FAULT, active low, on TIM1_BKIN
+
+#endif

@@ -1,0 +1,41 @@
+#include "chip.h"
+
+#define HSI_Hz 16000000u
+#define PLL_INPUT_Hz 4000000u // 2.66 .. 16 MHz; divides every source in use
+#define PLL_N 85u             // 340 MHz, and R = 2 makes 170 MHz of it
+#define PLL_SOURCE_HSI 2u
+#define PLL_SOURCE_HSE 3u
+#define SWITCH_PLL 3u
+#define FLASH_WAIT_STATES 4u // 170 MHz in range 1 boost
+#define HALF_SPEED 8u        // HPRE: AHB = SYSCLK/2
+#define BOOST_LOOPS 100u     // at least 1 us at half speed
+
+bool chip_clock_init(void) {
+    bool ok = true;
+    REG_SET(RCC->APB1ENR1, RCC_APB1ENR1_PWREN);
+    REG_CLEAR(PWR->CR5, PWR_CR5_R1MODE); // boost: more than 150 MHz
+    REG_CHANGE(FLASH->ACR, FLASH_ACR_LATENCY, FLASH_WAIT_STATES);
+    REG_AWAIT((REG_READ(FLASH->ACR) & FLASH_ACR_LATENCY) == FLASH_WAIT_STATES, ok);
+    REG_SET(FLASH->ACR, FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN);
+    if (VARIANT_HSE_Hz != 0u) {
+        REG_SET(RCC->CR, RCC_CR_HSEON);
+        REG_AWAIT((REG_READ(RCC->CR) & RCC_CR_HSERDY) != 0u, ok);
+    }
+    const uint32_t source_Hz = VARIANT_HSE_Hz != 0u ? VARIANT_HSE_Hz : HSI_Hz;
+    const uint32_t source = VARIANT_HSE_Hz != 0u ? PLL_SOURCE_HSE : PLL_SOURCE_HSI;
+    REG_WRITE(RCC->PLLCFGR, source << RCC_PLLCFGR_PLLSRC_Pos |
+                                (source_Hz / PLL_INPUT_Hz - 1u) << RCC_PLLCFGR_PLLM_Pos |
+                                PLL_N << RCC_PLLCFGR_PLLN_Pos | RCC_PLLCFGR_PLLREN);
+    REG_SET(RCC->CR, RCC_CR_PLLON);
+    REG_AWAIT((REG_READ(RCC->CR) & RCC_CR_PLLRDY) != 0u, ok);
+    if (!ok) {
+        return false;
+    }
+    // Beyond 80 MHz the bus takes the step in two halves.
+    REG_CHANGE(RCC->CFGR, RCC_CFGR_HPRE, HALF_SPEED << RCC_CFGR_HPRE_Pos);
+    REG_CHANGE(RCC->CFGR, RCC_CFGR_SW, SWITCH_PLL << RCC_CFGR_SW_Pos);
+    REG_AWAIT((REG_READ(RCC->CFGR) & RCC_CFGR_SWS) == SWITCH_PLL << RCC_CFGR_SWS_Pos, ok);
+    stm32_wait(BOOST_LOOPS);
+    REG_CLEAR(RCC->CFGR, RCC_CFGR_HPRE | RCC_CFGR_PPRE1 | RCC_CFGR_PPRE2);
+    return ok;
+}

@@ -1,0 +1,20 @@
+#include "chip.h"
+
+#define BAUD 115200u
+
+void chip_serial_init(void) {
+    static const stm32_pin_t tx = VARIANT_TX_PIN;
+    REG_SET(RCC->APB1ENR1, RCC_APB1ENR1_USART2EN);
+    REG_WRITE(USART2->BRR, (CHIP_F_CPU_Hz + BAUD / 2u) / BAUD);
+    REG_WRITE(USART2->CR1, USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_UE);
+    gpio_alternate(tx);
+}
+
+uint32_t chip_serial_send(const uint16_t *octets, uint32_t count) {
+    uint32_t taken = 0u;
+    while (taken < count && (REG_READ(USART2->ISR) & USART_ISR_TXE) != 0u) {
+        REG_WRITE(USART2->TDR, octets[taken]);
+        taken++;
+    }
+    return taken;
+}
