@@ -7,6 +7,7 @@ find_program(CMAKE_C_COMPILER arm-none-eabi-gcc)
 if(NOT CMAKE_C_COMPILER)
   message(FATAL_ERROR "arm-none-eabi-gcc is not in PATH (Debian: gcc-arm-none-eabi, libnewlib-arm-none-eabi)")
 endif()
+find_program(CMAKE_SIZE arm-none-eabi-size)
 set(CMAKE_ASM_COMPILER "${CMAKE_C_COMPILER}")
 
 set(LODE_CORE "cortex-m4f" CACHE STRING
@@ -22,11 +23,11 @@ if(NOT DEFINED "lode_cpu_${LODE_CORE}")
 endif()
 
 set(CMAKE_C_FLAGS_INIT "${lode_cpu_${LODE_CORE}} -ffunction-sections -fdata-sections")
-set(CMAKE_C_FLAGS_RELEASE_INIT "-O2 -g")
+# CMake would append -O3 to an _INIT value; -O3 buys little here and costs flash.
+set(CMAKE_C_FLAGS_RELEASE "-O2 -g" CACHE STRING "Flags of a release build")
 set(CMAKE_ASM_FLAGS_INIT "${lode_cpu_${LODE_CORE}}")
 # A port brings its own start-up code and linker script.
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-nostartfiles --specs=nano.specs -Wl,--gc-sections")
-set(CMAKE_EXECUTABLE_SUFFIX ".elf")
 
 # CMake's first test program would need a linker script.
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)

@@ -72,13 +72,13 @@ bool stm32_pwm_init(const stm32_pwm_t *config) {
     REG_WRITE(TIM1->CCMR2,
               TIM_CCMR2_OC3M_0 | TIM_CCMR2_OC3M_1 | TIM_CCMR2_OC3M_2 | TIM_CCMR2_OC3PE);
     stm32_pwm_write((lode_abc_t){0.5f, 0.5f, 0.5f}); // no voltage between the phases
-    REG_WRITE(TIM1->CCER, TIM_CCER_CC1E | TIM_CCER_CC2E | TIM_CCER_CC3E |
-                              (config->low_sides ? TIM_CCER_CC1NE | TIM_CCER_CC2NE | TIM_CCER_CC3NE
-                                                 : 0u));
+    REG_WRITE(TIM1->CCER,
+              TIM_CCER_CC1E | TIM_CCER_CC2E | TIM_CCER_CC3E |
+                  (config->low_sides ? TIM_CCER_CC1NE | TIM_CCER_CC2NE | TIM_CCER_CC3NE : 0u));
     // Off means driven inactive (OSSI, OSSR), not floating. Lock level 2: until the next reset nobody
     // changes dead time, break inputs, polarities and idle levels any more. No automatic return.
-    REG_WRITE(TIM1->BDTR, dtg | TIM_BDTR_OSSI | TIM_BDTR_OSSR | TIM_BDTR_LOCK_1 |
-                              config->break_bits);
+    REG_WRITE(TIM1->BDTR,
+              dtg | TIM_BDTR_OSSI | TIM_BDTR_OSSR | TIM_BDTR_LOCK_1 | config->break_bits);
     REG_WRITE(TIM1->EGR, TIM_EGR_UG); // takes all of it over; nothing listens to the trigger yet
     REG_WRITE(TIM1->SR, 0u);
     return true;

@@ -16,8 +16,7 @@
 #define REG_SET(reg, bits) REG_WRITE(reg, REG_READ(reg) | (bits))
 #define REG_CLEAR(reg, bits) REG_WRITE(reg, REG_READ(reg) & ~(uint32_t)(bits))
 /// `value` into the bits of `mask`.
-#define REG_CHANGE(reg, mask, value)                                                               \
-    REG_WRITE(reg, (REG_READ(reg) & ~(uint32_t)(mask)) | (value))
+#define REG_CHANGE(reg, mask, value) REG_WRITE(reg, (REG_READ(reg) & ~(uint32_t)(mask)) | (value))
 
 /// Polls of a ready flag before the hardware is given up: a crystal takes milliseconds, at 16 MHz some
 /// ten cycles per poll.

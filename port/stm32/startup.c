@@ -2,6 +2,7 @@
 #include <stdint.h>
 
 #include "board.h"
+#include "stm32_device.h"
 
 // Of the linker script.
 extern uint32_t stack_end[], data_load[], data_begin[], data_end[], bss_begin[], bss_end[];
@@ -46,7 +47,7 @@ typedef union {
     void (*handler)(void);
 } vector_t;
 
-#define EXCEPTIONS 16u
+#define EXCEPTIONS 16
 
 // A vector that is not named here is 0: taken all the same, it ends in the hard fault.
 __attribute__((section(".vectors"), used)) static const vector_t vectors[] = {

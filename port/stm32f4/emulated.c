@@ -8,7 +8,7 @@
 // The model runs every timer at 1 GHz, whatever the clock tree says.
 #define F_TIMER_Hz 1.0e9f
 #define PRESCALER 1000u // 1 MHz
-#define PERIOD_us 1000u
+#define PERIOD_us 200u
 #define MID_COUNT 2048u
 #define BUS_COUNT 1608u // 24 V
 
@@ -34,7 +34,9 @@ bool board_init(void) {
     REG_WRITE(TIM5->CR1, TIM_CR1_CEN);
     REG_WRITE(TIM2->PSC, PRESCALER - 1u);
     REG_WRITE(TIM2->ARR, PERIOD_us);
-    REG_WRITE(TIM2->EGR, TIM_EGR_UG);
+    // The model adds the time at which it was armed to every period, unless it counts from its own zero.
+    // TIM3, never touched, shows the time since then in ns.
+    REG_WRITE(TIM2->CNT, REG_READ(TIM3->CNT) / PRESCALER);
     REG_WRITE(TIM2->SR, 0u);
     return true;
 }

@@ -11,12 +11,12 @@
 
 #ifdef VARIANT_INTERNAL_ANALOG
 
-#define AMPLIFIER_PGA 2u      // VMSEL
-#define GAIN_16_BIASED 0x0Bu  // PGGAIN: 16, the foot of the divider on VINM0
-#define MINUS_DAC3 4u         // INMSEL: channel 1 for comparator 1, channel 2 for 2 and 4
-#define HYSTERESIS 3u         // 30 mV at the pin would be 17 A; 3 of 7 steps of 10 mV
-#define DAC_INTERNAL 3u       // MODE: to the chip only, no buffer
-#define DAC_FAST 2u           // HFSEL: AHB above 160 MHz
+#define AMPLIFIER_PGA 2u     // VMSEL
+#define GAIN_16_BIASED 0x0Bu // PGGAIN: 16, the foot of the divider on VINM0
+#define MINUS_DAC3 4u        // INMSEL: channel 1 for comparator 1, channel 2 for 2 and 4
+#define HYSTERESIS 3u        // 30 mV at the pin would be 17 A; 3 of 7 steps of 10 mV
+#define DAC_INTERNAL 3u      // MODE: to the chip only, no buffer
+#define DAC_FAST 2u          // HFSEL: AHB above 160 MHz
 #define DAC_RANGE 4095.0f
 
 static void amplifier(volatile uint32_t *csr) {
@@ -70,9 +70,8 @@ static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t tri
     }
     REG_WRITE(adc->SMPR1, low);
     REG_WRITE(adc->SMPR2, high);
-    REG_WRITE(adc->JSQR, (RANKS - 1u) << ADC_JSQR_JL_Pos | trigger |
-                             ranks[0] << ADC_JSQR_JSQ1_Pos | ranks[1] << ADC_JSQR_JSQ2_Pos |
-                             ranks[2] << ADC_JSQR_JSQ3_Pos);
+    REG_WRITE(adc->JSQR, (RANKS - 1u) << ADC_JSQR_JL_Pos | trigger | ranks[0] << ADC_JSQR_JSQ1_Pos |
+                             ranks[1] << ADC_JSQR_JSQ2_Pos | ranks[2] << ADC_JSQR_JSQ3_Pos);
 }
 
 static bool wake(ADC_TypeDef *adc) {

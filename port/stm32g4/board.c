@@ -4,7 +4,8 @@
 #include "pwm.h"
 #include "supervise.h"
 
-#define BREAK_FILTER 4u // eight equal samples of the timer's clock over two: 94 ns of silence in a spike
+#define BREAK_FILTER                                                                               \
+    4u // eight equal samples of the timer's clock over two: 94 ns of silence in a spike
 
 void STM32_PERIOD_HANDLER(void);
 
@@ -57,8 +58,7 @@ static void enables_set(bool on) {
 
 #else
 
-static void enables_init(void) {
-}
+static void enables_init(void) {}
 
 static void enables_set(bool on) {
     (void)on;

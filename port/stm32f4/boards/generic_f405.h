@@ -30,9 +30,12 @@
 #define VARIANT_SETTLE_ns 2000.0f
 
 // The three currents at once: one converter each, rank 1. Rank 2: bus, temperature, anything.
-#define VARIANT_ADC1_RANKS {10u, 13u} // i_a on PC0, bus on PC3
-#define VARIANT_ADC2_RANKS {11u, 3u}  // i_b on PC1, temperature on PA3
-#define VARIANT_ADC3_RANKS {12u, 12u} // i_c on PC2
+#define VARIANT_ADC1_RANKS                                                                         \
+    { 10u, 13u } // i_a on PC0, bus on PC3
+#define VARIANT_ADC2_RANKS                                                                         \
+    { 11u, 3u } // i_b on PC1, temperature on PA3
+#define VARIANT_ADC3_RANKS                                                                         \
+    { 12u, 12u } // i_c on PC2
 #define VARIANT_COUNT_A ADC1->JDR1
 #define VARIANT_COUNT_B ADC2->JDR1
 #define VARIANT_COUNT_C ADC3->JDR1
@@ -40,11 +43,16 @@
 #define VARIANT_COUNT_T ADC2->JDR2
 
 #define VARIANT_PWM_PINS                                                                           \
-    {GPIOA, 8u, 1u}, {GPIOA, 9u, 1u}, {GPIOA, 10u, 1u}, {GPIOB, 13u, 1u}, {GPIOB, 14u, 1u},        \
-        {GPIOB, 15u, 1u}
+    {GPIOA, 8u, 1u}, {GPIOA, 9u, 1u}, {GPIOA, 10u, 1u}, {GPIOB, 13u, 1u}, {GPIOB, 14u, 1u}, {      \
+        GPIOB, 15u, 1u                                                                             \
+    }
 #define VARIANT_ANALOG_PINS                                                                        \
-    {GPIOC, 0u, 0u}, {GPIOC, 1u, 0u}, {GPIOC, 2u, 0u}, {GPIOC, 3u, 0u}, {GPIOA, 3u, 0u}
-#define VARIANT_BREAK_PIN {GPIOB, 12u, 1u} // the driver's fault output, active low, on TIM1_BKIN
-#define VARIANT_TX_PIN {GPIOB, 10u, 7u}    // USART3
+    {GPIOC, 0u, 0u}, {GPIOC, 1u, 0u}, {GPIOC, 2u, 0u}, {GPIOC, 3u, 0u}, {                          \
+        GPIOA, 3u, 0u                                                                              \
+    }
+#define VARIANT_BREAK_PIN                                                                          \
+    { GPIOB, 12u, 1u } // the driver's fault output, active low, on TIM1_BKIN
+#define VARIANT_TX_PIN                                                                             \
+    { GPIOB, 10u, 7u } // USART3
 
 #endif

@@ -38,8 +38,10 @@
 #define VARIANT_SETTLE_ns 2600.0f
 
 // Converters. Rank 1 of both is sampled at t_k, rank 2 some 0.45 us later.
-#define VARIANT_ADC1_RANKS {3u, 12u, 5u} // i_a on PA2, i_c on PB1, NTC on PB14
-#define VARIANT_ADC2_RANKS {3u, 1u, 1u}  // i_b on PA6, bus on PA0 twice
+#define VARIANT_ADC1_RANKS                                                                         \
+    { 3u, 12u, 5u } // i_a on PA2, i_c on PB1, NTC on PB14
+#define VARIANT_ADC2_RANKS                                                                         \
+    { 3u, 1u, 1u } // i_b on PA6, bus on PA0 twice
 #define VARIANT_COUNT_A ADC1->JDR1
 #define VARIANT_COUNT_B ADC2->JDR1
 #define VARIANT_COUNT_C ADC1->JDR2
@@ -48,15 +50,16 @@
 
 // Pins: port, number, alternate function.
 #define VARIANT_PWM_PINS                                                                           \
-    {GPIOA, 8u, 6u}, {GPIOA, 9u, 6u}, {GPIOA, 10u, 6u}, {GPIOC, 13u, 4u}, {GPIOA, 12u, 6u},       \
-        {GPIOB, 15u, 4u}
+    {GPIOA, 8u, 6u}, {GPIOA, 9u, 6u}, {GPIOA, 10u, 6u}, {GPIOC, 13u, 4u}, {GPIOA, 12u, 6u}, {      \
+        GPIOB, 15u, 4u                                                                             \
+    }
 #define VARIANT_ANALOG_PINS                                                                        \
-    {GPIOA, 0u, 0u}, {GPIOA, 1u, 0u}, {GPIOA, 2u, 0u}, {GPIOA, 3u, 0u}, {GPIOA, 5u, 0u},          \
-        {GPIOA, 6u, 0u}, {GPIOA, 7u, 0u}, {GPIOB, 0u, 0u}, {GPIOB, 1u, 0u}, {GPIOB, 2u, 0u},      \
-    {                                                                                              \
+    {GPIOA, 0u, 0u}, {GPIOA, 1u, 0u}, {GPIOA, 2u, 0u}, {GPIOA, 3u, 0u}, {GPIOA, 5u, 0u},           \
+        {GPIOA, 6u, 0u}, {GPIOA, 7u, 0u}, {GPIOB, 0u, 0u}, {GPIOB, 1u, 0u}, {GPIOB, 2u, 0u}, {     \
         GPIOB, 14u, 0u                                                                             \
     }
-#define VARIANT_TX_PIN {GPIOB, 3u, 7u} // USART2, the ST-LINK's virtual COM port
+#define VARIANT_TX_PIN                                                                             \
+    { GPIOB, 3u, 7u } // USART2, the ST-LINK's virtual COM port
 
 // Over-current: comparators 1, 2 and 4 on the amplifiers' inputs against DAC3. They see the current that
 // flows back into the low side; one that flows out returns through the other two phases.

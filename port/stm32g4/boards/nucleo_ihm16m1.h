@@ -33,20 +33,32 @@
 #define VARIANT_T_OFFSET_degC 0.0f
 #define VARIANT_SETTLE_ns 2000.0f // a cautious figure: look at the amplifier's output with a scope
 
-#define VARIANT_ADC1_RANKS {12u, 15u, 15u} // i_b on PB1, i_c on PB0
-#define VARIANT_ADC2_RANKS {2u, 1u, 5u}    // i_a on PA1, bus on PA0, NTC on PC4
+#define VARIANT_ADC1_RANKS                                                                         \
+    { 12u, 15u, 15u } // i_b on PB1, i_c on PB0
+#define VARIANT_ADC2_RANKS                                                                         \
+    { 2u, 1u, 5u } // i_a on PA1, bus on PA0, NTC on PC4
 #define VARIANT_COUNT_A ADC2->JDR1
 #define VARIANT_COUNT_B ADC1->JDR1
 #define VARIANT_COUNT_C ADC1->JDR2
 #define VARIANT_COUNT_BUS ADC2->JDR2
 #define VARIANT_COUNT_T ADC2->JDR3
 
-#define VARIANT_PWM_PINS {GPIOA, 8u, 6u}, {GPIOA, 9u, 6u}, {GPIOA, 10u, 6u}
+#define VARIANT_PWM_PINS                                                                           \
+    {GPIOA, 8u, 6u}, {GPIOA, 9u, 6u}, {                                                            \
+        GPIOA, 10u, 6u                                                                             \
+    }
 #define VARIANT_ANALOG_PINS                                                                        \
-    {GPIOA, 0u, 0u}, {GPIOA, 1u, 0u}, {GPIOB, 0u, 0u}, {GPIOB, 1u, 0u}, {GPIOC, 4u, 0u}
-#define VARIANT_TX_PIN {GPIOA, 2u, 7u} // USART2, the ST-LINK's virtual COM port
+    {GPIOA, 0u, 0u}, {GPIOA, 1u, 0u}, {GPIOB, 0u, 0u}, {GPIOB, 1u, 0u}, {                          \
+        GPIOC, 4u, 0u                                                                              \
+    }
+#define VARIANT_TX_PIN                                                                             \
+    { GPIOA, 2u, 7u } // USART2, the ST-LINK's virtual COM port
 
-#define VARIANT_ENABLE_PINS {GPIOB, 13u, 0u}, {GPIOB, 14u, 0u}, {GPIOB, 15u, 0u}
-#define VARIANT_BREAK_PIN {GPIOB, 12u, 6u} // EN/FAULT, active low, on TIM1_BKIN
+#define VARIANT_ENABLE_PINS                                                                        \
+    {GPIOB, 13u, 0u}, {GPIOB, 14u, 0u}, {                                                          \
+        GPIOB, 15u, 0u                                                                             \
+    }
+#define VARIANT_BREAK_PIN                                                                          \
+    { GPIOB, 12u, 6u } // EN/FAULT, active low, on TIM1_BKIN
 
 #endif

@@ -1,0 +1,202 @@
+#include "fake.h"
+
+#include <string.h>
+
+#ifdef FAKE_G4
+#include "stm32g4xx.h"
+#define SERIAL fake_USART2
+#define SERIAL_STATUS fake_USART2.ISR
+#define SERIAL_DATA fake_USART2.TDR
+#define SERIAL_READY USART_ISR_TXE
+#else
+#include "stm32f4xx.h"
+#define SERIAL fake_USART3
+#define SERIAL_STATUS fake_USART3.SR
+#define SERIAL_DATA fake_USART3.DR
+#define SERIAL_READY USART_SR_TXE
+#endif
+
+#define ENTRIES_MAX 65536
+#define BDTR_LOCK (3u << 8)
+#define TEXT_MAX 4096
+
+TIM_TypeDef fake_TIM1;
+GPIO_TypeDef fake_GPIOA, fake_GPIOB, fake_GPIOC;
+IWDG_TypeDef fake_IWDG;
+DWT_Type fake_DWT;
+CoreDebug_Type fake_CoreDebug;
+ADC_TypeDef fake_ADC1, fake_ADC2;
+DBGMCU_TypeDef fake_DBGMCU;
+FLASH_TypeDef fake_FLASH;
+PWR_TypeDef fake_PWR;
+RCC_TypeDef fake_RCC;
+USART_TypeDef SERIAL;
+#ifdef FAKE_G4
+ADC_Common_TypeDef fake_ADC12_COMMON;
+COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
+OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
+DAC_TypeDef fake_DAC3;
+#else
+TIM_TypeDef fake_TIM2, fake_TIM5;
+ADC_TypeDef fake_ADC3;
+ADC_Common_TypeDef fake_ADC123_COMMON;
+#endif
+
+static fake_entry_t entries[ENTRIES_MAX];
+static int count;
+static int irq_index[128];
+static uint32_t irq_priority[128];
+static bool break_active, clock_dead;
+static uint32_t room;
+static char text[TEXT_MAX];
+static size_t text_length;
+
+#define WIPE(object) memset((void *)&(object), 0, sizeof(object))
+
+void fake_reset(void) {
+    WIPE(fake_TIM1);
+    WIPE(fake_GPIOA);
+    WIPE(fake_GPIOB);
+    WIPE(fake_GPIOC);
+    WIPE(fake_IWDG);
+    WIPE(fake_DWT);
+    WIPE(fake_ADC1);
+    WIPE(fake_ADC2);
+    WIPE(fake_RCC);
+    WIPE(fake_FLASH);
+    WIPE(SERIAL);
+#ifndef FAKE_G4
+    WIPE(fake_ADC3);
+#endif
+    count = 0;
+    memset(irq_index, -1, sizeof irq_index);
+    break_active = false;
+    clock_dead = false;
+    fake_serial_room(TEXT_MAX);
+    text_length = 0;
+    text[0] = '\0';
+}
+
+uint32_t fake_read(const volatile uint32_t *reg) {
+    return *reg;
+}
+
+static void model_timer(volatile uint32_t *reg, uint32_t before) {
+    if (reg == &fake_TIM1.SR) { // flags are cleared by writing 0
+        fake_TIM1.SR = (before & fake_TIM1.SR) | (break_active ? TIM_SR_BIF : 0u);
+    } else if (reg == &fake_TIM1.BDTR) {
+        if ((before & BDTR_LOCK) != 0u) { // only MOE is left
+            fake_TIM1.BDTR = (before & ~TIM_BDTR_MOE) | (fake_TIM1.BDTR & TIM_BDTR_MOE);
+        }
+        if (break_active) {
+            fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
+        }
+    }
+}
+
+static void model_clock(void) {
+    if (clock_dead) {
+        return;
+    }
+    fake_RCC.CR |= (fake_RCC.CR & (RCC_CR_HSEON | RCC_CR_PLLON)) << 1;
+    fake_RCC.CFGR = (fake_RCC.CFGR & ~RCC_CFGR_SWS) | (fake_RCC.CFGR & RCC_CFGR_SW) << 2;
+}
+
+static void model_converters(volatile uint32_t *reg, uint32_t before) {
+#ifdef FAKE_G4
+    ADC_TypeDef *const adcs[] = {&fake_ADC1, &fake_ADC2};
+    for (int n = 0; n < 2; n++) {
+        ADC_TypeDef *adc = adcs[n];
+        adc->CR &= ~ADC_CR_ADCAL;
+        if (reg == &adc->ISR) { // cleared by writing 1
+            adc->ISR = before & ~adc->ISR;
+        } else if ((adc->CR & ADC_CR_ADEN) != 0u) {
+            adc->ISR |= ADC_ISR_ADRDY;
+        }
+    }
+#else
+    if (reg == &fake_ADC1.SR) {
+        fake_ADC1.SR &= before;
+    }
+#endif
+}
+
+static void model_serial(volatile uint32_t *reg, uint32_t value) {
+    if (reg == &SERIAL_DATA && text_length + 1 < TEXT_MAX) {
+        text[text_length++] = (char)value;
+        text[text_length] = '\0';
+        fake_serial_room(room - 1u);
+    }
+}
+
+static void model_pins(volatile uint32_t *reg, uint32_t value) {
+    GPIO_TypeDef *const ports[] = {&fake_GPIOA, &fake_GPIOB, &fake_GPIOC};
+    for (int n = 0; n < 3; n++) {
+        if (reg == &ports[n]->BSRR) {
+            ports[n]->ODR = (ports[n]->ODR & ~(value >> 16)) | (value & 0xFFFFu);
+        }
+    }
+}
+
+void fake_write(volatile uint32_t *reg, const char *name, uint32_t value) {
+    const uint32_t before = *reg;
+    if (count < ENTRIES_MAX) {
+        entries[count++] = (fake_entry_t){reg, value, name};
+    }
+    *reg = value;
+    model_timer(reg, before);
+    model_clock();
+    model_converters(reg, before);
+    model_serial(reg, value);
+    model_pins(reg, value);
+}
+
+int fake_count(void) {
+    return count;
+}
+
+int fake_first(const volatile uint32_t *reg, uint32_t mask, uint32_t bits, int from) {
+    for (int n = from; n >= 0 && n < count; n++) {
+        if (entries[n].reg == reg && (entries[n].value & mask) == bits) {
+            return n;
+        }
+    }
+    return -1;
+}
+
+void NVIC_SetPriority(int irq, uint32_t priority) {
+    irq_priority[irq] = priority;
+}
+
+void NVIC_EnableIRQ(int irq) {
+    irq_index[irq] = count;
+}
+
+int fake_irq_enabled(int irq) {
+    return irq_index[irq];
+}
+
+uint32_t fake_irq_priority(int irq) {
+    return irq_priority[irq];
+}
+
+void fake_set_break(bool active) {
+    break_active = active;
+    if (active) {
+        fake_TIM1.SR |= TIM_SR_BIF;
+        fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
+    }
+}
+
+void fake_kill_clock(void) {
+    clock_dead = true;
+}
+
+void fake_serial_room(uint32_t octets) {
+    room = octets;
+    SERIAL_STATUS = room > 0u ? SERIAL_READY : 0u;
+}
+
+const char *fake_serial_text(void) {
+    return text;
+}

@@ -1,0 +1,161 @@
+/// The names of ST's stm32g4xx.h that port/stm32g4 uses; see stm32_common.h.
+#ifndef FAKES_STM32G4XX_H
+#define FAKES_STM32G4XX_H
+
+#include "stm32_common.h"
+
+typedef struct {
+    volatile uint32_t ISR, IER, CR, CFGR, CFGR2, SMPR1, SMPR2, RESERVED1[12], JSQR, RESERVED2[12],
+        JDR1, JDR2, JDR3, JDR4;
+} ADC_TypeDef;
+
+typedef struct {
+    volatile uint32_t CSR, RESERVED, CCR, CDR;
+} ADC_Common_TypeDef;
+
+typedef struct {
+    volatile uint32_t CSR;
+} COMP_TypeDef;
+
+typedef struct {
+    volatile uint32_t CSR;
+} OPAMP_TypeDef;
+
+typedef struct {
+    volatile uint32_t CR, SWTRIGR, DHR12R1, DHR12L1, DHR8R1, DHR12R2, RESERVED[9], MCR;
+} DAC_TypeDef;
+
+typedef struct {
+    volatile uint32_t IDCODE, CR, APB1FZR1, APB1FZR2, APB2FZ;
+} DBGMCU_TypeDef;
+
+typedef struct {
+    volatile uint32_t ACR;
+} FLASH_TypeDef;
+
+typedef struct {
+    volatile uint32_t CR1, RESERVED[31], CR5;
+} PWR_TypeDef;
+
+typedef struct {
+    volatile uint32_t CR, ICSCR, CFGR, PLLCFGR, RESERVED1[15], AHB2ENR, RESERVED2[2], APB1ENR1,
+        APB1ENR2, APB2ENR;
+} RCC_TypeDef;
+
+typedef struct {
+    volatile uint32_t CR1, CR2, CR3, BRR, GTPR, RTOR, RQR, ISR, ICR, RDR, TDR;
+} USART_TypeDef;
+
+#define TIM_SR_B2IF (1u << 8)
+#define TIM_SR_SBIF (1u << 13)
+#define TIM_BDTR_BKF_Pos 16u
+#define TIM1_AF1_BKINE 1u
+#define TIM1_AF1_BKCMP1E (1u << 1)
+#define TIM1_AF1_BKCMP2E (1u << 2)
+#define TIM1_AF1_BKCMP4E (1u << 4)
+#define TIM1_AF1_BKINP (1u << 9)
+
+#define ADC_ISR_ADRDY 1u
+#define ADC_ISR_JEOC (1u << 5)
+#define ADC_ISR_JEOS (1u << 6)
+#define ADC_IER_JEOSIE (1u << 6)
+#define ADC_CR_ADEN 1u
+#define ADC_CR_JADSTART (1u << 3)
+#define ADC_CR_ADVREGEN (1u << 28)
+#define ADC_CR_ADCAL (1u << 31)
+#define ADC_JSQR_JL_Pos 0u
+#define ADC_JSQR_JEXTSEL_Pos 2u
+#define ADC_JSQR_JEXTEN_Pos 7u
+#define ADC_JSQR_JSQ1_Pos 9u
+#define ADC_JSQR_JSQ2_Pos 15u
+#define ADC_JSQR_JSQ3_Pos 21u
+#define ADC_CCR_DUAL_Pos 0u
+#define ADC_CCR_CKMODE_Pos 16u
+
+#define COMP_CSR_EN 1u
+#define COMP_CSR_INMSEL_Pos 4u
+#define OPAMP_CSR_OPAMPxEN 1u
+#define OPAMP_CSR_VMSEL_Pos 5u
+#define OPAMP_CSR_HIGHSPEEDEN (1u << 7)
+#define OPAMP_CSR_PGGAIN_Pos 14u
+#define DAC_CR_EN1 1u
+#define DAC_CR_EN2 (1u << 16)
+#define DAC_MCR_MODE1_Pos 0u
+#define DAC_MCR_HFSEL_Pos 14u
+#define DAC_MCR_MODE2_Pos 16u
+
+#define DBGMCU_APB1FZR1_DBG_IWDG_STOP (1u << 12)
+#define DBGMCU_APB2FZ_DBG_TIM1_STOP (1u << 11)
+#define FLASH_ACR_LATENCY 15u
+#define FLASH_ACR_PRFTEN (1u << 8)
+#define FLASH_ACR_ICEN (1u << 9)
+#define FLASH_ACR_DCEN (1u << 10)
+#define PWR_CR5_R1MODE (1u << 8)
+
+#define RCC_CR_HSEON (1u << 16)
+#define RCC_CR_HSERDY (1u << 17)
+#define RCC_CR_PLLON (1u << 24)
+#define RCC_CR_PLLRDY (1u << 25)
+#define RCC_CFGR_SW 3u
+#define RCC_CFGR_SW_Pos 0u
+#define RCC_CFGR_SWS 12u
+#define RCC_CFGR_SWS_Pos 2u
+#define RCC_CFGR_HPRE (15u << 4)
+#define RCC_CFGR_HPRE_Pos 4u
+#define RCC_CFGR_PPRE1 (7u << 8)
+#define RCC_CFGR_PPRE2 (7u << 11)
+#define RCC_PLLCFGR_PLLSRC_Pos 0u
+#define RCC_PLLCFGR_PLLM_Pos 4u
+#define RCC_PLLCFGR_PLLN_Pos 8u
+#define RCC_PLLCFGR_PLLREN (1u << 24)
+#define RCC_AHB2ENR_GPIOAEN 1u
+#define RCC_AHB2ENR_GPIOBEN (1u << 1)
+#define RCC_AHB2ENR_GPIOCEN (1u << 2)
+#define RCC_AHB2ENR_ADC12EN (1u << 13)
+#define RCC_AHB2ENR_DAC3EN (1u << 18)
+#define RCC_APB1ENR1_USART2EN (1u << 17)
+#define RCC_APB1ENR1_PWREN (1u << 28)
+#define RCC_APB2ENR_SYSCFGEN 1u
+#define RCC_APB2ENR_TIM1EN (1u << 11)
+
+#define USART_CR1_UE 1u
+#define USART_CR1_TE (1u << 3)
+#define USART_CR1_FIFOEN (1u << 29)
+#define USART_ISR_TXE (1u << 7)
+
+#define ADC1_2_IRQn 18
+
+#if !defined(__arm__)
+extern ADC_TypeDef fake_ADC1, fake_ADC2;
+extern ADC_Common_TypeDef fake_ADC12_COMMON;
+extern COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
+extern OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
+extern DAC_TypeDef fake_DAC3;
+extern DBGMCU_TypeDef fake_DBGMCU;
+extern FLASH_TypeDef fake_FLASH;
+extern PWR_TypeDef fake_PWR;
+extern RCC_TypeDef fake_RCC;
+extern USART_TypeDef fake_USART2;
+#endif
+
+#define TIM1 FAKE_AT(TIM_TypeDef, TIM1, 0x40012C00u)
+#define GPIOA FAKE_AT(GPIO_TypeDef, GPIOA, 0x48000000u)
+#define GPIOB FAKE_AT(GPIO_TypeDef, GPIOB, 0x48000400u)
+#define GPIOC FAKE_AT(GPIO_TypeDef, GPIOC, 0x48000800u)
+#define ADC1 FAKE_AT(ADC_TypeDef, ADC1, 0x50000000u)
+#define ADC2 FAKE_AT(ADC_TypeDef, ADC2, 0x50000100u)
+#define ADC12_COMMON FAKE_AT(ADC_Common_TypeDef, ADC12_COMMON, 0x50000300u)
+#define COMP1 FAKE_AT(COMP_TypeDef, COMP1, 0x40010200u)
+#define COMP2 FAKE_AT(COMP_TypeDef, COMP2, 0x40010204u)
+#define COMP4 FAKE_AT(COMP_TypeDef, COMP4, 0x4001020Cu)
+#define OPAMP1 FAKE_AT(OPAMP_TypeDef, OPAMP1, 0x40010300u)
+#define OPAMP2 FAKE_AT(OPAMP_TypeDef, OPAMP2, 0x40010304u)
+#define OPAMP3 FAKE_AT(OPAMP_TypeDef, OPAMP3, 0x40010308u)
+#define DAC3 FAKE_AT(DAC_TypeDef, DAC3, 0x50001000u)
+#define DBGMCU FAKE_AT(DBGMCU_TypeDef, DBGMCU, 0xE0042000u)
+#define FLASH FAKE_AT(FLASH_TypeDef, FLASH, 0x40022000u)
+#define PWR FAKE_AT(PWR_TypeDef, PWR, 0x40007000u)
+#define RCC FAKE_AT(RCC_TypeDef, RCC, 0x40021000u)
+#define USART2 FAKE_AT(USART_TypeDef, USART2, 0x40004400u)
+
+#endif
