@@ -71,6 +71,8 @@ LODE_HOT void app_period(void) {
 
 bool app_start(void) {
     board_gates_off();
+    mode_now = APP_MODE_OFF;
+    config = (lode_drive_config_t){.f_pwm_Hz = 0.0f}; // what the board leaves open is computed
     board_describe(&config);
     config.motor = motor_data();
     config.inverter.i_max_A = lode_min(config.inverter.i_max_A, MOTOR_I_MAX_A);

@@ -70,8 +70,7 @@ bool board_clear_trip(void) {
     return true;
 }
 
-void board_feed_watchdog(void) {
-}
+void board_feed_watchdog(void) {}
 
 uint32_t board_cycles(void) {
     return REG_READ(TIM5->CNT);

@@ -1,0 +1,64 @@
+/// A board that does nothing: copy this folder and fill in each function. It compiles, and its gates stay
+/// off. What each function promises stands in board.h.
+#include "board.h"
+
+/// f_pwm, bus voltage and largest current, dead time, drops, timer steps; gains, offset and range of the
+/// sensors; guard.stamp_per_period = cycles of board_cycles() per period.
+void board_describe(lode_drive_config_t *config) {
+    config->f_pwm_Hz = 20.0e3f;
+    config->inverter = (lode_inverter_config_t){.v_bus_V = 24.0f, .i_max_A = 10.0f};
+    config->sense = (lode_sense_config_t){.i_gain_A_count = 1.0f / 128.0f,
+                                          .i_offset_count = 2048.0f,
+                                          .v_bus_gain_V_count = 40.0f / 4096.0f};
+}
+
+/// Clocks; timer centre-aligned, compare preloaded, dead time, break input; converters on the timer's
+/// trigger; watchdog. Gate pins last. False while any of it is missing.
+bool board_init(void) {
+    return false;
+}
+
+/// Arm the converters, enable the interrupt, start the timer: in this order.
+void board_start(void) {}
+
+/// Read the result registers; trip = the timer's break flag; stamp = board_cycles().
+void board_read(lode_counts_t *counts) {
+    *counts = (lode_counts_t){.stamp = board_cycles()};
+}
+
+/// With gates false: board_gates_off() first. Then duties to the preload registers. With gates true, and
+/// no trip latched: outputs on.
+void board_write(const lode_drive_out_t *out) {
+    if (!out->gates) {
+        board_gates_off();
+    }
+}
+
+/// One write to the timer's master output enable.
+void board_gates_off(void) {}
+
+/// Clear the break flag; false if it is set again.
+bool board_clear_trip(void) {
+    return false;
+}
+
+/// One write to the watchdog.
+void board_feed_watchdog(void) {}
+
+/// The core's cycle counter.
+uint32_t board_cycles(void) {
+    return 0u;
+}
+
+/// Put octets into the transmitter's register or ring while there is room.
+uint32_t board_send(const uint16_t *octets, uint32_t count) {
+    (void)octets;
+    (void)count;
+    return 0u;
+}
+
+/// Your handler of the end of conversion: clear its flag, then app_period().
+void end_of_conversion_handler(void);
+void end_of_conversion_handler(void) {
+    app_period();
+}

@@ -1,0 +1,24 @@
+# The STM32 ports against recorded registers on the host, and as complete images for Arm and qemu.
+set(stm32_common "${LODE_PORT_DIR}/stm32/pwm.c" "${LODE_PORT_DIR}/stm32/supervise.c"
+                 "${LODE_PORT_DIR}/example/app.c" "${LODE_PORT_DIR}/example/bringup.c"
+                 "${LODE_PORT_DIR}/example/report.c" "${CMAKE_CURRENT_SOURCE_DIR}/fakes/fake.c"
+                 "${CMAKE_CURRENT_SOURCE_DIR}/test_port_stm32.c")
+
+# stm32_test(<name> <folder of the port> <board header> <definition> <source>...)
+function(stm32_test name folder board family)
+  list(TRANSFORM ARGN PREPEND "${LODE_PORT_DIR}/${folder}/")
+  lode_port_test(${name} ${stm32_common} ${ARGN})
+  target_include_directories(${name} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}/fakes"
+                             "${LODE_PORT_DIR}/stm32" "${LODE_PORT_DIR}/${folder}")
+  target_compile_definitions(${name} PRIVATE ${family} "STM32_BOARD_H=\"boards/${board}.h\"")
+endfunction()
+
+stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 board.c clock.c analog.c serial.c)
+stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 board.c clock.c analog.c serial.c)
+stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 board.c clock.c converters.c serial.c)
+
+if(LODE_BUILD_GATES)
+  add_test(NAME port_stm32_images COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/stm32_images.sh"
+           WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+  set_tests_properties(port_stm32_images PROPERTIES LABELS port TIMEOUT 300 SKIP_RETURN_CODE 77)
+endif()

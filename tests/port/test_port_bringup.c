@@ -1,0 +1,412 @@
+// The example application on a simulated board and motor: every bring-up step passes on a sound board,
+// and every wiring mistake is found by the step that is there to find it, under its name.
+#include "app.h"
+#include "board.h"
+#include "motor.h"
+#include "plant.h"
+#include "support/check.h"
+
+#define F_PWM 20000.0
+#define V_BUS 24.0
+#define GAIN_A (1.0 / 128.0) // A per count: +-16 A
+#define GAIN_V (40.0 / 4096.0)
+#define CYCLES_PER_PERIOD 8500u // 170 MHz / 20 kHz
+#define WORK_CYCLES 2000u
+#define POLL_EVERY 7 // the thread is slower than the interrupt, and not in step with it
+
+/// What is wrong with the board.
+typedef struct {
+    int channel[3]; ///< which phase's current converter x reads
+    double sign[3]; ///< 0: dead
+    double offset_count[3];
+    double noise_count;
+    int leg[3]; ///< which leg PWM channel x switches
+    bool dead_gates;
+    uint32_t cycles_per_period;
+    uint32_t jitter; ///< every other period comes late by this
+    uint32_t work;
+    double v_bus;
+    bool trip; ///< the trip input is active
+} mistakes_t;
+
+static const mistakes_t sound = {.channel = {0, 1, 2},
+                                 .sign = {1.0, 1.0, 1.0},
+                                 .leg = {0, 1, 2},
+                                 .cycles_per_period = CYCLES_PER_PERIOD,
+                                 .work = WORK_CYCLES,
+                                 .v_bus = V_BUS};
+
+static mistakes_t with;
+static plant_t plant;
+static bool gates, latched;
+static uint32_t cycles, feeds, stamp, periods;
+static bool working;
+static char sent[4096];
+static size_t sent_length;
+
+// --- board.h ---
+
+void board_describe(lode_drive_config_t *config) {
+    config->f_pwm_Hz = (float)F_PWM;
+    config->inverter =
+        (lode_inverter_config_t){.v_bus_V = (float)V_BUS, .i_max_A = 10.0f, .pwm_ticks = 4250.0f};
+    config->sense = (lode_sense_config_t){.i_gain_A_count = (float)GAIN_A,
+                                          .i_offset_count = 2048.0f,
+                                          .v_bus_gain_V_count = (float)GAIN_V};
+    config->guard.stamp_per_period = (float)CYCLES_PER_PERIOD;
+}
+
+bool board_init(void) {
+    return true;
+}
+
+void board_start(void) {}
+
+void board_read(lode_counts_t *counts) {
+    plant_counts_t raw;
+    plant_sample(&plant, &raw, NULL);
+    *counts = (lode_counts_t){.v_bus = raw.v_bus, .trip = latched, .stamp = stamp};
+    for (int x = 0; x < 3; x++) {
+        const double noise = with.noise_count * ((periods & 1u) != 0u ? 0.5 : -0.5);
+        const double i = with.sign[x] * ((double)raw.i[with.channel[x]] - 2048.0);
+        counts->i[x] = (uint16_t)fmax(0.0, fmin(4095.0, 2048.0 + i + with.offset_count[x] + noise));
+    }
+}
+
+void board_write(const lode_drive_out_t *out) {
+    const float duty[3] = {out->duty.a, out->duty.b, out->duty.c};
+    double legs[3];
+    for (int x = 0; x < 3; x++) {
+        legs[with.leg[x]] = (double)duty[x];
+    }
+    gates = out->gates && !latched;
+    plant_write(&plant, legs, gates && !with.dead_gates);
+}
+
+void board_gates_off(void) {
+    gates = false;
+}
+
+bool board_clear_trip(void) {
+    latched = with.trip;
+    return !latched;
+}
+
+void board_feed_watchdog(void) {
+    feeds++;
+}
+
+uint32_t board_cycles(void) {
+    const uint32_t now = cycles + (working ? with.work : 0u);
+    working = !working;
+    return now;
+}
+
+uint32_t board_send(const uint16_t *octets, uint32_t count) {
+    if (count == 0u || sent_length + 1u >= sizeof sent) {
+        return 0u;
+    }
+    sent[sent_length++] = (char)octets[0]; // one at a time
+    return 1u;
+}
+
+// --- bench ---
+
+static plant_config_t plant_of_motor(void) {
+    const lode_motor_t motor = motor_data();
+    return (plant_config_t){.pole_pairs = (int)motor.pole_pairs,
+                            .Rs_Ohm = (double)motor.Rs_Ohm,
+                            .Ld_H = (double)motor.Ld_H,
+                            .Lq_H = (double)motor.Lq_H,
+                            .psi_Wb = (double)motor.psi_Wb,
+                            .J_kgm2 = (double)motor.J_kgm2,
+                            .B_Nms = (double)motor.B_Nms,
+                            .load_is_passive = true,
+                            .level = PLANT_AVERAGED,
+                            .period_s = 1.0 / F_PWM,
+                            .v_bus_V = V_BUS,
+                            .adc_bits = 12,
+                            .i_A_per_count = GAIN_A,
+                            .v_bus_V_per_count = GAIN_V,
+                            .temperature_degC_per_count = 1.0,
+                            .stamp_Hz = 1.0e6};
+}
+
+static void power_up(const mistakes_t *mistakes, plant_config_t config) {
+    with = *mistakes;
+    config.v_bus_V = with.v_bus;
+    TEST_ASSERT_NULL(plant_init(&plant, &config));
+    app_mode = APP_MODE_OFF;
+    app_speed_rad_s = MOTOR_SPEED_rad_s;
+    latched = with.trip;
+    working = false;
+    sent_length = 0;
+    TEST_ASSERT_TRUE(app_start());
+}
+
+static void period(void) {
+    periods++;
+    cycles += with.cycles_per_period + ((periods & 1u) != 0u ? with.jitter : 0u) -
+              ((periods & 1u) != 0u ? 0u : with.jitter);
+    stamp += CYCLES_PER_PERIOD;
+    working = false;
+    app_period();
+    plant_advance(&plant);
+    if (periods % POLL_EVERY == 0u) {
+        app_poll();
+    }
+}
+
+static void run_for(double seconds) {
+    for (int n = 0; n < (int)(seconds * F_PWM); n++) {
+        period();
+    }
+}
+
+static bringup_result_t bring_up(uint32_t mode, double most_s) {
+    app_mode = mode;
+    for (int n = 0; n < (int)(most_s * F_PWM); n++) {
+        period();
+        const bringup_result_t result = app_result();
+        if (result.mode == mode && result.state != (uint_least8_t)BRINGUP_RUNNING) {
+            return result;
+        }
+    }
+    TEST_FAIL_MESSAGE("no end");
+    return app_result();
+}
+
+static void expect(bringup_result_t result, bringup_reason_t reason, int phase) {
+    TEST_ASSERT_EQUAL_STRING(bringup_reason_name((uint_least8_t)reason),
+                             bringup_reason_name(result.reason));
+    TEST_ASSERT_EQUAL_INT(reason == BRINGUP_OK ? BRINGUP_PASS : BRINGUP_FAIL, result.state);
+    if (phase >= 0) {
+        TEST_ASSERT_EQUAL_INT(phase, result.phase);
+    }
+}
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+// --- tests ---
+
+static void test_sound_board_passes_every_step(void) {
+    power_up(&sound, plant_of_motor());
+    for (uint32_t mode = BRINGUP_PWM; mode < (uint32_t)BRINGUP_COUNT; mode++) {
+        const bringup_result_t result = bring_up(mode, 20.0);
+        expect(result, BRINGUP_OK, -1);
+        if (mode == (uint32_t)BRINGUP_PWM) {
+            CHECK_CLOSE(1e-3, CYCLES_PER_PERIOD, result.measured);
+        } else if (mode == (uint32_t)BRINGUP_VOLTAGE) {
+            CHECK_CLOSE(0.05, motor_data().Rs_Ohm, result.measured);
+        }
+        if (mode != (uint32_t)BRINGUP_RUN) {
+            run_for(0.01);
+            TEST_ASSERT_FALSE(gates); // each step ends with the gates off
+        }
+    }
+    plant_truth_t truth;
+    plant_sample(&plant, NULL, &truth);
+    CHECK_CLOSE(0.02, MOTOR_SPEED_rad_s, truth.omega_m_rad_s);
+    app_mode = APP_MODE_OFF;
+    run_for(0.01);
+    TEST_ASSERT_FALSE(gates);
+}
+
+static void test_angle_and_turning_vector(void) {
+    power_up(&sound, plant_of_motor());
+    app_angle_rad = 1.0f;
+    app_turn_rad_s = 6.0f;
+    expect(bring_up(BRINGUP_CURRENT, 3.0), BRINGUP_OK, -1);
+    app_angle_rad = 0.0f;
+    app_turn_rad_s = 0.0f;
+}
+
+static void test_clock_and_pwm(void) {
+    mistakes_t m = sound;
+    m.cycles_per_period = CYCLES_PER_PERIOD / 2u; // a factor of two in the timer
+    power_up(&m, plant_of_motor());
+    expect(bring_up(BRINGUP_PWM, 2.0), BRINGUP_PERIOD, -1);
+    m = sound;
+    m.jitter = 500u;
+    power_up(&m, plant_of_motor());
+    expect(bring_up(BRINGUP_PWM, 2.0), BRINGUP_JITTER, -1);
+    m = sound;
+    m.work = 7000u;
+    power_up(&m, plant_of_motor());
+    expect(bring_up(BRINGUP_PWM, 2.0), BRINGUP_TOO_SLOW, -1);
+    m = sound;
+    m.trip = true;
+    power_up(&m, plant_of_motor());
+    expect(bring_up(BRINGUP_PWM, 2.0), BRINGUP_TRIP, -1);
+}
+
+static void test_offsets(void) {
+    mistakes_t m = sound;
+    m.offset_count[1] = -150.0;
+    power_up(&m, plant_of_motor());
+    bringup_result_t result = bring_up(BRINGUP_OFFSETS, 2.0);
+    expect(result, BRINGUP_OK, 1);
+    CHECK_NEAR(2.0, -150.0, result.measured);
+    m.offset_count[1] = -250.0;
+    power_up(&m, plant_of_motor());
+    result = bring_up(BRINGUP_OFFSETS, 2.0);
+    expect(result, BRINGUP_FAULT, -1); // the drive's own calibration refuses it first
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OFFSET, result.check);
+    m = sound;
+    m.noise_count = 120.0;
+    power_up(&m, plant_of_motor());
+    expect(bring_up(BRINGUP_OFFSETS, 2.0), BRINGUP_NOISE, 0);
+    m = sound;
+    m.v_bus = 8.0;
+    power_up(&m, plant_of_motor());
+    expect(bring_up(BRINGUP_OFFSETS, 2.0), BRINGUP_BUS, -1);
+}
+
+static void signs(const mistakes_t *m, bringup_reason_t reason, int phase) {
+    power_up(m, plant_of_motor());
+    expect(bring_up(BRINGUP_SIGNS, 10.0), reason, phase);
+}
+
+static void test_signs(void) {
+    for (int x = 0; x < 3; x++) {
+        mistakes_t m = sound;
+        m.sign[x] = -1.0;
+        signs(&m, BRINGUP_SIGN, x);
+        m.sign[x] = 0.0;
+        signs(&m, x == 0 ? BRINGUP_NO_SIGNAL : BRINGUP_RATIO, x);
+    }
+    mistakes_t m = sound;
+    m.sign[0] = m.sign[1] = m.sign[2] = -1.0;
+    signs(&m, BRINGUP_SIGN, 0);
+    m = sound;
+    m.channel[1] = 2; // converters of b and c exchanged
+    m.channel[2] = 1;
+    signs(&m, BRINGUP_ORDER, 1);
+    m = sound;
+    m.leg[0] = 1; // gate signals of a and b exchanged
+    m.leg[1] = 0;
+    signs(&m, BRINGUP_ORDER, 0);
+    m = sound;
+    m.dead_gates = true;
+    signs(&m, BRINGUP_NO_CURRENT, -1);
+}
+
+static void test_motor_wires_in_any_order_pass(void) {
+    mistakes_t m = sound; // exchanged behind the sensors: it turns the other way, and that is all
+    m.channel[1] = m.leg[1] = 2;
+    m.channel[2] = m.leg[2] = 1;
+    signs(&m, BRINGUP_OK, -1);
+}
+
+static void test_resistance_is_named(void) {
+    plant_config_t config = plant_of_motor();
+    config.Rs_Ohm *= 2.5;
+    power_up(&sound, config);
+    expect(bring_up(BRINGUP_VOLTAGE, 5.0), BRINGUP_RESISTANCE, -1);
+    power_up(&sound, config);
+    const bringup_result_t result = bring_up(BRINGUP_CURRENT, 5.0);
+    expect(result, BRINGUP_RESISTANCE, -1);
+    CHECK_CLOSE(0.1, config.Rs_Ohm, result.measured);
+}
+
+static void test_current_that_never_comes(void) {
+    mistakes_t m = sound;
+    m.dead_gates = true;
+    power_up(&m, plant_of_motor());
+    expect(bring_up(BRINGUP_CURRENT, 5.0), BRINGUP_CURRENT_OFF, -1);
+}
+
+static void test_start_that_cannot_succeed_is_a_fault_with_its_check(void) {
+    plant_config_t config = plant_of_motor();
+    config.load_Nm = 2.0; // far beyond the start torque
+    power_up(&sound, config);
+    const bringup_result_t result = bring_up(BRINGUP_START, 60.0);
+    expect(result, BRINGUP_FAULT, -1);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, result.check);
+}
+
+static void test_report_is_one_line(void) {
+    power_up(&sound, plant_of_motor());
+    (void)bring_up(BRINGUP_PWM, 2.0);
+    run_for(0.1);
+    sent[sent_length] = '\0';
+    // A line of the test before this one may still stand in front of it.
+    TEST_ASSERT_NOT_NULL(strstr(sent, "1 PASS OK phase 0 measured 8500.000 limit 8500.000\r\n"));
+}
+
+static void test_watchdog_is_fed_only_while_periods_come(void) {
+    power_up(&sound, plant_of_motor());
+    run_for(0.1);
+    const uint32_t fed = feeds;
+    TEST_ASSERT_TRUE(fed > 0u);
+    app_poll(); // may still see the last period
+    const uint32_t last = feeds;
+    for (int n = 0; n < 1000; n++) {
+        app_poll();
+    }
+    TEST_ASSERT_EQUAL_UINT32(last, feeds);
+}
+
+static void test_application_runs_and_restarts_after_a_trip(void) {
+    power_up(&sound, plant_of_motor());
+    app_mode = APP_MODE_APPLICATION;
+    run_for(6.0);
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN", lode_mode_name(app_telemetry().mode));
+    latched = true; // one spike
+    period();
+    TEST_ASSERT_FALSE(gates);
+    run_for(0.5);
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_FAULT", lode_mode_name(app_telemetry().mode));
+    run_for(8.0);
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN", lode_mode_name(app_telemetry().mode));
+    with.trip = true; // and one that stays: it never starts again
+    latched = true;
+    run_for(8.0);
+    TEST_ASSERT_FALSE(gates);
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_FAULT", lode_mode_name(app_telemetry().mode));
+}
+
+static void test_application_gives_up_after_some_restarts(void) {
+    power_up(&sound, plant_of_motor());
+    app_mode = APP_MODE_APPLICATION;
+    int starts = 0;
+    bool before = false;
+    for (int n = 0; n < (int)(12.0 * F_PWM); n++) {
+        period();
+        starts += gates && !before ? 1 : 0;
+        before = gates;
+        latched = latched || gates; // trips as soon as the gates are on
+    }
+    TEST_ASSERT_EQUAL_INT(1 + 3, starts);
+}
+
+static void test_cycles_are_recorded(void) {
+    power_up(&sound, plant_of_motor());
+    run_for(0.1);
+    const bringup_cycles_t c = app_cycles();
+    TEST_ASSERT_EQUAL_UINT32(WORK_CYCLES, c.work_max);
+    TEST_ASSERT_EQUAL_UINT32(WORK_CYCLES, c.work_min);
+    TEST_ASSERT_EQUAL_UINT32(CYCLES_PER_PERIOD, c.interval_min);
+    TEST_ASSERT_EQUAL_UINT32(CYCLES_PER_PERIOD, c.interval_max);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_sound_board_passes_every_step);
+    RUN_TEST(test_angle_and_turning_vector);
+    RUN_TEST(test_clock_and_pwm);
+    RUN_TEST(test_offsets);
+    RUN_TEST(test_signs);
+    RUN_TEST(test_motor_wires_in_any_order_pass);
+    RUN_TEST(test_resistance_is_named);
+    RUN_TEST(test_current_that_never_comes);
+    RUN_TEST(test_start_that_cannot_succeed_is_a_fault_with_its_check);
+    RUN_TEST(test_report_is_one_line);
+    RUN_TEST(test_watchdog_is_fed_only_while_periods_come);
+    RUN_TEST(test_application_runs_and_restarts_after_a_trip);
+    RUN_TEST(test_application_gives_up_after_some_restarts);
+    RUN_TEST(test_cycles_are_recorded);
+    return UNITY_END();
+}

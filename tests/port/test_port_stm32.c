@@ -1,0 +1,526 @@
+// The STM32 ports on recorded registers: what is written, with which value, and in which order. Built
+// once per board.
+#include "app.h"
+#include "board.h"
+#include "chip.h"
+#include "fake.h"
+#include "pwm.h"
+#include "support/check.h"
+
+#define STEPS (CHIP_F_CPU_Hz / VARIANT_F_PWM_Hz / 2u)
+#define BDTR_DTG 0xFFu
+#define BDTR_LOCK (3u << 8)
+#define DUTY_MAX stm32_duty_max((float)VARIANT_F_PWM_Hz, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns)
+
+#ifdef FAKE_G4
+#define BREAK_ACTIVE_HIGH TIM_BDTR_BKP // behind the polarity of each source
+#define CONVERTERS_ARMED(from) fake_first(&ADC1->CR, ADC_CR_JADSTART, ADC_CR_JADSTART, (from))
+#define PWM_CLOCK fake_first(&RCC->APB2ENR, RCC_APB2ENR_TIM1EN, RCC_APB2ENR_TIM1EN, 0)
+#else
+#define BREAK_ACTIVE_HIGH 0u
+#define CONVERTERS_ARMED(from) fake_first(&ADC1->CR1, ADC_CR1_JEOCIE, ADC_CR1_JEOCIE, (from))
+#define PWM_CLOCK fake_first(&RCC->APB2ENR, RCC_APB2ENR_TIM1EN, RCC_APB2ENR_TIM1EN, 0)
+#endif
+
+static const stm32_pin_t pwm_pins[] = {VARIANT_PWM_PINS};
+
+void setUp(void) {
+    fake_reset();
+}
+
+void tearDown(void) {}
+
+static int first(const volatile uint32_t *reg, uint32_t mask, uint32_t bits) {
+    const int at = fake_first(reg, mask, bits, 0);
+    TEST_ASSERT_TRUE(at >= 0);
+    return at;
+}
+
+static bool gates_on(void) {
+    return (fake_read(&TIM1->BDTR) & TIM_BDTR_MOE) != 0u;
+}
+
+// --- figures ---
+
+// RM0440 and RM0090, bits DTG: the dead time that a code makes, in timer periods.
+static uint32_t dead_ticks(uint32_t dtg) {
+    if (dtg < 0x80u) {
+        return dtg;
+    }
+    if (dtg < 0xC0u) {
+        return (64u + (dtg & 63u)) * 2u;
+    }
+    return (32u + (dtg & 31u)) * (dtg < 0xE0u ? 8u : 16u);
+}
+
+static void test_dead_time_code(void) {
+    static const uint32_t clocks[] = {84000000u, 168000000u, 170000000u};
+    for (int c = 0; c < COUNT_OF(clocks); c++) {
+        const double tick_ns = 1.0e9 / (double)clocks[c];
+        for (uint32_t ns = 0; ns < 12500u; ns++) {
+            uint32_t dtg = 0xFFFFu;
+            if (!stm32_dead_time(clocks[c], ns, &dtg)) {
+                TEST_ASSERT_TRUE((double)ns > 1000.0 * tick_ns); // beyond the last code but one
+                continue;
+            }
+            TEST_ASSERT_TRUE(dtg <= 0xFFu);
+            const double made = (double)dead_ticks(dtg) * tick_ns;
+            const double step = made > 504.0 * tick_ns ? 16.0 : made > 254.0 * tick_ns ? 8.0 : 2.0;
+            CHECK_AT_LEAST((double)ns - 1.0e-3, made); // never shorter than asked for
+            CHECK_AT_MOST((double)ns + step * tick_ns, made);
+        }
+    }
+    uint32_t dtg = 0u;
+    TEST_ASSERT_TRUE(stm32_dead_time(170000000u, 500u, &dtg)); // 85 periods, first range
+    TEST_ASSERT_EQUAL_HEX32(85u, dtg);
+    TEST_ASSERT_TRUE(stm32_dead_time(170000000u, 800u, &dtg)); // 136, second range
+    TEST_ASSERT_EQUAL_HEX32(0x80u | (136u / 2u - 64u), dtg);
+    TEST_ASSERT_TRUE(stm32_dead_time(170000000u, 2000u, &dtg)); // 340, third range
+    TEST_ASSERT_EQUAL_HEX32(0xC0u | (344u / 8u - 32u), dtg);
+    TEST_ASSERT_TRUE(stm32_dead_time(170000000u, 4000u, &dtg)); // 680, fourth range
+    TEST_ASSERT_EQUAL_HEX32(0xE0u | (688u / 16u - 32u), dtg);
+    TEST_ASSERT_FALSE(stm32_dead_time(170000000u, 6000u, &dtg));
+    TEST_ASSERT_FALSE(stm32_dead_time(170000000u, UINT32_MAX, &dtg));
+}
+
+static void test_period_in_steps(void) {
+    TEST_ASSERT_EQUAL_UINT32(4250u, stm32_pwm_steps(170000000u, 20000u));
+    TEST_ASSERT_EQUAL_UINT32(4200u, stm32_pwm_steps(168000000u, 20000u));
+    TEST_ASSERT_EQUAL_UINT32(0u, stm32_pwm_steps(170000000u, 1000u)); // beyond 16 bits
+    TEST_ASSERT_EQUAL_UINT32(0u, stm32_pwm_steps(170000000u, 0u));
+}
+
+// A low side that is on for `low_s` around t_k has settled before t_k and is sampled before its end.
+static void test_least_low_side_window(void) {
+    const double period_s = 1.0 / (double)VARIANT_F_PWM_Hz;
+    const double half_low_s = 0.5 * (1.0 - (double)DUTY_MAX) * period_s;
+    CHECK_AT_LEAST((double)VARIANT_SETTLE_ns * 0.999999e-9, half_low_s);
+    CHECK_AT_LEAST((double)CHIP_SAMPLE_ns * 0.999999e-9, half_low_s);
+    CHECK_AT_LEAST((double)VARIANT_DEAD_TIME_ns * 1.0e-9, half_low_s);
+    TEST_ASSERT_TRUE(DUTY_MAX > 0.8f && DUTY_MAX < 1.0f);
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    CHECK_CLOSE(1e-6, DUTY_MAX, config.sense.duty_max);
+    TEST_ASSERT_TRUE(config.current.voltage_use > 0.5f);
+}
+
+// With that share of the circle the second largest duty leaves its phase sampled, at every angle.
+static void test_two_phases_can_always_be_sampled(void) {
+    const float use = stm32_voltage_use(DUTY_MAX);
+    const double u = (double)use / sqrt(3.0); // of the bus
+    for (int n = 0; n < 3600; n++) {
+        const double angle = n * 0.1 * CHECK_DEG;
+        double v[3], low = 2.0, high = -2.0, second = -2.0;
+        for (int x = 0; x < 3; x++) {
+            v[x] = u * cos(angle - x * 2.0 * CHECK_PI / 3.0);
+            low = fmin(low, v[x]);
+            high = fmax(high, v[x]);
+        }
+        const double common = 0.5 - 0.5 * (low + high);
+        for (int x = 0; x < 3; x++) {
+            second = v[x] < high ? fmax(second, v[x]) : second;
+        }
+        CHECK_AT_MOST((double)DUTY_MAX + 1e-6, second + common);
+    }
+    CHECK_CLOSE(1e-6, 0.95, stm32_voltage_use(1.0f));
+    CHECK_NEAR(1e-9, 0.0, stm32_voltage_use(0.4f));
+}
+
+static void test_configuration_is_accepted(void) {
+    TEST_ASSERT_TRUE(app_start());
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(app_status()));
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    CHECK_CLOSE(1e-6, STEPS, config.inverter.pwm_ticks);
+    CHECK_CLOSE(1e-6, 2u * STEPS, config.guard.stamp_per_period);
+    // Low-side shunts: current into the motor lowers the count.
+    TEST_ASSERT_TRUE(config.sense.i_gain_A_count < 0.0f);
+}
+
+// --- order of the initialisation ---
+
+static void test_outputs_are_safe_before_the_pins_are_theirs(void) {
+    TEST_ASSERT_TRUE(board_init());
+    const int clock = PWM_CLOCK;
+    const int off = fake_first(&TIM1->BDTR, TIM_BDTR_MOE, 0u, clock);
+    const int locked = first(&TIM1->BDTR, BDTR_LOCK, TIM_BDTR_LOCK_1);
+    TEST_ASSERT_TRUE(clock >= 0 && off > clock);
+    TEST_ASSERT_TRUE(locked > off);
+    for (int n = 0; n < COUNT_OF(pwm_pins); n++) {
+        const uint32_t shift = 2u * pwm_pins[n].pin;
+        const int mode = fake_first(&pwm_pins[n].port->MODER, 3u << shift, 2u << shift, 0);
+        TEST_ASSERT_TRUE(mode >
+                         locked); // alternate function only when the timer holds them inactive
+        const uint32_t at = 4u * (pwm_pins[n].pin % 8u);
+        const int chosen = fake_first(&pwm_pins[n].port->AFR[pwm_pins[n].pin / 8u], 15u << at,
+                                      pwm_pins[n].alternate << at, 0);
+        TEST_ASSERT_TRUE(chosen >= 0 && chosen < mode);
+    }
+    TEST_ASSERT_EQUAL_INT(-1, fake_first(&TIM1->BDTR, TIM_BDTR_MOE, TIM_BDTR_MOE, 0));
+    TEST_ASSERT_EQUAL_INT(-1, fake_first(&TIM1->CR1, TIM_CR1_CEN, TIM_CR1_CEN, 0));
+}
+
+static void test_start_arms_then_counts_and_leaves_the_gates_off(void) {
+    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_EQUAL_INT(-1, fake_irq_enabled(18)); // masked until board_start()
+    const int from = fake_count();
+    board_start();
+    const int armed = CONVERTERS_ARMED(from);
+    const int counting = fake_first(&TIM1->CR1, TIM_CR1_CEN, TIM_CR1_CEN, from);
+    TEST_ASSERT_TRUE(armed >= from && counting > armed);
+    TEST_ASSERT_TRUE(fake_irq_enabled(18) > armed && fake_irq_enabled(18) <= counting);
+    TEST_ASSERT_EQUAL_UINT32(0u, fake_irq_priority(18));
+    TEST_ASSERT_FALSE(gates_on());
+}
+
+static void test_timer_settings(void) {
+    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_EQUAL_HEX32(TIM_CR1_ARPE | TIM_CR1_CMS_0, TIM1->CR1);
+    TEST_ASSERT_EQUAL_UINT32(STEPS, TIM1->ARR);
+    TEST_ASSERT_EQUAL_UINT32(1u, TIM1->RCR); // one update per period
+    // Three compare registers in PWM mode 2, preloaded.
+    TEST_ASSERT_EQUAL_HEX32(0x7878u, TIM1->CCMR1);
+    TEST_ASSERT_EQUAL_HEX32(0x78u, TIM1->CCMR2);
+    TEST_ASSERT_EQUAL_HEX32(VARIANT_LOW_SIDES ? 0x555u : 0x111u, TIM1->CCER);
+    const int rcr = first(&TIM1->RCR, 1u, 1u);
+    const int update = first(&TIM1->EGR, TIM_EGR_UG, TIM_EGR_UG);
+    TEST_ASSERT_TRUE(rcr < update);
+    TEST_ASSERT_TRUE(update > first(&TIM1->CCR3, 0u, 0u));
+    TEST_ASSERT_TRUE(fake_first(&TIM1->SR, ~0u, 0u, update) > update);
+}
+
+static void test_trigger_is_the_update_and_nothing_hears_it_before_the_start(void) {
+    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_EQUAL_HEX32(2u << 4, TIM1->CR2 & (7u << 4)); // MMS: update
+#ifdef FAKE_G4
+    TEST_ASSERT_EQUAL_HEX32(0u, (ADC1->JSQR >> 2) & 31u); // JEXTSEL: TIM1_TRGO
+    TEST_ASSERT_EQUAL_HEX32(1u, (ADC1->JSQR >> 7) & 3u);  // JEXTEN: rising
+    TEST_ASSERT_EQUAL_HEX32(0u, (ADC2->JSQR >> 7) & 3u);  // follows
+    TEST_ASSERT_EQUAL_HEX32(ADC1->JSQR & 3u, ADC2->JSQR & 3u);
+    TEST_ASSERT_EQUAL_HEX32(5u, ADC12_COMMON->CCR & 31u); // injected simultaneous
+    const uint32_t ranks[] = VARIANT_ADC1_RANKS;
+    TEST_ASSERT_EQUAL_UINT32(ranks[0], (ADC1->JSQR >> 9) & 31u);
+    TEST_ASSERT_EQUAL_UINT32(ranks[1], (ADC1->JSQR >> 15) & 31u);
+    TEST_ASSERT_EQUAL_UINT32(ranks[2], (ADC1->JSQR >> 21) & 31u);
+    // Calibrated before enabled.
+    const int calibrated = first(&ADC1->CR, ADC_CR_ADCAL, ADC_CR_ADCAL);
+    TEST_ASSERT_TRUE(first(&ADC1->CR, ADC_CR_ADEN, ADC_CR_ADEN) > calibrated);
+#else
+    TEST_ASSERT_EQUAL_HEX32(1u, (ADC1->CR2 >> 16) & 15u); // JEXTSEL: TIM1_TRGO
+    TEST_ASSERT_EQUAL_HEX32(1u, (ADC1->CR2 >> 20) & 3u);  // JEXTEN: rising
+    TEST_ASSERT_EQUAL_HEX32(0u, (ADC2->CR2 >> 20) & 3u);  // follow
+    TEST_ASSERT_EQUAL_HEX32(0u, (ADC3->CR2 >> 20) & 3u);
+    TEST_ASSERT_EQUAL_HEX32(21u, ADC123_COMMON->CCR & 31u); // triple injected simultaneous
+    const uint32_t ranks[] = VARIANT_ADC1_RANKS;
+    TEST_ASSERT_EQUAL_UINT32(1u, (ADC1->JSQR >> 20) & 3u);
+    TEST_ASSERT_EQUAL_UINT32(ranks[0], (ADC1->JSQR >> 10) & 31u);
+    TEST_ASSERT_EQUAL_UINT32(ranks[1], (ADC1->JSQR >> 15) & 31u);
+#endif
+    TEST_ASSERT_EQUAL_INT(-1, CONVERTERS_ARMED(0));
+}
+
+static void test_clock_that_does_not_come_keeps_everything_off(void) {
+    fake_kill_clock();
+    TEST_ASSERT_FALSE(board_init());
+    TEST_ASSERT_EQUAL_INT(-1, fake_first(&TIM1->CR1, TIM_CR1_CEN, TIM_CR1_CEN, 0));
+    TEST_ASSERT_EQUAL_INT(-1, fake_first(&TIM1->BDTR, TIM_BDTR_MOE, TIM_BDTR_MOE, 0));
+    fake_reset();
+    fake_kill_clock();
+    TEST_ASSERT_FALSE(app_start());
+    TEST_ASSERT_EQUAL_INT(-1, fake_irq_enabled(18));
+}
+
+static void test_wait_states_before_the_faster_clock(void) {
+    TEST_ASSERT_TRUE(board_init());
+    const int wait_states = first(&FLASH->ACR, 7u, CHIP_F_CPU_Hz == 170000000u ? 4u : 5u);
+    const uint32_t pll = CHIP_F_CPU_Hz == 170000000u ? 3u : 2u;
+    TEST_ASSERT_TRUE(first(&RCC->CFGR, RCC_CFGR_SW, pll) > wait_states);
+    // VCO: source / M * N.
+#ifdef FAKE_G4
+    const uint32_t m = ((RCC->PLLCFGR >> 4) & 15u) + 1u;
+    const uint32_t n = (RCC->PLLCFGR >> 8) & 127u;
+#else
+    const uint32_t m = RCC->PLLCFGR & 63u;
+    const uint32_t n = (RCC->PLLCFGR >> 6) & 511u;
+#endif
+    TEST_ASSERT_EQUAL_UINT32(2u * CHIP_F_CPU_Hz, VARIANT_HSE_Hz / m * n);
+}
+
+// --- trip ---
+
+static void test_break_input(void) {
+    TEST_ASSERT_TRUE(board_init());
+    uint32_t dtg = 0u;
+    TEST_ASSERT_TRUE(stm32_dead_time(CHIP_F_CPU_Hz, VARIANT_DEAD_TIME_ns, &dtg));
+    TEST_ASSERT_EQUAL_HEX32(dtg, TIM1->BDTR & BDTR_DTG);
+    const uint32_t wanted = TIM_BDTR_BKE | TIM_BDTR_OSSI | TIM_BDTR_OSSR | BREAK_ACTIVE_HIGH;
+    TEST_ASSERT_EQUAL_HEX32(wanted, TIM1->BDTR & (wanted | TIM_BDTR_BKP));
+    TEST_ASSERT_EQUAL_HEX32(0u, TIM1->BDTR & (1u << 14)); // no automatic return of the outputs
+    TEST_ASSERT_EQUAL_HEX32(TIM_BDTR_LOCK_1, TIM1->BDTR & BDTR_LOCK);
+#ifdef FAKE_G4
+    TEST_ASSERT_EQUAL_HEX32(4u, (TIM1->BDTR >> 16) & 15u); // filter
+    const int sources = first(&TIM1->AF1, 0u, 0u);
+    TEST_ASSERT_TRUE(sources < first(&TIM1->BDTR, BDTR_LOCK, TIM_BDTR_LOCK_1)); // locked with it
+#ifdef VARIANT_INTERNAL_ANALOG
+    TEST_ASSERT_EQUAL_HEX32(TIM1_AF1_BKCMP1E | TIM1_AF1_BKCMP2E | TIM1_AF1_BKCMP4E, TIM1->AF1);
+#else
+    TEST_ASSERT_EQUAL_HEX32(TIM1_AF1_BKINE | TIM1_AF1_BKINP, TIM1->AF1); // the pin is active low
+#endif
+#endif
+}
+
+#ifdef VARIANT_INTERNAL_ANALOG
+static void test_comparators_and_their_threshold(void) {
+    TEST_ASSERT_TRUE(board_init());
+    const double volts = (double)DAC3->DHR12R1 / 4095.0 * (double)VARIANT_V_REF_V;
+    const double amperes =
+        (volts - (double)VARIANT_BIAS_V) / ((double)VARIANT_SHUNT_Ohm * (double)VARIANT_DIVIDER);
+    CHECK_NEAR(0.3, VARIANT_TRIP_A, amperes); // one count is 0.47 A
+    TEST_ASSERT_EQUAL_UINT32(DAC3->DHR12R1, DAC3->DHR12R2);
+    const int threshold = first(&DAC3->DHR12R2, 0xFFFu, DAC3->DHR12R2);
+    const COMP_TypeDef *const comparators[] = {COMP1, COMP2, COMP4};
+    for (int n = 0; n < 3; n++) {
+        TEST_ASSERT_EQUAL_HEX32(COMP_CSR_EN | 4u << 4, comparators[n]->CSR);
+        const int on = first(&comparators[n]->CSR, COMP_CSR_EN, COMP_CSR_EN);
+        TEST_ASSERT_TRUE(on > threshold);
+        TEST_ASSERT_TRUE(on < first(&TIM1->BDTR, TIM_BDTR_BKE, TIM_BDTR_BKE));
+    }
+    // Amplifiers: set up first, then on.
+    TEST_ASSERT_TRUE(first(&OPAMP1->CSR, OPAMP_CSR_OPAMPxEN, 0u) <
+                     first(&OPAMP1->CSR, OPAMP_CSR_OPAMPxEN, OPAMP_CSR_OPAMPxEN));
+}
+#endif
+
+static void test_latched_trip_keeps_the_gates_off(void) {
+    TEST_ASSERT_TRUE(board_init());
+    board_start();
+    const lode_drive_out_t on = {.duty = {0.5f, 0.5f, 0.5f}, .gates = true};
+    board_write(&on);
+    TEST_ASSERT_TRUE(gates_on());
+    fake_set_break(true);
+    TEST_ASSERT_FALSE(gates_on());
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_TRUE(counts.trip);
+    TEST_ASSERT_FALSE(board_clear_trip()); // still active
+    fake_set_break(false);
+    board_write(&on); // gone, but latched
+    TEST_ASSERT_FALSE(gates_on());
+    board_read(&counts);
+    TEST_ASSERT_TRUE(counts.trip);
+    TEST_ASSERT_TRUE(board_clear_trip());
+    board_read(&counts);
+    TEST_ASSERT_FALSE(counts.trip);
+    board_write(&on);
+    TEST_ASSERT_TRUE(gates_on());
+}
+
+static void test_active_trip_at_power_up_is_a_failed_init(void) {
+    fake_set_break(true);
+    TEST_ASSERT_FALSE(board_init());
+}
+
+static void test_sample_at_the_wrong_end_is_a_trip(void) {
+    TEST_ASSERT_TRUE(board_init());
+    board_start();
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_FALSE(counts.trip);
+    TIM1->CR1 |= TIM_CR1_DIR;
+    board_read(&counts);
+    TEST_ASSERT_TRUE(counts.trip);
+}
+
+// --- periods ---
+
+static void put_counts(float i_A) {
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    const float offset = config.sense.i_offset_count;
+    const float gain = config.sense.i_gain_A_count;
+    VARIANT_COUNT_A = (uint32_t)(offset + i_A / gain);
+    VARIANT_COUNT_B = (uint32_t)(offset - 0.5f * i_A / gain);
+    VARIANT_COUNT_C = (uint32_t)(offset - 0.5f * i_A / gain);
+    VARIANT_COUNT_BUS = (uint32_t)(VARIANT_V_BUS_V / config.sense.v_bus_gain_V_count);
+    VARIANT_COUNT_T = 1000u;
+}
+
+static void one_period(void) {
+    DWT->CYCCNT += 2u * STEPS;
+    STM32_PERIOD_HANDLER();
+}
+
+void STM32_PERIOD_HANDLER(void);
+
+static void test_counts_come_from_the_right_registers(void) {
+    TEST_ASSERT_TRUE(board_init());
+    VARIANT_COUNT_A = 11u;
+    VARIANT_COUNT_B = 22u;
+    VARIANT_COUNT_C = 33u;
+    VARIANT_COUNT_BUS = 44u;
+    VARIANT_COUNT_T = 55u;
+    DWT->CYCCNT = 66u;
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_EQUAL_UINT16(11u, counts.i[0]);
+    TEST_ASSERT_EQUAL_UINT16(22u, counts.i[1]);
+    TEST_ASSERT_EQUAL_UINT16(33u, counts.i[2]);
+    TEST_ASSERT_EQUAL_UINT16(44u, counts.v_bus);
+    TEST_ASSERT_EQUAL_UINT16(55u, counts.temperature);
+    TEST_ASSERT_EQUAL_UINT32(66u, counts.stamp);
+    TEST_ASSERT_EQUAL_UINT32(66u, board_cycles());
+}
+
+static void test_duties_become_compare_values(void) {
+    TEST_ASSERT_TRUE(board_init());
+    const lode_drive_out_t out = {.duty = {0.0f, 0.25f, 1.0f}, .gates = true};
+    board_write(&out);
+    TEST_ASSERT_EQUAL_UINT32(STEPS, TIM1->CCR1); // never on
+    TEST_ASSERT_EQUAL_UINT32(STEPS - STEPS / 4u, TIM1->CCR2);
+    TEST_ASSERT_EQUAL_UINT32(0u, TIM1->CCR3); // always on
+    for (uint32_t k = 0; k <= STEPS; k++) {   // every step of the grid hits its own value
+        const float duty = (float)k / (float)STEPS;
+        board_write(&(lode_drive_out_t){.duty = {duty, duty, duty}});
+        TEST_ASSERT_EQUAL_UINT32(STEPS - k, TIM1->CCR1);
+    }
+}
+
+// Into a commissioning mode with the gates on.
+static void gates_on_by_the_drive(void) {
+    TEST_ASSERT_TRUE(app_start());
+    put_counts(0.0f);
+    app_mode = BRINGUP_SIGNS;
+    for (int n = 0; n < 30000 && !gates_on(); n++) {
+        one_period();
+        app_poll();
+    }
+    TEST_ASSERT_TRUE(gates_on());
+}
+
+static void expect_gates_off_in_one_period(void) {
+    const int from = fake_count();
+    one_period();
+    TEST_ASSERT_FALSE(gates_on());
+    const int off = fake_first(&TIM1->BDTR, TIM_BDTR_MOE, 0u, from);
+    const int compare = fake_first(&TIM1->CCR1, 0u, 0u, from);
+    TEST_ASSERT_TRUE(off >= from);
+    TEST_ASSERT_TRUE(compare > off); // before anything else is written
+#ifdef VARIANT_ENABLE_PINS
+    static const stm32_pin_t enables[] = {VARIANT_ENABLE_PINS};
+    for (int n = 0; n < COUNT_OF(enables); n++) {
+        const uint32_t low = 1u << (enables[n].pin + 16u);
+        const int lowered = fake_first(&enables[n].port->BSRR, low, low, from);
+        TEST_ASSERT_TRUE(lowered >= from && lowered < off); // the phase floats at once
+        TEST_ASSERT_EQUAL_HEX32(0u, enables[n].port->ODR & (1u << enables[n].pin));
+    }
+#endif
+}
+
+static void test_over_current_reaches_the_gates_in_the_same_period(void) {
+    gates_on_by_the_drive();
+    put_counts(1.45f * lode_min(VARIANT_I_MAX_A, 5.0f)); // inside, then outside of 1.5 i_max
+    one_period();
+    TEST_ASSERT_TRUE(gates_on());
+    put_counts(1.6f * lode_min(VARIANT_I_MAX_A, 5.0f));
+    expect_gates_off_in_one_period();
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_CURRENT",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+
+static void test_hardware_trip_is_a_fault_in_the_same_period(void) {
+    gates_on_by_the_drive();
+    fake_set_break(true);
+    fake_set_break(false);
+    expect_gates_off_in_one_period();
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_HARDWARE_TRIP",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+
+static void test_missed_interrupt_is_a_fault(void) {
+    gates_on_by_the_drive();
+    DWT->CYCCNT += 2u * STEPS; // one period without a call
+    expect_gates_off_in_one_period();
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_TIMING",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+
+static void test_flag_is_cleared_before_the_period(void) {
+    TEST_ASSERT_TRUE(app_start());
+    const int from = fake_count();
+    one_period();
+#ifdef FAKE_G4
+    TEST_ASSERT_EQUAL_INT(from, fake_first(&ADC1->ISR, ADC_ISR_JEOS, ADC_ISR_JEOS, from));
+#else
+    TEST_ASSERT_EQUAL_INT(from, fake_first(&ADC1->SR, ADC_SR_JEOC, 0u, from));
+#endif
+}
+
+static void test_gates_off_from_anywhere(void) {
+    board_gates_off(); // before board_init()
+    TEST_ASSERT_FALSE(gates_on());
+    TEST_ASSERT_TRUE(board_init());
+    board_write(&(lode_drive_out_t){.gates = true});
+    TEST_ASSERT_TRUE(gates_on());
+    board_gates_off();
+    TEST_ASSERT_FALSE(gates_on());
+}
+
+// --- supervision and serial port ---
+
+static void test_watchdog_is_started_last_and_fed_by_steps(void) {
+    TEST_ASSERT_TRUE(app_start());
+    const int started = first(&IWDG->KR, ~0u, 0xCCCCu);
+    const int unlocked = first(&IWDG->KR, ~0u, 0x5555u);
+    TEST_ASSERT_TRUE(started < unlocked && unlocked < first(&IWDG->RLR, 0u, 0u));
+    TEST_ASSERT_TRUE(started > first(&TIM1->BDTR, BDTR_LOCK, TIM_BDTR_LOCK_1));
+    put_counts(0.0f);
+    app_mode = APP_MODE_OFF;
+    one_period();
+    int from = fake_count();
+    app_poll();
+    TEST_ASSERT_TRUE(fake_first(&IWDG->KR, ~0u, 0xAAAAu, from) >= from);
+    from = fake_count();
+    app_poll(); // no period since
+    TEST_ASSERT_EQUAL_INT(-1, fake_first(&IWDG->KR, ~0u, 0xAAAAu, from));
+}
+
+static void test_serial_port_takes_what_it_has_room_for(void) {
+    static const uint16_t octets[] = {'a', 'b', 'c', 'd'};
+    TEST_ASSERT_TRUE(board_init());
+    fake_serial_room(3u);
+    TEST_ASSERT_EQUAL_UINT32(3u, board_send(octets, 4u));
+    TEST_ASSERT_EQUAL_UINT32(0u, board_send(&octets[3], 1u));
+    TEST_ASSERT_EQUAL_STRING("abc", fake_serial_text());
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_dead_time_code);
+    RUN_TEST(test_period_in_steps);
+    RUN_TEST(test_least_low_side_window);
+    RUN_TEST(test_two_phases_can_always_be_sampled);
+    RUN_TEST(test_configuration_is_accepted);
+    RUN_TEST(test_outputs_are_safe_before_the_pins_are_theirs);
+    RUN_TEST(test_start_arms_then_counts_and_leaves_the_gates_off);
+    RUN_TEST(test_timer_settings);
+    RUN_TEST(test_trigger_is_the_update_and_nothing_hears_it_before_the_start);
+    RUN_TEST(test_clock_that_does_not_come_keeps_everything_off);
+    RUN_TEST(test_wait_states_before_the_faster_clock);
+    RUN_TEST(test_break_input);
+#ifdef VARIANT_INTERNAL_ANALOG
+    RUN_TEST(test_comparators_and_their_threshold);
+#endif
+    RUN_TEST(test_latched_trip_keeps_the_gates_off);
+    RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
+    RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);
+    RUN_TEST(test_counts_come_from_the_right_registers);
+    RUN_TEST(test_duties_become_compare_values);
+    RUN_TEST(test_over_current_reaches_the_gates_in_the_same_period);
+    RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_period);
+    RUN_TEST(test_missed_interrupt_is_a_fault);
+    RUN_TEST(test_flag_is_cleared_before_the_period);
+    RUN_TEST(test_gates_off_from_anywhere);
+    RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);
+    RUN_TEST(test_serial_port_takes_what_it_has_room_for);
+    return UNITY_END();
+}
