@@ -22,6 +22,8 @@
 #define PWM_CLOCK fake_first(&RCC->APB2ENR, RCC_APB2ENR_TIM1EN, RCC_APB2ENR_TIM1EN, 0)
 #endif
 
+void STM32_PERIOD_HANDLER(void);
+
 static const stm32_pin_t pwm_pins[] = {VARIANT_PWM_PINS};
 
 void setUp(void) {
@@ -349,8 +351,6 @@ static void one_period(void) {
     DWT->CYCCNT += 2u * STEPS;
     STM32_PERIOD_HANDLER();
 }
-
-void STM32_PERIOD_HANDLER(void);
 
 static void test_counts_come_from_the_right_registers(void) {
     TEST_ASSERT_TRUE(board_init());
