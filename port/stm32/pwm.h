@@ -63,12 +63,17 @@ static inline void stm32_pwm_off(void) {
     REG_CLEAR(TIM1->BDTR, TIM_BDTR_MOE);
 }
 
-/// Outputs on, unless a break is latched.
+/// Outputs on, unless a break is latched. Where they are on already nothing is written: a break that
+/// comes in between must not be undone.
 static inline bool stm32_pwm_on(void) {
+    const uint32_t bdtr = REG_READ(TIM1->BDTR);
+    if ((bdtr & TIM_BDTR_MOE) != 0u) {
+        return true;
+    }
     if (stm32_pwm_tripped()) {
         return false;
     }
-    REG_SET(TIM1->BDTR, TIM_BDTR_MOE);
+    REG_WRITE(TIM1->BDTR, bdtr | TIM_BDTR_MOE);
     return true;
 }
 

@@ -1,0 +1,72 @@
+#!/usr/bin/env bash
+# Complete images for Arm: the STM32 boards and the template link, and the STM32F405's starts in qemu,
+# where two bring-up steps pass. Prints the sizes. Runs at the project's root.
+set -eu -o pipefail
+for tool in arm-none-eabi-gcc cmake ninja; do
+    command -v "$tool" >/dev/null || { echo "skipped: no $tool"; exit 77; }
+done
+echo '#include <math.h>' | arm-none-eabi-gcc -E -x c - >/dev/null 2>&1 ||
+    { echo "skipped: no C library for arm-none-eabi-gcc (libnewlib-arm-none-eabi)"; exit 77; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# build FOLDER OPTION...: configures and builds; false where it fails, with the log in $log. What shares
+# a folder shares the core's objects.
+log=$work/build.log
+build() {
+    local folder=$work/$1
+    shift
+    cmake -G Ninja -S . -B "$folder" -DCMAKE_TOOLCHAIN_FILE=port/cmake/arm-none-eabi.cmake \
+        -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2 \
+        -DLODE_CMSIS_DIR="$PWD/tests/port/fakes" "$@" >"$log" 2>&1 &&
+        ninja -C "$folder" >>"$log" 2>&1
+}
+must_build() { build "$@" || { cat "$log"; exit 1; }; }
+
+# Flash holds code, constants and what is copied to RAM; .bss, .data and stack are RAM.
+sizes() {
+    arm-none-eabi-size -A "$2" | awk -v name="$1" '
+        { size[$1] = $2 }
+        END { printf "%s: flash %d B, of it run from fast memory %d B; RAM %d B with %d B of stack\n",
+                  name, size[".vectors"] + size[".text"] + size[".ARM.exidx"] + size[".ccmram"] + size[".data"],
+                  size[".ccmram"], size[".bss"] + size[".data"] + size[".stack"], size[".stack"] }'
+}
+
+optimise=-O2
+for board in b_g431b_esc1 nucleo_ihm16m1; do
+    g4=(g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$board")
+    if ! build "${g4[@]}" -DCMAKE_C_FLAGS_RELEASE=$optimise; then
+        grep -q "will not fit in region .HOT" "$log" || { cat "$log"; exit 1; }
+        optimise=-Os
+        echo "$board: the step does not fit the CCM SRAM at -O2; built at -Os"
+        must_build "${g4[@]}" -DCMAKE_C_FLAGS_RELEASE=$optimise
+    fi
+    sizes "$board" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
+done
+must_build f4 -DLODE_PORT=stm32f4
+sizes stm32f4 "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
+if build refused -DLODE_PORT=stm32g4 -DLODE_CMSIS_DIR=/nowhere ||
+    ! grep -q "expected stm32g4xx.h" "$log"; then
+    echo "a folder without ST's headers: expected a refusal that names stm32g4xx.h"
+    exit 1
+fi
+must_build f4 -DLODE_PORT=template
+
+command -v qemu-system-arm >/dev/null || { echo "no qemu-system-arm: the images were linked only"; exit 0; }
+for mode in 1 2; do
+    must_build f4 -DLODE_PORT=stm32f4 -DLODE_EMULATED=ON -DLODE_APP_MODE=$mode
+    # The image runs for ever; what it says first is the result. Instructions, not time, drive it.
+    said=$(timeout 60 qemu-system-arm -M netduinoplus2 -display none -monitor none -serial null \
+        -serial null -serial stdio -icount shift=3,sleep=off \
+        -kernel "$work/f4/port/stm32f4/lodestar_stm32f4.elf" 2>"$work/qemu.log" |
+        { head -n 1 || true; } | tr -d '\r') || true
+    echo "netduinoplus2: $said"
+    case "$said" in
+    "$mode PASS OK "*) ;;
+    *)
+        cat "$work/qemu.log"
+        echo "expected '$mode PASS OK ...'"
+        exit 1
+        ;;
+    esac
+done
