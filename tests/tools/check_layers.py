@@ -10,7 +10,7 @@ LAYERS = [
     ["motor", "pi", "ramp", "lowpass", "sogi", "leso"],
     ["sense", "inverter", "modulator", "emf", "pll", "lag", "notch"],
     ["estimator", "current", "speed", "references", "start", "guard"],
-    ["drive", "drive_config"],
+    ["drive", "drive_config", "drive_core"],
     ["channel"],
     ["ring", "scope"],
     ["lodestar"],
@@ -33,8 +33,8 @@ def problems_of(path):
         if not quoted:
             if name not in SYSTEM:
                 yield line, f"<{name}>: expected one of {', '.join(sorted(SYSTEM))}"
-        elif not name.startswith("lodestar/"):
-            yield line, f'"{name}": expected "lodestar/<module>.h"'
+        elif not name.startswith("lodestar/") and not (path.parent / name).is_file():
+            yield line, f'"{name}": expected "lodestar/<module>.h", or a header beside it'
         elif module_of(name) not in rank:
             yield line, f"module '{module_of(name)}' is not in the table of layers"
         elif rank[module_of(name)] > rank[module]:
