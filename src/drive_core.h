@@ -24,6 +24,7 @@ enum {
     TURN_GUARD_AND_LOCK = 0,
     TURN_HOLD = 1, // in START
     TURN_LAG = 3,
+    TURN_XY = 5,             // with six phases: the resonators of the xy plane
     TURN_GUARD_AND_LOSS = 4, // the shape of the dead-time loss
     TURN_GAINS_AND_NOTCHES = 7
 };

@@ -107,7 +107,7 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     t.omega_limit = 2.0f * config->omega_max_rad_s;
     t.psi_Wb = motor->psi_Wb;
     t.salient_H = motor->Ld_H - motor->Lq_H;
-    t.acc_per_torque = leso ? 1.5f * np * np / motor->J_kgm2 : 0.0f;
+    t.acc_per_torque = leso ? np * lode_motor_torque_factor(motor) / motor->J_kgm2 : 0.0f;
     t.acc_per_omega = leso ? motor->B_Nms / motor->J_kgm2 : 0.0f;
     t.load_per_f_Nm = leso ? -motor->J_kgm2 / np : 0.0f;
     const float slow_s = (float)LODE_SLOW_PERIODS * ts_s;

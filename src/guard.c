@@ -31,6 +31,7 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_WRONG_WAY);
         NAME(LODE_CHECK_START);
         NAME(LODE_CHECK_OFFSET);
+        NAME(LODE_CHECK_OPEN_PHASE);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";

@@ -39,15 +39,18 @@ lode_status_t lode_motor_check(const lode_motor_t *motor) {
     if (!lode_in_range(motor->omega_rated_rad_s, 0.0f, 1.0e5f)) {
         return LODE_ERROR_MOTOR_OMEGA;
     }
+    if (!lode_in_range(motor->sets, 0.0f, 2.0f) || !is_whole(motor->sets)) {
+        return LODE_ERROR_MOTOR_SETS;
+    }
     return LODE_OK;
 }
 
 float lode_motor_torque_Nm(const lode_motor_t *motor, lode_dq_t i_A) {
-    return 1.5f * motor->pole_pairs * lode_motor_active_flux_Wb(motor, i_A.d) * i_A.q;
+    return lode_motor_torque_factor(motor) * lode_motor_active_flux_Wb(motor, i_A.d) * i_A.q;
 }
 
 float lode_motor_kt_Nm_A(const lode_motor_t *motor) {
-    return 1.5f * motor->pole_pairs * motor->psi_Wb;
+    return lode_motor_torque_factor(motor) * motor->psi_Wb;
 }
 
 float lode_phase_from_line_line(float line_line) {

@@ -30,7 +30,7 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
         .i_max_A = inverter->i_max_A,
         .psi_Wb = motor->psi_Wb,
         .salient_H = motor->Ld_H - motor->Lq_H,
-        .torque_factor = 1.5f * motor->pole_pairs,
+        .torque_factor = lode_motor_torque_factor(motor),
     };
     return LODE_OK;
 }

@@ -19,6 +19,7 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_MOTOR_J);
         NAME(LODE_ERROR_MOTOR_B);
         NAME(LODE_ERROR_MOTOR_OMEGA);
+        NAME(LODE_ERROR_MOTOR_SETS);
         NAME(LODE_ERROR_MOTOR_PERIOD);
         NAME(LODE_ERROR_V_BUS);
         NAME(LODE_ERROR_I_MAX);
@@ -67,6 +68,11 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_GUARD_TEMPERATURE);
         NAME(LODE_ERROR_GUARD_SPEED);
         NAME(LODE_ERROR_GUARD_TIME);
+        NAME(LODE_ERROR_XY_INDUCTANCE);
+        NAME(LODE_ERROR_XY_BANDWIDTH);
+        NAME(LODE_ERROR_XY_VOLTAGE);
+        NAME(LODE_ERROR_SOURCE);
+        NAME(LODE_ERROR_OPEN_PHASE);
         NAME(LODE_ERROR_COMMAND);
         NAME(LODE_ERROR_CHANNELS);
         NAME(LODE_ERROR_BUFFER);

@@ -108,6 +108,13 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                          float theta_rad, float omega_rad_s);
 
+/// The currents change their meaning, as when one set of a winding goes on alone: `i_A` is the present
+/// one in the new sense. Angle, speed and EMF stay.
+static inline void lode_estimator_rewire(lode_estimator_t *self, lode_ab_t i_A) {
+    self->emf.i_A = i_A;
+    self->id_A = lode_park(i_A, self->rotor).d;
+}
+
 /// Parts of lode_estimator_follow(), which alone calls them: what is not due in every period.
 lode_ab_t lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                  lode_ab_t i_A);

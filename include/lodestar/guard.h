@@ -24,6 +24,7 @@ typedef enum {
     LODE_CHECK_WRONG_WAY,        ///< electrical speed against the commanded direction, rad/s
     LODE_CHECK_START,            ///< no lock before the time-out: lock quality at that moment
     LODE_CHECK_OFFSET,           ///< deviation of a calibrated current offset, counts
+    LODE_CHECK_OPEN_PHASE,       ///< 1 .. 3: phase of set 1, 4 .. 6: of set 2, 7, 8: a whole set
     LODE_CHECK_COUNT
 } lode_check_t;
 

@@ -3,6 +3,7 @@
 #define LODESTAR_LODESTAR_H
 
 #include "lodestar/drive.h"
+#include "lodestar/drive6.h"
 #include "lodestar/lowpass.h"
 #include "lodestar/ring.h"
 #include "lodestar/scope.h"

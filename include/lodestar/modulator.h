@@ -18,14 +18,13 @@ typedef struct {
 lode_modulator_out_t lode_modulator_limit(const lode_inverter_tuning_t *inverter, lode_abc_t duty,
                                           lode_abc_t loss);
 
-/// Duties for the voltage `u_V` at a bus of `v_bus_V`, to act while the currents are `i_acting_A`.
-/// Linear up to v_bus/sqrt(3); beyond, and where the correction reaches past the rails, the duties
-/// are clamped and `realised` says what is left. Duties lie on the timer's grid. The currents must be
+/// Duties for the voltage `v`, in volts per bus volt, to act while the currents are `i_acting_A`.
+/// Linear up to 1/sqrt(3); beyond, and where the correction reaches past the rails, the duties are
+/// clamped and `realised` says what is left. Duties lie on the timer's grid. The currents must be
 /// finite.
-LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_t *inverter,
-                                                     lode_loss_t shape, lode_ab_t u_V,
-                                                     float v_bus_V, lode_ab_t i_acting_A) {
-    const lode_ab_t v = lode_ab_scale(1.0f / lode_max(v_bus_V, inverter->v_min_V), u_V);
+LODE_INLINE lode_modulator_out_t lode_modulator_duties(const lode_inverter_tuning_t *inverter,
+                                                       lode_loss_t shape, lode_ab_t v,
+                                                       lode_ab_t i_acting_A) {
     const lode_abc_t abc = lode_clarke_inverse(v);
     // The common mode that centres the three (B9), half of the middle one, equals space-vector
     // modulation. They sum to zero, so the middle one is the smallest by magnitude.
@@ -46,6 +45,19 @@ LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_
         return (lode_modulator_out_t){duty, v};
     }
     return lode_modulator_limit(inverter, duty, loss);
+}
+
+/// What a bus volt is divided by.
+LODE_INLINE float lode_modulator_per_bus(const lode_inverter_tuning_t *inverter, float v_bus_V) {
+    return 1.0f / lode_max(v_bus_V, inverter->v_min_V);
+}
+
+/// The same for the voltage `u_V` at a bus of `v_bus_V`.
+LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_t *inverter,
+                                                     lode_loss_t shape, lode_ab_t u_V,
+                                                     float v_bus_V, lode_ab_t i_acting_A) {
+    const lode_ab_t v = lode_ab_scale(lode_modulator_per_bus(inverter, v_bus_V), u_V);
+    return lode_modulator_duties(inverter, shape, v, i_acting_A);
 }
 
 #ifdef __cplusplus

@@ -19,10 +19,16 @@ typedef struct {
     float J_kgm2;            ///< inertia of rotor and load, 1e-9 .. 1e4
     float B_Nms;             ///< viscous friction, Nm per mechanical rad/s, 0 .. 1e3
     float omega_rated_rad_s; ///< rated ELECTRICAL speed; 0: from bus voltage and current
+    float sets;              ///< three-phase windings on the rotor: 1, or 2; 0: 1
 } lode_motor_t;
 
 /// LODE_OK, or which parameter is out of range.
 lode_status_t lode_motor_check(const lode_motor_t *motor);
+
+/// Torque per weber of active flux and ampere of q-axis current: 1.5 pole pairs per winding (C5, V5).
+static inline float lode_motor_torque_factor(const lode_motor_t *motor) {
+    return 1.5f * lode_max(motor->sets, 1.0f) * motor->pole_pairs;
+}
 
 /// Active flux psi + (Ld - Lq) id, Wb (paper 1, eq. 8; C3).
 static inline float lode_motor_active_flux_Wb(const lode_motor_t *motor, float id_A) {

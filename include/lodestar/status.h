@@ -18,6 +18,7 @@ typedef enum {
     LODE_ERROR_MOTOR_J,           ///< J_kgm2 outside 1e-9 .. 1e4
     LODE_ERROR_MOTOR_B,           ///< B_Nms outside 0 .. 1e3
     LODE_ERROR_MOTOR_OMEGA,       ///< omega_rated_rad_s outside 0 .. 1e5
+    LODE_ERROR_MOTOR_SETS,        ///< sets neither 0, 1 nor 2
     LODE_ERROR_MOTOR_PERIOD,      ///< R/L so large that the current settles within one period
     LODE_ERROR_V_BUS,             ///< v_bus_V outside 1 .. 2000
     LODE_ERROR_I_MAX,             ///< i_max_A outside 1e-3 .. 1e4
@@ -66,12 +67,17 @@ typedef enum {
     LODE_ERROR_GUARD_TEMPERATURE,  ///< temperature limit not finite
     LODE_ERROR_GUARD_SPEED,        ///< over-speed limit outside 1 .. 1e6
     LODE_ERROR_GUARD_TIME,         ///< a debounce time outside 1 period .. 10 s
-    LODE_ERROR_COMMAND,            ///< a command with an unknown mode or a value that is not finite
-    LODE_ERROR_CHANNELS,           ///< no channel, too many of them, or one that does not exist
-    LODE_ERROR_BUFFER,             ///< a recorder's buffer holds less than two frames or rows
-    LODE_ERROR_TRIGGER,   ///< trigger or its channel not an enumerator, or level not finite
-    LODE_ERROR_PRE_SHARE, ///< share of rows before the trigger outside 0 .. 1
-    LODE_STATUS_COUNT     ///< number of statuses, none itself
+    LODE_ERROR_XY_INDUCTANCE,      ///< Lxy_H outside 1e-7 .. 10
+    LODE_ERROR_XY_BANDWIDTH, ///< xy bandwidth outside 1 .. 0.4/Ts, or resonance above a quarter of it
+    LODE_ERROR_XY_VOLTAGE,   ///< share of the voltage for the xy plane outside 0 .. 0.5
+    LODE_ERROR_SOURCE,       ///< source of the estimator not an enumerator
+    LODE_ERROR_OPEN_PHASE,   ///< answer to an open phase not an enumerator
+    LODE_ERROR_COMMAND,      ///< a command with an unknown mode or a value that is not finite
+    LODE_ERROR_CHANNELS,     ///< no channel, too many of them, or one that does not exist
+    LODE_ERROR_BUFFER,       ///< a recorder's buffer holds less than two frames or rows
+    LODE_ERROR_TRIGGER,      ///< trigger or its channel not an enumerator, or level not finite
+    LODE_ERROR_PRE_SHARE,    ///< share of rows before the trigger outside 0 .. 1
+    LODE_STATUS_COUNT        ///< number of statuses, none itself
 } lode_status_t;
 
 /// The enumerator's name, for logs; "LODE_STATUS_UNKNOWN" for any other value.

@@ -1,0 +1,124 @@
+/// The drive of a dual three-phase machine (six phases, 30 degrees apart, isolated neutrals): one call per
+/// PWM period, from ADC counts to duties, as in drive.h.
+///
+/// It holds a lode_drive_t that does what does not depend on the number of phases. Commands go to that
+/// (`lode_drive_post_command(&drive6.drive, ...)`), and lode_drive_telemetry() reads it; its currents and
+/// voltages are those of the alpha-beta plane.
+#ifndef LODESTAR_DRIVE6_H
+#define LODESTAR_DRIVE6_H
+
+#include "lodestar/drive.h"
+#include "lodestar/modulator6.h"
+#include "lodestar/open_phase.h"
+#include "lodestar/xy.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Which voltages and currents the estimator sees.
+typedef enum {
+    LODE_SOURCE_VSD,   ///< alpha-beta: free of the 5th and 7th harmonics
+    LODE_SOURCE_SET_1, ///< set 1 alone, as of a three-phase machine
+    LODE_SOURCE_SET_2
+} lode_source_t;
+
+/// What follows when a phase is open.
+typedef enum {
+    LODE_OPEN_PHASE_TRIP,  ///< a fault
+    LODE_OPEN_PHASE_GO_ON, ///< the other set drives on alone, with half the torque at most
+    LODE_OPEN_PHASE_IGNORE
+} lode_open_phase_answer_t;
+
+/// Every field that may be 0 is then computed from the others.
+typedef struct {
+    lode_drive_config_t
+        drive;   ///< as for three phases; motor and inverter of ONE phase; sets counts as 2
+    float Lxy_H; ///< needed: inductance of the xy plane, which is that of the leakage
+    lode_source_t source;
+    lode_xy_config_t xy;
+    lode_open_phase_answer_t open_phase;
+} lode_drive6_config_t;
+
+/// Everything derived from a configuration, never written by the step.
+typedef struct {
+    lode_drive_tuning_t drive; ///< both sets
+    lode_drive_tuning_t alone; ///< one set, the other without current
+    lode_xy_tuning_t xy;
+    lode_open_phase_tuning_t watch;
+    lode_source_t source;
+    lode_open_phase_answer_t open_phase;
+} lode_drive6_tuning_t;
+
+/// The raw results of one period. Bus voltage and stamp are those of set 1, the hotter power stage
+/// counts, and either may trip.
+typedef struct {
+    lode_counts_t set[LODE_SETS];
+} lode_counts6_t;
+
+typedef struct {
+    lode_drive_out_t set[LODE_SETS];
+} lode_drive6_out_t;
+
+/// Which sets are driven.
+typedef enum { LODE_SETS_BOTH, LODE_SETS_ONLY_1, LODE_SETS_ONLY_2 } lode_active_t;
+
+/// A drive. Visible for static allocation; written by its functions only.
+typedef struct {
+    lode_drive_t drive; ///< with the sensing and the voltages of set 1
+    const lode_drive6_tuning_t *tuning;
+    const lode_drive6_tuning_t *posted_tuning; ///< mailbox: NULL when taken
+    lode_sense_t sense_2;
+    lode_inverter_t inverter_2;
+    lode_abc_t duty_2;
+    lode_abc_t duty_before_2;
+    lode_ab_t i_xy_A;
+    lode_ab_t u_xy_V; ///< in the frame that turns with -theta
+    lode_xy_t xy;
+    lode_open_phase_watch_t watch;
+    lode_open_phase_t open; ///< the phase found open, 0: none
+    uint_least8_t active;   ///< lode_active_t
+} lode_drive6_t;
+
+/// A consistent picture of one period.
+typedef struct {
+    lode_telemetry_t drive;
+    lode_abc_t duty_2;
+    lode_ab_t i_xy_A;
+    lode_ab_t u_xy_V;
+    lode_active_t active;
+    lode_open_phase_t open;
+} lode_telemetry6_t;
+
+/// Computes every value that `config` leaves open. Used by lode_drive6_tune() and by the host tool alike.
+void lode_drive6_design(lode_drive6_config_t *config);
+
+/// The machine as one set alone sees it, while the other carries no current: it spans both planes (V8).
+lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H);
+
+/// Completes a copy of `config`, checks every field and derives the tuning. On any error `tuning` is
+/// left alone. Not for the interrupt; about 2 KB of stack.
+lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_config_t *config);
+
+/// A drive at rest in OFF on a tuning that lode_drive6_tune() has made.
+void lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning);
+
+/// lode_drive6_tune(), then lode_drive6_begin(). On any error both are left alone.
+lode_status_t lode_drive6_init(lode_drive6_t *self, lode_drive6_tuning_t *tuning,
+                               const lode_drive6_config_t *config);
+
+/// One PWM period. Total, bounded, without allocation.
+lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts);
+
+/// Leaves a tuning for the next period, as lode_drive_post_tuning() does; not that one here.
+lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tuning_t *tuning);
+bool lode_drive6_tuning_taken(const lode_drive6_t *self);
+
+/// A picture of the last period, as lode_drive_telemetry().
+bool lode_drive6_telemetry(const lode_drive6_t *self, lode_telemetry6_t *telemetry);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

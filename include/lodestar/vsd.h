@@ -1,0 +1,72 @@
+/// Vector space decomposition of a dual three-phase winding with isolated neutrals: phases a1 b1 c1
+/// a2 b2 c2 on axes 0, 120, 240, 30, 150, 270 degrees. Amplitude-invariant.
+///
+/// Fundamental and 11th, 13th harmonics show in alpha-beta, where the torque is made, 5th and 7th in xy,
+/// where there are only losses; the zero sequences o1, o2 cannot flow.
+#ifndef LODESTAR_VSD_H
+#define LODESTAR_VSD_H
+
+#include "lodestar/frames.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Set 1 and set 2 of the winding.
+#define LODE_SETS 2
+
+typedef struct {
+    lode_abc_t set[LODE_SETS];
+} lode_abc6_t;
+
+/// The vectors of the two sets, both in stator axes: set 1's alpha axis lies on a1.
+typedef struct {
+    lode_ab_t set[LODE_SETS];
+} lode_sets_t;
+
+typedef struct {
+    lode_ab_t ab;
+    lode_ab_t xy;
+    float o1; ///< mean of set 1
+    float o2; ///< mean of set 2
+} lode_vsd_t;
+
+/// By which set 2 stands ahead of set 1: 30 degrees.
+#define LODE_SET_ANGLE ((lode_sincos_t){0.5f, 0.5f * LODE_SQRT3})
+
+/// A vector in the axes of set 2's own phases, seen in stator axes, and back.
+LODE_INLINE lode_ab_t lode_set2_to_stator(lode_ab_t x) {
+    return lode_ab_turn(x, LODE_SET_ANGLE);
+}
+
+LODE_INLINE lode_ab_t lode_set2_from_stator(lode_ab_t x) {
+    const lode_dq_t own = lode_park(x, LODE_SET_ANGLE);
+    return (lode_ab_t){own.d, own.q};
+}
+
+/// alpha-beta is the mean of both sets' vectors, xy half of their difference, mirrored (V1).
+LODE_INLINE lode_ab_t lode_vsd_ab(lode_sets_t x) {
+    return (lode_ab_t){0.5f * (x.set[0].alpha + x.set[1].alpha),
+                       0.5f * (x.set[0].beta + x.set[1].beta)};
+}
+
+LODE_INLINE lode_ab_t lode_vsd_xy(lode_sets_t x) {
+    return (lode_ab_t){0.5f * (x.set[0].alpha - x.set[1].alpha),
+                       0.5f * (x.set[1].beta - x.set[0].beta)};
+}
+
+/// Set 1: ab + conj(xy); set 2: ab - conj(xy) (V2).
+LODE_INLINE lode_sets_t lode_vsd_sets(lode_ab_t ab, lode_ab_t xy) {
+    return (lode_sets_t){
+        {{ab.alpha + xy.alpha, ab.beta - xy.beta}, {ab.alpha - xy.alpha, ab.beta + xy.beta}}};
+}
+
+/// The whole 6 x 6 transform (V3), and its inverse (V4).
+lode_vsd_t lode_vsd(const lode_abc6_t *x);
+lode_abc6_t lode_vsd_inverse(const lode_vsd_t *x);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,281 @@
+#include "lodestar/drive6.h"
+
+#include "drive_core.h"
+
+#include <stddef.h>
+
+#define TELEMETRY_TRIES 3
+
+// One period's inputs.
+typedef struct {
+    lode_measurement_t m; // of the machine, or of the set that is driven alone
+    lode_ab_t u_seen_V;   // by the estimator
+    lode_ab_t i_seen_A;
+    lode_abc6_t i_abc_A;
+    lode_sets_t i_A; // of each set, stator axes
+} measured_t;
+
+static lode_active_t active_of(const lode_drive6_t *self) {
+    return (lode_active_t)self->active;
+}
+
+static LODE_COLD void rest(lode_drive6_t *self) {
+    const lode_abc_t idle = {LODE_DUTY_IDLE, LODE_DUTY_IDLE, LODE_DUTY_IDLE};
+    self->duty_2 = self->duty_before_2 = idle;
+    self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
+    lode_inverter_reset(&self->inverter_2);
+    lode_xy_reset(&self->xy);
+    lode_open_phase_reset(&self->watch);
+}
+
+// Both sets, or the one that is left.
+static void use(lode_drive6_t *self, lode_active_t active) {
+    self->active = (uint_least8_t)active;
+    self->drive.tuning = active == LODE_SETS_BOTH ? &self->tuning->drive : &self->tuning->alone;
+}
+
+void lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning) {
+    *self = (lode_drive6_t){.tuning = tuning};
+    lode_drive_begin(&self->drive, &tuning->drive);
+    lode_sense_reset(&self->sense_2, &tuning->drive.sense);
+    rest(self);
+}
+
+lode_status_t lode_drive6_init(lode_drive6_t *self, lode_drive6_tuning_t *tuning,
+                               const lode_drive6_config_t *config) {
+    if (self == NULL) {
+        return LODE_ERROR_NULL;
+    }
+    const lode_status_t status = lode_drive6_tune(tuning, config);
+    if (status == LODE_OK) {
+        lode_drive6_begin(self, tuning);
+    }
+    return status;
+}
+
+lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tuning_t *tuning) {
+    if (self == NULL || tuning == NULL) {
+        return LODE_ERROR_NULL;
+    }
+    LODE_SIGNAL_FENCE();
+    self->posted_tuning = tuning;
+    LODE_SIGNAL_FENCE();
+    self->drive.mail = true;
+    return LODE_OK;
+}
+
+bool lode_drive6_tuning_taken(const lode_drive6_t *self) {
+    LODE_SIGNAL_FENCE();
+    return self->posted_tuning == NULL;
+}
+
+bool lode_drive6_telemetry(const lode_drive6_t *self, lode_telemetry6_t *telemetry) {
+    for (int32_t i = 0; i < TELEMETRY_TRIES; i++) {
+        const bool whole = lode_drive_telemetry(&self->drive, &telemetry->drive);
+        telemetry->duty_2 = self->duty_2;
+        telemetry->i_xy_A = self->i_xy_A;
+        telemetry->u_xy_V = self->u_xy_V;
+        telemetry->active = active_of(self);
+        telemetry->open = self->open;
+        LODE_SIGNAL_FENCE();
+        if (whole && telemetry->drive.steps == self->drive.steps) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static LODE_COLD void take_mail(lode_drive6_t *self) {
+    lode_core_take_mail(&self->drive);
+    if (self->posted_tuning != NULL) {
+        self->tuning = self->posted_tuning;
+        self->posted_tuning = NULL;
+        use(self, active_of(self));
+    }
+    // A repaired phase is believed when the drive is at rest and asked to forget.
+    if (self->drive.command.clear_fault && !self->drive.gates) {
+        self->open = 0u;
+        use(self, LODE_SETS_BOTH);
+    }
+}
+
+// Both sets, until both are done.
+static LODE_COLD lode_calibration_t calibrated(lode_drive6_t *self, const lode_counts6_t *counts,
+                                               float *worst_count) {
+    const lode_sense_tuning_t *tuning = &self->drive.tuning->sense;
+    if (self->drive.sense.samples == 0u) {
+        lode_sense_begin(&self->sense_2);
+    }
+    float worst_1;
+    float worst_2;
+    const lode_calibration_t first =
+        lode_sense_calibrate(&self->drive.sense, tuning, &counts->set[0], &worst_1);
+    const lode_calibration_t second =
+        lode_sense_calibrate(&self->sense_2, tuning, &counts->set[1], &worst_2);
+    *worst_count = lode_abs(worst_1) > lode_abs(worst_2) ? worst_1 : worst_2;
+    return first == LODE_CALIBRATION_IMPLAUSIBLE ? first : second;
+}
+
+// What the machine as a whole is checked by.
+LODE_INLINE lode_sample_t both_of(const lode_sense_tuning_t *tuning, const lode_sample_t *first,
+                                  const lode_sample_t *second) {
+    const bool hotter_2 =
+        (second->temperature_count > first->temperature_count) == (tuning->temperature_gain > 0.0f);
+    lode_sample_t both = *first;
+    both.i_abc_A = second->alert && !first->alert ? second->i_abc_A : first->i_abc_A;
+    both.temperature_count = hotter_2 ? second->temperature_count : first->temperature_count;
+    both.trip = first->trip || second->trip;
+    both.alert = first->alert || second->alert;
+    both.railed = first->railed || second->railed;
+    return both;
+}
+
+LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *counts) {
+    if (self->drive.mail) {
+        take_mail(self);
+    }
+    lode_drive_t *drive = &self->drive;
+    const lode_sense_tuning_t *tuning = &drive->tuning->sense;
+    measured_t x;
+    x.m.calibration = LODE_CALIBRATION_RUNNING;
+    x.m.offset_count = 0.0f;
+    if (lode_core_mode(drive) == LODE_MODE_CALIBRATE) {
+        x.m.calibration = calibrated(self, counts, &x.m.offset_count);
+    }
+    const lode_sample_t first =
+        lode_sense_step(&drive->sense, tuning, &counts->set[0], &drive->duty_before);
+    const lode_sample_t second =
+        lode_sense_step(&self->sense_2, tuning, &counts->set[1], &self->duty_before_2);
+    const lode_sets_t u_V = {{lode_inverter_realised(&drive->inverter, first.v_bus_V),
+                              lode_inverter_realised(&self->inverter_2, first.v_bus_V)}};
+    x.i_abc_A = (lode_abc6_t){{first.i_abc_A, second.i_abc_A}};
+    x.i_A = (lode_sets_t){{first.i_A, lode_set2_to_stator(second.i_A)}};
+    x.m.sample = both_of(tuning, &first, &second);
+    self->i_xy_A = lode_vsd_xy(x.i_A);
+    if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
+        x.m.sample.i_A = lode_vsd_ab(x.i_A);
+        x.m.u_V = lode_vsd_ab(u_V);
+    } else {
+        const int32_t set = self->active == (uint_least8_t)LODE_SETS_ONLY_1 ? 0 : 1;
+        x.m.sample.i_A = x.i_A.set[set];
+        x.m.u_V = u_V.set[set];
+    }
+    x.u_seen_V = x.m.u_V;
+    x.i_seen_A = x.m.sample.i_A;
+    if (self->active == (uint_least8_t)LODE_SETS_BOTH && self->tuning->source != LODE_SOURCE_VSD) {
+        const int32_t set = self->tuning->source == LODE_SOURCE_SET_1 ? 0 : 1;
+        x.u_seen_V = u_V.set[set];
+        x.i_seen_A = x.i_A.set[set];
+    }
+    return x;
+}
+
+// Angle and speed at t_k; the current in the rotor's frame is the one that is controlled.
+LODE_INLINE lode_estimate_t estimated(lode_drive6_t *self, const measured_t *x) {
+    lode_measurement_t seen = x->m;
+    seen.u_V = x->u_seen_V;
+    seen.sample.i_A = x->i_seen_A;
+    lode_estimate_t estimate = lode_core_estimate(&self->drive, &seen);
+    if (self->tuning->source != LODE_SOURCE_VSD) {
+        estimate.i_A = lode_park(x->m.sample.i_A, estimate.rotor);
+    }
+    return estimate;
+}
+
+// One set goes on alone: its currents are twice those of both.
+static LODE_COLD void go_on_alone(lode_drive6_t *self, lode_active_t active, lode_ab_t i_A,
+                                  lode_sincos_t rotor, float omega_rad_s) {
+    lode_drive_t *drive = &self->drive;
+    use(self, active);
+    lode_estimator_rewire(&drive->estimator, i_A);
+    drive->i_A = lode_park(i_A, rotor);
+    lode_current_reset(&drive->current, &drive->tuning->current, drive->u_V, drive->i_A,
+                       omega_rad_s);
+    drive->ref_A = drive->i_A; // until the speed control's turn
+    lode_xy_reset(&self->xy);
+    self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
+}
+
+static LODE_COLD void answer(lode_drive6_t *self, lode_open_phase_t open, const lode_sets_t *i_A,
+                             lode_sincos_t rotor, float omega_rad_s) {
+    const int32_t set = lode_open_phase_set(open);
+    self->open = open;
+    if (self->tuning->open_phase == LODE_OPEN_PHASE_TRIP) {
+        lode_guard_trip(&self->drive.guard, self->drive.mode, LODE_CHECK_OPEN_PHASE, (float)open,
+                        0.0f);
+    } else {
+        go_on_alone(self, set == 0 ? LODE_SETS_ONLY_2 : LODE_SETS_ONLY_1, i_A->set[1 - set], rotor,
+                    omega_rad_s);
+    }
+}
+
+LODE_INLINE void watch_phases(lode_drive6_t *self, const measured_t *x,
+                              const lode_estimate_t *est) {
+    if (self->active != (uint_least8_t)LODE_SETS_BOTH ||
+        self->tuning->open_phase == LODE_OPEN_PHASE_IGNORE ||
+        lode_core_mode(&self->drive) != LODE_MODE_RUN) {
+        return;
+    }
+    const lode_open_phase_t open =
+        lode_open_phase_step(&self->watch, &self->tuning->watch, &x->i_abc_A, est->rotor.sin);
+    if (open > 0u) {
+        answer(self, open, &x->i_A, est->rotor, est->omega_rad_s);
+    }
+}
+
+// Voltages of both sets while the duties act, one and a half periods after the sample.
+LODE_INLINE lode_sets_t voltages(lode_drive6_t *self, const lode_frame_t *frame,
+                                 lode_sincos_t acting, float v_bus_V) {
+    lode_ab_t xy = {0.0f, 0.0f};
+    if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
+        self->u_xy_V =
+            lode_xy_step(&self->xy, &self->tuning->xy, lode_ab_turn(self->i_xy_A, frame->rotor),
+                         frame->half_turn, v_bus_V);
+        const lode_dq_t turned = lode_park(self->u_xy_V, acting);
+        xy = (lode_ab_t){turned.d, turned.q};
+    }
+    return lode_vsd_sets(lode_park_inverse(self->drive.u_V, acting), xy);
+}
+
+LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame, float v_bus_V) {
+    lode_drive_t *drive = &self->drive;
+    const lode_sincos_t acting = lode_angle_add(frame->rotor, lode_angle_triple(frame->half_turn));
+    const lode_sets_t u_V = voltages(self, frame, acting, v_bus_V);
+    const lode_ab_t i_A = lode_park_inverse(frame->i_A, acting);
+    const lode_modulator6_out_t out = lode_modulator6_step(
+        &drive->tuning->inverter, drive->inverter.loss, u_V, v_bus_V, (lode_sets_t){{i_A, i_A}});
+    if (drive->tuning->sense.windowed) {
+        drive->duty_before = drive->duty;
+        self->duty_before_2 = self->duty_2;
+    }
+    drive->duty = out.duty.set[0];
+    self->duty_2 = out.duty.set[1];
+    lode_inverter_write(&drive->inverter, out.realised.set[0]);
+    lode_inverter_write(&self->inverter_2, out.realised.set[1]);
+    return out.duty;
+}
+
+LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
+    lode_drive_t *drive = &self->drive;
+    const measured_t x = measured(self, counts);
+    const lode_estimate_t rotor = estimated(self, &x);
+    lode_core_follow(drive, &x.m, &rotor);
+    if (drive->gates) {
+        const lode_frame_t frame = lode_core_control(drive, &x.m, &rotor);
+        const lode_abc6_t duty = modulate(self, &frame, x.m.sample.v_bus_V);
+        watch_phases(self, &x, &rotor);
+        if (drive->steps % LODE_SLOW_PERIODS == TURN_XY) {
+            lode_xy_adapt(&self->xy, &self->tuning->xy, frame.omega_rad_s);
+        }
+        if (lode_core_check(drive, &x.m, &rotor, true)) {
+            return (lode_drive6_out_t){
+                {{duty.set[0], self->active != (uint_least8_t)LODE_SETS_ONLY_2},
+                 {duty.set[1], self->active != (uint_least8_t)LODE_SETS_ONLY_1}}};
+        }
+    } else {
+        note_temperature(drive, &x.m.sample);
+    }
+    lode_core_stand_by(drive);
+    rest(self);
+    return (lode_drive6_out_t){{{drive->duty, drive->gates}, {self->duty_2, drive->gates}}};
+}

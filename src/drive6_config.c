@@ -1,0 +1,72 @@
+#include "lodestar/drive6.h"
+
+#include <stddef.h>
+
+#define VOLTAGE_USE 0.95f
+// Of i_max, as the mean magnitude of a phase current: below it nothing is told of open phases.
+#define WATCH_SHARE 0.03f
+
+lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H) {
+    lode_motor_t alone = *motor;
+    alone.Ld_H = 0.5f * (motor->Ld_H + Lxy_H);
+    alone.Lq_H = 0.5f * (motor->Lq_H + Lxy_H);
+    alone.sets = 1.0f;
+    return alone;
+}
+
+void lode_drive6_design(lode_drive6_config_t *config) {
+    config->drive.motor.sets = (float)LODE_SETS;
+    lode_xy_design(&config->xy, 1.0f / lode_max(config->drive.f_pwm_Hz, FLT_MIN));
+    // A set's voltage is at most the sum of both planes'.
+    config->drive.current.voltage_use =
+        lode_given_or(config->drive.current.voltage_use, VOLTAGE_USE - config->xy.voltage_share);
+    lode_drive_design(&config->drive);
+}
+
+static lode_status_t check(const lode_drive6_config_t *config) {
+    if (config->source != LODE_SOURCE_VSD && config->source != LODE_SOURCE_SET_1 &&
+        config->source != LODE_SOURCE_SET_2) {
+        return LODE_ERROR_SOURCE;
+    }
+    if (config->open_phase != LODE_OPEN_PHASE_TRIP && config->open_phase != LODE_OPEN_PHASE_GO_ON &&
+        config->open_phase != LODE_OPEN_PHASE_IGNORE) {
+        return LODE_ERROR_OPEN_PHASE;
+    }
+    return LODE_OK;
+}
+
+// What was given holds for one set too; what follows from the inductances is designed anew.
+static lode_status_t tune_alone(lode_drive6_tuning_t *t, const lode_drive6_config_t *given) {
+    lode_drive_config_t alone = given->drive;
+    alone.motor = lode_drive6_motor_alone(&given->drive.motor, given->Lxy_H);
+    return lode_drive_tune(&t->alone, &alone);
+}
+
+lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_config_t *config) {
+    if (tuning == NULL || config == NULL) {
+        return LODE_ERROR_NULL;
+    }
+    lode_status_t status = check(config);
+    if (status != LODE_OK) {
+        return status;
+    }
+    lode_drive6_config_t complete = *config;
+    lode_drive6_design(&complete);
+    lode_drive6_tuning_t t;
+    status = lode_drive_tune(&t.drive, &complete.drive);
+    if (status == LODE_OK) {
+        status = lode_xy_tune(&t.xy, &complete.xy,
+                              complete.drive.motor.Rs_Ohm + complete.drive.inverter.r_on_Ohm,
+                              complete.Lxy_H, t.drive.ts_s);
+    }
+    if (status == LODE_OK) {
+        status = tune_alone(&t, config);
+    }
+    if (status == LODE_OK) {
+        t.watch = (lode_open_phase_tuning_t){WATCH_SHARE * complete.drive.inverter.i_max_A};
+        t.source = complete.source;
+        t.open_phase = complete.open_phase;
+        *tuning = t;
+    }
+    return status;
+}

@@ -1,0 +1,65 @@
+#include "lodestar/xy.h"
+
+// Crossover over 1/Ts: half of the dq plane's, for the leakage inductance is known less well.
+#define BANDWIDTH_TS 0.1f
+#define BANDWIDTH_TS_MAX 0.4f
+// The resonators are slow against the loop that they sit in.
+#define RESONANCE_SHARE (1.0f / 30.0f)
+#define RESONANCE_SHARE_MAX 0.25f
+// 6 % of 5th and 7th each, at the speed at which the EMF takes 80 % of the circle.
+#define VOLTAGE_SHARE 0.1f
+// 6 w Ts up to which a resonance can be placed: a quarter of the sampling rate.
+#define TURN_MAX_rad 1.57f
+#define DELAY_PERIODS 1.5f
+
+void lode_xy_design(lode_xy_config_t *config, float ts_s) {
+    config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_TS / ts_s);
+    config->resonance_rad_s =
+        lode_given_or(config->resonance_rad_s, RESONANCE_SHARE * config->bandwidth_rad_s);
+    config->voltage_share = lode_given_or(config->voltage_share, VOLTAGE_SHARE);
+}
+
+lode_status_t lode_xy_tune(lode_xy_tuning_t *tuning, const lode_xy_config_t *config, float R_Ohm,
+                           float L_H, float ts_s) {
+    if (!lode_in_range(L_H, 1.0e-7f, 10.0f)) {
+        return LODE_ERROR_XY_INDUCTANCE;
+    }
+    if (!lode_in_range(config->bandwidth_rad_s, 1.0f, BANDWIDTH_TS_MAX / ts_s) ||
+        !lode_in_range(config->resonance_rad_s, LODE_NONE,
+                       RESONANCE_SHARE_MAX * config->bandwidth_rad_s)) {
+        return LODE_ERROR_XY_BANDWIDTH;
+    }
+    if (!lode_in_range(config->voltage_share, 0.0f, 0.5f)) {
+        return LODE_ERROR_XY_VOLTAGE;
+    }
+    *tuning = (lode_xy_tuning_t){
+        .pi = {config->bandwidth_rad_s * L_H, config->bandwidth_rad_s * R_Ohm * ts_s},
+        .bandwidth_rad_s = config->bandwidth_rad_s,
+        .delay_s = DELAY_PERIODS * ts_s,
+        .gain_Ohm_s = 2.0f * L_H * lode_max(config->resonance_rad_s, 0.0f) * ts_s,
+        .omega6_max = TURN_MAX_rad / ts_s,
+        .circle = config->voltage_share / LODE_SQRT3,
+    };
+    return LODE_OK;
+}
+
+void lode_xy_reset(lode_xy_t *self) {
+    *self = (lode_xy_t){.aim = {0.0f, {0.0f, 1.0f}}};
+}
+
+LODE_HOT void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning, float omega_rad_s) {
+    const float omega6 = 6.0f * omega_rad_s;
+    if (!(lode_abs(omega6) <= tuning->omega6_max)) {
+        const lode_ab_t none = {0.0f, 0.0f};
+        self->aim.gain_Ohm = 0.0f;
+        self->resonance_x = self->resonance_y = none;
+        return;
+    }
+    // The PI loop answers a voltage at 6 w with the current 1/(L d), d below: the resonator leads by the
+    // angle of d, and its gain keeps the rate (X3).
+    const lode_sincos_t late = lode_sincos(omega6 * tuning->delay_s);
+    const lode_ab_t d = {tuning->bandwidth_rad_s - omega6 * late.sin, omega6 * late.cos};
+    const float length = lode_max(lode_ab_length(d), FLT_MIN);
+    self->aim.gain_Ohm = tuning->gain_Ohm_s * length;
+    self->aim.lead = (lode_sincos_t){d.beta / length, d.alpha / length};
+}
