@@ -130,6 +130,14 @@ LODE_INLINE lode_sample_t both_of(const lode_sense_tuning_t *tuning, const lode_
     return both;
 }
 
+// The start, which has little EMF to go by, is left to both sets: with 6 % of harmonics in one of them it
+// does not get through.
+LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
+    return self->tuning->source != LODE_SOURCE_VSD &&
+           self->active == (uint_least8_t)LODE_SETS_BOTH &&
+           lode_core_mode(&self->drive) == LODE_MODE_RUN;
+}
+
 LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *counts) {
     if (self->drive.mail) {
         take_mail(self);
@@ -162,7 +170,7 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
     }
     x.u_seen_V = x.m.u_V;
     x.i_seen_A = x.m.sample.i_A;
-    if (self->active == (uint_least8_t)LODE_SETS_BOTH && self->tuning->source != LODE_SOURCE_VSD) {
+    if (sees_one_set(self)) {
         const int32_t set = self->tuning->source == LODE_SOURCE_SET_1 ? 0 : 1;
         x.u_seen_V = u_V.set[set];
         x.i_seen_A = x.i_A.set[set];
@@ -176,7 +184,7 @@ LODE_INLINE lode_estimate_t estimated(lode_drive6_t *self, const measured_t *x) 
     seen.u_V = x->u_seen_V;
     seen.sample.i_A = x->i_seen_A;
     lode_estimate_t estimate = lode_core_estimate(&self->drive, &seen);
-    if (self->tuning->source != LODE_SOURCE_VSD) {
+    if (sees_one_set(self)) {
         estimate.i_A = lode_park(x->m.sample.i_A, estimate.rotor);
     }
     return estimate;

@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/// Which voltages and currents the estimator sees.
+/// Which voltages and currents the estimator sees in RUN.
 typedef enum {
     LODE_SOURCE_VSD,   ///< alpha-beta: free of the 5th and 7th harmonics
     LODE_SOURCE_SET_1, ///< set 1 alone, as of a three-phase machine
