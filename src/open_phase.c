@@ -4,7 +4,9 @@
 #define OPEN_SHARE 0.15f
 // So few samples are no electrical period but noise about the angle 0.
 #define SAMPLES_MIN 16u
-#define WHOLE_SET 7u
+#define PHASES 6
+#define WHOLE_SET_1 7u
+#define WHOLE_SET_2 8u
 
 void lode_open_phase_reset(lode_open_phase_watch_t *self) {
     *self = (lode_open_phase_watch_t){.positive = true};
@@ -14,9 +16,16 @@ static float largest(lode_abc_t x) {
     return lode_max(lode_max(x.a, x.b), x.c);
 }
 
-// The one phase below `limit`, from 1; 0: none.
-static lode_open_phase_t idle_phase(lode_abc_t sum_A, float limit) {
-    return sum_A.a <= limit ? 1u : (sum_A.b <= limit ? 2u : (sum_A.c <= limit ? 3u : 0u));
+// The phase with the least current, from 1: while one is open, a phase beside it carries little, too.
+static lode_open_phase_t idlest(const lode_abc6_t *sum_A, float *least_A) {
+    const float sums[PHASES] = {sum_A->set[0].a, sum_A->set[0].b, sum_A->set[0].c,
+                                sum_A->set[1].a, sum_A->set[1].b, sum_A->set[1].c};
+    int32_t phase = 0;
+    for (int32_t n = 1; n < PHASES; n++) {
+        phase = sums[n] < sums[phase] ? n : phase;
+    }
+    *least_A = sums[phase];
+    return (lode_open_phase_t)(phase + 1);
 }
 
 static lode_open_phase_t found(const lode_open_phase_watch_t *self,
@@ -24,19 +33,16 @@ static lode_open_phase_t found(const lode_open_phase_watch_t *self,
     const float most_1 = largest(self->sum_A.set[0]);
     const float most_2 = largest(self->sum_A.set[1]);
     const float most = lode_max(most_1, most_2);
+    const float limit = OPEN_SHARE * most;
     if (!(most >= tuning->i_min_A * 0.5f * (float)self->samples)) {
         return 0u;
     }
-    const float limit = OPEN_SHARE * most;
-    if (most_1 <= limit) {
-        return WHOLE_SET;
+    if (most_1 <= limit || most_2 <= limit) {
+        return most_1 <= limit ? WHOLE_SET_1 : WHOLE_SET_2;
     }
-    if (most_2 <= limit) {
-        return WHOLE_SET + 1u;
-    }
-    const lode_open_phase_t in_1 = idle_phase(self->sum_A.set[0], limit);
-    const lode_open_phase_t in_2 = idle_phase(self->sum_A.set[1], limit);
-    return in_1 > 0u ? in_1 : (lode_open_phase_t)(in_2 > 0u ? in_2 + 3u : 0u);
+    float least;
+    const lode_open_phase_t phase = idlest(&self->sum_A, &least);
+    return least <= limit ? phase : 0u;
 }
 
 LODE_HOT LODE_COLD lode_open_phase_t lode_open_phase_judge(lode_open_phase_watch_t *self,

@@ -11,6 +11,8 @@
 // 6 w Ts up to which a resonance can be placed: a quarter of the sampling rate.
 #define TURN_MAX_rad 1.57f
 #define DELAY_PERIODS 1.5f
+// The PI's integrator at low speed: as far as the resonators follow it.
+#define CORNER_MAX 4.0f
 
 void lode_xy_design(lode_xy_config_t *config, float ts_s) {
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_TS / ts_s);
@@ -35,6 +37,7 @@ lode_status_t lode_xy_tune(lode_xy_tuning_t *tuning, const lode_xy_config_t *con
     *tuning = (lode_xy_tuning_t){
         .pi = {config->bandwidth_rad_s * L_H, config->bandwidth_rad_s * R_Ohm * ts_s},
         .bandwidth_rad_s = config->bandwidth_rad_s,
+        .corner_rad_s = R_Ohm / L_H,
         .delay_s = DELAY_PERIODS * ts_s,
         .gain_Ohm_s = 2.0f * L_H * lode_max(config->resonance_rad_s, 0.0f) * ts_s,
         .omega6_max = TURN_MAX_rad / ts_s,
@@ -48,7 +51,7 @@ void lode_xy_reset(lode_xy_t *self) {
 }
 
 LODE_HOT void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning, float omega_rad_s) {
-    const float omega6 = 6.0f * omega_rad_s;
+    const float omega6 = lode_sign(omega_rad_s) * lode_max(6.0f * lode_abs(omega_rad_s), 1.0f);
     if (!(lode_abs(omega6) <= tuning->omega6_max)) {
         const lode_ab_t none = {0.0f, 0.0f};
         self->aim.gain_Ohm = 0.0f;
@@ -58,7 +61,9 @@ LODE_HOT void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning, flo
     // The PI loop answers a voltage at 6 w with the current 1/(L d), d below: the resonator leads by the
     // angle of d, and its gain keeps the rate (X3).
     const lode_sincos_t late = lode_sincos(omega6 * tuning->delay_s);
-    const lode_ab_t d = {tuning->bandwidth_rad_s - omega6 * late.sin, omega6 * late.cos};
+    const lode_ab_t loop = {tuning->bandwidth_rad_s - omega6 * late.sin, omega6 * late.cos};
+    const float r = lode_clamp(tuning->corner_rad_s / omega6, -CORNER_MAX, CORNER_MAX);
+    const lode_ab_t d = {loop.alpha + r * loop.beta, loop.beta - r * loop.alpha};
     const float length = lode_max(lode_ab_length(d), FLT_MIN);
     self->aim.gain_Ohm = tuning->gain_Ohm_s * length;
     self->aim.lead = (lode_sincos_t){d.beta / length, d.alpha / length};

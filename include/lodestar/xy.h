@@ -23,10 +23,11 @@ typedef struct {
 typedef struct {
     lode_pi_tuning_t pi;
     float bandwidth_rad_s;
-    float delay_s;    ///< from sample to the middle of the period in which the voltage acts
-    float gain_Ohm_s; ///< 2 L resonance Ts
-    float omega6_max; ///< of the resonance: beyond it the resonators stay out
-    float circle;     ///< largest voltage per bus volt
+    float corner_rad_s; ///< R/L
+    float delay_s;      ///< from sample to the middle of the period in which the voltage acts
+    float gain_Ohm_s;   ///< 2 L resonance Ts
+    float omega6_max;   ///< of the resonance: beyond it the resonators stay out
+    float circle;       ///< largest voltage per bus volt
 } lode_xy_tuning_t;
 
 /// What a resonator puts in at the present speed: gain per period, and lead over the loop's lag.

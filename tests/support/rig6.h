@@ -120,8 +120,8 @@ static inline void rig6_carry(rig6_t *self, cplx_t v1, cplx_t v2, double h) {
     const cplx_t u = 0.5 * (v1 + v2) * conj(turn);
     const double ed = -w * RIG6_LQ * cimag(self->i_dq);
     const double eq = w * (RIG6_LD * creal(self->i_dq) + RIG6_PSI);
-    const cplx_t harmonic = I * w * RIG6_PSI *
-                            (self->fifth * cpow(turn, 5.0) - self->seventh * cpow(conj(turn), 7.0));
+    const cplx_t harmonic =
+        I * w * RIG6_PSI * (self->fifth * cpow(turn, 5.0) - self->seventh * cpow(conj(turn), 7.0));
     double rise_d = (creal(u) - RIG6_R * creal(self->i_dq) - ed) / RIG6_LD;
     double rise_q = (cimag(u) - RIG6_R * cimag(self->i_dq) - eq) / RIG6_LQ;
     cplx_t rise_xy = (0.5 * conj(v1 - v2) - RIG6_R * self->i_xy - harmonic) / RIG6_LXY;
@@ -153,8 +153,7 @@ static inline void rig6_carry_alone(rig6_t *self, cplx_t v, int set, double h) {
     const cplx_t u = v * conj(turn);
     cplx_t i = 2.0 * self->i_dq;
     const double rise_d = (creal(u) - RIG6_R * creal(i) + w * Lq * cimag(i)) / Ld;
-    const double rise_q =
-        (cimag(u) - RIG6_R * cimag(i) - w * (Ld * creal(i) + RIG6_PSI)) / Lq;
+    const double rise_q = (cimag(u) - RIG6_R * cimag(i) - w * (Ld * creal(i) + RIG6_PSI)) / Lq;
     i += h * (rise_d + I * rise_q);
     self->i_dq = 0.5 * i;
     const cplx_t xy = 0.5 * conj(i * cexp(I * (self->theta + h * w)));
@@ -175,7 +174,8 @@ static inline void rig6_move(rig6_t *self) {
         } else {
             self->i_dq = self->i_xy = 0.0;
         }
-        const double drag = self->load_Nm * tanh(self->omega / 3.0) + RIG6_B * self->omega / RIG6_NP;
+        const double drag =
+            self->load_Nm * tanh(self->omega / 3.0) + RIG6_B * self->omega / RIG6_NP;
         self->theta = remainder(self->theta + h * self->omega, 2.0 * CHECK_PI);
         self->omega += h * RIG6_NP / RIG6_J * (rig6_torque(self) - drag);
     }

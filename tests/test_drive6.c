@@ -1,0 +1,405 @@
+// The six-phase drive on a dual three-phase machine in double: start, both planes, one set alone, faults.
+#include "support/rig6.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static lode_drive6_tuning_t tuning;
+static lode_drive6_tuning_t other_tuning;
+
+#define RPM(x) ((x)*2.0 * CHECK_PI / 60.0)
+#define LOAD_Nm 3.0
+
+static const lode_command_t off = {.mode = LODE_MODE_OFF};
+
+static lode_command_t run_at(double rpm) {
+    return (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = (float)RPM(rpm)};
+}
+
+static rig6_t rig_with(const lode_drive6_config_t *config) {
+    rig6_t rig;
+    rig6_init(&rig, &tuning, config);
+    return rig;
+}
+
+static rig6_t fresh(void) {
+    const lode_drive6_config_t config = rig6_config();
+    return rig_with(&config);
+}
+
+/// In RUN at `rpm` and settled, with the load.
+static rig6_t turning(const lode_drive6_config_t *config, double rpm, double load_Nm) {
+    rig6_t rig = rig_with(config);
+    rig6_command(&rig, run_at(rpm));
+    rig6_run(&rig, 2.5);
+    rig.load_Nm = load_Nm;
+    rig6_run(&rig, 1.5);
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN", lode_mode_name(rig6_telemetry(&rig).drive.mode));
+    return rig;
+}
+
+static double worst_angle(rig6_t *rig, double seconds) {
+    worst_t worst = {0.0};
+    for (int n = 0; n < (int)(seconds / RIG6_TS_s); n++) {
+        rig6_step(rig);
+        worst_note(&worst, rig->angle_error / CHECK_DEG);
+    }
+    return worst.value;
+}
+
+static double worst_xy(rig6_t *rig, double seconds) {
+    worst_t worst = {0.0};
+    for (int n = 0; n < (int)(seconds / RIG6_TS_s); n++) {
+        rig6_step(rig);
+        worst_note(&worst, cabs(rig->i_xy));
+    }
+    return worst.value;
+}
+
+static void expect_fault(const rig6_t *rig, lode_check_t check) {
+    const lode_telemetry6_t t = rig6_telemetry(rig);
+    TEST_ASSERT_EQUAL_STRING(lode_check_name(check),
+                             lode_check_name((lode_check_t)t.drive.fault.check));
+    TEST_ASSERT_FALSE(rig->out.set[0].gates);
+    TEST_ASSERT_FALSE(rig->out.set[1].gates);
+}
+
+// --- Both sets --------------------------------------------------------------------------------
+
+static void test_from_standstill_to_speed_both_ways(void) {
+    const double rpms[] = {300.0, 840.0, -300.0, -840.0};
+    const lode_drive6_config_t config = rig6_config();
+    for (int n = 0; n < COUNT_OF(rpms); n++) {
+        rig6_t rig = turning(&config, rpms[n], LOAD_Nm);
+        CHECK_AT_MOST(0.05, worst_angle(&rig, 0.5)); // 12-bit converters
+        CHECK_CLOSE(0.005, RPM(rpms[n]) * RIG6_NP, rig.omega);
+        CHECK_CLOSE(0.03, LOAD_Nm, fabs(rig6_torque(&rig)) - RIG6_B * fabs(rig.omega) / RIG6_NP);
+        CHECK_AT_MOST(0.02, worst_xy(&rig, 0.1));
+    }
+}
+
+static void test_every_kind_of_observer(void) {
+    const lode_emf_kind_t kinds[] = {LODE_EMF_C_LESO, LODE_EMF_GI_LESO, LODE_EMF_FA_LESO};
+    for (int n = 0; n < COUNT_OF(kinds); n++) {
+        lode_drive6_config_t config = rig6_config();
+        config.drive.estimator.emf.kind = kinds[n];
+        rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+        rig6_run(&rig, kinds[n] == LODE_EMF_GI_LESO ? 2.0 : 0.0); // its band-pass forgets slowly
+        CHECK_AT_MOST(0.1, worst_angle(&rig, 0.5));
+    }
+}
+
+static void test_resonators_hold_the_xy_plane_at_zero(void) {
+    lode_drive6_config_t config = rig6_config();
+    rig6_t rig = rig_with(&config);
+    rig.fifth = rig.seventh = 0.06;
+    rig6_command(&rig, run_at(600.0));
+    rig6_run(&rig, 4.0);
+    // 3 % of the rated amplitude, 2.4 A at 6.25 Nm.
+    CHECK_AT_MOST(0.03 * 2.4, worst_xy(&rig, 0.2));
+    CHECK_AT_MOST(0.1, worst_angle(&rig, 0.2));
+    config.xy.resonance_rad_s = LODE_NONE;
+    rig = rig_with(&config);
+    rig.fifth = rig.seventh = 0.06;
+    rig6_command(&rig, run_at(600.0));
+    rig6_run(&rig, 4.0);
+    CHECK_AT_LEAST(1.0, worst_xy(&rig, 0.2)); // what the resonators are for
+}
+
+static void test_one_set_as_the_source_sees_its_harmonics(void) {
+    for (int source = LODE_SOURCE_SET_1; source <= LODE_SOURCE_SET_2; source++) {
+        lode_drive6_config_t config = rig6_config();
+        config.source = (lode_source_t)source;
+        rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+        CHECK_AT_MOST(0.1, worst_angle(&rig, 0.2));
+        rig.fifth = rig.seventh = 0.06;
+        rig6_run(&rig, 1.0);
+        const double seen = worst_angle(&rig, 0.2);
+        CHECK_AT_LEAST(0.3, seen);
+        CHECK_AT_MOST(5.0, seen);
+    }
+}
+
+static void test_calibration_takes_all_six_offsets(void) {
+    rig6_t rig = fresh();
+    const double offsets[6] = {12.0, -20.0, 8.0, -31.0, 25.0, 3.0};
+    memcpy(rig.offset, offsets, sizeof offsets);
+    rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    rig6_run(&rig, 0.2);
+    CHECK_NEAR(0.01, 2060.0, rig.drive.drive.sense.offset_count.a);
+    CHECK_NEAR(0.01, 2056.0, rig.drive.drive.sense.offset_count.c);
+    CHECK_NEAR(0.01, 2017.0, rig.drive.sense_2.offset_count.a);
+    CHECK_NEAR(0.01, 2073.0, rig.drive.sense_2.offset_count.b);
+    CHECK_NEAR(0.01, 2051.0, rig.drive.sense_2.offset_count.c);
+}
+
+// --- Faults -----------------------------------------------------------------------------------
+
+static void test_an_implausible_offset_of_set_2_is_a_fault(void) {
+    rig6_t rig = fresh();
+    rig.offset[4] = 300.0;
+    rig6_command(&rig, run_at(300.0));
+    rig6_run(&rig, 0.2);
+    expect_fault(&rig, LODE_CHECK_OFFSET);
+}
+
+static void test_a_trip_of_either_set_switches_both_off_at_once(void) {
+    const lode_drive6_config_t config = rig6_config();
+    for (int set = 0; set < 2; set++) {
+        rig6_t rig = turning(&config, 300.0, 0.0);
+        TEST_ASSERT_TRUE(rig.out.set[0].gates && rig.out.set[1].gates);
+        rig.trip[set] = true;
+        rig6_step(&rig);
+        expect_fault(&rig, LODE_CHECK_HARDWARE_TRIP);
+    }
+}
+
+static void test_over_current_in_set_2_is_seen(void) {
+    const lode_drive6_config_t config = rig6_config();
+    rig6_t rig = turning(&config, 300.0, 0.0);
+    rig.offset[5] = 23.0 / RIG6_GAIN_A; // 23 A where 22.5 A trips
+    rig6_step(&rig);
+    expect_fault(&rig, LODE_CHECK_OVER_CURRENT);
+}
+
+static void test_the_hotter_set_counts(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.sense.temperature_gain_degC_count = 0.1f;
+    for (int set = 0; set < 2; set++) {
+        rig6_t rig = rig_with(&config);
+        rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {1.0f, 0.0f}});
+        rig6_run(&rig, 0.1);
+        lode_counts6_t counts = rig6_counts(&rig);
+        counts.set[set].temperature = 1100u; // 110 degC
+        for (int n = 0; n < 200; n++) {
+            rig.out = lode_drive6_step(&rig.drive, &counts);
+        }
+        expect_fault(&rig, LODE_CHECK_OVER_TEMPERATURE);
+    }
+}
+
+static void test_outputs_stay_in_range_whatever_comes_in(void) {
+    random_t random = random_seed(11);
+    rig6_t rig = fresh();
+    rig6_command(&rig, run_at(300.0));
+    rig6_run(&rig, 0.5);
+    for (int n = 0; n < 20000; n++) {
+        lode_counts6_t counts;
+        for (int set = 0; set < 2; set++) {
+            for (int k = 0; k < 3; k++) {
+                counts.set[set].i[k] = (uint16_t)random_bits(&random);
+            }
+            counts.set[set].v_bus = (uint16_t)random_bits(&random);
+            counts.set[set].temperature = (uint16_t)random_bits(&random);
+            counts.set[set].trip = random_bits(&random) % 50u == 0u;
+            counts.set[set].stamp = random_bits(&random);
+        }
+        const lode_drive6_out_t out = lode_drive6_step(&rig.drive, &counts);
+        for (int set = 0; set < 2; set++) {
+            TEST_ASSERT_TRUE(lode_in_range(out.set[set].duty.a, 0.0f, 1.0f));
+            TEST_ASSERT_TRUE(lode_in_range(out.set[set].duty.b, 0.0f, 1.0f));
+            TEST_ASSERT_TRUE(lode_in_range(out.set[set].duty.c, 0.0f, 1.0f));
+        }
+        if (!out.set[0].gates) { // again
+            rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
+            counts = rig6_counts(&rig);
+            (void)lode_drive6_step(&rig.drive, &counts);
+            rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {3.0f, 1.0f}});
+            (void)lode_drive6_step(&rig.drive, &counts);
+        }
+    }
+}
+
+// --- Open phases ------------------------------------------------------------------------------
+
+static lode_drive6_config_t answering(lode_open_phase_answer_t answer) {
+    lode_drive6_config_t config = rig6_config();
+    config.open_phase = answer;
+    return config;
+}
+
+/// Periods until the drive says so; the angle's worst error and the lowest speed on the way.
+static int until_open(rig6_t *rig, worst_t *angle, double *least_omega) {
+    *least_omega = rig->omega;
+    for (int n = 1; n <= 5000; n++) {
+        rig6_step(rig);
+        worst_note(angle, rig->angle_error / CHECK_DEG);
+        *least_omega = fmin(*least_omega, rig->omega);
+        if (rig6_telemetry(rig).open > 0u) {
+            return n;
+        }
+    }
+    return 5000;
+}
+
+static void test_without_an_open_phase_nothing_is_reported(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_TRIP);
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    rig6_run(&rig, 1.0);
+    TEST_ASSERT_EQUAL_INT(0, rig6_telemetry(&rig).open);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig6_telemetry(&rig).drive.fault.check);
+}
+
+static void test_the_other_set_drives_on(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    const rig6_t sound = turning(&config, 600.0, LOAD_Nm);
+    const double period_s = 2.0 * CHECK_PI / sound.omega;
+    for (int phase = 1; phase <= 6; phase++) {
+        rig6_t rig = sound;
+        rig.open = phase;
+        worst_t angle = {0.0};
+        double least;
+        const double periods = until_open(&rig, &angle, &least) * RIG6_TS_s / period_s;
+        CHECK_AT_MOST(5.0, periods);
+        TEST_ASSERT_EQUAL_INT(phase, rig6_telemetry(&rig).open);
+        rig6_step(&rig);
+        TEST_ASSERT_EQUAL_INT(phase > 3, rig.out.set[0].gates);
+        TEST_ASSERT_EQUAL_INT(phase <= 3, rig.out.set[1].gates);
+        for (int n = 0; n < 20000; n++) {
+            rig6_step(&rig);
+            worst_note(&angle, rig.angle_error / CHECK_DEG);
+            least = fmin(least, rig.omega);
+        }
+        CHECK_AT_MOST(15.0, angle.value); // held all the way
+        CHECK_AT_LEAST(0.9 * sound.omega, least);
+        CHECK_AT_MOST(0.05, worst_angle(&rig, 0.1));
+        CHECK_CLOSE(0.005, sound.omega, rig.omega);
+        CHECK_CLOSE(0.03, LOAD_Nm, rig6_torque(&rig) - RIG6_B * rig.omega / RIG6_NP);
+    }
+}
+
+static void test_or_the_drive_trips_and_says_why(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_TRIP);
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    rig.open = 5;
+    worst_t angle = {0.0};
+    double least;
+    (void)until_open(&rig, &angle, &least);
+    expect_fault(&rig, LODE_CHECK_OPEN_PHASE);
+    TEST_ASSERT_EQUAL_FLOAT(5.0f, rig6_telemetry(&rig).drive.fault.measured);
+}
+
+static void test_ignored_it_stays_unseen(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_IGNORE);
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    rig.open = 2;
+    rig6_run(&rig, 0.5);
+    TEST_ASSERT_EQUAL_INT(0, rig6_telemetry(&rig).open);
+    CHECK_AT_LEAST(0.0, rig.omega); // never the wrong way
+}
+
+static void test_one_set_stops_and_starts_again(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    rig.open = 1;
+    rig6_run(&rig, 1.0);
+    rig6_command(&rig, run_at(0.0));
+    rig6_run(&rig, 3.0);
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_OFF", lode_mode_name(rig6_telemetry(&rig).drive.mode));
+    TEST_ASSERT_EQUAL_INT(LODE_SETS_ONLY_2, rig6_telemetry(&rig).active);
+    rig.load_Nm = 0.0;
+    rig6_command(&rig, run_at(-300.0));
+    rig6_run(&rig, 4.0);
+    CHECK_CLOSE(0.01, RPM(-300.0) * RIG6_NP, rig.omega);
+    TEST_ASSERT_FALSE(rig.out.set[0].gates);
+    // Repaired.
+    rig6_command(&rig, off);
+    rig6_run(&rig, 3.0);
+    rig.open = 0;
+    rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
+    rig6_step(&rig);
+    TEST_ASSERT_EQUAL_INT(LODE_SETS_BOTH, rig6_telemetry(&rig).active);
+    TEST_ASSERT_EQUAL_INT(0, rig6_telemetry(&rig).open);
+}
+
+// --- Configuration, tunings, telemetry --------------------------------------------------------
+
+static lode_status_t tried(const lode_drive6_config_t *config) {
+    lode_drive6_t drive;
+    lode_drive6_tuning_t t;
+    memset(&drive, 0x55, sizeof drive);
+    memset(&t, 0x55, sizeof t);
+    const lode_drive6_t drive_before = drive;
+    const lode_drive6_tuning_t t_before = t;
+    const lode_status_t status = lode_drive6_init(&drive, &t, config);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&drive_before, &drive, sizeof drive);
+        TEST_ASSERT_EQUAL_MEMORY(&t_before, &t, sizeof t);
+    }
+    return status;
+}
+
+static void test_bad_configurations_are_refused_by_name(void) {
+    lode_drive6_config_t config = rig6_config();
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tried(&config));
+    config.Lxy_H = 0.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_XY_INDUCTANCE, tried(&config));
+    config = rig6_config();
+    config.source = (lode_source_t)3;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SOURCE, tried(&config));
+    config = rig6_config();
+    config.open_phase = (lode_open_phase_answer_t)3;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_OPEN_PHASE, tried(&config));
+    config = rig6_config();
+    config.drive.motor.psi_Wb = NAN;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_PSI, tried(&config));
+    config = rig6_config();
+    config.drive.f_pwm_Hz = 0.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_F_PWM, tried(&config));
+    config = rig6_config();
+    config.drive.current.kp_d_V_A =
+        20.0f; // for both sets, but not for one with half the inductance
+    config.drive.current.ki_d_V_As = 100.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CURRENT_GAINS, tried(&config));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, tried(NULL));
+    config = rig6_config();
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_init(NULL, &tuning, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_tune(NULL, &config));
+}
+
+static void test_a_new_tuning_is_taken_while_it_turns(void) {
+    lode_drive6_config_t config = rig6_config();
+    rig6_t rig = turning(&config, 300.0, LOAD_Nm);
+    config.source = LODE_SOURCE_SET_2;
+    config.drive.speed.bandwidth_rad_s = 8.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_tune(&other_tuning, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_post_tuning(&rig.drive, &other_tuning));
+    TEST_ASSERT_FALSE(lode_drive6_tuning_taken(&rig.drive));
+    rig6_step(&rig);
+    TEST_ASSERT_TRUE(lode_drive6_tuning_taken(&rig.drive));
+    CHECK_AT_MOST(0.2, worst_angle(&rig, 0.5));
+    CHECK_CLOSE(0.01, RPM(300.0) * RIG6_NP, rig.omega);
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_post_tuning(&rig.drive, NULL));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_post_tuning(NULL, &other_tuning));
+}
+
+static void test_windowed_shunts(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.sense.duty_max = 0.9f;
+    rig6_t rig = turning(&config, 840.0, LOAD_Nm);
+    CHECK_AT_MOST(0.05, worst_angle(&rig, 0.2));
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_from_standstill_to_speed_both_ways);
+    RUN_TEST(test_every_kind_of_observer);
+    RUN_TEST(test_resonators_hold_the_xy_plane_at_zero);
+    RUN_TEST(test_one_set_as_the_source_sees_its_harmonics);
+    RUN_TEST(test_calibration_takes_all_six_offsets);
+    RUN_TEST(test_an_implausible_offset_of_set_2_is_a_fault);
+    RUN_TEST(test_a_trip_of_either_set_switches_both_off_at_once);
+    RUN_TEST(test_over_current_in_set_2_is_seen);
+    RUN_TEST(test_the_hotter_set_counts);
+    RUN_TEST(test_outputs_stay_in_range_whatever_comes_in);
+    RUN_TEST(test_without_an_open_phase_nothing_is_reported);
+    RUN_TEST(test_the_other_set_drives_on);
+    RUN_TEST(test_or_the_drive_trips_and_says_why);
+    RUN_TEST(test_ignored_it_stays_unseen);
+    RUN_TEST(test_one_set_stops_and_starts_again);
+    RUN_TEST(test_bad_configurations_are_refused_by_name);
+    RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
+    RUN_TEST(test_windowed_shunts);
+    return UNITY_END();
+}

@@ -1,0 +1,137 @@
+// Open phases are found in two electrical periods, and sound ones are left alone.
+#include "support/check.h"
+
+#include "lodestar/open_phase.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+#define TS_s 1.0e-4
+
+static const lode_open_phase_tuning_t tuning = {.i_min_A = 0.45f}; // 3 % of 15 A
+
+typedef struct {
+    double amplitude_A; ///< of alpha-beta
+    double noise_A;
+    double offset_A; ///< of every phase
+    int open;        ///< phase without current, 1 .. 6; 7, 8: a whole set
+    double omega;    ///< electrical
+    double theta;
+    lode_open_phase_watch_t watch;
+    random_t random;
+} scene_t;
+
+static scene_t scene(double amplitude_A, double omega, int open) {
+    scene_t s = {
+        .amplitude_A = amplitude_A, .omega = omega, .open = open, .random = random_seed(5)};
+    lode_open_phase_reset(&s.watch);
+    return s;
+}
+
+static bool is_open(const scene_t *s, int phase) {
+    return s->open == phase + 1 || (s->open == 7 && phase < 3) || (s->open == 8 && phase >= 3);
+}
+
+static lode_open_phase_t step(scene_t *s) {
+    static const double axis[6] = {0.0, 120.0, 240.0, 30.0, 150.0, 270.0};
+    double i[6];
+    for (int n = 0; n < 6; n++) {
+        const double sound = s->amplitude_A * cos(s->theta + 1.7 - axis[n] * CHECK_DEG);
+        i[n] = (is_open(s, n) ? 0.0 : sound) + s->offset_A +
+               s->noise_A * random_between(&s->random, -1.0, 1.0);
+    }
+    const lode_abc6_t i_A = {
+        {{(float)i[0], (float)i[1], (float)i[2]}, {(float)i[3], (float)i[4], (float)i[5]}}};
+    s->theta = remainder(s->theta + s->omega * TS_s, 2.0 * CHECK_PI);
+    return lode_open_phase_step(&s->watch, &tuning, &i_A, (float)sin(s->theta));
+}
+
+/// Electrical periods until something is found, at most `periods`; what is found in `open`.
+static double found_after(scene_t *s, double periods, lode_open_phase_t *open) {
+    const double period_s = 2.0 * CHECK_PI / fabs(s->omega);
+    *open = 0u;
+    for (int n = 1; n <= (int)(periods * period_s / TS_s); n++) {
+        *open = step(s);
+        if (*open > 0u) {
+            return n * TS_s / period_s;
+        }
+    }
+    return periods;
+}
+
+static void test_every_phase_is_found_within_three_periods(void) {
+    const double omegas[] = {30.0, 157.0, 314.0, 1500.0, -157.0, -1500.0};
+    for (int w = 0; w < COUNT_OF(omegas); w++) {
+        for (int phase = 1; phase <= 8; phase++) {
+            scene_t s = scene(5.0, omegas[w], 0);
+            lode_open_phase_t open;
+            (void)found_after(&s, 3.3, &open);
+            s.open = phase;
+            s.noise_A = 0.1;
+            s.offset_A = 0.1;
+            CHECK_AT_MOST(3.0, found_after(&s, 10.0, &open));
+            TEST_ASSERT_EQUAL_INT(phase, open);
+            TEST_ASSERT_EQUAL_INT(phase <= 3 || phase == 7 ? 0 : 1, lode_open_phase_set(open));
+        }
+    }
+}
+
+static void test_faster_than_the_samples_it_takes_longer(void) {
+    scene_t s = scene(5.0, 6000.0, 2); // ten samples a period
+    lode_open_phase_t open;
+    CHECK_AT_MOST(8.0, found_after(&s, 20.0, &open));
+    TEST_ASSERT_EQUAL_INT(2, open);
+}
+
+static void test_sound_phases_are_left_alone(void) {
+    const double omegas[] = {30.0, 314.0, 1500.0};
+    for (int w = 0; w < COUNT_OF(omegas); w++) {
+        scene_t s = scene(5.0, omegas[w], 0);
+        s.noise_A = 1.0;
+        s.offset_A = 0.3;
+        lode_open_phase_t open;
+        (void)found_after(&s, 1000.0, &open);
+        TEST_ASSERT_EQUAL_INT(0, open);
+    }
+}
+
+static void test_without_current_nothing_is_said(void) {
+    scene_t s = scene(0.3, 314.0, 4); // 0.19 A on average
+    s.noise_A = 0.1;
+    lode_open_phase_t open;
+    (void)found_after(&s, 1000.0, &open);
+    TEST_ASSERT_EQUAL_INT(0, open);
+}
+
+static void test_one_period_is_not_enough(void) {
+    scene_t s = scene(5.0, 314.0, 0);
+    for (int n = 0; n < 100; n++) {
+        s.open = n % 2 == 0 ? 3 : 0; // sound in every second period
+        lode_open_phase_t open;
+        (void)found_after(&s, 1.0, &open);
+        TEST_ASSERT_EQUAL_INT(0, open);
+    }
+}
+
+static void test_no_number_is_an_open_phase(void) {
+    lode_open_phase_watch_t watch;
+    lode_open_phase_reset(&watch);
+    const lode_abc6_t bad = {{{NAN, INFINITY, -INFINITY}, {NAN, NAN, NAN}}};
+    for (int n = 0; n < 1000; n++) {
+        const lode_open_phase_t open =
+            lode_open_phase_step(&watch, &tuning, &bad, n % 50 < 25 ? 1.0f : -1.0f);
+        CHECK_AT_MOST(8.0, open);
+    }
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_every_phase_is_found_within_three_periods);
+    RUN_TEST(test_faster_than_the_samples_it_takes_longer);
+    RUN_TEST(test_sound_phases_are_left_alone);
+    RUN_TEST(test_without_current_nothing_is_said);
+    RUN_TEST(test_one_period_is_not_enough);
+    RUN_TEST(test_no_number_is_an_open_phase);
+    return UNITY_END();
+}
