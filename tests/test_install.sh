@@ -11,6 +11,8 @@ fail() {
     exit 1
 }
 
+version=$(sed -n 's/#define LODE_VERSION_M[A-Z]* //p' "${LODE_SOURCE_DIR:?}/include/lodestar/version.h" |
+    paste -sd.)
 mkdir "$work/consumer"
 cat >"$work/consumer/main.c" <<'END'
 #include <stdio.h>
@@ -52,7 +54,7 @@ elseif(HOW STREQUAL "fetch")
   FetchContent_Declare(lodestar SOURCE_DIR "${LODESTAR}")
   FetchContent_MakeAvailable(lodestar)
 else()
-  find_package(lodestar 0.1 REQUIRED)
+  find_package(lodestar ${VERSION} REQUIRED)
 endif()
 foreach(source main.c main.cpp)
   string(MAKE_C_IDENTIFIER ${source} name)
@@ -72,7 +74,7 @@ build_consumer() { # build_consumer CMAKE-OPTIONS...
 }
 
 use() { # use PREFIX
-    build_consumer -DCMAKE_PREFIX_PATH="$1"
+    build_consumer -DCMAKE_PREFIX_PATH="$1" -DVERSION="$version"
     if command -v pkg-config >/dev/null; then
         local flags
         flags=$(PKG_CONFIG_PATH=$(dirname "$(find "$1" -name lodestar.pc)") \
@@ -87,7 +89,7 @@ use() { # use PREFIX
 }
 
 for how in subdirectory fetch; do
-    build_consumer -DHOW=$how -DLODESTAR="${LODE_SOURCE_DIR:?}"
+    build_consumer -DHOW=$how -DLODESTAR="$LODE_SOURCE_DIR"
 done
 cmake -S "$LODE_SOURCE_DIR" -B "$work/build" -DLODE_BUILD_SIM=OFF -DLODE_BUILD_TESTS=OFF \
     -DCMAKE_INSTALL_PREFIX="$work/prefix" >"$work/log" 2>&1 &&

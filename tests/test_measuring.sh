@@ -27,8 +27,8 @@ for registers in cortex_m c28x; do
 done
 
 if command -v clang >/dev/null; then # a machine with an int of 16 bits
-    clang --target=msp430 -ffreestanding -fsyntax-only "${common[@]}" -I"$root/tests/tools/freestanding" -DC28X '-DCOUNTER="c28x.h"' \
-        "$here/target.c" || fail "C28x: does not compile"
+    clang --target=msp430 -ffreestanding -fsyntax-only "${common[@]}" \
+        -I"$root/tests/tools/freestanding" -DC28X '-DCOUNTER="c28x.h"' "$here/target.c" || fail "C28x: does not compile"
 else
     echo "no clang: the 16-bit compile is left out"
 fi

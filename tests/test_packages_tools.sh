@@ -20,7 +20,7 @@ esac
 }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-tree=$work/lodestar
+tree=$work/user/lodestar # a submodule of the user's project
 mkdir -p "$tree/port"
 (cd "${LODE_SOURCE_DIR:?}" && cp -r include src CMakeLists.txt LICENSE "$tree" && cp -r port/packages "$tree/port")
 sed -n 's/#define LODE_VERSION_[A-Z]* //p' "$tree/include/lodestar/version.h" | paste -sd. >"$work/version"
@@ -69,7 +69,7 @@ END_PY
 cat >"$work/user/platformio.ini" <<END_INI
 [env:host]
 platform = host
-lib_deps = symlink://$tree/port/packages/platformio
+lib_deps = symlink://lodestar/port/packages/platformio
 build_flags = -lm
 END_INI
 cp "$tree/port/packages/conan/test_package/main.c" "$work/user/src/main.cpp"
