@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the library, uses it by find_package() and pkg-config from C99 and C++17, moves it, and
-# does so again.
+# Uses the source tree by add_subdirectory() and FetchContent; installs the library, uses it by
+# find_package() and pkg-config, moves it, and does so again. All from C99 and from C++17.
 set -eu -o pipefail
 command -v c++ >/dev/null || { echo "no C++ compiler here" && exit 77; }
 command -v ninja >/dev/null && export CMAKE_GENERATOR=Ninja
@@ -11,6 +11,8 @@ fail() {
     exit 1
 }
 
+version=$(sed -n 's/#define LODE_VERSION_M[A-Z]* //p' "${LODE_SOURCE_DIR:?}/include/lodestar/version.h" |
+    paste -sd.)
 mkdir "$work/consumer"
 cat >"$work/consumer/main.c" <<'END'
 #include <stdio.h>
@@ -45,7 +47,15 @@ cp "$work/consumer/main.c" "$work/consumer/main.cpp"
 cat >"$work/consumer/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.18)
 project(consumer C CXX)
-find_package(lodestar 0.1 REQUIRED)
+if(HOW STREQUAL "subdirectory")
+  add_subdirectory("${LODESTAR}" lodestar)
+elseif(HOW STREQUAL "fetch")
+  include(FetchContent)
+  FetchContent_Declare(lodestar SOURCE_DIR "${LODESTAR}")
+  FetchContent_MakeAvailable(lodestar)
+else()
+  find_package(lodestar ${VERSION} REQUIRED)
+endif()
 foreach(source main.c main.cpp)
   string(MAKE_C_IDENTIFIER ${source} name)
   add_executable(${name} ${source})
@@ -54,13 +64,17 @@ foreach(source main.c main.cpp)
 endforeach()
 END
 
-use() { # use PREFIX
+build_consumer() { # build_consumer CMAKE-OPTIONS...
     rm -rf "$work/use"
-    cmake -S "$work/consumer" -B "$work/use" -DCMAKE_PREFIX_PATH="$1" >"$work/log" 2>&1 &&
-        cmake --build "$work/use" >>"$work/log" 2>&1 || fail "find_package: $(tail -n 5 "$work/log")"
+    cmake -S "$work/consumer" -B "$work/use" "$@" >"$work/log" 2>&1 &&
+        cmake --build "$work/use" >>"$work/log" 2>&1 || fail "$*: $(tail -n 5 "$work/log")"
     for program in main_c main_cpp; do
         [ "$("$work/use/$program")" = "LODE_OK 0.5" ] || fail "$program says '$("$work/use/$program")'"
     done
+}
+
+use() { # use PREFIX
+    build_consumer -DCMAKE_PREFIX_PATH="$1" -DVERSION="$version"
     if command -v pkg-config >/dev/null; then
         local flags
         flags=$(PKG_CONFIG_PATH=$(dirname "$(find "$1" -name lodestar.pc)") \
@@ -74,7 +88,10 @@ use() { # use PREFIX
     fi
 }
 
-cmake -S "${LODE_SOURCE_DIR:?}" -B "$work/build" -DLODE_BUILD_SIM=OFF -DLODE_BUILD_TESTS=OFF \
+for how in subdirectory fetch; do
+    build_consumer -DHOW=$how -DLODESTAR="$LODE_SOURCE_DIR"
+done
+cmake -S "$LODE_SOURCE_DIR" -B "$work/build" -DLODE_BUILD_SIM=OFF -DLODE_BUILD_TESTS=OFF \
     -DCMAKE_INSTALL_PREFIX="$work/prefix" >"$work/log" 2>&1 &&
     cmake --build "$work/build" >>"$work/log" 2>&1 &&
     cmake --install "$work/build" >>"$work/log" 2>&1 || fail "install: $(tail -n 5 "$work/log")"
@@ -84,4 +101,4 @@ use "$work/moved"
 if grep -rn "$LODE_SOURCE_DIR" "$work/moved" --include='*.cmake' --include='*.pc'; then
     fail "the installed files name the source folder"
 fi
-echo "installed, used, moved, used"
+echo "used from the source tree; installed, used, moved, used"
