@@ -49,6 +49,8 @@ for board in b_g431b_esc1 nucleo_ihm16m1; do
     fi
     sizes "$board" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 done
+must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON -DCMAKE_C_FLAGS_RELEASE=$optimise
+sizes "nucleo_ihm16m1 with CORDIC" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 must_build f4 -DLODE_PORT=stm32f4
 sizes stm32f4 "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
 if build refused -DLODE_PORT=stm32g4 -DLODE_CMSIS_DIR=/nowhere ||
