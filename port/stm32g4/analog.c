@@ -14,7 +14,6 @@
 #define AMPLIFIER_PGA 2u     // VMSEL
 #define GAIN_16_BIASED 0x0Bu // PGGAIN: 16, the foot of the divider on VINM0
 #define MINUS_DAC3 4u        // INMSEL: channel 1 for comparator 1, channel 2 for 2 and 4
-#define HYSTERESIS 3u        // 30 mV at the pin would be 17 A; 3 of 7 steps of 10 mV
 #define DAC_INTERNAL 3u      // MODE: to the chip only, no buffer
 #define DAC_FAST 2u          // HFSEL: AHB above 160 MHz
 #define DAC_RANGE 4095.0f
