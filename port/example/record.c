@@ -28,7 +28,7 @@ static uint32_t ring_words[RING_WORDS];
 static lode_scope_t scope;
 static uint32_t scope_words[SCOPE_WORDS];
 
-static volatile bool held; // by the thread: the interrupt leaves the scope alone
+static volatile bool paused; // by the thread: the interrupt leaves the scope alone
 
 // Of the thread.
 static lode_scope_config_t capture;
@@ -53,19 +53,19 @@ lode_status_t record_init(float f_pwm_Hz) {
 
 LODE_HOT void record_period(const lode_drive_t *drive) {
     lode_ring_step(&ring, drive);
-    if (!held) {
+    if (!paused) {
         lode_scope_step(&scope, drive);
     }
 }
 
 void record_arm(lode_trigger_t trigger) {
     capture.trigger = trigger;
-    held = true;
+    paused = true;
     LODE_SIGNAL_FENCE();
     (void)lode_scope_init(&scope, &capture, scope_words, SCOPE_WORDS);
     lode_scope_arm(&scope);
     LODE_SIGNAL_FENCE();
-    held = false;
+    paused = false;
     dumped = false;
 }
 
