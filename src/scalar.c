@@ -3,6 +3,9 @@
 LODE_HOT lode_sincos_t lode_sincos(float x_rad) {
     const float x =
         lode_in_range(x_rad, -LODE_ANGLE_LIMIT_rad, LODE_ANGLE_LIMIT_rad) ? x_rad : 0.0f;
+#ifdef LODE_SINCOS_BOARD
+    return lode_sincos_board(x);
+#else
     // Quarter turns to the nearest; |x| is bounded, so the cast is defined.
     const float quarters = x * 0.636619772367581343f;
     const int32_t n = (int32_t)(quarters + (quarters < 0.0f ? -0.5f : 0.5f));
@@ -14,6 +17,7 @@ LODE_HOT lode_sincos_t lode_sincos(float x_rad) {
     const float cos_abs = swap ? near.sin : near.cos;
     return (lode_sincos_t){(n & 2) != 0 ? -sin_abs : sin_abs,
                            ((n + 1) & 2) != 0 ? -cos_abs : cos_abs};
+#endif
 }
 
 float lode_wrap(float x_rad) {

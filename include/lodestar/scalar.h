@@ -94,6 +94,13 @@ LODE_INLINE lode_sincos_t lode_sincos_small(float x_rad) {
 /// LODE_ANGLE_LIMIT_rad and for NaN those of angle 0.
 lode_sincos_t lode_sincos(float x_rad);
 
+#ifdef LODE_SINCOS_BOARD
+/// The board's own sine and cosine. Where LODE_SINCOS_BOARD is defined for the library, lode_sincos()
+/// calls it in place of the polynomials, with |x| <= LODE_ANGLE_LIMIT_rad. Error at most 1e-5. Called by
+/// the interrupt and by threads: it must bear to be interrupted by itself.
+lode_sincos_t lode_sincos_board(float x_rad);
+#endif
+
 /// Angle of the vector (x, y) in [-pi, pi]. Error at most 1e-6 rad; 0 for (0, 0) and for NaN.
 float lode_atan2(float y, float x);
 

@@ -1,6 +1,7 @@
 #include "app.h"
 
 #include "board.h"
+#include "record.h"
 #include "report.h"
 
 #ifdef LODE_MOTOR_H
@@ -12,14 +13,20 @@
 #ifndef APP_MODE
 #define APP_MODE APP_MODE_OFF
 #endif
+#ifndef APP_LINK
+#define APP_LINK LINK_REPORT
+#endif
 
 #define RESTARTS_MAX 3u      // after a fault; then it stays off until the mode is set anew
+#define STOPPED_PERIODS 8.0f // without an interrupt
 #define RESTART_PAUSE_s 1.0f // lets the cause die down and the rotor slow down
 
 volatile uint32_t app_mode = APP_MODE;
 volatile float app_speed_rad_s = MOTOR_SPEED_rad_s;
 volatile float app_angle_rad;
 volatile float app_turn_rad_s;
+volatile uint32_t app_link = APP_LINK;
+volatile uint32_t app_trigger = LODE_TRIGGER_FAULT;
 
 // Of the interrupt: it alone writes these while periods come.
 static lode_drive_t drive;
@@ -34,6 +41,7 @@ static lode_status_t status;
 static bringup_t bringup;
 static uint32_t mode_now = APP_MODE_OFF;
 static uint32_t steps_seen;
+static uint32_t seen_at; // board_cycles() when they were seen
 static uint32_t restarts;
 static uint32_t fault_steps; // steps at which a fault was seen first
 static bool faulted;
@@ -64,7 +72,7 @@ LODE_HOT void app_period(void) {
     const lode_drive_out_t out = lode_drive_step(&drive, &counts);
     board_write(&out);
 
-    // PLUG: a telemetry ring or a scope records here, after the duties are written.
+    record_period(&drive);
     bringup_window_take(&window, &counts);
     note_cycles(entered);
 }
@@ -78,6 +86,9 @@ bool app_start(void) {
     config.inverter.i_max_A = lode_min(config.inverter.i_max_A, MOTOR_I_MAX_A);
     lode_drive_design(&config);
     status = lode_drive_init(&drive, &tuning, &config);
+    if (status == LODE_OK) {
+        status = record_init(config.f_pwm_Hz);
+    }
     if (status != LODE_OK || !board_init()) {
         board_gates_off();
         return false;
@@ -128,6 +139,8 @@ static void begin_mode(uint32_t mode) {
     bringup.speed_rad_s = app_speed_rad_s;
     bringup.angle_rad = app_angle_rad;
     bringup.turn_rad_s = app_turn_rad_s;
+    record_arm(app_trigger == (uint32_t)LODE_TRIGGER_IMMEDIATE ? LODE_TRIGGER_IMMEDIATE
+                                                               : LODE_TRIGGER_FAULT);
     bringup_begin(&bringup, mode < (uint32_t)BRINGUP_COUNT ? (bringup_mode_t)mode : BRINGUP_NONE);
 }
 
@@ -163,12 +176,21 @@ static void run_application(const lode_telemetry_t *now) {
     }
 }
 
+// A stopped interrupt starves the watchdog; the gates need not wait for that.
+static void supervise(uint32_t steps) {
+    const float patience = STOPPED_PERIODS * config.guard.stamp_per_period; // 0: no time base
+    if (steps != steps_seen) {
+        steps_seen = steps;
+        seen_at = board_cycles();
+        board_feed_watchdog();
+    } else if (patience > 0.0f && (float)(board_cycles() - seen_at) > patience) {
+        board_gates_off();
+    }
+}
+
 void app_poll(void) {
     const bringup_view_t view = {.now = app_telemetry(), .cycles = app_cycles()};
-    if (view.now.steps != steps_seen) { // a stopped interrupt starves the watchdog
-        steps_seen = view.now.steps;
-        board_feed_watchdog();
-    }
+    supervise(view.now.steps);
     const uint32_t mode = app_mode;
     if (mode != mode_now) {
         begin_mode(mode);
@@ -177,6 +199,7 @@ void app_poll(void) {
     } else if (mode > 0u && mode < (uint32_t)BRINGUP_COUNT) {
         (void)bringup_step(&bringup, &view);
     }
-    // PLUG: a link that drains the telemetry ring goes here, in place of the report.
-    report_poll(&bringup.result);
+    if (!record_poll((link_t)app_link)) {
+        report_poll(&bringup.result);
+    }
 }

@@ -20,6 +20,12 @@ extern volatile float app_angle_rad;
 /// Electrical speed at which that vector turns, rad/s.
 extern volatile float app_turn_rad_s;
 
+/// What goes over the serial port: link_t of record.h.
+extern volatile uint32_t app_link;
+/// What the scope waits for from the next begin of a mode on: LODE_TRIGGER_FAULT or
+/// LODE_TRIGGER_IMMEDIATE.
+extern volatile uint32_t app_trigger;
+
 /// Configures board and drive and starts the periods. Thread, once, first of all. False: app_status()
 /// names the wrong field, or says LODE_OK and the board did not come up. The gates stay off for good.
 bool app_start(void);

@@ -22,15 +22,14 @@
 /// ten cycles per poll.
 #define REG_POLLS 200000u
 
-/// Waits until `condition` holds; `ok` becomes false if it does not in time.
-#define REG_AWAIT(condition, ok)                                                                   \
-    do {                                                                                           \
-        uint32_t polls = 0u;                                                                       \
-        while (!(condition) && polls < REG_POLLS) {                                                \
-            polls++;                                                                               \
-        }                                                                                          \
-        (ok) = (ok) && polls < REG_POLLS;                                                          \
-    } while (0)
+/// Waits until the bits of `mask` read `bits`; false if they do not in time.
+static inline bool reg_await(const volatile uint32_t *reg, uint32_t mask, uint32_t bits) {
+    uint32_t polls = 0u;
+    while ((REG_READ(*reg) & mask) != bits && polls < REG_POLLS) {
+        polls++;
+    }
+    return polls < REG_POLLS;
+}
 
 /// At least this many loops of some cycles each.
 static inline void stm32_wait(uint32_t loops) {

@@ -23,14 +23,18 @@ static void copy(uint32_t *to, const uint32_t *to_end, const uint32_t *from) {
     }
 }
 
+static void clear(uint32_t *to, const uint32_t *to_end) {
+    while (to < to_end) {
+        *to++ = 0u;
+    }
+}
+
 void reset_handler(void) {
     CPACR |= CPACR_FPU_FULL; // before any float; lazy stacking is the reset state
     __asm volatile("dsb\n isb" ::: "memory");
     copy(data_begin, data_end, data_load);
     copy(hot_begin, hot_end, hot_load);
-    for (uint32_t *p = bss_begin; p < bss_end; p++) {
-        *p = 0u;
-    }
+    clear(bss_begin, bss_end);
     (void)main();
     stop_handler();
 }

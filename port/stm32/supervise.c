@@ -5,12 +5,11 @@
 #define WATCHDOG_RELOAD 160u
 
 bool stm32_watchdog_start(void) {
-    bool ok = true;
     REG_WRITE(IWDG->KR, 0xCCCCu); // starts it, and its clock
     REG_WRITE(IWDG->KR, 0x5555u); // unlocks the next two
     REG_WRITE(IWDG->PR, WATCHDOG_DIVIDER);
     REG_WRITE(IWDG->RLR, WATCHDOG_RELOAD);
-    REG_AWAIT(REG_READ(IWDG->SR) == 0u, ok);
+    const bool ok = reg_await(&IWDG->SR, UINT32_MAX, 0u); // divider and reload are taken
     stm32_watchdog_feed();
     return ok;
 }

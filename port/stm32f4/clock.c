@@ -16,20 +16,18 @@ bool chip_clock_init(void) {
     REG_WRITE(FLASH->ACR, FLASH_WAIT_STATES | FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN);
     if (VARIANT_HSE_Hz != 0u) {
         REG_SET(RCC->CR, RCC_CR_HSEON);
-        REG_AWAIT((REG_READ(RCC->CR) & RCC_CR_HSERDY) != 0u, ok);
+        ok = reg_await(&RCC->CR, RCC_CR_HSERDY, RCC_CR_HSERDY);
     }
     const uint32_t source_Hz = VARIANT_HSE_Hz != 0u ? VARIANT_HSE_Hz : HSI_Hz;
     REG_WRITE(RCC->PLLCFGR, source_Hz / PLL_INPUT_Hz << RCC_PLLCFGR_PLLM_Pos |
                                 PLL_N << RCC_PLLCFGR_PLLN_Pos | PLL_Q << RCC_PLLCFGR_PLLQ_Pos |
                                 (VARIANT_HSE_Hz != 0u ? RCC_PLLCFGR_PLLSRC_HSE : 0u));
     REG_SET(RCC->CR, RCC_CR_PLLON);
-    REG_AWAIT((REG_READ(RCC->CR) & RCC_CR_PLLRDY) != 0u, ok);
-    if (!ok) {
+    if (!reg_await(&RCC->CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY) || !ok) {
         return false;
     }
     // Dividers before the switch: no bus is ever too fast.
     REG_WRITE(RCC->CFGR, APB_BY_4 << RCC_CFGR_PPRE1_Pos | APB_BY_2 << RCC_CFGR_PPRE2_Pos);
     REG_CHANGE(RCC->CFGR, RCC_CFGR_SW, SWITCH_PLL << RCC_CFGR_SW_Pos);
-    REG_AWAIT((REG_READ(RCC->CFGR) & RCC_CFGR_SWS) == SWITCH_PLL << RCC_CFGR_SWS_Pos, ok);
-    return ok;
+    return reg_await(&RCC->CFGR, RCC_CFGR_SWS, SWITCH_PLL << RCC_CFGR_SWS_Pos);
 }

@@ -14,19 +14,18 @@
 #define AMPLIFIER_PGA 2u     // VMSEL
 #define GAIN_16_BIASED 0x0Bu // PGGAIN: 16, the foot of the divider on VINM0
 #define MINUS_DAC3 4u        // INMSEL: channel 1 for comparator 1, channel 2 for 2 and 4
-#define HYSTERESIS 3u        // 30 mV at the pin would be 17 A; 3 of 7 steps of 10 mV
 #define DAC_INTERNAL 3u      // MODE: to the chip only, no buffer
 #define DAC_FAST 2u          // HFSEL: AHB above 160 MHz
 #define DAC_RANGE 4095.0f
 
-static void amplifier(volatile uint32_t *csr) {
-    REG_WRITE(*csr, AMPLIFIER_PGA << OPAMP_CSR_VMSEL_Pos | GAIN_16_BIASED << OPAMP_CSR_PGGAIN_Pos |
-                        OPAMP_CSR_HIGHSPEEDEN);
-    REG_SET(*csr, OPAMP_CSR_OPAMPxEN);
+static void amplifier(OPAMP_TypeDef *unit) {
+    REG_WRITE(unit->CSR, AMPLIFIER_PGA << OPAMP_CSR_VMSEL_Pos |
+                             GAIN_16_BIASED << OPAMP_CSR_PGGAIN_Pos | OPAMP_CSR_HIGHSPEEDEN);
+    REG_SET(unit->CSR, OPAMP_CSR_OPAMPxEN);
 }
 
-static void comparator(volatile uint32_t *csr) {
-    REG_WRITE(*csr, MINUS_DAC3 << COMP_CSR_INMSEL_Pos | COMP_CSR_EN);
+static void comparator(COMP_TypeDef *unit) {
+    REG_WRITE(unit->CSR, MINUS_DAC3 << COMP_CSR_INMSEL_Pos | COMP_CSR_EN);
 }
 
 void chip_protection_init(void) {
@@ -34,18 +33,18 @@ void chip_protection_init(void) {
         (uint32_t)(int32_t)(VARIANT_TRIP_V / VARIANT_V_REF_V * DAC_RANGE + 0.5f);
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_SYSCFGEN); // clocks amplifiers and comparators too
     REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_DAC3EN);
-    amplifier(&OPAMP1->CSR);
-    amplifier(&OPAMP2->CSR);
-    amplifier(&OPAMP3->CSR);
+    amplifier(OPAMP1);
+    amplifier(OPAMP2);
+    amplifier(OPAMP3);
     REG_WRITE(DAC3->MCR, DAC_FAST << DAC_MCR_HFSEL_Pos | DAC_INTERNAL << DAC_MCR_MODE1_Pos |
                              DAC_INTERNAL << DAC_MCR_MODE2_Pos);
     REG_WRITE(DAC3->CR, DAC_CR_EN1 | DAC_CR_EN2);
     REG_WRITE(DAC3->DHR12R1, threshold);
     REG_WRITE(DAC3->DHR12R2, threshold);
     stm32_wait(REGULATOR_LOOPS); // the threshold stands before anything compares with it
-    comparator(&COMP1->CSR);
-    comparator(&COMP2->CSR);
-    comparator(&COMP4->CSR);
+    comparator(COMP1);
+    comparator(COMP2);
+    comparator(COMP4);
 }
 
 #else
@@ -75,21 +74,18 @@ static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t tri
 }
 
 static bool wake(ADC_TypeDef *adc) {
-    bool ok = true;
     REG_WRITE(adc->CR, 0u); // out of deep power-down
     REG_WRITE(adc->CR, ADC_CR_ADVREGEN);
     stm32_wait(REGULATOR_LOOPS);
     REG_WRITE(adc->CR, ADC_CR_ADVREGEN | ADC_CR_ADCAL);
-    REG_AWAIT((REG_READ(adc->CR) & ADC_CR_ADCAL) == 0u, ok);
+    const bool ok = reg_await(&adc->CR, ADC_CR_ADCAL, 0u);
     stm32_wait(READY_LOOPS); // four ADC cycles between calibration and enable
     return ok;
 }
 
 static bool enable(ADC_TypeDef *adc) {
-    bool ok = true;
     REG_WRITE(adc->CR, ADC_CR_ADVREGEN | ADC_CR_ADEN);
-    REG_AWAIT((REG_READ(adc->ISR) & ADC_ISR_ADRDY) != 0u, ok);
-    return ok;
+    return reg_await(&adc->ISR, ADC_ISR_ADRDY, ADC_ISR_ADRDY);
 }
 
 bool chip_converters_init(void) {

@@ -4,8 +4,7 @@
 #include "pwm.h"
 #include "supervise.h"
 
-#define BREAK_FILTER                                                                               \
-    4u // eight equal samples of the timer's clock over two: 94 ns of silence in a spike
+#define BREAK_FILTER 4u // six equal samples at half the timer's clock: 71 ns of silence in a spike
 
 void STM32_PERIOD_HANDLER(void);
 

@@ -11,15 +11,14 @@
 #define BOOST_LOOPS 100u     // at least 1 us at half speed
 
 bool chip_clock_init(void) {
-    bool ok = true;
     REG_SET(RCC->APB1ENR1, RCC_APB1ENR1_PWREN);
     REG_CLEAR(PWR->CR5, PWR_CR5_R1MODE); // boost: more than 150 MHz
     REG_CHANGE(FLASH->ACR, FLASH_ACR_LATENCY, FLASH_WAIT_STATES);
-    REG_AWAIT((REG_READ(FLASH->ACR) & FLASH_ACR_LATENCY) == FLASH_WAIT_STATES, ok);
+    bool ok = reg_await(&FLASH->ACR, FLASH_ACR_LATENCY, FLASH_WAIT_STATES);
     REG_SET(FLASH->ACR, FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN);
     if (VARIANT_HSE_Hz != 0u) {
         REG_SET(RCC->CR, RCC_CR_HSEON);
-        REG_AWAIT((REG_READ(RCC->CR) & RCC_CR_HSERDY) != 0u, ok);
+        ok = reg_await(&RCC->CR, RCC_CR_HSERDY, RCC_CR_HSERDY) && ok;
     }
     const uint32_t source_Hz = VARIANT_HSE_Hz != 0u ? VARIANT_HSE_Hz : HSI_Hz;
     const uint32_t source = VARIANT_HSE_Hz != 0u ? PLL_SOURCE_HSE : PLL_SOURCE_HSI;
@@ -27,14 +26,13 @@ bool chip_clock_init(void) {
                                 (source_Hz / PLL_INPUT_Hz - 1u) << RCC_PLLCFGR_PLLM_Pos |
                                 PLL_N << RCC_PLLCFGR_PLLN_Pos | RCC_PLLCFGR_PLLREN);
     REG_SET(RCC->CR, RCC_CR_PLLON);
-    REG_AWAIT((REG_READ(RCC->CR) & RCC_CR_PLLRDY) != 0u, ok);
-    if (!ok) {
+    if (!reg_await(&RCC->CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY) || !ok) {
         return false;
     }
     // Beyond 80 MHz the bus takes the step in two halves.
     REG_CHANGE(RCC->CFGR, RCC_CFGR_HPRE, HALF_SPEED << RCC_CFGR_HPRE_Pos);
     REG_CHANGE(RCC->CFGR, RCC_CFGR_SW, SWITCH_PLL << RCC_CFGR_SW_Pos);
-    REG_AWAIT((REG_READ(RCC->CFGR) & RCC_CFGR_SWS) == SWITCH_PLL << RCC_CFGR_SWS_Pos, ok);
+    ok = reg_await(&RCC->CFGR, RCC_CFGR_SWS, SWITCH_PLL << RCC_CFGR_SWS_Pos);
     stm32_wait(BOOST_LOOPS);
     REG_CLEAR(RCC->CFGR, RCC_CFGR_HPRE | RCC_CFGR_PPRE1 | RCC_CFGR_PPRE2);
     return ok;

@@ -1,7 +1,7 @@
 # The STM32 ports against recorded registers on the host, and as complete images for Arm and qemu.
 set(stm32_common "${LODE_PORT_DIR}/stm32/pwm.c" "${LODE_PORT_DIR}/stm32/supervise.c"
                  "${LODE_PORT_DIR}/example/app.c" "${LODE_PORT_DIR}/example/bringup.c"
-                 "${LODE_PORT_DIR}/example/report.c" "${CMAKE_CURRENT_SOURCE_DIR}/fakes/fake.c"
+                 "${LODE_PORT_DIR}/example/report.c" "${LODE_PORT_DIR}/example/record.c" "${CMAKE_CURRENT_SOURCE_DIR}/fakes/fake.c"
                  "${CMAKE_CURRENT_SOURCE_DIR}/test_port_stm32.c")
 
 # stm32_test(<name> <folder of the port> <board header> <definition> <source>...)
@@ -16,6 +16,21 @@ endfunction()
 stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 board.c clock.c analog.c serial.c)
 stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 board.c clock.c analog.c serial.c)
 stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 board.c clock.c converters.c serial.c)
+
+# The core with the board's own sine and cosine: its sources once more, in front of the library. The
+# bring-up must pass with them as well.
+file(GLOB core CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/*.c")
+function(cordic_test name)
+  lode_port_test(${name} ${core} "${CMAKE_CURRENT_SOURCE_DIR}/fakes/fake.c"
+                 "${LODE_PORT_DIR}/stm32g4/cordic.c" ${ARGN})
+  target_include_directories(${name} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}/fakes"
+                             "${LODE_PORT_DIR}/stm32" "${LODE_PORT_DIR}/stm32g4")
+  target_compile_definitions(${name} PRIVATE FAKE_G4 LODE_SINCOS_BOARD)
+endfunction()
+cordic_test(test_port_cordic "${CMAKE_CURRENT_SOURCE_DIR}/test_port_cordic.c")
+if(TARGET lodestar_rig)
+  cordic_test(test_port_bringup_cordic "${CMAKE_CURRENT_SOURCE_DIR}/test_port_bringup.c" ${application})
+endif()
 
 if(LODE_BUILD_GATES)
   add_test(NAME port_stm32_images COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/stm32_images.sh"

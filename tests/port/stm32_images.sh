@@ -23,8 +23,14 @@ build() {
 }
 must_build() { build "$@" || { cat "$log"; exit 1; }; }
 
+# sections NAME ELF: the columns of arm-none-eabi-size.
+sections() {
+    arm-none-eabi-size "$2" |
+        awk -v name="$1" 'NR == 2 { print name ": text " $1 ", data " $2 ", bss " $3 }'
+}
 # Flash holds code, constants and what is copied to RAM; .bss, .data and stack are RAM.
 sizes() {
+    sections "$@"
     arm-none-eabi-size -A "$2" | awk -v name="$1" '
         { size[$1] = $2 }
         END { printf "%s: flash %d B, of it run from fast memory %d B; RAM %d B with %d B of stack\n",
@@ -43,6 +49,8 @@ for board in b_g431b_esc1 nucleo_ihm16m1; do
     fi
     sizes "$board" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 done
+must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON -DCMAKE_C_FLAGS_RELEASE=$optimise
+sizes "nucleo_ihm16m1 with CORDIC" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 must_build f4 -DLODE_PORT=stm32f4
 sizes stm32f4 "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
 if build refused -DLODE_PORT=stm32g4 -DLODE_CMSIS_DIR=/nowhere ||
@@ -51,15 +59,29 @@ if build refused -DLODE_PORT=stm32g4 -DLODE_CMSIS_DIR=/nowhere ||
     exit 1
 fi
 must_build f4 -DLODE_PORT=template
+sections template "$work/f4/port/template/lodestar_template.elf"
 
 command -v qemu-system-arm >/dev/null || { echo "no qemu-system-arm: the images were linked only"; exit 0; }
+# say MODE: the first line of the image in the file of its mode. The image runs for ever, so qemu is
+# ended after that line. Instructions, not time, drive it.
+mkfifo "$work/serial"
+say() {
+    local line='' pid
+    qemu-system-arm -M netduinoplus2 -display none -monitor none -serial null -serial null \
+        -serial stdio -icount shift=3,sleep=off -kernel "$work/mode$1.elf" \
+        </dev/null >"$work/serial" 2>"$work/qemu.log" &
+    pid=$!
+    read -r -t 60 line <"$work/serial" || true
+    kill "$pid" 2>/dev/null || true
+    wait "$pid" || true
+    printf '%s' "${line%$'\r'}"
+}
+
 for mode in 1 2; do
     must_build f4 -DLODE_PORT=stm32f4 -DLODE_EMULATED=ON -DLODE_APP_MODE=$mode
-    # The image runs for ever; what it says first is the result. Instructions, not time, drive it.
-    said=$(timeout 60 qemu-system-arm -M netduinoplus2 -display none -monitor none -serial null \
-        -serial null -serial stdio -icount shift=3,sleep=off \
-        -kernel "$work/f4/port/stm32f4/lodestar_stm32f4.elf" 2>"$work/qemu.log" |
-        { head -n 1 || true; } | tr -d '\r') || true
+    cp "$work/f4/port/stm32f4/lodestar_stm32f4.elf" "$work/mode$mode.elf"
+    sections "netduinoplus2, step $mode" "$work/mode$mode.elf"
+    said=$(say $mode)
     echo "netduinoplus2: $said"
     case "$said" in
     "$mode PASS OK "*) ;;

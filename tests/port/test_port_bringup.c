@@ -4,6 +4,7 @@
 #include "board.h"
 #include "motor.h"
 #include "plant.h"
+#include "record.h"
 #include "support/check.h"
 
 #define F_PWM 20000.0
@@ -41,7 +42,7 @@ static plant_t plant;
 static bool gates, latched;
 static uint32_t cycles, feeds, stamp, periods;
 static bool working;
-static char sent[4096];
+static char sent[32768];
 static size_t sent_length;
 
 // --- board.h ---
@@ -103,11 +104,12 @@ uint32_t board_cycles(void) {
 }
 
 uint32_t board_send(const uint16_t *octets, uint32_t count) {
-    if (count == 0u || sent_length + 1u >= sizeof sent) {
-        return 0u;
+    const uint32_t room = 3u; // takes a few at a time
+    uint32_t taken = 0u;
+    while (taken < count && taken < room && sent_length + 1u < sizeof sent) {
+        sent[sent_length++] = (char)octets[taken++];
     }
-    sent[sent_length++] = (char)octets[0]; // one at a time
-    return 1u;
+    return taken;
 }
 
 // --- bench ---
@@ -138,6 +140,8 @@ static void power_up(const mistakes_t *mistakes, plant_config_t config) {
     TEST_ASSERT_NULL(plant_init(&plant, &config));
     app_mode = APP_MODE_OFF;
     app_speed_rad_s = MOTOR_SPEED_rad_s;
+    app_link = LINK_REPORT;
+    app_trigger = LODE_TRIGGER_FAULT;
     latched = with.trip;
     working = false;
     sent_length = 0;
@@ -382,6 +386,75 @@ static void test_application_gives_up_after_some_restarts(void) {
     TEST_ASSERT_EQUAL_INT(1 + 3, starts);
 }
 
+static uint32_t word_at(size_t at) {
+    uint32_t word = 0u;
+    for (size_t n = 0; n < 4u; n++) {
+        word |= (uint32_t)(unsigned char)sent[at + n] << (8u * n);
+    }
+    return word;
+}
+
+static void test_ring_goes_over_the_line_without_a_gap(void) {
+    power_up(&sound, plant_of_motor());
+    app_link = LINK_RING;
+    app_mode = APP_MODE_APPLICATION;
+    run_for(1.0);
+    size_t at = 0;
+    uint32_t frames = 0u;
+    while (at + 64u < sent_length) {
+        const uint32_t head = word_at(at);
+        TEST_ASSERT_EQUAL_HEX32(LODE_RING_SYNC, head & 0xFFu);
+        if ((head & 0x8000u) == 0u) { // data
+            TEST_ASSERT_EQUAL_UINT32(frames, head >> 16);
+            frames++;
+        }
+        at += 4u * (2u + (head >> 8 & 31u));
+    }
+    TEST_ASSERT_INT_WITHIN(5, 200, frames); // a second of them
+}
+
+static void test_scope_sends_the_fault_once(void) {
+    power_up(&sound, plant_of_motor());
+    app_link = LINK_SCOPE;
+    app_mode = APP_MODE_APPLICATION;
+    run_for(3.0);
+    TEST_ASSERT_EQUAL_UINT32(0u, sent_length); // no fault, nothing to say
+    latched = true;
+    run_for(2.0);
+    const size_t octets = 4u * (LODE_SCOPE_WORDS(8, 250) + 1u);
+    TEST_ASSERT_EQUAL_UINT32(octets, sent_length);
+    TEST_ASSERT_EQUAL_HEX32(LODE_SCOPE_MAGIC, word_at(0));
+    // The first channel of the event's row is the check.
+    const uint32_t row = word_at(4u * (uint32_t)LODE_SCOPE_AT_EVENT);
+    TEST_ASSERT_EQUAL_HEX32(lode_channel_bits((float)LODE_CHECK_HARDWARE_TRIP),
+                            word_at(4u * (LODE_SCOPE_WORDS(8, 0) + 8u * row)));
+    TEST_ASSERT_EQUAL_HEX32(0u,
+                            word_at(4u * (LODE_SCOPE_WORDS(8, 0) + 8u * ((row + 249u) % 250u))));
+}
+
+static void test_scope_of_what_happens_now(void) {
+    power_up(&sound, plant_of_motor());
+    app_trigger = LODE_TRIGGER_IMMEDIATE;
+    app_link = LINK_SCOPE;
+    app_mode = BRINGUP_CURRENT;
+    run_for(2.0);
+    TEST_ASSERT_EQUAL_UINT32(4u * (LODE_SCOPE_WORDS(8, 250) + 1u), sent_length);
+}
+
+static void test_stopped_interrupt_switches_the_gates_off(void) {
+    power_up(&sound, plant_of_motor());
+    app_mode = APP_MODE_APPLICATION;
+    run_for(1.0);
+    TEST_ASSERT_TRUE(gates);
+    app_poll(); // may still see the last period
+    cycles += 7u * CYCLES_PER_PERIOD;
+    app_poll();
+    TEST_ASSERT_TRUE(gates); // a thread that looks often sees few periods missing
+    cycles += 2u * CYCLES_PER_PERIOD;
+    app_poll();
+    TEST_ASSERT_FALSE(gates);
+}
+
 static void test_cycles_are_recorded(void) {
     power_up(&sound, plant_of_motor());
     run_for(0.1);
@@ -407,6 +480,10 @@ int main(void) {
     RUN_TEST(test_watchdog_is_fed_only_while_periods_come);
     RUN_TEST(test_application_runs_and_restarts_after_a_trip);
     RUN_TEST(test_application_gives_up_after_some_restarts);
+    RUN_TEST(test_ring_goes_over_the_line_without_a_gap);
+    RUN_TEST(test_scope_sends_the_fault_once);
+    RUN_TEST(test_scope_of_what_happens_now);
+    RUN_TEST(test_stopped_interrupt_switches_the_gates_off);
     RUN_TEST(test_cycles_are_recorded);
     return UNITY_END();
 }

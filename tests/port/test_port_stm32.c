@@ -395,6 +395,8 @@ static void gates_on_by_the_drive(void) {
         app_poll();
     }
     TEST_ASSERT_TRUE(gates_on());
+    one_period(); // without a fault they stay on
+    TEST_ASSERT_TRUE(gates_on());
 }
 
 static void expect_gates_off_in_one_period(void) {

@@ -1,5 +1,6 @@
 #include "fake.h"
 
+#include <math.h>
 #include <string.h>
 
 #ifdef FAKE_G4
@@ -33,6 +34,7 @@ RCC_TypeDef fake_RCC;
 USART_TypeDef SERIAL;
 #ifdef FAKE_G4
 ADC_Common_TypeDef fake_ADC12_COMMON;
+CORDIC_TypeDef fake_CORDIC;
 COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
 OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
 DAC_TypeDef fake_DAC3;
@@ -46,6 +48,7 @@ static fake_entry_t entries[ENTRIES_MAX];
 static int count;
 static int irq_index[128];
 static uint32_t irq_priority[128];
+static uint32_t irq_mask;
 static bool break_active, clock_dead;
 static uint32_t room;
 static char text[TEXT_MAX];
@@ -77,7 +80,45 @@ void fake_reset(void) {
     text[0] = '\0';
 }
 
+#ifdef FAKE_G4
+#define Q31 2147483648.0
+#define RESIDUE 524288.0 // 2^19: what is left of the angle after 24 iterations
+
+static int32_t cordic_argument[2]; // angle over pi, modulus
+static int cordic_arguments, cordic_results;
+
+static void model_cordic(const volatile uint32_t *reg, uint32_t value) {
+    const uint32_t control = fake_CORDIC.CSR;
+    const int wanted = (control & CORDIC_CSR_NARGS) != 0u ? 2 : 1;
+    if (reg != &fake_CORDIC.WDATA || (fake_RCC.AHB1ENR & RCC_AHB1ENR_CORDICEN) == 0u) {
+        return;
+    }
+    cordic_argument[cordic_arguments++] = (int32_t)value;
+    if (cordic_arguments == wanted) {
+        cordic_arguments = 0;
+        cordic_results = (control & 15u) == 0u && (control & CORDIC_CSR_NRES) != 0u ? 2 : 0;
+    }
+}
+
+static uint32_t cordic_result(void) {
+    const double pi = 3.14159265358979323846;
+    const double angle = floor(cordic_argument[0] / Q31 * pi * RESIDUE) / RESIDUE;
+    if (cordic_results == 0 || irq_mask == 0u) { // nothing asked, or somebody may come in between
+        return 0xFFFFFFFFu;
+    }
+    cordic_results--;
+    const double one = cordic_argument[1] / Q31;
+    return (uint32_t)(int32_t)floor((cordic_results == 1 ? cos(angle) : sin(angle)) * one *
+                                    (Q31 - 1.0));
+}
+#endif
+
 uint32_t fake_read(const volatile uint32_t *reg) {
+#ifdef FAKE_G4
+    if (reg == &fake_CORDIC.RDATA) {
+        return cordic_result();
+    }
+#endif
     return *reg;
 }
 
@@ -149,6 +190,9 @@ void fake_write(volatile uint32_t *reg, const char *name, uint32_t value) {
     model_converters(reg, before);
     model_serial(reg, value);
     model_pins(reg, value);
+#ifdef FAKE_G4
+    model_cordic(reg, value);
+#endif
 }
 
 int fake_count(void) {
@@ -170,6 +214,18 @@ void NVIC_SetPriority(int irq, uint32_t priority) {
 
 void NVIC_EnableIRQ(int irq) {
     irq_index[irq] = count;
+}
+
+uint32_t __get_PRIMASK(void) {
+    return irq_mask;
+}
+
+void __set_PRIMASK(uint32_t mask) {
+    irq_mask = mask;
+}
+
+void __disable_irq(void) {
+    irq_mask = 1u;
 }
 
 int fake_irq_enabled(int irq) {

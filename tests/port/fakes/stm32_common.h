@@ -72,6 +72,17 @@ static inline void NVIC_SetPriority(int irq, uint32_t priority) {
 static inline void NVIC_EnableIRQ(int irq) {
     ((volatile uint32_t *)0xE000E100u)[irq / 32] = 1u << (irq % 32);
 }
+static inline uint32_t __get_PRIMASK(void) {
+    uint32_t mask;
+    __asm volatile("mrs %0, primask" : "=r"(mask));
+    return mask;
+}
+static inline void __set_PRIMASK(uint32_t mask) {
+    __asm volatile("msr primask, %0" ::"r"(mask) : "memory");
+}
+static inline void __disable_irq(void) {
+    __asm volatile("cpsid i" ::: "memory");
+}
 #else
 #include "fake.h"
 #define FAKE_AT(type, name, address) (&fake_##name)
@@ -79,6 +90,9 @@ static inline void NVIC_EnableIRQ(int irq) {
 #define REG_WRITE(reg, value) fake_write(&(reg), #reg, (uint32_t)(value))
 void NVIC_SetPriority(int irq, uint32_t priority);
 void NVIC_EnableIRQ(int irq);
+uint32_t __get_PRIMASK(void);
+void __set_PRIMASK(uint32_t mask);
+void __disable_irq(void);
 extern TIM_TypeDef fake_TIM1;
 extern GPIO_TypeDef fake_GPIOA, fake_GPIOB, fake_GPIOC;
 extern IWDG_TypeDef fake_IWDG;

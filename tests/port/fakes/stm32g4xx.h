@@ -18,6 +18,10 @@ typedef struct {
 } COMP_TypeDef;
 
 typedef struct {
+    volatile uint32_t CSR, WDATA, RDATA;
+} CORDIC_TypeDef;
+
+typedef struct {
     volatile uint32_t CSR;
 } OPAMP_TypeDef;
 
@@ -38,8 +42,8 @@ typedef struct {
 } PWR_TypeDef;
 
 typedef struct {
-    volatile uint32_t CR, ICSCR, CFGR, PLLCFGR, RESERVED1[15], AHB2ENR, RESERVED2[2], APB1ENR1,
-        APB1ENR2, APB2ENR;
+    volatile uint32_t CR, ICSCR, CFGR, PLLCFGR, RESERVED1[14], AHB1ENR, AHB2ENR, RESERVED2[2],
+        APB1ENR1, APB1ENR2, APB2ENR;
 } RCC_TypeDef;
 
 typedef struct {
@@ -84,6 +88,11 @@ typedef struct {
 #define DAC_MCR_HFSEL_Pos 14u
 #define DAC_MCR_MODE2_Pos 16u
 
+#define CORDIC_CSR_FUNC_Pos 0u
+#define CORDIC_CSR_PRECISION_Pos 4u
+#define CORDIC_CSR_NRES (1u << 19)
+#define CORDIC_CSR_NARGS (1u << 20)
+
 #define DBGMCU_APB1FZR1_DBG_IWDG_STOP (1u << 12)
 #define DBGMCU_APB2FZ_DBG_TIM1_STOP (1u << 11)
 #define FLASH_ACR_LATENCY 15u
@@ -108,6 +117,7 @@ typedef struct {
 #define RCC_PLLCFGR_PLLM_Pos 4u
 #define RCC_PLLCFGR_PLLN_Pos 8u
 #define RCC_PLLCFGR_PLLREN (1u << 24)
+#define RCC_AHB1ENR_CORDICEN (1u << 3)
 #define RCC_AHB2ENR_GPIOAEN 1u
 #define RCC_AHB2ENR_GPIOBEN (1u << 1)
 #define RCC_AHB2ENR_GPIOCEN (1u << 2)
@@ -128,6 +138,7 @@ typedef struct {
 #if !defined(__arm__)
 extern ADC_TypeDef fake_ADC1, fake_ADC2;
 extern ADC_Common_TypeDef fake_ADC12_COMMON;
+extern CORDIC_TypeDef fake_CORDIC;
 extern COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
 extern OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
 extern DAC_TypeDef fake_DAC3;
@@ -148,6 +159,7 @@ extern USART_TypeDef fake_USART2;
 #define COMP1 FAKE_AT(COMP_TypeDef, COMP1, 0x40010200u)
 #define COMP2 FAKE_AT(COMP_TypeDef, COMP2, 0x40010204u)
 #define COMP4 FAKE_AT(COMP_TypeDef, COMP4, 0x4001020Cu)
+#define CORDIC FAKE_AT(CORDIC_TypeDef, CORDIC, 0x40020C00u)
 #define OPAMP1 FAKE_AT(OPAMP_TypeDef, OPAMP1, 0x40010300u)
 #define OPAMP2 FAKE_AT(OPAMP_TypeDef, OPAMP2, 0x40010304u)
 #define OPAMP3 FAKE_AT(OPAMP_TypeDef, OPAMP3, 0x40010308u)
