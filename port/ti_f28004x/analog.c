@@ -3,8 +3,8 @@
 #define BIAS_count 2048u // of DACB: half of the reference, 1.65 V with its gain of 2
 #define SETTLE_us 100u   // amplifiers, DACs and the bias's capacitor
 #define POWER_UP_us 1000u
-// The comparators' filter: eight of ten samples taken every 50 ns, so 0.4 us of a real over-current.
-#define FILTER_CLOCKS 5u
+// The comparators' filter: eight of ten samples, one every 50 ns: 0.4 us of a real over-current.
+#define FILTER_CLOCKS (5u - 1u) // the register holds one less
 #define FILTER_WINDOW 10u
 #define FILTER_THRESHOLD 8u
 

@@ -294,8 +294,11 @@ static void test_every_source_switches_all_six_off_and_latches(void) {
         TEST_ASSERT_TRUE(counts.trip);
         TEST_ASSERT_FALSE(board_clear_trip()); // still active
         set_source(n, false);
-        board_write(&on); // gone, but latched
+        const int from = fake_count();
+        board_write(&on); // gone, but latched: not even tried
         TEST_ASSERT_TRUE(fake_all_tripped());
+        TEST_ASSERT_EQUAL_INT(
+            -1, fake_first("EPWM_clearTripZoneFlag", FAKE_ANY, FAKE_ANY, FAKE_ANY, from));
         TEST_ASSERT_TRUE(board_clear_trip());
         TEST_ASSERT_TRUE(fake_all_tripped()); // cleared is not on
         board_read(&counts);
