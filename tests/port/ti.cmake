@@ -13,3 +13,13 @@ function(ti_test name chip)
 endfunction()
 
 ti_test(test_port_ti_f28004x f28004x board.c pwm.c analog.c)
+ti_test(test_port_ti_am263x am263x board.c pwm.c analog.c)
+target_compile_definitions(test_port_ti_am263x PRIVATE "TI_REG_H=\"am263x_reg.h\"")
+
+if(LODE_BUILD_GATES)
+  foreach(script IN ITEMS ti_images ti_char16)
+    add_test(NAME port_${script} COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/${script}.sh"
+             WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+    set_tests_properties(port_${script} PROPERTIES LABELS port TIMEOUT 300 SKIP_RETURN_CODE 77)
+  endforeach()
+endif()
