@@ -1,40 +1,14 @@
-/// Every access of the AM263x port to a register, by address. The tests bring their own functions and so
-/// see the order.
+/// Every access of the AM263x port to a register goes by address through these functions. The tests bring
+/// their own and so see the order.
 #ifndef LODESTAR_PORT_TI_AM263X_REG_H
 #define LODESTAR_PORT_TI_AM263X_REG_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef TI_REG_H
-#include TI_REG_H
-#else
-static inline uint16_t reg_read16(uint32_t address) {
-    return *(volatile uint16_t *)address;
-}
-
-static inline void reg_write16(uint32_t address, uint32_t value) {
-    *(volatile uint16_t *)address = (uint16_t)value;
-}
-
-static inline uint32_t reg_read32(uint32_t address) {
-    return *(volatile uint32_t *)address;
-}
-
-static inline void reg_write32(uint32_t address, uint32_t value) {
-    *(volatile uint32_t *)address = value;
-}
-
-/// The core's cycle counter (PMU), started by startup.S.
-static inline uint32_t reg_cycles(void) {
-    uint32_t cycles;
-    __asm volatile("mrc p15, 0, %0, c9, c13, 0" : "=r"(cycles));
-    return cycles;
-}
-
-static inline void reg_interrupts_on(void) {
-    __asm volatile("cpsie i" ::: "memory");
-}
+#ifndef TI_REG_H
+#define TI_REG_H "access.h"
 #endif
+#include TI_REG_H
 
 #endif

@@ -68,7 +68,7 @@ static void serial_init(void) {
     SysCtl_enablePeripheral(SYSCTL_PERIPH_CLK_SCIA);
     SCI_performSoftwareReset(SCIA_BASE);
     SCI_setConfig(SCIA_BASE, DEVICE_LSPCLK_FREQ, BAUD,
-                  SCI_CONFIG_WLEN_8 | SCI_CONFIG_STOP_ONE | SCI_CONFIG_PAR_NONE);
+                  SCI_CONFIG_WLEN_8 | SCI_CONFIG_STOP_ONE); // no parity
     SCI_enableFIFO(SCIA_BASE);
     SCI_resetTxFIFO(SCIA_BASE);
     SCI_enableModule(SCIA_BASE);

@@ -80,6 +80,11 @@ static void test_trip_path_is_armed_before_the_pins_and_before_the_driver(void) 
     TEST_ASSERT_TRUE(first(GPIO_CLEAR(49), ~0u, 1u << (49 % 32)) < pins && pins < driver);
     for (int p = 0; p < 3; p++) {
         TEST_ASSERT_EQUAL_INT(-1, fake_first(EPWM(p) + EPWM_TZCLR, 0u, 0u, 0));
+        // TRIPIN1 as DCAH, TRIPIN2 as DCBH; event A1 while high, B1 while low; neither waits for a clock.
+        TEST_ASSERT_EQUAL_HEX32(0x0100u, fake_get(EPWM(p) + EPWM_DCTRIPSEL));
+        TEST_ASSERT_EQUAL_HEX32(0x0042u, fake_get(EPWM(p) + EPWM_TZDCSEL));
+        TEST_ASSERT_EQUAL_HEX32(0x0002u, fake_get(EPWM(p) + EPWM_DCACTL));
+        TEST_ASSERT_EQUAL_HEX32(0x0002u, fake_get(EPWM(p) + EPWM_DCBCTL));
     }
 }
 

@@ -1,4 +1,4 @@
-/// In place of the accesses in port/ti_am263x/reg.h: registers that the tests see (am263x.c).
+/// In place of the accesses in port/ti_am263x/access.h: registers that the tests see (am263x.c).
 #ifndef FAKES_TI_AM263X_REG_H
 #define FAKES_TI_AM263X_REG_H
 

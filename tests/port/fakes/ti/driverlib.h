@@ -70,7 +70,6 @@ void fake_enable_interrupts(void);
 #define GPIO_PIN_TYPE_PULLUP 0x1u
 #define SCI_CONFIG_WLEN_8 0x7uL
 #define SCI_CONFIG_STOP_ONE 0x0uL
-#define SCI_CONFIG_PAR_NONE 0x0uL
 
 typedef enum { EPWM_CLOCK_DIVIDER_1 = 0 } EPWM_ClockDivider;
 typedef enum { EPWM_HSCLOCK_DIVIDER_1 = 0 } EPWM_HSClockDivider;
