@@ -118,11 +118,9 @@ LODE_INLINE void lode_core_follow(lode_drive_t *self, const lode_measurement_t *
     self->steps++;
     if (lode_core_mode(self) != LODE_MODE_RUN || self->command.mode != LODE_MODE_RUN) {
         // A copy: the estimate itself stays in registers.
-        const lode_estimate_t rotor = {.omega_rad_s = est->omega_rad_s,
-                                       .rotor = est->rotor,
-                                       .i_A = est->i_A,
-                                       .e_V = est->e_V,
-                                       .lock = est->lock};
+        const lode_estimate_t rotor = {est->omega_rad_s, est->rotor,   est->half_turn,
+                                       est->i_A,         est->e_V,     est->load_torque_Nm,
+                                       est->lock,        est->reseeded};
         lode_core_follow_command(self, m->calibration, m->offset_count, &rotor);
     }
 }
