@@ -57,21 +57,27 @@ typedef enum {
     LODE_ERROR_SPEED_RAMP,         ///< acceleration not positive
     LODE_ERROR_SPEED_FEED_FORWARD, ///< share of a feed-forward outside 0 .. 1
     LODE_ERROR_ID_BIAS,            ///< id bias above i_max_A, or its speeds not in order
-    LODE_ERROR_START_CURRENT,      ///< start current outside 0.001 .. 1 times i_max_A
-    LODE_ERROR_START_SPEED,        ///< hand-over speed outside 0 .. omega_max_rad_s
-    LODE_ERROR_START_RAMP,         ///< start acceleration or a start time not positive
-    LODE_ERROR_START_DAMPING,      ///< damping ratio outside 0 .. 2
-    LODE_ERROR_GUARD_CURRENT,      ///< trip current below i_max_A, or beyond the sensor
-    LODE_ERROR_GUARD_BUS,          ///< bus limits not around v_bus_V, or beyond the sensor
-    LODE_ERROR_GUARD_TEMPERATURE,  ///< temperature limit not finite
-    LODE_ERROR_GUARD_SPEED,        ///< over-speed limit outside 1 .. 1e6
-    LODE_ERROR_GUARD_TIME,         ///< a debounce time outside 1 period .. 10 s
-    LODE_ERROR_COMMAND,            ///< a command with an unknown mode or a value that is not finite
-    LODE_ERROR_CHANNELS,           ///< no channel, too many of them, or one that does not exist
-    LODE_ERROR_BUFFER,             ///< a recorder's buffer holds less than two frames or rows
-    LODE_ERROR_TRIGGER,   ///< trigger or its channel not an enumerator, or level not finite
-    LODE_ERROR_PRE_SHARE, ///< share of rows before the trigger outside 0 .. 1
-    LODE_STATUS_COUNT     ///< number of statuses, none itself
+    LODE_ERROR_REFERENCES,         ///< kind or field_weakening not an enumerator
+    LODE_ERROR_FIELD_WEAKENING, ///< voltage_use outside 0.1 .. 1, trim_rad_s 0.1 .. 1e3, release_s
+                                ///< 1e-3 .. 10 or id_max_A 0.001 .. 1 times i_max_A
+    LODE_ERROR_LQ_FALL,         ///< Lq_fall outside 0 .. 10/i_max_A
+    LODE_ERROR_BUS_FADE, ///< v_bus_V <= v_regen_V < v_bus_max_V or v_bus_min_V < v_motor_V <= v_bus_V
+                         ///< does not hold
+    LODE_ERROR_START_CURRENT,     ///< start current outside 0.001 .. 1 times i_max_A
+    LODE_ERROR_START_SPEED,       ///< hand-over speed outside 0 .. omega_max_rad_s
+    LODE_ERROR_START_RAMP,        ///< start acceleration or a start time not positive
+    LODE_ERROR_START_DAMPING,     ///< damping ratio outside 0 .. 2
+    LODE_ERROR_GUARD_CURRENT,     ///< trip current below i_max_A, or beyond the sensor
+    LODE_ERROR_GUARD_BUS,         ///< bus limits not around v_bus_V, or beyond the sensor
+    LODE_ERROR_GUARD_TEMPERATURE, ///< temperature limit not finite
+    LODE_ERROR_GUARD_SPEED,       ///< over-speed limit outside 1 .. 1e6
+    LODE_ERROR_GUARD_TIME,        ///< a debounce time outside 1 period .. 10 s
+    LODE_ERROR_COMMAND,           ///< a command with an unknown mode or a value that is not finite
+    LODE_ERROR_CHANNELS,          ///< no channel, too many of them, or one that does not exist
+    LODE_ERROR_BUFFER,            ///< a recorder's buffer holds less than two frames or rows
+    LODE_ERROR_TRIGGER,           ///< trigger or its channel not an enumerator, or level not finite
+    LODE_ERROR_PRE_SHARE,         ///< share of rows before the trigger outside 0 .. 1
+    LODE_STATUS_COUNT             ///< number of statuses, none itself
 } lode_status_t;
 
 /// The enumerator's name, for logs; "LODE_STATUS_UNKNOWN" for any other value.

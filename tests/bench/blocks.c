@@ -16,6 +16,7 @@ static uint32_t row[ESTIMATORS]; // of the last estimate
 static lode_sense_t sense;
 static lode_current_t current;
 static lode_speed_t speed;
+static lode_references_t references;
 static lode_guard_t guard;
 static lode_start_t start;
 static lode_pi_t pi;
@@ -145,11 +146,14 @@ BLOCK(speed) {
 }
 
 BLOCK(references) {
-    const lode_dq_t ref_A =
-        lode_references_step(&tuning[ENHANCED].references, 1.2f + 0.01f * input(call)->theta_rad,
-                             BENCH_OMEGA_rad_s, 0.0f);
-    bench_sink[0] = ref_A.d;
-    bench_sink[1] = ref_A.q;
+    const lode_references_voltage_t voltage = {BENCH_V_BUS_V, input(call)->u_V};
+    const lode_references_out_t ref = lode_references_step(
+        &references, &tuning[ENHANCED].references, 1.2f + 0.01f * input(call)->theta_rad,
+        BENCH_OMEGA_rad_s, 0.0f, voltage);
+    bench_sink[0] = ref.i_A.d;
+    bench_sink[1] = ref.i_A.q;
+    bench_sink[2] = ref.torque_Nm.min;
+    bench_sink[3] = ref.torque_Nm.max;
 }
 
 BLOCK(modulator) {
