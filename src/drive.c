@@ -208,7 +208,8 @@ static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
                      torque, lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator));
     self->start.fade = 1.0f;
     self->start.id_A =
-        est->i_A.d - lode_references_step(&tuning->references, torque, est->omega_rad_s, 0.0f).d;
+        est->i_A.d - lode_references_id_A(&tuning->references, torque, est->omega_rad_s);
+    lode_references_reset(&self->references, est->i_A.d);
     self->ref_A = est->i_A; // until the speed control's turn
     self->direction = lode_sign(est->omega_rad_s);
     set_mode(self, LODE_MODE_RUN);
@@ -452,8 +453,12 @@ LODE_INLINE lode_abc_t drive_motor(lode_drive_t *self, const lode_measurement_t 
         control_speed(self, est->omega_rad_s, est->load_torque_Nm);
     }
     if (running && is_turn(self, 2u)) {
-        self->ref_A = lode_references_step(&tuning->references, self->speed.torque_Nm,
-                                           est->omega_rad_s, self->start.fade * self->start.id_A);
+        const lode_references_voltage_t voltage = {v_bus_V, self->u_V};
+        const lode_references_out_t ref =
+            lode_references_step(&self->references, &tuning->references, self->speed.torque_Nm,
+                                 est->omega_rad_s, self->start.fade * self->start.id_A, voltage);
+        self->ref_A = ref.i_A;
+        self->speed.limit_Nm = ref.torque_Nm;
     }
     if (running || mode_of(self) != LODE_MODE_VOLTAGE) {
         self->u_V = lode_current_step(&self->current, &tuning->current, self->ref_A, frame.i_A,

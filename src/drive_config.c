@@ -20,6 +20,17 @@ static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t
     return RATED_SHARE * inverter->v_bus_V / (LODE_SQRT3 * lode_max(flux, FLT_MIN));
 }
 
+// Speeds are bounded by the voltage no longer: a default that leaves weakening a factor of 2, and the
+// estimator the 12 periods per turn that it wants.
+#define WEAKENED_SHARE 2.0f // of the speed at which the magnets' EMF takes all of the bus
+#define OMEGA_TS_MAX 0.5f
+
+static float weakened_omega(const lode_drive_config_t *config) {
+    const float idle =
+        config->inverter.v_bus_V / (LODE_SQRT3 * lode_max(config->motor.psi_Wb, FLT_MIN));
+    return lode_min(WEAKENED_SHARE * idle, OMEGA_TS_MAX * config->f_pwm_Hz);
+}
+
 // What estimator and current control see: the slope of the switches is one with the windings.
 static lode_motor_t circuit_of(const lode_drive_config_t *config) {
     lode_motor_t circuit = config->motor;
@@ -35,14 +46,22 @@ void lode_drive_design(lode_drive_config_t *config) {
         lode_given_or(motor->omega_rated_rad_s, rated_omega(motor, inverter));
     lode_sense_design(&config->sense);
     lode_inverter_design(&config->inverter, motor, ts_s);
-    lode_estimator_design(&config->estimator, motor, ts_s);
     lode_references_design(&config->references, inverter, motor);
+    if (config->references.field_weakening == LODE_ON) {
+        config->estimator.omega_max_rad_s =
+            lode_given_or(config->estimator.omega_max_rad_s, weakened_omega(config));
+    }
+    lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
     lode_current_design(&config->current, &circuit, ts_s);
     lode_start_design(&config->start, inverter, motor);
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
                       config->start.omega_handover_rad_s);
     lode_guard_design(&config->guard, inverter, &config->estimator);
+    config->references.v_bus_max_V =
+        lode_given_or(config->references.v_bus_max_V, config->guard.v_bus_max_V);
+    config->references.v_bus_min_V =
+        lode_given_or(config->references.v_bus_min_V, config->guard.v_bus_min_V);
 }
 
 // Speed moves slowly: its control need not run faster than SPEED_RATE_Hz. Slow interrupts have time.
@@ -71,10 +90,11 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
 
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    const lode_motor_t circuit = circuit_of(c);
     lode_status_t status =
-        lode_references_tune(&t->references, &c->references, &c->inverter, &c->motor);
+        lode_references_tune(&t->references, &c->references, &c->inverter, &circuit,
+                             c->current.voltage_use, (float)t->speed_periods * t->ts_s);
     if (status == LODE_OK) {
-        const lode_motor_t circuit = circuit_of(c);
         status = lode_current_tune(&t->current, &c->current, &circuit, t->ts_s);
     }
     if (status == LODE_OK) {
