@@ -18,6 +18,7 @@
 #define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi
 #define WEAKENING_SHARE 1.0e-3f    // of i_max below what the torque alone would have
 #define SETTLED_SHARE 0.9f         // of the slower rate of id: less is no rate limit
+#define FLUX_SLACK 1.02f           // some of what voltage_use leaves: iq is not to follow its noise
 #define SATURATION_STEPS 32
 
 void lode_references_design(lode_references_config_t *config,
@@ -253,6 +254,12 @@ static float weakened_id(lode_references_t *self, const lode_references_tuning_t
     return id;
 }
 
+// The iq that a flux leaves beside id: torque waits until the field is weak enough for it (R12).
+static float iq_at(const lode_references_tuning_t *tuning, float inv_Lq, float flux, float id) {
+    const float psi_d = tuning->psi_Wb + tuning->Ld_H * id;
+    return lode_sqrt(flux * flux - psi_d * psi_d) * inv_Lq;
+}
+
 // Everything but plain id* = 0. A call of its own: the plain one keeps its registers.
 static LODE_COLD lode_references_out_t optimal(lode_references_t *self,
                                                const lode_references_tuning_t *tuning,
@@ -271,6 +278,7 @@ static LODE_COLD lode_references_out_t optimal(lode_references_t *self,
     const float wanted = lode_clamp(torque_Nm * tuning->inv_torque_factor, -down, up);
     float turn = lode_abs(wanted);
     float most = FLT_MAX;
+    float flux_most = 1.0e18f;
     float id = free_id(tuning, salient, turn, omega_rad_s) + id_add_A;
     bool weakening = false;
     if (tuning->weakens) {
@@ -284,12 +292,14 @@ static LODE_COLD lode_references_out_t optimal(lode_references_t *self,
         }
         id = weakened_id(self, tuning, Lq, turn, flux, id, id_min);
         weakening = self->weakening;
+        flux_most = FLUX_SLACK * flux;
     }
     const float i_max = tuning->i_max_A;
     id = lode_clamp(id, -i_max, i_max);
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
     const float active = active_flux(tuning, salient, id);
-    const float iq = lode_min(turn / active, iq_max);
+    const float iq_flux = iq_at(tuning, inv_Lq, flux_most, id);
+    const float iq = lode_min(lode_min(turn / active, iq_max), iq_flux);
     const float signed_iq = wanted < 0.0f ? -iq : iq;
     self->id_A = id;
     self->iq_A = signed_iq;

@@ -10,7 +10,7 @@ import random
 
 # R, Ld, Lq, psi, i_max, V: paper 1; no saliency, psi/L = 1.25 i_max; psi/Ld = 0.67 i_max (MTPV).
 MOTORS = [(0.75, 3.5e-3, 9.8e-3, 0.142, 16.0, 104.2), (0.05, 4e-4, 4e-4, 0.02, 40.0, 25.0),
-          (0.012, 1.5e-4, 4e-4, 0.03, 300.0, 208.0)]
+          (0.012, 6e-4, 1.6e-3, 0.12, 300.0, 208.0)]
 COARSE, FINE = 3000, 2000
 
 
