@@ -20,15 +20,24 @@ static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t
     return RATED_SHARE * inverter->v_bus_V / (LODE_SQRT3 * lode_max(flux, FLT_MIN));
 }
 
-// Speeds are bounded by the voltage no longer: a default that leaves weakening a factor of 2, and the
-// estimator the 12 periods per turn that it wants.
-#define WEAKENED_SHARE 2.0f // of the speed at which the magnets' EMF takes all of the bus
-#define OMEGA_TS_MAX 0.5f
+// The voltage bounds the speed no longer: by default twice the speed at which the magnets' EMF takes all
+// of it, between 2.5 and 5 times rated (the default observer's lag is compensated up to 5.9 times), with
+// at least 12 periods per turn.
+#define WEAKENED_SHARE 2.0f
+#define WEAKENED_RATED_MIN 2.5f
+#define WEAKENED_RATED_MAX 5.0f
+#define WEAKENED_TS 0.5f
+// At the limits of current and voltage nearly all flux may lie on the q axis, which is voltage on the d
+// axis: with 0.9 of the circle a motor with an MTPV range lost its id on the way in.
+#define WEAKENED_D_SHARE 0.97f
 
 static float weakened_omega(const lode_drive_config_t *config) {
-    const float idle =
-        config->inverter.v_bus_V / (LODE_SQRT3 * lode_max(config->motor.psi_Wb, FLT_MIN));
-    return lode_min(WEAKENED_SHARE * idle, OMEGA_TS_MAX * config->f_pwm_Hz);
+    const lode_motor_t *motor = &config->motor;
+    const float full = config->inverter.v_bus_V / (LODE_SQRT3 * lode_max(motor->psi_Wb, FLT_MIN));
+    const float omega =
+        lode_clamp(WEAKENED_SHARE * full, WEAKENED_RATED_MIN * motor->omega_rated_rad_s,
+                   WEAKENED_RATED_MAX * motor->omega_rated_rad_s);
+    return lode_min(omega, WEAKENED_TS * config->f_pwm_Hz);
 }
 
 // What estimator and current control see: the slope of the switches is one with the windings.
@@ -96,6 +105,9 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
                              c->current.voltage_use, (float)t->speed_periods * t->ts_s);
     if (status == LODE_OK) {
         status = lode_current_tune(&t->current, &c->current, &circuit, t->ts_s);
+        if (t->references.weakens) {
+            t->current.d_share = WEAKENED_D_SHARE;
+        }
     }
     if (status == LODE_OK) {
         status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,
