@@ -18,6 +18,7 @@
 #define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi
 #define WEAKENING_SHARE 1.0e-3f    // of i_max below what the torque alone would have
 #define SETTLED_SHARE 0.9f         // of the slower rate of id: less is no rate limit
+#define FLUX_UNLIMITED 1.0e9f      // finite when squared, beyond any motor's
 #define FLUX_SLACK 1.02f           // some of what voltage_use leaves: iq is not to follow its noise
 #define SATURATION_STEPS 32
 
@@ -76,7 +77,7 @@ static lode_status_t check(const lode_references_config_t *config,
     return is_fade_sound(config, inverter->v_bus_V) ? LODE_OK : LODE_ERROR_BUS_FADE;
 }
 
-static float Lq_at(const lode_references_tuning_t *tuning, float iq_A) {
+LODE_INLINE float Lq_at(const lode_references_tuning_t *tuning, float iq_A) {
     return tuning->Lq_H / (1.0f + tuning->Lq_fall * lode_abs(iq_A));
 }
 
@@ -151,7 +152,8 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
         .Ld_H = motor->Ld_H,
         .inv_Ld = 1.0f / motor->Ld_H,
         .Lq_H = motor->Lq_H,
-        .inv_Lq = 1.0f / motor->Lq_H,
+        .active_min = ACTIVE_FLUX_MIN_SHARE * motor->psi_Wb,
+        .fades = regen || motoring,
         .Lq_fall = config->Lq_fall,
         .regen = fade_between(config->v_regen_V, config->v_bus_max_V, regen),
         .motor = fade_between(-config->v_motor_V, -config->v_bus_min_V, motoring),
@@ -168,12 +170,12 @@ void lode_references_reset(lode_references_t *self, float id_A) {
 }
 
 // An id so positive that a salient rotor has no torque left is met at the current limit.
-static float active_flux(const lode_references_tuning_t *tuning, float salient, float id_A) {
-    return lode_max(tuning->psi_Wb + salient * id_A, ACTIVE_FLUX_MIN_SHARE * tuning->psi_Wb);
+LODE_INLINE float active_flux(const lode_references_tuning_t *tuning, float salient, float id_A) {
+    return lode_max(tuning->psi_Wb + salient * id_A, tuning->active_min);
 }
 
 // id of MTPA for the torque `turn` >= 0 over the torque factor: (R3) to (R5).
-static float mtpa_id(const lode_references_tuning_t *tuning, float salient, float turn) {
+LODE_INLINE float mtpa_id(const lode_references_tuning_t *tuning, float salient, float turn) {
     const float y = 4.0f * lode_abs(salient) * turn * tuning->inv_psi2;
     const float y2 = y * y;
     const float guess = 1.0f + lode_sqrt(1.0f + y2 / (4.0f + y));
@@ -186,8 +188,8 @@ static float mtpa_id(const lode_references_tuning_t *tuning, float salient, floa
 }
 
 // id for the torque alone (R7).
-static float free_id(const lode_references_tuning_t *tuning, float salient, float turn,
-                     float omega_rad_s) {
+LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient, float turn,
+                          float omega_rad_s) {
     const float bias = -tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
     if (!tuning->mtpa) {
         return bias;
@@ -197,10 +199,10 @@ static float free_id(const lode_references_tuning_t *tuning, float salient, floa
 }
 
 // Flux that the voltage leaves room for (R8), with the trim (R9) brought up to date.
-static float flux_limit(lode_references_t *self, const lode_references_tuning_t *tuning,
-                        float omega_rad_s, const lode_references_voltage_t *voltage) {
-    const float use = tuning->circle * voltage->v_bus_V;
-    const lode_dq_t u = voltage->u_V;
+LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuning_t *tuning,
+                             float omega_rad_s, lode_references_voltage_t voltage) {
+    const float use = tuning->circle * voltage.v_bus_V;
+    const lode_dq_t u = voltage.u_V;
     const float room = use * use - (u.d * u.d + u.q * u.q);
     const float change =
         self->weakening ? tuning->trim_gain * room : -tuning->trim_decay * self->trim;
@@ -213,7 +215,8 @@ static float flux_limit(lode_references_t *self, const lode_references_tuning_t 
 }
 
 // Most torque per volt (R13): the currents at the flux `flux`.
-static lode_dq_t mtpv(const lode_references_tuning_t *tuning, float inv_Lq, float flux) {
+static lode_dq_t mtpv(const lode_references_tuning_t *tuning, float Lq, float flux) {
+    const float inv_Lq = 1.0f / Lq;
     const float p = tuning->psi_Wb * tuning->inv_Ld;
     const float q = 2.0f * (tuning->inv_Ld - inv_Lq) * flux;
     const float cosine = -q / (p + lode_sqrt(p * p + 2.0f * q * q));
@@ -222,8 +225,8 @@ static lode_dq_t mtpv(const lode_references_tuning_t *tuning, float inv_Lq, floa
 }
 
 // One Newton step from the last id towards the flux `flux`: (R10) inside the circle, (R11) on it.
-static float newton_id(const lode_references_tuning_t *tuning, float id, float Lq, float turn,
-                       float flux) {
+LODE_INLINE float newton_id(const lode_references_tuning_t *tuning, float id, float Lq, float turn,
+                            float flux) {
     const float salient = tuning->Ld_H - Lq;
     const float i_max = tuning->i_max_A;
     const float psi_d = tuning->psi_Wb + tuning->Ld_H * id;
@@ -241,9 +244,9 @@ static float newton_id(const lode_references_tuning_t *tuning, float id, float L
 }
 
 // `id_free` or, where the voltage asks for it, less: falls fast, rises slowly (R12).
-static float weakened_id(lode_references_t *self, const lode_references_tuning_t *tuning, float Lq,
-                         float turn, float flux, float id_free, float id_min) {
-    const float before = lode_clamp(self->id_A, -tuning->i_max_A, tuning->i_max_A);
+LODE_INLINE float weakened_id(lode_references_t *self, const lode_references_tuning_t *tuning,
+                              float Lq, float turn, float flux, float id_free, float id_min) {
+    const float before = self->id_A;
     const float high = lode_min(id_free, before + tuning->rise_A);
     const float low = lode_min(lode_max(id_min, before - tuning->fall_A), high);
     const float id = lode_clamp(newton_id(tuning, before, Lq, turn, flux), low, high);
@@ -254,52 +257,59 @@ static float weakened_id(lode_references_t *self, const lode_references_tuning_t
     return id;
 }
 
-// The iq that a flux leaves beside id: torque waits until the field is weak enough for it (R12).
-static float iq_at(const lode_references_tuning_t *tuning, float inv_Lq, float flux, float id) {
-    const float psi_d = tuning->psi_Wb + tuning->Ld_H * id;
-    return lode_sqrt(flux * flux - psi_d * psi_d) * inv_Lq;
+// Torques over the torque factor that the bus allows against and with positive iq (R14).
+LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, float omega_rad_s,
+                                    float v_bus_V) {
+    const float most = tuning->turn_max;
+    if (!tuning->fades) {
+        return (lode_range_t){-most, most};
+    }
+    const float motor = most * lode_fade(&tuning->motor, -v_bus_V);
+    const float regen = most * lode_fade(&tuning->regen, v_bus_V);
+    return omega_rad_s < 0.0f ? (lode_range_t){-motor, regen} : (lode_range_t){-regen, motor};
 }
 
-// Everything but plain id* = 0. A call of its own: the plain one keeps its registers.
-static LODE_COLD lode_references_out_t optimal(lode_references_t *self,
-                                               const lode_references_tuning_t *tuning,
-                                               float torque_Nm, float omega_rad_s, float id_add_A,
-                                               const lode_references_voltage_t *voltage) {
+// iq for the torque, within the circle (K11); it waits until id leaves it the flux (R12).
+LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float turn, float active,
+                        float iq_max, float id, float Lq, float flux) {
+    const float iq = lode_min(turn / active, iq_max);
+    const float psi_d = tuning->psi_Wb + tuning->Ld_H * id;
+    const float psi_q = Lq * iq;
+    const float room = FLUX_SLACK * FLUX_SLACK * flux * flux - psi_d * psi_d;
+    return psi_q * psi_q <= room ? iq : lode_sqrt(room) / Lq;
+}
+
+LODE_HOT lode_references_out_t lode_references_optimal(lode_references_t *self,
+                                                       const lode_references_tuning_t *tuning,
+                                                       float torque_Nm, float omega_rad_s,
+                                                       float id_add_A,
+                                                       lode_references_voltage_t voltage) {
     const bool saturates = tuning->Lq_fall > 0.0f;
-    const float fall = 1.0f + tuning->Lq_fall * lode_abs(self->iq_A);
-    const float Lq = saturates ? tuning->Lq_H / fall : tuning->Lq_H;
-    const float inv_Lq = tuning->inv_Lq * fall;
+    const float Lq = saturates ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
     const float salient = tuning->Ld_H - Lq;
-    // What the bus allows in either sense (R14).
-    const float motor = tuning->turn_max * lode_fade(&tuning->motor, -voltage->v_bus_V);
-    const float regen = tuning->turn_max * lode_fade(&tuning->regen, voltage->v_bus_V);
-    const float up = omega_rad_s < 0.0f ? regen : motor;
-    const float down = omega_rad_s < 0.0f ? motor : regen;
-    const float wanted = lode_clamp(torque_Nm * tuning->inv_torque_factor, -down, up);
+    const float i_max = tuning->i_max_A;
+    const lode_range_t bus = bus_limits(tuning, omega_rad_s, voltage.v_bus_V);
+    const float wanted = lode_clamp(torque_Nm * tuning->inv_torque_factor, bus.min, bus.max);
     float turn = lode_abs(wanted);
     float most = FLT_MAX;
-    float flux_most = 1.0e18f;
-    float id = free_id(tuning, salient, turn, omega_rad_s) + id_add_A;
+    float flux = FLUX_UNLIMITED;
+    float id = lode_clamp(free_id(tuning, salient, turn, omega_rad_s) + id_add_A, -i_max, i_max);
     bool weakening = false;
     if (tuning->weakens) {
-        const float flux = flux_limit(self, tuning, omega_rad_s, voltage);
+        flux = flux_limit(self, tuning, omega_rad_s, voltage);
         float id_min = tuning->id_min_A;
         if (tuning->mtpv) {
-            const lode_dq_t point = mtpv(tuning, inv_Lq, flux);
+            const lode_dq_t point = mtpv(tuning, Lq, flux);
             most = active_flux(tuning, salient, point.d) * point.q;
             turn = lode_min(turn, most);
             id_min = lode_max(id_min, point.d);
         }
         id = weakened_id(self, tuning, Lq, turn, flux, id, id_min);
         weakening = self->weakening;
-        flux_most = FLUX_SLACK * flux;
     }
-    const float i_max = tuning->i_max_A;
-    id = lode_clamp(id, -i_max, i_max);
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
     const float active = active_flux(tuning, salient, id);
-    const float iq_flux = iq_at(tuning, inv_Lq, flux_most, id);
-    const float iq = lode_min(lode_min(turn / active, iq_max), iq_flux);
+    const float iq = iq_of(tuning, turn, active, iq_max, id, Lq, flux);
     const float signed_iq = wanted < 0.0f ? -iq : iq;
     self->id_A = id;
     self->iq_A = signed_iq;
@@ -309,8 +319,8 @@ static LODE_COLD lode_references_out_t optimal(lode_references_t *self,
     const float free = tuning->mtpa && !weakening ? lode_max(circle, tuning->turn_max) : circle;
     const float limit = lode_min(free, most);
     return (lode_references_out_t){{id, signed_iq},
-                                   {-tuning->torque_factor * lode_min(limit, down),
-                                    tuning->torque_factor * lode_min(limit, up)}};
+                                   {tuning->torque_factor * lode_max(-limit, bus.min),
+                                    tuning->torque_factor * lode_min(limit, bus.max)}};
 }
 
 LODE_HOT lode_references_out_t lode_references_step(lode_references_t *self,
@@ -319,7 +329,7 @@ LODE_HOT lode_references_out_t lode_references_step(lode_references_t *self,
                                                     float id_add_A,
                                                     lode_references_voltage_t voltage) {
     if (!tuning->plain) {
-        return optimal(self, tuning, torque_Nm, omega_rad_s, id_add_A, &voltage);
+        return lode_references_optimal(self, tuning, torque_Nm, omega_rad_s, id_add_A, voltage);
     }
     const float i_max = tuning->i_max_A;
     const float bias = tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));

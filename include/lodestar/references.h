@@ -44,17 +44,18 @@ typedef struct {
     float psi_Wb;
     float salient_H;     ///< Ld - Lq
     float torque_factor; ///< 1.5 np
+    float active_min;    ///< least active flux that is divided by
     bool plain;          ///< id* = 0 and nothing else
     bool mtpa;
     bool weakens;
-    bool mtpv; ///< the speed of most torque per volt can be reached
+    bool fades; ///< braking or motoring torque follows the bus
+    bool mtpv;  ///< the speed of most torque per volt can be reached
     float inv_torque_factor;
     float turn_max; ///< most torque inside the circle, over torque_factor
     float inv_psi2;
     float Ld_H;
     float inv_Ld;
     float Lq_H; ///< at no current
-    float inv_Lq;
     float Lq_fall;
     float circle;     ///< voltage to be used per bus volt
     float trim_gain;  ///< per V^2 and call
@@ -103,6 +104,12 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
 
 /// Starts from `id_A`, without a jump.
 void lode_references_reset(lode_references_t *self, float id_A);
+
+/// Part of lode_references_step(), which alone calls it: everything but plain id* = 0.
+lode_references_out_t lode_references_optimal(lode_references_t *self,
+                                              const lode_references_tuning_t *tuning,
+                                              float torque_Nm, float omega_rad_s, float id_add_A,
+                                              lode_references_voltage_t voltage);
 
 /// Current references for `torque_Nm` at the electrical speed `omega_rad_s`; `id_add_A` is added to
 /// the d axis (the rest of the start current while it fades). Stays within the circle i_max, d first.
