@@ -316,8 +316,8 @@ LODE_HOT lode_references_out_t lode_references_optimal(lode_references_t *self,
     self->turn = active * signed_iq;
     // With more torque MTPA would move id too: all of the circle can be had.
     const float circle = active * iq_max;
-    const float free = tuning->mtpa && !weakening ? lode_max(circle, tuning->turn_max) : circle;
-    const float limit = lode_min(free, most);
+    const float open = tuning->mtpa && !weakening ? lode_max(circle, tuning->turn_max) : circle;
+    const float limit = lode_min(open, most);
     return (lode_references_out_t){{id, signed_iq},
                                    {tuning->torque_factor * lode_max(-limit, bus.min),
                                     tuning->torque_factor * lode_min(limit, bus.max)}};
