@@ -205,6 +205,7 @@ static double rig_turn(const rig_t *rig) {
 static void test_currents_are_the_best_of_all(void) {
     worst_t torque = {0.0};
     worst_t most = {0.0};
+    worst_t last = {0.0};
     worst_t amplitude = {0.0};
     worst_t voltage = {0.0};
     worst_t beyond = {0.0}; // where all of the circle is not enough
@@ -218,20 +219,22 @@ static void test_currents_are_the_best_of_all(void) {
         (void)snprintf(text, sizeof text, "case %d: (%.4f, %.4f), best (%.4f, %.4f)", n,
                        (double)i.d, (double)i.q, c->id_A, c->iq_A);
         // At the end of the circle, id = -i_max, iq falls from 2 % of i_max to 0 within 0.02 % of id.
+        const bool end = c->id_A < -0.98 * rig.i_max;
         const double share = fabs(rig_turn(&rig) - best) / (rig.psi * rig.i_max);
-        TEST_ASSERT_TRUE_MESSAGE(share <= (c->reached ? 1.0e-5 : 0.012), text);
+        TEST_ASSERT_TRUE_MESSAGE(share <= (c->reached ? 1.0e-5 : (end ? 0.012 : 1.0e-5)), text);
         TEST_ASSERT_TRUE_MESSAGE(hypot((double)i.d, (double)i.q) <=
                                      1.005 * hypot(c->id_A, c->iq_A) + 0.002 * rig.i_max,
                                  text);
-        worst_note(c->reached ? &torque : &most, share);
+        worst_note(c->reached ? &torque : (end ? &last : &most), share);
         worst_note(&amplitude,
                    (hypot((double)i.d, (double)i.q) - hypot(c->id_A, c->iq_A)) / rig.i_max);
         const double u = rig_voltage(&rig, c->omega_rad_s, i, rig.Lq);
         worst_note(c->reached ? &voltage : &beyond, fmax(0.0, u / rig.V - 1.0));
     }
-    printf("worst of %d: torque %.2e, largest torque %.2e of psi i_max, amplitude %.2e "
-           "of i_max, voltage %.2e too high\n",
-           COUNT_OF(references_cases), torque.value, most.value, amplitude.value, voltage.value);
+    printf("worst of %d: torque %.2e, largest torque %.2e (%.2e at id = -i_max) of psi i_max, "
+           "amplitude %.2e of i_max, voltage %.2e too high\n",
+           COUNT_OF(references_cases), torque.value, most.value, last.value, amplitude.value,
+           voltage.value);
     CHECK_AT_MOST(1.0e-3, voltage.value);
     CHECK_AT_MOST(5.0e-3, beyond.value);
 }
@@ -365,6 +368,30 @@ static void test_trim_absorbs_a_wrong_psi(void) {
         // Gone below the voltage limit.
         rig_settle(&rig, 0.3 * rig.V / rig.psi, 0.3 * rig.psi * rig.i_max);
         CHECK_NEAR(1.0e-4, 0.0, rig.self.trim);
+    }
+}
+
+static void test_trim_recovers_at_the_lowest_id(void) {
+    rig_t rig = rig_of(0, true, &weakening);
+    const double omega = 1.45 * rig.V / rig.psi;
+    rig_settle(&rig, omega, 0.1);
+    const double id = (double)rig.out.i_A.d;
+    rig.self.trim = -0.15f;
+    rig.self.id_A = -16.0f;
+    rig_settle(&rig, omega, 0.1);
+    CHECK_NEAR(0.01, id, rig.out.i_A.d);
+}
+
+static void test_torque_waits_for_the_flux(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = rig_of(2, true, &weakening);
+        const double omega = 1.5 * rig.V / rig.psi;
+        rig_settle(&rig, omega, 0.0);
+        for (int n = 0; n < 20; n++) {
+            rig_step(&rig, omega, 10.0 * sign);
+            CHECK_AT_MOST(1.03 * rig.V, rig_voltage(&rig, omega, rig.out.i_A, rig.Lq));
+        }
+        CHECK_CLOSE(1.0e-3, 10.0 * sign, rig_turn(&rig));
     }
 }
 
@@ -634,6 +661,8 @@ int main(void) {
     RUN_TEST(test_entry_and_exit_are_smooth);
     RUN_TEST(test_torque_limit_is_what_can_be_had);
     RUN_TEST(test_trim_absorbs_a_wrong_psi);
+    RUN_TEST(test_trim_recovers_at_the_lowest_id);
+    RUN_TEST(test_torque_waits_for_the_flux);
     RUN_TEST(test_id_rises_slowly);
     RUN_TEST(test_bus_limits_braking_and_motoring);
     RUN_TEST(test_saturating_q_axis);
