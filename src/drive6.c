@@ -199,6 +199,7 @@ static LODE_COLD void go_on_alone(lode_drive6_t *self, lode_active_t active, lod
     drive->i_A = lode_park(i_A, rotor);
     lode_current_reset(&drive->current, &drive->tuning->current, drive->u_V, drive->i_A,
                        omega_rad_s);
+    lode_references_reset(&drive->references, drive->i_A.d);
     drive->ref_A = drive->i_A; // until the speed control's turn
     lode_xy_reset(&self->xy);
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};

@@ -60,7 +60,8 @@ static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
                      torque, lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator));
     self->start.fade = 1.0f;
     self->start.id_A =
-        est->i_A.d - lode_references_step(&tuning->references, torque, est->omega_rad_s, 0.0f).d;
+        est->i_A.d - lode_references_id_A(&tuning->references, torque, est->omega_rad_s);
+    lode_references_reset(&self->references, est->i_A.d);
     self->ref_A = est->i_A; // until the speed control's turn
     self->direction = lode_sign(est->omega_rad_s);
     lode_core_set_mode(self, LODE_MODE_RUN);

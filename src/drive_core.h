@@ -144,8 +144,12 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
         lode_core_control_speed(self, est->omega_rad_s, est->load_torque_Nm);
     }
     if (running && is_turn(self, 2u)) {
-        self->ref_A = lode_references_step(&tuning->references, self->speed.torque_Nm,
-                                           est->omega_rad_s, self->start.fade * self->start.id_A);
+        const lode_references_voltage_t voltage = {v_bus_V, self->u_V};
+        const lode_references_out_t ref =
+            lode_references_step(&self->references, &tuning->references, self->speed.torque_Nm,
+                                 est->omega_rad_s, self->start.fade * self->start.id_A, voltage);
+        self->ref_A = ref.i_A;
+        self->speed.limit_Nm = ref.torque_Nm;
     }
     if (running || lode_core_mode(self) != LODE_MODE_VOLTAGE) {
         self->u_V = lode_current_step(&self->current, &tuning->current, self->ref_A, frame.i_A,

@@ -109,6 +109,7 @@ typedef struct {
     lode_estimator_t estimator;
     lode_current_t current;
     lode_speed_t speed;
+    lode_references_t references;
     lode_start_t start;
     lode_guard_t guard;
 } lode_drive_t;

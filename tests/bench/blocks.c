@@ -16,6 +16,9 @@ static uint32_t row[ESTIMATORS]; // of the last estimate
 static lode_sense_t sense;
 static lode_current_t current;
 static lode_speed_t speed;
+static lode_references_t references;
+static lode_references_t weak[3];
+static lode_references_tuning_t weak_tuning[3]; // MTPA; id = 0 and MTPA with field weakening
 static lode_guard_t guard;
 static lode_start_t start;
 static lode_pi_t pi;
@@ -41,8 +44,24 @@ static void estimate_row(int32_t n, uint32_t k) {
     row[n] = k;
 }
 
-bool bench_blocks_setup(void) {
+// A salient rotor at its voltage limit.
+static bool tune_references(void) {
     bool good = true;
+    for (int32_t n = 0; n < 3; n++) {
+        lode_drive_config_t config = bench_config(BENCH_enhanced);
+        config.motor.Lq_H *= 2.0f;
+        config.references.kind = n == 1 ? LODE_REFERENCES_ID0 : LODE_REFERENCES_MTPA;
+        config.references.field_weakening = n == 0 ? LODE_OFF : LODE_ON;
+        lode_drive_tuning_t drive;
+        good = lode_drive_tune(&drive, &config) == LODE_OK && good;
+        weak_tuning[n] = drive.references;
+        lode_references_reset(&weak[n], 0.0f);
+    }
+    return good;
+}
+
+bool bench_blocks_setup(void) {
+    bool good = tune_references();
     for (int32_t n = 0; n < ESTIMATORS; n++) {
         const lode_drive_config_t config = bench_config(drive_of[n]);
         good = lode_drive_tune(&tuning[n], &config) == LODE_OK && good;
@@ -145,11 +164,38 @@ BLOCK(speed) {
 }
 
 BLOCK(references) {
-    const lode_dq_t ref_A =
-        lode_references_step(&tuning[ENHANCED].references, 1.2f + 0.01f * input(call)->theta_rad,
-                             BENCH_OMEGA_rad_s, 0.0f);
-    bench_sink[0] = ref_A.d;
-    bench_sink[1] = ref_A.q;
+    const lode_references_voltage_t voltage = {BENCH_V_BUS_V, {0.0f, 10.0f}};
+    const lode_references_out_t ref = lode_references_step(
+        &references, &tuning[ENHANCED].references, 1.2f + 0.01f * input(call)->theta_rad,
+        BENCH_OMEGA_rad_s, 0.0f, voltage);
+    bench_sink[0] = ref.i_A.d;
+    bench_sink[1] = ref.i_A.q;
+    bench_sink[2] = ref.torque_Nm.min;
+    bench_sink[3] = ref.torque_Nm.max;
+}
+
+static void weaken(uint32_t call, int32_t n) {
+    const float use_V = 0.9f * BENCH_V_BUS_V / LODE_SQRT3;
+    const lode_references_voltage_t voltage = {BENCH_V_BUS_V, {-0.3f * use_V, 0.95f * use_V}};
+    const lode_references_out_t ref =
+        lode_references_step(&weak[n], &weak_tuning[n], 0.6f + 0.01f * input(call)->theta_rad,
+                             1.1f * use_V / weak_tuning[n].psi_Wb, 0.0f, voltage);
+    bench_sink[0] = ref.i_A.d;
+    bench_sink[1] = ref.i_A.q;
+    bench_sink[2] = ref.torque_Nm.min;
+    bench_sink[3] = ref.torque_Nm.max;
+}
+
+BLOCK(references_mtpa) {
+    weaken(call, 0);
+}
+
+BLOCK(references_weak_id0) {
+    weaken(call, 1);
+}
+
+BLOCK(references_weak_mtpa) {
+    weaken(call, 2);
 }
 
 BLOCK(modulator) {

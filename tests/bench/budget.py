@@ -44,7 +44,8 @@ STEADY = list(STEPS)[:7]
 PHASES = {"steady": "enhanced", "start, hand-over": "start", "limit of current, of voltage":
           "saturated", "over-voltage, trip, fault": "fault", "off": "off"}
 BLOCKS = ["estimator_c_leso_qpll", "estimator_fa_leso_leso_qpll", "estimator_enhanced", "sense",
-          "emf_c_leso", "pll", "lag", "speed", "references", "current", "modulator", "guard",
+          "emf_c_leso", "pll", "lag", "speed", "references",
+          "references_mtpa", "references_weak_id0", "references_weak_mtpa", "current", "modulator", "guard",
           "start", "sincos", "atan2", "pi", "sogi", "clarke_park", "nothing"]
 BLOCK_CALLS = 100
 LEVELS = ["-Os", "-O2", "-O3"]

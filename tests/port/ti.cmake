@@ -1,7 +1,6 @@
 # TI's ports: F28004x on a recorded driverlib, AM263x on recorded registers and as a complete image for
 # the Cortex-R5F, and what a 16-bit char and int would break.
-set(ti_common "${LODE_PORT_DIR}/ti/figures.c" "${LODE_PORT_DIR}/example/app.c"
-              "${LODE_PORT_DIR}/example/bringup.c" "${LODE_PORT_DIR}/example/report.c")
+set(ti_common "${LODE_PORT_DIR}/ti/figures.c" ${application})
 
 # ti_test(<name> <folder of the port> <source>...): with the fake of the same name
 function(ti_test name chip)
