@@ -1,6 +1,5 @@
-/// Motor, load, ideal inverter and 12-bit converters in single precision, small enough for an image. It uses the library's
-/// frames and
-/// takes no function of the library and none of libm, so that it computes the same bits everywhere.
+/// Motor, load, ideal inverter and 12-bit converters in single precision, small enough for an image. Only
+/// sums, products and quotients: it computes the same bits everywhere.
 #ifndef EMULATOR_PLANT_H
 #define EMULATOR_PLANT_H
 

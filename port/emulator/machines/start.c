@@ -1,12 +1,14 @@
 #include "start.h"
 
+#include <stdlib.h>
+
 #include "semihost.h"
 
 #define EXIT_STOPPED 70 // EX_SOFTWARE of sysexits.h
 
-/// Ends the emulation with `code`; an image with the C library's output flushes it here first.
-__attribute__((weak, noreturn)) void exit(int code);
-void exit(int code) {
+/// Where the C library's exit() ends, after it has written what is left of the output.
+__attribute__((noreturn)) void _exit(int code);
+void _exit(int code) {
     semihost_exit(code);
 }
 
