@@ -20,7 +20,10 @@ static const char *const left_out[] = {
     "test_rest_is_silent",
     "test_bounded_whatever_the_speed_does",
     "test_bounded_while_the_speed_swings",
-    // notch
+    "test_gi_is_stable_at_every_speed",
+    "test_what_is_left_decays_at_every_speed",
+    // modulator, notch
+    "test_no_duty_of_the_fast_path_leaves_its_range",
     "test_harmonic_is_gone_where_the_notch_is_in",
     "test_between_it_is_blended",
     "test_it_stays_out_at_low_speed",
