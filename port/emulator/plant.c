@@ -37,13 +37,13 @@ lode_counts_t plant_counts(const plant_t *self) {
 }
 
 // Rise of the current per second under the voltage `u`.
-static lode_dq_t slope(const lode_motor_t *m, float omega, lode_dq_t u, lode_dq_t i) {
+static lode_dq_t current_rise(const lode_motor_t *m, float omega, lode_dq_t u, lode_dq_t i) {
     return (lode_dq_t){(u.d - m->Rs_Ohm * i.d + omega * m->Lq_H * i.q) / m->Ld_H,
                        (u.q - m->Rs_Ohm * i.q - omega * (m->Ld_H * i.d + m->psi_Wb)) / m->Lq_H};
 }
 
 // Turned on by a small angle; drawn to length 1, or rounding would pile up.
-static lode_sincos_t turned(lode_sincos_t a, float x) {
+static lode_sincos_t advanced(lode_sincos_t a, float x) {
     const float c = 1.0f - 0.5f * x * x;
     const float s = x - x * x * x * (1.0f / 6.0f);
     const lode_sincos_t b = {a.sin * c + a.cos * s, a.cos * c - a.sin * s};
@@ -52,22 +52,22 @@ static lode_sincos_t turned(lode_sincos_t a, float x) {
 }
 
 static void carry(plant_t *self, const lode_motor_t *m, lode_ab_t u_V) {
-    const lode_sincos_t middle = turned(self->rotor, 0.5f * PART_s * self->omega_rad_s);
+    const lode_sincos_t middle = advanced(self->rotor, 0.5f * PART_s * self->omega_rad_s);
     const lode_dq_t u = lode_park(u_V, middle);
     const lode_dq_t i = {self->id_A, self->iq_A};
-    const lode_dq_t first = slope(m, self->omega_rad_s, u, i);
+    const lode_dq_t first = current_rise(m, self->omega_rad_s, u, i);
     const lode_dq_t half = {i.d + 0.5f * PART_s * first.d, i.q + 0.5f * PART_s * first.q};
-    const lode_dq_t rise = slope(m, self->omega_rad_s, u, half);
+    const lode_dq_t rise = current_rise(m, self->omega_rad_s, u, half);
     self->id_A = i.d + PART_s * rise.d;
     self->iq_A = i.q + PART_s * rise.q;
 }
 
-static void turn(plant_t *self, const lode_motor_t *m) {
+static void turn_rotor(plant_t *self, const lode_motor_t *m) {
     const float saliency_Wb = (m->Ld_H - m->Lq_H) * self->id_A;
     const float torque_Nm = 1.5f * m->pole_pairs * (m->psi_Wb + saliency_Wb) * self->iq_A;
     const float slow = lode_clamp(self->omega_rad_s / SLOW_rad_s, -1.0f, 1.0f);
     const float drag_Nm = self->load_Nm * slow + m->B_Nms * self->omega_rad_s / m->pole_pairs;
-    self->rotor = turned(self->rotor, PART_s * self->omega_rad_s);
+    self->rotor = advanced(self->rotor, PART_s * self->omega_rad_s);
     self->omega_rad_s += PART_s * m->pole_pairs * (torque_Nm - drag_Nm) / m->J_kgm2;
 }
 
@@ -82,7 +82,7 @@ void plant_period(plant_t *self, const lode_drive_out_t *out) {
             self->id_A = 0.0f;
             self->iq_A = 0.0f;
         }
-        turn(self, &m);
+        turn_rotor(self, &m);
     }
     self->acting = out->duty;
 }

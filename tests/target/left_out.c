@@ -14,6 +14,9 @@ static const char *const left_out[] = {
     // leso
     "test_steady_gain_and_lag",
     "test_multi_leaves_no_offset_and_no_fifth_and_seventh",
+    "test_multi_below_its_speed_is_plain_fa",
+    "test_multi_fades_without_a_jump",
+    "test_calm_keeps_the_estimate",
     "test_slow_mode_passes_offset_in_the_end",
     "test_slow_mode_is_silent_from_reset",
     "test_reversal_makes_no_jump",
@@ -22,8 +25,11 @@ static const char *const left_out[] = {
     "test_bounded_while_the_speed_swings",
     "test_gi_is_stable_at_every_speed",
     "test_what_is_left_decays_at_every_speed",
-    // modulator, notch
+    "test_k1_is_bound_to_k2",
+    // lag, modulator, notch
+    "test_near_is_as_close_as_its_move_is_small",
     "test_no_duty_of_the_fast_path_leaves_its_range",
+    "test_the_fast_path_gives_what_the_limit_gives",
     "test_harmonic_is_gone_where_the_notch_is_in",
     "test_between_it_is_blended",
     "test_it_stays_out_at_low_speed",

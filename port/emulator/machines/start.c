@@ -14,10 +14,10 @@ void _exit(int code) {
 
 void emulator_main(void) {
     const uint32_t *from = data_load;
-    for (uint32_t *p = data_begin; p < data_end; p++) {
+    for (uint32_t *p = data_begin; p != data_end; p++) {
         *p = *from++;
     }
-    for (uint32_t *p = bss_begin; p < bss_end; p++) {
+    for (uint32_t *p = bss_begin; p != bss_end; p++) {
         *p = 0u;
     }
     exit(main());
