@@ -46,9 +46,10 @@ void timer_handler(void) {
 
 // Not with WFI: qemu 7.2 skips idle time under -icount, and skips every second tick with it.
 void machine_wait(void) {
-    const uint32_t seen = entries;
+    static uint32_t seen;
     while (entries == seen) {
     }
+    seen = entries;
 }
 
 uint32_t machine_stamp(void) {
