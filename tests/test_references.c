@@ -92,7 +92,7 @@ static void test_circle_holds_with_d_first(void) {
     const lode_references_config_t config = sound();
     const lode_references_tuning_t tuning = tuned(&config);
     random_t random = random_seed(1);
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < CHECK_TRIES(100000); n++) {
         const float torque = random_float(&random, -30.0, 30.0);
         const float omega = random_float(&random, -200.0, 200.0);
         const float add = random_float(&random, -15.0, 15.0);
@@ -134,7 +134,7 @@ static void test_any_input_stays_in_the_circle(void) {
     const lode_references_config_t config = sound();
     const lode_references_tuning_t tuning = tuned(&config);
     random_t random = random_seed(3);
-    for (int n = 0; n < 300000; n++) {
+    for (int n = 0; n < CHECK_TRIES(300000); n++) {
         const lode_dq_t i =
             step(&tuning, random_any(&random), random_any(&random), random_any(&random));
         CHECK_AT_MOST(12.0 * (1.0 + 1.0e-6), hypot((double)i.d, (double)i.q));
