@@ -198,7 +198,7 @@ static void compare_with_reference(const plant_config_t *c, double iq, int perio
         if (!gates_on) {
             plant_write(&plant, plant.next_duty, false);
         }
-        reference_period(&r, plant.duty, plant.gates_on);
+        reference_period(&r, plant.duty, plant.gates_on[0]);
         plant_advance(&plant);
         const plant_truth_t t = truth_of(&plant);
         for (int n = 0; n < 3; n++) {
