@@ -342,12 +342,10 @@ void plant_advance(plant_t *self) {
     }
     run(self, self->period_s);
     plant_motor_refresh_angle(&self->motor);
+    plant_inverter_clear(&self->inverter, &self->motor);
     for (int n = 0; n < self->sets * PLANT_PHASES; n++) {
         self->duty[n] = self->next_duty[n];
         self->gates_on[n / PLANT_PHASES] = self->next_gates_on[n / PLANT_PHASES];
-        if (self->inverter.leg[n].open) {
-            plant_motor_clear_phase(&self->motor, n);
-        }
     }
     self->periods++;
 }

@@ -133,6 +133,8 @@ void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
             if (was_averaging) {
                 self->leg[n].sign = self->leg[n].open ? 0 : sign_of(i_A[n]);
             }
+            // Edges that changed no terminal are still to be made.
+            (void)plant_pwm_apply(&self->leg[n].pwm, self->period_s);
             plant_pwm_schedule(&self->leg[n].pwm, realised[n], gates_on[set], self->period_s,
                                self->dead_time_s);
         }
@@ -246,6 +248,17 @@ static bool settle_set(plant_inverter_t *self, plant_motor_t *motor, int set) {
     return changed;
 }
 
+void plant_inverter_clear(const plant_inverter_t *self, plant_motor_t *motor) {
+    for (int set = 0; set < self->sets; set++) {
+        const int floating = self->drive.floating[set];
+        if (floating == PLANT_ALL_FLOAT) {
+            plant_motor_clear_set(motor, set);
+        } else if (floating != PLANT_NONE_FLOATS && self->leg[floating].open) {
+            plant_motor_clear_phase(motor, floating);
+        }
+    }
+}
+
 void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double now_s) {
     for (int n = 0; n < legs_of(self); n++) {
         plant_leg_t *leg = &self->leg[n];
@@ -254,11 +267,9 @@ void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double 
             leg->opening = false;
             leg->open = true;
         }
-        if (leg->open) {
-            plant_motor_clear_phase(motor, n);
-        }
     }
     update_drive(self);
+    plant_inverter_clear(self, motor);
     // What one set does moves the floating terminals of the other: twice settles all but oddities,
     // and those make an event of no length.
     bool changed = true;

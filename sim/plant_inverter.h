@@ -61,6 +61,9 @@ double plant_inverter_next_edge(const plant_inverter_t *self, double limit_s);
 /// Makes the gate edges up to now and finds which devices conduct.
 void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double now_s);
 
+/// Removes what integration made of currents that stay zero for long.
+void plant_inverter_clear(const plant_inverter_t *self, plant_motor_t *motor);
+
 /// True if conduction changed in the stretch from `before` to the motor's present state, h_s later.
 bool plant_inverter_find_event(const plant_inverter_t *self, const plant_motor_t *motor,
                                const plant_motor_state_t *before, const plant_stretch_t *stretch,

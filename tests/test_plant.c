@@ -253,6 +253,14 @@ static void test_switching_matches_reference_without_load(void) {
     compare_with_reference(&c, 1.2, 120, true, 5e-3, 0.1, "little load");
 }
 
+/// Currents reverse in the zero vector: between the low gate, on since the last period, and the pulse.
+static void test_switching_matches_reference_at_reversals(void) {
+    plant_config_t c = lossy_config();
+    c.omega_m_rad_s = 120.0;
+    c.speed_is_prescribed = true;
+    compare_with_reference(&c, 0.5, 200, true, 5e-3, 0.1, "reversals in the zero vector");
+}
+
 /// Line-to-line EMF of 246 V against a bus of 200 V: two diodes conduct, then three.
 static void test_gates_off_matches_reference_when_rectifying(void) {
     plant_config_t c = lossy_config();
@@ -1474,6 +1482,7 @@ int main(void) {
     RUN_TEST(test_switching_matches_reference_under_load);
     RUN_TEST(test_switching_matches_reference_with_saturation_and_harmonics);
     RUN_TEST(test_switching_matches_reference_without_load);
+    RUN_TEST(test_switching_matches_reference_at_reversals);
     RUN_TEST(test_gates_off_matches_reference_when_rectifying);
 #ifdef RECORDINGS_DIR
     RUN_TEST(test_recorded_currents);
