@@ -84,13 +84,13 @@ static void print_heading(FILE *file, const rig_config_t *config) {
     char pll[RIG_NAME_LENGTH];
     key_text(config, "emf", emf, sizeof emf);
     key_text(config, "pll", pll, sizeof pll);
-    (void)fprintf(file,
-                  "%s: %g pole pairs, %g Hz, %g V bus, %s inverter, %s and %s%s, seed %.0f\n\n",
-                  config->files > 0 ? config->file[0] : "", (double)drive->motor.pole_pairs,
-                  (double)drive->f_pwm_Hz, (double)drive->inverter.v_bus_V,
-                  config->plant.inverter == (int)PLANT_SWITCHING ? "switched" : "ideal", emf, pll,
-                  config->source == RIG_SOURCE_TRUTH ? " unused: driven by the true angle" : "",
-                  config->scenario.seed);
+    (void)fprintf(
+        file, "%s: %s%g pole pairs, %g Hz, %g V bus, %s inverter, %s and %s%s, seed %.0f\n\n",
+        config->files > 0 ? config->file[0] : "", rig_config_is_six(config) ? "six phases, " : "",
+        (double)drive->motor.pole_pairs, (double)drive->f_pwm_Hz, (double)drive->inverter.v_bus_V,
+        config->plant.inverter == (int)PLANT_SWITCHING ? "switched" : "ideal", emf, pll,
+        config->source == RIG_SOURCE_TRUTH ? " unused: driven by the true angle" : "",
+        config->scenario.seed);
 }
 
 void report_run_table(FILE *file, const rig_config_t *config, const runner_result_t *result,
@@ -117,13 +117,17 @@ void report_run_table(FILE *file, const rig_config_t *config, const runner_resul
 
 void report_run_csv(FILE *file, const runlog_t *log) {
     for (const runlog_column_t *column = runlog_columns; column->name != NULL; ++column) {
-        (void)fprintf(file, "%s%s", column == runlog_columns ? "" : ",", column->name);
+        if (runlog_has(log, column)) {
+            (void)fprintf(file, "%s%s", column == runlog_columns ? "" : ",", column->name);
+        }
     }
     (void)fputc('\n', file);
     for (size_t k = 0; k < log->rows; ++k) {
         for (const runlog_column_t *column = runlog_columns; column->name != NULL; ++column) {
-            (void)fprintf(file, "%s%.*g", column == runlog_columns ? "" : ",", column->digits,
-                          runlog_value(&log->row[k], column));
+            if (runlog_has(log, column)) {
+                (void)fprintf(file, "%s%.*g", column == runlog_columns ? "" : ",", column->digits,
+                              runlog_value(&log->row[k], column));
+            }
         }
         (void)fputc('\n', file);
     }
@@ -155,6 +159,8 @@ static void add_phase(cJSON *array, const runner_phase_t *phase) {
     add_stats(item, "id_A", &phase->id_A);
     add_stats(item, "iq_A", &phase->iq_A);
     add_stats(item, "load_est_Nm", &phase->load_est_Nm);
+    add_stats(item, "torque_Nm", &phase->torque_Nm);
+    add_stats(item, "i_xy_A", &phase->i_xy_A);
     config_json_number(item, "lock_min", rig_stats_min(&phase->run_lock));
     (void)cJSON_AddStringToObject(item, "mode", report_mode_name(phase->mode));
     (void)cJSON_AddStringToObject(item, "missed", phase->missed);
