@@ -1,5 +1,7 @@
 #include "plant_motor.h"
 
+#include "plant_flux.h"
+
 #include <math.h>
 
 /// The few functions that every step runs three times: a call costs as much as their arithmetic.
@@ -32,37 +34,6 @@ typedef struct {
     double inv_J; ///< 0 where the speed is held, by a dynamometer or by the load at standstill
 } shaft_t;
 
-static plant_harmonic_t harmonic_of(double size, double phase) {
-    return (plant_harmonic_t){size * cos(phase), size * sin(phase)};
-}
-
-/// What a pair of neighbours gives in dq: the lower turns backwards, the upper forwards.
-static plant_ripple_t ripple_of(plant_harmonic_t lower, plant_harmonic_t upper) {
-    return (plant_ripple_t){
-        .d_sin = -(lower.re + upper.re),
-        .d_cos = -(lower.im + upper.im),
-        .q_sin = lower.im - upper.im,
-        .q_cos = upper.re - lower.re,
-    };
-}
-
-static void init_harmonics(plant_motor_t *self, const plant_config_t *config) {
-    const double psi = config->psi_Wb;
-    const bool has_low = config->emf5_ratio > 0.0 || config->emf7_ratio > 0.0;
-    const bool has_high = config->emf11_ratio > 0.0 || config->emf13_ratio > 0.0;
-    const bool dual = self->sets == PLANT_SETS;
-    self->harmonic5 = harmonic_of(psi * config->emf5_ratio, config->emf5_phase_rad);
-    self->harmonic7 = harmonic_of(psi * config->emf7_ratio, config->emf7_phase_rad);
-    self->harmonic11 = harmonic_of(psi * config->emf11_ratio, config->emf11_phase_rad);
-    self->harmonic13 = harmonic_of(psi * config->emf13_ratio, config->emf13_phase_rad);
-    self->has_dq_harmonics = has_high || (has_low && !dual);
-    self->has_xy_harmonics = has_low && dual;
-    self->ripple12 = ripple_of(self->harmonic11, self->harmonic13);
-    if (!dual) {
-        self->ripple6 = ripple_of(self->harmonic5, self->harmonic7);
-    }
-}
-
 void plant_motor_init(plant_motor_t *self, const plant_config_t *config) {
     const bool saturates = config->i_sat_A > 0.0;
     const bool dual = config->sets == PLANT_SETS;
@@ -90,7 +61,7 @@ void plant_motor_init(plant_motor_t *self, const plant_config_t *config) {
         .B_Nms = config->B_Nms,
         .saturates = saturates,
     };
-    init_harmonics(self, config);
+    plant_flux_init(self, config);
     plant_motor_refresh_angle(self);
 }
 
@@ -128,29 +99,6 @@ HOT double inverse_Lq(const plant_motor_t *m, double iq) {
     }
     const double fade = 1.0 / (1.0 + fabs(iq) * m->inv_i_sat);
     return 1.0 / (m->Lq_sat_H + (m->Lq_H - m->Lq_sat_H) * fade * fade);
-}
-
-/// h_d, h_q of the file header, Wb.
-static inline void harmonics(const plant_motor_t *m, double c, double s, double *h_d, double *h_q) {
-    const double c2 = c * c - s * s, s2 = 2.0 * c * s;
-    const double c6 = c2 * (4.0 * c2 * c2 - 3.0), s6 = s2 * (3.0 - 4.0 * s2 * s2);
-    const double c12 = c6 * c6 - s6 * s6, s12 = 2.0 * c6 * s6;
-    const plant_ripple_t *low = &m->ripple6, *high = &m->ripple12;
-    *h_d = low->d_sin * s6 + low->d_cos * c6 + high->d_sin * s12 + high->d_cos * c12;
-    *h_q = low->q_sin * s6 + low->q_cos * c6 + high->q_sin * s12 + high->q_cos * c12;
-}
-
-/// h_x, h_y: the derivative of the flux psi r5/5 exp(j(5 theta + p5)) + psi r7/7 exp(-j(7 theta + p7)).
-static plant_vector_t harmonics_xy(const plant_motor_t *m, double c, double s) {
-    const double c2 = c * c - s * s, s2 = 2.0 * c * s;
-    const double c6 = c2 * (4.0 * c2 * c2 - 3.0), s6 = s2 * (3.0 - 4.0 * s2 * s2);
-    const double c5 = c6 * c + s6 * s, s5 = s6 * c - c6 * s;
-    const double c7 = c6 * c - s6 * s, s7 = s6 * c + c6 * s;
-    const plant_harmonic_t *h5 = &m->harmonic5, *h7 = &m->harmonic7;
-    return (plant_vector_t){
-        -(h5->re * s5 + h5->im * c5) - (h7->re * s7 + h7->im * c7),
-        h5->re * c5 - h5->im * s5 - (h7->re * c7 - h7->im * s7),
-    };
 }
 
 static point_t point_of(const plant_motor_t *m, const plant_motor_state_t *x) {
@@ -213,7 +161,7 @@ static void add_second_set(const plant_motor_t *m, const plant_drive_t *drive, c
     const double w = m->np * at->omega;
     plant_vector_t h = {0.0, 0.0};
     if (m->has_xy_harmonics) {
-        h = harmonics_xy(m, at->cos, at->sin);
+        h = plant_flux_ripple_xy(m, at->cos, at->sin);
         slope->torque += m->power * m->np * (h.alpha * at->ix + h.beta * at->iy);
     }
     slope->dix = (drive->u_x_V - drive->R_Ohm * at->ix - w * h.alpha) * m->inv_Lxy;
@@ -234,7 +182,7 @@ HOT slope_t slope_at(const plant_motor_t *m, const plant_drive_t *drive, const p
     double flux_1 = m->psi_Wb + m->Ld_H * at->id, flux_2 = at->psi_q;
     if (m->has_dq_harmonics) {
         double h_d, h_q;
-        harmonics(m, at->cos, at->sin, &h_d, &h_q);
+        plant_flux_ripple(m, at->cos, at->sin, &h_d, &h_q);
         flux_1 += h_q;
         flux_2 -= h_d;
     }
@@ -354,57 +302,12 @@ static void integrate_second_set(const plant_drive_t *drive, const point_t *p, c
     }
 }
 
-/// One harmonic's share of the flux; `turn` is its sense of rotation in its plane.
-static void add_flux(const plant_harmonic_t *harmonic, double order, double turn, double theta,
-                     plant_vector_t *flux) {
-    const double c = cos(order * theta), s = sin(order * theta);
-    flux->alpha += (harmonic->re * c - harmonic->im * s) / order;
-    flux->beta += turn * (harmonic->re * s + harmonic->im * c) / order;
-}
-
-/// Flux linkage of the magnet with its harmonics; its change is the integral of the open EMF.
-static plant_planes_t magnet_flux(const plant_motor_t *m, const plant_motor_state_t *x) {
-    const double theta = x->theta_e_rad;
-    plant_planes_t flux = {{m->psi_Wb * x->cos_theta, m->psi_Wb * x->sin_theta}, {0.0, 0.0}};
-    if (m->has_xy_harmonics) {
-        add_flux(&m->harmonic5, 5.0, 1.0, theta, &flux.xy);
-        add_flux(&m->harmonic7, 7.0, -1.0, theta, &flux.xy);
-    }
-    if (!m->has_dq_harmonics) {
-        return flux;
-    }
-    if (m->sets == 1) {
-        add_flux(&m->harmonic5, 5.0, -1.0, theta, &flux.ab);
-        add_flux(&m->harmonic7, 7.0, 1.0, theta, &flux.ab);
-    }
-    add_flux(&m->harmonic11, 11.0, -1.0, theta, &flux.ab);
-    add_flux(&m->harmonic13, 13.0, 1.0, theta, &flux.ab);
-    return flux;
-}
-
-/// EMF in both planes with no current at all.
-static plant_planes_t open_emf(const plant_motor_t *m, const plant_motor_state_t *x) {
-    const double w = m->np * x->omega_m_rad_s;
-    double h_d = 0.0, h_q = 0.0;
-    plant_vector_t h = {0.0, 0.0};
-    if (m->has_dq_harmonics) {
-        harmonics(m, x->cos_theta, x->sin_theta, &h_d, &h_q);
-    }
-    if (m->has_xy_harmonics) {
-        h = harmonics_xy(m, x->cos_theta, x->sin_theta);
-    }
-    const double e_d = w * h_d, e_q = w * (m->psi_Wb + h_q);
-    return (plant_planes_t){
-        .ab = {e_d * x->cos_theta - e_q * x->sin_theta, e_d * x->sin_theta + e_q * x->cos_theta},
-        .xy = {w * h.alpha, w * h.beta},
-    };
-}
-
 /// All phases float: no current, no torque, only (M4) is left.
 static void coast(plant_motor_t *m, double h, plant_stretch_t *sum) {
     const double omega_0 = m->x.omega_m_rad_s;
     const shaft_t shaft = shaft_at(m, 0.0);
-    const plant_planes_t flux_0 = magnet_flux(m, &m->x), emf_0 = open_emf(m, &m->x);
+    const plant_planes_t flux_0 = plant_flux_magnet(m, &m->x),
+                         emf_0 = plant_flux_open_emf(m, &m->x);
     // The linear equation needs two corrections to be as good as the rest.
     const double a_0 = acceleration(m, &shaft, 0.0, omega_0);
     const double pole = m->B_Nms * shaft.inv_J * h;
@@ -413,7 +316,8 @@ static void coast(plant_motor_t *m, double h, plant_stretch_t *sum) {
     m->x.omega_m_rad_s += a_0 * h * gain;
     m->x.theta_e_rad += m->np * turn;
     rotate(m->np * turn, &m->x.cos_theta, &m->x.sin_theta);
-    const plant_planes_t flux_1 = magnet_flux(m, &m->x), emf_1 = open_emf(m, &m->x);
+    const plant_planes_t flux_1 = plant_flux_magnet(m, &m->x),
+                         emf_1 = plant_flux_open_emf(m, &m->x);
     const double omega_1 = m->x.omega_m_rad_s;
     *sum = (plant_stretch_t){
         .friction_J =
@@ -544,7 +448,7 @@ void plant_motor_slopes(const plant_motor_t *self, const plant_drive_t *drive,
                         plant_stretch_t *now) {
     const bool dual = self->sets == PLANT_SETS;
     if (!dual && drive->floating[0] == PLANT_ALL_FLOAT) {
-        const plant_planes_t emf = open_emf(self, &self->x);
+        const plant_planes_t emf = plant_flux_open_emf(self, &self->x);
         *now = (plant_stretch_t){.set = {{.all_start_V = emf.ab}}};
         return;
     }
@@ -586,7 +490,7 @@ plant_planes_t plant_motor_active_emf(const plant_motor_t *self) {
     const double fade = 1.0 / (1.0 + fabs(x->iq_A) * self->inv_i_sat);
     const double Lq = self->Lq_sat_H + (self->Lq_H - self->Lq_sat_H) * fade;
     const double e = w * (self->Ld_H - Lq) * x->id_A; // on top of the magnet's
-    plant_planes_t emf = open_emf(self, x);
+    plant_planes_t emf = plant_flux_open_emf(self, x);
     emf.ab.alpha -= e * x->sin_theta;
     emf.ab.beta += e * x->cos_theta;
     return emf;
