@@ -191,11 +191,11 @@ static double all_float_margin(const plant_inverter_t *self, int set, const plan
 }
 
 /// Lets the one floating phase of a set conduct if its terminal lies outside its limits.
-static bool settle_floating(plant_inverter_t *self, const plant_motor_t *motor, int set) {
+static void settle_floating(plant_inverter_t *self, const plant_motor_t *motor, int set) {
     plant_leg_t *leg = &self->leg[self->drive.floating[set]];
     plant_stretch_t now;
     if (leg->open) {
-        return false;
+        return;
     }
     plant_motor_slopes(motor, &self->drive, &now);
     const double u = now.set[set].u_start_V;
@@ -204,21 +204,17 @@ static bool settle_floating(plant_inverter_t *self, const plant_motor_t *motor, 
     } else if (u > high_limit(self, leg->pwm.gate) + noise_V) {
         leg->sign = -1;
     } else {
-        return false;
+        return;
     }
     update_drive(self);
-    return true;
 }
 
-/// A set without current: none of it conducts, or two do.
-static bool settle_idle(plant_inverter_t *self, plant_motor_t *motor, int set) {
+/// A set without current, in which two legs may start.
+static void settle_idle(plant_inverter_t *self, plant_motor_t *motor, int set) {
     int out = 0, in = 0;
     plant_stretch_t now;
-    plant_leg_t *leg = &self->leg[set * PLANT_PHASES];
-    bool changed = false;
     for (int n = 0; n < PLANT_PHASES; n++) {
-        changed = changed || leg[n].sign != 0;
-        leg[n].sign = 0;
+        self->leg[set * PLANT_PHASES + n].sign = 0;
     }
     plant_motor_clear_set(motor, set);
     update_drive(self);
@@ -226,26 +222,22 @@ static bool settle_idle(plant_inverter_t *self, plant_motor_t *motor, int set) {
     if (all_float_margin(self, set, &now.set[set].all_start_V, &out, &in) < -noise_V) {
         self->leg[out].sign = 1;
         self->leg[in].sign = -1;
-        changed = true;
         update_drive(self);
     }
-    return changed;
 }
 
-/// Finds which legs of a set conduct; true if that has changed.
-static bool settle_set(plant_inverter_t *self, plant_motor_t *motor, int set) {
+/// Finds which legs of a set conduct.
+static void settle_set(plant_inverter_t *self, plant_motor_t *motor, int set) {
     const plant_leg_t *leg = &self->leg[set * PLANT_PHASES];
     const int *floating = &self->drive.floating[set];
     const int signs = leg[0].sign + leg[1].sign + leg[2].sign;
-    bool changed = false;
     // Two phases carry one current: of equal sign it is none, both stopped with the third.
     if (*floating == PLANT_ALL_FLOAT || (*floating != PLANT_NONE_FLOATS && signs != 0)) {
-        changed = settle_idle(self, motor, set);
+        settle_idle(self, motor, set);
     }
     if (*floating != PLANT_NONE_FLOATS && *floating != PLANT_ALL_FLOAT) {
-        changed = settle_floating(self, motor, set) || changed;
+        settle_floating(self, motor, set);
     }
-    return changed;
 }
 
 void plant_inverter_clear(const plant_inverter_t *self, plant_motor_t *motor) {
@@ -270,15 +262,11 @@ void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double 
     }
     update_drive(self);
     plant_inverter_clear(self, motor);
-    // What one set does moves the floating terminals of the other: twice settles all but oddities,
-    // and those make an event of no length.
-    bool changed = true;
-    for (int look = 0; changed && look < 2; look++) {
-        changed = false;
-        for (int set = 0; set < self->sets; set++) {
-            changed = (!self->averaging[set] && settle_set(self, motor, set)) || changed;
+    // What set 2 does moves the floating terminals of set 1: the next stretch finds that at its start.
+    for (int set = 0; set < self->sets; set++) {
+        if (!self->averaging[set]) {
+            settle_set(self, motor, set);
         }
-        changed = changed && self->sets == PLANT_SETS;
     }
 }
 

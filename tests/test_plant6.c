@@ -125,6 +125,7 @@ typedef struct {
     int breaking[LEGS]; // sign of the current that is still to end; 0: none
     bool open[LEGS];
     double torque;
+    double u_mean[4]; // at the terminals, over the period
 } reference_t;
 
 enum { REFERENCE_STEPS = 10000 }; // per period: 10 ns
@@ -217,6 +218,9 @@ static void reference_period(reference_t *r, const double duty[LEGS], const bool
     const plant_config_t *c = r->c;
     const double steps = (double)REFERENCE_STEPS, h = c->period_s / steps;
     const int dead = (int)floor(c->dead_time_s / h + 0.5);
+    for (int m = 0; m < 4; m++) {
+        r->u_mean[m] = 0.0;
+    }
     for (int k = 0; k < REFERENCE_STEPS; k++) {
         double v[LEGS], u[4] = {0.0, 0.0, 0.0, 0.0};
         const double x = fabs(k + 0.5 - 0.5 * steps) * 2.0 / steps;
@@ -233,6 +237,7 @@ static void reference_period(reference_t *r, const double duty[LEGS], const bool
             const double neutral = (v[first] + v[first + 1] + v[first + 2]) / 3.0;
             for (int m = 0; m < 4; m++) {
                 u[m] += row[m] / 3.0 * (v[n] - neutral);
+                r->u_mean[m] += row[m] / 3.0 * (v[n] + c->Rs_Ohm * r->i[n]) / steps;
             }
         }
         const double omega_before = r->omega_m;
@@ -264,7 +269,7 @@ typedef struct {
 static void compare_with_reference(const plant_config_t *c, const race_t *race) {
     plant_t plant = new_plant(c);
     reference_t r = reference_start(c);
-    double worst = 0.0, peak = 0.0, torque_worst = 0.0;
+    double worst = 0.0, peak = 0.0, torque_worst = 0.0, u_worst = 0.0;
     for (int k = 0; k < race->periods; k++) {
         control_current(&plant, c, -1.0, race->iq);
         if (race->off_from >= 0 && k >= race->off_from) {
@@ -281,11 +286,16 @@ static void compare_with_reference(const plant_config_t *c, const race_t *race) 
             worst = fmax(worst, fabs(t.i_abc_A[n] - r.i[n]));
             peak = fmax(peak, fabs(t.i_abc_A[n]));
         }
+        const double u[4] = {t.u_alpha_V, t.u_beta_V, t.u_x_V, t.u_y_V};
+        for (int m = 0; m < 4; m++) {
+            u_worst = fmax(u_worst, fabs(u[m] - r.u_mean[m]));
+        }
         torque_worst = fmax(torque_worst, fabs(t.torque_Nm - r.torque));
     }
     TEST_ASSERT_TRUE(race->open_from < 0 || truth_of(&plant).open[race->open]);
-    printf("  reference, %s: peak %.3f A, largest difference %.2e A, %.2e Nm\n", race->name, peak,
-           worst, torque_worst);
+    printf("  reference, %s: peak %.3f A, largest difference %.2e A, %.2e Nm, %.2e V\n", race->name,
+           peak, worst, torque_worst, u_worst);
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.3, 0.0, u_worst, race->name);
     TEST_ASSERT_TRUE(peak > 0.5);
     TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(race->limit_A, 0.0, worst, race->name);
 }
