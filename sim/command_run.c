@@ -36,7 +36,7 @@ bool command_run_load(rig_config_t *config, const options_t *options, const char
         config->scenario.seed = (double)options->seed;
     }
     if (good && rig_config_complete(config, RIG_NEED_DRIVE)) {
-        lode_drive_design(&config->drive);
+        rig_config_design(config);
         return true;
     }
     return false;

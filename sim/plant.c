@@ -36,6 +36,21 @@ static bool within(double value, double low, double high) {
     return value >= low && value <= high;
 }
 
+static const char *check_harmonics(const plant_config_t *c) {
+    const double ratio[] = {c->emf5_ratio, c->emf7_ratio, c->emf11_ratio, c->emf13_ratio};
+    const double phase[] = {c->emf5_phase_rad, c->emf7_phase_rad, c->emf11_phase_rad,
+                            c->emf13_phase_rad};
+    for (size_t n = 0; n < sizeof ratio / sizeof ratio[0]; n++) {
+        if (!within(ratio[n], 0.0, 1.0)) {
+            return "emf5_ratio, emf7_ratio, emf11_ratio and emf13_ratio must be 0..1";
+        }
+        if (!within(phase[n], -100.0, 100.0)) {
+            return "the phases of the EMF's harmonics must be -100..100";
+        }
+    }
+    return NULL;
+}
+
 static const char *check_motor(const plant_config_t *c) {
     if (c->pole_pairs < 1 || c->pole_pairs > 1000) {
         return "pole_pairs must be 1..1000";
@@ -46,6 +61,12 @@ static const char *check_motor(const plant_config_t *c) {
     if (!within(c->Ld_H, 1e-9, 1e3) || !within(c->Lq_H, 1e-9, 1e3)) {
         return "Ld_H and Lq_H must be 1e-9..1e3";
     }
+    if (c->sets < 0 || c->sets > PLANT_SETS) {
+        return "sets must be 0..2";
+    }
+    if (c->sets == PLANT_SETS && !within(c->Lxy_H, 1e-9, 1e3)) {
+        return "Lxy_H must be 1e-9..1e3";
+    }
     if (!within(c->psi_Wb, 0.0, 1e3)) {
         return "psi_Wb must be 0..1e3";
     }
@@ -55,13 +76,7 @@ static const char *check_motor(const plant_config_t *c) {
     if (c->i_sat_A > 0.0 && !within(c->Lq_sat_H, 1e-9, c->Lq_H)) {
         return "Lq_sat_H must be 1e-9..Lq_H";
     }
-    if (!within(c->emf5_ratio, 0.0, 1.0) || !within(c->emf7_ratio, 0.0, 1.0)) {
-        return "emf5_ratio and emf7_ratio must be 0..1";
-    }
-    if (!within(c->emf5_phase_rad, -100.0, 100.0) || !within(c->emf7_phase_rad, -100.0, 100.0)) {
-        return "emf5_phase_rad and emf7_phase_rad must be -100..100";
-    }
-    return NULL;
+    return check_harmonics(c);
 }
 
 static const char *check_shaft(const plant_config_t *c) {
@@ -113,7 +128,7 @@ static const char *check_adc(const plant_config_t *c) {
         !within(c->temperature_degC_per_count, 1e-9, 1e6)) {
         return "i_A_per_count, v_bus_V_per_count, temperature_degC_per_count must be 1e-9..1e6";
     }
-    for (int n = 0; n < PLANT_PHASES; n++) {
+    for (int n = 0; n < PLANT_LEGS; n++) {
         if (!within(c->i_offset_A[n], -1e6, 1e6) || !within(c->i_gain_error[n], -1.0, 1e3)) {
             return "i_offset_A must be -1e6..1e6, i_gain_error -1..1e3";
         }
@@ -148,6 +163,7 @@ const char *plant_init(plant_t *self, const plant_config_t *config) {
         return error;
     }
     *self = (plant_t){
+        .sets = config->sets == PLANT_SETS ? PLANT_SETS : 1,
         .period_s = config->period_s,
         .sample_offset_s = config->sample_offset_s,
         .stamp_Hz = config->stamp_Hz,
@@ -159,61 +175,79 @@ const char *plant_init(plant_t *self, const plant_config_t *config) {
     return NULL;
 }
 
+/// Adds what a set's floating phases have at their terminals to the mean voltage.
+static void book_floating(plant_t *self, int set, const plant_float_t *sum) {
+    const int leg = self->inverter.drive.floating[set];
+    plant_vector_t u_Vs = sum->all_Vs;
+    if (leg == PLANT_NONE_FLOATS) {
+        return;
+    }
+    if (leg != PLANT_ALL_FLOAT) {
+        u_Vs = (plant_vector_t){2.0 / 3.0 * plant_axis_cos[leg] * sum->u_Vs,
+                                2.0 / 3.0 * plant_axis_sin[leg] * sum->u_Vs};
+    }
+    if (self->sets == PLANT_SETS) {
+        plant_sets_add(&self->u_Vs, set, u_Vs);
+    } else {
+        self->u_Vs.ab.alpha += u_Vs.alpha;
+        self->u_Vs.ab.beta += u_Vs.beta;
+    }
+}
+
 /// Adds the integrals of one stretch to the energies and the mean voltage.
 static void book(plant_t *self, const plant_stretch_t *sum, double h_s) {
     const plant_inverter_t *inverter = &self->inverter;
     const plant_drive_t *drive = &inverter->drive;
     const double r_on = drive->R_Ohm - inverter->Rs_Ohm;
+    const bool dual = self->sets == PLANT_SETS;
+    const plant_planes_t charge = {{sum->i_alpha_As, sum->i_beta_As},
+                                   {dual ? sum->i_x_As : 0.0, dual ? sum->i_y_As : 0.0}};
     plant_energy_t *energy = &self->energy;
-    double loss_J = 1.5 * r_on * sum->i_squared_A2s;
-    for (int n = 0; n < PLANT_PHASES; n++) {
+    double loss_J = self->motor.power * r_on * sum->i_squared_A2s;
+    for (int n = 0; n < self->sets * PLANT_PHASES; n++) {
         const plant_leg_t *leg = &inverter->leg[n];
-        const double charge_As =
-            plant_axis_cos[n] * sum->i_alpha_As + plant_axis_sin[n] * sum->i_beta_As;
+        const plant_vector_t set_As = plant_sets_vector(&charge, n / PLANT_PHASES);
+        const double charge_As = plant_axis_cos[n] * set_As.alpha + plant_axis_sin[n] * set_As.beta;
         const double rail_V = leg->rail * inverter->v_bus_V;
         energy->bus_J += rail_V * charge_As;
         loss_J += (rail_V - leg->source_V) * charge_As;
     }
     energy->inverter_J += loss_J;
-    energy->copper_J += 1.5 * inverter->Rs_Ohm * sum->i_squared_A2s;
+    energy->copper_J += self->motor.power * inverter->Rs_Ohm * sum->i_squared_A2s;
     energy->shaft_J += sum->shaft_work_J;
     energy->friction_J += sum->friction_J;
     energy->load_J += sum->load_J;
 
-    if (drive->floating == PLANT_ALL_FLOAT) {
-        self->u_alpha_Vs += sum->u_open_alpha_Vs;
-        self->u_beta_Vs += sum->u_open_beta_Vs;
-        return;
-    }
-    self->u_alpha_Vs += drive->u_alpha_V * h_s - r_on * sum->i_alpha_As;
-    self->u_beta_Vs += drive->u_beta_V * h_s - r_on * sum->i_beta_As;
-    if (drive->floating != PLANT_NONE_FLOATS) {
-        self->u_alpha_Vs += 2.0 / 3.0 * plant_axis_cos[drive->floating] * sum->u_float_Vs;
-        self->u_beta_Vs += 2.0 / 3.0 * plant_axis_sin[drive->floating] * sum->u_float_Vs;
+    self->u_Vs.ab.alpha += drive->u_alpha_V * h_s - r_on * charge.ab.alpha;
+    self->u_Vs.ab.beta += drive->u_beta_V * h_s - r_on * charge.ab.beta;
+    self->u_Vs.xy.alpha += drive->u_x_V * h_s - r_on * charge.xy.alpha;
+    self->u_Vs.xy.beta += drive->u_y_V * h_s - r_on * charge.xy.beta;
+    for (int set = 0; set < self->sets; set++) {
+        book_floating(self, set, &sum->set[set]);
     }
 }
 
-/// Slope of a phase's current where the motor stands, A/s.
-static double slope_now(const plant_t *self, int phase) {
-    double did, dpsi_q;
-    plant_motor_slopes(&self->motor, &self->inverter.drive, &did, &dpsi_q);
-    return plant_motor_phase_slope(&self->motor, &self->motor.x, did, dpsi_q, phase);
+/// Slope of a leg's current where the motor stands, A/s.
+static double slope_now(const plant_t *self, int leg) {
+    plant_stretch_t now;
+    plant_motor_slopes(&self->motor, &self->inverter.drive, &now);
+    return plant_motor_phase_slope(&self->motor, &self->motor.x, &now, leg);
 }
 
-/// Moves the motor to the instant in 0..h_s at which a phase's current is zero; returns it.
+/// Moves the motor to the instant in 0..h_s at which a leg's current is zero; returns it.
 ///
 /// One step of Newton's method from a guess, then secants, kept in between an instant before and
 /// one after the crossing: a current that began at zero has a second root there, not meant here.
 static double step_to_zero(plant_t *self, const plant_motor_state_t *before, double guess_s,
-                           double h_s, int phase, plant_stretch_t *sum) {
-    const int sign = self->inverter.leg[phase].sign;
+                           double h_s, int leg, plant_stretch_t *sum) {
+    const int sign = self->inverter.leg[leg].sign;
     double early_s = 0.0, late_s = h_s, at_s = guess_s, last_s = 0.0, last_A = 0.0;
     for (int pass = 0;; pass++) {
-        double i_A[PLANT_PHASES];
+        double i_A[PLANT_LEGS];
         self->motor.x = *before;
         plant_motor_step(&self->motor, &self->inverter.drive, at_s, sum);
-        plant_motor_phase_currents(&self->motor.x, i_A);
-        const double now_A = i_A[phase];
+        plant_motor_phase_currents(&self->motor, &self->motor.x, i_A);
+        const double now_A = i_A[leg];
         if (fabs(now_A) < 2e-5 || pass == 20) {
             return at_s; // what is left is set to zero: a thousandth of a count
         }
@@ -222,8 +256,7 @@ static double step_to_zero(plant_t *self, const plant_motor_state_t *before, dou
         } else {
             late_s = at_s;
         }
-        const double slope =
-            pass == 0 ? slope_now(self, phase) : (now_A - last_A) / (at_s - last_s);
+        const double slope = pass == 0 ? slope_now(self, leg) : (now_A - last_A) / (at_s - last_s);
         last_s = at_s;
         last_A = now_A;
         at_s -= now_A / slope;
@@ -241,17 +274,17 @@ static double step_to_event(plant_t *self, double h_s, plant_stretch_t *sum, boo
     *has_event = false;
     plant_motor_step(&self->motor, &self->inverter.drive, h_s, sum);
     // Where two events share a stretch the guess may take the later one first; then look again.
-    for (int look = 0; look < PLANT_PHASES && self->events_left > 0; look++) {
+    for (int look = 0; look < PLANT_LEGS && self->events_left > 0; look++) {
         plant_event_t found;
         if (!plant_inverter_find_event(&self->inverter, &self->motor, &before, sum, done_s,
                                        &found) ||
-            (*has_event && found.phase == event->phase)) {
+            (*has_event && found.leg == event->leg)) {
             break;
         }
         *event = found;
         *has_event = true;
-        if (found.sign == 0 && found.phase != PLANT_ALL_FLOAT) {
-            done_s = step_to_zero(self, &before, found.after_s, done_s, found.phase, sum);
+        if (found.sign == 0 && found.leg != PLANT_ALL_FLOAT) {
+            done_s = step_to_zero(self, &before, found.after_s, done_s, found.leg, sum);
         } else {
             // A start needs no fine timing: its current begins with no slope.
             done_s = found.after_s;
@@ -278,9 +311,6 @@ static void run(plant_t *self, double until_s) {
         const double done_s = step_to_event(self, h_s, &sum, &has_event, &event);
         book(self, &sum, done_s);
         self->now_s = parts > 1.0 || has_event ? self->now_s + done_s : edge_s;
-        if (inverter->averaging) {
-            continue;
-        }
         if (has_event) {
             plant_inverter_take_event(inverter, &self->motor, &event);
         } else if (self->events_left <= 0) {
@@ -294,56 +324,65 @@ static void run(plant_t *self, double until_s) {
 
 /// Starts the period that follows t_k.
 static void begin_period(plant_t *self) {
+    bool gates_on[PLANT_SETS] = {false, false};
     self->now_s = 0.0;
     self->events_left = EVENTS_PER_PERIOD;
-    self->u_alpha_Vs = 0.0;
-    self->u_beta_Vs = 0.0;
-    plant_inverter_begin(&self->inverter, &self->motor, self->duty, self->gates_on && !self->trip);
+    self->u_Vs = (plant_planes_t){{0.0, 0.0}, {0.0, 0.0}};
+    for (int set = 0; set < self->sets; set++) {
+        gates_on[set] = self->gates_on[set] && !self->trip[set];
+    }
+    plant_inverter_begin(&self->inverter, &self->motor, self->duty, gates_on);
 }
 
 void plant_advance(plant_t *self) {
     begin_period(self);
     if (self->sample_offset_s < 0.0) {
         run(self, self->period_s + self->sample_offset_s);
-        plant_motor_phase_currents(&self->motor.x, self->i_early_A);
+        plant_motor_phase_currents(&self->motor, &self->motor.x, self->i_early_A);
     }
     run(self, self->period_s);
     plant_motor_refresh_angle(&self->motor);
-    self->gates_on = self->next_gates_on;
-    for (int n = 0; n < PLANT_PHASES; n++) {
+    plant_inverter_clear(&self->inverter, &self->motor);
+    for (int n = 0; n < self->sets * PLANT_PHASES; n++) {
         self->duty[n] = self->next_duty[n];
+        self->gates_on[n / PLANT_PHASES] = self->next_gates_on[n / PLANT_PHASES];
     }
     self->periods++;
 }
 
-void plant_write(plant_t *self, const double duty[PLANT_PHASES], bool gates_on) {
+void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], bool gates_on) {
     for (int n = 0; n < PLANT_PHASES; n++) {
-        self->next_duty[n] = duty[n];
+        self->next_duty[set * PLANT_PHASES + n] = duty[n];
     }
-    self->next_gates_on = gates_on;
-    self->gates_on = self->gates_on && gates_on;
+    self->next_gates_on[set] = gates_on;
+    self->gates_on[set] = self->gates_on[set] && gates_on;
+}
+
+void plant_write(plant_t *self, const double duty[PLANT_PHASES], bool gates_on) {
+    plant_write_set(self, 0, duty, gates_on);
 }
 
 /// Currents at the sampling instant.
-static void sampled_currents(const plant_t *self, double i_A[PLANT_PHASES]) {
+static void sampled_currents(const plant_t *self, double i_A[PLANT_LEGS]) {
     if (self->sample_offset_s > 0.0) {
         // Whatever the firmware does at t_k comes after this sample: run a copy ahead.
         plant_t ahead = *self;
         begin_period(&ahead);
         run(&ahead, self->sample_offset_s);
-        plant_motor_phase_currents(&ahead.motor.x, i_A);
+        plant_motor_phase_currents(&ahead.motor, &ahead.motor.x, i_A);
     } else if (self->sample_offset_s < 0.0) {
-        for (int n = 0; n < PLANT_PHASES; n++) {
+        for (int n = 0; n < PLANT_LEGS; n++) {
             i_A[n] = self->i_early_A[n];
         }
     } else {
-        plant_motor_phase_currents(&self->motor.x, i_A);
+        plant_motor_phase_currents(&self->motor, &self->motor.x, i_A);
     }
 }
 
 static void tell_truth(const plant_t *self, plant_truth_t *truth) {
     const plant_motor_t *motor = &self->motor;
     const plant_motor_state_t *x = &motor->x;
+    const plant_planes_t emf = plant_motor_active_emf(motor);
     *truth = (plant_truth_t){
         .t_s = (double)self->periods * self->period_s,
         .theta_e_rad = x->theta_e_rad,
@@ -353,25 +392,37 @@ static void tell_truth(const plant_t *self, plant_truth_t *truth) {
         .iq_A = x->iq_A,
         .i_alpha_A = x->id_A * x->cos_theta - x->iq_A * x->sin_theta,
         .i_beta_A = x->id_A * x->sin_theta + x->iq_A * x->cos_theta,
+        .i_x_A = x->ix_A,
+        .i_y_A = x->iy_A,
+        .e_alpha_V = emf.ab.alpha,
+        .e_beta_V = emf.ab.beta,
+        .e_x_V = emf.xy.alpha,
+        .e_y_V = emf.xy.beta,
         .torque_Nm = plant_motor_torque(motor),
-        .u_alpha_V = self->u_alpha_Vs / self->period_s,
-        .u_beta_V = self->u_beta_Vs / self->period_s,
+        .u_alpha_V = self->u_Vs.ab.alpha / self->period_s,
+        .u_beta_V = self->u_Vs.ab.beta / self->period_s,
+        .u_x_V = self->u_Vs.xy.alpha / self->period_s,
+        .u_y_V = self->u_Vs.xy.beta / self->period_s,
         .energy = self->energy,
     };
-    plant_motor_phase_currents(x, truth->i_abc_A);
-    plant_motor_active_emf(motor, &truth->e_alpha_V, &truth->e_beta_V);
+    plant_motor_phase_currents(motor, x, truth->i_abc_A);
+    for (int n = 0; n < PLANT_LEGS; n++) {
+        truth->open[n] = self->inverter.leg[n].open;
+    }
     truth->energy.field_J = plant_motor_field_energy(motor);
     truth->energy.kinetic_J = plant_motor_kinetic_energy(motor);
 }
 
 void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth) {
     if (counts != NULL) {
-        double i_A[PLANT_PHASES];
+        double i_A[PLANT_LEGS];
         sampled_currents(self, i_A);
         plant_adc_convert(&self->adc, i_A, self->inverter.v_bus_V, self->temperature_degC, counts);
-        counts->trip = self->trip;
         const double ticks = (double)self->periods * self->period_s * self->stamp_Hz + 0.5;
-        counts->stamp = (uint32_t)((uint64_t)ticks & UINT64_C(0xFFFFFFFF));
+        for (int set = 0; set < self->sets; set++) {
+            counts[set].trip = self->trip[set];
+            counts[set].stamp = (uint32_t)((uint64_t)ticks & UINT64_C(0xFFFFFFFF));
+        }
     }
     if (truth != NULL) {
         tell_truth(self, truth);
@@ -403,5 +454,15 @@ void plant_set_temperature(plant_t *self, double temperature_degC) {
 }
 
 void plant_set_trip(plant_t *self, bool trip) {
-    self->trip = trip;
+    for (int set = 0; set < self->sets; set++) {
+        plant_set_trip_of(self, set, trip);
+    }
+}
+
+void plant_set_trip_of(plant_t *self, int set, bool trip) {
+    self->trip[set] = trip;
+}
+
+void plant_open_phase(plant_t *self, int leg) {
+    plant_inverter_open(&self->inverter, &self->motor, leg);
 }

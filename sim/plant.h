@@ -16,6 +16,9 @@
 /// already, as a hardware output-enable does; gates on comes with its duties at t_k+1. Without a
 /// new write the last one stays in force.
 ///
+/// Six phases (plant_config_t.sets = 2): plant_sample() fills an array of two counts, and
+/// plant_write_set() writes one set; everything else is the same.
+///
 /// Conventions. Amplitude-invariant transforms; theta on the magnet's north pole, 0 on phase a;
 /// current positive into the motor; EMF e = j w psi_a exp(j theta); motor torque positive in the
 /// direction of positive speed, load torque against it.
@@ -45,12 +48,16 @@ typedef struct {
     double t_s;
     double theta_e_rad; ///< (-pi, pi]
     double omega_e_rad_s, omega_m_rad_s;
-    double i_abc_A[PLANT_PHASES];
+    double i_abc_A[PLANT_LEGS]; ///< of set 2 from [3] on
     double id_A, iq_A;
     double i_alpha_A, i_beta_A;
+    double i_x_A, i_y_A;        ///< two sets; 0 with one
     double e_alpha_V, e_beta_V; ///< j w psi_a exp(j theta), psi_a = psi + (Ld - Lq) id, + harmonics
+    double e_x_V, e_y_V;        ///< two sets: 5th and 7th harmonic
     double torque_Nm;           ///< of the motor
     double u_alpha_V, u_beta_V; ///< mean terminal voltage over [t_k-1, t_k)
+    double u_x_V, u_y_V;
+    bool open[PLANT_LEGS]; ///< the phase is broken
     plant_energy_t energy;
 } plant_truth_t;
 
@@ -61,24 +68,29 @@ typedef struct {
     plant_adc_t adc;
     double period_s, sample_offset_s, stamp_Hz, temperature_degC;
     uint64_t periods; ///< k
-    bool trip;
-    bool gates_on, next_gates_on; ///< in the period at hand, in the next one
-    double duty[PLANT_PHASES], next_duty[PLANT_PHASES];
+    int sets;
+    bool trip[PLANT_SETS];
+    bool gates_on[PLANT_SETS],
+        next_gates_on[PLANT_SETS]; ///< in the period at hand, in the next one
+    double duty[PLANT_LEGS], next_duty[PLANT_LEGS];
     double now_s; ///< within the period at hand
     int events_left;
-    double u_alpha_Vs, u_beta_Vs; ///< over the period at hand, then over the last one
-    double i_early_A[PLANT_PHASES];
+    plant_planes_t u_Vs; ///< over the period at hand, then over the last one
+    double i_early_A[PLANT_LEGS];
     plant_energy_t energy;
 } plant_t;
 
 /// NULL, or the reason in words; the object is untouched then. Starts with gates off, no current.
 const char *plant_init(plant_t *self, const plant_config_t *config);
 
-/// Reads converters and truth at t_k; either may be NULL. Each conversion draws fresh noise.
+/// Reads converters and truth at t_k; either may be NULL. Each conversion draws fresh noise. `counts`
+/// is one per set.
 void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth);
 
 /// Duties 0..1 (outside counts as the nearer end, NaN as 0) of the high sides, and the gate enable.
+/// plant_write() means the first set.
 void plant_write(plant_t *self, const double duty[PLANT_PHASES], bool gates_on);
+void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], bool gates_on);
 
 /// Simulates one PWM period, t_k to t_k+1.
 void plant_advance(plant_t *self);
@@ -99,5 +111,11 @@ void plant_set_temperature(plant_t *self, double temperature_degC);
 /// The hardware's trip input: while it is true all gates are off, from the t_k at hand on, and the
 /// firmware reads it. When it ends, the last write is in force again.
 void plant_set_trip(plant_t *self, bool trip);
+/// The same of one set alone.
+void plant_set_trip_of(plant_t *self, int set, bool trip);
+
+/// A wire breaks: the phase behind this leg (0..2 of set 1, 3..5 of set 2) carries no current from
+/// the next zero of its current on.
+void plant_open_phase(plant_t *self, int leg);
 
 #endif

@@ -59,8 +59,9 @@ void plant_adc_init(plant_adc_t *self, const plant_config_t *config) {
         .i_noise_A = config->i_noise_A,
         .v_noise_V = config->v_bus_noise_V,
         .temperature_zero_degC = config->temperature_zero_degC,
+        .sets = config->sets == PLANT_SETS ? PLANT_SETS : 1,
     };
-    for (int n = 0; n < PLANT_PHASES; n++) {
+    for (int n = 0; n < PLANT_LEGS; n++) {
         self->i_offset_A[n] = config->i_offset_A[n];
         self->i_gain[n] = 1.0 + config->i_gain_error[n];
     }
@@ -77,15 +78,20 @@ static double noise(plant_adc_t *self, double rms) {
     return rms > 0.0 ? rms * plant_noise_next(&self->noise) : 0.0;
 }
 
-void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_PHASES], double v_bus_V,
+void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_LEGS], double v_bus_V,
                        double temperature_degC, plant_counts_t *counts) {
-    for (int n = 0; n < PLANT_PHASES; n++) {
+    for (int n = 0; n < self->sets * PLANT_PHASES; n++) {
         const double seen_A =
             i_A[n] * self->i_gain[n] + self->i_offset_A[n] + noise(self, self->i_noise_A);
-        counts->i[n] = to_count(self, self->middle_count + seen_A * self->i_count_per_A);
+        counts[n / PLANT_PHASES].i[n % PLANT_PHASES] =
+            to_count(self, self->middle_count + seen_A * self->i_count_per_A);
     }
     const double v_V = v_bus_V + noise(self, self->v_noise_V);
     counts->v_bus = to_count(self, v_V * self->v_count_per_V);
     counts->temperature = to_count(self, (temperature_degC - self->temperature_zero_degC) *
                                              self->temperature_count_per_degC);
+    for (int set = 1; set < self->sets; set++) {
+        counts[set].v_bus = counts->v_bus;
+        counts[set].temperature = counts->temperature;
+    }
 }

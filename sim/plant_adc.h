@@ -15,14 +15,15 @@ typedef struct {
     plant_noise_t noise;
     double full_scale_count, middle_count;
     double i_count_per_A, v_count_per_V, temperature_count_per_degC;
-    double i_offset_A[PLANT_PHASES], i_gain[PLANT_PHASES];
+    double i_offset_A[PLANT_LEGS], i_gain[PLANT_LEGS];
+    int sets;
     double i_noise_A, v_noise_V, temperature_zero_degC;
 } plant_adc_t;
 
 void plant_adc_init(plant_adc_t *self, const plant_config_t *config);
 
-/// Fills the currents, voltage and temperature of `counts`; leaves the rest of it alone.
-void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_PHASES], double v_bus_V,
+/// Fills the currents, voltage and temperature of `counts`, one per set; leaves the rest alone.
+void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_LEGS], double v_bus_V,
                        double temperature_degC, plant_counts_t *counts);
 
 void plant_noise_init(plant_noise_t *self, uint64_t seed);

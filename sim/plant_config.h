@@ -8,7 +8,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { PLANT_PHASES = 3 };
+enum {
+    PLANT_PHASES = 3,                      ///< of one set
+    PLANT_SETS = 2,                        ///< at most
+    PLANT_LEGS = PLANT_PHASES * PLANT_SETS ///< phases a b c of the first set, then of the second
+};
 
 /// How true to life the inverter is.
 typedef enum {
@@ -21,16 +25,21 @@ typedef enum {
 
 typedef struct {
     // Motor, amplitude-invariant dq, d on the magnet's flux.
+    int sets; ///< 2: two sets of windings 30 degrees apart, each with its own neutral; else one
     int pole_pairs;  ///< 1 and up
     double Rs_Ohm;   ///< winding resistance per phase, 0 and up
     double Ld_H;     ///< above 0
     double Lq_H;     ///< unsaturated, above 0
+    double Lxy_H;    ///< two sets: inductance of the xy plane, above 0
     double psi_Wb;   ///< magnet flux linkage, 0 and up
     double i_sat_A;  ///< q saturation: Lq_H falls towards Lq_sat_H around this current; 0: linear
     double Lq_sat_H; ///< what is left of Lq_H at infinite current, 0 < Lq_sat_H <= Lq_H
-    /// EMF harmonics in phase a: -w psi (sin th + r5 sin(5 th + p5) + r7 sin(7 th + p7)).
+    /// EMF harmonics in phase a: -w psi (sin th + r5 sin(5 th + p5) + ...). With two sets the 5th and
+    /// 7th lie in the xy plane.
     double emf5_ratio, emf5_phase_rad;
     double emf7_ratio, emf7_phase_rad;
+    double emf11_ratio, emf11_phase_rad;
+    double emf13_ratio, emf13_phase_rad;
 
     // Shaft.
     double J_kgm2;            ///< above 0
@@ -54,8 +63,8 @@ typedef struct {
     // Analogue-to-digital conversion.
     int adc_bits;                      ///< 4..16
     double i_A_per_count;              ///< nominal; 0 A is half of full scale
-    double i_offset_A[PLANT_PHASES];   ///< error, per phase
-    double i_gain_error[PLANT_PHASES]; ///< relative error, per phase
+    double i_offset_A[PLANT_LEGS];     ///< error, per phase
+    double i_gain_error[PLANT_LEGS];   ///< relative error, per phase
     double i_noise_A;                  ///< Gaussian, rms
     double v_bus_V_per_count;          ///< nominal; 0 V is count 0
     double v_bus_noise_V;              ///< Gaussian, rms
@@ -68,7 +77,7 @@ typedef struct {
     double stamp_Hz; ///< rate of the free-running 32-bit stamp
 } plant_config_t;
 
-/// What the firmware sees at t_k.
+/// What the firmware sees at t_k of one set; bus, temperature and stamp are the same for both.
 typedef struct {
     uint16_t i[PLANT_PHASES]; ///< out of the inverter into the motor: above half scale
     uint16_t v_bus;

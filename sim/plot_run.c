@@ -15,11 +15,12 @@ static void send_rows(FILE *script, const runlog_t *log) {
         const runlog_row_t *row = &log->row[k];
         const bool sensorless = row->mode == (double)LODE_MODE_RUN;
         (void)fprintf(
-            script, "%.6g %.5g %.5g %.5g %.4g %.4g %.4g %.4g %.4g %.4g %.4g %g %.3g\n", row->t_s,
-            row->speed_command_rpm, row->speed_rpm, sensorless ? row->speed_est_rpm : NAN,
+            script, "%.6g %.5g %.5g %.5g %.4g %.4g %.4g %.4g %.4g %.4g %.4g %g %.3g %.4g\n",
+            row->t_s, row->speed_command_rpm, row->speed_rpm, sensorless ? row->speed_est_rpm : NAN,
             row->id_A, row->iq_A, sensorless ? row->i1_ref_A : NAN,
             sensorless ? row->i2_ref_A : NAN, hypot(row->e_alpha_V, row->e_beta_V),
-            hypot(row->e_true_alpha_V, row->e_true_beta_V), row->load_Nm, row->mode, row->lock);
+            hypot(row->e_true_alpha_V, row->e_true_beta_V), row->load_Nm, row->mode, row->lock,
+            hypot(row->ix_A, row->iy_A));
     }
     (void)fputs("END\n", script);
 }
@@ -78,13 +79,17 @@ static void send_error(FILE *script, double peak_deg) {
                   range_deg, range_deg);
 }
 
-static void send_currents(FILE *script) {
+static void send_currents(FILE *script, int sets) {
     plot_panel(script, "current [A]");
     (void)fputs("plot $run using 1:5 with lines lc rgb green lw 1 title 'i_d', "
                 "'' using 1:6 with lines lc rgb blue lw 1 title 'i_q', "
                 "'' using 1:8 with lines lc rgb '#101010' lw 0.8 title 'i_q, wanted', "
-                "'' using 1:11 with steps lc rgb grey lw 1.4 dt 2 title 'load [Nm]'\n",
+                "'' using 1:11 with steps lc rgb grey lw 1.4 dt 2 title 'load [Nm]'",
                 script);
+    if (sets > 1) {
+        (void)fputs(", '' using 1:14 with lines lc rgb red lw 0.8 title '|i_{xy}|'", script);
+    }
+    (void)fputc('\n', script);
 }
 
 static void send_emf(FILE *script) {
@@ -121,7 +126,7 @@ bool plot_run(FILE *svg, const char *title, const runner_result_t *result, const
     send_phases(plot.script, result);
     send_speed(plot.script, result->phases);
     send_error(plot.script, peak_deg);
-    send_currents(plot.script);
+    send_currents(plot.script, log->sets);
     send_emf(plot.script);
     send_state(plot.script);
     return plot_finish(&plot);

@@ -94,7 +94,7 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_XY_BANDWIDTH, "xy", "bandwidth_rad_s resonance_rad_s",
      "a bandwidth of 1 .. 0.4/Ts, and a resonance of at most a quarter of it, or none"},
     {LODE_ERROR_XY_VOLTAGE, "xy", "voltage_share", "0 .. 0.5"},
-    {LODE_ERROR_SOURCE, "estimator", "source", "vsd, set-1 or set-2"},
+    {LODE_ERROR_SOURCE, "estimator", "winding", "vsd, set-1 or set-2"},
     {LODE_ERROR_OPEN_PHASE, "guard", "open_phase", "trip, go-on or ignore"},
     {LODE_ERROR_GUARD_CURRENT, "guard", "i_trip_A",
      "i_max_A .. 1e5, inside the sensor's range ([drive] i_range_A)"},

@@ -84,13 +84,13 @@ static void print_heading(FILE *file, const rig_config_t *config) {
     char pll[RIG_NAME_LENGTH];
     key_text(config, "emf", emf, sizeof emf);
     key_text(config, "pll", pll, sizeof pll);
-    (void)fprintf(file,
-                  "%s: %g pole pairs, %g Hz, %g V bus, %s inverter, %s and %s%s, seed %.0f\n\n",
-                  config->files > 0 ? config->file[0] : "", (double)drive->motor.pole_pairs,
-                  (double)drive->f_pwm_Hz, (double)drive->inverter.v_bus_V,
-                  config->plant.inverter == (int)PLANT_SWITCHING ? "switched" : "ideal", emf, pll,
-                  config->source == RIG_SOURCE_TRUTH ? " unused: driven by the true angle" : "",
-                  config->scenario.seed);
+    (void)fprintf(
+        file, "%s: %s%g pole pairs, %g Hz, %g V bus, %s inverter, %s and %s%s, seed %.0f\n\n",
+        config->files > 0 ? config->file[0] : "", rig_config_is_six(config) ? "six phases, " : "",
+        (double)drive->motor.pole_pairs, (double)drive->f_pwm_Hz, (double)drive->inverter.v_bus_V,
+        config->plant.inverter == (int)PLANT_SWITCHING ? "switched" : "ideal", emf, pll,
+        config->source == RIG_SOURCE_TRUTH ? " unused: driven by the true angle" : "",
+        config->scenario.seed);
 }
 
 void report_run_table(FILE *file, const rig_config_t *config, const runner_result_t *result,
@@ -115,17 +115,26 @@ void report_run_table(FILE *file, const rig_config_t *config, const runner_resul
 
 // ---- CSV ----------------------------------------------------------------------------------------
 
-void report_run_csv(FILE *file, const runlog_t *log) {
+/// The names, or the values of a row.
+static void write_line(FILE *file, const runlog_t *log, const runlog_row_t *row) {
     for (const runlog_column_t *column = runlog_columns; column->name != NULL; ++column) {
-        (void)fprintf(file, "%s%s", column == runlog_columns ? "" : ",", column->name);
+        const char *gap = column == runlog_columns ? "" : ",";
+        if (!runlog_has(log, column)) {
+            continue;
+        }
+        if (row == NULL) {
+            (void)fprintf(file, "%s%s", gap, column->name);
+        } else {
+            (void)fprintf(file, "%s%.*g", gap, column->digits, runlog_value(row, column));
+        }
     }
     (void)fputc('\n', file);
+}
+
+void report_run_csv(FILE *file, const runlog_t *log) {
+    write_line(file, log, NULL);
     for (size_t k = 0; k < log->rows; ++k) {
-        for (const runlog_column_t *column = runlog_columns; column->name != NULL; ++column) {
-            (void)fprintf(file, "%s%.*g", column == runlog_columns ? "" : ",", column->digits,
-                          runlog_value(&log->row[k], column));
-        }
-        (void)fputc('\n', file);
+        write_line(file, log, &log->row[k]);
     }
 }
 
@@ -155,6 +164,8 @@ static void add_phase(cJSON *array, const runner_phase_t *phase) {
     add_stats(item, "id_A", &phase->id_A);
     add_stats(item, "iq_A", &phase->iq_A);
     add_stats(item, "load_est_Nm", &phase->load_est_Nm);
+    add_stats(item, "torque_Nm", &phase->torque_Nm);
+    add_stats(item, "i_xy_A", &phase->i_xy_A);
     config_json_number(item, "lock_min", rig_stats_min(&phase->run_lock));
     (void)cJSON_AddStringToObject(item, "mode", report_mode_name(phase->mode));
     (void)cJSON_AddStringToObject(item, "missed", phase->missed);

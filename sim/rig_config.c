@@ -41,6 +41,7 @@ void rig_config_init(rig_config_t *config) {
         unset_all(rig_phase_schema(), phase);
         phase->mode = -1;
         phase->trip = -1;
+        phase->open_phase = -1;
         phase->end_mode = -1;
     }
 }
@@ -86,7 +87,7 @@ static bool convert_units(rig_config_t *config) {
     lode_drive_config_t *drive = &config->drive;
     const rig_convenience_t *people = &config->people;
     const double np = (double)drive->motor.pole_pairs;
-    const double kt = 1.5 * np * (double)drive->motor.psi_Wb;
+    const double kt = (double)lode_motor_torque_factor(&drive->motor) * (double)drive->motor.psi_Wb;
     if (!isnan(people->speed_rated_rpm)) {
         drive->motor.omega_rated_rad_s = (float)(np * rig_rad_s_from_rpm(people->speed_rated_rpm));
     }
@@ -190,6 +191,49 @@ static bool choose_estimator(rig_config_t *config) {
     return true;
 }
 
+bool rig_config_is_six(const rig_config_t *config) {
+    return config->drive.motor.sets == 2.0f;
+}
+
+lode_drive6_config_t rig_config_six(const rig_config_t *config) {
+    return (lode_drive6_config_t){
+        .drive = config->drive,
+        .Lxy_H = config->six.Lxy_H,
+        .source = config->six.source,
+        .xy = config->six.xy,
+        .open_phase = config->six.open_phase,
+    };
+}
+
+void rig_config_design(rig_config_t *config) {
+    if (!rig_config_is_six(config)) {
+        lode_drive_design(&config->drive);
+        return;
+    }
+    lode_drive6_config_t six = rig_config_six(config);
+    lode_drive6_design(&six);
+    config->drive = six.drive;
+    config->six.xy = six.xy;
+}
+
+/// Six phases need one more figure, and their step is not in parts that another estimate could go between.
+static bool check_six(const rig_config_t *config) {
+    static const char *const motor[] = {"Lxy_H", NULL};
+    if (!rig_config_is_six(config)) {
+        return true;
+    }
+    if (!all_given(config, "motor", motor)) {
+        return false;
+    }
+    if (config->source != RIG_SOURCE_OWN || config->emf >= RIG_EMF_C_EULER) {
+        rig_error(
+            "[estimator] source, emf: with six phases expected source = own and an observer of "
+            "the library");
+        return false;
+    }
+    return true;
+}
+
 bool rig_config_complete(rig_config_t *config, rig_need_t need) {
     static const char *const motor[] = {"pole_pairs", "Rs_Ohm", "Ld_H", "Lq_H",
                                         "psi_Wb",     "J_kgm2", NULL};
@@ -200,7 +244,7 @@ bool rig_config_complete(rig_config_t *config, rig_need_t need) {
         return false;
     }
     fit_board(config);
-    if (!choose_estimator(config)) {
+    if (!choose_estimator(config) || !check_six(config)) {
         return false;
     }
     default_to(&config->scenario.seed, 1.0);
@@ -241,7 +285,9 @@ static void describe_motor(const rig_config_t *config, plant_config_t *plant, ui
     const double draw_Lq = either_way(state);
     const double draw_J = either_way(state);
     const double draw_psi = either_way(state);
+    plant->sets = rig_config_is_six(config) ? PLANT_SETS : 1;
     plant->pole_pairs = (int)motor->pole_pairs;
+    plant->Lxy_H = or_else(truth->Lxy_H, (double)config->six.Lxy_H);
     plant->Rs_Ohm =
         spread(or_else(truth->Rs_Ohm, (double)motor->Rs_Ohm), truth->Rs_spread, draw_Rs);
     plant->Ld_H = or_else(truth->Ld_H, (double)motor->Ld_H);
@@ -256,6 +302,10 @@ static void describe_motor(const rig_config_t *config, plant_config_t *plant, ui
     plant->emf5_phase_rad = rig_rad_from_deg(or_else(truth->emf5_phase_deg, 0.0));
     plant->emf7_ratio = or_else(truth->emf7_ratio, 0.0);
     plant->emf7_phase_rad = rig_rad_from_deg(or_else(truth->emf7_phase_deg, 0.0));
+    plant->emf11_ratio = or_else(truth->emf11_ratio, 0.0);
+    plant->emf11_phase_rad = rig_rad_from_deg(or_else(truth->emf11_phase_deg, 0.0));
+    plant->emf13_ratio = or_else(truth->emf13_ratio, 0.0);
+    plant->emf13_phase_rad = rig_rad_from_deg(or_else(truth->emf13_phase_deg, 0.0));
     const double theta0_deg = isinf(truth->theta0_deg) ? 180.0 * angle : truth->theta0_deg;
     plant->theta_e_rad = remainder(rig_rad_from_deg(or_else(theta0_deg, 0.0)), 2.0 * RIG_PI);
     plant->omega_m_rad_s = rig_rad_s_from_rpm(or_else(truth->speed0_rpm, 0.0));
@@ -288,7 +338,7 @@ static void describe_board(const rig_config_t *config, plant_config_t *plant, ui
     plant->v_bus_noise_V = or_else(truth->v_bus_noise_V, 0.0);
     plant->sample_offset_s = or_else(truth->sample_offset_s, 0.0);
     plant->stamp_Hz = stamp > 0.0 ? stamp / plant->period_s : STAMP_Hz;
-    for (int k = 0; k < PLANT_PHASES; ++k) {
+    for (int k = 0; k < plant->sets * PLANT_PHASES; ++k) {
         plant->i_offset_A[k] = or_else(truth->i_offset_A[k], 0.0) +
                                or_else(truth->i_offset_spread_A, 0.0) * either_way(state);
         plant->i_gain_error[k] = or_else(truth->i_gain_error[k], 0.0);

@@ -5,14 +5,14 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "lodestar/drive.h"
+#include "lodestar/drive6.h"
 #include "plant.h"
 
 enum {
     RIG_PATH_LENGTH = 512,
     RIG_NAME_LENGTH = 32,
     RIG_FILES_MAX = 8,
-    RIG_KEYS_MAX = 160,
+    RIG_KEYS_MAX = 200,
     RIG_PHASE_KEYS_MAX = 32,
     RIG_PHASES_MAX = 48
 };
@@ -29,6 +29,14 @@ typedef struct {
     double v_range_V; ///< bus voltage at full scale
 } rig_board_t;
 
+/// What six phases need besides.
+typedef struct {
+    float Lxy_H;
+    lode_source_t source;
+    lode_xy_config_t xy;
+    lode_open_phase_answer_t open_phase;
+} rig_six_t;
+
 /// What people rather write than SI units; each stands for one field of the drive's configuration.
 typedef struct {
     double speed_rated_rpm;
@@ -41,13 +49,14 @@ typedef struct {
 
 /// The truth that the firmware does not know. Unset values are those of motor and drive.
 typedef struct {
-    double Rs_Ohm, Ld_H, Lq_H, psi_Wb, J_kgm2, B_Nms;
+    double Rs_Ohm, Ld_H, Lq_H, Lxy_H, psi_Wb, J_kgm2, B_Nms;
     double i_sat_A, Lq_sat_H;
     double emf5_ratio, emf5_phase_deg, emf7_ratio, emf7_phase_deg;
+    double emf11_ratio, emf11_phase_deg, emf13_ratio, emf13_phase_deg;
     int inverter;  ///< plant_level_t
     int load_kind; ///< 0 passive, 1 signed
     double v_bus_V, dead_time_s, v_drop_V, v_diode_V, r_on_Ohm, pwm_ticks;
-    double i_offset_A[PLANT_PHASES], i_gain_error[PLANT_PHASES];
+    double i_offset_A[PLANT_LEGS], i_gain_error[PLANT_LEGS];
     double i_noise_A, v_bus_noise_V, temperature_degC, sample_offset_s;
     double theta0_deg; ///< RIG_RANDOM: anywhere
     double speed0_rpm;
@@ -94,6 +103,9 @@ typedef enum {
     RIG_COMPENSATION_EQ30 ///< paper 1, eq. 30
 } rig_compensation_t;
 
+/// Hardware trip of both sets, or of one.
+typedef enum { RIG_TRIP_OFF, RIG_TRIP_ON, RIG_TRIP_SET_1, RIG_TRIP_SET_2 } rig_trip_t;
+
 /// One stretch of a scenario. What a phase leaves unset stays as it was.
 typedef struct {
     char name[RIG_NAME_LENGTH];
@@ -106,7 +118,8 @@ typedef struct {
     double v_bus_V;
     double temperature_degC;
     double dyno_rpm; ///< speed held by a dynamometer; RIG_RANDOM ("free"): no longer
-    int trip;        ///< hardware trip: 0 off, 1 on, -1 as before
+    int trip;        ///< hardware trip: rig_trip_t, -1 as before
+    int open_phase;  ///< this phase breaks, 0 .. 5 for a1 .. c2; -1: none
     int clear_fault; ///< 1: leave the fault state first
     /// from here on the firmware takes its motor's value times this for true; unset: as before
     double Lq_factor, Rs_factor;
@@ -132,7 +145,8 @@ typedef struct {
 } rig_origin_t;
 
 typedef struct {
-    lode_drive_config_t drive;
+    lode_drive_config_t drive; ///< of six phases too: motor.sets is 2 then
+    rig_six_t six;
     rig_board_t board;
     rig_convenience_t people;
     rig_plant_t plant;
@@ -160,6 +174,14 @@ typedef enum {
 /// Turns what is written for people into the drive's units and fills the board's gains. False after
 /// a message: something needed is missing, or given twice in two units.
 bool rig_config_complete(rig_config_t *config, rig_need_t need);
+
+/// True for a motor with two sets of windings.
+bool rig_config_is_six(const rig_config_t *config);
+
+lode_drive6_config_t rig_config_six(const rig_config_t *config);
+
+/// Lets the library compute every value of the drive that is open.
+void rig_config_design(rig_config_t *config);
 
 /// The plant that `config` describes, with everything random drawn from the scenario's seed. False
 /// after a message.

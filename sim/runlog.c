@@ -7,7 +7,9 @@
 #include "diag.h"
 
 #define COLUMN(name, digits)                                                                       \
-    { #name, offsetof(runlog_row_t, name), digits }
+    { #name, offsetof(runlog_row_t, name), digits, 1 }
+#define COLUMN_OF_SIX(name, digits)                                                                \
+    { #name, offsetof(runlog_row_t, name), digits, 2 }
 
 const runlog_column_t runlog_columns[] = {
     COLUMN(t_s, 9),
@@ -43,7 +45,19 @@ const runlog_column_t runlog_columns[] = {
     COLUMN(torque_Nm, 6),
     COLUMN(load_Nm, 6),
     COLUMN(load_est_Nm, 6),
-    {NULL, 0, 0},
+    COLUMN_OF_SIX(ia2_A, 6),
+    COLUMN_OF_SIX(ib2_A, 6),
+    COLUMN_OF_SIX(ic2_A, 6),
+    COLUMN_OF_SIX(ix_A, 6),
+    COLUMN_OF_SIX(iy_A, 6),
+    COLUMN_OF_SIX(e_true_x_V, 6),
+    COLUMN_OF_SIX(e_true_y_V, 6),
+    COLUMN_OF_SIX(duty_a2, 6),
+    COLUMN_OF_SIX(duty_b2, 6),
+    COLUMN_OF_SIX(duty_c2, 6),
+    COLUMN_OF_SIX(open_phase, 6),
+    COLUMN_OF_SIX(found_open, 6),
+    {NULL, 0, 0, 0},
 };
 
 void runlog_init(runlog_t *self) {
@@ -78,6 +92,10 @@ void runlog_note(runlog_t *self, double t_s, const char *text) {
     runlog_event_t *event = &self->event[self->events++];
     event->t_s = t_s;
     (void)snprintf(event->text, sizeof event->text, "%s", text);
+}
+
+bool runlog_has(const runlog_t *self, const runlog_column_t *column) {
+    return column->sets == 1 || self->sets == column->sets;
 }
 
 double runlog_value(const runlog_row_t *row, const runlog_column_t *column) {

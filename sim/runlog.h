@@ -20,6 +20,14 @@ typedef struct {
     double e_true_alpha_V, e_true_beta_V;
     double ia_A, ib_A, ic_A;
     double duty_a, duty_b, duty_c;
+    // Six phases only.
+    double ia2_A, ib2_A, ic2_A;
+    double ix_A, iy_A;
+    double e_true_x_V, e_true_y_V;
+    double duty_a2, duty_b2, duty_c2;
+    double open_phase; ///< broken, 1 .. 6; 0: none
+    double found_open; ///< by the drive, lode_open_phase_t
+    // All.
     double v_bus_V;
     double lock;
     double torque_Nm, load_Nm, load_est_Nm;
@@ -29,6 +37,7 @@ typedef struct {
     const char *name;
     size_t offset; ///< of a double in runlog_row_t
     int digits;
+    int sets; ///< 2: six phases only
 } runlog_column_t;
 
 /// The columns in the order of a file; NULL-terminated by name.
@@ -44,6 +53,7 @@ enum { RUNLOG_EVENTS_MAX = 100 };
 typedef struct {
     runlog_row_t *row;
     size_t rows, capacity;
+    int sets; ///< of windings; 0 counts as 1
     int events;
     int events_dropped;
     runlog_event_t event[RUNLOG_EVENTS_MAX];
@@ -57,6 +67,9 @@ void runlog_free(runlog_t *self);
 bool runlog_add(runlog_t *self, const runlog_row_t *row);
 
 void runlog_note(runlog_t *self, double t_s, const char *text);
+
+/// True for a column that this log has.
+bool runlog_has(const runlog_t *self, const runlog_column_t *column);
 
 double runlog_value(const runlog_row_t *row, const runlog_column_t *column);
 

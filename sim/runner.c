@@ -19,9 +19,7 @@ typedef struct {
     runner_memory_t memory;
     runner_result_t *result;
     runlog_t *log;
-    plant_t plant;
-    lode_drive_t drive;
-    lode_drive_tuning_t tuning[2]; ///< in use, and the next one
+    rig_t rig;
     double Lq_factor, Rs_factor;
     double ts_s;
     double extra_load_Nm;
@@ -35,13 +33,14 @@ typedef struct {
     double speed_step_rpm; ///< per period
     lode_mode_t mode;
     bool faulted;
+    int found_open;
+    bool open[PLANT_LEGS]; ///< broken phases that the log has
     progress_t progress;
 } run_t;
 
 /// One period as seen from outside.
 typedef struct {
-    plant_truth_t truth;
-    lode_estimate_t estimate;
+    rig_moment_t at;
     double error_deg;
 } moment_t;
 
@@ -132,9 +131,33 @@ runner_estimator_t runner_estimator(const rig_config_t *config) {
 
 // ---- Log ----------------------------------------------------------------------------------------
 
-static void note_changes(run_t *run, const lode_estimate_t *estimate) {
+static const char *phase_name(int leg) {
+    static const char *const names[] = {"a1", "b1", "c1",           "a2",
+                                        "b2", "c2", "all of set 1", "all of set 2"};
+    return names[leg];
+}
+
+static void note_open_phases(run_t *run, const rig_moment_t *now) {
     const double t_s = (double)run->k * run->ts_s;
-    const lode_mode_t mode = (lode_mode_t)run->drive.mode;
+    const int found = rig_found_open(&run->rig);
+    char text[80];
+    for (int n = 0; n < PLANT_LEGS; ++n) {
+        if (now->truth.open[n] && !run->open[n]) {
+            (void)snprintf(text, sizeof text, "phase %s is open", phase_name(n));
+            runlog_note(run->log, t_s, text);
+        }
+        run->open[n] = now->truth.open[n];
+    }
+    if (found > 0 && found != run->found_open) {
+        (void)snprintf(text, sizeof text, "found open by the drive: %s", phase_name(found - 1));
+        runlog_note(run->log, t_s, text);
+    }
+    run->found_open = found;
+}
+
+static void note_changes(run_t *run, const rig_moment_t *now) {
+    const double t_s = (double)run->k * run->ts_s;
+    const lode_mode_t mode = (lode_mode_t)run->rig.drive->mode;
     char text[160];
     if (mode != run->mode) {
         const size_t prefix = strlen("LODE_MODE_");
@@ -146,10 +169,10 @@ static void note_changes(run_t *run, const lode_estimate_t *estimate) {
         }
         run->mode = mode;
     }
-    if (estimate->reseeded && mode == LODE_MODE_RUN) {
+    if (now->estimate.reseeded && mode == LODE_MODE_RUN) {
         runlog_note(run->log, t_s, "estimator acquired anew");
     }
-    const lode_fault_t *fault = &run->drive.guard.fault;
+    const lode_fault_t *fault = &run->rig.drive->guard.fault;
     if (mode == LODE_MODE_FAULT && !run->faulted) {
         (void)snprintf(text, sizeof text, "fault in %s: %s, measured %.4g, limit %.4g",
                        lode_mode_name((lode_mode_t)fault->state) + strlen("LODE_MODE_"),
@@ -161,14 +184,26 @@ static void note_changes(run_t *run, const lode_estimate_t *estimate) {
         run->result->fault_s = t_s;
     }
     run->faulted = mode == LODE_MODE_FAULT;
+    note_open_phases(run, now);
+}
+
+/// The first broken phase, 1 .. 6; 0: none.
+static int open_phase(const plant_truth_t *truth) {
+    int leg = 0;
+    while (leg < PLANT_LEGS && !truth->open[leg]) {
+        ++leg;
+    }
+    return leg < PLANT_LEGS ? leg + 1 : 0;
 }
 
 static bool log_row(run_t *run, int phase, const moment_t *now) {
     lode_telemetry_t seen;
-    (void)lode_drive_telemetry(&run->drive, &seen);
-    const plant_truth_t *truth = &now->truth;
+    (void)lode_drive_telemetry(run->rig.drive, &seen);
+    const plant_truth_t *truth = &now->at.truth;
+    const lode_estimate_t *estimate = &now->at.estimate;
+    const lode_abc_t duty_2 = rig_duty_2(&run->rig);
     const double np = (double)run->config->drive.motor.pole_pairs;
-    const double est_rpm = rig_rpm_from_rad_s((double)now->estimate.omega_rad_s) / np;
+    const double est_rpm = rig_rpm_from_rad_s((double)estimate->omega_rad_s) / np;
     const runlog_row_t row = {
         .t_s = (double)run->k * run->ts_s,
         .phase = phase,
@@ -179,7 +214,7 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
         .speed_rpm = rig_rpm_from_rad_s(truth->omega_m_rad_s),
         .speed_est_rpm = est_rpm,
         .theta_e_rad = truth->theta_e_rad,
-        .theta_est_rad = (double)lode_estimate_theta_rad(&now->estimate),
+        .theta_est_rad = (double)lode_estimate_theta_rad(estimate),
         .angle_error_deg = now->error_deg,
         .id_A = truth->id_A,
         .iq_A = truth->iq_A,
@@ -189,8 +224,8 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
         .i2_ref_A = (double)seen.ref_A.q,
         .u1_V = (double)seen.u_V.d,
         .u2_V = (double)seen.u_V.q,
-        .e_alpha_V = (double)now->estimate.e_V.alpha,
-        .e_beta_V = (double)now->estimate.e_V.beta,
+        .e_alpha_V = (double)estimate->e_V.alpha,
+        .e_beta_V = (double)estimate->e_V.beta,
         .e_true_alpha_V = truth->e_alpha_V,
         .e_true_beta_V = truth->e_beta_V,
         .ia_A = truth->i_abc_A[0],
@@ -199,11 +234,23 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
         .duty_a = (double)seen.duty.a,
         .duty_b = (double)seen.duty.b,
         .duty_c = (double)seen.duty.c,
+        .ia2_A = truth->i_abc_A[3],
+        .ib2_A = truth->i_abc_A[4],
+        .ic2_A = truth->i_abc_A[5],
+        .ix_A = truth->i_x_A,
+        .iy_A = truth->i_y_A,
+        .e_true_x_V = truth->e_x_V,
+        .e_true_y_V = truth->e_y_V,
+        .duty_a2 = (double)duty_2.a,
+        .duty_b2 = (double)duty_2.b,
+        .duty_c2 = (double)duty_2.c,
+        .open_phase = (double)open_phase(truth),
+        .found_open = (double)rig_found_open(&run->rig),
         .v_bus_V = (double)seen.v_bus_V,
-        .lock = (double)now->estimate.lock,
+        .lock = (double)estimate->lock,
         .torque_Nm = truth->torque_Nm,
         .load_Nm = run->load_Nm,
-        .load_est_Nm = (double)now->estimate.load_torque_Nm,
+        .load_est_Nm = (double)estimate->load_torque_Nm,
     };
     return runlog_add(run->log, &row);
 }
@@ -219,54 +266,42 @@ static void move_command(run_t *run) {
     run->speed_rpm =
         there ? run->speed_goal_rpm : run->speed_rpm + copysign(run->speed_step_rpm, left_rpm);
     run->command.speed_rad_s = (float)rig_rad_s_from_rpm(run->speed_rpm);
-    (void)lode_drive_post_command(&run->drive, &run->command);
+    (void)lode_drive_post_command(run->rig.drive, &run->command);
 }
 
-static lode_counts_t counts_of(const plant_counts_t *plant) {
-    return (lode_counts_t){
-        .i = {plant->i[0], plant->i[1], plant->i[2]},
-        .v_bus = plant->v_bus,
-        .temperature = plant->temperature,
-        .trip = plant->trip,
-        .stamp = plant->stamp,
-    };
-}
-
-static void step_drive(run_t *run, moment_t *now) {
-    plant_counts_t sampled;
-    plant_sample(&run->plant, &sampled, &now->truth);
-    const lode_counts_t counts = counts_of(&sampled);
-    // lode_drive_step() in its three parts.
-    const lode_measurement_t measurement = lode_drive_sense(&run->drive, &counts);
-    now->estimate = run->estimate(&run->drive, &measurement, &now->truth, &run->memory);
-    const lode_drive_out_t out = lode_drive_act(&run->drive, &measurement, &now->estimate);
-    const double duty[PLANT_PHASES] = {(double)out.duty.a, (double)out.duty.b, (double)out.duty.c};
-    plant_write(&run->plant, duty, out.gates);
-    plant_advance(&run->plant);
-    now->error_deg = rig_angle_error_deg((double)lode_estimate_theta_rad(&now->estimate),
-                                         now->truth.theta_e_rad);
+static void step(run_t *run, moment_t *now) {
+    rig_step(&run->rig, run->estimate, &run->memory, &now->at);
+    now->error_deg = rig_angle_error_deg((double)lode_estimate_theta_rad(&now->at.estimate),
+                                         now->at.truth.theta_e_rad);
 }
 
 // ---- Phases -------------------------------------------------------------------------------------
 
 static void apply_to_plant(run_t *run, const rig_phase_t *phase) {
+    plant_t *plant = &run->rig.plant;
     if (!isnan(phase->load_Nm)) {
         run->load_Nm = phase->load_Nm + run->extra_load_Nm;
-        plant_set_load(&run->plant, run->load_Nm);
+        plant_set_load(plant, run->load_Nm);
     }
     if (!isnan(phase->v_bus_V)) {
-        plant_set_bus(&run->plant, phase->v_bus_V);
+        plant_set_bus(plant, phase->v_bus_V);
     }
     if (!isnan(phase->temperature_degC)) {
-        plant_set_temperature(&run->plant, phase->temperature_degC);
+        plant_set_temperature(plant, phase->temperature_degC);
     }
     if (isinf(phase->dyno_rpm)) {
-        plant_release_speed(&run->plant);
+        plant_release_speed(plant);
     } else if (!isnan(phase->dyno_rpm)) {
-        plant_set_speed(&run->plant, rig_rad_s_from_rpm(phase->dyno_rpm));
+        plant_set_speed(plant, rig_rad_s_from_rpm(phase->dyno_rpm));
     }
     if (phase->trip >= 0) {
-        plant_set_trip(&run->plant, phase->trip == 1);
+        plant_set_trip(plant, phase->trip == RIG_TRIP_ON);
+        if (phase->trip >= RIG_TRIP_SET_1) {
+            plant_set_trip_of(plant, phase->trip - RIG_TRIP_SET_1, true);
+        }
+    }
+    if (phase->open_phase >= 0) {
+        plant_open_phase(plant, phase->open_phase);
     }
 }
 
@@ -277,18 +312,17 @@ static bool retune(run_t *run, const rig_phase_t *phase) {
     }
     run->Lq_factor = isnan(phase->Lq_factor) ? run->Lq_factor : phase->Lq_factor;
     run->Rs_factor = isnan(phase->Rs_factor) ? run->Rs_factor : phase->Rs_factor;
-    lode_drive_config_t drive = run->config->drive;
-    drive.motor.Lq_H *= (float)run->Lq_factor;
-    drive.motor.Rs_Ohm *= (float)run->Rs_factor;
-    lode_drive_tuning_t *next = &run->tuning[run->drive.tuning == &run->tuning[0] ? 1 : 0];
-    const lode_status_t status = lode_drive_tune(next, &drive);
+    lode_motor_t motor = run->config->drive.motor;
+    motor.Lq_H *= (float)run->Lq_factor;
+    motor.Rs_Ohm *= (float)run->Rs_factor;
+    const lode_status_t status = rig_retune(&run->rig, run->config, &motor);
     if (status != LODE_OK) {
         refusal_report(run->config, status);
         return false;
     }
-    run->memory.euler_config.Lq_H = (double)drive.motor.Lq_H;
-    run->memory.euler_config.Rs_Ohm = (double)drive.motor.Rs_Ohm;
-    return lode_drive_post_tuning(&run->drive, next) == LODE_OK;
+    run->memory.euler_config.Lq_H = (double)motor.Lq_H;
+    run->memory.euler_config.Rs_Ohm = (double)motor.Rs_Ohm;
+    return true;
 }
 
 static void set_if_given(float *field, double value) {
@@ -309,29 +343,33 @@ static void apply_to_command(run_t *run, const rig_phase_t *phase) {
     run->speed_step_rpm = at_once ? HUGE_VAL : phase->ramp_rpm_s * run->ts_s;
     run->speed_rpm = at_once ? run->speed_goal_rpm : run->speed_rpm;
     command->speed_rad_s = (float)rig_rad_s_from_rpm(run->speed_rpm);
-    (void)lode_drive_post_command(&run->drive, command);
+    (void)lode_drive_post_command(run->rig.drive, command);
 }
 
 static void measure(const run_t *run, runner_phase_t *out, const moment_t *now, bool in_window) {
+    const plant_truth_t *truth = &now->at.truth;
+    const lode_estimate_t *estimate = &now->at.estimate;
     const double np = (double)run->config->drive.motor.pole_pairs;
-    const double rpm = rig_rpm_from_rad_s(now->truth.omega_m_rad_s);
+    const double rpm = rig_rpm_from_rad_s(truth->omega_m_rad_s);
     const bool running = run->mode == LODE_MODE_RUN;
     if (running) {
         rig_stats_add(&out->run_error_deg, now->error_deg);
-        rig_stats_add(&out->run_lock, (double)now->estimate.lock);
-        out->reseeds += now->estimate.reseeded ? 1u : 0u;
+        rig_stats_add(&out->run_lock, (double)estimate->lock);
+        out->reseeds += estimate->reseeded ? 1u : 0u;
     }
     if (!in_window) {
         return;
     }
     rig_stats_add(&out->speed_rpm, rpm);
-    rig_stats_add(&out->id_A, now->truth.id_A);
-    rig_stats_add(&out->iq_A, now->truth.iq_A);
+    rig_stats_add(&out->id_A, truth->id_A);
+    rig_stats_add(&out->iq_A, truth->iq_A);
+    rig_stats_add(&out->torque_Nm, truth->torque_Nm);
+    rig_stats_add(&out->i_xy_A, hypot(truth->i_x_A, truth->i_y_A));
     if (running) {
         rig_stats_add(&out->error_deg, now->error_deg);
         rig_stats_add(&out->speed_error_rpm,
-                      rig_rpm_from_rad_s((double)now->estimate.omega_rad_s) / np - rpm);
-        rig_stats_add(&out->load_est_Nm, (double)now->estimate.load_torque_Nm);
+                      rig_rpm_from_rad_s((double)estimate->omega_rad_s) / np - rpm);
+        rig_stats_add(&out->load_est_Nm, (double)estimate->load_torque_Nm);
     }
 }
 
@@ -366,11 +404,11 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
 static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_window) {
     moment_t now;
     move_command(run);
-    step_drive(run, &now);
+    step(run, &now);
     if (run->log->capture != NULL) {
-        capture_step(run->log->capture, &run->drive);
+        capture_step(run->log->capture, run->rig.drive);
     }
-    note_changes(run, &now.estimate);
+    note_changes(run, &now.at);
     measure(run, out, &now, in_window);
     const bool good = run->k % run->log_every != 0 || log_row(run, index, &now);
     run->k++;
@@ -393,7 +431,7 @@ static bool run_phase(run_t *run, int index) {
     uint64_t k = 0;
     if (good && phase->clear_fault == 1) {
         const lode_command_t clear = {.mode = LODE_MODE_OFF, .clear_fault = true};
-        (void)lode_drive_post_command(&run->drive, &clear);
+        (void)lode_drive_post_command(run->rig.drive, &clear);
         good = run_period(run, index, out, false);
         k++;
     }
@@ -436,12 +474,12 @@ static bool start(run_t *run) {
     if (!check_phases(run->config) || !rig_config_plant(run->config, &plant, &run->extra_load_Nm)) {
         return false;
     }
-    const lode_status_t status = lode_drive_init(&run->drive, &run->tuning[0], &run->config->drive);
+    const lode_status_t status = rig_init(&run->rig, run->config, &plant);
     if (status != LODE_OK) {
         refusal_report(run->config, status);
         return false;
     }
-    (void)plant_init(&run->plant, &plant);
+    run->log->sets = run->rig.sets;
     run->memory.seeded_s = isnan(run->config->seeded_s) ? 0.0 : run->config->seeded_s;
     if (euler_estimate_wanted(run->config)) {
         run->memory.euler_config = euler_estimate_config(run->config);
@@ -456,7 +494,7 @@ static bool start(run_t *run) {
     run->log_every = (uint64_t)fmax(1.0, round(log_s / run->ts_s));
     if (run->extra_load_Nm > 0.0 || run->extra_load_Nm < 0.0) {
         run->load_Nm = run->extra_load_Nm;
-        plant_set_load(&run->plant, run->load_Nm);
+        plant_set_load(&run->rig.plant, run->load_Nm);
     }
     return true;
 }

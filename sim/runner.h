@@ -2,8 +2,7 @@
 #ifndef RIG_RUNNER_H
 #define RIG_RUNNER_H
 
-#include "euler.h"
-#include "rig_config.h"
+#include "rig.h"
 #include "runlog.h"
 #include "stats.h"
 
@@ -20,6 +19,8 @@ typedef struct {
     rig_stats_t error_deg;       ///< estimate - truth, electrical; only if the drive RAN throughout
     rig_stats_t id_A, iq_A;      ///< true rotor frame
     rig_stats_t load_est_Nm;
+    rig_stats_t torque_Nm;
+    rig_stats_t i_xy_A; ///< length of the vector; six phases
     // The whole phase, as far as the drive RAN.
     rig_stats_t run_error_deg;
     rig_stats_t run_lock;
@@ -39,18 +40,6 @@ typedef struct {
     double processor_s;
     bool missed; ///< a bar
 } runner_result_t;
-
-/// What an estimator other than the drive's own has to remember.
-typedef struct {
-    double seeded_s; ///< until then `seeded` is driven by the truth
-    euler_config_t euler_config;
-    euler_t euler;
-} runner_memory_t;
-
-/// Where an estimate comes from: the place at which other estimators can be compared.
-typedef lode_estimate_t (*runner_estimator_t)(lode_drive_t *drive,
-                                              const lode_measurement_t *measurement,
-                                              const plant_truth_t *truth, runner_memory_t *memory);
 
 /// The one that [estimator] names.
 runner_estimator_t runner_estimator(const rig_config_t *config);

@@ -7,6 +7,8 @@ typedef char enum_is_int[sizeof(lode_choice_t) == sizeof(int) ? 1 : -1];
 
 #define GIVEN(section, key, field)                                                                 \
     { section, key, RIG_KEY_GIVEN, offsetof(rig_config_t, drive.field), 0.0, 0.0, NULL, NULL }
+#define PLAIN(section, key, field, kind)                                                           \
+    { section, key, kind, offsetof(rig_config_t, field), 0.0, 0.0, NULL, NULL }
 #define FLOAT(section, key, field)                                                                 \
     { section, key, RIG_KEY_FLOAT, offsetof(rig_config_t, drive.field), 0.0, 0.0, NULL, NULL }
 #define FLOAT_OR_NONE(section, key, field)                                                         \
@@ -34,6 +36,8 @@ static const rig_key_t keys[] = {
     GIVEN("motor", "psi_Wb", motor.psi_Wb),
     GIVEN("motor", "J_kgm2", motor.J_kgm2),
     GIVEN("motor", "B_Nms", motor.B_Nms),
+    GIVEN("motor", "sets", motor.sets),
+    PLAIN("motor", "Lxy_H", six.Lxy_H, RIG_KEY_GIVEN),
     NUMBER("motor", "speed_rated_rpm", people.speed_rated_rpm, 1e-3, 1e6),
 
     GIVEN("drive", "f_pwm_Hz", f_pwm_Hz),
@@ -76,6 +80,7 @@ static const rig_key_t keys[] = {
     CHOICE("estimator", "active_flux", drive.estimator.active_flux, "auto|on|off", NULL),
     CHOICE("estimator", "compensation", compensation, "auto|exact|none|eq30", NULL),
     CHOICE("estimator", "source", source, "own|truth|seeded", NULL),
+    CHOICE("estimator", "winding", six.source, "vsd|set-1|set-2", NULL),
     NUMBER("estimator", "seeded_s", seeded_s, 0.0, 1e4),
 
     FLOAT("current", "bandwidth_rad_s", current.bandwidth_rad_s),
@@ -84,6 +89,10 @@ static const rig_key_t keys[] = {
     FLOAT("current", "ki_d_V_As", current.ki_d_V_As),
     FLOAT("current", "ki_q_V_As", current.ki_q_V_As),
     FLOAT("current", "voltage_use", current.voltage_use),
+
+    PLAIN("xy", "bandwidth_rad_s", six.xy.bandwidth_rad_s, RIG_KEY_FLOAT),
+    PLAIN("xy", "resonance_rad_s", six.xy.resonance_rad_s, RIG_KEY_FLOAT_OR_NONE),
+    PLAIN("xy", "voltage_share", six.xy.voltage_share, RIG_KEY_FLOAT),
 
     CHOICE("references", "strategy", drive.references.kind, "id0|mtpa", NULL),
     CHOICE("references", "field_weakening", drive.references.field_weakening, "auto|on|off", NULL),
@@ -131,10 +140,12 @@ static const rig_key_t keys[] = {
     FLOAT("guard", "bus_s", guard.bus_s),
     FLOAT("guard", "lock_s", guard.lock_s),
     FLOAT("guard", "stamp_per_period", guard.stamp_per_period),
+    CHOICE("guard", "open_phase", six.open_phase, "trip|go-on|ignore", NULL),
 
     NUMBER("plant", "Rs_Ohm", plant.Rs_Ohm, 0.0, 1e6),
     NUMBER("plant", "Ld_H", plant.Ld_H, 1e-9, 1e3),
     NUMBER("plant", "Lq_H", plant.Lq_H, 1e-9, 1e3),
+    NUMBER("plant", "Lxy_H", plant.Lxy_H, 1e-9, 1e3),
     NUMBER("plant", "psi_Wb", plant.psi_Wb, 0.0, 1e3),
     NUMBER("plant", "J_kgm2", plant.J_kgm2, 1e-12, 1e6),
     NUMBER("plant", "B_Nms", plant.B_Nms, 0.0, 1e6),
@@ -144,6 +155,10 @@ static const rig_key_t keys[] = {
     NUMBER("plant", "emf5_phase_deg", plant.emf5_phase_deg, -360.0, 360.0),
     NUMBER("plant", "emf7_ratio", plant.emf7_ratio, 0.0, 1.0),
     NUMBER("plant", "emf7_phase_deg", plant.emf7_phase_deg, -360.0, 360.0),
+    NUMBER("plant", "emf11_ratio", plant.emf11_ratio, 0.0, 1.0),
+    NUMBER("plant", "emf11_phase_deg", plant.emf11_phase_deg, -360.0, 360.0),
+    NUMBER("plant", "emf13_ratio", plant.emf13_ratio, 0.0, 1.0),
+    NUMBER("plant", "emf13_phase_deg", plant.emf13_phase_deg, -360.0, 360.0),
     CHOICE("plant", "inverter", plant.inverter, "ideal|switched", NULL),
     CHOICE("plant", "load_kind", plant.load_kind, "passive|signed", NULL),
     NUMBER("plant", "v_bus_V", plant.v_bus_V, 0.1, 1e5),
@@ -155,9 +170,15 @@ static const rig_key_t keys[] = {
     NUMBER("plant", "i_offset_a_A", plant.i_offset_A[0], -1e5, 1e5),
     NUMBER("plant", "i_offset_b_A", plant.i_offset_A[1], -1e5, 1e5),
     NUMBER("plant", "i_offset_c_A", plant.i_offset_A[2], -1e5, 1e5),
+    NUMBER("plant", "i_offset_a2_A", plant.i_offset_A[3], -1e5, 1e5),
+    NUMBER("plant", "i_offset_b2_A", plant.i_offset_A[4], -1e5, 1e5),
+    NUMBER("plant", "i_offset_c2_A", plant.i_offset_A[5], -1e5, 1e5),
     NUMBER("plant", "i_gain_error_a", plant.i_gain_error[0], -0.5, 0.5),
     NUMBER("plant", "i_gain_error_b", plant.i_gain_error[1], -0.5, 0.5),
     NUMBER("plant", "i_gain_error_c", plant.i_gain_error[2], -0.5, 0.5),
+    NUMBER("plant", "i_gain_error_a2", plant.i_gain_error[3], -0.5, 0.5),
+    NUMBER("plant", "i_gain_error_b2", plant.i_gain_error[4], -0.5, 0.5),
+    NUMBER("plant", "i_gain_error_c2", plant.i_gain_error[5], -0.5, 0.5),
     NUMBER("plant", "i_noise_A", plant.i_noise_A, 0.0, 1e5),
     NUMBER("plant", "v_bus_noise_V", plant.v_bus_noise_V, 0.0, 1e5),
     NUMBER("plant", "temperature_degC", plant.temperature_degC, -50.0, 150.0),
@@ -194,7 +215,8 @@ static const rig_key_t phase_keys[] = {
     PHASE_NUMBER("v_bus_V", v_bus_V, 0.1, 1e5),
     PHASE_NUMBER("temperature_degC", temperature_degC, -50.0, 150.0),
     PHASE_NUMBER_OR("dyno_rpm", dyno_rpm, -1e6, 1e6, "free"),
-    PHASE_CHOICE("trip", trip, "off|on"),
+    PHASE_CHOICE("trip", trip, "off|on|set-1|set-2"),
+    PHASE_CHOICE("open_phase", open_phase, "a1|b1|c1|a2|b2|c2"),
     PHASE_CHOICE("clear_fault", clear_fault, "off|on"),
     PHASE_NUMBER("Lq_factor", Lq_factor, 0.01, 100.0),
     PHASE_NUMBER("Rs_factor", Rs_factor, 0.0, 100.0),

@@ -198,7 +198,7 @@ static void compare_with_reference(const plant_config_t *c, double iq, int perio
         if (!gates_on) {
             plant_write(&plant, plant.next_duty, false);
         }
-        reference_period(&r, plant.duty, plant.gates_on);
+        reference_period(&r, plant.duty, plant.gates_on[0]);
         plant_advance(&plant);
         const plant_truth_t t = truth_of(&plant);
         for (int n = 0; n < 3; n++) {
@@ -251,6 +251,14 @@ static void test_switching_matches_reference_without_load(void) {
     c.omega_m_rad_s = 12.0;
     compare_with_reference(&c, 0.0, 120, true, 5e-3, 0.1, "no load");
     compare_with_reference(&c, 1.2, 120, true, 5e-3, 0.1, "little load");
+}
+
+/// Currents reverse in the zero vector: between the low gate, on since the last period, and the pulse.
+static void test_switching_matches_reference_at_reversals(void) {
+    plant_config_t c = lossy_config();
+    c.omega_m_rad_s = 120.0;
+    c.speed_is_prescribed = true;
+    compare_with_reference(&c, 0.5, 200, true, 5e-3, 0.1, "reversals in the zero vector");
 }
 
 /// Line-to-line EMF of 246 V against a bus of 200 V: two diodes conduct, then three.
@@ -1474,6 +1482,7 @@ int main(void) {
     RUN_TEST(test_switching_matches_reference_under_load);
     RUN_TEST(test_switching_matches_reference_with_saturation_and_harmonics);
     RUN_TEST(test_switching_matches_reference_without_load);
+    RUN_TEST(test_switching_matches_reference_at_reversals);
     RUN_TEST(test_gates_off_matches_reference_when_rectifying);
 #ifdef RECORDINGS_DIR
     RUN_TEST(test_recorded_currents);

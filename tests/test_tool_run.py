@@ -115,6 +115,30 @@ def truth_as_source(checks, folder):
     checks.at_most(worst, 1e-3, "angle error with the true angle")
 
 
+def six_phases(checks, folder):
+    """The broken wire is in the record, and the other set carries the load."""
+    done = folder.run("run", "dtp_open_phase", "--csv", "six.csv", "--json", "six.json")
+    checks.true("phase b1 is open" in done.stdout, "the wire breaks")
+    checks.true("found open by the drive: b1" in done.stdout, "the drive finds it")
+    with open(folder.path / "six.csv", newline="") as file:
+        rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+    after = [row for row in rows if row["open_phase"] == 2 and row["found_open"] == 2]
+    checks.true(len(after) > 1000, f"{len(after)} rows with the open phase")
+    checks.at_most(max(abs(row["ib_A"]) for row in after), 1e-9, "current of the open phase")
+    checks.true(max(row["ia2_A"] for row in after) > 2.0, "set 2 carries current")
+    checks.true(max(abs(row["ix_A"]) for row in rows[:1000]) > 0.0, "xy currents are recorded")
+    checks.true("ia2_A" not in (folder.path / "lodestar-out/main.csv").read_text().split("\n")[0],
+                "no second set with three phases")
+    for sets, expected in ((["estimator.source=truth"], "source = own"),
+                           (["estimator.emf=gi-leso-euler"], "observer of the library"),
+                           (["motor.sets=3"], "LODE_ERROR_MOTOR_SETS"),
+                           (["motor.Lxy_H=0"], "LODE_ERROR_XY_INDUCTANCE")):
+        arguments = [x for s in sets for x in ("--set", s)]
+        done = folder.run("run", "dtp_open_phase", *arguments)
+        checks.equal(done.returncode, 2, f"exit code with {sets}")
+        checks.true(expected in done.stderr, f"{sets}: {done.stderr}")
+
+
 def list_and_help(checks, folder):
     done = folder.run("list")
     checks.equal(done.returncode, 0, "exit code of list")
@@ -180,6 +204,7 @@ def main():
         exit_codes(checks, folder)
         mismatch(checks, folder)
         truth_as_source(checks, folder)
+        six_phases(checks, folder)
         list_and_help(checks, folder)
         design(checks, folder)
     checks.done()
