@@ -14,8 +14,18 @@ lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H) {
     return alone;
 }
 
+// The ripple of a set's currents is that of both planes, 1/L the mean of theirs: the leakage decides it.
+static float ripple_H(float L_H, float Lxy_H) {
+    return 2.0f * L_H * Lxy_H / lode_max(L_H + Lxy_H, FLT_MIN);
+}
+
 void lode_drive6_design(lode_drive6_config_t *config) {
     config->drive.motor.sets = (float)LODE_SETS;
+    lode_motor_t ripple = config->drive.motor;
+    ripple.Ld_H = ripple_H(ripple.Ld_H, config->Lxy_H);
+    ripple.Lq_H = ripple_H(ripple.Lq_H, config->Lxy_H);
+    lode_inverter_design(&config->drive.inverter, &ripple,
+                         1.0f / lode_max(config->drive.f_pwm_Hz, FLT_MIN));
     lode_xy_design(&config->xy, 1.0f / lode_max(config->drive.f_pwm_Hz, FLT_MIN));
     // A set's voltage is at most the sum of both planes'.
     config->drive.current.voltage_use =
