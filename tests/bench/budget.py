@@ -40,12 +40,12 @@ STEPS = {
     "fault": (190, 30),  # around the trip, from period 200 on
     "off": (WARM, CALLS),
 }
-STEADY = list(STEPS)[:7]
+STEPS6 = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced"]
 PHASES = {"steady": "enhanced", "start, hand-over": "start", "limit of current, of voltage":
           "saturated", "over-voltage, trip, fault": "fault", "off": "off"}
 BLOCKS = ["estimator_c_leso_qpll", "estimator_fa_leso_leso_qpll", "estimator_enhanced", "sense",
           "emf_c_leso", "pll", "lag", "speed", "references", "current", "modulator", "guard",
-          "start", "sincos", "atan2", "pi", "sogi", "clarke_park", "nothing"]
+          "modulator6", "xy", "open_phase", "start", "sincos", "atan2", "pi", "sogi", "clarke_park", "nothing"]
 BLOCK_CALLS = 100
 LEVELS = ["-Os", "-O2", "-O3"]
 COMPARED = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced"]
@@ -63,13 +63,21 @@ def measure_steps(machine, names, calls=None):
     return steps
 
 
+def measure_steps6(machine):
+    return {name: count.measure(machine, f"bench_step6_{name}", "lode_drive6_step", CALLS, WARM)
+            for name in STEPS6}
+
+
 def measure_m4f(tables):
     machine = count.start(Image(build.image("m4f", "-O2", tables)))
     figures = {"steps": measure_steps(machine, STEPS),
+               "steps6": measure_steps6(machine),
                "blocks": {name: count.measure(machine, f"bench_{name}", None, BLOCK_CALLS, WARM)
                           for name in BLOCKS}}
     count.check(machine)
-    figures["firmware"] = {"m4f -O2": sizes.firmware_sizes(build.firmware())}
+    figures["firmware"] = {
+        "m4f -O2": sizes.firmware_sizes(build.firmware()),
+        "m4f -O2, six phases": sizes.firmware_sizes(build.firmware(phases=6), "lode_drive6_step")}
     return figures
 
 
@@ -103,16 +111,20 @@ def three(figure):
     return f"{figure['min']} / {figure['avg']:.0f} / {figure['max']}"
 
 
-def step_table(figures):
+def step_table(figures, which="steps"):
     head = ["step", "instructions", "cycles", "max/min", "loads", "stores", "text B", "executed B",
             "lines", "RAM B", "stack B"]
     rows = []
-    for name, f in figures["steps"].items():
+    for name, f in figures[which].items():
         ratio = f"{f['cycles']['max'] / f['cycles']['min']:.2f}"
         rows.append([f"`{name}`", three(f["instructions"]), three(f["cycles"]), ratio,
                      f"{f['loads']['avg']:.0f}", f"{f['stores']['avg']:.0f}", f["text"],
                      f["executed"], f["lines"], f["ram"], f["stack"]])
     return table(head, rows)
+
+
+def step6_table(figures):
+    return step_table(figures, "steps6")
 
 
 def phase_table(figures):
@@ -163,13 +175,14 @@ def firmware_table(figures):
 
 
 def object_table(figures):
-    f = figures["firmware"]["m4f -O2"]
-    return table(["object", "bytes"], [["`lode_drive_t`", f["drive"]],
-                                       ["`lode_drive_tuning_t`, may lie in flash", f["tuning"]],
-                                       ["`lode_drive_config_t`, only for init", f["config"]]])
+    three_phases, six = (figures["firmware"][name] for name in ("m4f -O2", "m4f -O2, six phases"))
+    rows = [[f"`lode_drive{{,6}}{kind}`{note}", three_phases[what], six[what]] for kind, note, what in (
+        ("_t", "", "drive"), ("_tuning_t", ", may lie in flash", "tuning"),
+        ("_config_t", ", only for init", "config"))]
+    return table(["object, bytes", "three phases", "six"], rows)
 
 
-TABLES = {"steps": step_table, "phases": phase_table, "blocks": block_table, "levels": level_table,
+TABLES = {"steps": step_table, "steps6": step6_table, "phases": phase_table, "blocks": block_table, "levels": level_table,
           "cores": core_table, "firmware": firmware_table, "objects": object_table}
 
 
@@ -207,8 +220,9 @@ def check(figures):
     found = []
     if page_with(documented) != PAGE.read_text():
         found.append("the tables of docs/budget.md are not those of docs/budget.json")
-    gated = {name: documented.get(name, {}) for name in ("steps", "blocks")}
-    gated["firmware"] = {"m4f -O2": documented.get("firmware", {}).get("m4f -O2", {})}
+    gated = {name: documented.get(name, {}) for name in ("steps", "steps6", "blocks")}
+    firmware = documented.get("firmware", {})
+    gated["firmware"] = {name: firmware.get(name, {}) for name in figures["firmware"]}
     found.extend(differences(figures, gated))
     for text in found:
         print(text)
@@ -242,7 +256,7 @@ def main():
     if mode == "write":
         measure_others(figures, tables)
         write(figures)
-    print(step_table(figures), phase_table(figures), block_table(figures),
+    print(step_table(figures), step6_table(figures), phase_table(figures), block_table(figures),
           firmware_table(figures), object_table(figures), sep="\n")
     return check(figures) if mode == "check" else 0
 
