@@ -24,6 +24,7 @@ CORES = {
     "m33": ["-mcpu=cortex-m33", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-sp-d16"],
     "r5f": ["-mcpu=cortex-r5", "-marm", "-mfloat-abi=hard", "-mfpu=vfpv3-d16"],
 }
+DEBUG = "-gdwarf-4"  # says where instructions come from, and changes none
 ONE_OBSERVER = ["-DLODE_WITHOUT_GI_LESO", "-DLODE_WITHOUT_FA_LESO", "-DLODE_WITHOUT_FA_MULTI"]
 
 
@@ -79,7 +80,7 @@ def image(core="m4f", level="-O2", tables=None):
     sources = [HERE / f for f in ("image.c", "blocks.c", "drives.c", "drives6.c")] + core_sources()
     if core != "r5f":
         sources.append(HERE / "qemu.c")
-    return link(core, level, OUT / name, [*sources, tables or recording()])
+    return link(core, level, OUT / name, [*sources, tables or recording()], DEBUG)
 
 
 def firmware(core="m4f", level="-O2", options=ONE_OBSERVER, phases=3):
