@@ -48,13 +48,13 @@ void lode_core_own_references(lode_drive_t *self, float v_bus_V);
 void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm);
 
 // Angle and speed at t_k.
-LODE_INLINE lode_estimate_t lode_core_estimate(lode_drive_t *self, const lode_measurement_t *m) {
+LODE_INLINE lode_estimate_t lode_core_estimate(lode_drive_t *self, lode_ab_t u_V, lode_ab_t i_A) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     if (!self->gates) { // the voltage at open terminals is not known
         lode_estimator_reset(&self->estimator, tuning);
         return (lode_estimate_t){.rotor = {0.0f, 1.0f}};
     }
-    return lode_estimator_follow(&self->estimator, tuning, m->u_V, m->sample.i_A);
+    return lode_estimator_follow(&self->estimator, tuning, u_V, i_A);
 }
 
 // Too slow to run on, and not about to speed up.
