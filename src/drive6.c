@@ -189,11 +189,16 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
 
 // Angle and speed at t_k; the current in the rotor's frame is the one that is controlled.
 LODE_INLINE lode_estimate_t estimated(lode_drive6_t *self, const measured_t *x) {
-    lode_estimate_t estimate = lode_core_estimate(&self->drive, x->u_seen_V, x->i_seen_A);
-    if (sees_one_set(self)) {
-        estimate.i_A = lode_park(x->m.sample.i_A, estimate.rotor);
-    }
-    return estimate;
+    const lode_estimate_t seen = lode_core_estimate(&self->drive, x->u_seen_V, x->i_seen_A);
+    // Not a changed copy: that would go through memory.
+    return (lode_estimate_t){.omega_rad_s = seen.omega_rad_s,
+                             .rotor = seen.rotor,
+                             .half_turn = seen.half_turn,
+                             .i_A = lode_park(x->m.sample.i_A, seen.rotor),
+                             .e_V = seen.e_V,
+                             .load_torque_Nm = seen.load_torque_Nm,
+                             .lock = seen.lock,
+                             .reseeded = seen.reseeded};
 }
 
 // One set goes on alone: its currents are twice those of both.
