@@ -167,7 +167,7 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
     const lode_sets_t u_V = {{lode_inverter_realised(&drive->inverter, first.v_bus_V),
                               lode_inverter_realised(&self->inverter_2, first.v_bus_V)}};
     x.i_abc_A = (lode_abc6_t){{first.i_abc_A, second.i_abc_A}};
-    x.i_A = (lode_sets_t){{first.i_A, lode_set2_to_stator(second.i_A)}};
+    x.i_A = (lode_sets_t){{first.i_A, lode_set2_clarke(second.i_abc_A)}};
     x.m.sample = both_of(tuning, &first, &second);
     self->i_xy_A = lode_vsd_xy(x.i_A);
     if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
