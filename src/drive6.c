@@ -11,8 +11,8 @@ typedef struct {
     lode_measurement_t m; // of the machine, or of the set that is driven alone
     lode_ab_t u_seen_V;   // by the estimator
     lode_ab_t i_seen_A;
-    lode_abc6_t i_abc_A;
     lode_sets_t i_A; // of each set, stator axes
+    bool watched;    // for open phases
 } measured_t;
 
 static lode_active_t active_of(const lode_drive6_t *self) {
@@ -126,9 +126,9 @@ LODE_INLINE lode_sample_t both_of(const lode_sense_tuning_t *tuning, const lode_
         both.i_abc_A = second->i_abc_A;
     }
     both.temperature_count = hotter_2 ? second->temperature_count : first->temperature_count;
-    both.trip = first->trip || second->trip;
-    both.alert = first->alert || second->alert;
-    both.railed = first->railed || second->railed;
+    both.trip = (bool)(first->trip | second->trip);
+    both.alert = (bool)(first->alert | second->alert);
+    both.railed = (bool)(first->railed | second->railed);
     return both;
 }
 
@@ -166,7 +166,12 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
         lode_sense_step(&self->sense_2, tuning, &counts->set[1], &self->duty_before_2);
     const lode_sets_t u_V = {{lode_inverter_realised(&drive->inverter, first.v_bus_V),
                               lode_inverter_realised(&self->inverter_2, first.v_bus_V)}};
-    x.i_abc_A = (lode_abc6_t){{first.i_abc_A, second.i_abc_A}};
+    x.watched = self->active == (uint_least8_t)LODE_SETS_BOTH &&
+                self->tuning->open_phase != LODE_OPEN_PHASE_IGNORE &&
+                lode_core_mode(drive) == LODE_MODE_RUN;
+    if (x.watched) {
+        lode_open_phase_note(&self->watch, &first.i_abc_A, &second.i_abc_A);
+    }
     x.i_A = (lode_sets_t){{first.i_A, lode_set2_clarke(second.i_abc_A)}};
     x.m.sample = both_of(tuning, &first, &second);
     self->i_xy_A = lode_vsd_xy(x.i_A);
@@ -215,30 +220,29 @@ static LODE_COLD void go_on_alone(lode_drive6_t *self, lode_active_t active, lod
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
 }
 
-static LODE_COLD void answer(lode_drive6_t *self, lode_open_phase_t open, lode_sets_t i_A,
+// `i_A`: of the other set.
+static LODE_COLD void answer(lode_drive6_t *self, lode_open_phase_t open, lode_ab_t i_A,
                              lode_sincos_t rotor, float omega_rad_s) {
-    const int32_t set = lode_open_phase_set(open);
     self->open = open;
     if (self->tuning->open_phase == LODE_OPEN_PHASE_TRIP) {
         lode_guard_trip(&self->drive.guard, self->drive.mode, LODE_CHECK_OPEN_PHASE, (float)open,
                         0.0f);
     } else {
-        go_on_alone(self, set == 0 ? LODE_SETS_ONLY_2 : LODE_SETS_ONLY_1, of_set(&i_A, set == 1),
-                    rotor, omega_rad_s);
+        const bool in_1 = lode_open_phase_set(open) == 0;
+        go_on_alone(self, in_1 ? LODE_SETS_ONLY_2 : LODE_SETS_ONLY_1, i_A, rotor, omega_rad_s);
     }
 }
 
 LODE_INLINE void watch_phases(lode_drive6_t *self, const measured_t *x,
                               const lode_estimate_t *est) {
-    if (self->active != (uint_least8_t)LODE_SETS_BOTH ||
-        self->tuning->open_phase == LODE_OPEN_PHASE_IGNORE ||
-        lode_core_mode(&self->drive) != LODE_MODE_RUN) {
+    if (!x->watched) {
         return;
     }
     const lode_open_phase_t open =
-        lode_open_phase_step(&self->watch, &self->tuning->watch, &x->i_abc_A, est->rotor.sin);
+        lode_open_phase_step(&self->watch, &self->tuning->watch, est->rotor.sin);
     if (open > 0u) {
-        answer(self, open, x->i_A, est->rotor, est->omega_rad_s);
+        answer(self, open, of_set(&x->i_A, lode_open_phase_set(open) == 1), est->rotor,
+               est->omega_rad_s);
     }
 }
 

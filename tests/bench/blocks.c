@@ -197,8 +197,8 @@ BLOCK(xy) {
 BLOCK(open_phase) {
     const bench_inputs_t *in = input(call);
     const lode_abc_t i_A = lode_clarke_inverse(in->i_A);
-    const lode_abc6_t both_A = {{i_A, i_A}};
-    bench_sink[0] = (float)lode_open_phase_step(&phases, &tuning6.watch, &both_A, in->theta_rad);
+    lode_open_phase_note(&phases, &i_A, &i_A);
+    bench_sink[0] = (float)lode_open_phase_step(&phases, &tuning6.watch, in->theta_rad);
 }
 
 BLOCK(guard) {

@@ -41,7 +41,7 @@ MORE = {
     "guard": {"lode_guard_step", "lode_guard_watch"},
     "slow parts": {"adapt", "lode_estimator_adapt", "lode_inverter_adapt", "lode_xy_adapt"},
     "control of the xy plane": {"lode_xy_step", "voltages"},
-    "watch on open phases": {"watch_phases"},
+    "watch on open phases": {"watch_phases", "lode_open_phase_note"},
 }
 OTHER = "entry, exit, modes, copies"
 PARTS = [*COMMON, *MORE, OTHER]
