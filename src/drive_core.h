@@ -78,7 +78,9 @@ LODE_INLINE void watch(lode_drive_t *self, const lode_measurement_t *m, const lo
     note_temperature(self, &m->sample);
     const lode_condition_t condition = {m->sample.v_bus_V, self->temperature_degC,
                                         self->direction * est->omega_rad_s, est->lock};
-    lode_guard_watch(&self->guard, &self->tuning->guard, condition, now);
+    const lode_situation_t here = {now.state, now.sensorless,
+                                   now.finite}; // as in lode_guard_step()
+    lode_guard_watch(&self->guard, &self->tuning->guard, condition, here);
 }
 
 // What follows speed and load. After the duties, which do not wait for it.
@@ -135,7 +137,8 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
     const bool running = lode_core_mode(self) == LODE_MODE_RUN;
     lode_frame_t frame = {est->rotor, est->half_turn, est->omega_rad_s, est->omega_rad_s, est->i_A};
     if (!running) {
-        const lode_frame_t own = lode_core_own_frame(self, m->sample.i_A);
+        const lode_ab_t i_A = {m->sample.i_A.alpha, m->sample.i_A.beta}; // a copy, as above
+        const lode_frame_t own = lode_core_own_frame(self, i_A);
         frame = (lode_frame_t){own.rotor, own.half_turn, own.omega_rad_s, own.omega_rotor, own.i_A};
         lode_core_own_references(self, v_bus_V);
     }
