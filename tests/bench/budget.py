@@ -13,6 +13,7 @@ import build
 
 try:
     import count
+    import places
     import sizes
     from emulator import Image
 except ImportError as error:
@@ -45,8 +46,20 @@ PHASES = {"steady": "enhanced", "start, hand-over": "start", "limit of current, 
           "saturated", "over-voltage, trip, fault": "fault", "off": "off"}
 BLOCKS = ["estimator_c_leso_qpll", "estimator_fa_leso_leso_qpll", "estimator_enhanced", "sense",
           "emf_c_leso", "pll", "lag", "speed", "references", "current", "modulator", "guard",
-          "modulator6", "xy", "open_phase", "start", "sincos", "atan2", "pi", "sogi", "clarke_park", "nothing"]
+          "modulator6", "xy", "open_phase", "start", "sincos", "atan2", "pi", "sogi",
+          "clarke_park", "nothing"]
 BLOCK_CALLS = 100
+# What the steps were meant to cost on average: figures of a case, what of them, target, bar.
+BARS = [("steps", "c_leso_qpll", "cycles", None, 600),
+        ("steps", "fa_leso_leso_qpll", "cycles", None, 700),
+        ("steps", "enhanced", "cycles", 520, 750),
+        ("steps", "enhanced", "instructions", None, 520),
+        ("steps6", "c_leso_qpll", "cycles", 950, 1200),
+        ("steps6", "fa_leso_leso_qpll", "cycles", 950, 1200),
+        ("steps6", "enhanced", "cycles", 950, 1200)]
+BOUND = [("steps", name) for name in STEPS6] + [("steps6", name) for name in STEPS6]
+# Mean cycles of whole steps of other projects, by the same method.
+PEERS = {"MESC": 1057, "ODrive 0.5": 1287, "TI eSMO": 1407, "VESC": 2458}
 LEVELS = ["-Os", "-O2", "-O3"]
 COMPARED = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced"]
 OTHER_CORES = ["m7", "m33", "m3", "m0", "r5f"]
@@ -54,24 +67,26 @@ CORE_NAMES = {"m4f": "Cortex-M4F", "m7": "Cortex-M7", "m33": "Cortex-M33", "m3":
               "m0": "Cortex-M0", "r5f": "Cortex-R5F"}
 
 
-def measure_steps(machine, names, calls=None):
+def measure_steps(machine, names, calls=None, of=None):
     steps = {}
     for name in names:
         warm, counted = STEPS[name]
         steps[name] = count.measure(machine, f"bench_step_{name}", "lode_drive_step",
-                                    calls or counted, warm)
+                                    calls or counted, warm,
+                                    of=of if name in STEPS6 else None)
     return steps
 
 
-def measure_steps6(machine):
-    return {name: count.measure(machine, f"bench_step6_{name}", "lode_drive6_step", CALLS, WARM)
-            for name in STEPS6}
+def measure_steps6(machine, of):
+    return {name: count.measure(machine, f"bench_step6_{name}", "lode_drive6_step", CALLS, WARM,
+                                of=of) for name in STEPS6}
 
 
 def measure_m4f(tables):
     machine = count.start(Image(build.image("m4f", "-O2", tables)))
-    figures = {"steps": measure_steps(machine, STEPS),
-               "steps6": measure_steps6(machine),
+    of = places.Places(machine.image)
+    figures = {"steps": measure_steps(machine, STEPS, of=of),
+               "steps6": measure_steps6(machine, of),
                "blocks": {name: count.measure(machine, f"bench_{name}", None, BLOCK_CALLS, WARM)
                           for name in BLOCKS}}
     count.check(machine)
@@ -176,13 +191,57 @@ def firmware_table(figures):
 
 def object_table(figures):
     three_phases, six = (figures["firmware"][name] for name in ("m4f -O2", "m4f -O2, six phases"))
-    rows = [[f"`lode_drive{{,6}}{kind}`{note}", three_phases[what], six[what]] for kind, note, what in (
-        ("_t", "", "drive"), ("_tuning_t", ", may lie in flash", "tuning"),
-        ("_config_t", ", only for init", "config"))]
+    kinds = {"drive": "_t`", "tuning": "_tuning_t`, may lie in flash",
+             "config": "_config_t`, only for init"}
+    rows = [[f"`lode_drive{kind}; `lode_drive6{kind.split(',')[0]}", three_phases[what], six[what]]
+            for what, kind in kinds.items()]
     return table(["object, bytes", "three phases", "six"], rows)
 
 
-TABLES = {"steps": step_table, "steps6": step6_table, "phases": phase_table, "blocks": block_table, "levels": level_table,
+def named(which, name):
+    return f"`{name}`" + (", six" if which == "steps6" else "")
+
+
+def bar_table(figures):
+    rows = []
+    for which, name, what, target, bar in BARS:
+        mean = figures[which][name][what]["avg"]
+        rows.append([f"{named(which, name)}, {what}", f"{mean:.0f}", target or "", bar,
+                     f"{mean / bar:.2f}"])
+    return table(["step, mean", "measured", "target", "bar", "by bar"], rows)
+
+
+def bound_table(figures, what, rows):
+    found = [figures[which][name][what] for which, name in BOUND]
+    cells = [[row, *(f"{f[row]:.0f}" for f in found)] for row in rows]
+    cells.append(["sum", *(f"{sum(f.values()):.0f}" for f in found)])
+    return table(["mean cycles", *(named(*case) for case in BOUND)], cells)
+
+
+def kind_table(figures):
+    return bound_table(figures, "kinds", places.KINDS)
+
+
+def part_table(figures):
+    return bound_table(figures, "parts", places.PARTS)
+
+
+def peer_table(figures):
+    """What the parts cost that such a step usually has, beside the whole steps of others."""
+    rows = []
+    for which, name in BOUND[:len(STEPS6)]:
+        parts = figures[which][name]["parts"]
+        more = sum(parts[part] for part in places.MORE)
+        whole = sum(parts.values())
+        rows.append([named(which, name), f"{whole:.0f}", f"{more:.0f}", f"{whole - more:.0f}",
+                     *(f"{(whole - more) / peer:.2f}" for peer in PEERS.values())])
+    return table(["mean cycles", "whole", "of it the lower parts", "without them",
+                  *(f"by {peer} ({cycles})" for peer, cycles in PEERS.items())], rows)
+
+
+TABLES = {"bars": bar_table, "kinds": kind_table, "parts": part_table, "peers": peer_table,
+          "steps": step_table, "steps6": step6_table, "phases": phase_table,
+          "blocks": block_table, "levels": level_table,
           "cores": core_table, "firmware": firmware_table, "objects": object_table}
 
 
@@ -256,7 +315,8 @@ def main():
     if mode == "write":
         measure_others(figures, tables)
         write(figures)
-    print(step_table(figures), step6_table(figures), phase_table(figures), block_table(figures),
+    print(step_table(figures), step6_table(figures), bar_table(figures), kind_table(figures),
+          part_table(figures), phase_table(figures), block_table(figures),
           firmware_table(figures), object_table(figures), sep="\n")
     return check(figures) if mode == "check" else 0
 
