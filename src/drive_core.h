@@ -48,13 +48,13 @@ void lode_core_own_references(lode_drive_t *self, float v_bus_V);
 void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm);
 
 // Angle and speed at t_k.
-LODE_INLINE lode_estimate_t lode_core_estimate(lode_drive_t *self, const lode_measurement_t *m) {
+LODE_INLINE lode_estimate_t lode_core_estimate(lode_drive_t *self, lode_ab_t u_V, lode_ab_t i_A) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     if (!self->gates) { // the voltage at open terminals is not known
         lode_estimator_reset(&self->estimator, tuning);
         return (lode_estimate_t){.rotor = {0.0f, 1.0f}};
     }
-    return lode_estimator_follow(&self->estimator, tuning, m->u_V, m->sample.i_A);
+    return lode_estimator_follow(&self->estimator, tuning, u_V, i_A);
 }
 
 // Too slow to run on, and not about to speed up.
@@ -78,7 +78,9 @@ LODE_INLINE void watch(lode_drive_t *self, const lode_measurement_t *m, const lo
     note_temperature(self, &m->sample);
     const lode_condition_t condition = {m->sample.v_bus_V, self->temperature_degC,
                                         self->direction * est->omega_rad_s, est->lock};
-    lode_guard_watch(&self->guard, &self->tuning->guard, condition, now);
+    const lode_situation_t here = {now.state, now.sensorless,
+                                   now.finite}; // as in lode_guard_step()
+    lode_guard_watch(&self->guard, &self->tuning->guard, condition, here);
 }
 
 // What follows speed and load. After the duties, which do not wait for it.
@@ -133,7 +135,8 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
     const bool running = lode_core_mode(self) == LODE_MODE_RUN;
     lode_frame_t frame = {est->rotor, est->half_turn, est->omega_rad_s, est->omega_rad_s, est->i_A};
     if (!running) {
-        const lode_frame_t own = lode_core_own_frame(self, m->sample.i_A);
+        const lode_ab_t i_A = {m->sample.i_A.alpha, m->sample.i_A.beta}; // a copy, as above
+        const lode_frame_t own = lode_core_own_frame(self, i_A);
         frame = (lode_frame_t){own.rotor, own.half_turn, own.omega_rad_s, own.omega_rotor, own.i_A};
         lode_core_own_references(self, v_bus_V);
     }

@@ -28,6 +28,9 @@ static lode_pll_t pll;
 static lode_emf_t emf;
 static lode_sample_t sample;
 static lode_sincos_t rotor;
+static lode_drive6_tuning_t tuning6;
+static lode_xy_t xy;
+static lode_open_phase_watch_t phases;
 
 // Where results go, so that the compiler keeps them.
 float bench_sink[8];
@@ -83,6 +86,11 @@ bool bench_blocks_setup(void) {
     emf = estimator[ENHANCED].emf;
     sample = lode_sense_step(&sense, &t->sense, &bench_counted[BENCH_enhanced][0], &half);
     sogi_tuning = lode_sogi_tune(0.7f, 6.0f * BENCH_OMEGA_rad_s / BENCH_F_PWM_Hz);
+    const lode_drive6_config_t config6 = bench6_config(BENCH6_enhanced);
+    good = lode_drive6_tune(&tuning6, &config6) == LODE_OK && good;
+    lode_xy_reset(&xy);
+    lode_xy_adapt(&xy, &tuning6.xy, BENCH_OMEGA_rad_s);
+    lode_open_phase_reset(&phases);
     return good;
 }
 
@@ -208,6 +216,35 @@ BLOCK(modulator) {
     bench_sink[2] = m.duty.c;
     bench_sink[3] = m.realised.alpha;
     bench_sink[4] = m.realised.beta;
+}
+
+BLOCK(modulator6) {
+    const bench_inputs_t *in = input(call);
+    const lode_inverter_tuning_t *t = &tuning6.drive.inverter;
+    const lode_loss_t loss = {0.005f, 1.0f};
+    const lode_modulator6_out_t m =
+        lode_modulator6_step(t, loss, (lode_sets_t){{in->u_V, in->u_V}}, BENCH_V_BUS_V,
+                             (lode_sets_t){{in->i_A, in->i_A}});
+    bench_sink[0] = m.duty.set[0].a + m.duty.set[0].b + m.duty.set[0].c;
+    bench_sink[1] = m.duty.set[1].a + m.duty.set[1].b + m.duty.set[1].c;
+    bench_sink[2] = m.realised.set[0].alpha + m.realised.set[0].beta;
+    bench_sink[3] = m.realised.set[1].alpha + m.realised.set[1].beta;
+}
+
+BLOCK(xy) {
+    const lode_sincos_t half_turn = lode_sincos_small(0.5f * BENCH_OMEGA_rad_s / BENCH_F_PWM_Hz);
+    const bench_inputs_t *in = input(call);
+    const lode_ab_t i_A = lode_ab_scale(0.001f, in->i_A);
+    const lode_ab_t u_V = lode_xy_step(&xy, &tuning6.xy, i_A, half_turn, BENCH_V_BUS_V);
+    bench_sink[0] = u_V.alpha;
+    bench_sink[1] = u_V.beta;
+}
+
+BLOCK(open_phase) {
+    const bench_inputs_t *in = input(call);
+    const lode_abc_t i_A = lode_clarke_inverse(in->i_A);
+    lode_open_phase_note(&phases, &i_A, &i_A);
+    bench_sink[0] = (float)lode_open_phase_step(&phases, &tuning6.watch, in->theta_rad);
 }
 
 BLOCK(guard) {
