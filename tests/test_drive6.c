@@ -158,7 +158,7 @@ static void test_a_trip_of_either_set_switches_both_off_at_once(void) {
 static void test_over_current_in_set_2_is_seen(void) {
     const lode_drive6_config_t config = rig6_config();
     rig6_t rig = turning(&config, 300.0, 0.0);
-    rig.offset[5] = 23.0 / RIG6_GAIN_A; // 23 A where 22.5 A trips
+    rig.offset[5] = 25.0 / RIG6_GAIN_A; // of either sign with the 2 A that flow, above 22.5 A
     rig6_step(&rig);
     expect_fault(&rig, LODE_CHECK_OVER_CURRENT);
 }
