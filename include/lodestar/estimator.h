@@ -228,7 +228,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     // Known acceleration over the period to come (P3): torque of the measured current, seen from where
     // the rotor is by the position error (P19), and friction.
     const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_dq.d;
-    const float swing = tuning->salient_H * i_dq.q * i_dq.q - flux_Wb * i_dq.d;
+    const float swing = lode_max(tuning->salient_H * i_dq.q * i_dq.q - flux_Wb * i_dq.d, 0.0f);
     self->pll.acc_rad_s2 = tuning->acc_per_torque * (flux_Wb * i_dq.q + swing * error) -
                            tuning->acc_per_omega * self->pll.omega_rad_s;
     return (lode_estimate_t){
