@@ -52,8 +52,8 @@ static lode_dq_t seen_from(lode_dq_t x, lode_sincos_t turn) {
 // the start current fades from the d axis.
 static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const lode_dq_t u_V =
-        seen_from(self->u_V, lode_angle_subtract(est->rotor, lode_start_vector(&self->start)));
+    const lode_sincos_t vector = lode_start_next(&self->start, &tuning->start);
+    const lode_dq_t u_V = seen_from(self->u_V, lode_angle_subtract(est->rotor, vector));
     lode_current_reset(&self->current, &tuning->current, u_V, est->i_A, est->omega_rad_s);
     const float torque = lode_references_torque_Nm(&tuning->references, est->i_A);
     lode_speed_reset(&self->speed, &tuning->speed, est->omega_rad_s * tuning->inv_pole_pairs,
@@ -81,38 +81,33 @@ LODE_COLD void lode_core_hand_back(lode_drive_t *self, float omega_rad_s, lode_d
     lode_core_set_mode(self, LODE_MODE_START);
 }
 
-// Slow in START the estimator has nothing to go by: it is put on the vector from time to time.
-static bool is_held(const lode_drive_t *self) {
-    return lode_abs(self->start.omega_rad_s) < self->tuning->start.omega_hold &&
-           self->steps % LODE_SLOW_PERIODS == TURN_HOLD;
-}
-
+// Decides in one turn and hands over in the next: each is enough for a period.
 static void follow_start(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->start;
-    if (start->catching > 0u && self->command.mode == LODE_MODE_RUN) {
-        if (lode_start_catch(start, tuning, est)) {
+    if (self->command.mode != LODE_MODE_RUN) {
+        lode_core_switch_off(self, LODE_MODE_OFF);
+        return;
+    }
+    if (self->steps % LODE_SLOW_PERIODS == TURN_HAND_OVER) {
+        if (lode_start_is_ready(start, tuning)) {
             hand_over(self, est);
         }
+        return;
+    }
+    lode_start_judge(start, tuning, est);
+    if (start->catching > 0u) {
         return;
     }
     const bool stopping = is_stop(self);
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
-    const float current_A = stopping && at_rest ? 0.0f : tuning->current_A;
-    (void)lode_start_step(start, tuning, target, current_A, est->e_V);
-    if (self->command.mode != LODE_MODE_RUN ||
-        (stopping && at_rest && !(start->current_A > 0.0f))) {
+    lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
+    if (stopping && at_rest && !(start->current_A > 0.0f)) {
         lode_core_switch_off(self, LODE_MODE_OFF);
-    } else if (!stopping && start->omega_rad_s * target > 0.0f &&
-               lode_start_ready(start, tuning, est)) {
-        hand_over(self, est);
-    } else if (!stopping && start->periods > tuning->timeout_periods) {
+    } else if (!stopping && start->turns > tuning->timeout_turns) {
         fault(self, LODE_CHECK_START, est->lock, LODE_LOCK_HANDOVER);
-    } else if (is_held(self)) {
-        lode_estimator_hold(&self->estimator, &self->tuning->estimator, start->theta_rad,
-                            start->omega_rad_s);
     }
 }
 
@@ -173,20 +168,45 @@ LODE_COLD void lode_core_follow_command(lode_drive_t *self, lode_calibration_t c
     }
 }
 
-// The frame of VOLTAGE, CURRENT and START: at an angle of its own.
-LODE_COLD lode_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t i_A) {
-    const float ts_s = self->tuning->ts_s;
-    if (lode_core_mode(self) == LODE_MODE_START) {
-        const float omega = self->start.omega_rad_s;
-        const lode_sincos_t vector = lode_start_vector(&self->start);
-        const lode_sincos_t half_turn = lode_sincos_small(0.5f * ts_s * omega);
-        return (lode_frame_t){vector, half_turn, omega, 0.0f, lode_park(i_A, vector)};
+// A commanded vector, shortened to `radius` where it is longer.
+static lode_dq_t in_circle(lode_dq_t x, float radius) {
+    const float length = lode_ab_length((lode_ab_t){x.d, x.q});
+    const float scale = length > radius ? radius / length : 1.0f;
+    return (lode_dq_t){scale * x.d, scale * x.q};
+}
+
+// The start's vector one period on. Slow, the estimator has nothing to go by: it is put on the vector
+// from time to time.
+static lode_own_frame_t start_frame(lode_drive_t *self, lode_ab_t e_V) {
+    lode_start_t *start = &self->start;
+    lode_sincos_t half_turn = {0.0f, 1.0f};
+    if (start->catching == 0u) {
+        half_turn = lode_start_step(start, &self->tuning->start, e_V);
+        if (self->steps % LODE_SLOW_PERIODS == TURN_HOLD &&
+            lode_abs(start->omega_rad_s) < self->tuning->start.omega_hold) {
+            lode_estimator_hold(&self->estimator, &self->tuning->estimator, start->at,
+                                start->omega_rad_s);
+        }
     }
-    const float omega = self->command.omega_rad_s;
+    self->ref_A = (lode_dq_t){start->current_A, 0.0f};
+    return (lode_own_frame_t){lode_start_vector(start), half_turn};
+}
+
+// The frame of VOLTAGE, CURRENT and START, at an angle of its own, and what is asked for in it.
+LODE_HOT lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t e_V, float v_bus_V) {
+    const lode_mode_t mode = lode_core_mode(self);
+    if (mode == LODE_MODE_START) {
+        return start_frame(self, e_V);
+    }
+    if (mode == LODE_MODE_CURRENT) {
+        self->ref_A = in_circle(self->command.vector, self->tuning->references.i_max_A);
+    } else {
+        self->u_V = in_circle(self->command.vector, self->tuning->current.circle * v_bus_V);
+    }
+    const float advance_rad = self->tuning->ts_s * self->command.omega_rad_s;
     const lode_sincos_t vector = lode_sincos(self->theta_rad);
-    self->theta_rad = lode_wrap(self->theta_rad + ts_s * omega);
-    return (lode_frame_t){vector, lode_sincos(0.5f * ts_s * omega), omega, 0.0f,
-                          lode_park(i_A, vector)};
+    self->theta_rad = lode_wrap(self->theta_rad + advance_rad);
+    return (lode_own_frame_t){vector, lode_sincos(0.5f * advance_rad)};
 }
 
 LODE_HOT void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm) {
@@ -198,22 +218,4 @@ LODE_HOT void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, flo
     const float target = self->start.fade > 0.0f ? self->speed.reference_rad_s : wanted;
     (void)lode_speed_step(&self->speed, &tuning->speed, target, omega_rad_s, load_torque_Nm);
     self->start.fade = lode_max(self->start.fade - tuning->start.fade_step, 0.0f);
-}
-
-// A commanded vector, shortened to `radius` where it is longer.
-static lode_dq_t in_circle(lode_dq_t x, float radius) {
-    const float length = lode_ab_length((lode_ab_t){x.d, x.q});
-    const float scale = length > radius ? radius / length : 1.0f;
-    return (lode_dq_t){scale * x.d, scale * x.q};
-}
-
-LODE_COLD void lode_core_own_references(lode_drive_t *self, float v_bus_V) {
-    const lode_mode_t mode = lode_core_mode(self);
-    if (mode == LODE_MODE_START) {
-        self->ref_A = (lode_dq_t){self->start.current_A, 0.0f};
-    } else if (mode == LODE_MODE_CURRENT) {
-        self->ref_A = in_circle(self->command.vector, self->tuning->references.i_max_A);
-    } else {
-        self->u_V = in_circle(self->command.vector, self->tuning->current.circle * v_bus_V);
-    }
 }

@@ -120,11 +120,10 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     return LODE_OK;
 }
 
-// At a known angle of the rotor and speed; the notches follow in their turn.
+// At a known angle of the rotor and speed; gains and notches follow in their turns.
 static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                   lode_sincos_t rotor, float omega_rad_s) {
     self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
-    self->gains = lode_pll_gains(&tuning->pll, omega_rad_s);
     self->pll =
         (lode_pll_t){.frame = lode_angle_subtract(rotor, self->lag.at), .omega_rad_s = omega_rad_s};
     self->rotor = rotor;
@@ -136,6 +135,7 @@ static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
 void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     *self = (lode_estimator_t){.lock = 0.0f};
     place(self, tuning, (lode_sincos_t){0.0f, 1.0f}, 0.0f);
+    self->gains = lode_pll_gains(&tuning->pll, 0.0f);
     self->wait = tuning->settle_turns;
 }
 
@@ -153,41 +153,45 @@ LODE_HOT LODE_COLD lode_ab_t lode_estimator_restart(lode_estimator_t *self,
 }
 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                         float theta_rad, float omega_rad_s) {
-    place(self, tuning, lode_sincos(theta_rad), omega_rad_s);
+                         lode_sincos_t rotor, float omega_rad_s) {
+    place(self, tuning, rotor, omega_rad_s);
+}
+
+// Without lock, and has waited for long enough. The waiting time lets observer and mean rotation settle
+// after a reset, and a new acquisition prove itself. A longer one than any of these is no time that was
+// ever set: it must not keep a corrupted state waiting.
+static bool is_due(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    return self->wait == 0u || self->wait > tuning->settle_turns + tuning->patience_turns;
 }
 
 // Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
-// quarter turn ahead of the rotor in the sense of rotation. False if there is too little of it.
+// quarter turn ahead of the PLL's frame in the sense of rotation. False if there is too little of it.
 static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e_V = self->emf.leso.e_V;
     lode_leso_calm(&self->emf.leso, &tuning->emf.leso);
-    if (!lode_ab_in_range(self->rotation, FLT_MAX)) {
+    const float turn_rad = lode_atan2(self->rotation.beta, self->rotation.alpha);
+    if (!(lode_abs(turn_rad) > 0.0f)) { // also of a mean that is no number, and would stay none
         self->rotation = (lode_ab_t){0.0f, 0.0f};
     }
-    const float omega = lode_atan2(self->rotation.beta, self->rotation.alpha) * tuning->pll.inv_ts;
-    if (!(lode_ab_length(e_V) > tuning->emin_V) || !(lode_abs(omega) <= tuning->omega_limit)) {
+    const float omega = turn_rad * tuning->pll.inv_ts;
+    const float e_abs = lode_ab_length(e_V);
+    if (!(e_abs > tuning->emin_V) || !(lode_abs(omega) <= tuning->omega_limit)) {
         return false;
     }
-    const float theta_pll = lode_atan2(e_V.beta, e_V.alpha) - lode_sign(omega) * LODE_HALF_PI;
-    place(self, tuning, lode_sincos(theta_pll + lode_lag_rad(&tuning->lag, omega)), omega);
+    const float unit = lode_sign(omega) / e_abs;
+    self->pll = (lode_pll_t){.frame = {-unit * e_V.alpha, unit * e_V.beta}, .omega_rad_s = omega};
+    self->omega_tune = omega;
+    self->wait = tuning->patience_turns;
     return true;
 }
 
-// Re-acquires when the lock has been missing for long enough. The waiting time lets observer and
-// mean rotation settle after a reset, and a new acquisition prove itself. A longer one than any of
-// these is no time that was ever set: it must not keep a corrupted state waiting.
-static bool supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+static void supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     if (self->locked) {
         self->wait = tuning->patience_turns;
         self->rotation = self->before_V = (lode_ab_t){0.0f, 0.0f};
-        return false;
-    }
-    if (self->wait > 0u && self->wait <= tuning->settle_turns + tuning->patience_turns) {
+    } else if (!is_due(self, tuning)) {
         self->wait--;
-        return false;
     }
-    return acquire(self, tuning);
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
@@ -242,10 +246,13 @@ LODE_HOT bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_
         lode_notch_adapt(&self->notch, &tuning->notch, omega);
         lode_notch_adapt(&self->notch12, &tuning->notch12, omega);
         return false;
+    case LODE_ADAPT_SEED:
+        return !self->locked && is_due(self, tuning) && acquire(self, tuning);
     case LODE_ADAPT_LOCK:
     case LODE_ADAPT_PARTS:
     default:
         note_lock(self, tuning);
-        return supervise(self, tuning);
+        supervise(self, tuning);
+        return false;
     }
 }

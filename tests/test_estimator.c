@@ -549,7 +549,7 @@ static void test_hold_takes_the_angle_given(void) {
     watch_t w = watch(&config, 0.0, 0.0);
     for (int k = 0; k < 100; k++) {
         const double theta = remainder(0.02 * k, 2.0 * CHECK_PI);
-        lode_estimator_hold(&w.estimator, &w.tuning, (float)theta, 100.0f);
+        lode_estimator_hold(&w.estimator, &w.tuning, lode_sincos((float)theta), 100.0f);
         (void)watch_step(&w, 0.0, 0.0);
         // One period on at 100 rad/s; no EMF to argue with.
         CHECK_NEAR(1.0e-4, 0.0,
@@ -564,7 +564,8 @@ static void test_hold_at_the_true_angle_is_seamless(void) {
     for (int k = 0; k < 2000; k++) {
         (void)watch_step(&w, 0.0, 0.0);
     }
-    lode_estimator_hold(&w.estimator, &w.tuning, (float)w.motor.theta, (float)w.motor.omega);
+    lode_estimator_hold(&w.estimator, &w.tuning, lode_sincos((float)w.motor.theta),
+                        (float)w.motor.omega);
     for (int k = 0; k < 500; k++) {
         CHECK_NEAR(0.1 * CHECK_DEG, 0.0, watch_step(&w, 0.0, 0.0));
     }

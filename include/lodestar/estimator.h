@@ -106,7 +106,7 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 
 /// Puts angle and speed where the caller knows them to be, as in a forced start. The EMF goes on.
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                         float theta_rad, float omega_rad_s);
+                         lode_sincos_t rotor, float omega_rad_s);
 
 /// The currents change their meaning, as when one set of a winding goes on alone: `i_A` is the present
 /// one in the new sense. Angle, speed and EMF stay.
@@ -128,10 +128,11 @@ lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
 
 /// What follows the speed, and the lock quality.
 typedef enum {
-    LODE_ADAPT_GAINS,
-    LODE_ADAPT_LAG,
     LODE_ADAPT_NOTCHES,
     LODE_ADAPT_LOCK, ///< and supervision
+    LODE_ADAPT_SEED, ///< where there has been no lock for long enough: speed and angle anew
+    LODE_ADAPT_LAG,  ///< after SEED, like the gains
+    LODE_ADAPT_GAINS,
     LODE_ADAPT_PARTS
 } lode_adapt_t;
 

@@ -258,8 +258,9 @@ BLOCK(guard) {
 
 BLOCK(start) {
     const bench_inputs_t *in = input(call);
-    bench_sink[0] =
-        lode_start_step(&start, &tuning[ENHANCED].start, BENCH_OMEGA_rad_s, BENCH_IQ_A, in->u_V);
+    const lode_sincos_t half_turn = lode_start_step(&start, &tuning[ENHANCED].start, in->u_V);
+    bench_sink[0] = half_turn.sin;
+    bench_sink[1] = half_turn.cos;
 }
 
 BLOCK(sincos) {
