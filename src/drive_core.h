@@ -159,7 +159,7 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
     if (!running) {
         const lode_own_frame_t own = lode_core_own_frame(self, est->e_V, v_bus_V);
         const bool starting = lode_core_mode(self) == LODE_MODE_START;
-        const float omega = starting ? self->start.omega_rad_s : self->command.omega_rad_s;
+        const float omega = starting ? self->state.start.omega_rad_s : self->command.speed_rad_s;
         frame =
             (lode_frame_t){own.at, own.half_turn, omega, 0.0f, lode_park(m->sample.i_A, own.at)};
     }
@@ -170,12 +170,13 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
         lode_core_control_speed(self, est->omega_rad_s, est->load_torque_Nm);
     }
     if (running && is_turn(self, 2u)) {
+        lode_running_t *run = &self->state.run;
         const lode_references_voltage_t voltage = {v_bus_V, self->u_V};
         const lode_references_out_t ref =
-            lode_references_step(&self->references, &tuning->references, self->speed.torque_Nm,
-                                 est->omega_rad_s, self->start.fade * self->start.id_A, voltage);
+            lode_references_step(&run->references, &tuning->references, run->speed.torque_Nm,
+                                 est->omega_rad_s, run->fade * run->id_A, voltage);
         self->ref_A = ref.i_A;
-        self->speed.limit_Nm = ref.torque_Nm;
+        run->speed.limit_Nm = ref.torque_Nm;
     }
     if (running || lode_core_mode(self) != LODE_MODE_VOLTAGE) {
         self->u_V = lode_current_step(&self->current, &tuning->current, self->ref_A, frame.i_A,

@@ -12,6 +12,8 @@
 #define K2_PER_SIGMA_MIN_MULTI 1.2f // where the further modes blend in
 #define SETTLE_OBSERVER 8.0f // time constants 1/w0 until the double pole has settled to 0.3 %
 #define SETTLE_ROTATION 3.0f // time constants of the mean rotation until it tells the speed to 5 %
+// 1.2 s at 200 kHz. The sum of two fits into 16 bits.
+#define TURNS_MAX 3.0e4f
 // Amplitudes beyond any motor's.
 #define INPUT_LIMIT 1.0e6f
 // Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
@@ -61,6 +63,10 @@ static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
         return LODE_ERROR_W_FILTER;
     }
     return check_bandwidths(&config->emf, &config->pll);
+}
+
+static uint_least16_t turns_in(float time_s, float slow_s) {
+    return (uint_least16_t)((uint32_t)(int32_t)lode_min(time_s / slow_s, TURNS_MAX) + 1u);
 }
 
 lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
@@ -113,9 +119,8 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     const float slow_s = (float)LODE_SLOW_PERIODS * ts_s;
     t.lock_weight = lode_one_minus_exp(slow_s / config->lock_s);
     t.rotation_weight = lode_one_minus_exp(ts_s / config->lock_s);
-    // Both times are bounded by the checks above, far inside an int32.
-    t.settle_turns = (uint32_t)(int32_t)(settle_s / slow_s) + 1u;
-    t.patience_turns = (uint32_t)(int32_t)(config->lock_s / slow_s) + 1u;
+    t.settle_turns = turns_in(settle_s, slow_s);
+    t.patience_turns = turns_in(config->lock_s, slow_s);
     *tuning = t;
     return LODE_OK;
 }
@@ -143,7 +148,7 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 LODE_HOT LODE_COLD lode_ab_t lode_estimator_restart(lode_estimator_t *self,
                                                     const lode_estimator_tuning_t *tuning,
                                                     lode_ab_t i_A) {
-    const uint32_t calls = self->calls;
+    const uint_least8_t calls = self->calls;
     lode_estimator_reset(self, tuning);
     self->calls = calls;
     if (lode_ab_in_range(i_A, INPUT_LIMIT)) {
@@ -161,7 +166,8 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
 // after a reset, and a new acquisition prove itself. A longer one than any of these is no time that was
 // ever set: it must not keep a corrupted state waiting.
 static bool is_due(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    return self->wait == 0u || self->wait > tuning->settle_turns + tuning->patience_turns;
+    const uint32_t longest = (uint32_t)tuning->settle_turns + tuning->patience_turns;
+    return self->wait == 0u || self->wait > longest;
 }
 
 // Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
@@ -190,7 +196,7 @@ static void supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tun
         self->wait = tuning->patience_turns;
         self->rotation = self->before_V = (lode_ab_t){0.0f, 0.0f};
     } else if (!is_due(self, tuning)) {
-        self->wait--;
+        self->wait = (uint_least16_t)(self->wait - 1u);
     }
 }
 

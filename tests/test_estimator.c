@@ -349,10 +349,10 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     s.lag = lode_lag_line(&tuning->lag, s.pll.omega_rad_s); // a line: it must be about the speed
     s.id_A = random_float(random, -80.0, 80.0);
     s.locked = random_bits(random) % 2u == 0u;
-    s.calls = random_bits(random);
+    s.calls = (uint_least8_t)random_bits(random);
     s.rotation = random_vector(random, e_rated * e_rated);
     s.lock = random_float(random, 0.0, 1.0);
-    s.wait = random_bits(random) % (tuning->settle_turns + 1u);
+    s.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_turns + 1u));
     return s;
 }
 
@@ -422,8 +422,8 @@ static void test_any_state_is_detected_flagged_and_relocked(void) {
                 }
             }
             if (single < 0) {
-                state.wait = random_bits(&random);
-                state.calls = random_bits(&random);
+                state.wait = (uint_least16_t)random_bits(&random);
+                state.calls = (uint_least8_t)random_bits(&random);
                 state.locked = random_bits(&random) % 2u == 0u;
             }
             const bool sound = is_in_range(&state, &tuning);

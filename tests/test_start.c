@@ -48,7 +48,7 @@ static float step(lode_start_t *start, const lode_start_tuning_t *tuning, int n,
         lode_start_aim(start, tuning, omega, current);
     }
     (void)lode_start_step(start, tuning, e);
-    return (float)angle_of(lode_start_vector(start));
+    return (float)angle_of(lode_start_vector(start, tuning));
 }
 
 static void test_current_rises_first_then_the_vector_turns(void) {
@@ -284,7 +284,7 @@ static void test_the_next_vector_is_known(void) {
     lode_start_t start = turning(-47.0);
     start.swing_V = 2.0f;
     (void)lode_start_step(&start, &tuning, no_emf);
-    const double shift = (double)start.shift_rad;
+    const double shift = (double)lode_start_shift_rad(&start, &tuning);
     const lode_sincos_t next = lode_start_next(&start, &tuning);
     const lode_sincos_t half_turn = lode_start_step(&start, &tuning, no_emf);
     CHECK_NEAR(1.0e-6, -0.5 * 47.0 * 2.0e-4, angle_of(half_turn));

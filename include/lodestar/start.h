@@ -48,11 +48,8 @@ typedef struct {
     float current_A;   ///< its length
     float omega_target;
     float current_target;
-    float shift_rad;   ///< by which the vector stands ahead of theta, to damp the rotor's swing
     float mean_V;      ///< mean EMF across the vector
-    float swing_V;     ///< its deviation from the mean
-    float fade;        ///< 1 at hand-over, 0 when the references have taken over
-    float id_A;        ///< d-axis current at hand-over, which fades
+    float swing_V;     ///< its deviation from the mean: of the rotor's swing, which it is to damp
     uint32_t locked;   ///< turns of LODE_SLOW_PERIODS for which the lock has held
     uint32_t catching; ///< turns left to find a rotor that turns already
     uint32_t attempt;  ///< turns since the present attempt began
@@ -105,20 +102,26 @@ LODE_INLINE lode_sincos_t lode_start_step(lode_start_t *self, const lode_start_t
     const float across_V = lode_park(e_V, self->at).q;
     self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
     self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
-    self->shift_rad = lode_clamp(-tuning->damping * self->swing_V, -LODE_START_SHIFT_MAX_rad,
-                                 LODE_START_SHIFT_MAX_rad);
     return half_turn;
 }
 
+/// By which the vector stands ahead, to damp the rotor's swing.
+LODE_INLINE float lode_start_shift_rad(const lode_start_t *self,
+                                       const lode_start_tuning_t *tuning) {
+    return lode_clamp(-tuning->damping * self->swing_V, -LODE_START_SHIFT_MAX_rad,
+                      LODE_START_SHIFT_MAX_rad);
+}
+
 /// The vector, with the damping.
-LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self) {
-    return lode_angle_add(self->at, lode_sincos_octant(self->shift_rad));
+LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self,
+                                            const lode_start_tuning_t *tuning) {
+    return lode_angle_add(self->at, lode_sincos_octant(lode_start_shift_rad(self, tuning)));
 }
 
 /// Where it will be a period on.
 LODE_INLINE lode_sincos_t lode_start_next(const lode_start_t *self,
                                           const lode_start_tuning_t *tuning) {
-    const float move_rad = self->shift_rad + tuning->ts_s * self->omega_rad_s;
+    const float move_rad = lode_start_shift_rad(self, tuning) + tuning->ts_s * self->omega_rad_s;
     return lode_angle_add(self->at, lode_sincos_octant(move_rad));
 }
 
