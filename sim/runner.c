@@ -78,8 +78,8 @@ static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_measureme
         return lode_drive_estimate(drive, measurement);
     }
     const lode_estimate_t estimate = true_estimate(drive, measurement, truth, memory);
-    lode_estimator_hold(&drive->estimator, &drive->tuning->estimator, (float)truth->theta_e_rad,
-                        estimate.omega_rad_s);
+    lode_estimator_hold(&drive->estimator, &drive->tuning->estimator,
+                        lode_sincos((float)truth->theta_e_rad), estimate.omega_rad_s);
     return estimate;
 }
 

@@ -36,7 +36,7 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
     case LODE_CHANNEL_OMEGA:
         return drive->estimator.pll.omega_rad_s;
     case LODE_CHANNEL_SPEED_REF:
-        return drive->speed.reference_rad_s;
+        return lode_drive_speed_ref_rad_s(drive);
     case LODE_CHANNEL_LOAD_TORQUE:
         return drive->tuning->estimator.load_per_f_Nm * drive->estimator.pll.f_rad_s2;
     case LODE_CHANNEL_LOCK:

@@ -38,7 +38,13 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     }
     self->command_posted = false;
     LODE_SIGNAL_FENCE();
-    self->posted = *command;
+    self->posted = (lode_order_t){
+        .vector = command->vector,
+        .theta_rad = command->theta_rad,
+        .speed_rad_s = command->mode == LODE_MODE_RUN ? command->speed_rad_s : command->omega_rad_s,
+        .mode = command->mode,
+        .clear_fault = command->clear_fault,
+    };
     LODE_SIGNAL_FENCE();
     self->command_posted = true;
     self->mail = true;
@@ -78,7 +84,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .temperature_degC = self->temperature_degC,
             .theta_rad = lode_estimator_theta_rad(&self->estimator),
             .omega_rad_s = pll->omega_rad_s,
-            .speed_ref_rad_s = self->speed.reference_rad_s,
+            .speed_ref_rad_s = lode_drive_speed_ref_rad_s(self),
             .load_torque_Nm = self->tuning->estimator.load_per_f_Nm * pll->f_rad_s2,
             .lock = self->estimator.lock,
             .e_V = self->estimator.emf.leso.e_V,
@@ -101,11 +107,12 @@ LODE_INLINE lode_measurement_t sensed(lode_drive_t *self, const lode_counts_t *c
     float offset_count = 0.0f;
     if (lode_core_mode(self) == LODE_MODE_CALIBRATE) {
         float worst_count;
-        calibration = lode_sense_calibrate(&self->sense, &tuning->sense, counts, &worst_count);
+        calibration = lode_sense_calibrate(&self->sense, &self->state.sums, &tuning->sense, counts,
+                                           &worst_count);
         offset_count = worst_count;
     }
     const lode_sample_t sample =
-        lode_sense_step(&self->sense, &tuning->sense, counts, &self->duty_before);
+        lode_sense_step(&self->sense, &tuning->sense, counts, self->unsampled);
     const lode_ab_t u_V = lode_inverter_realised(&self->inverter, sample.v_bus_V);
     return (lode_measurement_t){sample, u_V, calibration, offset_count};
 }
@@ -119,7 +126,8 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, f
         lode_modulator_step(tuning, self->inverter.loss, lode_park_inverse(self->u_V, acting),
                             v_bus_V, lode_park_inverse(frame->i_A, acting));
     if (self->tuning->sense.windowed) {
-        self->duty_before = self->duty;
+        self->unsampled = self->unsampled_next;
+        self->unsampled_next = (uint_least8_t)lode_sense_unused(&self->tuning->sense, out.duty);
     }
     self->duty = out.duty;
     lode_inverter_write(&self->inverter, out.realised);

@@ -20,8 +20,9 @@ static lode_active_t active_of(const lode_drive6_t *self) {
 }
 
 static LODE_COLD void rest(lode_drive6_t *self) {
-    const lode_abc_t idle = {LODE_DUTY_IDLE, LODE_DUTY_IDLE, LODE_DUTY_IDLE};
-    self->duty_2 = self->duty_before_2 = idle;
+    self->duty_2 = (lode_abc_t){LODE_DUTY_IDLE, LODE_DUTY_IDLE, LODE_DUTY_IDLE};
+    const int32_t unsampled = lode_sense_unused(&self->drive.tuning->sense, self->duty_2);
+    self->unsampled_2 = self->unsampled_next_2 = (uint_least8_t)unsampled;
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
     lode_inverter_reset(&self->inverter_2);
     lode_xy_reset(&self->xy);
@@ -93,7 +94,7 @@ static LODE_COLD void take_mail(lode_drive6_t *self) {
         use(self, active_of(self));
     }
     // A repaired phase is believed when the drive is at rest and asked to forget.
-    const lode_command_t *command = &self->drive.command;
+    const lode_order_t *command = &self->drive.command;
     if (command->mode == LODE_MODE_OFF && command->clear_fault && !self->drive.gates) {
         self->open = 0u;
         use(self, LODE_SETS_BOTH);
@@ -104,15 +105,15 @@ static LODE_COLD void take_mail(lode_drive6_t *self) {
 static LODE_COLD lode_calibration_t calibrated(lode_drive6_t *self, const lode_counts6_t *counts,
                                                float *worst_count) {
     const lode_sense_tuning_t *tuning = &self->drive.tuning->sense;
-    if (self->drive.sense.samples == 0u) {
-        lode_sense_begin(&self->sense_2);
+    if (self->drive.state.sums.samples == 0u) {
+        lode_sense_begin(&self->sums_2);
     }
     float worst_1;
     float worst_2;
-    const lode_calibration_t first =
-        lode_sense_calibrate(&self->drive.sense, tuning, &counts->set[0], &worst_1);
+    const lode_calibration_t first = lode_sense_calibrate(
+        &self->drive.sense, &self->drive.state.sums, tuning, &counts->set[0], &worst_1);
     const lode_calibration_t second =
-        lode_sense_calibrate(&self->sense_2, tuning, &counts->set[1], &worst_2);
+        lode_sense_calibrate(&self->sense_2, &self->sums_2, tuning, &counts->set[1], &worst_2);
     *worst_count = lode_abs(worst_1) > lode_abs(worst_2) ? worst_1 : worst_2;
     return first == LODE_CALIBRATION_IMPLAUSIBLE ? first : second;
 }
@@ -162,9 +163,9 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
         x.m.offset_count = worst_count;
     }
     const lode_sample_t first =
-        lode_sense_step(&drive->sense, tuning, &counts->set[0], &drive->duty_before);
+        lode_sense_step(&drive->sense, tuning, &counts->set[0], drive->unsampled);
     const lode_sample_t second =
-        lode_sense_step(&self->sense_2, tuning, &counts->set[1], &self->duty_before_2);
+        lode_sense_step(&self->sense_2, tuning, &counts->set[1], self->unsampled_2);
     const lode_sets_t u_V = {{lode_inverter_realised(&drive->inverter, first.v_bus_V),
                               lode_inverter_realised(&self->inverter_2, first.v_bus_V)}};
     x.watched = self->active == (uint_least8_t)LODE_SETS_BOTH &&
@@ -216,7 +217,7 @@ static LODE_COLD void go_on_alone(lode_drive6_t *self, lode_active_t active, lod
     drive->i_A = lode_park(i_A, rotor);
     lode_current_reset(&drive->current, &drive->tuning->current, drive->u_V, drive->i_A,
                        omega_rad_s);
-    lode_references_reset(&drive->references, drive->i_A.d);
+    lode_references_reset(&drive->state.run.references, drive->i_A.d);
     drive->ref_A = drive->i_A; // until the speed control's turn
     lode_xy_reset(&self->xy);
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
@@ -270,8 +271,11 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     const lode_modulator6_out_t out = lode_modulator6_step(
         &drive->tuning->inverter, drive->inverter.loss, u_V, v_bus_V, (lode_sets_t){{i_A, i_A}});
     if (drive->tuning->sense.windowed) {
-        drive->duty_before = drive->duty;
-        self->duty_before_2 = self->duty_2;
+        const lode_sense_tuning_t *tuning = &drive->tuning->sense;
+        drive->unsampled = drive->unsampled_next;
+        self->unsampled_2 = self->unsampled_next_2;
+        drive->unsampled_next = (uint_least8_t)lode_sense_unused(tuning, out.duty.set[0]);
+        self->unsampled_next_2 = (uint_least8_t)lode_sense_unused(tuning, out.duty.set[1]);
     }
     drive->duty = out.duty.set[0];
     self->duty_2 = out.duty.set[1];

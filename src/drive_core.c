@@ -6,7 +6,8 @@ LODE_COLD void lode_core_switch_off(lode_drive_t *self, lode_mode_t mode) {
     lode_core_set_mode(self, mode);
     self->gates = false;
     self->duty = (lode_abc_t){LODE_DUTY_IDLE, LODE_DUTY_IDLE, LODE_DUTY_IDLE};
-    self->duty_before = self->duty;
+    const int32_t unsampled = lode_sense_unused(&self->tuning->sense, self->duty);
+    self->unsampled = self->unsampled_next = (uint_least8_t)unsampled;
     self->i_A = (lode_dq_t){0.0f, 0.0f};
     self->ref_A = (lode_dq_t){0.0f, 0.0f};
     self->u_V = (lode_dq_t){0.0f, 0.0f};
@@ -16,11 +17,14 @@ LODE_COLD void lode_core_switch_off(lode_drive_t *self, lode_mode_t mode) {
 static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     lode_core_set_mode(self, mode);
     self->gates = true;
-    self->theta_rad = self->command.theta_rad;
     lode_guard_reset(&self->guard);
     lode_pi_reset(&self->current.d, 0.0f);
     lode_pi_reset(&self->current.q, 0.0f);
-    lode_start_begin(&self->start, &self->tuning->start);
+    if (mode == LODE_MODE_START) {
+        lode_start_begin(&self->state.start, &self->tuning->start);
+    } else {
+        self->state.theta_rad = self->command.theta_rad;
+    }
 }
 
 static void fault(lode_drive_t *self, lode_check_t check, float measured, float limit) {
@@ -52,16 +56,16 @@ static lode_dq_t seen_from(lode_dq_t x, lode_sincos_t turn) {
 // the start current fades from the d axis.
 static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const lode_dq_t u_V =
-        seen_from(self->u_V, lode_angle_subtract(est->rotor, lode_start_vector(&self->start)));
+    const lode_sincos_t vector = lode_start_next(&self->state.start, &tuning->start);
+    const lode_dq_t u_V = seen_from(self->u_V, lode_angle_subtract(est->rotor, vector));
     lode_current_reset(&self->current, &tuning->current, u_V, est->i_A, est->omega_rad_s);
     const float torque = lode_references_torque_Nm(&tuning->references, est->i_A);
-    lode_speed_reset(&self->speed, &tuning->speed, est->omega_rad_s * tuning->inv_pole_pairs,
-                     torque, lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator));
-    self->start.fade = 1.0f;
-    self->start.id_A =
-        est->i_A.d - lode_references_id_A(&tuning->references, torque, est->omega_rad_s);
-    lode_references_reset(&self->references, est->i_A.d);
+    lode_running_t *run = &self->state.run; // takes the place of the start's
+    lode_speed_reset(&run->speed, &tuning->speed, est->omega_rad_s * tuning->inv_pole_pairs, torque,
+                     lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator));
+    run->fade = 1.0f;
+    run->id_A = est->i_A.d - lode_references_id_A(&tuning->references, torque, est->omega_rad_s);
+    lode_references_reset(&run->references, est->i_A.d);
     self->ref_A = est->i_A; // until the speed control's turn
     self->direction = lode_sign(est->omega_rad_s);
     lode_core_set_mode(self, LODE_MODE_RUN);
@@ -74,45 +78,40 @@ LODE_COLD void lode_core_hand_back(lode_drive_t *self, float omega_rad_s, lode_d
     const float iq = lode_clamp(i_A.q, -current_A, current_A);
     const float turn = lode_atan2(iq, lode_sqrt(current_A * current_A - iq * iq));
     const lode_dq_t u_V = seen_from(self->u_V, lode_sincos(turn));
-    lode_start_reset(&self->start, lode_estimator_theta_rad(&self->estimator) + turn, omega_rad_s,
-                     current_A);
+    lode_start_reset(&self->state.start, lode_estimator_theta_rad(&self->estimator) + turn,
+                     omega_rad_s, current_A);
     lode_current_reset(&self->current, &self->tuning->current, u_V, (lode_dq_t){current_A, 0.0f},
                        0.0f);
     lode_core_set_mode(self, LODE_MODE_START);
 }
 
-// Slow in START the estimator has nothing to go by: it is put on the vector from time to time.
-static bool is_held(const lode_drive_t *self) {
-    return lode_abs(self->start.omega_rad_s) < self->tuning->start.omega_hold &&
-           self->steps % LODE_SLOW_PERIODS == TURN_HOLD;
-}
-
+// Decides in one turn and hands over in the next: each is enough for a period.
 static void follow_start(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
-    lode_start_t *start = &self->start;
-    if (start->catching > 0u && self->command.mode == LODE_MODE_RUN) {
-        if (lode_start_catch(start, tuning, est)) {
+    lode_start_t *start = &self->state.start;
+    if (self->command.mode != LODE_MODE_RUN) {
+        lode_core_switch_off(self, LODE_MODE_OFF);
+        return;
+    }
+    if (self->steps % LODE_SLOW_PERIODS == TURN_HAND_OVER) {
+        if (lode_start_is_ready(start, tuning)) {
             hand_over(self, est);
         }
+        return;
+    }
+    lode_start_judge(start, tuning, est);
+    if (start->catching > 0u) {
         return;
     }
     const bool stopping = is_stop(self);
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
-    const float current_A = stopping && at_rest ? 0.0f : tuning->current_A;
-    (void)lode_start_step(start, tuning, target, current_A, est->e_V);
-    if (self->command.mode != LODE_MODE_RUN ||
-        (stopping && at_rest && !(start->current_A > 0.0f))) {
+    lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
+    if (stopping && at_rest && !(start->current_A > 0.0f)) {
         lode_core_switch_off(self, LODE_MODE_OFF);
-    } else if (!stopping && start->omega_rad_s * target > 0.0f &&
-               lode_start_ready(start, tuning, est)) {
-        hand_over(self, est);
-    } else if (!stopping && start->periods > tuning->timeout_periods) {
+    } else if (!stopping && start->turns > tuning->timeout_turns) {
         fault(self, LODE_CHECK_START, est->lock, LODE_LOCK_HANDOVER);
-    } else if (is_held(self)) {
-        lode_estimator_hold(&self->estimator, &self->tuning->estimator, start->theta_rad,
-                            start->omega_rad_s);
     }
 }
 
@@ -120,7 +119,7 @@ static void follow_off(lode_drive_t *self) {
     const lode_mode_t wanted = self->command.mode;
     if (wanted == LODE_MODE_CALIBRATE ||
         (wanted == LODE_MODE_RUN && !is_stop(self) && !self->calibrated)) {
-        lode_sense_begin(&self->sense);
+        lode_sense_begin(&self->state.sums);
         lode_core_set_mode(self, LODE_MODE_CALIBRATE);
     } else if (wanted == LODE_MODE_VOLTAGE || wanted == LODE_MODE_CURRENT) {
         switch_on(self, wanted);
@@ -173,33 +172,6 @@ LODE_COLD void lode_core_follow_command(lode_drive_t *self, lode_calibration_t c
     }
 }
 
-// The frame of VOLTAGE, CURRENT and START: at an angle of its own.
-LODE_COLD lode_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t i_A) {
-    const float ts_s = self->tuning->ts_s;
-    if (lode_core_mode(self) == LODE_MODE_START) {
-        const float omega = self->start.omega_rad_s;
-        const lode_sincos_t vector = lode_start_vector(&self->start);
-        const lode_sincos_t half_turn = lode_sincos_small(0.5f * ts_s * omega);
-        return (lode_frame_t){vector, half_turn, omega, 0.0f, lode_park(i_A, vector)};
-    }
-    const float omega = self->command.omega_rad_s;
-    const lode_sincos_t vector = lode_sincos(self->theta_rad);
-    self->theta_rad = lode_wrap(self->theta_rad + ts_s * omega);
-    return (lode_frame_t){vector, lode_sincos(0.5f * ts_s * omega), omega, 0.0f,
-                          lode_park(i_A, vector)};
-}
-
-LODE_HOT void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm) {
-    const lode_drive_tuning_t *tuning = self->tuning;
-    const float least = tuning->omega_min * tuning->inv_pole_pairs;
-    // While the start current fades, the speed of the hand-over is held.
-    const float wanted =
-        lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
-    const float target = self->start.fade > 0.0f ? self->speed.reference_rad_s : wanted;
-    (void)lode_speed_step(&self->speed, &tuning->speed, target, omega_rad_s, load_torque_Nm);
-    self->start.fade = lode_max(self->start.fade - tuning->start.fade_step, 0.0f);
-}
-
 // A commanded vector, shortened to `radius` where it is longer.
 static lode_dq_t in_circle(lode_dq_t x, float radius) {
     const float length = lode_ab_length((lode_ab_t){x.d, x.q});
@@ -207,13 +179,49 @@ static lode_dq_t in_circle(lode_dq_t x, float radius) {
     return (lode_dq_t){scale * x.d, scale * x.q};
 }
 
-LODE_COLD void lode_core_own_references(lode_drive_t *self, float v_bus_V) {
+// The start's vector one period on. Slow, the estimator has nothing to go by: it is put on the vector
+// from time to time.
+static lode_own_frame_t start_frame(lode_drive_t *self, lode_ab_t e_V) {
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    lode_start_t *start = &self->state.start;
+    lode_sincos_t half_turn = {0.0f, 1.0f};
+    if (start->catching == 0u) {
+        half_turn = lode_start_step(start, tuning, e_V);
+        if (self->steps % LODE_SLOW_PERIODS == TURN_HOLD &&
+            lode_abs(start->omega_rad_s) < tuning->omega_hold) {
+            lode_estimator_hold(&self->estimator, &self->tuning->estimator, start->at,
+                                start->omega_rad_s);
+        }
+    }
+    self->ref_A = (lode_dq_t){start->current_A, 0.0f};
+    return (lode_own_frame_t){lode_start_vector(start, tuning), half_turn};
+}
+
+// The frame of VOLTAGE, CURRENT and START, at an angle of its own, and what is asked for in it.
+LODE_HOT lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t e_V, float v_bus_V) {
     const lode_mode_t mode = lode_core_mode(self);
     if (mode == LODE_MODE_START) {
-        self->ref_A = (lode_dq_t){self->start.current_A, 0.0f};
-    } else if (mode == LODE_MODE_CURRENT) {
+        return start_frame(self, e_V);
+    }
+    if (mode == LODE_MODE_CURRENT) {
         self->ref_A = in_circle(self->command.vector, self->tuning->references.i_max_A);
     } else {
         self->u_V = in_circle(self->command.vector, self->tuning->current.circle * v_bus_V);
     }
+    const float advance_rad = self->tuning->ts_s * self->command.speed_rad_s;
+    const lode_sincos_t vector = lode_sincos(self->state.theta_rad);
+    self->state.theta_rad = lode_wrap(self->state.theta_rad + advance_rad);
+    return (lode_own_frame_t){vector, lode_sincos(0.5f * advance_rad)};
+}
+
+LODE_HOT void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_running_t *run = &self->state.run;
+    const float least = tuning->omega_min * tuning->inv_pole_pairs;
+    // While the start current fades, the speed of the hand-over is held.
+    const float wanted =
+        lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
+    const float target = run->fade > 0.0f ? run->speed.reference_rad_s : wanted;
+    (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_torque_Nm);
+    run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
 }

@@ -19,14 +19,23 @@ typedef struct {
     lode_dq_t i_A;
 } lode_frame_t;
 
+// Where VOLTAGE, CURRENT and START control the currents. Four floats are returned in registers.
+typedef struct {
+    lode_sincos_t at;
+    lode_sincos_t half_turn;
+} lode_own_frame_t;
+
 // Who is due in which of LODE_SLOW_PERIODS: about equally dear.
 enum {
     TURN_GUARD_AND_LOCK = 0,
     TURN_HOLD = 1, // in START
-    TURN_LAG = 3,
-    TURN_XY = 5,             // with six phases: the resonators of the xy plane
+    TURN_SEED = 2, // without lock
+    TURN_GAINS_AND_LAG = 3,
     TURN_GUARD_AND_LOSS = 4, // the shape of the dead-time loss
-    TURN_GAINS_AND_NOTCHES = 7
+    TURN_XY = 5,             // with six phases: the resonators of the xy plane
+    TURN_START = 5,          // its profile and its judgement of the estimate
+    TURN_HAND_OVER = 6,
+    TURN_NOTCHES = 7
 };
 
 LODE_INLINE lode_mode_t lode_core_mode(const lode_drive_t *self) {
@@ -46,8 +55,7 @@ void lode_core_switch_off(lode_drive_t *self, lode_mode_t mode);
 void lode_core_follow_command(lode_drive_t *self, lode_calibration_t calibration,
                               float offset_count, const lode_estimate_t *est);
 void lode_core_hand_back(lode_drive_t *self, float omega_rad_s, lode_dq_t i_A);
-lode_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t i_A);
-void lode_core_own_references(lode_drive_t *self, float v_bus_V);
+lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t e_V, float v_bus_V);
 void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm);
 
 // Angle and speed at t_k.
@@ -104,11 +112,17 @@ LODE_INLINE void adapt(lode_drive_t *self, const lode_measurement_t *m, const lo
         watch(self, m, est, now);
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V, v_bus_V);
         return;
-    case TURN_LAG:
+    case TURN_SEED:
+        if (self->estimator.locked) {
+            return;
+        }
+        part = LODE_ADAPT_SEED;
+        break;
+    case TURN_GAINS_AND_LAG:
+        (void)lode_estimator_adapt(&self->estimator, &tuning->estimator, LODE_ADAPT_GAINS);
         part = LODE_ADAPT_LAG;
         break;
-    case TURN_GAINS_AND_NOTCHES:
-        (void)lode_estimator_adapt(&self->estimator, &tuning->estimator, LODE_ADAPT_GAINS);
+    case TURN_NOTCHES:
         part = LODE_ADAPT_NOTCHES;
         break;
     default:
@@ -117,11 +131,19 @@ LODE_INLINE void adapt(lode_drive_t *self, const lode_measurement_t *m, const lo
     (void)lode_estimator_adapt(&self->estimator, &tuning->estimator, part);
 }
 
+// In START with nothing to decide.
+LODE_INLINE bool is_starting(const lode_drive_t *self) {
+    const uint32_t turn = self->steps % LODE_SLOW_PERIODS;
+    return lode_core_mode(self) == LODE_MODE_START && self->command.mode == LODE_MODE_RUN &&
+           turn != TURN_START && turn != TURN_HAND_OVER;
+}
+
 // State machine of a period: after it the drive's gates are what this period's shall be.
 LODE_INLINE void lode_core_follow(lode_drive_t *self, const lode_measurement_t *m,
                                   const lode_estimate_t *est) {
     self->steps++;
-    if (lode_core_mode(self) != LODE_MODE_RUN || self->command.mode != LODE_MODE_RUN) {
+    if ((lode_core_mode(self) != LODE_MODE_RUN || self->command.mode != LODE_MODE_RUN) &&
+        !is_starting(self)) {
         // A copy: the estimate itself stays in registers.
         const lode_estimate_t rotor = {est->omega_rad_s, est->rotor,   est->half_turn,
                                        est->i_A,         est->e_V,     est->load_torque_Nm,
@@ -138,10 +160,11 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
     const bool running = lode_core_mode(self) == LODE_MODE_RUN;
     lode_frame_t frame = {est->rotor, est->half_turn, est->omega_rad_s, est->omega_rad_s, est->i_A};
     if (!running) {
-        const lode_ab_t i_A = {m->sample.i_A.alpha, m->sample.i_A.beta}; // a copy, as above
-        const lode_frame_t own = lode_core_own_frame(self, i_A);
-        frame = (lode_frame_t){own.rotor, own.half_turn, own.omega_rad_s, own.omega_rotor, own.i_A};
-        lode_core_own_references(self, v_bus_V);
+        const lode_own_frame_t own = lode_core_own_frame(self, est->e_V, v_bus_V);
+        const bool starting = lode_core_mode(self) == LODE_MODE_START;
+        const float omega = starting ? self->state.start.omega_rad_s : self->command.speed_rad_s;
+        frame =
+            (lode_frame_t){own.at, own.half_turn, omega, 0.0f, lode_park(m->sample.i_A, own.at)};
     }
     self->i_A = frame.i_A;
     // Speed control and, a period later, its current references: at their own rate, and with the usual
@@ -150,12 +173,13 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
         lode_core_control_speed(self, est->omega_rad_s, est->load_torque_Nm);
     }
     if (running && is_turn(self, 2u)) {
+        lode_running_t *run = &self->state.run;
         const lode_references_voltage_t voltage = {v_bus_V, self->u_V};
         const lode_references_out_t ref =
-            lode_references_step(&self->references, &tuning->references, self->speed.torque_Nm,
-                                 est->omega_rad_s, self->start.fade * self->start.id_A, voltage);
+            lode_references_step(&run->references, &tuning->references, run->speed.torque_Nm,
+                                 est->omega_rad_s, run->fade * run->id_A, voltage);
         self->ref_A = ref.i_A;
-        self->speed.limit_Nm = ref.torque_Nm;
+        run->speed.limit_Nm = ref.torque_Nm;
     }
     if (running || lode_core_mode(self) != LODE_MODE_VOLTAGE) {
         self->u_V = lode_current_step(&self->current, &tuning->current, self->ref_A, frame.i_A,

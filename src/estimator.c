@@ -12,6 +12,8 @@
 #define K2_PER_SIGMA_MIN_MULTI 1.2f // where the further modes blend in
 #define SETTLE_OBSERVER 8.0f // time constants 1/w0 until the double pole has settled to 0.3 %
 #define SETTLE_ROTATION 3.0f // time constants of the mean rotation until it tells the speed to 5 %
+// 1.2 s at 200 kHz. The sum of two fits into 16 bits.
+#define TURNS_MAX 3.0e4f
 // Amplitudes beyond any motor's.
 #define INPUT_LIMIT 1.0e6f
 // Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
@@ -61,6 +63,10 @@ static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
         return LODE_ERROR_W_FILTER;
     }
     return check_bandwidths(&config->emf, &config->pll);
+}
+
+static uint_least16_t turns_in(float time_s, float slow_s) {
+    return (uint_least16_t)((uint32_t)(int32_t)lode_min(time_s / slow_s, TURNS_MAX) + 1u);
 }
 
 lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
@@ -113,18 +119,16 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     const float slow_s = (float)LODE_SLOW_PERIODS * ts_s;
     t.lock_weight = lode_one_minus_exp(slow_s / config->lock_s);
     t.rotation_weight = lode_one_minus_exp(ts_s / config->lock_s);
-    // Both times are bounded by the checks above, far inside an int32.
-    t.settle_turns = (uint32_t)(int32_t)(settle_s / slow_s) + 1u;
-    t.patience_turns = (uint32_t)(int32_t)(config->lock_s / slow_s) + 1u;
+    t.settle_turns = turns_in(settle_s, slow_s);
+    t.patience_turns = turns_in(config->lock_s, slow_s);
     *tuning = t;
     return LODE_OK;
 }
 
-// At a known angle of the rotor and speed; the notches follow in their turn.
+// At a known angle of the rotor and speed; gains and notches follow in their turns.
 static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                   lode_sincos_t rotor, float omega_rad_s) {
     self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
-    self->gains = lode_pll_gains(&tuning->pll, omega_rad_s);
     self->pll =
         (lode_pll_t){.frame = lode_angle_subtract(rotor, self->lag.at), .omega_rad_s = omega_rad_s};
     self->rotor = rotor;
@@ -136,6 +140,7 @@ static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
 void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     *self = (lode_estimator_t){.lock = 0.0f};
     place(self, tuning, (lode_sincos_t){0.0f, 1.0f}, 0.0f);
+    self->gains = lode_pll_gains(&tuning->pll, 0.0f);
     self->wait = tuning->settle_turns;
 }
 
@@ -143,7 +148,7 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 LODE_HOT LODE_COLD lode_ab_t lode_estimator_restart(lode_estimator_t *self,
                                                     const lode_estimator_tuning_t *tuning,
                                                     lode_ab_t i_A) {
-    const uint32_t calls = self->calls;
+    const uint_least8_t calls = self->calls;
     lode_estimator_reset(self, tuning);
     self->calls = calls;
     if (lode_ab_in_range(i_A, INPUT_LIMIT)) {
@@ -153,41 +158,46 @@ LODE_HOT LODE_COLD lode_ab_t lode_estimator_restart(lode_estimator_t *self,
 }
 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                         float theta_rad, float omega_rad_s) {
-    place(self, tuning, lode_sincos(theta_rad), omega_rad_s);
+                         lode_sincos_t rotor, float omega_rad_s) {
+    place(self, tuning, rotor, omega_rad_s);
+}
+
+// Without lock, and has waited for long enough. The waiting time lets observer and mean rotation settle
+// after a reset, and a new acquisition prove itself. A longer one than any of these is no time that was
+// ever set: it must not keep a corrupted state waiting.
+static bool is_due(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    const uint32_t longest = (uint32_t)tuning->settle_turns + tuning->patience_turns;
+    return self->wait == 0u || self->wait > longest;
 }
 
 // Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
-// quarter turn ahead of the rotor in the sense of rotation. False if there is too little of it.
+// quarter turn ahead of the PLL's frame in the sense of rotation. False if there is too little of it.
 static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e_V = self->emf.leso.e_V;
     lode_leso_calm(&self->emf.leso, &tuning->emf.leso);
-    if (!lode_ab_in_range(self->rotation, FLT_MAX)) {
+    const float turn_rad = lode_atan2(self->rotation.beta, self->rotation.alpha);
+    if (!(lode_abs(turn_rad) > 0.0f)) { // also of a mean that is no number, and would stay none
         self->rotation = (lode_ab_t){0.0f, 0.0f};
     }
-    const float omega = lode_atan2(self->rotation.beta, self->rotation.alpha) * tuning->pll.inv_ts;
-    if (!(lode_ab_length(e_V) > tuning->emin_V) || !(lode_abs(omega) <= tuning->omega_limit)) {
+    const float omega = turn_rad * tuning->pll.inv_ts;
+    const float e_abs = lode_ab_length(e_V);
+    if (!(e_abs > tuning->emin_V) || !(lode_abs(omega) <= tuning->omega_limit)) {
         return false;
     }
-    const float theta_pll = lode_atan2(e_V.beta, e_V.alpha) - lode_sign(omega) * LODE_HALF_PI;
-    place(self, tuning, lode_sincos(theta_pll + lode_lag_rad(&tuning->lag, omega)), omega);
+    const float unit = lode_sign(omega) / e_abs;
+    self->pll = (lode_pll_t){.frame = {-unit * e_V.alpha, unit * e_V.beta}, .omega_rad_s = omega};
+    self->omega_tune = omega;
+    self->wait = tuning->patience_turns;
     return true;
 }
 
-// Re-acquires when the lock has been missing for long enough. The waiting time lets observer and
-// mean rotation settle after a reset, and a new acquisition prove itself. A longer one than any of
-// these is no time that was ever set: it must not keep a corrupted state waiting.
-static bool supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+static void supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     if (self->locked) {
         self->wait = tuning->patience_turns;
         self->rotation = self->before_V = (lode_ab_t){0.0f, 0.0f};
-        return false;
+    } else if (!is_due(self, tuning)) {
+        self->wait = (uint_least16_t)(self->wait - 1u);
     }
-    if (self->wait > 0u && self->wait <= tuning->settle_turns + tuning->patience_turns) {
-        self->wait--;
-        return false;
-    }
-    return acquire(self, tuning);
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
@@ -242,10 +252,13 @@ LODE_HOT bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_
         lode_notch_adapt(&self->notch, &tuning->notch, omega);
         lode_notch_adapt(&self->notch12, &tuning->notch12, omega);
         return false;
+    case LODE_ADAPT_SEED:
+        return !self->locked && is_due(self, tuning) && acquire(self, tuning);
     case LODE_ADAPT_LOCK:
     case LODE_ADAPT_PARTS:
     default:
         note_lock(self, tuning);
-        return supervise(self, tuning);
+        supervise(self, tuning);
+        return false;
     }
 }

@@ -120,7 +120,7 @@ void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check
 }
 
 // Up while bad, down while good: single samples pass, a condition that mostly holds trips.
-static bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad, uint32_t periods) {
+LODE_INLINE bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad, uint32_t periods) {
     const uint32_t count = *counter;
     const uint32_t next = bad ? count + 1u : (count > 0u ? count - 1u : 0u);
     *counter = (uint_least16_t)next;

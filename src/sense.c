@@ -81,12 +81,10 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
 void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning) {
     const float nominal = tuning->i_offset_nominal;
     self->offset_count = (lode_abc_t){nominal, nominal, nominal};
-    lode_sense_begin(self);
 }
 
-void lode_sense_begin(lode_sense_t *self) {
-    self->sum_count[0] = self->sum_count[1] = self->sum_count[2] = 0u;
-    self->samples = 0u;
+void lode_sense_begin(lode_sense_sums_t *sums) {
+    *sums = (lode_sense_sums_t){.samples = 0u};
 }
 
 // The phase whose sample is not used: the third where there are two shunts; else the one with the
@@ -128,24 +126,25 @@ static float further(float a, float b) {
     return lode_abs(a) > lode_abs(b) ? a : b;
 }
 
-lode_calibration_t lode_sense_calibrate(lode_sense_t *self, const lode_sense_tuning_t *tuning,
+lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *sums,
+                                        const lode_sense_tuning_t *tuning,
                                         const lode_counts_t *counts, float *worst_count) {
     for (int32_t i = 0; i < LODE_PHASES; i++) {
-        self->sum_count[i] += counts->i[i];
+        sums->count[i] += counts->i[i];
     }
-    self->samples++;
+    sums->samples++;
     *worst_count = 0.0f;
-    if (self->samples < tuning->calibrate_periods) {
+    if (sums->samples < tuning->calibrate_periods) {
         return LODE_CALIBRATION_RUNNING;
     }
     const float nominal = tuning->i_offset_nominal;
-    const float share = 1.0f / (float)self->samples;
-    lode_abc_t offset = {(float)self->sum_count[0] * share, (float)self->sum_count[1] * share,
-                         (float)self->sum_count[2] * share};
+    const float share = 1.0f / (float)sums->samples;
+    lode_abc_t offset = {(float)sums->count[0] * share, (float)sums->count[1] * share,
+                         (float)sums->count[2] * share};
     if (tuning->shunts == LODE_SHUNTS_TWO) {
         offset.c = nominal; // nothing need be wired there
     }
-    lode_sense_begin(self);
+    lode_sense_begin(sums);
     *worst_count = further(further(offset.a - nominal, offset.b - nominal), offset.c - nominal);
     if (!lode_in_range(*worst_count, -tuning->i_offset_tol, tuning->i_offset_tol)) {
         return LODE_CALIBRATION_IMPLAUSIBLE;

@@ -11,12 +11,11 @@
 #define CATCH_PARTS 5u     // the lock must hold for this part of the time
 #define FADE_TIME_s 0.1f
 #define PATIENCE_s 0.4f
-#define ATTEMPTS 3.0f      // until the start has failed
-#define PERIODS_MAX 2.0e9f // inside an int32
+#define ATTEMPTS 3.0f    // until the start has failed
+#define TURNS_MAX 2.0e9f // inside an int32
 #define SWEEP_rad (LODE_TWO_PI / 3.0f)
 #define MEAN_CORNER 0.3f      // of the mean EMF, over the swing's natural frequency
 #define SWING_CORNER 3.0f     // of its deviation: above, an error in Lq would close a loop
-#define SHIFT_MAX_rad 0.5f    // the vector gives way, it does not run away
 #define HOLD_SHARE 0.5f       // of hand-over speed: below, the EMF drowns in the inverter's errors
 #define SPEED_TOLERANCE 0.25f // of hand-over speed, between estimator and vector
 
@@ -78,6 +77,13 @@ static lode_status_t check(const lode_start_config_t *config,
     return LODE_OK;
 }
 
+// To the nearest; 0 only for no time at all.
+static uint32_t turns_in(float time_s, float ts_s) {
+    const float turns = time_s / ((float)LODE_SLOW_PERIODS * ts_s);
+    const float least = time_s > 0.0f ? 1.0f : 0.0f;
+    return (uint32_t)(int32_t)lode_clamp(turns + 0.5f, least, TURNS_MAX);
+}
+
 lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_config_t *config,
                               const lode_inverter_config_t *inverter, const lode_motor_t *motor,
                               float omega_max_rad_s, float ts_s) {
@@ -103,41 +109,25 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .omega_hold = HOLD_SHARE * config->omega_handover_rad_s,
         .fade_step = ts_s / config->fade_s,
         .ts_s = ts_s,
-        // Times are at most 1000 s of at most 200 kHz: inside an int32.
-        .catch_periods = (uint32_t)(int32_t)(lode_max(config->catch_s, 0.0f) / ts_s),
-        .lock_periods = (uint32_t)(int32_t)(config->lock_s / ts_s),
-        .attempt_periods = (uint32_t)(int32_t)lode_min(attempt_s(config) / ts_s, PERIODS_MAX),
-        .timeout_periods = (uint32_t)(int32_t)(config->timeout_s / ts_s),
+        .catch_turns = turns_in(lode_max(config->catch_s, 0.0f), ts_s),
+        .lock_turns = turns_in(config->lock_s, ts_s),
+        .attempt_turns = turns_in(attempt_s(config), ts_s),
+        .timeout_turns = turns_in(config->timeout_s, ts_s),
     };
     return LODE_OK;
 }
 
 void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, float current_A) {
-    *self = (lode_start_t){.theta_rad = lode_wrap(theta_rad),
-                           .at = lode_sincos(theta_rad),
+    *self = (lode_start_t){.at = lode_sincos(theta_rad),
                            .omega_rad_s = omega_rad_s,
-                           .current_A = current_A};
+                           .current_A = current_A,
+                           .omega_target = omega_rad_s,
+                           .current_target = current_A};
 }
 
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
     lode_start_reset(self, 0.0f, 0.0f, 0.0f);
-    self->catching = tuning->catch_periods;
-}
-
-// Counts the periods for which the estimate has been good enough to run on.
-static bool has_held(lode_start_t *self, const lode_start_tuning_t *tuning,
-                     const lode_estimate_t *estimate, bool consistent, uint32_t periods) {
-    const bool sound =
-        consistent && estimate->lock >= LODE_LOCK_HANDOVER &&
-        lode_abs(estimate->omega_rad_s) >= (1.0f - SPEED_TOLERANCE) * tuning->omega_handover;
-    self->locked = sound ? self->locked + 1u : 0u;
-    return self->locked >= periods;
-}
-
-bool lode_start_catch(lode_start_t *self, const lode_start_tuning_t *tuning,
-                      const lode_estimate_t *estimate) {
-    self->catching--;
-    return has_held(self, tuning, estimate, true, tuning->catch_periods / CATCH_PARTS + 1u);
+    self->catching = tuning->catch_turns;
 }
 
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
@@ -145,41 +135,39 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
                       float omega_target_rad_s) {
     const bool starting = lode_abs(omega_target_rad_s) > 0.0f;
     self->attempt = starting ? self->attempt + 1u : 0u;
-    if (self->attempt > tuning->attempt_periods) {
+    if (self->attempt > tuning->attempt_turns) {
         self->attempt = 0u;
         self->omega_rad_s = 0.0f;
         self->current_A = 0.0f;
     }
 }
 
-LODE_HOT float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
-                               float omega_target_rad_s, float current_A, lode_ab_t e_V) {
-    // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
-    // turn, or a rotor that happens to lie opposite to it would feel no torque.
-    const bool rising = self->current_A < current_A;
-    const bool sweeps = rising && !(lode_abs(self->omega_rad_s) > 0.0f);
-    const float sweep_rad = lode_sign(omega_target_rad_s) * tuning->sweep_step_rad;
-    self->theta_rad = lode_wrap_once(self->theta_rad + tuning->ts_s * self->omega_rad_s +
-                                     (sweeps ? sweep_rad : 0.0f));
-    self->at = lode_sincos(self->theta_rad);
-    const float across_V = lode_park(e_V, self->at).q;
-    self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
-    self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
-    self->shift_rad = lode_clamp(-tuning->damping * self->swing_V, -SHIFT_MAX_rad, SHIFT_MAX_rad);
-    if (!rising) {
-        self->omega_rad_s = lode_ramp(self->omega_rad_s, omega_target_rad_s, tuning->omega_step);
-    }
-    self->current_A = lode_ramp(self->current_A, current_A, tuning->current_step);
-    self->periods++;
+void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
+                    float current_A) {
+    self->omega_target = omega_target_rad_s;
+    self->current_target = current_A;
+    self->at = lode_angle_drawn(self->at); // what the periods in between have left of its length
+    self->turns++;
     try_again(self, tuning, omega_target_rad_s);
-    return lode_wrap_once(self->theta_rad + self->shift_rad);
 }
 
-bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning,
+void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning,
                       const lode_estimate_t *estimate) {
     const float omega = self->omega_rad_s;
-    const float difference = lode_abs(estimate->omega_rad_s - omega);
-    const bool consistent = lode_abs(omega) >= tuning->omega_handover &&
-                            difference <= SPEED_TOLERANCE * tuning->omega_handover;
-    return has_held(self, tuning, estimate, consistent, tuning->lock_periods);
+    const float slack = SPEED_TOLERANCE * tuning->omega_handover;
+    const bool arrived = lode_abs(omega) >= tuning->omega_handover &&
+                         omega * self->omega_target > 0.0f &&
+                         lode_abs(estimate->omega_rad_s - omega) <= slack;
+    const bool sound = (self->catching > 0u || arrived) && estimate->lock >= LODE_LOCK_HANDOVER &&
+                       lode_abs(estimate->omega_rad_s) >= tuning->omega_handover - slack;
+    self->locked = sound ? self->locked + 1u : 0u;
+    if (self->catching > 0u) {
+        self->catching--;
+        self->locked = self->catching > 0u ? self->locked : 0u; // the vector begins anew
+    }
+}
+
+bool lode_start_is_ready(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const uint32_t caught = tuning->catch_turns / CATCH_PARTS + 1u;
+    return self->locked >= (self->catching > 0u ? caught : tuning->lock_turns);
 }

@@ -349,10 +349,10 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     s.lag = lode_lag_line(&tuning->lag, s.pll.omega_rad_s); // a line: it must be about the speed
     s.id_A = random_float(random, -80.0, 80.0);
     s.locked = random_bits(random) % 2u == 0u;
-    s.calls = random_bits(random);
+    s.calls = (uint_least8_t)random_bits(random);
     s.rotation = random_vector(random, e_rated * e_rated);
     s.lock = random_float(random, 0.0, 1.0);
-    s.wait = random_bits(random) % (tuning->settle_turns + 1u);
+    s.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_turns + 1u));
     return s;
 }
 
@@ -422,8 +422,8 @@ static void test_any_state_is_detected_flagged_and_relocked(void) {
                 }
             }
             if (single < 0) {
-                state.wait = random_bits(&random);
-                state.calls = random_bits(&random);
+                state.wait = (uint_least16_t)random_bits(&random);
+                state.calls = (uint_least8_t)random_bits(&random);
                 state.locked = random_bits(&random) % 2u == 0u;
             }
             const bool sound = is_in_range(&state, &tuning);
@@ -549,7 +549,7 @@ static void test_hold_takes_the_angle_given(void) {
     watch_t w = watch(&config, 0.0, 0.0);
     for (int k = 0; k < 100; k++) {
         const double theta = remainder(0.02 * k, 2.0 * CHECK_PI);
-        lode_estimator_hold(&w.estimator, &w.tuning, (float)theta, 100.0f);
+        lode_estimator_hold(&w.estimator, &w.tuning, lode_sincos((float)theta), 100.0f);
         (void)watch_step(&w, 0.0, 0.0);
         // One period on at 100 rad/s; no EMF to argue with.
         CHECK_NEAR(1.0e-4, 0.0,
@@ -564,7 +564,8 @@ static void test_hold_at_the_true_angle_is_seamless(void) {
     for (int k = 0; k < 2000; k++) {
         (void)watch_step(&w, 0.0, 0.0);
     }
-    lode_estimator_hold(&w.estimator, &w.tuning, (float)w.motor.theta, (float)w.motor.omega);
+    lode_estimator_hold(&w.estimator, &w.tuning, lode_sincos((float)w.motor.theta),
+                        (float)w.motor.omega);
     for (int k = 0; k < 500; k++) {
         CHECK_NEAR(0.1 * CHECK_DEG, 0.0, watch_step(&w, 0.0, 0.0));
     }

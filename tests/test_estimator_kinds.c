@@ -386,9 +386,9 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     s.gains = lode_pll_gains(&tuning->pll, random_float(random, -omega_max, omega_max));
     s.lag = lode_lag_line(&tuning->lag, s.pll.omega_rad_s); // a line: it must be about the speed
     s.locked = random_bits(random) % 2u == 0u;
-    s.calls = random_bits(random);
+    s.calls = (uint_least8_t)random_bits(random);
     s.lock = random_float(random, 0.0, 1.0);
-    s.wait = random_bits(random) % (tuning->settle_turns + 1u);
+    s.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_turns + 1u));
     return s;
 }
 

@@ -30,7 +30,7 @@ static lode_notch_t empty(void) {
 static float stepped(lode_notch_t *notch, const lode_notch_tuning_t *tuning, float omega,
                      float error) {
     lode_notch_adapt(notch, tuning, omega);
-    return lode_notch_step(notch, error);
+    return lode_notch_step(notch, tuning, error);
 }
 
 /// Largest output over the last 1000 of `steps` calls with cos(turn k) + dc at the speed `omega`.
@@ -176,7 +176,8 @@ static void test_adapting_is_total(void) {
         const float speed = n < 3 ? check_not_finite[n] : random_any(&random);
         lode_notch_adapt(&notch, &tuning, speed);
         TEST_ASSERT_TRUE(lode_in_range(notch.weight, 0.0f, 1.0f));
-        TEST_ASSERT_TRUE(lode_is_finite(lode_notch_step(&notch, random_float(&random, -1.0, 1.0))));
+        TEST_ASSERT_TRUE(
+            lode_is_finite(lode_notch_step(&notch, &tuning, random_float(&random, -1.0, 1.0))));
     }
 }
 
@@ -196,7 +197,7 @@ static void test_adapting_now_and_then_is_enough(void) {
             lode_notch_adapt(&seldom, &tuning, (float)omega);
         }
         worst_note(&apart, (double)stepped(&often, &tuning, (float)omega, error) -
-                               (double)lode_notch_step(&seldom, error));
+                               (double)lode_notch_step(&seldom, &tuning, error));
     }
     CHECK_AT_MOST(0.02, apart.value);
 }

@@ -30,13 +30,14 @@ static lode_sense_tuning_t tuned(const lode_sense_config_t *config) {
 }
 
 static const lode_abc_t half = {0.5f, 0.5f, 0.5f};
+static lode_sense_sums_t sums; // of the calibration under way
 
 static lode_sample_t sampled(const lode_sense_config_t *config, lode_counts_t counts,
                              lode_abc_t duty) {
     const lode_sense_tuning_t tuning = tuned(config);
     lode_sense_t sense;
     lode_sense_reset(&sense, &tuning);
-    return lode_sense_step(&sense, &tuning, &counts, &duty);
+    return lode_sense_step(&sense, &tuning, &counts, lode_sense_unused(&tuning, duty));
 }
 
 static double degrees(const lode_sense_config_t *config, lode_sample_t sample) {
@@ -232,9 +233,9 @@ static void test_every_sample_at_a_rail_is_an_alert(void) {
                                           2048.0f + random_float(&random, -100.0, 100.0),
                                           2048.0f + random_float(&random, -100.0, 100.0)};
         lode_counts_t counts = {.i = {2048, 2048, 2048}};
-        TEST_ASSERT_FALSE(lode_sense_step(&sense, &tuning, &counts, &half).alert);
+        TEST_ASSERT_FALSE(lode_sense_step(&sense, &tuning, &counts, LODE_PHASES).alert);
         counts.i[n % 3] = rails[n / 3 % COUNT_OF(rails)];
-        const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, &half);
+        const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
         TEST_ASSERT_TRUE(s.alert && s.railed);
     }
 }
@@ -243,11 +244,12 @@ static void test_every_sample_at_a_rail_is_an_alert(void) {
 static lode_calibration_t calibrate(lode_sense_t *sense, const lode_sense_tuning_t *tuning, int a,
                                     int b, int c, int *steps, float *worst) {
     lode_calibration_t result = LODE_CALIBRATION_RUNNING;
+    lode_sense_begin(&sums);
     for (*steps = 0; *steps < 1000 && result == LODE_CALIBRATION_RUNNING; (*steps)++) {
         const int ripple = *steps % 2 == 0 ? 3 : -3;
         const lode_counts_t counts = {
             .i = {(uint16_t)(a + ripple), (uint16_t)(b - ripple), (uint16_t)(c + ripple)}};
-        result = lode_sense_calibrate(sense, tuning, &counts, worst);
+        result = lode_sense_calibrate(sense, &sums, tuning, &counts, worst);
     }
     return result;
 }
@@ -269,7 +271,7 @@ static void test_calibration_averages(void) {
         CHECK_NEAR(1.0e-3, 58.0, fabsf(worst));
     }
     const lode_counts_t counts = {.i = {2060, 1990, 2150}};
-    const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, &half);
+    const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
     CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.a);
     CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.b);
     CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.c);
@@ -327,7 +329,9 @@ static void test_a_long_calibration_keeps_its_precision(void) {
     const lode_counts_t counts = {.i = {33700, 31801, 32769}};
     float worst;
     int steps = 1;
-    while (lode_sense_calibrate(&sense, &tuning, &counts, &worst) == LODE_CALIBRATION_RUNNING &&
+    lode_sense_begin(&sums);
+    while (lode_sense_calibrate(&sense, &sums, &tuning, &counts, &worst) ==
+               LODE_CALIBRATION_RUNNING &&
            steps < 60000) {
         steps++;
     }
@@ -341,12 +345,9 @@ static void test_a_long_calibration_keeps_its_precision(void) {
 static void test_reset_forgets_the_calibration(void) {
     const lode_sense_config_t config = board();
     const lode_sense_tuning_t tuning = tuned(&config);
-    lode_sense_t sense = {
-        .offset_count = {1.0f, 2.0f, 3.0f}, .sum_count = {4.0f, 5.0f, 6.0f}, .samples = 7.0f};
+    lode_sense_t sense = {.offset_count = {1.0f, 2.0f, 3.0f}};
     lode_sense_reset(&sense, &tuning);
-    const lode_sense_t expected = {.offset_count = {2048.0f, 2048.0f, 2048.0f},
-                                   .sum_count = {0.0f, 0.0f, 0.0f},
-                                   .samples = 0.0f};
+    const lode_sense_t expected = {.offset_count = {2048.0f, 2048.0f, 2048.0f}};
     TEST_ASSERT_EQUAL_MEMORY(&expected, &sense, sizeof sense);
 }
 

@@ -329,7 +329,7 @@ static double bench_settle(bench_t *b, const lode_estimator_tuning_t *tuning, do
     // The amplitude is held, so that the level says nothing of the lock.
     b->tuning.psi_Wb = (float)(20.0 / omega);
     lode_estimator_reset(&b->estimator, &b->tuning);
-    lode_estimator_hold(&b->estimator, &b->tuning, (float)b->theta, (float)omega);
+    lode_estimator_hold(&b->estimator, &b->tuning, lode_sincos((float)b->theta), (float)omega);
     for (int k = 0; k < 10000; k++) {
         (void)bench_step(b, 0.0);
     }

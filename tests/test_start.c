@@ -35,6 +35,22 @@ static lode_status_t try_one(size_t offset, float value);
 
 static const lode_ab_t no_emf = {0.0f, 0.0f};
 
+#define TURN ((int)LODE_SLOW_PERIODS)
+
+static double angle_of(lode_sincos_t vector) {
+    return (double)lode_atan2(vector.sin, vector.cos);
+}
+
+/// Period `n` of a drive in START; returns the angle of the vector.
+static float step(lode_start_t *start, const lode_start_tuning_t *tuning, int n, float omega,
+                  float current, lode_ab_t e) {
+    if (n % TURN == 1) {
+        lode_start_aim(start, tuning, omega, current);
+    }
+    (void)lode_start_step(start, tuning, e);
+    return (float)angle_of(lode_start_vector(start, tuning));
+}
+
 static void test_current_rises_first_then_the_vector_turns(void) {
     const lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
@@ -42,7 +58,7 @@ static void test_current_rises_first_then_the_vector_turns(void) {
         lode_start_t start;
         lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
         for (int n = 1; n <= 4000; n++) {
-            (void)lode_start_step(&start, &tuning, 47.0f * (float)sign, 8.0f, no_emf);
+            (void)step(&start, &tuning, n, 47.0f * (float)sign, 8.0f, no_emf);
             const double t = 2.0e-4 * n;
             // Two periods of slack where one ramp ends and the other begins; float sums.
             CHECK_NEAR(0.03, fmin(8.0, 8.0 * t / 0.2), start.current_A);
@@ -59,8 +75,8 @@ static void test_angle_is_the_integral_of_the_speed(void) {
         lode_start_reset(&start, 0.5f, 0.0f, 8.0f); // the current is there already
         double theta = 0.5;
         for (int n = 1; n <= 4000; n++) {
+            const float angle = step(&start, &tuning, n, 47.0f * (float)sign, 8.0f, no_emf);
             theta += 2.0e-4 * (double)start.omega_rad_s;
-            const float angle = lode_start_step(&start, &tuning, 47.0f * (float)sign, 8.0f, no_emf);
             // 4000 additions to a wrapped angle of float resolution.
             CHECK_NEAR(5.0e-4, 0.0, angle_error(theta, (double)angle));
         }
@@ -78,7 +94,7 @@ static void test_the_vector_sweeps_while_the_current_rises(void) {
         double swept = 0.0;
         float before = 0.0f;
         for (int n = 1; n <= 1000; n++) { // 0.2 s
-            const float angle = lode_start_step(&start, &tuning, 47.0f * (float)sign, 8.0f, no_emf);
+            const float angle = step(&start, &tuning, n, 47.0f * (float)sign, 8.0f, no_emf);
             swept += sign * angle_error((double)angle, (double)before);
             before = angle;
         }
@@ -92,11 +108,11 @@ static void test_way_back_takes_up_a_turning_vector(void) {
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     lode_start_reset(&start, 10.0f, 50.0f, 3.0f);
-    CHECK_NEAR(1.0e-5, 10.0 - 4.0 * CHECK_PI, start.theta_rad);
+    CHECK_NEAR(1.0e-5, 10.0 - 4.0 * CHECK_PI, angle_of(start.at));
     double theta = 10.0;
     for (int n = 1; n <= 6000; n++) {
+        const float angle = step(&start, &tuning, n, 0.0f, 8.0f, no_emf);
         theta += 2.0e-4 * (double)start.omega_rad_s;
-        const float angle = lode_start_step(&start, &tuning, 0.0f, 8.0f, no_emf);
         CHECK_NEAR(1.0e-3, 0.0, angle_error(theta, (double)angle));
         TEST_ASSERT_TRUE(start.omega_rad_s >= 0.0f && start.omega_rad_s <= 50.0f);
     }
@@ -116,13 +132,13 @@ static double swing_after(float damping, double omega, double seconds) {
     double w = omega;
     worst_t worst = {0.0};
     const int count = (int)(seconds / 2.0e-4);
-    for (int n = 0; n < count; n++) {
+    for (int n = 1; n <= count; n++) {
         const lode_ab_t e = {(float)(-0.142 * w * sin(theta)), (float)(0.142 * w * cos(theta))};
-        const double vector = (double)lode_start_step(&start, &tuning, (float)omega, 8.0f, e);
+        const double vector = (double)step(&start, &tuning, n, (float)omega, 8.0f, e);
         w += 2.0e-4 * stiffness * sin(vector - theta);
         theta += 2.0e-4 * w;
         if (n > count / 2) {
-            worst_note(&worst, angle_error((double)start.theta_rad, theta));
+            worst_note(&worst, angle_error(angle_of(start.at), theta));
         }
     }
     return worst.value;
@@ -145,13 +161,13 @@ static void test_damping_gives_way_to_a_bound(void) {
     lode_start_t start;
     random_t random = random_seed(1);
     lode_start_reset(&start, 0.0f, 30.0f, 8.0f);
-    for (int n = 0; n < 20000; n++) {
+    for (int n = 1; n <= 20000; n++) {
         const lode_ab_t e = {random_float(&random, -1.0e5, 1.0e5),
                              random_float(&random, -1.0e5, 1.0e5)};
-        const float angle = lode_start_step(&start, &tuning, 47.0f, 8.0f, e);
+        const float angle = step(&start, &tuning, n, 47.0f, 8.0f, e);
         TEST_ASSERT_TRUE(lode_in_range(angle, -LODE_PI, LODE_PI));
         // Less than a quarter turn, beyond which the torque would fall again.
-        CHECK_AT_MOST(CHECK_PI / 2.0, fabs(angle_error((double)angle, (double)start.theta_rad)));
+        CHECK_AT_MOST(CHECK_PI / 2.0, fabs(angle_error((double)angle, angle_of(start.at))));
     }
 }
 
@@ -161,9 +177,9 @@ static void test_any_emf_gives_an_angle(void) {
     lode_start_t start;
     random_t random = random_seed(2);
     lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 1; n <= 100000; n++) {
         const lode_ab_t e = {random_any(&random), random_any(&random)};
-        const float angle = lode_start_step(&start, &tuning, 47.0f, 8.0f, e);
+        const float angle = step(&start, &tuning, n, 47.0f, 8.0f, e);
         TEST_ASSERT_TRUE(lode_in_range(angle, -LODE_PI, LODE_PI));
         TEST_ASSERT_TRUE(lode_in_range(start.current_A, 0.0f, 8.0f));
     }
@@ -176,8 +192,8 @@ static void test_a_failed_attempt_begins_again_at_rest(void) {
     lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
     int again = 0;
     float before = 0.0f;
-    for (int n = 0; n < 15000; n++) { // the 3 s of the time-out
-        (void)lode_start_step(&start, &tuning, 47.0f, 8.0f, no_emf);
+    for (int n = 1; n <= 15000; n++) { // the 3 s of the time-out
+        (void)step(&start, &tuning, n, 47.0f, 8.0f, no_emf);
         again += start.current_A < before - 4.0f ? 1 : 0;
         before = start.current_A;
         if (start.current_A < 0.1f) {
@@ -187,7 +203,7 @@ static void test_a_failed_attempt_begins_again_at_rest(void) {
     // An attempt takes 0.2 + 0.47 + 0.05 s and at least as long to settle.
     CHECK_AT_LEAST(1, again);
     CHECK_AT_MOST(3, again);
-    TEST_ASSERT_EQUAL_UINT32(15000, start.periods);
+    TEST_ASSERT_EQUAL_UINT32(15000 / TURN, start.turns);
 }
 
 /// A vector at hand-over speed and an estimate that agrees with it.
@@ -197,29 +213,44 @@ static lode_start_t turning(double omega) {
     return start;
 }
 
+/// One turn of LODE_SLOW_PERIODS.
+static bool ready(lode_start_t *start, const lode_start_tuning_t *tuning,
+                  const lode_estimate_t *estimate) {
+    lode_start_judge(start, tuning, estimate);
+    return lode_start_is_ready(start, tuning);
+}
+
 static void test_hand_over_needs_the_lock_for_its_time(void) {
     const lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
+    const int turns = 250 / TURN; // 0.05 s, to the nearest turn
     for (int sign = -1; sign <= 1; sign += 2) {
         lode_start_t start = turning(47.0 * sign);
         lode_estimate_t estimate = {.omega_rad_s = 47.0f * (float)sign, .lock = LODE_LOCK_HANDOVER};
         int n = 1;
-        while (!lode_start_ready(&start, &tuning, &estimate) && n < 10000) {
+        TEST_ASSERT_FALSE(lode_start_is_ready(&start, &tuning));
+        while (!ready(&start, &tuning, &estimate) && n < 10000) {
             n++;
         }
-        TEST_ASSERT_EQUAL_INT(250, n); // 0.05 s
-        // A single bad period starts the time anew.
+        TEST_ASSERT_EQUAL_INT(turns, n);
+        // A single bad turn starts the time anew.
         start = turning(47.0 * sign);
-        for (n = 0; n < 240; n++) {
-            TEST_ASSERT_FALSE(lode_start_ready(&start, &tuning, &estimate));
+        for (n = 0; n < turns - 1; n++) {
+            TEST_ASSERT_FALSE(ready(&start, &tuning, &estimate));
         }
         estimate.lock = LODE_LOCK_HANDOVER - 0.01f;
-        TEST_ASSERT_FALSE(lode_start_ready(&start, &tuning, &estimate));
+        TEST_ASSERT_FALSE(ready(&start, &tuning, &estimate));
         estimate.lock = 1.0f;
-        for (n = 0; n < 249; n++) {
-            TEST_ASSERT_FALSE(lode_start_ready(&start, &tuning, &estimate));
+        for (n = 0; n < turns - 1; n++) {
+            TEST_ASSERT_FALSE(ready(&start, &tuning, &estimate));
         }
-        TEST_ASSERT_TRUE(lode_start_ready(&start, &tuning, &estimate));
+        TEST_ASSERT_TRUE(ready(&start, &tuning, &estimate));
+        // So does a vector that is to stop, or to go the other way.
+        const float elsewhere[] = {0.0f, -47.0f * (float)sign};
+        for (int k = 0; k < COUNT_OF(elsewhere); k++) {
+            lode_start_aim(&start, &tuning, elsewhere[k], 8.0f);
+            TEST_ASSERT_FALSE(ready(&start, &tuning, &estimate));
+        }
     }
 }
 
@@ -228,7 +259,7 @@ static bool ever_ready(double omega_vector, lode_estimate_t estimate) {
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start = turning(omega_vector);
     for (int n = 0; n < 2000; n++) {
-        if (lode_start_ready(&start, &tuning, &estimate)) {
+        if (ready(&start, &tuning, &estimate)) {
             return true;
         }
     }
@@ -246,23 +277,37 @@ static void test_hand_over_needs_speed_and_direction(void) {
     TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = NAN, .lock = 0.9f}));
 }
 
-/// Looks for a rotor that turns already as `estimate` says; the periods until it is held, or 0.
+/// Where the vector will be a period on, and what turns it there.
+static void test_the_next_vector_is_known(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start = turning(-47.0);
+    start.swing_V = 2.0f;
+    (void)lode_start_step(&start, &tuning, no_emf);
+    const double shift = (double)lode_start_shift_rad(&start, &tuning);
+    const lode_sincos_t next = lode_start_next(&start, &tuning);
+    const lode_sincos_t half_turn = lode_start_step(&start, &tuning, no_emf);
+    CHECK_NEAR(1.0e-6, -0.5 * 47.0 * 2.0e-4, angle_of(half_turn));
+    CHECK_NEAR(1.0e-6, angle_of(start.at) + shift, angle_of(next));
+}
+
+/// Looks for a rotor that turns already as `estimate` says; the turns until it is held, or 0.
 static int caught_after(lode_estimate_t estimate) {
     const lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     memset(&start, 0xff, sizeof start);
     lode_start_begin(&start, &tuning);
-    TEST_ASSERT_TRUE(start.current_A == 0.0f && start.omega_rad_s == 0.0f &&
-                     start.theta_rad == 0.0f);
+    TEST_ASSERT_TRUE(start.current_A == 0.0f && start.omega_rad_s == 0.0f && start.at.sin == 0.0f);
     int n = 0;
     while (start.catching > 0u && n < 10000) {
         n++;
-        if (lode_start_catch(&start, &tuning, &estimate)) {
+        if (ready(&start, &tuning, &estimate)) {
             return n;
         }
     }
-    TEST_ASSERT_EQUAL_INT(250, n); // 0.05 s, and no longer
+    TEST_ASSERT_EQUAL_INT(250 / TURN, n); // 0.05 s, and no longer
+    TEST_ASSERT_EQUAL_UINT32(0, start.locked);
     return 0;
 }
 
@@ -270,7 +315,7 @@ static void test_a_rotor_that_turns_already_is_caught(void) {
     for (int sign = -1; sign <= 1; sign += 2) {
         const float s = (float)sign;
         const int n = caught_after((lode_estimate_t){.omega_rad_s = 300.0f * s, .lock = 0.9f});
-        TEST_ASSERT_TRUE(n > 10 && n < 250); // not on the first good sample, yet in time
+        TEST_ASSERT_TRUE(n > 2 && n < 250 / TURN); // not on the first good sample, yet in time
         TEST_ASSERT_EQUAL_INT(
             0, caught_after((lode_estimate_t){.omega_rad_s = 300.0f * s, .lock = 0.6f}));
         TEST_ASSERT_EQUAL_INT(
@@ -292,17 +337,19 @@ static void test_range_of_the_time_to_catch(void) {
     }
 }
 
-static void test_times_become_periods(void) {
+static void test_times_become_turns(void) {
     lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
-    TEST_ASSERT_EQUAL_UINT32(250, tuning.lock_periods);
-    TEST_ASSERT_EQUAL_UINT32(15000, tuning.timeout_periods);
+    TEST_ASSERT_EQUAL_UINT32(31, tuning.lock_turns); // 250 periods
+    TEST_ASSERT_EQUAL_UINT32(1875, tuning.timeout_turns);
     CHECK_CLOSE(1.0e-6, 1.0 / 500.0, tuning.fade_step);
     config.lock_s = PAPER_TS_s;
+    config.catch_s = LODE_NONE;
     config.timeout_s = 1000.0f;
     const lode_start_tuning_t far = tuned(&config);
-    TEST_ASSERT_EQUAL_UINT32(1, far.lock_periods);
-    CHECK_CLOSE(1.0e-6, 5.0e6, far.timeout_periods);
+    TEST_ASSERT_EQUAL_UINT32(1, far.lock_turns);
+    TEST_ASSERT_EQUAL_UINT32(0, far.catch_turns);
+    CHECK_CLOSE(1.0e-6, 5.0e6 / TURN, far.timeout_turns);
 }
 
 static lode_status_t try_one(size_t offset, float value) {
@@ -395,9 +442,10 @@ int main(void) {
     RUN_TEST(test_a_failed_attempt_begins_again_at_rest);
     RUN_TEST(test_hand_over_needs_the_lock_for_its_time);
     RUN_TEST(test_hand_over_needs_speed_and_direction);
+    RUN_TEST(test_the_next_vector_is_known);
     RUN_TEST(test_a_rotor_that_turns_already_is_caught);
     RUN_TEST(test_range_of_the_time_to_catch);
-    RUN_TEST(test_times_become_periods);
+    RUN_TEST(test_times_become_turns);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_design_fills_what_is_open);
     return UNITY_END();

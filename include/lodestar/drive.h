@@ -84,23 +84,39 @@ typedef struct {
     bool gates;      ///< false: all six switches off, at once
 } lode_drive_out_t;
 
+/// A command as the drive keeps it.
+typedef struct {
+    lode_dq_t vector;
+    float theta_rad;
+    float speed_rad_s; ///< RUN: mechanical; VOLTAGE, CURRENT: electrical, of their frame
+    lode_mode_t mode;
+    bool clear_fault;
+} lode_order_t;
+
+typedef struct {
+    lode_speed_t speed;
+    lode_references_t references;
+    float fade; ///< 1 at hand-over, 0 when the references have taken over
+    float id_A; ///< d-axis current at hand-over, which fades
+} lode_running_t;
+
 /// A drive. Visible for static allocation; written by its functions only.
 typedef struct {
     const lode_drive_tuning_t *tuning;
     const lode_drive_tuning_t *posted_tuning; ///< mailbox: NULL when taken
-    lode_command_t posted;                    ///< mailbox
+    lode_order_t posted;                      ///< mailbox
     bool command_posted;
     bool mail; ///< something is posted
     bool calibrated;
     bool gates;
-    uint_least8_t mode;     ///< lode_mode_t
-    uint32_t steps;         ///< periods since init
-    lode_command_t command; ///< being followed
-    float direction;        ///< sense of rotation, -1 or +1
-    float theta_rad;        ///< of the frame of VOLTAGE and CURRENT
-    lode_abc_t duty;        ///< written by the last call
-    lode_abc_t duty_before; ///< by the one before it: acts until the next sample
-    lode_dq_t i_A;          ///< in the frame of control
+    uint_least8_t mode;           ///< lode_mode_t
+    uint_least8_t unsampled;      ///< phase whose next sample is of no use; LODE_PHASES: none
+    uint_least8_t unsampled_next; ///< while `duty` acts
+    uint32_t steps;               ///< periods since init
+    lode_order_t command;         ///< being followed
+    float direction;              ///< sense of rotation, -1 or +1
+    lode_abc_t duty;              ///< written by the last call
+    lode_dq_t i_A;                ///< in the frame of control
     lode_dq_t ref_A;
     lode_dq_t u_V;
     float temperature_degC;
@@ -108,11 +124,20 @@ typedef struct {
     lode_inverter_t inverter;
     lode_estimator_t estimator;
     lode_current_t current;
-    lode_speed_t speed;
-    lode_references_t references;
-    lode_start_t start;
+    union {
+        lode_sense_sums_t sums; ///< CALIBRATE
+        float theta_rad;        ///< VOLTAGE, CURRENT: of their frame
+        lode_start_t start;     ///< START
+        lode_running_t run;     ///< RUN
+    } state;                    ///< that of the present mode, set up when it is entered
     lode_guard_t guard;
 } lode_drive_t;
+
+/// The ramped mechanical reference of RUN; 0 in the other modes.
+static inline float lode_drive_speed_ref_rad_s(const lode_drive_t *self) {
+    const bool running = self->mode == (uint_least8_t)LODE_MODE_RUN;
+    return running ? self->state.run.speed.reference_rad_s : 0.0f;
+}
 
 /// One period's inputs to estimation.
 typedef struct {
@@ -135,7 +160,7 @@ typedef struct {
     float temperature_degC;
     float theta_rad;       ///< estimated rotor angle at t_k
     float omega_rad_s;     ///< estimated electrical speed
-    float speed_ref_rad_s; ///< ramped mechanical reference
+    float speed_ref_rad_s; ///< ramped mechanical reference of RUN, else 0
     float load_torque_Nm;
     float lock;
     lode_ab_t e_V;

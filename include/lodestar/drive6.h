@@ -70,14 +70,16 @@ typedef struct {
     const lode_drive6_tuning_t *posted_tuning; ///< mailbox: NULL when taken
     lode_sense_t sense_2;
     lode_inverter_t inverter_2;
+    lode_sense_sums_t sums_2;
     lode_abc_t duty_2;
-    lode_abc_t duty_before_2;
     lode_ab_t i_xy_A;
     lode_ab_t u_xy_V; ///< in the frame that turns with -theta
     lode_xy_t xy;
     lode_open_phase_watch_t watch;
-    lode_open_phase_t open; ///< the phase found open, 0: none
-    uint_least8_t active;   ///< lode_active_t
+    lode_open_phase_t open;    ///< the phase found open, 0: none
+    uint_least8_t active;      ///< lode_active_t
+    uint_least8_t unsampled_2; ///< as in lode_drive_t
+    uint_least8_t unsampled_next_2;
 } lode_drive6_t;
 
 /// A consistent picture of one period.

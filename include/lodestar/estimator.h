@@ -44,14 +44,14 @@ typedef struct {
     float omega_limit; ///< twice omega_max: beyond it the speed is taken for an alias
     float inv_w02;     ///< 1/w0^2 of C-LESO, whose amplitude falls with speed; 0 for the others
     float psi_Wb;
-    float salient_H;         ///< Ld - Lq
-    float acc_per_torque;    ///< 1.5 np^2/J; 0 without feed-forward
-    float acc_per_omega;     ///< B/J
-    float load_per_f_Nm;     ///< -J/np; 0 without disturbance state
-    float lock_weight;       ///< of a new sample in the lock quality
-    float rotation_weight;   ///< in the mean rotation
-    uint32_t settle_turns;   ///< from reset until the first acquisition, in LODE_SLOW_PERIODS
-    uint32_t patience_turns; ///< without lock until the next one
+    float salient_H;               ///< Ld - Lq
+    float acc_per_torque;          ///< 1.5 np^2/J; 0 without feed-forward
+    float acc_per_omega;           ///< B/J
+    float load_per_f_Nm;           ///< -J/np; 0 without disturbance state
+    float lock_weight;             ///< of a new sample in the lock quality
+    float rotation_weight;         ///< in the mean rotation
+    uint_least16_t settle_turns;   ///< from reset until the first acquisition, in LODE_SLOW_PERIODS
+    uint_least16_t patience_turns; ///< without lock until the next one
 } lode_estimator_tuning_t;
 
 typedef struct {
@@ -61,7 +61,8 @@ typedef struct {
     float id_A;          ///< current in its direction at t_k
     float lock;
     bool locked;            ///< lock >= LODE_LOCK_LOST
-    uint32_t calls;         ///< of lode_estimator_step()
+    uint_least8_t calls;    ///< of lode_estimator_step(), modulo LODE_SLOW_PERIODS
+    uint_least16_t wait;    ///< turns until the next acquisition, while there is no lock
     lode_pll_gains_t gains; ///< at the present speed
     lode_lag_line_t lag;    ///< of the observer, about the present speed
     lode_notch_t notch;
@@ -69,7 +70,6 @@ typedef struct {
     float omega_tune;   ///< the speed that tunes the observer, where it is filtered
     lode_ab_t rotation; ///< without lock: mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
     lode_ab_t before_V; ///< without lock: e[k-1]
-    uint32_t wait;      ///< until the next acquisition, while there is no lock
 } lode_estimator_t;
 
 /// All at t_k, the instant of the current sample.
@@ -106,7 +106,7 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 
 /// Puts angle and speed where the caller knows them to be, as in a forced start. The EMF goes on.
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                         float theta_rad, float omega_rad_s);
+                         lode_sincos_t rotor, float omega_rad_s);
 
 /// The currents change their meaning, as when one set of a winding goes on alone: `i_A` is the present
 /// one in the new sense. Angle, speed and EMF stay.
@@ -128,10 +128,11 @@ lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
 
 /// What follows the speed, and the lock quality.
 typedef enum {
-    LODE_ADAPT_GAINS,
-    LODE_ADAPT_LAG,
     LODE_ADAPT_NOTCHES,
     LODE_ADAPT_LOCK, ///< and supervision
+    LODE_ADAPT_SEED, ///< where there has been no lock for long enough: speed and angle anew
+    LODE_ADAPT_LAG,  ///< after SEED, like the gains
+    LODE_ADAPT_GAINS,
     LODE_ADAPT_PARTS
 } lode_adapt_t;
 
@@ -202,10 +203,10 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     float error = -lode_park(e_V, frame).d * ((omega < 0.0f ? -1.0f : 1.0f) / e_abs);
     // The harmonics of the EMF show at 6 w and 12 w in the position error.
     if (tuning->notched) {
-        error = lode_notch_step(&self->notch, error);
+        error = lode_notch_step(&self->notch, &tuning->notch, error);
     }
     if (tuning->notched12) {
-        error = lode_notch_step(&self->notch12, error);
+        error = lode_notch_step(&self->notch12, &tuning->notch12, error);
     }
     lode_pll_move(&self->pll, self->gains, frame, omega, error);
     const bool lost = !(lode_abs(advance) <= LODE_ADVANCE_MAX_rad && e2 <= LODE_EMF2_LIMIT_V2 &&
@@ -248,7 +249,8 @@ static inline lode_estimate_t lode_estimator_step(lode_estimator_t *self,
                                                   const lode_estimator_tuning_t *tuning,
                                                   lode_ab_t u_V, lode_ab_t i_A) {
     lode_estimate_t estimate = lode_estimator_follow(self, tuning, u_V, i_A);
-    const uint32_t part = self->calls++ % LODE_SLOW_PERIODS;
+    const uint32_t part = self->calls % LODE_SLOW_PERIODS;
+    self->calls = (uint_least8_t)((part + 1u) % LODE_SLOW_PERIODS);
     if (part < (uint32_t)LODE_ADAPT_PARTS &&
         lode_estimator_adapt(self, tuning, (lode_adapt_t)part)) {
         estimate.reseeded = true;

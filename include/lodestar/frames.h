@@ -72,12 +72,16 @@ LODE_INLINE lode_ab_t lode_ab_turn(lode_ab_t x, lode_sincos_t angle) {
                        x.alpha * angle.sin + x.beta * angle.cos};
 }
 
+/// With the length drawn to 1, from nearby.
+LODE_INLINE lode_sincos_t lode_angle_drawn(lode_sincos_t a) {
+    const float to_one = 1.5f - 0.5f * (a.sin * a.sin + a.cos * a.cos);
+    return (lode_sincos_t){to_one * a.sin, to_one * a.cos};
+}
+
 /// Those of an angle moved on by a small one: atan(`x_rad`), at most 3 % less than it for 0.3 rad. The
 /// length is drawn to 1: what rounding takes from it, or the move adds, does not pile up.
 LODE_INLINE lode_sincos_t lode_angle_nudged(lode_sincos_t a, float x_rad) {
-    const lode_sincos_t moved = {a.sin + x_rad * a.cos, a.cos - x_rad * a.sin};
-    const float to_one = 1.5f - 0.5f * (moved.sin * moved.sin + moved.cos * moved.cos);
-    return (lode_sincos_t){to_one * moved.sin, to_one * moved.cos};
+    return lode_angle_drawn((lode_sincos_t){a.sin + x_rad * a.cos, a.cos - x_rad * a.sin});
 }
 
 /// Sine and cosine of twice an angle.

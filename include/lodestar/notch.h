@@ -28,8 +28,9 @@ lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k,
 
 typedef struct {
     lode_sogi_t sogi;
-    lode_sogi_tuning_t tuned; ///< to the harmonic of the present speed
-    float weight;             ///< 0: the notch is out, 1: in full
+    float g; ///< as in lode_sogi_tuning_t, tuned to the harmonic of the present speed
+    float inv_sum;
+    float weight; ///< 0: the notch is out, 1: in full
 } lode_notch_t;
 
 /// Moves the centre to the harmonic of `omega_rad_s`. Speed moves slowly: every few periods is enough.
@@ -37,8 +38,10 @@ void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning, flo
 
 /// The error without its harmonic; unchanged where the notch is out. The filter runs all the time, so
 /// that it has settled when it is blended in.
-LODE_INLINE float lode_notch_step(lode_notch_t *self, float error) {
-    return error - self->weight * lode_sogi_step(&self->sogi, &self->tuned, error).in_phase;
+LODE_INLINE float lode_notch_step(lode_notch_t *self, const lode_notch_tuning_t *tuning,
+                                  float error) {
+    const lode_sogi_tuning_t tuned = {tuning->k, self->g, self->inv_sum};
+    return error - self->weight * lode_sogi_step(&self->sogi, &tuned, error).in_phase;
 }
 
 #ifdef __cplusplus

@@ -61,9 +61,13 @@ typedef struct {
 
 typedef struct {
     lode_abc_t offset_count; ///< offsets in use
-    uint32_t sum_count[3];   ///< running sums while calibrating
-    uint32_t samples;        ///< how many are in the sums
 } lode_sense_t;
+
+/// A calibration under way.
+typedef struct {
+    uint32_t count[3];
+    uint32_t samples; ///< how many are in the sums
+} lode_sense_sums_t;
 
 /// Quantities valid at t_k.
 typedef struct {
@@ -90,28 +94,28 @@ void lode_sense_design(lode_sense_config_t *config);
 lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_config_t *config,
                               float i_max_A, float v_bus_V, float ts_s);
 
-/// Nominal offsets, no calibration under way.
+/// Nominal offsets.
 void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning);
 
-/// Parts of lode_sense_step(), which alone calls them: which phase could not be sampled while the duties
-/// were `duty` (LODE_PHASES: all could), and the currents with that one taken from the other two.
+/// Which phase cannot be sampled while the duties are `duty`; LODE_PHASES: all can.
 #define LODE_PHASES 3
 int32_t lode_sense_unused(const lode_sense_tuning_t *tuning, lode_abc_t duty);
+
+/// Parts of lode_sense_step(), which alone calls them: the currents with one phase taken from the other
+/// two, and whether one in use sits at a rail.
 lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused);
 
 bool lode_sense_railed(const lode_sense_tuning_t *tuning, const lode_counts_t *counts,
                        int32_t unused);
 
-/// `duty`: the duties that acted when the sample was taken.
+/// `unused`: lode_sense_unused() of the duties that acted when the sample was taken.
 LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
                                           const lode_sense_tuning_t *tuning,
-                                          const lode_counts_t *counts, const lode_abc_t *duty) {
+                                          const lode_counts_t *counts, int32_t unused) {
     lode_abc_t i = {(float)counts->i[0] - self->offset_count.a,
                     (float)counts->i[1] - self->offset_count.b,
                     (float)counts->i[2] - self->offset_count.c};
-    int32_t unused = LODE_PHASES;
-    if (tuning->windowed) {
-        unused = lode_sense_unused(tuning, *duty);
+    if (unused != LODE_PHASES) {
         const lode_abc_t whole = lode_sense_completed(i, unused);
         i = (lode_abc_t){whole.a, whole.b, whole.c};
     }
@@ -133,12 +137,13 @@ LODE_INLINE float lode_sense_temperature_degC(const lode_sense_tuning_t *tuning,
     return tuning->temperature_offset + (float)count * tuning->temperature_gain;
 }
 
-/// Starts a calibration anew; the offsets in use stay.
-void lode_sense_begin(lode_sense_t *self);
+/// Starts a calibration.
+void lode_sense_begin(lode_sense_sums_t *sums);
 
 /// Takes one more sample at zero current (gates off). At the end either all three offsets change or,
 /// where one is implausible, none; `worst_count` is the largest deviation from nominal.
-lode_calibration_t lode_sense_calibrate(lode_sense_t *self, const lode_sense_tuning_t *tuning,
+lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *sums,
+                                        const lode_sense_tuning_t *tuning,
                                         const lode_counts_t *counts, float *worst_count);
 
 #ifdef __cplusplus

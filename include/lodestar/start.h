@@ -35,31 +35,31 @@ typedef struct {
     float swing_weight;   ///< of a new sample in its swing
     float omega_hold;     ///< up to this speed the estimator is held to the vector
     float ts_s;
-    float fade_step; ///< per call of the references
-    uint32_t catch_periods;
-    uint32_t lock_periods;
-    uint32_t attempt_periods;
-    uint32_t timeout_periods;
+    float fade_step;      ///< per call of the references
+    uint32_t catch_turns; ///< times, in LODE_SLOW_PERIODS
+    uint32_t lock_turns;
+    uint32_t attempt_turns;
+    uint32_t timeout_turns;
 } lode_start_tuning_t;
 
 typedef struct {
-    float theta_rad;   ///< angle of the current vector before damping
-    lode_sincos_t at;  ///< its sine and cosine
+    lode_sincos_t at;  ///< angle of the current vector before damping
     float omega_rad_s; ///< its electrical speed
     float current_A;   ///< its length
-    float shift_rad;   ///< by which the vector stands ahead of theta, to damp the rotor's swing
+    float omega_target;
+    float current_target;
     float mean_V;      ///< mean EMF across the vector
-    float swing_V;     ///< its deviation from the mean
-    float fade;        ///< 1 at hand-over, 0 when the references have taken over
-    float id_A;        ///< d-axis current at hand-over, which fades
-    uint32_t locked;   ///< periods for which the lock has held
-    uint32_t catching; ///< periods left to find a rotor that turns already
-    uint32_t attempt;  ///< periods since the present attempt began
-    uint32_t periods;  ///< since the start
+    float swing_V;     ///< its deviation from the mean: of the rotor's swing, which it is to damp
+    uint32_t locked;   ///< turns of LODE_SLOW_PERIODS for which the lock has held
+    uint32_t catching; ///< turns left to find a rotor that turns already
+    uint32_t attempt;  ///< turns since the present attempt began
+    uint32_t turns;    ///< since the start
 } lode_start_t;
 
 /// Lock quality from which the estimator may take over: well above LODE_LOCK_LOST.
 #define LODE_LOCK_HANDOVER 0.7f
+/// The vector gives way, it does not run away.
+#define LODE_START_SHIFT_MAX_rad 0.5f
 
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor);
@@ -76,23 +76,63 @@ void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, fl
 /// turns already.
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
 
-/// One period of looking for such a rotor. True: the estimator holds one, of either direction.
-bool lode_start_catch(lode_start_t *self, const lode_start_tuning_t *tuning,
-                      const lode_estimate_t *estimate);
+/// Where the vector shall go: electrical speed and amplitude. Once in LODE_SLOW_PERIODS, also where they
+/// stay, because it counts the time that an attempt takes.
+void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
+                    float current_A);
 
-/// One period from t_k-1 to t_k, towards the electrical speed `omega_target_rad_s` and the amplitude
-/// `current_A`. `e_V`: estimated EMF at t_k. Returns the angle of the vector at t_k.
-float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
-                      float omega_target_rad_s, float current_A, lode_ab_t e_V);
-
-/// Sine and cosine of the angle that lode_start_step() has returned.
-static inline lode_sincos_t lode_start_vector(const lode_start_t *self) {
-    return lode_angle_add(self->at, lode_sincos_octant(self->shift_rad));
+/// One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector now
+/// turns in half a period.
+LODE_INLINE lode_sincos_t lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
+                                          lode_ab_t e_V) {
+    // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
+    // turn, or a rotor that happens to lie opposite to it would feel no torque.
+    float advance_rad = tuning->ts_s * self->omega_rad_s;
+    if (!(self->current_A < self->current_target)) {
+        self->omega_rad_s += lode_clamp(self->omega_target - self->omega_rad_s, -tuning->omega_step,
+                                        tuning->omega_step);
+        advance_rad = tuning->ts_s * self->omega_rad_s;
+    } else if (!(lode_abs(self->omega_rad_s) > 0.0f)) {
+        advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
+    }
+    self->current_A += lode_clamp(self->current_target - self->current_A, -tuning->current_step,
+                                  tuning->current_step);
+    const lode_sincos_t half_turn = lode_sincos_small(0.5f * advance_rad);
+    self->at = lode_angle_add(self->at, lode_angle_double(half_turn));
+    const float across_V = lode_park(e_V, self->at).q;
+    self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
+    self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
+    return half_turn;
 }
 
-/// The estimator holds at hand-over speed, in the direction of the vector, and has for long enough.
-bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning,
+/// By which the vector stands ahead, to damp the rotor's swing.
+LODE_INLINE float lode_start_shift_rad(const lode_start_t *self,
+                                       const lode_start_tuning_t *tuning) {
+    return lode_clamp(-tuning->damping * self->swing_V, -LODE_START_SHIFT_MAX_rad,
+                      LODE_START_SHIFT_MAX_rad);
+}
+
+/// The vector, with the damping.
+LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self,
+                                            const lode_start_tuning_t *tuning) {
+    return lode_angle_add(self->at, lode_sincos_octant(lode_start_shift_rad(self, tuning)));
+}
+
+/// Where it will be a period on.
+LODE_INLINE lode_sincos_t lode_start_next(const lode_start_t *self,
+                                          const lode_start_tuning_t *tuning) {
+    const float move_rad = lode_start_shift_rad(self, tuning) + tuning->ts_s * self->omega_rad_s;
+    return lode_angle_add(self->at, lode_sincos_octant(move_rad));
+}
+
+/// Once in LODE_SLOW_PERIODS: whether the estimate is good enough to run on. While looking for a rotor
+/// that turns already that is one of either direction; later at hand-over speed, in the direction of the
+/// vector.
+void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning,
                       const lode_estimate_t *estimate);
+
+/// It has been so for long enough.
+bool lode_start_is_ready(const lode_start_t *self, const lode_start_tuning_t *tuning);
 
 #ifdef __cplusplus
 }

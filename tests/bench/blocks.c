@@ -35,8 +35,6 @@ static lode_open_phase_watch_t phases;
 // Where results go, so that the compiler keeps them.
 float bench_sink[8];
 
-static const lode_abc_t half = {0.5f, 0.5f, 0.5f};
-
 static const bench_inputs_t *input(uint32_t call) {
     return &bench_inputs[BENCH_SETTLE_ESTIMATOR + call % BENCH_ROWS];
 }
@@ -84,7 +82,7 @@ bool bench_blocks_setup(void) {
     lode_start_reset(&start, 0.0f, BENCH_OMEGA_rad_s, BENCH_IQ_A);
     pll = estimator[ENHANCED].pll;
     emf = estimator[ENHANCED].emf;
-    sample = lode_sense_step(&sense, &t->sense, &bench_counted[BENCH_enhanced][0], &half);
+    sample = lode_sense_step(&sense, &t->sense, &bench_counted[BENCH_enhanced][0], LODE_PHASES);
     sogi_tuning = lode_sogi_tune(0.7f, 6.0f * BENCH_OMEGA_rad_s / BENCH_F_PWM_Hz);
     const lode_drive6_config_t config6 = bench6_config(BENCH6_enhanced);
     good = lode_drive6_tune(&tuning6, &config6) == LODE_OK && good;
@@ -129,7 +127,7 @@ BLOCK(estimator_enhanced) {
 
 BLOCK(sense) {
     sample = lode_sense_step(&sense, &tuning[ENHANCED].sense,
-                             &bench_counted[BENCH_enhanced][call % BENCH_ROWS], &half);
+                             &bench_counted[BENCH_enhanced][call % BENCH_ROWS], LODE_PHASES);
 }
 
 BLOCK(emf_c_leso) {
@@ -258,8 +256,9 @@ BLOCK(guard) {
 
 BLOCK(start) {
     const bench_inputs_t *in = input(call);
-    bench_sink[0] =
-        lode_start_step(&start, &tuning[ENHANCED].start, BENCH_OMEGA_rad_s, BENCH_IQ_A, in->u_V);
+    const lode_sincos_t half_turn = lode_start_step(&start, &tuning[ENHANCED].start, in->u_V);
+    bench_sink[0] = half_turn.sin;
+    bench_sink[1] = half_turn.cos;
 }
 
 BLOCK(sincos) {

@@ -32,7 +32,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         return 0;
     }
     lode_sense_t sense;
+    lode_sense_sums_t sums;
     lode_sense_reset(&sense, &tuning);
+    lode_sense_begin(&sums);
     while (fuzz_more(&in)) {
         const bool calibrate = (fuzz_byte(&in) & 1u) != 0u;
         const lode_counts_t counts = {.i = {fuzz_word(&in), fuzz_word(&in), fuzz_word(&in)},
@@ -42,10 +44,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
                                  fuzz_number(&in, 1.0f)};
         float worst = 0.0f;
         if (calibrate) {
-            (void)lode_sense_calibrate(&sense, &tuning, &counts, &worst);
+            (void)lode_sense_calibrate(&sense, &sums, &tuning, &counts, &worst);
             FUZZ_CHECK(lode_in_range(worst, -65535.0f, 65535.0f));
         }
-        const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, &duty);
+        const lode_sample_t s =
+            lode_sense_step(&sense, &tuning, &counts, lode_sense_unused(&tuning, duty));
         FUZZ_CHECK(lode_ab_in_range(s.i_A, FLT_MAX));
         FUZZ_CHECK(lode_is_finite(s.i_abc_A.a) && lode_is_finite(s.i_abc_A.b) &&
                    lode_is_finite(s.i_abc_A.c));
