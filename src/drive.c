@@ -106,6 +106,9 @@ LODE_INLINE lode_measurement_t sensed(lode_drive_t *self, const lode_counts_t *c
     }
     const lode_sample_t sample =
         lode_sense_step(&self->sense, &tuning->sense, counts, &self->duty_before);
+    if (tuning->sense.windowed) {
+        self->duty_before = self->duty; // acts until the next sample
+    }
     const lode_ab_t u_V = lode_inverter_realised(&self->inverter, sample.v_bus_V);
     return (lode_measurement_t){sample, u_V, calibration, offset_count};
 }
@@ -118,9 +121,6 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, f
     const lode_modulator_out_t out =
         lode_modulator_step(tuning, self->inverter.loss, lode_park_inverse(self->u_V, acting),
                             v_bus_V, lode_park_inverse(frame->i_A, acting));
-    if (self->tuning->sense.windowed) {
-        self->duty_before = self->duty;
-    }
     self->duty = out.duty;
     lode_inverter_write(&self->inverter, out.realised);
     return out.duty;
@@ -130,10 +130,10 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, f
 LODE_INLINE lode_drive_out_t acted(lode_drive_t *self, const lode_measurement_t *m,
                                    const lode_estimate_t *est, bool finite) {
     lode_core_follow(self, m, est);
-    if (self->gates) {
+    if (LODE_USUALLY(self->gates)) {
         const lode_frame_t frame = lode_core_control(self, m, est);
         const lode_abc_t duty = modulate(self, &frame, m->sample.v_bus_V);
-        if (lode_core_check(self, m, est, finite)) {
+        if (LODE_USUALLY(lode_core_check(self, m, est, finite))) {
             return (lode_drive_out_t){duty, true};
         }
     } else {

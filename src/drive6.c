@@ -165,6 +165,10 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
         lode_sense_step(&drive->sense, tuning, &counts->set[0], &drive->duty_before);
     const lode_sample_t second =
         lode_sense_step(&self->sense_2, tuning, &counts->set[1], &self->duty_before_2);
+    if (tuning->windowed) {
+        drive->duty_before = drive->duty; // act until the next sample
+        self->duty_before_2 = self->duty_2;
+    }
     const lode_sets_t u_V = {{lode_inverter_realised(&drive->inverter, first.v_bus_V),
                               lode_inverter_realised(&self->inverter_2, first.v_bus_V)}};
     x.watched = self->active == (uint_least8_t)LODE_SETS_BOTH &&
@@ -269,10 +273,6 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     const lode_ab_t i_A = lode_park_inverse(frame->i_A, acting);
     const lode_modulator6_out_t out = lode_modulator6_step(
         &drive->tuning->inverter, drive->inverter.loss, u_V, v_bus_V, (lode_sets_t){{i_A, i_A}});
-    if (drive->tuning->sense.windowed) {
-        drive->duty_before = drive->duty;
-        self->duty_before_2 = self->duty_2;
-    }
     drive->duty = out.duty.set[0];
     self->duty_2 = out.duty.set[1];
     lode_inverter_write(&drive->inverter, out.realised.set[0]);
@@ -285,14 +285,14 @@ LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_coun
     const measured_t x = measured(self, counts);
     const lode_estimate_t rotor = estimated(self, &x);
     lode_core_follow(drive, &x.m, &rotor);
-    if (drive->gates) {
+    if (LODE_USUALLY(drive->gates)) {
         const lode_frame_t frame = lode_core_control(drive, &x.m, &rotor);
         const lode_abc6_t duty = modulate(self, &frame, x.m.sample.v_bus_V);
         watch_phases(self, &x, &rotor);
         if (drive->steps % LODE_SLOW_PERIODS == TURN_XY) {
             lode_xy_adapt(&self->xy, &self->tuning->xy, frame.omega_rad_s);
         }
-        if (lode_core_check(drive, &x.m, &rotor, true)) {
+        if (LODE_USUALLY(lode_core_check(drive, &x.m, &rotor, true))) {
             return (lode_drive6_out_t){
                 {{duty.set[0], self->active != (uint_least8_t)LODE_SETS_ONLY_2},
                  {duty.set[1], self->active != (uint_least8_t)LODE_SETS_ONLY_1}}};

@@ -50,7 +50,7 @@ void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_t
 // Angle and speed at t_k.
 LODE_INLINE lode_estimate_t lode_core_estimate(lode_drive_t *self, lode_ab_t u_V, lode_ab_t i_A) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
-    if (!self->gates) { // the voltage at open terminals is not known
+    if (LODE_RARELY(!self->gates)) { // the voltage at open terminals is not known
         lode_estimator_reset(&self->estimator, tuning);
         return (lode_estimate_t){.rotor = {0.0f, 1.0f}};
     }
@@ -118,7 +118,7 @@ LODE_INLINE void adapt(lode_drive_t *self, const lode_measurement_t *m, const lo
 LODE_INLINE void lode_core_follow(lode_drive_t *self, const lode_measurement_t *m,
                                   const lode_estimate_t *est) {
     self->steps++;
-    if (lode_core_mode(self) != LODE_MODE_RUN || self->command.mode != LODE_MODE_RUN) {
+    if (LODE_RARELY(lode_core_mode(self) != LODE_MODE_RUN || self->command.mode != LODE_MODE_RUN)) {
         // A copy: the estimate itself stays in registers.
         const lode_estimate_t rotor = {est->omega_rad_s, est->rotor,   est->half_turn,
                                        est->i_A,         est->e_V,     est->load_torque_Nm,
@@ -134,7 +134,7 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
     const float v_bus_V = m->sample.v_bus_V;
     const bool running = lode_core_mode(self) == LODE_MODE_RUN;
     lode_frame_t frame = {est->rotor, est->half_turn, est->omega_rad_s, est->omega_rad_s, est->i_A};
-    if (!running) {
+    if (LODE_RARELY(!running)) {
         const lode_ab_t i_A = {m->sample.i_A.alpha, m->sample.i_A.beta}; // a copy, as above
         const lode_frame_t own = lode_core_own_frame(self, i_A);
         frame = (lode_frame_t){own.rotor, own.half_turn, own.omega_rad_s, own.omega_rotor, own.i_A};

@@ -101,7 +101,7 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     t.inv_w02 = config->emf.kind == LODE_EMF_C_LESO ? 1.0f / (w0 * w0) : 0.0f;
     t.w_filtered = t.w_weight < 1.0f;
     t.adaptive = config->emf.kind != LODE_EMF_C_LESO;
-    t.notched = t.notch.k > 0.0f;
+    t.notched = t.notch.k > 0.0f || t.notch12.k > 0.0f;
     t.notched12 = t.notch12.k > 0.0f;
     t.emin_V = config->emin_V;
     t.omega_limit = 2.0f * config->omega_max_rad_s;
@@ -139,17 +139,20 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
     self->wait = tuning->settle_turns;
 }
 
-// Returns the current, or none where it is no number.
-LODE_HOT LODE_COLD lode_ab_t lode_estimator_restart(lode_estimator_t *self,
-                                                    const lode_estimator_tuning_t *tuning,
-                                                    lode_ab_t i_A) {
+// Takes the current for none where it is no number.
+LODE_HOT LODE_COLD lode_estimate_t lode_estimator_restart(lode_estimator_t *self,
+                                                          const lode_estimator_tuning_t *tuning,
+                                                          lode_ab_t i_A) {
     const uint32_t calls = self->calls;
     lode_estimator_reset(self, tuning);
     self->calls = calls;
     if (lode_ab_in_range(i_A, INPUT_LIMIT)) {
         self->emf.i_A = i_A;
     }
-    return self->emf.i_A;
+    const lode_dq_t i_dq = lode_park(self->emf.i_A, self->rotor);
+    self->id_A = i_dq.d;
+    return (lode_estimate_t){
+        .rotor = self->rotor, .half_turn = {0.0f, 1.0f}, .i_A = i_dq, .reseeded = true};
 }
 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
@@ -232,7 +235,8 @@ LODE_HOT bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_
     case LODE_ADAPT_GAINS:
         self->gains = lode_pll_gains(&tuning->pll, omega);
         if (!(self->gains.f_s2 > 0.0f)) {
-            self->pll.f_rad_s2 = 0.0f; // no state of the QPLL, whatever stood there
+            self->pll.f_rad_s2 = 0.0f; // no states of the QPLL, whatever stood there
+            self->pll.acc_rad_s2 = 0.0f;
         }
         return false;
     case LODE_ADAPT_LAG:

@@ -37,9 +37,9 @@ typedef struct {
     lode_notch_tuning_t notch12;
     float w_weight; ///< of a new sample in the speed that tunes the observer; 1: no filter
     bool w_filtered;
-    bool adaptive; ///< the observer turns with the speed: all but C-LESO
-    bool notched;
-    bool notched12;
+    bool adaptive;  ///< the observer turns with the speed: all but C-LESO
+    bool notched;   ///< at 6 w or 12 w
+    bool notched12; ///< at 12 w
     float emin_V;
     float omega_limit; ///< twice omega_max: beyond it the speed is taken for an alias
     float inv_w02;     ///< 1/w0^2 of C-LESO, whose amplitude falls with speed; 0 for the others
@@ -116,8 +116,8 @@ static inline void lode_estimator_rewire(lode_estimator_t *self, lode_ab_t i_A) 
 }
 
 /// Parts of lode_estimator_follow(), which alone calls them: what is not due in every period.
-lode_ab_t lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                 lode_ab_t i_A);
+lode_estimate_t lode_estimator_restart(lode_estimator_t *self,
+                                       const lode_estimator_tuning_t *tuning, lode_ab_t i_A);
 void lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
                                            const lode_estimator_tuning_t *tuning,
@@ -173,10 +173,10 @@ LODE_INLINE lode_emf_motion_t lode_estimator_motion(lode_estimator_t *self,
         const float more = tuning->pll.ts_s * omega_rad_s - advance_rad;
         motion.turn.sin = turn.sin + more * turn.cos;
         motion.turn.cos = turn.cos - more * turn.sin;
-    }
-    if (tuning->w_filtered) {
-        motion.turn = lode_estimator_filtered_turn(self, tuning, omega_rad_s);
-        motion.omega_rad_s = self->omega_tune;
+        if (LODE_RARELY(tuning->w_filtered)) {
+            motion.turn = lode_estimator_filtered_turn(self, tuning, omega_rad_s);
+            motion.omega_rad_s = self->omega_tune;
+        }
     }
     return motion;
 }
@@ -188,13 +188,13 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
                                                   lode_ab_t u_V, lode_ab_t i_A) {
     float omega;
     const float advance = lode_pll_advance_rad(&self->pll, &tuning->pll, &omega);
-    lode_sincos_t half_turn = lode_sincos_small(0.5f * advance);
+    const lode_sincos_t half_turn = lode_sincos_small(0.5f * advance);
     const lode_sincos_t frame = lode_angle_add(self->pll.frame, lode_angle_double(half_turn));
     const lode_emf_motion_t motion = lode_estimator_motion(self, tuning, half_turn, advance, omega);
-    if (!motion.known) {
+    if (LODE_RARELY(!motion.known)) {
         lode_estimator_note_rotation(self, tuning);
     }
-    lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, &motion);
+    const lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, &motion);
 
     // Phase detector (paper 1, eq. 13; P1) with the sign of speed: else it locks half a turn off.
     const float e2 = e_V.alpha * e_V.alpha + e_V.beta * e_V.beta;
@@ -203,21 +203,17 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     // The harmonics of the EMF show at 6 w and 12 w in the position error.
     if (tuning->notched) {
         error = lode_notch_step(&self->notch, error);
-    }
-    if (tuning->notched12) {
-        error = lode_notch_step(&self->notch12, error);
+        if (tuning->notched12) {
+            error = lode_notch_step(&self->notch12, error);
+        }
     }
     lode_pll_move(&self->pll, self->gains, frame, omega, error);
-    const bool lost = !(lode_abs(advance) <= LODE_ADVANCE_MAX_rad && e2 <= LODE_EMF2_LIMIT_V2 &&
-                        lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit); // NaN included
-    if (lost) {
-        i_A = lode_estimator_restart(self, tuning, i_A);
-        e_V = (lode_ab_t){0.0f, 0.0f};
-        error = 0.0f;
-        half_turn = (lode_sincos_t){0.0f, 1.0f};
+    if (LODE_RARELY(!(lode_abs(advance) <= LODE_ADVANCE_MAX_rad)) ||
+        LODE_RARELY(!(e2 <= LODE_EMF2_LIMIT_V2)) ||
+        LODE_RARELY(!(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit))) { // NaN included
+        return lode_estimator_restart(self, tuning, i_A);
     }
-
-    if (lode_lag_is_far(&self->lag, self->pll.omega_rad_s)) {
+    if (LODE_RARELY(lode_lag_is_far(&self->lag, self->pll.omega_rad_s))) {
         (void)lode_estimator_adapt(self, tuning, LODE_ADAPT_LAG);
     }
     const lode_sincos_t rotor =
@@ -225,12 +221,14 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     const lode_dq_t i_dq = lode_park(i_A, rotor);
     self->rotor = rotor;
     self->id_A = i_dq.d;
-    // Known acceleration over the period to come (P3): torque of the measured current, seen from where
-    // the rotor is by the position error (P19), and friction.
-    const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_dq.d;
-    const float swing = lode_max(tuning->salient_H * i_dq.q * i_dq.q - flux_Wb * i_dq.d, 0.0f);
-    self->pll.acc_rad_s2 = tuning->acc_per_torque * (flux_Wb * i_dq.q + swing * error) -
-                           tuning->acc_per_omega * self->pll.omega_rad_s;
+    if (tuning->pll.third_order) {
+        // Known acceleration over the period to come (P3): torque of the measured current, seen from
+        // where the rotor is by the position error (P19), and friction.
+        const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_dq.d;
+        const float swing = lode_max(tuning->salient_H * i_dq.q * i_dq.q - flux_Wb * i_dq.d, 0.0f);
+        self->pll.acc_rad_s2 = tuning->acc_per_torque * (flux_Wb * i_dq.q + swing * error) -
+                               tuning->acc_per_omega * self->pll.omega_rad_s;
+    }
     return (lode_estimate_t){
         .omega_rad_s = self->pll.omega_rad_s,
         .rotor = rotor,
@@ -239,7 +237,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
         .e_V = e_V,
         .load_torque_Nm = lode_estimator_load_torque_Nm(self, tuning),
         .lock = self->lock,
-        .reseeded = lost,
+        .reseeded = false,
     };
 }
 
