@@ -1,7 +1,5 @@
 #include "drive_core.h"
 
-#include <stddef.h>
-
 LODE_COLD void lode_core_switch_off(lode_drive_t *self, lode_mode_t mode) {
     lode_core_set_mode(self, mode);
     self->gates = false;
@@ -216,4 +214,9 @@ LODE_COLD void lode_core_own_references(lode_drive_t *self, float v_bus_V) {
     } else {
         self->u_V = in_circle(self->command.vector, self->tuning->current.circle * v_bus_V);
     }
+}
+
+LODE_COLD void lode_core_examine(lode_drive_t *self, const lode_sample_t *sample, bool finite) {
+    const lode_situation_t now = {self->mode, lode_core_mode(self) == LODE_MODE_RUN, finite};
+    lode_guard_examine(&self->guard, &self->tuning->guard, sample, now);
 }

@@ -99,9 +99,8 @@ typedef struct {
     float direction;        ///< sense of rotation, -1 or +1
     float theta_rad;        ///< of the frame of VOLTAGE and CURRENT
     lode_abc_t duty;        ///< written by the last call
-    lode_abc_t
-        duty_before; ///< with some phases unsampled: by the one before it, until it has acted
-    lode_dq_t i_A;   ///< in the frame of control
+    lode_abc_t duty_before; ///< where a phase may be unsampled: by the one before it
+    lode_dq_t i_A;          ///< in the frame of control
     lode_dq_t ref_A;
     lode_dq_t u_V;
     float temperature_degC;

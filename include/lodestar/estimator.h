@@ -155,30 +155,32 @@ LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
     return tuning->load_per_f_Nm * self->pll.f_rad_s2;
 }
 
-/// What the EMF observer is told: the rotor's angle and speed as predicted.
-LODE_INLINE lode_emf_motion_t lode_estimator_motion(lode_estimator_t *self,
-                                                    const lode_estimator_tuning_t *tuning,
-                                                    lode_sincos_t half_turn, float advance_rad,
-                                                    float omega_rad_s) {
+/// The EMF at t_k. `half_turn`: angle of half a period, of which `advance_rad` is the whole;
+/// `omega_rad_s`: speed as predicted.
+LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
+                                         const lode_estimator_tuning_t *tuning, lode_ab_t u_V,
+                                         lode_ab_t i_A, lode_sincos_t half_turn, float advance_rad,
+                                         float omega_rad_s) {
     const lode_sincos_t turn = lode_angle_double(half_turn);
-    lode_emf_motion_t motion = {
-        .rotor = lode_angle_add(self->rotor, turn), // the frame of id_A, moved on and not corrected
-        .half_turn = half_turn,
-        .turn = turn,
-        .omega_rad_s = omega_rad_s,
-        .id_before_A = self->id_A,
-        .known = self->locked,
-    };
-    if (tuning->adaptive) { // (G1): at the speed predicted, not at the mean of the period
-        const float more = tuning->pll.ts_s * omega_rad_s - advance_rad;
-        motion.turn.sin = turn.sin + more * turn.cos;
-        motion.turn.cos = turn.cos - more * turn.sin;
-        if (LODE_RARELY(tuning->w_filtered)) {
-            motion.turn = lode_estimator_filtered_turn(self, tuning, omega_rad_s);
-            motion.omega_rad_s = self->omega_tune;
-        }
+    lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
+    if (LODE_RARELY(!self->locked)) {
+        lode_estimator_note_rotation(self, tuning);
+    } else if (tuning->emf.salient) {
+        // In the frame of id_A, moved on and not corrected.
+        m_V = lode_emf_less_salient(&tuning->emf, m_V, i_A, lode_angle_add(self->rotor, turn),
+                                    half_turn, self->id_A);
     }
-    return motion;
+    if (!tuning->adaptive) {
+        return lode_leso_step_c(&self->emf.leso, &tuning->emf.leso, m_V);
+    }
+    // (G1): at the speed predicted, not at the mean of the period.
+    const float more = tuning->pll.ts_s * omega_rad_s - advance_rad;
+    lode_sincos_t tuned = {turn.sin + more * turn.cos, turn.cos - more * turn.sin};
+    if (LODE_RARELY(tuning->w_filtered)) {
+        tuned = lode_estimator_filtered_turn(self, tuning, omega_rad_s);
+        omega_rad_s = self->omega_tune;
+    }
+    return lode_leso_step_adaptive(&self->emf.leso, &tuning->emf.leso, m_V, tuned, omega_rad_s);
 }
 
 /// The fast part of a period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k.
@@ -190,16 +192,13 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     const float advance = lode_pll_advance_rad(&self->pll, &tuning->pll, &omega);
     const lode_sincos_t half_turn = lode_sincos_small(0.5f * advance);
     const lode_sincos_t frame = lode_angle_add(self->pll.frame, lode_angle_double(half_turn));
-    const lode_emf_motion_t motion = lode_estimator_motion(self, tuning, half_turn, advance, omega);
-    if (LODE_RARELY(!motion.known)) {
-        lode_estimator_note_rotation(self, tuning);
-    }
-    const lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, &motion);
+    const lode_ab_t e_V = lode_estimator_emf(self, tuning, u_V, i_A, half_turn, advance, omega);
 
     // Phase detector (paper 1, eq. 13; P1) with the sign of speed: else it locks half a turn off.
     const float e2 = e_V.alpha * e_V.alpha + e_V.beta * e_V.beta;
     const float e_abs = lode_max(sqrtf(e2), tuning->emin_V);
-    float error = -lode_park(e_V, frame).d * ((omega < 0.0f ? -1.0f : 1.0f) / e_abs);
+    const float across_V = lode_park(e_V, frame).d;
+    float error = (omega < 0.0f ? across_V : -across_V) / e_abs;
     // The harmonics of the EMF show at 6 w and 12 w in the position error.
     if (tuning->notched) {
         error = lode_notch_step(&self->notch, error);
@@ -211,7 +210,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     if (LODE_RARELY(!(lode_abs(advance) <= LODE_ADVANCE_MAX_rad)) ||
         LODE_RARELY(!(e2 <= LODE_EMF2_LIMIT_V2)) ||
         LODE_RARELY(!(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit))) { // NaN included
-        return lode_estimator_restart(self, tuning, i_A);
+        return lode_estimator_restart(self, tuning, (lode_ab_t){i_A.alpha, i_A.beta});
     }
     if (LODE_RARELY(lode_lag_is_far(&self->lag, self->pll.omega_rad_s))) {
         (void)lode_estimator_adapt(self, tuning, LODE_ADAPT_LAG);

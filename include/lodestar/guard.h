@@ -99,21 +99,24 @@ void lode_guard_reset(lode_guard_t *self);
 void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
                      float limit);
 
-/// Part of lode_guard_step(), which alone calls it: something is wrong with this period.
-void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning, lode_abc_t i_A,
-                        uint32_t passed, bool trip, bool railed, lode_situation_t now);
+/// Whether nothing is wrong with a period, by what was sampled at its start.
+LODE_INLINE bool lode_guard_is_usual(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                     bool trip, bool alert, uint32_t stamp) {
+    return LODE_USUALLY(self->stamped) && LODE_USUALLY(!trip) && LODE_USUALLY(!alert) &&
+           LODE_USUALLY(stamp - self->stamp - tuning->stamp_min <= tuning->stamp_span);
+}
+
+/// Finds out what is wrong, and trips. Before the stamp of the period is noted.
+void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                        const lode_sample_t *sample, lode_situation_t now);
 
 /// Checks what must not wait, in every period with the gates on: trip, phase currents, rails, timing,
 /// finite numbers. Comparisons are written so that NaN is bad.
-LODE_INLINE void lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                 const lode_sample_t *sample, lode_situation_t now) {
-    const uint32_t passed = sample->stamp - self->stamp;
-    const bool good = self->stamped && !sample->trip && !sample->alert && now.finite &&
-                      passed - tuning->stamp_min <= tuning->stamp_span;
-    if (LODE_RARELY(!good)) { // a copy: the situation itself stays in registers
-        const lode_situation_t here = {now.state, now.sensorless, now.finite};
-        lode_guard_examine(self, tuning, sample->i_abc_A, passed, sample->trip, sample->railed,
-                           here);
+static inline void lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                   const lode_sample_t *sample, lode_situation_t now) {
+    if (!now.finite ||
+        !lode_guard_is_usual(self, tuning, sample->trip, sample->alert, sample->stamp)) {
+        lode_guard_examine(self, tuning, sample, now);
     }
     self->stamp = sample->stamp;
 }

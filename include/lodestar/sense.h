@@ -102,21 +102,30 @@ lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused);
 bool lode_sense_railed(const lode_sense_tuning_t *tuning, const lode_counts_t *counts,
                        int32_t unused);
 
-/// `duty`: the duties that acted when the sample was taken.
-LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
-                                          const lode_sense_tuning_t *tuning,
-                                          const lode_counts_t *counts, const lode_abc_t *duty) {
-    lode_abc_t i = {(float)counts->i[0] - self->offset_count.a,
-                    (float)counts->i[1] - self->offset_count.b,
-                    (float)counts->i[2] - self->offset_count.c};
-    int32_t unused = LODE_PHASES;
-    if (tuning->windowed) {
-        unused = lode_sense_unused(tuning, *duty);
-        const lode_abc_t whole = lode_sense_completed(i, unused);
-        i = (lode_abc_t){whole.a, whole.b, whole.c};
+/// The currents in counts from their offsets. `duty`: the duties that acted when the sample was taken;
+/// `unused`: the phase that could not be sampled then, or LODE_PHASES.
+LODE_INLINE lode_abc_t lode_sense_currents(const lode_sense_t *self,
+                                           const lode_sense_tuning_t *tuning,
+                                           const lode_counts_t *counts, const lode_abc_t *duty,
+                                           int32_t *unused) {
+    const lode_abc_t i = {(float)counts->i[0] - self->offset_count.a,
+                          (float)counts->i[1] - self->offset_count.b,
+                          (float)counts->i[2] - self->offset_count.c};
+    *unused = LODE_PHASES;
+    if (LODE_RARELY(tuning->windowed)) {
+        *unused = lode_sense_unused(tuning, *duty);
+        return lode_sense_completed(i, *unused);
     }
+    return i;
+}
+
+/// All of a sample but `railed`, which is false: it needs a look only where there is an alert.
+LODE_INLINE lode_sample_t lode_sense_glance(const lode_sense_t *self,
+                                            const lode_sense_tuning_t *tuning,
+                                            const lode_counts_t *counts, const lode_abc_t *duty,
+                                            int32_t *unused) {
+    const lode_abc_t i = lode_sense_currents(self, tuning, counts, duty, unused);
     const float most = lode_max(lode_max(lode_abs(i.a), lode_abs(i.b)), lode_abs(i.c));
-    const bool alert = !(most <= tuning->alert_count);
     return (lode_sample_t){
         .i_abc_A = {tuning->i_gain * i.a, tuning->i_gain * i.b, tuning->i_gain * i.c},
         .i_A = {(2.0f * i.a - i.b - i.c) * tuning->alpha_gain, (i.b - i.c) * tuning->beta_gain},
@@ -124,9 +133,19 @@ LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
         .temperature_count = counts->temperature,
         .stamp = counts->stamp,
         .trip = counts->trip,
-        .alert = alert,
-        .railed = alert && lode_sense_railed(tuning, counts, unused),
+        .alert = !(most <= tuning->alert_count),
+        .railed = false,
     };
+}
+
+/// The whole sample.
+static inline lode_sample_t lode_sense_step(const lode_sense_t *self,
+                                            const lode_sense_tuning_t *tuning,
+                                            const lode_counts_t *counts, const lode_abc_t *duty) {
+    int32_t unused;
+    lode_sample_t sample = lode_sense_glance(self, tuning, counts, duty, &unused);
+    sample.railed = sample.alert && lode_sense_railed(tuning, counts, unused);
+    return sample;
 }
 
 LODE_INLINE float lode_sense_temperature_degC(const lode_sense_tuning_t *tuning, uint16_t count) {
