@@ -98,7 +98,7 @@ LODE_INLINE lode_measurement_t sensed(lode_drive_t *self, const lode_counts_t *c
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_calibration_t calibration = LODE_CALIBRATION_RUNNING;
     float offset_count = 0.0f;
-    if (lode_core_mode(self) == LODE_MODE_CALIBRATE) {
+    if (LODE_RARELY(!self->gates) && lode_core_mode(self) == LODE_MODE_CALIBRATE) {
         float worst_count;
         calibration = lode_sense_calibrate(&self->sense, &tuning->sense, counts, &worst_count);
         offset_count = worst_count;

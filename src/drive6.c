@@ -138,7 +138,7 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
     measured_t x;
     x.m.calibration = LODE_CALIBRATION_RUNNING;
     x.m.offset_count = 0.0f;
-    if (lode_core_mode(drive) == LODE_MODE_CALIBRATE) {
+    if (LODE_RARELY(!drive->gates) && lode_core_mode(drive) == LODE_MODE_CALIBRATE) {
         float worst_count;
         x.m.calibration = calibrated(self, counts, &worst_count);
         x.m.offset_count = worst_count;

@@ -220,3 +220,8 @@ LODE_COLD void lode_core_examine(lode_drive_t *self, const lode_sample_t *sample
     const lode_situation_t now = {self->mode, lode_core_mode(self) == LODE_MODE_RUN, finite};
     lode_guard_examine(&self->guard, &self->tuning->guard, sample, now);
 }
+
+LODE_COLD void lode_core_count(lode_drive_t *self, lode_condition_t condition) {
+    const lode_situation_t now = {self->mode, lode_core_mode(self) == LODE_MODE_RUN, true};
+    lode_guard_watch(&self->guard, &self->tuning->guard, condition, now);
+}

@@ -52,6 +52,10 @@ LODE_INLINE float temperature_degC(const lode_sense_tuning_t *tuning, const lode
                : lode_max(first, lode_sense_temperature_degC(tuning, p->counts_2->temperature));
 }
 
+LODE_INLINE float omega_of(const lode_drive_t *self, const lode_period_t *p) {
+    return p->counts != NULL ? self->estimator.pll.omega_rad_s : p->est->omega_rad_s;
+}
+
 LODE_INLINE float lock_of(const lode_drive_t *self, const lode_period_t *p) {
     return p->counts != NULL ? self->estimator.lock : p->est->lock;
 }
@@ -66,14 +70,15 @@ LODE_INLINE lode_ab_t e_V_of(const lode_drive_t *self, const lode_period_t *p) {
     return p->counts != NULL ? self->estimator.emf.leso.e_V : p->est->e_V;
 }
 
-// Who is due in which of LODE_SLOW_PERIODS: about equally dear.
+// Who is due in which of LODE_SLOW_PERIODS: about equally dear. Speed control has two of the others, and
+// its references two.
 enum {
-    TURN_GUARD_AND_LOCK = 0,
+    TURN_LOCK = 0,
     TURN_HOLD = 1, // in START
-    TURN_LAG = 3,
-    TURN_XY = 5,             // with six phases: the resonators of the xy plane
-    TURN_GUARD_AND_LOSS = 4, // the shape of the dead-time loss
-    TURN_GAINS_AND_NOTCHES = 7
+    TURN_GUARD_AND_LAG = 3,
+    TURN_LOSS_AND_GAINS = 4, // the shape of the dead-time loss
+    TURN_XY = 6,             // with six phases: the resonators of the xy plane
+    TURN_GUARD_AND_NOTCHES = 7
 };
 
 LODE_INLINE lode_mode_t lode_core_mode(const lode_drive_t *self) {
@@ -92,6 +97,7 @@ void lode_core_follow_command(lode_drive_t *self, lode_calibration_t calibration
 void lode_core_hand_back(lode_drive_t *self, float omega_rad_s, lode_dq_t i_A);
 lode_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t i_A);
 void lode_core_own_references(lode_drive_t *self, float v_bus_V);
+void lode_core_count(lode_drive_t *self, lode_condition_t condition);
 void lode_core_examine(lode_drive_t *self, const lode_sample_t *sample, bool finite);
 void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm);
 
@@ -123,39 +129,42 @@ LODE_INLINE bool is_turn(const lode_drive_t *self, uint32_t turn) {
 LODE_INLINE void watch(lode_drive_t *self, const lode_period_t *p) {
     note_temperature(self, p);
     const lode_condition_t condition = {p->m->sample.v_bus_V, self->temperature_degC,
-                                        self->direction * p->est->omega_rad_s, lock_of(self, p)};
-    const lode_situation_t now = {self->mode, lode_core_mode(self) == LODE_MODE_RUN, true};
-    lode_guard_watch(&self->guard, &self->tuning->guard, condition, now);
+                                        self->direction * omega_of(self, p), lock_of(self, p)};
+    if (LODE_RARELY(!lode_guard_is_at_ease(&self->guard, &self->tuning->guard, &condition))) {
+        const lode_condition_t seen = {condition.v_bus_V, condition.temperature_degC,
+                                       condition.omega_rad_s, condition.lock}; // a copy, as below
+        lode_core_count(self, seen);
+    }
 }
 
 // What follows speed and load. After the duties, which do not wait for it.
 LODE_INLINE void lode_core_adapt(lode_drive_t *self, const lode_period_t *p) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const lode_estimate_t *est = p->est;
-    lode_adapt_t part;
+    lode_estimator_t *estimator = &self->estimator;
     switch (self->steps % LODE_SLOW_PERIODS) {
-    case TURN_GUARD_AND_LOCK:
-        watch(self, p);
-        if (lode_core_mode(self) == LODE_MODE_RUN && is_too_slow(self, est->omega_rad_s)) {
-            lode_core_hand_back(self, est->omega_rad_s, est->i_A);
+    case TURN_LOCK:
+        if (lode_core_mode(self) == LODE_MODE_RUN && is_too_slow(self, omega_of(self, p))) {
+            lode_core_hand_back(self, omega_of(self, p), self->i_A);
         }
-        part = LODE_ADAPT_LOCK;
+        (void)lode_estimator_adapt_lock(estimator, &tuning->estimator);
         break;
-    case TURN_GUARD_AND_LOSS:
+    case TURN_GUARD_AND_LAG:
         watch(self, p);
-        lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V, p->m->sample.v_bus_V);
-        return;
-    case TURN_LAG:
-        part = LODE_ADAPT_LAG;
+        lode_estimator_adapt_lag(estimator, &tuning->estimator);
         break;
-    case TURN_GAINS_AND_NOTCHES:
-        (void)lode_estimator_adapt(&self->estimator, &tuning->estimator, LODE_ADAPT_GAINS);
-        part = LODE_ADAPT_NOTCHES;
+    case TURN_LOSS_AND_GAINS:
+        lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V, p->m->sample.v_bus_V);
+        lode_estimator_adapt_gains(estimator, &tuning->estimator);
+        break;
+    case TURN_GUARD_AND_NOTCHES:
+        watch(self, p);
+        if (tuning->estimator.notched) {
+            lode_estimator_adapt_notches(estimator, &tuning->estimator);
+        }
         break;
     default:
-        return;
+        break;
     }
-    (void)lode_estimator_adapt(&self->estimator, &tuning->estimator, part);
 }
 
 // State machine of a period: after it the drive's gates are what this period's shall be.
@@ -193,12 +202,12 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_period
         lode_core_control_speed(self, est->omega_rad_s, load_torque_Nm(self, p));
     }
     if (running && is_turn(self, 2u)) {
-        const lode_references_voltage_t voltage = {v_bus_V, self->u_V};
+        const lode_references_voltage_t voltage = {v_bus_V, {self->u_V.d, self->u_V.q}};
         const lode_references_out_t ref =
             lode_references_step(&self->references, &tuning->references, self->speed.torque_Nm,
                                  est->omega_rad_s, self->start.fade * self->start.id_A, voltage);
-        self->ref_A = ref.i_A;
-        self->speed.limit_Nm = ref.torque_Nm;
+        self->ref_A = (lode_dq_t){ref.i_A.d, ref.i_A.q};
+        self->speed.limit_Nm = (lode_range_t){ref.torque_Nm.min, ref.torque_Nm.max};
     }
     if (running || lode_core_mode(self) != LODE_MODE_VOLTAGE) {
         self->u_V = lode_current_step(&self->current, &tuning->current, self->ref_A, frame.i_A,

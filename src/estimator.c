@@ -217,39 +217,42 @@ LODE_HOT LODE_COLD lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *
 static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e_V = self->emf.leso.e_V;
     const float omega = self->pll.omega_rad_s;
-    const float inv_e = 1.0f / lode_max(lode_ab_length(e_V), tuning->emin_V);
-    const float cosine = lode_sign(omega) * lode_park(e_V, self->pll.frame).q * inv_e;
-    const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * self->id_A);
     // The double pole of C-LESO takes its part of the amplitude: 1 + (w/w0)^2.
-    const float passed_V = induced_V / (1.0f + omega * omega * tuning->inv_w02);
-    const float level = 1.0f - LEVEL_SLOPE * lode_abs(passed_V * inv_e - 1.0f);
+    const float taken = 1.0f + omega * omega * tuning->inv_w02;
+    const float inv_e0 = 1.0f / (lode_max(lode_ab_length(e_V), tuning->emin_V) * taken);
+    const float ahead_V = lode_park(e_V, self->pll.frame).q;
+    const float cosine = (omega < 0.0f ? -ahead_V : ahead_V) * (taken * inv_e0);
+    const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * self->id_A);
+    const float level = 1.0f - LEVEL_SLOPE * lode_abs(induced_V * inv_e0 - 1.0f);
     const float quality = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
     self->lock = lode_clamp(self->lock + tuning->lock_weight * (quality - self->lock), 0.0f, 1.0f);
     self->locked = self->lock >= LODE_LOCK_LOST;
 }
 
-LODE_HOT bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                   lode_adapt_t part) {
-    const float omega = self->pll.omega_rad_s;
-    switch (part) {
-    case LODE_ADAPT_GAINS:
-        self->gains = lode_pll_gains(&tuning->pll, omega);
-        if (!(self->gains.f_s2 > 0.0f)) {
-            self->pll.f_rad_s2 = 0.0f; // no states of the QPLL, whatever stood there
-            self->pll.acc_rad_s2 = 0.0f;
-        }
-        return false;
-    case LODE_ADAPT_LAG:
-        self->lag = lode_lag_line(&tuning->lag, omega);
-        return false;
-    case LODE_ADAPT_NOTCHES:
-        lode_notch_adapt(&self->notch, &tuning->notch, omega);
-        lode_notch_adapt(&self->notch12, &tuning->notch12, omega);
-        return false;
-    case LODE_ADAPT_LOCK:
-    case LODE_ADAPT_PARTS:
-    default:
-        note_lock(self, tuning);
-        return supervise(self, tuning);
+LODE_HOT void lode_estimator_adapt_gains(lode_estimator_t *self,
+                                         const lode_estimator_tuning_t *tuning) {
+    self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);
+    if (!(self->gains.f_s2 > 0.0f)) {
+        self->pll.f_rad_s2 = 0.0f; // no states of the QPLL, whatever stood there
+        self->pll.acc_rad_s2 = 0.0f;
     }
+}
+
+LODE_HOT void lode_estimator_adapt_lag(lode_estimator_t *self,
+                                       const lode_estimator_tuning_t *tuning) {
+    self->lag = lode_lag_line(&tuning->lag, self->pll.omega_rad_s);
+}
+
+LODE_HOT void lode_estimator_adapt_notches(lode_estimator_t *self,
+                                           const lode_estimator_tuning_t *tuning) {
+    lode_notch_adapt(&self->notch, &tuning->notch, self->pll.omega_rad_s);
+    if (tuning->notched12) {
+        lode_notch_adapt(&self->notch12, &tuning->notch12, self->pll.omega_rad_s);
+    }
+}
+
+LODE_HOT bool lode_estimator_adapt_lock(lode_estimator_t *self,
+                                        const lode_estimator_tuning_t *tuning) {
+    note_lock(self, tuning);
+    return supervise(self, tuning);
 }

@@ -136,12 +136,34 @@ typedef enum {
 } lode_adapt_t;
 
 /// The angle of a period at twice the highest omega_max, and some more.
-#define LODE_ADVANCE_MAX_rad 1.1f
+#define LODE_ADVANCE_MAX_rad 1.125f
+
+/// One each.
+void lode_estimator_adapt_gains(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+void lode_estimator_adapt_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+void lode_estimator_adapt_notches(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+bool lode_estimator_adapt_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 
 /// The slow part of a period, after lode_estimator_follow(): each of lode_adapt_t once in
 /// LODE_SLOW_PERIODS, in periods of their own. True: angle and speed were taken up anew.
-bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                          lode_adapt_t part);
+static inline bool lode_estimator_adapt(lode_estimator_t *self,
+                                        const lode_estimator_tuning_t *tuning, lode_adapt_t part) {
+    switch (part) {
+    case LODE_ADAPT_GAINS:
+        lode_estimator_adapt_gains(self, tuning);
+        return false;
+    case LODE_ADAPT_LAG:
+        lode_estimator_adapt_lag(self, tuning);
+        return false;
+    case LODE_ADAPT_NOTCHES:
+        lode_estimator_adapt_notches(self, tuning);
+        return false;
+    case LODE_ADAPT_LOCK:
+    case LODE_ADAPT_PARTS:
+    default:
+        return lode_estimator_adapt_lock(self, tuning);
+    }
+}
 
 /// The rotor's angle at t_k, in [-pi, pi].
 static inline float lode_estimator_theta_rad(const lode_estimator_t *self) {
@@ -170,7 +192,7 @@ LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
         m_V = lode_emf_less_salient(&tuning->emf, m_V, i_A, lode_angle_add(self->rotor, turn),
                                     half_turn, self->id_A);
     }
-    if (!tuning->adaptive) {
+    if (LODE_USUALLY(!tuning->adaptive)) {
         return lode_leso_step_c(&self->emf.leso, &tuning->emf.leso, m_V);
     }
     // (G1): at the speed predicted, not at the mean of the period.
@@ -213,14 +235,15 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
         return lode_estimator_restart(self, tuning, (lode_ab_t){i_A.alpha, i_A.beta});
     }
     if (LODE_RARELY(lode_lag_is_far(&self->lag, self->pll.omega_rad_s))) {
-        (void)lode_estimator_adapt(self, tuning, LODE_ADAPT_LAG);
+        lode_estimator_adapt_lag(self, tuning);
     }
     const lode_sincos_t rotor =
         lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
     const lode_dq_t i_dq = lode_park(i_A, rotor);
     self->rotor = rotor;
     self->id_A = i_dq.d;
-    if (tuning->pll.third_order) {
+    if (LODE_USUALLY(tuning->pll.third_order)) {
+        lode_pll_disturb(&self->pll, self->gains, error);
         // Known acceleration over the period to come (P3): torque of the measured current, seen from
         // where the rotor is by the position error (P19), and friction.
         const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_dq.d;
