@@ -1,7 +1,5 @@
 #include "drive_core.h"
 
-#include <stddef.h>
-
 #define TELEMETRY_TRIES 3
 
 void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
@@ -105,14 +103,14 @@ LODE_INLINE lode_measurement_t sensed(lode_drive_t *self, const lode_counts_t *c
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_calibration_t calibration = LODE_CALIBRATION_RUNNING;
     float offset_count = 0.0f;
-    if (lode_core_mode(self) == LODE_MODE_CALIBRATE) {
+    if (LODE_RARELY(!self->gates) && lode_core_mode(self) == LODE_MODE_CALIBRATE) {
         float worst_count;
         calibration = lode_sense_calibrate(&self->sense, &self->state.sums, &tuning->sense, counts,
                                            &worst_count);
         offset_count = worst_count;
     }
     const lode_sample_t sample =
-        lode_sense_step(&self->sense, &tuning->sense, counts, self->unsampled);
+        lode_sense_glance(&self->sense, &tuning->sense, counts, self->unsampled);
     const lode_ab_t u_V = lode_inverter_realised(&self->inverter, sample.v_bus_V);
     return (lode_measurement_t){sample, u_V, calibration, offset_count};
 }
@@ -125,38 +123,13 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, f
     const lode_modulator_out_t out =
         lode_modulator_step(tuning, self->inverter.loss, lode_park_inverse(self->u_V, acting),
                             v_bus_V, lode_park_inverse(frame->i_A, acting));
-    if (self->tuning->sense.windowed) {
+    if (LODE_RARELY(self->tuning->sense.windowed)) {
         self->unsampled = self->unsampled_next;
         self->unsampled_next = (uint_least8_t)lode_sense_unused(&self->tuning->sense, out.duty);
     }
     self->duty = out.duty;
     lode_inverter_write(&self->inverter, out.realised);
     return out.duty;
-}
-
-// From angle and speed to duties: control, modulation and the last word of the guard.
-LODE_INLINE lode_drive_out_t acted(lode_drive_t *self, const lode_measurement_t *m,
-                                   const lode_estimate_t *est, bool finite) {
-    lode_core_follow(self, m, est);
-    if (self->gates) {
-        const lode_frame_t frame = lode_core_control(self, m, est);
-        const lode_abc_t duty = modulate(self, &frame, m->sample.v_bus_V);
-        if (lode_core_check(self, m, est, finite)) {
-            return (lode_drive_out_t){duty, true};
-        }
-    } else {
-        note_temperature(self, &m->sample);
-    }
-    lode_core_stand_by(self);
-    return (lode_drive_out_t){self->duty, self->gates};
-}
-
-lode_measurement_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts) {
-    return sensed(self, counts);
-}
-
-lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_measurement_t *measurement) {
-    return lode_core_estimate(self, measurement->u_V, measurement->sample.i_A);
 }
 
 // What the gates are driven by is a number. An estimate from outside may not be one; the drive's own
@@ -167,14 +140,68 @@ static bool is_finite(const lode_estimate_t *est) {
            FLT_MAX;
 }
 
+// Something is wrong with this period: its sample is made once more, rather than kept at hand in all of
+// them.
+static LODE_COLD void examine(lode_drive_t *self, const lode_counts_t *counts) {
+    const lode_sample_t sample =
+        lode_sense_step(&self->sense, &self->tuning->sense, counts, self->unsampled);
+    lode_core_examine(self, &sample, true);
+}
+
+// The guard's look at what must not wait.
+LODE_INLINE void glance(lode_drive_t *self, const lode_period_t *p) {
+    const bool own = p->counts != NULL;
+    const bool finite = own || is_finite(p->est);
+    if (LODE_RARELY(!finite) || LODE_RARELY(!lode_core_is_usual(self, p))) {
+        if (own) {
+            examine(self, p->counts);
+        } else {
+            lode_core_examine(self, &p->m->sample, finite);
+        }
+    }
+    self->guard.stamp = stamp_of(p);
+}
+
+// From angle and speed to duties: control, modulation and the last word of the guard.
+LODE_INLINE lode_drive_out_t acted(lode_drive_t *self, const lode_period_t *p) {
+    lode_core_follow(self, p);
+    if (LODE_USUALLY(self->gates)) {
+        glance(self, p);
+        const lode_frame_t frame = lode_core_control(self, p);
+        const lode_abc_t duty = modulate(self, &frame, p->m->sample.v_bus_V);
+        lode_core_adapt(self, p);
+        if (LODE_USUALLY(lode_guard_is_good(&self->guard))) {
+            return (lode_drive_out_t){duty, true};
+        }
+    } else {
+        note_temperature(self, p);
+    }
+    lode_core_stand_by(self);
+    return (lode_drive_out_t){self->duty, self->gates};
+}
+
+lode_measurement_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts) {
+    lode_measurement_t measurement = sensed(self, counts);
+    lode_sample_t *sample = &measurement.sample;
+    sample->railed =
+        sample->alert && lode_sense_railed(&self->tuning->sense, counts, self->unsampled);
+    return measurement;
+}
+
+lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_measurement_t *measurement) {
+    return lode_core_estimate(self, measurement->u_V, measurement->sample.i_A);
+}
+
 lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *measurement,
                                 const lode_estimate_t *estimate) {
-    return acted(self, measurement, estimate, is_finite(estimate));
+    const lode_period_t period = {measurement, estimate, NULL, NULL};
+    return acted(self, &period);
 }
 
 LODE_HOT lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts) {
     const lode_measurement_t measured = sensed(self, counts); // counts -> A, V, realised voltage
     const lode_estimate_t rotor =
         lode_core_estimate(self, measured.u_V, measured.sample.i_A); // -> angle and speed at t_k
-    return acted(self, &measured, &rotor, true);                     // -> duties, gates
+    const lode_period_t period = {&measured, &rotor, counts, NULL};
+    return acted(self, &period); // -> duties, gates
 }

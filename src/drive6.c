@@ -2,8 +2,6 @@
 
 #include "drive_core.h"
 
-#include <stddef.h>
-
 #define TELEMETRY_TRIES 3
 
 // One period's inputs.
@@ -118,22 +116,6 @@ static LODE_COLD lode_calibration_t calibrated(lode_drive6_t *self, const lode_c
     return first == LODE_CALIBRATION_IMPLAUSIBLE ? first : second;
 }
 
-// What the machine as a whole is checked by.
-LODE_INLINE lode_sample_t both_of(const lode_sense_tuning_t *tuning, const lode_sample_t *first,
-                                  const lode_sample_t *second) {
-    const bool hotter_2 =
-        (second->temperature_count > first->temperature_count) == (tuning->temperature_gain > 0.0f);
-    lode_sample_t both = *first;
-    if (second->alert && !first->alert) {
-        both.i_abc_A = second->i_abc_A;
-    }
-    both.temperature_count = hotter_2 ? second->temperature_count : first->temperature_count;
-    both.trip = (bool)(first->trip | second->trip);
-    both.alert = (bool)(first->alert | second->alert);
-    both.railed = (bool)(first->railed | second->railed);
-    return both;
-}
-
 // The start, which has little EMF to go by, is left to both sets: with 6 % of harmonics in one of them it
 // does not get through.
 LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
@@ -157,15 +139,15 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
     measured_t x;
     x.m.calibration = LODE_CALIBRATION_RUNNING;
     x.m.offset_count = 0.0f;
-    if (lode_core_mode(drive) == LODE_MODE_CALIBRATE) {
+    if (LODE_RARELY(!drive->gates) && lode_core_mode(drive) == LODE_MODE_CALIBRATE) {
         float worst_count;
         x.m.calibration = calibrated(self, counts, &worst_count);
         x.m.offset_count = worst_count;
     }
     const lode_sample_t first =
-        lode_sense_step(&drive->sense, tuning, &counts->set[0], drive->unsampled);
+        lode_sense_glance(&drive->sense, tuning, &counts->set[0], drive->unsampled);
     const lode_sample_t second =
-        lode_sense_step(&self->sense_2, tuning, &counts->set[1], self->unsampled_2);
+        lode_sense_glance(&self->sense_2, tuning, &counts->set[1], self->unsampled_2);
     const lode_sets_t u_V = {{lode_inverter_realised(&drive->inverter, first.v_bus_V),
                               lode_inverter_realised(&self->inverter_2, first.v_bus_V)}};
     x.watched = self->active == (uint_least8_t)LODE_SETS_BOTH &&
@@ -175,7 +157,8 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
         lode_open_phase_note(&self->watch, &first.i_abc_A, &second.i_abc_A);
     }
     x.i_A = (lode_sets_t){{first.i_A, lode_set2_clarke(second.i_abc_A)}};
-    x.m.sample = both_of(tuning, &first, &second);
+    x.m.sample.v_bus_V = first.v_bus_V;
+    x.m.sample.alert = (bool)(first.alert | second.alert);
     self->i_xy_A = lode_vsd_xy(x.i_A);
     if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
         x.m.sample.i_A = lode_vsd_ab(x.i_A);
@@ -270,7 +253,7 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     const lode_ab_t i_A = lode_park_inverse(frame->i_A, acting);
     const lode_modulator6_out_t out = lode_modulator6_step(
         &drive->tuning->inverter, drive->inverter.loss, u_V, v_bus_V, (lode_sets_t){{i_A, i_A}});
-    if (drive->tuning->sense.windowed) {
+    if (LODE_RARELY(drive->tuning->sense.windowed)) {
         const lode_sense_tuning_t *tuning = &drive->tuning->sense;
         drive->unsampled = drive->unsampled_next;
         self->unsampled_2 = self->unsampled_next_2;
@@ -284,25 +267,47 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     return out.duty;
 }
 
+// Something is wrong with this period: the samples are made once more, rather than kept at hand in all of
+// them. The machine is checked by set 1, unless only set 2 is beyond its limit.
+static LODE_COLD void examine(lode_drive6_t *self, const lode_counts6_t *counts) {
+    lode_drive_t *drive = &self->drive;
+    const lode_sense_tuning_t *tuning = &drive->tuning->sense;
+    lode_sample_t both = lode_sense_step(&drive->sense, tuning, &counts->set[0], drive->unsampled);
+    const lode_sample_t second =
+        lode_sense_step(&self->sense_2, tuning, &counts->set[1], self->unsampled_2);
+    if (second.alert && !both.alert) {
+        both.i_abc_A = second.i_abc_A;
+    }
+    both.trip = (bool)(both.trip | second.trip);
+    both.railed = (bool)(both.railed | second.railed);
+    lode_core_examine(drive, &both, true);
+}
+
 LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
     lode_drive_t *drive = &self->drive;
     const measured_t x = measured(self, counts);
     const lode_estimate_t rotor = estimated(self, &x);
-    lode_core_follow(drive, &x.m, &rotor);
-    if (drive->gates) {
-        const lode_frame_t frame = lode_core_control(drive, &x.m, &rotor);
+    const lode_period_t period = {&x.m, &rotor, &counts->set[0], &counts->set[1]};
+    lode_core_follow(drive, &period);
+    if (LODE_USUALLY(drive->gates)) {
+        if (LODE_RARELY(!lode_core_is_usual(drive, &period))) {
+            examine(self, counts);
+        }
+        drive->guard.stamp = stamp_of(&period);
+        const lode_frame_t frame = lode_core_control(drive, &period);
         const lode_abc6_t duty = modulate(self, &frame, x.m.sample.v_bus_V);
         watch_phases(self, &x, &rotor);
         if (drive->steps % LODE_SLOW_PERIODS == TURN_XY) {
             lode_xy_adapt(&self->xy, &self->tuning->xy, frame.omega_rad_s);
         }
-        if (lode_core_check(drive, &x.m, &rotor, true)) {
+        lode_core_adapt(drive, &period);
+        if (LODE_USUALLY(lode_guard_is_good(&drive->guard))) {
             return (lode_drive6_out_t){
                 {{duty.set[0], self->active != (uint_least8_t)LODE_SETS_ONLY_2},
                  {duty.set[1], self->active != (uint_least8_t)LODE_SETS_ONLY_1}}};
         }
     } else {
-        note_temperature(drive, &x.m.sample);
+        note_temperature(drive, &period);
     }
     lode_core_stand_by(drive);
     rest(self);

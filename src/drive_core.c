@@ -1,7 +1,5 @@
 #include "drive_core.h"
 
-#include <stddef.h>
-
 LODE_COLD void lode_core_switch_off(lode_drive_t *self, lode_mode_t mode) {
     lode_core_set_mode(self, mode);
     self->gates = false;
@@ -224,4 +222,14 @@ LODE_HOT void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, flo
     const float target = run->fade > 0.0f ? run->speed.reference_rad_s : wanted;
     (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_torque_Nm);
     run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
+}
+
+LODE_COLD void lode_core_examine(lode_drive_t *self, const lode_sample_t *sample, bool finite) {
+    const lode_situation_t now = {self->mode, lode_core_mode(self) == LODE_MODE_RUN, finite};
+    lode_guard_examine(&self->guard, &self->tuning->guard, sample, now);
+}
+
+LODE_COLD void lode_core_count(lode_drive_t *self, lode_condition_t condition) {
+    const lode_situation_t now = {self->mode, lode_core_mode(self) == LODE_MODE_RUN, true};
+    lode_guard_watch(&self->guard, &self->tuning->guard, condition, now);
 }

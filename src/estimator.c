@@ -107,7 +107,7 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     t.inv_w02 = config->emf.kind == LODE_EMF_C_LESO ? 1.0f / (w0 * w0) : 0.0f;
     t.w_filtered = t.w_weight < 1.0f;
     t.adaptive = config->emf.kind != LODE_EMF_C_LESO;
-    t.notched = t.notch.k > 0.0f;
+    t.notched = t.notch.k > 0.0f || t.notch12.k > 0.0f;
     t.notched12 = t.notch12.k > 0.0f;
     t.emin_V = config->emin_V;
     t.omega_limit = 2.0f * config->omega_max_rad_s;
@@ -144,17 +144,20 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
     self->wait = tuning->settle_turns;
 }
 
-// Returns the current, or none where it is no number.
-LODE_HOT LODE_COLD lode_ab_t lode_estimator_restart(lode_estimator_t *self,
-                                                    const lode_estimator_tuning_t *tuning,
-                                                    lode_ab_t i_A) {
+// Takes the current for none where it is no number.
+LODE_HOT LODE_COLD lode_estimate_t lode_estimator_restart(lode_estimator_t *self,
+                                                          const lode_estimator_tuning_t *tuning,
+                                                          lode_ab_t i_A) {
     const uint_least8_t calls = self->calls;
     lode_estimator_reset(self, tuning);
     self->calls = calls;
     if (lode_ab_in_range(i_A, INPUT_LIMIT)) {
         self->emf.i_A = i_A;
     }
-    return self->emf.i_A;
+    const lode_dq_t i_dq = lode_park(self->emf.i_A, self->rotor);
+    self->id_A = i_dq.d;
+    return (lode_estimate_t){
+        .rotor = self->rotor, .half_turn = {0.0f, 1.0f}, .i_A = i_dq, .reseeded = true};
 }
 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
@@ -224,41 +227,47 @@ LODE_HOT LODE_COLD lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *
 static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e_V = self->emf.leso.e_V;
     const float omega = self->pll.omega_rad_s;
-    const float inv_e = 1.0f / lode_max(lode_ab_length(e_V), tuning->emin_V);
-    const float cosine = lode_sign(omega) * lode_park(e_V, self->pll.frame).q * inv_e;
-    const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * self->id_A);
     // The double pole of C-LESO takes its part of the amplitude: 1 + (w/w0)^2.
-    const float passed_V = induced_V / (1.0f + omega * omega * tuning->inv_w02);
-    const float level = 1.0f - LEVEL_SLOPE * lode_abs(passed_V * inv_e - 1.0f);
+    const float taken = 1.0f + omega * omega * tuning->inv_w02;
+    const float inv_e0 = 1.0f / (lode_max(lode_ab_length(e_V), tuning->emin_V) * taken);
+    const float ahead_V = lode_park(e_V, self->pll.frame).q;
+    const float cosine = (omega < 0.0f ? -ahead_V : ahead_V) * (taken * inv_e0);
+    const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * self->id_A);
+    const float level = 1.0f - LEVEL_SLOPE * lode_abs(induced_V * inv_e0 - 1.0f);
     const float quality = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
     self->lock = lode_clamp(self->lock + tuning->lock_weight * (quality - self->lock), 0.0f, 1.0f);
     self->locked = self->lock >= LODE_LOCK_LOST;
 }
 
-LODE_HOT bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                   lode_adapt_t part) {
-    const float omega = self->pll.omega_rad_s;
-    switch (part) {
-    case LODE_ADAPT_GAINS:
-        self->gains = lode_pll_gains(&tuning->pll, omega);
-        if (!(self->gains.f_s2 > 0.0f)) {
-            self->pll.f_rad_s2 = 0.0f; // no state of the QPLL, whatever stood there
-        }
-        return false;
-    case LODE_ADAPT_LAG:
-        self->lag = lode_lag_line(&tuning->lag, omega);
-        return false;
-    case LODE_ADAPT_NOTCHES:
-        lode_notch_adapt(&self->notch, &tuning->notch, omega);
-        lode_notch_adapt(&self->notch12, &tuning->notch12, omega);
-        return false;
-    case LODE_ADAPT_SEED:
-        return !self->locked && is_due(self, tuning) && acquire(self, tuning);
-    case LODE_ADAPT_LOCK:
-    case LODE_ADAPT_PARTS:
-    default:
-        note_lock(self, tuning);
-        supervise(self, tuning);
-        return false;
+LODE_HOT void lode_estimator_adapt_gains(lode_estimator_t *self,
+                                         const lode_estimator_tuning_t *tuning) {
+    self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);
+    if (!(self->gains.f_s2 > 0.0f)) {
+        self->pll.f_rad_s2 = 0.0f; // no states of the QPLL, whatever stood there
+        self->pll.acc_rad_s2 = 0.0f;
     }
+}
+
+LODE_HOT void lode_estimator_adapt_lag(lode_estimator_t *self,
+                                       const lode_estimator_tuning_t *tuning) {
+    self->lag = lode_lag_line(&tuning->lag, self->pll.omega_rad_s);
+}
+
+LODE_HOT void lode_estimator_adapt_notches(lode_estimator_t *self,
+                                           const lode_estimator_tuning_t *tuning) {
+    lode_notch_adapt(&self->notch, &tuning->notch, self->pll.omega_rad_s);
+    if (tuning->notched12) {
+        lode_notch_adapt(&self->notch12, &tuning->notch12, self->pll.omega_rad_s);
+    }
+}
+
+LODE_HOT bool lode_estimator_adapt_seed(lode_estimator_t *self,
+                                        const lode_estimator_tuning_t *tuning) {
+    return !self->locked && is_due(self, tuning) && acquire(self, tuning);
+}
+
+LODE_HOT void lode_estimator_adapt_lock(lode_estimator_t *self,
+                                        const lode_estimator_tuning_t *tuning) {
+    note_lock(self, tuning);
+    supervise(self, tuning);
 }

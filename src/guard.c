@@ -134,19 +134,20 @@ static float largest(lode_abc_t i) {
 }
 
 LODE_HOT LODE_COLD void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                           lode_abc_t i_A, uint32_t passed, bool trip, bool railed,
-                                           lode_situation_t now) {
+                                           const lode_sample_t *sample, lode_situation_t now) {
+    const lode_abc_t i_A = sample->i_abc_A;
+    const uint32_t passed = sample->stamp - self->stamp;
     const float i = largest(i_A);
     const bool bounded = lode_abs(i_A.a) <= tuning->i_trip && lode_abs(i_A.b) <= tuning->i_trip &&
                          lode_abs(i_A.c) <= tuning->i_trip;
-    if (trip) {
+    if (sample->trip) {
         lode_guard_trip(self, now.state, LODE_CHECK_HARDWARE_TRIP, 1.0f, 0.0f);
     }
     if (!bounded) {
         lode_guard_trip(self, now.state, LODE_CHECK_OVER_CURRENT, i, tuning->i_trip);
     }
-    self->railed = self->railed || railed; // lode_guard_watch() empties it
-    if (railed && persists(self, &self->rail, true, tuning->rail_periods)) {
+    self->railed = self->railed || sample->railed; // lode_guard_watch() empties it
+    if (sample->railed && persists(self, &self->rail, true, tuning->rail_periods)) {
         lode_guard_trip(self, now.state, LODE_CHECK_CURRENT_RAIL, i, tuning->i_trip);
     }
     if (self->stamped && passed - tuning->stamp_min > tuning->stamp_span) {

@@ -74,6 +74,7 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     // Min-max centring leaves each rail half of what the span leaves over; the correction takes of it.
     const float most_loss = correct ? dead_duty + config->v_drop_V / v_min_V : 0.0f;
     const float room = (1.0f - 2.0f * most_loss) / LODE_SQRT3;
+    const bool plain = !model && !(ticks > 0.0f) && room > 0.0f;
     *tuning = (lode_inverter_tuning_t){
         .ts_s = ts_s,
         .v_min_V = v_min_V,
@@ -83,10 +84,9 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
         .i_dead_span_A = (1.0f - I_DEAD_MIN_SHARE) * config->i_dead_A,
         .ticks = ticks,
         .inv_ticks = ticks > 0.0f ? 1.0f / ticks : 0.0f,
-        .v2_free = room > 0.0f ? ROUNDING * room * room : -1.0f,
+        .v2_free = plain ? ROUNDING * room * room : -1.0f,
         .correct = correct,
         .model = model,
-        .plain = !model && !(ticks > 0.0f),
     };
     return LODE_OK;
 }

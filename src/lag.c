@@ -67,9 +67,13 @@ LODE_HOT lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s)
     const float v = omega_rad_s * omega_rad_s * lag->inv_range2;
     const float in = lode_min(v, 1.0f);
     const float *c = lag->coefficient;
-    const float share = c[0] + in * (c[1] + in * (c[2] + in * (c[3] + in * (c[4] + in * c[5]))));
-    const float rise =
-        c[1] + in * (2.0f * c[2] + in * (3.0f * c[3] + in * (4.0f * c[4] + in * 5.0f * c[5])));
+    // The polynomial and its slope, by one scheme of Horner's.
+    const float b4 = c[4] + in * c[5];
+    const float b3 = c[3] + in * b4;
+    const float b2 = c[2] + in * b3;
+    const float b1 = c[1] + in * b2;
+    const float share = c[0] + in * b1;
+    const float rise = b1 + in * (b2 + in * (b3 + in * (b4 + in * c[5])));
     const float slope = v < 1.0f ? share + 2.0f * v * rise : share;
     const float lag_rad = omega_rad_s * share;
     // Within the octant up to a lag of 90 degrees, which no observer reaches below omega_max.

@@ -8,10 +8,10 @@ static float on_grid(const lode_inverter_tuning_t *inverter, float duty) {
                : inside;
 }
 
-LODE_HOT lode_modulator_out_t lode_modulator_limit(const lode_inverter_tuning_t *inverter,
-                                                   lode_abc_t duty, lode_abc_t loss) {
+LODE_HOT lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inverter,
+                                                      lode_abc_t duty, lode_abc_t loss) {
     const lode_abc_t made = {on_grid(inverter, duty.a), on_grid(inverter, duty.b),
                              on_grid(inverter, duty.c)};
-    const lode_abc_t seen = {made.a - loss.a, made.b - loss.b, made.c - loss.c};
-    return (lode_modulator_out_t){made, lode_clarke(seen)};
+    return (lode_modulator_phases_t){
+        made, {made.a - loss.a, made.b - loss.b, made.c - loss.c}, false};
 }

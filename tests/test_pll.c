@@ -45,6 +45,7 @@ static void correct(lode_pll_t *pll, const lode_pll_tuning_t *tuning, prediction
                     float error) {
     const lode_pll_gains_t gains = lode_pll_gains(tuning, next.omega);
     lode_pll_move(pll, gains, next.frame, next.omega, error);
+    lode_pll_disturb(pll, gains, error);
 }
 
 static void check_golden(const pll_case_t *golden) {
@@ -65,6 +66,7 @@ static void check_golden(const pll_case_t *golden) {
         lode_pll_gains_t gains = lode_pll_gains(&tuning, next.omega);
         gains.theta = (float)(tan((double)gains.theta * error) / error);
         lode_pll_move(&pll, gains, next.frame, next.omega, (float)error);
+        lode_pll_disturb(&pll, gains, (float)error);
         if ((k + 1) % PLL_EVERY == 0) {
             const int row = k / PLL_EVERY;
             // The loop holds the float state at the angle to its resolution near pi, 2.4e-7,

@@ -54,7 +54,8 @@ LODE_INLINE lode_dq_t lode_current_induced_V(const lode_current_tuning_t *tuning
                        omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
 }
 
-/// Part of lode_current_step(), which alone calls it: the voltage `asked_V` lies outside the circle.
+/// Part of lode_current_step(), which alone calls it: the voltage `asked_V` lies at the edge of the
+/// circle or beyond.
 lode_dq_t lode_current_limit(lode_current_t *self, const lode_current_tuning_t *tuning,
                              lode_dq_t error_A, lode_dq_t induced_V, lode_dq_t asked_V,
                              float radius_V);
@@ -69,10 +70,11 @@ LODE_INLINE lode_dq_t lode_current_step(lode_current_t *self, const lode_current
     const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
     const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
                              lode_pi_output(&self->q, &tuning->q, error.q, ff.q)};
-    // The circle (K5): radius per bus volt, and the share of it that d may take.
+    // The circle (K5): radius per bus volt. What lies within the share of it that d may take needs no
+    // further look.
     const float radius = tuning->circle * v_bus_V;
-    if (lode_abs(asked.d) <= tuning->d_share * radius &&
-        asked.d * asked.d + asked.q * asked.q <= radius * radius) {
+    const float near = tuning->d_share * radius;
+    if (LODE_USUALLY(asked.d * asked.d + asked.q * asked.q <= near * near)) {
         lode_pi_integrate(&self->d, &tuning->d, error.d);
         lode_pi_integrate(&self->q, &tuning->q, error.q);
         return asked;

@@ -38,6 +38,28 @@ lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *
 /// Starts from the current `i_A` at t_k with no EMF.
 void lode_emf_reset(lode_emf_t *self, lode_ab_t i_A);
 
+/// Dead-beat EMF (E3) of a period: u[k-1] - (i[k] - a i[k-1])/b. `u_V`: mean voltage over
+/// [t_k-1, t_k); `i_A`: current at t_k. The EMF of a changing active flux is still in it.
+LODE_INLINE lode_ab_t lode_emf_dead_beat(lode_emf_t *self, const lode_emf_tuning_t *tuning,
+                                         lode_ab_t u_V, lode_ab_t i_A) {
+    lode_ab_t m = lode_ab_add_scaled(u_V, tuning->a_over_b, self->i_A);
+    m = lode_ab_add_scaled(m, -tuning->inv_b, i_A);
+    self->i_A = i_A;
+    return m;
+}
+
+/// `m_V` without (Ld - Lq) did/dt on the d axis (E5), at the angle half a period back: the mean over it.
+/// `rotor`: predicted rotor angle at t_k; `half_turn`: angle of half a period; `id_before_A`: d-axis
+/// current at t_k-1. Where the angle can be trusted.
+LODE_INLINE lode_ab_t lode_emf_less_salient(const lode_emf_tuning_t *tuning, lode_ab_t m_V,
+                                            lode_ab_t i_A, lode_sincos_t rotor,
+                                            lode_sincos_t half_turn, float id_before_A) {
+    const lode_sincos_t middle = lode_angle_subtract(rotor, half_turn);
+    const float rise_d = lode_park(i_A, rotor).d - id_before_A;
+    return lode_ab_add_scaled(m_V, -tuning->salient_Ohm * rise_d,
+                              (lode_ab_t){middle.cos, middle.sin});
+}
+
 /// What the observer is told about the rotor.
 typedef struct {
     lode_sincos_t rotor;     ///< predicted rotor angle at t_k
@@ -48,21 +70,16 @@ typedef struct {
     bool known;         ///< the angle can be trusted with the EMF of the active flux
 } lode_emf_motion_t;
 
-/// One period. `u_V`: mean voltage over [t_k-1, t_k); `i_A`: current at t_k.
-/// Returns the estimated EMF at t_k, V: it lags the true one by the lag of `lode_lag_t`.
-LODE_INLINE lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning,
-                                    lode_ab_t u_V, lode_ab_t i_A, const lode_emf_motion_t *motion) {
-    // Dead-beat EMF (E3): u[k-1] - (i[k] - a i[k-1])/b, less the active-flux term.
-    lode_ab_t m = lode_ab_add_scaled(u_V, tuning->a_over_b, self->i_A);
-    m = lode_ab_add_scaled(m, -tuning->inv_b, i_A);
+/// One whole period. Returns the estimated EMF at t_k, V: it lags the true one by the lag of
+/// `lode_lag_t`.
+static inline lode_ab_t lode_emf_step(lode_emf_t *self, const lode_emf_tuning_t *tuning,
+                                      lode_ab_t u_V, lode_ab_t i_A,
+                                      const lode_emf_motion_t *motion) {
+    lode_ab_t m = lode_emf_dead_beat(self, tuning, u_V, i_A);
     if (tuning->salient && motion->known) {
-        // (Ld - Lq) did/dt on the d axis (E5), at the angle half a period back: the mean over it.
-        const lode_sincos_t middle = lode_angle_subtract(motion->rotor, motion->half_turn);
-        const float rise_d = lode_park(i_A, motion->rotor).d - motion->id_before_A;
-        m = lode_ab_add_scaled(m, -tuning->salient_Ohm * rise_d,
-                               (lode_ab_t){middle.cos, middle.sin});
+        m = lode_emf_less_salient(tuning, m, i_A, motion->rotor, motion->half_turn,
+                                  motion->id_before_A);
     }
-    self->i_A = i_A;
     return lode_leso_step(&self->leso, &tuning->leso, m, motion->turn, motion->omega_rad_s);
 }
 

@@ -37,9 +37,9 @@ typedef struct {
     lode_notch_tuning_t notch12;
     float w_weight; ///< of a new sample in the speed that tunes the observer; 1: no filter
     bool w_filtered;
-    bool adaptive; ///< the observer turns with the speed: all but C-LESO
-    bool notched;
-    bool notched12;
+    bool adaptive;  ///< the observer turns with the speed: all but C-LESO
+    bool notched;   ///< at 6 w or 12 w
+    bool notched12; ///< at 12 w
     float emin_V;
     float omega_limit; ///< twice omega_max: beyond it the speed is taken for an alias
     float inv_w02;     ///< 1/w0^2 of C-LESO, whose amplitude falls with speed; 0 for the others
@@ -116,8 +116,8 @@ static inline void lode_estimator_rewire(lode_estimator_t *self, lode_ab_t i_A) 
 }
 
 /// Parts of lode_estimator_follow(), which alone calls them: what is not due in every period.
-lode_ab_t lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                 lode_ab_t i_A);
+lode_estimate_t lode_estimator_restart(lode_estimator_t *self,
+                                       const lode_estimator_tuning_t *tuning, lode_ab_t i_A);
 void lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
                                            const lode_estimator_tuning_t *tuning,
@@ -137,12 +137,38 @@ typedef enum {
 } lode_adapt_t;
 
 /// The angle of a period at twice the highest omega_max, and some more.
-#define LODE_ADVANCE_MAX_rad 1.1f
+#define LODE_ADVANCE_MAX_rad 1.125f
+
+/// One each.
+void lode_estimator_adapt_gains(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+void lode_estimator_adapt_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+void lode_estimator_adapt_notches(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+void lode_estimator_adapt_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+bool lode_estimator_adapt_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 
 /// The slow part of a period, after lode_estimator_follow(): each of lode_adapt_t once in
 /// LODE_SLOW_PERIODS, in periods of their own. True: angle and speed were taken up anew.
-bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                          lode_adapt_t part);
+static inline bool lode_estimator_adapt(lode_estimator_t *self,
+                                        const lode_estimator_tuning_t *tuning, lode_adapt_t part) {
+    switch (part) {
+    case LODE_ADAPT_GAINS:
+        lode_estimator_adapt_gains(self, tuning);
+        return false;
+    case LODE_ADAPT_LAG:
+        lode_estimator_adapt_lag(self, tuning);
+        return false;
+    case LODE_ADAPT_NOTCHES:
+        lode_estimator_adapt_notches(self, tuning);
+        return false;
+    case LODE_ADAPT_SEED:
+        return lode_estimator_adapt_seed(self, tuning);
+    case LODE_ADAPT_LOCK:
+    case LODE_ADAPT_PARTS:
+    default:
+        lode_estimator_adapt_lock(self, tuning);
+        return false;
+    }
+}
 
 /// The rotor's angle at t_k, in [-pi, pi].
 static inline float lode_estimator_theta_rad(const lode_estimator_t *self) {
@@ -156,30 +182,32 @@ LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
     return tuning->load_per_f_Nm * self->pll.f_rad_s2;
 }
 
-/// What the EMF observer is told: the rotor's angle and speed as predicted.
-LODE_INLINE lode_emf_motion_t lode_estimator_motion(lode_estimator_t *self,
-                                                    const lode_estimator_tuning_t *tuning,
-                                                    lode_sincos_t half_turn, float advance_rad,
-                                                    float omega_rad_s) {
+/// The EMF at t_k. `half_turn`: angle of half a period, of which `advance_rad` is the whole;
+/// `omega_rad_s`: speed as predicted.
+LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
+                                         const lode_estimator_tuning_t *tuning, lode_ab_t u_V,
+                                         lode_ab_t i_A, lode_sincos_t half_turn, float advance_rad,
+                                         float omega_rad_s) {
     const lode_sincos_t turn = lode_angle_double(half_turn);
-    lode_emf_motion_t motion = {
-        .rotor = lode_angle_add(self->rotor, turn), // the frame of id_A, moved on and not corrected
-        .half_turn = half_turn,
-        .turn = turn,
-        .omega_rad_s = omega_rad_s,
-        .id_before_A = self->id_A,
-        .known = self->locked,
-    };
-    if (tuning->adaptive) { // (G1): at the speed predicted, not at the mean of the period
-        const float more = tuning->pll.ts_s * omega_rad_s - advance_rad;
-        motion.turn.sin = turn.sin + more * turn.cos;
-        motion.turn.cos = turn.cos - more * turn.sin;
+    lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
+    if (LODE_RARELY(!self->locked)) {
+        lode_estimator_note_rotation(self, tuning);
+    } else if (tuning->emf.salient) {
+        // In the frame of id_A, moved on and not corrected.
+        m_V = lode_emf_less_salient(&tuning->emf, m_V, i_A, lode_angle_add(self->rotor, turn),
+                                    half_turn, self->id_A);
     }
-    if (tuning->w_filtered) {
-        motion.turn = lode_estimator_filtered_turn(self, tuning, omega_rad_s);
-        motion.omega_rad_s = self->omega_tune;
+    if (LODE_USUALLY(!tuning->adaptive)) {
+        return lode_leso_step_c(&self->emf.leso, &tuning->emf.leso, m_V);
     }
-    return motion;
+    // (G1): at the speed predicted, not at the mean of the period.
+    const float more = tuning->pll.ts_s * omega_rad_s - advance_rad;
+    lode_sincos_t tuned = {turn.sin + more * turn.cos, turn.cos - more * turn.sin};
+    if (LODE_RARELY(tuning->w_filtered)) {
+        tuned = lode_estimator_filtered_turn(self, tuning, omega_rad_s);
+        omega_rad_s = self->omega_tune;
+    }
+    return lode_leso_step_adaptive(&self->emf.leso, &tuning->emf.leso, m_V, tuned, omega_rad_s);
 }
 
 /// The fast part of a period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k.
@@ -189,49 +217,45 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
                                                   lode_ab_t u_V, lode_ab_t i_A) {
     float omega;
     const float advance = lode_pll_advance_rad(&self->pll, &tuning->pll, &omega);
-    lode_sincos_t half_turn = lode_sincos_small(0.5f * advance);
+    const lode_sincos_t half_turn = lode_sincos_small(0.5f * advance);
     const lode_sincos_t frame = lode_angle_add(self->pll.frame, lode_angle_double(half_turn));
-    const lode_emf_motion_t motion = lode_estimator_motion(self, tuning, half_turn, advance, omega);
-    if (!motion.known) {
-        lode_estimator_note_rotation(self, tuning);
-    }
-    lode_ab_t e_V = lode_emf_step(&self->emf, &tuning->emf, u_V, i_A, &motion);
+    const lode_ab_t e_V = lode_estimator_emf(self, tuning, u_V, i_A, half_turn, advance, omega);
 
     // Phase detector (paper 1, eq. 13; P1) with the sign of speed: else it locks half a turn off.
     const float e2 = e_V.alpha * e_V.alpha + e_V.beta * e_V.beta;
     const float e_abs = lode_max(sqrtf(e2), tuning->emin_V);
-    float error = -lode_park(e_V, frame).d * ((omega < 0.0f ? -1.0f : 1.0f) / e_abs);
+    const float across_V = lode_park(e_V, frame).d;
+    float error = (omega < 0.0f ? across_V : -across_V) / e_abs;
     // The harmonics of the EMF show at 6 w and 12 w in the position error.
     if (tuning->notched) {
         error = lode_notch_step(&self->notch, &tuning->notch, error);
-    }
-    if (tuning->notched12) {
-        error = lode_notch_step(&self->notch12, &tuning->notch12, error);
+        if (tuning->notched12) {
+            error = lode_notch_step(&self->notch12, &tuning->notch12, error);
+        }
     }
     lode_pll_move(&self->pll, self->gains, frame, omega, error);
-    const bool lost = !(lode_abs(advance) <= LODE_ADVANCE_MAX_rad && e2 <= LODE_EMF2_LIMIT_V2 &&
-                        lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit); // NaN included
-    if (lost) {
-        i_A = lode_estimator_restart(self, tuning, i_A);
-        e_V = (lode_ab_t){0.0f, 0.0f};
-        error = 0.0f;
-        half_turn = (lode_sincos_t){0.0f, 1.0f};
+    if (LODE_RARELY(!(lode_abs(advance) <= LODE_ADVANCE_MAX_rad)) ||
+        LODE_RARELY(!(e2 <= LODE_EMF2_LIMIT_V2)) ||
+        LODE_RARELY(!(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit))) { // NaN included
+        return lode_estimator_restart(self, tuning, (lode_ab_t){i_A.alpha, i_A.beta});
     }
-
-    if (lode_lag_is_far(&self->lag, self->pll.omega_rad_s)) {
-        (void)lode_estimator_adapt(self, tuning, LODE_ADAPT_LAG);
+    if (LODE_RARELY(lode_lag_is_far(&self->lag, self->pll.omega_rad_s))) {
+        lode_estimator_adapt_lag(self, tuning);
     }
     const lode_sincos_t rotor =
         lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
     const lode_dq_t i_dq = lode_park(i_A, rotor);
     self->rotor = rotor;
     self->id_A = i_dq.d;
-    // Known acceleration over the period to come (P3): torque of the measured current, seen from where
-    // the rotor is by the position error (P19), and friction.
-    const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_dq.d;
-    const float swing = lode_max(tuning->salient_H * i_dq.q * i_dq.q - flux_Wb * i_dq.d, 0.0f);
-    self->pll.acc_rad_s2 = tuning->acc_per_torque * (flux_Wb * i_dq.q + swing * error) -
-                           tuning->acc_per_omega * self->pll.omega_rad_s;
+    if (LODE_USUALLY(tuning->pll.third_order)) {
+        lode_pll_disturb(&self->pll, self->gains, error);
+        // Known acceleration over the period to come (P3): torque of the measured current, seen from
+        // where the rotor is by the position error (P19), and friction.
+        const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_dq.d;
+        const float swing = lode_max(tuning->salient_H * i_dq.q * i_dq.q - flux_Wb * i_dq.d, 0.0f);
+        self->pll.acc_rad_s2 = tuning->acc_per_torque * (flux_Wb * i_dq.q + swing * error) -
+                               tuning->acc_per_omega * self->pll.omega_rad_s;
+    }
     return (lode_estimate_t){
         .omega_rad_s = self->pll.omega_rad_s,
         .rotor = rotor,
@@ -240,7 +264,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
         .e_V = e_V,
         .load_torque_Nm = lode_estimator_load_torque_Nm(self, tuning),
         .lock = self->lock,
-        .reseeded = lost,
+        .reseeded = false,
     };
 }
 

@@ -99,23 +99,37 @@ void lode_guard_reset(lode_guard_t *self);
 void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
                      float limit);
 
-/// Part of lode_guard_step(), which alone calls it: something is wrong with this period.
-void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning, lode_abc_t i_A,
-                        uint32_t passed, bool trip, bool railed, lode_situation_t now);
+/// Whether nothing is wrong with a period, by what was sampled at its start.
+LODE_INLINE bool lode_guard_is_usual(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                     bool trip, bool alert, uint32_t stamp) {
+    return LODE_USUALLY(self->stamped) && LODE_USUALLY(!trip) && LODE_USUALLY(!alert) &&
+           LODE_USUALLY(stamp - self->stamp - tuning->stamp_min <= tuning->stamp_span);
+}
+
+/// Finds out what is wrong, and trips. Before the stamp of the period is noted.
+void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                        const lode_sample_t *sample, lode_situation_t now);
 
 /// Checks what must not wait, in every period with the gates on: trip, phase currents, rails, timing,
 /// finite numbers. Comparisons are written so that NaN is bad.
-LODE_INLINE void lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                 const lode_sample_t *sample, lode_situation_t now) {
-    const uint32_t passed = sample->stamp - self->stamp;
-    const bool good = self->stamped && !sample->trip && !sample->alert && now.finite &&
-                      passed - tuning->stamp_min <= tuning->stamp_span;
-    if (!good) { // a copy: the situation itself stays in registers
-        const lode_situation_t here = {now.state, now.sensorless, now.finite};
-        lode_guard_examine(self, tuning, sample->i_abc_A, passed, sample->trip, sample->railed,
-                           here);
+static inline void lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                   const lode_sample_t *sample, lode_situation_t now) {
+    if (!now.finite ||
+        !lode_guard_is_usual(self, tuning, sample->trip, sample->alert, sample->stamp)) {
+        lode_guard_examine(self, tuning, sample, now);
     }
     self->stamp = sample->stamp;
+}
+
+/// Whether lode_guard_watch() would have nothing to do, running without a sensor.
+LODE_INLINE bool lode_guard_is_at_ease(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                       const lode_condition_t *condition) {
+    return LODE_USUALLY(!self->pending) && LODE_USUALLY(condition->v_bus_V <= tuning->v_bus_max) &&
+           LODE_USUALLY(condition->v_bus_V >= tuning->v_bus_min) &&
+           LODE_USUALLY(condition->temperature_degC <= tuning->temperature_max) &&
+           LODE_USUALLY(condition->lock >= LODE_LOCK_LOST) &&
+           LODE_USUALLY(condition->omega_rad_s >= 0.0f) &&
+           LODE_USUALLY(condition->omega_rad_s <= tuning->omega_max);
 }
 
 /// Checks what may last for a while, twice in LODE_SLOW_PERIODS: bus, temperature, lock, speed,

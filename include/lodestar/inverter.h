@@ -37,10 +37,11 @@ typedef struct {
     float i_dead_span_A; ///< added at full modulation
     float ticks;         ///< 0: not quantised
     float inv_ticks;
-    float v2_free; ///< (volts per bus volt)^2 up to which no duty can reach a rail; -1: none
-    bool correct;  ///< loss added to the duties
-    bool model;    ///< loss taken out of the observer's voltage instead
-    bool plain;    ///< no timer's grid and no model: up to v2_free the voltage is what was asked
+    /// (volts per bus volt)^2 up to which no duty can reach a rail, and the voltage is what was asked;
+    /// -1: none, or there is a timer's grid or the model
+    float v2_free;
+    bool correct; ///< loss added to the duties
+    bool model;   ///< loss taken out of the observer's voltage instead
 } lode_inverter_tuning_t;
 
 typedef struct {

@@ -53,8 +53,8 @@ LODE_INLINE lode_sincos_t lode_lag_near(const lode_lag_line_t *line, float omega
     return (lode_sincos_t){line->at.sin + line->at.cos * move, line->at.cos - line->at.sin * move};
 }
 
-/// A line so far from its point that the length would be off by more than 0.5 %.
-#define LODE_LAG_MOVE_MAX_rad 0.1f
+/// A line so far from its point that the length would be off by more than 0.8 %.
+#define LODE_LAG_MOVE_MAX_rad 0.125f
 
 LODE_INLINE bool lode_lag_is_far(const lode_lag_line_t *line, float omega_rad_s) {
     return !(lode_abs(line->slope_s * (omega_rad_s - line->omega_rad_s)) <= LODE_LAG_MOVE_MAX_rad);

@@ -71,20 +71,22 @@ void lode_leso_calm(lode_leso_t *self, const lode_leso_tuning_t *tuning);
 void lode_leso_step_other(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode_ab_t m_V,
                           lode_sincos_t turn, float omega_rad_s);
 
-/// One period: the estimate from `m_V`. `turn`: the angle w Ts of a period at the speed
-/// `omega_rad_s` to which the adaptive ones are tuned.
-LODE_INLINE lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t *tuning,
-                                     lode_ab_t m_V, lode_sincos_t turn, float omega_rad_s) {
-    if (tuning->kind == LODE_EMF_C_LESO) {
-        // Both poles at p = exp(-w0 Ts), current form (E10).
-        const float weight = tuning->one_m_p;
-        const lode_ab_t y =
-            lode_ab_add_scaled(self->s[0], weight, lode_ab_subtract(m_V, self->s[0]));
-        const lode_ab_t e = lode_ab_add_scaled(self->e_V, weight, lode_ab_subtract(y, self->e_V));
-        self->s[0] = y;
-        self->e_V = e;
-        return e;
-    }
+/// C-LESO, one period: the estimate from `m_V`.
+LODE_INLINE lode_ab_t lode_leso_step_c(lode_leso_t *self, const lode_leso_tuning_t *tuning,
+                                       lode_ab_t m_V) {
+    // Both poles at p = exp(-w0 Ts), current form (E10).
+    const float weight = tuning->one_m_p;
+    const lode_ab_t y = lode_ab_add_scaled(self->s[0], weight, lode_ab_subtract(m_V, self->s[0]));
+    const lode_ab_t e = lode_ab_add_scaled(self->e_V, weight, lode_ab_subtract(y, self->e_V));
+    self->s[0] = y;
+    self->e_V = e;
+    return e;
+}
+
+/// The others. `turn`: the angle w Ts of a period at the speed `omega_rad_s` to which they are tuned.
+LODE_INLINE lode_ab_t lode_leso_step_adaptive(lode_leso_t *self, const lode_leso_tuning_t *tuning,
+                                              lode_ab_t m_V, lode_sincos_t turn,
+                                              float omega_rad_s) {
     if (tuning->kind == LODE_EMF_FA_LESO && !(tuning->k1_Ts2 > 0.0f)) {
         // First order: e = q rho e + (1 - q) m (E17).
         const lode_ab_t turned = lode_ab_turn(self->e_V, turn);
@@ -92,8 +94,18 @@ LODE_INLINE lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t
         self->e_V = e;
         return e;
     }
-    lode_leso_step_other(self, tuning, m_V, turn, omega_rad_s);
+    const lode_ab_t m = {m_V.alpha, m_V.beta}; // copies: they themselves stay in registers
+    const lode_sincos_t rho = {turn.sin, turn.cos};
+    lode_leso_step_other(self, tuning, m, rho, omega_rad_s);
     return (lode_ab_t){self->e_V.alpha, self->e_V.beta};
+}
+
+/// Any of them.
+static inline lode_ab_t lode_leso_step(lode_leso_t *self, const lode_leso_tuning_t *tuning,
+                                       lode_ab_t m_V, lode_sincos_t turn, float omega_rad_s) {
+    return tuning->kind == LODE_EMF_C_LESO
+               ? lode_leso_step_c(self, tuning, m_V)
+               : lode_leso_step_adaptive(self, tuning, m_V, turn, omega_rad_s);
 }
 
 /// Exact phase of e behind m in steady rotation at `omega_rad_s`, rad, odd. For init and host.

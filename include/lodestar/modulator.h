@@ -13,53 +13,61 @@ typedef struct {
     lode_ab_t realised; ///< voltage per bus volt that the motor is expected to see of it
 } lode_modulator_out_t;
 
-/// Part of lode_modulator_step(), which alone calls it: duties at a rail, on the timer's grid, or with
-/// a loss to be reckoned with.
-lode_modulator_out_t lode_modulator_limit(const lode_inverter_tuning_t *inverter, lode_abc_t duty,
-                                          lode_abc_t loss);
+/// What becomes of the phases of one set.
+typedef struct {
+    lode_abc_t duty;
+    lode_abc_t seen; ///< by the motor, where the voltage is not `as_asked`
+    bool as_asked;
+} lode_modulator_phases_t;
 
-/// Parts of lode_modulator_step() and lode_modulator6_step(), which alone call them. Loss of duty in
-/// the phases at the currents `i_A`, where something is made of it.
-LODE_INLINE lode_abc_t lode_modulator_loss(const lode_inverter_tuning_t *inverter,
-                                           lode_loss_t shape, lode_abc_t i_A) {
-    lode_abc_t loss = {0.0f, 0.0f, 0.0f};
-    if (inverter->correct || inverter->model) {
-        loss = (lode_abc_t){lode_inverter_loss(shape, i_A.a), lode_inverter_loss(shape, i_A.b),
-                            lode_inverter_loss(shape, i_A.c)};
-    }
-    return loss;
+/// Parts of lode_modulator_step() and lode_modulator6_step(), which alone call them. Duties that may be at
+/// a rail, lie on the timer's grid, or lose `loss` of what they say.
+lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inverter,
+                                             lode_abc_t duty, lode_abc_t loss);
+
+/// Loss of duty in the phases at the currents `i_A`.
+LODE_INLINE lode_abc_t lode_modulator_loss(lode_loss_t shape, lode_abc_t i_A) {
+    return (lode_abc_t){lode_inverter_loss(shape, i_A.a), lode_inverter_loss(shape, i_A.b),
+                        lode_inverter_loss(shape, i_A.c)};
 }
 
 /// Duties for the phase voltages `v`, per bus volt, that sum to zero.
-LODE_INLINE lode_abc_t lode_modulator_duties(const lode_inverter_tuning_t *inverter, lode_abc_t v,
-                                             lode_abc_t loss) {
+LODE_INLINE lode_abc_t lode_modulator_duties(lode_abc_t v) {
     // The common mode that centres the three (B9), half of the middle one, equals space-vector
     // modulation. They sum to zero, so the middle one is the smallest by magnitude.
     const float ab = lode_abs(v.a) < lode_abs(v.b) ? v.a : v.b;
     const float middle = lode_abs(v.c) < lode_abs(ab) ? v.c : ab;
     const float centre = 0.5f + 0.5f * middle;
-    lode_abc_t duty = {v.a + centre, v.b + centre, v.c + centre};
+    return (lode_abc_t){v.a + centre, v.b + centre, v.c + centre};
+}
+
+/// The whole of one set, whose phase voltages are `v_abc`; `v2`: square of their vector's length.
+LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tuning_t *inverter,
+                                                       lode_loss_t shape, lode_abc_t v_abc,
+                                                       float v2, lode_abc_t i_acting_A) {
+    lode_abc_t duty = lode_modulator_duties(v_abc);
+    lode_abc_t loss = {0.0f, 0.0f, 0.0f};
     if (inverter->correct) {
+        loss = lode_modulator_loss(shape, i_acting_A);
         duty = (lode_abc_t){duty.a + loss.a, duty.b + loss.b, duty.c + loss.c};
     }
-    return duty;
+    if (LODE_USUALLY(v2 <= inverter->v2_free)) {
+        return (lode_modulator_phases_t){duty, duty, true};
+    }
+    if (inverter->model) {
+        loss = lode_modulator_loss(shape, i_acting_A);
+    }
+    return lode_modulator_limit(inverter, duty, loss);
 }
 
-/// Whether those for the vector `v` need no limit, and the voltage will be what was asked.
-LODE_INLINE bool lode_modulator_is_free(const lode_inverter_tuning_t *inverter, lode_ab_t v) {
-    return inverter->plain && v.alpha * v.alpha + v.beta * v.beta <= inverter->v2_free;
-}
-
-/// The whole for a voltage `v` per bus volt.
+/// That of set 1, or of the only one.
 LODE_INLINE lode_modulator_out_t lode_modulator_set1(const lode_inverter_tuning_t *inverter,
                                                      lode_loss_t shape, lode_ab_t v,
                                                      lode_ab_t i_acting_A) {
-    const lode_abc_t loss = lode_modulator_loss(inverter, shape, lode_clarke_inverse(i_acting_A));
-    const lode_abc_t duty = lode_modulator_duties(inverter, lode_clarke_inverse(v), loss);
-    if (lode_modulator_is_free(inverter, v)) {
-        return (lode_modulator_out_t){duty, v};
-    }
-    return lode_modulator_limit(inverter, duty, loss);
+    const lode_modulator_phases_t out =
+        lode_modulator_set(inverter, shape, lode_clarke_inverse(v),
+                           v.alpha * v.alpha + v.beta * v.beta, lode_clarke_inverse(i_acting_A));
+    return (lode_modulator_out_t){out.duty, out.as_asked ? v : lode_clarke(out.seen)};
 }
 
 /// What a bus volt is divided by.

@@ -14,18 +14,14 @@ typedef struct {
     lode_sets_t realised; ///< voltage per bus volt that each set is expected to see, stator axes
 } lode_modulator6_out_t;
 
-/// Part of lode_modulator6_step(): that of set 2, in whose own axes the limit is.
+/// Part of lode_modulator6_step(): that of set 2.
 LODE_INLINE lode_modulator_out_t lode_modulator_set2(const lode_inverter_tuning_t *inverter,
                                                      lode_loss_t shape, lode_ab_t v,
                                                      lode_ab_t i_acting_A) {
-    const lode_abc_t loss =
-        lode_modulator_loss(inverter, shape, lode_set2_clarke_inverse(i_acting_A));
-    const lode_abc_t duty = lode_modulator_duties(inverter, lode_set2_clarke_inverse(v), loss);
-    if (lode_modulator_is_free(inverter, v)) {
-        return (lode_modulator_out_t){duty, v};
-    }
-    const lode_modulator_out_t limited = lode_modulator_limit(inverter, duty, loss);
-    return (lode_modulator_out_t){limited.duty, lode_set2_to_stator(limited.realised)};
+    const lode_modulator_phases_t out = lode_modulator_set(
+        inverter, shape, lode_set2_clarke_inverse(v), v.alpha * v.alpha + v.beta * v.beta,
+        lode_set2_clarke_inverse(i_acting_A));
+    return (lode_modulator_out_t){out.duty, out.as_asked ? v : lode_set2_clarke(out.seen)};
 }
 
 /// Duties for the voltages of the two sets, `u_V` in stator axes, at a bus of `v_bus_V`, to act while the

@@ -34,6 +34,16 @@
 #endif
 #endif
 
+/// Where a branch of the interrupt usually goes: the usual way is laid out without a jump.
+#ifndef LODE_USUALLY
+#if defined(__GNUC__)
+#define LODE_USUALLY(condition) __builtin_expect((condition), 1)
+#else
+#define LODE_USUALLY(condition) (condition)
+#endif
+#endif
+#define LODE_RARELY(condition) (!LODE_USUALLY(!(condition)))
+
 /// Keeps the compiler from moving memory accesses across it. It orders a thread against an
 /// interrupt on the SAME core, which is all that the mailboxes of a drive need.
 #ifndef LODE_SIGNAL_FENCE

@@ -81,13 +81,17 @@ LODE_INLINE float lode_pll_advance_rad(const lode_pll_t *self, const lode_pll_tu
     return tuning->ts_s * (self->omega_rad_s + 0.5f * step);
 }
 
-/// Moves the state to t_k, to the predicted `frame` and speed, and corrects it by the position error
-/// `error_rad` found there. It may come from the EMF, from signal injection, or from a weighted sum of
+/// Moves angle and speed to t_k, to the predicted `frame` and speed, and corrects them by the position
+/// error `error_rad` found there. It may come from the EMF, from signal injection, or from a weighted sum of
 /// both (P4, P6).
 LODE_INLINE void lode_pll_move(lode_pll_t *self, lode_pll_gains_t gains, lode_sincos_t frame,
                                float omega_rad_s, float error_rad) {
     self->frame = lode_angle_nudged(frame, gains.theta * error_rad);
     self->omega_rad_s = omega_rad_s + gains.omega_s * error_rad;
+}
+
+/// Corrects the disturbance: third order only.
+LODE_INLINE void lode_pll_disturb(lode_pll_t *self, lode_pll_gains_t gains, float error_rad) {
     self->f_rad_s2 += gains.f_s2 * error_rad;
 }
 

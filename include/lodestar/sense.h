@@ -108,19 +108,25 @@ lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused);
 bool lode_sense_railed(const lode_sense_tuning_t *tuning, const lode_counts_t *counts,
                        int32_t unused);
 
-/// `unused`: lode_sense_unused() of the duties that acted when the sample was taken.
-LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
-                                          const lode_sense_tuning_t *tuning,
-                                          const lode_counts_t *counts, int32_t unused) {
-    lode_abc_t i = {(float)counts->i[0] - self->offset_count.a,
-                    (float)counts->i[1] - self->offset_count.b,
-                    (float)counts->i[2] - self->offset_count.c};
-    if (unused != LODE_PHASES) {
-        const lode_abc_t whole = lode_sense_completed(i, unused);
-        i = (lode_abc_t){whole.a, whole.b, whole.c};
+/// The currents in counts from their offsets; `unused`: lode_sense_unused() of the duties that acted when
+/// the sample was taken.
+LODE_INLINE lode_abc_t lode_sense_currents(const lode_sense_t *self, const lode_counts_t *counts,
+                                           int32_t unused) {
+    const lode_abc_t i = {(float)counts->i[0] - self->offset_count.a,
+                          (float)counts->i[1] - self->offset_count.b,
+                          (float)counts->i[2] - self->offset_count.c};
+    if (LODE_RARELY(unused != LODE_PHASES)) {
+        return lode_sense_completed(i, unused);
     }
+    return i;
+}
+
+/// All of a sample but `railed`, which is false: it needs a look only where there is an alert.
+LODE_INLINE lode_sample_t lode_sense_glance(const lode_sense_t *self,
+                                            const lode_sense_tuning_t *tuning,
+                                            const lode_counts_t *counts, int32_t unused) {
+    const lode_abc_t i = lode_sense_currents(self, counts, unused);
     const float most = lode_max(lode_max(lode_abs(i.a), lode_abs(i.b)), lode_abs(i.c));
-    const bool alert = !(most <= tuning->alert_count);
     return (lode_sample_t){
         .i_abc_A = {tuning->i_gain * i.a, tuning->i_gain * i.b, tuning->i_gain * i.c},
         .i_A = {(2.0f * i.a - i.b - i.c) * tuning->alpha_gain, (i.b - i.c) * tuning->beta_gain},
@@ -128,9 +134,18 @@ LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
         .temperature_count = counts->temperature,
         .stamp = counts->stamp,
         .trip = counts->trip,
-        .alert = alert,
-        .railed = alert && lode_sense_railed(tuning, counts, unused),
+        .alert = !(most <= tuning->alert_count),
+        .railed = false,
     };
+}
+
+/// The whole sample.
+static inline lode_sample_t lode_sense_step(const lode_sense_t *self,
+                                            const lode_sense_tuning_t *tuning,
+                                            const lode_counts_t *counts, int32_t unused) {
+    lode_sample_t sample = lode_sense_glance(self, tuning, counts, unused);
+    sample.railed = sample.alert && lode_sense_railed(tuning, counts, unused);
+    return sample;
 }
 
 LODE_INLINE float lode_sense_temperature_degC(const lode_sense_tuning_t *tuning, uint16_t count) {

@@ -144,7 +144,9 @@ BLOCK(pll) {
     float omega;
     const float advance = lode_pll_advance_rad(&pll, t, &omega);
     const lode_sincos_t frame = lode_angle_add(pll.frame, lode_sincos_small(advance));
-    lode_pll_move(&pll, lode_pll_gains(t, omega), frame, omega, 1.0e-3f * input(call)->i_A.alpha);
+    const lode_pll_gains_t gains = lode_pll_gains(t, omega);
+    lode_pll_move(&pll, gains, frame, omega, 1.0e-3f * input(call)->i_A.alpha);
+    lode_pll_disturb(&pll, gains, 1.0e-3f * input(call)->i_A.alpha);
 }
 
 BLOCK(lag) {

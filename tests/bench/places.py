@@ -27,19 +27,22 @@ BRANCHES = ("b", "bl", "blx", "bx", "cbz", "cbnz")
 # them, as the copies between them do, is OTHER.
 COMMON = {
     "sensing, with the voltage that acted": {
-        "lode_sense_step", "lode_inverter_realised", "sensed", "measured", "both_of"},
-    "EMF observer": {"lode_emf_step"},
-    "PLL": {"lode_estimator_follow", "lode_pll_advance_rad", "lode_pll_move"},
+        "lode_sense_step", "lode_sense_glance", "lode_inverter_realised", "sensed", "measured"},
+    "EMF observer": {"lode_emf_step", "lode_estimator_emf"},
+    "PLL": {"lode_estimator_follow", "lode_pll_advance_rad", "lode_pll_move", "lode_pll_disturb"},
     "current control": {"lode_current_step"},
-    "modulation": {"modulate", "lode_modulator_step", "lode_modulator6_step"},
+    "modulation": {"modulate", "lode_modulator_step", "lode_modulator6_step",
+                   "lode_modulator_set"},
     "speed control, references": {"lode_core_control_speed", "lode_references_step"},
 }
 MORE = {
     "correction of the dead time": {"lode_inverter_loss"},
     "compensation of the lag": {"lode_lag_near", "lode_lag_is_far"},
     "notch": {"lode_notch_step"},
-    "guard": {"lode_guard_step", "lode_guard_watch"},
-    "slow parts": {"adapt", "lode_estimator_adapt", "lode_inverter_adapt", "lode_xy_adapt"},
+    "guard": {"lode_guard_step", "lode_guard_is_usual", "lode_core_is_usual", "watch"},
+    "slow parts": {"lode_core_adapt", "lode_estimator_adapt_gains", "lode_estimator_adapt_lag",
+                   "lode_estimator_adapt_notches", "lode_estimator_adapt_lock",
+                   "lode_inverter_adapt", "lode_xy_adapt"},
     "control of the xy plane": {"lode_xy_step", "voltages"},
     "watch on open phases": {"watch_phases", "lode_open_phase_note"},
 }
