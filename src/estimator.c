@@ -249,8 +249,10 @@ LODE_HOT bool lode_estimator_adapt(lode_estimator_t *self, const lode_estimator_
         self->lag = lode_lag_line(&tuning->lag, omega);
         return false;
     case LODE_ADAPT_NOTCHES:
+#ifndef LODE_WITHOUT_NOTCH
         lode_notch_adapt(&self->notch, &tuning->notch, omega);
         lode_notch_adapt(&self->notch12, &tuning->notch12, omega);
+#endif
         return false;
     case LODE_ADAPT_SEED:
         return !self->locked && is_due(self, tuning) && acquire(self, tuning);

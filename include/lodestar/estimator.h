@@ -201,6 +201,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     const float e2 = e_V.alpha * e_V.alpha + e_V.beta * e_V.beta;
     const float e_abs = lode_max(sqrtf(e2), tuning->emin_V);
     float error = -lode_park(e_V, frame).d * ((omega < 0.0f ? -1.0f : 1.0f) / e_abs);
+#ifndef LODE_WITHOUT_NOTCH
     // The harmonics of the EMF show at 6 w and 12 w in the position error.
     if (tuning->notched) {
         error = lode_notch_step(&self->notch, &tuning->notch, error);
@@ -208,6 +209,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     if (tuning->notched12) {
         error = lode_notch_step(&self->notch12, &tuning->notch12, error);
     }
+#endif
     lode_pll_move(&self->pll, self->gains, frame, omega, error);
     const bool lost = !(lode_abs(advance) <= LODE_ADVANCE_MAX_rad && e2 <= LODE_EMF2_LIMIT_V2 &&
                         lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit); // NaN included
