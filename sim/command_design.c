@@ -6,10 +6,12 @@
 #include "atomic_file.h"
 #include "data_files.h"
 #include "design.h"
+#include "diag.h"
 #include "ini_config.h"
 #include "outputs.h"
 #include "refusal.h"
 #include "report_design.h"
+#include "tuning_source.h"
 #include "units.h"
 
 // Where no drive is given: a common switching frequency, a bus and a current that suit the motor.
@@ -54,6 +56,31 @@ static void assume_drive(rig_config_t *config) {
     }
 }
 
+/// The C constant that was asked for, if one was. The configuration is one that passes.
+static bool print_source(const options_t *options, const rig_config_t *config) {
+    if (options->source == NULL) {
+        return true;
+    }
+    if (rig_config_is_six(config)) {
+        rig_error("--c %s: expected a drive for three phases", options->source);
+        return false;
+    }
+    char name[RIG_NAME_LENGTH * 2];
+    char from[RIG_PATH_LENGTH * 2];
+    FILE *file = NULL;
+    lode_drive_tuning_t tuning;
+    (void)snprintf(
+        from, sizeof from, "%s%s%s%s", options->motor, options->drive != NULL ? " and " : "",
+        options->drive != NULL ? options->drive : "", options->sets > 0 ? ", --set" : "");
+    if (!tuning_source_name(name, sizeof name, options->source) ||
+        !outputs_open(&file, options->source)) {
+        return false;
+    }
+    (void)lode_drive_tune(&tuning, &config->drive);
+    tuning_source_print(file, name, &tuning, from);
+    return true;
+}
+
 rig_exit_t command_design(const options_t *options) {
     rig_config_t config;
     design_t design;
@@ -71,6 +98,9 @@ rig_exit_t command_design(const options_t *options) {
         refusal_report(&config, status);
         return RIG_BAD_INPUT;
     }
+    if (!print_source(options, &config)) {
+        return RIG_BAD_INPUT;
+    }
     if (options->json_on_stdout) {
         report_design_json(stdout, &config, &design);
     } else {
@@ -82,6 +112,9 @@ rig_exit_t command_design(const options_t *options) {
     if (!atomic_file_commit_all()) {
         return RIG_BAD_INPUT;
     }
-    outputs_say(options->json);
+    if (!options->json_on_stdout) {
+        outputs_say(options->json);
+        outputs_say(options->source);
+    }
     return RIG_DONE;
 }

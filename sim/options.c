@@ -51,6 +51,8 @@ static const option_t table[] = {
      "results and all values used"},
     {"json", required_argument, 'j', DECODE, "F.json", "the summary"},
     {"json", optional_argument, 'J', DESIGN, "[=F.json]", "JSON in place of the table"},
+    {"c", required_argument, 'x', DESIGN, "F.c",
+     "the tuning as a constant in C, named like the file, for the firmware's flash"},
     {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY | DECODE, "F.svg",
      "a picture (needs gnuplot)"},
     {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",
@@ -208,6 +210,8 @@ static const char **text_option(options_t *options, int letter) {
         return &options->out;
     case 'c':
         return &options->csv;
+    case 'x':
+        return &options->source;
     case 'g':
         return &options->plot;
     case 'G':

@@ -34,6 +34,7 @@ typedef struct {
     const char *out;
     const char *csv;
     const char *json;
+    const char *source; ///< C constant of the tuning
     const char *plot;
     const char *plots; ///< folder
     const char *kind;  ///< of what is decoded

@@ -255,10 +255,15 @@ LODE_HOT void lode_estimator_adapt_lag(lode_estimator_t *self,
 
 LODE_HOT void lode_estimator_adapt_notches(lode_estimator_t *self,
                                            const lode_estimator_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_NOTCH
+    (void)self;
+    (void)tuning;
+#else
     lode_notch_adapt(&self->notch, &tuning->notch, self->pll.omega_rad_s);
     if (tuning->notched12) {
         lode_notch_adapt(&self->notch12, &tuning->notch12, self->pll.omega_rad_s);
     }
+#endif
 }
 
 LODE_HOT bool lode_estimator_adapt_seed(lode_estimator_t *self,

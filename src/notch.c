@@ -3,7 +3,12 @@
 lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k, float sigma_rad_s,
                               float ts_s) {
     const bool none = lode_in_range(k, 0.0f, 0.0f);
-    if (!none && !lode_in_range(k, 0.01f, 2.0f)) {
+#ifdef LODE_WITHOUT_NOTCH
+    const bool good = none;
+#else
+    const bool good = none || lode_in_range(k, 0.01f, 2.0f);
+#endif
+    if (!good) {
         return LODE_ERROR_NOTCH;
     }
     *tuning = (lode_notch_tuning_t){

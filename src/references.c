@@ -103,6 +103,18 @@ static lode_fade_t fade_between(float low, float high, bool wanted) {
     return wanted ? (lode_fade_t){high, 1.0f / (high - low)} : (lode_fade_t){FLT_MAX, 1.0f};
 }
 
+// What lode_references_step() can follow in this build.
+static bool is_built_in(const lode_references_tuning_t *t) {
+#if defined(LODE_WITHOUT_OPTIMAL_REFERENCES)
+    return t->plain;
+#elif defined(LODE_WITHOUT_FIELD_WEAKENING)
+    return !t->weakens;
+#else
+    (void)t;
+    return true;
+#endif
+}
+
 static void tune_weakening(lode_references_tuning_t *t, const lode_references_config_t *config,
                            const lode_inverter_config_t *inverter, const lode_motor_t *motor,
                            float voltage_use, float ts_s) {
@@ -154,6 +166,9 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
         .motor = fade_between(-config->v_motor_V, -config->v_bus_min_V, motoring),
     };
     t.plain = !t.mtpa && !t.weakens && !regen && !motoring && !(t.Lq_fall > 0.0f);
+    if (!is_built_in(&t)) {
+        return LODE_ERROR_REFERENCES;
+    }
     t.turn_max = most_turn(&t);
     tune_weakening(&t, config, inverter, motor, voltage_use, ts_s);
     *tuning = t;
@@ -186,11 +201,15 @@ LODE_INLINE float mtpa_id(const lode_references_tuning_t *tuning, float salient,
 LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient, float turn,
                           float omega_rad_s) {
     const float bias = -tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
-    if (!tuning->mtpa) {
-        return bias;
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+    if (tuning->mtpa) {
+        const float id = mtpa_id(tuning, salient, turn);
+        return bias < 0.0f ? lode_min(id, bias) : id;
     }
-    const float id = mtpa_id(tuning, salient, turn);
-    return bias < 0.0f ? lode_min(id, bias) : id;
+#endif
+    (void)salient;
+    (void)turn;
+    return bias;
 }
 
 // Flux that the voltage leaves room for (R8), with the trim (R9) brought up to date.
@@ -210,7 +229,7 @@ LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuni
 }
 
 // Most torque per volt (R13): the currents at the flux `flux`.
-static lode_dq_t mtpv(const lode_references_tuning_t *tuning, float Lq, float flux) {
+LODE_INLINE lode_dq_t mtpv(const lode_references_tuning_t *tuning, float Lq, float flux) {
     const float inv_Lq = 1.0f / Lq;
     const float p = tuning->psi_Wb * tuning->inv_Ld;
     const float q = 2.0f * (tuning->inv_Ld - inv_Lq) * flux;
@@ -274,6 +293,8 @@ LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float turn, floa
     return psi_q * psi_q <= room ? iq : lode_sqrt(room) / Lq;
 }
 
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+
 LODE_HOT lode_references_out_t lode_references_optimal(lode_references_t *self,
                                                        const lode_references_tuning_t *tuning,
                                                        float torque_Nm, float omega_rad_s,
@@ -290,6 +311,7 @@ LODE_HOT lode_references_out_t lode_references_optimal(lode_references_t *self,
     float flux = FLUX_UNLIMITED;
     float id = lode_clamp(free_id(tuning, salient, turn, omega_rad_s) + id_add_A, -i_max, i_max);
     bool weakening = false;
+#ifndef LODE_WITHOUT_FIELD_WEAKENING
     if (tuning->weakens) {
         flux = flux_limit(self, tuning, omega_rad_s, voltage);
         float id_min = tuning->id_min_A;
@@ -302,6 +324,7 @@ LODE_HOT lode_references_out_t lode_references_optimal(lode_references_t *self,
         id = weakened_id(self, tuning, Lq, turn, flux, id, id_min);
         weakening = self->weakening;
     }
+#endif
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
     const float active = active_flux(tuning, salient, id);
     const float iq = iq_of(tuning, turn, active, iq_max, id, Lq, flux);
@@ -318,14 +341,20 @@ LODE_HOT lode_references_out_t lode_references_optimal(lode_references_t *self,
                                     tuning->torque_factor * lode_min(limit, bus.max)}};
 }
 
+#endif
+
 LODE_HOT lode_references_out_t lode_references_step(lode_references_t *self,
                                                     const lode_references_tuning_t *tuning,
                                                     float torque_Nm, float omega_rad_s,
                                                     float id_add_A,
                                                     lode_references_voltage_t voltage) {
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
     if (!tuning->plain) {
         return lode_references_optimal(self, tuning, torque_Nm, omega_rad_s, id_add_A, voltage);
     }
+#endif
+    (void)self;
+    (void)voltage;
     const float i_max = tuning->i_max_A;
     const float bias = tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
     const float id = lode_clamp(id_add_A - bias, -i_max, i_max);

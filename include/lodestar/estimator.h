@@ -226,6 +226,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     const float e_abs = lode_max(sqrtf(e2), tuning->emin_V);
     const float across_V = lode_park(e_V, frame).d;
     float error = (omega < 0.0f ? across_V : -across_V) / e_abs;
+#ifndef LODE_WITHOUT_NOTCH
     // The harmonics of the EMF show at 6 w and 12 w in the position error.
     if (tuning->notched) {
         error = lode_notch_step(&self->notch, &tuning->notch, error);
@@ -233,6 +234,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
             error = lode_notch_step(&self->notch12, &tuning->notch12, error);
         }
     }
+#endif
     lode_pll_move(&self->pll, self->gains, frame, omega, error);
     if (LODE_RARELY(!(lode_abs(advance) <= LODE_ADVANCE_MAX_rad)) ||
         LODE_RARELY(!(e2 <= LODE_EMF2_LIMIT_V2)) ||

@@ -15,6 +15,8 @@ extern "C" {
 #define LODE_NOTCH_LOW_SIGMA 6.0f
 #define LODE_NOTCH_HIGH_SIGMA 8.0f
 
+/// LODE_WITHOUT_NOTCH leaves the notches out of a build; init then refuses them (LODE_ERROR_NOTCH), and a
+/// tuning from elsewhere that asks for them runs without.
 typedef struct {
     float k;          ///< relative width; 0: no notch
     float order_Ts;   ///< harmonic order times Ts

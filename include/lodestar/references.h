@@ -10,6 +10,9 @@
 extern "C" {
 #endif
 
+/// LODE_WITHOUT_FIELD_WEAKENING leaves that out of a build; LODE_WITHOUT_OPTIMAL_REFERENCES all but id* = 0
+/// with its bias: MTPA, field weakening, saturation, limits that follow the bus. Init then refuses them
+/// (LODE_ERROR_REFERENCES). A tuning from elsewhere that asks for them runs without.
 typedef enum {
     LODE_REFERENCES_ID0, ///< id* = 0
     LODE_REFERENCES_MTPA ///< least current for the torque

@@ -41,7 +41,7 @@ typedef enum {
     LODE_ERROR_PLL_KIND,          ///< pll not an enumerator
     LODE_ERROR_PLL_SIGMA,         ///< sigma outside 1 .. 0.3/Ts, or the low one above the high one
     LODE_ERROR_PLL_OBSERVER,      ///< sigma above a fifth of the EMF observer's bandwidth
-    LODE_ERROR_NOTCH,             ///< width of a notch neither 0 nor 0.01 .. 2
+    LODE_ERROR_NOTCH,             ///< width of a notch neither 0 nor 0.01 .. 2, or none built in
     LODE_ERROR_EMF_PLL, ///< k2 below 0.549 sigma (multi: 1.2): FA observer and PLL unstable together
     LODE_ERROR_W_FILTER,           ///< w_filter_rad_s outside 0 .. 1/Ts
     LODE_ERROR_PLL_SCHEDULE,       ///< the speeds between which sigma rises are not in order
@@ -58,7 +58,7 @@ typedef enum {
     LODE_ERROR_SPEED_RAMP,         ///< acceleration not positive
     LODE_ERROR_SPEED_FEED_FORWARD, ///< share of a feed-forward outside 0 .. 1
     LODE_ERROR_ID_BIAS,            ///< id bias above i_max_A, or its speeds not in order
-    LODE_ERROR_REFERENCES,         ///< kind or field_weakening not an enumerator
+    LODE_ERROR_REFERENCES,         ///< kind or field_weakening not an enumerator, or not built in
     LODE_ERROR_FIELD_WEAKENING, ///< voltage_use outside 0.1 .. 1, trim_rad_s 0.1 .. 1e3, release_s
                                 ///< 1e-3 .. 10 or id_max_A 0.001 .. 1 times i_max_A
     LODE_ERROR_LQ_FALL,         ///< Lq_fall outside 0 .. 10/i_max_A

@@ -110,6 +110,10 @@ def measure_others(figures, tables):
     firmware = figures["firmware"]
     for core, level in [("m4f", "-Os"), ("m4f", "-O3")] + [(core, "-Os") for core in OTHER_CORES]:
         firmware[f"{core} {level}"] = sizes.firmware_sizes(build.firmware(core, level))
+    for name, options in (("tuning in flash", build.IN_FLASH), ("least", build.LEAST)):
+        for level in ("-O2", "-Os"):
+            firmware[f"m4f {level}, {name}"] = sizes.firmware_sizes(
+                build.firmware("m4f", level, [*build.ONE_OBSERVER, *options]))
     firmware["m4f -O2, all observers"] = sizes.firmware_sizes(build.firmware(options=[]))
 
 

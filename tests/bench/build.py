@@ -25,6 +25,8 @@ CORES = {
     "r5f": ["-mcpu=cortex-r5", "-marm", "-mfloat-abi=hard", "-mfpu=vfpv3-d16"],
 }
 DEBUG = "-gdwarf-4"  # says where instructions come from, and changes none
+IN_FLASH = ["-DFIRMWARE_TUNING_IN_FLASH"]  # of firmware.c
+LEAST = [*IN_FLASH, "-DLODE_WITHOUT_OPTIMAL_REFERENCES", "-DLODE_WITHOUT_NOTCH"]
 ONE_OBSERVER = ["-DLODE_WITHOUT_GI_LESO", "-DLODE_WITHOUT_FA_LESO", "-DLODE_WITHOUT_FA_MULTI"]
 
 

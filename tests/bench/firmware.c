@@ -2,7 +2,11 @@
 #include "lodestar/lodestar.h"
 
 lode_drive_t firmware_drive;
+#ifdef FIRMWARE_TUNING_IN_FLASH // as `lodestar design --c` writes one; what it says does not matter here
+const lode_drive_tuning_t firmware_tuning = {.ts_s = 1.0e-4f};
+#else
 lode_drive_tuning_t firmware_tuning;
+#endif
 lode_drive_config_t firmware_config; // in RAM, so that nothing is computed by the compiler
 lode_command_t firmware_command;
 lode_telemetry_t firmware_telemetry;
@@ -17,8 +21,13 @@ void firmware_interrupt(void) {
 }
 
 int firmware(void) {
+#ifdef FIRMWARE_TUNING_IN_FLASH
+    const lode_status_t initialised = LODE_OK;
+    lode_drive_begin(&firmware_drive, &firmware_tuning);
+#else
     const lode_status_t initialised =
         lode_drive_init(&firmware_drive, &firmware_tuning, &firmware_config);
+#endif
     const lode_status_t posted = lode_drive_post_command(&firmware_drive, &firmware_command);
     const bool whole = lode_drive_telemetry(&firmware_drive, &firmware_telemetry);
     return initialised == LODE_OK && posted == LODE_OK && whole ? 0 : 1;

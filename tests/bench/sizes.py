@@ -63,5 +63,5 @@ def firmware_sizes(path, step="lode_drive_step"):
             sizes["step" if names & on_path else "init"] += section.size
     sizes["text"] = sum(sizes.values())
     for what in ("drive", "tuning", "config"):
-        sizes[what] = image.objects[f"{OWN}_{what}"]
+        sizes[what] = image.objects.get(f"{OWN}_{what}", 0)  # 0: not needed
     return sizes

@@ -18,6 +18,9 @@ function(lode_add_gates)
   lode_gate(tree ${python} ${tools}/check_tree.py .)
   lode_gate(equations ${python} ${tools}/check_equations.py .)
 
+  lode_gate(tuning_fields ${python} ${tools}/check_golden.py ${tools}/tuning_fields.py
+            sim/tuning_fields.h)
+
   # What compilers say.
   lode_gate(headers bash ${tools}/headers.sh)
   lode_gate(warnings_gcc bash ${tools}/warnings.sh gcc ${LODE_WARNINGS}

@@ -1,0 +1,55 @@
+"""`lodestar design --c`: the tuning as a C constant compiles without a warning for the host and for a
+Cortex-M4F, and lies in read-only memory there."""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+from tool import DRIVE, MOTOR, SOURCE, TOOL, Checks, Folder, refused
+
+WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+HOST = "cc"
+TARGET = "arm-none-eabi-gcc"
+M4F = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-ffreestanding"]
+
+
+def compiled(checks, source, compiler, flags):
+    if shutil.which(compiler) is None:
+        print(f"left out: no {compiler}")
+        return None
+    out = source.with_suffix(".o")
+    run = subprocess.run([compiler, *WARNINGS, *flags, f"-I{SOURCE}/include", "-c", source, "-o", out],
+                         capture_output=True, text=True)
+    return out if checks.true(run.returncode == 0, f"{compiler}: {run.stderr}") else None
+
+
+checks = Checks()
+with Folder() as folder:
+    run = subprocess.run([TOOL, "design", "--motor", MOTOR, "--drive", DRIVE, "--c", "out.c"],
+                         cwd=folder.path, capture_output=True, text=True)
+    source = folder.path / "out.c"
+    checks.true(run.returncode == 0 and "written: out.c" in run.stdout, f"design --c: {run.stderr}")
+    text = source.read_text()
+    checks.true("const lode_drive_tuning_t out = {" in text, "the constant is named like the file")
+    compiled(checks, source, HOST, [])
+    image = compiled(checks, source, TARGET, M4F)
+    if image is not None:
+        symbols = subprocess.run(["arm-none-eabi-nm", image], capture_output=True, text=True).stdout
+        checks.true(re.search(r" R out$", symbols, re.M), f"not in read-only memory: {symbols}")
+    # Another version of the library: what the members mean may have changed.
+    source.write_text(text.replace("LODE_VERSION_MINOR != ", "LODE_VERSION_MINOR != 9"))
+    stale = subprocess.run([HOST, f"-I{SOURCE}/include", "-fsyntax-only", source],
+                           capture_output=True, text=True)
+    checks.true(stale.returncode != 0 and "another version" in stale.stderr, "a stale one is refused")
+    six = ["--drive", SOURCE / "sim/drives/ultrazohm6.ini"]
+    for arguments, pattern in [
+        (["--drive", DRIVE, "--c", "2.c"], "--c 2.c: expected a file whose name"),
+        (["--drive", DRIVE, "--c", "no/where.c"], "where.c"),
+        (["--c"], "--c: expected a value after it"),
+    ]:
+        refused(checks, folder, ["design", "--motor", MOTOR, *arguments], pattern)
+    refused(checks, folder, ["design", "--motor", SOURCE / "sim/motors/ultrazohm6.ini", *six, "--c",
+                             "six.c"], "expected a drive for three phases")
+checks.done()

@@ -1,0 +1,53 @@
+"""usage: tuning_fields.py: prints sim/tuning_fields.h, every scalar of a lode_drive_tuning_t, from the
+headers in include/lodestar. A member of a type that it does not know ends it."""
+import pathlib
+import re
+import sys
+
+from csource import code_of
+
+INCLUDE = pathlib.Path(__file__).resolve().parents[2] / "include" / "lodestar"
+TOP = "lode_drive_tuning_t"
+SCALARS = {"float": "FLOAT", "bool": "BOOL", "uint32_t": "WHOLE", "uint16_t": "WHOLE",
+           "uint_least16_t": "WHOLE", "uint_least8_t": "WHOLE"}
+STRUCT = re.compile(r"typedef struct \{([^{}]*)\} (\w+);")
+ENUM = re.compile(r"typedef enum(?: \w+)? \{[^{}]*\} (\w+);")
+MEMBER = re.compile(r"(\w+) (\w+)(?:\[(\w+)\])?")
+
+text = "\n".join(code_of(path.read_text()) for path in sorted(INCLUDE.glob("*.h")))
+structs = {name: body for body, name in STRUCT.findall(text)}
+enums = set(ENUM.findall(text))
+constants = dict(re.findall(r"#define (LODE_\w+) (\d+)\s", text))
+
+
+def members(struct):
+    """(type, name, number of elements or None) of each."""
+    for line in structs[struct].split(";"):
+        line = " ".join(line.split())
+        if line:
+            match = MEMBER.fullmatch(line)
+            if match is None:
+                sys.exit(f"{struct}: `{line}` is no member that this script can read")
+            kind, name, count = match.groups()
+            yield kind, name, count and int(constants.get(count, count))
+
+
+def scalars(struct, prefix=""):
+    for kind, name, count in members(struct):
+        for place in [name] if count is None else [f"{name}[{k}]" for k in range(count)]:
+            if kind in structs:
+                yield from scalars(kind, f"{prefix}{place}.")
+            elif kind in SCALARS or kind in enums:
+                yield SCALARS.get(kind, "CHOICE"), kind, prefix + place
+            else:
+                sys.exit(f"{struct}.{name}: {kind} is no type that this script knows")
+
+
+print("// Printed by tests/tools/tuning_fields.py from the headers; the test gate_tuning_fields compares.")
+print("// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t.")
+print("// clang-format off")
+print("#ifndef RIG_TUNING_FIELDS_H\n#define RIG_TUNING_FIELDS_H\n")
+print("#define TUNING_FIELDS(ROW) \\")
+rows = [f"    ROW({kind}, {type_}, {place})" for kind, type_, place in scalars(TOP)]
+print(" \\\n".join(rows))
+print("\n#endif")
