@@ -233,10 +233,17 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
         LODE_RARELY(!(e2 <= LODE_EMF2_LIMIT_V2)) ||
         LODE_RARELY(!(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit))) { // NaN included
         lode_estimator_restart(self, tuning, (lode_ab_t){i_A.alpha, i_A.beta});
-        return (lode_estimate_t){.rotor = self->rotor,
-                                 .half_turn = {0.0f, 1.0f},
-                                 .i_A = lode_park(self->emf.i_A, self->rotor),
-                                 .reseeded = true};
+        const lode_sincos_t rotor = self->rotor;
+        return (lode_estimate_t){
+            .omega_rad_s = 0.0f,
+            .rotor = rotor,
+            .half_turn = {0.0f, 1.0f},
+            .i_A = lode_park(self->emf.i_A, rotor),
+            .e_V = {0.0f, 0.0f},
+            .load_torque_Nm = 0.0f,
+            .lock = 0.0f,
+            .reseeded = true,
+        };
     }
     if (LODE_RARELY(lode_lag_is_far(&self->lag, self->pll.omega_rad_s))) {
         lode_estimator_adapt_lag(self, tuning);
