@@ -34,7 +34,6 @@
     ROW(FLOAT, float, inverter.v2_free) \
     ROW(BOOL, bool, inverter.correct) \
     ROW(BOOL, bool, inverter.model) \
-    ROW(BOOL, bool, inverter.plain) \
     ROW(FLOAT, float, estimator.emf.inv_b) \
     ROW(FLOAT, float, estimator.emf.a_over_b) \
     ROW(FLOAT, float, estimator.emf.salient_Ohm) \

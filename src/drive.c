@@ -117,12 +117,12 @@ LODE_INLINE lode_measurement_t sensed(lode_drive_t *self, const lode_counts_t *c
 
 // Duties for the voltage of the frame, turned to where it will stand while they act: one and a half
 // periods after the sample.
-LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, float v_bus_V) {
+LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, float per_bus) {
     const lode_inverter_tuning_t *tuning = &self->tuning->inverter;
     const lode_sincos_t acting = lode_angle_add(frame->rotor, lode_angle_triple(frame->half_turn));
+    const lode_ab_t v = lode_ab_scale(per_bus, lode_park_inverse(self->u_V, acting));
     const lode_modulator_out_t out =
-        lode_modulator_step(tuning, self->inverter.loss, lode_park_inverse(self->u_V, acting),
-                            v_bus_V, lode_park_inverse(frame->i_A, acting));
+        lode_modulator_set1(tuning, self->inverter.loss, v, lode_park_inverse(frame->i_A, acting));
     if (LODE_RARELY(self->tuning->sense.windowed)) {
         self->unsampled = self->unsampled_next;
         self->unsampled_next = (uint_least8_t)lode_sense_unused(&self->tuning->sense, out.duty);
@@ -164,11 +164,13 @@ LODE_INLINE void glance(lode_drive_t *self, const lode_period_t *p) {
 
 // From angle and speed to duties: control, modulation and the last word of the guard.
 LODE_INLINE lode_drive_out_t acted(lode_drive_t *self, const lode_period_t *p) {
+    // Divided while the state machine decides.
+    const float per_bus = lode_modulator_per_bus(&self->tuning->inverter, p->m->sample.v_bus_V);
     lode_core_follow(self, p);
     if (LODE_USUALLY(self->gates)) {
         glance(self, p);
         const lode_frame_t frame = lode_core_control(self, p);
-        const lode_abc_t duty = modulate(self, &frame, p->m->sample.v_bus_V);
+        const lode_abc_t duty = modulate(self, &frame, per_bus);
         lode_core_adapt(self, p);
         if (LODE_USUALLY(lode_guard_is_good(&self->guard))) {
             return (lode_drive_out_t){duty, true};

@@ -150,9 +150,9 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
         lode_sense_glance(&self->sense_2, tuning, &counts->set[1], self->unsampled_2);
     const lode_sets_t u_V = {{lode_inverter_realised(&drive->inverter, first.v_bus_V),
                               lode_inverter_realised(&self->inverter_2, first.v_bus_V)}};
-    x.watched = self->active == (uint_least8_t)LODE_SETS_BOTH &&
-                self->tuning->open_phase != LODE_OPEN_PHASE_IGNORE &&
-                lode_core_mode(drive) == LODE_MODE_RUN;
+    x.watched = LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH) &&
+                LODE_USUALLY(self->tuning->open_phase != LODE_OPEN_PHASE_IGNORE) &&
+                LODE_USUALLY(lode_core_mode(drive) == LODE_MODE_RUN);
     if (x.watched) {
         lode_open_phase_note(&self->watch, &first.i_abc_A, &second.i_abc_A);
     }
@@ -160,7 +160,7 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
     x.m.sample.v_bus_V = first.v_bus_V;
     x.m.sample.alert = (bool)(first.alert | second.alert);
     self->i_xy_A = lode_vsd_xy(x.i_A);
-    if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
+    if (LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH)) {
         x.m.sample.i_A = lode_vsd_ab(x.i_A);
         x.m.u_V = lode_vsd_ab(u_V);
     } else {
@@ -236,7 +236,7 @@ LODE_INLINE void watch_phases(lode_drive6_t *self, const measured_t *x,
 LODE_INLINE lode_sets_t voltages(lode_drive6_t *self, const lode_frame_t *frame,
                                  lode_sincos_t acting, float v_bus_V) {
     lode_ab_t xy = {0.0f, 0.0f};
-    if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
+    if (LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH)) {
         self->u_xy_V =
             lode_xy_step(&self->xy, &self->tuning->xy, lode_ab_turn(self->i_xy_A, frame->rotor),
                          frame->half_turn, v_bus_V);
@@ -246,13 +246,16 @@ LODE_INLINE lode_sets_t voltages(lode_drive6_t *self, const lode_frame_t *frame,
     return lode_vsd_sets(lode_park_inverse(self->drive.u_V, acting), xy);
 }
 
-LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame, float v_bus_V) {
+LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame, float v_bus_V,
+                                 float per_bus) {
     lode_drive_t *drive = &self->drive;
     const lode_sincos_t acting = lode_angle_add(frame->rotor, lode_angle_triple(frame->half_turn));
     const lode_sets_t u_V = voltages(self, frame, acting, v_bus_V);
+    const lode_sets_t v = {
+        {lode_ab_scale(per_bus, u_V.set[0]), lode_ab_scale(per_bus, u_V.set[1])}};
     const lode_ab_t i_A = lode_park_inverse(frame->i_A, acting);
-    const lode_modulator6_out_t out = lode_modulator6_step(
-        &drive->tuning->inverter, drive->inverter.loss, u_V, v_bus_V, (lode_sets_t){{i_A, i_A}});
+    const lode_modulator6_out_t out = lode_modulator6_sets(
+        &drive->tuning->inverter, drive->inverter.loss, v, (lode_sets_t){{i_A, i_A}});
     if (LODE_RARELY(drive->tuning->sense.windowed)) {
         const lode_sense_tuning_t *tuning = &drive->tuning->sense;
         drive->unsampled = drive->unsampled_next;
@@ -288,6 +291,8 @@ LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_coun
     const measured_t x = measured(self, counts);
     const lode_estimate_t rotor = estimated(self, &x);
     const lode_period_t period = {&x.m, &rotor, &counts->set[0], &counts->set[1]};
+    // Divided while the state machine decides.
+    const float per_bus = lode_modulator_per_bus(&drive->tuning->inverter, x.m.sample.v_bus_V);
     lode_core_follow(drive, &period);
     if (LODE_USUALLY(drive->gates)) {
         if (LODE_RARELY(!lode_core_is_usual(drive, &period))) {
@@ -295,7 +300,7 @@ LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_coun
         }
         drive->guard.stamp = stamp_of(&period);
         const lode_frame_t frame = lode_core_control(drive, &period);
-        const lode_abc6_t duty = modulate(self, &frame, x.m.sample.v_bus_V);
+        const lode_abc6_t duty = modulate(self, &frame, x.m.sample.v_bus_V, per_bus);
         watch_phases(self, &x, &rotor);
         if (drive->steps % LODE_SLOW_PERIODS == TURN_XY) {
             lode_xy_adapt(&self->xy, &self->tuning->xy, frame.omega_rad_s);

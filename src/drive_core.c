@@ -233,3 +233,19 @@ LODE_COLD void lode_core_count(lode_drive_t *self, lode_condition_t condition) {
     const lode_situation_t now = {self->mode, lode_core_mode(self) == LODE_MODE_RUN, true};
     lode_guard_watch(&self->guard, &self->tuning->guard, condition, now);
 }
+
+// The same by the drive's own estimate.
+LODE_COLD void lode_core_follow_own(lode_drive_t *self, lode_calibration_t calibration,
+                                    float offset_count, float sine, float cosine, float id_A,
+                                    float iq_A) {
+    const lode_estimator_t *estimator = &self->estimator;
+    const lode_estimate_t est = {
+        .omega_rad_s = estimator->pll.omega_rad_s,
+        .rotor = {sine, cosine},
+        .i_A = {id_A, iq_A},
+        .e_V = estimator->emf.leso.e_V,
+        .load_torque_Nm = lode_estimator_load_torque_Nm(estimator, &self->tuning->estimator),
+        .lock = estimator->lock,
+    };
+    lode_core_follow_command(self, calibration, offset_count, &est);
+}

@@ -72,10 +72,6 @@ LODE_INLINE float load_torque_Nm(const lode_drive_t *self, const lode_period_t *
                : p->est->load_torque_Nm;
 }
 
-LODE_INLINE lode_ab_t e_V_of(const lode_drive_t *self, const lode_period_t *p) {
-    return p->counts != NULL ? self->estimator.emf.leso.e_V : p->est->e_V;
-}
-
 // Who is due in which of LODE_SLOW_PERIODS: about equally dear. Speed control has two of the others, and
 // its references two.
 enum {
@@ -106,6 +102,8 @@ void lode_core_take_mail(lode_drive_t *self);
 void lode_core_switch_off(lode_drive_t *self, lode_mode_t mode);
 void lode_core_follow_command(lode_drive_t *self, lode_calibration_t calibration,
                               float offset_count, const lode_estimate_t *est);
+void lode_core_follow_own(lode_drive_t *self, lode_calibration_t calibration, float offset_count,
+                          float sine, float cosine, float id_A, float iq_A);
 void lode_core_hand_back(lode_drive_t *self, float omega_rad_s, lode_dq_t i_A);
 lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t e_V, float v_bus_V);
 void lode_core_count(lode_drive_t *self, lode_condition_t condition);
@@ -196,12 +194,13 @@ LODE_INLINE void lode_core_follow(lode_drive_t *self, const lode_period_t *p) {
     if ((LODE_RARELY(lode_core_mode(self) != LODE_MODE_RUN) ||
          LODE_RARELY(self->command.mode != LODE_MODE_RUN)) &&
         !is_starting(self)) {
-        // A copy: the estimate itself stays in registers.
         const lode_estimate_t *est = p->est;
-        const lode_estimate_t rotor = {est->omega_rad_s, est->rotor,      est->half_turn,
-                                       est->i_A,         e_V_of(self, p), load_torque_Nm(self, p),
-                                       lock_of(self, p), est->reseeded};
-        lode_core_follow_command(self, p->m->calibration, p->m->offset_count, &rotor);
+        if (p->counts == NULL) {
+            lode_core_follow_command(self, p->m->calibration, p->m->offset_count, est);
+        } else { // by parts: the estimate itself stays in registers
+            lode_core_follow_own(self, p->m->calibration, p->m->offset_count, est->rotor.sin,
+                                 est->rotor.cos, est->i_A.d, est->i_A.q);
+        }
     }
 }
 
@@ -214,7 +213,8 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_period
     const bool running = lode_core_mode(self) == LODE_MODE_RUN;
     lode_frame_t frame = {est->rotor, est->half_turn, est->omega_rad_s, est->omega_rad_s, est->i_A};
     if (LODE_RARELY(!running)) {
-        const lode_own_frame_t own = lode_core_own_frame(self, e_V_of(self, p), v_bus_V);
+        const lode_ab_t e_V = p->counts != NULL ? self->estimator.emf.leso.e_V : est->e_V;
+        const lode_own_frame_t own = lode_core_own_frame(self, e_V, v_bus_V);
         const lode_ab_t i_A = {m->sample.i_A.alpha, m->sample.i_A.beta}; // a copy, as above
         const bool starting = lode_core_mode(self) == LODE_MODE_START;
         const float omega = starting ? self->state.start.omega_rad_s : self->command.speed_rad_s;

@@ -145,19 +145,15 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 }
 
 // Takes the current for none where it is no number.
-LODE_HOT LODE_COLD lode_estimate_t lode_estimator_restart(lode_estimator_t *self,
-                                                          const lode_estimator_tuning_t *tuning,
-                                                          lode_ab_t i_A) {
+LODE_HOT LODE_COLD void lode_estimator_restart(lode_estimator_t *self,
+                                               const lode_estimator_tuning_t *tuning,
+                                               lode_ab_t i_A) {
     const uint_least8_t calls = self->calls;
     lode_estimator_reset(self, tuning);
     self->calls = calls;
     if (lode_ab_in_range(i_A, INPUT_LIMIT)) {
-        self->emf.i_A = i_A;
+        lode_estimator_rewire(self, i_A);
     }
-    const lode_dq_t i_dq = lode_park(self->emf.i_A, self->rotor);
-    self->id_A = i_dq.d;
-    return (lode_estimate_t){
-        .rotor = self->rotor, .half_turn = {0.0f, 1.0f}, .i_A = i_dq, .reseeded = true};
 }
 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,

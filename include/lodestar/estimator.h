@@ -116,8 +116,8 @@ static inline void lode_estimator_rewire(lode_estimator_t *self, lode_ab_t i_A) 
 }
 
 /// Parts of lode_estimator_follow(), which alone calls them: what is not due in every period.
-lode_estimate_t lode_estimator_restart(lode_estimator_t *self,
-                                       const lode_estimator_tuning_t *tuning, lode_ab_t i_A);
+void lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                            lode_ab_t i_A);
 void lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
                                            const lode_estimator_tuning_t *tuning,
@@ -239,7 +239,18 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     if (LODE_RARELY(!(lode_abs(advance) <= LODE_ADVANCE_MAX_rad)) ||
         LODE_RARELY(!(e2 <= LODE_EMF2_LIMIT_V2)) ||
         LODE_RARELY(!(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit))) { // NaN included
-        return lode_estimator_restart(self, tuning, (lode_ab_t){i_A.alpha, i_A.beta});
+        lode_estimator_restart(self, tuning, (lode_ab_t){i_A.alpha, i_A.beta});
+        const lode_sincos_t rotor = self->rotor;
+        return (lode_estimate_t){
+            .omega_rad_s = 0.0f,
+            .rotor = rotor,
+            .half_turn = {0.0f, 1.0f},
+            .i_A = lode_park(self->emf.i_A, rotor),
+            .e_V = {0.0f, 0.0f},
+            .load_torque_Nm = 0.0f,
+            .lock = 0.0f,
+            .reseeded = true,
+        };
     }
     if (LODE_RARELY(lode_lag_is_far(&self->lag, self->pll.omega_rad_s))) {
         lode_estimator_adapt_lag(self, tuning);
