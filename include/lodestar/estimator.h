@@ -210,6 +210,16 @@ LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
     return lode_leso_step_adaptive(&self->emf.leso, &tuning->emf.leso, m_V, tuned, omega_rad_s);
 }
 
+/// Known acceleration over the period to come (P3), rad/s^2: torque of the measured current, seen from
+/// where the rotor is by the position error (P19), and friction.
+LODE_INLINE float lode_estimator_acceleration(const lode_estimator_tuning_t *tuning, lode_dq_t i_A,
+                                              float error, float omega_rad_s) {
+    const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_A.d;
+    const float swing = lode_max(tuning->salient_H * i_A.q * i_A.q - flux_Wb * i_A.d, 0.0f);
+    return tuning->acc_per_torque * (flux_Wb * i_A.q + swing * error) -
+           tuning->acc_per_omega * omega_rad_s;
+}
+
 /// The fast part of a period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k.
 /// Total: whatever goes in, finite and in range comes out, and `reseeded` tells.
 LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
@@ -262,12 +272,8 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     self->id_A = i_dq.d;
     if (LODE_USUALLY(tuning->pll.third_order)) {
         lode_pll_disturb(&self->pll, self->gains, error);
-        // Known acceleration over the period to come (P3): torque of the measured current, seen from
-        // where the rotor is by the position error (P19), and friction.
-        const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_dq.d;
-        const float swing = lode_max(tuning->salient_H * i_dq.q * i_dq.q - flux_Wb * i_dq.d, 0.0f);
-        self->pll.acc_rad_s2 = tuning->acc_per_torque * (flux_Wb * i_dq.q + swing * error) -
-                               tuning->acc_per_omega * self->pll.omega_rad_s;
+        self->pll.acc_rad_s2 =
+            lode_estimator_acceleration(tuning, i_dq, error, self->pll.omega_rad_s);
     }
     return (lode_estimate_t){
         .omega_rad_s = self->pll.omega_rad_s,

@@ -29,7 +29,8 @@ COMMON = {
     "sensing, with the voltage that acted": {
         "lode_sense_step", "lode_sense_glance", "lode_inverter_realised", "sensed", "measured"},
     "EMF observer": {"lode_emf_step", "lode_estimator_emf"},
-    "PLL": {"lode_estimator_follow", "lode_pll_advance_rad", "lode_pll_move", "lode_pll_disturb"},
+    "PLL": {"lode_estimator_follow", "lode_estimator_acceleration", "lode_pll_advance_rad",
+            "lode_pll_move", "lode_pll_disturb"},
     "current control": {"lode_current_step"},
     "modulation": {"modulate", "lode_modulator_step", "lode_modulator6_step",
                    "lode_modulator_set"},
