@@ -73,11 +73,11 @@ static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
 // present one makes. (In the direction of the present one it might be opposed to the rotor.)
 LODE_COLD void lode_core_hand_back(lode_drive_t *self, float omega_rad_s, lode_dq_t i_A) {
     const float current_A = self->tuning->start.current_A;
-    const float iq = lode_clamp(i_A.q, -current_A, current_A);
-    const float turn = lode_atan2(iq, lode_sqrt(current_A * current_A - iq * iq));
-    const lode_dq_t u_V = seen_from(self->u_V, lode_sincos(turn));
-    lode_start_reset(&self->state.start, lode_estimator_theta_rad(&self->estimator) + turn,
-                     omega_rad_s, current_A);
+    const float sine = lode_clamp(i_A.q / current_A, -1.0f, 1.0f);
+    const lode_sincos_t turn = {sine, lode_sqrt(1.0f - sine * sine)};
+    const lode_dq_t u_V = seen_from(self->u_V, turn);
+    lode_start_reset(&self->state.start, lode_angle_add(self->estimator.rotor, turn), omega_rad_s,
+                     current_A);
     lode_current_reset(&self->current, &self->tuning->current, u_V, (lode_dq_t){current_A, 0.0f},
                        0.0f);
     lode_core_set_mode(self, LODE_MODE_START);

@@ -117,8 +117,8 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     return LODE_OK;
 }
 
-void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, float current_A) {
-    *self = (lode_start_t){.at = lode_sincos(theta_rad),
+void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, float current_A) {
+    *self = (lode_start_t){.at = at,
                            .omega_rad_s = omega_rad_s,
                            .current_A = current_A,
                            .omega_target = omega_rad_s,
@@ -126,7 +126,7 @@ void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, fl
 }
 
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
-    lode_start_reset(self, 0.0f, 0.0f, 0.0f);
+    lode_start_reset(self, (lode_sincos_t){0.0f, 1.0f}, 0.0f, 0.0f);
     self->catching = tuning->catch_turns;
 }
 

@@ -56,7 +56,7 @@ static void test_current_rises_first_then_the_vector_turns(void) {
     const lode_start_tuning_t tuning = tuned(&config);
     for (int sign = -1; sign <= 1; sign += 2) {
         lode_start_t start;
-        lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
+        lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 0.0f);
         for (int n = 1; n <= 4000; n++) {
             (void)step(&start, &tuning, n, 47.0f * (float)sign, 8.0f, no_emf);
             const double t = 2.0e-4 * n;
@@ -72,7 +72,7 @@ static void test_angle_is_the_integral_of_the_speed(void) {
     const lode_start_tuning_t tuning = tuned(&config);
     for (int sign = -1; sign <= 1; sign += 2) {
         lode_start_t start;
-        lode_start_reset(&start, 0.5f, 0.0f, 8.0f); // the current is there already
+        lode_start_reset(&start, lode_sincos(0.5f), 0.0f, 8.0f); // the current is there already
         double theta = 0.5;
         for (int n = 1; n <= 4000; n++) {
             const float angle = step(&start, &tuning, n, 47.0f * (float)sign, 8.0f, no_emf);
@@ -90,7 +90,7 @@ static void test_the_vector_sweeps_while_the_current_rises(void) {
     const lode_start_tuning_t tuning = tuned(&config);
     for (int sign = -1; sign <= 1; sign += 2) {
         lode_start_t start;
-        lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
+        lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 0.0f);
         double swept = 0.0;
         float before = 0.0f;
         for (int n = 1; n <= 1000; n++) { // 0.2 s
@@ -107,7 +107,7 @@ static void test_way_back_takes_up_a_turning_vector(void) {
     const lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
-    lode_start_reset(&start, 10.0f, 50.0f, 3.0f);
+    lode_start_reset(&start, lode_sincos(10.0f), 50.0f, 3.0f);
     CHECK_NEAR(1.0e-5, 10.0 - 4.0 * CHECK_PI, angle_of(start.at));
     double theta = 10.0;
     for (int n = 1; n <= 6000; n++) {
@@ -126,7 +126,7 @@ static double swing_after(float damping, double omega, double seconds) {
     config.damping = damping;
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
-    lode_start_reset(&start, 0.0f, (float)omega, 8.0f);
+    lode_start_reset(&start, lode_sincos(0.0f), (float)omega, 8.0f);
     const double stiffness = 3.0 / 0.0174 * 8.0 * 0.639;
     double theta = -0.4;
     double w = omega;
@@ -160,7 +160,7 @@ static void test_damping_gives_way_to_a_bound(void) {
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     random_t random = random_seed(1);
-    lode_start_reset(&start, 0.0f, 30.0f, 8.0f);
+    lode_start_reset(&start, lode_sincos(0.0f), 30.0f, 8.0f);
     for (int n = 1; n <= 20000; n++) {
         const lode_ab_t e = {random_float(&random, -1.0e5, 1.0e5),
                              random_float(&random, -1.0e5, 1.0e5)};
@@ -176,7 +176,7 @@ static void test_any_emf_gives_an_angle(void) {
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     random_t random = random_seed(2);
-    lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
+    lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 0.0f);
     for (int n = 1; n <= 100000; n++) {
         const lode_ab_t e = {random_any(&random), random_any(&random)};
         const float angle = step(&start, &tuning, n, 47.0f, 8.0f, e);
@@ -189,7 +189,7 @@ static void test_a_failed_attempt_begins_again_at_rest(void) {
     const lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
-    lode_start_reset(&start, 0.0f, 0.0f, 0.0f);
+    lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 0.0f);
     int again = 0;
     float before = 0.0f;
     for (int n = 1; n <= 15000; n++) { // the 3 s of the time-out
@@ -209,7 +209,7 @@ static void test_a_failed_attempt_begins_again_at_rest(void) {
 /// A vector at hand-over speed and an estimate that agrees with it.
 static lode_start_t turning(double omega) {
     lode_start_t start;
-    lode_start_reset(&start, 0.0f, (float)omega, 8.0f);
+    lode_start_reset(&start, lode_sincos(0.0f), (float)omega, 8.0f);
     return start;
 }
 

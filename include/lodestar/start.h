@@ -68,9 +68,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
                               const lode_inverter_config_t *inverter, const lode_motor_t *motor,
                               float omega_max_rad_s, float ts_s);
 
-/// A vector at `theta_rad`, turning at `omega_rad_s`, of length `current_A`: nothing, for a start from
+/// A vector at the angle `at`, turning at `omega_rad_s`, of length `current_A`: nothing, for a start from
 /// standstill, or the motor's own for the way back from sensorless running.
-void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, float current_A);
+void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, float current_A);
 
 /// From rest, but first with zero current for a while: the voltage that this takes shows a rotor that
 /// turns already.

@@ -79,7 +79,7 @@ bool bench_blocks_setup(void) {
     lode_speed_reset(&speed, &t->speed, BENCH_OMEGA_rad_s / BENCH_POLE_PAIRS,
                      lode_references_torque_Nm(&t->references, i_A), 0.0f);
     lode_guard_reset(&guard);
-    lode_start_reset(&start, 0.0f, BENCH_OMEGA_rad_s, BENCH_IQ_A);
+    lode_start_reset(&start, lode_sincos(0.0f), BENCH_OMEGA_rad_s, BENCH_IQ_A);
     pll = estimator[ENHANCED].pll;
     emf = estimator[ENHANCED].emf;
     sample = lode_sense_step(&sense, &t->sense, &bench_counted[BENCH_enhanced][0], LODE_PHASES);
