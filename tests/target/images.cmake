@@ -3,7 +3,7 @@
 # target_test(<name> <command>...)
 function(target_test name)
   add_test(NAME ${name} COMMAND ${ARGN})
-  set_tests_properties(${name} PROPERTIES LABELS target TIMEOUT 120 SKIP_RETURN_CODE 77)
+  set_tests_properties(${name} PROPERTIES LABELS target TIMEOUT 240 SKIP_RETURN_CODE 77)
 endfunction()
 
 # --- closed loop ---
