@@ -151,17 +151,9 @@ lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_measurement_t
     return lode_core_estimate(self, measurement);
 }
 
-// What the gates are driven by is a number. An estimate from outside may not be one; the drive's own
-// always is.
-static bool is_finite(const lode_estimate_t *est) {
-    return lode_abs(est->i_A.d) + lode_abs(est->i_A.q) + lode_abs(est->rotor.cos) +
-               lode_abs(est->rotor.sin) + lode_abs(est->omega_rad_s) <=
-           FLT_MAX;
-}
-
 lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *measurement,
                                 const lode_estimate_t *estimate) {
-    return acted(self, measurement, estimate, is_finite(estimate));
+    return acted(self, measurement, estimate, lode_core_is_finite(estimate));
 }
 
 LODE_HOT lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts) {

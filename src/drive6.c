@@ -6,15 +6,6 @@
 
 #define TELEMETRY_TRIES 3
 
-// One period's inputs.
-typedef struct {
-    lode_measurement_t m; // of the machine, or of the set that is driven alone
-    lode_ab_t u_seen_V;   // by the estimator
-    lode_ab_t i_seen_A;
-    lode_abc6_t i_abc_A;
-    lode_sets_t i_A; // of each set, stator axes
-} measured_t;
-
 static lode_active_t active_of(const lode_drive6_t *self) {
     return (lode_active_t)self->active;
 }
@@ -138,13 +129,13 @@ LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
            lode_core_mode(&self->drive) == LODE_MODE_RUN;
 }
 
-LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *counts) {
+LODE_INLINE lode_measurement6_t measured(lode_drive6_t *self, const lode_counts6_t *counts) {
     if (self->drive.mail) {
         take_mail(self);
     }
     lode_drive_t *drive = &self->drive;
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
-    measured_t x;
+    lode_measurement6_t x;
     x.m.calibration = LODE_CALIBRATION_RUNNING;
     x.m.offset_count = 0.0f;
     if (lode_core_mode(drive) == LODE_MODE_CALIBRATE) {
@@ -179,7 +170,7 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
 }
 
 // Angle and speed at t_k; the current in the rotor's frame is the one that is controlled.
-LODE_INLINE lode_estimate_t estimated(lode_drive6_t *self, const measured_t *x) {
+LODE_INLINE lode_estimate_t estimated(lode_drive6_t *self, const lode_measurement6_t *x) {
     lode_measurement_t seen = x->m;
     seen.u_V = x->u_seen_V;
     seen.sample.i_A = x->i_seen_A;
@@ -217,7 +208,7 @@ static LODE_COLD void answer(lode_drive6_t *self, lode_open_phase_t open, const 
     }
 }
 
-LODE_INLINE void watch_phases(lode_drive6_t *self, const measured_t *x,
+LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_measurement6_t *x,
                               const lode_estimate_t *est) {
     if (self->active != (uint_least8_t)LODE_SETS_BOTH ||
         self->tuning->open_phase == LODE_OPEN_PHASE_IGNORE ||
@@ -263,27 +254,46 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     return out.duty;
 }
 
-LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
+// From angle and speed to duties: control, modulation and the last word of the guard.
+LODE_INLINE lode_drive6_out_t acted(lode_drive6_t *self, const lode_measurement6_t *x,
+                                    const lode_estimate_t *rotor, bool finite) {
     lode_drive_t *drive = &self->drive;
-    const measured_t x = measured(self, counts);
-    const lode_estimate_t rotor = estimated(self, &x);
-    lode_core_follow(drive, &x.m, &rotor);
+    lode_core_follow(drive, &x->m, rotor);
     if (drive->gates) {
-        const lode_frame_t frame = lode_core_control(drive, &x.m, &rotor);
-        const lode_abc6_t duty = modulate(self, &frame, x.m.sample.v_bus_V);
-        watch_phases(self, &x, &rotor);
+        const lode_frame_t frame = lode_core_control(drive, &x->m, rotor);
+        const lode_abc6_t duty = modulate(self, &frame, x->m.sample.v_bus_V);
+        watch_phases(self, x, rotor);
         if (drive->steps % LODE_SLOW_PERIODS == TURN_XY) {
             lode_xy_adapt(&self->xy, &self->tuning->xy, frame.omega_rad_s);
         }
-        if (lode_core_check(drive, &x.m, &rotor, true)) {
+        if (lode_core_check(drive, &x->m, rotor, finite)) {
             return (lode_drive6_out_t){
                 {{duty.set[0], self->active != (uint_least8_t)LODE_SETS_ONLY_2},
                  {duty.set[1], self->active != (uint_least8_t)LODE_SETS_ONLY_1}}};
         }
     } else {
-        note_temperature(drive, &x.m.sample);
+        note_temperature(drive, &x->m.sample);
     }
     lode_core_stand_by(drive);
     rest(self);
     return (lode_drive6_out_t){{{drive->duty, drive->gates}, {self->duty_2, drive->gates}}};
+}
+
+lode_measurement6_t lode_drive6_sense(lode_drive6_t *self, const lode_counts6_t *counts) {
+    return measured(self, counts);
+}
+
+lode_estimate_t lode_drive6_estimate(lode_drive6_t *self, const lode_measurement6_t *measurement) {
+    return estimated(self, measurement);
+}
+
+lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_measurement6_t *measurement,
+                                  const lode_estimate_t *estimate) {
+    return acted(self, measurement, estimate, lode_core_is_finite(estimate));
+}
+
+LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
+    const lode_measurement6_t x = measured(self, counts);
+    const lode_estimate_t rotor = estimated(self, &x);
+    return acted(self, &x, &rotor, true);
 }
