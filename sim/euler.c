@@ -112,7 +112,7 @@ static double notch(euler_resonator_t *self, double k, double w, double ts_s, do
 static double known_acceleration(const euler_t *self, const euler_config_t *c, double theta_rad) {
     const double complex i_dq = self->i_A * cexp(-I * theta_rad);
     const double flux = c->psi_Wb + (c->Ld_H - c->Lq_H) * creal(i_dq);
-    const double torque = 1.5 * c->pole_pairs * flux * cimag(i_dq);
+    const double torque = 1.5 * fmax(c->sets, 1.0) * c->pole_pairs * flux * cimag(i_dq);
     return (c->pole_pairs * torque - c->B_Nms * self->omega_rad_s) / c->J_kgm2;
 }
 

@@ -44,6 +44,7 @@ typedef struct {
     euler_pll_t pll;
     euler_lag_t compensation;
     double ts_s;
+    double sets; ///< of windings, 2 with the currents of the alpha-beta plane; 0: 1
     double pole_pairs, Rs_Ohm, Ld_H, Lq_H, psi_Wb, J_kgm2, B_Nms;
     double w0_rad_s;             ///< C, GI
     double gi_Kr, gi_wc_rad_s;   ///< GI
