@@ -73,8 +73,8 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
     *config = *base;
     config->emf = printed ? euler[what->observer] : exact[what->observer];
     config->pll = printed ? RIG_PLL_LESO_EULER : RIG_PLL_LESO;
-    config->compensation =
-        printed || what->column == LI_UNCOMPENSATED ? RIG_COMPENSATION_NONE : RIG_COMPENSATION_EXACT;
+    config->compensation = printed || what->column == LI_UNCOMPENSATED ? RIG_COMPENSATION_NONE
+                                                                       : RIG_COMPENSATION_EXACT;
     lode_drive_config_t *drive = &config->drive;
     drive->inverter.dead_time_correction = corrected ? LODE_ON : LODE_OFF;
     if (what->k2_rad_s > 0.0) {
@@ -272,8 +272,8 @@ static void measure(run_t *run, const moment_t *now, bool in_window) {
     rig_stats_add(&window->iq_A, (double)now->estimate.i_A.q);
     rig_stats_add(&window->xy_A, hypot(now->truth.i_x_A, now->truth.i_y_A));
     for (int n = 0; n < LI_ORDERS; ++n) {
-        window->emf[n] += 2.0 * (double)now->estimate.e_V.alpha *
-                          cexp(-I * orders[n] * now->truth.theta_e_rad);
+        window->emf[n] +=
+            2.0 * (double)now->estimate.e_V.alpha * cexp(-I * orders[n] * now->truth.theta_e_rad);
     }
 }
 

@@ -53,19 +53,19 @@ typedef struct {
     // Of the last LI_WINDOW_s.
     double mean_deg, pp_deg;
     double speed_rpm;
-    double e_V;                    ///< fundamental of the estimated EMF
-    double id_A, iq_A;             ///< estimated frame
+    double e_V;                     ///< fundamental of the estimated EMF
+    double id_A, iq_A;              ///< estimated frame
     double harmonic_pct[LI_ORDERS]; ///< 1st, 5th and 7th of the estimated alpha EMF
-    double xy_A;                   ///< largest |i_xy|
+    double xy_A;                    ///< largest |i_xy|
     // Of all of it.
-    double peak_deg;    ///< largest error
-    double swing_deg;   ///< largest deviation from the mean before
-    double swing_rpm;   ///< of the estimated speed from the real one
+    double peak_deg;  ///< largest error
+    double swing_deg; ///< largest deviation from the mean before
+    double swing_rpm; ///< of the estimated speed from the real one
 } li_stage_result_t;
 
 typedef struct {
     li_stage_result_t stage[LI_STAGES_MAX];
-    double lost_s;      ///< since the release; NaN: never
+    double lost_s; ///< since the release; NaN: never
     double simulated_s;
 } li_result_t;
 
