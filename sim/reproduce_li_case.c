@@ -19,6 +19,8 @@
 #define RELEASE_s 1.5
 #define LOST_deg 90.0
 #define STALL 0.05
+#define KNOB_STEP 0.02
+enum { KNOB_PERIODS = 200 }; // 0.5 s from 1 to 1.5
 
 static const double orders[LI_ORDERS] = {1.0, 5.0, 7.0};
 
@@ -41,6 +43,7 @@ typedef struct {
     double ts_s;
     uint64_t k;
     lode_command_t command;
+    double Rs_factor, Lq_factor;
     double load_Nm, load_goal_Nm, load_step_Nm;
     rig_stats_t stage_error_deg, stage_speed_error_rpm;
     window_t window;
@@ -89,6 +92,7 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
     }
     if (!has_dead_time(what->column)) {
         drive->inverter.dead_time_s = 0.0f;
+        config->plant.inverter = PLANT_AVERAGED;
         config->plant.dead_time_s = 0.0;
     }
     config->plant.emf5_ratio = what->harmonics;
@@ -112,10 +116,11 @@ static bool start(run_t *run, const rig_config_t *base) {
         .xy = {.resonance_rad_s = run->what->plain_xy ? LODE_NONE : 0.0f},
         .open_phase = LODE_OPEN_PHASE_IGNORE,
     };
-    lode_drive6_design(&run->config);
-    config.drive = run->config.drive;
     run->printed = euler_estimate_wanted(&config);
     if (run->printed) {
+        lode_drive6_config_t complete = run->config;
+        lode_drive6_design(&complete);
+        config.drive = complete.drive;
         run->euler_config = euler_estimate_config(&config);
     }
     run->ts_s = plant.period_s;
@@ -314,22 +319,38 @@ static void conclude(const run_t *run, int index) {
 
 // ---- Stages -------------------------------------------------------------------------------------
 
-/// What the firmware believes of its motor changes under way; its gains stay.
-static bool retune(run_t *run, const li_stage_t *stage) {
-    const double Rs = stage->Rs_factor > 0.0 ? stage->Rs_factor : 1.0;
-    const double Lq = stage->Lq_factor > 0.0 ? stage->Lq_factor : 1.0;
+/// What the firmware believes of its motor changes under way, and with it what it derives from that.
+static bool retune(run_t *run) {
     lode_drive6_config_t config = run->config;
-    config.drive.motor.Rs_Ohm *= (float)Rs;
-    config.drive.motor.Lq_H *= (float)Lq;
+    config.drive.motor.Rs_Ohm *= (float)run->Rs_factor;
+    config.drive.motor.Lq_H *= (float)run->Lq_factor;
     run->euler_config.Rs_Ohm = (double)config.drive.motor.Rs_Ohm;
     run->euler_config.Lq_H = (double)config.drive.motor.Lq_H;
     lode_drive6_tuning_t *next = &run->tuning[run->drive.tuning == &run->tuning[0] ? 1 : 0];
     const lode_status_t status = lode_drive6_tune(next, &config);
     if (status != LODE_OK) {
-        rig_error("%s: Rs x%g, Lq x%g: %s", LI_PAPER, Rs, Lq, lode_status_name(status));
+        rig_error("%s: Rs x%g, Lq x%g: %s", LI_PAPER, run->Rs_factor, run->Lq_factor,
+                  lode_status_name(status));
         return false;
     }
     return lode_drive6_post_tuning(&run->drive, next) == LODE_OK;
+}
+
+static double toward(double from, double goal, double most) {
+    return fabs(goal - from) <= most ? goal : from + copysign(most, goal - from);
+}
+
+/// The factors move as at a knob. False after a message.
+static bool turn_knobs(run_t *run, const li_stage_t *stage) {
+    const double Rs = stage->Rs_factor > 0.0 ? stage->Rs_factor : 1.0;
+    const double Lq = stage->Lq_factor > 0.0 ? stage->Lq_factor : 1.0;
+    const bool moving = fabs(Rs - run->Rs_factor) > 0.0 || fabs(Lq - run->Lq_factor) > 0.0;
+    if (!moving || run->k % KNOB_PERIODS != 0) {
+        return true;
+    }
+    run->Rs_factor = toward(run->Rs_factor, Rs, KNOB_STEP);
+    run->Lq_factor = toward(run->Lq_factor, Lq, KNOB_STEP);
+    return retune(run);
 }
 
 static void command(run_t *run, double speed_rpm) {
@@ -353,11 +374,11 @@ static bool run_stage(run_t *run, int index) {
     run->window = (window_t){.emf = {0.0}};
     command(run, stage->speed_rpm);
     set_load(run, stage->load_Nm);
-    if (!retune(run, stage)) {
-        return false;
-    }
     for (uint64_t k = 0; k < periods; ++k) {
         moment_t now;
+        if (!turn_knobs(run, stage)) {
+            return false;
+        }
         step(run, &now);
         const double t_s = time_s(run) - RELEASE_s;
         if (run->log != NULL && !write_down(run->log, t_s, &now)) {
@@ -404,7 +425,7 @@ static bool prepare(run_t *run) {
 bool li_case_run(const li_case_t *what, const rig_config_t *base, li_result_t *result,
                  li_log_t *log) {
     static run_t run;
-    run = (run_t){.what = what, .result = result, .log = log};
+    run = (run_t){.what = what, .result = result, .log = log, .Rs_factor = 1.0, .Lq_factor = 1.0};
     *result = (li_result_t){.lost_s = NAN};
     for (int k = 0; k < LI_STAGES_MAX; ++k) {
         result->stage[k] = nothing();

@@ -9,8 +9,9 @@
 #include "rig_config.h"
 
 #define LI_PAPER "li-fa-leso"
-/// Ours: the paper's rated load is not given. 80 % of it are 5 Nm.
-#define LI_RATED_Nm 6.25
+/// Ours, as the paper gives no rated load: 10 A, 2/3 of i_max, at id = 0. That is 4.4 kW at 1600 rpm.
+#define LI_RATED_A 10.0
+#define LI_RATED_Nm (3.0 * 5.0 * 0.1746 * LI_RATED_A)
 #define LI_LXY_H 0.9e-3
 /// Steady figures are those of this last part of a stage: whole turns at 25, 50 and 70 Hz.
 #define LI_WINDOW_s 1.0

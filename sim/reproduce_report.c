@@ -29,6 +29,11 @@ static void print_claim(FILE *file, const row_t *row) {
     (void)fprintf(file, " %8s", text);
 }
 
+/// Lines shall fit on a screen.
+static int column_width(const table_t *self) {
+    return self->paper->shown > 4 ? 9 : 10;
+}
+
 static void print_row(FILE *file, const table_t *self, const row_t *row) {
     char verdict[48];
     table_verdict(self, row, verdict, sizeof verdict);
@@ -36,7 +41,7 @@ static void print_row(FILE *file, const table_t *self, const row_t *row) {
     print_claim(file, row);
     print_number(file, 8, row->theory, "-");
     for (int k = 0; k < self->paper->shown; ++k) {
-        print_number(file, 10, row->value[k], row->missing[k]);
+        print_number(file, column_width(self), row->value[k], row->missing[k]);
     }
     (void)fprintf(file, "  %s\n", verdict);
 }
@@ -80,7 +85,7 @@ void reproduce_report_table(FILE *file, const table_t *self) {
         const figure_t *figure = &self->figure[f];
         (void)fprintf(file, "\n%-46s %8s %8s", figure->title, "claimed", "theory");
         for (int k = 0; k < self->paper->shown; ++k) {
-            (void)fprintf(file, " %10s", self->paper->heading[k]);
+            (void)fprintf(file, " %*s", column_width(self), self->paper->heading[k]);
         }
         (void)fputs("  verdict\n", file);
         for (int k = 0; k < self->rows; ++k) {

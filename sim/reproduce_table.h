@@ -23,7 +23,7 @@ typedef struct {
     const char *introduction;
     int columns;                      ///< in files
     int shown;                        ///< of these, from the first on, in the table
-    const char *heading[COLUMNS_MAX]; ///< at most 10 characters
+    const char *heading[COLUMNS_MAX]; ///< at most 9 characters, or 10 of 4 columns
     const char *key[COLUMNS_MAX];     ///< in files
     int judged;                       ///< the column that a claim is held against
     int best;                         ///< the one that may improve on it
