@@ -8,6 +8,7 @@
 #include "atomic_file.h"
 #include "ini_config.h"
 #include "outputs.h"
+#include "reproduce_li_rows.h"
 #include "reproduce_plots.h"
 #include "reproduce_report.h"
 
@@ -52,11 +53,29 @@ static bool jiang_plot(FILE *svg, int k) {
     return reproduce_plot(svg, k, &reproduction, &bases);
 }
 
+// ---- Paper 2 ------------------------------------------------------------------------------------
+
+static rig_config_t li_base;
+static table_t li_table;
+
+static bool li_load(const options_t *options) {
+    bool good = li_case_load(&li_base);
+    for (int k = 0; good && k < options->sets; ++k) {
+        good = ini_config_set(&li_base, "--set", options->set[k]);
+    }
+    return good;
+}
+
+static const table_t *li_run(void) {
+    return li_reproduction_run(&li_table, &li_base) ? &li_table : NULL;
+}
+
 // ---- Both ---------------------------------------------------------------------------------------
 
 static const study_t studies[] = {
     {CASE_PAPER, jiang_load, jiang_run, &bases.paper, REPRODUCE_PLOTS, reproduce_plot_file,
      jiang_plot},
+    {LI_PAPER, li_load, li_run, &li_base, 0, NULL, NULL},
 };
 
 static const study_t *study_of(const char *paper) {
@@ -65,7 +84,7 @@ static const study_t *study_of(const char *paper) {
             return &studies[k];
         }
     }
-    rig_error("reproduce %s: unknown; expected %s", paper, CASE_PAPER);
+    rig_error("reproduce %s: unknown; expected %s or %s", paper, CASE_PAPER, LI_PAPER);
     return NULL;
 }
 
