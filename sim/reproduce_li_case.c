@@ -205,9 +205,10 @@ static void move_load(run_t *run) {
     }
 }
 
-static void set_load(run_t *run, double load_Nm) {
-    run->load_goal_Nm = load_Nm;
-    run->load_step_Nm = fabs(load_Nm - run->load_Nm) * run->ts_s / LI_LOAD_RISE_s;
+static void set_load(run_t *run, const li_stage_t *stage) {
+    const double rise_s = stage->load_rise_s > 0.0 ? stage->load_rise_s : LI_LOAD_RISE_s;
+    run->load_goal_Nm = stage->load_Nm;
+    run->load_step_Nm = fabs(stage->load_Nm - run->load_Nm) * run->ts_s / rise_s;
 }
 
 static void step(run_t *run, moment_t *now) {
@@ -373,7 +374,7 @@ static bool run_stage(run_t *run, int index) {
     rig_stats_reset(&run->stage_speed_error_rpm);
     run->window = (window_t){.emf = {0.0}};
     command(run, stage->speed_rpm);
-    set_load(run, stage->load_Nm);
+    set_load(run, stage);
     for (uint64_t k = 0; k < periods; ++k) {
         moment_t now;
         if (!turn_knobs(run, stage)) {
@@ -407,7 +408,7 @@ static bool prepare(run_t *run) {
     command(run, run->what->stage[0].speed_rpm);
     while (!released(run)) {
         if (!loaded && time_s(run) >= LOADING_s) {
-            set_load(run, run->what->stage[0].load_Nm);
+            set_load(run, &run->what->stage[0]);
             loaded = true;
         }
         step(run, &now);

@@ -35,6 +35,7 @@ enum { LI_STAGES_MAX = 6, LI_ORDERS = 3 };
 typedef struct {
     double duration_s, speed_rpm, load_Nm;
     double Rs_factor, Lq_factor; ///< what the firmware takes for true; 0: 1
+    double load_rise_s;          ///< 0: LI_LOAD_RISE_s
 } li_stage_t;
 
 typedef struct {

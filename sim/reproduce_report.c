@@ -22,7 +22,7 @@ static void print_claim(FILE *file, const row_t *row) {
     static const char *const marks[] = {"", "~", "~", "<=", "", ""};
     char text[32] = "-";
     if (row->claim != CLAIM_NONE) {
-        (void)snprintf(text, sizeof text, "%s%g", marks[row->claim],
+        (void)snprintf(text, sizeof text, "%s%.4g", marks[row->claim],
                        row->claim == CLAIM_EXACTLY ? round(100.0 * row->claimed) / 100.0
                                                    : row->claimed);
     }
