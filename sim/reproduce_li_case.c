@@ -59,27 +59,40 @@ typedef struct {
 
 bool li_case_load(rig_config_t *base) {
     rig_config_init(base);
-    return data_files_load_part(base, "reproduce", LI_PAPER);
+    return data_files_load_part(base, "motors", LI_MACHINE) &&
+           data_files_load_part(base, "drives", LI_MACHINE) &&
+           data_files_load_part(base, "plants", LI_MACHINE) &&
+           data_files_load_part(base, "reproduce", LI_PAPER);
 }
 
 static bool has_dead_time(li_column_t column) {
     return column == LI_PRINTED_DEAD || column == LI_CORRECTED;
 }
 
-/// The file's drive with the case's observer.
+static bool is_printed(li_column_t column) {
+    return column == LI_PRINTED || column == LI_PRINTED_DEAD;
+}
+
+/// No dead time, no drops, and firmware that knows it.
+static void idealise(rig_config_t *config) {
+    lode_inverter_config_t *inverter = &config->drive.inverter;
+    inverter->dead_time_s = inverter->v_drop_V = inverter->r_on_Ohm = 0.0f;
+    config->plant.inverter = PLANT_AVERAGED;
+    config->plant.dead_time_s = config->plant.v_drop_V = config->plant.r_on_Ohm = 0.0;
+}
+
+/// The files' drive with the case's observer.
 static bool describe(const li_case_t *what, const rig_config_t *base, rig_config_t *config) {
-    static const rig_emf_t exact[LI_OBSERVERS] = {RIG_EMF_C, RIG_EMF_GI, RIG_EMF_FA};
-    static const rig_emf_t euler[LI_OBSERVERS] = {RIG_EMF_C_EULER, RIG_EMF_GI_EULER,
-                                                  RIG_EMF_FA_EULER};
-    const bool printed = what->column == LI_PRINTED || what->column == LI_PRINTED_DEAD;
-    const bool corrected = what->column == LI_CORRECTED;
+    static const rig_emf_t emf[LI_OBSERVERS] = {RIG_EMF_C, RIG_EMF_GI, RIG_EMF_FA};
     *config = *base;
-    config->emf = printed ? euler[what->observer] : exact[what->observer];
-    config->pll = printed ? RIG_PLL_LESO_EULER : RIG_PLL_LESO;
-    config->compensation = printed || what->column == LI_UNCOMPENSATED ? RIG_COMPENSATION_NONE
-                                                                       : RIG_COMPENSATION_EXACT;
+    config->emf = emf[what->observer];
+    config->pll = RIG_PLL_LESO;
+    config->compensation =
+        what->column == LI_UNCOMPENSATED ? RIG_COMPENSATION_NONE : RIG_COMPENSATION_EXACT;
+    config->six.source = what->source;
+    config->six.xy.resonance_rad_s = what->plain_xy ? LODE_NONE : config->six.xy.resonance_rad_s;
     lode_drive_config_t *drive = &config->drive;
-    drive->inverter.dead_time_correction = corrected ? LODE_ON : LODE_OFF;
+    drive->inverter.dead_time_correction = what->column == LI_CORRECTED ? LODE_ON : LODE_OFF;
     if (what->k2_rad_s > 0.0) {
         drive->estimator.emf.k2_rad_s = (float)what->k2_rad_s;
     }
@@ -87,17 +100,30 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
         drive->estimator.pll.sigma_rad_s = (float)what->sigma_rad_s;
     }
     if (what->id_A > 0.0) { // at every speed
-        drive->references = (lode_references_config_t){
-            .id_bias_A = (float)what->id_A, .omega_low_rad_s = 1.0e4f, .omega_high_rad_s = 2.0e4f};
+        drive->references.id_bias_A = (float)what->id_A;
+        drive->references.omega_low_rad_s = 1.0e4f;
+        drive->references.omega_high_rad_s = 2.0e4f;
     }
     if (!has_dead_time(what->column)) {
-        drive->inverter.dead_time_s = 0.0f;
-        config->plant.inverter = PLANT_AVERAGED;
-        config->plant.dead_time_s = 0.0;
+        idealise(config);
     }
-    config->plant.emf5_ratio = what->harmonics;
-    config->plant.emf7_ratio = what->harmonics;
+    if (what->harmonics > 0.0) {
+        config->plant.emf5_ratio = config->plant.emf7_ratio = what->harmonics;
+    }
     return rig_config_complete(config, RIG_NEED_DRIVE);
+}
+
+/// The paper's own form beside the library's, which makes the start.
+static euler_config_t printed_form(const li_case_t *what, const rig_config_t *config) {
+    static const rig_emf_t emf[LI_OBSERVERS] = {RIG_EMF_C_EULER, RIG_EMF_GI_EULER,
+                                                RIG_EMF_FA_EULER};
+    static rig_config_t own;
+    own = *config;
+    own.emf = emf[what->observer];
+    own.pll = RIG_PLL_LESO_EULER;
+    own.compensation = RIG_COMPENSATION_NONE;
+    rig_config_design(&own);
+    return euler_estimate_config(&own);
 }
 
 static bool start(run_t *run, const rig_config_t *base) {
@@ -107,21 +133,10 @@ static bool start(run_t *run, const rig_config_t *base) {
     if (!describe(run->what, base, &config) || !rig_config_plant(&config, &plant, &extra_load_Nm)) {
         return false;
     }
-    plant.sets = PLANT_SETS;
-    plant.Lxy_H = LI_LXY_H;
-    run->config = (lode_drive6_config_t){
-        .drive = config.drive,
-        .Lxy_H = (float)LI_LXY_H,
-        .source = run->what->source,
-        .xy = {.resonance_rad_s = run->what->plain_xy ? LODE_NONE : 0.0f},
-        .open_phase = LODE_OPEN_PHASE_IGNORE,
-    };
-    run->printed = euler_estimate_wanted(&config);
+    run->config = rig_config_six(&config);
+    run->printed = is_printed(run->what->column);
     if (run->printed) {
-        lode_drive6_config_t complete = run->config;
-        lode_drive6_design(&complete);
-        config.drive = complete.drive;
-        run->euler_config = euler_estimate_config(&config);
+        run->euler_config = printed_form(run->what, &config);
     }
     run->ts_s = plant.period_s;
     const lode_status_t status = lode_drive6_init(&run->drive, &run->tuning[0], &run->config);
@@ -129,11 +144,8 @@ static bool start(run_t *run, const rig_config_t *base) {
         refusal_report(&config, status);
         return false;
     }
-    const char *why = plant_init(&run->plant, &plant);
-    if (why != NULL) {
-        rig_error("%s: %s", LI_PAPER, why);
-    }
-    return why == NULL;
+    (void)plant_init(&run->plant, &plant); // rig_config_plant() has tried
+    return true;
 }
 
 // ---- One period ---------------------------------------------------------------------------------

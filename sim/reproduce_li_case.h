@@ -1,5 +1,5 @@
 /// One experiment of paper 2 (Li, Hu, Ma, Liu): which observer in which form, in what circumstances, and
-/// what it showed. The plant is a stand-in, see reproduce/li-fa-leso.ini.
+/// what it showed.
 #ifndef RIG_REPRODUCE_LI_CASE_H
 #define RIG_REPRODUCE_LI_CASE_H
 
@@ -9,10 +9,11 @@
 #include "rig_config.h"
 
 #define LI_PAPER "li-fa-leso"
+/// Motor, drive and plant: a stand-in for the paper's, whose table is not available.
+#define LI_MACHINE "eldeeb2017"
 /// Ours, as the paper gives no rated load: 10 A, 2/3 of i_max, at id = 0. That is 4.4 kW at 1600 rpm.
 #define LI_RATED_A 10.0
 #define LI_RATED_Nm (3.0 * 5.0 * 0.1746 * LI_RATED_A)
-#define LI_LXY_H 0.9e-3
 /// Steady figures are those of this last part of a stage: whole turns at 25, 50 and 70 Hz.
 #define LI_WINDOW_s 1.0
 #define LI_LOAD_RISE_s 2.0e-4

@@ -696,7 +696,7 @@ static void xy_plane(work_t *work) {
     }
 }
 
-const double li_sweep_k2[LI_SWEEP] = {75.0, 90.0, 112.0, 150.0, 200.0, 314.159, 450.0, 600.0};
+const double li_sweep_k2[LI_SWEEP] = {60.0, 75.0, 112.0, 150.0, 200.0, 314.159, 450.0, 600.0};
 
 li_case_t li_sweep_case(double k2_rad_s, bool load_step) {
     li_case_t what = li_step_case(LI_FA, LI_EXACT, k2_rad_s, STEP_Nm);
