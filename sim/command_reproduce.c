@@ -8,11 +8,11 @@
 #include "atomic_file.h"
 #include "ini_config.h"
 #include "outputs.h"
-#include "reproduce_li_rows.h"
+#include "reproduce_li_plots.h"
 #include "reproduce_plots.h"
 #include "reproduce_report.h"
 
-enum { PLOTS_MAX = REPRODUCE_PLOTS };
+enum { PLOTS_MAX = LI_PLOTS }; // the most of any
 
 /// One paper, as the command sees it.
 typedef struct {
@@ -70,12 +70,16 @@ static const table_t *li_run(void) {
     return li_reproduction_run(&li_table, &li_base) ? &li_table : NULL;
 }
 
+static bool li_draw(FILE *svg, int k) {
+    return li_plot(svg, k, &li_table, &li_base);
+}
+
 // ---- Both ---------------------------------------------------------------------------------------
 
 static const study_t studies[] = {
     {CASE_PAPER, jiang_load, jiang_run, &bases.paper, REPRODUCE_PLOTS, reproduce_plot_file,
      jiang_plot},
-    {LI_PAPER, li_load, li_run, &li_base, 0, NULL, NULL},
+    {LI_PAPER, li_load, li_run, &li_base, LI_PLOTS, li_plot_file, li_draw},
 };
 
 static const study_t *study_of(const char *paper) {
