@@ -53,7 +53,7 @@ static const drawing_t drawings[LI_PLOTS] = {
      "Fig. 16: 300-600-840-600-300 rpm at 1000 rpm/s, no load",
      RUNS,
      {.stages = 0},
-     2.5},
+     2.0},
     {"fig17.svg", "Fig. 17: 5 Nm on and off at 600 rpm", RUNS, {.stages = 1}, 2.8},
     {"fig18.svg",
      "Fig. 18: wrong Rs and Lq, FA-LESO, half load, 300 rpm",
