@@ -64,8 +64,8 @@ static double complex response(const euler_config_t *c, double w, double tuned) 
     double complex stiffness = c->w0_rad_s * c->w0_rad_s;
     if (c->emf == EULER_GI_LESO) {
         const double wc = c->gi_wc_rad_s;
-        stiffness +=
-            2.0 * c->gi_Kr * wc * ts * d / (d * d + 2.0 * wc * ts * d + tuned * tuned * ts * ts * z);
+        stiffness += 2.0 * c->gi_Kr * wc * ts * d /
+                     (d * d + 2.0 * wc * ts * d + tuned * tuned * ts * ts * z);
     }
     const double complex n = ts * ts * stiffness;
     return n / (d * (d + 2.0 * c->w0_rad_s * ts) + n);

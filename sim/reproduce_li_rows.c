@@ -243,8 +243,9 @@ li_case_t li_steady_case(li_observer_t observer, li_column_t column, double load
 
 static const char short_of[] =
     "the paper's own eq. 29 gives 3.8, 7.7 and 10.9 deg. What it measured beyond that falls with "
-    "speed "
-    "(3.2, 2.3, 1.1 deg): no delay,\nrather the voltage error of its inverter, which is not given";
+    "speed (3.2, 2.3, 1.1 deg):\nno delay, rather the voltage error of its inverter, which is not "
+    "given";
+
 static const char euler_leads[] =
     "forward Euler leads by half a period, w Ts/2; sampled exactly it does not";
 
@@ -765,7 +766,7 @@ static void sweep(work_t *work, const runs_t set_1[LI_OBSERVERS]) {
     (void)snprintf(figure->note, sizeof figure->note,
                    "set 1, half load, 300 rpm. The paper's 0.8/5.4 and 0.7/5.9 are %.1f and %.1f "
                    "%%; Table II has k2 = 314. "
-                   "sigma = 150, at most k2/2. So slow an\nobserver has its price, in the rows of "
+                   "sigma = 150, at most k2/2. So slow\nan observer has its price, in the rows of "
                    "the step: the "
                    "paper claims 3.2 deg for 80 %% load with the same gains",
                    wanted[0], wanted[1]);
