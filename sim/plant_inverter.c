@@ -112,31 +112,39 @@ static void begin_averaged(plant_inverter_t *self, const double i_A[PLANT_LEGS],
     }
 }
 
+static void begin_switched(plant_inverter_t *self, const double i_A[PLANT_LEGS], int set,
+                           const double duty[PLANT_LEGS], bool gates_on, bool was_averaging) {
+    for (int n = set * PLANT_PHASES; n < (set + 1) * PLANT_PHASES; n++) {
+        plant_leg_t *leg = &self->leg[n];
+        if (was_averaging) {
+            leg->sign = leg->open ? 0 : sign_of(i_A[n]);
+        }
+        // Edges that changed no terminal are still to be made.
+        (void)plant_pwm_apply(&leg->pwm, self->period_s);
+        plant_pwm_schedule(&leg->pwm, duty[n], gates_on, self->period_s, self->dead_time_s);
+    }
+}
+
+/// What the timer makes of a duty.
+static double realised(const plant_inverter_t *self, double duty) {
+    const double within = duty > 0.0 ? fmin(duty, 1.0) : 0.0;
+    return self->pwm_ticks > 0 ? floor(within * self->pwm_ticks + 0.5) / self->pwm_ticks : within;
+}
+
 void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
                           const double duty[PLANT_LEGS], const bool gates_on[PLANT_SETS]) {
-    double realised[PLANT_LEGS], i_A[PLANT_LEGS];
+    double share[PLANT_LEGS] = {0.0}, i_A[PLANT_LEGS] = {0.0};
     for (int n = 0; n < legs_of(self); n++) {
-        realised[n] = duty[n] > 0.0 ? fmin(duty[n], 1.0) : 0.0;
-        if (self->pwm_ticks > 0) {
-            realised[n] = floor(realised[n] * self->pwm_ticks + 0.5) / self->pwm_ticks;
-        }
+        share[n] = realised(self, duty[n]);
     }
     plant_motor_phase_currents(motor, &motor->x, i_A);
     for (int set = 0; set < self->sets; set++) {
         const bool was_averaging = self->averaging[set];
         self->averaging[set] = gates_on[set] && self->level == PLANT_AVERAGED;
         if (self->averaging[set]) {
-            begin_averaged(self, i_A, set, realised);
-            continue;
-        }
-        for (int n = set * PLANT_PHASES; n < (set + 1) * PLANT_PHASES; n++) {
-            if (was_averaging) {
-                self->leg[n].sign = self->leg[n].open ? 0 : sign_of(i_A[n]);
-            }
-            // Edges that changed no terminal are still to be made.
-            (void)plant_pwm_apply(&self->leg[n].pwm, self->period_s);
-            plant_pwm_schedule(&self->leg[n].pwm, realised[n], gates_on[set], self->period_s,
-                               self->dead_time_s);
+            begin_averaged(self, i_A, set, share);
+        } else {
+            begin_switched(self, i_A, set, share, gates_on[set], was_averaging);
         }
     }
     plant_inverter_settle(self, motor, 0.0);

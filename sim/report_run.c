@@ -115,21 +115,26 @@ void report_run_table(FILE *file, const rig_config_t *config, const runner_resul
 
 // ---- CSV ----------------------------------------------------------------------------------------
 
-void report_run_csv(FILE *file, const runlog_t *log) {
+/// The names, or the values of a row.
+static void write_line(FILE *file, const runlog_t *log, const runlog_row_t *row) {
     for (const runlog_column_t *column = runlog_columns; column->name != NULL; ++column) {
-        if (runlog_has(log, column)) {
-            (void)fprintf(file, "%s%s", column == runlog_columns ? "" : ",", column->name);
+        const char *gap = column == runlog_columns ? "" : ",";
+        if (!runlog_has(log, column)) {
+            continue;
+        }
+        if (row == NULL) {
+            (void)fprintf(file, "%s%s", gap, column->name);
+        } else {
+            (void)fprintf(file, "%s%.*g", gap, column->digits, runlog_value(row, column));
         }
     }
     (void)fputc('\n', file);
+}
+
+void report_run_csv(FILE *file, const runlog_t *log) {
+    write_line(file, log, NULL);
     for (size_t k = 0; k < log->rows; ++k) {
-        for (const runlog_column_t *column = runlog_columns; column->name != NULL; ++column) {
-            if (runlog_has(log, column)) {
-                (void)fprintf(file, "%s%.*g", column == runlog_columns ? "" : ",", column->digits,
-                              runlog_value(&log->row[k], column));
-            }
-        }
-        (void)fputc('\n', file);
+        write_line(file, log, &log->row[k]);
     }
 }
 

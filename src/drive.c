@@ -148,7 +148,7 @@ lode_measurement_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *cou
 }
 
 lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_measurement_t *measurement) {
-    return lode_core_estimate(self, measurement);
+    return lode_core_estimate(self, measurement->u_V, measurement->sample.i_A);
 }
 
 lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *measurement,
@@ -158,6 +158,7 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *me
 
 LODE_HOT lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts) {
     const lode_measurement_t measured = sensed(self, counts); // counts -> A, V, realised voltage
-    const lode_estimate_t rotor = lode_core_estimate(self, &measured); // -> angle and speed at t_k
-    return acted(self, &measured, &rotor, true);                       // -> duties, gates
+    const lode_estimate_t rotor =
+        lode_core_estimate(self, measured.u_V, measured.sample.i_A); // -> angle and speed at t_k
+    return acted(self, &measured, &rotor, true);                     // -> duties, gates
 }

@@ -113,11 +113,13 @@ LODE_INLINE lode_sample_t both_of(const lode_sense_tuning_t *tuning, const lode_
     const bool hotter_2 =
         (second->temperature_count > first->temperature_count) == (tuning->temperature_gain > 0.0f);
     lode_sample_t both = *first;
-    both.i_abc_A = second->alert && !first->alert ? second->i_abc_A : first->i_abc_A;
+    if (second->alert && !first->alert) {
+        both.i_abc_A = second->i_abc_A;
+    }
     both.temperature_count = hotter_2 ? second->temperature_count : first->temperature_count;
-    both.trip = first->trip || second->trip;
-    both.alert = first->alert || second->alert;
-    both.railed = first->railed || second->railed;
+    both.trip = (bool)(first->trip | second->trip);
+    both.alert = (bool)(first->alert | second->alert);
+    both.railed = (bool)(first->railed | second->railed);
     return both;
 }
 
@@ -127,6 +129,12 @@ LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
     return self->tuning->source != LODE_SOURCE_VSD &&
            self->active == (uint_least8_t)LODE_SETS_BOTH &&
            lode_core_mode(&self->drive) == LODE_MODE_RUN;
+}
+
+// Without an index, which would put both into memory.
+LODE_INLINE lode_ab_t of_set(const lode_sets_t *sets, bool first) {
+    return first ? (lode_ab_t){sets->set[0].alpha, sets->set[0].beta}
+                 : (lode_ab_t){sets->set[1].alpha, sets->set[1].beta};
 }
 
 LODE_INLINE lode_measurement6_t measured(lode_drive6_t *self, const lode_counts6_t *counts) {
@@ -139,7 +147,9 @@ LODE_INLINE lode_measurement6_t measured(lode_drive6_t *self, const lode_counts6
     x.m.calibration = LODE_CALIBRATION_RUNNING;
     x.m.offset_count = 0.0f;
     if (lode_core_mode(drive) == LODE_MODE_CALIBRATE) {
-        x.m.calibration = calibrated(self, counts, &x.m.offset_count);
+        float worst_count;
+        x.m.calibration = calibrated(self, counts, &worst_count);
+        x.m.offset_count = worst_count;
     }
     const lode_sample_t first =
         lode_sense_step(&drive->sense, tuning, &counts->set[0], &drive->duty_before);
@@ -147,38 +157,44 @@ LODE_INLINE lode_measurement6_t measured(lode_drive6_t *self, const lode_counts6
         lode_sense_step(&self->sense_2, tuning, &counts->set[1], &self->duty_before_2);
     const lode_sets_t u_V = {{lode_inverter_realised(&drive->inverter, first.v_bus_V),
                               lode_inverter_realised(&self->inverter_2, first.v_bus_V)}};
-    x.i_abc_A = (lode_abc6_t){{first.i_abc_A, second.i_abc_A}};
-    x.i_A = (lode_sets_t){{first.i_A, lode_set2_to_stator(second.i_A)}};
+    x.watched = self->active == (uint_least8_t)LODE_SETS_BOTH &&
+                self->tuning->open_phase != LODE_OPEN_PHASE_IGNORE &&
+                lode_core_mode(drive) == LODE_MODE_RUN;
+    if (x.watched) {
+        lode_open_phase_note(&self->watch, &first.i_abc_A, &second.i_abc_A);
+    }
+    x.i_A = (lode_sets_t){{first.i_A, lode_set2_clarke(second.i_abc_A)}};
     x.m.sample = both_of(tuning, &first, &second);
     self->i_xy_A = lode_vsd_xy(x.i_A);
     if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
         x.m.sample.i_A = lode_vsd_ab(x.i_A);
         x.m.u_V = lode_vsd_ab(u_V);
     } else {
-        const int32_t set = self->active == (uint_least8_t)LODE_SETS_ONLY_1 ? 0 : 1;
-        x.m.sample.i_A = x.i_A.set[set];
-        x.m.u_V = u_V.set[set];
+        const bool first_alone = self->active == (uint_least8_t)LODE_SETS_ONLY_1;
+        x.m.sample.i_A = of_set(&x.i_A, first_alone);
+        x.m.u_V = of_set(&u_V, first_alone);
     }
     x.u_seen_V = x.m.u_V;
     x.i_seen_A = x.m.sample.i_A;
     if (sees_one_set(self)) {
-        const int32_t set = self->tuning->source == LODE_SOURCE_SET_1 ? 0 : 1;
-        x.u_seen_V = u_V.set[set];
-        x.i_seen_A = x.i_A.set[set];
+        x.u_seen_V = of_set(&u_V, self->tuning->source == LODE_SOURCE_SET_1);
+        x.i_seen_A = of_set(&x.i_A, self->tuning->source == LODE_SOURCE_SET_1);
     }
     return x;
 }
 
 // Angle and speed at t_k; the current in the rotor's frame is the one that is controlled.
 LODE_INLINE lode_estimate_t estimated(lode_drive6_t *self, const lode_measurement6_t *x) {
-    lode_measurement_t seen = x->m;
-    seen.u_V = x->u_seen_V;
-    seen.sample.i_A = x->i_seen_A;
-    lode_estimate_t estimate = lode_core_estimate(&self->drive, &seen);
-    if (sees_one_set(self)) {
-        estimate.i_A = lode_park(x->m.sample.i_A, estimate.rotor);
-    }
-    return estimate;
+    const lode_estimate_t seen = lode_core_estimate(&self->drive, x->u_seen_V, x->i_seen_A);
+    // Not a changed copy: that would go through memory.
+    return (lode_estimate_t){.omega_rad_s = seen.omega_rad_s,
+                             .rotor = seen.rotor,
+                             .half_turn = seen.half_turn,
+                             .i_A = lode_park(x->m.sample.i_A, seen.rotor),
+                             .e_V = seen.e_V,
+                             .load_torque_Nm = seen.load_torque_Nm,
+                             .lock = seen.lock,
+                             .reseeded = seen.reseeded};
 }
 
 // One set goes on alone: its currents are twice those of both.
@@ -190,35 +206,35 @@ static LODE_COLD void go_on_alone(lode_drive6_t *self, lode_active_t active, lod
     drive->i_A = lode_park(i_A, rotor);
     lode_current_reset(&drive->current, &drive->tuning->current, drive->u_V, drive->i_A,
                        omega_rad_s);
+    lode_references_reset(&drive->references, drive->i_A.d);
     drive->ref_A = drive->i_A; // until the speed control's turn
     lode_xy_reset(&self->xy);
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
 }
 
-static LODE_COLD void answer(lode_drive6_t *self, lode_open_phase_t open, const lode_sets_t *i_A,
+// `i_A`: of the other set.
+static LODE_COLD void answer(lode_drive6_t *self, lode_open_phase_t open, lode_ab_t i_A,
                              lode_sincos_t rotor, float omega_rad_s) {
-    const int32_t set = lode_open_phase_set(open);
     self->open = open;
     if (self->tuning->open_phase == LODE_OPEN_PHASE_TRIP) {
         lode_guard_trip(&self->drive.guard, self->drive.mode, LODE_CHECK_OPEN_PHASE, (float)open,
                         0.0f);
     } else {
-        go_on_alone(self, set == 0 ? LODE_SETS_ONLY_2 : LODE_SETS_ONLY_1, i_A->set[1 - set], rotor,
-                    omega_rad_s);
+        const bool in_1 = lode_open_phase_set(open) == 0;
+        go_on_alone(self, in_1 ? LODE_SETS_ONLY_2 : LODE_SETS_ONLY_1, i_A, rotor, omega_rad_s);
     }
 }
 
 LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_measurement6_t *x,
                               const lode_estimate_t *est) {
-    if (self->active != (uint_least8_t)LODE_SETS_BOTH ||
-        self->tuning->open_phase == LODE_OPEN_PHASE_IGNORE ||
-        lode_core_mode(&self->drive) != LODE_MODE_RUN) {
+    if (!x->watched) {
         return;
     }
     const lode_open_phase_t open =
-        lode_open_phase_step(&self->watch, &self->tuning->watch, &x->i_abc_A, est->rotor.sin);
+        lode_open_phase_step(&self->watch, &self->tuning->watch, est->rotor.sin);
     if (open > 0u) {
-        answer(self, open, &x->i_A, est->rotor, est->omega_rad_s);
+        answer(self, open, of_set(&x->i_A, lode_open_phase_set(open) == 1), est->rotor,
+               est->omega_rad_s);
     }
 }
 

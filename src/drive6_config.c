@@ -14,19 +14,19 @@ lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H) {
     return alone;
 }
 
-// A leg's ripple flows in both planes, most of it in xy: there the inductance is the least.
-static void design_inverter(lode_drive6_config_t *config, float ts_s) {
-    const float L_ab = 0.5f * (config->drive.motor.Ld_H + config->drive.motor.Lq_H);
-    lode_motor_t leg = config->drive.motor;
-    leg.Ld_H = leg.Lq_H = 2.0f * L_ab * config->Lxy_H / lode_max(L_ab + config->Lxy_H, FLT_MIN);
-    lode_inverter_design(&config->drive.inverter, &leg, ts_s);
+// The ripple of a set's currents is that of both planes, 1/L the mean of theirs: the leakage decides it.
+static float ripple_H(float L_H, float Lxy_H) {
+    return 2.0f * L_H * Lxy_H / lode_max(L_H + Lxy_H, FLT_MIN);
 }
 
 void lode_drive6_design(lode_drive6_config_t *config) {
     const float ts_s = 1.0f / lode_max(config->drive.f_pwm_Hz, FLT_MIN);
     config->drive.motor.sets = (float)LODE_SETS;
+    lode_motor_t ripple = config->drive.motor;
+    ripple.Ld_H = ripple_H(ripple.Ld_H, config->Lxy_H);
+    ripple.Lq_H = ripple_H(ripple.Lq_H, config->Lxy_H);
+    lode_inverter_design(&config->drive.inverter, &ripple, ts_s);
     lode_xy_design(&config->xy, ts_s);
-    design_inverter(config, ts_s);
     // A set's voltage is at most the sum of both planes'.
     config->drive.current.voltage_use =
         lode_given_or(config->drive.current.voltage_use, VOLTAGE_USE - config->xy.voltage_share);

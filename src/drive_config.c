@@ -20,6 +20,26 @@ static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t
     return RATED_SHARE * inverter->v_bus_V / (LODE_SQRT3 * lode_max(flux, FLT_MIN));
 }
 
+// The voltage bounds the speed no longer: by default twice the speed at which the magnets' EMF takes all
+// of it, between 2.5 and 5 times rated (the default observer's lag is compensated up to 5.9 times), with
+// at least 12 periods per turn.
+#define WEAKENED_SHARE 2.0f
+#define WEAKENED_RATED_MIN 2.5f
+#define WEAKENED_RATED_MAX 5.0f
+#define WEAKENED_TS 0.5f
+// At the limits of current and voltage nearly all flux may lie on the q axis, which is voltage on the d
+// axis: with 0.9 of the circle a motor with an MTPV range lost its id on the way in.
+#define WEAKENED_D_SHARE 0.97f
+
+static float weakened_omega(const lode_drive_config_t *config) {
+    const lode_motor_t *motor = &config->motor;
+    const float full = config->inverter.v_bus_V / (LODE_SQRT3 * lode_max(motor->psi_Wb, FLT_MIN));
+    const float omega =
+        lode_clamp(WEAKENED_SHARE * full, WEAKENED_RATED_MIN * motor->omega_rated_rad_s,
+                   WEAKENED_RATED_MAX * motor->omega_rated_rad_s);
+    return lode_min(omega, WEAKENED_TS * config->f_pwm_Hz);
+}
+
 // What estimator and current control see: the slope of the switches is one with the windings.
 static lode_motor_t circuit_of(const lode_drive_config_t *config) {
     lode_motor_t circuit = config->motor;
@@ -35,14 +55,22 @@ void lode_drive_design(lode_drive_config_t *config) {
         lode_given_or(motor->omega_rated_rad_s, rated_omega(motor, inverter));
     lode_sense_design(&config->sense);
     lode_inverter_design(&config->inverter, motor, ts_s);
-    lode_estimator_design(&config->estimator, motor, ts_s);
     lode_references_design(&config->references, inverter, motor);
+    if (config->references.field_weakening == LODE_ON) {
+        config->estimator.omega_max_rad_s =
+            lode_given_or(config->estimator.omega_max_rad_s, weakened_omega(config));
+    }
+    lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
     lode_current_design(&config->current, &circuit, ts_s);
     lode_start_design(&config->start, inverter, motor);
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
                       config->start.omega_handover_rad_s);
     lode_guard_design(&config->guard, inverter, &config->estimator);
+    config->references.v_bus_max_V =
+        lode_given_or(config->references.v_bus_max_V, config->guard.v_bus_max_V);
+    config->references.v_bus_min_V =
+        lode_given_or(config->references.v_bus_min_V, config->guard.v_bus_min_V);
 }
 
 // Speed moves slowly: its control need not run faster than SPEED_RATE_Hz. Slow interrupts have time.
@@ -71,11 +99,15 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
 
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    const lode_motor_t circuit = circuit_of(c);
     lode_status_t status =
-        lode_references_tune(&t->references, &c->references, &c->inverter, &c->motor);
+        lode_references_tune(&t->references, &c->references, &c->inverter, &circuit,
+                             c->current.voltage_use, (float)t->speed_periods * t->ts_s);
     if (status == LODE_OK) {
-        const lode_motor_t circuit = circuit_of(c);
         status = lode_current_tune(&t->current, &c->current, &circuit, t->ts_s);
+        if (t->references.weakens) {
+            t->current.d_share = WEAKENED_D_SHARE;
+        }
     }
     if (status == LODE_OK) {
         status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,

@@ -53,14 +53,15 @@ static lode_dq_t seen_from(lode_dq_t x, lode_sincos_t turn) {
 static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_dq_t u_V =
-        seen_from(self->u_V, lode_sincos(lode_estimate_theta_rad(est) - self->theta_rad));
+        seen_from(self->u_V, lode_angle_subtract(est->rotor, lode_start_vector(&self->start)));
     lode_current_reset(&self->current, &tuning->current, u_V, est->i_A, est->omega_rad_s);
     const float torque = lode_references_torque_Nm(&tuning->references, est->i_A);
     lode_speed_reset(&self->speed, &tuning->speed, est->omega_rad_s * tuning->inv_pole_pairs,
                      torque, lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator));
     self->start.fade = 1.0f;
     self->start.id_A =
-        est->i_A.d - lode_references_step(&tuning->references, torque, est->omega_rad_s, 0.0f).d;
+        est->i_A.d - lode_references_id_A(&tuning->references, torque, est->omega_rad_s);
+    lode_references_reset(&self->references, est->i_A.d);
     self->ref_A = est->i_A; // until the speed control's turn
     self->direction = lode_sign(est->omega_rad_s);
     lode_core_set_mode(self, LODE_MODE_RUN);
@@ -73,8 +74,8 @@ LODE_COLD void lode_core_hand_back(lode_drive_t *self, float omega_rad_s, lode_d
     const float iq = lode_clamp(i_A.q, -current_A, current_A);
     const float turn = lode_atan2(iq, lode_sqrt(current_A * current_A - iq * iq));
     const lode_dq_t u_V = seen_from(self->u_V, lode_sincos(turn));
-    self->theta_rad = lode_wrap(lode_estimator_theta_rad(&self->estimator) + turn);
-    lode_start_reset(&self->start, self->theta_rad, omega_rad_s, current_A);
+    lode_start_reset(&self->start, lode_estimator_theta_rad(&self->estimator) + turn, omega_rad_s,
+                     current_A);
     lode_current_reset(&self->current, &self->tuning->current, u_V, (lode_dq_t){current_A, 0.0f},
                        0.0f);
     lode_core_set_mode(self, LODE_MODE_START);
@@ -100,7 +101,7 @@ static void follow_start(lode_drive_t *self, const lode_estimate_t *est) {
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
     const float current_A = stopping && at_rest ? 0.0f : tuning->current_A;
-    self->theta_rad = lode_start_step(start, tuning, target, current_A, est->e_V);
+    (void)lode_start_step(start, tuning, target, current_A, est->e_V);
     if (self->command.mode != LODE_MODE_RUN ||
         (stopping && at_rest && !(start->current_A > 0.0f))) {
         lode_core_switch_off(self, LODE_MODE_OFF);
@@ -174,15 +175,18 @@ LODE_COLD void lode_core_follow_command(lode_drive_t *self, lode_calibration_t c
 
 // The frame of VOLTAGE, CURRENT and START: at an angle of its own.
 LODE_COLD lode_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t i_A) {
-    float omega = self->start.omega_rad_s;
-    const float theta = self->theta_rad;
-    if (lode_core_mode(self) != LODE_MODE_START) {
-        omega = self->command.omega_rad_s;
-        self->theta_rad = lode_wrap(theta + self->tuning->ts_s * omega);
+    const float ts_s = self->tuning->ts_s;
+    if (lode_core_mode(self) == LODE_MODE_START) {
+        const float omega = self->start.omega_rad_s;
+        const lode_sincos_t vector = lode_start_vector(&self->start);
+        const lode_sincos_t half_turn = lode_sincos_small(0.5f * ts_s * omega);
+        return (lode_frame_t){vector, half_turn, omega, 0.0f, lode_park(i_A, vector)};
     }
-    const lode_sincos_t rotor = lode_sincos(theta);
-    const lode_sincos_t half_turn = lode_sincos(0.5f * self->tuning->ts_s * omega);
-    return (lode_frame_t){rotor, half_turn, omega, 0.0f, lode_park(i_A, rotor)};
+    const float omega = self->command.omega_rad_s;
+    const lode_sincos_t vector = lode_sincos(self->theta_rad);
+    self->theta_rad = lode_wrap(self->theta_rad + ts_s * omega);
+    return (lode_frame_t){vector, lode_sincos(0.5f * ts_s * omega), omega, 0.0f,
+                          lode_park(i_A, vector)};
 }
 
 LODE_HOT void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm) {

@@ -48,13 +48,13 @@ void lode_core_own_references(lode_drive_t *self, float v_bus_V);
 void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm);
 
 // Angle and speed at t_k.
-LODE_INLINE lode_estimate_t lode_core_estimate(lode_drive_t *self, const lode_measurement_t *m) {
+LODE_INLINE lode_estimate_t lode_core_estimate(lode_drive_t *self, lode_ab_t u_V, lode_ab_t i_A) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     if (!self->gates) { // the voltage at open terminals is not known
         lode_estimator_reset(&self->estimator, tuning);
         return (lode_estimate_t){.rotor = {0.0f, 1.0f}};
     }
-    return lode_estimator_follow(&self->estimator, tuning, m->u_V, m->sample.i_A);
+    return lode_estimator_follow(&self->estimator, tuning, u_V, i_A);
 }
 
 // What the gates are driven by is a number. An estimate from outside may not be one; the drive's own
@@ -86,7 +86,9 @@ LODE_INLINE void watch(lode_drive_t *self, const lode_measurement_t *m, const lo
     note_temperature(self, &m->sample);
     const lode_condition_t condition = {m->sample.v_bus_V, self->temperature_degC,
                                         self->direction * est->omega_rad_s, est->lock};
-    lode_guard_watch(&self->guard, &self->tuning->guard, condition, now);
+    const lode_situation_t here = {now.state, now.sensorless,
+                                   now.finite}; // as in lode_guard_step()
+    lode_guard_watch(&self->guard, &self->tuning->guard, condition, here);
 }
 
 // What follows speed and load. After the duties, which do not wait for it.
@@ -126,11 +128,9 @@ LODE_INLINE void lode_core_follow(lode_drive_t *self, const lode_measurement_t *
     self->steps++;
     if (lode_core_mode(self) != LODE_MODE_RUN || self->command.mode != LODE_MODE_RUN) {
         // A copy: the estimate itself stays in registers.
-        const lode_estimate_t rotor = {.omega_rad_s = est->omega_rad_s,
-                                       .rotor = est->rotor,
-                                       .i_A = est->i_A,
-                                       .e_V = est->e_V,
-                                       .lock = est->lock};
+        const lode_estimate_t rotor = {est->omega_rad_s, est->rotor,   est->half_turn,
+                                       est->i_A,         est->e_V,     est->load_torque_Nm,
+                                       est->lock,        est->reseeded};
         lode_core_follow_command(self, m->calibration, m->offset_count, &rotor);
     }
 }
@@ -143,7 +143,8 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
     const bool running = lode_core_mode(self) == LODE_MODE_RUN;
     lode_frame_t frame = {est->rotor, est->half_turn, est->omega_rad_s, est->omega_rad_s, est->i_A};
     if (!running) {
-        const lode_frame_t own = lode_core_own_frame(self, m->sample.i_A);
+        const lode_ab_t i_A = {m->sample.i_A.alpha, m->sample.i_A.beta}; // a copy, as above
+        const lode_frame_t own = lode_core_own_frame(self, i_A);
         frame = (lode_frame_t){own.rotor, own.half_turn, own.omega_rad_s, own.omega_rotor, own.i_A};
         lode_core_own_references(self, v_bus_V);
     }
@@ -154,8 +155,12 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_measur
         lode_core_control_speed(self, est->omega_rad_s, est->load_torque_Nm);
     }
     if (running && is_turn(self, 2u)) {
-        self->ref_A = lode_references_step(&tuning->references, self->speed.torque_Nm,
-                                           est->omega_rad_s, self->start.fade * self->start.id_A);
+        const lode_references_voltage_t voltage = {v_bus_V, self->u_V};
+        const lode_references_out_t ref =
+            lode_references_step(&self->references, &tuning->references, self->speed.torque_Nm,
+                                 est->omega_rad_s, self->start.fade * self->start.id_A, voltage);
+        self->ref_A = ref.i_A;
+        self->speed.limit_Nm = ref.torque_Nm;
     }
     if (running || lode_core_mode(self) != LODE_MODE_VOLTAGE) {
         self->u_V = lode_current_step(&self->current, &tuning->current, self->ref_A, frame.i_A,

@@ -6,50 +6,344 @@
 #define OMEGA_HIGH_SHARE 0.4f
 #define BIAS_SHARE 0.25f // of i_max: 3 A of 12 A leaves no phase at zero for long
 
+#define VOLTAGE_USE 0.95f // leaves control 5 % of its circle, some 20 times the bus' noise
+#define TRIM_rad_s 20.0f  // a decade below speed control
+#define TRIM_MAX 0.15f    // dead time, drops and 10 % of psi
+#define RELEASE_s 0.1f
+#define FALL_s 4.0e-3f       // id may fall by i_max in some four time constants of current control
+#define FLUX_MIN_SHARE 0.02f // of psi: some 50 times the speed at which psi alone takes the voltage
+// Near MTPV the flux no longer depends on id: from a tenth of the slope at no current the step is
+// bounded by fall_A.
+#define SLOPE_MIN_SHARE 0.1f
+#define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi
+#define WEAKENING_SHARE 1.0e-3f    // of i_max below what the torque alone would have
+#define SETTLED_SHARE 0.9f         // of the slower rate of id: less is no rate limit
+#define FLUX_UNLIMITED 1.0e9f      // finite when squared, beyond any motor's
+#define FLUX_SLACK 1.02f           // some of what voltage_use leaves: iq is not to follow its noise
+#define SATURATION_STEPS 32
+
 void lode_references_design(lode_references_config_t *config,
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
+    if (config->field_weakening == LODE_AUTO) {
+        config->field_weakening = LODE_OFF;
+    }
     config->id_bias_A = lode_given_or(config->id_bias_A, BIAS_SHARE * inverter->i_max_A);
     config->omega_low_rad_s =
         lode_given_or(config->omega_low_rad_s, OMEGA_LOW_SHARE * motor->omega_rated_rad_s);
     config->omega_high_rad_s =
         lode_given_or(config->omega_high_rad_s, OMEGA_HIGH_SHARE * motor->omega_rated_rad_s);
+    config->voltage_use = lode_given_or(config->voltage_use, VOLTAGE_USE);
+    config->trim_rad_s = lode_given_or(config->trim_rad_s, TRIM_rad_s);
+    config->release_s = lode_given_or(config->release_s, RELEASE_s);
+    config->id_max_A = lode_given_or(config->id_max_A, inverter->i_max_A);
 }
 
-lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
-                                   const lode_references_config_t *config,
-                                   const lode_inverter_config_t *inverter,
-                                   const lode_motor_t *motor) {
+static bool is_weakening_sound(const lode_references_config_t *config, float i_max_A) {
+    return lode_in_range(config->voltage_use, 0.1f, 1.0f) &&
+           (lode_in_range(config->trim_rad_s, 0.1f, 1.0e3f) ||
+            lode_in_range(config->trim_rad_s, LODE_NONE, LODE_NONE)) &&
+           lode_in_range(config->release_s, 1.0e-3f, 10.0f) &&
+           lode_in_range(config->id_max_A, 1.0e-3f * i_max_A, i_max_A);
+}
+
+// Each fade that is asked for lies between the nominal bus and its end.
+static bool is_fade_sound(const lode_references_config_t *config, float v_bus_V) {
+    const bool regen = lode_in_range(config->v_regen_V, 0.0f, 0.0f) ||
+                       (config->v_regen_V >= v_bus_V && config->v_bus_max_V > config->v_regen_V &&
+                        lode_is_finite(config->v_bus_max_V));
+    const bool motor = lode_in_range(config->v_motor_V, 0.0f, 0.0f) ||
+                       (config->v_motor_V <= v_bus_V && config->v_motor_V > config->v_bus_min_V &&
+                        config->v_bus_min_V >= 0.0f);
+    return regen && motor;
+}
+
+static lode_status_t check(const lode_references_config_t *config,
+                           const lode_inverter_config_t *inverter) {
     const float span = config->omega_high_rad_s - config->omega_low_rad_s;
     if (!(config->id_bias_A <= inverter->i_max_A) || !lode_is_finite(config->id_bias_A) ||
         !(span > 0.0f) || !lode_is_finite(span)) {
         return LODE_ERROR_ID_BIAS;
     }
-    *tuning = (lode_references_tuning_t){
-        .fade = {config->omega_high_rad_s, 1.0f / span},
+    if ((config->kind != LODE_REFERENCES_ID0 && config->kind != LODE_REFERENCES_MTPA) ||
+        (config->field_weakening != LODE_ON && config->field_weakening != LODE_OFF)) {
+        return LODE_ERROR_REFERENCES;
+    }
+    if (!is_weakening_sound(config, inverter->i_max_A)) {
+        return LODE_ERROR_FIELD_WEAKENING;
+    }
+    if (!lode_in_range(config->Lq_fall, 0.0f, 10.0f / inverter->i_max_A)) {
+        return LODE_ERROR_LQ_FALL;
+    }
+    return is_fade_sound(config, inverter->v_bus_V) ? LODE_OK : LODE_ERROR_BUS_FADE;
+}
+
+LODE_INLINE float Lq_at(const lode_references_tuning_t *tuning, float iq_A) {
+    return tuning->Lq_H / (1.0f + tuning->Lq_fall * lode_abs(iq_A));
+}
+
+// Most torque of the circle (R6), over the torque factor: id from the amplitude in closed form, with
+// the Lq of the iq of the step before.
+static float most_turn(const lode_references_tuning_t *tuning) {
+    const float i_max = tuning->i_max_A;
+    float iq = i_max;
+    float id = 0.0f;
+    float salient = tuning->salient_H;
+    for (int32_t i = 0; tuning->mtpa && i < SATURATION_STEPS; i++) {
+        salient = tuning->Ld_H - Lq_at(tuning, iq);
+        const float arm = 2.0f * salient * i_max;
+        id = arm * i_max /
+             (tuning->psi_Wb + lode_sqrt(tuning->psi_Wb * tuning->psi_Wb + 2.0f * arm * arm));
+        iq = lode_sqrt(i_max * i_max - id * id);
+    }
+    return (tuning->psi_Wb + salient * id) * iq;
+}
+
+// A fade that is never met where none is wanted.
+static lode_fade_t fade_between(float low, float high, bool wanted) {
+    return wanted ? (lode_fade_t){high, 1.0f / (high - low)} : (lode_fade_t){FLT_MAX, 1.0f};
+}
+
+static void tune_weakening(lode_references_tuning_t *t, const lode_references_config_t *config,
+                           const lode_inverter_config_t *inverter, const lode_motor_t *motor,
+                           float voltage_use, float ts_s) {
+    const float i_max = inverter->i_max_A;
+    const float trim_ts = lode_max(config->trim_rad_s, 0.0f) * ts_s;
+    t->circle = config->voltage_use * voltage_use / LODE_SQRT3;
+    const float nominal = t->circle * inverter->v_bus_V;
+    t->trim_gain = 0.5f * trim_ts / (nominal * nominal);
+    t->trim_decay = lode_min(trim_ts, 1.0f);
+    t->drop = motor->Rs_Ohm / nominal;
+    t->flux_min = FLUX_MIN_SHARE * motor->psi_Wb;
+    t->flux_max = motor->psi_Wb + (motor->Ld_H + motor->Lq_H) * i_max;
+    t->slope_min = SLOPE_MIN_SHARE * 2.0f * motor->psi_Wb * motor->Ld_H;
+    t->id_min_A = -config->id_max_A;
+    t->fall_A = i_max * lode_min(ts_s / FALL_s, 1.0f);
+    t->rise_A = i_max * lode_min(ts_s / config->release_s, 1.0f);
+    // With Lq >= Ld the point of most torque per volt lies beyond psi/Ld (R13).
+    t->mtpv = motor->Ld_H > motor->Lq_H || motor->psi_Wb < motor->Ld_H * config->id_max_A;
+}
+
+lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
+                                   const lode_references_config_t *config,
+                                   const lode_inverter_config_t *inverter,
+                                   const lode_motor_t *motor, float voltage_use, float ts_s) {
+    const lode_status_t status = check(config, inverter);
+    if (status != LODE_OK) {
+        return status;
+    }
+    const bool regen = config->v_regen_V > 0.0f;
+    const bool motoring = config->v_motor_V > 0.0f;
+    lode_references_tuning_t t = {
+        .fade = fade_between(config->omega_low_rad_s, config->omega_high_rad_s, true),
         .id_bias_A = lode_max(config->id_bias_A, 0.0f),
         .i_max_A = inverter->i_max_A,
         .psi_Wb = motor->psi_Wb,
         .salient_H = motor->Ld_H - motor->Lq_H,
         .torque_factor = lode_motor_torque_factor(motor),
+        .inv_torque_factor = 1.0f / lode_motor_torque_factor(motor),
+        .mtpa = config->kind == LODE_REFERENCES_MTPA,
+        .weakens = config->field_weakening == LODE_ON,
+        .inv_psi2 = 1.0f / (motor->psi_Wb * motor->psi_Wb),
+        .Ld_H = motor->Ld_H,
+        .inv_Ld = 1.0f / motor->Ld_H,
+        .Lq_H = motor->Lq_H,
+        .active_min = ACTIVE_FLUX_MIN_SHARE * motor->psi_Wb,
+        .fades = regen || motoring,
+        .Lq_fall = config->Lq_fall,
+        .regen = fade_between(config->v_regen_V, config->v_bus_max_V, regen),
+        .motor = fade_between(-config->v_motor_V, -config->v_bus_min_V, motoring),
     };
+    t.plain = !t.mtpa && !t.weakens && !regen && !motoring && !(t.Lq_fall > 0.0f);
+    t.turn_max = most_turn(&t);
+    tune_weakening(&t, config, inverter, motor, voltage_use, ts_s);
+    *tuning = t;
     return LODE_OK;
 }
 
-static float torque_per_iq(const lode_references_tuning_t *tuning, float id_A) {
-    return tuning->torque_factor * (tuning->psi_Wb + tuning->salient_H * id_A);
+void lode_references_reset(lode_references_t *self, float id_A) {
+    *self = (lode_references_t){.id_A = id_A};
 }
 
-LODE_HOT lode_dq_t lode_references_step(const lode_references_tuning_t *tuning, float torque_Nm,
-                                        float omega_rad_s, float id_add_A) {
+// An id so positive that a salient rotor has no torque left is met at the current limit.
+LODE_INLINE float active_flux(const lode_references_tuning_t *tuning, float salient, float id_A) {
+    return lode_max(tuning->psi_Wb + salient * id_A, tuning->active_min);
+}
+
+// id of MTPA for the torque `turn` >= 0 over the torque factor: (R3) to (R5).
+LODE_INLINE float mtpa_id(const lode_references_tuning_t *tuning, float salient, float turn) {
+    const float y = 4.0f * lode_abs(salient) * turn * tuning->inv_psi2;
+    const float y2 = y * y;
+    const float guess = 1.0f + lode_sqrt(1.0f + y2 / (4.0f + y));
+    const float guess2 = guess * guess;
+    const float r =
+        guess - (guess2 * guess * (guess - 2.0f) - y2) / (guess2 * (4.0f * guess - 6.0f));
+    const float inv_flux = 2.0f / (tuning->psi_Wb * r);
+    const float iq = turn * inv_flux;
+    return salient * iq * iq * inv_flux;
+}
+
+// id for the torque alone (R7).
+LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient, float turn,
+                          float omega_rad_s) {
+    const float bias = -tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
+    if (!tuning->mtpa) {
+        return bias;
+    }
+    const float id = mtpa_id(tuning, salient, turn);
+    return bias < 0.0f ? lode_min(id, bias) : id;
+}
+
+// Flux that the voltage leaves room for (R8), with the trim (R9) brought up to date.
+LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuning_t *tuning,
+                             float omega_rad_s, lode_references_voltage_t voltage) {
+    const float use = tuning->circle * voltage.v_bus_V;
+    const lode_dq_t u = voltage.u_V;
+    const float room = use * use - (u.d * u.d + u.q * u.q);
+    const float change =
+        self->weakening ? tuning->trim_gain * room : -tuning->trim_decay * self->trim;
+    if ((self->settled || (self->lowest && change > 0.0f)) && lode_is_finite(change)) {
+        self->trim = lode_clamp(self->trim + change, -TRIM_MAX, TRIM_MAX);
+    }
+    const float emf = use + use * self->trim - tuning->drop * self->turn * omega_rad_s;
+    const float flux = emf / lode_max(lode_abs(omega_rad_s), 1.0f);
+    return lode_clamp(flux, tuning->flux_min, tuning->flux_max);
+}
+
+// Most torque per volt (R13): the currents at the flux `flux`.
+static lode_dq_t mtpv(const lode_references_tuning_t *tuning, float Lq, float flux) {
+    const float inv_Lq = 1.0f / Lq;
+    const float p = tuning->psi_Wb * tuning->inv_Ld;
+    const float q = 2.0f * (tuning->inv_Ld - inv_Lq) * flux;
+    const float cosine = -q / (p + lode_sqrt(p * p + 2.0f * q * q));
+    const float sine = lode_sqrt(1.0f - cosine * cosine);
+    return (lode_dq_t){(flux * cosine - tuning->psi_Wb) * tuning->inv_Ld, flux * sine * inv_Lq};
+}
+
+// One Newton step from the last id towards the flux `flux`: (R10) inside the circle, (R11) on it.
+LODE_INLINE float newton_id(const lode_references_tuning_t *tuning, float id, float Lq, float turn,
+                            float flux) {
+    const float salient = tuning->Ld_H - Lq;
+    const float i_max = tuning->i_max_A;
+    const float psi_d = tuning->psi_Wb + tuning->Ld_H * id;
+    const float active = active_flux(tuning, salient, id);
+    const float excess = psi_d * psi_d - flux * flux;
+    const float iq2 = i_max * i_max - id * id;
+    const float active2 = active * active;
+    if (turn * turn >= active2 * iq2) {
+        const float slope = 2.0f * (psi_d * tuning->Ld_H - Lq * Lq * id);
+        return id - (excess + Lq * Lq * iq2) / lode_max(slope, tuning->slope_min);
+    }
+    const float slope = 2.0f * active * (psi_d * tuning->Ld_H * active + excess * salient);
+    const float psi_q = Lq * turn;
+    return id - (excess * active2 + psi_q * psi_q) / lode_max(slope, tuning->slope_min * active2);
+}
+
+// `id_free` or, where the voltage asks for it, less: falls fast, rises slowly (R12).
+LODE_INLINE float weakened_id(lode_references_t *self, const lode_references_tuning_t *tuning,
+                              float Lq, float turn, float flux, float id_free, float id_min) {
+    const float before = self->id_A;
+    const float high = lode_min(id_free, before + tuning->rise_A);
+    const float low = lode_min(lode_max(id_min, before - tuning->fall_A), high);
+    const float id = lode_clamp(newton_id(tuning, before, Lq, turn, flux), low, high);
+    self->weakening = id < id_free - WEAKENING_SHARE * tuning->i_max_A;
+    // At the least id, or at a rate limit, it does not answer to the trim.
+    self->lowest = !(id > tuning->id_min_A);
+    self->settled = !self->lowest && lode_abs(id - before) < SETTLED_SHARE * tuning->rise_A;
+    return id;
+}
+
+// Torques over the torque factor that the bus allows against and with positive iq (R14).
+LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, float omega_rad_s,
+                                    float v_bus_V) {
+    const float most = tuning->turn_max;
+    if (!tuning->fades) {
+        return (lode_range_t){-most, most};
+    }
+    const float motor = most * lode_fade(&tuning->motor, -v_bus_V);
+    const float regen = most * lode_fade(&tuning->regen, v_bus_V);
+    return omega_rad_s < 0.0f ? (lode_range_t){-motor, regen} : (lode_range_t){-regen, motor};
+}
+
+// iq for the torque, within the circle (K11); it waits until id leaves it the flux (R12).
+LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float turn, float active,
+                        float iq_max, float id, float Lq, float flux) {
+    const float iq = lode_min(turn / active, iq_max);
+    const float psi_d = tuning->psi_Wb + tuning->Ld_H * id;
+    const float psi_q = Lq * iq;
+    const float room = FLUX_SLACK * FLUX_SLACK * flux * flux - psi_d * psi_d;
+    return psi_q * psi_q <= room ? iq : lode_sqrt(room) / Lq;
+}
+
+LODE_HOT lode_references_out_t lode_references_optimal(lode_references_t *self,
+                                                       const lode_references_tuning_t *tuning,
+                                                       float torque_Nm, float omega_rad_s,
+                                                       float id_add_A,
+                                                       lode_references_voltage_t voltage) {
+    const bool saturates = tuning->Lq_fall > 0.0f;
+    const float Lq = saturates ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
+    const float salient = tuning->Ld_H - Lq;
+    const float i_max = tuning->i_max_A;
+    const lode_range_t bus = bus_limits(tuning, omega_rad_s, voltage.v_bus_V);
+    const float wanted = lode_clamp(torque_Nm * tuning->inv_torque_factor, bus.min, bus.max);
+    float turn = lode_abs(wanted);
+    float most = FLT_MAX;
+    float flux = FLUX_UNLIMITED;
+    float id = lode_clamp(free_id(tuning, salient, turn, omega_rad_s) + id_add_A, -i_max, i_max);
+    bool weakening = false;
+    if (tuning->weakens) {
+        flux = flux_limit(self, tuning, omega_rad_s, voltage);
+        float id_min = tuning->id_min_A;
+        if (tuning->mtpv) {
+            const lode_dq_t point = mtpv(tuning, Lq, flux);
+            most = active_flux(tuning, salient, point.d) * point.q;
+            turn = lode_min(turn, most);
+            id_min = lode_max(id_min, point.d);
+        }
+        id = weakened_id(self, tuning, Lq, turn, flux, id, id_min);
+        weakening = self->weakening;
+    }
+    const float iq_max = lode_sqrt(i_max * i_max - id * id);
+    const float active = active_flux(tuning, salient, id);
+    const float iq = iq_of(tuning, turn, active, iq_max, id, Lq, flux);
+    const float signed_iq = wanted < 0.0f ? -iq : iq;
+    self->id_A = id;
+    self->iq_A = signed_iq;
+    self->turn = active * signed_iq;
+    // With more torque MTPA would move id too: all of the circle can be had.
+    const float circle = active * iq_max;
+    const float open = tuning->mtpa && !weakening ? lode_max(circle, tuning->turn_max) : circle;
+    const float limit = lode_min(open, most);
+    return (lode_references_out_t){{id, signed_iq},
+                                   {tuning->torque_factor * lode_max(-limit, bus.min),
+                                    tuning->torque_factor * lode_min(limit, bus.max)}};
+}
+
+LODE_HOT lode_references_out_t lode_references_step(lode_references_t *self,
+                                                    const lode_references_tuning_t *tuning,
+                                                    float torque_Nm, float omega_rad_s,
+                                                    float id_add_A,
+                                                    lode_references_voltage_t voltage) {
+    if (!tuning->plain) {
+        return lode_references_optimal(self, tuning, torque_Nm, omega_rad_s, id_add_A, voltage);
+    }
     const float i_max = tuning->i_max_A;
     const float bias = tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
     const float id = lode_clamp(id_add_A - bias, -i_max, i_max);
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
-    // An id so positive that a salient rotor has no torque left is met at the current limit.
-    const float per_iq = lode_max(torque_per_iq(tuning, id), 0.1f * torque_per_iq(tuning, 0.0f));
-    return (lode_dq_t){id, lode_clamp(torque_Nm / per_iq, -iq_max, iq_max)};
+    const float per_iq = tuning->torque_factor * active_flux(tuning, tuning->salient_H, id);
+    const float limit = per_iq * iq_max;
+    return (lode_references_out_t){{id, lode_clamp(torque_Nm / per_iq, -iq_max, iq_max)},
+                                   {-limit, limit}};
+}
+
+float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
+                           float omega_rad_s) {
+    const float turn = lode_abs(torque_Nm) * tuning->inv_torque_factor;
+    const float id =
+        free_id(tuning, tuning->salient_H, lode_min(turn, tuning->turn_max), omega_rad_s);
+    return lode_clamp(id, -tuning->i_max_A, tuning->i_max_A);
 }
 
 float lode_references_torque_Nm(const lode_references_tuning_t *tuning, lode_dq_t i_A) {
-    return torque_per_iq(tuning, i_A.d) * i_A.q;
+    return tuning->torque_factor * (tuning->psi_Wb + tuning->salient_H * i_A.d) * i_A.q;
 }

@@ -71,6 +71,7 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
     lode_pi_reset(&self->pi, torque_Nm - tuning->load_feed_forward * load_Nm);
     self->reference_rad_s = omega_rad_s;
     self->torque_Nm = torque_Nm;
+    self->limit_Nm = (lode_range_t){-tuning->torque_max_Nm, tuning->torque_max_Nm};
 }
 
 LODE_HOT float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
@@ -88,13 +89,13 @@ LODE_HOT float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tu
                                    : lode_clamp(push + against, push, 0.0f);
     const float ff = tuning->load_feed_forward * load_Nm + ramp;
     const float asked = lode_pi_output(&self->pi, &tuning->pi, error, ff);
-    const float limit = tuning->torque_max_Nm;
-    if (lode_abs(asked) <= limit) {
+    const lode_range_t limit = self->limit_Nm;
+    if (lode_in_range(asked, limit.min, limit.max)) {
         lode_pi_integrate(&self->pi, &tuning->pi, error);
         self->torque_Nm = asked;
         return asked;
     }
-    const float torque = lode_clamp(asked, -limit, limit);
+    const float torque = lode_clamp(asked, limit.min, limit.max);
     lode_pi_settle(&self->pi, &tuning->pi, error, ff, asked, torque);
     self->torque_Nm = torque;
     return torque;

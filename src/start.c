@@ -105,8 +105,10 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 }
 
 void lode_start_reset(lode_start_t *self, float theta_rad, float omega_rad_s, float current_A) {
-    *self = (lode_start_t){
-        .theta_rad = lode_wrap(theta_rad), .omega_rad_s = omega_rad_s, .current_A = current_A};
+    *self = (lode_start_t){.theta_rad = lode_wrap(theta_rad),
+                           .at = lode_sincos(theta_rad),
+                           .omega_rad_s = omega_rad_s,
+                           .current_A = current_A};
 }
 
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
@@ -144,17 +146,20 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
 
 LODE_HOT float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
                                float omega_target_rad_s, float current_A, lode_ab_t e_V) {
-    self->theta_rad = lode_wrap(self->theta_rad + tuning->ts_s * self->omega_rad_s);
-    const float across_V = lode_park(e_V, lode_sincos(self->theta_rad)).q;
+    // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
+    // turn, or a rotor that happens to lie opposite to it would feel no torque.
+    const bool rising = self->current_A < current_A;
+    const bool sweeps = rising && !(lode_abs(self->omega_rad_s) > 0.0f);
+    const float sweep_rad = lode_sign(omega_target_rad_s) * tuning->sweep_step_rad;
+    self->theta_rad = lode_wrap_once(self->theta_rad + tuning->ts_s * self->omega_rad_s +
+                                     (sweeps ? sweep_rad : 0.0f));
+    self->at = lode_sincos(self->theta_rad);
+    const float across_V = lode_park(e_V, self->at).q;
     self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
     self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
     self->shift_rad = lode_clamp(-tuning->damping * self->swing_V, -SHIFT_MAX_rad, SHIFT_MAX_rad);
-    // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
-    // turn, or a rotor that happens to lie opposite to it would feel no torque.
-    if (self->current_A >= current_A) {
+    if (!rising) {
         self->omega_rad_s = lode_ramp(self->omega_rad_s, omega_target_rad_s, tuning->omega_step);
-    } else if (!(lode_abs(self->omega_rad_s) > 0.0f)) {
-        self->theta_rad += lode_sign(omega_target_rad_s) * tuning->sweep_step_rad;
     }
     self->current_A = lode_ramp(self->current_A, current_A, tuning->current_step);
     self->periods++;

@@ -77,7 +77,7 @@ static void test_circle_with_d_first_and_headroom_for_q(void) {
     const lode_current_config_t config = sound();
     const lode_current_tuning_t tuning = tuned(&config);
     random_t random = random_seed(2);
-    for (int n = 0; n < 50000; n++) {
+    for (int n = 0; n < CHECK_TRIES(50000); n++) {
         lode_current_t current = {.d = {random_float(&random, -200.0, 200.0)},
                                   .q = {random_float(&random, -200.0, 200.0)}};
         const lode_current_t before = current;
@@ -228,7 +228,7 @@ static void test_any_input_stays_in_the_circle(void) {
     const lode_current_tuning_t tuning = tuned(&config);
     random_t random = random_seed(3);
     lode_current_t current = {.d = {0.0f}, .q = {0.0f}};
-    for (int n = 0; n < 300000; n++) {
+    for (int n = 0; n < CHECK_TRIES(300000); n++) {
         const lode_dq_t ref = {random_any(&random), random_any(&random)};
         const lode_dq_t i = {random_any(&random), random_any(&random)};
         const lode_dq_t u =

@@ -121,6 +121,25 @@ static void test_one_set_as_the_source_sees_its_harmonics(void) {
     }
 }
 
+static void test_field_weakening_keeps_the_angle(void) {
+    // 1.5 times the speed at which the magnets take all of the voltage, 992 electrical rad/s. At -12.6 A
+    // the machine is stiffer than the PLL: without (P19) the angle is lost within two seconds.
+    lode_drive6_config_t config = rig6_config();
+    config.drive.references.kind = LODE_REFERENCES_MTPA;
+    config.drive.references.field_weakening = LODE_ON;
+    for (int way = -1; way <= 1; way += 2) {
+        rig6_t rig = turning(&config, way * 1200.0, 1.0);
+        rig6_command(&rig, run_at(way * 2841.0));
+        CHECK_AT_MOST(2.0, worst_angle(&rig, 3.0)); // entry
+        CHECK_AT_MOST(0.05, worst_angle(&rig, 1.0));
+        CHECK_CLOSE(0.005, RPM(2841.0) * RIG6_NP, way * rig.omega);
+        CHECK_AT_MOST(-12.0, creal(rig.i_dq));
+        rig6_command(&rig, run_at(way * 1200.0));
+        CHECK_AT_MOST(2.0, worst_angle(&rig, 3.0)); // exit
+        CHECK_AT_LEAST(-2.0, creal(rig.i_dq));
+    }
+}
+
 static void test_calibration_takes_all_six_offsets(void) {
     rig6_t rig = fresh();
     const double offsets[6] = {12.0, -20.0, 8.0, -31.0, 25.0, 3.0};
@@ -158,7 +177,7 @@ static void test_a_trip_of_either_set_switches_both_off_at_once(void) {
 static void test_over_current_in_set_2_is_seen(void) {
     const lode_drive6_config_t config = rig6_config();
     rig6_t rig = turning(&config, 300.0, 0.0);
-    rig.offset[5] = 23.0 / RIG6_GAIN_A; // 23 A where 22.5 A trips
+    rig.offset[5] = 25.0 / RIG6_GAIN_A; // of either sign with the 2 A that flow, above 22.5 A
     rig6_step(&rig);
     expect_fault(&rig, LODE_CHECK_OVER_CURRENT);
 }
@@ -387,6 +406,7 @@ int main(void) {
     RUN_TEST(test_every_kind_of_observer);
     RUN_TEST(test_resonators_hold_the_xy_plane_at_zero);
     RUN_TEST(test_one_set_as_the_source_sees_its_harmonics);
+    RUN_TEST(test_field_weakening_keeps_the_angle);
     RUN_TEST(test_calibration_takes_all_six_offsets);
     RUN_TEST(test_an_implausible_offset_of_set_2_is_a_fault);
     RUN_TEST(test_a_trip_of_either_set_switches_both_off_at_once);

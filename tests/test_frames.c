@@ -7,7 +7,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-#define CASES 20000
+#define CASES CHECK_TRIES(20000)
 // A handful of float roundings of numbers up to 100.
 #define ROUNDING 5.0e-5
 

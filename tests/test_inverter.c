@@ -121,7 +121,7 @@ static void test_adapting_is_total(void) {
     const lode_inverter_config_t config = sound();
     const lode_inverter_tuning_t tuning = tuned(&config);
     random_t random = random_seed(3);
-    for (int n = 0; n < 100000; n++) {
+    for (int n = 0; n < CHECK_TRIES(100000); n++) {
         lode_inverter_t inverter;
         lode_inverter_reset(&inverter);
         const lode_dq_t u = {random_any(&random), random_any(&random)};

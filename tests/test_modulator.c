@@ -206,7 +206,7 @@ static void test_any_input_gives_duties(void) {
                                               inverter(4.0e-6f, 8400.0f, LODE_ON, LODE_OFF),
                                               inverter(4.0e-6f, 65535.0f, LODE_OFF, LODE_ON)};
     random_t random = random_seed(3);
-    for (int n = 0; n < 400000; n++) {
+    for (int n = 0; n < CHECK_TRIES(400000); n++) {
         const lode_ab_t u = {random_any(&random), random_any(&random)};
         // Currents come from counts: finite, and never beyond 65535 of 1e4 A, twice.
         const lode_ab_t i = {lode_clamp(random_any(&random), -1.3e9f, 1.3e9f),

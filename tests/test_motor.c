@@ -43,6 +43,21 @@ static void test_pole_pairs_are_a_whole_number(void) {
     }
 }
 
+static void test_sets_are_one_or_two(void) {
+    const size_t offset = offsetof(lode_motor_t, sets);
+    const float good[] = {0.0f, 1.0f, 2.0f};
+    const float bad[] = {-1.0f, 0.5f, 1.5f, 3.0f, NAN, INFINITY};
+    for (int i = 0; i < COUNT_OF(good); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, good[i]));
+    }
+    for (int i = 0; i < COUNT_OF(bad); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_SETS, try_one(offset, bad[i]));
+    }
+    lode_motor_t motor = paper_motor();
+    motor.sets = 2.0f;
+    CHECK_CLOSE(ROUNDING, 2.0 * 0.639, lode_motor_kt_Nm_A(&motor));
+}
+
 static void test_null_is_refused(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_motor_check(NULL));
 }
@@ -111,6 +126,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_pole_pairs_are_a_whole_number);
+    RUN_TEST(test_sets_are_one_or_two);
     RUN_TEST(test_null_is_refused);
     RUN_TEST(test_torque_and_active_flux);
     RUN_TEST(test_resistance_and_inductance_of_a_phase);

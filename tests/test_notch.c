@@ -172,7 +172,7 @@ static void test_adapting_is_total(void) {
     const lode_notch_tuning_t tuning = tuned(6.0, 0.5);
     random_t random = random_seed(3);
     lode_notch_t notch = empty();
-    for (int n = 0; n < 200000; n++) {
+    for (int n = 0; n < CHECK_TRIES(200000); n++) {
         const float speed = n < 3 ? check_not_finite[n] : random_any(&random);
         lode_notch_adapt(&notch, &tuning, speed);
         TEST_ASSERT_TRUE(lode_in_range(notch.weight, 0.0f, 1.0f));

@@ -27,7 +27,7 @@ static void test_ramp_down(void) {
 
 static void test_ramp_never_overshoots(void) {
     random_t random = random_seed(1);
-    for (int i = 0; i < 100000; i++) {
+    for (int i = 0; i < CHECK_TRIES(100000); i++) {
         const float value = random_float(&random, -10.0, 10.0);
         const float target = random_float(&random, -10.0, 10.0);
         const float step = random_float(&random, 0.0, 5.0);

@@ -22,7 +22,7 @@ static void note_sincos(worst_t *worst, float x) {
 static void test_sincos_error_up_to_8_pi(void) {
     worst_t worst = {0.0};
     const double end = 8.0 * CHECK_PI;
-    for (int i = -1000000; i <= 1000000; i++) {
+    for (int i = -1000000; i <= 1000000; i += CHECK_SHARE) {
         note_sincos(&worst, (float)(end * i / 1.0e6));
     }
     CHECK_AT_MOST(SINCOS_ERROR, worst.value);
@@ -57,7 +57,7 @@ static void test_sincos_known_values(void) {
 
 static void test_sine_is_odd_and_cosine_even(void) {
     random_t random = random_seed(1);
-    for (int i = 0; i < 100000; i++) {
+    for (int i = 0; i < CHECK_TRIES(100000); i++) {
         const float x = random_float(&random, -3000.0, 3000.0);
         const lode_sincos_t plus = lode_sincos(x);
         const lode_sincos_t minus = lode_sincos(-x);
@@ -67,7 +67,7 @@ static void test_sine_is_odd_and_cosine_even(void) {
 
 static void test_sincos_of_any_float_lies_within_one(void) {
     bool inside = true;
-    for (uint64_t bits = 0; bits <= UINT32_MAX; bits += 1021) {
+    for (uint64_t bits = 0; bits <= UINT32_MAX; bits += 1021 * CHECK_SHARE) {
         const lode_sincos_t s = lode_sincos(check_from_bits((uint32_t)bits));
         inside = inside && s.sin >= -1.0f && s.sin <= 1.0f && s.cos >= -1.0f && s.cos <= 1.0f;
     }
@@ -97,7 +97,7 @@ static void test_sincos_beyond_the_limit_is_that_of_zero(void) {
 
 static void test_sincos_of_an_octant(void) {
     worst_t worst = {0.0};
-    for (int i = -200000; i <= 200000; i++) {
+    for (int i = -200000; i <= 200000; i += CHECK_SHARE) {
         const float x = (float)(i * CHECK_PI / 800000.0);
         const lode_sincos_t s = lode_sincos_octant(x);
         worst_note(&worst, (double)s.sin - sin((double)x));
@@ -111,7 +111,7 @@ static void test_sincos_of_an_octant(void) {
 
 static void test_sincos_of_a_small_angle(void) {
     worst_t at_quarter = {0.0};
-    for (int i = -100000; i <= 100000; i++) {
+    for (int i = -100000; i <= 100000; i += CHECK_SHARE) {
         const float x = 0.5f * (float)i / 100000.0f;
         const double a = fabs((double)x);
         const lode_sincos_t s = lode_sincos_small(x);
@@ -160,7 +160,7 @@ static void test_polynomials_are_the_generated_ones(void) {
 static void test_atan2_error_in_all_octants(void) {
     worst_t worst = {0.0};
     random_t random = random_seed(2);
-    for (int i = 0; i < 1000000; i++) {
+    for (int i = 0; i < CHECK_TRIES(1000000); i++) {
         const double angle = random_between(&random, -CHECK_PI, CHECK_PI);
         // Squares of these over- and underflow; the ratio does not.
         const double length = pow(10.0, random_between(&random, -30.0, 38.0));
@@ -190,7 +190,7 @@ static void test_atan2_on_axes_diagonals_and_denormals(void) {
 
 static void test_atan2_of_any_pair_is_an_angle(void) {
     random_t random = random_seed(3);
-    for (int i = 0; i < 1000000; i++) {
+    for (int i = 0; i < CHECK_TRIES(1000000); i++) {
         const float angle = lode_atan2(random_any(&random), random_any(&random));
         TEST_ASSERT_TRUE(angle >= -LODE_PI && angle <= LODE_PI);
     }
@@ -206,7 +206,7 @@ static void test_atan2_of_any_pair_is_an_angle(void) {
 
 static void test_wrap_keeps_the_angle(void) {
     random_t random = random_seed(4);
-    for (int i = 0; i < 1000000; i++) {
+    for (int i = 0; i < CHECK_TRIES(1000000); i++) {
         const float x = random_float(&random, -2048.0, 2048.0);
         const float wrapped = lode_wrap(x);
         TEST_ASSERT_TRUE(wrapped >= -LODE_PI && wrapped <= LODE_PI);
@@ -219,7 +219,7 @@ static void test_wrap_keeps_the_angle(void) {
 
 static void test_wrap_of_any_float_is_an_angle(void) {
     bool inside = true;
-    for (uint64_t bits = 0; bits <= UINT32_MAX; bits += 1021) {
+    for (uint64_t bits = 0; bits <= UINT32_MAX; bits += 1021 * CHECK_SHARE) {
         const float wrapped = lode_wrap(check_from_bits((uint32_t)bits));
         inside = inside && wrapped >= -LODE_PI && wrapped <= LODE_PI;
     }
@@ -232,7 +232,7 @@ static void test_wrap_of_any_float_is_an_angle(void) {
 
 static void test_wrap_once_takes_one_turn(void) {
     random_t random = random_seed(5);
-    for (int i = 0; i < 100000; i++) {
+    for (int i = 0; i < CHECK_TRIES(100000); i++) {
         const float x = random_float(&random, -3.0 * CHECK_PI + 1.0e-5, 3.0 * CHECK_PI - 1.0e-5);
         const float wrapped = lode_wrap_once(x);
         // The last bit of 3 pi and of 2 pi: 5e-7 and 1.8e-7.
@@ -276,7 +276,7 @@ static void test_clamp_min_max_abs_sign(void) {
 
 static void test_sqrt_is_total(void) {
     random_t random = random_seed(6);
-    for (int i = 0; i < 100000; i++) {
+    for (int i = 0; i < CHECK_TRIES(100000); i++) {
         const float x = check_from_bits(random_bits(&random) & 0x7f7fffffu);
         // Correctly rounded: half a last place.
         CHECK_CLOSE(6.0e-8, sqrt((double)x), lode_sqrt(x));
@@ -289,7 +289,7 @@ static void test_sqrt_is_total(void) {
 
 static void test_one_minus_exp_against_expm1(void) {
     random_t random = random_seed(7);
-    for (int i = 0; i < 200000; i++) {
+    for (int i = 0; i < CHECK_TRIES(200000); i++) {
         const float x = (float)pow(10.0, random_between(&random, -37.0, 3.0));
         // Seven squarings of 1 - y in float: a few last places, relative, however small x is.
         CHECK_CLOSE(1.0e-6, -expm1(-(double)x), lode_one_minus_exp(x));
@@ -303,7 +303,7 @@ static void test_one_minus_exp_against_expm1(void) {
 }
 
 static void test_one_minus_exp_of_any_float_is_a_share(void) {
-    for (uint64_t bits = 0; bits <= UINT32_MAX; bits += 10007) {
+    for (uint64_t bits = 0; bits <= UINT32_MAX; bits += 10007 * CHECK_SHARE) {
         const float y = lode_one_minus_exp(check_from_bits((uint32_t)bits));
         TEST_ASSERT_TRUE(y >= 0.0f && y <= 1.0f);
     }

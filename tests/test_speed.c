@@ -135,7 +135,7 @@ static void test_any_input_gives_a_torque_in_range(void) {
     lode_speed_t speed;
     lode_speed_reset(&speed, &tuning, 0.0f, 0.0f, 0.0f);
     random_t random = random_seed(2);
-    for (int n = 0; n < 300000; n++) {
+    for (int n = 0; n < CHECK_TRIES(300000); n++) {
         const float torque = lode_speed_step(&speed, &tuning, random_any(&random),
                                              random_any(&random), random_any(&random));
         CHECK_AT_MOST(TORQUE_MAX * 1.000001, fabs((double)torque));

@@ -97,7 +97,7 @@ typedef struct {
     uint32_t steps;         ///< periods since init
     lode_command_t command; ///< being followed
     float direction;        ///< sense of rotation, -1 or +1
-    float theta_rad;        ///< of the frame of VOLTAGE, CURRENT and START
+    float theta_rad;        ///< of the frame of VOLTAGE and CURRENT
     lode_abc_t duty;        ///< written by the last call
     lode_abc_t duty_before; ///< by the one before it: acts until the next sample
     lode_dq_t i_A;          ///< in the frame of control
@@ -109,6 +109,7 @@ typedef struct {
     lode_estimator_t estimator;
     lode_current_t current;
     lode_speed_t speed;
+    lode_references_t references;
     lode_start_t start;
     lode_guard_t guard;
 } lode_drive_t;

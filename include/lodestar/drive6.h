@@ -85,8 +85,8 @@ typedef struct {
     lode_measurement_t m; ///< of the machine, or of the set that is driven alone
     lode_ab_t u_seen_V;   ///< by the estimator: mean voltage over [t_k-1, t_k)
     lode_ab_t i_seen_A;
-    lode_abc6_t i_abc_A;
     lode_sets_t i_A; ///< of each set, stator axes
+    bool watched;    ///< for open phases
 } lode_measurement6_t;
 
 /// A consistent picture of one period.

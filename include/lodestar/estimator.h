@@ -213,6 +213,7 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     if (lost) {
         i_A = lode_estimator_restart(self, tuning, i_A);
         e_V = (lode_ab_t){0.0f, 0.0f};
+        error = 0.0f;
         half_turn = (lode_sincos_t){0.0f, 1.0f};
     }
 
@@ -224,10 +225,12 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     const lode_dq_t i_dq = lode_park(i_A, rotor);
     self->rotor = rotor;
     self->id_A = i_dq.d;
-    // Known acceleration over the period to come (P3): torque of the measured current, and friction.
-    self->pll.acc_rad_s2 =
-        tuning->acc_per_torque * (tuning->psi_Wb + tuning->salient_H * i_dq.d) * i_dq.q -
-        tuning->acc_per_omega * self->pll.omega_rad_s;
+    // Known acceleration over the period to come (P3): torque of the measured current, seen from where
+    // the rotor is by the position error (P19), and friction.
+    const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_dq.d;
+    const float swing = lode_max(tuning->salient_H * i_dq.q * i_dq.q - flux_Wb * i_dq.d, 0.0f);
+    self->pll.acc_rad_s2 = tuning->acc_per_torque * (flux_Wb * i_dq.q + swing * error) -
+                           tuning->acc_per_omega * self->pll.omega_rad_s;
     return (lode_estimate_t){
         .omega_rad_s = self->pll.omega_rad_s,
         .rotor = rotor,

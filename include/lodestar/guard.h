@@ -110,9 +110,10 @@ LODE_INLINE void lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *
     const uint32_t passed = sample->stamp - self->stamp;
     const bool good = self->stamped && !sample->trip && !sample->alert && now.finite &&
                       passed - tuning->stamp_min <= tuning->stamp_span;
-    if (!good) {
+    if (!good) { // a copy: the situation itself stays in registers
+        const lode_situation_t here = {now.state, now.sensorless, now.finite};
         lode_guard_examine(self, tuning, sample->i_abc_A, passed, sample->trip, sample->railed,
-                           now);
+                           here);
     }
     self->stamp = sample->stamp;
 }

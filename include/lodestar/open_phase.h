@@ -35,19 +35,28 @@ void lode_open_phase_reset(lode_open_phase_watch_t *self);
 lode_open_phase_t lode_open_phase_judge(lode_open_phase_watch_t *self,
                                         const lode_open_phase_tuning_t *tuning);
 
-/// One period with the phase currents `i_A` at the rotor angle of sine `rotor_sin`. Returns a phase that
-/// has been open for two whole electrical periods: the third since it opened at the latest.
+LODE_INLINE void lode_open_phase_add(lode_abc_t *sum_A, const lode_abc_t *i_A) {
+    sum_A->a += lode_abs(i_A->a);
+    sum_A->b += lode_abs(i_A->b);
+    sum_A->c += lode_abs(i_A->c);
+}
+
+/// Takes in the phase currents of both sets, one set at a time: half the work.
+LODE_INLINE void lode_open_phase_note(lode_open_phase_watch_t *self, const lode_abc_t *set_1_A,
+                                      const lode_abc_t *set_2_A) {
+    if (self->samples % 2u == 0u) {
+        lode_open_phase_add(&self->sum_A.set[0], set_1_A);
+    } else {
+        lode_open_phase_add(&self->sum_A.set[1], set_2_A);
+    }
+    self->samples = (uint_least16_t)(self->samples + 1u);
+}
+
+/// After lode_open_phase_note(), at the rotor angle of sine `rotor_sin`. Returns a phase that has been
+/// open for two whole electrical periods: the third since it opened at the latest.
 LODE_INLINE lode_open_phase_t lode_open_phase_step(lode_open_phase_watch_t *self,
                                                    const lode_open_phase_tuning_t *tuning,
-                                                   const lode_abc6_t *i_A, float rotor_sin) {
-    // One set at a time: half the work.
-    const uint_least16_t samples = self->samples;
-    lode_abc_t *sum_A = &self->sum_A.set[samples & 1u];
-    const lode_abc_t *now_A = &i_A->set[samples & 1u];
-    sum_A->a += lode_abs(now_A->a);
-    sum_A->b += lode_abs(now_A->b);
-    sum_A->c += lode_abs(now_A->c);
-    self->samples = (uint_least16_t)(samples + 1u);
+                                                   float rotor_sin) {
     const bool before = self->positive;
     self->positive = rotor_sin >= 0.0f;
     return self->positive && !before ? lode_open_phase_judge(self, tuning) : (lode_open_phase_t)0u;

@@ -9,7 +9,11 @@
 /// Where the code of the interrupt goes. Define it (for instance as
 /// `__attribute__((section(".ccmram")))`) to place every step function in fast memory.
 #ifndef LODE_HOT
+#if defined(__TMS320C28XX__) // TI's section .TI.ramfunc
+#define LODE_HOT __attribute__((ramfunc))
+#else
 #define LODE_HOT
+#endif
 #endif
 
 /// A kernel of the interrupt: small, and part of the function that uses it.
@@ -35,6 +39,15 @@
 #ifndef LODE_SIGNAL_FENCE
 #if defined(__GNUC__)
 #define LODE_SIGNAL_FENCE() __atomic_signal_fence(__ATOMIC_SEQ_CST)
+#elif defined(__TMS320C28XX__)
+// An empty function in a file of its own, port/ti_f28004x/startup.c: this compiler has no barrier, but it
+// cannot see into a call. Not with whole-program optimisation (--opt_level=4).
+#ifdef __cplusplus
+extern "C" void lode_fence(void);
+#else
+void lode_fence(void);
+#endif
+#define LODE_SIGNAL_FENCE() lode_fence()
 #else
 #error "define LODE_SIGNAL_FENCE() as a compiler barrier of your toolchain"
 #endif

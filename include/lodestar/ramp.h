@@ -8,6 +8,12 @@
 extern "C" {
 #endif
 
+/// From `min` to `max`.
+typedef struct {
+    float min;
+    float max;
+} lode_range_t;
+
 /// The next value on the way from `value` to `target`, at most `step` >= 0 away. For a NaN target
 /// the value stays.
 static inline float lode_ramp(float value, float target, float step) {

@@ -1,5 +1,5 @@
-/// From torque to current references. Now: id* = 0 with a demagnetising bias at low speed; MTPA and
-/// field weakening take their place here.
+/// From torque to current references: id* = 0 or most torque per ampere (MTPA), field weakening up to
+/// most torque per volt (MTPV), and limits that follow the bus. docs/theory/references.md.
 #ifndef LODESTAR_REFERENCES_H
 #define LODESTAR_REFERENCES_H
 
@@ -10,11 +10,31 @@
 extern "C" {
 #endif
 
+typedef enum {
+    LODE_REFERENCES_ID0, ///< id* = 0
+    LODE_REFERENCES_MTPA ///< least current for the torque
+} lode_references_kind_t;
+
 typedef struct {
+    lode_references_kind_t kind;
+    lode_choice_t field_weakening; ///< auto: off
     float id_bias_A; ///< magnitude of the negative id at low speed, which keeps the phase currents
                      ///< away from the dead band of the inverter; 0: 0.25 i_max; LODE_NONE: none
     float omega_low_rad_s;  ///< electrical speed up to which it is full; 0: 0.2 of rated
     float omega_high_rad_s; ///< from which it is gone; 0: 0.4 of rated
+    /// share of the current control's voltage circle at which the field is weakened, 0.1 .. 1;
+    /// 0: 0.95. The rest is for control
+    float voltage_use;
+    /// bandwidth at which the voltage that is really used is brought to that share, 0.1 .. 1e3;
+    /// 0: 20; LODE_NONE: feed-forward only
+    float trim_rad_s;
+    float release_s;   ///< time in which id may rise by i_max, 1e-3 .. 10; 0: 0.1
+    float id_max_A;    ///< magnitude of the most negative id: demagnetisation; 0: i_max
+    float Lq_fall;     ///< saturation: Lq is Lq_H/(1 + Lq_fall |iq|), 1/A; 0: does not saturate
+    float v_regen_V;   ///< bus voltage from which braking torque fades; 0: does not fade
+    float v_motor_V;   ///< bus voltage below which motoring torque fades; 0: does not fade
+    float v_bus_max_V; ///< where no braking torque is left; 0: where the guard trips
+    float v_bus_min_V; ///< where no motoring torque is left; 0: where the guard trips
 } lode_references_config_t;
 
 typedef struct {
@@ -23,23 +43,86 @@ typedef struct {
     float i_max_A;
     float psi_Wb;
     float salient_H;     ///< Ld - Lq
-    float torque_factor; ///< 1.5 np
+    float torque_factor; ///< 1.5 np per winding set
+    float active_min;    ///< least active flux that is divided by
+    bool plain;          ///< id* = 0 and nothing else
+    bool mtpa;
+    bool weakens;
+    bool fades; ///< braking or motoring torque follows the bus
+    bool mtpv;  ///< the speed of most torque per volt can be reached
+    float inv_torque_factor;
+    float turn_max; ///< most torque inside the circle, over torque_factor
+    float inv_psi2;
+    float Ld_H;
+    float inv_Ld;
+    float Lq_H; ///< at no current
+    float Lq_fall;
+    float circle;     ///< voltage to be used per bus volt
+    float trim_gain;  ///< per V^2 and call
+    float trim_decay; ///< per call
+    float drop;       ///< Rs over the nominal voltage to be used
+    float flux_min;
+    float flux_max;
+    float slope_min; ///< least slope of flux^2 over id that is divided by
+    float id_min_A;
+    float fall_A; ///< largest move of id per call, towards weaker fields
+    float rise_A; ///< and back
+    lode_fade_t regen;
+    lode_fade_t motor; ///< of the negative bus voltage
 } lode_references_tuning_t;
+
+/// Only field weakening and saturation remember anything.
+typedef struct {
+    float id_A;
+    float iq_A;
+    float turn;     ///< torque of both over the torque factor
+    float trim;     ///< share by which the voltage to be used is corrected
+    bool weakening; ///< the last id was below the one that the torque alone would have
+    bool settled;   ///< it moved freely
+    bool lowest;    ///< it could not be lower
+} lode_references_t;
+
+/// What limits the references from outside.
+typedef struct {
+    float v_bus_V;
+    lode_dq_t u_V; ///< what current control asked for last
+} lode_references_voltage_t;
+
+typedef struct {
+    lode_dq_t i_A;
+    lode_range_t torque_Nm; ///< what can be had at this speed and voltage
+} lode_references_out_t;
 
 void lode_references_design(lode_references_config_t *config,
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor);
 
+/// `voltage_use`: of current control; `ts_s`: time between two calls of the step.
 lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
                                    const lode_references_config_t *config,
                                    const lode_inverter_config_t *inverter,
-                                   const lode_motor_t *motor);
+                                   const lode_motor_t *motor, float voltage_use, float ts_s);
+
+/// Starts from `id_A`, without a jump.
+void lode_references_reset(lode_references_t *self, float id_A);
+
+/// Part of lode_references_step(), which alone calls it: everything but plain id* = 0.
+lode_references_out_t lode_references_optimal(lode_references_t *self,
+                                              const lode_references_tuning_t *tuning,
+                                              float torque_Nm, float omega_rad_s, float id_add_A,
+                                              lode_references_voltage_t voltage);
 
 /// Current references for `torque_Nm` at the electrical speed `omega_rad_s`; `id_add_A` is added to
 /// the d axis (the rest of the start current while it fades). Stays within the circle i_max, d first.
-lode_dq_t lode_references_step(const lode_references_tuning_t *tuning, float torque_Nm,
-                               float omega_rad_s, float id_add_A);
+lode_references_out_t lode_references_step(lode_references_t *self,
+                                           const lode_references_tuning_t *tuning, float torque_Nm,
+                                           float omega_rad_s, float id_add_A,
+                                           lode_references_voltage_t voltage);
 
-/// Torque that `iq_A` makes with `id_A`, Nm: the inverse of the step without its limits.
+/// The id of a torque and speed while the voltage does not limit it.
+float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
+                           float omega_rad_s);
+
+/// Torque that `i_A` makes, Nm: the inverse of the step without its limits and without saturation.
 float lode_references_torque_Nm(const lode_references_tuning_t *tuning, lode_dq_t i_A);
 
 #ifdef __cplusplus

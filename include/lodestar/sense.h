@@ -115,9 +115,8 @@ LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
         const lode_abc_t whole = lode_sense_completed(i, unused);
         i = (lode_abc_t){whole.a, whole.b, whole.c};
     }
-    const bool alert =
-        !(lode_abs(i.a) <= tuning->alert_count && lode_abs(i.b) <= tuning->alert_count &&
-          lode_abs(i.c) <= tuning->alert_count);
+    const float most = lode_max(lode_max(lode_abs(i.a), lode_abs(i.b)), lode_abs(i.c));
+    const bool alert = !(most <= tuning->alert_count);
     return (lode_sample_t){
         .i_abc_A = {tuning->i_gain * i.a, tuning->i_gain * i.b, tuning->i_gain * i.c},
         .i_A = {(2.0f * i.a - i.b - i.c) * tuning->alpha_gain, (i.b - i.c) * tuning->beta_gain},

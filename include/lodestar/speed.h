@@ -45,6 +45,7 @@ typedef struct {
     lode_pi_t pi;
     float reference_rad_s; ///< ramped reference, mechanical
     float torque_Nm;       ///< torque reference
+    lode_range_t limit_Nm; ///< within which it stays; the drive keeps it up to date
 } lode_speed_t;
 
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,

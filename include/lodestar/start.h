@@ -44,6 +44,7 @@ typedef struct {
 
 typedef struct {
     float theta_rad;   ///< angle of the current vector before damping
+    lode_sincos_t at;  ///< its sine and cosine
     float omega_rad_s; ///< its electrical speed
     float current_A;   ///< its length
     float shift_rad;   ///< by which the vector stands ahead of theta, to damp the rotor's swing
@@ -83,6 +84,11 @@ bool lode_start_catch(lode_start_t *self, const lode_start_tuning_t *tuning,
 /// `current_A`. `e_V`: estimated EMF at t_k. Returns the angle of the vector at t_k.
 float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
                       float omega_target_rad_s, float current_A, lode_ab_t e_V);
+
+/// Sine and cosine of the angle that lode_start_step() has returned.
+static inline lode_sincos_t lode_start_vector(const lode_start_t *self) {
+    return lode_angle_add(self->at, lode_sincos_octant(self->shift_rad));
+}
 
 /// The estimator holds at hand-over speed, in the direction of the vector, and has for long enough.
 bool lode_start_ready(lode_start_t *self, const lode_start_tuning_t *tuning,

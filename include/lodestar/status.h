@@ -58,16 +58,22 @@ typedef enum {
     LODE_ERROR_SPEED_RAMP,         ///< acceleration not positive
     LODE_ERROR_SPEED_FEED_FORWARD, ///< share of a feed-forward outside 0 .. 1
     LODE_ERROR_ID_BIAS,            ///< id bias above i_max_A, or its speeds not in order
-    LODE_ERROR_START_CURRENT,      ///< start current outside 0.001 .. 1 times i_max_A
-    LODE_ERROR_START_SPEED,        ///< hand-over speed outside 0 .. omega_max_rad_s
-    LODE_ERROR_START_RAMP,         ///< start acceleration or a start time not positive
-    LODE_ERROR_START_DAMPING,      ///< damping ratio outside 0 .. 2
-    LODE_ERROR_GUARD_CURRENT,      ///< trip current below i_max_A, or beyond the sensor
-    LODE_ERROR_GUARD_BUS,          ///< bus limits not around v_bus_V, or beyond the sensor
-    LODE_ERROR_GUARD_TEMPERATURE,  ///< temperature limit not finite
-    LODE_ERROR_GUARD_SPEED,        ///< over-speed limit outside 1 .. 1e6
-    LODE_ERROR_GUARD_TIME,         ///< a debounce time outside 1 period .. 10 s
-    LODE_ERROR_XY_INDUCTANCE,      ///< Lxy_H outside 1e-7 .. 10
+    LODE_ERROR_REFERENCES,         ///< kind or field_weakening not an enumerator
+    LODE_ERROR_FIELD_WEAKENING, ///< voltage_use outside 0.1 .. 1, trim_rad_s 0.1 .. 1e3, release_s
+                                ///< 1e-3 .. 10 or id_max_A 0.001 .. 1 times i_max_A
+    LODE_ERROR_LQ_FALL,         ///< Lq_fall outside 0 .. 10/i_max_A
+    LODE_ERROR_BUS_FADE, ///< v_bus_V <= v_regen_V < v_bus_max_V or v_bus_min_V < v_motor_V <= v_bus_V
+                         ///< does not hold
+    LODE_ERROR_START_CURRENT,     ///< start current outside 0.001 .. 1 times i_max_A
+    LODE_ERROR_START_SPEED,       ///< hand-over speed outside 0 .. omega_max_rad_s
+    LODE_ERROR_START_RAMP,        ///< start acceleration or a start time not positive
+    LODE_ERROR_START_DAMPING,     ///< damping ratio outside 0 .. 2
+    LODE_ERROR_GUARD_CURRENT,     ///< trip current below i_max_A, or beyond the sensor
+    LODE_ERROR_GUARD_BUS,         ///< bus limits not around v_bus_V, or beyond the sensor
+    LODE_ERROR_GUARD_TEMPERATURE, ///< temperature limit not finite
+    LODE_ERROR_GUARD_SPEED,       ///< over-speed limit outside 1 .. 1e6
+    LODE_ERROR_GUARD_TIME,        ///< a debounce time outside 1 period .. 10 s
+    LODE_ERROR_XY_INDUCTANCE,     ///< Lxy_H outside 1e-7 .. 10
     LODE_ERROR_XY_BANDWIDTH, ///< xy bandwidth outside 1 .. 0.4/Ts, or resonance above a quarter of it
     LODE_ERROR_XY_VOLTAGE,   ///< share of the voltage for the xy plane outside 0 .. 0.5
     LODE_ERROR_SOURCE,       ///< source of the estimator not an enumerator

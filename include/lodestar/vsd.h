@@ -44,6 +44,18 @@ LODE_INLINE lode_ab_t lode_set2_from_stator(lode_ab_t x) {
     return (lode_ab_t){own.d, own.q};
 }
 
+/// Clarke transform of set 2's phases into stator axes, and back: as lode_clarke(), lode_clarke_inverse()
+/// and the turn by 30 degrees, in one.
+LODE_INLINE lode_ab_t lode_set2_clarke(lode_abc_t x) {
+    return (lode_ab_t){(x.a - x.b) * (1.0f / LODE_SQRT3), (x.a + x.b - 2.0f * x.c) * (1.0f / 3.0f)};
+}
+
+LODE_INLINE lode_abc_t lode_set2_clarke_inverse(lode_ab_t x) {
+    const float half = 0.5f * x.beta;
+    const float side = 0.5f * LODE_SQRT3 * x.alpha;
+    return (lode_abc_t){half + side, half - side, -x.beta};
+}
+
 /// alpha-beta is the mean of both sets' vectors, xy half of their difference, mirrored (V1).
 LODE_INLINE lode_ab_t lode_vsd_ab(lode_sets_t x) {
     return (lode_ab_t){0.5f * (x.set[0].alpha + x.set[1].alpha),

@@ -16,6 +16,9 @@ static uint32_t row[ESTIMATORS]; // of the last estimate
 static lode_sense_t sense;
 static lode_current_t current;
 static lode_speed_t speed;
+static lode_references_t references;
+static lode_references_t weak[3];
+static lode_references_tuning_t weak_tuning[3]; // MTPA; id = 0 and MTPA with field weakening
 static lode_guard_t guard;
 static lode_start_t start;
 static lode_pi_t pi;
@@ -25,6 +28,9 @@ static lode_pll_t pll;
 static lode_emf_t emf;
 static lode_sample_t sample;
 static lode_sincos_t rotor;
+static lode_drive6_tuning_t tuning6;
+static lode_xy_t xy;
+static lode_open_phase_watch_t phases;
 
 // Where results go, so that the compiler keeps them.
 float bench_sink[8];
@@ -41,8 +47,24 @@ static void estimate_row(int32_t n, uint32_t k) {
     row[n] = k;
 }
 
-bool bench_blocks_setup(void) {
+// A salient rotor at its voltage limit.
+static bool tune_references(void) {
     bool good = true;
+    for (int32_t n = 0; n < 3; n++) {
+        lode_drive_config_t config = bench_config(BENCH_enhanced);
+        config.motor.Lq_H *= 2.0f;
+        config.references.kind = n == 1 ? LODE_REFERENCES_ID0 : LODE_REFERENCES_MTPA;
+        config.references.field_weakening = n == 0 ? LODE_OFF : LODE_ON;
+        lode_drive_tuning_t drive;
+        good = lode_drive_tune(&drive, &config) == LODE_OK && good;
+        weak_tuning[n] = drive.references;
+        lode_references_reset(&weak[n], 0.0f);
+    }
+    return good;
+}
+
+bool bench_blocks_setup(void) {
+    bool good = tune_references();
     for (int32_t n = 0; n < ESTIMATORS; n++) {
         const lode_drive_config_t config = bench_config(drive_of[n]);
         good = lode_drive_tune(&tuning[n], &config) == LODE_OK && good;
@@ -64,6 +86,11 @@ bool bench_blocks_setup(void) {
     emf = estimator[ENHANCED].emf;
     sample = lode_sense_step(&sense, &t->sense, &bench_counted[BENCH_enhanced][0], &half);
     sogi_tuning = lode_sogi_tune(0.7f, 6.0f * BENCH_OMEGA_rad_s / BENCH_F_PWM_Hz);
+    const lode_drive6_config_t config6 = bench6_config(BENCH6_enhanced);
+    good = lode_drive6_tune(&tuning6, &config6) == LODE_OK && good;
+    lode_xy_reset(&xy);
+    lode_xy_adapt(&xy, &tuning6.xy, BENCH_OMEGA_rad_s);
+    lode_open_phase_reset(&phases);
     return good;
 }
 
@@ -145,11 +172,38 @@ BLOCK(speed) {
 }
 
 BLOCK(references) {
-    const lode_dq_t ref_A =
-        lode_references_step(&tuning[ENHANCED].references, 1.2f + 0.01f * input(call)->theta_rad,
-                             BENCH_OMEGA_rad_s, 0.0f);
-    bench_sink[0] = ref_A.d;
-    bench_sink[1] = ref_A.q;
+    const lode_references_voltage_t voltage = {BENCH_V_BUS_V, {0.0f, 10.0f}};
+    const lode_references_out_t ref = lode_references_step(
+        &references, &tuning[ENHANCED].references, 1.2f + 0.01f * input(call)->theta_rad,
+        BENCH_OMEGA_rad_s, 0.0f, voltage);
+    bench_sink[0] = ref.i_A.d;
+    bench_sink[1] = ref.i_A.q;
+    bench_sink[2] = ref.torque_Nm.min;
+    bench_sink[3] = ref.torque_Nm.max;
+}
+
+static void weaken(uint32_t call, int32_t n) {
+    const float use_V = 0.9f * BENCH_V_BUS_V / LODE_SQRT3;
+    const lode_references_voltage_t voltage = {BENCH_V_BUS_V, {-0.3f * use_V, 0.95f * use_V}};
+    const lode_references_out_t ref =
+        lode_references_step(&weak[n], &weak_tuning[n], 0.6f + 0.01f * input(call)->theta_rad,
+                             1.1f * use_V / weak_tuning[n].psi_Wb, 0.0f, voltage);
+    bench_sink[0] = ref.i_A.d;
+    bench_sink[1] = ref.i_A.q;
+    bench_sink[2] = ref.torque_Nm.min;
+    bench_sink[3] = ref.torque_Nm.max;
+}
+
+BLOCK(references_mtpa) {
+    weaken(call, 0);
+}
+
+BLOCK(references_weak_id0) {
+    weaken(call, 1);
+}
+
+BLOCK(references_weak_mtpa) {
+    weaken(call, 2);
 }
 
 BLOCK(modulator) {
@@ -162,6 +216,35 @@ BLOCK(modulator) {
     bench_sink[2] = m.duty.c;
     bench_sink[3] = m.realised.alpha;
     bench_sink[4] = m.realised.beta;
+}
+
+BLOCK(modulator6) {
+    const bench_inputs_t *in = input(call);
+    const lode_inverter_tuning_t *t = &tuning6.drive.inverter;
+    const lode_loss_t loss = {0.005f, 1.0f};
+    const lode_modulator6_out_t m =
+        lode_modulator6_step(t, loss, (lode_sets_t){{in->u_V, in->u_V}}, BENCH_V_BUS_V,
+                             (lode_sets_t){{in->i_A, in->i_A}});
+    bench_sink[0] = m.duty.set[0].a + m.duty.set[0].b + m.duty.set[0].c;
+    bench_sink[1] = m.duty.set[1].a + m.duty.set[1].b + m.duty.set[1].c;
+    bench_sink[2] = m.realised.set[0].alpha + m.realised.set[0].beta;
+    bench_sink[3] = m.realised.set[1].alpha + m.realised.set[1].beta;
+}
+
+BLOCK(xy) {
+    const lode_sincos_t half_turn = lode_sincos_small(0.5f * BENCH_OMEGA_rad_s / BENCH_F_PWM_Hz);
+    const bench_inputs_t *in = input(call);
+    const lode_ab_t i_A = lode_ab_scale(0.001f, in->i_A);
+    const lode_ab_t u_V = lode_xy_step(&xy, &tuning6.xy, i_A, half_turn, BENCH_V_BUS_V);
+    bench_sink[0] = u_V.alpha;
+    bench_sink[1] = u_V.beta;
+}
+
+BLOCK(open_phase) {
+    const bench_inputs_t *in = input(call);
+    const lode_abc_t i_A = lode_clarke_inverse(in->i_A);
+    lode_open_phase_note(&phases, &i_A, &i_A);
+    bench_sink[0] = (float)lode_open_phase_step(&phases, &tuning6.watch, in->theta_rad);
 }
 
 BLOCK(guard) {

@@ -13,6 +13,7 @@ import build
 
 try:
     import count
+    import places
     import sizes
     from emulator import Image
 except ImportError as error:
@@ -40,13 +41,26 @@ STEPS = {
     "fault": (190, 30),  # around the trip, from period 200 on
     "off": (WARM, CALLS),
 }
-STEADY = list(STEPS)[:7]
+STEPS6 = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced"]
 PHASES = {"steady": "enhanced", "start, hand-over": "start", "limit of current, of voltage":
           "saturated", "over-voltage, trip, fault": "fault", "off": "off"}
 BLOCKS = ["estimator_c_leso_qpll", "estimator_fa_leso_leso_qpll", "estimator_enhanced", "sense",
-          "emf_c_leso", "pll", "lag", "speed", "references", "current", "modulator", "guard",
-          "start", "sincos", "atan2", "pi", "sogi", "clarke_park", "nothing"]
+          "emf_c_leso", "pll", "lag", "speed", "references", "references_mtpa",
+          "references_weak_id0", "references_weak_mtpa", "current", "modulator", "guard",
+          "modulator6", "xy", "open_phase", "start", "sincos", "atan2", "pi", "sogi",
+          "clarke_park", "nothing"]
 BLOCK_CALLS = 100
+# What the steps were meant to cost on average: figures of a case, what of them, target, bar.
+BARS = [("steps", "c_leso_qpll", "cycles", None, 600),
+        ("steps", "fa_leso_leso_qpll", "cycles", None, 700),
+        ("steps", "enhanced", "cycles", 520, 750),
+        ("steps", "enhanced", "instructions", None, 520),
+        ("steps6", "c_leso_qpll", "cycles", 950, 1200),
+        ("steps6", "fa_leso_leso_qpll", "cycles", 950, 1200),
+        ("steps6", "enhanced", "cycles", 950, 1200)]
+BOUND = [("steps", name) for name in STEPS6] + [("steps6", name) for name in STEPS6]
+# Mean cycles of whole steps of other projects, by the same method.
+PEERS = {"MESC": 1057, "ODrive 0.5": 1287, "TI eSMO": 1407, "VESC": 2458}
 LEVELS = ["-Os", "-O2", "-O3"]
 COMPARED = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced"]
 OTHER_CORES = ["m7", "m33", "m3", "m0", "r5f"]
@@ -54,22 +68,32 @@ CORE_NAMES = {"m4f": "Cortex-M4F", "m7": "Cortex-M7", "m33": "Cortex-M33", "m3":
               "m0": "Cortex-M0", "r5f": "Cortex-R5F"}
 
 
-def measure_steps(machine, names, calls=None):
+def measure_steps(machine, names, calls=None, of=None):
     steps = {}
     for name in names:
         warm, counted = STEPS[name]
         steps[name] = count.measure(machine, f"bench_step_{name}", "lode_drive_step",
-                                    calls or counted, warm)
+                                    calls or counted, warm,
+                                    of=of if name in STEPS6 else None)
     return steps
+
+
+def measure_steps6(machine, of):
+    return {name: count.measure(machine, f"bench_step6_{name}", "lode_drive6_step", CALLS, WARM,
+                                of=of) for name in STEPS6}
 
 
 def measure_m4f(tables):
     machine = count.start(Image(build.image("m4f", "-O2", tables)))
-    figures = {"steps": measure_steps(machine, STEPS),
+    of = places.Places(machine.image)
+    figures = {"steps": measure_steps(machine, STEPS, of=of),
+               "steps6": measure_steps6(machine, of),
                "blocks": {name: count.measure(machine, f"bench_{name}", None, BLOCK_CALLS, WARM)
                           for name in BLOCKS}}
     count.check(machine)
-    figures["firmware"] = {"m4f -O2": sizes.firmware_sizes(build.firmware())}
+    figures["firmware"] = {
+        "m4f -O2": sizes.firmware_sizes(build.firmware()),
+        "m4f -O2, six phases": sizes.firmware_sizes(build.firmware(phases=6), "lode_drive6_step")}
     return figures
 
 
@@ -103,16 +127,20 @@ def three(figure):
     return f"{figure['min']} / {figure['avg']:.0f} / {figure['max']}"
 
 
-def step_table(figures):
+def step_table(figures, which="steps"):
     head = ["step", "instructions", "cycles", "max/min", "loads", "stores", "text B", "executed B",
             "lines", "RAM B", "stack B"]
     rows = []
-    for name, f in figures["steps"].items():
+    for name, f in figures[which].items():
         ratio = f"{f['cycles']['max'] / f['cycles']['min']:.2f}"
         rows.append([f"`{name}`", three(f["instructions"]), three(f["cycles"]), ratio,
                      f"{f['loads']['avg']:.0f}", f"{f['stores']['avg']:.0f}", f["text"],
                      f["executed"], f["lines"], f["ram"], f["stack"]])
     return table(head, rows)
+
+
+def step6_table(figures):
+    return step_table(figures, "steps6")
 
 
 def phase_table(figures):
@@ -163,13 +191,58 @@ def firmware_table(figures):
 
 
 def object_table(figures):
-    f = figures["firmware"]["m4f -O2"]
-    return table(["object", "bytes"], [["`lode_drive_t`", f["drive"]],
-                                       ["`lode_drive_tuning_t`, may lie in flash", f["tuning"]],
-                                       ["`lode_drive_config_t`, only for init", f["config"]]])
+    three_phases, six = (figures["firmware"][name] for name in ("m4f -O2", "m4f -O2, six phases"))
+    kinds = {"drive": "_t`", "tuning": "_tuning_t`, may lie in flash",
+             "config": "_config_t`, only for init"}
+    rows = [[f"`lode_drive{kind}; `lode_drive6{kind.split(',')[0]}", three_phases[what], six[what]]
+            for what, kind in kinds.items()]
+    return table(["object, bytes", "three phases", "six"], rows)
 
 
-TABLES = {"steps": step_table, "phases": phase_table, "blocks": block_table, "levels": level_table,
+def named(which, name):
+    return f"`{name}`" + (", six" if which == "steps6" else "")
+
+
+def bar_table(figures):
+    rows = []
+    for which, name, what, target, bar in BARS:
+        mean = figures[which][name][what]["avg"]
+        rows.append([f"{named(which, name)}, {what}", f"{mean:.0f}", target or "", bar,
+                     f"{mean / bar:.2f}"])
+    return table(["step, mean", "measured", "target", "bar", "by bar"], rows)
+
+
+def bound_table(figures, what, rows):
+    found = [figures[which][name][what] for which, name in BOUND]
+    cells = [[row, *(f"{f[row]:.0f}" for f in found)] for row in rows]
+    cells.append(["sum", *(f"{sum(f.values()):.0f}" for f in found)])
+    return table(["mean cycles", *(named(*case) for case in BOUND)], cells)
+
+
+def kind_table(figures):
+    return bound_table(figures, "kinds", places.KINDS)
+
+
+def part_table(figures):
+    return bound_table(figures, "parts", places.PARTS)
+
+
+def peer_table(figures):
+    """What the parts cost that such a step usually has, beside the whole steps of others."""
+    rows = []
+    for which, name in BOUND[:len(STEPS6)]:
+        parts = figures[which][name]["parts"]
+        more = sum(parts[part] for part in places.MORE)
+        whole = sum(parts.values())
+        rows.append([named(which, name), f"{whole:.0f}", f"{more:.0f}", f"{whole - more:.0f}",
+                     *(f"{(whole - more) / peer:.2f}" for peer in PEERS.values())])
+    return table(["mean cycles", "whole", "of it the lower parts", "without them",
+                  *(f"by {peer} ({cycles})" for peer, cycles in PEERS.items())], rows)
+
+
+TABLES = {"bars": bar_table, "kinds": kind_table, "parts": part_table, "peers": peer_table,
+          "steps": step_table, "steps6": step6_table, "phases": phase_table,
+          "blocks": block_table, "levels": level_table,
           "cores": core_table, "firmware": firmware_table, "objects": object_table}
 
 
@@ -207,8 +280,9 @@ def check(figures):
     found = []
     if page_with(documented) != PAGE.read_text():
         found.append("the tables of docs/budget.md are not those of docs/budget.json")
-    gated = {name: documented.get(name, {}) for name in ("steps", "blocks")}
-    gated["firmware"] = {"m4f -O2": documented.get("firmware", {}).get("m4f -O2", {})}
+    gated = {name: documented.get(name, {}) for name in ("steps", "steps6", "blocks")}
+    firmware = documented.get("firmware", {})
+    gated["firmware"] = {name: firmware.get(name, {}) for name in figures["firmware"]}
     found.extend(differences(figures, gated))
     for text in found:
         print(text)
@@ -242,7 +316,8 @@ def main():
     if mode == "write":
         measure_others(figures, tables)
         write(figures)
-    print(step_table(figures), phase_table(figures), block_table(figures),
+    print(step_table(figures), step6_table(figures), bar_table(figures), kind_table(figures),
+          part_table(figures), phase_table(figures), block_table(figures),
           firmware_table(figures), object_table(figures), sep="\n")
     return check(figures) if mode == "check" else 0
 

@@ -24,6 +24,7 @@ CORES = {
     "m33": ["-mcpu=cortex-m33", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-sp-d16"],
     "r5f": ["-mcpu=cortex-r5", "-marm", "-mfloat-abi=hard", "-mfpu=vfpv3-d16"],
 }
+DEBUG = "-gdwarf-4"  # says where instructions come from, and changes none
 ONE_OBSERVER = ["-DLODE_WITHOUT_GI_LESO", "-DLODE_WITHOUT_FA_LESO", "-DLODE_WITHOUT_FA_MULTI"]
 
 
@@ -61,7 +62,7 @@ def recording():
     """The converters' results of closed-loop runs on this machine, as C tables."""
     OUT.mkdir(parents=True, exist_ok=True)
     program, tables = OUT / "record", OUT / "recording.c"
-    sources = [HERE / name for name in ("record.c", "motor.c", "drives.c")]
+    sources = [HERE / name for name in ("record.c", "record6.c", "motor.c", "drives.c", "drives6.c")]
     run("cc", "-std=c99", "-O2", *FLOAT, *includes(), *sources, *core_sources(), "-lm", "-o", program)
     tables.write_text(run(program))
     return tables
@@ -76,15 +77,16 @@ def link(core, level, out, sources, *options):
 
 def image(core="m4f", level="-O2", tables=None):
     name = f"lodestar-bench-{core}{'' if level == '-O2' else level}.elf"
-    sources = [HERE / f for f in ("image.c", "blocks.c", "drives.c")] + core_sources()
+    sources = [HERE / f for f in ("image.c", "blocks.c", "drives.c", "drives6.c")] + core_sources()
     if core != "r5f":
         sources.append(HERE / "qemu.c")
-    return link(core, level, OUT / name, [*sources, tables or recording()])
+    return link(core, level, OUT / name, [*sources, tables or recording()], DEBUG)
 
 
-def firmware(core="m4f", level="-O2", options=ONE_OBSERVER):
-    sources = [HERE / "firmware.c", *core_sources()]
-    return link(core, level, OUT / f"lodestar-firmware-{core}{level}.elf", sources, *options,
+def firmware(core="m4f", level="-O2", options=ONE_OBSERVER, phases=3):
+    name = "firmware6" if phases == 6 else "firmware"
+    sources = [HERE / f"{name}.c", *core_sources()]
+    return link(core, level, OUT / f"lodestar-{name}-{core}{level}.elf", sources, *options,
                 "-Wl,-u,firmware,-u,firmware_interrupt,--emit-relocs")
 
 

@@ -7,6 +7,7 @@ return 0 where the image has it.
 import argparse
 import json
 
+import places
 from emulator import STACK_TOP, Image, Machine
 from m4 import cycles_of
 
@@ -32,9 +33,9 @@ def check(machine):
             raise SystemExit(f"{machine.image.path}: bench_check() says {wrong} (see image.h)")
 
 
-def measure(machine, name, target=None, calls=400, warm=100, memory=True):
+def measure(machine, name, target=None, calls=400, warm=100, memory=True, of=None):
     """What the counted calls of one function took. The machine is one after setup() and has not
-    called this function yet."""
+    called this function yet. With the Places of its image also where the cycles go."""
     for k in range(warm):
         machine.call(name, k)
     machine.watch(memory)
@@ -50,6 +51,8 @@ def measure(machine, name, target=None, calls=400, warm=100, memory=True):
     }
     if machine.core == "m4f":
         found["cycles"] = spread(list(cycles_of_all(runs)))
+    if of is not None:
+        found["kinds"], found["parts"] = places.mean(runs, of)
     if memory:
         found["loads"] = spread([run.loads for run in runs])
         found["stores"] = spread([run.stores for run in runs])

@@ -11,6 +11,7 @@
 #define BENCH_V_BUS_V 48.0f
 #define BENCH_RS_Ohm 0.05f
 #define BENCH_L_H 1.0e-4f
+#define BENCH_LXY_H (0.5f * BENCH_L_H) // with six phases; assumed
 #define BENCH_PSI_Wb 0.02f
 #define BENCH_J_kgm2 1.0e-4f
 #define BENCH_OMEGA_rad_s 471.0f // electrical

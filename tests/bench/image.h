@@ -2,7 +2,7 @@
 #ifndef BENCH_IMAGE_H
 #define BENCH_IMAGE_H
 
-#include "drives.h"
+#include "drives6.h"
 
 /// Rows of bench_inputs before the first counted one, in which an estimator finds the rotor.
 #define BENCH_SETTLE_ESTIMATOR 400
@@ -18,14 +18,17 @@ extern const lode_counts_t bench_settling[BENCH_CASE_COUNT][BENCH_SETTLE];
 extern const lode_counts_t bench_counted[BENCH_CASE_COUNT][BENCH_ROWS];
 /// After so many counted calls.
 extern const bench_truth_t bench_truth[BENCH_CASE_COUNT][BENCH_ROWS + 1];
+extern const lode_counts6_t bench6_settling[BENCH6_CASE_COUNT][BENCH_SETTLE];
+extern const lode_counts6_t bench6_counted[BENCH6_CASE_COUNT][BENCH_ROWS];
+extern const bench_truth_t bench6_truth[BENCH6_CASE_COUNT][BENCH_ROWS + 1];
 extern const bench_inputs_t bench_inputs[BENCH_SETTLE_ESTIMATOR + BENCH_ROWS];
 
 /// Called once before any other: brings every drive into the state that its case is named for.
 void setup(void);
 
 /// 0: every drive and estimator is where the recording says it should be. Else 100 times the number
-/// of the case (BENCH_CASE_COUNT for a block) and what is wrong: 1 refused, 2 called too often,
-/// 3 mode, 4 not the output of the recording to the bit, 5 estimate.
+/// of the case (six phases: after those for three; a block: after all) and what is wrong: 1 refused,
+/// 2 called too often, 3 mode, 4 not the output of the recording to the bit, 5 estimate.
 uint32_t bench_check(void);
 
 /// The same two for the blocks.

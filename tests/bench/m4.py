@@ -106,22 +106,31 @@ def own_cycles(this, single_before, bits):
     return cycles, False
 
 
-def cycles_of(trace):
-    """Total of a trace, up to the end of its last instruction."""
+def timed(trace):
+    """Of each instruction of a trace: itself, its own cycles, those of the pipeline's refill behind
+    it, those of waiting for the divider. Their sum is the total up to the end of the last one."""
     now = divider_free = 0
     single = False
     before = None  # the instruction whose result may come late
-    for this, skipped, taken, bits in trace:
-        if this.fpu and now < divider_free:
-            now = divider_free
+    for step in trace:
+        this, skipped, taken, bits = step
+        wait = divider_free - now if this.fpu and now < divider_free else 0
         if skipped:
-            now, single, before = now + 1, False, None
-            continue
-        if before is not None and "late" in before.row.rules and before.writes & this.reads:
-            now += 1
-        if "hidden" in this.row.rules:
-            divider_free = now + DIVIDER
-        cycles, single = own_cycles(this, single, bits)
-        now += cycles + (REFILL if taken else 0)
-        before = this
-    return max(now, divider_free)
+            cycles, single = 1, False
+        else:
+            late = before is not None and "late" in before.row.rules and before.writes & this.reads
+            if "hidden" in this.row.rules:
+                divider_free = now + wait + bool(late) + DIVIDER
+            cycles, single = own_cycles(this, single, bits)
+            cycles += bool(late)
+        before = None if skipped else this
+        refill = REFILL if taken and not skipped else 0
+        now += wait + cycles + refill
+        yield step, cycles, refill, wait
+    if trace and now < divider_free:
+        yield trace[-1], 0, 0, divider_free - now
+
+
+def cycles_of(trace):
+    """Total of a trace, up to the end of its last instruction."""
+    return sum(cycles + refill + wait for _, cycles, refill, wait in timed(trace))

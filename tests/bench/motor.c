@@ -23,10 +23,16 @@ static double lost_duty(double i_A) {
            clamped(i_A / (double)BENCH_I_DEAD_A, 1.0);
 }
 
-void motor_phases(const motor_t *motor, double i_A[3]) {
+static double axis_rad(int set, int phase) {
+    return pi / 6.0 * set + 2.0 * pi / 3.0 * phase;
+}
+
+void motor_phases(const motor_t *motor, int set, double i_A[3]) {
     for (int k = 0; k < 3; k++) {
-        const double angle = motor->theta_rad - 2.0 * pi / 3.0 * k;
-        i_A[k] = motor->id_A * cos(angle) - motor->iq_A * sin(angle);
+        const double axis = axis_rad(set, k);
+        const double angle = motor->theta_rad - axis;
+        i_A[k] = motor->id_A * cos(angle) - motor->iq_A * sin(angle) +
+                 motor->x_A * cos(5.0 * axis) + motor->y_A * sin(5.0 * axis);
     }
 }
 
@@ -66,21 +72,40 @@ static void carry(motor_t *m, double h, double alpha_V, double beta_V) {
     m->iq_A += h * rise_q;
 }
 
-void motor_period(motor_t *motor, lode_drive_out_t acting, double v_bus_V, shaft_t shaft) {
+// Voltage vector of a set behind its inverter.
+static void apply(const motor_t *m, int set, lode_abc_t duty, double v_bus_V, double u_V[2]) {
+    const double on[3] = {(double)duty.a, (double)duty.b, (double)duty.c};
+    double i[3];
+    motor_phases(m, set, i);
+    u_V[0] = u_V[1] = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double leg = 2.0 / 3.0 * v_bus_V * (on[k] - lost_duty(i[k]));
+        u_V[0] += leg * cos(axis_rad(set, k));
+        u_V[1] += leg * sin(axis_rad(set, k));
+    }
+}
+
+static void carry_xy(motor_t *m, double h, double x_V, double y_V) {
+    m->x_A += h * (x_V - (double)BENCH_RS_Ohm * m->x_A) / (double)BENCH_LXY_H;
+    m->y_A += h * (y_V - (double)BENCH_RS_Ohm * m->y_A) / (double)BENCH_LXY_H;
+}
+
+void motor_period(motor_t *motor, const lode_drive_out_t *acting, double v_bus_V, shaft_t shaft) {
     const double h = 1.0 / (double)BENCH_F_PWM_Hz / PARTS;
+    const int other = motor->sets - 1;
     motor->u_alpha_V = motor->u_beta_V = 0.0;
     for (int part = 0; part < PARTS; part++) {
-        double i[3];
-        motor_phases(motor, i);
-        const double a = v_bus_V * ((double)acting.duty.a - lost_duty(i[0]));
-        const double b = v_bus_V * ((double)acting.duty.b - lost_duty(i[1]));
-        const double c = v_bus_V * ((double)acting.duty.c - lost_duty(i[2]));
-        const double alpha = (2.0 * a - b - c) / 3.0;
-        const double beta = (b - c) / sqrt(3.0);
-        if (acting.gates) {
+        double u[2];
+        double v[2];
+        apply(motor, 0, acting[0].duty, v_bus_V, u);
+        apply(motor, other, acting[other].duty, v_bus_V, v);
+        const double alpha = 0.5 * (u[0] + v[0]);
+        const double beta = 0.5 * (u[1] + v[1]);
+        if (acting[0].gates) {
             carry(motor, h, alpha, beta);
+            carry_xy(motor, h, 0.5 * (u[0] - v[0]), 0.5 * (v[1] - u[1]));
         } else { // the bus is well above the EMF: nothing flows
-            motor->id_A = motor->iq_A = 0.0;
+            motor->id_A = motor->iq_A = motor->x_A = motor->y_A = 0.0;
         }
         motor->u_alpha_V += alpha / PARTS;
         motor->u_beta_V += beta / PARTS;

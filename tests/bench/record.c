@@ -2,8 +2,7 @@
 /// Runs every drive of the budget in closed loop with a motor and prints, as constant tables, what its
 /// converters deliver in each period and what came of it. Fails where a drive does not do what its
 /// case is named for.
-#include "image.h"
-#include "motor.h"
+#include "record.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -37,12 +36,13 @@ static double noise(uint32_t *state) {
     return (double)*state / 2147483648.0 - 1.0;
 }
 
-static lode_counts_t sample(const motor_t *motor, uint32_t *dice, double v_bus_V, int32_t period) {
+lode_counts_t record_counts(const motor_t *motor, int set, uint32_t *dice, double v_bus_V,
+                            int32_t period) {
     lode_counts_t counts = {.v_bus = (uint16_t)lrint(v_bus_V / (double)BENCH_V_GAIN_V_count),
                             .temperature = 2000,
                             .stamp = (uint32_t)period * BENCH_STAMP_PER_PERIOD};
     double i[3];
-    motor_phases(motor, i);
+    motor_phases(motor, set, i);
     for (int k = 0; k < 3; k++) {
         counts.i[k] = (uint16_t)lrint((double)BENCH_I_OFFSET_count +
                                       i[k] / (double)BENCH_I_GAIN_A_count + noise(dice));
@@ -87,11 +87,11 @@ static void one_period(run_t *run, int32_t period, int32_t row) {
     const double v_bus_V = bus_V(scene, row);
     lode_counts_t *counts = &run->counts[period];
     lode_drive_t *drive = &bench_drive[run->number];
-    *counts = sample(&run->motor, &run->dice, v_bus_V, period);
+    *counts = record_counts(&run->motor, 0, &run->dice, v_bus_V, period);
     const lode_drive_out_t out = lode_drive_step(drive, counts);
     (void)lode_drive_telemetry(drive, &run->telemetry);
     double i[3];
-    motor_phases(&run->motor, i);
+    motor_phases(&run->motor, 0, i);
     const float theta = (float)run->motor.theta_rad;
     run->inputs[period] = (bench_inputs_t){
         {(float)run->motor.u_alpha_V, (float)run->motor.u_beta_V},
@@ -105,7 +105,7 @@ static void one_period(run_t *run, int32_t period, int32_t row) {
         look(run);
     }
     run->acting.gates = out.gates; // at once; the duties only from the next period on
-    motor_period(&run->motor, run->acting, v_bus_V, shaft_of(scene, run->telemetry.mode));
+    motor_period(&run->motor, &run->acting, v_bus_V, shaft_of(scene, run->telemetry.mode));
     run->acting.duty = out.duty;
 }
 
@@ -132,7 +132,7 @@ static bool is_as_named(const run_t *run) {
 static bool record(run_t *run) {
     const bool dragged =
         bench_scene(run->number) != BENCH_START; // behind a vector that starts at 0
-    run->motor = (motor_t){.theta_rad = dragged ? -1.5 : 1.0};
+    run->motor = (motor_t){.sets = 1, .theta_rad = dragged ? -1.5 : 1.0};
     if (!bench_begin(run->number)) {
         fprintf(stderr, "case %d: the configuration was refused\n", (int)run->number);
         return false;
@@ -159,7 +159,7 @@ static bool record(run_t *run) {
     return true;
 }
 
-static void print_counts(const lode_counts_t *counts, int32_t rows) {
+void record_print_counts(const lode_counts_t *counts, int32_t rows) {
     for (int32_t k = 0; k < rows; k++) {
         const lode_counts_t *c = &counts[k];
         printf("{.i = {%u, %u, %u}, .v_bus = %u, .temperature = %u, .stamp = %u},\n", c->i[0],
@@ -167,7 +167,7 @@ static void print_counts(const lode_counts_t *counts, int32_t rows) {
     }
 }
 
-static void print_truth(const bench_truth_t *truth, int32_t rows) {
+void record_print_truth(const bench_truth_t *truth, int32_t rows) {
     for (int32_t k = 0; k < rows; k++) {
         printf("{%uu, %.9ef, %s},\n", (unsigned)truth[k].digest, (double)truth[k].theta_rad,
                lode_mode_name(truth[k].mode));
@@ -188,19 +188,19 @@ static void print_all(const run_t *runs) {
            "const lode_counts_t bench_settling[BENCH_CASE_COUNT][BENCH_SETTLE] = {\n");
     for (int32_t n = 0; n < BENCH_CASE_COUNT; n++) {
         printf("{\n");
-        print_counts(runs[n].counts, bench_settle(n));
+        record_print_counts(runs[n].counts, bench_settle(n));
         printf("},\n");
     }
     printf("};\nconst lode_counts_t bench_counted[BENCH_CASE_COUNT][BENCH_ROWS] = {\n");
     for (int32_t n = 0; n < BENCH_CASE_COUNT; n++) {
         printf("{\n");
-        print_counts(runs[n].counts + bench_settle(n), BENCH_ROWS);
+        record_print_counts(runs[n].counts + bench_settle(n), BENCH_ROWS);
         printf("},\n");
     }
     printf("};\nconst bench_truth_t bench_truth[BENCH_CASE_COUNT][BENCH_ROWS + 1] = {\n");
     for (int32_t n = 0; n < BENCH_CASE_COUNT; n++) {
         printf("{\n");
-        print_truth(runs[n].truth, BENCH_ROWS + 1);
+        record_print_truth(runs[n].truth, BENCH_ROWS + 1);
         printf("},\n");
     }
     printf("};\nconst bench_inputs_t bench_inputs[BENCH_SETTLE_ESTIMATOR + BENCH_ROWS] = {\n");
@@ -216,8 +216,10 @@ int main(void) {
         runs[number].number = number;
         good = record(&runs[number]) && good;
     }
+    good = record6_all() && good;
     if (good) {
         print_all(runs);
+        record6_print();
     }
     return good ? 0 : 1;
 }

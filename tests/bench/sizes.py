@@ -7,7 +7,6 @@ from elftools.elf.elffile import ELFFile
 
 from emulator import Image
 
-STEP = "lode_drive_step"
 OWN = "firmware"  # prefix of what belongs to the measurement, not to the library
 INPUT = re.compile(r"^ (\.\S+)\s+(0x[0-9a-f]+)\s+(0x[0-9a-f]+) (\S.*)$")
 
@@ -48,8 +47,8 @@ def reachable(path, start):
     return seen
 
 
-def firmware_sizes(path):
-    image, on_path = Image(path), reachable(path, STEP)
+def firmware_sizes(path, step="lode_drive_step"):
+    image, on_path = Image(path), reachable(path, step)
     sizes = dict.fromkeys(("step", "init", "constants", "libraries"), 0)
     for section in input_sections(path.with_suffix(".map")):
         names = {f.name for f in image.functions

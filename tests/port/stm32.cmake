@@ -1,7 +1,6 @@
 # The STM32 ports against recorded registers on the host, and as complete images for Arm and qemu.
 set(stm32_common "${LODE_PORT_DIR}/stm32/pwm.c" "${LODE_PORT_DIR}/stm32/supervise.c"
-                 "${LODE_PORT_DIR}/example/app.c" "${LODE_PORT_DIR}/example/bringup.c"
-                 "${LODE_PORT_DIR}/example/report.c" "${LODE_PORT_DIR}/example/record.c" "${CMAKE_CURRENT_SOURCE_DIR}/fakes/fake.c"
+                 ${application} "${CMAKE_CURRENT_SOURCE_DIR}/fakes/fake.c"
                  "${CMAKE_CURRENT_SOURCE_DIR}/test_port_stm32.c")
 
 # stm32_test(<name> <folder of the port> <board header> <definition> <source>...)

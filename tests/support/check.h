@@ -18,6 +18,13 @@
 #define CHECK_DEG (CHECK_PI / 180.0)
 #define COUNT_OF(array) ((int)(sizeof(array) / sizeof((array)[0])))
 
+/// How often a search or a sweep tries: all of it, or one CHECK_SHARE-th where an emulated processor
+/// would take too long (tests/target).
+#ifndef CHECK_SHARE
+#define CHECK_SHARE 1
+#endif
+#define CHECK_TRIES(count) ((count) / CHECK_SHARE)
+
 /// Absolute tolerance in double, with the place and the figures in the message.
 #define CHECK_NEAR(tolerance, expected, actual)                                                    \
     TEST_ASSERT_DOUBLE_WITHIN((tolerance), (double)(expected), (double)(actual))

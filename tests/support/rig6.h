@@ -17,11 +17,17 @@
 #define RIG6_NP 5.0
 #define RIG6_J 0.01
 #define RIG6_B 1.0e-3
+#ifndef RIG6_V_BUS
 #define RIG6_V_BUS 300.0
+#endif
 #define RIG6_TS_s 1.0e-4
 #define RIG6_GAIN_A 0.0125
+#ifndef RIG6_GAIN_V
 #define RIG6_GAIN_V 0.1
+#endif
+#ifndef RIG6_PARTS
 #define RIG6_PARTS 16
+#endif
 
 typedef double _Complex cplx_t;
 

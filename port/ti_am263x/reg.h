@@ -1,0 +1,14 @@
+/// Every access of the AM263x port to a register goes by address through these functions. The tests bring
+/// their own and so see the order.
+#ifndef LODESTAR_PORT_TI_AM263X_REG_H
+#define LODESTAR_PORT_TI_AM263X_REG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifndef TI_REG_H
+#define TI_REG_H "access.h"
+#endif
+#include TI_REG_H
+
+#endif

@@ -1,0 +1,125 @@
+#include "chip.h"
+
+#define BIAS_count 2048u // of DACB: half of the reference, 1.65 V with its gain of 2
+#define SETTLE_us 100u   // amplifiers, DACs and the bias's capacitor
+#define POWER_UP_us 1000u
+// The comparators' filter: eight of ten samples, one every 50 ns: 0.4 us of a real over-current.
+#define FILTER_CLOCKS (5u - 1u) // the register holds one less
+#define FILTER_WINDOW 10u
+#define FILTER_THRESHOLD 8u
+
+typedef struct {
+    uint32_t base;
+    SysCtl_PeripheralPCLOCKCR clock;
+    ASysCtl_CMPHPMuxSelect high;
+    ASysCtl_CMPLPMuxSelect low;
+    XBAR_EPWMMuxConfig way;
+    uint32_t way_bit;
+} comparator_t;
+
+typedef struct {
+    uint32_t adc;
+    uint32_t result;
+    ADC_Channel channel;
+} current_t;
+
+static const current_t currents[CHIP_PHASES] = {VARIANT_CURRENTS};
+
+static void amplifiers(void) {
+    static const uint32_t amplifier[CHIP_PHASES] = VARIANT_PGA;
+    static const SysCtl_PeripheralPCLOCKCR clocks[CHIP_PHASES] = VARIANT_PGA_CLOCKS;
+    SysCtl_enablePeripheral(SYSCTL_PERIPH_CLK_DACB);
+    DAC_setReferenceVoltage(DACB_BASE, DAC_REF_ADC_VREFHI);
+    DAC_setGainMode(DACB_BASE, DAC_GAIN_TWO);
+    DAC_setLoadMode(DACB_BASE, DAC_LOAD_SYSCLK);
+    DAC_setShadowValue(DACB_BASE, BIAS_count);
+    DAC_enableOutput(DACB_BASE);
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        SysCtl_enablePeripheral(clocks[n]);
+        PGA_setGain(amplifier[n], PGA_GAIN_12);
+        PGA_setFilterResistor(amplifier[n], PGA_LOW_PASS_FILTER_DISABLED);
+        PGA_enable(amplifier[n]);
+    }
+}
+
+// Both signs of the current: above the high threshold, or (inverted) below the low one.
+static void comparator(const comparator_t *c) {
+    const float span = VARIANT_TRIP_A / -VARIANT_I_GAIN_A_count;
+    SysCtl_enablePeripheral(c->clock);
+    ASysCtl_selectCMPHPMux(c->high, VARIANT_COMPARATOR_INPUT);
+    ASysCtl_selectCMPLPMux(c->low, VARIANT_COMPARATOR_INPUT);
+    CMPSS_configDAC(c->base, CMPSS_DACREF_VDDA | CMPSS_DACVAL_SYSCLK | CMPSS_DACSRC_SHDW);
+    CMPSS_setDACValueHigh(c->base, ti_threshold(VARIANT_I_OFFSET_count + span));
+    CMPSS_setDACValueLow(c->base, ti_threshold(VARIANT_I_OFFSET_count - span));
+    CMPSS_configHighComparator(c->base, CMPSS_INSRC_DAC);
+    CMPSS_configLowComparator(c->base, CMPSS_INSRC_DAC | CMPSS_INV_INVERTED);
+    CMPSS_configFilterHigh(c->base, FILTER_CLOCKS, FILTER_WINDOW, FILTER_THRESHOLD);
+    CMPSS_configFilterLow(c->base, FILTER_CLOCKS, FILTER_WINDOW, FILTER_THRESHOLD);
+    CMPSS_configOutputsHigh(c->base, CMPSS_TRIP_FILTER | CMPSS_TRIPOUT_FILTER);
+    CMPSS_configOutputsLow(c->base, CMPSS_TRIP_FILTER | CMPSS_TRIPOUT_FILTER);
+    CMPSS_enableModule(c->base);
+}
+
+void chip_protection_init(void) {
+    static const comparator_t comparators[CHIP_PHASES] = {VARIANT_COMPARATORS};
+    amplifiers();
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        comparator(&comparators[n]);
+    }
+    SysCtl_delay(CHIP_DELAY_us(SETTLE_us)); // thresholds stand before anything listens to them
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        CMPSS_initFilterHigh(comparators[n].base);
+        CMPSS_initFilterLow(comparators[n].base);
+        XBAR_setEPWMMuxConfig(XBAR_TRIP4, comparators[n].way);
+        XBAR_enableEPWMMux(XBAR_TRIP4, comparators[n].way_bit);
+    }
+    GPIO_setPadConfig(VARIANT_FAULT_GPIO, GPIO_PIN_TYPE_PULLUP); // open drain
+    GPIO_setQualificationMode(VARIANT_FAULT_GPIO, GPIO_QUAL_ASYNC);
+    GPIO_setDirectionMode(VARIANT_FAULT_GPIO, GPIO_DIR_MODE_IN);
+    GPIO_setPinConfig(VARIANT_FAULT_PIN);
+    XBAR_setInputPin(XBAR_INPUT1, VARIANT_FAULT_GPIO); // input 1 is TZ1, active low
+    XBAR_lockInput(XBAR_INPUT1);
+}
+
+void chip_converters_init(void) {
+    static const SysCtl_PeripheralPCLOCKCR clocks[CHIP_PHASES] = {
+        SYSCTL_PERIPH_CLK_ADCA, SYSCTL_PERIPH_CLK_ADCB, SYSCTL_PERIPH_CLK_ADCC};
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        SysCtl_enablePeripheral(clocks[n]);
+    }
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        const uint32_t adc = currents[n].adc;
+        ADC_setVREF(adc, ADC_REFERENCE_INTERNAL, ADC_REFERENCE_3_3V);
+        ADC_setPrescaler(adc, ADC_CLK_DIV_2_0);
+        ADC_setInterruptPulseMode(adc, ADC_PULSE_END_OF_CONV);
+        ADC_enableConverter(adc);
+        ADC_setSOCPriority(adc, ADC_PRI_ALL_HIPRI); // number 0 first
+    }
+    SysCtl_delay(CHIP_DELAY_us(POWER_UP_us));
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        ADC_setupSOC(currents[n].adc, ADC_SOC_NUMBER0, VARIANT_TRIGGER, currents[n].channel,
+                     CHIP_WINDOW_cycles);
+    }
+    ADC_setupSOC(VARIANT_BUS_ADC, ADC_SOC_NUMBER1, VARIANT_TRIGGER, VARIANT_BUS_CHANNEL,
+                 CHIP_WINDOW_cycles);
+    ADC_setInterruptSource(VARIANT_BUS_ADC, ADC_INT_NUMBER1, ADC_SOC_NUMBER1);
+    ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
+    ADC_enableInterrupt(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
+}
+
+LODE_HOT uint16_t chip_current(uint32_t phase) {
+    return ADC_readResult(currents[phase].result, ADC_SOC_NUMBER0);
+}
+
+LODE_HOT uint16_t chip_bus(void) {
+    return ADC_readResult(VARIANT_BUS_RESULT, ADC_SOC_NUMBER1);
+}
+
+LODE_HOT void chip_converters_acknowledge(void) {
+    ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
+    if (ADC_getInterruptOverflowStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1)) {
+        // Left set, it would keep every later interrupt away.
+        ADC_clearInterruptOverflowStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
+        ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
+    }
+}

@@ -1,0 +1,190 @@
+#include "board.h"
+
+#include "chip.h"
+
+#define BAUD 115200u
+#define WAKE_us 1000u       // of the gate driver, after its enable
+#define DRIVER_RESET_us 20u // its fault latch: enable low for 8 .. 40 us
+#define TRIP_LATCH_us 2u    // a comparator's filter and the X-BAR, twice over
+#define FIFO_DEPTH 16u
+
+typedef struct {
+    uint32_t function; // of TI's pin map
+    uint32_t gpio;
+} pin_t;
+
+__interrupt void period_handler(void);
+__interrupt void stop_handler(void);
+
+void board_describe(lode_drive_config_t *config) {
+    const float f_pwm = (float)VARIANT_F_PWM_Hz;
+    const float duty_max = ti_duty_max(f_pwm, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns);
+    config->f_pwm_Hz = f_pwm;
+    config->inverter = (lode_inverter_config_t){
+        .v_bus_V = VARIANT_V_BUS_V,
+        .i_max_A = VARIANT_I_MAX_A,
+        .dead_time_s = (float)VARIANT_DEAD_TIME_ns * 1.0e-9f,
+        .v_drop_V = VARIANT_V_DROP_V,
+        .r_on_Ohm = VARIANT_R_ON_Ohm,
+        .pwm_ticks = (float)ti_pwm_steps(CHIP_F_CPU_Hz, VARIANT_F_PWM_Hz),
+    };
+    config->sense = (lode_sense_config_t){
+        .shunts = LODE_SHUNTS_THREE,
+        .i_gain_A_count = VARIANT_I_GAIN_A_count,
+        .i_offset_count = VARIANT_I_OFFSET_count,
+        .i_offset_tol_count = VARIANT_I_OFFSET_TOL_count,
+        .v_bus_gain_V_count = VARIANT_V_BUS_GAIN_V_count,
+        .duty_max = duty_max,
+    };
+    config->current.voltage_use = ti_voltage_use(duty_max);
+    config->guard.stamp_per_period = (float)CHIP_F_CPU_Hz / f_pwm;
+}
+
+LODE_HOT void board_gates_off(void) {
+    chip_pwm_off();
+}
+
+static void driver_init(void) {
+    GPIO_writePin(VARIANT_ENABLE_GPIO, 0u);
+    GPIO_setPadConfig(VARIANT_ENABLE_GPIO, GPIO_PIN_TYPE_STD);
+    GPIO_setDirectionMode(VARIANT_ENABLE_GPIO, GPIO_DIR_MODE_OUT);
+    GPIO_setPinConfig(VARIANT_ENABLE_PIN);
+}
+
+static void driver_enable(void) {
+    GPIO_writePin(VARIANT_ENABLE_GPIO, 1u);
+    SysCtl_delay(CHIP_DELAY_us(WAKE_us));
+}
+
+static void pwm_pins_init(void) {
+    static const pin_t pins[] = {VARIANT_PWM_PINS};
+    for (uint32_t n = 0u; n < sizeof pins / sizeof pins[0]; n++) {
+        GPIO_setPadConfig(pins[n].gpio, GPIO_PIN_TYPE_STD); // no pull-up
+        GPIO_setPinConfig(pins[n].function);
+    }
+}
+
+static void serial_init(void) {
+    SysCtl_enablePeripheral(SYSCTL_PERIPH_CLK_SCIA);
+    SCI_performSoftwareReset(SCIA_BASE);
+    SCI_setConfig(SCIA_BASE, DEVICE_LSPCLK_FREQ, BAUD,
+                  SCI_CONFIG_WLEN_8 | SCI_CONFIG_STOP_ONE); // no parity
+    SCI_enableFIFO(SCIA_BASE);
+    SCI_resetTxFIFO(SCIA_BASE);
+    SCI_enableModule(SCIA_BASE);
+    GPIO_setPadConfig(VARIANT_TX_GPIO, GPIO_PIN_TYPE_STD);
+    GPIO_setPinConfig(VARIANT_TX_PIN);
+}
+
+static void cycles_start(void) {
+    SysCtl_enablePeripheral(SYSCTL_PERIPH_CLK_TIMER1);
+    CPUTimer_stopTimer(CPUTIMER1_BASE);
+    CPUTimer_setPreScaler(CPUTIMER1_BASE, 0u);
+    CPUTimer_setPeriod(CPUTIMER1_BASE, UINT32_MAX);
+    CPUTimer_setEmulationMode(CPUTIMER1_BASE, CPUTIMER_EMULATIONMODE_RUNFREE);
+    CPUTimer_reloadTimerCounter(CPUTIMER1_BASE);
+    CPUTimer_startTimer(CPUTIMER1_BASE);
+}
+
+// 256 counts of 10 MHz/512: 13.1 ms. Its reset lets the pins float: the driver's pull-downs switch off.
+static void watchdog_start(void) {
+    SysCtl_setWatchdogMode(SYSCTL_WD_MODE_RESET);
+    SysCtl_setWatchdogPrescaler(SYSCTL_WD_PRESCALE_1);
+    SysCtl_serviceWatchdog();
+    SysCtl_enableWatchdog();
+}
+
+bool board_init(void) {
+    Device_init(); // clocks and flash; stops the watchdog that runs from reset on
+    Device_initGPIO();
+    driver_init();
+    if (SysCtl_getClock(DEVICE_OSCSRC_FREQ) != CHIP_F_CPU_Hz) {
+        return false;
+    }
+    Interrupt_initModule();
+    Interrupt_initVectorTable();
+    Interrupt_register(INT_NMI, &stop_handler);
+    Interrupt_register(INT_ILLEGAL, &stop_handler);
+    Interrupt_register(VARIANT_PERIOD_INT, &period_handler);
+    cycles_start();
+    chip_protection_init();
+    if (!chip_pwm_init()) {
+        return false;
+    }
+    chip_converters_init();
+    pwm_pins_init(); // only now: the trip zones hold the outputs low
+    serial_init();
+    driver_enable();
+    watchdog_start();
+    return board_clear_trip();
+}
+
+void board_start(void) {
+    chip_converters_acknowledge();
+    Interrupt_clearACKGroup(VARIANT_PERIOD_GROUP);
+    Interrupt_enable(VARIANT_PERIOD_INT);
+    EINT;
+    chip_pwm_start();
+}
+
+LODE_HOT __interrupt void period_handler(void) {
+    chip_converters_acknowledge();
+    app_period();
+    Interrupt_clearACKGroup(VARIANT_PERIOD_GROUP);
+}
+
+/// Interrupts that nobody expects: gates off, then the watchdog resets.
+__interrupt void stop_handler(void) {
+    board_gates_off();
+    for (;;) {
+    }
+}
+
+LODE_HOT void board_read(lode_counts_t *counts) {
+    *counts = (lode_counts_t){
+        .i = {chip_current(0u), chip_current(1u), chip_current(2u)},
+        .v_bus = chip_bus(),
+        .trip = chip_pwm_tripped() || chip_pwm_counts_down(),
+        .stamp = board_cycles(),
+    };
+}
+
+LODE_HOT void board_write(const lode_drive_out_t *out) {
+    if (!out->gates) {
+        board_gates_off();
+    }
+    chip_pwm_write(out->duty);
+    if (out->gates) {
+        chip_pwm_on();
+    }
+}
+
+// The driver latches its faults too, and holds nFAULT low until its enable has been low.
+bool board_clear_trip(void) {
+    if (chip_pwm_tripped()) {
+        board_gates_off();
+        GPIO_writePin(VARIANT_ENABLE_GPIO, 0u);
+        SysCtl_delay(CHIP_DELAY_us(DRIVER_RESET_us));
+        driver_enable();
+    }
+    chip_pwm_clear_trip();
+    SysCtl_delay(CHIP_DELAY_us(TRIP_LATCH_us));
+    return !chip_pwm_tripped(); // an active source has latched it again
+}
+
+void board_feed_watchdog(void) {
+    SysCtl_serviceWatchdog();
+}
+
+LODE_HOT uint32_t board_cycles(void) {
+    return UINT32_MAX - CPUTimer_getTimerCount(CPUTIMER1_BASE); // it counts down
+}
+
+uint32_t board_send(const uint16_t *octets, uint32_t count) {
+    uint32_t taken = 0u;
+    while (taken < count && (uint32_t)SCI_getTxFIFOStatus(SCIA_BASE) < FIFO_DEPTH) {
+        SCI_writeCharNonBlocking(SCIA_BASE, octets[taken]);
+        taken++;
+    }
+    return taken;
+}

@@ -1,0 +1,129 @@
+// The counters run up and down. The high sides are on around the upper turning point, so all low sides
+// are on around zero: there the shunts carry the phase currents, the compare values are taken over and
+// the converters are triggered. That instant is t_k.
+#include "chip.h"
+
+#define TRIP_SOURCES                                                                               \
+    (EPWM_TZ_SIGNAL_DCAEVT1 | EPWM_TZ_SIGNAL_OSHT1 | EPWM_TZ_SIGNAL_OSHT5 | EPWM_TZ_SIGNAL_OSHT6)
+#define TRIP_LATCHES                                                                               \
+    (EPWM_TZ_OST_FLAG_DCAEVT1 | EPWM_TZ_OST_FLAG_OST1 | EPWM_TZ_OST_FLAG_OST5 |                    \
+     EPWM_TZ_OST_FLAG_OST6)
+
+static const uint32_t pwm[CHIP_PHASES] = VARIANT_PWM;
+static uint16_t steps;
+
+static void time_base(uint32_t base) {
+    EPWM_setClockPrescaler(base, EPWM_CLOCK_DIVIDER_1, EPWM_HSCLOCK_DIVIDER_1);
+    EPWM_setEmulationMode(base, EPWM_EMULATION_FREE_RUN); // a halt trips, see trip_zone()
+    EPWM_disablePhaseShiftLoad(base);
+    EPWM_setTimeBasePeriod(base, steps);
+    EPWM_setTimeBaseCounter(base, 0u);
+    EPWM_setTimeBaseCounterMode(base, EPWM_COUNTER_MODE_UP_DOWN);
+    EPWM_setCounterCompareShadowLoadMode(base, EPWM_COUNTER_COMPARE_A, EPWM_COMP_LOAD_ON_CNTR_ZERO);
+    EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_A, EPWM_AQ_OUTPUT_HIGH,
+                                  EPWM_AQ_OUTPUT_ON_TIMEBASE_UP_CMPA);
+    EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_A, EPWM_AQ_OUTPUT_LOW,
+                                  EPWM_AQ_OUTPUT_ON_TIMEBASE_DOWN_CMPA);
+}
+
+// Output A is input A with its rising edge delayed, output B its complement with the other edge delayed.
+static void dead_band(uint32_t base, uint16_t counts) {
+    EPWM_setDeadBandCounterClock(base, EPWM_DB_COUNTER_CLOCK_FULL_CYCLE);
+    EPWM_setRisingEdgeDeadBandDelayInput(base, EPWM_DB_INPUT_EPWMA);
+    EPWM_setFallingEdgeDeadBandDelayInput(base, EPWM_DB_INPUT_EPWMA);
+    EPWM_setDeadBandDelayPolarity(base, EPWM_DB_RED, EPWM_DB_POLARITY_ACTIVE_HIGH);
+    EPWM_setDeadBandDelayPolarity(base, EPWM_DB_FED, EPWM_DB_POLARITY_ACTIVE_LOW);
+    EPWM_setRisingEdgeDelayCount(base, counts);
+    EPWM_setFallingEdgeDelayCount(base, counts);
+    EPWM_setDeadBandDelayMode(base, EPWM_DB_RED, true);
+    EPWM_setDeadBandDelayMode(base, EPWM_DB_FED, true);
+}
+
+// One-shot, both outputs low: comparators (TRIP4), nFAULT (TZ1), lost clock (TZ5), halted core (TZ6).
+// Asynchronous, so that they act without a clock. Locked until the next reset.
+static void trip_zone(uint32_t base) {
+    EPWM_setTripZoneAction(base, EPWM_TZ_ACTION_EVENT_TZA, EPWM_TZ_ACTION_LOW);
+    EPWM_setTripZoneAction(base, EPWM_TZ_ACTION_EVENT_TZB, EPWM_TZ_ACTION_LOW);
+    EPWM_selectDigitalCompareTripInput(base, EPWM_DC_TRIP_TRIPIN4, EPWM_DC_TYPE_DCAH);
+    EPWM_setTripZoneDigitalCompareEventCondition(base, EPWM_TZ_DC_OUTPUT_A1,
+                                                 EPWM_TZ_EVENT_DCXH_HIGH);
+    EPWM_setDigitalCompareEventSource(base, EPWM_DC_MODULE_A, EPWM_DC_EVENT_1,
+                                      EPWM_DC_EVENT_SOURCE_ORIG_SIGNAL);
+    EPWM_setDigitalCompareEventSyncMode(base, EPWM_DC_MODULE_A, EPWM_DC_EVENT_1,
+                                        EPWM_DC_EVENT_INPUT_NOT_SYNCED);
+    EPWM_enableTripZoneSignals(base, TRIP_SOURCES);
+    EPWM_lockRegisters(base, EPWM_REGISTER_GROUP_TRIP_ZONE);
+    EPWM_lockRegisters(base, EPWM_REGISTER_GROUP_DIGITAL_COMPARE);
+}
+
+bool chip_pwm_init(void) {
+    static const SysCtl_PeripheralPCLOCKCR clocks[CHIP_PHASES] = VARIANT_PWM_CLOCKS;
+    uint16_t dead_counts = 0u;
+    steps = ti_pwm_steps(CHIP_F_CPU_Hz, VARIANT_F_PWM_Hz);
+    if (steps == 0u || !ti_dead_time(CHIP_F_CPU_Hz, VARIANT_DEAD_TIME_ns, &dead_counts)) {
+        return false;
+    }
+    SysCtl_disablePeripheral(SYSCTL_PERIPH_CLK_TBCLKSYNC);
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        SysCtl_enablePeripheral(clocks[n]);
+    }
+    chip_pwm_off(); // before anything else in them is touched
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        time_base(pwm[n]);
+        dead_band(pwm[n], dead_counts);
+        trip_zone(pwm[n]);
+    }
+    chip_pwm_write((lode_abc_t){0.5f, 0.5f, 0.5f}); // no voltage between the phases
+    EPWM_setADCTriggerSource(pwm[0], EPWM_SOC_A, EPWM_SOC_TBCTR_ZERO);
+    EPWM_setADCTriggerEventPrescale(pwm[0], EPWM_SOC_A, 1u);
+    EPWM_enableADCTrigger(pwm[0], EPWM_SOC_A);
+    return true;
+}
+
+void chip_pwm_start(void) {
+    SysCtl_enablePeripheral(SYSCTL_PERIPH_CLK_TBCLKSYNC);
+}
+
+LODE_HOT void chip_pwm_off(void) {
+    EPWM_forceTripZoneEvent(pwm[0], EPWM_TZ_FORCE_EVENT_OST);
+    EPWM_forceTripZoneEvent(pwm[1], EPWM_TZ_FORCE_EVENT_OST);
+    EPWM_forceTripZoneEvent(pwm[2], EPWM_TZ_FORCE_EVENT_OST);
+}
+
+// The latches of the sources; an event forced by software sets none of them.
+LODE_HOT bool chip_pwm_tripped(void) {
+    const uint16_t latched = (uint16_t)(EPWM_getOneShotTripZoneFlagStatus(pwm[0]) |
+                                        EPWM_getOneShotTripZoneFlagStatus(pwm[1]) |
+                                        EPWM_getOneShotTripZoneFlagStatus(pwm[2]));
+    return (latched & TRIP_LATCHES) != 0u;
+}
+
+LODE_HOT void chip_pwm_on(void) {
+    if (chip_pwm_tripped()) {
+        return;
+    }
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        if ((EPWM_getTripZoneFlagStatus(pwm[n]) & EPWM_TZ_FLAG_OST) != 0u) {
+            EPWM_clearTripZoneFlag(pwm[n], EPWM_TZ_FLAG_OST | EPWM_TZ_FLAG_DCAEVT1);
+        }
+    }
+    if (chip_pwm_tripped()) { // it came in between, and was too short to trip again
+        chip_pwm_off();
+    }
+}
+
+void chip_pwm_clear_trip(void) {
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        EPWM_clearOneShotTripZoneFlag(pwm[n], TRIP_LATCHES);
+    }
+}
+
+LODE_HOT bool chip_pwm_counts_down(void) {
+    return EPWM_getTimeBaseCounterDirection(pwm[0]) == EPWM_TIME_BASE_STATUS_COUNT_DOWN;
+}
+
+LODE_HOT void chip_pwm_write(lode_abc_t duty) {
+    EPWM_setCounterCompareValue(pwm[0], EPWM_COUNTER_COMPARE_A, ti_compare(duty.a, steps));
+    EPWM_setCounterCompareValue(pwm[1], EPWM_COUNTER_COMPARE_A, ti_compare(duty.b, steps));
+    EPWM_setCounterCompareValue(pwm[2], EPWM_COUNTER_COMPARE_A, ti_compare(duty.c, steps));
+}

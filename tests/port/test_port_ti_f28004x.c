@@ -1,0 +1,531 @@
+// The F28004x port on a recorded driverlib: which call, with which value, in which order; and the ways of
+// a trip, which the fake follows from the comparator or the pin to the six outputs.
+#include "app.h"
+#include "board.h"
+#include "chip.h"
+#include "f28004x.h"
+#include "support/check.h"
+
+#define STEPS (CHIP_F_CPU_Hz / VARIANT_F_PWM_Hz / 2u)
+#define PERIOD (2u * STEPS)
+
+static const uint32_t pwm[] = VARIANT_PWM;
+static const lode_drive_out_t on = {.duty = {0.5f, 0.5f, 0.5f}, .gates = true};
+static uint32_t now_cycles;
+
+void setUp(void) {
+    fake_reset();
+    now_cycles = 0u;
+}
+
+void tearDown(void) {}
+
+static int first(const char *name, uint32_t a, uint32_t b, uint32_t c) {
+    const int at = fake_first(name, a, b, c, 0);
+    if (at < 0) {
+        TEST_FAIL_MESSAGE(name);
+    }
+    return at;
+}
+
+static uint32_t third(const char *name, uint32_t a, uint32_t b) {
+    const int at = fake_last(name, a, b, FAKE_ANY);
+    TEST_ASSERT_TRUE(at >= 0);
+    return fake_arguments(at)[2];
+}
+
+static uint32_t second(const char *name, uint32_t a) {
+    const int at = fake_last(name, a, FAKE_ANY, FAKE_ANY);
+    TEST_ASSERT_TRUE(at >= 0);
+    return fake_arguments(at)[1];
+}
+
+// --- figures ---
+
+static void test_dead_time_is_never_shorter(void) {
+    static const uint32_t clocks[] = {100000000u, 200000000u};
+    for (int c = 0; c < COUNT_OF(clocks); c++) {
+        const double tick_ns = 1.0e9 / (double)clocks[c];
+        for (uint32_t ns = 0u; ns < 20000u; ns++) {
+            uint16_t counts = 0u;
+            TEST_ASSERT_TRUE(ti_dead_time(clocks[c], ns, &counts));
+            CHECK_AT_LEAST((double)ns - 1.0e-3, counts * tick_ns);
+            CHECK_AT_MOST((double)ns + tick_ns, counts * tick_ns);
+        }
+    }
+    uint16_t counts = 0u;
+    TEST_ASSERT_FALSE(ti_dead_time(200000000u, 100000u, &counts)); // 20000 counts: 14 bits
+    TEST_ASSERT_FALSE(ti_dead_time(200000000u, UINT32_MAX, &counts));
+}
+
+static void test_period_in_steps(void) {
+    TEST_ASSERT_EQUAL_UINT16(2500u, ti_pwm_steps(100000000u, 20000u));
+    TEST_ASSERT_EQUAL_UINT16(5000u, ti_pwm_steps(200000000u, 20000u));
+    TEST_ASSERT_EQUAL_UINT16(0u, ti_pwm_steps(200000000u, 1000u)); // beyond 16 bits
+    TEST_ASSERT_EQUAL_UINT16(0u, ti_pwm_steps(200000000u, 0u));
+}
+
+// A low side that is on for `low_s` around t_k has settled before t_k and is sampled before its end; and
+// at the voltage that is then left, the second largest duty leaves its phase sampled at every angle.
+static void test_sampling_window(void) {
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    const double duty_max = (double)config.sense.duty_max;
+    const double half_low_ns = 0.5 * (1.0 - duty_max) * 1.0e9 / (double)VARIANT_F_PWM_Hz;
+    CHECK_AT_LEAST(VARIANT_SETTLE_ns * 0.9999f, half_low_ns);
+    CHECK_AT_LEAST(CHIP_SAMPLE_ns * 0.9999f, half_low_ns);
+    CHECK_AT_LEAST(10.0 * (3.0 + CHIP_WINDOW_cycles), CHIP_SAMPLE_ns);
+    TEST_ASSERT_TRUE(duty_max > 0.8 && duty_max < 1.0);
+    CHECK_CLOSE(1e-6, 0.95, ti_voltage_use(1.0f));
+    for (int limit = 60; limit <= 100; limit += 5) {
+        const double u = (double)ti_voltage_use((float)limit / 100.0f) / sqrt(3.0);
+        for (int n = 0; n < 360; n++) {
+            double v[3];
+            for (int x = 0; x < 3; x++) {
+                v[x] = u * cos(n * CHECK_DEG - x * 2.0 * CHECK_PI / 3.0);
+            }
+            const double high = fmax(v[0], fmax(v[1], v[2])), low = fmin(v[0], fmin(v[1], v[2]));
+            const double middle = -high - low;
+            CHECK_AT_MOST(limit / 100.0 + 1e-6, middle + 0.5 - 0.5 * (high + low));
+        }
+    }
+}
+
+static void test_configuration_is_accepted(void) {
+    TEST_ASSERT_TRUE(app_start());
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(app_status()));
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    CHECK_CLOSE(1e-6, STEPS, config.inverter.pwm_ticks);
+    CHECK_CLOSE(1e-6, PERIOD, config.guard.stamp_per_period);
+    CHECK_CLOSE(1e-3, 42.857, -config.sense.i_gain_A_count * 4096.0f); // full scale of the board
+    CHECK_NEAR(8.0, 2048.0, config.sense.i_offset_count);
+    CHECK_CLOSE(1e-3, 57.53, config.sense.v_bus_gain_V_count * 4096.0f);
+}
+
+// --- order of the initialisation ---
+
+static void test_outputs_are_held_low_before_the_pins_are_theirs(void) {
+    TEST_ASSERT_TRUE(board_init());
+    static const uint32_t pins[] = {GPIO_10_EPWM6_A, GPIO_11_EPWM6_B, GPIO_8_EPWM5_A,
+                                    GPIO_9_EPWM5_B,  GPIO_4_EPWM3_A,  GPIO_5_EPWM3_B};
+    const int stopped = first("SysCtl_disablePeripheral", SYSCTL_PERIPH_CLK_TBCLKSYNC, 0u, 0u);
+    for (int p = 0; p < COUNT_OF(pwm); p++) {
+        const int clock = first("SysCtl_enablePeripheral", (const uint32_t[])VARIANT_PWM_CLOCKS[p],
+                                FAKE_ANY, FAKE_ANY);
+        const int held =
+            fake_first("EPWM_forceTripZoneEvent", pwm[p], EPWM_TZ_FORCE_EVENT_OST, FAKE_ANY, clock);
+        const int locked = first("EPWM_lockRegisters", pwm[p], EPWM_REGISTER_GROUP_TRIP_ZONE, 0u);
+        TEST_ASSERT_TRUE(stopped < clock && clock < held);
+        TEST_ASSERT_TRUE(held < first("EPWM_setTimeBasePeriod", pwm[p], STEPS, FAKE_ANY));
+        TEST_ASSERT_TRUE(first("EPWM_setTripZoneAction", pwm[p], EPWM_TZ_ACTION_EVENT_TZA,
+                               EPWM_TZ_ACTION_LOW) < locked);
+        TEST_ASSERT_TRUE(first("EPWM_setTripZoneAction", pwm[p], EPWM_TZ_ACTION_EVENT_TZB,
+                               EPWM_TZ_ACTION_LOW) < locked);
+        TEST_ASSERT_TRUE(first("EPWM_setFallingEdgeDelayCount", pwm[p], FAKE_ANY, FAKE_ANY) <
+                         locked);
+        for (int n = 0; n < COUNT_OF(pins); n++) {
+            TEST_ASSERT_TRUE(first("GPIO_setPinConfig", pins[n], FAKE_ANY, FAKE_ANY) > locked);
+        }
+    }
+    TEST_ASSERT_FALSE(fake_gates_on());
+    TEST_ASSERT_TRUE(fake_all_tripped());
+}
+
+static void test_trip_path_is_armed_before_the_pins_and_before_the_driver(void) {
+    TEST_ASSERT_TRUE(board_init());
+    const int pins = first("GPIO_setPinConfig", GPIO_10_EPWM6_A, FAKE_ANY, FAKE_ANY);
+    const int driver = first("GPIO_writePin", VARIANT_ENABLE_GPIO, 1u, FAKE_ANY);
+    static const uint32_t cmpss[] = {CMPSS5_BASE, CMPSS3_BASE, CMPSS1_BASE};
+    for (int n = 0; n < COUNT_OF(cmpss); n++) {
+        const int thresholds = first("CMPSS_setDACValueHigh", cmpss[n], FAKE_ANY, FAKE_ANY);
+        const int enabled = first("CMPSS_enableModule", cmpss[n], FAKE_ANY, FAKE_ANY);
+        TEST_ASSERT_TRUE(thresholds < enabled && enabled < pins);
+    }
+    for (int p = 0; p < COUNT_OF(pwm); p++) {
+        TEST_ASSERT_TRUE(first("EPWM_enableTripZoneSignals", pwm[p], FAKE_ANY, FAKE_ANY) < pins);
+    }
+    TEST_ASSERT_TRUE(first("XBAR_enableEPWMMux", XBAR_TRIP4, FAKE_ANY, FAKE_ANY) < pins);
+    TEST_ASSERT_TRUE(first("XBAR_setInputPin", XBAR_INPUT1, VARIANT_FAULT_GPIO, FAKE_ANY) < pins);
+    TEST_ASSERT_TRUE(pins < driver);
+    TEST_ASSERT_EQUAL_INT(-1,
+                          fake_first("EPWM_clearTripZoneFlag", FAKE_ANY, FAKE_ANY, FAKE_ANY, 0));
+}
+
+static void test_start_enables_the_interrupt_then_counts_and_leaves_the_gates_off(void) {
+    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_EQUAL_INT(-1, fake_first("Interrupt_enable", FAKE_ANY, FAKE_ANY, FAKE_ANY, 0));
+    TEST_ASSERT_EQUAL_INT(-1, fake_first("EINT", FAKE_ANY, FAKE_ANY, FAKE_ANY, 0));
+    TEST_ASSERT_EQUAL_INT(-1, fake_first("SysCtl_enablePeripheral", SYSCTL_PERIPH_CLK_TBCLKSYNC,
+                                         FAKE_ANY, FAKE_ANY, 0));
+    const int from = fake_count();
+    board_start();
+    const int cleared =
+        fake_first("ADC_clearInterruptStatus", VARIANT_BUS_ADC, FAKE_ANY, FAKE_ANY, from);
+    const int enabled = first("Interrupt_enable", INT_ADCB1, FAKE_ANY, FAKE_ANY);
+    const int counting = first("SysCtl_enablePeripheral", SYSCTL_PERIPH_CLK_TBCLKSYNC, 0u, 0u);
+    TEST_ASSERT_TRUE(cleared >= from && cleared < enabled && enabled < counting);
+    TEST_ASSERT_TRUE(first("EINT", FAKE_ANY, FAKE_ANY, FAKE_ANY) < counting);
+    TEST_ASSERT_FALSE(fake_gates_on());
+}
+
+static void test_clock_that_does_not_come_keeps_everything_off(void) {
+    fake_kill_clock();
+    TEST_ASSERT_FALSE(board_init());
+    TEST_ASSERT_EQUAL_INT(-1,
+                          fake_first("GPIO_setPinConfig", GPIO_10_EPWM6_A, FAKE_ANY, FAKE_ANY, 0));
+    TEST_ASSERT_EQUAL_INT(-1, fake_first("GPIO_writePin", VARIANT_ENABLE_GPIO, 1u, FAKE_ANY, 0));
+    TEST_ASSERT_FALSE(app_start());
+    TEST_ASSERT_EQUAL_INT(-1, fake_first("EINT", FAKE_ANY, FAKE_ANY, FAKE_ANY, 0));
+}
+
+// --- timer, dead-band, trigger ---
+
+static void test_counters_and_dead_band(void) {
+    TEST_ASSERT_TRUE(board_init());
+    for (int p = 0; p < COUNT_OF(pwm); p++) {
+        const uint32_t base = pwm[p];
+        TEST_ASSERT_EQUAL_UINT32(EPWM_COUNTER_MODE_UP_DOWN,
+                                 second("EPWM_setTimeBaseCounterMode", base));
+        TEST_ASSERT_EQUAL_UINT32(STEPS, second("EPWM_setTimeBasePeriod", base));
+        TEST_ASSERT_EQUAL_UINT32(0u, second("EPWM_setTimeBaseCounter", base)); // start together
+        TEST_ASSERT_EQUAL_UINT32(
+            EPWM_COMP_LOAD_ON_CNTR_ZERO,
+            third("EPWM_setCounterCompareShadowLoadMode", base, EPWM_COUNTER_COMPARE_A));
+        // 200 ns of 10 ns, on both edges; B is the complement of A.
+        TEST_ASSERT_EQUAL_UINT32(20u, second("EPWM_setRisingEdgeDelayCount", base));
+        TEST_ASSERT_EQUAL_UINT32(20u, second("EPWM_setFallingEdgeDelayCount", base));
+        TEST_ASSERT_EQUAL_UINT32(1u, third("EPWM_setDeadBandDelayMode", base, EPWM_DB_RED));
+        TEST_ASSERT_EQUAL_UINT32(1u, third("EPWM_setDeadBandDelayMode", base, EPWM_DB_FED));
+        TEST_ASSERT_EQUAL_UINT32(EPWM_DB_POLARITY_ACTIVE_HIGH,
+                                 third("EPWM_setDeadBandDelayPolarity", base, EPWM_DB_RED));
+        TEST_ASSERT_EQUAL_UINT32(EPWM_DB_POLARITY_ACTIVE_LOW,
+                                 third("EPWM_setDeadBandDelayPolarity", base, EPWM_DB_FED));
+        // High sides on around the upper turning point.
+        const int high =
+            first("EPWM_setActionQualifierAction", base, EPWM_AQ_OUTPUT_A, EPWM_AQ_OUTPUT_HIGH);
+        const int low =
+            first("EPWM_setActionQualifierAction", base, EPWM_AQ_OUTPUT_A, EPWM_AQ_OUTPUT_LOW);
+        TEST_ASSERT_EQUAL_UINT32(EPWM_AQ_OUTPUT_ON_TIMEBASE_UP_CMPA, fake_arguments(high)[3]);
+        TEST_ASSERT_EQUAL_UINT32(EPWM_AQ_OUTPUT_ON_TIMEBASE_DOWN_CMPA, fake_arguments(low)[3]);
+    }
+}
+
+// At zero all low sides are on: the middle of the zero vector, where the shunts carry the currents.
+static void test_converters_are_triggered_at_zero_of_every_period(void) {
+    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_EQUAL_UINT32(EPWM_SOC_TBCTR_ZERO,
+                             third("EPWM_setADCTriggerSource", pwm[0], EPWM_SOC_A));
+    TEST_ASSERT_EQUAL_UINT32(1u, third("EPWM_setADCTriggerEventPrescale", pwm[0], EPWM_SOC_A));
+    (void)first("EPWM_enableADCTrigger", pwm[0], EPWM_SOC_A, FAKE_ANY);
+    static const struct {
+        uint32_t adc, channel;
+    } currents[] = {{ADCA_BASE, 14u}, {ADCC_BASE, 7u}, {ADCB_BASE, 7u}};
+    for (int n = 0; n < COUNT_OF(currents); n++) { // the same trigger, first in each: one instant
+        const uint32_t *soc = fake_arguments(
+            first("ADC_setupSOC", currents[n].adc, ADC_SOC_NUMBER0, ADC_TRIGGER_EPWM6_SOCA));
+        TEST_ASSERT_EQUAL_UINT32(currents[n].channel, soc[3]);
+        CHECK_AT_LEAST(8u, soc[4]); // 75 ns
+    }
+    (void)first("ADC_setupSOC", ADCB_BASE, ADC_SOC_NUMBER1, ADC_TRIGGER_EPWM6_SOCA);
+    // The interrupt comes with the last of all results, at the end of its conversion.
+    TEST_ASSERT_EQUAL_UINT32(ADC_SOC_NUMBER1,
+                             third("ADC_setInterruptSource", ADCB_BASE, ADC_INT_NUMBER1));
+    TEST_ASSERT_EQUAL_UINT32(ADC_PULSE_END_OF_CONV, second("ADC_setInterruptPulseMode", ADCB_BASE));
+}
+
+static void test_duties_become_compare_values(void) {
+    TEST_ASSERT_TRUE(board_init());
+    board_write(&(lode_drive_out_t){.duty = {0.0f, 0.25f, 1.0f}});
+    TEST_ASSERT_EQUAL_UINT32(STEPS, third("EPWM_setCounterCompareValue", pwm[0], 0u));
+    TEST_ASSERT_EQUAL_UINT32(STEPS - STEPS / 4u, third("EPWM_setCounterCompareValue", pwm[1], 0u));
+    TEST_ASSERT_EQUAL_UINT32(1u, third("EPWM_setCounterCompareValue", pwm[2], 0u));
+    for (uint32_t k = 0u; k < STEPS; k++) { // every other step of the grid hits its own value
+        TEST_ASSERT_EQUAL_UINT16(STEPS - k, ti_compare((float)k / (float)STEPS, (uint16_t)STEPS));
+    }
+}
+
+// --- trip ---
+
+static void test_thresholds_on_both_sides(void) {
+    TEST_ASSERT_TRUE(board_init());
+    static const uint32_t cmpss[] = {CMPSS5_BASE, CMPSS3_BASE, CMPSS1_BASE};
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    const float gain = config.sense.i_gain_A_count, offset = config.sense.i_offset_count;
+    for (int n = 0; n < COUNT_OF(cmpss); n++) {
+        const float high = (float)second("CMPSS_setDACValueHigh", cmpss[n]);
+        const float low = (float)second("CMPSS_setDACValueLow", cmpss[n]);
+        CHECK_NEAR(0.02, -VARIANT_TRIP_A, (high - offset) * gain);
+        CHECK_NEAR(0.02, VARIANT_TRIP_A, (low - offset) * gain);
+        // The low comparator's output is inverted: it trips below.
+        TEST_ASSERT_EQUAL_HEX32(CMPSS_INSRC_DAC, second("CMPSS_configHighComparator", cmpss[n]));
+        TEST_ASSERT_EQUAL_HEX32(CMPSS_INSRC_DAC | CMPSS_INV_INVERTED,
+                                second("CMPSS_configLowComparator", cmpss[n]));
+    }
+    TEST_ASSERT_EQUAL_UINT32(4u, second("ASysCtl_selectCMPHPMux", ASYSCTL_CMPHPMUX_SELECT_5));
+    TEST_ASSERT_EQUAL_UINT32(4u, second("ASysCtl_selectCMPLPMux", ASYSCTL_CMPLPMUX_SELECT_1));
+}
+
+static void set_source(int n, bool active) {
+    static const uint32_t cmpss[] = {CMPSS5_BASE, CMPSS3_BASE, CMPSS1_BASE};
+    if (n < COUNT_OF(cmpss)) {
+        fake_set_comparator(cmpss[n], active);
+    } else {
+        fake_set_fault(active);
+    }
+}
+
+#define SOURCES 4 // three comparators and nFAULT
+
+static void test_every_source_switches_all_six_off_and_latches(void) {
+    for (int n = 0; n < SOURCES; n++) {
+        fake_reset();
+        TEST_ASSERT_TRUE(board_init());
+        board_start();
+        board_write(&on);
+        TEST_ASSERT_TRUE(fake_gates_on()); // without a source nothing trips
+        lode_counts_t counts;
+        board_read(&counts);
+        TEST_ASSERT_FALSE(counts.trip);
+        set_source(n, true);
+        TEST_ASSERT_TRUE(fake_all_tripped());
+        board_read(&counts);
+        TEST_ASSERT_TRUE(counts.trip);
+        TEST_ASSERT_FALSE(board_clear_trip()); // still active
+        set_source(n, false);
+        const int from = fake_count();
+        board_write(&on); // gone, but latched: not even tried
+        TEST_ASSERT_TRUE(fake_all_tripped());
+        TEST_ASSERT_EQUAL_INT(
+            -1, fake_first("EPWM_clearTripZoneFlag", FAKE_ANY, FAKE_ANY, FAKE_ANY, from));
+        TEST_ASSERT_TRUE(board_clear_trip());
+        TEST_ASSERT_TRUE(fake_all_tripped()); // cleared is not on
+        board_read(&counts);
+        TEST_ASSERT_FALSE(counts.trip);
+        board_write(&on);
+        TEST_ASSERT_TRUE(fake_gates_on());
+    }
+}
+
+static void test_gates_off_by_software_is_no_trip(void) {
+    board_gates_off(); // before board_init()
+    TEST_ASSERT_TRUE(board_init());
+    board_write(&on);
+    board_gates_off();
+    TEST_ASSERT_TRUE(fake_all_tripped());
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_FALSE(counts.trip);
+    board_write(&on);
+    TEST_ASSERT_TRUE(fake_gates_on());
+}
+
+static void test_active_trip_at_power_up_is_a_failed_init(void) {
+    for (int n = 0; n < SOURCES; n++) {
+        fake_reset();
+        set_source(n, true);
+        TEST_ASSERT_FALSE(board_init());
+        TEST_ASSERT_FALSE(fake_gates_on());
+    }
+}
+
+static void test_clearing_resets_the_driver_and_waits_for_it(void) {
+    TEST_ASSERT_TRUE(board_init());
+    board_write(&on);
+    set_source(3, true);
+    set_source(3, false);
+    const int from = fake_count();
+    TEST_ASSERT_TRUE(board_clear_trip());
+    const int low = fake_first("GPIO_writePin", VARIANT_ENABLE_GPIO, 0u, FAKE_ANY, from);
+    const int high = fake_first("GPIO_writePin", VARIANT_ENABLE_GPIO, 1u, FAKE_ANY, from);
+    const int cleared =
+        fake_first("EPWM_clearOneShotTripZoneFlag", FAKE_ANY, FAKE_ANY, FAKE_ANY, from);
+    TEST_ASSERT_TRUE(low >= from && high > low && cleared > high);
+    // 8 .. 40 us low, 1 ms to wake up; a count of the delay is 50 ns.
+    const uint32_t pulse =
+        fake_arguments(fake_first("SysCtl_delay", FAKE_ANY, FAKE_ANY, FAKE_ANY, low))[0];
+    const uint32_t wake =
+        fake_arguments(fake_first("SysCtl_delay", FAKE_ANY, FAKE_ANY, FAKE_ANY, high))[0];
+    TEST_ASSERT_TRUE(pulse >= 160u && pulse <= 800u);
+    CHECK_AT_LEAST(20000u, wake);
+}
+
+static void test_sample_at_the_wrong_end_is_a_trip(void) {
+    TEST_ASSERT_TRUE(board_init());
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_FALSE(counts.trip);
+    fake_set_direction(EPWM_TIME_BASE_STATUS_COUNT_DOWN);
+    board_read(&counts);
+    TEST_ASSERT_TRUE(counts.trip);
+}
+
+// --- periods ---
+
+static void put_counts(float i_A) {
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    const float offset = config.sense.i_offset_count, gain = config.sense.i_gain_A_count;
+    fake_set_result(ADCARESULT_BASE, ADC_SOC_NUMBER0, (uint16_t)(offset + i_A / gain));
+    fake_set_result(ADCCRESULT_BASE, ADC_SOC_NUMBER0, (uint16_t)(offset - 0.5f * i_A / gain));
+    fake_set_result(ADCBRESULT_BASE, ADC_SOC_NUMBER0, (uint16_t)(offset - 0.5f * i_A / gain));
+    fake_set_result(ADCBRESULT_BASE, ADC_SOC_NUMBER1,
+                    (uint16_t)(VARIANT_V_BUS_V / config.sense.v_bus_gain_V_count));
+}
+
+static void one_period(void) {
+    now_cycles += PERIOD;
+    fake_set_cycles(now_cycles);
+    fake_handler(INT_ADCB1)();
+}
+
+static void test_counts_come_from_the_right_results(void) {
+    TEST_ASSERT_TRUE(board_init());
+    fake_set_result(ADCARESULT_BASE, ADC_SOC_NUMBER0, 11u);
+    fake_set_result(ADCCRESULT_BASE, ADC_SOC_NUMBER0, 22u);
+    fake_set_result(ADCBRESULT_BASE, ADC_SOC_NUMBER0, 33u);
+    fake_set_result(ADCBRESULT_BASE, ADC_SOC_NUMBER1, 44u);
+    fake_set_cycles(66u);
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_EQUAL_UINT16(11u, counts.i[0]);
+    TEST_ASSERT_EQUAL_UINT16(22u, counts.i[1]);
+    TEST_ASSERT_EQUAL_UINT16(33u, counts.i[2]);
+    TEST_ASSERT_EQUAL_UINT16(44u, counts.v_bus);
+    TEST_ASSERT_EQUAL_UINT32(66u, counts.stamp);
+}
+
+static void gates_on_by_the_drive(void) {
+    TEST_ASSERT_TRUE(app_start());
+    put_counts(0.0f);
+    app_mode = BRINGUP_SIGNS;
+    for (int n = 0; n < 30000 && !fake_gates_on(); n++) {
+        one_period();
+        app_poll();
+    }
+    TEST_ASSERT_TRUE(fake_gates_on());
+}
+
+static void expect_gates_off_in_one_call(const char *check) {
+    const int from = fake_count();
+    one_period();
+    TEST_ASSERT_TRUE(fake_all_tripped());
+    const int off =
+        fake_first("EPWM_forceTripZoneEvent", pwm[0], EPWM_TZ_FORCE_EVENT_OST, 0u, from);
+    const int compare =
+        fake_first("EPWM_setCounterCompareValue", FAKE_ANY, FAKE_ANY, FAKE_ANY, from);
+    TEST_ASSERT_TRUE(off >= from && compare > off); // before anything else is written
+    TEST_ASSERT_EQUAL_STRING(check, lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+
+static void test_over_current_reaches_the_gates_in_the_same_call(void) {
+    const float i_trip = 1.5f * lode_min(VARIANT_I_MAX_A, 5.0f); // of the example's motor
+    gates_on_by_the_drive();
+    put_counts(0.97f * i_trip); // the same, inside the limit
+    one_period();
+    TEST_ASSERT_TRUE(fake_gates_on());
+    put_counts(1.07f * i_trip);
+    expect_gates_off_in_one_call("LODE_CHECK_OVER_CURRENT");
+}
+
+static void test_hardware_trip_is_a_fault_in_the_same_call(void) {
+    for (int n = 0; n < SOURCES; n++) {
+        setUp();
+        gates_on_by_the_drive();
+        one_period();
+        TEST_ASSERT_TRUE(fake_gates_on());
+        set_source(n, true);
+        set_source(n, false);
+        expect_gates_off_in_one_call("LODE_CHECK_HARDWARE_TRIP");
+    }
+}
+
+static void test_missed_interrupt_is_a_fault(void) {
+    gates_on_by_the_drive();
+    now_cycles += PERIOD;
+    expect_gates_off_in_one_call("LODE_CHECK_TIMING");
+}
+
+static void test_flags_are_cleared_around_the_period(void) {
+    TEST_ASSERT_TRUE(app_start());
+    int from = fake_count();
+    one_period();
+    const int acknowledged =
+        fake_last("Interrupt_clearACKGroup", INTERRUPT_ACK_GROUP1, FAKE_ANY, FAKE_ANY);
+    TEST_ASSERT_EQUAL_INT(
+        from, fake_first("ADC_clearInterruptStatus", ADCB_BASE, ADC_INT_NUMBER1, FAKE_ANY, from));
+    TEST_ASSERT_EQUAL_INT(fake_count() - 1, acknowledged);
+    fake_set_overflow(); // a late one must not keep the next away
+    from = fake_count();
+    one_period();
+    TEST_ASSERT_TRUE(fake_first("ADC_clearInterruptOverflowStatus", ADCB_BASE, ADC_INT_NUMBER1,
+                                FAKE_ANY, from) > from);
+}
+
+// --- supervision and serial port ---
+
+static void test_unexpected_interrupts_have_a_handler(void) {
+    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(fake_handler(INT_NMI) != NULL);
+    TEST_ASSERT_TRUE(fake_handler(INT_ILLEGAL) == fake_handler(INT_NMI));
+}
+
+static void test_watchdog_is_started_last_and_fed_by_steps(void) {
+    TEST_ASSERT_TRUE(app_start());
+    TEST_ASSERT_EQUAL_UINT32(SYSCTL_WD_MODE_RESET,
+                             fake_arguments(first("SysCtl_setWatchdogMode", FAKE_ANY, 0u, 0u))[0]);
+    const int started = first("SysCtl_enableWatchdog", FAKE_ANY, FAKE_ANY, FAKE_ANY);
+    TEST_ASSERT_TRUE(started > first("Device_init", FAKE_ANY, FAKE_ANY, FAKE_ANY)); // it stops it
+    TEST_ASSERT_TRUE(started > first("EPWM_lockRegisters", pwm[2], FAKE_ANY, FAKE_ANY));
+    put_counts(0.0f);
+    app_mode = APP_MODE_OFF;
+    one_period();
+    int from = fake_count();
+    app_poll();
+    TEST_ASSERT_TRUE(fake_first("SysCtl_serviceWatchdog", FAKE_ANY, FAKE_ANY, FAKE_ANY, from) >=
+                     from);
+    from = fake_count();
+    app_poll(); // no period since
+    TEST_ASSERT_EQUAL_INT(-1,
+                          fake_first("SysCtl_serviceWatchdog", FAKE_ANY, FAKE_ANY, FAKE_ANY, from));
+}
+
+static void test_serial_port_takes_what_it_has_room_for(void) {
+    static const uint16_t octets[] = {'a', 'b', 'c', 'd'};
+    TEST_ASSERT_TRUE(board_init());
+    fake_serial_room(3u);
+    TEST_ASSERT_EQUAL_UINT32(3u, board_send(octets, 4u));
+    TEST_ASSERT_EQUAL_UINT32(0u, board_send(&octets[3], 1u));
+    TEST_ASSERT_EQUAL_STRING("abc", fake_serial_text());
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_dead_time_is_never_shorter);
+    RUN_TEST(test_period_in_steps);
+    RUN_TEST(test_sampling_window);
+    RUN_TEST(test_configuration_is_accepted);
+    RUN_TEST(test_outputs_are_held_low_before_the_pins_are_theirs);
+    RUN_TEST(test_trip_path_is_armed_before_the_pins_and_before_the_driver);
+    RUN_TEST(test_start_enables_the_interrupt_then_counts_and_leaves_the_gates_off);
+    RUN_TEST(test_clock_that_does_not_come_keeps_everything_off);
+    RUN_TEST(test_counters_and_dead_band);
+    RUN_TEST(test_converters_are_triggered_at_zero_of_every_period);
+    RUN_TEST(test_duties_become_compare_values);
+    RUN_TEST(test_thresholds_on_both_sides);
+    RUN_TEST(test_every_source_switches_all_six_off_and_latches);
+    RUN_TEST(test_gates_off_by_software_is_no_trip);
+    RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
+    RUN_TEST(test_clearing_resets_the_driver_and_waits_for_it);
+    RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);
+    RUN_TEST(test_counts_come_from_the_right_results);
+    RUN_TEST(test_over_current_reaches_the_gates_in_the_same_call);
+    RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_call);
+    RUN_TEST(test_missed_interrupt_is_a_fault);
+    RUN_TEST(test_flags_are_cleared_around_the_period);
+    RUN_TEST(test_unexpected_interrupts_have_a_handler);
+    RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);
+    RUN_TEST(test_serial_port_takes_what_it_has_room_for);
+    return UNITY_END();
+}

@@ -1,0 +1,24 @@
+# TI's ports: F28004x on a recorded driverlib, AM263x on recorded registers and as a complete image for
+# the Cortex-R5F, and what a 16-bit char and int would break.
+set(ti_common "${LODE_PORT_DIR}/ti/figures.c" ${application})
+
+# ti_test(<name> <folder of the port> <source>...): with the fake of the same name
+function(ti_test name chip)
+  list(TRANSFORM ARGN PREPEND "${LODE_PORT_DIR}/ti_${chip}/")
+  lode_port_test(${name} ${ti_common} ${ARGN} "${CMAKE_CURRENT_SOURCE_DIR}/fakes/ti/${chip}.c"
+                 "${CMAKE_CURRENT_SOURCE_DIR}/test_port_ti_${chip}.c")
+  target_include_directories(${name} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}/fakes/ti"
+                             "${LODE_PORT_DIR}/ti" "${LODE_PORT_DIR}/ti_${chip}")
+endfunction()
+
+ti_test(test_port_ti_f28004x f28004x board.c pwm.c analog.c)
+ti_test(test_port_ti_am263x am263x board.c pwm.c analog.c)
+target_compile_definitions(test_port_ti_am263x PRIVATE "TI_REG_H=\"am263x_reg.h\"")
+
+if(LODE_BUILD_GATES)
+  foreach(script IN ITEMS ti_images ti_char16)
+    add_test(NAME port_${script} COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/${script}.sh"
+             WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+    set_tests_properties(port_${script} PROPERTIES LABELS port TIMEOUT 300 SKIP_RETURN_CODE 77)
+  endforeach()
+endif()
