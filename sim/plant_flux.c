@@ -3,7 +3,7 @@
 #include <math.h>
 
 static plant_harmonic_t harmonic_of(double size, double phase) {
-    return (plant_harmonic_t){size * cos(phase), size * sin(phase)};
+    return (plant_harmonic_t){.re = size * cos(phase), .im = size * sin(phase)};
 }
 
 /// What a pair of neighbours gives in dq: the lower turns backwards, the upper forwards.

@@ -269,7 +269,7 @@ static void move_command(run_t *run) {
     (void)lode_drive_post_command(run->rig.drive, &run->command);
 }
 
-static void step(run_t *run, moment_t *now) {
+static void step_rig(run_t *run, moment_t *now) {
     rig_step(&run->rig, run->estimate, &run->memory, &now->at);
     now->error_deg = rig_angle_error_deg((double)lode_estimate_theta_rad(&now->at.estimate),
                                          now->at.truth.theta_e_rad);
@@ -404,7 +404,7 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
 static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_window) {
     moment_t now;
     move_command(run);
-    step(run, &now);
+    step_rig(run, &now);
     if (run->log->capture != NULL) {
         capture_step(run->log->capture, run->rig.drive);
     }

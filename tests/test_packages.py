@@ -16,6 +16,7 @@ import zipfile
 
 ROOT = pathlib.Path(os.environ.get("LODE_SOURCE_DIR") or pathlib.Path(__file__).parents[1])
 SOURCES = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "src").glob("*.c"))
+PRIVATE = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "src").glob("*.h"))
 HEADERS = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "include/lodestar").glob("*.h"))
 CONSUMER = ROOT / "port/packages/conan/test_package/main.c"
 FLAGS = ["-ffp-contract=off", "-fno-math-errno"]
@@ -144,7 +145,7 @@ def check_cmsis(work):
     for element in ("vendor", "name", "description", "url", "license", "releases", "components"):
         expect(package.find(element) is not None, f"pdsc: no <{element}>")
     expect(f"{package.findtext('vendor')}.{package.findtext('name')}.pdsc" == pdsc.name, "pdsc: name")
-    for category, wanted in (("header", HEADERS), ("sourceC", SOURCES)):
+    for category, wanted in (("header", HEADERS), ("sourceC", SOURCES), ("other", PRIVATE)):
         names = [f.get("name") for f in package.iter("file") if f.get("category") == category]
         expect(names == wanted, f"pdsc: {category}: {sorted(set(names) ^ set(wanted))}")
 
@@ -155,7 +156,7 @@ def check_cmsis(work):
     with zipfile.ZipFile(packs[0]) as archive:
         names = set(archive.namelist())
         archive.extractall(pack)
-    expect(names == {pdsc.name, "LICENSE", "README.md", *HEADERS, *SOURCES}, "files of the pack")
+    expect(names == {pdsc.name, "LICENSE", "README.md", *HEADERS, *SOURCES, *PRIVATE}, "files of the pack")
     run("cc", "-std=c99", *FLAGS, f"-I{pack / 'include'}", CONSUMER, *sorted(pack.glob("src/*.c")),
         "-o", work / "from_pack", "-lm")
     run(work / "from_pack")

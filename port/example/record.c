@@ -7,9 +7,10 @@
 #define RING_FRAMES 64u // a third of a second without the thread
 #define RING_RATE_Hz 200.0f
 #define RING_WORDS LODE_RING_WORDS(RING_CHANNELS, RING_FRAMES)
-// 12.5 ms at 20 kHz; 8 KB.
 #define SCOPE_CHANNELS 8u
-#define SCOPE_ROWS 250u
+#ifndef SCOPE_ROWS      // a part with little RAM takes fewer
+#define SCOPE_ROWS 250u // 12.5 ms at 20 kHz; 8 KB
+#endif
 #define SCOPE_WORDS LODE_SCOPE_WORDS(SCOPE_CHANNELS, SCOPE_ROWS)
 #define SCOPE_PRE_SHARE 0.9f // a fault's cause lies before it
 #define OCTETS_MAX 64u

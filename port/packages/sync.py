@@ -21,7 +21,7 @@ PLACES = [
     (PDSC, r'(Cversion=")([^"]*)(")'),
     ("docs/changelog.md", r"(^## \[?)(\d[^] ]*)(\]?)"),
 ]
-FILES = re.compile(r'(?:^ *<file category="(?:header|sourceC)" .*\n)+', re.MULTILINE)
+FILES = re.compile(r'(?:^ *<file category="(?:header|sourceC|other)" .*\n)+', re.MULTILINE)
 
 
 def version():
@@ -36,6 +36,8 @@ def version():
 def file_lines():
     """The pack's entries for all headers and sources, a line each."""
     names = [("header", path) for path in sorted((ROOT / "include/lodestar").glob("*.h"))]
+    # "other": no folder of the user's include path.
+    names += [("other", path) for path in sorted((ROOT / "src").glob("*.h"))]
     names += [("sourceC", path) for path in sorted((ROOT / "src").glob("*.c"))]
     return "".join(f'        <file category="{category}" name="{path.relative_to(ROOT)}"/>\n'
                    for category, path in names)
