@@ -88,7 +88,7 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
     config->emf = emf[what->observer];
     config->pll = RIG_PLL_LESO;
     config->compensation =
-        what->column != LI_CORRECTED ? RIG_COMPENSATION_NONE : RIG_COMPENSATION_EXACT;
+        what->column == LI_UNCOMPENSATED ? RIG_COMPENSATION_NONE : RIG_COMPENSATION_EXACT;
     config->six.source = what->source;
     config->six.xy.resonance_rad_s = what->plain_xy ? LODE_NONE : config->six.xy.resonance_rad_s;
     lode_drive_config_t *drive = &config->drive;
