@@ -8,6 +8,7 @@
 #include "atomic_file.h"
 #include "ini_config.h"
 #include "outputs.h"
+#include "progress.h"
 #include "reproduce_li_plots.h"
 #include "reproduce_plots.h"
 #include "reproduce_report.h"
@@ -128,9 +129,13 @@ static bool write_files(const files_t *files, const study_t *study, const table_
         reproduce_report_json(files->json, table, study->config);
     }
     bool good = true;
+    progress_t progress;
+    progress_start(&progress);
     for (int k = 0; good && k < study->plots; ++k) {
+        progress_show(&progress, (double)k / study->plots, "pictures");
         good = files->svg[k] == NULL || study->plot(files->svg[k], k);
     }
+    (void)progress_end(&progress);
     return good && atomic_file_commit_all();
 }
 

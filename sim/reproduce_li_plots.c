@@ -54,14 +54,20 @@ static const drawing_t drawings[LI_PLOTS] = {
      RUNS,
      {.stages = 0},
      2.0},
-    {"fig17.svg", "Fig. 17: 5 Nm on and off at 600 rpm", RUNS, {.stages = 1}, 2.8},
+    {"fig17.svg", "Fig. 17: 80 % load (21 Nm) on and off at 600 rpm", RUNS, {.stages = 1}, 2.8},
     {"fig18.svg",
-     "Fig. 18: wrong Rs and Lq, FA-LESO, half load, 300 rpm",
+     "Fig. 18: wrong Rs and Lq, FA-LESO, 300 rpm, half load (rated load cannot be held with 1.5 "
+     "Lq)",
      KNOBS,
      {.stages = 0},
      0.0},
     {"k2.svg", "Which k2 would give Fig. 13?", SWEEP, {.stages = 0}, 0.0},
 };
+
+// Of speed, position error and speed error, the same for every observer.
+static const double ramp_axes[3][2] = {{200.0, 900.0}, {-35.0, 10.0}, {-5.0, 5.0}};
+static const double step_axes[3][2] = {{200.0, 1100.0}, {-50.0, 30.0}, {-160.0, 160.0}};
+static const double knob_axes[2][2] = {{-30.0, 20.0}, {-10.0, 10.0}};
 
 static const li_column_t drawn[DRAWN] = {LI_PRINTED, LI_EXACT};
 static const char *const heads[LI_OBSERVERS] = {"(a) C-LESO", "(b) GI-LESO", "(c) FA-LESO"};
@@ -118,12 +124,13 @@ static void send_run(FILE *script, const li_log_t *log, int id, double from_s) {
 
 // ---- Figs. 10 to 15 -----------------------------------------------------------------------------
 
-static void draw_waves(FILE *script, int first, const char *head) {
+static void draw_waves(FILE *script, int first, const char *head, double emf_V) {
     panels_next(script, "EMF, printed [V]", head, false);
     (void)fprintf(script,
+                  "set yrange [%g:%g]\n"
                   "plot $w%d using 1:2 with lines lc rgb red lw 1.2 title 'e_{/Symbol a}', "
                   "'' using 1:3 with lines lc rgb blue lw 1.2 title 'e_{/Symbol b}'\n",
-                  first);
+                  -emf_V, emf_V, first);
     panels_next(script, "position [deg]", "", false);
     (void)fprintf(script,
                   "set yrange [-180:180]\nset ytics 90\n"
@@ -142,9 +149,10 @@ static void draw_waves(FILE *script, int first, const char *head) {
 
 static bool plot_waves(FILE *script, const drawing_t *drawing, const rig_config_t *base) {
     const double rpm = drawing->what.stage[0].speed_rpm;
-    const double length_s = drawing->turns * 60.0 / ((double)base->drive.motor.pole_pairs * rpm);
+    const double w = (double)base->drive.motor.pole_pairs * rig_rad_s_from_rpm(rpm);
+    const double length_s = drawing->turns * 2.0 * RIG_PI / w;
     panels_begin(script, drawing->title, 3, LI_OBSERVERS);
-    (void)fputs("set autoscale xfix\n", script);
+    (void)fprintf(script, "set xrange [0:%g]\n", length_s);
     for (int o = 0; o < LI_OBSERVERS; ++o) {
         for (int c = 0; c < DRAWN; ++c) {
             li_case_t what = drawing->what;
@@ -157,14 +165,16 @@ static bool plot_waves(FILE *script, const drawing_t *drawing, const rig_config_
             send_waves(script, &log, DRAWN * o + c, length_s);
             li_log_free(&log);
         }
-        draw_waves(script, DRAWN * o, heads[o]);
+        draw_waves(script, DRAWN * o, heads[o], 1.2 * w * (double)base->drive.motor.psi_Wb);
     }
     return true;
 }
 
 // ---- Figs. 16, 17 -------------------------------------------------------------------------------
 
-static void draw_curves(FILE *script, int first, int column, const char *third) {
+static void draw_curves(FILE *script, int first, int column, const double axis[2],
+                        const char *third) {
+    (void)fprintf(script, "set yrange [%g:%g]\n", axis[0], axis[1]);
     (void)fprintf(script,
                   "plot $r%d using 1:%d with lines lc rgb red lw 1 title 'printed', "
                   "$r%d using 1:%d with lines lc rgb blue lw 1.2 title 'exact'",
@@ -177,11 +187,13 @@ static void draw_curves(FILE *script, int first, int column, const char *third) 
 }
 
 static li_case_t run_case(bool ramps, li_observer_t observer, li_column_t column, double k2_rad_s) {
-    return ramps ? li_ramp_case(observer, column) : li_step_case(observer, column, k2_rad_s, 5.0);
+    return ramps ? li_ramp_case(observer, column)
+                 : li_step_case(observer, column, k2_rad_s, 0.8 * LI_RATED_Nm);
 }
 
 static bool plot_runs(FILE *script, const drawing_t *drawing, const rig_config_t *base) {
     const bool ramps = drawing->what.stages == 0;
+    const double(*axes)[2] = ramps ? ramp_axes : step_axes;
     panels_begin(script, drawing->title, 3, LI_OBSERVERS);
     (void)fputs("set autoscale xfix\n", script);
     for (int o = 0; o < LI_OBSERVERS; ++o) {
@@ -198,11 +210,11 @@ static bool plot_runs(FILE *script, const drawing_t *drawing, const rig_config_t
         }
         const char *third = more ? "k2 = 600" : "";
         panels_next(script, "speed [rpm]", heads[o], false);
-        draw_curves(script, (DRAWN + 1) * o, 2, third);
+        draw_curves(script, (DRAWN + 1) * o, 2, axes[0], third);
         panels_next(script, "position error [deg]", "", false);
-        draw_curves(script, (DRAWN + 1) * o, 3, third);
+        draw_curves(script, (DRAWN + 1) * o, 3, axes[1], third);
         panels_next(script, "speed error [rpm]", "", true);
-        draw_curves(script, (DRAWN + 1) * o, 4, third);
+        draw_curves(script, (DRAWN + 1) * o, 4, axes[2], third);
     }
     return true;
 }
@@ -231,12 +243,12 @@ static bool plot_knobs(FILE *script, const drawing_t *drawing, const rig_config_
             li_log_free(&log);
         }
         panels_next(script, "position error [deg]",
-                    Lq == 1 ? "(b) Lq^/Lq 1, 0.5, 1, 1.5" : "(a) Rs^/Rs 1, 0.5, 1, 1.5", false);
-        (void)fputs("set yrange [-30:20]\n", script);
-        draw_curves(script, DRAWN * Lq, 3, "");
+                    Lq == 1 ? "(b) assumed over true Lq: 1, 0.5, 1, 1.5"
+                            : "(a) assumed over true Rs: 1, 0.5, 1, 1.5",
+                    false);
+        draw_curves(script, DRAWN * Lq, 3, knob_axes[0], "");
         panels_next(script, "speed error [rpm]", "", true);
-        (void)fputs("set yrange [-10:10]\n", script);
-        draw_curves(script, DRAWN * Lq, 4, "");
+        draw_curves(script, DRAWN * Lq, 4, knob_axes[1], "");
     }
     return true;
 }
@@ -279,9 +291,10 @@ static void plot_sweep(FILE *script, const drawing_t *drawing, const table_t *ta
         "'' using 1:5 with linespoints lc rgb blue pt 7 ps 0.7 title 'measured', "
         "14.8 with lines dt 3 lc rgb red notitle, 11.9 with lines dt 3 lc rgb blue notitle\n",
         script);
-    panels_next(script, "5 Nm at 600 rpm: angle [deg]", "", true);
+    panels_next(script, "5 Nm at 600 rpm: angle [deg]",
+                "largest deviation in the load step; no point: the rotor is lost", true);
     (void)fputs("set xlabel 'k2 [rad/s]' offset 0,0.5\n"
-                "plot $k using 1:7 with linespoints lc rgb green pt 7 ps 0.7 title 'deviation'\n",
+                "plot $k using 1:7 with linespoints lc rgb green pt 7 ps 0.7 notitle\n",
                 script);
 }
 

@@ -7,6 +7,8 @@
 
 #include "lodestar/version.h"
 
+enum { LINE_WIDTH = 138, NOTE_INDENT = 4 };
+
 // ---- Text ---------------------------------------------------------------------------------------
 
 static void print_number(FILE *file, int width, double value, const char *otherwise) {
@@ -14,7 +16,8 @@ static void print_number(FILE *file, int width, double value, const char *otherw
         (void)fprintf(file, " %*s", width, otherwise);
     } else {
         const int decimals = fabs(value) < 99.95 ? 2 : 1;
-        (void)fprintf(file, " %*.*f", width, decimals, value);
+        const double shown = fabs(value) < 0.005 ? 0.0 : value; // no -0.00
+        (void)fprintf(file, " %*.*f", width, decimals, shown);
     }
 }
 
@@ -46,12 +49,22 @@ static void print_row(FILE *file, const table_t *self, const row_t *row) {
     (void)fprintf(file, "  %s\n", verdict);
 }
 
+/// Words of `text` until the next space or line end.
+static size_t word_length(const char *text) {
+    return strcspn(text, " \n");
+}
+
 static void print_note(FILE *file, const char *what, const char *note) {
-    (void)fprintf(file, "    %s", what);
-    for (const char *at = note; *at != '\0'; ++at) {
-        (void)fputc(*at, file);
-        if (*at == '\n') {
-            (void)fputs("    ", file);
+    size_t at = NOTE_INDENT + strlen(what);
+    (void)fprintf(file, "%*s%s", NOTE_INDENT, "", what);
+    for (; *note != '\0'; ++note) {
+        const bool full = *note == ' ' && at + 1 + word_length(note + 1) > LINE_WIDTH;
+        if (full || *note == '\n') {
+            (void)fprintf(file, "\n%*s", NOTE_INDENT, "");
+            at = NOTE_INDENT;
+        } else {
+            (void)fputc(*note, file);
+            at++;
         }
     }
     (void)fputc('\n', file);
