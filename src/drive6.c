@@ -84,7 +84,8 @@ static LODE_COLD void take_mail(lode_drive6_t *self) {
         use(self, active_of(self));
     }
     // A repaired phase is believed when the drive is at rest and asked to forget.
-    if (self->drive.command.clear_fault && !self->drive.gates) {
+    const lode_command_t *command = &self->drive.command;
+    if (command->mode == LODE_MODE_OFF && command->clear_fault && !self->drive.gates) {
         self->open = 0u;
         use(self, LODE_SETS_BOTH);
     }

@@ -1,5 +1,7 @@
 #include "lodestar/drive6.h"
 
+#include "drive_core.h"
+
 #include <stddef.h>
 
 #define VOLTAGE_USE 0.95f
@@ -56,18 +58,24 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
     if (tuning == NULL || config == NULL) {
         return LODE_ERROR_NULL;
     }
-    lode_status_t status = check(config);
+    lode_status_t status = lode_core_check_given(&config->drive);
+    if (status == LODE_OK) {
+        status = check(config);
+    }
     if (status != LODE_OK) {
         return status;
     }
+    // The xy plane first: the rest is designed with its inductance.
     lode_drive6_config_t complete = *config;
-    lode_drive6_design(&complete);
     lode_drive6_tuning_t t;
-    status = lode_drive_tune(&t.drive, &complete.drive);
+    const float ts_s = 1.0f / config->drive.f_pwm_Hz;
+    lode_xy_design(&complete.xy, ts_s);
+    status = lode_xy_tune(&t.xy, &complete.xy,
+                          config->drive.motor.Rs_Ohm + config->drive.inverter.r_on_Ohm,
+                          config->Lxy_H, ts_s);
     if (status == LODE_OK) {
-        status = lode_xy_tune(&t.xy, &complete.xy,
-                              complete.drive.motor.Rs_Ohm + complete.drive.inverter.r_on_Ohm,
-                              complete.Lxy_H, t.drive.ts_s);
+        lode_drive6_design(&complete);
+        status = lode_drive_tune(&t.drive, &complete.drive);
     }
     if (status == LODE_OK) {
         status = tune_alone(&t, config);

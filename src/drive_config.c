@@ -1,4 +1,4 @@
-#include "lodestar/drive.h"
+#include "drive_core.h"
 
 #include <stddef.h>
 
@@ -100,14 +100,13 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const lode_motor_t circuit = circuit_of(c);
-    lode_status_t status =
-        lode_references_tune(&t->references, &c->references, &c->inverter, &circuit,
-                             c->current.voltage_use, (float)t->speed_periods * t->ts_s);
+    lode_status_t status = lode_current_tune(&t->current, &c->current, &circuit, t->ts_s);
     if (status == LODE_OK) {
-        status = lode_current_tune(&t->current, &c->current, &circuit, t->ts_s);
-        if (t->references.weakens) {
-            t->current.d_share = WEAKENED_D_SHARE;
-        }
+        status = lode_references_tune(&t->references, &c->references, &c->inverter, &circuit,
+                                      c->current.voltage_use, (float)t->speed_periods * t->ts_s);
+    }
+    if (status == LODE_OK && t->references.weakens) {
+        t->current.d_share = WEAKENED_D_SHARE;
     }
     if (status == LODE_OK) {
         status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,
@@ -131,14 +130,19 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
     return status;
 }
 
+lode_status_t lode_core_check_given(const lode_drive_config_t *config) {
+    if (!lode_in_range(config->f_pwm_Hz, F_PWM_MIN_Hz, F_PWM_MAX_Hz)) {
+        return LODE_ERROR_F_PWM;
+    }
+    const lode_status_t status = lode_motor_check(&config->motor);
+    return status == LODE_OK ? lode_inverter_check_given(&config->inverter) : status;
+}
+
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config) {
     if (tuning == NULL || config == NULL) {
         return LODE_ERROR_NULL;
     }
-    if (!lode_in_range(config->f_pwm_Hz, F_PWM_MIN_Hz, F_PWM_MAX_Hz)) {
-        return LODE_ERROR_F_PWM;
-    }
-    lode_status_t status = lode_motor_check(&config->motor);
+    lode_status_t status = lode_core_check_given(config);
     if (status != LODE_OK) {
         return status;
     }

@@ -37,6 +37,9 @@ LODE_INLINE void lode_core_set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
 }
 
+// Of a configuration what design divides by, in drive_config.c.
+lode_status_t lode_core_check_given(const lode_drive_config_t *config);
+
 // The parts off the hot path, in drive_core.c.
 void lode_core_take_mail(lode_drive_t *self);
 void lode_core_switch_off(lode_drive_t *self, lode_mode_t mode);

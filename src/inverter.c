@@ -12,8 +12,7 @@ void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *mo
     // One leg switching against the other two at half duty makes a ripple of v_bus Ts/(6 L) peak to
     // peak. Three quarters of it, L the mean of both axes: simulated without load, half as much hunts
     // at 1500 rpm, twice as much leaves 2 degrees at 300 rpm.
-    const float ripple_A =
-        config->v_bus_V * ts_s / lode_max(3.0f * (motor->Ld_H + motor->Lq_H), FLT_MIN);
+    const float ripple_A = config->v_bus_V * ts_s / (3.0f * (motor->Ld_H + motor->Lq_H));
     const float i_dead_A = lode_clamp(0.75f * ripple_A, 0.01f * config->i_max_A, config->i_max_A);
     config->i_dead_A = lode_given_or(config->i_dead_A, i_dead_A);
     if (config->dead_time_correction == LODE_AUTO) {
@@ -28,12 +27,17 @@ static bool is_decided(lode_choice_t choice) {
     return choice == LODE_ON || choice == LODE_OFF;
 }
 
-static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
+lode_status_t lode_inverter_check_given(const lode_inverter_config_t *config) {
     if (!lode_in_range(config->v_bus_V, 1.0f, 2000.0f)) {
         return LODE_ERROR_V_BUS;
     }
-    if (!lode_in_range(config->i_max_A, 1.0e-3f, 1.0e4f)) {
-        return LODE_ERROR_I_MAX;
+    return lode_in_range(config->i_max_A, 1.0e-3f, 1.0e4f) ? LODE_OK : LODE_ERROR_I_MAX;
+}
+
+static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
+    const lode_status_t given = lode_inverter_check_given(config);
+    if (given != LODE_OK) {
+        return given;
     }
     if (!lode_in_range(config->dead_time_s, 0.0f, 0.2f * ts_s)) {
         return LODE_ERROR_DEAD_TIME;

@@ -1,5 +1,7 @@
 #include "lodestar/motor.h"
 
+#include "lodestar/config.h"
+
 #include <stddef.h>
 
 // RMS of a sine to its amplitude, phase to line-line: sqrt(2) / sqrt(3).
@@ -36,7 +38,7 @@ lode_status_t lode_motor_check(const lode_motor_t *motor) {
     if (!lode_in_range(motor->B_Nms, 0.0f, 1.0e3f)) {
         return LODE_ERROR_MOTOR_B;
     }
-    if (!lode_in_range(motor->omega_rated_rad_s, 0.0f, 1.0e5f)) {
+    if (!lode_in_range(lode_given_or(motor->omega_rated_rad_s, 1.0f), 1.0f, 1.0e5f)) {
         return LODE_ERROR_MOTOR_OMEGA;
     }
     if (!lode_in_range(motor->sets, 0.0f, 2.0f) || !is_whole(motor->sets)) {

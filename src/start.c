@@ -26,8 +26,8 @@ static float stiffness(float current_A, const lode_motor_t *motor) {
 
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
 static float attempt_s(const lode_start_config_t *config) {
-    const float profile_s = config->current_rise_s +
-                            config->omega_handover_rad_s / config->ramp_rad_s2 + config->lock_s;
+    const float ramp_s = config->omega_handover_rad_s / lode_max(config->ramp_rad_s2, FLT_MIN);
+    const float profile_s = config->current_rise_s + ramp_s + config->lock_s;
     return profile_s + lode_max(profile_s, PATIENCE_s);
 }
 

@@ -155,12 +155,15 @@ static void test_calibration_takes_all_six_offsets(void) {
 
 // --- Faults -----------------------------------------------------------------------------------
 
-static void test_an_implausible_offset_of_set_2_is_a_fault(void) {
-    rig6_t rig = fresh();
-    rig.offset[4] = 300.0;
-    rig6_command(&rig, run_at(300.0));
-    rig6_run(&rig, 0.2);
-    expect_fault(&rig, LODE_CHECK_OFFSET);
+static void test_an_implausible_offset_of_either_set_is_a_fault(void) {
+    for (int phase = 1; phase < 6; phase += 3) {
+        rig6_t rig = fresh();
+        rig.offset[phase] = 300.0;
+        rig6_command(&rig, run_at(300.0));
+        rig6_run(&rig, 0.2);
+        expect_fault(&rig, LODE_CHECK_OFFSET);
+        CHECK_NEAR(1.0, 300.0, (double)rig6_telemetry(&rig).drive.fault.measured);
+    }
 }
 
 static void test_a_trip_of_either_set_switches_both_off_at_once(void) {
@@ -288,6 +291,17 @@ static void test_the_other_set_drives_on(void) {
     }
 }
 
+static void test_a_source_that_opens_is_left(void) {
+    lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    config.source = LODE_SOURCE_SET_1;
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    rig.open = 2;
+    rig6_run(&rig, 1.0);
+    TEST_ASSERT_EQUAL_INT(LODE_SETS_ONLY_2, rig6_telemetry(&rig).active);
+    CHECK_AT_MOST(0.05, worst_angle(&rig, 0.1));
+    CHECK_CLOSE(0.005, RPM(600.0) * RIG6_NP, rig.omega);
+}
+
 static void test_or_the_drive_trips_and_says_why(void) {
     const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_TRIP);
     rig6_t rig = turning(&config, 600.0, LOAD_Nm);
@@ -322,6 +336,10 @@ static void test_one_set_stops_and_starts_again(void) {
     rig6_run(&rig, 4.0);
     CHECK_CLOSE(0.01, RPM(-300.0) * RIG6_NP, rig.omega);
     TEST_ASSERT_FALSE(rig.out.set[0].gates);
+    // Not while it is driven.
+    rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
+    rig6_step(&rig);
+    TEST_ASSERT_EQUAL_INT(LODE_SETS_ONLY_2, rig6_telemetry(&rig).active);
     // Repaired.
     rig6_command(&rig, off);
     rig6_run(&rig, 3.0);
@@ -479,13 +497,14 @@ int main(void) {
     RUN_TEST(test_one_set_as_the_source_sees_its_harmonics);
     RUN_TEST(test_field_weakening_keeps_the_angle);
     RUN_TEST(test_calibration_takes_all_six_offsets);
-    RUN_TEST(test_an_implausible_offset_of_set_2_is_a_fault);
+    RUN_TEST(test_an_implausible_offset_of_either_set_is_a_fault);
     RUN_TEST(test_a_trip_of_either_set_switches_both_off_at_once);
     RUN_TEST(test_over_current_in_set_2_is_seen);
     RUN_TEST(test_the_hotter_set_counts);
     RUN_TEST(test_outputs_stay_in_range_whatever_comes_in);
     RUN_TEST(test_without_an_open_phase_nothing_is_reported);
     RUN_TEST(test_the_other_set_drives_on);
+    RUN_TEST(test_a_source_that_opens_is_left);
     RUN_TEST(test_or_the_drive_trips_and_says_why);
     RUN_TEST(test_ignored_it_stays_unseen);
     RUN_TEST(test_one_set_stops_and_starts_again);

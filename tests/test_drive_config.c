@@ -60,7 +60,6 @@ static const field_t needed[] = {
     NEEDED(motor.psi_Wb, 1.0e-6f, 100.0f, LODE_ERROR_MOTOR_PSI),
     NEEDED(motor.J_kgm2, 1.0e-9f, 1.0e4f, LODE_ERROR_MOTOR_J),
     NEEDED(motor.B_Nms, 0.0f, 1.0e3f, LODE_ERROR_MOTOR_B),
-    NEEDED(motor.omega_rated_rad_s, 0.0f, 1.0e5f, LODE_ERROR_MOTOR_OMEGA),
     NEEDED(inverter.v_bus_V, 1.0f, 2000.0f, LODE_ERROR_V_BUS),
     NEEDED(inverter.i_max_A, 1.0e-3f, 1.0e4f, LODE_ERROR_I_MAX),
     NEEDED(inverter.v_drop_V, 0.0f, 10.0f, LODE_ERROR_V_DROP),
@@ -70,6 +69,7 @@ static const field_t needed[] = {
 
 /// Fields of which 0 asks for a default.
 static const field_t open_fields[] = {
+    OPEN(motor.omega_rated_rad_s, 1.0f, 1.0e5f, LODE_ERROR_MOTOR_OMEGA),
     OPEN(inverter.i_dead_A, 0.012f, 12.0f, LODE_ERROR_I_DEAD),
     OPEN(sense.duty_max, 0.5f, 1.0f, LODE_ERROR_SENSE_WINDOW),
     OPEN(sense.calibrate_s, TS, 10.0f, LODE_ERROR_SENSE_CALIBRATION),

@@ -24,8 +24,8 @@ static void test_every_field_at_its_limits(void) {
         {FIELD(lode_motor_t, psi_Wb), .lo = 1.0e-6f, .hi = 100.0f, .error = LODE_ERROR_MOTOR_PSI},
         {FIELD(lode_motor_t, J_kgm2), .lo = 1.0e-9f, .hi = 1.0e4f, .error = LODE_ERROR_MOTOR_J},
         {FIELD(lode_motor_t, B_Nms), .lo = 0.0f, .hi = 1.0e3f, .error = LODE_ERROR_MOTOR_B},
-        {FIELD(lode_motor_t, omega_rated_rad_s), .lo = 0.0f, .hi = 1.0e5f,
-         .error = LODE_ERROR_MOTOR_OMEGA},
+        {FIELD(lode_motor_t, omega_rated_rad_s), .lo = 1.0f, .hi = 1.0e5f,
+         .error = LODE_ERROR_MOTOR_OMEGA, .zero_is_auto = true},
     };
     field_check_all(fields, COUNT_OF(fields), try_one);
 }

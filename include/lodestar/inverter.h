@@ -60,6 +60,9 @@ typedef struct {
 /// Fills every zero field that has a default.
 void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *motor, float ts_s);
 
+/// The fields without default, which others are designed from; part of lode_inverter_tune().
+lode_status_t lode_inverter_check_given(const lode_inverter_config_t *config);
+
 lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
                                  const lode_inverter_config_t *config, float ts_s);
 

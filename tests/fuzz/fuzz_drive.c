@@ -1,77 +1,23 @@
 // The whole drive: any counts and any commands give duties in range, and a picture in numbers.
-#include "lodestar/drive.h"
-#include "support/fuzz.h"
-
-static bool setup(lode_drive_t *drive, lode_drive_tuning_t *tuning, uint8_t choice) {
-    const lode_drive_config_t config = {
-        .f_pwm_Hz = 5000.0f,
-        .motor = fuzz_motor(),
-        .inverter = {.v_bus_V = 200.0f,
-                     .i_max_A = 12.0f,
-                     .dead_time_s = (choice & 1u) != 0u ? 4.0e-6f : 0.0f,
-                     .pwm_ticks = (choice & 2u) != 0u ? 8400.0f : 0.0f},
-        .sense = {.shunts = (choice & 4u) != 0u ? LODE_SHUNTS_TWO : LODE_SHUNTS_THREE,
-                  .i_gain_A_count = 0.0125f,
-                  .i_offset_count = 2048.0f,
-                  .v_bus_gain_V_count = 0.1f,
-                  .duty_max = (choice & 8u) != 0u ? 0.9f : 0.0f,
-                  .calibrate_s = 4.0e-4f},
-        .estimator = {.pll = {.kind = (choice & 16u) != 0u ? LODE_PLL_QPLL : LODE_PLL_LESO}},
-        .guard = {.i_trip_A = 25.0f}};
-    return lode_drive_init(drive, tuning, &config) == LODE_OK;
-}
-
-static lode_command_t command(fuzz_t *in) {
-    return (lode_command_t){.mode = (lode_mode_t)(fuzz_byte(in) % 8u),
-                            .speed_rad_s = fuzz_number(in, 300.0f),
-                            .vector = {fuzz_number(in, 100.0f), fuzz_number(in, 100.0f)},
-                            .theta_rad = fuzz_number(in, 4.0f),
-                            .omega_rad_s = fuzz_number(in, 2000.0f),
-                            .clear_fault = (fuzz_byte(in) & 1u) != 0u};
-}
-
-static lode_counts_t counts(fuzz_t *in) {
-    const uint8_t kind = fuzz_byte(in);
-    lode_counts_t c = {.v_bus = 2000, .trip = kind == 255u};
-    for (int n = 0; n < 3; n++) {
-        c.i[n] = kind < 128u ? (uint16_t)(2048u - 128u + fuzz_byte(in)) : fuzz_word(in);
-    }
-    if (kind < 16u) {
-        c.v_bus = fuzz_word(in);
-        c.temperature = fuzz_word(in);
-    }
-    return c;
-}
-
-static void check(const lode_drive_t *drive, lode_drive_out_t out) {
-    FUZZ_CHECK(lode_in_range(out.duty.a, 0.0f, 1.0f));
-    FUZZ_CHECK(lode_in_range(out.duty.b, 0.0f, 1.0f));
-    FUZZ_CHECK(lode_in_range(out.duty.c, 0.0f, 1.0f));
-    lode_telemetry_t t;
-    FUZZ_CHECK(lode_drive_telemetry(drive, &t));
-    FUZZ_CHECK(lode_is_finite(t.i_A.d) && lode_is_finite(t.i_A.q));
-    FUZZ_CHECK(lode_is_finite(t.ref_A.d) && lode_is_finite(t.ref_A.q));
-    FUZZ_CHECK(lode_is_finite(t.u_V.d) && lode_is_finite(t.u_V.q));
-    FUZZ_CHECK(lode_is_finite(t.theta_rad) && lode_is_finite(t.omega_rad_s));
-    FUZZ_CHECK(lode_is_finite(t.speed_ref_rad_s) && lode_is_finite(t.load_torque_Nm));
-    FUZZ_CHECK(lode_in_range(t.lock, 0.0f, 1.0f));
-    FUZZ_CHECK(!(out.gates && t.fault.check != (uint_least8_t)LODE_CHECK_NONE));
-}
+#include "support/fuzz_drive.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_t in = {data, size};
+    const lode_drive_config_t config = fuzz_drive_config(fuzz_word(&in));
     lode_drive_t drive;
     lode_drive_tuning_t tuning;
-    if (!setup(&drive, &tuning, fuzz_byte(&in))) {
-        return 0;
-    }
+    FUZZ_CHECK(lode_drive_init(&drive, &tuning, &config) == LODE_OK);
     while (fuzz_more(&in)) {
         if (fuzz_byte(&in) < 24u) {
-            const lode_command_t c = command(&in);
-            (void)lode_drive_post_command(&drive, &c);
+            const lode_command_t command = fuzz_command(&in);
+            (void)lode_drive_post_command(&drive, &command);
         }
-        const lode_counts_t c = counts(&in);
-        check(&drive, lode_drive_step(&drive, &c));
+        const lode_counts_t counts = fuzz_counts(&in);
+        const lode_drive_out_t out = lode_drive_step(&drive, &counts);
+        lode_telemetry_t t;
+        FUZZ_CHECK(lode_drive_telemetry(&drive, &t));
+        fuzz_check_out(out, &t);
+        fuzz_check_telemetry(&t);
     }
     return 0;
 }
