@@ -199,8 +199,7 @@ static void sweep(li_work_t *work, const li_runs_t set_1[LI_OBSERVERS]) {
                    "Set 1 alone, half load, 300 rpm, sigma = 150 rad/s but at most k2/2. The "
                    "paper reads 0.8/5.4 = %.1f %% and 0.7/5.9 = %.1f %%; Table II has k2 = 314 "
                    "rad/s. A k2 that small loses the rotor or lets the angle swing far in a load "
-                   "step of 5 Nm, where the paper claims 3.2 deg for 80 %% load with the same "
-                   "gains.",
+                   "step of 5 Nm, where the paper claims 3.2 deg for 80 %% load.",
                    wanted[0], wanted[1]);
     double ratio[2][LI_SWEEP];
     double swing[LI_SWEEP];
