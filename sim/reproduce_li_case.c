@@ -184,8 +184,8 @@ static lode_estimate_t encoder(const run_t *run, const lode_measurement6_t *x, l
 }
 
 /// Of the observer in question; until the release it is held to the truth.
-static lode_estimate_t estimate(run_t *run, const lode_measurement6_t *x,
-                                const plant_truth_t *truth) {
+static lode_estimate_t seen_by(run_t *run, const lode_measurement6_t *x,
+                               const plant_truth_t *truth) {
     lode_drive_t *drive = &run->drive.drive;
     const lode_estimate_t own = lode_drive6_estimate(&run->drive, x);
     const lode_estimate_t leader = encoder(run, x, own, truth);
@@ -223,13 +223,13 @@ static void set_load(run_t *run, const li_stage_t *stage) {
     run->load_step_Nm = fabs(stage->load_Nm - run->load_Nm) * run->ts_s / rise_s;
 }
 
-static void step(run_t *run, moment_t *now) {
+static void one_period(run_t *run, moment_t *now) {
     plant_counts_t sampled[PLANT_SETS];
     move_load(run);
     plant_sample(&run->plant, sampled, &now->truth);
     const lode_counts6_t counts = counts_of(sampled);
     const lode_measurement6_t x = lode_drive6_sense(&run->drive, &counts);
-    now->estimate = estimate(run, &x, &now->truth);
+    now->estimate = seen_by(run, &x, &now->truth);
     const lode_drive6_out_t out = lode_drive6_act(&run->drive, &x, &now->estimate);
     for (int set = 0; set < PLANT_SETS; ++set) {
         const lode_abc_t *d = &out.set[set].duty;
@@ -392,7 +392,7 @@ static bool run_stage(run_t *run, int index) {
         if (!turn_knobs(run, stage)) {
             return false;
         }
-        step(run, &now);
+        one_period(run, &now);
         const double t_s = time_s(run) - RELEASE_s;
         if (run->log != NULL && !write_down(run->log, t_s, &now)) {
             return false;
@@ -414,7 +414,7 @@ static bool prepare(run_t *run) {
     plant_set_speed(&run->plant, rig_rad_s_from_rpm(HOLD_rpm));
     command(run, HOLD_rpm);
     while (time_s(run) < HOLD_s) {
-        step(run, &now);
+        one_period(run, &now);
     }
     plant_release_speed(&run->plant);
     command(run, run->what->stage[0].speed_rpm);
@@ -423,7 +423,7 @@ static bool prepare(run_t *run) {
             set_load(run, &run->what->stage[0]);
             loaded = true;
         }
-        step(run, &now);
+        one_period(run, &now);
     }
     if (run->drive.drive.mode != (uint_least8_t)LODE_MODE_RUN) {
         const lode_fault_t *fault = &run->drive.drive.guard.fault;
