@@ -1,6 +1,7 @@
 #include "lodestar/start.h"
 
 #define CURRENT_SHARE 0.7f  // of i_max
+#define SALIENT_SHARE 0.5f  // of the current at which a salient rotor is no longer pulled
 #define HANDOVER_SHARE 0.1f // of rated speed
 #define RAMP_TORQUE_SHARE (1.0f / 6.0f)
 #define RISE_TIME_s 0.2f
@@ -24,6 +25,12 @@ static float stiffness(float current_A, const lode_motor_t *motor) {
     return current_A * lode_motor_kt_Nm_A(motor);
 }
 
+// Reluctance pulls a rotor with Lq > Ld across the vector, in the end more than the magnets along it.
+static float default_current_A(const lode_motor_t *motor, float i_max_A) {
+    const float lost_A = motor->psi_Wb / lode_max(motor->Lq_H - motor->Ld_H, FLT_MIN);
+    return lode_min(CURRENT_SHARE * i_max_A, SALIENT_SHARE * lost_A);
+}
+
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
 static float attempt_s(const lode_start_config_t *config) {
     const float ramp_s = config->omega_handover_rad_s / lode_max(config->ramp_rad_s2, FLT_MIN);
@@ -33,7 +40,8 @@ static float attempt_s(const lode_start_config_t *config) {
 
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor) {
-    config->current_A = lode_given_or(config->current_A, CURRENT_SHARE * inverter->i_max_A);
+    config->current_A =
+        lode_given_or(config->current_A, default_current_A(motor, inverter->i_max_A));
     config->omega_handover_rad_s =
         lode_given_or(config->omega_handover_rad_s, HANDOVER_SHARE * motor->omega_rated_rad_s);
     const float torque = stiffness(config->current_A, motor);

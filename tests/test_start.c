@@ -363,6 +363,11 @@ static void test_design_fills_what_is_open(void) {
     lode_start_config_t config = {.current_A = 0.0f};
     lode_start_design(&config, &inverter, &motor);
     CHECK_CLOSE(1.0e-6, 0.7 * 12.0, config.current_A);
+    lode_motor_t salient = motor;
+    salient.Lq_H = motor.Ld_H + 0.01f;
+    lode_start_config_t bounded = {.current_A = 0.0f};
+    lode_start_design(&bounded, &inverter, &salient);
+    CHECK_CLOSE(1.0e-5, 0.5 * 0.142 / 0.01, bounded.current_A);
     CHECK_CLOSE(1.0e-6, 0.1 * PAPER_OMEGA_RATED, config.omega_handover_rad_s); // 150 rpm
     // A sixth of the start torque on the inertia, electrical.
     CHECK_CLOSE(1.0e-5, 8.4 * 0.639 / 6.0 / 0.0174 * 3.0, config.ramp_rad_s2);

@@ -12,7 +12,7 @@ extern "C" {
 #endif
 
 typedef struct {
-    float current_A; ///< amplitude of the vector; 0: 0.7 i_max
+    float current_A; ///< amplitude of the vector; 0: 0.7 i_max, at most psi/(2 (Lq - Ld))
     /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm)
     float omega_handover_rad_s;
     float ramp_rad_s2;    ///< electrical; 0: what a sixth of the start torque gives the inertia
