@@ -11,9 +11,11 @@
 #define LI_PAPER "li-fa-leso"
 /// Motor, drive and plant: a stand-in for the paper's, whose table is not available.
 #define LI_MACHINE "eldeeb2017"
-/// Ours, as the paper gives no rated load: 10 A, 2/3 of i_max, at id = 0. That is 4.4 kW at 1600 rpm.
-#define LI_RATED_A 10.0
-#define LI_RATED_Nm (3.0 * 5.0 * 0.1746 * LI_RATED_A)
+/// Ours, assumed, as the paper gives no rated load: its load steps of 80 % are then 5 Nm.
+#define LI_RATED_Nm 6.25
+#define LI_STEP_Nm (0.8 * LI_RATED_Nm)
+/// That torque over 3 np psi, at id = 0.
+#define LI_RATED_A (LI_RATED_Nm / (3.0 * 5.0 * 0.1746))
 /// Steady figures are those of this last part of a stage: whole turns at 25, 50 and 70 Hz.
 #define LI_WINDOW_s 1.0
 #define LI_LOAD_RISE_s 2.0e-4

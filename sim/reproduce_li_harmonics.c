@@ -134,11 +134,11 @@ static void figure_15(li_work_t *work) {
 const double li_sweep_k2[LI_SWEEP] = {60.0, 75.0, 112.0, 150.0, 200.0, 314.159, 450.0, 600.0};
 
 li_case_t li_sweep_case(double k2_rad_s, bool load_step) {
-    li_case_t what = li_step_case(LI_FA, LI_EXACT, k2_rad_s, LI_STEP_Nm);
+    li_case_t what = li_step_case(LI_FA, LI_EXACT, k2_rad_s);
     what.stages = 2;
     what.sigma_rad_s =
         fmin(150.0, 0.5 * k2_rad_s); // with more the loop through the speed is unstable
-    if (!load_step) {                // a slow PLL cannot take up half load at once
+    if (!load_step) {                // a slow PLL cannot take up a load at once
         what.source = LODE_SOURCE_SET_1;
         what.harmonics = LI_HARMONICS;
         what.stage[0] = (li_stage_t){.duration_s = 1.5, .speed_rpm = 300.0};
@@ -198,8 +198,8 @@ static void sweep(li_work_t *work, const li_runs_t set_1[LI_OBSERVERS]) {
     (void)snprintf(figure->note, sizeof figure->note,
                    "Set 1 alone, half load, 300 rpm, sigma = 150 rad/s but at most k2/2. The "
                    "paper reads 0.8/5.4 = %.1f %% and 0.7/5.9 = %.1f %%; Table II has k2 = 314 "
-                   "rad/s. A k2 that small loses the rotor or lets the angle swing far in a load "
-                   "step of 5 Nm, where the paper claims 3.2 deg for 80 %% load.",
+                   "rad/s. A k2 that small loses the rotor or lets the angle swing far in the "
+                   "load step of Fig. 17, where the paper claims 3.2 deg.",
                    wanted[0], wanted[1]);
     double ratio[2][LI_SWEEP];
     double swing[LI_SWEEP];

@@ -187,8 +187,7 @@ static void draw_curves(FILE *script, int first, int column, const double axis[2
 }
 
 static li_case_t run_case(bool ramps, li_observer_t observer, li_column_t column, double k2_rad_s) {
-    return ramps ? li_ramp_case(observer, column)
-                 : li_step_case(observer, column, k2_rad_s, 0.8 * LI_RATED_Nm);
+    return ramps ? li_ramp_case(observer, column) : li_step_case(observer, column, k2_rad_s);
 }
 
 static bool plot_runs(FILE *script, const drawing_t *drawing, const rig_config_t *base) {

@@ -12,7 +12,7 @@ bool li_reproduction_run(table_t *table, const rig_config_t *base);
 li_case_t li_steady_case(li_observer_t observer, li_column_t column, double load_Nm);
 li_case_t li_set_1_case(li_observer_t observer, li_column_t column);
 li_case_t li_ramp_case(li_observer_t observer, li_column_t column);
-li_case_t li_step_case(li_observer_t observer, li_column_t column, double k2_rad_s, double load_Nm);
+li_case_t li_step_case(li_observer_t observer, li_column_t column, double k2_rad_s);
 
 /// Bandwidths of the sweep, rad/s, and one of its experiments: the harmonics of set 1 at 300 rpm.
 enum { LI_SWEEP = 8 };

@@ -11,7 +11,6 @@ enum { LI_SPEEDS = 3 };
 
 /// Assumed share of 5th and 7th harmonic in the EMF of each set.
 #define LI_HARMONICS 0.06
-#define LI_STEP_Nm 5.0
 /// "Nearly 0" and "does not change" are taken as at most this.
 #define LI_NEARLY_deg 1.0
 
