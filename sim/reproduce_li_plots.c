@@ -54,10 +54,9 @@ static const drawing_t drawings[LI_PLOTS] = {
      RUNS,
      {.stages = 0},
      2.0},
-    {"fig17.svg", "Fig. 17: 80 % load (21 Nm) on and off at 600 rpm", RUNS, {.stages = 1}, 2.8},
+    {"fig17.svg", "Fig. 17: 80 % load (5 Nm) on and off at 600 rpm", RUNS, {.stages = 1}, 2.8},
     {"fig18.svg",
-     "Fig. 18: wrong Rs and Lq, FA-LESO, 300 rpm, half load (rated load cannot be held with 1.5 "
-     "Lq)",
+     "Fig. 18: wrong Rs and Lq, FA-LESO, 300 rpm, rated load",
      KNOBS,
      {.stages = 0},
      0.0},
@@ -66,8 +65,8 @@ static const drawing_t drawings[LI_PLOTS] = {
 
 // Of speed, position error and speed error, the same for every observer.
 static const double ramp_axes[3][2] = {{200.0, 900.0}, {-35.0, 10.0}, {-5.0, 5.0}};
-static const double step_axes[3][2] = {{200.0, 1100.0}, {-50.0, 30.0}, {-160.0, 160.0}};
-static const double knob_axes[2][2] = {{-30.0, 20.0}, {-10.0, 10.0}};
+static const double step_axes[3][2] = {{500.0, 700.0}, {-30.0, 10.0}, {-40.0, 40.0}};
+static const double knob_axes[2][2] = {{-10.0, 10.0}, {-2.0, 2.0}};
 
 static const li_column_t drawn[DRAWN] = {LI_PRINTED, LI_EXACT};
 static const char *const heads[LI_OBSERVERS] = {"(a) C-LESO", "(b) GI-LESO", "(c) FA-LESO"};
@@ -231,7 +230,7 @@ static bool plot_knobs(FILE *script, const drawing_t *drawing, const rig_config_
             for (int k = 0; k < what.stages; ++k) {
                 what.stage[k] = (li_stage_t){.duration_s = k == 0 ? 2.0 : 1.5,
                                              .speed_rpm = 300.0,
-                                             .load_Nm = 0.5 * LI_RATED_Nm,
+                                             .load_Nm = LI_RATED_Nm,
                                              .Rs_factor = Lq == 1 ? 1.0 : factor[k],
                                              .Lq_factor = Lq == 1 ? factor[k] : 1.0};
             }
@@ -290,6 +289,7 @@ static void plot_sweep(FILE *script, const drawing_t *drawing, const table_t *ta
         "'' using 1:5 with linespoints lc rgb blue pt 7 ps 0.7 title 'measured', "
         "14.8 with lines dt 3 lc rgb red notitle, 11.9 with lines dt 3 lc rgb blue notitle\n",
         script);
+    (void)fputs("unset label 1000\n", script);
     panels_next(script, "5 Nm at 600 rpm: angle [deg]",
                 "largest deviation in the load step; no point: the rotor is lost", true);
     (void)fputs("set xlabel 'k2 [rad/s]' offset 0,0.5\n"
