@@ -28,10 +28,10 @@ static const char introduction[] =
     "Angles are electrical, estimate minus\n"
     "truth. Mean and pp (peak to peak): of the last second, 3 s or more after the last change. "
     "Deviation, and angle in load steps: the\n"
-    "largest distance from the mean before. \"lost\": more than 90 deg off. An ideal inverter "
-    "gives "
-    "exactly the mean voltage asked for.\n"
-    "A claim with ~ is met within 30 % or 1.5 units by the column printed; \"improved\": exact has "
+    "largest distance from the mean before. \"lost\": more than 90 deg off; \"stalls\": the speed "
+    "is not held. An ideal inverter gives\n"
+    "exactly the mean voltage asked for. A claim with ~ is met within 30 % or 1.5 units by the "
+    "column printed; \"improved\": exact has\n"
     "at most 0.7 of printed.\n";
 
 static const paper_t paper = {

@@ -156,19 +156,19 @@ static void at_load(li_work_t *work) {
     static const char *const titles[] = {"80 % load at three speeds", "20 % load"};
     for (int n = 0; n < 2; ++n) {
         figure_t *figure = table_figure(work->table, ids[n], titles[n]);
-        (void)snprintf(
-            figure->note, sizeof figure->note, "%s",
-            n == 0
-                ? "Corrected: as Lxy is only 0.9 mH, the phase currents ripple by up to 3 A peak "
-                  "to "
-                  "peak around the 1.9 A that they carry. Near their zeros the dead time then "
-                  "meets a current of another sign than the mean, and the correction leaves up to "
-                  "0.7 deg; with 3.2 mH in motor and plant it leaves 0.13. The paper could not "
-                  "load "
-                  "the C-LESO by half at 50 Hz with set 1 alone (Section V.B); this machine "
-                  "carries "
-                  "80 % with both sets."
-                : "The phase currents ripple by more than they carry: see 80 % load.");
+        (void)snprintf(figure->note, sizeof figure->note, "%s",
+                       n == 0 ? "Corrected: as Lxy is only 0.9 mH, the switching ripple of the "
+                                "phase currents is of "
+                                "the size of the 1.9 A that they carry. Near their zeros the dead "
+                                "time then meets a "
+                                "current of another sign than the mean, and the correction leaves "
+                                "up to 0.7 deg; with "
+                                "3.2 mH in motor and plant it leaves 0.13. The paper could not "
+                                "load the C-LESO by half "
+                                "at 50 Hz with set 1 alone (Section V.B); this machine carries 80 "
+                                "% with both sets."
+                              : "The switching ripple of the phase currents exceeds what they "
+                                "carry: see 80 % load.");
         for (int o = n == 0 ? 0 : LI_FA; o < LI_OBSERVERS; ++o) {
             const li_runs_t runs = li_run_columns(
                 work, li_steady_case((li_observer_t)o, LI_PRINTED, share[n] * LI_RATED_Nm),

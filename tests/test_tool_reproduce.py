@@ -368,8 +368,9 @@ def steady6(checks, rows):
                 near(checks, row["exact"], 0, 0.1, f"{name}: |mean| exact")
                 near(checks, row["exact_uncompensated"], raw, 0.05,
                      f"{name}: exact raw off the recursion's {raw}")
-                # Under load Euler takes Rs i half a period late.
-                near(checks, row["as_printed"], euler, 0.05, f"{name}: printed off the recursion's {euler}")
+                # Under load Euler takes Rs i a period late: Rs I w Ts/E = 0.05 deg.
+                near(checks, row["as_printed"], euler, 0.05 if load == figure else 0.1,
+                     f"{name}: printed off the recursion's {euler}")
         near(checks, rows[f"{figure}_fa_{rpm}_mean"]["corrected"], 0, 1.0,
              f"FA {figure} {rpm} rpm: |mean| behind dead time, corrected")
         missed6(checks, rows[f"load80_fa_{rpm}_mean"]["corrected"], 0.5, 0.5 if rpm == 300 else 1.0,
