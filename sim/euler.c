@@ -52,30 +52,34 @@ double euler_eq30_rad(double w0_rad_s, double omega_rad_s) {
 }
 
 // From the mean of -e/Lq over [t_k, t_k+1) to z2 (FA: x2) at t_k, at z = exp(j w Ts).
-static double complex response(const euler_config_t *c, double w) {
+static double complex response(const euler_config_t *c, double w, double tuned) {
     const double ts = c->ts_s;
     const double complex z = cexp(I * w * ts);
     const double complex d = z - 1.0;
     if (c->emf == EULER_FA_LESO) {
-        const double complex gain = c->k1_rad2_s2 > 0.0 ? c->k1_rad2_s2 * ts / d : 0.0;
-        const double complex n = ts * (gain + c->k2_rad_s);
-        return n / (n + d - I * w * ts);
+        const double complex slow = c->k1_rad2_s2 * ts; // times 1/d, kept apart for w = 0
+        const double complex n = ts * (slow + c->k2_rad_s * d);
+        return n / (n + d * (d - I * tuned * ts));
     }
     double complex stiffness = c->w0_rad_s * c->w0_rad_s;
     if (c->emf == EULER_GI_LESO) {
         const double wc = c->gi_wc_rad_s;
-        stiffness +=
-            2.0 * c->gi_Kr * wc * ts * d / (d * d + 2.0 * wc * ts * d + w * w * ts * ts * z);
+        stiffness += 2.0 * c->gi_Kr * wc * ts * d /
+                     (d * d + 2.0 * wc * ts * d + tuned * tuned * ts * ts * z);
     }
     const double complex n = ts * ts * stiffness;
     return n / (d * (d + 2.0 * c->w0_rad_s * ts) + n);
 }
 
+double complex euler_gain(const euler_config_t *config, double omega_rad_s, double tuned_rad_s) {
+    // The mean over the coming period stands half a period ahead.
+    const double half = 0.5 * omega_rad_s * config->ts_s;
+    const double shrinks = fabs(half) > 0.0 ? sin(half) / half : 1.0;
+    return shrinks * cexp(I * half) * response(config, omega_rad_s, tuned_rad_s);
+}
+
 double euler_lag_rad(const euler_config_t *config, double omega_rad_s) {
-    // The mean over the coming period stands half a period ahead. At rest there is no lag.
-    return fabs(omega_rad_s) > 0.0
-               ? -carg(response(config, omega_rad_s)) - 0.5 * omega_rad_s * config->ts_s
-               : 0.0;
+    return fabs(omega_rad_s) > 0.0 ? -carg(euler_gain(config, omega_rad_s, omega_rad_s)) : 0.0;
 }
 
 static double compensation(const euler_config_t *config, double omega_rad_s) {
@@ -112,7 +116,7 @@ static double notch(euler_resonator_t *self, double k, double w, double ts_s, do
 static double known_acceleration(const euler_t *self, const euler_config_t *c, double theta_rad) {
     const double complex i_dq = self->i_A * cexp(-I * theta_rad);
     const double flux = c->psi_Wb + (c->Ld_H - c->Lq_H) * creal(i_dq);
-    const double torque = 1.5 * c->pole_pairs * flux * cimag(i_dq);
+    const double torque = 1.5 * fmax(c->sets, 1.0) * c->pole_pairs * flux * cimag(i_dq);
     return (c->pole_pairs * torque - c->B_Nms * self->omega_rad_s) / c->J_kgm2;
 }
 

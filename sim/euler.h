@@ -44,6 +44,7 @@ typedef struct {
     euler_pll_t pll;
     euler_lag_t compensation;
     double ts_s;
+    double sets; ///< of windings, 2 with the currents of the alpha-beta plane; 0: 1
     double pole_pairs, Rs_Ohm, Ld_H, Lq_H, psi_Wb, J_kgm2, B_Nms;
     double w0_rad_s;             ///< C, GI
     double gi_Kr, gi_wc_rad_s;   ///< GI
@@ -98,6 +99,10 @@ euler_out_t euler_step(euler_t *self, const euler_config_t *config, double compl
 
 /// The PLL alone, on the EMF `e_V` at t_k: the second half of euler_step().
 euler_out_t euler_track(euler_t *self, const euler_config_t *config, double complex e_V);
+
+/// From an EMF that turns at `omega_rad_s` to the estimate of an observer that is tuned to
+/// `tuned_rad_s`, both at t_k, with no resistance.
+double complex euler_gain(const euler_config_t *config, double omega_rad_s, double tuned_rad_s);
 
 /// Phase of the observer's output behind the EMF in steady rotation, rad, with no resistance.
 double euler_lag_rad(const euler_config_t *config, double omega_rad_s);

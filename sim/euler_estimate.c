@@ -23,6 +23,7 @@ euler_config_t euler_estimate_config(const rig_config_t *config) {
         .pll = pll[config->pll - RIG_PLL_LESO_EULER],
         .compensation = lag[config->compensation - RIG_COMPENSATION_EXACT],
         .ts_s = 1.0 / (double)config->drive.f_pwm_Hz,
+        .sets = (double)motor->sets,
         .pole_pairs = (double)motor->pole_pairs,
         .Rs_Ohm = (double)motor->Rs_Ohm,
         .Ld_H = (double)motor->Ld_H,

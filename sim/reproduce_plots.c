@@ -4,9 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "reproduce_panels.h"
 #include "units.h"
 
-enum { WIDTH = 1300, ROW_HEIGHT = 250, MARGIN = 90, POINTS = 900, DRAWN = 3 };
+enum { WIDTH = 1300, COLUMNS = 2, POINTS = 900, DRAWN = 3 };
 
 typedef enum { WAVES, RUNS, LEVELS } style_t;
 
@@ -37,34 +38,6 @@ const char *reproduce_plot_file(int k) {
     return drawings[k].file;
 }
 
-// ---- Panels -------------------------------------------------------------------------------------
-
-static void begin(FILE *script, const char *title, int rows) {
-    (void)fprintf(
-        script,
-        "set datafile missing 'nan'\n"
-        "set multiplot layout %d,2 columnsfirst margins screen 0.065, screen 0.985, "
-        "screen %.4f, screen %.4f spacing screen 0.065, screen %.4f\n"
-        "set grid lc rgb '#e2e5e8' lw 0.6 dt 1\n"
-        "set border 3 lc rgb '#606060'\n"
-        "set tics nomirror out scale 0.6 textcolor rgb '#303030' font ',11'\n"
-        "set key at graph 1.0, graph 1.13 right top horizontal samplen 1.4 font ',10'\n"
-        "blue = '#1f5fa8'; red = '#c8372d'; green = '#2f8f4e'; grey = '#8a8f94'\n"
-        "set label 1000 \"%s\" at screen 0.065, screen 0.985 left noenhanced font ',14'\n",
-        rows, 52.0 / (rows * ROW_HEIGHT + MARGIN), 1.0 - 58.0 / (rows * ROW_HEIGHT + MARGIN),
-        34.0 / (rows * ROW_HEIGHT + MARGIN), title);
-}
-
-static void panel(FILE *script, const char *label, const char *title, bool last) {
-    // The figure's title belongs to the first panel only.
-    (void)fprintf(script, "%s", title[0] != '\0' ? "" : "unset label 1000\n");
-    (void)fprintf(script,
-                  "set ylabel \"%s\" offset 1.2,0 font ',11'\n"
-                  "set label 1001 \"%s\" at graph 0.01, graph 1.07 left font ',12'\n"
-                  "set format x '%s'\nset xlabel '%s' offset 0,0.5\n",
-                  label, title, last ? "%g" : "", last ? "time [s]" : "");
-}
-
 // ---- Figs. 12 and 13: a few electrical periods --------------------------------------------------
 
 static size_t row_at(const runlog_t *log, double t_s) {
@@ -88,21 +61,21 @@ static void send_waves(FILE *script, const runlog_t *log, int id, double from_s,
 static void draw_waves(FILE *script, int first, const char *name) {
     char title[64];
     (void)snprintf(title, sizeof title, "%s", name);
-    panel(script, "EMF [V]", title, false);
+    panels_next(script, "EMF [V]", title, false);
     (void)fprintf(script,
                   "plot $w%d using 1:4 with lines lc rgb grey lw 2 title 'true', "
                   "'' using 1:5 with lines lc rgb grey lw 2 notitle, "
                   "'' using 1:2 with lines lc rgb red lw 1 title 'e_{/Symbol a}', "
                   "'' using 1:3 with lines lc rgb blue lw 1 title 'e_{/Symbol b}'\n",
                   first);
-    panel(script, "position [deg]", "", false);
+    panels_next(script, "position [deg]", "", false);
     (void)fprintf(script,
                   "set yrange [-180:180]\nset ytics 90\n"
                   "plot $w%d using 1:7 with lines lc rgb grey lw 2 title 'true', "
                   "'' using 1:6 with lines lc rgb red lw 1 title 'estimated, as printed'\n"
                   "set yrange [*:*]\nset ytics autofreq\n",
                   first);
-    panel(script, "position error [deg]", "", true);
+    panels_next(script, "position error [deg]", "", true);
     (void)fprintf(script,
                   "plot $w%d using 1:8 with lines lc rgb red lw 1.2 title 'as printed', "
                   "$w%d using 1:8 with lines lc rgb blue lw 1.2 title 'exact', "
@@ -112,7 +85,7 @@ static void draw_waves(FILE *script, int first, const char *name) {
 
 static bool plot_waves(FILE *script, const drawing_t *drawing, const case_bases_t *bases) {
     static const double speeds[] = {300.0, 1500.0};
-    begin(script, drawing->title, 3);
+    panels_begin(script, drawing->title, 3, COLUMNS);
     for (int s = 0; s < 2; ++s) {
         const double length_s = 3.0 * 60.0 / (3.0 * speeds[s]); // three electrical periods
         for (int c = 0; c < DRAWN; ++c) {
@@ -167,7 +140,7 @@ static void draw_curves(FILE *script, int first, int column, const char *range) 
 
 static bool plot_runs(FILE *script, const drawing_t *drawing, const case_bases_t *bases) {
     const bool step = drawing->kind == CASE_RATED;
-    begin(script, drawing->title, 3);
+    panels_begin(script, drawing->title, 3, COLUMNS);
     (void)fputs("set autoscale xfix\n", script);
     for (int m = 0; m < METHODS; ++m) {
         for (int c = 0; c < DRAWN; ++c) {
@@ -181,12 +154,12 @@ static bool plot_runs(FILE *script, const drawing_t *drawing, const case_bases_t
             send_run(script, &log, DRAWN * m + c, from_s, to_s);
             runlog_free(&log);
         }
-        panel(script, "speed [rpm]", m == 0 ? "(a) conventional QPLL" : "(b) enhanced LESO-QPLL",
-              false);
+        panels_next(script, "speed [rpm]",
+                    m == 0 ? "(a) conventional QPLL" : "(b) enhanced LESO-QPLL", false);
         draw_curves(script, DRAWN * m, 2, "*:*");
-        panel(script, "position error [deg]", "", false);
+        panels_next(script, "position error [deg]", "", false);
         draw_curves(script, DRAWN * m, 3, "-100<*:*<100");
-        panel(script, "speed error [rpm]", "", true);
+        panels_next(script, "speed error [rpm]", "", true);
         draw_curves(script, DRAWN * m, 4, "-300<*:*<300");
     }
     return true;
@@ -250,20 +223,20 @@ static void draw_levels(FILE *script, int id, int quantity, const char *extra) {
 static bool plot_levels(FILE *script, const drawing_t *drawing, const reproduction_t *reproduction,
                         const case_bases_t *bases) {
     const bool fast = drawing->speed_rpm > 1000.0;
-    begin(script, drawing->title, 2);
+    panels_begin(script, drawing->title, 2, COLUMNS);
     send_closed_form(script, &reproduction->theory, drawing->speed_rpm);
     (void)fprintf(script, "$claimed << END\n0.5 %g\n2 %g\nEND\n", fast ? -12.0 : -9.0,
                   fast ? -40.0 : -25.0);
     for (int p = 0; p < 2; ++p) {
         send_levels(script, drawing, bases, p == 0 ? CASE_LQ_DOWN : CASE_RS_DOWN, p);
-        panel(script, "position error [deg]", p == 0 ? "(a) Lq^/Lq" : "(b) Rs^/Rs", false);
+        panels_next(script, "position error [deg]", p == 0 ? "(a) Lq^/Lq" : "(b) Rs^/Rs", false);
         (void)fputs("set xrange [0.4:2.1]\nset yrange [-45:30]\n", script);
         draw_levels(script, p, 0,
                     p == 0 ? "$theory using 1:2 with lines lc rgb grey lw 3 title 'closed form', "
                              "$claimed using 1:2 with points lc rgb '#000000' pt 2 ps 1.2 title "
                              "'claimed', "
                            : "");
-        panel(script, "speed error [rpm]", "", true);
+        panels_next(script, "speed error [rpm]", "", true);
         (void)fputs("set xlabel 'factor' offset 0,0.5\nset yrange [-5:5]\n", script);
         draw_levels(script, p, 1, "");
     }
@@ -275,7 +248,7 @@ bool reproduce_plot(FILE *svg, int k, const reproduction_t *reproduction,
     const drawing_t *drawing = &drawings[k];
     const int rows = drawing->style == LEVELS ? 2 : 3;
     plot_t plot;
-    if (!plot_start(&plot, svg, WIDTH, rows * ROW_HEIGHT + MARGIN)) {
+    if (!plot_start(&plot, svg, WIDTH, panels_height(rows))) {
         return false;
     }
     bool good = false;

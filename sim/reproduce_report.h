@@ -4,11 +4,12 @@
 
 #include <stdio.h>
 
-#include "reproduce_rows.h"
+#include "reproduce_table.h"
+#include "rig_config.h"
 
-void reproduce_report_table(FILE *file, const reproduction_t *reproduction);
-void reproduce_report_json(FILE *file, const reproduction_t *reproduction,
-                           const case_bases_t *bases);
-void reproduce_report_csv(FILE *file, const reproduction_t *reproduction);
+void reproduce_report_table(FILE *file, const table_t *self);
+/// `config`: what the paper's own forms ran with.
+void reproduce_report_json(FILE *file, const table_t *self, const rig_config_t *config);
+void reproduce_report_csv(FILE *file, const table_t *self);
 
 #endif

@@ -132,14 +132,6 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, f
     return out.duty;
 }
 
-// What the gates are driven by is a number. An estimate from outside may not be one; the drive's own
-// always is.
-static bool is_finite(const lode_estimate_t *est) {
-    return lode_abs(est->i_A.d) + lode_abs(est->i_A.q) + lode_abs(est->rotor.cos) +
-               lode_abs(est->rotor.sin) + lode_abs(est->omega_rad_s) <=
-           FLT_MAX;
-}
-
 // Something is wrong with this period: its sample is made once more, rather than kept at hand in all of
 // them.
 static LODE_COLD void examine(lode_drive_t *self, const lode_counts_t *counts) {
@@ -151,7 +143,7 @@ static LODE_COLD void examine(lode_drive_t *self, const lode_counts_t *counts) {
 // The guard's look at what must not wait.
 LODE_INLINE void glance(lode_drive_t *self, const lode_period_t *p) {
     const bool own = p->counts != NULL;
-    const bool finite = own || is_finite(p->est);
+    const bool finite = own || lode_core_is_finite(p->est);
     if (LODE_RARELY(!finite) || LODE_RARELY(!lode_core_is_usual(self, p))) {
         if (own) {
             examine(self, p->counts);

@@ -4,15 +4,6 @@
 
 #define TELEMETRY_TRIES 3
 
-// One period's inputs.
-typedef struct {
-    lode_measurement_t m; // of the machine, or of the set that is driven alone
-    lode_ab_t u_seen_V;   // by the estimator
-    lode_ab_t i_seen_A;
-    lode_sets_t i_A; // of each set, stator axes
-    bool watched;    // for open phases
-} measured_t;
-
 static lode_active_t active_of(const lode_drive6_t *self) {
     return (lode_active_t)self->active;
 }
@@ -130,13 +121,13 @@ LODE_INLINE lode_ab_t of_set(const lode_sets_t *sets, bool first) {
                  : (lode_ab_t){sets->set[1].alpha, sets->set[1].beta};
 }
 
-LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *counts) {
+LODE_INLINE lode_measurement6_t measured(lode_drive6_t *self, const lode_counts6_t *counts) {
     if (self->drive.mail) {
         take_mail(self);
     }
     lode_drive_t *drive = &self->drive;
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
-    measured_t x;
+    lode_measurement6_t x;
     x.m.calibration = LODE_CALIBRATION_RUNNING;
     x.m.offset_count = 0.0f;
     if (LODE_RARELY(!drive->gates) && lode_core_mode(drive) == LODE_MODE_CALIBRATE) {
@@ -178,7 +169,7 @@ LODE_INLINE measured_t measured(lode_drive6_t *self, const lode_counts6_t *count
 }
 
 // Angle and speed at t_k; the current in the rotor's frame is the one that is controlled.
-LODE_INLINE lode_estimate_t estimated(lode_drive6_t *self, const measured_t *x) {
+LODE_INLINE lode_estimate_t estimated(lode_drive6_t *self, const lode_measurement6_t *x) {
     const lode_estimate_t seen = lode_core_estimate(&self->drive, x->u_seen_V, x->i_seen_A);
     // Not a changed copy: that would go through memory.
     return (lode_estimate_t){.omega_rad_s = seen.omega_rad_s,
@@ -219,7 +210,7 @@ static LODE_COLD void answer(lode_drive6_t *self, lode_open_phase_t open, lode_a
     }
 }
 
-LODE_INLINE void watch_phases(lode_drive6_t *self, const measured_t *x,
+LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_measurement6_t *x,
                               const lode_estimate_t *est) {
     if (!x->watched) {
         return;
@@ -270,38 +261,62 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     return out.duty;
 }
 
-// Something is wrong with this period: the samples are made once more, rather than kept at hand in all of
-// them. The machine is checked by set 1, unless only set 2 is beyond its limit.
-static LODE_COLD void examine(lode_drive6_t *self, const lode_counts6_t *counts) {
-    lode_drive_t *drive = &self->drive;
+// All of both sets' samples in one. The machine is checked by set 1, unless only set 2 is beyond its limit.
+static LODE_COLD lode_sample_t sampled(const lode_drive6_t *self, const lode_counts6_t *counts) {
+    const lode_drive_t *drive = &self->drive;
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
     lode_sample_t both = lode_sense_step(&drive->sense, tuning, &counts->set[0], drive->unsampled);
     const lode_sample_t second =
         lode_sense_step(&self->sense_2, tuning, &counts->set[1], self->unsampled_2);
+    const bool hotter_2 =
+        (second.temperature_count > both.temperature_count) == (tuning->temperature_gain > 0.0f);
     if (second.alert && !both.alert) {
         both.i_abc_A = second.i_abc_A;
     }
+    both.temperature_count = hotter_2 ? second.temperature_count : both.temperature_count;
     both.trip = (bool)(both.trip | second.trip);
+    both.alert = (bool)(both.alert | second.alert);
     both.railed = (bool)(both.railed | second.railed);
-    lode_core_examine(drive, &both, true);
+    return both;
 }
 
-LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
+// Something is wrong with this period: the samples are made once more, rather than kept at hand in all of
+// them.
+static LODE_COLD void examine(lode_drive6_t *self, const lode_counts6_t *counts) {
+    const lode_sample_t both = sampled(self, counts);
+    lode_core_examine(&self->drive, &both, true);
+}
+
+// The guard's look at what must not wait. `counts`: NULL where the estimate came from outside.
+LODE_INLINE void glance(lode_drive6_t *self, const lode_period_t *p, const lode_counts6_t *counts) {
     lode_drive_t *drive = &self->drive;
-    const measured_t x = measured(self, counts);
-    const lode_estimate_t rotor = estimated(self, &x);
-    const lode_period_t period = {&x.m, &rotor, &counts->set[0], &counts->set[1]};
+    const bool own = counts != NULL;
+    const bool finite = own || lode_core_is_finite(p->est);
+    if (LODE_RARELY(!finite) || LODE_RARELY(!lode_core_is_usual(drive, p))) {
+        if (own) {
+            examine(self, counts);
+        } else {
+            lode_core_examine(drive, &p->m->sample, finite);
+        }
+    }
+    drive->guard.stamp = stamp_of(p);
+}
+
+// From angle and speed to duties: control, modulation and the last word of the guard.
+LODE_INLINE lode_drive6_out_t acted(lode_drive6_t *self, const lode_measurement6_t *x,
+                                    const lode_estimate_t *rotor, const lode_counts6_t *counts) {
+    lode_drive_t *drive = &self->drive;
+    const bool own = counts != NULL;
+    const lode_period_t period = {&x->m, rotor, own ? &counts->set[0] : NULL,
+                                  own ? &counts->set[1] : NULL};
     // Divided while the state machine decides.
-    const float per_bus = lode_modulator_per_bus(&drive->tuning->inverter, x.m.sample.v_bus_V);
+    const float per_bus = lode_modulator_per_bus(&drive->tuning->inverter, x->m.sample.v_bus_V);
     lode_core_follow(drive, &period);
     if (LODE_USUALLY(drive->gates)) {
-        if (LODE_RARELY(!lode_core_is_usual(drive, &period))) {
-            examine(self, counts);
-        }
-        drive->guard.stamp = stamp_of(&period);
+        glance(self, &period, counts);
         const lode_frame_t frame = lode_core_control(drive, &period);
-        const lode_abc6_t duty = modulate(self, &frame, x.m.sample.v_bus_V, per_bus);
-        watch_phases(self, &x, &rotor);
+        const lode_abc6_t duty = modulate(self, &frame, x->m.sample.v_bus_V, per_bus);
+        watch_phases(self, x, rotor);
         if (drive->steps % LODE_SLOW_PERIODS == TURN_XY) {
             lode_xy_adapt(&self->xy, &self->tuning->xy, frame.omega_rad_s);
         }
@@ -317,4 +332,27 @@ LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_coun
     lode_core_stand_by(drive);
     rest(self);
     return (lode_drive6_out_t){{{drive->duty, drive->gates}, {self->duty_2, drive->gates}}};
+}
+
+lode_measurement6_t lode_drive6_sense(lode_drive6_t *self, const lode_counts6_t *counts) {
+    lode_measurement6_t x = measured(self, counts);
+    const lode_ab_t i_A = x.m.sample.i_A;
+    x.m.sample = sampled(self, counts);
+    x.m.sample.i_A = i_A;
+    return x;
+}
+
+lode_estimate_t lode_drive6_estimate(lode_drive6_t *self, const lode_measurement6_t *measurement) {
+    return estimated(self, measurement);
+}
+
+lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_measurement6_t *measurement,
+                                  const lode_estimate_t *estimate) {
+    return acted(self, measurement, estimate, NULL);
+}
+
+LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
+    const lode_measurement6_t x = measured(self, counts);
+    const lode_estimate_t rotor = estimated(self, &x);
+    return acted(self, &x, &rotor, counts);
 }

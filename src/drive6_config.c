@@ -22,13 +22,13 @@ static float ripple_H(float L_H, float Lxy_H) {
 }
 
 void lode_drive6_design(lode_drive6_config_t *config) {
+    const float ts_s = 1.0f / lode_max(config->drive.f_pwm_Hz, FLT_MIN);
     config->drive.motor.sets = (float)LODE_SETS;
     lode_motor_t ripple = config->drive.motor;
     ripple.Ld_H = ripple_H(ripple.Ld_H, config->Lxy_H);
     ripple.Lq_H = ripple_H(ripple.Lq_H, config->Lxy_H);
-    lode_inverter_design(&config->drive.inverter, &ripple,
-                         1.0f / lode_max(config->drive.f_pwm_Hz, FLT_MIN));
-    lode_xy_design(&config->xy, 1.0f / lode_max(config->drive.f_pwm_Hz, FLT_MIN));
+    lode_inverter_design(&config->drive.inverter, &ripple, ts_s);
+    lode_xy_design(&config->xy, ts_s);
     // A set's voltage is at most the sum of both planes'.
     config->drive.current.voltage_use =
         lode_given_or(config->drive.current.voltage_use, VOLTAGE_USE - config->xy.voltage_share);

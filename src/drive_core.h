@@ -120,6 +120,14 @@ LODE_INLINE lode_estimate_t lode_core_estimate(lode_drive_t *self, lode_ab_t u_V
     return lode_estimator_follow(&self->estimator, tuning, u_V, i_A);
 }
 
+// What the gates are driven by is a number. An estimate from outside may not be one; the drive's own
+// always is.
+static inline bool lode_core_is_finite(const lode_estimate_t *est) {
+    return lode_abs(est->i_A.d) + lode_abs(est->i_A.q) + lode_abs(est->rotor.cos) +
+               lode_abs(est->rotor.sin) + lode_abs(est->omega_rad_s) <=
+           FLT_MAX;
+}
+
 // Too slow to run on, and not about to speed up.
 LODE_INLINE bool is_too_slow(const lode_drive_t *self, float omega_rad_s) {
     return !(self->command.speed_rad_s * self->direction > 0.0f) &&

@@ -418,6 +418,77 @@ static void test_windowed_shunts(void) {
     CHECK_AT_MOST(0.05, worst_angle(&rig, 0.2));
 }
 
+// --- The three parts of the step ------------------------------------------------------------------
+
+static void test_the_step_is_its_three_parts(void) {
+    const lode_source_t sources[] = {LODE_SOURCE_VSD, LODE_SOURCE_SET_1};
+    for (int k = 0; k < COUNT_OF(sources); k++) {
+        lode_drive6_config_t config = rig6_config();
+        config.source = sources[k];
+        rig6_t one = rig_with(&config);
+        one.fifth = 0.02; // so that set 1 sees what the machine does not
+        lode_drive6_t two = one.drive;
+        const lode_command_t command = run_at(300.0);
+        rig6_command(&one, command);
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_command(&two.drive, &command));
+        for (int n = 0; n < 25000; n++) {
+            const lode_counts6_t counts = rig6_counts(&one);
+            one.out = lode_drive6_step(&one.drive, &counts);
+            const lode_measurement6_t m = lode_drive6_sense(&two, &counts);
+            const lode_estimate_t e = lode_drive6_estimate(&two, &m);
+            const lode_drive6_out_t out = lode_drive6_act(&two, &m, &e);
+            for (int set = 0; set < LODE_SETS; set++) {
+                TEST_ASSERT_EQUAL_MEMORY(&one.out.set[set].duty, &out.set[set].duty,
+                                         sizeof out.set[set].duty);
+                TEST_ASSERT_EQUAL_INT(one.out.set[set].gates, out.set[set].gates);
+            }
+            rig6_move(&one);
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig6_telemetry(&one).drive.mode);
+    }
+}
+
+static void test_an_estimate_that_is_no_number_turns_both_sets_off(void) {
+    const lode_drive6_config_t config = rig6_config();
+    const rig6_t start = turning(&config, 300.0, LOAD_Nm);
+    for (int field = -1; field < 10; field++) { // -1: the same without the fault
+        rig6_t rig = start;
+        const lode_counts6_t counts = rig6_counts(&rig);
+        const lode_measurement6_t m = lode_drive6_sense(&rig.drive, &counts);
+        lode_estimate_t e = lode_drive6_estimate(&rig.drive, &m);
+        float *const fields[] = {&e.omega_rad_s, &e.rotor.sin, &e.rotor.cos, &e.i_A.d, &e.i_A.q};
+        if (field >= 0) {
+            *fields[field % 5] = field < 5 ? NAN : INFINITY;
+        }
+        const lode_drive6_out_t out = lode_drive6_act(&rig.drive, &m, &e);
+        for (int set = 0; set < LODE_SETS; set++) {
+            TEST_ASSERT_EQUAL_INT(field < 0, out.set[set].gates);
+            TEST_ASSERT_TRUE(lode_in_range(out.set[set].duty.a, 0.0f, 1.0f));
+        }
+        TEST_ASSERT_EQUAL_INT(field < 0 ? LODE_CHECK_NONE : LODE_CHECK_NON_FINITE,
+                              rig.drive.drive.guard.fault.check);
+    }
+}
+
+static void test_an_estimate_of_the_hosts_own_is_driven_by(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.references.id_bias_A = LODE_NONE;
+    rig6_t rig = turning(&config, 300.0, LOAD_Nm);
+    for (int n = 0; n < 5000; n++) { // an encoder mounted 20 degrees ahead
+        const lode_counts6_t counts = rig6_counts(&rig);
+        const lode_measurement6_t m = lode_drive6_sense(&rig.drive, &counts);
+        lode_estimate_t e = lode_drive6_estimate(&rig.drive, &m);
+        e.rotor = lode_sincos((float)remainder(rig.theta + 20.0 * CHECK_DEG, 2.0 * CHECK_PI));
+        e.omega_rad_s = (float)rig.omega;
+        e.i_A = lode_park(m.m.sample.i_A, e.rotor);
+        rig.out = lode_drive6_act(&rig.drive, &m, &e);
+        rig6_move(&rig);
+    }
+    // id* = 0 along the encoder's axes: the machine's own current lies 20 degrees ahead of its q axis.
+    CHECK_NEAR(0.5, 110.0, carg(rig.i_dq) / CHECK_DEG);
+    CHECK_CLOSE(0.01, RPM(300.0) * RIG6_NP, rig.omega);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_from_standstill_to_speed_both_ways);
@@ -440,5 +511,8 @@ int main(void) {
     RUN_TEST(test_bad_configurations_are_refused_by_name);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
     RUN_TEST(test_windowed_shunts);
+    RUN_TEST(test_the_step_is_its_three_parts);
+    RUN_TEST(test_an_estimate_that_is_no_number_turns_both_sets_off);
+    RUN_TEST(test_an_estimate_of_the_hosts_own_is_driven_by);
     return UNITY_END();
 }

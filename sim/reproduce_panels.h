@@ -1,0 +1,17 @@
+/// Panels in rows and columns for the figures of a reproduction, column by column.
+#ifndef RIG_REPRODUCE_PANELS_H
+#define RIG_REPRODUCE_PANELS_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/// Height of a picture, pixels.
+int panels_height(int rows);
+
+/// Starts them, with names of four colours: blue, red, green, grey.
+void panels_begin(FILE *script, const char *title, int rows, int columns);
+
+/// The panel to come. `title`: of its column, "" below the first row; `last`: in its column.
+void panels_next(FILE *script, const char *label, const char *title, bool last);
+
+#endif
