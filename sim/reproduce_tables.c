@@ -34,7 +34,10 @@ static double exact_angle(lode_pll_t *self, const lode_pll_tuning_t *tuning, dou
     const float advance = lode_pll_advance_rad(self, tuning, &omega);
     const lode_sincos_t frame = lode_angle_add(self->frame, lode_sincos(advance));
     const double theta = atan2((double)frame.sin, (double)frame.cos);
-    lode_pll_move(self, lode_pll_gains(tuning, omega), frame, omega, (float)sin(angle_rad - theta));
+    const lode_pll_gains_t gains = lode_pll_gains(tuning, omega);
+    const float error = (float)sin(angle_rad - theta);
+    lode_pll_move(self, gains, frame, omega, error);
+    lode_pll_disturb(self, gains, error);
     return atan2((double)self->frame.sin, (double)self->frame.cos);
 }
 

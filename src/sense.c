@@ -105,7 +105,7 @@ LODE_HOT lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused) {
         i.a = -i.b - i.c;
     } else if (unused == 1) {
         i.b = -i.a - i.c;
-    } else if (unused == 2) {
+    } else {
         i.c = -i.a - i.b;
     }
     return i;

@@ -634,6 +634,22 @@ static void test_a_voltage_that_is_none_stays_in_range_and_trips(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_VOLTAGE, rig_telemetry(&rig).fault.check);
 }
 
+/// The same fault by the step and by its three calls: the same record, in the same period.
+static void expect_same_fault(const rig_t *before, const lode_counts_t *counts, int limit) {
+    lode_drive_t one = before->drive;
+    lode_drive_t two = before->drive;
+    bool on = true;
+    for (int n = 0; n < limit && on; n++) {
+        const lode_measurement_t m = lode_drive_sense(&two, counts);
+        const lode_estimate_t e = lode_drive_estimate(&two, &m);
+        on = lode_drive_step(&one, counts).gates;
+        TEST_ASSERT_EQUAL_INT(on, lode_drive_act(&two, &m, &e).gates);
+    }
+    TEST_ASSERT_FALSE(on);
+    TEST_ASSERT_TRUE(one.guard.fault.check != LODE_CHECK_NONE);
+    TEST_ASSERT_EQUAL_MEMORY(&one.guard.fault, &two.guard.fault, sizeof one.guard.fault);
+}
+
 static void test_the_step_is_three_calls_in_a_row(void) {
     rig_t one = fresh();
     rig_t two = one;
@@ -650,6 +666,15 @@ static void test_the_step_is_three_calls_in_a_row(void) {
         rig_move(&one);
     }
     rig_expect(&one, LODE_MODE_RUN);
+    lode_counts_t railed = rig_counts(&one);
+    railed.i[1] = 4095u;
+    expect_same_fault(&one, &railed, 10);
+    lode_counts_t over = rig_counts(&one);
+    over.i[2] = 2048u + 1900u; // 24 A, not at the rail
+    expect_same_fault(&one, &over, 1);
+    lode_counts_t tripped = rig_counts(&one);
+    tripped.trip = true;
+    expect_same_fault(&one, &tripped, 1);
 }
 
 static void test_two_drives_share_nothing(void) {

@@ -220,6 +220,13 @@ LODE_INLINE float lode_estimator_acceleration(const lode_estimator_tuning_t *tun
            tuning->acc_per_omega * omega_rad_s;
 }
 
+/// The harmonics of the EMF show at 6 w and 12 w in the position error.
+LODE_INLINE float lode_estimator_notched(lode_estimator_t *self,
+                                         const lode_estimator_tuning_t *tuning, float error) {
+    const float left = lode_notch_step(&self->notch, &tuning->notch, error);
+    return tuning->notched12 ? lode_notch_step(&self->notch12, &tuning->notch12, left) : left;
+}
+
 /// The fast part of a period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k.
 /// Total: whatever goes in, finite and in range comes out, and `reseeded` tells.
 LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
@@ -237,12 +244,8 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     const float across_V = lode_park(e_V, frame).d;
     float error = (omega < 0.0f ? across_V : -across_V) / e_abs;
 #ifndef LODE_WITHOUT_NOTCH
-    // The harmonics of the EMF show at 6 w and 12 w in the position error.
     if (tuning->notched) {
-        error = lode_notch_step(&self->notch, &tuning->notch, error);
-        if (tuning->notched12) {
-            error = lode_notch_step(&self->notch12, &tuning->notch12, error);
-        }
+        error = lode_estimator_notched(self, tuning, error);
     }
 #endif
     lode_pll_move(&self->pll, self->gains, frame, omega, error);
