@@ -60,11 +60,14 @@ LODE_HOT void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning, flo
     }
     // The PI loop answers a voltage at 6 w with the current 1/(L d), d below: the resonator leads by the
     // angle of d, and its gain keeps the rate (X3).
-    const lode_sincos_t late = lode_sincos(omega6 * tuning->delay_s);
+    // A quarter of the angle lies within the octant: TURN_MAX_rad DELAY_PERIODS/4 is 0.59.
+    const lode_sincos_t quarter = lode_sincos_octant(omega6 * (0.25f * tuning->delay_s));
+    const lode_sincos_t late = lode_angle_double(lode_angle_double(quarter));
     const lode_ab_t loop = {tuning->bandwidth_rad_s - omega6 * late.sin, omega6 * late.cos};
     const float r = lode_clamp(tuning->corner_rad_s / omega6, -CORNER_MAX, CORNER_MAX);
     const lode_ab_t d = {loop.alpha + r * loop.beta, loop.beta - r * loop.alpha};
     const float length = lode_max(lode_ab_length(d), FLT_MIN);
+    const float inv_length = 1.0f / length;
     self->aim.gain_Ohm = tuning->gain_Ohm_s * length;
-    self->aim.lead = (lode_sincos_t){d.beta / length, d.alpha / length};
+    self->aim.lead = (lode_sincos_t){d.beta * inv_length, d.alpha * inv_length};
 }
