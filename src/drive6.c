@@ -137,8 +137,8 @@ LODE_INLINE lode_measurement6_t measured(lode_drive6_t *self, const lode_counts6
     }
     const lode_sample_t first =
         lode_sense_glance(&drive->sense, tuning, &counts->set[0], drive->unsampled);
-    const lode_sample_t second =
-        lode_sense_glance(&self->sense_2, tuning, &counts->set[1], self->unsampled_2);
+    const lode_abc_t i_2 = lode_sense_currents(&self->sense_2, &counts->set[1], self->unsampled_2);
+    const lode_sample_t second = lode_sense_sample(tuning, &counts->set[1], i_2);
     const lode_sets_t u_V = {{lode_inverter_realised(&drive->inverter, first.v_bus_V),
                               lode_inverter_realised(&self->inverter_2, first.v_bus_V)}};
     x.watched = LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH) &&
@@ -147,7 +147,10 @@ LODE_INLINE lode_measurement6_t measured(lode_drive6_t *self, const lode_counts6
     if (x.watched) {
         lode_open_phase_note(&self->watch, &first.i_abc_A, &second.i_abc_A);
     }
-    x.i_A = (lode_sets_t){{first.i_A, lode_set2_clarke(second.i_abc_A)}};
+    // lode_set2_clarke(), with the gains of lode_sense_sample().
+    x.i_A = (lode_sets_t){{first.i_A,
+                           {(i_2.a - i_2.b) * tuning->beta_gain,
+                            (i_2.a + i_2.b - 2.0f * i_2.c) * tuning->alpha_gain}}};
     x.m.sample.v_bus_V = first.v_bus_V;
     x.m.sample.alert = (bool)(first.alert | second.alert);
     self->i_xy_A = lode_vsd_xy(x.i_A);
@@ -218,7 +221,9 @@ LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_measurement6_t *x,
     const lode_open_phase_t open =
         lode_open_phase_step(&self->watch, &self->tuning->watch, est->rotor.sin);
     if (open > 0u) {
-        answer(self, open, of_set(&x->i_A, lode_open_phase_set(open) == 1), est->rotor,
+        const lode_sincos_t rotor = {est->rotor.sin,
+                                     est->rotor.cos}; // a copy: it stays in registers
+        answer(self, open, of_set(&x->i_A, lode_open_phase_set(open) == 1), rotor,
                est->omega_rad_s);
     }
 }

@@ -216,12 +216,12 @@ LODE_HOT void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, flo
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float least = tuning->omega_min * tuning->inv_pole_pairs;
-    // While the start current fades, the speed of the hand-over is held.
-    const float wanted =
-        lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
-    const float target = run->fade > 0.0f ? run->speed.reference_rad_s : wanted;
+    float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
+    if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
+        target = run->speed.reference_rad_s;
+        run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
+    }
     (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_torque_Nm);
-    run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
 }
 
 LODE_COLD void lode_core_examine(lode_drive_t *self, const lode_sample_t *sample, bool finite) {

@@ -79,11 +79,11 @@ enum {
     TURN_HOLD = 1, // in START
     TURN_SEED = 2, // without lock
     TURN_GUARD_AND_LAG = 3,
-    TURN_LOSS_AND_GAINS = 4, // the shape of the dead-time loss
-    TURN_START = 5,          // its profile and its judgement of the estimate
+    TURN_LOSS = 4,  // the shape of the dead-time loss; gains where there are notches
+    TURN_XY = 4,    // with six phases: the resonators of the xy plane
+    TURN_START = 5, // its profile and its judgement of the estimate
     TURN_HAND_OVER = 6,
-    TURN_XY = 6, // with six phases: the resonators of the xy plane
-    TURN_GUARD_AND_NOTCHES = 7
+    TURN_GUARD_AND_NOTCHES = 7 // or gains
 };
 
 LODE_INLINE lode_mode_t lode_core_mode(const lode_drive_t *self) {
@@ -174,14 +174,18 @@ LODE_INLINE void lode_core_adapt(lode_drive_t *self, const lode_period_t *p) {
         watch(self, p);
         lode_estimator_adapt_lag(estimator, &tuning->estimator);
         break;
-    case TURN_LOSS_AND_GAINS:
+    case TURN_LOSS:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V, p->m->sample.v_bus_V);
-        lode_estimator_adapt_gains(estimator, &tuning->estimator);
+        if (tuning->estimator.notched) {
+            lode_estimator_adapt_gains(estimator, &tuning->estimator);
+        }
         break;
     case TURN_GUARD_AND_NOTCHES:
         watch(self, p);
         if (tuning->estimator.notched) {
             lode_estimator_adapt_notches(estimator, &tuning->estimator);
+        } else {
+            lode_estimator_adapt_gains(estimator, &tuning->estimator);
         }
         break;
     default:

@@ -74,7 +74,8 @@ LODE_HOT lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s)
     const float b1 = c[1] + in * b2;
     const float share = c[0] + in * b1;
     const float rise = b1 + in * (b2 + in * (b3 + in * (b4 + in * c[5])));
-    const float slope = v < 1.0f ? share + 2.0f * v * rise : share;
+    const float twice = v < 1.0f ? 2.0f * v : 0.0f;
+    const float slope = share + twice * rise;
     const float lag_rad = omega_rad_s * share;
     // Within the octant up to a lag of 90 degrees, which no observer reaches below omega_max.
     const lode_sincos_t at = lode_angle_double(lode_sincos_octant(0.5f * lag_rad));

@@ -26,10 +26,11 @@ LODE_HOT void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tu
         self->weight = 0.0f;
         return;
     }
-    const float centre = tuning->order_Ts * lode_abs(omega_rad_s);
+    const float centre =
+        lode_min(tuning->order_Ts * lode_abs(omega_rad_s), LODE_SOGI_CENTRE_MAX_rad);
     const float in = lode_clamp((centre - tuning->centre_low) * tuning->inv_span, 0.0f, 1.0f);
     self->weight = centre < LODE_SOGI_CENTRE_MAX_rad ? in : 0.0f;
-    const lode_sogi_tuning_t tuned = lode_sogi_tune(tuning->k, centre);
+    const lode_sogi_tuning_t tuned = lode_sogi_tune_within(tuning->k, centre);
     self->g = tuned.g;
     self->inv_sum = tuned.inv_sum;
 }

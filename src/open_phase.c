@@ -16,15 +16,18 @@ static float largest(lode_abc_t x) {
     return lode_max(lode_max(x.a, x.b), x.c);
 }
 
+static float smallest(lode_abc_t x) {
+    return lode_min(lode_min(x.a, x.b), x.c);
+}
+
 // The phase with the least current, from 1: while one is open, a phase beside it carries little, too.
-static lode_open_phase_t idlest(const lode_abc6_t *sum_A, float *least_A) {
+static LODE_COLD lode_open_phase_t idlest(const lode_abc6_t *sum_A) {
     const float sums[PHASES] = {sum_A->set[0].a, sum_A->set[0].b, sum_A->set[0].c,
                                 sum_A->set[1].a, sum_A->set[1].b, sum_A->set[1].c};
     int32_t phase = 0;
     for (int32_t n = 1; n < PHASES; n++) {
         phase = sums[n] < sums[phase] ? n : phase;
     }
-    *least_A = sums[phase];
     return (lode_open_phase_t)(phase + 1);
 }
 
@@ -37,12 +40,13 @@ static lode_open_phase_t found(const lode_open_phase_watch_t *self,
     if (!(most >= tuning->i_min_A * 0.5f * (float)self->samples)) {
         return 0u;
     }
+    if (!(lode_min(smallest(self->sum_A.set[0]), smallest(self->sum_A.set[1])) <= limit)) {
+        return 0u;
+    }
     if (most_1 <= limit || most_2 <= limit) {
         return most_1 <= limit ? WHOLE_SET_1 : WHOLE_SET_2;
     }
-    float least;
-    const lode_open_phase_t phase = idlest(&self->sum_A, &least);
-    return least <= limit ? phase : 0u;
+    return idlest(&self->sum_A);
 }
 
 LODE_HOT LODE_COLD lode_open_phase_t lode_open_phase_judge(lode_open_phase_watch_t *self,
@@ -52,7 +56,10 @@ LODE_HOT LODE_COLD lode_open_phase_t lode_open_phase_judge(lode_open_phase_watch
     }
     const lode_open_phase_t open = found(self, tuning);
     const bool again = open == self->suspect;
-    lode_open_phase_reset(self);
+    const lode_abc_t none = {0.0f, 0.0f, 0.0f};
+    self->sum_A.set[0] = none; // one by one: no call of memset()
+    self->sum_A.set[1] = none;
+    self->samples = 0u;
     self->suspect = open;
     return again ? open : 0u;
 }

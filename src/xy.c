@@ -51,20 +51,27 @@ void lode_xy_reset(lode_xy_t *self) {
 }
 
 LODE_HOT void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning, float omega_rad_s) {
-    const float omega6 = lode_sign(omega_rad_s) * lode_max(6.0f * lode_abs(omega_rad_s), 1.0f);
-    if (!(lode_abs(omega6) <= tuning->omega6_max)) {
+    const float size = lode_max(6.0f * lode_abs(omega_rad_s), 1.0f);
+    if (!(size <= tuning->omega6_max)) {
         const lode_ab_t none = {0.0f, 0.0f};
         self->aim.gain_Ohm = 0.0f;
         self->resonance_x = self->resonance_y = none;
         return;
     }
+    const float sign = lode_sign(omega_rad_s);
+    const float omega6 = sign * size;
     // The PI loop answers a voltage at 6 w with the current 1/(L d), d below: the resonator leads by the
-    // angle of d, and its gain keeps the rate (X3).
-    const lode_sincos_t late = lode_sincos(omega6 * tuning->delay_s);
+    // angle of d, and its gain keeps the rate (X3). A quarter of the angle lies within the octant:
+    // TURN_MAX_rad DELAY_PERIODS/4 is 0.59.
+    const lode_sincos_t quarter = lode_sincos_octant(omega6 * (0.25f * tuning->delay_s));
+    const lode_sincos_t late = lode_angle_double(lode_angle_double(quarter));
     const lode_ab_t loop = {tuning->bandwidth_rad_s - omega6 * late.sin, omega6 * late.cos};
-    const float r = lode_clamp(tuning->corner_rad_s / omega6, -CORNER_MAX, CORNER_MAX);
-    const lode_ab_t d = {loop.alpha + r * loop.beta, loop.beta - r * loop.alpha};
+    // d = (1 - j r) loop with r = corner/omega6, here times `w`: one division for all.
+    const float corner = sign * tuning->corner_rad_s;
+    const float w = lode_max(size, tuning->corner_rad_s * (1.0f / CORNER_MAX));
+    const lode_ab_t d = {w * loop.alpha + corner * loop.beta, w * loop.beta - corner * loop.alpha};
     const float length = lode_max(lode_ab_length(d), FLT_MIN);
-    self->aim.gain_Ohm = tuning->gain_Ohm_s * length;
-    self->aim.lead = (lode_sincos_t){d.beta / length, d.alpha / length};
+    const float inv = 1.0f / (w * length);
+    self->aim.gain_Ohm = tuning->gain_Ohm_s * length * (length * inv);
+    self->aim.lead = (lode_sincos_t){d.beta * (w * inv), d.alpha * (w * inv)};
 }

@@ -210,6 +210,23 @@ LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
     return lode_leso_step_adaptive(&self->emf.leso, &tuning->emf.leso, m_V, tuned, omega_rad_s);
 }
 
+/// The position error without the harmonics of the EMF, which show in it at 6 w and 12 w.
+LODE_INLINE float lode_estimator_notched(lode_estimator_t *self,
+                                         const lode_estimator_tuning_t *tuning, float error) {
+#ifdef LODE_WITHOUT_NOTCH
+    (void)self;
+    (void)tuning;
+#else
+    if (tuning->notched) {
+        error = lode_notch_step(&self->notch, &tuning->notch, error);
+        if (tuning->notched12) {
+            error = lode_notch_step(&self->notch12, &tuning->notch12, error);
+        }
+    }
+#endif
+    return error;
+}
+
 /// Known acceleration over the period to come (P3), rad/s^2: torque of the measured current, seen from
 /// where the rotor is by the position error (P19), and friction.
 LODE_INLINE float lode_estimator_acceleration(const lode_estimator_tuning_t *tuning, lode_dq_t i_A,
@@ -218,13 +235,6 @@ LODE_INLINE float lode_estimator_acceleration(const lode_estimator_tuning_t *tun
     const float swing = lode_max(tuning->salient_H * i_A.q * i_A.q - flux_Wb * i_A.d, 0.0f);
     return tuning->acc_per_torque * (flux_Wb * i_A.q + swing * error) -
            tuning->acc_per_omega * omega_rad_s;
-}
-
-/// The harmonics of the EMF show at 6 w and 12 w in the position error.
-LODE_INLINE float lode_estimator_notched(lode_estimator_t *self,
-                                         const lode_estimator_tuning_t *tuning, float error) {
-    const float left = lode_notch_step(&self->notch, &tuning->notch, error);
-    return tuning->notched12 ? lode_notch_step(&self->notch12, &tuning->notch12, left) : left;
 }
 
 /// The fast part of a period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k.
@@ -242,12 +252,8 @@ LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
     const float e2 = e_V.alpha * e_V.alpha + e_V.beta * e_V.beta;
     const float e_abs = lode_max(sqrtf(e2), tuning->emin_V);
     const float across_V = lode_park(e_V, frame).d;
-    float error = (omega < 0.0f ? across_V : -across_V) / e_abs;
-#ifndef LODE_WITHOUT_NOTCH
-    if (tuning->notched) {
-        error = lode_estimator_notched(self, tuning, error);
-    }
-#endif
+    const float seen = (omega < 0.0f ? across_V : -across_V) / e_abs;
+    const float error = lode_estimator_notched(self, tuning, seen);
     lode_pll_move(&self->pll, self->gains, frame, omega, error);
     if (LODE_RARELY(!(lode_abs(advance) <= LODE_ADVANCE_MAX_rad)) ||
         LODE_RARELY(!(e2 <= LODE_EMF2_LIMIT_V2)) ||

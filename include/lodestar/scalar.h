@@ -32,10 +32,6 @@ LODE_INLINE bool lode_in_range(float x, float lo, float hi) {
     return x >= lo && x <= hi;
 }
 
-LODE_INLINE bool lode_is_finite(float x) {
-    return lode_in_range(x, -FLT_MAX, FLT_MAX);
-}
-
 LODE_INLINE float lode_min(float a, float b) {
     return a < b ? a : b;
 }
@@ -46,6 +42,11 @@ LODE_INLINE float lode_max(float a, float b) {
 
 LODE_INLINE float lode_abs(float x) {
     return fabsf(x);
+}
+
+/// Neither infinite nor NaN.
+LODE_INLINE bool lode_is_finite(float x) {
+    return lode_abs(x) <= FLT_MAX;
 }
 
 /// -1 for x < 0, else +1 (for NaN too).

@@ -121,11 +121,10 @@ LODE_INLINE lode_abc_t lode_sense_currents(const lode_sense_t *self, const lode_
     return i;
 }
 
-/// All of a sample but `railed`, which is false: it needs a look only where there is an alert.
-LODE_INLINE lode_sample_t lode_sense_glance(const lode_sense_t *self,
-                                            const lode_sense_tuning_t *tuning,
-                                            const lode_counts_t *counts, int32_t unused) {
-    const lode_abc_t i = lode_sense_currents(self, counts, unused);
+/// All of a sample with the currents `i`, in counts from their offsets, but `railed`, which is false: it
+/// needs a look only where there is an alert.
+LODE_INLINE lode_sample_t lode_sense_sample(const lode_sense_tuning_t *tuning,
+                                            const lode_counts_t *counts, lode_abc_t i) {
     const float most = lode_max(lode_max(lode_abs(i.a), lode_abs(i.b)), lode_abs(i.c));
     return (lode_sample_t){
         .i_abc_A = {tuning->i_gain * i.a, tuning->i_gain * i.b, tuning->i_gain * i.c},
@@ -137,6 +136,13 @@ LODE_INLINE lode_sample_t lode_sense_glance(const lode_sense_t *self,
         .alert = !(most <= tuning->alert_count),
         .railed = false,
     };
+}
+
+/// The same from a period's counts.
+LODE_INLINE lode_sample_t lode_sense_glance(const lode_sense_t *self,
+                                            const lode_sense_tuning_t *tuning,
+                                            const lode_counts_t *counts, int32_t unused) {
+    return lode_sense_sample(tuning, counts, lode_sense_currents(self, counts, unused));
 }
 
 /// The whole sample.
