@@ -171,7 +171,7 @@ typedef struct {
 void lode_drive_design(lode_drive_config_t *config);
 
 /// Completes a copy of `config`, checks every field and derives the tuning. On any error `tuning` is
-/// left alone. Not for the interrupt; about 800 B of stack.
+/// left alone. Not for the interrupt; about 1.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
 
 /// A drive at rest in OFF on a tuning that lode_drive_tune() has made, for this drive or for others too.
