@@ -100,8 +100,10 @@ rig_exit_t command_design(const options_t *options) {
     if (!load(&config, options) || !outputs_open(&json, options->json)) {
         return RIG_BAD_INPUT;
     }
-    assume_drive(&config);
-    if (!rig_config_complete(&config, RIG_NEED_MOTOR)) {
+    if (options->source == NULL) {
+        assume_drive(&config);
+    }
+    if (!rig_config_complete(&config, options->source == NULL ? RIG_NEED_MOTOR : RIG_NEED_BOARD)) {
         return RIG_BAD_INPUT;
     }
     lode_drive_design(&config.drive);

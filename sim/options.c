@@ -52,7 +52,8 @@ static const option_t table[] = {
     {"json", required_argument, 'j', DECODE, "F.json", "the summary"},
     {"json", optional_argument, 'J', DESIGN, "[=F.json]", "JSON in place of the table"},
     {"c", required_argument, 'x', DESIGN, "F.c",
-     "the tuning as a constant in C, named like the file, for the firmware's flash"},
+     "the tuning as a constant in C, named like the file, for the firmware's flash;\n"
+     "                             needs a drive with i_range_A and v_range_V"},
     {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY | DECODE, "F.svg",
      "a picture (needs gnuplot)"},
     {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",
