@@ -167,7 +167,7 @@ typedef struct {
 } lode_telemetry_t;
 
 /// Computes every value that `config` leaves open (0 or LODE_AUTO). Used by lode_drive_init() and by
-/// the host tool alike. Call it after checking nothing: wrong inputs give values that init refuses.
+/// the host tool alike. It checks nothing: wrong inputs give values that init refuses.
 void lode_drive_design(lode_drive_config_t *config);
 
 /// Completes a copy of `config`, checks every field and derives the tuning. On any error `tuning` is
