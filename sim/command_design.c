@@ -11,6 +11,7 @@
 #include "outputs.h"
 #include "refusal.h"
 #include "report_design.h"
+#include "schema.h"
 #include "tuning_source.h"
 #include "units.h"
 
@@ -56,13 +57,24 @@ static void assume_drive(rig_config_t *config) {
     }
 }
 
+/// Says where the two sets stand that the C constant is not for.
+static void refuse_six(const rig_config_t *config, const char *source) {
+    const int row = rig_schema_find(rig_schema(), "motor", "sets");
+    const rig_origin_t *origin = &config->origin[row];
+    rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set",
+                 origin->file >= 0 ? origin->line : 0,
+                 "[motor] sets: --c %s: expected a drive for three phases; one for six is designed "
+                 "on the target, by lode_drive6_init()",
+                 source);
+}
+
 /// The C constant that was asked for, if one was. The configuration is one that passes.
 static bool print_source(const options_t *options, const rig_config_t *config) {
     if (options->source == NULL) {
         return true;
     }
     if (rig_config_is_six(config)) {
-        rig_error("--c %s: expected a drive for three phases", options->source);
+        refuse_six(config, options->source);
         return false;
     }
     char name[RIG_NAME_LENGTH * 2];
@@ -88,8 +100,10 @@ rig_exit_t command_design(const options_t *options) {
     if (!load(&config, options) || !outputs_open(&json, options->json)) {
         return RIG_BAD_INPUT;
     }
-    assume_drive(&config);
-    if (!rig_config_complete(&config, RIG_NEED_MOTOR)) {
+    if (options->source == NULL) {
+        assume_drive(&config);
+    }
+    if (!rig_config_complete(&config, options->source == NULL ? RIG_NEED_MOTOR : RIG_NEED_BOARD)) {
         return RIG_BAD_INPUT;
     }
     lode_drive_design(&config.drive);

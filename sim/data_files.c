@@ -62,7 +62,7 @@ bool data_files_list(FILE *file, const char *kind) {
         char title[200];
         (void)snprintf(path, sizeof path, "%s/%s", folder, entry[k]->d_name);
         ini_config_title(path, title, sizeof title);
-        (void)fprintf(file, "  %-18.*s %s\n", (int)strlen(entry[k]->d_name) - 4, entry[k]->d_name,
+        (void)fprintf(file, "  %-25.*s %s\n", (int)strlen(entry[k]->d_name) - 4, entry[k]->d_name,
                       title);
         free(entry[k]);
     }

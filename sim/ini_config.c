@@ -186,7 +186,9 @@ static char *next_line(char *text, int size, void *user) {
 static bool parse(source_t *source) {
     source->stream = fopen(source->path, "r");
     if (source->stream == NULL) {
-        rig_error_at(source->path, 0, "%s; expected an INI file", strerror(errno));
+        rig_error_at(source->path, 0,
+                     "%s; expected an INI file, or a name that `lodestar list` shows",
+                     strerror(errno));
         return false;
     }
     const int wrong_line = ini_parse_stream(next_line, source, on_value, source);

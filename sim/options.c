@@ -25,9 +25,9 @@ typedef struct {
 
 static const option_t table[] = {
     {"motor", required_argument, 'm', REPLAY | DESIGN | ANALYSE, "F.ini",
-     "motor, and whatever else it sets"},
+     "motor, and whatever else it sets; a file, or a name of `lodestar list`"},
     {"drive", required_argument, 'd', REPLAY | DESIGN | ANALYSE, "F.ini",
-     "drive, over the motor's file"},
+     "drive, over the motor's file; the same"},
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
     {"emf", required_argument, 'e', REPLAY, "NAME", "EMF observer, as `lodestar list` has it"},
     {"pll", required_argument, 'p', REPLAY, "NAME", "position PLL, as `lodestar list` has it"},
@@ -52,7 +52,8 @@ static const option_t table[] = {
     {"json", required_argument, 'j', DECODE, "F.json", "the summary"},
     {"json", optional_argument, 'J', DESIGN, "[=F.json]", "JSON in place of the table"},
     {"c", required_argument, 'x', DESIGN, "F.c",
-     "the tuning as a constant in C, named like the file, for the firmware's flash"},
+     "the tuning as a constant in C, named like the file, for the firmware's flash;\n"
+     "                             needs a drive with i_range_A and v_range_V"},
     {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY | DECODE, "F.svg",
      "a picture (needs gnuplot)"},
     {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",
@@ -90,9 +91,9 @@ static const command_t commands[] = {
      "give.\n"
      "Without a motor and a drive those of paper 1."},
     {"reproduce", COMMAND_REPRODUCE, REPRODUCE, "lodestar reproduce PAPER [OPTION...]",
-     "Makes every experiment of a paper again and sets its claims beside what comes out: its\n"
-     "estimators as printed, and the library's with its gains. PAPER is jiang2022 (paper 1) or\n"
-     "li-fa-leso (paper 2, six phases). Either takes about a minute at most."},
+     "Makes every experiment of a paper again and sets its claims beside what comes out.\n"
+     "With its estimators as printed, and with the library's and its gains. PAPER is jiang2022\n"
+     "(paper 1) or li-fa-leso (paper 2, six phases). Either takes about a minute at most."},
     {"decode", COMMAND_DECODE, DECODE, "lodestar decode FILE [OPTION...]",
      "Reads what the library's telemetry ring or scope has recorded, sent or dumped.\n"
      "FILE holds octets of lode_ring_drain() or lode_scope_drain(), or a debugger's dump of "
@@ -123,7 +124,7 @@ static void print_tool_help(void) {
         "                                        table, CSV, JSON and plot in lodestar-out/\n"
         "       lodestar COMMAND [OPTION...]\n");
     for (int k = 0; k < COMMANDS; ++k) {
-        (void)printf("  %-8s %.*s\n", commands[k].name, (int)strcspn(commands[k].what, "\n"),
+        (void)printf("  %-9s %.*s\n", commands[k].name, (int)strcspn(commands[k].what, "\n"),
                      commands[k].what);
     }
     (void)puts("\noptions of the main job:");

@@ -238,8 +238,10 @@ bool rig_config_complete(rig_config_t *config, rig_need_t need) {
     static const char *const motor[] = {"pole_pairs", "Rs_Ohm", "Ld_H", "Lq_H",
                                         "psi_Wb",     "J_kgm2", NULL};
     static const char *const drive[] = {"f_pwm_Hz", "v_bus_V", "i_max_A", NULL};
+    static const char *const board[] = {"i_range_A", "v_range_V", NULL};
     bool good = all_given(config, "motor", motor);
     good = (need == RIG_NEED_MOTOR || all_given(config, "drive", drive)) && good;
+    good = (need != RIG_NEED_BOARD || all_given(config, "drive", board)) && good;
     if (!good || !convert_units(config)) {
         return false;
     }

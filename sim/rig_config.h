@@ -168,7 +168,8 @@ void rig_config_init(rig_config_t *config);
 /// How much of the drive must be given.
 typedef enum {
     RIG_NEED_MOTOR, ///< the motor alone
-    RIG_NEED_DRIVE  ///< f_pwm, bus voltage and current as well
+    RIG_NEED_DRIVE, ///< f_pwm, bus voltage and current as well
+    RIG_NEED_BOARD  ///< and the ranges of the converters: what goes into firmware is not assumed
 } rig_need_t;
 
 /// Turns what is written for people into the drive's units and fills the board's gains. False after

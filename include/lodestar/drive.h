@@ -167,11 +167,11 @@ typedef struct {
 } lode_telemetry_t;
 
 /// Computes every value that `config` leaves open (0 or LODE_AUTO). Used by lode_drive_init() and by
-/// the host tool alike. Call it after checking nothing: wrong inputs give values that init refuses.
+/// the host tool alike. It checks nothing: wrong inputs give values that init refuses.
 void lode_drive_design(lode_drive_config_t *config);
 
 /// Completes a copy of `config`, checks every field and derives the tuning. On any error `tuning` is
-/// left alone. Not for the interrupt; about 800 B of stack.
+/// left alone. Not for the interrupt; about 1.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
 
 /// A drive at rest in OFF on a tuning that lode_drive_tune() has made, for this drive or for others too.

@@ -108,7 +108,7 @@ void lode_drive6_design(lode_drive6_config_t *config);
 lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H);
 
 /// Completes a copy of `config`, checks every field and derives the tuning. On any error `tuning` is
-/// left alone. Not for the interrupt; about 2 KB of stack.
+/// left alone. Not for the interrupt; about 3.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_config_t *config);
 
 /// A drive at rest in OFF on a tuning that lode_drive6_tune() has made.
