@@ -145,9 +145,8 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 }
 
 // Takes the current for none where it is no number.
-LODE_HOT LODE_COLD void lode_estimator_restart(lode_estimator_t *self,
-                                               const lode_estimator_tuning_t *tuning,
-                                               lode_ab_t i_A) {
+LODE_COLD void lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                                      lode_ab_t i_A) {
     const uint_least8_t calls = self->calls;
     lode_estimator_reset(self, tuning);
     self->calls = calls;

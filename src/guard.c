@@ -133,8 +133,8 @@ static float largest(lode_abc_t i) {
     return lode_abs(i.c) > lode_abs(ab) ? i.c : ab;
 }
 
-LODE_HOT LODE_COLD void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                           const lode_sample_t *sample, lode_situation_t now) {
+LODE_COLD void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                  const lode_sample_t *sample, lode_situation_t now) {
     const lode_abc_t i_A = sample->i_abc_A;
     const uint32_t passed = sample->stamp - self->stamp;
     const float i = largest(i_A);

@@ -295,11 +295,11 @@ LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float turn, floa
 
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 
-LODE_HOT lode_references_out_t lode_references_optimal(lode_references_t *self,
-                                                       const lode_references_tuning_t *tuning,
-                                                       float torque_Nm, float omega_rad_s,
-                                                       float id_add_A,
-                                                       lode_references_voltage_t voltage) {
+// Not LODE_HOT: once in some periods, and too large for small fast memories.
+lode_references_out_t lode_references_optimal(lode_references_t *self,
+                                              const lode_references_tuning_t *tuning,
+                                              float torque_Nm, float omega_rad_s, float id_add_A,
+                                              lode_references_voltage_t voltage) {
     const bool saturates = tuning->Lq_fall > 0.0f;
     const float Lq = saturates ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
     const float salient = tuning->Ld_H - Lq;

@@ -7,7 +7,8 @@
 #endif
 
 /// Where the code of the interrupt goes. Define it (for instance as
-/// `__attribute__((section(".ccmram")))`) to place every step function in fast memory.
+/// `__attribute__((section(".ccmram")))`) to place every step function in fast memory. It does not stand
+/// before what is large and rare: MTPA, field weakening, and what follows when something is wrong.
 #ifndef LODE_HOT
 #if defined(__TMS320C28XX__) // TI's section .TI.ramfunc
 #define LODE_HOT __attribute__((ramfunc))

@@ -38,18 +38,11 @@ sizes() {
                   size[".ccmram"], size[".bss"] + size[".data"] + size[".stack"], size[".stack"] }'
 }
 
-optimise=-O2
 for board in b_g431b_esc1 nucleo_ihm16m1; do
-    g4=(g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$board")
-    if ! build "${g4[@]}" -DCMAKE_C_FLAGS_RELEASE=$optimise; then
-        grep -q "will not fit in region .HOT" "$log" || { cat "$log"; exit 1; }
-        optimise=-Os
-        echo "$board: the step does not fit the CCM SRAM at -O2; built at -Os"
-        must_build "${g4[@]}" -DCMAKE_C_FLAGS_RELEASE=$optimise
-    fi
+    must_build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$board" # with the step in the CCM SRAM
     sizes "$board" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 done
-must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON -DCMAKE_C_FLAGS_RELEASE=$optimise
+must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON
 sizes "nucleo_ihm16m1 with CORDIC" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 must_build f4 -DLODE_PORT=stm32f4
 sizes stm32f4 "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
