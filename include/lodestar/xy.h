@@ -85,7 +85,7 @@ LODE_INLINE lode_ab_t lode_xy_step(lode_xy_t *self, const lode_xy_tuning_t *tuni
         lode_pi_integrate(&self->y, &tuning->pi, -i_A.beta);
     } else { // (X4) at the limit nothing is taken in
         gain = 0.0f;
-        scale = radius / lode_sqrt(length2);
+        scale = radius / lode_max(lode_sqrt(length2), FLT_MIN);
     }
     self->resonance_x = lode_xy_resonate(rx, turn, -gain * i_A.alpha);
     self->resonance_y = lode_xy_resonate(ry, turn, -gain * i_A.beta);
