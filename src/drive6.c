@@ -147,10 +147,8 @@ LODE_INLINE lode_measurement6_t measured(lode_drive6_t *self, const lode_counts6
     if (x.watched) {
         lode_open_phase_note(&self->watch, &first.i_abc_A, &second.i_abc_A);
     }
-    // lode_set2_clarke(), with the gains of lode_sense_sample().
-    x.i_A = (lode_sets_t){{first.i_A,
-                           {(i_2.a - i_2.b) * tuning->beta_gain,
-                            (i_2.a + i_2.b - 2.0f * i_2.c) * tuning->alpha_gain}}};
+    x.i_A.set[0] = first.i_A;
+    x.i_A.set[1] = lode_set2_clarke_scaled(i_2, tuning->alpha_gain, tuning->beta_gain);
     x.m.sample.v_bus_V = first.v_bus_V;
     x.m.sample.alert = (bool)(first.alert | second.alert);
     self->i_xy_A = lode_vsd_xy(x.i_A);

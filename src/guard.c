@@ -203,13 +203,8 @@ static LODE_COLD void count_all(lode_guard_t *self, const lode_guard_tuning_t *t
 
 LODE_HOT void lode_guard_watch(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                lode_condition_t condition, lode_situation_t now) {
-    const float omega = condition.omega_rad_s;
-    const bool sound = condition.v_bus_V <= tuning->v_bus_max &&
-                       condition.v_bus_V >= tuning->v_bus_min &&
-                       condition.temperature_degC <= tuning->temperature_max;
-    const bool moves =
-        condition.lock >= LODE_LOCK_LOST && omega >= 0.0f && omega <= tuning->omega_max;
-    if (self->pending || !sound || (now.sensorless && !moves)) {
+    if (self->pending || !lode_guard_power_is_sound(tuning, &condition) ||
+        (now.sensorless && !lode_guard_motion_is_sound(tuning, &condition))) {
         count_all(self, tuning, condition, now);
     }
 }

@@ -121,15 +121,26 @@ static inline void lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t
     self->stamp = sample->stamp;
 }
 
+/// Bus and temperature, then lock, speed and direction, within their limits. NaN is not.
+LODE_INLINE bool lode_guard_power_is_sound(const lode_guard_tuning_t *tuning,
+                                           const lode_condition_t *condition) {
+    return LODE_USUALLY(condition->v_bus_V <= tuning->v_bus_max) &&
+           LODE_USUALLY(condition->v_bus_V >= tuning->v_bus_min) &&
+           LODE_USUALLY(condition->temperature_degC <= tuning->temperature_max);
+}
+
+LODE_INLINE bool lode_guard_motion_is_sound(const lode_guard_tuning_t *tuning,
+                                            const lode_condition_t *condition) {
+    return LODE_USUALLY(condition->lock >= LODE_LOCK_LOST) &&
+           LODE_USUALLY(condition->omega_rad_s >= 0.0f) &&
+           LODE_USUALLY(condition->omega_rad_s <= tuning->omega_max);
+}
+
 /// Whether lode_guard_watch() would have nothing to do, running without a sensor.
 LODE_INLINE bool lode_guard_is_at_ease(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                        const lode_condition_t *condition) {
-    return LODE_USUALLY(!self->pending) && LODE_USUALLY(condition->v_bus_V <= tuning->v_bus_max) &&
-           LODE_USUALLY(condition->v_bus_V >= tuning->v_bus_min) &&
-           LODE_USUALLY(condition->temperature_degC <= tuning->temperature_max) &&
-           LODE_USUALLY(condition->lock >= LODE_LOCK_LOST) &&
-           LODE_USUALLY(condition->omega_rad_s >= 0.0f) &&
-           LODE_USUALLY(condition->omega_rad_s <= tuning->omega_max);
+    return LODE_USUALLY(!self->pending) && lode_guard_power_is_sound(tuning, condition) &&
+           lode_guard_motion_is_sound(tuning, condition);
 }
 
 /// Checks what may last for a while, twice in LODE_SLOW_PERIODS: bus, temperature, lock, speed,

@@ -45,9 +45,14 @@ LODE_INLINE lode_ab_t lode_set2_from_stator(lode_ab_t x) {
 }
 
 /// Clarke transform of set 2's phases into stator axes, and back: as lode_clarke(), lode_clarke_inverse()
-/// and the turn by 30 degrees, in one.
+/// and the turn by 30 degrees, in one. Scaled: in another unit, by `third` of its gain and by `side`, its
+/// gain over sqrt(3).
+LODE_INLINE lode_ab_t lode_set2_clarke_scaled(lode_abc_t x, float third, float side) {
+    return (lode_ab_t){(x.a - x.b) * side, (x.a + x.b - 2.0f * x.c) * third};
+}
+
 LODE_INLINE lode_ab_t lode_set2_clarke(lode_abc_t x) {
-    return (lode_ab_t){(x.a - x.b) * (1.0f / LODE_SQRT3), (x.a + x.b - 2.0f * x.c) * (1.0f / 3.0f)};
+    return lode_set2_clarke_scaled(x, 1.0f / 3.0f, 1.0f / LODE_SQRT3);
 }
 
 LODE_INLINE lode_abc_t lode_set2_clarke_inverse(lode_ab_t x) {
