@@ -83,11 +83,13 @@ LODE_HOT uint16_t chip_bus(void) {
     return reg_read16(ADC_RESULT(VARIANT_BUS_ADC, 1));
 }
 
-LODE_HOT void chip_converters_acknowledge(void) {
+LODE_HOT bool chip_converters_acknowledge(void) {
     const uint32_t adc = ADC(VARIANT_BUS_ADC);
     reg_write16(adc + ADC_INTFLGCLR, ADCINT1);
-    if ((reg_read16(adc + ADC_INTOVF) & ADCINT1) != 0u) {
+    const bool missed = (reg_read16(adc + ADC_INTOVF) & ADCINT1) != 0u;
+    if (missed) {
         reg_write16(adc + ADC_INTOVFCLR, ADCINT1); // left set, it would keep every later one away
         reg_write16(adc + ADC_INTFLGCLR, ADCINT1);
     }
+    return !missed;
 }

@@ -50,7 +50,8 @@ void chip_converters_init(void);
 /// Result of the last period; phase 0 .. 2.
 uint16_t chip_current(uint32_t phase);
 uint16_t chip_bus(void);
-/// Before the next result may raise the interrupt again; after a missed one too.
-void chip_converters_acknowledge(void);
+/// Before the next result may raise the interrupt again; after a missed one too. False: a period has gone
+/// by without its interrupt.
+bool chip_converters_acknowledge(void);
 
 #endif

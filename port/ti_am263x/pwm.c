@@ -10,6 +10,7 @@ static const uint32_t pwm[CHIP_PHASES] = VARIANT_PWM;
 static uint16_t steps;
 
 static void time_base(uint32_t base) {
+    // A halt does not stop the counter, which would hold the switches as they are: it trips.
     reg_write16(base + EPWM_TBCTL, TBCTL_UP_DOWN | TBCTL_PERIOD_AT_ONCE | TBCTL_FREE_RUN);
     reg_write16(base + EPWM_TBPRD, steps);
     reg_write16(base + EPWM_TBCTR, 0u);
@@ -36,15 +37,26 @@ static void trip_zone(uint32_t base) {
     reg_write32(base + EPWM_LOCK, LOCK_TRIP_ZONE_AND_COMPARE);
 }
 
+static void controlss_unlock(void) {
+    reg_write32(CONTROLSS_KICK0, KICK0_UNLOCK);
+    reg_write32(CONTROLSS_KICK1, KICK1_UNLOCK);
+}
+
 static void clock_sync(bool on) {
     uint32_t bits = 0u;
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         bits |= 1u << pwm[n];
     }
     const uint32_t others = reg_read32(CONTROLSS_CLKSYNC) & ~bits;
-    reg_write32(CONTROLSS_KICK0, KICK0_UNLOCK);
-    reg_write32(CONTROLSS_KICK1, KICK1_UNLOCK);
+    controlss_unlock();
     reg_write32(CONTROLSS_CLKSYNC, on ? others | bits : others);
+}
+
+// Without it a breakpoint would leave the bridge switching at the last duties: the counters run free, and
+// TZ6 says nothing.
+static void halt_reaches(uint32_t n) {
+    controlss_unlock();
+    reg_write32(CONTROLSS_EPWM_HALTEN(n), HALTEN_R5SS0_CORE0);
 }
 
 bool chip_pwm_init(void) {
@@ -60,10 +72,12 @@ bool chip_pwm_init(void) {
         time_base(EPWM(pwm[n]));
         dead_band(EPWM(pwm[n]), dead_counts);
         trip_zone(EPWM(pwm[n]));
+        halt_reaches(pwm[n]);
         answers = answers && reg_read16(EPWM(pwm[n]) + EPWM_TBPRD) == steps &&
                   reg_read16(EPWM(pwm[n]) + EPWM_DBRED) == dead_counts &&
                   reg_read16(EPWM(pwm[n]) + EPWM_TZSEL) == TRIP_SOURCES &&
-                  (reg_read16(EPWM(pwm[n]) + EPWM_TZFLG) & TZFLG_OST) != 0u;
+                  (reg_read16(EPWM(pwm[n]) + EPWM_TZFLG) & TZFLG_OST) != 0u &&
+                  reg_read32(CONTROLSS_EPWM_HALTEN(pwm[n])) == HALTEN_R5SS0_CORE0;
     }
     chip_pwm_write((lode_abc_t){0.5f, 0.5f, 0.5f}); // no voltage between the phases
     reg_write16(EPWM(pwm[0]) + EPWM_ETPS, ETPS_SOCA_EVERY);

@@ -167,13 +167,15 @@ static void test_thresholds_on_both_sides(void) {
     }
 }
 
-#define SOURCES 4 // three comparators and the fault line
+#define SOURCES 5 // three comparators, the fault line, a halted core
 
 static void set_source(int n, bool active) {
     if (n < 3) {
         fake_set_comparator(2u * (uint32_t)n, active);
-    } else {
+    } else if (n == 3) {
         fake_set_fault(active);
+    } else {
+        fake_set_halted(active);
     }
 }
 
@@ -312,6 +314,16 @@ static void test_hardware_trip_is_a_fault_in_the_same_call(void) {
     }
 }
 
+// While a debugger holds the core its cycle counter stands still: without the converters' overflow the
+// next period would look like any other, with an angle from before the halt.
+static void test_periods_missed_while_the_counter_stood_still_are_a_fault(void) {
+    gates_on_by_the_drive();
+    one_period();
+    TEST_ASSERT_TRUE(fake_gates_on());
+    fake_put(ADC(0) + ADC_INTOVF, ADCINT1);
+    expect_gates_off_in_one_call("LODE_CHECK_HARDWARE_TRIP");
+}
+
 static void test_missed_interrupt_is_a_fault(void) {
     gates_on_by_the_drive();
     now_cycles += PERIOD;
@@ -381,6 +393,7 @@ int main(void) {
     RUN_TEST(test_counts_come_from_the_right_results);
     RUN_TEST(test_over_current_reaches_the_gates_in_the_same_call);
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_call);
+    RUN_TEST(test_periods_missed_while_the_counter_stood_still_are_a_fault);
     RUN_TEST(test_missed_interrupt_is_a_fault);
     RUN_TEST(test_flags_are_cleared_around_the_period);
     RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);

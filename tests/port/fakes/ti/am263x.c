@@ -20,7 +20,7 @@ static struct {
     entry_t registers[REGISTERS];
     int used;
     uint32_t comparators;
-    bool fault, gated;
+    bool fault, gated, halted;
     uint32_t cycles, step;
     int interrupts_on;
     char text[TEXT_MAX];
@@ -96,6 +96,11 @@ static void sources_act(void) {
             *reg(base + EPWM_TZOSTFLG) |= TZOST_DCAEVT1;
             *reg(base + EPWM_TZFLG) |= TZFLG_OST | TZFLG_DCAEVT1;
         }
+        if (fake.halted && (fake_get(CONTROLSS_EPWM_HALTEN(n)) & HALTEN_R5SS0_CORE0) != 0u &&
+            (enabled & TZ_OST6) != 0u) {
+            *reg(base + EPWM_TZOSTFLG) |= TZOST_OST6;
+            *reg(base + EPWM_TZFLG) |= TZFLG_OST;
+        }
         if (fault && (condition & 0x1C0u) == TZDCSEL_B1_LOW && (enabled & TZ_DCBEVT1) != 0u) {
             *reg(base + EPWM_TZOSTFLG) |= TZOST_DCBEVT1;
             *reg(base + EPWM_TZFLG) |= TZFLG_OST | TZFLG_DCBEVT1;
@@ -110,6 +115,11 @@ void fake_set_comparator(uint32_t n, bool active) {
 
 void fake_set_fault(bool active) {
     fake.fault = active;
+    sources_act();
+}
+
+void fake_set_halted(bool halted) {
+    fake.halted = halted;
     sources_act();
 }
 
@@ -160,6 +170,11 @@ static void note(uint32_t address, uint32_t value) {
         fake.entries[fake.count++] = (entry_t){address, value};
     }
     if (fake.gated && address >= EPWM(0) && address < EPWM(32)) {
+        return;
+    }
+    const bool locked =
+        fake_get(CONTROLSS_KICK0) != KICK0_UNLOCK || fake_get(CONTROLSS_KICK1) != KICK1_UNLOCK;
+    if (locked && address >= CONTROLSS_CLKSYNC && address < CONTROLSS_KICK0) {
         return;
     }
     if (address == ADC(0) + ADC_INTOVFCLR) {
