@@ -55,11 +55,11 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
     }
 }
 
-LODE_HOT float lode_channel_read(const lode_drive_t *drive, lode_channel_t channel) {
+LODE_RAMFUNC float lode_channel_read(const lode_drive_t *drive, lode_channel_t channel) {
     return value_of(drive, channel);
 }
 
-LODE_HOT uint32_t lode_channel_bits(float value) {
+LODE_RAMFUNC uint32_t lode_channel_bits(float value) {
     const union {
         float value;
         uint32_t bits;
@@ -89,7 +89,7 @@ lode_status_t lode_channels_init(lode_channels_t *self, const lode_channels_conf
     return LODE_OK;
 }
 
-LODE_HOT void lode_channels_row(const lode_channels_t *self, const lode_drive_t *drive,
+LODE_RAMFUNC void lode_channels_row(const lode_channels_t *self, const lode_drive_t *drive,
                                 uint32_t *row) {
     for (uint16_t n = 0u; n < self->count; n++) {
         row[n] = lode_channel_bits(value_of(drive, (lode_channel_t)self->channel[n]));

@@ -66,7 +66,7 @@ void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tunin
     lode_pi_reset(&self->q, u_V.q - ff.q);
 }
 
-LODE_HOT LODE_COLD lode_dq_t lode_current_limit(lode_current_t *self,
+LODE_RAMFUNC LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
                                                 const lode_current_tuning_t *tuning,
                                                 lode_dq_t error_A, lode_dq_t induced_V,
                                                 lode_dq_t asked_V, float radius_V) {

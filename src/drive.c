@@ -134,7 +134,7 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, f
 
 // Something is wrong with this period: its sample is made once more, rather than kept at hand in all of
 // them.
-static LODE_COLD void examine(lode_drive_t *self, const lode_counts_t *counts) {
+static LODE_NOINLINE void examine(lode_drive_t *self, const lode_counts_t *counts) {
     const lode_sample_t sample =
         lode_sense_step(&self->sense, &self->tuning->sense, counts, self->unsampled);
     lode_core_examine(self, &sample, true);
@@ -192,7 +192,7 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *me
     return acted(self, &period);
 }
 
-LODE_HOT lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts) {
+LODE_RAMFUNC lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts) {
     const lode_measurement_t measured = sensed(self, counts); // counts -> A, V, realised voltage
     const lode_estimate_t rotor =
         lode_core_estimate(self, measured.u_V, measured.sample.i_A); // -> angle and speed at t_k

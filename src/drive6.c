@@ -8,7 +8,7 @@ static lode_active_t active_of(const lode_drive6_t *self) {
     return (lode_active_t)self->active;
 }
 
-static LODE_COLD void rest(lode_drive6_t *self) {
+static LODE_NOINLINE void rest(lode_drive6_t *self) {
     self->duty_2 = (lode_abc_t){LODE_DUTY_IDLE, LODE_DUTY_IDLE, LODE_DUTY_IDLE};
     const int32_t unsampled = lode_sense_unused(&self->drive.tuning->sense, self->duty_2);
     self->unsampled_2 = self->unsampled_next_2 = (uint_least8_t)unsampled;
@@ -75,7 +75,7 @@ bool lode_drive6_telemetry(const lode_drive6_t *self, lode_telemetry6_t *telemet
     return false;
 }
 
-static LODE_COLD void take_mail(lode_drive6_t *self) {
+static LODE_NOINLINE void take_mail(lode_drive6_t *self) {
     lode_core_take_mail(&self->drive);
     if (self->posted_tuning != NULL) {
         self->tuning = self->posted_tuning;
@@ -91,7 +91,7 @@ static LODE_COLD void take_mail(lode_drive6_t *self) {
 }
 
 // Both sets, until both are done.
-static LODE_COLD lode_calibration_t calibrated(lode_drive6_t *self, const lode_counts6_t *counts,
+static LODE_NOINLINE lode_calibration_t calibrated(lode_drive6_t *self, const lode_counts6_t *counts,
                                                float *worst_count) {
     const lode_sense_tuning_t *tuning = &self->drive.tuning->sense;
     if (self->drive.state.sums.samples == 0u) {
@@ -184,7 +184,7 @@ LODE_INLINE lode_estimate_t estimated(lode_drive6_t *self, const lode_measuremen
 }
 
 // One set goes on alone: its currents are twice those of both.
-static LODE_COLD void go_on_alone(lode_drive6_t *self, lode_active_t active, lode_ab_t i_A,
+static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active, lode_ab_t i_A,
                                   lode_sincos_t rotor, float omega_rad_s) {
     lode_drive_t *drive = &self->drive;
     use(self, active);
@@ -199,7 +199,7 @@ static LODE_COLD void go_on_alone(lode_drive6_t *self, lode_active_t active, lod
 }
 
 // `i_A`: of the other set.
-static LODE_COLD void answer(lode_drive6_t *self, lode_open_phase_t open, lode_ab_t i_A,
+static LODE_NOINLINE void answer(lode_drive6_t *self, lode_open_phase_t open, lode_ab_t i_A,
                              lode_sincos_t rotor, float omega_rad_s) {
     self->open = open;
     if (self->tuning->open_phase == LODE_OPEN_PHASE_TRIP) {
@@ -265,7 +265,7 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
 }
 
 // All of both sets' samples in one. The machine is checked by set 1, unless only set 2 is beyond its limit.
-static LODE_COLD lode_sample_t sampled(const lode_drive6_t *self, const lode_counts6_t *counts) {
+static LODE_NOINLINE lode_sample_t sampled(const lode_drive6_t *self, const lode_counts6_t *counts) {
     const lode_drive_t *drive = &self->drive;
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
     lode_sample_t both = lode_sense_step(&drive->sense, tuning, &counts->set[0], drive->unsampled);
@@ -285,7 +285,7 @@ static LODE_COLD lode_sample_t sampled(const lode_drive6_t *self, const lode_cou
 
 // Something is wrong with this period: the samples are made once more, rather than kept at hand in all of
 // them.
-static LODE_COLD void examine(lode_drive6_t *self, const lode_counts6_t *counts) {
+static LODE_NOINLINE void examine(lode_drive6_t *self, const lode_counts6_t *counts) {
     const lode_sample_t both = sampled(self, counts);
     lode_core_examine(&self->drive, &both, true);
 }
@@ -354,7 +354,7 @@ lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_measurement6_t
     return acted(self, measurement, estimate, NULL);
 }
 
-LODE_HOT lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
+LODE_RAMFUNC lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
     const lode_measurement6_t x = measured(self, counts);
     const lode_estimate_t rotor = estimated(self, &x);
     return acted(self, &x, &rotor, counts);

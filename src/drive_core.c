@@ -1,6 +1,6 @@
 #include "drive_core.h"
 
-LODE_COLD void lode_core_switch_off(lode_drive_t *self, lode_mode_t mode) {
+LODE_NOINLINE void lode_core_switch_off(lode_drive_t *self, lode_mode_t mode) {
     lode_core_set_mode(self, mode);
     self->gates = false;
     self->duty = (lode_abc_t){LODE_DUTY_IDLE, LODE_DUTY_IDLE, LODE_DUTY_IDLE};
@@ -29,7 +29,7 @@ static void fault(lode_drive_t *self, lode_check_t check, float measured, float 
     lode_guard_trip(&self->guard, self->mode, check, measured, limit);
 }
 
-LODE_COLD void lode_core_take_mail(lode_drive_t *self) {
+LODE_NOINLINE void lode_core_take_mail(lode_drive_t *self) {
     self->mail = false;
     if (self->posted_tuning != NULL) {
         self->tuning = self->posted_tuning;
@@ -71,7 +71,7 @@ static void hand_over(lode_drive_t *self, const lode_estimate_t *est) {
 
 // The way back: a start current ahead of the rotor by the angle at which it makes the torque that the
 // present one makes. (In the direction of the present one it might be opposed to the rotor.)
-LODE_COLD void lode_core_hand_back(lode_drive_t *self, float omega_rad_s, lode_dq_t i_A) {
+LODE_NOINLINE void lode_core_hand_back(lode_drive_t *self, float omega_rad_s, lode_dq_t i_A) {
     const float current_A = self->tuning->start.current_A;
     const float sine = lode_clamp(i_A.q / current_A, -1.0f, 1.0f);
     const lode_sincos_t turn = {sine, lode_sqrt(1.0f - sine * sine)};
@@ -141,7 +141,7 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
 }
 
 // The state machine: at most one transition per period.
-LODE_COLD void lode_core_follow_command(lode_drive_t *self, lode_calibration_t calibration,
+LODE_NOINLINE void lode_core_follow_command(lode_drive_t *self, lode_calibration_t calibration,
                                         float offset_count, const lode_estimate_t *est) {
     switch (lode_core_mode(self)) {
     case LODE_MODE_OFF:
@@ -196,7 +196,7 @@ static lode_own_frame_t start_frame(lode_drive_t *self, lode_ab_t e_V) {
 }
 
 // The frame of VOLTAGE, CURRENT and START, at an angle of its own, and what is asked for in it.
-LODE_HOT lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t e_V, float v_bus_V) {
+LODE_RAMFUNC lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t e_V, float v_bus_V) {
     const lode_mode_t mode = lode_core_mode(self);
     if (mode == LODE_MODE_START) {
         return start_frame(self, e_V);
@@ -212,7 +212,7 @@ LODE_HOT lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t e_V,
     return (lode_own_frame_t){vector, lode_sincos(0.5f * advance_rad)};
 }
 
-LODE_HOT void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm) {
+LODE_RAMFUNC void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float least = tuning->omega_min * tuning->inv_pole_pairs;
@@ -224,18 +224,18 @@ LODE_HOT void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, flo
     (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_torque_Nm);
 }
 
-LODE_COLD void lode_core_examine(lode_drive_t *self, const lode_sample_t *sample, bool finite) {
+LODE_NOINLINE void lode_core_examine(lode_drive_t *self, const lode_sample_t *sample, bool finite) {
     const lode_situation_t now = {self->mode, lode_core_mode(self) == LODE_MODE_RUN, finite};
     lode_guard_examine(&self->guard, &self->tuning->guard, sample, now);
 }
 
-LODE_COLD void lode_core_count(lode_drive_t *self, lode_condition_t condition) {
+LODE_NOINLINE void lode_core_count(lode_drive_t *self, lode_condition_t condition) {
     const lode_situation_t now = {self->mode, lode_core_mode(self) == LODE_MODE_RUN, true};
     lode_guard_watch(&self->guard, &self->tuning->guard, condition, now);
 }
 
 // The same by the drive's own estimate.
-LODE_COLD void lode_core_follow_own(lode_drive_t *self, lode_calibration_t calibration,
+LODE_NOINLINE void lode_core_follow_own(lode_drive_t *self, lode_calibration_t calibration,
                                     float offset_count, float sine, float cosine, float id_A,
                                     float iq_A) {
     const lode_estimator_t *estimator = &self->estimator;

@@ -145,7 +145,7 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 }
 
 // Takes the current for none where it is no number.
-LODE_COLD void lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+LODE_NOINLINE void lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                       lode_ab_t i_A) {
     const uint_least8_t calls = self->calls;
     lode_estimator_reset(self, tuning);
@@ -199,7 +199,7 @@ static void supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tun
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
-LODE_HOT LODE_COLD void lode_estimator_note_rotation(lode_estimator_t *self,
+LODE_RAMFUNC LODE_NOINLINE void lode_estimator_note_rotation(lode_estimator_t *self,
                                                      const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e = self->emf.leso.e_V;
     const lode_ab_t before = self->before_V;
@@ -210,7 +210,7 @@ LODE_HOT LODE_COLD void lode_estimator_note_rotation(lode_estimator_t *self,
                                         lode_ab_subtract(turn, self->rotation));
 }
 
-LODE_HOT LODE_COLD lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
+LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
                                                               const lode_estimator_tuning_t *tuning,
                                                               float omega_rad_s) {
     self->omega_tune += tuning->w_weight * (omega_rad_s - self->omega_tune);
@@ -234,7 +234,7 @@ static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tun
     self->locked = self->lock >= LODE_LOCK_LOST;
 }
 
-LODE_HOT void lode_estimator_adapt_gains(lode_estimator_t *self,
+LODE_RAMFUNC void lode_estimator_adapt_gains(lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning) {
     self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);
     if (!(self->gains.f_s2 > 0.0f)) {
@@ -243,12 +243,12 @@ LODE_HOT void lode_estimator_adapt_gains(lode_estimator_t *self,
     }
 }
 
-LODE_HOT void lode_estimator_adapt_lag(lode_estimator_t *self,
+LODE_RAMFUNC void lode_estimator_adapt_lag(lode_estimator_t *self,
                                        const lode_estimator_tuning_t *tuning) {
     self->lag = lode_lag_line(&tuning->lag, self->pll.omega_rad_s);
 }
 
-LODE_HOT void lode_estimator_adapt_notches(lode_estimator_t *self,
+LODE_RAMFUNC void lode_estimator_adapt_notches(lode_estimator_t *self,
                                            const lode_estimator_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_NOTCH
     (void)self;
@@ -261,12 +261,12 @@ LODE_HOT void lode_estimator_adapt_notches(lode_estimator_t *self,
 #endif
 }
 
-LODE_HOT bool lode_estimator_adapt_seed(lode_estimator_t *self,
+LODE_RAMFUNC bool lode_estimator_adapt_seed(lode_estimator_t *self,
                                         const lode_estimator_tuning_t *tuning) {
     return !self->locked && is_due(self, tuning) && acquire(self, tuning);
 }
 
-LODE_HOT void lode_estimator_adapt_lock(lode_estimator_t *self,
+LODE_RAMFUNC void lode_estimator_adapt_lock(lode_estimator_t *self,
                                         const lode_estimator_tuning_t *tuning) {
     note_lock(self, tuning);
     supervise(self, tuning);

@@ -133,7 +133,7 @@ static float largest(lode_abc_t i) {
     return lode_abs(i.c) > lode_abs(ab) ? i.c : ab;
 }
 
-LODE_COLD void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+LODE_NOINLINE void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                   const lode_sample_t *sample, lode_situation_t now) {
     const lode_abc_t i_A = sample->i_abc_A;
     const uint32_t passed = sample->stamp - self->stamp;
@@ -192,7 +192,7 @@ static void count_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
     }
 }
 
-static LODE_COLD void count_all(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+static LODE_NOINLINE void count_all(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                 lode_condition_t condition, lode_situation_t now) {
     self->pending = self->rail > 0u;
     count_power(self, tuning, condition, now.state);
@@ -201,7 +201,7 @@ static LODE_COLD void count_all(lode_guard_t *self, const lode_guard_tuning_t *t
     }
 }
 
-LODE_HOT void lode_guard_watch(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+LODE_RAMFUNC void lode_guard_watch(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                lode_condition_t condition, lode_situation_t now) {
     if (self->pending || !lode_guard_power_is_sound(tuning, &condition) ||
         (now.sensorless && !lode_guard_motion_is_sound(tuning, &condition))) {

@@ -95,7 +95,7 @@ void lode_inverter_reset(lode_inverter_t *self) {
     *self = (lode_inverter_t){.v_bus_V = 0.0f};
 }
 
-LODE_HOT void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
+LODE_RAMFUNC void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
                                   lode_dq_t u_V, float v_bus_V) {
     const float inv_v_bus = 1.0f / lode_max(v_bus_V, tuning->v_min_V);
     // Largest less smallest duty is sqrt(3) times the amplitude, at most.

@@ -63,7 +63,7 @@ lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_em
     return LODE_OK;
 }
 
-LODE_HOT lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s) {
+LODE_RAMFUNC lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s) {
     const float v = omega_rad_s * omega_rad_s * lag->inv_range2;
     const float in = lode_min(v, 1.0f);
     const float *c = lag->coefficient;

@@ -208,7 +208,7 @@ static void step_multi(lode_leso_t *self, const lode_leso_tuning_t *tuning, lode
 }
 #endif
 
-LODE_HOT void lode_leso_step_other(lode_leso_t *self, const lode_leso_tuning_t *tuning,
+LODE_RAMFUNC void lode_leso_step_other(lode_leso_t *self, const lode_leso_tuning_t *tuning,
                                    lode_ab_t m_V, lode_sincos_t turn, float omega_rad_s) {
     (void)self, (void)m_V, (void)turn, (void)omega_rad_s;
     switch (tuning->kind) {

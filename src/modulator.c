@@ -8,7 +8,7 @@ static float on_grid(const lode_inverter_tuning_t *inverter, float duty) {
                : inside;
 }
 
-LODE_HOT lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inverter,
+LODE_RAMFUNC lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inverter,
                                                       lode_abc_t duty, lode_abc_t loss) {
     const lode_abc_t made = {on_grid(inverter, duty.a), on_grid(inverter, duty.b),
                              on_grid(inverter, duty.c)};

@@ -21,7 +21,7 @@ static float smallest(lode_abc_t x) {
 }
 
 // The phase with the least current, from 1: while one is open, a phase beside it carries little, too.
-static LODE_COLD lode_open_phase_t idlest(const lode_abc6_t *sum_A) {
+static LODE_NOINLINE lode_open_phase_t idlest(const lode_abc6_t *sum_A) {
     const float sums[PHASES] = {sum_A->set[0].a, sum_A->set[0].b, sum_A->set[0].c,
                                 sum_A->set[1].a, sum_A->set[1].b, sum_A->set[1].c};
     int32_t phase = 0;
@@ -49,7 +49,7 @@ static lode_open_phase_t found(const lode_open_phase_watch_t *self,
     return idlest(&self->sum_A);
 }
 
-LODE_HOT LODE_COLD lode_open_phase_t lode_open_phase_judge(lode_open_phase_watch_t *self,
+LODE_RAMFUNC LODE_NOINLINE lode_open_phase_t lode_open_phase_judge(lode_open_phase_watch_t *self,
                                                            const lode_open_phase_tuning_t *tuning) {
     if (self->samples < SAMPLES_MIN) {
         return 0u;

@@ -295,7 +295,7 @@ LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float turn, floa
 
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 
-// Not LODE_HOT: once in some periods, and too large for small fast memories.
+// Not LODE_RAMFUNC: once in some periods, and too large for small fast memories.
 lode_references_out_t lode_references_optimal(lode_references_t *self,
                                               const lode_references_tuning_t *tuning,
                                               float torque_Nm, float omega_rad_s, float id_add_A,
@@ -343,7 +343,7 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
 
 #endif
 
-LODE_HOT lode_references_out_t lode_references_step(lode_references_t *self,
+LODE_RAMFUNC lode_references_out_t lode_references_step(lode_references_t *self,
                                                     const lode_references_tuning_t *tuning,
                                                     float torque_Nm, float omega_rad_s,
                                                     float id_add_A,

@@ -34,7 +34,7 @@ lode_status_t lode_ring_init(lode_ring_t *self, const lode_channels_config_t *co
     return LODE_OK;
 }
 
-LODE_HOT void lode_ring_step(lode_ring_t *self, const lode_drive_t *drive) {
+LODE_RAMFUNC void lode_ring_step(lode_ring_t *self, const lode_drive_t *drive) {
     if (!lode_channels_due(&self->channels)) {
         return;
     }

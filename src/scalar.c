@@ -1,6 +1,6 @@
 #include "lodestar/scalar.h"
 
-LODE_HOT lode_sincos_t lode_sincos(float x_rad) {
+LODE_RAMFUNC lode_sincos_t lode_sincos(float x_rad) {
     const float x =
         lode_in_range(x_rad, -LODE_ANGLE_LIMIT_rad, LODE_ANGLE_LIMIT_rad) ? x_rad : 0.0f;
 #ifdef LODE_SINCOS_BOARD

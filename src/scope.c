@@ -138,7 +138,7 @@ static void write_row(lode_scope_t *self, const lode_drive_t *drive) {
     }
 }
 
-LODE_HOT void lode_scope_step(lode_scope_t *self, const lode_drive_t *drive) {
+LODE_RAMFUNC void lode_scope_step(lode_scope_t *self, const lode_drive_t *drive) {
     if (self->request != (uint_least8_t)REQUEST_NONE) {
         take_request(self);
     }

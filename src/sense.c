@@ -89,7 +89,7 @@ void lode_sense_begin(lode_sense_sums_t *sums) {
 
 // The phase whose sample is not used: the third where there are two shunts; else the one with the
 // longest duty, where that leaves its low-side shunt no time. LODE_PHASES if all are.
-LODE_HOT int32_t lode_sense_unused(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
+LODE_RAMFUNC int32_t lode_sense_unused(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
     if (tuning->shunts == LODE_SHUNTS_TWO) {
         return 2;
     }
@@ -100,7 +100,7 @@ LODE_HOT int32_t lode_sense_unused(const lode_sense_tuning_t *tuning, lode_abc_t
     return duty.a >= longest ? 0 : (duty.b >= longest ? 1 : 2);
 }
 
-LODE_HOT lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused) {
+LODE_RAMFUNC lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused) {
     if (unused == 0) {
         i.a = -i.b - i.c;
     } else if (unused == 1) {
@@ -115,7 +115,7 @@ static bool at_rail(const lode_sense_tuning_t *tuning, uint16_t count) {
     return count == 0u || count >= tuning->count_max;
 }
 
-LODE_HOT LODE_COLD bool lode_sense_railed(const lode_sense_tuning_t *tuning,
+LODE_RAMFUNC LODE_NOINLINE bool lode_sense_railed(const lode_sense_tuning_t *tuning,
                                           const lode_counts_t *counts, int32_t unused) {
     return (unused != 0 && at_rail(tuning, counts->i[0])) ||
            (unused != 1 && at_rail(tuning, counts->i[1])) ||

@@ -74,7 +74,7 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
     self->limit_Nm = (lode_range_t){-tuning->torque_max_Nm, tuning->torque_max_Nm};
 }
 
-LODE_HOT float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+LODE_RAMFUNC float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
                                float target_rad_s, float omega_rad_s, float load_Nm) {
     const float before = self->reference_rad_s;
     self->reference_rad_s = lode_ramp(before, target_rad_s, tuning->ramp_step);

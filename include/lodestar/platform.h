@@ -9,11 +9,11 @@
 /// Where the code of the interrupt goes. Define it (for instance as
 /// `__attribute__((section(".ccmram")))`) to place every step function in fast memory. It does not stand
 /// before what is large and rare: MTPA, field weakening, and what follows when something is wrong.
-#ifndef LODE_HOT
+#ifndef LODE_RAMFUNC
 #if defined(__TMS320C28XX__) // TI's section .TI.ramfunc
-#define LODE_HOT __attribute__((ramfunc))
+#define LODE_RAMFUNC __attribute__((ramfunc))
 #else
-#define LODE_HOT
+#define LODE_RAMFUNC
 #endif
 #endif
 
@@ -27,11 +27,11 @@
 #endif
 
 /// A rare branch of the interrupt: kept out of the code that runs every time, and small.
-#ifndef LODE_COLD
+#ifndef LODE_NOINLINE
 #if defined(__GNUC__)
-#define LODE_COLD __attribute__((noinline, cold))
+#define LODE_NOINLINE __attribute__((noinline, cold))
 #else
-#define LODE_COLD
+#define LODE_NOINLINE
 #endif
 #endif
 

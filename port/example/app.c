@@ -65,7 +65,7 @@ static void note_cycles(uint32_t entered) {
     cycles.work_max = work > cycles.work_max ? work : cycles.work_max;
 }
 
-LODE_HOT void app_period(void) {
+LODE_RAMFUNC void app_period(void) {
     const uint32_t entered = board_cycles();
     lode_counts_t counts;
     board_read(&counts);

@@ -52,7 +52,7 @@ lode_status_t record_init(float f_pwm_Hz) {
     return status != LODE_OK ? status : lode_scope_init(&scope, &capture, scope_words, SCOPE_WORDS);
 }
 
-LODE_HOT void record_period(const lode_drive_t *drive) {
+LODE_RAMFUNC void record_period(const lode_drive_t *drive) {
     lode_ring_step(&ring, drive);
     if (!paused) {
         lode_scope_step(&scope, drive);

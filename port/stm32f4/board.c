@@ -32,7 +32,7 @@ void board_describe(lode_drive_config_t *config) {
     config->guard.stamp_per_period = (float)CHIP_F_CPU_Hz / f_pwm;
 }
 
-LODE_HOT void board_gates_off(void) {
+LODE_RAMFUNC void board_gates_off(void) {
     stm32_pwm_off();
 }
 
@@ -87,12 +87,12 @@ void board_start(void) {
     stm32_pwm_start();
 }
 
-LODE_HOT void STM32_PERIOD_HANDLER(void) {
+LODE_RAMFUNC void STM32_PERIOD_HANDLER(void) {
     REG_WRITE(ADC1->SR, ~(uint32_t)(ADC_SR_JEOC | ADC_SR_JSTRT));
     app_period();
 }
 
-LODE_HOT void board_read(lode_counts_t *counts) {
+LODE_RAMFUNC void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){
         .i = {(uint16_t)REG_READ(VARIANT_COUNT_A), (uint16_t)REG_READ(VARIANT_COUNT_B),
               (uint16_t)REG_READ(VARIANT_COUNT_C)},
@@ -103,7 +103,7 @@ LODE_HOT void board_read(lode_counts_t *counts) {
     };
 }
 
-LODE_HOT void board_write(const lode_drive_out_t *out) {
+LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
     if (!out->gates) {
         board_gates_off();
     }
@@ -121,7 +121,7 @@ void board_feed_watchdog(void) {
     stm32_watchdog_feed();
 }
 
-LODE_HOT uint32_t board_cycles(void) {
+LODE_RAMFUNC uint32_t board_cycles(void) {
     return stm32_cycles();
 }
 

@@ -65,7 +65,7 @@ static void enables_set(bool on) {
 
 #endif
 
-LODE_HOT void board_gates_off(void) {
+LODE_RAMFUNC void board_gates_off(void) {
     enables_set(false);
     stm32_pwm_off();
 }
@@ -128,12 +128,12 @@ void board_start(void) {
     stm32_pwm_start();
 }
 
-LODE_HOT void STM32_PERIOD_HANDLER(void) {
+LODE_RAMFUNC void STM32_PERIOD_HANDLER(void) {
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
     app_period();
 }
 
-LODE_HOT void board_read(lode_counts_t *counts) {
+LODE_RAMFUNC void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){
         .i = {(uint16_t)REG_READ(VARIANT_COUNT_A), (uint16_t)REG_READ(VARIANT_COUNT_B),
               (uint16_t)REG_READ(VARIANT_COUNT_C)},
@@ -144,7 +144,7 @@ LODE_HOT void board_read(lode_counts_t *counts) {
     };
 }
 
-LODE_HOT void board_write(const lode_drive_out_t *out) {
+LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
     if (!out->gates) {
         board_gates_off();
     }
@@ -162,7 +162,7 @@ void board_feed_watchdog(void) {
     stm32_watchdog_feed();
 }
 
-LODE_HOT uint32_t board_cycles(void) {
+LODE_RAMFUNC uint32_t board_cycles(void) {
     return stm32_cycles();
 }
 

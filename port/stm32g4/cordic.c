@@ -15,7 +15,7 @@
 
 static bool ready;
 
-static LODE_COLD void cordic_init(void) {
+static LODE_NOINLINE void cordic_init(void) {
     const uint32_t control = FUNCTION_COSINE << CORDIC_CSR_FUNC_Pos |
                              CYCLES << CORDIC_CSR_PRECISION_Pos | CORDIC_CSR_NRES;
     REG_SET(RCC->AHB1ENR, RCC_AHB1ENR_CORDICEN);
@@ -29,7 +29,7 @@ static LODE_COLD void cordic_init(void) {
     ready = true;
 }
 
-LODE_HOT lode_sincos_t lode_sincos_board(float x_rad) {
+LODE_RAMFUNC lode_sincos_t lode_sincos_board(float x_rad) {
     const float turns = x_rad * TURNS_PER_RAD;
     const float n = (float)(int32_t)(turns + (turns < 0.0f ? -0.5f : 0.5f));
     const float r = (x_rad - n * TWO_PI_HIGH) - n * TWO_PI_LOW;

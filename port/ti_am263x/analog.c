@@ -75,15 +75,15 @@ void chip_converters_init(void) {
     reg_write32(INTXBAR0_G2, INTXBAR_ADC_INT1(VARIANT_BUS_ADC));
 }
 
-LODE_HOT uint16_t chip_current(uint32_t phase) {
+LODE_RAMFUNC uint16_t chip_current(uint32_t phase) {
     return reg_read16(ADC_RESULT(currents[phase].adc, 0));
 }
 
-LODE_HOT uint16_t chip_bus(void) {
+LODE_RAMFUNC uint16_t chip_bus(void) {
     return reg_read16(ADC_RESULT(VARIANT_BUS_ADC, 1));
 }
 
-LODE_HOT bool chip_converters_acknowledge(void) {
+LODE_RAMFUNC bool chip_converters_acknowledge(void) {
     const uint32_t adc = ADC(VARIANT_BUS_ADC);
     reg_write16(adc + ADC_INTFLGCLR, ADCINT1);
     const bool missed = (reg_read16(adc + ADC_INTOVF) & ADCINT1) != 0u;

@@ -48,7 +48,7 @@ void board_describe(lode_drive_config_t *config) {
     config->guard.stamp_per_period = (float)CHIP_F_CPU_Hz / f_pwm;
 }
 
-LODE_HOT void board_gates_off(void) {
+LODE_RAMFUNC void board_gates_off(void) {
     chip_pwm_off();
 }
 
@@ -119,7 +119,7 @@ void board_start(void) {
 }
 
 /// The one interrupt in use; startup.S has saved what the compiler may use, FPU included.
-LODE_HOT void irq_handler(void) {
+LODE_RAMFUNC void irq_handler(void) {
     (void)reg_read32(VIM_IRQVEC); // takes it
     reg_write32(VIM_STS(IRQ_CONTROLSS_INTXBAR0), VIM_BIT(IRQ_CONTROLSS_INTXBAR0));
     missed_periods = !chip_converters_acknowledge();
@@ -127,7 +127,7 @@ LODE_HOT void irq_handler(void) {
     reg_write32(VIM_IRQVEC, 0u); // done
 }
 
-LODE_HOT void board_read(lode_counts_t *counts) {
+LODE_RAMFUNC void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){
         .i = {chip_current(0u), chip_current(1u), chip_current(2u)},
         .v_bus = chip_bus(),
@@ -136,7 +136,7 @@ LODE_HOT void board_read(lode_counts_t *counts) {
     };
 }
 
-LODE_HOT void board_write(const lode_drive_out_t *out) {
+LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
     if (!out->gates) {
         board_gates_off();
     }
@@ -164,7 +164,7 @@ void board_feed_watchdog(void) {
     reg_write32(WDT_KEY, 0xA35Cu);
 }
 
-LODE_HOT uint32_t board_cycles(void) {
+LODE_RAMFUNC uint32_t board_cycles(void) {
     return reg_cycles();
 }
 

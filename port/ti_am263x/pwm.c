@@ -89,21 +89,21 @@ void chip_pwm_start(void) {
     clock_sync(true);
 }
 
-LODE_HOT void chip_pwm_off(void) {
+LODE_RAMFUNC void chip_pwm_off(void) {
     reg_write16(EPWM(pwm[0]) + EPWM_TZFRC, TZFRC_OST);
     reg_write16(EPWM(pwm[1]) + EPWM_TZFRC, TZFRC_OST);
     reg_write16(EPWM(pwm[2]) + EPWM_TZFRC, TZFRC_OST);
 }
 
 // The latches of the sources; an event forced by software sets none of them.
-LODE_HOT bool chip_pwm_tripped(void) {
+LODE_RAMFUNC bool chip_pwm_tripped(void) {
     const uint32_t latched = (uint32_t)reg_read16(EPWM(pwm[0]) + EPWM_TZOSTFLG) |
                              (uint32_t)reg_read16(EPWM(pwm[1]) + EPWM_TZOSTFLG) |
                              (uint32_t)reg_read16(EPWM(pwm[2]) + EPWM_TZOSTFLG);
     return (latched & TRIP_LATCHES) != 0u;
 }
 
-LODE_HOT void chip_pwm_on(void) {
+LODE_RAMFUNC void chip_pwm_on(void) {
     if (chip_pwm_tripped()) {
         return;
     }
@@ -123,11 +123,11 @@ void chip_pwm_clear_trip(void) {
     }
 }
 
-LODE_HOT bool chip_pwm_counts_down(void) {
+LODE_RAMFUNC bool chip_pwm_counts_down(void) {
     return (reg_read16(EPWM(pwm[0]) + EPWM_TBSTS) & TBSTS_UP) == 0u;
 }
 
-LODE_HOT void chip_pwm_write(lode_abc_t duty) {
+LODE_RAMFUNC void chip_pwm_write(lode_abc_t duty) {
     reg_write16(EPWM(pwm[0]) + EPWM_CMPA, ti_compare(duty.a, steps));
     reg_write16(EPWM(pwm[1]) + EPWM_CMPA, ti_compare(duty.b, steps));
     reg_write16(EPWM(pwm[2]) + EPWM_CMPA, ti_compare(duty.c, steps));

@@ -107,15 +107,15 @@ void chip_converters_init(void) {
     ADC_enableInterrupt(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
 }
 
-LODE_HOT uint16_t chip_current(uint32_t phase) {
+LODE_RAMFUNC uint16_t chip_current(uint32_t phase) {
     return ADC_readResult(currents[phase].result, ADC_SOC_NUMBER0);
 }
 
-LODE_HOT uint16_t chip_bus(void) {
+LODE_RAMFUNC uint16_t chip_bus(void) {
     return ADC_readResult(VARIANT_BUS_RESULT, ADC_SOC_NUMBER1);
 }
 
-LODE_HOT void chip_converters_acknowledge(void) {
+LODE_RAMFUNC void chip_converters_acknowledge(void) {
     ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
     if (ADC_getInterruptOverflowStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1)) {
         // Left set, it would keep every later interrupt away.

@@ -40,7 +40,7 @@ void board_describe(lode_drive_config_t *config) {
     config->guard.stamp_per_period = (float)CHIP_F_CPU_Hz / f_pwm;
 }
 
-LODE_HOT void board_gates_off(void) {
+LODE_RAMFUNC void board_gates_off(void) {
     chip_pwm_off();
 }
 
@@ -127,7 +127,7 @@ void board_start(void) {
     chip_pwm_start();
 }
 
-LODE_HOT __interrupt void period_handler(void) {
+LODE_RAMFUNC __interrupt void period_handler(void) {
     chip_converters_acknowledge();
     app_period();
     Interrupt_clearACKGroup(VARIANT_PERIOD_GROUP);
@@ -140,7 +140,7 @@ __interrupt void stop_handler(void) {
     }
 }
 
-LODE_HOT void board_read(lode_counts_t *counts) {
+LODE_RAMFUNC void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){
         .i = {chip_current(0u), chip_current(1u), chip_current(2u)},
         .v_bus = chip_bus(),
@@ -149,7 +149,7 @@ LODE_HOT void board_read(lode_counts_t *counts) {
     };
 }
 
-LODE_HOT void board_write(const lode_drive_out_t *out) {
+LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
     if (!out->gates) {
         board_gates_off();
     }
@@ -176,7 +176,7 @@ void board_feed_watchdog(void) {
     SysCtl_serviceWatchdog();
 }
 
-LODE_HOT uint32_t board_cycles(void) {
+LODE_RAMFUNC uint32_t board_cycles(void) {
     return UINT32_MAX - CPUTimer_getTimerCount(CPUTIMER1_BASE); // it counts down
 }
 

@@ -84,21 +84,21 @@ void chip_pwm_start(void) {
     SysCtl_enablePeripheral(SYSCTL_PERIPH_CLK_TBCLKSYNC);
 }
 
-LODE_HOT void chip_pwm_off(void) {
+LODE_RAMFUNC void chip_pwm_off(void) {
     EPWM_forceTripZoneEvent(pwm[0], EPWM_TZ_FORCE_EVENT_OST);
     EPWM_forceTripZoneEvent(pwm[1], EPWM_TZ_FORCE_EVENT_OST);
     EPWM_forceTripZoneEvent(pwm[2], EPWM_TZ_FORCE_EVENT_OST);
 }
 
 // The latches of the sources; an event forced by software sets none of them.
-LODE_HOT bool chip_pwm_tripped(void) {
+LODE_RAMFUNC bool chip_pwm_tripped(void) {
     const uint16_t latched = (uint16_t)(EPWM_getOneShotTripZoneFlagStatus(pwm[0]) |
                                         EPWM_getOneShotTripZoneFlagStatus(pwm[1]) |
                                         EPWM_getOneShotTripZoneFlagStatus(pwm[2]));
     return (latched & TRIP_LATCHES) != 0u;
 }
 
-LODE_HOT void chip_pwm_on(void) {
+LODE_RAMFUNC void chip_pwm_on(void) {
     if (chip_pwm_tripped()) {
         return;
     }
@@ -118,11 +118,11 @@ void chip_pwm_clear_trip(void) {
     }
 }
 
-LODE_HOT bool chip_pwm_counts_down(void) {
+LODE_RAMFUNC bool chip_pwm_counts_down(void) {
     return EPWM_getTimeBaseCounterDirection(pwm[0]) == EPWM_TIME_BASE_STATUS_COUNT_DOWN;
 }
 
-LODE_HOT void chip_pwm_write(lode_abc_t duty) {
+LODE_RAMFUNC void chip_pwm_write(lode_abc_t duty) {
     EPWM_setCounterCompareValue(pwm[0], EPWM_COUNTER_COMPARE_A, ti_compare(duty.a, steps));
     EPWM_setCounterCompareValue(pwm[1], EPWM_COUNTER_COMPARE_A, ti_compare(duty.b, steps));
     EPWM_setCounterCompareValue(pwm[2], EPWM_COUNTER_COMPARE_A, ti_compare(duty.c, steps));
