@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "diag.h"
+#include "workers.h"
 
 enum { MAIN_JOB = 1, RUN = 2, REPLAY = 4, DESIGN = 8, ANALYSE = 16, REPRODUCE = 32, DECODE = 64 };
 enum { CONFIGURED = 63, ALL = 127 };
@@ -35,6 +36,8 @@ static const option_t table[] = {
      "over what files say; repeatable"},
     {"seed", required_argument, 'n', MAIN_JOB | RUN, "S", "of noise and all that is random"},
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
+    {"jobs", required_argument, 'w', RUN, "N",
+     "processes that share the seeds; as many as there are processors"},
     {"out", required_argument, 'o', REPLAY, "F.csv", "one row of estimates per recorded row"},
     {"csv", required_argument, 'c', MAIN_JOB | RUN, "F.csv", "signals over time"},
     {"ring", required_argument, 'R', RUN, "F.bin", "octets that the telemetry ring would send"},
@@ -186,6 +189,17 @@ static bool take_seeds(options_t *options, const char *text) {
     return false;
 }
 
+static bool take_jobs(options_t *options, const char *text) {
+    char *end = NULL;
+    uint64_t jobs = 0;
+    if (read_integer(text, &end, &jobs) && *end == '\0' && jobs >= 1u && jobs <= WORKERS_MAX) {
+        options->jobs = (unsigned)jobs;
+        return true;
+    }
+    rig_error("--jobs %s: expected a whole number, 1 .. %d", text, WORKERS_MAX);
+    return false;
+}
+
 static bool take_set(options_t *options, const char *text) {
     if (options->sets == OPTIONS_SETS_MAX) {
         rig_error("--set %s: expected at most %d of them", text, OPTIONS_SETS_MAX);
@@ -244,6 +258,8 @@ static bool take(options_t *options, int letter, const char *argument) {
         return take_seed(options, argument);
     case 'N':
         return take_seeds(options, argument);
+    case 'w':
+        return take_jobs(options, argument);
     case 'J':
         options->json_on_stdout = argument == NULL;
         break;
@@ -318,6 +334,10 @@ static bool check(const options_t *options) {
     case COMMAND_RUN:
         if (options->has_campaign && options->has_seed) {
             rig_error("run: expected --seed or --seeds, not both");
+            return false;
+        }
+        if (options->jobs > 0u && !options->has_campaign) {
+            rig_error("--jobs: expected with --seeds only");
             return false;
         }
         return needs("run", "a scenario file", options->scenario);

@@ -48,6 +48,7 @@ typedef struct {
     uint64_t seed;
     bool has_campaign; ///< seeds `seed` .. `seed_last`, one line each
     uint64_t seed_last;
+    unsigned jobs; ///< processes of a campaign; 0: as many as there are processors
     int sets;
     const char *set[OPTIONS_SETS_MAX];
 } options_t;

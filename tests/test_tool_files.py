@@ -1,6 +1,7 @@
 """Output files appear complete or not at all: bad paths, full disks, Ctrl-C, no gnuplot."""
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -78,6 +79,37 @@ def closed_pipe(checks, folder):
     checks.equal(folder.names(), before, "files after a closed pipe")
 
 
+def campaign(checks, folder):
+    """What comes out does not depend on how many processes there are; none of them stays behind."""
+    base = ["run", "start", "--seeds", "3-9", "--json", "c.json"]
+    alone = folder.run(*base, "--jobs", "1")
+    document = (folder.path / "c.json").read_bytes()
+    checks.equal(re.findall(r"^seed (\d+)", alone.stdout, re.MULTILINE), list("3456789"), "seeds")
+    for jobs in [["--jobs", "2"], ["--jobs", "3"], ["--jobs", "200"], []]:
+        done = folder.run(*base, *jobs)
+        checks.equal((done.returncode, done.stdout, done.stderr),
+                     (alone.returncode, alone.stdout, ""), f"what is printed with {jobs}")
+        checks.true((folder.path / "c.json").read_bytes() == document, f"JSON with {jobs}")
+    # A seed alone gives the same.
+    one = folder.run("run", "start", "--seeds", "5-5").stdout.splitlines()[0]
+    checks.equal(one, alone.stdout.splitlines()[2], "seed 5 alone")
+    # What no process can do is said once.
+    done = refused(checks, folder, ["run", "start", "--seeds", "1-9", "--jobs", "3", "--set",
+                                    "drive.duty_max=0.2"], "LODE_ERROR_SENSE_WINDOW")
+    checks.equal(len(done.stderr.splitlines()), 1, f"lines of {done.stderr!r}")
+    (folder.path / "c.json").unlink()
+    before = folder.names()
+    with subprocess.Popen([TOOL, "run", "start", "--seeds", "1-5000", "--json", "c.json", "--jobs",
+                           "3"], cwd=folder.path, stdout=subprocess.PIPE, text=True,
+                          stderr=subprocess.DEVNULL, start_new_session=True) as process:
+        process.stdout.readline()
+        checks.true(folder.names() != before, "the campaign is under way")
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does on Ctrl-C
+        checks.equal(process.wait(timeout=20), 130, "exit code after Ctrl-C")
+        process.stdout.read()  # ends when the last process has gone
+    checks.equal(folder.names(), before, "files after Ctrl-C in a campaign")
+
+
 def no_gnuplot(checks, folder):
     (folder.path / "empty").mkdir()
     env = {"PATH": str(folder.path / "empty")}
@@ -108,6 +140,7 @@ def main():
         nothing_half_written(checks, folder)
         interrupt(checks, folder)
         closed_pipe(checks, folder)
+        campaign(checks, folder)
         no_gnuplot(checks, folder)
     checks.done()
 
