@@ -41,7 +41,8 @@ bool board_clear_trip(void);
 /// interrupt has come again: a stopped interrupt must starve it.
 void board_feed_watchdog(void);
 
-/// A free-running counter of core cycles, which wraps. From anywhere.
+/// A free-running counter, which wraps; guard.stamp_per_period of its counts make a period. One that runs
+/// on while a debugger holds the core, if the chip has one: else the halt is not seen. From anywhere.
 uint32_t board_cycles(void);
 
 /// Puts up to `count` octets (values 0 .. 255) into the transmitter; returns how many it took. Thread.

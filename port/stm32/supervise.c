@@ -14,8 +14,10 @@ bool stm32_watchdog_start(void) {
     return ok;
 }
 
-void stm32_cycles_start(void) {
-    REG_SET(CoreDebug->DEMCR, CoreDebug_DEMCR_TRCENA_Msk);
-    REG_WRITE(DWT->CYCCNT, 0u);
-    REG_SET(DWT->CTRL, DWT_CTRL_CYCCNTENA_Msk);
+void stm32_stamp_start(void) {
+    REG_WRITE(TIM2->CR1, 0u);
+    REG_WRITE(TIM2->PSC, 0u);
+    REG_WRITE(TIM2->ARR, UINT32_MAX);
+    REG_WRITE(TIM2->EGR, TIM_EGR_UG); // takes the prescaler over
+    REG_WRITE(TIM2->CR1, TIM_CR1_CEN);
 }

@@ -1,4 +1,4 @@
-/// Independent watchdog, cycle counter, and what a debugger's halt does; the same in STM32F4 and STM32G4.
+/// Independent watchdog and time stamp; the same in STM32F4 and STM32G4.
 #ifndef LODESTAR_PORT_STM32_SUPERVISE_H
 #define LODESTAR_PORT_STM32_SUPERVISE_H
 
@@ -12,11 +12,13 @@ static inline void stm32_watchdog_feed(void) {
     REG_WRITE(IWDG->KR, 0xAAAAu);
 }
 
-/// Starts the core's cycle counter (DWT).
-void stm32_cycles_start(void);
+/// Starts TIM2, whose clock must be on, as a free-running counter of 32 bits. It runs on while a debugger
+/// holds the core: the core's own cycle counter (DWT) stands still then, and the first period after a
+/// breakpoint would look like any other.
+void stm32_stamp_start(void);
 
-static inline uint32_t stm32_cycles(void) {
-    return REG_READ(DWT->CYCCNT);
+static inline uint32_t stm32_stamp(void) {
+    return REG_READ(TIM2->CNT);
 }
 
 #endif

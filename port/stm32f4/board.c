@@ -29,7 +29,7 @@ void board_describe(lode_drive_config_t *config) {
         .duty_max = duty_max,
     };
     config->current.voltage_use = stm32_voltage_use(duty_max);
-    config->guard.stamp_per_period = (float)CHIP_F_CPU_Hz / f_pwm;
+    config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_pwm;
 }
 
 LODE_RAMFUNC void board_gates_off(void) {
@@ -60,7 +60,8 @@ bool board_init(void) {
     if (!chip_clock_init()) {
         return false;
     }
-    stm32_cycles_start();
+    REG_SET(RCC->APB1ENR, RCC_APB1ENR_TIM2EN);
+    stm32_stamp_start();
     pins_init();
     // BKP = 0: the fault input is active low. This timer has no filter on it.
     if (!stm32_pwm_init(&(stm32_pwm_t){.f_timer_Hz = CHIP_F_CPU_Hz,
@@ -73,9 +74,10 @@ bool board_init(void) {
     chip_converters_init();
     pwm_pins_init(); // only now: the timer holds its outputs inactive
     chip_serial_init();
-    // A halted core must leave neither a switched bridge nor a biting watchdog.
+    // A halted core must leave neither a switched bridge nor a biting watchdog; the stamp shows the gap.
     REG_SET(DBGMCU->APB2FZ, DBGMCU_APB2_FZ_DBG_TIM1_STOP);
     REG_SET(DBGMCU->APB1FZ, DBGMCU_APB1_FZ_DBG_IWDG_STOP);
+    REG_CLEAR(DBGMCU->APB1FZ, DBGMCU_APB1_FZ_DBG_TIM2_STOP);
     return stm32_watchdog_start() && stm32_pwm_clear_trip();
 }
 
@@ -99,7 +101,7 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
         .v_bus = (uint16_t)REG_READ(VARIANT_COUNT_BUS),
         .temperature = (uint16_t)REG_READ(VARIANT_COUNT_T),
         .trip = stm32_pwm_tripped() || stm32_pwm_counts_down(),
-        .stamp = stm32_cycles(),
+        .stamp = stm32_stamp(),
     };
 }
 
@@ -122,7 +124,7 @@ void board_feed_watchdog(void) {
 }
 
 LODE_RAMFUNC uint32_t board_cycles(void) {
-    return stm32_cycles();
+    return stm32_stamp();
 }
 
 uint32_t board_send(const uint16_t *octets, uint32_t count) {

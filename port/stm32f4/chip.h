@@ -10,8 +10,9 @@
 #endif
 #include STM32_BOARD_H
 
-#define CHIP_F_CPU_Hz 168000000u ///< core and TIM1
-#define CHIP_F_APB1_Hz 42000000u ///< USART3
+#define CHIP_F_CPU_Hz 168000000u  ///< core and TIM1
+#define CHIP_F_APB1_Hz 42000000u  ///< USART3
+#define CHIP_F_STAMP_Hz 84000000u ///< TIM2: twice APB1, half the core
 
 /// Core 168 MHz, APB1 42 MHz, APB2 84 MHz. False: an oscillator or the PLL does not come.
 bool chip_clock_init(void);

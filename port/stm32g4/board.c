@@ -31,7 +31,7 @@ void board_describe(lode_drive_config_t *config) {
         .duty_max = duty_max,
     };
     config->current.voltage_use = stm32_voltage_use(duty_max);
-    config->guard.stamp_per_period = (float)CHIP_F_CPU_Hz / f_pwm;
+    config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_pwm;
 }
 
 #ifdef VARIANT_ENABLE_PINS
@@ -107,7 +107,8 @@ bool board_init(void) {
     if (!chip_clock_init()) {
         return false;
     }
-    stm32_cycles_start();
+    REG_SET(RCC->APB1ENR1, RCC_APB1ENR1_TIM2EN);
+    stm32_stamp_start();
     pins_init();
     chip_protection_init();
     if (!pwm_init() || !chip_converters_init()) {
@@ -115,9 +116,10 @@ bool board_init(void) {
     }
     pwm_pins_init(); // only now: the timer holds its outputs inactive
     chip_serial_init();
-    // A halted core must leave neither a switched bridge nor a biting watchdog.
+    // A halted core must leave neither a switched bridge nor a biting watchdog; the stamp shows the gap.
     REG_SET(DBGMCU->APB2FZ, DBGMCU_APB2FZ_DBG_TIM1_STOP);
     REG_SET(DBGMCU->APB1FZR1, DBGMCU_APB1FZR1_DBG_IWDG_STOP);
+    REG_CLEAR(DBGMCU->APB1FZR1, DBGMCU_APB1FZR1_DBG_TIM2_STOP);
     return stm32_watchdog_start() && stm32_pwm_clear_trip();
 }
 
@@ -140,7 +142,7 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
         .v_bus = (uint16_t)REG_READ(VARIANT_COUNT_BUS),
         .temperature = (uint16_t)REG_READ(VARIANT_COUNT_T),
         .trip = stm32_pwm_tripped() || stm32_pwm_counts_down(),
-        .stamp = stm32_cycles(),
+        .stamp = stm32_stamp(),
     };
 }
 
@@ -163,7 +165,7 @@ void board_feed_watchdog(void) {
 }
 
 LODE_RAMFUNC uint32_t board_cycles(void) {
-    return stm32_cycles();
+    return stm32_stamp();
 }
 
 uint32_t board_send(const uint16_t *octets, uint32_t count) {

@@ -11,6 +11,7 @@
 #include STM32_BOARD_H
 
 #define CHIP_F_CPU_Hz 170000000u
+#define CHIP_F_STAMP_Hz CHIP_F_CPU_Hz ///< TIM2
 
 /// Core, buses and timers at 170 MHz. False: an oscillator or the PLL does not come.
 bool chip_clock_init(void);

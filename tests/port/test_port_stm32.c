@@ -8,6 +8,7 @@
 #include "support/check.h"
 
 #define STEPS (CHIP_F_CPU_Hz / VARIANT_F_PWM_Hz / 2u)
+#define PERIOD (CHIP_F_STAMP_Hz / VARIANT_F_PWM_Hz)
 #define BDTR_DTG 0xFFu
 #define BDTR_LOCK (3u << 8)
 #define DUTY_MAX stm32_duty_max((float)VARIANT_F_PWM_Hz, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns)
@@ -134,7 +135,7 @@ static void test_configuration_is_accepted(void) {
     lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
     board_describe(&config);
     CHECK_CLOSE(1e-6, STEPS, config.inverter.pwm_ticks);
-    CHECK_CLOSE(1e-6, 2u * STEPS, config.guard.stamp_per_period);
+    CHECK_CLOSE(1e-6, PERIOD, config.guard.stamp_per_period);
     // Low-side shunts: current into the motor lowers the count.
     TEST_ASSERT_TRUE(config.sense.i_gain_A_count < 0.0f);
 }
@@ -348,7 +349,7 @@ static void put_counts(float i_A) {
 }
 
 static void one_period(void) {
-    DWT->CYCCNT += 2u * STEPS;
+    TIM2->CNT += PERIOD;
     STM32_PERIOD_HANDLER();
 }
 
@@ -359,7 +360,7 @@ static void test_counts_come_from_the_right_registers(void) {
     VARIANT_COUNT_C = 33u;
     VARIANT_COUNT_BUS = 44u;
     VARIANT_COUNT_T = 55u;
-    DWT->CYCCNT = 66u;
+    TIM2->CNT = 66u;
     lode_counts_t counts;
     board_read(&counts);
     TEST_ASSERT_EQUAL_UINT16(11u, counts.i[0]);
@@ -440,7 +441,17 @@ static void test_hardware_trip_is_a_fault_in_the_same_period(void) {
 
 static void test_missed_interrupt_is_a_fault(void) {
     gates_on_by_the_drive();
-    DWT->CYCCNT += 2u * STEPS; // one period without a call
+    TIM2->CNT += PERIOD; // one period without a call
+    expect_gates_off_in_one_period();
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_TIMING",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+
+// RM0440 and RM0090, TIM1, "Debug mode": a stopped counter drives the outputs inactive, and they come back
+// with it. The angle is that of before the halt.
+static void test_gates_stay_off_after_a_halted_core(void) {
+    gates_on_by_the_drive();
+    TEST_ASSERT_TRUE(fake_halt(100u * PERIOD));
     expect_gates_off_in_one_period();
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_TIMING",
                              lode_check_name((lode_check_t)app_telemetry().fault.check));
@@ -520,6 +531,7 @@ int main(void) {
     RUN_TEST(test_over_current_reaches_the_gates_in_the_same_period);
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_period);
     RUN_TEST(test_missed_interrupt_is_a_fault);
+    RUN_TEST(test_gates_stay_off_after_a_halted_core);
     RUN_TEST(test_flag_is_cleared_before_the_period);
     RUN_TEST(test_gates_off_from_anywhere);
     RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);

@@ -21,11 +21,9 @@
 #define BDTR_LOCK (3u << 8)
 #define TEXT_MAX 4096
 
-TIM_TypeDef fake_TIM1;
+TIM_TypeDef fake_TIM1, fake_TIM2;
 GPIO_TypeDef fake_GPIOA, fake_GPIOB, fake_GPIOC;
 IWDG_TypeDef fake_IWDG;
-DWT_Type fake_DWT;
-CoreDebug_Type fake_CoreDebug;
 ADC_TypeDef fake_ADC1, fake_ADC2;
 DBGMCU_TypeDef fake_DBGMCU;
 FLASH_TypeDef fake_FLASH;
@@ -39,7 +37,7 @@ COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
 OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
 DAC_TypeDef fake_DAC3;
 #else
-TIM_TypeDef fake_TIM2, fake_TIM5;
+TIM_TypeDef fake_TIM5;
 ADC_TypeDef fake_ADC3;
 ADC_Common_TypeDef fake_ADC123_COMMON;
 #endif
@@ -58,11 +56,12 @@ static size_t text_length;
 
 void fake_reset(void) {
     WIPE(fake_TIM1);
+    WIPE(fake_TIM2);
+    WIPE(fake_DBGMCU);
     WIPE(fake_GPIOA);
     WIPE(fake_GPIOB);
     WIPE(fake_GPIOC);
     WIPE(fake_IWDG);
-    WIPE(fake_DWT);
     WIPE(fake_ADC1);
     WIPE(fake_ADC2);
     WIPE(fake_RCC);
@@ -242,6 +241,20 @@ void fake_set_break(bool active) {
         fake_TIM1.SR |= TIM_SR_BIF;
         fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
     }
+}
+
+bool fake_halt(uint32_t ticks) {
+#ifdef FAKE_G4
+    const bool frozen = (fake_DBGMCU.APB1FZR1 & DBGMCU_APB1FZR1_DBG_TIM2_STOP) != 0u;
+    const bool outputs_off = (fake_DBGMCU.APB2FZ & DBGMCU_APB2FZ_DBG_TIM1_STOP) != 0u;
+#else
+    const bool frozen = (fake_DBGMCU.APB1FZ & DBGMCU_APB1_FZ_DBG_TIM2_STOP) != 0u;
+    const bool outputs_off = (fake_DBGMCU.APB2FZ & DBGMCU_APB2_FZ_DBG_TIM1_STOP) != 0u;
+#endif
+    if (!frozen && (fake_TIM2.CR1 & TIM_CR1_CEN) != 0u) {
+        fake_TIM2.CNT += ticks;
+    }
+    return outputs_off && (fake_TIM1.BDTR & TIM_BDTR_OSSI) != 0u;
 }
 
 void fake_kill_clock(void) {

@@ -28,6 +28,9 @@ uint32_t fake_irq_priority(int irq);
 
 /// The break input's level. Active: the outputs are off, as the hardware does it, and stay off.
 void fake_set_break(bool active);
+/// A debugger holds the core for so many ticks of TIM2, which counts them unless it is frozen; TIM1 does
+/// not. True: TIM1 drives its outputs inactive meanwhile.
+bool fake_halt(uint32_t ticks);
 /// The oscillators never get ready.
 void fake_kill_clock(void);
 /// The transmitter takes this many more octets.

@@ -20,17 +20,6 @@ typedef struct {
     volatile uint32_t KR, PR, RLR, SR;
 } IWDG_TypeDef;
 
-typedef struct {
-    volatile uint32_t CTRL, CYCCNT;
-} DWT_Type;
-
-typedef struct {
-    volatile uint32_t DHCSR, DCRSR, DCRDR, DEMCR;
-} CoreDebug_Type;
-
-#define CoreDebug_DEMCR_TRCENA_Msk (1u << 24)
-#define DWT_CTRL_CYCCNTENA_Msk 1u
-
 #define TIM_CR1_CEN 1u
 #define TIM_CR1_DIR (1u << 4)
 #define TIM_CR1_CMS_0 (1u << 5)
@@ -93,15 +82,12 @@ void NVIC_EnableIRQ(int irq);
 uint32_t __get_PRIMASK(void);
 void __set_PRIMASK(uint32_t mask);
 void __disable_irq(void);
-extern TIM_TypeDef fake_TIM1;
+extern TIM_TypeDef fake_TIM1, fake_TIM2;
 extern GPIO_TypeDef fake_GPIOA, fake_GPIOB, fake_GPIOC;
 extern IWDG_TypeDef fake_IWDG;
-extern DWT_Type fake_DWT;
-extern CoreDebug_Type fake_CoreDebug;
 #endif
 
 #define IWDG FAKE_AT(IWDG_TypeDef, IWDG, 0x40003000u)
-#define DWT FAKE_AT(DWT_Type, DWT, 0xE0001000u)
-#define CoreDebug FAKE_AT(CoreDebug_Type, CoreDebug, 0xE000EDF0u)
+#define TIM2 FAKE_AT(TIM_TypeDef, TIM2, 0x40000000u)
 
 #endif

@@ -45,6 +45,7 @@ typedef struct {
 #define ADC_CCR_MULTI_Pos 0u
 #define ADC_CCR_ADCPRE_Pos 16u
 
+#define DBGMCU_APB1_FZ_DBG_TIM2_STOP 1u
 #define DBGMCU_APB1_FZ_DBG_IWDG_STOP (1u << 12)
 #define DBGMCU_APB2_FZ_DBG_TIM1_STOP 1u
 #define FLASH_ACR_PRFTEN (1u << 8)
@@ -69,6 +70,7 @@ typedef struct {
 #define RCC_AHB1ENR_GPIOAEN 1u
 #define RCC_AHB1ENR_GPIOBEN (1u << 1)
 #define RCC_AHB1ENR_GPIOCEN (1u << 2)
+#define RCC_APB1ENR_TIM2EN 1u
 #define RCC_APB1ENR_USART3EN (1u << 18)
 #define RCC_APB1ENR_PWREN (1u << 28)
 #define RCC_APB2ENR_TIM1EN 1u
@@ -84,7 +86,7 @@ typedef struct {
 #define TIM2_IRQn 28
 
 #if !defined(__arm__)
-extern TIM_TypeDef fake_TIM2, fake_TIM3, fake_TIM5;
+extern TIM_TypeDef fake_TIM3, fake_TIM5;
 extern ADC_TypeDef fake_ADC1, fake_ADC2, fake_ADC3;
 extern ADC_Common_TypeDef fake_ADC123_COMMON;
 extern DBGMCU_TypeDef fake_DBGMCU;
@@ -95,7 +97,6 @@ extern USART_TypeDef fake_USART3;
 #endif
 
 #define TIM1 FAKE_AT(TIM_TypeDef, TIM1, 0x40010000u)
-#define TIM2 FAKE_AT(TIM_TypeDef, TIM2, 0x40000000u)
 #define TIM3 FAKE_AT(TIM_TypeDef, TIM3, 0x40000400u)
 #define TIM5 FAKE_AT(TIM_TypeDef, TIM5, 0x40000C00u)
 #define GPIOA FAKE_AT(GPIO_TypeDef, GPIOA, 0x40020000u)

@@ -93,6 +93,7 @@ typedef struct {
 #define CORDIC_CSR_NRES (1u << 19)
 #define CORDIC_CSR_NARGS (1u << 20)
 
+#define DBGMCU_APB1FZR1_DBG_TIM2_STOP 1u
 #define DBGMCU_APB1FZR1_DBG_IWDG_STOP (1u << 12)
 #define DBGMCU_APB2FZ_DBG_TIM1_STOP (1u << 11)
 #define FLASH_ACR_LATENCY 15u
@@ -123,6 +124,7 @@ typedef struct {
 #define RCC_AHB2ENR_GPIOCEN (1u << 2)
 #define RCC_AHB2ENR_ADC12EN (1u << 13)
 #define RCC_AHB2ENR_DAC3EN (1u << 18)
+#define RCC_APB1ENR1_TIM2EN 1u
 #define RCC_APB1ENR1_USART2EN (1u << 17)
 #define RCC_APB1ENR1_PWREN (1u << 28)
 #define RCC_APB2ENR_SYSCFGEN 1u
