@@ -10,7 +10,7 @@
 #include "ini_config.h"
 
 #ifndef RIG_DATA_DIR
-#define RIG_DATA_DIR "sim"
+#define RIG_DATA_DIR "sim/data"
 #endif
 
 static const char *data_folder(void) {
@@ -18,20 +18,39 @@ static const char *data_folder(void) {
     return folder != NULL ? folder : RIG_DATA_DIR;
 }
 
-bool data_files_find(const char *kind, const char *name, char *path, size_t size) {
-    int length = snprintf(path, size, "%s", name);
-    if (access(name, R_OK) != 0 && strchr(name, '/') == NULL) {
+/// What a name stands for, in the order tried: the file of that name; the tool's own file of that
+/// kind; the tool's file by the path it had before sim/data/ (sim/motors/jiang2022.ini).
+static int candidate(int number, const char *kind, const char *name, char *path, size_t size) {
+    if (number == 0) {
+        return snprintf(path, size, "%s", name);
+    }
+    if (strchr(name, '/') == NULL) {
         const char *dot = strrchr(name, '.');
         const char *ending = dot != NULL && strcmp(dot, ".ini") == 0 ? "" : ".ini";
-        length = snprintf(path, size, "%s/%s/%s%s", data_folder(), kind, name, ending);
-        if (length > 0 && (size_t)length < size && access(path, R_OK) != 0) {
-            length = snprintf(path, size, "%s", name);
+        return snprintf(path, size, "%s/%s/%s%s", data_folder(), kind, name, ending);
+    }
+    char folder[32];
+    (void)snprintf(folder, sizeof folder, "sim/%s/", kind);
+    const char *found = strstr(name, folder);
+    if (found == NULL) {
+        return snprintf(path, size, "%s", name);
+    }
+    const char *rest = found + strlen("sim/");
+    return snprintf(path, size, "%.*sdata/%s", (int)(rest - name), name, rest);
+}
+
+bool data_files_find(const char *kind, const char *name, char *path, size_t size) {
+    for (int number = 0; number < 2; ++number) {
+        const int length = candidate(number, kind, name, path, size);
+        if (length < 0 || (size_t)length >= size) {
+            rig_error("%s: expected a path of at most %zu characters", name, size - 1);
+            return false;
+        }
+        if (access(path, R_OK) == 0) {
+            return true;
         }
     }
-    if (length < 0 || (size_t)length >= size) {
-        rig_error("%s: expected a path of at most %zu characters", name, size - 1);
-        return false;
-    }
+    (void)snprintf(path, size, "%s", name); // who opens it says what is wrong
     return true;
 }
 

@@ -8,8 +8,9 @@
 
 #include "rig_config.h"
 
-/// `name` itself if there is such a file; else the shipped `kind`/`name`.ini if there is one; else
-/// `name` again, so that opening it fails with its own name. False if the path is too long.
+/// `name` itself if there is such a file; else the shipped `kind`/`name`.ini if there is one, or the
+/// shipped file whose path before sim/data/ `name` is; else `name` again, so that opening it fails
+/// with its own name. False if the path is too long.
 bool data_files_find(const char *kind, const char *name, char *path, size_t size);
 
 /// Loads a file, or a shipped one by its name, into `config`; nothing for NULL. False after a

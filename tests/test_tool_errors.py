@@ -133,6 +133,16 @@ def ini_files(checks, folder):
     refused(checks, folder, ["run", folder.path], "expected an INI file")
 
 
+def names_of_data(checks, folder):
+    """A motor by its name, its path, and the path it had before sim/data/: the same design."""
+    said = [folder.run("design", "--motor", name, "--drive", DRIVE, "--json")
+            for name in ["jiang2022", "jiang2022.ini", MOTOR, SOURCE / "sim/motors/jiang2022.ini"]]
+    checks.equal([done.returncode for done in said], [0, 0, 0, 0], "exit codes")
+    checks.equal(len({done.stdout for done in said}), 1, "designs")
+    refused(checks, folder, ["design", "--motor", SOURCE / "sim/motors/none.ini", "--drive", DRIVE],
+            "sim/motors/none.ini: No such file")
+
+
 def every_key_is_there(checks, folder):
     """No float field of a configuration of the library without its key."""
     derived = {"omega_rated_rad_s", "i_gain_A_count", "i_offset_count", "count_max",
@@ -166,6 +176,7 @@ def main():
         values(checks, folder)
         estimator_names(checks, folder)
         ini_files(checks, folder)
+        names_of_data(checks, folder)
         every_key_is_there(checks, folder)
     checks.done()
 

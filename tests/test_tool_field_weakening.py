@@ -1,4 +1,4 @@
-"""Field weakening in closed loop: sim/scenarios/field_weakening.ini and mtpv.ini, and what they must reach."""
+"""Field weakening in closed loop: sim/data/scenarios/field_weakening.ini and mtpv.ini, and what they must reach."""
 import csv
 import math
 import pathlib

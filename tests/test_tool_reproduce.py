@@ -23,7 +23,7 @@ FIGURES = ["fig12", "fig13", "fig14", "fig15", "fig16", "fig17", "fig18", "fig19
 TABLES = ["table1", "table2", "acceleration", "eq14"]
 GONE = ["lost", "stalls"]
 
-# Paper 1, Table 3 and Section 5; drops of sim/plants/jiang2022.ini.
+# Paper 1, Table 3 and Section 5; drops of sim/data/plants/jiang2022.ini.
 TS, NP, RS, LD, LQ, PSI, J, B = 2e-4, 3, 0.75, 3.5e-3, 9.8e-3, 0.142, 0.0174, 7.5e-4
 W0, SIGMA, DEAD_TIME, BUS, DROP, R_ON = 2000.0, 150.0, 4e-6, 200.0, 1.0, 0.05
 
@@ -249,7 +249,7 @@ Lq_factor = 1
 
 # ---- Paper 2 ------------------------------------------------------------------------------------
 
-# Stand-in: sim/motors/eldeeb2017.ini; Table II.
+# Stand-in: sim/data/motors/eldeeb2017.ini; Table II.
 TS6, NP6, RS6, LD6, LQ6, PSI6, J6, B6 = 1e-4, 5, 0.8, 6.4e-3, 17.4e-3, 0.1746, 0.01, 1e-3
 W06, KAPPA6, K16, K26, SIGMA6 = 500 * math.pi, 2.0, 10 * math.pi, 100 * math.pi, 150.0
 RATED6 = 6.25  # Nm, the project's choice: the paper's load steps of 80 % are 5 Nm

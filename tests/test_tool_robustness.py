@@ -10,11 +10,11 @@ import math
 
 from support.tool import FULL, SOURCE, Checks, Folder
 
-SIM = SOURCE / "sim"
+DATA = SOURCE / "sim/data"
 HEAD = f"""[scenario]
-motor = {SIM}/motors/jiang2022.ini
-drive = {SIM}/drives/jiang2022.ini
-plant = {SIM}/plants/jiang2022.ini
+motor = {DATA}/motors/jiang2022.ini
+drive = {DATA}/drives/jiang2022.ini
+plant = {DATA}/plants/jiang2022.ini
 """
 RATED_RPM, RATED_NM = 1500, 5
 BAR_DEG = 10.0

@@ -60,7 +60,7 @@ def seeds(checks, folder):
 
 def scenarios(checks, folder):
     expected_to_fail = {"start_100rpm"}
-    for path in sorted((SOURCE / "sim/scenarios").glob("*.ini")):
+    for path in sorted((SOURCE / "sim/data/scenarios").glob("*.ini")):
         if path.stem in expected_to_fail:
             continue
         for pll in ["leso-qpll", "qpll"] if path.stem == "steady_ideal" else ["leso-qpll"]:

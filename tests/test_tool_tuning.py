@@ -44,7 +44,7 @@ with Folder() as folder:
                            capture_output=True, text=True)
     checks.true(stale.returncode != 0 and "another version" in stale.stderr, "a stale one is refused")
     (folder.path / "small.ini").write_text("[drive]\nf_pwm_Hz = 5000\nv_bus_V = 200\ni_max_A = 12\n")
-    six = ["--drive", SOURCE / "sim/drives/ultrazohm6.ini"]
+    six = ["--drive", SOURCE / "sim/data/drives/ultrazohm6.ini"]
     for arguments, pattern in [
         (["--drive", DRIVE, "--c", "2.c"], "--c 2.c: expected a file whose name"),
         (["--drive", DRIVE, "--c", "no/where.c"], "where.c"),
@@ -53,6 +53,6 @@ with Folder() as folder:
         (["--drive", "small.ini", "--c", "x.c"], r"\[drive\] i_range_A: missing"),
     ]:
         refused(checks, folder, ["design", "--motor", MOTOR, *arguments], pattern)
-    refused(checks, folder, ["design", "--motor", SOURCE / "sim/motors/ultrazohm6.ini", *six, "--c",
+    refused(checks, folder, ["design", "--motor", SOURCE / "sim/data/motors/ultrazohm6.ini", *six, "--c",
                              "six.c"], "expected a drive for three phases")
 checks.done()

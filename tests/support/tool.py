@@ -14,8 +14,8 @@ TOOL = os.environ.get("LODE_TOOL") or (sys.argv[1] if len(sys.argv) > 1 else Non
 SOURCE = pathlib.Path(os.environ.get("LODE_SOURCE_DIR") or
                       (sys.argv[2] if len(sys.argv) > 2 else pathlib.Path(__file__).parents[2]))
 RECORDINGS = pathlib.Path(os.environ.get("RECORDINGS_DIR") or SOURCE / "tests/recordings")
-MOTOR = SOURCE / "sim/motors/jiang2022.ini"
-DRIVE = SOURCE / "sim/drives/jiang2022.ini"
+MOTOR = SOURCE / "sim/data/motors/jiang2022.ini"
+DRIVE = SOURCE / "sim/data/drives/jiang2022.ini"
 FULL = os.environ.get("LODE_TEST_FULL") == "1"
 
 if not TOOL:
