@@ -25,7 +25,7 @@ POLE_PAIRS, RS_OHM, LD_H, LQ_H, PSI_WB = 3, 0.75, 3.5e-3, 9.8e-3, 0.142
 J_KGM2, B_NMS = 0.0174, 7.5e-4
 BUS_V, PERIOD_S, STOP_S, LOAD_AT_S = 200.0, 200e-6, 0.8, 0.5
 
-# PLANT_REPLAY_COLUMNS of plant_replay.h.
+# PLANT_REPLAY_COLUMNS of sim/plant/replay.h.
 COLUMNS = 5
 
 

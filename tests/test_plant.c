@@ -1,7 +1,7 @@
 /// The simulated motor, inverter and converters against closed forms, against a brute-force
 /// simulation written another way (below), and against recordings of somebody else's simulator.
-#include "plant.h"
-#include "plant_replay.h"
+#include "plant/plant.h"
+#include "plant/replay.h"
 
 #include "unity.h"
 

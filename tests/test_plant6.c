@@ -1,6 +1,6 @@
 /// The simulated motor with two sets of windings: closed forms, a brute-force simulation in phase
 /// quantities (below), phases that break, sets that are switched off.
-#include "plant.h"
+#include "plant/plant.h"
 
 #include "unity.h"
 

@@ -1,5 +1,5 @@
 /// The papers' own forms against closed forms and against figures computed by others (docs/papers.md).
-#include "euler.h"
+#include "rig/euler.h"
 
 #include "support/check.h"
 

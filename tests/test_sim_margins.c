@@ -3,12 +3,12 @@
 
 #include <complex.h>
 
-#include "analyse_loop.h"
-#include "analyse_math.h"
-#include "analyse_observer.h"
-#include "design_guide.h"
-#include "design_joint.h"
-#include "design_limits.h"
+#include "analyse/joint.h"
+#include "analyse/loop.h"
+#include "analyse/observer.h"
+#include "analyse/polynomial.h"
+#include "design/guide.h"
+#include "design/limits.h"
 
 void setUp(void) {}
 

@@ -1,8 +1,8 @@
 // A tuning that the tool wrote as a constant in C: every member to the bit, and a drive that runs on it.
-#include "data_files.h"
-#include "ini_config.h"
-#include "tuning_fields.h"
-#include "tuning_source.h"
+#include "config/data_files.h"
+#include "config/ini_config.h"
+#include "design/tuning_fields.h"
+#include "design/tuning_source.h"
 
 #include "support/check.h"
 

@@ -19,7 +19,7 @@ function(lode_add_gates)
   lode_gate(equations ${python} ${tools}/check_equations.py .)
 
   lode_gate(tuning_fields ${python} ${tools}/check_golden.py ${tools}/tuning_fields.py
-            sim/tuning_fields.h)
+            sim/design/tuning_fields.h)
 
   # What compilers say.
   lode_gate(headers bash ${tools}/headers.sh)

@@ -1,5 +1,5 @@
 // The decoder: any octets are refused with a place inside them, or give rows that are all there.
-#include "decode.h"
+#include "decode/decode.h"
 #include "support/fuzz.h"
 
 // A CRC-32 is out of reach of random octets: make those of frames right, one time in two.

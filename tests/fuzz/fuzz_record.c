@@ -1,5 +1,5 @@
 // Ring and scope: any configuration is refused or works; what they send comes back through the decoder.
-#include "decode.h"
+#include "decode/decode.h"
 #include "support/fuzz.h"
 
 enum { WORDS = 300, OCTETS = 40000 };

@@ -3,7 +3,7 @@
 #include "app.h"
 #include "board.h"
 #include "motor.h"
-#include "plant.h"
+#include "plant/plant.h"
 #include "record.h"
 #include "support/check.h"
 

@@ -12,7 +12,7 @@ ALLOWED = {"lodestar/platform.h", "lodestar/status.h", "lodestar/types.h"}
 
 def main(root):
     sim = pathlib.Path(root, "sim")
-    queue = sorted(sim.glob("plant*.[ch]"))
+    queue = sorted(sim.glob("plant/*.[ch]"))
     seen = set(queue)
     failed = 0
     while queue:
@@ -23,7 +23,7 @@ def main(root):
                     failed += 1
                     print(f"{path}:{line}: \"{name}\": expected at most {', '.join(sorted(ALLOWED))}")
             elif quoted:
-                target = sim / name.removeprefix("sim/")
+                target = sim / name
                 if not target.exists():
                     failed += 1
                     print(f"{path}:{line}: \"{name}\": expected a header of sim/")
@@ -31,7 +31,7 @@ def main(root):
                     seen.add(target)
                     queue.append(target)
     if not seen:
-        print(f"{sim}: no plant*.c there")
+        print(f"{sim}/plant: no C there")
     print(f"{len(seen)} files of the plant, {failed} breaches")
     return 1 if failed or not seen else 0
 

@@ -1,4 +1,4 @@
-"""usage: tuning_fields.py: prints sim/tuning_fields.h, every scalar of a lode_drive_tuning_t, from the
+"""usage: tuning_fields.py: prints sim/design/tuning_fields.h, every scalar of a lode_drive_tuning_t, from the
 headers in include/lodestar. A member of a type that it does not know ends it."""
 import pathlib
 import re

@@ -1,0 +1,243 @@
+#include "analyse/margins.h"
+
+#include <complex.h>
+#include <math.h>
+#include <stdbool.h>
+
+#include "analyse/joint.h"
+#include "support/units.h"
+
+enum { POINTS = 4000, POINTS_COARSE = 800, BISECTIONS = 14 };
+#define SWEEP_FROM_SIGMA 0.02
+#define SIGMA_TS_MAX 3.0
+#define SCAN_RATIO 1.1
+
+typedef struct {
+    const lode_estimator_config_t *config;
+    double ts_s;
+    double omega_rad_s;
+    double s; ///< pole of the PLL
+    bool third_order;
+    bool alone;            ///< without observer and notches
+    double sigma_of_notch; ///< from which its blending goes
+    observer_t observer;
+    joint_t joint; ///< its observer's part
+} loop_t;
+
+typedef struct {
+    double crossover_rad_s, phase_deg, gain_up_dB, gain_down_dB;
+    int turns; ///< crossings of -180 degrees above unity gain that are still missing, upwards
+} sweep_t;
+
+/// From a position error to what the PLL predicts for the next period.
+typedef struct {
+    double complex theta, omega;
+} prediction_t;
+
+static prediction_t predict(const loop_t *loop, double complex z) {
+    const double ts = loop->ts_s;
+    const double s = loop->s;
+    const double x = 1.0 - s;
+    const double l1 = loop->third_order ? 1.0 - s * s * s : 1.0 - s * s;
+    const double l2 = (loop->third_order ? 1.5 * x * x * (1.0 + s) : x * x) / ts;
+    const double l3 = loop->third_order ? x * x * x / (ts * ts) : 0.0;
+    const double complex d = z - 1.0;
+    const double complex x3 = l3 / d;
+    const double complex x2 = (l2 + ts * x3) / d;
+    const double complex x1 = (l1 + ts * x2 + 0.5 * ts * ts * x3) / d;
+    return (prediction_t){x1 + ts * x2 + 0.5 * ts * ts * x3, x2 + ts * x3};
+}
+
+// ---- The observer, tuned to the speed ---------------------------------------------------------------
+
+static bool is_adaptive(const loop_t *loop) {
+    const lode_emf_kind_t kind = loop->config->emf.kind;
+    return kind == LODE_EMF_FA_LESO || kind == LODE_EMF_FA_MULTI;
+}
+
+/// Its answer to a swing of the EMF's angle with exp(j Omega Ts).
+static double complex angle_response(const loop_t *loop, double Omega_rad_s) {
+    const double w = loop->omega_rad_s;
+    const double ts = loop->ts_s;
+    const observer_t *o = &loop->observer;
+    const double complex carrier = observer_response(o, cexp(I * w * ts));
+    const double complex above = observer_response(o, cexp(I * (w + Omega_rad_s) * ts));
+    const double complex below = observer_response(o, cexp(I * (w - Omega_rad_s) * ts));
+    return 0.5 * (above / carrier + conj(below / carrier));
+}
+
+/// Notch at a harmonic of the speed, blended in as the firmware does.
+static double complex notch(const loop_t *loop, double order, double k, double complex z) {
+    const double centre = order * fabs(loop->omega_rad_s) * loop->ts_s;
+    const double sigma_Ts = loop->sigma_of_notch * loop->ts_s;
+    const double low = (double)LODE_NOTCH_LOW_SIGMA * sigma_Ts;
+    const double high = (double)LODE_NOTCH_HIGH_SIGMA * sigma_Ts;
+    if (!(k > 0.0) || centre >= (double)LODE_SOGI_CENTRE_MAX_rad) {
+        return 1.0;
+    }
+    const double weight = fmin(fmax((centre - low) / (high - low), 0.0), 1.0);
+    const double al = 0.5 * k * sin(centre);
+    const double complex top = 1.0 - 2.0 * cos(centre) / z + 1.0 / (z * z);
+    return 1.0 + weight * (top / (top + al * (1.0 - 1.0 / (z * z))) - 1.0);
+}
+
+/// FA turns its estimate with the PLL's speed, which so comes back as a part of the angle.
+static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
+    const double complex z = cexp(I * Omega_rad_s * loop->ts_s);
+    const prediction_t pll = predict(loop, z);
+    if (loop->alone) {
+        return pll.theta;
+    }
+    const double complex filtered = notch(loop, 6.0, (double)loop->config->notch_k, z) *
+                                    notch(loop, 12.0, (double)loop->config->notch12_k, z);
+    if (is_adaptive(loop)) {
+        return filtered * (pll.theta - joint_speed_response(&loop->joint, z) * pll.omega);
+    }
+    return filtered * pll.theta * angle_response(loop, Omega_rad_s);
+}
+
+static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s,
+                        double sigma_of_notch) {
+    const double ts_s = 1.0 / (double)config->f_pwm_Hz;
+    lode_leso_tuning_t leso = {.ts_s = (float)ts_s};
+    (void)lode_leso_tune(&leso, &config->estimator.emf, config->motor.omega_rated_rad_s,
+                         (float)ts_s);
+    loop_t loop = {
+        .config = &config->estimator,
+        .ts_s = ts_s,
+        .omega_rad_s = omega_rad_s,
+        .s = exp(-sigma_rad_s * ts_s),
+        .sigma_of_notch = sigma_of_notch,
+        .third_order = config->estimator.pll.kind == LODE_PLL_LESO,
+        .observer = observer_make(&leso, omega_rad_s),
+    };
+    joint_observer(&loop.joint, &leso, omega_rad_s);
+    return loop;
+}
+
+// ---- Margins --------------------------------------------------------------------------------------
+
+/// One step of the way up: crossings of unity gain and of -180 degrees.
+static void note_crossings(sweep_t *found, double gain_before, double gain, double phase_before,
+                           double phase, double Omega_rad_s) {
+    const bool rises = phase_before < -RIG_PI && phase >= -RIG_PI;
+    const bool falls = phase_before >= -RIG_PI && phase < -RIG_PI;
+    const double gain_dB = 20.0 * log10(gain);
+    if (gain_before >= 1.0 && gain < 1.0) {
+        found->crossover_rad_s = Omega_rad_s;
+        found->phase_deg = rig_deg_from_rad(phase + RIG_PI);
+    }
+    if (rises && gain > 1.0) {
+        found->gain_down_dB = gain_dB;
+    }
+    if (falls && gain < 1.0 && isnan(found->gain_up_dB)) {
+        found->gain_up_dB = -gain_dB;
+    }
+    if (gain > 1.0) {
+        found->turns -= rises ? 1 : 0;
+        found->turns += falls ? 1 : 0;
+    }
+}
+
+/// Walks up the frequencies; the last crossing of unity gain counts.
+static sweep_t sweep(const loop_t *loop, int points) {
+    const double sigma = -log(loop->s) / loop->ts_s;
+    const double low = SWEEP_FROM_SIGMA * sigma;
+    const double ratio = pow(RIG_PI / (loop->ts_s * low), 1.0 / points);
+    sweep_t found = {NAN, NAN, NAN, NAN, 0};
+    double complex before = open_loop(loop, low);
+    // The integrators alone, far below sigma.
+    double phase = loop->third_order ? -1.5 * RIG_PI : -RIG_PI;
+    phase += remainder(carg(before) - phase, 2.0 * RIG_PI);
+    found.turns = phase < -RIG_PI ? 1 : 0;
+    double Omega = low;
+    for (int k = 0; k < points - 1; ++k) {
+        Omega *= ratio;
+        const double complex now = open_loop(loop, Omega);
+        const double phase_before = phase;
+        phase += carg(now / before);
+        note_crossings(&found, cabs(before), cabs(now), phase_before, phase, Omega);
+        before = now;
+    }
+    return found;
+}
+
+/// Nyquist: what the integrators turn below -180 degrees must have come back above unity gain.
+static bool is_stable(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s) {
+    const loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
+    return sweep(&loop, POINTS_COARSE).turns == 0;
+}
+
+/// The first sigma on the way up that is unstable; NaN where there is none that makes sense.
+static double find_sigma_limit(const lode_drive_config_t *config, double omega_rad_s) {
+    const double last = SIGMA_TS_MAX * (double)config->f_pwm_Hz;
+    double high = 1.0;
+    while (high < last && is_stable(config, omega_rad_s, high)) {
+        high *= SCAN_RATIO;
+    }
+    if (high >= last) {
+        return NAN;
+    }
+    double low = high / SCAN_RATIO;
+    for (int k = 0; k < BISECTIONS; ++k) {
+        const double middle = 0.5 * (low + high);
+        if (is_stable(config, omega_rad_s, middle)) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+double margins_sigma(const lode_pll_config_t *pll, double omega_rad_s, double ts_s) {
+    const double low = (double)pll->omega_low_rad_s;
+    const double span = (double)pll->omega_high_rad_s - low;
+    const double up = fmin(fmax((fabs(omega_rad_s) - low) / span, 0.0), 1.0);
+    const double x_low = -expm1(-(double)pll->sigma_low_rad_s * ts_s);
+    const double x_high = -expm1(-(double)pll->sigma_rad_s * ts_s);
+    return -log1p(-(x_low + up * (x_high - x_low))) / ts_s;
+}
+
+margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s) {
+    const double ts_s = 1.0 / (double)config->f_pwm_Hz;
+    const double sigma = margins_sigma(&config->estimator.pll, omega_rad_s, ts_s);
+    loop_t loop = make_loop(config, omega_rad_s, sigma, (double)config->estimator.pll.sigma_rad_s);
+    const sweep_t whole = sweep(&loop, POINTS);
+    loop.alone = true;
+    const sweep_t alone = sweep(&loop, POINTS);
+    return (margins_t){
+        .sigma_rad_s = sigma,
+        .crossover_rad_s = alone.crossover_rad_s,
+        .phase_alone_deg = alone.phase_deg,
+        .phase_deg = whole.phase_deg,
+        .gain_up_dB = whole.gain_up_dB,
+        .gain_down_dB = whole.gain_down_dB,
+        .sigma_limit_rad_s = find_sigma_limit(config, omega_rad_s),
+    };
+}
+
+static bool accepts(const lode_drive_config_t *config, double sigma_rad_s) {
+    lode_estimator_tuning_t tuning;
+    lode_estimator_config_t trial = config->estimator;
+    trial.pll.sigma_rad_s = (float)sigma_rad_s;
+    trial.pll.sigma_low_rad_s = (float)sigma_rad_s;
+    return lode_estimator_tune(&tuning, &trial, &config->motor, 1.0f / config->f_pwm_Hz) == LODE_OK;
+}
+
+double margins_sigma_accepted(const lode_drive_config_t *config) {
+    double low = 1.0;
+    double high = SIGMA_TS_MAX * (double)config->f_pwm_Hz;
+    if (!accepts(config, low)) {
+        return NAN;
+    }
+    for (int k = 0; k < 2 * BISECTIONS; ++k) {
+        const double middle = 0.5 * (low + high);
+        if (accepts(config, middle)) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}

@@ -1,0 +1,35 @@
+/// How far the PLL is from instability, in double from the gains that the firmware uses.
+///
+/// Open loop in the z-plane: O(z) = C A (zI - A)^-1 L, with A the motion over one period, L the
+/// gains. The EMF observer H in front of it answers to a small swing of the EMF's angle with the
+/// mean of both side bands of the carrier rho = exp(j w Ts):
+///     G(z) = (H(rho z)/H(rho) + conj(H(rho/z)/H(rho)))/2.
+/// C and GI: the loop is O G, as where the angle acts on the current and so on the EMF. FA: the speed
+/// that tunes the observer comes back through it: O - F W, with F the angle that a deviation of that
+/// speed makes (k1 = 0: q Ts/(1 - q/z)), W = speed per error. Notches count with their blending.
+/// Poles of all of it, and of GI with its speed fed back: analyse/joint.h.
+#ifndef RIG_MARGINS_H
+#define RIG_MARGINS_H
+
+#include "lodestar/drive.h"
+
+typedef struct {
+    double sigma_rad_s;
+    double crossover_rad_s; ///< of the PLL alone
+    double phase_alone_deg; ///< its phase margin alone
+    double phase_deg;       ///< with the observer in the loop
+    double gain_up_dB;      ///< gain that may be added with the observer in the loop; NaN: no limit
+    double gain_down_dB;    ///< gain that may be lost; NaN: no limit
+    double sigma_limit_rad_s; ///< at which the phase margin with the observer is gone; NaN: none
+} margins_t;
+
+/// Margins at the electrical speed `omega_rad_s`, with sigma as it is scheduled there.
+margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s);
+
+/// sigma at the electrical speed given.
+double margins_sigma(const lode_pll_config_t *pll, double omega_rad_s, double ts_s);
+
+/// The largest sigma that the library accepts with the rest as it is, both ends of the schedule.
+double margins_sigma_accepted(const lode_drive_config_t *config);
+
+#endif

@@ -1,0 +1,124 @@
+#include "commands/command_analyse.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "analyse/analyse.h"
+#include "config/data_files.h"
+#include "config/ini_config.h"
+#include "config/refusal.h"
+#include "report/plot_bode.h"
+#include "report/report_analyse.h"
+#include "support/atomic_file.h"
+#include "support/outputs.h"
+#include "support/plot.h"
+
+#define PAPER "jiang2022"
+
+typedef struct {
+    FILE *csv;
+    FILE *json;
+    FILE *svg[PLOT_BODE_COUNT];
+} files_t;
+
+/// Paper 1's motor and drive where none is given.
+static bool load(rig_config_t *config, const options_t *options) {
+    rig_config_init(config);
+    bool good =
+        data_files_load_part(config, "motors", options->motor != NULL ? options->motor : PAPER) &&
+        data_files_load_part(config, "drives", options->drive != NULL ? options->drive : PAPER);
+    for (int k = 0; good && k < options->sets; ++k) {
+        good = ini_config_set(config, "--set", options->set[k]);
+    }
+    if (!good || !rig_config_complete(config, RIG_NEED_DRIVE)) {
+        return false;
+    }
+    lode_drive_design(&config->drive);
+    return true;
+}
+
+static bool make_folder(const char *path) {
+    if (mkdir(path, 0777) != 0 && errno != EEXIST) {
+        rig_error("%s: %s; expected to be able to make this folder", path, strerror(errno));
+        return false;
+    }
+    return true;
+}
+
+static void plot_path(char *path, const options_t *options, int k) {
+    (void)snprintf(path, RIG_PATH_LENGTH, "%s/%s", options->plots, plot_bode_all[k].file);
+}
+
+static bool open_files(files_t *files, const options_t *options) {
+    bool good =
+        outputs_open(&files->csv, options->csv) && outputs_open(&files->json, options->json);
+    if (!good || options->plots == NULL) {
+        return good;
+    }
+    good = plot_available() && make_folder(options->plots);
+    for (int k = 0; good && k < PLOT_BODE_COUNT; ++k) {
+        char path[RIG_PATH_LENGTH];
+        plot_path(path, options, k);
+        good = outputs_open(&files->svg[k], path);
+    }
+    return good;
+}
+
+static bool write_files(const files_t *files, const rig_config_t *config,
+                        const analyse_t *analysis) {
+    if (files->csv != NULL) {
+        report_analyse_csv(files->csv, analysis);
+    }
+    if (files->json != NULL) {
+        report_analyse_json(files->json, config, analysis);
+    }
+    bool good = true;
+    for (int k = 0; good && k < PLOT_BODE_COUNT; ++k) {
+        good = files->svg[k] == NULL || plot_bode(files->svg[k], &plot_bode_all[k], analysis);
+    }
+    return good && atomic_file_commit_all();
+}
+
+static void say_files(const options_t *options) {
+    outputs_say(options->csv);
+    outputs_say(options->json);
+    for (int k = 0; k < PLOT_BODE_COUNT && options->plots != NULL; ++k) {
+        char path[RIG_PATH_LENGTH];
+        plot_path(path, options, k);
+        outputs_say(path);
+    }
+}
+
+rig_exit_t command_analyse(const options_t *options) {
+    rig_config_t config;
+    files_t files = {.csv = NULL};
+    if (!load(&config, options)) {
+        return RIG_BAD_INPUT;
+    }
+    analyse_t *analysis = malloc(sizeof *analysis);
+    if (analysis == NULL) {
+        rig_error("out of memory");
+        return RIG_BAD_INPUT;
+    }
+    const lode_status_t status = analyse_compute(analysis, &config);
+    bool good = status == LODE_OK;
+    if (!good) {
+        refusal_report(&config, status);
+    }
+    if (good && open_files(&files, options)) {
+        report_analyse_text(stdout, &config, analysis);
+        (void)fflush(stdout);
+        good = write_files(&files, &config, analysis);
+    } else {
+        good = false;
+    }
+    free(analysis);
+    if (!good) {
+        return RIG_BAD_INPUT;
+    }
+    say_files(options);
+    return RIG_DONE;
+}

@@ -1,0 +1,165 @@
+#include "commands/command_reproduce.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "config/ini_config.h"
+#include "reproduce/li_plots.h"
+#include "reproduce/plots.h"
+#include "reproduce/report.h"
+#include "support/atomic_file.h"
+#include "support/outputs.h"
+#include "support/progress.h"
+
+enum { PLOTS_MAX = LI_PLOTS }; // the most of any
+
+/// One paper, as the command sees it.
+typedef struct {
+    const char *name;
+    bool (*load)(const options_t *options);
+    const table_t *(*run)(void); ///< NULL after a message
+    const rig_config_t *config;
+    int plots;
+    const char *(*plot_file)(int k);
+    bool (*plot)(FILE *svg, int k);
+} study_t;
+
+typedef struct {
+    FILE *csv;
+    FILE *json;
+    FILE *svg[PLOTS_MAX];
+} files_t;
+
+// ---- Paper 1 ------------------------------------------------------------------------------------
+
+static case_bases_t bases;
+static reproduction_t reproduction;
+
+static bool jiang_load(const options_t *options) {
+    bool good = case_load(&bases);
+    for (int k = 0; good && k < options->sets; ++k) {
+        good = ini_config_set(&bases.paper, "--set", options->set[k]) &&
+               ini_config_set(&bases.library, "--set", options->set[k]);
+    }
+    return good;
+}
+
+static const table_t *jiang_run(void) {
+    return reproduction_run(&reproduction, &bases) ? &reproduction.table : NULL;
+}
+
+static bool jiang_plot(FILE *svg, int k) {
+    return reproduce_plot(svg, k, &reproduction, &bases);
+}
+
+// ---- Paper 2 ------------------------------------------------------------------------------------
+
+static rig_config_t li_base;
+static table_t li_table;
+
+static bool li_load(const options_t *options) {
+    bool good = li_case_load(&li_base);
+    for (int k = 0; good && k < options->sets; ++k) {
+        good = ini_config_set(&li_base, "--set", options->set[k]);
+    }
+    return good;
+}
+
+static const table_t *li_run(void) {
+    return li_reproduction_run(&li_table, &li_base) ? &li_table : NULL;
+}
+
+static bool li_draw(FILE *svg, int k) {
+    return li_plot(svg, k, &li_table, &li_base);
+}
+
+// ---- Both ---------------------------------------------------------------------------------------
+
+static const study_t studies[] = {
+    {CASE_PAPER, jiang_load, jiang_run, &bases.paper, REPRODUCE_PLOTS, reproduce_plot_file,
+     jiang_plot},
+    {LI_PAPER, li_load, li_run, &li_base, LI_PLOTS, li_plot_file, li_draw},
+};
+
+static const study_t *study_of(const char *paper) {
+    for (size_t k = 0; k < sizeof studies / sizeof studies[0]; ++k) {
+        if (strcmp(paper, studies[k].name) == 0) {
+            return &studies[k];
+        }
+    }
+    rig_error("reproduce %s: unknown; expected %s or %s", paper, CASE_PAPER, LI_PAPER);
+    return NULL;
+}
+
+static bool make_folder(const char *path) {
+    if (mkdir(path, 0777) != 0 && errno != EEXIST) {
+        rig_error("%s: %s; expected to be able to make this folder", path, strerror(errno));
+        return false;
+    }
+    return true;
+}
+
+static void plot_path(char *path, const options_t *options, const char *file) {
+    (void)snprintf(path, RIG_PATH_LENGTH, "%s/%s", options->plots, file);
+}
+
+static bool open_files(files_t *files, const options_t *options, const study_t *study) {
+    bool good =
+        outputs_open(&files->csv, options->csv) && outputs_open(&files->json, options->json);
+    if (!good || options->plots == NULL) {
+        return good;
+    }
+    good = plot_available() && make_folder(options->plots);
+    for (int k = 0; good && k < study->plots; ++k) {
+        char path[RIG_PATH_LENGTH];
+        plot_path(path, options, study->plot_file(k));
+        good = outputs_open(&files->svg[k], path);
+    }
+    return good;
+}
+
+/// False after a message.
+static bool write_files(const files_t *files, const study_t *study, const table_t *table) {
+    if (files->csv != NULL) {
+        reproduce_report_csv(files->csv, table);
+    }
+    if (files->json != NULL) {
+        reproduce_report_json(files->json, table, study->config);
+    }
+    bool good = true;
+    progress_t progress;
+    progress_start(&progress);
+    for (int k = 0; good && k < study->plots; ++k) {
+        progress_show(&progress, (double)k / study->plots, "pictures");
+        good = files->svg[k] == NULL || study->plot(files->svg[k], k);
+    }
+    (void)progress_end(&progress);
+    return good && atomic_file_commit_all();
+}
+
+rig_exit_t command_reproduce(const options_t *options) {
+    files_t files = {NULL, NULL, {NULL}};
+    const study_t *study = study_of(options->paper);
+    if (study == NULL || !study->load(options) || !open_files(&files, options, study)) {
+        return RIG_BAD_INPUT;
+    }
+    const table_t *table = study->run();
+    if (table == NULL) {
+        return RIG_BAD_INPUT;
+    }
+    reproduce_report_table(stdout, table);
+    (void)fflush(stdout);
+    if (!write_files(&files, study, table)) {
+        return RIG_BAD_INPUT;
+    }
+    outputs_say(options->csv);
+    outputs_say(options->json);
+    for (int k = 0; options->plots != NULL && k < study->plots; ++k) {
+        char path[RIG_PATH_LENGTH];
+        plot_path(path, options, study->plot_file(k));
+        outputs_say(path);
+    }
+    return RIG_DONE;
+}

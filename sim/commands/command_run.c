@@ -1,0 +1,124 @@
+#include "commands/command_run.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "commands/campaign.h"
+#include "config/data_files.h"
+#include "config/ini_config.h"
+#include "report/plot_run.h"
+#include "report/report_run.h"
+#include "rig/capture.h"
+#include "rig/runner.h"
+#include "support/atomic_file.h"
+#include "support/outputs.h"
+
+#define MAIN_FOLDER "lodestar-out"
+
+typedef struct {
+    FILE *csv;
+    FILE *json;
+    FILE *plot;
+} files_t;
+
+bool command_run_load(rig_config_t *config, const options_t *options, const char *scenario) {
+    char path[RIG_PATH_LENGTH];
+    rig_config_init(config);
+    bool good = data_files_find("scenarios", scenario, path, sizeof path) &&
+                ini_config_load_scenario(config, path);
+    for (int k = 0; good && k < options->sets; ++k) {
+        good = ini_config_set(config, "--set", options->set[k]);
+    }
+    if (good && (options->has_seed || options->has_campaign)) {
+        config->scenario.seed = (double)options->seed;
+    }
+    if (good && rig_config_complete(config, RIG_NEED_DRIVE)) {
+        rig_config_design(config);
+        return true;
+    }
+    return false;
+}
+
+static bool open_files(files_t *files, const options_t *options) {
+    return outputs_open(&files->csv, options->csv) && outputs_open(&files->json, options->json) &&
+           outputs_open(&files->plot, options->plot);
+}
+
+/// False after a message.
+static bool write_files(const files_t *files, const rig_config_t *config,
+                        const runner_result_t *result, const runlog_t *log) {
+    if (files->csv != NULL) {
+        report_run_csv(files->csv, log);
+    }
+    if (files->json != NULL) {
+        report_run_json(files->json, config, result, log);
+    }
+    char title[200];
+    ini_config_title(config->file[0], title, sizeof title);
+    return files->plot == NULL || plot_run(files->plot, title, result, log);
+}
+
+static rig_exit_t run_once(const options_t *options, const char *scenario) {
+    rig_config_t config;
+    runner_result_t result;
+    runlog_t log;
+    files_t files = {NULL, NULL, NULL};
+    static capture_t capture;
+    if (!command_run_load(&config, options, scenario) || !open_files(&files, options) ||
+        (capture_wanted(options) && !capture_start(&capture, options, config.drive.f_pwm_Hz))) {
+        return RIG_BAD_INPUT;
+    }
+    runlog_init(&log);
+    log.capture = capture_wanted(options) ? &capture : NULL;
+    bool good = runner_run(&config, runner_estimator(&config), &result, &log);
+    if (good) {
+        report_run_table(stdout, &config, &result, &log);
+        (void)fflush(stdout);
+        good = write_files(&files, &config, &result, &log);
+    }
+    if (log.capture != NULL) {
+        capture_finish(&capture);
+    }
+    runlog_free(&log);
+    if (!good || !atomic_file_commit_all()) {
+        return RIG_BAD_INPUT;
+    }
+    outputs_say(options->csv);
+    outputs_say(options->json);
+    outputs_say(options->plot);
+    outputs_say(options->ring);
+    outputs_say(options->scope);
+    return report_run_failed(&result) ? RIG_FAILED : RIG_DONE;
+}
+
+rig_exit_t command_run(const options_t *options) {
+    if (options->plot != NULL && !plot_available()) {
+        return RIG_BAD_INPUT;
+    }
+    return options->has_campaign ? campaign(options) : run_once(options, options->scenario);
+}
+
+rig_exit_t command_main_job(const options_t *options) {
+    options_t all = *options;
+    const bool asked = options->plot != NULL;
+    const bool needs_folder =
+        options->csv == NULL || options->json == NULL || options->plot == NULL;
+    if (needs_folder && mkdir(MAIN_FOLDER, 0777) != 0 && errno != EEXIST) {
+        rig_error("%s: %s; expected to be able to make this folder here", MAIN_FOLDER,
+                  strerror(errno));
+        return RIG_BAD_INPUT;
+    }
+    all.csv = options->csv != NULL ? options->csv : MAIN_FOLDER "/main.csv";
+    all.json = options->json != NULL ? options->json : MAIN_FOLDER "/main.json";
+    all.plot = asked ? options->plot : MAIN_FOLDER "/main.svg";
+    if (!plot_available()) {
+        if (asked) {
+            return RIG_BAD_INPUT;
+        }
+        all.plot = NULL;
+    }
+    return run_once(&all, "main");
+}

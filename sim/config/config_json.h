@@ -1,0 +1,19 @@
+/// The values in use, key by key, as JSON.
+#ifndef RIG_CONFIG_JSON_H
+#define RIG_CONFIG_JSON_H
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+
+#include "config/rig_config.h"
+
+/// {section: {key: value}} of everything that is set or computed.
+cJSON *config_json(const rig_config_t *config);
+
+/// A number as JSON that reads back to the same value; null for NaN and infinity.
+void config_json_number(cJSON *object, const char *name, double value);
+
+/// Writes `root` with a line end and deletes it. False where memory is out.
+bool config_json_write(FILE *file, cJSON *root);
+
+#endif

@@ -1,0 +1,90 @@
+#include "config/data_files.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "config/ini_config.h"
+#include "support/diag.h"
+
+#ifndef RIG_DATA_DIR
+#define RIG_DATA_DIR "sim/data"
+#endif
+
+static const char *data_folder(void) {
+    const char *folder = getenv("LODESTAR_DATA");
+    return folder != NULL ? folder : RIG_DATA_DIR;
+}
+
+/// What a name stands for, in the order tried: the file of that name; the tool's own file of that
+/// kind; the tool's file by the path it had before sim/data/ (sim/motors/jiang2022.ini).
+static int candidate(int number, const char *kind, const char *name, char *path, size_t size) {
+    if (number == 0) {
+        return snprintf(path, size, "%s", name);
+    }
+    if (strchr(name, '/') == NULL) {
+        const char *dot = strrchr(name, '.');
+        const char *ending = dot != NULL && strcmp(dot, ".ini") == 0 ? "" : ".ini";
+        return snprintf(path, size, "%s/%s/%s%s", data_folder(), kind, name, ending);
+    }
+    char folder[32];
+    (void)snprintf(folder, sizeof folder, "sim/%s/", kind);
+    const char *found = strstr(name, folder);
+    if (found == NULL) {
+        return snprintf(path, size, "%s", name);
+    }
+    const char *rest = found + strlen("sim/");
+    return snprintf(path, size, "%.*sdata/%s", (int)(rest - name), name, rest);
+}
+
+bool data_files_find(const char *kind, const char *name, char *path, size_t size) {
+    for (int number = 0; number < 2; ++number) {
+        const int length = candidate(number, kind, name, path, size);
+        if (length < 0 || (size_t)length >= size) {
+            rig_error("%s: expected a path of at most %zu characters", name, size - 1);
+            return false;
+        }
+        if (access(path, R_OK) == 0) {
+            return true;
+        }
+    }
+    (void)snprintf(path, size, "%s", name); // who opens it says what is wrong
+    return true;
+}
+
+bool data_files_load_part(rig_config_t *config, const char *kind, const char *name) {
+    char path[RIG_PATH_LENGTH];
+    return name == NULL ||
+           (data_files_find(kind, name, path, sizeof path) && ini_config_load_part(config, path));
+}
+
+static int is_ini(const struct dirent *entry) {
+    const size_t length = strlen(entry->d_name);
+    return length > 4 && strcmp(entry->d_name + length - 4, ".ini") == 0 ? 1 : 0;
+}
+
+bool data_files_list(FILE *file, const char *kind) {
+    char folder[1024];
+    struct dirent **entry = NULL;
+    (void)snprintf(folder, sizeof folder, "%s/%s", data_folder(), kind);
+    const int count = scandir(folder, &entry, is_ini, alphasort);
+    if (count < 0) {
+        rig_error("%s: %s; expected the tool's data there, or in the folder LODESTAR_DATA", folder,
+                  strerror(errno));
+        return false;
+    }
+    (void)fprintf(file, "%s (%s)\n", kind, folder);
+    for (int k = 0; k < count; ++k) {
+        char path[1536];
+        char title[200];
+        (void)snprintf(path, sizeof path, "%s/%s", folder, entry[k]->d_name);
+        ini_config_title(path, title, sizeof title);
+        (void)fprintf(file, "  %-25.*s %s\n", (int)strlen(entry[k]->d_name) - 4, entry[k]->d_name,
+                      title);
+        free(entry[k]);
+    }
+    free(entry);
+    return true;
+}

@@ -1,0 +1,23 @@
+/// The motors, drives, plants and scenarios that come with the tool.
+#ifndef RIG_DATA_FILES_H
+#define RIG_DATA_FILES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "config/rig_config.h"
+
+/// `name` itself if there is such a file; else the shipped `kind`/`name`.ini if there is one, or the
+/// shipped file whose path before sim/data/ `name` is; else `name` again, so that opening it fails
+/// with its own name. False if the path is too long.
+bool data_files_find(const char *kind, const char *name, char *path, size_t size);
+
+/// Loads a file, or a shipped one by its name, into `config`; nothing for NULL. False after a
+/// message.
+bool data_files_load_part(rig_config_t *config, const char *kind, const char *name);
+
+/// Prints the files of one kind with their titles. False after a message.
+bool data_files_list(FILE *file, const char *kind);
+
+#endif

@@ -1,0 +1,325 @@
+#include "config/ini_config.h"
+
+#include <errno.h>
+#include <ini.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "config/schema.h"
+#include "support/diag.h"
+
+/// Which keys of a file count.
+typedef enum {
+    PASS_PARTS,   ///< of a scenario: only the names of the files under it
+    PASS_PART,    ///< of such a file: all, but no scenario in it
+    PASS_SCENARIO ///< of a scenario: all
+} pass_t;
+
+typedef struct {
+    rig_config_t *config;
+    FILE *stream;
+    const char *path;
+    pass_t pass;
+    int file;       ///< index into config->file
+    int line;       ///< being read
+    bool line_done; ///< the last piece read ended its line
+    bool failed;    ///< a message is out
+} source_t;
+
+static const char *const part_sections[] = {"motor", "drive", "plant"};
+
+static void complain(source_t *source, const char *section, const char *key, const char *text) {
+    if (!source->failed) {
+        rig_error_at(source->path, source->line, "[%s] %s: %s", section, key, text);
+    }
+    source->failed = true;
+}
+
+// ---- One value, from a file or the command line -------------------------------------------------
+
+static void complain_of_value(source_t *source, const char *section, const char *key,
+                              const char *value, const char *expected) {
+    char text[768];
+    (void)snprintf(text, sizeof text, "%s, not '%.60s'", expected, value);
+    complain(source, section, key, text);
+}
+
+static rig_phase_t *find_phase(rig_scenario_t *scenario, const char *name) {
+    for (int k = 0; k < scenario->phases; ++k) {
+        if (strcmp(scenario->phase[k].name, name) == 0) {
+            return &scenario->phase[k];
+        }
+    }
+    return NULL;
+}
+
+static rig_phase_t *add_phase(rig_scenario_t *scenario, const char *name) {
+    if (scenario->phases == RIG_PHASES_MAX || strlen(name) >= RIG_NAME_LENGTH || name[0] == '\0') {
+        return NULL;
+    }
+    rig_phase_t *phase = &scenario->phase[scenario->phases++];
+    (void)snprintf(phase->name, sizeof phase->name, "%s", name);
+    return phase;
+}
+
+static void unknown_key(source_t *source, rig_schema_t schema, const char *table,
+                        const char *section, const char *key) {
+    char list[1024];
+    char text[1152];
+    rig_schema_expected(schema, table, list, sizeof list);
+    (void)snprintf(text, sizeof text, "unknown; expected one of %s", list);
+    complain(source, section, key, text);
+}
+
+/// True where the key has had a value from this very place.
+static bool is_duplicate(source_t *source, const char *section, const char *key, int earlier_line) {
+    if (source->line == 0 || earlier_line == 0) {
+        return false;
+    }
+    char text[80];
+    (void)snprintf(text, sizeof text, "given twice, first in line %d; expected it once",
+                   earlier_line);
+    complain(source, section, key, text);
+    return true;
+}
+
+static void take_phase_value(source_t *source, const char *section, const char *key,
+                             const char *value) {
+    const rig_schema_t schema = rig_phase_schema();
+    rig_scenario_t *scenario = &source->config->scenario;
+    const char *name = section + strlen("phase.");
+    rig_phase_t *phase = find_phase(scenario, name);
+    if (phase == NULL && source->line > 0) {
+        phase = add_phase(scenario, name);
+    }
+    if (phase == NULL) {
+        complain(source, section, key,
+                 source->line > 0 ? "expected at most 48 phases, with names of 1 to 31 characters"
+                                  : "expected the name of a phase of the scenario");
+        return;
+    }
+    const int row = rig_schema_find(schema, "phase", key);
+    if (row < 0) {
+        unknown_key(source, schema, "phase", section, key);
+        return;
+    }
+    char expected[256];
+    if (is_duplicate(source, section, key, phase->line[row])) {
+        return;
+    }
+    if (!rig_key_assign(&schema.row[row], phase, value, expected, sizeof expected)) {
+        complain_of_value(source, section, key, value, expected);
+        return;
+    }
+    phase->line[row] = source->line;
+}
+
+static void take_value(source_t *source, const char *section, const char *key, const char *value) {
+    const rig_schema_t schema = rig_schema();
+    const int row = rig_schema_find(schema, section, key);
+    if (row < 0) {
+        unknown_key(source, schema, section, section, key);
+        return;
+    }
+    rig_origin_t *origin = &source->config->origin[row];
+    if (origin->file == source->file && is_duplicate(source, section, key, origin->line)) {
+        return;
+    }
+    char expected[640];
+    if (!rig_key_assign(&schema.row[row], source->config, value, expected, sizeof expected)) {
+        complain_of_value(source, section, key, value, expected);
+        return;
+    }
+    *origin = (rig_origin_t){source->file, source->line};
+}
+
+// ---- Files --------------------------------------------------------------------------------------
+
+static bool is_part_key(const char *section, const char *key) {
+    bool found = false;
+    for (size_t k = 0; k < sizeof part_sections / sizeof part_sections[0]; ++k) {
+        found = found || strcmp(key, part_sections[k]) == 0;
+    }
+    return found && strcmp(section, "scenario") == 0;
+}
+
+static int on_value(void *user, const char *section, const char *key, const char *value) {
+    source_t *source = user;
+    const bool is_phase = strncmp(section, "phase.", strlen("phase.")) == 0;
+    if (source->pass == PASS_PARTS) {
+        if (is_part_key(section, key)) {
+            take_value(source, section, key, value);
+        }
+        return 1;
+    }
+    if (source->pass == PASS_PART && (is_phase || strcmp(section, "scenario") == 0)) {
+        complain(source, section, key, "expected in a scenario file only");
+        return 1;
+    }
+    if (source->pass == PASS_SCENARIO && is_part_key(section, key)) {
+        return 1; // has had its effect
+    }
+    if (is_phase) {
+        take_phase_value(source, section, key, value);
+    } else {
+        take_value(source, section, key, value);
+    }
+    return 1;
+}
+
+/// Feeds inih line by line and counts; inih itself does not tell a handler where it is.
+static char *next_line(char *text, int size, void *user) {
+    source_t *source = user;
+    if (!source->line_done && !source->failed) {
+        rig_error_at(source->path, source->line, "expected lines of at most %d characters",
+                     size - 3);
+        source->failed = true;
+    }
+    char *line = fgets(text, size, source->stream);
+    if (line != NULL) {
+        source->line += 1;
+        source->line_done = strchr(line, '\n') != NULL || feof(source->stream) != 0;
+    }
+    return line;
+}
+
+static bool parse(source_t *source) {
+    source->stream = fopen(source->path, "r");
+    if (source->stream == NULL) {
+        rig_error_at(source->path, 0,
+                     "%s; expected an INI file, or a name that `lodestar list` shows",
+                     strerror(errno));
+        return false;
+    }
+    const int wrong_line = ini_parse_stream(next_line, source, on_value, source);
+    const bool unreadable = ferror(source->stream) != 0;
+    (void)fclose(source->stream);
+    if (unreadable && !source->failed) {
+        rig_error_at(source->path, 0, "cannot be read; expected an INI file");
+    } else if (wrong_line != 0 && !source->failed) {
+        rig_error_at(source->path, wrong_line, "expected `[section]`, `key = value` or a comment");
+    }
+    return !source->failed && !unreadable && wrong_line == 0;
+}
+
+static bool open_source(source_t *source, rig_config_t *config, const char *path, pass_t pass) {
+    *source = (source_t){.config = config, .pass = pass, .line_done = true};
+    for (int k = 0; k < config->files; ++k) {
+        if (strcmp(config->file[k], path) == 0) {
+            source->file = k;
+            source->path = config->file[k];
+            return true;
+        }
+    }
+    if (config->files == RIG_FILES_MAX || strlen(path) >= RIG_PATH_LENGTH) {
+        rig_error_at(path, 0, "expected at most %d files with paths of at most %d characters",
+                     RIG_FILES_MAX, RIG_PATH_LENGTH - 1);
+        return false;
+    }
+    source->file = config->files++;
+    source->path = config->file[source->file];
+    (void)snprintf(config->file[source->file], RIG_PATH_LENGTH, "%s", path);
+    return true;
+}
+
+static bool load(rig_config_t *config, const char *path, pass_t pass) {
+    source_t source;
+    return open_source(&source, config, path, pass) && parse(&source);
+}
+
+bool ini_config_load_part(rig_config_t *config, const char *path) {
+    return load(config, path, PASS_PART);
+}
+
+/// `name` as seen from the folder of the file `from`.
+static bool relative_to(const char *from, const char *name, char *path, size_t size) {
+    const char *slash = strrchr(from, '/');
+    const int folder = slash == NULL || name[0] == '/' ? 0 : (int)(slash - from) + 1;
+    const int length = snprintf(path, size, "%.*s%s", folder, from, name);
+    return length >= 0 && (size_t)length < size;
+}
+
+static bool load_named_part(rig_config_t *config, const char *scenario, const char *section) {
+    const rig_schema_t schema = rig_schema();
+    const int row = rig_schema_find(schema, "scenario", section);
+    if (config->origin[row].file < 0) {
+        return true;
+    }
+    char name[RIG_PATH_LENGTH];
+    char path[RIG_PATH_LENGTH];
+    rig_key_print(&schema.row[row], config, name, sizeof name);
+    FILE *found = relative_to(scenario, name, path, sizeof path) ? fopen(path, "r") : NULL;
+    if (found == NULL) {
+        rig_error_at(
+            scenario, config->origin[row].line,
+            "[scenario] %s: expected the path of an INI file, relative to this one; %s: %s",
+            section, name, strerror(errno));
+        return false;
+    }
+    (void)fclose(found);
+    return ini_config_load_part(config, path);
+}
+
+bool ini_config_load_scenario(rig_config_t *config, const char *path) {
+    bool good = load(config, path, PASS_PARTS);
+    for (size_t k = 0; good && k < sizeof part_sections / sizeof part_sections[0]; ++k) {
+        good = load_named_part(config, path, part_sections[k]);
+    }
+    return good && load(config, path, PASS_SCENARIO);
+}
+
+// ---- Command line -------------------------------------------------------------------------------
+
+bool ini_config_set(rig_config_t *config, const char *option, const char *assignment) {
+    source_t source = {.config = config, .path = option, .pass = PASS_SCENARIO, .file = -1};
+    char copy[RIG_PATH_LENGTH];
+    const int length = snprintf(copy, sizeof copy, "%s", assignment);
+    char *equals = strchr(copy, '=');
+    if (length < 0 || (size_t)length >= sizeof copy || equals == NULL) {
+        rig_error("%s %s: expected section.key=value", option, assignment);
+        return false;
+    }
+    *equals = '\0';
+    char *dot = strrchr(copy, '.');
+    if (dot == NULL) {
+        rig_error("%s %s: expected section.key=value", option, assignment);
+        return false;
+    }
+    *dot = '\0';
+    if (is_part_key(copy, dot + 1)) {
+        complain(&source, copy, dot + 1, "expected in a scenario file only");
+    } else if (strncmp(copy, "phase.", strlen("phase.")) == 0) {
+        take_phase_value(&source, copy, dot + 1, equals + 1);
+    } else {
+        take_value(&source, copy, dot + 1, equals + 1);
+    }
+    return !source.failed;
+}
+
+// ---- Display ------------------------------------------------------------------------------------
+
+void ini_config_where(const rig_config_t *config, int row, char *text, size_t size) {
+    const rig_origin_t *origin = &config->origin[row];
+    if (origin->file >= 0 && origin->line == 0) {
+        (void)snprintf(text, size, "from %s", config->file[origin->file]);
+    } else if (origin->file >= 0) {
+        (void)snprintf(text, size, "%s:%d", config->file[origin->file], origin->line);
+    } else {
+        (void)snprintf(text, size, "%s",
+                       origin->line == 0 ? "command line" : "default or computed");
+    }
+}
+
+void ini_config_title(const char *path, char *text, size_t size) {
+    text[0] = '\0';
+    FILE *file = fopen(path, "r");
+    if (file == NULL) {
+        return;
+    }
+    char line[512];
+    if (fgets(line, sizeof line, file) != NULL && (line[0] == ';' || line[0] == '#')) {
+        const size_t skip = strspn(line, ";# \t");
+        (void)snprintf(text, size, "%.*s", (int)strcspn(line + skip, "\r\n"), line + skip);
+    }
+    (void)fclose(file);
+}

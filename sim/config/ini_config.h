@@ -1,0 +1,26 @@
+/// Reads INI files and --set into a configuration, through the schema.
+#ifndef RIG_INI_CONFIG_H
+#define RIG_INI_CONFIG_H
+
+#include <stddef.h>
+
+#include "config/rig_config.h"
+
+/// A scenario: first the files that its [scenario] section names (relative to its own folder), then
+/// itself over them. False after a message "FILE:LINE: [section] key: ...".
+bool ini_config_load_scenario(rig_config_t *config, const char *path);
+
+/// A file of a motor, a drive or a plant: anything but [scenario] and phases.
+bool ini_config_load_part(rig_config_t *config, const char *path);
+
+/// "section.key=value", over what files say. `option`: how the command line calls it.
+bool ini_config_set(rig_config_t *config, const char *option, const char *assignment);
+
+/// Names the place that decided a key: "FILE:LINE", "from FILE", "command line", or
+/// "default or computed".
+void ini_config_where(const rig_config_t *config, int row, char *text, size_t size);
+
+/// First comment line of the file, without its mark: what a list says about it.
+void ini_config_title(const char *path, char *text, size_t size);
+
+#endif

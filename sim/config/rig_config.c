@@ -1,0 +1,365 @@
+#include "config/rig_config.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "config/schema.h"
+#include "support/diag.h"
+#include "support/units.h"
+
+// A board as one would build it: head-room over the trip current and over the bus.
+#define RANGE_PER_TRIP 1.3
+#define RANGE_PER_BUS 1.6
+#define TRIP_PER_MAX 1.5
+#define ADC_BITS 12.0
+#define TEMPERATURE_ZERO_degC (-50.0)
+#define TEMPERATURE_SPAN_degC 200.0
+#define AMBIENT_degC 25.0
+#define STAMP_Hz 1.0e6
+#define NOTCH_K 0.5f // paper 1, Section 5
+
+static void unset_all(rig_schema_t schema, void *object) {
+    const double unset = RIG_UNSET;
+    for (int k = 0; k < schema.rows; ++k) {
+        const rig_key_t *key = &schema.row[k];
+        if (key->kind == RIG_KEY_DOUBLE || key->kind == RIG_KEY_DOUBLE_OR) {
+            memcpy((char *)object + key->offset, &unset, sizeof unset);
+        }
+    }
+}
+
+void rig_config_init(rig_config_t *config) {
+    memset(config, 0, sizeof *config);
+    unset_all(rig_schema(), config);
+    for (int k = 0; k < RIG_KEYS_MAX; ++k) {
+        config->origin[k] = (rig_origin_t){-1, -1};
+    }
+    config->plant.inverter = PLANT_SWITCHING;
+    for (int k = 0; k < RIG_PHASES_MAX; ++k) {
+        rig_phase_t *phase = &config->scenario.phase[k];
+        unset_all(rig_phase_schema(), phase);
+        phase->mode = -1;
+        phase->trip = -1;
+        phase->open_phase = -1;
+        phase->end_mode = -1;
+    }
+}
+
+static bool is_given(const rig_config_t *config, const char *section, const char *key) {
+    const rig_origin_t *origin = &config->origin[rig_schema_find(rig_schema(), section, key)];
+    return origin->file >= 0 || origin->line == 0;
+}
+
+static bool all_given(const rig_config_t *config, const char *section, const char *const *key) {
+    bool good = true;
+    for (; *key != NULL; ++key) {
+        if (!is_given(config, section, *key)) {
+            rig_error_at(config->files > 0 ? config->file[0] : "command line", 0,
+                         "[%s] %s: missing; expected it in a file, or as --set %s.%s=VALUE",
+                         section, *key, section, *key);
+            good = false;
+        }
+    }
+    return good;
+}
+
+/// False after a message if both keys are given.
+static bool not_both(const rig_config_t *config, const char *section, const char *one,
+                     const char *other) {
+    if (!is_given(config, section, one) || !is_given(config, section, other)) {
+        return true;
+    }
+    const rig_origin_t *origin = &config->origin[rig_schema_find(rig_schema(), section, other)];
+    rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set", origin->line,
+                 "[%s] %s: %s is given as well; expected one of them", section, other, one);
+    return false;
+}
+
+static bool convert_units(rig_config_t *config) {
+    if (!not_both(config, "estimator", "omega_max_rad_s", "speed_max_rpm") ||
+        !not_both(config, "start", "omega_handover_rad_s", "handover_rpm") ||
+        !not_both(config, "speed", "ramp_rad_s2", "ramp_rpm_s") ||
+        !not_both(config, "speed", "kp_Nms", "kp_A_s_rad") ||
+        !not_both(config, "speed", "ki_Nm", "ki_A_rad")) {
+        return false;
+    }
+    lode_drive_config_t *drive = &config->drive;
+    const rig_convenience_t *people = &config->people;
+    const double np = (double)drive->motor.pole_pairs;
+    const double kt = (double)lode_motor_torque_factor(&drive->motor) * (double)drive->motor.psi_Wb;
+    if (!isnan(people->speed_rated_rpm)) {
+        drive->motor.omega_rated_rad_s = (float)(np * rig_rad_s_from_rpm(people->speed_rated_rpm));
+    }
+    if (!isnan(people->speed_max_rpm)) {
+        drive->estimator.omega_max_rad_s = (float)(np * rig_rad_s_from_rpm(people->speed_max_rpm));
+    }
+    if (!isnan(people->handover_rpm)) {
+        drive->start.omega_handover_rad_s = (float)(np * rig_rad_s_from_rpm(people->handover_rpm));
+    }
+    if (!isnan(people->ramp_rpm_s)) {
+        drive->speed.ramp_rad_s2 = (float)rig_rad_s_from_rpm(people->ramp_rpm_s);
+    }
+    if (!isnan(people->kp_A_s_rad)) {
+        drive->speed.kp_Nms = (float)(kt * people->kp_A_s_rad);
+    }
+    if (!isnan(people->ki_A_rad)) {
+        drive->speed.ki_Nm = (float)(kt * people->ki_A_rad);
+    }
+    return true;
+}
+
+static void default_to(double *value, double otherwise) {
+    *value = isnan(*value) ? otherwise : *value;
+}
+
+/// Gains and offsets of the converters. Currents come as unsigned counts about the middle.
+static void fit_board(rig_config_t *config) {
+    lode_drive_config_t *drive = &config->drive;
+    rig_board_t *board = &config->board;
+    const double i_trip = drive->guard.i_trip_A > 0.0f
+                              ? (double)drive->guard.i_trip_A
+                              : TRIP_PER_MAX * (double)drive->inverter.i_max_A;
+    default_to(&board->adc_bits, ADC_BITS);
+    default_to(&board->i_range_A, RANGE_PER_TRIP * i_trip);
+    default_to(&board->v_range_V, RANGE_PER_BUS * (double)drive->inverter.v_bus_V);
+    board->adc_bits = floor(board->adc_bits);
+    const double steps = exp2(board->adc_bits);
+    drive->sense.count_max = (float)(steps - 1.0);
+    drive->sense.i_gain_A_count = (float)(2.0 * board->i_range_A / steps);
+    drive->sense.i_offset_count = (float)(0.5 * steps);
+    drive->sense.v_bus_gain_V_count = (float)(board->v_range_V / steps);
+    drive->sense.temperature_gain_degC_count = (float)(TEMPERATURE_SPAN_degC / steps);
+    drive->sense.temperature_offset_degC = (float)TEMPERATURE_ZERO_degC;
+}
+
+/// The papers' own observers go with their own PLLs: one of them brings the other, where it is open.
+static bool pair_up(rig_config_t *config) {
+    bool emf = config->emf >= RIG_EMF_C_EULER;
+    bool pll = config->pll >= RIG_PLL_LESO_EULER;
+    if (emf && !pll && !is_given(config, "estimator", "pll")) {
+        config->pll = (rig_pll_t)((int)config->pll + (int)RIG_PLL_LESO_EULER);
+        pll = true;
+    }
+    if (pll && !emf && !is_given(config, "estimator", "emf")) {
+        config->emf = RIG_EMF_C_EULER;
+        emf = true;
+    }
+    if (emf != pll) {
+        rig_error(
+            "[estimator] emf, pll: expected an observer and a PLL that both end in -euler, or "
+            "neither");
+    }
+    return emf == pll;
+}
+
+static void choose_compensation(rig_config_t *config) {
+    const bool euler = config->emf >= RIG_EMF_C_EULER;
+    if (config->compensation == RIG_COMPENSATION_AUTO) {
+        // Eq. 30 is the lag of the C-LESO; paper 2 compensates nothing.
+        const bool eq30 = config->pll == RIG_PLL_ENHANCED_EULER && config->emf == RIG_EMF_C_EULER;
+        const rig_compensation_t printed = eq30 ? RIG_COMPENSATION_EQ30 : RIG_COMPENSATION_NONE;
+        config->compensation = euler ? printed : RIG_COMPENSATION_EXACT;
+    }
+    // Beside the papers' own forms the library's counterpart, which starts the motor, stays exact.
+    const lode_lag_kind_t kinds[] = {LODE_LAG_EXACT, LODE_LAG_NONE,
+                                     euler ? LODE_LAG_EXACT : LODE_LAG_EQ30};
+    config->drive.estimator.compensation = kinds[config->compensation - RIG_COMPENSATION_EXACT];
+}
+
+/// What the names of observer and PLL stand for. With the papers' own forms the library's counterpart is
+/// still there, for its gains and for the start.
+static bool choose_estimator(rig_config_t *config) {
+    static const lode_emf_kind_t kinds[] = {
+        [RIG_EMF_C] = LODE_EMF_C_LESO,         [RIG_EMF_GI] = LODE_EMF_GI_LESO,
+        [RIG_EMF_FA] = LODE_EMF_FA_LESO,       [RIG_EMF_FA_MULTI] = LODE_EMF_FA_MULTI,
+        [RIG_EMF_C_EULER] = LODE_EMF_C_LESO,   [RIG_EMF_GI_EULER] = LODE_EMF_GI_LESO,
+        [RIG_EMF_FA_EULER] = LODE_EMF_FA_LESO,
+    };
+    lode_estimator_config_t *estimator = &config->drive.estimator;
+    if (!pair_up(config)) {
+        return false;
+    }
+    choose_compensation(config);
+    const rig_pll_t pll = config->pll;
+    const bool second = pll == RIG_PLL_QPLL || pll == RIG_PLL_QPLL_EULER;
+    estimator->emf.kind = kinds[config->emf];
+    estimator->pll.kind = second ? LODE_PLL_QPLL : LODE_PLL_LESO;
+    if (pll == RIG_PLL_ENHANCED || pll == RIG_PLL_ENHANCED_EULER) {
+        estimator->notch_k = lode_given_or(estimator->notch_k, NOTCH_K);
+    }
+    return true;
+}
+
+bool rig_config_is_six(const rig_config_t *config) {
+    return config->drive.motor.sets == 2.0f;
+}
+
+lode_drive6_config_t rig_config_six(const rig_config_t *config) {
+    return (lode_drive6_config_t){
+        .drive = config->drive,
+        .Lxy_H = config->six.Lxy_H,
+        .source = config->six.source,
+        .xy = config->six.xy,
+        .open_phase = config->six.open_phase,
+    };
+}
+
+void rig_config_design(rig_config_t *config) {
+    if (!rig_config_is_six(config)) {
+        lode_drive_design(&config->drive);
+        return;
+    }
+    lode_drive6_config_t six = rig_config_six(config);
+    lode_drive6_design(&six);
+    config->drive = six.drive;
+    config->six.xy = six.xy;
+}
+
+/// Six phases need one more figure, and their step is not in parts that another estimate could go between.
+static bool check_six(const rig_config_t *config) {
+    static const char *const motor[] = {"Lxy_H", NULL};
+    if (!rig_config_is_six(config)) {
+        return true;
+    }
+    if (!all_given(config, "motor", motor)) {
+        return false;
+    }
+    if (config->source != RIG_SOURCE_OWN || config->emf >= RIG_EMF_C_EULER) {
+        rig_error(
+            "[estimator] source, emf: with six phases expected source = own and an observer of "
+            "the library");
+        return false;
+    }
+    return true;
+}
+
+bool rig_config_complete(rig_config_t *config, rig_need_t need) {
+    static const char *const motor[] = {"pole_pairs", "Rs_Ohm", "Ld_H", "Lq_H",
+                                        "psi_Wb",     "J_kgm2", NULL};
+    static const char *const drive[] = {"f_pwm_Hz", "v_bus_V", "i_max_A", NULL};
+    static const char *const board[] = {"i_range_A", "v_range_V", NULL};
+    bool good = all_given(config, "motor", motor);
+    good = (need == RIG_NEED_MOTOR || all_given(config, "drive", drive)) && good;
+    good = (need != RIG_NEED_BOARD || all_given(config, "drive", board)) && good;
+    if (!good || !convert_units(config)) {
+        return false;
+    }
+    fit_board(config);
+    if (!choose_estimator(config) || !check_six(config)) {
+        return false;
+    }
+    default_to(&config->scenario.seed, 1.0);
+    return true;
+}
+
+// ---- Plant --------------------------------------------------------------------------------------
+
+/// SplitMix64 (Steele, Lea, Flood 2014): one good number per step from any seed.
+static double uniform(uint64_t *state) {
+    *state += UINT64_C(0x9E3779B97F4A7C15);
+    uint64_t z = *state;
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    z ^= z >> 31;
+    return (double)(z >> 11) * 0x1.0p-53;
+}
+
+/// Uniform in -1 .. 1.
+static double either_way(uint64_t *state) {
+    return 2.0 * uniform(state) - 1.0;
+}
+
+static double or_else(double value, double otherwise) {
+    return isnan(value) ? otherwise : value;
+}
+
+static double spread(double value, double share, double draw) {
+    return value * (1.0 + or_else(share, 0.0) * draw);
+}
+
+static void describe_motor(const rig_config_t *config, plant_config_t *plant, uint64_t *state) {
+    const rig_plant_t *truth = &config->plant;
+    const lode_motor_t *motor = &config->drive.motor;
+    // Every seed draws all of them in this order: each keeps its value whichever are in use.
+    const double angle = either_way(state);
+    const double draw_Rs = either_way(state);
+    const double draw_Lq = either_way(state);
+    const double draw_J = either_way(state);
+    const double draw_psi = either_way(state);
+    plant->sets = rig_config_is_six(config) ? PLANT_SETS : 1;
+    plant->pole_pairs = (int)motor->pole_pairs;
+    plant->Lxy_H = or_else(truth->Lxy_H, (double)config->six.Lxy_H);
+    plant->Rs_Ohm =
+        spread(or_else(truth->Rs_Ohm, (double)motor->Rs_Ohm), truth->Rs_spread, draw_Rs);
+    plant->Ld_H = or_else(truth->Ld_H, (double)motor->Ld_H);
+    plant->Lq_H = spread(or_else(truth->Lq_H, (double)motor->Lq_H), truth->Lq_spread, draw_Lq);
+    plant->psi_Wb =
+        spread(or_else(truth->psi_Wb, (double)motor->psi_Wb), truth->psi_spread, draw_psi);
+    plant->J_kgm2 = spread(or_else(truth->J_kgm2, (double)motor->J_kgm2), truth->J_spread, draw_J);
+    plant->B_Nms = or_else(truth->B_Nms, (double)motor->B_Nms);
+    plant->i_sat_A = or_else(truth->i_sat_A, 0.0);
+    plant->Lq_sat_H = or_else(truth->Lq_sat_H, plant->Lq_H);
+    plant->emf5_ratio = or_else(truth->emf5_ratio, 0.0);
+    plant->emf5_phase_rad = rig_rad_from_deg(or_else(truth->emf5_phase_deg, 0.0));
+    plant->emf7_ratio = or_else(truth->emf7_ratio, 0.0);
+    plant->emf7_phase_rad = rig_rad_from_deg(or_else(truth->emf7_phase_deg, 0.0));
+    plant->emf11_ratio = or_else(truth->emf11_ratio, 0.0);
+    plant->emf11_phase_rad = rig_rad_from_deg(or_else(truth->emf11_phase_deg, 0.0));
+    plant->emf13_ratio = or_else(truth->emf13_ratio, 0.0);
+    plant->emf13_phase_rad = rig_rad_from_deg(or_else(truth->emf13_phase_deg, 0.0));
+    const double theta0_deg = isinf(truth->theta0_deg) ? 180.0 * angle : truth->theta0_deg;
+    plant->theta_e_rad = remainder(rig_rad_from_deg(or_else(theta0_deg, 0.0)), 2.0 * RIG_PI);
+    plant->omega_m_rad_s = rig_rad_s_from_rpm(or_else(truth->speed0_rpm, 0.0));
+}
+
+static void describe_inverter(const rig_config_t *config, plant_config_t *plant) {
+    const rig_plant_t *truth = &config->plant;
+    const lode_inverter_config_t *inverter = &config->drive.inverter;
+    plant->level = (plant_level_t)truth->inverter;
+    plant->period_s = 1.0 / (double)config->drive.f_pwm_Hz;
+    plant->v_bus_V = or_else(truth->v_bus_V, (double)inverter->v_bus_V);
+    plant->dead_time_s = or_else(truth->dead_time_s, (double)inverter->dead_time_s);
+    plant->v_transistor_V = or_else(truth->v_drop_V, (double)inverter->v_drop_V);
+    plant->v_diode_V = or_else(truth->v_diode_V, plant->v_transistor_V);
+    plant->r_on_Ohm = or_else(truth->r_on_Ohm, (double)inverter->r_on_Ohm);
+    plant->pwm_ticks = (uint32_t)or_else(truth->pwm_ticks, (double)inverter->pwm_ticks);
+}
+
+static void describe_board(const rig_config_t *config, plant_config_t *plant, uint64_t *state) {
+    const rig_plant_t *truth = &config->plant;
+    const double steps = exp2(config->board.adc_bits);
+    const double stamp = (double)config->drive.guard.stamp_per_period;
+    plant->adc_bits = (int)config->board.adc_bits;
+    plant->i_A_per_count = 2.0 * config->board.i_range_A / steps;
+    plant->v_bus_V_per_count = config->board.v_range_V / steps;
+    plant->temperature_degC_per_count = TEMPERATURE_SPAN_degC / steps;
+    plant->temperature_zero_degC = TEMPERATURE_ZERO_degC;
+    plant->temperature_degC = or_else(truth->temperature_degC, AMBIENT_degC);
+    plant->i_noise_A = or_else(truth->i_noise_A, 0.0);
+    plant->v_bus_noise_V = or_else(truth->v_bus_noise_V, 0.0);
+    plant->sample_offset_s = or_else(truth->sample_offset_s, 0.0);
+    plant->stamp_Hz = stamp > 0.0 ? stamp / plant->period_s : STAMP_Hz;
+    for (int k = 0; k < plant->sets * PLANT_PHASES; ++k) {
+        plant->i_offset_A[k] = or_else(truth->i_offset_A[k], 0.0) +
+                               or_else(truth->i_offset_spread_A, 0.0) * either_way(state);
+        plant->i_gain_error[k] = or_else(truth->i_gain_error[k], 0.0);
+    }
+}
+
+bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double *extra_load_Nm) {
+    uint64_t state = (uint64_t)config->scenario.seed;
+    memset(plant, 0, sizeof *plant);
+    plant->seed = state;
+    plant->load_is_passive = config->plant.load_kind == 0;
+    describe_motor(config, plant, &state);
+    describe_inverter(config, plant);
+    describe_board(config, plant, &state);
+    *extra_load_Nm = or_else(config->plant.load_spread_Nm, 0.0) * uniform(&state);
+    plant_t trial;
+    const char *why = plant_init(&trial, plant);
+    if (why != NULL) {
+        rig_error("[plant] %s", why);
+    }
+    return why == NULL;
+}

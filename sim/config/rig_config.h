@@ -1,0 +1,191 @@
+/// Everything that INI files and --set can say: drive, plant, scenario.
+#ifndef RIG_CONFIG_H
+#define RIG_CONFIG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "lodestar/drive6.h"
+#include "plant/plant.h"
+
+enum {
+    RIG_PATH_LENGTH = 512,
+    RIG_NAME_LENGTH = 32,
+    RIG_FILES_MAX = 8,
+    RIG_KEYS_MAX = 200,
+    RIG_PHASE_KEYS_MAX = 32,
+    RIG_PHASES_MAX = 48
+};
+
+/// A double that no file has set.
+#define RIG_UNSET NAN
+/// A value to be drawn at random.
+#define RIG_RANDOM HUGE_VAL
+
+/// The board's converters, from which gains and offsets follow.
+typedef struct {
+    double adc_bits;
+    double i_range_A; ///< current at either end of the converter's range
+    double v_range_V; ///< bus voltage at full scale
+} rig_board_t;
+
+/// What six phases need besides.
+typedef struct {
+    float Lxy_H;
+    lode_source_t source;
+    lode_xy_config_t xy;
+    lode_open_phase_answer_t open_phase;
+} rig_six_t;
+
+/// What people rather write than SI units; each stands for one field of the drive's configuration.
+typedef struct {
+    double speed_rated_rpm;
+    double speed_max_rpm;
+    double handover_rpm;
+    double ramp_rpm_s;
+    double kp_A_s_rad; ///< speed controller as the papers give it: amperes per mechanical rad/s
+    double ki_A_rad;
+} rig_convenience_t;
+
+/// The truth that the firmware does not know. Unset values are those of motor and drive.
+typedef struct {
+    double Rs_Ohm, Ld_H, Lq_H, Lxy_H, psi_Wb, J_kgm2, B_Nms;
+    double i_sat_A, Lq_sat_H;
+    double emf5_ratio, emf5_phase_deg, emf7_ratio, emf7_phase_deg;
+    double emf11_ratio, emf11_phase_deg, emf13_ratio, emf13_phase_deg;
+    int inverter;  ///< plant_level_t
+    int load_kind; ///< 0 passive, 1 signed
+    double v_bus_V, dead_time_s, v_drop_V, v_diode_V, r_on_Ohm, pwm_ticks;
+    double i_offset_A[PLANT_LEGS], i_gain_error[PLANT_LEGS];
+    double i_noise_A, v_bus_noise_V, temperature_degC, sample_offset_s;
+    double theta0_deg; ///< RIG_RANDOM: anywhere
+    double speed0_rpm;
+    // Half widths of uniform distributions, drawn anew for each seed.
+    double Rs_spread, Lq_spread, J_spread, psi_spread; ///< relative
+    double i_offset_spread_A;
+    double load_spread_Nm; ///< 0 .. this is added to the load of every phase
+} rig_plant_t;
+
+/// Where the drive's estimate comes from.
+typedef enum {
+    RIG_SOURCE_OWN,
+    RIG_SOURCE_TRUTH, ///< the plant
+    /// the plant until the drive runs and seeded_s is over, then `own` from the true angle and speed on
+    RIG_SOURCE_SEEDED
+} rig_source_t;
+
+/// EMF observer by its name: those of the library in its order, then the papers' own forms.
+typedef enum {
+    RIG_EMF_C,
+    RIG_EMF_GI,
+    RIG_EMF_FA,
+    RIG_EMF_FA_MULTI,
+    RIG_EMF_C_EULER,
+    RIG_EMF_GI_EULER,
+    RIG_EMF_FA_EULER
+} rig_emf_t;
+
+/// Position PLL by its name: the library has two orders, and a notch for either.
+typedef enum {
+    RIG_PLL_LESO,
+    RIG_PLL_QPLL,
+    RIG_PLL_ENHANCED, ///< LESO-QPLL with the notch at 6 w (paper 1, Section 4)
+    RIG_PLL_LESO_EULER,
+    RIG_PLL_QPLL_EULER,
+    RIG_PLL_ENHANCED_EULER
+} rig_pll_t;
+
+/// What is added to the PLL's angle.
+typedef enum {
+    RIG_COMPENSATION_AUTO, ///< exact; the papers' own forms: as printed
+    RIG_COMPENSATION_EXACT,
+    RIG_COMPENSATION_NONE,
+    RIG_COMPENSATION_EQ30 ///< paper 1, eq. 30
+} rig_compensation_t;
+
+/// Hardware trip of both sets, or of one.
+typedef enum { RIG_TRIP_OFF, RIG_TRIP_ON, RIG_TRIP_SET_1, RIG_TRIP_SET_2 } rig_trip_t;
+
+/// One stretch of a scenario. What a phase leaves unset stays as it was.
+typedef struct {
+    char name[RIG_NAME_LENGTH];
+    int line[RIG_PHASE_KEYS_MAX]; ///< where each key was given, 0: nowhere
+    double duration_s;
+    int mode;          ///< index into the list of mode names, -1: as before
+    double speed_rpm;  ///< commanded
+    double ramp_rpm_s; ///< slope at which the command itself moves there; unset: at once
+    double load_Nm;
+    double v_bus_V;
+    double temperature_degC;
+    double dyno_rpm; ///< speed held by a dynamometer; RIG_RANDOM ("free"): no longer
+    int trip;        ///< hardware trip: rig_trip_t, -1 as before
+    int open_phase;  ///< this phase breaks, 0 .. 5 for a1 .. c2; -1: none
+    int clear_fault; ///< 1: leave the fault state first
+    /// from here on the firmware takes its motor's value times this for true; unset: as before
+    double Lq_factor, Rs_factor;
+    double d, q; ///< V or A, modes voltage and current
+    double theta_deg, omega_rad_s;
+    // Bars: what the phase must reach.
+    double bar_dc_deg, bar_pp_deg, bar_error_deg, bar_speed_rpm;
+    int end_mode; ///< -1: any but a fault
+} rig_phase_t;
+
+typedef struct {
+    char motor[RIG_PATH_LENGTH], drive[RIG_PATH_LENGTH], plant[RIG_PATH_LENGTH];
+    double seed;
+    double log_s; ///< distance of logged rows; unset: as suits the length
+    int phases;
+    rig_phase_t phase[RIG_PHASES_MAX];
+} rig_scenario_t;
+
+/// Where a key got its value.
+typedef struct {
+    int file; ///< index into `files`, -1: nowhere
+    int line; ///< 0: command line
+} rig_origin_t;
+
+typedef struct {
+    lode_drive_config_t drive; ///< of six phases too: motor.sets is 2 then
+    rig_six_t six;
+    rig_board_t board;
+    rig_convenience_t people;
+    rig_plant_t plant;
+    rig_source_t source;
+    double seeded_s; ///< unset: 0
+    rig_emf_t emf;
+    rig_pll_t pll;
+    rig_compensation_t compensation;
+    bool speed_of_eq14; ///< no key: qpll-euler takes eq. 14 at its word
+    rig_scenario_t scenario;
+    int files;
+    char file[RIG_FILES_MAX][RIG_PATH_LENGTH];
+    rig_origin_t origin[RIG_KEYS_MAX]; ///< one per row of the schema
+} rig_config_t;
+
+/// Nothing set.
+void rig_config_init(rig_config_t *config);
+
+/// How much of the drive must be given.
+typedef enum {
+    RIG_NEED_MOTOR, ///< the motor alone
+    RIG_NEED_DRIVE, ///< f_pwm, bus voltage and current as well
+    RIG_NEED_BOARD  ///< and the ranges of the converters: what goes into firmware is not assumed
+} rig_need_t;
+
+/// Turns what is written for people into the drive's units and fills the board's gains. False after
+/// a message: something needed is missing, or given twice in two units.
+bool rig_config_complete(rig_config_t *config, rig_need_t need);
+
+/// True for a motor with two sets of windings.
+bool rig_config_is_six(const rig_config_t *config);
+
+lode_drive6_config_t rig_config_six(const rig_config_t *config);
+
+/// Lets the library compute every value of the drive that is open.
+void rig_config_design(rig_config_t *config);
+
+/// The plant that `config` describes, with everything random drawn from the scenario's seed. False
+/// after a message.
+bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double *extra_load_Nm);
+
+#endif

@@ -1,0 +1,40 @@
+/// What follows from a motor and a drive, beyond the library's own numbers.
+#ifndef RIG_DESIGN_H
+#define RIG_DESIGN_H
+
+#include "analyse/margins.h"
+#include "config/rig_config.h"
+#include "design/guide.h"
+#include "design/limits.h"
+
+enum { DESIGN_SPEEDS = 10 };
+
+/// At one speed.
+typedef struct {
+    double speed_rpm, omega_rad_s;
+    double emf_V;
+    double lag_deg;            ///< of the observer, exact
+    double lag_polynomial_deg; ///< as the firmware computes it
+    double lag_eq30_deg;       ///< paper 1, eq. (30), continuous time: 2 atan(w/w0)
+    margins_t margins;
+    double complex pole; ///< least damped one of observer, PLL and notches together
+    double radius;       ///< largest |z| of theirs
+} design_speed_t;
+
+typedef struct {
+    design_speed_t at[DESIGN_SPEEDS];
+    guide_t guide;
+    limits_t limits;
+    double sigma_accepted_rad_s; ///< largest sigma that the library takes
+    double rated_rpm, max_rpm, handover_rpm;
+    double dead_time_V;         ///< fundamental of what the dead time takes: 4/pi Td f v_bus
+    double dead_time_equal_rpm; ///< speed at which the EMF is as large
+    double current_bandwidth_rad_s, speed_bandwidth_rad_s;
+    double start_current_torque_Nm, torque_max_Nm;
+    double angle_per_Lq_percent_deg; ///< error at i_max for each percent that Lq is off
+} design_t;
+
+/// LODE_OK, or why the library refuses the configuration, which must be designed.
+lode_status_t design_compute(design_t *design, const rig_config_t *config);
+
+#endif

@@ -1,0 +1,81 @@
+#include "design/tuning_source.h"
+
+#include <ctype.h>
+#include <string.h>
+
+#include "design/tuning_fields.h"
+#include "lodestar/version.h"
+#include "support/diag.h"
+
+bool tuning_source_name(char *name, size_t size, const char *path) {
+    const char *slash = strrchr(path, '/');
+    const char *first = slash != NULL ? slash + 1 : path;
+    const size_t length = strcspn(first, ".");
+    bool good = length > 0u && length < size && isdigit((unsigned char)first[0]) == 0;
+    for (size_t k = 0u; good && k < length; ++k) {
+        good = isalnum((unsigned char)first[k]) != 0 || first[k] == '_';
+    }
+    if (!good) {
+        rig_error("--c %s: expected a file whose name, without its ending, is one in C", path);
+        return false;
+    }
+    (void)snprintf(name, size, "%.*s", (int)length, first);
+    return true;
+}
+
+// Hexadecimal: every compiler reads the very same float.
+#define PRINT_FLOAT(type, member)                                                                  \
+    (void)fprintf(file, "    ." #member " = %af, // %.9g\n", (double)tuning->member,               \
+                  (double)tuning->member);
+#define PRINT_BOOL(type, member)                                                                   \
+    (void)fprintf(file, "    ." #member " = %s,\n", tuning->member ? "true" : "false");
+#define PRINT_WHOLE(type, member)                                                                  \
+    (void)fprintf(file, "    ." #member " = %luu,\n", (unsigned long)tuning->member);
+#define PRINT_CHOICE(type, member)                                                                 \
+    (void)fprintf(file, "    ." #member " = (" #type ")%d,\n", (int)tuning->member);
+#define PRINT(kind, type, member) PRINT_##kind(type, member)
+
+// Where the file is compiled with the options of the library.
+#define UNLESS(feature)                                                                            \
+    "#ifdef LODE_WITHOUT_" feature "\n"                                                            \
+    "#error \"needs what LODE_WITHOUT_" feature " leaves out\"\n"                                  \
+    "#endif\n"
+
+static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
+    (void)fprintf(file,
+                  "#if LODE_VERSION_MAJOR != %d || LODE_VERSION_MINOR != %d || "
+                  "LODE_VERSION_PATCH != %d\n"
+                  "#error \"written for another version of Lodestar: write it anew\"\n"
+                  "#endif\n",
+                  LODE_VERSION_MAJOR, LODE_VERSION_MINOR, LODE_VERSION_PATCH);
+    if (tuning->references.weakens) {
+        (void)fputs(UNLESS("FIELD_WEAKENING"), file);
+    }
+    if (!tuning->references.plain) {
+        (void)fputs(UNLESS("OPTIMAL_REFERENCES"), file);
+    }
+    if (tuning->estimator.notched || tuning->estimator.notched12) {
+        (void)fputs(UNLESS("NOTCH"), file);
+    }
+}
+
+static void print_members(FILE *file, const lode_drive_tuning_t *tuning) {
+    TUNING_FIELDS(PRINT)
+}
+
+void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t *tuning,
+                         const char *from) {
+    (void)fprintf(file,
+                  "// Written by `lodestar design --c` from %s. C, not C++.\n"
+                  "// lode_drive_begin(&drive, &%s) takes the place of lode_drive_init().\n"
+                  "#include \"lodestar/drive.h\"\n"
+                  "#include \"lodestar/version.h\"\n\n",
+                  from, name);
+    print_guards(file, tuning);
+    (void)fprintf(file,
+                  "\nextern const lode_drive_tuning_t %s;\n"
+                  "const lode_drive_tuning_t %s = {\n",
+                  name, name);
+    print_members(file, tuning);
+    (void)fputs("};\n", file);
+}

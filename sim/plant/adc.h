@@ -1,0 +1,34 @@
+/// Analogue-to-digital converters with their errors, and the noise generator behind them.
+#ifndef PLANT_ADC_H
+#define PLANT_ADC_H
+
+#include "plant/config.h"
+
+/// xoshiro256++ (Blackman and Vigna, 2019) feeding the Box-Muller transform.
+typedef struct {
+    uint64_t state[4];
+    double spare; ///< the transform's second value
+    bool has_spare;
+} plant_noise_t;
+
+typedef struct {
+    plant_noise_t noise;
+    double full_scale_count, middle_count;
+    double i_count_per_A, v_count_per_V, temperature_count_per_degC;
+    double i_offset_A[PLANT_LEGS], i_gain[PLANT_LEGS];
+    int sets;
+    double i_noise_A, v_noise_V, temperature_zero_degC;
+} plant_adc_t;
+
+void plant_adc_init(plant_adc_t *self, const plant_config_t *config);
+
+/// Fills the currents, voltage and temperature of `counts`, one per set; leaves the rest alone.
+void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_LEGS], double v_bus_V,
+                       double temperature_degC, plant_counts_t *counts);
+
+void plant_noise_init(plant_noise_t *self, uint64_t seed);
+
+/// Normally distributed, mean 0, variance 1.
+double plant_noise_next(plant_noise_t *self);
+
+#endif

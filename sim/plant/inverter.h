@@ -1,0 +1,79 @@
+/// Two-level inverter: which device conducts in each leg, and when that changes.
+///
+/// A transistor conducts away from its rail's side only, the diode across it the other way. A leg
+/// with its current out of the inverter (i > 0) therefore sits at `low`, with i < 0 at `high`:
+///     gate    low                high                 (drops; r_on acts as part of the winding)
+///     HIGH    v_bus - v_tr       v_bus + v_diode
+///     LOW     -v_diode           v_tr
+///     OFF     -v_diode           v_bus + v_diode
+/// A leg whose current reaches zero carries none as long as its terminal, moved by the motor alone,
+/// stays between the two. This one rule gives ordinary conduction, the zero-current clamping of the
+/// dead time, floating phases and rectification with all gates off. A leg that has lost its phase
+/// (plant_inverter_open) carries none ever after.
+///
+/// With two sets of windings six legs stand on one bus; the sets' gates go on and off apart.
+#ifndef PLANT_INVERTER_H
+#define PLANT_INVERTER_H
+
+#include "plant/motor.h"
+#include "plant/pwm.h"
+
+typedef struct {
+    plant_pwm_t pwm;
+    int sign;        ///< of the current: +1 out of the inverter, -1 into it, 0 none
+    double source_V; ///< behind r_on; 0 while it carries no current
+    double rail;     ///< share of the leg's current that comes from the positive rail, 0..1
+    bool opening;    ///< the phase opens when its current is next zero ...
+    bool open;       ///< ... and stays so
+} plant_leg_t;
+
+typedef struct {
+    plant_leg_t leg[PLANT_LEGS];
+    int sets;
+    plant_drive_t drive;        ///< what the motor sees
+    bool averaging[PLANT_SETS]; ///< legs are ideal sources of duty * v_bus now
+    double v_bus_V;
+    double period_s, dead_time_s, v_transistor_V, v_diode_V, r_on_Ohm, Rs_Ohm;
+    uint32_t pwm_ticks;
+    plant_level_t level;
+} plant_inverter_t;
+
+/// A change of conduction inside a stretch.
+typedef struct {
+    double after_s; ///< from the start of the stretch
+    int leg;        ///< PLANT_ALL_FLOAT: some of the three floating ones of a set will start
+    int sign;       ///< of the current from then on; 0: it stopped
+} plant_event_t;
+
+void plant_inverter_init(plant_inverter_t *self, const plant_config_t *config);
+
+/// Starts a PWM period. Duties outside 0..1 count as the nearer end.
+void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
+                          const double duty[PLANT_LEGS], const bool gates_on[PLANT_SETS]);
+
+/// The phase behind a leg breaks: at the next zero of its current, at once where there is none.
+void plant_inverter_open(plant_inverter_t *self, const plant_motor_t *motor, int leg);
+
+/// Time of the next gate edge that changes a terminal voltage; `limit_s` if there is none before.
+/// An edge that hands the current from a diode to the transistor of the other direction is none.
+double plant_inverter_next_edge(const plant_inverter_t *self, double limit_s);
+
+/// Makes the gate edges up to now and finds which devices conduct.
+void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double now_s);
+
+/// Removes what integration made of currents that stay zero for long.
+void plant_inverter_clear(const plant_inverter_t *self, plant_motor_t *motor);
+
+/// True if conduction changed in the stretch from `before` to the motor's present state, h_s later.
+bool plant_inverter_find_event(const plant_inverter_t *self, const plant_motor_t *motor,
+                               const plant_motor_state_t *before, const plant_stretch_t *stretch,
+                               double h_s, plant_event_t *event);
+
+/// Puts the event into effect; the motor stands at its instant.
+void plant_inverter_take_event(plant_inverter_t *self, plant_motor_t *motor,
+                               const plant_event_t *event);
+
+/// Adopts the signs the currents have.
+void plant_inverter_adopt_signs(plant_inverter_t *self, const plant_motor_t *motor);
+
+#endif

@@ -1,0 +1,570 @@
+#include "plant/motor.h"
+
+#include "plant/flux.h"
+
+#include <math.h>
+
+/// The few functions that every step runs three times: a call costs as much as their arithmetic.
+#if defined(__GNUC__)
+#define HOT static inline __attribute__((always_inline))
+#else
+#define HOT static inline
+#endif
+
+#define PI 3.14159265358979323846
+#define SQRT3_2 0.86602540378443864676
+
+/// One evaluation point of the integration. On the q axis the flux is what is integrated: the
+/// voltage acts on it alike whether or not the iron saturates.
+typedef struct {
+    double id, iq, psi_q, omega, cos, sin;
+    double ix, iy; // two sets only
+} point_t;
+
+typedef struct {
+    double did, dpsi_q, torque;
+    double u_float; // one set only
+    double dix, diy;
+    plant_vector_t push[PLANT_SETS]; // voltage of floating phases, two sets only
+} slope_t;
+
+/// What the shaft feels besides the motor's torque and viscous friction; constant in one step.
+typedef struct {
+    double load_Nm;
+    double inv_J; ///< 0 where the speed is held, by a dynamometer or by the load at standstill
+} shaft_t;
+
+void plant_motor_init(plant_motor_t *self, const plant_config_t *config) {
+    const bool saturates = config->i_sat_A > 0.0;
+    const bool dual = config->sets == PLANT_SETS;
+    *self = (plant_motor_t){
+        .x = {.omega_m_rad_s = config->omega_m_rad_s, .theta_e_rad = config->theta_e_rad},
+        .speed_is_prescribed = config->speed_is_prescribed,
+        .load_is_passive = config->load_is_passive,
+        .load_Nm = config->load_Nm,
+        .sets = dual ? PLANT_SETS : 1,
+        .power = dual ? 3.0 : 1.5,
+        .np = (double)config->pole_pairs,
+        .Rs_Ohm = config->Rs_Ohm,
+        .Ld_H = config->Ld_H,
+        .Lq_H = config->Lq_H,
+        .Lq_sat_H = saturates ? config->Lq_sat_H : config->Lq_H,
+        .Lxy_H = dual ? config->Lxy_H : 0.0,
+        .psi_Wb = config->psi_Wb,
+        .i_sat_A = config->i_sat_A,
+        .inv_Ld = 1.0 / config->Ld_H,
+        .inv_Lq = 1.0 / config->Lq_H,
+        .inv_Lxy = dual ? 1.0 / config->Lxy_H : 0.0,
+        .inv_i_sat = saturates ? 1.0 / config->i_sat_A : 0.0,
+        .inv_J = 1.0 / config->J_kgm2,
+        .J_kgm2 = config->J_kgm2,
+        .B_Nms = config->B_Nms,
+        .saturates = saturates,
+    };
+    plant_flux_init(self, config);
+    plant_motor_refresh_angle(self);
+}
+
+void plant_motor_refresh_angle(plant_motor_t *self) {
+    plant_motor_state_t *x = &self->x;
+    if (!(x->theta_e_rad > -PI && x->theta_e_rad <= PI)) {
+        x->theta_e_rad -= 2.0 * PI * ceil(x->theta_e_rad / (2.0 * PI) - 0.5);
+    }
+    x->cos_theta = cos(x->theta_e_rad);
+    x->sin_theta = sin(x->theta_e_rad);
+}
+
+static inline double flux_q(const plant_motor_t *m, double iq) {
+    if (!m->saturates) {
+        return m->Lq_H * iq;
+    }
+    return iq * (m->Lq_sat_H + (m->Lq_H - m->Lq_sat_H) / (1.0 + fabs(iq) * m->inv_i_sat));
+}
+
+/// The inverse of flux_q: the positive root of
+///     (Lq_sat/i_sat) i^2 + (Lq - psi/i_sat) i - psi = 0
+HOT double current_q(const plant_motor_t *m, double psi_q) {
+    if (!m->saturates) {
+        return m->inv_Lq * psi_q;
+    }
+    const double size = fabs(psi_q);
+    const double b = m->Lq_H - size * m->inv_i_sat;
+    return 2.0 * psi_q / (b + sqrt(b * b + 4.0 * m->Lq_sat_H * m->inv_i_sat * size));
+}
+
+/// diq/dpsi_q.
+HOT double inverse_Lq(const plant_motor_t *m, double iq) {
+    if (!m->saturates) {
+        return m->inv_Lq;
+    }
+    const double fade = 1.0 / (1.0 + fabs(iq) * m->inv_i_sat);
+    return 1.0 / (m->Lq_sat_H + (m->Lq_H - m->Lq_sat_H) * fade * fade);
+}
+
+static point_t point_of(const plant_motor_t *m, const plant_motor_state_t *x) {
+    return (point_t){
+        .id = x->id_A,
+        .iq = x->iq_A,
+        .psi_q = flux_q(m, x->iq_A),
+        .omega = x->omega_m_rad_s,
+        .cos = x->cos_theta,
+        .sin = x->sin_theta,
+        .ix = x->ix_A,
+        .iy = x->iy_A,
+    };
+}
+
+/// Holds the current of the floating phase: its terminal takes the voltage that stops di/dt.
+static void hold_floating(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
+                          slope_t *slope) {
+    const double w = m->np * at->omega, inv_Lq = inverse_Lq(m, at->iq);
+    const int leg = drive->floating[0];
+    const double ac = plant_axis_cos[leg], as = plant_axis_sin[leg];
+    const double ad = ac * at->cos + as * at->sin;
+    const double aq = as * at->cos - ac * at->sin;
+    // The phase's current changes by the dq slope and by the rotation of the frame.
+    const double rate = ad * (slope->did - w * at->iq) + aq * (slope->dpsi_q * inv_Lq + w * at->id);
+    const double push = -rate / (ad * ad * m->inv_Ld + aq * aq * inv_Lq);
+    slope->did += push * ad * m->inv_Ld;
+    slope->dpsi_q += push * aq;
+    slope->u_float = 1.5 * push;
+}
+
+/// The same for two sets, which the iron couples.
+static void hold_sets(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
+                      slope_t *slope) {
+    const double w = m->np * at->omega, inv_Lq = inverse_Lq(m, at->iq);
+    const double c = at->cos, s = at->sin;
+    const plant_compliance_t compliance = {
+        .alpha_alpha = c * c * m->inv_Ld + s * s * inv_Lq,
+        .alpha_beta = c * s * (m->inv_Ld - inv_Lq),
+        .beta_beta = s * s * m->inv_Ld + c * c * inv_Lq,
+        .xy = m->inv_Lxy,
+    };
+    const double d = slope->did - w * at->iq, q = slope->dpsi_q * inv_Lq + w * at->id;
+    const plant_planes_t rates = {{d * c - q * s, d * s + q * c}, {slope->dix, slope->diy}};
+    const plant_vector_t rate[PLANT_SETS] = {plant_sets_vector(&rates, 0),
+                                             plant_sets_vector(&rates, 1)};
+    plant_planes_t u = {{0.0, 0.0}, {0.0, 0.0}};
+    plant_sets_hold(&compliance, drive->floating, rate, slope->push);
+    plant_sets_add(&u, 0, slope->push[0]);
+    plant_sets_add(&u, 1, slope->push[1]);
+    slope->did += (u.ab.alpha * c + u.ab.beta * s) * m->inv_Ld;
+    slope->dpsi_q += u.ab.beta * c - u.ab.alpha * s;
+    slope->dix += u.xy.alpha * m->inv_Lxy;
+    slope->diy += u.xy.beta * m->inv_Lxy;
+}
+
+/// (M6), then whatever floats.
+static void add_second_set(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
+                           slope_t *slope) {
+    const double w = m->np * at->omega;
+    plant_vector_t h = {0.0, 0.0};
+    if (m->has_xy_harmonics) {
+        h = plant_flux_ripple_xy(m, at->cos, at->sin);
+        slope->torque += m->power * m->np * (h.alpha * at->ix + h.beta * at->iy);
+    }
+    slope->dix = (drive->u_x_V - drive->R_Ohm * at->ix - w * h.alpha) * m->inv_Lxy;
+    slope->diy = (drive->u_y_V - drive->R_Ohm * at->iy - w * h.beta) * m->inv_Lxy;
+    if (drive->floating[0] != PLANT_NONE_FLOATS || drive->floating[1] != PLANT_NONE_FLOATS) {
+        hold_sets(m, drive, at, slope);
+    } else {
+        slope->push[0] = slope->push[1] = (plant_vector_t){0.0, 0.0};
+    }
+}
+
+/// (M1)..(M3), (M6). `dual` is a constant wherever this is put in line.
+HOT slope_t slope_at(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
+                     bool dual) {
+    const double ud = drive->u_alpha_V * at->cos + drive->u_beta_V * at->sin;
+    const double uq = drive->u_beta_V * at->cos - drive->u_alpha_V * at->sin;
+    const double w = m->np * at->omega;
+    double flux_1 = m->psi_Wb + m->Ld_H * at->id, flux_2 = at->psi_q;
+    if (m->has_dq_harmonics) {
+        double h_d, h_q;
+        plant_flux_ripple(m, at->cos, at->sin, &h_d, &h_q);
+        flux_1 += h_q;
+        flux_2 -= h_d;
+    }
+    slope_t slope = {
+        .did = (ud - drive->R_Ohm * at->id + w * flux_2) * m->inv_Ld,
+        .dpsi_q = uq - drive->R_Ohm * at->iq - w * flux_1,
+        .torque = m->power * m->np * (flux_1 * at->iq - flux_2 * at->id),
+        .u_float = 0.0,
+    };
+    if (dual) {
+        add_second_set(m, drive, at, &slope);
+    } else if (drive->floating[0] >= 0) {
+        hold_floating(m, drive, at, &slope);
+    }
+    return slope;
+}
+
+/// A passive load opposes motion; at standstill it holds as long as it is the stronger.
+static shaft_t shaft_at(const plant_motor_t *m, double torque) {
+    if (m->speed_is_prescribed) {
+        return (shaft_t){.load_Nm = 0.0, .inv_J = 0.0};
+    }
+    if (!m->load_is_passive) {
+        return (shaft_t){.load_Nm = m->load_Nm, .inv_J = m->inv_J};
+    }
+    const double strength = fabs(m->load_Nm);
+    const bool at_rest = !(m->x.omega_m_rad_s > 0.0) && !(m->x.omega_m_rad_s < 0.0);
+    if (at_rest && fabs(torque) <= strength) {
+        return (shaft_t){.load_Nm = 0.0, .inv_J = 0.0};
+    }
+    const double direction = at_rest ? torque : m->x.omega_m_rad_s;
+    return (shaft_t){.load_Nm = copysign(strength, direction), .inv_J = m->inv_J};
+}
+
+HOT double acceleration(const plant_motor_t *m, const shaft_t *shaft, double torque, double omega) {
+    return (torque - shaft->load_Nm - m->B_Nms * omega) * shaft->inv_J;
+}
+
+/// Cosine and sine of an angle up to 0.1 rad; the series ends below 1e-15.
+HOT void small_angle(double angle, double *c, double *s) {
+    const double x2 = angle * angle;
+    *c = 1.0 - x2 * (0.5 - x2 * (1.0 / 24 - x2 * (1.0 / 720)));
+    *s = angle * (1.0 - x2 * (1.0 / 6 - x2 * (1.0 / 120 - x2 * (1.0 / 5040))));
+}
+
+static inline void rotate(double angle, double *c, double *s) {
+    double ca, sa;
+    small_angle(angle, &ca, &sa);
+    const double turned = *c * ca - *s * sa;
+    *s = *s * ca + *c * sa;
+    *c = turned;
+}
+
+/// A passive load stops the shaft, it never turns it back. The rest of the speed becomes its heat.
+static void stop_at_reversal(plant_motor_t *m, double omega_before, plant_stretch_t *sum) {
+    if (m->load_is_passive && !m->speed_is_prescribed && omega_before * m->x.omega_m_rad_s < 0.0) {
+        sum->load_J += plant_motor_kinetic_energy(m);
+        m->x.omega_m_rad_s = 0.0;
+    }
+}
+
+/// Voltage of the single floating phase that adds `push` to its set's vector.
+static double terminal_of(const plant_vector_t *push, int leg) {
+    return 1.5 * (plant_axis_cos[leg] * push->alpha + plant_axis_sin[leg] * push->beta);
+}
+
+/// The quadratures that belong to the states: the same weights at the same three points.
+HOT void integrate(const plant_motor_t *m, const shaft_t *shaft, const point_t *p, const slope_t *k,
+                   double h, plant_stretch_t *sum) {
+    const double g = h / 6.0, g1 = 4.0 * g;
+    sum->i_alpha_As = g * (p[0].id * p[0].cos - p[0].iq * p[0].sin) +
+                      g1 * (p[1].id * p[1].cos - p[1].iq * p[1].sin) +
+                      g * (p[2].id * p[2].cos - p[2].iq * p[2].sin);
+    sum->i_beta_As = g * (p[0].id * p[0].sin + p[0].iq * p[0].cos) +
+                     g1 * (p[1].id * p[1].sin + p[1].iq * p[1].cos) +
+                     g * (p[2].id * p[2].sin + p[2].iq * p[2].cos);
+    sum->i_squared_A2s = g * (p[0].id * p[0].id + p[0].iq * p[0].iq) +
+                         g1 * (p[1].id * p[1].id + p[1].iq * p[1].iq) +
+                         g * (p[2].id * p[2].id + p[2].iq * p[2].iq);
+    sum->shaft_work_J =
+        g * k[0].torque * p[0].omega + g1 * k[1].torque * p[1].omega + g * k[2].torque * p[2].omega;
+    sum->friction_J = m->B_Nms * (g * p[0].omega * p[0].omega + g1 * p[1].omega * p[1].omega +
+                                  g * p[2].omega * p[2].omega);
+    sum->load_J = m->speed_is_prescribed
+                      ? sum->shaft_work_J - sum->friction_J
+                      : shaft->load_Nm * (g * p[0].omega + g1 * p[1].omega + g * p[2].omega);
+    sum->set[0].u_Vs = g * k[0].u_float + g1 * k[1].u_float + g * k[2].u_float;
+    sum->set[0].u_start_V = k[0].u_float;
+    sum->set[0].u_end_V = k[2].u_float;
+    sum->did_start_A_s = k[0].did;
+    sum->dpsi_q_start_V = k[0].dpsi_q;
+}
+
+/// What two sets have besides.
+static void integrate_second_set(const plant_drive_t *drive, const point_t *p, const slope_t *k,
+                                 double h, plant_stretch_t *sum) {
+    const double g = h / 6.0, g1 = 4.0 * g;
+    sum->i_x_As = g * p[0].ix + g1 * p[1].ix + g * p[2].ix;
+    sum->i_y_As = g * p[0].iy + g1 * p[1].iy + g * p[2].iy;
+    sum->i_squared_A2s += g * (p[0].ix * p[0].ix + p[0].iy * p[0].iy) +
+                          g1 * (p[1].ix * p[1].ix + p[1].iy * p[1].iy) +
+                          g * (p[2].ix * p[2].ix + p[2].iy * p[2].iy);
+    sum->dix_start_A_s = k[0].dix;
+    sum->diy_start_A_s = k[0].diy;
+    for (int set = 0; set < PLANT_SETS; set++) {
+        const plant_vector_t *a = &k[0].push[set], *b = &k[1].push[set], *c = &k[2].push[set];
+        plant_float_t *at = &sum->set[set];
+        at->all_start_V = *a;
+        at->all_end_V = *c;
+        at->all_Vs = (plant_vector_t){g * a->alpha + g1 * b->alpha + g * c->alpha,
+                                      g * a->beta + g1 * b->beta + g * c->beta};
+        if (drive->floating[set] != PLANT_NONE_FLOATS && drive->floating[set] != PLANT_ALL_FLOAT) {
+            at->u_Vs = terminal_of(&at->all_Vs, drive->floating[set]);
+            at->u_start_V = terminal_of(a, drive->floating[set]);
+            at->u_end_V = terminal_of(c, drive->floating[set]);
+        }
+    }
+}
+
+/// All phases float: no current, no torque, only (M4) is left.
+static void coast(plant_motor_t *m, double h, plant_stretch_t *sum) {
+    const double omega_0 = m->x.omega_m_rad_s;
+    const shaft_t shaft = shaft_at(m, 0.0);
+    const plant_planes_t flux_0 = plant_flux_magnet(m, &m->x),
+                         emf_0 = plant_flux_open_emf(m, &m->x);
+    // The linear equation needs two corrections to be as good as the rest.
+    const double a_0 = acceleration(m, &shaft, 0.0, omega_0);
+    const double pole = m->B_Nms * shaft.inv_J * h;
+    const double gain = 1.0 - pole * (0.5 - pole / 6.0);
+    const double turn = h * (omega_0 + a_0 * h * (0.5 - pole / 6.0));
+    m->x.omega_m_rad_s += a_0 * h * gain;
+    m->x.theta_e_rad += m->np * turn;
+    rotate(m->np * turn, &m->x.cos_theta, &m->x.sin_theta);
+    const plant_planes_t flux_1 = plant_flux_magnet(m, &m->x),
+                         emf_1 = plant_flux_open_emf(m, &m->x);
+    const double omega_1 = m->x.omega_m_rad_s;
+    *sum = (plant_stretch_t){
+        .friction_J =
+            m->B_Nms * h * (omega_0 * omega_0 + omega_0 * omega_1 + omega_1 * omega_1) / 3.0,
+        .load_J = shaft.load_Nm * turn,
+    };
+    const plant_planes_t change = {
+        {flux_1.ab.alpha - flux_0.ab.alpha, flux_1.ab.beta - flux_0.ab.beta},
+        {flux_1.xy.alpha - flux_0.xy.alpha, flux_1.xy.beta - flux_0.xy.beta},
+    };
+    for (int set = 0; set < m->sets; set++) {
+        sum->set[set].all_Vs = plant_sets_vector(&change, set);
+        sum->set[set].all_start_V = plant_sets_vector(&emf_0, set);
+        sum->set[set].all_end_V = plant_sets_vector(&emf_1, set);
+    }
+    if (m->speed_is_prescribed) {
+        sum->load_J = -sum->friction_J;
+    }
+    stop_at_reversal(m, omega_0, sum);
+}
+
+/// Where the trial slopes lead from p[0].
+HOT void move(const plant_motor_t *m, const point_t *from, double h, const slope_t *k, point_t *to,
+              bool dual) {
+    to->id = from->id + h * k->did;
+    to->psi_q = from->psi_q + h * k->dpsi_q;
+    to->iq = current_q(m, to->psi_q);
+    if (dual) {
+        to->ix = from->ix + h * k->dix;
+        to->iy = from->iy + h * k->diy;
+    }
+}
+
+HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant_stretch_t *sum,
+              bool dual) {
+    // Kutta's third-order rule: slopes at the start, the middle and the end, weights 1, 4, 1.
+    plant_motor_state_t *x = &self->x;
+    const double h = h_s, half = 0.5 * h_s;
+    point_t p[3];
+    slope_t k[3];
+    p[0] = point_of(self, x);
+    k[0] = slope_at(self, drive, &p[0], dual);
+    const shaft_t shaft = shaft_at(self, k[0].torque);
+    const double a_0 = acceleration(self, &shaft, k[0].torque, p[0].omega);
+
+    double c, s; // of half the angle turned, taken twice; then what acceleration adds to that
+    small_angle(self->np * half * (p[0].omega + 0.5 * half * a_0), &c, &s);
+    const double more = self->np * half * half * a_0;
+    p[1].cos = p[0].cos * c - p[0].sin * s;
+    p[1].sin = p[0].sin * c + p[0].cos * s;
+    c -= s * more;
+    s += c * more;
+    p[2].cos = p[1].cos * c - p[1].sin * s;
+    p[2].sin = p[1].sin * c + p[1].cos * s;
+
+    move(self, &p[0], half, &k[0], &p[1], dual);
+    p[1].omega = p[0].omega + half * a_0;
+    k[1] = slope_at(self, drive, &p[1], dual);
+    const double a_1 = acceleration(self, &shaft, k[1].torque, p[1].omega);
+
+    const slope_t onward = {.did = 2.0 * k[1].did - k[0].did,
+                            .dpsi_q = 2.0 * k[1].dpsi_q - k[0].dpsi_q,
+                            .dix = dual ? 2.0 * k[1].dix - k[0].dix : 0.0,
+                            .diy = dual ? 2.0 * k[1].diy - k[0].diy : 0.0};
+    move(self, &p[0], h, &onward, &p[2], dual);
+    p[2].omega = p[0].omega + h * (2.0 * a_1 - a_0);
+    k[2] = slope_at(self, drive, &p[2], dual);
+    const double a_2 = acceleration(self, &shaft, k[2].torque, p[2].omega);
+
+    integrate(self, &shaft, p, k, h, sum);
+    const double jerk_turn = self->np * h * h / 3.0 * (a_1 - a_0);
+    x->theta_e_rad += self->np * h * (p[0].omega + half * a_0) + jerk_turn;
+    x->cos_theta = p[2].cos - p[2].sin * jerk_turn;
+    x->sin_theta = p[2].sin + p[2].cos * jerk_turn;
+    x->id_A += h / 6.0 * (k[0].did + 4.0 * k[1].did + k[2].did);
+    x->iq_A =
+        current_q(self, p[0].psi_q + h / 6.0 * (k[0].dpsi_q + 4.0 * k[1].dpsi_q + k[2].dpsi_q));
+    x->omega_m_rad_s += h / 6.0 * (a_0 + 4.0 * a_1 + a_2);
+    if (dual) {
+        x->ix_A += h / 6.0 * (k[0].dix + 4.0 * k[1].dix + k[2].dix);
+        x->iy_A += h / 6.0 * (k[0].diy + 4.0 * k[1].diy + k[2].diy);
+        integrate_second_set(drive, p, k, h, sum);
+    }
+    stop_at_reversal(self, p[0].omega, sum);
+}
+
+/// One set's motor is worth a copy of the code that knows of no second.
+void plant_motor_step(plant_motor_t *self, const plant_drive_t *drive, double h_s,
+                      plant_stretch_t *sum) {
+    const bool dual = self->sets == PLANT_SETS;
+    if (drive->floating[0] == PLANT_ALL_FLOAT && (!dual || drive->floating[1] == PLANT_ALL_FLOAT)) {
+        coast(self, h_s, sum);
+    } else if (dual) {
+        step(self, drive, h_s, sum, true);
+    } else {
+        step(self, drive, h_s, sum, false);
+    }
+}
+
+double plant_motor_longest_step(const plant_motor_t *self, double R_Ohm) {
+    const double w = self->np * self->x.omega_m_rad_s;
+    const double L = fmin(self->Ld_H, self->Lq_sat_H);
+    const double decay = R_Ohm / (self->sets == 1 ? L : fmin(L, self->Lxy_H));
+    double fastest2 = fmax(w * w, decay * decay);
+    if (self->has_xy_harmonics) {
+        // A few per cent of the current, which turn up to seven times as fast: steps a third of (7 w).
+        fastest2 = fmax(fastest2, 5.4 * w * w);
+    }
+    if (!self->speed_is_prescribed) {
+        // The rotor swings in the field of the currents like a mass on a spring; light ones fast.
+        const double psi_d = self->psi_Wb + self->Ld_H * self->x.id_A;
+        const double psi_q = self->Lq_H * self->x.iq_A;
+        const double stiffness =
+            self->power * self->np * self->np * (psi_d * psi_d + psi_q * psi_q) / L;
+        fastest2 = fmax(fastest2, stiffness * self->inv_J);
+    }
+    // 0.05 rad of the fastest motion: 5e-6 of relative error per radian.
+    return 0.05 / sqrt(fmax(fastest2, 2500.0));
+}
+
+double plant_motor_torque(const plant_motor_t *self) {
+    const plant_drive_t none = {.floating = {PLANT_NONE_FLOATS, PLANT_NONE_FLOATS}};
+    const point_t at = point_of(self, &self->x);
+    return slope_at(self, &none, &at, self->sets == PLANT_SETS).torque;
+}
+
+void plant_motor_slopes(const plant_motor_t *self, const plant_drive_t *drive,
+                        plant_stretch_t *now) {
+    const bool dual = self->sets == PLANT_SETS;
+    if (!dual && drive->floating[0] == PLANT_ALL_FLOAT) {
+        const plant_planes_t emf = plant_flux_open_emf(self, &self->x);
+        *now = (plant_stretch_t){.set = {{.all_start_V = emf.ab}}};
+        return;
+    }
+    const point_t at = point_of(self, &self->x);
+    const slope_t slope = slope_at(self, drive, &at, dual);
+    now->did_start_A_s = slope.did;
+    now->dpsi_q_start_V = slope.dpsi_q;
+    now->dix_start_A_s = slope.dix;
+    now->diy_start_A_s = slope.diy;
+    now->set[0].u_start_V = slope.u_float;
+    for (int set = 0; dual && set < PLANT_SETS; set++) {
+        const int leg = drive->floating[set];
+        now->set[set].all_start_V = slope.push[set];
+        if (leg != PLANT_NONE_FLOATS && leg != PLANT_ALL_FLOAT) {
+            now->set[set].u_start_V = terminal_of(&slope.push[set], leg);
+        }
+    }
+}
+
+double plant_motor_phase_slope(const plant_motor_t *self, const plant_motor_state_t *state,
+                               const plant_stretch_t *stretch, int leg) {
+    const double w = self->np * state->omega_m_rad_s;
+    const double ac = plant_axis_cos[leg], as = plant_axis_sin[leg];
+    const double ad = ac * state->cos_theta + as * state->sin_theta;
+    const double aq = as * state->cos_theta - ac * state->sin_theta;
+    const double diq_A_s = stretch->dpsi_q_start_V * inverse_Lq(self, state->iq_A);
+    const double slope =
+        ad * (stretch->did_start_A_s - w * state->iq_A) + aq * (diq_A_s + w * state->id_A);
+    if (self->sets == 1) {
+        return slope;
+    }
+    const double xy = ac * stretch->dix_start_A_s - as * stretch->diy_start_A_s;
+    return leg < PLANT_PHASES ? slope + xy : slope - xy;
+}
+
+plant_planes_t plant_motor_active_emf(const plant_motor_t *self) {
+    const plant_motor_state_t *x = &self->x;
+    const double w = self->np * x->omega_m_rad_s;
+    const double fade = 1.0 / (1.0 + fabs(x->iq_A) * self->inv_i_sat);
+    const double Lq = self->Lq_sat_H + (self->Lq_H - self->Lq_sat_H) * fade;
+    const double e = w * (self->Ld_H - Lq) * x->id_A; // on top of the magnet's
+    plant_planes_t emf = plant_flux_open_emf(self, x);
+    emf.ab.alpha -= e * x->sin_theta;
+    emf.ab.beta += e * x->cos_theta;
+    return emf;
+}
+
+static plant_planes_t planes_of(const plant_motor_state_t *x) {
+    return (plant_planes_t){
+        .ab = {x->id_A * x->cos_theta - x->iq_A * x->sin_theta,
+               x->id_A * x->sin_theta + x->iq_A * x->cos_theta},
+        .xy = {x->ix_A, x->iy_A},
+    };
+}
+
+void plant_motor_phase_currents(const plant_motor_t *self, const plant_motor_state_t *state,
+                                double i_A[PLANT_LEGS]) {
+    const plant_planes_t i = planes_of(state);
+    if (self->sets == 1) {
+        i_A[0] = i.ab.alpha;
+        i_A[1] = SQRT3_2 * i.ab.beta - 0.5 * i.ab.alpha;
+        i_A[2] = -SQRT3_2 * i.ab.beta - 0.5 * i.ab.alpha;
+        return;
+    }
+    for (int leg = 0; leg < PLANT_LEGS; leg++) {
+        const plant_vector_t set = plant_sets_vector(&i, leg / PLANT_PHASES);
+        i_A[leg] = plant_axis_cos[leg] * set.alpha + plant_axis_sin[leg] * set.beta;
+    }
+}
+
+/// Adds a vector to a set's current.
+static void add_to_set(plant_motor_t *m, int set, plant_vector_t vector) {
+    plant_motor_state_t *x = &m->x;
+    plant_planes_t more = {vector, {0.0, 0.0}};
+    if (m->sets == PLANT_SETS) {
+        more.ab = (plant_vector_t){0.0, 0.0};
+        plant_sets_add(&more, set, vector);
+    }
+    x->id_A += more.ab.alpha * x->cos_theta + more.ab.beta * x->sin_theta;
+    x->iq_A += more.ab.beta * x->cos_theta - more.ab.alpha * x->sin_theta;
+    x->ix_A += more.xy.alpha;
+    x->iy_A += more.xy.beta;
+}
+
+void plant_motor_clear_phase(plant_motor_t *self, int leg) {
+    const plant_planes_t i = planes_of(&self->x);
+    const plant_vector_t set = plant_sets_vector(&i, leg / PLANT_PHASES);
+    const double ac = plant_axis_cos[leg], as = plant_axis_sin[leg];
+    const double rest = ac * set.alpha + as * set.beta;
+    add_to_set(self, leg / PLANT_PHASES, (plant_vector_t){-rest * ac, -rest * as});
+}
+
+void plant_motor_clear_set(plant_motor_t *self, int set) {
+    if (self->sets == 1) {
+        self->x.id_A = 0.0;
+        self->x.iq_A = 0.0;
+        return;
+    }
+    const plant_planes_t i = planes_of(&self->x);
+    const plant_vector_t own = plant_sets_vector(&i, set);
+    add_to_set(self, set, (plant_vector_t){-own.alpha, -own.beta});
+}
+
+double plant_motor_field_energy(const plant_motor_t *self) {
+    const double id = self->x.id_A, iq = self->x.iq_A, ix = self->x.ix_A, iy = self->x.iy_A;
+    double energy = 0.5 * self->Ld_H * id * id + 0.5 * self->Lq_sat_H * iq * iq +
+                    0.5 * self->Lxy_H * (ix * ix + iy * iy);
+    if (self->saturates) {
+        // The integral of iq dpsi_q of the fading part.
+        const double r = fabs(iq) * self->inv_i_sat;
+        energy += (self->Lq_H - self->Lq_sat_H) * self->i_sat_A * self->i_sat_A *
+                  (log1p(r) - r / (1.0 + r));
+    }
+    return self->power * energy;
+}
+
+double plant_motor_kinetic_energy(const plant_motor_t *self) {
+    return 0.5 * self->J_kgm2 * self->x.omega_m_rad_s * self->x.omega_m_rad_s;
+}

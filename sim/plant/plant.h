@@ -1,0 +1,121 @@
+/// A motor, its shaft, its inverter and its current sensors: what the firmware is tested against.
+///
+/// Independent of the library under test: it includes nothing of it and computes in double.
+///
+///     plant_t plant;
+///     const plant_config_t config = plant_config_jiang2022();
+///     const char *error = plant_init(&plant, &config);    NULL if all is well
+///     for (;;) {
+///         plant_sample(&plant, &counts, &truth);           at t_k
+///         plant_write(&plant, duty, gates_on);             from the same interrupt
+///         plant_advance(&plant);                           to t_k+1
+///     }
+///
+/// Timing. t_k starts PWM period k and lies in the middle of its zero vector (all low sides on).
+/// Duties written at t_k are shadowed and act in [t_k+1, t_k+2). Gates off acts in [t_k, t_k+1)
+/// already, as a hardware output-enable does; gates on comes with its duties at t_k+1. Without a
+/// new write the last one stays in force.
+///
+/// Six phases (plant_config_t.sets = 2): plant_sample() fills an array of two counts, and
+/// plant_write_set() writes one set; everything else is the same.
+///
+/// Conventions. Amplitude-invariant transforms; theta on the magnet's north pole, 0 on phase a;
+/// current positive into the motor; EMF e = j w psi_a exp(j theta); motor torque positive in the
+/// direction of positive speed, load torque against it.
+#ifndef PLANT_H
+#define PLANT_H
+
+#include "plant/adc.h"
+#include "plant/config.h"
+#include "plant/inverter.h"
+#include "plant/motor.h"
+
+/// Where the energy went since plant_init, integrated along with the states. All of it:
+///     bus = copper + inverter + friction + load + (field + kinetic) - (the same at the start)
+typedef struct {
+    double bus_J;      ///< out of the DC source; negative when it is charged
+    double copper_J;   ///< in the windings
+    double inverter_J; ///< on-state losses (there are no switching losses)
+    double shaft_J;    ///< converted from electrical to mechanical
+    double friction_J; ///< viscous
+    double load_J;     ///< into the load or the dynamometer
+    double field_J;    ///< held now; the magnet's own share left out
+    double kinetic_J;  ///< held now
+} plant_energy_t;
+
+/// What really is at t_k. No error of any sensor in it.
+typedef struct {
+    double t_s;
+    double theta_e_rad; ///< (-pi, pi]
+    double omega_e_rad_s, omega_m_rad_s;
+    double i_abc_A[PLANT_LEGS]; ///< of set 2 from [3] on
+    double id_A, iq_A;
+    double i_alpha_A, i_beta_A;
+    double i_x_A, i_y_A;        ///< two sets; 0 with one
+    double e_alpha_V, e_beta_V; ///< j w psi_a exp(j theta), psi_a = psi + (Ld - Lq) id, + harmonics
+    double e_x_V, e_y_V;        ///< two sets: 5th and 7th harmonic
+    double torque_Nm;           ///< of the motor
+    double u_alpha_V, u_beta_V; ///< mean terminal voltage over [t_k-1, t_k)
+    double u_x_V, u_y_V;
+    bool open[PLANT_LEGS]; ///< the phase is broken
+    plant_energy_t energy;
+} plant_truth_t;
+
+/// Visible for static allocation; written only by plant*.c. A copy is an independent plant.
+typedef struct {
+    plant_motor_t motor;
+    plant_inverter_t inverter;
+    plant_adc_t adc;
+    double period_s, sample_offset_s, stamp_Hz, temperature_degC;
+    uint64_t periods; ///< k
+    int sets;
+    bool trip[PLANT_SETS];
+    bool gates_on[PLANT_SETS],
+        next_gates_on[PLANT_SETS]; ///< in the period at hand, in the next one
+    double duty[PLANT_LEGS], next_duty[PLANT_LEGS];
+    double now_s; ///< within the period at hand
+    int events_left;
+    plant_planes_t u_Vs; ///< over the period at hand, then over the last one
+    double i_early_A[PLANT_LEGS];
+    plant_energy_t energy;
+} plant_t;
+
+/// NULL, or the reason in words; the object is untouched then. Starts with gates off, no current.
+const char *plant_init(plant_t *self, const plant_config_t *config);
+
+/// Reads converters and truth at t_k; either may be NULL. Each conversion draws fresh noise. `counts`
+/// is one per set.
+void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth);
+
+/// Duties 0..1 (outside counts as the nearer end, NaN as 0) of the high sides, and the gate enable.
+/// plant_write() means the first set.
+void plant_write(plant_t *self, const double duty[PLANT_PHASES], bool gates_on);
+void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], bool gates_on);
+
+/// Simulates one PWM period, t_k to t_k+1.
+void plant_advance(plant_t *self);
+
+/// Passive load: the sign does not matter. Otherwise positive brakes positive speed.
+void plant_set_load(plant_t *self, double load_Nm);
+
+/// From now on the shaft turns at this speed whatever the torque, as on a stiff dynamometer.
+void plant_set_speed(plant_t *self, double omega_m_rad_s);
+
+/// Ends plant_set_speed: the shaft goes on freely from the speed it has.
+void plant_release_speed(plant_t *self);
+
+void plant_set_bus(plant_t *self, double v_bus_V);
+
+void plant_set_temperature(plant_t *self, double temperature_degC);
+
+/// The hardware's trip input: while it is true all gates are off, from the t_k at hand on, and the
+/// firmware reads it. When it ends, the last write is in force again.
+void plant_set_trip(plant_t *self, bool trip);
+/// The same of one set alone.
+void plant_set_trip_of(plant_t *self, int set, bool trip);
+
+/// A wire breaks: the phase behind this leg (0..2 of set 1, 3..5 of set 2) carries no current from
+/// the next zero of its current on.
+void plant_open_phase(plant_t *self, int leg);
+
+#endif

@@ -1,0 +1,53 @@
+#include "plant/pwm.h"
+
+void plant_pwm_init(plant_pwm_t *self) {
+    *self = (plant_pwm_t){.gate = PLANT_GATE_OFF, .wanted = PLANT_GATE_OFF};
+}
+
+static void add_edge(plant_pwm_t *self, double at_s, plant_gate_t gate) {
+    self->edge[self->edges++] = (plant_edge_t){.at_s = at_s, .gate = gate};
+}
+
+/// The modulator asks for a gate: the other goes off now, this one on after the dead time.
+static void ask(plant_pwm_t *self, double at_s, plant_gate_t gate, double dead_time_s) {
+    if (gate == self->wanted) {
+        return;
+    }
+    if (self->waiting && self->ready_s <= at_s) {
+        add_edge(self, self->ready_s, self->wanted);
+    }
+    add_edge(self, at_s, PLANT_GATE_OFF);
+    self->wanted = gate;
+    self->waiting = true;
+    self->ready_s = at_s + dead_time_s;
+}
+
+void plant_pwm_schedule(plant_pwm_t *self, double duty, bool gates_on, double period_s,
+                        double dead_time_s) {
+    self->edges = 0;
+    self->next = 0;
+    if (!gates_on) {
+        self->wanted = PLANT_GATE_OFF;
+        self->waiting = false;
+        add_edge(self, 0.0, PLANT_GATE_OFF);
+        return;
+    }
+    ask(self, 0.0, duty >= 1.0 ? PLANT_GATE_HIGH : PLANT_GATE_LOW, dead_time_s);
+    if (duty > 0.0 && duty < 1.0) {
+        ask(self, 0.5 * (1.0 - duty) * period_s, PLANT_GATE_HIGH, dead_time_s);
+        ask(self, 0.5 * (1.0 + duty) * period_s, PLANT_GATE_LOW, dead_time_s);
+    }
+    if (self->waiting && self->ready_s < period_s) {
+        add_edge(self, self->ready_s, self->wanted);
+        self->waiting = false;
+    }
+    self->ready_s -= period_s;
+}
+
+bool plant_pwm_apply(plant_pwm_t *self, double now_s) {
+    const int before = self->next;
+    while (self->next < self->edges && self->edge[self->next].at_s <= now_s) {
+        self->gate = self->edge[self->next++].gate;
+    }
+    return self->next > before;
+}

@@ -1,0 +1,12 @@
+/// The picture of a run: speed, angle error, currents, EMF, state.
+#ifndef RIG_PLOT_RUN_H
+#define RIG_PLOT_RUN_H
+
+#include "rig/runlog.h"
+#include "rig/runner.h"
+#include "support/plot.h"
+
+/// False after a message.
+bool plot_run(FILE *svg, const char *title, const runner_result_t *result, const runlog_t *log);
+
+#endif

@@ -1,0 +1,171 @@
+#include "report/report_design.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "config/config_json.h"
+#include "config/ini_config.h"
+#include "config/schema.h"
+#include "report/report_guide.h"
+
+#include "lodestar/version.h"
+
+// ---- Text ---------------------------------------------------------------------------------------
+
+static void print_values(FILE *file, const rig_config_t *config) {
+    const rig_schema_t schema = rig_schema();
+    const char *section = "";
+    for (int k = 0; k < schema.rows; ++k) {
+        const rig_key_t *key = &schema.row[k];
+        char value[RIG_PATH_LENGTH];
+        char where[RIG_PATH_LENGTH + 16];
+        rig_key_print(key, config, value, sizeof value);
+        if (value[0] == '\0' || strcmp(key->section, "plant") == 0 ||
+            strcmp(key->section, "scenario") == 0 || strcmp(key->key, "source") == 0) {
+            continue;
+        }
+        if (strcmp(section, key->section) != 0) {
+            section = key->section;
+            (void)fprintf(file, "\n[%s]\n", section);
+        }
+        ini_config_where(config, k, where, sizeof where);
+        (void)fprintf(file, "%-22s = %-12s ; %s\n", key->key, value, where);
+    }
+}
+
+static void print_margin(FILE *file, int width, double value) {
+    if (isnan(value)) {
+        (void)fprintf(file, " %*s", width, "-");
+    } else {
+        (void)fprintf(file, " %*.1f", width, value);
+    }
+}
+
+static void print_lags(FILE *file, const design_t *design) {
+    (void)fputs("\nlag of the EMF observer, electrical degrees, and the EMF\n"
+                "     rpm    rad/s   EMF [V]     exact  polynomial    differ   eq. (30)\n",
+                file);
+    for (int k = 0; k < DESIGN_SPEEDS; ++k) {
+        const design_speed_t *at = &design->at[k];
+        (void)fprintf(file, "%8.1f %8.1f %9.2f %9.3f %11.3f %9.4f %10.3f\n", at->speed_rpm,
+                      at->omega_rad_s, at->emf_V, at->lag_deg, at->lag_polynomial_deg,
+                      at->lag_polynomial_deg - at->lag_deg, at->lag_eq30_deg);
+    }
+}
+
+static void print_margins(FILE *file, const design_t *design) {
+    (void)fputs(
+        "\nstability of the PLL: alone, and with the observer's delay in its loop (where the "
+        "angle acts\non the current and so on the EMF)\n"
+        "     rpm    sigma  crossover  margin alone |  margin  gain up  gain down   sigma at\n"
+        "             rad/s      rad/s       deg el. |     deg       dB         dB   no margin\n",
+        file);
+    for (int k = 0; k < DESIGN_SPEEDS; ++k) {
+        const margins_t *m = &design->at[k].margins;
+        (void)fprintf(file, "%8.1f", design->at[k].speed_rpm);
+        print_margin(file, 8, m->sigma_rad_s);
+        print_margin(file, 10, m->crossover_rad_s);
+        print_margin(file, 13, m->phase_alone_deg);
+        (void)fputs(" |", file);
+        print_margin(file, 7, m->phase_deg);
+        print_margin(file, 8, m->gain_up_dB);
+        print_margin(file, 10, m->gain_down_dB);
+        print_margin(file, 11, m->sigma_limit_rad_s);
+        (void)fputc('\n', file);
+    }
+    (void)fprintf(file, "the library accepts sigma up to %.1f rad/s with this observer\n",
+                  design->sigma_accepted_rad_s);
+}
+
+static void print_bandwidths(FILE *file, const rig_config_t *config, const design_t *design) {
+    const lode_drive_config_t *drive = &config->drive;
+    const double current = design->current_bandwidth_rad_s;
+    const double observer = (double)drive->estimator.emf.w0_rad_s;
+    const double sigma = (double)drive->estimator.pll.sigma_rad_s;
+    const double sigma_low = (double)drive->estimator.pll.sigma_low_rad_s;
+    const double speed = design->speed_bandwidth_rad_s;
+    (void)fprintf(file,
+                  "\nbandwidths, rad/s\n"
+                  "sampling (2 pi f_pwm)  %9.0f\n"
+                  "current control        %9.1f\n"
+                  "EMF observer (w0)      %9.1f   %.1f times the rated electrical speed\n"
+                  "PLL (sigma)            %9.1f   1/%.1f of the observer\n"
+                  "PLL at low speed       %9.1f   1/%.1f of the observer\n"
+                  "speed control (kp/J)   %9.1f   1/%.1f of the PLL at low speed\n",
+                  6.283185307 * (double)drive->f_pwm_Hz, current, observer,
+                  observer / (double)drive->motor.omega_rated_rad_s, sigma, observer / sigma,
+                  sigma_low, observer / sigma_low, speed, sigma_low / speed);
+}
+
+static void print_limits(FILE *file, const rig_config_t *config, const design_t *design) {
+    (void)fprintf(
+        file,
+        "\nlimits\n"
+        "speeds: hand-over %.1f rpm, rated %.1f rpm, highest %.1f rpm\n"
+        "torque: %.2f Nm at i_max, %.2f Nm at the start current\n"
+        "low speed: dead time takes %.2f V (4/pi Td f v_bus), as much as the EMF at %.1f rpm;\n"
+        "           below about that speed the angle is as good as the dead-time correction\n"
+        "Lq: each percent that it is off costs %.2f degrees at i_max (%g A) and id = 0\n",
+        design->handover_rpm, design->rated_rpm, design->max_rpm, design->torque_max_Nm,
+        design->start_current_torque_Nm, design->dead_time_V, design->dead_time_equal_rpm,
+        design->angle_per_Lq_percent_deg, (double)config->drive.inverter.i_max_A);
+}
+
+void report_design_text(FILE *file, const rig_config_t *config, const design_t *design) {
+    (void)fputs("every value, and what gave it", file);
+    print_values(file, config);
+    print_bandwidths(file, config, design);
+    print_margins(file, design);
+    report_guide_text(file, config, design);
+    print_lags(file, design);
+    print_limits(file, config, design);
+}
+
+// ---- JSON ---------------------------------------------------------------------------------------
+
+static void add_speed(cJSON *array, const design_speed_t *at) {
+    cJSON *item = cJSON_CreateObject();
+    (void)cJSON_AddItemToArray(array, item);
+    config_json_number(item, "speed_rpm", at->speed_rpm);
+    config_json_number(item, "omega_e_rad_s", at->omega_rad_s);
+    config_json_number(item, "emf_V", at->emf_V);
+    config_json_number(item, "lag_exact_deg", at->lag_deg);
+    config_json_number(item, "lag_polynomial_deg", at->lag_polynomial_deg);
+    config_json_number(item, "lag_eq30_deg", at->lag_eq30_deg);
+    config_json_number(item, "sigma_rad_s", at->margins.sigma_rad_s);
+    config_json_number(item, "crossover_rad_s", at->margins.crossover_rad_s);
+    config_json_number(item, "phase_margin_alone_deg", at->margins.phase_alone_deg);
+    config_json_number(item, "phase_margin_deg", at->margins.phase_deg);
+    config_json_number(item, "gain_margin_up_dB", at->margins.gain_up_dB);
+    config_json_number(item, "gain_margin_down_dB", at->margins.gain_down_dB);
+    config_json_number(item, "sigma_limit_rad_s", at->margins.sigma_limit_rad_s);
+    config_json_number(item, "pole_re_rad_s", creal(at->pole));
+    config_json_number(item, "pole_im_rad_s", fabs(cimag(at->pole)));
+    config_json_number(item, "pole_damping", joint_damping(at->pole));
+}
+
+void report_design_json(FILE *file, const rig_config_t *config, const design_t *design) {
+    cJSON *root = cJSON_CreateObject();
+    char version[32];
+    (void)snprintf(version, sizeof version, "%d.%d.%d", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,
+                   LODE_VERSION_PATCH);
+    (void)cJSON_AddStringToObject(root, "lodestar", version);
+    config_json_number(root, "rated_rpm", design->rated_rpm);
+    config_json_number(root, "max_rpm", design->max_rpm);
+    config_json_number(root, "handover_rpm", design->handover_rpm);
+    config_json_number(root, "current_bandwidth_rad_s", design->current_bandwidth_rad_s);
+    config_json_number(root, "speed_bandwidth_rad_s", design->speed_bandwidth_rad_s);
+    config_json_number(root, "torque_max_Nm", design->torque_max_Nm);
+    config_json_number(root, "start_current_torque_Nm", design->start_current_torque_Nm);
+    config_json_number(root, "sigma_accepted_rad_s", design->sigma_accepted_rad_s);
+    config_json_number(root, "dead_time_V", design->dead_time_V);
+    config_json_number(root, "dead_time_equal_rpm", design->dead_time_equal_rpm);
+    config_json_number(root, "angle_per_Lq_percent_deg", design->angle_per_Lq_percent_deg);
+    cJSON *speeds = cJSON_AddArrayToObject(root, "speeds");
+    for (int k = 0; k < DESIGN_SPEEDS; ++k) {
+        add_speed(speeds, &design->at[k]);
+    }
+    report_guide_json(root, design);
+    (void)cJSON_AddItemToObject(root, "config", config_json(config));
+    (void)config_json_write(file, root);
+}

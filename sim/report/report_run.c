@@ -1,0 +1,216 @@
+#include "report/report_run.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "config/config_json.h"
+#include "config/schema.h"
+#include "support/units.h"
+
+#include "lodestar/version.h"
+
+bool report_run_failed(const runner_result_t *result) {
+    const bool faulted = result->fault.check != LODE_CHECK_NONE && !result->fault_expected;
+    return faulted || result->missed;
+}
+
+const char *report_mode_name(lode_mode_t mode) {
+    const char *name = lode_mode_name(mode);
+    const char *prefix = "LODE_MODE_";
+    return strncmp(name, prefix, strlen(prefix)) == 0 ? name + strlen(prefix) : name;
+}
+
+// ---- Table --------------------------------------------------------------------------------------
+
+/// A number in a column of the table, a dash where there is none.
+static void cell(FILE *file, int width, int decimals, double value) {
+    if (isnan(value)) {
+        (void)fprintf(file, " %*s", width, "-");
+    } else {
+        (void)fprintf(file, " %*.*f", width, decimals, value);
+    }
+}
+
+static void print_phase(FILE *file, const runner_phase_t *phase) {
+    (void)fprintf(file, "%-14s %6.2f %6.2f", phase->name, phase->start_s, phase->end_s);
+    cell(file, 7, 0, phase->speed_command_rpm);
+    cell(file, 8, 1, rig_stats_mean(&phase->speed_rpm));
+    cell(file, 6, 1, rig_stats_peak_to_peak(&phase->speed_rpm));
+    cell(file, 6, 2, phase->load_Nm);
+    cell(file, 7, 3, rig_stats_mean(&phase->error_deg));
+    cell(file, 6, 2, rig_stats_peak_to_peak(&phase->error_deg));
+    cell(file, 6, 2, rig_stats_peak(&phase->run_error_deg));
+    cell(file, 6, 2, rig_stats_rms(&phase->id_A));
+    cell(file, 6, 2, rig_stats_rms(&phase->iq_A));
+    cell(file, 5, 2, rig_stats_min(&phase->run_lock));
+    (void)fprintf(file, "  %s\n", report_mode_name(phase->mode));
+    if (phase->missed[0] != '\0') {
+        (void)fprintf(file, "    BAR MISSED: %s\n", phase->missed);
+    }
+}
+
+static void print_events(FILE *file, const runlog_t *log) {
+    (void)fputs("\nevents\n", file);
+    for (int k = 0; k < log->events; ++k) {
+        (void)fprintf(file, "%9.4f s  %s\n", log->event[k].t_s, log->event[k].text);
+    }
+    if (log->events_dropped > 0) {
+        (void)fprintf(file, "            ... and %d more\n", log->events_dropped);
+    }
+}
+
+static void print_verdict(FILE *file, const runner_result_t *result) {
+    if (result->fault.check != LODE_CHECK_NONE) {
+        (void)fprintf(file, "\nFAULT at %.4f s in %s: %s, measured %.4g, limit %.4g%s\n",
+                      result->fault_s, report_mode_name((lode_mode_t)result->fault.state),
+                      lode_check_name((lode_check_t)result->fault.check),
+                      (double)result->fault.measured, (double)result->fault.limit,
+                      result->fault_expected ? " (as the scenario expects)" : "");
+    }
+    (void)fprintf(file,
+                  "\n%s: %.2f s of drive simulated in %.2f s on one core: %.0f times real time\n",
+                  report_run_failed(result) ? "FAILED" : "passed", result->simulated_s,
+                  result->processor_s, result->simulated_s / result->processor_s);
+}
+
+static void key_text(const rig_config_t *config, const char *key, char *text, size_t size) {
+    const rig_schema_t schema = rig_schema();
+    rig_key_print(&schema.row[rig_schema_find(schema, "estimator", key)], config, text, size);
+}
+
+static void print_heading(FILE *file, const rig_config_t *config) {
+    const lode_drive_config_t *drive = &config->drive;
+    char emf[RIG_NAME_LENGTH];
+    char pll[RIG_NAME_LENGTH];
+    key_text(config, "emf", emf, sizeof emf);
+    key_text(config, "pll", pll, sizeof pll);
+    (void)fprintf(
+        file, "%s: %s%g pole pairs, %g Hz, %g V bus, %s inverter, %s and %s%s, seed %.0f\n\n",
+        config->files > 0 ? config->file[0] : "", rig_config_is_six(config) ? "six phases, " : "",
+        (double)drive->motor.pole_pairs, (double)drive->f_pwm_Hz, (double)drive->inverter.v_bus_V,
+        config->plant.inverter == (int)PLANT_SWITCHING ? "switched" : "ideal", emf, pll,
+        config->source == RIG_SOURCE_TRUTH ? " unused: driven by the true angle" : "",
+        config->scenario.seed);
+}
+
+void report_run_table(FILE *file, const rig_config_t *config, const runner_result_t *result,
+                      const runlog_t *log) {
+    print_heading(file, config);
+    (void)fputs("phase            from     to   speed [rpm]             load  angle error [deg]"
+                "      id     iq   lock  mode\n"
+                "                    s      s  wanted     mean     pp     Nm    mean     pp"
+                "    max  A rms  A rms   min  at end\n",
+                file);
+    for (int k = 0; k < result->phases; ++k) {
+        print_phase(file, &result->phase[k]);
+    }
+    (void)fprintf(
+        file,
+        "mean, pp (max - min) and rms: last %.1f s of a phase; max, lock: the whole phase "
+        "while in RUN; angles electrical\n",
+        RUNNER_WINDOW_s);
+    print_events(file, log);
+    print_verdict(file, result);
+}
+
+// ---- CSV ----------------------------------------------------------------------------------------
+
+/// The names, or the values of a row.
+static void write_line(FILE *file, const runlog_t *log, const runlog_row_t *row) {
+    for (const runlog_column_t *column = runlog_columns; column->name != NULL; ++column) {
+        const char *gap = column == runlog_columns ? "" : ",";
+        if (!runlog_has(log, column)) {
+            continue;
+        }
+        if (row == NULL) {
+            (void)fprintf(file, "%s%s", gap, column->name);
+        } else {
+            (void)fprintf(file, "%s%.*g", gap, column->digits, runlog_value(row, column));
+        }
+    }
+    (void)fputc('\n', file);
+}
+
+void report_run_csv(FILE *file, const runlog_t *log) {
+    write_line(file, log, NULL);
+    for (size_t k = 0; k < log->rows; ++k) {
+        write_line(file, log, &log->row[k]);
+    }
+}
+
+// ---- JSON ---------------------------------------------------------------------------------------
+
+static void add_stats(cJSON *object, const char *name, const rig_stats_t *stats) {
+    cJSON *item = cJSON_AddObjectToObject(object, name);
+    config_json_number(item, "mean", rig_stats_mean(stats));
+    config_json_number(item, "pp", rig_stats_peak_to_peak(stats));
+    config_json_number(item, "min", rig_stats_min(stats));
+    config_json_number(item, "max", rig_stats_max(stats));
+    config_json_number(item, "rms", rig_stats_rms(stats));
+}
+
+static void add_phase(cJSON *array, const runner_phase_t *phase) {
+    cJSON *item = cJSON_CreateObject();
+    (void)cJSON_AddItemToArray(array, item);
+    (void)cJSON_AddStringToObject(item, "name", phase->name);
+    config_json_number(item, "start_s", phase->start_s);
+    config_json_number(item, "end_s", phase->end_s);
+    config_json_number(item, "speed_command_rpm", phase->speed_command_rpm);
+    config_json_number(item, "load_Nm", phase->load_Nm);
+    add_stats(item, "speed_rpm", &phase->speed_rpm);
+    add_stats(item, "speed_error_rpm", &phase->speed_error_rpm);
+    add_stats(item, "angle_error_deg", &phase->error_deg);
+    config_json_number(item, "angle_error_max_deg", rig_stats_peak(&phase->run_error_deg));
+    add_stats(item, "id_A", &phase->id_A);
+    add_stats(item, "iq_A", &phase->iq_A);
+    add_stats(item, "load_est_Nm", &phase->load_est_Nm);
+    add_stats(item, "torque_Nm", &phase->torque_Nm);
+    add_stats(item, "i_xy_A", &phase->i_xy_A);
+    config_json_number(item, "lock_min", rig_stats_min(&phase->run_lock));
+    (void)cJSON_AddStringToObject(item, "mode", report_mode_name(phase->mode));
+    (void)cJSON_AddStringToObject(item, "missed", phase->missed);
+}
+
+static void add_fault(cJSON *root, const runner_result_t *result) {
+    if (result->fault.check == LODE_CHECK_NONE) {
+        (void)cJSON_AddNullToObject(root, "fault");
+        return;
+    }
+    cJSON *item = cJSON_AddObjectToObject(root, "fault");
+    config_json_number(item, "t_s", result->fault_s);
+    (void)cJSON_AddStringToObject(item, "state",
+                                  report_mode_name((lode_mode_t)result->fault.state));
+    (void)cJSON_AddStringToObject(item, "check",
+                                  lode_check_name((lode_check_t)result->fault.check));
+    config_json_number(item, "measured", (double)result->fault.measured);
+    config_json_number(item, "limit", (double)result->fault.limit);
+}
+
+void report_run_json(FILE *file, const rig_config_t *config, const runner_result_t *result,
+                     const runlog_t *log) {
+    cJSON *root = cJSON_CreateObject();
+    char version[32];
+    (void)snprintf(version, sizeof version, "%d.%d.%d", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,
+                   LODE_VERSION_PATCH);
+    (void)cJSON_AddStringToObject(root, "lodestar", version);
+    (void)cJSON_AddStringToObject(root, "scenario", config->files > 0 ? config->file[0] : "");
+    (void)cJSON_AddBoolToObject(root, "passed", !report_run_failed(result));
+    config_json_number(root, "window_s", RUNNER_WINDOW_s);
+    config_json_number(root, "handover_s", result->handover_s);
+    config_json_number(root, "simulated_s", result->simulated_s);
+    config_json_number(root, "times_real_time", result->simulated_s / result->processor_s);
+    add_fault(root, result);
+    cJSON *phases = cJSON_AddArrayToObject(root, "phases");
+    for (int k = 0; k < result->phases; ++k) {
+        add_phase(phases, &result->phase[k]);
+    }
+    cJSON *events = cJSON_AddArrayToObject(root, "events");
+    for (int k = 0; k < log->events; ++k) {
+        cJSON *item = cJSON_CreateObject();
+        (void)cJSON_AddItemToArray(events, item);
+        config_json_number(item, "t_s", log->event[k].t_s);
+        (void)cJSON_AddStringToObject(item, "text", log->event[k].text);
+    }
+    (void)cJSON_AddItemToObject(root, "config", config_json(config));
+    (void)config_json_write(file, root);
+}

@@ -1,0 +1,24 @@
+/// What a run has shown: table, CSV, JSON.
+#ifndef RIG_REPORT_RUN_H
+#define RIG_REPORT_RUN_H
+
+#include <stdio.h>
+
+#include "rig/runlog.h"
+#include "rig/runner.h"
+
+void report_run_table(FILE *file, const rig_config_t *config, const runner_result_t *result,
+                      const runlog_t *log);
+
+void report_run_csv(FILE *file, const runlog_t *log);
+
+void report_run_json(FILE *file, const rig_config_t *config, const runner_result_t *result,
+                     const runlog_t *log);
+
+/// True if the drive faulted unasked, or a bar was missed.
+bool report_run_failed(const runner_result_t *result);
+
+/// A mode's name without its prefix.
+const char *report_mode_name(lode_mode_t mode);
+
+#endif

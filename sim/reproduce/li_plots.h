@@ -1,0 +1,17 @@
+/// The figures of paper 2, as the simulated stand-in has them.
+#ifndef RIG_REPRODUCE_LI_PLOTS_H
+#define RIG_REPRODUCE_LI_PLOTS_H
+
+#include <stdio.h>
+
+#include "reproduce/li_rows.h"
+
+enum { LI_PLOTS = 10 };
+
+/// Name of the k-th file.
+const char *li_plot_file(int k);
+
+/// Draws it into `svg`. False after a message.
+bool li_plot(FILE *svg, int k, const table_t *table, const rig_config_t *base);
+
+#endif

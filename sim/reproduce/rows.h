@@ -1,0 +1,20 @@
+/// What paper 1 claims, experiment by experiment, beside what was measured.
+#ifndef RIG_REPRODUCE_ROWS_H
+#define RIG_REPRODUCE_ROWS_H
+
+#include "reproduce/case.h"
+#include "reproduce/table.h"
+#include "reproduce/theory.h"
+
+typedef struct {
+    table_t table;
+    theory_t theory;
+} reproduction_t;
+
+/// Runs every experiment. False after a message.
+bool reproduction_run(reproduction_t *self, const case_bases_t *bases);
+
+/// One of the experiments again, with its signals. False after a message.
+bool reproduction_signals(const case_bases_t *bases, const case_t *what, runlog_t *log);
+
+#endif

@@ -1,0 +1,76 @@
+#include "reproduce/tables.h"
+
+#include <math.h>
+
+#include "reproduce/case.h"
+#include "rig/euler.h"
+#include "support/stats.h"
+#include "support/units.h"
+
+#define LENGTH_s 0.5
+#define MEAN_s 0.01
+#define STEP_rad (RIG_PI / 6.0)
+#define STEP_rad_s 10.0
+#define START_rad_s 94.25 // 300 rpm
+
+static double angle_at(const theory_t *t, int motion, double t_s) {
+    const double steady = START_rad_s * t_s;
+    switch (motion) {
+    case 0:
+        return steady + STEP_rad;
+    case 1:
+        return steady + STEP_rad_s * t_s;
+    default:
+        return steady + 0.5 * t->np * rig_rad_s_from_rpm(CASE_RAMP_rpm_s) * t_s * t_s;
+    }
+}
+
+static double printed_angle(euler_t *self, const euler_config_t *config, double angle_rad) {
+    return euler_track(self, config, I * cexp(I * angle_rad)).theta_rad;
+}
+
+static double exact_angle(lode_pll_t *self, const lode_pll_tuning_t *tuning, double angle_rad) {
+    float omega = 0.0f;
+    const float advance = lode_pll_advance_rad(self, tuning, &omega);
+    const lode_sincos_t frame = lode_angle_add(self->frame, lode_sincos(advance));
+    const double theta = atan2((double)frame.sin, (double)frame.cos);
+    const lode_pll_gains_t gains = lode_pll_gains(tuning, omega);
+    const float error = (float)sin(angle_rad - theta);
+    lode_pll_move(self, gains, frame, omega, error);
+    lode_pll_disturb(self, gains, error);
+    return atan2((double)self->frame.sin, (double)self->frame.cos);
+}
+
+double tables_tracking_deg(const theory_t *t, bool leso, int motion, bool printed) {
+    // Without current and friction there is no known acceleration.
+    const euler_config_t euler_config = {.pll = leso ? EULER_LESO_QPLL : EULER_QPLL,
+                                         .ts_s = t->ts_s,
+                                         .pole_pairs = t->np,
+                                         .J_kgm2 = t->J,
+                                         .sigma_rad_s = t->sigma};
+    lode_pll_config_t config = {.kind = leso ? LODE_PLL_LESO : LODE_PLL_QPLL,
+                                .sigma_rad_s = (float)t->sigma};
+    lode_pll_tuning_t tuning;
+    lode_pll_t pll;
+    euler_t euler;
+    rig_stats_t error_deg;
+    rig_stats_reset(&error_deg);
+    lode_pll_design(&config, 471.0f);
+    if (lode_pll_tune(&tuning, &config, (float)t->ts_s) != LODE_OK) {
+        return NAN;
+    }
+    lode_pll_reset(&pll, (float)(-START_rad_s * t->ts_s), (float)START_rad_s);
+    euler_reset(&euler, 0.0);
+    euler_hold(&euler, &euler_config, -START_rad_s * t->ts_s, START_rad_s);
+    const int periods = (int)lround(LENGTH_s / t->ts_s);
+    const int mean_from = periods - (int)lround(MEAN_s / t->ts_s);
+    for (int k = 0; k < periods; ++k) {
+        const double truth = angle_at(t, motion, k * t->ts_s);
+        const double seen = printed ? printed_angle(&euler, &euler_config, truth)
+                                    : exact_angle(&pll, &tuning, truth);
+        if (k >= mean_from) {
+            rig_stats_add(&error_deg, rig_angle_error_deg(seen, truth));
+        }
+    }
+    return rig_stats_mean(&error_deg);
+}

@@ -1,0 +1,183 @@
+#include "rig/euler.h"
+
+#include <math.h>
+
+#include "support/units.h"
+
+#define ROTATION_TIME_s 5.0e-3
+
+// ---- EMF observers ------------------------------------------------------------------------------
+
+// y'' + 2 wc y' + w^2 y = gain x' (paper 2, eq. 30): forward Euler, then backward.
+static double complex generalised(euler_resonator_t *self, const euler_config_t *c, double w,
+                                  double complex x) {
+    const double complex out = self->band;
+    const double gain = 2.0 * c->gi_Kr * c->gi_wc_rad_s;
+    self->band += c->ts_s * (gain * x - 2.0 * c->gi_wc_rad_s * self->band - w * w * self->low);
+    self->low += c->ts_s * self->band;
+    return out;
+}
+
+// Paper 1, eqs. 11, 12; with eqs. 9, 16 of paper 2 the same, and its G(s) beside w0^2.
+static double complex conventional(euler_t *self, const euler_config_t *c, double complex u_V,
+                                   double complex i_A) {
+    const double complex error = self->z1 - self->i_A;
+    const double complex known = (u_V - c->Rs_Ohm * self->i_A) / c->Lq_H;
+    const double complex extra =
+        c->emf == EULER_GI_LESO ? generalised(&self->gi, c, self->omega_out_rad_s, error) : 0.0;
+    self->z1 += c->ts_s * (self->z2 + known - 2.0 * c->w0_rad_s * error);
+    self->z2 -= c->ts_s * (c->w0_rad_s * c->w0_rad_s * error + extra);
+    self->i_A = i_A;
+    return -c->Lq_H * self->z2;
+}
+
+// Paper 2, eqs. 27, 28. F there is -mu x1 of the ESTIMATED current, as in eq. 9: with the measured one,
+// as eq. 7 has it, the printed mu E1 would be counted twice and eq. 26 would not follow.
+static double complex adaptive(euler_t *self, const euler_config_t *c, double complex u_V,
+                               double complex i_A) {
+    const double mu = c->Rs_Ohm / c->Lq_H;
+    const double complex before = self->z1 - self->i_A;
+    const double complex x2 = -(c->k1_rad2_s2 * self->z2 + c->k2_rad_s * before);
+    const double complex turn = mu + I * self->omega_out_rad_s;
+    self->z1 += c->ts_s * (x2 + u_V / c->Lq_H - mu * self->z1 + turn * before);
+    self->z2 += c->ts_s * before;
+    self->i_A = i_A;
+    return c->Lq_H * (c->k1_rad2_s2 * self->z2 + c->k2_rad_s * (self->z1 - i_A));
+}
+
+// ---- Lags ---------------------------------------------------------------------------------------
+
+double euler_eq30_rad(double w0_rad_s, double omega_rad_s) {
+    return atan2(2.0 * w0_rad_s * omega_rad_s, w0_rad_s * w0_rad_s - omega_rad_s * omega_rad_s);
+}
+
+// From the mean of -e/Lq over [t_k, t_k+1) to z2 (FA: x2) at t_k, at z = exp(j w Ts).
+static double complex response(const euler_config_t *c, double w, double tuned) {
+    const double ts = c->ts_s;
+    const double complex z = cexp(I * w * ts);
+    const double complex d = z - 1.0;
+    if (c->emf == EULER_FA_LESO) {
+        const double complex slow = c->k1_rad2_s2 * ts; // times 1/d, kept apart for w = 0
+        const double complex n = ts * (slow + c->k2_rad_s * d);
+        return n / (n + d * (d - I * tuned * ts));
+    }
+    double complex stiffness = c->w0_rad_s * c->w0_rad_s;
+    if (c->emf == EULER_GI_LESO) {
+        const double wc = c->gi_wc_rad_s;
+        stiffness += 2.0 * c->gi_Kr * wc * ts * d /
+                     (d * d + 2.0 * wc * ts * d + tuned * tuned * ts * ts * z);
+    }
+    const double complex n = ts * ts * stiffness;
+    return n / (d * (d + 2.0 * c->w0_rad_s * ts) + n);
+}
+
+double complex euler_gain(const euler_config_t *config, double omega_rad_s, double tuned_rad_s) {
+    // The mean over the coming period stands half a period ahead.
+    const double half = 0.5 * omega_rad_s * config->ts_s;
+    const double shrinks = fabs(half) > 0.0 ? sin(half) / half : 1.0;
+    return shrinks * cexp(I * half) * response(config, omega_rad_s, tuned_rad_s);
+}
+
+double euler_lag_rad(const euler_config_t *config, double omega_rad_s) {
+    return fabs(omega_rad_s) > 0.0 ? -carg(euler_gain(config, omega_rad_s, omega_rad_s)) : 0.0;
+}
+
+static double compensation(const euler_config_t *config, double omega_rad_s) {
+    switch (config->compensation) {
+    case EULER_LAG_EQ30:
+        return euler_eq30_rad(config->w0_rad_s, omega_rad_s);
+    case EULER_LAG_EXACT:
+        return euler_lag_rad(config, omega_rad_s);
+    case EULER_LAG_NONE:
+    default:
+        return 0.0;
+    }
+}
+
+// ---- PLLs ---------------------------------------------------------------------------------------
+
+// Paper 1, eq. 13, normalised as in eq. 33.
+static double phase_error(double complex e_V, double theta_rad) {
+    const double length = cabs(e_V);
+    const double seen = -creal(e_V) * cos(theta_rad) - cimag(e_V) * sin(theta_rad);
+    return length > 0.0 ? seen / length : 0.0;
+}
+
+// Paper 1, eq. 34: what is left of x beside the band-pass at w.
+static double notch(euler_resonator_t *self, double k, double w, double ts_s, double x) {
+    const double left = x - creal(self->band);
+    self->band += ts_s * w * (k * left - self->low);
+    self->low += ts_s * w * self->band;
+    return left;
+}
+
+// Paper 1, eqs. 16-18: np/J Te - B/J w, with the torque of the measured current; the reference of
+// the torque cancels in eq. 19.
+static double known_acceleration(const euler_t *self, const euler_config_t *c, double theta_rad) {
+    const double complex i_dq = self->i_A * cexp(-I * theta_rad);
+    const double flux = c->psi_Wb + (c->Ld_H - c->Lq_H) * creal(i_dq);
+    const double torque = 1.5 * fmax(c->sets, 1.0) * c->pole_pairs * flux * cimag(i_dq);
+    return (c->pole_pairs * torque - c->B_Nms * self->omega_rad_s) / c->J_kgm2;
+}
+
+static void advance(euler_t *self, const euler_config_t *c, double error, double rotor_rad) {
+    const double s = c->sigma_rad_s;
+    if (c->pll == EULER_QPLL) {
+        self->theta_rad += c->ts_s * (self->omega_rad_s + 2.0 * s * error);
+        self->omega_rad_s += c->ts_s * s * s * error;
+        return;
+    }
+    const double known = known_acceleration(self, c, rotor_rad);
+    self->theta_rad += c->ts_s * (self->omega_rad_s + 3.0 * s * error);
+    self->omega_rad_s += c->ts_s * (self->f_rad_s2 + known + 3.0 * s * s * error);
+    self->f_rad_s2 += c->ts_s * s * s * s * error;
+}
+
+void euler_reset(euler_t *self, double complex i_A) {
+    *self = (euler_t){.i_A = i_A, .z1 = i_A};
+}
+
+void euler_hold(euler_t *self, const euler_config_t *config, double theta_rad, double omega_rad_s) {
+    // The state is that of t_k+1.
+    self->theta_rad = theta_rad - compensation(config, omega_rad_s) + config->ts_s * omega_rad_s;
+    self->omega_rad_s = omega_rad_s;
+    self->omega_out_rad_s = omega_rad_s;
+    self->f_rad_s2 = 0.0;
+    self->notch = (euler_resonator_t){0.0, 0.0};
+}
+
+void euler_acquire(euler_t *self, const euler_config_t *config) {
+    const double omega = carg(self->rotation_V2) / config->ts_s;
+    const double quarter = copysign(0.5 * RIG_PI, omega);
+    euler_hold(self, config, 0.0, omega);
+    self->theta_rad = carg(self->e_V) - quarter + config->ts_s * omega;
+}
+
+euler_out_t euler_track(euler_t *self, const euler_config_t *config, double complex e_V) {
+    self->rotation_V2 +=
+        config->ts_s / ROTATION_TIME_s * (e_V * conj(self->e_V) - self->rotation_V2);
+    self->e_V = e_V;
+    double error = phase_error(e_V, self->theta_rad);
+    if (config->pll == EULER_ENHANCED) {
+        error = notch(&self->notch, config->notch_k, 6.0 * fabs(self->omega_rad_s), config->ts_s,
+                      error);
+    }
+    const bool pi = config->pll == EULER_QPLL && config->speed_of_eq14;
+    self->omega_out_rad_s = self->omega_rad_s + (pi ? 2.0 * config->sigma_rad_s * error : 0.0);
+    const euler_out_t out = {
+        .theta_rad = self->theta_rad + compensation(config, self->omega_out_rad_s),
+        .omega_rad_s = self->omega_out_rad_s,
+        .e_V = e_V,
+        .f_rad_s2 = config->pll == EULER_QPLL ? 0.0 : self->f_rad_s2,
+    };
+    advance(self, config, error, out.theta_rad);
+    self->theta_rad = remainder(self->theta_rad, 2.0 * RIG_PI);
+    return out;
+}
+
+euler_out_t euler_step(euler_t *self, const euler_config_t *config, double complex u_V,
+                       double complex i_A) {
+    const double complex e_V = config->emf == EULER_FA_LESO ? adaptive(self, config, u_V, i_A)
+                                                            : conventional(self, config, u_V, i_A);
+    return euler_track(self, config, e_V);
+}

@@ -1,0 +1,106 @@
+#include "rig/replay.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "rig/euler_estimate.h"
+#include "support/diag.h"
+#include "support/units.h"
+
+static lode_ab_t vector(double alpha, double beta) {
+    return (lode_ab_t){(float)alpha, (float)beta};
+}
+
+static void estimate_rows(replay_t *self, const recording_t *recording,
+                          const lode_estimator_tuning_t *tuning) {
+    lode_estimator_t estimator;
+    const recording_row_t *row = recording->row;
+    lode_estimator_reset(&estimator, tuning);
+    // The recording may begin with the motor at work: the first rise of current is none.
+    lode_emf_reset(&estimator.emf, vector(row[0].i_alpha_A, row[0].i_beta_A));
+    self->row[0] = (lode_estimate_t){.rotor = {0.0f, 1.0f}};
+    for (size_t k = 1; k < recording->rows; ++k) {
+        const lode_ab_t u_V = vector(row[k - 1].u_alpha_V, row[k - 1].u_beta_V);
+        const lode_ab_t i_A = vector(row[k].i_alpha_A, row[k].i_beta_A);
+        self->row[k] = lode_estimator_step(&estimator, tuning, u_V, i_A);
+        self->reseeds += self->row[k].reseeded ? 1u : 0u;
+    }
+}
+
+static void estimate_rows_euler(replay_t *self, const recording_t *recording,
+                                const euler_config_t *config) {
+    euler_t estimator;
+    const recording_row_t *row = recording->row;
+    const size_t acquire = (size_t)llround(REPLAY_ACQUIRE_s / recording->ts_s);
+    euler_reset(&estimator, row[0].i_alpha_A + I * row[0].i_beta_A);
+    self->row[0] = (lode_estimate_t){.rotor = {0.0f, 1.0f}};
+    for (size_t k = 1; k < recording->rows; ++k) {
+        const lode_ab_t u_V = vector(row[k - 1].u_alpha_V, row[k - 1].u_beta_V);
+        const lode_ab_t i_A = vector(row[k].i_alpha_A, row[k].i_beta_A);
+        self->row[k] = euler_estimate_step(&estimator, config, u_V, i_A);
+        if (k <= acquire) {
+            euler_acquire(&estimator, config);
+        }
+    }
+}
+
+static void compare(replay_t *self, const recording_t *recording) {
+    const size_t rows = recording->rows;
+    const size_t window = (size_t)llround(REPLAY_WINDOW_s / recording->ts_s);
+    const size_t settle = (size_t)llround(REPLAY_SETTLE_s / recording->ts_s);
+    size_t close_from = 0;
+    for (size_t k = 0; k < rows; ++k) {
+        const recording_row_t *truth = &recording->row[k];
+        const double error_deg =
+            rig_angle_error_deg((double)lode_estimate_theta_rad(&self->row[k]), truth->theta_e_rad);
+        const double error_rad_s = (double)self->row[k].omega_rad_s - truth->omega_e_rad_s;
+        self->error_deg[k] = recording->has_theta ? error_deg : NAN;
+        if (fabs(error_deg) >= REPLAY_CLOSE_deg) {
+            close_from = k + 1;
+        }
+        if (k + window >= rows) {
+            rig_stats_add(&self->error_window_deg, error_deg);
+            rig_stats_add(&self->speed_window_rad_s, error_rad_s);
+        }
+        if (k >= settle) {
+            rig_stats_add(&self->error_settled_deg, error_deg);
+            rig_stats_add(&self->speed_settled_rad_s, error_rad_s);
+        }
+    }
+    self->close_after_s =
+        close_from < rows ? recording->row[close_from].t_s - recording->row[0].t_s : NAN;
+}
+
+bool replay_run(replay_t *self, const recording_t *recording, const lode_estimator_tuning_t *tuning,
+                const euler_config_t *euler) {
+    *self = (replay_t){.rows = recording->rows, .close_after_s = NAN};
+    self->row = calloc(recording->rows, sizeof *self->row);
+    self->error_deg = calloc(recording->rows, sizeof *self->error_deg);
+    if (self->row == NULL || self->error_deg == NULL) {
+        rig_error("out of memory for %zu rows", recording->rows);
+        replay_free(self);
+        return false;
+    }
+    if (euler != NULL) {
+        estimate_rows_euler(self, recording, euler);
+    } else {
+        estimate_rows(self, recording, tuning);
+    }
+    compare(self, recording);
+    if (!recording->has_theta) {
+        rig_stats_reset(&self->error_window_deg);
+        rig_stats_reset(&self->error_settled_deg);
+        self->close_after_s = NAN;
+    }
+    if (!recording->has_omega) {
+        rig_stats_reset(&self->speed_window_rad_s);
+        rig_stats_reset(&self->speed_settled_rad_s);
+    }
+    return true;
+}
+
+void replay_free(replay_t *self) {
+    free(self->row);
+    free(self->error_deg);
+    *self = (replay_t){0};
+}

@@ -1,0 +1,39 @@
+/// The firmware's estimator over recorded signals.
+#ifndef RIG_REPLAY_H
+#define RIG_REPLAY_H
+
+#include "lodestar/estimator.h"
+
+#include "rig/euler.h"
+#include "rig/recording.h"
+#include "support/stats.h"
+
+/// Steady figures are those of the last part, extremes those after the first.
+#define REPLAY_WINDOW_s 0.1
+#define REPLAY_SETTLE_s 0.2
+#define REPLAY_CLOSE_deg 1.0
+#define REPLAY_ACQUIRE_s 0.02
+
+/// One estimate per row of the recording, valid at that row's t_s.
+typedef struct {
+    size_t rows;
+    lode_estimate_t *row;
+    double *error_deg; ///< estimate - truth; NaN without a true angle
+    rig_stats_t error_window_deg;
+    rig_stats_t error_settled_deg;
+    rig_stats_t speed_window_rad_s; ///< estimate - truth, electrical
+    rig_stats_t speed_settled_rad_s;
+    double close_after_s; ///< from here on the error stays below REPLAY_CLOSE_deg; NaN: it does not
+    size_t reseeds;
+} replay_t;
+
+/// Runs from reset. Row k sees the voltage of row k-1 and the current of row k; the first row has
+/// no voltage before it and gives no estimate. `euler`: the papers' own forms in place of the library's
+/// estimator, or NULL; they have no acquisition, so for REPLAY_ACQUIRE_s they are put on the EMF as they
+/// see it. False after a message.
+bool replay_run(replay_t *self, const recording_t *recording, const lode_estimator_tuning_t *tuning,
+                const euler_config_t *euler);
+
+void replay_free(replay_t *self);
+
+#endif

@@ -1,0 +1,98 @@
+#include "rig/rig.h"
+
+lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_config_t *plant) {
+    self->sets = plant->sets == PLANT_SETS ? PLANT_SETS : 1;
+    (void)plant_init(&self->plant, plant);
+    if (self->sets == 1) {
+        self->drive = &self->three;
+        return lode_drive_init(&self->three, &self->three_tuning[0], &config->drive);
+    }
+    const lode_drive6_config_t six = rig_config_six(config);
+    self->drive = &self->six.drive;
+    return lode_drive6_init(&self->six, &self->six_tuning[0], &six);
+}
+
+static lode_status_t retune_six(rig_t *self, const rig_config_t *config,
+                                const lode_motor_t *motor) {
+    lode_drive6_config_t six = rig_config_six(config);
+    six.drive.motor = *motor;
+    lode_drive6_tuning_t *next =
+        &self->six_tuning[self->six.tuning == &self->six_tuning[0] ? 1 : 0];
+    const lode_status_t status = lode_drive6_tune(next, &six);
+    return status == LODE_OK ? lode_drive6_post_tuning(&self->six, next) : status;
+}
+
+lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_motor_t *motor) {
+    if (self->sets == PLANT_SETS) {
+        return retune_six(self, config, motor);
+    }
+    lode_drive_config_t drive = config->drive;
+    drive.motor = *motor;
+    lode_drive_tuning_t *next =
+        &self->three_tuning[self->three.tuning == &self->three_tuning[0] ? 1 : 0];
+    const lode_status_t status = lode_drive_tune(next, &drive);
+    return status == LODE_OK ? lode_drive_post_tuning(&self->three, next) : status;
+}
+
+static lode_counts_t counts_of(const plant_counts_t *plant) {
+    return (lode_counts_t){
+        .i = {plant->i[0], plant->i[1], plant->i[2]},
+        .v_bus = plant->v_bus,
+        .temperature = plant->temperature,
+        .trip = plant->trip,
+        .stamp = plant->stamp,
+    };
+}
+
+static void write_set(plant_t *plant, int set, const lode_drive_out_t *out) {
+    const double duty[PLANT_PHASES] = {(double)out->duty.a, (double)out->duty.b,
+                                       (double)out->duty.c};
+    plant_write_set(plant, set, duty, out->gates);
+}
+
+/// lode_drive_step() in its three parts.
+static void step_three(rig_t *self, const plant_counts_t *sampled, runner_estimator_t estimate,
+                       runner_memory_t *memory, rig_moment_t *now) {
+    const lode_counts_t counts = counts_of(sampled);
+    const lode_measurement_t measurement = lode_drive_sense(&self->three, &counts);
+    now->estimate = estimate(&self->three, &measurement, &now->truth, memory);
+    const lode_drive_out_t out = lode_drive_act(&self->three, &measurement, &now->estimate);
+    write_set(&self->plant, 0, &out);
+}
+
+static void step_six(rig_t *self, const plant_counts_t sampled[PLANT_SETS], rig_moment_t *now) {
+    const lode_counts6_t counts = {{counts_of(&sampled[0]), counts_of(&sampled[1])}};
+    const lode_drive6_out_t out = lode_drive6_step(&self->six, &counts);
+    lode_telemetry_t seen;
+    (void)lode_drive_telemetry(self->drive, &seen);
+    now->estimate = (lode_estimate_t){
+        .omega_rad_s = seen.omega_rad_s,
+        .rotor = lode_sincos(seen.theta_rad),
+        .i_A = seen.i_A,
+        .e_V = seen.e_V,
+        .load_torque_Nm = seen.load_torque_Nm,
+        .lock = seen.lock,
+    };
+    write_set(&self->plant, 0, &out.set[0]);
+    write_set(&self->plant, 1, &out.set[1]);
+}
+
+void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory,
+              rig_moment_t *now) {
+    plant_counts_t sampled[PLANT_SETS];
+    plant_sample(&self->plant, sampled, &now->truth);
+    if (self->sets == PLANT_SETS) {
+        step_six(self, sampled, now);
+    } else {
+        step_three(self, sampled, estimate, memory, now);
+    }
+    plant_advance(&self->plant);
+}
+
+int rig_found_open(const rig_t *self) {
+    return self->sets == PLANT_SETS ? (int)self->six.open : 0;
+}
+
+lode_abc_t rig_duty_2(const rig_t *self) {
+    return self->sets == PLANT_SETS ? self->six.duty_2 : (lode_abc_t){0.0f, 0.0f, 0.0f};
+}

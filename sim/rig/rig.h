@@ -1,0 +1,53 @@
+/// A drive of the library on its plant, with three phases or six behind one face.
+#ifndef RIG_RIG_H
+#define RIG_RIG_H
+
+#include "config/rig_config.h"
+#include "rig/euler.h"
+
+/// What an estimator other than the drive's own has to remember.
+typedef struct {
+    double seeded_s; ///< until then `seeded` is driven by the truth
+    euler_config_t euler_config;
+    euler_t euler;
+} runner_memory_t;
+
+/// Where an estimate comes from: the place at which other estimators can be compared.
+typedef lode_estimate_t (*runner_estimator_t)(lode_drive_t *drive,
+                                              const lode_measurement_t *measurement,
+                                              const plant_truth_t *truth, runner_memory_t *memory);
+
+/// One period as seen from outside.
+typedef struct {
+    plant_truth_t truth;
+    lode_estimate_t estimate; ///< of six phases: what telemetry tells of it
+} rig_moment_t;
+
+/// Not to be copied: `drive` points into it.
+typedef struct {
+    plant_t plant;
+    int sets;
+    lode_drive_t *drive; ///< that of three phases, or the one within that of six
+    lode_drive_t three;
+    lode_drive_tuning_t three_tuning[2]; ///< in use, and the next one
+    lode_drive6_t six;
+    lode_drive6_tuning_t six_tuning[2];
+} rig_t;
+
+/// LODE_OK, or what the library refuses of `config`. `plant` has been accepted by plant_init().
+lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_config_t *plant);
+
+/// From the next period on the firmware takes this for its motor. LODE_OK, or why not.
+lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_motor_t *motor);
+
+/// One period: samples, the drive's step, duties, and the plant up to the next sample. Six phases have
+/// their own estimator only.
+void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory, rig_moment_t *now);
+
+/// The phase that the six-phase drive has found open, 1 .. 6, 7 and 8 for a whole set; 0: none.
+int rig_found_open(const rig_t *self);
+
+/// Duties of the second set, as the last call wrote them.
+lode_abc_t rig_duty_2(const rig_t *self);
+
+#endif

@@ -1,0 +1,525 @@
+#include "rig/runner.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "config/refusal.h"
+#include "rig/capture.h"
+#include "rig/euler_estimate.h"
+#include "support/diag.h"
+#include "support/progress.h"
+#include "support/units.h"
+
+enum { LOG_ROWS = 6000, PERIODS_PER_PROGRESS = 4096 };
+
+typedef struct {
+    const rig_config_t *config;
+    runner_estimator_t estimate;
+    runner_memory_t memory;
+    runner_result_t *result;
+    runlog_t *log;
+    rig_t rig;
+    double Lq_factor, Rs_factor;
+    double ts_s;
+    double extra_load_Nm;
+    double load_Nm;
+    double total_s;
+    uint64_t log_every;
+    uint64_t k;
+    lode_command_t command;
+    double speed_rpm;      ///< commanded now
+    double speed_goal_rpm; ///< where the command is moving to
+    double speed_step_rpm; ///< per period
+    lode_mode_t mode;
+    bool faulted;
+    int found_open;
+    bool open[PLANT_LEGS]; ///< broken phases that the log has
+    progress_t progress;
+} run_t;
+
+/// One period as seen from outside.
+typedef struct {
+    rig_moment_t at;
+    double error_deg;
+} moment_t;
+
+// ---- Estimates ----------------------------------------------------------------------------------
+
+static lode_estimate_t own_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                    const plant_truth_t *truth, runner_memory_t *memory) {
+    (void)truth;
+    (void)memory;
+    return lode_drive_estimate(drive, measurement);
+}
+
+/// As if the motor had a perfect encoder. The drive's own estimator runs along.
+static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                     const plant_truth_t *truth, runner_memory_t *memory) {
+    (void)memory;
+    lode_estimate_t estimate = lode_drive_estimate(drive, measurement);
+    estimate.omega_rad_s = (float)truth->omega_e_rad_s;
+    estimate.rotor = lode_sincos((float)truth->theta_e_rad);
+    estimate.half_turn = lode_sincos(0.5f * drive->tuning->ts_s * estimate.omega_rad_s);
+    estimate.i_A = lode_park(measurement->sample.i_A, estimate.rotor);
+    estimate.lock = 1.0f;
+    return estimate;
+}
+
+static bool on_its_own(const lode_drive_t *drive, const plant_truth_t *truth,
+                       const runner_memory_t *memory) {
+    return drive->mode == (uint_least8_t)LODE_MODE_RUN && truth->t_s >= memory->seeded_s;
+}
+
+/// The drive's own estimator, started at the truth: until then the drive has an encoder.
+static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                       const plant_truth_t *truth, runner_memory_t *memory) {
+    if (on_its_own(drive, truth, memory)) {
+        return lode_drive_estimate(drive, measurement);
+    }
+    const lode_estimate_t estimate = true_estimate(drive, measurement, truth, memory);
+    lode_estimator_hold(&drive->estimator, &drive->tuning->estimator,
+                        lode_sincos((float)truth->theta_e_rad), estimate.omega_rad_s);
+    return estimate;
+}
+
+/// One of the papers' forms in its place. Until `own` it is held to `leader`, which makes the start:
+/// the papers' forms have nothing for that.
+static lode_estimate_t euler_after(const lode_estimate_t *leader, bool own,
+                                   const lode_drive_t *drive, const lode_measurement_t *measurement,
+                                   runner_memory_t *memory) {
+    const lode_ab_t i_A = measurement->sample.i_A;
+    if (!drive->gates) { // the voltage at open terminals is not known
+        euler_reset(&memory->euler, (double)i_A.alpha + I * (double)i_A.beta);
+        return *leader;
+    }
+    const lode_estimate_t estimate =
+        euler_estimate_step(&memory->euler, &memory->euler_config, measurement->u_V, i_A);
+    if (own) {
+        return estimate;
+    }
+    euler_hold(&memory->euler, &memory->euler_config, (double)lode_estimate_theta_rad(leader),
+               (double)leader->omega_rad_s);
+    return *leader;
+}
+
+static lode_estimate_t euler_own(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                 const plant_truth_t *truth, runner_memory_t *memory) {
+    const lode_estimate_t leader = own_estimate(drive, measurement, truth, memory);
+    const bool own = drive->mode == (uint_least8_t)LODE_MODE_RUN;
+    return euler_after(&leader, own, drive, measurement, memory);
+}
+
+static lode_estimate_t euler_seeded(lode_drive_t *drive, const lode_measurement_t *measurement,
+                                    const plant_truth_t *truth, runner_memory_t *memory) {
+    const lode_estimate_t leader = seeded_estimate(drive, measurement, truth, memory);
+    return euler_after(&leader, on_its_own(drive, truth, memory), drive, measurement, memory);
+}
+
+runner_estimator_t runner_estimator(const rig_config_t *config) {
+    const bool euler = euler_estimate_wanted(config);
+    switch (config->source) {
+    case RIG_SOURCE_TRUTH:
+        return true_estimate;
+    case RIG_SOURCE_SEEDED:
+        return euler ? euler_seeded : seeded_estimate;
+    case RIG_SOURCE_OWN:
+    default:
+        return euler ? euler_own : own_estimate;
+    }
+}
+
+// ---- Log ----------------------------------------------------------------------------------------
+
+static const char *phase_name(int leg) {
+    static const char *const names[] = {"a1", "b1", "c1",           "a2",
+                                        "b2", "c2", "all of set 1", "all of set 2"};
+    return names[leg];
+}
+
+static void note_open_phases(run_t *run, const rig_moment_t *now) {
+    const double t_s = (double)run->k * run->ts_s;
+    const int found = rig_found_open(&run->rig);
+    char text[80];
+    for (int n = 0; n < PLANT_LEGS; ++n) {
+        if (now->truth.open[n] && !run->open[n]) {
+            (void)snprintf(text, sizeof text, "phase %s is open", phase_name(n));
+            runlog_note(run->log, t_s, text);
+        }
+        run->open[n] = now->truth.open[n];
+    }
+    if (found > 0 && found != run->found_open) {
+        (void)snprintf(text, sizeof text, "found open by the drive: %s", phase_name(found - 1));
+        runlog_note(run->log, t_s, text);
+    }
+    run->found_open = found;
+}
+
+static void note_changes(run_t *run, const rig_moment_t *now) {
+    const double t_s = (double)run->k * run->ts_s;
+    const lode_mode_t mode = (lode_mode_t)run->rig.drive->mode;
+    char text[160];
+    if (mode != run->mode) {
+        const size_t prefix = strlen("LODE_MODE_");
+        (void)snprintf(text, sizeof text, "%s -> %s", lode_mode_name(run->mode) + prefix,
+                       lode_mode_name(mode) + prefix);
+        runlog_note(run->log, t_s, text);
+        if (mode == LODE_MODE_RUN && isnan(run->result->handover_s)) {
+            run->result->handover_s = t_s;
+        }
+        run->mode = mode;
+    }
+    if (now->estimate.reseeded && mode == LODE_MODE_RUN) {
+        runlog_note(run->log, t_s, "estimator acquired anew");
+    }
+    const lode_fault_t *fault = &run->rig.drive->guard.fault;
+    if (mode == LODE_MODE_FAULT && !run->faulted) {
+        (void)snprintf(text, sizeof text, "fault in %s: %s, measured %.4g, limit %.4g",
+                       lode_mode_name((lode_mode_t)fault->state) + strlen("LODE_MODE_"),
+                       lode_check_name((lode_check_t)fault->check), (double)fault->measured,
+                       (double)fault->limit);
+        runlog_note(run->log, t_s, text);
+        run->result->fault = *fault;
+        run->result->fault_expected = false;
+        run->result->fault_s = t_s;
+    }
+    run->faulted = mode == LODE_MODE_FAULT;
+    note_open_phases(run, now);
+}
+
+/// The first broken phase, 1 .. 6; 0: none.
+static int open_phase(const plant_truth_t *truth) {
+    int leg = 0;
+    while (leg < PLANT_LEGS && !truth->open[leg]) {
+        ++leg;
+    }
+    return leg < PLANT_LEGS ? leg + 1 : 0;
+}
+
+static bool log_row(run_t *run, int phase, const moment_t *now) {
+    lode_telemetry_t seen;
+    (void)lode_drive_telemetry(run->rig.drive, &seen);
+    const plant_truth_t *truth = &now->at.truth;
+    const lode_estimate_t *estimate = &now->at.estimate;
+    const lode_abc_t duty_2 = rig_duty_2(&run->rig);
+    const double np = (double)run->config->drive.motor.pole_pairs;
+    const double est_rpm = rig_rpm_from_rad_s((double)estimate->omega_rad_s) / np;
+    const runlog_row_t row = {
+        .t_s = (double)run->k * run->ts_s,
+        .phase = phase,
+        .mode = (double)seen.mode,
+        .speed_command_rpm = run->speed_rpm,
+        .speed_ref_rpm =
+            seen.mode == LODE_MODE_RUN ? rig_rpm_from_rad_s((double)seen.speed_ref_rad_s) : NAN,
+        .speed_rpm = rig_rpm_from_rad_s(truth->omega_m_rad_s),
+        .speed_est_rpm = est_rpm,
+        .theta_e_rad = truth->theta_e_rad,
+        .theta_est_rad = (double)lode_estimate_theta_rad(estimate),
+        .angle_error_deg = now->error_deg,
+        .id_A = truth->id_A,
+        .iq_A = truth->iq_A,
+        .i1_A = (double)seen.i_A.d,
+        .i2_A = (double)seen.i_A.q,
+        .i1_ref_A = (double)seen.ref_A.d,
+        .i2_ref_A = (double)seen.ref_A.q,
+        .u1_V = (double)seen.u_V.d,
+        .u2_V = (double)seen.u_V.q,
+        .e_alpha_V = (double)estimate->e_V.alpha,
+        .e_beta_V = (double)estimate->e_V.beta,
+        .e_true_alpha_V = truth->e_alpha_V,
+        .e_true_beta_V = truth->e_beta_V,
+        .ia_A = truth->i_abc_A[0],
+        .ib_A = truth->i_abc_A[1],
+        .ic_A = truth->i_abc_A[2],
+        .duty_a = (double)seen.duty.a,
+        .duty_b = (double)seen.duty.b,
+        .duty_c = (double)seen.duty.c,
+        .ia2_A = truth->i_abc_A[3],
+        .ib2_A = truth->i_abc_A[4],
+        .ic2_A = truth->i_abc_A[5],
+        .ix_A = truth->i_x_A,
+        .iy_A = truth->i_y_A,
+        .e_true_x_V = truth->e_x_V,
+        .e_true_y_V = truth->e_y_V,
+        .duty_a2 = (double)duty_2.a,
+        .duty_b2 = (double)duty_2.b,
+        .duty_c2 = (double)duty_2.c,
+        .open_phase = (double)open_phase(truth),
+        .found_open = (double)rig_found_open(&run->rig),
+        .v_bus_V = (double)seen.v_bus_V,
+        .lock = (double)estimate->lock,
+        .torque_Nm = truth->torque_Nm,
+        .load_Nm = run->load_Nm,
+        .load_est_Nm = (double)estimate->load_torque_Nm,
+    };
+    return runlog_add(run->log, &row);
+}
+
+// ---- One period ---------------------------------------------------------------------------------
+
+static void move_command(run_t *run) {
+    const double left_rpm = run->speed_goal_rpm - run->speed_rpm;
+    if (fabs(left_rpm) <= 0.0) {
+        return;
+    }
+    const bool there = fabs(left_rpm) <= run->speed_step_rpm;
+    run->speed_rpm =
+        there ? run->speed_goal_rpm : run->speed_rpm + copysign(run->speed_step_rpm, left_rpm);
+    run->command.speed_rad_s = (float)rig_rad_s_from_rpm(run->speed_rpm);
+    (void)lode_drive_post_command(run->rig.drive, &run->command);
+}
+
+static void step_rig(run_t *run, moment_t *now) {
+    rig_step(&run->rig, run->estimate, &run->memory, &now->at);
+    now->error_deg = rig_angle_error_deg((double)lode_estimate_theta_rad(&now->at.estimate),
+                                         now->at.truth.theta_e_rad);
+}
+
+// ---- Phases -------------------------------------------------------------------------------------
+
+static void apply_to_plant(run_t *run, const rig_phase_t *phase) {
+    plant_t *plant = &run->rig.plant;
+    if (!isnan(phase->load_Nm)) {
+        run->load_Nm = phase->load_Nm + run->extra_load_Nm;
+        plant_set_load(plant, run->load_Nm);
+    }
+    if (!isnan(phase->v_bus_V)) {
+        plant_set_bus(plant, phase->v_bus_V);
+    }
+    if (!isnan(phase->temperature_degC)) {
+        plant_set_temperature(plant, phase->temperature_degC);
+    }
+    if (isinf(phase->dyno_rpm)) {
+        plant_release_speed(plant);
+    } else if (!isnan(phase->dyno_rpm)) {
+        plant_set_speed(plant, rig_rad_s_from_rpm(phase->dyno_rpm));
+    }
+    if (phase->trip >= 0) {
+        plant_set_trip(plant, phase->trip == RIG_TRIP_ON);
+        if (phase->trip >= RIG_TRIP_SET_1) {
+            plant_set_trip_of(plant, phase->trip - RIG_TRIP_SET_1, true);
+        }
+    }
+    if (phase->open_phase >= 0) {
+        plant_open_phase(plant, phase->open_phase);
+    }
+}
+
+/// What the firmware believes of its motor changes under way. False after a message.
+static bool retune(run_t *run, const rig_phase_t *phase) {
+    if (isnan(phase->Lq_factor) && isnan(phase->Rs_factor)) {
+        return true;
+    }
+    run->Lq_factor = isnan(phase->Lq_factor) ? run->Lq_factor : phase->Lq_factor;
+    run->Rs_factor = isnan(phase->Rs_factor) ? run->Rs_factor : phase->Rs_factor;
+    lode_motor_t motor = run->config->drive.motor;
+    motor.Lq_H *= (float)run->Lq_factor;
+    motor.Rs_Ohm *= (float)run->Rs_factor;
+    const lode_status_t status = rig_retune(&run->rig, run->config, &motor);
+    if (status != LODE_OK) {
+        refusal_report(run->config, status);
+        return false;
+    }
+    run->memory.euler_config.Lq_H = (double)motor.Lq_H;
+    run->memory.euler_config.Rs_Ohm = (double)motor.Rs_Ohm;
+    return true;
+}
+
+static void set_if_given(float *field, double value) {
+    *field = isnan(value) ? *field : (float)value;
+}
+
+static void apply_to_command(run_t *run, const rig_phase_t *phase) {
+    static const lode_mode_t modes[] = {LODE_MODE_OFF, LODE_MODE_CALIBRATE, LODE_MODE_VOLTAGE,
+                                        LODE_MODE_CURRENT, LODE_MODE_RUN};
+    lode_command_t *command = &run->command;
+    command->mode = phase->mode >= 0 ? modes[phase->mode] : command->mode;
+    set_if_given(&command->vector.d, phase->d);
+    set_if_given(&command->vector.q, phase->q);
+    set_if_given(&command->theta_rad, rig_rad_from_deg(phase->theta_deg));
+    set_if_given(&command->omega_rad_s, phase->omega_rad_s);
+    run->speed_goal_rpm = isnan(phase->speed_rpm) ? run->speed_goal_rpm : phase->speed_rpm;
+    const bool at_once = isnan(phase->ramp_rpm_s);
+    run->speed_step_rpm = at_once ? HUGE_VAL : phase->ramp_rpm_s * run->ts_s;
+    run->speed_rpm = at_once ? run->speed_goal_rpm : run->speed_rpm;
+    command->speed_rad_s = (float)rig_rad_s_from_rpm(run->speed_rpm);
+    (void)lode_drive_post_command(run->rig.drive, command);
+}
+
+static void measure(const run_t *run, runner_phase_t *out, const moment_t *now, bool in_window) {
+    const plant_truth_t *truth = &now->at.truth;
+    const lode_estimate_t *estimate = &now->at.estimate;
+    const double np = (double)run->config->drive.motor.pole_pairs;
+    const double rpm = rig_rpm_from_rad_s(truth->omega_m_rad_s);
+    const bool running = run->mode == LODE_MODE_RUN;
+    if (running) {
+        rig_stats_add(&out->run_error_deg, now->error_deg);
+        rig_stats_add(&out->run_lock, (double)estimate->lock);
+        out->reseeds += estimate->reseeded ? 1u : 0u;
+    }
+    if (!in_window) {
+        return;
+    }
+    rig_stats_add(&out->speed_rpm, rpm);
+    rig_stats_add(&out->id_A, truth->id_A);
+    rig_stats_add(&out->iq_A, truth->iq_A);
+    rig_stats_add(&out->torque_Nm, truth->torque_Nm);
+    rig_stats_add(&out->i_xy_A, hypot(truth->i_x_A, truth->i_y_A));
+    if (running) {
+        rig_stats_add(&out->error_deg, now->error_deg);
+        rig_stats_add(&out->speed_error_rpm,
+                      rig_rpm_from_rad_s((double)estimate->omega_rad_s) / np - rpm);
+        rig_stats_add(&out->load_est_Nm, (double)estimate->load_torque_Nm);
+    }
+}
+
+static void check_bar(runner_phase_t *out, const char *what, double measured, double bar) {
+    // A figure that does not exist has missed its bar too.
+    if (isnan(bar) || measured <= bar) {
+        return;
+    }
+    const size_t used = strlen(out->missed);
+    (void)snprintf(out->missed + used, sizeof out->missed - used, "%s%s %.3g, bar %.3g",
+                   used > 0 ? "; " : "", what, measured, bar);
+}
+
+static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out) {
+    check_bar(out, "angle error mean", fabs(rig_stats_mean(&out->error_deg)), phase->bar_dc_deg);
+    check_bar(out, "angle error pp", rig_stats_peak_to_peak(&out->error_deg), phase->bar_pp_deg);
+    check_bar(out, "angle error max", rig_stats_peak(&out->run_error_deg), phase->bar_error_deg);
+    check_bar(out, "speed off by", fabs(rig_stats_mean(&out->speed_rpm) - out->speed_command_rpm),
+              phase->bar_speed_rpm);
+    if (phase->end_mode >= 0 && (int)out->mode != phase->end_mode) {
+        const size_t used = strlen(out->missed);
+        (void)snprintf(out->missed + used, sizeof out->missed - used, "%sended in %s, bar %s",
+                       used > 0 ? "; " : "", lode_mode_name(out->mode),
+                       lode_mode_name((lode_mode_t)phase->end_mode));
+    }
+    if (run->faulted && phase->end_mode == (int)LODE_MODE_FAULT) {
+        run->result->fault_expected = true;
+    }
+    run->result->missed = run->result->missed || out->missed[0] != '\0';
+}
+
+static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_window) {
+    moment_t now;
+    move_command(run);
+    step_rig(run, &now);
+    if (run->log->capture != NULL) {
+        capture_step(run->log->capture, run->rig.drive);
+    }
+    note_changes(run, &now.at);
+    measure(run, out, &now, in_window);
+    const bool good = run->k % run->log_every != 0 || log_row(run, index, &now);
+    run->k++;
+    if (run->k % PERIODS_PER_PROGRESS == 0) {
+        progress_show(&run->progress, (double)run->k * run->ts_s / run->total_s, out->name);
+    }
+    return good;
+}
+
+static bool run_phase(run_t *run, int index) {
+    const rig_phase_t *phase = &run->config->scenario.phase[index];
+    runner_phase_t *out = &run->result->phase[index];
+    const uint64_t periods = (uint64_t)llround(phase->duration_s / run->ts_s);
+    const uint64_t window = (uint64_t)llround(RUNNER_WINDOW_s / run->ts_s);
+    const uint64_t window_from = periods > window ? periods - window : 0;
+    bool good = retune(run, phase);
+    (void)snprintf(out->name, sizeof out->name, "%s", phase->name);
+    out->start_s = (double)run->k * run->ts_s;
+    apply_to_plant(run, phase);
+    uint64_t k = 0;
+    if (good && phase->clear_fault == 1) {
+        const lode_command_t clear = {.mode = LODE_MODE_OFF, .clear_fault = true};
+        (void)lode_drive_post_command(run->rig.drive, &clear);
+        good = run_period(run, index, out, false);
+        k++;
+    }
+    apply_to_command(run, phase);
+    for (; good && k < periods; ++k) {
+        good = run_period(run, index, out, k >= window_from);
+    }
+    if (out->error_deg.count < periods - window_from) {
+        rig_stats_reset(&out->error_deg);
+    }
+    out->end_s = (double)run->k * run->ts_s;
+    out->speed_command_rpm = run->speed_goal_rpm;
+    out->load_Nm = run->load_Nm;
+    out->mode = run->mode;
+    check_bars(run, phase, out);
+    run->result->phases = index + 1;
+    return good;
+}
+
+static bool check_phases(const rig_config_t *config) {
+    const rig_scenario_t *scenario = &config->scenario;
+    const char *file = config->file[0];
+    if (scenario->phases == 0) {
+        rig_error_at(file, 0, "no [phase.NAME]; expected at least one, with its duration_s");
+        return false;
+    }
+    for (int k = 0; k < scenario->phases; ++k) {
+        if (isnan(scenario->phase[k].duration_s)) {
+            rig_error_at(file, 0, "[phase.%s] duration_s: missing; expected the phase's length",
+                         scenario->phase[k].name);
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool start(run_t *run) {
+    const rig_scenario_t *scenario = &run->config->scenario;
+    plant_config_t plant;
+    if (!check_phases(run->config) || !rig_config_plant(run->config, &plant, &run->extra_load_Nm)) {
+        return false;
+    }
+    const lode_status_t status = rig_init(&run->rig, run->config, &plant);
+    if (status != LODE_OK) {
+        refusal_report(run->config, status);
+        return false;
+    }
+    run->log->sets = run->rig.sets;
+    run->memory.seeded_s = isnan(run->config->seeded_s) ? 0.0 : run->config->seeded_s;
+    if (euler_estimate_wanted(run->config)) {
+        run->memory.euler_config = euler_estimate_config(run->config);
+    }
+    run->ts_s = 1.0 / (double)run->config->drive.f_pwm_Hz;
+    run->command = (lode_command_t){.mode = LODE_MODE_RUN};
+    run->mode = LODE_MODE_OFF;
+    for (int k = 0; k < scenario->phases; ++k) {
+        run->total_s += scenario->phase[k].duration_s;
+    }
+    const double log_s = isnan(scenario->log_s) ? run->total_s / LOG_ROWS : scenario->log_s;
+    run->log_every = (uint64_t)fmax(1.0, round(log_s / run->ts_s));
+    if (run->extra_load_Nm > 0.0 || run->extra_load_Nm < 0.0) {
+        run->load_Nm = run->extra_load_Nm;
+        plant_set_load(&run->rig.plant, run->load_Nm);
+    }
+    return true;
+}
+
+bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_result_t *result,
+                runlog_t *log) {
+    run_t run = {.config = config,
+                 .estimate = estimate,
+                 .result = result,
+                 .log = log,
+                 .Lq_factor = 1.0,
+                 .Rs_factor = 1.0};
+    *result = (runner_result_t){.handover_s = NAN, .fault_s = NAN};
+    if (!start(&run)) {
+        return false;
+    }
+    progress_start(&run.progress);
+    bool good = true;
+    for (int k = 0; good && k < config->scenario.phases; ++k) {
+        // Nothing happens any more after a fault that no phase clears.
+        if (!run.faulted || config->scenario.phase[k].clear_fault == 1) {
+            good = run_phase(&run, k);
+        }
+    }
+    result->simulated_s = (double)run.k * run.ts_s;
+    result->processor_s = progress_end(&run.progress);
+    return good;
+}

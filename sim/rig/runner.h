@@ -1,0 +1,51 @@
+/// Runs a scenario: the drive's step against the plant, period by period.
+#ifndef RIG_RUNNER_H
+#define RIG_RUNNER_H
+
+#include "rig/rig.h"
+#include "rig/runlog.h"
+#include "support/stats.h"
+
+/// Steady figures are those of this last part of a phase.
+#define RUNNER_WINDOW_s 0.4
+
+typedef struct {
+    char name[RIG_NAME_LENGTH];
+    double start_s, end_s;
+    double speed_command_rpm, load_Nm;
+    // The last RUNNER_WINDOW_s.
+    rig_stats_t speed_rpm;
+    rig_stats_t speed_error_rpm; ///< estimate - truth
+    rig_stats_t error_deg;       ///< estimate - truth, electrical; only if the drive RAN throughout
+    rig_stats_t id_A, iq_A;      ///< true rotor frame
+    rig_stats_t load_est_Nm;
+    rig_stats_t torque_Nm;
+    rig_stats_t i_xy_A; ///< length of the vector; six phases
+    // The whole phase, as far as the drive RAN.
+    rig_stats_t run_error_deg;
+    rig_stats_t run_lock;
+    lode_mode_t mode; ///< at the end
+    uint32_t reseeds;
+    char missed[200]; ///< bars missed, in words; empty: none
+} runner_phase_t;
+
+typedef struct {
+    int phases;
+    runner_phase_t phase[RIG_PHASES_MAX];
+    lode_fault_t fault; ///< check NONE: none
+    double fault_s;
+    bool fault_expected;
+    double handover_s; ///< first time in RUN, NaN: never
+    double simulated_s;
+    double processor_s;
+    bool missed; ///< a bar
+} runner_result_t;
+
+/// The one that [estimator] names.
+runner_estimator_t runner_estimator(const rig_config_t *config);
+
+/// Runs all phases. `config` must be complete and designed. False after a message: refused input.
+bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_result_t *result,
+                runlog_t *log);
+
+#endif

@@ -1,0 +1,174 @@
+#include "support/atomic_file.h"
+
+#include "support/diag.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { FILES_MAX = 64, NAME_MAX_LENGTH = 4096 };
+
+typedef struct {
+    FILE *file; ///< NULL: free
+    char target[NAME_MAX_LENGTH];
+    char temporary[NAME_MAX_LENGTH];
+} output_t;
+
+// One per process, because a signal handler has nothing else to go by.
+static output_t outputs[FILES_MAX];
+
+static void end_process(int number) {
+    for (int k = 0; k < FILES_MAX; ++k) {
+        if (outputs[k].temporary[0] != '\0') {
+            (void)unlink(outputs[k].temporary);
+        }
+    }
+    _exit(128 + number);
+}
+
+static void watched_signals(sigset_t *set) {
+    (void)sigemptyset(set);
+    (void)sigaddset(set, SIGINT);
+    (void)sigaddset(set, SIGTERM);
+    (void)sigaddset(set, SIGHUP);
+    (void)sigaddset(set, SIGPIPE);
+}
+
+static void watch(int number) {
+    struct sigaction action = {.sa_handler = end_process};
+    struct sigaction before;
+    watched_signals(&action.sa_mask);
+    // What whoever started this process has switched off (nohup) stays off.
+    if (sigaction(number, NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
+        (void)sigaction(number, &action, NULL);
+    }
+}
+
+void atomic_file_catch_signals(void) {
+    watch(SIGINT);
+    watch(SIGTERM);
+    watch(SIGHUP);
+    watch(SIGPIPE);
+}
+
+static output_t *free_slot(void) {
+    for (int k = 0; k < FILES_MAX; ++k) {
+        if (outputs[k].file == NULL) {
+            return &outputs[k];
+        }
+    }
+    return NULL;
+}
+
+static FILE *refuse(output_t *output, const char *path, const char *why) {
+    output->temporary[0] = '\0';
+    rig_error("%s: cannot write: %s; expected a path in a folder that may be written to", path,
+              why);
+    return NULL;
+}
+
+static FILE *open_directly(output_t *output, const char *path) {
+    output->file = fopen(path, "w");
+    output->temporary[0] = '\0';
+    (void)snprintf(output->target, sizeof output->target, "%s", path);
+    return output->file != NULL ? output->file : refuse(output, path, strerror(errno));
+}
+
+/// Follows a link, so that the file it points to is replaced and not the link.
+static bool name_files(output_t *output, const char *path) {
+    char *real = realpath(path, NULL);
+    const char *target = real != NULL ? real : path;
+    const char *slash = strrchr(target, '/');
+    const int folder = slash == NULL ? 0 : (int)(slash - target) + 1;
+    const size_t size = NAME_MAX_LENGTH;
+    const int length = snprintf(output->temporary, size, "%.*s.%s.%ld.tmp", folder, target,
+                                target + folder, (long)getpid());
+    (void)snprintf(output->target, size, "%s", target);
+    free(real);
+    return length >= 0 && (size_t)length < size;
+}
+
+FILE *atomic_file_open(const char *path) {
+    output_t *output = free_slot();
+    if (output == NULL) {
+        rig_error("%s: too many output files", path);
+        return NULL;
+    }
+    struct stat about;
+    if (stat(path, &about) == 0 && !S_ISREG(about.st_mode)) {
+        return S_ISDIR(about.st_mode) ? refuse(output, path, "it is a folder")
+                                      : open_directly(output, path);
+    }
+    if (!name_files(output, path)) {
+        return refuse(output, path, "the name is too long");
+    }
+    const int handle = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (handle < 0) {
+        return refuse(output, path, errno == EEXIST ? "two outputs of that name" : strerror(errno));
+    }
+    output->file = fdopen(handle, "w");
+    return output->file;
+}
+
+/// False, with a message, where something did not get to the disk.
+static bool finish(output_t *output) {
+    const bool written = fflush(output->file) == 0 && ferror(output->file) == 0;
+    const bool closed = fclose(output->file) == 0;
+    output->file = NULL;
+    if (written && closed) {
+        return true;
+    }
+    rig_error("%s: cannot write: %s", output->target, strerror(errno));
+    return false;
+}
+
+static bool give_name(output_t *output) {
+    if (output->temporary[0] == '\0') {
+        return true;
+    }
+    const bool named = rename(output->temporary, output->target) == 0;
+    if (!named) {
+        rig_error("%s: cannot write: %s", output->target, strerror(errno));
+        (void)unlink(output->temporary);
+    }
+    output->temporary[0] = '\0';
+    return named;
+}
+
+bool atomic_file_commit_all(void) {
+    bool good = true;
+    for (int k = 0; k < FILES_MAX; ++k) {
+        good = (outputs[k].file == NULL || finish(&outputs[k])) && good;
+    }
+    if (!good) {
+        atomic_file_discard_all();
+        return false;
+    }
+    // A signal comes before all of the renames or after them.
+    sigset_t watched;
+    sigset_t before;
+    watched_signals(&watched);
+    (void)sigprocmask(SIG_BLOCK, &watched, &before);
+    for (int k = 0; k < FILES_MAX; ++k) {
+        good = give_name(&outputs[k]) && good;
+    }
+    (void)sigprocmask(SIG_SETMASK, &before, NULL);
+    return good;
+}
+
+void atomic_file_discard_all(void) {
+    for (int k = 0; k < FILES_MAX; ++k) {
+        if (outputs[k].file != NULL) {
+            (void)fclose(outputs[k].file);
+            outputs[k].file = NULL;
+        }
+        if (outputs[k].temporary[0] != '\0') {
+            (void)unlink(outputs[k].temporary);
+            outputs[k].temporary[0] = '\0';
+        }
+    }
+}

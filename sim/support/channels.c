@@ -1,0 +1,36 @@
+#include "support/channels.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define ROW(channel, number, name, unit) {name, unit},
+static const struct { const char *name, *unit; } table[] = {LODE_CHANNELS(ROW)};
+#undef ROW
+
+const char *channels_name(uint32_t number) {
+    static char other[24];
+    if (number < (uint32_t)LODE_CHANNEL_COUNT) {
+        return table[number].name;
+    }
+    (void)snprintf(other, sizeof other, "channel%lu", (unsigned long)number);
+    return other;
+}
+
+const char *channels_unit(uint32_t number) {
+    return number < (uint32_t)LODE_CHANNEL_COUNT ? table[number].unit : "?";
+}
+
+lode_channel_t channels_find(const char *name) {
+    uint32_t number = 0;
+    while (number < (uint32_t)LODE_CHANNEL_COUNT && strcmp(name, table[number].name) != 0) {
+        ++number;
+    }
+    return (lode_channel_t)number;
+}
+
+const char *channels_list(void) {
+#define NAME(channel, number, name, unit) ", " name
+    static const char all[] = LODE_CHANNELS(NAME);
+    return &all[2]; // behind the first separator
+#undef NAME
+}

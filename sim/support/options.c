@@ -1,0 +1,409 @@
+#include "support/options.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/diag.h"
+#include "support/workers.h"
+
+enum { MAIN_JOB = 1, RUN = 2, REPLAY = 4, DESIGN = 8, ANALYSE = 16, REPRODUCE = 32, DECODE = 64 };
+enum { CONFIGURED = 63, ALL = 127 };
+
+// Seeds pass through a double, which holds them up to here.
+#define SEED_MAX (UINT64_C(1) << 53)
+
+typedef struct {
+    const char *name;
+    int argument; ///< of getopt_long
+    int letter;   ///< what getopt_long returns
+    int commands; ///< those that take it
+    const char *example;
+    const char *help;
+} option_t;
+
+static const option_t table[] = {
+    {"motor", required_argument, 'm', REPLAY | DESIGN | ANALYSE, "F.ini",
+     "motor, and whatever else it sets; a file, or a name of `lodestar list`"},
+    {"drive", required_argument, 'd', REPLAY | DESIGN | ANALYSE, "F.ini",
+     "drive, over the motor's file; the same"},
+    {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
+    {"emf", required_argument, 'e', REPLAY, "NAME", "EMF observer, as `lodestar list` has it"},
+    {"pll", required_argument, 'p', REPLAY, "NAME", "position PLL, as `lodestar list` has it"},
+    {"set", required_argument, 's', CONFIGURED, "SECTION.KEY=VALUE",
+     "over what files say; repeatable"},
+    {"seed", required_argument, 'n', MAIN_JOB | RUN, "S", "of noise and all that is random"},
+    {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
+    {"jobs", required_argument, 'w', RUN, "N",
+     "processes that share the seeds; as many as there are processors"},
+    {"out", required_argument, 'o', REPLAY, "F.csv", "one row of estimates per recorded row"},
+    {"csv", required_argument, 'c', MAIN_JOB | RUN, "F.csv", "signals over time"},
+    {"ring", required_argument, 'R', RUN, "F.bin", "octets that the telemetry ring would send"},
+    {"scope", required_argument, 'S', RUN, "F.bin", "dump of a scope's buffer"},
+    {"channels", required_argument, 'C', RUN, "A,B,...", "of ring and scope"},
+    {"every", required_argument, 'E', RUN, "N", "periods per row of ring and scope; 1"},
+    {"trigger", required_argument, 'T', RUN, "WHEN",
+     "of the scope: fault, immediate, 'CHANNEL>LEVEL' or '<'"},
+    {"kind", required_argument, 'k', DECODE, "KIND", "auto, ring or scope"},
+    {"csv", required_argument, 'c', DECODE, "F.csv", "one line per row"},
+    {"csv", required_argument, 'c', ANALYSE, "F.csv", "the curves of all figures"},
+    {"csv", required_argument, 'c', REPRODUCE, "F.csv", "the table"},
+    {"json", required_argument, 'j', MAIN_JOB | RUN | REPLAY | ANALYSE | REPRODUCE, "F.json",
+     "results and all values used"},
+    {"json", required_argument, 'j', DECODE, "F.json", "the summary"},
+    {"json", optional_argument, 'J', DESIGN, "[=F.json]", "JSON in place of the table"},
+    {"c", required_argument, 'x', DESIGN, "F.c",
+     "the tuning as a constant in C, named like the file, for the firmware's flash;\n"
+     "                             needs a drive with i_range_A and v_range_V"},
+    {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY | DECODE, "F.svg",
+     "a picture (needs gnuplot)"},
+    {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",
+     "one picture per figure (needs gnuplot)"},
+    {"help", no_argument, 'h', ALL, "", "this text"},
+};
+enum { TABLE_ROWS = sizeof table / sizeof table[0] };
+
+typedef struct {
+    const char *name;
+    options_command_t command;
+    int mask;
+    const char *usage;
+    const char *what;
+} command_t;
+
+static const command_t commands[] = {
+    {"list", COMMAND_LIST, 0, "lodestar list",
+     "Lists what comes with the tool: motors, drives, plants, scenarios, estimators."},
+    {"run", COMMAND_RUN, RUN, "lodestar run SCENARIO.ini [OPTION...]",
+     "Runs the drive against the simulated motor through the phases of a scenario.\n"
+     "SCENARIO.ini is a file, or the name of a scenario that `lodestar list` shows."},
+    {"replay", COMMAND_REPLAY, REPLAY,
+     "lodestar replay --motor F.ini --recording F.csv [OPTION...]",
+     "Runs the firmware's estimator over recorded voltages and currents.\n"
+     "Columns, by name: t_s u_alpha_V u_beta_V i_alpha_A i_beta_A, optional theta_e_rad\n"
+     "omega_e_rad_s. Row k holds the currents AT t_k and the mean voltage over [t_k, t_k+1)."},
+    {"design", COMMAND_DESIGN, DESIGN, "lodestar design --motor F.ini [OPTION...]",
+     "Prints every value that follows from a motor and a drive.\n"
+     "Gains, bandwidths and limits, the stability of the PLL, the lag of the observer, and the "
+     "limit\n"
+     "at low speed. What is missing of the drive is assumed, and said."},
+    {"analyse", COMMAND_ANALYSE, ANALYSE, "lodestar analyse [OPTION...]",
+     "Sets the papers' Bode diagrams, poles and margins beside what the firmware's coefficients "
+     "give.\n"
+     "Without a motor and a drive those of paper 1."},
+    {"reproduce", COMMAND_REPRODUCE, REPRODUCE, "lodestar reproduce PAPER [OPTION...]",
+     "Makes every experiment of a paper again and sets its claims beside what comes out.\n"
+     "With its estimators as printed, and with the library's and its gains. PAPER is jiang2022\n"
+     "(paper 1) or li-fa-leso (paper 2, six phases). Either takes about a minute at most."},
+    {"decode", COMMAND_DECODE, DECODE, "lodestar decode FILE [OPTION...]",
+     "Reads what the library's telemetry ring or scope has recorded, sent or dumped.\n"
+     "FILE holds octets of lode_ring_drain() or lode_scope_drain(), or a debugger's dump of "
+     "either's\n"
+     "buffer. Which it is, and the order of its octets, is seen from its first words."},
+};
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+static const command_t main_job = {NULL, COMMAND_MAIN_JOB, MAIN_JOB, "lodestar [OPTION...]", NULL};
+
+// ---- Help ---------------------------------------------------------------------------------------
+
+static void print_options(int mask) {
+    for (int k = 0; k < TABLE_ROWS; ++k) {
+        if ((table[k].commands & mask) != 0) {
+            const char *gap = table[k].argument == required_argument ? " " : "";
+            char left[64];
+            (void)snprintf(left, sizeof left, "--%s%s%s", table[k].name, gap, table[k].example);
+            (void)printf("  %-26s %s\n", left, table[k].help);
+        }
+    }
+}
+
+static void print_tool_help(void) {
+    (void)puts(
+        "lodestar: sensorless permanent-magnet motor drives, on the desk\n\n"
+        "usage: lodestar [OPTION...]             the main job: scenario `main`, with its\n"
+        "                                        table, CSV, JSON and plot in lodestar-out/\n"
+        "       lodestar COMMAND [OPTION...]\n");
+    for (int k = 0; k < COMMANDS; ++k) {
+        (void)printf("  %-9s %.*s\n", commands[k].name, (int)strcspn(commands[k].what, "\n"),
+                     commands[k].what);
+    }
+    (void)puts("\noptions of the main job:");
+    print_options(MAIN_JOB);
+    (void)puts("  --version                  version of library and tool\n\n"
+               "`lodestar COMMAND --help` tells more. Exit code: 0 done, 1 the drive faulted,\n"
+               "missed a bar or what is decoded is damaged, 2 bad input.");
+}
+
+static const command_t *find_command(const char *name) {
+    for (int k = 0; k < COMMANDS; ++k) {
+        if (strcmp(commands[k].name, name) == 0) {
+            return &commands[k];
+        }
+    }
+    return NULL;
+}
+
+void options_print_help(const char *command) {
+    const command_t *found = command != NULL ? find_command(command) : NULL;
+    if (found == NULL) {
+        print_tool_help();
+        return;
+    }
+    (void)printf("usage: %s\n\n%s\n", found->usage, found->what);
+    if (found->mask != 0) {
+        (void)puts("");
+        print_options(found->mask);
+    }
+}
+
+// ---- Parsing ------------------------------------------------------------------------------------
+
+static bool read_integer(const char *text, char **end, uint64_t *value) {
+    errno = 0;
+    *value = strtoull(text, end, 10);
+    return *end != text && text[0] >= '0' && text[0] <= '9' && errno == 0 && *value <= SEED_MAX;
+}
+
+static bool take_seed(options_t *options, const char *text) {
+    char *end = NULL;
+    options->has_seed = true;
+    if (read_integer(text, &end, &options->seed) && *end == '\0') {
+        return true;
+    }
+    rig_error("--seed %s: expected a whole number, 0 .. 2^53", text);
+    return false;
+}
+
+static bool take_seeds(options_t *options, const char *text) {
+    char *end = NULL;
+    options->has_campaign = true;
+    const bool first = read_integer(text, &end, &options->seed) && *end == '-';
+    if (first && read_integer(end + 1, &end, &options->seed_last) && *end == '\0' &&
+        options->seed_last >= options->seed) {
+        return true;
+    }
+    rig_error("--seeds %s: expected two whole numbers up to 2^53, as in 1-20", text);
+    return false;
+}
+
+static bool take_jobs(options_t *options, const char *text) {
+    char *end = NULL;
+    uint64_t jobs = 0;
+    if (read_integer(text, &end, &jobs) && *end == '\0' && jobs >= 1u && jobs <= WORKERS_MAX) {
+        options->jobs = (unsigned)jobs;
+        return true;
+    }
+    rig_error("--jobs %s: expected a whole number, 1 .. %d", text, WORKERS_MAX);
+    return false;
+}
+
+static bool take_set(options_t *options, const char *text) {
+    if (options->sets == OPTIONS_SETS_MAX) {
+        rig_error("--set %s: expected at most %d of them", text, OPTIONS_SETS_MAX);
+        return false;
+    }
+    options->set[options->sets++] = text;
+    return true;
+}
+
+static const char **text_option(options_t *options, int letter) {
+    switch (letter) {
+    case 'm':
+        return &options->motor;
+    case 'd':
+        return &options->drive;
+    case 'r':
+        return &options->recording;
+    case 'e':
+        return &options->emf;
+    case 'p':
+        return &options->pll;
+    case 'o':
+        return &options->out;
+    case 'c':
+        return &options->csv;
+    case 'x':
+        return &options->source;
+    case 'g':
+        return &options->plot;
+    case 'G':
+        return &options->plots;
+    case 'k':
+        return &options->kind;
+    case 'R':
+        return &options->ring;
+    case 'S':
+        return &options->scope;
+    case 'C':
+        return &options->channels;
+    case 'E':
+        return &options->every;
+    case 'T':
+        return &options->trigger;
+    case 'j':
+    case 'J':
+    default:
+        return &options->json;
+    }
+}
+
+static bool take(options_t *options, int letter, const char *argument) {
+    switch (letter) {
+    case 's':
+        return take_set(options, argument);
+    case 'n':
+        return take_seed(options, argument);
+    case 'N':
+        return take_seeds(options, argument);
+    case 'w':
+        return take_jobs(options, argument);
+    case 'J':
+        options->json_on_stdout = argument == NULL;
+        break;
+    default:
+        break;
+    }
+    *text_option(options, letter) = argument;
+    return true;
+}
+
+static void list_options(int mask, char *text, size_t size) {
+    text[0] = '\0';
+    for (int k = 0; k < TABLE_ROWS; ++k) {
+        if ((table[k].commands & mask) != 0) {
+            const size_t used = strlen(text);
+            (void)snprintf(text + used, size - used, "%s--%s", used > 0 ? ", " : "", table[k].name);
+        }
+    }
+}
+
+static bool refuse_option(const command_t *command, int answer, const char *given) {
+    char known[320];
+    list_options(command->mask, known, sizeof known);
+    if (answer == ':') {
+        rig_error("%s: expected a value after it", given);
+    } else {
+        rig_error("%s: unknown here; expected one of %s", given, known[0] != '\0' ? known : "none");
+    }
+    return false;
+}
+
+static bool parse_options(options_t *options, const command_t *command, int argc, char **argv) {
+    struct option known[TABLE_ROWS + 1];
+    int rows = 0;
+    for (int k = 0; k < TABLE_ROWS; ++k) {
+        if ((table[k].commands & command->mask) != 0 || table[k].letter == 'h') {
+            known[rows++] =
+                (struct option){table[k].name, table[k].argument, NULL, table[k].letter};
+        }
+    }
+    known[rows] = (struct option){NULL, 0, NULL, 0};
+    opterr = 0;
+    optind = 1;
+    for (;;) {
+        const int letter = getopt_long(argc, argv, ":h", known, NULL);
+        if (letter == -1) {
+            return true;
+        }
+        if (letter == 'h') {
+            options->command = COMMAND_HELP;
+            options->help_for = command->name;
+            return true;
+        }
+        if (letter == '?' || letter == ':') {
+            return refuse_option(command, letter, argv[optind - 1]);
+        }
+        if (!take(options, letter, optarg)) {
+            return false;
+        }
+    }
+}
+
+static bool needs(const char *command, const char *what, const char *value) {
+    if (value == NULL) {
+        rig_error("%s: expected %s; `lodestar %s --help` tells more", command, what, command);
+    }
+    return value != NULL;
+}
+
+static bool check(const options_t *options) {
+    switch (options->command) {
+    case COMMAND_RUN:
+        if (options->has_campaign && options->has_seed) {
+            rig_error("run: expected --seed or --seeds, not both");
+            return false;
+        }
+        if (options->jobs > 0u && !options->has_campaign) {
+            rig_error("--jobs: expected with --seeds only");
+            return false;
+        }
+        return needs("run", "a scenario file", options->scenario);
+    case COMMAND_REPLAY:
+        return needs("replay", "--motor F.ini", options->motor) &&
+               needs("replay", "--recording F.csv", options->recording);
+    case COMMAND_DESIGN:
+        return needs("design", "--motor F.ini", options->motor);
+    case COMMAND_DECODE:
+        return needs("decode", "a file", options->recording);
+    case COMMAND_REPRODUCE:
+        return needs("reproduce", "the name of a paper: jiang2022 or li-fa-leso", options->paper);
+    case COMMAND_MAIN_JOB:
+    case COMMAND_ANALYSE:
+    case COMMAND_LIST:
+    case COMMAND_HELP:
+    case COMMAND_VERSION:
+    default:
+        return true;
+    }
+}
+
+static bool take_operands(options_t *options, const command_t *command, int argc, char **argv) {
+    int next = optind;
+    if (command->command == COMMAND_RUN && next < argc) {
+        options->scenario = argv[next++];
+    }
+    if (command->command == COMMAND_DECODE && next < argc) {
+        options->recording = argv[next++];
+    }
+    if (command->command == COMMAND_REPRODUCE && next < argc) {
+        options->paper = argv[next++];
+    }
+    if (next < argc) {
+        const bool is_json = options->json_on_stdout;
+        rig_error("%s: expected nothing there%s%s", argv[next], is_json ? ", or --json=" : "",
+                  is_json ? argv[next] : "");
+        return false;
+    }
+    return true;
+}
+
+bool options_parse(options_t *options, int argc, char **argv) {
+    *options = (options_t){.command = COMMAND_MAIN_JOB};
+    const bool named = argc > 1 && argv[1][0] != '-';
+    if (argc > 1 && strcmp(argv[1], "--version") == 0) {
+        options->command = COMMAND_VERSION;
+        return true;
+    }
+    const command_t *command = named ? find_command(argv[1]) : &main_job;
+    if (named && strcmp(argv[1], "help") == 0) {
+        options->command = COMMAND_HELP;
+        options->help_for = argc > 2 ? argv[2] : NULL;
+        return true;
+    }
+    if (command == NULL) {
+        rig_error("%s: unknown command; expected list, run, replay, design, analyse, "
+                  "reproduce or decode",
+                  argv[1]);
+        return false;
+    }
+    options->command = command->command;
+    const int skip = named ? 1 : 0;
+    if (!parse_options(options, command, argc - skip, argv + skip)) {
+        return false;
+    }
+    return options->command == COMMAND_HELP ||
+           (take_operands(options, command, argc - skip, argv + skip) && check(options));
+}

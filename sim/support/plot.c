@@ -1,0 +1,123 @@
+#include "support/plot.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "support/diag.h"
+
+extern char **environ;
+
+static bool start(pid_t *process, int input, int output, char *const *arguments) {
+    posix_spawn_file_actions_t actions;
+    if (posix_spawn_file_actions_init(&actions) != 0) {
+        return false;
+    }
+    (void)posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    (void)posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    const int error = posix_spawnp(process, arguments[0], &actions, NULL, arguments, environ);
+    (void)posix_spawn_file_actions_destroy(&actions);
+    if (error != 0) {
+        rig_error("gnuplot: %s; expected it to be installed (Debian: gnuplot-nox) for the plot",
+                  strerror(error));
+    }
+    return error == 0;
+}
+
+static bool wait_for(pid_t process) {
+    int status = 0;
+    while (waitpid(process, &status, 0) < 0) {
+        if (errno != EINTR) {
+            return false;
+        }
+    }
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+bool plot_available(void) {
+    char name[] = "gnuplot";
+    char version[] = "--version";
+    char *const arguments[] = {name, version, NULL};
+    const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+    pid_t process = 0;
+    bool good = nothing >= 0 && start(&process, nothing, nothing, arguments);
+    if (nothing >= 0) {
+        (void)close(nothing);
+    }
+    if (good && !wait_for(process)) {
+        rig_error("gnuplot --version failed; expected a gnuplot that works, for the plot");
+        good = false;
+    }
+    return good;
+}
+
+bool plot_start(plot_t *self, FILE *svg, int width, int height) {
+    char name[] = "gnuplot";
+    char *const arguments[] = {name, NULL};
+    int ends[2];
+    if (pipe(ends) != 0) {
+        rig_error("plot: %s", strerror(errno));
+        return false;
+    }
+    // The child shall see the end of its script when this process closes it.
+    (void)fcntl(ends[1], F_SETFD, FD_CLOEXEC);
+    (void)fcntl(ends[0], F_SETFD, FD_CLOEXEC);
+    (void)signal(SIGPIPE, SIG_IGN);
+    pid_t process = 0;
+    const bool started = start(&process, ends[0], fileno(svg), arguments);
+    (void)close(ends[0]);
+    self->script = started ? fdopen(ends[1], "w") : NULL;
+    self->process = (long)process;
+    if (self->script == NULL) {
+        (void)close(ends[1]);
+        return false;
+    }
+    (void)fprintf(self->script,
+                  "set terminal svg size %d,%d dynamic enhanced background '#ffffff' "
+                  "font 'DejaVu Sans,Helvetica,sans-serif,13' lw 1\n"
+                  "set encoding utf8\n",
+                  width, height);
+    return true;
+}
+
+void plot_style(FILE *script, const char *title, int panels, double from_s, double to_s) {
+    (void)fprintf(script,
+                  "set datafile missing 'nan'\n"
+                  "set multiplot layout %d,1 margins screen 0.085, screen 0.865, screen 0.07, "
+                  "screen 0.91 spacing screen 0.024\n"
+                  "set xrange [%.6g:%.6g]\n"
+                  "set grid lc rgb '#e2e5e8' lw 0.6 dt 1\n"
+                  "set border 3 lc rgb '#606060'\n"
+                  "set tics nomirror out scale 0.6 textcolor rgb '#303030' font ',11'\n"
+                  "set key at screen 0.875, graph 0.5 left center reverse Left samplen 1.6 "
+                  "spacing 1.25 font ',11'\n"
+                  "set format x ''\n"
+                  "blue = '#1f5fa8'; red = '#c8372d'; green = '#2f8f4e'; grey = '#8a8f94'\n"
+                  "set label 1000 at screen 0.085, screen 0.98 left noenhanced font ',14' \"",
+                  panels, from_s, to_s);
+    // As text of the script: a quote or a backslash would end it.
+    for (const char *at = title; *at != '\0'; ++at) {
+        (void)fputc(*at == '"' || *at == '\\' || *at == '`' ? '\'' : *at, script);
+    }
+    (void)fputs("\"\n", script);
+}
+
+void plot_panel(FILE *script, const char *label) {
+    (void)fprintf(script,
+                  "set label 1001 \"%s\" at screen 0.02, graph 0.5 center rotate by 90 front\n",
+                  label);
+}
+
+bool plot_finish(plot_t *self) {
+    const bool sent = fclose(self->script) == 0;
+    self->script = NULL;
+    const bool drawn = wait_for((pid_t)self->process);
+    if (!sent || !drawn) {
+        rig_error("gnuplot failed; expected it to draw the plot (its own words are above)");
+    }
+    return sent && drawn;
+}
