@@ -49,6 +49,14 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
         return drive->guard.fault.measured;
     case LODE_CHANNEL_FAULT_LIMIT:
         return drive->guard.fault.limit;
+    case LODE_CHANNEL_I_ALPHA:
+        return drive->estimator.emf.i_A.alpha;
+    case LODE_CHANNEL_I_BETA:
+        return drive->estimator.emf.i_A.beta;
+    case LODE_CHANNEL_U_ALPHA: // as lode_inverter_realised() will make it of the same two
+        return drive->inverter.v_bus_V * drive->inverter.acting.alpha;
+    case LODE_CHANNEL_U_BETA:
+        return drive->inverter.v_bus_V * drive->inverter.acting.beta;
     case LODE_CHANNEL_COUNT:
     default:
         return 0.0f;

@@ -6,7 +6,7 @@ import random
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
-from tool import MOTOR, RECORDINGS, Checks, Folder, refused
+from tool import DRIVE, MOTOR, RECORDINGS, Checks, Folder, refused
 
 BAR_DC_deg = 0.05
 WINDOW_s = 0.1
@@ -210,6 +210,34 @@ def bad_recordings(checks, folder):
     refused(checks, folder, arguments, r"m.ini: \[motor\] psi_Wb: missing; expected it in a file")
 
 
+def own_records(checks, folder):
+    """What a drive records of itself goes in as it is: the run's CSV, and ring and scope decoded."""
+    folder.write("s.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\nlog_s = 2e-4\n"
+                          "[phase.start]\nduration_s = 2\nspeed_rpm = 450\nload_Nm = 1\n")
+    folder.run("run", "s.ini", "--csv", "run.csv", "--ring", "r.bin", "--scope", "s.bin",
+               "--channels", "mode,i_beta_A,u_beta_V,i_alpha_A,u_alpha_V,theta_rad",
+               "--trigger", "omega_rad_s>120")
+    folder.run("decode", "r.bin", "--csv", "ring.csv")
+    folder.run("decode", "s.bin", "--csv", "scope.csv")
+    base = ["replay", "--motor", MOTOR, "--drive", DRIVE, "--out", "o.csv", "--recording"]
+    estimates = {}
+    for name in ["run.csv", "ring.csv", "scope.csv"]:
+        done = folder.run(*base, name, "--json", "o.json")
+        if checks.equal(done.returncode, 0, f"exit code, {name}: {done.stderr}"):
+            estimates[name] = read(folder.path / "o.csv")[1]
+        if name == "run.csv":
+            checks.at_most(abs(folder.json("o.json")["angle_error_mean_deg"]), 1.0,
+                           "the drive's own record: mean angle error")
+    checks.equal(estimates["ring.csv"], estimates["run.csv"], "ring and run: the same estimates")
+    header, rows = read(folder.path / "run.csv")
+    theta, mode = header.index("theta_est_rad"), header.index("mode")
+    late = [k for k, row in enumerate(rows) if row[mode] == "5"][1000:]
+    off = [abs(error_deg(float(estimates["run.csv"][k][1]), float(rows[k][theta]))) for k in late]
+    # Not to the bit: the slow parts fall into other periods than in the drive.
+    checks.at_most(max(off), 0.01, f"the drive's own angle again, degrees, {len(late)} rows of RUN")
+    checks.true(len(late) > 3000, f"{len(late)} rows of RUN")
+
+
 def main():
     checks = Checks()
     with Folder() as folder:
@@ -220,6 +248,7 @@ def main():
         reverse(checks, folder)
         from_the_middle(checks, folder)
         options(checks, folder)
+        own_records(checks, folder)
         bad_recordings(checks, folder)
     checks.done()
 

@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 /// The channels: enumerator, number, name in files, unit. Meaning and instant are those of the field in
-/// lode_telemetry_t. The numbers stand in files and on the wire: none is ever changed or used again.
+/// lode_telemetry_t; the last four, in stator axes, are the estimator's inputs. The numbers stand in files and on the wire: none is ever changed or used again.
 #define LODE_CHANNELS(ROW)                                                                         \
     ROW(MODE, 0, "mode", "")     /* lode_mode_t */                                                 \
     ROW(CHECK, 1, "check", "")   /* of the fault: lode_check_t, 0 none */                          \
@@ -33,7 +33,11 @@ extern "C" {
     ROW(E_ALPHA, 18, "e_alpha_V", "V") /* raw output of the EMF observer */                        \
     ROW(E_BETA, 19, "e_beta_V", "V")                                                               \
     ROW(FAULT_MEASURED, 20, "fault_measured", "of check") /* 0 without a fault */                  \
-    ROW(FAULT_LIMIT, 21, "fault_limit", "of check")
+    ROW(FAULT_LIMIT, 21, "fault_limit", "of check")                                                \
+    ROW(I_ALPHA, 22, "i_alpha_A", "A") /* what the estimator has seen at t_k; 0: gates off */      \
+    ROW(I_BETA, 23, "i_beta_A", "A")                                                               \
+    ROW(U_ALPHA, 24, "u_alpha_V", "V") /* mean over [t_k, t_k+1): what it will see next */         \
+    ROW(U_BETA, 25, "u_beta_V", "V")
 
 #define LODE_CHANNEL_ENUMERATOR(channel, number, name, unit) LODE_CHANNEL_##channel = (number),
 typedef enum {

@@ -112,8 +112,10 @@ static bool prepare(rig_config_t *config, const char *path, const recording_t *r
     }
     assume_rated_speed(config);
     lode_drive_design(&config->drive);
-    const lode_status_t status = lode_estimator_tune(
-        tuning, &config->drive.estimator, &config->drive.motor, 1.0f / config->drive.f_pwm_Hz);
+    lode_motor_t circuit = config->drive.motor; // as lode_drive_tune() makes it
+    circuit.Rs_Ohm += config->drive.inverter.r_on_Ohm;
+    const lode_status_t status = lode_estimator_tune(tuning, &config->drive.estimator, &circuit,
+                                                     1.0f / config->drive.f_pwm_Hz);
     if (status != LODE_OK) {
         refusal_report(config, status);
     }

@@ -129,7 +129,7 @@ void report_decode_csv(FILE *file, const decode_t *decoded) {
     }
     (void)fputc('\n', file);
     for (size_t row = 0; row < decoded->rows; ++row) {
-        (void)fprintf(file, "%lu,%.9g", (unsigned long)decoded->number[row], decoded->t_s[row]);
+        (void)fprintf(file, "%lu,%.12g", (unsigned long)decoded->number[row], decoded->t_s[row]);
         if (scope && decoded->has_event) {
             (void)fprintf(file, ",%.9g",
                           ((double)row - (double)decoded->event) * period_s(decoded));

@@ -1,5 +1,7 @@
 #include "rig/rig.h"
 
+#include "lodestar/channel.h"
+
 lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_config_t *plant) {
     self->sets = plant->sets == PLANT_SETS ? PLANT_SETS : 1;
     (void)plant_init(&self->plant, plant);
@@ -91,6 +93,21 @@ void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory,
 
 int rig_found_open(const rig_t *self) {
     return self->sets == PLANT_SETS ? (int)self->six.open : 0;
+}
+
+lode_ab_t rig_seen_i_A(const rig_t *self) {
+    return (lode_ab_t){lode_channel_read(self->drive, LODE_CHANNEL_I_ALPHA),
+                       lode_channel_read(self->drive, LODE_CHANNEL_I_BETA)};
+}
+
+lode_ab_t rig_next_u_V(const rig_t *self) {
+    if (self->sets == PLANT_SETS) { // of both sets, or of the one that it looks at: asked of a copy
+        lode_drive6_t next = self->six;
+        const lode_counts6_t counts = {{{.v_bus = 0}}};
+        return lode_drive6_sense(&next, &counts).u_seen_V;
+    }
+    return (lode_ab_t){lode_channel_read(self->drive, LODE_CHANNEL_U_ALPHA),
+                       lode_channel_read(self->drive, LODE_CHANNEL_U_BETA)};
 }
 
 lode_abc_t rig_duty_2(const rig_t *self) {

@@ -47,6 +47,11 @@ void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory,
 /// The phase that the six-phase drive has found open, 1 .. 6, 7 and 8 for a whole set; 0: none.
 int rig_found_open(const rig_t *self);
 
+/// What the estimator has seen in this period, and the voltage that acts until the next one, which it will
+/// see then. In stator axes; 0 with the gates off.
+lode_ab_t rig_seen_i_A(const rig_t *self);
+lode_ab_t rig_next_u_V(const rig_t *self);
+
 /// Duties of the second set, as the last call wrote them.
 lode_abc_t rig_duty_2(const rig_t *self);
 

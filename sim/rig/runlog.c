@@ -12,7 +12,7 @@
     { #name, offsetof(runlog_row_t, name), digits, 2 }
 
 const runlog_column_t runlog_columns[] = {
-    COLUMN(t_s, 9),
+    COLUMN(t_s, 12),
     COLUMN(phase, 3),
     COLUMN(mode, 3),
     COLUMN(speed_command_rpm, 7),
@@ -30,6 +30,10 @@ const runlog_column_t runlog_columns[] = {
     COLUMN(i2_ref_A, 6),
     COLUMN(u1_V, 6),
     COLUMN(u2_V, 6),
+    COLUMN(i_alpha_A, 9), // digits that give a float back to the bit
+    COLUMN(i_beta_A, 9),
+    COLUMN(u_alpha_V, 9),
+    COLUMN(u_beta_V, 9),
     COLUMN(e_alpha_V, 6),
     COLUMN(e_beta_V, 6),
     COLUMN(e_true_alpha_V, 6),

@@ -196,6 +196,15 @@ static int open_phase(const plant_truth_t *truth) {
     return leg < PLANT_LEGS ? leg + 1 : 0;
 }
 
+static void log_inputs(const rig_t *rig, runlog_row_t *row) {
+    const lode_ab_t i_A = rig_seen_i_A(rig);
+    const lode_ab_t u_V = rig_next_u_V(rig);
+    row->i_alpha_A = (double)i_A.alpha;
+    row->i_beta_A = (double)i_A.beta;
+    row->u_alpha_V = (double)u_V.alpha;
+    row->u_beta_V = (double)u_V.beta;
+}
+
 static bool log_row(run_t *run, int phase, const moment_t *now) {
     lode_telemetry_t seen;
     (void)lode_drive_telemetry(run->rig.drive, &seen);
@@ -204,7 +213,7 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
     const lode_abc_t duty_2 = rig_duty_2(&run->rig);
     const double np = (double)run->config->drive.motor.pole_pairs;
     const double est_rpm = rig_rpm_from_rad_s((double)estimate->omega_rad_s) / np;
-    const runlog_row_t row = {
+    runlog_row_t row = {
         .t_s = (double)run->k * run->ts_s,
         .phase = phase,
         .mode = (double)seen.mode,
@@ -252,6 +261,7 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
         .load_Nm = run->load_Nm,
         .load_est_Nm = (double)estimate->load_torque_Nm,
     };
+    log_inputs(&run->rig, &row);
     return runlog_add(run->log, &row);
 }
 
