@@ -13,12 +13,16 @@
 /// Thread, before board_init(). Touches no hardware.
 void board_describe(lode_drive_config_t *config);
 
-/// Clocks, PWM timer, converters, comparator or break input, watchdog. Leaves the gates off, the
-/// interrupt masked and the trip path armed. Thread, once. False: the hardware does not answer as
-/// expected, and the gates must never go on.
+/// True: a watchdog has reset the chip, not power, reset pin or debugger. Thread, once, first of all.
+bool board_reset_by_watchdog(void);
+
+/// Clocks, serial port, PWM timer, converters, comparator or break input. Leaves the gates off, the
+/// interrupt masked, the trip path armed and the watchdog off. Thread, once. False: the hardware does not
+/// answer as expected, and the gates must never go on; board_send() works as far as that can be.
 bool board_init(void);
 
-/// Lets the PWM count, the converters sample and the interrupt come. The gates stay off. Thread, once.
+/// Lets the PWM count, the converters sample, the interrupt come and the watchdog run. The gates stay
+/// off. Thread, once.
 void board_start(void);
 
 /// What was sampled at the start of this period. Interrupt, first thing. Must not wait for a

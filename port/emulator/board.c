@@ -25,6 +25,10 @@ void board_describe(lode_drive_config_t *config) {
     plant_describe(config);
 }
 
+bool board_reset_by_watchdog(void) {
+    return false;
+}
+
 bool board_init(void) {
     plant_init(&plant);
     plant.load_Nm = LOAD_Nm;

@@ -15,6 +15,7 @@ int main(void) {
         semihost_print("\n");
         return 1;
     }
+    app_armed = 1u;
     while (!judge_done()) {
         app_poll();
         machine_wait();

@@ -1,6 +1,7 @@
 #include "app.h"
 
 #include "board.h"
+#include "kept.h"
 #include "record.h"
 #include "report.h"
 
@@ -17,11 +18,16 @@
 #define APP_LINK LINK_REPORT
 #endif
 
-#define RESTARTS_MAX 3u      // after a fault; then it stays off until the mode is set anew
+#ifndef APP_RESTARTS
+#define APP_RESTARTS 0u
+#endif
+
 #define STOPPED_PERIODS 8.0f // without an interrupt
+#define TAKEN_PERIODS 4u     // within which a posted command shows in the telemetry
 #define RESTART_PAUSE_s 1.0f // lets the cause die down and the rotor slow down
 
 volatile uint32_t app_mode = APP_MODE;
+volatile uint32_t app_armed;
 volatile float app_speed_rad_s = MOTOR_SPEED_rad_s;
 volatile float app_angle_rad;
 volatile float app_turn_rad_s;
@@ -39,12 +45,15 @@ static lode_drive_tuning_t tuning;
 static lode_drive_config_t config;
 static lode_status_t status;
 static bringup_t bringup;
+static bool started;
 static uint32_t mode_now = APP_MODE_OFF;
+static uint32_t mode_waiting; // for app_armed, and reported
 static uint32_t steps_seen;
 static uint32_t seen_at; // board_cycles() when they were seen
 static uint32_t restarts;
-static uint32_t fault_steps; // steps at which a fault was seen first
+static uint32_t fault_steps; // steps at which a fault was seen first, or its clearing posted
 static bool faulted;
+static bool stopped;  // by a fault, until somebody arms again
 static bool clearing; // posted, not yet taken
 static float speed_now;
 
@@ -79,7 +88,15 @@ LODE_RAMFUNC void app_period(void) {
 
 bool app_start(void) {
     board_gates_off();
+    started = false;
+    app_armed = 0u;
     mode_now = APP_MODE_OFF;
+    mode_waiting = APP_MODE_OFF;
+    stopped = false;
+    const uint32_t resets = kept_watchdog_resets(board_reset_by_watchdog());
+    if (resets > 0u) {
+        report_event("START", "WATCHDOG_RESETS", resets);
+    }
     config = (lode_drive_config_t){.f_pwm_Hz = 0.0f}; // what the board leaves open is computed
     board_describe(&config);
     config.motor = motor_data();
@@ -89,13 +106,16 @@ bool app_start(void) {
     if (status == LODE_OK) {
         status = record_init(config.f_pwm_Hz);
     }
-    if (status != LODE_OK || !board_init()) {
+    const bool up = board_init(); // a refused configuration too is reported over its serial port
+    if (status != LODE_OK || !up) {
         board_gates_off();
+        report_event("START FAIL", status != LODE_OK ? lode_status_name(status) : "BOARD", 0u);
         return false;
     }
     bringup = (bringup_t){.drive = &drive, .config = &config, .window = &window};
     cycles_restart = true;
     board_start();
+    started = true;
     return true;
 }
 
@@ -128,11 +148,14 @@ static void post(lode_command_t command) {
     (void)lode_drive_post_command(&drive, &command);
 }
 
-static void begin_mode(uint32_t mode) {
+static void begin_mode(uint32_t mode, uint32_t steps) {
     mode_now = mode;
+    mode_waiting = APP_MODE_OFF;
     restarts = 0u;
     faulted = false;
-    clearing = false;
+    stopped = false;
+    clearing = true; // a fault of what went before
+    fault_steps = steps;
     speed_now = 0.0f;
     cycles_restart = true;
     (void)board_clear_trip();
@@ -144,20 +167,25 @@ static void begin_mode(uint32_t mode) {
     bringup_begin(&bringup, mode < (uint32_t)BRINGUP_COUNT ? (bringup_mode_t)mode : BRINGUP_NONE);
 }
 
-// After a fault: gates stay off for the pause, then the trip must clear and the motor starts again.
+// After a fault: gates stay off for the pause, then the trip must clear and the motor starts again, as
+// often as APP_RESTARTS allows.
 static void restart(const lode_telemetry_t *now) {
-    if (clearing) {
+    if (clearing && now->steps - fault_steps <= TAKEN_PERIODS) {
         return;
     }
+    clearing = false;
     if (!faulted) {
         faulted = true;
         fault_steps = now->steps;
-    } else if (restarts < RESTARTS_MAX &&
-               (float)(now->steps - fault_steps) > RESTART_PAUSE_s * config.f_pwm_Hz &&
+        stopped = restarts == APP_RESTARTS;
+        app_armed = stopped ? 0u : app_armed;
+        report_event("FAULT", lode_check_name((lode_check_t)now->fault.check), now->fault.check);
+    } else if (!stopped && (float)(now->steps - fault_steps) > RESTART_PAUSE_s * config.f_pwm_Hz &&
                board_clear_trip()) {
         restarts++;
         faulted = false;
         clearing = true;
+        fault_steps = now->steps;
         speed_now = 0.0f;
         post((lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
     }
@@ -188,17 +216,39 @@ static void supervise(uint32_t steps) {
     }
 }
 
+// A mode that switches begins only while somebody has armed it, and ends with that.
+static void wait_for_arming(uint32_t mode, uint32_t steps) {
+    if (mode_now != APP_MODE_OFF) {
+        begin_mode(APP_MODE_OFF, steps);
+    }
+    if (mode_waiting != mode) {
+        mode_waiting = mode;
+        report_event("WAIT", "ARM", mode);
+    }
+}
+
+static void step_mode(uint32_t mode, const bringup_view_t *view) {
+    app_armed = mode == APP_MODE_OFF ? 0u : app_armed;
+    const bool armed = mode < (uint32_t)BRINGUP_SIGNS || app_armed != 0u;
+    if (armed && (mode != mode_now || stopped)) {
+        begin_mode(mode, view->now.steps);
+    } else if (!armed && !stopped) {
+        wait_for_arming(mode, view->now.steps);
+    } else if (mode_now == APP_MODE_APPLICATION) {
+        run_application(&view->now);
+    } else if (mode_now > 0u && mode_now < (uint32_t)BRINGUP_COUNT) {
+        (void)bringup_step(&bringup, view);
+    }
+}
+
 void app_poll(void) {
+    if (!started) {
+        report_poll(&bringup.result);
+        return;
+    }
     const bringup_view_t view = {.now = app_telemetry(), .cycles = app_cycles()};
     supervise(view.now.steps);
-    const uint32_t mode = app_mode;
-    if (mode != mode_now) {
-        begin_mode(mode);
-    } else if (mode == APP_MODE_APPLICATION) {
-        run_application(&view.now);
-    } else if (mode > 0u && mode < (uint32_t)BRINGUP_COUNT) {
-        (void)bringup_step(&bringup, &view);
-    }
+    step_mode(app_mode, &view);
     if (!record_poll((link_t)app_link)) {
         report_poll(&bringup.result);
     }

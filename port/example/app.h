@@ -1,7 +1,7 @@
 /// The application: one drive on one board. Nothing here knows which board.
 ///
 /// What to do is one variable, app_mode, set in a debugger or with -DAPP_MODE=n at build time. What came
-/// of it stands in app_result().
+/// of it stands in app_result(). Nothing switches before somebody has set app_armed.
 #ifndef LODESTAR_PORT_APP_H
 #define LODESTAR_PORT_APP_H
 
@@ -10,9 +10,13 @@
 
 /// Values of app_mode beside those of bringup_mode_t (1 .. 7).
 #define APP_MODE_OFF 0u
-#define APP_MODE_APPLICATION 8u ///< turn at app_speed_rad_s, restart after a fault
+#define APP_MODE_APPLICATION 8u ///< turn at app_speed_rad_s
 
 extern volatile uint32_t app_mode;
+/// The modes that switch the gates, 3 .. 8, wait until this is not 0, and end where it is 0 again. 0 after
+/// every reset, with mode 0, and after a fault in the mode "application" that is not restarted: then only
+/// a person starts the motor again. With -DAPP_RESTARTS=n, n faults are restarted by themselves.
+extern volatile uint32_t app_armed;
 /// Mechanical rad/s for the modes "run" and "application"; 0 stops.
 extern volatile float app_speed_rad_s;
 /// Angle of the vector in the modes "voltage" and "current", electrical rad; read when the mode begins.
@@ -27,7 +31,8 @@ extern volatile uint32_t app_link;
 extern volatile uint32_t app_trigger;
 
 /// Configures board and drive and starts the periods. Thread, once, first of all. False: app_status()
-/// names the wrong field, or says LODE_OK and the board did not come up. The gates stay off for good.
+/// names the wrong field, or says LODE_OK and the board did not come up. The gates stay off for good, the
+/// watchdog too, and app_poll() does no more than to send the line that says so.
 bool app_start(void);
 
 /// One pass of the main loop, without waiting: watchdog, mode, faults. Thread, as often as can be and at

@@ -48,6 +48,19 @@ static void put_float(float value) {
     put_digits(thousandths % 1000u, 3u);
 }
 
+void report_event(const char *what, const char *name, uint32_t number) {
+    if (sent == length) {
+        length = 0u;
+        sent = 0u;
+    }
+    put_text(what);
+    put(' ');
+    put_text(name);
+    put(' ');
+    put_digits(number, 1u);
+    put_text("\r\n");
+}
+
 static void compose(const bringup_result_t *result) {
     length = 0u;
     sent = 0u;

@@ -15,6 +15,7 @@ function(lode_stm32_firmware target family script)
   lode_firmware(${target} "${LODE_PORT_DIR}/stm32/startup.c" "${LODE_PORT_DIR}/stm32/pwm.c"
                 "${LODE_PORT_DIR}/stm32/supervise.c" ${ARGN})
   target_include_directories(${target} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}" "${LODE_PORT_DIR}/stm32")
+  target_compile_definitions(${target} PRIVATE "APP_NOINIT=__attribute__((section(\".noinit\")))")
   # System headers: their warnings are ST's.
   target_include_directories(${target} SYSTEM PRIVATE "${lode_device}" "${LODE_CMSIS_DIR}/Include"
                                                       "${LODE_CMSIS_DIR}/Core/Include")

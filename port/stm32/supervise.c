@@ -4,14 +4,24 @@
 #define WATCHDOG_DIVIDER 0u
 #define WATCHDOG_RELOAD 160u
 
-bool stm32_watchdog_start(void) {
+bool stm32_reset_by_watchdog(void) {
+    const bool by_watchdog = (REG_READ(RCC->CSR) & (RCC_CSR_IWDGRSTF | RCC_CSR_WWDGRSTF)) != 0u;
+    REG_SET(RCC->CSR, RCC_CSR_RMVF);
+    return by_watchdog;
+}
+
+bool stm32_watchdog_init(void) {
+    REG_SET(RCC->CSR, RCC_CSR_LSION);
+    return reg_await(&RCC->CSR, RCC_CSR_LSIRDY, RCC_CSR_LSIRDY);
+}
+
+void stm32_watchdog_start(void) {
     REG_WRITE(IWDG->KR, 0xCCCCu); // starts it, and its clock
     REG_WRITE(IWDG->KR, 0x5555u); // unlocks the next two
     REG_WRITE(IWDG->PR, WATCHDOG_DIVIDER);
     REG_WRITE(IWDG->RLR, WATCHDOG_RELOAD);
-    const bool ok = reg_await(&IWDG->SR, UINT32_MAX, 0u); // divider and reload are taken
+    (void)reg_await(&IWDG->SR, UINT32_MAX, 0u); // divider and reload are taken
     stm32_watchdog_feed();
-    return ok;
 }
 
 void stm32_stamp_start(void) {

@@ -1,12 +1,18 @@
-/// Independent watchdog and time stamp; the same in STM32F4 and STM32G4.
+/// Independent watchdog, cause of a reset and time stamp; the same in STM32F4 and STM32G4.
 #ifndef LODESTAR_PORT_STM32_SUPERVISE_H
 #define LODESTAR_PORT_STM32_SUPERVISE_H
 
 #include "reg.h"
 
+/// A watchdog's flag in RCC_CSR; clears all flags of a reset.
+bool stm32_reset_by_watchdog(void);
+
+/// The watchdog's clock (LSI). False: it does not run.
+bool stm32_watchdog_init(void);
+
 /// Some 20 ms (13 .. 38 ms over the tolerance of the STM32F4's LSI). Reset lets the pins float: the gate
-/// drivers' pull-downs switch off. False: the watchdog's clock does not run.
-bool stm32_watchdog_start(void);
+/// drivers' pull-downs switch off. It cannot be stopped again.
+void stm32_watchdog_start(void);
 
 static inline void stm32_watchdog_feed(void) {
     REG_WRITE(IWDG->KR, 0xAAAAu);

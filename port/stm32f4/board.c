@@ -53,11 +53,17 @@ static void pwm_pins_init(void) {
     }
 }
 
+bool board_reset_by_watchdog(void) {
+    return stm32_reset_by_watchdog();
+}
+
 bool board_init(void) {
     REG_SET(RCC->AHB1ENR, RCC_AHB1ENR_GPIOAEN | RCC_AHB1ENR_GPIOBEN | RCC_AHB1ENR_GPIOCEN);
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_TIM1EN);
     board_gates_off();
-    if (!chip_clock_init()) {
+    const bool clocked = chip_clock_init();
+    chip_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // a failure is reported over it
+    if (!clocked) {
         return false;
     }
     REG_SET(RCC->APB1ENR, RCC_APB1ENR_TIM2EN);
@@ -73,15 +79,15 @@ bool board_init(void) {
     }
     chip_converters_init();
     pwm_pins_init(); // only now: the timer holds its outputs inactive
-    chip_serial_init();
     // A halted core must leave neither a switched bridge nor a biting watchdog; the stamp shows the gap.
     REG_SET(DBGMCU->APB2FZ, DBGMCU_APB2_FZ_DBG_TIM1_STOP);
     REG_SET(DBGMCU->APB1FZ, DBGMCU_APB1_FZ_DBG_IWDG_STOP);
     REG_CLEAR(DBGMCU->APB1FZ, DBGMCU_APB1_FZ_DBG_TIM2_STOP);
-    return stm32_watchdog_start() && stm32_pwm_clear_trip();
+    return stm32_watchdog_init() && stm32_pwm_clear_trip();
 }
 
 void board_start(void) {
+    stm32_watchdog_start();
     REG_WRITE(ADC1->SR, ~(uint32_t)(ADC_SR_JEOC | ADC_SR_JSTRT));
     REG_SET(ADC1->CR1, ADC_CR1_JEOCIE);
     NVIC_SetPriority(ADC_IRQn, 0u); // above all else

@@ -10,9 +10,10 @@
 #endif
 #include STM32_BOARD_H
 
-#define CHIP_F_CPU_Hz 168000000u  ///< core and TIM1
-#define CHIP_F_APB1_Hz 42000000u  ///< USART3
-#define CHIP_F_STAMP_Hz 84000000u ///< TIM2: twice APB1, half the core
+#define CHIP_F_CPU_Hz 168000000u   ///< core and TIM1
+#define CHIP_F_SERIAL_Hz 42000000u ///< APB1: USART3
+#define CHIP_F_RC_Hz 16000000u     ///< everything, where the clocks have not come up
+#define CHIP_F_STAMP_Hz 84000000u  ///< TIM2: twice APB1, half the core
 
 /// Core 168 MHz, APB1 42 MHz, APB2 84 MHz. False: an oscillator or the PLL does not come.
 bool chip_clock_init(void);
@@ -20,8 +21,8 @@ bool chip_clock_init(void);
 /// ADC1, ADC2 and ADC3, injected and simultaneous, two ranks each, on TIM1's TRGO.
 void chip_converters_init(void);
 
-/// USART3's transmitter, 115200 baud.
-void chip_serial_init(void);
+/// USART3's transmitter, 115200 baud from its clock.
+void chip_serial_init(uint32_t f_clock_Hz);
 uint32_t chip_serial_send(const uint16_t *octets, uint32_t count);
 
 /// ADC clock 21 MHz; 15 cycles of sampling, three from the trigger to it.

@@ -26,8 +26,12 @@ void board_describe(lode_drive_config_t *config) {
     config->guard.stamp_per_period = (float)PERIOD_us;
 }
 
+bool board_reset_by_watchdog(void) {
+    return false;
+}
+
 bool board_init(void) {
-    chip_serial_init();
+    chip_serial_init(CHIP_F_SERIAL_Hz);
     REG_WRITE(TIM5->PSC, PRESCALER - 1u);
     REG_WRITE(TIM5->ARR, UINT32_MAX);
     REG_WRITE(TIM5->EGR, TIM_EGR_UG);

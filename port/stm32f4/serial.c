@@ -2,10 +2,10 @@
 
 #define BAUD 115200u
 
-void chip_serial_init(void) {
+void chip_serial_init(uint32_t f_clock_Hz) {
     static const stm32_pin_t tx = VARIANT_TX_PIN;
     REG_SET(RCC->APB1ENR, RCC_APB1ENR_USART3EN);
-    REG_WRITE(USART3->BRR, (CHIP_F_APB1_Hz + BAUD / 2u) / BAUD);
+    REG_WRITE(USART3->BRR, (f_clock_Hz + BAUD / 2u) / BAUD);
     REG_WRITE(USART3->CR1, USART_CR1_TE | USART_CR1_UE);
     gpio_alternate(tx);
 }

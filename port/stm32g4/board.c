@@ -99,12 +99,18 @@ static bool pwm_init(void) {
     });
 }
 
+bool board_reset_by_watchdog(void) {
+    return stm32_reset_by_watchdog();
+}
+
 bool board_init(void) {
     REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_GPIOAEN | RCC_AHB2ENR_GPIOBEN | RCC_AHB2ENR_GPIOCEN);
     enables_init();
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_TIM1EN);
     board_gates_off();
-    if (!chip_clock_init()) {
+    const bool clocked = chip_clock_init();
+    chip_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // a failure is reported over it
+    if (!clocked) {
         return false;
     }
     REG_SET(RCC->APB1ENR1, RCC_APB1ENR1_TIM2EN);
@@ -115,15 +121,15 @@ bool board_init(void) {
         return false;
     }
     pwm_pins_init(); // only now: the timer holds its outputs inactive
-    chip_serial_init();
     // A halted core must leave neither a switched bridge nor a biting watchdog; the stamp shows the gap.
     REG_SET(DBGMCU->APB2FZ, DBGMCU_APB2FZ_DBG_TIM1_STOP);
     REG_SET(DBGMCU->APB1FZR1, DBGMCU_APB1FZR1_DBG_IWDG_STOP);
     REG_CLEAR(DBGMCU->APB1FZR1, DBGMCU_APB1FZR1_DBG_TIM2_STOP);
-    return stm32_watchdog_start() && stm32_pwm_clear_trip();
+    return stm32_watchdog_init() && stm32_pwm_clear_trip();
 }
 
 void board_start(void) {
+    stm32_watchdog_start();
     chip_converters_arm();
     NVIC_SetPriority(ADC1_2_IRQn, 0u); // above all else
     NVIC_EnableIRQ(ADC1_2_IRQn);

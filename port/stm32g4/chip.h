@@ -11,7 +11,9 @@
 #include STM32_BOARD_H
 
 #define CHIP_F_CPU_Hz 170000000u
-#define CHIP_F_STAMP_Hz CHIP_F_CPU_Hz ///< TIM2
+#define CHIP_F_STAMP_Hz CHIP_F_CPU_Hz  ///< TIM2
+#define CHIP_F_SERIAL_Hz CHIP_F_CPU_Hz ///< USART2
+#define CHIP_F_RC_Hz 16000000u         ///< everything, where the clocks have not come up
 
 /// Core, buses and timers at 170 MHz. False: an oscillator or the PLL does not come.
 bool chip_clock_init(void);
@@ -26,8 +28,8 @@ bool chip_converters_init(void);
 /// From now on a trigger starts them.
 void chip_converters_arm(void);
 
-/// USART2's transmitter, 115200 baud.
-void chip_serial_init(void);
+/// USART2's transmitter, 115200 baud from its clock.
+void chip_serial_init(uint32_t f_clock_Hz);
 uint32_t chip_serial_send(const uint16_t *octets, uint32_t count);
 
 /// ADC clock 42.5 MHz; 6.5 cycles of sampling, 12.5 of conversion. Until the end of the sampling of rank

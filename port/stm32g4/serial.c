@@ -2,10 +2,10 @@
 
 #define BAUD 115200u
 
-void chip_serial_init(void) {
+void chip_serial_init(uint32_t f_clock_Hz) {
     static const stm32_pin_t tx = VARIANT_TX_PIN;
     REG_SET(RCC->APB1ENR1, RCC_APB1ENR1_USART2EN);
-    REG_WRITE(USART2->BRR, (CHIP_F_CPU_Hz + BAUD / 2u) / BAUD);
+    REG_WRITE(USART2->BRR, (f_clock_Hz + BAUD / 2u) / BAUD);
     REG_WRITE(USART2->CR1, USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_UE);
     gpio_alternate(tx);
 }

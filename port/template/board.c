@@ -12,13 +12,18 @@ void board_describe(lode_drive_config_t *config) {
                                           .v_bus_gain_V_count = 40.0f / 4096.0f};
 }
 
+/// The reset controller's flags, then clear them.
+bool board_reset_by_watchdog(void) {
+    return false;
+}
+
 /// Clocks; timer centre-aligned, compare preloaded, dead time, break input; converters on the timer's
-/// trigger; watchdog. Gate pins last. False while any of it is missing.
+/// trigger; serial port as soon as it can be. Gate pins last. False while any of it is missing.
 bool board_init(void) {
     return false;
 }
 
-/// Arm the converters, enable the interrupt, start the timer: in this order.
+/// Watchdog; then arm the converters, enable the interrupt, start the timer: in this order.
 void board_start(void) {}
 
 /// Read the result registers; trip = the timer's break flag; stamp = board_cycles().

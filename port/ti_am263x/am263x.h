@@ -145,6 +145,9 @@
 #define VIM_BIT(n) (1u << ((uint32_t)(n) % 32u))
 #define IRQ_CONTROLSS_INTXBAR0 146u
 
+#define TOP_RCM_WARM_RST_CAUSE 0x5320000Cu
+#define RST_CAUSE_WATCHDOGS 0x1Eu // of the four cores
+
 #define WDT_ENABLE 0x52100090u
 #define WDT_PRELOAD 0x52100094u
 #define WDT_KEY 0x5210009Cu

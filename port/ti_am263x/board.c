@@ -92,22 +92,26 @@ static void watchdog_start(void) {
     board_feed_watchdog();
 }
 
+bool board_reset_by_watchdog(void) {
+    return (reg_read32(TOP_RCM_WARM_RST_CAUSE) & RST_CAUSE_WATCHDOGS) != 0u;
+}
+
 bool board_init(void) {
     driver_init();
+    serial_init(); // a failure is reported over it
     chip_protection_init();
     if (!chip_pwm_init()) {
         return false;
     }
     chip_converters_init();
     pwm_pins_init(); // only now: the trip zones hold the outputs low
-    serial_init();
     driver_enable();
-    watchdog_start();
     return board_clear_trip();
 }
 
 void board_start(void) {
     const uint32_t irq = IRQ_CONTROLSS_INTXBAR0;
+    watchdog_start();
     (void)chip_converters_acknowledge();
     reg_write32(VIM_MAP(irq), reg_read32(VIM_MAP(irq)) & ~VIM_BIT(irq));  // IRQ
     reg_write32(VIM_TYPE(irq), reg_read32(VIM_TYPE(irq)) | VIM_BIT(irq)); // pulse

@@ -67,7 +67,7 @@ static void pwm_pins_init(void) {
 static void serial_init(void) {
     SysCtl_enablePeripheral(SYSCTL_PERIPH_CLK_SCIA);
     SCI_performSoftwareReset(SCIA_BASE);
-    SCI_setConfig(SCIA_BASE, DEVICE_LSPCLK_FREQ, BAUD,
+    SCI_setConfig(SCIA_BASE, SysCtl_getLowSpeedClock(DEVICE_OSCSRC_FREQ), BAUD,
                   SCI_CONFIG_WLEN_8 | SCI_CONFIG_STOP_ONE); // no parity
     SCI_enableFIFO(SCIA_BASE);
     SCI_resetTxFIFO(SCIA_BASE);
@@ -94,10 +94,17 @@ static void watchdog_start(void) {
     SysCtl_enableWatchdog();
 }
 
+bool board_reset_by_watchdog(void) {
+    const uint32_t cause = SysCtl_getResetCause();
+    SysCtl_clearResetCause(cause);
+    return (cause & (SYSCTL_CAUSE_WDRS | SYSCTL_CAUSE_NMIWDRS)) != 0u;
+}
+
 bool board_init(void) {
     Device_init(); // clocks and flash; stops the watchdog that runs from reset on
     Device_initGPIO();
     driver_init();
+    serial_init(); // a failure is reported over it
     if (SysCtl_getClock(DEVICE_OSCSRC_FREQ) != CHIP_F_CPU_Hz) {
         return false;
     }
@@ -113,13 +120,12 @@ bool board_init(void) {
     }
     chip_converters_init();
     pwm_pins_init(); // only now: the trip zones hold the outputs low
-    serial_init();
     driver_enable();
-    watchdog_start();
     return board_clear_trip();
 }
 
 void board_start(void) {
+    watchdog_start();
     chip_converters_acknowledge();
     Interrupt_clearACKGroup(VARIANT_PERIOD_GROUP);
     Interrupt_enable(VARIANT_PERIOD_INT);

@@ -29,6 +29,7 @@ endfunction()
 cordic_test(test_port_cordic "${CMAKE_CURRENT_SOURCE_DIR}/test_port_cordic.c")
 if(TARGET lodestar_rig)
   cordic_test(test_port_bringup_cordic "${CMAKE_CURRENT_SOURCE_DIR}/test_port_bringup.c" ${application})
+  target_compile_definitions(test_port_bringup_cordic PRIVATE APP_RESTARTS=3u)
 endif()
 
 if(LODE_BUILD_GATES)

@@ -42,6 +42,11 @@ for board in b_g431b_esc1 nucleo_ihm16m1; do
     must_build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$board" # with the step in the CCM SRAM
     sizes "$board" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 done
+# What outlives a reset lies where start-up code neither clears nor copies.
+arm-none-eabi-nm "$work/g4/port/stm32g4/lodestar_stm32g4.elf" | awk '
+    { at[$3] = $1 }
+    END { exit !(at["resets"] >= at["bss_end"] && at["check"] >= at["bss_end"] && at["resets"] > at["data_end"]) }' ||
+    { echo "the count of watchdog resets: expected behind .bss"; exit 1; }
 must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON
 sizes "nucleo_ihm16m1 with CORDIC" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 must_build f4 -DLODE_PORT=stm32f4

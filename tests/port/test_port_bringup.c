@@ -42,13 +42,16 @@ static plant_t plant;
 static bool gates, latched;
 static uint32_t cycles, feeds, stamp, periods;
 static bool working;
+static bool refused;     // a configuration that is none
+static bool by_watchdog; // the last reset
+static bool started;
 static char sent[32768];
 static size_t sent_length;
 
 // --- board.h ---
 
 void board_describe(lode_drive_config_t *config) {
-    config->f_pwm_Hz = (float)F_PWM;
+    config->f_pwm_Hz = refused ? -1.0f : (float)F_PWM;
     config->inverter =
         (lode_inverter_config_t){.v_bus_V = (float)V_BUS, .i_max_A = 10.0f, .pwm_ticks = 4250.0f};
     config->sense = (lode_sense_config_t){.i_gain_A_count = (float)GAIN_A,
@@ -57,11 +60,17 @@ void board_describe(lode_drive_config_t *config) {
     config->guard.stamp_per_period = (float)CYCLES_PER_PERIOD;
 }
 
+bool board_reset_by_watchdog(void) {
+    return by_watchdog;
+}
+
 bool board_init(void) {
     return true;
 }
 
-void board_start(void) {}
+void board_start(void) {
+    started = true;
+}
 
 void board_read(lode_counts_t *counts) {
     plant_counts_t raw;
@@ -144,8 +153,11 @@ static void power_up(const mistakes_t *mistakes, plant_config_t config) {
     app_trigger = LODE_TRIGGER_FAULT;
     latched = with.trip;
     working = false;
+    started = false;
+    gates = false;
     sent_length = 0;
     TEST_ASSERT_TRUE(app_start());
+    app_armed = 1u;
 }
 
 static void period(void) {
@@ -169,6 +181,7 @@ static void run_for(double seconds) {
 
 static bringup_result_t bring_up(uint32_t mode, double most_s) {
     app_mode = mode;
+    app_armed = 1u;
     for (int n = 0; n < (int)(most_s * F_PWM); n++) {
         period();
         const bringup_result_t result = app_result();
@@ -340,6 +353,79 @@ static void test_report_is_one_line(void) {
     TEST_ASSERT_NOT_NULL(strstr(sent, "1 PASS OK phase 0 measured 8500.000 limit 8500.000\r\n"));
 }
 
+static bool was_sent(const char *text) {
+    sent[sent_length] = '\0';
+    return strstr(sent, text) != NULL;
+}
+
+static void test_nothing_switches_before_it_is_armed(void) {
+    for (uint32_t mode = BRINGUP_SIGNS; mode <= APP_MODE_APPLICATION; mode++) {
+        power_up(&sound, plant_of_motor());
+        TEST_ASSERT_TRUE(app_armed != 0u);
+        TEST_ASSERT_TRUE(app_start()); // a reset takes it back
+        app_mode = mode;
+        for (int n = 0; n < (int)(2.0 * F_PWM); n++) {
+            period();
+            TEST_ASSERT_FALSE(gates);
+        }
+        char line[] = "WAIT ARM 0\r\n";
+        line[9] = (char)('0' + (int)mode);
+        TEST_ASSERT_TRUE(was_sent(line));
+        app_armed = 1u;
+        for (int n = 0; n < (int)(2.0 * F_PWM) && !gates; n++) {
+            period();
+        }
+        TEST_ASSERT_TRUE(gates);
+        app_armed = 0u; // and this switches off
+        run_for(0.01);
+        TEST_ASSERT_FALSE(gates);
+    }
+}
+
+static void test_mode_off_takes_the_arming_back(void) {
+    power_up(&sound, plant_of_motor());
+    app_mode = APP_MODE_OFF;
+    run_for(0.01);
+    app_mode = APP_MODE_APPLICATION;
+    run_for(1.0);
+    TEST_ASSERT_FALSE(gates);
+}
+
+static void test_watchdog_resets_are_counted_and_start_nothing(void) {
+    power_up(&sound, plant_of_motor());
+    by_watchdog = true;
+    for (int n = 1; n <= 3; n++) {
+        TEST_ASSERT_TRUE(app_start());
+        app_mode = APP_MODE_APPLICATION;
+        run_for(1.0);
+        TEST_ASSERT_FALSE(gates);
+    }
+    TEST_ASSERT_TRUE(was_sent("START WATCHDOG_RESETS 3\r\n"));
+    by_watchdog = false; // somebody has pressed the reset button
+    TEST_ASSERT_TRUE(app_start());
+    by_watchdog = true;
+    sent_length = 0;
+    TEST_ASSERT_TRUE(app_start());
+    by_watchdog = false;
+    run_for(0.1);
+    TEST_ASSERT_TRUE(was_sent("START WATCHDOG_RESETS 1\r\n"));
+}
+
+static void test_refused_configuration_is_reported(void) {
+    power_up(&sound, plant_of_motor());
+    refused = true;
+    started = false;
+    TEST_ASSERT_FALSE(app_start());
+    refused = false;
+    TEST_ASSERT_FALSE(started);
+    const uint32_t fed = feeds;
+    for (int n = 0; n < 100; n++) {
+        app_poll();
+    }
+    TEST_ASSERT_TRUE(was_sent("START FAIL LODE_ERROR_F_PWM 0\r\n"));
+    TEST_ASSERT_EQUAL_UINT32(fed, feeds);
+}
+
 static void test_watchdog_is_fed_only_while_periods_come(void) {
     power_up(&sound, plant_of_motor());
     run_for(0.1);
@@ -477,6 +563,10 @@ int main(void) {
     RUN_TEST(test_current_that_never_comes);
     RUN_TEST(test_start_that_cannot_succeed_is_a_fault_with_its_check);
     RUN_TEST(test_report_is_one_line);
+    RUN_TEST(test_nothing_switches_before_it_is_armed);
+    RUN_TEST(test_mode_off_takes_the_arming_back);
+    RUN_TEST(test_watchdog_resets_are_counted_and_start_nothing);
+    RUN_TEST(test_refused_configuration_is_reported);
     RUN_TEST(test_watchdog_is_fed_only_while_periods_come);
     RUN_TEST(test_application_runs_and_restarts_after_a_trip);
     RUN_TEST(test_application_gives_up_after_some_restarts);

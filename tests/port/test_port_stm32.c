@@ -14,10 +14,12 @@
 #define DUTY_MAX stm32_duty_max((float)VARIANT_F_PWM_Hz, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns)
 
 #ifdef FAKE_G4
+#define SERIAL_PORT USART2
 #define BREAK_ACTIVE_HIGH TIM_BDTR_BKP // behind the polarity of each source
 #define CONVERTERS_ARMED(from) fake_first(&ADC1->CR, ADC_CR_JADSTART, ADC_CR_JADSTART, (from))
 #define PWM_CLOCK fake_first(&RCC->APB2ENR, RCC_APB2ENR_TIM1EN, RCC_APB2ENR_TIM1EN, 0)
 #else
+#define SERIAL_PORT USART3
 #define BREAK_ACTIVE_HIGH 0u
 #define CONVERTERS_ARMED(from) fake_first(&ADC1->CR1, ADC_CR1_JEOCIE, ADC_CR1_JEOCIE, (from))
 #define PWM_CLOCK fake_first(&RCC->APB2ENR, RCC_APB2ENR_TIM1EN, RCC_APB2ENR_TIM1EN, 0)
@@ -386,16 +388,21 @@ static void test_duties_become_compare_values(void) {
     }
 }
 
-// Into a commissioning mode with the gates on.
-static void gates_on_by_the_drive(void) {
-    TEST_ASSERT_TRUE(app_start());
-    put_counts(0.0f);
-    app_mode = BRINGUP_SIGNS;
+static void run_until_gates_on(void) {
     for (int n = 0; n < 30000 && !gates_on(); n++) {
         one_period();
         app_poll();
     }
     TEST_ASSERT_TRUE(gates_on());
+}
+
+// Into a commissioning mode with the gates on.
+static void gates_on_by_the_drive(void) {
+    TEST_ASSERT_TRUE(app_start());
+    put_counts(0.0f);
+    app_mode = BRINGUP_SIGNS;
+    app_armed = 1u;
+    run_until_gates_on();
     one_period(); // without a fault they stay on
     TEST_ASSERT_TRUE(gates_on());
 }
@@ -457,6 +464,25 @@ static void test_gates_stay_off_after_a_halted_core(void) {
                              lode_check_name((lode_check_t)app_telemetry().fault.check));
 }
 
+// The trip is gone after one period, and time goes by: without a person the gates stay off.
+static void test_fault_is_not_restarted(void) {
+    TEST_ASSERT_TRUE(app_start());
+    put_counts(0.0f);
+    app_mode = APP_MODE_APPLICATION;
+    app_armed = 1u;
+    run_until_gates_on();
+    fake_set_break(true);
+    fake_set_break(false);
+    for (uint32_t n = 0; n < 3u * VARIANT_F_PWM_Hz; n++) {
+        one_period();
+        app_poll();
+        TEST_ASSERT_FALSE(gates_on());
+    }
+    TEST_ASSERT_EQUAL_UINT32(0u, app_armed);
+    app_armed = 1u;
+    run_until_gates_on();
+}
+
 static void test_flag_is_cleared_before_the_period(void) {
     TEST_ASSERT_TRUE(app_start());
     const int from = fake_count();
@@ -497,6 +523,31 @@ static void test_watchdog_is_started_last_and_fed_by_steps(void) {
     TEST_ASSERT_EQUAL_INT(-1, fake_first(&IWDG->KR, ~0u, 0xAAAAu, from));
 }
 
+static void expect_report_of_a_failed_init(uint32_t f_serial_Hz) {
+    TEST_ASSERT_FALSE(app_start());
+    for (int n = 0; n < 10; n++) {
+        app_poll();
+    }
+    TEST_ASSERT_NOT_NULL(strstr(fake_serial_text(), "START FAIL BOARD 0\r\n"));
+    TEST_ASSERT_EQUAL_UINT32((f_serial_Hz + 57600u) / 115200u, SERIAL_PORT->BRR);
+    TEST_ASSERT_EQUAL_INT(-1, fake_first(&IWDG->KR, ~0u, 0xCCCCu, 0)); // nor reset for ever
+}
+
+static void test_failed_init_is_reported_and_stops(void) {
+    fake_set_break(true);
+    expect_report_of_a_failed_init(CHIP_F_SERIAL_Hz);
+    fake_reset();
+    fake_kill_clock();
+    expect_report_of_a_failed_init(16000000u); // by the oscillator that is there after a reset
+}
+
+static void test_cause_of_a_reset(void) {
+    TEST_ASSERT_FALSE(board_reset_by_watchdog());
+    RCC->CSR = RCC_CSR_IWDGRSTF;
+    TEST_ASSERT_TRUE(board_reset_by_watchdog());
+    TEST_ASSERT_FALSE(board_reset_by_watchdog()); // cleared: the next reset speaks for itself
+}
+
 static void test_serial_port_takes_what_it_has_room_for(void) {
     static const uint16_t octets[] = {'a', 'b', 'c', 'd'};
     TEST_ASSERT_TRUE(board_init());
@@ -532,9 +583,12 @@ int main(void) {
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_period);
     RUN_TEST(test_missed_interrupt_is_a_fault);
     RUN_TEST(test_gates_stay_off_after_a_halted_core);
+    RUN_TEST(test_fault_is_not_restarted);
     RUN_TEST(test_flag_is_cleared_before_the_period);
     RUN_TEST(test_gates_off_from_anywhere);
     RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);
+    RUN_TEST(test_failed_init_is_reported_and_stops);
+    RUN_TEST(test_cause_of_a_reset);
     RUN_TEST(test_serial_port_takes_what_it_has_room_for);
     return UNITY_END();
 }

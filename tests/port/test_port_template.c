@@ -19,6 +19,7 @@ static void test_every_function_of_a_board_is_there(void) {
     static const uint16_t octet[] = {0u};
     board_describe(&config);
     TEST_ASSERT_TRUE(config.f_pwm_Hz > 0.0f);
+    TEST_ASSERT_FALSE(board_reset_by_watchdog());
     TEST_ASSERT_FALSE(board_init());
     board_start();
     board_read(&counts);

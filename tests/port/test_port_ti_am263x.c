@@ -275,6 +275,7 @@ static void gates_on_by_the_drive(void) {
     TEST_ASSERT_TRUE(app_start());
     put_counts(0.0f);
     app_mode = BRINGUP_SIGNS;
+    app_armed = 1u;
     for (int n = 0; n < 30000 && !fake_gates_on(); n++) {
         one_period();
         app_poll();
@@ -362,6 +363,23 @@ static void test_watchdog_is_started_last_and_fed_by_steps(void) {
     TEST_ASSERT_EQUAL_INT(-1, fake_first(WDT_KEY, 0u, 0u, from));
 }
 
+static void test_failed_init_is_reported_and_stops(void) {
+    fake_set_fault(true);
+    TEST_ASSERT_FALSE(app_start());
+    for (int n = 0; n < 10; n++) {
+        app_poll();
+    }
+    TEST_ASSERT_NOT_NULL(strstr(&fake_serial_text()[1], "START FAIL BOARD 0\r\n"));
+    TEST_ASSERT_EQUAL_INT(-1, fake_first(WDT_ENABLE, 0u, 0u, 0)); // nor reset for ever
+}
+
+static void test_cause_of_a_reset(void) {
+    fake_put(TOP_RCM_WARM_RST_CAUSE, 0x41u); // power
+    TEST_ASSERT_FALSE(board_reset_by_watchdog());
+    fake_put(TOP_RCM_WARM_RST_CAUSE, 0x42u); // the watchdog of R5FSS0 core 0
+    TEST_ASSERT_TRUE(board_reset_by_watchdog());
+}
+
 static void test_serial_port(void) {
     static const uint16_t octets[] = {'a', 'b'};
     TEST_ASSERT_TRUE(board_init());
@@ -397,6 +415,8 @@ int main(void) {
     RUN_TEST(test_missed_interrupt_is_a_fault);
     RUN_TEST(test_flags_are_cleared_around_the_period);
     RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);
+    RUN_TEST(test_failed_init_is_reported_and_stops);
+    RUN_TEST(test_cause_of_a_reset);
     RUN_TEST(test_serial_port);
     return UNITY_END();
 }

@@ -400,6 +400,7 @@ static void gates_on_by_the_drive(void) {
     TEST_ASSERT_TRUE(app_start());
     put_counts(0.0f);
     app_mode = BRINGUP_SIGNS;
+    app_armed = 1u;
     for (int n = 0; n < 30000 && !fake_gates_on(); n++) {
         one_period();
         app_poll();
@@ -491,6 +492,33 @@ static void test_watchdog_is_started_last_and_fed_by_steps(void) {
                           fake_first("SysCtl_serviceWatchdog", FAKE_ANY, FAKE_ANY, FAKE_ANY, from));
 }
 
+static void expect_report_of_a_failed_init(uint32_t f_serial_Hz) {
+    TEST_ASSERT_FALSE(app_start());
+    for (int n = 0; n < 10; n++) {
+        app_poll();
+    }
+    TEST_ASSERT_NOT_NULL(strstr(fake_serial_text(), "START FAIL BOARD 0\r\n"));
+    TEST_ASSERT_EQUAL_UINT32(f_serial_Hz, second("SCI_setConfig", SCIA_BASE));
+    // Nor reset for ever.
+    TEST_ASSERT_EQUAL_INT(-1, fake_first("SysCtl_enableWatchdog", FAKE_ANY, FAKE_ANY, FAKE_ANY, 0));
+}
+
+static void test_failed_init_is_reported_and_stops(void) {
+    fake_set_fault(true);
+    expect_report_of_a_failed_init(25000000u);
+    fake_reset();
+    fake_kill_clock();
+    expect_report_of_a_failed_init(DEVICE_OSCSRC_FREQ / 8u); // by the clock that there is
+}
+
+static void test_cause_of_a_reset(void) {
+    fake_set_reset_cause(SYSCTL_CAUSE_XRS);
+    TEST_ASSERT_FALSE(board_reset_by_watchdog());
+    fake_set_reset_cause(SYSCTL_CAUSE_XRS | SYSCTL_CAUSE_WDRS);
+    TEST_ASSERT_TRUE(board_reset_by_watchdog());
+    TEST_ASSERT_FALSE(board_reset_by_watchdog()); // cleared: the next reset speaks for itself
+}
+
 static void test_serial_port_takes_what_it_has_room_for(void) {
     static const uint16_t octets[] = {'a', 'b', 'c', 'd'};
     TEST_ASSERT_TRUE(board_init());
@@ -526,6 +554,8 @@ int main(void) {
     RUN_TEST(test_flags_are_cleared_around_the_period);
     RUN_TEST(test_unexpected_interrupts_have_a_handler);
     RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);
+    RUN_TEST(test_failed_init_is_reported_and_stops);
+    RUN_TEST(test_cause_of_a_reset);
     RUN_TEST(test_serial_port_takes_what_it_has_room_for);
     return UNITY_END();
 }

@@ -135,6 +135,10 @@ static void model_timer(volatile uint32_t *reg, uint32_t before) {
 }
 
 static void model_clock(void) {
+    fake_RCC.CSR |= (fake_RCC.CSR & RCC_CSR_LSION) << 1;
+    if ((fake_RCC.CSR & RCC_CSR_RMVF) != 0u) {
+        fake_RCC.CSR &= ~(RCC_CSR_IWDGRSTF | RCC_CSR_WWDGRSTF | RCC_CSR_RMVF);
+    }
     if (clock_dead) {
         return;
     }

@@ -53,6 +53,11 @@ typedef struct {
 #define TIM_BDTR_BKP (1u << 13)
 #define TIM_BDTR_MOE (1u << 15)
 
+#define RCC_CSR_LSION 1u
+#define RCC_CSR_LSIRDY (1u << 1)
+#define RCC_CSR_IWDGRSTF (1u << 29)
+#define RCC_CSR_WWDGRSTF (1u << 30)
+
 #if defined(__arm__)
 #define FAKE_AT(type, name, address) ((type *)(address))
 static inline void NVIC_SetPriority(int irq, uint32_t priority) {

@@ -25,7 +25,8 @@ typedef struct {
 } PWR_TypeDef;
 
 typedef struct {
-    volatile uint32_t CR, PLLCFGR, CFGR, RESERVED1[9], AHB1ENR, RESERVED2[3], APB1ENR, APB2ENR;
+    volatile uint32_t CR, PLLCFGR, CFGR, RESERVED1[9], AHB1ENR, RESERVED2[3], APB1ENR, APB2ENR,
+        RESERVED3[11], CSR;
 } RCC_TypeDef;
 
 typedef struct {
@@ -77,6 +78,8 @@ typedef struct {
 #define RCC_APB2ENR_ADC1EN (1u << 8)
 #define RCC_APB2ENR_ADC2EN (1u << 9)
 #define RCC_APB2ENR_ADC3EN (1u << 10)
+
+#define RCC_CSR_RMVF (1u << 24)
 
 #define USART_SR_TXE (1u << 7)
 #define USART_CR1_TE (1u << 3)

@@ -43,7 +43,7 @@ typedef struct {
 
 typedef struct {
     volatile uint32_t CR, ICSCR, CFGR, PLLCFGR, RESERVED1[14], AHB1ENR, AHB2ENR, RESERVED2[2],
-        APB1ENR1, APB1ENR2, APB2ENR;
+        APB1ENR1, APB1ENR2, APB2ENR, RESERVED3[12], CSR;
 } RCC_TypeDef;
 
 typedef struct {
@@ -129,6 +129,8 @@ typedef struct {
 #define RCC_APB1ENR1_PWREN (1u << 28)
 #define RCC_APB2ENR_SYSCFGEN 1u
 #define RCC_APB2ENR_TIM1EN (1u << 11)
+
+#define RCC_CSR_RMVF (1u << 23)
 
 #define USART_CR1_UE 1u
 #define USART_CR1_TE (1u << 3)

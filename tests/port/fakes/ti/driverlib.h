@@ -147,6 +147,9 @@ typedef enum { GPIO_QUAL_ASYNC = 3 } GPIO_QualificationMode;
 typedef enum { GPIO_DIR_MODE_IN = 0, GPIO_DIR_MODE_OUT = 1 } GPIO_Direction;
 typedef enum { CPUTIMER_EMULATIONMODE_RUNFREE = 0x800 } CPUTimer_EmulationMode;
 typedef enum { SCI_FIFO_TX0 = 0, SCI_FIFO_TX16 = 16 } SCI_TxFIFOLevel;
+#define SYSCTL_CAUSE_XRS 0x2u
+#define SYSCTL_CAUSE_WDRS 0x4u
+#define SYSCTL_CAUSE_NMIWDRS 0x8u
 typedef enum { SYSCTL_WD_MODE_RESET = 0 } SysCtl_WDMode;
 typedef enum { SYSCTL_WD_PRESCALE_1 = 0 } SysCtl_WDPrescaler;
 typedef enum {
@@ -276,6 +279,9 @@ uint16_t ADC_readResult(uint32_t base, ADC_SOCNumber number);
 bool ADC_getInterruptOverflowStatus(uint32_t base, ADC_IntNumber number);
 uint32_t CPUTimer_getTimerCount(uint32_t base);
 uint32_t SysCtl_getClock(uint32_t source_Hz);
+uint32_t SysCtl_getLowSpeedClock(uint32_t source_Hz);
+uint32_t SysCtl_getResetCause(void);
+void SysCtl_clearResetCause(uint32_t causes);
 SCI_TxFIFOLevel SCI_getTxFIFOStatus(uint32_t base);
 void SCI_writeCharNonBlocking(uint32_t base, uint16_t octet);
 

@@ -35,7 +35,7 @@ static struct {
     uint16_t result[PHASES][RESULTS];
     uint32_t handler_number[HANDLERS];
     fake_handler_t handler[HANDLERS];
-    uint32_t room;
+    uint32_t room, causes;
     char text[TEXT_MAX];
     size_t text_length;
 } fake;
@@ -258,6 +258,22 @@ void fake_kill_clock(void) {
 
 uint32_t SysCtl_getClock(uint32_t source_Hz) {
     return fake.dead ? source_Hz / 2u : 100000000u;
+}
+
+uint32_t SysCtl_getLowSpeedClock(uint32_t source_Hz) {
+    return SysCtl_getClock(source_Hz) / 4u;
+}
+
+void fake_set_reset_cause(uint32_t causes) {
+    fake.causes = causes;
+}
+
+uint32_t SysCtl_getResetCause(void) {
+    return fake.causes;
+}
+
+void SysCtl_clearResetCause(uint32_t causes) {
+    fake.causes &= ~causes;
 }
 
 void Device_init(void) {

@@ -29,6 +29,7 @@ void fake_set_cycles(uint32_t cycles);
 void fake_set_direction(uint16_t direction);
 void fake_set_overflow(void);
 void fake_kill_clock(void);
+void fake_set_reset_cause(uint32_t causes);
 void fake_serial_room(uint32_t octets);
 const char *fake_serial_text(void);
 /// What stands registered for an interrupt.
