@@ -53,13 +53,17 @@ float stm32_voltage_use(float duty_max) {
     return lode_clamp((duty_max - 0.5f) / TWO_LEGS, 0.0f, VOLTAGE_USE);
 }
 
+void stm32_pwm_reset(void) {
+    REG_SET(RCC->APB2RSTR, RCC_APB2RSTR_TIM1RST);
+    REG_CLEAR(RCC->APB2RSTR, RCC_APB2RSTR_TIM1RST);
+}
+
 bool stm32_pwm_init(const stm32_pwm_t *config) {
     const uint32_t steps = stm32_pwm_steps(config->f_timer_Hz, config->f_pwm_Hz);
     uint32_t dtg = 0u;
     if (steps == 0u || !stm32_dead_time(config->f_timer_Hz, config->dead_time_ns, &dtg)) {
         return false;
     }
-    REG_WRITE(TIM1->BDTR, 0u); // outputs off, whatever ran before a jump to here
     REG_WRITE(TIM1->CR1, TIM_CR1_ARPE | TIM_CR1_CMS_0);
     REG_WRITE(TIM1->CR2, TIM_CR2_MMS_1); // TRGO = update; idle levels low
     REG_WRITE(TIM1->PSC, 0u);
@@ -76,7 +80,8 @@ bool stm32_pwm_init(const stm32_pwm_t *config) {
               TIM_CCER_CC1E | TIM_CCER_CC2E | TIM_CCER_CC3E |
                   (config->low_sides ? TIM_CCER_CC1NE | TIM_CCER_CC2NE | TIM_CCER_CC3NE : 0u));
     // Off means driven inactive (OSSI, OSSR), not floating. Lock level 2: until the next reset nobody
-    // changes dead time, break inputs, polarities and idle levels any more. No automatic return.
+    // changes dead time, break inputs, polarities and idle levels any more. No automatic return. All in
+    // one write: the first one after the reset freezes LOCK (RM0440 and RM0090, TIMx_BDTR).
     REG_WRITE(TIM1->BDTR,
               dtg | TIM_BDTR_OSSI | TIM_BDTR_OSSR | TIM_BDTR_LOCK_1 | config->break_bits);
     REG_WRITE(TIM1->EGR, TIM_EGR_UG); // takes all of it over; nothing listens to the trigger yet

@@ -33,8 +33,12 @@ float stm32_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns);
 /// so that two phases can be sampled at any angle; at most the core's default. 0 where there is none.
 float stm32_voltage_use(float duty_max);
 
-/// Everything but the counter's start and the outputs. Its clock must be on, its pins must not be its
-/// outputs yet. False: period or dead time do not fit.
+/// All of the timer as after a reset of the chip: outputs off, whatever ran before, and BDTR not written
+/// yet. Its clock must be on.
+void stm32_pwm_reset(void);
+
+/// Everything but the counter's start and the outputs, straight after stm32_pwm_reset(): of BDTR only the
+/// first write counts. The pins must not be the timer's outputs yet. False: period or dead time do not fit.
 bool stm32_pwm_init(const stm32_pwm_t *config);
 
 /// The counter starts at the lower turning point.

@@ -60,7 +60,7 @@ bool board_reset_by_watchdog(void) {
 bool board_init(void) {
     REG_SET(RCC->AHB1ENR, RCC_AHB1ENR_GPIOAEN | RCC_AHB1ENR_GPIOBEN | RCC_AHB1ENR_GPIOCEN);
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_TIM1EN);
-    board_gates_off();
+    stm32_pwm_reset();
     const bool clocked = chip_clock_init();
     chip_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // a failure is reported over it
     if (!clocked) {

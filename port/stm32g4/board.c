@@ -107,7 +107,7 @@ bool board_init(void) {
     REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_GPIOAEN | RCC_AHB2ENR_GPIOBEN | RCC_AHB2ENR_GPIOCEN);
     enables_init();
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_TIM1EN);
-    board_gates_off();
+    stm32_pwm_reset();
     const bool clocked = chip_clock_init();
     chip_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // a failure is reported over it
     if (!clocked) {

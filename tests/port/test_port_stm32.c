@@ -147,7 +147,7 @@ static void test_configuration_is_accepted(void) {
 static void test_outputs_are_safe_before_the_pins_are_theirs(void) {
     TEST_ASSERT_TRUE(board_init());
     const int clock = PWM_CLOCK;
-    const int off = fake_first(&TIM1->BDTR, TIM_BDTR_MOE, 0u, clock);
+    const int off = first(&RCC->APB2RSTR, RCC_APB2RSTR_TIM1RST, RCC_APB2RSTR_TIM1RST);
     const int locked = first(&TIM1->BDTR, BDTR_LOCK, TIM_BDTR_LOCK_1);
     TEST_ASSERT_TRUE(clock >= 0 && off > clock);
     TEST_ASSERT_TRUE(locked > off);
@@ -163,6 +163,16 @@ static void test_outputs_are_safe_before_the_pins_are_theirs(void) {
     }
     TEST_ASSERT_EQUAL_INT(-1, fake_first(&TIM1->BDTR, TIM_BDTR_MOE, TIM_BDTR_MOE, 0));
     TEST_ASSERT_EQUAL_INT(-1, fake_first(&TIM1->CR1, TIM_CR1_CEN, TIM_CR1_CEN, 0));
+}
+
+// LOCK can be written once after a reset, and gates off before the initialisation may have been that.
+static void test_lock_holds_whatever_was_written_before(void) {
+    board_gates_off();
+    TEST_ASSERT_TRUE(board_init());
+    const uint32_t locked = TIM1->BDTR;
+    TEST_ASSERT_EQUAL_HEX32(TIM_BDTR_LOCK_1, locked & BDTR_LOCK);
+    fake_write(&TIM1->BDTR, "BDTR", 0u); // a program that has lost its way
+    TEST_ASSERT_EQUAL_HEX32(locked, TIM1->BDTR);
 }
 
 static void test_start_arms_then_counts_and_leaves_the_gates_off(void) {
@@ -565,6 +575,7 @@ int main(void) {
     RUN_TEST(test_two_phases_can_always_be_sampled);
     RUN_TEST(test_configuration_is_accepted);
     RUN_TEST(test_outputs_are_safe_before_the_pins_are_theirs);
+    RUN_TEST(test_lock_holds_whatever_was_written_before);
     RUN_TEST(test_start_arms_then_counts_and_leaves_the_gates_off);
     RUN_TEST(test_timer_settings);
     RUN_TEST(test_trigger_is_the_update_and_nothing_hears_it_before_the_start);

@@ -48,6 +48,7 @@ static int irq_index[128];
 static uint32_t irq_priority[128];
 static uint32_t irq_mask;
 static bool break_active, clock_dead;
+static bool bdtr_written; // since the timer's reset
 static uint32_t room;
 static char text[TEXT_MAX];
 static size_t text_length;
@@ -72,6 +73,7 @@ void fake_reset(void) {
 #endif
     count = 0;
     memset(irq_index, -1, sizeof irq_index);
+    bdtr_written = false;
     break_active = false;
     clock_dead = false;
     fake_serial_room(TEXT_MAX);
@@ -125,6 +127,10 @@ static void model_timer(volatile uint32_t *reg, uint32_t before) {
     if (reg == &fake_TIM1.SR) { // flags are cleared by writing 0
         fake_TIM1.SR = (before & fake_TIM1.SR) | (break_active ? TIM_SR_BIF : 0u);
     } else if (reg == &fake_TIM1.BDTR) {
+        if (bdtr_written) { // only once after the reset
+            fake_TIM1.BDTR = (fake_TIM1.BDTR & ~BDTR_LOCK) | (before & BDTR_LOCK);
+        }
+        bdtr_written = true;
         if ((before & BDTR_LOCK) != 0u) { // only MOE is left
             fake_TIM1.BDTR = (before & ~TIM_BDTR_MOE) | (fake_TIM1.BDTR & TIM_BDTR_MOE);
         }
@@ -135,6 +141,11 @@ static void model_timer(volatile uint32_t *reg, uint32_t before) {
 }
 
 static void model_clock(void) {
+    if ((fake_RCC.APB2RSTR & RCC_APB2RSTR_TIM1RST) != 0u) {
+        WIPE(fake_TIM1);
+        bdtr_written = false;
+        fake_set_break(break_active);
+    }
     fake_RCC.CSR |= (fake_RCC.CSR & RCC_CSR_LSION) << 1;
     if ((fake_RCC.CSR & RCC_CSR_RMVF) != 0u) {
         fake_RCC.CSR &= ~(RCC_CSR_IWDGRSTF | RCC_CSR_WWDGRSTF | RCC_CSR_RMVF);

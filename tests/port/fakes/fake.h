@@ -1,5 +1,6 @@
 /// Records every write of a port to a register, in order, and models what the hardware answers: ready
-/// flags, flags cleared by writing, the timer's lock and its break input.
+/// flags, flags cleared by writing, the timer's lock (which only the first write after its reset sets) and
+/// its break input.
 #ifndef FAKES_FAKE_H
 #define FAKES_FAKE_H
 

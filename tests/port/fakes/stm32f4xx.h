@@ -25,8 +25,8 @@ typedef struct {
 } PWR_TypeDef;
 
 typedef struct {
-    volatile uint32_t CR, PLLCFGR, CFGR, RESERVED1[9], AHB1ENR, RESERVED2[3], APB1ENR, APB2ENR,
-        RESERVED3[11], CSR;
+    volatile uint32_t CR, PLLCFGR, CFGR, RESERVED1[6], APB2RSTR, RESERVED4[2], AHB1ENR,
+        RESERVED2[3], APB1ENR, APB2ENR, RESERVED3[11], CSR;
 } RCC_TypeDef;
 
 typedef struct {
@@ -74,6 +74,7 @@ typedef struct {
 #define RCC_APB1ENR_TIM2EN 1u
 #define RCC_APB1ENR_USART3EN (1u << 18)
 #define RCC_APB1ENR_PWREN (1u << 28)
+#define RCC_APB2RSTR_TIM1RST 1u
 #define RCC_APB2ENR_TIM1EN 1u
 #define RCC_APB2ENR_ADC1EN (1u << 8)
 #define RCC_APB2ENR_ADC2EN (1u << 9)

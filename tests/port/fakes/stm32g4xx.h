@@ -42,8 +42,8 @@ typedef struct {
 } PWR_TypeDef;
 
 typedef struct {
-    volatile uint32_t CR, ICSCR, CFGR, PLLCFGR, RESERVED1[14], AHB1ENR, AHB2ENR, RESERVED2[2],
-        APB1ENR1, APB1ENR2, APB2ENR, RESERVED3[12], CSR;
+    volatile uint32_t CR, ICSCR, CFGR, PLLCFGR, RESERVED1[12], APB2RSTR, RESERVED4, AHB1ENR,
+        AHB2ENR, RESERVED2[2], APB1ENR1, APB1ENR2, APB2ENR, RESERVED3[12], CSR;
 } RCC_TypeDef;
 
 typedef struct {
@@ -127,6 +127,7 @@ typedef struct {
 #define RCC_APB1ENR1_TIM2EN 1u
 #define RCC_APB1ENR1_USART2EN (1u << 17)
 #define RCC_APB1ENR1_PWREN (1u << 28)
+#define RCC_APB2RSTR_TIM1RST (1u << 11)
 #define RCC_APB2ENR_SYSCFGEN 1u
 #define RCC_APB2ENR_TIM1EN (1u << 11)
 
