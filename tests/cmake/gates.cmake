@@ -14,7 +14,7 @@ function(lode_add_gates)
   lode_gate(format bash ${tools}/format.sh)
   lode_gate(layers ${python} ${tools}/check_layers.py .)
   lode_gate(words ${python} ${tools}/check_words.py .)
-  lode_gate(plant_includes ${python} ${tools}/check_plant_includes.py .)
+  lode_gate(sim_layers ${python} ${tools}/check_sim_layers.py .)
   lode_gate(tree ${python} ${tools}/check_tree.py .)
   lode_gate(equations ${python} ${tools}/check_equations.py .)
 
