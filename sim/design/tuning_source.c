@@ -65,12 +65,17 @@ static void print_members(FILE *file, const lode_drive_tuning_t *tuning) {
 
 void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t *tuning,
                          const char *from) {
+    (void)fputs("// Written by `lodestar design --c` from ", file);
+    for (const char *at = from; *at != '\0'; ++at) {
+        (void)fputc((unsigned char)*at < ' ' ? ' ' : *at,
+                    file); // a line break would end the comment
+    }
     (void)fprintf(file,
-                  "// Written by `lodestar design --c` from %s. C, not C++.\n"
+                  ". C, not C++.\n"
                   "// lode_drive_begin(&drive, &%s) takes the place of lode_drive_init().\n"
                   "#include \"lodestar/drive.h\"\n"
                   "#include \"lodestar/version.h\"\n\n",
-                  from, name);
+                  name);
     print_guards(file, tuning);
     (void)fprintf(file,
                   "\nextern const lode_drive_tuning_t %s;\n"

@@ -113,9 +113,12 @@ static void plot_curves(FILE *script, const analyse_t *analysis, const char *fig
     for (int c = 0; c < analysis->curves; ++c) {
         const analyse_curve_t *curve = &analysis->curve[c];
         if (is_in(curve, figure)) {
-            (void)fprintf(script, "%s$c%d using %s:%d with lines lc rgb '#%s%s' %s title '%s, %s'",
+            char label[160];
+            char title[PLOT_TEXT_LENGTH];
+            (void)snprintf(label, sizeof label, "%s, %s", curve->label, name[curve->form]);
+            (void)fprintf(script, "%s$c%d using %s:%d with lines lc rgb '#%s%s' %s title %s",
                           separator, c, x, column, alpha[curve->form], colours[curve->family % 4],
-                          style[curve->form], curve->label, name[curve->form]);
+                          style[curve->form], plot_text(title, label));
             separator = ", ";
         }
     }
@@ -150,12 +153,13 @@ static void place(FILE *script, int column, int row, int columns) {
 }
 
 static void gain_panel(FILE *script, const plot_bode_t *picture, int column) {
+    char heading[PLOT_TEXT_LENGTH];
     (void)fprintf(script,
-                  "set label 1001 '%s' at graph 0, graph 1.035 left font ',12'\n"
+                  "set label 1001 %s at graph 0, graph 1.035 left font ',12'\n"
                   "set ylabel '%s' offset 1\nset yrange [%g:%g]\nset ytics autofreq\n"
                   "set format x ''\nset xlabel ''\n",
-                  picture->heading[column], column == 0 ? "gain [dB]" : "", picture->gain_dB[0],
-                  picture->gain_dB[1]);
+                  plot_text(heading, picture->heading[column]), column == 0 ? "gain [dB]" : "",
+                  picture->gain_dB[0], picture->gain_dB[1]);
     if (picture->poles != NULL) {
         (void)fputs("set key top right reverse Left samplen 1.6 font ',10'\n", script);
     } else if (column == 1 || picture->figure[1] == NULL) {
@@ -192,10 +196,11 @@ static void bode_column(FILE *script, const plot_bode_t *picture, const analyse_
 }
 
 static void pole_column(FILE *script, const plot_bode_t *picture) {
+    char heading[PLOT_TEXT_LENGTH];
     (void)fprintf(script,
                   "unset logscale x\nset xrange [-260:20]\nset yrange [-700:700]\n"
                   "set format x '%%g'\nset ytics autofreq\nset xlabel 'real [rad/s]' offset 0,0.3\n"
-                  "set ylabel ''\nset label 1001 '%s' at graph 0, graph 1.017 left font ',12'\n"
+                  "set ylabel ''\nset label 1001 %s at graph 0, graph 1.017 left font ',12'\n"
                   "set lmargin at screen 0.47; set rmargin at screen 0.81\n"
                   "set tmargin at screen 0.89; set bmargin at screen 0.095\n"
                   "set palette defined (60 '#1f5fa8', 110 '#d98200', 160 '#c8372d')\n"
@@ -203,11 +208,12 @@ static void pole_column(FILE *script, const plot_bode_t *picture) {
                   "set key at graph 0.05, graph 0.78 left font ',10'\n"
                   "plot $p0 using 1:2:3 with points pt 6 ps 0.9 lc palette title 'theory', "
                   "$p1 using 1:2:3 with points pt 2 ps 0.6 lc palette title 'sampled'\n",
-                  picture->heading[1]);
+                  plot_text(heading, picture->heading[1]));
 }
 
 bool plot_bode(FILE *svg, const plot_bode_t *picture, const analyse_t *analysis) {
     plot_t plot;
+    char title[PLOT_TEXT_LENGTH];
     if (!plot_start(&plot, svg, WIDTH, HEIGHT)) {
         return false;
     }
@@ -223,8 +229,8 @@ bool plot_bode(FILE *svg, const plot_bode_t *picture, const analyse_t *analysis)
                   "set grid lc rgb '#e2e5e8' lw 0.6 dt 1\n"
                   "set border 3 lc rgb '#606060'\n"
                   "set tics nomirror out scale 0.6 textcolor rgb '#303030' font ',11'\n"
-                  "set label 1000 '%s' at screen 0.075, screen 0.965 left noenhanced font ',14'\n",
-                  picture->title);
+                  "set label 1000 %s at screen 0.075, screen 0.965 left noenhanced font ',14'\n",
+                  plot_text(title, picture->title));
     const int columns = picture->figure[1] != NULL || picture->poles != NULL ? 2 : 1;
     bode_column(script, picture, analysis, 0, columns);
     if (picture->poles != NULL) {

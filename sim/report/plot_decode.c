@@ -117,8 +117,10 @@ static void send_panel(FILE *script, const decode_t *decoded, uint32_t first, bo
         if (strcmp(group_of(decoded->channel[k]), group) == 0) {
             (void)fputs(separator, script);
             send_curve(script, decoded, k);
-            (void)fprintf(script, " with lines lc rgb '%s' lw 1.2 title '%s' noenhanced",
-                          colours[colour++ % COLOURS], channels_name(decoded->channel[k]));
+            char name[PLOT_TEXT_LENGTH];
+            (void)fprintf(script, " with lines lc rgb '%s' lw 1.2 title %s noenhanced",
+                          colours[colour++ % COLOURS],
+                          plot_text(name, channels_name(decoded->channel[k])));
             separator = ", ";
         }
     }

@@ -50,12 +50,14 @@ static double send_errors(FILE *script, const runlog_t *log) {
 static void send_phases(FILE *script, const runner_result_t *result) {
     for (int k = 0; k < result->phases; ++k) {
         const runner_phase_t *phase = &result->phase[k];
+        char name[PLOT_TEXT_LENGTH];
         (void)fprintf(script,
                       "set arrow %d from %.6g, graph 0 to %.6g, graph 1 nohead back lw 0.8 "
                       "lc rgb '#c8ccd0'\n"
-                      "set label %d \"%s\" at %.6g, graph 1.05 left noenhanced font ',10' "
+                      "set label %d %s at %.6g, graph 1.05 left noenhanced font ',10' "
                       "textcolor rgb '#555555' rotate by 20\n",
-                      k + 1, phase->start_s, phase->start_s, k + 1, phase->name, phase->start_s);
+                      k + 1, phase->start_s, phase->start_s, k + 1, plot_text(name, phase->name),
+                      phase->start_s);
     }
 }
 

@@ -84,7 +84,54 @@ bool plot_start(plot_t *self, FILE *svg, int width, int height) {
     return true;
 }
 
+/// Bytes of the UTF-8 character there; 0 if it is none.
+static int character_length(const unsigned char *at) {
+    static const struct {
+        unsigned char first, last; // leading bytes
+        unsigned char low, high; // the byte after them: neither longer than needed nor a surrogate
+        int length;
+    } forms[] = {
+        {0x00, 0x7f, 0x00, 0xff, 1}, {0xc2, 0xdf, 0x80, 0xbf, 2}, {0xe0, 0xe0, 0xa0, 0xbf, 3},
+        {0xe1, 0xec, 0x80, 0xbf, 3}, {0xed, 0xed, 0x80, 0x9f, 3}, {0xee, 0xef, 0x80, 0xbf, 3},
+        {0xf0, 0xf0, 0x90, 0xbf, 4}, {0xf1, 0xf3, 0x80, 0xbf, 4}, {0xf4, 0xf4, 0x80, 0x8f, 4}};
+    for (size_t k = 0; k < sizeof forms / sizeof forms[0]; ++k) {
+        if (at[0] >= forms[k].first && at[0] <= forms[k].last) {
+            bool good = at[0] < 0x80 || (at[1] >= forms[k].low && at[1] <= forms[k].high);
+            for (int n = 2; good && n < forms[k].length; ++n) {
+                good = (at[n] & 0xc0) == 0x80;
+            }
+            return good ? forms[k].length : 0;
+        }
+    }
+    return 0;
+}
+
+const char *plot_text(char string[PLOT_TEXT_LENGTH], const char *text) {
+    enum { AT_MOST = 4 + 2 }; // a character, the last quote and the end
+    static const char apostrophe[3] = {'\xe2', '\x80', '\x99'};
+    const unsigned char *from = (const unsigned char *)text;
+    size_t to = 0;
+    string[to++] = '\'';
+    while (*from != '\0' && to + AT_MOST <= PLOT_TEXT_LENGTH) {
+        const int length = character_length(from);
+        if (length > 1) {
+            (void)memcpy(string + to, from, (size_t)length);
+            to += (size_t)length;
+        } else if (*from == '\'') {
+            (void)memcpy(string + to, apostrophe, sizeof apostrophe);
+            to += sizeof apostrophe;
+        } else {
+            string[to++] = (char)(length == 0 ? '?' : *from < ' ' || *from == 0x7f ? ' ' : *from);
+        }
+        from += length > 1 ? length : 1;
+    }
+    string[to++] = '\'';
+    string[to] = '\0';
+    return string;
+}
+
 void plot_style(FILE *script, const char *title, int panels, double from_s, double to_s) {
+    char string[PLOT_TEXT_LENGTH];
     (void)fprintf(script,
                   "set datafile missing 'nan'\n"
                   "set multiplot layout %d,1 margins screen 0.085, screen 0.865, screen 0.07, "
@@ -97,19 +144,16 @@ void plot_style(FILE *script, const char *title, int panels, double from_s, doub
                   "spacing 1.25 font ',11'\n"
                   "set format x ''\n"
                   "blue = '#1f5fa8'; red = '#c8372d'; green = '#2f8f4e'; grey = '#8a8f94'\n"
-                  "set label 1000 at screen 0.085, screen 0.98 left noenhanced font ',14' \"",
-                  panels, from_s, to_s);
-    // As text of the script: a quote or a backslash would end it.
-    for (const char *at = title; *at != '\0'; ++at) {
-        (void)fputc(*at == '"' || *at == '\\' || *at == '`' ? '\'' : *at, script);
-    }
-    (void)fputs("\"\n", script);
+                  "set label 1000 at screen 0.085, screen 0.98 left noenhanced font ',14' %s\n",
+                  panels, from_s, to_s, plot_text(string, title));
 }
 
 void plot_panel(FILE *script, const char *label) {
-    (void)fprintf(script,
-                  "set label 1001 \"%s\" at screen 0.02, graph 0.5 center rotate by 90 front\n",
-                  label);
+    char string[PLOT_TEXT_LENGTH];
+    (void)fprintf(
+        script,
+        "set label 1001 %s at screen 0.02, graph 0.5 center rotate by 90 front noenhanced\n",
+        plot_text(string, label));
 }
 
 bool plot_finish(plot_t *self) {

@@ -1,0 +1,101 @@
+"""Names out of files and of files reach pictures and generated C as text only: nothing in them is run."""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import xml.dom.minidom
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+from tool import DRIVE, MOTOR, RECORDINGS, TOOL, Checks, Folder
+
+# What gnuplot's shells, strings, commands, enhanced text and XML make something of. A phase's name
+# has at most 31 characters and ends at a bracket, a file's name has no slash.
+TEXTS = ["`touch ran`", "$(touch ran)", "\" `touch ran`", "' . system(\"touch ran\") . '",
+         "\"; system('touch ran'); x=\"", "a\\\"`touch ran`", "!touch ran", "@x", "%s%n", "a\\", "\\n",
+         "it's", "''", "x^2_{3}", "{/Symbol a}", "&amp;<b>", "µ Ω"]
+FILES_ONLY = ["a\n!touch ran\n", "a\"\n!touch ran\n#", "a'\nsystem(\"touch ran\")\n#", "a\r!touch ran\r",
+              "a\x01b\x7f", b"a\xff\xc3(b\xed\xa0\x80", "x" * 200]
+
+
+def shown(svg):
+    """All text of a picture, one string per text element."""
+    document = xml.dom.minidom.parseString(svg.read_bytes())
+
+    def text(node):
+        return node.data if node.nodeType == node.TEXT_NODE else "".join(map(text, node.childNodes))
+
+    return [text(node).strip().replace("\u00a0", " ") for node in document.getElementsByTagName("text")]
+
+
+def drawn(checks, folder, what, arguments):
+    """The texts of the picture p.svg that these arguments draw, after which nothing else was made."""
+    before = set(folder.names())
+    done = subprocess.run([TOOL, *arguments, "--plot", "p.svg"], cwd=folder.path, capture_output=True,
+                          stdin=subprocess.DEVNULL, check=False)
+    checks.equal(done.returncode, 0, f"{what}: exit code; {done.stderr[-300:]}")
+    checks.equal(set(folder.names()) - before, {"p.svg"}, f"{what}: files")
+    try:
+        texts = shown(folder.path / "p.svg")
+    except (OSError, xml.parsers.expat.ExpatError, UnicodeDecodeError) as error:
+        checks.true(False, f"{what}: {error}")
+        texts = []
+    (folder.path / "p.svg").unlink(missing_ok=True)
+    (folder.path / "ran").unlink(missing_ok=True)
+    return texts
+
+
+def phases(checks, folder):
+    """Every text as a phase's name and as the scenario's title; each is shown, a ' as its likeness."""
+    names = [text for text in TEXTS if "]" not in text and len(text.encode()) <= 31]
+    for name in names:
+        folder.write("s.ini", f"; {name}\n[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
+                              f"[phase.{name}]\nduration_s = 0.01\n")
+        texts = drawn(checks, folder, f"phase {name!r}", ["run", "s.ini"])
+        checks.equal(texts.count(name.replace("'", "\u2019")), 2, f"title and phase {name!r}, in {texts[:8]}")
+
+
+def recordings(checks, folder):
+    """The title of a replay's picture is its recording's file name: control characters are blanks."""
+    lines = (RECORDINGS / "steady-300rpm-5Nm.csv").read_bytes().splitlines(keepends=True)
+    for name in [*(text for text in TEXTS if "/" not in text), *FILES_ONLY]:
+        path = folder.path / (name.decode("utf-8", "surrogateescape") if isinstance(name, bytes) else name)
+        path.write_bytes(b"".join(lines[:400]))
+        texts = drawn(checks, folder, f"recording {name!r}", ["replay", "--motor", MOTOR, "--recording", path])
+        if isinstance(name, str):
+            wanted = " ".join(re.sub(r"[\x00-\x1f\x7f]", " ", name).replace("'", "\u2019").split())
+            checks.true(wanted in [" ".join(text.split()) for text in texts], f"{wanted!r} in {texts[:3]}")
+        path.unlink()
+
+
+def records(checks, folder):
+    """The same of what is decoded: the title is the path."""
+    folder.run("run", "main", "--ring", "ring.bin", "--set", "phase.start.duration_s=0.1")
+    data = (folder.path / "ring.bin").read_bytes()[:20000]
+    for name in ["`touch ran`", "a\"\n!touch ran\n#", "a'\nsystem(\"touch ran\")\n#"]:
+        path = folder.write(name, data)
+        drawn(checks, folder, f"record {name!r}", ["decode", path.name])
+        path.unlink()
+
+
+def generated_c(checks, folder):
+    """The first line of a tuning as C names the motor's file: a line break does not end the comment."""
+    path = folder.write("m\n#error from a file name\n.ini", MOTOR.read_text())
+    done = folder.run("design", "--motor", path.name, "--drive", DRIVE, "--c", "t.c")
+    checks.equal(done.returncode, 0, f"exit code of design --c: {done.stderr}")
+    lines = (folder.path / "t.c").read_text().splitlines()
+    checks.true("#error from a file name" in lines[0] and lines[0].startswith("//"), f"first line {lines[0]}")
+
+
+def main():
+    checks = Checks()
+    with Folder() as folder:
+        generated_c(checks, folder)
+        if shutil.which("gnuplot"):
+            phases(checks, folder)
+            recordings(checks, folder)
+            records(checks, folder)
+    checks.done()
+
+
+main()
