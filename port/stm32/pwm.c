@@ -1,12 +1,6 @@
 #include "pwm.h"
 
-#define STEPS_MAX 65535u
-#define NS_PER_S 1.0e9f
-// The core's default share of the circle; more than the board allows is never asked of it.
-#define VOLTAGE_USE 0.95f
-// With the zero vectors halved, a vector between two legs of equal duty has them at
-// 1/2 + sqrt(3)/4 of its share of the circle.
-#define TWO_LEGS 0.4330127f
+#include "figures.h"
 
 // BDTR.DTG: four ranges, each with a wider step than the one before it.
 #define DTG_RANGES 4u
@@ -17,14 +11,6 @@ static const struct {
     uint32_t count; // steps that its bits hold
 } dtg_ranges[DTG_RANGES] = {
     {0x00u, 1u, 0u, 128u}, {0x80u, 2u, 64u, 64u}, {0xC0u, 8u, 32u, 32u}, {0xE0u, 16u, 32u, 32u}};
-
-uint32_t stm32_pwm_steps(uint32_t f_timer_Hz, uint32_t f_pwm_Hz) {
-    if (f_pwm_Hz == 0u) {
-        return 0u;
-    }
-    const uint32_t steps = (f_timer_Hz + f_pwm_Hz) / (2u * f_pwm_Hz);
-    return steps <= STEPS_MAX ? steps : 0u;
-}
 
 bool stm32_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint32_t *dtg) {
     // In thousandths of a timer period, so that 32 bits hold up to 25 us at 170 MHz.
@@ -45,21 +31,13 @@ bool stm32_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint32_t *dtg) 
     return false;
 }
 
-float stm32_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns) {
-    return 1.0f - 2.0f * lode_max(settle_ns, sample_ns) / NS_PER_S * f_pwm_Hz;
-}
-
-float stm32_voltage_use(float duty_max) {
-    return lode_clamp((duty_max - 0.5f) / TWO_LEGS, 0.0f, VOLTAGE_USE);
-}
-
 void stm32_pwm_reset(void) {
     REG_SET(RCC->APB2RSTR, RCC_APB2RSTR_TIM1RST);
     REG_CLEAR(RCC->APB2RSTR, RCC_APB2RSTR_TIM1RST);
 }
 
 bool stm32_pwm_init(const stm32_pwm_t *config) {
-    const uint32_t steps = stm32_pwm_steps(config->f_timer_Hz, config->f_pwm_Hz);
+    const uint32_t steps = port_pwm_steps(config->f_timer_Hz, config->f_pwm_Hz);
     uint32_t dtg = 0u;
     if (steps == 0u || !stm32_dead_time(config->f_timer_Hz, config->dead_time_ns, &dtg)) {
         return false;

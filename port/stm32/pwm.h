@@ -18,20 +18,8 @@ typedef struct {
     uint32_t break_bits;   ///< of BDTR: enable, polarity and filter of the break inputs
 } stm32_pwm_t;
 
-/// Timer steps from duty 0 to 1; 0 where they do not fit the timer's 16 bits.
-uint32_t stm32_pwm_steps(uint32_t f_timer_Hz, uint32_t f_pwm_Hz);
-
 /// BDTR.DTG for at least this dead time; false where it is too long for the timer.
 bool stm32_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint32_t *dtg);
-
-/// Largest duty with which a low-side shunt can still be sampled. `settle_ns`: from the low side's
-/// turn-on to a settled amplifier, dead time included. `sample_ns`: from t_k to the end of the last
-/// current's sampling. The low side is on for (1 - duty)/2 of the period before t_k and after it.
-float stm32_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns);
-
-/// Largest share of the voltage circle with which the second largest duty stays at or below `duty_max`,
-/// so that two phases can be sampled at any angle; at most the core's default. 0 where there is none.
-float stm32_voltage_use(float duty_max);
 
 /// All of the timer as after a reset of the chip: outputs off, whatever ran before, and BDTR not written
 /// yet. Its clock must be on.

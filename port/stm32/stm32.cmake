@@ -2,6 +2,10 @@
 set(LODE_CMSIS_DIR "" CACHE PATH
     "ST's device headers: the folder CMSIS of STM32CubeG4 or STM32CubeF4, or one with stm32g4xx.h or stm32f4xx.h")
 
+# What every board needs but the emulated one.
+set(lode_stm32_board "${LODE_PORT_DIR}/stm32/board.c" "${LODE_PORT_DIR}/stm32/pwm.c"
+                     "${LODE_PORT_DIR}/stm32/supervise.c" ${lode_port_common})
+
 function(lode_stm32_firmware target family script)
   string(TOLOWER "${family}" name)
   set(header "stm32${name}xx.h")
@@ -12,8 +16,7 @@ function(lode_stm32_firmware target family script)
     message(FATAL_ERROR "LODE_CMSIS_DIR=${LODE_CMSIS_DIR}: expected ${header} there, or in "
                         "Device/ST/STM32${family}xx/Include below it")
   endif()
-  lode_firmware(${target} "${LODE_PORT_DIR}/stm32/startup.c" "${LODE_PORT_DIR}/stm32/pwm.c"
-                "${LODE_PORT_DIR}/stm32/supervise.c" ${ARGN})
+  lode_firmware(${target} "${LODE_PORT_DIR}/stm32/startup.c" "${LODE_PORT_DIR}/stm32/serial.c" ${ARGN})
   target_include_directories(${target} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}" "${LODE_PORT_DIR}/stm32")
   target_compile_definitions(${target} PRIVATE "APP_NOINIT=__attribute__((section(\".noinit\")))")
   # System headers: their warnings are ST's.

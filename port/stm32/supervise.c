@@ -25,6 +25,7 @@ void stm32_watchdog_start(void) {
 }
 
 void stm32_stamp_start(void) {
+    REG_SET(STM32_APB1_CLOCKS, STM32_TIM2_CLOCK);
     REG_WRITE(TIM2->CR1, 0u);
     REG_WRITE(TIM2->PSC, 0u);
     REG_WRITE(TIM2->ARR, UINT32_MAX);

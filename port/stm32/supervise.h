@@ -18,7 +18,7 @@ static inline void stm32_watchdog_feed(void) {
     REG_WRITE(IWDG->KR, 0xAAAAu);
 }
 
-/// Starts TIM2, whose clock must be on, as a free-running counter of 32 bits. It runs on while a debugger
+/// Starts TIM2 as a free-running counter of 32 bits. It runs on while a debugger
 /// holds the core: the core's own cycle counter (DWT) stands still then, and the first period after a
 /// breakpoint would look like any other.
 void stm32_stamp_start(void);

@@ -1,4 +1,5 @@
 #include "chip.h"
+#include "sampling.h"
 
 #define CLOCK_BY_4 1u        // APB2/4: 21 MHz of at most 36
 #define TRIPLE_INJECTED 21u  // ADC2 and ADC3 follow ADC1's trigger
@@ -10,24 +11,22 @@
 
 // With a length of two the ranks are the sequence's third and fourth; their results are JDR1 and JDR2.
 static void converter(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t cr2) {
-    uint32_t low = 0u;
-    uint32_t high = 0u;
-    for (uint32_t n = 0u; n < RANKS; n++) {
-        if (ranks[n] < 10u) {
-            low |= SAMPLE_15 << (3u * ranks[n]);
-        } else {
-            high |= SAMPLE_15 << (3u * (ranks[n] - 10u));
-        }
-    }
-    REG_WRITE(adc->SMPR1, high); // channels 10 .. 18
-    REG_WRITE(adc->SMPR2, low);
+    const stm32_sampling_t times = stm32_sampling(ranks, RANKS, SAMPLE_15);
+    REG_WRITE(adc->SMPR1, times.high); // the other way round than in other families
+    REG_WRITE(adc->SMPR2, times.low);
     REG_WRITE(adc->JSQR, (RANKS - 1u) << ADC_JSQR_JL_Pos | ranks[0] << ADC_JSQR_JSQ3_Pos |
                              ranks[1] << ADC_JSQR_JSQ4_Pos);
     REG_WRITE(adc->CR1, ADC_CR1_SCAN);
     REG_WRITE(adc->CR2, ADC_CR2_ADON | cr2);
 }
 
-void chip_converters_init(void) {
+void chip_protection_init(void) {
+    static const stm32_pin_t fault = VARIANT_BREAK_PIN;
+    gpio_pull_up(fault); // open drain, active low
+    gpio_alternate(fault);
+}
+
+bool chip_converters_init(void) {
     static const uint32_t ranks1[RANKS] = VARIANT_ADC1_RANKS;
     static const uint32_t ranks2[RANKS] = VARIANT_ADC2_RANKS;
     static const uint32_t ranks3[RANKS] = VARIANT_ADC3_RANKS;
@@ -39,4 +38,10 @@ void chip_converters_init(void) {
     converter(ADC1, ranks1,
               RISING_EDGE << ADC_CR2_JEXTEN_Pos | TRIGGER_TIM1_TRGO << ADC_CR2_JEXTSEL_Pos);
     stm32_wait(STABLE_LOOPS);
+    return true;
+}
+
+void chip_converters_arm(void) {
+    chip_converters_acknowledge();
+    REG_SET(ADC1->CR1, ADC_CR1_JEOCIE);
 }

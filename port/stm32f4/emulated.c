@@ -31,7 +31,7 @@ bool board_reset_by_watchdog(void) {
 }
 
 bool board_init(void) {
-    chip_serial_init(CHIP_F_SERIAL_Hz);
+    stm32_serial_init(CHIP_F_SERIAL_Hz);
     REG_WRITE(TIM5->PSC, PRESCALER - 1u);
     REG_WRITE(TIM5->ARR, UINT32_MAX);
     REG_WRITE(TIM5->EGR, TIM_EGR_UG);
@@ -81,5 +81,5 @@ uint32_t board_cycles(void) {
 }
 
 uint32_t board_send(const uint16_t *octets, uint32_t count) {
-    return chip_serial_send(octets, count);
+    return stm32_serial_send(octets, count);
 }

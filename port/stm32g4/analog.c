@@ -1,4 +1,5 @@
 #include "chip.h"
+#include "sampling.h"
 
 #define CLOCK_BY_4 3u         // 42.5 MHz of at most 52 with two converters at work
 #define DUAL_INJECTED 5u      // ADC2 follows ADC1's trigger
@@ -45,6 +46,7 @@ void chip_protection_init(void) {
     comparator(COMP1);
     comparator(COMP2);
     comparator(COMP4);
+    REG_WRITE(TIM1->AF1, TIM1_AF1_BKCMP1E | TIM1_AF1_BKCMP2E | TIM1_AF1_BKCMP4E);
 }
 
 #else
@@ -53,22 +55,15 @@ void chip_protection_init(void) {
     static const stm32_pin_t pin = VARIANT_BREAK_PIN;
     gpio_pull_up(pin); // active low: a broken wire would not trip, the board's own pull-up decides
     gpio_alternate(pin);
+    REG_WRITE(TIM1->AF1, TIM1_AF1_BKINE | TIM1_AF1_BKINP); // the pin is active low
 }
 
 #endif
 
 static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t trigger) {
-    uint32_t low = 0u;
-    uint32_t high = 0u;
-    for (uint32_t n = 0u; n < RANKS; n++) {
-        if (ranks[n] < 10u) {
-            low |= SAMPLE_6_5 << (3u * ranks[n]);
-        } else {
-            high |= SAMPLE_6_5 << (3u * (ranks[n] - 10u));
-        }
-    }
-    REG_WRITE(adc->SMPR1, low);
-    REG_WRITE(adc->SMPR2, high);
+    const stm32_sampling_t times = stm32_sampling(ranks, RANKS, SAMPLE_6_5);
+    REG_WRITE(adc->SMPR1, times.low);
+    REG_WRITE(adc->SMPR2, times.high);
     REG_WRITE(adc->JSQR, (RANKS - 1u) << ADC_JSQR_JL_Pos | trigger | ranks[0] << ADC_JSQR_JSQ1_Pos |
                              ranks[1] << ADC_JSQR_JSQ2_Pos | ranks[2] << ADC_JSQR_JSQ3_Pos);
 }
@@ -105,6 +100,6 @@ bool chip_converters_init(void) {
 }
 
 void chip_converters_arm(void) {
-    REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
+    chip_converters_acknowledge();
     REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART); // starts both
 }

@@ -6,17 +6,10 @@
 #define BAUD 115200u
 #define DIVISOR ((UART_CLOCK_Hz + 8u * BAUD) / (16u * BAUD))
 #define UART_FIFO_ON 7u
-#define WAKE_us 1000u       // of a gate driver, after its enable
-#define DRIVER_RESET_us 20u // its fault latch
-#define TRIP_LATCH_us 2u    // a comparator's filter and the crossbar, twice over
 // 25 MHz from the crystal; the counter's low 13 bits are fixed: (61 + 1) of 0.33 ms, 20 ms.
 #define WATCHDOG_PRELOAD 61u
 
 void irq_handler(void);
-
-// The core's cycle counter stands still while a debugger holds the core, so the stamp does not show the
-// gap: the converters do, whose results nobody has taken.
-static bool missed_periods;
 
 void chip_wait_us(uint32_t us) {
     const uint32_t from = reg_cycles();
@@ -24,46 +17,18 @@ void chip_wait_us(uint32_t us) {
     }
 }
 
-void board_describe(lode_drive_config_t *config) {
-    const float f_pwm = (float)VARIANT_F_PWM_Hz;
-    const float duty_max = ti_duty_max(f_pwm, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns);
-    config->f_pwm_Hz = f_pwm;
-    config->inverter = (lode_inverter_config_t){
-        .v_bus_V = VARIANT_V_BUS_V,
-        .i_max_A = VARIANT_I_MAX_A,
-        .dead_time_s = (float)VARIANT_DEAD_TIME_ns * 1.0e-9f,
-        .v_drop_V = VARIANT_V_DROP_V,
-        .r_on_Ohm = VARIANT_R_ON_Ohm,
-        .pwm_ticks = (float)ti_pwm_steps(CHIP_F_PWM_Hz, VARIANT_F_PWM_Hz),
-    };
-    config->sense = (lode_sense_config_t){
-        .shunts = LODE_SHUNTS_THREE,
-        .i_gain_A_count = VARIANT_I_GAIN_A_count,
-        .i_offset_count = VARIANT_I_OFFSET_count,
-        .i_offset_tol_count = VARIANT_I_OFFSET_TOL_count,
-        .v_bus_gain_V_count = VARIANT_V_BUS_GAIN_V_count,
-        .duty_max = duty_max,
-    };
-    config->current.voltage_use = ti_voltage_use(duty_max);
-    config->guard.stamp_per_period = (float)CHIP_F_CPU_Hz / f_pwm;
-}
-
-LODE_RAMFUNC void board_gates_off(void) {
-    chip_pwm_off();
-}
-
 static void driver_init(void) {
     reg_write32(IOMUX_KICK0, IOMUX_KICK0_UNLOCK);
     reg_write32(IOMUX_KICK1, IOMUX_KICK1_UNLOCK);
-    reg_write32(GPIO_CLEAR(VARIANT_ENABLE_GPIO), GPIO_BIT(VARIANT_ENABLE_GPIO));
+    chip_driver_set(false);
     const uint32_t dir = reg_read32(GPIO_DIR(VARIANT_ENABLE_GPIO));
     reg_write32(GPIO_DIR(VARIANT_ENABLE_GPIO), dir & ~GPIO_BIT(VARIANT_ENABLE_GPIO));
     reg_write32(IOMUX_PAD(VARIANT_ENABLE_GPIO), PAD_OUTPUT | PAD_GPIO);
 }
 
-static void driver_enable(void) {
-    reg_write32(GPIO_SET(VARIANT_ENABLE_GPIO), GPIO_BIT(VARIANT_ENABLE_GPIO));
-    chip_wait_us(WAKE_us);
+void chip_driver_set(bool on) {
+    const uint32_t address = on ? GPIO_SET(VARIANT_ENABLE_GPIO) : GPIO_CLEAR(VARIANT_ENABLE_GPIO);
+    reg_write32(address, GPIO_BIT(VARIANT_ENABLE_GPIO));
 }
 
 static void pwm_pins_init(void) {
@@ -105,7 +70,7 @@ bool board_init(void) {
     }
     chip_converters_init();
     pwm_pins_init(); // only now: the trip zones hold the outputs low
-    driver_enable();
+    ti_driver_enable();
     return board_clear_trip();
 }
 
@@ -126,41 +91,8 @@ void board_start(void) {
 LODE_RAMFUNC void irq_handler(void) {
     (void)reg_read32(VIM_IRQVEC); // takes it
     reg_write32(VIM_STS(IRQ_CONTROLSS_INTXBAR0), VIM_BIT(IRQ_CONTROLSS_INTXBAR0));
-    missed_periods = !chip_converters_acknowledge();
-    app_period();
+    ti_period();
     reg_write32(VIM_IRQVEC, 0u); // done
-}
-
-LODE_RAMFUNC void board_read(lode_counts_t *counts) {
-    *counts = (lode_counts_t){
-        .i = {chip_current(0u), chip_current(1u), chip_current(2u)},
-        .v_bus = chip_bus(),
-        .trip = chip_pwm_tripped() || chip_pwm_counts_down() || missed_periods,
-        .stamp = board_cycles(),
-    };
-}
-
-LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
-    if (!out->gates) {
-        board_gates_off();
-    }
-    chip_pwm_write(out->duty);
-    if (out->gates) {
-        chip_pwm_on();
-    }
-}
-
-// A gate driver may latch its faults too, until its enable has been low.
-bool board_clear_trip(void) {
-    if (chip_pwm_tripped()) {
-        board_gates_off();
-        reg_write32(GPIO_CLEAR(VARIANT_ENABLE_GPIO), GPIO_BIT(VARIANT_ENABLE_GPIO));
-        chip_wait_us(DRIVER_RESET_us);
-        driver_enable();
-    }
-    chip_pwm_clear_trip();
-    chip_wait_us(TRIP_LATCH_us);
-    return !chip_pwm_tripped(); // an active source has latched it again
 }
 
 void board_feed_watchdog(void) {

@@ -2,6 +2,7 @@
 // are on around zero: there the shunts carry the phase currents, the compare values are taken over and
 // the converters are triggered. That instant is t_k.
 #include "chip.h"
+#include "figures.h"
 
 #define TRIP_SOURCES (TZ_DCAEVT1 | TZ_DCBEVT1 | TZ_OST5 | TZ_OST6)
 #define TRIP_LATCHES (TZOST_DCAEVT1 | TZOST_DCBEVT1 | TZOST_OST5 | TZOST_OST6)
@@ -61,7 +62,7 @@ static void halt_reaches(uint32_t n) {
 
 bool chip_pwm_init(void) {
     uint16_t dead_counts = 0u;
-    steps = ti_pwm_steps(CHIP_F_PWM_Hz, VARIANT_F_PWM_Hz);
+    steps = (uint16_t)port_pwm_steps(CHIP_F_PWM_Hz, VARIANT_F_PWM_Hz);
     if (steps == 0u || !ti_dead_time(CHIP_F_PWM_Hz, VARIANT_DEAD_TIME_ns, &dead_counts)) {
         return false;
     }

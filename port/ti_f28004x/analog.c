@@ -66,7 +66,7 @@ void chip_protection_init(void) {
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         comparator(&comparators[n]);
     }
-    SysCtl_delay(CHIP_DELAY_us(SETTLE_us)); // thresholds stand before anything listens to them
+    chip_wait_us(SETTLE_us); // thresholds stand before anything listens to them
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         CMPSS_initFilterHigh(comparators[n].base);
         CMPSS_initFilterLow(comparators[n].base);
@@ -95,7 +95,7 @@ void chip_converters_init(void) {
         ADC_enableConverter(adc);
         ADC_setSOCPriority(adc, ADC_PRI_ALL_HIPRI); // number 0 first
     }
-    SysCtl_delay(CHIP_DELAY_us(POWER_UP_us));
+    chip_wait_us(POWER_UP_us);
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         ADC_setupSOC(currents[n].adc, ADC_SOC_NUMBER0, VARIANT_TRIGGER, currents[n].channel,
                      CHIP_WINDOW_cycles);
@@ -115,11 +115,13 @@ LODE_RAMFUNC uint16_t chip_bus(void) {
     return ADC_readResult(VARIANT_BUS_RESULT, ADC_SOC_NUMBER1);
 }
 
-LODE_RAMFUNC void chip_converters_acknowledge(void) {
+LODE_RAMFUNC bool chip_converters_acknowledge(void) {
     ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
-    if (ADC_getInterruptOverflowStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1)) {
+    const bool missed = ADC_getInterruptOverflowStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
+    if (missed) {
         // Left set, it would keep every later interrupt away.
         ADC_clearInterruptOverflowStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
         ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
     }
+    return !missed;
 }

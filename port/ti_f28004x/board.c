@@ -3,9 +3,6 @@
 #include "chip.h"
 
 #define BAUD 115200u
-#define WAKE_us 1000u       // of the gate driver, after its enable
-#define DRIVER_RESET_us 20u // its fault latch: enable low for 8 .. 40 us
-#define TRIP_LATCH_us 2u    // a comparator's filter and the X-BAR, twice over
 #define FIFO_DEPTH 16u
 
 typedef struct {
@@ -16,44 +13,15 @@ typedef struct {
 __interrupt void period_handler(void);
 __interrupt void stop_handler(void);
 
-void board_describe(lode_drive_config_t *config) {
-    const float f_pwm = (float)VARIANT_F_PWM_Hz;
-    const float duty_max = ti_duty_max(f_pwm, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns);
-    config->f_pwm_Hz = f_pwm;
-    config->inverter = (lode_inverter_config_t){
-        .v_bus_V = VARIANT_V_BUS_V,
-        .i_max_A = VARIANT_I_MAX_A,
-        .dead_time_s = (float)VARIANT_DEAD_TIME_ns * 1.0e-9f,
-        .v_drop_V = VARIANT_V_DROP_V,
-        .r_on_Ohm = VARIANT_R_ON_Ohm,
-        .pwm_ticks = (float)ti_pwm_steps(CHIP_F_CPU_Hz, VARIANT_F_PWM_Hz),
-    };
-    config->sense = (lode_sense_config_t){
-        .shunts = LODE_SHUNTS_THREE,
-        .i_gain_A_count = VARIANT_I_GAIN_A_count,
-        .i_offset_count = VARIANT_I_OFFSET_count,
-        .i_offset_tol_count = VARIANT_I_OFFSET_TOL_count,
-        .v_bus_gain_V_count = VARIANT_V_BUS_GAIN_V_count,
-        .duty_max = duty_max,
-    };
-    config->current.voltage_use = ti_voltage_use(duty_max);
-    config->guard.stamp_per_period = (float)CHIP_F_CPU_Hz / f_pwm;
-}
-
-LODE_RAMFUNC void board_gates_off(void) {
-    chip_pwm_off();
-}
-
 static void driver_init(void) {
-    GPIO_writePin(VARIANT_ENABLE_GPIO, 0u);
+    chip_driver_set(false);
     GPIO_setPadConfig(VARIANT_ENABLE_GPIO, GPIO_PIN_TYPE_STD);
     GPIO_setDirectionMode(VARIANT_ENABLE_GPIO, GPIO_DIR_MODE_OUT);
     GPIO_setPinConfig(VARIANT_ENABLE_PIN);
 }
 
-static void driver_enable(void) {
-    GPIO_writePin(VARIANT_ENABLE_GPIO, 1u);
-    SysCtl_delay(CHIP_DELAY_us(WAKE_us));
+void chip_driver_set(bool on) {
+    GPIO_writePin(VARIANT_ENABLE_GPIO, on ? 1u : 0u);
 }
 
 static void pwm_pins_init(void) {
@@ -120,13 +88,13 @@ bool board_init(void) {
     }
     chip_converters_init();
     pwm_pins_init(); // only now: the trip zones hold the outputs low
-    driver_enable();
+    ti_driver_enable();
     return board_clear_trip();
 }
 
 void board_start(void) {
     watchdog_start();
-    chip_converters_acknowledge();
+    (void)chip_converters_acknowledge();
     Interrupt_clearACKGroup(VARIANT_PERIOD_GROUP);
     Interrupt_enable(VARIANT_PERIOD_INT);
     EINT;
@@ -134,8 +102,7 @@ void board_start(void) {
 }
 
 LODE_RAMFUNC __interrupt void period_handler(void) {
-    chip_converters_acknowledge();
-    app_period();
+    ti_period();
     Interrupt_clearACKGroup(VARIANT_PERIOD_GROUP);
 }
 
@@ -144,38 +111,6 @@ __interrupt void stop_handler(void) {
     board_gates_off();
     for (;;) {
     }
-}
-
-LODE_RAMFUNC void board_read(lode_counts_t *counts) {
-    *counts = (lode_counts_t){
-        .i = {chip_current(0u), chip_current(1u), chip_current(2u)},
-        .v_bus = chip_bus(),
-        .trip = chip_pwm_tripped() || chip_pwm_counts_down(),
-        .stamp = board_cycles(),
-    };
-}
-
-LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
-    if (!out->gates) {
-        board_gates_off();
-    }
-    chip_pwm_write(out->duty);
-    if (out->gates) {
-        chip_pwm_on();
-    }
-}
-
-// The driver latches its faults too, and holds nFAULT low until its enable has been low.
-bool board_clear_trip(void) {
-    if (chip_pwm_tripped()) {
-        board_gates_off();
-        GPIO_writePin(VARIANT_ENABLE_GPIO, 0u);
-        SysCtl_delay(CHIP_DELAY_us(DRIVER_RESET_us));
-        driver_enable();
-    }
-    chip_pwm_clear_trip();
-    SysCtl_delay(CHIP_DELAY_us(TRIP_LATCH_us));
-    return !chip_pwm_tripped(); // an active source has latched it again
 }
 
 void board_feed_watchdog(void) {

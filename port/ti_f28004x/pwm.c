@@ -2,6 +2,7 @@
 // are on around zero: there the shunts carry the phase currents, the compare values are taken over and
 // the converters are triggered. That instant is t_k.
 #include "chip.h"
+#include "figures.h"
 
 #define TRIP_SOURCES                                                                               \
     (EPWM_TZ_SIGNAL_DCAEVT1 | EPWM_TZ_SIGNAL_OSHT1 | EPWM_TZ_SIGNAL_OSHT5 | EPWM_TZ_SIGNAL_OSHT6)
@@ -59,7 +60,7 @@ static void trip_zone(uint32_t base) {
 bool chip_pwm_init(void) {
     static const SysCtl_PeripheralPCLOCKCR clocks[CHIP_PHASES] = VARIANT_PWM_CLOCKS;
     uint16_t dead_counts = 0u;
-    steps = ti_pwm_steps(CHIP_F_CPU_Hz, VARIANT_F_PWM_Hz);
+    steps = (uint16_t)port_pwm_steps(CHIP_F_PWM_Hz, VARIANT_F_PWM_Hz);
     if (steps == 0u || !ti_dead_time(CHIP_F_CPU_Hz, VARIANT_DEAD_TIME_ns, &dead_counts)) {
         return false;
     }

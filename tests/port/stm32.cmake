@@ -1,6 +1,7 @@
 # The STM32 ports against recorded registers on the host, and as complete images for Arm and qemu.
-set(stm32_common "${LODE_PORT_DIR}/stm32/pwm.c" "${LODE_PORT_DIR}/stm32/supervise.c"
-                 ${application} "${CMAKE_CURRENT_SOURCE_DIR}/fakes/fake.c"
+set(stm32_common "${LODE_PORT_DIR}/stm32/board.c" "${LODE_PORT_DIR}/stm32/pwm.c"
+                 "${LODE_PORT_DIR}/stm32/serial.c" "${LODE_PORT_DIR}/stm32/supervise.c"
+                 ${board_common} ${application} "${CMAKE_CURRENT_SOURCE_DIR}/fakes/fake.c"
                  "${CMAKE_CURRENT_SOURCE_DIR}/test_port_stm32.c")
 
 # stm32_test(<name> <folder of the port> <board header> <definition> <source>...)
@@ -12,9 +13,9 @@ function(stm32_test name folder board family)
   target_compile_definitions(${name} PRIVATE ${family} "STM32_BOARD_H=\"boards/${board}.h\"")
 endfunction()
 
-stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 board.c clock.c analog.c serial.c)
-stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 board.c clock.c analog.c serial.c)
-stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 board.c clock.c converters.c serial.c)
+stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 clock.c analog.c)
+stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 clock.c analog.c)
+stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 clock.c converters.c)
 
 # The core with the board's own sine and cosine: its sources once more, in front of the library. The
 # bring-up must pass with them as well.

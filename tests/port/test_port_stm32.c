@@ -4,6 +4,7 @@
 #include "board.h"
 #include "chip.h"
 #include "fake.h"
+#include "figures.h"
 #include "pwm.h"
 #include "support/check.h"
 
@@ -11,7 +12,7 @@
 #define PERIOD (CHIP_F_STAMP_Hz / VARIANT_F_PWM_Hz)
 #define BDTR_DTG 0xFFu
 #define BDTR_LOCK (3u << 8)
-#define DUTY_MAX stm32_duty_max((float)VARIANT_F_PWM_Hz, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns)
+#define DUTY_MAX port_duty_max((float)VARIANT_F_PWM_Hz, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns)
 
 #ifdef FAKE_G4
 #define SERIAL_PORT USART2
@@ -89,10 +90,10 @@ static void test_dead_time_code(void) {
 }
 
 static void test_period_in_steps(void) {
-    TEST_ASSERT_EQUAL_UINT32(4250u, stm32_pwm_steps(170000000u, 20000u));
-    TEST_ASSERT_EQUAL_UINT32(4200u, stm32_pwm_steps(168000000u, 20000u));
-    TEST_ASSERT_EQUAL_UINT32(0u, stm32_pwm_steps(170000000u, 1000u)); // beyond 16 bits
-    TEST_ASSERT_EQUAL_UINT32(0u, stm32_pwm_steps(170000000u, 0u));
+    TEST_ASSERT_EQUAL_UINT32(4250u, port_pwm_steps(170000000u, 20000u));
+    TEST_ASSERT_EQUAL_UINT32(4200u, port_pwm_steps(168000000u, 20000u));
+    TEST_ASSERT_EQUAL_UINT32(0u, port_pwm_steps(170000000u, 1000u)); // beyond 16 bits
+    TEST_ASSERT_EQUAL_UINT32(0u, port_pwm_steps(170000000u, 0u));
 }
 
 // A low side that is on for `low_s` around t_k has settled before t_k and is sampled before its end.
@@ -111,7 +112,7 @@ static void test_least_low_side_window(void) {
 
 // With that share of the circle the second largest duty leaves its phase sampled, at every angle.
 static void test_two_phases_can_always_be_sampled(void) {
-    const float use = stm32_voltage_use(DUTY_MAX);
+    const float use = port_voltage_use(DUTY_MAX);
     const double u = (double)use / sqrt(3.0); // of the bus
     for (int n = 0; n < 3600; n++) {
         const double angle = n * 0.1 * CHECK_DEG;
@@ -127,8 +128,8 @@ static void test_two_phases_can_always_be_sampled(void) {
         }
         CHECK_AT_MOST((double)DUTY_MAX + 1e-6, second + common);
     }
-    CHECK_CLOSE(1e-6, 0.95, stm32_voltage_use(1.0f));
-    CHECK_NEAR(1e-9, 0.0, stm32_voltage_use(0.4f));
+    CHECK_CLOSE(1e-6, 0.95, port_voltage_use(1.0f));
+    CHECK_NEAR(1e-9, 0.0, port_voltage_use(0.4f));
 }
 
 static void test_configuration_is_accepted(void) {

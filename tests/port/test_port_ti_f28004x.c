@@ -4,6 +4,7 @@
 #include "board.h"
 #include "chip.h"
 #include "f28004x.h"
+#include "figures.h"
 #include "support/check.h"
 
 #define STEPS (CHIP_F_CPU_Hz / VARIANT_F_PWM_Hz / 2u)
@@ -59,10 +60,10 @@ static void test_dead_time_is_never_shorter(void) {
 }
 
 static void test_period_in_steps(void) {
-    TEST_ASSERT_EQUAL_UINT16(2500u, ti_pwm_steps(100000000u, 20000u));
-    TEST_ASSERT_EQUAL_UINT16(5000u, ti_pwm_steps(200000000u, 20000u));
-    TEST_ASSERT_EQUAL_UINT16(0u, ti_pwm_steps(200000000u, 1000u)); // beyond 16 bits
-    TEST_ASSERT_EQUAL_UINT16(0u, ti_pwm_steps(200000000u, 0u));
+    TEST_ASSERT_EQUAL_UINT16(2500u, port_pwm_steps(100000000u, 20000u));
+    TEST_ASSERT_EQUAL_UINT16(5000u, port_pwm_steps(200000000u, 20000u));
+    TEST_ASSERT_EQUAL_UINT16(0u, port_pwm_steps(200000000u, 1000u)); // beyond 16 bits
+    TEST_ASSERT_EQUAL_UINT16(0u, port_pwm_steps(200000000u, 0u));
 }
 
 // A low side that is on for `low_s` around t_k has settled before t_k and is sampled before its end; and
@@ -76,9 +77,9 @@ static void test_sampling_window(void) {
     CHECK_AT_LEAST(CHIP_SAMPLE_ns * 0.9999f, half_low_ns);
     CHECK_AT_LEAST(10.0 * (3.0 + CHIP_WINDOW_cycles), CHIP_SAMPLE_ns);
     TEST_ASSERT_TRUE(duty_max > 0.8 && duty_max < 1.0);
-    CHECK_CLOSE(1e-6, 0.95, ti_voltage_use(1.0f));
+    CHECK_CLOSE(1e-6, 0.95, port_voltage_use(1.0f));
     for (int limit = 60; limit <= 100; limit += 5) {
-        const double u = (double)ti_voltage_use((float)limit / 100.0f) / sqrt(3.0);
+        const double u = (double)port_voltage_use((float)limit / 100.0f) / sqrt(3.0);
         for (int n = 0; n < 360; n++) {
             double v[3];
             for (int x = 0; x < 3; x++) {
@@ -442,6 +443,12 @@ static void test_hardware_trip_is_a_fault_in_the_same_call(void) {
     }
 }
 
+static void test_result_that_nobody_took_is_a_fault(void) {
+    gates_on_by_the_drive();
+    fake_set_overflow();
+    expect_gates_off_in_one_call("LODE_CHECK_HARDWARE_TRIP");
+}
+
 static void test_missed_interrupt_is_a_fault(void) {
     gates_on_by_the_drive();
     now_cycles += PERIOD;
@@ -550,6 +557,7 @@ int main(void) {
     RUN_TEST(test_counts_come_from_the_right_results);
     RUN_TEST(test_over_current_reaches_the_gates_in_the_same_call);
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_call);
+    RUN_TEST(test_result_that_nobody_took_is_a_fault);
     RUN_TEST(test_missed_interrupt_is_a_fault);
     RUN_TEST(test_flags_are_cleared_around_the_period);
     RUN_TEST(test_unexpected_interrupts_have_a_handler);

@@ -1,6 +1,6 @@
 # TI's ports: F28004x on a recorded driverlib, AM263x on recorded registers and as a complete image for
 # the Cortex-R5F, and what a 16-bit char and int would break.
-set(ti_common "${LODE_PORT_DIR}/ti/figures.c" ${application})
+set(ti_common "${LODE_PORT_DIR}/ti/board.c" "${LODE_PORT_DIR}/ti/counts.c" ${board_common} ${application})
 
 # ti_test(<name> <folder of the port> <source>...): with the fake of the same name
 function(ti_test name chip)

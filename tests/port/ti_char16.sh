@@ -3,8 +3,8 @@
 # (tests/tools/char16_*.sh); these are the F28004x port, the example application and, against a blind
 # checker, two breaches that must be found.
 set -eu
-ports=(port/ti/*.c port/ti_f28004x/*.c port/example/*.c)
-includes=(-Iinclude -Iport -Iport/ti -Iport/ti_f28004x -Iport/example -Itests/port/fakes/ti)
+ports=(port/common/*.c port/ti/*.c port/ti_f28004x/*.c port/example/*.c)
+includes=(-Iinclude -Iport -Iport/common -Iport/ti -Iport/ti_f28004x -Iport/example -Itests/port/fakes/ti)
 command -v clang >/dev/null || { echo "skipped: no clang"; exit 77; }
 int16() {
     clang --target=msp430 -std=c99 -ffreestanding -fsyntax-only -Wall -Wextra -Wconversion \
@@ -25,7 +25,7 @@ breaches() {
     sed 's://.*::' "$@" | grep -nE '\b(u?int8_t|memcpy|memset)\b|:[[:space:]]*[0-9]+u?;|sizeof' |
         grep -vE 'sizeof ([a-z_]+) / sizeof \1\[0\]|\?'
 }
-if breaches "${ports[@]}" port/ti/*.h port/ti_f28004x/*.h port/ti_f28004x/boards/*.h port/example/*.h \
+if breaches "${ports[@]}" port/common/*.h port/ti/*.h port/ti_f28004x/*.h port/ti_f28004x/boards/*.h port/example/*.h \
     port/board.h; then
     echo "expected nothing of the above"
     exit 1

@@ -1,38 +1,12 @@
+/// The functions of board.h on any STM32 with TIM1 as its PWM. The chip's parts are those of chip.h, the
+/// names of its registers those of stm32_device.h, the board's figures and pins those of its header.
 #include "board.h"
 
 #include "chip.h"
 #include "pwm.h"
 #include "supervise.h"
 
-#define BREAK_FILTER 4u // six equal samples at half the timer's clock: 71 ns of silence in a spike
-
 void STM32_PERIOD_HANDLER(void);
-
-void board_describe(lode_drive_config_t *config) {
-    const float f_pwm = (float)VARIANT_F_PWM_Hz;
-    const float duty_max = stm32_duty_max(f_pwm, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns);
-    config->f_pwm_Hz = f_pwm;
-    config->inverter = (lode_inverter_config_t){
-        .v_bus_V = VARIANT_V_BUS_V,
-        .i_max_A = VARIANT_I_MAX_A,
-        .dead_time_s = (float)VARIANT_DEAD_TIME_ns * 1.0e-9f,
-        .v_drop_V = VARIANT_V_DROP_V,
-        .r_on_Ohm = VARIANT_R_ON_Ohm,
-        .pwm_ticks = (float)stm32_pwm_steps(CHIP_F_CPU_Hz, VARIANT_F_PWM_Hz),
-    };
-    config->sense = (lode_sense_config_t){
-        .shunts = LODE_SHUNTS_THREE,
-        .i_gain_A_count = VARIANT_I_GAIN_A_count,
-        .i_offset_count = VARIANT_I_OFFSET_count,
-        .i_offset_tol_count = VARIANT_I_OFFSET_TOL_count,
-        .v_bus_gain_V_count = VARIANT_V_BUS_GAIN_V_count,
-        .temperature_gain_degC_count = VARIANT_T_GAIN_degC_count,
-        .temperature_offset_degC = VARIANT_T_OFFSET_degC,
-        .duty_max = duty_max,
-    };
-    config->current.voltage_use = stm32_voltage_use(duty_max);
-    config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_pwm;
-}
 
 #ifdef VARIANT_ENABLE_PINS
 
@@ -70,7 +44,7 @@ LODE_RAMFUNC void board_gates_off(void) {
     stm32_pwm_off();
 }
 
-static void pins_init(void) {
+static void analog_pins_init(void) {
     static const stm32_pin_t analog[] = {VARIANT_ANALOG_PINS};
     for (uint32_t n = 0u; n < sizeof analog / sizeof analog[0]; n++) {
         gpio_analog(analog[n]);
@@ -85,18 +59,20 @@ static void pwm_pins_init(void) {
 }
 
 static bool pwm_init(void) {
-#ifdef VARIANT_INTERNAL_ANALOG
-    REG_WRITE(TIM1->AF1, TIM1_AF1_BKCMP1E | TIM1_AF1_BKCMP2E | TIM1_AF1_BKCMP4E);
-#else
-    REG_WRITE(TIM1->AF1, TIM1_AF1_BKINE | TIM1_AF1_BKINP); // the pin is active low
-#endif
     return stm32_pwm_init(&(stm32_pwm_t){
-        .f_timer_Hz = CHIP_F_CPU_Hz,
+        .f_timer_Hz = CHIP_F_PWM_Hz,
         .f_pwm_Hz = VARIANT_F_PWM_Hz,
         .dead_time_ns = VARIANT_DEAD_TIME_ns,
         .low_sides = VARIANT_LOW_SIDES,
-        .break_bits = TIM_BDTR_BKE | TIM_BDTR_BKP | BREAK_FILTER << TIM_BDTR_BKF_Pos,
+        .break_bits = CHIP_BREAK_BITS,
     });
+}
+
+// A halted core must leave neither a switched bridge nor a biting watchdog; the stamp shows the gap.
+static void halt_init(void) {
+    REG_SET(STM32_DBG_APB2, STM32_DBG_TIM1_STOP);
+    REG_SET(STM32_DBG_APB1, STM32_DBG_IWDG_STOP);
+    REG_CLEAR(STM32_DBG_APB1, STM32_DBG_TIM2_STOP);
 }
 
 bool board_reset_by_watchdog(void) {
@@ -104,40 +80,36 @@ bool board_reset_by_watchdog(void) {
 }
 
 bool board_init(void) {
-    REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_GPIOAEN | RCC_AHB2ENR_GPIOBEN | RCC_AHB2ENR_GPIOCEN);
+    REG_SET(STM32_GPIO_CLOCKS, STM32_GPIO_ABC);
     enables_init();
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_TIM1EN);
     stm32_pwm_reset();
     const bool clocked = chip_clock_init();
-    chip_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // a failure is reported over it
+    stm32_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // a failure is reported over it
     if (!clocked) {
         return false;
     }
-    REG_SET(RCC->APB1ENR1, RCC_APB1ENR1_TIM2EN);
     stm32_stamp_start();
-    pins_init();
+    analog_pins_init();
     chip_protection_init();
     if (!pwm_init() || !chip_converters_init()) {
         return false;
     }
     pwm_pins_init(); // only now: the timer holds its outputs inactive
-    // A halted core must leave neither a switched bridge nor a biting watchdog; the stamp shows the gap.
-    REG_SET(DBGMCU->APB2FZ, DBGMCU_APB2FZ_DBG_TIM1_STOP);
-    REG_SET(DBGMCU->APB1FZR1, DBGMCU_APB1FZR1_DBG_IWDG_STOP);
-    REG_CLEAR(DBGMCU->APB1FZR1, DBGMCU_APB1FZR1_DBG_TIM2_STOP);
+    halt_init();
     return stm32_watchdog_init() && stm32_pwm_clear_trip();
 }
 
 void board_start(void) {
     stm32_watchdog_start();
     chip_converters_arm();
-    NVIC_SetPriority(ADC1_2_IRQn, 0u); // above all else
-    NVIC_EnableIRQ(ADC1_2_IRQn);
+    NVIC_SetPriority(STM32_PERIOD_IRQ, 0u); // above all else
+    NVIC_EnableIRQ(STM32_PERIOD_IRQ);
     stm32_pwm_start();
 }
 
 LODE_RAMFUNC void STM32_PERIOD_HANDLER(void) {
-    REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
+    chip_converters_acknowledge();
     app_period();
 }
 
@@ -175,5 +147,5 @@ LODE_RAMFUNC uint32_t board_cycles(void) {
 }
 
 uint32_t board_send(const uint16_t *octets, uint32_t count) {
-    return chip_serial_send(octets, count);
+    return stm32_serial_send(octets, count);
 }

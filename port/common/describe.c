@@ -1,0 +1,30 @@
+/// board_describe() for every board that has a header of figures (VARIANT_...) and a chip.h.
+#include "board.h"
+#include "chip.h"
+#include "figures.h"
+
+void board_describe(lode_drive_config_t *config) {
+    const float f_pwm = (float)VARIANT_F_PWM_Hz;
+    const float duty_max = port_duty_max(f_pwm, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns);
+    config->f_pwm_Hz = f_pwm;
+    config->inverter = (lode_inverter_config_t){
+        .v_bus_V = VARIANT_V_BUS_V,
+        .i_max_A = VARIANT_I_MAX_A,
+        .dead_time_s = (float)VARIANT_DEAD_TIME_ns * 1.0e-9f,
+        .v_drop_V = VARIANT_V_DROP_V,
+        .r_on_Ohm = VARIANT_R_ON_Ohm,
+        .pwm_ticks = (float)port_pwm_steps(CHIP_F_PWM_Hz, VARIANT_F_PWM_Hz),
+    };
+    config->sense = (lode_sense_config_t){
+        .shunts = LODE_SHUNTS_THREE,
+        .i_gain_A_count = VARIANT_I_GAIN_A_count,
+        .i_offset_count = VARIANT_I_OFFSET_count,
+        .i_offset_tol_count = VARIANT_I_OFFSET_TOL_count,
+        .v_bus_gain_V_count = VARIANT_V_BUS_GAIN_V_count,
+        .temperature_gain_degC_count = VARIANT_T_GAIN_degC_count,
+        .temperature_offset_degC = VARIANT_T_OFFSET_degC,
+        .duty_max = duty_max,
+    };
+    config->current.voltage_use = port_voltage_use(duty_max);
+    config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_pwm;
+}

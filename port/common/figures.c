@@ -1,0 +1,25 @@
+#include "figures.h"
+
+#define STEPS_MAX 65535u
+#define NS_PER_S 1.0e9f
+// The core's default share of the circle; more than the board allows is never asked of it.
+#define VOLTAGE_USE 0.95f
+// With the zero vectors halved, a vector between two legs of equal duty has them at
+// 1/2 + sqrt(3)/4 of its share of the circle.
+#define TWO_LEGS 0.4330127f
+
+uint32_t port_pwm_steps(uint32_t f_timer_Hz, uint32_t f_pwm_Hz) {
+    if (f_pwm_Hz == 0u) {
+        return 0u;
+    }
+    const uint32_t steps = (f_timer_Hz + f_pwm_Hz) / (2u * f_pwm_Hz);
+    return steps <= STEPS_MAX ? steps : 0u;
+}
+
+float port_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns) {
+    return 1.0f - 2.0f * lode_max(settle_ns, sample_ns) / NS_PER_S * f_pwm_Hz;
+}
+
+float port_voltage_use(float duty_max) {
+    return lode_clamp((duty_max - 0.5f) / TWO_LEGS, 0.0f, VOLTAGE_USE);
+}

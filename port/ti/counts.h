@@ -1,0 +1,20 @@
+/// Counts that TI's ePWM and comparators need, the same in F28004x and AM263x. No hardware in here.
+#ifndef LODESTAR_PORT_TI_COUNTS_H
+#define LODESTAR_PORT_TI_COUNTS_H
+
+#include "lodestar/lodestar.h"
+
+/// Counts of the dead-band unit for at least this dead time; false beyond its 14 bits.
+bool ti_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint16_t *counts);
+
+/// Compare value for a duty in [0, 1]. At least 1: with the value taken over at zero, a compare with 0
+/// could lose its edge. Full duty is therefore off for two counts, which the dead-band swallows.
+LODE_INLINE uint16_t ti_compare(float duty, uint16_t steps) {
+    const float compare = (1.0f - duty) * (float)steps + 0.5f;
+    return (uint16_t)(int32_t)lode_clamp(compare, 1.0f, (float)steps);
+}
+
+/// A comparator's threshold in counts of its 12-bit DAC, kept inside its range.
+uint16_t ti_threshold(float count);
+
+#endif
