@@ -98,7 +98,7 @@ lode_status_t lode_channels_init(lode_channels_t *self, const lode_channels_conf
 }
 
 LODE_RAMFUNC void lode_channels_row(const lode_channels_t *self, const lode_drive_t *drive,
-                                uint32_t *row) {
+                                    uint32_t *row) {
     for (uint16_t n = 0u; n < self->count; n++) {
         row[n] = lode_channel_bits(value_of(drive, (lode_channel_t)self->channel[n]));
     }

@@ -238,6 +238,220 @@ def own_records(checks, folder):
     checks.true(len(late) > 3000, f"{len(late)} rows of RUN")
 
 
+# ---- Other people's tables ------------------------------------------------------------------------
+
+def tables(checks, folder):
+    """The same recording as other tools write it: the same estimates."""
+    path = RECORDINGS / "steady-300rpm-5Nm.csv"
+    header, rows = read(path)
+    base = ["replay", "--motor", "m.ini", "--drive", "f.ini", "--recording"]
+    folder.write("f.ini", "[drive]\nf_pwm_Hz = 5000\nv_bus_V = 200\ni_max_A = 12\n")
+    folder.run(*base, path, "--out", "reference.csv")
+    reference = read(folder.path / "reference.csv")[1]
+
+    def scaled(factors):
+        return [[repr(float(x) * f) for x, f in zip(row, factors)] for row in rows]
+
+    def table(names, lines, separator=",", head=""):
+        text = head + "\n".join(separator.join(line) for line in ([names] if names else []) + lines)
+        folder.write("v.csv", text + "\n")
+
+    def same(what, *options, bar_deg=0.0, columns=(0, 1, 2, 3, 4, 5)):
+        done = folder.run(*base, "v.csv", "--out", "v.out", "--json", "v.json", *options)
+        if not checks.equal(done.returncode, 0, f"{what}: exit code, {done.stderr}"):
+            return
+        got = read(folder.path / "v.out")[1]
+        checks.equal(len(got), len(reference), f"{what}: rows")
+        if bar_deg == 0.0:
+            checks.true([[r[c] for c in columns] for r in got] ==
+                        [[r[c] for c in columns] for r in reference], f"{what}: same estimates")
+        else:
+            off = max(abs(error_deg(float(a[1]), float(b[1])))
+                      for a, b in zip(got[1000:], reference[1000:]))
+            checks.at_most(off, bar_deg, f"{what}: angle beside the reference's, degrees")
+
+    comma = [[x.replace(".", ",") for x in row] for row in rows]
+    table(header, comma, ";")
+    same("semicolon and decimal comma")
+    table(header, comma, "\t")
+    same("tab and decimal comma")
+    table(header, rows, ";")
+    same("semicolon and decimal point")
+    table(header, rows, "  ")
+    same("blanks", "--separator", "blank")
+    table([f'"{x}"' for x in header], [[f'"{x}"' for x in row] for row in rows])
+    same("quotes")
+    table(header, rows, head="# logger 1.2\n\n% of today, with a comma\n")
+    same("comments above the header")
+    table(header, rows[:50] + [["# a note, with a comma"]] + rows[50:])
+    same("a comment on the way")
+    table(header, [["s", "V", "V", "A", "A", "rad", "rad/s"]] + rows,
+          head="Logger 1.2\nmade, today, by, me\n")
+    same("a title, and units below the header", "--header", 3, "--data", 5)
+    table(None, rows)
+    same("no header", "--header", "none", *(x for k, name in enumerate(
+        ["t", "u_alpha", "u_beta", "i_alpha", "i_beta", "theta_e", "omega_e"])
+        for x in ("--column", f"{name}=#{k + 1}")))
+    table(["Time", "U alpha", "U:beta", "I, alpha", "Ibeta", "", "w"],
+          [[f'"{x}"' for x in row] for row in rows])
+    folder.write("v.csv", (folder.path / "v.csv").read_text().replace("I, alpha", '"I, alpha"', 1))
+    maps = ["t=Time", "u_alpha=U alpha", "u_beta=U:beta:V", "i_alpha=I, alpha", "i_beta=Ibeta",
+            "omega_e=w:rad_s"]
+    same("names of their own", *(x for m in maps for x in ("--column", m)))
+    # Units: by name, by mapping, by factor.
+    factors = [1e6, 1e3, 1e-3, 1e3, -2.0, 180 / math.pi, 30 / math.pi]
+    table(["t_us", "u_alpha_mV", "u_beta_kV", "i_alpha_mA", "Ib", "theta_e_deg", "omega_e_rpm"],
+          scaled(factors))
+    same("units", "--column", "i_beta=Ib:-0.5", bar_deg=1e-3)
+    result = folder.json("v.json")
+    checks.at_most(abs(result["angle_error_mean_deg"]), BAR_DC_deg, "true angle in degrees")
+    checks.at_most(abs(result["speed_error_mean_rad_s"]), 0.1, "true speed in rpm, electrical")
+    table(["t_s", "u_alpha_V", "u_beta_V", "i_alpha_A", "i_beta_A", "speed_rpm"],
+          [row[:5] + [row[6]] for row in scaled([1, 1, 1, 1, 1, 1, 10 / math.pi])])
+    same("mechanical speed")
+    checks.at_most(abs(folder.json("v.json")["speed_error_mean_rad_s"]), 0.1, "mechanical speed")
+    # Phases: with any voltage common to all three, and with two currents.
+    def phases(alpha, beta, common=0.0):
+        a, b = float(alpha), float(beta)
+        return [repr(x + common) for x in (a, -a / 2 + math.sqrt(3) / 2 * b,
+                                           -a / 2 - math.sqrt(3) / 2 * b)]
+    names = ["t_s", "u_a_V", "u_b_V", "u_c_V", "i_a_A", "i_b_A"]
+    lines = [[r[0], *phases(r[1], r[2], 57.3), *phases(r[3], r[4])[:2]] for r in rows]
+    table(names, lines)
+    same("phases, two currents", bar_deg=1e-3)
+    table([*names, "i_c_A"], [[*x, phases(*r[3:5])[2]] for x, r in zip(lines, rows)])
+    same("phases, three currents", bar_deg=1e-3)
+    table([*names, "u_alpha_V", "u_beta_V"], [[r[0], "1", "2", "3", *x[4:], *r[1:3]]
+                                              for x, r in zip(lines, rows)])
+    same("stator axes win over phases", bar_deg=1e-3)
+
+
+def times(checks, folder):
+    """Gaps, uneven and faster rows."""
+    header, rows = read(RECORDINGS / "load-step-300rpm.csv")
+    base = ["replay", "--motor", "m.ini", "--recording", "v.csv", "--out", "v.out", "--json", "v.json"]
+    write(folder, "v.csv", header, rows)
+    folder.run(*base)
+    reference = read(folder.path / "v.out")[1]
+    # What is even stays as it is.
+    folder.run(*base, "--resample")
+    checks.equal(read(folder.path / "v.out")[1], reference, "even rows resampled")
+    checks.equal(folder.json("v.json")["gaps"], 0, "no gaps")
+    # A gap: refused with its line, and with --resample left open.
+    holes = rows[:1500] + rows[1540:2200] + rows[2201:]
+    write(folder, "v.csv", header, holes)
+    refused(checks, folder, base, r"v.csv:1502: t_s: a step of 0.0082 s; expected 0.0002 s .*--resample")
+    done = folder.run(*base, "--resample")
+    checks.equal(done.returncode, 0, f"gaps: exit code, {done.stderr}")
+    result, got = folder.json("v.json"), read(folder.path / "v.out")[1]
+    checks.equal([result["gaps"], result["resampled_rows"]], [2, 0], "gaps in JSON")
+    checks.at_most(abs(result["gaps_s"] - 41 * 2e-4), 1e-9, "time that is missing")
+    checks.true("gaps: 2, 0.0082 s in all; the estimator begins anew" in done.stdout, done.stdout)
+    checks.equal(got[:1500], reference[:1500], "before the gap the same")
+    for at in (1500, 2160):
+        checks.equal(got[at][1:], ["0"] * 5, "behind a gap nothing is known")
+    errors = [abs(error_deg(float(a[1]), float(b[5]))) for a, b in zip(got[-500:], holes[-500:])]
+    checks.at_most(max(errors), 1.0, "behind the gaps it finds the angle again")
+    # Four rows per period, at uneven times.
+    rng = random.Random(3)
+    step = float(rows[1][0]) - float(rows[0][0])
+
+    def between(k, share):
+        """Row at k + share: voltage of row k, which acts until the next one."""
+        mix = [(1 - share) * float(a) + share * float(b) for a, b in zip(rows[k], rows[k + 1])]
+        turned = float(rows[k][5]) + share * math.remainder(
+            float(rows[k + 1][5]) - float(rows[k][5]), 2 * math.pi)
+        return [repr(x) for x in (mix[0], float(rows[k][1]), float(rows[k][2]), mix[3], mix[4],
+                                  turned, mix[6])]
+
+    folder.write("f.ini", f"[drive]\nf_pwm_Hz = {1 / step!r}\n")
+    fast = [between(k, n / 4 + (rng.uniform(0, 0.2) if n else 0)) for k in range(len(rows) - 1)
+            for n in range(4)]
+    write(folder, "v.csv", header, fast)
+    with_drive = [*base, "--drive", "f.ini"]
+    refused(checks, folder, with_drive, r"v.csv:3: t_s: a row every .* expected one per PWM period, "
+                                        r"every 0.0002 s by f_pwm_Hz = 5000; --resample makes")
+    done = folder.run(*with_drive, "--resample")
+    checks.equal(done.returncode, 0, f"faster rows: exit code, {done.stderr}")
+    got = read(folder.path / "v.out")[1]
+    checks.true(abs(len(got) - len(rows)) <= 1, f"{len(got)} rows of {len(rows)} periods")
+    off = max(abs(error_deg(float(a[1]), float(b[1]))) for a, b in zip(got[1000:], reference[1000:]))
+    checks.at_most(off, 0.05, "four rows per period resampled, degrees beside the reference")
+    checks.equal(folder.json("v.json")["resampled_rows"], len(fast), "rows resampled, in JSON")
+    # Slower rows: nothing can be made of them.
+    write(folder, "v.csv", header, rows[::3])
+    for options in ([], ["--resample"]):
+        refused(checks, folder, [*with_drive, *options],
+                r"v.csv:3: t_s: a row every 0.0006 s; .*every 0.0002 s .*record every period")
+    # A drive started anew, and times that do not rise.
+    write(folder, "v.csv", header, rows[:900] + rows[:900])
+    refused(checks, folder, [*base, "--resample"], "v.csv:902: t_s: a step of .*times that rise")
+
+
+def hostile_tables(checks, folder):
+    header, rows = read(RECORDINGS / "steady-300rpm-5Nm.csv")
+    rows = rows[:300]
+    write(folder, "b.csv", header, rows)
+    base = ["replay", "--motor", "m.ini", "--recording", "b.csv", "--out", "never.csv"]
+    for option, pattern in {
+            "i_alpha": "--column i_alpha: expected NAME=COLUMN",
+            "=x": "--column =x: expected NAME=COLUMN",
+            "i_alpha=": "--column i_alpha=: expected NAME=COLUMN",
+            "current=x": "NAME is one of t, u_alpha, u_beta",
+            "i_alpha=" + "x" * 300: "expected NAME=COLUMN",
+            "i_alpha=Ialpha": r"b.csv:1: no column 'Ialpha' \(--column i_alpha=Ialpha\); "
+                              "expected one of 't_s', 'u_alpha_V'",
+            "i_alpha=i_alpha_A:V": "unit 'V'; expected A, mA, kA, or a factor",
+            "i_alpha=i_alpha_A:": "unit ''; expected A, mA, kA",
+            "i_alpha=i_alpha_A:0": "unit '0'; expected A",
+            "i_alpha=i_alpha_A:nan": "unit 'nan'; expected A",
+            "i_alpha=i_alpha_A:1e308": "b.csv:[0-9]+: i_alpha_A: .* expected a finite number",
+            "i_alpha=#0": "no column '#0'", "i_alpha=#8": "no column '#8'",
+            "i_alpha=#3x": "no column '#3x'",
+            "i_alpha=$(touch never.csv)": r"no column '\$\(touch never.csv\)'"}.items():
+        refused(checks, folder, [*base, "--column", option], pattern)
+    refused(checks, folder, [*base, "--column", "t=t_s", "--column", "t=t_s"], "each NAME once")
+    refused(checks, folder, [*base, *["--column", "t=t_s"] * 40], "expected at most 32 of them")
+    refused(checks, folder, [*base, "--separator", "pipe"], "--separator pipe: expected auto, comma")
+    refused(checks, folder, [*base, "--separator", "tab"], "b.csv:1: no column t_s")
+    for option in ("--header", "--data"):
+        for text in ("0", "-1", "x", "1x", "", "99999999999999999999999"):
+            refused(checks, folder, [*base, option, text], f"{option} {text}: expected the number of a")
+    refused(checks, folder, [*base, "--header", "9999"], "b.csv: empty from the line given on")
+    refused(checks, folder, [*base, "--header", "3"], "b.csv:3: no column t_s")
+    refused(checks, folder, [*base, "--header", "none"], "b.csv:1: no column t_s")
+    refused(checks, folder, [*base, "--data", "9999"], "b.csv: 0 rows; expected at least 3")
+    write(folder, "b.csv", ["t_s", "x", "x", *header[1:]], [[r[0], "1", "2", *r[1:]] for r in rows])
+    refused(checks, folder, [*base, "--column", "i_alpha=x"], "b.csv:1: several columns 'x'")
+    write(folder, "b.csv", ["t_s", "t_ms", *header[1:]], [[r[0], *r] for r in rows])
+    refused(checks, folder, base, "b.csv:1: column t_ms: expected each column once")
+    write(folder, "b.csv", header[:3] + ["i_a_A"], [r[:4] for r in rows])
+    refused(checks, folder, base, "b.csv:1: no column i_b_A; expected")
+    write(folder, "b.csv", header[:1] + ["u_a_V", "u_b_V"] + header[3:], rows)
+    refused(checks, folder, base, "b.csv:1: no column u_c_V; expected")
+    write(folder, "b.csv", header + [f"c{k}" for k in range(300)], [r + ["1"] * 300 for r in rows])
+    refused(checks, folder, base, "b.csv:1: expected at most 256 columns")
+    text = "\n".join(";".join(r) for r in [header, *rows])
+    folder.write("b.csv", text.replace(";" + rows[50][3] + ";", ";1.234,5;", 1))
+    refused(checks, folder, base, "b.csv:52: i_alpha_A: '1.234,5'; expected a finite number")
+    folder.write("b.csv", text.encode("utf-16"))
+    refused(checks, folder, base, r"b.csv:1: a zero octet; expected text in UTF-8 or ASCII \(not UTF-16\)")
+    folder.write("b.csv", text.encode() + b"\n1;2\0;3")
+    refused(checks, folder, base, r"b.csv:302: a zero octet")
+    folder.write("b.csv", '"' + text)
+    refused(checks, folder, base, "b.csv:1: no column t_s")
+    folder.write("b.csv", "t_s" + ",x" * 200000 + "\n")
+    refused(checks, folder, base, "b.csv:1: expected at most 256 columns")
+    rng = random.Random(11)
+    for size in (1, 100, 10000):
+        folder.write("b.csv", bytes(rng.randrange(1, 256) for _ in range(size)))
+        refused(checks, folder, base, "b.csv")
+    (folder.path / "b.csv").unlink()
+    (folder.path / "b.csv").mkdir()
+    refused(checks, folder, base, "b.csv: Is a directory; expected a CSV file")
+    (folder.path / "b.csv").rmdir()
+
+
 def main():
     checks = Checks()
     with Folder() as folder:
@@ -249,6 +463,9 @@ def main():
         from_the_middle(checks, folder)
         options(checks, folder)
         own_records(checks, folder)
+        tables(checks, folder)
+        times(checks, folder)
+        hostile_tables(checks, folder)
         bad_recordings(checks, folder)
     checks.done()
 

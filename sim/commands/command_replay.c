@@ -79,7 +79,9 @@ static bool fill_in(rig_config_t *config, const char *path, const recording_t *r
     lode_inverter_config_t *inverter = &config->drive.inverter;
     const double f_Hz = 1.0 / recording->ts_s;
     if (!(f_Hz >= F_PWM_MIN_Hz && f_Hz <= F_PWM_MAX_Hz)) {
-        rig_error_at(path, 0, "t_s: steps of %.6g s; expected 5 us .. 1 ms, one row per PWM period",
+        rig_error_at(path, 0,
+                     "t_s: steps of %.6g s; expected 5 us .. 1 ms, one row per PWM period; of "
+                     "faster rows --resample makes such, where the drive gives f_pwm_Hz",
                      recording->ts_s);
         return false;
     }
@@ -167,11 +169,27 @@ static rig_exit_t replay_recording(const options_t *options, rig_config_t *confi
     return RIG_DONE;
 }
 
+static recording_format_t format_of(const options_t *options, const rig_config_t *config) {
+    return (recording_format_t){
+        .map = options->column,
+        .maps = options->columns,
+        .separator = options->separator,
+        .header = options->header,
+        .data = options->data,
+        .resample = options->resample,
+        .f_pwm_Hz = (double)config->drive.f_pwm_Hz,
+        .pole_pairs = (double)config->drive.motor.pole_pairs,
+    };
+}
+
 rig_exit_t command_replay(const options_t *options) {
     rig_config_t config;
     recording_t recording;
-    if ((options->plot != NULL && !plot_available()) || !load(&config, options) ||
-        !recording_load(&recording, options->recording)) {
+    if ((options->plot != NULL && !plot_available()) || !load(&config, options)) {
+        return RIG_BAD_INPUT;
+    }
+    const recording_format_t format = format_of(options, &config);
+    if (!recording_load(&recording, options->recording, &format)) {
         return RIG_BAD_INPUT;
     }
     const rig_exit_t code = replay_recording(options, &config, &recording);

@@ -51,7 +51,15 @@ void report_replay_values(FILE *file, const rig_config_t *config) {
 void report_replay_table(FILE *file, const rig_config_t *config, const recording_t *recording,
                          const replay_t *replay) {
     (void)fprintf(file, "\n%zu rows, %.6g s, every %.6g us\n", recording->rows,
-                  (double)(recording->rows - 1) * recording->ts_s, 1e6 * recording->ts_s);
+                  recording->row[recording->rows - 1].t_s - recording->row[0].t_s,
+                  1e6 * recording->ts_s);
+    if (recording->resampled > 0) {
+        (void)fprintf(file, "resampled: made from %zu rows of the file\n", recording->resampled);
+    }
+    if (recording->gaps > 0) {
+        (void)fprintf(file, "gaps: %zu, %.6g s in all; the estimator begins anew behind each\n",
+                      recording->gaps, recording->gaps_s);
+    }
     const lode_estimate_t *last = &replay->row[replay->rows - 1];
     (void)fprintf(file, "at the end: speed %.2f rpm, lock %.3f; acquired anew %zu times\n",
                   electrical_rpm(config, (double)last->omega_rad_s), (double)last->lock,
@@ -104,6 +112,9 @@ void report_replay_json(FILE *file, const rig_config_t *config, const char *reco
     (void)cJSON_AddStringToObject(root, "recording", recording_path);
     config_json_number(root, "rows", (double)replay->rows);
     config_json_number(root, "ts_s", recording->ts_s);
+    config_json_number(root, "gaps", (double)recording->gaps);
+    config_json_number(root, "gaps_s", recording->gaps_s);
+    config_json_number(root, "resampled_rows", (double)recording->resampled);
     config_json_number(root, "angle_error_mean_deg", rig_stats_mean(&replay->error_window_deg));
     config_json_number(root, "angle_error_pp_deg",
                        rig_stats_peak_to_peak(&replay->error_window_deg));

@@ -2,234 +2,135 @@
 
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/types.h>
 
+#include "rig/columns.h"
+#include "support/csv_reader.h"
 #include "support/diag.h"
 
-enum { COLUMNS_MAX = 256 };
-#define STEP_TOLERANCE 0.01
-
 typedef struct {
-    const char *name;
-    size_t offset; ///< of a double in recording_row_t
-    bool needed;
-} field_t;
+    bool has_header;
+    size_t header, data; ///< first line that may be it, or that may hold data
+} layout_t;
 
-static const field_t fields[] = {
-    {"t_s", offsetof(recording_row_t, t_s), true},
-    {"u_alpha_V", offsetof(recording_row_t, u_alpha_V), true},
-    {"u_beta_V", offsetof(recording_row_t, u_beta_V), true},
-    {"i_alpha_A", offsetof(recording_row_t, i_alpha_A), true},
-    {"i_beta_A", offsetof(recording_row_t, i_beta_A), true},
-    {"theta_e_rad", offsetof(recording_row_t, theta_e_rad), false},
-    {"omega_e_rad_s", offsetof(recording_row_t, omega_e_rad_s), false},
-};
-enum { FIELDS = sizeof fields / sizeof fields[0], THETA = 5, OMEGA = 6 };
-
-typedef struct {
-    const char *path;
-    FILE *file;
-    char *text; ///< of getline
-    size_t size;
-    size_t line;
-    int columns;
-    int field[COLUMNS_MAX]; ///< of each column, -1: not of interest
-    size_t capacity;
-} reader_t;
-
-/// The next line that is not empty, without its end. False at the end of the file.
-static bool next_line(reader_t *reader) {
-    do {
-        if (getline(&reader->text, &reader->size, reader->file) < 0) {
-            return false;
-        }
-        reader->line++;
-        reader->text[strcspn(reader->text, "\r\n")] = '\0';
-    } while (reader->text[strspn(reader->text, " \t")] == '\0');
-    return true;
-}
-
-/// Cuts the next cell out of the line, without the blanks around it; NULL behind the last one.
-static char *next_cell(char **rest) {
-    if (*rest == NULL) {
-        return NULL;
-    }
-    char *cell = *rest + strspn(*rest, " \t");
-    char *comma = strchr(cell, ',');
-    char *end = comma != NULL ? comma : cell + strlen(cell);
-    *rest = comma != NULL ? comma + 1 : NULL;
-    while (end > cell && (end[-1] == ' ' || end[-1] == '\t')) {
-        --end;
-    }
-    *end = '\0';
-    return cell;
-}
-
-static int field_of(const char *name) {
-    for (int k = 0; k < FIELDS; ++k) {
-        if (strcmp(name, fields[k].name) == 0) {
-            return k;
-        }
-    }
-    return -1;
-}
-
-static bool check_header(const reader_t *reader, const bool *found) {
-    bool good = true;
-    for (int k = 0; k < FIELDS; ++k) {
-        if (fields[k].needed && !found[k]) {
-            rig_error_at(reader->path, (int)reader->line,
-                         "no column %s; expected a header line with t_s, u_alpha_V, u_beta_V, "
-                         "i_alpha_A and i_beta_A",
-                         fields[k].name);
-            good = false;
-        }
-    }
-    return good;
-}
-
-static bool read_header(reader_t *reader, recording_t *self) {
-    bool found[FIELDS] = {false};
-    if (!next_line(reader)) {
-        rig_error_at(reader->path, 0, "empty; expected a CSV file with a header line");
-        return false;
-    }
-    const char *const mark = "\xEF\xBB\xBF"; // of UTF-8 files from some systems
-    char *rest = reader->text + (strncmp(reader->text, mark, 3) == 0 ? 3 : 0);
-    for (char *cell = next_cell(&rest); cell != NULL; cell = next_cell(&rest)) {
-        const int field = field_of(cell);
-        if (reader->columns == COLUMNS_MAX || (field >= 0 && found[field])) {
-            rig_error_at(reader->path, (int)reader->line,
-                         "column %s: expected each column once, and at most %d of them", cell,
-                         COLUMNS_MAX);
-            return false;
-        }
-        if (field >= 0) {
-            found[field] = true;
-        }
-        reader->field[reader->columns++] = field;
-    }
-    self->has_theta = found[THETA];
-    self->has_omega = found[OMEGA];
-    return check_header(reader, found);
-}
-
-static bool read_cell(const reader_t *reader, int field, const char *cell, recording_row_t *row) {
+static bool take_line(const char *option, const char *text, size_t *line) {
     char *end = NULL;
-    const double value = strtod(cell, &end);
-    if (end == cell || *end != '\0' || !isfinite(value)) {
-        rig_error_at(reader->path, (int)reader->line, "%s: '%.40s'; expected a finite number",
-                     fields[field].name, cell);
+    if (text == NULL) {
+        return true;
+    }
+    errno = 0;
+    const unsigned long number = strtoul(text, &end, 10);
+    if (text[0] < '0' || text[0] > '9' || *end != '\0' || errno != 0 || number < 1) {
+        rig_error("%s %s: expected the number of a line, from 1", option, text);
         return false;
     }
-    memcpy((char *)row + fields[field].offset, &value, sizeof value);
+    *line = number;
     return true;
 }
 
-static bool read_row(reader_t *reader, recording_row_t *row) {
-    int column = 0;
-    char *rest = reader->text;
-    *row = (recording_row_t){.line = reader->line};
-    for (char *cell = next_cell(&rest); cell != NULL; cell = next_cell(&rest), ++column) {
-        const int field = column < reader->columns ? reader->field[column] : -1;
-        if (field >= 0 && !read_cell(reader, field, cell, row)) {
-            return false;
-        }
-    }
-    if (column != reader->columns) {
-        rig_error_at(reader->path, (int)reader->line, "%d values; expected %d, as in the header",
-                     column, reader->columns);
+static bool take_layout(layout_t *self, const recording_format_t *format) {
+    *self = (layout_t){.has_header = true};
+    if (format->header != NULL && strcmp(format->header, "none") == 0) {
+        self->has_header = false;
+    } else if (!take_line("--header", format->header, &self->header)) {
         return false;
     }
-    return true;
+    return take_line("--data", format->data, &self->data);
 }
 
-static bool add_row(reader_t *reader, recording_t *self, const recording_row_t *row) {
-    if (self->rows == reader->capacity) {
-        const size_t capacity = reader->capacity > 0 ? 2 * reader->capacity : 4096;
-        recording_row_t *more = realloc(self->row, capacity * sizeof *more);
-        if (more == NULL) {
-            rig_error_at(reader->path, (int)reader->line, "out of memory");
+static void to_axes(double *alpha, double *beta, double a, double b, double c) {
+    *alpha = (2.0 * a - b - c) / 3.0;
+    *beta = (b - c) / sqrt(3.0);
+}
+
+static recording_row_t row_of(const columns_t *columns, const double *value, double pole_pairs) {
+    recording_row_t row = {.t_s = value[COLUMN_T],
+                           .u_alpha_V = value[COLUMN_U_ALPHA],
+                           .u_beta_V = value[COLUMN_U_BETA],
+                           .i_alpha_A = value[COLUMN_I_ALPHA],
+                           .i_beta_A = value[COLUMN_I_BETA],
+                           .theta_e_rad = value[COLUMN_THETA_E],
+                           .omega_e_rad_s = columns_has(columns, COLUMN_SPEED)
+                                                ? pole_pairs * value[COLUMN_SPEED]
+                                                : value[COLUMN_OMEGA_E]};
+    if (columns_has(columns, COLUMN_U_A)) {
+        to_axes(&row.u_alpha_V, &row.u_beta_V, value[COLUMN_U_A], value[COLUMN_U_B],
+                value[COLUMN_U_C]);
+    }
+    if (columns_has(columns, COLUMN_I_A)) {
+        const double c = columns_has(columns, COLUMN_I_C) ? value[COLUMN_I_C]
+                                                          : -value[COLUMN_I_A] - value[COLUMN_I_B];
+        to_axes(&row.i_alpha_A, &row.i_beta_A, value[COLUMN_I_A], value[COLUMN_I_B], c);
+    }
+    return row;
+}
+
+bool recording_add(recording_t *self, size_t *capacity, const recording_row_t *row) {
+    if (self->rows == *capacity) {
+        const size_t more = *capacity > 0 ? 2 * *capacity : 4096;
+        recording_row_t *rows = realloc(self->row, more * sizeof *rows);
+        if (rows == NULL) {
+            rig_error("out of memory for %zu rows of a recording", more);
             return false;
         }
-        self->row = more;
-        reader->capacity = capacity;
+        self->row = rows;
+        *capacity = more;
     }
     self->row[self->rows++] = *row;
     return true;
 }
 
-// ---- Time steps ---------------------------------------------------------------------------------
-
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/// NaN where memory is out.
-static double median_step(const recording_t *self) {
-    const size_t steps = self->rows - 1;
-    double *step = malloc(steps * sizeof *step);
-    if (step == NULL) {
-        return NAN;
-    }
-    for (size_t k = 0; k < steps; ++k) {
-        step[k] = self->row[k + 1].t_s - self->row[k].t_s;
-    }
-    qsort(step, steps, sizeof *step, compare);
-    const double median = step[steps / 2];
-    free(step);
-    return median;
-}
-
-static bool check_steps(const char *path, recording_t *self) {
-    if (self->rows < 3) {
-        rig_error_at(path, 0, "%zu rows; expected at least 3", self->rows);
-        return false;
-    }
-    const double median_s = median_step(self);
-    if (!(median_s > 0.0)) {
-        rig_error_at(path, 0, "t_s does not rise; expected one row per PWM period");
-        return false;
-    }
-    for (size_t k = 1; k < self->rows; ++k) {
-        const double step_s = self->row[k].t_s - self->row[k - 1].t_s;
-        if (!(fabs(step_s - median_s) <= STEP_TOLERANCE * median_s)) {
-            rig_error_at(path, (int)self->row[k].line,
-                         "t_s: a step of %.6g s; expected %.6g s (the median) within 1 %%", step_s,
-                         median_s);
-            return false;
+/// The header, or a first line of data to count columns on, which is then read once more.
+static bool read_header(csv_reader_t *reader, columns_t *columns, const layout_t *layout,
+                        const recording_format_t *format) {
+    if (!csv_reader_line(reader, layout->has_header ? layout->header : layout->data)) {
+        if (!reader->failed) {
+            rig_error_at(reader->path, 0, "empty%s; expected a CSV file with a header line",
+                         layout->header + layout->data > 0 ? " from the line given on" : "");
         }
+        return false;
     }
-    // Of steps that agree so well the mean is the better one where t_s is rounded.
-    self->ts_s = (self->row[self->rows - 1].t_s - self->row[0].t_s) / (double)(self->rows - 1);
+    csv_reader_guess(reader);
+    if (!columns_find(columns, reader, format->map, format->maps, layout->has_header)) {
+        return false;
+    }
+    if (!layout->has_header) {
+        reader->line = 0;
+        rewind(reader->file);
+    }
     return true;
 }
 
-bool recording_load(recording_t *self, const char *path) {
-    reader_t reader = {.path = path};
-    *self = (recording_t){0};
-    reader.file = fopen(path, "r");
-    if (reader.file == NULL) {
-        rig_error_at(path, 0, "%s; expected a CSV file", strerror(errno));
+static bool read_rows(recording_t *self, csv_reader_t *reader, const recording_format_t *format) {
+    layout_t layout;
+    columns_t columns;
+    size_t capacity = 0;
+    if (!take_layout(&layout, format) || !read_header(reader, &columns, &layout, format)) {
         return false;
     }
-    bool good = read_header(&reader, self);
-    while (good && next_line(&reader)) {
-        recording_row_t row;
-        good = read_row(&reader, &row) && add_row(&reader, self, &row);
+    self->has_theta = columns_has(&columns, COLUMN_THETA_E);
+    self->has_omega = columns_has(&columns, COLUMN_OMEGA_E) || columns_has(&columns, COLUMN_SPEED);
+    while (csv_reader_line(reader, layout.data)) {
+        double value[COLUMN_COUNT];
+        if (!columns_read(&columns, reader, value)) {
+            return false;
+        }
+        recording_row_t row = row_of(&columns, value, format->pole_pairs);
+        row.line = reader->line;
+        if (!recording_add(self, &capacity, &row)) {
+            return false;
+        }
     }
-    if (good && ferror(reader.file) != 0) {
-        rig_error_at(path, 0, "cannot be read; expected a CSV file");
-        good = false;
-    }
-    (void)fclose(reader.file);
-    free(reader.text);
-    good = good && check_steps(path, self);
+    return !reader->failed;
+}
+
+bool recording_load(recording_t *self, const char *path, const recording_format_t *format) {
+    csv_reader_t reader;
+    *self = (recording_t){0};
+    bool good = csv_reader_open(&reader, path, format->separator);
+    good = good && read_rows(self, &reader, format) && recording_time(self, path, format);
+    csv_reader_close(&reader);
     if (!good) {
         recording_free(self);
     }

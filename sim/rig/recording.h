@@ -1,7 +1,5 @@
-/// Recorded signals of a drive: a CSV file with named columns.
-///
-/// Needed: t_s, u_alpha_V, u_beta_V, i_alpha_A, i_beta_A; optional: theta_e_rad, omega_e_rad_s; any
-/// others are ignored. Row k: currents, angle and speed AT t_k, the mean voltage over [t_k, t_k+1).
+/// Recorded signals of a drive: a table in a text file, with a row per PWM period. Row k: currents, angle
+/// and speed AT t_k, the mean voltage over [t_k, t_k+1). Columns, units and separators: sim/README.md.
 #ifndef RIG_RECORDING_H
 #define RIG_RECORDING_H
 
@@ -9,24 +7,49 @@
 #include <stddef.h>
 
 typedef struct {
-    size_t line; ///< in the file
+    size_t line; ///< in the file; resampled: of the last row up to this time
     double t_s;
     double u_alpha_V, u_beta_V;
     double i_alpha_A, i_beta_A;
     double theta_e_rad, omega_e_rad_s; ///< 0 where the file has none
+    bool after_gap; ///< rows are missing before this one: what acted until now is not known
 } recording_row_t;
+
+/// How to read a file; all 0: as it stands.
+typedef struct {
+    const char *const *map; ///< --column NAME=COLUMN[:UNIT]
+    int maps;
+    const char *separator; ///< NULL: seen from the header
+    const char *header;    ///< line of the header, or "none"; NULL: the first line with content
+    const char *data;      ///< line where the rows begin; NULL: behind the header
+    bool resample;   ///< uneven or faster rows are brought to even PWM periods, gaps are left open
+    double f_pwm_Hz; ///< of the drive, 0: not known
+    double pole_pairs; ///< for a mechanical speed
+} recording_format_t;
 
 typedef struct {
     recording_row_t *row;
     size_t rows;
     bool has_theta, has_omega;
-    double ts_s; ///< mean time step
+    double ts_s; ///< time step, but for gaps
+    size_t gaps;
+    double gaps_s;    ///< time that is missing
+    size_t resampled; ///< rows of the file that these were made from; 0: they are those of the file
 } recording_t;
 
 /// False after a message "FILE:LINE: ...": not such a file, a value that is not a finite number, or
-/// a time step more than 1 % off the median.
-bool recording_load(recording_t *self, const char *path);
+/// times that are not those of PWM periods.
+bool recording_load(recording_t *self, const char *path, const recording_format_t *format);
 
 void recording_free(recording_t *self);
+
+// ---- Of its parts -------------------------------------------------------------------------------
+
+/// Adds a row. False after a message where memory is out.
+bool recording_add(recording_t *self, size_t *capacity, const recording_row_t *row);
+
+/// Checks the times of the rows, sets ts_s, finds gaps, and resamples where that is asked for. False after
+/// a message.
+bool recording_time(recording_t *self, const char *path, const recording_format_t *format);
 
 #endif

@@ -11,6 +11,9 @@ static lode_ab_t vector(double alpha, double beta) {
     return (lode_ab_t){(float)alpha, (float)beta};
 }
 
+// At the beginning, and behind a gap: the voltage that acted until then is not in the recording.
+static const lode_estimate_t nothing_known = {.rotor = {0.0f, 1.0f}};
+
 static void estimate_rows(replay_t *self, const recording_t *recording,
                           const lode_estimator_tuning_t *tuning) {
     lode_estimator_t estimator;
@@ -18,10 +21,16 @@ static void estimate_rows(replay_t *self, const recording_t *recording,
     lode_estimator_reset(&estimator, tuning);
     // The recording may begin with the motor at work: the first rise of current is none.
     lode_emf_reset(&estimator.emf, vector(row[0].i_alpha_A, row[0].i_beta_A));
-    self->row[0] = (lode_estimate_t){.rotor = {0.0f, 1.0f}};
+    self->row[0] = nothing_known;
     for (size_t k = 1; k < recording->rows; ++k) {
         const lode_ab_t u_V = vector(row[k - 1].u_alpha_V, row[k - 1].u_beta_V);
         const lode_ab_t i_A = vector(row[k].i_alpha_A, row[k].i_beta_A);
+        if (row[k].after_gap) {
+            lode_estimator_reset(&estimator, tuning);
+            lode_emf_reset(&estimator.emf, i_A);
+            self->row[k] = nothing_known;
+            continue;
+        }
         self->row[k] = lode_estimator_step(&estimator, tuning, u_V, i_A);
         self->reseeds += self->row[k].reseeded ? 1u : 0u;
     }
@@ -33,12 +42,19 @@ static void estimate_rows_euler(replay_t *self, const recording_t *recording,
     const recording_row_t *row = recording->row;
     const size_t acquire = (size_t)llround(REPLAY_ACQUIRE_s / recording->ts_s);
     euler_reset(&estimator, row[0].i_alpha_A + I * row[0].i_beta_A);
-    self->row[0] = (lode_estimate_t){.rotor = {0.0f, 1.0f}};
+    self->row[0] = nothing_known;
+    size_t since = 0;
     for (size_t k = 1; k < recording->rows; ++k) {
         const lode_ab_t u_V = vector(row[k - 1].u_alpha_V, row[k - 1].u_beta_V);
         const lode_ab_t i_A = vector(row[k].i_alpha_A, row[k].i_beta_A);
+        if (row[k].after_gap) {
+            euler_reset(&estimator, row[k].i_alpha_A + I * row[k].i_beta_A);
+            self->row[k] = nothing_known;
+            since = k;
+            continue;
+        }
         self->row[k] = euler_estimate_step(&estimator, config, u_V, i_A);
-        if (k <= acquire) {
+        if (k - since <= acquire) {
             euler_acquire(&estimator, config);
         }
     }
@@ -49,8 +65,10 @@ static void compare(replay_t *self, const recording_t *recording) {
     const size_t window = (size_t)llround(REPLAY_WINDOW_s / recording->ts_s);
     const size_t settle = (size_t)llround(REPLAY_SETTLE_s / recording->ts_s);
     size_t close_from = 0;
+    size_t since = 0;
     for (size_t k = 0; k < rows; ++k) {
         const recording_row_t *truth = &recording->row[k];
+        since = truth->after_gap ? k : since;
         const double error_deg =
             rig_angle_error_deg((double)lode_estimate_theta_rad(&self->row[k]), truth->theta_e_rad);
         const double error_rad_s = (double)self->row[k].omega_rad_s - truth->omega_e_rad_s;
@@ -62,7 +80,7 @@ static void compare(replay_t *self, const recording_t *recording) {
             rig_stats_add(&self->error_window_deg, error_deg);
             rig_stats_add(&self->speed_window_rad_s, error_rad_s);
         }
-        if (k >= settle) {
+        if (k - since >= settle) {
             rig_stats_add(&self->error_settled_deg, error_deg);
             rig_stats_add(&self->speed_settled_rad_s, error_rad_s);
         }

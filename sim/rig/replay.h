@@ -8,7 +8,8 @@
 #include "rig/recording.h"
 #include "support/stats.h"
 
-/// Steady figures are those of the last part, extremes those after the first.
+/// Steady figures are those of the last part, extremes those after the first, and after that much behind a
+/// gap.
 #define REPLAY_WINDOW_s 0.1
 #define REPLAY_SETTLE_s 0.2
 #define REPLAY_CLOSE_deg 1.0
@@ -28,7 +29,7 @@ typedef struct {
 } replay_t;
 
 /// Runs from reset. Row k sees the voltage of row k-1 and the current of row k; the first row has
-/// no voltage before it and gives no estimate. `euler`: the papers' own forms in place of the library's
+/// no voltage before it and gives no estimate; the same behind a gap, where all begins anew. `euler`: the papers' own forms in place of the library's
 /// estimator, or NULL; they have no acquisition, so for REPLAY_ACQUIRE_s they are put on the EMF as they
 /// see it. False after a message.
 bool replay_run(replay_t *self, const recording_t *recording, const lode_estimator_tuning_t *tuning,

@@ -30,6 +30,14 @@ static const option_t table[] = {
     {"drive", required_argument, 'd', REPLAY | DESIGN | ANALYSE, "F.ini",
      "drive, over the motor's file; the same"},
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
+    {"column", required_argument, 'l', REPLAY, "NAME=COLUMN[:UNIT]",
+     "another column's name, or #3 for the third; repeatable"},
+    {"separator", required_argument, 'b', REPLAY, "NAME",
+     "auto, comma, semicolon, tab or blank; but for comma a decimal comma may be"},
+    {"header", required_argument, 'H', REPLAY, "LINE", "of the columns' names, or none"},
+    {"data", required_argument, 'D', REPLAY, "LINE", "of the first row"},
+    {"resample", no_argument, 'q', REPLAY, "",
+     "goes on behind gaps; makes rows of PWM periods of uneven or faster ones"},
     {"emf", required_argument, 'e', REPLAY, "NAME", "EMF observer, as `lodestar list` has it"},
     {"pll", required_argument, 'p', REPLAY, "NAME", "position PLL, as `lodestar list` has it"},
     {"set", required_argument, 's', CONFIGURED, "SECTION.KEY=VALUE",
@@ -83,7 +91,13 @@ static const command_t commands[] = {
      "lodestar replay --motor F.ini --recording F.csv [OPTION...]",
      "Runs the firmware's estimator over recorded voltages and currents.\n"
      "Columns, by name: t_s u_alpha_V u_beta_V i_alpha_A i_beta_A, optional theta_e_rad\n"
-     "omega_e_rad_s. Row k holds the currents AT t_k and the mean voltage over [t_k, t_k+1)."},
+     "omega_e_rad_s (electrical) or speed_rpm (mechanical). Phases u_a_V u_b_V u_c_V, i_a_A i_b_A\n"
+     "i_c_A may stand in place of alpha and beta. Units: s ms us ns, V mV kV, A mA kA, rad deg "
+     "turn,\n"
+     "rad_s rpm Hz, in the name as in i_alpha_mA, or in --column i_alpha=Ialpha:mA; a number there "
+     "is\n"
+     "a factor. Row k holds the currents AT t_k and the mean voltage over [t_k, t_k+1). What `run\n"
+     "--csv` and `decode --csv` write goes in as it is, with a row per period."},
     {"design", COMMAND_DESIGN, DESIGN, "lodestar design --motor F.ini [OPTION...]",
      "Prints every value that follows from a motor and a drive.\n"
      "Gains, bandwidths and limits, the stability of the PLL, the lag of the observer, and the "
@@ -209,6 +223,15 @@ static bool take_set(options_t *options, const char *text) {
     return true;
 }
 
+static bool take_column(options_t *options, const char *text) {
+    if (options->columns == OPTIONS_COLUMNS_MAX) {
+        rig_error("--column %s: expected at most %d of them", text, OPTIONS_COLUMNS_MAX);
+        return false;
+    }
+    options->column[options->columns++] = text;
+    return true;
+}
+
 static const char **text_option(options_t *options, int letter) {
     switch (letter) {
     case 'm':
@@ -233,6 +256,12 @@ static const char **text_option(options_t *options, int letter) {
         return &options->plots;
     case 'k':
         return &options->kind;
+    case 'b':
+        return &options->separator;
+    case 'H':
+        return &options->header;
+    case 'D':
+        return &options->data;
     case 'R':
         return &options->ring;
     case 'S':
@@ -254,6 +283,11 @@ static bool take(options_t *options, int letter, const char *argument) {
     switch (letter) {
     case 's':
         return take_set(options, argument);
+    case 'l':
+        return take_column(options, argument);
+    case 'q':
+        options->resample = true;
+        return true;
     case 'n':
         return take_seed(options, argument);
     case 'N':
@@ -281,7 +315,7 @@ static void list_options(int mask, char *text, size_t size) {
 }
 
 static bool refuse_option(const command_t *command, int answer, const char *given) {
-    char known[320];
+    char known[400];
     list_options(command->mask, known, sizeof known);
     if (answer == ':') {
         rig_error("%s: expected a value after it", given);

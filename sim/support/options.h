@@ -18,7 +18,7 @@ typedef enum {
     COMMAND_VERSION
 } options_command_t;
 
-enum { OPTIONS_SETS_MAX = 64 };
+enum { OPTIONS_SETS_MAX = 64, OPTIONS_COLUMNS_MAX = 32 };
 
 /// Strings are those of argv; NULL: not given.
 typedef struct {
@@ -29,6 +29,12 @@ typedef struct {
     const char *motor;
     const char *drive;
     const char *recording; ///< of replay and decode
+    const char *separator; ///< between its columns
+    const char *header;    ///< line of their names
+    const char *data;      ///< line of the first row
+    bool resample;         ///< to even PWM periods
+    int columns;
+    const char *column[OPTIONS_COLUMNS_MAX]; ///< NAME=COLUMN[:UNIT]
     const char *emf;
     const char *pll;
     const char *out;
