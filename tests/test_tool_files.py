@@ -50,6 +50,54 @@ def nothing_half_written(checks, folder):
     checks.equal(oct((folder.path / "mode.csv").stat().st_mode & 0o777), "0o640", "rights by umask")
 
 
+def inputs_stay(checks, folder):
+    """No output takes the place of what the command reads, by whatever name; nothing else is written."""
+    folder.write("m.ini", MOTOR.read_text())
+    folder.write("d.ini", DRIVE.read_text())
+    folder.write("r.csv", (RECORDINGS / "steady-300rpm-5Nm.csv").read_text())
+    folder.write("s.ini", "[scenario]\nmotor = m.ini\ndrive = d.ini\n[phase.a]\nduration_s = 0.01\n")
+    folder.run("run", "s.ini", "--ring", "b.bin")
+    (folder.path / "sub").mkdir()
+    names = {"m.ini": "m.ini", "./d.ini": "d.ini", "sub/../r.csv": "r.csv", "s.ini": "s.ini",
+             str(folder.path / "b.bin"): "b.bin", "soft": "m.ini", "hard": "r.csv"}
+    (folder.path / "soft").symlink_to("m.ini")
+    (folder.path / "hard").hardlink_to(folder.path / "r.csv")
+    before = {path: path.read_bytes() for path in folder.path.rglob("*") if path.is_file()}
+    run, decode = ["run", "s.ini"], ["decode", "b.bin"]
+    replay = ["replay", "--motor", "m.ini", "--drive", "d.ini", "--recording", "r.csv"]
+    design = ["design", "--motor", "m.ini", "--drive", "d.ini"]
+    for command, options, inputs in [
+        (run, ["--csv", "--json", "--plot", "--ring", "--scope"], {"s.ini", "m.ini", "d.ini"}),
+        ([*run, "--seeds", "1-2"], ["--json"], {"s.ini", "m.ini", "d.ini"}),
+        (replay, ["--out", "--json", "--plot"], {"m.ini", "d.ini", "r.csv"}),
+        (design, ["--json="], {"m.ini", "d.ini"}),
+        (["analyse", *design[1:]], ["--csv", "--json"], {"m.ini", "d.ini"}),
+        (decode, ["--csv", "--json", "--plot"], {"b.bin"}),
+    ]:
+        for option in options:
+            for name in [name for name, file in names.items() if file in inputs]:
+                output = [option + name] if option.endswith("=") else [option, name]
+                done = refused(checks, folder, [*command, *output], "it is read here, and would be lost")
+                checks.equal(done.stdout, "", f"{command[0]} {output}: printed before it was refused")
+    # The tuning in C has a name of its own, which a link may point to an input.
+    (folder.path / "t.c").symlink_to("m.ini")
+    refused(checks, folder, [*design, "--c", "t.c"], "t.c: cannot write: it is read here")
+    # A figure of `analyse` in the place of the motor's file.
+    figure = folder.write("figures/jiang2022-fig4.svg", MOTOR.read_text())
+    refused(checks, folder, ["analyse", "--motor", figure, "--drive", "d.ini", "--plots", "figures"],
+            "jiang2022-fig4.svg: cannot write: it is read here")
+    checks.equal(figure.read_text(), MOTOR.read_text(), "the motor in the place of a figure")
+    for one, other in [("new", "./new"), ("new", "sub/../new"), ("r2", "link"), ("r2", "r3")]:
+        (folder.path / "r2").write_text("old")
+        for path, make in [("link", "symlink_to"), ("r3", "hardlink_to")]:
+            (folder.path / path).unlink(missing_ok=True)
+            getattr(folder.path / path, make)("r2" if make == "symlink_to" else folder.path / "r2")
+        refused(checks, folder, [*replay, "--out", one, "--json", other], "two outputs of that name")
+    for path, data in before.items():
+        checks.true(path.read_bytes() == data, f"{path.name}: changed")
+    checks.equal([name for name in folder.names() if "tmp" in name or name == "new"], [], "left")
+
+
 def interrupt(checks, folder):
     folder.write("long.ini", LONG)
     folder.write("keep.json", "old")
@@ -138,6 +186,7 @@ def main():
     with Folder() as folder:
         bad_paths(checks, folder)
         nothing_half_written(checks, folder)
+        inputs_stay(checks, folder)
         interrupt(checks, folder)
         closed_pipe(checks, folder)
         campaign(checks, folder)

@@ -9,6 +9,7 @@
 #include "report/plot_decode.h"
 #include "report/report_decode.h"
 #include "support/atomic_file.h"
+#include "support/inputs.h"
 #include "support/outputs.h"
 
 typedef struct {
@@ -31,7 +32,7 @@ static bool want_of(const char *kind, decode_want_t *want) {
 
 /// All of the file, to be freed; NULL after a message.
 static unsigned char *read_all(const char *path, size_t *size) {
-    FILE *file = fopen(path, "rb");
+    FILE *file = inputs_open(path);
     unsigned char *data = NULL;
     size_t capacity = 0;
     bool good = file != NULL;

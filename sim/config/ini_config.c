@@ -7,6 +7,7 @@
 
 #include "config/schema.h"
 #include "support/diag.h"
+#include "support/inputs.h"
 
 /// Which keys of a file count.
 typedef enum {
@@ -184,7 +185,7 @@ static char *next_line(char *text, int size, void *user) {
 }
 
 static bool parse(source_t *source) {
-    source->stream = fopen(source->path, "r");
+    source->stream = inputs_open(source->path);
     if (source->stream == NULL) {
         rig_error_at(source->path, 0,
                      "%s; expected an INI file, or a name that `lodestar list` shows",
@@ -248,7 +249,7 @@ static bool load_named_part(rig_config_t *config, const char *scenario, const ch
     char name[RIG_PATH_LENGTH];
     char path[RIG_PATH_LENGTH];
     rig_key_print(&schema.row[row], config, name, sizeof name);
-    FILE *found = relative_to(scenario, name, path, sizeof path) ? fopen(path, "r") : NULL;
+    FILE *found = relative_to(scenario, name, path, sizeof path) ? inputs_open(path) : NULL;
     if (found == NULL) {
         rig_error_at(
             scenario, config->origin[row].line,
@@ -312,7 +313,7 @@ void ini_config_where(const rig_config_t *config, int row, char *text, size_t si
 
 void ini_config_title(const char *path, char *text, size_t size) {
     text[0] = '\0';
-    FILE *file = fopen(path, "r");
+    FILE *file = inputs_open(path);
     if (file == NULL) {
         return;
     }

@@ -1,6 +1,7 @@
 #include "support/atomic_file.h"
 
 #include "support/diag.h"
+#include "support/inputs.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -71,6 +72,31 @@ static FILE *refuse(output_t *output, const char *path, const char *why) {
     return NULL;
 }
 
+/// Whether this is the file, so far, of another output.
+static bool is_output(const struct stat *about) {
+    for (int k = 0; k < FILES_MAX; ++k) {
+        struct stat other;
+        if (outputs[k].file != NULL && outputs[k].temporary[0] != '\0' &&
+            stat(outputs[k].target, &other) == 0 && other.st_dev == about->st_dev &&
+            other.st_ino == about->st_ino) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Why what is there already must not be replaced; NULL if it may be.
+static const char *objection(const struct stat *about) {
+    if (S_ISDIR(about->st_mode)) {
+        return "it is a folder";
+    }
+    // Reading from and writing to a terminal is no harm.
+    if (!S_ISCHR(about->st_mode) && inputs_include(about)) {
+        return "it is read here, and would be lost";
+    }
+    return is_output(about) ? "two outputs of that name" : NULL;
+}
+
 static FILE *open_directly(output_t *output, const char *path) {
     output->file = fopen(path, "w");
     output->temporary[0] = '\0';
@@ -99,9 +125,14 @@ FILE *atomic_file_open(const char *path) {
         return NULL;
     }
     struct stat about;
-    if (stat(path, &about) == 0 && !S_ISREG(about.st_mode)) {
-        return S_ISDIR(about.st_mode) ? refuse(output, path, "it is a folder")
-                                      : open_directly(output, path);
+    if (stat(path, &about) == 0) {
+        const char *why = objection(&about);
+        if (why != NULL) {
+            return refuse(output, path, why);
+        }
+        if (!S_ISREG(about.st_mode)) {
+            return open_directly(output, path);
+        }
     }
     if (!name_files(output, path)) {
         return refuse(output, path, "the name is too long");

@@ -12,8 +12,9 @@
 /// 128 plus the signal's number. Call it once, first.
 void atomic_file_catch_signals(void);
 
-/// Opens the file that will become `path`; NULL after a message to the user. What is not a regular
-/// file (a pipe, a device) is written to directly.
+/// Opens the file that will become `path`; NULL after a message to the user, where it cannot be
+/// written, is one of the inputs (inputs.h) or another output. What is not a regular file (a pipe, a
+/// device) is written to directly.
 FILE *atomic_file_open(const char *path);
 
 /// Closes all open files and gives them their names. False after a message; none is kept then.

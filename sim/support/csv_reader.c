@@ -7,6 +7,7 @@
 #include <sys/types.h>
 
 #include "support/diag.h"
+#include "support/inputs.h"
 
 enum { NUMBER_LENGTH = 64 };
 
@@ -30,7 +31,7 @@ bool csv_reader_open(csv_reader_t *self, const char *path, const char *separator
     if (!take_separator(self, separator)) {
         return false;
     }
-    self->file = fopen(path, "r");
+    self->file = inputs_open(path);
     if (self->file == NULL) {
         rig_error_at(path, 0, "%s; expected a CSV file", strerror(errno));
     }
