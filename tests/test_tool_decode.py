@@ -6,6 +6,7 @@ import csv
 import math
 import pathlib
 import random
+import re
 import struct
 import sys
 import zlib
@@ -63,6 +64,16 @@ def decode(checks, folder, name, *options, code=0):
     return rows_of(folder.path / "d.csv"), folder.json("d.json"), done.stdout
 
 
+# By the enumerations of drive.h and guard.h.
+NAMED = {"mode": ["OFF", "CALIBRATE", "VOLTAGE", "CURRENT", "START", "RUN", "FAULT"],
+         "check": ["NONE", "HARDWARE_TRIP"]}
+
+
+def value_of(row, name):
+    """The number in a cell; of a mode or a check, which stand there by name, the enumerator's."""
+    return float(NAMED[name].index(row[name]) if name in NAMED else row[name])
+
+
 # ---- Against the run ----------------------------------------------------------------------------
 
 def compare(checks, recorded, wanted, what):
@@ -70,7 +81,7 @@ def compare(checks, recorded, wanted, what):
     by_time = {round(float(row["t_s"]) * F_PWM): row for row in wanted}
 
     def off(row, name, truth, column):
-        x, y = float(row[name]), float(truth[column])
+        x, y = value_of(row, name), float(truth[column])
         error = math.remainder(x - y, 2 * math.pi) if name == "theta_rad" else x - y
         return abs(error) / max(1.0, abs(y))
 
@@ -79,7 +90,7 @@ def compare(checks, recorded, wanted, what):
         period = round(float(row["t_s"]) * F_PWM)
         truth = by_time[period]
         for name, _, column in CHANNELS:
-            if name == "theta_rad" and row["mode"] != "5":
+            if name == "theta_rad" and row["mode"] != "RUN":
                 continue  # in the start the estimator is put on the vector after the run's row
             error = off(row, name, truth, column)
             if name == "lock":  # renewed after the run's row: it is that of the next one in this mode
@@ -110,7 +121,7 @@ def round_trip(checks, folder):
         frames = frames_of((folder.path / "r.bin").read_bytes())
         data = [f for f in frames if not f[1]]
         checks.equal([f[2] for f in data], [k & 0xFFFF for k in range(len(rows))], "numbers")
-        same = all(bits(float(row[c[0]])) == w for f, row in zip(data, rows)
+        same = all(bits(value_of(row, c[0])) == w for f, row in zip(data, rows)
                    for w, c in zip(f[3], CHANNELS))
         checks.true(same, "the same floats to the bit")
         checks.equal([k for k, f in enumerate(frames) if f[1]], list(range(0, len(frames), 65)),
@@ -132,11 +143,15 @@ def fault(checks, folder):
     folder.write("f.ini", SCENARIO + EVENT)
     folder.run("run", "f.ini", "--csv", "run.csv", "--scope", "s.bin", "--channels",
                NAMES + ",check", "--every", "1")
-    rows, result, _ = decode(checks, folder, "s.bin")
+    rows, result, text = decode(checks, folder, "s.bin")
     checks.equal([result["state"], result["trigger"]], ["done", "fault"], "trigger on a fault")
+    checks.true(re.search(r"mode +name +RUN, FAULT; last FAULT\n", text) and
+                re.search(r"check +name +NONE, HARDWARE_TRIP; last HARDWARE_TRIP\n", text), text)
+    checks.equal([c.get("values") for c in result["channels"] if c["name"] in ("mode", "check", "id_A")],
+                 [["RUN", "FAULT"], None, ["NONE", "HARDWARE_TRIP"]], "names in JSON")
     event = result["event_row"]
-    checks.equal([(float(r["mode"]), float(r["check"])) for r in rows[event - 1:event + 1]],
-                 [(5.0, 0.0), (6.0, 1.0)], "mode and check before and at the fault")
+    checks.equal([(r["mode"], r["check"]) for r in rows[event - 1:event + 1]],
+                 [("RUN", "NONE"), ("FAULT", "HARDWARE_TRIP")], "mode and check before and at the fault")
     checks.equal(result["event_s"], 2.0, "time of the fault")
     compare(checks, rows, rows_of(folder.path / "run.csv"), "fault")
 
@@ -149,6 +164,20 @@ def not_triggered(checks, folder):
     checks.true("it has not come" in text and rows[0]["t_event_s"] == "", text)
     compare(checks, rows, rows_of(folder.path / "run.csv"), "armed")
     checks.equal(float(rows[-1]["t_s"]), 1.9998, "the newest row is that of the last period")
+
+
+def values_without_name(checks, folder):
+    """What this version has no name for stays a number."""
+    modes = [5, 99, 5.5, -1, float("nan"), float("inf")]
+    data = frame(0xA0, 0, [bits(F_PWM), 1, 0, 0, 0, 1]) + b"".join(
+        frame(0x20, k, [bits(mode), bits(14 if k else 300)]) for k, mode in enumerate(modes))
+    folder.write("n.bin", data)
+    rows, result, text = decode(checks, folder, "n.bin")
+    checks.equal([r["mode"].lstrip("-") for r in rows], ["RUN", "99", "5.5", "1", "nan", "inf"],
+                 "modes in the CSV")
+    checks.equal([r["check"] for r in rows[:2]], ["300", "OPEN_PHASE"], "checks in the CSV")
+    checks.equal(result["channels"][0]["values"][:4], ["RUN", 99, 5.5, -1], "modes in JSON")
+    checks.true("RUN, 99, 5.5, -1, nan, inf; last inf" in text, text)
 
 
 # ---- Frames, damaged ----------------------------------------------------------------------------
@@ -404,6 +433,7 @@ def main():
         round_trip(checks, folder)
         fault(checks, folder)
         not_triggered(checks, folder)
+        values_without_name(checks, folder)
         folder.run("run", "s.ini", "--ring", "r.bin", "--scope", "s.bin", "--channels", NAMES,
                    "--trigger", "duty_a>0.55")
         frames = (folder.path / "r.bin").read_bytes()

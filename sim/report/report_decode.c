@@ -15,6 +15,9 @@ static const char *const kind_texts[] = {"frames of a telemetry ring", "buffer o
 static const char *const state_names[] = {"idle", "armed", "triggered", "done"};
 static const char *const trigger_names[] = {"immediate", "rising", "falling", "fault"};
 
+// Of a named channel that are listed: there are 7 modes, and few checks trip in one record.
+enum { VALUES_MAX = 12 };
+
 static double period_s(const decode_t *decoded) {
     return (double)decoded->decimation / decoded->f_pwm_Hz;
 }
@@ -24,6 +27,32 @@ static void channel_stats(const decode_t *decoded, uint32_t channel, rig_stats_t
     for (size_t k = 0; k < decoded->rows; ++k) {
         rig_stats_add(stats, (double)decoded->value[k * decoded->channels + channel]);
     }
+}
+
+/// A value as a name where it has one.
+static void print_value(FILE *file, uint32_t channel, float value) {
+    const char *name = channels_value_name(channel, (double)value);
+    if (name != NULL) {
+        (void)fputs(name, file);
+    } else {
+        (void)fprintf(file, "%.9g", (double)value);
+    }
+}
+
+/// The values that a channel has, in the order of time, as far as they fit.
+static int values_of(const decode_t *decoded, uint32_t channel, float list[VALUES_MAX]) {
+    int count = 0;
+    for (size_t row = 0; row < decoded->rows && count < VALUES_MAX; ++row) {
+        const float *value = &decoded->value[row * decoded->channels + channel];
+        int known = 0;
+        while (known < count && memcmp(&list[known], value, sizeof *value) != 0) {
+            ++known;
+        }
+        if (known == count) {
+            list[count++] = *value;
+        }
+    }
+    return count;
 }
 
 // ---- Table --------------------------------------------------------------------------------------
@@ -94,6 +123,30 @@ static void print_damage(FILE *file, const decode_t *decoded) {
     }
 }
 
+static void print_names(FILE *file, const decode_t *decoded, uint32_t channel) {
+    float value[VALUES_MAX];
+    const uint32_t number = decoded->channel[channel];
+    const int count = values_of(decoded, channel, value);
+    (void)fprintf(file, "%-17s %-8s ", channels_name(number), "name");
+    for (int k = 0; k < count; ++k) {
+        (void)fputs(k > 0 ? ", " : "", file);
+        print_value(file, number, value[k]);
+    }
+    (void)fputs(count == VALUES_MAX ? ", ...; last " : "; last ", file);
+    print_value(file, number, decoded->value[(decoded->rows - 1) * decoded->channels + channel]);
+    (void)fputc('\n', file);
+}
+
+static void print_figures(FILE *file, const decode_t *decoded, uint32_t channel) {
+    rig_stats_t stats;
+    const uint32_t number = decoded->channel[channel];
+    channel_stats(decoded, channel, &stats);
+    (void)fprintf(file, "%-17s %-8s %12.6g %12.6g %12.6g %12.6g\n", channels_name(number),
+                  channels_unit(number), rig_stats_min(&stats), rig_stats_mean(&stats),
+                  rig_stats_max(&stats),
+                  (double)decoded->value[(decoded->rows - 1) * decoded->channels + channel]);
+}
+
 void report_decode_table(FILE *file, const char *path, const decode_t *decoded) {
     (void)fprintf(file, "%s: %s, %s\n", path, kind_texts[decoded->kind],
                   decode_order_name(decoded->order));
@@ -110,12 +163,11 @@ void report_decode_table(FILE *file, const char *path, const decode_t *decoded) 
     (void)fputs(
         "\nchannel           unit              min         mean          max         last\n", file);
     for (uint32_t k = 0; k < decoded->channels; ++k) {
-        rig_stats_t stats;
-        channel_stats(decoded, k, &stats);
-        (void)fprintf(file, "%-17s %-8s %12.6g %12.6g %12.6g %12.6g\n",
-                      channels_name(decoded->channel[k]), channels_unit(decoded->channel[k]),
-                      rig_stats_min(&stats), rig_stats_mean(&stats), rig_stats_max(&stats),
-                      (double)decoded->value[(decoded->rows - 1) * decoded->channels + k]);
+        if (channels_is_named(decoded->channel[k])) {
+            print_names(file, decoded, k);
+        } else {
+            print_figures(file, decoded, k);
+        }
     }
 }
 
@@ -137,13 +189,26 @@ void report_decode_csv(FILE *file, const decode_t *decoded) {
             (void)fputs(",", file);
         }
         for (uint32_t k = 0; k < decoded->channels; ++k) {
-            (void)fprintf(file, ",%.9g", (double)decoded->value[row * decoded->channels + k]);
+            (void)fputc(',', file);
+            print_value(file, decoded->channel[k], decoded->value[row * decoded->channels + k]);
         }
         (void)fputc('\n', file);
     }
 }
 
 // ---- JSON ---------------------------------------------------------------------------------------
+
+/// The names that a channel has had, in the order of time; a number where there is none.
+static void add_names(cJSON *item, const decode_t *decoded, uint32_t channel) {
+    cJSON *array = cJSON_AddArrayToObject(item, "values");
+    float value[VALUES_MAX];
+    const int count = values_of(decoded, channel, value);
+    for (int k = 0; k < count; ++k) {
+        const char *name = channels_value_name(decoded->channel[channel], (double)value[k]);
+        (void)cJSON_AddItemToArray(array, name != NULL ? cJSON_CreateString(name)
+                                                       : cJSON_CreateNumber((double)value[k]));
+    }
+}
 
 static void add_channels(cJSON *root, const decode_t *decoded) {
     cJSON *array = cJSON_AddArrayToObject(root, "channels");
@@ -158,6 +223,9 @@ static void add_channels(cJSON *root, const decode_t *decoded) {
         config_json_number(item, "min", rig_stats_min(&stats));
         config_json_number(item, "mean", rig_stats_mean(&stats));
         config_json_number(item, "max", rig_stats_max(&stats));
+        if (channels_is_named(decoded->channel[k])) {
+            add_names(item, decoded, k);
+        }
     }
 }
 

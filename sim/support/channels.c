@@ -20,6 +20,24 @@ const char *channels_unit(uint32_t number) {
     return number < (uint32_t)LODE_CHANNEL_COUNT ? table[number].unit : "?";
 }
 
+bool channels_is_named(uint32_t number) {
+    return number == (uint32_t)LODE_CHANNEL_MODE || number == (uint32_t)LODE_CHANNEL_CHECK;
+}
+
+const char *channels_value_name(uint32_t number, double value) {
+    const int whole = value >= 0.0 && value < 256.0 ? (int)value : -1;
+    if (!channels_is_named(number) || whole < 0 || value > (double)whole) {
+        return NULL;
+    }
+    const bool is_mode = number == (uint32_t)LODE_CHANNEL_MODE;
+    const int count = is_mode ? (int)LODE_MODE_FAULT + 1 : (int)LODE_CHECK_COUNT;
+    if (whole >= count) {
+        return NULL;
+    }
+    return is_mode ? lode_mode_name((lode_mode_t)whole) + strlen("LODE_MODE_")
+                   : lode_check_name((lode_check_t)whole) + strlen("LODE_CHECK_");
+}
+
 lode_channel_t channels_find(const char *name) {
     uint32_t number = 0;
     while (number < (uint32_t)LODE_CHANNEL_COUNT && strcmp(name, table[number].name) != 0) {
