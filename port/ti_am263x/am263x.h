@@ -127,6 +127,7 @@
 #define IOMUX_KICK1_UNLOCK 0x95A4F1E0u
 #define PAD_OUTPUT 0x500u // function 0, no pull, output enabled
 #define PAD_GPIO 7u
+#define PAD_PULL_UP 0x200u // bit 8 clear: pulls work; bit 9: up
 
 // GPIO: banks of 32.
 #define GPIO_DIR(gpio) (0x52000010u + 0x28u * ((uint32_t)(gpio) / 32u))

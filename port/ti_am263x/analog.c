@@ -44,7 +44,7 @@ void chip_protection_init(void) {
         reg_write16(CMPSSB(currents[n].comparator) + CMPSS_LFILCTL, FILTER | FILCTL_INIT);
     }
     reg_write32(PWMXBAR0_G1, ways);
-    reg_write32(IOMUX_PAD(VARIANT_FAULT_GPIO), PAD_GPIO); // pull-up is the reset state
+    reg_write32(IOMUX_PAD(VARIANT_FAULT_GPIO), PAD_PULL_UP | PAD_GPIO); // open drain
     reg_write32(INPUTXBAR0_GSEL, 0u);
     reg_write32(INPUTXBAR0_G0, VARIANT_FAULT_GPIO);
     reg_write32(PWMXBAR1_G4, PWMXBAR_INPUT0);

@@ -77,6 +77,7 @@ static void test_trip_path_is_armed_before_the_pins_and_before_the_driver(void) 
     }
     TEST_ASSERT_TRUE(first(PWMXBAR0_G1, ~0u, 0x333u) < pins); // CMPSSB 0, 2, 4: low and high
     TEST_ASSERT_TRUE(first(PWMXBAR1_G4, ~0u, 1u) < pins);
+    TEST_ASSERT_EQUAL_HEX32(0x207u, fake_get(IOMUX_PAD(VARIANT_FAULT_GPIO))); // GPIO, pulled up
     TEST_ASSERT_TRUE(first(GPIO_CLEAR(49), ~0u, 1u << (49 % 32)) < pins && pins < driver);
     for (int p = 0; p < 3; p++) {
         TEST_ASSERT_EQUAL_INT(-1, fake_first(EPWM(p) + EPWM_TZCLR, 0u, 0u, 0));
