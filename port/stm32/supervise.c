@@ -1,5 +1,7 @@
 #include "supervise.h"
 
+#include "chip.h"
+
 // LSI / 4 is some 8 kHz.
 #define WATCHDOG_DIVIDER 0u
 #define WATCHDOG_RELOAD 160u
@@ -8,6 +10,12 @@ bool stm32_reset_by_watchdog(void) {
     const bool by_watchdog = (REG_READ(RCC->CSR) & (RCC_CSR_IWDGRSTF | RCC_CSR_WWDGRSTF)) != 0u;
     REG_SET(RCC->CSR, RCC_CSR_RMVF);
     return by_watchdog;
+}
+
+void stm32_clock_watch(void) {
+    if (VARIANT_HSE_Hz != 0u) {
+        REG_SET(RCC->CR, RCC_CR_CSSON);
+    }
 }
 
 bool stm32_watchdog_init(void) {

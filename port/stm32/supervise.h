@@ -7,6 +7,10 @@
 /// A watchdog's flag in RCC_CSR; clears all flags of a reset.
 bool stm32_reset_by_watchdog(void);
 
+/// A crystal that stops is a break of TIM1 and an NMI, and the core goes on with the internal oscillator
+/// (clock security system, CSS). Nothing where the board has no crystal.
+void stm32_clock_watch(void);
+
 /// The watchdog's clock (LSI). False: it does not run.
 bool stm32_watchdog_init(void);
 

@@ -1,4 +1,5 @@
 #include "chip.h"
+#include "supervise.h"
 
 #define HSI_Hz 16000000u
 #define PLL_INPUT_Hz 1000000u // 1 .. 2 MHz
@@ -29,5 +30,7 @@ bool chip_clock_init(void) {
     // Dividers before the switch: no bus is ever too fast.
     REG_WRITE(RCC->CFGR, APB_BY_4 << RCC_CFGR_PPRE1_Pos | APB_BY_2 << RCC_CFGR_PPRE2_Pos);
     REG_CHANGE(RCC->CFGR, RCC_CFGR_SW, SWITCH_PLL << RCC_CFGR_SW_Pos);
-    return reg_await(&RCC->CFGR, RCC_CFGR_SWS, SWITCH_PLL << RCC_CFGR_SWS_Pos);
+    const bool switched = reg_await(&RCC->CFGR, RCC_CFGR_SWS, SWITCH_PLL << RCC_CFGR_SWS_Pos);
+    stm32_clock_watch();
+    return switched;
 }

@@ -10,6 +10,13 @@
 #define REGULATOR_LOOPS 1000u // 20 us at 170 MHz and some cycles per loop
 #define READY_LOOPS 100u
 
+// A core in lock-up, or flash with an error that cannot be corrected, is a break of TIM1 (RM0440,
+// SYSCFG_CFGR2). Cannot be undone before the next reset.
+static void lockup_breaks(void) {
+    REG_SET(RCC->APB2ENR, RCC_APB2ENR_SYSCFGEN);
+    REG_SET(SYSCFG->CFGR2, SYSCFG_CFGR2_CLL | SYSCFG_CFGR2_ECCL);
+}
+
 #ifdef VARIANT_INTERNAL_ANALOG
 
 #define AMPLIFIER_PGA 2u     // VMSEL
@@ -32,7 +39,7 @@ static void comparator(COMP_TypeDef *unit) {
 void chip_protection_init(void) {
     const uint32_t threshold =
         (uint32_t)(int32_t)(VARIANT_TRIP_V / VARIANT_V_REF_V * DAC_RANGE + 0.5f);
-    REG_SET(RCC->APB2ENR, RCC_APB2ENR_SYSCFGEN); // clocks amplifiers and comparators too
+    lockup_breaks(); // and clocks amplifiers and comparators
     REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_DAC3EN);
     amplifier(OPAMP1);
     amplifier(OPAMP2);
@@ -53,6 +60,7 @@ void chip_protection_init(void) {
 
 void chip_protection_init(void) {
     static const stm32_pin_t pin = VARIANT_BREAK_PIN;
+    lockup_breaks();
     gpio_pull_up(pin); // active low: a broken wire would not trip, the board's own pull-up decides
     gpio_alternate(pin);
     REG_WRITE(TIM1->AF1, TIM1_AF1_BKINE | TIM1_AF1_BKINP); // the pin is active low

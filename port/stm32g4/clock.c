@@ -1,4 +1,5 @@
 #include "chip.h"
+#include "supervise.h"
 
 #define HSI_Hz 16000000u
 #define PLL_INPUT_Hz 4000000u // 2.66 .. 16 MHz; divides every source in use
@@ -35,5 +36,6 @@ bool chip_clock_init(void) {
     ok = reg_await(&RCC->CFGR, RCC_CFGR_SWS, SWITCH_PLL << RCC_CFGR_SWS_Pos);
     stm32_wait(BOOST_LOOPS);
     REG_CLEAR(RCC->CFGR, RCC_CFGR_HPRE | RCC_CFGR_PPRE1 | RCC_CFGR_PPRE2);
+    stm32_clock_watch();
     return ok;
 }

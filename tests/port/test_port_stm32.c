@@ -331,6 +331,31 @@ static void test_latched_trip_keeps_the_gates_off(void) {
     TEST_ASSERT_TRUE(gates_on());
 }
 
+static void expect_system_break(void (*event)(void)) {
+    TEST_ASSERT_TRUE(board_init());
+    board_start();
+    board_write(&(lode_drive_out_t){.gates = true});
+    TEST_ASSERT_TRUE(gates_on());
+    event();
+    TEST_ASSERT_FALSE(gates_on());
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_TRUE(counts.trip);
+}
+
+static void test_lost_clock_switches_off(void) {
+    expect_system_break(fake_lose_clock);
+    // Watched once it is in use, not before.
+    TEST_ASSERT_TRUE(first(&RCC->CR, RCC_CR_CSSON, RCC_CR_CSSON) >
+                     first(&RCC->CFGR, RCC_CFGR_SW, CHIP_F_CPU_Hz == 170000000u ? 3u : 2u));
+}
+
+#ifdef FAKE_G4
+static void test_locked_up_core_switches_off(void) {
+    expect_system_break(fake_lock_up);
+}
+#endif
+
 static void test_active_trip_at_power_up_is_a_failed_init(void) {
     fake_set_break(true);
     TEST_ASSERT_FALSE(board_init());
@@ -587,6 +612,10 @@ int main(void) {
     RUN_TEST(test_comparators_and_their_threshold);
 #endif
     RUN_TEST(test_latched_trip_keeps_the_gates_off);
+    RUN_TEST(test_lost_clock_switches_off);
+#ifdef FAKE_G4
+    RUN_TEST(test_locked_up_core_switches_off);
+#endif
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
     RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);
     RUN_TEST(test_counts_come_from_the_right_registers);

@@ -9,12 +9,14 @@
 #define SERIAL_STATUS fake_USART2.ISR
 #define SERIAL_DATA fake_USART2.TDR
 #define SERIAL_READY USART_ISR_TXE
+#define SYSTEM_BREAK TIM_SR_SBIF
 #else
 #include "stm32f4xx.h"
 #define SERIAL fake_USART3
 #define SERIAL_STATUS fake_USART3.SR
 #define SERIAL_DATA fake_USART3.DR
 #define SERIAL_READY USART_SR_TXE
+#define SYSTEM_BREAK TIM_SR_BIF
 #endif
 
 #define ENTRIES_MAX 65536
@@ -36,6 +38,7 @@ CORDIC_TypeDef fake_CORDIC;
 COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
 OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
 DAC_TypeDef fake_DAC3;
+SYSCFG_TypeDef fake_SYSCFG;
 #else
 TIM_TypeDef fake_TIM5;
 ADC_TypeDef fake_ADC3;
@@ -68,6 +71,9 @@ void fake_reset(void) {
     WIPE(fake_RCC);
     WIPE(fake_FLASH);
     WIPE(SERIAL);
+#ifdef FAKE_G4
+    WIPE(fake_SYSCFG);
+#endif
 #ifndef FAKE_G4
     WIPE(fake_ADC3);
 #endif
@@ -256,6 +262,28 @@ void fake_set_break(bool active) {
         fake_TIM1.SR |= TIM_SR_BIF;
         fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
     }
+}
+
+// Of the system, behind enable but before filter and polarity.
+static void system_break(uint32_t flag) {
+    if ((fake_TIM1.BDTR & TIM_BDTR_BKE) != 0u) {
+        fake_TIM1.SR |= flag;
+        fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
+    }
+}
+
+void fake_lose_clock(void) {
+    if ((fake_RCC.CR & RCC_CR_CSSON) != 0u) {
+        system_break(SYSTEM_BREAK);
+    }
+}
+
+void fake_lock_up(void) {
+#ifdef FAKE_G4
+    if ((fake_SYSCFG.CFGR2 & SYSCFG_CFGR2_CLL) != 0u) {
+        system_break(SYSTEM_BREAK);
+    }
+#endif
 }
 
 bool fake_halt(uint32_t ticks) {

@@ -32,6 +32,9 @@ void fake_set_break(bool active);
 /// A debugger holds the core for so many ticks of TIM2, which counts them unless it is frozen; TIM1 does
 /// not. True: TIM1 drives its outputs inactive meanwhile.
 bool fake_halt(uint32_t ticks);
+/// The crystal stops, or the core locks up: a break where the port has connected it.
+void fake_lose_clock(void);
+void fake_lock_up(void);
 /// The oscillators never get ready.
 void fake_kill_clock(void);
 /// The transmitter takes this many more octets.

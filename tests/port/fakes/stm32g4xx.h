@@ -47,6 +47,10 @@ typedef struct {
 } RCC_TypeDef;
 
 typedef struct {
+    volatile uint32_t MEMRMP, CFGR1, EXTICR[4], SCSR, CFGR2;
+} SYSCFG_TypeDef;
+
+typedef struct {
     volatile uint32_t CR1, CR2, CR3, BRR, GTPR, RTOR, RQR, ISR, ICR, RDR, TDR;
 } USART_TypeDef;
 
@@ -104,6 +108,7 @@ typedef struct {
 
 #define RCC_CR_HSEON (1u << 16)
 #define RCC_CR_HSERDY (1u << 17)
+#define RCC_CR_CSSON (1u << 19)
 #define RCC_CR_PLLON (1u << 24)
 #define RCC_CR_PLLRDY (1u << 25)
 #define RCC_CFGR_SW 3u
@@ -133,6 +138,9 @@ typedef struct {
 
 #define RCC_CSR_RMVF (1u << 23)
 
+#define SYSCFG_CFGR2_CLL 1u
+#define SYSCFG_CFGR2_ECCL (1u << 3)
+
 #define USART_CR1_UE 1u
 #define USART_CR1_TE (1u << 3)
 #define USART_CR1_FIFOEN (1u << 29)
@@ -151,6 +159,7 @@ extern DBGMCU_TypeDef fake_DBGMCU;
 extern FLASH_TypeDef fake_FLASH;
 extern PWR_TypeDef fake_PWR;
 extern RCC_TypeDef fake_RCC;
+extern SYSCFG_TypeDef fake_SYSCFG;
 extern USART_TypeDef fake_USART2;
 #endif
 
@@ -173,6 +182,7 @@ extern USART_TypeDef fake_USART2;
 #define FLASH FAKE_AT(FLASH_TypeDef, FLASH, 0x40022000u)
 #define PWR FAKE_AT(PWR_TypeDef, PWR, 0x40007000u)
 #define RCC FAKE_AT(RCC_TypeDef, RCC, 0x40021000u)
+#define SYSCFG FAKE_AT(SYSCFG_TypeDef, SYSCFG, 0x40010000u)
 #define USART2 FAKE_AT(USART_TypeDef, USART2, 0x40004400u)
 
 #endif
