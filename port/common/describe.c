@@ -25,6 +25,7 @@ void board_describe(lode_drive_config_t *config) {
         .temperature_offset_degC = VARIANT_T_OFFSET_degC,
         .duty_max = duty_max,
     };
+    config->guard.temperature_max_degC = VARIANT_T_MAX_degC;
     config->current.voltage_use = port_voltage_use(duty_max);
     config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_pwm;
 }

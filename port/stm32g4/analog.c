@@ -58,12 +58,21 @@ void chip_protection_init(void) {
 
 #else
 
+static void break_pin(stm32_pin_t pin) {
+    gpio_pull_up(pin); // active low: a broken wire would not trip, the board's own pull-up decides
+    gpio_alternate(pin);
+}
+
 void chip_protection_init(void) {
     static const stm32_pin_t pin = VARIANT_BREAK_PIN;
     lockup_breaks();
-    gpio_pull_up(pin); // active low: a broken wire would not trip, the board's own pull-up decides
-    gpio_alternate(pin);
+    break_pin(pin);
     REG_WRITE(TIM1->AF1, TIM1_AF1_BKINE | TIM1_AF1_BKINP); // the pin is active low
+#ifdef VARIANT_BREAK2_PIN
+    static const stm32_pin_t pin2 = VARIANT_BREAK2_PIN;
+    break_pin(pin2);
+    REG_WRITE(TIM1->AF2, TIM1_AF2_BK2INE | TIM1_AF2_BK2INP);
+#endif
 }
 
 #endif

@@ -35,9 +35,16 @@ static inline void chip_converters_acknowledge(void) {
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
 }
 
-/// Break: enabled, the sources' own polarities stand in AF1; filter of six equal samples at half the
-/// timer's clock: 71 ns of silence in a spike.
-#define CHIP_BREAK_BITS (TIM_BDTR_BKE | TIM_BDTR_BKP | 4u << TIM_BDTR_BKF_Pos)
+/// Break inputs: enabled, the sources' own polarities stand in AF1 and AF2; filter of six equal samples at
+/// half the timer's clock: 71 ns of silence in a spike.
+#define CHIP_BREAK_FILTER 4u
+#define CHIP_BREAK1_BITS (TIM_BDTR_BKE | TIM_BDTR_BKP | CHIP_BREAK_FILTER << TIM_BDTR_BKF_Pos)
+#ifdef VARIANT_BREAK2_PIN
+#define CHIP_BREAK_BITS                                                                            \
+    (CHIP_BREAK1_BITS | TIM_BDTR_BK2E | TIM_BDTR_BK2P | CHIP_BREAK_FILTER << TIM_BDTR_BK2F_Pos)
+#else
+#define CHIP_BREAK_BITS CHIP_BREAK1_BITS
+#endif
 
 /// ADC clock 42.5 MHz; 6.5 cycles of sampling, 12.5 of conversion. Until the end of the sampling of rank
 /// 2, with three cycles from the trigger to the first sampling.

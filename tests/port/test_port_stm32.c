@@ -264,6 +264,15 @@ static void test_wait_states_before_the_faster_clock(void) {
 
 // --- trip ---
 
+#ifdef VARIANT_BREAK2_PIN
+static void expect_break_pin(stm32_pin_t pin) {
+    TEST_ASSERT_EQUAL_HEX32(2u, pin.port->MODER >> (2u * pin.pin) & 3u);
+    TEST_ASSERT_EQUAL_HEX32(1u, pin.port->PUPDR >> (2u * pin.pin) & 3u); // up
+    TEST_ASSERT_EQUAL_HEX32(pin.alternate,
+                            pin.port->AFR[pin.pin / 8u] >> (4u * (pin.pin % 8u)) & 15u);
+}
+#endif
+
 static void test_break_input(void) {
     TEST_ASSERT_TRUE(board_init());
     uint32_t dtg = 0u;
@@ -281,6 +290,11 @@ static void test_break_input(void) {
     TEST_ASSERT_EQUAL_HEX32(TIM1_AF1_BKCMP1E | TIM1_AF1_BKCMP2E | TIM1_AF1_BKCMP4E, TIM1->AF1);
 #else
     TEST_ASSERT_EQUAL_HEX32(TIM1_AF1_BKINE | TIM1_AF1_BKINP, TIM1->AF1); // the pin is active low
+    TEST_ASSERT_EQUAL_HEX32(TIM1_AF2_BK2INE | TIM1_AF2_BK2INP, TIM1->AF2);
+    const uint32_t second = TIM_BDTR_BK2E | TIM_BDTR_BK2P | 4u << TIM_BDTR_BK2F_Pos;
+    TEST_ASSERT_EQUAL_HEX32(second, TIM1->BDTR & (second | 15u << TIM_BDTR_BK2F_Pos));
+    expect_break_pin((stm32_pin_t)VARIANT_BREAK_PIN);
+    expect_break_pin((stm32_pin_t)VARIANT_BREAK2_PIN);
 #endif
 #endif
 }
@@ -473,6 +487,29 @@ static void test_over_current_reaches_the_gates_in_the_same_period(void) {
                              lode_check_name((lode_check_t)app_telemetry().fault.check));
 }
 
+#ifdef VARIANT_T_V
+static void put_temperature(float degC) {
+    const float volts = VARIANT_T_V + (degC - VARIANT_T_degC) * VARIANT_T_V_degC;
+    VARIANT_COUNT_T = (uint32_t)(volts / VARIANT_V_REF_V * VARIANT_COUNTS + 0.5f);
+}
+
+static void test_over_temperature_switches_off(void) {
+    gates_on_by_the_drive();
+    put_temperature(VARIANT_T_MAX_degC - 2.0f);
+    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
+        one_period();
+    }
+    TEST_ASSERT_TRUE(gates_on());
+    put_temperature(VARIANT_T_MAX_degC + 2.0f);
+    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
+        one_period();
+    }
+    TEST_ASSERT_FALSE(gates_on());
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_TEMPERATURE",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+#endif
+
 static void test_hardware_trip_is_a_fault_in_the_same_period(void) {
     gates_on_by_the_drive();
     fake_set_break(true);
@@ -621,6 +658,9 @@ int main(void) {
     RUN_TEST(test_counts_come_from_the_right_registers);
     RUN_TEST(test_duties_become_compare_values);
     RUN_TEST(test_over_current_reaches_the_gates_in_the_same_period);
+#ifdef VARIANT_T_V
+    RUN_TEST(test_over_temperature_switches_off);
+#endif
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_period);
     RUN_TEST(test_missed_interrupt_is_a_fault);
     RUN_TEST(test_gates_stay_off_after_a_halted_core);

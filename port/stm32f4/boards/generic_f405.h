@@ -27,6 +27,7 @@
     (VARIANT_V_REF_V / VARIANT_COUNTS * (39.0f + 2.2f) / 2.2f) // 39 kOhm over 2.2 kOhm
 #define VARIANT_T_GAIN_degC_count 0.0f
 #define VARIANT_T_OFFSET_degC 0.0f
+#define VARIANT_T_MAX_degC 0.0f // the core's default
 #define VARIANT_SETTLE_ns 2000.0f
 
 // The three currents at once: one converter each, rank 1. Rank 2: bus, temperature, anything.

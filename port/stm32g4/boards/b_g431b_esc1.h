@@ -31,9 +31,14 @@
 #define VARIANT_I_OFFSET_TOL_count 300.0f // resistors of 1 % and the amplifier's offset, times 16
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (169.0f + 18.0f) / 18.0f) // 169 kOhm over 18 kOhm
-// The board's NTC (PB14) is sampled but not used: it is no straight line. Enter your own tangent.
-#define VARIANT_T_GAIN_degC_count 0.0f
-#define VARIANT_T_OFFSET_degC 0.0f
+// NTC on PB14, the straight line of ST's project for this board: 1055 mV at 25 degC, 22.7 mV/degC; its
+// limit. An NTC is no straight line: far from there the figure is only an order of magnitude.
+#define VARIANT_T_V 1.055f // at VARIANT_T_degC
+#define VARIANT_T_degC 25.0f
+#define VARIANT_T_V_degC 0.0227f
+#define VARIANT_T_MAX_degC 110.0f
+#define VARIANT_T_GAIN_degC_count (VARIANT_V_REF_V / VARIANT_COUNTS / VARIANT_T_V_degC)
+#define VARIANT_T_OFFSET_degC (VARIANT_T_degC - VARIANT_T_V / VARIANT_T_V_degC)
 // Dead time, then nine time constants of an amplifier of 13 MHz / 16.
 #define VARIANT_SETTLE_ns 2600.0f
 

@@ -29,8 +29,14 @@
 #define VARIANT_I_OFFSET_TOL_count 600.0f
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (169.0f + 9.31f) / 9.31f) // 169 kOhm over 9.31 kOhm
-#define VARIANT_T_GAIN_degC_count 0.0f // PC4 is sampled; enter a tangent to use it
-#define VARIANT_T_OFFSET_degC 0.0f
+// NTC on PC4, the straight line of ST's project: 579 mV at 25 degC, 27.4 mV/degC. The limit is a cautious
+// figure of our own.
+#define VARIANT_T_V 0.579f // at VARIANT_T_degC
+#define VARIANT_T_degC 25.0f
+#define VARIANT_T_V_degC 0.0274f
+#define VARIANT_T_MAX_degC 85.0f
+#define VARIANT_T_GAIN_degC_count (VARIANT_V_REF_V / VARIANT_COUNTS / VARIANT_T_V_degC)
+#define VARIANT_T_OFFSET_degC (VARIANT_T_degC - VARIANT_T_V / VARIANT_T_V_degC)
 #define VARIANT_SETTLE_ns 2000.0f // a cautious figure: look at the amplifier's output with a scope
 
 #define VARIANT_ADC1_RANKS                                                                         \
@@ -58,7 +64,12 @@
     {GPIOB, 13u, 0u}, {GPIOB, 14u, 0u}, {                                                          \
         GPIOB, 15u, 0u                                                                             \
     }
+// EN/FAULT, active low. ST's field-oriented project has it on PA11, its six-step one on PB12; which of
+// them the board's solder bridges connect is not known here, so both are breaks. One that hangs free is
+// pulled up.
 #define VARIANT_BREAK_PIN                                                                          \
-    { GPIOB, 12u, 6u } // EN/FAULT, active low, on TIM1_BKIN
+    { GPIOB, 12u, 6u } // TIM1_BKIN
+#define VARIANT_BREAK2_PIN                                                                         \
+    { GPIOA, 11u, 12u } // TIM1_BKIN2
 
 #endif

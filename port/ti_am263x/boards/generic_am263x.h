@@ -28,6 +28,7 @@
     (VARIANT_V_REF_V / VARIANT_COUNTS * (82.0f + 4.99f) / 4.99f) // 82 kOhm over 4.99 kOhm
 #define VARIANT_T_GAIN_degC_count 0.0f                           // no temperature is measured
 #define VARIANT_T_OFFSET_degC 0.0f
+#define VARIANT_T_MAX_degC 0.0f // the core's default
 #define VARIANT_SETTLE_ns 1700.0f
 #define VARIANT_TRIP_A 14.0f // of 16 A that the amplifier can show, either sign
 

@@ -57,11 +57,16 @@ typedef struct {
 #define TIM_SR_B2IF (1u << 8)
 #define TIM_SR_SBIF (1u << 13)
 #define TIM_BDTR_BKF_Pos 16u
+#define TIM_BDTR_BK2F_Pos 20u
+#define TIM_BDTR_BK2E (1u << 24)
+#define TIM_BDTR_BK2P (1u << 25)
 #define TIM1_AF1_BKINE 1u
 #define TIM1_AF1_BKCMP1E (1u << 1)
 #define TIM1_AF1_BKCMP2E (1u << 2)
 #define TIM1_AF1_BKCMP4E (1u << 4)
 #define TIM1_AF1_BKINP (1u << 9)
+#define TIM1_AF2_BK2INE 1u
+#define TIM1_AF2_BK2INP (1u << 9)
 
 #define ADC_ISR_ADRDY 1u
 #define ADC_ISR_JEOC (1u << 5)
