@@ -42,9 +42,9 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
     case LODE_CHANNEL_LOCK:
         return drive->estimator.lock;
     case LODE_CHANNEL_E_ALPHA:
-        return drive->estimator.emf.leso.e_V.alpha;
+        return drive->estimator.emf.observer.e_V.alpha;
     case LODE_CHANNEL_E_BETA:
-        return drive->estimator.emf.leso.e_V.beta;
+        return drive->estimator.emf.observer.e_V.beta;
     case LODE_CHANNEL_FAULT_MEASURED:
         return drive->guard.fault.measured;
     case LODE_CHANNEL_FAULT_LIMIT:

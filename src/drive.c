@@ -85,7 +85,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .speed_ref_rad_s = lode_drive_speed_ref_rad_s(self),
             .load_torque_Nm = self->tuning->estimator.load_per_f_Nm * pll->f_rad_s2,
             .lock = self->estimator.lock,
-            .e_V = self->estimator.emf.leso.e_V,
+            .e_V = self->estimator.emf.observer.e_V,
         };
         LODE_SIGNAL_FENCE();
         if (steps == self->steps) {

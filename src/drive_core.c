@@ -142,7 +142,7 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
 
 // The state machine: at most one transition per period.
 LODE_NOINLINE void lode_core_follow_command(lode_drive_t *self, lode_calibration_t calibration,
-                                        float offset_count, const lode_estimate_t *est) {
+                                            float offset_count, const lode_estimate_t *est) {
     switch (lode_core_mode(self)) {
     case LODE_MODE_OFF:
         follow_off(self);
@@ -196,7 +196,8 @@ static lode_own_frame_t start_frame(lode_drive_t *self, lode_ab_t e_V) {
 }
 
 // The frame of VOLTAGE, CURRENT and START, at an angle of its own, and what is asked for in it.
-LODE_RAMFUNC lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t e_V, float v_bus_V) {
+LODE_RAMFUNC lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t e_V,
+                                                  float v_bus_V) {
     const lode_mode_t mode = lode_core_mode(self);
     if (mode == LODE_MODE_START) {
         return start_frame(self, e_V);
@@ -212,7 +213,8 @@ LODE_RAMFUNC lode_own_frame_t lode_core_own_frame(lode_drive_t *self, lode_ab_t 
     return (lode_own_frame_t){vector, lode_sincos(0.5f * advance_rad)};
 }
 
-LODE_RAMFUNC void lode_core_control_speed(lode_drive_t *self, float omega_rad_s, float load_torque_Nm) {
+LODE_RAMFUNC void lode_core_control_speed(lode_drive_t *self, float omega_rad_s,
+                                          float load_torque_Nm) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float least = tuning->omega_min * tuning->inv_pole_pairs;
@@ -236,14 +238,14 @@ LODE_NOINLINE void lode_core_count(lode_drive_t *self, lode_condition_t conditio
 
 // The same by the drive's own estimate.
 LODE_NOINLINE void lode_core_follow_own(lode_drive_t *self, lode_calibration_t calibration,
-                                    float offset_count, float sine, float cosine, float id_A,
-                                    float iq_A) {
+                                        float offset_count, float sine, float cosine, float id_A,
+                                        float iq_A) {
     const lode_estimator_t *estimator = &self->estimator;
     const lode_estimate_t est = {
         .omega_rad_s = estimator->pll.omega_rad_s,
         .rotor = {sine, cosine},
         .i_A = {id_A, iq_A},
-        .e_V = estimator->emf.leso.e_V,
+        .e_V = estimator->emf.observer.e_V,
         .load_torque_Nm = lode_estimator_load_torque_Nm(estimator, &self->tuning->estimator),
         .lock = estimator->lock,
     };

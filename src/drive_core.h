@@ -3,6 +3,7 @@
 #ifndef LODESTAR_DRIVE_CORE_H
 #define LODESTAR_DRIVE_CORE_H
 
+#include "estimator_inline.h"
 #include "lodestar/drive.h"
 
 #include <stddef.h>
@@ -225,7 +226,7 @@ LODE_INLINE lode_frame_t lode_core_control(lode_drive_t *self, const lode_period
     const bool running = lode_core_mode(self) == LODE_MODE_RUN;
     lode_frame_t frame = {est->rotor, est->half_turn, est->omega_rad_s, est->omega_rad_s, est->i_A};
     if (LODE_RARELY(!running)) {
-        const lode_ab_t e_V = p->counts != NULL ? self->estimator.emf.leso.e_V : est->e_V;
+        const lode_ab_t e_V = p->counts != NULL ? self->estimator.emf.observer.e_V : est->e_V;
         const lode_own_frame_t own = lode_core_own_frame(self, e_V, v_bus_V);
         const lode_ab_t i_A = {m->sample.i_A.alpha, m->sample.i_A.beta}; // a copy, as above
         const bool starting = lode_core_mode(self) == LODE_MODE_START;

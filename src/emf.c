@@ -5,7 +5,7 @@
 
 void lode_emf_design(lode_emf_config_t *config, const lode_motor_t *motor, float sigma_rad_s,
                      float ts_s) {
-    lode_leso_design(config, motor->omega_rated_rad_s, sigma_rad_s, ts_s);
+    lode_observer_design(config, motor->omega_rated_rad_s, sigma_rad_s, ts_s);
 }
 
 // Voltage that changes the current by one ampere within a period, 1/b: R/(1 - a), Lq/Ts for R -> 0.
@@ -17,8 +17,9 @@ static float volts_per_ampere(const lode_motor_t *motor, float ts_s) {
 
 lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *config,
                             const lode_motor_t *motor, bool active_flux, float ts_s) {
-    lode_leso_tuning_t leso;
-    const lode_status_t status = lode_leso_tune(&leso, config, motor->omega_rated_rad_s, ts_s);
+    lode_observer_tuning_t observer;
+    const lode_status_t status =
+        lode_observer_tune(&observer, config, motor->omega_rated_rad_s, ts_s);
     if (status != LODE_OK) {
         return status;
     }
@@ -31,14 +32,14 @@ lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *
         .a_over_b = inv_b - motor->Rs_Ohm,
         .salient_Ohm = (motor->Ld_H - motor->Lq_H) / ts_s,
         .salient = active_flux && lode_abs(motor->Ld_H - motor->Lq_H) > 0.0f,
-        .leso = leso,
+        .observer = observer,
     };
     return LODE_OK;
 }
 
 void lode_emf_reset(lode_emf_t *self, lode_ab_t i_A) {
     self->i_A = i_A;
-    lode_leso_reset(&self->leso);
+    lode_observer_reset(&self->observer);
 }
 
 float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s,
@@ -51,5 +52,5 @@ float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *moto
     const float past_pole = lode_one_minus_exp(mu * ts_s) - 2.0f * half * half;
     const float gamma =
         lode_atan2(lode_sincos(turn_rad).sin, past_pole) - lode_atan2(omega_rad_s, mu);
-    return lode_leso_lag_rad(config, ts_s, omega_rad_s) + turn_rad - gamma;
+    return lode_observer_lag_rad(config, ts_s, omega_rad_s) + turn_rad - gamma;
 }

@@ -1,15 +1,9 @@
-#include "lodestar/estimator.h"
+#include "estimator_inline.h"
 
 #define EMIN_SHARE 0.03f     // of the rated EMF: 2 V for paper 1's motor
 #define OMEGA_MAX_SHARE 2.5f // of the rated speed
 #define OMEGA_TS_MAX 0.5f    // the EMF observers' lag and the modulator want 12 periods per turn
 #define LOCK_TIME_s 5.0e-3f
-// The PLL's crossover is near 3 sigma, where each of the observer's two poles costs 31 degrees of its
-// 71 degrees of margin if w0 = 5 sigma: docs/theory/pll.md.
-#define SIGMA_PER_W0_MAX 0.2f
-// With the estimated speed fed back into the observer: docs/theory/pll.md.
-#define K2_PER_SIGMA_MIN 0.549f
-#define K2_PER_SIGMA_MIN_MULTI 1.2f // where the further modes blend in
 #define SETTLE_OBSERVER 8.0f // time constants 1/w0 until the double pole has settled to 0.3 %
 #define SETTLE_ROTATION 3.0f // time constants of the mean rotation until it tells the speed to 5 %
 // 1.2 s at 200 kHz. The sum of two fits into 16 bits.
@@ -32,20 +26,6 @@ void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
 }
 
-// Observer and PLL are stable together.
-static lode_status_t check_bandwidths(const lode_emf_config_t *emf, const lode_pll_config_t *pll) {
-    const bool multi = emf->kind == LODE_EMF_FA_MULTI;
-    const bool adaptive = multi || emf->kind == LODE_EMF_FA_LESO;
-    const float least = multi ? K2_PER_SIGMA_MIN_MULTI : K2_PER_SIGMA_MIN;
-    if (adaptive && pll->kind == LODE_PLL_LESO && !(emf->k2_rad_s >= least * pll->sigma_rad_s)) {
-        return LODE_ERROR_EMF_PLL;
-    }
-    if (!adaptive && !(pll->sigma_rad_s <= SIGMA_PER_W0_MAX * emf->w0_rad_s)) {
-        return LODE_ERROR_PLL_OBSERVER;
-    }
-    return LODE_OK;
-}
-
 static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
     if (config->active_flux != LODE_ON && config->active_flux != LODE_OFF) {
         return LODE_ERROR_CHOICE;
@@ -62,7 +42,8 @@ static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
     if (!lode_in_range(config->w_filter_rad_s, 0.0f, 1.0f / ts_s)) {
         return LODE_ERROR_W_FILTER;
     }
-    return check_bandwidths(&config->emf, &config->pll);
+    return lode_observer_check_pll(&config->emf, config->pll.sigma_rad_s,
+                                   config->pll.kind == LODE_PLL_LESO);
 }
 
 static uint_least16_t turns_in(float time_s, float slow_s) {
@@ -103,10 +84,8 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
         lode_max(SETTLE_OBSERVER / config->emf.w0_rad_s, SETTLE_ROTATION * config->lock_s);
     t.w_weight =
         config->w_filter_rad_s > 0.0f ? lode_one_minus_exp(config->w_filter_rad_s * ts_s) : 1.0f;
-    const float w0 = config->emf.w0_rad_s;
-    t.inv_w02 = config->emf.kind == LODE_EMF_C_LESO ? 1.0f / (w0 * w0) : 0.0f;
+    t.droop_s2 = lode_observer_droop_s2(&config->emf);
     t.w_filtered = t.w_weight < 1.0f;
-    t.adaptive = config->emf.kind != LODE_EMF_C_LESO;
     t.notched = t.notch.k > 0.0f || t.notch12.k > 0.0f;
     t.notched12 = t.notch12.k > 0.0f;
     t.emin_V = config->emin_V;
@@ -145,8 +124,8 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 }
 
 // Takes the current for none where it is no number.
-LODE_NOINLINE void lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                      lode_ab_t i_A) {
+LODE_NOINLINE void lode_estimator_restart(lode_estimator_t *self,
+                                          const lode_estimator_tuning_t *tuning, lode_ab_t i_A) {
     const uint_least8_t calls = self->calls;
     lode_estimator_reset(self, tuning);
     self->calls = calls;
@@ -171,8 +150,8 @@ static bool is_due(const lode_estimator_t *self, const lode_estimator_tuning_t *
 // Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
 // quarter turn ahead of the PLL's frame in the sense of rotation. False if there is too little of it.
 static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    const lode_ab_t e_V = self->emf.leso.e_V;
-    lode_leso_calm(&self->emf.leso, &tuning->emf.leso);
+    const lode_ab_t e_V = self->emf.observer.e_V;
+    lode_observer_settle(&self->emf.observer, &tuning->emf.observer);
     const float turn_rad = lode_atan2(self->rotation.beta, self->rotation.alpha);
     if (!(lode_abs(turn_rad) > 0.0f)) { // also of a mean that is no number, and would stay none
         self->rotation = (lode_ab_t){0.0f, 0.0f};
@@ -199,9 +178,9 @@ static void supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tun
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
-LODE_RAMFUNC LODE_NOINLINE void lode_estimator_note_rotation(lode_estimator_t *self,
-                                                     const lode_estimator_tuning_t *tuning) {
-    const lode_ab_t e = self->emf.leso.e_V;
+LODE_RAMFUNC LODE_NOINLINE void
+lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    const lode_ab_t e = self->emf.observer.e_V;
     const lode_ab_t before = self->before_V;
     const lode_ab_t turn = {e.alpha * before.alpha + e.beta * before.beta,
                             e.beta * before.alpha - e.alpha * before.beta};
@@ -210,9 +189,8 @@ LODE_RAMFUNC LODE_NOINLINE void lode_estimator_note_rotation(lode_estimator_t *s
                                         lode_ab_subtract(turn, self->rotation));
 }
 
-LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
-                                                              const lode_estimator_tuning_t *tuning,
-                                                              float omega_rad_s) {
+LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_turn(
+    lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float omega_rad_s) {
     self->omega_tune += tuning->w_weight * (omega_rad_s - self->omega_tune);
     return lode_sincos(tuning->pll.ts_s * self->omega_tune);
 }
@@ -220,10 +198,10 @@ LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_turn(lode_estim
 // Two independent signs: the EMF's amplitude against what the speed induces, and the mean cosine of
 // the angle between the EMF and where the PLL has it. The worse one counts.
 static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    const lode_ab_t e_V = self->emf.leso.e_V;
+    const lode_ab_t e_V = self->emf.observer.e_V;
     const float omega = self->pll.omega_rad_s;
-    // The double pole of C-LESO takes its part of the amplitude: 1 + (w/w0)^2.
-    const float taken = 1.0f + omega * omega * tuning->inv_w02;
+    // The observer takes its part of the amplitude; C-LESO 1 + (w/w0)^2.
+    const float taken = 1.0f + omega * omega * tuning->droop_s2;
     const float inv_e0 = 1.0f / (lode_max(lode_ab_length(e_V), tuning->emin_V) * taken);
     const float ahead_V = lode_park(e_V, self->pll.frame).q;
     const float cosine = (omega < 0.0f ? -ahead_V : ahead_V) * (taken * inv_e0);
@@ -235,7 +213,7 @@ static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tun
 }
 
 LODE_RAMFUNC void lode_estimator_adapt_gains(lode_estimator_t *self,
-                                         const lode_estimator_tuning_t *tuning) {
+                                             const lode_estimator_tuning_t *tuning) {
     self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);
     if (!(self->gains.f_s2 > 0.0f)) {
         self->pll.f_rad_s2 = 0.0f; // no states of the QPLL, whatever stood there
@@ -244,12 +222,12 @@ LODE_RAMFUNC void lode_estimator_adapt_gains(lode_estimator_t *self,
 }
 
 LODE_RAMFUNC void lode_estimator_adapt_lag(lode_estimator_t *self,
-                                       const lode_estimator_tuning_t *tuning) {
+                                           const lode_estimator_tuning_t *tuning) {
     self->lag = lode_lag_line(&tuning->lag, self->pll.omega_rad_s);
 }
 
 LODE_RAMFUNC void lode_estimator_adapt_notches(lode_estimator_t *self,
-                                           const lode_estimator_tuning_t *tuning) {
+                                               const lode_estimator_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_NOTCH
     (void)self;
     (void)tuning;
@@ -262,12 +240,30 @@ LODE_RAMFUNC void lode_estimator_adapt_notches(lode_estimator_t *self,
 }
 
 LODE_RAMFUNC bool lode_estimator_adapt_seed(lode_estimator_t *self,
-                                        const lode_estimator_tuning_t *tuning) {
+                                            const lode_estimator_tuning_t *tuning) {
     return !self->locked && is_due(self, tuning) && acquire(self, tuning);
 }
 
 LODE_RAMFUNC void lode_estimator_adapt_lock(lode_estimator_t *self,
-                                        const lode_estimator_tuning_t *tuning) {
+                                            const lode_estimator_tuning_t *tuning) {
     note_lock(self, tuning);
     supervise(self, tuning);
+}
+
+float lode_estimator_theta_rad(const lode_estimator_t *self) {
+    const lode_sincos_t rotor =
+        lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
+    return lode_atan2(rotor.sin, rotor.cos);
+}
+
+lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                                    lode_ab_t u_V, lode_ab_t i_A) {
+    lode_estimate_t estimate = lode_estimator_follow(self, tuning, u_V, i_A);
+    const uint32_t part = self->calls % LODE_SLOW_PERIODS;
+    self->calls = (uint_least8_t)((part + 1u) % LODE_SLOW_PERIODS);
+    if (part < (uint32_t)LODE_ADAPT_PARTS &&
+        lode_estimator_adapt(self, tuning, (lode_adapt_t)part)) {
+        estimate.reseeded = true;
+    }
+    return estimate;
 }

@@ -1,8 +1,8 @@
 // Back-EMF observer against float64: recursion, lag, active flux, limits of its configuration.
 #include "support/fields.h"
 
+#include "emf_inline.h"
 #include "golden/emf.h"
-#include "lodestar/emf.h"
 
 void setUp(void) {}
 
@@ -25,17 +25,16 @@ static lode_emf_tuning_t tuned(const lode_motor_t *motor, double w0, bool active
     return tuning;
 }
 
-/// One step with the rotor at `theta`, turning by w Ts = `turn`.
+/// One step with the rotor at `theta`, turning by w Ts = `turn`: what the estimator makes of the parts.
 static lode_ab_t step(lode_emf_t *emf, const lode_emf_tuning_t *tuning, lode_ab_t u, lode_ab_t i,
                       double theta, double turn, bool known) {
     const float id_before = lode_park(emf->i_A, sincos_of(theta - turn)).d;
-    const lode_emf_motion_t motion = {.rotor = sincos_of(theta),
-                                      .id_before_A = id_before,
-                                      .half_turn = sincos_of(0.5 * turn),
-                                      .turn = sincos_of(turn),
-                                      .omega_rad_s = (float)(turn / 2.0e-4),
-                                      .known = known};
-    return lode_emf_step(emf, tuning, u, i, &motion);
+    lode_ab_t m = lode_emf_dead_beat(emf, tuning, u, i);
+    if (tuning->salient && known) {
+        m = lode_emf_less_salient(tuning, m, i, sincos_of(theta), sincos_of(0.5 * turn), id_before);
+    }
+    return lode_observer_step(&emf->observer, &tuning->observer, m, sincos_of(turn),
+                              (float)(turn / 2.0e-4));
 }
 
 static void check_golden(const emf_case_t *g) {

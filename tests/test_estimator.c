@@ -337,8 +337,8 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     const double omega_max = 0.5 * (double)tuning->omega_limit;
     lode_estimator_t s;
     lode_estimator_reset(&s, tuning);
-    s.emf.leso.e_V = random_vector(random, 10.0 * e_rated);
-    s.emf.leso.s[0] = random_vector(random, 10.0 * e_rated);
+    s.emf.observer.e_V = random_vector(random, 10.0 * e_rated);
+    s.emf.observer.own[0] = random_vector(random, 10.0 * e_rated);
     s.emf.i_A = random_vector(random, 80.0);
     s.pll.frame = sincos_of(random_between(random, -CHECK_PI, CHECK_PI));
     s.pll.omega_rad_s = random_float(random, -2.0 * omega_max, 2.0 * omega_max);
@@ -376,9 +376,9 @@ static void test_reconvergence_from_1000_random_states(void) {
 }
 
 static bool is_in_range(const lode_estimator_t *s, const lode_estimator_tuning_t *t) {
-    return lode_ab_in_range(s->emf.leso.e_V, FLT_MAX) &&
-           lode_ab_in_range(s->emf.leso.s[0], FLT_MAX) && lode_ab_in_range(s->emf.i_A, FLT_MAX) &&
-           lode_in_range(s->pll.frame.sin, -1.0f, 1.0f) &&
+    return lode_ab_in_range(s->emf.observer.e_V, FLT_MAX) &&
+           lode_ab_in_range(s->emf.observer.own[0], FLT_MAX) &&
+           lode_ab_in_range(s->emf.i_A, FLT_MAX) && lode_in_range(s->pll.frame.sin, -1.0f, 1.0f) &&
            lode_in_range(s->pll.frame.cos, -1.0f, 1.0f) &&
            lode_in_range(s->pll.omega_rad_s, -t->omega_limit, t->omega_limit) &&
            lode_is_finite(s->pll.f_rad_s2) && lode_is_finite(s->pll.acc_rad_s2);
@@ -395,10 +395,10 @@ static void test_any_state_is_detected_flagged_and_relocked(void) {
             lode_estimator_reset(&state, &tuning);
             float *const fields[] = {&state.emf.i_A.alpha,
                                      &state.emf.i_A.beta,
-                                     &state.emf.leso.s[0].alpha,
-                                     &state.emf.leso.s[0].beta,
-                                     &state.emf.leso.e_V.alpha,
-                                     &state.emf.leso.e_V.beta,
+                                     &state.emf.observer.own[0].alpha,
+                                     &state.emf.observer.own[0].beta,
+                                     &state.emf.observer.e_V.alpha,
+                                     &state.emf.observer.e_V.beta,
                                      &state.omega_tune,
                                      &state.pll.frame.sin,
                                      &state.pll.frame.cos,

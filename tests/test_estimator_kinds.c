@@ -370,8 +370,8 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     const double omega_max = (double)tuning->omega_limit;
     lode_estimator_t s;
     lode_estimator_reset(&s, tuning);
-    fill_vectors(random, &s.emf.leso.e_V, 1, 10.0 * e_rated);
-    fill_vectors(random, s.emf.leso.s, 3, 10.0 * e_rated);
+    fill_vectors(random, &s.emf.observer.e_V, 1, 10.0 * e_rated);
+    fill_vectors(random, s.emf.observer.own, COUNT_OF(s.emf.observer.own), 10.0 * e_rated);
     fill_vectors(random, &s.emf.i_A, 1, 80.0);
     fill_vectors(random, &s.rotation, 1, e_rated * e_rated);
     s.pll.frame = sincos_of(random_between(random, -CHECK_PI, CHECK_PI));
@@ -441,7 +441,7 @@ static void test_what_is_no_number_inside_is_flagged_and_forgotten(void) {
             for (int k = 0; k < 2000; k++) {
                 (void)lode_estimator_step(&state, &chain.tuning, trace.u[k], trace.i[k]);
             }
-            float *const fields[] = {&state.emf.leso.e_V.alpha, &state.emf.leso.s[0].beta,
+            float *const fields[] = {&state.emf.observer.e_V.alpha, &state.emf.observer.own[0].beta,
                                      &state.pll.omega_rad_s, &state.omega_tune,
                                      &state.notch.sogi.band};
             *fields[f / 3] = check_not_finite[f % 3];

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "lodestar/lag.h"
+#include "lag_inline.h"
 
 void setUp(void) {}
 

@@ -16,7 +16,8 @@ import zipfile
 
 ROOT = pathlib.Path(os.environ.get("LODE_SOURCE_DIR") or pathlib.Path(__file__).parents[1])
 SOURCES = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "src").glob("*.c"))
-PRIVATE = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "src").glob("*.h"))
+PRIVATE = sorted(str(path.relative_to(ROOT)) for folder, ending in (("include/lodestar", "def"), ("src", "h"))
+                 for path in (ROOT / folder).glob(f"*.{ending}"))
 HEADERS = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "include/lodestar").glob("*.h"))
 CONSUMER = ROOT / "port/packages/conan/test_package/main.c"
 FLAGS = ["-ffp-contract=off", "-fno-math-errno"]

@@ -9,6 +9,7 @@
 #include "analyse/polynomial.h"
 #include "design/guide.h"
 #include "design/limits.h"
+#include "emf_inline.h"
 
 void setUp(void) {}
 
@@ -123,14 +124,14 @@ static lode_estimator_tuning_t tuning_of(const lode_estimator_config_t *config) 
     return tuning;
 }
 
-/// The model's matrices step for step beside lode_leso_step().
+/// The model's matrices step for step beside lode_observer_step().
 static void check_observer(const kind_t *kind, double omega) {
     const lode_estimator_config_t config = config_of(kind, LODE_PLL_LESO, 100.0f);
-    const lode_leso_tuning_t leso = tuning_of(&config).emf.leso;
-    const observer_t o = observer_make(&leso, omega);
+    const lode_observer_tuning_t leso = tuning_of(&config).emf.observer;
+    const observer_t o = observer_make(&leso, TS, omega);
     double complex x[OBSERVER_MODES_MAX] = {0.0};
-    lode_leso_t state;
-    lode_leso_reset(&state);
+    lode_observer_t state;
+    lode_observer_reset(&state);
     random_t random = random_seed(9);
     worst_t worst = {0.0};
     for (int k = 0; k < 400; k++) {
@@ -147,8 +148,8 @@ static void check_observer(const kind_t *kind, double omega) {
         }
         memcpy(x, next, sizeof x);
         const lode_ab_t is =
-            lode_leso_step(&state, &leso, (lode_ab_t){(float)creal(m), (float)cimag(m)},
-                           sincos_of(omega * TS), (float)omega);
+            lode_observer_step(&state, &leso, (lode_ab_t){(float)creal(m), (float)cimag(m)},
+                               sincos_of(omega * TS), (float)omega);
         worst_note(&worst, (double)is.alpha - creal(e));
         worst_note(&worst, (double)is.beta - cimag(e));
     }
@@ -177,16 +178,16 @@ static void test_observer_responses_against_closed_forms(void) {
         const double complex wanted[] = {c * c, 0.0, fa};
         for (int k = 0; k < 3; k += 2) {
             const lode_estimator_config_t config = config_of(&kinds[k], LODE_PLL_LESO, 100.0f);
-            const lode_leso_tuning_t leso = tuning_of(&config).emf.leso;
-            const observer_t o = observer_make(&leso, w);
+            const lode_observer_tuning_t leso = tuning_of(&config).emf.observer;
+            const observer_t o = observer_make(&leso, TS, w);
             // The coefficients are floats: 1e-7 of 1 - p, 1 - q.
             CHECK_AT_MOST(1.0e-5, cabs(observer_response(&o, z) - wanted[k]));
         }
     }
     // GI at the speed it is tuned to: (E15), whatever the width of its band.
     const lode_estimator_config_t config = config_of(&kinds[1], LODE_PLL_LESO, 100.0f);
-    const lode_leso_tuning_t leso = tuning_of(&config).emf.leso;
-    const observer_t gi = observer_make(&leso, w);
+    const lode_observer_tuning_t leso = tuning_of(&config).emf.observer;
+    const observer_t gi = observer_make(&leso, TS, w);
     const double g = (1.0 - p) * (1.0 - p) * 3.0;
     const double complex at = g * rho * rho / ((rho - 1.0) * (rho - p * p) + g * rho);
     // Its width is a float's 6e-8 over 6e-4.
@@ -280,7 +281,7 @@ static void test_least_k2_is_where_the_polynomial_says(void) {
         }
         const lode_estimator_config_t config = config_of(&kinds[2], LODE_PLL_LESO, 100.0f);
         const lode_estimator_tuning_t tuning = tuning_of(&config);
-        const double found = guide_k2_limit(&tuning, 471.0, sigmas[k]);
+        const double found = guide_k2_limit(&tuning, &config.emf, 471.0, sigmas[k]);
         // Floats of the tuning: 1e-7 of 1 against the loop's 1 - s >= 0.01.
         CHECK_CLOSE(1.0e-4, high, found);
         // It falls from the continuous limit, 3/4 (sqrt(3) - 1) = 0.549, by about 0.22 sigma Ts.
@@ -297,7 +298,7 @@ static void test_with_the_qpll_every_k2_is_stable(void) {
     for (int k = 0; k < COUNT_OF(sigmas); k++) {
         for (double k2 = 1.0; k2 <= 5000.0; k2 *= 1.7) {
             const lode_estimator_tuning_t a = joint_with_sigma(&tuning, sigmas[k]);
-            const lode_estimator_tuning_t b = joint_with_k2(&a, k2);
+            const lode_estimator_tuning_t b = joint_with_k2(&a, &config.emf, 471.0, k2);
             const joint_t joint = joint_make(&b, 471.0);
             CHECK_AT_MOST(1.0 - 1.0e-9, joint_radius(&joint));
         }
@@ -446,9 +447,9 @@ static void test_swings_decay_and_grow_as_the_poles_say(void) {
     const double omegas[] = {120.0, 471.0};
     for (int w = 0; w < COUNT_OF(omegas); w++) {
         // Just above the least k2, and below it, where init refuses: there it grows.
-        const lode_estimator_tuning_t damped = joint_with_k2(&fa, 62.0);
+        const lode_estimator_tuning_t damped = joint_with_k2(&fa, &config.emf, 471.0, 62.0);
         check_swing(&fa, &damped, omegas[w], 0.1);
-        const lode_estimator_tuning_t growing = joint_with_k2(&fa, 50.0);
+        const lode_estimator_tuning_t growing = joint_with_k2(&fa, &config.emf, 471.0, 50.0);
         const joint_t joint = joint_make(&growing, omegas[w]);
         CHECK_AT_LEAST(1.0001, joint_radius(&joint));
         check_swing(&fa, &growing, omegas[w], 0.1);

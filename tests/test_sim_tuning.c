@@ -37,7 +37,7 @@ static void test_every_member_is_that_of_the_library(void) {
     members++;
     TUNING_FIELDS(COMPARE)
     CHECK_AT_LEAST(150.0, members);
-    TEST_ASSERT_EQUAL_INT(LODE_EMF_FA_LESO, tuning_in_flash.estimator.emf.leso.kind);
+    TEST_ASSERT_EQUAL_INT(LODE_EMF_FA_LESO, tuning_in_flash.estimator.emf.observer.kind);
     TEST_ASSERT_TRUE(tuning_in_flash.estimator.notched);
 }
 

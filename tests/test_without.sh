@@ -1,31 +1,42 @@
 #!/bin/sh
-# Every observer but C-LESO can be left out of the build, alone and all together, without a warning;
+# Every observer of the table can be left out of the build, and all but the first together, without a
+# warning;
 # what is left out is not in the object.
 set -eu
 root=${LODE_SOURCE_DIR:?}
 object=$(mktemp)
 trap 'rm -f "$object"' EXIT
+rows=$(sed -n 's/^LODE_OBSERVER(\([A-Z_]*\), \([a-z_]*\), .*/\1:\2/p' "$root/include/lodestar/observers.def")
 build() {
     ${CC:-cc} -std=c99 -O2 -fno-inline -Wall -Wextra -Wconversion -Werror -I"$root/include" "$@" \
-        -c "$root/src/leso.c" -o "$object"
+        -c "$root/src/observer.c" -o "$object"
+}
+has() {
+    nm "$object" | grep -Eq " [tT] (lode_)?$1_"
 }
 absent() {
-    if nm "$object" | grep -Eq " [tT] $1(\.|$)"; then
+    if has "$1"; then
         echo "$1 is still in the object built with $2"
         exit 1
     fi
 }
+all=
+count=0
 build
-nm "$object" | grep -Eq ' t step_gi(\.|$)' || { echo "step_gi is not found where it should be"; exit 1; }
-build -DLODE_WITHOUT_GI_LESO
-absent step_gi LODE_WITHOUT_GI_LESO
-build -DLODE_WITHOUT_FA_LESO
-absent step_fa LODE_WITHOUT_FA_LESO
-build -DLODE_WITHOUT_FA_MULTI
-absent step_multi LODE_WITHOUT_FA_MULTI
-build -DLODE_WITHOUT_GI_LESO -DLODE_WITHOUT_FA_LESO -DLODE_WITHOUT_FA_MULTI
-for name in step_gi step_fa step_multi; do
-    absent $name "all three options"
+for row in $rows; do
+    has "${row#*:}" || { echo "${row#*:} is not found where it should be"; exit 1; }
+done
+for row in $rows; do
+    build "-DLODE_WITHOUT_${row%:*}"
+    absent "${row#*:}" "LODE_WITHOUT_${row%:*}"
+    count=$((count + 1))
+    [ $count = 1 ] || all="$all -DLODE_WITHOUT_${row%:*}"
+done
+[ $count -ge 4 ] || { echo "only $count observers found in the table"; exit 1; }
+# shellcheck disable=SC2086 # a list of options
+build $all
+for row in $(echo "$rows" | tail -n +2); do
+    absent "${row#*:}" "all options but the first"
 done
 
 # The same for what the references and the notches are made of; init says so.

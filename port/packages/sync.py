@@ -36,6 +36,7 @@ def version():
 def file_lines():
     """The pack's entries for all headers and sources, a line each."""
     names = [("header", path) for path in sorted((ROOT / "include/lodestar").glob("*.h"))]
+    names += [("other", path) for path in sorted((ROOT / "include/lodestar").glob("*.def"))]
     # "other": no folder of the user's include path.
     names += [("other", path) for path in sorted((ROOT / "src").glob("*.h"))]
     names += [("sourceC", path) for path in sorted((ROOT / "src").glob("*.c"))]

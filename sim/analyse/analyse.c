@@ -54,7 +54,8 @@ void analyse_curve_two_sided(analyse_curve_t *curve, double from_rad_s, double t
 static void at_speed(analyse_speed_t *at, const lode_drive_config_t *drive,
                      const lode_estimator_tuning_t *tuning, double omega_rad_s) {
     const double ts = 1.0 / (double)drive->f_pwm_Hz;
-    const observer_t observer = observer_make(&tuning->emf.leso, omega_rad_s);
+    const observer_t observer =
+        observer_make(&tuning->emf.observer, (double)tuning->pll.ts_s, omega_rad_s);
     const double complex estimate = observer_response(&observer, cexp(I * omega_rad_s * ts)) *
                                     observer_circuit(&drive->motor, ts, omega_rad_s);
     const joint_t joint = joint_make(tuning, omega_rad_s);

@@ -8,15 +8,16 @@
 // ---- Making it ----------------------------------------------------------------------------------
 
 // Relative to the turning EMF: A/rho, and B for m and e of length 1.
-void joint_observer(joint_t *joint, const lode_leso_tuning_t *leso, double omega_rad_s) {
+void joint_observer(joint_t *joint, const lode_observer_tuning_t *tuning, double ts_s,
+                    double omega_rad_s) {
     joint_t *j = joint;
     observer_t *o = &j->observer;
-    j->ts_s = (double)leso->ts_s;
+    j->ts_s = ts_s;
 
     matrix_t m = {{0.0}};
     double complex steady[MATRIX_MAX];
-    *o = observer_make(leso, omega_rad_s);
-    const double complex rho = cexp(I * omega_rad_s * j->ts_s);
+    *o = observer_make(tuning, ts_s, omega_rad_s);
+    const double complex rho = cexp(I * omega_rad_s * ts_s);
     for (int i = 0; i < o->modes; ++i) {
         for (int k = 0; k < o->modes; ++k) {
             o->a[i][k] /= rho;
@@ -29,16 +30,14 @@ void joint_observer(joint_t *joint, const lode_leso_tuning_t *leso, double omega
     for (int i = 0; i < o->modes; ++i) {
         e += o->c[i] * steady[i];
     }
-    // d(A x/rho + B)/d omega with x, rho held: central differences, step far below 1/Ts.
-    const double step = 0.01;
-    const observer_t up = observer_make(leso, omega_rad_s + step);
-    const observer_t down = observer_make(leso, omega_rad_s - step);
+    // d(A x/rho + B)/d omega with x, rho held.
+    const observer_t d = observer_slope(tuning, ts_s, omega_rad_s);
     for (int i = 0; i < o->modes; ++i) {
-        double complex sum = up.b[i] - down.b[i];
+        double complex sum = d.b[i];
         for (int k = 0; k < o->modes; ++k) {
-            sum += (up.a[i][k] - down.a[i][k]) / rho * steady[k];
+            sum += d.a[i][k] / rho * steady[k];
         }
-        j->g[i] = sum / (2.0 * step) / e;
+        j->g[i] = sum / e;
         j->per_m[i] = o->b[i] / e;
     }
 }
@@ -69,7 +68,7 @@ static void place_gains(joint_t *j, const lode_pll_tuning_t *pll, double omega_r
 joint_t joint_make(const lode_estimator_tuning_t *tuning, double omega_rad_s) {
     joint_t j = {.ts_s = (double)tuning->pll.ts_s, .w_weight = (double)tuning->w_weight};
     place_gains(&j, &tuning->pll, omega_rad_s);
-    joint_observer(&j, &tuning->emf.leso, omega_rad_s);
+    joint_observer(&j, &tuning->emf.observer, j.ts_s, omega_rad_s);
     j.filtered = j.w_weight < 1.0;
     j.notch[0] = make_notch(&tuning->notch, omega_rad_s);
     j.notch[1] = make_notch(&tuning->notch12, omega_rad_s);
@@ -93,22 +92,13 @@ lode_estimator_tuning_t joint_with_sigma(const lode_estimator_tuning_t *tuning,
     return t;
 }
 
-lode_estimator_tuning_t joint_with_k2(const lode_estimator_tuning_t *tuning, double k2_rad_s) {
+lode_estimator_tuning_t joint_with_k2(const lode_estimator_tuning_t *tuning,
+                                      const lode_emf_config_t *emf, double omega_rated_rad_s,
+                                      double k2_rad_s) {
     lode_estimator_tuning_t t = *tuning;
-    const lode_leso_tuning_t *old = &tuning->emf.leso;
-    const float ts = old->ts_s;
-    const lode_leso_config_t config = {.kind = old->kind,
-                                       .w0_rad_s = 1.0f,
-                                       .gi_kappa = 1.0f,
-                                       .gi_wc_rad_s = 1.0f,
-                                       .k1_rad2_s2 = old->k1_Ts2 / (ts * ts),
-                                       .k2_rad_s = (float)k2_rad_s};
-    lode_leso_tuning_t leso;
-    if (lode_leso_tune(&leso, &config, 1.0f, ts) == LODE_OK) {
-        leso.omega_low = old->omega_low;
-        leso.inv_span = old->inv_span;
-        t.emf.leso = leso;
-    }
+    lode_emf_config_t config = *emf;
+    config.k2_rad_s = (float)k2_rad_s;
+    (void)lode_observer_tune(&t.emf.observer, &config, (float)omega_rated_rad_s, tuning->pll.ts_s);
     return t;
 }
 

@@ -13,7 +13,7 @@
 
 #include "lodestar/estimator.h"
 
-enum { JOINT_STATES_MAX = 16, JOINT_NOTCHES = 2 };
+enum { JOINT_NOTCHES = 2, JOINT_STATES_MAX = 2 * OBSERVER_MODES_MAX + 4 + 2 * JOINT_NOTCHES };
 
 /// A notch, its input's share that passes it, and the trapezoidal rule's gain.
 typedef struct {
@@ -38,13 +38,16 @@ typedef struct {
 joint_t joint_make(const lode_estimator_tuning_t *tuning, double omega_rad_s);
 
 /// Only the observer's part of `joint`: enough for joint_speed_response().
-void joint_observer(joint_t *joint, const lode_leso_tuning_t *leso, double omega_rad_s);
+void joint_observer(joint_t *joint, const lode_observer_tuning_t *tuning, double ts_s,
+                    double omega_rad_s);
 
 /// A copy of `tuning` with the PLL's poles and the fading of the notches at `sigma_rad_s`.
 lode_estimator_tuning_t joint_with_sigma(const lode_estimator_tuning_t *tuning, double sigma_rad_s);
 
-/// A copy with the observer's k2. Beyond what lode_leso_tune() takes: unchanged.
-lode_estimator_tuning_t joint_with_k2(const lode_estimator_tuning_t *tuning, double k2_rad_s);
+/// A copy with the observer of `emf` and this k2. Beyond what lode_observer_tune() takes: unchanged.
+lode_estimator_tuning_t joint_with_k2(const lode_estimator_tuning_t *tuning,
+                                      const lode_emf_config_t *emf, double omega_rated_rad_s,
+                                      double k2_rad_s);
 
 /// What acts on it over a period.
 typedef struct {

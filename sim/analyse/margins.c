@@ -18,7 +18,8 @@ typedef struct {
     double omega_rad_s;
     double s; ///< pole of the PLL
     bool third_order;
-    bool alone;            ///< without observer and notches
+    bool alone;       ///< without observer and notches
+    bool emf_follows; ///< the EMF follows the estimated angle; else the speed that is fed back acts
     double sigma_of_notch; ///< from which its blending goes
     observer_t observer;
     joint_t joint; ///< its observer's part
@@ -50,11 +51,6 @@ static prediction_t predict(const loop_t *loop, double complex z) {
 
 // ---- The observer, tuned to the speed ---------------------------------------------------------------
 
-static bool is_adaptive(const loop_t *loop) {
-    const lode_emf_kind_t kind = loop->config->emf.kind;
-    return kind == LODE_EMF_FA_LESO || kind == LODE_EMF_FA_MULTI;
-}
-
 /// Its answer to a swing of the EMF's angle with exp(j Omega Ts).
 static double complex angle_response(const loop_t *loop, double Omega_rad_s) {
     const double w = loop->omega_rad_s;
@@ -81,7 +77,6 @@ static double complex notch(const loop_t *loop, double order, double k, double c
     return 1.0 + weight * (top / (top + al * (1.0 - 1.0 / (z * z))) - 1.0);
 }
 
-/// FA turns its estimate with the PLL's speed, which so comes back as a part of the angle.
 static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
     const double complex z = cexp(I * Omega_rad_s * loop->ts_s);
     const prediction_t pll = predict(loop, z);
@@ -90,18 +85,18 @@ static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
     }
     const double complex filtered = notch(loop, 6.0, (double)loop->config->notch_k, z) *
                                     notch(loop, 12.0, (double)loop->config->notch12_k, z);
-    if (is_adaptive(loop)) {
-        return filtered * (pll.theta - joint_speed_response(&loop->joint, z) * pll.omega);
+    if (loop->emf_follows) {
+        return filtered * pll.theta * angle_response(loop, Omega_rad_s);
     }
-    return filtered * pll.theta * angle_response(loop, Omega_rad_s);
+    return filtered * (pll.theta - joint_speed_response(&loop->joint, z) * pll.omega);
 }
 
 static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s,
                         double sigma_of_notch) {
     const double ts_s = 1.0 / (double)config->f_pwm_Hz;
-    lode_leso_tuning_t leso = {.ts_s = (float)ts_s};
-    (void)lode_leso_tune(&leso, &config->estimator.emf, config->motor.omega_rated_rad_s,
-                         (float)ts_s);
+    lode_observer_tuning_t observer = {.kind = config->estimator.emf.kind};
+    (void)lode_observer_tune(&observer, &config->estimator.emf, config->motor.omega_rated_rad_s,
+                             (float)ts_s);
     loop_t loop = {
         .config = &config->estimator,
         .ts_s = ts_s,
@@ -109,9 +104,9 @@ static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, d
         .s = exp(-sigma_rad_s * ts_s),
         .sigma_of_notch = sigma_of_notch,
         .third_order = config->estimator.pll.kind == LODE_PLL_LESO,
-        .observer = observer_make(&leso, omega_rad_s),
+        .observer = observer_make(&observer, ts_s, omega_rad_s),
     };
-    joint_observer(&loop.joint, &leso, omega_rad_s);
+    joint_observer(&loop.joint, &observer, ts_s, omega_rad_s);
     return loop;
 }
 
@@ -164,8 +159,10 @@ static sweep_t sweep(const loop_t *loop, int points) {
 
 /// Nyquist: what the integrators turn below -180 degrees must have come back above unity gain.
 static bool is_stable(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s) {
-    const loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
-    return sweep(&loop, POINTS_COARSE).turns == 0;
+    loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
+    const bool stable = sweep(&loop, POINTS_COARSE).turns == 0;
+    loop.emf_follows = true;
+    return stable && sweep(&loop, POINTS_COARSE).turns == 0;
 }
 
 /// The first sigma on the way up that is unstable; NaN where there is none that makes sense.
@@ -203,7 +200,10 @@ margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s) {
     const double ts_s = 1.0 / (double)config->f_pwm_Hz;
     const double sigma = margins_sigma(&config->estimator.pll, omega_rad_s, ts_s);
     loop_t loop = make_loop(config, omega_rad_s, sigma, (double)config->estimator.pll.sigma_rad_s);
-    const sweep_t whole = sweep(&loop, POINTS);
+    const sweep_t fed_back = sweep(&loop, POINTS);
+    loop.emf_follows = true;
+    const sweep_t followed = sweep(&loop, POINTS);
+    const sweep_t whole = followed.phase_deg < fed_back.phase_deg ? followed : fed_back;
     loop.alone = true;
     const sweep_t alone = sweep(&loop, POINTS);
     return (margins_t){

@@ -1,124 +1,119 @@
 #include "analyse/observer.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 #include "analyse/polynomial.h"
+#include "emf_inline.h"
 
-// The constants of src/leso.c.
-#define MULTI_KH_MAX_rad_s 20.0
-#define MULTI_KH_SHARE 0.15
-#define MULTI_LEAK_rad_s 20.0
+// The slope in the speed is taken over a share of it, so that k2/w in fa-multi stays smooth, and over no
+// more than this angle of a period, where its fourth-order differences are good to 1e-7.
+#define SLOPE_SHARE 0.05
+#define SLOPE_MAX_rad 0.01
 
-static void make_c(observer_t *o, const lode_leso_tuning_t *t) {
-    const double x = (double)t->one_m_p;
-    o->modes = 2; // y, e
-    o->a[0][0] = 1.0 - x;
-    o->a[1][0] = x * (1.0 - x);
-    o->a[1][1] = 1.0 - x;
-    o->b[0] = x;
-    o->b[1] = x * x;
-    o->c[1] = 1.0;
+static const int vectors_of[] = {
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) vectors,
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+};
+
+static lode_ab_t *state_of(lode_observer_t *observer, int mode) {
+    return mode == 0 ? &observer->e_V : &observer->own[mode - 1];
 }
 
-static void make_gi(observer_t *o, const lode_leso_tuning_t *t, double omega_rad_s) {
-    const double turn = tan(0.5 * omega_rad_s * (double)t->ts_s);
-    const double al = (double)t->gi_al * (1.0 + turn * turn);
-    const double all = 1.0 + al + turn * turn;
-    const double g = (double)t->one_m_p * (double)t->one_m_p;
-    const double kappa = (double)t->gi_kappa;
-    const double p2 = (double)t->p2;
-    o->modes = 4; // e, error, and the two integrators B and L of the band-pass
-    // error = m - e + p2 error; band = (B + al error - turn L)/all
-    const double error[] = {-1.0, p2, 0.0, 0.0};
-    const double band[] = {-al / all, al * p2 / all, 1.0 / all, -turn / all};
-    for (int k = 0; k < o->modes; ++k) {
-        o->a[0][k] = (k == 0 ? 1.0 : 0.0) + g * (error[k] + kappa * band[k]);
-        o->a[1][k] = error[k];
-        o->a[2][k] = 2.0 * band[k] - (k == 2 ? 1.0 : 0.0);
-        o->a[3][k] = 2.0 * turn * band[k] + (k == 3 ? 1.0 : 0.0);
+/// What one period makes of a state and an input: the firmware's own step.
+static void probe(const lode_observer_tuning_t *tuning, double ts_s, double omega_rad_s,
+                  lode_observer_t *state, lode_ab_t m_V, double complex *column) {
+    const double angle = omega_rad_s * ts_s;
+    const lode_sincos_t step_angle = {(float)sin(angle), (float)cos(angle)};
+    (void)lode_observer_step(state, tuning, m_V, step_angle, (float)omega_rad_s);
+    for (int i = 0; i < 1 + vectors_of[tuning->kind]; ++i) {
+        const lode_ab_t *x = state_of(state, i);
+        column[i] = (double)x->alpha + I * (double)x->beta;
     }
-    o->b[0] = g * (1.0 + kappa * al / all);
-    o->b[1] = 1.0;
-    o->b[2] = 2.0 * al / all;
-    o->b[3] = 2.0 * turn * al / all;
-    o->c[0] = 1.0;
 }
 
-static void make_fa(observer_t *o, const lode_leso_tuning_t *t, double omega_rad_s) {
-    const double q = (double)t->q;
-    o->modes = 1;
-    o->a[0][0] = q * cexp(I * omega_rad_s * (double)t->ts_s);
-    o->b[0] = 1.0 - q;
-    o->c[0] = 1.0;
+/// All modes, also those that this tuning leaves alone.
+static observer_t make_whole(const lode_observer_tuning_t *tuning, double ts_s,
+                             double omega_rad_s) {
+    observer_t o = {.modes = 1 + vectors_of[tuning->kind]};
+    double complex column[OBSERVER_MODES_MAX];
+    for (int k = 0; k < o.modes; ++k) {
+        lode_observer_t unit;
+        lode_observer_reset(&unit);
+        state_of(&unit, k)->alpha = 1.0f;
+        probe(tuning, ts_s, omega_rad_s, &unit, (lode_ab_t){0.0f, 0.0f}, column);
+        for (int i = 0; i < o.modes; ++i) {
+            o.a[i][k] = column[i];
+        }
+    }
+    lode_observer_t rest;
+    lode_observer_reset(&rest);
+    probe(tuning, ts_s, omega_rad_s, &rest, (lode_ab_t){1.0f, 0.0f}, o.b);
+    o.c[0] = 1.0; // e is the first state
+    return o;
 }
 
-/// k1 > 0: two modes in parallel, the slow one by the firmware's series.
-static void make_fa_slow(observer_t *o, const lode_leso_tuning_t *t, double omega_rad_s) {
-    const double q = (double)t->q;
-    const double turn = omega_rad_s * (double)t->ts_s;
-    const double complex q_rho = q * cexp(I * turn);
-    const double complex x = (double)t->half_k2_Ts - 0.5 * I * turn;
-    const double complex series = 1.0 + x * x / 6.0 * (1.0 + 0.05 * x * x);
-    const double complex d = (double)t->k1_Ts2 * (double)t->sqrt_q * cexp(0.5 * I * turn) * series;
-    const double complex all = 1.0 - q_rho + d;
-    const double complex u = d / (all * all);
-    const double complex away = d / all * (1.0 + u * (1.0 + u * (2.0 + 5.0 * u)));
-    const double complex z2 = 1.0 - away;
-    const double complex z1 = q_rho / z2;
-    const double complex slow = (d - (1.0 - q) * away) / (z2 - z1);
-    o->modes = 2; // fast, slow
-    o->a[0][0] = z1;
-    o->a[1][1] = z2;
-    o->b[0] = 1.0 - q - slow;
-    o->b[1] = slow;
-    o->c[0] = 1.0;
-    o->c[1] = 1.0;
-}
-
-static void make_multi(observer_t *o, const lode_leso_tuning_t *t, double omega_rad_s) {
-    const double ts = (double)t->ts_s;
-    const double speed = fabs(omega_rad_s);
-    const double in = fmin(fmax((speed - (double)t->omega_low) * (double)t->inv_span, 0.0), 1.0);
-    const double keep = 1.0 - (1.0 - in) * fmin(MULTI_LEAK_rad_s * ts, 1.0);
-    const double kh = in * fmin(MULTI_KH_MAX_rad_s, MULTI_KH_SHARE * speed) * ts;
-    const double lead = in > 0.0 ? (double)t->k2_rad_s / omega_rad_s : 0.0;
-    const double order[] = {1.0, 0.0, -5.0, 7.0};
-    const double complex gain[] = {1.0 - (double)t->q, 0.5 * kh * (1.0 + I * lead),
-                                   kh * (1.0 + I * lead / 6.0), kh * (1.0 - I * lead / 6.0)};
-    o->modes = 4; // w, 0, -5 w, 7 w
+/// Which modes the input reaches.
+static void find_reached(const observer_t *o, bool *reached) {
     for (int i = 0; i < o->modes; ++i) {
-        for (int k = 0; k < o->modes; ++k) {
-            const double complex turned =
-                (k == 0 ? 1.0 : keep) * cexp(I * order[k] * omega_rad_s * ts);
-            o->a[i][k] = (i == k ? turned : 0.0) - gain[i] * turned;
-        }
-        o->b[i] = gain[i];
+        reached[i] = cabs(o->b[i]) > 0.0;
     }
-    o->c[0] = 1.0;
+    for (int pass = 1; pass < o->modes; ++pass) {
+        for (int i = 0; i < o->modes; ++i) {
+            for (int k = 0; k < o->modes; ++k) {
+                reached[i] = reached[i] || (reached[k] && cabs(o->a[i][k]) > 0.0);
+            }
+        }
+    }
 }
 
-observer_t observer_make(const lode_leso_tuning_t *tuning, double omega_rad_s) {
+static observer_t only(const observer_t *whole, const bool *reached) {
     observer_t o = {.modes = 0};
-    switch (tuning->kind) {
-    case LODE_EMF_GI_LESO:
-        make_gi(&o, tuning, omega_rad_s);
-        break;
-    case LODE_EMF_FA_LESO:
-        if (tuning->k1_Ts2 > 0.0f) {
-            make_fa_slow(&o, tuning, omega_rad_s);
-        } else {
-            make_fa(&o, tuning, omega_rad_s);
+    int from[OBSERVER_MODES_MAX] = {0};
+    for (int i = 0; i < whole->modes; ++i) {
+        if (reached[i]) {
+            from[o.modes++] = i;
         }
-        break;
-    case LODE_EMF_FA_MULTI:
-        make_multi(&o, tuning, omega_rad_s);
-        break;
-    case LODE_EMF_C_LESO:
-    default:
-        make_c(&o, tuning);
-        break;
+    }
+    for (int i = 0; i < o.modes; ++i) {
+        o.b[i] = whole->b[from[i]];
+        o.c[i] = whole->c[from[i]];
+        for (int k = 0; k < o.modes; ++k) {
+            o.a[i][k] = whole->a[from[i]][from[k]];
+        }
     }
     return o;
+}
+
+observer_t observer_make(const lode_observer_tuning_t *tuning, double ts_s, double omega_rad_s) {
+    bool reached[OBSERVER_MODES_MAX];
+    const observer_t whole = make_whole(tuning, ts_s, omega_rad_s);
+    find_reached(&whole, reached);
+    return only(&whole, reached);
+}
+
+observer_t observer_slope(const lode_observer_tuning_t *tuning, double ts_s, double omega_rad_s) {
+    const double most = SLOPE_MAX_rad / ts_s;
+    const double share = SLOPE_SHARE * fabs(omega_rad_s);
+    const double h = share > 0.0 ? fmin(share, most) : most;
+    // (-f(w + 2h) + 8 f(w + h) - 8 f(w - h) + f(w - 2h))/12h
+    const double at[] = {2.0, 1.0, -1.0, -2.0};
+    const double weight[] = {-1.0, 8.0, -8.0, 1.0};
+    const observer_t here = make_whole(tuning, ts_s, omega_rad_s);
+    observer_t d = {.modes = here.modes};
+    for (int n = 0; n < 4; ++n) {
+        const observer_t near = make_whole(tuning, ts_s, omega_rad_s + at[n] * h);
+        for (int i = 0; i < d.modes; ++i) {
+            d.b[i] += weight[n] / (12.0 * h) * near.b[i];
+            for (int k = 0; k < d.modes; ++k) {
+                d.a[i][k] += weight[n] / (12.0 * h) * near.a[i][k];
+            }
+        }
+    }
+    bool reached[OBSERVER_MODES_MAX];
+    find_reached(&here, reached);
+    return only(&d, reached);
 }
 
 double complex observer_response(const observer_t *observer, double complex z) {

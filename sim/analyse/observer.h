@@ -1,7 +1,8 @@
-/// The EMF observers as complex linear systems, from the coefficients that the firmware uses.
+/// The EMF observers as complex linear systems, found by running the firmware's own step.
 ///
-/// x[k] = A x[k-1] + B m[k], e[k] = c x[k], in the stationary frame, tuned to a constant speed. A, B
-/// and c repeat the recursions of lode_leso_step() in double.
+/// x[k] = A x[k-1] + B m[k], e[k] = c x[k], in the stationary frame, tuned to a constant speed. Each
+/// column of A is what one period of lode_observer_step() makes of a unit state, B what it makes of a
+/// unit input: so this holds for any observer of the table, with the rounding of its floats.
 #ifndef RIG_ANALYSE_OBSERVER_H
 #define RIG_ANALYSE_OBSERVER_H
 
@@ -9,7 +10,7 @@
 
 #include "lodestar/emf.h"
 
-enum { OBSERVER_MODES_MAX = 4 };
+enum { OBSERVER_MODES_MAX = 1 + (int)sizeof(lode_observer_vectors_t) };
 
 typedef struct {
     int modes;
@@ -18,7 +19,10 @@ typedef struct {
     double complex c[OBSERVER_MODES_MAX];
 } observer_t;
 
-observer_t observer_make(const lode_leso_tuning_t *tuning, double omega_rad_s);
+observer_t observer_make(const lode_observer_tuning_t *tuning, double ts_s, double omega_rad_s);
+
+/// dA/dw and dB/dw.
+observer_t observer_slope(const lode_observer_tuning_t *tuning, double ts_s, double omega_rad_s);
 
 /// e/m at z, in the stationary frame: z = exp(j w Ts) is a vector that turns with w.
 double complex observer_response(const observer_t *observer, double complex z);

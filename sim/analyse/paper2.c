@@ -47,17 +47,17 @@ static double complex continuous(const filter_t *f, double omega_rad_s) {
 }
 
 static observer_t sampled_filter(const analyse_t *self, const filter_t *f) {
-    const lode_leso_config_t config = {.kind = f->kind,
-                                       .w0_rad_s = (float)f->w0,
-                                       .gi_kappa = (float)KAPPA,
-                                       .gi_wc_rad_s = (float)WC,
-                                       .k1_rad2_s2 = (float)f->k1,
-                                       .k2_rad_s = (float)f->k2};
-    lode_leso_tuning_t tuning;
-    if (lode_leso_tune(&tuning, &config, (float)SPEED, (float)self->ts_s) != LODE_OK) {
+    const lode_observer_config_t config = {.kind = f->kind,
+                                           .w0_rad_s = (float)f->w0,
+                                           .gi_kappa = (float)KAPPA,
+                                           .gi_wc_rad_s = (float)WC,
+                                           .k1_rad2_s2 = (float)f->k1,
+                                           .k2_rad_s = (float)f->k2};
+    lode_observer_tuning_t tuning;
+    if (lode_observer_tune(&tuning, &config, (float)SPEED, (float)self->ts_s) != LODE_OK) {
         return (observer_t){.modes = 1, .b = {NAN}, .c = {1.0}};
     }
-    return observer_make(&tuning, f->omega_rad_s);
+    return observer_make(&tuning, self->ts_s, f->omega_rad_s);
 }
 
 static double complex sampled(const analyse_t *self, const filter_t *f, double omega_rad_s) {

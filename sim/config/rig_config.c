@@ -170,12 +170,8 @@ static void choose_compensation(rig_config_t *config) {
 /// What the names of observer and PLL stand for. With the papers' own forms the library's counterpart is
 /// still there, for its gains and for the start.
 static bool choose_estimator(rig_config_t *config) {
-    static const lode_emf_kind_t kinds[] = {
-        [RIG_EMF_C] = LODE_EMF_C_LESO,         [RIG_EMF_GI] = LODE_EMF_GI_LESO,
-        [RIG_EMF_FA] = LODE_EMF_FA_LESO,       [RIG_EMF_FA_MULTI] = LODE_EMF_FA_MULTI,
-        [RIG_EMF_C_EULER] = LODE_EMF_C_LESO,   [RIG_EMF_GI_EULER] = LODE_EMF_GI_LESO,
-        [RIG_EMF_FA_EULER] = LODE_EMF_FA_LESO,
-    };
+    static const lode_emf_kind_t counterparts[] = {LODE_EMF_C_LESO, LODE_EMF_GI_LESO,
+                                                   LODE_EMF_FA_LESO};
     lode_estimator_config_t *estimator = &config->drive.estimator;
     if (!pair_up(config)) {
         return false;
@@ -183,7 +179,9 @@ static bool choose_estimator(rig_config_t *config) {
     choose_compensation(config);
     const rig_pll_t pll = config->pll;
     const bool second = pll == RIG_PLL_QPLL || pll == RIG_PLL_QPLL_EULER;
-    estimator->emf.kind = kinds[config->emf];
+    estimator->emf.kind = config->emf < RIG_EMF_C_EULER
+                              ? (lode_emf_kind_t)config->emf
+                              : counterparts[config->emf - RIG_EMF_C_EULER];
     estimator->pll.kind = second ? LODE_PLL_QPLL : LODE_PLL_LESO;
     if (pll == RIG_PLL_ENHANCED || pll == RIG_PLL_ENHANCED_EULER) {
         estimator->notch_k = lode_given_or(estimator->notch_k, NOTCH_K);

@@ -74,16 +74,8 @@ typedef enum {
     RIG_SOURCE_SEEDED
 } rig_source_t;
 
-/// EMF observer by its name: those of the library in its order, then the papers' own forms.
-typedef enum {
-    RIG_EMF_C,
-    RIG_EMF_GI,
-    RIG_EMF_FA,
-    RIG_EMF_FA_MULTI,
-    RIG_EMF_C_EULER,
-    RIG_EMF_GI_EULER,
-    RIG_EMF_FA_EULER
-} rig_emf_t;
+/// EMF observer by its name: lode_emf_kind_t, then the papers' own forms.
+enum { RIG_EMF_C_EULER = LODE_EMF_KINDS, RIG_EMF_GI_EULER, RIG_EMF_FA_EULER };
 
 /// Position PLL by its name: the library has two orders, and a notch for either.
 typedef enum {
@@ -152,7 +144,7 @@ typedef struct {
     rig_plant_t plant;
     rig_source_t source;
     double seeded_s; ///< unset: 0
-    rig_emf_t emf;
+    int emf;
     rig_pll_t pll;
     rig_compensation_t compensation;
     bool speed_of_eq14; ///< no key: qpll-euler takes eq. 14 at its word

@@ -24,7 +24,11 @@ typedef char enum_is_int[sizeof(lode_choice_t) == sizeof(int) ? 1 : -1];
     { section, key, RIG_KEY_DOUBLE_OR, offsetof(rig_config_t, field), lo, hi, word, NULL }
 #define TEXT(section, key, field)                                                                  \
     { section, key, RIG_KEY_TEXT, offsetof(rig_config_t, field), 0.0, 0.0, NULL, NULL }
-#define EMF "c-leso|gi-leso|fa-leso|fa-multi|c-leso-euler|gi-leso-euler|fa-leso-euler"
+static const char emf_names[] =
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) name "|"
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+    "c-leso-euler|gi-leso-euler|fa-leso-euler";
 #define PLL "leso-qpll|qpll|enhanced|leso-qpll-euler|qpll-euler|enhanced-euler"
 
 // The rows of a section stand together; the order of the names of a choice is its enumerators'.
@@ -59,7 +63,7 @@ static const rig_key_t keys[] = {
     FLOAT("drive", "duty_max", sense.duty_max),
     FLOAT("drive", "calibrate_s", sense.calibrate_s),
 
-    CHOICE("estimator", "emf", emf, EMF, NULL),
+    CHOICE("estimator", "emf", emf, emf_names, NULL),
     CHOICE("estimator", "pll", pll, PLL, NULL),
     FLOAT("estimator", "w0_rad_s", estimator.emf.w0_rad_s),
     FLOAT("estimator", "gi_kappa", estimator.emf.gi_kappa),

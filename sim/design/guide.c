@@ -21,23 +21,24 @@ typedef struct {
     const lode_estimator_tuning_t *tuning;
 } task_t;
 
-static bool unstable(const lode_estimator_tuning_t *tuning, double omega_rad_s, double k2_rad_s) {
-    const lode_estimator_tuning_t t = joint_with_k2(tuning, k2_rad_s);
+static bool unstable(const lode_estimator_tuning_t *tuning, const lode_emf_config_t *emf,
+                     double omega_rad_s, double k2_rad_s) {
+    const lode_estimator_tuning_t t = joint_with_k2(tuning, emf, omega_rad_s, k2_rad_s);
     const joint_t joint = joint_make(&t, omega_rad_s);
     return !(joint_radius(&joint) < 1.0);
 }
 
-double guide_k2_limit(const lode_estimator_tuning_t *tuning, double omega_rad_s,
-                      double sigma_rad_s) {
+double guide_k2_limit(const lode_estimator_tuning_t *tuning, const lode_emf_config_t *emf,
+                      double omega_rad_s, double sigma_rad_s) {
     const lode_estimator_tuning_t t = joint_with_sigma(tuning, sigma_rad_s);
-    double low = fmax(1.0, 0.01 * sigma_rad_s); // what lode_leso_tune() takes
+    double low = fmax(1.0, 0.01 * sigma_rad_s); // what lode_observer_tune() takes
     double high = fmin(3.0 * sigma_rad_s, 1.0 / (double)tuning->pll.ts_s);
-    if (!unstable(&t, omega_rad_s, low)) {
+    if (!unstable(&t, emf, omega_rad_s, low)) {
         return 0.0;
     }
     for (int k = 0; k < BISECTIONS; ++k) {
         const double middle = 0.5 * (low + high);
-        *(unstable(&t, omega_rad_s, middle) ? &low : &high) = middle;
+        *(unstable(&t, emf, omega_rad_s, middle) ? &low : &high) = middle;
     }
     return high / sigma_rad_s;
 }
@@ -96,10 +97,11 @@ static double gain_of(const observer_t *o, double ts, double omega_rad_s, double
                 observer_response(o, cexp(I * omega_rad_s * ts)));
 }
 
-static void note_gains(guide_row_t *row, const guide_t *guide, const lode_leso_tuning_t *leso) {
-    const double ts = (double)leso->ts_s;
-    const observer_t low = observer_make(leso, guide->low_rad_s);
-    const observer_t high = observer_make(leso, guide->high_rad_s);
+static void note_gains(guide_row_t *row, const guide_t *guide,
+                       const lode_estimator_tuning_t *tuning) {
+    const double ts = (double)tuning->pll.ts_s;
+    const observer_t low = observer_make(&tuning->emf.observer, ts, guide->low_rad_s);
+    const observer_t high = observer_make(&tuning->emf.observer, ts, guide->high_rad_s);
     row->fifth_low = gain_of(&low, ts, guide->low_rad_s, -5.0);
     row->seventh_low = gain_of(&low, ts, guide->low_rad_s, 7.0);
     row->offset = gain_of(&low, ts, guide->low_rad_s, 0.0);
@@ -128,13 +130,8 @@ static void note_speed(guide_row_t *row, const task_t *task, const joint_t *join
 /// width.
 static void note_poles(guide_row_t *row, const lode_estimator_tuning_t *tuning,
                        double omega_rad_s) {
-    lode_estimator_tuning_t plain = *tuning;
     double complex poles[JOINT_STATES_MAX];
-    plain.emf.leso.kind = LODE_EMF_FA_LESO;
-    plain.emf.leso.k1_Ts2 = 0.0f;
-    plain.notch.k = 0.0f;
-    plain.notch12.k = 0.0f;
-    const joint_t joint = joint_make(&plain, omega_rad_s);
+    const joint_t joint = joint_make(tuning, omega_rad_s);
     const int count = joint_poles(&joint, poles);
     for (int k = 0; k < count; ++k) {
         row->damping = fmin(row->damping, joint_damping(poles[k]));
@@ -142,9 +139,20 @@ static void note_poles(guide_row_t *row, const lode_estimator_tuning_t *tuning,
     }
 }
 
+static lode_estimator_tuning_t with_k2(const task_t *task, const lode_emf_config_t *emf,
+                                       double k2_rad_s) {
+    return joint_with_k2(task->tuning, emf, (double)task->drive->motor.omega_rated_rad_s, k2_rad_s);
+}
+
 static guide_row_t evaluate(const task_t *task, double k2_rad_s) {
     const guide_t *guide = task->guide;
-    const lode_estimator_tuning_t t = joint_with_k2(task->tuning, k2_rad_s);
+    const lode_estimator_tuning_t t = with_k2(task, &task->drive->estimator.emf, k2_rad_s);
+    lode_emf_config_t first_order = task->drive->estimator.emf;
+    first_order.kind = LODE_EMF_FA_LESO;
+    first_order.k1_rad2_s2 = 0.0f;
+    lode_estimator_tuning_t plain = with_k2(task, &first_order, k2_rad_s);
+    plain.notch.k = 0.0f;
+    plain.notch12.k = 0.0f;
     guide_row_t row = {.k2_rad_s = k2_rad_s,
                        .per_sigma = k2_rad_s / guide->sigma_rad_s,
                        .damping = 1.0,
@@ -154,9 +162,9 @@ static guide_row_t evaluate(const task_t *task, double k2_rad_s) {
         const double omega = guide->low_rad_s * pow(guide->high_rad_s / guide->low_rad_s, share);
         const joint_t joint = joint_make(&t, omega);
         note_speed(&row, task, &joint, omega);
-        note_poles(&row, &t, omega);
+        note_poles(&row, &plain, omega);
     }
-    note_gains(&row, guide, &t.emf.leso);
+    note_gains(&row, guide, &t);
     return row;
 }
 
@@ -244,7 +252,8 @@ lode_status_t guide_compute(guide_t *guide, const rig_config_t *config) {
     const task_t task = {guide, &drive, &tuning};
     const double most = 1.0 / (double)ts;
     guide->limit_theory = estimator->pll.kind == LODE_PLL_LESO ? 0.75 * (sqrt(3.0) - 1.0) : 0.0;
-    guide->limit_sampled = guide_k2_limit(&tuning, guide->high_rad_s, guide->sigma_rad_s);
+    guide->limit_sampled =
+        guide_k2_limit(&tuning, &estimator->emf, guide->high_rad_s, guide->sigma_rad_s);
     guide->used_rad_s = (double)estimator->emf.k2_rad_s;
     guide->recommended_rad_s = recommend(&task, most);
     fill_rows(guide, &task, most);

@@ -45,7 +45,7 @@ bool guide_fits(const guide_row_t *row);
 
 /// The least stable k2 over sigma of FA-LESO and PLL together; 0 where all are stable. `tuning` has
 /// the FA observer.
-double guide_k2_limit(const lode_estimator_tuning_t *tuning, double omega_rad_s,
-                      double sigma_rad_s);
+double guide_k2_limit(const lode_estimator_tuning_t *tuning, const lode_emf_config_t *emf,
+                      double omega_rad_s, double sigma_rad_s);
 
 #endif

@@ -1,5 +1,5 @@
 // Printed by tests/tools/tuning_fields.py from the headers; the test gate_tuning_fields compares.
-// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t.
+// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t; OBSERVER: the place for the type.
 // clang-format off
 #ifndef RIG_TUNING_FIELDS_H
 #define RIG_TUNING_FIELDS_H
@@ -38,19 +38,12 @@
     ROW(FLOAT, float, estimator.emf.a_over_b) \
     ROW(FLOAT, float, estimator.emf.salient_Ohm) \
     ROW(BOOL, bool, estimator.emf.salient) \
-    ROW(CHOICE, lode_emf_kind_t, estimator.emf.leso.kind) \
-    ROW(FLOAT, float, estimator.emf.leso.ts_s) \
-    ROW(FLOAT, float, estimator.emf.leso.one_m_p) \
-    ROW(FLOAT, float, estimator.emf.leso.p2) \
-    ROW(FLOAT, float, estimator.emf.leso.gi_kappa) \
-    ROW(FLOAT, float, estimator.emf.leso.gi_al) \
-    ROW(FLOAT, float, estimator.emf.leso.q) \
-    ROW(FLOAT, float, estimator.emf.leso.sqrt_q) \
-    ROW(FLOAT, float, estimator.emf.leso.k1_Ts2) \
-    ROW(FLOAT, float, estimator.emf.leso.half_k2_Ts) \
-    ROW(FLOAT, float, estimator.emf.leso.k2_rad_s) \
-    ROW(FLOAT, float, estimator.emf.leso.omega_low) \
-    ROW(FLOAT, float, estimator.emf.leso.inv_span) \
+    ROW(CHOICE, lode_emf_kind_t, estimator.emf.observer.kind) \
+    ROW(OBSERVER, 0, estimator.emf.observer.own[0]) \
+    ROW(OBSERVER, 1, estimator.emf.observer.own[1]) \
+    ROW(OBSERVER, 2, estimator.emf.observer.own[2]) \
+    ROW(OBSERVER, 3, estimator.emf.observer.own[3]) \
+    ROW(OBSERVER, 4, estimator.emf.observer.own[4]) \
     ROW(FLOAT, float, estimator.pll.ts_s) \
     ROW(FLOAT, float, estimator.pll.inv_ts) \
     ROW(FLOAT, float, estimator.pll.x_low) \
@@ -75,12 +68,11 @@
     ROW(FLOAT, float, estimator.notch12.inv_span) \
     ROW(FLOAT, float, estimator.w_weight) \
     ROW(BOOL, bool, estimator.w_filtered) \
-    ROW(BOOL, bool, estimator.adaptive) \
     ROW(BOOL, bool, estimator.notched) \
     ROW(BOOL, bool, estimator.notched12) \
     ROW(FLOAT, float, estimator.emin_V) \
     ROW(FLOAT, float, estimator.omega_limit) \
-    ROW(FLOAT, float, estimator.inv_w02) \
+    ROW(FLOAT, float, estimator.droop_s2) \
     ROW(FLOAT, float, estimator.psi_Wb) \
     ROW(FLOAT, float, estimator.salient_H) \
     ROW(FLOAT, float, estimator.acc_per_torque) \

@@ -33,6 +33,11 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
     (void)fprintf(file, "    ." #member " = %luu,\n", (unsigned long)tuning->member);
 #define PRINT_CHOICE(type, member)                                                                 \
     (void)fprintf(file, "    ." #member " = (" #type ")%d,\n", (int)tuning->member);
+// An observer's own numbers, as many as it has: in a firmware with fewer observers there is no room for more.
+#define PRINT_OBSERVER(place, member)                                                              \
+    if ((place) < numbers_of[tuning->estimator.emf.observer.kind]) {                               \
+        PRINT_FLOAT(float, member)                                                                 \
+    }
 #define PRINT(kind, type, member) PRINT_##kind(type, member)
 
 // Where the file is compiled with the options of the library.
@@ -41,6 +46,18 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
     "#error \"needs what LODE_WITHOUT_" feature " leaves out\"\n"                                  \
     "#endif\n"
 
+static const int numbers_of[] = {
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) numbers,
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+};
+
+static const char *const option_of[] = {
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) UNLESS(#ID),
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+};
+
 static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
     (void)fprintf(file,
                   "#if LODE_VERSION_MAJOR != %d || LODE_VERSION_MINOR != %d || "
@@ -48,6 +65,7 @@ static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
                   "#error \"written for another version of Lodestar: write it anew\"\n"
                   "#endif\n",
                   LODE_VERSION_MAJOR, LODE_VERSION_MINOR, LODE_VERSION_PATCH);
+    (void)fputs(option_of[tuning->estimator.emf.observer.kind], file);
     if (tuning->references.weakens) {
         (void)fputs(UNLESS("FIELD_WEAKENING"), file);
     }

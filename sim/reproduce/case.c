@@ -122,7 +122,7 @@ static void choose_chain(const case_t *what, rig_config_t *config) {
     const bool whole = chain == CHAIN_CORRECTED || chain == CHAIN_LIBRARY;
     const bool qpll = what->method == METHOD_QPLL;
     lode_drive_config_t *drive = &config->drive;
-    config->emf = printed ? RIG_EMF_C_EULER : RIG_EMF_C;
+    config->emf = printed ? (int)RIG_EMF_C_EULER : (int)LODE_EMF_C_LESO;
     if (printed) {
         config->pll = qpll ? RIG_PLL_QPLL_EULER : RIG_PLL_ENHANCED_EULER;
     } else {

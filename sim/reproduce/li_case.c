@@ -83,7 +83,7 @@ static void idealise(rig_config_t *config) {
 
 /// The files' drive with the case's observer.
 static bool describe(const li_case_t *what, const rig_config_t *base, rig_config_t *config) {
-    static const rig_emf_t emf[LI_OBSERVERS] = {RIG_EMF_C, RIG_EMF_GI, RIG_EMF_FA};
+    static const int emf[LI_OBSERVERS] = {LODE_EMF_C_LESO, LODE_EMF_GI_LESO, LODE_EMF_FA_LESO};
     *config = *base;
     config->emf = emf[what->observer];
     config->pll = RIG_PLL_LESO;
@@ -115,8 +115,7 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
 
 /// The paper's own form beside the library's, which makes the start.
 static euler_config_t printed_form(const li_case_t *what, const rig_config_t *config) {
-    static const rig_emf_t emf[LI_OBSERVERS] = {RIG_EMF_C_EULER, RIG_EMF_GI_EULER,
-                                                RIG_EMF_FA_EULER};
+    static const int emf[LI_OBSERVERS] = {RIG_EMF_C_EULER, RIG_EMF_GI_EULER, RIG_EMF_FA_EULER};
     static rig_config_t own;
     own = *config;
     own.emf = emf[what->observer];

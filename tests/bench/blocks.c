@@ -2,6 +2,8 @@
 /// the core calls them, with its tunings.
 #include "image.h"
 
+#include "emf_inline.h"
+
 enum { C_LESO_QPLL, FA_LESO_LESO_QPLL, ENHANCED, ESTIMATORS };
 
 static const int32_t drive_of[ESTIMATORS] = {BENCH_c_leso_qpll, BENCH_fa_leso_leso_qpll,
@@ -132,9 +134,10 @@ BLOCK(sense) {
 
 BLOCK(emf_c_leso) {
     const bench_inputs_t *in = input(call);
-    const lode_emf_motion_t motion = {rotor, rotor, rotor, BENCH_OMEGA_rad_s, 0.0f, true};
+    const lode_emf_tuning_t *t = &tuning[ENHANCED].estimator.emf;
+    const lode_ab_t m_V = lode_emf_dead_beat(&emf, t, in->u_V, in->i_A);
     const lode_ab_t e_V =
-        lode_emf_step(&emf, &tuning[ENHANCED].estimator.emf, in->u_V, in->i_A, &motion);
+        lode_observer_step(&emf.observer, &t->observer, m_V, rotor, BENCH_OMEGA_rad_s);
     bench_sink[0] = e_V.alpha;
     bench_sink[1] = e_V.beta;
 }

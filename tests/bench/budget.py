@@ -30,10 +30,7 @@ WARM, CALLS = 100, 300
 # name: warm-up calls, counted calls
 STEPS = {
     "c_leso_qpll": (WARM, CALLS),
-    "c_leso_leso_qpll": (WARM, CALLS),
-    "gi_leso_leso_qpll": (WARM, CALLS),
-    "fa_leso_leso_qpll": (WARM, CALLS),
-    "fa_multi_leso_qpll": (WARM, CALLS),
+    **{f"{observer}_leso_qpll": (WARM, CALLS) for _, observer in build.OBSERVERS},
     "enhanced": (WARM, CALLS),
     "all_options": (WARM, CALLS),
     "start": (WARM, CALLS),

@@ -27,7 +27,9 @@ CORES = {
 DEBUG = "-gdwarf-4"  # says where instructions come from, and changes none
 IN_FLASH = ["-DFIRMWARE_TUNING_IN_FLASH"]  # of firmware.c
 LEAST = [*IN_FLASH, "-DLODE_WITHOUT_OPTIMAL_REFERENCES", "-DLODE_WITHOUT_NOTCH"]
-ONE_OBSERVER = ["-DLODE_WITHOUT_GI_LESO", "-DLODE_WITHOUT_FA_LESO", "-DLODE_WITHOUT_FA_MULTI"]
+OBSERVERS = re.findall(r"^LODE_OBSERVER\((\w+), (\w+)",
+                       (ROOT / "include/lodestar/observers.def").read_text(), re.MULTILINE)
+ONE_OBSERVER = [f"-DLODE_WITHOUT_{upper}" for upper, _ in OBSERVERS[1:]]
 
 
 def run(*command):
@@ -57,7 +59,7 @@ def core_sources():
 
 
 def includes():
-    return ["-I", ROOT / "include", "-I", HERE]
+    return ["-I", ROOT / "include", "-I", ROOT / "src", "-I", HERE]
 
 
 def recording():

@@ -11,7 +11,12 @@ typedef struct {
 
 #define CASE(name, scene, emf, pll, options)                                                       \
     {BENCH_##scene, LODE_EMF_##emf, LODE_PLL_##pll, OPTIONS_##options},
-static const case_t cases[BENCH_CASE_COUNT] = {BENCH_CASES(CASE)};
+static const case_t cases[BENCH_CASE_COUNT] = {BENCH_CASES(CASE)
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    CASE(id##_leso_qpll, STEADY, ID, LESO, PLAIN)
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+};
 
 lode_drive_t bench_drive[BENCH_CASE_COUNT];
 static lode_drive_tuning_t tuning[BENCH_CASE_COUNT];

@@ -44,10 +44,6 @@ typedef enum {
 /// name, scene, EMF observer, PLL, options: notch at 6 w / everything that costs
 #define BENCH_CASES(X)                                                                             \
     X(c_leso_qpll, STEADY, C_LESO, QPLL, PLAIN)                                                    \
-    X(c_leso_leso_qpll, STEADY, C_LESO, LESO, PLAIN)                                               \
-    X(gi_leso_leso_qpll, STEADY, GI_LESO, LESO, PLAIN)                                             \
-    X(fa_leso_leso_qpll, STEADY, FA_LESO, LESO, PLAIN)                                             \
-    X(fa_multi_leso_qpll, STEADY, FA_MULTI, LESO, PLAIN)                                           \
     X(enhanced, STEADY, C_LESO, LESO, NOTCH)                                                       \
     X(all_options, STEADY, FA_MULTI, LESO, ALL)                                                    \
     X(start, START, C_LESO, LESO, NOTCH)                                                           \
@@ -56,7 +52,14 @@ typedef enum {
     X(off, OFF, C_LESO, LESO, NOTCH)
 
 #define BENCH_ENUMERATOR(name, ...) BENCH_##name,
-enum { BENCH_CASES(BENCH_ENUMERATOR) BENCH_CASE_COUNT };
+enum {
+    BENCH_CASES(BENCH_ENUMERATOR)
+// Each EMF observer of the table with the LESO-QPLL: STEADY, PLAIN.
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) BENCH_##id##_leso_qpll,
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+        BENCH_CASE_COUNT
+};
 
 bench_scene_t bench_scene(int32_t number);
 

@@ -12,6 +12,9 @@ static bool refused;
                                             &bench_counted[BENCH_##name][call % BENCH_ROWS]);      \
     }
 BENCH_CASES(STEP)
+#define LODE_OBSERVER(ID, id, name, step, vectors, numbers) STEP(id##_leso_qpll, )
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
 
 static lode_drive6_out_t out6[BENCH6_CASE_COUNT];
 

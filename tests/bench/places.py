@@ -28,7 +28,7 @@ BRANCHES = ("b", "bl", "blx", "bx", "cbz", "cbnz")
 COMMON = {
     "sensing, with the voltage that acted": {
         "lode_sense_step", "lode_sense_glance", "lode_inverter_realised", "sensed", "measured"},
-    "EMF observer": {"lode_emf_step", "lode_estimator_emf"},
+    "EMF observer": {"lode_observer_step_called", "lode_estimator_emf"},
     "PLL": {"lode_estimator_follow", "lode_estimator_acceleration", "lode_pll_advance_rad",
             "lode_pll_move", "lode_pll_disturb"},
     "current control": {"lode_current_step"},

@@ -12,12 +12,15 @@ SCALARS = {"float": "FLOAT", "bool": "BOOL", "uint32_t": "WHOLE", "uint16_t": "W
            "uint_least16_t": "WHOLE", "uint_least8_t": "WHOLE"}
 STRUCT = re.compile(r"typedef struct \{([^{}]*)\} (\w+);")
 ENUM = re.compile(r"typedef enum(?: \w+)? \{[^{}]*\} (\w+);")
-MEMBER = re.compile(r"(\w+) (\w+)(?:\[(\w+)\])?")
+MEMBER = re.compile(r"(\w+) (\w+)(?:\[([\w()]+)\])?")
+OBSERVER = re.compile(r"^LODE_OBSERVER\(.*, (\d+)\)$", re.M)
 
 text = "\n".join(code_of(path.read_text()) for path in sorted(INCLUDE.glob("*.h")))
 structs = {name: body for body, name in STRUCT.findall(text)}
 enums = set(ENUM.findall(text))
 constants = dict(re.findall(r"#define (LODE_\w+) (\d+)\s", text))
+numbers = OBSERVER.findall((INCLUDE / "observers.def").read_text())
+constants["sizeof(lode_observer_numbers_t)"] = max(int(number) for number in numbers)
 
 
 def members(struct):
@@ -38,13 +41,17 @@ def scalars(struct, prefix=""):
             if kind in structs:
                 yield from scalars(kind, f"{prefix}{place}.")
             elif kind in SCALARS or kind in enums:
-                yield SCALARS.get(kind, "CHOICE"), kind, prefix + place
+                # How many numbers of its tuning an observer uses depends on which it is.
+                used = (SCALARS.get(kind, "CHOICE"), kind)
+                if struct == "lode_observer_tuning_t" and count:
+                    used = ("OBSERVER", re.search(r"\d+", place).group())
+                yield *used, prefix + place
             else:
                 sys.exit(f"{struct}.{name}: {kind} is no type that this script knows")
 
 
 print("// Printed by tests/tools/tuning_fields.py from the headers; the test gate_tuning_fields compares.")
-print("// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t.")
+print("// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t; OBSERVER: the place for the type.")
 print("// clang-format off")
 print("#ifndef RIG_TUNING_FIELDS_H\n#define RIG_TUNING_FIELDS_H\n")
 print("#define TUNING_FIELDS(ROW) \\")

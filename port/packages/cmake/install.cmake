@@ -7,7 +7,7 @@ file(RELATIVE_PATH lode_pc_to_prefix "/prefix/${lode_pc_dir}" "/prefix")
 
 install(TARGETS lodestar EXPORT lodestar-targets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/lodestar"
-        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
+        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h" PATTERN "*.def")
 install(EXPORT lodestar-targets NAMESPACE lodestar:: DESTINATION "${lode_cmake_dir}")
 
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/lodestar-config.cmake.in"

@@ -3,7 +3,8 @@
 
 #include "support/fields.h"
 
-#include "lodestar/emf.h"
+#include "emf_inline.h"
+#include "observer_fa_leso.h"
 
 #include "golden/leso.h"
 
@@ -15,7 +16,7 @@ void setUp(void) {}
 void tearDown(void) {}
 
 /// One of each, with the papers' gains; the last is FA with its slow mode.
-static const lode_leso_config_t observers[] = {
+static const lode_observer_config_t observers[] = {
     {LODE_EMF_C_LESO, 2000.0f, 2.0f, LODE_PI, 0.0f, 300.0f},
     {LODE_EMF_GI_LESO, 2000.0f, 2.0f, LODE_PI, 0.0f, 300.0f},
     {LODE_EMF_FA_LESO, 2000.0f, 2.0f, LODE_PI, 0.0f, 100.0f * LODE_PI},
@@ -26,19 +27,20 @@ static const lode_leso_config_t observers[] = {
 #define MULTI (&observers[3])
 #define FA_SLOW (&observers[4])
 
-static lode_leso_tuning_t tuned(const lode_leso_config_t *config) {
-    lode_leso_tuning_t tuning;
+static lode_observer_tuning_t tuned(const lode_observer_config_t *config) {
+    lode_observer_tuning_t tuning;
     TEST_ASSERT_EQUAL_STRING(
-        "LODE_OK",
-        lode_status_name(lode_leso_tune(&tuning, config, (float)PAPER_OMEGA_RATED, PAPER_TS_s)));
+        "LODE_OK", lode_status_name(
+                       lode_observer_tune(&tuning, config, (float)PAPER_OMEGA_RATED, PAPER_TS_s)));
     return tuning;
 }
 
 /// One period at the speed `omega`.
-static double complex feed(lode_leso_t *leso, const lode_leso_tuning_t *tuning, double omega,
-                           double complex m) {
-    const lode_ab_t e = lode_leso_step(leso, tuning, (lode_ab_t){(float)creal(m), (float)cimag(m)},
-                                       sincos_of(omega * (double)tuning->ts_s), (float)omega);
+static double complex feed(lode_observer_t *leso, const lode_observer_tuning_t *tuning,
+                           double omega, double complex m) {
+    const lode_ab_t e =
+        lode_observer_step(leso, tuning, (lode_ab_t){(float)creal(m), (float)cimag(m)},
+                           sincos_of(omega * 2.0e-4), (float)omega);
     return (double)e.alpha + I * (double)e.beta;
 }
 
@@ -65,12 +67,13 @@ static double golden_tolerance(const leso_case_t *golden) {
 }
 
 static void check_golden(const leso_case_t *golden) {
-    const lode_leso_config_t config = {golden->kind,      (float)golden->w0, (float)golden->kappa,
-                                       (float)golden->wc, (float)golden->k1, (float)golden->k2};
-    const lode_leso_tuning_t tuning = tuned(&config);
+    const lode_observer_config_t config = {golden->kind,         (float)golden->w0,
+                                           (float)golden->kappa, (float)golden->wc,
+                                           (float)golden->k1,    (float)golden->k2};
+    const lode_observer_tuning_t tuning = tuned(&config);
     const double tolerance = golden_tolerance(golden);
-    lode_leso_t leso;
-    lode_leso_reset(&leso);
+    lode_observer_t leso;
+    lode_observer_reset(&leso);
     double angle = 0.0;
     for (int k = 0; k < LESO_STEPS; k++) {
         const double omega = golden->w_from + (golden->w_to - golden->w_from) * k / LESO_STEPS;
@@ -92,11 +95,11 @@ static void test_every_kind_against_float64(void) {
 // --- Steady rotation ---------------------------------------------------------------------------
 
 /// e/m in steady state, for m turning by `turn` per period; the observer is tuned to `omega`.
-static double complex respond(const lode_leso_config_t *config, double omega, double turn,
+static double complex respond(const lode_observer_config_t *config, double omega, double turn,
                               double seconds) {
-    const lode_leso_tuning_t tuning = tuned(config);
-    lode_leso_t leso;
-    lode_leso_reset(&leso);
+    const lode_observer_tuning_t tuning = tuned(config);
+    lode_observer_t leso;
+    lode_observer_reset(&leso);
     const int steps = (int)(seconds * 5000.0);
     double complex sum = 0.0;
     for (int k = 0; k < steps + 1000; k++) {
@@ -110,7 +113,7 @@ static double complex respond(const lode_leso_config_t *config, double omega, do
 }
 
 /// The same from the transfer function at z = rho.
-static double complex expected_response(const lode_leso_config_t *config, double omega) {
+static double complex expected_response(const lode_observer_config_t *config, double omega) {
     const double complex rho = cexp(I * omega * 2.0e-4);
     const double p = exp(-(double)config->w0_rad_s * 2.0e-4);
     const double g = (1.0 - p) * (1.0 - p) * (1.0 + (double)config->gi_kappa);
@@ -131,7 +134,8 @@ static void test_steady_gain_and_lag(void) {
             const double omega = (r % 2 == 0 ? 1.0 : -1.0) * paper_omega(rpms[r / 2]);
             const double complex h = respond(&observers[i], omega, omega * 2.0e-4, 3.0);
             const double complex expected = expected_response(&observers[i], omega);
-            const double lag = (double)lode_leso_lag_rad(&observers[i], PAPER_TS_s, (float)omega);
+            const double lag =
+                (double)lode_observer_lag_rad(&observers[i], PAPER_TS_s, (float)omega);
             // Rounding of 6e-8 held for up to 1/(k2 Ts) = 16 periods. GI holds it longest: 1500
             // periods, 1/(wc Ts), in a branch that adds the error of gain, at most a few percent.
             const double tolerance = observers[i].kind == LODE_EMF_GI_LESO ? 1.0e-4 : 2.0e-6;
@@ -168,8 +172,8 @@ static void test_lag_is_odd(void) {
         for (int n = 0; n <= 100; n++) {
             const float omega = 25.0f * (float)n;
             // The float arc tangent itself is odd to 1e-7.
-            CHECK_NEAR(2.0e-7, -lode_leso_lag_rad(&observers[i], PAPER_TS_s, omega),
-                       lode_leso_lag_rad(&observers[i], PAPER_TS_s, -omega));
+            CHECK_NEAR(2.0e-7, -lode_observer_lag_rad(&observers[i], PAPER_TS_s, omega),
+                       lode_observer_lag_rad(&observers[i], PAPER_TS_s, -omega));
         }
     }
 }
@@ -206,7 +210,7 @@ static void test_multi_leaves_no_offset_and_no_fifth_and_seventh(void) {
 }
 
 static void test_multi_below_its_speed_is_plain_fa(void) {
-    lode_leso_config_t plain = *FA;
+    lode_observer_config_t plain = *FA;
     plain.k2_rad_s = MULTI->k2_rad_s;
     const double omega = 0.24 * PAPER_OMEGA_RATED;
     const double turns[] = {0.0, -5.0, 7.0, 1.0, 3.0};
@@ -220,7 +224,7 @@ static void test_multi_below_its_speed_is_plain_fa(void) {
 
 static void test_slow_mode_passes_offset_in_the_end(void) {
     // Gains that let it show within seconds: k1 k2/(k2^2 + w^2) = 9/s at 100 rad/s.
-    lode_leso_config_t config = *FA_SLOW;
+    lode_observer_config_t config = *FA_SLOW;
     config.k1_rad2_s2 = 3000.0f;
     const double omegas[] = {-100.0, 100.0, 300.0};
     for (int n = 0; n < COUNT_OF(omegas); n++) {
@@ -235,19 +239,21 @@ static void test_slow_mode_is_silent_from_reset(void) {
     // the whole estimate's distance from the one without k1: 0.04 degree.
     const double omegas[] = {-471.0, -100.0, 50.0, 100.0, 314.0, 471.0};
     for (int n = 0; n < COUNT_OF(omegas); n++) {
-        const lode_leso_tuning_t slow_tuning = tuned(FA_SLOW);
-        const lode_leso_tuning_t fast_tuning = tuned(FA);
-        lode_leso_t slow;
-        lode_leso_t fast;
-        lode_leso_reset(&slow);
-        lode_leso_reset(&fast);
+        const lode_observer_tuning_t slow_tuning = tuned(FA_SLOW);
+        const lode_observer_tuning_t fast_tuning = tuned(FA);
+        lode_observer_t slow;
+        lode_observer_t fast;
+        lode_observer_reset(&slow);
+        lode_observer_reset(&fast);
         worst_t part = {0.0};
         worst_t apart = {0.0};
         for (int k = 0; k < 10000; k++) {
             const double complex m = rotating(omegas[n] * 2.0e-4 * k);
             const double complex e = feed(&slow, &slow_tuning, omegas[n], m);
             worst_note(&apart, cabs(e - feed(&fast, &fast_tuning, omegas[n], m)) / EMF_V);
-            worst_note(&part, hypot((double)slow.s[0].alpha, (double)slow.s[0].beta) / EMF_V);
+            worst_note(&part, hypot((double)slow.own[FA_LESO_SLOW].alpha,
+                                    (double)slow.own[FA_LESO_SLOW].beta) /
+                                  EMF_V);
         }
         CHECK_AT_MOST(6.4e-4, part.value);
         CHECK_AT_MOST(6.4e-4, apart.value);
@@ -258,16 +264,16 @@ static void test_slow_mode_is_silent_from_reset(void) {
 
 /// An observer and the EMF of 0.142 Vs that it watches.
 typedef struct {
-    lode_leso_t leso;
-    lode_leso_tuning_t tuning;
+    lode_observer_t leso;
+    lode_observer_tuning_t tuning;
     double angle;
     double complex m;
     double complex e;
 } rotor_t;
 
-static rotor_t rotor_of(const lode_leso_config_t *config) {
+static rotor_t rotor_of(const lode_observer_config_t *config) {
     rotor_t rotor = {.tuning = tuned(config)};
-    lode_leso_reset(&rotor.leso);
+    lode_observer_reset(&rotor.leso);
     return rotor;
 }
 
@@ -323,10 +329,10 @@ static void test_rest_is_silent(void) {
 }
 
 /// The largest estimate from random inputs within the unit square.
-static double worst_at_speeds(const lode_leso_config_t *config, double omega_max, int every) {
-    const lode_leso_tuning_t tuning = tuned(config);
-    lode_leso_t leso;
-    lode_leso_reset(&leso);
+static double worst_at_speeds(const lode_observer_config_t *config, double omega_max, int every) {
+    const lode_observer_tuning_t tuning = tuned(config);
+    lode_observer_t leso;
+    lode_observer_reset(&leso);
     random_t random = random_seed(5);
     worst_t worst = {0.0};
     double omega = 0.0;
@@ -357,9 +363,9 @@ static void test_bounded_while_the_speed_swings(void) {
         {0.0, 270.0, 13.5}, {300.0, 270.0, 13.5}, {300.0, 800.0, 5.0}, {600.0, 800.0, 40.0}};
     for (int i = 0; i < COUNT_OF(observers); i++) {
         for (int n = 0; n < COUNT_OF(swings); n++) {
-            const lode_leso_tuning_t tuning = tuned(&observers[i]);
-            lode_leso_t leso;
-            lode_leso_reset(&leso);
+            const lode_observer_tuning_t tuning = tuned(&observers[i]);
+            lode_observer_t leso;
+            lode_observer_reset(&leso);
             worst_t worst = {0.0};
             double angle = 0.0;
             for (int k = 0; k < 50000; k++) {
@@ -375,9 +381,9 @@ static void test_bounded_while_the_speed_swings(void) {
 
 static void test_multi_fades_without_a_jump(void) {
     // Slowly up and down through 0.25 .. 0.35 of rated speed with an offset of 5 % in the EMF.
-    const lode_leso_tuning_t tuning = tuned(MULTI);
-    lode_leso_t leso;
-    lode_leso_reset(&leso);
+    const lode_observer_tuning_t tuning = tuned(MULTI);
+    lode_observer_t leso;
+    lode_observer_reset(&leso);
     double angle = 0.0;
     double complex before = 0.0;
     worst_t jump = {0.0};
@@ -452,15 +458,15 @@ static void test_gi_is_stable_at_every_speed(void) {
 }
 
 /// Largest part of the state in the second half of a run without input over that of the first.
-static double growth(const lode_leso_config_t *config, double omega) {
-    const lode_leso_tuning_t tuning = tuned(config);
-    lode_leso_t leso = {{1.0f, -0.5f}, {{0.3f, 0.7f}, {-1.0f, 0.2f}, {0.5f, 0.5f}}};
+static double growth(const lode_observer_config_t *config, double omega) {
+    const lode_observer_tuning_t tuning = tuned(config);
+    lode_observer_t leso = {{1.0f, -0.5f}, {{0.3f, 0.7f}, {-1.0f, 0.2f}, {0.5f, 0.5f}}};
     worst_t half[2] = {{0.0}, {0.0}};
     for (int k = 0; k < 6000; k++) {
         (void)feed(&leso, &tuning, omega, 0.0);
         worst_note(&half[k / 3000], hypot((double)leso.e_V.alpha, (double)leso.e_V.beta));
         for (int n = 0; n < 3; n++) {
-            worst_note(&half[k / 3000], hypot((double)leso.s[n].alpha, (double)leso.s[n].beta));
+            worst_note(&half[k / 3000], hypot((double)leso.own[n].alpha, (double)leso.own[n].beta));
         }
     }
     return half[1].value / half[0].value;
@@ -468,7 +474,7 @@ static double growth(const lode_leso_config_t *config, double omega) {
 
 static void test_what_is_left_decays_at_every_speed(void) {
     // The corners of what is accepted. Over 0.6 s everything but a slow mode of FA has gone.
-    const lode_leso_config_t corners[] = {
+    const lode_observer_config_t corners[] = {
         {LODE_EMF_GI_LESO, 2000.0f, 7.0f, 3.0f, 0.0f, 300.0f},
         {LODE_EMF_GI_LESO, 2000.0f, 7.0f, 100.0f, 0.0f, 300.0f},
         {LODE_EMF_GI_LESO, 5000.0f, 7.0f, 100.0f, 0.0f, 300.0f},
@@ -499,7 +505,7 @@ static void test_what_is_no_number_shows(void) {
             const double complex e =
                 feed(&rotor.leso, &rotor.tuning, 300.0, (double)check_not_finite[n]);
             TEST_ASSERT_FALSE(isfinite(creal(e)) && isfinite(cimag(e)));
-            lode_leso_reset(&rotor.leso);
+            lode_observer_reset(&rotor.leso);
             rotor_step(&rotor, 300.0);
             TEST_ASSERT_TRUE(isfinite(creal(rotor.e)) && isfinite(cimag(rotor.e)));
         }
@@ -509,14 +515,14 @@ static void test_what_is_no_number_shows(void) {
 static void test_any_bits_do_no_harm(void) {
     // Nothing to expect but that the sanitizers stay silent.
     for (int i = 0; i < COUNT_OF(observers); i++) {
-        const lode_leso_tuning_t tuning = tuned(&observers[i]);
-        lode_leso_t leso;
-        lode_leso_reset(&leso);
+        const lode_observer_tuning_t tuning = tuned(&observers[i]);
+        lode_observer_t leso;
+        lode_observer_reset(&leso);
         random_t random = random_seed(6);
         for (int k = 0; k < 20000; k++) {
             const lode_ab_t m = {random_any(&random), random_any(&random)};
             const lode_sincos_t turn = {random_any(&random), random_any(&random)};
-            (void)lode_leso_step(&leso, &tuning, m, turn, random_any(&random));
+            (void)lode_observer_step(&leso, &tuning, m, turn, random_any(&random));
         }
     }
 }
@@ -529,10 +535,10 @@ static void test_calm_keeps_the_estimate(void) {
         }
         // Something that would take long to go: 200 V in each of the further states.
         for (int n = 0; n < 3; n++) {
-            rotor.leso.s[n].alpha += observers[i].kind == LODE_EMF_C_LESO ? 0.0f : 200.0f;
+            rotor.leso.own[n].alpha += observers[i].kind == LODE_EMF_C_LESO ? 0.0f : 200.0f;
         }
-        const lode_leso_t before = rotor.leso;
-        lode_leso_calm(&rotor.leso, &rotor.tuning);
+        const lode_observer_t before = rotor.leso;
+        lode_observer_settle(&rotor.leso, &rotor.tuning);
         TEST_ASSERT_EQUAL_MEMORY(&before.e_V, &rotor.leso.e_V, sizeof before.e_V);
         // It goes on as if there had been nothing: gone after 0.1 s, 30 of the time constants 1/k2; GI
         // builds its band-pass anew, from the 3 % that it is to add at this speed.
@@ -546,21 +552,21 @@ static void test_calm_keeps_the_estimate(void) {
 }
 
 static void test_reset_forgets_everything(void) {
-    const lode_leso_t expected = {.e_V = {0.0f, 0.0f}};
-    lode_leso_t leso;
+    const lode_observer_t expected = {.e_V = {0.0f, 0.0f}};
+    lode_observer_t leso;
     memset(&leso, 0xff, sizeof leso); // all NaN
-    lode_leso_reset(&leso);
+    lode_observer_reset(&leso);
     TEST_ASSERT_EQUAL_MEMORY(&expected, &leso, sizeof leso);
-    lode_leso_reset(&leso);
+    lode_observer_reset(&leso);
     TEST_ASSERT_EQUAL_MEMORY(&expected, &leso, sizeof leso);
 }
 
-static lode_status_t try_with(const lode_leso_config_t *config) {
-    lode_leso_tuning_t tuning;
+static lode_status_t try_with(const lode_observer_config_t *config) {
+    lode_observer_tuning_t tuning;
     memset(&tuning, 0x5a, sizeof tuning);
-    const lode_leso_tuning_t before = tuning;
+    const lode_observer_tuning_t before = tuning;
     const lode_status_t status =
-        lode_leso_tune(&tuning, config, (float)PAPER_OMEGA_RATED, PAPER_TS_s);
+        lode_observer_tune(&tuning, config, (float)PAPER_OMEGA_RATED, PAPER_TS_s);
     if (status != LODE_OK) {
         TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
     }
@@ -568,22 +574,23 @@ static lode_status_t try_with(const lode_leso_config_t *config) {
 }
 
 static lode_status_t try_one(size_t offset, float value) {
-    lode_leso_config_t config = observers[0];
+    lode_observer_config_t config = observers[0];
     field_set(&config, offset, value);
     return try_with(&config);
 }
 
 static void test_every_field_at_its_limits(void) {
     static const field_t fields[] = {
-        {FIELD(lode_leso_config_t, w0_rad_s), .lo = 1.0f, .hi = 1.0e4f, .computed = true,
+        {FIELD(lode_observer_config_t, w0_rad_s), .lo = 1.0f, .hi = 1.0e4f, .computed = true,
          .error = LODE_ERROR_EMF_W0}, // 2/Ts
-        {FIELD(lode_leso_config_t, gi_kappa), .lo = 0.0f, .hi = 7.0f, .error = LODE_ERROR_EMF_GI},
-        {FIELD(lode_leso_config_t, gi_wc_rad_s), .lo = 0.01f, .hi = 100.0f,
+        {FIELD(lode_observer_config_t, gi_kappa), .lo = 0.0f, .hi = 7.0f,
          .error = LODE_ERROR_EMF_GI},
-        {FIELD(lode_leso_config_t, k1_rad2_s2), .lo = 0.0f, .hi = 9.0e3f,
+        {FIELD(lode_observer_config_t, gi_wc_rad_s), .lo = 0.01f, .hi = 100.0f,
+         .error = LODE_ERROR_EMF_GI},
+        {FIELD(lode_observer_config_t, k1_rad2_s2), .lo = 0.0f, .hi = 9.0e3f,
          .computed = true, // k2^2/10
          .error = LODE_ERROR_EMF_FA},
-        {FIELD(lode_leso_config_t, k2_rad_s), .lo = 1.0f, .hi = 5000.0f, .computed = true,
+        {FIELD(lode_observer_config_t, k2_rad_s), .lo = 1.0f, .hi = 5000.0f, .computed = true,
          .error = LODE_ERROR_EMF_FA}, // 1/Ts
     };
     field_check_all(fields, COUNT_OF(fields), try_one);
@@ -594,7 +601,7 @@ static void test_k1_is_bound_to_k2(void) {
     // for the speed that is fed back.
     const float k1s[] = {1.0f, 31.4f, 1000.0f, 1.0e4f};
     for (int i = 0; i < COUNT_OF(k1s); i++) {
-        lode_leso_config_t config = *FA_SLOW;
+        lode_observer_config_t config = *FA_SLOW;
         config.k1_rad2_s2 = k1s[i];
         config.k2_rad_s = 3.15f * sqrtf(k1s[i]);
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_EMF_FA, try_with(&config));
@@ -609,7 +616,7 @@ static void test_k1_is_bound_to_k2(void) {
 static void test_kind_is_an_enumerator(void) {
     const int kinds[] = {-1, 4, 77};
     for (int i = 0; i < COUNT_OF(kinds); i++) {
-        lode_leso_config_t config = observers[0];
+        lode_observer_config_t config = observers[0];
         config.kind = (lode_emf_kind_t)kinds[i];
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_EMF_KIND, try_with(&config));
     }
@@ -617,21 +624,21 @@ static void test_kind_is_an_enumerator(void) {
 
 static void test_design_fills_what_is_open(void) {
     const float rated = (float)PAPER_OMEGA_RATED;
-    lode_leso_config_t config = {.kind = LODE_EMF_FA_LESO};
-    lode_leso_design(&config, rated, 100.0f, PAPER_TS_s);
+    lode_observer_config_t config = {.kind = LODE_EMF_FA_LESO};
+    lode_observer_design(&config, rated, 100.0f, PAPER_TS_s);
     CHECK_CLOSE(1.0e-6, 4.25 * PAPER_OMEGA_RATED, config.w0_rad_s);
     CHECK_CLOSE(1.0e-6, 2.0, config.gi_kappa);               // paper 2, Table II
     CHECK_CLOSE(1.0e-6, 2.0 * CHECK_PI, config.gi_wc_rad_s); // twice its Table II
     CHECK_CLOSE(1.0e-6, 300.0, config.k2_rad_s);             // 3 sigma
     TEST_ASSERT_EQUAL_FLOAT(0.0f, config.k1_rad2_s2);
-    lode_leso_config_t kept = config;
-    lode_leso_design(&kept, 2.0f * rated, 50.0f, PAPER_TS_s);
+    lode_observer_config_t kept = config;
+    lode_observer_design(&kept, 2.0f * rated, 50.0f, PAPER_TS_s);
     TEST_ASSERT_EQUAL_MEMORY(&config, &kept, sizeof config);
-    lode_leso_config_t multi = {.kind = LODE_EMF_FA_MULTI};
-    lode_leso_design(&multi, rated, 100.0f, PAPER_TS_s);
+    lode_observer_config_t multi = {.kind = LODE_EMF_FA_MULTI};
+    lode_observer_design(&multi, rated, 100.0f, PAPER_TS_s);
     CHECK_CLOSE(1.0e-6, 1000.0, multi.k2_rad_s); // 10 sigma
-    lode_leso_config_t quick = {.kind = LODE_EMF_FA_MULTI};
-    lode_leso_design(&quick, rated, 600.0f, PAPER_TS_s);
+    lode_observer_config_t quick = {.kind = LODE_EMF_FA_MULTI};
+    lode_observer_design(&quick, rated, 600.0f, PAPER_TS_s);
     CHECK_CLOSE(1.0e-6, 5000.0, quick.k2_rad_s); // at most 1/Ts
     TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(try_with(&quick)));
 }

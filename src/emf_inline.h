@@ -1,0 +1,30 @@
+// The EMF's part of the step: from voltage and current to the dead-beat EMF, and on to the estimate.
+#ifndef LODESTAR_EMF_INLINE_H
+#define LODESTAR_EMF_INLINE_H
+
+#include "lodestar/emf.h"
+#include "observer_inline.h"
+
+// Dead-beat EMF (E3) of a period: u[k-1] - (i[k] - a i[k-1])/b. `u_V`: mean voltage over
+// [t_k-1, t_k); `i_A`: current at t_k. The EMF of a changing active flux is still in it.
+LODE_INLINE lode_ab_t lode_emf_dead_beat(lode_emf_t *self, const lode_emf_tuning_t *tuning,
+                                         lode_ab_t u_V, lode_ab_t i_A) {
+    lode_ab_t m = lode_ab_add_scaled(u_V, tuning->a_over_b, self->i_A);
+    m = lode_ab_add_scaled(m, -tuning->inv_b, i_A);
+    self->i_A = i_A;
+    return m;
+}
+
+// `m_V` without (Ld - Lq) did/dt on the d axis (E5), at the angle half a period back: the mean over it.
+// `rotor`: predicted rotor angle at t_k; `half_turn`: angle of half a period; `id_before_A`: d-axis
+// current at t_k-1. Where the angle can be trusted.
+LODE_INLINE lode_ab_t lode_emf_less_salient(const lode_emf_tuning_t *tuning, lode_ab_t m_V,
+                                            lode_ab_t i_A, lode_sincos_t rotor,
+                                            lode_sincos_t half_turn, float id_before_A) {
+    const lode_sincos_t middle = lode_angle_subtract(rotor, half_turn);
+    const float rise_d = lode_park(i_A, rotor).d - id_before_A;
+    return lode_ab_add_scaled(m_V, -tuning->salient_Ohm * rise_d,
+                              (lode_ab_t){middle.cos, middle.sin});
+}
+
+#endif

@@ -1,0 +1,112 @@
+#define LODE_OBSERVER_INIT
+#include "observer_inline.h"
+
+void lode_observer_design(lode_observer_config_t *config, float omega_rated_rad_s,
+                          float sigma_rad_s, float ts_s) {
+    // The chosen one first: several share fields, and each has its own default for them.
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(                                                                              \
+        ID, if (config->kind == LODE_EMF_##ID) {                                                   \
+            id##_design(config, omega_rated_rad_s, sigma_rad_s, ts_s);                             \
+        })
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(ID, id##_design(config, omega_rated_rad_s, sigma_rad_s, ts_s);)
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+}
+
+// Every field that an observer of this build knows, also while another one is chosen.
+static lode_status_t check(const lode_observer_config_t *config, float ts_s) {
+    lode_status_t status = LODE_OK;
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(                                                                              \
+        ID, if (status == LODE_OK) { status = id##_check(config, ts_s); })
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+    return status;
+}
+
+lode_status_t lode_observer_tune(lode_observer_tuning_t *tuning,
+                                 const lode_observer_config_t *config, float omega_rated_rad_s,
+                                 float ts_s) {
+    const lode_status_t status = check(config, ts_s);
+    lode_observer_tuning_t tuned = {.kind = config->kind};
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(                                                                              \
+        ID, if (config->kind == LODE_EMF_##ID) {                                                   \
+            if (status == LODE_OK) {                                                               \
+                id##_tune(tuned.own, config, omega_rated_rad_s, ts_s);                             \
+                *tuning = tuned;                                                                   \
+            }                                                                                      \
+            return status;                                                                         \
+        })
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+    return LODE_ERROR_EMF_KIND;
+}
+
+lode_status_t lode_observer_check_pll(const lode_observer_config_t *config, float sigma_rad_s,
+                                      bool third_order) {
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(                                                                              \
+        ID, if (config->kind == LODE_EMF_##ID) {                                                   \
+            return id##_check_pll(config, sigma_rad_s, third_order);                               \
+        })
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+    return LODE_ERROR_EMF_KIND;
+}
+
+void lode_observer_reset(lode_observer_t *self) {
+    const lode_observer_t none = {.e_V = {0.0f, 0.0f}};
+    *self = none;
+}
+
+void lode_observer_settle(lode_observer_t *self, const lode_observer_tuning_t *tuning) {
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(                                                                              \
+        ID, if (tuning->kind == LODE_EMF_##ID) { id##_settle(self); })
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+}
+
+LODE_RAMFUNC void lode_observer_step_called(lode_observer_t *self,
+                                            const lode_observer_tuning_t *tuning, lode_ab_t m_V,
+                                            lode_sincos_t step_angle, float omega_rad_s) {
+    (void)self, (void)tuning, (void)m_V, (void)step_angle,
+        (void)omega_rad_s; // none may be built in
+#define STEP_FIXED(ID, id)
+#define STEP_INLINE(ID, id)
+#define STEP_CALLED(ID, id)                                                                        \
+    if (tuning->kind == LODE_EMF_##ID) {                                                           \
+        (void)id##_step(self, tuning, m_V, step_angle, omega_rad_s);                               \
+    }
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(ID, STEP_##STEP(ID, id))
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+#undef STEP_CALLED
+#undef STEP_INLINE
+#undef STEP_FIXED
+}
+
+float lode_observer_lag_rad(const lode_observer_config_t *config, float ts_s, float omega_rad_s) {
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(                                                                              \
+        ID,                                                                                        \
+        if (config->kind == LODE_EMF_##ID) { return id##_lag_rad(config, ts_s, omega_rad_s); })
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+    return 0.0f;
+}
+
+float lode_observer_droop_s2(const lode_observer_config_t *config) {
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(                                                                              \
+        ID, if (config->kind == LODE_EMF_##ID) { return id##_droop_s2(config); })
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+    return 0.0f;
+}
