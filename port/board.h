@@ -17,9 +17,11 @@ void board_describe(lode_drive_config_t *config);
 bool board_reset_by_watchdog(void);
 
 /// Clocks, serial port, PWM timer, converters, comparator or break input. Leaves the gates off, the
-/// interrupt masked, the trip path armed and the watchdog off. Thread, once. False: the hardware does not
-/// answer as expected, and the gates must never go on; board_send() works as far as that can be.
-bool board_init(void);
+/// interrupt masked, the trip path armed and the watchdog off. Thread, once. `i_trip_A`: amplitude of a
+/// phase current at which the hardware shall switch off; a board that can set it takes it as far as its own
+/// limits allow. False: the hardware does not answer as expected, and the gates must never go on;
+/// board_send() works as far as that can be.
+bool board_init(float i_trip_A);
 
 /// Lets the PWM count, the converters sample, the interrupt come and the watchdog run. The gates stay
 /// off. Thread, once.
@@ -40,6 +42,11 @@ void board_gates_off(void);
 
 /// Clears a latched hardware trip. Thread. False: its cause is still there.
 bool board_clear_trip(void);
+
+/// Switches the gates off and makes every comparator of the trip path act once, by moving its threshold
+/// across the signal of no current. Thread, without current. False: one of them does not reach the gates.
+/// True as well where the board has none that can be moved: the source is then the driver's.
+bool board_test_trip(void);
 
 /// Restarts the watchdog, whose end switches the gates off. Thread, and only after the period's
 /// interrupt has come again: a stopped interrupt must starve it.

@@ -20,6 +20,10 @@ float port_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns) {
     return 1.0f - 2.0f * lode_max(settle_ns, sample_ns) / NS_PER_S * f_pwm_Hz;
 }
 
+float port_trip_A(float wanted_A, float least_A, float most_A) {
+    return lode_clamp(wanted_A, least_A, most_A);
+}
+
 float port_voltage_use(float duty_max) {
     return lode_clamp((duty_max - 0.5f) / TWO_LEGS, 0.0f, VOLTAGE_USE);
 }

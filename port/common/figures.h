@@ -15,6 +15,9 @@ uint32_t port_pwm_steps(uint32_t f_timer_Hz, uint32_t f_pwm_Hz);
 /// current's sampling.
 float port_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns);
 
+/// A trip threshold, not below what offsets allow and not above what board and amplifier bear.
+float port_trip_A(float wanted_A, float least_A, float most_A);
+
 /// Largest share of the voltage circle with which the second largest duty stays at or below `duty_max`,
 /// so that two phases can be sampled at any angle; at most the core's default. 0 where there is none.
 float port_voltage_use(float duty_max);

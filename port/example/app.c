@@ -22,6 +22,7 @@
 #define APP_RESTARTS 0u
 #endif
 
+#define HARDWARE_TRIP 1.2f   // of the drive's own over-current trip: the last resort, not the first
 #define STOPPED_PERIODS 8.0f // without an interrupt
 #define TAKEN_PERIODS 4u     // within which a posted command shows in the telemetry
 #define RESTART_PAUSE_s 1.0f // lets the cause die down and the rotor slow down
@@ -106,7 +107,9 @@ bool app_start(void) {
     if (status == LODE_OK) {
         status = record_init(config.f_pwm_Hz);
     }
-    const bool up = board_init(); // a refused configuration too is reported over its serial port
+    const bool up = board_init(
+        HARDWARE_TRIP *
+        config.guard.i_trip_A); // a refused configuration too is reported over its serial port
     if (status != LODE_OK || !up) {
         board_gates_off();
         report_event("START FAIL", status != LODE_OK ? lode_status_name(status) : "BOARD", 0u);
@@ -227,11 +230,21 @@ static void wait_for_arming(uint32_t mode, uint32_t steps) {
     }
 }
 
+// The gates go on only behind a trip path that has shown that it works.
+static void begin_if_safe(uint32_t mode, uint32_t steps) {
+    if (mode >= (uint32_t)BRINGUP_SIGNS && !board_test_trip()) {
+        app_armed = 0u;
+        report_event("FAIL", "TRIP_PATH", mode);
+        return;
+    }
+    begin_mode(mode, steps);
+}
+
 static void step_mode(uint32_t mode, const bringup_view_t *view) {
     app_armed = mode == APP_MODE_OFF ? 0u : app_armed;
     const bool armed = mode < (uint32_t)BRINGUP_SIGNS || app_armed != 0u;
     if (armed && (mode != mode_now || stopped)) {
-        begin_mode(mode, view->now.steps);
+        begin_if_safe(mode, view->now.steps);
     } else if (!armed && !stopped) {
         wait_for_arming(mode, view->now.steps);
     } else if (mode_now == APP_MODE_APPLICATION) {

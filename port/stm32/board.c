@@ -79,7 +79,7 @@ bool board_reset_by_watchdog(void) {
     return stm32_reset_by_watchdog();
 }
 
-bool board_init(void) {
+bool board_init(float i_trip_A) {
     REG_SET(STM32_GPIO_CLOCKS, STM32_GPIO_ABC);
     enables_init();
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_TIM1EN);
@@ -91,7 +91,7 @@ bool board_init(void) {
     }
     stm32_stamp_start();
     analog_pins_init();
-    chip_protection_init();
+    chip_protection_init(i_trip_A);
     if (!pwm_init() || !chip_converters_init()) {
         return false;
     }
@@ -136,6 +136,11 @@ LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
 
 bool board_clear_trip(void) {
     return stm32_pwm_clear_trip();
+}
+
+bool board_test_trip(void) {
+    board_gates_off();
+    return chip_protection_test();
 }
 
 void board_feed_watchdog(void) {

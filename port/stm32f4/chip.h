@@ -21,7 +21,10 @@
 bool chip_clock_init(void);
 
 /// The break input's pin. Before the break input is armed.
-void chip_protection_init(void);
+void chip_protection_init(float i_trip_A);
+
+/// True: the driver's fault output cannot be made to act.
+bool chip_protection_test(void);
 
 /// ADC1, ADC2 and ADC3, injected and simultaneous, two ranks each, on TIM1's TRGO. True: nothing in here
 /// can be seen to fail.

@@ -20,10 +20,15 @@ static void converter(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t cr
     REG_WRITE(adc->CR2, ADC_CR2_ADON | cr2);
 }
 
-void chip_protection_init(void) {
+void chip_protection_init(float i_trip_A) {
+    (void)i_trip_A; // the driver's own
     static const stm32_pin_t fault = VARIANT_BREAK_PIN;
     gpio_pull_up(fault); // open drain, active low
     gpio_alternate(fault);
+}
+
+bool chip_protection_test(void) {
+    return true;
 }
 
 bool chip_converters_init(void) {

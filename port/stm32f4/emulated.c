@@ -30,7 +30,8 @@ bool board_reset_by_watchdog(void) {
     return false;
 }
 
-bool board_init(void) {
+bool board_init(float i_trip_A) {
+    (void)i_trip_A;
     stm32_serial_init(CHIP_F_SERIAL_Hz);
     REG_WRITE(TIM5->PSC, PRESCALER - 1u);
     REG_WRITE(TIM5->ARR, UINT32_MAX);
@@ -71,6 +72,10 @@ void board_gates_off(void) {
 }
 
 bool board_clear_trip(void) {
+    return true;
+}
+
+bool board_test_trip(void) {
     return true;
 }
 

@@ -1,4 +1,6 @@
 #include "chip.h"
+#include "figures.h"
+#include "pwm.h"
 #include "sampling.h"
 
 #define CLOCK_BY_4 3u         // 42.5 MHz of at most 52 with two converters at work
@@ -25,6 +27,8 @@ static void lockup_breaks(void) {
 #define DAC_INTERNAL 3u      // MODE: to the chip only, no buffer
 #define DAC_FAST 2u          // HFSEL: AHB above 160 MHz
 #define DAC_RANGE 4095.0f
+#define DAC_LOOPS                                                                                  \
+    1000u // 20 us at 170 MHz: DAC, comparator and break filter together take some 2 us
 
 static void amplifier(OPAMP_TypeDef *unit) {
     REG_WRITE(unit->CSR, AMPLIFIER_PGA << OPAMP_CSR_VMSEL_Pos |
@@ -36,9 +40,11 @@ static void comparator(COMP_TypeDef *unit) {
     REG_WRITE(unit->CSR, MINUS_DAC3 << COMP_CSR_INMSEL_Pos | COMP_CSR_EN);
 }
 
-void chip_protection_init(void) {
-    const uint32_t threshold =
-        (uint32_t)(int32_t)(VARIANT_TRIP_V / VARIANT_V_REF_V * DAC_RANGE + 0.5f);
+static uint32_t threshold; // count of DAC3
+
+void chip_protection_init(float i_trip_A) {
+    const float trip_A = port_trip_A(i_trip_A, VARIANT_TRIP_MIN_A, VARIANT_TRIP_MAX_A);
+    threshold = (uint32_t)(int32_t)(VARIANT_TRIP_V(trip_A) / VARIANT_V_REF_V * DAC_RANGE + 0.5f);
     lockup_breaks(); // and clocks amplifiers and comparators
     REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_DAC3EN);
     amplifier(OPAMP1);
@@ -56,6 +62,25 @@ void chip_protection_init(void) {
     REG_WRITE(TIM1->AF1, TIM1_AF1_BKCMP1E | TIM1_AF1_BKCMP2E | TIM1_AF1_BKCMP4E);
 }
 
+static bool is_high(const COMP_TypeDef *unit) {
+    return (REG_READ(unit->CSR) & COMP_CSR_VALUE) != 0u;
+}
+
+bool chip_protection_test(void) {
+    REG_WRITE(DAC3->DHR12R1, 0u);
+    stm32_wait(DAC_LOOPS);
+    const bool first = stm32_pwm_tripped() && is_high(COMP1) && !is_high(COMP2) && !is_high(COMP4);
+    REG_WRITE(DAC3->DHR12R1, threshold);
+    stm32_wait(DAC_LOOPS);
+    const bool cleared = stm32_pwm_clear_trip();
+    REG_WRITE(DAC3->DHR12R2, 0u);
+    stm32_wait(DAC_LOOPS);
+    const bool others = stm32_pwm_tripped() && !is_high(COMP1) && is_high(COMP2) && is_high(COMP4);
+    REG_WRITE(DAC3->DHR12R2, threshold);
+    stm32_wait(DAC_LOOPS);
+    return stm32_pwm_clear_trip() && first && cleared && others;
+}
+
 #else
 
 static void break_pin(stm32_pin_t pin) {
@@ -63,7 +88,8 @@ static void break_pin(stm32_pin_t pin) {
     gpio_alternate(pin);
 }
 
-void chip_protection_init(void) {
+void chip_protection_init(float i_trip_A) {
+    (void)i_trip_A; // the driver's own
     static const stm32_pin_t pin = VARIANT_BREAK_PIN;
     lockup_breaks();
     break_pin(pin);
@@ -73,6 +99,10 @@ void chip_protection_init(void) {
     break_pin(pin2);
     REG_WRITE(TIM1->AF2, TIM1_AF2_BK2INE | TIM1_AF2_BK2INP);
 #endif
+}
+
+bool chip_protection_test(void) {
+    return true; // the driver's fault output cannot be made to act
 }
 
 #endif

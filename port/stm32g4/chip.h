@@ -22,7 +22,11 @@ bool chip_clock_init(void);
 
 /// Amplifiers, comparators and their threshold, where the variant uses the chip's own, and the sources of
 /// TIM1's break. After stm32_pwm_reset(), before the break input is armed.
-void chip_protection_init(void);
+void chip_protection_init(float i_trip_A);
+
+/// Each of the chip's own comparators trips when its threshold falls below the signal of no current, and
+/// not otherwise.
+bool chip_protection_test(void);
 
 /// ADC1 and ADC2, injected and simultaneous, three ranks each, on TIM1's TRGO. False: no answer.
 bool chip_converters_init(void);

@@ -19,7 +19,8 @@ bool board_reset_by_watchdog(void) {
 
 /// Clocks; timer centre-aligned, compare preloaded, dead time, break input; converters on the timer's
 /// trigger; serial port as soon as it can be. Gate pins last. False while any of it is missing.
-bool board_init(void) {
+bool board_init(float i_trip_A) {
+    (void)i_trip_A;
     return false;
 }
 
@@ -44,6 +45,12 @@ void board_gates_off(void) {}
 
 /// Clear the break flag; false if it is set again.
 bool board_clear_trip(void) {
+    return false;
+}
+
+/// Move each comparator's threshold across the signal of no current; false if the break flag does not come.
+/// Where the trip comes from a driver's fault pin: true.
+bool board_test_trip(void) {
     return false;
 }
 

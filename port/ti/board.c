@@ -2,6 +2,7 @@
 #include "board.h"
 
 #include "chip.h"
+#include "figures.h"
 
 #define WAKE_us 1000u       // of a gate driver, after its enable
 #define DRIVER_RESET_us 20u // its fault latch: enable low for 8 .. 40 us (DRV8320)
@@ -10,6 +11,10 @@
 // A cycle counter may stand still while a debugger holds the core, so the stamp may not show the gap: the
 // converters do, whose results nobody has taken.
 static bool missed_periods;
+
+// Of the comparators, in counts of their DACs: a current of either sign.
+static uint16_t threshold_high;
+static uint16_t threshold_low;
 
 LODE_RAMFUNC void ti_period(void) {
     missed_periods = !chip_converters_acknowledge();
@@ -37,6 +42,38 @@ LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
     if (out->gates) {
         chip_pwm_on();
     }
+}
+
+void ti_set_trip(float i_trip_A) {
+    const float trip_A = port_trip_A(i_trip_A, VARIANT_TRIP_MIN_A, VARIANT_TRIP_MAX_A);
+    const float span = trip_A / lode_abs(VARIANT_I_GAIN_A_count);
+    threshold_high = ti_threshold((VARIANT_I_OFFSET_count + span) * CHIP_DAC_PER_COUNT);
+    threshold_low = ti_threshold((VARIANT_I_OFFSET_count - span) * CHIP_DAC_PER_COUNT);
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        chip_comparator_set(n, threshold_high, threshold_low);
+    }
+}
+
+// One comparator across the signal of no current and back.
+static bool trips(uint32_t phase, uint16_t high, uint16_t low) {
+    chip_comparator_set(phase, high, low);
+    chip_wait_us(TRIP_LATCH_us);
+    const bool tripped = chip_pwm_tripped();
+    chip_comparator_set(phase, threshold_high, threshold_low);
+    chip_wait_us(TRIP_LATCH_us);
+    chip_pwm_clear_trip();
+    chip_wait_us(TRIP_LATCH_us);
+    return tripped && !chip_pwm_tripped();
+}
+
+bool board_test_trip(void) {
+    board_gates_off();
+    bool ok = true;
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        ok = trips(n, 0u, threshold_low) && ok;
+        ok = trips(n, threshold_high, TI_DAC_MAX) && ok;
+    }
+    return ok;
 }
 
 void ti_driver_enable(void) {

@@ -1,7 +1,6 @@
 #include "counts.h"
 
 #define DEAD_BAND_MAX 16383u
-#define DAC_MAX 4095.0f
 
 bool ti_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint16_t *counts) {
     // In thousandths of a timer period, so that 32 bits hold up to 20 us at 200 MHz.
@@ -18,5 +17,5 @@ bool ti_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint16_t *counts) 
 }
 
 uint16_t ti_threshold(float count) {
-    return (uint16_t)(int32_t)lode_clamp(count + 0.5f, 0.0f, DAC_MAX);
+    return (uint16_t)(int32_t)lode_clamp(count + 0.5f, 0.0f, (float)TI_DAC_MAX);
 }

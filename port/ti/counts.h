@@ -14,6 +14,8 @@ LODE_INLINE uint16_t ti_compare(float duty, uint16_t steps) {
     return (uint16_t)(int32_t)lode_clamp(compare, 1.0f, (float)steps);
 }
 
+#define TI_DAC_MAX 4095u
+
 /// A comparator's threshold in counts of its 12-bit DAC, kept inside its range.
 uint16_t ti_threshold(float count);
 

@@ -25,7 +25,9 @@ void chip_pwm_clear_trip(void);
 bool chip_pwm_counts_down(void);
 
 /// Comparators, fault input and their ways to the trip zones: before those are armed.
-void chip_protection_init(void);
+void chip_protection_init(float i_trip_A);
+/// Thresholds of one phase's comparators, in counts of their DACs.
+void chip_comparator_set(uint32_t phase, uint16_t high, uint16_t low);
 
 /// Three converters: a current each on the same trigger, the bus after one of them.
 void chip_converters_init(void);
@@ -39,6 +41,8 @@ bool chip_converters_acknowledge(void);
 /// The gate driver's enable.
 void chip_driver_set(bool on);
 
+/// Sets the comparators' thresholds for a current of either sign, by the board's figures.
+void ti_set_trip(float i_trip_A);
 /// Enables the gate driver and waits until it is awake.
 void ti_driver_enable(void);
 /// What the handler of the end of conversion does.

@@ -17,23 +17,27 @@ typedef struct {
 static const current_t currents[CHIP_PHASES] = {VARIANT_CURRENTS};
 static const uint32_t pwm[CHIP_PHASES] = VARIANT_PWM;
 
+void chip_comparator_set(uint32_t phase, uint16_t high, uint16_t low) {
+    const uint32_t base = CMPSSB(currents[phase].comparator);
+    reg_write16(base + CMPSS_DACHVALS, high);
+    reg_write16(base + CMPSS_DACLVALS, low);
+}
+
 // Both signs of the current: above the high threshold, or (inverted) below the low one.
 static void comparator(uint32_t base) {
-    const float dac_per_count = VARIANT_V_REF_V / VARIANT_V_DAC_V;
-    const float span = VARIANT_TRIP_A / -VARIANT_I_GAIN_A_count;
-    reg_write16(base + CMPSS_DACCTL, 0u); // VDDA, taken over at once
-    reg_write16(base + CMPSS_DACHVALS,
-                ti_threshold((VARIANT_I_OFFSET_count + span) * dac_per_count));
-    reg_write16(base + CMPSS_DACLVALS,
-                ti_threshold((VARIANT_I_OFFSET_count - span) * dac_per_count));
     reg_write16(base + CMPSS_HFILCLK, FILTER_CLOCKS);
     reg_write16(base + CMPSS_LFILCLK, FILTER_CLOCKS);
     reg_write16(base + CMPSS_COMPCTL,
                 COMPCTL_ON | COMPCTL_HIGH_FILTERED | COMPCTL_LOW_FILTERED_INVERTED);
 }
 
-void chip_protection_init(void) {
+void chip_protection_init(float i_trip_A) {
     uint32_t ways = 0u;
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        // Full scale is VDDA; values are taken over at once.
+        reg_write16(CMPSSB(currents[n].comparator) + CMPSS_DACCTL, 0u);
+    }
+    ti_set_trip(i_trip_A);
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         comparator(CMPSSB(currents[n].comparator));
         ways |= PWMXBAR_CMPSSB(currents[n].comparator);

@@ -61,10 +61,10 @@ bool board_reset_by_watchdog(void) {
     return (reg_read32(TOP_RCM_WARM_RST_CAUSE) & RST_CAUSE_WATCHDOGS) != 0u;
 }
 
-bool board_init(void) {
+bool board_init(float i_trip_A) {
     driver_init();
     serial_init(); // a failure is reported over it
-    chip_protection_init();
+    chip_protection_init(i_trip_A);
     if (!chip_pwm_init()) {
         return false;
     }

@@ -22,6 +22,9 @@
 /// Until the end of the currents' sampling: some cycles from the trigger, then the window.
 #define CHIP_SAMPLE_ns 200.0f
 
+/// Full scale of converters and comparators differ.
+#define CHIP_DAC_PER_COUNT (VARIANT_V_REF_V / VARIANT_V_DAC_V)
+
 /// At least so long, by the core's counter.
 void chip_wait_us(uint32_t us);
 

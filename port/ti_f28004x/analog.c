@@ -23,6 +23,7 @@ typedef struct {
     ADC_Channel channel;
 } current_t;
 
+static const comparator_t comparators[CHIP_PHASES] = {VARIANT_COMPARATORS};
 static const current_t currents[CHIP_PHASES] = {VARIANT_CURRENTS};
 
 static void amplifiers(void) {
@@ -42,15 +43,20 @@ static void amplifiers(void) {
     }
 }
 
-// Both signs of the current: above the high threshold, or (inverted) below the low one.
-static void comparator(const comparator_t *c) {
-    const float span = VARIANT_TRIP_A / -VARIANT_I_GAIN_A_count;
+void chip_comparator_set(uint32_t phase, uint16_t high, uint16_t low) {
+    CMPSS_setDACValueHigh(comparators[phase].base, high);
+    CMPSS_setDACValueLow(comparators[phase].base, low);
+}
+
+static void comparator_inputs(const comparator_t *c) {
     SysCtl_enablePeripheral(c->clock);
     ASysCtl_selectCMPHPMux(c->high, VARIANT_COMPARATOR_INPUT);
     ASysCtl_selectCMPLPMux(c->low, VARIANT_COMPARATOR_INPUT);
     CMPSS_configDAC(c->base, CMPSS_DACREF_VDDA | CMPSS_DACVAL_SYSCLK | CMPSS_DACSRC_SHDW);
-    CMPSS_setDACValueHigh(c->base, ti_threshold(VARIANT_I_OFFSET_count + span));
-    CMPSS_setDACValueLow(c->base, ti_threshold(VARIANT_I_OFFSET_count - span));
+}
+
+// Both signs of the current: above the high threshold, or (inverted) below the low one.
+static void comparator(const comparator_t *c) {
     CMPSS_configHighComparator(c->base, CMPSS_INSRC_DAC);
     CMPSS_configLowComparator(c->base, CMPSS_INSRC_DAC | CMPSS_INV_INVERTED);
     CMPSS_configFilterHigh(c->base, FILTER_CLOCKS, FILTER_WINDOW, FILTER_THRESHOLD);
@@ -60,9 +66,12 @@ static void comparator(const comparator_t *c) {
     CMPSS_enableModule(c->base);
 }
 
-void chip_protection_init(void) {
-    static const comparator_t comparators[CHIP_PHASES] = {VARIANT_COMPARATORS};
+void chip_protection_init(float i_trip_A) {
     amplifiers();
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        comparator_inputs(&comparators[n]);
+    }
+    ti_set_trip(i_trip_A);
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         comparator(&comparators[n]);
     }

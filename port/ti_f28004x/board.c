@@ -68,7 +68,7 @@ bool board_reset_by_watchdog(void) {
     return (cause & (SYSCTL_CAUSE_WDRS | SYSCTL_CAUSE_NMIWDRS)) != 0u;
 }
 
-bool board_init(void) {
+bool board_init(float i_trip_A) {
     Device_init(); // clocks and flash; stops the watchdog that runs from reset on
     Device_initGPIO();
     driver_init();
@@ -82,7 +82,7 @@ bool board_init(void) {
     Interrupt_register(INT_ILLEGAL, &stop_handler);
     Interrupt_register(VARIANT_PERIOD_INT, &period_handler);
     cycles_start();
-    chip_protection_init();
+    chip_protection_init(i_trip_A);
     if (!chip_pwm_init()) {
         return false;
     }

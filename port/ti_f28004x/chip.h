@@ -21,6 +21,9 @@
 /// Until the end of the currents' sampling: some cycles from the trigger, then the window.
 #define CHIP_SAMPLE_ns 250.0f
 
+/// Converters and comparators have the same full scale.
+#define CHIP_DAC_PER_COUNT 1.0f
+
 /// SysCtl_delay() takes 5 cycles per count at 100 MHz.
 LODE_INLINE void chip_wait_us(uint32_t us) {
     SysCtl_delay(us * 20u);

@@ -28,6 +28,7 @@ typedef struct {
     uint32_t work;
     double v_bus;
     bool trip; ///< the trip input is active
+    bool dead_comparator;
 } mistakes_t;
 
 static const mistakes_t sound = {.channel = {0, 1, 2},
@@ -42,6 +43,7 @@ static plant_t plant;
 static bool gates, latched;
 static uint32_t cycles, feeds, stamp, periods;
 static bool working;
+static float i_trip_A;   // asked of the hardware
 static bool refused;     // a configuration that is none
 static bool by_watchdog; // the last reset
 static bool started;
@@ -64,7 +66,8 @@ bool board_reset_by_watchdog(void) {
     return by_watchdog;
 }
 
-bool board_init(void) {
+bool board_init(float i_trip) {
+    i_trip_A = i_trip;
     return true;
 }
 
@@ -100,6 +103,10 @@ void board_gates_off(void) {
 bool board_clear_trip(void) {
     latched = with.trip;
     return !latched;
+}
+
+bool board_test_trip(void) {
+    return !with.dead_comparator;
 }
 
 void board_feed_watchdog(void) {
@@ -382,6 +389,29 @@ static void test_nothing_switches_before_it_is_armed(void) {
     }
 }
 
+static void test_nothing_switches_behind_a_dead_trip_path(void) {
+    mistakes_t m = sound;
+    m.dead_comparator = true;
+    for (uint32_t mode = BRINGUP_SIGNS; mode <= APP_MODE_APPLICATION; mode++) {
+        power_up(&m, plant_of_motor());
+        app_mode = mode;
+        for (int n = 0; n < (int)F_PWM; n++) {
+            period();
+            TEST_ASSERT_FALSE(gates);
+        }
+        TEST_ASSERT_EQUAL_UINT32(0u, app_armed);
+        char line[] = "FAIL TRIP_PATH 0\r\n";
+        line[15] = (char)('0' + (int)mode);
+        TEST_ASSERT_TRUE(was_sent(line));
+    }
+}
+
+// By the hardware above the drive's own over-current trip, which is 1.5 times the lower limit of both.
+static void test_hardware_trip_follows_the_motor(void) {
+    power_up(&sound, plant_of_motor());
+    CHECK_CLOSE(1e-6, 1.2f * 1.5f * MOTOR_I_MAX_A, i_trip_A);
+}
+
 static void test_mode_off_takes_the_arming_back(void) {
     power_up(&sound, plant_of_motor());
     app_mode = APP_MODE_OFF;
@@ -564,6 +594,8 @@ int main(void) {
     RUN_TEST(test_start_that_cannot_succeed_is_a_fault_with_its_check);
     RUN_TEST(test_report_is_one_line);
     RUN_TEST(test_nothing_switches_before_it_is_armed);
+    RUN_TEST(test_nothing_switches_behind_a_dead_trip_path);
+    RUN_TEST(test_hardware_trip_follows_the_motor);
     RUN_TEST(test_mode_off_takes_the_arming_back);
     RUN_TEST(test_watchdog_resets_are_counted_and_start_nothing);
     RUN_TEST(test_refused_configuration_is_reported);

@@ -8,6 +8,8 @@
 #include "pwm.h"
 #include "support/check.h"
 
+#define TRIP_A 1.0e3f // more than any board bears
+
 #define STEPS (CHIP_F_CPU_Hz / VARIANT_F_PWM_Hz / 2u)
 #define PERIOD (CHIP_F_STAMP_Hz / VARIANT_F_PWM_Hz)
 #define BDTR_DTG 0xFFu
@@ -146,7 +148,7 @@ static void test_configuration_is_accepted(void) {
 // --- order of the initialisation ---
 
 static void test_outputs_are_safe_before_the_pins_are_theirs(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     const int clock = PWM_CLOCK;
     const int off = first(&RCC->APB2RSTR, RCC_APB2RSTR_TIM1RST, RCC_APB2RSTR_TIM1RST);
     const int locked = first(&TIM1->BDTR, BDTR_LOCK, TIM_BDTR_LOCK_1);
@@ -169,7 +171,7 @@ static void test_outputs_are_safe_before_the_pins_are_theirs(void) {
 // LOCK can be written once after a reset, and gates off before the initialisation may have been that.
 static void test_lock_holds_whatever_was_written_before(void) {
     board_gates_off();
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     const uint32_t locked = TIM1->BDTR;
     TEST_ASSERT_EQUAL_HEX32(TIM_BDTR_LOCK_1, locked & BDTR_LOCK);
     fake_write(&TIM1->BDTR, "BDTR", 0u); // a program that has lost its way
@@ -177,7 +179,7 @@ static void test_lock_holds_whatever_was_written_before(void) {
 }
 
 static void test_start_arms_then_counts_and_leaves_the_gates_off(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_INT(-1, fake_irq_enabled(18)); // masked until board_start()
     const int from = fake_count();
     board_start();
@@ -190,7 +192,7 @@ static void test_start_arms_then_counts_and_leaves_the_gates_off(void) {
 }
 
 static void test_timer_settings(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_HEX32(TIM_CR1_ARPE | TIM_CR1_CMS_0, TIM1->CR1);
     TEST_ASSERT_EQUAL_UINT32(STEPS, TIM1->ARR);
     TEST_ASSERT_EQUAL_UINT32(1u, TIM1->RCR); // one update per period
@@ -206,7 +208,7 @@ static void test_timer_settings(void) {
 }
 
 static void test_trigger_is_the_update_and_nothing_hears_it_before_the_start(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_HEX32(2u << 4, TIM1->CR2 & (7u << 4)); // MMS: update
 #ifdef FAKE_G4
     TEST_ASSERT_EQUAL_HEX32(0u, (ADC1->JSQR >> 2) & 31u); // JEXTSEL: TIM1_TRGO
@@ -237,7 +239,7 @@ static void test_trigger_is_the_update_and_nothing_hears_it_before_the_start(voi
 
 static void test_clock_that_does_not_come_keeps_everything_off(void) {
     fake_kill_clock();
-    TEST_ASSERT_FALSE(board_init());
+    TEST_ASSERT_FALSE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_INT(-1, fake_first(&TIM1->CR1, TIM_CR1_CEN, TIM_CR1_CEN, 0));
     TEST_ASSERT_EQUAL_INT(-1, fake_first(&TIM1->BDTR, TIM_BDTR_MOE, TIM_BDTR_MOE, 0));
     fake_reset();
@@ -247,7 +249,7 @@ static void test_clock_that_does_not_come_keeps_everything_off(void) {
 }
 
 static void test_wait_states_before_the_faster_clock(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     const int wait_states = first(&FLASH->ACR, 7u, CHIP_F_CPU_Hz == 170000000u ? 4u : 5u);
     const uint32_t pll = CHIP_F_CPU_Hz == 170000000u ? 3u : 2u;
     TEST_ASSERT_TRUE(first(&RCC->CFGR, RCC_CFGR_SW, pll) > wait_states);
@@ -274,7 +276,7 @@ static void expect_break_pin(stm32_pin_t pin) {
 #endif
 
 static void test_break_input(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     uint32_t dtg = 0u;
     TEST_ASSERT_TRUE(stm32_dead_time(CHIP_F_CPU_Hz, VARIANT_DEAD_TIME_ns, &dtg));
     TEST_ASSERT_EQUAL_HEX32(dtg, TIM1->BDTR & BDTR_DTG);
@@ -300,13 +302,20 @@ static void test_break_input(void) {
 }
 
 #ifdef VARIANT_INTERNAL_ANALOG
-static void test_comparators_and_their_threshold(void) {
-    TEST_ASSERT_TRUE(board_init());
+static void expect_threshold(float wanted_A, float amperes) {
+    fake_reset();
+    TEST_ASSERT_TRUE(board_init(wanted_A));
     const double volts = (double)DAC3->DHR12R1 / 4095.0 * (double)VARIANT_V_REF_V;
-    const double amperes =
-        (volts - (double)VARIANT_BIAS_V) / ((double)VARIANT_SHUNT_Ohm * (double)VARIANT_DIVIDER);
-    CHECK_NEAR(0.3, VARIANT_TRIP_A, amperes); // one count is 0.47 A
+    CHECK_NEAR(0.3, amperes, // one count is 0.47 A
+               (volts - (double)VARIANT_BIAS_V) /
+                   ((double)VARIANT_SHUNT_Ohm * (double)VARIANT_DIVIDER));
     TEST_ASSERT_EQUAL_UINT32(DAC3->DHR12R1, DAC3->DHR12R2);
+}
+
+static void test_comparators_and_their_threshold(void) {
+    expect_threshold(0.1f, VARIANT_TRIP_MIN_A);
+    expect_threshold(18.0f, 18.0f);
+    expect_threshold(TRIP_A, VARIANT_TRIP_MAX_A);
     const int threshold = first(&DAC3->DHR12R2, 0xFFFu, DAC3->DHR12R2);
     const COMP_TypeDef *const comparators[] = {COMP1, COMP2, COMP4};
     for (int n = 0; n < 3; n++) {
@@ -321,8 +330,35 @@ static void test_comparators_and_their_threshold(void) {
 }
 #endif
 
+#ifdef VARIANT_INTERNAL_ANALOG
+// Each comparator alone: the other two would hide a dead one.
+static void test_trip_path_is_tested(void) {
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    const uint32_t threshold = DAC3->DHR12R1;
+    TEST_ASSERT_TRUE(board_test_trip());
+    TEST_ASSERT_FALSE(gates_on());
+    TEST_ASSERT_EQUAL_UINT32(threshold, DAC3->DHR12R1);
+    TEST_ASSERT_EQUAL_UINT32(threshold, DAC3->DHR12R2);
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_FALSE(counts.trip); // leaves no trip behind
+    for (int n = 0; n < 3; n++) {
+        fake_reset();
+        TEST_ASSERT_TRUE(board_init(TRIP_A));
+        fake_kill_comparator(n);
+        TEST_ASSERT_FALSE(board_test_trip());
+    }
+}
+#else
+static void test_trip_path_is_tested(void) { // the driver's: nothing in reach
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    TEST_ASSERT_TRUE(board_test_trip());
+}
+#endif
+
 static void test_latched_trip_keeps_the_gates_off(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
     const lode_drive_out_t on = {.duty = {0.5f, 0.5f, 0.5f}, .gates = true};
     board_write(&on);
@@ -346,7 +382,7 @@ static void test_latched_trip_keeps_the_gates_off(void) {
 }
 
 static void expect_system_break(void (*event)(void)) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
     board_write(&(lode_drive_out_t){.gates = true});
     TEST_ASSERT_TRUE(gates_on());
@@ -372,11 +408,11 @@ static void test_locked_up_core_switches_off(void) {
 
 static void test_active_trip_at_power_up_is_a_failed_init(void) {
     fake_set_break(true);
-    TEST_ASSERT_FALSE(board_init());
+    TEST_ASSERT_FALSE(board_init(TRIP_A));
 }
 
 static void test_sample_at_the_wrong_end_is_a_trip(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
     lode_counts_t counts;
     board_read(&counts);
@@ -406,7 +442,7 @@ static void one_period(void) {
 }
 
 static void test_counts_come_from_the_right_registers(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     VARIANT_COUNT_A = 11u;
     VARIANT_COUNT_B = 22u;
     VARIANT_COUNT_C = 33u;
@@ -425,7 +461,7 @@ static void test_counts_come_from_the_right_registers(void) {
 }
 
 static void test_duties_become_compare_values(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     const lode_drive_out_t out = {.duty = {0.0f, 0.25f, 1.0f}, .gates = true};
     board_write(&out);
     TEST_ASSERT_EQUAL_UINT32(STEPS, TIM1->CCR1); // never on
@@ -570,7 +606,7 @@ static void test_flag_is_cleared_before_the_period(void) {
 static void test_gates_off_from_anywhere(void) {
     board_gates_off(); // before board_init()
     TEST_ASSERT_FALSE(gates_on());
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_write(&(lode_drive_out_t){.gates = true});
     TEST_ASSERT_TRUE(gates_on());
     board_gates_off();
@@ -623,7 +659,7 @@ static void test_cause_of_a_reset(void) {
 
 static void test_serial_port_takes_what_it_has_room_for(void) {
     static const uint16_t octets[] = {'a', 'b', 'c', 'd'};
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     fake_serial_room(3u);
     TEST_ASSERT_EQUAL_UINT32(3u, board_send(octets, 4u));
     TEST_ASSERT_EQUAL_UINT32(0u, board_send(&octets[3], 1u));
@@ -648,6 +684,7 @@ int main(void) {
 #ifdef VARIANT_INTERNAL_ANALOG
     RUN_TEST(test_comparators_and_their_threshold);
 #endif
+    RUN_TEST(test_trip_path_is_tested);
     RUN_TEST(test_latched_trip_keeps_the_gates_off);
     RUN_TEST(test_lost_clock_switches_off);
 #ifdef FAKE_G4

@@ -4,6 +4,8 @@
 #include "board.h"
 #include "support/check.h"
 
+#define TRIP_A 15.0f
+
 void setUp(void) {}
 
 void tearDown(void) {}
@@ -20,12 +22,13 @@ static void test_every_function_of_a_board_is_there(void) {
     board_describe(&config);
     TEST_ASSERT_TRUE(config.f_pwm_Hz > 0.0f);
     TEST_ASSERT_FALSE(board_reset_by_watchdog());
-    TEST_ASSERT_FALSE(board_init());
+    TEST_ASSERT_FALSE(board_init(TRIP_A));
     board_start();
     board_read(&counts);
     board_write(&(lode_drive_out_t){.gates = false});
     board_gates_off();
     TEST_ASSERT_FALSE(board_clear_trip());
+    TEST_ASSERT_FALSE(board_test_trip());
     board_feed_watchdog();
     TEST_ASSERT_EQUAL_UINT32(0u, board_cycles());
     TEST_ASSERT_EQUAL_UINT32(0u, board_send(octet, 1u));

@@ -6,6 +6,8 @@
 #include "chip.h"
 #include "support/check.h"
 
+#define TRIP_A 1.0e3f // more than any board bears
+
 #define STEPS (CHIP_F_PWM_Hz / VARIANT_F_PWM_Hz / 2u)
 #define PERIOD (CHIP_F_CPU_Hz / VARIANT_F_PWM_Hz)
 #define COUNT_A ADC_RESULT(0, 0)
@@ -48,7 +50,7 @@ static void test_configuration_is_accepted(void) {
 // --- order of the initialisation ---
 
 static void test_outputs_are_held_low_before_the_pins_are_theirs(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     const int stopped = first(CONTROLSS_CLKSYNC, 7u, 0u);
     for (int p = 0; p < 3; p++) {
         const int held = first(EPWM(p) + EPWM_TZFRC, TZFRC_OST, TZFRC_OST);
@@ -67,7 +69,7 @@ static void test_outputs_are_held_low_before_the_pins_are_theirs(void) {
 }
 
 static void test_trip_path_is_armed_before_the_pins_and_before_the_driver(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     const int pins = first(IOMUX_PAD(43), ~0u, PAD_OUTPUT);
     const int driver = first(GPIO_SET(VARIANT_ENABLE_GPIO), ~0u, 1u << (49 % 32));
     for (uint32_t n = 0u; n <= 4u; n += 2u) {
@@ -90,7 +92,7 @@ static void test_trip_path_is_armed_before_the_pins_and_before_the_driver(void) 
 }
 
 static void test_start_enables_the_interrupt_then_counts_and_leaves_the_gates_off(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_INT(-1, fake_interrupts_on());
     TEST_ASSERT_EQUAL_INT(-1, fake_first(VIM_ENABLE(146), 0u, 0u, 0));
     TEST_ASSERT_EQUAL_INT(-1, fake_first(CONTROLSS_CLKSYNC, 7u, 7u, 0));
@@ -114,7 +116,7 @@ static void test_pwm_that_does_not_answer_keeps_everything_off(void) {
 // --- timer, dead-band, trigger ---
 
 static void test_counters_and_dead_band(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     for (int p = 0; p < 3; p++) {
         const uint32_t base = EPWM(p);
         TEST_ASSERT_EQUAL_HEX32(0x800Au, fake_get(base + EPWM_TBCTL)); // up-down, 200 MHz
@@ -129,7 +131,7 @@ static void test_counters_and_dead_band(void) {
 
 // At zero all low sides are on: the middle of the zero vector, where the shunts carry the currents.
 static void test_converters_are_triggered_at_zero_of_every_period(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_HEX32(0x0900u, fake_get(EPWM(0) + EPWM_ETSEL));
     TEST_ASSERT_EQUAL_HEX32(0x0100u, fake_get(EPWM(0) + EPWM_ETPS));
     for (int n = 0; n < 3; n++) { // the same trigger, first in each: one instant
@@ -146,7 +148,7 @@ static void test_converters_are_triggered_at_zero_of_every_period(void) {
 }
 
 static void test_duties_become_compare_values(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_write(&(lode_drive_out_t){.duty = {0.0f, 0.25f, 1.0f}});
     TEST_ASSERT_EQUAL_UINT32(STEPS, fake_get(EPWM(0) + EPWM_CMPA));
     TEST_ASSERT_EQUAL_UINT32(STEPS - STEPS / 4u, fake_get(EPWM(1) + EPWM_CMPA));
@@ -156,13 +158,13 @@ static void test_duties_become_compare_values(void) {
 // --- trip ---
 
 static void test_thresholds_on_both_sides(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     for (uint32_t n = 0u; n <= 4u; n += 2u) {
         const float volt = VARIANT_V_DAC_V / 4096.0f, ohm = VARIANT_SHUNT_Ohm * VARIANT_AMPLIFIER;
         const float high = (float)fake_get(CMPSSB(n) + CMPSS_DACHVALS) * volt;
         const float low = (float)fake_get(CMPSSB(n) + CMPSS_DACLVALS) * volt;
-        CHECK_NEAR(0.02, VARIANT_TRIP_A, (high - VARIANT_BIAS_V) / ohm);
-        CHECK_NEAR(0.02, -VARIANT_TRIP_A, (low - VARIANT_BIAS_V) / ohm);
+        CHECK_NEAR(0.02, VARIANT_TRIP_MAX_A, (high - VARIANT_BIAS_V) / ohm);
+        CHECK_NEAR(0.02, -VARIANT_TRIP_MAX_A, (low - VARIANT_BIAS_V) / ohm);
         TEST_ASSERT_EQUAL_HEX32(0xAA28u, fake_get(CMPSSB(n) + CMPSS_COMPCTL));
         TEST_ASSERT_EQUAL_HEX32(0x8000u | 7u << 9 | 9u << 4, fake_get(CMPSSB(n) + CMPSS_LFILCTL));
     }
@@ -183,7 +185,7 @@ static void set_source(int n, bool active) {
 static void test_every_source_switches_all_six_off_and_latches(void) {
     for (int n = 0; n < SOURCES; n++) {
         fake_reset();
-        TEST_ASSERT_TRUE(board_init());
+        TEST_ASSERT_TRUE(board_init(TRIP_A));
         board_start();
         board_write(&on);
         TEST_ASSERT_TRUE(fake_gates_on()); // without a source nothing trips
@@ -207,9 +209,32 @@ static void test_every_source_switches_all_six_off_and_latches(void) {
     }
 }
 
+static void test_trip_path_is_tested(void) {
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    TEST_ASSERT_TRUE(board_test_trip());
+    TEST_ASSERT_TRUE(fake_all_tripped()); // off
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_FALSE(counts.trip); // leaves no trip behind
+    for (uint32_t n = 0; n < 3u; n++) {
+        fake_reset();
+        TEST_ASSERT_TRUE(board_init(TRIP_A));
+        fake_kill_comparator(2u * n);
+        TEST_ASSERT_FALSE(board_test_trip());
+    }
+}
+
+static void test_threshold_follows_the_motor(void) {
+    TEST_ASSERT_TRUE(board_init(5.0f));
+    const float ohm = VARIANT_SHUNT_Ohm * VARIANT_AMPLIFIER;
+    const float high = (float)fake_get(CMPSSB(0) + CMPSS_DACHVALS) * VARIANT_V_DAC_V / 4096.0f;
+    CHECK_NEAR(0.02, 5.0, (high - VARIANT_BIAS_V) / ohm);
+}
+
 static void test_gates_off_by_software_is_no_trip(void) {
     board_gates_off(); // before board_init()
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_write(&on);
     board_gates_off();
     TEST_ASSERT_TRUE(fake_all_tripped());
@@ -222,13 +247,13 @@ static void test_active_trip_at_power_up_is_a_failed_init(void) {
     for (int n = 0; n < SOURCES; n++) {
         fake_reset();
         set_source(n, true);
-        TEST_ASSERT_FALSE(board_init());
+        TEST_ASSERT_FALSE(board_init(TRIP_A));
         TEST_ASSERT_FALSE(fake_gates_on());
     }
 }
 
 static void test_sample_at_the_wrong_end_is_a_trip(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     lode_counts_t counts;
     board_read(&counts);
     TEST_ASSERT_FALSE(counts.trip);
@@ -257,7 +282,7 @@ static void one_period(void) {
 }
 
 static void test_counts_come_from_the_right_results(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     fake_put(COUNT_A, 11u);
     fake_put(COUNT_B, 22u);
     fake_put(COUNT_C, 33u);
@@ -383,7 +408,7 @@ static void test_cause_of_a_reset(void) {
 
 static void test_serial_port(void) {
     static const uint16_t octets[] = {'a', 'b'};
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     // 48 MHz/16/115200, while the divisor's registers are open
     const int open = first(UART0 + UART_LCR, ~0u, 0x83u);
     TEST_ASSERT_EQUAL_INT(open + 1, fake_first(UART0 + UART_DLL, ~0u, 26u, open));
@@ -406,6 +431,8 @@ int main(void) {
     RUN_TEST(test_duties_become_compare_values);
     RUN_TEST(test_thresholds_on_both_sides);
     RUN_TEST(test_every_source_switches_all_six_off_and_latches);
+    RUN_TEST(test_trip_path_is_tested);
+    RUN_TEST(test_threshold_follows_the_motor);
     RUN_TEST(test_gates_off_by_software_is_no_trip);
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
     RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);

@@ -7,6 +7,8 @@
 #include "figures.h"
 #include "support/check.h"
 
+#define TRIP_A 1.0e3f // more than any board bears
+
 #define STEPS (CHIP_F_CPU_Hz / VARIANT_F_PWM_Hz / 2u)
 #define PERIOD (2u * STEPS)
 
@@ -107,7 +109,7 @@ static void test_configuration_is_accepted(void) {
 // --- order of the initialisation ---
 
 static void test_outputs_are_held_low_before_the_pins_are_theirs(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     static const uint32_t pins[] = {GPIO_10_EPWM6_A, GPIO_11_EPWM6_B, GPIO_8_EPWM5_A,
                                     GPIO_9_EPWM5_B,  GPIO_4_EPWM3_A,  GPIO_5_EPWM3_B};
     const int stopped = first("SysCtl_disablePeripheral", SYSCTL_PERIPH_CLK_TBCLKSYNC, 0u, 0u);
@@ -134,7 +136,7 @@ static void test_outputs_are_held_low_before_the_pins_are_theirs(void) {
 }
 
 static void test_trip_path_is_armed_before_the_pins_and_before_the_driver(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     const int pins = first("GPIO_setPinConfig", GPIO_10_EPWM6_A, FAKE_ANY, FAKE_ANY);
     const int driver = first("GPIO_writePin", VARIANT_ENABLE_GPIO, 1u, FAKE_ANY);
     static const uint32_t cmpss[] = {CMPSS5_BASE, CMPSS3_BASE, CMPSS1_BASE};
@@ -154,7 +156,7 @@ static void test_trip_path_is_armed_before_the_pins_and_before_the_driver(void) 
 }
 
 static void test_start_enables_the_interrupt_then_counts_and_leaves_the_gates_off(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_INT(-1, fake_first("Interrupt_enable", FAKE_ANY, FAKE_ANY, FAKE_ANY, 0));
     TEST_ASSERT_EQUAL_INT(-1, fake_first("EINT", FAKE_ANY, FAKE_ANY, FAKE_ANY, 0));
     TEST_ASSERT_EQUAL_INT(-1, fake_first("SysCtl_enablePeripheral", SYSCTL_PERIPH_CLK_TBCLKSYNC,
@@ -172,7 +174,7 @@ static void test_start_enables_the_interrupt_then_counts_and_leaves_the_gates_of
 
 static void test_clock_that_does_not_come_keeps_everything_off(void) {
     fake_kill_clock();
-    TEST_ASSERT_FALSE(board_init());
+    TEST_ASSERT_FALSE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_INT(-1,
                           fake_first("GPIO_setPinConfig", GPIO_10_EPWM6_A, FAKE_ANY, FAKE_ANY, 0));
     TEST_ASSERT_EQUAL_INT(-1, fake_first("GPIO_writePin", VARIANT_ENABLE_GPIO, 1u, FAKE_ANY, 0));
@@ -183,7 +185,7 @@ static void test_clock_that_does_not_come_keeps_everything_off(void) {
 // --- timer, dead-band, trigger ---
 
 static void test_counters_and_dead_band(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     for (int p = 0; p < COUNT_OF(pwm); p++) {
         const uint32_t base = pwm[p];
         TEST_ASSERT_EQUAL_UINT32(EPWM_COUNTER_MODE_UP_DOWN,
@@ -214,7 +216,7 @@ static void test_counters_and_dead_band(void) {
 
 // At zero all low sides are on: the middle of the zero vector, where the shunts carry the currents.
 static void test_converters_are_triggered_at_zero_of_every_period(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_UINT32(EPWM_SOC_TBCTR_ZERO,
                              third("EPWM_setADCTriggerSource", pwm[0], EPWM_SOC_A));
     TEST_ASSERT_EQUAL_UINT32(1u, third("EPWM_setADCTriggerEventPrescale", pwm[0], EPWM_SOC_A));
@@ -236,7 +238,7 @@ static void test_converters_are_triggered_at_zero_of_every_period(void) {
 }
 
 static void test_duties_become_compare_values(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_write(&(lode_drive_out_t){.duty = {0.0f, 0.25f, 1.0f}});
     TEST_ASSERT_EQUAL_UINT32(STEPS, third("EPWM_setCounterCompareValue", pwm[0], 0u));
     TEST_ASSERT_EQUAL_UINT32(STEPS - STEPS / 4u, third("EPWM_setCounterCompareValue", pwm[1], 0u));
@@ -249,7 +251,7 @@ static void test_duties_become_compare_values(void) {
 // --- trip ---
 
 static void test_thresholds_on_both_sides(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     static const uint32_t cmpss[] = {CMPSS5_BASE, CMPSS3_BASE, CMPSS1_BASE};
     lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
     board_describe(&config);
@@ -257,8 +259,8 @@ static void test_thresholds_on_both_sides(void) {
     for (int n = 0; n < COUNT_OF(cmpss); n++) {
         const float high = (float)second("CMPSS_setDACValueHigh", cmpss[n]);
         const float low = (float)second("CMPSS_setDACValueLow", cmpss[n]);
-        CHECK_NEAR(0.02, -VARIANT_TRIP_A, (high - offset) * gain);
-        CHECK_NEAR(0.02, VARIANT_TRIP_A, (low - offset) * gain);
+        CHECK_NEAR(0.02, -VARIANT_TRIP_MAX_A, (high - offset) * gain);
+        CHECK_NEAR(0.02, VARIANT_TRIP_MAX_A, (low - offset) * gain);
         // The low comparator's output is inverted: it trips below.
         TEST_ASSERT_EQUAL_HEX32(CMPSS_INSRC_DAC, second("CMPSS_configHighComparator", cmpss[n]));
         TEST_ASSERT_EQUAL_HEX32(CMPSS_INSRC_DAC | CMPSS_INV_INVERTED,
@@ -282,7 +284,7 @@ static void set_source(int n, bool active) {
 static void test_every_source_switches_all_six_off_and_latches(void) {
     for (int n = 0; n < SOURCES; n++) {
         fake_reset();
-        TEST_ASSERT_TRUE(board_init());
+        TEST_ASSERT_TRUE(board_init(TRIP_A));
         board_start();
         board_write(&on);
         TEST_ASSERT_TRUE(fake_gates_on()); // without a source nothing trips
@@ -309,9 +311,32 @@ static void test_every_source_switches_all_six_off_and_latches(void) {
     }
 }
 
+static void test_trip_path_is_tested(void) {
+    static const uint32_t cmpss[] = {CMPSS5_BASE, CMPSS3_BASE, CMPSS1_BASE};
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    TEST_ASSERT_TRUE(board_test_trip());
+    TEST_ASSERT_TRUE(fake_all_tripped()); // off
+    lode_counts_t counts;
+    board_read(&counts);
+    TEST_ASSERT_FALSE(counts.trip); // leaves no trip behind
+    for (uint32_t n = 0; n < 3u; n++) {
+        fake_reset();
+        TEST_ASSERT_TRUE(board_init(TRIP_A));
+        fake_kill_comparator(cmpss[n]);
+        TEST_ASSERT_FALSE(board_test_trip());
+    }
+}
+
+static void test_threshold_follows_the_motor(void) {
+    TEST_ASSERT_TRUE(board_init(5.0f));
+    const float high = (float)second("CMPSS_setDACValueHigh", CMPSS5_BASE);
+    CHECK_NEAR(0.02, 5.0, (high - VARIANT_I_OFFSET_count) * -VARIANT_I_GAIN_A_count);
+}
+
 static void test_gates_off_by_software_is_no_trip(void) {
     board_gates_off(); // before board_init()
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_write(&on);
     board_gates_off();
     TEST_ASSERT_TRUE(fake_all_tripped());
@@ -326,13 +351,13 @@ static void test_active_trip_at_power_up_is_a_failed_init(void) {
     for (int n = 0; n < SOURCES; n++) {
         fake_reset();
         set_source(n, true);
-        TEST_ASSERT_FALSE(board_init());
+        TEST_ASSERT_FALSE(board_init(TRIP_A));
         TEST_ASSERT_FALSE(fake_gates_on());
     }
 }
 
 static void test_clearing_resets_the_driver_and_waits_for_it(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_write(&on);
     set_source(3, true);
     set_source(3, false);
@@ -353,7 +378,7 @@ static void test_clearing_resets_the_driver_and_waits_for_it(void) {
 }
 
 static void test_sample_at_the_wrong_end_is_a_trip(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     lode_counts_t counts;
     board_read(&counts);
     TEST_ASSERT_FALSE(counts.trip);
@@ -382,7 +407,7 @@ static void one_period(void) {
 }
 
 static void test_counts_come_from_the_right_results(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     fake_set_result(ADCARESULT_BASE, ADC_SOC_NUMBER0, 11u);
     fake_set_result(ADCCRESULT_BASE, ADC_SOC_NUMBER0, 22u);
     fake_set_result(ADCBRESULT_BASE, ADC_SOC_NUMBER0, 33u);
@@ -474,7 +499,7 @@ static void test_flags_are_cleared_around_the_period(void) {
 // --- supervision and serial port ---
 
 static void test_unexpected_interrupts_have_a_handler(void) {
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_TRUE(fake_handler(INT_NMI) != NULL);
     TEST_ASSERT_TRUE(fake_handler(INT_ILLEGAL) == fake_handler(INT_NMI));
 }
@@ -528,7 +553,7 @@ static void test_cause_of_a_reset(void) {
 
 static void test_serial_port_takes_what_it_has_room_for(void) {
     static const uint16_t octets[] = {'a', 'b', 'c', 'd'};
-    TEST_ASSERT_TRUE(board_init());
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
     fake_serial_room(3u);
     TEST_ASSERT_EQUAL_UINT32(3u, board_send(octets, 4u));
     TEST_ASSERT_EQUAL_UINT32(0u, board_send(&octets[3], 1u));
@@ -550,6 +575,8 @@ int main(void) {
     RUN_TEST(test_duties_become_compare_values);
     RUN_TEST(test_thresholds_on_both_sides);
     RUN_TEST(test_every_source_switches_all_six_off_and_latches);
+    RUN_TEST(test_trip_path_is_tested);
+    RUN_TEST(test_threshold_follows_the_motor);
     RUN_TEST(test_gates_off_by_software_is_no_trip);
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
     RUN_TEST(test_clearing_resets_the_driver_and_waits_for_it);

@@ -67,9 +67,13 @@
     { GPIOB, 3u, 7u } // USART2, the ST-LINK's virtual COM port
 
 // Over-current: comparators 1, 2 and 4 on the amplifiers' inputs against DAC3. They see the current that
-// flows back into the low side; one that flows out returns through the other two phases.
+// flows back into the low side; one that flows out returns through the other two phases, and the largest
+// of them is at least half of it. So a threshold of x acts between x and 2 x, and there is no comparator
+// left on this chip for the other sign; the drive's own trip sees both.
+// Below the least a comparator's offset, some mV of 1.7 mV/A, would be most of it.
 #define VARIANT_INTERNAL_ANALOG 1
-#define VARIANT_TRIP_A 36.0f
-#define VARIANT_TRIP_V (VARIANT_BIAS_V + VARIANT_TRIP_A * VARIANT_SHUNT_Ohm * VARIANT_DIVIDER)
+#define VARIANT_TRIP_MAX_A 36.0f
+#define VARIANT_TRIP_MIN_A 9.0f
+#define VARIANT_TRIP_V(i_A) (VARIANT_BIAS_V + (i_A)*VARIANT_SHUNT_Ohm * VARIANT_DIVIDER)
 
 #endif

@@ -30,7 +30,8 @@
 #define VARIANT_T_OFFSET_degC 0.0f
 #define VARIANT_T_MAX_degC 0.0f // the core's default
 #define VARIANT_SETTLE_ns 1700.0f
-#define VARIANT_TRIP_A 14.0f // of 16 A that the amplifier can show, either sign
+#define VARIANT_TRIP_MAX_A 14.0f // of 16 A that the amplifier can show, either sign
+#define VARIANT_TRIP_MIN_A 2.0f
 
 // Phases a, b, c: ePWM and its pads (A, B); the first one triggers the converters.
 #define VARIANT_PWM                                                                                \

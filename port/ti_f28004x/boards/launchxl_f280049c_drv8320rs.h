@@ -33,7 +33,8 @@
 #define VARIANT_T_MAX_degC 0.0f // the core's default
 // Dead time, then the amplifier: some 0.5 us to 0.1 % at gain 12, taken three times.
 #define VARIANT_SETTLE_ns 1700.0f
-#define VARIANT_TRIP_A 18.0f // of 21.4 A that the amplifier can show, either sign
+#define VARIANT_TRIP_MAX_A 18.0f // of 21.4 A that the amplifier can show, either sign
+#define VARIANT_TRIP_MIN_A 2.0f
 
 // Phases a, b, c. All three ePWM count alike; the first one triggers the converters.
 #define VARIANT_PWM                                                                                \

@@ -45,12 +45,17 @@ ADC_TypeDef fake_ADC3;
 ADC_Common_TypeDef fake_ADC123_COMMON;
 #endif
 
+#define COMPARATORS 3
+
 static fake_entry_t entries[ENTRIES_MAX];
 static int count;
 static int irq_index[128];
 static uint32_t irq_priority[128];
 static uint32_t irq_mask;
 static bool break_active, clock_dead;
+#ifdef FAKE_G4
+static bool dead_comparator[COMPARATORS];
+#endif
 static bool bdtr_written; // since the timer's reset
 static uint32_t room;
 static char text[TEXT_MAX];
@@ -72,6 +77,11 @@ void fake_reset(void) {
     WIPE(fake_FLASH);
     WIPE(SERIAL);
 #ifdef FAKE_G4
+    WIPE(dead_comparator);
+    WIPE(fake_COMP1);
+    WIPE(fake_COMP2);
+    WIPE(fake_COMP4);
+    WIPE(fake_DAC3);
     WIPE(fake_SYSCFG);
 #endif
 #ifndef FAKE_G4
@@ -128,6 +138,30 @@ uint32_t fake_read(const volatile uint32_t *reg) {
 #endif
     return *reg;
 }
+
+#ifdef FAKE_G4
+#define NO_CURRENT_COUNT 160u // of DAC3: 129 mV at the amplifiers' inputs
+
+void fake_kill_comparator(int n) {
+    dead_comparator[n] = true;
+}
+
+// Comparators 1, 2 and 4 against channel 1 and twice channel 2 of DAC3, into TIM1's break.
+static void model_comparators(void) {
+    COMP_TypeDef *const unit[COMPARATORS] = {&fake_COMP1, &fake_COMP2, &fake_COMP4};
+    const uint32_t source[COMPARATORS] = {TIM1_AF1_BKCMP1E, TIM1_AF1_BKCMP2E, TIM1_AF1_BKCMP4E};
+    const uint32_t dac[COMPARATORS] = {fake_DAC3.DHR12R1, fake_DAC3.DHR12R2, fake_DAC3.DHR12R2};
+    for (int n = 0; n < COMPARATORS; n++) {
+        const bool on = (unit[n]->CSR & COMP_CSR_EN) != 0u && !dead_comparator[n];
+        const bool high = on && dac[n] < NO_CURRENT_COUNT;
+        unit[n]->CSR = (unit[n]->CSR & ~COMP_CSR_VALUE) | (high ? COMP_CSR_VALUE : 0u);
+        if (high && (fake_TIM1.AF1 & source[n]) != 0u && (fake_TIM1.BDTR & TIM_BDTR_BKE) != 0u) {
+            fake_TIM1.SR |= TIM_SR_BIF;
+            fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
+        }
+    }
+}
+#endif
 
 static void model_timer(volatile uint32_t *reg, uint32_t before) {
     if (reg == &fake_TIM1.SR) { // flags are cleared by writing 0
@@ -211,6 +245,7 @@ void fake_write(volatile uint32_t *reg, const char *name, uint32_t value) {
     model_serial(reg, value);
     model_pins(reg, value);
 #ifdef FAKE_G4
+    model_comparators();
     model_cordic(reg, value);
 #endif
 }

@@ -35,6 +35,8 @@ bool fake_halt(uint32_t ticks);
 /// The crystal stops, or the core locks up: a break where the port has connected it.
 void fake_lose_clock(void);
 void fake_lock_up(void);
+/// One of the comparators 1, 2, 4 (n = 0 .. 2) never acts; STM32G4.
+void fake_kill_comparator(int n);
 /// The oscillators never get ready.
 void fake_kill_clock(void);
 /// The transmitter takes this many more octets.

@@ -87,6 +87,7 @@ typedef struct {
 
 #define COMP_CSR_EN 1u
 #define COMP_CSR_INMSEL_Pos 4u
+#define COMP_CSR_VALUE (1u << 30)
 #define OPAMP_CSR_OPAMPxEN 1u
 #define OPAMP_CSR_VMSEL_Pos 5u
 #define OPAMP_CSR_HIGHSPEEDEN (1u << 7)

@@ -9,6 +9,7 @@
 #define REGISTERS 512
 #define PHASES 3
 #define TEXT_MAX 4096
+#define NO_CURRENT_COUNT 1986u // of the comparators' DACs: 1.6 V of 3.3 V
 
 typedef struct {
     uint32_t address, value;
@@ -19,7 +20,7 @@ static struct {
     int count;
     entry_t registers[REGISTERS];
     int used;
-    uint32_t comparators;
+    uint32_t comparators, dead_comparator;
     bool fault, gated, halted;
     uint32_t cycles, step;
     int interrupts_on;
@@ -31,6 +32,7 @@ void fake_reset(void) {
     memset(&fake, 0, sizeof fake);
     fake.interrupts_on = -1;
     fake.step = 400u;
+    fake.dead_comparator = ~0u;
     for (int n = 0; n < PHASES; n++) {
         fake_put(EPWM(n) + EPWM_TBSTS, TBSTS_UP);
     }
@@ -73,7 +75,11 @@ int fake_first(uint32_t address, uint32_t mask, uint32_t bits, int from) {
 static bool compared(void) {
     for (uint32_t n = 0u; n < 10u; n++) {
         const uint32_t control = COMPCTL_ON | COMPCTL_HIGH_FILTERED | COMPCTL_LOW_FILTERED_INVERTED;
-        if ((fake.comparators & 1u << n) != 0u && fake_get(CMPSSB(n) + CMPSS_COMPCTL) == control &&
+        const uint32_t high = fake_get(CMPSSB(n) + CMPSS_DACHVALS);
+        const uint32_t low = fake_get(CMPSSB(n) + CMPSS_DACLVALS);
+        const bool beyond = high < NO_CURRENT_COUNT || low > NO_CURRENT_COUNT;
+        if (n != fake.dead_comparator && (beyond || (fake.comparators & 1u << n) != 0u) &&
+            fake_get(CMPSSB(n) + CMPSS_COMPCTL) == control &&
             (fake_get(CMPSSB(n) + CMPSS_HFILCTL) & FILCTL_INIT) != 0u &&
             (fake_get(PWMXBAR0_G1) & PWMXBAR_CMPSSB(n)) == PWMXBAR_CMPSSB(n)) {
             return true;
@@ -111,6 +117,10 @@ static void sources_act(void) {
 void fake_set_comparator(uint32_t n, bool active) {
     fake.comparators = active ? fake.comparators | 1u << n : fake.comparators & ~(1u << n);
     sources_act();
+}
+
+void fake_kill_comparator(uint32_t n) {
+    fake.dead_comparator = n;
 }
 
 void fake_set_fault(bool active) {

@@ -10,6 +10,7 @@
 #define RESULTS 2
 #define HANDLERS 8
 #define TEXT_MAX 4096
+#define NO_CURRENT_COUNT 2048u
 
 typedef struct {
     const char *name;
@@ -29,7 +30,7 @@ static struct {
     entry_t entries[ENTRIES_MAX];
     int count;
     zone_t zone[PHASES];
-    bool comparator[PHASES], fault, dead, overflow;
+    bool comparator[PHASES], dead_comparator[PHASES], fault, dead, overflow;
     uint16_t direction;
     uint32_t cycles;
     uint16_t result[PHASES][RESULTS];
@@ -108,6 +109,16 @@ static bool signal_enabled(uint32_t base, uint16_t signal) {
     return at >= 0 && (fake_arguments(at)[1] & signal) != 0;
 }
 
+// Its output is high: set by the test, or a threshold lies beyond the signal of no current.
+static bool compared(int n) {
+    const int high = fake_last("CMPSS_setDACValueHigh", cmpss[n], FAKE_ANY, FAKE_ANY);
+    const int low = fake_last("CMPSS_setDACValueLow", cmpss[n], FAKE_ANY, FAKE_ANY);
+    const bool beyond =
+        high >= 0 && low >= 0 &&
+        (fake_arguments(high)[1] < NO_CURRENT_COUNT || fake_arguments(low)[1] > NO_CURRENT_COUNT);
+    return !fake.dead_comparator[n] && (fake.comparator[n] || beyond);
+}
+
 static bool comparator_reaches(int n, uint32_t base) {
     return called("CMPSS_enableModule", cmpss[n], FAKE_ANY, FAKE_ANY) &&
            called("CMPSS_configOutputsHigh", cmpss[n], CMPSS_TRIP_FILTER | CMPSS_TRIPOUT_FILTER,
@@ -131,7 +142,7 @@ static bool fault_reaches(uint32_t base) {
 static void sources_act(void) {
     for (int n = 0; n < PHASES; n++) {
         for (int c = 0; c < PHASES; c++) {
-            if (fake.comparator[c] && comparator_reaches(c, pwm[n])) {
+            if (compared(c) && comparator_reaches(c, pwm[n])) {
                 fake.zone[n].latches |= EPWM_TZ_OST_FLAG_DCAEVT1;
                 fake.zone[n].flags |= EPWM_TZ_FLAG_OST | EPWM_TZ_FLAG_DCAEVT1;
             }
@@ -159,6 +170,12 @@ void fake_set_comparator(uint32_t base, bool active) {
         }
     }
     sources_act();
+}
+
+void fake_kill_comparator(uint32_t base) {
+    for (int n = 0; n < PHASES; n++) {
+        fake.dead_comparator[n] = fake.dead_comparator[n] || cmpss[n] == base;
+    }
 }
 
 void fake_set_fault(bool active) {
@@ -409,8 +426,17 @@ RECORD_1(DAC_enableOutput, uint32_t)
 RECORD_2(ASysCtl_selectCMPHPMux, ASysCtl_CMPHPMuxSelect, uint32_t)
 RECORD_2(ASysCtl_selectCMPLPMux, ASysCtl_CMPLPMuxSelect, uint32_t)
 RECORD_2(CMPSS_configDAC, uint32_t, uint16_t)
-RECORD_2(CMPSS_setDACValueHigh, uint32_t, uint16_t)
-RECORD_2(CMPSS_setDACValueLow, uint32_t, uint16_t)
+
+void CMPSS_setDACValueHigh(uint32_t base, uint16_t value) {
+    call("CMPSS_setDACValueHigh", (uint32_t[ARGUMENTS]){base, value});
+    sources_act();
+}
+
+void CMPSS_setDACValueLow(uint32_t base, uint16_t value) {
+    call("CMPSS_setDACValueLow", (uint32_t[ARGUMENTS]){base, value});
+    sources_act();
+}
+
 RECORD_2(CMPSS_configHighComparator, uint32_t, uint16_t)
 RECORD_2(CMPSS_configLowComparator, uint32_t, uint16_t)
 RECORD_4(CMPSS_configFilterHigh, uint32_t, uint16_t, uint16_t, uint16_t)
