@@ -130,8 +130,13 @@ static void choose_chain(const case_t *what, rig_config_t *config) {
     }
     config->speed_of_eq14 = chain == CHAIN_EQ14;
     drive->estimator.active_flux = whole ? LODE_ON : LODE_OFF;
+    if (what->ideal) {
+        config->plant.inverter = PLANT_AVERAGED;
+    }
+    // An ideal inverter has nothing to be corrected.
+    const bool corrected = whole || chain == CHAIN_PRINTED_CORRECTED;
     drive->inverter.dead_time_correction =
-        whole || chain == CHAIN_PRINTED_CORRECTED ? LODE_ON : LODE_OFF;
+        corrected && config->plant.inverter != (int)PLANT_AVERAGED ? LODE_ON : LODE_OFF;
 }
 
 static bool describe(const case_t *what, const case_bases_t *bases, rig_config_t *config) {

@@ -46,6 +46,7 @@ typedef struct {
     case_method_t method;
     case_chain_t chain;
     double speed_rpm; ///< not of a staircase
+    bool ideal;       ///< behind an inverter without dead time, drops and switching
 } case_t;
 
 enum { CASE_LEVELS_MAX = 4 };

@@ -89,7 +89,7 @@ static bool plot_waves(FILE *script, const drawing_t *drawing, const case_bases_
     for (int s = 0; s < 2; ++s) {
         const double length_s = 3.0 * 60.0 / (3.0 * speeds[s]); // three electrical periods
         for (int c = 0; c < DRAWN; ++c) {
-            const case_t what = {drawing->kind, METHOD_QPLL, drawn[c], speeds[s]};
+            const case_t what = {drawing->kind, METHOD_QPLL, drawn[c], speeds[s], false};
             runlog_t log;
             if (!reproduction_signals(bases, &what, &log)) {
                 return false;
@@ -144,7 +144,8 @@ static bool plot_runs(FILE *script, const drawing_t *drawing, const case_bases_t
     (void)fputs("set autoscale xfix\n", script);
     for (int m = 0; m < METHODS; ++m) {
         for (int c = 0; c < DRAWN; ++c) {
-            const case_t what = {drawing->kind, (case_method_t)m, drawn[c], drawing->speed_rpm};
+            const case_t what = {drawing->kind, (case_method_t)m, drawn[c], drawing->speed_rpm,
+                                 false};
             runlog_t log;
             if (!reproduction_signals(bases, &what, &log)) {
                 return false;
@@ -178,7 +179,7 @@ static void send_levels(FILE *script, const drawing_t *drawing, const case_bases
         double rows[DRAWN + 1][CASE_LEVELS_MAX][2];
         for (int c = 0; c <= DRAWN; ++c) {
             const case_chain_t chain = c < DRAWN ? drawn[c] : CHAIN_LIBRARY;
-            const case_t what = {kind, METHOD_ENHANCED, chain, drawing->speed_rpm};
+            const case_t what = {kind, METHOD_ENHANCED, chain, drawing->speed_rpm, false};
             (void)case_run(&what, bases, &result, NULL);
             for (int k = 0; k < levels; ++k) {
                 rows[c][k][0] = result.level_dc_deg[k];

@@ -179,16 +179,15 @@ static double complex point_at(const loop_t *loop, double w) {
 static theory_loop_t metrics(const loop_t *loop) {
     theory_loop_t out = {NAN, NAN, -HUGE_VAL, 0.0};
     const double top = loop->ts_s > 0.0 ? 0.95 * RIG_PI / loop->ts_s : 1.0e5;
-    // The crossover is the last one: past the notch, where it matters.
+    // The last frequency at which the gain falls through one.
+    bool below = false;
     for (double w = top; w > 1.0 && isnan(out.crossover_rad_s); w *= 0.9999) {
-        if (cabs(point_at(loop, w)) >= 1.0) {
-            const bool crosses = w < top;
-            out.crossover_rad_s = crosses ? w : HUGE_VAL;
+        const bool above = cabs(point_at(loop, w)) >= 1.0;
+        if (above && below) {
+            out.crossover_rad_s = w;
             out.margin_deg = 180.0 + rig_deg_from_rad(carg(point_at(loop, w)));
         }
-    }
-    if (isinf(out.crossover_rad_s)) {
-        out.crossover_rad_s = out.margin_deg = NAN;
+        below = !above;
     }
     double complex root[DEGREE_MAX];
     const poly_t closed = added(loop->num, loop->den);

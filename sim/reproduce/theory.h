@@ -41,7 +41,7 @@ double theory_swing_deg(const theory_t *t, double load_Nm, bool leso);
 double theory_swing_rpm(const theory_t *t, double load_Nm, bool leso);
 
 typedef struct {
-    double crossover_rad_s, margin_deg; ///< NaN: the gain does not cross one
+    double crossover_rad_s, margin_deg; ///< where the gain last falls through one; NaN: nowhere
     double pole_re, pole_im;            ///< dominant pair
 } theory_loop_t;
 
