@@ -8,5 +8,5 @@ endif()
 # fp_mode strict: the core needs IEEE comparisons and real divisions.
 set(CMAKE_C_FLAGS_INIT "-v28 -ml --abi=eabi --float_support=fpu32 --fp_mode=strict")
 set(CMAKE_C_FLAGS_RELEASE "--opt_level=2 --opt_for_speed=4" CACHE STRING "Flags of a release build")
-set(CMAKE_EXE_LINKER_FLAGS_INIT "--run_linker --rom_model --entry_point=code_start --stack_size=0x400")
+set(CMAKE_EXE_LINKER_FLAGS_INIT "--run_linker --rom_model --entry_point=code_start")
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)

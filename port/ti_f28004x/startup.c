@@ -3,7 +3,7 @@
 #include "lodestar/platform.h"
 
 #if defined(__TMS320C28XX__)
-// Of TI's linker command files for flash: 28004x_generic_flash_lnk.cmd and its like.
+// Of f28004x.cmd.
 extern uint16_t RamfuncsLoadStart[], RamfuncsLoadSize[], RamfuncsRunStart[];
 
 int _system_pre_init(void);

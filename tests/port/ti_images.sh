@@ -3,7 +3,7 @@
 # address, the interrupt in tightly coupled memory; prints the sizes. The F28004x port compiles with gcc
 # through CMake, and is refused without TI's headers. Runs at the project's root.
 set -eu -o pipefail
-for tool in arm-none-eabi-gcc cmake ninja; do
+for tool in arm-none-eabi-gcc cmake ninja python3; do
     command -v "$tool" >/dev/null || { echo "skipped: no $tool"; exit 77; }
 done
 echo '#include <math.h>' | arm-none-eabi-gcc -E -x c - >/dev/null 2>&1 ||
@@ -33,6 +33,21 @@ tcm() { # tcm SYMBOL: below 32 KB
 grep -q "^00000000 . vectors$" "$work/symbols" || { echo "vectors: expected at 0"; exit 1; }
 for symbol in irq_entry irq_handler app_period lode_drive_step board_write chip_pwm_off; do
     tcm "$symbol"
+done
+
+# The F28004x's memories, and a checker that is not blind: TI's generic file, which gives .bss and the
+# code in RAM one block each, must fail.
+arm-none-eabi-size -A "$elf" >"$work/sizes"
+cmd=port/ti_f28004x/f28004x.cmd
+python3 tests/port/check_cmd.py "$cmd" "$work/sizes"
+for breach in 's/\(RAMLS .*length = \)0x004000/\10x000800/' 's/\(RAMGS01 .*length = \)0x004000/\10x000800/' \
+    's/stack_size=0x600/stack_size=0x800/' 's/\(RAMM .*length = \)0x000702/\10x00070A/' '/\.TI\.noinit/d'; do
+    sed "$breach" "$cmd" >"$work/breach.cmd"
+    cmp -s "$cmd" "$work/breach.cmd" && { echo "$breach: expected to change $cmd"; exit 1; }
+    if python3 tests/port/check_cmd.py "$work/breach.cmd" "$work/sizes" >/dev/null 2>&1; then
+        echo "$breach: expected to be found"
+        exit 1
+    fi
 done
 
 # The stand-ins have no code, so the F28004x is compiled but not linked.
