@@ -189,7 +189,7 @@ def design(checks, folder):
     # A motor alone is enough.
     done = folder.run("design", "--motor", "jiang2022")
     checks.equal(done.returncode, 0, f"exit code of design without a drive: {done.stderr}")
-    checks.true("assumed: [drive] f_pwm_Hz" in done.stderr, "says what it assumed")
+    checks.true("assumed: [drive] f_pwm_Hz" in done.stdout, "says what it assumed")
     refused(checks, folder, ["design", "--motor", MOTOR, "--set", "estimator.sigma_rad_s=2000"],
             "LODE_ERROR_PLL")
 

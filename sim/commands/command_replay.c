@@ -59,7 +59,7 @@ static bool note_origin(rig_config_t *config, const char *recording, const char 
         (void)snprintf(config->file[config->files++], RIG_PATH_LENGTH, "%s", recording);
     }
     const int row = rig_schema_find(rig_schema(), "drive", key);
-    config->origin[row] = (rig_origin_t){config->files - 1, 0};
+    config->origin[row] = (rig_origin_t){.file = config->files - 1, .line = 0};
     return true;
 }
 

@@ -10,6 +10,9 @@
 /// {section: {key: value}} of everything that is set or computed.
 cJSON *config_json(const rig_config_t *config);
 
+/// What of it nobody gave and nothing computed: "section.key" and why this value was taken.
+cJSON *config_json_assumed(const rig_config_t *config);
+
 /// A number as JSON that reads back to the same value; null for NaN and infinity.
 void config_json_number(cJSON *object, const char *name, double value);
 

@@ -131,7 +131,7 @@ static void take_value(source_t *source, const char *section, const char *key, c
         complain_of_value(source, section, key, value, expected);
         return;
     }
-    *origin = (rig_origin_t){source->file, source->line};
+    *origin = (rig_origin_t){.file = source->file, .line = source->line};
 }
 
 // ---- Files --------------------------------------------------------------------------------------
@@ -301,13 +301,18 @@ bool ini_config_set(rig_config_t *config, const char *option, const char *assign
 
 void ini_config_where(const rig_config_t *config, int row, char *text, size_t size) {
     const rig_origin_t *origin = &config->origin[row];
+    const char *gap = origin->instead != NULL ? ": " : "";
+    const char *key = origin->instead != NULL ? origin->instead : "";
     if (origin->file >= 0 && origin->line == 0) {
         (void)snprintf(text, size, "from %s", config->file[origin->file]);
     } else if (origin->file >= 0) {
-        (void)snprintf(text, size, "%s:%d", config->file[origin->file], origin->line);
+        (void)snprintf(text, size, "%s:%d%s%s", config->file[origin->file], origin->line, gap, key);
+    } else if (origin->line == 0) {
+        (void)snprintf(text, size, "command line%s%s", gap, key);
+    } else if (origin->assumed != NULL) {
+        (void)snprintf(text, size, "assumed: %s", origin->assumed);
     } else {
-        (void)snprintf(text, size, "%s",
-                       origin->line == 0 ? "command line" : "default or computed");
+        (void)snprintf(text, size, "default or computed");
     }
 }
 

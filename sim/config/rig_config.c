@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "config/assumptions.h"
+#include "config/conversions.h"
 #include "config/schema.h"
 #include "support/diag.h"
 #include "support/units.h"
@@ -33,7 +35,7 @@ void rig_config_init(rig_config_t *config) {
     memset(config, 0, sizeof *config);
     unset_all(rig_schema(), config);
     for (int k = 0; k < RIG_KEYS_MAX; ++k) {
-        config->origin[k] = (rig_origin_t){-1, -1};
+        config->origin[k] = (rig_origin_t){.file = -1, .line = -1};
     }
     config->plant.inverter = PLANT_SWITCHING;
     for (int k = 0; k < RIG_PHASES_MAX; ++k) {
@@ -55,58 +57,16 @@ static bool all_given(const rig_config_t *config, const char *section, const cha
     bool good = true;
     for (; *key != NULL; ++key) {
         if (!is_given(config, section, *key)) {
+            char others[512];
+            conversions_instead_of(section, *key, others, sizeof others);
             rig_error_at(config->files > 0 ? config->file[0] : "command line", 0,
-                         "[%s] %s: missing; expected it in a file, or as --set %s.%s=VALUE",
-                         section, *key, section, *key);
+                         "[%s] %s: missing; expected it in a file, or as --set %s.%s=VALUE%s%s",
+                         section, *key, section, *key, others[0] != '\0' ? "; or one of " : "",
+                         others);
             good = false;
         }
     }
     return good;
-}
-
-/// False after a message if both keys are given.
-static bool not_both(const rig_config_t *config, const char *section, const char *one,
-                     const char *other) {
-    if (!is_given(config, section, one) || !is_given(config, section, other)) {
-        return true;
-    }
-    const rig_origin_t *origin = &config->origin[rig_schema_find(rig_schema(), section, other)];
-    rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set", origin->line,
-                 "[%s] %s: %s is given as well; expected one of them", section, other, one);
-    return false;
-}
-
-static bool convert_units(rig_config_t *config) {
-    if (!not_both(config, "estimator", "omega_max_rad_s", "speed_max_rpm") ||
-        !not_both(config, "start", "omega_handover_rad_s", "handover_rpm") ||
-        !not_both(config, "speed", "ramp_rad_s2", "ramp_rpm_s") ||
-        !not_both(config, "speed", "kp_Nms", "kp_A_s_rad") ||
-        !not_both(config, "speed", "ki_Nm", "ki_A_rad")) {
-        return false;
-    }
-    lode_drive_config_t *drive = &config->drive;
-    const rig_convenience_t *people = &config->people;
-    const double np = (double)drive->motor.pole_pairs;
-    const double kt = (double)lode_motor_torque_factor(&drive->motor) * (double)drive->motor.psi_Wb;
-    if (!isnan(people->speed_rated_rpm)) {
-        drive->motor.omega_rated_rad_s = (float)(np * rig_rad_s_from_rpm(people->speed_rated_rpm));
-    }
-    if (!isnan(people->speed_max_rpm)) {
-        drive->estimator.omega_max_rad_s = (float)(np * rig_rad_s_from_rpm(people->speed_max_rpm));
-    }
-    if (!isnan(people->handover_rpm)) {
-        drive->start.omega_handover_rad_s = (float)(np * rig_rad_s_from_rpm(people->handover_rpm));
-    }
-    if (!isnan(people->ramp_rpm_s)) {
-        drive->speed.ramp_rad_s2 = (float)rig_rad_s_from_rpm(people->ramp_rpm_s);
-    }
-    if (!isnan(people->kp_A_s_rad)) {
-        drive->speed.kp_Nms = (float)(kt * people->kp_A_s_rad);
-    }
-    if (!isnan(people->ki_A_rad)) {
-        drive->speed.ki_Nm = (float)(kt * people->ki_A_rad);
-    }
-    return true;
 }
 
 static void default_to(double *value, double otherwise) {
@@ -237,13 +197,18 @@ bool rig_config_complete(rig_config_t *config, rig_need_t need) {
                                         "psi_Wb",     "J_kgm2", NULL};
     static const char *const drive[] = {"f_pwm_Hz", "v_bus_V", "i_max_A", NULL};
     static const char *const board[] = {"i_range_A", "v_range_V", NULL};
-    bool good = all_given(config, "motor", motor);
+    bool good = conversions_apply(config) && all_given(config, "motor", motor);
     good = (need == RIG_NEED_MOTOR || all_given(config, "drive", drive)) && good;
     good = (need != RIG_NEED_BOARD || all_given(config, "drive", board)) && good;
-    if (!good || !convert_units(config)) {
+    if (!good) {
         return false;
     }
+    if (need == RIG_NEED_MOTOR) {
+        assumptions_drive(config);
+    }
+    config->drive.motor.sets = lode_given_or(config->drive.motor.sets, 1.0f);
     fit_board(config);
+    assumptions_note(config);
     if (!choose_estimator(config) || !check_six(config)) {
         return false;
     }

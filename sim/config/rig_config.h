@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "config/data_sheet.h"
 #include "lodestar/drive6.h"
 #include "plant/plant.h"
 
@@ -12,7 +13,7 @@ enum {
     RIG_PATH_LENGTH = 512,
     RIG_NAME_LENGTH = 32,
     RIG_FILES_MAX = 8,
-    RIG_KEYS_MAX = 200,
+    RIG_KEYS_MAX = 240,
     RIG_PHASE_KEYS_MAX = 32,
     RIG_PHASES_MAX = 48
 };
@@ -132,8 +133,11 @@ typedef struct {
 
 /// Where a key got its value.
 typedef struct {
-    int file; ///< index into `files`, -1: nowhere
-    int line; ///< 0: command line
+    int file;            ///< index into `files`, -1: nowhere
+    int line;            ///< 0: command line
+    const char *instead; ///< key of the section that was given in place of this one; NULL: itself
+    const char
+        *assumed; ///< in words, where nobody gave a value that cannot be computed; NULL: not so
 } rig_origin_t;
 
 typedef struct {
@@ -141,6 +145,7 @@ typedef struct {
     rig_six_t six;
     rig_board_t board;
     rig_convenience_t people;
+    data_sheet_t sheet;
     rig_plant_t plant;
     rig_source_t source;
     double seeded_s; ///< unset: 0
@@ -159,7 +164,7 @@ void rig_config_init(rig_config_t *config);
 
 /// How much of the drive must be given.
 typedef enum {
-    RIG_NEED_MOTOR, ///< the motor alone
+    RIG_NEED_MOTOR, ///< the motor alone: the rest is assumed, and marked so
     RIG_NEED_DRIVE, ///< f_pwm, bus voltage and current as well
     RIG_NEED_BOARD  ///< and the ranges of the converters: what goes into firmware is not assumed
 } rig_need_t;

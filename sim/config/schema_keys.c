@@ -24,6 +24,7 @@ typedef char enum_is_int[sizeof(lode_choice_t) == sizeof(int) ? 1 : -1];
     { section, key, RIG_KEY_DOUBLE_OR, offsetof(rig_config_t, field), lo, hi, word, NULL }
 #define TEXT(section, key, field)                                                                  \
     { section, key, RIG_KEY_TEXT, offsetof(rig_config_t, field), 0.0, 0.0, NULL, NULL }
+#define SHEET(key, one, other, conversion, factor) NUMBER("motor", #key, sheet.key, 0.0, 1e9),
 static const char emf_names[] =
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) name "|"
 #include "lodestar/observers.def"
@@ -43,6 +44,10 @@ static const rig_key_t keys[] = {
     GIVEN("motor", "sets", motor.sets),
     PLAIN("motor", "Lxy_H", six.Lxy_H, RIG_KEY_GIVEN),
     NUMBER("motor", "speed_rated_rpm", people.speed_rated_rpm, 1e-3, 1e6),
+    CHOICE("motor", "winding", sheet.winding, "star|delta", NULL),
+    // clang-format off
+    DATA_SHEET_KEYS(SHEET)
+    // clang-format on
 
     GIVEN("drive", "f_pwm_Hz", f_pwm_Hz),
     GIVEN("drive", "v_bus_V", inverter.v_bus_V),

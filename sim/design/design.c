@@ -26,30 +26,23 @@ static void at_speed(design_speed_t *at, const lode_drive_config_t *drive,
     at->radius = joint_radius(&joint);
 }
 
-lode_status_t design_compute(design_t *design, const rig_config_t *config) {
+void design_compute(design_t *design, const rig_config_t *config,
+                    const lode_drive_tuning_t *tuning) {
     const lode_drive_config_t *drive = &config->drive;
     const lode_motor_t *motor = &drive->motor;
-    lode_drive_tuning_t tuning;
-    const lode_status_t status = lode_drive_tune(&tuning, drive);
-    if (status != LODE_OK) {
-        return status;
-    }
-    const lode_status_t guided = guide_compute(&design->guide, config);
-    if (guided != LODE_OK) {
-        return guided;
-    }
+    guide_compute(&design->guide, config);
     design->limits = limits_compute(drive);
     const double np = (double)motor->pole_pairs;
     const double rated = (double)motor->omega_rated_rad_s;
     const double highest = (double)drive->estimator.omega_max_rad_s;
     const double kt = (double)lode_motor_kt_Nm_A(motor);
     for (int k = 0; k < DESIGN_SPEEDS; ++k) {
-        at_speed(&design->at[k], drive, &tuning,
+        at_speed(&design->at[k], drive, tuning,
                  k == DESIGN_SPEEDS - 1 ? highest : shares[k] * rated);
     }
     design->sigma_accepted_rad_s = margins_sigma_accepted(drive);
     design->rated_rpm = rig_rpm_from_rad_s(rated) / np;
-    design->max_rpm = rig_rpm_from_rad_s(highest) / np;
+    design->speeds = speed_limits_of(drive);
     design->handover_rpm = rig_rpm_from_rad_s((double)drive->start.omega_handover_rad_s) / np;
     design->dead_time_V = 4.0 / RIG_PI * (double)drive->inverter.dead_time_s *
                           (double)drive->f_pwm_Hz * (double)drive->inverter.v_bus_V;
@@ -61,5 +54,4 @@ lode_status_t design_compute(design_t *design, const rig_config_t *config) {
     design->torque_max_Nm = kt * (double)drive->inverter.i_max_A;
     design->angle_per_Lq_percent_deg = rig_deg_from_rad(
         0.01 * (double)motor->Lq_H * (double)drive->inverter.i_max_A / (double)motor->psi_Wb);
-    return LODE_OK;
 }

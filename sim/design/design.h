@@ -4,6 +4,7 @@
 
 #include "analyse/margins.h"
 #include "config/rig_config.h"
+#include "config/speed_limits.h"
 #include "design/guide.h"
 #include "design/limits.h"
 
@@ -26,7 +27,8 @@ typedef struct {
     guide_t guide;
     limits_t limits;
     double sigma_accepted_rad_s; ///< largest sigma that the library takes
-    double rated_rpm, max_rpm, handover_rpm;
+    double rated_rpm, handover_rpm;
+    speed_limits_t speeds;
     double dead_time_V;         ///< fundamental of what the dead time takes: 4/pi Td f v_bus
     double dead_time_equal_rpm; ///< speed at which the EMF is as large
     double current_bandwidth_rad_s, speed_bandwidth_rad_s;
@@ -34,7 +36,8 @@ typedef struct {
     double angle_per_Lq_percent_deg; ///< error at i_max for each percent that Lq is off
 } design_t;
 
-/// LODE_OK, or why the library refuses the configuration, which must be designed.
-lode_status_t design_compute(design_t *design, const rig_config_t *config);
+/// Of a configuration that is designed, and of its tuning.
+void design_compute(design_t *design, const rig_config_t *config,
+                    const lode_drive_tuning_t *tuning);
 
 #endif

@@ -6,8 +6,7 @@
 #include "support/units.h"
 
 // What the drive shall stand, where the configuration says nothing of it.
-#define LOAD_SHARE 0.5      // of the torque at i_max: about rated torque
-#define HARMONIC_SHARE 0.03 // 5th and 7th each, of the EMF
+#define LOAD_SHARE 0.5 // of the torque at i_max: about rated torque
 #define DAMPING_MIN 0.45
 #define SIGMAS_OF_STEP 16.0 // time constants 1/sigma until a step's peak has passed
 #define NOISE_SIGMAS 3.0
@@ -215,7 +214,8 @@ static void fill_rows(guide_t *guide, const task_t *task, double most_rad_s) {
     qsort(guide->row, (size_t)guide->rows, sizeof guide->row[0], by_k2);
 }
 
-static void assume(guide_t *guide, const rig_config_t *config) {
+/// What it has to stand, at which speeds.
+static void set_task(guide_t *guide, const rig_config_t *config) {
     const lode_drive_config_t *drive = &config->drive;
     const rig_plant_t *plant = &config->plant;
     const lode_motor_t *motor = &drive->motor;
@@ -226,14 +226,12 @@ static void assume(guide_t *guide, const rig_config_t *config) {
     guide->load_Nm =
         LOAD_SHARE * (double)lode_motor_kt_Nm_A(motor) * (double)drive->inverter.i_max_A;
     guide->acceleration_rad_s2 = guide->load_Nm * (double)motor->pole_pairs / (double)motor->J_kgm2;
-    guide->fifth = isnan(plant->emf5_ratio) ? HARMONIC_SHARE : fabs(plant->emf5_ratio);
-    guide->seventh = isnan(plant->emf7_ratio) ? HARMONIC_SHARE : fabs(plant->emf7_ratio);
-    // One count of the converter, for quantisation and all that comes with it.
-    guide->noise_A =
-        isnan(plant->i_noise_A) ? fabs((double)drive->sense.i_gain_A_count) : plant->i_noise_A;
+    guide->fifth = plant->emf5_ratio;
+    guide->seventh = plant->emf7_ratio;
+    guide->noise_A = plant->i_noise_A;
 }
 
-lode_status_t guide_compute(guide_t *guide, const rig_config_t *config) {
+void guide_compute(guide_t *guide, const rig_config_t *config) {
     lode_drive_config_t drive = config->drive;
     lode_estimator_config_t *estimator = &drive.estimator;
     const float ts = 1.0f / drive.f_pwm_Hz;
@@ -244,11 +242,10 @@ lode_status_t guide_compute(guide_t *guide, const rig_config_t *config) {
         estimator->emf.k1_rad2_s2 = 0.0f;
     }
     lode_estimator_tuning_t tuning;
-    const lode_status_t status = lode_estimator_tune(&tuning, estimator, &drive.motor, ts);
-    if (status != LODE_OK) {
-        return status;
+    if (lode_estimator_tune(&tuning, estimator, &drive.motor, ts) != LODE_OK) {
+        return; // an FA-LESO that nobody asked for
     }
-    assume(guide, config);
+    set_task(guide, config);
     const task_t task = {guide, &drive, &tuning};
     const double most = 1.0 / (double)ts;
     guide->limit_theory = estimator->pll.kind == LODE_PLL_LESO ? 0.75 * (sqrt(3.0) - 1.0) : 0.0;
@@ -257,5 +254,4 @@ lode_status_t guide_compute(guide_t *guide, const rig_config_t *config) {
     guide->used_rad_s = (double)estimator->emf.k2_rad_s;
     guide->recommended_rad_s = recommend(&task, most);
     fill_rows(guide, &task, most);
-    return LODE_OK;
 }

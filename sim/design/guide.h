@@ -37,8 +37,9 @@ typedef struct {
     guide_row_t row[GUIDE_ROWS]; ///< by rising k2; used and recommended ones are among them
 } guide_t;
 
-/// The guideline for a designed configuration. LODE_OK, or why the library refuses it.
-lode_status_t guide_compute(guide_t *guide, const rig_config_t *config);
+/// The guideline for a designed configuration that the library accepts, with [plant]'s harmonics and noise.
+/// No rows where an FA-LESO in place of its observer is refused.
+void guide_compute(guide_t *guide, const rig_config_t *config);
 
 /// Stable and well damped.
 bool guide_fits(const guide_row_t *row);

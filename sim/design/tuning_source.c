@@ -3,6 +3,7 @@
 #include <ctype.h>
 #include <string.h>
 
+#include "config/assumptions.h"
 #include "design/tuning_fields.h"
 #include "lodestar/version.h"
 #include "support/diag.h"
@@ -82,7 +83,7 @@ static void print_members(FILE *file, const lode_drive_tuning_t *tuning) {
 }
 
 void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t *tuning,
-                         const char *from) {
+                         const rig_config_t *config, const char *from) {
     (void)fputs("// Written by `lodestar design --c` from ", file);
     for (const char *at = from; *at != '\0'; ++at) {
         (void)fputc((unsigned char)*at < ' ' ? ' ' : *at,
@@ -90,10 +91,12 @@ void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t
     }
     (void)fprintf(file,
                   ". C, not C++.\n"
-                  "// lode_drive_begin(&drive, &%s) takes the place of lode_drive_init().\n"
-                  "#include \"lodestar/drive.h\"\n"
-                  "#include \"lodestar/version.h\"\n\n",
+                  "// lode_drive_begin(&drive, &%s) takes the place of lode_drive_init().\n",
                   name);
+    assumptions_print(file, config, "// ");
+    (void)fputs("#include \"lodestar/drive.h\"\n"
+                "#include \"lodestar/version.h\"\n\n",
+                file);
     print_guards(file, tuning);
     (void)fprintf(file,
                   "\nextern const lode_drive_tuning_t %s;\n"

@@ -6,14 +6,16 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "config/rig_config.h"
+
 #include "lodestar/drive.h"
 
 /// The constant's name: that of the file, without folders and ending. False after a message where that is
 /// no name in C, or longer than `size`.
 bool tuning_source_name(char *name, size_t size, const char *path);
 
-/// `from`: where the values come from, for a comment.
+/// `from`: where the values come from; they and what of `config` is assumed stand in a comment.
 void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t *tuning,
-                         const char *from);
+                         const rig_config_t *config, const char *from);
 
 #endif

@@ -196,6 +196,7 @@ void report_analyse_json(FILE *file, const rig_config_t *config, const analyse_t
     for (int k = 0; k < ANALYSE_SPEEDS; ++k) {
         add_speed(speeds, &analysis->at[k]);
     }
+    (void)cJSON_AddItemToObject(root, "assumed", config_json_assumed(config));
     (void)cJSON_AddItemToObject(root, "config", config_json(config));
     (void)config_json_write(file, root);
 }

@@ -3,14 +3,22 @@
 #include <math.h>
 #include <string.h>
 
+#include "config/assumptions.h"
 #include "config/config_json.h"
 #include "config/ini_config.h"
 #include "config/schema.h"
 #include "report/report_guide.h"
+#include "support/units.h"
 
 #include "lodestar/version.h"
 
 // ---- Text ---------------------------------------------------------------------------------------
+
+/// What only a drive with six phases reads.
+static bool is_of_six(const rig_key_t *key) {
+    return strcmp(key->section, "xy") == 0 || strcmp(key->key, "Lxy_H") == 0 ||
+           strcmp(key->key, "winding") == 0 || strcmp(key->key, "open_phase") == 0;
+}
 
 static void print_values(FILE *file, const rig_config_t *config) {
     const rig_schema_t schema = rig_schema();
@@ -20,8 +28,9 @@ static void print_values(FILE *file, const rig_config_t *config) {
         char value[RIG_PATH_LENGTH];
         char where[RIG_PATH_LENGTH + 16];
         rig_key_print(key, config, value, sizeof value);
-        if (value[0] == '\0' || strcmp(key->section, "plant") == 0 ||
-            strcmp(key->section, "scenario") == 0 || strcmp(key->key, "source") == 0) {
+        if (value[0] == '\0' || (is_of_six(key) && !rig_config_is_six(config)) ||
+            strcmp(key->section, "plant") == 0 || strcmp(key->section, "scenario") == 0 ||
+            strcmp(key->key, "source") == 0) {
             continue;
         }
         if (strcmp(section, key->section) != 0) {
@@ -97,21 +106,66 @@ static void print_bandwidths(FILE *file, const rig_config_t *config, const desig
                   sigma_low, observer / sigma_low, speed, sigma_low / speed);
 }
 
+static void print_speed(FILE *file, const rig_config_t *config, const char *name,
+                        double omega_rad_s, const char *words) {
+    const double rpm = rig_rpm_from_rad_s(omega_rad_s) / (double)config->drive.motor.pole_pairs;
+    if (isinf(rpm)) {
+        (void)fprintf(file, "%-16s      none   %s\n", name, words);
+    } else {
+        (void)fprintf(file, "%-16s %9.1f   %s\n", name, rpm, words);
+    }
+}
+
+static void print_speeds(FILE *file, const rig_config_t *config, const speed_limits_t *speeds) {
+    const lode_drive_config_t *drive = &config->drive;
+    const int row = rig_schema_find(rig_schema(), "motor", "speed_rated_rpm");
+    const char *assumed = config->origin[row].assumed;
+    char rated[96];
+    char base[96];
+    (void)snprintf(rated, sizeof rated, "%s%s", assumed != NULL ? "assumed: " : "",
+                   assumed != NULL ? assumed : "as given");
+    (void)snprintf(base, sizeof base, "the voltage is used up by i_max (%g A, %s)",
+                   (double)drive->inverter.i_max_A,
+                   drive->references.kind == LODE_REFERENCES_MTPA ? "mtpa" : "id* = 0");
+    (void)fputs("\nspeeds, rpm, at the nominal bus voltage\n", file);
+    print_speed(file, config, "hand-over", (double)drive->start.omega_handover_rad_s,
+                "from start to estimator; slower commands are raised to omega_min_rad_s");
+    print_speed(file, config, "rated", (double)drive->motor.omega_rated_rad_s, rated);
+    print_speed(file, config, "base speed", speeds->base_rad_s, base);
+    print_speed(file, config, "no-load limit", speeds->no_load_rad_s,
+                "the voltage is used up by the magnets' EMF alone");
+    if (!isnan(speeds->weakened_rad_s)) {
+        print_speed(file, config, "weakened limit", speeds->weakened_rad_s,
+                    "the same with the field weakened by id_max_A; none: whatever the speed");
+    }
+    print_speed(file, config, "estimator limit", speeds->estimator_rad_s,
+                "omega_max_rad_s: what the estimator is made for, not what the voltage allows");
+}
+
 static void print_limits(FILE *file, const rig_config_t *config, const design_t *design) {
-    (void)fprintf(
-        file,
-        "\nlimits\n"
-        "speeds: hand-over %.1f rpm, rated %.1f rpm, highest %.1f rpm\n"
-        "torque: %.2f Nm at i_max, %.2f Nm at the start current\n"
-        "low speed: dead time takes %.2f V (4/pi Td f v_bus), as much as the EMF at %.1f rpm;\n"
-        "           below about that speed the angle is as good as the dead-time correction\n"
-        "Lq: each percent that it is off costs %.2f degrees at i_max (%g A) and id = 0\n",
-        design->handover_rpm, design->rated_rpm, design->max_rpm, design->torque_max_Nm,
-        design->start_current_torque_Nm, design->dead_time_V, design->dead_time_equal_rpm,
-        design->angle_per_Lq_percent_deg, (double)config->drive.inverter.i_max_A);
+    print_speeds(file, config, &design->speeds);
+    const int dead_time = rig_schema_find(rig_schema(), "drive", "dead_time_s");
+    (void)fprintf(file,
+                  "\nlimits\n"
+                  "torque: %.4g Nm at i_max, %.4g Nm at the start current\n",
+                  design->torque_max_Nm, design->start_current_torque_Nm);
+    if (config->origin[dead_time].assumed != NULL) {
+        (void)fputs(
+            "low speed: what dead time costs there is not known: dead_time_s is not given\n", file);
+    } else {
+        (void)fprintf(
+            file,
+            "low speed: dead time takes %.2f V (4/pi Td f v_bus), as much as the EMF at %.1f rpm;\n"
+            "           below about that speed the angle is as good as the dead-time correction\n",
+            design->dead_time_V, design->dead_time_equal_rpm);
+    }
+    (void)fprintf(file,
+                  "Lq: each percent that it is off costs %.2f degrees at i_max (%g A) and id = 0\n",
+                  design->angle_per_Lq_percent_deg, (double)config->drive.inverter.i_max_A);
 }
 
 void report_design_text(FILE *file, const rig_config_t *config, const design_t *design) {
+    assumptions_print(file, config, "");
     (void)fputs("every value, and what gave it", file);
     print_values(file, config);
     print_bandwidths(file, config, design);
@@ -144,6 +198,11 @@ static void add_speed(cJSON *array, const design_speed_t *at) {
     config_json_number(item, "pole_damping", joint_damping(at->pole));
 }
 
+static void add_rpm(cJSON *root, const rig_config_t *config, const char *name, double omega_rad_s) {
+    config_json_number(root, name,
+                       rig_rpm_from_rad_s(omega_rad_s) / (double)config->drive.motor.pole_pairs);
+}
+
 void report_design_json(FILE *file, const rig_config_t *config, const design_t *design) {
     cJSON *root = cJSON_CreateObject();
     char version[32];
@@ -151,8 +210,11 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
                    LODE_VERSION_PATCH);
     (void)cJSON_AddStringToObject(root, "lodestar", version);
     config_json_number(root, "rated_rpm", design->rated_rpm);
-    config_json_number(root, "max_rpm", design->max_rpm);
     config_json_number(root, "handover_rpm", design->handover_rpm);
+    add_rpm(root, config, "base_speed_rpm", design->speeds.base_rad_s);
+    add_rpm(root, config, "no_load_limit_rpm", design->speeds.no_load_rad_s);
+    add_rpm(root, config, "weakened_limit_rpm", design->speeds.weakened_rad_s);
+    add_rpm(root, config, "estimator_limit_rpm", design->speeds.estimator_rad_s);
     config_json_number(root, "current_bandwidth_rad_s", design->current_bandwidth_rad_s);
     config_json_number(root, "speed_bandwidth_rad_s", design->speed_bandwidth_rad_s);
     config_json_number(root, "torque_max_Nm", design->torque_max_Nm);
@@ -166,6 +228,7 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
         add_speed(speeds, &design->at[k]);
     }
     report_guide_json(root, design);
+    (void)cJSON_AddItemToObject(root, "assumed", config_json_assumed(config));
     (void)cJSON_AddItemToObject(root, "config", config_json(config));
     (void)config_json_write(file, root);
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "config/config_json.h"
+#include "config/schema.h"
 #include "support/units.h"
 
 // ---- Text -----------------------------------------------------------------------------------------
@@ -29,15 +30,25 @@ static void print_rows(FILE *file, const guide_t *guide) {
     }
 }
 
+static const char *mark(const rig_config_t *config, const char *key) {
+    const int row = rig_schema_find(rig_schema(), "plant", key);
+    return config->origin[row].assumed != NULL ? " (assumed)" : "";
+}
+
 static void print_guide(FILE *file, const rig_config_t *config, const guide_t *guide) {
     const double np = (double)config->drive.motor.pole_pairs;
+    if (guide->rows == 0) {
+        (void)fputs("\nFA-LESO: no guideline, because the library would refuse one here\n", file);
+        return;
+    }
     (void)fprintf(
         file,
         "\nFA-LESO: gain k2, rad/s, with the PLL that turns it\n"
-        "assumed: a load step of %.2f Nm, 5th and 7th harmonic of %g and %g of the EMF, "
-        "noise of %.3g A rms per\nphase; %.0f .. %.0f rpm, sigma %.1f rad/s. Worst sum: load "
-        "step + ripple + 3 noise\n",
-        guide->load_Nm, guide->fifth, guide->seventh, guide->noise_A,
+        "assumed: a load step of %.4g Nm, half the torque at i_max. 5th and 7th harmonic %g%s and "
+        "%g%s of the EMF,\nnoise %.3g A rms%s per phase; %.0f .. %.0f rpm, sigma %.1f rad/s. Worst "
+        "sum: load step + ripple + 3 noise\n",
+        guide->load_Nm, guide->fifth, mark(config, "emf5_ratio"), guide->seventh,
+        mark(config, "emf7_ratio"), guide->noise_A, mark(config, "i_noise_A"),
         rig_rpm_from_rad_s(guide->low_rad_s) / np, rig_rpm_from_rad_s(guide->high_rad_s) / np,
         guide->sigma_rad_s);
     print_rows(file, guide);
@@ -136,9 +147,17 @@ static void add_row(cJSON *array, const guide_row_t *row) {
 }
 
 static void add_guide(cJSON *root, const guide_t *guide) {
+    if (guide->rows == 0) {
+        (void)cJSON_AddNullToObject(root, "fa_guideline");
+        return;
+    }
     cJSON *item = cJSON_AddObjectToObject(root, "fa_guideline");
+    (void)cJSON_AddStringToObject(item, "load_step_assumed", "half the torque at i_max");
     config_json_number(item, "sigma_rad_s", guide->sigma_rad_s);
     config_json_number(item, "load_step_Nm", guide->load_Nm);
+    config_json_number(item, "emf5_ratio", guide->fifth);
+    config_json_number(item, "emf7_ratio", guide->seventh);
+    config_json_number(item, "i_noise_A", guide->noise_A);
     config_json_number(item, "k2_per_sigma_limit", guide->limit_theory);
     config_json_number(item, "k2_per_sigma_limit_sampled", guide->limit_sampled);
     config_json_number(item, "k2_recommended_rad_s", guide->recommended_rad_s);

@@ -124,6 +124,7 @@ void report_replay_json(FILE *file, const rig_config_t *config, const char *reco
     config_json_number(root, "speed_error_max_rad_s", rig_stats_peak(&replay->speed_settled_rad_s));
     config_json_number(root, "lock_at_end", (double)replay->row[replay->rows - 1].lock);
     config_json_number(root, "reseeds", (double)replay->reseeds);
+    (void)cJSON_AddItemToObject(root, "assumed", config_json_assumed(config));
     (void)cJSON_AddItemToObject(root, "config", config_json(config));
     (void)config_json_write(file, root);
 }

@@ -211,6 +211,7 @@ void report_run_json(FILE *file, const rig_config_t *config, const runner_result
         config_json_number(item, "t_s", log->event[k].t_s);
         (void)cJSON_AddStringToObject(item, "text", log->event[k].text);
     }
+    (void)cJSON_AddItemToObject(root, "assumed", config_json_assumed(config));
     (void)cJSON_AddItemToObject(root, "config", config_json(config));
     (void)config_json_write(file, root);
 }

@@ -1,0 +1,111 @@
+#include "config/assumptions.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "config/schema.h"
+#include "support/units.h"
+
+// Where no drive is given: a common switching frequency, a bus and a current that suit the motor.
+#define F_PWM_Hz 10000.0f
+#define RATED_rpm 1500.0
+#define CURRENT_SHARE 0.3 // of the current whose field equals the magnets'
+#define VOLTAGE_RESERVE 1.25
+#define HARMONIC_SHARE 0.03
+
+static bool is_open(const rig_config_t *config, int row) {
+    const rig_origin_t *origin = &config->origin[row];
+    return origin->file < 0 && origin->line != 0;
+}
+
+static void note(rig_config_t *config, const char *section, const char *key, const char *words) {
+    const int row = rig_schema_find(rig_schema(), section, key);
+    if (is_open(config, row)) {
+        config->origin[row].assumed = words;
+    }
+}
+
+void assumptions_drive(rig_config_t *config) {
+    lode_drive_config_t *drive = &config->drive;
+    lode_inverter_config_t *inverter = &drive->inverter;
+    const lode_motor_t *motor = &drive->motor;
+    if (!(drive->f_pwm_Hz > 0.0f)) {
+        drive->f_pwm_Hz = F_PWM_Hz;
+        note(config, "drive", "f_pwm_Hz", "a common frequency");
+    }
+    if (!(inverter->i_max_A > 0.0f)) {
+        inverter->i_max_A = (float)(CURRENT_SHARE * (double)motor->psi_Wb / (double)motor->Ld_H);
+        note(config, "drive", "i_max_A", "0.3 psi/Ld, whatever the motor stands");
+    }
+    if (!(inverter->v_bus_V > 0.0f)) {
+        const bool rated = !isnan(config->people.speed_rated_rpm);
+        const double rpm = rated ? config->people.speed_rated_rpm : RATED_rpm;
+        const double omega = rig_rad_s_from_rpm(rpm) * (double)motor->pole_pairs;
+        const double flux =
+            hypot((double)motor->psi_Wb, 0.5 * (double)motor->Lq_H * (double)inverter->i_max_A);
+        inverter->v_bus_V = (float)(VOLTAGE_RESERVE * sqrt(3.0) * omega * flux);
+        note(config, "drive", "v_bus_V",
+             rated ? "enough for the rated speed" : "enough for 1500 rpm");
+    }
+}
+
+void assumptions_note(rig_config_t *config) {
+    static const struct {
+        const char *section, *key, *words;
+    } open[] = {
+        {"motor", "B_Nms", "no friction"},
+        {"motor", "speed_rated_rpm", "0.66 of what the bus allows at half of i_max"},
+        {"drive", "dead_time_s", "no dead time"},
+        {"drive", "v_drop_V", "switches without a drop"},
+        {"drive", "r_on_Ohm", "switches without resistance"},
+        {"drive", "pwm_ticks", "duties of any fineness"},
+        {"drive", "shunts", "a current sensor in each phase"},
+        {"drive", "adc_bits", "a common converter"},
+        {"drive", "i_range_A", "1.3 times the trip current"},
+        {"drive", "v_range_V", "1.6 times the bus voltage"},
+    };
+    for (size_t k = 0; k < sizeof open / sizeof open[0]; ++k) {
+        note(config, open[k].section, open[k].key, open[k].words);
+    }
+}
+
+static void assume(rig_config_t *config, const char *key, double *value, double otherwise,
+                   const char *words) {
+    if (isnan(*value)) {
+        *value = otherwise;
+        note(config, "plant", key, words);
+    }
+}
+
+void assumptions_disturbances(rig_config_t *config) {
+    rig_plant_t *plant = &config->plant;
+    assume(config, "emf5_ratio", &plant->emf5_ratio, HARMONIC_SHARE, "3 % of the EMF");
+    assume(config, "emf7_ratio", &plant->emf7_ratio, HARMONIC_SHARE, "3 % of the EMF");
+    // Quantisation and all that comes with it.
+    assume(config, "i_noise_A", &plant->i_noise_A, fabs((double)config->drive.sense.i_gain_A_count),
+           "one count of the converter");
+}
+
+/// The value, where it is known before the drive is designed.
+static void value_of(const rig_config_t *config, int row, char *text, size_t size) {
+    const rig_key_t *key = &rig_schema().row[row];
+    if (strcmp(key->key, "speed_rated_rpm") == 0) {
+        const lode_motor_t *motor = &config->drive.motor;
+        const double omega = (double)(motor->omega_rated_rad_s / motor->pole_pairs);
+        (void)snprintf(text, size, "%.4g", rig_rpm_from_rad_s(omega));
+    } else {
+        rig_key_print(key, config, text, size);
+    }
+}
+
+void assumptions_print(FILE *file, const rig_config_t *config, const char *before) {
+    const rig_schema_t schema = rig_schema();
+    for (int k = 0; k < schema.rows; ++k) {
+        char value[64];
+        if (config->origin[k].assumed != NULL) {
+            value_of(config, k, value, sizeof value);
+            (void)fprintf(file, "%sassumed: [%s] %s = %s: %s\n", before, schema.row[k].section,
+                          schema.row[k].key, value, config->origin[k].assumed);
+        }
+    }
+}

@@ -1,0 +1,26 @@
+/// How fast a drive can turn its motor, and what says so.
+#ifndef RIG_SPEED_LIMITS_H
+#define RIG_SPEED_LIMITS_H
+
+#include "lodestar/drive.h"
+
+/// Electrical rad/s, at the nominal bus voltage.
+typedef struct {
+    /// up to here the voltage suffices for i_max with the chosen references, before any weakening of the
+    /// field; 0: not even at standstill
+    double base_rad_s;
+    double no_load_rad_s; ///< here the EMF of the magnets takes all of the voltage
+    /// the same with as much negative id as the references may use; infinite: no speed does that;
+    /// NaN: the field is not weakened
+    double weakened_rad_s;
+    double estimator_rad_s; ///< omega_max: what the estimator is made for, whatever the voltage
+    double least_rad_s;     ///< omega_min: commands below it are taken for it
+} speed_limits_t;
+
+/// Of a configuration that is designed and that the library accepts.
+speed_limits_t speed_limits_of(const lode_drive_config_t *config);
+
+/// The fastest that voltage and estimator both allow.
+double speed_limits_highest_rad_s(const speed_limits_t *limits);
+
+#endif

@@ -1,0 +1,209 @@
+"""`lodestar design` for a motor of one's own: data-sheet keys, speeds, and what is assumed."""
+import json
+import math
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+from tool import DRIVE, MOTOR, SOURCE, Checks, Folder, refused
+
+# A motor of 7 pole pairs at 36 V: its estimator could follow 13642 rpm, its voltage allows 8979.
+SMALL = """[motor]
+pole_pairs = 7
+Rs_Ohm = 0.05
+Ld_H = 30e-6
+Lq_H = 35e-6
+psi_Wb = 0.003
+J_kgm2 = 3e-5
+[drive]
+f_pwm_Hz = 20000
+v_bus_V = 36
+i_max_A = 20
+"""
+RPM = math.pi / 30
+OZIN = 0.028349523125 * 9.80665 * 0.0254
+
+
+def designed(checks, folder, text, *sets):
+    folder.write("m.ini", text)
+    done = folder.run("design", "--motor", "m.ini", *[x for s in sets for x in ("--set", s)], "--json")
+    if not checks.equal(done.returncode, 0, f"exit code of design {text} {sets}: {done.stderr}"):
+        return {}
+    return json.loads(done.stdout)
+
+
+def data_sheets(checks, folder):
+    """Each key against its definition, worked out here for 7 pole pairs."""
+    np = 7
+    motor = {"pole_pairs": "pole_pairs = 7", "Rs_Ohm": "Rs_Ohm = 0.05", "Ld_H": "Ld_H = 30e-6",
+             "Lq_H": "Lq_H = 35e-6", "psi_Wb": "psi_Wb = 0.003", "J_kgm2": "J_kgm2 = 3e-5"}
+    drive = "[drive]\nf_pwm_Hz = 20000\nv_bus_V = 36\ni_max_A = 20\n"
+    sheets = [
+        ("poles = 14", {"pole_pairs": 7}),
+        ("Rs_mOhm = 62", {"Rs_Ohm": 0.062}),
+        ("R_line_line_Ohm = 0.11", {"Rs_Ohm": 0.055}),
+        ("R_line_line_mOhm = 110", {"Rs_Ohm": 0.055}),
+        ("R_winding_Ohm = 0.15\nwinding = delta", {"Rs_Ohm": 0.05}),
+        ("R_winding_Ohm = 0.05\nwinding = star", {"Rs_Ohm": 0.05}),
+        ("R_winding_mOhm = 150\nwinding = delta", {"Rs_Ohm": 0.05}),
+        ("Ld_mH = 0.031", {"Ld_H": 31e-6}),
+        ("Ld_uH = 31", {"Ld_H": 31e-6}),
+        ("Lq_mH = 0.036", {"Lq_H": 36e-6}),
+        ("Lq_uH = 36", {"Lq_H": 36e-6}),
+        ("Ld_line_line_mH = 0.062", {"Ld_H": 31e-6}),
+        ("Ld_line_line_uH = 62", {"Ld_H": 31e-6}),
+        ("Lq_line_line_mH = 0.072", {"Lq_H": 36e-6}),
+        ("Lq_line_line_uH = 72", {"Lq_H": 36e-6}),
+        ("L_mH = 0.033", {"Ld_H": 33e-6, "Lq_H": 33e-6}),
+        ("L_uH = 33", {"Ld_H": 33e-6, "Lq_H": 33e-6}),
+        ("L_line_line_mH = 0.066", {"Ld_H": 33e-6, "Lq_H": 33e-6}),
+        ("L_line_line_uH = 66", {"Ld_H": 33e-6, "Lq_H": 33e-6}),
+        ("L_winding_mH = 0.099\nwinding = delta", {"Ld_H": 33e-6, "Lq_H": 33e-6}),
+        ("L_winding_uH = 33\nwinding = star", {"Ld_H": 33e-6, "Lq_H": 33e-6}),
+        ("psi_mWb = 2.9", {"psi_Wb": 2.9e-3}),
+        # At 270 rpm the peak between two terminals is 1 V.
+        ("KV_rpm_V = 270", {"psi_Wb": 1 / math.sqrt(3) / (270 * RPM * np)}),
+        ("ke_Vrms_krpm = 2.6", {"psi_Wb": 2.6 * math.sqrt(2 / 3) / (1000 * RPM * np)}),
+        ("ke_Vpk_krpm = 3.7", {"psi_Wb": 3.7 / math.sqrt(3) / (1000 * RPM * np)}),
+        ("ke_V_Hz = 0.0188", {"psi_Wb": 0.0188 / (2 * math.pi)}),
+        ("kt_Nm_A = 0.0315", {"psi_Wb": 0.0315 / (1.5 * np)}),
+        ("kt_mNm_A = 31.5", {"psi_Wb": 0.0315 / (1.5 * np)}),
+        ("kt_Nm_Arms = 0.0445", {"psi_Wb": 0.0445 / math.sqrt(2) / (1.5 * np)}),
+        ("kt_ozin_A = 4.46", {"psi_Wb": 4.46 * OZIN / (1.5 * np)}),
+        ("J_gcm2 = 310", {"J_kgm2": 3.1e-5}),
+        ("J_kgcm2 = 0.31", {"J_kgm2": 3.1e-5}),
+        ("J_ozins2 = 0.0044", {"J_kgm2": 0.0044 * OZIN}),
+    ]
+    for line, wanted in sheets:
+        kept = [text for key, text in motor.items() if key not in wanted]
+        config = designed(checks, folder, "[motor]\n" + "\n".join([line, *kept]) + "\n" + drive)
+        for key, value in wanted.items():
+            found = config.get("config", {}).get("motor", {}).get(key, math.nan)
+            checks.at_most(abs(found / value - 1), 1e-6, f"{line!r}: {key} = {found}, off {value}")
+    # All of them are in the test, and documented.
+    listed = folder.run("design", "--motor", "m.ini", "--set", "motor.x=1").stderr
+    keys = set(listed.split("expected one of ")[1].strip().split(", "))
+    plain = {*motor, "B_Nms", "sets", "Lxy_H", "speed_rated_rpm"}
+    tested = {word.split(" = ")[0] for line, _ in sheets for word in line.split("\n")}
+    checks.equal(keys - plain, tested, "keys of data sheets")
+    text = (SOURCE / "docs/configuration.md").read_text()
+    checks.equal([k for k in tested if f"`{k}" not in text], [], "keys that configuration.md lacks")
+    # The whole of a hobby motor's sheet, with the place that gave each value.
+    folder.write("sheet.ini", "[motor]\npoles = 14\nKV_rpm_V = 750\nR_line_line_mOhm = 110\n"
+                              "L_line_line_uH = 60\nJ_gcm2 = 300\n" + drive.replace("36", "14.8"))
+    done = folder.run("design", "--motor", "sheet.ini")
+    checks.equal(done.returncode, 0, f"exit code of design with a data sheet: {done.stderr}")
+    for wanted in ["psi_Wb                 = 0.00105015   ; sheet.ini:3: KV_rpm_V",
+                   "Lq_H                   = 3e-05        ; sheet.ini:5: L_line_line_uH"]:
+        checks.true(wanted in done.stdout, f"{wanted!r} is printed")
+
+
+def conflicts(checks, folder):
+    base = SMALL.split("[drive]")[0]
+    for more, pattern in [
+        ("KV_rpm_V = 270\n", r"m.ini:8: \[motor\] KV_rpm_V: says the same as psi_Wb in m.ini:6; "),
+        ("L_uH = 30\n", r"m.ini:8: \[motor\] L_uH: says the same as Ld_H in m.ini:4; expected one"),
+        ("poles = 14\n", r"m.ini:8: \[motor\] poles: says the same as pole_pairs in m.ini:2; "),
+    ]:
+        folder.write("m.ini", base + more)
+        refused(checks, folder, ["design", "--motor", "m.ini"], pattern)
+    folder.write("m.ini", base.replace("psi_Wb = 0.003", "ke_V_Hz = 1") + "kt_Nm_A = 1\n")
+    refused(checks, folder, ["design", "--motor", "m.ini"],
+            r"m.ini:8: \[motor\] kt_Nm_A: says the same as ke_V_Hz in m.ini:6; expected one of them")
+    folder.write("m.ini", base)
+    refused(checks, folder, ["design", "--motor", "m.ini", "--set", "motor.Rs_mOhm=50"],
+            r"--set: \[motor\] Rs_mOhm: says the same as Rs_Ohm in m.ini:3; expected one of them")
+    folder.write("m.ini", base.replace("Rs_Ohm = 0.05", "R_winding_Ohm = 0.1"))
+    refused(checks, folder, ["design", "--motor", "m.ini"],
+            r"m.ini:3: \[motor\] R_winding_Ohm: expected winding = star or winding = delta beside it")
+    folder.write("m.ini", base.replace("J_kgm2 = 3e-5", ""))
+    refused(checks, folder, ["design", "--motor", "m.ini"], r"J_kgm2: missing.*J_gcm2")
+
+
+def held_current(folder, rpm, sets):
+    """q current that flows with the shaft held at this speed and all torque asked for."""
+    folder.write("held.ini", "[scenario]\nmotor = m.ini\n[phase.up]\nduration_s = 3\n"
+                             "speed_rpm = 7000\n[phase.held]\nduration_s = 1\nspeed_rpm = 12000\n"
+                             f"dyno_rpm = {rpm}\n")
+    folder.run("run", "held.ini", "--json", "h.json", *[x for s in sets for x in ("--set", s)])
+    return folder.json("h.json")["phases"][-1]
+
+
+def speeds(checks, folder):
+    """Where the plant runs out of voltage, and what design says of it."""
+    plain = designed(checks, folder, SMALL)
+    checks.at_most(abs(plain["estimator_limit_rpm"] - 10000 / 7 / RPM), 0.1, "estimator limit")
+    no_load = 0.95 * 36 / math.sqrt(3) / 0.003 / 7 / RPM
+    checks.at_most(abs(plain["no_load_limit_rpm"] - no_load), 0.1, "no-load limit")
+    folder.write("free.ini", "[scenario]\nmotor = m.ini\n[phase.up]\nduration_s = 2\n"
+                             "speed_rpm = 2000\n[phase.high]\nduration_s = 3\nspeed_rpm = 12000\n")
+    folder.run("run", "free.ini", "--json", "f.json")
+    reached = folder.json("f.json")["phases"][-1]["speed_rpm"]["mean"]
+    checks.at_most(abs(reached / no_load - 1), 0.01, f"{reached} rpm without load, off {no_load}")
+    for sets in [["motor.Rs_Ohm=0.1"], ["motor.Lq_H=60e-6"],
+                 ["motor.Lq_H=60e-6", "references.strategy=mtpa"]]:
+        base = designed(checks, folder, SMALL, *sets)["base_speed_rpm"]
+        below, above = (held_current(folder, share * base, sets) for share in (0.98, 1.02))
+        for phase, what in [(below, "below"), (above, "above")]:
+            checks.equal(phase["mode"], "RUN", f"mode {what} {base} rpm, {sets}")
+        least = 0.995 * math.sqrt(400 - below["id_A"]["rms"] ** 2)
+        checks.true(below["iq_A"]["rms"] > least, f"all current below base speed, {sets}: {below}")
+        checks.true(above["iq_A"]["rms"] < 0.97 * least, f"not above base speed, {sets}: {above}")
+    checks.equal(plain["weakened_limit_rpm"], None, "no field weakening, no such limit")
+    weak = designed(checks, folder, SMALL, "references.field_weakening=on")
+    used = 0.95 * 0.95 * 36 / math.sqrt(3)
+    limit = math.sqrt(used ** 2 - 1) / (0.003 - 30e-6 * 20) / 7 / RPM
+    checks.at_most(abs(weak["weakened_limit_rpm"] / limit - 1), 1e-5, "limit with a weakened field")
+    done = folder.run("design", "--motor", "m.ini")
+    for row in ["rated               6195.9   assumed: ", "base speed          8312.1   ",
+                "no-load limit       8978.8   ", "estimator limit    13641.9   omega_max_rad_s"]:
+        checks.true(row in done.stdout, f"{row!r} is printed")
+    checks.true("highest" not in done.stdout, "no speed is called highest")
+
+
+def assumed(checks, folder):
+    """What nobody gave is marked where it stands: on the screen, in JSON and in C."""
+    open_keys = {"motor.B_Nms", "motor.speed_rated_rpm", "drive.dead_time_s", "drive.v_drop_V",
+                 "drive.r_on_Ohm", "drive.pwm_ticks", "drive.shunts", "drive.adc_bits",
+                 "drive.i_range_A", "drive.v_range_V"}
+    load = {"plant.emf5_ratio", "plant.emf7_ratio", "plant.i_noise_A"}
+    drive = {"drive.f_pwm_Hz", "drive.v_bus_V", "drive.i_max_A"}
+    alone = designed(checks, folder, SMALL.split("[drive]")[0])
+    checks.equal(set(alone["assumed"]), open_keys | load | drive, "assumed for a motor alone")
+    some = designed(checks, folder, SMALL, "drive.dead_time_s=0", "motor.B_Nms=0",
+                    "plant.emf5_ratio=0.01", "motor.speed_rated_rpm=6000")
+    given = {"drive.dead_time_s", "motor.B_Nms", "plant.emf5_ratio", "motor.speed_rated_rpm"}
+    checks.equal(set(some["assumed"]), (open_keys | load) - given, "what is given is not assumed")
+    checks.equal(some["fa_guideline"]["load_step_assumed"], "half the torque at i_max", "the load")
+    folder.write("m.ini", SMALL)
+    done = folder.run("design", "--motor", "m.ini", "--set", "drive.i_range_A=40", "--set",
+                      "drive.v_range_V=60", "--json=d.json", "--c", "my.c")
+    checks.equal((done.returncode, done.stderr), (0, ""), "design --c")
+    source = (folder.path / "my.c").read_text()
+    for key in open_keys - {"drive.i_range_A", "drive.v_range_V"}:
+        section, name = key.split(".")
+        line = f"assumed: [{section}] {name} = "
+        checks.true(f"\n{line}" in f"\n{done.stdout}", f"{line!r} on the screen")
+        checks.true(f"// {line}" in source, f"{line!r} in C")
+        checks.true(key in folder.json("d.json")["assumed"], f"{key} in JSON")
+    checks.true("[plant]" not in source, "nothing of the plant in C")
+    checks.true("r_on_Ohm               = 0            ; assumed: switches without" in done.stdout, "in the list")
+    checks.true("(assumed)" in done.stdout.split("FA-LESO: gain k2")[1], "in the guideline")
+    done = folder.run("design", "--motor", MOTOR, "--drive", DRIVE)
+    checks.true("dead time takes 5.09 V" in done.stdout, "dead time that is given")
+    checks.equal([line for line in done.stdout.splitlines() if line.startswith("assumed: [drive]")],
+                 ["assumed: [drive] shunts = three: a current sensor in each phase"],
+                 "assumed of a drive that is described")
+
+
+def main():
+    checks = Checks()
+    with Folder() as folder:
+        data_sheets(checks, folder)
+        conflicts(checks, folder)
+        speeds(checks, folder)
+        assumed(checks, folder)
+    checks.done()
+
+
+main()
