@@ -342,9 +342,8 @@ static void load_step(work_t *work, const char *figure, double rpm, case_method_
     const bool speed_claimed = !isnan(claims->speed_rpm);
     const char *name = leso ? "enhanced" : "QPLL";
     const char *hunts =
-        leso ? "at sigma = 150 the loop through the current does not hold 5 Nm behind an ideal "
-               "inverter either (Fig. 15);\n\"corrected\" has the EMF of the active flux, which "
-               "closes it. Once the load is off: the dead band (Fig. 14)"
+        leso ? "at sigma = 150 5 Nm are not held behind an ideal inverter either, but with the EMF "
+               "of the active flux (Fig. 15);\nonce the load is off: the dead band (Fig. 14)"
              : "less than claimed; the swing itself is small, the rest is hunting in "
                "the dead band (Fig. 12)";
     const words_t swing = table_no_claim(theory_swing_deg(t, CASE_RATED_Nm, leso),
