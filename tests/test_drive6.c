@@ -80,12 +80,11 @@ static void test_from_standstill_to_speed_both_ways(void) {
 }
 
 static void test_every_kind_of_observer(void) {
-    const lode_emf_kind_t kinds[] = {LODE_EMF_C_LESO, LODE_EMF_GI_LESO, LODE_EMF_FA_LESO};
-    for (int n = 0; n < COUNT_OF(kinds); n++) {
+    for (int kind = 0; kind < LODE_EMF_KINDS; kind++) {
         lode_drive6_config_t config = rig6_config();
-        config.drive.estimator.emf.kind = kinds[n];
+        config.drive.estimator.emf.kind = (lode_emf_kind_t)kind;
         rig6_t rig = turning(&config, 600.0, LOAD_Nm);
-        rig6_run(&rig, kinds[n] == LODE_EMF_GI_LESO ? 2.0 : 0.0); // its band-pass forgets slowly
+        rig6_run(&rig, kind == LODE_EMF_GI_LESO ? 2.0 : 0.0); // its band-pass forgets slowly
         CHECK_AT_MOST(0.1, worst_angle(&rig, 0.5));
     }
 }

@@ -239,7 +239,7 @@ static void test_enumerators(void) {
     config.sense.shunts = (lode_shunts_t)9;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_SHUNTS, try_config(&config));
     config = minimal();
-    config.estimator.emf.kind = (lode_emf_kind_t)9;
+    config.estimator.emf.kind = LODE_EMF_KINDS;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_EMF_KIND, try_config(&config));
     config = minimal();
     config.estimator.pll.kind = (lode_pll_kind_t)9;

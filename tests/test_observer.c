@@ -16,16 +16,18 @@ void setUp(void) {}
 void tearDown(void) {}
 
 /// One of each, with the papers' gains; the last is FA with its slow mode.
+#define PAPERS(kind, k1, k2)                                                                       \
+    { kind, 2000.0f, 2.0f, LODE_PI, k1, k2 }
 static const lode_observer_config_t observers[] = {
-    {LODE_EMF_C_LESO, 2000.0f, 2.0f, LODE_PI, 0.0f, 300.0f},
-    {LODE_EMF_GI_LESO, 2000.0f, 2.0f, LODE_PI, 0.0f, 300.0f},
-    {LODE_EMF_FA_LESO, 2000.0f, 2.0f, LODE_PI, 0.0f, 100.0f * LODE_PI},
-    {LODE_EMF_FA_MULTI, 2000.0f, 2.0f, LODE_PI, 0.0f, 1000.0f},
-    {LODE_EMF_FA_LESO, 2000.0f, 2.0f, LODE_PI, 10.0f * LODE_PI, 100.0f * LODE_PI},
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    PAPERS(LODE_EMF_##ID, 0.0f, LODE_EMF_##ID == LODE_EMF_FA_LESO ? 100.0f * LODE_PI : 1000.0f),
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+    PAPERS(LODE_EMF_FA_LESO, 10.0f * LODE_PI, 100.0f * LODE_PI),
 };
-#define FA (&observers[2])
-#define MULTI (&observers[3])
-#define FA_SLOW (&observers[4])
+#define FA (&observers[LODE_EMF_FA_LESO])
+#define MULTI (&observers[LODE_EMF_FA_MULTI])
+#define FA_SLOW (&observers[LODE_EMF_KINDS])
 
 static lode_observer_tuning_t tuned(const lode_observer_config_t *config) {
     lode_observer_tuning_t tuning;
@@ -574,7 +576,8 @@ static lode_status_t try_with(const lode_observer_config_t *config) {
 }
 
 static lode_status_t try_one(size_t offset, float value) {
-    lode_observer_config_t config = observers[0];
+    lode_observer_config_t config = observers[LODE_EMF_C_LESO];
+    config.k2_rad_s = 300.0f;
     field_set(&config, offset, value);
     return try_with(&config);
 }
@@ -614,7 +617,7 @@ static void test_k1_is_bound_to_k2(void) {
 }
 
 static void test_kind_is_an_enumerator(void) {
-    const int kinds[] = {-1, 4, 77};
+    const int kinds[] = {-1, LODE_EMF_KINDS, 77};
     for (int i = 0; i < COUNT_OF(kinds); i++) {
         lode_observer_config_t config = observers[0];
         config.kind = (lode_emf_kind_t)kinds[i];

@@ -95,11 +95,13 @@ typedef struct {
     float k1, k2;
 } kind_t;
 
-static const kind_t kinds[] = {{"C", LODE_EMF_C_LESO, 0.0f, 0.0f},
-                               {"GI", LODE_EMF_GI_LESO, 0.0f, 0.0f},
-                               {"FA", LODE_EMF_FA_LESO, 0.0f, 300.0f},
-                               {"FA, k1", LODE_EMF_FA_LESO, 31.4f, 314.0f},
-                               {"multi", LODE_EMF_FA_MULTI, 0.0f, 1000.0f}};
+static const kind_t kinds[] = {
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    {name, LODE_EMF_##ID, 0.0f, LODE_EMF_##ID == LODE_EMF_FA_LESO ? 300.0f : 1000.0f},
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+    {"fa-leso, k1", LODE_EMF_FA_LESO, 31.4f, 314.0f},
+};
 
 static lode_estimator_config_t config_of(const kind_t *kind, lode_pll_kind_t pll, float sigma) {
     lode_motor_t motor = paper_motor();
@@ -175,8 +177,8 @@ static void test_observer_responses_against_closed_forms(void) {
         const double complex z = cexp(I * f * TS);
         const double complex c = (1.0 - p) / (1.0 - p / z);
         const double complex fa = (1.0 - q) / (1.0 - q * rho / z);
-        const double complex wanted[] = {c * c, 0.0, fa};
-        for (int k = 0; k < 3; k += 2) {
+        const double complex wanted[] = {[LODE_EMF_C_LESO] = c * c, [LODE_EMF_FA_LESO] = fa};
+        for (int k = LODE_EMF_C_LESO; k <= LODE_EMF_FA_LESO; k += LODE_EMF_FA_LESO) {
             const lode_estimator_config_t config = config_of(&kinds[k], LODE_PLL_LESO, 100.0f);
             const lode_observer_tuning_t leso = tuning_of(&config).emf.observer;
             const observer_t o = observer_make(&leso, TS, w);
@@ -185,7 +187,8 @@ static void test_observer_responses_against_closed_forms(void) {
         }
     }
     // GI at the speed it is tuned to: (E15), whatever the width of its band.
-    const lode_estimator_config_t config = config_of(&kinds[1], LODE_PLL_LESO, 100.0f);
+    const lode_estimator_config_t config =
+        config_of(&kinds[LODE_EMF_GI_LESO], LODE_PLL_LESO, 100.0f);
     const lode_observer_tuning_t leso = tuning_of(&config).emf.observer;
     const observer_t gi = observer_make(&leso, TS, w);
     const double g = (1.0 - p) * (1.0 - p) * 3.0;
@@ -279,7 +282,8 @@ static void test_least_k2_is_where_the_polynomial_says(void) {
             const double middle = 0.5 * (low + high);
             *(stable_by_schur(middle, sigmas[k] * TS) ? &high : &low) = middle;
         }
-        const lode_estimator_config_t config = config_of(&kinds[2], LODE_PLL_LESO, 100.0f);
+        const lode_estimator_config_t config =
+            config_of(&kinds[LODE_EMF_FA_LESO], LODE_PLL_LESO, 100.0f);
         const lode_estimator_tuning_t tuning = tuning_of(&config);
         const double found = guide_k2_limit(&tuning, &config.emf, 471.0, sigmas[k]);
         // Floats of the tuning: 1e-7 of 1 against the loop's 1 - s >= 0.01.
@@ -293,7 +297,8 @@ static void test_least_k2_is_where_the_polynomial_says(void) {
 
 static void test_with_the_qpll_every_k2_is_stable(void) {
     const double sigmas[] = {10.0, 100.0, 1000.0, 1500.0};
-    const lode_estimator_config_t config = config_of(&kinds[2], LODE_PLL_QPLL, 100.0f);
+    const lode_estimator_config_t config =
+        config_of(&kinds[LODE_EMF_FA_LESO], LODE_PLL_QPLL, 100.0f);
     const lode_estimator_tuning_t tuning = tuning_of(&config);
     for (int k = 0; k < COUNT_OF(sigmas); k++) {
         for (double k2 = 1.0; k2 <= 5000.0; k2 *= 1.7) {
@@ -442,7 +447,8 @@ static void check_swing(const lode_estimator_tuning_t *rest_tuning,
 }
 
 static void test_swings_decay_and_grow_as_the_poles_say(void) {
-    const lode_estimator_config_t config = config_of(&kinds[2], LODE_PLL_LESO, 100.0f);
+    const lode_estimator_config_t config =
+        config_of(&kinds[LODE_EMF_FA_LESO], LODE_PLL_LESO, 100.0f);
     const lode_estimator_tuning_t fa = tuning_of(&config);
     const double omegas[] = {120.0, 471.0};
     for (int w = 0; w < COUNT_OF(omegas); w++) {
@@ -460,7 +466,7 @@ static void test_gi_holds_with_the_speed_fed_back(void) {
     // Its band-pass rings at minus the speed too, which shows at twice the speed in the angle and in
     // the speed that tunes it. Built of two integrators that exchange their content it loses energy
     // whatever that speed does: no sigma that init accepts makes the joint loop grow.
-    lode_estimator_config_t config = config_of(&kinds[1], LODE_PLL_LESO, 80.0f);
+    lode_estimator_config_t config = config_of(&kinds[LODE_EMF_GI_LESO], LODE_PLL_LESO, 80.0f);
     config.emf.gi_wc_rad_s = LODE_PI; // paper 2's
     const lode_estimator_tuning_t slow = tuning_of(&config);
     const double sigmas[] = {80.0, 150.0, 250.0, 400.0};
@@ -476,7 +482,8 @@ static void test_gi_holds_with_the_speed_fed_back(void) {
 
 static void test_ripple_of_harmonics_is_the_models(void) {
     const double omega = 200.0;
-    const lode_estimator_config_t config = config_of(&kinds[2], LODE_PLL_LESO, 100.0f);
+    const lode_estimator_config_t config =
+        config_of(&kinds[LODE_EMF_FA_LESO], LODE_PLL_LESO, 100.0f);
     const lode_estimator_tuning_t tuning = tuning_of(&config);
     const joint_t joint = joint_make(&tuning, omega);
     for (int order = -5; order <= 7; order += 12) {
@@ -503,7 +510,7 @@ static void test_an_acceleration_passes_as_the_model_says(void) {
     const double acceleration = 400.0;
     for (int third = 0; third < 2; third++) {
         const lode_estimator_config_t config =
-            config_of(&kinds[2], third ? LODE_PLL_LESO : LODE_PLL_QPLL, 100.0f);
+            config_of(&kinds[LODE_EMF_FA_LESO], third ? LODE_PLL_LESO : LODE_PLL_QPLL, 100.0f);
         const lode_estimator_tuning_t tuning = tuning_of(&config);
         const joint_t joint = joint_make(&tuning, omega);
         const joint_input_t input = {acceleration, 0.0};

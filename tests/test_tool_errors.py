@@ -7,7 +7,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
 from tool import DRIVE, MOTOR, RECORDINGS, SOURCE, Checks, Folder, refused
 
 STEADY = RECORDINGS / "steady-300rpm-5Nm.csv"
-BUILT = {"--emf": ["c-leso", "gi-leso", "fa-leso", "fa-multi"],
+OBSERVERS = (SOURCE / "include/lodestar/observers.def").read_text()
+BUILT = {"--emf": re.findall(r'^LODE_OBSERVER\(.*"(.*)"', OBSERVERS, re.MULTILINE),
          "--pll": ["leso-qpll", "qpll", "enhanced"]}
 # The papers' own forms, which go together.
 EULER = {"--emf": ["c-leso-euler", "gi-leso-euler", "fa-leso-euler"],

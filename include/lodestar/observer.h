@@ -13,10 +13,7 @@
 extern "C" {
 #endif
 
-/// LODE_EMF_C_LESO: conventional, double pole at w0 (paper 1, eq. 11; E10), current form.
-/// LODE_EMF_GI_LESO: with a generalised integrator at the speed (paper 2, eqs. 29, 30; E13).
-/// LODE_EMF_FA_LESO: frequency adaptive (paper 2, eqs. 26-28; E17, E18).
-/// LODE_EMF_FA_MULTI: the same with further modes at 0, -5 w and +7 w (E19).
+/// LODE_EMF_C_LESO, LODE_EMF_GI_LESO and so on: `observers.def` says what each is.
 typedef enum {
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) LODE_EMF_##ID,
 #include "lodestar/observers.def"
@@ -26,9 +23,10 @@ typedef enum {
 
 typedef struct {
     lode_emf_kind_t kind;
-    float w0_rad_s; ///< C, GI: bandwidth, 1 .. 2/Ts (paper 1, eq. 6); 0: 4.25 times rated speed, at
-                    ///< most 0.5/Ts
-    float gi_kappa; ///< GI: Kr/w0^2, 0 .. 7; 0: 2
+    float
+        w0_rad_s; ///< all but FA: bandwidth, 1 .. 2/Ts (paper 1, eq. 6); 0: 4.25 times rated speed, at
+                  ///< most 0.5/Ts
+    float gi_kappa;    ///< GI: Kr/w0^2, 0 .. 7; 0: 2
     float gi_wc_rad_s; ///< GI: half width of the integrator, 0.01 .. 100; 0: 2 pi
     float k1_rad2_s2;  ///< FA: 0 .. 1e4 and k2^2/10; 0: first order, which takes no DC in
     float k2_rad_s;    ///< FA: bandwidth, 1 .. 1/Ts; 0: 3 times the PLL's sigma, multi 10 times

@@ -40,7 +40,7 @@ typedef enum {
     LODE_ERROR_EMF_W0,            ///< w0_rad_s outside 1 .. 2/Ts
     LODE_ERROR_PLL_KIND,          ///< pll not an enumerator
     LODE_ERROR_PLL_SIGMA,         ///< sigma outside 1 .. 0.3/Ts, or the low one above the high one
-    LODE_ERROR_PLL_OBSERVER,      ///< sigma above a fifth of the EMF observer's bandwidth
+    LODE_ERROR_PLL_OBSERVER,      ///< sigma above what the EMF observer's w0 allows, C, GI: a fifth
     LODE_ERROR_NOTCH,             ///< width of a notch neither 0 nor 0.01 .. 2, or none built in
     LODE_ERROR_EMF_PLL, ///< k2 below 0.549 sigma (multi: 1.2): FA observer and PLL unstable together
     LODE_ERROR_W_FILTER,           ///< w_filter_rad_s outside 0 .. 1/Ts

@@ -56,7 +56,9 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_PLL_SIGMA, "estimator", "sigma_rad_s sigma_low_rad_s",
      "1 .. 0.3/Ts, and sigma_low_rad_s at most sigma_rad_s"},
     {LODE_ERROR_PLL_OBSERVER, "estimator", "sigma_rad_s w0_rad_s",
-     "at most a fifth of w0_rad_s: a PLL clearly slower than the EMF observer"},
+     "at most a fifth of w0_rad_s: a PLL clearly slower than the EMF observer (one that rotates "
+     "with "
+     "the speed: as its theory page says)"},
     {LODE_ERROR_PLL_SCHEDULE, "estimator", "omega_low_rad_s omega_high_rad_s",
      "omega_low_rad_s below omega_high_rad_s"},
     {LODE_ERROR_LAG, "estimator", "w0_rad_s omega_max_rad_s",

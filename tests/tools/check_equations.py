@@ -1,8 +1,9 @@
-"""usage: check_equations.py ROOT: docs/theory/equations.md agrees with docs, code and tests.
+"""usage: check_equations.py ROOT: the equation tables of docs/theory agree with docs, code and tests.
 
-Its table has the columns: paper equation | docs equation | function | test. Each docs label (X1)
-stands in another page of docs/theory; each function, in backticks, exists in include/ or src/; each
-test, in backticks, is a function in tests/.
+That of equations.md, and those of pages that bring rows of their own, have the columns: paper equation |
+docs equation | function | test. Each docs label (X1) stands in a page of docs/theory outside of these
+tables; each function, in backticks, exists in include/ or src/; each test, in backticks, is a function
+in tests/.
 """
 import pathlib
 import re
@@ -41,12 +42,18 @@ def main(root):
     page = root / "docs/theory/equations.md"
     if not page.exists():
         return f"{page}: missing; expected a table: {' | '.join(COLUMNS)}"
-    theory = "\n".join(p.read_text() for p in sorted(page.parent.glob("*.md")) if p != page)
+    rows, text = [], []
+    for path in sorted(page.parent.glob("*.md")):
+        own = dict(rows_of(path))
+        rows += [(path, number, cells) for number, cells in own.items()]
+        lines = enumerate(path.read_text().splitlines(), 1)
+        text += [line for number, line in lines if path != page and number not in own]
+    theory = "\n".join(text)
     core = "\n".join(code_of(p.read_text()) for p in files(root, "include", "src"))
     tests = "\n".join(code_of(p.read_text()) for p in files(root, "tests"))
     tests += "\n".join(p.read_text() for p in sorted((root / "tests").rglob("*.py")))
     count = failed = 0
-    for number, cells in rows_of(page):
+    for path, number, cells in rows:
         count += 1
         problems = []
         if len(cells) != len(COLUMNS):
@@ -64,10 +71,10 @@ def main(root):
                          if not has_function(core, x)]
             problems += [f"test '{x}' is no function in tests/" for x in cases
                          if not has_function(tests, x)]
-        for text in problems:
+        for problem in problems:
             failed += 1
-            print(f"{page}:{number}: {text}")
-    if not count:
+            print(f"{path}:{number}: {problem}")
+    if not any(path == page for path, _, _ in rows):
         return f"{page}:1: no row found; expected a table: {' | '.join(COLUMNS)}"
     print(f"{count} equations, {failed} problems")
     return 1 if failed else 0
