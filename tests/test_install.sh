@@ -60,13 +60,14 @@ foreach(source main.c main.cpp)
   string(MAKE_C_IDENTIFIER ${source} name)
   add_executable(${name} ${source})
   set_target_properties(${name} PROPERTIES CXX_STANDARD 17 CXX_STANDARD_REQUIRED ON C_STANDARD 99)
-  target_link_libraries(${name} lodestar::lodestar m)
+  target_link_libraries(${name} lodestar::lodestar)
 endforeach()
 END
 
 build_consumer() { # build_consumer CMAKE-OPTIONS...
     rm -rf "$work/use"
-    cmake -S "$work/consumer" -B "$work/use" "$@" >"$work/log" 2>&1 &&
+    # Without optimisation sqrtf is a call.
+    cmake -S "$work/consumer" -B "$work/use" -DCMAKE_BUILD_TYPE=Debug "$@" >"$work/log" 2>&1 &&
         cmake --build "$work/use" >>"$work/log" 2>&1 || fail "$*: $(tail -n 5 "$work/log")"
     for program in main_c main_cpp; do
         [ "$("$work/use/$program")" = "LODE_OK 0.5" ] || fail "$program says '$("$work/use/$program")'"
@@ -91,14 +92,27 @@ use() { # use PREFIX
 for how in subdirectory fetch; do
     build_consumer -DHOW=$how -DLODESTAR="$LODE_SOURCE_DIR"
 done
-cmake -S "$LODE_SOURCE_DIR" -B "$work/build" -DLODE_BUILD_SIM=OFF -DLODE_BUILD_TESTS=OFF \
-    -DCMAKE_INSTALL_PREFIX="$work/prefix" >"$work/log" 2>&1 &&
+# As a user does it, without an option of ours. Any way to the network would be one to a refusing proxy.
+env http_proxy=http://127.0.0.1:9 https_proxy=http://127.0.0.1:9 \
+    cmake -S "$LODE_SOURCE_DIR" -B "$work/build" -DCMAKE_INSTALL_PREFIX="$work/prefix" >"$work/log" 2>&1 &&
     cmake --build "$work/build" >>"$work/log" 2>&1 &&
     cmake --install "$work/build" >>"$work/log" 2>&1 || fail "install: $(tail -n 5 "$work/log")"
+if grep -q "unity_DIR" "$work/build/CMakeCache.txt" || [ -e "$work/build/tests" ]; then
+    fail "a plain build configures the tests"
+fi
+[ -n "$(find "$work/prefix/share/doc" -name LICENSE)" ] || fail "LICENSE is not installed"
 use "$work/prefix"
 mv "$work/prefix" "$work/moved"
 use "$work/moved"
 if grep -rn "$LODE_SOURCE_DIR" "$work/moved" --include='*.cmake' --include='*.pc'; then
     fail "the installed files name the source folder"
+fi
+if [ -x "$work/moved/bin/lodestar" ]; then
+    # With the data installed beside it: the source tree has no motor of this name.
+    mv "$work/moved/share/lodestar/motors/jiang2022.ini" "$work/moved/share/lodestar/motors/of_the_tool.ini"
+    (cd "$work" && moved/bin/lodestar design --motor of_the_tool >"$work/log" 2>&1) ||
+        fail "the installed tool: $(tail -n 5 "$work/log")"
+else
+    grep -q "Without the tool" "$work/log" || echo "the tool was not built: left out"
 fi
 echo "used from the source tree; installed, used, moved, used"

@@ -13,6 +13,8 @@
 
 bool chip_clock_init(void) {
     REG_SET(RCC->APB1ENR1, RCC_APB1ENR1_PWREN);
+    // Pull-downs for a USB-C port with a dead battery, on PB4 and PB6 after a reset (RM0440, PWR_CR3).
+    REG_SET(PWR->CR3, PWR_CR3_UCPD_DBDIS);
     REG_CLEAR(PWR->CR5, PWR_CR5_R1MODE); // boost: more than 150 MHz
     REG_CHANGE(FLASH->ACR, FLASH_ACR_LATENCY, FLASH_WAIT_STATES);
     bool ok = reg_await(&FLASH->ACR, FLASH_ACR_LATENCY, FLASH_WAIT_STATES);

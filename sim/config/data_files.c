@@ -13,8 +13,28 @@
 #define RIG_DATA_DIR "sim/data"
 #endif
 
+/// Beside an installed tool: <prefix>/bin/lodestar, <prefix>/share/lodestar. NULL where there is none.
+static const char *installed_folder(void) {
+    static const char share[] = "/../share/lodestar";
+    static char path[RIG_PATH_LENGTH];
+    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1u);
+    if (length <= 0) {
+        return NULL;
+    }
+    path[length] = '\0';
+    char *slash = strrchr(path, '/');
+    if (slash == NULL || (size_t)(slash - path) + sizeof share > sizeof path) {
+        return NULL;
+    }
+    (void)memcpy(slash, share, sizeof share);
+    return access(path, R_OK) == 0 ? path : NULL;
+}
+
 static const char *data_folder(void) {
     const char *folder = getenv("LODESTAR_DATA");
+    if (folder == NULL) {
+        folder = installed_folder();
+    }
     return folder != NULL ? folder : RIG_DATA_DIR;
 }
 

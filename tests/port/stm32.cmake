@@ -36,5 +36,5 @@ endif()
 if(LODE_BUILD_GATES)
   add_test(NAME port_stm32_images COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/stm32_images.sh"
            WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
-  set_tests_properties(port_stm32_images PROPERTIES LABELS port TIMEOUT 300 SKIP_RETURN_CODE 77)
+  set_tests_properties(port_stm32_images PROPERTIES LABELS port TIMEOUT 600 SKIP_RETURN_CODE 77)
 endif()

@@ -51,6 +51,15 @@ must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON
 sizes "nucleo_ihm16m1 with CORDIC" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 must_build f4 -DLODE_PORT=stm32f4
 sizes stm32f4 "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
+# The fast memory holds the step whatever the optimisation; without any the step runs from flash.
+for flags in -Os -O3; do
+    must_build "g4$flags" -DLODE_PORT=stm32g4 -DCMAKE_C_FLAGS_RELEASE="$flags"
+    sizes "b_g431b_esc1 $flags" "$work/g4$flags/port/stm32g4/lodestar_stm32g4.elf"
+done
+for port in stm32g4 stm32f4; do
+    must_build "$port-debug" -DLODE_PORT=$port -DCMAKE_BUILD_TYPE=Debug
+    sizes "$port Debug" "$work/$port-debug/port/$port/lodestar_$port.elf"
+done
 if build refused -DLODE_PORT=stm32g4 -DLODE_CMSIS_DIR=/nowhere ||
     ! grep -q "expected stm32g4xx.h" "$log"; then
     echo "a folder without ST's headers: expected a refusal that names stm32g4xx.h"

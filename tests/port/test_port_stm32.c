@@ -255,6 +255,7 @@ static void test_wait_states_before_the_faster_clock(void) {
     TEST_ASSERT_TRUE(first(&RCC->CFGR, RCC_CFGR_SW, pll) > wait_states);
     // VCO: source / M * N.
 #ifdef FAKE_G4
+    TEST_ASSERT_EQUAL_HEX32(PWR_CR3_UCPD_DBDIS, PWR->CR3);
     const uint32_t m = ((RCC->PLLCFGR >> 4) & 15u) + 1u;
     const uint32_t n = (RCC->PLLCFGR >> 8) & 127u;
 #else

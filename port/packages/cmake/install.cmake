@@ -20,4 +20,5 @@ configure_file("${CMAKE_CURRENT_LIST_DIR}/lodestar.pc.in" "${PROJECT_BINARY_DIR}
 install(FILES "${PROJECT_BINARY_DIR}/lodestar-config.cmake"
               "${PROJECT_BINARY_DIR}/lodestar-config-version.cmake"
         DESTINATION "${lode_cmake_dir}")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(FILES "${PROJECT_BINARY_DIR}/lodestar.pc" DESTINATION "${lode_pc_dir}")

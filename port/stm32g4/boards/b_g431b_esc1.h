@@ -39,8 +39,8 @@
 #define VARIANT_T_MAX_degC 110.0f
 #define VARIANT_T_GAIN_degC_count (VARIANT_V_REF_V / VARIANT_COUNTS / VARIANT_T_V_degC)
 #define VARIANT_T_OFFSET_degC (VARIANT_T_degC - VARIANT_T_V / VARIANT_T_V_degC)
-// Dead time, then nine time constants of an amplifier of 13 MHz / 16.
-#define VARIANT_SETTLE_ns 2600.0f
+// Dead time, then ten time constants of an amplifier of 13 MHz / 16, which is a typical figure.
+#define VARIANT_SETTLE_ns 2800.0f
 
 // Converters. Rank 1 of both is sampled at t_k, rank 2 some 0.45 us later.
 #define VARIANT_ADC1_RANKS                                                                         \

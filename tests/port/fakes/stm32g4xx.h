@@ -38,7 +38,7 @@ typedef struct {
 } FLASH_TypeDef;
 
 typedef struct {
-    volatile uint32_t CR1, RESERVED[31], CR5;
+    volatile uint32_t CR1, CR2, CR3, RESERVED[29], CR5;
 } PWR_TypeDef;
 
 typedef struct {
@@ -110,6 +110,7 @@ typedef struct {
 #define FLASH_ACR_PRFTEN (1u << 8)
 #define FLASH_ACR_ICEN (1u << 9)
 #define FLASH_ACR_DCEN (1u << 10)
+#define PWR_CR3_UCPD_DBDIS (1u << 14)
 #define PWR_CR5_R1MODE (1u << 8)
 
 #define RCC_CR_HSEON (1u << 16)
