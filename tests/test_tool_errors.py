@@ -1,5 +1,6 @@
 """What the tool says to bad input: exit code 2, the place, and what was expected."""
 import pathlib
+import random
 import re
 import sys
 
@@ -53,14 +54,8 @@ def values(checks, folder):
         ("motor.Rs_Ohm=1e999", "expected a finite number"),
         ("motor.Rs_Ohm=1e-60", "expected a finite number"),
         ("motor.Rs_Ohm=auto", "expected a finite number"),
-        ("motor.Rs_Ohm=-1", r"\[motor\] Rs_Ohm: LODE_ERROR_MOTOR_RS: expected 0 .. 1e3"),
-        ("motor.pole_pairs=2.5", "LODE_ERROR_MOTOR_POLE_PAIRS"),
-        ("drive.f_pwm_Hz=100", r"\[drive\] f_pwm_Hz: LODE_ERROR_F_PWM"),
-        ("drive.i_range_A=1", r"\[drive\] i_range_A: LODE_ERROR_SENSE_CURRENT"),
         ("drive.shunts=four", "expected three or two, not 'four'"),
-        ("estimator.sigma_rad_s=900", r"\[estimator\] sigma_rad_s: LODE_ERROR_PLL_OBSERVER"),
         ("estimator.emf=nonsense", "expected c-leso"),
-        ("start.current_A=1000", "LODE_ERROR_START_CURRENT"),
         ("plant.inverter=perfect", "expected ideal or switched, not 'perfect'"),
         ("plant.Rs_Ohm=-1", r"expected a number in 0 \.\. "),
         ("plant.theta0_deg=north", "or random, not 'north'"),
@@ -74,6 +69,149 @@ def values(checks, folder):
     # Two units for one thing.
     refused(checks, folder, ["run", "main", "--set", "start.handover_rpm=150", "--set",
                              "start.omega_handover_rad_s=50"], "expected one of them")
+
+
+# What makes the library refuse, with the key to be named first; the others make it possible.
+REFUSALS = {
+    "F_PWM": ["drive.f_pwm_Hz=100"],
+    "MOTOR_POLE_PAIRS": ["motor.pole_pairs=2.5"],
+    "MOTOR_RS": ["motor.Rs_Ohm=-1"],
+    "MOTOR_LD": ["motor.Ld_H=20"],
+    "MOTOR_LQ": ["motor.Lq_H=0"],
+    "MOTOR_PSI": ["motor.psi_Wb=200"],
+    "MOTOR_J": ["motor.J_kgm2=0"],
+    "MOTOR_B": ["motor.B_Nms=-1"],
+    "MOTOR_OMEGA": ["motor.speed_rated_rpm=1e6"],
+    "MOTOR_SETS": ["motor.sets=3"],
+    "MOTOR_PERIOD": ["motor.Rs_Ohm=100"],
+    "V_BUS": ["drive.v_bus_V=3000"],
+    "I_MAX": ["drive.i_max_A=0"],
+    "DEAD_TIME": ["drive.dead_time_s=1e-3", "drive.f_pwm_Hz=199999"],
+    "V_DROP": ["drive.v_drop_V=11"],
+    "R_ON": ["drive.r_on_Ohm=-1"],
+    "I_DEAD": ["drive.i_dead_A=13"],
+    "PWM_TICKS": ["drive.pwm_ticks=70000"],
+    "SENSE_CURRENT": ["drive.i_range_A=1"],
+    "SENSE_BUS": ["drive.v_range_V=10"],
+    "SENSE_OFFSET": ["drive.i_offset_tol_count=1e5"],
+    "SENSE_WINDOW": ["drive.duty_max=0.2"],
+    "SENSE_CALIBRATION": ["drive.calibrate_s=100"],
+    "EMF_W0": ["estimator.w0_rad_s=1e6"],
+    "EMF_GI": ["estimator.gi_kappa=8", "estimator.gi_wc_rad_s=1e3"],
+    "EMF_FA": ["estimator.k2_rad_s=1e5", "estimator.k1_rad2_s2=1e5"],
+    "EMF_PLL": ["estimator.k2_rad_s=20 estimator.emf=fa-leso"],
+    "NOTCH": ["estimator.notch_k=3", "estimator.notch12_k=3"],
+    "W_FILTER": ["estimator.w_filter_rad_s=1e6"],
+    "PLL_SIGMA": ["estimator.sigma_rad_s=2000", "estimator.sigma_low_rad_s=200",
+                  # what is right beside it is not blamed
+                  "estimator.sigma_low_rad_s=200 estimator.sigma_rad_s=110"],
+    "PLL_OBSERVER": ["estimator.sigma_rad_s=900", "estimator.w0_rad_s=300"],
+    "PLL_SCHEDULE": ["estimator.omega_low_rad_s=200"],
+    "LAG": ["estimator.w0_rad_s=510"],
+    "EMIN": ["estimator.emin_V=1e4", "motor.psi_Wb=2e-6"],
+    "OMEGA_MAX": ["estimator.omega_max_rad_s=1e4", "estimator.speed_max_rpm=1e5"],
+    "LOCK_TIME": ["estimator.lock_s=2"],
+    "CURRENT_BANDWIDTH": ["current.bandwidth_rad_s=1e5"],
+    "CURRENT_GAINS": ["current.kp_d_V_A=1000", "current.ki_q_V_As=1e9 current.kp_d_V_A=3"],
+    "CURRENT_VOLTAGE": ["current.voltage_use=2"],
+    "SPEED_GAINS": ["speed.kp_Nms=-1", "speed.gain_rise=11 speed.ki_Nm=1", "speed.kp_A_s_rad=1e9",
+                    "speed.ki_Nm=1e7 speed.kp_Nms=0.2"],
+    "SPEED_BANDWIDTH": ["speed.bandwidth_rad_s=1000", "speed.kp_Nms=5", "speed.kp_A_s_rad=10"],
+    "SPEED_RAMP": ["speed.ramp_rad_s2=1e9", "speed.ramp_rpm_s=1e9"],
+    "SPEED_FEED_FORWARD": ["speed.load_feed_forward=2", "speed.inertia_feed_forward=2"],
+    "ID_BIAS": ["references.id_bias_A=20", "references.omega_low_rad_s=300"],
+    "FIELD_WEAKENING": ["references.voltage_use=2", "references.trim_rad_s=1e5",
+                        "references.release_s=100 references.trim_rad_s=10",
+                        "references.id_max_A=100"],
+    "LQ_FALL": ["references.Lq_fall=10"],
+    "BUS_FADE": ["references.v_regen_V=100", "references.v_motor_V=300"],
+    "START_CURRENT": ["start.current_A=1000"],
+    "START_SPEED": ["start.omega_handover_rad_s=1e4", "start.handover_rpm=1e5",
+                    "speed.omega_min_rad_s=1"],
+    "START_RAMP": ["start.ramp_rad_s2=1e9 start.lock_s=0.1", "start.lock_s=100",
+                   "motor.J_kgm2=1e-9 start.lock_s=0.1"],
+    "START_DAMPING": ["start.damping=3"],
+    "XY_INDUCTANCE": ["motor.Lxy_H=20 motor.sets=2"],
+    "XY_BANDWIDTH": ["xy.bandwidth_rad_s=1e5 motor.sets=2 motor.Lxy_H=1e-3"],
+    "XY_VOLTAGE": ["xy.voltage_share=1 motor.sets=2 motor.Lxy_H=1e-3"],
+    "GUARD_CURRENT": ["guard.i_trip_A=5", "guard.i_trip_A=1000"],
+    "GUARD_BUS": ["guard.v_bus_max_V=100", "guard.v_bus_min_V=300"],
+    "GUARD_TEMPERATURE": ["guard.temperature_max_degC=1e4"],
+    "GUARD_SPEED": ["guard.omega_max_rad_s=1e7"],
+    "GUARD_TIME": ["guard.bus_s=100", "guard.lock_s=100", "guard.stamp_per_period=1e10"],
+}
+# Choices are read by their names, from a build that has all of them.
+UNREACHABLE = {"SENSE_SHUNTS", "EMF_KIND", "PLL_KIND", "CHOICE", "REFERENCES", "SOURCE", "OPEN_PHASE"}
+
+
+def refusals(checks, folder):
+    """Every status of the library that a configuration can have: the key, its value and its place."""
+    known = set(re.findall(r"\{LODE_ERROR_(\w+)", (SOURCE / "sim/config/refusal.c").read_text()))
+    checks.equal(known, set(REFUSALS) | UNREACHABLE, "refusals that are tested")
+    header = (SOURCE / "include/lodestar/status.h").read_text()
+    every = set(re.findall(r"LODE_ERROR_(\w+)", header))
+    # No configuration of the tool leads to these: pointers, commands, recorders, a sensor of its own.
+    checks.equal(every - known, {"NULL", "COMMAND", "CHANNELS", "BUFFER", "TRIGGER", "PRE_SHARE",
+                                 "SENSE_TEMPERATURE"}, "statuses without words")
+    scenario = (f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
+                "[phase.a]\nduration_s = 0.01\n")
+    for status, cases in REFUSALS.items():
+        for case in cases:
+            sets = case.split()
+            section, key, value = re.match(r"(\w+)\.(\w+)=(.*)", sets[0]).groups()
+            said = rf"\[{section}\] {key} = \S+: LODE_ERROR_{status}: .*expected "
+            folder.write("s.ini", scenario)
+            done = refused(checks, folder, ["run", "s.ini", *[x for s in sets for x in ("--set", s)]],
+                           f"^--set: {said}")
+            shown = float(done.stderr.split(" = ")[1].split(":")[0])
+            checks.at_most(abs(shown / float(value or 1) - 1) if shown else 0, 1e-6, f"value of {case}")
+            text = scenario
+            for assignment in reversed(sets):
+                other, rest = assignment.split(".", 1)
+                text += f"[{other}]\n{rest}\n"
+            folder.write("s.ini", text)
+            refused(checks, folder, ["run", "s.ini"], rf"^s.ini:{len(text.splitlines())}: {said}")
+
+
+def defaults_that_are_refused(checks, folder):
+    """Where a default is refused, what it was computed from is named: nobody wrote the default."""
+    motor = ("[motor]\npoles = 14\nR_line_line_mOhm = 110\nL_line_line_uH = 60\nJ_gcm2 = 300\n"
+             "KV_rpm_V = {KV}\n[drive]\nf_pwm_Hz = {f}\nv_bus_V = {v}\ni_max_A = {i}\n")
+    folder.write("s.ini", "[scenario]\nmotor = m.ini\n[phase.a]\nduration_s = 0.001\n")
+    for values, pattern in [
+        ({"KV": 750, "f": 20000, "v": 36, "i": 20},
+         r"^m.ini:8: \[drive\] f_pwm_Hz = 20000: LODE_ERROR_PLL_OBSERVER: gives \[estimator\] "
+         r"sigma_rad_s = \d+.*; expected .*\[estimator\] w0_rad_s = 10000.*; with .*"
+         r"\[drive\] v_bus_V = 36 \(m.ini:9\), \[motor\] KV_rpm_V = 750 \(m.ini:6\)"),
+        ({"KV": 0, "f": 20000, "v": 36, "i": 20},
+         r"^m.ini:6: \[motor\] KV_rpm_V = 0: LODE_ERROR_MOTOR_PSI: gives \[motor\] psi_Wb = inf; "),
+    ]:
+        folder.write("m.ini", motor.format(**values))
+        refused(checks, folder, ["run", "s.ini"], pattern)
+    # Whatever the figures: a place and a key that somebody wrote.
+    draw = random.Random(1)
+    refusals_seen = 0
+    for _ in range(120):
+        values = {"KV": 10 ** draw.uniform(0, 4), "f": 10 ** draw.uniform(3, 5.3),
+                  "v": 10 ** draw.uniform(0, 3.3), "i": 10 ** draw.uniform(-3, 3)}
+        folder.write("m.ini", motor.format(**values))
+        done = folder.run("run", "s.ini")
+        if done.returncode == 2:
+            refusals_seen += 1
+            checks.true(re.match(r"m.ini:\d+: \[(motor|drive)\] \w+ = \S+: LODE_ERROR_\w+: .*expected ",
+                                 done.stderr), f"{values}: {done.stderr!r}")
+    checks.true(20 < refusals_seen < 110, f"{refusals_seen} of 120 refused")
+
+
+def others_than_the_library(checks, folder):
+    """The plant, and the firmware's motor as a phase changes it."""
+    refused(checks, folder, ["run", "main", "--set", "plant.i_sat_A=5", "--set",
+                              "plant.Lq_sat_H=0.02"],
+            r"^--set: \[plant\] Lq_sat_H = 0.02: refused by the plant: Lq_sat_H must be")
+    refused(checks, folder, ["run", "main", "--set", "plant.sample_offset_s=0.5"],
+            r"^--set: \[plant\] sample_offset_s = 0.5: refused by the plant")
+    refused(checks, folder, ["run", "main", "--set", "phase.ramp.Lq_factor=0.01"],
+            r"\[phase.ramp\] Lq_factor = 0.01, Rs_factor = 1: expected factors with which the library")
 
 
 def estimator_names(checks, folder):
@@ -94,7 +232,7 @@ def estimator_names(checks, folder):
         refused(checks, folder, [*replay, "--emf", emf, "--pll", pll],
                 "expected an observer and a PLL that both end in -euler, or neither")
     refused(checks, folder, [*replay, "--emf", "fa-leso", "--set", "estimator.k2_rad_s=20"],
-            "k2_rad_s: LODE_ERROR_EMF_PLL: expected k2_rad_s at least 0.549")
+            "k2_rad_s = 20: LODE_ERROR_EMF_PLL: expected k2_rad_s at least 0.549")
 
 
 def ini_files(checks, folder):
@@ -109,9 +247,9 @@ def ini_files(checks, folder):
         (scenario + "no equals sign\n", r"s.ini:6: expected `\[section\]`"),
         (scenario + "[phase.b]\nload_Nm = 1\n", r"\[phase.b\] duration_s: missing"),
         (scenario + "[estimator]\nemf = fa-leso\nk2_rad_s = 5\n",
-         r"s.ini:8: \[estimator\] k2_rad_s: LODE_ERROR_EMF_PLL"),
+         r"s.ini:8: \[estimator\] k2_rad_s = 5: LODE_ERROR_EMF_PLL"),
         (scenario + "[estimator]\nsigma_rad_s = 900\n",
-         r"s.ini:7: \[estimator\] sigma_rad_s: LODE_ERROR_PLL_OBSERVER"),
+         r"s.ini:7: \[estimator\] sigma_rad_s = 900: LODE_ERROR_PLL_OBSERVER"),
         (scenario + "# " + 300 * "x" + "\n", r"s.ini:6: expected lines of at most"),
         (scenario + f"[phase.{40 * 'x'}]\nduration_s = 1\n", r"s.ini:7: .*names of 1 to 31"),
         (scenario.replace("duration_s = 0.01", "duration_s = 0"), r"s.ini:5: .*expected a number"),
@@ -127,7 +265,7 @@ def ini_files(checks, folder):
     # What counts is the place that said it: here the motor's file, not the scenario.
     folder.write("m.ini", MOTOR.read_text().replace("psi_Wb = 0.142", "psi_Wb = 0"))
     folder.write("s.ini", scenario.replace(str(MOTOR), "m.ini"))
-    refused(checks, folder, ["run", "s.ini"], r"m.ini:7: \[motor\] psi_Wb: LODE_ERROR_MOTOR_PSI")
+    refused(checks, folder, ["run", "s.ini"], r"m.ini:7: \[motor\] psi_Wb = 0: LODE_ERROR_MOTOR_PSI")
     # Parts hold no scenario.
     folder.write("m.ini", MOTOR.read_text() + "[scenario]\nseed = 1\n")
     refused(checks, folder, ["run", "s.ini"], r"m.ini:\d+: \[scenario\] seed: expected in a scenario")
@@ -175,6 +313,9 @@ def main():
     with Folder() as folder:
         command_line(checks, folder)
         values(checks, folder)
+        refusals(checks, folder)
+        defaults_that_are_refused(checks, folder)
+        others_than_the_library(checks, folder)
         estimator_names(checks, folder)
         ini_files(checks, folder)
         names_of_data(checks, folder)

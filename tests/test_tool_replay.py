@@ -160,7 +160,7 @@ def options(checks, folder):
     folder.run(*base, "--set", "estimator.compensation=none")
     uncorrected = folder.json("o.json")["angle_error_mean_deg"]
     checks.true(-8 < uncorrected < -3, f"without compensation {uncorrected} deg, expected about -5")
-    refused(checks, folder, [*base, "--set", "motor.Lq_H=-1"], r"\[motor\] Lq_H: LODE_ERROR_MOTOR_LQ")
+    refused(checks, folder, [*base, "--set", "motor.Lq_H=-1"], r"\[motor\] Lq_H = -1: LODE_ERROR_MOTOR_LQ")
 
 
 def bad_recordings(checks, folder):

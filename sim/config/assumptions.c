@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "config/ini_config.h"
 #include "config/schema.h"
 #include "support/units.h"
 
@@ -86,24 +87,12 @@ void assumptions_disturbances(rig_config_t *config) {
            "one count of the converter");
 }
 
-/// The value, where it is known before the drive is designed.
-static void value_of(const rig_config_t *config, int row, char *text, size_t size) {
-    const rig_key_t *key = &rig_schema().row[row];
-    if (strcmp(key->key, "speed_rated_rpm") == 0) {
-        const lode_motor_t *motor = &config->drive.motor;
-        const double omega = (double)(motor->omega_rated_rad_s / motor->pole_pairs);
-        (void)snprintf(text, size, "%.4g", rig_rpm_from_rad_s(omega));
-    } else {
-        rig_key_print(key, config, text, size);
-    }
-}
-
 void assumptions_print(FILE *file, const rig_config_t *config, const char *before) {
     const rig_schema_t schema = rig_schema();
     for (int k = 0; k < schema.rows; ++k) {
-        char value[64];
         if (config->origin[k].assumed != NULL) {
-            value_of(config, k, value, sizeof value);
+            char value[64];
+            ini_config_value(config, k, value, sizeof value);
             (void)fprintf(file, "%sassumed: [%s] %s = %s: %s\n", before, schema.row[k].section,
                           schema.row[k].key, value, config->origin[k].assumed);
         }

@@ -52,8 +52,8 @@ cJSON *config_json_assumed(const rig_config_t *config) {
     const rig_schema_t schema = rig_schema();
     cJSON *object = cJSON_CreateObject();
     for (int k = 0; k < schema.rows; ++k) {
-        char name[64];
         if (config->origin[k].assumed != NULL) {
+            char name[64];
             (void)snprintf(name, sizeof name, "%s.%s", schema.row[k].section, schema.row[k].key);
             (void)cJSON_AddStringToObject(object, name, config->origin[k].assumed);
         }

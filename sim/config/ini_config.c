@@ -8,6 +8,7 @@
 #include "config/schema.h"
 #include "support/diag.h"
 #include "support/inputs.h"
+#include "support/units.h"
 
 /// Which keys of a file count.
 typedef enum {
@@ -298,6 +299,20 @@ bool ini_config_set(rig_config_t *config, const char *option, const char *assign
 }
 
 // ---- Display ------------------------------------------------------------------------------------
+
+void ini_config_value(const rig_config_t *config, int row, char *text, size_t size) {
+    const rig_schema_t schema = rig_schema();
+    const rig_key_t *key = &schema.row[row];
+    double number = 0.0;
+    const bool known = rig_key_number(key, config, &number);
+    if (!known && key->offset == offsetof(rig_config_t, people.speed_rated_rpm)) {
+        const lode_motor_t *motor = &config->drive.motor;
+        number = rig_rpm_from_rad_s((double)motor->omega_rated_rad_s / (double)motor->pole_pairs);
+        (void)snprintf(text, size, "%.4g", number);
+    } else {
+        rig_key_print(key, config, text, size);
+    }
+}
 
 void ini_config_where(const rig_config_t *config, int row, char *text, size_t size) {
     const rig_origin_t *origin = &config->origin[row];

@@ -16,6 +16,9 @@ bool ini_config_load_part(rig_config_t *config, const char *path);
 /// "section.key=value", over what files say. `option`: how the command line calls it.
 bool ini_config_set(rig_config_t *config, const char *option, const char *assignment);
 
+/// The value in use, as a file would give it; a rated speed that nobody gave is that of a designed drive.
+void ini_config_value(const rig_config_t *config, int row, char *text, size_t size);
+
 /// Names the place that decided a key: "FILE:LINE", "from FILE", "command line", or
 /// "default or computed".
 void ini_config_where(const rig_config_t *config, int row, char *text, size_t size);

@@ -174,6 +174,16 @@ void rig_config_design(rig_config_t *config) {
     config->six.xy = six.xy;
 }
 
+lode_status_t rig_config_judge(const rig_config_t *config) {
+    if (rig_config_is_six(config)) {
+        lode_drive6_tuning_t tuning;
+        const lode_drive6_config_t six = rig_config_six(config);
+        return lode_drive6_tune(&tuning, &six);
+    }
+    lode_drive_tuning_t tuning;
+    return lode_drive_tune(&tuning, &config->drive);
+}
+
 /// Six phases need one more figure, and their step is not in parts that another estimate could go between.
 static bool check_six(const rig_config_t *config) {
     static const char *const motor[] = {"Lxy_H", NULL};
@@ -213,6 +223,8 @@ bool rig_config_complete(rig_config_t *config, rig_need_t need) {
         return false;
     }
     default_to(&config->scenario.seed, 1.0);
+    config->given = config->drive;
+    config->given_six = config->six;
     return true;
 }
 
@@ -310,6 +322,25 @@ static void describe_board(const rig_config_t *config, plant_config_t *plant, ui
     }
 }
 
+/// `why` begins with the plant's own name of the quantity: that of its key, as a rule.
+static void refuse_plant(const rig_config_t *config, const char *why) {
+    char name[RIG_NAME_LENGTH];
+    (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(why, " ,"), why);
+    const bool stamp = strcmp(name, "stamp_Hz") == 0;
+    const char *section = stamp ? "guard" : "plant";
+    const char *key = stamp ? "stamp_per_period" : name;
+    const int row = rig_schema_find(rig_schema(), section, key);
+    if (row < 0 || !is_given(config, section, key)) {
+        rig_error("[plant] %s", why);
+        return;
+    }
+    const rig_origin_t *origin = &config->origin[row];
+    char value[64];
+    rig_key_print(&rig_schema().row[row], config, value, sizeof value);
+    rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set", origin->line,
+                 "[%s] %s = %s: refused by the plant: %s", section, key, value, why);
+}
+
 bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double *extra_load_Nm) {
     uint64_t state = (uint64_t)config->scenario.seed;
     memset(plant, 0, sizeof *plant);
@@ -322,7 +353,7 @@ bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double 
     plant_t trial;
     const char *why = plant_init(&trial, plant);
     if (why != NULL) {
-        rig_error("[plant] %s", why);
+        refuse_plant(config, why);
     }
     return why == NULL;
 }

@@ -143,6 +143,8 @@ typedef struct {
 typedef struct {
     lode_drive_config_t drive; ///< of six phases too: motor.sets is 2 then
     rig_six_t six;
+    lode_drive_config_t given; ///< the same two before the library computed what is open
+    rig_six_t given_six;
     rig_board_t board;
     rig_convenience_t people;
     data_sheet_t sheet;
@@ -180,6 +182,9 @@ lode_drive6_config_t rig_config_six(const rig_config_t *config);
 
 /// Lets the library compute every value of the drive that is open.
 void rig_config_design(rig_config_t *config);
+
+/// LODE_OK, or why the library refuses the drive.
+lode_status_t rig_config_judge(const rig_config_t *config);
 
 /// The plant that `config` describes, with everything random drawn from the scenario's seed. False
 /// after a message.

@@ -327,6 +327,9 @@ static bool retune(run_t *run, const rig_phase_t *phase) {
     motor.Rs_Ohm *= (float)run->Rs_factor;
     const lode_status_t status = rig_retune(&run->rig, run->config, &motor);
     if (status != LODE_OK) {
+        rig_error("[phase.%s] Lq_factor = %g, Rs_factor = %g: expected factors with which the "
+                  "library accepts the motor:",
+                  phase->name, run->Lq_factor, run->Rs_factor);
         refusal_report(run->config, status);
         return false;
     }
@@ -481,14 +484,19 @@ static bool check_phases(const rig_config_t *config) {
 static bool start(run_t *run) {
     const rig_scenario_t *scenario = &run->config->scenario;
     plant_config_t plant;
-    if (!check_phases(run->config) || !rig_config_plant(run->config, &plant, &run->extra_load_Nm)) {
+    if (!check_phases(run->config)) {
         return false;
     }
-    const lode_status_t status = rig_init(&run->rig, run->config, &plant);
+    // The library first: it says what of the motor is wrong in the words of its keys.
+    const lode_status_t status = rig_config_judge(run->config);
     if (status != LODE_OK) {
         refusal_report(run->config, status);
         return false;
     }
+    if (!rig_config_plant(run->config, &plant, &run->extra_load_Nm)) {
+        return false;
+    }
+    (void)rig_init(&run->rig, run->config, &plant);
     run->log->sets = run->rig.sets;
     run->memory.seeded_s = isnan(run->config->seeded_s) ? 0.0 : run->config->seeded_s;
     if (euler_estimate_wanted(run->config)) {
