@@ -57,8 +57,7 @@ static void print_case(uint64_t seed, const case_t *one) {
 }
 
 static void add_case(cJSON *cases, uint64_t seed, const case_t *one) {
-    cJSON *item = cJSON_CreateObject();
-    (void)cJSON_AddItemToArray(cases, item);
+    cJSON *item = config_json_item(cases);
     config_json_number(item, "seed", (double)seed);
     (void)cJSON_AddBoolToObject(item, "passed", one->passed);
     (void)cJSON_AddStringToObject(item, "verdict", one->verdict);

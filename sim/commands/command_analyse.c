@@ -1,14 +1,10 @@
 #include "commands/command_analyse.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
 
 #include "analyse/analyse.h"
-#include "config/data_files.h"
-#include "config/ini_config.h"
+#include "commands/command_load.h"
 #include "config/refusal.h"
 #include "report/plot_bode.h"
 #include "report/report_analyse.h"
@@ -26,25 +22,13 @@ typedef struct {
 
 /// Paper 1's motor and drive where none is given.
 static bool load(rig_config_t *config, const options_t *options) {
-    rig_config_init(config);
-    bool good =
-        data_files_load_part(config, "motors", options->motor != NULL ? options->motor : PAPER) &&
-        data_files_load_part(config, "drives", options->drive != NULL ? options->drive : PAPER);
-    for (int k = 0; good && k < options->sets; ++k) {
-        good = ini_config_set(config, "--set", options->set[k]);
-    }
-    if (!good || !rig_config_complete(config, RIG_NEED_DRIVE)) {
+    const char *motor = options->motor != NULL ? options->motor : PAPER;
+    const char *drive = options->drive != NULL ? options->drive : PAPER;
+    if (!command_load_drive(config, motor, drive, options) ||
+        !rig_config_complete(config, RIG_NEED_DRIVE)) {
         return false;
     }
     lode_drive_design(&config->drive);
-    return true;
-}
-
-static bool make_folder(const char *path) {
-    if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-        rig_error("%s: %s; expected to be able to make this folder", path, strerror(errno));
-        return false;
-    }
     return true;
 }
 
@@ -58,7 +42,7 @@ static bool open_files(files_t *files, const options_t *options) {
     if (!good || options->plots == NULL) {
         return good;
     }
-    good = plot_available() && make_folder(options->plots);
+    good = plot_available() && outputs_folder(options->plots);
     for (int k = 0; good && k < PLOT_BODE_COUNT; ++k) {
         char path[RIG_PATH_LENGTH];
         plot_path(path, options, k);

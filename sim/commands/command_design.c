@@ -2,9 +2,8 @@
 
 #include <stdio.h>
 
+#include "commands/command_load.h"
 #include "config/assumptions.h"
-#include "config/data_files.h"
-#include "config/ini_config.h"
 #include "config/refusal.h"
 #include "config/schema.h"
 #include "design/design.h"
@@ -13,16 +12,6 @@
 #include "support/atomic_file.h"
 #include "support/diag.h"
 #include "support/outputs.h"
-
-static bool load(rig_config_t *config, const options_t *options) {
-    rig_config_init(config);
-    bool good = data_files_load_part(config, "motors", options->motor) &&
-                data_files_load_part(config, "drives", options->drive);
-    for (int k = 0; good && k < options->sets; ++k) {
-        good = ini_config_set(config, "--set", options->set[k]);
-    }
-    return good;
-}
 
 /// Says where the two sets stand that the C constant is not for.
 static void refuse_six(const rig_config_t *config, const char *source) {
@@ -63,7 +52,8 @@ rig_exit_t command_design(const options_t *options) {
     rig_config_t config;
     design_t design;
     FILE *json = NULL;
-    if (!load(&config, options) || !outputs_open(&json, options->json)) {
+    if (!command_load_drive(&config, options->motor, options->drive, options) ||
+        !outputs_open(&json, options->json)) {
         return RIG_BAD_INPUT;
     }
     if (!rig_config_complete(&config, options->source == NULL ? RIG_NEED_MOTOR : RIG_NEED_BOARD)) {

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "config/data_files.h"
+#include "commands/command_load.h"
 #include "config/ini_config.h"
 #include "config/refusal.h"
 #include "config/schema.h"
@@ -38,13 +38,8 @@ static bool set_choice(rig_config_t *config, const char *option, const char *key
 }
 
 static bool load(rig_config_t *config, const options_t *options) {
-    rig_config_init(config);
-    bool good = data_files_load_part(config, "motors", options->motor) &&
-                data_files_load_part(config, "drives", options->drive);
-    for (int k = 0; good && k < options->sets; ++k) {
-        good = ini_config_set(config, "--set", options->set[k]);
-    }
-    return good && set_choice(config, "--emf", "emf", options->emf) &&
+    return command_load_drive(config, options->motor, options->drive, options) &&
+           set_choice(config, "--emf", "emf", options->emf) &&
            set_choice(config, "--pll", "pll", options->pll);
 }
 

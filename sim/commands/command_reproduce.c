@@ -1,11 +1,9 @@
 #include "commands/command_reproduce.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
-#include "config/ini_config.h"
+#include "commands/command_load.h"
 #include "reproduce/li_plots.h"
 #include "reproduce/plots.h"
 #include "reproduce/report.h"
@@ -38,12 +36,8 @@ static case_bases_t bases;
 static reproduction_t reproduction;
 
 static bool jiang_load(const options_t *options) {
-    bool good = case_load(&bases);
-    for (int k = 0; good && k < options->sets; ++k) {
-        good = ini_config_set(&bases.paper, "--set", options->set[k]) &&
-               ini_config_set(&bases.library, "--set", options->set[k]);
-    }
-    return good;
+    return case_load(&bases) && command_load_sets(&bases.paper, options) &&
+           command_load_sets(&bases.library, options);
 }
 
 static const table_t *jiang_run(void) {
@@ -60,11 +54,7 @@ static rig_config_t li_base;
 static table_t li_table;
 
 static bool li_load(const options_t *options) {
-    bool good = li_case_load(&li_base);
-    for (int k = 0; good && k < options->sets; ++k) {
-        good = ini_config_set(&li_base, "--set", options->set[k]);
-    }
-    return good;
+    return li_case_load(&li_base) && command_load_sets(&li_base, options);
 }
 
 static const table_t *li_run(void) {
@@ -93,14 +83,6 @@ static const study_t *study_of(const char *paper) {
     return NULL;
 }
 
-static bool make_folder(const char *path) {
-    if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-        rig_error("%s: %s; expected to be able to make this folder", path, strerror(errno));
-        return false;
-    }
-    return true;
-}
-
 static void plot_path(char *path, const options_t *options, const char *file) {
     (void)snprintf(path, RIG_PATH_LENGTH, "%s/%s", options->plots, file);
 }
@@ -111,7 +93,7 @@ static bool open_files(files_t *files, const options_t *options, const study_t *
     if (!good || options->plots == NULL) {
         return good;
     }
-    good = plot_available() && make_folder(options->plots);
+    good = plot_available() && outputs_folder(options->plots);
     for (int k = 0; good && k < study->plots; ++k) {
         char path[RIG_PATH_LENGTH];
         plot_path(path, options, study->plot_file(k));

@@ -1,12 +1,9 @@
 #include "commands/command_run.h"
 
-#include <errno.h>
-#include <math.h>
 #include <stdio.h>
-#include <string.h>
-#include <sys/stat.h>
 
 #include "commands/campaign.h"
+#include "commands/command_load.h"
 #include "config/data_files.h"
 #include "config/ini_config.h"
 #include "report/plot_run.h"
@@ -28,10 +25,7 @@ bool command_run_load(rig_config_t *config, const options_t *options, const char
     char path[RIG_PATH_LENGTH];
     rig_config_init(config);
     bool good = data_files_find("scenarios", scenario, path, sizeof path) &&
-                ini_config_load_scenario(config, path);
-    for (int k = 0; good && k < options->sets; ++k) {
-        good = ini_config_set(config, "--set", options->set[k]);
-    }
+                ini_config_load_scenario(config, path) && command_load_sets(config, options);
     if (good && (options->has_seed || options->has_campaign)) {
         config->scenario.seed = (double)options->seed;
     }
@@ -106,9 +100,7 @@ rig_exit_t command_main_job(const options_t *options) {
     const bool asked = options->plot != NULL;
     const bool needs_folder =
         options->csv == NULL || options->json == NULL || options->plot == NULL;
-    if (needs_folder && mkdir(MAIN_FOLDER, 0777) != 0 && errno != EEXIST) {
-        rig_error("%s: %s; expected to be able to make this folder here", MAIN_FOLDER,
-                  strerror(errno));
+    if (needs_folder && !outputs_folder(MAIN_FOLDER)) {
         return RIG_BAD_INPUT;
     }
     all.csv = options->csv != NULL ? options->csv : MAIN_FOLDER "/main.csv";

@@ -5,6 +5,22 @@
 #include <string.h>
 
 #include "config/schema.h"
+#include "lodestar/version.h"
+
+cJSON *config_json_root(void) {
+    cJSON *root = cJSON_CreateObject();
+    char version[32];
+    (void)snprintf(version, sizeof version, "%d.%d.%d", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,
+                   LODE_VERSION_PATCH);
+    (void)cJSON_AddStringToObject(root, "lodestar", version);
+    return root;
+}
+
+cJSON *config_json_item(cJSON *array) {
+    cJSON *item = cJSON_CreateObject();
+    (void)cJSON_AddItemToArray(array, item);
+    return item;
+}
 
 void config_json_number(cJSON *object, const char *name, double value) {
     if (isfinite(value)) {

@@ -7,6 +7,12 @@
 
 #include "config/rig_config.h"
 
+/// An object that names the tool's version, for what a command has to say.
+cJSON *config_json_root(void);
+
+/// A new object at the end of an array.
+cJSON *config_json_item(cJSON *array);
+
 /// {section: {key: value}} of everything that is set or computed.
 cJSON *config_json(const rig_config_t *config);
 

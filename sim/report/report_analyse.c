@@ -6,8 +6,6 @@
 #include "config/config_json.h"
 #include "support/units.h"
 
-#include "lodestar/version.h"
-
 static const char *const forms[] = {"theory", "sampled", "as printed"};
 
 // ---- Text -----------------------------------------------------------------------------------------
@@ -154,8 +152,7 @@ void report_analyse_csv(FILE *file, const analyse_t *analysis) {
 // ---- JSON -----------------------------------------------------------------------------------------
 
 static void add_row(cJSON *array, const analyse_row_t *row) {
-    cJSON *item = cJSON_CreateObject();
-    (void)cJSON_AddItemToArray(array, item);
+    cJSON *item = config_json_item(array);
     (void)cJSON_AddStringToObject(item, "table", row->table);
     (void)cJSON_AddStringToObject(item, "setting", row->setting);
     (void)cJSON_AddStringToObject(item, "quantity", row->quantity);
@@ -167,8 +164,7 @@ static void add_row(cJSON *array, const analyse_row_t *row) {
 }
 
 static void add_speed(cJSON *array, const analyse_speed_t *at) {
-    cJSON *item = cJSON_CreateObject();
-    (void)cJSON_AddItemToArray(array, item);
+    cJSON *item = config_json_item(array);
     config_json_number(item, "speed_rpm", at->speed_rpm);
     config_json_number(item, "omega_e_rad_s", at->omega_rad_s);
     config_json_number(item, "lag_deg", at->lag_deg);
@@ -183,11 +179,7 @@ static void add_speed(cJSON *array, const analyse_speed_t *at) {
 }
 
 void report_analyse_json(FILE *file, const rig_config_t *config, const analyse_t *analysis) {
-    cJSON *root = cJSON_CreateObject();
-    char version[32];
-    (void)snprintf(version, sizeof version, "%d.%d.%d", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,
-                   LODE_VERSION_PATCH);
-    (void)cJSON_AddStringToObject(root, "lodestar", version);
+    cJSON *root = config_json_root();
     cJSON *rows = cJSON_AddArrayToObject(root, "figures");
     for (int k = 0; k < analysis->rows; ++k) {
         add_row(rows, &analysis->row[k]);

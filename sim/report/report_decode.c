@@ -7,8 +7,6 @@
 #include "support/channels.h"
 #include "support/stats.h"
 
-#include "lodestar/version.h"
-
 static const char *const kind_names[] = {"frames", "ring", "scope"};
 static const char *const kind_texts[] = {"frames of a telemetry ring", "buffer of a telemetry ring",
                                          "buffer of a scope"};
@@ -238,15 +236,13 @@ static void add_frames(cJSON *root, const decode_t *decoded) {
     config_json_number(root, "restarts", (double)decoded->restarts);
     cJSON *gaps = cJSON_AddArrayToObject(root, "gaps");
     for (size_t k = 0; k < decoded->gaps && k < DECODE_PLACES_MAX; ++k) {
-        cJSON *item = cJSON_CreateObject();
-        (void)cJSON_AddItemToArray(gaps, item);
+        cJSON *item = config_json_item(gaps);
         config_json_number(item, "offset", (double)decoded->gap[k].offset);
         config_json_number(item, "missing", (double)decoded->gap[k].lost);
     }
     cJSON *damage = cJSON_AddArrayToObject(root, "damage");
     for (size_t k = 0; k < decoded->damaged && k < DECODE_PLACES_MAX; ++k) {
-        cJSON *item = cJSON_CreateObject();
-        (void)cJSON_AddItemToArray(damage, item);
+        cJSON *item = config_json_item(damage);
         config_json_number(item, "offset", (double)decoded->damage[k].offset);
         config_json_number(item, "octets", (double)decoded->damage[k].octets);
     }
@@ -263,11 +259,7 @@ static void add_scope(cJSON *root, const decode_t *decoded) {
 }
 
 void report_decode_json(FILE *file, const char *path, const decode_t *decoded) {
-    cJSON *root = cJSON_CreateObject();
-    char version[32];
-    (void)snprintf(version, sizeof version, "%d.%d.%d", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,
-                   LODE_VERSION_PATCH);
-    (void)cJSON_AddStringToObject(root, "lodestar", version);
+    cJSON *root = config_json_root();
     (void)cJSON_AddStringToObject(root, "file", path);
     (void)cJSON_AddStringToObject(root, "kind", kind_names[decoded->kind]);
     (void)cJSON_AddStringToObject(root, "order", decode_order_name(decoded->order));

@@ -10,8 +10,6 @@
 #include "report/report_guide.h"
 #include "support/units.h"
 
-#include "lodestar/version.h"
-
 // ---- Text ---------------------------------------------------------------------------------------
 
 /// What only a drive with six phases reads.
@@ -178,8 +176,7 @@ void report_design_text(FILE *file, const rig_config_t *config, const design_t *
 // ---- JSON ---------------------------------------------------------------------------------------
 
 static void add_speed(cJSON *array, const design_speed_t *at) {
-    cJSON *item = cJSON_CreateObject();
-    (void)cJSON_AddItemToArray(array, item);
+    cJSON *item = config_json_item(array);
     config_json_number(item, "speed_rpm", at->speed_rpm);
     config_json_number(item, "omega_e_rad_s", at->omega_rad_s);
     config_json_number(item, "emf_V", at->emf_V);
@@ -204,11 +201,7 @@ static void add_rpm(cJSON *root, const rig_config_t *config, const char *name, d
 }
 
 void report_design_json(FILE *file, const rig_config_t *config, const design_t *design) {
-    cJSON *root = cJSON_CreateObject();
-    char version[32];
-    (void)snprintf(version, sizeof version, "%d.%d.%d", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,
-                   LODE_VERSION_PATCH);
-    (void)cJSON_AddStringToObject(root, "lodestar", version);
+    cJSON *root = config_json_root();
     config_json_number(root, "rated_rpm", design->rated_rpm);
     config_json_number(root, "handover_rpm", design->handover_rpm);
     add_rpm(root, config, "base_speed_rpm", design->speeds.base_rad_s);

@@ -128,8 +128,7 @@ void report_guide_text(FILE *file, const rig_config_t *config, const design_t *d
 // ---- JSON -----------------------------------------------------------------------------------------
 
 static void add_row(cJSON *array, const guide_row_t *row) {
-    cJSON *item = cJSON_CreateObject();
-    (void)cJSON_AddItemToArray(array, item);
+    cJSON *item = config_json_item(array);
     config_json_number(item, "k2_rad_s", row->k2_rad_s);
     config_json_number(item, "damping", row->damping);
     config_json_number(item, "radius", row->radius);
@@ -179,8 +178,7 @@ static void add_limits(cJSON *root, const limits_t *limits) {
     config_json_number(item, "routh_wrong", limits->routh_wrong);
     cJSON *notches = cJSON_AddArrayToObject(item, "notches");
     for (int k = 0; k < LIMITS_NOTCHES; ++k) {
-        cJSON *notch = cJSON_CreateObject();
-        (void)cJSON_AddItemToArray(notches, notch);
+        cJSON *notch = config_json_item(notches);
         config_json_number(notch, "k", limits->notch[k].k);
         config_json_number(notch, "least_per_sigma", limits->notch[k].least);
         config_json_number(notch, "margin_at_6_sigma_deg", limits->notch[k].low_deg);

@@ -8,8 +8,6 @@
 #include "config/schema.h"
 #include "support/units.h"
 
-#include "lodestar/version.h"
-
 static double electrical_rpm(const rig_config_t *config, double rad_s) {
     return rig_rpm_from_rad_s(rad_s) / (double)config->drive.motor.pole_pairs;
 }
@@ -104,11 +102,7 @@ void report_replay_csv(FILE *file, const recording_t *recording, const replay_t 
 
 void report_replay_json(FILE *file, const rig_config_t *config, const char *recording_path,
                         const recording_t *recording, const replay_t *replay) {
-    cJSON *root = cJSON_CreateObject();
-    char version[32];
-    (void)snprintf(version, sizeof version, "%d.%d.%d", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,
-                   LODE_VERSION_PATCH);
-    (void)cJSON_AddStringToObject(root, "lodestar", version);
+    cJSON *root = config_json_root();
     (void)cJSON_AddStringToObject(root, "recording", recording_path);
     config_json_number(root, "rows", (double)replay->rows);
     config_json_number(root, "ts_s", recording->ts_s);

@@ -7,8 +7,6 @@
 #include "config/schema.h"
 #include "support/units.h"
 
-#include "lodestar/version.h"
-
 bool report_run_failed(const runner_result_t *result) {
     const bool faulted = result->fault.check != LODE_CHECK_NONE && !result->fault_expected;
     return faulted || result->missed;
@@ -150,8 +148,7 @@ static void add_stats(cJSON *object, const char *name, const rig_stats_t *stats)
 }
 
 static void add_phase(cJSON *array, const runner_phase_t *phase) {
-    cJSON *item = cJSON_CreateObject();
-    (void)cJSON_AddItemToArray(array, item);
+    cJSON *item = config_json_item(array);
     (void)cJSON_AddStringToObject(item, "name", phase->name);
     config_json_number(item, "start_s", phase->start_s);
     config_json_number(item, "end_s", phase->end_s);
@@ -188,11 +185,7 @@ static void add_fault(cJSON *root, const runner_result_t *result) {
 
 void report_run_json(FILE *file, const rig_config_t *config, const runner_result_t *result,
                      const runlog_t *log) {
-    cJSON *root = cJSON_CreateObject();
-    char version[32];
-    (void)snprintf(version, sizeof version, "%d.%d.%d", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,
-                   LODE_VERSION_PATCH);
-    (void)cJSON_AddStringToObject(root, "lodestar", version);
+    cJSON *root = config_json_root();
     (void)cJSON_AddStringToObject(root, "scenario", config->files > 0 ? config->file[0] : "");
     (void)cJSON_AddBoolToObject(root, "passed", !report_run_failed(result));
     config_json_number(root, "window_s", RUNNER_WINDOW_s);
@@ -206,8 +199,7 @@ void report_run_json(FILE *file, const rig_config_t *config, const runner_result
     }
     cJSON *events = cJSON_AddArrayToObject(root, "events");
     for (int k = 0; k < log->events; ++k) {
-        cJSON *item = cJSON_CreateObject();
-        (void)cJSON_AddItemToArray(events, item);
+        cJSON *item = config_json_item(events);
         config_json_number(item, "t_s", log->event[k].t_s);
         (void)cJSON_AddStringToObject(item, "text", log->event[k].text);
     }

@@ -2,33 +2,11 @@
 
 #include <math.h>
 
+#include "rig/euler_estimate.h"
 #include "support/units.h"
 
 li_theory_t li_theory_of(const rig_config_t *base) {
-    const lode_motor_t *motor = &base->drive.motor;
-    const lode_estimator_config_t *estimator = &base->drive.estimator;
-    const double w0 = (double)estimator->emf.w0_rad_s;
-    li_theory_t out = {
-        .euler =
-            {
-                .ts_s = 1.0 / (double)base->drive.f_pwm_Hz,
-                .sets = 2.0,
-                .pole_pairs = (double)motor->pole_pairs,
-                .Rs_Ohm = (double)motor->Rs_Ohm,
-                .Ld_H = (double)motor->Ld_H,
-                .Lq_H = (double)motor->Lq_H,
-                .psi_Wb = (double)motor->psi_Wb,
-                .J_kgm2 = (double)motor->J_kgm2,
-                .B_Nms = (double)motor->B_Nms,
-                .w0_rad_s = w0,
-                .gi_Kr = (double)estimator->emf.gi_kappa * w0 * w0,
-                .gi_wc_rad_s = (double)estimator->emf.gi_wc_rad_s,
-                .k1_rad2_s2 = (double)estimator->emf.k1_rad2_s2,
-                .k2_rad_s = (double)estimator->emf.k2_rad_s,
-                .sigma_rad_s = (double)estimator->pll.sigma_rad_s,
-            },
-        .plain = theory_of(base),
-    };
+    li_theory_t out = {.euler = euler_estimate_gains(base), .plain = theory_of(base)};
     // Each set carries half of the torque and of the friction.
     out.plain.B *= 0.5;
     return out;

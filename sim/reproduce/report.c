@@ -5,8 +5,6 @@
 
 #include "config/config_json.h"
 
-#include "lodestar/version.h"
-
 enum { LINE_WIDTH = 138, NOTE_INDENT = 4 };
 
 // ---- Text ---------------------------------------------------------------------------------------
@@ -135,8 +133,7 @@ static const char *const claim_names[] = {"none", "about", "size", "at most", "e
 
 static void add_row(cJSON *array, const table_t *self, const row_t *row) {
     char verdict[48];
-    cJSON *item = cJSON_CreateObject();
-    (void)cJSON_AddItemToArray(array, item);
+    cJSON *item = config_json_item(array);
     table_verdict(self, row, verdict, sizeof verdict);
     (void)cJSON_AddStringToObject(item, "id", row->id);
     (void)cJSON_AddStringToObject(item, "figure", row->figure);
@@ -158,11 +155,7 @@ static void add_row(cJSON *array, const table_t *self, const row_t *row) {
 }
 
 void reproduce_report_json(FILE *file, const table_t *self, const rig_config_t *config) {
-    cJSON *root = cJSON_CreateObject();
-    char version[32];
-    (void)snprintf(version, sizeof version, "%d.%d.%d", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,
-                   LODE_VERSION_PATCH);
-    (void)cJSON_AddStringToObject(root, "lodestar", version);
+    cJSON *root = config_json_root();
     (void)cJSON_AddStringToObject(root, "paper", self->paper->reference);
     (void)cJSON_AddStringToObject(root, "method", self->paper->introduction);
     config_json_number(root, "window_s", self->paper->window_s);

@@ -11,17 +11,11 @@ bool euler_estimate_wanted(const rig_config_t *config) {
     return config->emf >= RIG_EMF_C_EULER;
 }
 
-euler_config_t euler_estimate_config(const rig_config_t *config) {
-    static const euler_emf_t emf[] = {EULER_C_LESO, EULER_GI_LESO, EULER_FA_LESO};
-    static const euler_pll_t pll[] = {EULER_LESO_QPLL, EULER_QPLL, EULER_ENHANCED};
-    static const euler_lag_t lag[] = {EULER_LAG_EXACT, EULER_LAG_NONE, EULER_LAG_EQ30};
+euler_config_t euler_estimate_gains(const rig_config_t *config) {
     const lode_motor_t *motor = &config->drive.motor;
     const lode_estimator_config_t *estimator = &config->drive.estimator;
     const double w0 = (double)estimator->emf.w0_rad_s;
     return (euler_config_t){
-        .emf = emf[config->emf - RIG_EMF_C_EULER],
-        .pll = pll[config->pll - RIG_PLL_LESO_EULER],
-        .compensation = lag[config->compensation - RIG_COMPENSATION_EXACT],
         .ts_s = 1.0 / (double)config->drive.f_pwm_Hz,
         .sets = (double)motor->sets,
         .pole_pairs = (double)motor->pole_pairs,
@@ -38,8 +32,19 @@ euler_config_t euler_estimate_config(const rig_config_t *config) {
         .k2_rad_s = (double)estimator->emf.k2_rad_s,
         .sigma_rad_s = (double)estimator->pll.sigma_rad_s,
         .notch_k = (double)estimator->notch_k,
-        .speed_of_eq14 = config->speed_of_eq14,
     };
+}
+
+euler_config_t euler_estimate_config(const rig_config_t *config) {
+    static const euler_emf_t emf[] = {EULER_C_LESO, EULER_GI_LESO, EULER_FA_LESO};
+    static const euler_pll_t pll[] = {EULER_LESO_QPLL, EULER_QPLL, EULER_ENHANCED};
+    static const euler_lag_t lag[] = {EULER_LAG_EXACT, EULER_LAG_NONE, EULER_LAG_EQ30};
+    euler_config_t out = euler_estimate_gains(config);
+    out.emf = emf[config->emf - RIG_EMF_C_EULER];
+    out.pll = pll[config->pll - RIG_PLL_LESO_EULER];
+    out.compensation = lag[config->compensation - RIG_COMPENSATION_EXACT];
+    out.speed_of_eq14 = config->speed_of_eq14;
+    return out;
 }
 
 static float narrow(double value) {

@@ -8,7 +8,10 @@
 /// True where [estimator] names one of them.
 bool euler_estimate_wanted(const rig_config_t *config);
 
-/// With the gains of the designed `config`.
+/// Motor and gains of the designed `config`; which forms is left open.
+euler_config_t euler_estimate_gains(const rig_config_t *config);
+
+/// The same with the forms that [estimator] names.
 euler_config_t euler_estimate_config(const rig_config_t *config);
 
 /// One period in the form of the drive's own estimate. The lock is 1 throughout: the papers have none.

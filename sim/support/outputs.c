@@ -1,6 +1,11 @@
 #include "support/outputs.h"
 
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+
 #include "support/atomic_file.h"
+#include "support/diag.h"
 
 bool outputs_open(FILE **file, const char *path) {
     *file = NULL;
@@ -9,6 +14,14 @@ bool outputs_open(FILE **file, const char *path) {
     }
     *file = atomic_file_open(path);
     return *file != NULL;
+}
+
+bool outputs_folder(const char *path) {
+    if (mkdir(path, 0777) != 0 && errno != EEXIST) {
+        rig_error("%s: %s; expected to be able to make this folder", path, strerror(errno));
+        return false;
+    }
+    return true;
 }
 
 void outputs_say(const char *path) {
