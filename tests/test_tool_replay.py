@@ -220,9 +220,10 @@ def own_records(checks, folder):
     folder.run("decode", "r.bin", "--csv", "ring.csv")
     folder.run("decode", "s.bin", "--csv", "scope.csv")
     base = ["replay", "--motor", MOTOR, "--drive", DRIVE, "--out", "o.csv", "--recording"]
-    estimates = {}
+    estimates, done_of = {}, {}
     for name in ["run.csv", "ring.csv", "scope.csv"]:
         done = folder.run(*base, name, "--json", "o.json")
+        done_of[name] = done
         if checks.equal(done.returncode, 0, f"exit code, {name}: {done.stderr}"):
             estimates[name] = read(folder.path / "o.csv")[1]
         if name == "run.csv":
@@ -231,6 +232,10 @@ def own_records(checks, folder):
     checks.equal(estimates["ring.csv"], estimates["run.csv"], "ring and run: the same estimates")
     header, rows = read(folder.path / "run.csv")
     theta, mode = header.index("theta_est_rad"), header.index("mode")
+    # Zeros in all four are the gates off: no estimate, as in the drive, whose estimator is reset then.
+    off = [k for k, row in enumerate(rows) if row[mode] in ("0", "1")]
+    checks.true(len(off) > 400 and "gates off: " in done_of["run.csv"].stdout, "gates off")
+    checks.true(all(estimates["run.csv"][k][1:] == ["0"] * 5 for k in off), "no estimate with them off")
     late = [k for k, row in enumerate(rows) if row[mode] == "5"][1000:]
     off = [abs(error_deg(float(estimates["run.csv"][k][1]), float(rows[k][theta]))) for k in late]
     # Not to the bit: the slow parts fall into other periods than in the drive.

@@ -11,13 +11,14 @@
 #include "support/atomic_file.h"
 #include "support/outputs.h"
 #include "support/plot.h"
+#include "support/shown.h"
 
 #define PAPER "jiang2022"
 
 typedef struct {
     FILE *csv;
     FILE *json;
-    FILE *svg[PLOT_BODE_COUNT];
+    plot_output_t plot[PLOT_BODE_COUNT];
 } files_t;
 
 /// Paper 1's motor and drive where none is given.
@@ -33,7 +34,7 @@ static bool load(rig_config_t *config, const options_t *options) {
 }
 
 static void plot_path(char *path, const options_t *options, int k) {
-    (void)snprintf(path, RIG_PATH_LENGTH, "%s/%s", options->plots, plot_bode_all[k].file);
+    plot_path_in(path, RIG_PATH_LENGTH, options->plots, plot_bode_all[k].file, options->format);
 }
 
 static bool open_files(files_t *files, const options_t *options) {
@@ -46,13 +47,13 @@ static bool open_files(files_t *files, const options_t *options) {
     for (int k = 0; good && k < PLOT_BODE_COUNT; ++k) {
         char path[RIG_PATH_LENGTH];
         plot_path(path, options, k);
-        good = outputs_open(&files->svg[k], path);
+        good = plot_open(&files->plot[k], path);
     }
     return good;
 }
 
-static bool write_files(const files_t *files, const rig_config_t *config,
-                        const analyse_t *analysis) {
+static bool write_files(files_t *files, const rig_config_t *config, const analyse_t *analysis,
+                        const char *text) {
     if (files->csv != NULL) {
         report_analyse_csv(files->csv, analysis);
     }
@@ -61,7 +62,9 @@ static bool write_files(const files_t *files, const rig_config_t *config,
     }
     bool good = true;
     for (int k = 0; good && k < PLOT_BODE_COUNT; ++k) {
-        good = files->svg[k] == NULL || plot_bode(files->svg[k], &plot_bode_all[k], analysis);
+        files->plot[k].text = text;
+        good =
+            files->plot[k].file == NULL || plot_bode(&files->plot[k], &plot_bode_all[k], analysis);
     }
     return good && atomic_file_commit_all();
 }
@@ -92,13 +95,13 @@ rig_exit_t command_analyse(const options_t *options) {
     if (!good) {
         refusal_report(&config, status);
     }
-    if (good && open_files(&files, options)) {
-        report_analyse_text(stdout, &config, analysis);
-        (void)fflush(stdout);
-        good = write_files(&files, &config, analysis);
-    } else {
-        good = false;
+    shown_t text = {.file = NULL};
+    good = good && open_files(&files, options) && shown_begin(&text);
+    if (good) {
+        report_analyse_text(text.file, &config, analysis);
+        good = shown_end(&text) && write_files(&files, &config, analysis, text.text);
     }
+    shown_free(&text);
     free(analysis);
     if (!good) {
         return RIG_BAD_INPUT;

@@ -11,11 +11,12 @@
 #include "support/atomic_file.h"
 #include "support/inputs.h"
 #include "support/outputs.h"
+#include "support/shown.h"
 
 typedef struct {
     FILE *csv;
     FILE *json;
-    FILE *plot;
+    plot_output_t plot;
 } files_t;
 
 static bool want_of(const char *kind, decode_want_t *want) {
@@ -73,7 +74,7 @@ static bool load(decode_t *decoded, const char *path, decode_want_t want) {
 
 static bool open_files(files_t *files, const options_t *options) {
     return outputs_open(&files->csv, options->csv) && outputs_open(&files->json, options->json) &&
-           outputs_open(&files->plot, options->plot);
+           plot_open(&files->plot, options->plot);
 }
 
 /// False after a message.
@@ -84,23 +85,27 @@ static bool write_files(const files_t *files, const char *path, const decode_t *
     if (files->json != NULL) {
         report_decode_json(files->json, path, decoded);
     }
-    return files->plot == NULL || plot_decode(files->plot, path, decoded);
+    return files->plot.file == NULL || plot_decode(&files->plot, path, decoded);
 }
 
 rig_exit_t command_decode(const options_t *options) {
     decode_t decoded;
     decode_want_t want = DECODE_WANT_ANY;
-    files_t files = {NULL, NULL, NULL};
+    files_t files = {.csv = NULL};
     if (!want_of(options->kind, &want) || (options->plot != NULL && !plot_available()) ||
         !load(&decoded, options->recording, want)) {
         return RIG_BAD_INPUT;
     }
     bool good = open_files(&files, options);
+    shown_t table = {.file = NULL};
+    good = good && shown_begin(&table);
     if (good) {
-        report_decode_table(stdout, options->recording, &decoded);
-        (void)fflush(stdout);
-        good = write_files(&files, options->recording, &decoded);
+        report_decode_table(table.file, options->recording, &decoded);
+        good = shown_end(&table);
+        files.plot.text = table.text;
+        good = good && write_files(&files, options->recording, &decoded);
     }
+    shown_free(&table);
     const bool damaged = decoded.damaged > 0;
     decode_free(&decoded);
     if (!good || !atomic_file_commit_all()) {

@@ -14,6 +14,7 @@
 #include "rig/replay.h"
 #include "support/atomic_file.h"
 #include "support/outputs.h"
+#include "support/shown.h"
 
 #define F_PWM_MIN_Hz 1.0e3
 #define F_PWM_MAX_Hz 2.0e5
@@ -24,7 +25,7 @@
 typedef struct {
     FILE *out;
     FILE *json;
-    FILE *plot;
+    plot_output_t plot;
 } files_t;
 
 static bool set_choice(rig_config_t *config, const char *option, const char *key,
@@ -129,7 +130,7 @@ static bool write_files(const files_t *files, const rig_config_t *config, const 
     }
     const char *slash = strrchr(path, '/');
     const char *title = slash != NULL ? slash + 1 : path;
-    return files->plot == NULL || plot_replay(files->plot, title, config, recording, replay);
+    return files->plot.file == NULL || plot_replay(&files->plot, title, config, recording, replay);
 }
 
 static rig_exit_t replay_recording(const options_t *options, rig_config_t *config,
@@ -137,10 +138,10 @@ static rig_exit_t replay_recording(const options_t *options, rig_config_t *confi
     lode_estimator_tuning_t tuning;
     replay_t replay;
     euler_config_t euler;
-    files_t files = {NULL, NULL, NULL};
+    files_t files = {.out = NULL};
     if (!prepare(config, options->recording, recording, &tuning) ||
         !outputs_open(&files.out, options->out) || !outputs_open(&files.json, options->json) ||
-        !outputs_open(&files.plot, options->plot)) {
+        !plot_open(&files.plot, options->plot)) {
         return RIG_BAD_INPUT;
     }
     const bool wanted = euler_estimate_wanted(config);
@@ -150,10 +151,16 @@ static rig_exit_t replay_recording(const options_t *options, rig_config_t *confi
     if (!replay_run(&replay, recording, &tuning, wanted ? &euler : NULL)) {
         return RIG_BAD_INPUT;
     }
-    report_replay_values(stdout, config);
-    report_replay_table(stdout, config, recording, &replay);
-    (void)fflush(stdout);
-    const bool good = write_files(&files, config, options->recording, recording, &replay);
+    shown_t table;
+    bool good = shown_begin(&table);
+    if (good) {
+        report_replay_values(table.file, config);
+        report_replay_table(table.file, config, recording, &replay);
+        good = shown_end(&table);
+        files.plot.text = table.text;
+        good = good && write_files(&files, config, options->recording, recording, &replay);
+    }
+    shown_free(&table);
     replay_free(&replay);
     if (!good || !atomic_file_commit_all()) {
         return RIG_BAD_INPUT;

@@ -10,6 +10,7 @@
 #include "support/atomic_file.h"
 #include "support/outputs.h"
 #include "support/progress.h"
+#include "support/shown.h"
 
 enum { PLOTS_MAX = LI_PLOTS }; // the most of any
 
@@ -21,13 +22,13 @@ typedef struct {
     const rig_config_t *config;
     int plots;
     const char *(*plot_file)(int k);
-    bool (*plot)(FILE *svg, int k);
+    bool (*plot)(const plot_output_t *output, int k);
 } study_t;
 
 typedef struct {
     FILE *csv;
     FILE *json;
-    FILE *svg[PLOTS_MAX];
+    plot_output_t plot[PLOTS_MAX];
 } files_t;
 
 // ---- Paper 1 ------------------------------------------------------------------------------------
@@ -44,8 +45,8 @@ static const table_t *jiang_run(void) {
     return reproduction_run(&reproduction, &bases) ? &reproduction.table : NULL;
 }
 
-static bool jiang_plot(FILE *svg, int k) {
-    return reproduce_plot(svg, k, &reproduction, &bases);
+static bool jiang_plot(const plot_output_t *output, int k) {
+    return reproduce_plot(output, k, &reproduction, &bases);
 }
 
 // ---- Paper 2 ------------------------------------------------------------------------------------
@@ -61,8 +62,8 @@ static const table_t *li_run(void) {
     return li_reproduction_run(&li_table, &li_base) ? &li_table : NULL;
 }
 
-static bool li_draw(FILE *svg, int k) {
-    return li_plot(svg, k, &li_table, &li_base);
+static bool li_draw(const plot_output_t *output, int k) {
+    return li_plot(output, k, &li_table, &li_base);
 }
 
 // ---- Both ---------------------------------------------------------------------------------------
@@ -84,7 +85,7 @@ static const study_t *study_of(const char *paper) {
 }
 
 static void plot_path(char *path, const options_t *options, const char *file) {
-    (void)snprintf(path, RIG_PATH_LENGTH, "%s/%s", options->plots, file);
+    plot_path_in(path, RIG_PATH_LENGTH, options->plots, file, options->format);
 }
 
 static bool open_files(files_t *files, const options_t *options, const study_t *study) {
@@ -97,13 +98,14 @@ static bool open_files(files_t *files, const options_t *options, const study_t *
     for (int k = 0; good && k < study->plots; ++k) {
         char path[RIG_PATH_LENGTH];
         plot_path(path, options, study->plot_file(k));
-        good = outputs_open(&files->svg[k], path);
+        good = plot_open(&files->plot[k], path);
     }
     return good;
 }
 
 /// False after a message.
-static bool write_files(const files_t *files, const study_t *study, const table_t *table) {
+static bool write_files(files_t *files, const study_t *study, const table_t *table,
+                        const char *text) {
     if (files->csv != NULL) {
         reproduce_report_csv(files->csv, table);
     }
@@ -115,14 +117,15 @@ static bool write_files(const files_t *files, const study_t *study, const table_
     progress_start(&progress);
     for (int k = 0; good && k < study->plots; ++k) {
         progress_show(&progress, (double)k / study->plots, "pictures");
-        good = files->svg[k] == NULL || study->plot(files->svg[k], k);
+        files->plot[k].text = text;
+        good = files->plot[k].file == NULL || study->plot(&files->plot[k], k);
     }
     (void)progress_end(&progress);
     return good && atomic_file_commit_all();
 }
 
 rig_exit_t command_reproduce(const options_t *options) {
-    files_t files = {NULL, NULL, {NULL}};
+    files_t files = {.csv = NULL};
     const study_t *study = study_of(options->paper);
     if (study == NULL || !study->load(options) || !open_files(&files, options, study)) {
         return RIG_BAD_INPUT;
@@ -131,9 +134,14 @@ rig_exit_t command_reproduce(const options_t *options) {
     if (table == NULL) {
         return RIG_BAD_INPUT;
     }
-    reproduce_report_table(stdout, table);
-    (void)fflush(stdout);
-    if (!write_files(&files, study, table)) {
+    shown_t shown;
+    bool good = shown_begin(&shown);
+    if (good) {
+        reproduce_report_table(shown.file, table);
+        good = shown_end(&shown) && write_files(&files, study, table, shown.text);
+    }
+    shown_free(&shown);
+    if (!good) {
         return RIG_BAD_INPUT;
     }
     outputs_say(options->csv);

@@ -12,13 +12,14 @@
 #include "rig/runner.h"
 #include "support/atomic_file.h"
 #include "support/outputs.h"
+#include "support/shown.h"
 
 #define MAIN_FOLDER "lodestar-out"
 
 typedef struct {
     FILE *csv;
     FILE *json;
-    FILE *plot;
+    plot_output_t plot;
 } files_t;
 
 bool command_run_load(rig_config_t *config, const options_t *options, const char *scenario) {
@@ -38,7 +39,7 @@ bool command_run_load(rig_config_t *config, const options_t *options, const char
 
 static bool open_files(files_t *files, const options_t *options) {
     return outputs_open(&files->csv, options->csv) && outputs_open(&files->json, options->json) &&
-           outputs_open(&files->plot, options->plot);
+           plot_open(&files->plot, options->plot);
 }
 
 /// False after a message.
@@ -52,14 +53,14 @@ static bool write_files(const files_t *files, const rig_config_t *config,
     }
     char title[200];
     ini_config_title(config->file[0], title, sizeof title);
-    return files->plot == NULL || plot_run(files->plot, title, result, log);
+    return files->plot.file == NULL || plot_run(&files->plot, title, result, log);
 }
 
 static rig_exit_t run_once(const options_t *options, const char *scenario) {
     rig_config_t config;
     runner_result_t result;
     runlog_t log;
-    files_t files = {NULL, NULL, NULL};
+    files_t files = {.csv = NULL};
     static capture_t capture;
     if (!command_run_load(&config, options, scenario) || !open_files(&files, options) ||
         (capture_wanted(options) && !capture_start(&capture, options, config.drive.f_pwm_Hz))) {
@@ -68,11 +69,15 @@ static rig_exit_t run_once(const options_t *options, const char *scenario) {
     runlog_init(&log);
     log.capture = capture_wanted(options) ? &capture : NULL;
     bool good = runner_run(&config, runner_estimator(&config), &result, &log);
+    shown_t table = {.file = NULL};
+    good = good && shown_begin(&table);
     if (good) {
-        report_run_table(stdout, &config, &result, &log);
-        (void)fflush(stdout);
-        good = write_files(&files, &config, &result, &log);
+        report_run_table(table.file, &config, &result, &log);
+        good = shown_end(&table);
+        files.plot.text = table.text;
+        good = good && write_files(&files, &config, &result, &log);
     }
+    shown_free(&table);
     if (log.capture != NULL) {
         capture_finish(&capture);
     }

@@ -211,10 +211,10 @@ static void pole_column(FILE *script, const plot_bode_t *picture) {
                   plot_text(heading, picture->heading[1]));
 }
 
-bool plot_bode(FILE *svg, const plot_bode_t *picture, const analyse_t *analysis) {
+bool plot_bode(const plot_output_t *output, const plot_bode_t *picture, const analyse_t *analysis) {
     plot_t plot;
     char title[PLOT_TEXT_LENGTH];
-    if (!plot_start(&plot, svg, WIDTH, HEIGHT)) {
+    if (!plot_start(&plot, output, picture->title, WIDTH, HEIGHT)) {
         return false;
     }
     FILE *script = plot.script;

@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "analyse/analyse.h"
+#include "support/plot.h"
 
 /// One picture: one or two figures side by side, and a map of poles where there are any of its name.
 typedef struct {
@@ -25,6 +26,6 @@ enum { PLOT_BODE_COUNT = 7 };
 extern const plot_bode_t plot_bode_all[PLOT_BODE_COUNT];
 
 /// False after a message.
-bool plot_bode(FILE *svg, const plot_bode_t *picture, const analyse_t *analysis);
+bool plot_bode(const plot_output_t *output, const plot_bode_t *picture, const analyse_t *analysis);
 
 #endif

@@ -4,8 +4,16 @@
 #include <string.h>
 
 #include "support/channels.h"
+#include "support/units.h"
 
-enum { WIDTH = 1100, FRAME_HEIGHT = 110, PANEL_HEIGHT = 170, POINTS = 2400 };
+enum {
+    WIDTH = 1150,
+    TOP = 50,
+    LEGEND = 200,
+    FRAME_HEIGHT = 110,
+    PANEL_HEIGHT = 150,
+    POINTS = 2400
+};
 
 // Apart from each other on white, also where red and green look alike.
 static const char *const colours[] = {"#1f5fa8", "#c8372d", "#2f8f4e", "#101010",
@@ -18,12 +26,36 @@ static double time_of(const decode_t *decoded, size_t row) {
     return decoded->t_s[row] - from_s;
 }
 
-/// What has no unit is an enumerator or a share of 1: two panels.
+/// Channels of a group share an axis: those of one unit, but for what would dwarf the others or means
+/// something else.
 static const char *group_of(uint32_t channel) {
-    const bool state =
-        channel == (uint32_t)LODE_CHANNEL_MODE || channel == (uint32_t)LODE_CHANNEL_CHECK;
     const char *unit = channels_unit(channel);
-    return state ? "number" : unit[0] != '\0' ? unit : "share";
+    switch (channel) {
+    case LODE_CHANNEL_MODE:
+        return "mode";
+    case LODE_CHANNEL_CHECK:
+        return "check";
+    case LODE_CHANNEL_DUTY_A:
+    case LODE_CHANNEL_DUTY_B:
+    case LODE_CHANNEL_DUTY_C:
+        return "duty";
+    case LODE_CHANNEL_LOCK:
+        return "lock";
+    case LODE_CHANNEL_V_BUS:
+        return "bus [V]";
+    case LODE_CHANNEL_I_ALPHA:
+    case LODE_CHANNEL_I_BETA:
+        return "A, stator";
+    case LODE_CHANNEL_U_ALPHA:
+    case LODE_CHANNEL_U_BETA:
+    case LODE_CHANNEL_E_ALPHA:
+    case LODE_CHANNEL_E_BETA:
+        return "V, stator";
+    case LODE_CHANNEL_SPEED_REF:
+        return "rad/s, mech.";
+    default:
+        return unit[0] != '\0' ? unit : "share";
+    }
 }
 
 static bool is_first_of_group(const decode_t *decoded, uint32_t channel) {
@@ -39,44 +71,103 @@ static void send_value(FILE *script, double value) {
     (void)fprintf(script, isfinite(value) ? " %.6g" : " nan", value);
 }
 
-/// Least and largest value of each channel in each stretch, so that no peak gets lost.
-static void send_stretch(FILE *script, const decode_t *decoded, size_t from, size_t to) {
-    for (int side = 0; side < 2; ++side) {
-        (void)fprintf(script, "%.9g", time_of(decoded, from));
-        for (uint32_t k = 0; k < decoded->channels; ++k) {
-            double value = (double)decoded->value[from * decoded->channels + k];
-            for (size_t row = from + 1; row < to; ++row) {
-                const double next = (double)decoded->value[row * decoded->channels + k];
-                value = side == 0 ? fmin(value, next) : fmax(value, next);
-            }
-            send_value(script, value);
+/// Sends points, one value per channel.
+typedef struct {
+    FILE *script;
+    const decode_t *decoded;
+    bool drawn; ///< there is a point before
+    bool band;  ///< angles turn too fast for lines: all that they pass through is filled
+    double before[LODE_CHANNELS_MAX];
+} pen_t;
+
+static bool jumps(const pen_t *pen, uint32_t k, double value) {
+    return pen->decoded->channel[k] == (uint32_t)LODE_CHANNEL_THETA && pen->drawn && !pen->band &&
+           fabs(value - pen->before[k]) > RIG_PI;
+}
+
+/// Where an angle jumps from one end of its range to the other there is no line.
+static void send_point(pen_t *pen, double t_s, const double value[LODE_CHANNELS_MAX]) {
+    const uint32_t channels = pen->decoded->channels;
+    bool breaks = false;
+    for (uint32_t k = 0; k < channels; ++k) {
+        breaks = breaks || jumps(pen, k, value[k]);
+    }
+    for (int line = breaks ? 0 : 1; line < 2; ++line) {
+        (void)fprintf(pen->script, "%.9g", t_s);
+        for (uint32_t k = 0; k < channels; ++k) {
+            send_value(pen->script, line == 0 && jumps(pen, k, value[k]) ? NAN : value[k]);
         }
-        (void)fputc('\n', script);
-        if (to == from + 1) {
-            return;
+        (void)fputc('\n', pen->script);
+    }
+    memcpy(pen->before, value, channels * sizeof value[0]);
+    pen->drawn = true;
+}
+
+/// Whether an angle moves by more than an eighth of a turn in a stretch, which is less than a pixel wide.
+static bool turns_fast(const decode_t *decoded, uint32_t channel, size_t from, size_t to) {
+    double moved_rad = 0.0;
+    for (size_t row = from + 1; row < to; ++row) {
+        const float *value = &decoded->value[row * decoded->channels + channel];
+        const double before = (double)*(value - decoded->channels);
+        moved_rad += fabs(remainder((double)*value - before, 2.0 * RIG_PI));
+    }
+    return moved_rad > 0.25 * RIG_PI;
+}
+
+/// Least and largest value of each channel in a stretch, so that no peak gets lost; of an angle the first
+/// and the last.
+static void send_stretch(pen_t *pen, size_t from, size_t to) {
+    const decode_t *decoded = pen->decoded;
+    double low[LODE_CHANNELS_MAX];
+    double high[LODE_CHANNELS_MAX];
+    pen->band = false;
+    for (uint32_t k = 0; k < decoded->channels; ++k) {
+        const bool angle = decoded->channel[k] == (uint32_t)LODE_CHANNEL_THETA;
+        const bool ends = angle && !turns_fast(decoded, k, from, to);
+        pen->band = pen->band || (angle && !ends);
+        low[k] = high[k] = (double)decoded->value[from * decoded->channels + k];
+        for (size_t row = from + 1; row < to; ++row) {
+            const double next = (double)decoded->value[row * decoded->channels + k];
+            low[k] = ends ? low[k] : fmin(low[k], next);
+            high[k] = ends ? next : fmax(high[k], next);
         }
     }
+    send_point(pen, time_of(decoded, from), low);
+    if (to > from + 1) {
+        send_point(pen, time_of(decoded, to - 1), high);
+    }
+}
+
+/// Whether frames are missing before a row, or the drive was started anew.
+static bool is_behind_gap(const decode_t *decoded, size_t row) {
+    const double step_s = (double)decoded->decimation / decoded->f_pwm_Hz;
+    return !(fabs(decoded->t_s[row] - decoded->t_s[row - 1] - step_s) < 0.5 * step_s);
 }
 
 static void send_rows(FILE *script, const decode_t *decoded) {
     const size_t every = decoded->rows / POINTS + 1;
-    const double step_s = (double)decoded->decimation / decoded->f_pwm_Hz;
+    pen_t pen = {.script = script, .decoded = decoded};
     (void)fputs("$rows << END\n", script);
-    for (size_t from = 0; from < decoded->rows; from += every) {
-        const size_t to = from + every < decoded->rows ? from + every : decoded->rows;
-        const double gap_s = from > 0 ? decoded->t_s[from] - decoded->t_s[from - 1] : step_s;
-        if (!(fabs(gap_s - step_s) < 0.5 * step_s)) {
-            (void)fputc('\n', script); // the line breaks where frames are missing
+    for (size_t from = 0; from < decoded->rows;) {
+        size_t to = from + 1;
+        while (to < from + every && to < decoded->rows && !is_behind_gap(decoded, to)) {
+            ++to;
         }
-        send_stretch(script, decoded, from, to);
+        if (from > 0 && is_behind_gap(decoded, from)) {
+            (void)fputc('\n', script); // the line breaks
+            pen.drawn = false;
+        }
+        send_stretch(&pen, from, to);
+        from = to;
     }
     (void)fputs("END\n", script);
 }
 
 /// All finite values of a panel, and some room: gnuplot warns of a range without extent.
 static void send_range(FILE *script, const decode_t *decoded, const char *group) {
-    double low = INFINITY;
-    double high = -INFINITY;
+    const bool share = strcmp(group, "duty") == 0 || strcmp(group, "lock") == 0;
+    double low = share ? 0.0 : INFINITY;
+    double high = share ? 1.0 : -INFINITY;
     for (size_t k = 0; k < decoded->rows * decoded->channels; ++k) {
         const double value = (double)decoded->value[k];
         const uint32_t channel = decoded->channel[k % decoded->channels];
@@ -103,12 +194,33 @@ static void send_curve(FILE *script, const decode_t *decoded, uint32_t channel) 
     (void)fputs("NaN", script);
 }
 
+/// The names that occur, at their places on the axis.
+static void send_names(FILE *script, const decode_t *decoded, uint32_t channel) {
+    bool seen[UINT8_MAX + 1] = {false};
+    const char *separator = "set ytics (";
+    for (size_t row = 0; row < decoded->rows; ++row) {
+        const double value = (double)decoded->value[row * decoded->channels + channel];
+        const char *name = channels_value_name(decoded->channel[channel], value);
+        char text[PLOT_TEXT_LENGTH];
+        if (name != NULL && !seen[(int)value]) {
+            seen[(int)value] = true;
+            (void)fprintf(script, "%s%s %d", separator, plot_text(text, name), (int)value);
+            separator = ", ";
+        }
+    }
+    (void)fputs(separator[0] == ',' ? ") font ',9'\n" : "set ytics autofreq\n", script);
+}
+
 static void send_panel(FILE *script, const decode_t *decoded, uint32_t first, bool last) {
     const char *group = group_of(decoded->channel[first]);
     const char *separator = "plot ";
     int colour = 0;
     plot_panel(script, group);
     send_range(script, decoded, group);
+    const bool named = channels_is_named(decoded->channel[first]);
+    if (named) {
+        send_names(script, decoded, first);
+    }
     if (last) {
         (void)fprintf(script, "set format x '%%g'\nset xlabel 'time%s [s]' offset 0,0.4\n",
                       decoded->has_event ? " since the event" : "");
@@ -118,23 +230,23 @@ static void send_panel(FILE *script, const decode_t *decoded, uint32_t first, bo
             (void)fputs(separator, script);
             send_curve(script, decoded, k);
             char name[PLOT_TEXT_LENGTH];
-            (void)fprintf(script, " with lines lc rgb '%s' lw 1.2 title %s noenhanced",
-                          colours[colour++ % COLOURS],
+            (void)fprintf(script, " with %s lc rgb '%s' lw 1.2 title %s noenhanced",
+                          named ? "steps" : "lines", colours[colour++ % COLOURS],
                           plot_text(name, channels_name(decoded->channel[k])));
             separator = ", ";
         }
     }
     (void)fputs("\nunset label 1000\n", script);
+    if (named) {
+        (void)fputs("set ytics autofreq font ',11'\n", script);
+    }
 }
 
-bool plot_decode(FILE *svg, const char *title, const decode_t *decoded) {
+bool plot_decode(const plot_output_t *output, const char *title, const decode_t *decoded) {
     plot_t plot;
     int panels = 0;
     for (uint32_t k = 0; k < decoded->channels; ++k) {
         panels += is_first_of_group(decoded, k) ? 1 : 0;
-    }
-    if (!plot_start(&plot, svg, WIDTH, FRAME_HEIGHT + PANEL_HEIGHT * panels)) {
-        return false;
     }
     double from_s = time_of(decoded, 0);
     double to_s = from_s;
@@ -142,8 +254,13 @@ bool plot_decode(FILE *svg, const char *title, const decode_t *decoded) {
         from_s = fmin(from_s, time_of(decoded, row));
         to_s = fmax(to_s, time_of(decoded, row));
     }
+    const plot_frame_t frame = {WIDTH,  FRAME_HEIGHT + PANEL_HEIGHT * panels, TOP, LEGEND, panels,
+                                from_s, to_s > from_s ? to_s : from_s + 1.0};
+    if (!plot_start(&plot, output, title, frame.width, frame.height)) {
+        return false;
+    }
     send_rows(plot.script, decoded);
-    plot_style(plot.script, title, panels, from_s, to_s > from_s ? to_s : from_s + 1.0);
+    plot_style(plot.script, title, &frame);
     if (decoded->has_event) {
         (void)fputs(
             "set arrow 1 from 0, graph 0 to 0, graph 1 nohead back lw 1.2 lc rgb grey dt 2\n",

@@ -6,6 +6,6 @@
 #include "support/plot.h"
 
 /// False after a message.
-bool plot_decode(FILE *svg, const char *title, const decode_t *decoded);
+bool plot_decode(const plot_output_t *output, const char *title, const decode_t *decoded);
 
 #endif

@@ -7,7 +7,7 @@
 #include "support/plot.h"
 
 /// False after a message.
-bool plot_replay(FILE *svg, const char *title, const rig_config_t *config,
+bool plot_replay(const plot_output_t *output, const char *title, const rig_config_t *config,
                  const recording_t *recording, const replay_t *replay);
 
 #endif

@@ -5,7 +5,12 @@
 
 #include "report/report_run.h"
 
-enum { WIDTH = 1200, HEIGHT = 1050, POINTS = 2400 };
+enum { WIDTH = 1200, HEIGHT = 1220, TOP = 115, LEGEND = 180, PANELS = 6, POINTS = 2400 };
+
+/// Of a part of the plot's data that is there in RUN only, or not at all.
+static double shown(bool there, double value) {
+    return there ? value : NAN;
+}
 
 /// One point of every curve. NaN leaves a gap.
 static void send_rows(FILE *script, const runlog_t *log) {
@@ -14,13 +19,19 @@ static void send_rows(FILE *script, const runlog_t *log) {
     for (size_t k = 0; k < log->rows; k += every) {
         const runlog_row_t *row = &log->row[k];
         const bool sensorless = row->mode == (double)LODE_MODE_RUN;
-        (void)fprintf(
-            script, "%.6g %.5g %.5g %.5g %.4g %.4g %.4g %.4g %.4g %.4g %.4g %g %.3g %.4g\n",
-            row->t_s, row->speed_command_rpm, row->speed_rpm, sensorless ? row->speed_est_rpm : NAN,
-            row->id_A, row->iq_A, sensorless ? row->i1_ref_A : NAN,
-            sensorless ? row->i2_ref_A : NAN, hypot(row->e_alpha_V, row->e_beta_V),
-            hypot(row->e_true_alpha_V, row->e_true_beta_V), row->load_Nm, row->mode, row->lock,
-            hypot(row->ix_A, row->iy_A));
+        // With the gates off the estimator is reset in every period.
+        const bool driven =
+            row->mode >= (double)LODE_MODE_VOLTAGE && row->mode <= (double)LODE_MODE_RUN;
+        (void)fprintf(script,
+                      "%.6g %.5g %.5g %.5g %.4g %.4g %.4g %.4g %.4g %.4g %.4g %g %.3g %.4g %.4g "
+                      "%.4g\n",
+                      row->t_s, row->speed_command_rpm, row->speed_rpm,
+                      shown(sensorless, row->speed_est_rpm), row->id_A, row->iq_A,
+                      shown(sensorless, row->i1_ref_A), shown(sensorless, row->i2_ref_A),
+                      shown(driven, hypot(row->e_alpha_V, row->e_beta_V)),
+                      hypot(row->e_true_alpha_V, row->e_true_beta_V), row->load_Nm, row->mode,
+                      shown(driven, row->lock), hypot(row->ix_A, row->iy_A), row->torque_Nm,
+                      shown(sensorless, row->load_est_Nm));
     }
     (void)fputs("END\n", script);
 }
@@ -55,10 +66,20 @@ static void send_phases(FILE *script, const runner_result_t *result) {
                       "set arrow %d from %.6g, graph 0 to %.6g, graph 1 nohead back lw 0.8 "
                       "lc rgb '#c8ccd0'\n"
                       "set label %d %s at %.6g, graph 1.05 left noenhanced font ',10' "
-                      "textcolor rgb '#555555' rotate by 20\n",
+                      "textcolor rgb '#555555' rotate by 35\n",
                       k + 1, phase->start_s, phase->start_s, k + 1, plot_text(name, phase->name),
                       phase->start_s);
     }
+}
+
+/// The QPLL has no estimate of the load.
+static bool estimates_load(const runlog_t *log) {
+    for (size_t k = 0; k < log->rows; ++k) {
+        if (fabs(log->row[k].load_est_Nm) > 0.0) {
+            return true;
+        }
+    }
+    return false;
 }
 
 static void send_speed(FILE *script, int phases) {
@@ -83,13 +104,23 @@ static void send_error(FILE *script, double peak_deg) {
 
 static void send_currents(FILE *script, int sets) {
     plot_panel(script, "current [A]");
-    (void)fputs("plot $run using 1:5 with lines lc rgb green lw 1 title 'i_d', "
-                "'' using 1:6 with lines lc rgb blue lw 1 title 'i_q', "
-                "'' using 1:8 with lines lc rgb '#101010' lw 0.8 title 'i_q, wanted', "
-                "'' using 1:11 with steps lc rgb grey lw 1.4 dt 2 title 'load [Nm]'",
+    (void)fputs("plot $run using 1:8 with lines lc rgb grey lw 2 title 'i_q, wanted', "
+                "'' using 1:5 with lines lc rgb green lw 1 title 'i_d', "
+                "'' using 1:6 with lines lc rgb blue lw 1 title 'i_q'",
                 script);
     if (sets > 1) {
         (void)fputs(", '' using 1:14 with lines lc rgb red lw 0.8 title '|i_{xy}|'", script);
+    }
+    (void)fputc('\n', script);
+}
+
+static void send_torque(FILE *script, bool estimated) {
+    plot_panel(script, "torque [Nm]");
+    (void)fputs("plot $run using 1:15 with lines lc rgb blue lw 0.8 title 'motor', "
+                "'' using 1:11 with steps lc rgb grey lw 2 title 'load'",
+                script);
+    if (estimated) {
+        (void)fputs(", '' using 1:16 with lines lc rgb red lw 1 title 'load, estimated'", script);
     }
     (void)fputc('\n', script);
 }
@@ -98,37 +129,40 @@ static void send_emf(FILE *script) {
     plot_panel(script, "EMF amplitude [V]");
     (void)fputs("set yrange [0:*]\n"
                 "plot $run using 1:10 with lines lc rgb blue lw 2 title 'true', "
-                "'' using 1:9 with lines lc rgb red lw 1 title 'observed'\n",
+                "'' using 1:9 with lines lc rgb red lw 1 title 'observer, raw'\n"
+                "set yrange [*:*]\n",
                 script);
 }
 
 static void send_state(FILE *script) {
     plot_panel(script, "state");
-    (void)fputs(
-        "set format x '%g'\nset xlabel 'time [s]' offset 0,0.4\nset yrange [-0.4:6.4]\n"
-        "set ytics ('off' 0, 'calibrate' 1, 'voltage' 2, 'current' 3, 'start' 4, "
-        "'run' 5, 'fault' 6) font ',10'\n"
-        "plot $run using 1:12 with steps lc rgb blue lw 2 title 'mode', "
-        "'' using 1:(5*$13) with lines lc rgb green lw 1 title \"lock quality\\n(1 at run)\"\n"
-        "unset multiplot\n",
-        script);
+    (void)fputs("set format x '%g'\nset xlabel 'time [s]' offset 0,0.4\nset yrange [-0.4:6.4]\n"
+                "set ytics ('off' 0, 'calibrate' 1, 'voltage' 2, 'current' 3, 'start' 4, "
+                "'run' 5, 'fault' 6) font ',10'\n"
+                "plot $run using 1:12 with steps lc rgb blue lw 2 title 'mode', "
+                "'' using 1:(5*$13) with lines lc rgb green lw 1 title 'lock (1: at run)'\n"
+                "unset multiplot\n",
+                script);
 }
 
-bool plot_run(FILE *svg, const char *title, const runner_result_t *result, const runlog_t *log) {
+bool plot_run(const plot_output_t *output, const char *title, const runner_result_t *result,
+              const runlog_t *log) {
     plot_t plot;
     if (log->rows == 0) {
         return true;
     }
-    if (!plot_start(&plot, svg, WIDTH, HEIGHT)) {
+    if (!plot_start(&plot, output, title, WIDTH, HEIGHT)) {
         return false;
     }
     send_rows(plot.script, log);
     const double peak_deg = send_errors(plot.script, log);
-    plot_style(plot.script, title, 5, 0.0, result->simulated_s);
+    const plot_frame_t frame = {WIDTH, HEIGHT, TOP, LEGEND, PANELS, 0.0, result->simulated_s};
+    plot_style(plot.script, title, &frame);
     send_phases(plot.script, result);
     send_speed(plot.script, result->phases);
     send_error(plot.script, peak_deg);
     send_currents(plot.script, log->sets);
+    send_torque(plot.script, estimates_load(log));
     send_emf(plot.script);
     send_state(plot.script);
     return plot_finish(&plot);

@@ -7,6 +7,7 @@
 #include "support/plot.h"
 
 /// False after a message.
-bool plot_run(FILE *svg, const char *title, const runner_result_t *result, const runlog_t *log);
+bool plot_run(const plot_output_t *output, const char *title, const runner_result_t *result,
+              const runlog_t *log);
 
 #endif

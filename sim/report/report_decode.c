@@ -43,7 +43,7 @@ static int values_of(const decode_t *decoded, uint32_t channel, float list[VALUE
     for (size_t row = 0; row < decoded->rows && count < VALUES_MAX; ++row) {
         const float *value = &decoded->value[row * decoded->channels + channel];
         int known = 0;
-        while (known < count && memcmp(&list[known], value, sizeof *value) != 0) {
+        while (known < count && lode_channel_bits(list[known]) != lode_channel_bits(*value)) {
             ++known;
         }
         if (known == count) {

@@ -58,6 +58,10 @@ void report_replay_table(FILE *file, const rig_config_t *config, const recording
         (void)fprintf(file, "gaps: %zu, %.6g s in all; the estimator begins anew behind each\n",
                       recording->gaps, recording->gaps_s);
     }
+    if (replay->off > 0) {
+        (void)fprintf(file, "gates off: %zu rows (voltage and current 0), without an estimate\n",
+                      replay->off);
+    }
     const lode_estimate_t *last = &replay->row[replay->rows - 1];
     (void)fprintf(file, "at the end: speed %.2f rpm, lock %.3f; acquired anew %zu times\n",
                   electrical_rpm(config, (double)last->omega_rad_s), (double)last->lock,
@@ -65,7 +69,7 @@ void report_replay_table(FILE *file, const rig_config_t *config, const recording
     if (recording->has_theta) {
         (void)fprintf(file,
                       "angle error (estimate - truth, electrical degrees)\n"
-                      "  last %.1f s: mean %.4f, pp %.4f\n  after %.1f s: max %.4f\n",
+                      "  last %.1f s: mean %.4f, pp %.4f\n  %.1f s after a beginning: max %.4f\n",
                       REPLAY_WINDOW_s, rig_stats_mean(&replay->error_window_deg),
                       rig_stats_peak_to_peak(&replay->error_window_deg), REPLAY_SETTLE_s,
                       rig_stats_peak(&replay->error_settled_deg));
@@ -82,7 +86,7 @@ void report_replay_table(FILE *file, const rig_config_t *config, const recording
         (void)fprintf(
             file,
             "speed error (estimate - truth, rpm)\n  last %.1f s: mean %.4f\n"
-            "  after %.1f s: max %.4f\n",
+            "  %.1f s after a beginning: max %.4f\n",
             REPLAY_WINDOW_s, electrical_rpm(config, rig_stats_mean(&replay->speed_window_rad_s)),
             REPLAY_SETTLE_s, electrical_rpm(config, rig_stats_peak(&replay->speed_settled_rad_s)));
     }

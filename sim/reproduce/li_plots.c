@@ -92,11 +92,14 @@ static bool signals(const rig_config_t *base, const li_case_t *what, li_log_t *l
 static void send_waves(FILE *script, const li_log_t *log, int id, double length_s) {
     const double end_s = log->rows > 0 ? log->row[log->rows - 1].t_s : 0.0;
     (void)fprintf(script, "$w%d << END\n", id);
-    for (size_t k = row_at(log, end_s - length_s); k < log->rows; ++k) {
+    const size_t from = row_at(log, end_s - length_s);
+    for (size_t k = from; k < log->rows; ++k) {
         const li_row_t *row = &log->row[k];
+        const li_row_t *before = &log->row[k > from ? k - 1 : k];
         (void)fprintf(script, "%.6g %.5g %.5g %.5g %.5g %.5g\n", row->t_s - (end_s - length_s),
-                      row->e_alpha_V, row->e_beta_V, rig_deg_from_rad(row->theta_est_rad),
-                      rig_deg_from_rad(row->theta_rad), row->error_deg);
+                      row->e_alpha_V, row->e_beta_V,
+                      panels_angle_deg(row->theta_est_rad, before->theta_est_rad),
+                      panels_angle_deg(row->theta_rad, before->theta_rad), row->error_deg);
     }
     (void)fputs("END\n", script);
 }
@@ -297,11 +300,11 @@ static void plot_sweep(FILE *script, const drawing_t *drawing, const table_t *ta
                 script);
 }
 
-bool li_plot(FILE *svg, int k, const table_t *table, const rig_config_t *base) {
+bool li_plot(const plot_output_t *output, int k, const table_t *table, const rig_config_t *base) {
     const drawing_t *drawing = &drawings[k];
     const int rows = drawing->style == WAVES || drawing->style == RUNS ? 3 : 2;
     plot_t plot;
-    if (!plot_start(&plot, svg, WIDTH, panels_height(rows))) {
+    if (!plot_start(&plot, output, drawing->title, WIDTH, panels_height(rows))) {
         return false;
     }
     bool good = true;

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "reproduce/li_rows.h"
+#include "support/plot.h"
 
 enum { LI_PLOTS = 10 };
 
@@ -12,6 +13,6 @@ enum { LI_PLOTS = 10 };
 const char *li_plot_file(int k);
 
 /// Draws it into `svg`. False after a message.
-bool li_plot(FILE *svg, int k, const table_t *table, const rig_config_t *base);
+bool li_plot(const plot_output_t *output, int k, const table_t *table, const rig_config_t *base);
 
 #endif

@@ -48,11 +48,14 @@ static size_t row_at(const runlog_t *log, double t_s) {
 
 static void send_waves(FILE *script, const runlog_t *log, int id, double from_s, double to_s) {
     (void)fprintf(script, "$w%d << END\n", id);
-    for (size_t k = row_at(log, from_s); k < row_at(log, to_s); ++k) {
+    const size_t from = row_at(log, from_s);
+    for (size_t k = from; k < row_at(log, to_s); ++k) {
         const runlog_row_t *row = &log->row[k];
+        const runlog_row_t *before = &log->row[k > from ? k - 1 : k];
         (void)fprintf(script, "%.6g %.5g %.5g %.5g %.5g %.5g %.5g %.5g\n", row->t_s - from_s,
                       row->e_alpha_V, row->e_beta_V, row->e_true_alpha_V, row->e_true_beta_V,
-                      rig_deg_from_rad(row->theta_est_rad), rig_deg_from_rad(row->theta_e_rad),
+                      panels_angle_deg(row->theta_est_rad, before->theta_est_rad),
+                      panels_angle_deg(row->theta_e_rad, before->theta_e_rad),
                       row->angle_error_deg);
     }
     (void)fputs("END\n", script);
@@ -244,12 +247,12 @@ static bool plot_levels(FILE *script, const drawing_t *drawing, const reproducti
     return true;
 }
 
-bool reproduce_plot(FILE *svg, int k, const reproduction_t *reproduction,
+bool reproduce_plot(const plot_output_t *output, int k, const reproduction_t *reproduction,
                     const case_bases_t *bases) {
     const drawing_t *drawing = &drawings[k];
     const int rows = drawing->style == LEVELS ? 2 : 3;
     plot_t plot;
-    if (!plot_start(&plot, svg, WIDTH, panels_height(rows))) {
+    if (!plot_start(&plot, output, drawing->title, WIDTH, panels_height(rows))) {
         return false;
     }
     bool good = false;

@@ -14,7 +14,7 @@ enum { REPRODUCE_PLOTS = 8 };
 const char *reproduce_plot_file(int k);
 
 /// Draws it into `svg`. False after a message.
-bool reproduce_plot(FILE *svg, int k, const reproduction_t *reproduction,
+bool reproduce_plot(const plot_output_t *output, int k, const reproduction_t *reproduction,
                     const case_bases_t *bases);
 
 #endif

@@ -11,64 +11,87 @@ static lode_ab_t vector(double alpha, double beta) {
     return (lode_ab_t){(float)alpha, (float)beta};
 }
 
-// At the beginning, and behind a gap: the voltage that acted until then is not in the recording.
+// Where nothing can be known: at the beginning, behind a gap, and with the gates off.
 static const lode_estimate_t nothing_known = {.rotor = {0.0f, 1.0f}};
+
+// Voltage and current are 0 to the bit while the gates are off, and only then. The drive resets its
+// estimator in each such period.
+static bool is_off(const recording_t *recording, size_t k) {
+    const recording_row_t *row = &recording->row[k];
+    return k > 0 && !(fabs(row[-1].u_alpha_V) + fabs(row[-1].u_beta_V) + fabs(row->i_alpha_A) +
+                          fabs(row->i_beta_A) >
+                      0.0);
+}
+
+bool replay_is_known(const recording_t *recording, size_t k) {
+    return k > 0 && !recording->row[k].after_gap && !is_off(recording, k);
+}
 
 static void estimate_rows(replay_t *self, const recording_t *recording,
                           const lode_estimator_tuning_t *tuning) {
     lode_estimator_t estimator;
-    const recording_row_t *row = recording->row;
-    lode_estimator_reset(&estimator, tuning);
-    // The recording may begin with the motor at work: the first rise of current is none.
-    lode_emf_reset(&estimator.emf, vector(row[0].i_alpha_A, row[0].i_beta_A));
-    self->row[0] = nothing_known;
-    for (size_t k = 1; k < recording->rows; ++k) {
-        const lode_ab_t u_V = vector(row[k - 1].u_alpha_V, row[k - 1].u_beta_V);
-        const lode_ab_t i_A = vector(row[k].i_alpha_A, row[k].i_beta_A);
-        if (row[k].after_gap) {
+    for (size_t k = 0; k < recording->rows; ++k) {
+        const recording_row_t *row = &recording->row[k];
+        const lode_ab_t i_A = vector(row->i_alpha_A, row->i_beta_A);
+        if (replay_is_known(recording, k)) {
+            const lode_ab_t u_V = vector(row[-1].u_alpha_V, row[-1].u_beta_V);
+            self->row[k] = lode_estimator_step(&estimator, tuning, u_V, i_A);
+            self->reseeds += self->row[k].reseeded ? 1u : 0u;
+        } else {
+            // The motor may be at work: the first rise of current is none.
             lode_estimator_reset(&estimator, tuning);
             lode_emf_reset(&estimator.emf, i_A);
             self->row[k] = nothing_known;
-            continue;
         }
-        self->row[k] = lode_estimator_step(&estimator, tuning, u_V, i_A);
-        self->reseeds += self->row[k].reseeded ? 1u : 0u;
     }
 }
 
 static void estimate_rows_euler(replay_t *self, const recording_t *recording,
                                 const euler_config_t *config) {
     euler_t estimator;
-    const recording_row_t *row = recording->row;
     const size_t acquire = (size_t)llround(REPLAY_ACQUIRE_s / recording->ts_s);
-    euler_reset(&estimator, row[0].i_alpha_A + I * row[0].i_beta_A);
-    self->row[0] = nothing_known;
     size_t since = 0;
-    for (size_t k = 1; k < recording->rows; ++k) {
-        const lode_ab_t u_V = vector(row[k - 1].u_alpha_V, row[k - 1].u_beta_V);
-        const lode_ab_t i_A = vector(row[k].i_alpha_A, row[k].i_beta_A);
-        if (row[k].after_gap) {
-            euler_reset(&estimator, row[k].i_alpha_A + I * row[k].i_beta_A);
+    for (size_t k = 0; k < recording->rows; ++k) {
+        const recording_row_t *row = &recording->row[k];
+        if (!replay_is_known(recording, k)) {
+            euler_reset(&estimator, row->i_alpha_A + I * row->i_beta_A);
             self->row[k] = nothing_known;
             since = k;
             continue;
         }
-        self->row[k] = euler_estimate_step(&estimator, config, u_V, i_A);
+        const lode_ab_t u_V = vector(row[-1].u_alpha_V, row[-1].u_beta_V);
+        self->row[k] =
+            euler_estimate_step(&estimator, config, u_V, vector(row->i_alpha_A, row->i_beta_A));
         if (k - since <= acquire) {
             euler_acquire(&estimator, config);
         }
     }
 }
 
+/// Rows up to the last one with an estimate.
+static size_t estimates_end(const recording_t *recording) {
+    size_t end = recording->rows;
+    while (end > 0 && !replay_is_known(recording, end - 1)) {
+        --end;
+    }
+    return end;
+}
+
 static void compare(replay_t *self, const recording_t *recording) {
     const size_t rows = recording->rows;
+    const size_t end = estimates_end(recording);
     const size_t window = (size_t)llround(REPLAY_WINDOW_s / recording->ts_s);
     const size_t settle = (size_t)llround(REPLAY_SETTLE_s / recording->ts_s);
-    size_t close_from = 0;
+    size_t close_from = 1;
     size_t since = 0;
     for (size_t k = 0; k < rows; ++k) {
         const recording_row_t *truth = &recording->row[k];
-        since = truth->after_gap ? k : since;
+        self->error_deg[k] = NAN;
+        self->off += is_off(recording, k) ? 1u : 0u;
+        if (!replay_is_known(recording, k)) {
+            since = k;
+            continue;
+        }
         const double error_deg =
             rig_angle_error_deg((double)lode_estimate_theta_rad(&self->row[k]), truth->theta_e_rad);
         const double error_rad_s = (double)self->row[k].omega_rad_s - truth->omega_e_rad_s;
@@ -76,7 +99,7 @@ static void compare(replay_t *self, const recording_t *recording) {
         if (fabs(error_deg) >= REPLAY_CLOSE_deg) {
             close_from = k + 1;
         }
-        if (k + window >= rows) {
+        if (k + window >= end) {
             rig_stats_add(&self->error_window_deg, error_deg);
             rig_stats_add(&self->speed_window_rad_s, error_rad_s);
         }
@@ -86,7 +109,7 @@ static void compare(replay_t *self, const recording_t *recording) {
         }
     }
     self->close_after_s =
-        close_from < rows ? recording->row[close_from].t_s - recording->row[0].t_s : NAN;
+        close_from < end ? recording->row[close_from].t_s - recording->row[0].t_s : NAN;
 }
 
 bool replay_run(replay_t *self, const recording_t *recording, const lode_estimator_tuning_t *tuning,

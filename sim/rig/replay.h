@@ -19,21 +19,26 @@
 typedef struct {
     size_t rows;
     lode_estimate_t *row;
-    double *error_deg; ///< estimate - truth; NaN without a true angle
+    double *error_deg; ///< estimate - truth; NaN without a true angle or an estimate
     rig_stats_t error_window_deg;
     rig_stats_t error_settled_deg;
     rig_stats_t speed_window_rad_s; ///< estimate - truth, electrical
     rig_stats_t speed_settled_rad_s;
     double close_after_s; ///< from here on the error stays below REPLAY_CLOSE_deg; NaN: it does not
+    size_t off;           ///< rows with the gates off
     size_t reseeds;
 } replay_t;
 
 /// Runs from reset. Row k sees the voltage of row k-1 and the current of row k; the first row has
-/// no voltage before it and gives no estimate; the same behind a gap, where all begins anew. `euler`: the papers' own forms in place of the library's
+/// no voltage before it and gives no estimate; the same behind a gap, and with the gates off, which a drive's
+/// record shows by zeros. All begins anew there. `euler`: the papers' own forms in place of the library's
 /// estimator, or NULL; they have no acquisition, so for REPLAY_ACQUIRE_s they are put on the EMF as they
 /// see it. False after a message.
 bool replay_run(replay_t *self, const recording_t *recording, const lode_estimator_tuning_t *tuning,
                 const euler_config_t *euler);
+
+/// Whether there is an estimate for a row.
+bool replay_is_known(const recording_t *recording, size_t k);
 
 void replay_free(replay_t *self);
 

@@ -66,9 +66,11 @@ static const option_t table[] = {
      "the tuning as a constant in C, named like the file, for the firmware's flash;\n"
      "                             needs a drive with i_range_A and v_range_V"},
     {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY | DECODE, "F.svg",
-     "a picture (needs gnuplot)"},
+     "a picture (needs gnuplot); F.png, or F.html: a page with the table"},
     {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",
      "one picture per figure (needs gnuplot)"},
+    {"format", required_argument, 'f', ANALYSE | REPRODUCE, "KIND",
+     "of these: svg, png or html (a page with the table)"},
     {"help", no_argument, 'h', ALL, "", "this text"},
 };
 enum { TABLE_ROWS = sizeof table / sizeof table[0] };
@@ -254,6 +256,8 @@ static const char **text_option(options_t *options, int letter) {
         return &options->plot;
     case 'G':
         return &options->plots;
+    case 'f':
+        return &options->format;
     case 'k':
         return &options->kind;
     case 'b':
@@ -363,7 +367,19 @@ static bool needs(const char *command, const char *what, const char *value) {
     return value != NULL;
 }
 
+static bool check_format(const char *format) {
+    const bool good = format == NULL || strcmp(format, "svg") == 0 || strcmp(format, "png") == 0 ||
+                      strcmp(format, "html") == 0;
+    if (!good) {
+        rig_error("--format %s: expected svg, png or html", format);
+    }
+    return good;
+}
+
 static bool check(const options_t *options) {
+    if (!check_format(options->format)) {
+        return false;
+    }
     switch (options->command) {
     case COMMAND_RUN:
         if (options->has_campaign && options->has_seed) {

@@ -42,9 +42,10 @@ typedef struct {
     const char *json;
     const char *source; ///< C constant of the tuning
     const char *plot;
-    const char *plots; ///< folder
-    const char *kind;  ///< of what is decoded
-    const char *ring;  ///< recorders beside a run
+    const char *plots;  ///< folder
+    const char *format; ///< of the pictures in it
+    const char *kind;   ///< of what is decoded
+    const char *ring;   ///< recorders beside a run
     const char *scope;
     const char *channels;
     const char *every;

@@ -9,6 +9,8 @@
 #include <unistd.h>
 
 #include "support/diag.h"
+#include "support/outputs.h"
+#include "support/page.h"
 
 extern char **environ;
 
@@ -55,11 +57,59 @@ bool plot_available(void) {
     return good;
 }
 
-bool plot_start(plot_t *self, FILE *svg, int width, int height) {
+static bool format_of(const char *path, plot_format_t *format) {
+    static const struct {
+        const char *ending;
+        plot_format_t format;
+    } known[] = {{"", PLOT_SVG}, {".svg", PLOT_SVG}, {".png", PLOT_PNG}, {".html", PLOT_HTML}};
+    const char *slash = strrchr(path, '/');
+    const char *dot = strrchr(slash != NULL ? slash : path, '.');
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; ++k) {
+        if (strcmp(dot != NULL ? dot : "", known[k].ending) == 0) {
+            *format = known[k].format;
+            return true;
+        }
+    }
+    rig_error("%s: a picture of this kind is not drawn; expected a name that ends in .svg, .png or "
+              ".html",
+              path);
+    return false;
+}
+
+bool plot_open(plot_output_t *self, const char *path) {
+    *self = (plot_output_t){.file = NULL};
+    return path == NULL || (outputs_open(&self->file, path) && format_of(path, &self->format));
+}
+
+void plot_path_in(char *path, size_t size, const char *folder, const char *file,
+                  const char *format) {
+    const int stem = (int)(strrchr(file, '.') - file);
+    (void)snprintf(path, size, "%s/%.*s.%s", folder, stem, file, format != NULL ? format : "svg");
+}
+
+static void set_terminal(FILE *script, plot_format_t format, int width, int height) {
+    if (format == PLOT_PNG) { // drawn at twice the size, for screens of today and for print
+        (void)fprintf(script,
+                      "set terminal pngcairo size %d,%d enhanced background '#ffffff' "
+                      "font 'DejaVu Sans,9.75' fontscale 2 lw 2\n",
+                      2 * width, 2 * height);
+    } else {
+        (void)fprintf(script,
+                      "set terminal svg size %d,%d dynamic enhanced background '#ffffff' "
+                      "font 'DejaVu Sans,Helvetica,sans-serif,13' lw 1\n",
+                      width, height);
+    }
+    (void)fputs("set encoding utf8\n", script);
+}
+
+bool plot_start(plot_t *self, const plot_output_t *output, const char *title, int width,
+                int height) {
     char name[] = "gnuplot";
     char *const arguments[] = {name, NULL};
     int ends[2];
-    if (pipe(ends) != 0) {
+    *self = (plot_t){.output = output, .title = title};
+    self->drawn = output->format == PLOT_HTML ? tmpfile() : output->file;
+    if (self->drawn == NULL || pipe(ends) != 0) {
         rig_error("plot: %s", strerror(errno));
         return false;
     }
@@ -68,7 +118,7 @@ bool plot_start(plot_t *self, FILE *svg, int width, int height) {
     (void)fcntl(ends[0], F_SETFD, FD_CLOEXEC);
     (void)signal(SIGPIPE, SIG_IGN);
     pid_t process = 0;
-    const bool started = start(&process, ends[0], fileno(svg), arguments);
+    const bool started = start(&process, ends[0], fileno(self->drawn), arguments);
     (void)close(ends[0]);
     self->script = started ? fdopen(ends[1], "w") : NULL;
     self->process = (long)process;
@@ -76,16 +126,11 @@ bool plot_start(plot_t *self, FILE *svg, int width, int height) {
         (void)close(ends[1]);
         return false;
     }
-    (void)fprintf(self->script,
-                  "set terminal svg size %d,%d dynamic enhanced background '#ffffff' "
-                  "font 'DejaVu Sans,Helvetica,sans-serif,13' lw 1\n"
-                  "set encoding utf8\n",
-                  width, height);
+    set_terminal(self->script, output->format, width, height);
     return true;
 }
 
-/// Bytes of the UTF-8 character there; 0 if it is none.
-static int character_length(const unsigned char *at) {
+int plot_character_length(const unsigned char *text) {
     static const struct {
         unsigned char first, last; // leading bytes
         unsigned char low, high; // the byte after them: neither longer than needed nor a surrogate
@@ -95,10 +140,10 @@ static int character_length(const unsigned char *at) {
         {0xe1, 0xec, 0x80, 0xbf, 3}, {0xed, 0xed, 0x80, 0x9f, 3}, {0xee, 0xef, 0x80, 0xbf, 3},
         {0xf0, 0xf0, 0x90, 0xbf, 4}, {0xf1, 0xf3, 0x80, 0xbf, 4}, {0xf4, 0xf4, 0x80, 0x8f, 4}};
     for (size_t k = 0; k < sizeof forms / sizeof forms[0]; ++k) {
-        if (at[0] >= forms[k].first && at[0] <= forms[k].last) {
-            bool good = at[0] < 0x80 || (at[1] >= forms[k].low && at[1] <= forms[k].high);
+        if (text[0] >= forms[k].first && text[0] <= forms[k].last) {
+            bool good = text[0] < 0x80 || (text[1] >= forms[k].low && text[1] <= forms[k].high);
             for (int n = 2; good && n < forms[k].length; ++n) {
-                good = (at[n] & 0xc0) == 0x80;
+                good = (text[n] & 0xc0) == 0x80;
             }
             return good ? forms[k].length : 0;
         }
@@ -113,7 +158,7 @@ const char *plot_text(char string[PLOT_TEXT_LENGTH], const char *text) {
     size_t to = 0;
     string[to++] = '\'';
     while (*from != '\0' && to + AT_MOST <= PLOT_TEXT_LENGTH) {
-        const int length = character_length(from);
+        const int length = plot_character_length(from);
         if (length > 1) {
             (void)memcpy(string + to, from, (size_t)length);
             to += (size_t)length;
@@ -130,29 +175,35 @@ const char *plot_text(char string[PLOT_TEXT_LENGTH], const char *text) {
     return string;
 }
 
-void plot_style(FILE *script, const char *title, int panels, double from_s, double to_s) {
+void plot_style(FILE *script, const char *title, const plot_frame_t *frame) {
+    enum { LEFT = 100, BELOW = 62, BETWEEN = 26, TO_LEGEND = 12, TITLE = 26 }; // pixels
+    const double width = frame->width;
+    const double height = frame->height;
+    const double right = 1.0 - frame->legend / width;
     char string[PLOT_TEXT_LENGTH];
     (void)fprintf(script,
-                  "set datafile missing 'nan'\n"
-                  "set multiplot layout %d,1 margins screen 0.085, screen 0.865, screen 0.07, "
-                  "screen 0.91 spacing screen 0.024\n"
+                  "set multiplot layout %d,1 margins screen %.4f, screen %.4f, screen %.4f, "
+                  "screen %.4f spacing screen %.4f\n"
                   "set xrange [%.6g:%.6g]\n"
                   "set grid lc rgb '#e2e5e8' lw 0.6 dt 1\n"
                   "set border 3 lc rgb '#606060'\n"
                   "set tics nomirror out scale 0.6 textcolor rgb '#303030' font ',11'\n"
-                  "set key at screen 0.875, graph 0.5 left center reverse Left samplen 1.6 "
+                  "set key at screen %.4f, graph 0.5 left center reverse Left samplen 1.6 "
                   "spacing 1.25 font ',11'\n"
-                  "set format x ''\n"
+                  "set format x ''\n",
+                  frame->panels, LEFT / width, right, BELOW / height, 1.0 - frame->top / height,
+                  BETWEEN / height, frame->from_s, frame->to_s, right + TO_LEGEND / width);
+    (void)fprintf(script,
                   "blue = '#1f5fa8'; red = '#c8372d'; green = '#2f8f4e'; grey = '#8a8f94'\n"
-                  "set label 1000 at screen 0.085, screen 0.98 left noenhanced font ',14' %s\n",
-                  panels, from_s, to_s, plot_text(string, title));
+                  "set label 1000 at screen %.4f, screen %.4f left noenhanced font ',14' %s\n",
+                  LEFT / width, 1.0 - TITLE / height, plot_text(string, title));
 }
 
 void plot_panel(FILE *script, const char *label) {
     char string[PLOT_TEXT_LENGTH];
     (void)fprintf(
         script,
-        "set label 1001 %s at screen 0.02, graph 0.5 center rotate by 90 front noenhanced\n",
+        "set label 1001 %s at screen 0.015, graph 0.5 center rotate by 90 front noenhanced\n",
         plot_text(string, label));
 }
 
@@ -162,6 +213,12 @@ bool plot_finish(plot_t *self) {
     const bool drawn = wait_for((pid_t)self->process);
     if (!sent || !drawn) {
         rig_error("gnuplot failed; expected it to draw the plot (its own words are above)");
+    }
+    if (self->drawn != self->output->file) {
+        if (sent && drawn) {
+            page_write(self->output->file, self->title, self->drawn, self->output->text);
+        }
+        (void)fclose(self->drawn);
     }
     return sent && drawn;
 }

@@ -1,4 +1,4 @@
-/// Pictures by gnuplot, which runs as a child process.
+/// Pictures by gnuplot, which runs as a child process: SVG, PNG, or a page of HTML that holds all it shows.
 #ifndef RIG_PLOT_H
 #define RIG_PLOT_H
 
@@ -10,14 +10,37 @@ enum { PLOT_TEXT_LENGTH = 512 };
 /// False after a message if gnuplot cannot be started.
 bool plot_available(void);
 
-/// A gnuplot under way: its commands go into `script`, its SVG into the file given.
+typedef enum { PLOT_SVG, PLOT_PNG, PLOT_HTML } plot_format_t;
+
+/// Where a picture goes.
+typedef struct {
+    FILE *file; ///< NULL: none is wanted
+    plot_format_t format;
+    const char *text; ///< HTML: table below the picture
+} plot_output_t;
+
+/// Opens the file for `path` unless that is NULL. The ending of its name tells the kind: .svg (or none),
+/// .png, .html. False after a message.
+bool plot_open(plot_output_t *self, const char *path);
+
+/// Name of a picture in a folder: that of `file`, which ends in .svg, with the ending of `format` (svg, png,
+/// html; NULL: svg) in its place.
+void plot_path_in(char *path, size_t size, const char *folder, const char *file,
+                  const char *format);
+
+/// A gnuplot under way: its commands go into `script`, its picture into the file given.
 typedef struct {
     FILE *script;
     long process;
+    const plot_output_t *output;
+    const char *title;
+    FILE *drawn; ///< HTML: the picture, which then goes into the page
 } plot_t;
 
-/// Starts gnuplot with its output in `svg`, `width` x `height` pixels. False after a message.
-bool plot_start(plot_t *self, FILE *svg, int width, int height);
+/// Starts gnuplot with its output in `output`, `width` x `height` pixels. `title`: of a page. A value that is NaN breaks the
+/// line through its neighbours, as an empty line does. False after a message.
+bool plot_start(plot_t *self, const plot_output_t *output, const char *title, int width,
+                int height);
 
 /// A text as a gnuplot string, quotes included, cut to what fits in `string`. Every text that is not
 /// part of this program goes into a script by this only. Single quotes, in which gnuplot takes
@@ -27,14 +50,26 @@ bool plot_start(plot_t *self, FILE *svg, int width, int height);
 /// `string`.
 const char *plot_text(char string[PLOT_TEXT_LENGTH], const char *text);
 
-/// Sets up `panels` panels one above the other over a common time axis, legends on their right, a
-/// title over the first one (label 1000), and the names of four colours: blue, red, green, grey.
-void plot_style(FILE *script, const char *title, int panels, double from_s, double to_s);
+/// Panels one above the other over a common time axis, with legends on their right.
+typedef struct {
+    int width, height; ///< of the picture, pixels
+    int top;           ///< above the panels
+    int legend;        ///< on their right
+    int panels;
+    double from_s, to_s;
+} plot_frame_t;
+
+/// Sets them up, with a title over the first one (label 1000), and the names of four colours: blue, red,
+/// green, grey.
+void plot_style(FILE *script, const char *title, const plot_frame_t *frame);
 
 /// Names the vertical axis of the panels to come.
 void plot_panel(FILE *script, const char *label);
 
-/// Waits for it. False after a message if it failed.
+/// Waits for it, and writes the page around it. False after a message if it failed.
 bool plot_finish(plot_t *self);
+
+/// Bytes of the UTF-8 character at `text`; 0 if it is none.
+int plot_character_length(const unsigned char *text);
 
 #endif
