@@ -93,6 +93,38 @@ def exit_codes(checks, folder):
     checks.equal(len(folder.json("j.json")["phases"]), 2, "phases up to the fault")
 
 
+def warnings(checks, folder):
+    """Speeds that were changed or not reached are said, and are no failure; nor is a run without bars
+    called passed."""
+    folder.write("w.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
+                          "[phase.up]\nduration_s = 3\nspeed_rpm = 300\n"
+                          "[phase.held]\nduration_s = 1\ndyno_rpm = 300\nspeed_rpm = 600\n"
+                          "[phase.slow]\nduration_s = 1\ndyno_rpm = free\nspeed_rpm = 50\n"
+                          "[phase.fast]\nduration_s = 4\nspeed_rpm = 2600\n"
+                          "[phase.wild]\nduration_s = 1\nspeed_rpm = 4000\n"
+                          "[phase.back]\nduration_s = 2\nspeed_rpm = 600\n"
+                          "[phase.stop]\nduration_s = 2\nspeed_rpm = 0\n")
+    done = folder.run("run", "w.ini", "--json", "w.json")
+    checks.equal(done.returncode, 0, f"exit code with warnings: {done.stdout}{done.stderr}")
+    result = folder.json("w.json")
+    said = {phase["name"]: phase["warning"] for phase in result["phases"]}
+    checks.equal(said["slow"], "50 rpm is below the least speed and was raised to 150 rpm", "slow")
+    checks.true(said["fast"].startswith("2600 rpm not reached: 2"), f"fast: {said['fast']}")
+    checks.true("above what the bus voltage allows without load" in said["fast"], said["fast"])
+    checks.true("4000 rpm is above the estimator's limit of 3750 rpm" in said["wild"], said["wild"])
+    for name in ["up", "held", "back", "stop"]:
+        checks.equal(said[name], "", f"no warning in {name}")
+    for text in said.values():
+        checks.true(not text or f"    warning: {text}\n" in done.stdout, f"{text!r} in the table")
+    checks.true("\ndone, no bars set: " in done.stdout and "passed" not in done.stdout, "no bars")
+    checks.equal(result["bars_set"], False, "no bars in JSON")
+    done = folder.run("run", "w.ini", "--json", "w.json", "--set", "phase.up.bar_speed_rpm=5")
+    checks.true("\npassed: " in done.stdout, "a bar is set and met")
+    checks.equal(folder.json("w.json")["bars_set"], True, "a bar in JSON")
+    done = folder.run("run", "w.ini", "--seeds", "1-2")
+    checks.true("2 of 2 passed (no bars set" in done.stdout, "a campaign without bars")
+
+
 def mismatch(checks, folder):
     """The estimator's parameters are other keys than the plant's."""
     def error(*sets):
@@ -202,6 +234,7 @@ def main():
         scenarios(checks, folder)
         starts(checks, folder)
         exit_codes(checks, folder)
+        warnings(checks, folder)
         mismatch(checks, folder)
         truth_as_source(checks, folder)
         six_phases(checks, folder)

@@ -19,6 +19,7 @@ typedef struct {
     const options_t *options;
     rig_config_t config;
     uint64_t passed;
+    bool barred;  ///< the scenario sets a bar
     cJSON *cases; ///< NULL: no JSON wanted
     progress_t progress;
 } campaign_t;
@@ -26,6 +27,7 @@ typedef struct {
 /// What is said of one seed. It passes through a pipe: no pointers.
 typedef struct {
     bool passed;
+    bool barred;
     char verdict[64];
     double theta0_deg, load_Nm, Rs_Ohm, Lq_H, J_kgm2;
     double handover_s;                         ///< NaN: never
@@ -88,6 +90,7 @@ static bool run_case(void *user, uint64_t seed, void *into) {
     const bool ran = last->error_deg.count > 0;
     case_t one = {
         .passed = !report_run_failed(&result),
+        .barred = result.barred,
         .theta0_deg = rig_deg_from_rad(plant.theta_e_rad),
         .load_Nm = load_Nm,
         .Rs_Ohm = plant.Rs_Ohm,
@@ -111,6 +114,7 @@ static void take_case(void *user, uint64_t seed, const void *from) {
     print_case(seed, &one);
     (void)fflush(stdout);
     self->passed += one.passed ? 1u : 0u;
+    self->barred = one.barred;
     if (self->cases != NULL) {
         add_case(self->cases, seed, &one);
     }
@@ -135,8 +139,9 @@ static bool run_cases(campaign_t *self) {
 
 static rig_exit_t finish(const campaign_t *self, FILE *json, cJSON *root) {
     const uint64_t cases = self->options->seed_last - self->options->seed + 1;
-    (void)printf("\n%llu of %llu passed\n", (unsigned long long)self->passed,
-                 (unsigned long long)cases);
+    (void)printf("\n%llu of %llu passed%s\n", (unsigned long long)self->passed,
+                 (unsigned long long)cases,
+                 self->barred ? "" : " (no bars set: without a fault, that is)");
     if (json != NULL) {
         config_json_number(root, "cases", (double)cases);
         config_json_number(root, "passed", (double)self->passed);

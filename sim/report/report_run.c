@@ -45,6 +45,9 @@ static void print_phase(FILE *file, const runner_phase_t *phase) {
     if (phase->missed[0] != '\0') {
         (void)fprintf(file, "    BAR MISSED: %s\n", phase->missed);
     }
+    if (phase->warning[0] != '\0') {
+        (void)fprintf(file, "    warning: %s\n", phase->warning);
+    }
 }
 
 static void print_events(FILE *file, const runlog_t *log) {
@@ -57,6 +60,13 @@ static void print_events(FILE *file, const runlog_t *log) {
     }
 }
 
+static const char *verdict(const runner_result_t *result) {
+    if (report_run_failed(result)) {
+        return "FAILED";
+    }
+    return result->barred ? "passed" : "done, no bars set";
+}
+
 static void print_verdict(FILE *file, const runner_result_t *result) {
     if (result->fault.check != LODE_CHECK_NONE) {
         (void)fprintf(file, "\nFAULT at %.4f s in %s: %s, measured %.4g, limit %.4g%s\n",
@@ -67,8 +77,8 @@ static void print_verdict(FILE *file, const runner_result_t *result) {
     }
     (void)fprintf(file,
                   "\n%s: %.2f s of drive simulated in %.2f s on one core: %.0f times real time\n",
-                  report_run_failed(result) ? "FAILED" : "passed", result->simulated_s,
-                  result->processor_s, result->simulated_s / result->processor_s);
+                  verdict(result), result->simulated_s, result->processor_s,
+                  result->simulated_s / result->processor_s);
 }
 
 static void key_text(const rig_config_t *config, const char *key, char *text, size_t size) {
@@ -166,6 +176,7 @@ static void add_phase(cJSON *array, const runner_phase_t *phase) {
     config_json_number(item, "lock_min", rig_stats_min(&phase->run_lock));
     (void)cJSON_AddStringToObject(item, "mode", report_mode_name(phase->mode));
     (void)cJSON_AddStringToObject(item, "missed", phase->missed);
+    (void)cJSON_AddStringToObject(item, "warning", phase->warning);
 }
 
 static void add_fault(cJSON *root, const runner_result_t *result) {
@@ -188,6 +199,7 @@ void report_run_json(FILE *file, const rig_config_t *config, const runner_result
     cJSON *root = config_json_root();
     (void)cJSON_AddStringToObject(root, "scenario", config->files > 0 ? config->file[0] : "");
     (void)cJSON_AddBoolToObject(root, "passed", !report_run_failed(result));
+    (void)cJSON_AddBoolToObject(root, "bars_set", result->barred);
     config_json_number(root, "window_s", RUNNER_WINDOW_s);
     config_json_number(root, "handover_s", result->handover_s);
     config_json_number(root, "simulated_s", result->simulated_s);

@@ -1,15 +1,20 @@
 #include "rig/runner.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "config/refusal.h"
+#include "config/speed_limits.h"
 #include "rig/capture.h"
 #include "rig/euler_estimate.h"
 #include "support/diag.h"
 #include "support/progress.h"
 #include "support/units.h"
+
+// A speed counts as reached within this share of it: its mean, once it has settled, is closer by far.
+#define SPEED_REACHED 0.02
 
 enum { LOG_ROWS = 6000, PERIODS_PER_PROGRESS = 4096 };
 
@@ -33,6 +38,9 @@ typedef struct {
     double speed_step_rpm; ///< per period
     lode_mode_t mode;
     bool faulted;
+    bool held; ///< by a dynamometer
+    double v_bus_V;
+    speed_limits_t limits;
     int found_open;
     bool open[PLANT_LEGS]; ///< broken phases that the log has
     progress_t progress;
@@ -294,11 +302,13 @@ static void apply_to_plant(run_t *run, const rig_phase_t *phase) {
         plant_set_load(plant, run->load_Nm);
     }
     if (!isnan(phase->v_bus_V)) {
+        run->v_bus_V = phase->v_bus_V;
         plant_set_bus(plant, phase->v_bus_V);
     }
     if (!isnan(phase->temperature_degC)) {
         plant_set_temperature(plant, phase->temperature_degC);
     }
+    run->held = isnan(phase->dyno_rpm) ? run->held : !isinf(phase->dyno_rpm);
     if (isinf(phase->dyno_rpm)) {
         plant_release_speed(plant);
     } else if (!isnan(phase->dyno_rpm)) {
@@ -414,6 +424,60 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
     run->result->missed = run->result->missed || out->missed[0] != '\0';
 }
 
+static bool is_barred(const rig_phase_t *phase) {
+    return !isnan(phase->bar_dc_deg) || !isnan(phase->bar_pp_deg) || !isnan(phase->bar_error_deg) ||
+           !isnan(phase->bar_speed_rpm) || phase->end_mode >= 0;
+}
+
+static void warn(runner_phase_t *out, const char *format, ...) {
+    const size_t used = strlen(out->warning);
+    va_list arguments;
+    (void)snprintf(out->warning + used, sizeof out->warning - used, "%s", used > 0 ? "; " : "");
+    const size_t now = strlen(out->warning);
+    va_start(arguments, format);
+    (void)vsnprintf(out->warning + now, sizeof out->warning - now, format, arguments);
+    va_end(arguments);
+}
+
+/// Why a speed is out of reach, as far as that follows from the configuration.
+static const char *why_not(const run_t *run, double omega_rad_s) {
+    const speed_limits_t *limits = &run->limits;
+    const double share = run->v_bus_V / (double)run->config->drive.inverter.v_bus_V;
+    const double voltage_rad_s =
+        share * (isnan(limits->weakened_rad_s) ? limits->no_load_rad_s : limits->weakened_rad_s);
+    if (omega_rad_s > voltage_rad_s) {
+        return ", above what the bus voltage allows without load";
+    }
+    if (omega_rad_s > share * limits->base_rad_s) {
+        return ", above the base speed, from which on the voltage limits the torque";
+    }
+    return "";
+}
+
+/// A commanded speed that the drive changed, or did not come to. Nothing is expected of a shaft that a
+/// dynamometer holds, of a stop, or after a fault.
+static void check_speed(const run_t *run, runner_phase_t *out) {
+    const double goal_rpm = run->speed_goal_rpm;
+    const double np = (double)run->config->drive.motor.pole_pairs;
+    const double omega = fabs(rig_rad_s_from_rpm(goal_rpm)) * np;
+    if (run->held || run->faulted || run->command.mode != LODE_MODE_RUN || !(omega > 0.0)) {
+        return;
+    }
+    const double least_rpm = rig_rpm_from_rad_s(run->limits.least_rad_s) / np;
+    const double found_rpm = rig_stats_mean(&out->speed_rpm);
+    if (fabs(goal_rpm) < least_rpm) {
+        warn(out, "%g rpm is below the least speed and was raised to %.4g rpm", goal_rpm,
+             copysign(least_rpm, goal_rpm));
+    } else if (!(fabs(found_rpm - goal_rpm) <= SPEED_REACHED * fabs(goal_rpm))) {
+        warn(out, "%g rpm not reached: %.4g rpm at the end%s", goal_rpm, found_rpm,
+             why_not(run, omega));
+    }
+    if (omega > run->limits.estimator_rad_s) {
+        warn(out, "%g rpm is above the estimator's limit of %.4g rpm", goal_rpm,
+             rig_rpm_from_rad_s(run->limits.estimator_rad_s) / np);
+    }
+}
+
 static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_window) {
     moment_t now;
     move_command(run);
@@ -460,6 +524,7 @@ static bool run_phase(run_t *run, int index) {
     out->load_Nm = run->load_Nm;
     out->mode = run->mode;
     check_bars(run, phase, out);
+    check_speed(run, out);
     run->result->phases = index + 1;
     return good;
 }
@@ -497,6 +562,8 @@ static bool start(run_t *run) {
         return false;
     }
     (void)rig_init(&run->rig, run->config, &plant);
+    run->limits = speed_limits_of(&run->config->drive);
+    run->v_bus_V = plant.v_bus_V;
     run->log->sets = run->rig.sets;
     run->memory.seeded_s = isnan(run->config->seeded_s) ? 0.0 : run->config->seeded_s;
     if (euler_estimate_wanted(run->config)) {
@@ -507,6 +574,7 @@ static bool start(run_t *run) {
     run->mode = LODE_MODE_OFF;
     for (int k = 0; k < scenario->phases; ++k) {
         run->total_s += scenario->phase[k].duration_s;
+        run->result->barred = run->result->barred || is_barred(&scenario->phase[k]);
     }
     const double log_s = isnan(scenario->log_s) ? run->total_s / LOG_ROWS : scenario->log_s;
     run->log_every = (uint64_t)fmax(1.0, round(log_s / run->ts_s));

@@ -26,7 +26,8 @@ typedef struct {
     rig_stats_t run_lock;
     lode_mode_t mode; ///< at the end
     uint32_t reseeds;
-    char missed[200]; ///< bars missed, in words; empty: none
+    char missed[200];  ///< bars missed, in words; empty: none
+    char warning[200]; ///< what became of the commanded speed, in words; empty: it was reached
 } runner_phase_t;
 
 typedef struct {
@@ -38,6 +39,7 @@ typedef struct {
     double handover_s; ///< first time in RUN, NaN: never
     double simulated_s;
     double processor_s;
+    bool barred; ///< the scenario sets a bar, or a mode to end in
     bool missed; ///< a bar
 } runner_result_t;
 

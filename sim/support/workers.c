@@ -24,11 +24,14 @@ typedef struct {
 } message_t;
 
 static unsigned processes_wanted(const workers_t *self) {
-    const uint64_t pieces = self->last - self->first + 1u;
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    uint64_t wanted = self->processes > 0u ? self->processes : online > 0 ? (uint64_t)online : 1u;
-    wanted = wanted < WORKERS_MAX ? wanted : WORKERS_MAX;
-    return (unsigned)(wanted < pieces ? wanted : pieces);
+    const unsigned most = self->last - self->first < WORKERS_MAX
+                              ? (unsigned)(self->last - self->first) + 1u
+                              : WORKERS_MAX;
+    const unsigned wanted = self->processes > 0u ? self->processes
+                            : online > 0         ? (unsigned)online
+                                                 : 1u;
+    return wanted < most ? wanted : most;
 }
 
 static bool send_all(int to, const message_t *message) {
