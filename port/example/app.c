@@ -18,6 +18,9 @@
 #define APP_LINK LINK_REPORT
 #endif
 
+#ifndef APP_V_BUS_V // a lower nominal bus voltage, for a careful bring-up; 0: the board's
+#define APP_V_BUS_V 0.0f
+#endif
 #ifndef APP_RESTARTS
 #define APP_RESTARTS 0u
 #endif
@@ -101,6 +104,10 @@ bool app_start(void) {
     config = (lode_drive_config_t){.f_pwm_Hz = 0.0f}; // what the board leaves open is computed
     board_describe(&config);
     config.motor = motor_data();
+    if (APP_V_BUS_V > 0.0f && APP_V_BUS_V < config.inverter.v_bus_V) {
+        config.inverter.v_bus_V = APP_V_BUS_V; // the guard's limits are shares of it
+        report_event("START", "LOW_BUS", (uint32_t)APP_V_BUS_V);
+    }
     config.inverter.i_max_A = lode_min(config.inverter.i_max_A, MOTOR_I_MAX_A);
     lode_drive_design(&config);
     status = lode_drive_init(&drive, &tuning, &config);

@@ -19,7 +19,10 @@
 #define WORK_SHARE 0.8f         // the rest is for the thread
 #define NOISE_SHARE 0.02f       // of full scale
 #define TEST_CURRENT_SHARE 0.2f // of i_max: above the noise, far from the trip
-#define VOLTAGE_MARGIN 3.0f     // times R i: cold to hot, cables, drops
+#define VOLTAGE_MARGIN 2.0f     // times R i: as far as a resistance passes
+#define LOSS_MARGIN 2.0f        // times dead time and drops
+#define BALANCE_PERIODS 16u     // against noise
+#define BALANCE_SHARE 0.5f      // of the test current: what the three may sum up to
 #define SEEN_SHARE 0.5f         // of the test current, else there is none
 #define IN_PHASE 0.75f          // share of the largest current: +-1 is right, +-0.5 another phase
 #define NOTHING 0.25f
@@ -63,6 +66,7 @@ const char *bringup_reason_name(uint_least8_t reason) {
         NAME(SIGN);
         NAME(ORDER);
         NAME(RATIO);
+        NAME(BALANCE);
         NAME(ANGLE);
         NAME(RESISTANCE);
         NAME(CURRENT_OFF);
@@ -244,16 +248,43 @@ static float length_of(lode_dq_t x) {
     return lode_ab_length((lode_ab_t){x.d, x.q});
 }
 
+// The most that `i_A` can need. With currents that are not seen it is the only bound there is.
+static float voltage_for(const lode_drive_config_t *config, float i_A) {
+    const lode_inverter_config_t *inverter = &config->inverter;
+    return VOLTAGE_MARGIN * config->motor.Rs_Ohm * i_A +
+           LOSS_MARGIN *
+               (inverter->v_drop_V + inverter->v_bus_V * inverter->dead_time_s * config->f_pwm_Hz);
+}
+
+// By raw counts, all the time while the voltage rises: what flows in must flow out. False: an amplifier is
+// dead or wrong, and the vector's length is not the current's. Two shunts always sum up to nothing.
+static bool balanced(bringup_t *self) {
+    const lode_sense_config_t *sense = &self->config->sense;
+    if (sense->shunts == LODE_SHUNTS_TWO) {
+        return true;
+    }
+    if (self->window->wanted != BALANCE_PERIODS) {
+        bringup_window_ask(self->window, BALANCE_PERIODS);
+        self->sum_A = 0.0f;
+    } else if (window_done(self)) {
+        float sum_count = 0.0f;
+        for (uint32_t x = 0; x < 3u; x++) {
+            sum_count += window_mean(self, x) - self->offset_count[x];
+        }
+        self->sum_A = lode_abs(sense->i_gain_A_count * sum_count);
+        bringup_window_ask(self->window, BALANCE_PERIODS);
+    }
+    return self->sum_A < BALANCE_SHARE * TEST_CURRENT_SHARE * self->config->inverter.i_max_A;
+}
+
 // Raises the voltage until the current shows. The current answers within L/R, well inside a look.
 static bool raise_voltage(bringup_t *self, const bringup_view_t *view, float angle_rad,
                           float turn_rad_s) {
     const lode_drive_config_t *config = self->config;
     const float test_A = TEST_CURRENT_SHARE * config->inverter.i_max_A;
     const float seen_A = length_of(view->now.i_A);
-    const float end_V =
-        VOLTAGE_MARGIN * config->motor.Rs_Ohm * test_A + 2.0f * config->inverter.v_drop_V +
-        2.0f * config->inverter.v_bus_V * config->inverter.dead_time_s * config->f_pwm_Hz;
-    if (seen_A >= test_A) {
+    const float end_V = voltage_for(config, test_A);
+    if (seen_A >= test_A || !balanced(self)) { // who judges says what is wrong
         return true;
     }
     const float share = elapsed_s(self, view) / RISE_TIME;
@@ -383,6 +414,11 @@ static void step_voltage(bringup_t *self, const bringup_view_t *view) {
         }
         return;
     }
+    if (!balanced(self)) {
+        finish(self, BRINGUP_BALANCE, 0u, self->sum_A,
+               BALANCE_SHARE * TEST_CURRENT_SHARE * self->config->inverter.i_max_A);
+        return;
+    }
     if (elapsed_s(self, view) < SETTLE_TIME || !averaged(self, view, 0.0f)) {
         return;
     }
@@ -408,6 +444,18 @@ static void step_current(bringup_t *self, const bringup_view_t *view) {
                                     .theta_rad = self->angle_rad,
                                     .omega_rad_s = self->turn_rad_s});
         next_stage(self, view);
+        return;
+    }
+    // A controller that does not see its current raises the voltage until something trips.
+    const float seen_A = length_of(view->now.i_A);
+    if (!balanced(self)) {
+        finish(self, BRINGUP_BALANCE, 0u, self->sum_A,
+               BALANCE_SHARE * TEST_CURRENT_SHARE * self->config->inverter.i_max_A);
+        return;
+    }
+    if (length_of(view->now.u_V) > voltage_for(self->config, wanted) &&
+        seen_A < SEEN_SHARE * wanted) {
+        finish(self, BRINGUP_CURRENT_OFF, 0u, seen_A - wanted, CURRENT_TOLERANCE * wanted);
         return;
     }
     if (elapsed_s(self, view) < SETTLE_TIME || !averaged(self, view, wanted)) {

@@ -7,6 +7,10 @@
 #include "record.h"
 #include "support/check.h"
 
+#ifndef APP_V_BUS_V
+#define APP_V_BUS_V 0.0f
+#endif
+
 #define F_PWM 20000.0
 #define V_BUS 24.0
 #define GAIN_A (1.0 / 128.0) // A per count: +-16 A
@@ -335,6 +339,46 @@ static void test_resistance_is_named(void) {
     CHECK_CLOSE(0.1, config.Rs_Ohm, result.measured);
 }
 
+// Dead amplifiers: what is not seen must stay bounded by what the voltage can drive.
+static double largest_current(const mistakes_t *m, uint32_t mode, bringup_reason_t reason,
+                              bringup_reason_t or_reason) {
+    power_up(m, plant_of_motor());
+    app_mode = mode;
+    double largest = 0.0;
+    for (int n = 0; n < (int)(5.0 * F_PWM); n++) {
+        period();
+        plant_truth_t truth;
+        plant_sample(&plant, NULL, &truth);
+        largest = fmax(largest, hypot(truth.id_A, truth.iq_A));
+        const bringup_result_t result = app_result();
+        if (result.mode == mode && result.state != (uint_least8_t)BRINGUP_RUNNING) {
+            expect(result, result.reason == (uint_least8_t)or_reason ? or_reason : reason, -1);
+            return largest;
+        }
+    }
+    TEST_FAIL_MESSAGE("no end");
+    return largest;
+}
+
+static void test_currents_that_are_not_seen_stay_bounded(void) {
+    mistakes_t m = sound;
+    for (int x = 0; x < 3; x++) {
+        m.sign[x] = 0.0;
+        CHECK_AT_MOST(0.5 * (double)MOTOR_I_MAX_A,
+                      largest_current(&m, BRINGUP_VOLTAGE, BRINGUP_BALANCE, BRINGUP_BALANCE));
+        CHECK_AT_MOST(0.5 * (double)MOTOR_I_MAX_A,
+                      largest_current(&m, BRINGUP_CURRENT, BRINGUP_BALANCE, BRINGUP_CURRENT_OFF));
+        m.sign[x] = 1.0;
+    }
+    m.sign[0] = m.sign[1] = m.sign[2] = 0.0; // nothing shows anything
+    CHECK_AT_MOST(0.5 * (double)MOTOR_I_MAX_A,
+                  largest_current(&m, BRINGUP_SIGNS, BRINGUP_NO_CURRENT, BRINGUP_NO_CURRENT));
+    CHECK_AT_MOST(0.5 * (double)MOTOR_I_MAX_A,
+                  largest_current(&m, BRINGUP_VOLTAGE, BRINGUP_NO_CURRENT, BRINGUP_NO_CURRENT));
+    CHECK_AT_MOST((double)MOTOR_I_MAX_A,
+                  largest_current(&m, BRINGUP_CURRENT, BRINGUP_CURRENT_OFF, BRINGUP_CURRENT_OFF));
+}
+
 static void test_current_that_never_comes(void) {
     mistakes_t m = sound;
     m.dead_gates = true;
@@ -581,8 +625,23 @@ static void test_cycles_are_recorded(void) {
     TEST_ASSERT_EQUAL_UINT32(CYCLES_PER_PERIOD, c.interval_max);
 }
 
+// The board is made for V_BUS; the supply gives less, on purpose.
+static void test_bring_up_at_a_lower_bus_voltage(void) {
+    mistakes_t m = sound;
+    m.v_bus = (double)APP_V_BUS_V;
+    power_up(&m, plant_of_motor());
+    for (uint32_t mode = BRINGUP_PWM; mode <= (uint32_t)BRINGUP_CURRENT; mode++) {
+        expect(bring_up(mode, 20.0), BRINGUP_OK, -1);
+    }
+    TEST_ASSERT_TRUE(was_sent("START LOW_BUS 10\r\n"));
+}
+
 int main(void) {
     UNITY_BEGIN();
+    if (APP_V_BUS_V > 0.0f) {
+        RUN_TEST(test_bring_up_at_a_lower_bus_voltage);
+        return UNITY_END();
+    }
     RUN_TEST(test_sound_board_passes_every_step);
     RUN_TEST(test_angle_and_turning_vector);
     RUN_TEST(test_clock_and_pwm);
@@ -590,6 +649,7 @@ int main(void) {
     RUN_TEST(test_signs);
     RUN_TEST(test_motor_wires_in_any_order_pass);
     RUN_TEST(test_resistance_is_named);
+    RUN_TEST(test_currents_that_are_not_seen_stay_bounded);
     RUN_TEST(test_current_that_never_comes);
     RUN_TEST(test_start_that_cannot_succeed_is_a_fault_with_its_check);
     RUN_TEST(test_report_is_one_line);
