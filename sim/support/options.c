@@ -30,10 +30,10 @@ static const option_t table[] = {
     {"drive", required_argument, 'd', REPLAY | DESIGN | ANALYSE, "F.ini",
      "drive, over the motor's file; the same"},
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
-    {"column", required_argument, 'l', REPLAY, "NAME=COLUMN[:UNIT]",
-     "another column's name, or #3 for the third; repeatable"},
+    {"column", required_argument, 'l', REPLAY, "NAME=COLUMN",
+     "where NAME stands: i_alpha=Ialpha, i_alpha=Ialpha:mA, t=#1; repeatable"},
     {"separator", required_argument, 'b', REPLAY, "NAME",
-     "auto, comma, semicolon, tab or blank; but for comma a decimal comma may be"},
+     "auto, comma, semicolon, tab or blank; a decimal comma with all but the comma"},
     {"header", required_argument, 'H', REPLAY, "LINE", "of the columns' names, or none"},
     {"data", required_argument, 'D', REPLAY, "LINE", "of the first row"},
     {"resample", no_argument, 'q', REPLAY, "",
@@ -98,8 +98,8 @@ static const command_t commands[] = {
      "turn,\n"
      "rad_s rpm Hz, in the name as in i_alpha_mA, or in --column i_alpha=Ialpha:mA; a number there "
      "is\n"
-     "a factor. Row k holds the currents AT t_k and the mean voltage over [t_k, t_k+1). What `run\n"
-     "--csv` and `decode --csv` write goes in as it is, with a row per period."},
+     "a factor. Row k holds the currents AT t_k and the mean voltage over [t_k, t_k+1).\n"
+     "What `run --csv` and `decode --csv` write goes in as it is, with a row per period."},
     {"design", COMMAND_DESIGN, DESIGN, "lodestar design --motor F.ini [OPTION...]",
      "Prints every value that follows from a motor and a drive.\n"
      "Gains, bandwidths and limits, the stability of the PLL, the lag of the observer, and the "
