@@ -75,6 +75,9 @@ typedef struct {
     double sample_offset_s;
     uint64_t seed;   ///< of the noise; equal seeds give equal runs
     double stamp_Hz; ///< rate of the free-running 32-bit stamp
+
+    /// Also integrate energies and mean terminal voltages (plant_truth_t); the motion is the same.
+    bool keeps_accounts;
 } plant_config_t;
 
 /// What the firmware sees at t_k of one set; bus, temperature and stamp are the same for both.
@@ -88,7 +91,7 @@ typedef struct {
 
 /// The motor of Jiang et al., Energies 2022, 15, 1943, Table 3, at 200 V, 5 kHz and 4 us dead time,
 /// switching level, at rest, no load. The paper gives neither on-state drops, harmonics nor
-/// saturation: those are zero here. The ADC (12 bit, +-25 A, 0..409.5 V) and a timer of
+/// saturation: those are zero here. Keeps accounts. The ADC (12 bit, +-25 A, 0..409.5 V) and a timer of
 /// 16800 steps are a plausible board, also not from the paper.
 plant_config_t plant_config_jiang2022(void);
 

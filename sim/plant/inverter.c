@@ -21,6 +21,7 @@ void plant_inverter_init(plant_inverter_t *self, const plant_config_t *config) {
         .Rs_Ohm = config->Rs_Ohm,
         .pwm_ticks = config->pwm_ticks,
         .level = config->level,
+        .has_drops = !real || config->v_transistor_V > 0.0 || config->v_diode_V > 0.0,
         .sets = config->sets == PLANT_SETS ? PLANT_SETS : 1,
         .drive = {.floating = {PLANT_NONE_FLOATS, PLANT_NONE_FLOATS}},
     };
@@ -290,10 +291,29 @@ static double zero_of_parabola(double i_0, double slope_0, double i_1, double h)
     return x > 0.0 && x <= 1.0 ? x * h : h * fabs(i_0) / (fabs(i_0) + fabs(i_1));
 }
 
+/// A current that passes through zero after `after_s` while a gate is on and there are no drops
+/// changes no voltage. True if the leg stays so to the end of the stretch; otherwise the stretch has
+/// to end at the leg's next edge, which acts according to the sign.
+static bool passes_zero(const plant_inverter_t *self, const plant_leg_t *leg, double now_s,
+                        double h_s, plant_event_t *event) {
+    const plant_pwm_t *pwm = &leg->pwm;
+    const int after = plant_pwm_first_after(pwm, now_s + event->after_s);
+    const plant_gate_t gate = after > pwm->next ? pwm->edge[after - 1].gate : pwm->gate;
+    if (self->has_drops || leg->opening || gate == PLANT_GATE_OFF) {
+        return false;
+    }
+    if (after == pwm->edges || pwm->edge[after].at_s >= now_s + h_s) {
+        return true;
+    }
+    event->after_s = pwm->edge[after].at_s - now_s;
+    event->sign = -leg->sign;
+    return false;
+}
+
 /// The conducting leg whose current is first through zero.
 static bool find_zero_crossing(const plant_inverter_t *self, const plant_motor_t *motor,
                                const plant_motor_state_t *before, const plant_stretch_t *stretch,
-                               double h_s, plant_event_t *event) {
+                               double now_s, double h_s, plant_event_t *event) {
     double i_1[PLANT_LEGS];
     bool found = false;
     plant_motor_phase_currents(motor, &motor->x, i_1);
@@ -311,9 +331,10 @@ static bool find_zero_crossing(const plant_inverter_t *self, const plant_motor_t
             return true;
         }
         const double slope = plant_motor_phase_slope(motor, before, stretch, n);
-        const double after = zero_of_parabola(i_0[n], slope, i_1[n], h_s);
-        if (!found || after < event->after_s) {
-            *event = (plant_event_t){.after_s = after, .leg = n, .sign = 0};
+        plant_event_t zero = {zero_of_parabola(i_0[n], slope, i_1[n], h_s), n, 0};
+        if (!passes_zero(self, &self->leg[n], now_s, h_s, &zero) &&
+            (!found || zero.after_s < event->after_s)) {
+            *event = zero;
             found = true;
         }
     }
@@ -375,8 +396,8 @@ static bool find_start(const plant_inverter_t *self, int set, const plant_float_
 
 bool plant_inverter_find_event(const plant_inverter_t *self, const plant_motor_t *motor,
                                const plant_motor_state_t *before, const plant_stretch_t *stretch,
-                               double h_s, plant_event_t *event) {
-    bool found = find_zero_crossing(self, motor, before, stretch, h_s, event);
+                               double now_s, double h_s, plant_event_t *event) {
+    bool found = find_zero_crossing(self, motor, before, stretch, now_s, h_s, event);
     for (int set = 0; set < self->sets; set++) {
         plant_event_t start;
         if (find_start(self, set, &stretch->set[set], h_s, &start) &&
@@ -400,6 +421,22 @@ void plant_inverter_take_event(plant_inverter_t *self, plant_motor_t *motor,
     self->leg[event->leg].sign = event->sign;
     if (event->sign == 0) {
         plant_motor_clear_phase(motor, event->leg);
+    }
+}
+
+void plant_inverter_follow_signs(plant_inverter_t *self, const plant_motor_t *motor, double now_s) {
+    double i_A[PLANT_LEGS];
+    if (self->has_drops) {
+        return; // every passage was an event
+    }
+    plant_motor_phase_currents(motor, &motor->x, i_A);
+    for (int n = 0; n < legs_of(self); n++) {
+        plant_leg_t *leg = &self->leg[n];
+        if (leg->sign * i_A[n] < -noise_A && !self->averaging[n / PLANT_PHASES]) {
+            // Which edges still count depends on the sign.
+            (void)plant_pwm_apply(&leg->pwm, now_s);
+            leg->sign = -leg->sign;
+        }
     }
 }
 

@@ -11,6 +11,9 @@
 /// dead time, floating phases and rectification with all gates off. A leg that has lost its phase
 /// (plant_inverter_open) carries none ever after.
 ///
+/// Without drops low and high are the same while a gate is on: the current then passes through zero
+/// and nothing changes but the sign.
+///
 /// With two sets of windings six legs stand on one bus; the sets' gates go on and off apart.
 #ifndef PLANT_INVERTER_H
 #define PLANT_INVERTER_H
@@ -36,6 +39,7 @@ typedef struct {
     double period_s, dead_time_s, v_transistor_V, v_diode_V, r_on_Ohm, Rs_Ohm;
     uint32_t pwm_ticks;
     plant_level_t level;
+    bool has_drops;
 } plant_inverter_t;
 
 /// A change of conduction inside a stretch.
@@ -64,10 +68,14 @@ void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double 
 /// Removes what integration made of currents that stay zero for long.
 void plant_inverter_clear(const plant_inverter_t *self, plant_motor_t *motor);
 
-/// True if conduction changed in the stretch from `before` to the motor's present state, h_s later.
+/// True if conduction changed in the stretch from `before`, at now_s, to the motor's present state,
+/// h_s later.
 bool plant_inverter_find_event(const plant_inverter_t *self, const plant_motor_t *motor,
                                const plant_motor_state_t *before, const plant_stretch_t *stretch,
-                               double h_s, plant_event_t *event);
+                               double now_s, double h_s, plant_event_t *event);
+
+/// Turns the signs of currents that passed through zero without an event.
+void plant_inverter_follow_signs(plant_inverter_t *self, const plant_motor_t *motor, double now_s);
 
 /// Puts the event into effect; the motor stands at its instant.
 void plant_inverter_take_event(plant_inverter_t *self, plant_motor_t *motor,

@@ -12,7 +12,6 @@
 #endif
 
 #define PI 3.14159265358979323846
-#define SQRT3_2 0.86602540378443864676
 
 /// One evaluation point of the integration. On the q axis the flux is what is integrated: the
 /// voltage acts on it alike whether or not the iron saturates.
@@ -20,6 +19,12 @@ typedef struct {
     double id, iq, psi_q, omega, cos, sin;
     double ix, iy; // two sets only
 } point_t;
+
+/// What the code that every step runs three times need not look at; constants in each copy of it.
+typedef struct {
+    bool dual;  ///< two sets
+    bool plain; ///< plant_motor_t.is_plain, and nothing floats
+} kind_t;
 
 typedef struct {
     double did, dpsi_q, torque;
@@ -60,8 +65,10 @@ void plant_motor_init(plant_motor_t *self, const plant_config_t *config) {
         .J_kgm2 = config->J_kgm2,
         .B_Nms = config->B_Nms,
         .saturates = saturates,
+        .keeps_accounts = config->keeps_accounts,
     };
     plant_flux_init(self, config);
+    self->is_plain = !dual && !saturates && !self->has_dq_harmonics && !config->keeps_accounts;
     plant_motor_refresh_angle(self);
 }
 
@@ -83,8 +90,8 @@ static inline double flux_q(const plant_motor_t *m, double iq) {
 
 /// The inverse of flux_q: the positive root of
 ///     (Lq_sat/i_sat) i^2 + (Lq - psi/i_sat) i - psi = 0
-HOT double current_q(const plant_motor_t *m, double psi_q) {
-    if (!m->saturates) {
+HOT double current_q(const plant_motor_t *m, double psi_q, kind_t kind) {
+    if (kind.plain || !m->saturates) {
         return m->inv_Lq * psi_q;
     }
     const double size = fabs(psi_q);
@@ -173,14 +180,14 @@ static void add_second_set(const plant_motor_t *m, const plant_drive_t *drive, c
     }
 }
 
-/// (M1)..(M3), (M6). `dual` is a constant wherever this is put in line.
+/// (M1)..(M3), (M6).
 HOT slope_t slope_at(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
-                     bool dual) {
+                     kind_t kind) {
     const double ud = drive->u_alpha_V * at->cos + drive->u_beta_V * at->sin;
     const double uq = drive->u_beta_V * at->cos - drive->u_alpha_V * at->sin;
     const double w = m->np * at->omega;
     double flux_1 = m->psi_Wb + m->Ld_H * at->id, flux_2 = at->psi_q;
-    if (m->has_dq_harmonics) {
+    if (!kind.plain && m->has_dq_harmonics) {
         double h_d, h_q;
         plant_flux_ripple(m, at->cos, at->sin, &h_d, &h_q);
         flux_1 += h_q;
@@ -192,9 +199,9 @@ HOT slope_t slope_at(const plant_motor_t *m, const plant_drive_t *drive, const p
         .torque = m->power * m->np * (flux_1 * at->iq - flux_2 * at->id),
         .u_float = 0.0,
     };
-    if (dual) {
+    if (kind.dual) {
         add_second_set(m, drive, at, &slope);
-    } else if (drive->floating[0] >= 0) {
+    } else if (!kind.plain && drive->floating[0] >= 0) {
         hold_floating(m, drive, at, &slope);
     }
     return slope;
@@ -249,9 +256,34 @@ static double terminal_of(const plant_vector_t *push, int leg) {
     return 1.5 * (plant_axis_cos[leg] * push->alpha + plant_axis_sin[leg] * push->beta);
 }
 
+/// What the search for a change of conduction needs.
+HOT void note_ends(const slope_t *k, plant_stretch_t *sum) {
+    sum->set[0].u_start_V = k[0].u_float;
+    sum->set[0].u_end_V = k[2].u_float;
+    sum->did_start_A_s = k[0].did;
+    sum->dpsi_q_start_V = k[0].dpsi_q;
+}
+
+/// What two sets have besides.
+static void note_ends_of_sets(const plant_drive_t *drive, const slope_t *k, plant_stretch_t *sum) {
+    sum->dix_start_A_s = k[0].dix;
+    sum->diy_start_A_s = k[0].diy;
+    for (int set = 0; set < PLANT_SETS; set++) {
+        const plant_vector_t *start = &k[0].push[set], *end = &k[2].push[set];
+        const int leg = drive->floating[set];
+        plant_float_t *at = &sum->set[set];
+        at->all_start_V = *start;
+        at->all_end_V = *end;
+        if (leg != PLANT_NONE_FLOATS && leg != PLANT_ALL_FLOAT) {
+            at->u_start_V = terminal_of(start, leg);
+            at->u_end_V = terminal_of(end, leg);
+        }
+    }
+}
+
 /// The quadratures that belong to the states: the same weights at the same three points.
-HOT void integrate(const plant_motor_t *m, const shaft_t *shaft, const point_t *p, const slope_t *k,
-                   double h, plant_stretch_t *sum) {
+static void integrate(const plant_motor_t *m, const shaft_t *shaft, const point_t *p,
+                      const slope_t *k, double h, plant_stretch_t *sum) {
     const double g = h / 6.0, g1 = 4.0 * g;
     sum->i_alpha_As = g * (p[0].id * p[0].cos - p[0].iq * p[0].sin) +
                       g1 * (p[1].id * p[1].cos - p[1].iq * p[1].sin) +
@@ -270,10 +302,6 @@ HOT void integrate(const plant_motor_t *m, const shaft_t *shaft, const point_t *
                       ? sum->shaft_work_J - sum->friction_J
                       : shaft->load_Nm * (g * p[0].omega + g1 * p[1].omega + g * p[2].omega);
     sum->set[0].u_Vs = g * k[0].u_float + g1 * k[1].u_float + g * k[2].u_float;
-    sum->set[0].u_start_V = k[0].u_float;
-    sum->set[0].u_end_V = k[2].u_float;
-    sum->did_start_A_s = k[0].did;
-    sum->dpsi_q_start_V = k[0].dpsi_q;
 }
 
 /// What two sets have besides.
@@ -285,19 +313,13 @@ static void integrate_second_set(const plant_drive_t *drive, const point_t *p, c
     sum->i_squared_A2s += g * (p[0].ix * p[0].ix + p[0].iy * p[0].iy) +
                           g1 * (p[1].ix * p[1].ix + p[1].iy * p[1].iy) +
                           g * (p[2].ix * p[2].ix + p[2].iy * p[2].iy);
-    sum->dix_start_A_s = k[0].dix;
-    sum->diy_start_A_s = k[0].diy;
     for (int set = 0; set < PLANT_SETS; set++) {
         const plant_vector_t *a = &k[0].push[set], *b = &k[1].push[set], *c = &k[2].push[set];
         plant_float_t *at = &sum->set[set];
-        at->all_start_V = *a;
-        at->all_end_V = *c;
         at->all_Vs = (plant_vector_t){g * a->alpha + g1 * b->alpha + g * c->alpha,
                                       g * a->beta + g1 * b->beta + g * c->beta};
         if (drive->floating[set] != PLANT_NONE_FLOATS && drive->floating[set] != PLANT_ALL_FLOAT) {
             at->u_Vs = terminal_of(&at->all_Vs, drive->floating[set]);
-            at->u_start_V = terminal_of(a, drive->floating[set]);
-            at->u_end_V = terminal_of(c, drive->floating[set]);
         }
     }
 }
@@ -341,25 +363,25 @@ static void coast(plant_motor_t *m, double h, plant_stretch_t *sum) {
 
 /// Where the trial slopes lead from p[0].
 HOT void move(const plant_motor_t *m, const point_t *from, double h, const slope_t *k, point_t *to,
-              bool dual) {
+              kind_t kind) {
     to->id = from->id + h * k->did;
     to->psi_q = from->psi_q + h * k->dpsi_q;
-    to->iq = current_q(m, to->psi_q);
-    if (dual) {
+    to->iq = current_q(m, to->psi_q, kind);
+    if (kind.dual) {
         to->ix = from->ix + h * k->dix;
         to->iy = from->iy + h * k->diy;
     }
 }
 
 HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant_stretch_t *sum,
-              bool dual) {
+              kind_t kind) {
     // Kutta's third-order rule: slopes at the start, the middle and the end, weights 1, 4, 1.
     plant_motor_state_t *x = &self->x;
     const double h = h_s, half = 0.5 * h_s;
     point_t p[3];
     slope_t k[3];
     p[0] = point_of(self, x);
-    k[0] = slope_at(self, drive, &p[0], dual);
+    k[0] = slope_at(self, drive, &p[0], kind);
     const shaft_t shaft = shaft_at(self, k[0].torque);
     const double a_0 = acceleration(self, &shaft, k[0].torque, p[0].omega);
 
@@ -373,47 +395,55 @@ HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant
     p[2].cos = p[1].cos * c - p[1].sin * s;
     p[2].sin = p[1].sin * c + p[1].cos * s;
 
-    move(self, &p[0], half, &k[0], &p[1], dual);
+    move(self, &p[0], half, &k[0], &p[1], kind);
     p[1].omega = p[0].omega + half * a_0;
-    k[1] = slope_at(self, drive, &p[1], dual);
+    k[1] = slope_at(self, drive, &p[1], kind);
     const double a_1 = acceleration(self, &shaft, k[1].torque, p[1].omega);
 
     const slope_t onward = {.did = 2.0 * k[1].did - k[0].did,
                             .dpsi_q = 2.0 * k[1].dpsi_q - k[0].dpsi_q,
-                            .dix = dual ? 2.0 * k[1].dix - k[0].dix : 0.0,
-                            .diy = dual ? 2.0 * k[1].diy - k[0].diy : 0.0};
-    move(self, &p[0], h, &onward, &p[2], dual);
+                            .dix = kind.dual ? 2.0 * k[1].dix - k[0].dix : 0.0,
+                            .diy = kind.dual ? 2.0 * k[1].diy - k[0].diy : 0.0};
+    move(self, &p[0], h, &onward, &p[2], kind);
     p[2].omega = p[0].omega + h * (2.0 * a_1 - a_0);
-    k[2] = slope_at(self, drive, &p[2], dual);
+    k[2] = slope_at(self, drive, &p[2], kind);
     const double a_2 = acceleration(self, &shaft, k[2].torque, p[2].omega);
 
-    integrate(self, &shaft, p, k, h, sum);
+    note_ends(k, sum);
+    if (!kind.plain && self->keeps_accounts) {
+        integrate(self, &shaft, p, k, h, sum);
+    }
     const double jerk_turn = self->np * h * h / 3.0 * (a_1 - a_0);
     x->theta_e_rad += self->np * h * (p[0].omega + half * a_0) + jerk_turn;
     x->cos_theta = p[2].cos - p[2].sin * jerk_turn;
     x->sin_theta = p[2].sin + p[2].cos * jerk_turn;
     x->id_A += h / 6.0 * (k[0].did + 4.0 * k[1].did + k[2].did);
-    x->iq_A =
-        current_q(self, p[0].psi_q + h / 6.0 * (k[0].dpsi_q + 4.0 * k[1].dpsi_q + k[2].dpsi_q));
+    x->iq_A = current_q(
+        self, p[0].psi_q + h / 6.0 * (k[0].dpsi_q + 4.0 * k[1].dpsi_q + k[2].dpsi_q), kind);
     x->omega_m_rad_s += h / 6.0 * (a_0 + 4.0 * a_1 + a_2);
-    if (dual) {
+    if (kind.dual) {
         x->ix_A += h / 6.0 * (k[0].dix + 4.0 * k[1].dix + k[2].dix);
         x->iy_A += h / 6.0 * (k[0].diy + 4.0 * k[1].diy + k[2].diy);
-        integrate_second_set(drive, p, k, h, sum);
+        note_ends_of_sets(drive, k, sum);
+        if (self->keeps_accounts) {
+            integrate_second_set(drive, p, k, h, sum);
+        }
     }
     stop_at_reversal(self, p[0].omega, sum);
 }
 
-/// One set's motor is worth a copy of the code that knows of no second.
+/// A copy of the code for each kind: most runs need the shortest.
 void plant_motor_step(plant_motor_t *self, const plant_drive_t *drive, double h_s,
                       plant_stretch_t *sum) {
     const bool dual = self->sets == PLANT_SETS;
     if (drive->floating[0] == PLANT_ALL_FLOAT && (!dual || drive->floating[1] == PLANT_ALL_FLOAT)) {
         coast(self, h_s, sum);
     } else if (dual) {
-        step(self, drive, h_s, sum, true);
+        step(self, drive, h_s, sum, (kind_t){.dual = true});
+    } else if (self->is_plain && drive->floating[0] == PLANT_NONE_FLOATS) {
+        step(self, drive, h_s, sum, (kind_t){.plain = true});
     } else {
-        step(self, drive, h_s, sum, false);
+        step(self, drive, h_s, sum, (kind_t){.dual = false});
     }
 }
 
@@ -441,7 +471,7 @@ double plant_motor_longest_step(const plant_motor_t *self, double R_Ohm) {
 double plant_motor_torque(const plant_motor_t *self) {
     const plant_drive_t none = {.floating = {PLANT_NONE_FLOATS, PLANT_NONE_FLOATS}};
     const point_t at = point_of(self, &self->x);
-    return slope_at(self, &none, &at, self->sets == PLANT_SETS).torque;
+    return slope_at(self, &none, &at, (kind_t){.dual = self->sets == PLANT_SETS}).torque;
 }
 
 void plant_motor_slopes(const plant_motor_t *self, const plant_drive_t *drive,
@@ -453,7 +483,7 @@ void plant_motor_slopes(const plant_motor_t *self, const plant_drive_t *drive,
         return;
     }
     const point_t at = point_of(self, &self->x);
-    const slope_t slope = slope_at(self, drive, &at, dual);
+    const slope_t slope = slope_at(self, drive, &at, (kind_t){.dual = dual});
     now->did_start_A_s = slope.did;
     now->dpsi_q_start_V = slope.dpsi_q;
     now->dix_start_A_s = slope.dix;
@@ -504,15 +534,8 @@ static plant_planes_t planes_of(const plant_motor_state_t *x) {
     };
 }
 
-void plant_motor_phase_currents(const plant_motor_t *self, const plant_motor_state_t *state,
-                                double i_A[PLANT_LEGS]) {
+void plant_motor_leg_currents(const plant_motor_state_t *state, double i_A[PLANT_LEGS]) {
     const plant_planes_t i = planes_of(state);
-    if (self->sets == 1) {
-        i_A[0] = i.ab.alpha;
-        i_A[1] = SQRT3_2 * i.ab.beta - 0.5 * i.ab.alpha;
-        i_A[2] = -SQRT3_2 * i.ab.beta - 0.5 * i.ab.alpha;
-        return;
-    }
     for (int leg = 0; leg < PLANT_LEGS; leg++) {
         const plant_vector_t set = plant_sets_vector(&i, leg / PLANT_PHASES);
         i_A[leg] = plant_axis_cos[leg] * set.alpha + plant_axis_sin[leg] * set.beta;

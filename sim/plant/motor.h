@@ -47,6 +47,8 @@ typedef struct {
     double np, Rs_Ohm, Ld_H, Lq_H, Lq_sat_H, Lxy_H, psi_Wb, i_sat_A;
     double inv_Ld, inv_Lq, inv_Lxy, inv_i_sat, inv_J, J_kgm2, B_Nms;
     bool saturates, has_dq_harmonics, has_xy_harmonics;
+    bool keeps_accounts;
+    bool is_plain;                    ///< one set, linear iron, sinusoidal EMF, no accounts
     plant_ripple_t ripple6, ripple12; ///< h in terms of 6 and 12 theta
     plant_harmonic_t harmonic5, harmonic7, harmonic11, harmonic13;
 } plant_motor_t;
@@ -106,9 +108,23 @@ double plant_motor_phase_slope(const plant_motor_t *self, const plant_motor_stat
 /// harmonics. V.
 plant_planes_t plant_motor_active_emf(const plant_motor_t *self);
 
+/// The six of two sets.
+void plant_motor_leg_currents(const plant_motor_state_t *state, double i_A[PLANT_LEGS]);
+
 /// Fills as many as there are legs.
-void plant_motor_phase_currents(const plant_motor_t *self, const plant_motor_state_t *state,
-                                double i_A[PLANT_LEGS]);
+static inline void plant_motor_phase_currents(const plant_motor_t *self,
+                                              const plant_motor_state_t *state,
+                                              double i_A[PLANT_LEGS]) {
+    if (self->sets == PLANT_SETS) {
+        plant_motor_leg_currents(state, i_A);
+        return;
+    }
+    const double alpha = state->id_A * state->cos_theta - state->iq_A * state->sin_theta;
+    const double beta = state->id_A * state->sin_theta + state->iq_A * state->cos_theta;
+    i_A[0] = alpha;
+    i_A[1] = PLANT_SQRT3_2 * beta - 0.5 * alpha;
+    i_A[2] = -PLANT_SQRT3_2 * beta - 0.5 * alpha;
+}
 
 /// Removes what rounding left of the current of a phase that stopped conducting, or of a set.
 void plant_motor_clear_phase(plant_motor_t *self, int leg);

@@ -29,6 +29,7 @@ plant_config_t plant_config_jiang2022(void) {
         .temperature_degC = 25.0,
         .seed = 1,
         .stamp_Hz = 168e6,
+        .keeps_accounts = true,
     };
 }
 
@@ -276,8 +277,8 @@ static double step_to_event(plant_t *self, double h_s, plant_stretch_t *sum, boo
     // Where two events share a stretch the guess may take the later one first; then look again.
     for (int look = 0; look < PLANT_LEGS && self->events_left > 0; look++) {
         plant_event_t found;
-        if (!plant_inverter_find_event(&self->inverter, &self->motor, &before, sum, done_s,
-                                       &found) ||
+        if (!plant_inverter_find_event(&self->inverter, &self->motor, &before, sum, self->now_s,
+                                       done_s, &found) ||
             (*has_event && found.leg == event->leg)) {
             break;
         }
@@ -303,14 +304,18 @@ static void run(plant_t *self, double until_s) {
     while (self->now_s < until_s) {
         const double edge_s = plant_inverter_next_edge(inverter, until_s);
         // Equal parts: no sliver of a step at the end.
-        const double parts = ceil((edge_s - self->now_s) / longest_s);
-        const double h_s = parts > 1.0 ? (edge_s - self->now_s) / parts : edge_s - self->now_s;
+        const double gap_s = edge_s - self->now_s;
+        const double parts = gap_s > longest_s ? ceil(gap_s / longest_s) : 1.0;
+        const double h_s = parts > 1.0 ? gap_s / parts : gap_s;
         plant_stretch_t sum;
         plant_event_t event;
         bool has_event;
         const double done_s = step_to_event(self, h_s, &sum, &has_event, &event);
-        book(self, &sum, done_s);
+        if (self->motor.keeps_accounts) {
+            book(self, &sum, done_s);
+        }
         self->now_s = parts > 1.0 || has_event ? self->now_s + done_s : edge_s;
+        plant_inverter_follow_signs(inverter, &self->motor, self->now_s);
         if (has_event) {
             plant_inverter_take_event(inverter, &self->motor, &event);
         } else if (self->events_left <= 0) {
@@ -405,12 +410,17 @@ static void tell_truth(const plant_t *self, plant_truth_t *truth) {
         .u_y_V = self->u_Vs.xy.beta / self->period_s,
         .energy = self->energy,
     };
+    if (motor->keeps_accounts) {
+        truth->energy.field_J = plant_motor_field_energy(motor);
+        truth->energy.kinetic_J = plant_motor_kinetic_energy(motor);
+    } else {
+        truth->u_alpha_V = truth->u_beta_V = truth->u_x_V = truth->u_y_V = NAN;
+        truth->energy = (plant_energy_t){NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    }
     plant_motor_phase_currents(motor, x, truth->i_abc_A);
     for (int n = 0; n < PLANT_LEGS; n++) {
         truth->open[n] = self->inverter.leg[n].open;
     }
-    truth->energy.field_J = plant_motor_field_energy(motor);
-    truth->energy.kinetic_J = plant_motor_kinetic_energy(motor);
 }
 
 void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth) {

@@ -30,7 +30,8 @@
 #include "plant/inverter.h"
 #include "plant/motor.h"
 
-/// Where the energy went since plant_init, integrated along with the states. All of it:
+/// Where the energy went since plant_init, integrated along with the states if the configuration
+/// asks for accounts, otherwise NaN. All of it:
 ///     bus = copper + inverter + friction + load + (field + kinetic) - (the same at the start)
 typedef struct {
     double bus_J;      ///< out of the DC source; negative when it is charged
@@ -55,7 +56,8 @@ typedef struct {
     double e_alpha_V, e_beta_V; ///< j w psi_a exp(j theta), psi_a = psi + (Ld - Lq) id, + harmonics
     double e_x_V, e_y_V;        ///< two sets: 5th and 7th harmonic
     double torque_Nm;           ///< of the motor
-    double u_alpha_V, u_beta_V; ///< mean terminal voltage over [t_k-1, t_k)
+    /// Mean terminal voltage over [t_k-1, t_k); NaN if the plant keeps no accounts.
+    double u_alpha_V, u_beta_V;
     double u_x_V, u_y_V;
     bool open[PLANT_LEGS]; ///< the phase is broken
     plant_energy_t energy;

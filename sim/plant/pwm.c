@@ -44,6 +44,14 @@ void plant_pwm_schedule(plant_pwm_t *self, double duty, bool gates_on, double pe
     self->ready_s -= period_s;
 }
 
+int plant_pwm_first_after(const plant_pwm_t *self, double at_s) {
+    int k = self->next;
+    while (k < self->edges && self->edge[k].at_s <= at_s) {
+        k++;
+    }
+    return k;
+}
+
 bool plant_pwm_apply(plant_pwm_t *self, double now_s) {
     const int before = self->next;
     while (self->next < self->edges && self->edge[self->next].at_s <= now_s) {

@@ -33,6 +33,9 @@ void plant_pwm_init(plant_pwm_t *self);
 void plant_pwm_schedule(plant_pwm_t *self, double duty, bool gates_on, double period_s,
                         double dead_time_s);
 
+/// First edge after this time; the number of edges if there is none.
+int plant_pwm_first_after(const plant_pwm_t *self, double at_s);
+
 /// Makes all edges up to this time; true if there was any.
 bool plant_pwm_apply(plant_pwm_t *self, double now_s);
 

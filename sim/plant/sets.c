@@ -1,9 +1,7 @@
 #include "plant/sets.h"
 
-#define SQRT3_2 0.86602540378443864676
-
-const double plant_axis_cos[PLANT_LEGS] = {1.0, -0.5, -0.5, SQRT3_2, -SQRT3_2, 0.0};
-const double plant_axis_sin[PLANT_LEGS] = {0.0, SQRT3_2, -SQRT3_2, 0.5, 0.5, -1.0};
+const double plant_axis_cos[PLANT_LEGS] = {1.0, -0.5, -0.5, PLANT_SQRT3_2, -PLANT_SQRT3_2, 0.0};
+const double plant_axis_sin[PLANT_LEGS] = {0.0, PLANT_SQRT3_2, -PLANT_SQRT3_2, 0.5, 0.5, -1.0};
 
 enum { ROWS = 2 * PLANT_SETS };
 

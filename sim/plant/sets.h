@@ -9,6 +9,8 @@
 
 #include "plant/config.h"
 
+#define PLANT_SQRT3_2 0.86602540378443864676
+
 typedef struct {
     double alpha, beta;
 } plant_vector_t;
