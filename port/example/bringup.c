@@ -237,21 +237,28 @@ static bool calibrated(bringup_t *self, const bringup_view_t *view) {
 
 // --- 3 and 4: voltage ---
 
-static lode_command_t voltage_at(const bringup_t *self, float angle_rad, float turn_rad_s) {
-    return (lode_command_t){.mode = LODE_MODE_VOLTAGE,
-                            .vector = {self->u_V, 0.0f},
-                            .theta_rad = angle_rad,
-                            .omega_rad_s = turn_rad_s};
+static lode_command_t voltage_at(float angle_rad, float turn_rad_s) {
+    return (lode_command_t){
+        .mode = LODE_MODE_VOLTAGE, .theta_rad = angle_rad, .omega_rad_s = turn_rad_s};
 }
 
 static float length_of(lode_dq_t x) {
     return lode_ab_length((lode_ab_t){x.d, x.q});
 }
 
+static float test_current_A(const bringup_t *self) {
+    return TEST_CURRENT_SHARE * self->config->inverter.i_max_A;
+}
+
+// Of winding and switches together: no current flows through one without the other.
+static float resistance_of(const lode_drive_config_t *config) {
+    return config->motor.Rs_Ohm + config->inverter.r_on_Ohm;
+}
+
 // The most that `i_A` can need. With currents that are not seen it is the only bound there is.
 static float voltage_for(const lode_drive_config_t *config, float i_A) {
     const lode_inverter_config_t *inverter = &config->inverter;
-    return VOLTAGE_MARGIN * config->motor.Rs_Ohm * i_A +
+    return VOLTAGE_MARGIN * resistance_of(config) * i_A +
            LOSS_MARGIN *
                (inverter->v_drop_V + inverter->v_bus_V * inverter->dead_time_s * config->f_pwm_Hz);
 }
@@ -274,29 +281,27 @@ static bool balanced(bringup_t *self) {
         self->sum_A = lode_abs(sense->i_gain_A_count * sum_count);
         bringup_window_ask(self->window, BALANCE_PERIODS);
     }
-    return self->sum_A < BALANCE_SHARE * TEST_CURRENT_SHARE * self->config->inverter.i_max_A;
+    return self->sum_A < BALANCE_SHARE * test_current_A(self);
 }
 
 // Raises the voltage until the current shows. The current answers within L/R, well inside a look.
-static bool raise_voltage(bringup_t *self, const bringup_view_t *view, float angle_rad,
-                          float turn_rad_s) {
-    const lode_drive_config_t *config = self->config;
-    const float test_A = TEST_CURRENT_SHARE * config->inverter.i_max_A;
+static bool raise_voltage(bringup_t *self, const bringup_view_t *view, lode_command_t at,
+                          float wanted_A) {
     const float seen_A = length_of(view->now.i_A);
-    const float end_V = voltage_for(config, test_A);
-    if (seen_A >= test_A || !balanced(self)) { // who judges says what is wrong
+    if (seen_A >= wanted_A || !balanced(self)) { // who judges says what is wrong
         return true;
     }
     const float share = elapsed_s(self, view) / RISE_TIME;
     if (share > 1.0f) {
-        if (seen_A >= SEEN_SHARE * test_A) {
+        if (seen_A >= SEEN_SHARE * wanted_A) {
             return true;
         }
-        finish(self, BRINGUP_NO_CURRENT, 0u, seen_A, SEEN_SHARE * test_A);
+        finish(self, BRINGUP_NO_CURRENT, 0u, seen_A, SEEN_SHARE * wanted_A);
         return false;
     }
-    self->u_V = share * end_V;
-    post(self, voltage_at(self, angle_rad, turn_rad_s));
+    self->u_V = share * voltage_for(self->config, wanted_A);
+    at.vector.d = self->u_V;
+    post(self, at);
     return false;
 }
 
@@ -344,7 +349,7 @@ static void step_signs(bringup_t *self, const bringup_view_t *view) {
     const float angle = (float)phase * PHASE_ANGLE_rad;
     switch ((self->stage - 3u) % 4u) {
     case 0u:
-        if (raise_voltage(self, view, angle, 0.0f)) {
+        if (raise_voltage(self, view, voltage_at(angle, 0.0f), test_current_A(self))) {
             next_stage(self, view);
         }
         break;
@@ -396,7 +401,7 @@ static bool averaged(bringup_t *self, const bringup_view_t *view, float referenc
 }
 
 static bool resistance_plausible(bringup_t *self, float R_Ohm) {
-    const float configured = self->config->motor.Rs_Ohm;
+    const float configured = resistance_of(self->config);
     if (!(R_Ohm <= RESISTANCE_FACTOR * configured && R_Ohm * RESISTANCE_FACTOR >= configured)) {
         finish(self, BRINGUP_RESISTANCE, 0u, R_Ohm, configured);
         return false;
@@ -404,30 +409,47 @@ static bool resistance_plausible(bringup_t *self, float R_Ohm) {
     return true;
 }
 
+static bool still_balanced(bringup_t *self) {
+    if (!balanced(self)) {
+        finish(self, BRINGUP_BALANCE, 0u, self->sum_A, BALANCE_SHARE * test_current_A(self));
+        return false;
+    }
+    return true;
+}
+
+// The second of two points: what dead time and drops take is the same at both, and cancels.
+static void judge_voltage(bringup_t *self) {
+    const float d = self->sum_d / self->count;
+    const float across = self->sum_q / self->count / lode_max(lode_abs(d), 1.0e-6f);
+    const float R_Ohm = (self->u_V - self->first_u_V) / lode_max(d - self->first_i_A, 1.0e-6f);
+    if (!(lode_abs(across) <= ACROSS_SHARE)) {
+        finish(self, BRINGUP_ANGLE, 0u, across, ACROSS_SHARE);
+    } else if (resistance_plausible(self, R_Ohm)) {
+        finish(self, BRINGUP_OK, 0u, R_Ohm, resistance_of(self->config));
+    }
+}
+
+// Two stages for each of two currents, the second twice the first, after the three of the calibration.
 static void step_voltage(bringup_t *self, const bringup_view_t *view) {
     if (!calibrated(self, view)) {
         return;
     }
-    if (self->stage == 3u) {
-        if (raise_voltage(self, view, self->angle_rad, self->turn_rad_s)) {
+    const bool second = self->stage >= 5u;
+    if (self->stage == 3u || self->stage == 5u) {
+        const lode_command_t at = voltage_at(self->angle_rad, self->turn_rad_s);
+        if (raise_voltage(self, view, at, (second ? 2.0f : 1.0f) * test_current_A(self))) {
+            self->count = 0.0f;
             next_stage(self, view);
         }
-        return;
-    }
-    if (!balanced(self)) {
-        finish(self, BRINGUP_BALANCE, 0u, self->sum_A,
-               BALANCE_SHARE * TEST_CURRENT_SHARE * self->config->inverter.i_max_A);
-        return;
-    }
-    if (elapsed_s(self, view) < SETTLE_TIME || !averaged(self, view, 0.0f)) {
-        return;
-    }
-    const float d = self->sum_d / self->count;
-    const float across = self->sum_q / self->count / lode_max(lode_abs(d), 1.0e-6f);
-    if (!(lode_abs(across) <= ACROSS_SHARE)) {
-        finish(self, BRINGUP_ANGLE, 0u, across, ACROSS_SHARE);
-    } else if (resistance_plausible(self, self->u_V / d)) {
-        finish(self, BRINGUP_OK, 0u, self->u_V / d, self->config->motor.Rs_Ohm);
+    } else if (still_balanced(self) && elapsed_s(self, view) >= SETTLE_TIME &&
+               averaged(self, view, 0.0f)) {
+        if (second) {
+            judge_voltage(self);
+        } else {
+            self->first_u_V = self->u_V;
+            self->first_i_A = self->sum_d / self->count;
+            next_stage(self, view);
+        }
     }
 }
 
@@ -448,9 +470,7 @@ static void step_current(bringup_t *self, const bringup_view_t *view) {
     }
     // A controller that does not see its current raises the voltage until something trips.
     const float seen_A = length_of(view->now.i_A);
-    if (!balanced(self)) {
-        finish(self, BRINGUP_BALANCE, 0u, self->sum_A,
-               BALANCE_SHARE * TEST_CURRENT_SHARE * self->config->inverter.i_max_A);
+    if (!still_balanced(self)) {
         return;
     }
     if (length_of(view->now.u_V) > voltage_for(self->config, wanted) &&

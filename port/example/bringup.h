@@ -38,8 +38,8 @@ typedef enum {
     BRINGUP_ORDER, ///< the current of the driven phase shows up in another: share of the largest
     BRINGUP_RATIO, ///< phases of unequal gain: share of the return current
     BRINGUP_BALANCE, ///< the three currents do not sum up to nothing, A: an amplifier shows too little
-    BRINGUP_ANGLE,       ///< current across the voltage, as a share of its length
-    BRINGUP_RESISTANCE,  ///< voltage over current, Ohm; limit: motor.Rs_Ohm
+    BRINGUP_ANGLE,      ///< current across the voltage, as a share of its length
+    BRINGUP_RESISTANCE, ///< more voltage over more current, Ohm; limit: motor.Rs_Ohm + inverter.r_on_Ohm
     BRINGUP_CURRENT_OFF, ///< mean deviation from the commanded current, A
     BRINGUP_RIPPLE,      ///< peak to peak of the controlled current, A
     BRINGUP_LOCK,        ///< least lock quality
@@ -102,8 +102,10 @@ typedef struct {
     uint32_t settled; ///< steps at the begin of the averaging
     uint32_t seen;    ///< steps of the last picture taken in
     float offset_count[3];
-    float u_V;   ///< voltage being raised
-    float sum_A; ///< of the three phases, over the last window
+    float u_V;       ///< voltage being raised
+    float sum_A;     ///< of the three phases, over the last window
+    float first_u_V; ///< first point of the resistance
+    float first_i_A;
     float sum_d, sum_q, sum_error;
     float least, greatest;
     float count;

@@ -33,6 +33,8 @@ typedef struct {
     double v_bus;
     bool trip; ///< the trip input is active
     bool dead_comparator;
+    double dead_time_s; ///< of the inverter, and configured
+    double r_on_Ohm;
 } mistakes_t;
 
 static const mistakes_t sound = {.channel = {0, 1, 2},
@@ -58,8 +60,11 @@ static size_t sent_length;
 
 void board_describe(lode_drive_config_t *config) {
     config->f_pwm_Hz = refused ? -1.0f : (float)F_PWM;
-    config->inverter =
-        (lode_inverter_config_t){.v_bus_V = (float)V_BUS, .i_max_A = 10.0f, .pwm_ticks = 4250.0f};
+    config->inverter = (lode_inverter_config_t){.v_bus_V = (float)V_BUS,
+                                                .i_max_A = 10.0f,
+                                                .dead_time_s = (float)with.dead_time_s,
+                                                .r_on_Ohm = (float)with.r_on_Ohm,
+                                                .pwm_ticks = 4250.0f};
     config->sense = (lode_sense_config_t){.i_gain_A_count = (float)GAIN_A,
                                           .i_offset_count = 2048.0f,
                                           .v_bus_gain_V_count = (float)GAIN_V};
@@ -157,6 +162,11 @@ static plant_config_t plant_of_motor(void) {
 static void power_up(const mistakes_t *mistakes, plant_config_t config) {
     with = *mistakes;
     config.v_bus_V = with.v_bus;
+    if (with.dead_time_s > 0.0) {
+        config.level = PLANT_SWITCHING;
+        config.dead_time_s = with.dead_time_s;
+        config.r_on_Ohm = with.r_on_Ohm;
+    }
     TEST_ASSERT_NULL(plant_init(&plant, &config));
     app_mode = APP_MODE_OFF;
     app_speed_rad_s = MOTOR_SPEED_rad_s;
@@ -377,6 +387,18 @@ static void test_currents_that_are_not_seen_stay_bounded(void) {
                   largest_current(&m, BRINGUP_VOLTAGE, BRINGUP_NO_CURRENT, BRINGUP_NO_CURRENT));
     CHECK_AT_MOST((double)MOTOR_I_MAX_A,
                   largest_current(&m, BRINGUP_CURRENT, BRINGUP_CURRENT_OFF, BRINGUP_CURRENT_OFF));
+}
+
+// Switches of more resistance than the winding, and a dead time that takes more voltage than either.
+static void test_resistance_behind_switches_and_dead_time(void) {
+    mistakes_t m = sound;
+    m.dead_time_s = 550.0e-9;
+    m.r_on_Ohm = 0.7;
+    power_up(&m, plant_of_motor());
+    const bringup_result_t result = bring_up(BRINGUP_VOLTAGE, 5.0);
+    expect(result, BRINGUP_OK, -1);
+    CHECK_CLOSE(0.1, (double)motor_data().Rs_Ohm + m.r_on_Ohm, result.measured);
+    expect(bring_up(BRINGUP_CURRENT, 5.0), BRINGUP_OK, -1);
 }
 
 static void test_current_that_never_comes(void) {
@@ -650,6 +672,7 @@ int main(void) {
     RUN_TEST(test_motor_wires_in_any_order_pass);
     RUN_TEST(test_resistance_is_named);
     RUN_TEST(test_currents_that_are_not_seen_stay_bounded);
+    RUN_TEST(test_resistance_behind_switches_and_dead_time);
     RUN_TEST(test_current_that_never_comes);
     RUN_TEST(test_start_that_cannot_succeed_is_a_fault_with_its_check);
     RUN_TEST(test_report_is_one_line);

@@ -9,14 +9,16 @@
 // Clock and PWM.
 #define VARIANT_HSE_Hz 24000000u
 #define VARIANT_F_PWM_Hz 20000u
-#define VARIANT_DEAD_TIME_ns 0u // the driver's own: take it from its data sheet, or measure it
+#define VARIANT_DEAD_TIME_ns 550u // the driver's own: changes no output, only the correction
 #define VARIANT_LOW_SIDES false
 
 // Power stage: 7 .. 45 V, 1.5 A effective.
 #define VARIANT_V_BUS_V 12.0f
 #define VARIANT_I_MAX_A 1.5f
 #define VARIANT_V_DROP_V 0.0f
-#define VARIANT_R_ON_Ohm 0.0f
+// High and low side of the STSPIN830 together some 1 Ohm, and the shunt behind the low side for half of
+// the time.
+#define VARIANT_R_ON_Ohm (0.5f * (1.0f + VARIANT_SHUNT_Ohm))
 
 #define VARIANT_V_REF_V 3.3f
 #define VARIANT_COUNTS 4096.0f
@@ -24,9 +26,9 @@
 #define VARIANT_AMPLIFIER 1.53f
 #define VARIANT_I_GAIN_A_count                                                                     \
     (-VARIANT_V_REF_V / VARIANT_COUNTS / (VARIANT_SHUNT_Ohm * VARIANT_AMPLIFIER))
-// Half the range is assumed, with a wide tolerance: bring-up step 2 shows the board's own.
-#define VARIANT_I_OFFSET_count 2048.0f
-#define VARIANT_I_OFFSET_TOL_count 600.0f
+// The amplifiers' bias in ST's project; bring-up step 2 shows the board's own.
+#define VARIANT_I_OFFSET_count 1934.0f
+#define VARIANT_I_OFFSET_TOL_count 300.0f
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (169.0f + 9.31f) / 9.31f) // 169 kOhm over 9.31 kOhm
 // NTC on PC4, the straight line of ST's project: 579 mV at 25 degC, 27.4 mV/degC. The limit is a cautious
