@@ -17,6 +17,7 @@ function(lode_add_gates)
   lode_gate(sim_layers ${python} ${tools}/check_sim_layers.py .)
   lode_gate(tree ${python} ${tools}/check_tree.py .)
   lode_gate(equations ${python} ${tools}/check_equations.py .)
+  lode_gate(equations_planted ${python} ${tools}/check_equations.py . --planted)
 
   lode_gate(tuning_fields ${python} ${tools}/check_golden.py ${tools}/tuning_fields.py
             sim/design/tuning_fields.h)
