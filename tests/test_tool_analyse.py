@@ -15,7 +15,8 @@ TS = 2e-4
 R, LQ = 0.75, 9.8e-3
 TABLE_2 = {80: (244, 68, -26.8, 587.7), 120: (365, 66, -22.9, 583.2), 160: (478, 58, -18.3, 580.1)}
 PICTURES = ["jiang2022-fig4.svg", "jiang2022-fig5.svg", "jiang2022-fig8.svg", "jiang2022-fig9.svg",
-            "li-fig1.svg", "li-fig2.svg", "li-fig4.svg"]
+            "li-fig1.svg", "li-fig2.svg", "li-fig4.svg", "own-current.svg", "own-observer.svg",
+            "own-pll.svg", "own-speed.svg"]
 
 
 def roots(coefficients):
@@ -242,8 +243,104 @@ def files(checks, folder):
     checks.true(all(math.isfinite(float(r[key])) for r in rows
                     for key in ["omega_rad_s", "gain_dB", "phase_deg"]), "finite curves")
     checks.equal(sorted({r["figure"] for r in rows}),
-                 ["fig4", "fig5", "fig8a", "fig8b", "fig9a", "li-fig1", "li-fig2", "li-fig4"], "curves of")
+                 ["fig4", "fig5", "fig8a", "fig8b", "fig9a", "li-fig1", "li-fig2", "li-fig4", "own-current",
+                  "own-observer", "own-pll", "own-pll-emf", "own-speed"], "curves of")
     return folder.json("a.json")
+
+
+def closed(loop):
+    return lambda w: loop(w) / (1 + loop(w))
+
+
+def own_loops(checks, folder):
+    """The drive's own loops, worked out here from its gains: C-LESO with LESO-QPLL, no notch."""
+    done = folder.run("analyse", "--json", "o.json", "--csv", "o.csv")
+    checks.equal(done.returncode, 0, f"exit code: {done.stderr}")
+    document = folder.json("o.json")
+    c = document["config"]
+    r_sum = c["motor"]["Rs_Ohm"] + c["drive"]["r_on_Ohm"]
+
+    def current(axis):
+        a = math.exp(-r_sum / c["motor"][f"L{axis}_H"] * TS)
+        b = (1 - a) / r_sum
+        kp, ki = c["current"][f"kp_{axis}_V_A"], c["current"][f"ki_{axis}_V_As"]
+
+        def loop(w):
+            z = cmath.exp(1j * w * TS)
+            return b * (kp + ki * TS / (z - 1)) / (z * (z - a))
+        return loop
+
+    def pll(w):
+        s, z = math.exp(-c["estimator"]["sigma_rad_s"] * TS), cmath.exp(1j * w * TS)
+        x = 1 - s
+        f = x ** 3 / TS ** 2 / (z - 1)
+        speed = (1.5 * x * x * (1 + s) / TS + TS * f) / (z - 1)
+        angle = (1 - s ** 3 + TS * speed + 0.5 * TS ** 2 * f) / (z - 1)
+        return angle + TS * speed + 0.5 * TS ** 2 * f, speed + TS * f
+
+    def side_bands(w, carrier):
+        p = math.exp(-c["estimator"]["w0_rad_s"] * TS)
+
+        def h(at):
+            return ((1 - p) / (1 - p * cmath.exp(-1j * at * TS))) ** 2
+        return 0.5 * (h(carrier + w) / h(carrier) + (h(carrier - w) / h(carrier)).conjugate())
+
+    def speed(rpm):
+        gain = 1 + (c["speed"]["gain_rise"] - 1) * min(max(
+            (rpm * math.pi / 10) / c["estimator"]["omega_high_rad_s"] - 1, 0), 1)
+
+        def loop(w):
+            z = cmath.exp(1j * w * TS)  # 5 kHz: speed control in every period
+            controller = gain * (c["speed"]["kp_Nms"] + c["speed"]["ki_Nm"] * TS / (z - 1))
+            shaft = 1 / (1j * w * c["motor"]["J_kgm2"] + c["motor"]["B_Nms"])
+            seen = side_bands(w, rpm * math.pi / 10) / (1j * w) * pll(w)[1] / (1 + pll(w)[0])
+            return (controller * (1 - 1 / z) / (1j * w * TS) * closed(current("q"))(w) * shaft * seen)
+        return loop
+
+    wanted = {("current, d axis", None): current("d"), ("current, q axis", None): current("q")}
+    for rpm in (300, 1500):
+        wanted["PLL, speed fed back", rpm] = lambda w: pll(w)[0]  # the C-LESO is not tuned to speed
+        wanted["PLL, EMF follows", rpm] = lambda w, at=rpm: pll(w)[0] * side_bands(w, at * math.pi / 10)
+        wanted["speed, PI alone", rpm] = speed(rpm)
+    found = {(row["loop"], row["speed_rpm"] and round(row["speed_rpm"])): row
+             for row in document["loops"]}
+    checks.equal(len(found), 2 + 3 * 3, "loops")
+    for key, loop in wanted.items():
+        crossover, margin = crossing(loop, 5, 5000)
+        near(checks, found[key]["crossover_rad_s"], crossover, 4e-3 * crossover, f"crossover of {key}")
+        near(checks, found[key]["phase_margin_deg"], margin, 0.3, f"margin of {key}")
+        checks.true(key[0] in done.stdout, f"{key[0]} is printed")
+    # One more doubling than the gain margin allows, and the loop's phase has passed -180 degrees.
+    added = found["current, q axis", None]["gain_margin_dB"]
+    loop = current("q")
+    low, high = 1000, 15000
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if loop(middle).imag < 0 else (low, middle)
+    near(checks, added, -20 * math.log10(abs(loop(low))), 0.1, "gain margin of current control")
+    with open(folder.path / "o.csv", newline="") as file:
+        rows = [r for r in csv.DictReader(file) if r["figure"] == "own-current"]
+    row = rows[len(rows) // 4]
+    near(checks, float(row["gain_dB"]), 20 * math.log10(abs(current("d")(float(row["omega_rad_s"])))),
+         1e-3, "curve of current control")
+
+
+def a_motor_of_ones_own(checks, folder):
+    """Its own drive, not paper 1's; or one that is assumed and marked so."""
+    text = ("[motor]\npole_pairs = 7\nRs_Ohm = 0.05\nL_uH = 30\npsi_Wb = 0.003\nJ_kgm2 = 3e-5\n")
+    folder.write("mine.ini", text + "[drive]\nf_pwm_Hz = 20000\nv_bus_V = 36\ni_max_A = 20\n")
+    done = folder.run("analyse", "--motor", "mine.ini", "--json", "m.json")
+    checks.equal(done.returncode, 0, f"exit code with a motor of one's own: {done.stderr}")
+    document = folder.json("m.json")
+    checks.equal((document["config"]["drive"]["v_bus_V"], document["config"]["drive"]["f_pwm_Hz"]),
+                 (36, 20000), "its own drive")
+    current = [row for row in document["loops"] if row["loop"] == "current, q axis"][0]
+    near(checks, current["crossover_rad_s"], 4000, 200, "bandwidth of its current control")
+    checks.true("drive.f_pwm_Hz" not in document["assumed"], "what is given is not assumed")
+    folder.write("mine.ini", text)
+    done = folder.run("analyse", "--motor", "mine.ini", "--json", "m.json")
+    checks.true("assumed: [drive] v_bus_V = " in done.stdout, "an assumed drive on the screen")
+    checks.true("drive.v_bus_V" in folder.json("m.json")["assumed"], "and in JSON")
 
 
 def other_drives(checks, folder):
@@ -389,6 +486,8 @@ def main():
         table_2(checks, rows)
         lags(checks, rows)
         paper_2(checks, rows)
+        own_loops(checks, folder)
+        a_motor_of_ones_own(checks, folder)
         other_drives(checks, folder)
         guideline(checks, folder)
     checks.done()

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "analyse/own_loops.h"
 #include "support/units.h"
 
 analyse_row_t *analyse_row(analyse_t *self, const char *table, const char *setting,
@@ -80,6 +81,7 @@ lode_status_t analyse_compute(analyse_t *self, const rig_config_t *config) {
     self->ts_s = 1.0 / (double)drive->f_pwm_Hz;
     analyse_paper1(self);
     analyse_paper2(self, &drive->motor);
+    own_loops(self, drive, &tuning);
     for (int k = 0; k < ANALYSE_SPEEDS; ++k) {
         const bool last = k == ANALYSE_SPEEDS - 1;
         const double rated = (double)drive->motor.omega_rated_rad_s;

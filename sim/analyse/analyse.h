@@ -17,6 +17,7 @@ enum {
     ANALYSE_POINTS = 481,
     ANALYSE_POLES_MAX = 1024,
     ANALYSE_SPEEDS = 6,
+    ANALYSE_LOOPS_MAX = 16,
     ANALYSE_TEXT = 48
 };
 
@@ -60,13 +61,22 @@ typedef struct {
     double complex pole[JOINT_STATES_MAX];
 } analyse_speed_t;
 
+/// A control loop of the drive that was given.
+typedef struct {
+    char name[ANALYSE_TEXT];
+    double speed_rpm; ///< NaN: at any
+    double crossover_rad_s, phase_deg;
+    double gain_dB; ///< that may be added; NaN: any
+} analyse_loop_t;
+
 typedef struct {
     double ts_s;
-    int rows, curves, poles;
+    int rows, curves, poles, loops;
     analyse_row_t row[ANALYSE_ROWS_MAX];
     analyse_curve_t curve[ANALYSE_CURVES_MAX];
     analyse_pole_t pole[ANALYSE_POLES_MAX];
     analyse_speed_t at[ANALYSE_SPEEDS];
+    analyse_loop_t loop[ANALYSE_LOOPS_MAX];
 } analyse_t;
 
 /// Everything, for a configuration that is designed. LODE_OK, or why the library refuses it.

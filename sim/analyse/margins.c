@@ -217,6 +217,36 @@ margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s) {
     };
 }
 
+static loop_t loop_at_speed(const lode_drive_config_t *config, double omega_rad_s) {
+    const double ts_s = 1.0 / (double)config->f_pwm_Hz;
+    const double sigma = margins_sigma(&config->estimator.pll, omega_rad_s, ts_s);
+    return make_loop(config, omega_rad_s, sigma, (double)config->estimator.pll.sigma_rad_s);
+}
+
+void margins_open_loop(const lode_drive_config_t *config, margins_loop_t which, double omega_rad_s,
+                       int count, const double *Omega_rad_s, double complex *value) {
+    loop_t loop = loop_at_speed(config, omega_rad_s);
+    loop.alone = which == MARGINS_ALONE;
+    loop.emf_follows = which == MARGINS_EMF_FOLLOWS;
+    for (int k = 0; k < count; ++k) {
+        value[k] = open_loop(&loop, Omega_rad_s[k]);
+    }
+}
+
+void margins_speed_response(const lode_drive_config_t *config, double omega_rad_s, int count,
+                            const double *Omega_rad_s, double complex *value) {
+    const loop_t loop = loop_at_speed(config, omega_rad_s);
+    for (int k = 0; k < count; ++k) {
+        const double Omega = Omega_rad_s[k];
+        const double complex z = cexp(I * Omega * loop.ts_s);
+        const double complex filtered = notch(&loop, 6.0, (double)loop.config->notch_k, z) *
+                                        notch(&loop, 12.0, (double)loop.config->notch12_k, z);
+        // A swing of 1 of the speed is one of 1/(j Omega) of the angle.
+        const double complex seen = filtered * angle_response(&loop, Omega) / (I * Omega);
+        value[k] = predict(&loop, z).omega * seen / (1.0 + open_loop(&loop, Omega));
+    }
+}
+
 static bool accepts(const lode_drive_config_t *config, double sigma_rad_s) {
     lode_estimator_tuning_t tuning;
     lode_estimator_config_t trial = config->estimator;

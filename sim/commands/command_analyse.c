@@ -21,15 +21,17 @@ typedef struct {
     plot_output_t plot[PLOT_BODE_COUNT];
 } files_t;
 
-/// Paper 1's motor and drive where none is given.
+/// Paper 1's motor and drive where none is given. A motor of one's own brings its drive with it, or has one
+/// assumed: never that of the paper.
 static bool load(rig_config_t *config, const options_t *options) {
+    const bool own = options->motor != NULL && options->drive == NULL;
     const char *motor = options->motor != NULL ? options->motor : PAPER;
-    const char *drive = options->drive != NULL ? options->drive : PAPER;
+    const char *drive = options->drive != NULL || own ? options->drive : PAPER;
     if (!command_load_drive(config, motor, drive, options) ||
-        !rig_config_complete(config, RIG_NEED_DRIVE)) {
+        !rig_config_complete(config, own ? RIG_NEED_MOTOR : RIG_NEED_DRIVE)) {
         return false;
     }
-    lode_drive_design(&config->drive);
+    rig_config_design(config);
     return true;
 }
 

@@ -20,7 +20,7 @@ typedef struct {
     bool falls_from_270; ///< phases that begin above 60 degrees begin a turn lower
 } plot_bode_t;
 
-enum { PLOT_BODE_COUNT = 7 };
+enum { PLOT_BODE_COUNT = 11 };
 
 /// The pictures of the papers' figures.
 extern const plot_bode_t plot_bode_all[PLOT_BODE_COUNT];

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "config/assumptions.h"
 #include "config/config_json.h"
 #include "support/units.h"
 
@@ -124,7 +125,32 @@ static void print_speeds(FILE *file, const analyse_t *analysis) {
     }
 }
 
+static void print_loops(FILE *file, const analyse_t *analysis) {
+    (void)fputs(
+        "\nthis drive: margins of its loops, sampled; the speed loop without the feed-forwards "
+        "of load and inertia\n"
+        "loop                       rpm  crossover  margin  gain up\n"
+        "                                    rad/s     deg       dB\n",
+        file);
+    for (int k = 0; k < analysis->loops; ++k) {
+        const analyse_loop_t *loop = &analysis->loop[k];
+        (void)fprintf(file, "%-22s", loop->name);
+        if (isnan(loop->speed_rpm)) {
+            (void)fprintf(file, "%8s", "any");
+        } else {
+            (void)fprintf(file, "%8.1f", loop->speed_rpm);
+        }
+        (void)fprintf(file, "%11.1f %7.1f", loop->crossover_rad_s, loop->phase_deg);
+        if (isnan(loop->gain_dB)) {
+            (void)fprintf(file, " %8s\n", "-");
+        } else {
+            (void)fprintf(file, " %8.1f\n", loop->gain_dB);
+        }
+    }
+}
+
 void report_analyse_text(FILE *file, const rig_config_t *config, const analyse_t *analysis) {
+    assumptions_print(file, config, "");
     (void)fprintf(file,
                   "sampled: the firmware's coefficients at %g Hz. paper: the figure it prints. as "
                   "printed: its formula,\ntaken literally. theory: the continuous formula, "
@@ -132,6 +158,7 @@ void report_analyse_text(FILE *file, const rig_config_t *config, const analyse_t
                   (double)config->drive.f_pwm_Hz);
     print_rows(file, analysis);
     print_speeds(file, analysis);
+    print_loops(file, analysis);
 }
 
 // ---- CSV ------------------------------------------------------------------------------------------
@@ -178,6 +205,16 @@ static void add_speed(cJSON *array, const analyse_speed_t *at) {
     }
 }
 
+static void add_loop(cJSON *array, const analyse_loop_t *loop) {
+    cJSON *item = cJSON_CreateObject();
+    (void)cJSON_AddItemToArray(array, item);
+    (void)cJSON_AddStringToObject(item, "loop", loop->name);
+    config_json_number(item, "speed_rpm", loop->speed_rpm);
+    config_json_number(item, "crossover_rad_s", loop->crossover_rad_s);
+    config_json_number(item, "phase_margin_deg", loop->phase_deg);
+    config_json_number(item, "gain_margin_dB", loop->gain_dB);
+}
+
 void report_analyse_json(FILE *file, const rig_config_t *config, const analyse_t *analysis) {
     cJSON *root = config_json_root();
     cJSON *rows = cJSON_AddArrayToObject(root, "figures");
@@ -187,6 +224,10 @@ void report_analyse_json(FILE *file, const rig_config_t *config, const analyse_t
     cJSON *speeds = cJSON_AddArrayToObject(root, "speeds");
     for (int k = 0; k < ANALYSE_SPEEDS; ++k) {
         add_speed(speeds, &analysis->at[k]);
+    }
+    cJSON *loops = cJSON_AddArrayToObject(root, "loops");
+    for (int k = 0; k < analysis->loops; ++k) {
+        add_loop(loops, &analysis->loop[k]);
     }
     (void)cJSON_AddItemToObject(root, "assumed", config_json_assumed(config));
     (void)cJSON_AddItemToObject(root, "config", config_json(config));

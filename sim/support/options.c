@@ -108,7 +108,9 @@ static const command_t commands[] = {
     {"analyse", COMMAND_ANALYSE, ANALYSE, "lodestar analyse [OPTION...]",
      "Sets the papers' Bode diagrams, poles and margins beside what the firmware's coefficients "
      "give.\n"
-     "Without a motor and a drive those of paper 1."},
+     "Then the loops of the drive that is given: observer, PLL, current, speed. Without a motor "
+     "and a\n"
+     "drive those of paper 1; a motor alone brings its drive with it, or has one assumed."},
     {"reproduce", COMMAND_REPRODUCE, REPRODUCE, "lodestar reproduce PAPER [OPTION...]",
      "Makes every experiment of a paper again and sets its claims beside what comes out.\n"
      "With its estimators as printed, and with the library's and its gains. PAPER is jiang2022\n"

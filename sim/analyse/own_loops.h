@@ -1,0 +1,15 @@
+/// The control loops of the drive that was given: their open loops, sampled, and their margins.
+///
+/// Current: (K2) with the R-L circuit held over the period and the voltage one period late. Estimator: the
+/// PLL with observer and notches (margins.h). Speed: the PI controller, current control in closed loop, the
+/// inertia, and the speed as the estimator sees it; the feed-forwards of load and inertia are not in it.
+#ifndef RIG_OWN_LOOPS_H
+#define RIG_OWN_LOOPS_H
+
+#include "analyse/analyse.h"
+
+/// Fills the figures "own-..." and the loops of `self`.
+void own_loops(analyse_t *self, const lode_drive_config_t *drive,
+               const lode_drive_tuning_t *tuning);
+
+#endif
