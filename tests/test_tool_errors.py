@@ -290,10 +290,11 @@ def every_key_is_there(checks, folder):
     design = folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--json")
     checks.equal(design.returncode, 0, "exit code of design --json")
     keys = set(re.findall(r'"(\w+)":', design.stdout))
-    fields = set()
+    fields = set(re.findall(r"^LODE_OBSERVER_FIELD\((\w+)\)", OBSERVERS, re.MULTILINE))
+    checks.true(len(fields) >= 5, f"{len(fields)} fields found in observers.def, expected at least 5")
     for header in sorted((SOURCE / "include/lodestar").glob("*.h")):
         for body in re.findall(r"typedef struct \{([^}]*)\} lode_\w+_config_t;", header.read_text()):
-            body = re.sub(r"//.*", "", body)
+            body = re.sub(r"//.*|#.*", "", body)
             fields |= set(re.findall(r"\bfloat\s+(\w+);", body))
     checks.true(len(fields) > 40, f"{len(fields)} fields found in the headers, expected over 40")
     missing = sorted(fields - derived - keys)

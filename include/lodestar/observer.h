@@ -23,13 +23,10 @@ typedef enum {
 
 typedef struct {
     lode_emf_kind_t kind;
-    float
-        w0_rad_s; ///< all but FA: bandwidth, 1 .. 2/Ts (paper 1, eq. 6); 0: 4.25 times rated speed, at
-                  ///< most 0.5/Ts
-    float gi_kappa;    ///< GI: Kr/w0^2, 0 .. 7; 0: 2
-    float gi_wc_rad_s; ///< GI: half width of the integrator, 0.01 .. 100; 0: 2 pi
-    float k1_rad2_s2;  ///< FA: 0 .. 1e4 and k2^2/10; 0: first order, which takes no DC in
-    float k2_rad_s;    ///< FA: bandwidth, 1 .. 1/Ts; 0: 3 times the PLL's sigma, multi 10 times
+// float w0_rad_s, gi_kappa and so on: `observers.def`.
+#define LODE_OBSERVER_FIELD(name) float name;
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER_FIELD
 } lode_observer_config_t;
 
 // LODE_IF_BUILT_IN(ID, code): `code`, or nothing where the build has -DLODE_WITHOUT_<ID>. The option is 1

@@ -70,11 +70,9 @@ static const rig_key_t keys[] = {
 
     CHOICE("estimator", "emf", emf, emf_names, NULL),
     CHOICE("estimator", "pll", pll, PLL, NULL),
-    FLOAT("estimator", "w0_rad_s", estimator.emf.w0_rad_s),
-    FLOAT("estimator", "gi_kappa", estimator.emf.gi_kappa),
-    FLOAT("estimator", "gi_wc_rad_s", estimator.emf.gi_wc_rad_s),
-    FLOAT("estimator", "k1_rad2_s2", estimator.emf.k1_rad2_s2),
-    FLOAT("estimator", "k2_rad_s", estimator.emf.k2_rad_s),
+#define LODE_OBSERVER_FIELD(name) FLOAT("estimator", #name, estimator.emf.name),
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER_FIELD
     FLOAT("estimator", "w_filter_rad_s", estimator.w_filter_rad_s),
     FLOAT("estimator", "notch_k", estimator.notch_k),
     FLOAT("estimator", "notch12_k", estimator.notch12_k),
