@@ -185,7 +185,7 @@ static void gain_panel(FILE *script, const plot_bode_t *picture, int column) {
     char heading[PLOT_TEXT_LENGTH];
     (void)fprintf(script,
                   "set label 1001 %s at graph 0, graph 1.035 left font ',12'\n"
-                  "set ylabel '%s' offset 1\nset yrange [%g:%g]\nset ytics autofreq\n"
+                  "set ylabel '%s' offset 0.2\nset yrange [%g:%g]\nset ytics autofreq\n"
                   "set format x ''\nset xlabel ''\n",
                   plot_text(heading, picture->heading[column]), column == 0 ? "gain [dB]" : "",
                   picture->gain_dB[0], picture->gain_dB[1]);
@@ -203,7 +203,7 @@ static void gain_panel(FILE *script, const plot_bode_t *picture, int column) {
 static void phase_panel(FILE *script, const plot_bode_t *picture, int column) {
     (void)fprintf(script,
                   "unset label 1000; unset label 1001\nunset key\n"
-                  "set ylabel '%s' offset 1\nset yrange [*:*]\nset ytics 45\n"
+                  "set ylabel '%s' offset 0.2\nset yrange [*:*]\nset ytics 45\n"
                   "set format x '%s'\nset xlabel 'frequency [%s]' offset 0,0.3\n",
                   column == 0 ? "phase [deg]" : "",
                   picture->two_sided && column == 0 ? "-%g" : "%g",

@@ -18,17 +18,17 @@ double panels_angle_deg(double angle_rad, double before_rad) {
 void panels_begin(FILE *script, const char *title, int rows, int columns) {
     const double height = panels_height(rows);
     char string[PLOT_TEXT_LENGTH];
-    (void)fprintf(script,
-                  "set multiplot layout %d,%d columnsfirst margins screen 0.065, screen 0.985, "
-                  "screen %.4f, screen %.4f spacing screen 0.08, screen %.4f\n"
-                  "set grid lc rgb '#e2e5e8' lw 0.6 dt 1\n"
-                  "set border 3 lc rgb '#606060'\n"
-                  "set tics nomirror out scale 0.6 textcolor rgb '#303030' font ',11'\n"
-                  "set key at graph 1.0, graph 1.13 right top horizontal samplen 1.4 font ',10'\n"
-                  "blue = '#1f5fa8'; red = '#c8372d'; green = '#2f8f4e'; grey = '#8a8f94'\n"
-                  "set label 1000 %s at screen 0.065, screen 0.985 left noenhanced font ',14'\n",
-                  rows, columns, 52.0 / height, 1.0 - 58.0 / height, 34.0 / height,
-                  plot_text(string, title));
+    (void)fprintf(
+        script,
+        "set multiplot layout %d,%d columnsfirst margins screen 0.065, screen 0.985, "
+        "screen %.4f, screen %.4f spacing screen 0.08, screen %.4f\n"
+        "set grid lc rgb '#e2e5e8' lw 0.6 dt 1\n"
+        "set border 3 lc rgb '#606060'\n"
+        "set tics nomirror out scale 0.6 textcolor rgb '#303030' font ',11'\n"
+        "set key at graph 1.0, graph 1.13 right top horizontal samplen 1 width -2 font ',10'\n"
+        "blue = '#1f5fa8'; red = '#c8372d'; green = '#2f8f4e'; grey = '#8a8f94'\n"
+        "set label 1000 %s at screen 0.065, screen 0.985 left noenhanced font ',14'\n",
+        rows, columns, 52.0 / height, 1.0 - 58.0 / height, 34.0 / height, plot_text(string, title));
 }
 
 void panels_next(FILE *script, const char *label, const char *title, bool last) {

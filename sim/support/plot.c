@@ -91,7 +91,7 @@ static void set_terminal(FILE *script, plot_format_t format, int width, int heig
     if (format == PLOT_PNG) { // drawn at twice the size, for screens of today and for print
         (void)fprintf(script,
                       "set terminal pngcairo size %d,%d enhanced background '#ffffff' "
-                      "font 'DejaVu Sans,9.75' fontscale 2 lw 2\n",
+                      "font 'DejaVu Sans,9.75' fontscale 2 pointscale 2 dashlength 2 lw 2\n",
                       2 * width, 2 * height);
     } else {
         (void)fprintf(script,
