@@ -95,6 +95,7 @@ bool board_init(float i_trip_A) {
     if (!pwm_init() || !chip_converters_init()) {
         return false;
     }
+    chip_deadline_init();
     pwm_pins_init(); // only now: the timer holds its outputs inactive
     halt_init();
     return stm32_watchdog_init() && stm32_pwm_clear_trip();
@@ -110,6 +111,7 @@ void board_start(void) {
 
 LODE_RAMFUNC void STM32_PERIOD_HANDLER(void) {
     chip_converters_acknowledge();
+    chip_deadline_move();
     app_period();
 }
 

@@ -39,6 +39,14 @@ static inline void chip_converters_acknowledge(void) {
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
 }
 
+/// Without an interrupt for a period and a half the outputs go off, and stay so. After stm32_stamp_start().
+void chip_deadline_init(void);
+
+/// The interrupt has come: the deadline moves on.
+static inline void chip_deadline_move(void) {
+    REG_WRITE(TIM2->CCR1, REG_READ(TIM2->CNT) + 3u * (CHIP_F_STAMP_Hz / VARIANT_F_PWM_Hz) / 2u);
+}
+
 /// Break inputs: enabled, the sources' own polarities stand in AF1 and AF2; filter of six equal samples at
 /// half the timer's clock: 71 ns of silence in a spike.
 #define CHIP_BREAK_FILTER 4u

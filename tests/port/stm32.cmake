@@ -13,8 +13,8 @@ function(stm32_test name folder board family)
   target_compile_definitions(${name} PRIVATE ${family} "STM32_BOARD_H=\"boards/${board}.h\"")
 endfunction()
 
-stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 clock.c analog.c)
-stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 clock.c analog.c)
+stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 clock.c analog.c deadline.c)
+stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 clock.c analog.c deadline.c)
 stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 clock.c converters.c)
 
 # The core with the board's own sine and cosine: its sources once more, in front of the library. The

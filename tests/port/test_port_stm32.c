@@ -569,10 +569,24 @@ static void test_missed_interrupt_is_a_fault(void) {
 static void test_gates_stay_off_after_a_halted_core(void) {
     gates_on_by_the_drive();
     TEST_ASSERT_TRUE(fake_halt(100u * PERIOD));
+#ifdef FAKE_G4
+    TEST_ASSERT_FALSE(gates_on()); // before the core goes on
+#endif
     expect_gates_off_in_one_period();
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_TIMING",
                              lode_check_name((lode_check_t)app_telemetry().fault.check));
 }
+
+#ifdef FAKE_G4
+static void test_missing_interrupt_switches_off_by_hardware(void) {
+    gates_on_by_the_drive();
+    one_period();
+    (void)fake_halt(PERIOD); // it may be late
+    TEST_ASSERT_TRUE(gates_on());
+    (void)fake_halt(PERIOD);
+    TEST_ASSERT_FALSE(gates_on());
+}
+#endif
 
 // The trip is gone after one period, and time goes by: without a person the gates stay off.
 static void test_fault_is_not_restarted(void) {
@@ -702,6 +716,9 @@ int main(void) {
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_period);
     RUN_TEST(test_missed_interrupt_is_a_fault);
     RUN_TEST(test_gates_stay_off_after_a_halted_core);
+#ifdef FAKE_G4
+    RUN_TEST(test_missing_interrupt_switches_off_by_hardware);
+#endif
     RUN_TEST(test_fault_is_not_restarted);
     RUN_TEST(test_flag_is_cleared_before_the_period);
     RUN_TEST(test_gates_off_from_anywhere);

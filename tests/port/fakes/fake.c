@@ -39,6 +39,8 @@ COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
 OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
 DAC_TypeDef fake_DAC3;
 SYSCFG_TypeDef fake_SYSCFG;
+DMA_Channel_TypeDef fake_DMA1_Channel1;
+DMAMUX_Channel_TypeDef fake_DMAMUX1_Channel0;
 #else
 TIM_TypeDef fake_TIM5;
 ADC_TypeDef fake_ADC3;
@@ -83,6 +85,8 @@ void fake_reset(void) {
     WIPE(fake_COMP4);
     WIPE(fake_DAC3);
     WIPE(fake_SYSCFG);
+    WIPE(fake_DMA1_Channel1);
+    WIPE(fake_DMAMUX1_Channel0);
 #endif
 #ifndef FAKE_G4
     WIPE(fake_ADC3);
@@ -321,6 +325,21 @@ void fake_lock_up(void) {
 #endif
 }
 
+#ifdef FAKE_G4
+// TIM2's compare value comes, and the DMA writes what it points to, which is 0 (its address has only its
+// lower half here), to where it points.
+static void model_deadline(uint32_t ticks) {
+    const uint32_t on = DMA_CCR_EN | DMA_CCR_DIR | DMA_CCR_CIRC | DMA_CCR_PSIZE_1 | DMA_CCR_MSIZE_1;
+    const uint32_t clocks = RCC_AHB1ENR_DMA1EN | RCC_AHB1ENR_DMAMUX1EN;
+    if (fake_TIM2.CCR1 - fake_TIM2.CNT <= ticks && (fake_TIM2.DIER & TIM_DIER_CC1DE) != 0u &&
+        (fake_RCC.AHB1ENR & clocks) == clocks && fake_DMAMUX1_Channel0.CCR == 56u &&
+        (fake_DMA1_Channel1.CCR & on) == on && fake_DMA1_Channel1.CNDTR == 1u &&
+        fake_DMA1_Channel1.CPAR == (uint32_t)(uintptr_t)&fake_TIM1.BDTR) {
+        fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
+    }
+}
+#endif
+
 bool fake_halt(uint32_t ticks) {
 #ifdef FAKE_G4
     const bool frozen = (fake_DBGMCU.APB1FZR1 & DBGMCU_APB1FZR1_DBG_TIM2_STOP) != 0u;
@@ -330,6 +349,9 @@ bool fake_halt(uint32_t ticks) {
     const bool outputs_off = (fake_DBGMCU.APB2FZ & DBGMCU_APB2_FZ_DBG_TIM1_STOP) != 0u;
 #endif
     if (!frozen && (fake_TIM2.CR1 & TIM_CR1_CEN) != 0u) {
+#ifdef FAKE_G4
+        model_deadline(ticks);
+#endif
         fake_TIM2.CNT += ticks;
     }
     return outputs_off && (fake_TIM1.BDTR & TIM_BDTR_OSSI) != 0u;

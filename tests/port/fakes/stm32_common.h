@@ -26,6 +26,7 @@ typedef struct {
 #define TIM_CR1_ARPE (1u << 7)
 #define TIM_CR2_MMS_1 (2u << 4)
 #define TIM_DIER_UIE 1u
+#define TIM_DIER_CC1DE (1u << 9)
 #define TIM_SR_BIF (1u << 7)
 #define TIM_EGR_UG 1u
 #define TIM_CCMR1_OC1PE (1u << 3)

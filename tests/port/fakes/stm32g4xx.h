@@ -30,6 +30,14 @@ typedef struct {
 } DAC_TypeDef;
 
 typedef struct {
+    volatile uint32_t CCR, CNDTR, CPAR, CMAR;
+} DMA_Channel_TypeDef;
+
+typedef struct {
+    volatile uint32_t CCR;
+} DMAMUX_Channel_TypeDef;
+
+typedef struct {
     volatile uint32_t IDCODE, CR, APB1FZR1, APB1FZR2, APB2FZ;
 } DBGMCU_TypeDef;
 
@@ -103,6 +111,12 @@ typedef struct {
 #define CORDIC_CSR_NRES (1u << 19)
 #define CORDIC_CSR_NARGS (1u << 20)
 
+#define DMA_CCR_EN 1u
+#define DMA_CCR_DIR (1u << 4)
+#define DMA_CCR_CIRC (1u << 5)
+#define DMA_CCR_PSIZE_1 (2u << 8)
+#define DMA_CCR_MSIZE_1 (2u << 10)
+#define DMA_CCR_PL (3u << 12)
 #define DBGMCU_APB1FZR1_DBG_TIM2_STOP 1u
 #define DBGMCU_APB1FZR1_DBG_IWDG_STOP (1u << 12)
 #define DBGMCU_APB2FZ_DBG_TIM1_STOP (1u << 11)
@@ -130,6 +144,8 @@ typedef struct {
 #define RCC_PLLCFGR_PLLM_Pos 4u
 #define RCC_PLLCFGR_PLLN_Pos 8u
 #define RCC_PLLCFGR_PLLREN (1u << 24)
+#define RCC_AHB1ENR_DMA1EN 1u
+#define RCC_AHB1ENR_DMAMUX1EN (1u << 2)
 #define RCC_AHB1ENR_CORDICEN (1u << 3)
 #define RCC_AHB2ENR_GPIOAEN 1u
 #define RCC_AHB2ENR_GPIOBEN (1u << 1)
@@ -162,6 +178,8 @@ extern CORDIC_TypeDef fake_CORDIC;
 extern COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
 extern OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
 extern DAC_TypeDef fake_DAC3;
+extern DMA_Channel_TypeDef fake_DMA1_Channel1;
+extern DMAMUX_Channel_TypeDef fake_DMAMUX1_Channel0;
 extern DBGMCU_TypeDef fake_DBGMCU;
 extern FLASH_TypeDef fake_FLASH;
 extern PWR_TypeDef fake_PWR;
@@ -185,6 +203,8 @@ extern USART_TypeDef fake_USART2;
 #define OPAMP2 FAKE_AT(OPAMP_TypeDef, OPAMP2, 0x40010304u)
 #define OPAMP3 FAKE_AT(OPAMP_TypeDef, OPAMP3, 0x40010308u)
 #define DAC3 FAKE_AT(DAC_TypeDef, DAC3, 0x50001000u)
+#define DMA1_Channel1 FAKE_AT(DMA_Channel_TypeDef, DMA1_Channel1, 0x40020008u)
+#define DMAMUX1_Channel0 FAKE_AT(DMAMUX_Channel_TypeDef, DMAMUX1_Channel0, 0x40020800u)
 #define DBGMCU FAKE_AT(DBGMCU_TypeDef, DBGMCU, 0xE0042000u)
 #define FLASH FAKE_AT(FLASH_TypeDef, FLASH, 0x40022000u)
 #define PWR FAKE_AT(PWR_TypeDef, PWR, 0x40007000u)
