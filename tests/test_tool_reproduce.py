@@ -17,6 +17,9 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
 from tool import DRIVE, MOTOR, RECORDINGS, SOURCE, Checks, Folder, refused
 
+sys.path.insert(0, str(SOURCE / "tests/tools"))
+import paper_figures
+
 GOLDEN = SOURCE / "tests/golden/reproduce_jiang2022.json"
 TIME_MAX_s = 180
 FIGURES = ["fig12", "fig13", "fig14", "fig15", "fig16", "fig17", "fig18", "fig19"]
@@ -553,6 +556,16 @@ def files(checks, folder, rows, text, name, words):
     checks.at_most(max(len(line) for line in text.splitlines()), 140, "longest line of the table")
 
 
+def docs(checks, folder):
+    """README.md and docs/papers.md say what the two runs gave; tests/tools/paper_figures.py puts it in."""
+    studies = [paper_figures.load(folder.path / name) for name in ("r.json", "l.json")]
+    for text in paper_figures.problems(SOURCE, *studies):
+        checks.true(False, text)
+    # It does find a figure that is not today's, wherever it stands.
+    studies[1]["row"]["fig10_c_300_mean"]["as_printed"] -= 1.0
+    checks.equal(len(list(paper_figures.problems(SOURCE, *studies))), 2, "figures off by 1 that are found")
+
+
 def pictures(checks, folder, name, figures):
     for figure in figures:
         path = folder.path / name / f"{figure}.svg"
@@ -590,6 +603,7 @@ def main():
         closed_loop(checks, folder)
         mismatch_under_way(checks, folder)
         paper_2(checks, folder)
+        docs(checks, folder)
         refused(checks, folder, ["reproduce"], "reproduce: expected the name of a paper: jiang2022 or li-fa-leso")
         refused(checks, folder, ["reproduce", "li"], "reproduce li: unknown; expected jiang2022 or li-fa-leso")
         refused(checks, folder, ["reproduce", "jiang2022", "more"], "more: expected nothing there")
