@@ -196,6 +196,35 @@ def assumed(checks, folder):
                  "assumed of a drive that is described")
 
 
+def first_turn(checks, folder):
+    """A motor's data sheet and nothing else: it runs, and what was assumed for it is said."""
+    folder.write("sheet.ini", "; from a data sheet\n[motor]\npoles = 14\nKV_rpm_V = 750\n"
+                              "R_line_line_mOhm = 110\nL_line_line_uH = 60\nJ_gcm2 = 300\n")
+    motors = ["sheet.ini", *sorted(p.stem for p in (SOURCE / "sim/data/motors").glob("*.ini"))]
+    for motor in motors:
+        done = folder.run("run", "--motor", motor, "--json", "t.json")
+        checks.equal(done.returncode, 0, f"exit code of run --motor {motor}: {done.stdout}{done.stderr}")
+        result = folder.json("t.json")
+        phases = {p["name"]: p for p in result["phases"]}
+        checks.equal(list(phases), ["start", "half_speed", "full_speed", "load", "no_load", "stop"],
+                     f"phases of {motor}")
+        checks.equal([p["warning"] for p in phases.values()], [""] * 6, f"warnings of {motor}")
+        checks.equal(phases["stop"]["mode"], "OFF", f"{motor} stops")
+        checks.true(phases["load"]["load_Nm"] > 0, f"load of {motor}")
+        for key in ["f_pwm_Hz", "i_max_A", "v_bus_V", "dead_time_s"]:
+            checks.true(f"assumed: [drive] {key} = " in done.stdout, f"{key} of {motor}, in the table")
+            checks.true(f"drive.{key}" in result["assumed"], f"{key} of {motor}, in JSON")
+    # With a drive of its own, and over many seeds.
+    done = folder.run("run", "--motor", "drone_900KV", "--drive", "drone_900KV", "--seeds", "1-2")
+    checks.true("2 of 2 passed" in done.stdout, f"a campaign with a motor: {done.stdout}{done.stderr}")
+    checks.equal(done.returncode, 0, "its exit code")
+    refused(checks, folder, ["run", "main", "--motor", "sheet.ini"], "expected a scenario or --motor")
+    refused(checks, folder, ["run"], "run: expected a scenario file, or --motor F.ini")
+    folder.write("both.ini", (folder.path / "sheet.ini").read_text()
+                 + "[drive]\nf_pwm_Hz = 20000\nv_bus_V = 12\ni_max_A = 10\n")
+    refused(checks, folder, ["run", "both.ini"], "A file with a motor alone goes behind --motor")
+
+
 def main():
     checks = Checks()
     with Folder() as folder:
@@ -203,6 +232,7 @@ def main():
         conflicts(checks, folder)
         speeds(checks, folder)
         assumed(checks, folder)
+        first_turn(checks, folder)
     checks.done()
 
 

@@ -9,9 +9,14 @@
 
 // Where no drive is given: a common switching frequency, a bus and a current that suit the motor.
 #define F_PWM_Hz 10000.0f
+#define F_PWM_STEP_Hz 5000.0f
+#define F_PWM_MAX_Hz 100000.0f
+#define PERIODS_PER_RAD 4.5f // 28 per turn, as the drone drive that comes with the tool
 #define RATED_rpm 1500.0
 #define CURRENT_SHARE 0.3 // of the current whose field equals the magnets'
 #define VOLTAGE_RESERVE 1.25
+#define DROP_SHARE                                                                                 \
+    0.1 // of the phase voltage, at i_max: as the machines that come with the tool have it
 #define HARMONIC_SHARE 0.03
 
 static bool is_open(const rig_config_t *config, int row) {
@@ -26,27 +31,50 @@ static void note(rig_config_t *config, const char *section, const char *key, con
     }
 }
 
+/// For the rated speed; where that is not known either, for 1500 rpm, and at least such that the drop across
+/// Rs is a small share of it: below that no motor is run, and small ones turn many times faster.
+static void assume_bus(rig_config_t *config) {
+    lode_inverter_config_t *inverter = &config->drive.inverter;
+    const lode_motor_t *motor = &config->drive.motor;
+    const double i_max = (double)inverter->i_max_A;
+    const bool rated = !isnan(config->people.speed_rated_rpm);
+    const double rpm = rated ? config->people.speed_rated_rpm : RATED_rpm;
+    const double omega = rig_rad_s_from_rpm(rpm) * (double)motor->pole_pairs;
+    const double flux = hypot((double)motor->psi_Wb, 0.5 * (double)motor->Lq_H * i_max);
+    const double wanted = VOLTAGE_RESERVE * omega * flux;
+    const double least = rated ? 0.0 : (double)motor->Rs_Ohm * i_max / DROP_SHARE;
+    inverter->v_bus_V = (float)(sqrt(3.0) * fmax(wanted, least));
+    note(config, "drive", "v_bus_V",
+         rated            ? "enough for the rated speed"
+         : least > wanted ? "ten times the drop across Rs at i_max"
+                          : "enough for 1500 rpm");
+}
+
+/// High enough for the observer of a motor that turns fast: PERIODS_PER_RAD periods per electrical radian.
+static void assume_frequency(rig_config_t *config) {
+    lode_drive_config_t trial = config->drive;
+    trial.f_pwm_Hz = F_PWM_Hz;
+    lode_drive_design(&trial);
+    const float wanted = PERIODS_PER_RAD * trial.motor.omega_rated_rad_s;
+    const bool fast = wanted > F_PWM_Hz && wanted <= F_PWM_MAX_Hz;
+    config->drive.f_pwm_Hz = fast ? F_PWM_STEP_Hz * ceilf(wanted / F_PWM_STEP_Hz) : F_PWM_Hz;
+    note(config, "drive", "f_pwm_Hz",
+         fast ? "4.5 periods per radian at rated speed" : "a common frequency");
+}
+
 void assumptions_drive(rig_config_t *config) {
     lode_drive_config_t *drive = &config->drive;
     lode_inverter_config_t *inverter = &drive->inverter;
     const lode_motor_t *motor = &drive->motor;
-    if (!(drive->f_pwm_Hz > 0.0f)) {
-        drive->f_pwm_Hz = F_PWM_Hz;
-        note(config, "drive", "f_pwm_Hz", "a common frequency");
-    }
     if (!(inverter->i_max_A > 0.0f)) {
         inverter->i_max_A = (float)(CURRENT_SHARE * (double)motor->psi_Wb / (double)motor->Ld_H);
         note(config, "drive", "i_max_A", "0.3 psi/Ld, whatever the motor stands");
     }
     if (!(inverter->v_bus_V > 0.0f)) {
-        const bool rated = !isnan(config->people.speed_rated_rpm);
-        const double rpm = rated ? config->people.speed_rated_rpm : RATED_rpm;
-        const double omega = rig_rad_s_from_rpm(rpm) * (double)motor->pole_pairs;
-        const double flux =
-            hypot((double)motor->psi_Wb, 0.5 * (double)motor->Lq_H * (double)inverter->i_max_A);
-        inverter->v_bus_V = (float)(VOLTAGE_RESERVE * sqrt(3.0) * omega * flux);
-        note(config, "drive", "v_bus_V",
-             rated ? "enough for the rated speed" : "enough for 1500 rpm");
+        assume_bus(config);
+    }
+    if (!(drive->f_pwm_Hz > 0.0f)) {
+        assume_frequency(config);
     }
 }
 

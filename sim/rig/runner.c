@@ -533,7 +533,10 @@ static bool check_phases(const rig_config_t *config) {
     const rig_scenario_t *scenario = &config->scenario;
     const char *file = config->file[0];
     if (scenario->phases == 0) {
-        rig_error_at(file, 0, "no [phase.NAME]; expected at least one, with its duration_s");
+        rig_error_at(
+            file, 0,
+            "no [phase.NAME]; expected at least one, with its duration_s. A file with a motor "
+            "alone goes behind --motor");
         return false;
     }
     for (int k = 0; k < scenario->phases; ++k) {

@@ -25,9 +25,9 @@ typedef struct {
 } option_t;
 
 static const option_t table[] = {
-    {"motor", required_argument, 'm', REPLAY | DESIGN | ANALYSE, "F.ini",
+    {"motor", required_argument, 'm', RUN | REPLAY | DESIGN | ANALYSE, "F.ini",
      "motor, and whatever else it sets; a file, or a name of `lodestar list`"},
-    {"drive", required_argument, 'd', REPLAY | DESIGN | ANALYSE, "F.ini",
+    {"drive", required_argument, 'd', RUN | REPLAY | DESIGN | ANALYSE, "F.ini",
      "drive, over the motor's file; the same"},
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
     {"column", required_argument, 'l', REPLAY, "NAME=COLUMN",
@@ -86,9 +86,11 @@ typedef struct {
 static const command_t commands[] = {
     {"list", COMMAND_LIST, 0, "lodestar list",
      "Lists what comes with the tool: motors, drives, plants, scenarios, estimators."},
-    {"run", COMMAND_RUN, RUN, "lodestar run SCENARIO.ini [OPTION...]",
+    {"run", COMMAND_RUN, RUN, "lodestar run SCENARIO.ini | --motor F.ini [OPTION...]",
      "Runs the drive against the simulated motor through the phases of a scenario.\n"
-     "SCENARIO.ini is a file, or the name of a scenario that `lodestar list` shows."},
+     "SCENARIO.ini is a file, or the name of a scenario that `lodestar list` shows. With a motor "
+     "in its\n"
+     "place: start, half and full speed, a load and a stop, as fast as suits this motor."},
     {"replay", COMMAND_REPLAY, REPLAY,
      "lodestar replay --motor F.ini --recording F.csv [OPTION...]",
      "Runs the firmware's estimator over recorded voltages and currents.\n"
@@ -378,6 +380,18 @@ static bool check_format(const char *format) {
     return good;
 }
 
+static bool check_run(const options_t *options) {
+    if (options->scenario == NULL) {
+        return needs("run", "a scenario file, or --motor F.ini", options->motor);
+    }
+    if (options->motor != NULL || options->drive != NULL) {
+        rig_error(
+            "run: expected a scenario or --motor, not both: a scenario names its motor and drive");
+        return false;
+    }
+    return true;
+}
+
 static bool check(const options_t *options) {
     if (!check_format(options->format)) {
         return false;
@@ -392,7 +406,7 @@ static bool check(const options_t *options) {
             rig_error("--jobs: expected with --seeds only");
             return false;
         }
-        return needs("run", "a scenario file", options->scenario);
+        return check_run(options);
     case COMMAND_REPLAY:
         return needs("replay", "--motor F.ini", options->motor) &&
                needs("replay", "--recording F.csv", options->recording);

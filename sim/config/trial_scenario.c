@@ -1,0 +1,48 @@
+#include "config/trial_scenario.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "config/speed_limits.h"
+#include "support/units.h"
+
+#define SETTLE_s 1.0   // for the speed to settle behind its ramp, and for the window of the figures
+#define BASE_SHARE 0.9 // of the base speed: room for a load step
+#define LOAD_SHARE 0.5 // of the torque at i_max
+// Electrical acceleration over sigma^2 with which a load may set in: some 10 degrees of error.
+#define STEP_SHARE 0.5
+#define HANDOVER_FACTOR 2.0 // clear of the hand-over
+#define RAMP_RESERVE 2.0    // a load and the current limit make ramps longer
+#define START_SHARE_s 0.5   // of the start's time-out, which allows for three attempts
+
+static void add(rig_config_t *config, const char *name, double duration_s, double speed_rpm,
+                double load_Nm) {
+    rig_phase_t *phase = &config->scenario.phase[config->scenario.phases++];
+    (void)snprintf(phase->name, sizeof phase->name, "%s", name);
+    phase->duration_s = duration_s;
+    phase->speed_rpm = speed_rpm;
+    phase->load_Nm = load_Nm;
+}
+
+void trial_scenario(rig_config_t *config) {
+    const lode_drive_config_t *drive = &config->drive;
+    const double np = (double)drive->motor.pole_pairs;
+    const speed_limits_t limits = speed_limits_of(drive);
+    const double ramp_rpm_s = rig_rpm_from_rad_s((double)drive->speed.ramp_rad_s2);
+    const double full = rig_rpm_from_rad_s(fmin((double)drive->motor.omega_rated_rad_s,
+                                                BASE_SHARE * limits.base_rad_s)) /
+                        np;
+    const double handover = rig_rpm_from_rad_s((double)drive->start.omega_handover_rad_s) / np;
+    const double slow = fmin(HANDOVER_FACTOR * handover, full);
+    const double sigma = (double)drive->estimator.pll.sigma_rad_s;
+    const double load_Nm = fmin(LOAD_SHARE * (double)lode_motor_kt_Nm_A(&drive->motor) *
+                                    (double)drive->inverter.i_max_A,
+                                STEP_SHARE * sigma * sigma * (double)drive->motor.J_kgm2 / np);
+    const double rise_s = SETTLE_s + RAMP_RESERVE * full / ramp_rpm_s;
+    add(config, "start", SETTLE_s + START_SHARE_s * (double)drive->start.timeout_s, slow, 0.0);
+    add(config, "half_speed", rise_s, fmax(0.5 * full, slow), 0.0);
+    add(config, "full_speed", rise_s, full, 0.0);
+    add(config, "load", SETTLE_s, full, load_Nm);
+    add(config, "no_load", SETTLE_s, full, 0.0);
+    add(config, "stop", rise_s, 0.0, 0.0);
+}
