@@ -25,7 +25,7 @@ void panels_begin(FILE *script, const char *title, int rows, int columns) {
         "set grid lc rgb '#e2e5e8' lw 0.6 dt 1\n"
         "set border 3 lc rgb '#606060'\n"
         "set tics nomirror out scale 0.6 textcolor rgb '#303030' font ',11'\n"
-        "set key at graph 1.0, graph 1.13 right top horizontal samplen 1 width -2 font ',10'\n"
+        "set key at graph 1.0, graph 1.13 right top horizontal samplen 1 width -0.7 font ',10'\n"
         "blue = '#1f5fa8'; red = '#c8372d'; green = '#2f8f4e'; grey = '#8a8f94'\n"
         "set label 1000 %s at screen 0.065, screen 0.985 left noenhanced font ',14'\n",
         rows, columns, 52.0 / height, 1.0 - 58.0 / height, 34.0 / height, plot_text(string, title));
