@@ -78,6 +78,20 @@ def records(checks, folder):
         path.unlink()
 
 
+def pages(checks, folder):
+    """In a page of HTML too a name is text: of its title, of the picture, of the table."""
+    name = "<i>&`touch ran`</title>'\\"
+    folder.write("s.ini", f"; {name}\n[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
+                          f"[phase.{name}]\nduration_s = 0.01\n")
+    before = set(folder.names())
+    done = folder.run("run", "s.ini", "--plot", "p.html")
+    checks.equal((done.returncode, set(folder.names()) - before), (0, {"p.html"}), "exit code and files")
+    page = (folder.path / "p.html").read_text()
+    checks.true("<i>" not in page and page.count("</title>'") == 0, "a name as mark-up in the page")
+    checks.true("<title>&lt;i&gt;&amp;`touch ran`&lt;/title&gt;" in page, f"title of the page: {page[:300]}")
+    (folder.path / "p.html").unlink()
+
+
 def generated_c(checks, folder):
     """The first line of a tuning as C names the motor's file: a line break does not end the comment."""
     path = folder.write("m\n#error from a file name\n.ini", MOTOR.read_text())
@@ -95,6 +109,7 @@ def main():
             phases(checks, folder)
             recordings(checks, folder)
             records(checks, folder)
+            pages(checks, folder)
     checks.done()
 
 

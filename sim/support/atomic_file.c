@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define TWICE "two outputs of that name"
+
 enum { FILES_MAX = 64, NAME_MAX_LENGTH = 4096 };
 
 typedef struct {
@@ -72,6 +74,12 @@ static FILE *refuse(output_t *output, const char *path, const char *why) {
     return NULL;
 }
 
+/// The same of a file that this command needs itself.
+static FILE *refuse_own(const char *path, const char *why) {
+    rig_error("%s: cannot write: %s; expected a file of its own for each output", path, why);
+    return NULL;
+}
+
 /// Whether this is the file, so far, of another output.
 static bool is_output(const struct stat *about) {
     for (int k = 0; k < FILES_MAX; ++k) {
@@ -85,16 +93,14 @@ static bool is_output(const struct stat *about) {
     return false;
 }
 
-/// Why what is there already must not be replaced; NULL if it may be.
-static const char *objection(const struct stat *about) {
-    if (S_ISDIR(about->st_mode)) {
-        return "it is a folder";
-    }
+/// Why what is there already must not be replaced: this command reads it or writes it already.
+/// NULL if it may be.
+static const char *own_use(const struct stat *about) {
     // Reading from and writing to a terminal is no harm.
     if (!S_ISCHR(about->st_mode) && inputs_include(about)) {
         return "it is read here, and would be lost";
     }
-    return is_output(about) ? "two outputs of that name" : NULL;
+    return is_output(about) ? TWICE : NULL;
 }
 
 static FILE *open_directly(output_t *output, const char *path) {
@@ -126,9 +132,12 @@ FILE *atomic_file_open(const char *path) {
     }
     struct stat about;
     if (stat(path, &about) == 0) {
-        const char *why = objection(&about);
+        const char *why = own_use(&about);
+        if (S_ISDIR(about.st_mode)) {
+            return refuse(output, path, "it is a folder");
+        }
         if (why != NULL) {
-            return refuse(output, path, why);
+            return refuse_own(path, why);
         }
         if (!S_ISREG(about.st_mode)) {
             return open_directly(output, path);
@@ -139,7 +148,9 @@ FILE *atomic_file_open(const char *path) {
     }
     const int handle = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (handle < 0) {
-        return refuse(output, path, errno == EEXIST ? "two outputs of that name" : strerror(errno));
+        const int error = errno;
+        output->temporary[0] = '\0'; // it is another's
+        return error == EEXIST ? refuse_own(path, TWICE) : refuse(output, path, strerror(error));
     }
     output->file = fdopen(handle, "w");
     return output->file;
