@@ -48,11 +48,11 @@ target_test(replay_same_bits bash "${CMAKE_CURRENT_SOURCE_DIR}/same_bits.sh" "${
 
 # Not estimator, estimator_kinds (they read files), ring (signals); drive takes minutes, and the closed
 # loop and the replay run it.
-set(modules channel current drive_config emf frames guard inverter lag leso lowpass modulator motor
-            notch pi pll ramp references scalar scope sense sogi speed start status wire)
+set(modules channel current drive_config emf frames guard inverter lag lowpass modulator motor
+            notch observer pi pll ramp references scalar scope sense sogi speed start status wire)
 if(LODE_CORE STREQUAL "cortex-m0")
   # 16 KB of arrays on the stack of a machine with 16 KB; half a minute each, and the M3 runs them.
-  list(REMOVE_ITEM modules inverter leso start)
+  list(REMOVE_ITEM modules inverter observer start)
 endif()
 
 foreach(module IN LISTS modules)
@@ -60,7 +60,8 @@ foreach(module IN LISTS modules)
   lode_emulator_image(${test} "${PROJECT_SOURCE_DIR}/tests/${test}.c" left_out.c syscalls.c)
   set_target_properties(${test} PROPERTIES C_EXTENSIONS ON)
   lode_compile_options(${test} ${LODE_TEST_WARNINGS} -include left_out.h)
-  target_include_directories(${test} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/tests")
+  target_include_directories(${test} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/tests"
+                                             "${PROJECT_SOURCE_DIR}/src")
   target_compile_definitions(${test} PRIVATE CHECK_SHARE=100)
   target_link_options(${test} PRIVATE "-Wl,-u,_printf_float") # %g in what a failure prints
   target_link_libraries(${test} PRIVATE unity::framework)
