@@ -19,6 +19,8 @@ function(lode_add_gates)
   lode_gate(equations ${python} ${tools}/check_equations.py .)
   lode_gate(equations_planted ${python} ${tools}/check_equations.py . --planted)
 
+  lode_gate(figures ${python} ${tools}/figures.py check)
+
   lode_gate(tuning_fields ${python} ${tools}/check_golden.py ${tools}/tuning_fields.py
             sim/design/tuning_fields.h)
 

@@ -1,0 +1,303 @@
+"""usage: figures.py write TOOL | render | check
+
+The figures of README.md between the marks <!-- figures --> and <!-- /figures -->.
+write: runs the commands of the table with the host tool TOOL, notes what they gave in docs/figures.json
+and writes the lines anew from that and from docs/budget.json. Takes some minutes. How many times real
+time the tool runs depends on what else the machine does: run it where nothing else does.
+render: the lines anew from the two files as they are; nothing is run.
+check: the lines in README.md are those that the two files give; nothing is run.
+"""
+import json
+import math
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FIGURES = ROOT / "docs/figures.json"
+BUDGET = ROOT / "docs/budget.json"
+PAGE = ROOT / "README.md"
+BEGIN, END = "<!-- figures -->", "<!-- /figures -->"
+
+# Names as the table spells them; the built-in kinds of estimator that are not the default have a column.
+EMF = {"c-leso": "C-LESO", "gi-leso": "GI-LESO", "fa-leso": "FA-LESO", "fa-multi": "FA multi",
+       "r-leso": "R-LESO"}
+PLL = {"leso-qpll": "LESO-QPLL", "qpll": "QPLL"}
+SCENARIOS = ["main", "steady_switched", "dynamics", "reversal", "steady_correction_off_20",
+             "steady_ideal", "drone", "servo", "traction", "field_weakening", "mtpv", "dtp",
+             "dtp_open_phase", "start"]
+SPEED_RUNS = 3  # the best of so many: what disturbs only slows down
+
+
+class Tool:
+    """Runs the host tool, each command once."""
+
+    def __init__(self, path):
+        self.path = os.path.abspath(path)
+        self.done = {}
+
+    def json_of(self, *arguments):
+        if arguments not in self.done:
+            with tempfile.TemporaryDirectory() as folder:
+                out = pathlib.Path(folder, "out.json")
+                print("+ sim/run", *arguments, flush=True)
+                run = subprocess.run([self.path, *arguments, "--json", str(out)], cwd=ROOT,
+                                     stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+                if run.returncode not in (0, 1):  # 1: a bar is missed, which is a figure too
+                    sys.exit(f"figures: ended with code {run.returncode}: {run.stderr}")
+                self.done[arguments] = json.loads(out.read_text())
+        return self.done[arguments]
+
+    def scenario(self, name, *settings):
+        options = [word for setting in settings for word in ("--set", setting)]
+        return self.json_of("run", name, *options)
+
+
+def phases(run, *names):
+    """Those named; without names those under load."""
+    found = [p for p in run["phases"] if (p["name"] in names if names else p["load_Nm"] != 0)]
+    if not found or len(found) < len(names):
+        sys.exit(f"figures: {run['scenario']}: expected the phases {' '.join(names)}")
+    return found
+
+
+def worst(run, *names):
+    """Mean, peak to peak and largest error of the phases, whichever is worst."""
+    of = phases(run, *names)
+    return {"mean": max(abs(p["angle_error_deg"]["mean"]) for p in of),
+            "pp": max(p["angle_error_deg"]["pp"] for p in of),
+            "max": max(p["angle_error_max_deg"] for p in of)}
+
+
+def main_job(tool):
+    run = tool.scenario("main")
+    driven = [p for p in run["phases"] if p["mode"] == "RUN"]
+    peak = max(driven, key=lambda p: p["angle_error_max_deg"])
+    return {"passed": run["passed"], "max": peak["angle_error_max_deg"], "phase": peak["name"]}
+
+
+def idling(tool):
+    """Without load at 300, 600 and 1500 rpm."""
+    dynamics, reversal = tool.scenario("dynamics"), tool.scenario("reversal")
+    return [worst(dynamics, "start", "ramp_down"), worst(reversal, "forward", "backward"),
+            worst(dynamics, "ramp_up", "load_off")]
+
+
+def found_open_s(run):
+    times = {event["text"].split(":")[0]: event["t_s"] for event in run["events"]}
+    return times["found open by the drive"] - next(
+        t for text, t in times.items() if text.endswith(" is open"))
+
+
+def claims(run):
+    verdicts = [row["verdict"] for row in run["rows"] if row["claim"] != "none"]
+    return {"claims": len(verdicts), **{of: sum(verdict.startswith(of) for verdict in verdicts)
+                                        for of in ("reproduced", "contradicted")}}
+
+
+def fa_leso(run):
+    """Worst mean error of paper 2's FA-LESO at 300, 600 and 840 rpm."""
+    rows = {row["id"]: row for row in run["rows"]}
+    speeds = ("300", "600", "840")
+    free = [rows[f"fig1{n}_fa_{rpm}_mean"] for n, rpm in enumerate(speeds)]
+    loaded = [rows[f"load80_fa_{rpm}_mean"] for rpm in speeds]
+    return {"ideal": max(abs(row["exact"]) for row in free),
+            "free": max(abs(row["corrected"]) for row in free),
+            "loaded": max(abs(row["corrected"]) for row in loaded)}
+
+
+def replays(tool):
+    worst_deg = 0.0
+    recordings = sorted((ROOT / "tests/recordings").glob("*.csv"))
+    for recording in recordings:
+        for pll in PLL:
+            run = tool.json_of("replay", "--motor", "jiang2022", "--recording",
+                               str(recording.relative_to(ROOT)), "--pll", pll)
+            worst_deg = max(worst_deg, abs(run["angle_error_mean_deg"]))
+    return {"count": len(recordings), "mean": worst_deg}
+
+
+def campaign(tool, name, last):
+    run = tool.json_of("run", name, "--seeds", f"1-{last}")
+    return {"cases": run["cases"], "passed": run["passed"]}
+
+
+def speeds(tool):
+    print(f"load of the machine before: {os.getloadavg()[0]:.1f}")
+    best = {}
+    for name in SCENARIOS:
+        for _ in range(SPEED_RUNS):
+            tool.done.pop(("run", name), None)
+            best[name] = max(best.get(name, 0.0), tool.scenario(name)["times_real_time"])
+    return {name: round(value, 1) for name, value in best.items()}
+
+
+def measure(tool):
+    f = {"times_real_time": speeds(tool), "main": main_job(tool)}
+    chosen = tool.scenario("steady_switched")["config"]["estimator"]
+    f["emf"], f["pll"] = chosen["emf"], chosen["pll"]
+    f["switched"] = worst(tool.scenario("steady_switched"))
+    kinds = [f"emf={k}" for k in EMF if k != f["emf"]] + [f"pll={k}" for k in PLL if k != f["pll"]]
+    f["kinds"] = {k: worst(tool.scenario("steady_switched", f"estimator.{k}")) for k in kinds}
+    f["idling"] = idling(tool)
+    off_20 = tool.scenario("steady_correction_off_20")
+    f["off_20"], f["off_20_start"] = worst(off_20), worst(off_20, "start")
+    f["ideal"] = worst(tool.scenario("steady_ideal"))
+    f["dynamics"] = worst(tool.scenario("dynamics"), "ramp_up", "load_on", "load_off", "ramp_down")
+    bare = tool.scenario("steady_ideal", "estimator.pll=qpll", "estimator.compensation=none")
+    f["bare"] = {name: phases(bare, name)[0]["angle_error_deg"]["mean"] for name in ("300", "1500")}
+    f["machines"] = {name: worst(tool.scenario(name)) for name in ("drone", "servo", "traction")}
+    for paper in ("jiang2022", "li-fa-leso"):
+        f[paper] = claims(tool.json_of("reproduce", paper))
+    f["fa_leso"] = fa_leso(tool.json_of("reproduce", "li-fa-leso"))
+    f["replays"] = replays(tool)
+    weak = tool.scenario("field_weakening")
+    f["weakening"] = worst(weak, *[before + name for name in ("entry", "high", "high_brake", "exit")
+                                   for before in ("", "reverse_")])
+    f["weakening_high"] = worst(weak, "high", "high_brake", "reverse_high", "reverse_high_brake")
+    f["weakening_start"] = worst(weak, "start")
+    six = tool.scenario("dtp")
+    f["six"] = worst(six, "ramp", "rated_load", "braking", "unloaded", "weakening", "weak_load",
+                     "weak_unloaded", "back")
+    f["six_weakening"] = worst(six, "weakening", "weak_load", "weak_unloaded", "back")
+    f["six_braking"], f["six_start"] = worst(six, "braking"), worst(six, "start")
+    broken = tool.scenario("dtp_open_phase")
+    f["open"] = {"found_s": found_open_s(broken), "max": worst(broken, "broken")["max"]}
+    f["starts"] = campaign(tool, "start", 220)
+    f["starts_100"] = campaign(tool, "start_100rpm", 200)
+    return f
+
+
+def up(value, digits):
+    """Rounded away from zero: "at most"."""
+    return f"{math.ceil(round(value * 10**digits, 6)) / 10**digits:.{digits}f}"
+
+
+def table_rows(f):
+    kinds = list(f["kinds"])
+    names = {f"emf={k}": v for k, v in EMF.items()} | {f"pll={k}": v for k, v in PLL.items()}
+    kind_mean = up(max(f["kinds"][k]["mean"] for k in kinds), 2)
+    kind_pp = " / ".join(up(f["kinds"][k]["pp"], 2) for k in kinds)
+    idle = [", ".join(f"{of[what]:.1f}" for of in f["idling"]) for what in ("mean", "pp")]
+    machines = f["machines"].values()
+    jiang, li, fa = f["jiang2022"], f["li-fa-leso"], f["fa_leso"]
+    return [
+        ("Main job, switched", f"{'all bars met' if f['main']['passed'] else 'bars missed'}; largest "
+         f"error in RUN {up(f['main']['max'], 1)}, in its phase {f['main']['phase']}", "`sim/run`"),
+        ("600, 900, 1500 rpm, ±5 Nm, switched", f"mean at most {up(f['switched']['mean'], 2)}, pp at "
+         f"most {up(f['switched']['pp'], 2)}", "`sim/run run steady_switched`"),
+        (f"the same with {' / '.join(names[k] for k in kinds)}",
+         f"mean at most {kind_mean}; pp at most {kind_pp}",
+         "`... --set " + "`, `--set ".join(f"estimator.{k}" for k in kinds) + "`"),
+        ("no load, switched: 300, 600, 1500 rpm", f"mean {idle[0]}; pp {idle[1]} (at 600 rpm all three "
+         "currents are in the dead band)", "`sim/run run dynamics`, `sim/run run reversal`"),
+        ("600 .. 1500 rpm, ±5 Nm, correction 20 % too small", f"mean at most "
+         f"{up(f['off_20']['mean'], 2)}, pp at most {up(f['off_20']['pp'], 2)}; at 300 rpm without load "
+         f"{f['off_20_start']['mean']:.1f} and {f['off_20_start']['pp']:.1f}",
+         "`sim/run run steady_correction_off_20`"),
+        ("100 .. 1500 rpm, 5 Nm, ideal inverter", f"mean at most {up(f['ideal']['mean'], 3)}",
+         "`sim/run run steady_ideal`"),
+        ("±2000 rpm/s, and ±5 Nm at once at 1500 rpm, switched", f"at most {up(f['dynamics']['max'], 1)}",
+         "`sim/run run dynamics`"),
+        ("no compensation of the lag, QPLL, ideal inverter", f"mean {f['bare']['300']:.1f} at 300, "
+         f"{f['bare']['1500']:.1f} at 1500 rpm", "`sim/run run steady_ideal --set estimator.pll=qpll "
+         "--set estimator.compensation=none`"),
+        ("three other machines by default gains (drone, 48 V servo, 400 V traction), load steps",
+         f"mean at most {up(max(m['mean'] for m in machines), 2)}, pp at most "
+         f"{up(max(m['pp'] for m in machines), 1)} under load", "`sim/run run drone`, `servo`, `traction`"),
+        ("paper 1 figure by figure", f"{jiang['claims']} claims: {jiang['reproduced']} reproduced, "
+         f"{jiang['contradicted']} contradicted, each with its reason", "`sim/run reproduce jiang2022`"),
+        ("paper 2 figure by figure, on a stand-in for its motor", f"{li['claims']} claims: "
+         f"{li['reproduced']} reproduced, {li['contradicted']} contradicted, each with its reason. FA-LESO at "
+         f"300, 600, 840 rpm: mean {fa['ideal']:.2f} behind an ideal inverter; behind 2 µs, corrected, at "
+         f"most {fa['free']:.1f} without load and {fa['loaded']:.1f} with 80 %",
+         "`sim/run reproduce li-fa-leso`"),
+        (f"{f['replays']['count']} recordings of another simulator, either PLL", "mean of the last 0.1 s "
+         f"at most {up(f['replays']['mean'], 3)}",
+         "`sim/run replay --motor jiang2022 --recording tests/recordings/F.csv --pll qpll`"),
+        ("field weakening to 1.5 times the speed of the voltage (3883 rpm), 16 A, ±1 Nm, both ways, MTPA, "
+         "switched", f"at most {up(f['weakening']['max'], 1)} from entry to exit, steady mean at most "
+         f"{up(f['weakening_high']['mean'], 2)}; {up(f['weakening_start']['max'], 0)} for some 10 ms after "
+         "the hand-over from the start", "`sim/run run field_weakening`"),
+        ("six phases, stand-in motor, 300 V, 10 kHz, 2 µs, switched: 1200 rpm, ±6.25 Nm; field weakening to "
+         "2841 rpm and back", f"mean at most {up(f['six']['mean'], 1)}; at most "
+         f"{up(f['six_weakening']['max'], 1)} on the way in and out, {up(f['six_braking']['max'], 1)} in a "
+         f"step from 6.25 to -6.25 Nm, {up(f['six_start']['max'], 0)} after the hand-over from the start",
+         "`sim/run run dtp`, [picture](docs/images/dtp.svg)"),
+        ("six phases, one broken at 600 rpm under half load", f"found in {1e3 * f['open']['found_s']:.0f} "
+         f"ms, angle at most {up(f['open']['max'], 1)} off, the other set carries on",
+         "`sim/run run dtp_open_phase`, [picture](docs/images/dtp_open_phase.svg)"),
+        (f"{f['starts']['cases']} starts: random angle, load 0 .. 2 Nm, $R$ ±20 %, $L_q$ ±15 %, noise, "
+         "offset", f"{f['starts']['passed']} reach 900 rpm",
+         f"`sim/run run start --seeds 1-{f['starts']['cases']}`"),
+        ("the same with paper 1's hand-over at 100 rpm", f"{f['starts_100']['passed']} of "
+         f"{f['starts_100']['cases']}",
+         f"`sim/run run start_100rpm --seeds 1-{f['starts_100']['cases']}`"),
+    ]
+
+
+def cost(budget):
+    """What a step costs, from the counts of tests/run bench."""
+    steps, six = budget["steps"], budget["steps6"]
+    words = [steps["c_leso_qpll"][what]["avg"] for what in ("instructions", "cycles")]
+    notch = [steps["enhanced"][what]["avg"] for what in ("instructions", "cycles")]
+    six_cycles = [six[name]["cycles"]["avg"] for name in ("c_leso_qpll", "enhanced")]
+    three, dual = budget["firmware"]["m4f -O2"], budget["firmware"]["m4f -O2, six phases"]
+    return (f"The whole step costs a Cortex-M4F some {words[0]:.0f} (C-LESO, QPLL) to {notch[0]:.0f} "
+            f"instructions (with the notch), {words[1]:.0f} to {notch[1]:.0f} cycles by the timing tables; "
+            f"with six phases {six_cycles[0]:.0f} to {six_cycles[1]:.0f} cycles. RAM: "
+            f"{three['drive']} bytes of state and {three['tuning']} of tuning, "
+            f"{three['drive'] + three['tuning']} in all as in the example above; with six phases "
+            f"{dual['drive']} and {dual['tuning']}. The tuning may lie in flash instead "
+            "(`sim/run design --c`). [docs/budget.md](docs/budget.md), `tests/run bench`.")
+
+
+def pace(f):
+    times = f["times_real_time"]
+    slow, fast = min(times, key=times.get), max(times, key=times.get)
+    return (f"The simulation runs at {times[slow]:.0f} (`{slow}`) to {times[fast]:.0f} (`{fast}`) times "
+            f"real time on one core, the main job at {times['main']:.0f}; each run prints its own figure.")
+
+
+def lines(figures, budget):
+    rows = [("what", "result", "command"), ("---", "---", "---"), *table_rows(figures)]
+    text = "\n".join("| " + " | ".join(row) + " |" for row in rows).replace("| --- | --- | --- |", "|---|---|---|")
+    return f"{BEGIN}\n{text}\n\n{cost(budget)}\n\n{pace(figures)}\n{END}"
+
+
+def main():
+    if len(sys.argv) < 2 or (sys.argv[1], len(sys.argv)) not in (("write", 3), ("render", 2),
+                                                               ("check", 2)):
+        sys.exit(__doc__)
+    page = PAGE.read_text()
+    if page.count(BEGIN) != 1 or page.count(END) != 1 or page.index(BEGIN) > page.index(END):
+        sys.exit(f"{PAGE}:1: expected one {BEGIN} and, after it, one {END}")
+    if sys.argv[1] == "write":
+        measured = json.dumps(measure(Tool(sys.argv[2])), indent=1)
+        FIGURES.write_text(re.sub(r"(\.\d{6})\d+", r"\1", measured) + "\n")
+        print(f"written: {FIGURES.relative_to(ROOT)}")
+    wanted = lines(json.loads(FIGURES.read_text()), json.loads(BUDGET.read_text()))
+    before, rest = page.split(BEGIN)
+    has = BEGIN + rest.split(END)[0] + END
+    if sys.argv[1] != "check":
+        PAGE.write_text(before + wanted + rest.split(END)[1])
+        print(f"written: {PAGE.relative_to(ROOT)}")
+        return
+    first = page.count("\n", 0, page.index(BEGIN)) + 1
+    wrong = 0
+    for number, (is_, should) in enumerate(zip(has.splitlines(), wanted.splitlines()), first):
+        if is_ != should:
+            wrong += 1
+            print(f"{PAGE.name}:{number}: '{is_}'; expected '{should}' (tests/run figures writes it)")
+    if len(has.splitlines()) != len(wanted.splitlines()):
+        wrong += 1
+        print(f"{PAGE.name}:{first}: expected {len(wanted.splitlines())} lines up to {END}")
+    print(f"{len(wanted.splitlines())} lines, {wrong} wrong")
+    sys.exit(1 if wrong else 0)
+
+
+if __name__ == "__main__":
+    main()
