@@ -182,7 +182,8 @@ def defaults_that_are_refused(checks, folder):
         ({"KV": 750, "f": 20000, "v": 36, "i": 20},
          r"^m.ini:8: \[drive\] f_pwm_Hz = 20000: LODE_ERROR_PLL_OBSERVER: gives \[estimator\] "
          r"sigma_rad_s = \d+.*; expected .*\[estimator\] w0_rad_s = 10000.*; with .*"
-         r"\[drive\] v_bus_V = 36 \(m.ini:9\), \[motor\] KV_rpm_V = 750 \(m.ini:6\)"),
+         r"\[drive\] v_bus_V = 36 \(m.ini:9\), \[motor\] KV_rpm_V = 750 \(m.ini:6\).*"
+         r"; \[motor\] speed_rated_rpm = 17\d\d\d\S* is assumed, and may be given"),
         ({"KV": 0, "f": 20000, "v": 36, "i": 20},
          r"^m.ini:6: \[motor\] KV_rpm_V = 0: LODE_ERROR_MOTOR_PSI: gives \[motor\] psi_Wb = inf; "),
     ]:

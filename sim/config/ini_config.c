@@ -308,7 +308,7 @@ void ini_config_value(const rig_config_t *config, int row, char *text, size_t si
     if (!known && key->offset == offsetof(rig_config_t, people.speed_rated_rpm)) {
         const lode_motor_t *motor = &config->drive.motor;
         number = rig_rpm_from_rad_s((double)motor->omega_rated_rad_s / (double)motor->pole_pairs);
-        (void)snprintf(text, size, "%.4g", number);
+        (void)snprintf(text, size, "%.6g", number);
     } else {
         rig_key_print(key, config, text, size);
     }

@@ -344,6 +344,18 @@ static blame_t find_blame(const rig_config_t *config, const refusal_t *refusal) 
     return (blame_t){keys.row[0], last_word(config, &keys, true), keys};
 }
 
+/// What may be given besides: a rated speed that was assumed.
+static void append_assumed(message_t *message, const rig_config_t *config, const rows_t *rows) {
+    for (int k = 0; k < rows->count; ++k) {
+        const int row = rows->row[k];
+        if (!may_be_auto(row) && config->origin[row].assumed != NULL && !is_shown(message, row)) {
+            append(message, "; ");
+            append_value(message, config, row);
+            append(message, " is assumed, and may be given");
+        }
+    }
+}
+
 static void describe(message_t *message, const rig_config_t *config, const refusal_t *refusal,
                      const blame_t *blame) {
     const int row = written_row(config, blame->blamed >= 0 ? blame->blamed : blame->compared);
@@ -362,6 +374,7 @@ static void describe(message_t *message, const rig_config_t *config, const refus
     append(message, "expected %s", refusal->expected);
     append_names(message, config, refusal, rig_schema().row[blame->compared].section);
     append_others(message, config, &blame->rows);
+    append_assumed(message, config, &blame->rows);
 }
 
 void refusal_report(const rig_config_t *config, lode_status_t status) {
