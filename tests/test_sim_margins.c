@@ -5,6 +5,7 @@
 
 #include "analyse/joint.h"
 #include "analyse/loop.h"
+#include "analyse/margins.h"
 #include "analyse/observer.h"
 #include "analyse/polynomial.h"
 #include "design/guide.h"
@@ -480,6 +481,30 @@ static void test_gi_holds_with_the_speed_fed_back(void) {
     }
 }
 
+static void test_margins_end_where_the_joint_loop_does(void) {
+    // Two ways to the same edge: Nyquist's curve of the open loop, and the poles of the whole. For
+    // observers that rotate with the speed, which that edge is made of.
+    const lode_emf_kind_t rotating[] = {LODE_EMF_FA_LESO, LODE_EMF_R_LESO};
+    const double omegas[] = {100.0, 471.0};
+    for (int k = 0; k < COUNT_OF(rotating); k++) {
+        for (int w = 0; w < COUNT_OF(omegas); w++) {
+            lode_drive_config_t drive = {.f_pwm_Hz = 5000.0f, .motor = paper_motor()};
+            const kind_t kind = {"", rotating[k], 0.0f, 100.0f};
+            drive.estimator = config_of(&kind, LODE_PLL_LESO, 100.0f);
+            drive.estimator.emf.w0_rad_s = 600.0f;
+            const lode_estimator_tuning_t tuning = tuning_of(&drive.estimator);
+            const double limit = margins_at(&drive, omegas[w]).sigma_limit_rad_s;
+            CHECK_AT_LEAST(100.0, limit);
+            for (int side = -1; side <= 1; side += 2) { // 1.5 %: the coarse steps of the sweep
+                const lode_estimator_tuning_t t =
+                    joint_with_sigma(&tuning, limit * (1.0 + 0.015 * side));
+                const joint_t joint = joint_make(&t, omegas[w]);
+                TEST_ASSERT_TRUE((joint_radius(&joint) < 1.0) == (side < 0));
+            }
+        }
+    }
+}
+
 static void test_ripple_of_harmonics_is_the_models(void) {
     const double omega = 200.0;
     const lode_estimator_config_t config =
@@ -608,6 +633,7 @@ int main(void) {
     RUN_TEST(test_the_firmware_returns_as_the_model_says);
     RUN_TEST(test_swings_decay_and_grow_as_the_poles_say);
     RUN_TEST(test_gi_holds_with_the_speed_fed_back);
+    RUN_TEST(test_margins_end_where_the_joint_loop_does);
     RUN_TEST(test_ripple_of_harmonics_is_the_models);
     RUN_TEST(test_an_acceleration_passes_as_the_model_says);
     RUN_TEST(test_table_2_of_paper_1);

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 
 #include "analyse/joint.h"
+#include "observer_inline.h"
 #include "support/units.h"
 
 enum { POINTS = 4000, POINTS_COARSE = 800, BISECTIONS = 14 };
@@ -104,6 +105,7 @@ static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, d
         .s = exp(-sigma_rad_s * ts_s),
         .sigma_of_notch = sigma_of_notch,
         .third_order = config->estimator.pll.kind == LODE_PLL_LESO,
+        .emf_follows = !lode_observer_rotates(&observer),
         .observer = observer_make(&observer, ts_s, omega_rad_s),
     };
     joint_observer(&loop.joint, &observer, ts_s, omega_rad_s);
@@ -159,10 +161,8 @@ static sweep_t sweep(const loop_t *loop, int points) {
 
 /// Nyquist: what the integrators turn below -180 degrees must have come back above unity gain.
 static bool is_stable(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s) {
-    loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
-    const bool stable = sweep(&loop, POINTS_COARSE).turns == 0;
-    loop.emf_follows = true;
-    return stable && sweep(&loop, POINTS_COARSE).turns == 0;
+    const loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
+    return sweep(&loop, POINTS_COARSE).turns == 0;
 }
 
 /// The first sigma on the way up that is unstable; NaN where there is none that makes sense.
@@ -200,10 +200,7 @@ margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s) {
     const double ts_s = 1.0 / (double)config->f_pwm_Hz;
     const double sigma = margins_sigma(&config->estimator.pll, omega_rad_s, ts_s);
     loop_t loop = make_loop(config, omega_rad_s, sigma, (double)config->estimator.pll.sigma_rad_s);
-    const sweep_t fed_back = sweep(&loop, POINTS);
-    loop.emf_follows = true;
-    const sweep_t followed = sweep(&loop, POINTS);
-    const sweep_t whole = followed.phase_deg < fed_back.phase_deg ? followed : fed_back;
+    const sweep_t whole = sweep(&loop, POINTS);
     loop.alone = true;
     const sweep_t alone = sweep(&loop, POINTS);
     return (margins_t){

@@ -4,10 +4,9 @@
 /// gains. The EMF observer H in front of it answers to a small swing of the EMF's angle with the
 /// mean of both side bands of the carrier rho = exp(j w Ts):
 ///     G(z) = (H(rho z)/H(rho) + conj(H(rho/z)/H(rho)))/2.
-/// The observer is in the loop in two ways, and the smaller margin counts. The speed that tunes it comes
-/// back through it: O - F W, with F the angle that a deviation of that speed makes, W = speed per error,
-/// both of analyse/joint.h (C-LESO: F = 0). And where the angle acts on the current, and so on the EMF, the
-/// loop is O G. Notches count with their blending.
+/// An observer that rotates with the speed closes a second loop: O - F W, with F the angle that a deviation
+/// of that speed makes and W the speed per error, both of analyse/joint.h. With C-LESO, which does not, the
+/// loop is O G, as where the angle acts on the current and so on the EMF. Notches count with their blending.
 #ifndef RIG_MARGINS_H
 #define RIG_MARGINS_H
 
