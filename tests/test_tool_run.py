@@ -212,14 +212,12 @@ def design(checks, folder):
                "--json=d.json")
     alone = folder.json("d.json")["speeds"][0]["phase_margin_alone_deg"]
     checks.true(75 < alone < 76.4, f"margin of the QPLL alone {alone}, expected 75 .. 76.4")
-    # FA-LESO, both ways in which it is in the loop. Where the EMF follows the angle, Routh on
-    # s^4 + k2 s^3 + 3 sigma k2 s^2 + 3 sigma^2 k2 s + sigma^3 k2 gives sigma = 8/9 k2; where the speed is
-    # fed back, k2/0.549. The lower one counts.
+    # FA-LESO with the speed fed back: the Routh condition gives sigma = k2/0.549.
     folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--set", "estimator.emf=fa-leso",
                "--set", "estimator.k2_rad_s=100", "--set", "estimator.sigma_rad_s=50",
                "--json=d.json")
     limit = folder.json("d.json")["speeds"][-1]["sigma_limit_rad_s"]
-    checks.at_most(abs(limit / (800 / 9) - 1), 0.02, f"FA-LESO's limit {limit}, off 88.9")
+    checks.at_most(abs(limit * 0.549 / 100 - 1), 0.02, f"FA-LESO's limit {limit}, off 182")
     # A motor alone is enough.
     done = folder.run("design", "--motor", "jiang2022")
     checks.equal(done.returncode, 0, f"exit code of design without a drive: {done.stderr}")

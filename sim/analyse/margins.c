@@ -20,6 +20,7 @@ typedef struct {
     double s; ///< pole of the PLL
     bool third_order;
     bool alone;       ///< without observer and notches
+    bool rotates;     ///< the observer, with the speed
     bool emf_follows; ///< the EMF follows the estimated angle; else the speed that is fed back acts
     double sigma_of_notch; ///< from which its blending goes
     observer_t observer;
@@ -105,7 +106,7 @@ static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, d
         .s = exp(-sigma_rad_s * ts_s),
         .sigma_of_notch = sigma_of_notch,
         .third_order = config->estimator.pll.kind == LODE_PLL_LESO,
-        .emf_follows = !lode_observer_rotates(&observer),
+        .rotates = lode_observer_rotates(&observer),
         .observer = observer_make(&observer, ts_s, omega_rad_s),
     };
     joint_observer(&loop.joint, &observer, ts_s, omega_rad_s);
@@ -161,7 +162,8 @@ static sweep_t sweep(const loop_t *loop, int points) {
 
 /// Nyquist: what the integrators turn below -180 degrees must have come back above unity gain.
 static bool is_stable(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s) {
-    const loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
+    loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
+    loop.emf_follows = !loop.rotates;
     return sweep(&loop, POINTS_COARSE).turns == 0;
 }
 
@@ -200,6 +202,7 @@ margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s) {
     const double ts_s = 1.0 / (double)config->f_pwm_Hz;
     const double sigma = margins_sigma(&config->estimator.pll, omega_rad_s, ts_s);
     loop_t loop = make_loop(config, omega_rad_s, sigma, (double)config->estimator.pll.sigma_rad_s);
+    loop.emf_follows = !loop.rotates;
     const sweep_t whole = sweep(&loop, POINTS);
     loop.alone = true;
     const sweep_t alone = sweep(&loop, POINTS);

@@ -62,8 +62,9 @@ static void print_lags(FILE *file, const design_t *design) {
 
 static void print_margins(FILE *file, const design_t *design) {
     (void)fputs(
-        "\nstability of the PLL: alone, and with the observer's delay in its loop (where the "
-        "angle acts\non the current and so on the EMF)\n"
+        "\nstability of the PLL: alone, and with the observer in its loop: through the speed that "
+        "tunes it;\nC-LESO, which has none: as where the angle acts on the current and so on the "
+        "EMF\n"
         "     rpm    sigma  crossover  margin alone |  margin  gain up  gain down   sigma at\n"
         "             rad/s      rad/s       deg el. |     deg       dB         dB   no margin\n",
         file);
