@@ -244,7 +244,7 @@ def files(checks, folder):
                     for key in ["omega_rad_s", "gain_dB", "phase_deg"]), "finite curves")
     checks.equal(sorted({r["figure"] for r in rows}),
                  ["fig4", "fig5", "fig8a", "fig8b", "fig9a", "li-fig1", "li-fig2", "li-fig4", "own-current",
-                  "own-observer", "own-pll", "own-pll-emf", "own-speed"], "curves of")
+                  "own-observer", "own-pll", "own-pll-alone", "own-speed"], "curves of")
     return folder.json("a.json")
 
 
@@ -299,8 +299,8 @@ def own_loops(checks, folder):
 
     wanted = {("current, d axis", None): current("d"), ("current, q axis", None): current("q")}
     for rpm in (300, 1500):
-        wanted["PLL, speed fed back", rpm] = lambda w: pll(w)[0]  # the C-LESO is not tuned to speed
-        wanted["PLL, EMF follows", rpm] = lambda w, at=rpm: pll(w)[0] * side_bands(w, at * math.pi / 10)
+        wanted["PLL alone", rpm] = lambda w: pll(w)[0]
+        wanted["PLL with observer", rpm] = lambda w, at=rpm: pll(w)[0] * side_bands(w, at * math.pi / 10)
         wanted["speed, PI alone", rpm] = speed(rpm)
     found = {(row["loop"], row["speed_rpm"] and round(row["speed_rpm"])): row
              for row in document["loops"]}
@@ -318,6 +318,15 @@ def own_loops(checks, folder):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if loop(middle).imag < 0 else (low, middle)
     near(checks, added, -20 * math.log10(abs(loop(low))), 0.1, "gain margin of current control")
+    # The same margins as in the table of speeds, for every observer.
+    for emf in ("c-leso", "gi-leso", "fa-leso", "fa-multi"):
+        folder.run("analyse", "--set", f"estimator.emf={emf}", "--json", "e.json")
+        document = folder.json("e.json")
+        at = {round(a["speed_rpm"]): a for a in document["speeds"]}
+        for row in document["loops"]:
+            if row["loop"] == "PLL with observer":
+                near(checks, row["phase_margin_deg"], at[round(row["speed_rpm"])]["phase_margin_deg"], 0.3,
+                     f"{emf}: margin at {row['speed_rpm']:.0f} rpm, as in the table of speeds")
     with open(folder.path / "o.csv", newline="") as file:
         rows = [r for r in csv.DictReader(file) if r["figure"] == "own-current"]
     row = rows[len(rows) // 4]

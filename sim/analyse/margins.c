@@ -223,11 +223,11 @@ static loop_t loop_at_speed(const lode_drive_config_t *config, double omega_rad_
     return make_loop(config, omega_rad_s, sigma, (double)config->estimator.pll.sigma_rad_s);
 }
 
-void margins_open_loop(const lode_drive_config_t *config, margins_loop_t which, double omega_rad_s,
-                       int count, const double *Omega_rad_s, double complex *value) {
+void margins_open_loop(const lode_drive_config_t *config, bool alone, double omega_rad_s, int count,
+                       const double *Omega_rad_s, double complex *value) {
     loop_t loop = loop_at_speed(config, omega_rad_s);
-    loop.alone = which == MARGINS_ALONE;
-    loop.emf_follows = which == MARGINS_EMF_FOLLOWS;
+    loop.alone = alone;
+    loop.emf_follows = !loop.rotates;
     for (int k = 0; k < count; ++k) {
         value[k] = open_loop(&loop, Omega_rad_s[k]);
     }

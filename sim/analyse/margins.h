@@ -11,6 +11,7 @@
 #define RIG_MARGINS_H
 
 #include <complex.h>
+#include <stdbool.h>
 
 #include "lodestar/drive.h"
 
@@ -27,15 +28,10 @@ typedef struct {
 /// Margins at the electrical speed `omega_rad_s`, with sigma as it is scheduled there.
 margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s);
 
-typedef enum {
-    MARGINS_ALONE,      ///< without observer and notches
-    MARGINS_FED_BACK,   ///< the speed that tunes the observer comes back through it
-    MARGINS_EMF_FOLLOWS ///< the EMF follows the estimated angle
-} margins_loop_t;
-
-/// The open loop of the PLL at this electrical speed, at the frequencies given, in the rotor's frame.
-void margins_open_loop(const lode_drive_config_t *config, margins_loop_t which, double omega_rad_s,
-                       int count, const double *Omega_rad_s, double complex *value);
+/// The open loop of the PLL at this electrical speed, at the frequencies given, in the rotor's frame: alone, or
+/// with observer and notches.
+void margins_open_loop(const lode_drive_config_t *config, bool alone, double omega_rad_s, int count,
+                       const double *Omega_rad_s, double complex *value);
 
 /// Estimated over true speed for a swing of the rotor about this speed.
 void margins_speed_response(const lode_drive_config_t *config, double omega_rad_s, int count,

@@ -52,14 +52,12 @@ static void current_q(const task_t *task, int count, const double *Omega, double
 
 // ---- Estimator ------------------------------------------------------------------------------------
 
-static void pll_fed_back(const task_t *task, int count, const double *Omega,
-                         double complex *value) {
-    margins_open_loop(task->drive, MARGINS_FED_BACK, task->omega_rad_s, count, Omega, value);
+static void pll_alone(const task_t *task, int count, const double *Omega, double complex *value) {
+    margins_open_loop(task->drive, true, task->omega_rad_s, count, Omega, value);
 }
 
-static void pll_followed(const task_t *task, int count, const double *Omega,
-                         double complex *value) {
-    margins_open_loop(task->drive, MARGINS_EMF_FOLLOWS, task->omega_rad_s, count, Omega, value);
+static void pll_whole(const task_t *task, int count, const double *Omega, double complex *value) {
+    margins_open_loop(task->drive, false, task->omega_rad_s, count, Omega, value);
 }
 
 // ---- Speed ----------------------------------------------------------------------------------------
@@ -172,8 +170,8 @@ void own_loops(analyse_t *self, const lode_drive_config_t *drive,
     for (int k = 0; k < OWN_SPEEDS; ++k) {
         task.omega_rad_s = shares[k] * (double)drive->motor.omega_rated_rad_s;
         add_observer(self, &task, k);
-        add_loop(self, &task, "own-pll", "PLL, speed fed back", k, pll_fed_back);
-        add_loop(self, &task, "own-pll-emf", "PLL, EMF follows", k, pll_followed);
+        add_loop(self, &task, "own-pll", "PLL with observer", k, pll_whole);
+        add_loop(self, &task, "own-pll-alone", "PLL alone", k, pll_alone);
         add_loop(self, &task, "own-speed", "speed, PI alone", k, speed);
     }
 }
