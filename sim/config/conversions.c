@@ -58,7 +58,7 @@ static double convert(const rig_config_t *config, const row_t *row, double given
     case LINE_LINE:
         return (double)lode_phase_from_line_line(value);
     case WINDING:
-        return (double)lode_phase_from_winding(value, config->sheet.winding);
+        return (double)lode_phase_from_winding(value, (lode_winding_t)config->sheet.winding);
     case KV:
         return (double)lode_psi_from_KV(value, np);
     case VRMS_KRPM:

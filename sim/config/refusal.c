@@ -242,6 +242,7 @@ typedef struct {
     rows_t shown; ///< whose values it has
 } message_t;
 
+static void append(message_t *message, const char *format, ...) RIG_PRINTF(2, 3);
 static void append(message_t *message, const char *format, ...) {
     const size_t used = strlen(message->text);
     va_list arguments;

@@ -429,6 +429,7 @@ static bool is_barred(const rig_phase_t *phase) {
            !isnan(phase->bar_speed_rpm) || phase->end_mode >= 0;
 }
 
+static void warn(runner_phase_t *out, const char *format, ...) RIG_PRINTF(2, 3);
 static void warn(runner_phase_t *out, const char *format, ...) {
     const size_t used = strlen(out->warning);
     va_list arguments;
@@ -549,19 +550,20 @@ static bool check_phases(const rig_config_t *config) {
     return true;
 }
 
+/// The library comes before the plant: it says what of the motor is wrong in the words of its keys.
+static bool check_drive(const rig_config_t *config) {
+    const lode_status_t status = rig_config_judge(config);
+    if (status != LODE_OK) {
+        refusal_report(config, status);
+    }
+    return status == LODE_OK;
+}
+
 static bool start(run_t *run) {
     const rig_scenario_t *scenario = &run->config->scenario;
     plant_config_t plant;
-    if (!check_phases(run->config)) {
-        return false;
-    }
-    // The library first: it says what of the motor is wrong in the words of its keys.
-    const lode_status_t status = rig_config_judge(run->config);
-    if (status != LODE_OK) {
-        refusal_report(run->config, status);
-        return false;
-    }
-    if (!rig_config_plant(run->config, &plant, &run->extra_load_Nm)) {
+    if (!check_phases(run->config) || !check_drive(run->config) ||
+        !rig_config_plant(run->config, &plant, &run->extra_load_Nm)) {
         return false;
     }
     (void)rig_init(&run->rig, run->config, &plant);
