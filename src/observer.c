@@ -28,23 +28,32 @@ static lode_status_t check(const lode_observer_config_t *config, float ts_s) {
     return status;
 }
 
-lode_status_t lode_observer_tune(lode_observer_tuning_t *tuning,
-                                 const lode_observer_config_t *config, float omega_rated_rad_s,
-                                 float ts_s) {
-    const lode_status_t status = check(config, ts_s);
-    lode_observer_tuning_t tuned = {.kind = config->kind};
+// False where the observer is not built in.
+static bool tune_own(float *own, const lode_observer_config_t *config, float omega_rated_rad_s,
+                     float ts_s) {
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
     LODE_IF_BUILT_IN(                                                                              \
         ID, if (config->kind == LODE_EMF_##ID) {                                                   \
-            if (status == LODE_OK) {                                                               \
-                id##_tune(tuned.own, config, omega_rated_rad_s, ts_s);                             \
-                *tuning = tuned;                                                                   \
-            }                                                                                      \
-            return status;                                                                         \
+            id##_tune(own, config, omega_rated_rad_s, ts_s);                                       \
+            return true;                                                                           \
         })
 #include "lodestar/observers.def"
 #undef LODE_OBSERVER
-    return LODE_ERROR_EMF_KIND;
+    return false;
+}
+
+lode_status_t lode_observer_tune(lode_observer_tuning_t *tuning,
+                                 const lode_observer_config_t *config, float omega_rated_rad_s,
+                                 float ts_s) {
+    lode_observer_tuning_t tuned = {.kind = config->kind};
+    if (!tune_own(tuned.own, config, omega_rated_rad_s, ts_s)) {
+        return LODE_ERROR_EMF_KIND;
+    }
+    const lode_status_t status = check(config, ts_s);
+    if (status == LODE_OK) {
+        *tuning = tuned;
+    }
+    return status;
 }
 
 lode_status_t lode_observer_check_pll(const lode_observer_config_t *config, float sigma_rad_s,

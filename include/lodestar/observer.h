@@ -42,13 +42,15 @@ typedef struct {
 
 // As large as the largest that is built in: whoever includes this must leave out the same ones.
 typedef union {
-#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) LODE_IF_BUILT_IN(ID, char id[vectors];)
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(ID, char id##_has[vectors];)
 #include "lodestar/observers.def"
 #undef LODE_OBSERVER
 } lode_observer_vectors_t;
 
 typedef union {
-#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) LODE_IF_BUILT_IN(ID, char id[numbers];)
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(ID, char id##_has[numbers];)
 #include "lodestar/observers.def"
 #undef LODE_OBSERVER
 } lode_observer_numbers_t;
