@@ -1,5 +1,7 @@
 #include "lodestar/channel.h"
 
+#include "inverter_inline.h"
+
 #include <stddef.h>
 
 // The one place that knows where a drive keeps its quantities.
@@ -54,9 +56,9 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
     case LODE_CHANNEL_I_BETA:
         return drive->estimator.emf.i_A.beta;
     case LODE_CHANNEL_U_ALPHA: // as lode_inverter_realised() will make it of the same two
-        return drive->inverter.v_bus_V * drive->inverter.acting.alpha;
+        return lode_inverter_realised(&drive->inverter, drive->steps).alpha;
     case LODE_CHANNEL_U_BETA:
-        return drive->inverter.v_bus_V * drive->inverter.acting.beta;
+        return lode_inverter_realised(&drive->inverter, drive->steps).beta;
     case LODE_CHANNEL_COUNT:
     default:
         return 0.0f;

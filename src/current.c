@@ -1,4 +1,4 @@
-#include "lodestar/current.h"
+#include "current_inline.h"
 
 // Crossover of the loop over 1/Ts: 1.5 periods of delay leave 73 degrees of phase margin.
 #define BANDWIDTH_TS 0.2f
@@ -55,6 +55,7 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
         .psi_Wb = motor->psi_Wb,
         .circle = config->voltage_use / LODE_SQRT3,
         .d_share = D_SHARE,
+        .free = D_SHARE * config->voltage_use / LODE_SQRT3,
     };
     return LODE_OK;
 }

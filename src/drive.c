@@ -1,13 +1,12 @@
-#include "drive_core.h"
+#include "drive_inline.h"
 
 #define TELEMETRY_TRIES 3
 
 void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     *self = (lode_drive_t){.tuning = tuning, .direction = 1.0f};
-    lode_core_switch_off(self, LODE_MODE_OFF);
     lode_sense_reset(&self->sense, &tuning->sense);
-    lode_estimator_reset(&self->estimator, &tuning->estimator);
     lode_guard_reset(&self->guard);
+    lode_mode_switch_off(self);
 }
 
 lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
@@ -20,6 +19,14 @@ lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
         lode_drive_begin(self, tuning);
     }
     return status;
+}
+
+// Tells the interrupt that there is mail. In this order: it may come in between.
+void lode_drive_call(lode_drive_t *self) {
+    LODE_SIGNAL_FENCE();
+    self->mail = true;
+    LODE_SIGNAL_FENCE();
+    self->steady = false;
 }
 
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command) {
@@ -45,7 +52,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     };
     LODE_SIGNAL_FENCE();
     self->command_posted = true;
-    self->mail = true;
+    lode_drive_call(self);
     return LODE_OK;
 }
 
@@ -55,8 +62,7 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
     }
     LODE_SIGNAL_FENCE();
     self->posted_tuning = tuning;
-    LODE_SIGNAL_FENCE();
-    self->mail = true;
+    lode_drive_call(self);
     return LODE_OK;
 }
 
@@ -72,7 +78,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
         const lode_pll_t *pll = &self->estimator.pll;
         *telemetry = (lode_telemetry_t){
             .steps = steps,
-            .mode = lode_core_mode(self),
+            .mode = lode_mode(self),
             .fault = self->guard.fault,
             .duty = self->duty,
             .i_A = self->i_A,
@@ -95,107 +101,164 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
     return false;
 }
 
-// Counts to amperes and volts, and the voltage that really acted over the last period.
-LODE_INLINE lode_measurement_t sensed(lode_drive_t *self, const lode_counts_t *counts) {
-    if (self->mail) {
-        lode_core_take_mail(self);
+LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
+                                       const lode_sample_t *sample) {
+    if (self->gates) {
+        lode_guard_diagnose(&self->guard, &self->tuning->guard, sense, &self->tuning->sense, sample,
+                            self->mode);
+        lode_mode_obey_guard(self);
     }
-    const lode_drive_tuning_t *tuning = self->tuning;
-    lode_calibration_t calibration = LODE_CALIBRATION_RUNNING;
-    float offset_count = 0.0f;
-    if (LODE_RARELY(!self->gates) && lode_core_mode(self) == LODE_MODE_CALIBRATE) {
-        float worst_count;
-        calibration = lode_sense_calibrate(&self->sense, &self->state.sums, &tuning->sense, counts,
-                                           &worst_count);
-        offset_count = worst_count;
-    }
-    const lode_sample_t sample =
-        lode_sense_glance(&self->sense, &tuning->sense, counts, self->unsampled);
-    const lode_ab_t u_V = lode_inverter_realised(&self->inverter, sample.v_bus_V);
-    return (lode_measurement_t){sample, u_V, calibration, offset_count};
 }
 
-// Duties for the voltage of the frame, turned to where it will stand while they act: one and a half
-// periods after the sample.
-LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, float per_bus) {
-    const lode_inverter_tuning_t *tuning = &self->tuning->inverter;
-    const lode_sincos_t acting = lode_angle_add(frame->rotor, lode_angle_triple(frame->half_turn));
-    const lode_ab_t v = lode_ab_scale(per_bus, lode_park_inverse(self->u_V, acting));
-    const lode_modulator_out_t out =
-        lode_modulator_set1(tuning, self->inverter.loss, v, lode_park_inverse(frame->i_A, acting));
-    if (LODE_RARELY(self->tuning->sense.windowed)) {
-        self->unsampled = self->unsampled_next;
-        self->unsampled_next = (uint_least8_t)lode_sense_unused(&self->tuning->sense, out.duty);
+LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition) {
+    const lode_situation_t now = {self->mode, lode_mode(self) == LODE_MODE_RUN};
+    lode_guard_check_slow(&self->guard, &self->tuning->guard, condition, now);
+    lode_mode_obey_guard(self);
+}
+
+LODE_RAMFUNC LODE_NOINLINE void lode_drive_extra_speed(lode_drive_t *self, lode_slot_t slot) {
+    const uint32_t mask = self->tuning->speed_periods - 1u;
+    const bool speed = (((uint32_t)slot - (uint32_t)SLOT_SPEED) & mask) == 0u;
+    const bool references = (((uint32_t)slot - (uint32_t)SLOT_REFERENCES) & mask) == 0u;
+    if (speed && slot != SLOT_SPEED && lode_mode(self) == LODE_MODE_RUN) {
+        lode_drive_speed(self);
     }
+    if (references && slot != SLOT_REFERENCES && lode_mode(self) == LODE_MODE_RUN) {
+        lode_drive_references(self);
+    }
+}
+
+LODE_INLINE lode_sample_t sample_of(const lode_drive_t *self, const lode_counts_t *counts) {
+    return lode_sense_step(&self->sense, &self->tuning->sense, counts, self->omitted);
+}
+
+// The sample is made once more, rather than kept at hand in all periods.
+static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *counts) {
+    const lode_sample_t sample = sample_of(self, counts);
+    const bool driven = self->gates;
+    lode_drive_diagnose(self, &self->sense, &sample);
+    if (driven && !self->gates) {
+        lode_mode_note_trip(self, sample.i_A);
+    }
+}
+
+// Counts to amperes and volts, the voltage that really acted over the last period, and the guard's check
+// of what must not wait.
+LODE_INLINE lode_sample_t sense(lode_drive_t *self, const lode_counts_t *counts) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_sample_t sample = sample_of(self, counts);
+    sample.u_V = lode_inverter_realised(&self->inverter, self->steps);
+    if (LODE_RARELY(!lode_guard_all_ok(&self->guard, &tuning->guard, &sample))) {
+        diagnose(self, counts);
+    }
+    lode_guard_note(&self->guard, &tuning->guard, sample.stamp);
+    lode_inverter_follow_bus(&self->inverter, &tuning->inverter, sample.v_bus_V);
+    return sample;
+}
+
+// Angle and speed at t_k.
+LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_sample_t *sample) {
+    return lode_estimator_fast(&self->estimator, &self->tuning->estimator, sample->u_V,
+                               sample->i_A);
+}
+
+// Duties for the voltage, and what the motor will see of it.
+LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, bool free) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_ab_t v =
+        lode_ab_scale(self->inverter.per_V, lode_park_inverse(self->u_V, frame->applied));
+    const lode_ab_t i_A = lode_park_inverse(frame->i_A, frame->applied);
+    const lode_modulator_out_t out =
+        lode_modulator_step(&tuning->inverter, &self->inverter.dead_time, v, i_A, free);
+    lode_inverter_write(&self->inverter, self->steps, out.realised);
     self->duty = out.duty;
-    lode_inverter_write(&self->inverter, out.realised);
+    if (LODE_RARELY(tuning->sense.windowed)) {
+        self->omitted = self->omitted_next;
+        self->omitted_next = lode_sense_omitted(&tuning->sense, out.duty);
+    }
     return out.duty;
 }
 
-// Something is wrong with this period: its sample is made once more, rather than kept at hand in all of
-// them.
-static LODE_NOINLINE void examine(lode_drive_t *self, const lode_counts_t *counts) {
-    const lode_sample_t sample =
-        lode_sense_step(&self->sense, &self->tuning->sense, counts, self->unsampled);
-    lode_core_examine(self, &sample, true);
+// The end of a period with the gates off.
+static LODE_NOINLINE lode_drive_out_t end_idle(lode_drive_t *self) {
+    self->steps++;
+    return (lode_drive_out_t){self->duty, false};
 }
 
-// The guard's look at what must not wait.
-LODE_INLINE void glance(lode_drive_t *self, const lode_period_t *p) {
-    const bool own = p->counts != NULL;
-    const bool finite = own || lode_core_is_finite(p->est);
-    if (LODE_RARELY(!finite) || LODE_RARELY(!lode_core_is_usual(self, p))) {
-        if (own) {
-            examine(self, p->counts);
-        } else {
-            lode_core_examine(self, &p->m->sample, finite);
+// A whole one: the voltage at open terminals is not known, so there is nothing to estimate.
+static LODE_NOINLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample_t *sample) {
+    lode_calibration_t calibration = LODE_CALIBRATION_RUNNING;
+    float worst_count = 0.0f;
+    if (lode_mode(self) == LODE_MODE_CALIBRATE) {
+        calibration = lode_sense_calibrate(&self->sense, &self->state.sums, &self->tuning->sense,
+                                           sample, &worst_count);
+    }
+    self->temperature_degC = lode_sense_temperature_degC(&self->tuning->sense, sample->temperature);
+    if (self->mail) {
+        lode_mode_take_mail(self);
+    }
+    lode_mode_idle(self, calibration, worst_count);
+    return end_idle(self);
+}
+
+// From angle and speed to duties.
+LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_sample_t *sample,
+                                 const lode_estimate_t *estimate) {
+    lode_frame_t frame = lode_drive_rotor_frame(self, estimate);
+    self->i_A = frame.i_A;
+    if (LODE_RARELY(!self->steady)) {
+        if (self->mail) {
+            lode_mode_take_mail(self);
+        }
+        lode_mode_follow(self);
+        if (!self->gates) {
+            return end_idle(self);
+        }
+        if (lode_mode(self) != LODE_MODE_RUN) {
+            frame = lode_drive_own_frame(self, sample);
         }
     }
-    self->guard.stamp = stamp_of(p);
-}
-
-// From angle and speed to duties: control, modulation and the last word of the guard.
-LODE_INLINE lode_drive_out_t acted(lode_drive_t *self, const lode_period_t *p) {
-    // Divided while the state machine decides.
-    const float per_bus = lode_modulator_per_bus(&self->tuning->inverter, p->m->sample.v_bus_V);
-    lode_core_follow(self, p);
-    if (LODE_USUALLY(self->gates)) {
-        glance(self, p);
-        const lode_frame_t frame = lode_core_control(self, p);
-        const lode_abc_t duty = modulate(self, &frame, per_bus);
-        lode_core_adapt(self, p);
-        if (LODE_USUALLY(lode_guard_is_good(&self->guard))) {
-            return (lode_drive_out_t){duty, true};
-        }
-    } else {
-        note_temperature(self, p);
+    const bool free = lode_drive_control(self, &frame, sample->v_bus_V);
+    const lode_abc_t duty = modulate(self, &frame, free);
+    lode_drive_slow_job(self, sample);
+    // Whoever made the duties, and whatever has tripped: the last word.
+    if (LODE_RARELY(!lode_modulator_is_sound(duty))) {
+        lode_mode_fault(self, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
     }
-    lode_core_stand_by(self);
-    return (lode_drive_out_t){self->duty, self->gates};
+    if (LODE_RARELY(!self->gates)) {
+        return end_idle(self);
+    }
+    self->steps++;
+    return (lode_drive_out_t){duty, true};
 }
 
-lode_measurement_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts) {
-    lode_measurement_t measurement = sensed(self, counts);
-    lode_sample_t *sample = &measurement.sample;
-    sample->railed =
-        sample->alert && lode_sense_railed(&self->tuning->sense, counts, self->unsampled);
-    return measurement;
+lode_sample_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts) {
+    return sense(self, counts);
 }
 
-lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_measurement_t *measurement) {
-    return lode_core_estimate(self, measurement->u_V, measurement->sample.i_A);
+lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_sample_t *sample) {
+    return self->gates ? estimate(self, sample) : lode_mode_estimate(self);
 }
 
-lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *measurement,
+lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
                                 const lode_estimate_t *estimate) {
-    const lode_period_t period = {measurement, estimate, NULL, NULL};
-    return acted(self, &period);
+    if (self->gates && estimate->source == LODE_ESTIMATE_EXTERNAL) {
+        lode_mode_adopt(self, estimate);
+    }
+    return self->gates ? act(self, sample, estimate) : idle(self, sample);
+}
+
+// The same from counts: the sample is made once more, rather than kept at hand in all periods.
+static LODE_NOINLINE lode_drive_out_t idle_period(lode_drive_t *self, const lode_counts_t *counts) {
+    const lode_sample_t sample = sample_of(self, counts);
+    return idle(self, &sample);
 }
 
 LODE_RAMFUNC lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts) {
-    const lode_measurement_t measured = sensed(self, counts); // counts -> A, V, realised voltage
-    const lode_estimate_t rotor =
-        lode_core_estimate(self, measured.u_V, measured.sample.i_A); // -> angle and speed at t_k
-    const lode_period_t period = {&measured, &rotor, counts, NULL};
-    return acted(self, &period); // -> duties, gates
+    const lode_sample_t sample = sense(self, counts); // counts -> A, V at t_k
+    if (LODE_RARELY(!self->steady) && !self->gates) {
+        return idle_period(self, counts);
+    }
+    const lode_estimate_t rotor = estimate(self, &sample); // -> angle and speed at t_k
+    return act(self, &sample, &rotor);                     // -> duties, gates
 }

@@ -1,6 +1,6 @@
 #include "lodestar/drive6.h"
 
-#include "drive_core.h"
+#include "drive_inline.h"
 
 #include <stddef.h>
 
@@ -58,7 +58,7 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
     if (tuning == NULL || config == NULL) {
         return LODE_ERROR_NULL;
     }
-    lode_status_t status = lode_core_check_given(&config->drive);
+    lode_status_t status = lode_drive_check_given(&config->drive);
     if (status == LODE_OK) {
         status = check(config);
     }
@@ -81,7 +81,11 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
         status = tune_alone(&t, config);
     }
     if (status == LODE_OK) {
-        t.watch = (lode_open_phase_tuning_t){WATCH_SHARE * complete.drive.inverter.i_max_A};
+        const float i_min_A = WATCH_SHARE * complete.drive.inverter.i_max_A;
+        t.watch = (lode_open_phase_tuning_t){i_min_A / lode_abs(t.drive.sense.i_gain)};
+        // A set's vector is that of the dq plane and that of the xy plane.
+        t.drive.current.free =
+            lode_min(t.drive.current.free, t.drive.inverter.free - t.xy.circle);
         t.source = complete.source;
         t.open_phase = complete.open_phase;
         *tuning = t;

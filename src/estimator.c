@@ -7,11 +7,13 @@
 #define SETTLE_OBSERVER 8.0f // time constants 1/w0 until the double pole has settled to 0.3 %
 #define SETTLE_ROTATION 3.0f // time constants of the mean rotation until it tells the speed to 5 %
 // 1.2 s at 200 kHz. The sum of two fits into 16 bits.
-#define TURNS_MAX 3.0e4f
+#define ROUNDS_MAX 3.0e4f
 // Amplitudes beyond any motor's.
 #define INPUT_LIMIT 1.0e6f
-// Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
-#define LEVEL_SLOPE 1.25f
+// Half a sine: beyond it the notch, and an amplitude that is a few periods old, mislead.
+#define ERROR_SMALL 0.5f
+// A correction up to this leaves the rotation's length within 1 % until it is normalised.
+#define CORRECTION_SMALL_rad 0.05f
 
 void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *motor, float ts_s) {
     const float omega_rated = motor->omega_rated_rad_s;
@@ -46,8 +48,19 @@ static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
                                    config->pll.kind == LODE_PLL_LESO);
 }
 
-static uint_least16_t turns_in(float time_s, float slow_s) {
-    return (uint_least16_t)((uint32_t)(int32_t)lode_min(time_s / slow_s, TURNS_MAX) + 1u);
+static uint_least16_t rounds_in(float time_s, float slow_s) {
+    return (uint_least16_t)((uint32_t)(int32_t)lode_min(time_s / slow_s, ROUNDS_MAX) + 1u);
+}
+
+static uint_least16_t options_of(const lode_estimator_tuning_t *t) {
+    const bool notch12 = t->notch12.k > 0.0f;
+    uint32_t options = 0u;
+    options |= t->emf.salient ? (uint32_t)LODE_ESTIMATOR_SALIENT : 0u;
+    options |= t->w_weight < 1.0f ? (uint32_t)LODE_ESTIMATOR_FILTERED : 0u;
+    options |= t->notch.k > 0.0f || notch12 ? (uint32_t)LODE_ESTIMATOR_NOTCH : 0u;
+    options |= notch12 ? (uint32_t)LODE_ESTIMATOR_NOTCH12 : 0u;
+    options |= t->pll.third_order ? (uint32_t)LODE_ESTIMATOR_THIRD_ORDER : 0u;
+    return (uint_least16_t)options;
 }
 
 lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
@@ -85,11 +98,11 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     t.w_weight =
         config->w_filter_rad_s > 0.0f ? lode_one_minus_exp(config->w_filter_rad_s * ts_s) : 1.0f;
     t.droop_s2 = lode_observer_droop_s2(&config->emf);
-    t.w_filtered = t.w_weight < 1.0f;
-    t.notched = t.notch.k > 0.0f || t.notch12.k > 0.0f;
-    t.notched12 = t.notch12.k > 0.0f;
+    t.options = options_of(&t);
     t.emin_V = config->emin_V;
     t.omega_limit = 2.0f * config->omega_max_rad_s;
+    const float theta_gain = lode_pll_gains(&t.pll, config->pll.omega_high_rad_s).theta;
+    t.error_small = lode_min(ERROR_SMALL, CORRECTION_SMALL_rad / theta_gain);
     t.psi_Wb = motor->psi_Wb;
     t.salient_H = motor->Ld_H - motor->Lq_H;
     t.acc_per_torque = leso ? np * lode_motor_torque_factor(motor) / motor->J_kgm2 : 0.0f;
@@ -98,39 +111,55 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     const float slow_s = (float)LODE_SLOW_PERIODS * ts_s;
     t.lock_weight = lode_one_minus_exp(slow_s / config->lock_s);
     t.rotation_weight = lode_one_minus_exp(ts_s / config->lock_s);
-    t.settle_turns = turns_in(settle_s, slow_s);
-    t.patience_turns = turns_in(config->lock_s, slow_s);
+    t.settle_rounds = rounds_in(settle_s, slow_s);
+    t.patience_rounds = rounds_in(config->lock_s, slow_s);
     *tuning = t;
     return LODE_OK;
 }
 
-// At a known angle of the rotor and speed; gains and notches follow in their turns.
+// One over the EMF's amplitude, with the sign that the phase detector needs.
+static float per_V_of(const lode_estimator_tuning_t *tuning, float e2_V2, float omega_rad_s) {
+    const float size = 1.0f / lode_max(lode_sqrt(e2_V2), tuning->emin_V);
+    return omega_rad_s < 0.0f ? size : -size;
+}
+
+static float square(lode_ab_t x) {
+    return x.alpha * x.alpha + x.beta * x.beta;
+}
+
+// At a known angle of the rotor and speed; gains and notches follow in their slots.
 static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                   lode_sincos_t rotor, float omega_rad_s) {
     self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
     self->pll =
         (lode_pll_t){.frame = lode_angle_subtract(rotor, self->lag.at), .omega_rad_s = omega_rad_s};
-    self->rotor = rotor;
+    self->per_V = per_V_of(tuning, square(self->emf.observer.e_V), omega_rad_s);
     self->id_A = lode_park(self->emf.i_A, rotor).d;
     self->omega_tune = omega_rad_s;
-    self->wait = tuning->patience_turns;
+    self->wait = tuning->patience_rounds;
 }
 
 void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     *self = (lode_estimator_t){.lock = 0.0f};
     place(self, tuning, (lode_sincos_t){0.0f, 1.0f}, 0.0f);
     self->gains = lode_pll_gains(&tuning->pll, 0.0f);
-    self->wait = tuning->settle_turns;
+    self->wait = tuning->settle_rounds;
 }
 
-// Takes the current for none where it is no number.
+void lode_estimator_set_current(lode_estimator_t *self, lode_ab_t i_A) {
+    self->emf.i_A = i_A;
+    self->id_A = lode_park(i_A, lode_estimator_rotor(self)).d;
+}
+
+// From the current of now, taken for none where it is no number.
 LODE_NOINLINE void lode_estimator_restart(lode_estimator_t *self,
-                                          const lode_estimator_tuning_t *tuning, lode_ab_t i_A) {
-    const uint_least8_t calls = self->calls;
+                                          const lode_estimator_tuning_t *tuning) {
+    const uint_least8_t slot = self->slot;
+    const lode_ab_t i_A = self->emf.i_A;
     lode_estimator_reset(self, tuning);
-    self->calls = calls;
+    self->slot = slot;
     if (lode_ab_in_range(i_A, INPUT_LIMIT)) {
-        lode_estimator_rewire(self, i_A);
+        lode_estimator_set_current(self, i_A);
     }
 }
 
@@ -139,11 +168,26 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
     place(self, tuning, rotor, omega_rad_s);
 }
 
+// A large position error: by the amplitude of now, and without the notches, which had no part in so large
+// a move. Beyond SINE_MAX where the state is that of no motor.
+LODE_RAMFUNC LODE_NOINLINE float
+lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                          lode_ab_t e_V, lode_sincos_t frame) {
+    const float e2 = square(e_V);
+    if (!(e2 <= EMF2_LIMIT_V2) || !(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit)) {
+        return 2.0f * SINE_MAX;
+    }
+    self->per_V = per_V_of(tuning, e2, self->pll.omega_rad_s);
+    lode_sogi_reset(&self->notch.sogi);
+    lode_sogi_reset(&self->notch12.sogi);
+    return lode_park(e_V, frame).d * self->per_V;
+}
+
 // Without lock, and has waited for long enough. The waiting time lets observer and mean rotation settle
 // after a reset, and a new acquisition prove itself. A longer one than any of these is no time that was
 // ever set: it must not keep a corrupted state waiting.
-static bool is_due(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    const uint32_t longest = (uint32_t)tuning->settle_turns + tuning->patience_turns;
+static bool is_seed_due(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    const uint32_t longest = (uint32_t)tuning->settle_rounds + tuning->patience_rounds;
     return self->wait == 0u || self->wait > longest;
 }
 
@@ -152,117 +196,101 @@ static bool is_due(const lode_estimator_t *self, const lode_estimator_tuning_t *
 static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e_V = self->emf.observer.e_V;
     lode_observer_settle(&self->emf.observer, &tuning->emf.observer);
-    const float turn_rad = lode_atan2(self->rotation.beta, self->rotation.alpha);
-    if (!(lode_abs(turn_rad) > 0.0f)) { // also of a mean that is no number, and would stay none
+    const float step_rad = lode_atan2(self->rotation.beta, self->rotation.alpha);
+    if (!(lode_abs(step_rad) > 0.0f)) { // also of a mean that is no number, and would stay none
         self->rotation = (lode_ab_t){0.0f, 0.0f};
     }
-    const float omega = turn_rad * tuning->pll.inv_ts;
+    const float omega = step_rad * tuning->pll.inv_ts;
     const float e_abs = lode_ab_length(e_V);
     if (!(e_abs > tuning->emin_V) || !(lode_abs(omega) <= tuning->omega_limit)) {
         return false;
     }
     const float unit = lode_sign(omega) / e_abs;
     self->pll = (lode_pll_t){.frame = {-unit * e_V.alpha, unit * e_V.beta}, .omega_rad_s = omega};
+    self->per_V = -unit;
     self->omega_tune = omega;
-    self->wait = tuning->patience_turns;
+    self->wait = tuning->patience_rounds;
     return true;
 }
 
-static void supervise(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    if (self->locked) {
-        self->wait = tuning->patience_turns;
-        self->rotation = self->before_V = (lode_ab_t){0.0f, 0.0f};
-    } else if (!is_due(self, tuning)) {
+LODE_RAMFUNC LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
+                                                    const lode_estimator_tuning_t *tuning) {
+    if (!is_seed_due(self, tuning)) {
         self->wait = (uint_least16_t)(self->wait - 1u);
     }
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
-LODE_RAMFUNC LODE_NOINLINE void
-lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+LODE_RAMFUNC LODE_NOINLINE void lode_estimator_note_rotation(lode_estimator_t *self,
+                                                     const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e = self->emf.observer.e_V;
     const lode_ab_t before = self->before_V;
-    const lode_ab_t turn = {e.alpha * before.alpha + e.beta * before.beta,
+    const lode_ab_t step = {e.alpha * before.alpha + e.beta * before.beta,
                             e.beta * before.alpha - e.alpha * before.beta};
     self->before_V = e;
     self->rotation = lode_ab_add_scaled(self->rotation, tuning->rotation_weight,
-                                        lode_ab_subtract(turn, self->rotation));
+                                        lode_ab_subtract(step, self->rotation));
 }
 
-LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_turn(
-    lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float omega_rad_s) {
+LODE_RAMFUNC LODE_NOINLINE lode_sincos_t
+lode_estimator_filtered_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                             float omega_rad_s) {
     self->omega_tune += tuning->w_weight * (omega_rad_s - self->omega_tune);
     return lode_sincos(tuning->pll.ts_s * self->omega_tune);
 }
 
-// Two independent signs: the EMF's amplitude against what the speed induces, and the mean cosine of
-// the angle between the EMF and where the PLL has it. The worse one counts.
-static void note_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    const lode_ab_t e_V = self->emf.observer.e_V;
-    const float omega = self->pll.omega_rad_s;
-    // The observer takes its part of the amplitude; C-LESO 1 + (w/w0)^2.
-    const float taken = 1.0f + omega * omega * tuning->droop_s2;
-    const float inv_e0 = 1.0f / (lode_max(lode_ab_length(e_V), tuning->emin_V) * taken);
-    const float ahead_V = lode_park(e_V, self->pll.frame).q;
-    const float cosine = (omega < 0.0f ? -ahead_V : ahead_V) * (taken * inv_e0);
-    const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * self->id_A);
-    const float level = 1.0f - LEVEL_SLOPE * lode_abs(induced_V * inv_e0 - 1.0f);
-    const float quality = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
-    self->lock = lode_clamp(self->lock + tuning->lock_weight * (quality - self->lock), 0.0f, 1.0f);
-    self->locked = self->lock >= LODE_LOCK_LOST;
+// A speed that has moved too far for the line through the lag.
+LODE_RAMFUNC LODE_NOINLINE void lode_estimator_renew_lag(lode_estimator_t *self,
+                                                         const lode_estimator_tuning_t *tuning) {
+    lode_estimator_adapt_lag(self, tuning);
 }
 
-LODE_RAMFUNC void lode_estimator_adapt_gains(lode_estimator_t *self,
-                                             const lode_estimator_tuning_t *tuning) {
-    self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);
-    if (!(self->gains.f_s2 > 0.0f)) {
-        self->pll.f_rad_s2 = 0.0f; // no states of the QPLL, whatever stood there
-        self->pll.acc_rad_s2 = 0.0f;
-    }
-}
-
-LODE_RAMFUNC void lode_estimator_adapt_lag(lode_estimator_t *self,
-                                           const lode_estimator_tuning_t *tuning) {
-    self->lag = lode_lag_line(&tuning->lag, self->pll.omega_rad_s);
-}
-
-LODE_RAMFUNC void lode_estimator_adapt_notches(lode_estimator_t *self,
-                                               const lode_estimator_tuning_t *tuning) {
-#ifdef LODE_WITHOUT_NOTCH
-    (void)self;
-    (void)tuning;
-#else
-    lode_notch_adapt(&self->notch, &tuning->notch, self->pll.omega_rad_s);
-    if (tuning->notched12) {
-        lode_notch_adapt(&self->notch12, &tuning->notch12, self->pll.omega_rad_s);
-    }
-#endif
-}
-
-LODE_RAMFUNC bool lode_estimator_adapt_seed(lode_estimator_t *self,
-                                            const lode_estimator_tuning_t *tuning) {
-    return !self->locked && is_due(self, tuning) && acquire(self, tuning);
-}
-
-LODE_RAMFUNC void lode_estimator_adapt_lock(lode_estimator_t *self,
-                                            const lode_estimator_tuning_t *tuning) {
-    note_lock(self, tuning);
-    supervise(self, tuning);
+LODE_RAMFUNC LODE_NOINLINE bool lode_estimator_seed(lode_estimator_t *self,
+                                                    const lode_estimator_tuning_t *tuning) {
+    return is_seed_due(self, tuning) && acquire(self, tuning);
 }
 
 float lode_estimator_theta_rad(const lode_estimator_t *self) {
-    const lode_sincos_t rotor =
-        lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
+    const lode_sincos_t rotor = lode_estimator_rotor(self);
     return lode_atan2(rotor.sin, rotor.cos);
+}
+
+// By itself. True: angle and speed were taken up anew.
+static bool do_slow_job(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    const lode_slot_t slot = lode_slot_of(self->slot);
+    self->slot = (uint_least8_t)lode_slot_of((uint32_t)slot + 1u);
+    switch (slot) {
+    case SLOT_LOCK:
+        lode_estimator_note_lock(self, tuning);
+        return false;
+    case SLOT_SEED:
+        lode_estimator_adapt_notches(self, tuning);
+        return !self->locked && lode_estimator_seed(self, tuning);
+    case SLOT_GAINS:
+        lode_estimator_adapt_gains(self, tuning);
+        return false;
+    case SLOT_LAG:
+        lode_estimator_adapt_lag(self, tuning);
+        return false;
+    case SLOT_DEAD_TIME:
+    case SLOT_GUARD:
+    case SLOT_SPEED:
+    case SLOT_REFERENCES:
+    case SLOT_COUNT:
+    default:
+        return false;
+    }
 }
 
 lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                     lode_ab_t u_V, lode_ab_t i_A) {
-    lode_estimate_t estimate = lode_estimator_follow(self, tuning, u_V, i_A);
-    const uint32_t part = self->calls % LODE_SLOW_PERIODS;
-    self->calls = (uint_least8_t)((part + 1u) % LODE_SLOW_PERIODS);
-    if (part < (uint32_t)LODE_ADAPT_PARTS &&
-        lode_estimator_adapt(self, tuning, (lode_adapt_t)part)) {
+    lode_estimate_t estimate = lode_estimator_fast(self, tuning, u_V, i_A);
+    // The drive looks at the lock before a speed so large is of use; here it comes out.
+    if (!(lode_abs(estimate.omega_rad_s) <= tuning->omega_limit)) {
+        lode_estimator_restart(self, tuning);
+        estimate = lode_estimator_nothing(self);
+    }
+    if (do_slow_job(self, tuning)) {
         estimate.reseeded = true;
     }
     return estimate;

@@ -1,116 +1,91 @@
-// The estimator's part of the step.
-#ifndef LODESTAR_ESTIMATOR_INLINE_H
-#define LODESTAR_ESTIMATOR_INLINE_H
+// One period of the estimator, and its slow jobs.
+#ifndef LODE_ESTIMATOR_INLINE_H
+#define LODE_ESTIMATOR_INLINE_H
 
 #include "emf_inline.h"
 #include "lag_inline.h"
 #include "lodestar/estimator.h"
+#include "notch_inline.h"
+#include "pll_inline.h"
+#include "scalar_inline.h"
+#include "schedule.h"
 
-/// The currents change their meaning, as when one set of a winding goes on alone: `i_A` is the present
-/// one in the new sense. Angle, speed and EMF stay.
-static inline void lode_estimator_rewire(lode_estimator_t *self, lode_ab_t i_A) {
-    self->emf.i_A = i_A;
-    self->id_A = lode_park(i_A, self->rotor).d;
+// Amplitude, squared, beyond any motor's EMF: NaN and Inf fall outside.
+#define EMF2_LIMIT_V2 1.0e12f
+// A sine of the position error beyond this is that of no rotation.
+#define SINE_MAX 1.1f
+// Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
+#define LEVEL_SLOPE 1.25f
+
+LODE_INLINE bool lode_estimator_asks(uint32_t options, int option) {
+    return (options & (uint32_t)option) != 0u;
 }
 
-/// Parts of lode_estimator_follow(), which alone calls them: what is not due in every period.
-void lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                            lode_ab_t i_A);
+// Rare parts, in estimator.c.
+void lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 void lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
-lode_sincos_t lode_estimator_filtered_turn(lode_estimator_t *self,
+lode_sincos_t lode_estimator_filtered_step(lode_estimator_t *self,
                                            const lode_estimator_tuning_t *tuning,
                                            float omega_rad_s);
-
-/// Amplitude, squared, beyond any motor's EMF: NaN and Inf fall outside.
-#define LODE_EMF2_LIMIT_V2 1.0e12f
-
-/// What follows the speed, and the lock quality.
-typedef enum {
-    LODE_ADAPT_NOTCHES,
-    LODE_ADAPT_LOCK, ///< and supervision
-    LODE_ADAPT_SEED, ///< where there has been no lock for long enough: speed and angle anew
-    LODE_ADAPT_LAG,  ///< after SEED, like the gains
-    LODE_ADAPT_GAINS,
-    LODE_ADAPT_PARTS
-} lode_adapt_t;
-
-/// The angle of a period at twice the highest omega_max, and some more.
-#define LODE_ADVANCE_MAX_rad 1.125f
-
-/// One each.
-void lode_estimator_adapt_gains(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
-void lode_estimator_adapt_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
-void lode_estimator_adapt_notches(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
-void lode_estimator_adapt_lock(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
-bool lode_estimator_adapt_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
-
-/// The slow part of a period, after lode_estimator_follow(): each of lode_adapt_t once in
-/// LODE_SLOW_PERIODS, in periods of their own. True: angle and speed were taken up anew.
-static inline bool lode_estimator_adapt(lode_estimator_t *self,
-                                        const lode_estimator_tuning_t *tuning, lode_adapt_t part) {
-    switch (part) {
-    case LODE_ADAPT_GAINS:
-        lode_estimator_adapt_gains(self, tuning);
-        return false;
-    case LODE_ADAPT_LAG:
-        lode_estimator_adapt_lag(self, tuning);
-        return false;
-    case LODE_ADAPT_NOTCHES:
-        lode_estimator_adapt_notches(self, tuning);
-        return false;
-    case LODE_ADAPT_SEED:
-        return lode_estimator_adapt_seed(self, tuning);
-    case LODE_ADAPT_LOCK:
-    case LODE_ADAPT_PARTS:
-    default:
-        lode_estimator_adapt_lock(self, tuning);
-        return false;
-    }
-}
+float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                                lode_ab_t e_V, lode_sincos_t frame);
+void lode_estimator_renew_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 
 LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
                                                 const lode_estimator_tuning_t *tuning) {
     return tuning->load_per_f_Nm * self->pll.f_rad_s2;
 }
 
-/// The EMF at t_k. `half_turn`: angle of half a period, of which `advance_rad` is the whole;
-/// `omega_rad_s`: speed as predicted.
+// Sine and cosine of the rotor's angle at t_k.
+LODE_INLINE lode_sincos_t lode_estimator_rotor(const lode_estimator_t *self) {
+    return lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
+}
+
+// The EMF at t_k. `half`: rotation by half of the motion's angle, `step`: by all of it; `frame`: of the PLL
+// as predicted for t_k.
 LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
-                                         const lode_estimator_tuning_t *tuning, lode_ab_t u_V,
-                                         lode_ab_t i_A, lode_sincos_t half_turn, float advance_rad,
-                                         float omega_rad_s) {
-    const lode_sincos_t turn = lode_angle_double(half_turn);
+                                         const lode_estimator_tuning_t *tuning, uint32_t options,
+                                         lode_ab_t u_V,
+                                         lode_ab_t i_A, lode_pll_motion_t motion,
+                                         lode_sincos_t half, lode_sincos_t step,
+                                         lode_sincos_t frame) {
     lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
     if (LODE_RARELY(!self->locked)) {
         lode_estimator_note_rotation(self, tuning);
-    } else if (tuning->emf.salient) {
-        // In the frame of id_A, moved on and not corrected.
-        m_V = lode_emf_less_salient(&tuning->emf, m_V, i_A, lode_angle_add(self->rotor, turn),
-                                    half_turn, self->id_A);
+    } else if (lode_estimator_asks(options, LODE_ESTIMATOR_SALIENT)) {
+        // By the lag that id_A was seen with: a difference would pass for a rise of the current.
+        const lode_sincos_t lag = lode_lag_near(&self->lag, self->pll.omega_rad_s);
+        m_V = lode_emf_less_salient(&tuning->emf, m_V, i_A, lode_angle_add(frame, lag), half,
+                                    self->id_A);
     }
-    lode_sincos_t tuned = turn;
+    lode_sincos_t tuned = step;
+    float omega_rad_s = motion.omega_rad_s;
     if (LODE_RARELY(lode_observer_rotates(&tuning->emf.observer))) {
         // (G1): at the speed predicted, not at the mean of the period.
-        const float more = tuning->pll.ts_s * omega_rad_s - advance_rad;
-        tuned = (lode_sincos_t){turn.sin + more * turn.cos, turn.cos - more * turn.sin};
-        if (LODE_RARELY(tuning->w_filtered)) {
-            tuned = lode_estimator_filtered_turn(self, tuning, omega_rad_s);
+        const float more = tuning->pll.ts_s * motion.omega_rad_s - motion.angle_rad;
+        tuned = lode_angle_rotate_small(step, more);
+        if (LODE_RARELY(lode_estimator_asks(options, LODE_ESTIMATOR_FILTERED))) {
+            tuned = lode_estimator_filtered_step(self, tuning, omega_rad_s);
             omega_rad_s = self->omega_tune;
         }
     }
     return lode_observer_step(&self->emf.observer, &tuning->emf.observer, m_V, tuned, omega_rad_s);
 }
 
-/// The position error without the harmonics of the EMF, which show in it at 6 w and 12 w.
+// The position error without the harmonics of the EMF, which show in it at 6 w and 12 w.
 LODE_INLINE float lode_estimator_notched(lode_estimator_t *self,
-                                         const lode_estimator_tuning_t *tuning, float error) {
+                                         const lode_estimator_tuning_t *tuning, uint32_t options,
+                                         float error) {
 #ifdef LODE_WITHOUT_NOTCH
     (void)self;
     (void)tuning;
+    (void)options;
 #else
-    if (tuning->notched) {
+    if (lode_estimator_asks(options, LODE_ESTIMATOR_NOTCH)) {
         error = lode_notch_step(&self->notch, &tuning->notch, error);
-        if (tuning->notched12) {
+        if (lode_estimator_asks(options, LODE_ESTIMATOR_NOTCH12)) {
             error = lode_notch_step(&self->notch12, &tuning->notch12, error);
         }
     }
@@ -118,8 +93,8 @@ LODE_INLINE float lode_estimator_notched(lode_estimator_t *self,
     return error;
 }
 
-/// Known acceleration over the period to come (P3), rad/s^2: torque of the measured current, seen from
-/// where the rotor is by the position error (P19), and friction.
+// Known acceleration over the period to come (P3), rad/s^2: torque of the measured current, seen from
+// where the rotor is by the position error (P19), and friction.
 LODE_INLINE float lode_estimator_acceleration(const lode_estimator_tuning_t *tuning, lode_dq_t i_A,
                                               float error, float omega_rad_s) {
     const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_A.d;
@@ -128,63 +103,135 @@ LODE_INLINE float lode_estimator_acceleration(const lode_estimator_tuning_t *tun
            tuning->acc_per_omega * omega_rad_s;
 }
 
-/// The fast part of a period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k.
-/// Total: whatever goes in, finite and in range comes out, and `reseeded` tells.
-LODE_INLINE lode_estimate_t lode_estimator_follow(lode_estimator_t *self,
-                                                  const lode_estimator_tuning_t *tuning,
-                                                  lode_ab_t u_V, lode_ab_t i_A) {
-    float omega;
-    const float advance = lode_pll_advance_rad(&self->pll, &tuning->pll, &omega);
-    const lode_sincos_t half_turn = lode_sincos_small(0.5f * advance);
-    const lode_sincos_t frame = lode_angle_add(self->pll.frame, lode_angle_double(half_turn));
-    const lode_ab_t e_V = lode_estimator_emf(self, tuning, u_V, i_A, half_turn, advance, omega);
+// What is known after lode_estimator_restart(): the current, by an angle of 0.
+LODE_INLINE lode_estimate_t lode_estimator_nothing(const lode_estimator_t *self) {
+    return (lode_estimate_t){.rotor = self->pll.frame,
+                             .i_A = {self->emf.i_A.alpha, self->emf.i_A.beta},
+                             .reseeded = true,
+                             .source = LODE_ESTIMATE_OWN};
+}
 
-    // Phase detector (paper 1, eq. 13; P1) with the sign of speed: else it locks half a turn off.
-    const float e2 = e_V.alpha * e_V.alpha + e_V.beta * e_V.beta;
-    const float e_abs = lode_max(sqrtf(e2), tuning->emin_V);
+// The fast part of a period.
+LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
+                                                const lode_estimator_tuning_t *tuning,
+                                                lode_ab_t u_V, lode_ab_t i_A) {
+    const uint32_t options = tuning->options;
+    const lode_pll_motion_t motion = lode_pll_predict(&self->pll, &tuning->pll);
+    const lode_sincos_t half = lode_sincos_small(0.5f * motion.angle_rad);
+    const lode_sincos_t step = lode_angle_double(half);
+    lode_sincos_t frame = lode_angle_add(self->pll.frame, step);
+    const lode_ab_t e_V = lode_estimator_emf(self, tuning, options, u_V, i_A, motion, half, step, frame);
+
+    // Phase detector (paper 1, eq. 13; P1) with the sign of speed, or it locks half a turn off. The
+    // amplitude is that of the last look; where the error is large, or no number, it is looked at now.
     const float across_V = lode_park(e_V, frame).d;
-    const float seen = (omega < 0.0f ? across_V : -across_V) / e_abs;
-    const float error = lode_estimator_notched(self, tuning, seen);
-    lode_pll_move(&self->pll, self->gains, frame, omega, error);
-    if (LODE_RARELY(!(lode_abs(advance) <= LODE_ADVANCE_MAX_rad)) ||
-        LODE_RARELY(!(e2 <= LODE_EMF2_LIMIT_V2)) ||
-        LODE_RARELY(!(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit))) { // NaN included
-        lode_estimator_restart(self, tuning, (lode_ab_t){i_A.alpha, i_A.beta});
-        const lode_sincos_t rotor = self->rotor;
-        return (lode_estimate_t){
-            .omega_rad_s = 0.0f,
-            .rotor = rotor,
-            .half_turn = {0.0f, 1.0f},
-            .i_A = lode_park(self->emf.i_A, rotor),
-            .e_V = {0.0f, 0.0f},
-            .load_torque_Nm = 0.0f,
-            .lock = 0.0f,
-            .reseeded = true,
-        };
+    float error = lode_estimator_notched(self, tuning, options, across_V * self->per_V);
+    if (LODE_RARELY(!(lode_abs(error) <= tuning->error_small))) {
+        error = lode_estimator_look_again(self, tuning, e_V, frame);
+        if (!(lode_abs(error) <= SINE_MAX)) {
+            lode_estimator_restart(self, tuning);
+            return lode_estimator_nothing(self);
+        }
+        frame = lode_angle_shorten(frame, self->gains.theta * error);
     }
+    lode_pll_correct(&self->pll, self->gains, frame, motion.omega_rad_s, error);
+
     if (LODE_RARELY(lode_lag_is_far(&self->lag, self->pll.omega_rad_s))) {
-        lode_estimator_adapt_lag(self, tuning);
+        lode_estimator_renew_lag(self, tuning);
     }
-    const lode_sincos_t rotor =
-        lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
+    const lode_sincos_t rotor = lode_estimator_rotor(self);
     const lode_dq_t i_dq = lode_park(i_A, rotor);
-    self->rotor = rotor;
     self->id_A = i_dq.d;
-    if (LODE_USUALLY(tuning->pll.third_order)) {
-        lode_pll_disturb(&self->pll, self->gains, error);
+    if (LODE_USUALLY(lode_estimator_asks(options, LODE_ESTIMATOR_THIRD_ORDER))) {
+        lode_pll_correct_disturbance(&self->pll, self->gains, error);
         self->pll.acc_rad_s2 =
             lode_estimator_acceleration(tuning, i_dq, error, self->pll.omega_rad_s);
     }
     return (lode_estimate_t){
         .omega_rad_s = self->pll.omega_rad_s,
         .rotor = rotor,
-        .half_turn = half_turn,
         .i_A = i_dq,
         .e_V = e_V,
         .load_torque_Nm = lode_estimator_load_torque_Nm(self, tuning),
         .lock = self->lock,
         .reseeded = false,
+        .source = LODE_ESTIMATE_OWN,
     };
+}
+
+// The state is that of a motor: a rotation of about length 1 and a speed within limits. NaN is not.
+LODE_INLINE bool lode_estimator_is_sound(const lode_estimator_t *self,
+                                         const lode_estimator_tuning_t *tuning, float length2) {
+    return LODE_USUALLY(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit) &&
+           LODE_USUALLY(lode_abs(length2 - 1.0f) <= 0.25f);
+}
+
+// SLOT_LOCK. Two independent signs: the EMF's amplitude against what the speed induces, and the cosine
+// of the angle between the EMF and where the PLL has it. The worse one counts.
+LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
+                                          const lode_estimator_tuning_t *tuning) {
+    const float length2 = lode_angle_length2(self->pll.frame);
+    if (LODE_RARELY(!lode_estimator_is_sound(self, tuning, length2))) {
+        lode_estimator_restart(self, tuning);
+        return;
+    }
+    const lode_ab_t e_V = self->emf.observer.e_V;
+    const float omega = self->pll.omega_rad_s;
+    const lode_sincos_t frame = lode_angle_normalise(self->pll.frame);
+    // The observer takes its part of the amplitude; C-LESO 1 + (w/w0)^2.
+    const float taken = 1.0f + omega * omega * tuning->droop_s2;
+    const float inv_e0 = 1.0f / (lode_max(lode_ab_length(e_V), tuning->emin_V) * taken);
+    const float size = inv_e0 * taken;
+    const float per_V = omega < 0.0f ? size : -size;
+    const float cosine = lode_park(e_V, frame).q * -per_V;
+    const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * self->id_A);
+    const float level = 1.0f - LEVEL_SLOPE * lode_abs(induced_V * inv_e0 - 1.0f);
+    const float quality = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
+    const float lock =
+        lode_clamp(self->lock + tuning->lock_weight * (quality - self->lock), 0.0f, 1.0f);
+    self->pll.frame = frame;
+    self->per_V = per_V;
+    self->lock = lock;
+    self->locked = lock >= LODE_LOCK_LOST;
+    if (LODE_USUALLY(self->locked)) {
+        self->wait = tuning->patience_rounds;
+        self->rotation = (lode_ab_t){0.0f, 0.0f};
+        self->before_V = (lode_ab_t){0.0f, 0.0f};
+    } else {
+        lode_estimator_wait(self, tuning);
+    }
+}
+
+// SLOT_SEED, whether locked or not.
+LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
+                                              const lode_estimator_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_NOTCH
+    (void)self;
+    (void)tuning;
+#else
+    if (lode_estimator_asks(tuning->options, LODE_ESTIMATOR_NOTCH)) {
+        lode_notch_adapt(&self->notch, &tuning->notch, self->pll.omega_rad_s);
+        if (lode_estimator_asks(tuning->options, LODE_ESTIMATOR_NOTCH12)) {
+            lode_notch_adapt(&self->notch12, &tuning->notch12, self->pll.omega_rad_s);
+        }
+    }
+#endif
+}
+
+// SLOT_GAINS
+LODE_INLINE void lode_estimator_adapt_gains(lode_estimator_t *self,
+                                            const lode_estimator_tuning_t *tuning) {
+    self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);
+    if (!tuning->pll.third_order) {
+        self->pll.f_rad_s2 = 0.0f; // no states of the QPLL, whatever stood there
+        self->pll.acc_rad_s2 = 0.0f;
+    }
+}
+
+// SLOT_LAG
+LODE_INLINE void lode_estimator_adapt_lag(lode_estimator_t *self,
+                                          const lode_estimator_tuning_t *tuning) {
+    self->lag = lode_lag_line(&tuning->lag, self->pll.omega_rad_s);
 }
 
 #endif

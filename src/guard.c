@@ -1,4 +1,6 @@
-#include "lodestar/guard.h"
+#include "guard_inline.h"
+
+#include "sense_inline.h"
 
 #define I_TRIP_SHARE 1.5f     // of i_max
 #define V_BUS_MAX_SHARE 1.25f // of nominal
@@ -7,7 +9,6 @@
 #define OMEGA_SHARE 1.3f // of the estimator's highest speed
 #define BUS_TIME_s 1.0e-3f
 #define LOCK_TIME_s 15.0e-3f // with the lock's own 3.5 ms it trips in less than 20 ms
-#define WATCH_PERIODS (0.5f * (float)LODE_SLOW_PERIODS)
 #define COUNTER_MAX 65535.0f
 #define STAMP_TOLERANCE 0.25f // of a period
 
@@ -90,7 +91,6 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         return LODE_ERROR_GUARD_TIME;
     }
     const float stamp = config->stamp_per_period;
-    const bool watched = stamp > 0.0f;
     const uint32_t stamp_min = (uint32_t)(int32_t)((1.0f - STAMP_TOLERANCE) * stamp);
     const uint32_t stamp_max = (uint32_t)(int32_t)((1.0f + STAMP_TOLERANCE) * stamp);
     *tuning = (lode_guard_tuning_t){
@@ -100,16 +100,16 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         .temperature_max = config->temperature_max_degC,
         .omega_max = config->omega_max_rad_s,
         .rail_periods = periods_in(config->bus_s, ts_s),
-        .bus_turns = periods_in(config->bus_s, WATCH_PERIODS * ts_s),
-        .lock_turns = periods_in(config->lock_s, WATCH_PERIODS * ts_s),
+        .bus_looks = periods_in(config->bus_s, (float)LODE_GUARD_PERIODS * ts_s),
+        .lock_looks = periods_in(config->lock_s, (float)LODE_GUARD_PERIODS * ts_s),
         .stamp_min = stamp_min,
-        .stamp_span = watched ? stamp_max - stamp_min : UINT32_MAX,
+        .stamp_span = stamp_max - stamp_min,
     };
     return LODE_OK;
 }
 
 void lode_guard_reset(lode_guard_t *self) {
-    *self = (lode_guard_t){.stamped = false};
+    *self = (lode_guard_t){.stamp = self->stamp};
 }
 
 void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
@@ -128,48 +128,49 @@ LODE_INLINE bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad,
     return next >= periods;
 }
 
-static float largest(lode_abc_t i) {
-    const float ab = lode_abs(i.a) > lode_abs(i.b) ? i.a : i.b;
-    return lode_abs(i.c) > lode_abs(ab) ? i.c : ab;
+// Phase current of the largest magnitude, A.
+static float largest_A(const lode_sense_tuning_t *sense, const lode_sample_t *sample) {
+    int32_t largest = 0;
+    for (int32_t n = 0; n < LODE_PHASES; n++) {
+        const bool larger = lode_abs((float)sample->i[n]) > lode_abs((float)largest);
+        largest = larger ? sample->i[n] : largest;
+    }
+    return (float)largest * sense->i_gain;
 }
 
-LODE_NOINLINE void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                  const lode_sample_t *sample, lode_situation_t now) {
-    const lode_abc_t i_A = sample->i_abc_A;
+LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                       const lode_sense_t *sense,
+                                       const lode_sense_tuning_t *sense_tuning,
+                                       const lode_sample_t *sample, uint_least8_t state) {
+    const float i_A = largest_A(sense_tuning, sample);
+    const bool railed = lode_sense_is_railed(sense, sense_tuning, sample);
     const uint32_t passed = sample->stamp - self->stamp;
-    const float i = largest(i_A);
-    const bool bounded = lode_abs(i_A.a) <= tuning->i_trip && lode_abs(i_A.b) <= tuning->i_trip &&
-                         lode_abs(i_A.c) <= tuning->i_trip;
     if (sample->trip) {
-        lode_guard_trip(self, now.state, LODE_CHECK_HARDWARE_TRIP, 1.0f, 0.0f);
+        lode_guard_trip(self, state, LODE_CHECK_HARDWARE_TRIP, 1.0f, 0.0f);
     }
-    if (!bounded) {
-        lode_guard_trip(self, now.state, LODE_CHECK_OVER_CURRENT, i, tuning->i_trip);
+    if (!(lode_abs(i_A) <= tuning->i_trip)) {
+        lode_guard_trip(self, state, LODE_CHECK_OVER_CURRENT, i_A, tuning->i_trip);
     }
-    self->railed = self->railed || sample->railed; // lode_guard_watch() empties it
-    if (sample->railed && persists(self, &self->rail, true, tuning->rail_periods)) {
-        lode_guard_trip(self, now.state, LODE_CHECK_CURRENT_RAIL, i, tuning->i_trip);
+    self->railed = self->railed || railed; // lode_guard_check_slow() empties it
+    if (railed && persists(self, &self->rail, true, tuning->rail_periods)) {
+        lode_guard_trip(self, state, LODE_CHECK_CURRENT_RAIL, i_A, tuning->i_trip);
     }
-    if (self->stamped && passed - tuning->stamp_min > tuning->stamp_span) {
-        lode_guard_trip(self, now.state, LODE_CHECK_TIMING, (float)passed,
+    if (tuning->stamp_span > 0u && passed - tuning->stamp_min > tuning->stamp_span) {
+        lode_guard_trip(self, state, LODE_CHECK_TIMING, (float)passed,
                         (float)(tuning->stamp_min + tuning->stamp_span));
     }
-    if (!now.finite) {
-        lode_guard_trip(self, now.state, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
-    }
-    self->stamped = true;
 }
 
 static void count_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                         lode_condition_t condition, uint_least8_t state) {
     const float v = condition.v_bus_V;
     const bool high = !(v <= tuning->v_bus_max);
-    if (persists(self, &self->bus, high || v < tuning->v_bus_min, tuning->bus_turns)) {
+    if (persists(self, &self->bus, high || v < tuning->v_bus_min, tuning->bus_looks)) {
         lode_guard_trip(self, state, high ? LODE_CHECK_OVER_VOLTAGE : LODE_CHECK_UNDER_VOLTAGE, v,
                         high ? tuning->v_bus_max : tuning->v_bus_min);
     }
     const float hot = condition.temperature_degC;
-    if (persists(self, &self->temperature, !(hot <= tuning->temperature_max), tuning->bus_turns)) {
+    if (persists(self, &self->temperature, !(hot <= tuning->temperature_max), tuning->bus_looks)) {
         lode_guard_trip(self, state, LODE_CHECK_OVER_TEMPERATURE, hot, tuning->temperature_max);
     }
     if (!self->railed) {
@@ -181,13 +182,13 @@ static void count_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
 static void count_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                          lode_condition_t condition, uint_least8_t state) {
     const float omega = condition.omega_rad_s;
-    if (persists(self, &self->lock, !(condition.lock >= LODE_LOCK_LOST), tuning->lock_turns)) {
+    if (persists(self, &self->lock, !(condition.lock >= LODE_LOCK_LOST), tuning->lock_looks)) {
         lode_guard_trip(self, state, LODE_CHECK_LOST_LOCK, condition.lock, LODE_LOCK_LOST);
     }
-    if (persists(self, &self->speed, !(lode_abs(omega) <= tuning->omega_max), tuning->lock_turns)) {
+    if (persists(self, &self->speed, !(lode_abs(omega) <= tuning->omega_max), tuning->lock_looks)) {
         lode_guard_trip(self, state, LODE_CHECK_OVER_SPEED, omega, tuning->omega_max);
     }
-    if (persists(self, &self->direction, !(omega >= 0.0f), tuning->lock_turns)) {
+    if (persists(self, &self->direction, !(omega >= 0.0f), tuning->lock_looks)) {
         lode_guard_trip(self, state, LODE_CHECK_WRONG_WAY, omega, 0.0f);
     }
 }
@@ -201,10 +202,10 @@ static LODE_NOINLINE void count_all(lode_guard_t *self, const lode_guard_tuning_
     }
 }
 
-LODE_RAMFUNC void lode_guard_watch(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                               lode_condition_t condition, lode_situation_t now) {
-    if (self->pending || !lode_guard_power_is_sound(tuning, &condition) ||
-        (now.sensorless && !lode_guard_motion_is_sound(tuning, &condition))) {
+LODE_RAMFUNC void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                        lode_condition_t condition, lode_situation_t now) {
+    if (self->pending || !lode_guard_power_ok(tuning, &condition) ||
+        (now.sensorless && !lode_guard_motion_ok(tuning, &condition))) {
         count_all(self, tuning, condition, now);
     }
 }

@@ -1,4 +1,4 @@
-#include "lodestar/inverter.h"
+#include "inverter_inline.h"
 
 // Least bus voltage that is divided by, as a share of nominal: below it the guard has tripped.
 #define V_MIN_SHARE 0.1f
@@ -74,9 +74,7 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     // Min-max centring leaves each rail half of what the span leaves over; the correction takes of it.
     const float most_loss = correct ? dead_duty + config->v_drop_V / v_min_V : 0.0f;
     const float room = (1.0f - 2.0f * most_loss) / LODE_SQRT3;
-    const bool plain = !model && !(ticks > 0.0f) && room > 0.0f;
     *tuning = (lode_inverter_tuning_t){
-        .ts_s = ts_s,
         .v_min_V = v_min_V,
         .dead_duty = dead_duty,
         .v_drop_V = config->v_drop_V,
@@ -84,22 +82,14 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
         .i_dead_span_A = (1.0f - I_DEAD_MIN_SHARE) * config->i_dead_A,
         .ticks = ticks,
         .inv_ticks = ticks > 0.0f ? 1.0f / ticks : 0.0f,
-        .v2_free = plain ? ROUNDING * room * room : -1.0f,
+        .free = model ? -1.0f : ROUNDING * room,
         .correct = correct,
         .model = model,
+        .grid = ticks > 0.0f,
     };
     return LODE_OK;
 }
 
 void lode_inverter_reset(lode_inverter_t *self) {
     *self = (lode_inverter_t){.v_bus_V = 0.0f};
-}
-
-LODE_RAMFUNC void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
-                                  lode_dq_t u_V, float v_bus_V) {
-    const float inv_v_bus = 1.0f / lode_max(v_bus_V, tuning->v_min_V);
-    // Largest less smallest duty is sqrt(3) times the amplitude, at most.
-    const float span =
-        lode_clamp(LODE_SQRT3 * lode_sqrt(u_V.d * u_V.d + u_V.q * u_V.q) * inv_v_bus, 0.0f, 1.0f);
-    self->loss = lode_inverter_shape(tuning, span, inv_v_bus);
 }

@@ -1,4 +1,4 @@
-#include "lodestar/lag.h"
+#include "lag_inline.h"
 
 #define CHECK_POINTS 48
 
@@ -61,23 +61,4 @@ lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_em
     }
     *lag = fitted;
     return LODE_OK;
-}
-
-LODE_RAMFUNC lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s) {
-    const float v = omega_rad_s * omega_rad_s * lag->inv_range2;
-    const float in = lode_min(v, 1.0f);
-    const float *c = lag->coefficient;
-    // The polynomial and its slope, by one scheme of Horner's.
-    const float b4 = c[4] + in * c[5];
-    const float b3 = c[3] + in * b4;
-    const float b2 = c[2] + in * b3;
-    const float b1 = c[1] + in * b2;
-    const float share = c[0] + in * b1;
-    const float rise = b1 + in * (b2 + in * (b3 + in * (b4 + in * c[5])));
-    const float twice = v < 1.0f ? 2.0f * v : 0.0f;
-    const float slope = share + twice * rise;
-    const float lag_rad = omega_rad_s * share;
-    // Within the octant up to a lag of 90 degrees, which no observer reaches below omega_max.
-    const lode_sincos_t at = lode_angle_double(lode_sincos_octant(0.5f * lag_rad));
-    return (lode_lag_line_t){at, omega_rad_s, slope};
 }

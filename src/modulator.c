@@ -1,17 +1,23 @@
-#include "lodestar/modulator.h"
+#include "modulator_inline.h"
 
-static float on_grid(const lode_inverter_tuning_t *inverter, float duty) {
+static float limited(const lode_inverter_tuning_t *inverter, float duty) {
     const float inside = lode_clamp(duty, 0.0f, 1.0f);
-    // `inside` is in [0, 1] and ticks at most 65535: the cast is defined.
-    return inverter->ticks > 0.0f
-               ? (float)(int32_t)(inside * inverter->ticks + 0.5f) * inverter->inv_ticks
-               : inside;
+    return inverter->grid ? lode_modulator_on_grid(inverter, inside) : inside;
 }
 
-LODE_RAMFUNC lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inverter,
-                                                      lode_abc_t duty, lode_abc_t loss) {
-    const lode_abc_t made = {on_grid(inverter, duty.a), on_grid(inverter, duty.b),
-                             on_grid(inverter, duty.c)};
+LODE_RAMFUNC LODE_NOINLINE lode_modulator_phases_t
+lode_modulator_limit(const lode_inverter_tuning_t *inverter, const lode_dead_time_t *dead_time,
+                     lode_abc_t v, lode_abc_t i_A) {
+    lode_abc_t duty = lode_modulator_duties(v);
+    lode_abc_t error = {0.0f, 0.0f, 0.0f};
+    if (inverter->correct || inverter->model) {
+        error = lode_modulator_errors(dead_time, i_A);
+    }
+    if (inverter->correct) {
+        duty = (lode_abc_t){duty.a + error.a, duty.b + error.b, duty.c + error.c};
+    }
+    const lode_abc_t made = {limited(inverter, duty.a), limited(inverter, duty.b),
+                             limited(inverter, duty.c)};
     return (lode_modulator_phases_t){
-        made, {made.a - loss.a, made.b - loss.b, made.c - loss.c}, false};
+        made, {made.a - error.a, made.b - error.b, made.c - error.c}, false};
 }

@@ -1,4 +1,4 @@
-#include "lodestar/notch.h"
+#include "notch_inline.h"
 
 lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k, float sigma_rad_s,
                               float ts_s) {

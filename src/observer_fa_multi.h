@@ -65,12 +65,12 @@ LODE_RAMFUNC static lode_ab_t fa_multi_step(lode_observer_t *self,
     const lode_sincos_t angle4 = lode_angle_add(angle2, angle2);
     const lode_sincos_t angle5 = lode_angle_add(angle4, step_angle);
     const lode_sincos_t angle7 = lode_angle_add(angle5, angle2);
-    const lode_ab_t main = lode_ab_turn(self->e_V, step_angle);
+    const lode_ab_t main = lode_ab_rotate(self->e_V, step_angle);
     const lode_ab_t zero = lode_ab_scale(keep, self->own[FA_MULTI_ZERO]);
     const lode_ab_t fifth = lode_ab_scale(
-        keep, lode_ab_turn(self->own[FA_MULTI_FIFTH], (lode_sincos_t){-angle5.sin, angle5.cos}));
+        keep, lode_ab_rotate(self->own[FA_MULTI_FIFTH], (lode_sincos_t){-angle5.sin, angle5.cos}));
     const lode_ab_t seventh =
-        lode_ab_scale(keep, lode_ab_turn(self->own[FA_MULTI_SEVENTH], angle7));
+        lode_ab_scale(keep, lode_ab_rotate(self->own[FA_MULTI_SEVENTH], angle7));
     const lode_ab_t error = {m_V.alpha - main.alpha - zero.alpha - fifth.alpha - seventh.alpha,
                              m_V.beta - main.beta - zero.beta - fifth.beta - seventh.beta};
     // Each further mode turns at wm - w against the first, which answers with lag k2/(wm - w).

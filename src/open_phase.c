@@ -1,4 +1,4 @@
-#include "lodestar/open_phase.h"
+#include "open_phase_inline.h"
 
 // Of the largest mean magnitude: noise and offset of a phase without current. Sound phases are equal.
 #define OPEN_SHARE 0.15f
@@ -21,9 +21,9 @@ static float smallest(lode_abc_t x) {
 }
 
 // The phase with the least current, from 1: while one is open, a phase beside it carries little, too.
-static LODE_NOINLINE lode_open_phase_t idlest(const lode_abc6_t *sum_A) {
-    const float sums[PHASES] = {sum_A->set[0].a, sum_A->set[0].b, sum_A->set[0].c,
-                                sum_A->set[1].a, sum_A->set[1].b, sum_A->set[1].c};
+static LODE_NOINLINE lode_open_phase_t idlest(const lode_abc6_t *sum) {
+    const float sums[PHASES] = {sum->set[0].a, sum->set[0].b, sum->set[0].c,
+                                sum->set[1].a, sum->set[1].b, sum->set[1].c};
     int32_t phase = 0;
     for (int32_t n = 1; n < PHASES; n++) {
         phase = sums[n] < sums[phase] ? n : phase;
@@ -33,20 +33,20 @@ static LODE_NOINLINE lode_open_phase_t idlest(const lode_abc6_t *sum_A) {
 
 static lode_open_phase_t found(const lode_open_phase_watch_t *self,
                                const lode_open_phase_tuning_t *tuning) {
-    const float most_1 = largest(self->sum_A.set[0]);
-    const float most_2 = largest(self->sum_A.set[1]);
+    const float most_1 = largest(self->sum.set[0]);
+    const float most_2 = largest(self->sum.set[1]);
     const float most = lode_max(most_1, most_2);
     const float limit = OPEN_SHARE * most;
-    if (!(most >= tuning->i_min_A * 0.5f * (float)self->samples)) {
+    if (!(most >= tuning->i_min * 0.5f * (float)self->samples)) {
         return 0u;
     }
-    if (!(lode_min(smallest(self->sum_A.set[0]), smallest(self->sum_A.set[1])) <= limit)) {
+    if (!(lode_min(smallest(self->sum.set[0]), smallest(self->sum.set[1])) <= limit)) {
         return 0u;
     }
     if (most_1 <= limit || most_2 <= limit) {
         return most_1 <= limit ? WHOLE_SET_1 : WHOLE_SET_2;
     }
-    return idlest(&self->sum_A);
+    return idlest(&self->sum);
 }
 
 LODE_RAMFUNC LODE_NOINLINE lode_open_phase_t lode_open_phase_judge(lode_open_phase_watch_t *self,
@@ -57,8 +57,8 @@ LODE_RAMFUNC LODE_NOINLINE lode_open_phase_t lode_open_phase_judge(lode_open_pha
     const lode_open_phase_t open = found(self, tuning);
     const bool again = open == self->suspect;
     const lode_abc_t none = {0.0f, 0.0f, 0.0f};
-    self->sum_A.set[0] = none; // one by one: no call of memset()
-    self->sum_A.set[1] = none;
+    self->sum.set[0] = none; // one by one: no call of memset()
+    self->sum.set[1] = none;
     self->samples = 0u;
     self->suspect = open;
     return again ? open : 0u;

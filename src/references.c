@@ -1,4 +1,5 @@
 #include "lodestar/references.h"
+#include "references_inline.h"
 
 // At 471 rad/s rated: full below 94, gone above 188 rad/s. Narrower, a load step from no load at a
 // quarter of rated speed met all three currents in the dead band: 11 degrees of error instead of 4.
@@ -179,11 +180,6 @@ void lode_references_reset(lode_references_t *self, float id_A) {
     *self = (lode_references_t){.id_A = id_A};
 }
 
-// An id so positive that a salient rotor has no torque left is met at the current limit.
-LODE_INLINE float active_flux(const lode_references_tuning_t *tuning, float salient, float id_A) {
-    return lode_max(tuning->psi_Wb + salient * id_A, tuning->active_min);
-}
-
 // id of MTPA for the torque `turn` >= 0 over the torque factor: (R3) to (R5).
 LODE_INLINE float mtpa_id(const lode_references_tuning_t *tuning, float salient, float turn) {
     const float y = 4.0f * lode_abs(salient) * turn * tuning->inv_psi2;
@@ -244,7 +240,7 @@ LODE_INLINE float newton_id(const lode_references_tuning_t *tuning, float id, fl
     const float salient = tuning->Ld_H - Lq;
     const float i_max = tuning->i_max_A;
     const float psi_d = tuning->psi_Wb + tuning->Ld_H * id;
-    const float active = active_flux(tuning, salient, id);
+    const float active = lode_references_active_flux(tuning, salient, id);
     const float excess = psi_d * psi_d - flux * flux;
     const float iq2 = i_max * i_max - id * id;
     const float active2 = active * active;
@@ -317,7 +313,7 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
         float id_min = tuning->id_min_A;
         if (tuning->mtpv) {
             const lode_dq_t point = mtpv(tuning, Lq, flux);
-            most = active_flux(tuning, salient, point.d) * point.q;
+            most = lode_references_active_flux(tuning, salient, point.d) * point.q;
             turn = lode_min(turn, most);
             id_min = lode_max(id_min, point.d);
         }
@@ -326,7 +322,7 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
     }
 #endif
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
-    const float active = active_flux(tuning, salient, id);
+    const float active = lode_references_active_flux(tuning, salient, id);
     const float iq = iq_of(tuning, turn, active, iq_max, id, Lq, flux);
     const float signed_iq = wanted < 0.0f ? -iq : iq;
     self->id_A = id;
@@ -342,28 +338,6 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
 }
 
 #endif
-
-LODE_RAMFUNC lode_references_out_t lode_references_step(lode_references_t *self,
-                                                    const lode_references_tuning_t *tuning,
-                                                    float torque_Nm, float omega_rad_s,
-                                                    float id_add_A,
-                                                    lode_references_voltage_t voltage) {
-#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (!tuning->plain) {
-        return lode_references_optimal(self, tuning, torque_Nm, omega_rad_s, id_add_A, voltage);
-    }
-#endif
-    (void)self;
-    (void)voltage;
-    const float i_max = tuning->i_max_A;
-    const float bias = tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
-    const float id = lode_clamp(id_add_A - bias, -i_max, i_max);
-    const float iq_max = lode_sqrt(i_max * i_max - id * id);
-    const float per_iq = tuning->torque_factor * active_flux(tuning, tuning->salient_H, id);
-    const float limit = per_iq * iq_max;
-    return (lode_references_out_t){{id, lode_clamp(torque_Nm / per_iq, -iq_max, iq_max)},
-                                   {-limit, limit}};
-}
 
 float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
                            float omega_rad_s) {

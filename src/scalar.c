@@ -1,4 +1,4 @@
-#include "lodestar/scalar.h"
+#include "scalar_inline.h"
 
 LODE_RAMFUNC lode_sincos_t lode_sincos(float x_rad) {
     const float x =

@@ -1,4 +1,4 @@
-#include "lodestar/sense.h"
+#include "sense_inline.h"
 
 // A share of full scale that the offset of a sound amplifier stays within.
 #define OFFSET_TOLERANCE 0.05f
@@ -59,96 +59,99 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
     if (!lode_in_range(config->calibrate_s, ts_s, 10.0f)) {
         return LODE_ERROR_SENSE_CALIBRATION;
     }
+    const float fraction = (float)LODE_COUNT_FRACTION;
+    const float gain = config->i_gain_A_count / fraction;
+    const float alert = headroom_count(config) - config->i_offset_tol_count - 1.0f;
     *tuning = (lode_sense_tuning_t){
-        .i_gain = config->i_gain_A_count,
-        .alpha_gain = config->i_gain_A_count / 3.0f,
-        .beta_gain = config->i_gain_A_count / LODE_SQRT3,
-        .i_offset_nominal = config->i_offset_count,
-        .i_offset_tol = config->i_offset_tol_count,
+        .i_gain = gain,
+        .alpha_gain = gain / 3.0f,
+        .beta_gain = gain / LODE_SQRT3,
+        .offset_nominal = (int32_t)(fraction * config->i_offset_count),
+        .offset_tol = (int32_t)(fraction * config->i_offset_tol_count),
+        .alert = (uint32_t)(int32_t)(fraction * lode_max(alert, 0.0f)),
         .v_bus_gain = config->v_bus_gain_V_count,
         .temperature_gain = config->temperature_gain_degC_count,
         .temperature_offset = config->temperature_offset_degC,
         .duty_max = config->duty_max,
-        .count_max = (uint16_t)(int32_t)config->count_max,
-        .alert_count = headroom_count(config) - config->i_offset_tol_count - 1.0f,
         .calibrate_periods = (uint32_t)lode_clamp(periods, 1.0f, CALIBRATION_SAMPLES_MAX),
-        .shunts = config->shunts,
+        .count_max = (uint16_t)(int32_t)config->count_max,
+        .two_shunts = config->shunts == LODE_SHUNTS_TWO,
         .windowed = config->shunts == LODE_SHUNTS_TWO || config->duty_max < 1.0f,
     };
     return LODE_OK;
 }
 
 void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning) {
-    const float nominal = tuning->i_offset_nominal;
-    self->offset_count = (lode_abc_t){nominal, nominal, nominal};
+    for (int32_t n = 0; n < LODE_PHASES; n++) {
+        self->offset[n] = tuning->offset_nominal;
+    }
 }
 
 void lode_sense_begin(lode_sense_sums_t *sums) {
     *sums = (lode_sense_sums_t){.samples = 0u};
 }
 
-// The phase whose sample is not used: the third where there are two shunts; else the one with the
-// longest duty, where that leaves its low-side shunt no time. LODE_PHASES if all are.
-LODE_RAMFUNC int32_t lode_sense_unused(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
-    if (tuning->shunts == LODE_SHUNTS_TWO) {
-        return 2;
+// The third where there are two shunts; else the one with the longest duty, where that leaves its
+// low-side shunt no time.
+LODE_RAMFUNC uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
+    if (tuning->two_shunts) {
+        return 2u;
     }
     const float longest = lode_max(lode_max(duty.a, duty.b), duty.c);
     if (!(longest > tuning->duty_max)) {
         return LODE_PHASES;
     }
-    return duty.a >= longest ? 0 : (duty.b >= longest ? 1 : 2);
+    return duty.a >= longest ? 0u : (duty.b >= longest ? 1u : 2u);
 }
 
-LODE_RAMFUNC lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused) {
-    if (unused == 0) {
-        i.a = -i.b - i.c;
-    } else if (unused == 1) {
-        i.b = -i.a - i.c;
-    } else {
-        i.c = -i.a - i.b;
+// What the converter delivered.
+static int32_t count_of(const lode_sense_t *self, const lode_sample_t *sample, int32_t phase) {
+    return (sample->i[phase] + self->offset[phase]) / LODE_COUNT_FRACTION;
+}
+
+LODE_NOINLINE bool lode_sense_is_railed(const lode_sense_t *self,
+                                        const lode_sense_tuning_t *tuning,
+                                        const lode_sample_t *sample) {
+    bool railed = false;
+    for (int32_t n = 0; n < LODE_PHASES; n++) {
+        const int32_t count = count_of(self, sample, n);
+        railed = railed || ((uint_least8_t)n != sample->omitted &&
+                            (count <= 0 || count >= (int32_t)tuning->count_max));
     }
-    return i;
-}
-
-static bool at_rail(const lode_sense_tuning_t *tuning, uint16_t count) {
-    return count == 0u || count >= tuning->count_max;
-}
-
-LODE_RAMFUNC LODE_NOINLINE bool lode_sense_railed(const lode_sense_tuning_t *tuning,
-                                          const lode_counts_t *counts, int32_t unused) {
-    return (unused != 0 && at_rail(tuning, counts->i[0])) ||
-           (unused != 1 && at_rail(tuning, counts->i[1])) ||
-           (unused != 2 && at_rail(tuning, counts->i[2]));
-}
-
-static float further(float a, float b) {
-    return lode_abs(a) > lode_abs(b) ? a : b;
+    return railed;
 }
 
 lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *sums,
                                         const lode_sense_tuning_t *tuning,
-                                        const lode_counts_t *counts, float *worst_count) {
-    for (int32_t i = 0; i < LODE_PHASES; i++) {
-        sums->count[i] += counts->i[i];
+                                        const lode_sample_t *sample, float *worst_count) {
+    for (int32_t n = 0; n < LODE_PHASES; n++) {
+        sums->count[n] += (uint32_t)count_of(self, sample, n);
     }
     sums->samples++;
     *worst_count = 0.0f;
     if (sums->samples < tuning->calibrate_periods) {
         return LODE_CALIBRATION_RUNNING;
     }
-    const float nominal = tuning->i_offset_nominal;
-    const float share = 1.0f / (float)sums->samples;
-    lode_abc_t offset = {(float)sums->count[0] * share, (float)sums->count[1] * share,
-                         (float)sums->count[2] * share};
-    if (tuning->shunts == LODE_SHUNTS_TWO) {
-        offset.c = nominal; // nothing need be wired there
+    int32_t offset[LODE_PHASES];
+    int32_t worst = 0;
+    for (int32_t n = 0; n < LODE_PHASES; n++) {
+        // Whole counts and the rest apart: together they would not fit.
+        const uint32_t whole = sums->count[n] / sums->samples;
+        const uint32_t rest = sums->count[n] % sums->samples;
+        offset[n] = (int32_t)(LODE_COUNT_FRACTION * whole + LODE_COUNT_FRACTION * rest / sums->samples);
+        if (tuning->two_shunts && n == 2) {
+            offset[n] = tuning->offset_nominal; // nothing need be wired there
+        }
+        const int32_t off = offset[n] - tuning->offset_nominal;
+        worst = lode_abs((float)off) > lode_abs((float)worst) ? off : worst;
     }
     lode_sense_begin(sums);
-    *worst_count = further(further(offset.a - nominal, offset.b - nominal), offset.c - nominal);
-    if (!lode_in_range(*worst_count, -tuning->i_offset_tol, tuning->i_offset_tol)) {
+    *worst_count = (float)worst / (float)LODE_COUNT_FRACTION;
+    if (worst > tuning->offset_tol || worst < -tuning->offset_tol) {
         return LODE_CALIBRATION_IMPLAUSIBLE;
     }
-    self->offset_count = offset;
+    for (int32_t n = 0; n < LODE_PHASES; n++) {
+        self->offset[n] = offset[n];
+    }
     return LODE_CALIBRATION_DONE;
 }

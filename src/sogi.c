@@ -1,4 +1,4 @@
-#include "lodestar/sogi.h"
+#include "sogi_inline.h"
 
 void lode_sogi_reset(lode_sogi_t *self) {
     *self = (lode_sogi_t){0.0f, 0.0f};

@@ -12,7 +12,7 @@
 #define FADE_TIME_s 0.1f
 #define PATIENCE_s 0.4f
 #define ATTEMPTS 3.0f    // until the start has failed
-#define TURNS_MAX 2.0e9f // inside an int32
+#define ROUNDS_MAX 2.0e9f // inside an int32
 #define SWEEP_rad (LODE_TWO_PI / 3.0f)
 #define MEAN_CORNER 0.3f      // of the mean EMF, over the swing's natural frequency
 #define SWING_CORNER 3.0f     // of its deviation: above, an error in Lq would close a loop
@@ -78,10 +78,10 @@ static lode_status_t check(const lode_start_config_t *config,
 }
 
 // To the nearest; 0 only for no time at all.
-static uint32_t turns_in(float time_s, float ts_s) {
-    const float turns = time_s / ((float)LODE_SLOW_PERIODS * ts_s);
+static uint32_t rounds_in(float time_s, float ts_s) {
+    const float rounds = time_s / ((float)LODE_SLOW_PERIODS * ts_s);
     const float least = time_s > 0.0f ? 1.0f : 0.0f;
-    return (uint32_t)(int32_t)lode_clamp(turns + 0.5f, least, TURNS_MAX);
+    return (uint32_t)(int32_t)lode_clamp(rounds + 0.5f, least, ROUNDS_MAX);
 }
 
 lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_config_t *config,
@@ -109,10 +109,10 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .omega_hold = HOLD_SHARE * config->omega_handover_rad_s,
         .fade_step = ts_s / config->fade_s,
         .ts_s = ts_s,
-        .catch_turns = turns_in(lode_max(config->catch_s, 0.0f), ts_s),
-        .lock_turns = turns_in(config->lock_s, ts_s),
-        .attempt_turns = turns_in(attempt_s(config), ts_s),
-        .timeout_turns = turns_in(config->timeout_s, ts_s),
+        .catch_rounds = rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
+        .lock_rounds = rounds_in(config->lock_s, ts_s),
+        .attempt_rounds = rounds_in(attempt_s(config), ts_s),
+        .timeout_rounds = rounds_in(config->timeout_s, ts_s),
     };
     return LODE_OK;
 }
@@ -127,7 +127,7 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
 
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
     lode_start_reset(self, (lode_sincos_t){0.0f, 1.0f}, 0.0f, 0.0f);
-    self->catching = tuning->catch_turns;
+    self->catching = tuning->catch_rounds;
 }
 
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
@@ -135,7 +135,7 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
                       float omega_target_rad_s) {
     const bool starting = lode_abs(omega_target_rad_s) > 0.0f;
     self->attempt = starting ? self->attempt + 1u : 0u;
-    if (self->attempt > tuning->attempt_turns) {
+    if (self->attempt > tuning->attempt_rounds) {
         self->attempt = 0u;
         self->omega_rad_s = 0.0f;
         self->current_A = 0.0f;
@@ -146,20 +146,20 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
                     float current_A) {
     self->omega_target = omega_target_rad_s;
     self->current_target = current_A;
-    self->at = lode_angle_drawn(self->at); // what the periods in between have left of its length
-    self->turns++;
+    self->at = lode_angle_normalise(self->at); // what the periods in between have left of its length
+    self->rounds++;
     try_again(self, tuning, omega_target_rad_s);
 }
 
-void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning,
-                      const lode_estimate_t *estimate) {
-    const float omega = self->omega_rad_s;
+void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_rad_s,
+                      float lock) {
+    const float vector = self->omega_rad_s;
     const float slack = SPEED_TOLERANCE * tuning->omega_handover;
-    const bool arrived = lode_abs(omega) >= tuning->omega_handover &&
-                         omega * self->omega_target > 0.0f &&
-                         lode_abs(estimate->omega_rad_s - omega) <= slack;
-    const bool sound = (self->catching > 0u || arrived) && estimate->lock >= LODE_LOCK_HANDOVER &&
-                       lode_abs(estimate->omega_rad_s) >= tuning->omega_handover - slack;
+    const bool arrived = lode_abs(vector) >= tuning->omega_handover &&
+                         vector * self->omega_target > 0.0f &&
+                         lode_abs(omega_rad_s - vector) <= slack;
+    const bool sound = (self->catching > 0u || arrived) && lock >= LODE_LOCK_HANDOVER &&
+                       lode_abs(omega_rad_s) >= tuning->omega_handover - slack;
     self->locked = sound ? self->locked + 1u : 0u;
     if (self->catching > 0u) {
         self->catching--;
@@ -168,6 +168,6 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning,
 }
 
 bool lode_start_is_ready(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    const uint32_t caught = tuning->catch_turns / CATCH_PARTS + 1u;
-    return self->locked >= (self->catching > 0u ? caught : tuning->lock_turns);
+    const uint32_t caught = tuning->catch_rounds / CATCH_PARTS + 1u;
+    return self->locked >= (self->catching > 0u ? caught : tuning->lock_rounds);
 }

@@ -1,5 +1,8 @@
 #include "lodestar/xy.h"
 
+#include "pi_inline.h"
+#include "scalar_inline.h"
+
 // Crossover over 1/Ts: half of the dq plane's, for the leakage inductance is known less well.
 #define BANDWIDTH_TS 0.1f
 #define BANDWIDTH_TS_MAX 0.4f
@@ -38,6 +41,7 @@ lode_status_t lode_xy_tune(lode_xy_tuning_t *tuning, const lode_xy_config_t *con
         .pi = {config->bandwidth_rad_s * L_H, config->bandwidth_rad_s * R_Ohm * ts_s},
         .bandwidth_rad_s = config->bandwidth_rad_s,
         .corner_rad_s = R_Ohm / L_H,
+        .ts_s = ts_s,
         .delay_s = DELAY_PERIODS * ts_s,
         .gain_Ohm_s = 2.0f * L_H * lode_max(config->resonance_rad_s, 0.0f) * ts_s,
         .omega6_max = TURN_MAX_rad / ts_s,
@@ -47,7 +51,7 @@ lode_status_t lode_xy_tune(lode_xy_tuning_t *tuning, const lode_xy_config_t *con
 }
 
 void lode_xy_reset(lode_xy_t *self) {
-    *self = (lode_xy_t){.aim = {0.0f, {0.0f, 1.0f}}};
+    *self = (lode_xy_t){.aim = {0.0f, {0.0f, 1.0f}, {0.0f, 1.0f}}};
 }
 
 LODE_RAMFUNC void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning, float omega_rad_s) {
@@ -60,6 +64,7 @@ LODE_RAMFUNC void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning,
     }
     const float sign = lode_sign(omega_rad_s);
     const float omega6 = sign * size;
+    self->aim.step = lode_angle_double(lode_sincos_octant(0.5f * omega6 * tuning->ts_s));
     // The PI loop answers a voltage at 6 w with the current 1/(L d), d below: the resonator leads by the
     // angle of d, and its gain keeps the rate (X3). A quarter of the angle lies within the octant:
     // TURN_MAX_rad DELAY_PERIODS/4 is 0.59.

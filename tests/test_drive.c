@@ -1,6 +1,8 @@
 // The drive: modes, commands, tunings, faults, telemetry, and a motor in double behind it.
 #include "support/rig.h"
 
+#include "design/tuning_fields.h"
+
 void setUp(void) {}
 
 void tearDown(void) {}
@@ -91,9 +93,10 @@ static void test_calibration_measures_offsets_with_gates_off(void) {
         rig_expect(&rig, LODE_MODE_CALIBRATE);
     }
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.1));
-    CHECK_NEAR(0.01, 2068.0, rig.drive.sense.offset_count.a);
-    CHECK_NEAR(0.01, 2013.0, rig.drive.sense.offset_count.b);
-    CHECK_NEAR(0.01, 2052.0, rig.drive.sense.offset_count.c);
+    const int32_t offsets[] = {2068, 2013, 2052};
+    for (int n = 0; n < 3; n++) {
+        TEST_ASSERT_EQUAL_INT(offsets[n] * LODE_COUNT_FRACTION, rig.drive.sense.offset[n]);
+    }
     rig_run(&rig, 0.2); // once
     rig_expect(&rig, LODE_MODE_OFF);
 }
@@ -148,6 +151,7 @@ static void test_turning_voltage_is_ahead_by_one_and_a_half_periods(void) {
     // A current of 5 A along alpha tells where the frame stands at the sample.
     const lode_counts_t counts = {.i = {2448, 1848, 1848}, .v_bus = 2000};
     double before = 0.0;
+    (void)lode_drive_step(&rig.drive, &counts); // switches the gates on
     for (int n = 0; n < 200; n++) {
         const lode_drive_out_t out = lode_drive_step(&rig.drive, &counts);
         const lode_telemetry_t t = rig_telemetry(&rig);
@@ -170,7 +174,9 @@ static void test_the_frame_stands_at_its_angle_when_the_mode_is_entered(void) {
                                        .theta_rad = 1.0f,
                                        .omega_rad_s = 1000.0f});
     const lode_counts_t counts = {.i = {2448, 1848, 1848}, .v_bus = 2000};
-    (void)lode_drive_step(&rig.drive, &counts);
+    TEST_ASSERT_FALSE(lode_drive_step(&rig.drive, &counts).gates);
+    TEST_ASSERT_TRUE(
+        lode_drive_step(&rig.drive, &counts).gates); // the first period with the gates on
     const lode_telemetry_t t = rig_telemetry(&rig);
     CHECK_NEAR(1.0e-5, 1.0, -atan2((double)t.i_A.q, (double)t.i_A.d));
 }
@@ -179,7 +185,8 @@ static void test_voltage_stays_in_the_circle(void) {
     rig_t rig = fresh();
     rig.blocked = true;
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE, .vector = {1.0e6f, -1.0e6f}});
-    rig_step(&rig);
+    rig_run(&rig, 0.001);
+    TEST_ASSERT_TRUE(rig.out.gates);
     const lode_abc_t d = rig.out.duty;
     TEST_ASSERT_TRUE(d.a >= 0.0f && d.a <= 1.0f && d.b >= 0.0f && d.b <= 1.0f && d.c >= 0.0f &&
                      d.c <= 1.0f);
@@ -242,7 +249,9 @@ static void test_run_calibrates_starts_and_turns_both_ways(void) {
         rig_expect(&rig, LODE_MODE_CALIBRATE);
         TEST_ASSERT_TRUE(is_idle(rig.out));
         TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
-        TEST_ASSERT_TRUE(rig.out.gates);
+        TEST_ASSERT_TRUE(is_idle(rig.out));
+        rig_step(&rig);
+        TEST_ASSERT_TRUE(rig.out.gates); // in the period after
         TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
         rig_run(&rig, 2.0);
         check_running(&rig, 100.0 * sign);
@@ -264,23 +273,79 @@ static void test_two_shunts_do(void) {
     check_running(&rig, 100.0);
 }
 
-static void test_speed_control_takes_turns_from_10_kHz_on(void) {
-    const float rates[] = {5.0e3f, 9.9e3f, 1.0e4f, 2.0e4f, 1.0e5f};
-    const uint32_t periods[] = {1u, 1u, 4u, 8u, 8u};
-    for (int n = 0; n < COUNT_OF(rates); n++) {
-        lode_drive_config_t config = rig_config();
-        config.f_pwm_Hz = rates[n];
-        config.inverter.dead_time_s = 1.0e-6f;
-        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+/// With a speed loop of so many rad/s, of which the PLL allows as much.
+static lode_drive_config_t with_speed_bandwidth(float bandwidth) {
+    lode_drive_config_t config = rig_config();
+    config.motor.omega_rated_rad_s = 400.0f;
+    config.speed.bandwidth_rad_s = bandwidth;
+    config.speed.gain_rise = 1.0f;
+    config.estimator.pll.sigma_rad_s = 300.0f;
+    config.start.omega_handover_rad_s = 100.0f; // where there is EMF enough for so wide a PLL
+    return config;
+}
+
+static void test_speed_control_runs_as_often_as_its_bandwidth_asks(void) {
+    // Once in eight periods, unless they are more than a tenth of the loop's time constant.
+    const float bandwidths[] = {10.0f, 62.0f, 63.0f, 124.0f, 126.0f, 249.0f, 251.0f};
+    const uint32_t periods[] = {8u, 8u, 4u, 4u, 2u, 2u, 1u};
+    for (int n = 0; n < COUNT_OF(bandwidths); n++) {
+        const lode_drive_config_t config = with_speed_bandwidth(bandwidths[n]);
+        TEST_ASSERT_EQUAL_STRING("LODE_OK",
+                                 lode_status_name(lode_drive_tune(&other_tuning, &config)));
         TEST_ASSERT_EQUAL_UINT32(periods[n], other_tuning.speed_periods);
     }
-    // The drive runs as well when only every fourth period has speed control.
-    rig_t rig = fresh();
-    tuning.speed_periods = 4u;
-    rig_command(&rig, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
-    rig_run(&rig, 10.0);
-    check_running(&rig, 100.0);
+    // The gains rise with the PLL's: what counts is the fastest loop.
+    lode_drive_config_t config = with_speed_bandwidth(40.0f);
+    config.speed.gain_rise = 2.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    TEST_ASSERT_EQUAL_UINT32(4u, other_tuning.speed_periods);
+    // Or more than an eighth of a turn at rated speed: 491 rad/s at 5 kHz.
+    const float rated[] = {480.0f, 490.0f, 492.0f, 600.0f};
+    const uint32_t by_rated[] = {8u, 8u, 4u, 4u};
+    for (int n = 0; n < COUNT_OF(rated); n++) {
+        config = with_speed_bandwidth(10.0f);
+        config.motor.omega_rated_rad_s = rated[n];
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+        TEST_ASSERT_EQUAL_UINT32(by_rated[n], other_tuning.speed_periods);
+    }
+    // Faster PWM has the slow rate by default.
+    const float rates[] = {1.0e4f, 2.0e4f, 1.0e5f};
+    for (int n = 0; n < COUNT_OF(rates); n++) {
+        config = rig_config();
+        config.f_pwm_Hz = rates[n];
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+        TEST_ASSERT_EQUAL_UINT32(LODE_SLOW_PERIODS, other_tuning.speed_periods);
+    }
+}
+
+static void test_every_rate_of_speed_control_drives(void) {
+    for (uint32_t periods = LODE_SLOW_PERIODS; periods > 0u; periods /= 2u) {
+        const lode_drive_config_t config = with_speed_bandwidth(280.0f / (float)periods);
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        TEST_ASSERT_EQUAL_UINT32(periods, tuning.speed_periods);
+        rig_command(&rig, run_at(60.0));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+        rig_run(&rig, 1.0);
+        // The reference changes once in so many periods, by the ramp of as many.
+        rig_command(&rig, run_at(100.0));
+        rig_run(&rig, 0.02);
+        uint32_t changes = 0u;
+        const float first = rig_telemetry(&rig).speed_ref_rad_s;
+        float before = first;
+        for (uint32_t n = 0u; n < 80u; n++) {
+            rig_step(&rig);
+            const float now = rig_telemetry(&rig).speed_ref_rad_s;
+            changes += now > before ? 1u : 0u;
+            before = now;
+        }
+        TEST_ASSERT_EQUAL_UINT32(80u / periods, changes);
+        CHECK_CLOSE(1.0e-3, 80.0 / periods * (double)tuning.speed.ramp_step, before - first);
+        rig_run(&rig, 3.0);
+        rig.load_Nm = 2.0;
+        rig_run(&rig, 2.0);
+        check_running(&rig, 100.0);
+    }
 }
 
 static void test_load_steps_and_speed_changes(void) {
@@ -398,6 +463,8 @@ static void test_commands_wait_for_the_next_period_and_the_last_counts(void) {
     rig_expect(&rig, LODE_MODE_OFF);
     rig_step(&rig);
     rig_expect(&rig, LODE_MODE_VOLTAGE);
+    rig_step(&rig);
+    TEST_ASSERT_EQUAL_FLOAT(2.0f, rig_telemetry(&rig).u_V.d);
     // The vector follows a new command without leaving the mode.
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE, .vector = {4.0f, 0.0f}});
     rig_step(&rig);
@@ -468,6 +535,220 @@ static void test_a_new_tuning_is_taken_at_a_period(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_tuning(NULL, &tuning));
 }
 
+/// Holds 4 A along the axis of `phase`, so that its duty is the longest, with the phase not sampled.
+static rig_t holding_without(int phase, const lode_drive_config_t *config) {
+    rig_t rig;
+    rig_init(&rig, &tuning, config);
+    rig.blocked = true;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT,
+                                       .vector = {4.0f, 0.0f},
+                                       .theta_rad = (float)(phase * 2.0 * CHECK_PI / 3.0)});
+    rig_run(&rig, 0.2);
+    TEST_ASSERT_TRUE(rig.out.gates);
+    return rig;
+}
+
+/// A call with 18.75 A of 18 A in one phase.
+static bool trips(rig_t *rig, int phase) {
+    lode_counts_t counts = rig_counts(rig);
+    counts.i[phase] = 2048u + 1500u;
+    const bool gates = lode_drive_step(&rig->drive, &counts).gates;
+    TEST_ASSERT_EQUAL_INT(gates ? LODE_CHECK_NONE : LODE_CHECK_OVER_CURRENT,
+                          rig->drive.guard.fault.check);
+    return !gates;
+}
+
+static void test_a_tuning_that_samples_all_phases_watches_all(void) {
+    lode_drive_config_t windowed[2] = {rig_config(), rig_config()};
+    windowed[0].sense.duty_max = 0.5f;
+    windowed[1].sense.shunts = LODE_SHUNTS_TWO;
+    const lode_drive_config_t all = rig_config();
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &all));
+    for (int n = 0; n < 4; n++) {
+        const int phase = n < 3 ? n : 2;
+        rig_t rig = holding_without(phase, &windowed[n / 3]);
+        rig_t unseen = rig;
+        TEST_ASSERT_FALSE(trips(&unseen, phase)); // its sample is of no use
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+        rig_step(&rig);
+        for (int later = 0; later < 20; later++) {
+            rig_t seen = rig;
+            TEST_ASSERT_TRUE(trips(&seen, phase));
+            rig_step(&rig);
+        }
+        TEST_ASSERT_TRUE(rig.out.gates);
+    }
+}
+
+static void test_a_tuning_with_windows_leaves_out_what_is_not_sampled(void) {
+    lode_drive_config_t config = rig_config();
+    config.sense.duty_max = 0.5f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    const lode_drive_config_t all = rig_config();
+    for (int phase = 0; phase < 3; phase++) {
+        rig_t rig = holding_without(phase, &all);
+        rig_t seen = rig;
+        TEST_ASSERT_TRUE(trips(&seen, phase));
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+        rig_step(&rig);
+        for (int later = 0; later < 20; later++) {
+            rig_t unseen = rig;
+            TEST_ASSERT_FALSE(trips(&unseen, phase));
+            rig_step(&rig);
+        }
+    }
+}
+
+#define PLACE_FLOAT(type, member) offsetof(lode_drive_tuning_t, member),
+#define PLACE_BOOL(type, member)
+#define PLACE_INTEGER(type, member)
+#define PLACE_WHOLE(type, member)
+#define PLACE_CHOICE(type, member)
+#define PLACE_OBSERVER(place, member) PLACE_FLOAT(float, member)
+#define PLACE(kind, type, member) PLACE_##kind(type, member)
+static const size_t floats_of_a_tuning[] = {TUNING_FIELDS(PLACE)};
+
+#define NAME_FLOAT(type, member) #member,
+#define NAME_BOOL(type, member)
+#define NAME_INTEGER(type, member)
+#define NAME_WHOLE(type, member)
+#define NAME_CHOICE(type, member)
+#define NAME_OBSERVER(place, member) NAME_FLOAT(float, member)
+#define NAME(kind, type, member) NAME_##kind(type, member)
+static const char *const names_of_a_tuning[] = {TUNING_FIELDS(NAME)};
+
+/// A period with whatever a tuning may hold: with the gates on a duty is a duty, with them off idle.
+static bool driven_by_duties(rig_t *rig) {
+    rig_step(rig);
+    const lode_abc_t d = rig->out.duty;
+    return (rig->out.gates && lode_in_range(d.a, 0.0f, 1.0f) && lode_in_range(d.b, 0.0f, 1.0f) &&
+            lode_in_range(d.c, 0.0f, 1.0f)) ||
+           is_idle(rig->out);
+}
+
+/// The same drive with one float of its tuning replaced; how many of them tripped for what is no duty.
+static int trips_of_bad_floats(const rig_t *sound) {
+    const lode_drive_tuning_t good = *sound->drive.tuning;
+    int tripped = 0;
+    for (int n = 0; n < COUNT_OF(floats_of_a_tuning) * COUNT_OF(check_not_finite); n++) {
+        const int field = n / COUNT_OF(check_not_finite);
+        rig_t rig = *sound;
+        other_tuning = good;
+        memcpy((char *)&other_tuning + floats_of_a_tuning[field],
+               &check_not_finite[n % COUNT_OF(check_not_finite)], sizeof(float));
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+        for (int k = 0; k < 100; k++) {
+            TEST_ASSERT_TRUE_MESSAGE(driven_by_duties(&rig), names_of_a_tuning[field]);
+        }
+        tripped += rig_telemetry(&rig).fault.check == LODE_CHECK_NON_FINITE ? 1 : 0;
+        // Nothing of it stays once the tuning is sound again.
+        rig.motor = sound->motor;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &tuning));
+        rig_command(&rig, clear);
+        rig_run(&rig, 0.002);
+        rig.motor.omega = 0.0;
+        rig.blocked = true;
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {4.0f, 0.0f}});
+        rig_run(&rig, 0.05);
+        rig_expect(&rig, LODE_MODE_CURRENT);
+        CHECK_NEAR(0.05, 4.0, ipmsm_current(&rig.motor).alpha);
+    }
+    return tripped;
+}
+
+static void test_a_float_of_a_tuning_that_is_no_number_makes_no_duty(void) {
+    for (int grid = 0; grid < 2; grid++) {
+        lode_drive_config_t config = rig_config();
+        config.inverter.pwm_ticks = grid == 0 ? 0.0f : 8400.0f;
+        config.inverter.dead_time_s = 2.0e-6f;
+        config.guard.v_bus_max_V = 400.0f;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        const lode_command_t commands[] = {
+            {.mode = LODE_MODE_VOLTAGE, .vector = {5.0f, 0.0f}, .omega_rad_s = 100.0f},
+            {.mode = LODE_MODE_CURRENT, .vector = {3.0f, 0.0f}, .omega_rad_s = 10.0f},
+            run_at(100.0)};
+        for (int c = 0; c < COUNT_OF(commands); c++) {
+            rig_command(&rig, off);
+            rig_run(&rig, 0.01);
+            rig.motor.omega = 0.0;
+            rig_command(&rig, commands[c]);
+            rig_run(&rig, 0.15);
+            TEST_ASSERT_TRUE(c == 2 || rig.out.gates);
+            if (c == 2) {
+                TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 8.0));
+                rig_run(&rig, 0.1);
+                CHECK_AT_LEAST(1, trips_of_bad_floats(&rig));
+                TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+                rig_run(&rig, 0.5);
+            }
+            CHECK_AT_LEAST(1, trips_of_bad_floats(&rig));
+        }
+    }
+}
+
+static void test_a_grid_that_is_no_number_trips_in_the_same_call(void) {
+    lode_drive_config_t config = rig_config();
+    config.inverter.pwm_ticks = 8400.0f;
+    rig_t rig = holding_without(0, &config);
+    other_tuning = tuning;
+    other_tuning.inverter.inv_ticks = NAN;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NON_FINITE, rig_telemetry(&rig).fault.check);
+}
+
+// --- The bus ----------------------------------------------------------------------------------
+
+static void test_a_bus_that_jumps_is_divided_by_at_once(void) {
+    lode_drive_config_t config = rig_config();
+    config.guard.v_bus_max_V = 409.0f;
+    config.guard.v_bus_min_V = 1.0f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.blocked = true;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE, .vector = {9.0f, 0.0f}});
+    rig_run(&rig, 0.01);
+    // Doubled, halved, and there again, in every slot of the slow jobs.
+    const uint16_t buses[] = {4000u, 2000u, 1000u, 2000u, 4000u, 1000u, 2000u};
+    for (int n = 0; n < 7 * 9; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        counts.v_bus = buses[n % COUNT_OF(buses)];
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        TEST_ASSERT_TRUE(rig.out.gates);
+        CHECK_NEAR(1.0e-4, 9.0, 0.1f * (float)counts.v_bus * lode_clarke(rig.out.duty).alpha);
+    }
+}
+
+static void test_a_bus_without_reading_stays_in_range(void) {
+    lode_drive_config_t config = rig_config();
+    config.guard.v_bus_max_V = 409.0f;
+    config.guard.bus_s = 0.1f;
+    rig_t start;
+    rig_init(&start, &tuning, &config);
+    rig_command(&start, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&start, LODE_MODE_RUN, 8.0));
+    rig_run(&start, 1.0);
+    for (int slot = 0; slot < (int)LODE_SLOW_PERIODS; slot++) {
+        rig_step(&start);
+        rig_t rig = start;
+        random_t random = random_seed((uint32_t)slot);
+        for (int n = 0; n < 80; n++) { // 16 ms of the 100 ms that it takes to trip
+            lode_counts_t counts = rig_counts(&rig);
+            // None, then anything, then falling towards none.
+            counts.v_bus = n < 20 ? 0u
+                                  : (uint16_t)(n < 60 ? random_bits(&random) % 4096u
+                                                      : 2000u >> ((n - 60) / 2));
+            rig.out = lode_drive_step(&rig.drive, &counts);
+            TEST_ASSERT_TRUE(rig.out.gates);
+            TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.a, 0.0f, 1.0f));
+            TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.b, 0.0f, 1.0f));
+            TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.c, 0.0f, 1.0f));
+        }
+    }
+}
+
 // --- Faults -----------------------------------------------------------------------------------
 
 /// A rig that holds 4 A at an angle.
@@ -513,7 +794,7 @@ static void test_bus_out_of_range_trips_after_its_debounce(void) {
         rig_t rig = holding();
         lode_counts_t counts = rig_counts(&rig);
         counts.v_bus = buses[i];
-        // 1 ms are two turns of the slow checks, each 0.8 ms: one is under way.
+        // 1 ms are two looks of the slow checks, each 0.8 ms: one is under way.
         int periods = 1;
         while (lode_drive_step(&rig.drive, &counts).gates && periods < 100) {
             periods++;
@@ -552,15 +833,52 @@ static void test_a_fault_stays_until_it_is_cleared(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {1.0f, 0.0f}});
     rig_step(&rig);
+    rig_step(&rig);
     TEST_ASSERT_TRUE(rig.out.gates);
+}
+
+static void test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing(void) {
+    rig_t rig = fresh();
+    rig.load_Nm = 1.0;
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.0);
+    const lode_telemetry_t before = rig_telemetry(&rig);
+    rig.trip = true;
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    rig_run(&rig, 0.1);
+    const lode_telemetry_t after = rig_telemetry(&rig);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_FAULT, after.mode);
+    TEST_ASSERT_TRUE(lode_abs(before.i_A.q) > 1.0f && lode_abs(before.u_V.q) > 10.0f);
+    // Within what a period moves them.
+    CHECK_NEAR(0.5, before.i_A.q, after.i_A.q);
+    CHECK_NEAR(0.5, before.ref_A.q, after.ref_A.q);
+    CHECK_NEAR(5.0, before.u_V.q, after.u_V.q);
+    CHECK_CLOSE(0.01, before.omega_rad_s, after.omega_rad_s);
+    CHECK_NEAR(0.5, before.load_torque_Nm, after.load_torque_Nm);
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, after.duty.a); // but the legs stand idle
+    TEST_ASSERT_TRUE(after.steps > before.steps + 400u);
+    rig.trip = false;
+    rig_command(&rig, clear);
+    rig_step(&rig);
+    const lode_telemetry_t cleared = rig_telemetry(&rig);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, cleared.mode);
+    const float zeros[] = {cleared.i_A.d, cleared.i_A.q,       cleared.ref_A.d,
+                           cleared.u_V.d, cleared.u_V.q,       cleared.ref_A.q,
+                           cleared.lock,  cleared.omega_rad_s, cleared.load_torque_Nm};
+    for (int n = 0; n < COUNT_OF(zeros); n++) {
+        TEST_ASSERT_TRUE(zeros[n] == 0.0f);
+    }
 }
 
 /// Steps in RUN with an estimate of the host's own until the gates go off; how many it took.
 static int steps_until_off(rig_t *rig, float lock, float omega_share, int limit) {
     for (int n = 1; n <= limit; n++) {
         const lode_counts_t counts = rig_counts(rig);
-        const lode_measurement_t m = lode_drive_sense(&rig->drive, &counts);
+        const lode_sample_t m = lode_drive_sense(&rig->drive, &counts);
         lode_estimate_t e = lode_drive_estimate(&rig->drive, &m);
+        e.source = LODE_ESTIMATE_EXTERNAL;
         e.lock = lock;
         e.omega_rad_s *= omega_share;
         rig->out = lode_drive_act(&rig->drive, &m, &e);
@@ -592,16 +910,19 @@ static void test_lost_lock_and_wrong_way_trip_in_20_ms(void) {
 // --- The step as a whole ----------------------------------------------------------------------
 
 static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
-    for (int field = -1; field < 8; field++) { // -1: the same without the fault
-        rig_t rig = fresh();
-        rig_command(&rig, run_at(60.0));
-        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    rig_t start = fresh();
+    rig_command(&start, run_at(60.0));
+    TEST_ASSERT_TRUE(reach(&start, LODE_MODE_RUN, 3.0));
+    for (int field = -1; field < 18; field++) { // -1: the same without the fault
+        rig_t rig = start;
         const lode_counts_t counts = rig_counts(&rig);
-        const lode_measurement_t m = lode_drive_sense(&rig.drive, &counts);
+        const lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
         lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
-        float *const fields[] = {&e.omega_rad_s, &e.rotor.sin, &e.rotor.cos, &e.i_A.d};
+        e.source = LODE_ESTIMATE_EXTERNAL;
+        float *const fields[] = {&e.omega_rad_s,    &e.rotor.sin, &e.rotor.cos, &e.i_A.d, &e.i_A.q,
+                                 &e.load_torque_Nm, &e.e_V.alpha, &e.e_V.beta,  &e.lock};
         if (field >= 0) {
-            *fields[field % 4] = field < 4 ? NAN : INFINITY;
+            *fields[field % 9] = field < 9 ? NAN : INFINITY;
         }
         const lode_drive_out_t out = lode_drive_act(&rig.drive, &m, &e);
         TEST_ASSERT_EQUAL_INT(field < 0, out.gates);
@@ -611,18 +932,60 @@ static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
     }
 }
 
-static void test_a_voltage_that_is_none_stays_in_range_and_trips(void) {
-    // A bus and a speed that no sensor and no estimator of this library reports ask for 3 MV. The
-    // voltage lies in the circle of that bus, so the duties are duties; bus and speed trip in time.
+static void test_an_estimate_of_the_hosts_own_is_taken_over(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(60.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    rig_run(&rig, 1.0);
+    for (int n = 0; n < 5000; n++) { // an encoder mounted 10 degrees ahead
+        const lode_counts_t counts = rig_counts(&rig);
+        const lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
+        lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
+        e.source = LODE_ESTIMATE_EXTERNAL;
+        e.rotor = sincos_of(rig.motor.theta + 10.0 * CHECK_DEG);
+        e.omega_rad_s = (float)rig.motor.omega;
+        e.i_A = lode_park(m.i_A, e.rotor);
+        e.load_torque_Nm = 0.25f;
+        e.lock = 0.875f;
+        const double theta = rig.motor.theta;
+        rig.out = lode_drive_act(&rig.drive, &m, &e);
+        TEST_ASSERT_TRUE(rig.out.gates);
+        const lode_telemetry_t t = rig_telemetry(&rig);
+        CHECK_NEAR(1.0e-3, 10.0 * CHECK_DEG, angle_error((double)t.theta_rad, theta));
+        CHECK_CLOSE(1.0e-6, rig.motor.omega, t.omega_rad_s);
+        CHECK_CLOSE(1.0e-6, (double)e.i_A.q, t.i_A.q);
+        rig_move(&rig);
+    }
+    CHECK_CLOSE(0.01, 60.0, rig.motor.omega / 3.0);
+}
+
+static void test_a_voltage_that_is_none_trips_in_the_same_call(void) {
+    // A bus that the host made up asks for 3 MV of the bus that there is: that is no duty.
     rig_t rig = fresh();
     rig_command(&rig, run_at(60.0));
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
     const lode_counts_t counts = rig_counts(&rig);
+    lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
+    lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
+    m.v_bus_V = 1.0e7f;
+    e.source = LODE_ESTIMATE_EXTERNAL;
+    e.omega_rad_s = 1.0e6f;
+    TEST_ASSERT_TRUE(is_idle(lode_drive_act(&rig.drive, &m, &e)));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NON_FINITE, rig_telemetry(&rig).fault.check);
+}
+
+static void test_a_bus_and_a_speed_of_no_motor_stay_in_range_and_trip(void) {
+    // The voltage lies in the circle of that bus, so the duties are duties; bus and speed trip in time.
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(60.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    lode_counts_t counts = rig_counts(&rig);
+    counts.v_bus = 65535u;
     int periods = 0;
     do {
-        lode_measurement_t m = lode_drive_sense(&rig.drive, &counts);
+        const lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
         lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
-        m.sample.v_bus_V = 1.0e7f;
+        e.source = LODE_ESTIMATE_EXTERNAL;
         e.omega_rad_s = 1.0e9f;
         rig.out = lode_drive_act(&rig.drive, &m, &e);
         TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.a, 0.0f, 1.0f));
@@ -630,7 +993,7 @@ static void test_a_voltage_that_is_none_stays_in_range_and_trips(void) {
         TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.c, 0.0f, 1.0f));
         periods++;
     } while (rig.out.gates && periods < 100);
-    CHECK_AT_MOST(LODE_SLOW_PERIODS, periods); // two turns of the slow checks
+    CHECK_AT_MOST(LODE_SLOW_PERIODS, periods); // two looks of the slow checks
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_VOLTAGE, rig_telemetry(&rig).fault.check);
 }
 
@@ -640,7 +1003,7 @@ static void expect_same_fault(const rig_t *before, const lode_counts_t *counts, 
     lode_drive_t two = before->drive;
     bool on = true;
     for (int n = 0; n < limit && on; n++) {
-        const lode_measurement_t m = lode_drive_sense(&two, counts);
+        const lode_sample_t m = lode_drive_sense(&two, counts);
         const lode_estimate_t e = lode_drive_estimate(&two, &m);
         on = lode_drive_step(&one, counts).gates;
         TEST_ASSERT_EQUAL_INT(on, lode_drive_act(&two, &m, &e).gates);
@@ -658,7 +1021,7 @@ static void test_the_step_is_three_calls_in_a_row(void) {
     for (int n = 0; n < 15000; n++) {
         const lode_counts_t counts = rig_counts(&one);
         one.out = lode_drive_step(&one.drive, &counts);
-        const lode_measurement_t m = lode_drive_sense(&two.drive, &counts);
+        const lode_sample_t m = lode_drive_sense(&two.drive, &counts);
         const lode_estimate_t e = lode_drive_estimate(&two.drive, &m);
         two.out = lode_drive_act(&two.drive, &m, &e);
         TEST_ASSERT_EQUAL_MEMORY(&one.out.duty, &two.out.duty, sizeof one.out.duty);
@@ -797,7 +1160,8 @@ int main(void) {
     RUN_TEST(test_current_command_is_limited);
     RUN_TEST(test_run_calibrates_starts_and_turns_both_ways);
     RUN_TEST(test_two_shunts_do);
-    RUN_TEST(test_speed_control_takes_turns_from_10_kHz_on);
+    RUN_TEST(test_speed_control_runs_as_often_as_its_bandwidth_asks);
+    RUN_TEST(test_every_rate_of_speed_control_drives);
     RUN_TEST(test_load_steps_and_speed_changes);
     RUN_TEST(test_speed_zero_stops_and_switches_off);
     RUN_TEST(test_reversal);
@@ -809,13 +1173,22 @@ int main(void) {
     RUN_TEST(test_huge_commands_give_duties);
     RUN_TEST(test_the_same_tuning_changes_nothing);
     RUN_TEST(test_a_new_tuning_is_taken_at_a_period);
+    RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);
+    RUN_TEST(test_a_tuning_with_windows_leaves_out_what_is_not_sampled);
+    RUN_TEST(test_a_float_of_a_tuning_that_is_no_number_makes_no_duty);
+    RUN_TEST(test_a_grid_that_is_no_number_trips_in_the_same_call);
+    RUN_TEST(test_a_bus_that_jumps_is_divided_by_at_once);
+    RUN_TEST(test_a_bus_without_reading_stays_in_range);
     RUN_TEST(test_over_current_of_either_sign_in_the_same_call);
     RUN_TEST(test_hardware_trip_in_the_same_call);
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
+    RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
-    RUN_TEST(test_a_voltage_that_is_none_stays_in_range_and_trips);
+    RUN_TEST(test_an_estimate_of_the_hosts_own_is_taken_over);
+    RUN_TEST(test_a_voltage_that_is_none_trips_in_the_same_call);
+    RUN_TEST(test_a_bus_and_a_speed_of_no_motor_stay_in_range_and_trip);
     RUN_TEST(test_the_step_is_three_calls_in_a_row);
     RUN_TEST(test_two_drives_share_nothing);
     RUN_TEST(test_any_counts_give_duties_on_the_grid);

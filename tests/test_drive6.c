@@ -139,17 +139,22 @@ static void test_field_weakening_keeps_the_angle(void) {
     }
 }
 
+/// Offset in use, counts.
+static double offset_of(const lode_sense_t *sense, int phase) {
+    return (double)sense->offset[phase] / LODE_COUNT_FRACTION;
+}
+
 static void test_calibration_takes_all_six_offsets(void) {
     rig6_t rig = fresh();
     const double offsets[6] = {12.0, -20.0, 8.0, -31.0, 25.0, 3.0};
     memcpy(rig.offset, offsets, sizeof offsets);
     rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
     rig6_run(&rig, 0.2);
-    CHECK_NEAR(0.01, 2060.0, rig.drive.drive.sense.offset_count.a);
-    CHECK_NEAR(0.01, 2056.0, rig.drive.drive.sense.offset_count.c);
-    CHECK_NEAR(0.01, 2017.0, rig.drive.sense_2.offset_count.a);
-    CHECK_NEAR(0.01, 2073.0, rig.drive.sense_2.offset_count.b);
-    CHECK_NEAR(0.01, 2051.0, rig.drive.sense_2.offset_count.c);
+    CHECK_NEAR(0.01, 2060.0, offset_of(&rig.drive.drive.sense, 0));
+    CHECK_NEAR(0.01, 2056.0, offset_of(&rig.drive.drive.sense, 2));
+    CHECK_NEAR(0.01, 2017.0, offset_of(&rig.drive.sense_2, 0));
+    CHECK_NEAR(0.01, 2073.0, offset_of(&rig.drive.sense_2, 1));
+    CHECK_NEAR(0.01, 2051.0, offset_of(&rig.drive.sense_2, 2));
 }
 
 // --- Faults -----------------------------------------------------------------------------------
@@ -410,6 +415,41 @@ static void test_a_new_tuning_is_taken_while_it_turns(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_post_tuning(NULL, &other_tuning));
 }
 
+/// A call with 25 A of 22.5 A in one phase, 0 .. 5.
+static bool trips(const rig6_t *rig, int phase) {
+    lode_drive6_t drive = rig->drive;
+    lode_counts6_t counts = rig6_counts(rig);
+    counts.set[phase / 3].i[phase % 3] = 2048u + 2000u;
+    const lode_drive6_out_t out = lode_drive6_step(&drive, &counts);
+    TEST_ASSERT_EQUAL_INT(out.set[0].gates, out.set[1].gates);
+    TEST_ASSERT_EQUAL_INT(out.set[0].gates ? LODE_CHECK_NONE : LODE_CHECK_OVER_CURRENT,
+                          drive.drive.guard.fault.check);
+    return !out.set[0].gates;
+}
+
+static void test_a_tuning_that_samples_all_phases_watches_all(void) {
+    lode_drive6_config_t config = rig6_config();
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_tune(&other_tuning, &config));
+    config.drive.sense.duty_max = 0.5f;
+    for (int phase = 0; phase < 6; phase++) {
+        // The vector along the axis of a phase gives it the longest duty of its set.
+        rig6_t rig = rig_with(&config);
+        rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT,
+                                            .vector = {4.0f, 0.0f},
+                                            .theta_rad = (float)rig6_axis(phase)});
+        rig6_run(&rig, 1.0);
+        TEST_ASSERT_TRUE(rig.out.set[0].gates && rig.out.set[1].gates);
+        TEST_ASSERT_FALSE(trips(&rig, phase)); // its sample is of no use
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_post_tuning(&rig.drive, &other_tuning));
+        rig6_step(&rig);
+        for (int later = 0; later < 20; later++) {
+            TEST_ASSERT_TRUE(trips(&rig, phase));
+            rig6_step(&rig);
+        }
+        TEST_ASSERT_TRUE(rig.out.set[0].gates && rig.out.set[1].gates);
+    }
+}
+
 static void test_windowed_shunts(void) {
     lode_drive6_config_t config = rig6_config();
     config.drive.sense.duty_max = 0.9f;
@@ -433,7 +473,7 @@ static void test_the_step_is_its_three_parts(void) {
         for (int n = 0; n < 25000; n++) {
             const lode_counts6_t counts = rig6_counts(&one);
             one.out = lode_drive6_step(&one.drive, &counts);
-            const lode_measurement6_t m = lode_drive6_sense(&two, &counts);
+            const lode_sample6_t m = lode_drive6_sense(&two, &counts);
             const lode_estimate_t e = lode_drive6_estimate(&two, &m);
             const lode_drive6_out_t out = lode_drive6_act(&two, &m, &e);
             for (int set = 0; set < LODE_SETS; set++) {
@@ -450,14 +490,16 @@ static void test_the_step_is_its_three_parts(void) {
 static void test_an_estimate_that_is_no_number_turns_both_sets_off(void) {
     const lode_drive6_config_t config = rig6_config();
     const rig6_t start = turning(&config, 300.0, LOAD_Nm);
-    for (int field = -1; field < 10; field++) { // -1: the same without the fault
+    for (int field = -1; field < 18; field++) { // -1: the same without the fault
         rig6_t rig = start;
         const lode_counts6_t counts = rig6_counts(&rig);
-        const lode_measurement6_t m = lode_drive6_sense(&rig.drive, &counts);
+        const lode_sample6_t m = lode_drive6_sense(&rig.drive, &counts);
         lode_estimate_t e = lode_drive6_estimate(&rig.drive, &m);
-        float *const fields[] = {&e.omega_rad_s, &e.rotor.sin, &e.rotor.cos, &e.i_A.d, &e.i_A.q};
+        e.source = LODE_ESTIMATE_EXTERNAL;
+        float *const fields[] = {&e.omega_rad_s,    &e.rotor.sin, &e.rotor.cos, &e.i_A.d, &e.i_A.q,
+                                 &e.load_torque_Nm, &e.e_V.alpha, &e.e_V.beta,  &e.lock};
         if (field >= 0) {
-            *fields[field % 5] = field < 5 ? NAN : INFINITY;
+            *fields[field % 9] = field < 9 ? NAN : INFINITY;
         }
         const lode_drive6_out_t out = lode_drive6_act(&rig.drive, &m, &e);
         for (int set = 0; set < LODE_SETS; set++) {
@@ -475,11 +517,14 @@ static void test_an_estimate_of_the_hosts_own_is_driven_by(void) {
     rig6_t rig = turning(&config, 300.0, LOAD_Nm);
     for (int n = 0; n < 5000; n++) { // an encoder mounted 20 degrees ahead
         const lode_counts6_t counts = rig6_counts(&rig);
-        const lode_measurement6_t m = lode_drive6_sense(&rig.drive, &counts);
+        const lode_sample6_t m = lode_drive6_sense(&rig.drive, &counts);
         lode_estimate_t e = lode_drive6_estimate(&rig.drive, &m);
+        e.source = LODE_ESTIMATE_EXTERNAL;
         e.rotor = lode_sincos((float)remainder(rig.theta + 20.0 * CHECK_DEG, 2.0 * CHECK_PI));
         e.omega_rad_s = (float)rig.omega;
-        e.i_A = lode_park(m.m.sample.i_A, e.rotor);
+        e.load_torque_Nm = (float)LOAD_Nm;
+        e.lock = 1.0f;
+        e.i_A = lode_park(m.machine.i_A, e.rotor);
         rig.out = lode_drive6_act(&rig.drive, &m, &e);
         rig6_move(&rig);
     }
@@ -509,6 +554,7 @@ int main(void) {
     RUN_TEST(test_one_set_stops_and_starts_again);
     RUN_TEST(test_bad_configurations_are_refused_by_name);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
+    RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);
     RUN_TEST(test_windowed_shunts);
     RUN_TEST(test_the_step_is_its_three_parts);
     RUN_TEST(test_an_estimate_that_is_no_number_turns_both_sets_off);

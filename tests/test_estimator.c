@@ -3,7 +3,7 @@
 #include "support/ipmsm.h"
 #include "support/recording.h"
 
-#include "lodestar/estimator.h"
+#include "estimator_inline.h"
 
 void setUp(void) {}
 
@@ -299,10 +299,9 @@ typedef struct {
 static bool is_finite_estimate(const lode_estimate_t *e) {
     return lode_in_range(lode_estimate_theta_rad(e), -LODE_PI, LODE_PI) &&
            lode_is_finite(e->omega_rad_s) && lode_is_finite(e->rotor.sin) &&
-           lode_is_finite(e->rotor.cos) && lode_is_finite(e->half_turn.sin) &&
-           lode_is_finite(e->half_turn.cos) && lode_is_finite(e->i_A.d) &&
-           lode_is_finite(e->i_A.q) && lode_is_finite(e->e_V.alpha) &&
-           lode_is_finite(e->e_V.beta) && lode_is_finite(e->load_torque_Nm);
+           lode_is_finite(e->rotor.cos) && lode_is_finite(e->i_A.d) && lode_is_finite(e->i_A.q) &&
+           lode_is_finite(e->e_V.alpha) && lode_is_finite(e->e_V.beta) &&
+           lode_is_finite(e->load_torque_Nm);
 }
 
 static recovery_t recover(lode_estimator_t *estimator, const lode_estimator_tuning_t *tuning,
@@ -346,13 +345,14 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     s.pll.acc_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
     s.omega_tune = random_float(random, -2.0 * omega_max, 2.0 * omega_max);
     s.gains = lode_pll_gains(&tuning->pll, random_float(random, -omega_max, omega_max));
-    s.lag = lode_lag_line(&tuning->lag, s.pll.omega_rad_s); // a line: it must be about the speed
+    s.lag = lode_lag_line(&tuning->lag, random_float(random, -omega_max, omega_max));
+    s.per_V = random_float(random, -1.0, 1.0) / tuning->emin_V;
     s.id_A = random_float(random, -80.0, 80.0);
     s.locked = random_bits(random) % 2u == 0u;
-    s.calls = (uint_least8_t)random_bits(random);
+    s.slot = (uint_least8_t)random_bits(random);
     s.rotation = random_vector(random, e_rated * e_rated);
     s.lock = random_float(random, 0.0, 1.0);
-    s.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_turns + 1u));
+    s.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_rounds + 1u));
     return s;
 }
 
@@ -423,7 +423,7 @@ static void test_any_state_is_detected_flagged_and_relocked(void) {
             }
             if (single < 0) {
                 state.wait = (uint_least16_t)random_bits(&random);
-                state.calls = (uint_least8_t)random_bits(&random);
+                state.slot = (uint_least8_t)random_bits(&random);
                 state.locked = random_bits(&random) % 2u == 0u;
             }
             const bool sound = is_in_range(&state, &tuning);
@@ -439,19 +439,19 @@ static void test_any_state_is_detected_flagged_and_relocked(void) {
 }
 
 static void test_what_is_derived_is_renewed(void) {
-    // Gains and lag follow from the speed: whatever they are, they are so for LODE_SLOW_PERIODS at most.
+    // Gains, lag and the reciprocal of the EMF follow from speed and EMF: whatever they are, they are so
+    // for LODE_SLOW_PERIODS at most.
     make_rated(PAPER_OMEGA_RATED);
     for (int p = 0; p < COUNT_OF(both_plls); p++) {
         const lode_estimator_config_t config = designed(both_plls[p]);
         const lode_estimator_tuning_t tuning = tuned(&config);
-        for (int n = 0; n < 7 * COUNT_OF(check_odd_floats); n++) {
+        for (int n = 0; n < 6 * COUNT_OF(check_odd_floats); n++) {
             lode_estimator_t state;
             lode_estimator_reset(&state, &tuning);
             (void)recover(&state, &tuning, 1000 + n % 8);
-            float *const fields[] = {
-                &state.gains.theta, &state.gains.omega_s, &state.gains.f_s2,     &state.lag.at.sin,
-                &state.lag.at.cos,  &state.lag.slope_s,   &state.lag.omega_rad_s};
-            *fields[n % 7] = check_odd_floats[n / 7];
+            float *const fields[] = {&state.gains.theta, &state.gains.omega_s, &state.gains.f_s2,
+                                     &state.lag.at.sin,  &state.lag.at.cos,    &state.per_V};
+            *fields[n % 6] = check_odd_floats[n / 6];
             for (int k = 0; k < (int)LODE_SLOW_PERIODS; k++) {
                 (void)lode_estimator_step(&state, &tuning, rated.u[0], rated.i[0]);
             }

@@ -3,7 +3,7 @@
 #include "support/ipmsm.h"
 #include "support/recording.h"
 
-#include "lodestar/estimator.h"
+#include "estimator_inline.h"
 
 #define RATED_A (5.0 / 0.639)
 #define LAST 500 // 0.1 s: where a mean is taken
@@ -385,11 +385,12 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
         (lode_sogi_t){random_float(random, -10.0, 10.0), random_float(random, -10.0, 10.0)};
     s.omega_tune = random_float(random, -omega_max, omega_max);
     s.gains = lode_pll_gains(&tuning->pll, random_float(random, -omega_max, omega_max));
-    s.lag = lode_lag_line(&tuning->lag, s.pll.omega_rad_s); // a line: it must be about the speed
+    s.lag = lode_lag_line(&tuning->lag, random_float(random, -omega_max, omega_max));
+    s.per_V = random_float(random, -1.0, 1.0) / tuning->emin_V;
     s.locked = random_bits(random) % 2u == 0u;
-    s.calls = (uint_least8_t)random_bits(random);
+    s.slot = (uint_least8_t)random_bits(random);
     s.lock = random_float(random, 0.0, 1.0);
-    s.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_turns + 1u));
+    s.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_rounds + 1u));
     return s;
 }
 

@@ -1,7 +1,7 @@
-// Dead-time loss, and which duty and which bus voltage made the voltage that the observer is given.
+// Dead-time error, reciprocal of the bus, and which duty and which bus voltage made the voltage that the observer is given.
 #include "support/fields.h"
 
-#include "lodestar/inverter.h"
+#include "inverter_inline.h"
 
 void setUp(void) {}
 
@@ -26,6 +26,8 @@ static lode_inverter_tuning_t tuned(const lode_inverter_config_t *config) {
 }
 
 static void test_voltage_is_of_the_call_before_last_at_the_bus_of_the_last(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
     lode_inverter_t inverter;
     lode_inverter_reset(&inverter);
     random_t random = random_seed(1);
@@ -33,50 +35,54 @@ static void test_voltage_is_of_the_call_before_last_at_the_bus_of_the_last(void)
     lode_ab_t written[1000];
     for (int k = 0; k < COUNT_OF(bus); k++) {
         bus[k] = random_between(&random, 100.0, 300.0);
-        const lode_ab_t u = lode_inverter_realised(&inverter, (float)bus[k]);
+        const lode_ab_t u = lode_inverter_realised(&inverter, (uint32_t)k);
+        lode_inverter_follow_bus(&inverter, &tuning, (float)bus[k]);
         const double alpha = k < 2 ? 0.0 : bus[k - 1] * (double)written[k - 2].alpha;
         const double beta = k < 2 ? 0.0 : bus[k - 1] * (double)written[k - 2].beta;
         CHECK_NEAR(3.0e-5, alpha, u.alpha); // one product of up to 180 V
         CHECK_NEAR(3.0e-5, beta, u.beta);
         written[k] =
             (lode_ab_t){random_float(&random, -0.6, 0.6), random_float(&random, -0.6, 0.6)};
-        lode_inverter_write(&inverter, written[k]);
+        lode_inverter_write(&inverter, (uint32_t)k, written[k]);
     }
 }
 
 static void test_reset_forgets_what_is_on_its_way(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
     lode_inverter_t inverter;
     lode_inverter_reset(&inverter);
-    for (int k = 0; k < 3; k++) {
-        (void)lode_inverter_realised(&inverter, 200.0f);
-        lode_inverter_write(&inverter, (lode_ab_t){0.3f, -0.2f});
+    for (uint32_t k = 0u; k < 3u; k++) {
+        lode_inverter_follow_bus(&inverter, &tuning, 200.0f);
+        lode_inverter_write(&inverter, k, (lode_ab_t){0.3f, -0.2f});
     }
     lode_inverter_reset(&inverter);
-    for (int k = 0; k < 2; k++) {
-        const lode_ab_t u = lode_inverter_realised(&inverter, 200.0f);
+    for (uint32_t k = 0u; k < 2u; k++) {
+        lode_inverter_follow_bus(&inverter, &tuning, 200.0f);
+        const lode_ab_t u = lode_inverter_realised(&inverter, k);
         TEST_ASSERT_TRUE(u.alpha == 0.0f && u.beta == 0.0f);
-        lode_inverter_write(&inverter, (lode_ab_t){0.0f, 0.0f});
     }
 }
 
-/// Loss of a phase that carries `i`.
-static double loss_of(const lode_inverter_tuning_t *tuning, double i, double span, double bus) {
-    const lode_loss_t shape = lode_inverter_shape(tuning, (float)span, (float)(1.0 / bus));
-    return (double)lode_inverter_loss(shape, (float)i);
+/// Duty that a phase which carries `i` loses.
+static double error_of(const lode_inverter_tuning_t *tuning, double i, double span, double bus) {
+    const lode_dead_time_t dead_time =
+        lode_inverter_dead_time(tuning, (float)span, (float)(1.0 / bus));
+    return (double)lode_inverter_error(&dead_time, (float)i);
 }
 
-// The on-state slope is no part of the loss: it counts as winding resistance.
-static void test_loss_at_full_modulation_is_a_ramp_to_a_constant(void) {
+// The on-state slope is no part of the error: it counts as winding resistance.
+static void test_error_at_full_modulation_is_a_ramp_to_a_constant(void) {
     const lode_inverter_config_t config = sound();
     const lode_inverter_tuning_t tuning = tuned(&config);
     // Beyond 0.5 A: 4 us of 200 us, 1.2 V of 200 V. 2 %, 0.6 %. Sums of 10 A and 0.5 A round to 1e-6 A.
-    CHECK_NEAR(6.0e-8, 0.02 + 0.006, loss_of(&tuning, 10.0, 1.0, 200.0));
-    CHECK_NEAR(1.0e-8, 0.02 + 0.006, loss_of(&tuning, 0.5, 1.0, 200.0));
+    CHECK_NEAR(6.0e-8, 0.02 + 0.006, error_of(&tuning, 10.0, 1.0, 200.0));
+    CHECK_NEAR(1.0e-8, 0.02 + 0.006, error_of(&tuning, 0.5, 1.0, 200.0));
     // In the dead band in proportion.
-    CHECK_NEAR(1.0e-8, 0.4 * (0.02 + 0.006), loss_of(&tuning, 0.2, 1.0, 200.0));
+    CHECK_NEAR(1.0e-8, 0.4 * (0.02 + 0.006), error_of(&tuning, 0.2, 1.0, 200.0));
     // Half the bus: the drops count double, dead time does not.
-    CHECK_NEAR(1.0e-8, 0.02 + 0.012, loss_of(&tuning, 2.0, 1.0, 100.0));
-    TEST_ASSERT_TRUE(loss_of(&tuning, 0.0, 1.0, 200.0) == 0.0);
+    CHECK_NEAR(1.0e-8, 0.02 + 0.012, error_of(&tuning, 2.0, 1.0, 100.0));
+    TEST_ASSERT_TRUE(error_of(&tuning, 0.0, 1.0, 200.0) == 0.0);
 }
 
 static void test_the_dead_band_falls_with_the_modulation(void) {
@@ -89,7 +95,7 @@ static void test_the_dead_band_falls_with_the_modulation(void) {
         const double band = (double)tuning.i_dead_min_A + (double)tuning.i_dead_span_A * span;
         const double i = 0.02 + 0.03 * n;
         const double share = fmin(1.0, i / band);
-        CHECK_NEAR(2.0e-8, share * 0.026, loss_of(&tuning, i, span, 200.0));
+        CHECK_NEAR(2.0e-8, share * 0.026, error_of(&tuning, i, span, 200.0));
     }
 }
 
@@ -103,17 +109,20 @@ static void test_adapting_follows_modulation_and_bus(void) {
         const double length = random_between(&random, 0.0, 150.0);
         const double angle = random_between(&random, -CHECK_PI, CHECK_PI);
         lode_inverter_reset(&inverter);
-        inverter.written = (lode_ab_t){0.1f, 0.2f};
-        lode_inverter_adapt(&inverter, &tuning,
-                            (lode_dq_t){(float)(length * cos(angle)), (float)(length * sin(angle))},
-                            (float)bus);
+        inverter.written[n % 2] = (lode_ab_t){0.1f, 0.2f};
+        inverter.v_bus_V = (float)bus;
+        lode_inverter_adapt(
+            &inverter, &tuning,
+            (lode_dq_t){(float)(length * cos(angle)), (float)(length * sin(angle))});
         // Largest less smallest duty at the worst angle; the least bus that is divided by is 20 V.
         const double divided = fmax(bus, 20.0);
         const double span = fmin(1.0, sqrt(3.0) * length / divided);
-        CHECK_CLOSE(1.0e-6, 0.5 * (0.05 + 0.95 * span), inverter.loss.i_dead_A);
+        CHECK_CLOSE(1.0e-6, 0.5 * (0.05 + 0.95 * span), inverter.dead_time.i_dead_A);
         CHECK_CLOSE(1.0e-6, 0.02 + 1.2 / divided,
-                    2.0f * inverter.loss.i_dead_A * inverter.loss.half_per_A);
-        TEST_ASSERT_TRUE(inverter.written.alpha == 0.1f && inverter.written.beta == 0.2f);
+                    2.0f * inverter.dead_time.i_dead_A * inverter.dead_time.slope_A);
+        CHECK_CLOSE(1.0e-7, 1.0 / divided, inverter.per_V);
+        const lode_ab_t written = inverter.written[n % 2];
+        TEST_ASSERT_TRUE(written.alpha == 0.1f && written.beta == 0.2f);
     }
 }
 
@@ -125,11 +134,84 @@ static void test_adapting_is_total(void) {
         lode_inverter_t inverter;
         lode_inverter_reset(&inverter);
         const lode_dq_t u = {random_any(&random), random_any(&random)};
-        lode_inverter_adapt(&inverter, &tuning, u, random_any(&random));
-        TEST_ASSERT_TRUE(lode_in_range(inverter.loss.i_dead_A, 0.02f, 0.51f));
-        TEST_ASSERT_TRUE(lode_in_range(inverter.loss.half_per_A, 0.0f, 10.0f));
+        inverter.v_bus_V = random_any(&random);
+        lode_inverter_adapt(&inverter, &tuning, u);
+        TEST_ASSERT_TRUE(lode_in_range(inverter.dead_time.i_dead_A, 0.02f, 0.51f));
+        TEST_ASSERT_TRUE(lode_in_range(inverter.dead_time.slope_A, 0.0f, 10.0f));
         // Never more than dead time and drops at the least bus, whatever the voltage was.
-        CHECK_AT_MOST(1.00001 * (0.02 + 1.2 / 20.0), lode_inverter_loss(inverter.loss, 5.0f));
+        CHECK_AT_MOST(1.00001 * (0.02 + 1.2 / 20.0),
+                      lode_inverter_error(&inverter.dead_time, 5.0f));
+    }
+}
+
+/// A bus of 200 V that has been divided by.
+static lode_inverter_t at_200_V(const lode_inverter_tuning_t *tuning) {
+    lode_inverter_t inverter;
+    lode_inverter_reset(&inverter);
+    inverter.v_bus_V = 200.0f;
+    lode_inverter_divide(&inverter, tuning);
+    return inverter;
+}
+
+static void test_the_reciprocal_follows_the_bus(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    // By a step of Newton's method, which leaves the square of a move: 0.01 % after 1 %.
+    for (int n = -240; n <= 240; n++) {
+        const double move = 1.0e-3 * n;
+        lode_inverter_t inverter = at_200_V(&tuning);
+        lode_inverter_follow_bus(&inverter, &tuning, (float)(200.0 * (1.0 + move)));
+        CHECK_NEAR(1.01 * move * move + 2.0e-7, 1.0, inverter.v_bus_V * inverter.per_V);
+        TEST_ASSERT_EQUAL_FLOAT((float)(200.0 * (1.0 + move)), inverter.v_bus_V);
+    }
+    // A ripple of 5 % in a triangle of 20 periods, 1 % per period: never off by more than 0.03 %.
+    lode_inverter_t inverter = at_200_V(&tuning);
+    for (int n = 0; n < 10000; n++) {
+        const int phase = n % 20;
+        const double share = 1.0e-2 * (phase < 10 ? phase : 20 - phase);
+        lode_inverter_follow_bus(&inverter, &tuning, (float)(200.0 * (1.0 + share)));
+        CHECK_NEAR(3.0e-4, 1.0, inverter.v_bus_V * inverter.per_V);
+    }
+}
+
+static void test_the_reciprocal_of_a_bus_that_jumps_is_exact_at_once(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    const float jumps[] = {400.0f, 100.0f, 270.0f, 149.0f, 2000.0f, 20.0f};
+    for (int n = 0; n < COUNT_OF(jumps); n++) {
+        lode_inverter_t inverter = at_200_V(&tuning);
+        lode_inverter_follow_bus(&inverter, &tuning, jumps[n]);
+        CHECK_CLOSE(2.0e-7, 1.0 / (double)jumps[n], inverter.per_V);
+        lode_inverter_follow_bus(&inverter, &tuning, 200.0f); // and back
+        CHECK_CLOSE(2.0e-7, 1.0 / 200.0, inverter.per_V);
+    }
+}
+
+static void test_the_reciprocal_of_any_bus_stays_in_range(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    const float buses[] = {0.0f, -0.0f, 1.0e-40f, 1.0f, 14.9f, -200.0f, NAN};
+    for (int n = 0; n < COUNT_OF(buses); n++) {
+        lode_inverter_t inverter = at_200_V(&tuning);
+        for (int k = 0; k < 100; k++) {
+            lode_inverter_follow_bus(&inverter, &tuning, buses[n]);
+            CHECK_CLOSE(2.0e-7, 1.0 / 20.0, inverter.per_V); // the least that is divided by
+        }
+        lode_inverter_follow_bus(&inverter, &tuning, 200.0f);
+        CHECK_CLOSE(2.0e-7, 1.0 / 200.0, inverter.per_V);
+    }
+    // Whatever comes after whatever: a number, and a voltage inside the circle of its bus never becomes
+    // longer than the circle per bus volt.
+    random_t random = random_seed(4);
+    lode_inverter_t inverter = at_200_V(&tuning);
+    float bus = 200.0f;
+    for (int n = 0; n < CHECK_TRIES(100000); n++) {
+        bus = n % 3 == 0 ? random_any(&random)
+                         : (n % 3 == 1 ? random_float(&random, 0.0, 400.0)
+                                       : bus * random_float(&random, 0.7, 1.4));
+        lode_inverter_follow_bus(&inverter, &tuning, bus);
+        TEST_ASSERT_TRUE(lode_in_range(inverter.per_V, 0.0f, FLT_MAX));
+        TEST_ASSERT_FALSE(bus * inverter.per_V > 1.0f + 2.0e-7f); // also of a bus that is no number
     }
 }
 
@@ -137,21 +219,21 @@ static void test_after_reset_nothing_is_lost(void) {
     lode_inverter_t inverter;
     lode_inverter_reset(&inverter);
     for (int n = -100; n <= 100; n++) {
-        TEST_ASSERT_TRUE(lode_inverter_loss(inverter.loss, 0.3f * (float)n) == 0.0f);
+        TEST_ASSERT_TRUE(lode_inverter_error(&inverter.dead_time, 0.3f * (float)n) == 0.0f);
     }
 }
 
-static void test_loss_is_odd_and_rises_with_the_current(void) {
+static void test_error_is_odd_and_rises_with_the_current(void) {
     const lode_inverter_config_t config = sound();
     const lode_inverter_tuning_t tuning = tuned(&config);
-    double before = loss_of(&tuning, -15.0, 0.7, 200.0);
+    double before = error_of(&tuning, -15.0, 0.7, 200.0);
     for (int n = -1500; n <= 1500; n++) {
         const double i = 0.01 * n;
-        const double loss = loss_of(&tuning, i, 0.7, 200.0);
-        TEST_ASSERT_TRUE(loss == -loss_of(&tuning, -i, 0.7, 200.0));
+        const double error = error_of(&tuning, i, 0.7, 200.0);
+        TEST_ASSERT_TRUE(error == -error_of(&tuning, -i, 0.7, 200.0));
         // Constant beyond the dead band but for the last bits of i + i_dead and i - i_dead.
-        CHECK_AT_LEAST(before - 5.0e-8, loss);
-        before = fmax(before, loss);
+        CHECK_AT_LEAST(before - 5.0e-8, error);
+        before = fmax(before, error);
     }
 }
 
@@ -256,12 +338,15 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_voltage_is_of_the_call_before_last_at_the_bus_of_the_last);
     RUN_TEST(test_reset_forgets_what_is_on_its_way);
-    RUN_TEST(test_loss_at_full_modulation_is_a_ramp_to_a_constant);
+    RUN_TEST(test_error_at_full_modulation_is_a_ramp_to_a_constant);
     RUN_TEST(test_the_dead_band_falls_with_the_modulation);
     RUN_TEST(test_adapting_follows_modulation_and_bus);
     RUN_TEST(test_adapting_is_total);
+    RUN_TEST(test_the_reciprocal_follows_the_bus);
+    RUN_TEST(test_the_reciprocal_of_a_bus_that_jumps_is_exact_at_once);
+    RUN_TEST(test_the_reciprocal_of_any_bus_stays_in_range);
     RUN_TEST(test_after_reset_nothing_is_lost);
-    RUN_TEST(test_loss_is_odd_and_rises_with_the_current);
+    RUN_TEST(test_error_is_odd_and_rises_with_the_current);
     RUN_TEST(test_tuning_of_a_configuration);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_choices_must_be_made);

@@ -98,68 +98,28 @@ static double angle_of(lode_sincos_t x) {
     return atan2((double)x.sin, (double)x.cos);
 }
 
-static void test_line_touches_the_polynomial(void) {
+static void test_sine_and_cosine_are_those_of_the_polynomial(void) {
     for (int i = 0; i < COUNT_OF(cases); i++) {
         lode_lag_t lag;
         TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[i]));
         const double end = cases[i].omega_max;
         for (int k = -2000; k <= 2000; k++) { // up to where the estimator starts anew
             const float omega = (float)(end * k / 1000.0);
-            const lode_lag_line_t line = lode_lag_line(&lag, omega);
+            const lode_sincos_t at = lode_lag_line(&lag, omega).at;
             const double expected = (double)lode_lag_rad(&lag, omega);
-            const double off = angle_error(expected, angle_of(line.at));
-            const double length = hypot((double)line.at.sin, (double)line.at.cos);
-            TEST_ASSERT_TRUE(line.omega_rad_s == omega);
             // Past 90 degrees of lag, beyond omega_max only, sine and cosine leave their octant.
-            CHECK_NEAR(abs(k) <= 1000 ? 3.0e-7 : 1.0e-4, 0.0, off);
-            CHECK_NEAR(abs(k) <= 1000 ? 3.0e-7 : 5.0e-4, 1.0, length);
-            // Its slope is the polynomial's: by central differences, away from the kink at the end.
-            const double h = 5.0e-3 * end;
-            if (abs(abs(k) - 1000) > 5) {
-                const double slope = ((double)lode_lag_rad(&lag, (float)((double)omega + h)) -
-                                      (double)lode_lag_rad(&lag, (float)((double)omega - h))) /
-                                     (2.0 * h);
-                // Rounding of the lag, 1e-7, over h, and the third derivative over h^2.
-                CHECK_NEAR(1.0e-4 / end + 1.0e-3 * fabs(slope), slope, line.slope_s);
-            }
+            CHECK_NEAR(abs(k) <= 1000 ? 3.0e-7 : 1.0e-4, 0.0, angle_error(expected, angle_of(at)));
+            CHECK_NEAR(abs(k) <= 1000 ? 3.0e-7 : 5.0e-4, 1.0,
+                       hypot((double)at.sin, (double)at.cos));
         }
     }
 }
 
-static void test_near_is_as_close_as_its_move_is_small(void) {
+static void test_without_compensation_there_is_nothing_to_rotate_by(void) {
     lode_lag_t lag;
-    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[0]));
-    random_t random = random_seed(2);
-    for (int n = 0; n < 50000; n++) {
-        const float omega = random_float(&random, -1160.0, 1160.0);
-        const lode_lag_line_t line = lode_lag_line(&lag, omega);
-        // 15 mrad, a hard load step within 4 periods of 5 kHz, are 16 rad/s of this motor.
-        const float off = random_float(&random, -16.0, 16.0);
-        const lode_sincos_t near = lode_lag_near(&line, omega + off);
-        const double move = (double)line.slope_s * (double)off;
-        const double expected = (double)lode_lag_rad(&lag, omega + off);
-        // d^3/3 of angle and d^2/2 of length as documented; and the curvature of the lag, which is what
-        // counts: up to 4.2e-5 rad at 16 rad/s.
-        CHECK_NEAR(fabs(move * move * move) / 3.0 + 1.7e-7 * (double)off * (double)off + 3.0e-7,
-                   0.0, angle_error(expected, angle_of(near)));
-        CHECK_NEAR(0.51 * move * move + 1.0e-6, 1.0, hypot((double)near.sin, (double)near.cos));
-    }
-}
-
-static void test_near_at_its_own_speed_is_the_line_itself(void) {
-    lode_lag_t lag;
-    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[0]));
-    for (int k = -100; k <= 100; k++) {
-        const float omega = 11.0f * (float)k;
-        const lode_lag_line_t line = lode_lag_line(&lag, omega);
-        const lode_sincos_t near = lode_lag_near(&line, omega);
-        TEST_ASSERT_TRUE(near.sin == line.at.sin && near.cos == line.at.cos);
-    }
-    // Without compensation there is nothing to turn by, at any speed.
     TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_NONE, &cases[0]));
-    const lode_lag_line_t none = lode_lag_line(&lag, 300.0f);
-    const lode_sincos_t near = lode_lag_near(&none, -2000.0f);
-    TEST_ASSERT_TRUE(near.sin == 0.0f && near.cos == 1.0f);
+    const lode_sincos_t at = lode_lag_line(&lag, -2000.0f).at;
+    TEST_ASSERT_TRUE(at.sin == 0.0f && at.cos == 1.0f);
 }
 
 static void check_refused(lode_lag_kind_t kind, const case_t *c) {
@@ -202,9 +162,8 @@ int main(void) {
     RUN_TEST(test_polynomial_is_odd);
     RUN_TEST(test_beyond_the_range_it_is_a_straight_line);
     RUN_TEST(test_no_compensation);
-    RUN_TEST(test_line_touches_the_polynomial);
-    RUN_TEST(test_near_is_as_close_as_its_move_is_small);
-    RUN_TEST(test_near_at_its_own_speed_is_the_line_itself);
+    RUN_TEST(test_sine_and_cosine_are_those_of_the_polynomial);
+    RUN_TEST(test_without_compensation_there_is_nothing_to_rotate_by);
     RUN_TEST(test_eq_30_is_the_continuous_lag);
     RUN_TEST(test_what_cannot_be_fitted_is_refused);
     return UNITY_END();

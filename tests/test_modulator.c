@@ -2,7 +2,7 @@
 #include "support/check.h"
 
 #include "golden/modulator.h"
-#include "lodestar/modulator.h"
+#include "modulator_inline.h"
 
 void setUp(void) {}
 
@@ -30,17 +30,29 @@ static lode_inverter_tuning_t ideal(void) {
 
 static const lode_ab_t no_current = {0.0f, 0.0f};
 
-/// Largest less smallest duty that a voltage needs at the worst angle: how the loss is shaped.
+/// Largest less smallest duty that a voltage needs at the worst angle: the dead band follows it.
 static float span_of(lode_ab_t u, float bus) {
     return lode_clamp(LODE_SQRT3 * lode_ab_length(u) / bus, 0.0f, 1.0f);
 }
 
-/// One period with the loss shaped for the voltage and the bus of that same period.
+/// One over a bus voltage, as the drive divides by it.
+static float per_volt(const lode_inverter_tuning_t *tuning, float bus) {
+    return 1.0f / lode_max(bus, tuning->v_min_V);
+}
+
+/// Within what the inverter leaves free, as current control finds it.
+static bool is_free(const lode_inverter_tuning_t *tuning, lode_ab_t v) {
+    return tuning->free > 0.0f &&
+           v.alpha * v.alpha + v.beta * v.beta <= tuning->free * tuning->free;
+}
+
+/// One period with the dead-time error of the voltage and the bus of that same period.
 static lode_modulator_out_t modulated(const lode_inverter_tuning_t *tuning, lode_ab_t u, float bus,
                                       lode_ab_t i) {
-    const lode_loss_t shape =
-        lode_inverter_shape(tuning, span_of(u, bus), 1.0f / lode_max(bus, tuning->v_min_V));
-    return lode_modulator_step(tuning, shape, u, bus, i);
+    const float per_V = per_volt(tuning, bus);
+    const lode_dead_time_t dead_time = lode_inverter_dead_time(tuning, span_of(u, bus), per_V);
+    const lode_ab_t v = lode_ab_scale(per_V, u);
+    return lode_modulator_step(tuning, &dead_time, v, i, is_free(tuning, v));
 }
 
 static bool inside(lode_abc_t d) {
@@ -247,7 +259,7 @@ static int plain_inverters(lode_inverter_tuning_t *tunings, int count) {
                                                .dead_time_correction = LODE_ON,
                                                .dead_time_model = LODE_OFF};
         TEST_ASSERT_EQUAL_INT(LODE_OK, lode_inverter_tune(&tunings[n], &config, PAPER_TS_s));
-        TEST_ASSERT_TRUE(tunings[n].v2_free > 0.0f);
+        TEST_ASSERT_TRUE(tunings[n].free > 0.0f);
         n++;
     }
     return n;
@@ -255,7 +267,7 @@ static int plain_inverters(lode_inverter_tuning_t *tunings, int count) {
 
 /// Length of the longest vector of the fast path, V.
 static double free_length(const lode_inverter_tuning_t *tuning, double bus) {
-    return sqrt((double)tuning->v2_free) * fmax(bus, (double)tuning->v_min_V);
+    return (double)tuning->free * fmax(bus, (double)tuning->v_min_V);
 }
 
 static void test_no_duty_of_the_fast_path_leaves_its_range(void) {
@@ -273,11 +285,37 @@ static void test_no_duty_of_the_fast_path_leaves_its_range(void) {
                 vector(length * free_length(tuning, (double)bus), n * CHECK_PI / 1800.0);
             const lode_ab_t i = vector(random_between(&random, 0.0, n % 5 == 0 ? 100.0 : 1.0),
                                        random_between(&random, 0.0, 6.3));
-            const lode_loss_t shape = lode_inverter_shape(tuning, random_float(&random, 0.0, 1.0),
-                                                          1.0f / lode_max(bus, tuning->v_min_V));
-            const lode_modulator_out_t out = lode_modulator_step(tuning, shape, u, bus, i);
+            const float per_V = per_volt(tuning, bus);
+            const lode_dead_time_t dead_time =
+                lode_inverter_dead_time(tuning, random_float(&random, 0.0, 1.0), per_V);
+            const lode_modulator_out_t out =
+                lode_modulator_step(tuning, &dead_time, lode_ab_scale(per_V, u), i, true);
             TEST_ASSERT_TRUE(inside(out.duty));
         }
+    }
+}
+
+static void test_a_duty_is_a_number_from_0_to_1(void) {
+    const float sound[] = {0.0f, 1.0e-45f, FLT_MIN, 0.5f, nextafterf(1.0f, 0.0f), 1.0f};
+    const float unsound[] = {-0.0f,    -1.0e-45f, nextafterf(1.0f, 2.0f),
+                             2.0f,     -1.0f,     -2.0f,
+                             FLT_MAX,  -FLT_MAX,  1.0e10f,
+                             INFINITY, -INFINITY, NAN,
+                             -NAN};
+    for (int phase = 0; phase < 3; phase++) {
+        for (int n = 0; n < COUNT_OF(sound) + COUNT_OF(unsound); n++) {
+            const bool good = n < COUNT_OF(sound);
+            float duty[3] = {0.25f, 0.5f, 0.75f};
+            duty[phase] = good ? sound[n] : unsound[n - COUNT_OF(sound)];
+            TEST_ASSERT_EQUAL_INT(good,
+                                  lode_modulator_is_sound((lode_abc_t){duty[0], duty[1], duty[2]}));
+        }
+    }
+    random_t random = random_seed(7);
+    for (int n = 0; n < CHECK_TRIES(200000); n++) {
+        const float x = random_any(&random);
+        TEST_ASSERT_EQUAL_INT(lode_in_range(x, 0.0f, 1.0f) && !signbit(x),
+                              lode_modulator_is_sound((lode_abc_t){0.5f, x, 0.0f}));
     }
 }
 
@@ -300,15 +338,16 @@ static void test_a_loss_that_leaves_no_room_leaves_no_fast_path(void) {
 }
 
 static void test_the_fast_path_is_as_long_as_the_loss_leaves(void) {
-    // Each rail keeps the largest loss free: 1 - 2 loss of the circle, and a thousandth of it squared.
+    // Each rail keeps the largest loss free: 1 - 2 loss of the circle, but for a thousandth.
     const lode_inverter_tuning_t none = ideal();
-    CHECK_CLOSE(1.1e-3, 1.0 / 3.0, none.v2_free);
+    CHECK_CLOSE(1.1e-3, 1.0 / sqrt(3.0), none.free);
     const lode_inverter_tuning_t on = inverter(4.0e-6f, 0.0f, LODE_ON, LODE_OFF);
     const double loss = 0.02 + 1.0 / (double)on.v_min_V;
-    CHECK_CLOSE(1.1e-3, (1.0 - 2.0 * loss) * (1.0 - 2.0 * loss) / 3.0, on.v2_free);
-    // The timer's grid and the model need every duty looked at.
-    TEST_ASSERT_TRUE(inverter(4.0e-6f, 8400.0f, LODE_ON, LODE_OFF).v2_free < 0.0f);
-    TEST_ASSERT_TRUE(inverter(4.0e-6f, 0.0f, LODE_OFF, LODE_ON).v2_free < 0.0f);
+    CHECK_CLOSE(1.1e-3, (1.0 - 2.0 * loss) / sqrt(3.0), on.free);
+    // The timer's grid takes nothing: a duty inside the range stays there.
+    TEST_ASSERT_TRUE(inverter(4.0e-6f, 8400.0f, LODE_ON, LODE_OFF).free == on.free);
+    // With the model what the motor sees is never what was asked for.
+    TEST_ASSERT_TRUE(inverter(4.0e-6f, 0.0f, LODE_OFF, LODE_ON).free < 0.0f);
 }
 
 static void test_the_fast_path_gives_what_the_limit_gives(void) {
@@ -318,7 +357,7 @@ static void test_the_fast_path_gives_what_the_limit_gives(void) {
     int fast = 0;
     for (int t = 0; t < count; t++) {
         lode_inverter_tuning_t limit = tunings[t];
-        limit.v2_free = -1.0f;
+        limit.free = -1.0f;
         for (int n = 0; n < 10000; n++) {
             const float bus = random_float(&random, 150.0, 250.0);
             const lode_ab_t u =
@@ -353,6 +392,7 @@ int main(void) {
     RUN_TEST(test_any_input_gives_duties);
     RUN_TEST(test_scale_of_bus_and_voltage_alike_changes_nothing);
     RUN_TEST(test_no_duty_of_the_fast_path_leaves_its_range);
+    RUN_TEST(test_a_duty_is_a_number_from_0_to_1);
     RUN_TEST(test_a_loss_that_leaves_no_room_leaves_no_fast_path);
     RUN_TEST(test_the_fast_path_is_as_long_as_the_loss_leaves);
     RUN_TEST(test_the_fast_path_gives_what_the_limit_gives);

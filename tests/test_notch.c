@@ -2,7 +2,7 @@
 #include "support/fields.h"
 
 #include "lodestar/config.h"
-#include "lodestar/notch.h"
+#include "notch_inline.h"
 
 void setUp(void) {}
 

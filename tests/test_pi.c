@@ -1,7 +1,7 @@
 // PI controller: closed-form responses and anti-windup on the realised output.
 #include "support/check.h"
 
-#include "lodestar/pi.h"
+#include "pi_inline.h"
 
 void setUp(void) {}
 

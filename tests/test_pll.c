@@ -2,7 +2,7 @@
 #include "support/fields.h"
 
 #include "golden/pll.h"
-#include "lodestar/pll.h"
+#include "pll_inline.h"
 
 void setUp(void) {}
 
@@ -33,9 +33,9 @@ typedef struct {
 } prediction_t;
 
 static prediction_t predicted(const lode_pll_t *pll, const lode_pll_tuning_t *tuning) {
-    prediction_t next;
-    const float advance = lode_pll_advance_rad(pll, tuning, &next.omega);
-    next.frame = lode_angle_add(pll->frame, lode_sincos(advance));
+    const lode_pll_motion_t motion = lode_pll_predict(pll, tuning);
+    prediction_t next = {.omega = motion.omega_rad_s};
+    next.frame = lode_angle_add(pll->frame, lode_sincos(motion.angle_rad));
     next.theta = atan2((double)next.frame.sin, (double)next.frame.cos);
     return next;
 }
@@ -44,8 +44,8 @@ static prediction_t predicted(const lode_pll_t *pll, const lode_pll_tuning_t *tu
 static void correct(lode_pll_t *pll, const lode_pll_tuning_t *tuning, prediction_t next,
                     float error) {
     const lode_pll_gains_t gains = lode_pll_gains(tuning, next.omega);
-    lode_pll_move(pll, gains, next.frame, next.omega, error);
-    lode_pll_disturb(pll, gains, error);
+    lode_pll_correct(pll, gains, next.frame, next.omega, error);
+    lode_pll_correct_disturbance(pll, gains, error);
 }
 
 static void check_golden(const pll_case_t *golden) {
@@ -65,8 +65,8 @@ static void check_golden(const pll_case_t *golden) {
         // The state moves by the arc tangent of the correction, the vectors by the correction itself.
         lode_pll_gains_t gains = lode_pll_gains(&tuning, next.omega);
         gains.theta = (float)(tan((double)gains.theta * error) / error);
-        lode_pll_move(&pll, gains, next.frame, next.omega, (float)error);
-        lode_pll_disturb(&pll, gains, (float)error);
+        lode_pll_correct(&pll, gains, next.frame, next.omega, (float)error);
+        lode_pll_correct_disturbance(&pll, gains, (float)error);
         if ((k + 1) % PLL_EVERY == 0) {
             const int row = k / PLL_EVERY;
             // The loop holds the float state at the angle to its resolution near pi, 2.4e-7,
@@ -160,7 +160,7 @@ static void test_poles_lie_at_exp_minus_sigma_Ts(void) {
 static double pole_at(const lode_pll_tuning_t *tuning, double omega) {
     lode_pll_t pll;
     lode_pll_reset(&pll, 0.0f, (float)omega);
-    lode_pll_move(&pll, lode_pll_gains(tuning, (float)omega), pll.frame, (float)omega, 0.01f);
+    lode_pll_correct(&pll, lode_pll_gains(tuning, (float)omega), pll.frame, (float)omega, 0.01f);
     const double left = 1.0 - tan(theta_of(&pll)) / 0.01; // moved by the arc tangent
     return tuning->third_order ? cbrt(left) : sqrt(left);
 }
@@ -239,7 +239,7 @@ static void test_gains_of_any_speed_lie_between_the_two(void) {
     }
 }
 
-static void test_advance_is_the_motion_of_a_period(void) {
+static void test_the_prediction_is_the_motion_of_a_period(void) {
     const lode_pll_tuning_t tuning = tuned(LODE_PLL_LESO, 2.0e-4, 100.0);
     random_t random = random_seed(4);
     for (int n = 0; n < 10000; n++) {
@@ -248,12 +248,11 @@ static void test_advance_is_the_motion_of_a_period(void) {
         pll.f_rad_s2 = random_float(&random, -2000.0, 2000.0);
         pll.acc_rad_s2 = random_float(&random, -2000.0, 2000.0);
         const lode_pll_t before = pll;
-        float omega;
-        const double advance = (double)lode_pll_advance_rad(&pll, &tuning, &omega);
+        const lode_pll_motion_t motion = lode_pll_predict(&pll, &tuning);
         const double acc = (double)pll.f_rad_s2 + (double)pll.acc_rad_s2;
         // Constant acceleration, exactly; floats of 0.5 rad and 2500 rad/s.
-        CHECK_NEAR(1.0e-7, 2.0e-4 * (double)pll.omega_rad_s + 2.0e-8 * acc, advance);
-        CHECK_NEAR(3.0e-4, (double)pll.omega_rad_s + 2.0e-4 * acc, omega);
+        CHECK_NEAR(1.0e-7, 2.0e-4 * (double)pll.omega_rad_s + 2.0e-8 * acc, motion.angle_rad);
+        CHECK_NEAR(3.0e-4, (double)pll.omega_rad_s + 2.0e-4 * acc, motion.omega_rad_s);
         TEST_ASSERT_EQUAL_MEMORY(&before, &pll, sizeof pll); // nothing moved yet
     }
 }
@@ -401,7 +400,7 @@ int main(void) {
     RUN_TEST(test_bandwidth_is_scheduled_with_speed);
     RUN_TEST(test_gains_place_all_poles_at_s);
     RUN_TEST(test_gains_of_any_speed_lie_between_the_two);
-    RUN_TEST(test_advance_is_the_motion_of_a_period);
+    RUN_TEST(test_the_prediction_is_the_motion_of_a_period);
     RUN_TEST(test_disturbance_is_the_load_torque);
     RUN_TEST(test_motion_mirrored_gives_states_mirrored);
     RUN_TEST(test_reset_takes_up_a_motion);

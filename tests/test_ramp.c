@@ -1,7 +1,7 @@
 // A value that moves at a bounded rate, and the fade between two values.
 #include "support/check.h"
 
-#include "lodestar/ramp.h"
+#include "ramp_inline.h"
 
 void setUp(void) {}
 

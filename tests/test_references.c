@@ -3,7 +3,7 @@
 #include "golden/references.h"
 #include "support/fields.h"
 
-#include "lodestar/references.h"
+#include "references_inline.h"
 
 void setUp(void) {}
 

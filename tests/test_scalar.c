@@ -2,7 +2,7 @@
 #include "support/check.h"
 
 #include "golden/minimax.h"
-#include "lodestar/scalar.h"
+#include "scalar_inline.h"
 
 void setUp(void) {}
 

@@ -1,7 +1,7 @@
 // Counts to amperes, volts and degrees; offset calibration; low-side window.
 #include "support/fields.h"
 
-#include "lodestar/sense.h"
+#include "sense_inline.h"
 
 void setUp(void) {}
 
@@ -37,12 +37,26 @@ static lode_sample_t sampled(const lode_sense_config_t *config, lode_counts_t co
     const lode_sense_tuning_t tuning = tuned(config);
     lode_sense_t sense;
     lode_sense_reset(&sense, &tuning);
-    return lode_sense_step(&sense, &tuning, &counts, lode_sense_unused(&tuning, duty));
+    return lode_sense_step(&sense, &tuning, &counts, lode_sense_omitted(&tuning, duty));
+}
+
+/// A phase current of a sample, A.
+static double amperes(const lode_sense_config_t *config, lode_sample_t sample, int phase) {
+    return (double)config->i_gain_A_count * sample.i[phase] / LODE_COUNT_FRACTION;
+}
+
+static bool railed(const lode_sense_config_t *config, lode_counts_t counts, lode_abc_t duty) {
+    const lode_sense_tuning_t tuning = tuned(config);
+    lode_sense_t sense;
+    lode_sense_reset(&sense, &tuning);
+    const lode_sample_t sample =
+        lode_sense_step(&sense, &tuning, &counts, lode_sense_omitted(&tuning, duty));
+    return lode_sense_is_railed(&sense, &tuning, &sample);
 }
 
 static double degrees(const lode_sense_config_t *config, lode_sample_t sample) {
     const lode_sense_tuning_t tuning = tuned(config);
-    return (double)lode_sense_temperature_degC(&tuning, sample.temperature_count);
+    return (double)lode_sense_temperature_degC(&tuning, sample.temperature);
 }
 
 // Products of counts up to 65535 in float.
@@ -53,9 +67,9 @@ static void test_three_shunts(void) {
     const lode_counts_t counts = {
         .i = {2148, 1948, 2098}, .v_bus = 2000, .temperature = 1300, .trip = true, .stamp = 77};
     const lode_sample_t s = sampled(&config, counts, half);
-    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.a);
-    CHECK_NEAR(ROUNDING, -1.25, s.i_abc_A.b);
-    CHECK_NEAR(ROUNDING, 0.625, s.i_abc_A.c);
+    CHECK_NEAR(ROUNDING, 1.25, amperes(&config, s, 0));
+    CHECK_NEAR(ROUNDING, -1.25, amperes(&config, s, 1));
+    CHECK_NEAR(ROUNDING, 0.625, amperes(&config, s, 2));
     // (2a - b - c)/3 and (b - c)/sqrt(3); what the three have in common drops out.
     CHECK_NEAR(ROUNDING, (2.5 + 1.25 - 0.625) / 3.0, s.i_A.alpha);
     CHECK_NEAR(ROUNDING, (-1.25 - 0.625) / sqrt(3.0), s.i_A.beta);
@@ -63,7 +77,7 @@ static void test_three_shunts(void) {
     CHECK_NEAR(ROUNDING, 25.0, degrees(&config, s));
     TEST_ASSERT_TRUE(s.trip);
     TEST_ASSERT_EQUAL_UINT32(77, s.stamp);
-    TEST_ASSERT_FALSE(s.railed);
+    TEST_ASSERT_FALSE(railed(&config, counts, half));
 }
 
 static void test_two_shunts(void) {
@@ -72,12 +86,12 @@ static void test_two_shunts(void) {
     // The third converter is not wired: whatever it says does not count.
     const lode_counts_t counts = {.i = {2148, 2088, 0}, .v_bus = 2000};
     const lode_sample_t s = sampled(&config, counts, half);
-    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.a);
-    CHECK_NEAR(ROUNDING, 0.5, s.i_abc_A.b);
-    CHECK_NEAR(ROUNDING, -1.75, s.i_abc_A.c);
+    CHECK_NEAR(ROUNDING, 1.25, amperes(&config, s, 0));
+    CHECK_NEAR(ROUNDING, 0.5, amperes(&config, s, 1));
+    CHECK_NEAR(ROUNDING, -1.75, amperes(&config, s, 2));
     CHECK_NEAR(ROUNDING, 1.25, s.i_A.alpha);
     CHECK_NEAR(ROUNDING, (1.25 + 2.0 * 0.5) / sqrt(3.0), s.i_A.beta);
-    TEST_ASSERT_FALSE(s.railed);
+    TEST_ASSERT_FALSE(railed(&config, counts, half));
     TEST_ASSERT_FALSE(s.trip);
 }
 
@@ -86,9 +100,9 @@ static void test_an_inverting_amplifier(void) {
     config.i_gain_A_count = -0.0125f;
     const lode_counts_t counts = {.i = {2148, 1948, 2048}};
     const lode_sample_t s = sampled(&config, counts, half);
-    CHECK_NEAR(ROUNDING, -1.25, s.i_abc_A.a);
-    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.b);
-    CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.c);
+    CHECK_NEAR(ROUNDING, -1.25, amperes(&config, s, 0));
+    CHECK_NEAR(ROUNDING, 1.25, amperes(&config, s, 1));
+    CHECK_NEAR(ROUNDING, 0.0, amperes(&config, s, 2));
 }
 
 static void test_no_temperature_sensor(void) {
@@ -106,13 +120,13 @@ static void test_rails_are_reported(void) {
         for (int r = 0; r < COUNT_OF(rails); r++) {
             lode_counts_t counts = {.i = {2048, 2048, 2048}};
             counts.i[phase] = rails[r];
-            TEST_ASSERT_TRUE(sampled(&config, counts, half).railed);
+            TEST_ASSERT_TRUE(railed(&config, counts, half));
         }
         lode_counts_t counts = {.i = {2048, 2048, 2048}};
         counts.i[phase] = 1;
-        TEST_ASSERT_FALSE(sampled(&config, counts, half).railed);
+        TEST_ASSERT_FALSE(railed(&config, counts, half));
         counts.i[phase] = 4094;
-        TEST_ASSERT_FALSE(sampled(&config, counts, half).railed);
+        TEST_ASSERT_FALSE(railed(&config, counts, half));
     }
 }
 
@@ -122,13 +136,9 @@ static void test_rails_of_two_shunts(void) {
     const lode_counts_t a = {.i = {4095, 2048, 2048}};
     const lode_counts_t b = {.i = {2048, 0, 2048}};
     const lode_counts_t c = {.i = {2048, 2048, 4095}};
-    TEST_ASSERT_TRUE(sampled(&config, a, half).railed);
-    TEST_ASSERT_TRUE(sampled(&config, b, half).railed);
-    TEST_ASSERT_FALSE(sampled(&config, c, half).railed);
-}
-
-static float phase_of(lode_abc_t x, int phase) {
-    return phase == 0 ? x.a : (phase == 1 ? x.b : x.c);
+    TEST_ASSERT_TRUE(railed(&config, a, half));
+    TEST_ASSERT_TRUE(railed(&config, b, half));
+    TEST_ASSERT_FALSE(railed(&config, c, half));
 }
 
 static lode_abc_t duty_with(int phase, float value) {
@@ -151,15 +161,15 @@ static void test_a_phase_without_a_window_follows_from_the_others(void) {
         const double currents[] = {1.25, 0.5, -0.6};
         const double other_two = currents[0] + currents[1] + currents[2] - currents[phase];
         const lode_sample_t s = sampled(&config, counts, duty_with(phase, 0.93f));
-        CHECK_NEAR(ROUNDING, -other_two, phase_of(s.i_abc_A, phase));
+        CHECK_NEAR(ROUNDING, -other_two, amperes(&config, s, phase));
         // What the blind converter says does not reach the result.
         counts.i[phase] = 3000;
         const lode_sample_t t = sampled(&config, counts, duty_with(phase, 0.93f));
-        TEST_ASSERT_EQUAL_MEMORY(&s.i_abc_A, &t.i_abc_A, sizeof s.i_abc_A);
+        TEST_ASSERT_EQUAL_MEMORY(s.i, t.i, sizeof s.i);
         TEST_ASSERT_EQUAL_MEMORY(&s.i_A, &t.i_A, sizeof s.i_A);
         // At the limit it is still sampled.
         const lode_sample_t u = sampled(&config, counts, duty_with(phase, 0.9f));
-        CHECK_NEAR(ROUNDING, 0.0125 * (3000 - 2048), phase_of(u.i_abc_A, phase));
+        CHECK_NEAR(ROUNDING, 0.0125 * (3000 - 2048), amperes(&config, u, phase));
     }
 }
 
@@ -168,9 +178,9 @@ static void test_of_two_phases_without_a_window_the_longest_is_replaced(void) {
     config.duty_max = 0.9f;
     const lode_counts_t counts = {.i = {2148, 2088, 2000}};
     const lode_sample_t s = sampled(&config, counts, (lode_abc_t){0.91f, 0.95f, 0.1f});
-    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.a);
-    CHECK_NEAR(ROUNDING, -1.25 + 0.6, s.i_abc_A.b);
-    CHECK_NEAR(ROUNDING, -0.6, s.i_abc_A.c);
+    CHECK_NEAR(ROUNDING, 1.25, amperes(&config, s, 0));
+    CHECK_NEAR(ROUNDING, -1.25 + 0.6, amperes(&config, s, 1));
+    CHECK_NEAR(ROUNDING, -0.6, amperes(&config, s, 2));
 }
 
 static void test_the_rail_of_a_sample_that_is_not_used_does_not_count(void) {
@@ -179,8 +189,8 @@ static void test_the_rail_of_a_sample_that_is_not_used_does_not_count(void) {
     for (int phase = 0; phase < 3; phase++) {
         lode_counts_t counts = {.i = {2048, 2048, 2048}};
         counts.i[phase] = 4095;
-        TEST_ASSERT_FALSE(sampled(&config, counts, duty_with(phase, 0.95f)).railed);
-        TEST_ASSERT_TRUE(sampled(&config, counts, duty_with((phase + 1) % 3, 0.95f)).railed);
+        TEST_ASSERT_FALSE(railed(&config, counts, duty_with(phase, 0.95f)));
+        TEST_ASSERT_TRUE(railed(&config, counts, duty_with((phase + 1) % 3, 0.95f)));
     }
 }
 
@@ -197,7 +207,7 @@ static void test_windowed_is_where_a_phase_may_be_missing(void) {
     const lode_counts_t counts = {.i = {2148, 1948, 2098}, .v_bus = 2000};
     const lode_sample_t s = sampled(&config, counts, (lode_abc_t){1.0f, 1.0f, 1.0f});
     const lode_sample_t t = sampled(&config, counts, half);
-    TEST_ASSERT_EQUAL_MEMORY(&t.i_abc_A, &s.i_abc_A, sizeof s.i_abc_A);
+    TEST_ASSERT_EQUAL_MEMORY(t.i, s.i, sizeof s.i);
     TEST_ASSERT_EQUAL_MEMORY(&t.i_A, &s.i_A, sizeof s.i_A);
 }
 
@@ -214,10 +224,32 @@ static void test_vector_is_that_of_the_phases(void) {
         const lode_abc_t duty = {random_float(&random, 0.0, 1.0), random_float(&random, 0.0, 1.0),
                                  random_float(&random, 0.0, 1.0)};
         const lode_sample_t s = sampled(&config, counts, duty);
-        const lode_ab_t expected = lode_clarke(s.i_abc_A);
-        CHECK_NEAR(ROUNDING, expected.alpha, s.i_A.alpha);
-        CHECK_NEAR(ROUNDING, expected.beta, s.i_A.beta);
+        const double a = amperes(&config, s, 0);
+        const double b = amperes(&config, s, 1);
+        const double c = amperes(&config, s, 2);
+        CHECK_NEAR(ROUNDING, (2.0 * a - b - c) / 3.0, s.i_A.alpha);
+        CHECK_NEAR(ROUNDING, (b - c) / sqrt(3.0), s.i_A.beta);
     }
+}
+
+static void test_a_current_beyond_the_limit_is_an_alert(void) {
+    const lode_sense_config_t config = board();
+    lode_sense_tuning_t tuning = tuned(&config);
+    tuning.alert = 100u * LODE_COUNT_FRACTION;
+    lode_sense_t sense;
+    lode_sense_reset(&sense, &tuning);
+    for (int phase = 0; phase < 3; phase++) {
+        for (int count = -2048; count <= 2047; count++) {
+            lode_counts_t counts = {.i = {2048, 2048, 2048}};
+            counts.i[phase] = (uint16_t)(2048 + count);
+            const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
+            TEST_ASSERT_EQUAL_INT(count < -100 || count > 100, s.alert);
+        }
+    }
+    // A phase that is not sampled counts by what the other two leave for it.
+    const lode_counts_t counts = {.i = {2048 + 60, 2048 + 60, 2048}};
+    TEST_ASSERT_FALSE(lode_sense_step(&sense, &tuning, &counts, LODE_PHASES).alert);
+    TEST_ASSERT_TRUE(lode_sense_step(&sense, &tuning, &counts, 2u).alert);
 }
 
 static void test_every_sample_at_a_rail_is_an_alert(void) {
@@ -229,15 +261,20 @@ static void test_every_sample_at_a_rail_is_an_alert(void) {
     for (int n = 0; n < 12000; n++) {
         lode_sense_t sense;
         lode_sense_reset(&sense, &tuning);
-        sense.offset_count = (lode_abc_t){2048.0f + random_float(&random, -100.0, 100.0),
-                                          2048.0f + random_float(&random, -100.0, 100.0),
-                                          2048.0f + random_float(&random, -100.0, 100.0)};
+        for (int phase = 0; phase < 3; phase++) {
+            sense.offset[phase] += (int32_t)(256.0 * random_between(&random, -100.0, 100.0));
+        }
         lode_counts_t counts = {.i = {2048, 2048, 2048}};
         TEST_ASSERT_FALSE(lode_sense_step(&sense, &tuning, &counts, LODE_PHASES).alert);
         counts.i[n % 3] = rails[n / 3 % COUNT_OF(rails)];
         const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
-        TEST_ASSERT_TRUE(s.alert && s.railed);
+        TEST_ASSERT_TRUE(s.alert && lode_sense_is_railed(&sense, &tuning, &s));
     }
+}
+
+/// Offset in use, counts.
+static double offset_of(const lode_sense_t *sense, int phase) {
+    return (double)sense->offset[phase] / LODE_COUNT_FRACTION;
 }
 
 /// Calibrates on counts that alternate by +-3 about the given means.
@@ -249,7 +286,9 @@ static lode_calibration_t calibrate(lode_sense_t *sense, const lode_sense_tuning
         const int ripple = *steps % 2 == 0 ? 3 : -3;
         const lode_counts_t counts = {
             .i = {(uint16_t)(a + ripple), (uint16_t)(b - ripple), (uint16_t)(c + ripple)}};
-        result = lode_sense_calibrate(sense, &sums, tuning, &counts, worst);
+        const lode_sample_t sample =
+            lode_sense_step(sense, tuning, &counts, lode_sense_omitted(tuning, half));
+        result = lode_sense_calibrate(sense, &sums, tuning, &sample, worst);
     }
     return result;
 }
@@ -265,16 +304,16 @@ static void test_calibration_averages(void) {
         TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_DONE,
                               calibrate(&sense, &tuning, 2060, 1990, 2050, &steps, &worst));
         TEST_ASSERT_EQUAL_INT(50, steps); // 0.01 s of 200 us
-        CHECK_NEAR(1.0e-3, 2060.0, sense.offset_count.a);
-        CHECK_NEAR(1.0e-3, 1990.0, sense.offset_count.b);
-        CHECK_NEAR(1.0e-3, 2050.0, sense.offset_count.c);
+        CHECK_NEAR(1.0e-3, 2060.0, offset_of(&sense, 0));
+        CHECK_NEAR(1.0e-3, 1990.0, offset_of(&sense, 1));
+        CHECK_NEAR(1.0e-3, 2050.0, offset_of(&sense, 2));
         CHECK_NEAR(1.0e-3, 58.0, fabsf(worst));
     }
     const lode_counts_t counts = {.i = {2060, 1990, 2150}};
     const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
-    CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.a);
-    CHECK_NEAR(ROUNDING, 0.0, s.i_abc_A.b);
-    CHECK_NEAR(ROUNDING, 1.25, s.i_abc_A.c);
+    CHECK_NEAR(ROUNDING, 0.0, amperes(&config, s, 0));
+    CHECK_NEAR(ROUNDING, 0.0, amperes(&config, s, 1));
+    CHECK_NEAR(ROUNDING, 1.25, amperes(&config, s, 2));
 }
 
 static void test_implausible_offsets_change_nothing(void) {
@@ -292,9 +331,9 @@ static void test_implausible_offsets_change_nothing(void) {
                 LODE_CALIBRATION_IMPLAUSIBLE,
                 calibrate(&sense, &tuning, means[0], means[1], means[2], &steps, &worst));
             CHECK_NEAR(1.0e-3, 101.0, fabsf(worst));
-            CHECK_NEAR(0.0, 2048.0, sense.offset_count.a);
-            CHECK_NEAR(0.0, 2048.0, sense.offset_count.b);
-            CHECK_NEAR(0.0, 2048.0, sense.offset_count.c);
+            CHECK_NEAR(0.0, 2048.0, offset_of(&sense, 0));
+            CHECK_NEAR(0.0, 2048.0, offset_of(&sense, 1));
+            CHECK_NEAR(0.0, 2048.0, offset_of(&sense, 2));
             // The next attempt starts afresh; 100 counts are just plausible.
             means[phase] = 2048 + sign * 100;
             TEST_ASSERT_EQUAL_INT(
@@ -314,7 +353,7 @@ static void test_calibration_of_two_shunts_ignores_the_third(void) {
     float worst;
     TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_DONE,
                           calibrate(&sense, &tuning, 2058, 2048, 10, &steps, &worst));
-    CHECK_NEAR(1.0e-3, 2058.0, sense.offset_count.a);
+    CHECK_NEAR(1.0e-3, 2058.0, offset_of(&sense, 0));
 }
 
 static void test_a_long_calibration_keeps_its_precision(void) {
@@ -327,27 +366,28 @@ static void test_a_long_calibration_keeps_its_precision(void) {
     lode_sense_t sense;
     lode_sense_reset(&sense, &tuning);
     const lode_counts_t counts = {.i = {33700, 31801, 32769}};
+    const lode_sample_t sample = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
     float worst;
     int steps = 1;
     lode_sense_begin(&sums);
-    while (lode_sense_calibrate(&sense, &sums, &tuning, &counts, &worst) ==
+    while (lode_sense_calibrate(&sense, &sums, &tuning, &sample, &worst) ==
                LODE_CALIBRATION_RUNNING &&
            steps < 60000) {
         steps++;
     }
     TEST_ASSERT_EQUAL_INT(50000, steps);
-    // Sums of 5e7 are exact to 4 in float; over 5e4 samples a small part of a count.
-    CHECK_NEAR(0.1, 33700.0, sense.offset_count.a);
-    CHECK_NEAR(0.1, 31801.0, sense.offset_count.b);
-    CHECK_NEAR(0.1, 32769.0, sense.offset_count.c);
+    // Sums of integers are exact, means to 1/256 of a count.
+    CHECK_NEAR(0.004, 33700.0, offset_of(&sense, 0));
+    CHECK_NEAR(0.004, 31801.0, offset_of(&sense, 1));
+    CHECK_NEAR(0.004, 32769.0, offset_of(&sense, 2));
 }
 
 static void test_reset_forgets_the_calibration(void) {
     const lode_sense_config_t config = board();
     const lode_sense_tuning_t tuning = tuned(&config);
-    lode_sense_t sense = {.offset_count = {1.0f, 2.0f, 3.0f}};
+    lode_sense_t sense = {.offset = {1, 2, 3}};
     lode_sense_reset(&sense, &tuning);
-    const lode_sense_t expected = {.offset_count = {2048.0f, 2048.0f, 2048.0f}};
+    const lode_sense_t expected = {.offset = {2048 * 256, 2048 * 256, 2048 * 256}};
     TEST_ASSERT_EQUAL_MEMORY(&expected, &sense, sizeof sense);
 }
 
@@ -478,6 +518,7 @@ int main(void) {
     RUN_TEST(test_the_rail_of_a_sample_that_is_not_used_does_not_count);
     RUN_TEST(test_windowed_is_where_a_phase_may_be_missing);
     RUN_TEST(test_vector_is_that_of_the_phases);
+    RUN_TEST(test_a_current_beyond_the_limit_is_an_alert);
     RUN_TEST(test_every_sample_at_a_rail_is_an_alert);
     RUN_TEST(test_calibration_averages);
     RUN_TEST(test_implausible_offsets_change_nothing);

@@ -11,6 +11,7 @@
 #include "design/guide.h"
 #include "design/limits.h"
 #include "emf_inline.h"
+#include "sogi_inline.h"
 
 void setUp(void) {}
 

@@ -38,7 +38,7 @@ static void test_every_member_is_that_of_the_library(void) {
     TUNING_FIELDS(COMPARE)
     CHECK_AT_LEAST(150.0, members);
     TEST_ASSERT_EQUAL_INT(LODE_EMF_FA_LESO, tuning_in_flash.estimator.emf.observer.kind);
-    TEST_ASSERT_TRUE(tuning_in_flash.estimator.notched);
+    TEST_ASSERT_TRUE(tuning_in_flash.estimator.notch.k > 0.0f);
 }
 
 /// What no member covers is padding: less than the least alignment of a float at a stretch.

@@ -2,7 +2,7 @@
 #include "support/check.h"
 
 #include "golden/sogi.h"
-#include "lodestar/sogi.h"
+#include "sogi_inline.h"
 
 void setUp(void) {}
 

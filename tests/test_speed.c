@@ -1,7 +1,7 @@
 // Speed control: ramped reference, PI in torque, load feed-forward, limits.
 #include "support/fields.h"
 
-#include "lodestar/speed.h"
+#include "speed_inline.h"
 
 void setUp(void) {}
 

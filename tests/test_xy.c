@@ -2,7 +2,7 @@
 #include "support/check.h"
 #include "support/fields.h"
 
-#include "lodestar/xy.h"
+#include "xy_inline.h"
 
 #include <complex.h>
 
@@ -48,8 +48,7 @@ static double _Complex emf(const plane_t *p, double theta) {
 static void step(plane_t *p) {
     const double _Complex now = p->i * cexp(I * p->theta);
     const lode_ab_t u =
-        lode_xy_step(&p->xy, &p->tuning, (lode_ab_t){(float)creal(now), (float)cimag(now)},
-                     sincos_of(0.5 * p->omega * TS_s), V_BUS);
+        lode_xy_step(&p->xy, &p->tuning, (lode_ab_t){(float)creal(now), (float)cimag(now)}, V_BUS);
     const double acting = p->theta + 1.5 * p->omega * TS_s;
     for (int part = 0; part < 10; part++) {
         const double h = 0.1 * TS_s;

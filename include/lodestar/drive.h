@@ -43,7 +43,8 @@ typedef struct {
 typedef struct {
     float ts_s;
     float inv_pole_pairs;
-    uint32_t speed_periods; ///< between two calls of speed control and references: 1, 2, 4 or 8
+    uint32_t speed_periods; ///< between two calls of speed control and references: 8, 4, 2 or 1
+    float half_period_s; ///< a third of the time from a sample to the middle of its duties' period
     float omega_min;        ///< least electrical speed in RUN
     lode_sense_tuning_t sense;
     lode_inverter_tuning_t inverter;
@@ -103,49 +104,42 @@ typedef struct {
 /// A drive. Visible for static allocation; written by its functions only.
 typedef struct {
     const lode_drive_tuning_t *tuning;
-    const lode_drive_tuning_t *posted_tuning; ///< mailbox: NULL when taken
-    lode_order_t posted;                      ///< mailbox
-    bool command_posted;
-    bool mail; ///< something is posted
+    uint32_t steps;      ///< periods since init
+    bool steady;         ///< RUN, as commanded, and nothing in the mail: a period has nothing to decide
+    bool gates;          ///< on
+    bool mail;           ///< something is posted
+    bool command_posted; ///< mailbox
     bool calibrated;
-    bool gates;
-    uint_least8_t mode;           ///< lode_mode_t
-    uint_least8_t unsampled;      ///< phase whose next sample is of no use; LODE_PHASES: none
-    uint_least8_t unsampled_next; ///< while `duty` acts
-    uint32_t steps;               ///< periods since init
-    lode_order_t command;         ///< being followed
-    float direction;              ///< sense of rotation, -1 or +1
-    lode_abc_t duty;              ///< written by the last call
-    lode_dq_t i_A;                ///< in the frame of control
-    lode_dq_t ref_A;
-    lode_dq_t u_V;
-    float temperature_degC;
+    uint_least8_t mode;         ///< lode_mode_t
+    uint_least8_t omitted;      ///< phase whose next sample is of no use; LODE_PHASES: none
+    uint_least8_t omitted_next; ///< while `duty` acts
     lode_sense_t sense;
+    lode_guard_t guard;
     lode_inverter_t inverter;
     lode_estimator_t estimator;
+    lode_sincos_t lead; ///< angle from a sample to the middle of its duties, at the present speed
     lode_current_t current;
+    lode_dq_t ref_A;
+    lode_dq_t i_A; ///< in the frame of control
+    lode_dq_t u_V;
+    lode_abc_t duty; ///< written by the last call
+    float temperature_degC;
+    float direction; ///< sense of rotation, -1 or +1
     union {
         lode_sense_sums_t sums; ///< CALIBRATE
         float theta_rad;        ///< VOLTAGE, CURRENT: of their frame
         lode_start_t start;     ///< START
         lode_running_t run;     ///< RUN
     } state;                    ///< that of the present mode, set up when it is entered
-    lode_guard_t guard;
+    lode_order_t command;       ///< being followed
+    lode_order_t posted;        ///< mailbox
+    const lode_drive_tuning_t *posted_tuning; ///< mailbox: NULL when taken
 } lode_drive_t;
 
 /// The ramped mechanical reference of RUN; 0 in the other modes.
 static inline float lode_drive_speed_ref_rad_s(const lode_drive_t *self) {
-    const bool running = self->mode == (uint_least8_t)LODE_MODE_RUN;
-    return running ? self->state.run.speed.reference_rad_s : 0.0f;
+    return self->mode == (uint_least8_t)LODE_MODE_RUN ? self->state.run.speed.reference_rad_s : 0.0f;
 }
-
-/// One period's inputs to estimation.
-typedef struct {
-    lode_sample_t sample;
-    lode_ab_t u_V; ///< mean voltage over [t_k-1, t_k)
-    lode_calibration_t calibration;
-    float offset_count; ///< worst offset, while calibrating
-} lode_measurement_t;
 
 /// A consistent picture of one period, for logs and displays.
 typedef struct {
@@ -184,11 +178,13 @@ lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
 /// One PWM period: sense, estimate, act. Total, bounded, without allocation.
 lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts);
 
-/// The step is these three calls in a row. A host may put its own estimate in place of the second:
-/// rotor, half_turn, i_A, omega_rad_s, load_torque_Nm and lock are used.
-lode_measurement_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts);
-lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_measurement_t *measurement);
-lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_measurement_t *measurement,
+/// The step is these three calls in a row: counts to amperes and volts at t_k, with the guard's check of
+/// them; angle and speed at t_k; duties and gates. A host may put an estimate of its own in place of the
+/// second: with LODE_ESTIMATE_EXTERNAL for its source it is checked and taken over (all fields but
+/// reseeded).
+lode_sample_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts);
+lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_sample_t *sample);
+lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
                                 const lode_estimate_t *estimate);
 
 /// Leaves a command for the next period; a later one replaces one not yet taken.

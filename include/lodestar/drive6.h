@@ -78,18 +78,19 @@ typedef struct {
     lode_open_phase_watch_t watch;
     lode_open_phase_t open;    ///< the phase found open, 0: none
     uint_least8_t active;      ///< lode_active_t
-    uint_least8_t unsampled_2; ///< as in lode_drive_t
-    uint_least8_t unsampled_next_2;
+    uint_least8_t omitted_2;   ///< as in lode_drive_t
+    uint_least8_t omitted_next_2;
 } lode_drive6_t;
 
-/// One period's inputs to estimation and control.
+/// All that a period starts from.
 typedef struct {
-    lode_measurement_t m; ///< of the machine, or of the set that is driven alone
-    lode_ab_t u_seen_V;   ///< by the estimator: mean voltage over [t_k-1, t_k)
+    lode_sample_t machine; ///< alpha-beta plane, or the set that is driven alone; phases of set 1
+    lode_sample_t set_2;
+    lode_ab_t u_seen_V; ///< by the estimator: mean voltage over [t_k-1, t_k)
     lode_ab_t i_seen_A;
     lode_sets_t i_A; ///< of each set, stator axes
     bool watched;    ///< for open phases
-} lode_measurement6_t;
+} lode_sample6_t;
 
 /// A consistent picture of one period.
 typedef struct {
@@ -121,11 +122,11 @@ lode_status_t lode_drive6_init(lode_drive6_t *self, lode_drive6_tuning_t *tuning
 /// One PWM period. Total, bounded, without allocation.
 lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts);
 
-/// The step is these three calls in a row. A host may put its own estimate in place of the second, as in
-/// drive.h; its i_A is m.sample.i_A in the rotor's frame.
-lode_measurement6_t lode_drive6_sense(lode_drive6_t *self, const lode_counts6_t *counts);
-lode_estimate_t lode_drive6_estimate(lode_drive6_t *self, const lode_measurement6_t *measurement);
-lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_measurement6_t *measurement,
+/// The step is these three calls in a row. A host may put an estimate of its own in place of the second,
+/// as in drive.h; its i_A is machine.i_A in the rotor's frame.
+lode_sample6_t lode_drive6_sense(lode_drive6_t *self, const lode_counts6_t *counts);
+lode_estimate_t lode_drive6_estimate(lode_drive6_t *self, const lode_sample6_t *sample);
+lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_sample6_t *sample,
                                   const lode_estimate_t *estimate);
 
 /// Leaves a tuning for the next period, as lode_drive_post_tuning() does; not that one here.

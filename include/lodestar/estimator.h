@@ -29,18 +29,26 @@ typedef struct {
     float lock_s;          ///< time constant of the lock quality; 0: 5 ms
 } lode_estimator_config_t;
 
+/// What a tuning asks of a period, in one word that is read once.
+enum {
+    LODE_ESTIMATOR_SALIENT = 1,      ///< the EMF of a changing active flux is taken out
+    LODE_ESTIMATOR_FILTERED = 2,     ///< the speed that tunes the EMF observer is filtered
+    LODE_ESTIMATOR_NOTCH = 4,        ///< at 6 w or 12 w
+    LODE_ESTIMATOR_NOTCH12 = 8,     ///< at 12 w
+    LODE_ESTIMATOR_THIRD_ORDER = 16, ///< LESO-QPLL
+};
+
 typedef struct {
+    uint_least16_t options;
     lode_emf_tuning_t emf;
     lode_pll_tuning_t pll;
     lode_lag_t lag;
     lode_notch_tuning_t notch;
     lode_notch_tuning_t notch12;
     float w_weight; ///< of a new sample in the speed that tunes the observer; 1: no filter
-    bool w_filtered;
-    bool notched;   ///< at 6 w or 12 w
-    bool notched12; ///< at 12 w
     float emin_V;
     float omega_limit; ///< twice omega_max: beyond it the speed is taken for an alias
+    float error_small; ///< position error up to which the amplitude of a few periods ago will do
     float droop_s2;    ///< by which the observer's amplitude falls with speed
     float psi_Wb;
     float salient_H;               ///< Ld - Lq
@@ -49,21 +57,21 @@ typedef struct {
     float load_per_f_Nm;           ///< -J/np; 0 without disturbance state
     float lock_weight;             ///< of a new sample in the lock quality
     float rotation_weight;         ///< in the mean rotation
-    uint_least16_t settle_turns;   ///< from reset until the first acquisition, in LODE_SLOW_PERIODS
-    uint_least16_t patience_turns; ///< without lock until the next one
+    uint_least16_t settle_rounds;   ///< from reset until the first acquisition, in LODE_SLOW_PERIODS
+    uint_least16_t patience_rounds; ///< without lock until the next one
 } lode_estimator_tuning_t;
 
 typedef struct {
     lode_emf_t emf;
     lode_pll_t pll;
-    lode_sincos_t rotor; ///< angle of the rotor at t_k
-    float id_A;          ///< current in its direction at t_k
-    float lock;
-    bool locked;            ///< lock >= LODE_LOCK_LOST
-    uint_least8_t calls;    ///< of lode_estimator_step(), modulo LODE_SLOW_PERIODS
-    uint_least16_t wait;    ///< turns until the next acquisition, while there is no lock
     lode_pll_gains_t gains; ///< at the present speed
     lode_lag_line_t lag;    ///< of the observer, about the present speed
+    float per_V; ///< one over the EMF's amplitude when it was last looked at, negative for positive speed
+    float id_A;  ///< current in the rotor's direction at t_k
+    float lock;
+    bool locked;            ///< lock >= LODE_LOCK_LOST
+    uint_least8_t slot;     ///< of lode_estimator_step()
+    uint_least16_t wait;    ///< rounds until the next acquisition, while there is no lock
     lode_notch_t notch;
     lode_notch_t notch12;
     float omega_tune;   ///< the speed that tunes the observer, where it is filtered
@@ -71,16 +79,22 @@ typedef struct {
     lode_ab_t before_V; ///< without lock: e[k-1]
 } lode_estimator_t;
 
+/// Who made an estimate.
+typedef enum {
+    LODE_ESTIMATE_OWN,     ///< the drive's estimator
+    LODE_ESTIMATE_EXTERNAL ///< somebody else: the drive checks it and takes it over
+} lode_estimate_source_t;
+
 /// All at t_k, the instant of the current sample.
 typedef struct {
-    float omega_rad_s;       ///< electrical speed
-    lode_sincos_t rotor;     ///< sine and cosine of the electrical rotor angle
-    lode_sincos_t half_turn; ///< of the angle by which the rotor turns in half a period
-    lode_dq_t i_A;           ///< current in the rotor's frame
-    lode_ab_t e_V;           ///< raw output of the EMF observer
-    float load_torque_Nm;    ///< 0 with the QPLL
+    float omega_rad_s;    ///< electrical speed
+    lode_sincos_t rotor;  ///< sine and cosine of the electrical rotor angle
+    lode_dq_t i_A;        ///< current in the rotor's frame
+    lode_ab_t e_V;        ///< raw output of the EMF observer
+    float load_torque_Nm; ///< 0 with the QPLL
     float lock;    ///< 0: no information .. 1: trustworthy; below LODE_LOCK_LOST it is lost
     bool reseeded; ///< the state was out of range or lost, and was taken up anew in this call
+    lode_estimate_source_t source;
 } lode_estimate_t;
 
 /// Electrical rotor angle of an estimate, [-pi, pi].
@@ -107,8 +121,12 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                          lode_sincos_t rotor, float omega_rad_s);
 
-/// One period, all of it: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k. Total:
-/// whatever goes in, finite and in range comes out, and `reseeded` tells.
+/// The currents change their meaning, as when one set of a winding goes on alone: `i_A` is the present
+/// one in the new sense. Angle, speed and EMF stay.
+void lode_estimator_set_current(lode_estimator_t *self, lode_ab_t i_A);
+
+/// One period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k. Total: whatever goes
+/// in, finite and in range comes out, and `reseeded` tells.
 lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                     lode_ab_t u_V, lode_ab_t i_A);
 

@@ -33,11 +33,6 @@ LODE_INLINE lode_ab_t lode_clarke(lode_abc_t x) {
     return (lode_ab_t){(2.0f * x.a - x.b - x.c) * (1.0f / 3.0f), (x.b - x.c) * (1.0f / LODE_SQRT3)};
 }
 
-/// Clarke transform of phases a and b where the three sum to zero.
-LODE_INLINE lode_ab_t lode_clarke_two(float a, float b) {
-    return (lode_ab_t){a, (a + 2.0f * b) * (1.0f / LODE_SQRT3)};
-}
-
 /// Phase quantities that sum to zero.
 LODE_INLINE lode_abc_t lode_clarke_inverse(lode_ab_t x) {
     const float half = -0.5f * x.alpha;
@@ -67,21 +62,32 @@ LODE_INLINE lode_sincos_t lode_angle_subtract(lode_sincos_t a, lode_sincos_t b) 
 }
 
 /// x exp(j angle).
-LODE_INLINE lode_ab_t lode_ab_turn(lode_ab_t x, lode_sincos_t angle) {
+LODE_INLINE lode_ab_t lode_ab_rotate(lode_ab_t x, lode_sincos_t angle) {
     return (lode_ab_t){x.alpha * angle.cos - x.beta * angle.sin,
                        x.alpha * angle.sin + x.beta * angle.cos};
 }
 
-/// With the length drawn to 1, from nearby.
-LODE_INLINE lode_sincos_t lode_angle_drawn(lode_sincos_t a) {
-    const float to_one = 1.5f - 0.5f * (a.sin * a.sin + a.cos * a.cos);
-    return (lode_sincos_t){to_one * a.sin, to_one * a.cos};
+/// Square of the length, 1 but for rounding.
+LODE_INLINE float lode_angle_length2(lode_sincos_t a) {
+    return a.sin * a.sin + a.cos * a.cos;
 }
 
-/// Those of an angle moved on by a small one: atan(`x_rad`), at most 3 % less than it for 0.3 rad. The
-/// length is drawn to 1: what rounding takes from it, or the move adds, does not pile up.
-LODE_INLINE lode_sincos_t lode_angle_nudged(lode_sincos_t a, float x_rad) {
-    return lode_angle_drawn((lode_sincos_t){a.sin + x_rad * a.cos, a.cos - x_rad * a.sin});
+/// Brought to length 1, from nearby.
+LODE_INLINE lode_sincos_t lode_angle_normalise(lode_sincos_t a) {
+    const float scale = 1.5f - 0.5f * lode_angle_length2(a);
+    return (lode_sincos_t){scale * a.sin, scale * a.cos};
+}
+
+/// Those of an angle rotated by a small one: atan(`x_rad`), at most 3 % less than it for 0.3 rad. The
+/// length grows by x^2/2: now and then lode_angle_normalise() takes that away.
+LODE_INLINE lode_sincos_t lode_angle_rotate_small(lode_sincos_t a, float x_rad) {
+    return (lode_sincos_t){a.sin + x_rad * a.cos, a.cos - x_rad * a.sin};
+}
+
+/// Shortened by what lode_angle_rotate_small() by `x_rad` will add, to within 1.3 % for 0.6 rad.
+LODE_INLINE lode_sincos_t lode_angle_shorten(lode_sincos_t a, float x_rad) {
+    const float scale = 1.0f - 0.5f * x_rad * x_rad * (1.0f - 0.75f * x_rad * x_rad);
+    return (lode_sincos_t){scale * a.sin, scale * a.cos};
 }
 
 /// Sine and cosine of twice an angle.

@@ -18,7 +18,7 @@ typedef enum {
     LODE_CHECK_UNDER_VOLTAGE,    ///< bus, V
     LODE_CHECK_OVER_TEMPERATURE, ///< power stage, degC
     LODE_CHECK_TIMING,           ///< stamp between two calls, counts
-    LODE_CHECK_NON_FINITE,       ///< a quantity left the finite range
+    LODE_CHECK_NON_FINITE,       ///< a duty outside [0, 1], or an estimate from outside that is no number
     LODE_CHECK_OVER_SPEED,       ///< electrical, rad/s
     LODE_CHECK_LOST_LOCK,        ///< lock quality while running without a sensor
     LODE_CHECK_WRONG_WAY,        ///< electrical speed against the commanded direction, rad/s
@@ -50,10 +50,10 @@ typedef struct {
     float temperature_max;
     float omega_max;
     uint32_t rail_periods;
-    uint32_t bus_turns; ///< in calls of lode_guard_watch()
-    uint32_t lock_turns;
+    uint32_t bus_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
+    uint32_t lock_looks;
     uint32_t stamp_min;
-    uint32_t stamp_span; ///< largest less smallest count between two calls; all ones: not watched
+    uint32_t stamp_span; ///< largest less smallest count between two calls, below 2^31; 0: not watched
 } lode_guard_tuning_t;
 
 typedef struct {
@@ -72,8 +72,7 @@ typedef struct {
     uint_least16_t lock;
     uint_least16_t speed;
     uint_least16_t direction;
-    bool stamped; ///< `stamp` holds one
-    bool railed;  ///< a rail was met since the last lode_guard_watch()
+    bool railed;  ///< a rail was met since the last lode_guard_check_slow()
     bool pending; ///< some counter is not 0
 } lode_guard_t;
 
@@ -81,7 +80,6 @@ typedef struct {
 typedef struct {
     uint_least8_t state; ///< lode_mode_t
     bool sensorless;     ///< the estimator drives the motor
-    bool finite;         ///< voltage and duties of this period are finite
 } lode_situation_t;
 
 /// What moves slowly.
@@ -99,56 +97,19 @@ void lode_guard_reset(lode_guard_t *self);
 void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
                      float limit);
 
-/// Whether nothing is wrong with a period, by what was sampled at its start.
-LODE_INLINE bool lode_guard_is_usual(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                     bool trip, bool alert, uint32_t stamp) {
-    return LODE_USUALLY(self->stamped) && LODE_USUALLY(!trip) && LODE_USUALLY(!alert) &&
-           LODE_USUALLY(stamp - self->stamp - tuning->stamp_min <= tuning->stamp_span);
-}
+#define LODE_GUARD_PERIODS (LODE_SLOW_PERIODS / 2u)
 
-/// Finds out what is wrong, and trips. Before the stamp of the period is noted.
-void lode_guard_examine(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                        const lode_sample_t *sample, lode_situation_t now);
+/// Finds out what is wrong with a sample, and trips. Comparisons are written so that NaN is bad.
+void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                         const lode_sense_t *sense, const lode_sense_tuning_t *sense_tuning,
+                         const lode_sample_t *sample, uint_least8_t state);
 
-/// Checks what must not wait, in every period with the gates on: trip, phase currents, rails, timing,
-/// finite numbers. Comparisons are written so that NaN is bad.
-static inline void lode_guard_step(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                   const lode_sample_t *sample, lode_situation_t now) {
-    if (!now.finite ||
-        !lode_guard_is_usual(self, tuning, sample->trip, sample->alert, sample->stamp)) {
-        lode_guard_examine(self, tuning, sample, now);
-    }
-    self->stamp = sample->stamp;
-}
-
-/// Bus and temperature, then lock, speed and direction, within their limits. NaN is not.
-LODE_INLINE bool lode_guard_power_is_sound(const lode_guard_tuning_t *tuning,
-                                           const lode_condition_t *condition) {
-    return LODE_USUALLY(condition->v_bus_V <= tuning->v_bus_max) &&
-           LODE_USUALLY(condition->v_bus_V >= tuning->v_bus_min) &&
-           LODE_USUALLY(condition->temperature_degC <= tuning->temperature_max);
-}
-
-LODE_INLINE bool lode_guard_motion_is_sound(const lode_guard_tuning_t *tuning,
-                                            const lode_condition_t *condition) {
-    return LODE_USUALLY(condition->lock >= LODE_LOCK_LOST) &&
-           LODE_USUALLY(condition->omega_rad_s >= 0.0f) &&
-           LODE_USUALLY(condition->omega_rad_s <= tuning->omega_max);
-}
-
-/// Whether lode_guard_watch() would have nothing to do, running without a sensor.
-LODE_INLINE bool lode_guard_is_at_ease(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                       const lode_condition_t *condition) {
-    return LODE_USUALLY(!self->pending) && lode_guard_power_is_sound(tuning, condition) &&
-           lode_guard_motion_is_sound(tuning, condition);
-}
-
-/// Checks what may last for a while, twice in LODE_SLOW_PERIODS: bus, temperature, lock, speed,
+/// Checks what may last for a while, every LODE_GUARD_PERIODS: bus, temperature, lock, speed,
 /// direction.
-void lode_guard_watch(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                      lode_condition_t condition, lode_situation_t now);
+void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                           lode_condition_t condition, lode_situation_t now);
 
-LODE_INLINE bool lode_guard_is_good(const lode_guard_t *self) {
+static inline bool lode_guard_is_good(const lode_guard_t *self) {
     return self->fault.check == (uint_least8_t)LODE_CHECK_NONE;
 }
 

@@ -29,33 +29,32 @@ typedef struct {
 } lode_inverter_config_t;
 
 typedef struct {
-    float ts_s;
     float v_min_V;   ///< least bus voltage that is divided by
     float dead_duty; ///< share of the period lost to dead time
     float v_drop_V;
     float i_dead_min_A;  ///< at no modulation
     float i_dead_span_A; ///< added at full modulation
-    float ticks;         ///< 0: not quantised
+    float ticks;
     float inv_ticks;
-    /// (volts per bus volt)^2 up to which no duty can reach a rail, and the voltage is what was asked;
-    /// -1: none, or there is a timer's grid or the model
-    float v2_free;
-    bool correct; ///< loss added to the duties
-    bool model;   ///< loss taken out of the observer's voltage instead
+    float free; ///< volts per bus volt up to which no duty can reach a rail; -1: with the model
+    bool correct; ///< the dead-time error is added to the duties
+    bool model;   ///< it is taken out of the observer's voltage instead
+    bool grid;    ///< duties lie on the timer's steps
 } lode_inverter_tuning_t;
 
+/// The duty that a phase loses at its current: in proportion up to i_dead, constant beyond.
 typedef struct {
-    float half_per_A; ///< half the duty lost per ampere below i_dead
+    float slope_A; ///< half the duty lost per ampere below i_dead
     float i_dead_A;
-} lode_loss_t;
+} lode_dead_time_t;
 
 /// The duties on their way. Call k writes what acts over [t_k+1, t_k+2); the current sampled by call
 /// k+2 is the first that has seen it in full.
 typedef struct {
-    lode_ab_t written; ///< by the last call, volts per bus volt
-    lode_ab_t acting;  ///< by the call before it: this acts until the next sample
-    float v_bus_V;     ///< bus voltage sampled at the start of the period under way
-    lode_loss_t loss;
+    lode_ab_t written[2]; ///< volts per bus volt, by even and by odd calls
+    float v_bus_V;        ///< bus voltage sampled at the start of the period under way
+    float per_V;          ///< 1/v_bus
+    lode_dead_time_t dead_time;
 } lode_inverter_t;
 
 /// Fills every zero field that has a default.
@@ -69,39 +68,6 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
 
 /// No voltage on its way.
 void lode_inverter_reset(lode_inverter_t *self);
-
-/// Called at t_k before anything is written: the mean voltage over [t_k-1, t_k), V, from the duty
-/// written by call k-2 and the bus sampled at t_k-1. Takes in the bus voltage sampled now.
-LODE_INLINE lode_ab_t lode_inverter_realised(lode_inverter_t *self, float v_bus_V) {
-    const lode_ab_t u_V = lode_ab_scale(self->v_bus_V, self->acting);
-    self->acting = self->written;
-    self->v_bus_V = v_bus_V;
-    return u_V;
-}
-
-/// Notes what call k has written.
-static inline void lode_inverter_write(lode_inverter_t *self, lode_ab_t realised) {
-    self->written = realised;
-}
-
-/// How the loss follows the current at a modulation and bus voltage: `span`: largest less smallest
-/// duty, 0 .. 1. Both move slowly.
-static inline lode_loss_t lode_inverter_shape(const lode_inverter_tuning_t *tuning, float span,
-                                              float inv_v_bus) {
-    const float i_dead = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
-    return (lode_loss_t){0.5f * (tuning->dead_duty + tuning->v_drop_V * inv_v_bus) / i_dead,
-                         i_dead};
-}
-
-/// Loss of duty in a phase at the current `i_A`: dead time and drops. Proportional to the current up to
-/// i_dead, constant beyond: |i + i_dead| - |i - i_dead| is twice the clamped current.
-LODE_INLINE float lode_inverter_loss(lode_loss_t shape, float i_A) {
-    return shape.half_per_A * (lode_abs(i_A + shape.i_dead_A) - lode_abs(i_A - shape.i_dead_A));
-}
-
-/// Follows the modulation by the voltage `u_V` at the bus `v_bus_V`.
-void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning, lode_dq_t u_V,
-                         float v_bus_V);
 
 #ifdef __cplusplus
 }

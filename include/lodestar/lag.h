@@ -29,22 +29,12 @@ typedef struct {
 lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_emf_config_t *config,
                             const lode_motor_t *motor, float ts_s, float omega_max_rad_s);
 
-/// Lag at `omega_rad_s`, rad; odd. Beyond the fitted range it goes on with the slope at its end.
-static inline float lode_lag_rad(const lode_lag_t *lag, float omega_rad_s) {
-    const float v = lode_min(omega_rad_s * omega_rad_s * lag->inv_range2, 1.0f);
-    const float *c = lag->coefficient;
-    const float slope = c[0] + v * (c[1] + v * (c[2] + v * (c[3] + v * (c[4] + v * c[5]))));
-    return omega_rad_s * slope;
-}
-
 /// The lag as a line through the one at a speed. Speed moves slowly: it serves for a few periods.
 typedef struct {
     lode_sincos_t at; ///< of the lag at `omega_rad_s`
     float omega_rad_s;
     float slope_s; ///< d lag/d omega
 } lode_lag_line_t;
-
-lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s);
 
 #ifdef __cplusplus
 }

@@ -4,7 +4,6 @@
 
 #include "lodestar/drive.h"
 #include "lodestar/drive6.h"
-#include "lodestar/lowpass.h"
 #include "lodestar/ring.h"
 #include "lodestar/scope.h"
 #include "lodestar/sogi.h"

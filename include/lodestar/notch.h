@@ -38,14 +38,6 @@ typedef struct {
 /// Moves the centre to the harmonic of `omega_rad_s`. Speed moves slowly: every few periods is enough.
 void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning, float omega_rad_s);
 
-/// The error without its harmonic; unchanged where the notch is out. The filter runs all the time, so
-/// that it has settled when it is blended in.
-LODE_INLINE float lode_notch_step(lode_notch_t *self, const lode_notch_tuning_t *tuning,
-                                  float error) {
-    const lode_sogi_tuning_t tuned = {tuning->k, self->g, self->inv_sum};
-    return error - self->weight * lode_sogi_step(&self->sogi, &tuned, error).in_phase;
-}
-
 #ifdef __cplusplus
 }
 #endif

@@ -53,47 +53,12 @@ lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *
 /// Takes up the motion given, with no disturbance.
 void lode_pll_reset(lode_pll_t *self, float theta_rad, float omega_rad_s);
 
-/// Gains of one period (P5): what an error moves angle, speed and disturbance by.
+/// Gains of one period (P5): what an error corrects angle, speed and disturbance by.
 typedef struct {
     float theta;   ///< rad per rad
     float omega_s; ///< rad/s per rad
     float f_s2;    ///< rad/s^2 per rad; 0 for the QPLL
 } lode_pll_gains_t;
-
-/// Those of the bandwidth that belongs to the speed. It moves slowly: every few periods is enough.
-static inline lode_pll_gains_t lode_pll_gains(const lode_pll_tuning_t *tuning, float omega_rad_s) {
-    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
-    const float x = tuning->x_low + tuning->x_rise * lode_clamp(up, 0.0f, 1.0f);
-    const float rate = x * x * tuning->inv_ts;
-    if (tuning->third_order) {
-        return (lode_pll_gains_t){x * (3.0f - x * (3.0f - x)), 1.5f * (2.0f - x) * rate,
-                                  x * rate * tuning->inv_ts};
-    }
-    return (lode_pll_gains_t){x * (2.0f - x), rate, 0.0f};
-}
-
-/// The angle by which the rotor moves on from t_k-1 to t_k, and the speed that it has there (paper 1,
-/// eq. 19; P2), exact for constant acceleration. The state is not moved yet.
-LODE_INLINE float lode_pll_advance_rad(const lode_pll_t *self, const lode_pll_tuning_t *tuning,
-                                       float *omega_rad_s) {
-    const float step = tuning->ts_s * (self->f_rad_s2 + self->acc_rad_s2);
-    *omega_rad_s = self->omega_rad_s + step;
-    return tuning->ts_s * (self->omega_rad_s + 0.5f * step);
-}
-
-/// Moves angle and speed to t_k, to the predicted `frame` and speed, and corrects them by the position
-/// error `error_rad` found there. It may come from the EMF, from signal injection, or from a weighted sum of
-/// both (P4, P6).
-LODE_INLINE void lode_pll_move(lode_pll_t *self, lode_pll_gains_t gains, lode_sincos_t frame,
-                               float omega_rad_s, float error_rad) {
-    self->frame = lode_angle_nudged(frame, gains.theta * error_rad);
-    self->omega_rad_s = omega_rad_s + gains.omega_s * error_rad;
-}
-
-/// Corrects the disturbance: third order only.
-LODE_INLINE void lode_pll_disturb(lode_pll_t *self, lode_pll_gains_t gains, float error_rad) {
-    self->f_rad_s2 += gains.f_s2 * error_rad;
-}
 
 #ifdef __cplusplus
 }

@@ -108,19 +108,6 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
 /// Starts from `id_A`, without a jump.
 void lode_references_reset(lode_references_t *self, float id_A);
 
-/// Part of lode_references_step(), which alone calls it: everything but plain id* = 0.
-lode_references_out_t lode_references_optimal(lode_references_t *self,
-                                              const lode_references_tuning_t *tuning,
-                                              float torque_Nm, float omega_rad_s, float id_add_A,
-                                              lode_references_voltage_t voltage);
-
-/// Current references for `torque_Nm` at the electrical speed `omega_rad_s`; `id_add_A` is added to
-/// the d axis (the rest of the start current while it fades). Stays within the circle i_max, d first.
-lode_references_out_t lode_references_step(lode_references_t *self,
-                                           const lode_references_tuning_t *tuning, float torque_Nm,
-                                           float omega_rad_s, float id_add_A,
-                                           lode_references_voltage_t voltage);
-
 /// The id of a torque and speed while the voltage does not limit it.
 float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
                            float omega_rad_s);

@@ -73,24 +73,6 @@ LODE_INLINE float lode_wrap_once(float x) {
 /// Angle in [-pi, pi], for any x up to LODE_ANGLE_LIMIT_rad; 0 beyond and for NaN.
 float lode_wrap(float x_rad);
 
-/// Sine and cosine for |x| <= pi/4, without range reduction. Error at most 1e-7.
-/// Near-minimax: tests/golden/gen_minimax.py.
-LODE_INLINE lode_sincos_t lode_sincos_octant(float x_rad) {
-    const float x = x_rad;
-    const float x2 = x * x;
-    return (lode_sincos_t){
-        x + x * x2 * (-1.66666646563e-1f + x2 * (8.33274710437e-3f - x2 * 1.95876390353e-4f)),
-        1.0f + x2 * (-0.5f + x2 * (4.16666505965e-2f +
-                                   x2 * (-1.38875865646e-3f + x2 * 2.44634525345e-5f)))};
-}
-
-/// For a frame that is drawn to length 1 anyway: sine and cosine to within x^4/24 of length and x^5/30
-/// of angle, 3e-5 rad for |x| <= 0.25.
-LODE_INLINE lode_sincos_t lode_sincos_small(float x_rad) {
-    const float half_x2 = 0.5f * x_rad * x_rad;
-    return (lode_sincos_t){x_rad - x_rad * half_x2 * (1.0f / 3.0f), 1.0f - half_x2};
-}
-
 /// Sine and cosine from one range reduction. Error at most 1e-6 for |x| <= 8 pi; beyond
 /// LODE_ANGLE_LIMIT_rad and for NaN those of angle 0.
 lode_sincos_t lode_sincos(float x_rad);

@@ -41,26 +41,29 @@ typedef struct {
     uint32_t stamp;       ///< free-running counter, any rate; watched by the guard if configured
 } lode_counts_t;
 
+/// Currents in counts are kept in 1/256 count: offsets are averages.
+#define LODE_COUNT_FRACTION 256
+
 typedef struct {
-    float i_gain;
+    float i_gain;     ///< A per 1/256 count
     float alpha_gain; ///< i_gain/3: of 2a - b - c (Clarke)
     float beta_gain;  ///< i_gain/sqrt(3): of b - c
-    float i_offset_nominal;
-    float i_offset_tol;
-    float alert_count; ///< from the offset, up to which no sample sits at a rail; the drive lowers
-                       ///< it to the trip
+    int32_t offset_nominal; ///< 1/256 count
+    int32_t offset_tol;
+    uint32_t alert; ///< 1/256 count from the offset, up to which no sample sits at a rail; the drive
+                   ///< lowers it to the trip
     float v_bus_gain;
     float temperature_gain;
     float temperature_offset;
     float duty_max;
     uint32_t calibrate_periods;
     uint16_t count_max;
-    lode_shunts_t shunts;
+    bool two_shunts;
     bool windowed; ///< not every phase is sampled in every period
 } lode_sense_tuning_t;
 
 typedef struct {
-    lode_abc_t offset_count; ///< offsets in use
+    int32_t offset[3]; ///< in use, 1/256 count
 } lode_sense_t;
 
 /// A calibration under way.
@@ -69,16 +72,17 @@ typedef struct {
     uint32_t samples; ///< how many are in the sums
 } lode_sense_sums_t;
 
-/// Quantities valid at t_k.
+/// All that a period starts from, valid at t_k.
 typedef struct {
-    lode_abc_t i_abc_A;
-    lode_ab_t i_A;
-    float v_bus_V;
-    uint16_t temperature_count;
-    uint32_t stamp;
-    bool trip;   ///< the hardware has switched the gates off
-    bool alert;  ///< a current is beyond alert_count
-    bool railed; ///< a current sample in use sits at the end of the converter's range
+    lode_ab_t i_A;         ///< stator current
+    lode_ab_t u_V;         ///< mean stator voltage over [t_k-1, t_k)
+    float v_bus_V;         ///< bus
+    int32_t i[3];          ///< phase currents from their offsets, 1/256 count
+    uint32_t stamp;        ///< as in lode_counts_t
+    uint16_t temperature;  ///< count
+    uint_least8_t omitted; ///< phase taken from the other two; LODE_PHASES: none
+    bool trip;             ///< the hardware has switched the gates off
+    bool alert;            ///< a phase current is beyond the alert
 } lode_sample_t;
 
 typedef enum {
@@ -97,66 +101,7 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
 /// Nominal offsets.
 void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning);
 
-/// Which phase cannot be sampled while the duties are `duty`; LODE_PHASES: all can.
 #define LODE_PHASES 3
-int32_t lode_sense_unused(const lode_sense_tuning_t *tuning, lode_abc_t duty);
-
-/// Parts of lode_sense_step(), which alone calls them: the currents with one phase taken from the other
-/// two, and whether one in use sits at a rail.
-lode_abc_t lode_sense_completed(lode_abc_t i, int32_t unused);
-
-bool lode_sense_railed(const lode_sense_tuning_t *tuning, const lode_counts_t *counts,
-                       int32_t unused);
-
-/// The currents in counts from their offsets; `unused`: lode_sense_unused() of the duties that acted when
-/// the sample was taken.
-LODE_INLINE lode_abc_t lode_sense_currents(const lode_sense_t *self, const lode_counts_t *counts,
-                                           int32_t unused) {
-    const lode_abc_t i = {(float)counts->i[0] - self->offset_count.a,
-                          (float)counts->i[1] - self->offset_count.b,
-                          (float)counts->i[2] - self->offset_count.c};
-    if (LODE_RARELY(unused != LODE_PHASES)) {
-        return lode_sense_completed(i, unused);
-    }
-    return i;
-}
-
-/// All of a sample with the currents `i`, in counts from their offsets, but `railed`, which is false: it
-/// needs a look only where there is an alert.
-LODE_INLINE lode_sample_t lode_sense_sample(const lode_sense_tuning_t *tuning,
-                                            const lode_counts_t *counts, lode_abc_t i) {
-    const float most = lode_max(lode_max(lode_abs(i.a), lode_abs(i.b)), lode_abs(i.c));
-    return (lode_sample_t){
-        .i_abc_A = {tuning->i_gain * i.a, tuning->i_gain * i.b, tuning->i_gain * i.c},
-        .i_A = {(2.0f * i.a - i.b - i.c) * tuning->alpha_gain, (i.b - i.c) * tuning->beta_gain},
-        .v_bus_V = (float)counts->v_bus * tuning->v_bus_gain,
-        .temperature_count = counts->temperature,
-        .stamp = counts->stamp,
-        .trip = counts->trip,
-        .alert = !(most <= tuning->alert_count),
-        .railed = false,
-    };
-}
-
-/// The same from a period's counts.
-LODE_INLINE lode_sample_t lode_sense_glance(const lode_sense_t *self,
-                                            const lode_sense_tuning_t *tuning,
-                                            const lode_counts_t *counts, int32_t unused) {
-    return lode_sense_sample(tuning, counts, lode_sense_currents(self, counts, unused));
-}
-
-/// The whole sample.
-static inline lode_sample_t lode_sense_step(const lode_sense_t *self,
-                                            const lode_sense_tuning_t *tuning,
-                                            const lode_counts_t *counts, int32_t unused) {
-    lode_sample_t sample = lode_sense_glance(self, tuning, counts, unused);
-    sample.railed = sample.alert && lode_sense_railed(tuning, counts, unused);
-    return sample;
-}
-
-LODE_INLINE float lode_sense_temperature_degC(const lode_sense_tuning_t *tuning, uint16_t count) {
-    return tuning->temperature_offset + (float)count * tuning->temperature_gain;
-}
 
 /// Starts a calibration.
 void lode_sense_begin(lode_sense_sums_t *sums);
@@ -165,7 +110,7 @@ void lode_sense_begin(lode_sense_sums_t *sums);
 /// where one is implausible, none; `worst_count` is the largest deviation from nominal.
 lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *sums,
                                         const lode_sense_tuning_t *tuning,
-                                        const lode_counts_t *counts, float *worst_count);
+                                        const lode_sample_t *sample, float *worst_count);
 
 #ifdef __cplusplus
 }

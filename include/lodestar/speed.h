@@ -60,11 +60,6 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
 void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,
                       float torque_Nm, float load_Nm);
 
-/// Torque reference, Nm, for the mechanical target `target_rad_s` at the estimated ELECTRICAL speed
-/// `omega_rad_s` and load torque `load_Nm`.
-float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning, float target_rad_s,
-                      float omega_rad_s, float load_Nm);
-
 #ifdef __cplusplus
 }
 #endif

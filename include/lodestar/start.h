@@ -36,10 +36,10 @@ typedef struct {
     float omega_hold;     ///< up to this speed the estimator is held to the vector
     float ts_s;
     float fade_step;      ///< per call of the references
-    uint32_t catch_turns; ///< times, in LODE_SLOW_PERIODS
-    uint32_t lock_turns;
-    uint32_t attempt_turns;
-    uint32_t timeout_turns;
+    uint32_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
+    uint32_t lock_rounds;
+    uint32_t attempt_rounds;
+    uint32_t timeout_rounds;
 } lode_start_tuning_t;
 
 typedef struct {
@@ -50,10 +50,10 @@ typedef struct {
     float current_target;
     float mean_V;      ///< mean EMF across the vector
     float swing_V;     ///< its deviation from the mean: of the rotor's swing, which it is to damp
-    uint32_t locked;   ///< turns of LODE_SLOW_PERIODS for which the lock has held
-    uint32_t catching; ///< turns left to find a rotor that turns already
-    uint32_t attempt;  ///< turns since the present attempt began
-    uint32_t turns;    ///< since the start
+    uint32_t locked;   ///< rounds of LODE_SLOW_PERIODS for which the lock has held
+    uint32_t catching; ///< rounds left to find a rotor that turns already
+    uint32_t attempt;  ///< rounds since the present attempt began
+    uint32_t rounds;   ///< since the start
 } lode_start_t;
 
 /// Lock quality from which the estimator may take over: well above LODE_LOCK_LOST.
@@ -81,55 +81,11 @@ void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A);
 
-/// One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector now
-/// turns in half a period.
-LODE_INLINE lode_sincos_t lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
-                                          lode_ab_t e_V) {
-    // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
-    // turn, or a rotor that happens to lie opposite to it would feel no torque.
-    float advance_rad = tuning->ts_s * self->omega_rad_s;
-    if (!(self->current_A < self->current_target)) {
-        self->omega_rad_s += lode_clamp(self->omega_target - self->omega_rad_s, -tuning->omega_step,
-                                        tuning->omega_step);
-        advance_rad = tuning->ts_s * self->omega_rad_s;
-    } else if (!(lode_abs(self->omega_rad_s) > 0.0f)) {
-        advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
-    }
-    self->current_A += lode_clamp(self->current_target - self->current_A, -tuning->current_step,
-                                  tuning->current_step);
-    const lode_sincos_t half_turn = lode_sincos_small(0.5f * advance_rad);
-    self->at = lode_angle_add(self->at, lode_angle_double(half_turn));
-    const float across_V = lode_park(e_V, self->at).q;
-    self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
-    self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
-    return half_turn;
-}
-
-/// By which the vector stands ahead, to damp the rotor's swing.
-LODE_INLINE float lode_start_shift_rad(const lode_start_t *self,
-                                       const lode_start_tuning_t *tuning) {
-    return lode_clamp(-tuning->damping * self->swing_V, -LODE_START_SHIFT_MAX_rad,
-                      LODE_START_SHIFT_MAX_rad);
-}
-
-/// The vector, with the damping.
-LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self,
-                                            const lode_start_tuning_t *tuning) {
-    return lode_angle_add(self->at, lode_sincos_octant(lode_start_shift_rad(self, tuning)));
-}
-
-/// Where it will be a period on.
-LODE_INLINE lode_sincos_t lode_start_next(const lode_start_t *self,
-                                          const lode_start_tuning_t *tuning) {
-    const float move_rad = lode_start_shift_rad(self, tuning) + tuning->ts_s * self->omega_rad_s;
-    return lode_angle_add(self->at, lode_sincos_octant(move_rad));
-}
-
 /// Once in LODE_SLOW_PERIODS: whether the estimate is good enough to run on. While looking for a rotor
 /// that turns already that is one of either direction; later at hand-over speed, in the direction of the
 /// vector.
-void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning,
-                      const lode_estimate_t *estimate);
+void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_rad_s,
+                      float lock);
 
 /// It has been so for long enough.
 bool lode_start_is_ready(const lode_start_t *self, const lode_start_tuning_t *tuning);

@@ -36,7 +36,7 @@ typedef struct {
 
 /// A vector in the axes of set 2's own phases, seen in stator axes, and back.
 LODE_INLINE lode_ab_t lode_set2_to_stator(lode_ab_t x) {
-    return lode_ab_turn(x, LODE_SET_ANGLE);
+    return lode_ab_rotate(x, LODE_SET_ANGLE);
 }
 
 LODE_INLINE lode_ab_t lode_set2_from_stator(lode_ab_t x) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "analyse/own_loops.h"
+#include "lag_inline.h"
 #include "support/units.h"
 
 analyse_row_t *analyse_row(analyse_t *self, const char *table, const char *setting,

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "lag_inline.h"
 #include "support/units.h"
 
 /// Shares of the rated speed for the tables; the last is replaced by the highest speed.

@@ -8,22 +8,22 @@
     ROW(FLOAT, float, ts_s) \
     ROW(FLOAT, float, inv_pole_pairs) \
     ROW(WHOLE, uint32_t, speed_periods) \
+    ROW(FLOAT, float, half_period_s) \
     ROW(FLOAT, float, omega_min) \
     ROW(FLOAT, float, sense.i_gain) \
     ROW(FLOAT, float, sense.alpha_gain) \
     ROW(FLOAT, float, sense.beta_gain) \
-    ROW(FLOAT, float, sense.i_offset_nominal) \
-    ROW(FLOAT, float, sense.i_offset_tol) \
-    ROW(FLOAT, float, sense.alert_count) \
+    ROW(INTEGER, int32_t, sense.offset_nominal) \
+    ROW(INTEGER, int32_t, sense.offset_tol) \
+    ROW(WHOLE, uint32_t, sense.alert) \
     ROW(FLOAT, float, sense.v_bus_gain) \
     ROW(FLOAT, float, sense.temperature_gain) \
     ROW(FLOAT, float, sense.temperature_offset) \
     ROW(FLOAT, float, sense.duty_max) \
     ROW(WHOLE, uint32_t, sense.calibrate_periods) \
     ROW(WHOLE, uint16_t, sense.count_max) \
-    ROW(CHOICE, lode_shunts_t, sense.shunts) \
+    ROW(BOOL, bool, sense.two_shunts) \
     ROW(BOOL, bool, sense.windowed) \
-    ROW(FLOAT, float, inverter.ts_s) \
     ROW(FLOAT, float, inverter.v_min_V) \
     ROW(FLOAT, float, inverter.dead_duty) \
     ROW(FLOAT, float, inverter.v_drop_V) \
@@ -31,9 +31,11 @@
     ROW(FLOAT, float, inverter.i_dead_span_A) \
     ROW(FLOAT, float, inverter.ticks) \
     ROW(FLOAT, float, inverter.inv_ticks) \
-    ROW(FLOAT, float, inverter.v2_free) \
+    ROW(FLOAT, float, inverter.free) \
     ROW(BOOL, bool, inverter.correct) \
     ROW(BOOL, bool, inverter.model) \
+    ROW(BOOL, bool, inverter.grid) \
+    ROW(WHOLE, uint_least16_t, estimator.options) \
     ROW(FLOAT, float, estimator.emf.inv_b) \
     ROW(FLOAT, float, estimator.emf.a_over_b) \
     ROW(FLOAT, float, estimator.emf.salient_Ohm) \
@@ -67,11 +69,9 @@
     ROW(FLOAT, float, estimator.notch12.centre_low) \
     ROW(FLOAT, float, estimator.notch12.inv_span) \
     ROW(FLOAT, float, estimator.w_weight) \
-    ROW(BOOL, bool, estimator.w_filtered) \
-    ROW(BOOL, bool, estimator.notched) \
-    ROW(BOOL, bool, estimator.notched12) \
     ROW(FLOAT, float, estimator.emin_V) \
     ROW(FLOAT, float, estimator.omega_limit) \
+    ROW(FLOAT, float, estimator.error_small) \
     ROW(FLOAT, float, estimator.droop_s2) \
     ROW(FLOAT, float, estimator.psi_Wb) \
     ROW(FLOAT, float, estimator.salient_H) \
@@ -80,8 +80,8 @@
     ROW(FLOAT, float, estimator.load_per_f_Nm) \
     ROW(FLOAT, float, estimator.lock_weight) \
     ROW(FLOAT, float, estimator.rotation_weight) \
-    ROW(WHOLE, uint_least16_t, estimator.settle_turns) \
-    ROW(WHOLE, uint_least16_t, estimator.patience_turns) \
+    ROW(WHOLE, uint_least16_t, estimator.settle_rounds) \
+    ROW(WHOLE, uint_least16_t, estimator.patience_rounds) \
     ROW(FLOAT, float, references.fade.high) \
     ROW(FLOAT, float, references.fade.slope) \
     ROW(FLOAT, float, references.id_bias_A) \
@@ -125,6 +125,7 @@
     ROW(FLOAT, float, current.psi_Wb) \
     ROW(FLOAT, float, current.circle) \
     ROW(FLOAT, float, current.d_share) \
+    ROW(FLOAT, float, current.free) \
     ROW(FLOAT, float, speed.pi.kp) \
     ROW(FLOAT, float, speed.pi.ki_Ts) \
     ROW(FLOAT, float, speed.rise) \
@@ -146,18 +147,18 @@
     ROW(FLOAT, float, start.omega_hold) \
     ROW(FLOAT, float, start.ts_s) \
     ROW(FLOAT, float, start.fade_step) \
-    ROW(WHOLE, uint32_t, start.catch_turns) \
-    ROW(WHOLE, uint32_t, start.lock_turns) \
-    ROW(WHOLE, uint32_t, start.attempt_turns) \
-    ROW(WHOLE, uint32_t, start.timeout_turns) \
+    ROW(WHOLE, uint32_t, start.catch_rounds) \
+    ROW(WHOLE, uint32_t, start.lock_rounds) \
+    ROW(WHOLE, uint32_t, start.attempt_rounds) \
+    ROW(WHOLE, uint32_t, start.timeout_rounds) \
     ROW(FLOAT, float, guard.i_trip) \
     ROW(FLOAT, float, guard.v_bus_max) \
     ROW(FLOAT, float, guard.v_bus_min) \
     ROW(FLOAT, float, guard.temperature_max) \
     ROW(FLOAT, float, guard.omega_max) \
     ROW(WHOLE, uint32_t, guard.rail_periods) \
-    ROW(WHOLE, uint32_t, guard.bus_turns) \
-    ROW(WHOLE, uint32_t, guard.lock_turns) \
+    ROW(WHOLE, uint32_t, guard.bus_looks) \
+    ROW(WHOLE, uint32_t, guard.lock_looks) \
     ROW(WHOLE, uint32_t, guard.stamp_min) \
     ROW(WHOLE, uint32_t, guard.stamp_span)
 

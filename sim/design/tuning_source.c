@@ -32,6 +32,8 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
     (void)fprintf(file, "    ." #member " = %s,\n", tuning->member ? "true" : "false");
 #define PRINT_WHOLE(type, member)                                                                  \
     (void)fprintf(file, "    ." #member " = %luu,\n", (unsigned long)tuning->member);
+#define PRINT_INTEGER(type, member)                                                                \
+    (void)fprintf(file, "    ." #member " = %ld,\n", (long)tuning->member);
 #define PRINT_CHOICE(type, member)                                                                 \
     (void)fprintf(file, "    ." #member " = (" #type ")%d,\n", (int)tuning->member);
 // An observer's own numbers, as many as it has: in a firmware with fewer observers there is no room for more.
@@ -73,7 +75,7 @@ static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
     if (!tuning->references.plain) {
         (void)fputs(UNLESS("OPTIMAL_REFERENCES"), file);
     }
-    if (tuning->estimator.notched || tuning->estimator.notched12) {
+    if ((tuning->estimator.options & (uint32_t)LODE_ESTIMATOR_NOTCH) != 0u) {
         (void)fputs(UNLESS("NOTCH"), file);
     }
 }

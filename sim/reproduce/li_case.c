@@ -172,22 +172,23 @@ static lode_counts6_t counts_of(const plant_counts_t plant[PLANT_SETS]) {
 }
 
 /// As if the motor had a perfect encoder.
-static lode_estimate_t encoder(const run_t *run, const lode_measurement6_t *x, lode_estimate_t own,
+static lode_estimate_t encoder(const lode_sample6_t *x, lode_estimate_t own,
                                const plant_truth_t *truth) {
     own.omega_rad_s = (float)truth->omega_e_rad_s;
     own.rotor = lode_sincos((float)truth->theta_e_rad);
-    own.half_turn = lode_sincos((float)(0.5 * run->ts_s * truth->omega_e_rad_s));
-    own.i_A = lode_park(x->m.sample.i_A, own.rotor);
+    own.i_A = lode_park(x->machine.i_A, own.rotor);
     own.lock = 1.0f;
+    own.load_torque_Nm = 0.0f; // it tells none
+    own.source = LODE_ESTIMATE_EXTERNAL;
     return own;
 }
 
 /// Of the observer in question; until the release it is held to the truth.
-static lode_estimate_t seen_by(run_t *run, const lode_measurement6_t *x,
+static lode_estimate_t seen_by(run_t *run, const lode_sample6_t *x,
                                const plant_truth_t *truth) {
     lode_drive_t *drive = &run->drive.drive;
     const lode_estimate_t own = lode_drive6_estimate(&run->drive, x);
-    const lode_estimate_t leader = encoder(run, x, own, truth);
+    const lode_estimate_t leader = encoder(x, own, truth);
     if (!drive->gates) { // the voltage at open terminals is not known
         euler_reset(&run->euler, (double)x->i_seen_A.alpha + I * (double)x->i_seen_A.beta);
         return leader;
@@ -195,7 +196,7 @@ static lode_estimate_t seen_by(run_t *run, const lode_measurement6_t *x,
     lode_estimate_t seen = own;
     if (run->printed) {
         seen = euler_estimate_step(&run->euler, &run->euler_config, x->u_seen_V, x->i_seen_A);
-        seen.i_A = lode_park(x->m.sample.i_A, seen.rotor);
+        seen.i_A = lode_park(x->machine.i_A, seen.rotor);
     }
     if (released(run)) {
         return seen;
@@ -227,7 +228,7 @@ static void one_period(run_t *run, moment_t *now) {
     move_load(run);
     plant_sample(&run->plant, sampled, &now->truth);
     const lode_counts6_t counts = counts_of(sampled);
-    const lode_measurement6_t x = lode_drive6_sense(&run->drive, &counts);
+    const lode_sample6_t x = lode_drive6_sense(&run->drive, &counts);
     now->estimate = seen_by(run, &x, &now->truth);
     const lode_drive6_out_t out = lode_drive6_act(&run->drive, &x, &now->estimate);
     for (int set = 0; set < PLANT_SETS; ++set) {

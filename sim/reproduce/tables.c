@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "pll_inline.h"
 #include "reproduce/case.h"
 #include "rig/euler.h"
 #include "support/stats.h"
@@ -30,14 +31,14 @@ static double printed_angle(euler_t *self, const euler_config_t *config, double 
 }
 
 static double exact_angle(lode_pll_t *self, const lode_pll_tuning_t *tuning, double angle_rad) {
-    float omega = 0.0f;
-    const float advance = lode_pll_advance_rad(self, tuning, &omega);
-    const lode_sincos_t frame = lode_angle_add(self->frame, lode_sincos(advance));
+    const lode_pll_motion_t motion = lode_pll_predict(self, tuning);
+    const lode_sincos_t frame = lode_angle_add(self->frame, lode_sincos(motion.angle_rad));
     const double theta = atan2((double)frame.sin, (double)frame.cos);
-    const lode_pll_gains_t gains = lode_pll_gains(tuning, omega);
+    const lode_pll_gains_t gains = lode_pll_gains(tuning, motion.omega_rad_s);
     const float error = (float)sin(angle_rad - theta);
-    lode_pll_move(self, gains, frame, omega, error);
-    lode_pll_disturb(self, gains, error);
+    lode_pll_correct(self, gains, frame, motion.omega_rad_s, error);
+    self->frame = lode_angle_normalise(self->frame);
+    lode_pll_correct_disturbance(self, gains, error);
     return atan2((double)self->frame.sin, (double)self->frame.cos);
 }
 

@@ -59,14 +59,13 @@ lode_estimate_t euler_estimate_step(euler_t *self, const euler_config_t *config,
                                     lode_ab_t i_A) {
     const euler_out_t out = euler_step(self, config, vector(u_V), vector(i_A));
     const lode_sincos_t rotor = {narrow(sin(out.theta_rad)), narrow(cos(out.theta_rad))};
-    const double half = 0.5 * config->ts_s * out.omega_rad_s;
     return (lode_estimate_t){
-        .half_turn = {narrow(sin(half)), narrow(cos(half))},
         .omega_rad_s = narrow(out.omega_rad_s),
         .rotor = rotor,
         .i_A = lode_park(i_A, rotor),
         .e_V = {narrow(creal(out.e_V)), narrow(cimag(out.e_V))},
         .load_torque_Nm = narrow(-config->J_kgm2 / config->pole_pairs * out.f_rad_s2),
         .lock = 1.0f,
+        .source = LODE_ESTIMATE_EXTERNAL,
     };
 }

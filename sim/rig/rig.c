@@ -56,9 +56,9 @@ static void write_set(plant_t *plant, int set, const lode_drive_out_t *out) {
 static void step_three(rig_t *self, const plant_counts_t *sampled, runner_estimator_t estimate,
                        runner_memory_t *memory, rig_moment_t *now) {
     const lode_counts_t counts = counts_of(sampled);
-    const lode_measurement_t measurement = lode_drive_sense(&self->three, &counts);
-    now->estimate = estimate(&self->three, &measurement, &now->truth, memory);
-    const lode_drive_out_t out = lode_drive_act(&self->three, &measurement, &now->estimate);
+    const lode_sample_t sample = lode_drive_sense(&self->three, &counts);
+    now->estimate = estimate(&self->three, &sample, &now->truth, memory);
+    const lode_drive_out_t out = lode_drive_act(&self->three, &sample, &now->estimate);
     write_set(&self->plant, 0, &out);
 }
 

@@ -54,23 +54,24 @@ typedef struct {
 
 // ---- Estimates ----------------------------------------------------------------------------------
 
-static lode_estimate_t own_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
+static lode_estimate_t own_estimate(lode_drive_t *drive, const lode_sample_t *sample,
                                     const plant_truth_t *truth, runner_memory_t *memory) {
     (void)truth;
     (void)memory;
-    return lode_drive_estimate(drive, measurement);
+    return lode_drive_estimate(drive, sample);
 }
 
-/// As if the motor had a perfect encoder. The drive's own estimator runs along.
-static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
+/// As if the motor had a perfect encoder, which the drive takes over. It tells no load torque.
+static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_sample_t *sample,
                                      const plant_truth_t *truth, runner_memory_t *memory) {
     (void)memory;
-    lode_estimate_t estimate = lode_drive_estimate(drive, measurement);
+    lode_estimate_t estimate = lode_drive_estimate(drive, sample);
     estimate.omega_rad_s = (float)truth->omega_e_rad_s;
     estimate.rotor = lode_sincos((float)truth->theta_e_rad);
-    estimate.half_turn = lode_sincos(0.5f * drive->tuning->ts_s * estimate.omega_rad_s);
-    estimate.i_A = lode_park(measurement->sample.i_A, estimate.rotor);
+    estimate.i_A = lode_park(sample->i_A, estimate.rotor);
     estimate.lock = 1.0f;
+    estimate.load_torque_Nm = 0.0f;
+    estimate.source = LODE_ESTIMATE_EXTERNAL;
     return estimate;
 }
 
@@ -80,12 +81,12 @@ static bool on_its_own(const lode_drive_t *drive, const plant_truth_t *truth,
 }
 
 /// The drive's own estimator, started at the truth: until then the drive has an encoder.
-static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_measurement_t *measurement,
+static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_sample_t *sample,
                                        const plant_truth_t *truth, runner_memory_t *memory) {
     if (on_its_own(drive, truth, memory)) {
-        return lode_drive_estimate(drive, measurement);
+        return lode_drive_estimate(drive, sample);
     }
-    const lode_estimate_t estimate = true_estimate(drive, measurement, truth, memory);
+    const lode_estimate_t estimate = true_estimate(drive, sample, truth, memory);
     lode_estimator_hold(&drive->estimator, &drive->tuning->estimator,
                         lode_sincos((float)truth->theta_e_rad), estimate.omega_rad_s);
     return estimate;
@@ -94,15 +95,15 @@ static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_measureme
 /// One of the papers' forms in its place. Until `own` it is held to `leader`, which makes the start:
 /// the papers' forms have nothing for that.
 static lode_estimate_t euler_after(const lode_estimate_t *leader, bool own,
-                                   const lode_drive_t *drive, const lode_measurement_t *measurement,
+                                   const lode_drive_t *drive, const lode_sample_t *sample,
                                    runner_memory_t *memory) {
-    const lode_ab_t i_A = measurement->sample.i_A;
+    const lode_ab_t i_A = sample->i_A;
     if (!drive->gates) { // the voltage at open terminals is not known
         euler_reset(&memory->euler, (double)i_A.alpha + I * (double)i_A.beta);
         return *leader;
     }
     const lode_estimate_t estimate =
-        euler_estimate_step(&memory->euler, &memory->euler_config, measurement->u_V, i_A);
+        euler_estimate_step(&memory->euler, &memory->euler_config, sample->u_V, i_A);
     if (own) {
         return estimate;
     }
@@ -111,17 +112,17 @@ static lode_estimate_t euler_after(const lode_estimate_t *leader, bool own,
     return *leader;
 }
 
-static lode_estimate_t euler_own(lode_drive_t *drive, const lode_measurement_t *measurement,
+static lode_estimate_t euler_own(lode_drive_t *drive, const lode_sample_t *sample,
                                  const plant_truth_t *truth, runner_memory_t *memory) {
-    const lode_estimate_t leader = own_estimate(drive, measurement, truth, memory);
+    const lode_estimate_t leader = own_estimate(drive, sample, truth, memory);
     const bool own = drive->mode == (uint_least8_t)LODE_MODE_RUN;
-    return euler_after(&leader, own, drive, measurement, memory);
+    return euler_after(&leader, own, drive, sample, memory);
 }
 
-static lode_estimate_t euler_seeded(lode_drive_t *drive, const lode_measurement_t *measurement,
+static lode_estimate_t euler_seeded(lode_drive_t *drive, const lode_sample_t *sample,
                                     const plant_truth_t *truth, runner_memory_t *memory) {
-    const lode_estimate_t leader = seeded_estimate(drive, measurement, truth, memory);
-    return euler_after(&leader, on_its_own(drive, truth, memory), drive, measurement, memory);
+    const lode_estimate_t leader = seeded_estimate(drive, sample, truth, memory);
+    return euler_after(&leader, on_its_own(drive, truth, memory), drive, sample, memory);
 }
 
 runner_estimator_t runner_estimator(const rig_config_t *config) {

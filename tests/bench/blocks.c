@@ -1,8 +1,18 @@
 /// Single blocks of a step at the operating point. Unlike the drives of drives.c they are called as
 /// the core calls them, with its tunings.
-#include "image.h"
-
+#include "current_inline.h"
 #include "emf_inline.h"
+#include "estimator_inline.h"
+#include "guard_inline.h"
+#include "image.h"
+#include "modulator6_inline.h"
+#include "open_phase_inline.h"
+#include "pi_inline.h"
+#include "references_inline.h"
+#include "sense_inline.h"
+#include "speed_inline.h"
+#include "start_inline.h"
+#include "xy_inline.h"
 
 enum { C_LESO_QPLL, FA_LESO_LESO_QPLL, ENHANCED, ESTIMATORS };
 
@@ -144,28 +154,27 @@ BLOCK(emf_c_leso) {
 
 BLOCK(pll) {
     const lode_pll_tuning_t *t = &tuning[ENHANCED].estimator.pll;
-    float omega;
-    const float advance = lode_pll_advance_rad(&pll, t, &omega);
-    const lode_sincos_t frame = lode_angle_add(pll.frame, lode_sincos_small(advance));
-    const lode_pll_gains_t gains = lode_pll_gains(t, omega);
-    lode_pll_move(&pll, gains, frame, omega, 1.0e-3f * input(call)->i_A.alpha);
-    lode_pll_disturb(&pll, gains, 1.0e-3f * input(call)->i_A.alpha);
+    const float error = 1.0e-3f * input(call)->i_A.alpha;
+    const lode_pll_motion_t motion = lode_pll_predict(&pll, t);
+    const lode_sincos_t frame = lode_angle_add(pll.frame, lode_sincos_small(motion.angle_rad));
+    lode_pll_correct(&pll, estimator[ENHANCED].gains, frame, motion.omega_rad_s, error);
+    lode_pll_correct_disturbance(&pll, estimator[ENHANCED].gains, error);
 }
 
 BLOCK(lag) {
-    const lode_lag_line_t line =
+    const lode_sincos_t lag =
         lode_lag_line(&tuning[ENHANCED].estimator.lag, BENCH_OMEGA_rad_s + input(call)->theta_rad);
-    bench_sink[0] = line.at.sin;
-    bench_sink[1] = line.slope_s;
+    bench_sink[0] = lag.sin;
+    bench_sink[1] = lag.cos;
 }
 
 BLOCK(current) {
     const bench_inputs_t *in = input(call);
-    const lode_dq_t u_V = lode_current_step(
+    const lode_current_out_t out = lode_current_step(
         &current, &tuning[ENHANCED].current, (lode_dq_t){0.0f, BENCH_IQ_A},
         (lode_dq_t){0.01f * in->i_A.alpha, BENCH_IQ_A}, BENCH_OMEGA_rad_s, BENCH_V_BUS_V);
-    bench_sink[0] = u_V.d;
-    bench_sink[1] = u_V.q;
+    bench_sink[0] = out.u_V.d;
+    bench_sink[1] = out.u_V.q;
 }
 
 BLOCK(speed) {
@@ -212,8 +221,9 @@ BLOCK(references_weak_mtpa) {
 BLOCK(modulator) {
     const bench_inputs_t *in = input(call);
     const lode_inverter_tuning_t *t = &tuning[ENHANCED].inverter;
-    const lode_loss_t loss = {0.005f, 1.0f};
-    const lode_modulator_out_t m = lode_modulator_step(t, loss, in->u_V, BENCH_V_BUS_V, in->i_A);
+    const lode_dead_time_t dead_time = {0.005f, 1.0f};
+    const lode_ab_t v = lode_ab_scale(1.0f / BENCH_V_BUS_V, in->u_V);
+    const lode_modulator_out_t m = lode_modulator_step(t, &dead_time, v, in->i_A, true);
     bench_sink[0] = m.duty.a;
     bench_sink[1] = m.duty.b;
     bench_sink[2] = m.duty.c;
@@ -224,10 +234,10 @@ BLOCK(modulator) {
 BLOCK(modulator6) {
     const bench_inputs_t *in = input(call);
     const lode_inverter_tuning_t *t = &tuning6.drive.inverter;
-    const lode_loss_t loss = {0.005f, 1.0f};
+    const lode_dead_time_t dead_time = {0.005f, 1.0f};
+    const lode_ab_t v = lode_ab_scale(1.0f / BENCH_V_BUS_V, in->u_V);
     const lode_modulator6_out_t m =
-        lode_modulator6_step(t, loss, (lode_sets_t){{in->u_V, in->u_V}}, BENCH_V_BUS_V,
-                             (lode_sets_t){{in->i_A, in->i_A}});
+        lode_modulator6_step(t, &dead_time, (lode_sets_t){{v, v}}, in->i_A, true);
     bench_sink[0] = m.duty.set[0].a + m.duty.set[0].b + m.duty.set[0].c;
     bench_sink[1] = m.duty.set[1].a + m.duty.set[1].b + m.duty.set[1].c;
     bench_sink[2] = m.realised.set[0].alpha + m.realised.set[0].beta;
@@ -235,35 +245,32 @@ BLOCK(modulator6) {
 }
 
 BLOCK(xy) {
-    const lode_sincos_t half_turn = lode_sincos_small(0.5f * BENCH_OMEGA_rad_s / BENCH_F_PWM_Hz);
     const bench_inputs_t *in = input(call);
     const lode_ab_t i_A = lode_ab_scale(0.001f, in->i_A);
-    const lode_ab_t u_V = lode_xy_step(&xy, &tuning6.xy, i_A, half_turn, BENCH_V_BUS_V);
+    const lode_ab_t u_V = lode_xy_step(&xy, &tuning6.xy, i_A, BENCH_V_BUS_V);
     bench_sink[0] = u_V.alpha;
     bench_sink[1] = u_V.beta;
 }
 
 BLOCK(open_phase) {
-    const bench_inputs_t *in = input(call);
-    const lode_abc_t i_A = lode_clarke_inverse(in->i_A);
-    lode_open_phase_note(&phases, &i_A, &i_A);
-    bench_sink[0] = (float)lode_open_phase_step(&phases, &tuning6.watch, in->theta_rad);
+    lode_open_phase_note(&phases, sample.i, sample.i);
+    bench_sink[0] = (float)lode_open_phase_step(&phases, &tuning6.watch, input(call)->theta_rad);
 }
 
 BLOCK(guard) {
-    const lode_situation_t now = {LODE_MODE_RUN, true, true};
+    const lode_guard_tuning_t *t = &tuning[ENHANCED].guard;
     const lode_condition_t condition = {BENCH_V_BUS_V, 25.0f, BENCH_OMEGA_rad_s,
                                         estimate[ENHANCED].lock};
     sample.stamp = call * BENCH_STAMP_PER_PERIOD;
-    lode_guard_step(&guard, &tuning[ENHANCED].guard, &sample, now);
-    lode_guard_watch(&guard, &tuning[ENHANCED].guard, condition, now);
+    const bool good =
+        lode_guard_all_ok(&guard, t, &sample) && lode_guard_slow_ok(&guard, t, &condition);
+    guard.stamp = sample.stamp;
+    bench_sink[0] = good ? 1.0f : 0.0f;
 }
 
 BLOCK(start) {
     const bench_inputs_t *in = input(call);
-    const lode_sincos_t half_turn = lode_start_step(&start, &tuning[ENHANCED].start, in->u_V);
-    bench_sink[0] = half_turn.sin;
-    bench_sink[1] = half_turn.cos;
+    bench_sink[0] = lode_start_step(&start, &tuning[ENHANCED].start, in->u_V);
 }
 
 BLOCK(sincos) {

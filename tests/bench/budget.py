@@ -33,6 +33,12 @@ STEPS = {
     **{f"{observer}_leso_qpll": (WARM, CALLS) for _, observer in build.OBSERVERS},
     "enhanced": (WARM, CALLS),
     "all_options": (WARM, CALLS),
+    "salient_c_leso_qpll": (WARM, CALLS),
+    "salient_enhanced": (WARM, CALLS),
+    "board_c_leso_qpll": (WARM, CALLS),
+    "board_enhanced": (WARM, CALLS),
+    "board_mtpa": (WARM, CALLS),
+    "fast_speed": (WARM, CALLS),
     "start": (WARM, CALLS),
     "saturated": (WARM, CALLS),
     "fault": (190, 30),  # around the trip, from period 200 on

@@ -1,19 +1,21 @@
 #include "drives.h"
 
-typedef enum { OPTIONS_PLAIN, OPTIONS_NOTCH, OPTIONS_ALL } options_t;
+typedef enum { OPTIONS_PLAIN, OPTIONS_NOTCH, OPTIONS_ALL, OPTIONS_FAST } options_t;
+typedef enum { MACHINE_ROUND, MACHINE_SALIENT, MACHINE_BOARD, MACHINE_MTPA } machine_t;
 
 typedef struct {
     bench_scene_t scene;
     lode_emf_kind_t emf;
     lode_pll_kind_t pll;
     options_t options;
+    machine_t machine;
 } case_t;
 
-#define CASE(name, scene, emf, pll, options)                                                       \
-    {BENCH_##scene, LODE_EMF_##emf, LODE_PLL_##pll, OPTIONS_##options},
+#define CASE(name, scene, emf, pll, options, machine)                                              \
+    {BENCH_##scene, LODE_EMF_##emf, LODE_PLL_##pll, OPTIONS_##options, MACHINE_##machine},
 static const case_t cases[BENCH_CASE_COUNT] = {BENCH_CASES(CASE)
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
-    CASE(id##_leso_qpll, STEADY, ID, LESO, PLAIN)
+    CASE(id##_leso_qpll, STEADY, ID, LESO, PLAIN, ROUND)
 #include "lodestar/observers.def"
 #undef LODE_OBSERVER
 };
@@ -39,6 +41,24 @@ static void add_options(lode_drive_config_t *config, options_t options) {
         config->inverter.pwm_ticks = 8400.0f;
         config->inverter.r_on_Ohm = 1.0e-3f;
         config->guard.stamp_per_period = (float)BENCH_STAMP_PER_PERIOD;
+    }
+    if (options == OPTIONS_FAST) { // more than 125 rad/s ask for every fourth period of 10 kHz
+        config->speed.bandwidth_rad_s = 150.0f;
+    }
+}
+
+static void add_machine(lode_drive_config_t *config, machine_t machine) {
+    if (machine != MACHINE_ROUND) {
+        config->motor.Ld_H = BENCH_LD_SALIENT_H;
+    }
+    if (machine == MACHINE_BOARD || machine == MACHINE_MTPA) {
+        config->inverter.pwm_ticks = BENCH_PWM_TICKS;
+        config->sense.duty_max = BENCH_DUTY_MAX;
+        config->guard.stamp_per_period = (float)BENCH_STAMP_PER_PERIOD;
+    }
+    if (machine == MACHINE_MTPA) {
+        config->references.kind = LODE_REFERENCES_MTPA;
+        config->references.field_weakening = LODE_ON;
     }
 }
 
@@ -87,6 +107,7 @@ lode_drive_config_t bench_config(int32_t number) {
             (lode_start_config_t){.catch_s = LODE_NONE, .current_rise_s = 0.02f, .lock_s = 0.01f};
     }
     add_options(&config, c->options);
+    add_machine(&config, c->machine);
     return config;
 }
 

@@ -41,15 +41,30 @@ typedef enum {
     BENCH_OFF        ///< gates off
 } bench_scene_t;
 
-/// name, scene, EMF observer, PLL, options: notch at 6 w / everything that costs
+/// Of the salient cases, and of all on a board.
+#define BENCH_LD_SALIENT_H (0.7f * BENCH_L_H)
+/// The board cases, as port/stm32g4 configures a drive: a timer of 170 MHz that counts up and down, and
+/// low-side amplifiers that need 2.6 us of the period's ends (B-G431B-ESC1).
+#define BENCH_PWM_TICKS 8500.0f
+#define BENCH_DUTY_MAX (1.0f - 2.0f * 2.6e-6f * BENCH_F_PWM_Hz)
+
+/// name, scene, EMF observer, PLL, options: notch at 6 w / everything that costs / speed control as fast
+/// as in every fourth period, machine: without or with saliency / with it on a board / there with MTPA and
+/// field weakening
 #define BENCH_CASES(X)                                                                             \
-    X(c_leso_qpll, STEADY, C_LESO, QPLL, PLAIN)                                                    \
-    X(enhanced, STEADY, C_LESO, LESO, NOTCH)                                                       \
-    X(all_options, STEADY, FA_MULTI, LESO, ALL)                                                    \
-    X(start, START, C_LESO, LESO, NOTCH)                                                           \
-    X(saturated, SATURATED, C_LESO, LESO, NOTCH)                                                   \
-    X(fault, FAULT, C_LESO, LESO, NOTCH)                                                           \
-    X(off, OFF, C_LESO, LESO, NOTCH)
+    X(c_leso_qpll, STEADY, C_LESO, QPLL, PLAIN, ROUND)                                             \
+    X(enhanced, STEADY, C_LESO, LESO, NOTCH, ROUND)                                                \
+    X(all_options, STEADY, FA_MULTI, LESO, ALL, ROUND)                                             \
+    X(salient_c_leso_qpll, STEADY, C_LESO, QPLL, PLAIN, SALIENT)                                   \
+    X(salient_enhanced, STEADY, C_LESO, LESO, NOTCH, SALIENT)                                      \
+    X(board_c_leso_qpll, STEADY, C_LESO, QPLL, PLAIN, BOARD)                                       \
+    X(board_enhanced, STEADY, C_LESO, LESO, NOTCH, BOARD)                                          \
+    X(board_mtpa, STEADY, C_LESO, LESO, NOTCH, MTPA)                                               \
+    X(fast_speed, STEADY, C_LESO, LESO, FAST, ROUND)                                               \
+    X(start, START, C_LESO, LESO, NOTCH, ROUND)                                                    \
+    X(saturated, SATURATED, C_LESO, LESO, NOTCH, ROUND)                                            \
+    X(fault, FAULT, C_LESO, LESO, NOTCH, ROUND)                                                    \
+    X(off, OFF, C_LESO, LESO, NOTCH, ROUND)
 
 #define BENCH_ENUMERATOR(name, ...) BENCH_##name,
 enum {

@@ -53,7 +53,8 @@ static void turn(motor_t *m, double h, shaft_t shaft) {
         m->omega_rad_s += h * DRAG_rad_s * DRAG_rad_s * ahead;
         slide = 2.0 * DRAG_rad_s * ahead;
     } else {
-        const double torque_Nm = TORQUE_PER_A * m->iq_A - load_Nm(m, shaft);
+        const double reluctance = (m->Ld_H - (double)BENCH_L_H) / (double)BENCH_PSI_Wb * m->id_A;
+        const double torque_Nm = TORQUE_PER_A * (1.0 + reluctance) * m->iq_A - load_Nm(m, shaft);
         m->omega_rad_s += h * (double)BENCH_POLE_PAIRS * torque_Nm / (double)BENCH_J_kgm2;
     }
     m->theta_rad = remainder(m->theta_rad + h * (m->omega_rad_s + slide), 2.0 * pi);
@@ -61,13 +62,14 @@ static void turn(motor_t *m, double h, shaft_t shaft) {
 
 static void carry(motor_t *m, double h, double alpha_V, double beta_V) {
     const double R = (double)BENCH_RS_Ohm;
-    const double L = (double)BENCH_L_H;
+    const double Ld = m->Ld_H;
+    const double Lq = (double)BENCH_L_H;
     const double w = m->omega_rad_s;
     const double middle = m->theta_rad + 0.5 * h * w;
     const double ud = alpha_V * cos(middle) + beta_V * sin(middle);
     const double uq = beta_V * cos(middle) - alpha_V * sin(middle);
-    const double rise_d = (ud - R * m->id_A) / L + w * m->iq_A;
-    const double rise_q = (uq - R * m->iq_A - w * (double)BENCH_PSI_Wb) / L - w * m->id_A;
+    const double rise_d = (ud - R * m->id_A + w * Lq * m->iq_A) / Ld;
+    const double rise_q = (uq - R * m->iq_A - w * (Ld * m->id_A + (double)BENCH_PSI_Wb)) / Lq;
     m->id_A += h * rise_d;
     m->iq_A += h * rise_q;
 }

@@ -6,7 +6,8 @@
 #include "drives.h"
 
 typedef struct {
-    int sets; ///< 1, or 2 that stand 30 degrees apart
+    int sets;    ///< 1, or 2 that stand 30 degrees apart
+    double Ld_H; ///< the other inductance is BENCH_L_H
     double id_A;
     double iq_A;
     double omega_rad_s; ///< electrical

@@ -27,23 +27,22 @@ BRANCHES = ("b", "bl", "blx", "bx", "cbz", "cbnz")
 # them, as the copies between them do, is OTHER.
 COMMON = {
     "sensing, with the voltage that acted": {
-        "lode_sense_step", "lode_sense_glance", "lode_inverter_realised", "sensed", "measured"},
+        "sense", "lode_sense_step", "lode_inverter_realised", "lode_inverter_follow_bus"},
     "EMF observer": {"lode_observer_step_called", "lode_estimator_emf"},
-    "PLL": {"lode_estimator_follow", "lode_estimator_acceleration", "lode_pll_advance_rad",
-            "lode_pll_move", "lode_pll_disturb"},
-    "current control": {"lode_current_step"},
+    "PLL": {"lode_estimator_fast", "lode_estimator_acceleration", "lode_pll_predict",
+            "lode_pll_correct", "lode_pll_correct_disturbance"},
+    "current control": {"lode_drive_control", "lode_current_step"},
     "modulation": {"modulate", "lode_modulator_step", "lode_modulator6_step",
                    "lode_modulator_set"},
-    "speed control, references": {"lode_core_control_speed", "lode_references_step"},
+    "speed control, references": {"lode_drive_speed", "lode_drive_references"},
 }
 MORE = {
-    "correction of the dead time": {"lode_inverter_loss"},
-    "compensation of the lag": {"lode_lag_near", "lode_lag_is_far"},
-    "notch": {"lode_notch_step"},
-    "guard": {"lode_guard_step", "lode_guard_is_usual", "lode_core_is_usual", "watch"},
-    "slow parts": {"lode_core_adapt", "lode_estimator_adapt_gains", "lode_estimator_adapt_lag",
-                   "lode_estimator_adapt_notches", "lode_estimator_adapt_lock",
-                   "lode_inverter_adapt", "lode_xy_adapt"},
+    "correction of the dead time": {"lode_modulator_errors", "lode_inverter_error"},
+    "compensation of the lag": {"lode_estimator_rotor", "lode_estimator_adapt_lag"},
+    "notch": {"lode_estimator_notched", "lode_estimator_adapt_notches"},
+    "guard": {"lode_guard_all_ok", "lode_drive_guard", "lode_modulator_is_sound"},
+    "slow parts": {"lode_drive_slow_job", "lode_estimator_note_lock", "lode_estimator_adapt_gains",
+                   "lode_drive_lead", "lode_inverter_adapt", "lode_xy_adapt"},
     "control of the xy plane": {"lode_xy_step", "voltages"},
     "watch on open phases": {"watch_phases", "lode_open_phase_note"},
 }

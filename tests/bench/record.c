@@ -132,7 +132,9 @@ static bool is_as_named(const run_t *run) {
 static bool record(run_t *run) {
     const bool dragged =
         bench_scene(run->number) != BENCH_START; // behind a vector that starts at 0
-    run->motor = (motor_t){.sets = 1, .theta_rad = dragged ? -1.5 : 1.0};
+    run->motor = (motor_t){.sets = 1,
+                           .Ld_H = (double)bench_config(run->number).motor.Ld_H,
+                           .theta_rad = dragged ? -1.5 : 1.0};
     if (!bench_begin(run->number)) {
         fprintf(stderr, "case %d: the configuration was refused\n", (int)run->number);
         return false;

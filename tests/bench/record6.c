@@ -49,8 +49,9 @@ static void one_period(run6_t *run, int32_t period) {
 }
 
 static bool record(run6_t *run) {
-    run->motor =
-        (motor_t){.sets = LODE_SETS, .theta_rad = -1.5}; // behind a vector that starts at 0
+    run->motor = (motor_t){.sets = LODE_SETS,
+                           .Ld_H = (double)BENCH_L_H,
+                           .theta_rad = -1.5}; // behind a vector that starts at 0
     if (!bench6_begin(run->number)) {
         fprintf(stderr, "six phases, case %d: the configuration was refused\n", (int)run->number);
         return false;

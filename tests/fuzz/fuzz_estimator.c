@@ -5,7 +5,7 @@
 static void check(const lode_estimate_t *e, const lode_estimator_tuning_t *tuning) {
     FUZZ_CHECK(lode_in_range(lode_estimate_theta_rad(e), -LODE_PI, LODE_PI));
     FUZZ_CHECK(lode_in_range(e->omega_rad_s, -tuning->omega_limit, tuning->omega_limit));
-    // Of length 1 but for the square of what the lag has moved since it was last computed.
+    // Of length 1 but for the corrections since it was last normalised.
     FUZZ_CHECK(lode_in_range(e->rotor.sin, -1.01f, 1.01f) &&
                lode_in_range(e->rotor.cos, -1.01f, 1.01f));
     FUZZ_CHECK(lode_is_finite(e->i_A.d) && lode_is_finite(e->i_A.q));

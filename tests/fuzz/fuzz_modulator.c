@@ -1,5 +1,5 @@
 // Modulator: any accepted inverter, any voltage, bus and current give duties in range on the grid.
-#include "lodestar/modulator.h"
+#include "modulator_inline.h"
 #include "support/fuzz.h"
 
 static void check_duty(const lode_inverter_tuning_t *tuning, float duty) {
@@ -31,15 +31,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     lode_inverter_reset(&inverter);
     while (fuzz_more(&in)) {
         const lode_ab_t u = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
-        const float bus = fuzz_number(&in, 400.0f);
+        // The bus too: never below 0.
+        const float bus = lode_clamp(fuzz_number(&in, 400.0f), 0.0f, 6.6e8f);
         // Currents come from counts: finite, and never beyond 65535 of 1e4 A, twice.
         const lode_ab_t i = {lode_clamp(fuzz_number(&in, 30.0f), -1.3e9f, 1.3e9f),
                              lode_clamp(fuzz_number(&in, 30.0f), -1.3e9f, 1.3e9f)};
-        if ((fuzz_byte(&in) & 1u) != 0u) { // the loss is shaped now and then, for what was then
-            const lode_dq_t shaped_V = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
-            lode_inverter_adapt(&inverter, &tuning, shaped_V, fuzz_number(&in, 400.0f));
+        lode_inverter_follow_bus(&inverter, &tuning, bus);
+        if ((fuzz_byte(&in) & 1u) != 0u) { // the dead-time error follows now and then
+            const lode_dq_t then_V = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
+            lode_inverter_adapt(&inverter, &tuning, then_V);
         }
-        const lode_modulator_out_t out = lode_modulator_step(&tuning, inverter.loss, u, bus, i);
+        const float radius = tuning.free * bus; // as current control has it
+        const bool free = u.alpha * u.alpha + u.beta * u.beta <= radius * lode_abs(radius);
+        const lode_modulator_out_t out = lode_modulator_step(
+            &tuning, &inverter.dead_time, lode_ab_scale(inverter.per_V, u), i, free);
         check_duty(&tuning, out.duty.a);
         check_duty(&tuning, out.duty.b);
         check_duty(&tuning, out.duty.c);

@@ -1,6 +1,6 @@
 // Every scalar function: a finite result in its range, whatever goes in.
-#include "lodestar/ramp.h"
-#include "lodestar/sogi.h"
+#include "ramp_inline.h"
+#include "sogi_inline.h"
 #include "support/fuzz.h"
 
 static void check_angle(float x) {

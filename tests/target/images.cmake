@@ -48,7 +48,7 @@ target_test(replay_same_bits bash "${CMAKE_CURRENT_SOURCE_DIR}/same_bits.sh" "${
 
 # Not estimator, estimator_kinds (they read files), ring (signals); drive takes minutes, and the closed
 # loop and the replay run it.
-set(modules channel current drive_config emf frames guard inverter lag lowpass modulator motor
+set(modules channel current drive_config emf frames guard inverter lag modulator motor
             notch observer pi pll ramp references scalar scope sense sogi speed start status wire)
 if(LODE_CORE STREQUAL "cortex-m0")
   # 16 KB of arrays on the stack of a machine with 16 KB; half a minute each, and the M3 runs them.

@@ -7,7 +7,7 @@ from csource import code_of, files
 FORBIDDEN = {
     "int8_t uint8_t": "a 16-bit-char machine has no 8-bit type; use uint_least8_t or uint16_t",
     "double": "the core computes in float",
-    "malloc calloc realloc free alloca": "the core does not allocate",
+    "malloc calloc realloc alloca": "the core does not allocate",
     "volatile": "the core shares no memory with hardware",
     "printf fprintf sprintf snprintf puts": "the core does not print",
     "memcpy memset memmove": "assign structs instead",

@@ -8,7 +8,7 @@ from csource import code_of
 
 INCLUDE = pathlib.Path(__file__).resolve().parents[2] / "include" / "lodestar"
 TOP = "lode_drive_tuning_t"
-SCALARS = {"float": "FLOAT", "bool": "BOOL", "uint32_t": "WHOLE", "uint16_t": "WHOLE",
+SCALARS = {"float": "FLOAT", "bool": "BOOL", "int32_t": "INTEGER", "uint32_t": "WHOLE", "uint16_t": "WHOLE",
            "uint_least16_t": "WHOLE", "uint_least8_t": "WHOLE"}
 STRUCT = re.compile(r"typedef struct \{([^{}]*)\} (\w+);")
 ENUM = re.compile(r"typedef enum(?: \w+)? \{[^{}]*\} (\w+);")

@@ -1,0 +1,53 @@
+// Current control of one period.
+#ifndef LODE_CURRENT_INLINE_H
+#define LODE_CURRENT_INLINE_H
+
+#include "lodestar/current.h"
+#include "pi_inline.h"
+
+typedef struct {
+    lode_dq_t u_V;
+    bool free; // no duty can reach a rail
+} lode_current_out_t;
+
+// What rotation induces: decoupling and EMF feed-forward (K2).
+LODE_INLINE lode_dq_t lode_current_induced_V(const lode_current_tuning_t *tuning, lode_dq_t i_A,
+                                             float omega_rad_s) {
+    return (lode_dq_t){-omega_rad_s * tuning->Lq_H * i_A.q,
+                       omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
+}
+
+// Part of lode_current_step(), which alone calls it: the voltage `asked_V` may lie at the edge of the
+// circle or beyond.
+lode_dq_t lode_current_limit(lode_current_t *self, const lode_current_tuning_t *tuning,
+                             lode_dq_t error_A, lode_dq_t induced_V, lode_dq_t asked_V,
+                             float radius_V);
+
+LODE_INLINE bool lode_current_is_free(const lode_current_tuning_t *tuning, lode_dq_t u_V,
+                                      float v_bus_V) {
+    const float radius = tuning->free * v_bus_V;
+    return LODE_USUALLY(u_V.d * u_V.d + u_V.q * u_V.q <= radius * lode_abs(radius));
+}
+
+// Voltage for the references `ref_A` at the currents `i_A`. `omega_rad_s`: electrical speed of the
+// rotor for decoupling and EMF feed-forward, 0 in a frame that is not the rotor's. Integrates on the
+// voltage inside the circle: what the modulator clamps beyond that is the dead-time correction's only.
+LODE_INLINE lode_current_out_t lode_current_step(lode_current_t *self,
+                                                 const lode_current_tuning_t *tuning,
+                                                 lode_dq_t ref_A, lode_dq_t i_A, float omega_rad_s,
+                                                 float v_bus_V) {
+    const lode_dq_t ff = lode_current_induced_V(tuning, i_A, omega_rad_s);
+    const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
+    const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
+                             lode_pi_output(&self->q, &tuning->q, error.q, ff.q)};
+    if (lode_current_is_free(tuning, asked, v_bus_V)) {
+        lode_pi_integrate(&self->d, &tuning->d, error.d);
+        lode_pi_integrate(&self->q, &tuning->q, error.q);
+        return (lode_current_out_t){asked, true};
+    }
+    const lode_dq_t u_V =
+        lode_current_limit(self, tuning, error, ff, asked, tuning->circle * v_bus_V);
+    return (lode_current_out_t){u_V, false};
+}
+
+#endif

@@ -1,0 +1,170 @@
+// What the steps for three and for six phases share: estimation, current control, the slow jobs and the
+// last check. Sensing and modulation are the windings' own (drive.c, drive6.c).
+#ifndef LODE_DRIVE_INLINE_H
+#define LODE_DRIVE_INLINE_H
+
+#include "current_inline.h"
+#include "estimator_inline.h"
+#include "guard_inline.h"
+#include "inverter_inline.h"
+#include "mode.h"
+#include "modulator_inline.h"
+#include "references_inline.h"
+#include "sense_inline.h"
+#include "speed_inline.h"
+
+#include <stddef.h>
+
+// Sensorless running goes over to the way down from this much above the least speed.
+#define HAND_BACK_SHARE 1.15f
+
+// The frame in which the currents are controlled.
+typedef struct {
+    lode_sincos_t at;  // its angle at t_k
+    lode_dq_t i_A;     // current in it at t_k
+    lode_sincos_t applied; // its angle in the middle of the period in which the duties act
+    float omega_rotor; // electrical speed where it is the rotor's, else 0
+} lode_frame_t;
+
+// Checks of a configuration that design divides by, in drive_config.c.
+lode_status_t lode_drive_check_given(const lode_drive_config_t *config);
+
+// Tells the interrupt that there is mail, in drive.c.
+void lode_drive_call(lode_drive_t *self);
+// Something is wrong with a sample, in drive.c: a trip switches off at once.
+void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
+                         const lode_sample_t *sample);
+// Speed control more often than once in LODE_SLOW_PERIODS, in drive.c.
+void lode_drive_extra_speed(lode_drive_t *self, lode_slot_t slot);
+// The guard's slow checks have something to count, in drive.c.
+void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition);
+
+// The rotor's frame, and the duties' in it.
+LODE_INLINE lode_frame_t lode_drive_rotor_frame(const lode_drive_t *self,
+                                                const lode_estimate_t *estimate) {
+    return (lode_frame_t){estimate->rotor, estimate->i_A,
+                          lode_angle_add(estimate->rotor, self->lead), estimate->omega_rad_s};
+}
+
+// The frame of a mode that has its own.
+LODE_INLINE lode_frame_t lode_drive_own_frame(lode_drive_t *self, const lode_sample_t *sample) {
+    const lode_own_frame_t own = lode_mode_own_frame(self);
+    self->i_A = lode_park(sample->i_A, own.at);
+    return (lode_frame_t){own.at, self->i_A, lode_angle_add(own.at, own.lead), 0.0f};
+}
+
+// Current control of a period with the gates on: the voltage in the frame. True: no duty can reach a rail.
+LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_frame_t *frame, float v_bus_V) {
+    const lode_current_tuning_t *tuning = &self->tuning->current;
+    if (LODE_RARELY(lode_mode(self) == LODE_MODE_VOLTAGE)) {
+        return lode_current_is_free(tuning, self->u_V, v_bus_V);
+    }
+    const lode_current_out_t out = lode_current_step(&self->current, tuning, self->ref_A,
+                                                     frame->i_A, frame->omega_rotor, v_bus_V);
+    self->u_V = out.u_V;
+    return out.free;
+}
+
+// Too slow to run on, and not about to speed up.
+LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
+    return !(self->command.speed_rad_s * self->direction > 0.0f) &&
+           lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
+}
+
+// SLOT_SPEED
+LODE_INLINE void lode_drive_speed(lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_running_t *run = &self->state.run;
+    if (LODE_RARELY(lode_drive_is_too_slow(self))) {
+        lode_mode_hand_back(self);
+        return;
+    }
+    const float least = tuning->omega_min * tuning->inv_pole_pairs;
+    float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
+    if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
+        target = run->speed.reference_rad_s;
+        run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
+    }
+    const float load_Nm = lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator);
+    (void)lode_speed_step(&run->speed, &tuning->speed, target, self->estimator.pll.omega_rad_s,
+                          load_Nm);
+}
+
+// SLOT_REFERENCES
+LODE_INLINE void lode_drive_references(lode_drive_t *self) {
+    lode_running_t *run = &self->state.run;
+    const lode_references_voltage_t voltage = {self->inverter.v_bus_V, self->u_V};
+    const lode_references_out_t out =
+        lode_references_step(&run->references, &self->tuning->references, run->speed.torque_Nm,
+                             self->estimator.pll.omega_rad_s, run->fade * run->id_A, voltage);
+    self->ref_A = out.i_A;
+    run->speed.limit_Nm = out.torque_Nm;
+}
+
+// SLOT_LAG
+LODE_INLINE void lode_drive_lead(lode_drive_t *self) {
+    const float half_rad = self->tuning->half_period_s * self->estimator.pll.omega_rad_s;
+    self->lead = lode_angle_triple(lode_sincos_small(half_rad));
+}
+
+// SLOT_GUARD and SLOT_SEED
+LODE_INLINE void lode_drive_guard(lode_drive_t *self, const lode_sample_t *sample) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    self->temperature_degC = lode_sense_temperature_degC(&tuning->sense, sample->temperature);
+    const lode_condition_t condition = {sample->v_bus_V, self->temperature_degC,
+                                        self->direction * self->estimator.pll.omega_rad_s,
+                                        self->estimator.lock};
+    if (LODE_RARELY(!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition))) {
+        lode_drive_check_slow(self, condition);
+    }
+}
+
+// One of the jobs that follow speed and load slowly. After the duties, which do not wait for it.
+LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sample) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_estimator_t *estimator = &self->estimator;
+    const lode_slot_t slot = lode_slot_of(self->steps);
+    switch (slot) {
+    case SLOT_LOCK:
+        lode_estimator_note_lock(estimator, &tuning->estimator);
+        break;
+    case SLOT_SEED:
+        lode_drive_guard(self, sample);
+        lode_estimator_adapt_notches(estimator, &tuning->estimator);
+        if (LODE_RARELY(!estimator->locked)) {
+            lode_mode_seed(self);
+        }
+        break;
+    case SLOT_GAINS:
+        lode_estimator_adapt_gains(estimator, &tuning->estimator);
+        break;
+    case SLOT_LAG:
+        lode_estimator_adapt_lag(estimator, &tuning->estimator);
+        lode_drive_lead(self);
+        break;
+    case SLOT_DEAD_TIME:
+        lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
+        break;
+    case SLOT_GUARD:
+        lode_drive_guard(self, sample);
+        break;
+    case SLOT_SPEED:
+        if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
+            lode_drive_speed(self);
+        }
+        break;
+    case SLOT_REFERENCES:
+        if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
+            lode_drive_references(self);
+        }
+        break;
+    case SLOT_COUNT:
+    default:
+        break;
+    }
+    if (LODE_RARELY(tuning->speed_periods != LODE_SLOW_PERIODS)) {
+        lode_drive_extra_speed(self, slot);
+    }
+}
+
+#endif

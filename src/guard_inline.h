@@ -1,0 +1,45 @@
+// The guard's looks at what is usually in order.
+#ifndef LODE_GUARD_INLINE_H
+#define LODE_GUARD_INLINE_H
+
+#include "lodestar/guard.h"
+
+// Nothing is wrong with a sample: no trip, no current beyond the alert, and in time. Every period.
+LODE_INLINE bool lode_guard_all_ok(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                   const lode_sample_t *sample) {
+    const uint32_t late = sample->stamp - self->stamp - tuning->stamp_min;
+    const bool in_time = tuning->stamp_span == 0u || LODE_USUALLY(late <= tuning->stamp_span);
+    return in_time && LODE_USUALLY(!sample->trip) && LODE_USUALLY(!sample->alert);
+}
+
+// The stamp of this period, for the next one.
+LODE_INLINE void lode_guard_note(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                 uint32_t stamp) {
+    if (tuning->stamp_span > 0u) {
+        self->stamp = stamp;
+    }
+}
+
+// Bus and temperature, then lock, speed and direction, within their limits. NaN is not.
+LODE_INLINE bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
+                                     const lode_condition_t *condition) {
+    return LODE_USUALLY(condition->v_bus_V <= tuning->v_bus_max) &&
+           LODE_USUALLY(condition->v_bus_V >= tuning->v_bus_min) &&
+           LODE_USUALLY(condition->temperature_degC <= tuning->temperature_max);
+}
+
+LODE_INLINE bool lode_guard_motion_ok(const lode_guard_tuning_t *tuning,
+                                      const lode_condition_t *condition) {
+    return LODE_USUALLY(condition->lock >= LODE_LOCK_LOST) &&
+           LODE_USUALLY(condition->omega_rad_s >= 0.0f) &&
+           LODE_USUALLY(condition->omega_rad_s <= tuning->omega_max);
+}
+
+// lode_guard_check_slow() would have nothing to do, running without a sensor.
+LODE_INLINE bool lode_guard_slow_ok(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                    const lode_condition_t *condition) {
+    return LODE_USUALLY(!self->pending) && lode_guard_power_ok(tuning, condition) &&
+           lode_guard_motion_ok(tuning, condition);
+}
+
+#endif

@@ -1,0 +1,62 @@
+// The voltage that acted, and the duty that dead time and drops take.
+#ifndef LODE_INVERTER_INLINE_H
+#define LODE_INVERTER_INLINE_H
+
+#include "lodestar/inverter.h"
+
+// A bus voltage that moves by more than this within a period is divided by anew.
+#define LODE_BUS_STEP_MAX 0.25f
+
+// Called at t_k before anything is written: the mean voltage over [t_k-1, t_k), V, from the duty that call
+// k-2 wrote, which was of the same parity, and the bus sampled at t_k-1 (C7).
+LODE_INLINE lode_ab_t lode_inverter_realised(const lode_inverter_t *self, uint32_t call) {
+    return lode_ab_scale(self->v_bus_V, self->written[call % 2u]);
+}
+
+LODE_INLINE void lode_inverter_divide(lode_inverter_t *self, const lode_inverter_tuning_t *tuning) {
+    self->per_V = 1.0f / lode_max(self->v_bus_V, tuning->v_min_V);
+}
+
+// Takes in the bus voltage sampled now. Its reciprocal follows by one step of Newton's method, which leaves
+// the square of the relative move: 0.01 % after 1 %.
+LODE_INLINE void lode_inverter_follow_bus(lode_inverter_t *self,
+                                          const lode_inverter_tuning_t *tuning, float v_bus_V) {
+    const float off = 1.0f - v_bus_V * self->per_V;
+    self->v_bus_V = v_bus_V;
+    self->per_V += self->per_V * off;
+    if (LODE_RARELY(!(lode_abs(off) <= LODE_BUS_STEP_MAX))) {
+        lode_inverter_divide(self, tuning);
+    }
+}
+
+// Notes what call k has written, per bus volt.
+LODE_INLINE void lode_inverter_write(lode_inverter_t *self, uint32_t call, lode_ab_t realised) {
+    self->written[call % 2u] = realised;
+}
+
+// How the dead-time error follows the current at a modulation: `span`: largest less smallest duty, 0 .. 1
+// (I4). Both move slowly.
+LODE_INLINE lode_dead_time_t lode_inverter_dead_time(const lode_inverter_tuning_t *tuning,
+                                                     float span, float per_V) {
+    const float i_dead = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
+    return (lode_dead_time_t){0.5f * (tuning->dead_duty + tuning->v_drop_V * per_V) / i_dead,
+                              i_dead};
+}
+
+// Duty that a phase loses at the current `i_A` (I3): |i + i_dead| - |i - i_dead| is twice the clamped current.
+LODE_INLINE float lode_inverter_error(const lode_dead_time_t *dead_time, float i_A) {
+    return dead_time->slope_A *
+           (lode_abs(i_A + dead_time->i_dead_A) - lode_abs(i_A - dead_time->i_dead_A));
+}
+
+// Follows the modulation by the voltage `u_V`, and divides by the bus anew. Once in LODE_SLOW_PERIODS.
+LODE_INLINE void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
+                                     lode_dq_t u_V) {
+    lode_inverter_divide(self, tuning);
+    // Largest less smallest duty is sqrt(3) times the amplitude, at most.
+    const float u = lode_sqrt(u_V.d * u_V.d + u_V.q * u_V.q);
+    const float span = lode_clamp(LODE_SQRT3 * u * self->per_V, 0.0f, 1.0f);
+    self->dead_time = lode_inverter_dead_time(tuning, span, self->per_V);
+}
+
+#endif

@@ -1,0 +1,323 @@
+#include "mode.h"
+
+#include "current_inline.h"
+#include "estimator_inline.h"
+#include "inverter_inline.h"
+#include "sense_inline.h"
+#include "start_inline.h"
+
+#include <stddef.h>
+
+// With every leg at half duty there is no voltage between the phases.
+#define DUTY_IDLE 0.5f
+
+static void set_mode(lode_drive_t *self, lode_mode_t mode) {
+    self->mode = (uint_least8_t)mode;
+    self->steady = self->gates && !self->mail && mode == LODE_MODE_RUN &&
+                   self->command.mode == LODE_MODE_RUN;
+}
+
+// Which samples are of use once the sensing, or what acts, has changed.
+static void set_omitted(lode_drive_t *self) {
+    self->omitted_next = lode_sense_omitted(&self->tuning->sense, self->duty);
+    self->omitted = self->omitted_next;
+}
+
+// Gates off, with no voltage on its way.
+static void open_gates(lode_drive_t *self, lode_mode_t mode) {
+    self->gates = false;
+    self->duty = (lode_abc_t){DUTY_IDLE, DUTY_IDLE, DUTY_IDLE};
+    set_omitted(self);
+    const lode_ab_t none = {0.0f, 0.0f};
+    self->inverter.written[0] = self->inverter.written[1] = none;
+    set_mode(self, mode);
+}
+
+LODE_NOINLINE void lode_mode_switch_off(lode_drive_t *self) {
+    open_gates(self, LODE_MODE_OFF);
+    self->i_A = (lode_dq_t){0.0f, 0.0f};
+    self->ref_A = (lode_dq_t){0.0f, 0.0f};
+    self->u_V = (lode_dq_t){0.0f, 0.0f};
+    lode_estimator_reset(&self->estimator, &self->tuning->estimator);
+}
+
+LODE_NOINLINE void lode_mode_obey_guard(lode_drive_t *self) {
+    if (!lode_guard_is_good(&self->guard) && lode_mode(self) != LODE_MODE_FAULT) {
+        open_gates(self, LODE_MODE_FAULT);
+    }
+}
+
+LODE_NOINLINE void lode_mode_fault(lode_drive_t *self, lode_check_t check, float measured,
+                                   float limit) {
+    lode_guard_trip(&self->guard, self->mode, check, measured, limit);
+    lode_mode_obey_guard(self);
+}
+
+LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
+    lode_estimator_set_current(&self->estimator, i_A);
+    self->i_A = lode_park(i_A, lode_estimator_rotor(&self->estimator));
+}
+
+static void switch_on(lode_drive_t *self, lode_mode_t mode) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    self->gates = true;
+    lode_guard_reset(&self->guard);
+    lode_estimator_reset(&self->estimator, &tuning->estimator);
+    lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
+    lode_pi_reset(&self->current.d, 0.0f);
+    lode_pi_reset(&self->current.q, 0.0f);
+    if (mode == LODE_MODE_START) {
+        lode_start_begin(&self->state.start, &tuning->start);
+    } else {
+        self->state.theta_rad = self->command.theta_rad;
+    }
+    set_mode(self, mode);
+}
+
+LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
+    self->mail = false;
+    LODE_SIGNAL_FENCE();
+    if (self->posted_tuning != NULL) {
+        self->tuning = self->posted_tuning;
+        self->posted_tuning = NULL;
+        set_omitted(self);
+    }
+    if (self->command_posted) {
+        self->command = self->posted;
+        self->command_posted = false;
+    }
+}
+
+static bool is_stop(const lode_drive_t *self) {
+    return !(lode_abs(self->command.speed_rad_s) > 0.0f);
+}
+
+// A vector as seen from a frame that is `ahead` of the one it was given in.
+static lode_dq_t in_frame(lode_dq_t x, lode_sincos_t ahead) {
+    return lode_park((lode_ab_t){x.d, x.q}, ahead);
+}
+
+// From the I-f frame into the rotor's: voltage and current vectors stay, only their names change; then
+// the start current fades from the d axis.
+static void hand_over(lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const float omega = self->estimator.pll.omega_rad_s;
+    const lode_dq_t i_A = self->i_A;
+    const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
+    const lode_sincos_t vector = lode_start_next(&self->state.start, &tuning->start);
+    const lode_dq_t u_V = in_frame(self->u_V, lode_angle_subtract(rotor, vector));
+    lode_current_reset(&self->current, &tuning->current, u_V, i_A, omega);
+    const float torque = lode_references_torque_Nm(&tuning->references, i_A);
+    lode_running_t *run = &self->state.run; // takes the place of the start's
+    lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->inv_pole_pairs, torque,
+                     lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator));
+    run->fade = 1.0f;
+    run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
+    lode_references_reset(&run->references, i_A.d);
+    self->ref_A = i_A; // until SLOT_REFERENCES
+    self->direction = lode_sign(omega);
+    set_mode(self, LODE_MODE_RUN);
+}
+
+// A start current ahead of the rotor by the angle at which it makes the torque that the present one
+// makes. (In the direction of the present one it might be opposed to the rotor.)
+LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
+    const float current_A = self->tuning->start.current_A;
+    const float sine = lode_clamp(self->i_A.q / current_A, -1.0f, 1.0f);
+    const lode_sincos_t ahead = {sine, lode_sqrt(1.0f - sine * sine)};
+    const lode_dq_t u_V = in_frame(self->u_V, ahead);
+    const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
+    lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead),
+                     self->estimator.pll.omega_rad_s, current_A);
+    lode_current_reset(&self->current, &self->tuning->current, u_V, (lode_dq_t){current_A, 0.0f},
+                       0.0f);
+    set_mode(self, LODE_MODE_START);
+}
+
+// SLOT_SPEED: where the vector goes, and whether the estimate is good enough to run on.
+static void judge_start(lode_drive_t *self) {
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    lode_start_t *start = &self->state.start;
+    const lode_estimator_t *estimator = &self->estimator;
+    lode_start_judge(start, tuning, estimator->pll.omega_rad_s, estimator->lock);
+    if (start->catching > 0u) {
+        return;
+    }
+    const bool stopping = is_stop(self);
+    const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
+    const float target =
+        stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
+    lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
+    if (stopping && at_rest && !(start->current_A > 0.0f)) {
+        lode_mode_switch_off(self);
+    } else if (!stopping && start->rounds > tuning->timeout_rounds) {
+        lode_mode_fault(self, LODE_CHECK_START, estimator->lock, LODE_LOCK_HANDOVER);
+    }
+}
+
+// Decides in one slot and hands over in the next: each is enough for a period.
+static void follow_start(lode_drive_t *self) {
+    const lode_slot_t slot = lode_slot_of(self->steps);
+    if (self->command.mode != LODE_MODE_RUN) {
+        lode_mode_switch_off(self);
+    } else if (slot == SLOT_SPEED) {
+        judge_start(self);
+    } else if (slot == SLOT_REFERENCES &&
+               lode_start_is_ready(&self->state.start, &self->tuning->start)) {
+        hand_over(self);
+    }
+}
+
+LODE_RAMFUNC LODE_NOINLINE void lode_mode_follow(lode_drive_t *self) {
+    if (lode_mode(self) == LODE_MODE_START) {
+        follow_start(self);
+    } else if (self->command.mode == lode_mode(self)) {
+        set_mode(self, lode_mode(self)); // steady again
+    } else if (self->gates) {
+        lode_mode_switch_off(self);
+    }
+}
+
+static void follow_off(lode_drive_t *self) {
+    const lode_mode_t wanted = self->command.mode;
+    const bool run = wanted == LODE_MODE_RUN && !is_stop(self);
+    if (wanted == LODE_MODE_CALIBRATE || (run && !self->calibrated)) {
+        lode_sense_begin(&self->state.sums);
+        set_mode(self, LODE_MODE_CALIBRATE);
+    } else if (wanted == LODE_MODE_VOLTAGE || wanted == LODE_MODE_CURRENT) {
+        switch_on(self, wanted);
+    } else if (run) {
+        switch_on(self, LODE_MODE_START);
+    }
+}
+
+static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
+                             float offset_count) {
+    if (calibration == LODE_CALIBRATION_IMPLAUSIBLE) {
+        const float limit = (float)self->tuning->sense.offset_tol / (float)LODE_COUNT_FRACTION;
+        lode_mode_fault(self, LODE_CHECK_OFFSET, offset_count, limit);
+    } else if (calibration == LODE_CALIBRATION_DONE) {
+        self->calibrated = true;
+        set_mode(self, LODE_MODE_OFF);
+        self->command.mode =
+            self->command.mode == LODE_MODE_CALIBRATE ? LODE_MODE_OFF : self->command.mode;
+    } else if (self->command.mode == LODE_MODE_OFF) {
+        set_mode(self, LODE_MODE_OFF);
+    }
+}
+
+// At most one transition per period.
+void lode_mode_idle(lode_drive_t *self, lode_calibration_t calibration, float offset_count) {
+    switch (lode_mode(self)) {
+    case LODE_MODE_OFF:
+        follow_off(self);
+        break;
+    case LODE_MODE_CALIBRATE:
+        follow_calibrate(self, calibration, offset_count);
+        break;
+    case LODE_MODE_FAULT:
+    case LODE_MODE_VOLTAGE: // these have the gates on
+    case LODE_MODE_CURRENT:
+    case LODE_MODE_START:
+    case LODE_MODE_RUN:
+    default:
+        if (self->command.mode == LODE_MODE_OFF && self->command.clear_fault) {
+            lode_guard_reset(&self->guard);
+            lode_mode_switch_off(self);
+        }
+        break;
+    }
+}
+
+// A commanded vector, shortened to `radius` where it is longer.
+static lode_dq_t in_circle(lode_dq_t x, float radius) {
+    const float length = lode_ab_length((lode_ab_t){x.d, x.q});
+    const float scale = length > radius ? radius / length : 1.0f;
+    return (lode_dq_t){scale * x.d, scale * x.q};
+}
+
+// Rotation of a frame until the middle of its duties, at `step_rad` per period.
+static lode_sincos_t lead_of(float step_rad) {
+    return lode_angle_triple(lode_sincos_small(0.5f * step_rad));
+}
+
+// The start's vector one period on.
+static lode_own_frame_t start_frame(lode_drive_t *self) {
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    lode_start_t *start = &self->state.start;
+    const lode_ab_t e_V = self->estimator.emf.observer.e_V;
+    const float step_rad = start->catching == 0u ? lode_start_step(start, tuning, e_V) : 0.0f;
+    self->ref_A = (lode_dq_t){start->current_A, 0.0f};
+    return (lode_own_frame_t){lode_start_vector(start, tuning), lead_of(step_rad)};
+}
+
+LODE_RAMFUNC LODE_NOINLINE lode_own_frame_t lode_mode_own_frame(lode_drive_t *self) {
+    if (lode_mode(self) == LODE_MODE_START) {
+        return start_frame(self);
+    }
+    if (lode_mode(self) == LODE_MODE_CURRENT) {
+        self->ref_A = in_circle(self->command.vector, self->tuning->references.i_max_A);
+    } else {
+        const float radius_V = self->tuning->current.circle * self->inverter.v_bus_V;
+        self->u_V = in_circle(self->command.vector, radius_V);
+    }
+    const float step_rad = self->tuning->ts_s * self->command.speed_rad_s;
+    const lode_sincos_t at = lode_sincos(self->state.theta_rad);
+    self->state.theta_rad = lode_wrap(self->state.theta_rad + step_rad);
+    return (lode_own_frame_t){at, lode_angle_triple(lode_sincos(0.5f * step_rad))};
+}
+
+// Slow, the estimator has nothing to go by in START: it is put on the vector from time to time.
+LODE_RAMFUNC LODE_NOINLINE void lode_mode_seed(lode_drive_t *self) {
+    const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
+    const lode_start_t *start = &self->state.start;
+    if (lode_mode(self) == LODE_MODE_START && start->catching == 0u &&
+        lode_abs(start->omega_rad_s) < self->tuning->start.omega_hold) {
+        lode_estimator_hold(&self->estimator, tuning, start->at, start->omega_rad_s);
+    } else {
+        (void)lode_estimator_seed(&self->estimator, tuning);
+    }
+}
+
+LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate) {
+    lode_estimator_t *own = &self->estimator;
+    const float load_per_f = self->tuning->estimator.load_per_f_Nm;
+    const float sum = lode_abs(estimate->i_A.d) + lode_abs(estimate->i_A.q) +
+                      lode_abs(estimate->rotor.cos) + lode_abs(estimate->rotor.sin) +
+                      lode_abs(estimate->omega_rad_s) + lode_abs(estimate->load_torque_Nm) +
+                      lode_abs(estimate->e_V.alpha) + lode_abs(estimate->e_V.beta);
+    if (!lode_is_finite(sum) || !lode_in_range(estimate->lock, 0.0f, 1.0f)) {
+        lode_mode_fault(self, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
+        return;
+    }
+    const float step_rad = self->tuning->ts_s * estimate->omega_rad_s;
+    own->pll.omega_rad_s = estimate->omega_rad_s;
+    own->pll.frame = lode_angle_subtract(estimate->rotor, lode_lag_near(&own->lag, own->pll.omega_rad_s));
+    own->pll.f_rad_s2 = load_per_f < 0.0f ? estimate->load_torque_Nm / load_per_f : 0.0f;
+    own->id_A = estimate->i_A.d;
+    own->emf.observer.e_V = estimate->e_V;
+    own->lock = estimate->lock;
+    own->locked = estimate->lock >= LODE_LOCK_LOST;
+    self->lead = lode_angle_triple(lode_sincos(0.5f * step_rad));
+}
+
+lode_estimate_t lode_mode_estimate(const lode_drive_t *self) {
+    const lode_estimator_t *estimator = &self->estimator;
+    return (lode_estimate_t){
+        .omega_rad_s = estimator->pll.omega_rad_s,
+        .rotor = lode_estimator_rotor(estimator),
+        .i_A = self->i_A,
+        .e_V = estimator->emf.observer.e_V,
+        .load_torque_Nm = lode_estimator_load_torque_Nm(estimator, &self->tuning->estimator),
+        .lock = estimator->lock,
+        .source = LODE_ESTIMATE_OWN,
+    };
+}
+
+float lode_mode_frame_omega(const lode_drive_t *self) {
+    if (lode_mode(self) == LODE_MODE_RUN) {
+        return self->estimator.pll.omega_rad_s;
+    }
+    return lode_mode(self) == LODE_MODE_START ? self->state.start.omega_rad_s
+                                              : self->command.speed_rad_s;
+}

@@ -1,0 +1,57 @@
+// What the drive is doing: the state machine, and the modes that have a frame of their own.
+#ifndef LODE_MODE_H
+#define LODE_MODE_H
+
+#include "lodestar/drive.h"
+
+// Where VOLTAGE, CURRENT and START control the currents. Four floats are returned in registers.
+typedef struct {
+    lode_sincos_t at;   // angle of the frame at t_k
+    lode_sincos_t lead; // from there to the middle of the period in which the duties act
+} lode_own_frame_t;
+
+static inline lode_mode_t lode_mode(const lode_drive_t *self) {
+    return (lode_mode_t)self->mode;
+}
+
+// Takes over what was posted, at the start of a period.
+void lode_mode_take_mail(lode_drive_t *self);
+
+// Gates off, nothing on its way. OFF forgets what was estimated and controlled.
+void lode_mode_switch_off(lode_drive_t *self);
+
+// Gates off, the first cause latched. What the period was doing stays to be read.
+void lode_mode_fault(lode_drive_t *self, lode_check_t check, float measured, float limit);
+
+// The guard has tripped: what follows, if it has not yet.
+void lode_mode_obey_guard(lode_drive_t *self);
+
+// Keeps the current `i_A` of a period that has tripped, which goes no further.
+void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A);
+
+// A period with the gates off. They may be on after it.
+void lode_mode_idle(lode_drive_t *self, lode_calibration_t calibration, float offset_count);
+
+// A driven period in which there may be something to decide: angle, speed and lock are the estimator's,
+// the current in the rotor's frame is i_A. The gates may be off after it.
+void lode_mode_follow(lode_drive_t *self);
+
+// The frame of VOLTAGE, CURRENT or START, and what is asked for in it.
+lode_own_frame_t lode_mode_own_frame(lode_drive_t *self);
+
+// From RUN to the way down, where the EMF is too small to run by.
+void lode_mode_hand_back(lode_drive_t *self);
+
+// SLOT_SEED without lock.
+void lode_mode_seed(lode_drive_t *self);
+
+// Takes over an estimate from outside; one that is no number is a fault.
+void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate);
+
+// What is known with the gates off: nothing, or after a fault what was known when it came.
+lode_estimate_t lode_mode_estimate(const lode_drive_t *self);
+
+// Electrical speed at which the frame of control turns.
+float lode_mode_frame_omega(const lode_drive_t *self);
+
+#endif

@@ -1,0 +1,92 @@
+// Voltage to duties, one set of three phases at a time.
+#ifndef LODE_MODULATOR_INLINE_H
+#define LODE_MODULATOR_INLINE_H
+
+#include "inverter_inline.h"
+#include "lodestar/modulator.h"
+
+// What becomes of the phases of one set.
+typedef struct {
+    lode_abc_t duty;
+    lode_abc_t seen; // by the motor, where the voltage is not `as_asked`
+    bool as_asked;
+} lode_modulator_phases_t;
+
+// The same as lode_modulator_set() where a duty may reach a rail, or the dead time is modelled.
+lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inverter,
+                                             const lode_dead_time_t *dead_time, lode_abc_t v,
+                                             lode_abc_t i_A);
+
+// Beside it a float holds whole numbers only.
+#define MODULATOR_WHOLE 8388608.0f // 2^23
+
+// To the nearest of at most 65535 ticks. What is no number stays none.
+LODE_INLINE float lode_modulator_on_grid(const lode_inverter_tuning_t *inverter, float duty) {
+    const float beside = duty * inverter->ticks + MODULATOR_WHOLE;
+    return (beside - MODULATOR_WHOLE) * inverter->inv_ticks;
+}
+
+// Dead-time errors of the phases at the currents `i_A`.
+LODE_INLINE lode_abc_t lode_modulator_errors(const lode_dead_time_t *dead_time, lode_abc_t i_A) {
+    return (lode_abc_t){lode_inverter_error(dead_time, i_A.a),
+                        lode_inverter_error(dead_time, i_A.b),
+                        lode_inverter_error(dead_time, i_A.c)};
+}
+
+// Duties for the phase voltages `v`, per bus volt, that sum to zero.
+LODE_INLINE lode_abc_t lode_modulator_duties(lode_abc_t v) {
+    // The common mode that centres the three (B9), half of the middle one, equals space-vector
+    // modulation. They sum to zero, so the middle one is the smallest by magnitude.
+    const float ab = lode_abs(v.a) < lode_abs(v.b) ? v.a : v.b;
+    const float middle = lode_abs(v.c) < lode_abs(ab) ? v.c : ab;
+    const float centre = 0.5f + 0.5f * middle;
+    return (lode_abc_t){v.a + centre, v.b + centre, v.c + centre};
+}
+
+// One set, whose phase voltages per bus volt are `v` while its currents are `i_A`. `free`: the voltage lies
+// within lode_inverter_tuning_t.free.
+LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tuning_t *inverter,
+                                                       const lode_dead_time_t *dead_time, lode_abc_t v,
+                                                       lode_abc_t i_A, bool free) {
+    if (LODE_RARELY(!free)) {
+        return lode_modulator_limit(inverter, dead_time, v, i_A);
+    }
+    lode_abc_t duty = lode_modulator_duties(v);
+    lode_abc_t error = {0.0f, 0.0f, 0.0f};
+    if (LODE_USUALLY(inverter->correct)) {
+        error = lode_modulator_errors(dead_time, i_A);
+        duty = (lode_abc_t){duty.a + error.a, duty.b + error.b, duty.c + error.c};
+    }
+    if (inverter->grid) {
+        const lode_abc_t made = {lode_modulator_on_grid(inverter, duty.a),
+                                 lode_modulator_on_grid(inverter, duty.b),
+                                 lode_modulator_on_grid(inverter, duty.c)};
+        return (lode_modulator_phases_t){
+            made, {made.a - error.a, made.b - error.b, made.c - error.c}, false};
+    }
+    return (lode_modulator_phases_t){duty, duty, true};
+}
+
+// Set 1, or the only one: duties for the voltage `v` per bus volt, to act while the current is `i_A`.
+// Linear up to 1/sqrt(3). Beyond, and where the correction reaches past the rails, the duties are clamped
+// and `realised` says what is left. The current must be finite.
+LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_t *inverter,
+                                                     const lode_dead_time_t *dead_time, lode_ab_t v,
+                                                     lode_ab_t i_A, bool free) {
+    const lode_modulator_phases_t out = lode_modulator_set(
+        inverter, dead_time, lode_clarke_inverse(v), lode_clarke_inverse(i_A), free);
+    return (lode_modulator_out_t){out.duty, out.as_asked ? v : lode_clarke(out.seen)};
+}
+
+// Every duty within [0, 1]. As unsigned integers, the floats from 0 to 1 are those up to that of 1; NaN,
+// Inf and what is negative are larger.
+LODE_INLINE bool lode_modulator_is_sound(lode_abc_t duty) {
+    const union {
+        float value;
+        uint32_t bits;
+    } one = {1.0f}, a = {duty.a}, b = {duty.b}, c = {duty.c};
+    return LODE_USUALLY(a.bits <= one.bits) && LODE_USUALLY(b.bits <= one.bits) &&
+           LODE_USUALLY(c.bits <= one.bits);
+}
+
+#endif

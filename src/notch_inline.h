@@ -1,0 +1,16 @@
+// The notch at a harmonic, one sample.
+#ifndef LODE_NOTCH_INLINE_H
+#define LODE_NOTCH_INLINE_H
+
+#include "lodestar/notch.h"
+#include "sogi_inline.h"
+
+// The error without its harmonic; unchanged where the notch is out. The filter runs all the time, so
+// that it has settled when it is blended in.
+LODE_INLINE float lode_notch_step(lode_notch_t *self, const lode_notch_tuning_t *tuning,
+                                  float error) {
+    const lode_sogi_tuning_t tuned = {tuning->k, self->g, self->inv_sum};
+    return error - self->weight * lode_sogi_step(&self->sogi, &tuned, error).in_phase;
+}
+
+#endif

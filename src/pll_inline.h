@@ -1,0 +1,48 @@
+// One period of the phase-locked loop.
+#ifndef LODE_PLL_INLINE_H
+#define LODE_PLL_INLINE_H
+
+#include "lodestar/pll.h"
+
+// Gains of the bandwidth that belongs to the speed (P5). It moves slowly: every few periods is enough.
+LODE_INLINE lode_pll_gains_t lode_pll_gains(const lode_pll_tuning_t *tuning, float omega_rad_s) {
+    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
+    const float x = tuning->x_low + tuning->x_rise * lode_clamp(up, 0.0f, 1.0f);
+    const float rate = x * x * tuning->inv_ts;
+    if (tuning->third_order) {
+        return (lode_pll_gains_t){x * (3.0f - x * (3.0f - x)), 1.5f * (2.0f - x) * rate,
+                                  x * rate * tuning->inv_ts};
+    }
+    return (lode_pll_gains_t){x * (2.0f - x), rate, 0.0f};
+}
+
+// The motion from t_k-1 to t_k.
+typedef struct {
+    float angle_rad;   // by which the rotor moves on
+    float omega_rad_s; // speed that it has at t_k
+} lode_pll_motion_t;
+
+// As predicted (paper 1, eq. 19; P2), exact for constant acceleration. The state is not moved yet.
+LODE_INLINE lode_pll_motion_t lode_pll_predict(const lode_pll_t *self,
+                                               const lode_pll_tuning_t *tuning) {
+    const float step = tuning->ts_s * (self->f_rad_s2 + self->acc_rad_s2);
+    return (lode_pll_motion_t){tuning->ts_s * (self->omega_rad_s + 0.5f * step),
+                               self->omega_rad_s + step};
+}
+
+// Moves angle and speed to t_k, to the predicted `frame` and speed, and corrects them by the position
+// error `error_rad` found there. It may come from the EMF, from signal injection, or from a weighted sum of
+// both (P4, P6).
+LODE_INLINE void lode_pll_correct(lode_pll_t *self, lode_pll_gains_t gains, lode_sincos_t frame,
+                                  float omega_rad_s, float error_rad) {
+    self->frame = lode_angle_rotate_small(frame, gains.theta * error_rad);
+    self->omega_rad_s = omega_rad_s + gains.omega_s * error_rad;
+}
+
+// Corrects the disturbance: third order only.
+LODE_INLINE void lode_pll_correct_disturbance(lode_pll_t *self, lode_pll_gains_t gains,
+                                              float error_rad) {
+    self->f_rad_s2 += gains.f_s2 * error_rad;
+}
+
+#endif

@@ -1,0 +1,24 @@
+// Sines without range reduction.
+#ifndef LODE_SCALAR_INLINE_H
+#define LODE_SCALAR_INLINE_H
+
+#include "lodestar/scalar.h"
+
+// Sine and cosine for |x| <= pi/4. Error at most 1e-7. Near-minimax: tests/golden/gen_minimax.py.
+LODE_INLINE lode_sincos_t lode_sincos_octant(float x_rad) {
+    const float x = x_rad;
+    const float x2 = x * x;
+    return (lode_sincos_t){
+        x + x * x2 * (-1.66666646563e-1f + x2 * (8.33274710437e-3f - x2 * 1.95876390353e-4f)),
+        1.0f + x2 * (-0.5f + x2 * (4.16666505965e-2f +
+                                   x2 * (-1.38875865646e-3f + x2 * 2.44634525345e-5f)))};
+}
+
+// For a frame that is normalised anyway: sine and cosine to within x^4/24 of length and x^5/30 of angle,
+// 3e-5 rad for |x| <= 0.25.
+LODE_INLINE lode_sincos_t lode_sincos_small(float x_rad) {
+    const float half_x2 = 0.5f * x_rad * x_rad;
+    return (lode_sincos_t){x_rad - x_rad * half_x2 * (1.0f / 3.0f), 1.0f - half_x2};
+}
+
+#endif

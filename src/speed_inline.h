@@ -1,0 +1,38 @@
+// One call of speed control.
+#ifndef LODE_SPEED_INLINE_H
+#define LODE_SPEED_INLINE_H
+
+#include "lodestar/speed.h"
+#include "pi_inline.h"
+#include "ramp_inline.h"
+
+// Torque reference, Nm, for the mechanical target `target_rad_s` at the estimated ELECTRICAL speed
+// `omega_rad_s` and load torque `load_Nm` (K7, K8).
+LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                                  float target_rad_s, float omega_rad_s, float load_Nm) {
+    const float before = self->reference_rad_s;
+    self->reference_rad_s = lode_ramp(before, target_rad_s, tuning->ramp_step);
+    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
+    const float gain = 1.0f + tuning->rise * lode_clamp(up, 0.0f, 1.0f);
+    const float error = gain * (self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs);
+    // A rotor that is ahead of its ramp needs no torque to follow it: as much less as the controller
+    // asks against it, but not the other way.
+    const float push = tuning->inertia_Nm * (self->reference_rad_s - before);
+    const float against = tuning->pi.kp * error;
+    const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)
+                                   : lode_clamp(push + against, push, 0.0f);
+    const float ff = tuning->load_feed_forward * load_Nm + ramp;
+    const float asked = lode_pi_output(&self->pi, &tuning->pi, error, ff);
+    const lode_range_t limit = self->limit_Nm;
+    if (lode_in_range(asked, limit.min, limit.max)) {
+        lode_pi_integrate(&self->pi, &tuning->pi, error);
+        self->torque_Nm = asked;
+        return asked;
+    }
+    const float torque = lode_clamp(asked, limit.min, limit.max);
+    lode_pi_settle(&self->pi, &tuning->pi, error, ff, asked, torque);
+    self->torque_Nm = torque;
+    return torque;
+}
+
+#endif

@@ -1,0 +1,52 @@
+// The current vector of the start, one period.
+#ifndef LODE_START_INLINE_H
+#define LODE_START_INLINE_H
+
+#include "lodestar/start.h"
+#include "scalar_inline.h"
+
+// One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector turns in
+// a period now, rad.
+LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
+                                          lode_ab_t e_V) {
+    // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
+    // turn, or a rotor that happens to lie opposite to it would feel no torque.
+    float advance_rad = tuning->ts_s * self->omega_rad_s;
+    if (!(self->current_A < self->current_target)) {
+        self->omega_rad_s += lode_clamp(self->omega_target - self->omega_rad_s, -tuning->omega_step,
+                                        tuning->omega_step);
+        advance_rad = tuning->ts_s * self->omega_rad_s;
+    } else if (!(lode_abs(self->omega_rad_s) > 0.0f)) {
+        advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
+    }
+    self->current_A += lode_clamp(self->current_target - self->current_A, -tuning->current_step,
+                                  tuning->current_step);
+    const lode_sincos_t half = lode_sincos_small(0.5f * advance_rad);
+    self->at = lode_angle_add(self->at, lode_angle_double(half));
+    const float across_V = lode_park(e_V, self->at).q;
+    self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
+    self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
+    return advance_rad;
+}
+
+// By which the vector stands ahead, to damp the rotor's swing.
+LODE_INLINE float lode_start_shift_rad(const lode_start_t *self,
+                                       const lode_start_tuning_t *tuning) {
+    return lode_clamp(-tuning->damping * self->swing_V, -LODE_START_SHIFT_MAX_rad,
+                      LODE_START_SHIFT_MAX_rad);
+}
+
+// The vector, with the damping.
+LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self,
+                                            const lode_start_tuning_t *tuning) {
+    return lode_angle_add(self->at, lode_sincos_octant(lode_start_shift_rad(self, tuning)));
+}
+
+// Where it will be a period on.
+LODE_INLINE lode_sincos_t lode_start_next(const lode_start_t *self,
+                                          const lode_start_tuning_t *tuning) {
+    const float move_rad = lode_start_shift_rad(self, tuning) + tuning->ts_s * self->omega_rad_s;
+    return lode_angle_add(self->at, lode_sincos_octant(move_rad));
+}
+
+#endif
