@@ -68,9 +68,9 @@ void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tunin
 }
 
 LODE_RAMFUNC LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
-                                                const lode_current_tuning_t *tuning,
-                                                lode_dq_t error_A, lode_dq_t induced_V,
-                                                lode_dq_t asked_V, float radius_V) {
+                                                        const lode_current_tuning_t *tuning,
+                                                        lode_dq_t error_A, lode_dq_t induced_V,
+                                                        lode_dq_t asked_V, float radius_V) {
     // d first: it holds the flux; q keeps what is left, at least 44 %.
     const float radius = lode_max(radius_V, 0.0f);
     const float d_max = tuning->d_share * radius;

@@ -85,8 +85,7 @@ static LODE_NOINLINE void take_mail(lode_drive6_t *self) {
         select_sets(self, active_of(self));
         self->omitted_next_2 = lode_sense_omitted(&self->tuning->drive.sense, self->duty_2);
         self->omitted_2 = self->omitted_next_2;
-        self->drive.omitted_next =
-            lode_sense_omitted(&self->tuning->drive.sense, self->drive.duty);
+        self->drive.omitted_next = lode_sense_omitted(&self->tuning->drive.sense, self->drive.duty);
         self->drive.omitted = self->drive.omitted_next;
     }
     lode_mode_take_mail(&self->drive);
@@ -108,8 +107,8 @@ static lode_calibration_t calibrate(lode_drive6_t *self, const lode_sample6_t *s
     }
     float worst_1;
     float worst_2;
-    const lode_calibration_t first = lode_sense_calibrate(&drive->sense, &drive->state.sums, tuning,
-                                                          &sample->machine, &worst_1);
+    const lode_calibration_t first =
+        lode_sense_calibrate(&drive->sense, &drive->state.sums, tuning, &sample->machine, &worst_1);
     const lode_calibration_t second =
         lode_sense_calibrate(&self->sense_2, &self->sums_2, tuning, &sample->set_2, &worst_2);
     *worst_count = lode_abs(worst_1) > lode_abs(worst_2) ? worst_1 : worst_2;
@@ -120,7 +119,8 @@ static lode_calibration_t calibrate(lode_drive6_t *self, const lode_sample6_t *s
 // does not get through.
 LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
     return self->tuning->source != LODE_SOURCE_VSD &&
-           self->active == (uint_least8_t)LODE_SETS_BOTH && lode_mode(&self->drive) == LODE_MODE_RUN;
+           self->active == (uint_least8_t)LODE_SETS_BOTH &&
+           lode_mode(&self->drive) == LODE_MODE_RUN;
 }
 
 // Without an index, which would put both into memory.
@@ -136,8 +136,7 @@ static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *co
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
     const lode_sample_t set_1 =
         lode_sense_step(&drive->sense, tuning, &counts->set[0], drive->omitted);
-    lode_sample_t set_2 =
-        lode_sense_step(&self->sense_2, tuning, &counts->set[1], self->omitted_2);
+    lode_sample_t set_2 = lode_sense_step(&self->sense_2, tuning, &counts->set[1], self->omitted_2);
     set_2.stamp = set_1.stamp;
     lode_drive_diagnose(drive, &drive->sense, &set_1);
     lode_drive_diagnose(drive, &self->sense_2, &set_2);
@@ -203,8 +202,8 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
 // Angle and speed at t_k; the current in the rotor's frame is the one that is controlled.
 LODE_INLINE lode_estimate_t estimate(lode_drive6_t *self, const lode_sample6_t *x) {
     lode_drive_t *drive = &self->drive;
-    lode_estimate_t seen = lode_estimator_fast(&drive->estimator, &drive->tuning->estimator,
-                                               x->u_seen_V, x->i_seen_A);
+    lode_estimate_t seen =
+        lode_estimator_fast(&drive->estimator, &drive->tuning->estimator, x->u_seen_V, x->i_seen_A);
     seen.i_A = lode_park(x->machine.i_A, seen.rotor);
     return seen;
 }

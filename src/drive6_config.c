@@ -84,8 +84,7 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
         const float i_min_A = WATCH_SHARE * complete.drive.inverter.i_max_A;
         t.watch = (lode_open_phase_tuning_t){i_min_A / lode_abs(t.drive.sense.i_gain)};
         // A set's vector is that of the dq plane and that of the xy plane.
-        t.drive.current.free =
-            lode_min(t.drive.current.free, t.drive.inverter.free - t.xy.circle);
+        t.drive.current.free = lode_min(t.drive.current.free, t.drive.inverter.free - t.xy.circle);
         t.source = complete.source;
         t.open_phase = complete.open_phase;
         *tuning = t;

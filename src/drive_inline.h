@@ -20,10 +20,10 @@
 
 // The frame in which the currents are controlled.
 typedef struct {
-    lode_sincos_t at;  // its angle at t_k
-    lode_dq_t i_A;     // current in it at t_k
+    lode_sincos_t at;      // its angle at t_k
+    lode_dq_t i_A;         // current in it at t_k
     lode_sincos_t applied; // its angle in the middle of the period in which the duties act
-    float omega_rotor; // electrical speed where it is the rotor's, else 0
+    float omega_rotor;     // electrical speed where it is the rotor's, else 0
 } lode_frame_t;
 
 // Checks of a configuration that design divides by, in drive_config.c.

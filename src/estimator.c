@@ -170,9 +170,9 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
 
 // A large position error: by the amplitude of now, and without the notches, which had no part in so large
 // a move. Beyond SINE_MAX where the state is that of no motor.
-LODE_RAMFUNC LODE_NOINLINE float
-lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                          lode_ab_t e_V, lode_sincos_t frame) {
+LODE_RAMFUNC LODE_NOINLINE float lode_estimator_look_again(lode_estimator_t *self,
+                                                           const lode_estimator_tuning_t *tuning,
+                                                           lode_ab_t e_V, lode_sincos_t frame) {
     const float e2 = square(e_V);
     if (!(e2 <= EMF2_LIMIT_V2) || !(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit)) {
         return 2.0f * SINE_MAX;
@@ -221,8 +221,8 @@ LODE_RAMFUNC LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
-LODE_RAMFUNC LODE_NOINLINE void lode_estimator_note_rotation(lode_estimator_t *self,
-                                                     const lode_estimator_tuning_t *tuning) {
+LODE_RAMFUNC LODE_NOINLINE void
+lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e = self->emf.observer.e_V;
     const lode_ab_t before = self->before_V;
     const lode_ab_t step = {e.alpha * before.alpha + e.beta * before.beta,
@@ -232,9 +232,8 @@ LODE_RAMFUNC LODE_NOINLINE void lode_estimator_note_rotation(lode_estimator_t *s
                                         lode_ab_subtract(step, self->rotation));
 }
 
-LODE_RAMFUNC LODE_NOINLINE lode_sincos_t
-lode_estimator_filtered_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                             float omega_rad_s) {
+LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_step(
+    lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float omega_rad_s) {
     self->omega_tune += tuning->w_weight * (omega_rad_s - self->omega_tune);
     return lode_sincos(tuning->pll.ts_s * self->omega_tune);
 }

@@ -47,8 +47,7 @@ LODE_INLINE lode_sincos_t lode_estimator_rotor(const lode_estimator_t *self) {
 // as predicted for t_k.
 LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning, uint32_t options,
-                                         lode_ab_t u_V,
-                                         lode_ab_t i_A, lode_pll_motion_t motion,
+                                         lode_ab_t u_V, lode_ab_t i_A, lode_pll_motion_t motion,
                                          lode_sincos_t half, lode_sincos_t step,
                                          lode_sincos_t frame) {
     lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
@@ -120,7 +119,8 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
     const lode_sincos_t half = lode_sincos_small(0.5f * motion.angle_rad);
     const lode_sincos_t step = lode_angle_double(half);
     lode_sincos_t frame = lode_angle_add(self->pll.frame, step);
-    const lode_ab_t e_V = lode_estimator_emf(self, tuning, options, u_V, i_A, motion, half, step, frame);
+    const lode_ab_t e_V =
+        lode_estimator_emf(self, tuning, options, u_V, i_A, motion, half, step, frame);
 
     // Phase detector (paper 1, eq. 13; P1) with the sign of speed, or it locks half a turn off. The
     // amplitude is that of the last look; where the error is large, or no number, it is looked at now.

@@ -194,7 +194,7 @@ static void count_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
 }
 
 static LODE_NOINLINE void count_all(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                lode_condition_t condition, lode_situation_t now) {
+                                    lode_condition_t condition, lode_situation_t now) {
     self->pending = self->rail > 0u;
     count_power(self, tuning, condition, now.state);
     if (now.sensorless) {

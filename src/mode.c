@@ -13,8 +13,8 @@
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
-    self->steady = self->gates && !self->mail && mode == LODE_MODE_RUN &&
-                   self->command.mode == LODE_MODE_RUN;
+    self->steady =
+        self->gates && !self->mail && mode == LODE_MODE_RUN && self->command.mode == LODE_MODE_RUN;
 }
 
 // Which samples are of use once the sensing, or what acts, has changed.
@@ -292,7 +292,8 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     }
     const float step_rad = self->tuning->ts_s * estimate->omega_rad_s;
     own->pll.omega_rad_s = estimate->omega_rad_s;
-    own->pll.frame = lode_angle_subtract(estimate->rotor, lode_lag_near(&own->lag, own->pll.omega_rad_s));
+    own->pll.frame =
+        lode_angle_subtract(estimate->rotor, lode_lag_near(&own->lag, own->pll.omega_rad_s));
     own->pll.f_rad_s2 = load_per_f < 0.0f ? estimate->load_torque_Nm / load_per_f : 0.0f;
     own->id_A = estimate->i_A.d;
     own->emf.observer.e_V = estimate->e_V;

@@ -46,8 +46,8 @@ LODE_INLINE lode_abc_t lode_modulator_duties(lode_abc_t v) {
 // One set, whose phase voltages per bus volt are `v` while its currents are `i_A`. `free`: the voltage lies
 // within lode_inverter_tuning_t.free.
 LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tuning_t *inverter,
-                                                       const lode_dead_time_t *dead_time, lode_abc_t v,
-                                                       lode_abc_t i_A, bool free) {
+                                                       const lode_dead_time_t *dead_time,
+                                                       lode_abc_t v, lode_abc_t i_A, bool free) {
     if (LODE_RARELY(!free)) {
         return lode_modulator_limit(inverter, dead_time, v, i_A);
     }

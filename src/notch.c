@@ -21,7 +21,7 @@ lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k,
 }
 
 LODE_RAMFUNC void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning,
-                               float omega_rad_s) {
+                                   float omega_rad_s) {
     if (!(tuning->k > 0.0f)) {
         self->weight = 0.0f;
         return;

@@ -13,9 +13,9 @@ LODE_INLINE lode_ab_t r_leso_step(lode_observer_t *self, const lode_observer_tun
                                   lode_ab_t m_V, lode_sincos_t step_angle, float omega_rad_s) {
     (void)omega_rad_s;
     const float p = tuning->own[R_LESO_P];
-    const lode_ab_t y_before = lode_ab_turn(self->own[R_LESO_Y], step_angle);
+    const lode_ab_t y_before = lode_ab_rotate(self->own[R_LESO_Y], step_angle);
     const lode_ab_t y = lode_ab_add_scaled(m_V, p, lode_ab_subtract(y_before, m_V));
-    const lode_ab_t e_before = lode_ab_turn(self->e_V, step_angle);
+    const lode_ab_t e_before = lode_ab_rotate(self->e_V, step_angle);
     const lode_ab_t e = lode_ab_add_scaled(y, p, lode_ab_subtract(e_before, y));
     self->own[R_LESO_Y] = y;
     self->e_V = e;

@@ -49,8 +49,8 @@ static lode_open_phase_t found(const lode_open_phase_watch_t *self,
     return idlest(&self->sum);
 }
 
-LODE_RAMFUNC LODE_NOINLINE lode_open_phase_t lode_open_phase_judge(lode_open_phase_watch_t *self,
-                                                           const lode_open_phase_tuning_t *tuning) {
+LODE_RAMFUNC LODE_NOINLINE lode_open_phase_t
+lode_open_phase_judge(lode_open_phase_watch_t *self, const lode_open_phase_tuning_t *tuning) {
     if (self->samples < SAMPLES_MIN) {
         return 0u;
     }

@@ -12,17 +12,18 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
                                               lode_references_voltage_t voltage);
 
 // An id so positive that a salient rotor has no torque left is met at the current limit.
-LODE_INLINE float lode_references_active_flux(const lode_references_tuning_t *tuning, float salient, float id_A) {
+LODE_INLINE float lode_references_active_flux(const lode_references_tuning_t *tuning, float salient,
+                                              float id_A) {
     return lode_max(tuning->psi_Wb + salient * id_A, tuning->active_min);
 }
 
 // Current references for `torque_Nm` at the electrical speed `omega_rad_s`; `id_add_A` is added to
 // the d axis (the rest of the start current while it fades). Stays within the circle i_max, d first.
 LODE_INLINE lode_references_out_t lode_references_step(lode_references_t *self,
-                                                    const lode_references_tuning_t *tuning,
-                                                    float torque_Nm, float omega_rad_s,
-                                                    float id_add_A,
-                                                    lode_references_voltage_t voltage) {
+                                                       const lode_references_tuning_t *tuning,
+                                                       float torque_Nm, float omega_rad_s,
+                                                       float id_add_A,
+                                                       lode_references_voltage_t voltage) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
     if (!tuning->plain) {
         return lode_references_optimal(self, tuning, torque_Nm, omega_rad_s, id_add_A, voltage);
@@ -34,7 +35,8 @@ LODE_INLINE lode_references_out_t lode_references_step(lode_references_t *self,
     const float bias = tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
     const float id = lode_clamp(id_add_A - bias, -i_max, i_max);
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
-    const float per_iq = tuning->torque_factor * lode_references_active_flux(tuning, tuning->salient_H, id);
+    const float per_iq =
+        tuning->torque_factor * lode_references_active_flux(tuning, tuning->salient_H, id);
     const float limit = per_iq * iq_max;
     return (lode_references_out_t){{id, lode_clamp(torque_Nm / per_iq, -iq_max, iq_max)},
                                    {-limit, limit}};

@@ -109,8 +109,7 @@ static int32_t count_of(const lode_sense_t *self, const lode_sample_t *sample, i
     return (sample->i[phase] + self->offset[phase]) / LODE_COUNT_FRACTION;
 }
 
-LODE_NOINLINE bool lode_sense_is_railed(const lode_sense_t *self,
-                                        const lode_sense_tuning_t *tuning,
+LODE_NOINLINE bool lode_sense_is_railed(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
                                         const lode_sample_t *sample) {
     bool railed = false;
     for (int32_t n = 0; n < LODE_PHASES; n++) {
@@ -138,7 +137,8 @@ lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *s
         // Whole counts and the rest apart: together they would not fit.
         const uint32_t whole = sums->count[n] / sums->samples;
         const uint32_t rest = sums->count[n] % sums->samples;
-        offset[n] = (int32_t)(LODE_COUNT_FRACTION * whole + LODE_COUNT_FRACTION * rest / sums->samples);
+        offset[n] =
+            (int32_t)(LODE_COUNT_FRACTION * whole + LODE_COUNT_FRACTION * rest / sums->samples);
         if (tuning->two_shunts && n == 2) {
             offset[n] = tuning->offset_nominal; // nothing need be wired there
         }

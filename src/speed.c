@@ -1,5 +1,5 @@
-#include "pi_inline.h"
 #include "lodestar/speed.h"
+#include "pi_inline.h"
 
 // Up to four times lighter an inertia than configured keeps the loop inside the PLL.
 #define BANDWIDTH_PER_SIGMA 0.25f

@@ -11,7 +11,7 @@
 #define CATCH_PARTS 5u     // the lock must hold for this part of the time
 #define FADE_TIME_s 0.1f
 #define PATIENCE_s 0.4f
-#define ATTEMPTS 3.0f    // until the start has failed
+#define ATTEMPTS 3.0f     // until the start has failed
 #define ROUNDS_MAX 2.0e9f // inside an int32
 #define SWEEP_rad (LODE_TWO_PI / 3.0f)
 #define MEAN_CORNER 0.3f      // of the mean EMF, over the swing's natural frequency
@@ -146,7 +146,8 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
                     float current_A) {
     self->omega_target = omega_target_rad_s;
     self->current_target = current_A;
-    self->at = lode_angle_normalise(self->at); // what the periods in between have left of its length
+    self->at =
+        lode_angle_normalise(self->at); // what the periods in between have left of its length
     self->rounds++;
     try_again(self, tuning, omega_target_rad_s);
 }

@@ -8,7 +8,7 @@
 // One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector turns in
 // a period now, rad.
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
-                                          lode_ab_t e_V) {
+                                  lode_ab_t e_V) {
     // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
     // turn, or a rotor that happens to lie opposite to it would feel no torque.
     float advance_rad = tuning->ts_s * self->omega_rad_s;

@@ -54,7 +54,8 @@ void lode_xy_reset(lode_xy_t *self) {
     *self = (lode_xy_t){.aim = {0.0f, {0.0f, 1.0f}, {0.0f, 1.0f}}};
 }
 
-LODE_RAMFUNC void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning, float omega_rad_s) {
+LODE_RAMFUNC void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning,
+                                float omega_rad_s) {
     const float size = lode_max(6.0f * lode_abs(omega_rad_s), 1.0f);
     if (!(size <= tuning->omega6_max)) {
         const lode_ab_t none = {0.0f, 0.0f};

@@ -30,8 +30,9 @@ typedef struct {
     float psi_Wb;
     float circle;  ///< radius of the voltage circle per bus volt
     float d_share; ///< of the circle that the d axis may take, so that q keeps headroom
-    float free; ///< radius per bus volt within which neither circle nor rail limits; the drive lowers it
-                ///< to the inverter's
+    float
+        free; ///< radius per bus volt within which neither circle nor rail limits; the drive lowers it
+              ///< to the inverter's
 } lode_current_tuning_t;
 
 typedef struct {

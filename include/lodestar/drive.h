@@ -45,7 +45,7 @@ typedef struct {
     float inv_pole_pairs;
     uint32_t speed_periods; ///< between two calls of speed control and references: 8, 4, 2 or 1
     float half_period_s; ///< a third of the time from a sample to the middle of its duties' period
-    float omega_min;        ///< least electrical speed in RUN
+    float omega_min;     ///< least electrical speed in RUN
     lode_sense_tuning_t sense;
     lode_inverter_tuning_t inverter;
     lode_estimator_tuning_t estimator;
@@ -104,10 +104,10 @@ typedef struct {
 /// A drive. Visible for static allocation; written by its functions only.
 typedef struct {
     const lode_drive_tuning_t *tuning;
-    uint32_t steps;      ///< periods since init
-    bool steady;         ///< RUN, as commanded, and nothing in the mail: a period has nothing to decide
-    bool gates;          ///< on
-    bool mail;           ///< something is posted
+    uint32_t steps; ///< periods since init
+    bool steady;    ///< RUN, as commanded, and nothing in the mail: a period has nothing to decide
+    bool gates;     ///< on
+    bool mail;      ///< something is posted
     bool command_posted; ///< mailbox
     bool calibrated;
     uint_least8_t mode;         ///< lode_mode_t
@@ -138,7 +138,8 @@ typedef struct {
 
 /// The ramped mechanical reference of RUN; 0 in the other modes.
 static inline float lode_drive_speed_ref_rad_s(const lode_drive_t *self) {
-    return self->mode == (uint_least8_t)LODE_MODE_RUN ? self->state.run.speed.reference_rad_s : 0.0f;
+    return self->mode == (uint_least8_t)LODE_MODE_RUN ? self->state.run.speed.reference_rad_s
+                                                      : 0.0f;
 }
 
 /// A consistent picture of one period, for logs and displays.

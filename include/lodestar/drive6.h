@@ -76,9 +76,9 @@ typedef struct {
     lode_ab_t u_xy_V; ///< in the frame that turns with -theta
     lode_xy_t xy;
     lode_open_phase_watch_t watch;
-    lode_open_phase_t open;    ///< the phase found open, 0: none
-    uint_least8_t active;      ///< lode_active_t
-    uint_least8_t omitted_2;   ///< as in lode_drive_t
+    lode_open_phase_t open;  ///< the phase found open, 0: none
+    uint_least8_t active;    ///< lode_active_t
+    uint_least8_t omitted_2; ///< as in lode_drive_t
     uint_least8_t omitted_next_2;
 } lode_drive6_t;
 

@@ -34,7 +34,7 @@ enum {
     LODE_ESTIMATOR_SALIENT = 1,      ///< the EMF of a changing active flux is taken out
     LODE_ESTIMATOR_FILTERED = 2,     ///< the speed that tunes the EMF observer is filtered
     LODE_ESTIMATOR_NOTCH = 4,        ///< at 6 w or 12 w
-    LODE_ESTIMATOR_NOTCH12 = 8,     ///< at 12 w
+    LODE_ESTIMATOR_NOTCH12 = 8,      ///< at 12 w
     LODE_ESTIMATOR_THIRD_ORDER = 16, ///< LESO-QPLL
 };
 
@@ -51,13 +51,13 @@ typedef struct {
     float error_small; ///< position error up to which the amplitude of a few periods ago will do
     float droop_s2;    ///< by which the observer's amplitude falls with speed
     float psi_Wb;
-    float salient_H;               ///< Ld - Lq
-    float acc_per_torque;          ///< 1.5 np^2/J; 0 without feed-forward
-    float acc_per_omega;           ///< B/J
-    float load_per_f_Nm;           ///< -J/np; 0 without disturbance state
-    float lock_weight;             ///< of a new sample in the lock quality
-    float rotation_weight;         ///< in the mean rotation
-    uint_least16_t settle_rounds;   ///< from reset until the first acquisition, in LODE_SLOW_PERIODS
+    float salient_H;              ///< Ld - Lq
+    float acc_per_torque;         ///< 1.5 np^2/J; 0 without feed-forward
+    float acc_per_omega;          ///< B/J
+    float load_per_f_Nm;          ///< -J/np; 0 without disturbance state
+    float lock_weight;            ///< of a new sample in the lock quality
+    float rotation_weight;        ///< in the mean rotation
+    uint_least16_t settle_rounds; ///< from reset until the first acquisition, in LODE_SLOW_PERIODS
     uint_least16_t patience_rounds; ///< without lock until the next one
 } lode_estimator_tuning_t;
 
@@ -66,12 +66,13 @@ typedef struct {
     lode_pll_t pll;
     lode_pll_gains_t gains; ///< at the present speed
     lode_lag_line_t lag;    ///< of the observer, about the present speed
-    float per_V; ///< one over the EMF's amplitude when it was last looked at, negative for positive speed
-    float id_A;  ///< current in the rotor's direction at t_k
+    float
+        per_V; ///< one over the EMF's amplitude when it was last looked at, negative for positive speed
+    float id_A; ///< current in the rotor's direction at t_k
     float lock;
-    bool locked;            ///< lock >= LODE_LOCK_LOST
-    uint_least8_t slot;     ///< of lode_estimator_step()
-    uint_least16_t wait;    ///< rounds until the next acquisition, while there is no lock
+    bool locked;         ///< lock >= LODE_LOCK_LOST
+    uint_least8_t slot;  ///< of lode_estimator_step()
+    uint_least16_t wait; ///< rounds until the next acquisition, while there is no lock
     lode_notch_t notch;
     lode_notch_t notch12;
     float omega_tune;   ///< the speed that tunes the observer, where it is filtered
@@ -92,7 +93,7 @@ typedef struct {
     lode_dq_t i_A;        ///< current in the rotor's frame
     lode_ab_t e_V;        ///< raw output of the EMF observer
     float load_torque_Nm; ///< 0 with the QPLL
-    float lock;    ///< 0: no information .. 1: trustworthy; below LODE_LOCK_LOST it is lost
+    float lock;           ///< 0: no information .. 1: trustworthy; below LODE_LOCK_LOST it is lost
     bool reseeded; ///< the state was out of range or lost, and was taken up anew in this call
     lode_estimate_source_t source;
 } lode_estimate_t;

@@ -18,13 +18,13 @@ typedef enum {
     LODE_CHECK_UNDER_VOLTAGE,    ///< bus, V
     LODE_CHECK_OVER_TEMPERATURE, ///< power stage, degC
     LODE_CHECK_TIMING,           ///< stamp between two calls, counts
-    LODE_CHECK_NON_FINITE,       ///< a duty outside [0, 1], or an estimate from outside that is no number
-    LODE_CHECK_OVER_SPEED,       ///< electrical, rad/s
-    LODE_CHECK_LOST_LOCK,        ///< lock quality while running without a sensor
-    LODE_CHECK_WRONG_WAY,        ///< electrical speed against the commanded direction, rad/s
-    LODE_CHECK_START,            ///< no lock before the time-out: lock quality at that moment
-    LODE_CHECK_OFFSET,           ///< deviation of a calibrated current offset, counts
-    LODE_CHECK_OPEN_PHASE,       ///< 1 .. 3: phase of set 1, 4 .. 6: of set 2, 7, 8: a whole set
+    LODE_CHECK_NON_FINITE, ///< a duty outside [0, 1], or an estimate from outside that is no number
+    LODE_CHECK_OVER_SPEED, ///< electrical, rad/s
+    LODE_CHECK_LOST_LOCK,  ///< lock quality while running without a sensor
+    LODE_CHECK_WRONG_WAY,  ///< electrical speed against the commanded direction, rad/s
+    LODE_CHECK_START,      ///< no lock before the time-out: lock quality at that moment
+    LODE_CHECK_OFFSET,     ///< deviation of a calibrated current offset, counts
+    LODE_CHECK_OPEN_PHASE, ///< 1 .. 3: phase of set 1, 4 .. 6: of set 2, 7, 8: a whole set
     LODE_CHECK_COUNT
 } lode_check_t;
 
@@ -53,7 +53,8 @@ typedef struct {
     uint32_t bus_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
     uint32_t lock_looks;
     uint32_t stamp_min;
-    uint32_t stamp_span; ///< largest less smallest count between two calls, below 2^31; 0: not watched
+    uint32_t
+        stamp_span; ///< largest less smallest count between two calls, below 2^31; 0: not watched
 } lode_guard_tuning_t;
 
 typedef struct {

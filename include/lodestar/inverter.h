@@ -36,7 +36,7 @@ typedef struct {
     float i_dead_span_A; ///< added at full modulation
     float ticks;
     float inv_ticks;
-    float free; ///< volts per bus volt up to which no duty can reach a rail; -1: with the model
+    float free;   ///< volts per bus volt up to which no duty can reach a rail; -1: with the model
     bool correct; ///< the dead-time error is added to the duties
     bool model;   ///< it is taken out of the observer's voltage instead
     bool grid;    ///< duties lie on the timer's steps

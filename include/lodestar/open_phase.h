@@ -19,8 +19,9 @@ static inline int32_t lode_open_phase_set(lode_open_phase_t open) {
 }
 
 typedef struct {
-    float i_min; ///< mean of a phase current's magnitude below which nothing can be told, in the unit
-                 ///< of the currents that are noted
+    float
+        i_min; ///< mean of a phase current's magnitude below which nothing can be told, in the unit
+               ///< of the currents that are noted
 } lode_open_phase_tuning_t;
 
 typedef struct {

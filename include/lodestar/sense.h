@@ -45,13 +45,14 @@ typedef struct {
 #define LODE_COUNT_FRACTION 256
 
 typedef struct {
-    float i_gain;     ///< A per 1/256 count
-    float alpha_gain; ///< i_gain/3: of 2a - b - c (Clarke)
-    float beta_gain;  ///< i_gain/sqrt(3): of b - c
+    float i_gain;           ///< A per 1/256 count
+    float alpha_gain;       ///< i_gain/3: of 2a - b - c (Clarke)
+    float beta_gain;        ///< i_gain/sqrt(3): of b - c
     int32_t offset_nominal; ///< 1/256 count
     int32_t offset_tol;
-    uint32_t alert; ///< 1/256 count from the offset, up to which no sample sits at a rail; the drive
-                   ///< lowers it to the trip
+    uint32_t
+        alert; ///< 1/256 count from the offset, up to which no sample sits at a rail; the drive
+               ///< lowers it to the trip
     float v_bus_gain;
     float temperature_gain;
     float temperature_offset;

@@ -35,7 +35,7 @@ typedef struct {
     float swing_weight;   ///< of a new sample in its swing
     float omega_hold;     ///< up to this speed the estimator is held to the vector
     float ts_s;
-    float fade_step;      ///< per call of the references
+    float fade_step;       ///< per call of the references
     uint32_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
     uint32_t lock_rounds;
     uint32_t attempt_rounds;

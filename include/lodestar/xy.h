@@ -25,10 +25,10 @@ typedef struct {
     float bandwidth_rad_s;
     float corner_rad_s; ///< R/L
     float ts_s;
-    float delay_s;      ///< from sample to the middle of the period in which the voltage acts
-    float gain_Ohm_s;   ///< 2 L resonance Ts
-    float omega6_max;   ///< of the resonance: beyond it the resonators stay out
-    float circle;       ///< largest voltage per bus volt
+    float delay_s;    ///< from sample to the middle of the period in which the voltage acts
+    float gain_Ohm_s; ///< 2 L resonance Ts
+    float omega6_max; ///< of the resonance: beyond it the resonators stay out
+    float circle;     ///< largest voltage per bus volt
 } lode_xy_tuning_t;
 
 /// What a resonator does at the present speed: gain per period, lead over the loop's lag, rotation.

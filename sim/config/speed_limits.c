@@ -1,4 +1,5 @@
 #include "config/speed_limits.h"
+#include "references_inline.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -184,8 +184,7 @@ static lode_estimate_t encoder(const lode_sample6_t *x, lode_estimate_t own,
 }
 
 /// Of the observer in question; until the release it is held to the truth.
-static lode_estimate_t seen_by(run_t *run, const lode_sample6_t *x,
-                               const plant_truth_t *truth) {
+static lode_estimate_t seen_by(run_t *run, const lode_sample6_t *x, const plant_truth_t *truth) {
     lode_drive_t *drive = &run->drive.drive;
     const lode_estimate_t own = lode_drive6_estimate(&run->drive, x);
     const lode_estimate_t leader = encoder(x, own, truth);

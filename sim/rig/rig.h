@@ -13,8 +13,7 @@ typedef struct {
 } runner_memory_t;
 
 /// Where an estimate comes from: the place at which other estimators can be compared.
-typedef lode_estimate_t (*runner_estimator_t)(lode_drive_t *drive,
-                                              const lode_sample_t *sample,
+typedef lode_estimate_t (*runner_estimator_t)(lode_drive_t *drive, const lode_sample_t *sample,
                                               const plant_truth_t *truth, runner_memory_t *memory);
 
 /// One period as seen from outside.
