@@ -12,6 +12,11 @@
 
 // Amplitude, squared, beyond any motor's EMF: NaN and Inf fall outside.
 #define EMF2_LIMIT_V2 1.0e12f
+// The EMF of a changing active flux is taken out from this lock quality on: the angle is within some 65
+// degrees. Where that ended with the lock, an angle on its way back was found by an EMF that the rise of the
+// current had turned, at a speed 60 % off. Simulated: 0.3 to 0.4 lose none of 220 starts, 0.25 one; of
+// starts that hand over at 100 of 1500 rpm 193 to 194 of 200 succeed.
+#define LOCK_ALIGNED 0.4f
 // A sine of the position error beyond this is that of no rotation.
 #define SINE_MAX 1.1f
 // Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
@@ -53,7 +58,8 @@ LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
     lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
     if (LODE_RARELY(!self->locked)) {
         lode_estimator_note_rotation(self, tuning);
-    } else if (lode_estimator_asks(options, LODE_ESTIMATOR_SALIENT)) {
+    }
+    if (lode_estimator_asks(options, LODE_ESTIMATOR_SALIENT) && self->aligned) {
         // By the lag that id_A was seen with: a difference would pass for a rise of the current.
         const lode_sincos_t lag = lode_lag_near(&self->lag, self->pll.omega_rad_s);
         m_V = lode_emf_less_salient(&tuning->emf, m_V, i_A, lode_angle_add(frame, lag), half,
@@ -193,6 +199,7 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     self->per_V = per_V;
     self->lock = lock;
     self->locked = lock >= LODE_LOCK_LOST;
+    self->aligned = lock >= LOCK_ALIGNED;
     if (LODE_USUALLY(self->locked)) {
         self->wait = tuning->patience_rounds;
         self->rotation = (lode_ab_t){0.0f, 0.0f};

@@ -299,6 +299,7 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     own->emf.observer.e_V = estimate->e_V;
     own->lock = estimate->lock;
     own->locked = estimate->lock >= LODE_LOCK_LOST;
+    own->aligned = own->locked;
     self->lead = lode_angle_triple(lode_sincos(0.5f * step_rad));
 }
 

@@ -71,6 +71,7 @@ typedef struct {
     float id_A; ///< current in the rotor's direction at t_k
     float lock;
     bool locked;         ///< lock >= LODE_LOCK_LOST
+    bool aligned;        ///< good enough to know the direction of the d axis
     uint_least8_t slot;  ///< of lode_estimator_step()
     uint_least16_t wait; ///< rounds until the next acquisition, while there is no lock
     lode_notch_t notch;
