@@ -132,9 +132,15 @@ LODE_INLINE lode_sample_t sample_of(const lode_drive_t *self, const lode_counts_
     return lode_sense_step(&self->sense, &self->tuning->sense, counts, self->omitted);
 }
 
-// The sample is made once more, rather than kept at hand in all periods.
+// Once more, rather than kept at hand in all periods.
+static LODE_NOINLINE void sample_again(lode_drive_t *self, const lode_counts_t *counts,
+                                       lode_sample_t *sample) {
+    *sample = sample_of(self, counts);
+}
+
 static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *counts) {
-    const lode_sample_t sample = sample_of(self, counts);
+    lode_sample_t sample;
+    sample_again(self, counts, &sample);
     const bool driven = self->gates;
     lode_drive_diagnose(self, &self->sense, &sample);
     if (driven && !self->gates) {
@@ -174,7 +180,7 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, b
     self->duty = out.duty;
     if (LODE_RARELY(tuning->sense.windowed)) {
         self->omitted = self->omitted_next;
-        self->omitted_next = lode_sense_omitted(&tuning->sense, out.duty);
+        self->omitted_next = lode_sense_next_omitted(&tuning->sense, out.duty);
     }
     return out.duty;
 }
@@ -248,9 +254,9 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
     return self->gates ? act(self, sample, estimate) : idle(self, sample);
 }
 
-// The same from counts: the sample is made once more, rather than kept at hand in all periods.
 static LODE_NOINLINE lode_drive_out_t idle_period(lode_drive_t *self, const lode_counts_t *counts) {
-    const lode_sample_t sample = sample_of(self, counts);
+    lode_sample_t sample;
+    sample_again(self, counts, &sample);
     return idle(self, &sample);
 }
 

@@ -276,8 +276,8 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     if (LODE_RARELY(tuning->sense.windowed)) {
         drive->omitted = drive->omitted_next;
         self->omitted_2 = self->omitted_next_2;
-        drive->omitted_next = lode_sense_omitted(&tuning->sense, out.duty.set[0]);
-        self->omitted_next_2 = lode_sense_omitted(&tuning->sense, out.duty.set[1]);
+        drive->omitted_next = lode_sense_next_omitted(&tuning->sense, out.duty.set[0]);
+        self->omitted_next_2 = lode_sense_next_omitted(&tuning->sense, out.duty.set[1]);
     }
     return out.duty;
 }

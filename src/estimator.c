@@ -127,12 +127,18 @@ static float square(lode_ab_t x) {
     return x.alpha * x.alpha + x.beta * x.beta;
 }
 
+// For a speed that has moved too far for the line through the lag, or is set.
+LODE_RAMFUNC LODE_NOINLINE void lode_estimator_renew_lag(lode_estimator_t *self,
+                                                         const lode_estimator_tuning_t *tuning) {
+    lode_estimator_adapt_lag(self, tuning);
+}
+
 // At a known angle of the rotor and speed; gains and notches follow in their slots.
 static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                   lode_sincos_t rotor, float omega_rad_s) {
-    self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
-    self->pll =
-        (lode_pll_t){.frame = lode_angle_subtract(rotor, self->lag.at), .omega_rad_s = omega_rad_s};
+    self->pll = (lode_pll_t){.omega_rad_s = omega_rad_s};
+    lode_estimator_renew_lag(self, tuning);
+    self->pll.frame = lode_angle_subtract(rotor, self->lag.at);
     self->per_V = per_V_of(tuning, square(self->emf.observer.e_V), omega_rad_s);
     self->id_A = lode_park(self->emf.i_A, rotor).d;
     self->omega_tune = omega_rad_s;
@@ -236,12 +242,6 @@ LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_step(
     lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float omega_rad_s) {
     self->omega_tune += tuning->w_weight * (omega_rad_s - self->omega_tune);
     return lode_sincos(tuning->pll.ts_s * self->omega_tune);
-}
-
-// A speed that has moved too far for the line through the lag.
-LODE_RAMFUNC LODE_NOINLINE void lode_estimator_renew_lag(lode_estimator_t *self,
-                                                         const lode_estimator_tuning_t *tuning) {
-    lode_estimator_adapt_lag(self, tuning);
 }
 
 LODE_RAMFUNC LODE_NOINLINE bool lode_estimator_seed(lode_estimator_t *self,

@@ -56,14 +56,14 @@ LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
                                          lode_sincos_t half, lode_sincos_t step,
                                          lode_sincos_t frame) {
     lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
-    if (LODE_RARELY(!self->locked)) {
-        lode_estimator_note_rotation(self, tuning);
-    }
-    if (lode_estimator_asks(options, LODE_ESTIMATOR_SALIENT) && self->aligned) {
+    if (lode_estimator_asks(options, LODE_ESTIMATOR_SALIENT) && LODE_USUALLY(self->aligned)) {
         // By the lag that id_A was seen with: a difference would pass for a rise of the current.
         const lode_sincos_t lag = lode_lag_near(&self->lag, self->pll.omega_rad_s);
         m_V = lode_emf_less_salient(&tuning->emf, m_V, i_A, lode_angle_add(frame, lag), half,
                                     self->id_A);
+    }
+    if (LODE_RARELY(!self->locked)) {
+        lode_estimator_note_rotation(self, tuning);
     }
     lode_sincos_t tuned = step;
     float omega_rad_s = motion.omega_rad_s;

@@ -7,6 +7,14 @@
 // The phase that cannot be sampled while the duties are `duty`; LODE_PHASES: all can.
 uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, lode_abc_t duty);
 
+// The same where a phase may be missing, which is rarely one: 30 cycles less than the call.
+LODE_INLINE uint_least8_t lode_sense_next_omitted(const lode_sense_tuning_t *tuning,
+                                                  lode_abc_t duty) {
+    const float most = tuning->duty_max;
+    const bool all = !tuning->two_shunts && duty.a <= most && duty.b <= most && duty.c <= most;
+    return LODE_USUALLY(all) ? (uint_least8_t)LODE_PHASES : lode_sense_omitted(tuning, duty);
+}
+
 // A current in use sits at the end of the converter's range.
 bool lode_sense_is_railed(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
                           const lode_sample_t *sample);
