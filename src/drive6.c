@@ -131,8 +131,10 @@ LODE_INLINE lode_ab_t of_set(const lode_sets_t *sets, bool first) {
 
 // The guard's check of both sets, each by its own offsets. The samples are made once more, rather than
 // kept at hand in all periods.
-static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *counts) {
+static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *counts,
+                                   lode_ab_t i_A) {
     lode_drive_t *drive = &self->drive;
+    const bool driven = drive->gates;
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
     const lode_sample_t set_1 =
         lode_sense_step(&drive->sense, tuning, &counts->set[0], drive->omitted);
@@ -140,6 +142,9 @@ static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *co
     set_2.stamp = set_1.stamp;
     lode_drive_diagnose(drive, &drive->sense, &set_1);
     lode_drive_diagnose(drive, &self->sense_2, &set_2);
+    if (driven && !drive->gates) {
+        lode_mode_note_trip(drive, i_A);
+    }
 }
 
 // Of the hotter power stage.
@@ -189,11 +194,7 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
         lode_open_phase_note(&self->watch, x.machine.i, x.set_2.i);
     }
     if (LODE_RARELY(!lode_guard_all_ok(&drive->guard, &drive->tuning->guard, &x.set_2))) {
-        const bool driven = drive->gates;
-        diagnose(self, counts);
-        if (driven && !drive->gates) {
-            lode_mode_note_trip(drive, (lode_ab_t){x.machine.i_A.alpha, x.machine.i_A.beta});
-        }
+        diagnose(self, counts, x.machine.i_A);
     }
     lode_guard_note(&drive->guard, &drive->tuning->guard, x.machine.stamp);
     return x;

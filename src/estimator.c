@@ -66,7 +66,7 @@ static uint_least16_t options_of(const lode_estimator_tuning_t *t) {
 lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
                                   const lode_estimator_config_t *config, const lode_motor_t *motor,
                                   float ts_s) {
-    lode_estimator_tuning_t t;
+    lode_estimator_tuning_t t = {.options = 0u};
     lode_status_t status = lode_motor_check(motor);
     if (status == LODE_OK) {
         status = lode_pll_tune(&t.pll, &config->pll, ts_s);

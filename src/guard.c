@@ -93,6 +93,8 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
     const float stamp = config->stamp_per_period;
     const uint32_t stamp_min = (uint32_t)(int32_t)((1.0f - STAMP_TOLERANCE) * stamp);
     const uint32_t stamp_max = (uint32_t)(int32_t)((1.0f + STAMP_TOLERANCE) * stamp);
+    const uint32_t look_periods = LODE_GUARD_PERIODS;
+    const float look_s = (float)look_periods * ts_s;
     *tuning = (lode_guard_tuning_t){
         .i_trip = config->i_trip_A,
         .v_bus_max = config->v_bus_max_V,
@@ -100,8 +102,8 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         .temperature_max = config->temperature_max_degC,
         .omega_max = config->omega_max_rad_s,
         .rail_periods = periods_in(config->bus_s, ts_s),
-        .bus_looks = periods_in(config->bus_s, (float)LODE_GUARD_PERIODS * ts_s),
-        .lock_looks = periods_in(config->lock_s, (float)LODE_GUARD_PERIODS * ts_s),
+        .bus_looks = periods_in(config->bus_s, look_s),
+        .lock_looks = periods_in(config->lock_s, look_s),
         .stamp_min = stamp_min,
         .stamp_span = stamp_max - stamp_min,
     };

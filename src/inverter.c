@@ -12,7 +12,8 @@ void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *mo
     // One leg switching against the other two at half duty makes a ripple of v_bus Ts/(6 L) peak to
     // peak. Three quarters of it, L the mean of both axes: simulated without load, half as much hunts
     // at 1500 rpm, twice as much leaves 2 degrees at 300 rpm.
-    const float ripple_A = config->v_bus_V * ts_s / (3.0f * (motor->Ld_H + motor->Lq_H));
+    const float L_H = lode_max(motor->Ld_H + motor->Lq_H, FLT_MIN);
+    const float ripple_A = config->v_bus_V * ts_s / (3.0f * L_H);
     const float i_dead_A = lode_clamp(0.75f * ripple_A, 0.01f * config->i_max_A, config->i_max_A);
     config->i_dead_A = lode_given_or(config->i_dead_A, i_dead_A);
     if (config->dead_time_correction == LODE_AUTO) {

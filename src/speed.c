@@ -13,12 +13,12 @@
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, const lode_pll_config_t *pll,
                        float omega_handover_rad_s) {
-    const float J = motor->J_kgm2;
+    const float J = lode_max(motor->J_kgm2, FLT_MIN);
+    const float sigma_low = lode_max(pll->sigma_low_rad_s, FLT_MIN);
     const bool given = config->kp_Nms > 0.0f;
-    const float bandwidth = given ? config->kp_Nms / J : BANDWIDTH_PER_SIGMA * pll->sigma_low_rad_s;
+    const float bandwidth = given ? config->kp_Nms / J : BANDWIDTH_PER_SIGMA * sigma_low;
     config->gain_rise = lode_given_or(
-        config->gain_rise,
-        given ? 1.0f : lode_clamp(pll->sigma_rad_s / pll->sigma_low_rad_s, 1.0f, RISE_MAX));
+        config->gain_rise, given ? 1.0f : lode_clamp(pll->sigma_rad_s / sigma_low, 1.0f, RISE_MAX));
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
     config->kp_Nms = lode_given_or(config->kp_Nms, config->bandwidth_rad_s * J);
     config->ki_Nm =

@@ -45,7 +45,8 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
         lode_given_or(config->omega_handover_rad_s, HANDOVER_SHARE * motor->omega_rated_rad_s);
     const float torque = stiffness(config->current_A, motor);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * torque /
-                                                                 motor->J_kgm2 * motor->pole_pairs);
+                                                                 lode_max(motor->J_kgm2, FLT_MIN) *
+                                                                 motor->pole_pairs);
     config->current_rise_s = lode_given_or(config->current_rise_s, RISE_TIME_s);
     config->damping = lode_given_or(config->damping, DAMPING);
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);

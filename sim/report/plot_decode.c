@@ -201,8 +201,8 @@ static void send_names(FILE *script, const decode_t *decoded, uint32_t channel) 
     for (size_t row = 0; row < decoded->rows; ++row) {
         const double value = (double)decoded->value[row * decoded->channels + channel];
         const char *name = channels_value_name(decoded->channel[channel], value);
-        char text[PLOT_TEXT_LENGTH];
         if (name != NULL && !seen[(int)value]) {
+            char text[PLOT_TEXT_LENGTH];
             seen[(int)value] = true;
             (void)fprintf(script, "%s%s %d", separator, plot_text(text, name), (int)value);
             separator = ", ";
