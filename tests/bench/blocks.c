@@ -162,8 +162,9 @@ BLOCK(pll) {
 }
 
 BLOCK(lag) {
-    const lode_sincos_t lag =
+    const lode_lag_line_t line =
         lode_lag_line(&tuning[ENHANCED].estimator.lag, BENCH_OMEGA_rad_s + input(call)->theta_rad);
+    const lode_sincos_t lag = lode_lag_near(&line, BENCH_OMEGA_rad_s);
     bench_sink[0] = lag.sin;
     bench_sink[1] = lag.cos;
 }

@@ -54,13 +54,15 @@ BLOCKS = ["estimator_c_leso_qpll", "estimator_fa_leso_leso_qpll", "estimator_enh
           "clarke_park", "nothing"]
 BLOCK_CALLS = 100
 # What the steps were meant to cost on average: figures of a case, what of them, target, bar.
-BARS = [("steps", "c_leso_qpll", "cycles", None, 600),
-        ("steps", "fa_leso_leso_qpll", "cycles", None, 700),
-        ("steps", "enhanced", "cycles", 520, 750),
-        ("steps", "enhanced", "instructions", None, 520),
-        ("steps6", "c_leso_qpll", "cycles", 950, 1200),
-        ("steps6", "fa_leso_leso_qpll", "cycles", 950, 1200),
-        ("steps6", "enhanced", "cycles", 950, 1200)]
+BARS = [("steps", "c_leso_qpll", "cycles", 608, 640),
+        ("steps", "fa_leso_leso_qpll", "cycles", 660, 690),
+        ("steps", "enhanced", "cycles", 699, 730),
+        ("steps", "board_c_leso_qpll", "cycles", 687, 720),
+        ("steps", "board_enhanced", "cycles", 779, 815),
+        ("steps", "board_mtpa", "cycles", 837, 875),
+        ("steps6", "c_leso_qpll", "cycles", 1090, 1135),
+        ("steps6", "fa_leso_leso_qpll", "cycles", None, 1185),
+        ("steps6", "enhanced", "cycles", None, 1230)]
 BOUND = [("steps", name) for name in STEPS6] + [("steps6", name) for name in STEPS6]
 # Mean cycles of whole steps of other projects, by the same method.
 PEERS = {"MESC": 1057, "ODrive 0.5": 1287, "TI eSMO": 1407, "VESC": 2458}
