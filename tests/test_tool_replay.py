@@ -238,9 +238,28 @@ def own_records(checks, folder):
     checks.true(all(estimates["run.csv"][k][1:] == ["0"] * 5 for k in off), "no estimate with them off")
     late = [k for k, row in enumerate(rows) if row[mode] == "5"][1000:]
     off = [abs(error_deg(float(estimates["run.csv"][k][1]), float(rows[k][theta]))) for k in late]
-    # Not to the bit: the slow parts fall into other periods than in the drive.
+    # Not to the bit: the slow jobs fall into other periods than in the drive.
     checks.at_most(max(off), 0.01, f"the drive's own angle again, degrees, {len(late)} rows of RUN")
     checks.true(len(late) > 3000, f"{len(late)} rows of RUN")
+
+
+def own_record_of_a_fault(checks, folder):
+    """After a trip a drive's record keeps the current that tripped: the gates are off all the same."""
+    folder.write("f.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\nlog_s = 2e-4\n"
+                          "[phase.start]\nduration_s = 1.5\nspeed_rpm = 450\nload_Nm = 1\n"
+                          "[phase.trip]\nduration_s = 0.1\ntrip = on\nend_mode = fault\n")
+    done = folder.run("run", "f.ini", "--csv", "fault.csv")
+    checks.equal(done.returncode, 0, f"exit code of the run: {done.stderr}")
+    done = folder.run("replay", "--motor", MOTOR, "--drive", DRIVE, "--out", "o.csv", "--recording",
+                      "fault.csv")
+    checks.equal(done.returncode, 0, f"exit code of replay: {done.stderr}")
+    header, rows = read(folder.path / "fault.csv")
+    mode, current = header.index("mode"), header.index("i_alpha_A")
+    tripped = [k for k, row in enumerate(rows) if row[mode] == "6"]
+    checks.true(len(tripped) > 400 and float(rows[tripped[-1]][current]) != 0.0,
+                f"{len(tripped)} rows of FAULT, and their current is kept")
+    estimates = read(folder.path / "o.csv")[1]
+    checks.true(all(estimates[k][1:] == ["0"] * 5 for k in tripped[1:]), "no estimate after the trip")
 
 
 # ---- Other people's tables ------------------------------------------------------------------------
@@ -468,6 +487,7 @@ def main():
         from_the_middle(checks, folder)
         options(checks, folder)
         own_records(checks, folder)
+        own_record_of_a_fault(checks, folder)
         tables(checks, folder)
         times(checks, folder)
         hostile_tables(checks, folder)

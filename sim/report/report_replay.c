@@ -59,8 +59,10 @@ void report_replay_table(FILE *file, const rig_config_t *config, const recording
                       recording->gaps, recording->gaps_s);
     }
     if (replay->off > 0) {
-        (void)fprintf(file, "gates off: %zu rows (voltage and current 0), without an estimate\n",
-                      replay->off);
+        (void)fprintf(
+            file,
+            "gates off: %zu rows (no voltage, and no current or that of the trip), no estimate\n",
+            replay->off);
     }
     const lode_estimate_t *last = &replay->row[replay->rows - 1];
     (void)fprintf(file, "at the end: speed %.2f rpm, lock %.3f; acquired anew %zu times\n",

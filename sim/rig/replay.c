@@ -14,13 +14,18 @@ static lode_ab_t vector(double alpha, double beta) {
 // Where nothing can be known: at the beginning, behind a gap, and with the gates off.
 static const lode_estimate_t nothing_known = {.rotor = {0.0f, 1.0f}};
 
-// Voltage and current are 0 to the bit while the gates are off, and only then. The drive resets its
-// estimator in each such period.
+// While the gates are off, and only then, the voltage is 0 to the bit, and the current too or, after a
+// fault, that of the row before. The drive estimates nothing there.
 static bool is_off(const recording_t *recording, size_t k) {
+    if (k == 0) {
+        return false;
+    }
     const recording_row_t *row = &recording->row[k];
-    return k > 0 && !(fabs(row[-1].u_alpha_V) + fabs(row[-1].u_beta_V) + fabs(row->i_alpha_A) +
-                          fabs(row->i_beta_A) >
-                      0.0);
+    const double voltage = fabs(row[-1].u_alpha_V) + fabs(row[-1].u_beta_V);
+    const double current = fabs(row->i_alpha_A) + fabs(row->i_beta_A);
+    const double change =
+        fabs(row->i_alpha_A - row[-1].i_alpha_A) + fabs(row->i_beta_A - row[-1].i_beta_A);
+    return !(voltage > 0.0) && (!(current > 0.0) || !(change > 0.0));
 }
 
 bool replay_is_known(const recording_t *recording, size_t k) {

@@ -31,7 +31,7 @@ typedef struct {
 
 /// Runs from reset. Row k sees the voltage of row k-1 and the current of row k; the first row has
 /// no voltage before it and gives no estimate; the same behind a gap, and with the gates off, which a drive's
-/// record shows by zeros. All begins anew there. `euler`: the papers' own forms in place of the library's
+/// record shows by no voltage, and a current of 0 or, after a fault, one that stays. All begins anew there. `euler`: the papers' own forms in place of the library's
 /// estimator, or NULL; they have no acquisition, so for REPLAY_ACQUIRE_s they are put on the EMF as they
 /// see it. False after a message.
 bool replay_run(replay_t *self, const recording_t *recording, const lode_estimator_tuning_t *tuning,

@@ -47,7 +47,7 @@ void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory,
 int rig_found_open(const rig_t *self);
 
 /// What the estimator has seen in this period, and the voltage that acts until the next one, which it will
-/// see then. In stator axes; 0 with the gates off.
+/// see then. In stator axes; 0 with the gates off, but the current that tripped stays.
 lode_ab_t rig_seen_i_A(const rig_t *self);
 lode_ab_t rig_next_u_V(const rig_t *self);
 

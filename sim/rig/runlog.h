@@ -16,7 +16,7 @@ typedef struct {
     double i1_A, i2_A;         ///< d and q in the frame of control, as measured
     double i1_ref_A, i2_ref_A; ///< their references
     double u1_V, u2_V;
-    double i_alpha_A, i_beta_A; ///< what the estimator sees: current at t_s, 0 with the gates off,
+    double i_alpha_A, i_beta_A; ///< what the estimator sees: current at t_s,
     double u_alpha_V, u_beta_V; ///< and the mean voltage over the period that begins there
     double e_alpha_V, e_beta_V; ///< observer's raw output
     double e_true_alpha_V, e_true_beta_V;
