@@ -244,8 +244,8 @@ LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_step(
     return lode_sincos(tuning->pll.ts_s * self->omega_tune);
 }
 
-LODE_RAMFUNC LODE_NOINLINE bool lode_estimator_seed(lode_estimator_t *self,
-                                                    const lode_estimator_tuning_t *tuning) {
+LODE_NOINLINE bool lode_estimator_seed(lode_estimator_t *self,
+                                       const lode_estimator_tuning_t *tuning) {
     return is_seed_due(self, tuning) && acquire(self, tuning);
 }
 

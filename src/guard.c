@@ -204,8 +204,8 @@ static LODE_NOINLINE void count_all(lode_guard_t *self, const lode_guard_tuning_
     }
 }
 
-LODE_RAMFUNC void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                        lode_condition_t condition, lode_situation_t now) {
+void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                           lode_condition_t condition, lode_situation_t now) {
     if (self->pending || !lode_guard_power_ok(tuning, &condition) ||
         (now.sensorless && !lode_guard_motion_ok(tuning, &condition))) {
         count_all(self, tuning, condition, now);

@@ -168,7 +168,7 @@ static void follow_start(lode_drive_t *self) {
     }
 }
 
-LODE_RAMFUNC LODE_NOINLINE void lode_mode_follow(lode_drive_t *self) {
+LODE_NOINLINE void lode_mode_follow(lode_drive_t *self) {
     if (lode_mode(self) == LODE_MODE_START) {
         follow_start(self);
     } else if (self->command.mode == lode_mode(self)) {
@@ -251,7 +251,7 @@ static lode_own_frame_t start_frame(lode_drive_t *self) {
     return (lode_own_frame_t){lode_start_vector(start, tuning), lead_of(step_rad)};
 }
 
-LODE_RAMFUNC LODE_NOINLINE lode_own_frame_t lode_mode_own_frame(lode_drive_t *self) {
+LODE_NOINLINE lode_own_frame_t lode_mode_own_frame(lode_drive_t *self) {
     if (lode_mode(self) == LODE_MODE_START) {
         return start_frame(self);
     }
@@ -268,7 +268,7 @@ LODE_RAMFUNC LODE_NOINLINE lode_own_frame_t lode_mode_own_frame(lode_drive_t *se
 }
 
 // Slow, the estimator has nothing to go by in START: it is put on the vector from time to time.
-LODE_RAMFUNC LODE_NOINLINE void lode_mode_seed(lode_drive_t *self) {
+LODE_NOINLINE void lode_mode_seed(lode_drive_t *self) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     const lode_start_t *start = &self->state.start;
     if (lode_mode(self) == LODE_MODE_START && start->catching == 0u &&
