@@ -737,9 +737,12 @@ static void test_a_bus_without_reading_stays_in_range(void) {
         for (int n = 0; n < 80; n++) { // 16 ms of the 100 ms that it takes to trip
             lode_counts_t counts = rig_counts(&rig);
             // None, then anything, then falling towards none.
-            counts.v_bus = n < 20 ? 0u
-                                  : (uint16_t)(n < 60 ? random_bits(&random) % 4096u
-                                                      : 2000u >> ((n - 60) / 2));
+            counts.v_bus = 0u;
+            if (n >= 60) {
+                counts.v_bus = (uint16_t)(2000u >> ((n - 60) / 2));
+            } else if (n >= 20) {
+                counts.v_bus = (uint16_t)(random_bits(&random) % 4096u);
+            }
             rig.out = lode_drive_step(&rig.drive, &counts);
             TEST_ASSERT_TRUE(rig.out.gates);
             TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.a, 0.0f, 1.0f));
