@@ -121,7 +121,7 @@ LODE_RAMFUNC LODE_NOINLINE void lode_drive_extra_speed(lode_drive_t *self, lode_
     const bool speed = (((uint32_t)slot - (uint32_t)SLOT_SPEED) & mask) == 0u;
     const bool references = (((uint32_t)slot - (uint32_t)SLOT_REFERENCES) & mask) == 0u;
     if (speed && slot != SLOT_SPEED && lode_mode(self) == LODE_MODE_RUN) {
-        lode_drive_speed(self);
+        lode_drive_speed(self, self->estimator.pll.omega_rad_s);
     }
     if (references && slot != SLOT_REFERENCES && lode_mode(self) == LODE_MODE_RUN) {
         lode_drive_references(self);

@@ -71,8 +71,8 @@ LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
            lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
 }
 
-// SLOT_SPEED
-LODE_INLINE void lode_drive_speed(lode_drive_t *self) {
+// SLOT_SPEED, by the electrical speed `omega_rad_s`.
+LODE_INLINE void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     if (LODE_RARELY(lode_drive_is_too_slow(self))) {
@@ -86,8 +86,7 @@ LODE_INLINE void lode_drive_speed(lode_drive_t *self) {
         run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
     }
     const float load_Nm = lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator);
-    (void)lode_speed_step(&run->speed, &tuning->speed, target, self->estimator.pll.omega_rad_s,
-                          load_Nm);
+    (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_Nm);
 }
 
 // SLOT_REFERENCES
@@ -137,6 +136,7 @@ LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sa
         break;
     case SLOT_GAINS:
         lode_estimator_adapt_gains(estimator, &tuning->estimator);
+        self->omega_half = estimator->pll.omega_rad_s;
         break;
     case SLOT_LAG:
         lode_estimator_adapt_lag(estimator, &tuning->estimator);
@@ -150,7 +150,7 @@ LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sa
         break;
     case SLOT_SPEED:
         if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
-            lode_drive_speed(self);
+            lode_drive_speed(self, 0.5f * (self->omega_half + estimator->pll.omega_rad_s));
         }
         break;
     case SLOT_REFERENCES:
