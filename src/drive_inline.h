@@ -71,6 +71,15 @@ LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
            lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
 }
 
+// Where the speed is sampled once a round, the mean of two samples half a round apart: the position error's
+// ripple and noise fold down less.
+LODE_INLINE float lode_drive_mean_omega(const lode_drive_t *self) {
+    const float omega = self->estimator.pll.omega_rad_s;
+    return LODE_USUALLY(self->tuning->speed_periods == LODE_SLOW_PERIODS)
+               ? 0.5f * (self->omega_half + omega)
+               : omega;
+}
+
 // SLOT_SPEED, by the electrical speed `omega_rad_s`.
 LODE_INLINE void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
@@ -150,7 +159,7 @@ LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sa
         break;
     case SLOT_SPEED:
         if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
-            lode_drive_speed(self, 0.5f * (self->omega_half + estimator->pll.omega_rad_s));
+            lode_drive_speed(self, lode_drive_mean_omega(self));
         }
         break;
     case SLOT_REFERENCES:

@@ -29,6 +29,9 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     config->inertia_feed_forward =
         lode_given_or(config->inertia_feed_forward, INERTIA_FEED_FORWARD);
     config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);
+    if (config->every_period == LODE_AUTO) {
+        config->every_period = LODE_OFF;
+    }
 }
 
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
@@ -51,6 +54,9 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
     if (!lode_in_range(config->load_feed_forward, LODE_NONE, 1.0f) ||
         !lode_in_range(config->inertia_feed_forward, LODE_NONE, 1.0f)) {
         return LODE_ERROR_SPEED_FEED_FORWARD;
+    }
+    if (config->every_period != LODE_ON && config->every_period != LODE_OFF) {
+        return LODE_ERROR_CHOICE;
     }
     *tuning = (lode_speed_tuning_t){
         .pi = {config->kp_Nms, config->ki_Nm * ts_s},

@@ -27,6 +27,7 @@ typedef struct {
     float load_feed_forward;
     /// least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
     float omega_min_rad_s;
+    lode_choice_t every_period; ///< on: control in every period, whatever the bandwidth; auto: off
 } lode_speed_config_t;
 
 typedef struct {
