@@ -116,14 +116,15 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t co
     lode_mode_obey_guard(self);
 }
 
-LODE_RAMFUNC LODE_NOINLINE void lode_drive_extra_speed(lode_drive_t *self, lode_slot_t slot) {
+LODE_RAMFUNC LODE_NOINLINE void lode_drive_fast_speed(lode_drive_t *self) {
     const uint32_t mask = self->tuning->speed_periods - 1u;
-    const bool speed = (((uint32_t)slot - (uint32_t)SLOT_SPEED) & mask) == 0u;
-    const bool references = (((uint32_t)slot - (uint32_t)SLOT_REFERENCES) & mask) == 0u;
-    if (speed && slot != SLOT_SPEED && lode_mode(self) == LODE_MODE_RUN) {
+    if (lode_mode(self) != LODE_MODE_RUN) {
+        return;
+    }
+    if (((self->steps - (uint32_t)SLOT_SPEED) & mask) == 0u) {
         lode_drive_speed(self, self->estimator.pll.omega_rad_s);
     }
-    if (references && slot != SLOT_REFERENCES && lode_mode(self) == LODE_MODE_RUN) {
+    if (((self->steps - (uint32_t)SLOT_REFERENCES) & mask) == 0u) {
         lode_drive_references(self);
     }
 }

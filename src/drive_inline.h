@@ -34,8 +34,8 @@ void lode_drive_call(lode_drive_t *self);
 // Something is wrong with a sample, in drive.c: a trip switches off at once.
 void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                          const lode_sample_t *sample);
-// Speed control more often than once in LODE_SLOW_PERIODS, in drive.c.
-void lode_drive_extra_speed(lode_drive_t *self, lode_slot_t slot);
+// Speed control more often than once in LODE_SLOW_PERIODS, before current control; in drive.c.
+void lode_drive_fast_speed(lode_drive_t *self);
 // The guard's slow checks have something to count, in drive.c.
 void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition);
 
@@ -56,6 +56,9 @@ LODE_INLINE lode_frame_t lode_drive_own_frame(lode_drive_t *self, const lode_sam
 // Current control of a period with the gates on: the voltage in the frame. True: no duty can reach a rail.
 LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_frame_t *frame, float v_bus_V) {
     const lode_current_tuning_t *tuning = &self->tuning->current;
+    if (LODE_RARELY(self->tuning->speed_periods != LODE_SLOW_PERIODS)) {
+        lode_drive_fast_speed(self);
+    }
     if (LODE_RARELY(lode_mode(self) == LODE_MODE_VOLTAGE)) {
         return lode_current_is_free(tuning, self->u_V, v_bus_V);
     }
@@ -71,23 +74,10 @@ LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
            lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
 }
 
-// Where the speed is sampled once a round, the mean of two samples half a round apart: the position error's
-// ripple and noise fold down less.
-LODE_INLINE float lode_drive_mean_omega(const lode_drive_t *self) {
-    const float omega = self->estimator.pll.omega_rad_s;
-    return LODE_USUALLY(self->tuning->speed_periods == LODE_SLOW_PERIODS)
-               ? 0.5f * (self->omega_half + omega)
-               : omega;
-}
-
 // SLOT_SPEED, by the electrical speed `omega_rad_s`.
 LODE_INLINE void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
-    if (LODE_RARELY(lode_drive_is_too_slow(self))) {
-        lode_mode_hand_back(self);
-        return;
-    }
     const float least = tuning->omega_min * tuning->inv_pole_pairs;
     float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
     if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
@@ -131,8 +121,8 @@ LODE_INLINE void lode_drive_guard(lode_drive_t *self, const lode_sample_t *sampl
 LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_estimator_t *estimator = &self->estimator;
-    const lode_slot_t slot = lode_slot_of(self->steps);
-    switch (slot) {
+    const bool once = tuning->speed_periods == LODE_SLOW_PERIODS; // speed control, in a round
+    switch (lode_slot_of(self->steps)) {
     case SLOT_LOCK:
         lode_estimator_note_lock(estimator, &tuning->estimator);
         break;
@@ -158,21 +148,25 @@ LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sa
         lode_drive_guard(self, sample);
         break;
     case SLOT_SPEED:
-        if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
-            lode_drive_speed(self, lode_drive_mean_omega(self));
+        if (LODE_RARELY(lode_mode(self) != LODE_MODE_RUN)) {
+            break;
+        }
+        if (LODE_RARELY(lode_drive_is_too_slow(self))) {
+            lode_mode_hand_back(self);
+        } else if (LODE_USUALLY(once)) {
+            // The mean of two samples half a round apart: the position error's ripple and noise fold down
+            // less.
+            lode_drive_speed(self, 0.5f * (self->omega_half + estimator->pll.omega_rad_s));
         }
         break;
     case SLOT_REFERENCES:
-        if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
+        if (LODE_USUALLY(once) && LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
             lode_drive_references(self);
         }
         break;
     case SLOT_COUNT:
     default:
         break;
-    }
-    if (LODE_RARELY(tuning->speed_periods != LODE_SLOW_PERIODS)) {
-        lode_drive_extra_speed(self, slot);
     }
 }
 

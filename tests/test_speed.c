@@ -22,6 +22,7 @@ static lode_speed_config_t sound(void) {
                                  .ramp_rad_s2 = 200.0f,
                                  .inertia_feed_forward = LODE_NONE,
                                  .load_feed_forward = 0.5f,
+                                 .every_period = LODE_OFF,
                                  .omega_min_rad_s = 47.0f};
 }
 
