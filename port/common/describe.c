@@ -2,6 +2,7 @@
 #include "board.h"
 #include "chip.h"
 #include "figures.h"
+#include "ntc.h"
 
 void board_describe(lode_drive_config_t *config) {
     const float f_pwm = (float)VARIANT_F_PWM_Hz;

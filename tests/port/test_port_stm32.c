@@ -425,6 +425,12 @@ static void test_sample_at_the_wrong_end_is_a_trip(void) {
 
 // --- periods ---
 
+#ifdef VARIANT_NTC_POINTS
+#define COUNT_WARM 2048u // 25 degC
+#else
+#define COUNT_WARM 1000u
+#endif
+
 static void put_counts(float i_A) {
     lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
     board_describe(&config);
@@ -434,7 +440,7 @@ static void put_counts(float i_A) {
     VARIANT_COUNT_B = (uint32_t)(offset - 0.5f * i_A / gain);
     VARIANT_COUNT_C = (uint32_t)(offset - 0.5f * i_A / gain);
     VARIANT_COUNT_BUS = (uint32_t)(VARIANT_V_BUS_V / config.sense.v_bus_gain_V_count);
-    VARIANT_COUNT_T = 1000u;
+    VARIANT_COUNT_T = COUNT_WARM;
 }
 
 static void one_period(void) {
@@ -448,7 +454,7 @@ static void test_counts_come_from_the_right_registers(void) {
     VARIANT_COUNT_B = 22u;
     VARIANT_COUNT_C = 33u;
     VARIANT_COUNT_BUS = 44u;
-    VARIANT_COUNT_T = 55u;
+    VARIANT_COUNT_T = COUNT_WARM;
     TIM2->CNT = 66u;
     lode_counts_t counts;
     board_read(&counts);
@@ -456,7 +462,15 @@ static void test_counts_come_from_the_right_registers(void) {
     TEST_ASSERT_EQUAL_UINT16(22u, counts.i[1]);
     TEST_ASSERT_EQUAL_UINT16(33u, counts.i[2]);
     TEST_ASSERT_EQUAL_UINT16(44u, counts.v_bus);
-    TEST_ASSERT_EQUAL_UINT16(55u, counts.temperature);
+#ifdef VARIANT_NTC_POINTS
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    CHECK_NEAR(0.3, 25.0,
+               (double)counts.temperature * (double)config.sense.temperature_gain_degC_count +
+                   (double)config.sense.temperature_offset_degC);
+#else
+    TEST_ASSERT_EQUAL_UINT16(COUNT_WARM, counts.temperature);
+#endif
     TEST_ASSERT_EQUAL_UINT32(66u, counts.stamp);
     TEST_ASSERT_EQUAL_UINT32(66u, board_cycles());
 }
@@ -524,11 +538,38 @@ static void test_over_current_reaches_the_gates_in_the_same_period(void) {
                              lode_check_name((lode_check_t)app_telemetry().fault.check));
 }
 
-#ifdef VARIANT_T_V
+#ifdef VARIANT_NTC_POINTS
+// Of an NTC to ground, by the points themselves.
+static void put_temperature(float degC) {
+    static const float points[][2] = {VARIANT_NTC_POINTS};
+    for (int n = 1; n < COUNT_OF(points); n++) {
+        if (points[n][0] >= degC) {
+            const float part = (degC - points[n - 1][0]) / (points[n][0] - points[n - 1][0]);
+            const float R_Ohm = points[n - 1][1] * powf(points[n][1] / points[n - 1][1], part);
+            VARIANT_COUNT_T =
+                (uint32_t)(R_Ohm / (R_Ohm + VARIANT_NTC_FIXED_Ohm) * VARIANT_COUNTS + 0.5f);
+            return;
+        }
+    }
+    TEST_FAIL_MESSAGE("beyond the table");
+}
+
+static void test_missing_sensor_is_too_hot(void) {
+    gates_on_by_the_drive();
+    VARIANT_COUNT_T = 4095u; // pulled up
+    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
+        one_period();
+    }
+    TEST_ASSERT_FALSE(gates_on());
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_TEMPERATURE",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+#else
 static void put_temperature(float degC) {
     const float volts = VARIANT_T_V + (degC - VARIANT_T_degC) * VARIANT_T_V_degC;
     VARIANT_COUNT_T = (uint32_t)(volts / VARIANT_V_REF_V * VARIANT_COUNTS + 0.5f);
 }
+#endif
 
 static void test_over_temperature_switches_off(void) {
     gates_on_by_the_drive();
@@ -545,7 +586,6 @@ static void test_over_temperature_switches_off(void) {
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_TEMPERATURE",
                              lode_check_name((lode_check_t)app_telemetry().fault.check));
 }
-#endif
 
 static void test_hardware_trip_is_a_fault_in_the_same_period(void) {
     gates_on_by_the_drive();
@@ -710,8 +750,9 @@ int main(void) {
     RUN_TEST(test_counts_come_from_the_right_registers);
     RUN_TEST(test_duties_become_compare_values);
     RUN_TEST(test_over_current_reaches_the_gates_in_the_same_period);
-#ifdef VARIANT_T_V
     RUN_TEST(test_over_temperature_switches_off);
+#ifdef VARIANT_NTC_POINTS
+    RUN_TEST(test_missing_sensor_is_too_hot);
 #endif
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_period);
     RUN_TEST(test_missed_interrupt_is_a_fault);

@@ -25,9 +25,21 @@
 #define VARIANT_I_OFFSET_TOL_count 200.0f
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (39.0f + 2.2f) / 2.2f) // 39 kOhm over 2.2 kOhm
-#define VARIANT_T_GAIN_degC_count 0.0f
-#define VARIANT_T_OFFSET_degC 0.0f
-#define VARIANT_T_MAX_degC 0.0f // the core's default
+// NTC of 10 kOhm and B = 3435 K between the converter's input and ground, 10 kOhm up to the reference; the
+// points are those of the B equation. Enter the table of your data sheet.
+#define VARIANT_NTC_POINTS                                                                         \
+    {-40.0f, 248277.0f}, {-30.0f, 135452.0f}, {-20.0f, 77523.0f}, {-10.0f, 46290.0f},              \
+        {0.0f, 28704.0f}, {10.0f, 18410.0f}, {20.0f, 12171.0f}, {30.0f, 8269.0f},                  \
+        {40.0f, 5759.0f}, {50.0f, 4101.0f}, {60.0f, 2981.0f}, {70.0f, 2207.0f}, {80.0f, 1662.0f},  \
+        {90.0f, 1272.0f}, {100.0f, 987.0f}, {110.0f, 776.0f}, {120.0f, 618.0f}, {130.0f, 498.0f},  \
+        {140.0f, 405.0f}, {                                                                        \
+        150.0f, 333.0f                                                                             \
+    }
+#define VARIANT_NTC_FIXED_Ohm 10000.0f
+#define VARIANT_NTC_TO_GROUND true
+#define VARIANT_T_GAIN_degC_count PORT_NTC_GAIN_degC
+#define VARIANT_T_OFFSET_degC PORT_NTC_ZERO_degC
+#define VARIANT_T_MAX_degC 100.0f
 #define VARIANT_SETTLE_ns 2000.0f
 
 // The three currents at once: one converter each, rank 1. Rank 2: bus, temperature, anything.
