@@ -98,6 +98,45 @@ static void test_every_observer_lags_as_its_closed_form(void) {
     }
 }
 
+static void test_continuous_time_lags_as_the_printed_transfer_functions(void) {
+    static const double omega[] = {94.0, 283.0, 471.0};
+    for (int k = 0; k < COUNT_OF(omega); ++k) {
+        euler_config_t config = config_of(EULER_C_LESO, EULER_QPLL);
+        config.continuous = true;
+        config.sigma_rad_s = 0.0; // the observers are tuned to w, not to what a PLL makes of it
+        // Paper 1, eq. 29. The current is taken as straight between samples: (w Ts)^2/12 of it.
+        CHECK_NEAR(2e-4, euler_eq30_rad(2000.0, omega[k]),
+                   observed_lag(&config, omega[k], 7.8, 6000));
+        config.emf = EULER_FA_LESO; // paper 2, eq. 26: none at its own speed
+        CHECK_NEAR(2e-4, 0.0, observed_lag(&config, omega[k], 7.8, 6000));
+        config.emf = EULER_GI_LESO; // paper 2, eq. 29, with G = Kr there
+        const double n = config.gi_Kr + config.w0_rad_s * config.w0_rad_s;
+        const double lag = atan2(2.0 * config.w0_rad_s * omega[k], n - omega[k] * omega[k]);
+        CHECK_NEAR(2e-4, lag, observed_lag(&config, omega[k], 7.8, 60000));
+    }
+}
+
+static void test_continuous_time_locks_to_a_turning_rotor(void) {
+    static const euler_pll_t plls[] = {EULER_QPLL, EULER_LESO_QPLL, EULER_ENHANCED};
+    const double omega = 471.0;
+    for (int p = 0; p < COUNT_OF(plls); ++p) {
+        euler_config_t config = config_of(EULER_C_LESO, plls[p]);
+        config.continuous = true;
+        config.compensation = EULER_LAG_EQ30;
+        euler_t self;
+        euler_out_t out = {.theta_rad = 0.0};
+        euler_reset(&self, 0.0);
+        euler_hold(&self, &config, 0.1, omega);
+        const double complex mean = (cexp(I * omega * TS) - 1.0) / (I * omega * TS);
+        for (int k = 0; k < 8000; ++k) {
+            out = euler_step(&self, &config, config.psi_Wb * emf_at(omega, omega * TS * k) * mean,
+                             0.0);
+        }
+        CHECK_NEAR(2e-4, 0.0, angle_error(out.theta_rad, omega * TS * 8000));
+        CHECK_NEAR(0.05, omega, out.omega_rad_s);
+    }
+}
+
 static void test_resistance_is_taken_half_a_period_late(void) {
     euler_config_t config = config_of(EULER_C_LESO, EULER_QPLL);
     const double lag = observed_lag(&config, paper_omega(1500.0), 7.8, 4000);
@@ -252,6 +291,8 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_lag_of_the_conventional_observer_as_computed_by_others);
     RUN_TEST(test_every_observer_lags_as_its_closed_form);
+    RUN_TEST(test_continuous_time_lags_as_the_printed_transfer_functions);
+    RUN_TEST(test_continuous_time_locks_to_a_turning_rotor);
     RUN_TEST(test_resistance_is_taken_half_a_period_late);
     RUN_TEST(test_adaptive_observer_is_unstable_above_278_Hz);
     RUN_TEST(test_qpll_lags_behind_a_ramp_by_table_1);

@@ -155,6 +155,7 @@ typedef struct {
     rig_pll_t pll;
     rig_compensation_t compensation;
     bool speed_of_eq14; ///< no key: qpll-euler takes eq. 14 at its word
+    bool continuous;    ///< no key: the papers' own forms in continuous time (rig/continuous.h)
     rig_scenario_t scenario;
     int files;
     char file[RIG_FILES_MAX][RIG_PATH_LENGTH];

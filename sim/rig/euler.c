@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "rig/continuous.h"
 #include "support/units.h"
 
 #define ROTATION_TIME_s 5.0e-3
@@ -82,7 +83,7 @@ double euler_lag_rad(const euler_config_t *config, double omega_rad_s) {
     return fabs(omega_rad_s) > 0.0 ? -carg(euler_gain(config, omega_rad_s, omega_rad_s)) : 0.0;
 }
 
-static double compensation(const euler_config_t *config, double omega_rad_s) {
+double euler_compensation_rad(const euler_config_t *config, double omega_rad_s) {
     switch (config->compensation) {
     case EULER_LAG_EQ30:
         return euler_eq30_rad(config->w0_rad_s, omega_rad_s);
@@ -97,7 +98,7 @@ static double compensation(const euler_config_t *config, double omega_rad_s) {
 // ---- PLLs ---------------------------------------------------------------------------------------
 
 // Paper 1, eq. 13, normalised as in eq. 33.
-static double phase_error(double complex e_V, double theta_rad) {
+double euler_phase_error(double complex e_V, double theta_rad) {
     const double length = cabs(e_V);
     const double seen = -creal(e_V) * cos(theta_rad) - cimag(e_V) * sin(theta_rad);
     return length > 0.0 ? seen / length : 0.0;
@@ -113,11 +114,12 @@ static double notch(euler_resonator_t *self, double k, double w, double ts_s, do
 
 // Paper 1, eqs. 16-18: np/J Te - B/J w, with the torque of the measured current; the reference of
 // the torque cancels in eq. 19.
-static double known_acceleration(const euler_t *self, const euler_config_t *c, double theta_rad) {
-    const double complex i_dq = self->i_A * cexp(-I * theta_rad);
+double euler_acceleration(const euler_config_t *c, double complex i_A, double rotor_rad,
+                          double omega_rad_s) {
+    const double complex i_dq = i_A * cexp(-I * rotor_rad);
     const double flux = c->psi_Wb + (c->Ld_H - c->Lq_H) * creal(i_dq);
     const double torque = 1.5 * fmax(c->sets, 1.0) * c->pole_pairs * flux * cimag(i_dq);
-    return (c->pole_pairs * torque - c->B_Nms * self->omega_rad_s) / c->J_kgm2;
+    return (c->pole_pairs * torque - c->B_Nms * omega_rad_s) / c->J_kgm2;
 }
 
 static void advance(euler_t *self, const euler_config_t *c, double error, double rotor_rad) {
@@ -127,7 +129,7 @@ static void advance(euler_t *self, const euler_config_t *c, double error, double
         self->omega_rad_s += c->ts_s * s * s * error;
         return;
     }
-    const double known = known_acceleration(self, c, rotor_rad);
+    const double known = euler_acceleration(c, self->i_A, rotor_rad, self->omega_rad_s);
     self->theta_rad += c->ts_s * (self->omega_rad_s + 3.0 * s * error);
     self->omega_rad_s += c->ts_s * (self->f_rad_s2 + known + 3.0 * s * s * error);
     self->f_rad_s2 += c->ts_s * s * s * s * error;
@@ -138,8 +140,10 @@ void euler_reset(euler_t *self, double complex i_A) {
 }
 
 void euler_hold(euler_t *self, const euler_config_t *config, double theta_rad, double omega_rad_s) {
-    // The state is that of t_k+1.
-    self->theta_rad = theta_rad - compensation(config, omega_rad_s) + config->ts_s * omega_rad_s;
+    // In forward Euler the state is that of t_k+1.
+    const double ahead_s = config->continuous ? 0.0 : config->ts_s;
+    self->theta_rad =
+        theta_rad - euler_compensation_rad(config, omega_rad_s) + ahead_s * omega_rad_s;
     self->omega_rad_s = omega_rad_s;
     self->omega_out_rad_s = omega_rad_s;
     self->f_rad_s2 = 0.0;
@@ -157,7 +161,7 @@ euler_out_t euler_track(euler_t *self, const euler_config_t *config, double comp
     self->rotation_V2 +=
         config->ts_s / ROTATION_TIME_s * (e_V * conj(self->e_V) - self->rotation_V2);
     self->e_V = e_V;
-    double error = phase_error(e_V, self->theta_rad);
+    double error = euler_phase_error(e_V, self->theta_rad);
     if (config->pll == EULER_ENHANCED) {
         error = notch(&self->notch, config->notch_k, 6.0 * fabs(self->omega_rad_s), config->ts_s,
                       error);
@@ -165,7 +169,7 @@ euler_out_t euler_track(euler_t *self, const euler_config_t *config, double comp
     const bool pi = config->pll == EULER_QPLL && config->speed_of_eq14;
     self->omega_out_rad_s = self->omega_rad_s + (pi ? 2.0 * config->sigma_rad_s * error : 0.0);
     const euler_out_t out = {
-        .theta_rad = self->theta_rad + compensation(config, self->omega_out_rad_s),
+        .theta_rad = self->theta_rad + euler_compensation_rad(config, self->omega_out_rad_s),
         .omega_rad_s = self->omega_out_rad_s,
         .e_V = e_V,
         .f_rad_s2 = config->pll == EULER_QPLL ? 0.0 : self->f_rad_s2,
@@ -175,8 +179,33 @@ euler_out_t euler_track(euler_t *self, const euler_config_t *config, double comp
     return out;
 }
 
+/// The state of t_k tells all: the EMF, the speed of eq. 14.
+static euler_out_t continuous_step(euler_t *self, const euler_config_t *config, double complex u_V,
+                                   double complex i_A) {
+    continuous_advance(self, config, u_V, i_A);
+    const double complex slow =
+        config->emf == EULER_FA_LESO
+            ? config->k1_rad2_s2 * self->z2 + config->k2_rad_s * (self->z1 - i_A)
+            : -self->z2;
+    self->e_V = config->Lq_H * slow;
+    self->omega_out_rad_s = self->omega_rad_s;
+    if (config->pll == EULER_QPLL && config->speed_of_eq14) {
+        self->omega_out_rad_s +=
+            2.0 * config->sigma_rad_s * euler_phase_error(self->e_V, self->theta_rad);
+    }
+    return (euler_out_t){
+        .theta_rad = self->theta_rad + euler_compensation_rad(config, self->omega_out_rad_s),
+        .omega_rad_s = self->omega_out_rad_s,
+        .e_V = self->e_V,
+        .f_rad_s2 = config->pll == EULER_QPLL ? 0.0 : self->f_rad_s2,
+    };
+}
+
 euler_out_t euler_step(euler_t *self, const euler_config_t *config, double complex u_V,
                        double complex i_A) {
+    if (config->continuous) {
+        return continuous_step(self, config, u_V, i_A);
+    }
     const double complex e_V = config->emf == EULER_FA_LESO ? adaptive(self, config, u_V, i_A)
                                                             : conventional(self, config, u_V, i_A);
     return euler_track(self, config, e_V);

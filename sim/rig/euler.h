@@ -54,6 +54,8 @@ typedef struct {
     /// QPLL: the speed is the output of the PI controller, as eq. 14 says. No drive runs on that with the
     /// speed controller of Section 5: its ripple alone asks for the largest current.
     bool speed_of_eq14;
+    /// The same equations integrated in continuous time (rig/continuous.h), not in forward Euler.
+    bool continuous;
 } euler_config_t;
 
 /// The two integrators of a resonator.
@@ -93,7 +95,8 @@ void euler_hold(euler_t *self, const euler_config_t *config, double theta_rad, d
 /// recording does not have.
 void euler_acquire(euler_t *self, const euler_config_t *config);
 
-/// One period. `u_V`: mean voltage over [t_k-1, t_k); `i_A`: current at t_k.
+/// One period. `u_V`: mean voltage over [t_k-1, t_k); `i_A`: current at t_k. In continuous time the
+/// EXACT compensation is that of the recursions all the same.
 euler_out_t euler_step(euler_t *self, const euler_config_t *config, double complex u_V,
                        double complex i_A);
 
@@ -106,6 +109,16 @@ double complex euler_gain(const euler_config_t *config, double omega_rad_s, doub
 
 /// Phase of the observer's output behind the EMF in steady rotation, rad, with no resistance.
 double euler_lag_rad(const euler_config_t *config, double omega_rad_s);
+
+/// What `config` adds to the angle of the PLL, rad.
+double euler_compensation_rad(const euler_config_t *config, double omega_rad_s);
+
+/// Paper 1, eq. 13, normalised as in eq. 33.
+double euler_phase_error(double complex e_V, double theta_rad);
+
+/// Paper 1, eqs. 16-18: the acceleration that the measured current explains, rad/s^2.
+double euler_acceleration(const euler_config_t *config, double complex i_A, double rotor_rad,
+                          double omega_rad_s);
 
 /// Paper 1, eq. 30, continued beyond w0, where its arc tangent jumps.
 double euler_eq30_rad(double w0_rad_s, double omega_rad_s);

@@ -44,6 +44,7 @@ euler_config_t euler_estimate_config(const rig_config_t *config) {
     out.pll = pll[config->pll - RIG_PLL_LESO_EULER];
     out.compensation = lag[config->compensation - RIG_COMPENSATION_EXACT];
     out.speed_of_eq14 = config->speed_of_eq14;
+    out.continuous = config->continuous;
     return out;
 }
 
