@@ -24,9 +24,9 @@ lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
 // Tells the interrupt that there is mail. In this order: it may come in between.
 void lode_drive_call(lode_drive_t *self) {
     LODE_SIGNAL_FENCE();
-    self->mail = true;
+    LODE_SHARED_STORE(self->mail, true);
     LODE_SIGNAL_FENCE();
-    self->steady = false;
+    LODE_SHARED_STORE(self->steady, false);
 }
 
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command) {
@@ -41,7 +41,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
         !lode_is_finite(command->omega_rad_s)) {
         return LODE_ERROR_COMMAND;
     }
-    self->command_posted = false;
+    LODE_SHARED_STORE(self->command_posted, false);
     LODE_SIGNAL_FENCE();
     self->posted = (lode_order_t){
         .vector = command->vector,
@@ -51,7 +51,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
         .clear_fault = command->clear_fault,
     };
     LODE_SIGNAL_FENCE();
-    self->command_posted = true;
+    LODE_SHARED_STORE(self->command_posted, true);
     lode_drive_call(self);
     return LODE_OK;
 }
@@ -61,19 +61,19 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
         return LODE_ERROR_NULL;
     }
     LODE_SIGNAL_FENCE();
-    self->posted_tuning = tuning;
+    LODE_SHARED_STORE(self->posted_tuning, tuning);
     lode_drive_call(self);
     return LODE_OK;
 }
 
 bool lode_drive_tuning_taken(const lode_drive_t *self) {
     LODE_SIGNAL_FENCE();
-    return self->posted_tuning == NULL;
+    return LODE_SHARED_LOAD(self->posted_tuning) == NULL;
 }
 
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry) {
     for (int32_t i = 0; i < TELEMETRY_TRIES; i++) {
-        const uint32_t steps = self->steps;
+        const uint32_t steps = LODE_SHARED_LOAD(self->steps);
         LODE_SIGNAL_FENCE();
         const lode_pll_t *pll = &self->estimator.pll;
         *telemetry = (lode_telemetry_t){
@@ -94,7 +94,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .e_V = self->estimator.emf.observer.e_V,
         };
         LODE_SIGNAL_FENCE();
-        if (steps == self->steps) {
+        if (steps == LODE_SHARED_LOAD(self->steps)) {
             return true;
         }
     }

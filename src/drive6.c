@@ -52,14 +52,14 @@ lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tun
         return LODE_ERROR_NULL;
     }
     LODE_SIGNAL_FENCE();
-    self->posted_tuning = tuning;
+    LODE_SHARED_STORE(self->posted_tuning, tuning);
     lode_drive_call(&self->drive);
     return LODE_OK;
 }
 
 bool lode_drive6_tuning_taken(const lode_drive6_t *self) {
     LODE_SIGNAL_FENCE();
-    return self->posted_tuning == NULL;
+    return LODE_SHARED_LOAD(self->posted_tuning) == NULL;
 }
 
 bool lode_drive6_telemetry(const lode_drive6_t *self, lode_telemetry6_t *telemetry) {
@@ -71,7 +71,7 @@ bool lode_drive6_telemetry(const lode_drive6_t *self, lode_telemetry6_t *telemet
         telemetry->active = active_of(self);
         telemetry->open = self->open;
         LODE_SIGNAL_FENCE();
-        if (whole && telemetry->drive.steps == self->drive.steps) {
+        if (whole && telemetry->drive.steps == LODE_SHARED_LOAD(self->drive.steps)) {
             return true;
         }
     }

@@ -95,6 +95,8 @@ static uint32_t speed_periods(const lode_drive_config_t *c) {
 static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     lode_status_t status = lode_inverter_tune(&t->inverter, &c->inverter, t->ts_s);
     if (status == LODE_OK) {
+        // Phases up to the trip, whose sum need not be zero, make a vector of up to 1.8 times that.
+        lode_inverter_bound_current(&t->inverter, 2.0f * c->guard.i_trip_A);
         status = lode_sense_tune(&t->sense, &c->sense, c->inverter.i_max_A, c->inverter.v_bus_V,
                                  t->ts_s);
     }

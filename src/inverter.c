@@ -91,6 +91,15 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     return LODE_OK;
 }
 
+// In |i + i_dead| - |i - i_dead| both terms round by half a step of a float at 2 i.
+void lode_inverter_bound_current(lode_inverter_tuning_t *tuning, float i_A) {
+    const float slope_A = 0.5f * (tuning->dead_duty + tuning->v_drop_V / tuning->v_min_V) /
+                          lode_max(tuning->i_dead_min_A, FLT_MIN);
+    if (tuning->correct) {
+        tuning->free -= 2.0f / LODE_SQRT3 * slope_A * FLT_EPSILON * 2.0f * i_A;
+    }
+}
+
 void lode_inverter_reset(lode_inverter_t *self) {
     *self = (lode_inverter_t){.v_bus_V = 0.0f};
 }

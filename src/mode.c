@@ -75,11 +75,11 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
 }
 
 LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
-    self->mail = false;
+    LODE_SHARED_STORE(self->mail, false);
     LODE_SIGNAL_FENCE();
     if (self->posted_tuning != NULL) {
         self->tuning = self->posted_tuning;
-        self->posted_tuning = NULL;
+        LODE_SHARED_STORE(self->posted_tuning, NULL);
         set_omitted(self);
     }
     if (self->command_posted) {

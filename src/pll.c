@@ -28,8 +28,8 @@ lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *
         !lode_in_range(config->sigma_low_rad_s, 1.0f, config->sigma_rad_s)) {
         return LODE_ERROR_PLL_SIGMA;
     }
-    if (!(config->omega_low_rad_s >= 0.0f && config->omega_high_rad_s > config->omega_low_rad_s) ||
-        !lode_is_finite(config->omega_high_rad_s)) {
+    const float span = config->omega_high_rad_s - config->omega_low_rad_s;
+    if (!(config->omega_low_rad_s >= 0.0f) || !lode_in_range(span, FLT_MIN, FLT_MAX)) {
         return LODE_ERROR_PLL_SCHEDULE;
     }
     const float x_low = lode_one_minus_exp(config->sigma_low_rad_s * ts_s);
@@ -39,7 +39,7 @@ lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *
         .x_low = x_low,
         .x_rise = lode_one_minus_exp(config->sigma_rad_s * ts_s) - x_low,
         .omega_low = config->omega_low_rad_s,
-        .inv_span = 1.0f / (config->omega_high_rad_s - config->omega_low_rad_s),
+        .inv_span = 1.0f / span,
         .third_order = config->kind == LODE_PLL_LESO,
     };
     return LODE_OK;

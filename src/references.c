@@ -49,12 +49,13 @@ static bool is_weakening_sound(const lode_references_config_t *config, float i_m
 
 // Each fade that is asked for lies between the nominal bus and its end.
 static bool is_fade_sound(const lode_references_config_t *config, float v_bus_V) {
+    const float above_V = config->v_bus_max_V - config->v_regen_V;
+    const float below_V = config->v_motor_V - config->v_bus_min_V;
     const bool regen = lode_in_range(config->v_regen_V, 0.0f, 0.0f) ||
-                       (config->v_regen_V >= v_bus_V && config->v_bus_max_V > config->v_regen_V &&
-                        lode_is_finite(config->v_bus_max_V));
+                       (config->v_regen_V >= v_bus_V && lode_in_range(above_V, FLT_MIN, FLT_MAX));
     const bool motor = lode_in_range(config->v_motor_V, 0.0f, 0.0f) ||
-                       (config->v_motor_V <= v_bus_V && config->v_motor_V > config->v_bus_min_V &&
-                        config->v_bus_min_V >= 0.0f);
+                       (config->v_motor_V <= v_bus_V && config->v_bus_min_V >= 0.0f &&
+                        lode_in_range(below_V, FLT_MIN, FLT_MAX));
     return regen && motor;
 }
 
@@ -62,7 +63,7 @@ static lode_status_t check(const lode_references_config_t *config,
                            const lode_inverter_config_t *inverter) {
     const float span = config->omega_high_rad_s - config->omega_low_rad_s;
     if (!(config->id_bias_A <= inverter->i_max_A) || !lode_is_finite(config->id_bias_A) ||
-        !(span > 0.0f) || !lode_is_finite(span)) {
+        !lode_in_range(span, FLT_MIN, FLT_MAX)) {
         return LODE_ERROR_ID_BIAS;
     }
     if ((config->kind != LODE_REFERENCES_ID0 && config->kind != LODE_REFERENCES_MTPA) ||

@@ -2,6 +2,7 @@
 #include "support/rig.h"
 
 #include "design/tuning_fields.h"
+#include "lodestar/channel.h"
 
 void setUp(void) {}
 
@@ -875,6 +876,68 @@ static void test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing(void)
     }
 }
 
+/// Makes `check` trip a drive that runs; `counts` are those of the period.
+static void provoke(lode_check_t check, rig_t *rig, lode_counts_t *counts) {
+    lode_guard_tuning_t *guard = &other_tuning.guard;
+    counts->trip = check == LODE_CHECK_HARDWARE_TRIP;
+    counts->i[0] = check == LODE_CHECK_OVER_CURRENT ? 300u : counts->i[0];
+    counts->i[0] = check == LODE_CHECK_CURRENT_RAIL ? 4095u : counts->i[0];
+    counts->v_bus = check == LODE_CHECK_OVER_VOLTAGE ? 2600u : counts->v_bus;
+    counts->v_bus = check == LODE_CHECK_UNDER_VOLTAGE ? 1100u : counts->v_bus;
+    counts->temperature = check == LODE_CHECK_OVER_TEMPERATURE ? 2000u : 500u;
+    counts->stamp += check == LODE_CHECK_TIMING ? 1000u : 0u;
+    guard->omega_max = check == LODE_CHECK_OVER_SPEED ? 1.0f : guard->omega_max;
+    rig->drive.direction = check == LODE_CHECK_WRONG_WAY ? -1.0f : rig->drive.direction;
+    rig->drive.estimator.lock = check == LODE_CHECK_LOST_LOCK ? 0.2f : rig->drive.estimator.lock;
+    other_tuning.inverter.inv_ticks =
+        check == LODE_CHECK_NON_FINITE ? NAN : other_tuning.inverter.inv_ticks;
+}
+
+/// The row of the fault, in telemetry and in the channels of ring and scope, is that of a drive at work.
+static void test_the_row_of_every_fault_keeps_the_values_of_its_step(void) {
+    lode_drive_config_t config = rig_config();
+    config.guard.stamp_per_period = 1000.0f;
+    config.guard.i_trip_A = 25.58f; // just below the converter's end
+    config.sense.temperature_gain_degC_count = 0.1f;
+    config.inverter.pwm_ticks = 8400.0f;
+    rig_t running;
+    rig_init(&running, &tuning, &config);
+    running.load_Nm = 1.0;
+    rig_command(&running, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&running, LODE_MODE_RUN, 8.0));
+    rig_run(&running, 1.0);
+    for (int check = LODE_CHECK_HARDWARE_TRIP; check <= LODE_CHECK_WRONG_WAY; check++) {
+        rig_t rig = running;
+        other_tuning = tuning;
+        // Whatever the rail is called: the trip's own limit is beyond it.
+        other_tuning.guard.i_trip = check == LODE_CHECK_CURRENT_RAIL ? 30.0f : tuning.guard.i_trip;
+        rig.drive.tuning = &other_tuning;
+        lode_telemetry_t before = rig_telemetry(&rig);
+        for (int n = 0; n < 200 && rig.out.gates; n++) {
+            rig.stamp += 1000u;
+            lode_counts_t counts = rig_counts(&rig);
+            provoke((lode_check_t)check, &rig, &counts);
+            before = rig_telemetry(&rig);
+            rig.out = lode_drive_step(&rig.drive, &counts);
+            rig_move(&rig);
+        }
+        const lode_telemetry_t row = rig_telemetry(&rig);
+        TEST_ASSERT_EQUAL_STRING(lode_check_name((lode_check_t)check),
+                                 lode_check_name((lode_check_t)row.fault.check));
+        const char *name = lode_check_name((lode_check_t)check);
+        TEST_ASSERT_TRUE_MESSAGE(lode_abs(row.i_A.q) > 0.5f, name);
+        TEST_ASSERT_TRUE_MESSAGE(lode_abs(row.ref_A.q) > 0.5f, name);
+        TEST_ASSERT_TRUE_MESSAGE(lode_abs(row.u_V.q) > 10.0f, name);
+        TEST_ASSERT_TRUE_MESSAGE(lode_abs(row.u_V.q - before.u_V.q) < 10.0f, name);
+        TEST_ASSERT_TRUE_MESSAGE(row.v_bus_V > 100.0f && row.omega_rad_s > 200.0f, name);
+        const lode_channel_t alpha = LODE_CHANNEL_I_ALPHA;
+        const lode_channel_t beta = LODE_CHANNEL_I_BETA;
+        const lode_ab_t i_A = {lode_channel_read(&rig.drive, alpha),
+                               lode_channel_read(&rig.drive, beta)};
+        TEST_ASSERT_TRUE_MESSAGE(lode_ab_length(i_A) > 0.5f, name);
+    }
+}
+
 /// Steps in RUN with an estimate of the host's own until the gates go off; how many it took.
 static int steps_until_off(rig_t *rig, float lock, float omega_share, int limit) {
     for (int n = 1; n <= limit; n++) {
@@ -1187,6 +1250,7 @@ int main(void) {
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);
+    RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
     RUN_TEST(test_an_estimate_of_the_hosts_own_is_taken_over);

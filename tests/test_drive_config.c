@@ -1,6 +1,7 @@
 // What init accepts, what it refuses and by which name; what it computes by itself.
 #include "support/fields.h"
 
+#include "design/tuning_fields.h"
 #include "lodestar/drive.h"
 
 void setUp(void) {}
@@ -294,6 +295,77 @@ static void test_least_speed_is_near_or_above_the_hand_over(void) {
                           try_one(least, 1.01f * config.estimator.omega_max_rad_s));
 }
 
+// --- Every float of the tuning of an accepted configuration is a number ------------------------------
+
+#define NAME_OF_FLOAT(type, member) name = lode_is_finite((float)t->member) ? name : #member;
+#define NAME_OF_OBSERVER(place, member) NAME_OF_FLOAT(float, member)
+#define NAME_OF_WHOLE(type, member)
+#define NAME_OF_INTEGER(type, member)
+#define NAME_OF_BOOL(type, member)
+#define NAME_OF_CHOICE(type, member)
+#define NAME_OF(kind, type, member) NAME_OF_##kind(type, member)
+
+/// The last float that is none, or NULL.
+static const char *not_finite(const lode_drive_tuning_t *t) {
+    const char *name = NULL;
+    TUNING_FIELDS(NAME_OF)
+    return name;
+}
+
+/// What spans and products stumble over: denormals, neighbours, the ends.
+static float extreme(int n, float neighbour) {
+    static const float values[] = {1.0e-45f, 1.0e-40f, FLT_MIN, 1.0e-20f, 1.0e-6f, 1.0f,
+                                   100.0f,   1.0e4f,   1.0e10f, 1.0e30f,  FLT_MAX, -1.0e-45f};
+    switch (n - COUNT_OF(values)) {
+    case 0:
+        return neighbour;
+    case 1:
+        return nextafterf(neighbour, INFINITY);
+    case 2:
+        return 2.0f * neighbour;
+    default:
+        return values[n % COUNT_OF(values)];
+    }
+}
+
+#define EXTREMES 15  // of which the first 12 have no neighbour
+#define NEIGHBOURS 4 // words apart: the ends of a span stand side by side
+
+static int try_pairs(const lode_drive_config_t *base, int word) {
+    const int words = (int)(sizeof *base / sizeof(float));
+    int accepted = 0;
+    for (int n = 0; n < (EXTREMES - 3) * NEIGHBOURS * EXTREMES; n++) {
+        const int other = word + 1 + n / EXTREMES % NEIGHBOURS;
+        lode_drive_config_t config = *base;
+        const float value = extreme(n / EXTREMES / NEIGHBOURS, 0.0f);
+        field_set(&config, (size_t)word * sizeof value, value);
+        if (other < words) {
+            field_set(&config, (size_t)other * sizeof value, extreme(n % EXTREMES, value));
+        }
+        lode_drive_tuning_t tuning;
+        if (lode_drive_tune(&tuning, &config) == LODE_OK) {
+            char text[120];
+            (void)snprintf(text, sizeof text, "word %d = %g, word %d", word, (double)value, other);
+            TEST_ASSERT_NULL_MESSAGE(not_finite(&tuning), text);
+            accepted++;
+        }
+    }
+    return accepted;
+}
+
+static void test_what_init_accepts_is_made_of_numbers(void) {
+    lode_drive_config_t base = minimal();
+    base.references.kind = LODE_REFERENCES_MTPA;
+    base.references.field_weakening = LODE_ON;
+    base.references.v_regen_V = 210.0f;
+    base.references.v_motor_V = 190.0f;
+    int accepted = 0;
+    for (int word = 0; word < (int)(sizeof base / sizeof(float)); word += CHECK_SHARE) {
+        accepted += try_pairs(&base, word);
+    }
+    CHECK_AT_LEAST(1000 / CHECK_SHARE, accepted);
+}
+
 static void test_null_pointers(void) {
     const lode_drive_config_t config = minimal();
     static lode_drive_t drive;
@@ -353,6 +425,7 @@ int main(void) {
     RUN_TEST(test_pole_pairs);
     RUN_TEST(test_combinations_that_would_not_be_stable);
     RUN_TEST(test_least_speed_is_near_or_above_the_hand_over);
+    RUN_TEST(test_what_init_accepts_is_made_of_numbers);
     RUN_TEST(test_null_pointers);
     RUN_TEST(test_design_of_the_papers_drive);
     RUN_TEST(test_rated_speed_follows_from_bus_and_current);

@@ -295,6 +295,41 @@ static void test_no_duty_of_the_fast_path_leaves_its_range(void) {
     }
 }
 
+/// Far beyond i_dead the two terms of the dead-time error are all but equal, and their difference is
+/// rounding: without its own room a duty was -0.006.
+static void test_rounding_at_large_currents_leaves_duties_in_range(void) {
+    const float i_max = 12.0f;
+    const lode_inverter_config_t config = {.v_bus_V = 200.0f,
+                                           .i_max_A = i_max,
+                                           .dead_time_s = 3.0e-5f,
+                                           .i_dead_A = 1.0e-3f * i_max,
+                                           .dead_time_correction = LODE_ON,
+                                           .dead_time_model = LODE_OFF};
+    random_t random = random_seed(12);
+    for (float i_A = 1.0e2f; i_A < 1.0e7f; i_A *= 10.0f) {
+        lode_inverter_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_inverter_tune(&tuning, &config, PAPER_TS_s));
+        const float before = tuning.free;
+        lode_inverter_bound_current(&tuning, i_A);
+        TEST_ASSERT_TRUE(tuning.free < before);
+        const float per_V = per_volt(&tuning, 200.0f);
+        const lode_dead_time_t dead_time = lode_inverter_dead_time(&tuning, 0.0f, per_V);
+        for (int n = 0; n < CHECK_TRIES(20000); n++) {
+            const lode_ab_t u =
+                vector(0.999999 * free_length(&tuning, 200.0), n * CHECK_PI / 1800.0);
+            const lode_ab_t i = vector((double)i_A * random_between(&random, 0.5, 1.0),
+                                       random_between(&random, 0.0, 6.3));
+            const lode_ab_t v = lode_ab_scale(per_V, u);
+            TEST_ASSERT_TRUE(
+                inside(lode_modulator_step(&tuning, &dead_time, v, i, tuning.free > 0.0f).duty));
+        }
+    }
+    lode_inverter_tuning_t none = ideal();
+    const float before = none.free;
+    lode_inverter_bound_current(&none, 1.0e6f); // nothing is corrected
+    TEST_ASSERT_TRUE(none.free == before);
+}
+
 static void test_a_duty_is_a_number_from_0_to_1(void) {
     const float sound[] = {0.0f, 1.0e-45f, FLT_MIN, 0.5f, nextafterf(1.0f, 0.0f), 1.0f};
     const float unsound[] = {-0.0f,    -1.0e-45f, nextafterf(1.0f, 2.0f),
@@ -392,6 +427,7 @@ int main(void) {
     RUN_TEST(test_any_input_gives_duties);
     RUN_TEST(test_scale_of_bus_and_voltage_alike_changes_nothing);
     RUN_TEST(test_no_duty_of_the_fast_path_leaves_its_range);
+    RUN_TEST(test_rounding_at_large_currents_leaves_duties_in_range);
     RUN_TEST(test_a_duty_is_a_number_from_0_to_1);
     RUN_TEST(test_a_loss_that_leaves_no_room_leaves_no_fast_path);
     RUN_TEST(test_the_fast_path_is_as_long_as_the_loss_leaves);

@@ -363,6 +363,11 @@ static void test_every_field_at_its_limits(void) {
     for (int i = 0; i < COUNT_OF(bad); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_PLL_SCHEDULE, try_one(high, bad[i]));
     }
+    // A span whose reciprocal is no number.
+    lode_pll_config_t tiny = sound_config();
+    tiny.omega_low_rad_s = 0.0f;
+    tiny.omega_high_rad_s = 1.0e-40f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_PLL_SCHEDULE, try_config(&tiny));
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(high, 40.1f));
 }
 

@@ -605,6 +605,8 @@ static void test_choices_and_fades(void) {
         {210.0f, NAN, 0.0f, 0.0f, LODE_ERROR_BUS_FADE},
         {210.0f, INFINITY, 0.0f, 0.0f, LODE_ERROR_BUS_FADE},
         {-1.0f, 250.0f, 0.0f, 0.0f, LODE_ERROR_BUS_FADE},
+        {INFINITY, INFINITY, 0.0f, 0.0f, LODE_ERROR_BUS_FADE},
+        {0.0f, 0.0f, 1.0e-40f, 0.0f, LODE_ERROR_BUS_FADE}, // 1/span is no number
         {0.0f, 0.0f, 200.0f, 0.0f, LODE_OK},
         {0.0f, 0.0f, 201.0f, 100.0f, LODE_ERROR_BUS_FADE},
         {0.0f, 0.0f, 100.0f, 100.0f, LODE_ERROR_BUS_FADE},

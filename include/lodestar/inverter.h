@@ -66,6 +66,10 @@ lode_status_t lode_inverter_check_given(const lode_inverter_config_t *config);
 lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
                                  const lode_inverter_config_t *config, float ts_s);
 
+/// Takes of `free` what the dead-time error loses to rounding at phase currents up to `i_A`, which are
+/// large beside i_dead.
+void lode_inverter_bound_current(lode_inverter_tuning_t *tuning, float i_A);
+
 /// No voltage on its way.
 void lode_inverter_reset(lode_inverter_t *self);
 

@@ -64,4 +64,17 @@ void lode_fence(void);
 #endif
 #endif
 
+/// One word that a thread and the interrupt share: a flag, a counter or a pointer. Written and read once and
+/// as a whole, where the compiler has the atomics of C11 and the core needs no lock for them; elsewhere by
+/// an ordinary access, which between two fences is the same.
+#ifndef LODE_SHARED_STORE
+#if defined(__GNUC__) && __GCC_ATOMIC_BOOL_LOCK_FREE == 2 && __GCC_ATOMIC_POINTER_LOCK_FREE == 2
+#define LODE_SHARED_STORE(word, value) __atomic_store_n(&(word), (value), __ATOMIC_RELAXED)
+#define LODE_SHARED_LOAD(word) __atomic_load_n(&(word), __ATOMIC_RELAXED)
+#else
+#define LODE_SHARED_STORE(word, value) ((word) = (value))
+#define LODE_SHARED_LOAD(word) (word)
+#endif
+#endif
+
 #endif

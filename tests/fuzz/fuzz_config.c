@@ -2,6 +2,7 @@
 // drives with duties in range and in numbers.
 #include "support/fuzz_drive.h"
 
+#include "design/tuning_fields.h"
 #include "lodestar/drive6.h"
 
 // Fields are floats and enumerations: words.
@@ -18,6 +19,19 @@ static void spoil(fuzz_t *in, lode_drive6_config_t *config) {
            sizeof value);
 }
 
+#define IS_FINITE_FLOAT(type, member) FUZZ_CHECK(lode_is_finite((float)tuning->member));
+#define IS_FINITE_OBSERVER(type, member) IS_FINITE_FLOAT(type, member)
+#define IS_FINITE_WHOLE(type, member)
+#define IS_FINITE_INTEGER(type, member)
+#define IS_FINITE_BOOL(type, member)
+#define IS_FINITE_CHOICE(type, member)
+#define IS_FINITE(kind, type, member) IS_FINITE_##kind(type, member)
+
+// What init accepts is made of numbers.
+static void check_tuning(const lode_drive_tuning_t *tuning) {
+    TUNING_FIELDS(IS_FINITE)
+}
+
 static void drive_3(const lode_drive_config_t *config, fuzz_t *in) {
     lode_drive_t drive;
     lode_drive_tuning_t tuning;
@@ -30,6 +44,7 @@ static void drive_3(const lode_drive_config_t *config, fuzz_t *in) {
         FUZZ_CHECK(memcmp(&tuning, &tuning_before, sizeof tuning) == 0);
         return;
     }
+    check_tuning(&tuning);
     const lode_command_t command = fuzz_command(in);
     (void)lode_drive_post_command(&drive, &command);
     for (uint32_t n = 0; n < PERIODS; n++) {
@@ -48,6 +63,8 @@ static void drive_6(const lode_drive6_config_t *config, fuzz_t *in) {
     if (lode_drive6_init(&drive, &tuning, config) != LODE_OK) {
         return;
     }
+    check_tuning(&tuning.drive);
+    check_tuning(&tuning.alone);
     const lode_command_t command = fuzz_command(in);
     (void)lode_drive_post_command(&drive.drive, &command);
     for (uint32_t n = 0; n < PERIODS; n++) {

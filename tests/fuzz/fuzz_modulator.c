@@ -24,18 +24,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
                                      .dead_time_model = (lode_choice_t)(fuzz_byte(&in) % 3u)};
     lode_inverter_tuning_t tuning;
     lode_inverter_design(&config, &motor, 2.0e-4f);
+    const float i_most = lode_clamp(fuzz_number(&in, 100.0f), 12.0f, 1.3e9f);
     if (lode_inverter_tune(&tuning, &config, 2.0e-4f) != LODE_OK) {
         return 0;
     }
+    lode_inverter_bound_current(&tuning, i_most);
     lode_inverter_t inverter;
     lode_inverter_reset(&inverter);
     while (fuzz_more(&in)) {
         const lode_ab_t u = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
         // The bus too: never below 0.
         const float bus = lode_clamp(fuzz_number(&in, 400.0f), 0.0f, 6.6e8f);
-        // Currents come from counts: finite, and never beyond 65535 of 1e4 A, twice.
-        const lode_ab_t i = {lode_clamp(fuzz_number(&in, 30.0f), -1.3e9f, 1.3e9f),
-                             lode_clamp(fuzz_number(&in, 30.0f), -1.3e9f, 1.3e9f)};
+        // Currents come from counts: finite. Beyond the trip the gates are off.
+        const lode_ab_t i = {lode_clamp(fuzz_number(&in, 30.0f), -0.5f * i_most, 0.5f * i_most),
+                             lode_clamp(fuzz_number(&in, 30.0f), -0.5f * i_most, 0.5f * i_most)};
         lode_inverter_follow_bus(&inverter, &tuning, bus);
         if ((fuzz_byte(&in) & 1u) != 0u) { // the dead-time error follows now and then
             const lode_dq_t then_V = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
