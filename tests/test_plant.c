@@ -1020,6 +1020,149 @@ static void test_passive_and_active_load(void) {
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.5 * c.J_kgm2 * 400.0, e.load_J);
 }
 
+/// A shaft that coasts, gates off.
+static plant_config_t coasting(void) {
+    plant_config_t c = bench_config();
+    c.speed_is_prescribed = false;
+    c.B_Nms = 0.0;
+    c.omega_m_rad_s = 80.0;
+    c.load_is_passive = false;
+    return c;
+}
+
+/// dw/dt = -F/J w^2 has w0/(1 + F w0 t/J) as its solution, in either sense of rotation.
+static void test_fan_law(void) {
+    plant_config_t c = coasting();
+    c.fan_Nms2 = 2e-4;
+    for (int direction = -1; direction <= 1; direction += 2) {
+        c.omega_m_rad_s = 80.0 * direction;
+        plant_t plant = new_plant(&c);
+        for (int k = 1; k <= 5000; k++) {
+            plant_advance(&plant);
+            const double omega =
+                c.omega_m_rad_s / (1.0 + c.fan_Nms2 / c.J_kgm2 * 80.0 * k * c.period_s);
+            TEST_ASSERT_DOUBLE_WITHIN(2e-3, omega, truth_of(&plant).omega_m_rad_s);
+        }
+    }
+}
+
+/// Mechanical angle gone through since the start, from the wrapped electrical one.
+static double mechanical_angle(const plant_truth_t *now, const plant_truth_t *before, double at) {
+    const double turned = now->theta_e_rad - before->theta_e_rad;
+    return at + remainder(turned, 2.0 * PI) / 3.0;
+}
+
+/// The work of T (1 + r cos a) is T (a + r sin a); of C sin(n a) it is C/n (1 - cos(n a)).
+static void check_work_over_angle(const plant_config_t *c) {
+    plant_t plant = new_plant(c);
+    plant_truth_t before = truth_of(&plant);
+    double angle = 0.0;
+    for (int k = 0; k < 2000; k++) {
+        plant_advance(&plant);
+        const plant_truth_t now = truth_of(&plant);
+        angle = mechanical_angle(&now, &before, angle);
+        before = now;
+        const double cogging = c->cogging_Nm > 0.0 ? c->cogging_Nm / c->cogging_per_turn *
+                                                         (1.0 - cos(c->cogging_per_turn * angle))
+                                                   : 0.0;
+        const double work = c->load_Nm * (angle + c->load_ripple * sin(angle)) + cogging;
+        const double omega2 = c->omega_m_rad_s * c->omega_m_rad_s - 2.0 * work / c->J_kgm2;
+        TEST_ASSERT_DOUBLE_WITHIN(5e-3, sqrt(omega2), now.omega_m_rad_s);
+    }
+    TEST_ASSERT_TRUE(angle > 4.0 * PI); // through several turns, so that they were told apart
+}
+
+static void test_ripple_once_per_turn(void) {
+    plant_config_t c = coasting();
+    c.load_Nm = 0.5;
+    c.load_ripple = 0.6;
+    check_work_over_angle(&c);
+}
+
+static void test_cogging_over_the_angle(void) {
+    plant_config_t c = coasting();
+    c.cogging_Nm = 0.8;
+    c.cogging_per_turn = 7.0; // no multiple of the pole pairs: the mechanical angle counts
+    check_work_over_angle(&c);
+}
+
+/// Cogging pulls at a shaft at rest: it stays up to friction plus stiction, and beyond them begins with
+/// what is above friction alone.
+static void test_stiction_holds_and_lets_go(void) {
+    plant_config_t c = coasting();
+    c.omega_m_rad_s = 0.0;
+    c.load_is_passive = true;
+    c.load_Nm = 0.5;
+    c.stiction_Nm = 0.4;
+    c.cogging_per_turn = 3.0;
+    c.theta_e_rad = -0.5 * PI; // a quarter of cogging's period
+    c.cogging_Nm = 0.89;
+    plant_t held = new_plant(&c);
+    advance(&held, 100);
+    TEST_ASSERT_TRUE(truth_of(&held).omega_m_rad_s == 0.0);
+    c.cogging_Nm = 0.91;
+    plant_t loose = new_plant(&c);
+    plant_advance(&loose);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, (0.91 - 0.5) / c.J_kgm2 * c.period_s,
+                              truth_of(&loose).omega_m_rad_s);
+}
+
+/// Two masses, pushed apart by their speeds, swing at sqrt(K (1/J1 + 1/J2)) about their common speed.
+static void test_two_masses_swing(void) {
+    plant_config_t c = coasting();
+    c.load_J_kgm2 = 2.0 * c.J_kgm2;
+    c.shaft_Nm_rad = 100.0;
+    plant_t plant = new_plant(&c);
+    plant.motor.x.load_omega_rad_s = 60.0;
+    const double mean = (80.0 + 2.0 * 60.0) / 3.0;
+    const double swing = sqrt(c.shaft_Nm_rad * 1.5 / c.J_kgm2);
+    for (int k = 1; k <= 2000; k++) {
+        plant_advance(&plant);
+        const double away = 20.0 * cos(swing * k * c.period_s);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2, mean + 2.0 / 3.0 * away, truth_of(&plant).omega_m_rad_s);
+        const double momentum =
+            truth_of(&plant).omega_m_rad_s + 2.0 * plant.motor.x.load_omega_rad_s;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 200.0, momentum);
+    }
+}
+
+/// Inside the gap neither mass feels the other; it is crossed at the difference of the speeds. The damped
+/// shaft then brings both to the common speed, and friction on the second mass holds both at last.
+static void test_backlash_and_friction_behind_it(void) {
+    plant_config_t c = coasting();
+    c.load_J_kgm2 = 2.0 * c.J_kgm2;
+    c.shaft_Nm_rad = 1000.0;
+    c.shaft_Nms_rad = 1.0;
+    c.backlash_rad = 0.2;
+    plant_t plant = new_plant(&c);
+    plant.motor.x.load_omega_rad_s = 60.0;
+    const int gap = (int)(0.1 / 20.0 / c.period_s); // from the middle to a flank
+    advance(&plant, gap - 1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 80.0, truth_of(&plant).omega_m_rad_s);
+    advance(&plant, 11);
+    TEST_ASSERT_TRUE(truth_of(&plant).omega_m_rad_s < 79.0);
+    advance(&plant, 5000);
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, 200.0 / 3.0, plant.motor.x.load_omega_rad_s);
+    c.load_is_passive = true;
+    c.load_Nm = 5.0;
+    c.load_ripple = 0.0;
+    plant_t braked = new_plant(&c);
+    advance(&braked, 5000);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, braked.motor.x.load_omega_rad_s);
+}
+
+/// A dynamometer stands no load of any kind.
+static void test_dynamometer_overrules_loads(void) {
+    plant_config_t c = coasting();
+    c.fan_Nms2 = 1e-3;
+    c.cogging_Nm = 1.0;
+    c.cogging_per_turn = 6.0;
+    c.speed_is_prescribed = true;
+    plant_t plant = new_plant(&c);
+    advance(&plant, 100);
+    TEST_ASSERT_TRUE(truth_of(&plant).omega_m_rad_s == 80.0);
+}
+
 /// Locked by a load above the motor's torque, released by one below it.
 static void test_passive_load_holds_at_standstill(void) {
     plant_config_t c = bench_config();
@@ -1263,6 +1406,24 @@ static void spoil_B(plant_config_t *c) {
 static void spoil_load(plant_config_t *c) {
     c->load_Nm = not_a_number;
 }
+static void spoil_ripple(plant_config_t *c) {
+    c->load_ripple = -0.1;
+}
+static void spoil_stiction(plant_config_t *c) {
+    c->stiction_Nm = -1.0;
+}
+static void spoil_fan(plant_config_t *c) {
+    c->fan_Nms2 = not_a_number;
+}
+static void spoil_cogging(plant_config_t *c) {
+    c->cogging_per_turn = -6.0;
+}
+static void spoil_second_mass(plant_config_t *c) {
+    c->load_J_kgm2 = 0.1; // without a shaft
+}
+static void spoil_shaft(plant_config_t *c) {
+    c->backlash_rad = 7.0;
+}
 static void spoil_theta(plant_config_t *c) {
     c->theta_e_rad = not_a_number;
 }
@@ -1311,11 +1472,13 @@ static void spoil_stamp(plant_config_t *c) {
 
 static void test_bad_configurations_are_refused(void) {
     static const spoil_t spoil[] = {
-        spoil_pole_pairs,  spoil_Rs,      spoil_Ld,    spoil_Lq,     spoil_psi,    spoil_i_sat,
-        spoil_Lq_sat,      spoil_emf,     spoil_phase, spoil_J,      spoil_B,      spoil_load,
-        spoil_theta,       spoil_omega,   spoil_level, spoil_period, spoil_bus,    spoil_dead_time,
-        spoil_drop,        spoil_r_on,    spoil_bits,  spoil_gain,   spoil_offset, spoil_noise,
-        spoil_temperature, spoil_instant, spoil_stamp};
+        spoil_pole_pairs, spoil_Rs,          spoil_Ld,        spoil_Lq,       spoil_psi,
+        spoil_i_sat,      spoil_Lq_sat,      spoil_emf,       spoil_phase,    spoil_J,
+        spoil_B,          spoil_load,        spoil_theta,     spoil_omega,    spoil_level,
+        spoil_period,     spoil_bus,         spoil_dead_time, spoil_drop,     spoil_r_on,
+        spoil_bits,       spoil_gain,        spoil_offset,    spoil_noise,    spoil_temperature,
+        spoil_instant,    spoil_stamp,       spoil_ripple,    spoil_stiction, spoil_fan,
+        spoil_cogging,    spoil_second_mass, spoil_shaft};
     for (size_t n = 0; n < sizeof spoil / sizeof spoil[0]; n++) {
         plant_config_t c = plant_config_jiang2022();
         plant_t plant, untouched;
@@ -1516,6 +1679,13 @@ int main(void) {
     RUN_TEST(test_saturation_law);
     RUN_TEST(test_coast_down_time_constant);
     RUN_TEST(test_passive_and_active_load);
+    RUN_TEST(test_fan_law);
+    RUN_TEST(test_ripple_once_per_turn);
+    RUN_TEST(test_cogging_over_the_angle);
+    RUN_TEST(test_stiction_holds_and_lets_go);
+    RUN_TEST(test_two_masses_swing);
+    RUN_TEST(test_backlash_and_friction_behind_it);
+    RUN_TEST(test_dynamometer_overrules_loads);
     RUN_TEST(test_passive_load_holds_at_standstill);
     RUN_TEST(test_dynamometer);
     RUN_TEST(test_adc_scale_offset_and_gain);

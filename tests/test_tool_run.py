@@ -140,6 +140,19 @@ def mismatch(checks, folder):
         checks.at_most(abs(found - expected), 1.0, f"angle error with Lq x {factor} off {expected:.2f}")
 
 
+def loads(checks, folder):
+    """Loads are keys of the plant: a fan's torque goes with the square of the speed, a coupled inertia swings less."""
+    def phase(name, *sets):
+        folder.run("run", "steady_ideal", "--json", "l.json", *[x for s in sets for x in ("--set", s)])
+        return {p["name"]: p for p in folder.json("l.json")["phases"]}[name]
+    plain = phase("900")["torque_Nm"]["mean"]
+    fan = phase("900", "plant.fan_Nm=3", "plant.fan_rpm=1500", "plant.J_factor=2")["torque_Nm"]["mean"]
+    checks.at_most(abs(fan - plain - 3 * 0.6**2), 0.01, f"a fan at 0.6 of its speed: {fan - plain:.3f} Nm")
+    ripple = [phase("300", "plant.load_ripple=0.6", f"plant.J_factor={factor}")["speed_rpm"]["pp"] for factor in (1, 4)]
+    checks.true(ripple[0] > 3 * ripple[1] > 30, f"ripple of the load, of the speed with J and 4 J: {ripple}")
+    refused(checks, folder, ["run", "steady_ideal", "--set", "plant.load_J_kgm2=0.01"], "shaft_Nm_rad")
+
+
 def truth_as_source(checks, folder):
     done = folder.run("run", "main", "--set", "estimator.source=truth", "--json", "t.json")
     checks.equal(done.returncode, 0, f"exit code with the true angle: {done.stdout}")
@@ -236,6 +249,7 @@ def main():
         exit_codes(checks, folder)
         warnings(checks, folder)
         mismatch(checks, folder)
+        loads(checks, folder)
         truth_as_source(checks, folder)
         six_phases(checks, folder)
         list_and_help(checks, folder)

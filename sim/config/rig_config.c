@@ -288,6 +288,31 @@ static void describe_motor(const rig_config_t *config, plant_config_t *plant, ui
     plant->omega_m_rad_s = rig_rad_s_from_rpm(or_else(truth->speed0_rpm, 0.0));
 }
 
+/// A fan is known by its torque at a speed, the rated one unless given.
+static double fan_Nms2(const rig_config_t *config) {
+    const double np = (double)config->drive.motor.pole_pairs;
+    const double rated = (double)config->drive.motor.omega_rated_rad_s / np;
+    const double rpm = or_else(config->plant.fan_rpm, rig_rpm_from_rad_s(rated));
+    const double omega = rig_rad_s_from_rpm(rpm);
+    return or_else(config->plant.fan_Nm, 0.0) / (omega * omega);
+}
+
+static void describe_load(const rig_config_t *config, plant_config_t *plant) {
+    const rig_plant_t *truth = &config->plant;
+    plant->load_is_passive = truth->load_kind == 0;
+    plant->J_kgm2 *= or_else(truth->J_factor, 1.0);
+    plant->load_ripple = or_else(truth->load_ripple, 0.0);
+    plant->stiction_Nm = or_else(truth->stiction_Nm, 0.0);
+    plant->fan_Nms2 = fan_Nms2(config);
+    plant->cogging_Nm = or_else(truth->cogging_Nm, 0.0);
+    plant->cogging_per_turn =
+        or_else(truth->cogging_per_turn, 2.0 * (double)config->drive.motor.pole_pairs);
+    plant->load_J_kgm2 = or_else(truth->load_J_kgm2, 0.0);
+    plant->shaft_Nm_rad = or_else(truth->shaft_Nm_rad, 0.0);
+    plant->shaft_Nms_rad = or_else(truth->shaft_Nms_rad, 0.0);
+    plant->backlash_rad = rig_rad_from_deg(or_else(truth->backlash_deg, 0.0));
+}
+
 static void describe_inverter(const rig_config_t *config, plant_config_t *plant) {
     const rig_plant_t *truth = &config->plant;
     const lode_inverter_config_t *inverter = &config->drive.inverter;
@@ -345,8 +370,8 @@ bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double 
     uint64_t state = (uint64_t)config->scenario.seed;
     memset(plant, 0, sizeof *plant);
     plant->seed = state;
-    plant->load_is_passive = config->plant.load_kind == 0;
     describe_motor(config, plant, &state);
+    describe_load(config, plant);
     describe_inverter(config, plant);
     describe_board(config, plant, &state);
     *extra_load_Nm = or_else(config->plant.load_spread_Nm, 0.0) * uniform(&state);

@@ -56,6 +56,10 @@ typedef struct {
     double emf11_ratio, emf11_phase_deg, emf13_ratio, emf13_phase_deg;
     int inverter;  ///< plant_level_t
     int load_kind; ///< 0 passive, 1 signed
+    double load_ripple, stiction_Nm, cogging_Nm, cogging_per_turn;
+    double fan_Nm, fan_rpm; ///< torque of a fan at a speed
+    double J_factor;        ///< of J_kgm2: what is coupled to the motor
+    double load_J_kgm2, shaft_Nm_rad, shaft_Nms_rad, backlash_deg;
     double v_bus_V, dead_time_s, v_drop_V, v_diode_V, r_on_Ohm, pwm_ticks;
     double i_offset_A[PLANT_LEGS], i_gain_error[PLANT_LEGS];
     double i_noise_A, v_bus_noise_V, temperature_degC, sample_offset_s;

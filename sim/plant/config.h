@@ -46,6 +46,15 @@ typedef struct {
     double B_Nms;             ///< viscous friction, 0 and up
     double load_Nm;           ///< at the start; see plant_set_load
     bool load_is_passive;     ///< true: opposes motion and holds; false: signed, may drive
+    double load_ripple;       ///< share by which load_Nm swings once per mechanical turn, 0 and up
+    double stiction_Nm;       ///< held at standstill on top of a passive load, 0 and up
+    double fan_Nms2;          ///< load torque per square of the mechanical speed, 0 and up
+    double cogging_Nm;        ///< amplitude of a torque that follows the rotor's angle, 0 and up
+    double cogging_per_turn;  ///< its periods in a mechanical turn
+    double load_J_kgm2;       ///< a second mass, on which the load acts; 0: none
+    double shaft_Nm_rad;      ///< stiffness between the masses, above 0 where there are two
+    double shaft_Nms_rad;     ///< damping between them, 0 and up
+    double backlash_rad;      ///< mechanical angle between one flank and the other, 0 and up
     bool speed_is_prescribed; ///< true: a dynamometer holds omega_m; see plant_set_speed
     double theta_e_rad;       ///< at the start
     double omega_m_rad_s;     ///< at the start, mechanical

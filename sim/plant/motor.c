@@ -1,6 +1,7 @@
 #include "plant/motor.h"
 
 #include "plant/flux.h"
+#include "plant/load.h"
 
 #include <math.h>
 
@@ -33,12 +34,6 @@ typedef struct {
     plant_vector_t push[PLANT_SETS]; // voltage of floating phases, two sets only
 } slope_t;
 
-/// What the shaft feels besides the motor's torque and viscous friction; constant in one step.
-typedef struct {
-    double load_Nm;
-    double inv_J; ///< 0 where the speed is held, by a dynamometer or by the load at standstill
-} shaft_t;
-
 void plant_motor_init(plant_motor_t *self, const plant_config_t *config) {
     const bool saturates = config->i_sat_A > 0.0;
     const bool dual = config->sets == PLANT_SETS;
@@ -68,6 +63,7 @@ void plant_motor_init(plant_motor_t *self, const plant_config_t *config) {
         .keeps_accounts = config->keeps_accounts,
     };
     plant_flux_init(self, config);
+    plant_load_init(self, config);
     self->is_plain = !dual && !saturates && !self->has_dq_harmonics && !config->keeps_accounts;
     plant_motor_refresh_angle(self);
 }
@@ -75,7 +71,9 @@ void plant_motor_init(plant_motor_t *self, const plant_config_t *config) {
 void plant_motor_refresh_angle(plant_motor_t *self) {
     plant_motor_state_t *x = &self->x;
     if (!(x->theta_e_rad > -PI && x->theta_e_rad <= PI)) {
-        x->theta_e_rad -= 2.0 * PI * ceil(x->theta_e_rad / (2.0 * PI) - 0.5);
+        const double turns = ceil(x->theta_e_rad / (2.0 * PI) - 0.5);
+        x->theta_e_rad -= 2.0 * PI * turns;
+        self->turns = (int)fmod((double)self->turns + turns, self->np);
     }
     x->cos_theta = cos(x->theta_e_rad);
     x->sin_theta = sin(x->theta_e_rad);
@@ -208,23 +206,27 @@ HOT slope_t slope_at(const plant_motor_t *m, const plant_drive_t *drive, const p
 }
 
 /// A passive load opposes motion; at standstill it holds as long as it is the stronger.
-static shaft_t shaft_at(const plant_motor_t *m, double torque) {
+static plant_shaft_t shaft_at(const plant_motor_t *m, double torque, double h_s) {
+    if (m->has_load) {
+        return plant_load_shaft(m, torque, h_s);
+    }
     if (m->speed_is_prescribed) {
-        return (shaft_t){.load_Nm = 0.0, .inv_J = 0.0};
+        return (plant_shaft_t){.load_Nm = 0.0, .inv_J = 0.0};
     }
     if (!m->load_is_passive) {
-        return (shaft_t){.load_Nm = m->load_Nm, .inv_J = m->inv_J};
+        return (plant_shaft_t){.load_Nm = m->load_Nm, .inv_J = m->inv_J};
     }
     const double strength = fabs(m->load_Nm);
     const bool at_rest = !(m->x.omega_m_rad_s > 0.0) && !(m->x.omega_m_rad_s < 0.0);
     if (at_rest && fabs(torque) <= strength) {
-        return (shaft_t){.load_Nm = 0.0, .inv_J = 0.0};
+        return (plant_shaft_t){.load_Nm = 0.0, .inv_J = 0.0};
     }
     const double direction = at_rest ? torque : m->x.omega_m_rad_s;
-    return (shaft_t){.load_Nm = copysign(strength, direction), .inv_J = m->inv_J};
+    return (plant_shaft_t){.load_Nm = copysign(strength, direction), .inv_J = m->inv_J};
 }
 
-HOT double acceleration(const plant_motor_t *m, const shaft_t *shaft, double torque, double omega) {
+HOT double acceleration(const plant_motor_t *m, const plant_shaft_t *shaft, double torque,
+                        double omega) {
     return (torque - shaft->load_Nm - m->B_Nms * omega) * shaft->inv_J;
 }
 
@@ -245,7 +247,7 @@ static inline void rotate(double angle, double *c, double *s) {
 
 /// A passive load stops the shaft, it never turns it back. The rest of the speed becomes its heat.
 static void stop_at_reversal(plant_motor_t *m, double omega_before, plant_stretch_t *sum) {
-    if (m->load_is_passive && !m->speed_is_prescribed && omega_before * m->x.omega_m_rad_s < 0.0) {
+    if (omega_before * m->x.omega_m_rad_s < 0.0 && plant_load_stops(m)) {
         sum->load_J += plant_motor_kinetic_energy(m);
         m->x.omega_m_rad_s = 0.0;
     }
@@ -282,7 +284,7 @@ static void note_ends_of_sets(const plant_drive_t *drive, const slope_t *k, plan
 }
 
 /// The quadratures that belong to the states: the same weights at the same three points.
-static void integrate(const plant_motor_t *m, const shaft_t *shaft, const point_t *p,
+static void integrate(const plant_motor_t *m, const plant_shaft_t *shaft, const point_t *p,
                       const slope_t *k, double h, plant_stretch_t *sum) {
     const double g = h / 6.0, g1 = 4.0 * g;
     sum->i_alpha_As = g * (p[0].id * p[0].cos - p[0].iq * p[0].sin) +
@@ -327,7 +329,7 @@ static void integrate_second_set(const plant_drive_t *drive, const point_t *p, c
 /// All phases float: no current, no torque, only (M4) is left.
 static void coast(plant_motor_t *m, double h, plant_stretch_t *sum) {
     const double omega_0 = m->x.omega_m_rad_s;
-    const shaft_t shaft = shaft_at(m, 0.0);
+    const plant_shaft_t shaft = shaft_at(m, 0.0, h);
     const plant_planes_t flux_0 = plant_flux_magnet(m, &m->x),
                          emf_0 = plant_flux_open_emf(m, &m->x);
     // The linear equation needs two corrections to be as good as the rest.
@@ -382,7 +384,7 @@ HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant
     slope_t k[3];
     p[0] = point_of(self, x);
     k[0] = slope_at(self, drive, &p[0], kind);
-    const shaft_t shaft = shaft_at(self, k[0].torque);
+    const plant_shaft_t shaft = shaft_at(self, k[0].torque, h_s);
     const double a_0 = acceleration(self, &shaft, k[0].torque, p[0].omega);
 
     double c, s; // of half the angle turned, taken twice; then what acceleration adds to that
@@ -433,8 +435,8 @@ HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant
 }
 
 /// A copy of the code for each kind: most runs need the shortest.
-void plant_motor_step(plant_motor_t *self, const plant_drive_t *drive, double h_s,
-                      plant_stretch_t *sum) {
+static void step_rotor(plant_motor_t *self, const plant_drive_t *drive, double h_s,
+                       plant_stretch_t *sum) {
     const bool dual = self->sets == PLANT_SETS;
     if (drive->floating[0] == PLANT_ALL_FLOAT && (!dual || drive->floating[1] == PLANT_ALL_FLOAT)) {
         coast(self, h_s, sum);
@@ -445,6 +447,17 @@ void plant_motor_step(plant_motor_t *self, const plant_drive_t *drive, double h_
     } else {
         step(self, drive, h_s, sum, (kind_t){.dual = false});
     }
+}
+
+void plant_motor_step(plant_motor_t *self, const plant_drive_t *drive, double h_s,
+                      plant_stretch_t *sum) {
+    if (!(self->load.J_kgm2 > 0.0)) {
+        step_rotor(self, drive, h_s, sum);
+        return;
+    }
+    const plant_motor_state_t before = self->x;
+    step_rotor(self, drive, h_s, sum);
+    plant_load_follow(self, &before, h_s);
 }
 
 double plant_motor_longest_step(const plant_motor_t *self, double R_Ohm) {
@@ -463,6 +476,9 @@ double plant_motor_longest_step(const plant_motor_t *self, double R_Ohm) {
         const double stiffness =
             self->power * self->np * self->np * (psi_d * psi_d + psi_q * psi_q) / L;
         fastest2 = fmax(fastest2, stiffness * self->inv_J);
+    }
+    if (self->has_load) {
+        fastest2 = fmax(fastest2, plant_load_swing2(self));
     }
     // 0.05 rad of the fastest motion: 5e-6 of relative error per radian.
     return 0.05 / sqrt(fmax(fastest2, 2500.0));

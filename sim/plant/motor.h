@@ -5,6 +5,7 @@
 ///     dpsi_q/dt = uq - Rt iq - w (psi_d + h_q)                                               (M2)
 ///     Te = 1.5 np ((psi_d + h_q) iq - (psi_q - h_d) id)                                      (M3)
 ///     J domega/dt = Te - load - B omega                                                      (M4)
+/// with what load.h puts on the shaft.
 /// psi_d = psi + Ld id, psi_q = Lq_sat iq + (Lq - Lq_sat) iq / (1 + |iq|/i_sat), so each flux
 /// depends on its own current only: the field energy is a function of state. h is the EMF of the
 /// 5th and 7th harmonic per rad/s, in dq; it depends on the angle only, so (M3) takes from the
@@ -24,7 +25,15 @@ typedef struct {
     double omega_m_rad_s;
     double theta_e_rad;          ///< not wrapped within a period
     double cos_theta, sin_theta; ///< kept by small rotations, refreshed once a period
+    double load_omega_rad_s;     ///< of the second mass
+    double twist_rad;            ///< the rotor's mechanical angle less the second mass'
 } plant_motor_state_t;
+
+/// See load.h. A field that is 0 switches its effect off.
+typedef struct {
+    double fan_Nms2, stiction_Nm, load_ripple, cogging_Nm, cogging_per_turn;
+    double J_kgm2, shaft_Nm_rad, shaft_Nms_rad, half_gap_rad;
+} plant_load_t;
 
 /// psi r exp(j phase), Wb.
 typedef struct {
@@ -41,7 +50,10 @@ typedef struct {
     bool speed_is_prescribed;
     bool load_is_passive;
     double load_Nm;
+    int turns; ///< electrical, completed: theta + 2 pi turns is np times the mechanical angle
     // Constants from here on.
+    bool has_load; ///< any of `load`
+    plant_load_t load;
     int sets;
     double power; ///< of two vectors' product: 1.5 per set
     double np, Rs_Ohm, Ld_H, Lq_H, Lq_sat_H, Lxy_H, psi_Wb, i_sat_A;

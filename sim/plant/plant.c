@@ -90,6 +90,22 @@ static const char *check_shaft(const plant_config_t *c) {
     if (!within(c->load_Nm, -1e6, 1e6)) {
         return "load_Nm must be -1e6..1e6";
     }
+    if (!within(c->load_ripple, 0.0, 10.0)) {
+        return "load_ripple must be 0..10";
+    }
+    if (!within(c->stiction_Nm, 0.0, 1e6) || !within(c->fan_Nms2, 0.0, 1e6)) {
+        return "stiction_Nm and fan_Nms2 must be 0..1e6";
+    }
+    if (!within(c->cogging_Nm, 0.0, 1e6) || !within(c->cogging_per_turn, 0.0, 1e4)) {
+        return "cogging_Nm must be 0..1e6, cogging_per_turn 0..1e4";
+    }
+    if (!within(c->load_J_kgm2, 0.0, 1e6) ||
+        (c->load_J_kgm2 > 0.0 && !within(c->shaft_Nm_rad, 1e-9, 1e9))) {
+        return "load_J_kgm2 must be 0..1e6, with shaft_Nm_rad 1e-9..1e9";
+    }
+    if (!within(c->shaft_Nms_rad, 0.0, 1e6) || !within(c->backlash_rad, 0.0, 6.3)) {
+        return "shaft_Nms_rad must be 0..1e6, backlash_rad 0..6.3";
+    }
     if (!within(c->theta_e_rad, -1e6, 1e6)) {
         return "theta_e_rad must be -1e6..1e6";
     }
