@@ -13,8 +13,7 @@
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
-    self->steady =
-        self->gates && !self->mail && mode == LODE_MODE_RUN && self->command.mode == LODE_MODE_RUN;
+    self->steady = self->gates && !self->mail && mode == LODE_MODE_RUN;
 }
 
 // Which samples are of use once the sensing, or what acts, has changed.
@@ -42,7 +41,7 @@ LODE_NOINLINE void lode_mode_switch_off(lode_drive_t *self) {
 }
 
 LODE_NOINLINE void lode_mode_obey_guard(lode_drive_t *self) {
-    if (!lode_guard_is_good(&self->guard) && lode_mode(self) != LODE_MODE_FAULT) {
+    if (!lode_guard_is_good(&self->guard)) {
         open_gates(self, LODE_MODE_FAULT);
     }
 }
@@ -173,7 +172,7 @@ LODE_NOINLINE void lode_mode_follow(lode_drive_t *self) {
         follow_start(self);
     } else if (self->command.mode == lode_mode(self)) {
         set_mode(self, lode_mode(self)); // steady again
-    } else if (self->gates) {
+    } else {
         lode_mode_switch_off(self);
     }
 }

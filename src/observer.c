@@ -17,12 +17,15 @@ void lode_observer_design(lode_observer_config_t *config, float omega_rated_rad_
 #undef LODE_OBSERVER
 }
 
+static lode_status_t first_error(lode_status_t a, lode_status_t b) {
+    return a != LODE_OK ? a : b;
+}
+
 // Every field that an observer of this build knows, also while another one is chosen.
 static lode_status_t check(const lode_observer_config_t *config, float ts_s) {
     lode_status_t status = LODE_OK;
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
-    LODE_IF_BUILT_IN(                                                                              \
-        ID, if (status == LODE_OK) { status = id##_check(config, ts_s); })
+    LODE_IF_BUILT_IN(ID, status = first_error(status, id##_check(config, ts_s));)
 #include "lodestar/observers.def"
 #undef LODE_OBSERVER
     return status;

@@ -27,8 +27,7 @@ static void gi_leso_design(lode_observer_config_t *config, float omega_rated_rad
 static lode_status_t gi_leso_check(const lode_observer_config_t *config, float ts_s) {
     const bool good = lode_in_range(config->gi_kappa, 0.0f, GI_LESO_KAPPA_MAX) &&
                       lode_in_range(config->gi_wc_rad_s, 0.01f, 100.0f);
-    const lode_status_t status = observer_check_w0(config, ts_s);
-    return status == LODE_OK && !good ? LODE_ERROR_EMF_GI : status;
+    return good ? observer_check_w0(config, ts_s) : LODE_ERROR_EMF_GI;
 }
 
 static lode_status_t gi_leso_check_pll(const lode_observer_config_t *config, float sigma_rad_s,

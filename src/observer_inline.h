@@ -14,13 +14,15 @@ void lode_observer_step_called(lode_observer_t *self, const lode_observer_tuning
 
 // False for an observer that does not need step angle and speed.
 LODE_INLINE bool lode_observer_rotates(const lode_observer_tuning_t *tuning) {
-#define ROTATES_FIXED(ID) rotates = rotates && tuning->kind != LODE_EMF_##ID;
+#define ROTATES_FIXED(ID)                                                                          \
+    if (tuning->kind == LODE_EMF_##ID) {                                                           \
+        return false;                                                                              \
+    }
 #define ROTATES_INLINE(ID)
 #define ROTATES_CALLED(ID)
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) ROTATES_##STEP(ID)
-    bool rotates = true;
 #include "lodestar/observers.def"
-    return rotates;
+    return true;
 #undef LODE_OBSERVER
 #undef ROTATES_CALLED
 #undef ROTATES_INLINE

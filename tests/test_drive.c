@@ -3,6 +3,7 @@
 
 #include "design/tuning_fields.h"
 #include "lodestar/channel.h"
+#include "mode.h"
 
 void setUp(void) {}
 
@@ -317,6 +318,10 @@ static void test_speed_control_runs_as_often_as_its_bandwidth_asks(void) {
         TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
         TEST_ASSERT_EQUAL_UINT32(LODE_SLOW_PERIODS, other_tuning.speed_periods);
     }
+    // Or in every period, as the papers have it, if that is asked for.
+    config.speed.every_period = LODE_ON;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    TEST_ASSERT_EQUAL_UINT32(1u, other_tuning.speed_periods);
 }
 
 static void test_every_rate_of_speed_control_drives(void) {
@@ -471,6 +476,19 @@ static void test_commands_wait_for_the_next_period_and_the_last_counts(void) {
     rig_step(&rig);
     TEST_ASSERT_TRUE(rig.out.gates);
     TEST_ASSERT_EQUAL_FLOAT(4.0f, rig_telemetry(&rig).u_V.d);
+}
+
+static void test_a_command_that_comes_within_a_period_waits_for_the_next(void) {
+    // From an interrupt of higher priority, behind the place where the step takes the mail.
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(60.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    rig_command(&rig, off);
+    lode_mode_follow(&rig.drive);
+    rig_expect(&rig, LODE_MODE_RUN);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_OFF);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
 }
 
 static void test_huge_commands_give_duties(void) {
@@ -791,6 +809,42 @@ static void test_hardware_trip_in_the_same_call(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, rig_telemetry(&rig).fault.check);
 }
 
+static void test_a_single_sample_at_the_rail_passes(void) {
+    lode_drive_config_t config = rig_config();
+    config.guard.i_trip_A = 2047.0f * (float)RIG_GAIN_A; // what the highest count says
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {4.0f, 0.0f}});
+    rig_run(&rig, 0.1);
+    lode_counts_t counts = rig_counts(&rig);
+    counts.i[0] = 4095u;
+    TEST_ASSERT_TRUE(lode_drive_step(&rig.drive, &counts).gates);
+    rig_run(&rig, 0.1);
+    rig_expect(&rig, LODE_MODE_CURRENT);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
+    for (int n = 0; n < 10; n++) { // of the 5 periods in 1 ms
+        (void)lode_drive_step(&rig.drive, &counts);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_RAIL, rig_telemetry(&rig).fault.check);
+}
+
+static void test_a_call_that_is_late_trips_at_once(void) {
+    lode_drive_config_t config = rig_config();
+    config.guard.stamp_per_period = 1000.0f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.blocked = true;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {4.0f, 0.0f}});
+    rig_run(&rig, 0.1);
+    TEST_ASSERT_TRUE(rig.out.gates);
+    rig.stamp += 1000u; // one was left out
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_TIMING, fault.check);
+    TEST_ASSERT_EQUAL_FLOAT(2000.0f, fault.measured);
+}
+
 static void test_bus_out_of_range_trips_after_its_debounce(void) {
     const uint16_t buses[] = {2600, 1100}; // 260 V of 250 V, 110 V of 120 V
     const lode_check_t checks[] = {LODE_CHECK_OVER_VOLTAGE, LODE_CHECK_UNDER_VOLTAGE};
@@ -998,8 +1052,12 @@ static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
     }
 }
 
-static void test_an_estimate_of_the_hosts_own_is_taken_over(void) {
-    rig_t rig = fresh();
+/// With the PLL `kind`: the estimate of the QPLL has no load torque in it.
+static void drive_by_an_encoder(lode_pll_kind_t kind) {
+    lode_drive_config_t config = rig_config();
+    config.estimator.pll.kind = kind;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
     rig_command(&rig, run_at(60.0));
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
     rig_run(&rig, 1.0);
@@ -1020,9 +1078,15 @@ static void test_an_estimate_of_the_hosts_own_is_taken_over(void) {
         CHECK_NEAR(1.0e-3, 10.0 * CHECK_DEG, angle_error((double)t.theta_rad, theta));
         CHECK_CLOSE(1.0e-6, rig.motor.omega, t.omega_rad_s);
         CHECK_CLOSE(1.0e-6, (double)e.i_A.q, t.i_A.q);
+        CHECK_NEAR(0.1, kind == LODE_PLL_LESO ? 0.25 : 0.0, t.load_torque_Nm);
         rig_move(&rig);
     }
     CHECK_CLOSE(0.01, 60.0, rig.motor.omega / 3.0);
+}
+
+static void test_an_estimate_of_the_hosts_own_is_taken_over(void) {
+    drive_by_an_encoder(LODE_PLL_LESO);
+    drive_by_an_encoder(LODE_PLL_QPLL);
 }
 
 static void test_a_voltage_that_is_none_trips_in_the_same_call(void) {
@@ -1236,6 +1300,7 @@ int main(void) {
     RUN_TEST(test_a_blocked_rotor_ends_in_a_start_fault);
     RUN_TEST(test_bad_commands_are_refused_and_change_nothing);
     RUN_TEST(test_commands_wait_for_the_next_period_and_the_last_counts);
+    RUN_TEST(test_a_command_that_comes_within_a_period_waits_for_the_next);
     RUN_TEST(test_huge_commands_give_duties);
     RUN_TEST(test_the_same_tuning_changes_nothing);
     RUN_TEST(test_a_new_tuning_is_taken_at_a_period);
@@ -1247,6 +1312,8 @@ int main(void) {
     RUN_TEST(test_a_bus_without_reading_stays_in_range);
     RUN_TEST(test_over_current_of_either_sign_in_the_same_call);
     RUN_TEST(test_hardware_trip_in_the_same_call);
+    RUN_TEST(test_a_single_sample_at_the_rail_passes);
+    RUN_TEST(test_a_call_that_is_late_trips_at_once);
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);

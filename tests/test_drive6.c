@@ -189,6 +189,43 @@ static void test_over_current_in_set_2_is_seen(void) {
     expect_fault(&rig, LODE_CHECK_OVER_CURRENT);
 }
 
+static void test_a_single_sample_at_the_rail_passes(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.guard.i_trip_A = 2047.0f * (float)RIG6_GAIN_A; // what the highest count says
+    rig6_t rig = rig_with(&config);
+    lode_counts6_t counts = rig6_counts(&rig);
+    counts.set[1].i[0] = 4095u;
+    (void)lode_drive6_step(&rig.drive, &counts); // with the gates off nothing is in danger
+    rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {1.0f, 0.0f}});
+    rig6_run(&rig, 0.1);
+    const lode_drive6_out_t out = lode_drive6_step(&rig.drive, &counts);
+    TEST_ASSERT_TRUE(out.set[0].gates && out.set[1].gates);
+    for (int n = 0; n < 20; n++) { // of the 10 periods in 1 ms
+        rig.out = lode_drive6_step(&rig.drive, &counts);
+    }
+    expect_fault(&rig, LODE_CHECK_CURRENT_RAIL);
+}
+
+static void test_a_voltage_that_is_none_in_either_set_trips_in_the_same_call(void) {
+    // A bus that the host made up has room for 300 V in one set, of the 300 V that there are.
+    for (int set = 0; set < LODE_SETS; set++) {
+        const lode_drive6_config_t config = rig6_config();
+        rig6_t rig = rig_with(&config);
+        rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE, .vector = {150.0f, 0.0f}});
+        rig6_step(&rig);
+        rig6_step(&rig);
+        TEST_ASSERT_TRUE(rig.out.set[0].gates);
+        rig.drive.xy.x.integral =
+            set == 0 ? 150.0f : -150.0f; // as much to the one set as to the other
+        const lode_counts6_t counts = rig6_counts(&rig);
+        lode_sample6_t m = lode_drive6_sense(&rig.drive, &counts);
+        const lode_estimate_t e = lode_drive6_estimate(&rig.drive, &m);
+        m.machine.v_bus_V = 1.0e7f;
+        rig.out = lode_drive6_act(&rig.drive, &m, &e);
+        expect_fault(&rig, LODE_CHECK_NON_FINITE);
+    }
+}
+
 static void test_the_hotter_set_counts(void) {
     lode_drive6_config_t config = rig6_config();
     config.drive.sense.temperature_gain_degC_count = 0.1f;
@@ -544,6 +581,8 @@ int main(void) {
     RUN_TEST(test_an_implausible_offset_of_either_set_is_a_fault);
     RUN_TEST(test_a_trip_of_either_set_switches_both_off_at_once);
     RUN_TEST(test_over_current_in_set_2_is_seen);
+    RUN_TEST(test_a_single_sample_at_the_rail_passes);
+    RUN_TEST(test_a_voltage_that_is_none_in_either_set_trips_in_the_same_call);
     RUN_TEST(test_the_hotter_set_counts);
     RUN_TEST(test_outputs_stay_in_range_whatever_comes_in);
     RUN_TEST(test_without_an_open_phase_nothing_is_reported);

@@ -257,6 +257,9 @@ static void test_enumerators(void) {
     config = minimal();
     config.inverter.dead_time_model = (lode_choice_t)9;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
+    config = minimal();
+    config.speed.every_period = (lode_choice_t)9;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
 }
 
 static void test_pole_pairs(void) {

@@ -622,6 +622,9 @@ static void test_kind_is_an_enumerator(void) {
         lode_observer_config_t config = observers[0];
         config.kind = (lode_emf_kind_t)kinds[i];
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_EMF_KIND, try_with(&config));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_EMF_KIND, lode_observer_check_pll(&config, 100.0f, true));
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, lode_observer_lag_rad(&config, PAPER_TS_s, 100.0f));
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, lode_observer_droop_s2(&config));
     }
 }
 
