@@ -279,6 +279,11 @@ static void test_combinations_that_would_not_be_stable(void) {
     config.speed.kp_Nms = 5.0f; // crossover 287 rad/s above the PLL's 60
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_BANDWIDTH, try_config(&config));
     config = minimal();
+    config.speed.kp_Nms = 1.0e-7f * FLT_MIN; // over this inertia: a bandwidth of nothing
+    config.speed.gain_rise = 1.0f;
+    config.motor.J_kgm2 = 3.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_GAINS, try_config(&config));
+    config = minimal();
     config.current.kp_q_V_A = 49.0f; // Lq/Ts
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_CURRENT_GAINS, try_config(&config));
     config = minimal();

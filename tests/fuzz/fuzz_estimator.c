@@ -1,13 +1,25 @@
 // Estimator: any configuration that is accepted, any voltages and currents, any state.
 #include "lodestar/estimator.h"
+#include "pll_inline.h"
 #include "support/fuzz.h"
+
+// Until it is normalised, once in a round, a small correction stretches the rotation by half its square,
+// and a large one by what lode_angle_shorten() leaves; the line through the lag adds its own.
+static float longest_rotor(const lode_estimator_tuning_t *tuning) {
+    const double small = 0.05;   // CORRECTION_SMALL_rad
+    const double lag = 0.125;    // LAG_MOVE_MAX_rad
+    const double largest = 1.1 * // SINE_MAX
+                           (double)lode_pll_gains(&tuning->pll, tuning->omega_limit).theta;
+    const double square = largest * largest;
+    const double left = sqrt(1.0 + square) * (1.0 - 0.5 * square * (1.0 - 0.75 * square));
+    const double period = fmax(1.0 + 0.5 * small * small, left);
+    return (float)(pow(period, LODE_SLOW_PERIODS) * (1.0 + 0.5 * lag * lag));
+}
 
 static void check(const lode_estimate_t *e, const lode_estimator_tuning_t *tuning) {
     FUZZ_CHECK(lode_in_range(lode_estimate_theta_rad(e), -LODE_PI, LODE_PI));
     FUZZ_CHECK(lode_in_range(e->omega_rad_s, -tuning->omega_limit, tuning->omega_limit));
-    // Of length 1 but for the corrections since it was last normalised.
-    FUZZ_CHECK(lode_in_range(e->rotor.sin, -1.01f, 1.01f) &&
-               lode_in_range(e->rotor.cos, -1.01f, 1.01f));
+    FUZZ_CHECK(hypotf(e->rotor.sin, e->rotor.cos) <= longest_rotor(tuning));
     FUZZ_CHECK(lode_is_finite(e->i_A.d) && lode_is_finite(e->i_A.q));
     FUZZ_CHECK(lode_is_finite(e->e_V.alpha) && lode_is_finite(e->e_V.beta));
     FUZZ_CHECK(lode_is_finite(e->load_torque_Nm));
@@ -37,8 +49,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     uint32_t settle = 0u;
     if ((choice & 8u) != 0u) {
         fuzz_take(&in, &estimator, sizeof estimator);
-        estimator.locked = (fuzz_byte(&in) & 1u) != 0u; // no other bit makes a bool
-        settle = LODE_SLOW_PERIODS; // until all that is derived has been renewed
+        const uint8_t bools = fuzz_byte(&in); // no other bits make one
+        estimator.locked = (bools & 1u) != 0u;
+        estimator.aligned = (bools & 2u) != 0u;
+        // Until all that is derived has been renewed: gains, and in the next round the length of the
+        // rotation that wrong ones have stretched.
+        settle = 2u * LODE_SLOW_PERIODS;
     }
     while (fuzz_more(&in)) {
         const lode_ab_t u = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
