@@ -285,16 +285,21 @@ def own_loops(checks, folder):
             return ((1 - p) / (1 - p * cmath.exp(-1j * at * TS))) ** 2
         return 0.5 * (h(carrier + w) / h(carrier) + (h(carrier - w) / h(carrier)).conjugate())
 
-    def speed(rpm):
+    def speed(rpm, periods=8):
+        """Once in a round: the mean of two speeds four periods apart, used two periods later."""
         gain = 1 + (c["speed"]["gain_rise"] - 1) * min(max(
             (rpm * math.pi / 10) / c["estimator"]["omega_high_rad_s"] - 1, 0), 1)
 
         def loop(w):
-            z = cmath.exp(1j * w * TS)  # 5 kHz: speed control in every period
-            controller = gain * (c["speed"]["kp_Nms"] + c["speed"]["ki_Nm"] * TS / (z - 1))
+            z = cmath.exp(1j * w * TS)
+            slow = z ** periods
+            slots = 0.5 * (1 + z ** -4) * z ** -2 if periods == 8 else 1
+            controller = slots * gain * (
+                c["speed"]["kp_Nms"] + c["speed"]["ki_Nm"] * periods * TS / (slow - 1))
             shaft = 1 / (1j * w * c["motor"]["J_kgm2"] + c["motor"]["B_Nms"])
             seen = side_bands(w, rpm * math.pi / 10) / (1j * w) * pll(w)[1] / (1 + pll(w)[0])
-            return (controller * (1 - 1 / z) / (1j * w * TS) * closed(current("q"))(w) * shaft * seen)
+            hold = (1 - 1 / slow) / (1j * w * periods * TS)
+            return controller * hold * closed(current("q"))(w) * shaft * seen
         return loop
 
     wanted = {("current, d axis", None): current("d"), ("current, q axis", None): current("q")}
@@ -310,6 +315,12 @@ def own_loops(checks, folder):
         near(checks, found[key]["crossover_rad_s"], crossover, 4e-3 * crossover, f"crossover of {key}")
         near(checks, found[key]["phase_margin_deg"], margin, 0.3, f"margin of {key}")
         checks.true(key[0] in done.stdout, f"{key[0]} is printed")
+    folder.run("analyse", "--set", "speed.every_period=on", "--json", "e.json")
+    for row in folder.json("e.json")["loops"]:
+        if row["loop"] == "speed, PI alone" and round(row["speed_rpm"]) in (300, 1500):
+            crossover, margin = crossing(speed(round(row["speed_rpm"]), 1), 5, 5000)
+            near(checks, row["crossover_rad_s"], crossover, 4e-3 * crossover, "in every period: crossover")
+            near(checks, row["phase_margin_deg"], margin, 0.3, "in every period: margin")
     # One more doubling than the gain margin allows, and the loop's phase has passed -180 degrees.
     added = found["current, q axis", None]["gain_margin_dB"]
     loop = current("q")

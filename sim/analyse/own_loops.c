@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "analyse/margins.h"
+#include "schedule.h"
 #include "support/units.h"
 
 enum { POINTS = 4000, OWN_SPEEDS = 3 };
@@ -68,6 +69,16 @@ static double gain_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
     return 1.0 + (double)tuning->rise * fmin(fmax(up, 0.0), 1.0);
 }
 
+/// From the speed estimate to the period in which the references made of it are used; `z` for one PWM
+/// period. Once in a round the slots of the slow jobs come behind current control, and the speed is the
+/// mean of two; more often the jobs come before it.
+static double complex slots(uint32_t periods, double complex z) {
+    if (periods == LODE_SLOW_PERIODS) {
+        return 0.5 * (1.0 + cpow(z, SLOT_GAINS - SLOT_SPEED)) / (z * z);
+    }
+    return periods > 1u ? 1.0 / z : 1.0;
+}
+
 static void speed(const task_t *task, int count, const double *Omega, double complex *value) {
     const lode_drive_config_t *drive = task->drive;
     const double gain = gain_at(&task->tuning->speed, task->omega_rad_s);
@@ -82,7 +93,8 @@ static void speed(const task_t *task, int count, const double *Omega, double com
         const double complex pi = kp + gain * (double)drive->speed.ki_Nm * period / (z - 1.0);
         const double complex shaft =
             1.0 / (s * (double)drive->motor.J_kgm2 + (double)drive->motor.B_Nms);
-        value[k] *= pi * held * open / (1.0 + open) * shaft;
+        value[k] *= pi * slots(task->tuning->speed_periods, cexp(s * task->ts_s)) * held * open /
+                    (1.0 + open) * shaft;
     }
 }
 
