@@ -30,41 +30,49 @@ typedef struct {
 
 /// Clarke transform of three phases; what they have in common drops out.
 LODE_INLINE lode_ab_t lode_clarke(lode_abc_t x) {
-    return (lode_ab_t){(2.0f * x.a - x.b - x.c) * (1.0f / 3.0f), (x.b - x.c) * (1.0f / LODE_SQRT3)};
+    const lode_ab_t out = {(2.0f * x.a - x.b - x.c) * (1.0f / 3.0f),
+                           (x.b - x.c) * (1.0f / LODE_SQRT3)};
+    return out;
 }
 
 /// Phase quantities that sum to zero.
 LODE_INLINE lode_abc_t lode_clarke_inverse(lode_ab_t x) {
     const float half = -0.5f * x.alpha;
     const float side = 0.5f * LODE_SQRT3 * x.beta;
-    return (lode_abc_t){x.alpha, half + side, half - side};
+    const lode_abc_t out = {x.alpha, half + side, half - side};
+    return out;
 }
 
 /// Park transform: x exp(-j theta).
 LODE_INLINE lode_dq_t lode_park(lode_ab_t x, lode_sincos_t theta) {
-    return (lode_dq_t){x.alpha * theta.cos + x.beta * theta.sin,
-                       x.beta * theta.cos - x.alpha * theta.sin};
+    const lode_dq_t out = {x.alpha * theta.cos + x.beta * theta.sin,
+                           x.beta * theta.cos - x.alpha * theta.sin};
+    return out;
 }
 
 /// Inverse Park transform: x exp(j theta).
 LODE_INLINE lode_ab_t lode_park_inverse(lode_dq_t x, lode_sincos_t theta) {
-    return (lode_ab_t){x.d * theta.cos - x.q * theta.sin, x.d * theta.sin + x.q * theta.cos};
+    const lode_ab_t out = {x.d * theta.cos - x.q * theta.sin, x.d * theta.sin + x.q * theta.cos};
+    return out;
 }
 
 /// Sine and cosine of the sum of two angles.
 LODE_INLINE lode_sincos_t lode_angle_add(lode_sincos_t a, lode_sincos_t b) {
-    return (lode_sincos_t){a.sin * b.cos + a.cos * b.sin, a.cos * b.cos - a.sin * b.sin};
+    const lode_sincos_t out = {a.sin * b.cos + a.cos * b.sin, a.cos * b.cos - a.sin * b.sin};
+    return out;
 }
 
 /// Sine and cosine of the difference a - b.
 LODE_INLINE lode_sincos_t lode_angle_subtract(lode_sincos_t a, lode_sincos_t b) {
-    return (lode_sincos_t){a.sin * b.cos - a.cos * b.sin, a.cos * b.cos + a.sin * b.sin};
+    const lode_sincos_t out = {a.sin * b.cos - a.cos * b.sin, a.cos * b.cos + a.sin * b.sin};
+    return out;
 }
 
 /// x exp(j angle).
 LODE_INLINE lode_ab_t lode_ab_rotate(lode_ab_t x, lode_sincos_t angle) {
-    return (lode_ab_t){x.alpha * angle.cos - x.beta * angle.sin,
-                       x.alpha * angle.sin + x.beta * angle.cos};
+    const lode_ab_t out = {x.alpha * angle.cos - x.beta * angle.sin,
+                           x.alpha * angle.sin + x.beta * angle.cos};
+    return out;
 }
 
 /// Square of the length, 1 but for rounding.
@@ -75,43 +83,51 @@ LODE_INLINE float lode_angle_length2(lode_sincos_t a) {
 /// Brought to length 1, from nearby.
 LODE_INLINE lode_sincos_t lode_angle_normalise(lode_sincos_t a) {
     const float scale = 1.5f - 0.5f * lode_angle_length2(a);
-    return (lode_sincos_t){scale * a.sin, scale * a.cos};
+    const lode_sincos_t out = {scale * a.sin, scale * a.cos};
+    return out;
 }
 
 /// Those of an angle rotated by a small one: atan(`x_rad`), at most 3 % less than it for 0.3 rad. The
 /// length grows by x^2/2: now and then lode_angle_normalise() takes that away.
 LODE_INLINE lode_sincos_t lode_angle_rotate_small(lode_sincos_t a, float x_rad) {
-    return (lode_sincos_t){a.sin + x_rad * a.cos, a.cos - x_rad * a.sin};
+    const lode_sincos_t out = {a.sin + x_rad * a.cos, a.cos - x_rad * a.sin};
+    return out;
 }
 
 /// Shortened by what lode_angle_rotate_small() by `x_rad` will add, to within 1.3 % for 0.6 rad.
 LODE_INLINE lode_sincos_t lode_angle_shorten(lode_sincos_t a, float x_rad) {
     const float scale = 1.0f - 0.5f * x_rad * x_rad * (1.0f - 0.75f * x_rad * x_rad);
-    return (lode_sincos_t){scale * a.sin, scale * a.cos};
+    const lode_sincos_t out = {scale * a.sin, scale * a.cos};
+    return out;
 }
 
 /// Sine and cosine of twice an angle.
 LODE_INLINE lode_sincos_t lode_angle_double(lode_sincos_t a) {
-    return (lode_sincos_t){2.0f * a.sin * a.cos, 1.0f - 2.0f * a.sin * a.sin};
+    const lode_sincos_t out = {2.0f * a.sin * a.cos, 1.0f - 2.0f * a.sin * a.sin};
+    return out;
 }
 
 /// Sine and cosine of three times an angle.
 LODE_INLINE lode_sincos_t lode_angle_triple(lode_sincos_t a) {
     const float q = 1.0f - 4.0f * a.sin * a.sin;
-    return (lode_sincos_t){a.sin * (q + 2.0f), a.cos * q};
+    const lode_sincos_t out = {a.sin * (q + 2.0f), a.cos * q};
+    return out;
 }
 
 LODE_INLINE lode_ab_t lode_ab_subtract(lode_ab_t x, lode_ab_t y) {
-    return (lode_ab_t){x.alpha - y.alpha, x.beta - y.beta};
+    const lode_ab_t out = {x.alpha - y.alpha, x.beta - y.beta};
+    return out;
 }
 
 /// x + k y.
 LODE_INLINE lode_ab_t lode_ab_add_scaled(lode_ab_t x, float k, lode_ab_t y) {
-    return (lode_ab_t){x.alpha + k * y.alpha, x.beta + k * y.beta};
+    const lode_ab_t out = {x.alpha + k * y.alpha, x.beta + k * y.beta};
+    return out;
 }
 
 LODE_INLINE lode_ab_t lode_ab_scale(float k, lode_ab_t x) {
-    return (lode_ab_t){k * x.alpha, k * x.beta};
+    const lode_ab_t out = {k * x.alpha, k * x.beta};
+    return out;
 }
 
 LODE_INLINE float lode_ab_length(lode_ab_t x) {

@@ -32,23 +32,28 @@ typedef struct {
 } lode_vsd_t;
 
 /// By which set 2 stands ahead of set 1: 30 degrees.
-#define LODE_SET_ANGLE ((lode_sincos_t){0.5f, 0.5f * LODE_SQRT3})
+LODE_INLINE lode_sincos_t lode_set_angle(void) {
+    const lode_sincos_t out = {0.5f, 0.5f * LODE_SQRT3};
+    return out;
+}
 
 /// A vector in the axes of set 2's own phases, seen in stator axes, and back.
 LODE_INLINE lode_ab_t lode_set2_to_stator(lode_ab_t x) {
-    return lode_ab_rotate(x, LODE_SET_ANGLE);
+    return lode_ab_rotate(x, lode_set_angle());
 }
 
 LODE_INLINE lode_ab_t lode_set2_from_stator(lode_ab_t x) {
-    const lode_dq_t own = lode_park(x, LODE_SET_ANGLE);
-    return (lode_ab_t){own.d, own.q};
+    const lode_dq_t own = lode_park(x, lode_set_angle());
+    const lode_ab_t out = {own.d, own.q};
+    return out;
 }
 
 /// Clarke transform of set 2's phases into stator axes, and back: as lode_clarke(), lode_clarke_inverse()
 /// and the turn by 30 degrees, in one. Scaled: in another unit, by `third` of its gain and by `side`, its
 /// gain over sqrt(3).
 LODE_INLINE lode_ab_t lode_set2_clarke_scaled(lode_abc_t x, float third, float side) {
-    return (lode_ab_t){(x.a - x.b) * side, (x.a + x.b - 2.0f * x.c) * third};
+    const lode_ab_t out = {(x.a - x.b) * side, (x.a + x.b - 2.0f * x.c) * third};
+    return out;
 }
 
 LODE_INLINE lode_ab_t lode_set2_clarke(lode_abc_t x) {
@@ -58,24 +63,28 @@ LODE_INLINE lode_ab_t lode_set2_clarke(lode_abc_t x) {
 LODE_INLINE lode_abc_t lode_set2_clarke_inverse(lode_ab_t x) {
     const float half = 0.5f * x.beta;
     const float side = 0.5f * LODE_SQRT3 * x.alpha;
-    return (lode_abc_t){half + side, half - side, -x.beta};
+    const lode_abc_t out = {half + side, half - side, -x.beta};
+    return out;
 }
 
 /// alpha-beta is the mean of both sets' vectors, xy half of their difference, mirrored (V1).
 LODE_INLINE lode_ab_t lode_vsd_ab(lode_sets_t x) {
-    return (lode_ab_t){0.5f * (x.set[0].alpha + x.set[1].alpha),
-                       0.5f * (x.set[0].beta + x.set[1].beta)};
+    const lode_ab_t out = {0.5f * (x.set[0].alpha + x.set[1].alpha),
+                           0.5f * (x.set[0].beta + x.set[1].beta)};
+    return out;
 }
 
 LODE_INLINE lode_ab_t lode_vsd_xy(lode_sets_t x) {
-    return (lode_ab_t){0.5f * (x.set[0].alpha - x.set[1].alpha),
-                       0.5f * (x.set[1].beta - x.set[0].beta)};
+    const lode_ab_t out = {0.5f * (x.set[0].alpha - x.set[1].alpha),
+                           0.5f * (x.set[1].beta - x.set[0].beta)};
+    return out;
 }
 
 /// Set 1: ab + conj(xy); set 2: ab - conj(xy) (V2).
 LODE_INLINE lode_sets_t lode_vsd_sets(lode_ab_t ab, lode_ab_t xy) {
-    return (lode_sets_t){
+    const lode_sets_t out = {
         {{ab.alpha + xy.alpha, ab.beta - xy.beta}, {ab.alpha - xy.alpha, ab.beta + xy.beta}}};
+    return out;
 }
 
 /// The whole 6 x 6 transform (V3), and its inverse (V4).
