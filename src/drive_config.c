@@ -127,6 +127,8 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
     }
     if (status == LODE_OK) {
         status = lode_guard_tune(&t->guard, &c->guard, &c->inverter, &c->sense, t->ts_s);
+    }
+    if (status == LODE_OK) {
         const float trip = t->guard.i_trip / lode_abs(t->sense.i_gain);
         t->sense.alert = (uint32_t)(int32_t)lode_min((float)t->sense.alert, trip);
     }

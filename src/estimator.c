@@ -68,6 +68,10 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
                                   float ts_s) {
     lode_estimator_tuning_t t = {.options = 0u};
     lode_status_t status = lode_motor_check(motor);
+    // Friction that stops the rotor within a period: the motion predicted from it would swing up.
+    if (status == LODE_OK && !(motor->B_Nms * ts_s <= motor->J_kgm2)) {
+        status = LODE_ERROR_MOTOR_B;
+    }
     if (status == LODE_OK) {
         status = lode_pll_tune(&t.pll, &config->pll, ts_s);
     }

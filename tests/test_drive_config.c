@@ -60,7 +60,7 @@ static const field_t needed[] = {
     NEEDED(motor.Lq_H, 1.0e-7f, 10.0f, LODE_ERROR_MOTOR_LQ),
     NEEDED(motor.psi_Wb, 1.0e-6f, 100.0f, LODE_ERROR_MOTOR_PSI),
     NEEDED(motor.J_kgm2, 1.0e-9f, 1.0e4f, LODE_ERROR_MOTOR_J),
-    NEEDED(motor.B_Nms, 0.0f, 1.0e3f, LODE_ERROR_MOTOR_B),
+    {F(motor.B_Nms), .lo = 0.0f, .hi = 0.0174f / TS, .error = LODE_ERROR_MOTOR_B, .computed = true},
     NEEDED(inverter.v_bus_V, 1.0f, 2000.0f, LODE_ERROR_V_BUS),
     NEEDED(inverter.i_max_A, 1.0e-3f, 1.0e4f, LODE_ERROR_I_MAX),
     NEEDED(inverter.v_drop_V, 0.0f, 10.0f, LODE_ERROR_V_DROP),

@@ -16,7 +16,7 @@ typedef enum {
     LODE_ERROR_MOTOR_LQ,          ///< Lq_H outside 1e-7 .. 10
     LODE_ERROR_MOTOR_PSI,         ///< psi_Wb outside 1e-6 .. 100
     LODE_ERROR_MOTOR_J,           ///< J_kgm2 outside 1e-9 .. 1e4
-    LODE_ERROR_MOTOR_B,           ///< B_Nms outside 0 .. 1e3
+    LODE_ERROR_MOTOR_B,           ///< B_Nms outside 0 .. 1e3 or above J/Ts
     LODE_ERROR_MOTOR_OMEGA,       ///< omega_rated_rad_s neither 0 nor within 1 .. 1e5
     LODE_ERROR_MOTOR_SETS,        ///< sets neither 0, 1 nor 2
     LODE_ERROR_MOTOR_PERIOD,      ///< R/L so large that the current settles within one period

@@ -8,6 +8,7 @@
 // Fields are floats and enumerations: words.
 #define WORDS (sizeof(lode_drive6_config_t) / sizeof(float))
 #define PERIODS 40u
+#define START_PERIODS 400u
 
 static void spoil(fuzz_t *in, lode_drive6_config_t *config) {
     const size_t word = fuzz_word(in) % WORDS;
@@ -32,6 +33,32 @@ static void check_tuning(const lode_drive_tuning_t *tuning) {
     TUNING_FIELDS(IS_FINITE)
 }
 
+// Into RUN, with an estimate from outside that holds: the start asks for no more. A configuration may want
+// longer for it.
+static void start(lode_drive_t *drive) {
+    const lode_drive_tuning_t *tuning = drive->tuning;
+    const float omega = 1.5f * tuning->start.omega_handover;
+    const lode_command_t go = {.mode = LODE_MODE_RUN,
+                               .speed_rad_s = 2.0f * omega * tuning->inv_pole_pairs};
+    const uint16_t zero = (uint16_t)(tuning->sense.offset_nominal / LODE_COUNT_FRACTION);
+    const float bus = tuning->guard.v_bus_min / tuning->sense.v_bus_gain + 1.0f;
+    lode_counts_t counts = {.i = {zero, zero, zero},
+                            .v_bus = (uint16_t)(int32_t)lode_clamp(bus, 0.0f, 65535.0f)};
+    drive->calibrated = true;
+    (void)lode_drive_post_command(drive, &go);
+    for (uint32_t n = 0; n < START_PERIODS && drive->mode != (uint_least8_t)LODE_MODE_RUN; n++) {
+        counts.stamp += tuning->guard.stamp_min + 1u;
+        const lode_sample_t sample = lode_drive_sense(drive, &counts);
+        lode_estimate_t from = lode_drive_estimate(drive, &sample);
+        from = (lode_estimate_t){.omega_rad_s = omega,
+                                 .rotor = lode_sincos((float)n * tuning->ts_s * omega),
+                                 .i_A = from.i_A,
+                                 .lock = 1.0f,
+                                 .source = LODE_ESTIMATE_EXTERNAL};
+        (void)lode_drive_act(drive, &sample, &from);
+    }
+}
+
 static void drive_3(const lode_drive_config_t *config, fuzz_t *in) {
     lode_drive_t drive;
     lode_drive_tuning_t tuning;
@@ -45,8 +72,14 @@ static void drive_3(const lode_drive_config_t *config, fuzz_t *in) {
         return;
     }
     check_tuning(&tuning);
-    const lode_command_t command = fuzz_command(in);
-    (void)lode_drive_post_command(&drive, &command);
+    if ((fuzz_byte(in) & 1u) != 0u) {
+        start(&drive);
+    } else {
+        const lode_command_t command = fuzz_command(in);
+        (void)lode_drive_post_command(&drive, &command);
+    }
+    if (drive.mode == LODE_MODE_RUN && ++in_run % 1000 == 1)
+        fprintf(stderr, "run %ld\n", in_run);
     for (uint32_t n = 0; n < PERIODS; n++) {
         const lode_counts_t counts = fuzz_counts(in);
         const lode_drive_out_t out = lode_drive_step(&drive, &counts);
