@@ -78,8 +78,6 @@ static void drive_3(const lode_drive_config_t *config, fuzz_t *in) {
         const lode_command_t command = fuzz_command(in);
         (void)lode_drive_post_command(&drive, &command);
     }
-    if (drive.mode == LODE_MODE_RUN && ++in_run % 1000 == 1)
-        fprintf(stderr, "run %ld\n", in_run);
     for (uint32_t n = 0; n < PERIODS; n++) {
         const lode_counts_t counts = fuzz_counts(in);
         const lode_drive_out_t out = lode_drive_step(&drive, &counts);
