@@ -5,6 +5,7 @@
 #include "commands/command_analyse.h"
 #include "commands/command_decode.h"
 #include "commands/command_design.h"
+#include "commands/command_monte_carlo.h"
 #include "commands/command_replay.h"
 #include "commands/command_reproduce.h"
 #include "commands/command_run.h"
@@ -59,6 +60,8 @@ static rig_exit_t dispatch(const options_t *options) {
         return command_reproduce(options);
     case COMMAND_DECODE:
         return command_decode(options);
+    case COMMAND_MONTE_CARLO:
+        return command_monte_carlo(options);
     case COMMAND_HELP:
         options_print_help(options->help_for);
         return RIG_DONE;

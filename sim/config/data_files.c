@@ -85,14 +85,39 @@ static int is_ini(const struct dirent *entry) {
     return length > 4 && strcmp(entry->d_name + length - 4, ".ini") == 0 ? 1 : 0;
 }
 
-bool data_files_list(FILE *file, const char *kind) {
-    char folder[1024];
-    struct dirent **entry = NULL;
-    (void)snprintf(folder, sizeof folder, "%s/%s", data_folder(), kind);
-    const int count = scandir(folder, &entry, is_ini, alphasort);
+/// The files of one kind, in the order of their names; -1 after a message.
+static int scan(const char *kind, char folder[1024], struct dirent ***entry) {
+    (void)snprintf(folder, 1024, "%s/%s", data_folder(), kind);
+    const int count = scandir(folder, entry, is_ini, alphasort);
     if (count < 0) {
         rig_error("%s: %s; expected the tool's data there, or in the folder LODESTAR_DATA", folder,
                   strerror(errno));
+    }
+    return count;
+}
+
+bool data_files_pairs(bool (*take)(void *user, const char *name), void *user) {
+    char folder[1024];
+    struct dirent **entry = NULL;
+    const int count = scan("motors", folder, &entry);
+    bool good = count >= 0;
+    for (int k = 0; k < count; ++k) {
+        char path[1536];
+        char *name = entry[k]->d_name;
+        (void)snprintf(path, sizeof path, "%s/drives/%s", data_folder(), name);
+        name[strlen(name) - strlen(".ini")] = '\0';
+        good = good && (access(path, R_OK) != 0 || take(user, name));
+        free(entry[k]);
+    }
+    free(entry);
+    return good;
+}
+
+bool data_files_list(FILE *file, const char *kind) {
+    char folder[1024];
+    struct dirent **entry = NULL;
+    const int count = scan(kind, folder, &entry);
+    if (count < 0) {
         return false;
     }
     (void)fprintf(file, "%s (%s)\n", kind, folder);

@@ -20,4 +20,8 @@ bool data_files_load_part(rig_config_t *config, const char *kind, const char *na
 /// Prints the files of one kind with their titles. False after a message.
 bool data_files_list(FILE *file, const char *kind);
 
+/// Calls `take` with the name of each motor that has a drive of the same name. False after a message, or
+/// where `take` says so.
+bool data_files_pairs(bool (*take)(void *user, const char *name), void *user);
+
 #endif

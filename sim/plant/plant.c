@@ -459,6 +459,10 @@ void plant_set_load(plant_t *self, double load_Nm) {
     self->motor.load_Nm = load_Nm;
 }
 
+void plant_set_passive(plant_t *self, bool load_is_passive) {
+    self->motor.load_is_passive = load_is_passive;
+}
+
 void plant_set_speed(plant_t *self, double omega_m_rad_s) {
     const double before_J = plant_motor_kinetic_energy(&self->motor);
     self->motor.x.omega_m_rad_s = omega_m_rad_s;

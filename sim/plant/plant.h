@@ -100,6 +100,9 @@ void plant_advance(plant_t *self);
 /// Passive load: the sign does not matter. Otherwise positive brakes positive speed.
 void plant_set_load(plant_t *self, double load_Nm);
 
+/// What kind of load it is from now on.
+void plant_set_passive(plant_t *self, bool load_is_passive);
+
 /// From now on the shaft turns at this speed whatever the torque, as on a stiff dynamometer.
 void plant_set_speed(plant_t *self, double omega_m_rad_s);
 

@@ -14,11 +14,12 @@ typedef enum {
     COMMAND_ANALYSE,
     COMMAND_REPRODUCE,
     COMMAND_DECODE,
+    COMMAND_MONTE_CARLO,
     COMMAND_HELP,
     COMMAND_VERSION
 } options_command_t;
 
-enum { OPTIONS_SETS_MAX = 64, OPTIONS_COLUMNS_MAX = 32 };
+enum { OPTIONS_SETS_MAX = 64, OPTIONS_COLUMNS_MAX = 32, OPTIONS_FILES_MAX = 1024 };
 
 /// Strings are those of argv; NULL: not given.
 typedef struct {
@@ -58,6 +59,14 @@ typedef struct {
     unsigned jobs; ///< processes of a campaign; 0: as many as there are processors
     int sets;
     const char *set[OPTIONS_SETS_MAX];
+    const char *test;   ///< of monte-carlo: start, run or merge
+    const char *motors; ///< names, separated by commas
+    const char *errors; ///< narrow, wide or start
+    uint64_t cases;     ///< per motor; 0: not given
+    uint64_t shard;     ///< 1 .. shards; 0: all
+    uint64_t shards;
+    int files; ///< to be merged
+    const char *file[OPTIONS_FILES_MAX];
 } options_t;
 
 /// False after a message.

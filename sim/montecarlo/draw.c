@@ -1,0 +1,155 @@
+#include "montecarlo/draw.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "config/data_files.h"
+#include "config/ini_config.h"
+#include "config/speed_limits.h"
+#include "support/diag.h"
+#include "support/units.h"
+
+#define RATED_PER_MAX (1.0 / 1.5) // 100 % of current, of i_max
+#define BASE_SHARE 0.9            // room for a load step below base speed
+#define SLOW_SHARE 0.2            // of full speed
+#define PER_HANDOVER 1.5          // clear of the hand-over
+#define START_LOAD_SHARE 0.8      // mean plus ripple of the load at the start, of 100 %
+#define NOISE_COUNTS 0.5          // rms, of a current
+#define OFFSET_SHARE 0.01         // of the converter's range; calibrated before the start
+#define GAIN_SHARE 0.02
+
+/// Ranges, of what the drive believes over the truth; of R and J the other way round.
+typedef struct {
+    double R_low, R_high;
+    double L_share, psi_share;
+    double dead_time_share, dead_time_s;
+    double J_low, J_high;
+} ranges_t;
+
+static ranges_t ranges_of(mc_errors_t errors) {
+    switch (errors) {
+    case MC_ERRORS_START:
+        return (ranges_t){0.7, 1.5, 0.2, 0.1, 0.0, 1.0e-6, 0.3, 10.0};
+    case MC_ERRORS_WIDE:
+        return (ranges_t){0.7, 1.3, 0.2, 0.1, 0.4, 0.0, 0.25, 4.0};
+    case MC_ERRORS_NARROW:
+    default:
+        return (ranges_t){0.85, 1.15, 0.1, 0.05, 0.2, 0.0, 0.5, 2.0};
+    }
+}
+
+bool mc_machine_load(mc_machine_t *machine, const char *name, int sets, const char *const *set) {
+    char path[RIG_PATH_LENGTH];
+    rig_config_t *given = &machine->given;
+    rig_config_init(given);
+    (void)snprintf(machine->name, sizeof machine->name, "%s", name);
+    bool good = data_files_load_part(given, "motors", name) &&
+                data_files_load_part(given, "drives", name) &&
+                data_files_find("plants", name, path, sizeof path);
+    if (good && access(path, R_OK) == 0) {
+        good = ini_config_load_part(given, path);
+    }
+    for (int k = 0; good && k < sets; ++k) {
+        good = ini_config_set(given, "--set", set[k]);
+    }
+    if (!good || !rig_config_complete(given, RIG_NEED_DRIVE)) {
+        return false;
+    }
+    rig_config_t designed = *given;
+    rig_config_design(&designed);
+    const lode_drive_config_t *drive = &designed.drive;
+    machine->np = (double)drive->motor.pole_pairs;
+    machine->torque_max_Nm =
+        (double)lode_motor_kt_Nm_A(&drive->motor) * (double)drive->inverter.i_max_A;
+    machine->torque_Nm = RATED_PER_MAX * machine->torque_max_Nm;
+    machine->full_e_rad_s = fmin((double)drive->motor.omega_rated_rad_s,
+                                 BASE_SHARE * speed_limits_of(drive).base_rad_s);
+    return true;
+}
+
+/// SplitMix64, begun from the name and the seed: machines do not share their luck.
+static uint64_t begin(const char *name, uint64_t seed) {
+    uint64_t hash = UINT64_C(0xCBF29CE484222325); // FNV-1a
+    for (; *name != '\0'; ++name) {
+        hash = (hash ^ (uint64_t)(unsigned char)*name) * UINT64_C(0x100000001B3);
+    }
+    return hash + seed * UINT64_C(0xD1B54A32D192ED03);
+}
+
+static double uniform(uint64_t *state) {
+    *state += UINT64_C(0x9E3779B97F4A7C15);
+    uint64_t z = *state;
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    z ^= z >> 31;
+    return (double)(z >> 11) * 0x1.0p-53;
+}
+
+static double between(uint64_t *state, double low, double high) {
+    return low + (high - low) * uniform(state);
+}
+
+static double either_way(uint64_t *state, double share) {
+    return between(state, -share, share);
+}
+
+/// What the drive believes of motor and inverter.
+static void tell_wrong(lode_drive_config_t *drive, const ranges_t *ranges, uint64_t *state) {
+    lode_motor_t *motor = &drive->motor;
+    lode_inverter_config_t *inverter = &drive->inverter;
+    // A data sheet with one inductance is wrong by one factor.
+    const bool round = !(motor->Ld_H < motor->Lq_H) && !(motor->Ld_H > motor->Lq_H);
+    const double R = between(state, ranges->R_low, ranges->R_high);
+    const double Lq = 1.0 + either_way(state, ranges->L_share);
+    const double Ld = 1.0 + either_way(state, ranges->L_share);
+    const double psi = 1.0 + either_way(state, ranges->psi_share);
+    const double dead_time = either_way(state, 1.0);
+    motor->Rs_Ohm = (float)((double)motor->Rs_Ohm / R);
+    motor->Lq_H = (float)((double)motor->Lq_H * Lq);
+    motor->Ld_H = (float)((double)motor->Ld_H * (round ? Lq : Ld));
+    motor->psi_Wb = (float)((double)motor->psi_Wb * psi);
+    const double told_s =
+        (double)inverter->dead_time_s * (1.0 + ranges->dead_time_share * dead_time) +
+        ranges->dead_time_s * dead_time;
+    inverter->dead_time_s = (float)fmax(told_s, 0.0);
+}
+
+/// The truth that is drawn: angle, inertia, and what the board's sensors have.
+static void draw_truth(rig_config_t *truth, const ranges_t *ranges, uint64_t *state) {
+    rig_plant_t *plant = &truth->plant;
+    plant->theta0_deg = either_way(state, 180.0);
+    plant->J_factor = exp(between(state, log(ranges->J_low), log(ranges->J_high)));
+    plant->i_noise_A = NOISE_COUNTS * fabs((double)truth->drive.sense.i_gain_A_count);
+    for (int k = 0; k < PLANT_LEGS; ++k) {
+        plant->i_offset_A[k] = either_way(state, OFFSET_SHARE * truth->board.i_range_A);
+        plant->i_gain_error[k] = either_way(state, GAIN_SHARE);
+    }
+}
+
+bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_errors_t errors,
+             uint64_t seed) {
+    const ranges_t ranges = ranges_of(errors);
+    uint64_t state = begin(machine->name, seed);
+    double none = 0.0;
+    rig_config_t *truth = &one->told; // in its place until the plant is made
+    *truth = machine->given;
+    truth->scenario.seed = (double)(state >> 11);
+    draw_truth(truth, &ranges, &state);
+    rig_config_design(truth);
+    if (!rig_config_plant(truth, &one->plant, &none)) {
+        rig_error("%s: the plant refuses this machine", machine->name);
+        return false;
+    }
+    one->told = machine->given;
+    tell_wrong(&one->told.drive, &ranges, &state);
+    rig_config_design(&one->told);
+    one->direction = uniform(&state) < 0.5 ? -1.0 : 1.0;
+    const double peak_Nm = uniform(&state) * START_LOAD_SHARE * machine->torque_Nm;
+    one->start_load_Nm = test == MC_START ? peak_Nm / (1.0 + one->plant.load_ripple) : 0.0;
+    one->slow_e_rad_s = fmax(SLOW_SHARE * machine->full_e_rad_s,
+                             PER_HANDOVER * (double)one->told.drive.start.omega_handover_rad_s);
+    one->slow_e_rad_s = fmin(one->slow_e_rad_s, machine->full_e_rad_s);
+    return true;
+}

@@ -1,0 +1,42 @@
+/// One case of a campaign: a machine of the catalogue, and a drive that is told wrong of it.
+///
+/// The plant keeps what the machine's files say; only the shaft's inertia is multiplied, by what somebody
+/// has coupled to it. All errors are in what the drive believes. A case follows from the machine's name,
+/// the seed and the kind of errors alone, so that each can be run again by itself.
+#ifndef MONTECARLO_DRAW_H
+#define MONTECARLO_DRAW_H
+
+#include "config/rig_config.h"
+
+typedef enum { MC_START, MC_RUN } mc_test_t;
+
+typedef enum { MC_ERRORS_NARROW, MC_ERRORS_WIDE, MC_ERRORS_START } mc_errors_t;
+
+/// A machine as it is.
+typedef struct {
+    char name[RIG_NAME_LENGTH];
+    rig_config_t given;   ///< its files, read and completed; nothing computed yet
+    double torque_Nm;     ///< 100 %: at i_max/1.5 with id = 0
+    double torque_max_Nm; ///< at i_max
+    double full_e_rad_s;  ///< 100 % of speed: rated, at most 0.9 of base speed
+    double np;
+} mc_machine_t;
+
+typedef struct {
+    rig_config_t told;    ///< to the drive, designed
+    plant_config_t plant; ///< the truth
+    double
+        slow_e_rad_s; ///< 20 %, or 1.5 times the hand-over speed that follows from what the drive is told
+    double direction;     ///< 1 or -1
+    double start_load_Nm; ///< MC_START: mean of the passive load
+} mc_case_t;
+
+/// Reads motors/NAME, drives/NAME and, where there is one, plants/NAME, and `set` on top of them. False
+/// after a message.
+bool mc_machine_load(mc_machine_t *machine, const char *name, int sets, const char *const *set);
+
+/// False after a message: the plant refuses its own files.
+bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_errors_t errors,
+             uint64_t seed);
+
+#endif

@@ -1,0 +1,62 @@
+/// The rows of a campaign: kept, written, read again, and held against the bars.
+#ifndef MONTECARLO_RESULTS_H
+#define MONTECARLO_RESULTS_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include "montecarlo/trial.h"
+
+enum { MC_MOTORS_MAX = 64 };
+
+/// What a campaign is; with the same, cases have the same numbers.
+typedef struct {
+    mc_test_t test;
+    mc_errors_t errors;
+    uint64_t cases; ///< per motor
+    uint64_t seed;  ///< the first
+    int motors;
+    char motor[MC_MOTORS_MAX][RIG_NAME_LENGTH];
+    char sets[512]; ///< of --set, for the command that runs a case again
+} mc_campaign_t;
+
+/// A case without a row has done == 0.
+typedef struct {
+    uint_least8_t done, passed, listed;
+    float max_error_deg;
+    char cause[112];
+} mc_row_t;
+
+typedef struct {
+    mc_campaign_t campaign;
+    mc_row_t *row; ///< campaign.motors times campaign.cases, motor by motor
+} mc_results_t;
+
+const char *mc_test_name(mc_test_t test);
+const char *mc_errors_name(mc_errors_t errors);
+
+/// False after a message: no memory. `campaign` must be filled.
+bool mc_results_init(mc_results_t *self);
+void mc_results_free(mc_results_t *self);
+
+uint64_t mc_results_size(const mc_results_t *self);
+
+void mc_results_take(mc_results_t *self, uint64_t number, const mc_result_t *result);
+
+/// A line for a case that failed, with the command that runs it again.
+void mc_results_print_failure(FILE *file, const mc_results_t *self, uint64_t number);
+
+/// The table. True where the bars hold; cases that are missing do not count.
+bool mc_results_print(FILE *file, const mc_results_t *self);
+
+/// {test, errors, n, seed, motors, rows}, a row per line.
+void mc_results_write(FILE *file, const mc_results_t *self);
+
+/// Adds a file to `self`, which the first one makes. False after a message: it is no such file, of another
+/// campaign, or has a row that is there already.
+bool mc_results_merge(mc_results_t *self, const char *path);
+
+/// False after a message: a case has no row.
+bool mc_results_complete(const mc_results_t *self);
+
+#endif

@@ -1,0 +1,284 @@
+#include "montecarlo/trial.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "rig/rig.h"
+#include "rig/runner.h"
+#include "support/units.h"
+
+// Windows. They say what a pass is, and are not to be moved.
+#define SPEED_SHARE 0.05      // of the command: a speed is reached
+#define HOLD_s 0.1            // for so long on end
+#define MEAN_TURNS 1.0        // mechanical: a speed that swings within a turn counts by its mean
+#define MEAN_s 0.01           // at least
+#define REVERSE_MAX_deg 200.0 // electrical, against the command, at the start
+#define NOTICE_s 0.1          // within which a fault follows an angle that is of no use
+#define SETTLE_s 2.0
+#define SETTLE_PER_BANDWIDTH 20.0 // of speed control
+#define TORQUE_RESERVE 6.0        // over the time that i_max and no load would take
+#define RIPPLE_SHARE 0.1          // of 100 % torque: the reference at a steady load
+#define RIPPLE_LOAD_SHARE 0.2
+#define RIPPLE_s 0.3
+#define LISTED_s 0.01
+#define LISTED_SHARE 0.5
+
+typedef struct {
+    const mc_machine_t *machine;
+    const mc_case_t *one;
+    mc_result_t *result;
+    rig_t rig;
+    runner_estimator_t estimate;
+    runner_memory_t memory;
+    rig_moment_t now;
+    double ts_s;
+    double command_m_rad_s;
+    double mean_m_rad_s;  ///< of the true speed
+    double travelled_rad; ///< electrical, in the commanded direction, since the start
+    double lowest_rad;
+    double useless_s; ///< since the angle became of no use; below 0: it is not
+    bool ran;
+    const char *what; ///< the present part of the trial
+} trial_t;
+
+static void fail(trial_t *trial, bool noticed, const char *cause) {
+    mc_result_t *result = trial->result;
+    result->passed = false;
+    result->noticed = noticed;
+    (void)snprintf(result->cause, sizeof result->cause, "%s, %s", cause, trial->what);
+}
+
+static lode_mode_t mode_of(const trial_t *trial) {
+    return (lode_mode_t)trial->rig.drive->mode;
+}
+
+static void fail_by_fault(trial_t *trial) {
+    const lode_fault_t *fault = &trial->rig.drive->guard.fault;
+    char cause[64];
+    (void)snprintf(cause, sizeof cause, "%s in %s",
+                   lode_check_name((lode_check_t)fault->check) + strlen("LODE_CHECK_"),
+                   lode_mode_name((lode_mode_t)fault->state) + strlen("LODE_MODE_"));
+    fail(trial, true, cause);
+}
+
+static void follow_speed(trial_t *trial, double theta_before_rad) {
+    const plant_truth_t *truth = &trial->now.truth;
+    const double command = fabs(trial->command_m_rad_s);
+    const double window_s = fmax(MEAN_s, command > 0.0 ? MEAN_TURNS * 2.0 * RIG_PI / command : 0.0);
+    trial->mean_m_rad_s +=
+        fmin(trial->ts_s / window_s, 1.0) * (truth->omega_m_rad_s - trial->mean_m_rad_s);
+    trial->travelled_rad +=
+        trial->one->direction * remainder(truth->theta_e_rad - theta_before_rad, 2.0 * RIG_PI);
+    trial->lowest_rad = fmin(trial->lowest_rad, trial->travelled_rad);
+}
+
+/// False where an angle of no use has gone unnoticed.
+static bool follow_error(trial_t *trial) {
+    if (mode_of(trial) != LODE_MODE_RUN) {
+        trial->useless_s = -1.0;
+        return true;
+    }
+    const double error_deg = fabs(rig_angle_error_deg(
+        (double)lode_estimate_theta_rad(&trial->now.estimate), trial->now.truth.theta_e_rad));
+    trial->result->max_error_deg = fmax(trial->result->max_error_deg, error_deg);
+    if (trial->useless_s >= 0.0) {
+        trial->useless_s += trial->ts_s;
+    } else if (error_deg > MC_ERROR_MAX_deg) {
+        trial->useless_s = 0.0;
+    }
+    return trial->useless_s < NOTICE_s;
+}
+
+/// One period. False: the trial has ended.
+static bool step(trial_t *trial) {
+    const double theta_before_rad = trial->now.truth.theta_e_rad;
+    rig_step(&trial->rig, trial->estimate, &trial->memory, &trial->now);
+    follow_speed(trial, theta_before_rad);
+    if (mode_of(trial) == LODE_MODE_FAULT) {
+        fail_by_fault(trial);
+        return false;
+    }
+    if (!follow_error(trial)) {
+        fail(trial, false, "angle lost without a fault");
+        return false;
+    }
+    return true;
+}
+
+static bool wait(trial_t *trial, double time_s) {
+    bool good = true;
+    for (double left_s = time_s; good && left_s > 0.0; left_s -= trial->ts_s) {
+        good = step(trial);
+    }
+    return good;
+}
+
+/// Waits until the speed is there, and stays, in RUN.
+static bool settle(trial_t *trial, double limit_s) {
+    double held_s = 0.0;
+    for (double left_s = limit_s; left_s > 0.0; left_s -= trial->ts_s) {
+        if (!step(trial)) {
+            return false;
+        }
+        const double off = fabs(trial->mean_m_rad_s - trial->command_m_rad_s);
+        const bool there = off <= SPEED_SHARE * fabs(trial->command_m_rad_s) &&
+                           mode_of(trial) == LODE_MODE_RUN && trial->useless_s < 0.0;
+        held_s = there ? held_s + trial->ts_s : 0.0;
+        if (held_s >= HOLD_s) {
+            return true;
+        }
+    }
+    fail(trial, false, mode_of(trial) == LODE_MODE_RUN ? "speed not reached" : "not in RUN");
+    return false;
+}
+
+static double settle_limit_s(const trial_t *trial, double change_m_rad_s) {
+    const double bandwidth = (double)trial->one->told.drive.speed.bandwidth_rad_s;
+    return SETTLE_s + SETTLE_PER_BANDWIDTH / bandwidth +
+           TORQUE_RESERVE * trial->one->plant.J_kgm2 * fabs(change_m_rad_s) /
+               trial->machine->torque_max_Nm;
+}
+
+static void command(trial_t *trial, double omega_e_rad_s) {
+    trial->command_m_rad_s = omega_e_rad_s / trial->machine->np;
+    const lode_command_t go = {.mode = LODE_MODE_RUN, .speed_rad_s = (float)trial->command_m_rad_s};
+    (void)lode_drive_post_command(trial->rig.drive, &go);
+}
+
+/// To the electrical speed, in the case's direction.
+static bool go(trial_t *trial, const char *what, double omega_e_rad_s) {
+    const double before = trial->command_m_rad_s;
+    const bool turns_back = before * trial->one->direction * omega_e_rad_s < 0.0;
+    trial->what = what;
+    command(trial, trial->one->direction * omega_e_rad_s);
+    // A reversal goes through a start.
+    const double start_s = turns_back ? (double)trial->one->told.drive.start.timeout_s : 0.0;
+    return settle(trial, start_s + settle_limit_s(trial, trial->command_m_rad_s - before));
+}
+
+/// A load against the commanded speed, and back to none. 100 % is torque_Nm.
+static bool load_step(trial_t *trial, const char *what, double share) {
+    const double torque_Nm = share * trial->machine->torque_Nm;
+    const double omega = trial->command_m_rad_s;
+    if (torque_Nm / trial->one->plant.J_kgm2 * LISTED_s > LISTED_SHARE * fabs(omega)) {
+        trial->result->listed++;
+        return true;
+    }
+    trial->what = what;
+    plant_set_load(&trial->rig.plant, copysign(torque_Nm, omega));
+    if (!wait(trial, HOLD_s) || !settle(trial, settle_limit_s(trial, omega))) {
+        return false;
+    }
+    plant_set_load(&trial->rig.plant, 0.0);
+    return wait(trial, HOLD_s) && settle(trial, settle_limit_s(trial, omega));
+}
+
+static void load_passive(trial_t *trial, double share) {
+    plant_set_passive(&trial->rig.plant, share > 0.0);
+    plant_set_load(&trial->rig.plant, share * trial->machine->torque_Nm);
+}
+
+/// The torque reference at a steady load.
+static bool is_calm(trial_t *trial) {
+    float low = HUGE_VALF;
+    float high = -HUGE_VALF;
+    trial->what = "steady 20 % load";
+    if (!wait(trial, SETTLE_PER_BANDWIDTH / (double)trial->one->told.drive.speed.bandwidth_rad_s)) {
+        return false;
+    }
+    for (double left_s = RIPPLE_s; left_s > 0.0; left_s -= trial->ts_s) {
+        if (!step(trial)) {
+            return false;
+        }
+        if (mode_of(trial) != LODE_MODE_RUN) {
+            fail(trial, false, "not in RUN");
+            return false;
+        }
+        const float torque = trial->rig.drive->state.run.speed.torque_Nm;
+        low = fminf(low, torque);
+        high = fmaxf(high, torque);
+    }
+    // A load that swings by itself is answered.
+    if (!(trial->one->plant.load_ripple > 0.0) &&
+        (double)(high - low) > RIPPLE_SHARE * trial->machine->torque_Nm) {
+        fail(trial, false, "torque reference swings");
+        return false;
+    }
+    return true;
+}
+
+static bool start(trial_t *trial) {
+    const lode_drive_config_t *told = &trial->one->told.drive;
+    trial->what = "start";
+    command(trial, trial->one->direction * trial->one->slow_e_rad_s);
+    const double wait_s = (double)told->start.timeout_s + (double)told->sense.calibrate_s;
+    // Up to a load of 0.8/1.5 of i_max, half of the torque is left.
+    if (!settle(trial, wait_s + 2.0 * settle_limit_s(trial, trial->command_m_rad_s))) {
+        return false;
+    }
+    if (rig_deg_from_rad(trial->lowest_rad) < -REVERSE_MAX_deg) {
+        fail(trial, false, "turned backwards");
+        return false;
+    }
+    return true;
+}
+
+static bool all_load_steps(trial_t *trial) {
+    static const struct {
+        double share; ///< of full speed; 0: the slow one
+        const char *go, *half, *full;
+    } speeds[] = {
+        {0.0, "to 20 % speed", "load 50 % at 20 % speed", "load 100 % at 20 % speed"},
+        {0.5, "to 50 % speed", "load 50 % at 50 % speed", "load 100 % at 50 % speed"},
+        {0.9, "to 90 % speed", "load 50 % at 90 % speed", "load 100 % at 90 % speed"},
+    };
+    bool good = true;
+    plant_set_passive(&trial->rig.plant, false);
+    for (size_t k = 0; good && k < sizeof speeds / sizeof speeds[0]; ++k) {
+        const double speed =
+            fmax(speeds[k].share * trial->machine->full_e_rad_s, trial->one->slow_e_rad_s);
+        good = go(trial, speeds[k].go, speed) && load_step(trial, speeds[k].half, 0.5) &&
+               load_step(trial, speeds[k].full, 1.0);
+    }
+    return good;
+}
+
+static bool all_changes(trial_t *trial) {
+    const double slow = trial->one->slow_e_rad_s;
+    const double fast = fmax(0.9 * trial->machine->full_e_rad_s, slow);
+    bool good = go(trial, "slam down", slow) && go(trial, "slam up", fast);
+    load_passive(trial, 0.5);
+    good = good && go(trial, "slam down, 50 % load", slow) && go(trial, "slam up, 50 % load", fast);
+    load_passive(trial, RIPPLE_LOAD_SHARE);
+    good = good && go(trial, "20 % load", fmax(0.5 * trial->machine->full_e_rad_s, slow)) &&
+           is_calm(trial);
+    load_passive(trial, 0.0);
+    good = good && go(trial, "before the reversal", slow) && go(trial, "reversal", -slow);
+    load_passive(trial, 0.5);
+    return good && go(trial, "reversal, 50 % load", slow);
+}
+
+void mc_trial(mc_result_t *result, const mc_machine_t *machine, const mc_case_t *one,
+              mc_test_t test) {
+    static trial_t trial; // large; one at a time
+    *result = (mc_result_t){.passed = false, .max_error_deg = NAN};
+    memset(&trial, 0, sizeof trial);
+    trial.machine = machine;
+    trial.one = one;
+    trial.result = result;
+    trial.estimate = runner_estimator(&one->told);
+    trial.ts_s = 1.0 / (double)one->told.drive.f_pwm_Hz;
+    trial.useless_s = -1.0;
+    trial.now.truth.theta_e_rad = one->plant.theta_e_rad;
+    const lode_status_t status = rig_init(&trial.rig, &one->told, &one->plant);
+    if (status != LODE_OK) {
+        trial.what = "init";
+        fail(&trial, true, lode_status_name(status));
+        return;
+    }
+    plant_set_passive(&trial.rig.plant, true);
+    plant_set_load(&trial.rig.plant, one->start_load_Nm);
+    result->passed =
+        start(&trial) && (test == MC_START || (all_load_steps(&trial) && all_changes(&trial)));
+}

@@ -1,0 +1,22 @@
+/// Runs one case: a start under load, or a start and all that a drive meets afterwards.
+#ifndef MONTECARLO_TRIAL_H
+#define MONTECARLO_TRIAL_H
+
+#include "montecarlo/draw.h"
+
+/// From this error on an angle in RUN is of no use; a drive that does not say so has failed silently.
+#define MC_ERROR_MAX_deg 60.0
+
+/// It passes through a pipe: no pointers.
+typedef struct {
+    bool passed;
+    bool noticed; ///< failed with a fault
+    char cause[96];
+    double max_error_deg; ///< in RUN; NaN: never in RUN
+    int listed; ///< load steps left out: unanswered they would halve the speed within 10 ms
+} mc_result_t;
+
+void mc_trial(mc_result_t *result, const mc_machine_t *machine, const mc_case_t *one,
+              mc_test_t test);
+
+#endif

@@ -1,0 +1,108 @@
+"""`lodestar monte-carlo`: cases that depend on motor and seed alone, shards that join, bars that can be missed."""
+import json
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+from tool import Checks, Folder, refused
+
+MOTORS = "jiang2022,highspeed_100krpm,fan_325V"
+
+
+def run(folder, test, *arguments):
+    done = folder.run("monte-carlo", test, *arguments, "--json", "m.json")
+    return done, (folder.path / "m.json").read_text()
+
+
+def rows_of(text):
+    return {(row["motor"], row["seed"]): row for row in json.loads(text)["rows"]}
+
+
+def cases(checks, folder):
+    """A case by itself, with other motors, other seeds or other processes around it, is the same case."""
+    done, text = run(folder, "start", "--motors", MOTORS, "--n", 3, "--seed", 4)
+    rows = rows_of(text)
+    checks.equal(len(rows), 9, "cases of three motors")
+    for row in rows.values():
+        checks.true(set(row) >= {"motor", "seed", "result", "cause", "max_error_deg"}, f"keys of {row}")
+        checks.equal(row["result"] == "pass", row["cause"] == "", f"cause of {row}")
+    failed = [row for row in rows.values() if row["result"] == "fail"]
+    checks.equal(done.returncode, 1 if failed else 0, "exit code")
+    for row in failed:
+        again = f"lodestar monte-carlo start --motors {row['motor']} --errors start --n 1 --seed {row['seed']}"
+        checks.true(again in done.stdout, f"how to run {row} again: {done.stdout}")
+    _, alone = run(folder, "start", "--motors", "fan_325V", "--n", 1, "--seed", 5, "--jobs", 1)
+    checks.equal(rows_of(alone)["fan_325V", 5], rows["fan_325V", 5], "a case by itself")
+    _, other = run(folder, "start", "--motors", "fan_325V", "--n", 1, "--seed", 5, "--errors", "narrow")
+    checks.true(rows_of(other)["fan_325V", 5] != rows["fan_325V", 5], "other errors, another case")
+
+
+def shards(checks, folder):
+    arguments = ["run", "--motors", "jiang2022,traction_400V", "--n", 2]
+    whole, text = run(folder, *arguments)
+    names = []
+    for k in (1, 2, 3):
+        done, part = run(folder, *arguments, "--shard", f"{k}/3")
+        names.append(f"part-{k}.json")
+        folder.write(names[-1], part)
+        checks.equal(len(rows_of(part)), (2, 1, 1)[k - 1], f"cases of shard {k}")
+    done = folder.run("monte-carlo", "merge", *reversed(names), "--json", "all.json")
+    checks.equal((folder.path / "all.json").read_text(), text, "shards joined, and one run")
+    checks.equal(done.returncode, whole.returncode, "exit code of merge")
+    checks.equal(sorted(done.stdout.replace("all.json", "m.json").split("\n")), sorted(whole.stdout.split("\n")), "its table")
+    refused(checks, folder, ["monte-carlo", "merge", *names[:2]], "1 cases are missing")
+    refused(checks, folder, ["monte-carlo", "merge", *names, names[0]], "is there twice")
+    _, other = run(folder, *arguments, "--errors", "wide", "--shard", "1/3")
+    folder.write("other.json", other)
+    refused(checks, folder, ["monte-carlo", "merge", "other.json", *names], "expected a part of the same campaign")
+    folder.write("none.json", "{}")
+    refused(checks, folder, ["monte-carlo", "merge", "none.json"], "expected a file that monte-carlo --json has written")
+    folder.write("bad.json", text.replace('"seed":1,"result"', '"seed":9,"result"'))
+    refused(checks, folder, ["monte-carlo", "merge", "bad.json"], "of cases of this campaign")
+    before = (folder.path / names[0]).read_text()
+    folder.run("monte-carlo", "merge", *names, "--json", names[0])
+    checks.equal((folder.path / names[0]).read_text(), before, "an input is no output")
+
+
+def bars(checks, folder):
+    """Both verdicts, by a drive that cannot start and one that can."""
+    good = folder.run("monte-carlo", "start", "--motors", "jiang2022", "--n", 2, "--errors", "narrow", "--seed", 1)
+    checks.equal(good.returncode, 0, f"a motor that starts: {good.stdout}")
+    bad = folder.run("monte-carlo", "start", "--motors", "jiang2022", "--n", 2, "--set", "start.timeout_s=0.2")
+    checks.equal(bad.returncode, 1, "a motor that has no time to start")
+    for words in ("START in START, start", "BAR MISSED: 97 %", "BAR MISSED: 99 %", "--set 'start.timeout_s=0.2'"):
+        checks.true(words in bad.stdout, f"'{words}' in {bad.stdout}")
+    unfit = folder.run("monte-carlo", "start", "--motors", "jiang2022", "--n", 1, "--set", "start.damping=3")
+    checks.true("LODE_ERROR_START_DAMPING, init" in unfit.stdout, f"a drive that init refuses: {unfit.stdout}")
+
+
+def refusals(checks, folder):
+    for arguments, expected in ((["monte-carlo"], "expected start, run, or merge with files"),
+                                (["monte-carlo", "merge"], "expected start, run, or merge with files"),
+                                (["monte-carlo", "walk"], "expected start, run, or merge with files"),
+                                (["monte-carlo", "start", "x.json"], "expected nothing there"),
+                                (["monte-carlo", "start", "--errors", "huge"], "expected narrow, wide or start"),
+                                (["monte-carlo", "start", "--n", "0"], "expected a whole number, 1 .. "),
+                                (["monte-carlo", "start", "--shard", "4/3"], "expected K/N with K from 1 to N"),
+                                (["monte-carlo", "start", "--shard", "9/9", "--motors", "jiang2022", "--n", "8"],
+                                 "expected at most 8 shards"),
+                                (["monte-carlo", "start", "--motors", "jiang2022,jiang2022"], "each of them once"),
+                                (["monte-carlo", "start", "--motors", ","], "names with commas"),
+                                (["monte-carlo", "start", "--motors", "nobody"], "nobody"),
+                                (["monte-carlo", "start", "--set", "drive.volts=1"], "volts"),
+                                (["monte-carlo", "merge", "a.json", "--n", "3"], "expected no option but --json"),
+                                (["monte-carlo", "merge", "nowhere.json"], "nowhere.json")):
+        refused(checks, folder, arguments, expected)
+
+
+def main():
+    checks = Checks()
+    with Folder() as folder:
+        cases(checks, folder)
+        shards(checks, folder)
+        bars(checks, folder)
+        refusals(checks, folder)
+    checks.done()
+
+
+main()
