@@ -42,7 +42,7 @@ function(lode_add_gates)
   lode_gate(cppcheck bash ${tools}/cppcheck.sh)
 
   # The tests again, built in other ways.
-  lode_gate(sanitize bash ${tools}/preset.sh debug-sanitize test -L "unit|closed_loop")
+  lode_gate(sanitize bash ${tools}/preset.sh debug-sanitize test -L unit)
   lode_gate(clang bash ${tools}/clang.sh)
   lode_gate(coverage bash ${tools}/coverage.sh)
   set_tests_properties(gate_sanitize gate_clang gate_coverage

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import MOTOR, DRIVE, RECORDINGS, TOOL, Checks, Folder, refused
 
 REPLAY = ["replay", "--motor", MOTOR, "--recording", RECORDINGS / "steady-300rpm-5Nm.csv"]

@@ -5,7 +5,7 @@ import pathlib
 import random
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import DRIVE, MOTOR, RECORDINGS, Checks, Folder, refused
 
 BAR_DC_deg = 0.05

@@ -8,7 +8,7 @@ import sys
 import pathlib
 import xml.dom.minidom
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import DRIVE, MOTOR, RECORDINGS, Checks, Folder, refused
 
 SCENARIO = (f"; Twice <b>&amp; \"once\"\n[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\nlog_s = 1e-3\n"

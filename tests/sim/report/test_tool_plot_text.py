@@ -6,7 +6,7 @@ import subprocess
 import sys
 import xml.dom.minidom
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import DRIVE, MOTOR, RECORDINGS, TOOL, Checks, Folder
 
 # What gnuplot's shells, strings, commands, enhanced text and XML make something of. A phase's name

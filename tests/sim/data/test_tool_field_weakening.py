@@ -4,7 +4,7 @@ import math
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import FULL, Checks, Folder
 
 IDEAL = ["plant.inverter=ideal", "drive.dead_time_s=0", "drive.v_drop_V=0", "drive.r_on_Ohm=0"]

@@ -4,7 +4,7 @@ import random
 import re
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import DRIVE, MOTOR, RECORDINGS, SOURCE, Checks, Folder, refused
 
 STEADY = RECORDINGS / "steady-300rpm-5Nm.csv"

@@ -4,7 +4,7 @@ import math
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import DRIVE, FULL, MOTOR, SOURCE, Checks, Folder, refused
 
 REAL_TIME_MIN = 30

@@ -8,7 +8,7 @@ import shutil
 import sys
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import MOTOR, DRIVE, Checks, Folder, refused
 
 TS = 2e-4

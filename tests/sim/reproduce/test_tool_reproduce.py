@@ -14,7 +14,7 @@ import pathlib
 import sys
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import DRIVE, MOTOR, RECORDINGS, SOURCE, Checks, Folder, refused
 
 sys.path.insert(0, str(SOURCE / "tests/tools"))

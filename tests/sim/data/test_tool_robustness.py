@@ -7,8 +7,11 @@ more than a steady load asks for. All figures are electrical degrees, estimate l
 import concurrent.futures
 import csv
 import math
+import pathlib
+import sys
 
-from support.tool import FULL, SOURCE, Checks, Folder
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
+from tool import FULL, SOURCE, Checks, Folder
 
 DATA = SOURCE / "sim/data"
 HEAD = f"""[scenario]

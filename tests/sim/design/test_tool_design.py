@@ -4,7 +4,7 @@ import math
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import DRIVE, MOTOR, SOURCE, Checks, Folder, refused
 
 # A motor of 7 pole pairs at 36 V: its estimator could follow 13642 rpm, its voltage allows 8979.
