@@ -3,7 +3,7 @@ import json
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import Checks, Folder, refused
 
 MOTORS = "jiang2022,highspeed_100krpm,fan_325V"
