@@ -103,7 +103,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
 
 LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                                        const lode_sample_t *sample) {
-    if (self->gates) {
+    if (self->gates || lode_mode_precharges(self)) {
         lode_guard_diagnose(&self->guard, &self->tuning->guard, sense, &self->tuning->sense, sample,
                             self->mode);
         lode_mode_obey_guard(self);
@@ -186,10 +186,10 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, b
     return out.duty;
 }
 
-// The end of a period with the gates off.
+// The end of a period with the gates off, or the low sides alone.
 static LODE_NOINLINE lode_drive_out_t end_idle(lode_drive_t *self) {
     self->steps++;
-    return (lode_drive_out_t){self->duty, false};
+    return (lode_drive_out_t){self->duty, lode_mode_idle_gates(self)};
 }
 
 // A whole one: the voltage at open terminals is not known, so there is nothing to estimate.
@@ -236,7 +236,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_sample_t *sample
         return end_idle(self);
     }
     self->steps++;
-    return (lode_drive_out_t){duty, true};
+    return (lode_drive_out_t){duty, LODE_GATES_ON};
 }
 
 lode_sample_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts) {

@@ -283,12 +283,13 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     return out.duty;
 }
 
-// The end of a period with the gates off.
+// The end of a period with the gates off, or the low sides alone.
 static LODE_NOINLINE lode_drive6_out_t end_idle(lode_drive6_t *self) {
     lode_drive_t *drive = &self->drive;
     idle_set2(self);
     drive->steps++;
-    return (lode_drive6_out_t){{{drive->duty, false}, {self->duty_2, false}}};
+    const lode_gates_t gates = lode_mode_idle_gates(drive);
+    return (lode_drive6_out_t){{{drive->duty, gates}, {self->duty_2, gates}}};
 }
 
 // A whole one: the voltage at open terminals is not known, so there is nothing to estimate.
@@ -306,6 +307,10 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
     }
     lode_mode_idle(drive, calibration, worst_count);
     return end_idle(self);
+}
+
+LODE_INLINE lode_gates_t gates_if(bool driven) {
+    return driven ? LODE_GATES_ON : LODE_GATES_OFF;
 }
 
 // From angle and speed to duties.
@@ -342,8 +347,9 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
         return end_idle(self);
     }
     drive->steps++;
-    return (lode_drive6_out_t){{{duty.set[0], self->active != (uint_least8_t)LODE_SETS_ONLY_2},
-                                {duty.set[1], self->active != (uint_least8_t)LODE_SETS_ONLY_1}}};
+    return (lode_drive6_out_t){
+        {{duty.set[0], gates_if(self->active != (uint_least8_t)LODE_SETS_ONLY_2)},
+         {duty.set[1], gates_if(self->active != (uint_least8_t)LODE_SETS_ONLY_1)}}};
 }
 
 lode_sample6_t lode_drive6_sense(lode_drive6_t *self, const lode_counts6_t *counts) {

@@ -187,6 +187,7 @@ const char *lode_mode_name(lode_mode_t mode) {
         NAME(LODE_MODE_START);
         NAME(LODE_MODE_RUN);
         NAME(LODE_MODE_FAULT);
+        NAME(LODE_MODE_PRECHARGE);
     default:
         return "LODE_MODE_UNKNOWN";
     }

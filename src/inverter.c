@@ -5,6 +5,9 @@
 // Of i_dead at no modulation: there is next to no ripple, but noise in the current.
 #define I_DEAD_MIN_SHARE 0.05f
 
+// Beyond any bootstrap capacitor.
+#define PRECHARGE_MAX_s 1.0f
+
 // Room for rounding.
 #define ROUNDING 0.999f
 
@@ -55,6 +58,9 @@ static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
     if (!lode_in_range(config->pwm_ticks, 0.0f, 65535.0f)) {
         return LODE_ERROR_PWM_TICKS;
     }
+    if (!lode_in_range(config->precharge_s, 0.0f, PRECHARGE_MAX_s)) {
+        return LODE_ERROR_PRECHARGE;
+    }
     if (!is_decided(config->dead_time_correction) || !is_decided(config->dead_time_model)) {
         return LODE_ERROR_CHOICE;
     }
@@ -84,6 +90,7 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
         .ticks = ticks,
         .inv_ticks = ticks > 0.0f ? 1.0f / ticks : 0.0f,
         .free = model ? -1.0f : ROUNDING * room,
+        .precharge_periods = (uint32_t)(int32_t)(config->precharge_s / ts_s + 0.5f),
         .correct = correct,
         .model = model,
         .grid = ticks > 0.0f,

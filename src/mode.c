@@ -10,6 +10,9 @@
 
 // With every leg at half duty there is no voltage between the phases.
 #define DUTY_IDLE 0.5f
+// A rotor that turns is short-circuited while the low sides are on: a fifth of a period bounds its current,
+// and is longer than any shunt amplifier takes to settle.
+#define DUTY_PRECHARGE 0.8f
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
@@ -22,10 +25,14 @@ static void set_omitted(lode_drive_t *self) {
     self->omitted = self->omitted_next;
 }
 
+static void set_duties(lode_drive_t *self, float duty) {
+    self->duty = (lode_abc_t){duty, duty, duty};
+}
+
 // Gates off, with no voltage on its way.
 static void open_gates(lode_drive_t *self, lode_mode_t mode) {
     self->gates = false;
-    self->duty = (lode_abc_t){DUTY_IDLE, DUTY_IDLE, DUTY_IDLE};
+    set_duties(self, DUTY_IDLE);
     set_omitted(self);
     const lode_ab_t none = {0.0f, 0.0f};
     self->inverter.written[0] = self->inverter.written[1] = none;
@@ -60,6 +67,7 @@ LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
 static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     const lode_drive_tuning_t *tuning = self->tuning;
     self->gates = true;
+    set_duties(self, DUTY_IDLE);
     lode_guard_reset(&self->guard);
     lode_estimator_reset(&self->estimator, &tuning->estimator);
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
@@ -177,16 +185,39 @@ LODE_NOINLINE void lode_mode_follow(lode_drive_t *self) {
     }
 }
 
-static void follow_off(lode_drive_t *self) {
+// The mode with all gates on that is asked for; OFF: none.
+static lode_mode_t driven_mode(const lode_drive_t *self) {
     const lode_mode_t wanted = self->command.mode;
-    const bool run = wanted == LODE_MODE_RUN && !is_stop(self);
-    if (wanted == LODE_MODE_CALIBRATE || (run && !self->calibrated)) {
+    if (wanted == LODE_MODE_RUN && !is_stop(self)) {
+        return LODE_MODE_START;
+    }
+    return wanted == LODE_MODE_VOLTAGE || wanted == LODE_MODE_CURRENT ? wanted : LODE_MODE_OFF;
+}
+
+static void follow_off(lode_drive_t *self) {
+    const lode_mode_t driven = driven_mode(self);
+    if (self->command.mode == LODE_MODE_CALIBRATE ||
+        (driven == LODE_MODE_START && !self->calibrated)) {
         lode_sense_begin(&self->state.sums);
         set_mode(self, LODE_MODE_CALIBRATE);
-    } else if (wanted == LODE_MODE_VOLTAGE || wanted == LODE_MODE_CURRENT) {
-        switch_on(self, wanted);
-    } else if (run) {
-        switch_on(self, LODE_MODE_START);
+    } else if (driven != LODE_MODE_OFF && self->tuning->inverter.precharge_periods > 0u) {
+        self->state.precharged = 0u; // the low sides come with their duties, one period on
+        set_duties(self, lode_min(DUTY_PRECHARGE, self->tuning->sense.duty_max));
+        lode_guard_reset(&self->guard);
+        set_mode(self, LODE_MODE_PRECHARGE);
+    } else if (driven != LODE_MODE_OFF) {
+        switch_on(self, driven);
+    }
+}
+
+static void follow_precharge(lode_drive_t *self) {
+    const lode_mode_t driven = driven_mode(self);
+    if (driven == LODE_MODE_OFF) {
+        lode_mode_switch_off(self);
+    } else if (self->state.precharged < self->tuning->inverter.precharge_periods) {
+        self->state.precharged++;
+    } else {
+        switch_on(self, driven);
     }
 }
 
@@ -213,6 +244,9 @@ void lode_mode_idle(lode_drive_t *self, lode_calibration_t calibration, float of
         break;
     case LODE_MODE_CALIBRATE:
         follow_calibrate(self, calibration, offset_count);
+        break;
+    case LODE_MODE_PRECHARGE:
+        follow_precharge(self);
         break;
     case LODE_MODE_FAULT:
     case LODE_MODE_VOLTAGE: // these have the gates on

@@ -29,7 +29,18 @@ void lode_mode_obey_guard(lode_drive_t *self);
 // Keeps the current `i_A` of a period that has tripped, which goes no further.
 void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A);
 
-// A period with the gates off. They may be on after it.
+// Low sides alone: the guard is awake, nothing is estimated.
+static inline bool lode_mode_precharges(const lode_drive_t *self) {
+    return lode_mode(self) == LODE_MODE_PRECHARGE;
+}
+
+// What switches in the period after lode_mode_idle().
+static inline lode_gates_t lode_mode_idle_gates(const lode_drive_t *self) {
+    return lode_mode_precharges(self) && self->state.precharged > 0u ? LODE_GATES_LOW
+                                                                     : LODE_GATES_OFF;
+}
+
+// A period with the gates off, or the low sides alone. All may be on after it.
 void lode_mode_idle(lode_drive_t *self, lode_calibration_t calibration, float offset_count);
 
 // A driven period in which there may be something to decide: angle, speed and lock are the estimator's,

@@ -28,6 +28,7 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_R_ON);
         NAME(LODE_ERROR_I_DEAD);
         NAME(LODE_ERROR_PWM_TICKS);
+        NAME(LODE_ERROR_PRECHARGE);
         NAME(LODE_ERROR_SENSE_SHUNTS);
         NAME(LODE_ERROR_SENSE_CURRENT);
         NAME(LODE_ERROR_SENSE_BUS);

@@ -124,6 +124,98 @@ static void test_off_interrupts_a_calibration(void) {
     rig_expect(&rig, LODE_MODE_OFF);
 }
 
+// --- Bootstrap capacitors ---------------------------------------------------------------------
+
+#define PRECHARGE_PERIODS 50
+
+static rig_t precharging(void) {
+    lode_drive_config_t config = rig_config();
+    config.inverter.precharge_s = (float)(PRECHARGE_PERIODS * RIG_TS_s);
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.blocked = true;
+    return rig;
+}
+
+static bool is_low(lode_drive_out_t out, float duty) {
+    return out.gates == LODE_GATES_LOW && out.duty.a == duty && out.duty.b == duty &&
+           out.duty.c == duty;
+}
+
+static void test_low_sides_come_before_all_gates(void) {
+    static const lode_command_t commands[] = {
+        {.mode = LODE_MODE_VOLTAGE, .vector = {3.0f, 0.0f}},
+        {.mode = LODE_MODE_CURRENT, .vector = {1.0f, 0.0f}},
+        {.mode = LODE_MODE_RUN, .speed_rad_s = 100.0f},
+    };
+    static const lode_mode_t modes[] = {LODE_MODE_VOLTAGE, LODE_MODE_CURRENT, LODE_MODE_START};
+    for (int n = 0; n < COUNT_OF(commands); n++) {
+        rig_t rig = precharging();
+        rig_command(&rig, commands[n]);
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_PRECHARGE, 0.2));
+        // The duties come first, so that no other ones act while the low sides are on.
+        TEST_ASSERT_EQUAL_INT(LODE_GATES_OFF, rig.out.gates);
+        TEST_ASSERT_EQUAL_FLOAT(0.8f, rig.out.duty.a);
+        for (int k = 0; k < PRECHARGE_PERIODS; k++) {
+            rig_step(&rig);
+            TEST_ASSERT_TRUE(is_low(rig.out, 0.8f));
+            rig_expect(&rig, LODE_MODE_PRECHARGE);
+        }
+        rig_step(&rig);
+        rig_expect(&rig, modes[n]);
+        TEST_ASSERT_TRUE(is_idle(rig.out)); // no voltage in the first period with all gates on
+        rig_step(&rig);
+        TEST_ASSERT_EQUAL_INT(LODE_GATES_ON, rig.out.gates);
+    }
+}
+
+static void test_low_sides_stay_on_no_longer_than_commanded(void) {
+    rig_t rig = precharging();
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE});
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_PRECHARGE, 0.2));
+    rig_run(&rig, 10.0 * RIG_TS_s);
+    rig_command(&rig, off);
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    rig_expect(&rig, LODE_MODE_OFF);
+    rig_command(&rig, run_at(100.0)); // calibrates first, and then from the beginning
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_PRECHARGE, 0.2));
+    rig_command(&rig, run_at(0.0));
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_OFF);
+}
+
+static void test_low_sides_are_guarded(void) {
+    for (int trip = 0; trip < 2; trip++) {
+        rig_t rig = precharging();
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE});
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_PRECHARGE, 0.2));
+        rig_step(&rig);
+        rig.trip = trip == 0;
+        rig.offset[1] = trip == 0 ? 0.0 : 1500.0; // 18.75 A of 18
+        rig_step(&rig);
+        TEST_ASSERT_TRUE(is_idle(rig.out));
+        rig_expect(&rig, LODE_MODE_FAULT);
+        const lode_fault_t fault = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_INT(trip == 0 ? LODE_CHECK_HARDWARE_TRIP : LODE_CHECK_OVER_CURRENT,
+                              fault.check);
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_PRECHARGE, fault.state);
+    }
+}
+
+// A low side that is on for too short a time could not be watched.
+static void test_low_sides_are_on_for_the_sampling_window(void) {
+    lode_drive_config_t config = rig_config();
+    config.inverter.precharge_s = 0.01f;
+    config.sense.duty_max = 0.75f;
+    config.current.voltage_use = 0.5f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE});
+    rig_run(&rig, 5.0 * RIG_TS_s);
+    TEST_ASSERT_TRUE(is_low(rig.out, 0.75f));
+}
+
 // --- Voltage and current at a given angle -----------------------------------------------------
 
 static void test_voltage_vector_at_an_angle(void) {
@@ -1265,7 +1357,7 @@ static void test_names_of_modes(void) {
     TEST_ASSERT_EQUAL_STRING("LODE_MODE_OFF", lode_mode_name(LODE_MODE_OFF));
     TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN", lode_mode_name(LODE_MODE_RUN));
     TEST_ASSERT_EQUAL_STRING("LODE_MODE_FAULT", lode_mode_name(LODE_MODE_FAULT));
-    for (int i = 0; i <= (int)LODE_MODE_FAULT; i++) {
+    for (int i = 0; i <= (int)LODE_MODE_PRECHARGE; i++) {
         for (int j = 0; j < i; j++) {
             TEST_ASSERT_TRUE(
                 strcmp(lode_mode_name((lode_mode_t)i), lode_mode_name((lode_mode_t)j)) != 0);
@@ -1282,6 +1374,10 @@ int main(void) {
     RUN_TEST(test_calibration_measures_offsets_with_gates_off);
     RUN_TEST(test_an_implausible_offset_is_a_fault);
     RUN_TEST(test_off_interrupts_a_calibration);
+    RUN_TEST(test_low_sides_come_before_all_gates);
+    RUN_TEST(test_low_sides_stay_on_no_longer_than_commanded);
+    RUN_TEST(test_low_sides_are_guarded);
+    RUN_TEST(test_low_sides_are_on_for_the_sampling_window);
     RUN_TEST(test_voltage_vector_at_an_angle);
     RUN_TEST(test_turning_voltage_is_ahead_by_one_and_a_half_periods);
     RUN_TEST(test_the_frame_stands_at_its_angle_when_the_mode_is_entered);

@@ -65,6 +65,27 @@ static void expect_fault(const rig6_t *rig, lode_check_t check) {
     TEST_ASSERT_FALSE(rig->out.set[1].gates);
 }
 
+// Both sets' bootstrap capacitors at once.
+static void test_low_sides_come_before_all_gates(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.inverter.precharge_s = (float)(10.0 * RIG6_TS_s);
+    rig6_t rig = rig_with(&config);
+    const lode_command_t command = {.mode = LODE_MODE_VOLTAGE};
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_command(&rig.drive.drive, &command));
+    int low = 0;
+    for (int n = 0; n < 20; n++) {
+        rig6_step(&rig);
+        TEST_ASSERT_EQUAL_INT(rig.out.set[0].gates, rig.out.set[1].gates);
+        if (rig.out.set[0].gates == LODE_GATES_LOW) {
+            low++;
+            CHECK_CLOSE(1e-6, 0.8, rig.out.set[0].duty.a);
+            CHECK_CLOSE(1e-6, 0.8, rig.out.set[1].duty.c);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(10, low);
+    TEST_ASSERT_EQUAL_INT(LODE_GATES_ON, rig.out.set[0].gates);
+}
+
 // --- Both sets --------------------------------------------------------------------------------
 
 static void test_from_standstill_to_speed_both_ways(void) {
@@ -572,6 +593,7 @@ static void test_an_estimate_of_the_hosts_own_is_driven_by(void) {
 
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_low_sides_come_before_all_gates);
     RUN_TEST(test_from_standstill_to_speed_both_ways);
     RUN_TEST(test_every_kind_of_observer);
     RUN_TEST(test_resonators_hold_the_xy_plane_at_zero);

@@ -66,6 +66,7 @@ static const field_t needed[] = {
     NEEDED(inverter.v_drop_V, 0.0f, 10.0f, LODE_ERROR_V_DROP),
     NEEDED(inverter.r_on_Ohm, 0.0f, 10.0f, LODE_ERROR_R_ON),
     NEEDED(inverter.pwm_ticks, 0.0f, 65535.0f, LODE_ERROR_PWM_TICKS),
+    NEEDED(inverter.precharge_s, 0.0f, 1.0f, LODE_ERROR_PRECHARGE),
 };
 
 /// Fields of which 0 asks for a default.

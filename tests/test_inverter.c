@@ -290,6 +290,8 @@ static void test_every_field_at_its_limits(void) {
          .error = LODE_ERROR_I_DEAD},
         {FIELD(lode_inverter_config_t, pwm_ticks), .lo = 0.0f, .hi = 65535.0f,
          .error = LODE_ERROR_PWM_TICKS},
+        {FIELD(lode_inverter_config_t, precharge_s), .lo = 0.0f, .hi = 1.0f,
+         .error = LODE_ERROR_PRECHARGE},
     };
     for (int i = 0; i < COUNT_OF(fields); i++) {
         if (fields[i].computed && fields[i].lo == 0.0f) {

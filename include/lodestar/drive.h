@@ -63,7 +63,8 @@ typedef enum {
     LODE_MODE_CURRENT,   ///< current vector at a given angle
     LODE_MODE_START,     ///< I-f: current vector turned by the start-up, or by the stop
     LODE_MODE_RUN,       ///< speed control without a sensor
-    LODE_MODE_FAULT      ///< gates off until the fault is cleared
+    LODE_MODE_FAULT,     ///< gates off until the fault is cleared
+    LODE_MODE_PRECHARGE  ///< low sides alone, before a mode with all gates on
 } lode_mode_t;
 
 /// The enumerator's name, for logs.
@@ -80,9 +81,18 @@ typedef struct {
     bool clear_fault;  ///< with OFF: leave FAULT
 } lode_command_t;
 
+/// Which of a bridge's six switches may be on.
+typedef enum {
+    LODE_GATES_OFF, ///< none, at once
+    LODE_GATES_ON,  ///< all
+    LODE_GATES_LOW ///< the low sides alone, in their share of the period; a board that cannot: none
+} lode_gates_t;
+
 typedef struct {
-    lode_abc_t duty; ///< high-side on-time as a share of the period, [0, 1], on the timer's grid
-    bool gates;      ///< false: all six switches off, at once
+    /// High-side on-time as a share of the period, [0, 1], on the timer's grid. The low side has the rest,
+    /// around t_k.
+    lode_abc_t duty;
+    lode_gates_t gates;
 } lode_drive_out_t;
 
 /// A command as the drive keeps it.
@@ -128,6 +138,7 @@ typedef struct {
     float direction; ///< sense of rotation, -1 or +1
     union {
         lode_sense_sums_t sums; ///< CALIBRATE
+        uint32_t precharged;    ///< PRECHARGE: periods of it
         float theta_rad;        ///< VOLTAGE, CURRENT: of their frame
         lode_start_t start;     ///< START
         lode_running_t run;     ///< RUN

@@ -26,6 +26,8 @@ typedef struct {
     lode_choice_t dead_time_correction; ///< correct in the duties; auto: where there is a dead time
     /// without the correction: take the loss out of the observer's voltage; auto: no
     lode_choice_t dead_time_model;
+    /// low sides alone, a fifth of each period, before all gates go on: charges bootstrap capacitors; 0: none
+    float precharge_s;
 } lode_inverter_config_t;
 
 typedef struct {
@@ -36,7 +38,8 @@ typedef struct {
     float i_dead_span_A; ///< added at full modulation
     float ticks;
     float inv_ticks;
-    float free;   ///< volts per bus volt up to which no duty can reach a rail; -1: with the model
+    float free; ///< volts per bus volt up to which no duty can reach a rail; -1: with the model
+    uint32_t precharge_periods;
     bool correct; ///< the dead-time error is added to the duties
     bool model;   ///< it is taken out of the observer's voltage instead
     bool grid;    ///< duties lie on the timer's steps

@@ -27,6 +27,7 @@ typedef enum {
     LODE_ERROR_R_ON,              ///< r_on_Ohm outside 0 .. 10
     LODE_ERROR_I_DEAD,            ///< i_dead_A outside 1e-3 .. 1 times i_max_A
     LODE_ERROR_PWM_TICKS,         ///< pwm_ticks outside 0 .. 65535
+    LODE_ERROR_PRECHARGE,         ///< precharge_s outside 0 .. 1
     LODE_ERROR_SENSE_SHUNTS,      ///< shunts not an enumerator
     LODE_ERROR_SENSE_CURRENT,     ///< current gain zero or not finite, or its range below i_max_A
     LODE_ERROR_SENSE_BUS,         ///< bus gain not positive, or its range below v_bus_V

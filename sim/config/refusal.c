@@ -44,6 +44,7 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_R_ON, "drive.r_on_Ohm", NULL, "0 .. 10"},
     {LODE_ERROR_I_DEAD, "drive.i_dead_A", NULL, "1e-3 .. 1 times i_max_A"},
     {LODE_ERROR_PWM_TICKS, "drive.pwm_ticks", NULL, "0 .. 65535"},
+    {LODE_ERROR_PRECHARGE, "drive.precharge_s", NULL, "0 (none) .. 1"},
     {LODE_ERROR_SENSE_SHUNTS, "drive.shunts", NULL, "three or two"},
     {LODE_ERROR_SENSE_CURRENT, "drive.i_range_A", "guard.i_trip_A drive.i_max_A",
      "at least i_max_A"},

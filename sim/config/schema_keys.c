@@ -57,6 +57,7 @@ static const rig_key_t keys[] = {
     GIVEN("drive", "r_on_Ohm", inverter.r_on_Ohm),
     FLOAT("drive", "i_dead_A", inverter.i_dead_A),
     GIVEN("drive", "pwm_ticks", inverter.pwm_ticks),
+    FLOAT("drive", "precharge_s", inverter.precharge_s),
     CHOICE("drive", "dead_time_correction", drive.inverter.dead_time_correction, "auto|on|off",
            NULL),
     CHOICE("drive", "dead_time_model", drive.inverter.dead_time_model, "auto|on|off", NULL),

@@ -32,6 +32,7 @@
     ROW(FLOAT, float, inverter.ticks) \
     ROW(FLOAT, float, inverter.inv_ticks) \
     ROW(FLOAT, float, inverter.free) \
+    ROW(WHOLE, uint32_t, inverter.precharge_periods) \
     ROW(BOOL, bool, inverter.correct) \
     ROW(BOOL, bool, inverter.model) \
     ROW(BOOL, bool, inverter.grid) \

@@ -114,7 +114,7 @@ static void begin_averaged(plant_inverter_t *self, const double i_A[PLANT_LEGS],
 }
 
 static void begin_switched(plant_inverter_t *self, const double i_A[PLANT_LEGS], int set,
-                           const double duty[PLANT_LEGS], bool gates_on, bool was_averaging) {
+                           const double duty[PLANT_LEGS], plant_gates_t gates, bool was_averaging) {
     for (int n = set * PLANT_PHASES; n < (set + 1) * PLANT_PHASES; n++) {
         plant_leg_t *leg = &self->leg[n];
         if (was_averaging) {
@@ -122,7 +122,7 @@ static void begin_switched(plant_inverter_t *self, const double i_A[PLANT_LEGS],
         }
         // Edges that changed no terminal are still to be made.
         (void)plant_pwm_apply(&leg->pwm, self->period_s);
-        plant_pwm_schedule(&leg->pwm, duty[n], gates_on, self->period_s, self->dead_time_s);
+        plant_pwm_schedule(&leg->pwm, duty[n], gates, self->period_s, self->dead_time_s);
     }
 }
 
@@ -133,7 +133,7 @@ static double realised(const plant_inverter_t *self, double duty) {
 }
 
 void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
-                          const double duty[PLANT_LEGS], const bool gates_on[PLANT_SETS]) {
+                          const double duty[PLANT_LEGS], const plant_gates_t gates[PLANT_SETS]) {
     double share[PLANT_LEGS] = {0.0}, i_A[PLANT_LEGS] = {0.0};
     for (int n = 0; n < legs_of(self); n++) {
         share[n] = realised(self, duty[n]);
@@ -141,11 +141,11 @@ void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
     plant_motor_phase_currents(motor, &motor->x, i_A);
     for (int set = 0; set < self->sets; set++) {
         const bool was_averaging = self->averaging[set];
-        self->averaging[set] = gates_on[set] && self->level == PLANT_AVERAGED;
+        self->averaging[set] = gates[set] == PLANT_GATES_ON && self->level == PLANT_AVERAGED;
         if (self->averaging[set]) {
             begin_averaged(self, i_A, set, share);
         } else {
-            begin_switched(self, i_A, set, share, gates_on[set], was_averaging);
+            begin_switched(self, i_A, set, share, gates[set], was_averaging);
         }
     }
     plant_inverter_settle(self, motor, 0.0);

@@ -53,7 +53,7 @@ void plant_inverter_init(plant_inverter_t *self, const plant_config_t *config);
 
 /// Starts a PWM period. Duties outside 0..1 count as the nearer end.
 void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
-                          const double duty[PLANT_LEGS], const bool gates_on[PLANT_SETS]);
+                          const double duty[PLANT_LEGS], const plant_gates_t gates[PLANT_SETS]);
 
 /// The phase behind a leg breaks: at the next zero of its current, at once where there is none.
 void plant_inverter_open(plant_inverter_t *self, const plant_motor_t *motor, int leg);

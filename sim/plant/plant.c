@@ -345,14 +345,14 @@ static void run(plant_t *self, double until_s) {
 
 /// Starts the period that follows t_k.
 static void begin_period(plant_t *self) {
-    bool gates_on[PLANT_SETS] = {false, false};
+    plant_gates_t gates[PLANT_SETS] = {PLANT_GATES_OFF, PLANT_GATES_OFF};
     self->now_s = 0.0;
     self->events_left = EVENTS_PER_PERIOD;
     self->u_Vs = (plant_planes_t){{0.0, 0.0}, {0.0, 0.0}};
     for (int set = 0; set < self->sets; set++) {
-        gates_on[set] = self->gates_on[set] && !self->trip[set];
+        gates[set] = self->trip[set] ? PLANT_GATES_OFF : self->gates[set];
     }
-    plant_inverter_begin(&self->inverter, &self->motor, self->duty, gates_on);
+    plant_inverter_begin(&self->inverter, &self->motor, self->duty, gates);
 }
 
 void plant_advance(plant_t *self) {
@@ -366,21 +366,21 @@ void plant_advance(plant_t *self) {
     plant_inverter_clear(&self->inverter, &self->motor);
     for (int n = 0; n < self->sets * PLANT_PHASES; n++) {
         self->duty[n] = self->next_duty[n];
-        self->gates_on[n / PLANT_PHASES] = self->next_gates_on[n / PLANT_PHASES];
+        self->gates[n / PLANT_PHASES] = self->next_gates[n / PLANT_PHASES];
     }
     self->periods++;
 }
 
-void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], bool gates_on) {
+void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], plant_gates_t gates) {
     for (int n = 0; n < PLANT_PHASES; n++) {
         self->next_duty[set * PLANT_PHASES + n] = duty[n];
     }
-    self->next_gates_on[set] = gates_on;
-    self->gates_on[set] = self->gates_on[set] && gates_on;
+    self->next_gates[set] = gates;
+    self->gates[set] = gates == PLANT_GATES_OFF ? PLANT_GATES_OFF : self->gates[set];
 }
 
-void plant_write(plant_t *self, const double duty[PLANT_PHASES], bool gates_on) {
-    plant_write_set(self, 0, duty, gates_on);
+void plant_write(plant_t *self, const double duty[PLANT_PHASES], plant_gates_t gates) {
+    plant_write_set(self, 0, duty, gates);
 }
 
 /// Currents at the sampling instant.

@@ -7,7 +7,7 @@
 ///     const char *error = plant_init(&plant, &config);    NULL if all is well
 ///     for (;;) {
 ///         plant_sample(&plant, &counts, &truth);           at t_k
-///         plant_write(&plant, duty, gates_on);             from the same interrupt
+///         plant_write(&plant, duty, gates);                from the same interrupt
 ///         plant_advance(&plant);                           to t_k+1
 ///     }
 ///
@@ -72,8 +72,8 @@ typedef struct {
     uint64_t periods; ///< k
     int sets;
     bool trip[PLANT_SETS];
-    bool gates_on[PLANT_SETS],
-        next_gates_on[PLANT_SETS]; ///< in the period at hand, in the next one
+    plant_gates_t gates[PLANT_SETS],
+        next_gates[PLANT_SETS]; ///< in the period at hand, in the next one
     double duty[PLANT_LEGS], next_duty[PLANT_LEGS];
     double now_s; ///< within the period at hand
     int events_left;
@@ -89,10 +89,11 @@ const char *plant_init(plant_t *self, const plant_config_t *config);
 /// is one per set.
 void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth);
 
-/// Duties 0..1 (outside counts as the nearer end, NaN as 0) of the high sides, and the gate enable.
+/// Duties 0..1 (outside counts as the nearer end, NaN as 0) of the high sides, and what may switch. With
+/// the low sides alone the inverter switches even where it is averaged otherwise.
 /// plant_write() means the first set.
-void plant_write(plant_t *self, const double duty[PLANT_PHASES], bool gates_on);
-void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], bool gates_on);
+void plant_write(plant_t *self, const double duty[PLANT_PHASES], plant_gates_t gates);
+void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], plant_gates_t gates);
 
 /// Simulates one PWM period, t_k to t_k+1.
 void plant_advance(plant_t *self);

@@ -22,19 +22,20 @@ static void ask(plant_pwm_t *self, double at_s, plant_gate_t gate, double dead_t
     self->ready_s = at_s + dead_time_s;
 }
 
-void plant_pwm_schedule(plant_pwm_t *self, double duty, bool gates_on, double period_s,
+void plant_pwm_schedule(plant_pwm_t *self, double duty, plant_gates_t gates, double period_s,
                         double dead_time_s) {
     self->edges = 0;
     self->next = 0;
-    if (!gates_on) {
+    if (gates == PLANT_GATES_OFF) {
         self->wanted = PLANT_GATE_OFF;
         self->waiting = false;
         add_edge(self, 0.0, PLANT_GATE_OFF);
         return;
     }
-    ask(self, 0.0, duty >= 1.0 ? PLANT_GATE_HIGH : PLANT_GATE_LOW, dead_time_s);
+    const plant_gate_t high = gates == PLANT_GATES_LOW ? PLANT_GATE_OFF : PLANT_GATE_HIGH;
+    ask(self, 0.0, duty >= 1.0 ? high : PLANT_GATE_LOW, dead_time_s);
     if (duty > 0.0 && duty < 1.0) {
-        ask(self, 0.5 * (1.0 - duty) * period_s, PLANT_GATE_HIGH, dead_time_s);
+        ask(self, 0.5 * (1.0 - duty) * period_s, high, dead_time_s);
         ask(self, 0.5 * (1.0 + duty) * period_s, PLANT_GATE_LOW, dead_time_s);
     }
     if (self->waiting && self->ready_s < period_s) {

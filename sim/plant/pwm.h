@@ -10,6 +10,9 @@
 
 typedef enum { PLANT_GATE_OFF, PLANT_GATE_LOW, PLANT_GATE_HIGH } plant_gate_t;
 
+/// Which switches may be on. LOW: the low sides alone, in their share of the period.
+typedef enum { PLANT_GATES_OFF, PLANT_GATES_ON, PLANT_GATES_LOW } plant_gates_t;
+
 typedef struct {
     double at_s; ///< from the start of the period
     plant_gate_t gate;
@@ -30,7 +33,7 @@ typedef struct {
 void plant_pwm_init(plant_pwm_t *self);
 
 /// Lays out the edges of the period that begins now. A duty of 0 or 1 makes none.
-void plant_pwm_schedule(plant_pwm_t *self, double duty, bool gates_on, double period_s,
+void plant_pwm_schedule(plant_pwm_t *self, double duty, plant_gates_t gates, double period_s,
                         double dead_time_s);
 
 /// First edge after this time; the number of edges if there is none.

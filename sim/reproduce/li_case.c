@@ -233,7 +233,7 @@ static void one_period(run_t *run, moment_t *now) {
     for (int set = 0; set < PLANT_SETS; ++set) {
         const lode_abc_t *d = &out.set[set].duty;
         const double duty[PLANT_PHASES] = {(double)d->a, (double)d->b, (double)d->c};
-        plant_write_set(&run->plant, set, duty, out.set[set].gates);
+        plant_write_set(&run->plant, set, duty, (plant_gates_t)out.set[set].gates);
     }
     plant_advance(&run->plant);
     run->k++;

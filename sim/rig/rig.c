@@ -49,7 +49,7 @@ static lode_counts_t counts_of(const plant_counts_t *plant) {
 static void write_set(plant_t *plant, int set, const lode_drive_out_t *out) {
     const double duty[PLANT_PHASES] = {(double)out->duty.a, (double)out->duty.b,
                                        (double)out->duty.c};
-    plant_write_set(plant, set, duty, out->gates);
+    plant_write_set(plant, set, duty, (plant_gates_t)out->gates); // the same three
 }
 
 /// lode_drive_step() in its three parts.

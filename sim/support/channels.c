@@ -30,7 +30,7 @@ const char *channels_value_name(uint32_t number, double value) {
         return NULL;
     }
     const bool is_mode = number == (uint32_t)LODE_CHANNEL_MODE;
-    const int count = is_mode ? (int)LODE_MODE_FAULT + 1 : (int)LODE_CHECK_COUNT;
+    const int count = is_mode ? (int)LODE_MODE_PRECHARGE + 1 : (int)LODE_CHECK_COUNT;
     if (whole >= count) {
         return NULL;
     }

@@ -5,7 +5,7 @@
 #include "lodestar/lodestar.h"
 
 lode_counts_t board_read_adc(void);
-void board_write_pwm(lode_abc_t duty, bool gates);
+void board_write_pwm(lode_abc_t duty, lode_gates_t gates);
 void pwm_interrupt(void);
 bool counter_start(void);
 bool cycles_init(void);

@@ -70,7 +70,7 @@ lode_counts_t board_read_adc(void) {
     return (lode_counts_t){0};
 }
 
-void board_write_pwm(lode_abc_t duty, bool gates) {
+void board_write_pwm(lode_abc_t duty, lode_gates_t gates) {
     now += gates && duty.a > 0.0f ? 200u : 100u;
 }
 

@@ -64,7 +64,7 @@ static inline void rig_move(rig_t *self) {
     const double drag = self->load_Nm * tanh(m->omega / 3.0) + 7.5e-4 * m->omega / 3.0;
     m->acc = self->blocked ? 0.0 : 3.0 / 0.0174 * (torque - drag);
     const lode_ab_t u = lode_clarke(self->acting);
-    if (self->out.gates) {
+    if (self->out.gates == LODE_GATES_ON) {
         ipmsm_step(m, (double)PAPER_V_BUS * (double)u.alpha, (double)PAPER_V_BUS * (double)u.beta,
                    RIG_TS_s);
     } else { // the diodes let the current die at once

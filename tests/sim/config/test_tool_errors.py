@@ -91,6 +91,7 @@ REFUSALS = {
     "R_ON": ["drive.r_on_Ohm=-1"],
     "I_DEAD": ["drive.i_dead_A=13"],
     "PWM_TICKS": ["drive.pwm_ticks=70000"],
+    "PRECHARGE": ["drive.precharge_s=2"],
     "SENSE_CURRENT": ["drive.i_range_A=1"],
     "SENSE_BUS": ["drive.v_range_V=10"],
     "SENSE_OFFSET": ["drive.i_offset_tol_count=1e5"],

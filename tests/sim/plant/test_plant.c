@@ -155,7 +155,7 @@ static double reference_leg(const reference_t *r, int n) {
     return low + (high - low) * share - c->r_on_Ohm * r->i[n];
 }
 
-static void reference_period(reference_t *r, const double duty[3], bool gates_on) {
+static void reference_period(reference_t *r, const double duty[3], plant_gates_t gates) {
     const plant_config_t *c = r->c;
     const double steps = (double)REFERENCE_STEPS, h = c->period_s / steps;
     const int dead = (int)floor(c->dead_time_s / h + 0.5);
@@ -164,7 +164,8 @@ static void reference_period(reference_t *r, const double duty[3], bool gates_on
         double v[3];
         const double x = fabs(k + 0.5 - 0.5 * steps) * 2.0 / steps;
         for (int n = 0; n < 3; n++) {
-            const int wanted = !gates_on ? 0 : (x < duty[n] ? 2 : 1);
+            const int high = gates == PLANT_GATES_ON ? 2 : 0;
+            const int wanted = gates == PLANT_GATES_OFF ? 0 : (x < duty[n] ? high : 1);
             r->wait[n] = wanted != r->wanted[n] ? dead : r->wait[n] - (r->wait[n] > 0);
             r->wanted[n] = wanted;
             v[n] = reference_leg(r, n);
@@ -188,17 +189,20 @@ static void reference_period(reference_t *r, const double duty[3], bool gates_on
 
 /// Runs plant and reference side by side under the same duties; largest difference of a phase
 /// current, and of the mean voltage, at any t_k.
-static void compare_with_reference(const plant_config_t *c, double iq, int periods, bool gates_on,
-                                   double i_limit_A, double u_limit_V, const char *name) {
+static void compare_with_reference(const plant_config_t *c, double iq, int periods,
+                                   plant_gates_t gates, double i_limit_A, double u_limit_V,
+                                   const char *name) {
     plant_t plant = new_plant(c);
     reference_t r = reference_start(c);
     double i_worst = 0.0, u_worst = 0.0, i_peak = 0.0;
     for (int k = 0; k < periods; k++) {
         control_current(&plant, c, 0.0, iq);
-        if (!gates_on) {
-            plant_write(&plant, plant.next_duty, false);
+        if (gates == PLANT_GATES_OFF) {
+            plant_write(&plant, plant.next_duty, gates);
+        } else if (gates == PLANT_GATES_LOW) {
+            plant_write(&plant, (const double[]){0.8, 0.8, 0.8}, gates);
         }
-        reference_period(&r, plant.duty, plant.gates_on[0]);
+        reference_period(&r, plant.duty, plant.gates[0]);
         plant_advance(&plant);
         const plant_truth_t t = truth_of(&plant);
         for (int n = 0; n < 3; n++) {
@@ -230,7 +234,7 @@ static plant_config_t lossy_config(void) {
 static void test_switching_matches_reference_under_load(void) {
     plant_config_t c = lossy_config();
     c.load_Nm = 5.0;
-    compare_with_reference(&c, 8.0, 120, true, 10e-3, 0.1, "rated load");
+    compare_with_reference(&c, 8.0, 120, PLANT_GATES_ON, 10e-3, 0.1, "rated load");
 }
 
 static void test_switching_matches_reference_with_saturation_and_harmonics(void) {
@@ -242,15 +246,54 @@ static void test_switching_matches_reference_with_saturation_and_harmonics(void)
     c.emf7_ratio = 0.03;
     c.emf7_phase_rad = -0.7;
     c.load_Nm = 3.0;
-    compare_with_reference(&c, -7.0, 120, true, 10e-3, 0.1, "saturation and harmonics");
+    compare_with_reference(&c, -7.0, 120, PLANT_GATES_ON, 10e-3, 0.1, "saturation and harmonics");
 }
 
 /// All three currents cross zero several times in each period here; phases float in between.
 static void test_switching_matches_reference_without_load(void) {
     plant_config_t c = lossy_config();
     c.omega_m_rad_s = 12.0;
-    compare_with_reference(&c, 0.0, 120, true, 5e-3, 0.1, "no load");
-    compare_with_reference(&c, 1.2, 120, true, 5e-3, 0.1, "little load");
+    compare_with_reference(&c, 0.0, 120, PLANT_GATES_ON, 5e-3, 0.1, "no load");
+    compare_with_reference(&c, 1.2, 120, PLANT_GATES_ON, 5e-3, 0.1, "little load");
+}
+
+/// Low sides alone: a short circuit for a fifth of the period, then the diodes carry the current into the bus.
+static void test_low_sides_alone_match_the_reference(void) {
+    plant_config_t c = lossy_config();
+    c.omega_m_rad_s = 150.0;
+    c.speed_is_prescribed = true;
+    compare_with_reference(&c, 0.0, 120, PLANT_GATES_LOW, 5e-3, 0.1, "low sides alone");
+}
+
+/// At rest there is nothing to short-circuit; turning, the current is what the EMF makes of a fifth of a
+/// period, and what it had taken goes back into the bus.
+static void test_low_sides_alone_bound_the_current(void) {
+    plant_config_t c = plant_config_jiang2022();
+    c.speed_is_prescribed = true;
+    c.omega_m_rad_s = 0.0;
+    for (int turning = 0; turning < 2; turning++) {
+        plant_t plant = new_plant(&c);
+        double peak = 0.0;
+        for (int k = 0; k < 500; k++) {
+            plant_write(&plant, (const double[]){0.8, 0.8, 0.8}, PLANT_GATES_LOW);
+            plant_advance(&plant);
+            for (int n = 0; n < 3; n++) {
+                peak = fmax(peak, fabs(truth_of(&plant).i_abc_A[n]));
+            }
+        }
+        // From nothing until t_k, in the middle of the fifth, which begins late by the dead time; by an
+        // inductance between Ld and Lq.
+        const double flux_Wb =
+            3.0 * c.omega_m_rad_s * c.psi_Wb * (0.1 * c.period_s - c.dead_time_s);
+        if (turning == 0) {
+            TEST_ASSERT_TRUE(peak == 0.0);
+        } else {
+            TEST_ASSERT_TRUE(peak > 0.98 * flux_Wb / c.Lq_H); // the resistance takes some
+            TEST_ASSERT_TRUE(peak < flux_Wb / c.Ld_H);
+        }
+        TEST_ASSERT_TRUE(turning == 0 || truth_of(&plant).energy.bus_J < 0.0);
+        c.omega_m_rad_s = 100.0;
+    }
 }
 
 /// Currents reverse in the zero vector: between the low gate, on since the last period, and the pulse.
@@ -258,7 +301,7 @@ static void test_switching_matches_reference_at_reversals(void) {
     plant_config_t c = lossy_config();
     c.omega_m_rad_s = 120.0;
     c.speed_is_prescribed = true;
-    compare_with_reference(&c, 0.5, 200, true, 5e-3, 0.1, "reversals in the zero vector");
+    compare_with_reference(&c, 0.5, 200, PLANT_GATES_ON, 5e-3, 0.1, "reversals in the zero vector");
 }
 
 /// Without drops a current that passes through zero while a gate is on is no event: the plant goes
@@ -270,10 +313,10 @@ static void test_switching_matches_reference_without_drops(void) {
     c.Lq_H = 2e-3;
     c.v_transistor_V = 0.0;
     c.v_diode_V = 0.0;
-    compare_with_reference(&c, 0.5, 120, true, 10e-3, 0.1, "no drops, little load");
-    compare_with_reference(&c, 4.0, 60, true, 10e-3, 0.1, "no drops, load");
+    compare_with_reference(&c, 0.5, 120, PLANT_GATES_ON, 10e-3, 0.1, "no drops, little load");
+    compare_with_reference(&c, 4.0, 60, PLANT_GATES_ON, 10e-3, 0.1, "no drops, load");
     c.dead_time_s = 0.0;
-    compare_with_reference(&c, 0.5, 60, true, 10e-3, 0.1, "no drops, no dead time");
+    compare_with_reference(&c, 0.5, 60, PLANT_GATES_ON, 10e-3, 0.1, "no drops, no dead time");
     plant_t plant = new_plant(&c);
     plant_write(&plant, (const double[]){0.5, 0.52, 0.49}, true);
     advance(&plant, 2);
@@ -313,7 +356,7 @@ static void test_gates_off_matches_reference_when_rectifying(void) {
     plant_config_t c = lossy_config();
     c.omega_m_rad_s = 333.0;
     c.speed_is_prescribed = true;
-    compare_with_reference(&c, 0.0, 60, false, 10e-3, 0.2, "rectifying");
+    compare_with_reference(&c, 0.0, 60, PLANT_GATES_OFF, 10e-3, 0.2, "rectifying");
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -1700,6 +1743,8 @@ int main(void) {
     RUN_TEST(test_switching_matches_reference_with_saturation_and_harmonics);
     RUN_TEST(test_switching_matches_reference_without_load);
     RUN_TEST(test_switching_matches_reference_at_reversals);
+    RUN_TEST(test_low_sides_alone_match_the_reference);
+    RUN_TEST(test_low_sides_alone_bound_the_current);
     RUN_TEST(test_switching_matches_reference_without_drops);
     RUN_TEST(test_accounts_change_nothing_else);
     RUN_TEST(test_gates_off_matches_reference_when_rectifying);

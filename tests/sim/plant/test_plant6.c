@@ -214,7 +214,8 @@ static double reference_leg(const reference_t *r, int n) {
                       : low + (high - low) * share - c->r_on_Ohm * r->i[n];
 }
 
-static void reference_period(reference_t *r, const double duty[LEGS], const bool gates_on[SETS]) {
+static void reference_period(reference_t *r, const double duty[LEGS],
+                             const plant_gates_t gates[SETS]) {
     const plant_config_t *c = r->c;
     const double steps = (double)REFERENCE_STEPS, h = c->period_s / steps;
     const int dead = (int)floor(c->dead_time_s / h + 0.5);
@@ -225,7 +226,7 @@ static void reference_period(reference_t *r, const double duty[LEGS], const bool
         double v[LEGS], u[4] = {0.0, 0.0, 0.0, 0.0};
         const double x = fabs(k + 0.5 - 0.5 * steps) * 2.0 / steps;
         for (int n = 0; n < LEGS; n++) {
-            const int wanted = !gates_on[n / 3] ? 0 : (x < duty[n] ? 2 : 1);
+            const int wanted = gates[n / 3] == PLANT_GATES_OFF ? 0 : (x < duty[n] ? 2 : 1);
             r->wait[n] = wanted != r->wanted[n] ? dead : r->wait[n] - (r->wait[n] > 0);
             r->wanted[n] = wanted;
             v[n] = reference_leg(r, n) - c->Rs_Ohm * r->i[n];
@@ -279,7 +280,7 @@ static void compare_with_reference(const plant_config_t *c, const race_t *race) 
             plant_open_phase(&plant, race->open);
             r.breaking[race->open] = r.i[race->open] > 0.0 ? 1 : -1;
         }
-        reference_period(&r, plant.duty, plant.gates_on);
+        reference_period(&r, plant.duty, plant.gates);
         plant_advance(&plant);
         const plant_truth_t t = truth_of(&plant);
         for (int n = 0; n < LEGS; n++) {
