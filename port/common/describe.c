@@ -14,6 +14,7 @@ void board_describe(lode_drive_config_t *config) {
         .dead_time_s = (float)VARIANT_DEAD_TIME_ns * 1.0e-9f,
         .v_drop_V = VARIANT_V_DROP_V,
         .r_on_Ohm = VARIANT_R_ON_Ohm,
+        .precharge_s = VARIANT_PRECHARGE_s,
         .pwm_ticks = (float)port_pwm_steps(CHIP_F_PWM_Hz, VARIANT_F_PWM_Hz),
     };
     config->sense = (lode_sense_config_t){

@@ -3,6 +3,7 @@
 // Times, s.
 #define PWM_TIME 0.5f  // long enough for a scope's trigger and for a mean over thousands of periods
 #define RISE_TIME 0.5f // of the test voltage from zero to its end
+#define FIRST_TIME 0.02f  // s
 #define SETTLE_TIME 0.3f  // for the rotor to swing out
 #define AVERAGE_TIME 0.2f // of telemetry
 #define HOLD_TIME 0.5f    // for which the lock must hold after a start
@@ -23,8 +24,11 @@
 #define LOSS_MARGIN 2.0f        // times dead time and drops
 #define BALANCE_PERIODS 16u     // against noise
 #define BALANCE_SHARE 0.5f      // of the test current: what the three may sum up to
-#define SEEN_SHARE 0.5f         // of the test current, else there is none
-#define IN_PHASE 0.75f          // share of the largest current: +-1 is right, +-0.5 another phase
+// Of current control: three periods from the first voltage to a sample that has seen it, the rest to rise.
+#define CONTROL_PERIODS 20u
+#define FIRST_SHARE 0.3f // of the current that is controlled in the end
+#define SEEN_SHARE 0.5f  // of the test current, else there is none
+#define IN_PHASE 0.75f   // share of the largest current: +-1 is right, +-0.5 another phase
 #define NOTHING 0.25f
 #define RETURN_TOLERANCE 0.2f // of the half that should come back in each other phase
 #define ACROSS_SHARE 0.3f
@@ -455,27 +459,50 @@ static void step_voltage(bringup_t *self, const bringup_view_t *view) {
 
 // --- 5: current ---
 
+static void post_current(bringup_t *self, const bringup_view_t *view, float wanted) {
+    post(self, (lode_command_t){.mode = LODE_MODE_CURRENT,
+                                .vector = {wanted, 0.0f},
+                                .theta_rad = self->angle_rad,
+                                .omega_rad_s = self->turn_rad_s});
+    next_stage(self, view);
+}
+
+// A controller that does not see its current raises the voltage until something trips. So a small current
+// first; the voltage of the first periods comes before any current and says nothing.
+static bool sees_current(bringup_t *self, const bringup_view_t *view, float wanted) {
+    const float seen_A = length_of(view->now.i_A);
+    if (view->now.steps - self->since > CONTROL_PERIODS && seen_A < SEEN_SHARE * wanted &&
+        length_of(view->now.u_V) > voltage_for(self->config, wanted)) {
+        finish(self, BRINGUP_CURRENT_OFF, 0u, seen_A - wanted, CURRENT_TOLERANCE * wanted);
+        return false;
+    }
+    return true;
+}
+
+// Stage 3 posts a small current, 4 waits for current control, 5 looks at it; 6 and on: all of it.
 static void step_current(bringup_t *self, const bringup_view_t *view) {
     const float wanted = CURRENT_SHARE * self->config->inverter.i_max_A;
+    const float first = FIRST_SHARE * wanted;
     if (!calibrated(self, view)) {
         return;
     }
     if (self->stage == 3u) {
-        post(self, (lode_command_t){.mode = LODE_MODE_CURRENT,
-                                    .vector = {wanted, 0.0f},
-                                    .theta_rad = self->angle_rad,
-                                    .omega_rad_s = self->turn_rad_s});
-        next_stage(self, view);
+        post_current(self, view, first);
         return;
     }
-    // A controller that does not see its current raises the voltage until something trips.
-    const float seen_A = length_of(view->now.i_A);
-    if (!still_balanced(self)) {
+    if (self->stage == 4u) {
+        if (view->now.mode == LODE_MODE_CURRENT) {
+            next_stage(self, view);
+        }
         return;
     }
-    if (length_of(view->now.u_V) > voltage_for(self->config, wanted) &&
-        seen_A < SEEN_SHARE * wanted) {
-        finish(self, BRINGUP_CURRENT_OFF, 0u, seen_A - wanted, CURRENT_TOLERANCE * wanted);
+    if (!still_balanced(self) || !sees_current(self, view, self->stage == 5u ? first : wanted)) {
+        return;
+    }
+    if (self->stage == 5u) {
+        if (elapsed_s(self, view) >= FIRST_TIME) {
+            post_current(self, view, wanted);
+        }
         return;
     }
     if (elapsed_s(self, view) < SETTLE_TIME || !averaged(self, view, wanted)) {
@@ -605,6 +632,8 @@ bringup_state_t bringup_step(bringup_t *self, const bringup_view_t *view) {
         const lode_fault_t *fault = &view->now.fault;
         self->result.check = fault->check;
         finish(self, BRINGUP_FAULT, 0u, fault->measured, fault->limit);
+    } else if (view->now.mode == LODE_MODE_PRECHARGE) {
+        self->since = view->now.steps; // the stage's time begins behind it
     } else {
         step_mode(self, view);
     }

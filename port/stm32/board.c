@@ -102,6 +102,8 @@ static void halt_init(void) {
     REG_CLEAR(STM32_DBG_APB1, STM32_DBG_TIM2_STOP);
 }
 
+static bool low_sides_alone; // what the timer is set to
+
 bool board_reset_by_watchdog(void) {
     return stm32_reset_by_watchdog();
 }
@@ -111,6 +113,7 @@ bool board_init(float i_trip_A) {
     enables_init();
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_TIM1EN);
     stm32_pwm_reset();
+    low_sides_alone = false;
     const bool clocked = chip_clock_init();
     stm32_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // a failure is reported over it
     if (!clocked) {
@@ -155,11 +158,17 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
 }
 
 LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
-    if (!out->gates) {
+    const bool low = out->gates == LODE_GATES_LOW;
+    const bool on = out->gates == LODE_GATES_ON || (low && VARIANT_LOW_SIDES);
+    if (!on) {
         board_gates_off();
     }
+    if (low != low_sides_alone && VARIANT_LOW_SIDES) {
+        stm32_pwm_low_sides_alone(low);
+        low_sides_alone = low;
+    }
     stm32_pwm_write(out->duty);
-    if (out->gates && stm32_pwm_on()) {
+    if (on && stm32_pwm_on()) {
         enables_set(true);
     }
 }

@@ -31,6 +31,9 @@ bool stm32_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint32_t *dtg) 
     return false;
 }
 
+#define HIGH_SIDES (TIM_CCER_CC1E | TIM_CCER_CC2E | TIM_CCER_CC3E)
+#define LOW_SIDES (TIM_CCER_CC1NE | TIM_CCER_CC2NE | TIM_CCER_CC3NE)
+
 void stm32_pwm_reset(void) {
     REG_SET(RCC->APB2RSTR, RCC_APB2RSTR_TIM1RST);
     REG_CLEAR(RCC->APB2RSTR, RCC_APB2RSTR_TIM1RST);
@@ -54,9 +57,7 @@ bool stm32_pwm_init(const stm32_pwm_t *config) {
     REG_WRITE(TIM1->CCMR2,
               TIM_CCMR2_OC3M_0 | TIM_CCMR2_OC3M_1 | TIM_CCMR2_OC3M_2 | TIM_CCMR2_OC3PE);
     stm32_pwm_write((lode_abc_t){0.5f, 0.5f, 0.5f}); // no voltage between the phases
-    REG_WRITE(TIM1->CCER,
-              TIM_CCER_CC1E | TIM_CCER_CC2E | TIM_CCER_CC3E |
-                  (config->low_sides ? TIM_CCER_CC1NE | TIM_CCER_CC2NE | TIM_CCER_CC3NE : 0u));
+    REG_WRITE(TIM1->CCER, HIGH_SIDES | (config->low_sides ? LOW_SIDES : 0u));
     // Off means driven inactive (OSSI, OSSR), not floating. Lock level 2: until the next reset nobody
     // changes dead time, break inputs, polarities and idle levels any more. No automatic return. All in
     // one write: the first one after the reset freezes LOCK (RM0440 and RM0090, TIMx_BDTR).
@@ -65,6 +66,18 @@ bool stm32_pwm_init(const stm32_pwm_t *config) {
     REG_WRITE(TIM1->EGR, TIM_EGR_UG); // takes all of it over; nothing listens to the trigger yet
     REG_WRITE(TIM1->SR, 0u);
     return true;
+}
+
+// Without its high side's output a low side's follows the compare signal itself, not its complement
+// (RM0440, RM0090: output control bits for complementary channels): so mode 1, which is high where mode 2
+// is low. Lock level 2 leaves both registers free.
+void stm32_pwm_low_sides_alone(bool alone) {
+    const uint32_t mode_2 =
+        TIM_CCMR1_OC1M_0 | TIM_CCMR1_OC2M_0; // the bit in which the two modes differ
+    stm32_pwm_off();
+    REG_CHANGE(TIM1->CCER, HIGH_SIDES, alone ? 0u : HIGH_SIDES);
+    REG_CHANGE(TIM1->CCMR1, mode_2, alone ? 0u : mode_2);
+    REG_CHANGE(TIM1->CCMR2, TIM_CCMR2_OC3M_0, alone ? 0u : TIM_CCMR2_OC3M_0);
 }
 
 void stm32_pwm_start(void) {

@@ -69,6 +69,11 @@ static inline bool stm32_pwm_on(void) {
     return true;
 }
 
+/// From now on only the low sides' outputs, in the same share of the period; false: all six again. They go
+/// off on the way. For bridges with six inputs. There is no dead time without the high sides, and none is
+/// needed.
+void stm32_pwm_low_sides_alone(bool alone);
+
 /// False: the break input is still active.
 bool stm32_pwm_clear_trip(void);
 

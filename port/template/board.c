@@ -32,10 +32,11 @@ void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){.stamp = board_cycles()};
 }
 
-/// With gates false: board_gates_off() first. Then duties to the preload registers. With gates true, and
-/// no trip latched: outputs on.
+/// With gates off: board_gates_off() first. Then duties to the preload registers. With gates on, and no
+/// trip latched: outputs on. LODE_GATES_LOW: the low sides alone; a board that cannot, or needs none, keeps
+/// all off.
 void board_write(const lode_drive_out_t *out) {
-    if (!out->gates) {
+    if (out->gates != LODE_GATES_ON) {
         board_gates_off();
     }
 }

@@ -35,11 +35,12 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
 }
 
 LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
-    if (!out->gates) {
+    const bool on = out->gates == LODE_GATES_ON; // the low sides alone: not made, so off
+    if (!on) {
         board_gates_off();
     }
     chip_pwm_write(out->duty);
-    if (out->gates) {
+    if (on) {
         chip_pwm_on();
     }
 }

@@ -17,7 +17,6 @@
 #define GAIN_V (40.0 / 4096.0)
 #define CYCLES_PER_PERIOD 8500u // 170 MHz / 20 kHz
 #define WORK_CYCLES 2000u
-#define POLL_EVERY 7 // the thread is slower than the interrupt, and not in step with it
 
 /// What is wrong with the board.
 typedef struct {
@@ -35,6 +34,7 @@ typedef struct {
     bool dead_comparator;
     double dead_time_s; ///< of the inverter, and configured
     double r_on_Ohm;
+    double precharge_s;
 } mistakes_t;
 
 static const mistakes_t sound = {.channel = {0, 1, 2},
@@ -47,7 +47,10 @@ static const mistakes_t sound = {.channel = {0, 1, 2},
 static mistakes_t with;
 static plant_t plant;
 static bool gates, latched;
+static int low_periods; // with the low sides alone
 static uint32_t cycles, feeds, stamp, periods;
+static uint32_t
+    poll_every; // the thread is slower than the interrupt and not in step with it, or faster
 static bool working;
 static float i_trip_A;   // asked of the hardware
 static bool refused;     // a configuration that is none
@@ -64,6 +67,7 @@ void board_describe(lode_drive_config_t *config) {
                                                 .i_max_A = 10.0f,
                                                 .dead_time_s = (float)with.dead_time_s,
                                                 .r_on_Ohm = (float)with.r_on_Ohm,
+                                                .precharge_s = (float)with.precharge_s,
                                                 .pwm_ticks = 4250.0f};
     config->sense = (lode_sense_config_t){.i_gain_A_count = (float)GAIN_A,
                                           .i_offset_count = 2048.0f,
@@ -101,8 +105,10 @@ void board_write(const lode_drive_out_t *out) {
     for (int x = 0; x < 3; x++) {
         legs[with.leg[x]] = (double)duty[x];
     }
-    gates = out->gates && !latched;
-    plant_write(&plant, legs, gates && !with.dead_gates);
+    gates = out->gates != LODE_GATES_OFF && !latched;
+    low_periods += out->gates == LODE_GATES_LOW ? 1 : 0;
+    plant_write(&plant, legs,
+                gates && !with.dead_gates ? (plant_gates_t)out->gates : PLANT_GATES_OFF);
 }
 
 void board_gates_off(void) {
@@ -189,7 +195,7 @@ static void period(void) {
     working = false;
     app_period();
     plant_advance(&plant);
-    if (periods % POLL_EVERY == 0u) {
+    if (periods % poll_every == 0u) {
         app_poll();
     }
 }
@@ -223,7 +229,9 @@ static void expect(bringup_result_t result, bringup_reason_t reason, int phase) 
     }
 }
 
-void setUp(void) {}
+void setUp(void) {
+    poll_every = 7u;
+}
 
 void tearDown(void) {}
 
@@ -250,6 +258,27 @@ static void test_sound_board_passes_every_step(void) {
     app_mode = APP_MODE_OFF;
     run_for(0.01);
     TEST_ASSERT_FALSE(gates);
+}
+
+// Every step that switches charges the bootstrap capacitors first, and passes as without.
+static void test_bootstrap_capacitors_are_charged_first(void) {
+    mistakes_t m = sound;
+    m.precharge_s = 0.01;
+    power_up(&m, plant_of_motor());
+    for (uint32_t mode = BRINGUP_SIGNS; mode < (uint32_t)BRINGUP_COUNT; mode++) {
+        low_periods = 0;
+        expect(bring_up(mode, 20.0), BRINGUP_OK, -1);
+        TEST_ASSERT_TRUE(low_periods >= 200 && low_periods % 200 == 0);
+    }
+}
+
+// A thread that sees every period sees the first one of current control too, with voltage and no current yet.
+static void test_steps_pass_before_a_fast_thread(void) {
+    poll_every = 1u;
+    power_up(&sound, plant_of_motor());
+    for (uint32_t mode = BRINGUP_SIGNS; mode < (uint32_t)BRINGUP_COUNT; mode++) {
+        expect(bring_up(mode, 20.0), BRINGUP_OK, -1);
+    }
 }
 
 static void test_angle_and_turning_vector(void) {
@@ -371,6 +400,7 @@ static double largest_current(const mistakes_t *m, uint32_t mode, bringup_reason
 }
 
 static void test_currents_that_are_not_seen_stay_bounded(void) {
+    poll_every = 2u;
     mistakes_t m = sound;
     for (int x = 0; x < 3; x++) {
         m.sign[x] = 0.0;
@@ -665,6 +695,8 @@ int main(void) {
         return UNITY_END();
     }
     RUN_TEST(test_sound_board_passes_every_step);
+    RUN_TEST(test_bootstrap_capacitors_are_charged_first);
+    RUN_TEST(test_steps_pass_before_a_fast_thread);
     RUN_TEST(test_angle_and_turning_vector);
     RUN_TEST(test_clock_and_pwm);
     RUN_TEST(test_offsets);

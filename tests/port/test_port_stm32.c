@@ -489,6 +489,79 @@ static void test_duties_become_compare_values(void) {
     }
 }
 
+// A channel's two pins with the outputs enabled, by the manuals' table of output control bits for
+// complementary channels (RM0440, RM0090), polarities 0, OSSR 1. `active`: the compare signal.
+typedef struct {
+    bool high, low;
+} pins_t;
+
+static pins_t pins_of(int channel, bool active) {
+    const uint32_t enables = TIM1->CCER >> (4 * channel);
+    const bool high_on = (enables & 1u) != 0u, low_on = (enables & 4u) != 0u;
+    return (pins_t){.high = high_on && active, .low = low_on && (high_on ? !active : active)};
+}
+
+// At the counter's value. PWM mode 1 (6): active below the compare value; 2 (7): from it on.
+static pins_t pins_at(int channel, uint32_t counter) {
+    const uint32_t mode = channel == 0   ? TIM1->CCMR1 >> 4 & 7u
+                          : channel == 1 ? TIM1->CCMR1 >> 12 & 7u
+                                         : TIM1->CCMR2 >> 4 & 7u;
+    const uint32_t compare = channel == 0 ? TIM1->CCR1 : channel == 1 ? TIM1->CCR2 : TIM1->CCR3;
+    TEST_ASSERT_TRUE(mode == 6u || mode == 7u);
+    return pins_of(channel, (counter < compare) == (mode == 6u));
+}
+
+static void expect_pins(uint32_t counter, bool high, bool low) {
+    for (int channel = 0; channel < 3; channel++) {
+        const pins_t pins = pins_at(channel, counter);
+        TEST_ASSERT_EQUAL_INT(high, pins.high);
+        TEST_ASSERT_EQUAL_INT(low && VARIANT_LOW_SIDES, pins.low);
+    }
+}
+
+static void test_low_sides_alone(void) {
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    const lode_abc_t duty = {0.8f, 0.8f, 0.8f};
+    const uint32_t compare = (uint32_t)(0.2f * (float)STEPS + 0.5f);
+    board_write(&(lode_drive_out_t){.duty = duty, .gates = LODE_GATES_ON});
+    expect_pins(compare - 1u, false, true);
+    expect_pins(compare, true, false);
+    const int from = fake_count();
+    board_write(&(lode_drive_out_t){.duty = duty, .gates = LODE_GATES_LOW});
+    TEST_ASSERT_EQUAL_INT(VARIANT_LOW_SIDES, gates_on());
+#ifdef VARIANT_ENABLE_PINS
+    // The driver makes the low sides itself: all off is all it can do.
+    static const stm32_pin_t enables[] = {VARIANT_ENABLE_PINS};
+    TEST_ASSERT_EQUAL_HEX32(0u, enables[0].port->ODR & (1u << enables[0].pin));
+    (void)from;
+#else
+    expect_pins(0u, false, true);
+    expect_pins(compare - 1u, false, true);
+    expect_pins(compare, false, false);
+    expect_pins(STEPS, false, false);
+    // All off while the outputs change, on again last.
+    const int off = fake_first(&TIM1->BDTR, TIM_BDTR_MOE, 0u, from);
+    const int fewer = fake_first(&TIM1->CCER, TIM_CCER_CC1E, 0u, from);
+    const int mode = fake_first(&TIM1->CCMR2, TIM_CCMR2_OC3M_0, 0u, from);
+    const int on = fake_first(&TIM1->BDTR, TIM_BDTR_MOE, TIM_BDTR_MOE, from);
+    TEST_ASSERT_TRUE(off >= from && fewer > off && mode > off && on > fewer && on > mode);
+    TEST_ASSERT_EQUAL_HEX32(0x68u, TIM1->CCMR2); // still preloaded
+    TEST_ASSERT_EQUAL_HEX32(0x6868u, TIM1->CCMR1);
+    fake_set_break(true); // a trip counts here too
+    fake_set_break(false);
+    board_write(&(lode_drive_out_t){.duty = duty, .gates = LODE_GATES_LOW});
+    TEST_ASSERT_FALSE(gates_on());
+    TEST_ASSERT_TRUE(board_clear_trip());
+#endif
+    board_write(&(lode_drive_out_t){.duty = duty, .gates = LODE_GATES_OFF});
+    TEST_ASSERT_FALSE(gates_on());
+    board_write(&(lode_drive_out_t){.duty = duty, .gates = LODE_GATES_ON});
+    TEST_ASSERT_TRUE(gates_on());
+    expect_pins(compare - 1u, false, true);
+    expect_pins(compare, true, false);
+}
+
 static void run_until_gates_on(void) {
     for (int n = 0; n < 30000 && !gates_on(); n++) {
         one_period();
@@ -504,7 +577,10 @@ static void gates_on_by_the_drive(void) {
     app_mode = BRINGUP_SIGNS;
     app_armed = 1u;
     run_until_gates_on();
-    one_period(); // without a fault they stay on
+    // Past the low sides alone, and without a fault they stay on.
+    for (uint32_t n = 0; n < (uint32_t)(VARIANT_PRECHARGE_s * (float)VARIANT_F_PWM_Hz) + 4u; n++) {
+        one_period();
+    }
     TEST_ASSERT_TRUE(gates_on());
 }
 
@@ -762,6 +838,7 @@ int main(void) {
 #endif
     RUN_TEST(test_fault_is_not_restarted);
     RUN_TEST(test_flag_is_cleared_before_the_period);
+    RUN_TEST(test_low_sides_alone);
     RUN_TEST(test_gates_off_from_anywhere);
     RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);
     RUN_TEST(test_failed_init_is_reported_and_stops);

@@ -8,6 +8,7 @@
 #define VARIANT_F_PWM_Hz 20000u
 #define VARIANT_DEAD_TIME_ns 500u
 #define VARIANT_LOW_SIDES true
+#define VARIANT_PRECHARGE_s 10.0e-3f // of bootstrap capacitors; 0: none
 
 #define VARIANT_V_BUS_V 24.0f
 #define VARIANT_I_MAX_A 20.0f

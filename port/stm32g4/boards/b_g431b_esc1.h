@@ -8,6 +8,9 @@
 #define VARIANT_F_PWM_Hz 20000u
 #define VARIANT_DEAD_TIME_ns 800u // L6387 has none of its own worth counting on (320 ns)
 #define VARIANT_LOW_SIDES true
+// Bootstrap capacitors of the L6387, charged through some 125 Ohm inside it while a low side is on: five time
+// constants of 1 uF are 0.6 ms, and a fifth of 10 ms is 2 ms. The board's capacitors are not known here.
+#define VARIANT_PRECHARGE_s 10.0e-3f
 
 // Power stage. Up to 6S LiPo.
 #define VARIANT_V_BUS_V 24.0f

@@ -6,6 +6,7 @@
 
 #define VARIANT_F_PWM_Hz 20000u
 #define VARIANT_DEAD_TIME_ns 300u
+#define VARIANT_PRECHARGE_s 0.0f // a driver with a charge pump or a supply of its own
 
 // Power stage.
 #define VARIANT_V_BUS_V 24.0f

@@ -5,6 +5,7 @@
 
 #define VARIANT_F_PWM_Hz 20000u
 #define VARIANT_DEAD_TIME_ns 200u // the driver adds nothing while this is above its own 100 ns
+#define VARIANT_PRECHARGE_s 0.0f  // the driver has a charge pump
 
 // Power stage: 6 .. 54 V, 15 A peak.
 #define VARIANT_V_BUS_V 24.0f
