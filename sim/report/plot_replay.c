@@ -83,7 +83,7 @@ static void send_error(FILE *script, double peak_deg) {
 static void send_amplitudes(FILE *script) {
     plot_panel(script, "EMF amplitude [V]");
     (void)fputs("set yrange [0:*]\n"
-                "plot $run using 1:5 with lines lc rgb red lw 1 title \"raw observer\\noutput\"\n",
+                "plot $run using 1:5 with lines lc rgb red lw 1 title 'raw estimate'\n",
                 script);
     plot_panel(script, "current amplitude [A]");
     (void)fputs("plot $run using 1:6 with lines lc rgb green lw 1 title 'recorded'\n", script);

@@ -129,7 +129,7 @@ static void send_emf(FILE *script) {
     plot_panel(script, "EMF amplitude [V]");
     (void)fputs("set yrange [0:*]\n"
                 "plot $run using 1:10 with lines lc rgb blue lw 2 title 'true', "
-                "'' using 1:9 with lines lc rgb red lw 1 title \"raw observer\\noutput\"\n"
+                "'' using 1:9 with lines lc rgb red lw 1 title 'raw estimate'\n"
                 "set yrange [*:*]\n",
                 script);
 }

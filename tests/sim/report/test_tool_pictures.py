@@ -104,7 +104,7 @@ def gaps_of_a_run(checks, folder):
     folder.run("run", "s.ini", "--plot", "p.svg")
     found = curves((folder.path / "p.svg").read_bytes())
     width = max(p[0] for line in found["true"] for p in line) - found["true"][0][0][0]
-    for name in ("estimated", "estimate - truth", "load, estimated", "raw observer output"):
+    for name in ("estimated", "estimate - truth", "load, estimated", "raw estimate"):
         lines = found.get(name, [])
         checks.true(len(lines) >= 2, f"{name}: {len(lines)} lines")
         checks.at_most(max(steps(lines, 0), default=0), 0.02 * width, f"{name}: longest stride, pixels")
@@ -121,7 +121,7 @@ def gaps_of_a_replay(checks, folder):
     folder.run("replay", "--motor", MOTOR, "--recording", "r.csv", "--resample", "--plot", "p.svg")
     found = curves((folder.path / "p.svg").read_bytes())
     gap = 300 / (len(rows) - 1)
-    for name in ("true", "estimated", "raw observer output", "recorded", "lock"):
+    for name in ("true", "estimated", "raw estimate", "recorded", "lock"):
         all_x = [p[0] for line in found[name] for p in line]
         checks.equal(len(found[name]), 2, f"{name}: lines before and behind a gap")
         checks.at_most(max(steps(found[name], 0)), 0.5 * gap * (max(all_x) - min(all_x)),
