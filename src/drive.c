@@ -29,23 +29,32 @@ void lode_drive_call(lode_drive_t *self) {
     LODE_SHARED_STORE(self->steady, false);
 }
 
+static bool is_finite(const lode_command_t *command) {
+#ifndef LODE_WITHOUT_COMMISSIONING
+    if (!lode_is_finite(command->vector.d) || !lode_is_finite(command->vector.q) ||
+        !lode_is_finite(command->theta_rad) || !lode_is_finite(command->omega_rad_s)) {
+        return false;
+    }
+#endif
+    return lode_is_finite(command->speed_rad_s);
+}
+
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command) {
     if (self == NULL || command == NULL) {
         return LODE_ERROR_NULL;
     }
     const bool known = command->mode == LODE_MODE_OFF || command->mode == LODE_MODE_CALIBRATE ||
-                       command->mode == LODE_MODE_VOLTAGE || command->mode == LODE_MODE_CURRENT ||
-                       command->mode == LODE_MODE_RUN;
-    if (!known || !lode_is_finite(command->speed_rad_s) || !lode_is_finite(command->vector.d) ||
-        !lode_is_finite(command->vector.q) || !lode_is_finite(command->theta_rad) ||
-        !lode_is_finite(command->omega_rad_s)) {
+                       command->mode == LODE_MODE_RUN || lode_mode_is_commissioning(command->mode);
+    if (!known || !is_finite(command)) {
         return LODE_ERROR_COMMAND;
     }
     LODE_SHARED_STORE(self->command_posted, false);
     LODE_SIGNAL_FENCE();
     self->posted = (lode_order_t){
+#ifndef LODE_WITHOUT_COMMISSIONING
         .vector = command->vector,
         .theta_rad = command->theta_rad,
+#endif
         .speed_rad_s = command->mode == LODE_MODE_RUN ? command->speed_rad_s : command->omega_rad_s,
         .mode = command->mode,
         .clear_fault = command->clear_fault,
@@ -133,19 +142,13 @@ LODE_INLINE lode_sample_t sample_of(const lode_drive_t *self, const lode_counts_
     return lode_sense_step(&self->sense, &self->tuning->sense, counts, self->omitted);
 }
 
-// Once more, rather than kept at hand in all periods.
-static LODE_NOINLINE void sample_again(lode_drive_t *self, const lode_counts_t *counts,
-                                       lode_sample_t *sample) {
-    *sample = sample_of(self, counts);
-}
-
-static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *counts) {
+static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *counts, lode_ab_t i_A) {
     lode_sample_t sample;
-    sample_again(self, counts, &sample);
+    lode_sense_again(&self->sense, counts, self->omitted, &sample);
     const bool driven = self->gates;
     lode_drive_diagnose(self, &self->sense, &sample);
     if (driven && !self->gates) {
-        lode_mode_note_trip(self, sample.i_A);
+        lode_mode_note_trip(self, i_A);
     }
 }
 
@@ -156,7 +159,7 @@ LODE_INLINE lode_sample_t sense(lode_drive_t *self, const lode_counts_t *counts)
     lode_sample_t sample = sample_of(self, counts);
     sample.u_V = lode_inverter_realised(&self->inverter, self->steps);
     if (LODE_RARELY(!lode_guard_all_ok(&self->guard, &tuning->guard, &sample))) {
-        diagnose(self, counts);
+        diagnose(self, counts, sample.i_A);
     }
     lode_guard_note(&self->guard, &tuning->guard, sample.stamp);
     lode_inverter_follow_bus(&self->inverter, &tuning->inverter, sample.v_bus_V);
@@ -179,7 +182,7 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, b
         lode_modulator_step(&tuning->inverter, &self->inverter.dead_time, v, i_A, free);
     lode_inverter_write(&self->inverter, self->steps, out.realised);
     self->duty = out.duty;
-    if (LODE_RARELY(tuning->sense.windowed)) {
+    if (LODE_RARELY(lode_sense_is_windowed(&tuning->sense))) {
         self->omitted = self->omitted_next;
         self->omitted_next = lode_sense_next_omitted(&tuning->sense, out.duty);
     }
@@ -257,7 +260,7 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
 
 static LODE_NOINLINE lode_drive_out_t idle_period(lode_drive_t *self, const lode_counts_t *counts) {
     lode_sample_t sample;
-    sample_again(self, counts, &sample);
+    lode_sense_again(&self->sense, counts, self->omitted, &sample);
     return idle(self, &sample);
 }
 

@@ -129,16 +129,15 @@ LODE_INLINE lode_ab_t of_set(const lode_sets_t *sets, bool first) {
                  : (lode_ab_t){sets->set[1].alpha, sets->set[1].beta};
 }
 
-// The guard's check of both sets, each by its own offsets. The samples are made once more, rather than
-// kept at hand in all periods.
+// The guard's check of both sets, each by its own offsets.
 static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *counts,
                                    lode_ab_t i_A) {
     lode_drive_t *drive = &self->drive;
     const bool driven = drive->gates;
-    const lode_sense_tuning_t *tuning = &drive->tuning->sense;
-    const lode_sample_t set_1 =
-        lode_sense_step(&drive->sense, tuning, &counts->set[0], drive->omitted);
-    lode_sample_t set_2 = lode_sense_step(&self->sense_2, tuning, &counts->set[1], self->omitted_2);
+    lode_sample_t set_1;
+    lode_sample_t set_2;
+    lode_sense_again(&drive->sense, &counts->set[0], drive->omitted, &set_1);
+    lode_sense_again(&self->sense_2, &counts->set[1], self->omitted_2, &set_2);
     set_2.stamp = set_1.stamp;
     lode_drive_diagnose(drive, &drive->sense, &set_1);
     lode_drive_diagnose(drive, &self->sense_2, &set_2);
@@ -274,7 +273,7 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     lode_inverter_write(&self->inverter_2, drive->steps, out.realised.set[1]);
     drive->duty = out.duty.set[0];
     self->duty_2 = out.duty.set[1];
-    if (LODE_RARELY(tuning->sense.windowed)) {
+    if (LODE_RARELY(lode_sense_is_windowed(&tuning->sense))) {
         drive->omitted = drive->omitted_next;
         self->omitted_2 = self->omitted_next_2;
         drive->omitted_next = lode_sense_next_omitted(&tuning->sense, out.duty.set[0]);

@@ -59,7 +59,7 @@ LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_frame_t *fram
     if (LODE_RARELY(self->tuning->speed_periods != LODE_SLOW_PERIODS)) {
         lode_drive_fast_speed(self);
     }
-    if (LODE_RARELY(lode_mode(self) == LODE_MODE_VOLTAGE)) {
+    if (LODE_RARELY(lode_mode_is_voltage(self))) {
         return lode_current_is_free(tuning, self->u_V, v_bus_V);
     }
     const lode_current_out_t out = lode_current_step(&self->current, tuning, self->ref_A,
@@ -75,7 +75,7 @@ LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
 }
 
 // SLOT_SPEED, by the electrical speed `omega_rad_s`.
-LODE_INLINE void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
+LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float least = tuning->omega_min * tuning->inv_pole_pairs;
@@ -89,7 +89,7 @@ LODE_INLINE void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
 }
 
 // SLOT_REFERENCES
-LODE_INLINE void lode_drive_references(lode_drive_t *self) {
+LODE_SHARED void lode_drive_references(lode_drive_t *self) {
     lode_running_t *run = &self->state.run;
     const lode_references_voltage_t voltage = {self->inverter.v_bus_V, self->u_V};
     const lode_references_out_t out =
@@ -106,7 +106,7 @@ LODE_INLINE void lode_drive_lead(lode_drive_t *self) {
 }
 
 // SLOT_GUARD and SLOT_SEED
-LODE_INLINE void lode_drive_guard(lode_drive_t *self, const lode_sample_t *sample) {
+LODE_SHARED void lode_drive_guard(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_drive_tuning_t *tuning = self->tuning;
     self->temperature_degC = lode_sense_temperature_degC(&tuning->sense, sample->temperature);
     const lode_condition_t condition = {sample->v_bus_V, self->temperature_degC,

@@ -114,20 +114,22 @@ void lode_guard_reset(lode_guard_t *self) {
     *self = (lode_guard_t){.stamp = self->stamp};
 }
 
-void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
-                     float limit) {
+LODE_NOINLINE void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check,
+                                   float measured, float limit) {
     if (self->fault.check == (uint_least8_t)LODE_CHECK_NONE) {
         self->fault = (lode_fault_t){state, (uint_least8_t)check, measured, limit};
     }
 }
 
-// Up while bad, down while good: single samples pass, a condition that mostly holds trips.
-LODE_INLINE bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad, uint32_t periods) {
+// Up to `periods` while something is wrong, down while all is well: single samples pass, what mostly holds
+// trips. True at the end.
+static LODE_NOINLINE bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad,
+                                   uint32_t periods) {
     const uint32_t count = *counter;
     const uint32_t next = bad ? count + 1u : (count > 0u ? count - 1u : 0u);
     *counter = (uint_least16_t)next;
     self->pending = self->pending || next > 0u;
-    return next >= periods;
+    return bad && next >= periods;
 }
 
 // Phase current of the largest magnitude, A.
@@ -163,18 +165,25 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
     }
 }
 
+// `wrong`: LODE_CHECK_NONE while all is well.
+static LODE_NOINLINE void count(lode_guard_t *self, uint_least16_t *counter, uint32_t looks,
+                                lode_check_t wrong, float measured, float limit) {
+    if (persists(self, counter, wrong != LODE_CHECK_NONE, looks)) {
+        lode_guard_trip(self, 0u, wrong, measured, limit);
+    }
+}
+
 static void count_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                        lode_condition_t condition, uint_least8_t state) {
+                        lode_condition_t condition) {
     const float v = condition.v_bus_V;
-    const bool high = !(v <= tuning->v_bus_max);
-    if (persists(self, &self->bus, high || v < tuning->v_bus_min, tuning->bus_looks)) {
-        lode_guard_trip(self, state, high ? LODE_CHECK_OVER_VOLTAGE : LODE_CHECK_UNDER_VOLTAGE, v,
-                        high ? tuning->v_bus_max : tuning->v_bus_min);
-    }
     const float hot = condition.temperature_degC;
-    if (persists(self, &self->temperature, !(hot <= tuning->temperature_max), tuning->bus_looks)) {
-        lode_guard_trip(self, state, LODE_CHECK_OVER_TEMPERATURE, hot, tuning->temperature_max);
-    }
+    const bool high = !(v <= tuning->v_bus_max);
+    const lode_check_t low = v < tuning->v_bus_min ? LODE_CHECK_UNDER_VOLTAGE : LODE_CHECK_NONE;
+    count(self, &self->bus, tuning->bus_looks, high ? LODE_CHECK_OVER_VOLTAGE : low, v,
+          high ? tuning->v_bus_max : tuning->v_bus_min);
+    count(self, &self->temperature, tuning->bus_looks,
+          hot <= tuning->temperature_max ? LODE_CHECK_NONE : LODE_CHECK_OVER_TEMPERATURE, hot,
+          tuning->temperature_max);
     if (!self->railed) {
         (void)persists(self, &self->rail, false, tuning->rail_periods);
     }
@@ -182,32 +191,36 @@ static void count_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
 }
 
 static void count_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                         lode_condition_t condition, uint_least8_t state) {
+                         lode_condition_t condition) {
     const float omega = condition.omega_rad_s;
-    if (persists(self, &self->lock, !(condition.lock >= LODE_LOCK_LOST), tuning->lock_looks)) {
-        lode_guard_trip(self, state, LODE_CHECK_LOST_LOCK, condition.lock, LODE_LOCK_LOST);
-    }
-    if (persists(self, &self->speed, !(lode_abs(omega) <= tuning->omega_max), tuning->lock_looks)) {
-        lode_guard_trip(self, state, LODE_CHECK_OVER_SPEED, omega, tuning->omega_max);
-    }
-    if (persists(self, &self->direction, !(omega >= 0.0f), tuning->lock_looks)) {
-        lode_guard_trip(self, state, LODE_CHECK_WRONG_WAY, omega, 0.0f);
-    }
+    const uint32_t looks = tuning->lock_looks;
+    count(self, &self->lock, looks,
+          condition.lock >= LODE_LOCK_LOST ? LODE_CHECK_NONE : LODE_CHECK_LOST_LOCK, condition.lock,
+          LODE_LOCK_LOST);
+    count(self, &self->speed, looks,
+          lode_abs(omega) <= tuning->omega_max ? LODE_CHECK_NONE : LODE_CHECK_OVER_SPEED, omega,
+          tuning->omega_max);
+    count(self, &self->direction, looks, omega >= 0.0f ? LODE_CHECK_NONE : LODE_CHECK_WRONG_WAY,
+          omega, 0.0f);
 }
 
 static LODE_NOINLINE void count_all(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                     lode_condition_t condition, lode_situation_t now) {
+    const bool good = lode_guard_is_good(self);
     self->pending = self->rail > 0u;
-    count_power(self, tuning, condition, now.state);
+    count_power(self, tuning, condition);
     if (now.sensorless) {
-        count_motion(self, tuning, condition, now.state);
+        count_motion(self, tuning, condition);
+    }
+    if (good && !lode_guard_is_good(self)) {
+        self->fault.state = now.state;
     }
 }
 
 void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                            lode_condition_t condition, lode_situation_t now) {
-    if (self->pending || !lode_guard_power_ok(tuning, &condition) ||
-        (now.sensorless && !lode_guard_motion_ok(tuning, &condition))) {
+    // Who comes here while running without a sensor has found something already.
+    if (self->pending || now.sensorless || !lode_guard_power_ok(tuning, &condition)) {
         count_all(self, tuning, condition, now);
     }
 }

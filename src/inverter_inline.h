@@ -50,7 +50,7 @@ LODE_INLINE float lode_inverter_error(const lode_dead_time_t *dead_time, float i
 }
 
 // Follows the modulation by the voltage `u_V`, and divides by the bus anew. Once in LODE_SLOW_PERIODS.
-LODE_INLINE void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
+LODE_SHARED void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
                                      lode_dq_t u_V) {
     lode_inverter_divide(self, tuning);
     // Largest less smallest duty is sqrt(3) times the amplitude, at most.

@@ -73,11 +73,12 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
     lode_pi_reset(&self->current.d, 0.0f);
     lode_pi_reset(&self->current.q, 0.0f);
-    if (mode == LODE_MODE_START) {
-        lode_start_begin(&self->state.start, &tuning->start);
-    } else {
-        self->state.theta_rad = self->command.theta_rad;
+    lode_start_begin(&self->state.start, &tuning->start);
+#ifndef LODE_WITHOUT_COMMISSIONING
+    if (mode != LODE_MODE_START) {
+        self->state.theta_rad = self->command.theta_rad; // in place of the start's
     }
+#endif
     set_mode(self, mode);
 }
 
@@ -191,7 +192,7 @@ static lode_mode_t driven_mode(const lode_drive_t *self) {
     if (wanted == LODE_MODE_RUN && !is_stop(self)) {
         return LODE_MODE_START;
     }
-    return wanted == LODE_MODE_VOLTAGE || wanted == LODE_MODE_CURRENT ? wanted : LODE_MODE_OFF;
+    return lode_mode_is_commissioning(wanted) ? wanted : LODE_MODE_OFF;
 }
 
 static void follow_off(lode_drive_t *self) {
@@ -262,6 +263,13 @@ void lode_mode_idle(lode_drive_t *self, lode_calibration_t calibration, float of
     }
 }
 
+// Rotation of a frame until the middle of its duties, at `step_rad` per period.
+static lode_sincos_t lead_of(float step_rad) {
+    return lode_angle_triple(lode_sincos_small(0.5f * step_rad));
+}
+
+#ifndef LODE_WITHOUT_COMMISSIONING
+
 // A commanded vector, shortened to `radius` where it is longer.
 static lode_dq_t in_circle(lode_dq_t x, float radius) {
     const float length = lode_ab_length((lode_ab_t){x.d, x.q});
@@ -269,10 +277,20 @@ static lode_dq_t in_circle(lode_dq_t x, float radius) {
     return (lode_dq_t){scale * x.d, scale * x.q};
 }
 
-// Rotation of a frame until the middle of its duties, at `step_rad` per period.
-static lode_sincos_t lead_of(float step_rad) {
-    return lode_angle_triple(lode_sincos_small(0.5f * step_rad));
+static lode_own_frame_t commanded_frame(lode_drive_t *self) {
+    if (lode_mode(self) == LODE_MODE_CURRENT) {
+        self->ref_A = in_circle(self->command.vector, self->tuning->references.i_max_A);
+    } else {
+        const float radius_V = self->tuning->current.circle * self->inverter.v_bus_V;
+        self->u_V = in_circle(self->command.vector, radius_V);
+    }
+    const float step_rad = self->tuning->ts_s * self->command.speed_rad_s;
+    const lode_sincos_t at = lode_sincos(self->state.theta_rad);
+    self->state.theta_rad = lode_wrap(self->state.theta_rad + step_rad);
+    return (lode_own_frame_t){at, lode_angle_triple(lode_sincos(0.5f * step_rad))};
 }
+
+#endif
 
 // The start's vector one period on.
 static lode_own_frame_t start_frame(lode_drive_t *self) {
@@ -285,19 +303,12 @@ static lode_own_frame_t start_frame(lode_drive_t *self) {
 }
 
 LODE_NOINLINE lode_own_frame_t lode_mode_own_frame(lode_drive_t *self) {
-    if (lode_mode(self) == LODE_MODE_START) {
-        return start_frame(self);
+#ifndef LODE_WITHOUT_COMMISSIONING
+    if (lode_mode(self) != LODE_MODE_START) {
+        return commanded_frame(self);
     }
-    if (lode_mode(self) == LODE_MODE_CURRENT) {
-        self->ref_A = in_circle(self->command.vector, self->tuning->references.i_max_A);
-    } else {
-        const float radius_V = self->tuning->current.circle * self->inverter.v_bus_V;
-        self->u_V = in_circle(self->command.vector, radius_V);
-    }
-    const float step_rad = self->tuning->ts_s * self->command.speed_rad_s;
-    const lode_sincos_t at = lode_sincos(self->state.theta_rad);
-    self->state.theta_rad = lode_wrap(self->state.theta_rad + step_rad);
-    return (lode_own_frame_t){at, lode_angle_triple(lode_sincos(0.5f * step_rad))};
+#endif
+    return start_frame(self);
 }
 
 // Slow, the estimator has nothing to go by in START: it is put on the vector from time to time.

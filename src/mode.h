@@ -14,6 +14,26 @@ static inline lode_mode_t lode_mode(const lode_drive_t *self) {
     return (lode_mode_t)self->mode;
 }
 
+// A vector in a frame of its own, as commanded.
+static inline bool lode_mode_is_commissioning(lode_mode_t mode) {
+#ifdef LODE_WITHOUT_COMMISSIONING
+    (void)mode;
+    return false;
+#else
+    return mode == LODE_MODE_VOLTAGE || mode == LODE_MODE_CURRENT;
+#endif
+}
+
+// No current is controlled.
+static inline bool lode_mode_is_voltage(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_COMMISSIONING
+    (void)self;
+    return false;
+#else
+    return lode_mode(self) == LODE_MODE_VOLTAGE;
+#endif
+}
+
 // Takes over what was posted, at the start of a period.
 void lode_mode_take_mail(lode_drive_t *self);
 

@@ -12,8 +12,20 @@
 void lode_observer_step_called(lode_observer_t *self, const lode_observer_tuning_t *tuning,
                                lode_ab_t m_V, lode_sincos_t step_angle, float omega_rad_s);
 
-// False for an observer that does not need step angle and speed.
+// False for an observer that does not need step angle and speed, and where only such ones are built in.
 LODE_INLINE bool lode_observer_rotates(const lode_observer_tuning_t *tuning) {
+#define ROTATES_FIXED(ID)
+#define ROTATES_INLINE(ID) +1
+#define ROTATES_CALLED(ID) +1
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) LODE_IF_BUILT_IN(ID, ROTATES_##STEP(ID))
+    enum {
+        ROTATING = 0
+#include "lodestar/observers.def"
+    };
+#undef LODE_OBSERVER
+#undef ROTATES_CALLED
+#undef ROTATES_INLINE
+#undef ROTATES_FIXED
 #define ROTATES_FIXED(ID)                                                                          \
     if (tuning->kind == LODE_EMF_##ID) {                                                           \
         return false;                                                                              \
@@ -22,7 +34,7 @@ LODE_INLINE bool lode_observer_rotates(const lode_observer_tuning_t *tuning) {
 #define ROTATES_CALLED(ID)
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) ROTATES_##STEP(ID)
 #include "lodestar/observers.def"
-    return true;
+    return ROTATING > 0;
 #undef LODE_OBSERVER
 #undef ROTATES_CALLED
 #undef ROTATES_INLINE

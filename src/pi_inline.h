@@ -22,8 +22,8 @@ LODE_INLINE void lode_pi_integrate(lode_pi_t *self, const lode_pi_tuning_t *tuni
 // Tells the controller which part of its `output` became real. Inside the limits it integrates the
 // error. At a limit the integral moves inwards only, and at least as far as the feed-forward leaves
 // room: it does not wind up, and an error of the other sign, or none, takes effect at once.
-static inline void lode_pi_settle(lode_pi_t *self, const lode_pi_tuning_t *tuning, float error,
-                                  float feed_forward, float output, float realised) {
+LODE_SHARED void lode_pi_settle(lode_pi_t *self, const lode_pi_tuning_t *tuning, float error,
+                                float feed_forward, float output, float realised) {
     const float next = self->integral + tuning->ki_Ts * error;
     const float room = realised - feed_forward;
     const float below = lode_min(lode_min(next, self->integral), room);

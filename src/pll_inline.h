@@ -5,7 +5,7 @@
 #include "lodestar/pll.h"
 
 // Gains of the bandwidth that belongs to the speed (P5). It moves slowly: every few periods is enough.
-LODE_INLINE lode_pll_gains_t lode_pll_gains(const lode_pll_tuning_t *tuning, float omega_rad_s) {
+LODE_SHARED lode_pll_gains_t lode_pll_gains(const lode_pll_tuning_t *tuning, float omega_rad_s) {
     const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
     const float x = tuning->x_low + tuning->x_rise * lode_clamp(up, 0.0f, 1.0f);
     const float rate = x * x * tuning->inv_ts;

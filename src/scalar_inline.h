@@ -5,7 +5,7 @@
 #include "lodestar/scalar.h"
 
 // Sine and cosine for |x| <= pi/4. Error at most 1e-7. Near-minimax: tests/golden/gen_minimax.py.
-LODE_INLINE lode_sincos_t lode_sincos_octant(float x_rad) {
+LODE_SHARED lode_sincos_t lode_sincos_octant(float x_rad) {
     const float x = x_rad;
     const float x2 = x * x;
     return (lode_sincos_t){

@@ -55,6 +55,11 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
     if (!lode_in_range(config->duty_max, 0.5f, 1.0f)) {
         return LODE_ERROR_SENSE_WINDOW;
     }
+#ifdef LODE_WITHOUT_SHUNT_WINDOW
+    if (config->shunts == LODE_SHUNTS_TWO || config->duty_max < 1.0f) {
+        return LODE_ERROR_SENSE_WINDOW;
+    }
+#endif
     const float periods = config->calibrate_s / ts_s;
     if (!lode_in_range(config->calibrate_s, ts_s, 10.0f)) {
         return LODE_ERROR_SENSE_CALIBRATION;
@@ -91,6 +96,8 @@ void lode_sense_begin(lode_sense_sums_t *sums) {
     *sums = (lode_sense_sums_t){.samples = 0u};
 }
 
+#ifndef LODE_WITHOUT_SHUNT_WINDOW
+
 // The third where there are two shunts; else the one with the longest duty, where that leaves its
 // low-side shunt no time.
 LODE_RAMFUNC uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
@@ -102,6 +109,20 @@ LODE_RAMFUNC uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning,
         return LODE_PHASES;
     }
     return duty.a >= longest ? 0u : (duty.b >= longest ? 1u : 2u);
+}
+
+#endif
+
+LODE_NOINLINE void lode_sense_again(const lode_sense_t *self, const lode_counts_t *counts,
+                                    uint_least8_t omitted, lode_sample_t *sample) {
+    const lode_sense_currents_t i = lode_sense_currents(self, counts, omitted);
+    sample->i[0] = i.a;
+    sample->i[1] = i.b;
+    sample->i[2] = i.c;
+    sample->stamp = counts->stamp;
+    sample->temperature = counts->temperature;
+    sample->omitted = omitted;
+    sample->trip = counts->trip;
 }
 
 // What the converter delivered.

@@ -379,6 +379,14 @@ static void test_the_first_cause_stays(void) {
     TEST_ASSERT_EQUAL_INT(first.state, b.guard.fault.state);
     TEST_ASSERT_TRUE(first.measured == b.guard.fault.measured &&
                      first.limit == b.guard.fault.limit);
+    // Also against what is counted, in another state.
+    b.condition.v_bus_V = 300.0f;
+    b.now.state = 1;
+    for (int n = 0; n < 100; n++) {
+        TEST_ASSERT_FALSE(slow(&b));
+    }
+    TEST_ASSERT_EQUAL_INT(first.check, b.guard.fault.check);
+    TEST_ASSERT_EQUAL_INT(first.state, b.guard.fault.state);
     // Sound again: the fault stays until it is reset.
     b = bench();
     lode_guard_trip(&b.guard, 3, LODE_CHECK_START, 0.25f, 0.7f);

@@ -5,14 +5,15 @@
 set -eu
 root=${LODE_SOURCE_DIR:?}
 object=$(mktemp)
-trap 'rm -f "$object"' EXIT
+said=$(mktemp)
+trap 'rm -f "$object" "$said"' EXIT
 rows=$(sed -n 's/^LODE_OBSERVER(\([A-Z_]*\), \([a-z_]*\), .*/\1:\2/p' "$root/include/lodestar/observers.def")
 build() {
     ${CC:-cc} -std=c99 -O2 -fno-inline -Wall -Wextra -Wconversion -Werror -I"$root/include" "$@" \
         -c "$root/src/observer.c" -o "$object"
 }
 has() {
-    nm "$object" | grep -Eq " [tT] (lode_)?$1_"
+    nm "$object" | grep -Eq " [tTW] (lode_)?$1(_|$)"
 }
 absent() {
     if has "$1"; then
@@ -39,16 +40,20 @@ for row in $(echo "$rows" | tail -n +2); do
     absent "${row#*:}" "all options but the first"
 done
 
-# The same for what the references and the notches are made of; init says so.
+# The same for every other option; init or lode_drive_post_command() says so.
 sources() {
-    ${CC:-cc} -std=c99 -O2 -Wall -Wextra -Wconversion -Werror -ffp-contract=off -fno-math-errno \
+    ${CC:-cc} -std=c99 -O1 -Wall -Wextra -Wconversion -Werror -ffp-contract=off -fno-math-errno \
         -I"$root/include" "$@" -x c - "$root"/src/*.c -lm -o "$object" << 'END'
 #include "lodestar/drive.h"
 #include <stdio.h>
+static lode_drive_t drive;
+static lode_drive_tuning_t tuning;
 static void say(const char *what, lode_drive_config_t config) {
-    lode_drive_t drive;
-    lode_drive_tuning_t tuning;
     printf("%s %s\n", what, lode_status_name(lode_drive_init(&drive, &tuning, &config)));
+}
+static void post(lode_mode_t mode) {
+    const lode_command_t command = {.mode = mode};
+    printf("%d %s\n", (int)mode, lode_status_name(lode_drive_post_command(&drive, &command)));
 }
 int main(void) {
     lode_drive_config_t config = {
@@ -66,18 +71,54 @@ int main(void) {
     config.references = (lode_references_config_t){.kind = LODE_REFERENCES_ID0};
     config.estimator.notch12_k = 0.5f;
     say("notch", config);
+    config.estimator.notch12_k = 0.0f;
+    config.sense.duty_max = 0.9f;
+    say("window", config);
+    config.sense.duty_max = 1.0f;
+    config.sense.shunts = LODE_SHUNTS_TWO;
+    say("shunts", config);
+    post(LODE_MODE_VOLTAGE);
+    post(LODE_MODE_CURRENT);
+    post(LODE_MODE_CALIBRATE);
     return 0;
 }
 END
 }
-says() { # option, expected lines
-    sources ${1:+"$1"}
-    said=$("$object" | tr '\n' ' ')
-    [ "$said" = "$2 " ] || { echo "built with '$1': $said, expected $2"; exit 1; }
+# What is refused by the build with the options $1, of all that the program tries.
+refuses() {
+    # shellcheck disable=SC2086 # a list of options
+    sources $1
+    "$object" > "$said"
+    refused=$(sed -n '/ LODE_OK$/!p' "$said" | tr '\n' ' ')
+    [ "$refused" = "$2" ] || { echo "built with '$1', refused: $refused, expected: $2"; exit 1; }
+    [ "$(grep -c . "$said")" = 10 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
 }
-no=LODE_ERROR_REFERENCES
-says "" "plain LODE_OK mtpa LODE_OK weakening LODE_OK regen LODE_OK notch LODE_OK"
-says -DLODE_WITHOUT_FIELD_WEAKENING "plain LODE_OK mtpa LODE_OK weakening $no regen LODE_OK notch LODE_OK"
-says -DLODE_WITHOUT_OPTIMAL_REFERENCES "plain LODE_OK mtpa $no weakening $no regen $no notch LODE_OK"
+references=LODE_ERROR_REFERENCES
+window=LODE_ERROR_SENSE_WINDOW
+command=LODE_ERROR_COMMAND
+weakening="weakening $references "
+optimal="mtpa $references weakening $references regen $references "
+notch="notch LODE_ERROR_NOTCH "
+phases="window $window shunts $window "
+vectors="2 $command 3 $command "
+refuses "" ""
+refuses -DLODE_WITHOUT_FIELD_WEAKENING "$weakening"
+refuses -DLODE_WITHOUT_OPTIMAL_REFERENCES "$optimal"
 absent lode_references_optimal LODE_WITHOUT_OPTIMAL_REFERENCES
-says -DLODE_WITHOUT_NOTCH "plain LODE_OK mtpa LODE_OK weakening LODE_OK regen LODE_OK notch LODE_ERROR_NOTCH"
+refuses -DLODE_WITHOUT_NOTCH "$notch"
+refuses -DLODE_WITHOUT_SHUNT_WINDOW "$phases"
+refuses -DLODE_WITHOUT_COMMISSIONING "$vectors"
+least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_COMMISSIONING"
+refuses "$least$all" "$optimal$notch$phases$vectors"
+
+# LODE_SMALL is a matter of size alone: the same periods to the bit.
+periods() {
+    ${CC:-cc} -std=c99 -O2 -ffp-contract=off -fno-math-errno -I"$root/include" -I"$root/src" "$@" \
+        "$root"/tests/bench/record.c "$root"/tests/bench/record6.c "$root"/tests/bench/motor.c \
+        "$root"/tests/bench/drives.c "$root"/tests/bench/drives6.c "$root"/src/*.c -lm -o "$object"
+    "$object" | cksum
+}
+plain=$(periods)
+small=$(periods -DLODE_SMALL)
+[ "$plain" = "$small" ] || { echo "LODE_SMALL does something else"; exit 1; }
+has pll_gains || { echo "LODE_SMALL makes no functions of what is shared"; exit 1; }

@@ -56,6 +56,8 @@ typedef struct {
     lode_guard_tuning_t guard;
 } lode_drive_tuning_t;
 
+/// LODE_WITHOUT_COMMISSIONING leaves VOLTAGE and CURRENT out of a build; they are then refused
+/// (LODE_ERROR_COMMAND).
 typedef enum {
     LODE_MODE_OFF,       ///< gates off
     LODE_MODE_CALIBRATE, ///< gates off, current offsets are measured
@@ -97,8 +99,10 @@ typedef struct {
 
 /// A command as the drive keeps it.
 typedef struct {
+#ifndef LODE_WITHOUT_COMMISSIONING
     lode_dq_t vector;
     float theta_rad;
+#endif
     float speed_rad_s; ///< RUN: mechanical; VOLTAGE, CURRENT: electrical, of their frame
     lode_mode_t mode;
     bool clear_fault;

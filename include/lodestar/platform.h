@@ -26,6 +26,16 @@
 #endif
 #endif
 
+/// The same for what is larger, or called rarely. In a build with LODE_SMALL it is a function that exists
+/// once: each file makes one, and the linker keeps the first (with -ffunction-sections and --gc-sections).
+#ifndef LODE_SHARED
+#if defined(LODE_SMALL) && defined(__GNUC__)
+#define LODE_SHARED __attribute__((weak))
+#else
+#define LODE_SHARED LODE_INLINE
+#endif
+#endif
+
 /// A rare branch of the interrupt: kept out of the code that runs every time, and small.
 #ifndef LODE_NOINLINE
 #if defined(__GNUC__)

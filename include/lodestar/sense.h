@@ -10,7 +10,8 @@
 extern "C" {
 #endif
 
-/// Where the currents are measured.
+/// Where the currents are measured. LODE_WITHOUT_SHUNT_WINDOW leaves out of a build what takes a phase from
+/// the other two: two shunts, and a duty_max below 1. Init then refuses them (LODE_ERROR_SENSE_WINDOW).
 typedef enum {
     LODE_SHUNTS_THREE, ///< all three phases
     LODE_SHUNTS_TWO    ///< phases a and b; c follows from the isolated star point

@@ -69,6 +69,9 @@ static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
                   "#endif\n",
                   LODE_VERSION_MAJOR, LODE_VERSION_MINOR, LODE_VERSION_PATCH);
     (void)fputs(option_of[tuning->estimator.emf.observer.kind], file);
+    if (tuning->sense.windowed) {
+        (void)fputs(UNLESS("SHUNT_WINDOW"), file);
+    }
     if (tuning->references.weakens) {
         (void)fputs(UNLESS("FIELD_WEAKENING"), file);
     }
