@@ -8,6 +8,7 @@
 #include "config/conversions.h"
 #include "config/schema.h"
 #include "support/diag.h"
+#include "support/splitmix.h"
 #include "support/units.h"
 
 // A board as one would build it: head-room over the trip current and over the bus.
@@ -230,19 +231,9 @@ bool rig_config_complete(rig_config_t *config, rig_need_t need) {
 
 // ---- Plant --------------------------------------------------------------------------------------
 
-/// SplitMix64 (Steele, Lea, Flood 2014): one good number per step from any seed.
-static double uniform(uint64_t *state) {
-    *state += UINT64_C(0x9E3779B97F4A7C15);
-    uint64_t z = *state;
-    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-    z ^= z >> 31;
-    return (double)(z >> 11) * 0x1.0p-53;
-}
-
 /// Uniform in -1 .. 1.
 static double either_way(uint64_t *state) {
-    return 2.0 * uniform(state) - 1.0;
+    return 2.0 * splitmix_uniform(state) - 1.0;
 }
 
 static double or_else(double value, double otherwise) {
@@ -374,7 +365,7 @@ bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double 
     describe_load(config, plant);
     describe_inverter(config, plant);
     describe_board(config, plant, &state);
-    *extra_load_Nm = or_else(config->plant.load_spread_Nm, 0.0) * uniform(&state);
+    *extra_load_Nm = or_else(config->plant.load_spread_Nm, 0.0) * splitmix_uniform(&state);
     plant_t trial;
     const char *why = plant_init(&trial, plant);
     if (why != NULL) {

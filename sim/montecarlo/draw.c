@@ -9,6 +9,7 @@
 #include "config/ini_config.h"
 #include "config/speed_limits.h"
 #include "support/diag.h"
+#include "support/splitmix.h"
 #include "support/units.h"
 
 #define RATED_PER_MAX (1.0 / 1.5) // 100 % of current, of i_max
@@ -78,17 +79,8 @@ static uint64_t begin(const char *name, uint64_t seed) {
     return hash + seed * UINT64_C(0xD1B54A32D192ED03);
 }
 
-static double uniform(uint64_t *state) {
-    *state += UINT64_C(0x9E3779B97F4A7C15);
-    uint64_t z = *state;
-    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-    z ^= z >> 31;
-    return (double)(z >> 11) * 0x1.0p-53;
-}
-
 static double between(uint64_t *state, double low, double high) {
-    return low + (high - low) * uniform(state);
+    return low + (high - low) * splitmix_uniform(state);
 }
 
 static double either_way(uint64_t *state, double share) {
@@ -145,8 +137,8 @@ bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_err
     one->told = machine->given;
     tell_wrong(&one->told.drive, &ranges, &state);
     rig_config_design(&one->told);
-    one->direction = uniform(&state) < 0.5 ? -1.0 : 1.0;
-    const double peak_Nm = uniform(&state) * START_LOAD_SHARE * machine->torque_Nm;
+    one->direction = splitmix_uniform(&state) < 0.5 ? -1.0 : 1.0;
+    const double peak_Nm = splitmix_uniform(&state) * START_LOAD_SHARE * machine->torque_Nm;
     one->start_load_Nm = test == MC_START ? peak_Nm / (1.0 + one->plant.load_ripple) : 0.0;
     one->slow_e_rad_s = fmax(SLOW_SHARE * machine->full_e_rad_s,
                              PER_HANDOVER * (double)one->told.drive.start.omega_handover_rad_s);
