@@ -1,5 +1,6 @@
 // Both sets' duties against the three-phase modulator, and the voltage that both planes see of them.
 #include "support/check.h"
+#include "support/vsd6.h"
 
 #include "modulator6_inline.h"
 
@@ -25,9 +26,9 @@ static lode_ab_t vector(double length, double angle) {
 }
 
 /// The voltage that six legs make, written out phase by phase.
-static lode_vsd_t made_of(const lode_abc6_t *duty) {
-    const lode_vsd_t v = lode_vsd(duty);
-    return (lode_vsd_t){.ab = lode_ab_scale(V_BUS, v.ab), .xy = lode_ab_scale(V_BUS, v.xy)};
+static vsd6_t made_of(const lode_abc6_t *duty) {
+    const vsd6_t v = vsd6(duty);
+    return (vsd6_t){.ab = lode_ab_scale(V_BUS, v.ab), .xy = lode_ab_scale(V_BUS, v.xy)};
 }
 
 static const lode_ab_t no_current = {0.0f, 0.0f};
@@ -47,7 +48,7 @@ static void test_both_planes_get_what_was_asked(void) {
         const lode_modulator6_out_t out = lode_modulator6_step(
             &tuning, &no_dead_time, per_volt(lode_vsd_sets(ab, xy)), no_current,
             n % 2 == 0); // 160 V of 173 V: either way does
-        const lode_vsd_t made = made_of(&out.duty);
+        const vsd6_t made = made_of(&out.duty);
         // 1e-6 of the bus.
         CHECK_NEAR(3.0e-4, ab.alpha, made.ab.alpha);
         CHECK_NEAR(3.0e-4, ab.beta, made.ab.beta);
@@ -67,7 +68,7 @@ static void test_beyond_the_hexagon_realised_is_what_the_duties_make(void) {
              {random_float(&random, -400.0, 400.0), random_float(&random, -400.0, 400.0)}}};
         const lode_modulator6_out_t out =
             lode_modulator6_step(&tuning, &no_dead_time, per_volt(u), no_current, false);
-        const lode_vsd_t made = made_of(&out.duty);
+        const vsd6_t made = made_of(&out.duty);
         CHECK_NEAR(6.0e-4, made.ab.alpha, V_BUS * lode_vsd_ab(out.realised).alpha);
         CHECK_NEAR(6.0e-4, made.ab.beta, V_BUS * lode_vsd_ab(out.realised).beta);
         CHECK_NEAR(6.0e-4, made.xy.alpha, V_BUS * lode_vsd_xy(out.realised).alpha);

@@ -2,7 +2,7 @@
 #include "support/check.h"
 
 #include "golden/vsd.h"
-#include "lodestar/vsd.h"
+#include "support/vsd6.h"
 
 void setUp(void) {}
 
@@ -16,7 +16,7 @@ static lode_abc6_t phases(const double x[6]) {
         {{(float)x[0], (float)x[1], (float)x[2]}, {(float)x[3], (float)x[4], (float)x[5]}}};
 }
 
-static void check_planes(const double expected[6], const lode_vsd_t *v) {
+static void check_planes(const double expected[6], const vsd6_t *v) {
     CHECK_NEAR(ROUNDING, expected[0], v->ab.alpha);
     CHECK_NEAR(ROUNDING, expected[1], v->ab.beta);
     CHECK_NEAR(ROUNDING, expected[2], v->xy.alpha);
@@ -28,7 +28,7 @@ static void check_planes(const double expected[6], const lode_vsd_t *v) {
 static void test_transform_is_the_matrix(void) {
     for (int n = 0; n < COUNT_OF(vsd_cases); n++) {
         const lode_abc6_t x = phases(vsd_cases[n].phase);
-        const lode_vsd_t v = lode_vsd(&x);
+        const vsd6_t v = vsd6(&x);
         check_planes(vsd_cases[n].plane, &v);
     }
 }
@@ -36,8 +36,8 @@ static void test_transform_is_the_matrix(void) {
 static void test_inverse_gives_the_phases_back(void) {
     for (int n = 0; n < COUNT_OF(vsd_cases); n++) {
         const lode_abc6_t x = phases(vsd_cases[n].phase);
-        const lode_vsd_t v = lode_vsd(&x);
-        const lode_abc6_t back = lode_vsd_inverse(&v);
+        const vsd6_t v = vsd6(&x);
+        const lode_abc6_t back = vsd6_inverse(&v);
         for (int set = 0; set < LODE_SETS; set++) {
             CHECK_NEAR(2.0 * ROUNDING, x.set[set].a, back.set[set].a);
             CHECK_NEAR(2.0 * ROUNDING, x.set[set].b, back.set[set].b);
@@ -47,21 +47,21 @@ static void test_inverse_gives_the_phases_back(void) {
 }
 
 /// Harmonic `order` in all six phases, each at its own angle behind `theta`.
-static lode_vsd_t of_harmonic(int order, double theta) {
+static vsd6_t of_harmonic(int order, double theta) {
     static const double axis[6] = {0.0, 120.0, 240.0, 30.0, 150.0, 270.0};
     double x[6];
     for (int n = 0; n < 6; n++) {
         x[n] = cos(order * (theta - axis[n] * CHECK_DEG));
     }
     const lode_abc6_t six = phases(x);
-    return lode_vsd(&six);
+    return vsd6(&six);
 }
 
 /// The harmonic turns in `plane` (0: ab, 1: xy, 2: neither) by `turns` angles theta.
 static void check_lands(int order, int plane, int turns) {
     for (int n = 0; n < 24; n++) {
         const double theta = 0.1 + n * 0.7;
-        const lode_vsd_t v = of_harmonic(order, theta);
+        const vsd6_t v = of_harmonic(order, theta);
         const double c = cos(turns * theta);
         const double s = sin(turns * theta);
         const double zero = plane == 2 ? cos(order * theta) : 0.0;
@@ -95,7 +95,7 @@ static void test_sets_and_planes_are_each_others_inverse(void) {
         CHECK_NEAR(ROUNDING, ab.beta, lode_vsd_ab(sets).beta);
         CHECK_NEAR(ROUNDING, xy.alpha, lode_vsd_xy(sets).alpha);
         CHECK_NEAR(ROUNDING, xy.beta, lode_vsd_xy(sets).beta);
-        const lode_ab_t there = lode_set2_to_stator(lode_set2_from_stator(ab));
+        const lode_ab_t there = lode_set2_clarke(lode_set2_clarke_inverse(ab));
         CHECK_NEAR(ROUNDING, ab.alpha, there.alpha);
         CHECK_NEAR(ROUNDING, ab.beta, there.beta);
     }

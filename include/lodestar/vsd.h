@@ -24,40 +24,11 @@ typedef struct {
     lode_ab_t set[LODE_SETS];
 } lode_sets_t;
 
-typedef struct {
-    lode_ab_t ab;
-    lode_ab_t xy;
-    float o1; ///< mean of set 1
-    float o2; ///< mean of set 2
-} lode_vsd_t;
-
-/// By which set 2 stands ahead of set 1: 30 degrees.
-LODE_INLINE lode_sincos_t lode_set_angle(void) {
-    const lode_sincos_t out = {0.5f, 0.5f * LODE_SQRT3};
-    return out;
-}
-
-/// A vector in the axes of set 2's own phases, seen in stator axes, and back.
-LODE_INLINE lode_ab_t lode_set2_to_stator(lode_ab_t x) {
-    return lode_ab_rotate(x, lode_set_angle());
-}
-
-LODE_INLINE lode_ab_t lode_set2_from_stator(lode_ab_t x) {
-    const lode_dq_t own = lode_park(x, lode_set_angle());
-    const lode_ab_t out = {own.d, own.q};
-    return out;
-}
-
-/// Clarke transform of set 2's phases into stator axes, and back: as lode_clarke(), lode_clarke_inverse()
-/// and the turn by 30 degrees, in one. Scaled: in another unit, by `third` of its gain and by `side`, its
-/// gain over sqrt(3).
-LODE_INLINE lode_ab_t lode_set2_clarke_scaled(lode_abc_t x, float third, float side) {
-    const lode_ab_t out = {(x.a - x.b) * side, (x.a + x.b - 2.0f * x.c) * third};
-    return out;
-}
-
+/// Clarke transform of set 2's phases, which stand 30 degrees ahead of set 1's, into stator axes, and back.
 LODE_INLINE lode_ab_t lode_set2_clarke(lode_abc_t x) {
-    return lode_set2_clarke_scaled(x, 1.0f / 3.0f, 1.0f / LODE_SQRT3);
+    const lode_ab_t out = {(x.a - x.b) * (1.0f / LODE_SQRT3),
+                           (x.a + x.b - 2.0f * x.c) * (1.0f / 3.0f)};
+    return out;
 }
 
 LODE_INLINE lode_abc_t lode_set2_clarke_inverse(lode_ab_t x) {
@@ -86,10 +57,6 @@ LODE_INLINE lode_sets_t lode_vsd_sets(lode_ab_t ab, lode_ab_t xy) {
         {{ab.alpha + xy.alpha, ab.beta - xy.beta}, {ab.alpha - xy.alpha, ab.beta + xy.beta}}};
     return out;
 }
-
-/// The whole 6 x 6 transform (V3), and its inverse (V4).
-lode_vsd_t lode_vsd(const lode_abc6_t *x);
-lode_abc6_t lode_vsd_inverse(const lode_vsd_t *x);
 
 #ifdef __cplusplus
 }
