@@ -5,6 +5,7 @@
 #include "commands/command_analyse.h"
 #include "commands/command_decode.h"
 #include "commands/command_design.h"
+#include "commands/command_faults.h"
 #include "commands/command_monte_carlo.h"
 #include "commands/command_replay.h"
 #include "commands/command_reproduce.h"
@@ -58,6 +59,8 @@ static rig_exit_t dispatch(const options_t *options) {
         return command_analyse(options);
     case COMMAND_REPRODUCE:
         return command_reproduce(options);
+    case COMMAND_FAULTS:
+        return command_faults(options);
     case COMMAND_DECODE:
         return command_decode(options);
     case COMMAND_MONTE_CARLO:

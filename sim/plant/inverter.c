@@ -113,6 +113,28 @@ static void begin_averaged(plant_inverter_t *self, const double i_A[PLANT_LEGS],
     }
 }
 
+/// What conducts in a leg with broken switches where `gate` is asked for.
+static plant_gate_t of_broken(const plant_leg_t *leg, plant_gate_t gate) {
+    if (leg->shorted[0] || leg->shorted[1]) {
+        return leg->shorted[1] ? PLANT_GATE_HIGH : PLANT_GATE_LOW;
+    }
+    const bool dead =
+        (gate == PLANT_GATE_LOW && leg->dead[0]) || (gate == PLANT_GATE_HIGH && leg->dead[1]);
+    return dead ? PLANT_GATE_OFF : gate;
+}
+
+static void break_edges(plant_leg_t *leg) {
+    plant_pwm_t *pwm = &leg->pwm;
+    pwm->gate = of_broken(leg, pwm->gate);
+    for (int k = 0; k < pwm->edges; k++) {
+        pwm->edge[k].gate = of_broken(leg, pwm->edge[k].gate);
+    }
+}
+
+void plant_inverter_fail(plant_inverter_t *self, int leg, bool high, bool shorted) {
+    (shorted ? self->leg[leg].shorted : self->leg[leg].dead)[high ? 1 : 0] = true;
+}
+
 static void begin_switched(plant_inverter_t *self, const double i_A[PLANT_LEGS], int set,
                            const double duty[PLANT_LEGS], plant_gates_t gates, bool was_averaging) {
     for (int n = set * PLANT_PHASES; n < (set + 1) * PLANT_PHASES; n++) {
@@ -123,6 +145,7 @@ static void begin_switched(plant_inverter_t *self, const double i_A[PLANT_LEGS],
         // Edges that changed no terminal are still to be made.
         (void)plant_pwm_apply(&leg->pwm, self->period_s);
         plant_pwm_schedule(&leg->pwm, duty[n], gates, self->period_s, self->dead_time_s);
+        break_edges(leg);
     }
 }
 

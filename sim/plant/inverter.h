@@ -26,6 +26,8 @@ typedef struct {
     int sign;        ///< of the current: +1 out of the inverter, -1 into it, 0 none
     double source_V; ///< behind r_on; 0 while it carries no current
     double rail;     ///< share of the leg's current that comes from the positive rail, 0..1
+    bool dead[2];    ///< the low, the high side's transistor no longer turns on; its diode conducts
+    bool shorted[2]; ///< the low, the high side conducts whatever the gates say
     bool opening;    ///< the phase opens when its current is next zero ...
     bool open;       ///< ... and stays so
 } plant_leg_t;
@@ -57,6 +59,11 @@ void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
 
 /// The phase behind a leg breaks: at the next zero of its current, at once where there is none.
 void plant_inverter_open(plant_inverter_t *self, const plant_motor_t *motor, int leg);
+
+/// From the next period on one switch of a leg, the high one or the low one, no longer turns on, or is
+/// shorted. At the switching level only. A short wins over the other switch, which would have to carry the
+/// short circuit of the bus: its own trip is not simulated.
+void plant_inverter_fail(plant_inverter_t *self, int leg, bool high, bool shorted);
 
 /// Time of the next gate edge that changes a terminal voltage; `limit_s` if there is none before.
 /// An edge that hands the current from a diode to the transistor of the other direction is none.

@@ -496,3 +496,17 @@ void plant_set_trip_of(plant_t *self, int set, bool trip) {
 void plant_open_phase(plant_t *self, int leg) {
     plant_inverter_open(&self->inverter, &self->motor, leg);
 }
+
+void plant_fail_switch(plant_t *self, int leg, bool high, bool shorted) {
+    plant_inverter_fail(&self->inverter, leg, high, shorted);
+}
+
+void plant_set_flux(plant_t *self, double psi_Wb) {
+    self->motor.psi_Wb = psi_Wb;
+}
+
+void plant_write_through(plant_t *self) {
+    for (int n = 0; n < PLANT_LEGS; n++) {
+        self->duty[n] = self->next_duty[n];
+    }
+}

@@ -120,6 +120,13 @@ void plant_set_trip(plant_t *self, bool trip);
 /// The same of one set alone.
 void plant_set_trip_of(plant_t *self, int set, bool trip);
 
+/// What breaks. One switch of a leg no longer turns on, or is shorted: see plant_inverter_fail().
+void plant_fail_switch(plant_t *self, int leg, bool high, bool shorted);
+/// The magnets have this flux from now on.
+void plant_set_flux(plant_t *self, double psi_Wb);
+/// The last write acts from now on, as by a register without a shadow.
+void plant_write_through(plant_t *self);
+
 /// A wire breaks: the phase behind this leg (0..2 of set 1, 3..5 of set 2) carries no current from
 /// the next zero of its current on.
 void plant_open_phase(plant_t *self, int leg);

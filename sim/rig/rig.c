@@ -2,6 +2,8 @@
 
 #include "lodestar/channel.h"
 
+#include <stddef.h>
+
 lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_config_t *plant) {
     self->sets = plant->sets == PLANT_SETS ? PLANT_SETS : 1;
     (void)plant_init(&self->plant, plant);
@@ -36,7 +38,21 @@ lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_mot
     return status == LODE_OK ? lode_drive_post_tuning(&self->three, next) : status;
 }
 
-static lode_counts_t counts_of(const plant_counts_t *plant) {
+void rig_copy(rig_t *to, const rig_t *from) {
+    *to = *from;
+    if (from->sets != PLANT_SETS) {
+        to->drive = &to->three;
+        to->three.tuning = &to->three_tuning[from->three.tuning - from->three_tuning];
+        return;
+    }
+    const ptrdiff_t now = from->six.tuning - from->six_tuning;
+    const bool alone = from->six.drive.tuning == &from->six_tuning[now].alone;
+    to->drive = &to->six.drive;
+    to->six.tuning = &to->six_tuning[now];
+    to->six.drive.tuning = alone ? &to->six_tuning[now].alone : &to->six_tuning[now].drive;
+}
+
+lode_counts_t rig_counts(const plant_counts_t *plant) {
     return (lode_counts_t){
         .i = {plant->i[0], plant->i[1], plant->i[2]},
         .v_bus = plant->v_bus,
@@ -55,7 +71,7 @@ static void write_set(plant_t *plant, int set, const lode_drive_out_t *out) {
 /// lode_drive_step() in its three parts.
 static void step_three(rig_t *self, const plant_counts_t *sampled, runner_estimator_t estimate,
                        runner_memory_t *memory, rig_moment_t *now) {
-    const lode_counts_t counts = counts_of(sampled);
+    const lode_counts_t counts = rig_counts(sampled);
     const lode_sample_t sample = lode_drive_sense(&self->three, &counts);
     now->estimate = estimate(&self->three, &sample, &now->truth, memory);
     const lode_drive_out_t out = lode_drive_act(&self->three, &sample, &now->estimate);
@@ -63,7 +79,7 @@ static void step_three(rig_t *self, const plant_counts_t *sampled, runner_estima
 }
 
 static void step_six(rig_t *self, const plant_counts_t sampled[PLANT_SETS], rig_moment_t *now) {
-    const lode_counts6_t counts = {{counts_of(&sampled[0]), counts_of(&sampled[1])}};
+    const lode_counts6_t counts = {{rig_counts(&sampled[0]), rig_counts(&sampled[1])}};
     const lode_drive6_out_t out = lode_drive6_step(&self->six, &counts);
     lode_telemetry_t seen;
     (void)lode_drive_telemetry(self->drive, &seen);

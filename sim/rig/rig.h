@@ -39,6 +39,12 @@ lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_conf
 /// From the next period on the firmware takes this for its motor. LODE_OK, or why not.
 lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_motor_t *motor);
 
+/// `to` becomes an independent rig in the same state.
+void rig_copy(rig_t *to, const rig_t *from);
+
+/// What the converters have sampled, as the drive takes it.
+lode_counts_t rig_counts(const plant_counts_t *plant);
+
 /// One period: samples, the drive's step, duties, and the plant up to the next sample. Six phases have
 /// their own estimator only.
 void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory, rig_moment_t *now);

@@ -17,9 +17,10 @@ enum {
     ANALYSE = 16,
     REPRODUCE = 32,
     DECODE = 64,
-    MONTE_CARLO = 128
+    MONTE_CARLO = 128,
+    FAULTS = 256
 };
-enum { CONFIGURED = 63 | MONTE_CARLO, ALL = 255 };
+enum { CONFIGURED = 63 | MONTE_CARLO | FAULTS, ALL = 511 };
 
 // Seeds pass through a double, which holds them up to here.
 #define SEED_MAX (UINT64_C(1) << 53)
@@ -61,10 +62,15 @@ static const option_t table[] = {
     {"seed", required_argument, 'n', MONTE_CARLO, "S", "the first seed; 1"},
     {"shard", required_argument, 'P', MONTE_CARLO, "K/N",
      "every N-th case from the K-th on, for K = 1 .. N; `merge` joins the JSON of all N"},
-    {"seed", required_argument, 'n', MAIN_JOB | RUN, "S", "of noise and all that is random"},
+    {"kinds", required_argument, 'K', FAULTS, "A,B,...", "of fault; all of them"},
+    {"motors", required_argument, 'M', FAULTS, "A,B,...",
+     "names of motors that have a drive of the same name; jiang2022,eldeeb2017"},
+    {"seed", required_argument, 'n', MAIN_JOB | RUN | FAULTS, "S",
+     "of noise and all that is random"},
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
-    {"jobs", required_argument, 'w', RUN | MONTE_CARLO, "N",
-     "processes that share the seeds; as many as there are processors"},
+    {"jobs", required_argument, 'w', RUN | MONTE_CARLO | FAULTS, "N",
+     "processes that share the work; as many as there are processors"},
+    {"out", required_argument, 'o', FAULTS, "F.md", "a page with the tables"},
     {"out", required_argument, 'o', REPLAY, "F.csv", "one row of estimates per recorded row"},
     {"csv", required_argument, 'c', MAIN_JOB | RUN, "F.csv", "signals over time"},
     {"ring", required_argument, 'R', RUN, "F.bin", "octets that the telemetry ring would send"},
@@ -77,8 +83,8 @@ static const option_t table[] = {
     {"csv", required_argument, 'c', DECODE, "F.csv", "one line per row"},
     {"csv", required_argument, 'c', ANALYSE, "F.csv", "the curves of all figures"},
     {"csv", required_argument, 'c', REPRODUCE, "F.csv", "the table"},
-    {"json", required_argument, 'j', MAIN_JOB | RUN | REPLAY | ANALYSE | REPRODUCE, "F.json",
-     "results and all values used"},
+    {"json", required_argument, 'j', MAIN_JOB | RUN | REPLAY | ANALYSE | REPRODUCE | FAULTS,
+     "F.json", "results and all values used"},
     {"json", required_argument, 'j', MONTE_CARLO, "F.json",
      "{motor, seed, result, cause, max_error_deg} of each case"},
     {"json", required_argument, 'j', DECODE, "F.json", "the summary"},
@@ -143,6 +149,14 @@ static const command_t commands[] = {
      "FILE holds octets of lode_ring_drain() or lode_scope_drain(), or a debugger's dump of "
      "either's\n"
      "buffer. Which it is, and the order of its octets, is seen from its first words."},
+    {"faults", COMMAND_FAULTS, FAULTS, "lodestar faults [OPTION...]",
+     "Breaks sensors, switches, interrupts, motor and memory, and shows what the drive makes of "
+     "it.\n"
+     "Each kind of fault at standstill, in the start, at 10, 50 and 100 % speed and with a "
+     "weakened\n"
+     "field: by which check it is found and when, the largest current, and how far the rotor "
+     "turns\n"
+     "back. Exit code 0 where nothing is silent: no fault although something is wrong."},
     {"monte-carlo", COMMAND_MONTE_CARLO, MONTE_CARLO,
      "lodestar monte-carlo start|run [OPTION...]\n"
      "       lodestar monte-carlo merge F.json... [--json F.json]",
@@ -318,6 +332,8 @@ static const char **text_option(options_t *options, int letter) {
         return &options->format;
     case 'k':
         return &options->kind;
+    case 'K':
+        return &options->kinds;
     case 'b':
         return &options->separator;
     case 'H':
@@ -510,6 +526,7 @@ static bool check(const options_t *options) {
         return needs("reproduce", "the name of a paper: jiang2022 or li-fa-leso", options->paper);
     case COMMAND_MAIN_JOB:
     case COMMAND_ANALYSE:
+    case COMMAND_FAULTS:
     case COMMAND_LIST:
     case COMMAND_HELP:
     case COMMAND_VERSION:
@@ -560,7 +577,7 @@ bool options_parse(options_t *options, int argc, char **argv) {
     }
     if (command == NULL) {
         rig_error("%s: unknown command; expected list, run, replay, design, analyse, "
-                  "reproduce, decode or monte-carlo",
+                  "reproduce, decode, faults or monte-carlo",
                   argv[1]);
         return false;
     }

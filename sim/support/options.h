@@ -14,6 +14,7 @@ typedef enum {
     COMMAND_ANALYSE,
     COMMAND_REPRODUCE,
     COMMAND_DECODE,
+    COMMAND_FAULTS,
     COMMAND_MONTE_CARLO,
     COMMAND_HELP,
     COMMAND_VERSION
@@ -46,6 +47,7 @@ typedef struct {
     const char *plots;  ///< folder
     const char *format; ///< of the pictures in it
     const char *kind;   ///< of what is decoded
+    const char *kinds;  ///< of faults
     const char *ring;   ///< recorders beside a run
     const char *scope;
     const char *channels;

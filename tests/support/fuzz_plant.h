@@ -36,7 +36,7 @@ static inline lode_counts_t fuzz_plant_counts(const plant_counts_t *from) {
 
 static inline void fuzz_plant_write(plant_t *plant, int set, lode_drive_out_t out) {
     const double duty[PLANT_PHASES] = {(double)out.duty.a, (double)out.duty.b, (double)out.duty.c};
-    plant_write_set(plant, set, duty, out.gates);
+    plant_write_set(plant, set, duty, (plant_gates_t)out.gates); // the same three
 }
 
 /// What the input does to the counts of a period: mostly nothing.

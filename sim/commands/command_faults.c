@@ -1,0 +1,238 @@
+#include "commands/command_faults.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands/command_load.h"
+#include "config/data_files.h"
+#include "config/ini_config.h"
+#include "config/refusal.h"
+#include "report/report_faults.h"
+#include "support/atomic_file.h"
+#include "support/outputs.h"
+#include "support/progress.h"
+#include "support/shown.h"
+#include "support/workers.h"
+
+#define ALL_MOTORS "jiang2022,eldeeb2017"
+enum { MOTORS_MAX = 8, KINDS_MAX = 64 };
+
+/// What the campaign adds to the shipped files: a port that stamps, a field that can be weakened, and a
+/// bridge whose switches can break.
+static const char *const added[] = {"references.field_weakening=on", "guard.stamp_per_period=1000",
+                                    "plant.inverter=switched"};
+
+typedef struct {
+    const options_t *options;
+    int kinds;
+    const inject_kind_t *kind[KINDS_MAX];
+    int motors;
+    char motor[MOTORS_MAX][RIG_NAME_LENGTH];
+    fault_bench_t *bench[MOTORS_MAX];
+    fault_result_t *result; ///< [motor][kind][point]
+    progress_t progress;
+} faults_t;
+
+typedef char result_fits[sizeof(fault_result_t) <= WORKERS_RESULT_MAX ? 1 : -1];
+
+// ---- Input --------------------------------------------------------------------------------------
+
+/// The next of a list "a,b,c", or false at its end.
+static bool next_name(const char **list, char *name, size_t size) {
+    const size_t length = strcspn(*list, ",");
+    if (**list == '\0') {
+        return false;
+    }
+    (void)snprintf(name, size, "%.*s", (int)length, *list);
+    *list += length + ((*list)[length] == ',' ? 1u : 0u);
+    return true;
+}
+
+static bool take_kind(faults_t *self, const char *name) {
+    for (int k = 0; k < inject_kind_count; ++k) {
+        if (strcmp(inject_kinds[k].name, name) == 0 && self->kinds < KINDS_MAX) {
+            self->kind[self->kinds++] = &inject_kinds[k];
+            return true;
+        }
+    }
+    char known[1200] = "";
+    for (int k = 0; k < inject_kind_count; ++k) {
+        const size_t used = strlen(known);
+        (void)snprintf(known + used, sizeof known - used, "%s%s", k > 0 ? ", " : "",
+                       inject_kinds[k].name);
+    }
+    rig_error("--kinds %s: expected %d at most of %s", name, KINDS_MAX, known);
+    return false;
+}
+
+static bool take_kinds(faults_t *self) {
+    const char *list = self->options->kinds;
+    char name[RIG_NAME_LENGTH];
+    bool good = true;
+    for (int k = 0; list == NULL && k < inject_kind_count; ++k) {
+        self->kind[self->kinds++] = &inject_kinds[k];
+    }
+    while (good && list != NULL && next_name(&list, name, sizeof name)) {
+        good = take_kind(self, name);
+    }
+    return good;
+}
+
+/// A shipped motor with the drive of its name, and the plant of its name where there is one.
+static bool load(rig_config_t *config, const char *name, const options_t *options) {
+    char path[RIG_PATH_LENGTH];
+    rig_config_init(config);
+    bool good = data_files_load_part(config, "motors", name) &&
+                data_files_load_part(config, "drives", name) &&
+                data_files_find("plants", name, path, sizeof path);
+    if (good && strcmp(path, name) != 0) {
+        good = data_files_load_part(config, "plants", name);
+    }
+    for (size_t k = 0; good && k < sizeof added / sizeof added[0]; ++k) {
+        good = ini_config_set(config, "faults", added[k]);
+    }
+    good =
+        good && command_load_sets(config, options) && rig_config_complete(config, RIG_NEED_DRIVE);
+    if (!good) {
+        return false;
+    }
+    rig_config_design(config);
+    config->scenario.seed = options->has_seed ? (double)options->seed : 1.0;
+    const lode_status_t status = rig_config_judge(config);
+    if (status != LODE_OK) {
+        refusal_report(config, status);
+    }
+    return status == LODE_OK;
+}
+
+static bool take_motor(faults_t *self, const char *name) {
+    if (self->motors == MOTORS_MAX) {
+        rig_error("--motors %s: expected at most %d", name, MOTORS_MAX);
+        return false;
+    }
+    const int n = self->motors++;
+    fault_bench_t *bench = calloc(1u, sizeof *bench);
+    (void)snprintf(self->motor[n], sizeof self->motor[n], "%s", name);
+    self->bench[n] = bench;
+    if (bench == NULL) {
+        rig_error("faults: expected enough memory");
+        return false;
+    }
+    rig_config_t config;
+    return load(&config, name, self->options) && fault_bench_init(bench, &config);
+}
+
+static bool take_motors(faults_t *self) {
+    const char *list = self->options->motors != NULL ? self->options->motors : ALL_MOTORS;
+    char name[RIG_NAME_LENGTH];
+    bool good = true;
+    while (good && next_name(&list, name, sizeof name)) {
+        good = take_motor(self, name);
+    }
+    return good;
+}
+
+// ---- The cases ----------------------------------------------------------------------------------
+
+static uint64_t cases_of(const faults_t *self) {
+    return (uint64_t)self->motors * (uint64_t)self->kinds * FAULT_POINTS;
+}
+
+static bool work(void *user, uint64_t number, void *into) {
+    faults_t *self = user;
+    const uint64_t point = number % FAULT_POINTS;
+    const uint64_t kind = number / FAULT_POINTS % (uint64_t)self->kinds;
+    const uint64_t motor = number / FAULT_POINTS / (uint64_t)self->kinds;
+    const uint64_t seed = self->options->has_seed ? self->options->seed : 1u;
+    const fault_result_t result =
+        fault_case_run(self->bench[motor], self->kind[kind], (fault_point_t)point, seed);
+    memcpy(into, &result, sizeof result);
+    return true;
+}
+
+static void take(void *user, uint64_t number, const void *from) {
+    faults_t *self = user;
+    memcpy(&self->result[number], from, sizeof self->result[number]);
+    progress_show(&self->progress, (double)(number + 1u) / (double)cases_of(self), "of the cases");
+}
+
+static bool run_all(faults_t *self) {
+    const workers_t workers = {.first = 0u,
+                               .last = cases_of(self) - 1u,
+                               .processes = self->options->jobs,
+                               .user = self,
+                               .work = work,
+                               .take = take};
+    self->result = calloc(cases_of(self), sizeof *self->result);
+    if (self->result == NULL) {
+        rig_error("faults: expected enough memory");
+        return false;
+    }
+    progress_start(&self->progress);
+    const bool good = workers_run(&workers);
+    (void)progress_end(&self->progress);
+    return good;
+}
+
+// ---- Output -------------------------------------------------------------------------------------
+
+static report_faults_t report_of(const faults_t *self, int motor) {
+    const uint64_t first = (uint64_t)motor * (uint64_t)self->kinds * FAULT_POINTS;
+    return (report_faults_t){.motor = self->motor[motor],
+                             .bench = self->bench[motor],
+                             .kind = self->kind,
+                             .kinds = self->kinds,
+                             .result = &self->result[first]};
+}
+
+static int write_all(const faults_t *self, FILE *page, FILE *json) {
+    cJSON *root = json != NULL ? report_faults_json_root() : NULL;
+    shown_t table = {.file = NULL};
+    int silent = -1;
+    if (shown_begin(&table)) {
+        silent = 0;
+        for (int n = 0; n < self->motors; ++n) {
+            const report_faults_t report = report_of(self, n);
+            silent += report_faults_table(table.file, &report);
+            report_faults_json(root, &report);
+        }
+        silent = shown_end(&table) ? silent : -1;
+        if (page != NULL && silent >= 0) {
+            report_faults_page(page, table.text);
+        }
+    }
+    shown_free(&table);
+    if (json != NULL) {
+        (void)config_json_write(json, root);
+    }
+    return silent;
+}
+
+static rig_exit_t run(faults_t *self) {
+    FILE *page = NULL;
+    FILE *json = NULL;
+    if (!take_kinds(self) || !take_motors(self) || !outputs_open(&json, self->options->json) ||
+        !outputs_open(&page, self->options->out) || !run_all(self)) {
+        return RIG_BAD_INPUT;
+    }
+    const int silent = write_all(self, page, json);
+    if (silent < 0 || !atomic_file_commit_all()) {
+        return RIG_BAD_INPUT;
+    }
+    outputs_say(self->options->out);
+    outputs_say(self->options->json);
+    return silent == 0 ? RIG_DONE : RIG_FAILED;
+}
+
+rig_exit_t command_faults(const options_t *options) {
+    static faults_t self;
+    self = (faults_t){.options = options};
+    const rig_exit_t code = run(&self);
+    for (int n = 0; n < self.motors; ++n) {
+        free(self.bench[n]);
+    }
+    free(self.result);
+    return code;
+}

@@ -1,0 +1,141 @@
+#include "report/report_faults.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "support/units.h"
+
+static const struct {
+    int bit;
+    const char *word;
+} harms[] = {
+    {FAULT_HARM_ROTOR, "rotor lost"}, {FAULT_HARM_CURRENT, "current"},
+    {FAULT_HARM_CONTROL, "control"},  {FAULT_HARM_SPEED, "speed"},
+    {FAULT_HARM_HEAT, "heat"},        {FAULT_HARM_STUCK, "does not run"},
+};
+enum { HARMS = sizeof harms / sizeof harms[0] };
+
+static void harm_words(int harm, char *text, size_t size) {
+    text[0] = '\0';
+    for (int k = 0; k < HARMS; ++k) {
+        const size_t used = strlen(text);
+        if ((harm & harms[k].bit) != 0) {
+            (void)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", harms[k].word);
+        }
+    }
+}
+
+/// Without its prefix.
+static const char *check_word(lode_check_t check) {
+    return lode_check_name(check) + strlen("LODE_CHECK_");
+}
+
+static void print_time(FILE *file, double time_s) {
+    if (time_s < 1.0) {
+        (void)fprintf(file, "%.3g ms", 1e3 * time_s);
+    } else {
+        (void)fprintf(file, "%.3g s", time_s);
+    }
+}
+
+static void print_cell(FILE *file, const fault_result_t *one) {
+    char words[80];
+    if (one->silent > 0) {
+        harm_words(one->harm, words, sizeof words);
+        (void)fprintf(file, " **silent**: %s", words);
+    } else if (one->found == LODE_CHECK_NONE) {
+        (void)fprintf(file, " harmless");
+    } else {
+        (void)fprintf(file, " %s ", check_word(one->found));
+        print_time(file, one->found_s);
+    }
+    if (one->tried > 1) {
+        (void)fprintf(file, " (silent %d of %d)", one->silent, one->tried);
+    }
+    (void)fprintf(file, ", %.3g A", one->peak_A);
+    if (one->back_deg >= 1.0) {
+        (void)fprintf(file, ", back %.3g deg", one->back_deg);
+    }
+    (void)fprintf(file, " |");
+}
+
+int report_faults_table(FILE *file, const report_faults_t *report) {
+    const lode_drive_config_t *drive = &report->bench->config.drive;
+    int silent = 0;
+    int found = 0;
+    (void)fprintf(file,
+                  "## %s\n\n%s phases, i_max %.3g A, trip %.3g A, bus %.4g V, %.3g kHz; full speed "
+                  "%.4g rpm.\n\n| fault |",
+                  report->motor, report->bench->at[0].sets == PLANT_SETS ? "six" : "three",
+                  (double)drive->inverter.i_max_A, (double)drive->guard.i_trip_A,
+                  (double)drive->inverter.v_bus_V, 1e-3 * (double)drive->f_pwm_Hz,
+                  rig_rpm_from_rad_s(report->bench->full_rad_s));
+    for (int point = 0; point < FAULT_POINTS; ++point) {
+        (void)fprintf(file, " %s |", fault_point_name[point]);
+    }
+    (void)fprintf(file, "\n|---|---|---|---|---|---|---|\n");
+    for (int k = 0; k < report->kinds; ++k) {
+        (void)fprintf(file, "| %s |", report->kind[k]->what);
+        for (int point = 0; point < FAULT_POINTS; ++point) {
+            const fault_result_t *one = &report->result[k * FAULT_POINTS + point];
+            print_cell(file, one);
+            silent += fault_is_silent(one) ? 1 : 0;
+            found += one->found != LODE_CHECK_NONE ? 1 : 0;
+        }
+        (void)fprintf(file, "\n");
+    }
+    (void)fprintf(file, "\n%d cases: %d found, %d harmless, %d silent.\n\n",
+                  report->kinds * FAULT_POINTS, found,
+                  report->kinds * FAULT_POINTS - found - silent, silent);
+    return silent;
+}
+
+void report_faults_page(FILE *file, const char *tables) {
+    (void)fputs(
+        "# Faults\n\n"
+        "What the drive makes of faults of its sensors, bridge, timer, supply, motor and memory. "
+        "Written by `lodestar faults --out docs/faults.md`; nothing here is written by hand.\n\n"
+        "Each fault begins while the drive stands (before it calibrates; then it is commanded to "
+        "half speed), starts, runs at 10, 50 and 100 % of full speed with 0.3 of the torque of "
+        "i_max, or weakens its field. A cell says by which check it was found, after which time, "
+        "the largest phase current in truth, and how far the rotor turned back (mechanical). "
+        "`harmless`: not found, and nothing was wrong within the second (start: nine) that was "
+        "watched. **silent**: not found, although for 10 ms the rotor was lost (angle off by more "
+        "than 60 degrees), a phase carried more than 1.2 i_max, the current was off its reference "
+        "by more than 0.3 i_max, the power stage was 10 K above its limit, or for 0.1 s the speed "
+        "was off by more than 10 % of full speed; or the drive neither ran at the end nor said "
+        "why. Of a kind that comes in many the worst is told.\n\n"
+        "The plant switches, with dead time and noise. It has no over-current path in hardware, "
+        "which a real bridge must have: where interrupts are missed or a switch is shorted, the "
+        "current is what the motor makes of it.\n\n",
+        file);
+    (void)fputs(tables, file);
+}
+
+cJSON *report_faults_json_root(void) {
+    cJSON *root = config_json_root();
+    (void)cJSON_AddArrayToObject(root, "cases");
+    return root;
+}
+
+void report_faults_json(cJSON *root, const report_faults_t *report) {
+    cJSON *cases = root != NULL ? cJSON_GetObjectItem(root, "cases") : NULL;
+    for (int n = 0; cases != NULL && n < report->kinds * FAULT_POINTS; ++n) {
+        const fault_result_t *one = &report->result[n];
+        char words[80];
+        cJSON *item = config_json_item(cases);
+        harm_words(one->harm, words, sizeof words);
+        (void)cJSON_AddStringToObject(item, "motor", report->motor);
+        (void)cJSON_AddStringToObject(item, "kind", report->kind[n / FAULT_POINTS]->name);
+        (void)cJSON_AddStringToObject(item, "at", fault_point_name[n % FAULT_POINTS]);
+        (void)cJSON_AddStringToObject(item, "found", check_word(one->found));
+        (void)cJSON_AddBoolToObject(item, "silent", fault_is_silent(one));
+        (void)cJSON_AddStringToObject(item, "harm", words);
+        config_json_number(item, "found_s", one->found_s);
+        config_json_number(item, "peak_A", one->peak_A);
+        config_json_number(item, "back_deg", one->back_deg);
+        config_json_number(item, "tried", one->tried);
+        config_json_number(item, "silent_of_tried", one->silent);
+    }
+}

@@ -1,0 +1,27 @@
+/// What a campaign of faults has found: table, page, JSON.
+#ifndef RIG_REPORT_FAULTS_H
+#define RIG_REPORT_FAULTS_H
+
+#include "config/config_json.h"
+#include "rig/fault_case.h"
+
+typedef struct {
+    const char *motor;
+    const fault_bench_t *bench;
+    const inject_kind_t *const *kind;
+    int kinds;
+    const fault_result_t *result; ///< [kind][point]
+} report_faults_t;
+
+/// A table in Markdown. Returns how many cases were silent.
+int report_faults_table(FILE *file, const report_faults_t *report);
+
+/// docs/faults.md around all tables.
+void report_faults_page(FILE *file, const char *tables);
+
+cJSON *report_faults_json_root(void);
+
+/// Nothing for NULL.
+void report_faults_json(cJSON *root, const report_faults_t *report);
+
+#endif

@@ -1,0 +1,255 @@
+#include "rig/fault_case.h"
+
+#include <math.h>
+
+#include "config/refusal.h"
+#include "config/speed_limits.h"
+#include "support/diag.h"
+#include "support/units.h"
+
+#define HOLD_s 0.01
+#define SPEED_HOLD_s 0.1
+#define LOST_rad (60.0 * RIG_PI / 180.0)
+#define CURRENT_SHARE 1.2
+#define CONTROL_SHARE 0.3
+#define SPEED_SHARE 0.1
+#define HEAT_K 10.0
+#define AFTER_s 0.02 // watched on after a fault was found
+#define RUN_s 1.0    // a fault while the drive runs
+#define START_s 9.0  // before or in the start: its time-out, and what follows
+#define REACH_s 30.0 // for a state without a fault
+#define SETTLE_s 0.6
+#define LOAD_RAMP_s 1.0
+#define SETTLED_SHARE 0.06 // harmonics of the EMF ripple the speed
+#define LOAD_SHARE 0.3     // of the torque of i_max
+#define LITTLE_SHARE 0.1
+#define FULL_SHARE 0.85  // of the base speed at most: what is left is for control
+#define WEAK_SHARE 0.5   // of the way from the base speed to what weakening allows
+#define WEAK_MOST 1.5    // times the base speed
+#define LEAST_SHARE 1.25 // of the least speed
+
+const char *const fault_point_name[FAULT_POINTS] = {"standstill", "start", "10 %",
+                                                    "50 %",       "100 %", "weakening"};
+
+// ---- The states that faults begin from ----------------------------------------------------------
+
+typedef struct {
+    rig_t *rig;
+    inject_t nothing;
+    plant_truth_t truth;
+} reach_t;
+
+static void command(rig_t *rig, double speed_rad_s) {
+    const lode_command_t go = {.mode = LODE_MODE_RUN, .speed_rad_s = (float)speed_rad_s};
+    (void)lode_drive_post_command(rig->drive, &go);
+}
+
+static bool runs(const rig_t *rig) {
+    return rig->drive->mode == (uint_least8_t)LODE_MODE_RUN;
+}
+
+/// Runs on until the speed has settled at `speed_rad_s`.
+static bool reach_speed(reach_t *self, double speed_rad_s) {
+    double settled_s = 0.0;
+    command(self->rig, speed_rad_s);
+    for (double t_s = 0.0; t_s < REACH_s && settled_s < SETTLE_s; t_s += self->nothing.ts_s) {
+        inject_step(&self->nothing, self->rig, &self->truth);
+        const double off = fabs(self->truth.omega_m_rad_s - speed_rad_s);
+        const bool settled = runs(self->rig) && off < SETTLED_SHARE * speed_rad_s;
+        settled_s = settled ? settled_s + self->nothing.ts_s : 0.0;
+    }
+    return settled_s >= SETTLE_s;
+}
+
+/// Slowly: a step would be another test.
+static void load_with(reach_t *self, double load_Nm) {
+    const double from_Nm = self->rig->plant.motor.load_Nm;
+    for (double t_s = 0.0; t_s < LOAD_RAMP_s; t_s += self->nothing.ts_s) {
+        plant_set_load(&self->rig->plant, from_Nm + (load_Nm - from_Nm) * t_s / LOAD_RAMP_s);
+        inject_step(&self->nothing, self->rig, &self->truth);
+    }
+}
+
+/// Into the middle of the start's ramp.
+static bool reach_start(reach_t *self, double handover_rad_s) {
+    for (double t_s = 0.0; t_s < REACH_s; t_s += self->nothing.ts_s) {
+        inject_step(&self->nothing, self->rig, &self->truth);
+        if (self->truth.omega_e_rad_s > 0.4 * handover_rad_s) {
+            return self->rig->drive->mode == (uint_least8_t)LODE_MODE_START;
+        }
+    }
+    return false;
+}
+
+static bool refuse(const fault_bench_t *self, fault_point_t point) {
+    rig_error_at(self->config.file[0], 0,
+                 "faults: expected a drive that reaches the state '%s' without a fault",
+                 fault_point_name[point]);
+    return false;
+}
+
+static bool reach_all(fault_bench_t *self) {
+    const double *speed_rad_s = self->speed_rad_s;
+    rig_t *rig = &self->at[FAULT_AT_STANDSTILL];
+    if (rig_init(rig, &self->config, &self->plant) != LODE_OK) {
+        return false;
+    }
+    reach_t reach = {.rig = &self->at[FAULT_AT_START]};
+    inject_init(&reach.nothing, &inject_kinds[0], &self->config, &self->plant, 0);
+    rig_copy(reach.rig, rig);
+    command(reach.rig, speed_rad_s[FAULT_AT_10]);
+    if (!reach_start(&reach, (double)self->config.drive.start.omega_handover_rad_s)) {
+        return refuse(self, FAULT_AT_START);
+    }
+    const double torque_Nm = reach.nothing.torque_Nm;
+    for (int point = FAULT_AT_10; point < FAULT_POINTS; ++point) {
+        rig_copy(&self->at[point], reach.rig);
+        reach.rig = &self->at[point];
+        // Little where there is hardly an EMF, and where the voltage is used up.
+        const bool little = point == FAULT_AT_10 || point == FAULT_AT_WEAKENING;
+        const double share = little ? LITTLE_SHARE : LOAD_SHARE;
+        const bool there =
+            reach_speed(&reach, speed_rad_s[point == FAULT_AT_WEAKENING ? FAULT_AT_100 : point]);
+        load_with(&reach, share * torque_Nm);
+        if (!there || !reach_speed(&reach, speed_rad_s[point])) {
+            return refuse(self, (fault_point_t)point);
+        }
+    }
+    return true;
+}
+
+bool fault_bench_init(fault_bench_t *self, const rig_config_t *config) {
+    double unused_Nm = 0.0;
+    self->config = *config;
+    if (!rig_config_plant(config, &self->plant, &unused_Nm)) {
+        return false;
+    }
+    const speed_limits_t limits = speed_limits_of(&config->drive);
+    const double np = (double)config->drive.motor.pole_pairs;
+    const double full =
+        fmin((double)config->drive.motor.omega_rated_rad_s, FULL_SHARE * limits.base_rad_s);
+    const double most = fmin(fmin(WEAK_MOST * limits.base_rad_s, limits.estimator_rad_s),
+                             isnan(limits.weakened_rad_s) ? HUGE_VAL : limits.weakened_rad_s);
+    const double weak = limits.base_rad_s + WEAK_SHARE * (most - limits.base_rad_s);
+    self->full_rad_s = full / np;
+    self->speed_rad_s[FAULT_AT_10] = fmax(0.1 * full, LEAST_SHARE * limits.least_rad_s) / np;
+    self->speed_rad_s[FAULT_AT_50] = 0.5 * full / np;
+    self->speed_rad_s[FAULT_AT_100] = full / np;
+    self->speed_rad_s[FAULT_AT_WEAKENING] = weak / np;
+    return reach_all(self);
+}
+
+// ---- One case -----------------------------------------------------------------------------------
+
+/// How long each harm has lasted.
+typedef struct {
+    double rotor_s, current_s, control_s, speed_s, heat_s;
+} lasting_t;
+
+static double held(double since_s, bool bad, double ts_s) {
+    return bad ? since_s + ts_s : 0.0;
+}
+
+static double largest_A(const plant_truth_t *truth) {
+    double most = 0.0;
+    for (int n = 0; n < PLANT_LEGS; ++n) {
+        most = fmax(most, fabs(truth->i_abc_A[n]));
+    }
+    return most;
+}
+
+static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t point,
+                    const plant_truth_t *truth, lasting_t *last) {
+    const lode_drive_t *drive = rig->drive;
+    const double ts_s = self->plant.period_s;
+    const double i_max = (double)self->config.drive.inverter.i_max_A;
+    const bool driven = runs(rig) && drive->gates;
+    const double off_rad = remainder(
+        (double)lode_estimator_theta_rad(&drive->estimator) - truth->theta_e_rad, 2.0 * RIG_PI);
+    const double off_A =
+        hypot(truth->id_A - (double)drive->ref_A.d, truth->iq_A - (double)drive->ref_A.q);
+    const double wanted_rad_s =
+        point >= FAULT_AT_10 ? self->speed_rad_s[point] : (double)lode_drive_speed_ref_rad_s(drive);
+    const double off_rad_s = fabs(truth->omega_m_rad_s - wanted_rad_s);
+    const double limit_degC = (double)self->config.drive.guard.temperature_max_degC;
+    last->rotor_s = held(last->rotor_s, driven && fabs(off_rad) > LOST_rad, ts_s);
+    last->current_s = held(last->current_s, largest_A(truth) > CURRENT_SHARE * i_max, ts_s);
+    last->control_s = held(last->control_s, driven && off_A > CONTROL_SHARE * i_max, ts_s);
+    last->speed_s = held(last->speed_s, driven && off_rad_s > SPEED_SHARE * self->full_rad_s, ts_s);
+    last->heat_s = held(last->heat_s, rig->plant.temperature_degC > limit_degC + HEAT_K, ts_s);
+    return (last->rotor_s >= HOLD_s ? FAULT_HARM_ROTOR : 0) |
+           (last->current_s >= HOLD_s ? FAULT_HARM_CURRENT : 0) |
+           (last->control_s >= HOLD_s ? FAULT_HARM_CONTROL : 0) |
+           (last->speed_s >= SPEED_HOLD_s ? FAULT_HARM_SPEED : 0) |
+           (last->heat_s >= HOLD_s ? FAULT_HARM_HEAT : 0);
+}
+
+static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *kind,
+                              fault_point_t point, uint64_t seed) {
+    static rig_t rig; // large
+    const bool running = point >= FAULT_AT_10;
+    const double ts_s = self->plant.period_s;
+    fault_result_t result = {.found = LODE_CHECK_NONE, .found_s = NAN, .tried = 1};
+    lasting_t last = {.rotor_s = 0.0};
+    inject_t inject;
+    double turned_rad = 0.0;
+    double ran_s = 0.0;
+    rig_copy(&rig, &self->at[point]);
+    inject_init(&inject, kind, &self->config, &self->plant, seed);
+    if (point <= FAULT_AT_START) {
+        command(&rig, 0.5 * self->full_rad_s);
+    }
+    const double until_s = running ? RUN_s : START_s;
+    for (double t_s = 0.0; t_s < until_s && !(t_s > result.found_s + AFTER_s); t_s += ts_s) {
+        plant_truth_t truth;
+        inject_step(&inject, &rig, &truth);
+        result.peak_A = fmax(result.peak_A, largest_A(&truth));
+        turned_rad += ts_s * truth.omega_m_rad_s;
+        result.back_deg = fmax(result.back_deg, -rig_deg_from_rad(turned_rad));
+        if (isnan(result.found_s)) {
+            result.harm |= harm_now(self, &rig, point, &truth, &last);
+            if (rig.drive->guard.fault.check != (uint_least8_t)LODE_CHECK_NONE) {
+                result.found = (lode_check_t)rig.drive->guard.fault.check;
+                result.found_s = t_s + ts_s;
+            }
+        }
+        ran_s = runs(&rig) ? ran_s + ts_s : 0.0;
+        if (!running && ran_s > RUN_s) {
+            break;
+        }
+    }
+    if (isnan(result.found_s) && !runs(&rig)) {
+        result.harm |= FAULT_HARM_STUCK;
+    }
+    result.silent = fault_is_silent(&result) ? 1 : 0;
+    return result;
+}
+
+bool fault_is_silent(const fault_result_t *result) {
+    return result->silent > 0 || (result->found == LODE_CHECK_NONE && result->harm != 0);
+}
+
+/// The worse of two: silent, then unnoticed, then late.
+static bool is_worse(const fault_result_t *a, const fault_result_t *b) {
+    if ((a->silent > 0) != (b->silent > 0)) {
+        return a->silent > 0;
+    }
+    return isnan(b->found_s) ? !isnan(a->found_s) : a->found_s > b->found_s;
+}
+
+#define FLIPS 16
+
+fault_result_t fault_case_run(const fault_bench_t *self, const inject_kind_t *kind,
+                              fault_point_t point, uint64_t seed) {
+    fault_result_t worst = run_one(self, kind, point, seed * FLIPS);
+    int silent = worst.silent;
+    const int tries = inject_is_random(kind) ? FLIPS : 1;
+    for (int k = 1; k < tries; ++k) {
+        const fault_result_t one = run_one(self, kind, point, seed * FLIPS + (uint64_t)k);
+        silent += one.silent;
+        worst = is_worse(&one, &worst) ? one : worst;
+    }
+    worst.tried = tries;
+    worst.silent = silent;
+    return worst;
+}

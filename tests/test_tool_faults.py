@@ -1,0 +1,62 @@
+"""lodestar faults: faults are put in, found or not, and told; wrong input is refused."""
+from support.tool import Checks, Folder, refused
+
+
+def cases_of(folder, *arguments):
+    """Exit code and {(kind, point): case} of a campaign."""
+    done = folder.run("faults", *arguments, "--json", "f.json")
+    cases = folder.json("f.json")["cases"]
+    return done, {(case["kind"], case["at"]): case for case in cases}
+
+
+def finds(checks, folder):
+    done, cases = cases_of(folder, "--motors", "jiang2022",
+                           "--kinds", "none,adc-high,bus-reads-0,irq-missed,rotor-jammed")
+    checks.equal(done.returncode, 0, "exit code where nothing is silent")
+    checks.equal(len(cases), 5 * 6, "cases")
+    running = ["10 %", "50 %", "100 %", "weakening"]
+    for point in ["standstill", "start", *running]:
+        checks.equal(cases["none", point]["found"], "NONE", f"no fault at {point}")
+        checks.true(not cases["none", point]["silent"], f"not silent at {point}")
+    for point in ["start", *running]:
+        checks.equal(cases["adc-high", point]["found"], "OVER_CURRENT", f"rail at {point}")
+        checks.equal(cases["bus-reads-0", point]["found"], "UNDER_VOLTAGE", f"bus at {point}")
+        checks.equal(cases["irq-missed", point]["found"], "TIMING", f"interrupt at {point}")
+        checks.at_most(cases["irq-missed", point]["found_s"], 4.5e-4, "the next call")
+    checks.equal(cases["rotor-jammed", "start"]["found"], "START", "a rotor that cannot start")
+    for point in running:
+        checks.true(cases["rotor-jammed", point]["found"] != "NONE", f"jammed at {point}")
+        checks.at_most(cases["rotor-jammed", point]["found_s"], 0.1, f"jammed at {point}")
+    checks.true("| the rotor stands | START " in done.stdout, "the table")
+
+
+def same_with_any_number_of_processes(checks, folder):
+    _, one = cases_of(folder, "--motors", "jiang2022", "--kinds", "flip-state", "--jobs", "1")
+    _, two = cases_of(folder, "--motors", "jiang2022", "--kinds", "flip-state", "--jobs", "2")
+    _, other = cases_of(folder, "--motors", "jiang2022", "--kinds", "flip-state", "--seed", "9")
+    checks.equal(one, two, "one process and two")
+    checks.true(one != other, "another seed flips other bits")
+
+
+def page(checks, folder):
+    done = folder.run("faults", "--motors", "jiang2022", "--kinds", "none", "--out", "f.md")
+    checks.equal(done.returncode, 0, "exit code")
+    text = (folder.path / "f.md").read_text()
+    checks.true(text.startswith("# Faults\n") and "| nothing | harmless" in text, "the page")
+
+
+def refuses(checks, folder):
+    for arguments, says in [(["--kinds", "none,nonsense"], "--kinds nonsense: expected"),
+                            (["--motors", "nobody"], "nobody"),
+                            (["--jobs", "0"], "--jobs 0: expected"),
+                            (["more"], "more: expected nothing there")]:
+        refused(checks, folder, ["faults", *arguments, "--json", "no.json"], says)
+
+
+checks = Checks()
+with Folder() as folder:
+    finds(checks, folder)
+    same_with_any_number_of_processes(checks, folder)
+    page(checks, folder)
+    refuses(checks, folder)
+checks.done()
