@@ -44,13 +44,13 @@ void lode_emf_reset(lode_emf_t *self, lode_ab_t i_A) {
 
 float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s,
                        float omega_rad_s) {
-    const float turn_rad = omega_rad_s * ts_s;
+    const float step_rad = omega_rad_s * ts_s;
     const float mu = motor->Rs_Ohm / motor->Lq_H;
     // The held voltage sees the R-Lq circuit as Gamma = (rho - a)/((mu + j w) b Lq), and the mean of
     // the EMF over the period stands a period behind: m = Gamma exp(-j w Ts) e(t_k).
-    const float half = lode_sincos(0.5f * turn_rad).sin;
+    const float half = lode_sincos(0.5f * step_rad).sin;
     const float past_pole = lode_one_minus_exp(mu * ts_s) - 2.0f * half * half;
     const float gamma =
-        lode_atan2(lode_sincos(turn_rad).sin, past_pole) - lode_atan2(omega_rad_s, mu);
-    return lode_observer_lag_rad(config, ts_s, omega_rad_s) + turn_rad - gamma;
+        lode_atan2(lode_sincos(step_rad).sin, past_pole) - lode_atan2(omega_rad_s, mu);
+    return lode_observer_lag_rad(config, ts_s, omega_rad_s) + step_rad - gamma;
 }

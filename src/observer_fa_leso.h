@@ -20,9 +20,9 @@ LODE_INLINE lode_ab_t fa_leso_step(lode_observer_t *self, const lode_observer_tu
         return lode_fa_leso_step_slow(self, tuning, m, rho, omega_rad_s);
     }
     // First order: e = q rho e + (1 - q) m (E17).
-    const lode_ab_t turned = lode_ab_rotate(self->e_V, step_angle);
+    const lode_ab_t rotated = lode_ab_rotate(self->e_V, step_angle);
     const lode_ab_t e =
-        lode_ab_add_scaled(m_V, tuning->own[FA_LESO_Q], lode_ab_subtract(turned, m_V));
+        lode_ab_add_scaled(m_V, tuning->own[FA_LESO_Q], lode_ab_subtract(rotated, m_V));
     self->e_V = e;
     return e;
 }

@@ -85,7 +85,7 @@ LODE_INLINE float Lq_at(const lode_references_tuning_t *tuning, float iq_A) {
 
 // Most torque of the circle (R6), over the torque factor: id from the amplitude in closed form, with
 // the Lq of the iq of the step before.
-static float most_turn(const lode_references_tuning_t *tuning) {
+static float most_tau(const lode_references_tuning_t *tuning) {
     const float i_max = tuning->i_max_A;
     float iq = i_max;
     float id = 0.0f;
@@ -171,7 +171,7 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
     if (!is_built_in(&t)) {
         return LODE_ERROR_REFERENCES;
     }
-    t.turn_max = most_turn(&t);
+    t.tau_max = most_tau(&t);
     tune_weakening(&t, config, inverter, motor, voltage_use, ts_s);
     *tuning = t;
     return LODE_OK;
@@ -181,31 +181,31 @@ void lode_references_reset(lode_references_t *self, float id_A) {
     *self = (lode_references_t){.id_A = id_A};
 }
 
-// id of MTPA for the torque `turn` >= 0 over the torque factor: (R3) to (R5).
-LODE_INLINE float mtpa_id(const lode_references_tuning_t *tuning, float salient, float turn) {
-    const float y = 4.0f * lode_abs(salient) * turn * tuning->inv_psi2;
+// id of MTPA for the torque `tau` >= 0 over the torque factor: (R3) to (R5).
+LODE_INLINE float mtpa_id(const lode_references_tuning_t *tuning, float salient, float tau) {
+    const float y = 4.0f * lode_abs(salient) * tau * tuning->inv_psi2;
     const float y2 = y * y;
     const float guess = 1.0f + lode_sqrt(1.0f + y2 / (4.0f + y));
     const float guess2 = guess * guess;
     const float r =
         guess - (guess2 * guess * (guess - 2.0f) - y2) / (guess2 * (4.0f * guess - 6.0f));
     const float inv_flux = 2.0f / (tuning->psi_Wb * r);
-    const float iq = turn * inv_flux;
+    const float iq = tau * inv_flux;
     return salient * iq * iq * inv_flux;
 }
 
 // id for the torque alone (R7).
-LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient, float turn,
+LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient, float tau,
                           float omega_rad_s) {
     const float bias = -tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
     if (tuning->mtpa) {
-        const float id = mtpa_id(tuning, salient, turn);
+        const float id = mtpa_id(tuning, salient, tau);
         return bias < 0.0f ? lode_min(id, bias) : id;
     }
 #endif
     (void)salient;
-    (void)turn;
+    (void)tau;
     return bias;
 }
 
@@ -220,7 +220,7 @@ LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuni
     if ((self->settled || (self->lowest && change > 0.0f)) && lode_is_finite(change)) {
         self->trim = lode_clamp(self->trim + change, -TRIM_MAX, TRIM_MAX);
     }
-    const float emf = use + use * self->trim - tuning->drop * self->turn * omega_rad_s;
+    const float emf = use + use * self->trim - tuning->drop * self->tau * omega_rad_s;
     const float flux = emf / lode_max(lode_abs(omega_rad_s), 1.0f);
     return lode_clamp(flux, tuning->flux_min, tuning->flux_max);
 }
@@ -236,7 +236,7 @@ LODE_INLINE lode_dq_t mtpv(const lode_references_tuning_t *tuning, float Lq, flo
 }
 
 // One Newton step from the last id towards the flux `flux`: (R10) inside the circle, (R11) on it.
-LODE_INLINE float newton_id(const lode_references_tuning_t *tuning, float id, float Lq, float turn,
+LODE_INLINE float newton_id(const lode_references_tuning_t *tuning, float id, float Lq, float tau,
                             float flux) {
     const float salient = tuning->Ld_H - Lq;
     const float i_max = tuning->i_max_A;
@@ -245,22 +245,22 @@ LODE_INLINE float newton_id(const lode_references_tuning_t *tuning, float id, fl
     const float excess = psi_d * psi_d - flux * flux;
     const float iq2 = i_max * i_max - id * id;
     const float active2 = active * active;
-    if (turn * turn >= active2 * iq2) {
+    if (tau * tau >= active2 * iq2) {
         const float slope = 2.0f * (psi_d * tuning->Ld_H - Lq * Lq * id);
         return id - (excess + Lq * Lq * iq2) / lode_max(slope, tuning->slope_min);
     }
     const float slope = 2.0f * active * (psi_d * tuning->Ld_H * active + excess * salient);
-    const float psi_q = Lq * turn;
+    const float psi_q = Lq * tau;
     return id - (excess * active2 + psi_q * psi_q) / lode_max(slope, tuning->slope_min * active2);
 }
 
 // `id_free` or, where the voltage asks for it, less: falls fast, rises slowly (R12).
 LODE_INLINE float weakened_id(lode_references_t *self, const lode_references_tuning_t *tuning,
-                              float Lq, float turn, float flux, float id_free, float id_min) {
+                              float Lq, float tau, float flux, float id_free, float id_min) {
     const float before = self->id_A;
     const float high = lode_min(id_free, before + tuning->rise_A);
     const float low = lode_min(lode_max(id_min, before - tuning->fall_A), high);
-    const float id = lode_clamp(newton_id(tuning, before, Lq, turn, flux), low, high);
+    const float id = lode_clamp(newton_id(tuning, before, Lq, tau, flux), low, high);
     self->weakening = id < id_free - WEAKENING_SHARE * tuning->i_max_A;
     // At the least id, or at a rate limit, it does not answer to the trim.
     self->lowest = !(id > tuning->id_min_A);
@@ -271,7 +271,7 @@ LODE_INLINE float weakened_id(lode_references_t *self, const lode_references_tun
 // Torques over the torque factor that the bus allows against and with positive iq (R14).
 LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, float omega_rad_s,
                                     float v_bus_V) {
-    const float most = tuning->turn_max;
+    const float most = tuning->tau_max;
     if (!tuning->fades) {
         return (lode_range_t){-most, most};
     }
@@ -281,9 +281,9 @@ LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, floa
 }
 
 // iq for the torque, within the circle (K11); it waits until id leaves it the flux (R12).
-LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float turn, float active,
+LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float tau, float active,
                         float iq_max, float id, float Lq, float flux) {
-    const float iq = lode_min(turn / active, iq_max);
+    const float iq = lode_min(tau / active, iq_max);
     const float psi_d = tuning->psi_Wb + tuning->Ld_H * id;
     const float psi_q = Lq * iq;
     const float room = FLUX_SLACK * FLUX_SLACK * flux * flux - psi_d * psi_d;
@@ -303,10 +303,10 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
     const float i_max = tuning->i_max_A;
     const lode_range_t bus = bus_limits(tuning, omega_rad_s, voltage.v_bus_V);
     const float wanted = lode_clamp(torque_Nm * tuning->inv_torque_factor, bus.min, bus.max);
-    float turn = lode_abs(wanted);
+    float tau = lode_abs(wanted);
     float most = FLT_MAX;
     float flux = FLUX_UNLIMITED;
-    float id = lode_clamp(free_id(tuning, salient, turn, omega_rad_s) + id_add_A, -i_max, i_max);
+    float id = lode_clamp(free_id(tuning, salient, tau, omega_rad_s) + id_add_A, -i_max, i_max);
     bool weakening = false;
 #ifndef LODE_WITHOUT_FIELD_WEAKENING
     if (tuning->weakens) {
@@ -315,23 +315,23 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
         if (tuning->mtpv) {
             const lode_dq_t point = mtpv(tuning, Lq, flux);
             most = lode_references_active_flux(tuning, salient, point.d) * point.q;
-            turn = lode_min(turn, most);
+            tau = lode_min(tau, most);
             id_min = lode_max(id_min, point.d);
         }
-        id = weakened_id(self, tuning, Lq, turn, flux, id, id_min);
+        id = weakened_id(self, tuning, Lq, tau, flux, id, id_min);
         weakening = self->weakening;
     }
 #endif
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
     const float active = lode_references_active_flux(tuning, salient, id);
-    const float iq = iq_of(tuning, turn, active, iq_max, id, Lq, flux);
+    const float iq = iq_of(tuning, tau, active, iq_max, id, Lq, flux);
     const float signed_iq = wanted < 0.0f ? -iq : iq;
     self->id_A = id;
     self->iq_A = signed_iq;
-    self->turn = active * signed_iq;
+    self->tau = active * signed_iq;
     // With more torque MTPA would move id too: all of the circle can be had.
     const float circle = active * iq_max;
-    const float open = tuning->mtpa && !weakening ? lode_max(circle, tuning->turn_max) : circle;
+    const float open = tuning->mtpa && !weakening ? lode_max(circle, tuning->tau_max) : circle;
     const float limit = lode_min(open, most);
     return (lode_references_out_t){{id, signed_iq},
                                    {tuning->torque_factor * lode_max(-limit, bus.min),
@@ -342,9 +342,9 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
 
 float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
                            float omega_rad_s) {
-    const float turn = lode_abs(torque_Nm) * tuning->inv_torque_factor;
+    const float tau = lode_abs(torque_Nm) * tuning->inv_torque_factor;
     const float id =
-        free_id(tuning, tuning->salient_H, lode_min(turn, tuning->turn_max), omega_rad_s);
+        free_id(tuning, tuning->salient_H, lode_min(tau, tuning->tau_max), omega_rad_s);
     return lode_clamp(id, -tuning->i_max_A, tuning->i_max_A);
 }
 

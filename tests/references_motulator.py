@@ -27,11 +27,11 @@ def loci_of(motor):
     return TorqueCharacteristics(par), 1.5
 
 
-def best(motor, flux, turn):
+def best(motor, flux, tau):
     """Torque over its factor, and id, with the voltage that leaves `flux` and no resistance."""
     ideal = (0.0, *motor[1:5], flux * OMEGA_rad_s)
-    found = golden.best(ideal, OMEGA_rad_s, turn, True)
-    return golden.turn_of(ideal, found[1], found[2]), found[1]
+    found = golden.best(ideal, OMEGA_rad_s, tau, True)
+    return golden.tau_of(ideal, found[1], found[2]), found[1]
 
 
 def main():
@@ -42,9 +42,9 @@ def main():
         mtpa = loci.mtpa_locus(i_max, N=2000)
         free = 2 * (psi + (motor[1] + motor[2]) * i_max)
         for share in (0.05, 0.2, 0.5, 0.8, 0.98):
-            turn = share * mtpa.tau_M[-1] / factor
-            _, i_d = best(motor, free, turn)
-            wanted = mtpa.i_sd_vs_tau_M(turn * factor)
+            tau = share * mtpa.tau_M[-1] / factor
+            _, i_d = best(motor, free, tau)
+            wanted = mtpa.i_sd_vs_tau_M(tau * factor)
             worst["MTPA"] = max(worst["MTPA"], abs(i_d - wanted) / i_max)
         limits = loci.mtpv_and_current_limits(i_max, N=2000)
         flux = np.abs(mtpa.psi_s[-1])
@@ -52,9 +52,9 @@ def main():
         least = max(psi - motor[1] * i_max, 0.05 * psi)
         for share in np.linspace(0.03, 0.97, 12):
             at = least + share * (flux - least)
-            turn, _ = best(motor, at, 10 * psi * i_max)
+            tau, _ = best(motor, at, 10 * psi * i_max)
             name = "MTPV" if at < np.abs(mtpv[-1]) else "field weakening"
-            error = abs(turn - limits.tau_M_vs_abs_psi_s(at) / factor) / (psi * i_max)
+            error = abs(tau - limits.tau_M_vs_abs_psi_s(at) / factor) / (psi * i_max)
             worst[name] = max(worst[name], float(error))
     failed = False
     for name, error in worst.items():

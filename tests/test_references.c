@@ -183,21 +183,21 @@ static double rig_voltage(const rig_t *rig, double omega, lode_dq_t i, double Lq
     return hypot(ud, uq);
 }
 
-static void rig_step(rig_t *rig, double omega, double turn) {
-    const float torque = rig->factor * (float)turn;
+static void rig_step(rig_t *rig, double omega, double tau) {
+    const float torque = rig->factor * (float)tau;
     rig->out =
         lode_references_step(&rig->self, &rig->tuning, torque, (float)omega, 0.0f, rig->voltage);
     rig->voltage.u_V = (lode_dq_t){(float)rig_voltage(rig, omega, rig->out.i_A, rig->Lq), 0.0f};
 }
 
 /// Long enough for the trim.
-static void rig_settle(rig_t *rig, double omega, double turn) {
+static void rig_settle(rig_t *rig, double omega, double tau) {
     for (int n = 0; n < 4000; n++) {
-        rig_step(rig, omega, turn);
+        rig_step(rig, omega, tau);
     }
 }
 
-static double rig_turn(const rig_t *rig) {
+static double rig_tau(const rig_t *rig) {
     const lode_dq_t i = rig->out.i_A;
     return (rig->psi + (rig->Ld - rig->Lq) * (double)i.d) * (double)i.q;
 }
@@ -212,7 +212,7 @@ static void test_currents_are_the_best_of_all(void) {
     for (int n = 0; n < COUNT_OF(references_cases); n++) {
         const references_case_t *c = &references_cases[n];
         rig_t rig = rig_of(c->motor, c->mtpa != 0, &weakening);
-        rig_settle(&rig, c->omega_rad_s, c->turn);
+        rig_settle(&rig, c->omega_rad_s, c->tau);
         const double best = (rig.psi + (rig.Ld - rig.Lq) * c->id_A) * c->iq_A;
         const lode_dq_t i = rig.out.i_A;
         char text[160];
@@ -220,7 +220,7 @@ static void test_currents_are_the_best_of_all(void) {
                        (double)i.d, (double)i.q, c->id_A, c->iq_A);
         // At the end of the circle, id = -i_max, iq falls from 2 % of i_max to 0 within 0.02 % of id.
         const bool end = c->id_A < -0.98 * rig.i_max;
-        const double share = fabs(rig_turn(&rig) - best) / (rig.psi * rig.i_max);
+        const double share = fabs(rig_tau(&rig) - best) / (rig.psi * rig.i_max);
         TEST_ASSERT_TRUE_MESSAGE(share <= (c->reached ? 1.0e-5 : (end ? 0.012 : 1.0e-5)), text);
         TEST_ASSERT_TRUE_MESSAGE(hypot((double)i.d, (double)i.q) <=
                                      1.005 * hypot(c->id_A, c->iq_A) + 0.002 * rig.i_max,
@@ -247,9 +247,9 @@ static void test_feed_forward_alone_is_close(void) {
     for (int n = 0; n < COUNT_OF(references_cases); n++) {
         const references_case_t *c = &references_cases[n];
         rig_t rig = rig_of(c->motor, c->mtpa != 0, &config);
-        rig_settle(&rig, c->omega_rad_s, c->turn);
+        rig_settle(&rig, c->omega_rad_s, c->tau);
         const double best = (rig.psi + (rig.Ld - rig.Lq) * c->id_A) * c->iq_A;
-        worst_note(&torque, (rig_turn(&rig) - best) / (rig.psi * rig.i_max));
+        worst_note(&torque, (rig_tau(&rig) - best) / (rig.psi * rig.i_max));
         const double u = rig_voltage(&rig, c->omega_rad_s, rig.out.i_A, rig.Lq);
         worst_note(&voltage, fmax(0.0, u / rig.V - 1.0));
     }
@@ -274,7 +274,7 @@ static void test_mtpa_meets_its_condition(void) {
             lode_references_tuning_t tuning;
             TEST_ASSERT_EQUAL_INT(LODE_OK, lode_references_tune(&tuning, &config, &inverter, &motor,
                                                                 VOLTAGE_USE, CALL_s));
-            const float torque = 0.1f * (float)share * 6.0f * tuning.turn_max;
+            const float torque = 0.1f * (float)share * 6.0f * tuning.tau_max;
             const lode_dq_t i = step(&tuning, torque, 300.0f, 0.0f);
             const double id = (double)i.d;
             const double iq = (double)i.q;
@@ -297,10 +297,10 @@ static void test_signs_mirror(void) {
         rig_t one = rig_of(number, n % 2 == 0, &weakening);
         rig_t other = one;
         const double omega = random_between(&random, 0.3, 4.0) * one.V / one.psi;
-        const double turn = random_between(&random, -1.5, 1.5) * one.psi * one.i_max;
+        const double tau = random_between(&random, -1.5, 1.5) * one.psi * one.i_max;
         for (int k = 0; k < 200; k++) {
-            rig_step(&one, omega, turn);
-            rig_step(&other, -omega, -turn);
+            rig_step(&one, omega, tau);
+            rig_step(&other, -omega, -tau);
         }
         TEST_ASSERT_EQUAL_FLOAT(one.out.i_A.d, other.out.i_A.d);
         TEST_ASSERT_EQUAL_FLOAT(one.out.i_A.q, -other.out.i_A.q);
@@ -314,9 +314,9 @@ static void test_entry_and_exit_are_smooth(void) {
     for (int number = 0; number < 3; number++) {
         for (int kind = 0; kind < 2; kind++) {
             rig_t rig = rig_of(number, kind == 1, &weakening);
-            const double turn = (kind == 1 ? -0.25 : 0.25) * rig.psi * rig.i_max;
+            const double tau = (kind == 1 ? -0.25 : 0.25) * rig.psi * rig.i_max;
             const double base = rig.V / rig.psi;
-            rig_settle(&rig, 0.5 * base, turn);
+            rig_settle(&rig, 0.5 * base, tau);
             const double id0 = (double)rig.out.i_A.d;
             lode_dq_t before = rig.out.i_A;
             worst_t move = {0.0};
@@ -325,11 +325,11 @@ static void test_entry_and_exit_are_smooth(void) {
             const int half = 8000; // 0.5 to 1.3 times base in 3.2 s
             for (int n = 0; n <= 2 * half + 1000; n++) {
                 const int k = n <= half ? n : (n <= 2 * half ? 2 * half - n : 0);
-                rig_step(&rig, base * (0.5 + 0.8 * (double)k / (double)half), turn);
+                rig_step(&rig, base * (0.5 + 0.8 * (double)k / (double)half), tau);
                 worst_note(&move, hypot((double)(rig.out.i_A.d - before.d),
                                         (double)(rig.out.i_A.q - before.q)) /
                                       rig.i_max);
-                worst_note(&off, rig_turn(&rig) / turn - 1.0);
+                worst_note(&off, rig_tau(&rig) / tau - 1.0);
                 before = rig.out.i_A;
                 deepest = fmin(deepest, (double)before.d);
             }
@@ -349,11 +349,11 @@ static void test_torque_limit_is_what_can_be_had(void) {
             const double full = 2.0 * rig.psi * rig.i_max;
             rig_settle(&rig, omega, full);
             const lode_range_t limit = rig.out.torque_Nm;
-            CHECK_AT_MOST(1.0e-3 * full, fabs((double)limit.max / 6.0 - rig_turn(&rig)));
+            CHECK_AT_MOST(1.0e-3 * full, fabs((double)limit.max / 6.0 - rig_tau(&rig)));
             TEST_ASSERT_EQUAL_FLOAT(-limit.max, limit.min);
             // Exactly that much more asked for: the same.
             rig_settle(&rig, omega, (double)limit.max / 6.0);
-            CHECK_NEAR(2.0e-3 * full, (double)limit.max / 6.0, rig_turn(&rig));
+            CHECK_NEAR(2.0e-3 * full, (double)limit.max / 6.0, rig_tau(&rig));
         }
     }
 }
@@ -391,7 +391,7 @@ static void test_torque_waits_for_the_flux(void) {
             rig_step(&rig, omega, 10.0 * sign);
             CHECK_AT_MOST(1.03 * rig.V, rig_voltage(&rig, omega, rig.out.i_A, rig.Lq));
         }
-        CHECK_CLOSE(1.0e-3, 10.0 * sign, rig_turn(&rig));
+        CHECK_CLOSE(1.0e-3, 10.0 * sign, rig_tau(&rig));
     }
 }
 
@@ -458,7 +458,7 @@ static void test_saturating_q_axis(void) {
             rig_step(&rig, omega, 0.8);
             rig.Lq = Lq0 / (1.0 + 0.05 * fabs((double)rig.out.i_A.q));
         }
-        CHECK_CLOSE(1.0e-3, 0.8, rig_turn(&rig));
+        CHECK_CLOSE(1.0e-3, 0.8, rig_tau(&rig));
         CHECK_AT_MOST(1.002 * rig.V, rig_voltage(&rig, omega, rig.out.i_A, rig.Lq));
     }
     // All of the circle can be asked for.

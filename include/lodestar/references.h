@@ -54,7 +54,7 @@ typedef struct {
     bool fades; ///< braking or motoring torque follows the bus
     bool mtpv;  ///< the speed of most torque per volt can be reached
     float inv_torque_factor;
-    float turn_max; ///< most torque inside the circle, over torque_factor
+    float tau_max; ///< most torque inside the circle, over torque_factor
     float inv_psi2;
     float Ld_H;
     float inv_Ld;
@@ -78,7 +78,7 @@ typedef struct {
 typedef struct {
     float id_A;
     float iq_A;
-    float turn;     ///< torque of both over the torque factor
+    float tau;     ///< torque of both over the torque factor
     float trim;     ///< share by which the voltage to be used is corrected
     bool weakening; ///< the last id was below the one that the torque alone would have
     bool settled;   ///< it moved freely

@@ -97,7 +97,7 @@
     ROW(BOOL, bool, references.fades) \
     ROW(BOOL, bool, references.mtpv) \
     ROW(FLOAT, float, references.inv_torque_factor) \
-    ROW(FLOAT, float, references.turn_max) \
+    ROW(FLOAT, float, references.tau_max) \
     ROW(FLOAT, float, references.inv_psi2) \
     ROW(FLOAT, float, references.Ld_H) \
     ROW(FLOAT, float, references.inv_Ld) \

@@ -14,7 +14,7 @@ MOTORS = [(0.75, 3.5e-3, 9.8e-3, 0.142, 16.0, 104.2), (0.05, 4e-4, 4e-4, 0.02, 4
 COARSE, FINE = 3000, 2000
 
 
-def turn_of(motor, i_d, i_q):
+def tau_of(motor, i_d, i_q):
     return (motor[3] + (motor[1] - motor[2]) * i_d) * i_q
 
 
@@ -38,7 +38,7 @@ def span(motor, w, i_d):
     return (low, high) if low <= high else None
 
 
-def best_of(motor, w, turn, mtpa, ids):
+def best_of(motor, w, tau, mtpa, ids):
     """(rank, id, iq) of the best point; rank sorts reachable torques first."""
     found = None
     for i_d in ids:
@@ -46,33 +46,33 @@ def best_of(motor, w, turn, mtpa, ids):
         if limits is None:
             continue
         active = motor[3] + (motor[1] - motor[2]) * i_d
-        wanted = turn / active
+        wanted = tau / active
         i_q = min(max(wanted, limits[0]), limits[1])
         if i_q == wanted:
             rank = (0, i_d * i_d + i_q * i_q if mtpa else -i_d)
         else:
-            rank = (1, abs(turn - active * i_q))
+            rank = (1, abs(tau - active * i_q))
         if found is None or rank < found[0]:
             found = rank, i_d, i_q
     return found
 
 
-def best(motor, w, turn, mtpa):
+def best(motor, w, tau, mtpa):
     i_max = motor[4]
     step = i_max / COARSE
-    found = best_of(motor, w, turn, mtpa, [-i_max + k * step for k in range(COARSE + 1)])
+    found = best_of(motor, w, tau, mtpa, [-i_max + k * step for k in range(COARSE + 1)])
     if found is None:
         return None
     near = found[1]
     grid = [min(near + step * (2 * k / FINE - 1), 0.0) for k in range(FINE + 1)]
-    return min(found, best_of(motor, w, turn, mtpa, grid) or found)
+    return min(found, best_of(motor, w, tau, mtpa, grid) or found)
 
 
 def main():
     random.seed(11)
     print("// Printed by gen_references.py.")
     print("typedef struct {\n    int motor;\n    int mtpa;\n    double omega_rad_s;\n"
-          "    double turn; ///< asked for, A Wb\n    double id_A;\n    double iq_A;\n"
+          "    double tau; ///< asked for, A Wb\n    double id_A;\n    double iq_A;\n"
           "    int reached;\n} references_case_t;\n")
     print("static const double references_motors[][6] = {")
     for motor in MOTORS:
@@ -83,13 +83,13 @@ def main():
         for speed in (0.4, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0):
             for share in (0.03, 0.2, 0.5, 0.9, 1.6):
                 w = random.choice((-1, 1)) * speed * motor[5] / motor[3]
-                turn = random.choice((-1, 1)) * share * full
+                tau = random.choice((-1, 1)) * share * full
                 for mtpa in (1, 0):
-                    found = best(motor, w, turn, mtpa)
+                    found = best(motor, w, tau, mtpa)
                     # id* = 0 is never asked for more than psi i_max, and need not reach it.
                     if found is None or (not mtpa and (share > 1 or found[0][0])):
                         continue
-                    print(f"    {{{number}, {mtpa}, {w:.6f}, {turn:.7f}, {found[1]:.6f}, "
+                    print(f"    {{{number}, {mtpa}, {w:.6f}, {tau:.7f}, {found[1]:.6f}, "
                           f"{found[2]:.6f}, {1 - found[0][0]}}},")
     print("};")
 

@@ -3,7 +3,7 @@ typedef struct {
     int motor;
     int mtpa;
     double omega_rad_s;
-    double turn; ///< asked for, A Wb
+    double tau; ///< asked for, A Wb
     double id_A;
     double iq_A;
     int reached;
