@@ -1,4 +1,4 @@
-// What the rooms of several observers share.
+// What several observers share.
 #ifndef LODESTAR_OBSERVER_COMMON_H
 #define LODESTAR_OBSERVER_COMMON_H
 

@@ -4,9 +4,9 @@
 
 #include "lodestar/observer.h"
 
-#define LODE_OBSERVER_ROOMS
+#define LODE_OBSERVER_CODE
 #include "lodestar/observers.def"
-#undef LODE_OBSERVER_ROOMS
+#undef LODE_OBSERVER_CODE
 
 /// An observer of the table whose STEP is CALLED.
 void lode_observer_step_called(lode_observer_t *self, const lode_observer_tuning_t *tuning,

@@ -55,7 +55,7 @@ typedef union {
 #undef LODE_OBSERVER
 } lode_observer_numbers_t;
 
-/// The rooms name what stands in `own`.
+/// The file of each observer names what is in `own`.
 typedef struct {
     lode_emf_kind_t kind;
     float own[sizeof(lode_observer_numbers_t)];
