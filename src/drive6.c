@@ -208,7 +208,7 @@ LODE_INLINE lode_estimate_t estimate(lode_drive6_t *self, const lode_sample6_t *
     return seen;
 }
 
-// One set goes on alone: its currents are twice those of both.
+// One set continues alone: its currents are twice those of both.
 static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active, lode_ab_t i_A) {
     lode_drive_t *drive = &self->drive;
     const lode_sincos_t rotor = lode_estimator_rotor(&drive->estimator);

@@ -5,7 +5,7 @@
 #include <stddef.h>
 
 #define VOLTAGE_USE 0.95f
-// Of i_max, as the mean magnitude of a phase current: below it nothing is told of open phases.
+// Of i_max, as the mean magnitude of a phase current: below it no open phase is reported.
 #define WATCH_SHARE 0.03f
 
 lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H) {
@@ -47,7 +47,7 @@ static lode_status_t check(const lode_drive6_config_t *config) {
     return LODE_OK;
 }
 
-// What was given holds for one set too; what follows from the inductances is designed anew.
+// What was given holds for one set too; what follows from the inductances is designed again.
 static lode_status_t tune_alone(lode_drive6_tuning_t *t, const lode_drive6_config_t *given) {
     lode_drive_config_t alone = given->drive;
     alone.motor = lode_drive6_motor_alone(&given->drive.motor, given->Lxy_H);

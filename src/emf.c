@@ -47,7 +47,7 @@ float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *moto
     const float step_rad = omega_rad_s * ts_s;
     const float mu = motor->Rs_Ohm / motor->Lq_H;
     // The held voltage sees the R-Lq circuit as Gamma = (rho - a)/((mu + j w) b Lq), and the mean of
-    // the EMF over the period stands a period behind: m = Gamma exp(-j w Ts) e(t_k).
+    // the EMF over the period lags a period behind: m = Gamma exp(-j w Ts) e(t_k).
     const float half = lode_sincos(0.5f * step_rad).sin;
     const float past_pole = lode_one_minus_exp(mu * ts_s) - 2.0f * half * half;
     const float gamma =

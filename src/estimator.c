@@ -161,7 +161,7 @@ void lode_estimator_set_current(lode_estimator_t *self, lode_ab_t i_A) {
     self->id_A = lode_park(i_A, lode_estimator_rotor(self)).d;
 }
 
-// From the current of now, taken for none where it is no number.
+// From the present current, taken as zero where it is not finite.
 LODE_NOINLINE void lode_estimator_restart(lode_estimator_t *self,
                                           const lode_estimator_tuning_t *tuning) {
     const uint_least8_t slot = self->slot;
@@ -178,8 +178,8 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
     place(self, tuning, rotor, omega_rad_s);
 }
 
-// A large position error: by the amplitude of now, and without the notches, which had no part in so large
-// a move. Beyond SINE_MAX where the state is that of no motor.
+// A large position error: by the present amplitude, and without the notches, which took no part in so large
+// a step. Beyond SINE_MAX where no motor has such a state.
 LODE_RAMFUNC LODE_NOINLINE float lode_estimator_look_again(lode_estimator_t *self,
                                                            const lode_estimator_tuning_t *tuning,
                                                            lode_ab_t e_V, lode_sincos_t frame) {
@@ -207,7 +207,7 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     const lode_ab_t e_V = self->emf.observer.e_V;
     lode_observer_settle(&self->emf.observer, &tuning->emf.observer);
     const float step_rad = lode_atan2(self->rotation.beta, self->rotation.alpha);
-    if (!(lode_abs(step_rad) > 0.0f)) { // also of a mean that is no number, and would stay none
+    if (!(lode_abs(step_rad) > 0.0f)) { // also where the mean is NaN, and would stay so
         self->rotation = (lode_ab_t){0.0f, 0.0f};
     }
     const float omega = step_rad * tuning->pll.inv_ts;
@@ -258,7 +258,7 @@ float lode_estimator_theta_rad(const lode_estimator_t *self) {
     return lode_atan2(rotor.sin, rotor.cos);
 }
 
-// By itself. True: angle and speed were taken up anew.
+// Without a drive. True: angle and speed were acquired again.
 static bool do_slow_job(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_slot_t slot = lode_slot_of(self->slot);
     self->slot = (uint_least8_t)lode_slot_of((uint32_t)slot + 1u);
@@ -288,7 +288,7 @@ static bool do_slow_job(lode_estimator_t *self, const lode_estimator_tuning_t *t
 lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                     lode_ab_t u_V, lode_ab_t i_A) {
     lode_estimate_t estimate = lode_estimator_fast(self, tuning, u_V, i_A);
-    // The drive looks at the lock before a speed so large is of use; here it comes out.
+    // The drive checks the lock before it uses so large a speed; here it would be returned.
     if (!(lode_abs(estimate.omega_rad_s) <= tuning->omega_limit)) {
         lode_estimator_restart(self, tuning);
         estimate = lode_estimator_nothing(self);

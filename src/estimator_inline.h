@@ -17,7 +17,7 @@
 // current had turned, at a speed 60 % off. Simulated: 0.3 to 0.4 lose none of 220 starts, 0.25 one; of
 // starts that hand over at 100 of 1500 rpm 193 to 194 of 200 succeed.
 #define LOCK_ALIGNED 0.4f
-// A sine of the position error beyond this is that of no rotation.
+// Beyond this the position error is not the sine of any angle.
 #define SINE_MAX 1.1f
 // Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
 #define LEVEL_SLOPE 1.25f
@@ -129,7 +129,7 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
         lode_estimator_emf(self, tuning, options, u_V, i_A, motion, half, step, frame);
 
     // Phase detector (paper 1, eq. 13; P1) with the sign of speed, or it locks half a turn off. The
-    // amplitude is that of the last look; where the error is large, or no number, it is looked at now.
+    // amplitude is the one last computed; where the error is large, or not finite, it is computed now.
     const float across_V = lode_park(e_V, frame).d;
     float error = lode_estimator_notched(self, tuning, options, across_V * self->per_V);
     if (LODE_RARELY(!(lode_abs(error) <= tuning->error_small))) {

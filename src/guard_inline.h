@@ -1,4 +1,4 @@
-// The guard's looks at what is usually in order.
+// The guard's fast checks, which usually pass.
 #ifndef LODE_GUARD_INLINE_H
 #define LODE_GUARD_INLINE_H
 

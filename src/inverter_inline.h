@@ -4,7 +4,7 @@
 
 #include "lodestar/inverter.h"
 
-// A bus voltage that moves by more than this within a period is divided by anew.
+// After a bus voltage that moves by more than this within a period, 1/v_bus is divided again.
 #define LODE_BUS_STEP_MAX 0.25f
 
 // Called at t_k before anything is written: the mean voltage over [t_k-1, t_k), V, from the duty that call
@@ -49,7 +49,7 @@ LODE_INLINE float lode_inverter_error(const lode_dead_time_t *dead_time, float i
            (lode_abs(i_A + dead_time->i_dead_A) - lode_abs(i_A - dead_time->i_dead_A));
 }
 
-// Follows the modulation by the voltage `u_V`, and divides by the bus anew. Once in LODE_SLOW_PERIODS.
+// Follows the modulation by the voltage `u_V`, and divides by the bus again. Once in LODE_SLOW_PERIODS.
 LODE_SHARED void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
                                      lode_dq_t u_V) {
     lode_inverter_divide(self, tuning);

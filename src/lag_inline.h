@@ -5,7 +5,7 @@
 #include "lodestar/lag.h"
 #include "scalar_inline.h"
 
-// In radians; odd. Beyond the fitted range it goes on with the slope at its end.
+// In radians; odd. Beyond the fitted range it continues with the slope at its end.
 LODE_INLINE float lode_lag_rad(const lode_lag_t *lag, float omega_rad_s) {
     const float v = lode_min(omega_rad_s * omega_rad_s * lag->inv_range2, 1.0f);
     const float *c = lag->coefficient;

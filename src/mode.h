@@ -76,7 +76,7 @@ void lode_mode_hand_back(lode_drive_t *self);
 // SLOT_SEED without lock.
 void lode_mode_seed(lode_drive_t *self);
 
-// Takes over an estimate from outside; one that is no number is a fault.
+// Takes over an estimate from outside; one that is not finite is a fault.
 void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate);
 
 // What is known with the gates off: nothing, or after a fault what was known when it came.

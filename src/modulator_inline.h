@@ -20,7 +20,7 @@ lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inver
 // Beside it a float holds whole numbers only.
 #define MODULATOR_WHOLE 8388608.0f // 2^23
 
-// To the nearest of at most 65535 ticks. What is no number stays none.
+// To the nearest of at most 65535 ticks. NaN stays NaN.
 LODE_INLINE float lode_modulator_on_grid(const lode_inverter_tuning_t *inverter, float duty) {
     const float beside = duty * inverter->ticks + MODULATOR_WHOLE;
     return (beside - MODULATOR_WHOLE) * inverter->inv_ticks;

@@ -1,4 +1,4 @@
-// R-LESO: a C-LESO that stands in the rotor's frame. Both poles at p rho, p = exp(-w0 Ts), rho = exp(j w Ts):
+// R-LESO: a C-LESO in the rotor's frame. Both poles at p rho, p = exp(-w0 Ts), rho = exp(j w Ts):
 // (E22) to (E28), docs/theory/r_leso.md.
 #ifndef LODESTAR_OBSERVER_R_LESO_H
 #define LODESTAR_OBSERVER_R_LESO_H

@@ -88,7 +88,7 @@ static bool begin_frame(lode_ring_t *self) {
     return true;
 }
 
-// Behind the last word but the check, nothing of the slot is needed any more.
+// After the last word but the check, nothing of the slot is needed any more.
 static void release(lode_ring_t *self) {
     LODE_SIGNAL_FENCE(); // the frame is read before its slot is given back
     self->read++;

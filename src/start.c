@@ -165,7 +165,7 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
     self->locked = sound ? self->locked + 1u : 0u;
     if (self->catching > 0u) {
         self->catching--;
-        self->locked = self->catching > 0u ? self->locked : 0u; // the vector begins anew
+        self->locked = self->catching > 0u ? self->locked : 0u; // the vector restarts
     }
 }
 

@@ -29,7 +29,7 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
     return advance_rad;
 }
 
-// By which the vector stands ahead, to damp the rotor's swing.
+// How far the vector is turned ahead, to damp the rotor's swing.
 LODE_INLINE float lode_start_shift_rad(const lode_start_t *self,
                                        const lode_start_tuning_t *tuning) {
     return lode_clamp(-tuning->damping * self->swing_V, -LODE_START_SHIFT_MAX_rad,

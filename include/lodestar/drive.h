@@ -125,7 +125,7 @@ typedef struct {
     bool command_posted; ///< mailbox
     bool calibrated;
     uint_least8_t mode;         ///< lode_mode_t
-    uint_least8_t omitted;      ///< phase whose next sample is of no use; LODE_PHASES: none
+    uint_least8_t omitted;      ///< phase whose next sample cannot be used; LODE_PHASES: none
     uint_least8_t omitted_next; ///< while `duty` acts
     lode_sense_t sense;
     lode_guard_t guard;
@@ -158,7 +158,7 @@ static inline float lode_drive_speed_ref_rad_s(const lode_drive_t *self) {
                                                       : 0.0f;
 }
 
-/// A consistent picture of one period, for logs and displays.
+/// A consistent snapshot of one period, for logs and displays.
 typedef struct {
     uint32_t steps;
     lode_mode_t mode;
@@ -212,8 +212,8 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 bool lode_drive_tuning_taken(const lode_drive_t *self);
 
-/// A picture of the last period. False if the interrupt came in between three times running; the
-/// picture is then whole fields of different periods.
+/// A snapshot of the last period. False if the interrupt came in between three times running; the
+/// snapshot then mixes fields of different periods, each whole.
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry);
 
 #ifdef __cplusplus

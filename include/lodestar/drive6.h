@@ -92,7 +92,7 @@ typedef struct {
     bool watched;    ///< for open phases
 } lode_sample6_t;
 
-/// A consistent picture of one period.
+/// A consistent snapshot of one period.
 typedef struct {
     lode_telemetry_t drive;
     lode_abc_t duty_2;
@@ -133,7 +133,7 @@ lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_sample6_t *sam
 lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tuning_t *tuning);
 bool lode_drive6_tuning_taken(const lode_drive6_t *self);
 
-/// A picture of the last period, as lode_drive_telemetry().
+/// A snapshot of the last period, as lode_drive_telemetry().
 bool lode_drive6_telemetry(const lode_drive6_t *self, lode_telemetry6_t *telemetry);
 
 #ifdef __cplusplus

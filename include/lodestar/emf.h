@@ -38,7 +38,7 @@ lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *
 /// Starts from the current `i_A` at t_k with no EMF.
 void lode_emf_reset(lode_emf_t *self, lode_ab_t i_A);
 
-/// Exact phase of the estimate behind the true EMF at t_k in steady rotation, rad, odd in omega.
+/// Exact phase lag of the estimate against the true EMF at t_k in steady rotation, rad, odd in omega.
 /// For init and host: it costs three arc tangents.
 float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *motor, float ts_s,
                        float omega_rad_s);

@@ -95,7 +95,7 @@ typedef struct {
     lode_ab_t e_V;        ///< raw output of the EMF observer
     float load_torque_Nm; ///< 0 with the QPLL
     float lock;           ///< 0: no information .. 1: trustworthy; below LODE_LOCK_LOST it is lost
-    bool reseeded; ///< the state was out of range or lost, and was taken up anew in this call
+    bool reseeded; ///< the state was out of range or lost, and was acquired again in this call
     lode_estimate_source_t source;
 } lode_estimate_t;
 
@@ -123,12 +123,12 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                          lode_sincos_t rotor, float omega_rad_s);
 
-/// The currents change their meaning, as when one set of a winding goes on alone: `i_A` is the present
+/// The currents change their meaning, as when one set of a winding continues alone: `i_A` is the present
 /// one in the new sense. Angle, speed and EMF stay.
 void lode_estimator_set_current(lode_estimator_t *self, lode_ab_t i_A);
 
 /// One period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k. Total: whatever goes
-/// in, finite and in range comes out, and `reseeded` tells.
+/// in, what comes out is finite and in range, and `reseeded` says so.
 lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                     lode_ab_t u_V, lode_ab_t i_A);
 

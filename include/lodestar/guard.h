@@ -18,7 +18,7 @@ typedef enum {
     LODE_CHECK_UNDER_VOLTAGE,    ///< bus, V
     LODE_CHECK_OVER_TEMPERATURE, ///< power stage, degC
     LODE_CHECK_TIMING,           ///< stamp between two calls, counts
-    LODE_CHECK_NON_FINITE, ///< a duty outside [0, 1], or an estimate from outside that is no number
+    LODE_CHECK_NON_FINITE, ///< a duty outside [0, 1], or an external estimate that is not finite
     LODE_CHECK_OVER_SPEED, ///< electrical, rad/s
     LODE_CHECK_LOST_LOCK,  ///< lock quality while running without a sensor
     LODE_CHECK_WRONG_WAY,  ///< electrical speed against the commanded direction, rad/s

@@ -1,4 +1,4 @@
-/// What stands between a duty and the voltage at the motor: dead time, on-state drops, the timer's
+/// What lies between a duty and the voltage at the motor: dead time, on-state drops, the timer's
 /// grid, and the two periods from the call that writes a duty to the call that sees its effect.
 #ifndef LODESTAR_INVERTER_H
 #define LODESTAR_INVERTER_H

@@ -74,7 +74,7 @@ lode_status_t lode_observer_tune(lode_observer_tuning_t *tuning,
                                  const lode_observer_config_t *config, float omega_rated_rad_s,
                                  float ts_s);
 
-/// LODE_OK where the observer is stable with a PLL of the bandwidth given behind it.
+/// LODE_OK where the observer is stable with a PLL of the given bandwidth after it.
 lode_status_t lode_observer_check_pll(const lode_observer_config_t *config, float sigma_rad_s,
                                       bool third_order);
 
@@ -83,7 +83,7 @@ void lode_observer_reset(lode_observer_t *self);
 /// Empties the states that forget slowly, as GI's band-pass; the estimate stays.
 void lode_observer_settle(lode_observer_t *self, const lode_observer_tuning_t *tuning);
 
-/// Exact phase of e behind m in steady rotation at `omega_rad_s`, rad, odd. For init and host.
+/// Exact phase lag of e against m in steady rotation at `omega_rad_s`, rad, odd. For init and host.
 float lode_observer_lag_rad(const lode_observer_config_t *config, float ts_s, float omega_rad_s);
 
 /// How |e/m| falls with speed: it is near 1/(1 + droop w^2), s^2.

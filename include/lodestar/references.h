@@ -78,7 +78,7 @@ typedef struct {
 typedef struct {
     float id_A;
     float iq_A;
-    float tau;     ///< torque of both over the torque factor
+    float tau;      ///< torque of both over the torque factor
     float trim;     ///< share by which the voltage to be used is corrected
     bool weakening; ///< the last id was below the one that the torque alone would have
     bool settled;   ///< it moved freely

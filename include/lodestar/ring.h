@@ -83,7 +83,7 @@ lode_status_t lode_ring_init(lode_ring_t *self, const lode_channels_config_t *co
 void lode_ring_step(lode_ring_t *self, const lode_drive_t *drive);
 
 /// Up to `count` octets, values 0 .. 255, one per element (C28x has no 8-bit type); returns how many.
-/// 0: nothing to send. A frame may be cut anywhere; the next call goes on.
+/// 0: nothing to send. A frame may be cut anywhere; the next call continues.
 uint32_t lode_ring_drain(lode_ring_t *self, uint16_t *octets, uint32_t count);
 
 /// Frames left out since init, because the thread did not keep up.

@@ -44,7 +44,7 @@ enum {
     ((uint32_t)LODE_SCOPE_AT_CHANNEL + (uint32_t)(channels) +                                      \
      (uint32_t)(rows) * (uint32_t)(channels))
 
-/// In the word of the state, on the wire: behind the last row follows the CRC-32 over all before it.
+/// In the word of the state, on the wire: after the last row follows the CRC-32 over all before it.
 #define LODE_SCOPE_CHECKED 0x100u
 
 typedef enum {
@@ -106,7 +106,7 @@ lode_status_t lode_scope_init(lode_scope_t *self, const lode_scope_config_t *con
 /// One period. Total and bounded. See docs/telemetry.md for its cost.
 void lode_scope_step(lode_scope_t *self, const lode_drive_t *drive);
 
-/// From the next period on: begins anew, in any state.
+/// Restarts with the next period, in any state.
 void lode_scope_arm(lode_scope_t *self);
 
 /// From the next period on: IDLE. What is in the buffer stays.
@@ -115,7 +115,7 @@ void lode_scope_stop(lode_scope_t *self);
 lode_scope_state_t lode_scope_state(const lode_scope_t *self);
 
 /// In DONE: up to `count` octets of the buffer and a check, values 0 .. 255, one per element; returns
-/// how many. The next call goes on; at the end comes one 0, and then the same again. In any other
+/// how many. The next call continues; at the end comes one 0, and then the same again. In any other
 /// state 0.
 uint32_t lode_scope_drain(lode_scope_t *self, uint16_t *octets, uint32_t count);
 

@@ -37,7 +37,7 @@ typedef struct {
 void lode_sogi_reset(lode_sogi_t *self);
 
 /// k: relative width of the band, clamped to 0.001 .. 2; wn_Ts: centre in rad per sample, clamped
-/// to LODE_SOGI_CENTRE_*. It may be tuned anew at any time; the states go on.
+/// to LODE_SOGI_CENTRE_*. It may be tuned again at any time; the states are kept.
 lode_sogi_tuning_t lode_sogi_tune(float k, float wn_Ts);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 /// Control of the xy currents of a dual three-phase winding, which make losses and no torque: to zero.
 ///
-/// In the frame that turns with -theta, the 5th harmonic stands at +6 w and the 7th at -6 w: a PI
+/// In the frame that turns with -theta, the 5th harmonic appears at +6 w and the 7th at -6 w: a PI
 /// controller and one resonator at 6 w per axis hold both (X1).
 #ifndef LODESTAR_XY_H
 #define LODESTAR_XY_H
