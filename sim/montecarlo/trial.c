@@ -9,10 +9,9 @@
 #include "support/units.h"
 
 // Windows. They say what a pass is, and are not to be moved.
-#define SPEED_SHARE 0.05      // of the command: a speed is reached
-#define HOLD_s 0.1            // for so long on end
-#define MEAN_TURNS 1.0        // mechanical: a speed that swings within a turn counts by its mean
-#define MEAN_s 0.01           // at least
+#define SPEED_SHARE 0.05 // of the command: a speed is reached
+#define HOLD_s 0.1       // for so long on end
+#define MEAN_s 0.01 // of a speed; where the load swings within a turn, over a turn of the shaft
 #define REVERSE_MAX_deg 200.0 // electrical, against the command, at the start
 #define NOTICE_s 0.1          // within which a fault follows an angle that is of no use
 #define SETTLE_s 2.0
@@ -34,8 +33,9 @@ typedef struct {
     rig_moment_t now;
     double ts_s;
     double command_m_rad_s;
-    double mean_m_rad_s;  ///< of the true speed
-    double travelled_rad; ///< electrical, in the commanded direction, since the start
+    double mean_m_rad_s;            ///< of the true speed
+    double turned_m_rad, turning_s; ///< of the turn at hand
+    double travelled_rad;           ///< electrical, in the commanded direction, since the start
     double lowest_rad;
     double useless_s; ///< since the angle became of no use; below 0: it is not
     bool ran;
@@ -62,14 +62,23 @@ static void fail_by_fault(trial_t *trial) {
     fail(trial, true, cause);
 }
 
-static void follow_speed(trial_t *trial, double theta_before_rad) {
-    const plant_truth_t *truth = &trial->now.truth;
-    const double command = fabs(trial->command_m_rad_s);
-    const double window_s = fmax(MEAN_s, command > 0.0 ? MEAN_TURNS * 2.0 * RIG_PI / command : 0.0);
-    trial->mean_m_rad_s +=
-        fmin(trial->ts_s / window_s, 1.0) * (truth->omega_m_rad_s - trial->mean_m_rad_s);
-    trial->travelled_rad +=
-        trial->one->direction * remainder(truth->theta_e_rad - theta_before_rad, 2.0 * RIG_PI);
+/// Low-passed, or its mean over the last whole turn.
+static void follow_speed(trial_t *trial, double turned_e_rad) {
+    const double np = trial->machine->np;
+    trial->turned_m_rad += turned_e_rad / np;
+    trial->turning_s += trial->ts_s;
+    if (!(trial->one->plant.load_ripple > 0.0)) {
+        trial->mean_m_rad_s += fmin(trial->ts_s / MEAN_s, 1.0) *
+                               (trial->now.truth.omega_m_rad_s - trial->mean_m_rad_s);
+    } else if (fabs(trial->turned_m_rad) >= 2.0 * RIG_PI) {
+        trial->mean_m_rad_s = trial->turned_m_rad / trial->turning_s;
+        trial->turned_m_rad = 0.0;
+        trial->turning_s = 0.0;
+    }
+}
+
+static void follow_angle(trial_t *trial, double turned_e_rad) {
+    trial->travelled_rad += trial->one->direction * turned_e_rad;
     trial->lowest_rad = fmin(trial->lowest_rad, trial->travelled_rad);
 }
 
@@ -94,7 +103,10 @@ static bool follow_error(trial_t *trial) {
 static bool step(trial_t *trial) {
     const double theta_before_rad = trial->now.truth.theta_e_rad;
     rig_step(&trial->rig, trial->estimate, &trial->memory, &trial->now);
-    follow_speed(trial, theta_before_rad);
+    const double turned_rad =
+        remainder(trial->now.truth.theta_e_rad - theta_before_rad, 2.0 * RIG_PI);
+    follow_speed(trial, turned_rad);
+    follow_angle(trial, turned_rad);
     if (mode_of(trial) == LODE_MODE_FAULT) {
         fail_by_fault(trial);
         return false;
