@@ -50,6 +50,39 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
     return circuit;
 }
 
+// sigma times the time in which the torque at i_max brings the rotor to rated speed. Below some 10 a load
+// step or a slam is over before PLL and speed control have seen it; the motors that need no more than the
+// rule by speed gives them have 18 and up.
+#define SIGMA_RUN_UP 17.0f
+// Not beyond what observer (0.2 w0) and sampling allow ...
+#define SIGMA_RATED_MAX 0.66f
+#define SIGMA_TS_MAX 0.07f
+// ... and, where the start current weakens the active flux, less: an error of Lq - Ld turns the angle. At the
+// largest current that the start takes by default, half of the flux lost, the rule by speed is left.
+#define SIGMA_FLUX_LOST 1.2f
+static float sigma_of_light_rotor(const lode_drive_config_t *config) {
+    const lode_motor_t *motor = &config->motor;
+    const float lost = lode_abs(motor->Lq_H - motor->Ld_H) * config->start.current_A;
+    const float left =
+        lode_max(1.0f - SIGMA_FLUX_LOST * lost / lode_max(motor->psi_Wb, FLT_MIN), 0.0f);
+    const float most = lode_min(SIGMA_RATED_MAX * left * left * motor->omega_rated_rad_s,
+                                SIGMA_TS_MAX * config->f_pwm_Hz);
+    const float run_up_s = lode_motor_run_up_s(motor, config->inverter.i_max_A);
+    return lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), most);
+}
+
+// By the rated speed, and by the inertia where that asks for more.
+static void design_pll(lode_drive_config_t *config) {
+    lode_pll_config_t *pll = &config->estimator.pll;
+    const bool open = lode_in_range(pll->sigma_rad_s, 0.0f, 0.0f) &&
+                      lode_in_range(pll->sigma_low_rad_s, 0.0f, 0.0f);
+    lode_pll_design(pll, config->motor.omega_rated_rad_s);
+    if (open) {
+        pll->sigma_low_rad_s = lode_max(pll->sigma_low_rad_s, sigma_of_light_rotor(config));
+        pll->sigma_rad_s = lode_max(pll->sigma_rad_s, pll->sigma_low_rad_s);
+    }
+}
+
 void lode_drive_design(lode_drive_config_t *config) {
     const float ts_s = 1.0f / lode_max(config->f_pwm_Hz, FLT_MIN);
     lode_motor_t *motor = &config->motor;
@@ -63,10 +96,11 @@ void lode_drive_design(lode_drive_config_t *config) {
         config->estimator.omega_max_rad_s =
             lode_given_or(config->estimator.omega_max_rad_s, weakened_omega(config));
     }
+    lode_start_design(&config->start, inverter, motor);
+    design_pll(config);
     lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
     lode_current_design(&config->current, &circuit, ts_s);
-    lode_start_design(&config->start, inverter, motor);
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
                       config->start.omega_handover_rad_s);
     lode_guard_design(&config->guard, inverter, &config->estimator);

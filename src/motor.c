@@ -55,6 +55,11 @@ float lode_motor_kt_Nm_A(const lode_motor_t *motor) {
     return lode_motor_torque_factor(motor) * motor->psi_Wb;
 }
 
+float lode_motor_run_up_s(const lode_motor_t *motor, float current_A) {
+    const float torque = lode_motor_kt_Nm_A(motor) * current_A * motor->pole_pairs;
+    return motor->J_kgm2 * motor->omega_rated_rad_s / lode_max(torque, FLT_MIN);
+}
+
 float lode_phase_from_line_line(float line_line) {
     return 0.5f * line_line;
 }

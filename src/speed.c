@@ -6,8 +6,15 @@
 #define INTEGRAL_SHARE 0.25f // ki = kp bandwidth/4: the zero two octaves below the crossover
 #define BANDWIDTH_PER_SIGMA_MAX 1.0f
 #define RISE_MAX 10.0f
+// Times the run-up time (lode_motor_run_up_s): a faster loop answers noise with all of its torque.
+#define BANDWIDTH_RUN_UP_MAX 13.0f
 #define RAMP_TORQUE_SHARE 0.5f
+// Less torque for the ramp where the loop is slow for the rotor: where a ramp ends, half of the ramp's torque,
+// for want of the true inertia, moves the speed by a twentieth of rated at most.
+#define RAMP_BANDWIDTH_SHARE 0.114f
 #define LOAD_FEED_FORWARD 0.5f
+// Where the PLL is this much faster than the rotor, the load that it sees is noise more than load.
+#define SIGMA_RUN_UP_NOISY 78.0f
 #define INERTIA_FEED_FORWARD 1.0f
 
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
@@ -16,16 +23,24 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float J = lode_max(motor->J_kgm2, FLT_MIN);
     const float sigma_low = lode_max(pll->sigma_low_rad_s, FLT_MIN);
     const bool given = config->kp_Nms > 0.0f;
-    const float bandwidth = given ? config->kp_Nms / J : BANDWIDTH_PER_SIGMA * sigma_low;
-    config->gain_rise = lode_given_or(
-        config->gain_rise, given ? 1.0f : lode_clamp(pll->sigma_rad_s / sigma_low, 1.0f, RISE_MAX));
+    const float run_up_s = lode_max(lode_motor_run_up_s(motor, inverter->i_max_A), FLT_MIN);
+    const float most = BANDWIDTH_RUN_UP_MAX / run_up_s;
+    const float by_sigma = lode_min(BANDWIDTH_PER_SIGMA * sigma_low, most);
+    const float bandwidth = given ? config->kp_Nms / J : by_sigma;
+    const float rise = lode_min(pll->sigma_rad_s / sigma_low, most / by_sigma);
+    config->gain_rise =
+        lode_given_or(config->gain_rise, given ? 1.0f : lode_clamp(rise, 1.0f, RISE_MAX));
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
     config->kp_Nms = lode_given_or(config->kp_Nms, config->bandwidth_rad_s * J);
     config->ki_Nm =
         lode_given_or(config->ki_Nm, INTEGRAL_SHARE * config->bandwidth_rad_s * config->kp_Nms);
-    config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * inverter->i_max_A *
+    const float ramp_share =
+        lode_min(RAMP_TORQUE_SHARE, RAMP_BANDWIDTH_SHARE * config->bandwidth_rad_s * run_up_s);
+    config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, ramp_share * inverter->i_max_A *
                                                                  lode_motor_kt_Nm_A(motor) / J);
-    config->load_feed_forward = lode_given_or(config->load_feed_forward, LOAD_FEED_FORWARD);
+    const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
+    config->load_feed_forward =
+        lode_given_or(config->load_feed_forward, noisy ? LODE_NONE : LOAD_FEED_FORWARD);
     config->inertia_feed_forward =
         lode_given_or(config->inertia_feed_forward, INERTIA_FEED_FORWARD);
     config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);

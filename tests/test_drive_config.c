@@ -410,6 +410,45 @@ static void test_design_of_the_papers_drive(void) {
     TEST_ASSERT_EQUAL_FLOAT(a.guard.i_trip, b.guard.i_trip);
 }
 
+/// What design makes of paper 1's motor with another inertia and Lq.
+static lode_pll_config_t pll_with(double inertia, float Lq_H) {
+    lode_drive_config_t config = minimal();
+    config.motor.J_kgm2 *= (float)inertia;
+    config.motor.Lq_H = Lq_H;
+    lode_drive_design(&config);
+    return config.estimator.pll;
+}
+
+static void test_a_light_rotor_raises_sigma(void) {
+    const float Ld_H = minimal().motor.Ld_H;
+    const double torque_Nm = 1.5 * 3.0 * 0.142 * 12.0;
+    const double run_up_s = 0.0174 * PAPER_OMEGA_RATED / 3.0 / torque_Nm;
+    const lode_pll_config_t plain = pll_with(1.0, Ld_H);
+    CHECK_CLOSE(1.0e-3, 0.1061 * PAPER_OMEGA_RATED, plain.sigma_low_rad_s);
+    CHECK_CLOSE(1.0e-3, 0.2122 * PAPER_OMEGA_RATED, plain.sigma_rad_s);
+    const lode_pll_config_t light = pll_with(0.5, Ld_H);
+    CHECK_CLOSE(1.0e-3, 17.0 / (0.5 * run_up_s), light.sigma_low_rad_s);
+    CHECK_CLOSE(1.0e-3, 0.2122 * PAPER_OMEGA_RATED, light.sigma_rad_s);
+    const lode_pll_config_t lightest = pll_with(0.01, Ld_H);
+    CHECK_CLOSE(1.0e-3, 0.66 * PAPER_OMEGA_RATED, lightest.sigma_low_rad_s);
+    TEST_ASSERT_EQUAL_FLOAT(lightest.sigma_low_rad_s, lightest.sigma_rad_s);
+    // Salient, of the 8.4 A of the start: 3.3 mH more take 0.195 of the flux.
+    const lode_pll_config_t salient = pll_with(0.01, Ld_H + 3.3e-3f);
+    const double left = 1.0 - 1.2 * 3.3e-3 * 8.4 / 0.142;
+    CHECK_CLOSE(1.0e-3, 0.66 * left * left * PAPER_OMEGA_RATED, salient.sigma_low_rad_s);
+    // Slow sampling, and what somebody gave.
+    lode_drive_config_t config = minimal();
+    config.motor.J_kgm2 *= 0.01f;
+    config.motor.Lq_H = Ld_H;
+    config.f_pwm_Hz = 3000.0f;
+    config.estimator.pll.sigma_low_rad_s = 30.0f;
+    lode_drive_design(&config);
+    TEST_ASSERT_EQUAL_FLOAT(30.0f, config.estimator.pll.sigma_low_rad_s);
+    config.estimator.pll = (lode_pll_config_t){.sigma_rad_s = 0.0f};
+    lode_drive_design(&config);
+    CHECK_CLOSE(1.0e-3, 0.07 * 3000.0, config.estimator.pll.sigma_low_rad_s);
+}
+
 static void test_rated_speed_follows_from_bus_and_current(void) {
     lode_drive_config_t config = minimal();
     config.motor.omega_rated_rad_s = 0.0f;
@@ -423,6 +462,7 @@ static void test_rated_speed_follows_from_bus_and_current(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_only_motor_inverter_sense_and_rate_are_needed);
+    RUN_TEST(test_a_light_rotor_raises_sigma);
     RUN_TEST(test_motors_of_many_kinds_need_no_more);
     RUN_TEST(test_every_needed_field_at_its_limits);
     RUN_TEST(test_every_open_field_at_its_limits);

@@ -66,6 +66,9 @@ static void test_torque_and_active_flux(void) {
     const lode_motor_t motor = paper_motor();
     // 1.5 * 3 * 0.142 Nm/A.
     CHECK_CLOSE(ROUNDING, 0.639, lode_motor_kt_Nm_A(&motor));
+    // To 157 rad/s of the shaft with 7.668 Nm.
+    CHECK_CLOSE(ROUNDING, 0.0174 * PAPER_OMEGA_RATED / 3.0 / (12.0 * 0.639),
+                lode_motor_run_up_s(&motor, 12.0f));
     // (3.5 mH - 9.8 mH) * -2 A + 0.142 Vs.
     CHECK_CLOSE(ROUNDING, 0.1546, lode_motor_active_flux_Wb(&motor, -2.0f));
     // 4.5 * 0.1546 * 7.

@@ -14,6 +14,9 @@ static const lode_pll_config_t pll = {.sigma_rad_s = 150.0f,
                                       .omega_high_rad_s = 200.0f};
 #define TORQUE_MAX (12.0 * 0.639) // 1.5 np psi i_max
 
+// To rated speed with all of it.
+#define RUN_UP_s (0.0174 * PAPER_OMEGA_RATED / 3.0 / TORQUE_MAX)
+
 static lode_speed_config_t sound(void) {
     return (lode_speed_config_t){.kp_Nms = 0.8f,
                                  .ki_Nm = 6.0f,
@@ -296,7 +299,7 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 25.0, config.bandwidth_rad_s);
     CHECK_CLOSE(1.0e-6, 25.0 * 0.0174, config.kp_Nms);
     CHECK_CLOSE(1.0e-6, 25.0 * 25.0 / 4.0 * 0.0174, config.ki_Nm);
-    CHECK_CLOSE(1.0e-6, 1.5, config.gain_rise); // as sigma rises
+    CHECK_CLOSE(1.0e-6, 13.0 / (RUN_UP_s * 25.0), config.gain_rise); // less than sigma's: see below
     CHECK_CLOSE(1.0e-6, 0.5 * TORQUE_MAX / 0.0174, config.ramp_rad_s2);
     CHECK_CLOSE(1.0e-6, 0.5, config.load_feed_forward);
     CHECK_CLOSE(1.0e-6, 1.0, config.inertia_feed_forward);
@@ -312,8 +315,34 @@ static void test_design_fills_what_is_open(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, by_gain.gain_rise);
 }
 
+/// A rotor of n times the inertia takes n times as long to run up.
+static lode_speed_config_t designed_with_inertia(double factor) {
+    lode_motor_t motor = paper_motor();
+    lode_speed_config_t config = {.kp_Nms = 0.0f};
+    motor.J_kgm2 *= (float)factor;
+    lode_speed_design(&config, &inverter, &motor, &pll, 47.0f);
+    return config;
+}
+
+static void test_design_follows_the_inertia(void) {
+    // Light: the loop is slow for the rotor, and the ramp waits for it.
+    const lode_speed_config_t light = designed_with_inertia(0.1);
+    CHECK_CLOSE(1.0e-6, 25.0, light.bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-6, 1.5, light.gain_rise); // as sigma rises
+    CHECK_CLOSE(1.0e-5, 0.114 * 25.0 * 0.1 * RUN_UP_s * TORQUE_MAX / 0.00174, light.ramp_rad_s2);
+    CHECK_CLOSE(1.0e-6, 0.5, light.load_feed_forward);
+    // Heavy: the bandwidth does not use all of the PLL's, and noise is not fed forward for a load.
+    const lode_speed_config_t heavy = designed_with_inertia(3.0);
+    CHECK_CLOSE(1.0e-5, 13.0 / (3.0 * RUN_UP_s), heavy.bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-6, 1.0, heavy.gain_rise);
+    CHECK_CLOSE(1.0e-5, 0.5 * TORQUE_MAX / (3.0 * 0.0174), heavy.ramp_rad_s2);
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, heavy.load_feed_forward);
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, designed_with_inertia(2.0).load_feed_forward);
+}
+
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_design_follows_the_inertia);
     RUN_TEST(test_reference_is_a_mechanical_ramp);
     RUN_TEST(test_torque_is_pi_and_feed_forward);
     RUN_TEST(test_reset_is_bumpless);

@@ -41,6 +41,9 @@ float lode_motor_torque_Nm(const lode_motor_t *motor, lode_dq_t i_A);
 /// Torque per q-axis ampere at id = 0, Nm/A.
 float lode_motor_kt_Nm_A(const lode_motor_t *motor);
 
+/// Time from rest to rated speed with the torque of this current at id = 0, s.
+float lode_motor_run_up_s(const lode_motor_t *motor, float current_A);
+
 typedef enum { LODE_STAR, LODE_DELTA } lode_winding_t;
 
 /// Phase value of the star equivalent from a resistance or inductance measured between two

@@ -14,16 +14,18 @@ extern "C" {
 #endif
 
 typedef struct {
-    float kp_Nms;          ///< torque per mechanical rad/s; 0: from the bandwidth
-    float ki_Nm;           ///< torque per mechanical rad; 0: kp times bandwidth/4
-    float bandwidth_rad_s; ///< crossover; 0: a quarter of the PLL's sigma at low speed
+    float kp_Nms; ///< torque per mechanical rad/s; 0: from the bandwidth
+    float ki_Nm;  ///< torque per mechanical rad; 0: kp times bandwidth/4
+    /// crossover; 0: a quarter of the PLL's sigma at low speed, at most 13 over the run-up time
+    float bandwidth_rad_s;
     /// factor by which both gains rise with the PLL's sigma, 1 .. 10; 0: as sigma does, or 1 (not at
     /// all) where kp_Nms is given
     float gain_rise;
-    float ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: half the torque limit over J
+    float
+        ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: up to half the torque limit over J
     float inertia_feed_forward; ///< share of the torque that the ramp needs for J, 0 .. 1; 0: 1;
                                 ///< LODE_NONE: none
-    /// share of the estimated load torque, 0 .. 1; 0: 0.5; LODE_NONE: none
+    /// share of the estimated load torque, 0 .. 1; 0: 0.5, or none for a heavy rotor; LODE_NONE: none
     float load_feed_forward;
     /// least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
     float omega_min_rad_s;
