@@ -89,7 +89,7 @@ static LODE_NOINLINE void take_mail(lode_drive6_t *self) {
         self->drive.omitted = self->drive.omitted_next;
     }
     lode_mode_take_mail(&self->drive);
-    // A repaired phase is believed when the drive is at rest and asked to forget.
+    // A repaired phase is accepted when the drive is at rest and faults are cleared.
     const lode_order_t *command = &self->drive.command;
     if (command->mode == LODE_MODE_OFF && command->clear_fault && !self->drive.gates) {
         self->open = 0u;
@@ -116,7 +116,7 @@ static lode_calibration_t calibrate(lode_drive6_t *self, const lode_sample6_t *s
 }
 
 // The start, which has little EMF to go by, is left to both sets: with 6 % of harmonics in one of them it
-// does not get through.
+// fails.
 LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
     return self->tuning->source != LODE_SOURCE_VSD &&
            self->active == (uint_least8_t)LODE_SETS_BOTH &&

@@ -5,7 +5,7 @@
 #include <stddef.h>
 
 #define VOLTAGE_USE 0.95f
-// Of i_max, as the mean magnitude of a phase current: below it no open phase is reported.
+// Share of i_max, as the mean magnitude of a phase current: below it no open phase is reported.
 #define WATCH_SHARE 0.03f
 
 lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H) {

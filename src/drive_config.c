@@ -23,7 +23,7 @@ static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t
     return RATED_SHARE * inverter->v_bus_V / (LODE_SQRT3 * lode_max(flux, FLT_MIN));
 }
 
-// The voltage bounds the speed no longer: by default twice the speed at which the magnets' EMF takes all
+// The voltage no longer limits the speed: by default twice the speed at which the magnets' EMF takes all
 // of it, between 2.5 and 5 times rated (the default observer's lag is compensated up to 5.9 times), with
 // at least 12 periods per turn.
 #define WEAKENED_SHARE 2.0f
@@ -43,7 +43,7 @@ static float weakened_omega(const lode_drive_config_t *config) {
     return lode_min(omega, WEAKENED_TS * config->f_pwm_Hz);
 }
 
-// What estimator and current control see: the slope of the switches is one with the windings.
+// What estimator and current control see: the slope resistance of the switches adds to that of the windings.
 static lode_motor_t circuit_of(const lode_drive_config_t *config) {
     lode_motor_t circuit = config->motor;
     circuit.Rs_Ohm += config->inverter.r_on_Ohm;

@@ -194,8 +194,8 @@ LODE_RAMFUNC LODE_NOINLINE float lode_estimator_look_again(lode_estimator_t *sel
 }
 
 // Without lock, and has waited for long enough. The waiting time lets observer and mean rotation settle
-// after a reset, and a new acquisition prove itself. A longer one than any of these is no time that was
-// ever set: it must not keep a corrupted state waiting.
+// after a reset, and a new acquisition prove itself. A longer time was
+// never set: a corrupted state must not wait for it.
 static bool is_seed_due(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const uint32_t longest = (uint32_t)tuning->settle_rounds + tuning->patience_rounds;
     return self->wait == 0u || self->wait > longest;

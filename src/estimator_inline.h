@@ -230,7 +230,7 @@ LODE_INLINE void lode_estimator_adapt_gains(lode_estimator_t *self,
                                             const lode_estimator_tuning_t *tuning) {
     self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);
     if (!tuning->pll.third_order) {
-        self->pll.f_rad_s2 = 0.0f; // no states of the QPLL, whatever stood there
+        self->pll.f_rad_s2 = 0.0f; // the QPLL has no such states
         self->pll.acc_rad_s2 = 0.0f;
     }
 }

@@ -121,8 +121,8 @@ LODE_NOINLINE void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode
     }
 }
 
-// Up to `periods` while something is wrong, down while all is well: single samples pass, what mostly holds
-// trips. True at the end.
+// Counts up to `periods` while something is wrong, down while all is well: single samples pass, what mostly
+// persists trips. True when it gets there.
 static LODE_NOINLINE bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad,
                                    uint32_t periods) {
     const uint32_t count = *counter;
@@ -219,7 +219,7 @@ static LODE_NOINLINE void count_all(lode_guard_t *self, const lode_guard_tuning_
 
 void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                            lode_condition_t condition, lode_situation_t now) {
-    // Who comes here while running without a sensor has found something already.
+    // Running sensorless, this is called only where something has been found.
     if (self->pending || now.sensorless || !lode_guard_power_ok(tuning, &condition)) {
         count_all(self, tuning, condition, now);
     }

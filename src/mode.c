@@ -311,7 +311,7 @@ LODE_NOINLINE lode_own_frame_t lode_mode_own_frame(lode_drive_t *self) {
     return start_frame(self);
 }
 
-// Slow, the estimator has nothing to go by in START: it is put on the vector from time to time.
+// At low speed in START there is no EMF to go by: from time to time the estimator is set to the vector.
 LODE_NOINLINE void lode_mode_seed(lode_drive_t *self) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     const lode_start_t *start = &self->state.start;

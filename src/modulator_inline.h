@@ -17,7 +17,7 @@ lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inver
                                              const lode_dead_time_t *dead_time, lode_abc_t v,
                                              lode_abc_t i_A);
 
-// Beside it a float holds whole numbers only.
+// Added to this, a float holds whole numbers only.
 #define MODULATOR_WHOLE 8388608.0f // 2^23
 
 // To the nearest of at most 65535 ticks. NaN stays NaN.

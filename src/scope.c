@@ -206,7 +206,7 @@ uint32_t lode_scope_drain(lode_scope_t *self, uint16_t *octets, uint32_t count) 
         octets[n++] = lode_wire_octet(&self->wire);
     }
     if (n == 0u && count > 0u) {
-        self->sent = 0u; // the end was told: from the beginning again
+        self->sent = 0u; // the end was reported: start again
     }
     return n;
 }

@@ -4,7 +4,7 @@
 #define OFFSET_TOLERANCE 0.05f
 #define COUNT_MAX_12_BIT 4095.0f
 #define CALIBRATION_TIME_s 0.1f
-// So many 16-bit counts fit into a sum of 32 bits.
+// As many 16-bit counts as a sum of 32 bits holds.
 #define CALIBRATION_SAMPLES_MAX 65536.0f
 // Beyond any board: keeps every sample finite.
 #define GAIN_MAX 1.0e4f
