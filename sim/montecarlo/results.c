@@ -330,7 +330,7 @@ static bool read_rows(mc_results_t *self, const cJSON *root, const char *path) {
         }
         mc_row_t *row = &self->row[number];
         if (row->done != 0u) {
-            rig_error("%s: %s, seed %.0f is there twice; expected each case in one file only", path,
+            rig_error("%s: %s, seed %.0f occurs twice; expected each case in one file only", path,
                       text_of(item, "motor"), (double)whole_of(item, "seed", WHOLE_MAX));
             return false;
         }

@@ -76,7 +76,7 @@ static FILE *refuse(output_t *output, const char *path, const char *why) {
 
 /// The same of a file that this command needs itself.
 static FILE *refuse_own(const char *path, const char *why) {
-    rig_error("%s: cannot write: %s; expected a file of its own for each output", path, why);
+    rig_error("%s: cannot write: %s; expected a separate file for each output", path, why);
     return NULL;
 }
 

@@ -37,26 +37,26 @@ typedef struct {
 
 static const option_t table[] = {
     {"motor", required_argument, 'm', RUN | REPLAY | DESIGN | ANALYSE, "F.ini",
-     "motor, and whatever else it sets; a file, or a name of `lodestar list`"},
+     "motor, and anything else it sets; a file, or a name from `lodestar list`"},
     {"drive", required_argument, 'd', RUN | REPLAY | DESIGN | ANALYSE, "F.ini",
-     "drive, over the motor's file; the same"},
+     "drive; overrides the motor's file; a file or a name too"},
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
     {"column", required_argument, 'l', REPLAY, "NAME=COLUMN",
-     "where NAME stands: i_alpha=Ialpha, i_alpha=Ialpha:mA, t=#1; repeatable"},
+     "the column that holds NAME: i_alpha=Ialpha, i_alpha=Ialpha:mA, t=#1; repeatable"},
     {"separator", required_argument, 'b', REPLAY, "NAME",
      "auto, comma, semicolon, tab or blank; a decimal comma with all but the comma"},
-    {"header", required_argument, 'H', REPLAY, "LINE", "of the columns' names, or none"},
-    {"data", required_argument, 'D', REPLAY, "LINE", "of the first row"},
+    {"header", required_argument, 'H', REPLAY, "LINE", "line with the column names, or none"},
+    {"data", required_argument, 'D', REPLAY, "LINE", "line of the first row"},
     {"resample", no_argument, 'q', REPLAY, "",
-     "goes on behind gaps; makes rows of PWM periods of uneven or faster ones"},
-    {"emf", required_argument, 'e', REPLAY, "NAME", "EMF observer, as `lodestar list` has it"},
-    {"pll", required_argument, 'p', REPLAY, "NAME", "position PLL, as `lodestar list` has it"},
+     "continues after gaps; resamples uneven or faster rows to one per PWM period"},
+    {"emf", required_argument, 'e', REPLAY, "NAME", "EMF observer, as in `lodestar list`"},
+    {"pll", required_argument, 'p', REPLAY, "NAME", "position PLL, as in `lodestar list`"},
     {"set", required_argument, 's', CONFIGURED, "SECTION.KEY=VALUE",
-     "over what files say; repeatable"},
+     "overrides the files; repeatable"},
     {"motors", required_argument, 'M', MONTE_CARLO, "A,B,...",
      "names of motors that have a drive of the same name; all of them"},
     {"errors", required_argument, 'X', MONTE_CARLO, "KIND",
-     "in what the drive is told: narrow, wide (twice that) or start; `start` for\n"
+     "of the drive's parameters: narrow, wide (twice that) or start; `start` for\n"
      "                             starts, `narrow` for runs"},
     {"n", required_argument, 'a', MONTE_CARLO, "N", "seeds per motor; 200"},
     {"seed", required_argument, 'n', MONTE_CARLO, "S", "the first seed; 1"},
@@ -66,17 +66,17 @@ static const option_t table[] = {
     {"motors", required_argument, 'M', FAULTS, "A,B,...",
      "names of motors that have a drive of the same name; jiang2022,eldeeb2017"},
     {"seed", required_argument, 'n', MAIN_JOB | RUN | FAULTS, "S",
-     "of noise and all that is random"},
+     "seed of the noise and of all else that is random"},
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
     {"jobs", required_argument, 'w', RUN | MONTE_CARLO | FAULTS, "N",
-     "processes that share the work; as many as there are processors"},
+     "number of parallel processes; default: one per processor"},
     {"out", required_argument, 'o', FAULTS, "F.md", "a page with the tables"},
     {"out", required_argument, 'o', REPLAY, "F.csv", "one row of estimates per recorded row"},
     {"csv", required_argument, 'c', MAIN_JOB | RUN, "F.csv", "signals over time"},
     {"ring", required_argument, 'R', RUN, "F.bin", "octets that the telemetry ring would send"},
     {"scope", required_argument, 'S', RUN, "F.bin", "dump of a scope's buffer"},
     {"channels", required_argument, 'C', RUN, "A,B,...", "of ring and scope"},
-    {"every", required_argument, 'E', RUN, "N", "periods per row of ring and scope; 1"},
+    {"every", required_argument, 'E', RUN, "N", "periods per row of ring and scope; default 1"},
     {"trigger", required_argument, 'T', RUN, "WHEN",
      "of the scope: fault, immediate, 'CHANNEL>LEVEL' or '<'"},
     {"kind", required_argument, 'k', DECODE, "KIND", "auto, ring or scope"},
@@ -123,7 +123,7 @@ static const command_t commands[] = {
      "Runs the firmware's estimator over recorded voltages and currents.\n"
      "Columns, by name: t_s u_alpha_V u_beta_V i_alpha_A i_beta_A, optional theta_e_rad\n"
      "omega_e_rad_s (electrical) or speed_rpm (mechanical). Phases u_a_V u_b_V u_c_V, i_a_A i_b_A\n"
-     "i_c_A may stand in place of alpha and beta. Units: s ms us ns, V mV kV, A mA kA, rad deg "
+     "i_c_A may replace alpha and beta. Units: s ms us ns, V mV kV, A mA kA, rad deg "
      "turn,\n"
      "rad_s rpm Hz, in the name as in i_alpha_mA, or in --column i_alpha=Ialpha:mA; a number there "
      "is\n"
@@ -133,25 +133,23 @@ static const command_t commands[] = {
      "Prints every value that follows from a motor and a drive.\n"
      "Gains, bandwidths and limits, the stability of the PLL, the lag of the observer, and the "
      "limit\n"
-     "at low speed. What is missing of the drive is assumed, and said."},
+     "at low speed. What the drive leaves out is assumed, and marked so."},
     {"analyse", COMMAND_ANALYSE, ANALYSE, "lodestar analyse [OPTION...]",
-     "Sets the papers' Bode diagrams, poles and margins beside what the firmware's coefficients "
-     "give.\n"
-     "Then the loops of the drive that is given: observer, PLL, current, speed. Without a motor "
-     "and a\n"
-     "drive those of paper 1; a motor alone brings its drive with it, or has one assumed."},
+     "Compares the papers' Bode diagrams, poles and margins with those of the firmware.\n"
+     "Then the loops of your drive: observer, PLL, current, speed. Without a motor and a drive,\n"
+     "those of paper 1; a motor alone uses its own drive, or one that is assumed."},
     {"reproduce", COMMAND_REPRODUCE, REPRODUCE, "lodestar reproduce PAPER [OPTION...]",
-     "Makes every experiment of a paper again and sets its claims beside what comes out.\n"
-     "With its estimators as printed, and with the library's and its gains. PAPER is jiang2022\n"
+     "Repeats every experiment of a paper and compares its claims with the results.\n"
+     "Once with the estimators as printed, once with the library's and its gains. PAPER is "
+     "jiang2022\n"
      "(paper 1) or li-fa-leso (paper 2, six phases). Either takes about a minute at most."},
     {"decode", COMMAND_DECODE, DECODE, "lodestar decode FILE [OPTION...]",
      "Reads what the library's telemetry ring or scope has recorded, sent or dumped.\n"
      "FILE holds octets of lode_ring_drain() or lode_scope_drain(), or a debugger's dump of "
      "either's\n"
-     "buffer. Which it is, and the order of its octets, is seen from its first words."},
+     "buffer. Which it is, and the order of its octets, is recognised from its first words."},
     {"faults", COMMAND_FAULTS, FAULTS, "lodestar faults [OPTION...]",
-     "Breaks sensors, switches, interrupts, motor and memory, and shows what the drive makes of "
-     "it.\n"
+     "Breaks sensors, switches, interrupts, motor and memory, and shows how the drive responds.\n"
      "Each kind of fault at standstill, in the start, at 10, 50 and 100 % speed and with a "
      "weakened\n"
      "field: by which check it is found and when, the largest current, and how far the rotor "
@@ -160,8 +158,7 @@ static const command_t commands[] = {
     {"monte-carlo", COMMAND_MONTE_CARLO, MONTE_CARLO,
      "lodestar monte-carlo start|run [OPTION...]\n"
      "       lodestar monte-carlo merge F.json... [--json F.json]",
-     "Runs many motors with drives that are told wrong of them, and counts what fails by its "
-     "cause.\n"
+     "Runs many motors with wrong parameters in their drives, and counts failures by cause.\n"
      "start: from rest at any angle under a load. run: then load steps, changes of speed and "
      "reversals.\n"
      "Each case depends on motor, seed and errors alone: every failure is printed with the command "
@@ -189,7 +186,7 @@ static void print_options(int mask) {
 
 static void print_tool_help(void) {
     (void)puts(
-        "lodestar: sensorless permanent-magnet motor drives, on the desk\n\n"
+        "lodestar: sensorless permanent-magnet motor drives, simulated\n\n"
         "usage: lodestar [OPTION...]             the main job: scenario `main`, with its\n"
         "                                        table, CSV, JSON and plot in lodestar-out/\n"
         "       lodestar COMMAND [OPTION...]\n");
@@ -200,7 +197,7 @@ static void print_tool_help(void) {
     (void)puts("\noptions of the main job:");
     print_options(MAIN_JOB);
     (void)puts("  --version                  version of library and tool\n\n"
-               "`lodestar COMMAND --help` tells more. Exit code: 0 done, 1 the drive faulted,\n"
+               "More: `lodestar COMMAND --help`. Exit code: 0 done, 1 the drive faulted,\n"
                "missed a bar or what is decoded is damaged, 2 bad input.");
 }
 
@@ -444,7 +441,7 @@ static bool parse_options(options_t *options, const command_t *command, int argc
 
 static bool needs(const char *command, const char *what, const char *value) {
     if (value == NULL) {
-        rig_error("%s: expected %s; `lodestar %s --help` tells more", command, what, command);
+        rig_error("%s: expected %s; see `lodestar %s --help`", command, what, command);
     }
     return value != NULL;
 }
@@ -486,7 +483,8 @@ static bool check_monte_carlo(const options_t *options) {
     }
     if (merge && (options->motors != NULL || options->errors != NULL || options->cases > 0u ||
                   options->has_seed || options->shard > 0u || options->sets > 0)) {
-        rig_error("monte-carlo merge: expected no option but --json; the files say the rest");
+        rig_error(
+            "monte-carlo merge: expected no option but --json; the rest comes from the files");
         return false;
     }
     const char *errors = options->errors;

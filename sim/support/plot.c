@@ -70,7 +70,7 @@ static bool format_of(const char *path, plot_format_t *format) {
             return true;
         }
     }
-    rig_error("%s: a picture of this kind is not drawn; expected a name that ends in .svg, .png or "
+    rig_error("%s: a picture of this kind is not drawn; expected a name ending in .svg, .png or "
               ".html",
               path);
     return false;
@@ -212,7 +212,7 @@ bool plot_finish(plot_t *self) {
     self->script = NULL;
     const bool drawn = wait_for((pid_t)self->process);
     if (!sent || !drawn) {
-        rig_error("gnuplot failed; expected it to draw the plot (its own words are above)");
+        rig_error("gnuplot failed; expected it to draw the plot (its message is above)");
     }
     if (self->drawn != self->output->file) {
         if (sent && drawn) {

@@ -121,7 +121,7 @@ static bool gather(const workers_t *self, const crew_t *crew) {
     for (uint64_t n = self->first; crew->count > 0u && n <= self->last; ++n) {
         message_t message;
         if (!receive_all(crew->from[(n - self->first) % crew->count], &message)) {
-            rig_error("a process that did a part of the work has ended before its time");
+            rig_error("a worker process ended unexpectedly");
             return false;
         }
         // What a worker could not do fails here in the same way, with its message.

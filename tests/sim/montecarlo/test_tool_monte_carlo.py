@@ -51,7 +51,7 @@ def shards(checks, folder):
     checks.equal(done.returncode, whole.returncode, "exit code of merge")
     checks.equal(sorted(done.stdout.replace("all.json", "m.json").split("\n")), sorted(whole.stdout.split("\n")), "its table")
     refused(checks, folder, ["monte-carlo", "merge", *names[:2]], "1 cases are missing")
-    refused(checks, folder, ["monte-carlo", "merge", *names, names[0]], "is there twice")
+    refused(checks, folder, ["monte-carlo", "merge", *names, names[0]], "occurs twice")
     _, other = run(folder, *arguments, "--errors", "wide", "--shard", "1/3")
     folder.write("other.json", other)
     refused(checks, folder, ["monte-carlo", "merge", "other.json", *names], "expected a part of the same campaign")

@@ -77,7 +77,7 @@ def inputs_stay(checks, folder):
         for option in options:
             for name in [name for name, file in names.items() if file in inputs]:
                 output = [option + name] if option.endswith("=") else [option, name]
-                done = refused(checks, folder, [*command, *output], "it is read here, and would be lost; expected a file of its own")
+                done = refused(checks, folder, [*command, *output], "it is read here, and would be lost; expected a separate file")
                 checks.equal(done.stdout, "", f"{command[0]} {output}: printed before it was refused")
     # The tuning in C has a name of its own, which a link may point to an input.
     (folder.path / "t.c").symlink_to("m.ini")
