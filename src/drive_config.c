@@ -12,6 +12,10 @@
 // 4.7 samples per turn hunted with 9 A.
 #define SPEED_ANGLE_MAX_rad (LODE_TWO_PI / 8.0f)
 
+#define ROUNDING 1.0e-5f
+// As current control's default.
+#define VOLTAGE_USE 0.95f
+
 // Machines are rated at some two thirds of the speed at which the bus is used up: the rest is for
 // control. (Paper 1: 471 of 713 rad/s.)
 #define RATED_SHARE 0.66f
@@ -83,6 +87,19 @@ static void design_pll(lode_drive_config_t *config) {
     }
 }
 
+// With two low-side shunts there is no third to take the place of one that has no time: the voltage with
+// which no duty, dead-time correction included, goes beyond the window.
+static float seen_voltage_use(const lode_drive_config_t *c) {
+    const float loss = c->inverter.dead_time_s * c->f_pwm_Hz +
+                       c->inverter.v_drop_V / lode_max(c->inverter.v_bus_V, FLT_MIN);
+    return 2.0f * (c->sense.duty_max - loss) - 1.0f;
+}
+
+static bool has_blind_sectors(const lode_drive_config_t *c) {
+    return c->sense.shunts == LODE_SHUNTS_TWO && c->sense.duty_max < 1.0f &&
+           c->current.voltage_use > seen_voltage_use(c) + ROUNDING;
+}
+
 void lode_drive_design(lode_drive_config_t *config) {
     const float ts_s = 1.0f / lode_max(config->f_pwm_Hz, FLT_MIN);
     lode_motor_t *motor = &config->motor;
@@ -100,6 +117,10 @@ void lode_drive_design(lode_drive_config_t *config) {
     design_pll(config);
     lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
+    if (config->sense.shunts == LODE_SHUNTS_TWO && config->sense.duty_max < 1.0f) {
+        config->current.voltage_use = lode_given_or(
+            config->current.voltage_use, lode_min(seen_voltage_use(config), VOLTAGE_USE));
+    }
     lode_current_design(&config->current, &circuit, ts_s);
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
                       config->start.omega_handover_rad_s);
@@ -142,6 +163,9 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const lode_motor_t circuit = circuit_of(c);
     lode_status_t status = lode_current_tune(&t->current, &c->current, &circuit, t->ts_s);
+    if (status == LODE_OK && has_blind_sectors(c)) {
+        status = LODE_ERROR_SENSE_WINDOW;
+    }
     if (status == LODE_OK) {
         status = lode_references_tune(&t->references, &c->references, &c->inverter, &circuit,
                                       c->current.voltage_use, (float)t->speed_periods * t->ts_s);

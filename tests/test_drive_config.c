@@ -236,6 +236,36 @@ static void test_sense_must_fit_the_inverter(void) {
     }
 }
 
+// With two low-side shunts no third one can take the place of a phase without time.
+static void test_two_shunts_bound_the_voltage(void) {
+    lode_drive_config_t config = minimal();
+    config.sense.shunts = LODE_SHUNTS_TWO;
+    lode_drive_config_t designed = config;
+    lode_drive_design(&designed);
+    CHECK_CLOSE(1e-6, 0.95, designed.current.voltage_use); // sampled always
+    config.sense.duty_max = 0.9f;
+    designed = config;
+    lode_drive_design(&designed);
+    CHECK_CLOSE(1e-5, 0.8, designed.current.voltage_use);
+    config.inverter.dead_time_s = 0.02f / config.f_pwm_Hz;
+    config.inverter.v_drop_V = 0.01f * config.inverter.v_bus_V;
+    designed = config;
+    lode_drive_design(&designed);
+    CHECK_CLOSE(1e-5, 0.74, designed.current.voltage_use);
+    lode_drive_tuning_t tuning;
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(lode_drive_tune(&tuning, &config)));
+    config.current.voltage_use = 0.75f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_WINDOW, lode_drive_tune(&tuning, &config));
+    config.sense.shunts = LODE_SHUNTS_THREE; // the third one helps
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+    config.sense.shunts = LODE_SHUNTS_TWO;
+    config.sense.duty_max = 0.99f; // nothing to bound
+    config.current.voltage_use = 0.0f;
+    designed = config;
+    lode_drive_design(&designed);
+    TEST_ASSERT_TRUE(designed.current.voltage_use < 0.93f);
+}
+
 static void test_enumerators(void) {
     lode_drive_config_t config = minimal();
     config.sense.shunts = (lode_shunts_t)9;
@@ -470,6 +500,7 @@ int main(void) {
     RUN_TEST(test_negative_values_ask_for_no_default);
     RUN_TEST(test_lode_none_is_for_those_that_may_be_done_without);
     RUN_TEST(test_sense_must_fit_the_inverter);
+    RUN_TEST(test_two_shunts_bound_the_voltage);
     RUN_TEST(test_enumerators);
     RUN_TEST(test_pole_pairs);
     RUN_TEST(test_combinations_that_would_not_be_stable);

@@ -6,6 +6,7 @@
 #include "lodestar/drive6.h"
 #include "lodestar/ring.h"
 #include "lodestar/scope.h"
+#include "lodestar/single_shunt.h"
 #include "lodestar/sogi.h"
 #include "lodestar/version.h"
 

@@ -13,7 +13,7 @@ extern "C" {
 /// Where the currents are measured. LODE_WITHOUT_SHUNT_WINDOW leaves out of a build what takes a phase from
 /// the other two: two shunts, and a duty_max below 1. Init then refuses them (LODE_ERROR_SENSE_WINDOW).
 typedef enum {
-    LODE_SHUNTS_THREE, ///< all three phases
+    LODE_SHUNTS_THREE, ///< all three phases, by any sensor; what single_shunt.h makes
     LODE_SHUNTS_TWO    ///< phases a and b; c follows from the isolated star point
 } lode_shunts_t;
 

@@ -4,9 +4,12 @@
 #include "figures.h"
 #include "ntc.h"
 
+#ifndef VARIANT_SENSING
+#define VARIANT_SENSING PORT_LOW_SIDE_THREE
+#endif
+
 void board_describe(lode_drive_config_t *config) {
     const float f_pwm = (float)VARIANT_F_PWM_Hz;
-    const float duty_max = port_duty_max(f_pwm, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns);
     config->f_pwm_Hz = f_pwm;
     config->inverter = (lode_inverter_config_t){
         .v_bus_V = VARIANT_V_BUS_V,
@@ -18,16 +21,14 @@ void board_describe(lode_drive_config_t *config) {
         .pwm_ticks = (float)port_pwm_steps(CHIP_F_PWM_Hz, VARIANT_F_PWM_Hz),
     };
     config->sense = (lode_sense_config_t){
-        .shunts = LODE_SHUNTS_THREE,
         .i_gain_A_count = VARIANT_I_GAIN_A_count,
         .i_offset_count = VARIANT_I_OFFSET_count,
         .i_offset_tol_count = VARIANT_I_OFFSET_TOL_count,
         .v_bus_gain_V_count = VARIANT_V_BUS_GAIN_V_count,
         .temperature_gain_degC_count = VARIANT_T_GAIN_degC_count,
         .temperature_offset_degC = VARIANT_T_OFFSET_degC,
-        .duty_max = duty_max,
     };
     config->guard.temperature_max_degC = VARIANT_T_MAX_degC;
-    config->current.voltage_use = port_voltage_use(duty_max);
+    port_sensing(config, VARIANT_SENSING, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns);
     config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_pwm;
 }

@@ -20,6 +20,20 @@ float port_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns) {
     return 1.0f - 2.0f * lode_max(settle_ns, sample_ns) / NS_PER_S * f_pwm_Hz;
 }
 
+void port_sensing(lode_drive_config_t *config, port_sensing_t sensing, float settle_ns,
+                  float sample_ns) {
+    const bool two = sensing == PORT_LOW_SIDE_TWO || sensing == PORT_IN_LINE_TWO;
+    config->sense.shunts = two ? LODE_SHUNTS_TWO : LODE_SHUNTS_THREE;
+    config->sense.duty_max = 1.0f;
+    if (sensing == PORT_LOW_SIDE_THREE || sensing == PORT_LOW_SIDE_TWO) {
+        const float duty_max = port_duty_max(config->f_pwm_Hz, settle_ns, sample_ns);
+        const float loss = config->inverter.dead_time_s * config->f_pwm_Hz;
+        config->sense.duty_max = duty_max;
+        // With two the drive finds its share by itself.
+        config->current.voltage_use = two ? 0.0f : port_voltage_use(duty_max - loss);
+    }
+}
+
 float port_trip_A(float wanted_A, float least_A, float most_A) {
     return lode_clamp(wanted_A, least_A, most_A);
 }

@@ -15,11 +15,25 @@ uint32_t port_pwm_steps(uint32_t f_timer_Hz, uint32_t f_pwm_Hz);
 /// current's sampling.
 float port_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns);
 
+/// How a board sees its phase currents: docs/porting.md, "Sensing".
+typedef enum {
+    PORT_LOW_SIDE_THREE, ///< shunts behind all three low sides
+    PORT_LOW_SIDE_TWO,   ///< behind those of a and b
+    PORT_IN_LINE_THREE,  ///< in the phases themselves: seen whatever switches
+    PORT_IN_LINE_TWO     ///< in a and b
+} port_sensing_t;
+
+/// Fills `sense.shunts`, `sense.duty_max` and `current.voltage_use` in; inverter and f_pwm_Hz must stand.
+/// `settle_ns`, `sample_ns`: as below, without meaning in line.
+void port_sensing(lode_drive_config_t *config, port_sensing_t sensing, float settle_ns,
+                  float sample_ns);
+
 /// A trip threshold, not below what offsets allow and not above what board and amplifier bear.
 float port_trip_A(float wanted_A, float least_A, float most_A);
 
 /// Largest share of the voltage circle with which the second largest duty stays at or below `duty_max`,
-/// so that two phases can be sampled at any angle; at most the core's default. 0 where there is none.
+/// so that two phases can be sampled at any angle; at most the core's default. 0 where there is none. Take off
+/// `duty_max` what the dead-time correction may add to a duty.
 float port_voltage_use(float duty_max);
 
 #endif

@@ -78,6 +78,12 @@ static double noise(plant_adc_t *self, double rms) {
     return rms > 0.0 ? rms * plant_noise_next(&self->noise) : 0.0;
 }
 
+uint16_t plant_adc_link(plant_adc_t *self, double i_A) {
+    const double seen_A =
+        i_A * self->i_gain[0] + self->i_offset_A[0] + noise(self, self->i_noise_A);
+    return to_count(self, self->middle_count + seen_A * self->i_count_per_A);
+}
+
 void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_LEGS], double v_bus_V,
                        double temperature_degC, plant_counts_t *counts) {
     for (int n = 0; n < self->sets * PLANT_PHASES; n++) {

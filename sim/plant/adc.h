@@ -26,6 +26,9 @@ void plant_adc_init(plant_adc_t *self, const plant_config_t *config);
 void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_LEGS], double v_bus_V,
                        double temperature_degC, plant_counts_t *counts);
 
+/// One sample of a shunt in the DC link, with noise, offset and gain error of phase a's converter.
+uint16_t plant_adc_link(plant_adc_t *self, double i_A);
+
 void plant_noise_init(plant_noise_t *self, uint64_t seed);
 
 /// Normally distributed, mean 0, variance 1.

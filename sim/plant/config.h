@@ -9,9 +9,10 @@
 #include <stdint.h>
 
 enum {
-    PLANT_PHASES = 3,                      ///< of one set
-    PLANT_SETS = 2,                        ///< at most
-    PLANT_LEGS = PLANT_PHASES * PLANT_SETS ///< phases a b c of the first set, then of the second
+    PLANT_PHASES = 3,                       ///< of one set
+    PLANT_SETS = 2,                         ///< at most
+    PLANT_LEGS = PLANT_PHASES * PLANT_SETS, ///< phases a b c of the first set, then of the second
+    PLANT_LINKS = 2                         ///< samples of the DC link's shunt per period
 };
 
 /// How true to life the inverter is.
@@ -91,7 +92,8 @@ typedef struct {
 
 /// What the firmware sees at t_k of one set; bus, temperature and stamp are the same for both.
 typedef struct {
-    uint16_t i[PLANT_PHASES]; ///< out of the inverter into the motor: above half scale
+    uint16_t i[PLANT_PHASES];   ///< out of the inverter into the motor: above half scale
+    uint16_t link[PLANT_LINKS]; ///< of a shunt in the DC link, into the bridge: above half scale
     uint16_t v_bus;
     uint16_t temperature;
     bool trip;      ///< hardware trip; see plant_set_trip

@@ -102,11 +102,11 @@ static int sign_of(double i_A) {
 /// The averaged level: three ideal sources for the whole period. The sign matters only for a phase
 /// that is to open at the end of its half wave.
 static void begin_averaged(plant_inverter_t *self, const double i_A[PLANT_LEGS], int set,
-                           const double duty[PLANT_LEGS]) {
+                           const plant_duty_t duty[PLANT_LEGS]) {
     for (int n = set * PLANT_PHASES; n < (set + 1) * PLANT_PHASES; n++) {
         plant_leg_t *leg = &self->leg[n];
-        leg->rail = duty[n];
-        leg->source_V = duty[n] * self->v_bus_V;
+        leg->rail = 0.5 * (duty[n].rise + duty[n].fall);
+        leg->source_V = leg->rail * self->v_bus_V;
         leg->pwm.edges = 0;
         leg->pwm.next = 0;
         leg->sign = leg->open ? 0 : (leg->opening ? sign_of(i_A[n]) : 1);
@@ -136,7 +136,8 @@ void plant_inverter_fail(plant_inverter_t *self, int leg, bool high, bool shorte
 }
 
 static void begin_switched(plant_inverter_t *self, const double i_A[PLANT_LEGS], int set,
-                           const double duty[PLANT_LEGS], plant_gates_t gates, bool was_averaging) {
+                           const plant_duty_t duty[PLANT_LEGS], plant_gates_t gates,
+                           bool was_averaging) {
     for (int n = set * PLANT_PHASES; n < (set + 1) * PLANT_PHASES; n++) {
         plant_leg_t *leg = &self->leg[n];
         if (was_averaging) {
@@ -156,10 +157,12 @@ static double realised(const plant_inverter_t *self, double duty) {
 }
 
 void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
-                          const double duty[PLANT_LEGS], const plant_gates_t gates[PLANT_SETS]) {
-    double share[PLANT_LEGS] = {0.0}, i_A[PLANT_LEGS] = {0.0};
+                          const plant_duty_t duty[PLANT_LEGS],
+                          const plant_gates_t gates[PLANT_SETS]) {
+    plant_duty_t share[PLANT_LEGS] = {{0.0, 0.0}};
+    double i_A[PLANT_LEGS] = {0.0};
     for (int n = 0; n < legs_of(self); n++) {
-        share[n] = realised(self, duty[n]);
+        share[n] = (plant_duty_t){realised(self, duty[n].rise), realised(self, duty[n].fall)};
     }
     plant_motor_phase_currents(motor, &motor->x, i_A);
     for (int set = 0; set < self->sets; set++) {
@@ -172,6 +175,14 @@ void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
         }
     }
     plant_inverter_settle(self, motor, 0.0);
+}
+
+double plant_inverter_link_A(const plant_inverter_t *self, const double i_A[PLANT_LEGS], int set) {
+    double sum_A = 0.0;
+    for (int n = set * PLANT_PHASES; n < (set + 1) * PLANT_PHASES; n++) {
+        sum_A += self->leg[n].rail * i_A[n];
+    }
+    return sum_A;
 }
 
 void plant_inverter_open(plant_inverter_t *self, const plant_motor_t *motor, int leg) {

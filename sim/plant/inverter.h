@@ -55,7 +55,11 @@ void plant_inverter_init(plant_inverter_t *self, const plant_config_t *config);
 
 /// Starts a PWM period. Duties outside 0..1 count as the nearer end.
 void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
-                          const double duty[PLANT_LEGS], const plant_gates_t gates[PLANT_SETS]);
+                          const plant_duty_t duty[PLANT_LEGS],
+                          const plant_gates_t gates[PLANT_SETS]);
+
+/// Current from the positive rail into the legs of a set now, which is that of a shunt in its return.
+double plant_inverter_link_A(const plant_inverter_t *self, const double i_A[PLANT_LEGS], int set);
 
 /// The phase behind a leg breaks: at the next zero of its current, at once where there is none.
 void plant_inverter_open(plant_inverter_t *self, const plant_motor_t *motor, int leg);

@@ -352,11 +352,27 @@ static void begin_period(plant_t *self) {
     for (int set = 0; set < self->sets; set++) {
         gates[set] = self->trip[set] ? PLANT_GATES_OFF : self->gates[set];
     }
-    plant_inverter_begin(&self->inverter, &self->motor, self->duty, gates);
+    plant_duty_t duty[PLANT_LEGS];
+    for (int n = 0; n < PLANT_LEGS; n++) {
+        duty[n] = (plant_duty_t){self->duty[n], self->fall[n]};
+    }
+    plant_inverter_begin(&self->inverter, &self->motor, duty, gates);
+}
+
+static void sample_link(plant_t *self) {
+    for (int n = 0; n < PLANT_LINKS; n++) {
+        double i_A[PLANT_LEGS] = {0.0};
+        run(self, self->link_at[n] * self->period_s);
+        plant_motor_phase_currents(&self->motor, &self->motor.x, i_A);
+        self->link_A[n] = plant_inverter_link_A(&self->inverter, i_A, 0);
+    }
 }
 
 void plant_advance(plant_t *self) {
     begin_period(self);
+    if (self->link_at[PLANT_LINKS - 1] > 0.0) {
+        sample_link(self);
+    }
     if (self->sample_offset_s < 0.0) {
         run(self, self->period_s + self->sample_offset_s);
         plant_motor_phase_currents(&self->motor, &self->motor.x, self->i_early_A);
@@ -366,7 +382,11 @@ void plant_advance(plant_t *self) {
     plant_inverter_clear(&self->inverter, &self->motor);
     for (int n = 0; n < self->sets * PLANT_PHASES; n++) {
         self->duty[n] = self->next_duty[n];
+        self->fall[n] = self->next_fall[n];
         self->gates[n / PLANT_PHASES] = self->next_gates[n / PLANT_PHASES];
+    }
+    for (int n = 0; n < PLANT_LINKS; n++) {
+        self->link_at[n] = self->next_link_at[n];
     }
     self->periods++;
 }
@@ -374,6 +394,7 @@ void plant_advance(plant_t *self) {
 void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], plant_gates_t gates) {
     for (int n = 0; n < PLANT_PHASES; n++) {
         self->next_duty[set * PLANT_PHASES + n] = duty[n];
+        self->next_fall[set * PLANT_PHASES + n] = duty[n];
     }
     self->next_gates[set] = gates;
     self->gates[set] = gates == PLANT_GATES_OFF ? PLANT_GATES_OFF : self->gates[set];
@@ -381,6 +402,20 @@ void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], pl
 
 void plant_write(plant_t *self, const double duty[PLANT_PHASES], plant_gates_t gates) {
     plant_write_set(self, 0, duty, gates);
+}
+
+void plant_write_halves(plant_t *self, const double rise[PLANT_PHASES],
+                        const double fall[PLANT_PHASES], plant_gates_t gates) {
+    plant_write(self, rise, gates);
+    for (int n = 0; n < PLANT_PHASES; n++) {
+        self->next_fall[n] = fall[n];
+    }
+}
+
+void plant_set_link_samples(plant_t *self, const double at[PLANT_LINKS]) {
+    for (int n = 0; n < PLANT_LINKS; n++) {
+        self->next_link_at[n] = at[n];
+    }
 }
 
 /// Currents at the sampling instant.
@@ -444,6 +479,9 @@ void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth) {
         double i_A[PLANT_LEGS];
         sampled_currents(self, i_A);
         plant_adc_convert(&self->adc, i_A, self->inverter.v_bus_V, self->temperature_degC, counts);
+        for (int n = 0; n < PLANT_LINKS && self->link_at[n] > 0.0; n++) {
+            counts->link[n] = plant_adc_link(&self->adc, self->link_A[n]);
+        }
         const double ticks = (double)self->periods * self->period_s * self->stamp_Hz + 0.5;
         for (int set = 0; set < self->sets; set++) {
             counts[set].trip = self->trip[set];

@@ -73,9 +73,12 @@ typedef struct {
     int sets;
     bool trip[PLANT_SETS];
     plant_gates_t gates[PLANT_SETS],
-        next_gates[PLANT_SETS]; ///< in the period at hand, in the next one
-    double duty[PLANT_LEGS], next_duty[PLANT_LEGS];
-    double now_s; ///< within the period at hand
+        next_gates[PLANT_SETS];                     ///< in the period at hand, in the next one
+    double duty[PLANT_LEGS], next_duty[PLANT_LEGS]; ///< of the first half of a period
+    double fall[PLANT_LEGS], next_fall[PLANT_LEGS]; ///< of its second half
+    double link_at[PLANT_LINKS], next_link_at[PLANT_LINKS];
+    double link_A[PLANT_LINKS]; ///< sampled in the period that has ended
+    double now_s;               ///< within the period at hand
     int events_left;
     plant_planes_t u_Vs; ///< over the period at hand, then over the last one
     double i_early_A[PLANT_LEGS];
@@ -94,6 +97,14 @@ void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth);
 /// plant_write() means the first set.
 void plant_write(plant_t *self, const double duty[PLANT_PHASES], plant_gates_t gates);
 void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], plant_gates_t gates);
+
+/// The same with a duty for each half of the period: high from (1 - rise)/2 to (1 + fall)/2 of it.
+void plant_write_halves(plant_t *self, const double rise[PLANT_PHASES],
+                        const double fall[PLANT_PHASES], plant_gates_t gates);
+
+/// When the shunt in the DC link is sampled, shares of the period, in order; from the next period on. What it
+/// shows then (set 1) is plant_counts_t.link at that period's end.
+void plant_set_link_samples(plant_t *self, const double at[PLANT_LINKS]);
 
 /// Simulates one PWM period, t_k to t_k+1.
 void plant_advance(plant_t *self);

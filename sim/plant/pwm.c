@@ -22,7 +22,7 @@ static void ask(plant_pwm_t *self, double at_s, plant_gate_t gate, double dead_t
     self->ready_s = at_s + dead_time_s;
 }
 
-void plant_pwm_schedule(plant_pwm_t *self, double duty, plant_gates_t gates, double period_s,
+void plant_pwm_schedule(plant_pwm_t *self, plant_duty_t duty, plant_gates_t gates, double period_s,
                         double dead_time_s) {
     self->edges = 0;
     self->next = 0;
@@ -33,10 +33,13 @@ void plant_pwm_schedule(plant_pwm_t *self, double duty, plant_gates_t gates, dou
         return;
     }
     const plant_gate_t high = gates == PLANT_GATES_LOW ? PLANT_GATE_OFF : PLANT_GATE_HIGH;
-    ask(self, 0.0, duty >= 1.0 ? high : PLANT_GATE_LOW, dead_time_s);
-    if (duty > 0.0 && duty < 1.0) {
-        ask(self, 0.5 * (1.0 - duty) * period_s, high, dead_time_s);
-        ask(self, 0.5 * (1.0 + duty) * period_s, PLANT_GATE_LOW, dead_time_s);
+    const bool pulse = duty.rise > 0.0 || duty.fall > 0.0;
+    ask(self, 0.0, duty.rise >= 1.0 ? high : PLANT_GATE_LOW, dead_time_s);
+    if (pulse && duty.rise < 1.0) {
+        ask(self, 0.5 * (1.0 - duty.rise) * period_s, high, dead_time_s);
+    }
+    if (pulse && duty.fall < 1.0) {
+        ask(self, 0.5 * (1.0 + duty.fall) * period_s, PLANT_GATE_LOW, dead_time_s);
     }
     if (self->waiting && self->ready_s < period_s) {
         add_edge(self, self->ready_s, self->wanted);

@@ -1,6 +1,6 @@
 /// Gate timing of one inverter leg: centre-aligned PWM with dead time.
 ///
-/// The high side is asked for in [(1-d)/2, (1+d)/2) of the period and the low side in the rest. The
+/// The high side is asked for in [(1-d)/2, (1+d)/2) of the period, with a d for either end, and the low side in the rest. The
 /// gate that turns off does so at once, the one that turns on waits for the dead time; a request
 /// shorter than the dead time leaves both off. Requests and waits carry over the period's boundary.
 #ifndef PLANT_PWM_H
@@ -32,8 +32,13 @@ typedef struct {
 
 void plant_pwm_init(plant_pwm_t *self);
 
+/// Duties of the two halves of a period; equal where the pulse lies in its middle.
+typedef struct {
+    double rise, fall;
+} plant_duty_t;
+
 /// Lays out the edges of the period that begins now. A duty of 0 or 1 makes none.
-void plant_pwm_schedule(plant_pwm_t *self, double duty, plant_gates_t gates, double period_s,
+void plant_pwm_schedule(plant_pwm_t *self, plant_duty_t duty, plant_gates_t gates, double period_s,
                         double dead_time_s);
 
 /// First edge after this time; the number of edges if there is none.

@@ -17,6 +17,13 @@ stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 clock.c analog.c 
 stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 clock.c analog.c deadline.c)
 stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 clock.c converters.c)
 
+# The same board with other ways to sense.
+foreach(sensing IN ITEMS LOW_SIDE_TWO IN_LINE_THREE IN_LINE_TWO)
+  string(TOLOWER "test_port_stm32f4_${sensing}" name)
+  stm32_test(${name} stm32f4 generic_f405 FAKE_F4 clock.c converters.c)
+  target_compile_definitions(${name} PRIVATE VARIANT_SENSING=PORT_${sensing})
+endforeach()
+
 # The core with the board's own sine and cosine: its sources once more, in front of the library. The
 # bring-up must pass with them as well.
 file(GLOB core CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/*.c")

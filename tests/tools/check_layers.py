@@ -14,7 +14,7 @@ LAYERS = [
      "open_phase", "emf", "pll", "lag", "notch"],
     ["estimator", "current", "speed", "references", "start", "guard"],
     ["drive", "drive_config", "mode"],
-    ["drive6", "drive6_config"],
+    ["drive6", "drive6_config", "single_shunt"],
     ["channel"],
     ["ring", "scope"],
     ["lodestar"],

@@ -43,6 +43,10 @@
 #define VARIANT_T_MAX_degC 100.0f
 #define VARIANT_SETTLE_ns 2000.0f
 
+#ifndef VARIANT_SENSING // two shunts, or sensors in the phases (whose gain is positive): figures.h
+#define VARIANT_SENSING PORT_LOW_SIDE_THREE
+#endif
+
 // The three currents at once: one converter each, rank 1. Rank 2: bus, temperature, anything.
 #define VARIANT_ADC1_RANKS                                                                         \
     { 10u, 13u } // i_a on PC0, bus on PC3

@@ -752,7 +752,7 @@ static void test_gate_edges(void) {
         const double pick = fabs(plant_noise_next(&noise));
         const double duty = pick < 1.0 ? corner[(int)(8.0 * pick)] : fmin(pick - 1.0, 1.0);
         const bool on = fabs(plant_noise_next(&noise)) < 1.9;
-        plant_pwm_schedule(&pwm, duty, on, period, dead);
+        plant_pwm_schedule(&pwm, (plant_duty_t){duty, duty}, on, period, dead);
         TEST_ASSERT_TRUE(pwm.edges <= PLANT_EDGES);
         for (int n = 0; n < pwm.edges; n++) {
             const double now = k * period + pwm.edge[n].at_s;
@@ -779,8 +779,8 @@ static void test_gate_edges(void) {
 static void test_pwm_is_centred(void) {
     plant_pwm_t pwm;
     plant_pwm_init(&pwm);
-    plant_pwm_schedule(&pwm, 0.25, true, 100e-6, 2e-6);
-    plant_pwm_schedule(&pwm, 0.25, true, 100e-6, 2e-6);
+    plant_pwm_schedule(&pwm, (plant_duty_t){0.25, 0.25}, true, 100e-6, 2e-6);
+    plant_pwm_schedule(&pwm, (plant_duty_t){0.25, 0.25}, true, 100e-6, 2e-6);
     TEST_ASSERT_EQUAL(4, pwm.edges);
     const double at[4] = {37.5e-6, 39.5e-6, 62.5e-6, 64.5e-6};
     const plant_gate_t gate[4] = {PLANT_GATE_OFF, PLANT_GATE_HIGH, PLANT_GATE_OFF, PLANT_GATE_LOW};
@@ -794,15 +794,15 @@ static void test_pwm_is_centred(void) {
 static void test_dead_time_carries_over(void) {
     plant_pwm_t pwm;
     plant_pwm_init(&pwm);
-    plant_pwm_schedule(&pwm, 0.98, true, 100e-6, 2e-6); // falls at 99 us
-    plant_pwm_schedule(&pwm, 0.50, true, 100e-6, 2e-6);
+    plant_pwm_schedule(&pwm, (plant_duty_t){0.98, 0.98}, true, 100e-6, 2e-6); // falls at 99 us
+    plant_pwm_schedule(&pwm, (plant_duty_t){0.50, 0.50}, true, 100e-6, 2e-6);
     TEST_ASSERT_EQUAL(5, pwm.edges);
     TEST_ASSERT_EQUAL(PLANT_GATE_LOW, pwm.edge[0].gate);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 1e-6, pwm.edge[0].at_s);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 25e-6, pwm.edge[1].at_s);
     // From full duty the low side waits from the boundary on.
-    plant_pwm_schedule(&pwm, 1.0, true, 100e-6, 2e-6);
-    plant_pwm_schedule(&pwm, 0.0, true, 100e-6, 2e-6);
+    plant_pwm_schedule(&pwm, (plant_duty_t){1.0, 1.0}, true, 100e-6, 2e-6);
+    plant_pwm_schedule(&pwm, (plant_duty_t){0.0, 0.0}, true, 100e-6, 2e-6);
     TEST_ASSERT_EQUAL(2, pwm.edges);
     TEST_ASSERT_EQUAL(PLANT_GATE_OFF, pwm.edge[0].gate);
     TEST_ASSERT_EQUAL(PLANT_GATE_LOW, pwm.edge[1].gate);
