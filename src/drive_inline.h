@@ -105,7 +105,7 @@ LODE_INLINE void lode_drive_lead(lode_drive_t *self) {
     self->lead = lode_angle_triple(lode_sincos_small(half_rad));
 }
 
-// SLOT_GUARD and SLOT_SEED
+// SLOT_GUARD and SLOT_NOTCHES
 LODE_SHARED void lode_drive_guard(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_drive_tuning_t *tuning = self->tuning;
     self->temperature_degC = lode_sense_temperature_degC(&tuning->sense, sample->temperature);
@@ -126,14 +126,14 @@ LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sa
     case SLOT_LOCK:
         lode_estimator_note_lock(estimator, &tuning->estimator);
         break;
-    case SLOT_SEED:
+    case SLOT_NOTCHES:
         lode_drive_guard(self, sample);
         lode_estimator_adapt_notches(estimator, &tuning->estimator);
+        break;
+    case SLOT_GAINS:
         if (LODE_RARELY(!estimator->locked)) {
             lode_mode_seed(self);
         }
-        break;
-    case SLOT_GAINS:
         lode_estimator_adapt_gains(estimator, &tuning->estimator);
         self->omega_half = estimator->pll.omega_rad_s;
         break;

@@ -137,23 +137,14 @@ LODE_RAMFUNC LODE_NOINLINE void lode_estimator_renew_lag(lode_estimator_t *self,
     lode_estimator_adapt_lag(self, tuning);
 }
 
-// At a known angle of the rotor and speed; gains and notches follow in their slots.
-static void place(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                  lode_sincos_t rotor, float omega_rad_s) {
-    self->pll = (lode_pll_t){.omega_rad_s = omega_rad_s};
-    lode_estimator_renew_lag(self, tuning);
-    self->pll.frame = lode_angle_subtract(rotor, self->lag.at);
-    self->per_V = per_V_of(tuning, square(self->emf.observer.e_V), omega_rad_s);
-    self->id_A = lode_park(self->emf.i_A, rotor).d;
-    self->omega_tune = omega_rad_s;
-    self->wait = tuning->patience_rounds;
-}
-
 void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    *self = (lode_estimator_t){.lock = 0.0f};
-    place(self, tuning, (lode_sincos_t){0.0f, 1.0f}, 0.0f);
+    *self = (lode_estimator_t){
+        .pll.frame = {0.0f, 1.0f},
+        .per_V = -1.0f / tuning->emin_V,
+        .wait = tuning->settle_rounds,
+    };
+    lode_estimator_renew_lag(self, tuning);
     self->gains = lode_pll_gains(&tuning->pll, 0.0f);
-    self->wait = tuning->settle_rounds;
 }
 
 void lode_estimator_set_current(lode_estimator_t *self, lode_ab_t i_A) {
@@ -173,23 +164,36 @@ LODE_NOINLINE void lode_estimator_restart(lode_estimator_t *self,
     }
 }
 
+// Notches, gains and the EMF's amplitude follow in their slots.
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                          lode_sincos_t rotor, float omega_rad_s) {
-    place(self, tuning, rotor, omega_rad_s);
+    if (lode_lag_is_far(&self->lag, omega_rad_s)) {
+        self->pll.omega_rad_s = omega_rad_s;
+        lode_estimator_renew_lag(self, tuning);
+    }
+    const lode_sincos_t lag = lode_lag_near(&self->lag, omega_rad_s);
+    const float per_V = lode_abs(self->per_V);
+    self->pll.frame = lode_angle_subtract(rotor, lag);
+    self->pll.omega_rad_s = omega_rad_s;
+    self->pll.f_rad_s2 = 0.0f;
+    self->pll.acc_rad_s2 = 0.0f;
+    self->per_V = omega_rad_s < 0.0f ? per_V : -per_V;
+    self->id_A = lode_park(self->emf.i_A, rotor).d;
+    self->omega_tune = omega_rad_s;
+    self->wait = tuning->patience_rounds;
 }
 
 // A large position error: by the present amplitude, and without the notches, which took no part in so large
 // a step. Beyond SINE_MAX where no motor has such a state.
-LODE_RAMFUNC LODE_NOINLINE float lode_estimator_look_again(lode_estimator_t *self,
-                                                           const lode_estimator_tuning_t *tuning,
-                                                           lode_ab_t e_V, lode_sincos_t frame) {
+LODE_RAMFUNC float lode_estimator_look_again(lode_estimator_t *self,
+                                             const lode_estimator_tuning_t *tuning, lode_ab_t e_V,
+                                             lode_sincos_t frame) {
     const float e2 = square(e_V);
     if (!(e2 <= EMF2_LIMIT_V2) || !(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit)) {
         return 2.0f * SINE_MAX;
     }
     self->per_V = per_V_of(tuning, e2, self->pll.omega_rad_s);
-    lode_sogi_reset(&self->notch.sogi);
-    lode_sogi_reset(&self->notch12.sogi);
+    self->notch.sogi = self->notch12.sogi = (lode_sogi_t){0.0f, 0.0f};
     return lode_park(e_V, frame).d * self->per_V;
 }
 
@@ -231,8 +235,8 @@ LODE_RAMFUNC LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
-LODE_RAMFUNC LODE_NOINLINE void
-lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+LODE_RAMFUNC void lode_estimator_note_rotation(lode_estimator_t *self,
+                                               const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e = self->emf.observer.e_V;
     const lode_ab_t before = self->before_V;
     const lode_ab_t step = {e.alpha * before.alpha + e.beta * before.beta,
@@ -266,12 +270,14 @@ static bool do_slow_job(lode_estimator_t *self, const lode_estimator_tuning_t *t
     case SLOT_LOCK:
         lode_estimator_note_lock(self, tuning);
         return false;
-    case SLOT_SEED:
+    case SLOT_NOTCHES:
         lode_estimator_adapt_notches(self, tuning);
-        return !self->locked && lode_estimator_seed(self, tuning);
-    case SLOT_GAINS:
-        lode_estimator_adapt_gains(self, tuning);
         return false;
+    case SLOT_GAINS: {
+        const bool seeded = !self->locked && lode_estimator_seed(self, tuning);
+        lode_estimator_adapt_gains(self, tuning);
+        return seeded;
+    }
     case SLOT_LAG:
         lode_estimator_adapt_lag(self, tuning);
         return false;

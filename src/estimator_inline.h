@@ -209,7 +209,7 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     }
 }
 
-// SLOT_SEED, whether locked or not.
+// SLOT_NOTCHES
 LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
                                               const lode_estimator_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_NOTCH

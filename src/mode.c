@@ -176,7 +176,7 @@ static void follow_start(lode_drive_t *self) {
     }
 }
 
-LODE_NOINLINE void lode_mode_follow(lode_drive_t *self) {
+void lode_mode_follow(lode_drive_t *self) {
     if (lode_mode(self) == LODE_MODE_START) {
         follow_start(self);
     } else if (self->command.mode == lode_mode(self)) {
@@ -302,7 +302,7 @@ static lode_own_frame_t start_frame(lode_drive_t *self) {
     return (lode_own_frame_t){lode_start_vector(start, tuning), lead_of(step_rad)};
 }
 
-LODE_NOINLINE lode_own_frame_t lode_mode_own_frame(lode_drive_t *self) {
+lode_own_frame_t lode_mode_own_frame(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_COMMISSIONING
     if (lode_mode(self) != LODE_MODE_START) {
         return commanded_frame(self);
@@ -312,7 +312,7 @@ LODE_NOINLINE lode_own_frame_t lode_mode_own_frame(lode_drive_t *self) {
 }
 
 // At low speed in START there is no EMF to go by: from time to time the estimator is set to the vector.
-LODE_NOINLINE void lode_mode_seed(lode_drive_t *self) {
+void lode_mode_seed(lode_drive_t *self) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     const lode_start_t *start = &self->state.start;
     if (lode_mode(self) == LODE_MODE_START && start->catching == 0u &&

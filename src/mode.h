@@ -73,7 +73,7 @@ lode_own_frame_t lode_mode_own_frame(lode_drive_t *self);
 // From RUN to the way down, where the EMF is too small to run by.
 void lode_mode_hand_back(lode_drive_t *self);
 
-// SLOT_SEED without lock.
+// SLOT_GAINS without lock.
 void lode_mode_seed(lode_drive_t *self);
 
 // Takes over an estimate from outside; one that is not finite is a fault.

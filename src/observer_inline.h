@@ -15,12 +15,12 @@ void lode_observer_step_called(lode_observer_t *self, const lode_observer_tuning
 // False for an observer that does not need step angle and speed, and where only such ones are built in.
 LODE_INLINE bool lode_observer_rotates(const lode_observer_tuning_t *tuning) {
 #define ROTATES_FIXED(ID)
-#define ROTATES_INLINE(ID) +1
-#define ROTATES_CALLED(ID) +1
+#define ROTATES_INLINE(ID) ROTATING_##ID,
+#define ROTATES_CALLED(ID) ROTATING_##ID,
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) LODE_IF_BUILT_IN(ID, ROTATES_##STEP(ID))
     enum {
-        ROTATING = 0
 #include "lodestar/observers.def"
+        ROTATING // how many are built in that do
     };
 #undef LODE_OBSERVER
 #undef ROTATES_CALLED

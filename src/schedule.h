@@ -9,8 +9,8 @@
 
 typedef enum {
     SLOT_LOCK,       // lock quality, amplitude of the EMF, length of the PLL's rotation
-    SLOT_SEED,       // without lock: acquisition; notches; guard
-    SLOT_GAINS,      // of the PLL; resonators of the xy plane
+    SLOT_NOTCHES,    // centres; guard
+    SLOT_GAINS,      // of the PLL, of the xy resonators; without lock acquisition first
     SLOT_LAG,        // of the EMF observer; lead of the duties
     SLOT_DEAD_TIME,  // slope of the dead-time error, 1/v_bus
     SLOT_GUARD,      // again

@@ -36,10 +36,11 @@ LODE_INLINE float lode_start_shift_rad(const lode_start_t *self,
                       LODE_START_SHIFT_MAX_rad);
 }
 
-// The vector, with the damping.
+// The vector, with the damping. At the end of the shift's range the angle is off by 1e-3 rad, the length by
+// 0.3 %: the damping does not mind.
 LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self,
                                             const lode_start_tuning_t *tuning) {
-    return lode_angle_add(self->at, lode_sincos_octant(lode_start_shift_rad(self, tuning)));
+    return lode_angle_add(self->at, lode_sincos_small(lode_start_shift_rad(self, tuning)));
 }
 
 // Where it will be a period on.

@@ -39,7 +39,7 @@ STEPS = {
     "board_enhanced": (WARM, CALLS),
     "board_mtpa": (WARM, CALLS),
     "fast_speed": (WARM, CALLS),
-    "start": (WARM, CALLS),
+    "start": (0, WARM + CALLS),  # the rise of the current is as dear as the hand-over
     "saturated": (WARM, CALLS),
     "fault": (190, 30),  # around the trip, from period 200 on
     "off": (WARM, CALLS),
