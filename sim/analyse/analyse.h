@@ -1,4 +1,4 @@
-/// The papers' figures and tables from theory, beside what the firmware's coefficients give.
+/// The papers' figures and tables from theory, and from the firmware's coefficients.
 ///
 /// "Theory" is the continuous formula, "sampled" the firmware's recursion at the drive's period,
 /// with the coefficients that the library's own tuning functions produce.

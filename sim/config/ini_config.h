@@ -13,10 +13,10 @@ bool ini_config_load_scenario(rig_config_t *config, const char *path);
 /// A file of a motor, a drive or a plant: anything but [scenario] and phases.
 bool ini_config_load_part(rig_config_t *config, const char *path);
 
-/// "section.key=value", over what files say. `option`: how the command line calls it.
+/// "section.key=value", overrides the files. `option`: how the command line calls it.
 bool ini_config_set(rig_config_t *config, const char *option, const char *assignment);
 
-/// The value in use, as a file would give it; a rated speed that nobody gave is that of a designed drive.
+/// The value in use, as a file would give it; a rated speed that was not given is that of a designed drive.
 void ini_config_value(const rig_config_t *config, int row, char *text, size_t size);
 
 /// Names the place that decided a key: "FILE:LINE", "from FILE", "command line", or

@@ -38,7 +38,7 @@ typedef struct {
     lode_open_phase_answer_t open_phase;
 } rig_six_t;
 
-/// What people rather write than SI units; each stands for one field of the drive's configuration.
+/// What people prefer to SI units; each stands for one field of the drive's configuration.
 typedef struct {
     double speed_rated_rpm;
     double speed_max_rpm;
@@ -65,7 +65,7 @@ typedef struct {
     double i_noise_A, v_bus_noise_V, temperature_degC, sample_offset_s;
     double theta0_deg; ///< RIG_RANDOM: anywhere
     double speed0_rpm;
-    // Half widths of uniform distributions, drawn anew for each seed.
+    // Half widths of uniform distributions, drawn for each seed.
     double Rs_spread, Lq_spread, J_spread, psi_spread; ///< relative
     double i_offset_spread_A;
     double load_spread_Nm; ///< 0 .. this is added to the load of every phase

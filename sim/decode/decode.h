@@ -29,7 +29,7 @@ typedef struct {
     uint32_t lost; ///< rows
 } decode_gap_t;
 
-/// Octets that are nothing.
+/// Octets that cannot be read.
 typedef struct {
     size_t offset, octets;
 } decode_damage_t;
@@ -69,8 +69,8 @@ typedef struct {
     char message[DECODE_MESSAGE_LENGTH];
 } decode_t;
 
-/// False with `offset` and `message` where the octets are nothing that can be read; nothing is to be
-/// freed then. Frames that are damaged or missing are no reason to refuse: they are counted.
+/// False with `offset` and `message` where the octets cannot be read; nothing needs to be freed then.
+/// Frames that are damaged or missing are no reason to refuse: they are counted.
 bool decode_parse(decode_t *self, const unsigned char *data, size_t size, decode_want_t want);
 
 void decode_free(decode_t *self);

@@ -1,7 +1,7 @@
-/// One case of a campaign: a machine of the catalogue, and a drive that is told wrong of it.
+/// One case of a campaign: a machine of the catalogue, and a drive with wrong parameters.
 ///
-/// The plant keeps what the machine's files say; only the shaft's inertia is multiplied, by what somebody
-/// has coupled to it. All errors are in what the drive believes. A case follows from the machine's name,
+/// The plant keeps what the machine's files say; only the shaft's inertia is multiplied, by what is
+/// coupled to it. All errors are in the drive's parameters. A case follows from the machine's name,
 /// the seed and the kind of errors alone, so that each can be run again by itself.
 #ifndef MONTECARLO_DRAW_H
 #define MONTECARLO_DRAW_H

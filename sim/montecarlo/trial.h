@@ -4,7 +4,7 @@
 
 #include "montecarlo/draw.h"
 
-/// From this error on an angle in RUN is of no use; a drive that does not say so has failed silently.
+/// With this error an angle in RUN cannot be used; a drive that does not report it has failed silently.
 #define MC_ERROR_MAX_deg 60.0
 
 /// It passes through a pipe: no pointers.

@@ -1,4 +1,4 @@
-/// Analogue-to-digital converters with their errors, and the noise generator behind them.
+/// Analogue-to-digital converters with their errors, and their noise generator.
 #ifndef PLANT_ADC_H
 #define PLANT_ADC_H
 

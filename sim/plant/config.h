@@ -15,7 +15,7 @@ enum {
     PLANT_LINKS = 2                         ///< samples of the DC link's shunt per period
 };
 
-/// How true to life the inverter is.
+/// How detailed the inverter model is.
 typedef enum {
     /// duty * v_bus on each phase through the whole period; no dead time, no drops, no ripple.
     /// Currents at t_k are those of the switching inverter's zero-vector samples, less ripple.

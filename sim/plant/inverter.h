@@ -76,7 +76,7 @@ double plant_inverter_next_edge(const plant_inverter_t *self, double limit_s);
 /// Makes the gate edges up to now and finds which devices conduct.
 void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double now_s);
 
-/// Removes what integration made of currents that stay zero for long.
+/// Removes what integration has accumulated in currents that stay zero for long.
 void plant_inverter_clear(const plant_inverter_t *self, plant_motor_t *motor);
 
 /// True if conduction changed in the stretch from `before`, at now_s, to the motor's present state,

@@ -1,5 +1,5 @@
 /// What is on the shaft besides a constant torque: a fan, stiction, once-per-turn ripple, cogging, and
-/// a second mass behind an elastic shaft with backlash.
+/// a second mass on an elastic shaft with backlash.
 ///
 /// With the load's mechanical angle a and speed w, T the constant torque (config.h):
 ///     T_load = T (1 + r cos a) + F w |w|                                                     (M8)
