@@ -68,7 +68,7 @@ void assumptions_drive(rig_config_t *config) {
     const lode_motor_t *motor = &drive->motor;
     if (!(inverter->i_max_A > 0.0f)) {
         inverter->i_max_A = (float)(CURRENT_SHARE * (double)motor->psi_Wb / (double)motor->Ld_H);
-        note(config, "drive", "i_max_A", "0.3 psi/Ld, whatever the motor stands");
+        note(config, "drive", "i_max_A", "0.3 psi/Ld; not a rating of the motor");
     }
     if (!(inverter->v_bus_V > 0.0f)) {
         assume_bus(config);
@@ -87,7 +87,7 @@ void assumptions_note(rig_config_t *config) {
         {"drive", "dead_time_s", "no dead time"},
         {"drive", "v_drop_V", "switches without a drop"},
         {"drive", "r_on_Ohm", "switches without resistance"},
-        {"drive", "pwm_ticks", "duties of any fineness"},
+        {"drive", "pwm_ticks", "duties not quantised"},
         {"drive", "shunts", "a current sensor in each phase"},
         {"drive", "adc_bits", "a common converter"},
         {"drive", "i_range_A", "1.3 times the trip current"},

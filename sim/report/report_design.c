@@ -165,7 +165,7 @@ static void print_limits(FILE *file, const rig_config_t *config, const design_t 
 
 void report_design_text(FILE *file, const rig_config_t *config, const design_t *design) {
     assumptions_print(file, config, "");
-    (void)fputs("every value, and what gave it", file);
+    (void)fputs("every value, and where it came from", file);
     print_values(file, config);
     print_bandwidths(file, config, design);
     print_margins(file, design);

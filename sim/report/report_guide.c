@@ -43,7 +43,7 @@ static void print_guide(FILE *file, const rig_config_t *config, const guide_t *g
     }
     (void)fprintf(
         file,
-        "\nFA-LESO: gain k2, rad/s, with the PLL that turns it\n"
+        "\nFA-LESO: gain k2, rad/s, with the PLL whose speed tunes it\n"
         "assumed: a load step of %.4g Nm, half the torque at i_max. 5th and 7th harmonic %g%s and "
         "%g%s of the EMF,\nnoise %.3g A rms%s per phase; %.0f .. %.0f rpm, sigma %.1f rad/s. Worst "
         "sum: load step + ripple + 3 noise\n",

@@ -1,4 +1,4 @@
-/// A drive on a motor in double behind an ideal inverter and 12-bit converters.
+/// A drive on a motor in double with an ideal inverter and 12-bit converters.
 #ifndef SUPPORT_RIG_H
 #define SUPPORT_RIG_H
 

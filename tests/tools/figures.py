@@ -212,7 +212,7 @@ def table_rows(f):
          f"{jiang['contradicted']} contradicted, each with its reason", "`sim/run reproduce jiang2022`"),
         ("paper 2 figure by figure, on a stand-in for its motor", f"{li['claims']} claims: "
          f"{li['reproduced']} reproduced, {li['contradicted']} contradicted, each with its reason. FA-LESO at "
-         f"300, 600, 840 rpm: mean {fa['ideal']:.2f} behind an ideal inverter; behind 2 µs, corrected, at "
+         f"300, 600, 840 rpm: mean {fa['ideal']:.2f} with an ideal inverter; with 2 µs of dead time, corrected, at "
          f"most {fa['free']:.1f} without load and {fa['loaded']:.1f} with 80 %",
          "`sim/run reproduce li-fa-leso`"),
         (f"{f['replays']['count']} recordings of another simulator, either PLL", "mean of the last 0.1 s "

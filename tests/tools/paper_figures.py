@@ -34,7 +34,7 @@ def sentences(jiang, li):
     yield readme, "| {0} claims: {0} reproduced, {0} contradicted, each with its reason | `sim/run reproduce jiang2022`", \
         jiang["count"]
     yield readme, "| {0} claims: {0} reproduced, {0} contradicted, each with its reason. FA-LESO at", li["count"]
-    yield readme, "behind 2 µs, corrected, at most {1} without load and {1} with 80 %", [max(free), max(held)]
+    yield readme, "with 2 µs of dead time, corrected, at most {1} without load and {1} with 80 %", [max(free), max(held)]
     for rpm, figure in ((300, "fig16"), (1500, "fig17")):
         steps = [j(f"{figure}_{pll}_{rpm}_step", column) for column in ("as_printed", "corrected")
                  for pll in ("qpll", "enhanced")]
