@@ -25,6 +25,8 @@ endif()
 set(CMAKE_C_FLAGS_INIT "${lode_cpu_${LODE_CORE}} -ffunction-sections -fdata-sections")
 # CMake would append -O3 to an _INIT value; -O3 buys little here and costs flash.
 set(CMAKE_C_FLAGS_RELEASE "-O2 -g" CACHE STRING "Flags of a release build")
+# Without any optimisation the smaller chips' flash does not hold the application.
+set(CMAKE_C_FLAGS_DEBUG "-Og -g" CACHE STRING "Flags of a debug build")
 set(CMAKE_ASM_FLAGS_INIT "${lode_cpu_${LODE_CORE}}")
 # A port brings its own start-up code and linker script.
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-nostartfiles --specs=nano.specs -Wl,--gc-sections")

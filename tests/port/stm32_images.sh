@@ -49,9 +49,16 @@ arm-none-eabi-nm "$work/g4/port/stm32g4/lodestar_stm32g4.elf" | awk '
     { echo "the count of watchdog resets: expected behind .bss"; exit 1; }
 must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON
 sizes "nucleo_ihm16m1 with CORDIC" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
+# The larger chip has room for every observer in its fast memory.
+must_build g474 -DLODE_PORT=stm32g4 -DLODE_CHIP=g474 -DLODE_BOARD=nucleo_ihm16m1 -DLODE_OTHER_OBSERVERS=ON
+sizes "g474, all observers" "$work/g474/port/stm32g4/lodestar_stm32g4.elf"
+if build refused_chip -DLODE_PORT=stm32g4 -DLODE_CHIP=g999 || ! grep -q "expected g431 or g474" "$log"; then
+    echo "a chip that is none: expected a refusal that names g431 and g474"
+    exit 1
+fi
 must_build f4 -DLODE_PORT=stm32f4
 sizes stm32f4 "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
-# The fast memory holds the step whatever the optimisation; without any the step runs from flash.
+# The fast memory holds the step whatever the optimisation; in a Debug build it runs from flash.
 for flags in -Os -O3; do
     must_build "g4$flags" -DLODE_PORT=stm32g4 -DCMAKE_C_FLAGS_RELEASE="$flags"
     sizes "b_g431b_esc1 $flags" "$work/g4$flags/port/stm32g4/lodestar_stm32g4.elf"
