@@ -1,5 +1,9 @@
-"""lodestar faults: faults are put in, found or not, and told; wrong input is refused."""
-from support.tool import Checks, Folder, refused
+"""lodestar faults: faults are injected, found or not, and reported; wrong input is refused."""
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
+from tool import Checks, Folder, refused
 
 
 def cases_of(folder, *arguments):
