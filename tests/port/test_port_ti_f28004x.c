@@ -319,11 +319,11 @@ static void test_trip_path_is_tested(void) {
     TEST_ASSERT_TRUE(fake_all_tripped()); // off
     lode_counts_t counts;
     board_read(&counts);
-    TEST_ASSERT_FALSE(counts.trip); // leaves no trip behind
-    for (uint32_t n = 0; n < 3u; n++) {
+    TEST_ASSERT_FALSE(counts.trip);     // leaves no trip behind
+    for (uint32_t n = 0; n < 6u; n++) { // each sign of each phase
         fake_reset();
         TEST_ASSERT_TRUE(board_init(TRIP_A));
-        fake_kill_comparator(cmpss[n]);
+        fake_kill_comparator(cmpss[n / 2u], n % 2u == 0u);
         TEST_ASSERT_FALSE(board_test_trip());
     }
 }

@@ -21,6 +21,7 @@ static struct {
     entry_t registers[REGISTERS];
     int used;
     uint32_t comparators, dead_comparator;
+    bool dead_high; // of the two in it, the one for positive currents
     bool fault, gated, halted;
     uint32_t cycles, step;
     int interrupts_on;
@@ -77,8 +78,10 @@ static bool compared(void) {
         const uint32_t control = COMPCTL_ON | COMPCTL_HIGH_FILTERED | COMPCTL_LOW_FILTERED_INVERTED;
         const uint32_t high = fake_get(CMPSSB(n) + CMPSS_DACHVALS);
         const uint32_t low = fake_get(CMPSSB(n) + CMPSS_DACLVALS);
-        const bool beyond = high < NO_CURRENT_COUNT || low > NO_CURRENT_COUNT;
-        if (n != fake.dead_comparator && (beyond || (fake.comparators & 1u << n) != 0u) &&
+        const bool dead = n == fake.dead_comparator;
+        const bool beyond = (high < NO_CURRENT_COUNT && !(dead && fake.dead_high)) ||
+                            (low > NO_CURRENT_COUNT && !(dead && !fake.dead_high));
+        if ((beyond || (fake.comparators & 1u << n) != 0u) &&
             fake_get(CMPSSB(n) + CMPSS_COMPCTL) == control &&
             (fake_get(CMPSSB(n) + CMPSS_HFILCTL) & FILCTL_INIT) != 0u &&
             (fake_get(PWMXBAR0_G1) & PWMXBAR_CMPSSB(n)) == PWMXBAR_CMPSSB(n)) {
@@ -119,8 +122,9 @@ void fake_set_comparator(uint32_t n, bool active) {
     sources_act();
 }
 
-void fake_kill_comparator(uint32_t n) {
+void fake_kill_comparator(uint32_t n, bool high) {
     fake.dead_comparator = n;
+    fake.dead_high = high;
 }
 
 void fake_set_fault(bool active) {

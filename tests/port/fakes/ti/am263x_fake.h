@@ -19,8 +19,8 @@ int fake_interrupts_on(void);
 /// have been set up, from the comparator or pin to the outputs of each ePWM.
 void fake_set_comparator(uint32_t n, bool active);
 void fake_set_fault(bool active);
-/// It never acts.
-void fake_kill_comparator(uint32_t n);
+/// The one for positive (`high`) or negative currents never acts on its threshold.
+void fake_kill_comparator(uint32_t n, bool high);
 /// A debugger holds the core.
 void fake_set_halted(bool halted);
 /// The six pads are the ePWM's and no trip holds them low.

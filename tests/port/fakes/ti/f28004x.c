@@ -30,7 +30,7 @@ static struct {
     entry_t entries[ENTRIES_MAX];
     int count;
     zone_t zone[PHASES];
-    bool comparator[PHASES], dead_comparator[PHASES], fault, dead, overflow;
+    bool comparator[PHASES], dead_high[PHASES], dead_low[PHASES], fault, dead, overflow;
     uint16_t direction;
     uint32_t cycles;
     uint16_t result[PHASES][RESULTS];
@@ -113,10 +113,10 @@ static bool signal_enabled(uint32_t base, uint16_t signal) {
 static bool compared(int n) {
     const int high = fake_last("CMPSS_setDACValueHigh", cmpss[n], FAKE_ANY, FAKE_ANY);
     const int low = fake_last("CMPSS_setDACValueLow", cmpss[n], FAKE_ANY, FAKE_ANY);
-    const bool beyond =
-        high >= 0 && low >= 0 &&
-        (fake_arguments(high)[1] < NO_CURRENT_COUNT || fake_arguments(low)[1] > NO_CURRENT_COUNT);
-    return !fake.dead_comparator[n] && (fake.comparator[n] || beyond);
+    const bool beyond = high >= 0 && low >= 0 &&
+                        ((fake_arguments(high)[1] < NO_CURRENT_COUNT && !fake.dead_high[n]) ||
+                         (fake_arguments(low)[1] > NO_CURRENT_COUNT && !fake.dead_low[n]));
+    return fake.comparator[n] || beyond;
 }
 
 static bool comparator_reaches(int n, uint32_t base) {
@@ -172,9 +172,10 @@ void fake_set_comparator(uint32_t base, bool active) {
     sources_act();
 }
 
-void fake_kill_comparator(uint32_t base) {
+void fake_kill_comparator(uint32_t base, bool high) {
     for (int n = 0; n < PHASES; n++) {
-        fake.dead_comparator[n] = fake.dead_comparator[n] || cmpss[n] == base;
+        fake.dead_high[n] = fake.dead_high[n] || (high && cmpss[n] == base);
+        fake.dead_low[n] = fake.dead_low[n] || (!high && cmpss[n] == base);
     }
 }
 

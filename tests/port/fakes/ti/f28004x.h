@@ -19,8 +19,8 @@ const uint32_t *fake_arguments(int index);
 /// or amplifier to the outputs of each ePWM.
 void fake_set_comparator(uint32_t cmpss, bool active);
 void fake_set_fault(bool active);
-/// It never acts.
-void fake_kill_comparator(uint32_t cmpss);
+/// The one for positive (`high`) or negative currents never acts on its threshold.
+void fake_kill_comparator(uint32_t cmpss, bool high);
 /// The six pins are the ePWM's and no trip holds them low.
 bool fake_gates_on(void);
 /// All three ePWM are held by their one-shot trips.
