@@ -12,13 +12,16 @@
 #include "support/progress.h"
 #include "support/shown.h"
 
-enum { PLOTS_MAX = LI_PLOTS }; // the most of any
+enum {
+    PLOTS_MAX = LI_PLOTS, // the most of any
+    SEEDS = 5
+};
 
 /// One paper, as the command sees it.
 typedef struct {
     const char *name;
     bool (*load)(const options_t *options);
-    const table_t *(*run)(void); ///< NULL after a message
+    const table_t *(*run)(const reproduce_extent_t *extent); ///< NULL after a message
     const rig_config_t *config;
     int plots;
     const char *(*plot_file)(int k);
@@ -41,8 +44,8 @@ static bool jiang_load(const options_t *options) {
            command_load_sets(&bases.library, options);
 }
 
-static const table_t *jiang_run(void) {
-    return reproduction_run(&reproduction, &bases) ? &reproduction.table : NULL;
+static const table_t *jiang_run(const reproduce_extent_t *extent) {
+    return reproduction_run(&reproduction, &bases, extent) ? &reproduction.table : NULL;
 }
 
 static bool jiang_plot(const plot_output_t *output, int k) {
@@ -58,8 +61,8 @@ static bool li_load(const options_t *options) {
     return li_case_load(&li_base) && command_load_sets(&li_base, options);
 }
 
-static const table_t *li_run(void) {
-    return li_reproduction_run(&li_table, &li_base) ? &li_table : NULL;
+static const table_t *li_run(const reproduce_extent_t *extent) {
+    return li_reproduction_run(&li_table, &li_base, extent) ? &li_table : NULL;
 }
 
 static bool li_draw(const plot_output_t *output, int k) {
@@ -124,13 +127,30 @@ static bool write_files(files_t *files, const study_t *study, const table_t *tab
     return good && atomic_file_commit_all();
 }
 
+/// False after a message.
+static bool extent_of(const options_t *options, reproduce_extent_t *extent) {
+    *extent = (reproduce_extent_t){.first_seed = 1u, .seeds = SEEDS, .processes = options->jobs};
+    if (options->has_campaign) {
+        const uint64_t more = options->seed_last - options->seed;
+        if (more >= SEEDS_MAX) {
+            rig_error("reproduce --seeds: expected at most %d", SEEDS_MAX);
+            return false;
+        }
+        extent->first_seed = options->seed;
+        extent->seeds = (int)more + 1;
+    }
+    return true;
+}
+
 rig_exit_t command_reproduce(const options_t *options) {
     files_t files = {.csv = NULL};
+    reproduce_extent_t extent;
     const study_t *study = study_of(options->paper);
-    if (study == NULL || !study->load(options) || !open_files(&files, options, study)) {
+    if (study == NULL || !extent_of(options, &extent) || !study->load(options) ||
+        !open_files(&files, options, study)) {
         return RIG_BAD_INPUT;
     }
-    const table_t *table = study->run();
+    const table_t *table = study->run(&extent);
     if (table == NULL) {
         return RIG_BAD_INPUT;
     }

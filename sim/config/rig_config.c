@@ -281,11 +281,14 @@ static void describe_motor(const rig_config_t *config, plant_config_t *plant, ui
 
 /// A fan is known by its torque at a speed, the rated one unless given.
 static double fan_Nms2(const rig_config_t *config) {
+    if (!(or_else(config->plant.fan_Nm, 0.0) > 0.0)) { // nor need a rated speed be known
+        return 0.0;
+    }
     const double np = (double)config->drive.motor.pole_pairs;
     const double rated = (double)config->drive.motor.omega_rated_rad_s / np;
     const double rpm = or_else(config->plant.fan_rpm, rig_rpm_from_rad_s(rated));
     const double omega = rig_rad_s_from_rpm(rpm);
-    return or_else(config->plant.fan_Nm, 0.0) / (omega * omega);
+    return config->plant.fan_Nm / (omega * omega);
 }
 
 static void describe_load(const rig_config_t *config, plant_config_t *plant) {

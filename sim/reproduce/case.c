@@ -1,5 +1,6 @@
 #include "reproduce/case.h"
 
+#include <complex.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -20,19 +21,30 @@
 #define KNOB_STEP 0.05
 #define KNOB_s 0.05
 #define LEVEL_s 0.8
+#define START_s 2.0
+#define START_RUN_s 1.0
+#define START_rpm 900.0
+#define START_HANDOVER_rpm 100.0
 #define LOST_deg 90.0
 #define STALL 0.05
 
 const char *case_chain_name(case_chain_t chain) {
     static const char *const names[CHAINS] = {
         [CHAIN_PRINTED] = "as printed",
+        [CHAIN_CONTINUOUS] = "continuous",
+        [CHAIN_SAMPLED] = "exact, lag as in the paper",
         [CHAIN_EXACT] = "exact",
-        [CHAIN_CORRECTED] = "exact, corrected",
+        [CHAIN_CORRECTED] = "exact, active flux",
         [CHAIN_LIBRARY] = "library's own gains",
         [CHAIN_EQ14] = "as printed, speed of eq. 14",
-        [CHAIN_PRINTED_CORRECTED] = "as printed, dead time corrected",
     };
     return names[chain];
+}
+
+bool case_same(const case_t *a, const case_t *b) {
+    return a->kind == b->kind && a->method == b->method && a->chain == b->chain &&
+           a->inverter == b->inverter && a->seed == b->seed &&
+           !(fabs(a->speed_rpm - b->speed_rpm) > 0.0) && !(fabs(a->Ld_factor - b->Ld_factor) > 0.0);
 }
 
 // ---- Set-up -------------------------------------------------------------------------------------
@@ -93,6 +105,32 @@ static void describe_mismatch(case_kind_t kind, rig_scenario_t *scenario) {
     }
 }
 
+static bool is_start(const case_t *what) {
+    return what->kind == CASE_START || what->kind == CASE_START_SPREAD;
+}
+
+/// As in the scenario of that name. Start and control are the library's: the paper says little of its own.
+static void describe_start(const case_t *what, const rig_config_t *paper, rig_config_t *config) {
+    rig_phase_t *first = add(&config->scenario, "start", START_s);
+    first->speed_rpm = HOLD_rpm;
+    first->load_Nm = 0.0;
+    add(&config->scenario, "run", START_RUN_s)->speed_rpm = START_rpm;
+    config->source = RIG_SOURCE_OWN;
+    config->people.handover_rpm = START_HANDOVER_rpm;
+    if (what->chain != CHAIN_LIBRARY) {
+        config->drive.estimator.emf.w0_rad_s = paper->drive.estimator.emf.w0_rad_s;
+        config->drive.estimator.pll.sigma_rad_s = paper->drive.estimator.pll.sigma_rad_s;
+    }
+    if (what->kind == CASE_START_SPREAD) {
+        config->plant.load_kind = 0; // passive
+        config->plant.load_spread_Nm = 2.0;
+        config->plant.Rs_spread = 0.2;
+        config->plant.Lq_spread = 0.15;
+        config->plant.i_offset_spread_A = 0.1;
+        config->plant.i_noise_A = 0.05;
+    }
+}
+
 static void describe_phases(const case_t *what, rig_scenario_t *scenario) {
     const double speed_rpm = is_staircase(what) ? CASE_STEP_rpm : what->speed_rpm;
     rig_phase_t *hold = add(scenario, "hold", HOLD_s);
@@ -117,8 +155,7 @@ static void describe_phases(const case_t *what, rig_scenario_t *scenario) {
 
 static void choose_chain(const case_t *what, rig_config_t *config) {
     const case_chain_t chain = what->chain;
-    const bool printed =
-        chain == CHAIN_PRINTED || chain == CHAIN_PRINTED_CORRECTED || chain == CHAIN_EQ14;
+    const bool printed = chain == CHAIN_PRINTED || chain == CHAIN_CONTINUOUS || chain == CHAIN_EQ14;
     const bool whole = chain == CHAIN_CORRECTED || chain == CHAIN_LIBRARY;
     const bool qpll = what->method == METHOD_QPLL;
     lode_drive_config_t *drive = &config->drive;
@@ -128,25 +165,42 @@ static void choose_chain(const case_t *what, rig_config_t *config) {
     } else {
         config->pll = qpll ? RIG_PLL_QPLL : RIG_PLL_ENHANCED;
     }
+    if (chain == CHAIN_SAMPLED && qpll) { // the paper compensates in the enhanced PLL only
+        config->compensation = RIG_COMPENSATION_NONE;
+    }
     config->speed_of_eq14 = chain == CHAIN_EQ14;
+    config->continuous = chain == CHAIN_CONTINUOUS;
     drive->estimator.active_flux = whole ? LODE_ON : LODE_OFF;
-    if (what->ideal) {
+}
+
+static void choose_inverter(const case_t *what, rig_config_t *config) {
+    if (what->inverter == CASE_IDEAL) {
         config->plant.inverter = PLANT_AVERAGED;
     }
     // An ideal inverter has nothing to be corrected.
-    const bool corrected = whole || chain == CHAIN_PRINTED_CORRECTED;
-    drive->inverter.dead_time_correction =
-        corrected && config->plant.inverter != (int)PLANT_AVERAGED ? LODE_ON : LODE_OFF;
+    const bool corrected =
+        what->inverter == CASE_COMPENSATED && config->plant.inverter != (int)PLANT_AVERAGED;
+    config->drive.inverter.dead_time_correction = corrected ? LODE_ON : LODE_OFF;
 }
 
 static bool describe(const case_t *what, const case_bases_t *bases, rig_config_t *config) {
-    *config = what->chain == CHAIN_LIBRARY ? bases->library : bases->paper;
+    const bool own = what->chain == CHAIN_LIBRARY || is_start(what);
+    *config = own ? bases->library : bases->paper;
     lode_drive_config_t *drive = &config->drive;
     choose_chain(what, config);
-    config->source = RIG_SOURCE_SEEDED;
-    config->seeded_s = RELEASE_s;
+    choose_inverter(what, config);
+    config->scenario.seed = (double)what->seed;
     config->scenario.log_s = 1.0 / (double)drive->f_pwm_Hz;
-    describe_phases(what, &config->scenario);
+    if (is_start(what)) {
+        describe_start(what, &bases->paper, config);
+    } else {
+        config->source = RIG_SOURCE_SEEDED;
+        config->seeded_s = RELEASE_s;
+        describe_phases(what, &config->scenario);
+    }
+    if (what->Ld_factor > 0.0) {
+        drive->motor.Ld_H *= (float)what->Ld_factor;
+    }
     if (!rig_config_complete(config, RIG_NEED_DRIVE)) {
         return false;
     }
@@ -274,10 +328,42 @@ static void measure_levels(case_kind_t kind, const runlog_t *log, case_result_t 
     }
 }
 
+/// The order of the largest ripple in the angle over the window that ends at `end_s`.
+static double ripple_order(const runlog_t *log, double end_s, double mean_deg) {
+    const double ts_s = log->row[1].t_s - log->row[0].t_s;
+    const size_t end = (size_t)llround(end_s / ts_s);
+    const size_t from = end - (size_t)llround(CASE_WINDOW_s / ts_s);
+    double largest = 0.0;
+    double order = NAN;
+    for (int n = 1; n <= CASE_ORDERS; ++n) {
+        double complex sum = 0.0;
+        for (size_t k = from; k < end && k < log->rows; ++k) {
+            sum += (log->row[k].angle_error_deg - mean_deg) *
+                   cexp(-I * (double)n * log->row[k].theta_e_rad);
+        }
+        if (cabs(sum) > largest) {
+            largest = cabs(sum);
+            order = n;
+        }
+    }
+    return order;
+}
+
+static double has_started(const runner_result_t *run) {
+    const runner_phase_t *last = &run->phase[run->phases - 1];
+    const bool runs = last->mode == LODE_MODE_RUN && last->error_deg.count > 0 &&
+                      fabs(rig_stats_mean(&last->speed_rpm) - START_rpm) < STALL * START_rpm;
+    return runs ? 1.0 : 0.0;
+}
+
 static void measure(const case_t *what, const runner_result_t *run, const runlog_t *log,
                     case_result_t *out) {
-    out->lost_s = find_loss(log);
     out->simulated_s = run->simulated_s;
+    if (is_start(what)) {
+        out->started = has_started(run);
+        return;
+    }
+    out->lost_s = find_loss(log);
     out->reseeds = count_reseeds(run);
     const double end_s = run->simulated_s;
     if (is_staircase(what)) {
@@ -292,6 +378,7 @@ static void measure(const case_t *what, const runner_result_t *run, const runlog
     const figures_t level = steady(log, out, settled_s);
     out->dc_deg = rig_stats_mean(&level.angle_deg);
     out->pp_deg = rig_stats_peak_to_peak(&level.angle_deg);
+    out->ripple_order = level.angle_deg.count > 0 ? ripple_order(log, settled_s, out->dc_deg) : NAN;
     out->speed_error_rpm = rig_stats_mean(&level.speed_error_rpm);
     out->speed_error_pp_rpm = rig_stats_peak_to_peak(&level.speed_error_rpm);
     if (what->kind == CASE_RATED) {
@@ -309,6 +396,7 @@ static case_result_t nothing(void) {
         .step_deg = NAN,
         .step_speed_rpm = NAN,
         .step_estimate_rpm = NAN,
+        .ripple_order = NAN,
         .ramp_dc_deg = NAN,
         .ramp_max_deg = NAN,
         .lost_s = NAN,
@@ -334,7 +422,7 @@ bool case_run(const case_t *what, const case_bases_t *bases, case_result_t *resu
     *result = nothing();
     bool good = describe(what, bases, &config) &&
                 runner_run(&config, runner_estimator(&config), &run, rows);
-    if (good && run.simulated_s < RELEASE_s) {
+    if (good && !is_start(what) && run.simulated_s < RELEASE_s) {
         rig_error("%s at %g rpm: the drive tripped before the experiment began",
                   case_chain_name(what->chain), what->speed_rpm);
         good = false;

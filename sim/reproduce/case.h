@@ -2,19 +2,25 @@
 #ifndef RIG_REPRODUCE_CASE_H
 #define RIG_REPRODUCE_CASE_H
 
+#include <stdint.h>
+
 #include "config/rig_config.h"
 #include "rig/runlog.h"
 
 /// What stands between the sampled signals and the duties. All have the paper's gains.
 typedef enum {
-    CHAIN_PRINTED,   ///< the paper's own form, forward Euler, as printed
-    CHAIN_EXACT,     ///< the library's estimator in its place
-    CHAIN_CORRECTED, ///< the same, with the EMF of the active flux, and dead-time correction
-    CHAIN_LIBRARY,   ///< what the library designs by itself, with nothing of the paper's gains
-    CHAIN_PRINTED_CORRECTED, ///< as printed, but with dead-time correction
-    CHAIN_EQ14,              ///< as printed, with the speed of eq. 14; QPLL only
+    CHAIN_PRINTED,    ///< the paper's own form, forward Euler, as printed
+    CHAIN_CONTINUOUS, ///< the same equations integrated in continuous time
+    CHAIN_SAMPLED,    ///< the library's exact form, its lag compensated where the paper compensates
+    CHAIN_EXACT,      ///< the same with its lag compensated in the QPLL too
+    CHAIN_CORRECTED,  ///< the same, with the EMF of the active flux
+    CHAIN_LIBRARY,    ///< what the library designs by itself, with nothing of the paper's gains
+    CHAIN_EQ14,       ///< as printed, with the speed of eq. 14; QPLL only
     CHAINS
 } case_chain_t;
+
+/// The inverter, and whether its dead time and drops are corrected.
+typedef enum { CASE_IDEAL, CASE_COMPENSATED, CASE_BARE, CASE_INVERTERS } case_inverter_t;
 
 const char *case_chain_name(case_chain_t chain);
 
@@ -29,6 +35,8 @@ typedef enum {
     CASE_LQ_UP,           ///< 1, 1.25, 1.5, 2 times
     CASE_RS_DOWN,
     CASE_RS_UP,
+    CASE_START,        ///< I-f from standstill, hand-over at 100 rpm, then 300 and 900 rpm; no load
+    CASE_START_SPREAD, ///< the same with all that start.ini draws at random
     CASE_KINDS
 } case_kind_t;
 
@@ -37,7 +45,8 @@ typedef enum {
 #define CASE_WINDOW_s 0.4 // steady figures are those of this last part of a phase
 #define CASE_SWING_s                                                                               \
     0.2 // by then the speed has come back: ten times 1/(55 rad/s), the loop's crossover
-enum { CASE_STEPS = 5 }; // of the staircase: 300, 600 .. 1500 rpm
+enum { CASE_STEPS = 5 };   // of the staircase: 300, 600 .. 1500 rpm
+enum { CASE_ORDERS = 12 }; // of ripple that are looked at
 #define CASE_STEP_rpm 300.0
 #define CASE_RAMP_rpm_s 2000.0
 
@@ -45,9 +54,13 @@ typedef struct {
     case_kind_t kind;
     case_method_t method;
     case_chain_t chain;
-    double speed_rpm; ///< not of a staircase
-    bool ideal;       ///< behind an inverter without dead time, drops and switching
+    case_inverter_t inverter;
+    double speed_rpm; ///< not of a staircase and a start
+    double Ld_factor; ///< what the firmware takes for Ld, of the true one; 0: 1
+    uint64_t seed;    ///< of noise and all that is random
 } case_t;
+
+bool case_same(const case_t *a, const case_t *b);
 
 enum { CASE_LEVELS_MAX = 4 };
 
@@ -63,6 +76,7 @@ typedef struct {
     double step_deg;          ///< of the angle error, to the end of the phase
     double step_speed_rpm;    ///< of the real speed
     double step_estimate_rpm; ///< of the speed error
+    double ripple_order; ///< ripples per electrical turn: the largest of orders 1 .. CASE_ORDERS
     // Staircase.
     double stair_dc_deg[CASE_STEPS], stair_pp_deg[CASE_STEPS];
     double level_dc_deg[CASE_LEVELS_MAX], level_pp_deg[CASE_LEVELS_MAX]; ///< mismatch
@@ -71,6 +85,7 @@ typedef struct {
     double ramp_max_deg; ///< largest deviation from the mean before a ramp, to the end of its phase
     double lost_s;       ///< NaN: never
     double simulated_s;
+    double started;   ///< 1: it reached 900 rpm, 0: it did not
     unsigned reseeds; ///< how often the library's supervision acquired the angle anew
 } case_result_t;
 

@@ -22,7 +22,7 @@
 #define KNOB_STEP 0.02
 enum { KNOB_PERIODS = 200 }; // 0.5 s from 1 to 1.5
 
-static const double orders[LI_ORDERS] = {1.0, 5.0, 7.0};
+static const double orders[LI_ORDERS] = {1.0, 5.0, 7.0, 11.0, 13.0};
 
 typedef struct {
     rig_stats_t error_deg, speed_rpm, id_A, iq_A, xy_A;
@@ -65,12 +65,39 @@ bool li_case_load(rig_config_t *base) {
            data_files_load_part(base, "reproduce", LI_PAPER);
 }
 
-static bool has_dead_time(li_column_t column) {
-    return column == LI_PRINTED_DEAD || column == LI_CORRECTED;
+li_case_t li_case_in(li_case_t what, li_column_t column) {
+    what.form = column <= LI_PRINTED_DEAD ? LI_EULER : LI_SAMPLED;
+    what.compensated = column >= LI_EXACT;
+    what.inverter = CASE_IDEAL;
+    if (column == LI_PRINTED_DEAD) {
+        what.inverter = CASE_BARE;
+    } else if (column == LI_CORRECTED) {
+        what.inverter = CASE_COMPENSATED;
+    }
+    return what;
 }
 
-static bool is_printed(li_column_t column) {
-    return column == LI_PRINTED || column == LI_PRINTED_DEAD;
+static bool differ(double a, double b) {
+    return fabs(a - b) > 0.0;
+}
+
+static bool same_stage(const li_stage_t *a, const li_stage_t *b) {
+    return !differ(a->duration_s, b->duration_s) && !differ(a->speed_rpm, b->speed_rpm) &&
+           !differ(a->load_Nm, b->load_Nm) && !differ(a->Rs_factor, b->Rs_factor) &&
+           !differ(a->Lq_factor, b->Lq_factor) && !differ(a->load_rise_s, b->load_rise_s);
+}
+
+bool li_case_same(const li_case_t *a, const li_case_t *b) {
+    bool same = a->seed == b->seed && a->observer == b->observer && a->form == b->form &&
+                a->inverter == b->inverter && a->compensated == b->compensated &&
+                a->qpll == b->qpll && a->source == b->source && a->plain_xy == b->plain_xy &&
+                a->stages == b->stages && !differ(a->k2_rad_s, b->k2_rad_s) &&
+                !differ(a->sigma_rad_s, b->sigma_rad_s) && !differ(a->id_A, b->id_A) &&
+                !differ(a->harmonics, b->harmonics);
+    for (int k = 0; k < a->stages && same; ++k) {
+        same = same_stage(&a->stage[k], &b->stage[k]);
+    }
+    return same;
 }
 
 /// No dead time, no drops, and firmware that knows it.
@@ -86,13 +113,15 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
     static const int emf[LI_OBSERVERS] = {LODE_EMF_C_LESO, LODE_EMF_GI_LESO, LODE_EMF_FA_LESO};
     *config = *base;
     config->emf = emf[what->observer];
-    config->pll = RIG_PLL_LESO;
-    config->compensation =
-        what->column == LI_UNCOMPENSATED ? RIG_COMPENSATION_NONE : RIG_COMPENSATION_EXACT;
+    config->pll = what->qpll ? RIG_PLL_QPLL : RIG_PLL_LESO;
+    config->scenario.seed = (double)what->seed;
+    // Beside the paper's own forms it makes the start.
+    const bool lags = what->form == LI_SAMPLED && !what->compensated;
+    config->compensation = lags ? RIG_COMPENSATION_NONE : RIG_COMPENSATION_EXACT;
     config->six.source = what->source;
     config->six.xy.resonance_rad_s = what->plain_xy ? LODE_NONE : config->six.xy.resonance_rad_s;
     lode_drive_config_t *drive = &config->drive;
-    drive->inverter.dead_time_correction = what->column == LI_CORRECTED ? LODE_ON : LODE_OFF;
+    drive->inverter.dead_time_correction = what->inverter == CASE_COMPENSATED ? LODE_ON : LODE_OFF;
     if (what->k2_rad_s > 0.0) {
         drive->estimator.emf.k2_rad_s = (float)what->k2_rad_s;
     }
@@ -104,7 +133,7 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
         drive->references.omega_low_rad_s = 1.0e4f;
         drive->references.omega_high_rad_s = 2.0e4f;
     }
-    if (!has_dead_time(what->column)) {
+    if (what->inverter == CASE_IDEAL) {
         idealise(config);
     }
     if (what->harmonics > 0.0) {
@@ -119,7 +148,8 @@ static euler_config_t printed_form(const li_case_t *what, const rig_config_t *co
     static rig_config_t own;
     own = *config;
     own.emf = emf[what->observer];
-    own.pll = RIG_PLL_LESO_EULER;
+    own.pll = what->qpll ? RIG_PLL_QPLL_EULER : RIG_PLL_LESO_EULER;
+    own.continuous = what->form == LI_CONTINUOUS;
     own.compensation = RIG_COMPENSATION_NONE;
     rig_config_design(&own);
     return euler_estimate_config(&own);
@@ -133,7 +163,7 @@ static bool start(run_t *run, const rig_config_t *base) {
         return false;
     }
     run->config = rig_config_six(&config);
-    run->printed = is_printed(run->what->column);
+    run->printed = run->what->form != LI_SAMPLED;
     if (run->printed) {
         run->euler_config = printed_form(run->what, &config);
     }
@@ -299,7 +329,11 @@ static double farthest(const rig_stats_t *of, double from) {
 }
 
 static li_stage_result_t nothing(void) {
-    return (li_stage_result_t){NAN, NAN, NAN, NAN, NAN, NAN, {NAN, NAN, NAN}, NAN, NAN, NAN, NAN};
+    li_stage_result_t out = {NAN, NAN, NAN, NAN, NAN, NAN, {NAN}, NAN, NAN, NAN, NAN};
+    for (int n = 0; n < LI_ORDERS; ++n) {
+        out.harmonic_pct[n] = NAN;
+    }
+    return out;
 }
 
 static void conclude(const run_t *run, int index) {

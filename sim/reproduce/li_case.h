@@ -7,6 +7,7 @@
 
 #include "config/rig_config.h"
 #include "lodestar/drive6.h"
+#include "reproduce/case.h"
 
 #define LI_PAPER "li-fa-leso"
 /// Motor, drive and plant: a stand-in for the paper's, whose table is not available.
@@ -32,7 +33,10 @@ typedef enum {
     LI_COLUMNS
 } li_column_t;
 
-enum { LI_STAGES_MAX = 6, LI_ORDERS = 3 };
+/// The equations of the paper: in forward Euler, integrated in continuous time, in the library's form.
+typedef enum { LI_EULER, LI_CONTINUOUS, LI_SAMPLED, LI_FORMS } li_form_t;
+
+enum { LI_STAGES_MAX = 6, LI_ORDERS = 5 };
 
 /// A stretch of the experiment; it begins with a change.
 typedef struct {
@@ -43,7 +47,11 @@ typedef struct {
 
 typedef struct {
     li_observer_t observer;
-    li_column_t column;
+    li_form_t form;
+    case_inverter_t inverter;
+    bool compensated; ///< the lag; LI_SAMPLED only, as the paper compensates nothing
+    bool qpll;        ///< in place of the LESO-QPLL
+    uint64_t seed;    ///< of noise and all that is random
     lode_source_t source;
     double k2_rad_s, sigma_rad_s; ///< 0: of the file
     double id_A;                  ///< magnitude of the negative id*
@@ -60,7 +68,7 @@ typedef struct {
     double speed_rpm;
     double e_V;                     ///< fundamental of the estimated EMF
     double id_A, iq_A;              ///< estimated frame
-    double harmonic_pct[LI_ORDERS]; ///< 1st, 5th and 7th of the estimated alpha EMF
+    double harmonic_pct[LI_ORDERS]; ///< 1st, 5th, 7th, 11th, 13th of the estimated alpha EMF
     double xy_A;                    ///< largest |i_xy|
     // Of all of it.
     double peak_deg;  ///< largest error
@@ -86,6 +94,11 @@ typedef struct {
     size_t rows, capacity;
     li_row_t *row;
 } li_log_t;
+
+bool li_case_same(const li_case_t *a, const li_case_t *b);
+
+/// The form and the inverter of that column.
+li_case_t li_case_in(li_case_t what, li_column_t column);
 
 void li_log_free(li_log_t *self);
 

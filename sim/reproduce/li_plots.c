@@ -16,7 +16,7 @@ typedef struct {
     const char *file;
     const char *title;
     style_t style;
-    li_case_t what; ///< but observer and column
+    li_case_t what; ///< but observer, form and inverter
     double turns;   ///< waves: electrical periods; runs: from when on, s
 } drawing_t;
 
@@ -85,8 +85,10 @@ static size_t row_at(const li_log_t *log, double t_s) {
 
 static bool signals(const rig_config_t *base, const li_case_t *what, li_log_t *log) {
     li_result_t result;
+    li_case_t seeded = *what;
+    seeded.seed = 1;
     *log = (li_log_t){0, 0, NULL};
-    return li_case_run(what, base, &result, log);
+    return li_case_run(&seeded, base, &result, log);
 }
 
 static void send_waves(FILE *script, const li_log_t *log, int id, double length_s) {
@@ -160,7 +162,7 @@ static bool plot_waves(FILE *script, const drawing_t *drawing, const rig_config_
             li_case_t what = drawing->what;
             li_log_t log;
             what.observer = (li_observer_t)o;
-            what.column = drawn[c];
+            what = li_case_in(what, drawn[c]);
             if (!signals(base, &what, &log)) {
                 return false;
             }
@@ -189,7 +191,7 @@ static void draw_curves(FILE *script, int first, int column, const double axis[2
 }
 
 static li_case_t run_case(bool ramps, li_observer_t observer, li_column_t column, double k2_rad_s) {
-    return ramps ? li_ramp_case(observer, column) : li_step_case(observer, column, k2_rad_s);
+    return li_case_in(ramps ? li_ramp_case(observer) : li_step_case(observer, k2_rad_s), column);
 }
 
 static bool plot_runs(FILE *script, const drawing_t *drawing, const rig_config_t *base) {
@@ -228,7 +230,7 @@ static bool plot_knobs(FILE *script, const drawing_t *drawing, const rig_config_
     (void)fputs("set autoscale xfix\n", script);
     for (int Lq = 0; Lq < 2; ++Lq) {
         for (int c = 0; c < DRAWN; ++c) {
-            li_case_t what = {.observer = LI_FA, .column = drawn[c], .stages = 4};
+            li_case_t what = li_case_in((li_case_t){.observer = LI_FA, .stages = 4}, drawn[c]);
             li_log_t log;
             for (int k = 0; k < what.stages; ++k) {
                 what.stage[k] = (li_stage_t){.duration_s = k == 0 ? 2.0 : 1.5,

@@ -78,6 +78,39 @@ double complex li_theory_exact(const li_theory_t *t, li_observer_t observer, dou
     return gamma / z * filter(c, observer, w, tuned);
 }
 
+double li_theory_noise(const li_theory_t *t, li_form_t form, li_observer_t observer, double w,
+                       double tuned) {
+    const euler_config_t *c = &t->euler;
+    const double mu = c->Rs_Ohm / c->Lq_H;
+    const double half = 0.5 * w * c->ts_s;
+    const double shrinks = fabs(half) > 0.0 ? sin(half) / half : 1.0;
+    const double complex z = cexp(I * w * c->ts_s);
+    const double a = exp(-mu * c->ts_s);
+    switch (form) {
+    case LI_EULER: // what the noise would have to be driven by, as the recursion sees it
+        return cabs(li_theory_euler(t, observer, w, tuned)) / shrinks * c->Lq_H *
+               cabs((z - 1.0) / c->ts_s + mu);
+    case LI_SAMPLED:
+        return cabs(filter(c, observer, w, tuned) * (1.0 - a / z)) * c->Rs_Ohm / (1.0 - a);
+    case LI_CONTINUOUS:
+    case LI_FORMS:
+    default:
+        return cabs(li_theory_printed(t, observer, w, tuned) * (c->Rs_Ohm + I * w * c->Lq_H));
+    }
+}
+
+double li_theory_noise_variance(const li_theory_t *t, li_form_t form, li_observer_t observer,
+                                double tuned) {
+    enum { POINTS = 40000 }; // an even number: none of them at w = 0
+    const double band = 2.0 * RIG_PI / t->euler.ts_s;
+    double sum = 0.0;
+    for (int k = 0; k < POINTS; ++k) {
+        const double w = band * ((k + 0.5) / POINTS - 0.5);
+        sum += pow(li_theory_noise(t, form, observer, w, tuned), 2.0);
+    }
+    return sum / POINTS;
+}
+
 double li_theory_harmonic_pct(const li_theory_t *t, li_gain_t gain, li_observer_t observer,
                               double speed_rpm, int order, double share) {
     const double w = li_theory_rad_s(t, speed_rpm);

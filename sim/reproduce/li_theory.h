@@ -32,6 +32,15 @@ typedef double complex (*li_gain_t)(const li_theory_t *t, li_observer_t observer
 double li_theory_harmonic_pct(const li_theory_t *t, li_gain_t gain, li_observer_t observer,
                               double speed_rpm, int order, double share);
 
+/// What one ampere of noise in the sampled currents, at `w`, adds to the estimated EMF, V/A: of the printed
+/// transfer function, in forward Euler, in the library's form.
+double li_theory_noise(const li_theory_t *t, li_form_t form, li_observer_t observer, double w,
+                       double tuned);
+
+/// Variance of the estimated EMF behind white noise of the currents, V^2/A^2.
+double li_theory_noise_variance(const li_theory_t *t, li_form_t form, li_observer_t observer,
+                                double tuned);
+
 /// Paper 2, eqs. 42 (`dR`) and 43 (`dL`), true less assumed, with the ESTIMATED amplitude: estimate -
 /// truth, degrees. `e_V`, id_A, iq_A in the estimated frame at `w`.
 double li_theory_mismatch_deg(double dR_Ohm, double dL_H, double e_V, double id_A, double iq_A,

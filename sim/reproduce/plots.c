@@ -32,7 +32,17 @@ static const drawing_t drawings[REPRODUCE_PLOTS] = {
      CASE_LQ_DOWN, 1500.0},
 };
 
-static const case_chain_t drawn[DRAWN] = {CHAIN_PRINTED, CHAIN_EXACT, CHAIN_CORRECTED};
+/// The library's own gains stand beside the others in Figs. 18 and 19.
+static case_t drawn_case(case_kind_t kind, case_method_t method, int drawn, double speed_rpm) {
+    static const case_chain_t chains[DRAWN + 1] = {CHAIN_PRINTED, CHAIN_EXACT, CHAIN_CORRECTED,
+                                                   CHAIN_LIBRARY};
+    return (case_t){.kind = kind,
+                    .method = method,
+                    .chain = chains[drawn],
+                    .inverter = drawn < 2 ? CASE_BARE : CASE_COMPENSATED,
+                    .speed_rpm = speed_rpm,
+                    .seed = 1};
+}
 
 const char *reproduce_plot_file(int k) {
     return drawings[k].file;
@@ -92,7 +102,7 @@ static bool plot_waves(FILE *script, const drawing_t *drawing, const case_bases_
     for (int s = 0; s < 2; ++s) {
         const double length_s = 3.0 * 60.0 / (3.0 * speeds[s]); // three electrical periods
         for (int c = 0; c < DRAWN; ++c) {
-            const case_t what = {drawing->kind, METHOD_QPLL, drawn[c], speeds[s], false};
+            const case_t what = drawn_case(drawing->kind, METHOD_QPLL, c, speeds[s]);
             runlog_t log;
             if (!reproduction_signals(bases, &what, &log)) {
                 return false;
@@ -147,8 +157,7 @@ static bool plot_runs(FILE *script, const drawing_t *drawing, const case_bases_t
     (void)fputs("set autoscale xfix\n", script);
     for (int m = 0; m < METHODS; ++m) {
         for (int c = 0; c < DRAWN; ++c) {
-            const case_t what = {drawing->kind, (case_method_t)m, drawn[c], drawing->speed_rpm,
-                                 false};
+            const case_t what = drawn_case(drawing->kind, (case_method_t)m, c, drawing->speed_rpm);
             runlog_t log;
             if (!reproduction_signals(bases, &what, &log)) {
                 return false;
@@ -181,8 +190,7 @@ static void send_levels(FILE *script, const drawing_t *drawing, const case_bases
         const int levels = case_levels(kind, factor);
         double rows[DRAWN + 1][CASE_LEVELS_MAX][2];
         for (int c = 0; c <= DRAWN; ++c) {
-            const case_chain_t chain = c < DRAWN ? drawn[c] : CHAIN_LIBRARY;
-            const case_t what = {kind, METHOD_ENHANCED, chain, drawing->speed_rpm, false};
+            const case_t what = drawn_case(kind, METHOD_ENHANCED, c, drawing->speed_rpm);
             (void)case_run(&what, bases, &result, NULL);
             for (int k = 0; k < levels; ++k) {
                 rows[c][k][0] = result.level_dc_deg[k];

@@ -4,8 +4,9 @@
 #include <string.h>
 
 #include "config/config_json.h"
+#include "reproduce/verdict.h"
 
-enum { LINE_WIDTH = 138, NOTE_INDENT = 4 };
+enum { LINE_WIDTH = 138, NOTE_INDENT = 4, REASON_MAX = 2000 };
 
 // ---- Text ---------------------------------------------------------------------------------------
 
@@ -20,11 +21,11 @@ static void print_number(FILE *file, int width, double value, const char *otherw
 }
 
 static void print_claim(FILE *file, const row_t *row) {
-    static const char *const marks[] = {"", "~", "~", "<=", "", ""};
+    static const char *const marks[] = {"", "~", "~", "<=", ">=", "", ""};
     char text[32] = "-";
     if (row->claim != CLAIM_NONE) {
         (void)snprintf(text, sizeof text, "%s%.4g", marks[row->claim],
-                       row->claim == CLAIM_EXACTLY ? round(100.0 * row->claimed) / 100.0
+                       row->claim == CLAIM_FORMULA ? round(100.0 * row->claimed) / 100.0
                                                    : row->claimed);
     }
     (void)fprintf(file, " %8s", text);
@@ -36,15 +37,18 @@ static int column_width(const table_t *self) {
 }
 
 static void print_row(FILE *file, const table_t *self, const row_t *row) {
-    char verdict[48];
-    table_verdict(self, row, verdict, sizeof verdict);
-    (void)fprintf(file, "  %-38s %-5s", row->what, row->unit);
+    const judgement_t judgement = verdict_of(self, row);
+    (void)fprintf(file, "  %-37s %-5s", row->what, row->unit);
     print_claim(file, row);
-    print_number(file, 8, row->theory, "-");
+    print_number(file, 7, row->theory, "-");
     for (int k = 0; k < self->paper->shown; ++k) {
         print_number(file, column_width(self), row->value[k], row->missing[k]);
     }
-    (void)fprintf(file, "  %s\n", verdict);
+    (void)fprintf(file, "  %s", verdict_name(judgement.verdict));
+    if (judgement.of > 0) {
+        (void)fprintf(file, " (%d of %d)", judgement.held, judgement.of);
+    }
+    (void)fputc('\n', file);
 }
 
 /// Words of `text` until the next space or line end.
@@ -68,33 +72,60 @@ static void print_note(FILE *file, const char *what, const char *note) {
     (void)fputc('\n', file);
 }
 
-static bool is_contradicted(const table_t *self, const row_t *row) {
-    char verdict[48];
-    table_verdict(self, row, verdict, sizeof verdict);
-    return strncmp(verdict, "contradicted", strlen("contradicted")) == 0;
-}
-
-/// Why claims do not hold: each reason once, with the rows it is for.
+/// What is not reproduced, row by row: where it holds, what comes nearest, what is missing.
 static void print_reasons(FILE *file, const table_t *self, const char *figure) {
     for (int k = 0; k < self->rows; ++k) {
         const row_t *row = &self->row[k];
-        bool said = row->why[0] == '\0';
-        for (int i = 0; i < k; ++i) {
-            const row_t *before = &self->row[i];
-            said = said || (strcmp(before->figure, figure) == 0 && is_contradicted(self, before) &&
-                            strcmp(before->why, row->why) == 0);
-        }
-        if (strcmp(row->figure, figure) == 0 && is_contradicted(self, row) && !said) {
-            print_note(file, "contradicted: ", row->why);
+        char reason[REASON_MAX];
+        char heading[128];
+        verdict_reason(self, row, reason, sizeof reason);
+        if (strcmp(row->figure, figure) == 0 && reason[0] != '\0') {
+            (void)snprintf(heading, sizeof heading, "%s, %s: ", row->what,
+                           verdict_name(verdict_of(self, row).verdict));
+            print_note(file, heading, reason);
         }
     }
+}
+
+static void print_bode(FILE *file, const paper_t *paper) {
+    (void)fputs("\nBode diagrams, of `analyse --plots FOLDER`:\n ", file);
+    for (int k = 0; k < BODE_MAX && paper->bode[k][0] != NULL; ++k) {
+        (void)fprintf(file, "%s %s %s", k > 0 ? "," : "", paper->bode[k][0], paper->bode[k][1]);
+    }
+    (void)fputc('\n', file);
+}
+
+/// How many rows have each verdict.
+static void count(const table_t *self, int of[VERDICTS]) {
+    for (int v = 0; v < VERDICTS; ++v) {
+        of[v] = 0;
+    }
+    for (int k = 0; k < self->rows; ++k) {
+        of[verdict_of(self, &self->row[k]).verdict]++;
+    }
+}
+
+static void print_summary(FILE *file, const table_t *self) {
+    int of[VERDICTS];
+    count(self, of);
+    (void)fprintf(file,
+                  "\n%d claims: %d reproduced, %d contradicted, %d depend on what the paper leaves "
+                  "open, %d not comparable; %d more restate tables.\n"
+                  "%d variants, seeds %llu to %llu: %u runs, %.0f s of drive\n",
+                  of[VERDICT_REPRODUCED] + of[VERDICT_CONTRADICTED] + of[VERDICT_DEPENDS] +
+                      of[VERDICT_NOT_COMPARABLE],
+                  of[VERDICT_REPRODUCED], of[VERDICT_CONTRADICTED], of[VERDICT_DEPENDS],
+                  of[VERDICT_NOT_COMPARABLE], of[VERDICT_IDENTITY], table_variants(self->paper),
+                  (unsigned long long)self->first_seed,
+                  (unsigned long long)(self->first_seed + (uint64_t)self->seeds - 1u), self->runs,
+                  self->simulated_s);
 }
 
 void reproduce_report_table(FILE *file, const table_t *self) {
     (void)fputs(self->paper->introduction, file);
     for (int f = 0; f < self->figures; ++f) {
         const figure_t *figure = &self->figure[f];
-        (void)fprintf(file, "\n%-46s %8s %8s", figure->title, "claimed", "theory");
+        (void)fprintf(file, "\n%-45s %8s %7s", figure->title, "claimed", "theory");
         for (int k = 0; k < self->paper->shown; ++k) {
             (void)fprintf(file, " %*s", column_width(self), self->paper->heading[k]);
         }
@@ -109,38 +140,59 @@ void reproduce_report_table(FILE *file, const table_t *self) {
         }
         print_reasons(file, self, figure->figure);
     }
-    int count[2][2] = {{0, 0}, {0, 0}};
-    int claims = 0;
-    for (int k = 0; k < self->rows; ++k) {
-        char verdict[48];
-        const row_t *row = &self->row[k];
-        table_verdict(self, row, verdict, sizeof verdict);
-        claims += row->claim != CLAIM_NONE ? 1 : 0;
-        count[is_contradicted(self, row) ? 1 : 0][strstr(verdict, "improved") != NULL ? 1 : 0] +=
-            row->claim != CLAIM_NONE ? 1 : 0;
-    }
-    (void)fprintf(
-        file,
-        "\n%d claims: %d reproduced (%d of them improved), %d contradicted (%d improved). "
-        "%u runs, %.0f s of drive\n",
-        claims, count[0][0] + count[0][1], count[0][1], count[1][0] + count[1][1], count[1][1],
-        self->runs, self->simulated_s);
+    print_bode(file, self->paper);
+    print_summary(file, self);
 }
 
 // ---- Files --------------------------------------------------------------------------------------
 
-static const char *const claim_names[] = {"none", "about", "size", "at most", "exactly", "formula"};
+static const char *const claim_names[] = {"none",     "about",   "size",   "at most",
+                                          "at least", "exactly", "formula"};
+
+/// Least and largest of each variant, and in how many of its samples the claim holds.
+static void add_variants(cJSON *item, const table_t *self, const row_t *row) {
+    cJSON *variants = cJSON_AddArrayToObject(item, "variants");
+    for (int v = 0; v < table_variants(self->paper) && row->seeds > 0; ++v) {
+        int choice[AXES];
+        double low, high;
+        (void)table_choices(self->paper, v, choice);
+        if (!row->ran[v]) {
+            continue;
+        }
+        cJSON *one = config_json_item(variants);
+        for (int k = 0; k < AXES; ++k) {
+            if (self->paper->axis[k].choices > 1) {
+                (void)cJSON_AddStringToObject(one, self->paper->axis[k].name,
+                                              self->paper->axis[k].choice[choice[k]]);
+            }
+        }
+        const bool any = verdict_range(row, v, &low, &high);
+        int held = 0;
+        int lost = 0;
+        for (int s = 0; s < row->seeds; ++s) {
+            held += verdict_holds(row, row->sample[v][s]) ? 1 : 0;
+            lost += isnan(row->sample[v][s]) ? 1 : 0;
+        }
+        config_json_number(one, "least", any ? low : NAN);
+        config_json_number(one, "largest", any ? high : NAN);
+        config_json_number(one, "lost", lost);
+        config_json_number(one, "holds", held);
+        config_json_number(one, "of", row->seeds);
+    }
+}
 
 static void add_row(cJSON *array, const table_t *self, const row_t *row) {
-    char verdict[48];
+    const judgement_t judgement = verdict_of(self, row);
+    char reason[REASON_MAX];
     cJSON *item = config_json_item(array);
-    table_verdict(self, row, verdict, sizeof verdict);
+    verdict_reason(self, row, reason, sizeof reason);
     (void)cJSON_AddStringToObject(item, "id", row->id);
     (void)cJSON_AddStringToObject(item, "figure", row->figure);
     (void)cJSON_AddStringToObject(item, "what", row->what);
     (void)cJSON_AddStringToObject(item, "unit", row->unit);
     (void)cJSON_AddStringToObject(item, "claim", claim_names[row->claim]);
     config_json_number(item, "claimed", row->claimed);
+    config_json_number(item, "reading", row->reading);
     config_json_number(item, "theory", row->theory);
     (void)cJSON_AddStringToObject(item, "formula", row->formula != NULL ? row->formula : "");
     for (int k = 0; k < self->paper->columns; ++k) {
@@ -150,8 +202,11 @@ static void add_row(cJSON *array, const table_t *self, const row_t *row) {
             config_json_number(item, self->paper->key[k], row->value[k]);
         }
     }
-    (void)cJSON_AddStringToObject(item, "verdict", verdict);
-    (void)cJSON_AddStringToObject(item, "why", is_contradicted(self, row) ? row->why : "");
+    (void)cJSON_AddStringToObject(item, "verdict", verdict_name(judgement.verdict));
+    config_json_number(item, "held", judgement.held);
+    config_json_number(item, "of", judgement.of);
+    (void)cJSON_AddStringToObject(item, "why", reason);
+    add_variants(item, self, row);
 }
 
 void reproduce_report_json(FILE *file, const table_t *self, const rig_config_t *config) {
@@ -159,16 +214,25 @@ void reproduce_report_json(FILE *file, const table_t *self, const rig_config_t *
     (void)cJSON_AddStringToObject(root, "paper", self->paper->reference);
     (void)cJSON_AddStringToObject(root, "method", self->paper->introduction);
     config_json_number(root, "window_s", self->paper->window_s);
+    config_json_number(root, "first_seed", (double)self->first_seed);
+    config_json_number(root, "seeds", self->seeds);
     config_json_number(root, "runs", self->runs);
     config_json_number(root, "simulated_s", self->simulated_s);
     cJSON *rows = cJSON_AddArrayToObject(root, "rows");
     for (int k = 0; k < self->rows; ++k) {
         add_row(rows, self, &self->row[k]);
     }
-    cJSON *notes = cJSON_AddObjectToObject(root, "derivations");
+    cJSON *figures = cJSON_AddArrayToObject(root, "figures");
     for (int k = 0; k < self->figures; ++k) {
         const figure_t *figure = &self->figure[k];
-        (void)cJSON_AddStringToObject(notes, figure->figure, figure->note);
+        cJSON *item = config_json_item(figures);
+        (void)cJSON_AddStringToObject(item, "figure", figure->figure);
+        (void)cJSON_AddStringToObject(item, "title", figure->title);
+        (void)cJSON_AddStringToObject(item, "note", figure->note);
+    }
+    cJSON *bode = cJSON_AddObjectToObject(root, "bode");
+    for (int k = 0; k < BODE_MAX && self->paper->bode[k][0] != NULL; ++k) {
+        (void)cJSON_AddStringToObject(bode, self->paper->bode[k][0], self->paper->bode[k][1]);
     }
     (void)cJSON_AddItemToObject(root, "config", config_json(config));
     (void)config_json_write(file, root);
@@ -183,22 +247,23 @@ static void csv_number(FILE *file, double value, const char *otherwise) {
 }
 
 void reproduce_report_csv(FILE *file, const table_t *self) {
-    (void)fputs("id,figure,what,unit,claim,claimed,theory", file);
+    (void)fputs("id,figure,what,unit,claim,claimed,reading,theory", file);
     for (int k = 0; k < self->paper->columns; ++k) {
         (void)fprintf(file, ",%s", self->paper->key[k]);
     }
-    (void)fputs(",verdict\n", file);
+    (void)fputs(",verdict,held,of\n", file);
     for (int k = 0; k < self->rows; ++k) {
         const row_t *row = &self->row[k];
-        char verdict[48];
-        table_verdict(self, row, verdict, sizeof verdict);
+        const judgement_t judgement = verdict_of(self, row);
         (void)fprintf(file, "%s,%s,\"%s\",%s,%s", row->id, row->figure, row->what, row->unit,
                       claim_names[row->claim]);
         csv_number(file, row->claimed, "");
+        csv_number(file, row->reading, "");
         csv_number(file, row->theory, "");
         for (int c = 0; c < self->paper->columns; ++c) {
             csv_number(file, row->value[c], row->missing[c][0] != '-' ? row->missing[c] : "");
         }
-        (void)fprintf(file, ",\"%s\"\n", verdict);
+        (void)fprintf(file, ",%s,%d,%d\n", verdict_name(judgement.verdict), judgement.held,
+                      judgement.of);
     }
 }

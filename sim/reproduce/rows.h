@@ -11,8 +11,16 @@ typedef struct {
     theory_t theory;
 } reproduction_t;
 
+/// How much is run.
+typedef struct {
+    uint64_t first_seed;
+    int seeds;          ///< 1 .. SEEDS_MAX
+    unsigned processes; ///< 0: as many as there are processors
+} reproduce_extent_t;
+
 /// Runs every experiment. False after a message.
-bool reproduction_run(reproduction_t *self, const case_bases_t *bases);
+bool reproduction_run(reproduction_t *self, const case_bases_t *bases,
+                      const reproduce_extent_t *extent);
 
 /// One of the experiments again, with its signals. False after a message.
 bool reproduction_signals(const case_bases_t *bases, const case_t *what, runlog_t *log);

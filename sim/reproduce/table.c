@@ -3,6 +3,15 @@
 #include <math.h>
 #include <stdio.h>
 
+void table_begin(table_t *self, const paper_t *paper, uint64_t first_seed, int seeds) {
+    self->paper = paper;
+    self->first_seed = first_seed;
+    self->seeds = seeds;
+    self->rows = self->figures = 0;
+    self->runs = 0;
+    self->simulated_s = 0.0;
+}
+
 row_t *table_row(table_t *self, const char *figure, const char *id, const char *what,
                  const char *unit, const words_t *words) {
     row_t *row = &self->row[self->rows < ROWS_MAX - 1 ? self->rows++ : self->rows];
@@ -10,10 +19,10 @@ row_t *table_row(table_t *self, const char *figure, const char *id, const char *
                    .unit = unit,
                    .claim = words->claim,
                    .claimed = words->claimed,
+                   .reading = words->reading,
+                   .lacks = words->lacks,
                    .theory = words->theory,
-                   .formula = words->formula,
-                   .improvable = true,
-                   .why = words->why != NULL ? words->why : ""};
+                   .formula = words->formula};
     (void)snprintf(row->id, sizeof row->id, "%s", id);
     (void)snprintf(row->what, sizeof row->what, "%s", what);
     for (int k = 0; k < COLUMNS_MAX; ++k) {
@@ -31,37 +40,29 @@ figure_t *table_figure(table_t *self, const char *figure, const char *title) {
 }
 
 words_t table_no_claim(double theory, const char *formula) {
-    return (words_t){CLAIM_NONE, NAN, theory, formula, NULL};
+    return (words_t){.claim = CLAIM_NONE, .claimed = NAN, .theory = theory, .formula = formula};
 }
 
-static bool meets(const table_t *self, const row_t *row) {
-    const double value =
-        row->claim == CLAIM_FORMULA ? row->theory : row->value[self->paper->judged];
-    const double size = fabs(row->claimed);
-    const double about = fmax(1.5, 0.3 * size);
-    switch (row->claim) {
-    case CLAIM_ABOUT:
-        return fabs(value - row->claimed) <= about;
-    case CLAIM_SIZE:
-        return fabs(fabs(value) - size) <= about;
-    case CLAIM_AT_MOST:
-        return fabs(value) <= size;
-    case CLAIM_EXACTLY:
-    case CLAIM_FORMULA:
-        return fabs(value - row->claimed) <= fmax(0.01, 0.02 * size);
-    case CLAIM_NONE:
-    default:
-        return false;
+int table_variants(const paper_t *paper) {
+    int variants = 1;
+    for (int k = 0; k < AXES; ++k) {
+        variants *= paper->axis[k].choices;
     }
+    return variants;
 }
 
-void table_verdict(const table_t *self, const row_t *row, char *text, size_t size) {
-    const double printed = row->value[self->paper->judged];
-    const double best = row->value[self->paper->best];
-    const bool better =
-        row->improvable && (isnan(printed) ? !isnan(best) : fabs(best) <= 0.7 * fabs(printed));
-    const char *claim = meets(self, row) ? "reproduced" : "contradicted";
-    const bool claimed = row->claim != CLAIM_NONE;
-    (void)snprintf(text, size, "%s%s%s", claimed ? claim : "", claimed && better ? ", " : "",
-                   better ? "improved" : "");
+int table_variant(const paper_t *paper, const int choice[AXES]) {
+    int variant = 0;
+    for (int k = AXES; k-- > 0;) {
+        variant = variant * paper->axis[k].choices + choice[k];
+    }
+    return variant;
+}
+
+int table_choices(const paper_t *paper, int variant, int choice[AXES]) {
+    for (int k = 0; k < AXES; ++k) {
+        choice[k] = variant % paper->axis[k].choices;
+        variant /= paper->axis[k].choices;
+    }
+    return table_variants(paper);
 }

@@ -1,5 +1,6 @@
 #include "reproduce/tables.h"
 
+#include <complex.h>
 #include <math.h>
 
 #include "pll_inline.h"
@@ -74,4 +75,62 @@ double tables_tracking_deg(const theory_t *t, bool leso, int motion, bool printe
         }
     }
     return rig_stats_mean(&error_deg);
+}
+
+// ---- Fig. 7 -------------------------------------------------------------------------------------
+
+#define NUDGE_rad (RIG_PI / 180.0)
+#define STRETCH_s 1.0
+#define STILL_deg 1.0e-3
+#define SLOWEST_rpm 20.0
+#define FASTEST_rpm 1500.0
+enum { BISECTIONS = 12 };
+
+/// Whether the swing of the angle shrinks from one second to the next, once it has been put off.
+static bool comes_back(const euler_config_t *config, double omega) {
+    euler_t self;
+    rig_stats_t first, second;
+    const double turn = omega * config->ts_s;
+    const double complex mean_V = config->psi_Wb * I * omega * (cexp(I * turn) - 1.0) / (I * turn);
+    const int stretch = (int)lround(STRETCH_s / config->ts_s);
+    rig_stats_reset(&first);
+    rig_stats_reset(&second);
+    euler_reset(&self, 0.0);
+    for (int k = 0; k < 3 * stretch; ++k) {
+        if (k < stretch / 2) { // the observer settles first
+            euler_hold(&self, config, k * turn + NUDGE_rad, omega);
+        }
+        const euler_out_t out = euler_step(&self, config, mean_V * cexp(I * (k * turn)), 0.0);
+        if (k >= stretch) {
+            rig_stats_add(k < 2 * stretch ? &first : &second,
+                          rig_angle_error_deg(out.theta_rad, (k + 1) * turn));
+        }
+    }
+    const double swing_deg = rig_stats_peak_to_peak(&second);
+    return swing_deg < STILL_deg || swing_deg < rig_stats_peak_to_peak(&first);
+}
+
+double tables_lowest_stable_rpm(const theory_t *t, double notch_k, bool continuous) {
+    const euler_config_t config = {.emf = EULER_C_LESO,
+                                   .pll = EULER_ENHANCED,
+                                   .compensation = EULER_LAG_EQ30,
+                                   .ts_s = t->ts_s,
+                                   .pole_pairs = t->np,
+                                   .Rs_Ohm = t->Rs,
+                                   .Ld_H = t->Ld,
+                                   .Lq_H = t->Lq,
+                                   .psi_Wb = t->psi,
+                                   .J_kgm2 = t->J,
+                                   .w0_rad_s = t->w0,
+                                   .sigma_rad_s = t->sigma,
+                                   .notch_k = notch_k,
+                                   .continuous = continuous};
+    double low = SLOWEST_rpm, high = FASTEST_rpm;
+    for (int pass = 0; pass < BISECTIONS; ++pass) {
+        const double middle = sqrt(low * high);
+        const bool stable = comes_back(&config, t->np * rig_rad_s_from_rpm(middle));
+        low = stable ? low : middle;
+        high = stable ? middle : high;
+    }
+    return high;
 }

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { WORKERS_MAX = 256, WORKERS_RESULT_MAX = 512 };
+enum { WORKERS_MAX = 256, WORKERS_RESULT_MAX = 2048 };
 
 typedef struct {
     uint64_t first, last; ///< numbers of the pieces
