@@ -44,7 +44,7 @@ LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
 }
 
 // Sine and cosine of the rotor's angle at t_k.
-LODE_INLINE lode_sincos_t lode_estimator_rotor(const lode_estimator_t *self) {
+LODE_SHARED lode_sincos_t lode_estimator_rotor(const lode_estimator_t *self) {
     return lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
 }
 

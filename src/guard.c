@@ -114,8 +114,8 @@ void lode_guard_reset(lode_guard_t *self) {
     *self = (lode_guard_t){.stamp = self->stamp};
 }
 
-LODE_NOINLINE void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check,
-                                   float measured, float limit) {
+void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
+                     float limit) {
     if (self->fault.check == (uint_least8_t)LODE_CHECK_NONE) {
         self->fault = (lode_fault_t){state, (uint_least8_t)check, measured, limit};
     }
@@ -123,8 +123,7 @@ LODE_NOINLINE void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode
 
 // Counts up to `periods` while something is wrong, down while all is well: single samples pass, what mostly
 // persists trips. True when it gets there.
-static LODE_NOINLINE bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad,
-                                   uint32_t periods) {
+static bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad, uint32_t periods) {
     const uint32_t count = *counter;
     const uint32_t next = bad ? count + 1u : (count > 0u ? count - 1u : 0u);
     *counter = (uint_least16_t)next;
@@ -166,8 +165,8 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
 }
 
 // `wrong`: LODE_CHECK_NONE while all is well.
-static LODE_NOINLINE void count(lode_guard_t *self, uint_least16_t *counter, uint32_t looks,
-                                lode_check_t wrong, float measured, float limit) {
+static void count(lode_guard_t *self, uint_least16_t *counter, uint32_t looks, lode_check_t wrong,
+                  float measured, float limit) {
     if (persists(self, counter, wrong != LODE_CHECK_NONE, looks)) {
         lode_guard_trip(self, 0u, wrong, measured, limit);
     }

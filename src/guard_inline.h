@@ -21,7 +21,7 @@ LODE_INLINE void lode_guard_note(lode_guard_t *self, const lode_guard_tuning_t *
 }
 
 // Bus and temperature, then lock, speed and direction, within their limits. NaN is not.
-LODE_INLINE bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
+LODE_SHARED bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
                                      const lode_condition_t *condition) {
     return LODE_USUALLY(condition->v_bus_V <= tuning->v_bus_max) &&
            LODE_USUALLY(condition->v_bus_V >= tuning->v_bus_min) &&

@@ -90,6 +90,8 @@ lode_drive_config_t bench_config(int32_t number) {
         // is about the torque there: nothing but the speed has to settle after the hand-over.
         .speed = {.bandwidth_rad_s = 80.0f,
                   .ki_Nm = 0.5f,
+                  // Half the torque at the limit of current: BENCH_SATURATED is to get there.
+                  .ramp_rad_s2 = 1.5f * BENCH_POLE_PAIRS * BENCH_PSI_Wb * BENCH_IQ_A / BENCH_J_kgm2,
                   .omega_min_rad_s = 0.5f * BENCH_OMEGA_rad_s},
         .start = {.current_A = BENCH_IQ_A,
                   .omega_handover_rad_s = BENCH_OMEGA_rad_s,
