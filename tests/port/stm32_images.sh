@@ -41,6 +41,10 @@ sizes() {
 for board in b_g431b_esc1 nucleo_ihm16m1; do
     must_build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$board" # with the step in the CCM SRAM
     sizes "$board" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
+    if grep -i 'warning' "$log"; then
+        echo "expected no warning"
+        exit 1
+    fi
 done
 # What outlives a reset lies where start-up code neither clears nor copies.
 arm-none-eabi-nm "$work/g4/port/stm32g4/lodestar_stm32g4.elf" | awk '
