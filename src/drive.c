@@ -225,7 +225,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_sample_t *sample
             return end_idle(self);
         }
         if (lode_mode(self) != LODE_MODE_RUN) {
-            frame = lode_drive_own_frame(self, sample);
+            frame = lode_drive_control_frame(self, sample);
         }
     }
     const bool free = lode_drive_control(self, &frame, sample->v_bus_V);

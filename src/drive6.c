@@ -327,7 +327,7 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
             return end_idle(self);
         }
         if (lode_mode(drive) != LODE_MODE_RUN) {
-            frame = lode_drive_own_frame(drive, &sample->machine);
+            frame = lode_drive_control_frame(drive, &sample->machine);
         }
     }
     const bool free = lode_drive_control(drive, &frame, sample->machine.v_bus_V);

@@ -47,8 +47,8 @@ LODE_INLINE lode_frame_t lode_drive_rotor_frame(const lode_drive_t *self,
 }
 
 // The frame of a mode that has its own.
-LODE_INLINE lode_frame_t lode_drive_own_frame(lode_drive_t *self, const lode_sample_t *sample) {
-    const lode_own_frame_t own = lode_mode_own_frame(self);
+LODE_INLINE lode_frame_t lode_drive_control_frame(lode_drive_t *self, const lode_sample_t *sample) {
+    const lode_control_frame_t own = lode_mode_control_frame(self);
     self->i_A = lode_park(sample->i_A, own.at);
     return (lode_frame_t){own.at, self->i_A, lode_angle_add(own.at, own.lead), 0.0f};
 }

@@ -79,8 +79,8 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     const float v_min_V = V_MIN_SHARE * config->v_bus_V;
     const float dead_duty = config->dead_time_s / ts_s;
     // Min-max centring leaves each rail half of what the span leaves over; the correction takes of it.
-    const float most_loss = correct ? dead_duty + config->v_drop_V / v_min_V : 0.0f;
-    const float room = (1.0f - 2.0f * most_loss) / LODE_SQRT3;
+    const float most_error = correct ? dead_duty + config->v_drop_V / v_min_V : 0.0f;
+    const float headroom = (1.0f - 2.0f * most_error) / LODE_SQRT3;
     *tuning = (lode_inverter_tuning_t){
         .v_min_V = v_min_V,
         .dead_duty = dead_duty,
@@ -89,7 +89,7 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
         .i_dead_span_A = (1.0f - I_DEAD_MIN_SHARE) * config->i_dead_A,
         .ticks = ticks,
         .inv_ticks = ticks > 0.0f ? 1.0f / ticks : 0.0f,
-        .free = model ? -1.0f : ROUNDING * room,
+        .free = model ? -1.0f : ROUNDING * headroom,
         .precharge_periods = (uint32_t)(int32_t)(config->precharge_s / ts_s + 0.5f),
         .correct = correct,
         .model = model,

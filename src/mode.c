@@ -277,7 +277,7 @@ static lode_dq_t in_circle(lode_dq_t x, float radius) {
     return (lode_dq_t){scale * x.d, scale * x.q};
 }
 
-static lode_own_frame_t commanded_frame(lode_drive_t *self) {
+static lode_control_frame_t commanded_frame(lode_drive_t *self) {
     if (lode_mode(self) == LODE_MODE_CURRENT) {
         self->ref_A = in_circle(self->command.vector, self->tuning->references.i_max_A);
     } else {
@@ -287,22 +287,22 @@ static lode_own_frame_t commanded_frame(lode_drive_t *self) {
     const float step_rad = self->tuning->ts_s * self->command.speed_rad_s;
     const lode_sincos_t at = lode_sincos(self->state.theta_rad);
     self->state.theta_rad = lode_wrap(self->state.theta_rad + step_rad);
-    return (lode_own_frame_t){at, lode_angle_triple(lode_sincos(0.5f * step_rad))};
+    return (lode_control_frame_t){at, lode_angle_triple(lode_sincos(0.5f * step_rad))};
 }
 
 #endif
 
 // The start's vector one period on.
-static lode_own_frame_t start_frame(lode_drive_t *self) {
+static lode_control_frame_t start_frame(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->state.start;
     const lode_ab_t e_V = self->estimator.emf.observer.e_V;
     const float step_rad = start->catching == 0u ? lode_start_step(start, tuning, e_V) : 0.0f;
     self->ref_A = (lode_dq_t){start->current_A, 0.0f};
-    return (lode_own_frame_t){lode_start_vector(start, tuning), lead_of(step_rad)};
+    return (lode_control_frame_t){lode_start_vector(start, tuning), lead_of(step_rad)};
 }
 
-lode_own_frame_t lode_mode_own_frame(lode_drive_t *self) {
+lode_control_frame_t lode_mode_control_frame(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_COMMISSIONING
     if (lode_mode(self) != LODE_MODE_START) {
         return commanded_frame(self);

@@ -8,7 +8,7 @@
 typedef struct {
     lode_sincos_t at;   // angle of the frame at t_k
     lode_sincos_t lead; // from there to the middle of the period in which the duties act
-} lode_own_frame_t;
+} lode_control_frame_t;
 
 static inline lode_mode_t lode_mode(const lode_drive_t *self) {
     return (lode_mode_t)self->mode;
@@ -68,7 +68,7 @@ void lode_mode_idle(lode_drive_t *self, lode_calibration_t calibration, float of
 void lode_mode_follow(lode_drive_t *self);
 
 // The frame of VOLTAGE, CURRENT or START, and what is asked for in it.
-lode_own_frame_t lode_mode_own_frame(lode_drive_t *self);
+lode_control_frame_t lode_mode_control_frame(lode_drive_t *self);
 
 // From RUN to the way down, where the EMF is too small to run by.
 void lode_mode_hand_back(lode_drive_t *self);

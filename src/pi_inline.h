@@ -25,9 +25,9 @@ LODE_INLINE void lode_pi_integrate(lode_pi_t *self, const lode_pi_tuning_t *tuni
 LODE_SHARED void lode_pi_settle(lode_pi_t *self, const lode_pi_tuning_t *tuning, float error,
                                 float feed_forward, float output, float realised) {
     const float next = self->integral + tuning->ki_Ts * error;
-    const float room = realised - feed_forward;
-    const float below = lode_min(lode_min(next, self->integral), room);
-    const float above = lode_max(lode_max(next, self->integral), room);
+    const float headroom = realised - feed_forward;
+    const float below = lode_min(lode_min(next, self->integral), headroom);
+    const float above = lode_max(lode_max(next, self->integral), headroom);
     const float held = output > realised ? below : (output < realised ? above : next);
     self->integral = lode_is_finite(held) ? held : self->integral;
 }

@@ -214,9 +214,9 @@ LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuni
                              float omega_rad_s, lode_references_voltage_t voltage) {
     const float use = tuning->circle * voltage.v_bus_V;
     const lode_dq_t u = voltage.u_V;
-    const float room = use * use - (u.d * u.d + u.q * u.q);
+    const float headroom = use * use - (u.d * u.d + u.q * u.q);
     const float change =
-        self->weakening ? tuning->trim_gain * room : -tuning->trim_decay * self->trim;
+        self->weakening ? tuning->trim_gain * headroom : -tuning->trim_decay * self->trim;
     if ((self->settled || (self->lowest && change > 0.0f)) && lode_is_finite(change)) {
         self->trim = lode_clamp(self->trim + change, -TRIM_MAX, TRIM_MAX);
     }
@@ -286,8 +286,8 @@ LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float tau, float
     const float iq = lode_min(tau / active, iq_max);
     const float psi_d = tuning->psi_Wb + tuning->Ld_H * id;
     const float psi_q = Lq * iq;
-    const float room = FLUX_SLACK * FLUX_SLACK * flux * flux - psi_d * psi_d;
-    return psi_q * psi_q <= room ? iq : lode_sqrt(room) / Lq;
+    const float headroom = FLUX_SLACK * FLUX_SLACK * flux * flux - psi_d * psi_d;
+    return psi_q * psi_q <= headroom ? iq : lode_sqrt(headroom) / Lq;
 }
 
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES

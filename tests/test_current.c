@@ -137,8 +137,8 @@ static void test_closed_loop_has_the_bandwidth_asked_for(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_current_tune(&tuning, &config, &motor, PAPER_TS_s));
     plant_t plant = {.id = 0.0, .iq = 0.0, .omega = 0.0};
     lode_current_t current;
-    lode_dq_t acting = {0.0f, 0.0f};
-    lode_current_reset(&current, &tuning, acting, measured(&plant), 0.0f);
+    lode_dq_t applied = {0.0f, 0.0f};
+    lode_current_reset(&current, &tuning, applied, measured(&plant), 0.0f);
     for (int n = 0; n < 500; n++) {
         // Pole-zero cancellation leaves 1 - exp(-bandwidth t). One period of delay and sampling at
         // bandwidth Ts = 0.02 shift it by 0.03 at most.
@@ -147,8 +147,8 @@ static void test_closed_loop_has_the_bandwidth_asked_for(void) {
         const lode_dq_t u = lode_current_step(&current, &tuning, (lode_dq_t){-2.0f, 4.0f},
                                               measured(&plant), 0.0f, 200.0f)
                                 .u_V;
-        plant_step(&plant, acting);
-        acting = u;
+        plant_step(&plant, applied);
+        applied = u;
     }
     CHECK_NEAR(2.0e-3, 4.0, plant.iq); // exp(-10)
 }
@@ -161,8 +161,8 @@ static void test_no_windup_in_a_second_of_saturation(void) {
         const float omega = 600.0f * (float)sign;
         plant_t plant = {.id = 0.0, .iq = 0.0, .omega = (double)omega};
         lode_current_t current;
-        lode_dq_t acting = {0.0f, 0.142f * omega};
-        lode_current_reset(&current, &tuning, acting, measured(&plant), omega);
+        lode_dq_t applied = {0.0f, 0.142f * omega};
+        lode_current_reset(&current, &tuning, applied, measured(&plant), omega);
         int settled = 0;
         double least = 100.0;
         for (int n = 0; n < 5200; n++) {
@@ -171,8 +171,8 @@ static void test_no_windup_in_a_second_of_saturation(void) {
             const lode_dq_t ref = {0.0f, iq * (float)sign};
             const lode_dq_t u =
                 lode_current_step(&current, &tuning, ref, measured(&plant), omega, 200.0f).u_V;
-            plant_step(&plant, acting);
-            acting = u;
+            plant_step(&plant, applied);
+            applied = u;
             least = fmin(least, n > 100 ? sign * plant.iq : 100.0);
             settled = n >= 5000 && fabs(plant.iq - 2.0 * sign) < 0.2 && fabs(plant.id) < 0.3
                           ? settled + 1

@@ -297,7 +297,7 @@ static void test_outputs_stay_in_range_whatever_comes_in(void) {
 
 // --- Open phases ------------------------------------------------------------------------------
 
-static lode_drive6_config_t answering(lode_open_phase_answer_t answer) {
+static lode_drive6_config_t answering(lode_open_phase_response_t answer) {
     lode_drive6_config_t config = rig6_config();
     config.open_phase = answer;
     return config;
@@ -438,7 +438,7 @@ static void test_bad_configurations_are_refused_by_name(void) {
     config.source = (lode_source_t)3;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SOURCE, tried(&config));
     config = rig6_config();
-    config.open_phase = (lode_open_phase_answer_t)3;
+    config.open_phase = (lode_open_phase_response_t)3;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_OPEN_PHASE, tried(&config));
     config = rig6_config();
     config.drive.motor.psi_Wb = NAN;

@@ -49,13 +49,13 @@ static void step(plane_t *p) {
     const double _Complex now = p->i * cexp(I * p->theta);
     const lode_ab_t u =
         lode_xy_step(&p->xy, &p->tuning, (lode_ab_t){(float)creal(now), (float)cimag(now)}, V_BUS);
-    const double acting = p->theta + 1.5 * p->omega * TS_s;
+    const double applied = p->theta + 1.5 * p->omega * TS_s;
     for (int part = 0; part < 10; part++) {
         const double h = 0.1 * TS_s;
         const double middle = p->theta + h * (part + 0.5) * p->omega;
         p->i += h / p->L * (p->asked - R_Ohm * p->i - emf(p, middle));
     }
-    p->asked = ((double)u.alpha + I * (double)u.beta) * cexp(-I * acting);
+    p->asked = ((double)u.alpha + I * (double)u.beta) * cexp(-I * applied);
     p->theta = remainder(p->theta + p->omega * TS_s, 2.0 * CHECK_PI);
 }
 

@@ -28,7 +28,7 @@ typedef enum {
     LODE_OPEN_PHASE_TRIP,  ///< a fault
     LODE_OPEN_PHASE_GO_ON, ///< the other set drives on alone, with half the torque at most
     LODE_OPEN_PHASE_IGNORE
-} lode_open_phase_answer_t;
+} lode_open_phase_response_t;
 
 /// Every field that may be 0 is then computed from the others.
 typedef struct {
@@ -37,7 +37,7 @@ typedef struct {
     float Lxy_H; ///< needed: inductance of the xy plane, which is that of the leakage
     lode_source_t source;
     lode_xy_config_t xy;
-    lode_open_phase_answer_t open_phase;
+    lode_open_phase_response_t open_phase;
 } lode_drive6_config_t;
 
 /// Everything derived from a configuration, never written by the step.
@@ -47,7 +47,7 @@ typedef struct {
     lode_xy_tuning_t xy;
     lode_open_phase_tuning_t watch;
     lode_source_t source;
-    lode_open_phase_answer_t open_phase;
+    lode_open_phase_response_t open_phase;
 } lode_drive6_tuning_t;
 
 /// The raw results of one period. Bus voltage and stamp are those of set 1, the hotter power stage

@@ -12,7 +12,7 @@
 #define SLOW_rad_s 3.0f // electrical; below it the load's torque falls to 0 at rest
 
 void plant_init(plant_t *self) {
-    *self = (plant_t){.rotor = {.sin = 0.29237f, .cos = 0.95630f}, .acting = {0.5f, 0.5f, 0.5f}};
+    *self = (plant_t){.rotor = {.sin = 0.29237f, .cos = 0.95630f}, .applied = {0.5f, 0.5f, 0.5f}};
 }
 
 void plant_describe(lode_drive_config_t *config) {
@@ -73,7 +73,7 @@ static void turn_rotor(plant_t *self, const lode_motor_t *m) {
 
 void plant_period(plant_t *self, const lode_drive_out_t *out) {
     const lode_motor_t m = motor_data();
-    const lode_ab_t share = lode_clarke(self->acting);
+    const lode_ab_t share = lode_clarke(self->applied);
     const lode_ab_t u_V = {V_BUS_V * share.alpha, V_BUS_V * share.beta};
     for (int32_t part = 0; part < PARTS; part++) {
         if (out->gates) {
@@ -84,5 +84,5 @@ void plant_period(plant_t *self, const lode_drive_out_t *out) {
         }
         turn_rotor(self, &m);
     }
-    self->acting = out->duty;
+    self->applied = out->duty;
 }

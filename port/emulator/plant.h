@@ -14,7 +14,7 @@ typedef struct {
     float iq_A;
     float omega_rad_s;   ///< electrical
     lode_sincos_t rotor; ///< true angle at the start of the period
-    lode_abc_t acting;   ///< duties of the call before, which act in the present period
+    lode_abc_t applied;  ///< duties of the call before, which act in the present period
     float load_Nm;       ///< against the rotation
 } plant_t;
 

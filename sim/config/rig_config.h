@@ -35,7 +35,7 @@ typedef struct {
     float Lxy_H;
     lode_source_t source;
     lode_xy_config_t xy;
-    lode_open_phase_answer_t open_phase;
+    lode_open_phase_response_t open_phase;
 } rig_six_t;
 
 /// What people prefer to SI units; each stands for one field of the drive's configuration.

@@ -92,18 +92,18 @@ static void carry_xy(motor_t *m, double h, double x_V, double y_V) {
     m->y_A += h * (y_V - (double)BENCH_RS_Ohm * m->y_A) / (double)BENCH_LXY_H;
 }
 
-void motor_period(motor_t *motor, const lode_drive_out_t *acting, double v_bus_V, shaft_t shaft) {
+void motor_period(motor_t *motor, const lode_drive_out_t *applied, double v_bus_V, shaft_t shaft) {
     const double h = 1.0 / (double)BENCH_F_PWM_Hz / PARTS;
     const int other = motor->sets - 1;
     motor->u_alpha_V = motor->u_beta_V = 0.0;
     for (int part = 0; part < PARTS; part++) {
         double u[2];
         double v[2];
-        apply(motor, 0, acting[0].duty, v_bus_V, u);
-        apply(motor, other, acting[other].duty, v_bus_V, v);
+        apply(motor, 0, applied[0].duty, v_bus_V, u);
+        apply(motor, other, applied[other].duty, v_bus_V, v);
         const double alpha = 0.5 * (u[0] + v[0]);
         const double beta = 0.5 * (u[1] + v[1]);
-        if (acting[0].gates) {
+        if (applied[0].gates) {
             carry(motor, h, alpha, beta);
             carry_xy(motor, h, 0.5 * (u[0] - v[0]), 0.5 * (v[1] - u[1]));
         } else { // the bus is well above the EMF: nothing flows

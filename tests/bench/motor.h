@@ -28,7 +28,7 @@ typedef enum {
     SHAFT_BRAKED   ///< a brake that takes the torque of the operating point at its speed, steeply
 } shaft_t;
 
-/// One PWM period with the outputs `acting` of all sets, whose gates are all on or all off.
-void motor_period(motor_t *motor, const lode_drive_out_t *acting, double v_bus_V, shaft_t shaft);
+/// One PWM period with the outputs `applied` of all sets, whose gates are all on or all off.
+void motor_period(motor_t *motor, const lode_drive_out_t *applied, double v_bus_V, shaft_t shaft);
 
 #endif

@@ -62,7 +62,7 @@ typedef struct {
     int32_t number;
     motor_t motor;
     uint32_t dice; // state of the noise
-    lode_drive_out_t acting;
+    lode_drive_out_t applied;
     lode_telemetry_t telemetry;
     seen_t seen;
     lode_counts_t counts[BENCH_SETTLE + BENCH_ROWS];
@@ -104,9 +104,9 @@ static void one_period(run_t *run, int32_t period, int32_t row) {
     if (row >= 0) {
         look(run);
     }
-    run->acting.gates = out.gates; // at once; the duties only from the next period on
-    motor_period(&run->motor, &run->acting, v_bus_V, shaft_of(scene, run->telemetry.mode));
-    run->acting.duty = out.duty;
+    run->applied.gates = out.gates; // at once; the duties only from the next period on
+    motor_period(&run->motor, &run->applied, v_bus_V, shaft_of(scene, run->telemetry.mode));
+    run->applied.duty = out.duty;
 }
 
 static bool is_as_named(const run_t *run) {

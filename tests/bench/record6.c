@@ -9,7 +9,7 @@ typedef struct {
     int32_t number;
     motor_t motor;
     uint32_t dice;
-    lode_drive_out_t acting[LODE_SETS];
+    lode_drive_out_t applied[LODE_SETS];
     int32_t bad; // of the counted periods
     lode_counts6_t counts[BENCH_SETTLE + BENCH_ROWS];
     bench_truth_t truth[BENCH_ROWS + 1];
@@ -39,12 +39,12 @@ static void one_period(run6_t *run, int32_t period) {
                     hypot(run->motor.x_A, run->motor.y_A) > XY_MAX_A;
     }
     for (int set = 0; set < LODE_SETS; set++) {
-        run->acting[set].gates = out.set[set].gates;
+        run->applied[set].gates = out.set[set].gates;
     }
-    motor_period(&run->motor, run->acting, (double)BENCH_V_BUS_V,
+    motor_period(&run->motor, run->applied, (double)BENCH_V_BUS_V,
                  running ? SHAFT_BRAKED : SHAFT_DRAGGED);
     for (int set = 0; set < LODE_SETS; set++) {
-        run->acting[set].duty = out.set[set].duty;
+        run->applied[set].duty = out.set[set].duty;
     }
 }
 

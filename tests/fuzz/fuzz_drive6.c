@@ -27,7 +27,7 @@ static lode_drive6_config_t drive_config(uint16_t choice, uint8_t source, uint8_
         .drive = fuzz_drive_config(choice),
         .Lxy_H = 0.9e-3f,
         .source = (lode_source_t)(source % 3u),
-        .open_phase = (lode_open_phase_answer_t)(answer % 3u),
+        .open_phase = (lode_open_phase_response_t)(answer % 3u),
     };
     config.drive.guard.stamp_per_period = FUZZ_STAMP;
     return config;

@@ -26,10 +26,10 @@ typedef struct {
     lode_drive_t drive;
     lode_drive_out_t out;
     ipmsm_t motor;
-    double load_Nm;    ///< friction-like: against the rotation
-    bool blocked;      ///< the rotor stands still
-    double offset[3];  ///< of the current converters, counts
-    lode_abc_t acting; ///< duties under way
+    double load_Nm;     ///< friction-like: against the rotation
+    bool blocked;       ///< the rotor stands still
+    double offset[3];   ///< of the current converters, counts
+    lode_abc_t applied; ///< duties under way
     uint32_t stamp;
     bool trip;
     double angle_error;
@@ -37,7 +37,7 @@ typedef struct {
 
 static inline void rig_init(rig_t *self, lode_drive_tuning_t *tuning,
                             const lode_drive_config_t *config) {
-    *self = (rig_t){.motor = ipmsm_paper(0.0), .acting = {0.5f, 0.5f, 0.5f}};
+    *self = (rig_t){.motor = ipmsm_paper(0.0), .applied = {0.5f, 0.5f, 0.5f}};
     TEST_ASSERT_EQUAL_STRING("LODE_OK",
                              lode_status_name(lode_drive_init(&self->drive, tuning, config)));
 }
@@ -63,7 +63,7 @@ static inline void rig_move(rig_t *self) {
     const double torque = ipmsm_torque(m);
     const double drag = self->load_Nm * tanh(m->omega / 3.0) + 7.5e-4 * m->omega / 3.0;
     m->acc = self->blocked ? 0.0 : 3.0 / 0.0174 * (torque - drag);
-    const lode_ab_t u = lode_clarke(self->acting);
+    const lode_ab_t u = lode_clarke(self->applied);
     if (self->out.gates == LODE_GATES_ON) {
         ipmsm_step(m, (double)PAPER_V_BUS * (double)u.alpha, (double)PAPER_V_BUS * (double)u.beta,
                    RIG_TS_s);
@@ -73,7 +73,7 @@ static inline void rig_move(rig_t *self) {
         m->theta = remainder(m->theta + RIG_TS_s * m->omega, 2.0 * CHECK_PI);
         m->omega += RIG_TS_s * m->acc;
     }
-    self->acting = self->out.duty;
+    self->applied = self->out.duty;
 }
 
 static inline void rig_step(rig_t *self) {

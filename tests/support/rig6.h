@@ -51,7 +51,7 @@ static inline lode_drive6_config_t rig6_config(void) {
 typedef struct {
     lode_drive6_t drive;
     lode_drive6_out_t out;
-    lode_drive6_out_t acting;
+    lode_drive6_out_t applied;
     cplx_t i_dq;
     cplx_t i_xy; ///< stator axes
     double theta;
@@ -69,7 +69,7 @@ typedef struct {
 static inline void rig6_init(rig6_t *self, lode_drive6_tuning_t *tuning,
                              const lode_drive6_config_t *config) {
     const lode_drive_out_t idle = {{0.5f, 0.5f, 0.5f}, false};
-    *self = (rig6_t){.acting = {{idle, idle}}};
+    *self = (rig6_t){.applied = {{idle, idle}}};
     TEST_ASSERT_EQUAL_STRING("LODE_OK",
                              lode_status_name(lode_drive6_init(&self->drive, tuning, config)));
 }
@@ -168,8 +168,8 @@ static inline void rig6_carry_alone(rig6_t *self, cplx_t v, int set, double h) {
 
 static inline void rig6_move(rig6_t *self) {
     const double h = RIG6_TS_s / RIG6_PARTS;
-    const cplx_t v1 = rig6_vector(self->acting.set[0].duty, 0);
-    const cplx_t v2 = rig6_vector(self->acting.set[1].duty, 1);
+    const cplx_t v1 = rig6_vector(self->applied.set[0].duty, 0);
+    const cplx_t v2 = rig6_vector(self->applied.set[1].duty, 1);
     for (int part = 0; part < RIG6_PARTS; part++) {
         const bool on_1 = self->out.set[0].gates;
         const bool on_2 = self->out.set[1].gates;
@@ -185,7 +185,7 @@ static inline void rig6_move(rig6_t *self) {
         self->theta = remainder(self->theta + h * self->omega, 2.0 * CHECK_PI);
         self->omega += h * RIG6_NP / RIG6_J * (rig6_torque(self) - drag);
     }
-    self->acting = self->out;
+    self->applied = self->out;
 }
 
 static inline lode_telemetry6_t rig6_telemetry(const rig6_t *self) {
