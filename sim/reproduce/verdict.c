@@ -267,6 +267,20 @@ static double distance(const row_t *row, double value) {
                                     : fabs(value - row->claimed);
 }
 
+/// Whether the row was run with more than one choice of an axis.
+static bool varies(const table_t *table, const row_t *row, int axis) {
+    int first = -1;
+    for (int v = 0; v < table_variants(table->paper); ++v) {
+        int choice[AXES];
+        (void)table_choices(table->paper, v, choice);
+        if (row->ran[v] && first >= 0 && choice[axis] != first) {
+            return true;
+        }
+        first = row->ran[v] ? choice[axis] : first;
+    }
+    return false;
+}
+
 static void put_nearest(writer_t *self, const table_t *table, const row_t *row) {
     int nearest = -1;
     double value = NAN;
@@ -290,7 +304,7 @@ static void put_nearest(writer_t *self, const table_t *table, const row_t *row) 
     put(self, text);
     const char *before = "";
     for (int k = 0; k < AXES; ++k) {
-        if (table->paper->axis[k].choices > 1) {
+        if (varies(table, row, k)) {
             put(self, before);
             put(self, table->paper->axis[k].choice[choice[k]]);
             before = ", ";

@@ -2,8 +2,9 @@
 
 The figures of README.md between the marks <!-- figures --> and <!-- /figures -->.
 write: runs the commands of the table with the host tool TOOL, notes what they gave in docs/figures.json
-and writes the lines anew from that and from docs/budget.json. Takes some minutes. How many times real
-time the tool runs depends on what else the machine does: run it where nothing else does.
+and writes the lines anew from that and from docs/budget.json, and docs/papers.md from the same runs. Takes
+some minutes. How many times real time the tool runs depends on what else the machine does: run it where
+nothing else does.
 render: the lines anew from the two files as they are; nothing is run.
 check: the lines in README.md are those that the two files give; nothing is run.
 """
@@ -32,6 +33,7 @@ SCENARIOS = ["main", "steady_switched", "dynamics", "reversal", "steady_correcti
              "steady_ideal", "drone", "servo", "traction", "field_weakening", "mtpv", "dtp",
              "dtp_open_phase", "dtp_open_phase_300", "dtp_correction", "start"]
 SHARES = (0.7, 0.8, 1.0, 1.1, 1.2)  # of the right correction of dead time and drops
+PAPERS = ("jiang2022", "li-fa-leso")
 SPEED_RUNS = 3  # the best of so many: what disturbs only slows down
 
 
@@ -163,7 +165,7 @@ def measure(tool):
     bare = tool.scenario("steady_ideal", "estimator.pll=qpll", "estimator.compensation=none")
     f["bare"] = {name: phases(bare, name)[0]["angle_error_deg"]["mean"] for name in ("300", "1500")}
     f["machines"] = {name: worst(tool.scenario(name)) for name in ("drone", "servo", "traction")}
-    for paper in ("jiang2022", "li-fa-leso"):
+    for paper in PAPERS:
         f[paper] = papers_page.count(tool.json_of("reproduce", paper))
     f["fa_leso"] = fa_leso(tool.json_of("reproduce", "li-fa-leso"))
     f["replays"] = replays(tool)
@@ -302,7 +304,9 @@ def main():
     if page.count(BEGIN) != 1 or page.count(END) != 1 or page.index(BEGIN) > page.index(END):
         sys.exit(f"{PAGE}:1: expected one {BEGIN} and, after it, one {END}")
     if sys.argv[1] == "write":
-        measured = json.dumps(measure(Tool(sys.argv[2])), indent=1)
+        tool = Tool(sys.argv[2])
+        measured = json.dumps(measure(tool), indent=1)
+        papers_page.write(ROOT, *(tool.json_of("reproduce", paper) for paper in PAPERS))
         FIGURES.write_text(re.sub(r"(\.\d{6})\d+", r"\1", measured) + "\n")
         print(f"written: {FIGURES.relative_to(ROOT)}")
     wanted = lines(json.loads(FIGURES.read_text()), json.loads(BUDGET.read_text()))

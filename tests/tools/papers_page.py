@@ -2,11 +2,11 @@
 
 The page is tests/tools/papers_page.md with figures in its slots and the tables of all claims. Without
 `write` it is compared with what is there. Runs with fewer seeds than the page's have the same columns but
-not the same verdicts: then a verdict may only not be the opposite.
+not the same verdicts: then a verdict may only not be the opposite. `tests/run figures` writes it too.
 
 Slots: {{j ID COLUMN DIGITS}} a figure of paper 1's run, {{l ...}} of paper 2's; with a fifth word abs
-without its sign, {{b STEP}} instructions of a step (docs/budget.json); {{seeds j}}, {{count j}} and
-{{rows j}} stand for the seeds, the number of verdicts and the tables.
+without its sign. {{seeds j}}, {{count j}} and {{rows j}} stand for the seeds, the number of verdicts and
+the tables.
 """
 import json
 import pathlib
@@ -90,10 +90,8 @@ def tables(run):
         yield "", False
 
 
-def filled(slot, runs, budget):
+def filled(slot, runs):
     words = slot.split()
-    if words[0] == "b":
-        return f"{budget['steps'][words[1]]['instructions']['avg']:.0f}"
     if words[0] in ("seeds", "count"):
         run = runs[words[1]]
         return f"{run['first_seed']} to {run['first_seed'] + run['seeds'] - 1}" if words[0] == "seeds" else \
@@ -108,14 +106,17 @@ def filled(slot, runs, budget):
 def page(root, jiang, li):
     """Its lines, each with whether it is as of its day only."""
     runs = {"j": jiang, "l": li}
-    budget = json.loads(pathlib.Path(root, "docs/budget.json").read_text())
     for line in pathlib.Path(root, TEMPLATE).read_text().splitlines():
         slots = SLOT.findall(line)
         if slots and slots[0].startswith("rows "):
             yield from list(tables(runs[slots[0].split()[1]]))[:-1]
             continue
         hunts = any(slot.startswith(("seeds", "count")) or slot.split()[1].split("_")[0] in HUNTING for slot in slots)
-        yield SLOT.sub(lambda m: filled(m[1], runs, budget), line), hunts
+        yield SLOT.sub(lambda m: filled(m[1], runs), line), hunts
+
+
+def write(root, jiang, li):
+    pathlib.Path(root, PAGE).write_text("\n".join(line for line, _ in page(root, jiang, li)) + "\n")
 
 
 # ---- Comparison ---------------------------------------------------------------------------------
@@ -151,10 +152,10 @@ def problems(root, jiang, li):
             yield f"{PAGE}:{number}: '{a[:200]}', the run gave '{b[:200]}'"
 
 
-def main(root, jiang, li, write=None):
+def main(root, jiang, li, what=None):
     runs = [json.loads(pathlib.Path(name).read_text()) for name in (jiang, li)]
-    if write == "write":
-        pathlib.Path(root, PAGE).write_text("\n".join(line for line, _ in page(root, *runs)) + "\n")
+    if what == "write":
+        write(root, *runs)
         return 0
     found = list(problems(root, *runs))
     for text in found:
