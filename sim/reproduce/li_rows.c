@@ -1,6 +1,9 @@
 #include "reproduce/li_rows.h"
 
 #include "reproduce/li_work.h"
+#include "support/workers.h"
+
+typedef char li_result_fits[sizeof(li_result_t) <= WORKERS_RESULT_MAX ? 1 : -1];
 
 // ---- The paper ----------------------------------------------------------------------------------
 

@@ -1,6 +1,9 @@
 #include "reproduce/rows.h"
 
 #include "reproduce/work.h"
+#include "support/workers.h"
+
+typedef char case_result_fits[sizeof(case_result_t) <= WORKERS_RESULT_MAX ? 1 : -1];
 
 static const char introduction[] =
     "Jiang et al., Energies 2022, 15, 1943, Section 5, on the simulated machine of its Table 3: 5 "

@@ -10,6 +10,7 @@ import cmath
 import contextlib
 import csv
 import io
+import itertools
 import json
 import math
 import pathlib
@@ -556,12 +557,32 @@ def judged(row):
     return {0: "contradicted", sum(variant["of"] for variant in row["variants"]): "reproduced"}.get(held, "depends")
 
 
+def fewest_axes(row):
+    """The least number of axes that tell where a claim holds, and whether some seeds only decide."""
+    variants = row["variants"]
+    state = [0 if v["holds"] == 0 else 1 if v["holds"] == v["of"] else 2 for v in variants]
+    axes = [key for key in variants[0] if isinstance(variants[0][key], str)]
+
+    def tell(subset):
+        groups = {}
+        for variant, now in zip(variants, state):
+            groups.setdefault(tuple(variant[key] for key in subset), set()).add(now)
+        return all(len(group) == 1 for group in groups.values())
+
+    least = next(n for n in range(len(axes) + 1) if any(map(tell, itertools.combinations(axes, n))))
+    return least, 2 in state
+
+
 def verdicts(checks, rows):
     """The verdict follows from the variants, these from their values, and what does not hold says why."""
     for name, row in rows.items():
         checks.equal(row["verdict"], judged(row), f"{name}: verdict")
         checks.equal(bool(row["why"]), row["verdict"] in ("contradicted", "depends", "not comparable") or
                      (row["verdict"] == "identity" and not holds(row, row["theory"])), f"{name}: says why")
+        if row["verdict"] == "depends":
+            named = row["why"].removeprefix("on ").split(".")[0].split(" and ")
+            least, noise = fewest_axes(row)
+            checks.equal((len(named) - noise, "noise" in named), (least, noise), f"{name}: axes in '{row['why'][:60]}'")
         if row["verdict"] == "not comparable":
             checks.true("missing: " in row["why"], f"{name}: {row['why']}")
         for variant in row["variants"]:
@@ -704,6 +725,7 @@ def main():
         docs(checks, folder)
         refused(checks, folder, ["reproduce"], "reproduce: expected the name of a paper: jiang2022 or li-fa-leso")
         refused(checks, folder, ["reproduce", "li"], "reproduce li: unknown; expected jiang2022 or li-fa-leso")
+        refused(checks, folder, ["reproduce", "jiang2022", "--seeds", "1-21"], "reproduce --seeds: expected at most 20")
         refused(checks, folder, ["reproduce", "jiang2022", "more"], "more: expected nothing there")
     checks.done()
 
