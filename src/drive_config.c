@@ -113,7 +113,7 @@ void lode_drive_design(lode_drive_config_t *config) {
         config->estimator.omega_max_rad_s =
             lode_given_or(config->estimator.omega_max_rad_s, weakened_omega(config));
     }
-    lode_start_design(&config->start, inverter, motor);
+    lode_start_design(&config->start, inverter, motor, ts_s);
     design_pll(config);
     lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);

@@ -3,6 +3,13 @@
 #define CURRENT_SHARE 0.7f  // of i_max
 #define SALIENT_SHARE 0.5f  // of the current at which a salient rotor is no longer pulled
 #define HANDOVER_SHARE 0.1f // of rated speed
+// The EMF at hand-over over the voltage that nobody knows: of a microsecond of dead time, which comes to
+// (4/pi) v_bus f_pwm times that along the current, and of 30 % of the resistance.
+#define EMF_PER_UNKNOWN 2.0f
+#define DEAD_TIME_UNKNOWN_s 1.0e-6f
+#define RESISTANCE_UNKNOWN 0.3f
+#define FOUR_PER_PI (4.0f / LODE_PI)
+#define HANDOVER_SHARE_MAX 0.5f // beyond, too little of the speed range is left
 #define RAMP_TORQUE_SHARE (1.0f / 6.0f)
 #define RISE_TIME_s 0.2f
 #define DAMPING 0.5f
@@ -11,7 +18,12 @@
 #define CATCH_PARTS 5u     // the lock must hold for this part of the time
 #define FADE_TIME_s 0.1f
 #define PATIENCE_s 0.4f
-#define ATTEMPTS 3.0f     // until the start has failed
+// Three attempts until the start has failed. A rotor with more on its shaft than configured cannot follow the
+// ramp: each has a quarter of the one before. The last one also takes more current, against a load.
+#define EASE 0.25f
+#define EASE_LAST (EASE * EASE)
+#define TIMEOUT_MAX_s 1000.0f
+#define CURRENT_LAST 2.0f // of the start current, up to i_max
 #define ROUNDS_MAX 2.0e9f // inside an int32
 #define SWEEP_rad (LODE_TWO_PI / 3.0f)
 #define MEAN_CORNER 0.3f      // of the mean EMF, over the swing's natural frequency
@@ -30,19 +42,32 @@ static float default_current_A(const lode_motor_t *motor, float i_max_A) {
     return lode_min(CURRENT_SHARE * i_max_A, SALIENT_SHARE * lost_A);
 }
 
+static float ramp_s(const lode_start_config_t *config) {
+    return config->omega_handover_rad_s / lode_max(config->ramp_rad_s2, FLT_MIN);
+}
+
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
-static float attempt_s(const lode_start_config_t *config) {
-    const float ramp_s = config->omega_handover_rad_s / lode_max(config->ramp_rad_s2, FLT_MIN);
-    const float profile_s = config->current_rise_s + ramp_s + config->lock_s;
+static float attempt_s(const lode_start_config_t *config, float ease) {
+    const float profile_s = config->current_rise_s + ramp_s(config) / ease + config->lock_s;
     return profile_s + lode_max(profile_s, PATIENCE_s);
 }
 
+static float default_handover(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                              float current_A, float ts_s) {
+    const float dead_time_V = FOUR_PER_PI * inverter->v_bus_V * DEAD_TIME_UNKNOWN_s / ts_s;
+    const float drop_V = RESISTANCE_UNKNOWN * (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
+    const float by_emf =
+        EMF_PER_UNKNOWN * (dead_time_V + drop_V) / lode_max(motor->psi_Wb, FLT_MIN);
+    return lode_clamp(by_emf, HANDOVER_SHARE * motor->omega_rated_rad_s,
+                      HANDOVER_SHARE_MAX * motor->omega_rated_rad_s);
+}
+
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
-                       const lode_motor_t *motor) {
+                       const lode_motor_t *motor, float ts_s) {
     config->current_A =
         lode_given_or(config->current_A, default_current_A(motor, inverter->i_max_A));
-    config->omega_handover_rad_s =
-        lode_given_or(config->omega_handover_rad_s, HANDOVER_SHARE * motor->omega_rated_rad_s);
+    config->omega_handover_rad_s = lode_given_or(
+        config->omega_handover_rad_s, default_handover(motor, inverter, config->current_A, ts_s));
     const float torque = stiffness(config->current_A, motor);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * torque /
                                                                  lode_max(motor->J_kgm2, FLT_MIN) *
@@ -52,7 +77,9 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
     config->catch_s = lode_given_or(config->catch_s, CATCH_TIME_s);
     config->fade_s = lode_given_or(config->fade_s, FADE_TIME_s);
-    config->timeout_s = lode_given_or(config->timeout_s, ATTEMPTS * attempt_s(config));
+    const float attempts_s =
+        attempt_s(config, 1.0f) + attempt_s(config, EASE) + attempt_s(config, EASE_LAST);
+    config->timeout_s = lode_given_or(config->timeout_s, lode_min(attempts_s, TIMEOUT_MAX_s));
 }
 
 static lode_status_t check(const lode_start_config_t *config,
@@ -69,7 +96,7 @@ static lode_status_t check(const lode_start_config_t *config,
         !lode_in_range(config->catch_s, LODE_NONE, 10.0f) ||
         !lode_in_range(config->lock_s, ts_s, 10.0f) ||
         !lode_in_range(config->fade_s, ts_s, 10.0f) ||
-        !lode_in_range(config->timeout_s, config->lock_s, 1000.0f)) {
+        !lode_in_range(config->timeout_s, config->lock_s, TIMEOUT_MAX_s)) {
         return LODE_ERROR_START_RAMP;
     }
     if (!lode_in_range(config->damping, LODE_NONE, 2.0f)) {
@@ -98,6 +125,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     const float K = stiffness(config->current_A, motor);
     const float np = motor->pole_pairs;
     const float swing = lode_sqrt(np * K / motor->J_kgm2);
+    const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
     *tuning = (lode_start_tuning_t){
         .current_A = config->current_A,
         .current_step = config->current_A * ts_s / config->current_rise_s,
@@ -112,7 +140,10 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .ts_s = ts_s,
         .catch_rounds = rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
         .lock_rounds = rounds_in(config->lock_s, ts_s),
-        .attempt_rounds = rounds_in(attempt_s(config), ts_s),
+        .current_last_A = lode_min(CURRENT_LAST * config->current_A, inverter->i_max_A),
+        .ramp_rounds = ramp_s(config) / round_s,
+        .still_rounds = (config->current_rise_s + config->lock_s) / round_s,
+        .patience_rounds = PATIENCE_s / round_s,
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
     };
     return LODE_OK;
@@ -123,7 +154,8 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
                            .omega_rad_s = omega_rad_s,
                            .current_A = current_A,
                            .omega_target = omega_rad_s,
-                           .current_target = current_A};
+                           .current_target = current_A,
+                           .ease = 1.0f};
 }
 
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
@@ -131,22 +163,29 @@ void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
     self->catching = tuning->catch_rounds;
 }
 
+static float attempt_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const float profile = tuning->still_rounds + tuning->ramp_rounds / self->ease;
+    return profile + lode_max(profile, tuning->patience_rounds);
+}
+
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
 static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
                       float omega_target_rad_s) {
     const bool starting = lode_abs(omega_target_rad_s) > 0.0f;
     self->attempt = starting ? self->attempt + 1u : 0u;
-    if (self->attempt > tuning->attempt_rounds) {
+    if ((float)(int32_t)self->attempt > attempt_rounds(self, tuning)) {
         self->attempt = 0u;
         self->omega_rad_s = 0.0f;
         self->current_A = 0.0f;
+        self->ease = lode_max(EASE * self->ease, EASE_LAST);
     }
 }
 
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
+    const bool last = current_A > 0.0f && self->ease <= EASE_LAST;
     self->omega_target = omega_target_rad_s;
-    self->current_target = current_A;
+    self->current_target = last ? tuning->current_last_A : current_A;
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length
     self->rounds++;

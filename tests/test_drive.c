@@ -521,7 +521,7 @@ static void test_a_blocked_rotor_ends_in_a_start_fault(void) {
     rig_t rig = fresh();
     rig.blocked = true;
     rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_FAULT, 12.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_FAULT, 20.0)); // three attempts
     const lode_fault_t fault = rig_telemetry(&rig).fault;
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_START", lode_check_name((lode_check_t)fault.check));
     TEST_ASSERT_EQUAL_INT(LODE_MODE_START, fault.state);

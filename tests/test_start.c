@@ -181,7 +181,7 @@ static void test_any_emf_gives_an_angle(void) {
         const lode_ab_t e = {random_any(&random), random_any(&random)};
         const float angle = step(&start, &tuning, n, 47.0f, 8.0f, e);
         TEST_ASSERT_TRUE(lode_in_range(angle, -LODE_PI, LODE_PI));
-        TEST_ASSERT_TRUE(lode_in_range(start.current_A, 0.0f, 8.0f));
+        TEST_ASSERT_TRUE(lode_in_range(start.current_A, 0.0f, inverter.i_max_A));
     }
 }
 
@@ -407,12 +407,12 @@ static void test_every_field_at_its_limits(void) {
 static void test_design_fills_what_is_open(void) {
     const lode_motor_t motor = paper_motor();
     lode_start_config_t config = {.current_A = 0.0f};
-    lode_start_design(&config, &inverter, &motor);
+    lode_start_design(&config, &inverter, &motor, PAPER_TS_s);
     CHECK_CLOSE(1.0e-6, 0.7 * 12.0, config.current_A);
     lode_motor_t salient = motor;
     salient.Lq_H = motor.Ld_H + 0.01f;
     lode_start_config_t bounded = {.current_A = 0.0f};
-    lode_start_design(&bounded, &inverter, &salient);
+    lode_start_design(&bounded, &inverter, &salient, PAPER_TS_s);
     CHECK_CLOSE(1.0e-5, 0.5 * 0.142 / 0.01, bounded.current_A);
     CHECK_CLOSE(1.0e-6, 0.1 * PAPER_OMEGA_RATED, config.omega_handover_rad_s); // 150 rpm
     // A sixth of the start torque on the inertia, electrical.
@@ -422,15 +422,84 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 0.1, config.lock_s);
     CHECK_CLOSE(1.0e-6, 0.05, config.catch_s);
     CHECK_CLOSE(1.0e-6, 0.1, config.fade_s);
-    TEST_ASSERT_TRUE(config.timeout_s > 1.0f && config.timeout_s < 10.0f);
+    // Three attempts, each with a quarter of the ramp before: twice the profile, or 0.4 s more.
+    const double ramp_s = (double)config.omega_handover_rad_s / (double)config.ramp_rad_s2;
+    const double profiles_s = 0.3 + ramp_s + 0.3 + 4.0 * ramp_s + 0.3 + 16.0 * ramp_s;
+    CHECK_CLOSE(1.0e-5, 2.0 * profiles_s, config.timeout_s);
+    lode_motor_t heavy = motor;
+    heavy.J_kgm2 = 10.0f;
+    lode_start_config_t patient = {.current_A = 0.0f};
+    lode_start_design(&patient, &inverter, &heavy, PAPER_TS_s);
+    TEST_ASSERT_EQUAL_FLOAT(1000.0f, patient.timeout_s); // as much as init takes
     const lode_start_config_t all = sound();
     lode_start_config_t kept = all;
-    lode_start_design(&kept, &inverter, &motor);
+    lode_start_design(&kept, &inverter, &motor, PAPER_TS_s);
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
+}
+
+/// EMF at hand-over: twice what 1 us of dead time and 30 % of R may come to, from 0.1 to 0.5 of rated.
+static void test_hand_over_speed_follows_what_is_not_known(void) {
+    lode_motor_t motor = paper_motor();
+    motor.psi_Wb = 0.05f;
+    lode_inverter_config_t board = inverter;
+    board.r_on_Ohm = 0.05f;
+    lode_start_config_t config = {.current_A = 6.0f};
+    lode_start_design(&config, &board, &motor, PAPER_TS_s);
+    const double unknown_V =
+        4.0 / CHECK_PI * (double)board.v_bus_V * 1.0e-6 / 2.0e-4 + 0.3 * 0.8 * 6.0;
+    CHECK_CLOSE(1.0e-5, 2.0 * unknown_V / 0.05, config.omega_handover_rad_s);
+    motor.psi_Wb = 0.005f;
+    lode_start_config_t weak = {.current_A = 6.0f};
+    lode_start_design(&weak, &board, &motor, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-5, 0.5 * PAPER_OMEGA_RATED, weak.omega_handover_rad_s);
+}
+
+/// Each attempt begins at rest, with a quarter of the ramp; the last one takes twice the current.
+static void test_each_attempt_is_easier(void) {
+    lode_start_config_t config = sound();
+    config.current_A = 5.0f;
+    lode_start_tuning_t tuning = tuned(&config);
+    const float ease[] = {1.0f, 0.25f, 0.0625f, 0.0625f};
+    const float current[] = {5.0f, 5.0f, 10.0f, 10.0f};
+    lode_start_t start;
+    lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 0.0f);
+    int n = 1;
+    for (int k = 0; k < COUNT_OF(ease); k++) {
+        TEST_ASSERT_EQUAL_FLOAT(ease[k], start.ease);
+        float most_A = 0.0f;
+        float most_step = 0.0f;
+        int periods = 0;
+        for (bool fresh = false; !fresh; n++, periods++) {
+            const float before = start.omega_rad_s;
+            (void)step(&start, &tuning, n, 47.0f, 5.0f, no_emf);
+            most_A = lode_max(most_A, start.current_A);
+            most_step = lode_max(most_step, start.omega_rad_s - before);
+            fresh = start.current_A < most_A - 1.0f;
+        }
+        CHECK_CLOSE(1.0e-4, current[k], most_A);
+        CHECK_CLOSE(1.0e-3, ease[k] * tuning.omega_step, most_step);
+        // Rise, ramp and lock, and as long again, here at least 0.4 s.
+        const double profile_s = (double)config.current_rise_s + (double)config.lock_s +
+                                 47.0 / (double)(config.ramp_rad_s2 * ease[k]);
+        const double expected_s = profile_s + fmax(profile_s, 0.4);
+        CHECK_NEAR(0.02 * expected_s + 0.01, expected_s, periods * 2.0e-4);
+    }
+    // No more than i_max, and nothing for a stop.
+    config.current_A = 8.0f;
+    tuning = tuned(&config);
+    lode_start_aim(&start, &tuning, 47.0f, 8.0f);
+    CHECK_CLOSE(1.0e-6, lode_min(16.0f, inverter.i_max_A), start.current_target);
+    lode_start_aim(&start, &tuning, 0.0f, 0.0f);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, start.current_target);
+    TEST_ASSERT_EQUAL_FLOAT(0.0625f, start.ease);
+    lode_start_begin(&start, &tuning);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, start.ease);
 }
 
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_hand_over_speed_follows_what_is_not_known);
+    RUN_TEST(test_each_attempt_is_easier);
     RUN_TEST(test_current_rises_first_then_the_vector_turns);
     RUN_TEST(test_angle_is_the_integral_of_the_speed);
     RUN_TEST(test_the_vector_sweeps_while_the_current_rises);

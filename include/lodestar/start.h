@@ -12,10 +12,14 @@ extern "C" {
 #endif
 
 typedef struct {
-    float current_A; ///< amplitude of the vector; 0: 0.7 i_max, at most psi/(2 (Lq - Ld))
-    /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm)
+    /// amplitude of the vector, in the last attempt up to twice that, within i_max; 0: 0.7 i_max, at most
+    /// psi/(2 (Lq - Ld))
+    float current_A;
+    /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm), or up to 0.5 where 1 us of dead
+    /// time and 30 % of R leave less than half of the EMF certain
     float omega_handover_rad_s;
-    float ramp_rad_s2;    ///< electrical; 0: what a sixth of the start torque gives the inertia
+    float
+        ramp_rad_s2; ///< electrical, of the first attempt; 0: what a sixth of the start torque gives the inertia
     float current_rise_s; ///< 0: 0.2
     float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
     float lock_s;         ///< lock quality must have held for this long; 0: 0.1
@@ -38,7 +42,10 @@ typedef struct {
     float fade_step;       ///< per call of the references
     uint32_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
     uint32_t lock_rounds;
-    uint32_t attempt_rounds;
+    float current_last_A;  ///< of the last attempt
+    float ramp_rounds;     ///< of the first attempt's ramp to hand-over speed, in LODE_SLOW_PERIODS
+    float still_rounds;    ///< of current rise and lock
+    float patience_rounds; ///< at least, after the profile
     uint32_t timeout_rounds;
 } lode_start_tuning_t;
 
@@ -54,6 +61,7 @@ typedef struct {
     uint32_t catching; ///< rounds left to find a rotor that turns already
     uint32_t attempt;  ///< rounds since the present attempt began
     uint32_t rounds;   ///< since the start
+    float ease;        ///< share of the ramp in the present attempt: 1, a quarter, a sixteenth
 } lode_start_t;
 
 /// Lock quality from which the estimator may take over: well above LODE_LOCK_LOST.
@@ -62,7 +70,7 @@ typedef struct {
 #define LODE_START_SHIFT_MAX_rad 0.5f
 
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
-                       const lode_motor_t *motor);
+                       const lode_motor_t *motor, float ts_s);
 
 lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_config_t *config,
                               const lode_inverter_config_t *inverter, const lode_motor_t *motor,

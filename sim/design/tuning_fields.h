@@ -150,7 +150,10 @@
     ROW(FLOAT, float, start.fade_step) \
     ROW(WHOLE, uint32_t, start.catch_rounds) \
     ROW(WHOLE, uint32_t, start.lock_rounds) \
-    ROW(WHOLE, uint32_t, start.attempt_rounds) \
+    ROW(FLOAT, float, start.current_last_A) \
+    ROW(FLOAT, float, start.ramp_rounds) \
+    ROW(FLOAT, float, start.still_rounds) \
+    ROW(FLOAT, float, start.patience_rounds) \
     ROW(WHOLE, uint32_t, start.timeout_rounds) \
     ROW(FLOAT, float, guard.i_trip) \
     ROW(FLOAT, float, guard.v_bus_max) \
