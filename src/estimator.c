@@ -205,6 +205,21 @@ static bool is_seed_due(const lode_estimator_t *self, const lode_estimator_tunin
     return self->wait == 0u || self->wait > longest;
 }
 
+// Of the speed found, by what a free rotor would move within a time constant of the PLL.
+#define LOADED_SHARE 1.0f
+
+// What the present torque is taken to be held by, where a free rotor would run away from the speed found
+// before the PLL can see it: the PLL would never lock under load. Less may as well be a swing of the start,
+// in which the rotor does follow its torque.
+static float load_acceleration(const lode_estimator_t *self,
+                               const lode_estimator_tuning_t *tuning) {
+    const lode_pll_t *pll = &self->pll;
+    const lode_dq_t i_A = lode_park(self->emf.i_A, pll->frame);
+    const float acc = lode_estimator_acceleration(tuning, i_A, 0.0f, pll->omega_rad_s);
+    const float sigma = tuning->pll.x_low * tuning->pll.inv_ts;
+    return lode_abs(acc) > LOADED_SHARE * sigma * lode_abs(pll->omega_rad_s) ? acc : 0.0f;
+}
+
 // Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
 // quarter turn ahead of the PLL's frame in the sense of rotation. False if there is too little of it.
 static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
@@ -220,7 +235,9 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
         return false;
     }
     const float unit = lode_sign(omega) / e_abs;
-    self->pll = (lode_pll_t){.frame = {-unit * e_V.alpha, unit * e_V.beta}, .omega_rad_s = omega};
+    const lode_sincos_t frame = {-unit * e_V.alpha, unit * e_V.beta};
+    self->pll = (lode_pll_t){.frame = frame, .omega_rad_s = omega};
+    self->pll.f_rad_s2 = -load_acceleration(self, tuning);
     self->per_V = -unit;
     self->omega_tune = omega;
     self->wait = tuning->patience_rounds;

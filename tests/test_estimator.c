@@ -143,6 +143,25 @@ static void test_acquisition_from_reset_takes_milliseconds(void) {
     }
 }
 
+/// A load that holds 10 A of torque on a rotor so light that the current alone would double its speed
+/// within 3 ms: found all the same, from nothing.
+static void test_acquisition_under_load_of_a_light_rotor(void) {
+    lode_motor_t light = paper_motor();
+    light.J_kgm2 *= 0.02f;
+    lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        watch_t w = watch(&config, sign * paper_omega(300.0), sign * 10.0);
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_estimator_tune(&w.tuning, &config, &light, PAPER_TS_s));
+        lode_estimator_reset(&w.estimator, &w.tuning);
+        double error = 0.0;
+        for (int k = 0; k < 1000; k++) { // 0.2 s
+            error = watch_step(&w, 0.0, sign * 10.0);
+        }
+        CHECK_NEAR(3.0 * CHECK_DEG, 0.0, error);
+        CHECK_AT_LEAST(LODE_LOCK_LOST, w.last.lock);
+    }
+}
+
 /// Steady lock quality at the speed `omega`, no load.
 static double steady_lock(const lode_estimator_config_t *config, double omega) {
     watch_t w = watch(config, omega, 0.0);
@@ -662,6 +681,7 @@ int main(void) {
     RUN_TEST(test_paper_settings);
     RUN_TEST(test_without_compensation_the_angle_lags_as_computed);
     RUN_TEST(test_acquisition_from_reset_takes_milliseconds);
+    RUN_TEST(test_acquisition_under_load_of_a_light_rotor);
     RUN_TEST(test_sound_running_keeps_its_lock_at_all_speeds);
     RUN_TEST(test_standstill_is_no_lock);
     RUN_TEST(test_ramps_and_load_steps);
