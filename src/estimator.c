@@ -52,12 +52,33 @@ static uint_least16_t rounds_in(float time_s, float slow_s) {
     return (uint_least16_t)((uint32_t)(int32_t)lode_min(time_s / slow_s, ROUNDS_MAX) + 1u);
 }
 
-static uint_least16_t options_of(const lode_estimator_tuning_t *t) {
-    const bool notch12 = t->notch12.k > 0.0f;
+static lode_status_t tune_notches(lode_estimator_tuning_t *t, const lode_estimator_config_t *config,
+                                  float ts_s) {
+    const float sigma = config->pll.sigma_rad_s;
+    lode_notch_tuning_t notch;
+    lode_notch_tuning_t notch12;
+    lode_status_t status = lode_notch_tune(&notch, 6.0f, config->notch_k, sigma, ts_s);
+    if (status == LODE_OK) {
+        status = lode_notch_tune(&notch12, 12.0f, config->notch12_k, sigma, ts_s);
+    }
+#ifdef LODE_WITHOUT_NOTCH
+    (void)t;
+#else
+    if (status == LODE_OK) {
+        t->notch = notch;
+        t->notch12 = notch12;
+    }
+#endif
+    return status;
+}
+
+static uint_least16_t options_of(const lode_estimator_tuning_t *t,
+                                 const lode_estimator_config_t *config) {
+    const bool notch12 = config->notch12_k > 0.0f;
     uint32_t options = 0u;
     options |= t->emf.salient ? (uint32_t)LODE_ESTIMATOR_SALIENT : 0u;
     options |= t->w_weight < 1.0f ? (uint32_t)LODE_ESTIMATOR_FILTERED : 0u;
-    options |= t->notch.k > 0.0f || notch12 ? (uint32_t)LODE_ESTIMATOR_NOTCH : 0u;
+    options |= config->notch_k > 0.0f || notch12 ? (uint32_t)LODE_ESTIMATOR_NOTCH : 0u;
     options |= notch12 ? (uint32_t)LODE_ESTIMATOR_NOTCH12 : 0u;
     options |= t->pll.third_order ? (uint32_t)LODE_ESTIMATOR_THIRD_ORDER : 0u;
     return (uint_least16_t)options;
@@ -85,12 +106,8 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
         status = lode_lag_tune(&t.lag, config->compensation, &config->emf, motor, ts_s,
                                config->omega_max_rad_s);
     }
-    const float sigma = config->pll.sigma_rad_s;
     if (status == LODE_OK) {
-        status = lode_notch_tune(&t.notch, 6.0f, config->notch_k, sigma, ts_s);
-    }
-    if (status == LODE_OK) {
-        status = lode_notch_tune(&t.notch12, 12.0f, config->notch12_k, sigma, ts_s);
+        status = tune_notches(&t, config, ts_s);
     }
     if (status != LODE_OK) {
         return status;
@@ -102,7 +119,7 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     t.w_weight =
         config->w_filter_rad_s > 0.0f ? lode_one_minus_exp(config->w_filter_rad_s * ts_s) : 1.0f;
     t.droop_s2 = lode_observer_droop_s2(&config->emf);
-    t.options = options_of(&t);
+    t.options = options_of(&t, config);
     t.emin_V = config->emin_V;
     t.omega_limit = 2.0f * config->omega_max_rad_s;
     const float theta_gain = lode_pll_gains(&t.pll, config->pll.omega_high_rad_s).theta;
@@ -193,7 +210,9 @@ LODE_RAMFUNC float lode_estimator_look_again(lode_estimator_t *self,
         return 2.0f * SINE_MAX;
     }
     self->per_V = per_V_of(tuning, e2, self->pll.omega_rad_s);
+#ifndef LODE_WITHOUT_NOTCH
     self->notch.sogi = self->notch12.sogi = (lode_sogi_t){0.0f, 0.0f};
+#endif
     return lode_park(e_V, frame).d * self->per_V;
 }
 

@@ -43,8 +43,10 @@ typedef struct {
     lode_emf_tuning_t emf;
     lode_pll_tuning_t pll;
     lode_lag_t lag;
+#ifndef LODE_WITHOUT_NOTCH
     lode_notch_tuning_t notch;
     lode_notch_tuning_t notch12;
+#endif
     float w_weight; ///< of a new sample in the speed that tunes the observer; 1: no filter
     float emin_V;
     float omega_limit; ///< twice omega_max: beyond it the speed is taken for an alias
@@ -74,8 +76,10 @@ typedef struct {
     bool aligned;        ///< good enough to know the direction of the d axis
     uint_least8_t slot;  ///< of lode_estimator_step()
     uint_least16_t wait; ///< rounds until the next acquisition, while there is no lock
+#ifndef LODE_WITHOUT_NOTCH
     lode_notch_t notch;
     lode_notch_t notch12;
+#endif
     float omega_tune;   ///< the speed that tunes the observer, where it is filtered
     lode_ab_t rotation; ///< without lock: mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
     lode_ab_t before_V; ///< without lock: e[k-1]

@@ -41,7 +41,17 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
     if ((place) < numbers_of[tuning->estimator.emf.observer.kind]) {                               \
         PRINT_FLOAT(float, member)                                                                 \
     }
-#define PRINT(kind, type, member) PRINT_##kind(type, member)
+#define PRINT(kind, type, member)                                                                  \
+    print_option(file, #member, "#ifndef LODE_WITHOUT_NOTCH\n");                                   \
+    PRINT_##kind(type, member) print_option(file, #member, "#endif\n");
+
+// Members that a build without their option does not have.
+static void print_option(FILE *file, const char *member, const char *line) {
+    static const char notches[] = "estimator.notch";
+    if (strncmp(member, notches, sizeof notches - 1) == 0) {
+        (void)fputs(line, file);
+    }
+}
 
 // Where the file is compiled with the options of the library.
 #define UNLESS(feature)                                                                            \

@@ -25,7 +25,8 @@ constants["sizeof(lode_observer_numbers_t)"] = max(int(number) for number in num
 
 def members(struct):
     """(type, name, number of elements or None) of each."""
-    for line in structs[struct].split(";"):
+    body = re.sub(r"^#.*", "", structs[struct], flags=re.M)  # what a build may leave out is there
+    for line in body.split(";"):
         line = " ".join(line.split())
         if line:
             match = MEMBER.fullmatch(line)
