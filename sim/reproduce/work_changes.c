@@ -294,7 +294,7 @@ void work_start(work_t *work) {
     figure_t *figure = work_figure(work, "start", "I-f start, hand-over at 100 rpm");
     (void)snprintf(
         figure->note, sizeof figure->note,
-        "share that reaches 900 rpm from a random angle; columns: of %d starts, the "
+        "share that reaches 900 rpm within 3 s from a random angle; columns: of %d starts, the "
         "judged variants: one start per seed. Without load and with the true "
         "parameters; spread: load 0 .. 2 Nm, Rs +-20 %%, Lq +-15 %%, offsets. Start "
         "and control are the library's, with the paper's w0 and sigma in all but own gains",
