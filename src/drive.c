@@ -1,6 +1,8 @@
 #include "drive_inline.h"
 
 #define TELEMETRY_TRIES 3
+// Of the voltage circle: with less EMF there is voltage left to drive the current that is asked for.
+#define EMF_SHARE 0.8f
 
 void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     *self = (lode_drive_t){.tuning = tuning, .direction = 1.0f};
@@ -123,6 +125,25 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t co
     const lode_situation_t now = {self->mode, lode_mode(self) == LODE_MODE_RUN};
     lode_guard_check_slow(&self->guard, &self->tuning->guard, condition, now);
     lode_mode_obey_guard(self);
+}
+
+LODE_RAMFUNC void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch,
+                                   const lode_sample_t *sample, float looks) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+    const lode_current_tuning_t *control = &self->tuning->current;
+    const float omega = lode_abs(lode_mode_frame_omega(self));
+    // Where the EMF takes the voltage, the current need not follow its reference.
+    const bool follows =
+        control->psi_Wb * omega < EMF_SHARE * control->circle * self->inverter.v_bus_V;
+    const lode_dq_t i_A = follows ? self->ref_A : self->i_A;
+    const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
+    const float turn_rad = looks * tuning->look_s * omega;
+    const lode_finding_t found = lode_plausibility_step(watch, tuning, sample, i_A2, turn_rad);
+    if (LODE_RARELY(found.check != LODE_CHECK_NONE)) {
+        const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;
+        const float before = second ? (float)LODE_PHASES : 0.0f;
+        lode_mode_fault(self, found.check, found.measured + before, found.limit);
+    }
 }
 
 LODE_RAMFUNC LODE_NOINLINE void lode_drive_fast_speed(lode_drive_t *self) {

@@ -6,6 +6,8 @@
 #include "xy_inline.h"
 
 #define TELEMETRY_TRIES 3
+// Set 2 is looked at once in a round.
+#define LOOKS_OF_SET_2 2.0f
 
 static lode_active_t active_of(const lode_drive6_t *self) {
     return (lode_active_t)self->active;
@@ -18,6 +20,7 @@ static LODE_NOINLINE void idle_set2(lode_drive6_t *self) {
     self->omitted_next_2 = self->drive.omitted_next;
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
     lode_inverter_reset(&self->inverter_2);
+    lode_plausibility_reset(&self->plausibility_2);
     lode_xy_reset(&self->xy);
     lode_open_phase_reset(&self->watch);
 }
@@ -180,6 +183,9 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
         const bool first_alone = self->active == (uint_least8_t)LODE_SETS_ONLY_1;
         x.machine.i_A = of_set(&x.i_A, first_alone);
         x.machine.u_V = of_set(&u_V, first_alone);
+        x.machine.i[0] = first_alone ? x.machine.i[0] : i_2.a; // of the set that is driven
+        x.machine.i[1] = first_alone ? x.machine.i[1] : i_2.b;
+        x.machine.i[2] = first_alone ? x.machine.i[2] : i_2.c;
     }
     x.u_seen_V = x.machine.u_V;
     x.i_seen_A = x.machine.i_A;
@@ -335,6 +341,9 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     watch_phases(self, sample, estimate);
     if (lode_slot_of(drive->steps) == SLOT_GAINS) {
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
+        if (drive->tuning->plausibility.on && self->active == (uint_least8_t)LODE_SETS_BOTH) {
+            lode_drive_watch(drive, &self->plausibility_2, &sample->set_2, LOOKS_OF_SET_2);
+        }
     }
     lode_drive_slow_job(drive, &sample->machine);
     // Whoever made the duties, and whatever has tripped: the last word.

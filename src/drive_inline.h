@@ -36,6 +36,9 @@ void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                          const lode_sample_t *sample);
 // Speed control more often than once in LODE_SLOW_PERIODS, before current control; in drive.c.
 void lode_drive_fast_speed(lode_drive_t *self);
+// The plausibility of a set's currents, `looks` times LODE_GUARD_PERIODS after the last time; in drive.c.
+void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch, const lode_sample_t *sample,
+                      float looks);
 // The guard's slow checks have something to count, in drive.c.
 void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition);
 
@@ -114,6 +117,9 @@ LODE_SHARED void lode_drive_guard(lode_drive_t *self, const lode_sample_t *sampl
                                         self->estimator.lock};
     if (LODE_RARELY(!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition))) {
         lode_drive_check_slow(self, condition);
+    }
+    if (LODE_USUALLY(tuning->plausibility.on)) {
+        lode_drive_watch(self, &self->plausibility, sample, 1.0f);
     }
 }
 

@@ -6,7 +6,9 @@
 #define V_BUS_MAX_SHARE 1.25f // of nominal
 #define V_BUS_MIN_SHARE 0.6f
 #define TEMPERATURE_MAX_degC 100.0f
-#define OMEGA_SHARE 1.3f // of the estimator's highest speed
+#define TEMPERATURE_MIN_degC (-40.0f) // where most parts end: below it the sensor is broken
+#define I_SUM_SHARE 0.15f // of i_max: gains off by 5 % each, and an offset of some per cent
+#define OMEGA_SHARE 1.3f  // of the estimator's highest speed
 #define BUS_TIME_s 1.0e-3f
 #define LOCK_TIME_s 15.0e-3f // with the lock's own 3.5 ms it trips in less than 20 ms
 #define COUNTER_MAX 65535.0f
@@ -33,6 +35,9 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_START);
         NAME(LODE_CHECK_OFFSET);
         NAME(LODE_CHECK_OPEN_PHASE);
+        NAME(LODE_CHECK_CURRENT_STUCK);
+        NAME(LODE_CHECK_CURRENT_SUM);
+        NAME(LODE_CHECK_UNDER_TEMPERATURE);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";
@@ -50,6 +55,12 @@ void lode_guard_design(lode_guard_config_t *config, const lode_inverter_config_t
         lode_given_or(config->omega_max_rad_s, OMEGA_SHARE * estimator->omega_max_rad_s);
     config->bus_s = lode_given_or(config->bus_s, BUS_TIME_s);
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
+    config->temperature_min_degC =
+        lode_given_or(config->temperature_min_degC, TEMPERATURE_MIN_degC);
+    config->i_sum_A = lode_given_or(config->i_sum_A, I_SUM_SHARE * inverter->i_max_A);
+    if (config->plausibility == LODE_AUTO) {
+        config->plausibility = LODE_ON;
+    }
 }
 
 static lode_status_t check_limits(const lode_guard_config_t *config,
@@ -65,7 +76,8 @@ static lode_status_t check_limits(const lode_guard_config_t *config,
         !lode_in_range(config->v_bus_min_V, 0.0f, inverter->v_bus_V)) {
         return LODE_ERROR_GUARD_BUS;
     }
-    if (!lode_in_range(config->temperature_max_degC, -100.0f, 1000.0f)) {
+    if (!lode_in_range(config->temperature_max_degC, -100.0f, 1000.0f) ||
+        !lode_in_range(config->temperature_min_degC, -300.0f, config->temperature_max_degC)) {
         return LODE_ERROR_GUARD_TEMPERATURE;
     }
     if (!lode_in_range(config->omega_max_rad_s, 1.0f, 1.0e6f)) {
@@ -100,6 +112,7 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         .v_bus_max = config->v_bus_max_V,
         .v_bus_min = config->v_bus_min_V,
         .temperature_max = config->temperature_max_degC,
+        .temperature_min = config->temperature_min_degC,
         .omega_max = config->omega_max_rad_s,
         .rail_periods = periods_in(config->bus_s, ts_s),
         .bus_looks = periods_in(config->bus_s, look_s),
@@ -180,9 +193,11 @@ static void count_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
     const lode_check_t low = v < tuning->v_bus_min ? LODE_CHECK_UNDER_VOLTAGE : LODE_CHECK_NONE;
     count(self, &self->bus, tuning->bus_looks, high ? LODE_CHECK_OVER_VOLTAGE : low, v,
           high ? tuning->v_bus_max : tuning->v_bus_min);
-    count(self, &self->temperature, tuning->bus_looks,
-          hot <= tuning->temperature_max ? LODE_CHECK_NONE : LODE_CHECK_OVER_TEMPERATURE, hot,
-          tuning->temperature_max);
+    const bool heat = !(hot <= tuning->temperature_max);
+    const lode_check_t cold =
+        hot < tuning->temperature_min ? LODE_CHECK_UNDER_TEMPERATURE : LODE_CHECK_NONE;
+    count(self, &self->temperature, tuning->bus_looks, heat ? LODE_CHECK_OVER_TEMPERATURE : cold,
+          hot, heat ? tuning->temperature_max : tuning->temperature_min);
     if (!self->railed) {
         (void)persists(self, &self->rail, false, tuning->rail_periods);
     }

@@ -25,7 +25,8 @@ LODE_SHARED bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
                                      const lode_condition_t *condition) {
     return LODE_USUALLY(condition->v_bus_V <= tuning->v_bus_max) &&
            LODE_USUALLY(condition->v_bus_V >= tuning->v_bus_min) &&
-           LODE_USUALLY(condition->temperature_degC <= tuning->temperature_max);
+           LODE_USUALLY(condition->temperature_degC <= tuning->temperature_max) &&
+           LODE_USUALLY(condition->temperature_degC >= tuning->temperature_min);
 }
 
 LODE_INLINE bool lode_guard_motion_ok(const lode_guard_tuning_t *tuning,

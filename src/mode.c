@@ -69,6 +69,7 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     self->gates = true;
     set_duties(self, DUTY_IDLE);
     lode_guard_reset(&self->guard);
+    lode_plausibility_reset(&self->plausibility);
     lode_estimator_reset(&self->estimator, &tuning->estimator);
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
     lode_pi_reset(&self->current.d, 0.0f);

@@ -836,6 +836,7 @@ static void test_a_bus_without_reading_stays_in_range(void) {
     lode_drive_config_t config = rig_config();
     config.guard.v_bus_max_V = 409.0f;
     config.guard.bus_s = 0.1f;
+    config.guard.plausibility = LODE_OFF; // the motor stands still in this
     rig_t start;
     rig_init(&start, &tuning, &config);
     rig_command(&start, run_at(100.0));
@@ -1022,11 +1023,41 @@ static void test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing(void)
     }
 }
 
+static void test_a_stuck_converter_trips_before_the_current_is_large(void) {
+    rig_t running = fresh();
+    running.load_Nm = 1.5;
+    rig_command(&running, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&running, LODE_MODE_RUN, 8.0));
+    rig_run(&running, 1.0);
+    for (int stuck = 1; stuck <= 4; stuck++) {
+        rig_t rig = running;
+        const lode_counts_t held = rig_counts(&rig);
+        int periods = 0;
+        double most_A = 0.0;
+        while (rig.out.gates && periods < 1000) {
+            rig.stamp += 1000u;
+            lode_counts_t counts = rig_counts(&rig);
+            for (int n = 0; n < 3; n++) {
+                counts.i[n] = stuck == n + 1 || stuck == 4 ? held.i[n] : counts.i[n];
+            }
+            rig.out = lode_drive_step(&rig.drive, &counts);
+            rig_move(&rig);
+            most_A = fmax(most_A, (double)lode_ab_length(ipmsm_current(&rig.motor)));
+            periods++;
+        }
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK",
+                                 lode_check_name((lode_check_t)rig_telemetry(&rig).fault.check));
+        // One that keeps still near zero takes the reference down with it, for a while.
+        CHECK_AT_MOST(stuck == 2 ? 12.0e-3 : 5.0e-3, periods * RIG_TS_s);
+        CHECK_AT_MOST(0.5 * 12.0, most_A);
+    }
+}
+
 /// Makes `check` trip a drive that runs; `counts` are those of the period.
 static void provoke(lode_check_t check, rig_t *rig, lode_counts_t *counts) {
     lode_guard_tuning_t *guard = &other_tuning.guard;
     counts->trip = check == LODE_CHECK_HARDWARE_TRIP;
-    counts->i[0] = check == LODE_CHECK_OVER_CURRENT ? 300u : counts->i[0];
+    counts->i[0] = check == LODE_CHECK_OVER_CURRENT ? 400u : counts->i[0];
     counts->i[0] = check == LODE_CHECK_CURRENT_RAIL ? 4095u : counts->i[0];
     counts->v_bus = check == LODE_CHECK_OVER_VOLTAGE ? 2600u : counts->v_bus;
     counts->v_bus = check == LODE_CHECK_UNDER_VOLTAGE ? 1100u : counts->v_bus;
@@ -1043,7 +1074,7 @@ static void provoke(lode_check_t check, rig_t *rig, lode_counts_t *counts) {
 static void test_the_row_of_every_fault_keeps_the_values_of_its_step(void) {
     lode_drive_config_t config = rig_config();
     config.guard.stamp_per_period = 1000.0f;
-    config.guard.i_trip_A = 25.58f; // just below the converter's end
+    config.guard.i_trip_A = 20.0f;
     config.sense.temperature_gain_degC_count = 0.1f;
     config.inverter.pwm_ticks = 8400.0f;
     rig_t running;
@@ -1413,6 +1444,7 @@ int main(void) {
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);
+    RUN_TEST(test_a_stuck_converter_trips_before_the_current_is_large);
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);

@@ -384,6 +384,41 @@ static void test_ignored_it_stays_unseen(void) {
     CHECK_AT_LEAST(0.0, rig.omega); // never the wrong way
 }
 
+/// Periods until the gates are off while a converter (1 .. 6) keeps its count, or (0) one is off by 3 A.
+static int until_implausible(rig6_t *rig, int stuck) {
+    const lode_counts6_t held = rig6_counts(rig);
+    for (int n = 1; n <= 2000; n++) {
+        lode_counts6_t counts = rig6_counts(rig);
+        const int k = stuck > 0 ? stuck - 1 : 4;
+        uint16_t *count = &counts.set[k / 3].i[k % 3];
+        *count = stuck > 0 ? held.set[k / 3].i[k % 3] : (uint16_t)(*count + 240u);
+        rig->out = lode_drive6_step(&rig->drive, &counts);
+        rig6_move(rig);
+        if (!rig->out.set[0].gates) {
+            return n;
+        }
+    }
+    return 2001;
+}
+
+static void test_implausible_currents_of_either_set_trip(void) {
+    lode_drive6_config_t config = rig6_config();
+    rig6_t sound = turning(&config, 600.0, LOAD_Nm);
+    for (int stuck = 1; stuck <= 6; stuck++) {
+        rig6_t rig = sound;
+        CHECK_AT_MOST(5.0e-3, until_implausible(&rig, stuck) * RIG6_TS_s);
+        expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
+        TEST_ASSERT_EQUAL_FLOAT((float)stuck, rig6_telemetry(&rig).drive.fault.measured);
+    }
+    rig6_t offset = sound;
+    CHECK_AT_MOST(40.0e-3, until_implausible(&offset, 0) * RIG6_TS_s);
+    expect_fault(&offset, LODE_CHECK_CURRENT_SUM);
+    CHECK_NEAR(0.05, 3.0, rig6_telemetry(&offset).drive.fault.measured);
+    config.drive.guard.plausibility = LODE_OFF;
+    sound = turning(&config, 600.0, LOAD_Nm);
+    CHECK_AT_LEAST(40.0e-3, until_implausible(&sound, 0) * RIG6_TS_s);
+}
+
 static void test_one_set_stops_and_starts_again(void) {
     const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
     rig6_t rig = turning(&config, 600.0, LOAD_Nm);
@@ -612,6 +647,7 @@ int main(void) {
     RUN_TEST(test_a_source_that_opens_is_left);
     RUN_TEST(test_or_the_drive_trips_and_says_why);
     RUN_TEST(test_ignored_it_stays_unseen);
+    RUN_TEST(test_implausible_currents_of_either_set_trip);
     RUN_TEST(test_one_set_stops_and_starts_again);
     RUN_TEST(test_bad_configurations_are_refused_by_name);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);

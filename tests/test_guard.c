@@ -33,6 +33,9 @@ static lode_guard_config_t sound(void) {
                                  .v_bus_max_V = 250.0f,
                                  .v_bus_min_V = 120.0f,
                                  .temperature_max_degC = 90.0f,
+                                 .temperature_min_degC = -30.0f,
+                                 .i_sum_A = 1.8f,
+                                 .plausibility = LODE_OFF,
                                  .omega_max_rad_s = 1500.0f,
                                  .bus_s = 1.0e-3f,
                                  .lock_s = 15.0e-3f,
@@ -225,6 +228,16 @@ static void test_over_temperature(void) {
     check_debounce(good, bad, BUS_LOOKS, LODE_CHECK_OVER_TEMPERATURE);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_OVER_TEMPERATURE, 90.0, 90.0);
+}
+
+static void test_under_temperature(void) {
+    bench_t good = bench();
+    good.condition.temperature_degC = -30.0f;
+    bench_t bad = good;
+    bad.condition.temperature_degC = nextafterf(-30.0f, -31.0f);
+    check_debounce(good, bad, BUS_LOOKS, LODE_CHECK_UNDER_TEMPERATURE);
+    (void)steps_to_trip(&bad, 100);
+    check_fault(&bad, LODE_CHECK_UNDER_TEMPERATURE, -30.0, -30.0);
 }
 
 // Rails are met in the fast part and forgotten in the slow one: up per period, down per look without.
@@ -454,7 +467,11 @@ static void test_every_field_at_its_limits(void) {
     field_check_all(fields, COUNT_OF(fields), try_one);
     const size_t speed = offsetof(lode_guard_config_t, omega_max_rad_s);
     const size_t hot = offsetof(lode_guard_config_t, temperature_max_degC);
+    const size_t cold = offsetof(lode_guard_config_t, temperature_min_degC);
     const size_t stamp = offsetof(lode_guard_config_t, stamp_per_period);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(cold, 90.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TEMPERATURE, try_one(cold, 90.1f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TEMPERATURE, try_one(cold, -300.1f));
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(speed, 1.0e6f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_SPEED, try_one(speed, 1.1e6f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_SPEED, try_one(speed, -1.0f));
@@ -462,6 +479,7 @@ static void test_every_field_at_its_limits(void) {
     for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_SPEED, try_one(speed, check_not_finite[i]));
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TEMPERATURE, try_one(hot, check_not_finite[i]));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TEMPERATURE, try_one(cold, check_not_finite[i]));
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME, try_one(stamp, check_not_finite[i]));
     }
 }
@@ -546,6 +564,9 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 1300.0, config.omega_max_rad_s);
     CHECK_CLOSE(1.0e-6, 1.0e-3, config.bus_s);
     CHECK_CLOSE(1.0e-6, 15.0e-3, config.lock_s);
+    CHECK_CLOSE(1.0e-6, -40.0, config.temperature_min_degC);
+    CHECK_CLOSE(1.0e-6, 0.15 * 12.0, config.i_sum_A);
+    TEST_ASSERT_EQUAL_INT(LODE_ON, config.plausibility);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, config.stamp_per_period);
     const lode_guard_config_t all = sound();
     lode_guard_config_t kept = all;
@@ -562,6 +583,7 @@ int main(void) {
     RUN_TEST(test_over_voltage);
     RUN_TEST(test_under_voltage);
     RUN_TEST(test_over_temperature);
+    RUN_TEST(test_under_temperature);
     RUN_TEST(test_current_rail);
     RUN_TEST(test_lost_lock);
     RUN_TEST(test_over_speed_both_ways);

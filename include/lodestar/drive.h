@@ -15,6 +15,7 @@
 #include "lodestar/inverter.h"
 #include "lodestar/modulator.h"
 #include "lodestar/motor.h"
+#include "lodestar/plausibility.h"
 #include "lodestar/references.h"
 #include "lodestar/sense.h"
 #include "lodestar/speed.h"
@@ -54,6 +55,7 @@ typedef struct {
     lode_speed_tuning_t speed;
     lode_start_tuning_t start;
     lode_guard_tuning_t guard;
+    lode_plausibility_tuning_t plausibility;
 } lode_drive_tuning_t;
 
 /// LODE_WITHOUT_COMMISSIONING leaves VOLTAGE and CURRENT out of a build; they are then refused
@@ -129,6 +131,7 @@ typedef struct {
     uint_least8_t omitted_next; ///< while `duty` acts
     lode_sense_t sense;
     lode_guard_t guard;
+    lode_plausibility_t plausibility; ///< of the currents, of set 1
     lode_inverter_t inverter;
     lode_estimator_t estimator;
     float omega_half;   ///< electrical speed half a round of slow jobs before speed control

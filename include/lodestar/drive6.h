@@ -70,6 +70,7 @@ typedef struct {
     const lode_drive6_tuning_t *posted_tuning; ///< mailbox: NULL when taken
     lode_sense_t sense_2;
     lode_inverter_t inverter_2;
+    lode_plausibility_t plausibility_2;
     lode_sense_sums_t sums_2;
     lode_abc_t duty_2;
     lode_ab_t i_xy_A;

@@ -25,6 +25,9 @@ typedef enum {
     LODE_CHECK_START,      ///< no lock before the time-out: lock quality at that moment
     LODE_CHECK_OFFSET,     ///< deviation of a calibrated current offset, counts
     LODE_CHECK_OPEN_PHASE, ///< 1 .. 3: phase of set 1, 4 .. 6: of set 2, 7, 8: a whole set
+    LODE_CHECK_CURRENT_STUCK, ///< 1 .. 3, 4 .. 6: phase of set 1, 2 whose converter is stuck; 0: all three
+    LODE_CHECK_CURRENT_SUM,       ///< sum of the three phase currents, A
+    LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: a sensor that is open or shorted
     LODE_CHECK_COUNT
 } lode_check_t;
 
@@ -39,8 +42,11 @@ typedef struct {
     float omega_max_rad_s;      ///< electrical; 0: 1.3 times the estimator's
     /// debounce of bus, temperature and rail; 0: 1 ms. Seen every 4 periods, at least twice
     float bus_s;
-    float lock_s;           ///< the same of lost lock, wrong way and over-speed; 0: 15 ms
-    float stamp_per_period; ///< counts of the free-running stamp per period; 0: not watched
+    float lock_s;               ///< the same of lost lock, wrong way and over-speed; 0: 15 ms
+    float stamp_per_period;     ///< counts of the free-running stamp per period; 0: not watched
+    float temperature_min_degC; ///< 0: -40
+    float i_sum_A; ///< of the three phase currents for lock_s; 0: 0.15 i_max; LODE_NONE: any
+    lode_choice_t plausibility; ///< of the currents (plausibility.h); auto: on
 } lode_guard_config_t;
 
 typedef struct {
@@ -48,6 +54,7 @@ typedef struct {
     float v_bus_max;
     float v_bus_min;
     float temperature_max;
+    float temperature_min;
     float omega_max;
     uint32_t rail_periods;
     uint32_t bus_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS

@@ -149,6 +149,9 @@ static const rig_key_t keys[] = {
     FLOAT("guard", "bus_s", guard.bus_s),
     FLOAT("guard", "lock_s", guard.lock_s),
     FLOAT("guard", "stamp_per_period", guard.stamp_per_period),
+    FLOAT("guard", "temperature_min_degC", guard.temperature_min_degC),
+    FLOAT("guard", "i_sum_A", guard.i_sum_A),
+    CHOICE("guard", "plausibility", drive.guard.plausibility, "auto|on|off", NULL),
     CHOICE("guard", "open_phase", six.open_phase, "trip|go-on|ignore", NULL),
 
     NUMBER("plant", "Rs_Ohm", plant.Rs_Ohm, 0.0, 1e6),

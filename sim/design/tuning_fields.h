@@ -159,11 +159,20 @@
     ROW(FLOAT, float, guard.v_bus_max) \
     ROW(FLOAT, float, guard.v_bus_min) \
     ROW(FLOAT, float, guard.temperature_max) \
+    ROW(FLOAT, float, guard.temperature_min) \
     ROW(FLOAT, float, guard.omega_max) \
     ROW(WHOLE, uint32_t, guard.rail_periods) \
     ROW(WHOLE, uint32_t, guard.bus_looks) \
     ROW(WHOLE, uint32_t, guard.lock_looks) \
     ROW(WHOLE, uint32_t, guard.stamp_min) \
-    ROW(WHOLE, uint32_t, guard.stamp_span)
+    ROW(WHOLE, uint32_t, guard.stamp_span) \
+    ROW(BOOL, bool, plausibility.on) \
+    ROW(FLOAT, float, plausibility.look_s) \
+    ROW(FLOAT, float, plausibility.stuck_A2) \
+    ROW(FLOAT, float, plausibility.i_min_A2) \
+    ROW(FLOAT, float, plausibility.i_still) \
+    ROW(FLOAT, float, plausibility.i_sum) \
+    ROW(FLOAT, float, plausibility.A_per_count) \
+    ROW(WHOLE, uint32_t, plausibility.sum_looks)
 
 #endif

@@ -12,7 +12,7 @@ LAYERS = [
     ["motor", "pi", "ramp", "sogi", "observer", "vsd"],
     ["sense", "inverter", "modulator", "modulator6", "xy",
      "open_phase", "emf", "pll", "lag", "notch"],
-    ["estimator", "current", "speed", "references", "start", "guard"],
+    ["estimator", "current", "speed", "references", "start", "guard", "plausibility"],
     ["drive", "drive_config", "mode"],
     ["drive6", "drive6_config", "single_shunt"],
     ["channel"],

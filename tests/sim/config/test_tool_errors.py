@@ -135,9 +135,9 @@ REFUSALS = {
     "XY_INDUCTANCE": ["motor.Lxy_H=20 motor.sets=2"],
     "XY_BANDWIDTH": ["xy.bandwidth_rad_s=1e5 motor.sets=2 motor.Lxy_H=1e-3"],
     "XY_VOLTAGE": ["xy.voltage_share=1 motor.sets=2 motor.Lxy_H=1e-3"],
-    "GUARD_CURRENT": ["guard.i_trip_A=5", "guard.i_trip_A=1000"],
+    "GUARD_CURRENT": ["guard.i_trip_A=5", "guard.i_trip_A=1000", "guard.i_sum_A=1000"],
     "GUARD_BUS": ["guard.v_bus_max_V=100", "guard.v_bus_min_V=300"],
-    "GUARD_TEMPERATURE": ["guard.temperature_max_degC=1e4"],
+    "GUARD_TEMPERATURE": ["guard.temperature_max_degC=1e4", "guard.temperature_min_degC=200"],
     "GUARD_SPEED": ["guard.omega_max_rad_s=1e7"],
     "GUARD_TIME": ["guard.bus_s=100", "guard.lock_s=100", "guard.stamp_per_period=1e10"],
 }

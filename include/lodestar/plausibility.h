@@ -1,0 +1,59 @@
+/// Whether the current sensors tell what they should: a converter that keeps its count although the
+/// current vector turns, and three currents whose sum is not zero.
+///
+/// Looked at every LODE_GUARD_PERIODS, while the gates are on. Neither asks for the motor's parameters.
+#ifndef LODESTAR_PLAUSIBILITY_H
+#define LODESTAR_PLAUSIBILITY_H
+
+#include "lodestar/guard.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    bool on;
+    float look_s; ///< between two looks
+    float
+        stuck_A2; ///< current squared times the turn to the fourth that no sound phase keeps still in
+    float i_min_A2; ///< least current squared at which a phase that keeps still is judged
+    float i_still;  ///< 1/256 count: with less a phase is none of this; six phases: it may be open
+    float i_sum;    ///< largest sum of the three, 1/256 count
+    float A_per_count; ///< A per 1/256 count
+    uint32_t sum_looks;
+} lode_plausibility_tuning_t;
+
+typedef struct {
+    int32_t i[LODE_PHASES];      ///< at the last look, 1/256 count
+    float turn_rad[LODE_PHASES]; ///< electrical, since the phase's count last changed
+    float i_A2;                  ///< asked for at the last look, squared
+    float moved_A2;              ///< by how much that has moved since any of the counts changed
+    uint_least16_t sum;          ///< debounce: up while out of range, down while in range
+} lode_plausibility_t;
+
+/// What was found; check == LODE_CHECK_NONE: nothing.
+typedef struct {
+    lode_check_t check;
+    float measured;
+    float limit;
+} lode_finding_t;
+
+/// Nothing seen yet.
+void lode_plausibility_reset(lode_plausibility_t *self);
+
+/// One look, `turn_rad` of the current vector after the last one. `i_A2`: the square of the current that
+/// is asked for, or where the voltage does not suffice for it, of the measured one.
+lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
+                                      const lode_plausibility_tuning_t *tuning,
+                                      const lode_sample_t *sample, float i_A2, float turn_rad);
+
+/// `config` is completed by lode_guard_design().
+lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
+                                     const lode_guard_config_t *config, float i_max_A,
+                                     const lode_sense_tuning_t *sense, float ts_s);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

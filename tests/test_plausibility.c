@@ -1,0 +1,226 @@
+// The currents' plausibility: a converter that is stuck is found before its phase could have stood still,
+// a sound one is never; the sum of the three.
+#include "support/check.h"
+
+#include "lodestar/plausibility.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+#define I_MAX_A 12.0f
+#define GAIN_A 0.0125 // per count
+#define LOOK_s (4.0 * (double)PAPER_TS_s)
+
+static lode_guard_config_t sound_config(void) {
+    return (lode_guard_config_t){.lock_s = 15.0e-3f, .i_sum_A = 1.8f, .plausibility = LODE_ON};
+}
+
+static lode_status_t tune(lode_plausibility_tuning_t *tuning, const lode_guard_config_t *config) {
+    const lode_sense_tuning_t sense = {.i_gain = (float)(GAIN_A / LODE_COUNT_FRACTION)};
+    return lode_plausibility_tune(tuning, config, I_MAX_A, &sense, PAPER_TS_s);
+}
+
+/// Currents of an amplitude that turn, seen by converters some of which may be stuck.
+typedef struct {
+    lode_plausibility_tuning_t tuning;
+    lode_plausibility_t state;
+    double i_A; ///< amplitude
+    double asked_A;
+    double omega; ///< electrical
+    double theta;
+    double offset_A; ///< of phase a
+    int stuck;       ///< 1 .. 3; 4: all; 0: none
+    int32_t held[3];
+} bench_t;
+
+static bench_t bench(double i_A, double omega) {
+    const lode_guard_config_t config = sound_config();
+    bench_t self = {.i_A = i_A, .asked_A = i_A, .omega = omega};
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&self.tuning, &config));
+    lode_plausibility_reset(&self.state);
+    return self;
+}
+
+static lode_finding_t look(bench_t *self) {
+    lode_sample_t sample = {.omitted = LODE_PHASES};
+    for (int n = 0; n < 3; n++) {
+        const double i_A = self->i_A * cos(self->theta - 2.0 * CHECK_PI / 3.0 * n) +
+                           (n == 0 ? self->offset_A : 0.0);
+        const bool stuck = self->stuck == n + 1 || self->stuck == 4;
+        const int32_t seen = LODE_COUNT_FRACTION * (int32_t)lround(i_A / GAIN_A);
+        self->held[n] = stuck ? self->held[n] : seen;
+        sample.i[n] = self->held[n];
+    }
+    const float turn_rad = (float)(LOOK_s * self->omega);
+    self->theta = remainder(self->theta + (double)turn_rad, 2.0 * CHECK_PI);
+    return lode_plausibility_step(&self->state, &self->tuning, &sample,
+                                  (float)(self->asked_A * self->asked_A), turn_rad);
+}
+
+static void expect_none(bench_t *self, int looks) {
+    for (int n = 0; n < looks; n++) {
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_NONE", lode_check_name(look(self).check));
+    }
+}
+
+/// Seconds until something is found, at most one.
+static double until_found(bench_t *self, lode_finding_t *found) {
+    int n = 0;
+    do {
+        *found = look(self);
+        n++;
+    } while (found->check == LODE_CHECK_NONE && n < (int)(1.0 / LOOK_s));
+    return n * LOOK_s;
+}
+
+/// No noise at all, whole counts, any speed and amplitude: the worst for a check that looks for counts that
+/// stay.
+static void test_sound_converters_are_never_stuck(void) {
+    for (double omega = 1.0; omega < 2500.0; omega *= 1.37) {
+        for (double i_A = 0.05; i_A < 18.0; i_A *= 1.9) {
+            bench_t self = bench(i_A, omega);
+            self.state.i_A2 = (float)(i_A * i_A);
+            expect_none(&self, CHECK_TRIES(4000));
+        }
+    }
+}
+
+static void test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_speed(void) {
+    for (int stuck = 1; stuck <= 4; stuck++) {
+        for (double share = 0.2; share < 1.3; share += 0.1) {
+            bench_t self = bench(3.6, share * PAPER_OMEGA_RATED);
+            lode_finding_t found;
+            self.theta = 1.0;
+            expect_none(&self, 200);
+            self.stuck = stuck;
+            CHECK_AT_MOST(share < 0.25 ? 6.5e-3 : 5.0e-3, until_found(&self, &found));
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK", lode_check_name(found.check));
+            TEST_ASSERT_TRUE(stuck == 4 || found.measured == (float)stuck);
+            TEST_ASSERT_TRUE(found.measured >= 1.0f && found.measured <= 3.0f);
+        }
+    }
+}
+
+/// A phase near zero may be open instead: with six phases that is another check.
+static void test_a_phase_that_stays_near_zero_may_be_left_out(void) {
+    for (int six = 0; six < 2; six++) {
+        bench_t self = bench(3.6, 300.0);
+        lode_finding_t found;
+        self.tuning.i_still = six == 1 ? 4.0f * LODE_COUNT_FRACTION : 0.0f;
+        expect_none(&self, 200);
+        self.stuck = 2;
+        self.held[1] = -3 * LODE_COUNT_FRACTION;
+        self.tuning.i_sum = FLT_MAX;
+        const double found_s = until_found(&self, &found);
+        TEST_ASSERT_EQUAL_INT(six == 1 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK, found.check);
+        TEST_ASSERT_TRUE((six == 1) == (found_s > 0.5));
+    }
+}
+
+/// Little current asked for: the dead time may hold phases at zero.
+static void test_without_current_nothing_is_stuck(void) {
+    bench_t self = bench(0.59, 300.0);
+    expect_none(&self, 20);
+    self.stuck = 4;
+    expect_none(&self, 2000);
+    self.asked_A = 0.61; // 0.05 of i_max
+    lode_finding_t found;
+    CHECK_AT_MOST(2.0e-3, until_found(&self, &found));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
+}
+
+/// Before the vector turns: the current that is asked for rises and no count moves.
+static void test_all_that_do_not_follow_a_rising_current_are_stuck(void) {
+    bench_t self = bench(0.0, 0.0);
+    lode_finding_t found = {LODE_CHECK_NONE, 0.0f, 0.0f};
+    for (int n = 0; n < 200 && found.check == LODE_CHECK_NONE; n++) {
+        self.asked_A = 0.05 * n;
+        found = look(&self);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
+    TEST_ASSERT_TRUE(found.measured == 0.0f);
+    CHECK_NEAR(0.11, 0.1 * (double)I_MAX_A, self.asked_A);
+    for (int moving = 0; moving < 3; moving++) { // any count that moves is one that follows
+        bench_t sound = bench(0.0, 0.0);
+        lode_sample_t sample = {.omitted = LODE_PHASES};
+        for (int n = 0; n < 200; n++) {
+            sample.i[moving] = n;
+            const float i_A = 0.05f * (float)n;
+            TEST_ASSERT_EQUAL_INT(
+                LODE_CHECK_NONE,
+                lode_plausibility_step(&sound.state, &sound.tuning, &sample, i_A * i_A, 0.0f)
+                    .check);
+        }
+    }
+}
+
+static void test_a_sum_that_lasts_is_found(void) {
+    bench_t self = bench(3.0, 300.0);
+    lode_finding_t found;
+    self.offset_A = 1.75;
+    expect_none(&self, 1000);
+    self.offset_A = 1.85;
+    const double found_s = until_found(&self, &found);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_SUM", lode_check_name(found.check));
+    CHECK_NEAR(LOOK_s, 15.0e-3, found_s);
+    CHECK_NEAR(0.02, 1.85, found.measured);
+    CHECK_CLOSE(1.0e-5, 1.8, found.limit);
+    bench_t negative = bench(3.0, 300.0);
+    negative.offset_A = -1.9;
+    (void)until_found(&negative, &found);
+    CHECK_NEAR(0.02, -1.9, found.measured);
+    // Now and then is not enough, and is forgotten.
+    bench_t seldom = bench(3.0, 300.0);
+    for (int n = 0; n < 1000; n++) {
+        seldom.offset_A = n % 2 == 0 ? 5.0 : 0.0;
+        expect_none(&seldom, 1);
+    }
+    seldom.offset_A = 0.0;
+    expect_none(&seldom, 3);
+    TEST_ASSERT_EQUAL_INT(0, seldom.state.sum);
+}
+
+static void test_reset_forgets(void) {
+    bench_t self = bench(3.0, 300.0);
+    self.offset_A = 5.0;
+    expect_none(&self, 10);
+    lode_plausibility_reset(&self.state);
+    const lode_plausibility_t fresh = {.sum = 0u};
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &self.state, sizeof fresh);
+}
+
+static void test_configuration(void) {
+    lode_plausibility_tuning_t tuning;
+    lode_guard_config_t config = sound_config();
+    config.plausibility = LODE_OFF;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&tuning, &config));
+    TEST_ASSERT_FALSE(tuning.on);
+    config.plausibility = LODE_AUTO; // design decides
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, tune(&tuning, &config));
+    const float bad[] = {0.0f, 0.0119f, 121.0f, -2.0f, NAN, INFINITY};
+    for (int n = 0; n < COUNT_OF(bad); n++) {
+        config = sound_config();
+        config.i_sum_A = bad[n];
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_CURRENT, tune(&tuning, &config));
+    }
+    config.i_sum_A = LODE_NONE;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&tuning, &config));
+    bench_t self = bench(3.0, 300.0);
+    self.tuning = tuning;
+    self.offset_A = 100.0;
+    expect_none(&self, 100);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_sound_converters_are_never_stuck);
+    RUN_TEST(test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_speed);
+    RUN_TEST(test_a_phase_that_stays_near_zero_may_be_left_out);
+    RUN_TEST(test_without_current_nothing_is_stuck);
+    RUN_TEST(test_all_that_do_not_follow_a_rising_current_are_stuck);
+    RUN_TEST(test_a_sum_that_lasts_is_found);
+    RUN_TEST(test_reset_forgets);
+    RUN_TEST(test_configuration);
+    return UNITY_END();
+}
