@@ -255,7 +255,9 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     }
     const float unit = lode_sign(omega) / e_abs;
     const lode_sincos_t frame = {-unit * e_V.alpha, unit * e_V.beta};
-    self->pll = (lode_pll_t){.frame = frame, .omega_rad_s = omega};
+    self->pll.frame = frame;
+    self->pll.omega_rad_s = omega;
+    self->pll.acc_rad_s2 = 0.0f;
     self->pll.f_rad_s2 = -load_acceleration(self, tuning);
     self->per_V = -unit;
     self->omega_tune = omega;
@@ -288,8 +290,7 @@ LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_step(
     return lode_sincos(tuning->pll.ts_s * self->omega_tune);
 }
 
-LODE_NOINLINE bool lode_estimator_seed(lode_estimator_t *self,
-                                       const lode_estimator_tuning_t *tuning) {
+bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     return is_seed_due(self, tuning) && acquire(self, tuning);
 }
 
