@@ -225,7 +225,7 @@ static bool is_seed_due(const lode_estimator_t *self, const lode_estimator_tunin
 }
 
 // Of the speed found, by what a free rotor would move within a time constant of the PLL.
-#define LOADED_SHARE 1.0f
+#define LOADED_SHARE 2.0f
 
 // What the present torque is taken to be held by, where a free rotor would run away from the speed found
 // before the PLL can see it: the PLL would never lock under load. Less may as well be a swing of the start,
