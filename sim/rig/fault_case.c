@@ -16,7 +16,7 @@
 #define HEAT_K 10.0
 #define AFTER_s 0.02 // watched on after a fault was found
 #define RUN_s 1.0    // a fault while the drive runs
-#define START_s 9.0  // before or in the start: its time-out, and what follows
+#define START_s 3.0  // a fault before or in the start, beside its time-out
 #define REACH_s 30.0 // for a state without a fault
 #define SETTLE_s 0.6
 #define LOAD_RAMP_s 1.0
@@ -199,7 +199,8 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *ki
     if (point <= FAULT_AT_START) {
         command(&rig, 0.5 * self->full_rad_s);
     }
-    const double until_s = running ? RUN_s : START_s;
+    const double start_s = START_s + 2.0 * (double)self->config.drive.start.timeout_s;
+    const double until_s = running ? RUN_s : start_s;
     for (double t_s = 0.0; t_s < until_s && !(t_s > result.found_s + AFTER_s); t_s += ts_s) {
         plant_truth_t truth;
         inject_step(&inject, &rig, &truth);
