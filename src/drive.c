@@ -146,11 +146,19 @@ LODE_RAMFUNC void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watc
     }
 }
 
+LODE_RAMFUNC LODE_NOINLINE bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted,
+                                                  lode_abc_t duty) {
+    if (!lode_modulator_is_sound(duty)) {
+        lode_mode_fault(self, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
+        return false;
+    }
+    const uint_least8_t phase = lode_sense_omitted(&self->tuning->sense, duty);
+    *omitted = lode_sense_omit_later(*omitted, phase);
+    return true;
+}
+
 LODE_RAMFUNC LODE_NOINLINE void lode_drive_fast_speed(lode_drive_t *self) {
     const uint32_t mask = self->tuning->speed_periods - 1u;
-    if (lode_mode(self) != LODE_MODE_RUN) {
-        return;
-    }
     if (((self->steps - (uint32_t)SLOT_SPEED) & mask) == 0u) {
         lode_drive_speed(self, self->estimator.pll.omega_rad_s);
     }
@@ -159,13 +167,10 @@ LODE_RAMFUNC LODE_NOINLINE void lode_drive_fast_speed(lode_drive_t *self) {
     }
 }
 
-LODE_INLINE lode_sample_t sample_of(const lode_drive_t *self, const lode_counts_t *counts) {
-    return lode_sense_step(&self->sense, &self->tuning->sense, counts, self->omitted);
-}
-
-static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *counts, lode_ab_t i_A) {
+static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *counts,
+                                   uint_least8_t omitted, lode_ab_t i_A) {
     lode_sample_t sample;
-    lode_sense_again(&self->sense, counts, self->omitted, &sample);
+    lode_sense_again(&self->sense, counts, omitted, &sample);
     const bool driven = self->gates;
     lode_drive_diagnose(self, &self->sense, &sample);
     if (driven && !self->gates) {
@@ -175,27 +180,27 @@ static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *coun
 
 // Counts to amperes and volts, the voltage that really acted over the last period, and the guard's check
 // of what must not wait.
-LODE_INLINE lode_sample_t sense(lode_drive_t *self, const lode_counts_t *counts) {
-    const lode_drive_tuning_t *tuning = self->tuning;
-    lode_sample_t sample = sample_of(self, counts);
-    sample.u_V = lode_inverter_realised(&self->inverter, self->steps);
+LODE_INLINE lode_sample_t sense(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                const lode_counts_t *counts) {
+    lode_sample_t sample = lode_sense_next(&self->sense, &tuning->sense, counts, &self->omitted);
     if (LODE_RARELY(!lode_guard_all_ok(&self->guard, &tuning->guard, &sample))) {
-        diagnose(self, counts, sample.i_A);
+        diagnose(self, counts, sample.omitted, sample.i_A);
     }
-    lode_guard_note(&self->guard, &tuning->guard, sample.stamp);
+    sample.u_V = lode_inverter_realised(&self->inverter, self->steps);
+    lode_guard_note(&self->guard, sample.stamp);
     lode_inverter_follow_bus(&self->inverter, &tuning->inverter, sample.v_bus_V);
     return sample;
 }
 
 // Angle and speed at t_k.
-LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_sample_t *sample) {
-    return lode_estimator_fast(&self->estimator, &self->tuning->estimator, sample->u_V,
-                               sample->i_A);
+LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                     const lode_sample_t *sample) {
+    return lode_estimator_fast(&self->estimator, &tuning->estimator, sample->u_V, sample->i_A);
 }
 
 // Duties for the voltage, and what the motor will see of it.
-LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, bool free) {
-    const lode_drive_tuning_t *tuning = self->tuning;
+LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                const lode_frame_t *frame, bool free) {
     const lode_ab_t v =
         lode_ab_scale(self->inverter.per_V, lode_park_inverse(self->u_V, frame->applied));
     const lode_ab_t i_A = lode_park_inverse(frame->i_A, frame->applied);
@@ -203,17 +208,17 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_frame_t *frame, b
         lode_modulator_step(&tuning->inverter, &self->inverter.dead_time, v, i_A, free);
     lode_inverter_write(&self->inverter, self->steps, out.realised);
     self->duty = out.duty;
-    if (LODE_RARELY(lode_sense_is_windowed(&tuning->sense))) {
-        self->omitted = self->omitted_next;
-        self->omitted_next = lode_sense_next_omitted(&tuning->sense, out.duty);
-    }
     return out.duty;
+}
+
+static LODE_NOINLINE lode_drive_out_t idle_out(const lode_drive_t *self) {
+    return (lode_drive_out_t){self->duty, lode_mode_idle_gates(self)};
 }
 
 // The end of a period with the gates off, or the low sides alone.
 static LODE_NOINLINE lode_drive_out_t end_idle(lode_drive_t *self) {
     self->steps++;
-    return (lode_drive_out_t){self->duty, lode_mode_idle_gates(self)};
+    return idle_out(self);
 }
 
 // A whole one: the voltage at open terminals is not known, so there is nothing to estimate.
@@ -233,13 +238,15 @@ static LODE_NOINLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample
 }
 
 // From angle and speed to duties.
-LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_sample_t *sample,
-                                 const lode_estimate_t *estimate) {
+LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                 const lode_sample_t *sample, const lode_estimate_t *estimate) {
     lode_frame_t frame = lode_drive_rotor_frame(self, estimate);
     self->i_A = frame.i_A;
+    bool given = false;
     if (LODE_RARELY(!self->steady)) {
         if (self->mail) {
             lode_mode_take_mail(self);
+            tuning = self->tuning;
         }
         lode_mode_follow(self);
         if (!self->gates) {
@@ -247,28 +254,30 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_sample_t *sample
         }
         if (lode_mode(self) != LODE_MODE_RUN) {
             frame = lode_drive_control_frame(self, sample);
+        } else if (!lode_drive_speed_once(self)) {
+            lode_drive_fast_speed(self);
         }
+        given = lode_mode_is_voltage(self);
     }
-    const bool free = lode_drive_control(self, &frame, sample->v_bus_V);
-    const lode_abc_t duty = modulate(self, &frame, free);
-    lode_drive_slow_job(self, sample);
-    // Whoever made the duties, and whatever has tripped: the last word.
-    if (LODE_RARELY(!lode_modulator_is_sound(duty))) {
-        lode_mode_fault(self, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
-    }
-    if (LODE_RARELY(!self->gates)) {
+    const bool free = lode_drive_control(self, tuning, &frame, sample->v_bus_V, given);
+    const lode_abc_t duty = modulate(self, tuning, &frame, free);
+    // Whoever made the duties: the last word.
+    if (LODE_RARELY(!lode_modulator_is_within(duty, tuning->sense.duty_max)) &&
+        !lode_drive_accept(self, &self->omitted, duty)) {
         return end_idle(self);
     }
+    const lode_slot_t slot = lode_slot_of(self->steps);
     self->steps++;
-    return (lode_drive_out_t){duty, LODE_GATES_ON};
+    const bool driven = lode_drive_slow_job(self, tuning, sample, sample->temperature, slot);
+    return driven ? (lode_drive_out_t){duty, LODE_GATES_ON} : idle_out(self);
 }
 
 lode_sample_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts) {
-    return sense(self, counts);
+    return sense(self, self->tuning, counts);
 }
 
 lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_sample_t *sample) {
-    return self->gates ? estimate(self, sample) : lode_mode_estimate(self);
+    return self->gates ? estimate(self, self->tuning, sample) : lode_mode_estimate(self);
 }
 
 lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
@@ -276,20 +285,22 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
     if (self->gates && estimate->source == LODE_ESTIMATE_EXTERNAL) {
         lode_mode_adopt(self, estimate);
     }
-    return self->gates ? act(self, sample, estimate) : idle(self, sample);
+    return self->gates ? act(self, self->tuning, sample, estimate) : idle(self, sample);
 }
 
-static LODE_NOINLINE lode_drive_out_t idle_period(lode_drive_t *self, const lode_counts_t *counts) {
+static LODE_NOINLINE lode_drive_out_t idle_period(lode_drive_t *self, const lode_counts_t *counts,
+                                                  uint_least8_t omitted) {
     lode_sample_t sample;
-    lode_sense_again(&self->sense, counts, self->omitted, &sample);
+    lode_sense_again(&self->sense, counts, omitted, &sample);
     return idle(self, &sample);
 }
 
 LODE_RAMFUNC lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts) {
-    const lode_sample_t sample = sense(self, counts); // counts -> A, V at t_k
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_sample_t sample = sense(self, tuning, counts); // counts -> A, V at t_k
     if (LODE_RARELY(!self->steady) && !self->gates) {
-        return idle_period(self, counts);
+        return idle_period(self, counts, sample.omitted);
     }
-    const lode_estimate_t rotor = estimate(self, &sample); // -> angle and speed at t_k
-    return act(self, &sample, &rotor);                     // -> duties, gates
+    const lode_estimate_t rotor = estimate(self, tuning, &sample); // -> angle and speed at t_k
+    return act(self, tuning, &sample, &rotor);                     // -> duties, gates
 }

@@ -17,7 +17,6 @@ static lode_active_t active_of(const lode_drive6_t *self) {
 static LODE_NOINLINE void idle_set2(lode_drive6_t *self) {
     self->duty_2 = self->drive.duty;
     self->omitted_2 = self->drive.omitted;
-    self->omitted_next_2 = self->drive.omitted_next;
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
     lode_inverter_reset(&self->inverter_2);
     lode_plausibility_reset(&self->plausibility_2);
@@ -86,10 +85,9 @@ static LODE_NOINLINE void take_mail(lode_drive6_t *self) {
         self->tuning = self->posted_tuning;
         self->posted_tuning = NULL;
         select_sets(self, active_of(self));
-        self->omitted_next_2 = lode_sense_omitted(&self->tuning->drive.sense, self->duty_2);
-        self->omitted_2 = self->omitted_next_2;
-        self->drive.omitted_next = lode_sense_omitted(&self->tuning->drive.sense, self->drive.duty);
-        self->drive.omitted = self->drive.omitted_next;
+        const lode_sense_tuning_t *tuning = &self->tuning->drive.sense;
+        self->omitted_2 = lode_sense_omit_both(lode_sense_omitted(tuning, self->duty_2));
+        self->drive.omitted = lode_sense_omit_both(lode_sense_omitted(tuning, self->drive.duty));
     }
     lode_mode_take_mail(&self->drive);
     // A repaired phase is accepted when the drive is at rest and faults are cleared.
@@ -132,26 +130,40 @@ LODE_INLINE lode_ab_t of_set(const lode_sets_t *sets, bool first) {
                  : (lode_ab_t){sets->set[1].alpha, sets->set[1].beta};
 }
 
-// The guard's check of both sets, each by its own offsets.
+// Currents of both sets. Set 2's axes are a quarter turn behind: its phases stand 30 degrees on.
+LODE_INLINE lode_sets_t currents(const lode_sense_tuning_t *tuning, lode_ab_t i_1,
+                                 const lode_sample_t *set_2) {
+    const int32_t *i = set_2->i;
+    return (lode_sets_t){{i_1,
+                          {(float)(i[0] - i[1]) * tuning->beta_gain,
+                           (float)(i[0] + i[1] - 2 * i[2]) * tuning->alpha_gain}}};
+}
+
+// The current that is controlled.
+LODE_INLINE lode_ab_t controlled(const lode_drive6_t *self, const lode_sets_t *x) {
+    if (LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH)) {
+        return lode_vsd_ab(*x);
+    }
+    return of_set(x, self->active == (uint_least8_t)LODE_SETS_ONLY_1);
+}
+
+// The guard's check of both sets, each by its own offsets. `i_1`: current of set 1.
 static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *counts,
-                                   lode_ab_t i_A) {
+                                   uint_least8_t omitted_1, uint_least8_t omitted_2,
+                                   lode_ab_t i_1) {
     lode_drive_t *drive = &self->drive;
     const bool driven = drive->gates;
     lode_sample_t set_1;
     lode_sample_t set_2;
-    lode_sense_again(&drive->sense, &counts->set[0], drive->omitted, &set_1);
-    lode_sense_again(&self->sense_2, &counts->set[1], self->omitted_2, &set_2);
+    lode_sense_again(&drive->sense, &counts->set[0], omitted_1, &set_1);
+    lode_sense_again(&self->sense_2, &counts->set[1], omitted_2, &set_2);
     set_2.stamp = set_1.stamp;
     lode_drive_diagnose(drive, &drive->sense, &set_1);
     lode_drive_diagnose(drive, &self->sense_2, &set_2);
     if (driven && !drive->gates) {
-        lode_mode_note_trip(drive, i_A);
+        const lode_sets_t i_A = currents(&drive->tuning->sense, i_1, &set_2);
+        lode_mode_note_trip(drive, controlled(self, &i_A));
     }
-}
-
-// Of the hotter power stage.
-LODE_INLINE uint16_t hotter(const lode_sense_tuning_t *tuning, uint16_t a, uint16_t b) {
-    return (a > b) == (tuning->temperature_gain > 0.0f) ? a : b;
 }
 
 // Counts of both sets to the machine's current and voltage, with the guard's check.
@@ -159,16 +171,14 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
     lode_drive_t *drive = &self->drive;
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
     lode_sample6_t x;
-    x.machine = lode_sense_step(&drive->sense, tuning, &counts->set[0], drive->omitted);
-    x.set_2 = lode_sense_step(&self->sense_2, tuning, &counts->set[1], self->omitted_2);
-    const lode_sense_currents_t i_2 = {x.set_2.i[0], x.set_2.i[1], x.set_2.i[2]};
-    x.i_A.set[0] = x.machine.i_A;
-    x.i_A.set[1] = (lode_ab_t){(float)(i_2.a - i_2.b) * tuning->beta_gain,
-                               (float)(i_2.a + i_2.b - 2 * i_2.c) * tuning->alpha_gain};
-    x.set_2.stamp = x.machine.stamp;
-    x.set_2.alert = (bool)(x.set_2.alert | x.machine.alert);
-    x.set_2.trip = (bool)(x.set_2.trip | x.machine.trip);
-    x.machine.temperature = hotter(tuning, x.machine.temperature, x.set_2.temperature);
+    x.machine = lode_sense_next(&drive->sense, tuning, &counts->set[0], &drive->omitted);
+    x.set_2 = lode_sense_next(&self->sense_2, tuning, &counts->set[1], &self->omitted_2);
+    if (LODE_RARELY(!lode_guard_all_ok(&drive->guard, &drive->tuning->guard, &x.machine)) ||
+        LODE_RARELY(x.set_2.alert) || LODE_RARELY(x.set_2.trip)) {
+        diagnose(self, counts, x.machine.omitted, x.set_2.omitted, x.machine.i_A);
+    }
+    lode_guard_note(&drive->guard, x.machine.stamp);
+    x.i_A = currents(tuning, x.machine.i_A, &x.set_2);
     const lode_ab_t u_1 = lode_inverter_realised(&drive->inverter, drive->steps);
     const lode_ab_t u_2 =
         lode_ab_scale(drive->inverter.v_bus_V, self->inverter_2.written[drive->steps % 2u]);
@@ -183,9 +193,9 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
         const bool first_alone = self->active == (uint_least8_t)LODE_SETS_ONLY_1;
         x.machine.i_A = of_set(&x.i_A, first_alone);
         x.machine.u_V = of_set(&u_V, first_alone);
-        x.machine.i[0] = first_alone ? x.machine.i[0] : i_2.a; // of the set that is driven
-        x.machine.i[1] = first_alone ? x.machine.i[1] : i_2.b;
-        x.machine.i[2] = first_alone ? x.machine.i[2] : i_2.c;
+        x.machine.i[0] = first_alone ? x.machine.i[0] : x.set_2.i[0]; // of the set that is driven
+        x.machine.i[1] = first_alone ? x.machine.i[1] : x.set_2.i[1];
+        x.machine.i[2] = first_alone ? x.machine.i[2] : x.set_2.i[2];
     }
     x.u_seen_V = x.machine.u_V;
     x.i_seen_A = x.machine.i_A;
@@ -198,10 +208,6 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
     if (x.watched) {
         lode_open_phase_note(&self->watch, x.machine.i, x.set_2.i);
     }
-    if (LODE_RARELY(!lode_guard_all_ok(&drive->guard, &drive->tuning->guard, &x.set_2))) {
-        diagnose(self, counts, x.machine.i_A);
-    }
-    lode_guard_note(&drive->guard, &drive->tuning->guard, x.machine.stamp);
     return x;
 }
 
@@ -279,12 +285,6 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     lode_inverter_write(&self->inverter_2, drive->steps, out.realised.set[1]);
     drive->duty = out.duty.set[0];
     self->duty_2 = out.duty.set[1];
-    if (LODE_RARELY(lode_sense_is_windowed(&tuning->sense))) {
-        drive->omitted = drive->omitted_next;
-        self->omitted_2 = self->omitted_next_2;
-        drive->omitted_next = lode_sense_next_omitted(&tuning->sense, out.duty.set[0]);
-        self->omitted_next_2 = lode_sense_next_omitted(&tuning->sense, out.duty.set[1]);
-    }
     return out.duty;
 }
 
@@ -305,8 +305,9 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
     if (lode_mode(drive) == LODE_MODE_CALIBRATE) {
         calibration = calibrate(self, sample, &worst_count);
     }
-    drive->temperature_degC =
-        lode_sense_temperature_degC(&drive->tuning->sense, sample->machine.temperature);
+    const lode_sense_tuning_t *tuning = &drive->tuning->sense;
+    drive->temperature_degC = lode_sense_temperature_degC(
+        tuning, lode_sense_hotter(tuning, sample->machine.temperature, sample->set_2.temperature));
     if (drive->mail) {
         take_mail(self);
     }
@@ -324,6 +325,7 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     lode_drive_t *drive = &self->drive;
     lode_frame_t frame = lode_drive_rotor_frame(drive, estimate);
     drive->i_A = frame.i_A;
+    bool given = false;
     if (LODE_RARELY(!drive->steady)) {
         if (drive->mail) {
             take_mail(self);
@@ -334,23 +336,31 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
         }
         if (lode_mode(drive) != LODE_MODE_RUN) {
             frame = lode_drive_control_frame(drive, &sample->machine);
+        } else if (!lode_drive_speed_once(drive)) {
+            lode_drive_fast_speed(drive);
         }
+        given = lode_mode_is_voltage(drive);
     }
-    const bool free = lode_drive_control(drive, &frame, sample->machine.v_bus_V);
+    const bool free =
+        lode_drive_control(drive, drive->tuning, &frame, sample->machine.v_bus_V, given);
     const lode_abc6_t duty = modulate(self, &frame, sample->machine.v_bus_V, free);
+    // Whoever made the duties: the last word.
+    const float most = drive->tuning->sense.duty_max;
+    if ((LODE_RARELY(!lode_modulator_is_within(duty.set[0], most)) &&
+         !lode_drive_accept(drive, &drive->omitted, duty.set[0])) ||
+        (LODE_RARELY(!lode_modulator_is_within(duty.set[1], most)) &&
+         !lode_drive_accept(drive, &self->omitted_2, duty.set[1]))) {
+        return end_idle(self);
+    }
     watch_phases(self, sample, estimate);
-    if (lode_slot_of(drive->steps) == SLOT_GAINS) {
+    const lode_slot_t slot = lode_slot_of(drive->steps);
+    if (slot == SLOT_GAINS) {
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
         if (drive->tuning->plausibility.on && self->active == (uint_least8_t)LODE_SETS_BOTH) {
             lode_drive_watch(drive, &self->plausibility_2, &sample->set_2, LOOKS_OF_SET_2);
         }
     }
-    lode_drive_slow_job(drive, &sample->machine);
-    // Whoever made the duties, and whatever has tripped: the last word.
-    if (LODE_RARELY(!lode_modulator_is_sound(duty.set[0])) ||
-        LODE_RARELY(!lode_modulator_is_sound(duty.set[1]))) {
-        lode_mode_fault(drive, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
-    }
+    lode_drive_slow_job(drive, drive->tuning, &sample->machine, sample->set_2.temperature, slot);
     if (LODE_RARELY(!drive->gates)) {
         return end_idle(self);
     }

@@ -34,11 +34,14 @@ void lode_drive_call(lode_drive_t *self);
 // Something is wrong with a sample, in drive.c: a trip switches off at once.
 void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                          const lode_sample_t *sample);
-// Speed control more often than once in LODE_SLOW_PERIODS, before current control; in drive.c.
+// Speed control where it comes more often than once in a round: before current control; in drive.c.
 void lode_drive_fast_speed(lode_drive_t *self);
 // The plausibility of a set's currents, `looks` times LODE_GUARD_PERIODS after the last time; in drive.c.
 void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch, const lode_sample_t *sample,
                       float looks);
+// Duties that lode_sense_tuning_t.duty_max does not allow, in drive.c: `omitted` of their set follows.
+// False: they are none, and the drive is in FAULT.
+bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, lode_abc_t duty);
 // The guard's slow checks have something to count, in drive.c.
 void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition);
 
@@ -56,19 +59,22 @@ LODE_INLINE lode_frame_t lode_drive_control_frame(lode_drive_t *self, const lode
     return (lode_frame_t){own.at, self->i_A, lode_angle_add(own.at, own.lead), 0.0f};
 }
 
-// Current control of a period with the gates on: the voltage in the frame. True: no duty can reach a rail.
-LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_frame_t *frame, float v_bus_V) {
-    const lode_current_tuning_t *tuning = &self->tuning->current;
-    if (LODE_RARELY(self->tuning->speed_periods != LODE_SLOW_PERIODS)) {
-        lode_drive_fast_speed(self);
+// Current control of a period with the gates on: the voltage in the frame. `given`: it is the command's.
+// True: no duty can reach a rail.
+LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                    const lode_frame_t *frame, float v_bus_V, bool given) {
+    if (LODE_RARELY(given)) {
+        return lode_current_is_free(&tuning->current, self->u_V, v_bus_V);
     }
-    if (LODE_RARELY(lode_mode_is_voltage(self))) {
-        return lode_current_is_free(tuning, self->u_V, v_bus_V);
-    }
-    const lode_current_out_t out = lode_current_step(&self->current, tuning, self->ref_A,
+    const lode_current_out_t out = lode_current_step(&self->current, &tuning->current, self->ref_A,
                                                      frame->i_A, frame->omega_rotor, v_bus_V);
     self->u_V = out.u_V;
     return out.free;
+}
+
+// Speed control and references have a slot of their own.
+LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
+    return self->tuning->speed_periods == LODE_SLOW_PERIODS;
 }
 
 // Too slow to run on, and not about to speed up.
@@ -108,10 +114,12 @@ LODE_INLINE void lode_drive_lead(lode_drive_t *self) {
     self->lead = lode_angle_triple(lode_sincos_small(half_rad));
 }
 
-// SLOT_GUARD and SLOT_NOTCHES
-LODE_SHARED void lode_drive_guard(lode_drive_t *self, const lode_sample_t *sample) {
-    const lode_drive_tuning_t *tuning = self->tuning;
-    self->temperature_degC = lode_sense_temperature_degC(&tuning->sense, sample->temperature);
+// SLOT_GUARD and SLOT_NOTCHES. `other`: temperature count of a second power stage, or of the same one. False:
+// the gates are off.
+LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                  const lode_sample_t *sample, uint16_t other) {
+    const uint16_t count = lode_sense_hotter(&tuning->sense, sample->temperature, other);
+    self->temperature_degC = lode_sense_temperature_degC(&tuning->sense, count);
     const lode_condition_t condition = {sample->v_bus_V, self->temperature_degC,
                                         self->direction * self->estimator.pll.omega_rad_s,
                                         self->estimator.lock};
@@ -121,21 +129,21 @@ LODE_SHARED void lode_drive_guard(lode_drive_t *self, const lode_sample_t *sampl
     if (LODE_USUALLY(tuning->plausibility.on)) {
         lode_drive_watch(self, &self->plausibility, sample, 1.0f);
     }
+    return self->gates;
 }
 
 // One of the jobs that follow speed and load slowly. After the duties, which do not wait for it.
-LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sample) {
-    const lode_drive_tuning_t *tuning = self->tuning;
+LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                     const lode_sample_t *sample, uint16_t other,
+                                     lode_slot_t slot) {
     lode_estimator_t *estimator = &self->estimator;
-    const bool once = tuning->speed_periods == LODE_SLOW_PERIODS; // speed control, in a round
-    switch (lode_slot_of(self->steps)) {
+    switch (slot) {
     case SLOT_LOCK:
         lode_estimator_note_lock(estimator, &tuning->estimator);
         break;
     case SLOT_NOTCHES:
-        lode_drive_guard(self, sample);
         lode_estimator_adapt_notches(estimator, &tuning->estimator);
-        break;
+        return lode_drive_guard(self, tuning, sample, other);
     case SLOT_GAINS:
         if (LODE_RARELY(!estimator->locked)) {
             lode_mode_seed(self);
@@ -151,22 +159,22 @@ LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sa
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
         break;
     case SLOT_GUARD:
-        lode_drive_guard(self, sample);
-        break;
+        return lode_drive_guard(self, tuning, sample, other);
     case SLOT_SPEED:
         if (LODE_RARELY(lode_mode(self) != LODE_MODE_RUN)) {
             break;
         }
         if (LODE_RARELY(lode_drive_is_too_slow(self))) {
             lode_mode_hand_back(self);
-        } else if (LODE_USUALLY(once)) {
+        } else if (LODE_USUALLY(lode_drive_speed_once(self))) {
             // The mean of two samples half a round apart: the position error's ripple and noise fold down
             // less.
             lode_drive_speed(self, 0.5f * (self->omega_half + estimator->pll.omega_rad_s));
         }
         break;
     case SLOT_REFERENCES:
-        if (LODE_USUALLY(once) && LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
+        if (LODE_USUALLY(lode_drive_speed_once(self)) &&
+            LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
             lode_drive_references(self);
         }
         break;
@@ -174,6 +182,7 @@ LODE_INLINE void lode_drive_slow_job(lode_drive_t *self, const lode_sample_t *sa
     default:
         break;
     }
+    return true;
 }
 
 #endif

@@ -34,7 +34,8 @@ lode_sincos_t lode_estimator_filtered_step(lode_estimator_t *self,
                                            float omega_rad_s);
 float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                 lode_ab_t e_V, lode_sincos_t frame);
-void lode_estimator_renew_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+void lode_estimator_move_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                             float omega_rad_s);
 void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 
@@ -139,19 +140,15 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
             return lode_estimator_nothing(self);
         }
         frame = lode_angle_shorten(frame, self->gains.theta * error);
+        lode_estimator_move_lag(self, tuning, motion.omega_rad_s + self->gains.omega_s * error);
     }
     lode_pll_correct(&self->pll, self->gains, frame, motion.omega_rad_s, error);
-
-    if (LODE_RARELY(lode_lag_is_far(&self->lag, self->pll.omega_rad_s))) {
-        lode_estimator_renew_lag(self, tuning);
-    }
     const lode_sincos_t rotor = lode_estimator_rotor(self);
     const lode_dq_t i_dq = lode_park(i_A, rotor);
     self->id_A = i_dq.d;
     if (LODE_USUALLY(lode_estimator_asks(options, LODE_ESTIMATOR_THIRD_ORDER))) {
-        lode_pll_correct_disturbance(&self->pll, self->gains, error);
-        self->pll.acc_rad_s2 =
-            lode_estimator_acceleration(tuning, i_dq, error, self->pll.omega_rad_s);
+        const float acc = lode_estimator_acceleration(tuning, i_dq, error, self->pll.omega_rad_s);
+        lode_pll_correct_disturbance(&self->pll, &tuning->pll, self->gains, error, acc);
     }
     return (lode_estimate_t){
         .omega_rad_s = self->pll.omega_rad_s,
@@ -231,7 +228,7 @@ LODE_INLINE void lode_estimator_adapt_gains(lode_estimator_t *self,
     self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);
     if (!tuning->pll.third_order) {
         self->pll.f_rad_s2 = 0.0f; // the QPLL has no such states
-        self->pll.acc_rad_s2 = 0.0f;
+        self->pll.rise_rad_s = 0.0f;
     }
 }
 

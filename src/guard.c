@@ -118,7 +118,7 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         .bus_looks = periods_in(config->bus_s, look_s),
         .lock_looks = periods_in(config->lock_s, look_s),
         .stamp_min = stamp_min,
-        .stamp_span = stamp_max - stamp_min,
+        .stamp_span = stamp_max > 0u ? stamp_max - stamp_min : UINT32_MAX,
     };
     return LODE_OK;
 }
@@ -171,7 +171,7 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
     if (railed && persists(self, &self->rail, true, tuning->rail_periods)) {
         lode_guard_trip(self, state, LODE_CHECK_CURRENT_RAIL, i_A, tuning->i_trip);
     }
-    if (tuning->stamp_span > 0u && passed - tuning->stamp_min > tuning->stamp_span) {
+    if (passed - tuning->stamp_min > tuning->stamp_span) {
         lode_guard_trip(self, state, LODE_CHECK_TIMING, (float)passed,
                         (float)(tuning->stamp_min + tuning->stamp_span));
     }

@@ -4,20 +4,17 @@
 
 #include "lodestar/guard.h"
 
-// Nothing is wrong with a sample: no trip, no current beyond the alert, and in time. Every period.
+// Nothing is wrong with a sample: no current beyond the alert, no trip, and in time. Every period.
 LODE_INLINE bool lode_guard_all_ok(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                    const lode_sample_t *sample) {
     const uint32_t late = sample->stamp - self->stamp - tuning->stamp_min;
-    const bool in_time = tuning->stamp_span == 0u || LODE_USUALLY(late <= tuning->stamp_span);
-    return in_time && LODE_USUALLY(!sample->trip) && LODE_USUALLY(!sample->alert);
+    return LODE_USUALLY(!sample->alert) && LODE_USUALLY(!sample->trip) &&
+           LODE_USUALLY(late <= tuning->stamp_span);
 }
 
 // The stamp of this period, for the next one.
-LODE_INLINE void lode_guard_note(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                 uint32_t stamp) {
-    if (tuning->stamp_span > 0u) {
-        self->stamp = stamp;
-    }
+LODE_INLINE void lode_guard_note(lode_guard_t *self, uint32_t stamp) {
+    self->stamp = stamp;
 }
 
 // Bus and temperature, then lock, speed and direction, within their limits. NaN is not.

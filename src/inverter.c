@@ -83,8 +83,8 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     const float headroom = (1.0f - 2.0f * most_error) / LODE_SQRT3;
     *tuning = (lode_inverter_tuning_t){
         .v_min_V = v_min_V,
-        .dead_duty = dead_duty,
-        .v_drop_V = config->v_drop_V,
+        .dead_duty = correct || model ? dead_duty : 0.0f,
+        .v_drop_V = correct || model ? config->v_drop_V : 0.0f,
         .i_dead_min_A = I_DEAD_MIN_SHARE * config->i_dead_A,
         .i_dead_span_A = (1.0f - I_DEAD_MIN_SHARE) * config->i_dead_A,
         .ticks = ticks,

@@ -16,13 +16,13 @@
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
-    self->steady = self->gates && !self->mail && mode == LODE_MODE_RUN;
+    self->steady = self->gates && !self->mail && mode == LODE_MODE_RUN &&
+                   self->tuning->speed_periods == LODE_SLOW_PERIODS;
 }
 
 // Which samples are of use once the sensing, or what acts, has changed.
 static void set_omitted(lode_drive_t *self) {
-    self->omitted_next = lode_sense_omitted(&self->tuning->sense, self->duty);
-    self->omitted = self->omitted_next;
+    self->omitted = lode_sense_omit_both(lode_sense_omitted(&self->tuning->sense, self->duty));
 }
 
 static void set_duties(lode_drive_t *self, float duty) {
@@ -337,9 +337,11 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     }
     const float step_rad = self->tuning->ts_s * estimate->omega_rad_s;
     own->pll.omega_rad_s = estimate->omega_rad_s;
+    lode_estimator_move_lag(own, &self->tuning->estimator, estimate->omega_rad_s);
     own->pll.frame =
         lode_angle_subtract(estimate->rotor, lode_lag_near(&own->lag, own->pll.omega_rad_s));
     own->pll.f_rad_s2 = load_per_f < 0.0f ? estimate->load_torque_Nm / load_per_f : 0.0f;
+    own->pll.rise_rad_s = self->tuning->ts_s * own->pll.f_rad_s2;
     own->id_A = estimate->i_A.d;
     own->emf.observer.e_V = estimate->e_V;
     own->lock = estimate->lock;

@@ -51,12 +51,9 @@ LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tunin
     if (LODE_RARELY(!free)) {
         return lode_modulator_limit(inverter, dead_time, v, i_A);
     }
-    lode_abc_t duty = lode_modulator_duties(v);
-    lode_abc_t error = {0.0f, 0.0f, 0.0f};
-    if (LODE_USUALLY(inverter->correct)) {
-        error = lode_modulator_errors(dead_time, i_A);
-        duty = (lode_abc_t){duty.a + error.a, duty.b + error.b, duty.c + error.c};
-    }
+    const lode_abc_t asked = lode_modulator_duties(v);
+    const lode_abc_t error = lode_modulator_errors(dead_time, i_A); // 0 without correction
+    const lode_abc_t duty = {asked.a + error.a, asked.b + error.b, asked.c + error.c};
     if (inverter->grid) {
         const lode_abc_t made = {lode_modulator_on_grid(inverter, duty.a),
                                  lode_modulator_on_grid(inverter, duty.b),
@@ -78,15 +75,19 @@ LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_
     return (lode_modulator_out_t){out.duty, out.as_asked ? v : lode_clarke(out.seen)};
 }
 
-// Every duty within [0, 1]. As unsigned integers, the floats from 0 to 1 are those up to that of 1; NaN,
-// Inf and what is negative are larger.
-LODE_INLINE bool lode_modulator_is_sound(lode_abc_t duty) {
+// Every duty within [0, most]. As unsigned integers, the floats from 0 to `most` are those up to its own;
+// NaN, Inf and what is negative are larger.
+LODE_INLINE bool lode_modulator_is_within(lode_abc_t duty, float most) {
     const union {
         float value;
         uint32_t bits;
-    } one = {1.0f}, a = {duty.a}, b = {duty.b}, c = {duty.c};
-    return LODE_USUALLY(a.bits <= one.bits) && LODE_USUALLY(b.bits <= one.bits) &&
-           LODE_USUALLY(c.bits <= one.bits);
+    } limit = {most}, a = {duty.a}, b = {duty.b}, c = {duty.c};
+    return LODE_USUALLY(a.bits <= limit.bits) && LODE_USUALLY(b.bits <= limit.bits) &&
+           LODE_USUALLY(c.bits <= limit.bits);
+}
+
+LODE_INLINE bool lode_modulator_is_sound(lode_abc_t duty) {
+    return lode_modulator_is_within(duty, 1.0f);
 }
 
 #endif

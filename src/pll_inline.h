@@ -25,9 +25,8 @@ typedef struct {
 // As predicted (paper 1, eq. 19; P2), exact for constant acceleration. The state is not moved yet.
 LODE_INLINE lode_pll_motion_t lode_pll_predict(const lode_pll_t *self,
                                                const lode_pll_tuning_t *tuning) {
-    const float step = tuning->ts_s * (self->f_rad_s2 + self->acc_rad_s2);
-    return (lode_pll_motion_t){tuning->ts_s * (self->omega_rad_s + 0.5f * step),
-                               self->omega_rad_s + step};
+    return (lode_pll_motion_t){tuning->ts_s * (self->omega_rad_s + 0.5f * self->rise_rad_s),
+                               self->omega_rad_s + self->rise_rad_s};
 }
 
 // Moves angle and speed to t_k, to the predicted `frame` and speed, and corrects them by the position
@@ -39,10 +38,14 @@ LODE_INLINE void lode_pll_correct(lode_pll_t *self, lode_pll_gains_t gains, lode
     self->omega_rad_s = omega_rad_s + gains.omega_s * error_rad;
 }
 
-// Corrects the disturbance: third order only.
-LODE_INLINE void lode_pll_correct_disturbance(lode_pll_t *self, lode_pll_gains_t gains,
-                                              float error_rad) {
-    self->f_rad_s2 += gains.f_s2 * error_rad;
+// Corrects the disturbance, and sees the period to come by it and by the known acceleration `acc_rad_s2`
+// of torque and friction: third order only.
+LODE_INLINE void lode_pll_correct_disturbance(lode_pll_t *self, const lode_pll_tuning_t *tuning,
+                                              lode_pll_gains_t gains, float error_rad,
+                                              float acc_rad_s2) {
+    const float f = self->f_rad_s2 + gains.f_s2 * error_rad;
+    self->f_rad_s2 = f;
+    self->rise_rad_s = tuning->ts_s * (f + acc_rad_s2);
 }
 
 #endif

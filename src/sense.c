@@ -77,11 +77,10 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
         .v_bus_gain = config->v_bus_gain_V_count,
         .temperature_gain = config->temperature_gain_degC_count,
         .temperature_offset = config->temperature_offset_degC,
-        .duty_max = config->duty_max,
+        .duty_max = config->shunts == LODE_SHUNTS_TWO ? 1.0f : config->duty_max,
         .calibrate_periods = (uint32_t)lode_clamp(periods, 1.0f, CALIBRATION_SAMPLES_MAX),
         .count_max = (uint16_t)(int32_t)config->count_max,
         .two_shunts = config->shunts == LODE_SHUNTS_TWO,
-        .windowed = config->shunts == LODE_SHUNTS_TWO || config->duty_max < 1.0f,
     };
     return LODE_OK;
 }
@@ -115,7 +114,7 @@ LODE_RAMFUNC uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning,
 
 LODE_NOINLINE void lode_sense_again(const lode_sense_t *self, const lode_counts_t *counts,
                                     uint_least8_t omitted, lode_sample_t *sample) {
-    const lode_sense_currents_t i = lode_sense_currents(self, counts, omitted);
+    const lode_sense_currents_t i = lode_sense_without(lode_sense_currents(self, counts), omitted);
     sample->i[0] = i.a;
     sample->i[1] = i.b;
     sample->i[2] = i.c;

@@ -5,42 +5,31 @@
 #include "lodestar/sense.h"
 
 #ifdef LODE_WITHOUT_SHUNT_WINDOW
-
-LODE_INLINE bool lode_sense_is_windowed(const lode_sense_tuning_t *tuning) {
-    (void)tuning;
-    return false;
-}
-
 LODE_INLINE uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
     (void)tuning;
     (void)duty;
     return LODE_PHASES;
 }
-
-LODE_INLINE uint_least8_t lode_sense_next_omitted(const lode_sense_tuning_t *tuning,
-                                                  lode_abc_t duty) {
-    return lode_sense_omitted(tuning, duty);
-}
-
 #else
-
-// Not every phase is sampled in every period.
-LODE_INLINE bool lode_sense_is_windowed(const lode_sense_tuning_t *tuning) {
-    return tuning->windowed;
-}
-
 // The phase that cannot be sampled while the duties are `duty`; LODE_PHASES: all can.
 uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, lode_abc_t duty);
+#endif
 
-// The same where a phase may be missing, which is rarely one: 30 cycles less than the call.
-LODE_INLINE uint_least8_t lode_sense_next_omitted(const lode_sense_tuning_t *tuning,
-                                                  lode_abc_t duty) {
-    const float most = tuning->duty_max;
-    const bool all = !tuning->two_shunts && duty.a <= most && duty.b <= most && duty.c <= most;
-    return LODE_USUALLY(all) ? (uint_least8_t)LODE_PHASES : lode_sense_omitted(tuning, duty);
+// What is missing from the next two samples, for the duties of a period act in the one after it: two bits
+// each, the next one's below.
+#define OMITTED_BITS 2u
+#define OMITTED_MASK 3u
+#define OMITTED_NONE (LODE_PHASES | LODE_PHASES << OMITTED_BITS)
+
+// From now on `phase`, and in the next sample too.
+LODE_INLINE uint_least8_t lode_sense_omit_both(uint_least8_t phase) {
+    return (uint_least8_t)(phase | (uint32_t)phase << OMITTED_BITS);
 }
 
-#endif
+// While the duties act that have just been made, `phase`.
+LODE_INLINE uint_least8_t lode_sense_omit_later(uint_least8_t omitted, uint_least8_t phase) {
+    return (uint_least8_t)((omitted & OMITTED_MASK) | (uint32_t)phase << OMITTED_BITS);
+}
 
 // A current in use sits at the end of the converter's range.
 bool lode_sense_is_railed(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
@@ -56,10 +45,13 @@ typedef struct {
 // With one phase taken from the other two, whose sum it balances.
 LODE_INLINE lode_sense_currents_t lode_sense_complete(lode_sense_currents_t i,
                                                       uint_least8_t omitted) {
-    const lode_sense_currents_t from_others = {-i.b - i.c, -i.a - i.c, -i.a - i.b};
-    i.a = omitted == 0u ? from_others.a : i.a;
-    i.b = omitted == 1u ? from_others.b : i.b;
-    i.c = omitted == 2u ? from_others.c : i.c;
+    if (omitted == 0u) {
+        i.a = -(i.b + i.c);
+    } else if (omitted == 1u) {
+        i.b = -(i.c + i.a);
+    } else if (omitted == 2u) {
+        i.c = -(i.a + i.b);
+    }
     return i;
 }
 
@@ -70,27 +62,19 @@ LODE_INLINE bool lode_sense_exceeds(lode_sense_currents_t i, uint32_t limit) {
            LODE_RARELY((uint32_t)i.c + limit > 2u * limit);
 }
 
-// Of `counts`, without the phase `omitted`.
 LODE_INLINE lode_sense_currents_t lode_sense_currents(const lode_sense_t *self,
-                                                      const lode_counts_t *counts,
-                                                      uint_least8_t omitted) {
-    const lode_sense_currents_t i = {LODE_COUNT_FRACTION * (int32_t)counts->i[0] - self->offset[0],
-                                     LODE_COUNT_FRACTION * (int32_t)counts->i[1] - self->offset[1],
-                                     LODE_COUNT_FRACTION * (int32_t)counts->i[2] - self->offset[2]};
-#ifdef LODE_WITHOUT_SHUNT_WINDOW
-    (void)omitted;
-    return i;
-#else
-    return LODE_RARELY(omitted != LODE_PHASES) ? lode_sense_complete(i, omitted) : i;
-#endif
+                                                      const lode_counts_t *counts) {
+    return (lode_sense_currents_t){
+        LODE_COUNT_FRACTION * (int32_t)counts->i[0] - self->offset[0],
+        LODE_COUNT_FRACTION * (int32_t)counts->i[1] - self->offset[1],
+        LODE_COUNT_FRACTION * (int32_t)counts->i[2] - self->offset[2],
+    };
 }
 
-// `omitted`: lode_sense_omitted() of the duties that acted when the sample was taken. The voltage is
-// not known here.
-LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
-                                          const lode_sense_tuning_t *tuning,
-                                          const lode_counts_t *counts, uint_least8_t omitted) {
-    const lode_sense_currents_t i = lode_sense_currents(self, counts, omitted);
+// The voltage is not known here.
+LODE_INLINE lode_sample_t lode_sense_sample(const lode_sense_tuning_t *tuning,
+                                            const lode_counts_t *counts, lode_sense_currents_t i,
+                                            uint_least8_t omitted) {
     return (lode_sample_t){
         .i_A = {(float)(2 * i.a - i.b - i.c) * tuning->alpha_gain,
                 (float)(i.b - i.c) * tuning->beta_gain},
@@ -105,10 +89,55 @@ LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
     };
 }
 
-// The same, but current, voltage and bus are left as they are: for what rarely looks at a sample once more,
-// rather than have it kept at hand in all periods.
+// Without the phase `omitted`.
+LODE_INLINE lode_sense_currents_t lode_sense_without(lode_sense_currents_t i,
+                                                     uint_least8_t omitted) {
+#ifdef LODE_WITHOUT_SHUNT_WINDOW
+    (void)omitted;
+    return i;
+#else
+    return LODE_RARELY(omitted != LODE_PHASES) ? lode_sense_complete(i, omitted) : i;
+#endif
+}
+
+// `omitted`: lode_sense_omitted() of the duties that acted when the sample was taken.
+LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
+                                          const lode_sense_tuning_t *tuning,
+                                          const lode_counts_t *counts, uint_least8_t omitted) {
+    const lode_sense_currents_t i = lode_sense_currents(self, counts);
+    return lode_sense_sample(tuning, counts, lode_sense_without(i, omitted), omitted);
+}
+
+// The same in a row of periods: takes what is missing now out of `omitted`.
+LODE_INLINE lode_sample_t lode_sense_next(const lode_sense_t *self,
+                                          const lode_sense_tuning_t *tuning,
+                                          const lode_counts_t *counts, uint_least8_t *omitted) {
+    lode_sense_currents_t i = lode_sense_currents(self, counts);
+    uint_least8_t now = LODE_PHASES;
+#ifdef LODE_WITHOUT_SHUNT_WINDOW
+    (void)omitted;
+#else
+    if (LODE_RARELY(*omitted != OMITTED_NONE)) {
+        now = (uint_least8_t)(*omitted & OMITTED_MASK);
+        i = lode_sense_complete(i, now);
+        if (!tuning->two_shunts) {
+            *omitted =
+                lode_sense_omit_later((uint_least8_t)(*omitted >> OMITTED_BITS), LODE_PHASES);
+        }
+    }
+#endif
+    return lode_sense_sample(tuning, counts, i, now);
+}
+
+// As lode_sense_step(), but current, voltage and bus are left as they are: for what rarely looks at a
+// sample once more, rather than have it kept at hand in all periods.
 void lode_sense_again(const lode_sense_t *self, const lode_counts_t *counts, uint_least8_t omitted,
                       lode_sample_t *sample);
+
+// Of two temperatures.
+LODE_INLINE uint16_t lode_sense_hotter(const lode_sense_tuning_t *tuning, uint16_t a, uint16_t b) {
+    return (a > b) == (tuning->temperature_gain > 0.0f) ? a : b;
+}
 
 LODE_INLINE float lode_sense_temperature_degC(const lode_sense_tuning_t *tuning, uint16_t count) {
     return tuning->temperature_offset + (float)count * tuning->temperature_gain;

@@ -362,6 +362,11 @@ static void test_a_source_that_opens_is_left(void) {
     TEST_ASSERT_EQUAL_INT(LODE_SETS_ONLY_2, rig6_telemetry(&rig).active);
     CHECK_AT_MOST(0.05, worst_angle(&rig, 0.1));
     CHECK_CLOSE(0.005, RPM(600.0) * RIG6_NP, rig.omega);
+    const double iq_A = (double)rig6_telemetry(&rig).drive.i_A.q;
+    rig.trip[1] = true;
+    rig6_step(&rig);
+    expect_fault(&rig, LODE_CHECK_HARDWARE_TRIP);
+    CHECK_CLOSE(0.1, iq_A, (double)rig6_telemetry(&rig).drive.i_A.q); // of the set that was left
 }
 
 static void test_or_the_drive_trips_and_says_why(void) {
@@ -550,6 +555,14 @@ static void test_windowed_shunts(void) {
     CHECK_AT_MOST(0.05, worst_angle(&rig, 0.2));
 }
 
+static void test_speed_control_in_every_period(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.speed.every_period = LODE_ON;
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    TEST_ASSERT_EQUAL_UINT32(1u, rig.drive.drive.tuning->speed_periods);
+    CHECK_CLOSE(0.005, RPM(600.0) * RIG6_NP, rig.omega);
+}
+
 // --- The three parts of the step ------------------------------------------------------------------
 
 static void test_the_step_is_its_three_parts(void) {
@@ -653,6 +666,7 @@ int main(void) {
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
     RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);
     RUN_TEST(test_windowed_shunts);
+    RUN_TEST(test_speed_control_in_every_period);
     RUN_TEST(test_the_step_is_its_three_parts);
     RUN_TEST(test_an_estimate_that_is_no_number_turns_both_sets_off);
     RUN_TEST(test_an_estimate_of_the_hosts_own_is_driven_by);

@@ -361,7 +361,7 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     s.pll.frame = sincos_of(random_between(random, -CHECK_PI, CHECK_PI));
     s.pll.omega_rad_s = random_float(random, -2.0 * omega_max, 2.0 * omega_max);
     s.pll.f_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
-    s.pll.acc_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
+    s.pll.rise_rad_s = tuning->pll.ts_s * random_float(random, -20.0 * f_rated, 20.0 * f_rated);
     s.omega_tune = random_float(random, -2.0 * omega_max, 2.0 * omega_max);
     s.gains = lode_pll_gains(&tuning->pll, random_float(random, -omega_max, omega_max));
     s.lag = lode_lag_line(&tuning->lag, random_float(random, -omega_max, omega_max));
@@ -400,7 +400,7 @@ static bool is_in_range(const lode_estimator_t *s, const lode_estimator_tuning_t
            lode_ab_in_range(s->emf.i_A, FLT_MAX) && lode_in_range(s->pll.frame.sin, -1.0f, 1.0f) &&
            lode_in_range(s->pll.frame.cos, -1.0f, 1.0f) &&
            lode_in_range(s->pll.omega_rad_s, -t->omega_limit, t->omega_limit) &&
-           lode_is_finite(s->pll.f_rad_s2) && lode_is_finite(s->pll.acc_rad_s2);
+           lode_is_finite(s->pll.f_rad_s2) && lode_is_finite(s->pll.rise_rad_s);
 }
 
 static void test_any_state_is_detected_flagged_and_relocked(void) {
@@ -423,7 +423,7 @@ static void test_any_state_is_detected_flagged_and_relocked(void) {
                                      &state.pll.frame.cos,
                                      &state.pll.omega_rad_s,
                                      &state.pll.f_rad_s2,
-                                     &state.pll.acc_rad_s2,
+                                     &state.pll.rise_rad_s,
                                      &state.id_A,
                                      &state.rotation.alpha,
                                      &state.rotation.beta,

@@ -378,7 +378,7 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     s.pll.frame = sincos_of(random_between(random, -CHECK_PI, CHECK_PI));
     s.pll.omega_rad_s = random_float(random, -omega_max, omega_max);
     s.pll.f_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
-    s.pll.acc_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
+    s.pll.rise_rad_s = tuning->pll.ts_s * random_float(random, -20.0 * f_rated, 20.0 * f_rated);
     s.notch.sogi =
         (lode_sogi_t){random_float(random, -10.0, 10.0), random_float(random, -10.0, 10.0)};
     s.notch12.sogi =

@@ -40,12 +40,12 @@ static prediction_t predicted(const lode_pll_t *pll, const lode_pll_tuning_t *tu
     return next;
 }
 
-/// Corrects by `error`, with the gains of the speed that is predicted.
+/// Corrects by `error`, with the gains of the speed that is predicted; `acc_rad_s2` is known.
 static void correct(lode_pll_t *pll, const lode_pll_tuning_t *tuning, prediction_t next,
-                    float error) {
+                    float error, float acc_rad_s2) {
     const lode_pll_gains_t gains = lode_pll_gains(tuning, next.omega);
     lode_pll_correct(pll, gains, next.frame, next.omega, error);
-    lode_pll_correct_disturbance(pll, gains, error);
+    lode_pll_correct_disturbance(pll, tuning, gains, error, acc_rad_s2);
 }
 
 static void check_golden(const pll_case_t *golden) {
@@ -53,7 +53,8 @@ static void check_golden(const pll_case_t *golden) {
                                            golden->ts_s, golden->sigma_rad_s);
     lode_pll_t pll;
     lode_pll_reset(&pll, 0.0f, (float)golden->omega_rad_s);
-    pll.acc_rad_s2 = golden->third_order ? (float)golden->torque_rad_s2 : 0.0f;
+    const float known = golden->third_order ? (float)golden->torque_rad_s2 : 0.0f;
+    pll.rise_rad_s = tuning.ts_s * known;
     double theta = 0.4;
     double omega = golden->omega_rad_s;
     for (int k = 0; k < PLL_STEPS; k++) {
@@ -66,7 +67,7 @@ static void check_golden(const pll_case_t *golden) {
         lode_pll_gains_t gains = lode_pll_gains(&tuning, next.omega);
         gains.theta = (float)(tan((double)gains.theta * error) / error);
         lode_pll_correct(&pll, gains, next.frame, next.omega, (float)error);
-        lode_pll_correct_disturbance(&pll, gains, (float)error);
+        lode_pll_correct_disturbance(&pll, &tuning, gains, (float)error, known);
         if ((k + 1) % PLL_EVERY == 0) {
             const int row = k / PLL_EVERY;
             // The loop holds the float state at the angle to its resolution near pi, 2.4e-7,
@@ -98,7 +99,7 @@ static double ramp_error(const lode_pll_tuning_t *tuning, double ts, double r, i
         omega += ts * r;
         const prediction_t next = predicted(&pll, tuning);
         error = angle_error(theta, next.theta);
-        correct(&pll, tuning, next, (float)error);
+        correct(&pll, tuning, next, (float)error, 0.0f);
     }
     return error;
 }
@@ -130,7 +131,7 @@ static void free_response(const lode_pll_tuning_t *tuning, double *angle, int co
     lode_pll_reset(&pll, 1.0e-3f, 0.0f);
     for (int k = 0; k < count; k++) {
         const prediction_t next = predicted(&pll, tuning);
-        correct(&pll, tuning, next, (float)-next.theta);
+        correct(&pll, tuning, next, (float)-next.theta, 0.0f);
         angle[k] = theta_of(&pll);
     }
 }
@@ -245,11 +246,10 @@ static void test_the_prediction_is_the_motion_of_a_period(void) {
     for (int n = 0; n < 10000; n++) {
         lode_pll_t pll;
         lode_pll_reset(&pll, 0.5f, random_float(&random, -2500.0, 2500.0));
-        pll.f_rad_s2 = random_float(&random, -2000.0, 2000.0);
-        pll.acc_rad_s2 = random_float(&random, -2000.0, 2000.0);
+        pll.rise_rad_s = random_float(&random, -0.8, 0.8);
         const lode_pll_t before = pll;
         const lode_pll_motion_t motion = lode_pll_predict(&pll, &tuning);
-        const double acc = (double)pll.f_rad_s2 + (double)pll.acc_rad_s2;
+        const double acc = (double)pll.rise_rad_s / 2.0e-4;
         // Constant acceleration, exactly; floats of 0.5 rad and 2500 rad/s.
         CHECK_NEAR(1.0e-7, 2.0e-4 * (double)pll.omega_rad_s + 2.0e-8 * acc, motion.angle_rad);
         CHECK_NEAR(3.0e-4, (double)pll.omega_rad_s + 2.0e-4 * acc, motion.omega_rad_s);
@@ -267,7 +267,8 @@ static void test_disturbance_is_the_load_torque(void) {
         const double torque = sign * 3.5;
         lode_pll_t pll;
         lode_pll_reset(&pll, 0.0f, 200.0f);
-        pll.acc_rad_s2 = (float)(np / J * torque);
+        const float known = (float)(np / J * torque);
+        pll.rise_rad_s = tuning.ts_s * known;
         double theta = 0.0;
         double omega = 200.0;
         for (int k = 0; k < 1500; k++) {
@@ -275,7 +276,7 @@ static void test_disturbance_is_the_load_torque(void) {
             theta += 2.0e-4 * omega + 2.0e-8 * acc;
             omega += 2.0e-4 * acc;
             const prediction_t next = predicted(&pll, &tuning);
-            correct(&pll, &tuning, next, (float)angle_error(theta, next.theta));
+            correct(&pll, &tuning, next, (float)angle_error(theta, next.theta), known);
         }
         CHECK_CLOSE(2.0e-3, -np * load / J, pll.f_rad_s2); // 30 time constants; float noise
         CHECK_NEAR(0.01, omega, pll.omega_rad_s);
@@ -293,8 +294,8 @@ static void test_motion_mirrored_gives_states_mirrored(void) {
         random_t random = random_seed(1);
         for (int k = 0; k < 2000; k++) {
             const float error = random_float(&random, -0.2, 0.2);
-            correct(&ahead, &tuning, predicted(&ahead, &tuning), error);
-            correct(&back, &tuning, predicted(&back, &tuning), -error);
+            correct(&ahead, &tuning, predicted(&ahead, &tuning), error, 0.0f);
+            correct(&back, &tuning, predicted(&back, &tuning), -error, 0.0f);
             TEST_ASSERT_TRUE(ahead.frame.sin == -back.frame.sin);
             TEST_ASSERT_TRUE(ahead.frame.cos == back.frame.cos);
             TEST_ASSERT_TRUE(ahead.omega_rad_s == -back.omega_rad_s);
@@ -305,12 +306,12 @@ static void test_motion_mirrored_gives_states_mirrored(void) {
 
 static void test_reset_takes_up_a_motion(void) {
     lode_pll_t pll = {
-        .frame = {9.0f, NAN}, .omega_rad_s = NAN, .f_rad_s2 = 1.0f, .acc_rad_s2 = 2.0f};
+        .frame = {9.0f, NAN}, .omega_rad_s = NAN, .f_rad_s2 = 1.0f, .rise_rad_s = 2.0f};
     lode_pll_reset(&pll, 7.0f, -33.0f);
     CHECK_NEAR(1.0e-6, 7.0 - 2.0 * CHECK_PI, theta_of(&pll));
     TEST_ASSERT_EQUAL_FLOAT(-33.0f, pll.omega_rad_s);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, pll.f_rad_s2);
-    TEST_ASSERT_EQUAL_FLOAT(0.0f, pll.acc_rad_s2);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, pll.rise_rad_s);
 }
 
 static lode_pll_config_t sound_config(void) {

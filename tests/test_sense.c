@@ -194,14 +194,44 @@ static void test_the_rail_of_a_sample_that_is_not_used_does_not_count(void) {
     }
 }
 
+/// The phase that each of three samples in a row is without.
+static void check_row(const lode_sense_tuning_t *tuning, uint_least8_t omitted,
+                      const uint_least8_t want[3]) {
+    lode_sense_t sense;
+    lode_sense_reset(&sense, tuning);
+    const lode_counts_t counts = {.i = {2148, 1948, 2098}, .v_bus = 2000};
+    for (int k = 0; k < 3; k++) {
+        const lode_sample_t next = lode_sense_next(&sense, tuning, &counts, &omitted);
+        const lode_sample_t same = lode_sense_step(&sense, tuning, &counts, want[k]);
+        TEST_ASSERT_EQUAL_UINT(want[k], next.omitted);
+        TEST_ASSERT_EQUAL_MEMORY(same.i, next.i, sizeof same.i);
+    }
+}
+
+static void test_long_duties_act_on_the_sample_after_the_next(void) {
+    lode_sense_config_t config = board();
+    config.duty_max = 0.9f;
+    const lode_sense_tuning_t tuning = tuned(&config);
+    for (uint_least8_t phase = 0; phase < LODE_PHASES; phase++) {
+        const uint_least8_t later[] = {LODE_PHASES, phase, LODE_PHASES};
+        check_row(&tuning, lode_sense_omit_later(OMITTED_NONE, phase), later);
+        const uint_least8_t both[] = {phase, phase, LODE_PHASES};
+        check_row(&tuning, lode_sense_omit_both(phase), both);
+    }
+    config.shunts = LODE_SHUNTS_TWO;
+    const lode_sense_tuning_t two = tuned(&config);
+    const uint_least8_t always[] = {2u, 2u, 2u};
+    check_row(&two, lode_sense_omit_both(2u), always);
+}
+
 static void test_windowed_is_where_a_phase_may_be_missing(void) {
     lode_sense_config_t config = board();
-    TEST_ASSERT_FALSE(tuned(&config).windowed);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, tuned(&config).duty_max);
     config.duty_max = 0.999f;
-    TEST_ASSERT_TRUE(tuned(&config).windowed);
+    TEST_ASSERT_EQUAL_FLOAT(0.999f, tuned(&config).duty_max);
+    config.shunts = LODE_SHUNTS_TWO; // c always, whatever the duties
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, tuned(&config).duty_max);
     config.duty_max = 1.0f;
-    config.shunts = LODE_SHUNTS_TWO;
-    TEST_ASSERT_TRUE(tuned(&config).windowed);
     // All three phases in every period: the duties do not matter.
     config.shunts = LODE_SHUNTS_THREE;
     const lode_counts_t counts = {.i = {2148, 1948, 2098}, .v_bus = 2000};
@@ -516,6 +546,7 @@ int main(void) {
     RUN_TEST(test_a_phase_without_a_window_follows_from_the_others);
     RUN_TEST(test_of_two_phases_without_a_window_the_longest_is_replaced);
     RUN_TEST(test_the_rail_of_a_sample_that_is_not_used_does_not_count);
+    RUN_TEST(test_long_duties_act_on_the_sample_after_the_next);
     RUN_TEST(test_windowed_is_where_a_phase_may_be_missing);
     RUN_TEST(test_vector_is_that_of_the_phases);
     RUN_TEST(test_a_current_beyond_the_limit_is_an_alert);

@@ -120,15 +120,14 @@ typedef struct {
 /// A drive. Visible for static allocation; written by its functions only.
 typedef struct {
     const lode_drive_tuning_t *tuning;
-    uint32_t steps; ///< periods since init
-    bool steady;    ///< RUN, as commanded, and nothing in the mail: a period has nothing to decide
-    bool gates;     ///< on
-    bool mail;      ///< something is posted
+    uint32_t steps;      ///< periods since init
+    bool steady;         ///< RUN as commanded, speed control in its slot, nothing in the mail
+    bool gates;          ///< on
+    bool mail;           ///< something is posted
     bool command_posted; ///< mailbox
     bool calibrated;
-    uint_least8_t mode;         ///< lode_mode_t
-    uint_least8_t omitted;      ///< phase whose next sample cannot be used; LODE_PHASES: none
-    uint_least8_t omitted_next; ///< while `duty` acts
+    uint_least8_t mode;    ///< lode_mode_t
+    uint_least8_t omitted; ///< phases whose next two samples cannot be used
     lode_sense_t sense;
     lode_guard_t guard;
     lode_plausibility_t plausibility; ///< of the currents, of set 1

@@ -80,7 +80,6 @@ typedef struct {
     lode_open_phase_t open;  ///< the phase found open, 0: none
     uint_least8_t active;    ///< lode_active_t
     uint_least8_t omitted_2; ///< as in lode_drive_t
-    uint_least8_t omitted_next_2;
 } lode_drive6_t;
 
 /// All that a period starts from.

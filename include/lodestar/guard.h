@@ -60,8 +60,8 @@ typedef struct {
     uint32_t bus_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
     uint32_t lock_looks;
     uint32_t stamp_min;
-    uint32_t
-        stamp_span; ///< largest less smallest count between two calls, below 2^31; 0: not watched
+    /// largest less smallest count between two calls; 2^32 - 1, which any will do for: not watched
+    uint32_t stamp_span;
 } lode_guard_tuning_t;
 
 typedef struct {

@@ -32,7 +32,7 @@ typedef struct {
 
 typedef struct {
     float v_min_V;   ///< least bus voltage that is divided by
-    float dead_duty; ///< share of the period lost to dead time
+    float dead_duty; ///< share of the period lost to dead time; this and the next 0: not looked at
     float v_drop_V;
     float i_dead_min_A;  ///< at no modulation
     float i_dead_span_A; ///< added at full modulation

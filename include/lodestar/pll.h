@@ -42,7 +42,8 @@ typedef struct {
     lode_sincos_t frame; ///< angle of the EMF that it follows, less a quarter turn, at t_k
     float omega_rad_s;   ///< electrical speed at t_k
     float f_rad_s2;      ///< disturbance: -np T_load/J plus whatever the model lacks
-    float acc_rad_s2;    ///< known acceleration over the period under way: torque and friction
+    float
+        rise_rad_s; ///< of the speed over the period under way: by the disturbance, torque and friction
 } lode_pll_t;
 
 /// Fills every zero field that has a default.

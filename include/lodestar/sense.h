@@ -57,11 +57,10 @@ typedef struct {
     float v_bus_gain;
     float temperature_gain;
     float temperature_offset;
-    float duty_max;
+    float duty_max; ///< beyond it a phase is missing
     uint32_t calibrate_periods;
     uint16_t count_max;
     bool two_shunts;
-    bool windowed; ///< not every phase is sampled in every period
 } lode_sense_tuning_t;
 
 typedef struct {

@@ -23,7 +23,6 @@
     ROW(WHOLE, uint32_t, sense.calibrate_periods) \
     ROW(WHOLE, uint16_t, sense.count_max) \
     ROW(BOOL, bool, sense.two_shunts) \
-    ROW(BOOL, bool, sense.windowed) \
     ROW(FLOAT, float, inverter.v_min_V) \
     ROW(FLOAT, float, inverter.dead_duty) \
     ROW(FLOAT, float, inverter.v_drop_V) \

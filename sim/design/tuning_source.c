@@ -79,7 +79,7 @@ static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
                   "#endif\n",
                   LODE_VERSION_MAJOR, LODE_VERSION_MINOR, LODE_VERSION_PATCH);
     (void)fputs(option_of[tuning->estimator.emf.observer.kind], file);
-    if (tuning->sense.windowed) {
+    if (tuning->sense.two_shunts || tuning->sense.duty_max < 1.0f) {
         (void)fputs(UNLESS("SHUNT_WINDOW"), file);
     }
     if (tuning->references.weakens) {

@@ -39,7 +39,7 @@ static double exact_angle(lode_pll_t *self, const lode_pll_tuning_t *tuning, dou
     const float error = (float)sin(angle_rad - theta);
     lode_pll_correct(self, gains, frame, motion.omega_rad_s, error);
     self->frame = lode_angle_normalise(self->frame);
-    lode_pll_correct_disturbance(self, gains, error);
+    lode_pll_correct_disturbance(self, tuning, gains, error, 0.0f);
     return atan2((double)self->frame.sin, (double)self->frame.cos);
 }
 

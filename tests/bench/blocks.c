@@ -158,7 +158,7 @@ BLOCK(pll) {
     const lode_pll_motion_t motion = lode_pll_predict(&pll, t);
     const lode_sincos_t frame = lode_angle_add(pll.frame, lode_sincos_small(motion.angle_rad));
     lode_pll_correct(&pll, estimator[ENHANCED].gains, frame, motion.omega_rad_s, error);
-    lode_pll_correct_disturbance(&pll, estimator[ENHANCED].gains, error);
+    lode_pll_correct_disturbance(&pll, t, estimator[ENHANCED].gains, error, 0.0f);
 }
 
 BLOCK(lag) {

@@ -27,7 +27,8 @@ BRANCHES = ("b", "bl", "blx", "bx", "cbz", "cbnz")
 # them, as the copies between them do, is OTHER.
 COMMON = {
     "sensing, with the voltage that acted": {
-        "sense", "lode_sense_step", "lode_inverter_realised", "lode_inverter_follow_bus"},
+        "sense", "lode_sense_next", "lode_sense_currents", "lode_sense_sample",
+        "lode_inverter_realised", "lode_inverter_follow_bus"},
     "EMF observer": {"lode_observer_step_called", "lode_estimator_emf"},
     "PLL": {"lode_estimator_fast", "lode_estimator_acceleration", "lode_pll_predict",
             "lode_pll_correct", "lode_pll_correct_disturbance"},
@@ -40,7 +41,7 @@ MORE = {
     "correction of the dead time": {"lode_modulator_errors", "lode_inverter_error"},
     "compensation of the lag": {"lode_estimator_rotor", "lode_estimator_adapt_lag"},
     "notch": {"lode_estimator_notched", "lode_estimator_adapt_notches"},
-    "guard": {"lode_guard_all_ok", "lode_drive_guard", "lode_modulator_is_sound"},
+    "guard": {"lode_guard_all_ok", "lode_drive_guard", "lode_modulator_is_within"},
     "slow parts": {"lode_drive_slow_job", "lode_estimator_note_lock", "lode_estimator_adapt_gains",
                    "lode_drive_lead", "lode_inverter_adapt", "lode_xy_adapt"},
     "control of the xy plane": {"lode_xy_step", "voltages"},
