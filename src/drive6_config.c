@@ -4,7 +4,6 @@
 
 #include <stddef.h>
 
-#define VOLTAGE_USE 0.95f
 // Share of i_max, as the mean magnitude of a phase current: below it no open phase is reported.
 #define WATCH_SHARE 0.03f
 // A phase that stays within so many counts of no current is open rather than its converter stuck.
@@ -32,8 +31,9 @@ void lode_drive6_design(lode_drive6_config_t *config) {
     lode_inverter_design(&config->drive.inverter, &ripple, ts_s);
     lode_xy_design(&config->xy, ts_s);
     // A set's voltage is at most the sum of both planes'.
-    config->drive.current.voltage_use =
-        lode_given_or(config->drive.current.voltage_use, VOLTAGE_USE - config->xy.voltage_share);
+    lode_sense_design(&config->drive.sense);
+    const float use = lode_drive_voltage_use(&config->drive) - config->xy.voltage_share;
+    config->drive.current.voltage_use = lode_given_or(config->drive.current.voltage_use, use);
     lode_drive_design(&config->drive);
 }
 

@@ -95,6 +95,11 @@ static float seen_voltage_use(const lode_drive_config_t *c) {
     return 2.0f * (c->sense.duty_max - loss) - 1.0f;
 }
 
+float lode_drive_voltage_use(const lode_drive_config_t *c) {
+    const bool windowed = c->sense.shunts == LODE_SHUNTS_TWO && c->sense.duty_max < 1.0f;
+    return windowed ? lode_min(seen_voltage_use(c), VOLTAGE_USE) : VOLTAGE_USE;
+}
+
 static bool has_blind_sectors(const lode_drive_config_t *c) {
     return c->sense.shunts == LODE_SHUNTS_TWO && c->sense.duty_max < 1.0f &&
            c->current.voltage_use > seen_voltage_use(c) + ROUNDING;
@@ -117,10 +122,8 @@ void lode_drive_design(lode_drive_config_t *config) {
     design_pll(config);
     lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
-    if (config->sense.shunts == LODE_SHUNTS_TWO && config->sense.duty_max < 1.0f) {
-        config->current.voltage_use = lode_given_or(
-            config->current.voltage_use, lode_min(seen_voltage_use(config), VOLTAGE_USE));
-    }
+    config->current.voltage_use =
+        lode_given_or(config->current.voltage_use, lode_drive_voltage_use(config));
     lode_current_design(&config->current, &circuit, ts_s);
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
                       config->start.omega_handover_rad_s);

@@ -28,6 +28,8 @@ typedef struct {
 
 // Checks of a configuration that design divides by, in drive_config.c.
 lode_status_t lode_drive_check_given(const lode_drive_config_t *config);
+// Default of current control's voltage_use, with `sense` designed; in drive_config.c.
+float lode_drive_voltage_use(const lode_drive_config_t *config);
 
 // Tells the interrupt that there is mail, in drive.c.
 void lode_drive_call(lode_drive_t *self);

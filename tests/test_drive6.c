@@ -497,6 +497,17 @@ static void test_bad_configurations_are_refused_by_name(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_tune(NULL, &config));
 }
 
+static void test_two_shunts_in_a_window_leave_the_voltage_that_they_see(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.inverter.dead_time_s = 0.0f;
+    config.drive.sense.shunts = LODE_SHUNTS_TWO;
+    config.drive.sense.duty_max = 0.9f;
+    lode_drive6_design(&config);
+    // 2 x 0.9 - 1, less a tenth for the xy plane.
+    CHECK_CLOSE(1.0e-5, 0.7, config.drive.current.voltage_use);
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(lode_drive6_tune(&other_tuning, &config)));
+}
+
 static void test_a_new_tuning_is_taken_while_it_turns(void) {
     lode_drive6_config_t config = rig6_config();
     rig6_t rig = turning(&config, 300.0, LOAD_Nm);
@@ -663,6 +674,7 @@ int main(void) {
     RUN_TEST(test_implausible_currents_of_either_set_trip);
     RUN_TEST(test_one_set_stops_and_starts_again);
     RUN_TEST(test_bad_configurations_are_refused_by_name);
+    RUN_TEST(test_two_shunts_in_a_window_leave_the_voltage_that_they_see);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
     RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);
     RUN_TEST(test_windowed_shunts);
