@@ -157,7 +157,7 @@ static bool run_all(monte_carlo_t *self) {
     return good;
 }
 
-static rig_exit_t campaign(const options_t *options) {
+static rig_exit_t run_campaign(const options_t *options) {
     FILE *json = NULL;
     monte_carlo_t self = {.options = options};
     rig_exit_t code = RIG_BAD_INPUT;
@@ -189,5 +189,5 @@ static rig_exit_t merge(const options_t *options) {
 }
 
 rig_exit_t command_monte_carlo(const options_t *options) {
-    return strcmp(options->test, "merge") == 0 ? merge(options) : campaign(options);
+    return strcmp(options->test, "merge") == 0 ? merge(options) : run_campaign(options);
 }
