@@ -128,7 +128,7 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t co
 }
 
 LODE_RAMFUNC void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch,
-                                   const lode_sample_t *sample, float looks) {
+                                   const int32_t i[LODE_PHASES], float looks) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_current_tuning_t *control = &self->tuning->current;
     const float omega = lode_abs(lode_mode_frame_omega(self));
@@ -138,7 +138,7 @@ LODE_RAMFUNC void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watc
     const lode_dq_t i_A = follows ? self->ref_A : self->i_A;
     const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
     const float turn_rad = looks * tuning->look_s * omega;
-    const lode_finding_t found = lode_plausibility_step(watch, tuning, sample, i_A2, turn_rad);
+    const lode_finding_t found = lode_plausibility_step(watch, tuning, i, i_A2, turn_rad);
     if (LODE_RARELY(found.check != LODE_CHECK_NONE)) {
         const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;
         const float before = second ? (float)LODE_PHASES : 0.0f;

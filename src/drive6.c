@@ -357,7 +357,9 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     if (slot == SLOT_GAINS) {
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
         if (drive->tuning->plausibility.on && self->active == (uint_least8_t)LODE_SETS_BOTH) {
-            lode_drive_watch(drive, &self->plausibility_2, &sample->set_2, LOOKS_OF_SET_2);
+            const lode_sample_t *set_2 = &sample->set_2;
+            const int32_t i[LODE_PHASES] = {set_2->i[0], set_2->i[1], set_2->i[2]};
+            lode_drive_watch(drive, &self->plausibility_2, i, LOOKS_OF_SET_2);
         }
     }
     lode_drive_slow_job(drive, drive->tuning, &sample->machine, sample->set_2.temperature, slot);

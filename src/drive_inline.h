@@ -38,8 +38,9 @@ void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                          const lode_sample_t *sample);
 // Speed control where it comes more often than once in a round: before current control; in drive.c.
 void lode_drive_fast_speed(lode_drive_t *self);
-// The plausibility of a set's currents, `looks` times LODE_GUARD_PERIODS after the last time; in drive.c.
-void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch, const lode_sample_t *sample,
+// The plausibility of a set's currents (1/256 count), `looks` times LODE_GUARD_PERIODS after the last time;
+// in drive.c.
+void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch, const int32_t i[LODE_PHASES],
                       float looks);
 // Duties that lode_sense_tuning_t.duty_max does not allow, in drive.c: `omitted` of their set follows.
 // False: they are none, and the drive is in FAULT.
@@ -129,7 +130,9 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
         lode_drive_check_slow(self, condition);
     }
     if (LODE_USUALLY(tuning->plausibility.on)) {
-        lode_drive_watch(self, &self->plausibility, sample, 1.0f);
+        // The three alone: a sample handed over by its address would lie in memory in all periods.
+        const int32_t i[LODE_PHASES] = {sample->i[0], sample->i[1], sample->i[2]};
+        lode_drive_watch(self, &self->plausibility, i, 1.0f);
     }
     return self->gates;
 }

@@ -62,27 +62,29 @@ LODE_INLINE int32_t stuck_phase(lode_plausibility_t *self, const lode_plausibili
                                 const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
     int32_t stuck = 0;
     for (int32_t n = 0; n < LODE_PHASES; n++) {
-        const bool kept = i[n] == self->i[n] && lode_abs((float)i[n]) >= tuning->i_still;
-        const float turn = kept ? self->turn_rad[n] + turn_rad : -turn_rad;
-        const float turn2 = turn > 0.0f ? turn * turn : 0.0f;
+        float turn = -turn_rad; // of one that moves, as nearly all do
+        if (LODE_RARELY(i[n] == self->i[n]) && lode_abs((float)i[n]) >= tuning->i_still) {
+            turn = self->turn_rad[n] + turn_rad;
+            const float turn2 = turn * lode_max(turn, 0.0f);
+            stuck = turn2 * turn2 * i_A2 > tuning->stuck_A2 ? n + 1 : stuck;
+        }
         self->i[n] = i[n];
         self->turn_rad[n] = turn;
-        stuck = turn2 * turn2 * i_A2 > tuning->stuck_A2 ? n + 1 : stuck;
     }
     return i_A2 > tuning->i_min_A2 ? stuck : 0;
 }
 
 LODE_RAMFUNC lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                                    const lode_plausibility_tuning_t *tuning,
-                                                   const lode_sample_t *sample, float i_A2,
+                                                   const int32_t i[LODE_PHASES], float i_A2,
                                                    float turn_rad) {
-    const bool all = all_stuck(self, tuning, sample->i, i_A2);
-    const int32_t stuck = stuck_phase(self, tuning, sample->i, i_A2, turn_rad);
+    const bool all = all_stuck(self, tuning, i, i_A2);
+    const int32_t stuck = stuck_phase(self, tuning, i, i_A2, turn_rad);
     if (LODE_RARELY(all) || LODE_RARELY(stuck > 0)) {
         return (lode_finding_t){LODE_CHECK_CURRENT_STUCK, (float)stuck, 0.0f};
     }
     // Where one was taken from the other two, the sum says nothing.
-    const float sum = (float)(sample->i[0] + sample->i[1] + sample->i[2]);
+    const float sum = (float)(i[0] + i[1] + i[2]);
     if (LODE_RARELY(lode_abs(sum) > tuning->i_sum)) {
         self->sum = (uint_least16_t)(self->sum + 1u);
         if (self->sum >= tuning->sum_looks) {

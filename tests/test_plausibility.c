@@ -54,7 +54,7 @@ static lode_finding_t look(bench_t *self) {
     }
     const float turn_rad = (float)(LOOK_s * self->omega);
     self->theta = remainder(self->theta + (double)turn_rad, 2.0 * CHECK_PI);
-    return lode_plausibility_step(&self->state, &self->tuning, &sample,
+    return lode_plausibility_step(&self->state, &self->tuning, sample.i,
                                   (float)(self->asked_A * self->asked_A), turn_rad);
 }
 
@@ -149,7 +149,7 @@ static void test_all_that_do_not_follow_a_rising_current_are_stuck(void) {
             const float i_A = 0.05f * (float)n;
             TEST_ASSERT_EQUAL_INT(
                 LODE_CHECK_NONE,
-                lode_plausibility_step(&sound.state, &sound.tuning, &sample, i_A * i_A, 0.0f)
+                lode_plausibility_step(&sound.state, &sound.tuning, sample.i, i_A * i_A, 0.0f)
                     .check);
         }
     }

@@ -41,11 +41,12 @@ typedef struct {
 /// Nothing seen yet.
 void lode_plausibility_reset(lode_plausibility_t *self);
 
-/// One look, `turn_rad` of the current vector after the last one. `i_A2`: the square of the current that
-/// is asked for, or where the voltage does not suffice for it, of the measured one.
+/// One look at the currents `i` (1/256 count), `turn_rad` of the current vector after the last one. `i_A2`:
+/// the square of the current that is asked for, or where the voltage does not suffice for it, of the
+/// measured one.
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
-                                      const lode_sample_t *sample, float i_A2, float turn_rad);
+                                      const int32_t i[LODE_PHASES], float i_A2, float turn_rad);
 
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
