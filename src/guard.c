@@ -137,8 +137,8 @@ void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check
 // Counts up to `periods` while something is wrong, down while all is well: single samples pass, what mostly
 // persists trips. True when it gets there.
 static bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad, uint32_t periods) {
-    const uint32_t count = *counter;
-    const uint32_t next = bad ? count + 1u : (count > 0u ? count - 1u : 0u);
+    const uint32_t before = *counter;
+    const uint32_t next = bad ? before + 1u : (before > 0u ? before - 1u : 0u);
     *counter = (uint_least16_t)next;
     self->pending = self->pending || next > 0u;
     return bad && next >= periods;

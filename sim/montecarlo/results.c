@@ -108,7 +108,7 @@ static int by_count(const void *a, const void *b) {
 }
 
 static void print_causes(FILE *file, const mc_results_t *self, uint64_t from, uint64_t to) {
-    cause_t cause[CAUSES_MAX];
+    cause_t cause[CAUSES_MAX] = {{NULL, 0u}};
     int causes = 0;
     for (uint64_t n = from; n < to; ++n) {
         const mc_row_t *row = &self->row[n];

@@ -154,8 +154,9 @@ static double settle_limit_s(const trial_t *trial, double change_m_rad_s) {
 
 static void command(trial_t *trial, double omega_e_rad_s) {
     trial->command_m_rad_s = omega_e_rad_s / trial->machine->np;
-    const lode_command_t go = {.mode = LODE_MODE_RUN, .speed_rad_s = (float)trial->command_m_rad_s};
-    (void)lode_drive_post_command(trial->rig.drive, &go);
+    const lode_command_t run = {.mode = LODE_MODE_RUN,
+                                .speed_rad_s = (float)trial->command_m_rad_s};
+    (void)lode_drive_post_command(trial->rig.drive, &run);
 }
 
 /// To the electrical speed, in the case's direction.

@@ -40,8 +40,8 @@ static void print_time(FILE *file, double time_s) {
 }
 
 static void print_cell(FILE *file, const fault_result_t *one) {
-    char words[80];
     if (one->silent > 0) {
+        char words[80];
         harm_words(one->harm, words, sizeof words);
         (void)fprintf(file, " **silent**: %s", words);
     } else if (one->found == LODE_CHECK_NONE) {

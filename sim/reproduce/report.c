@@ -77,9 +77,9 @@ static void print_reasons(FILE *file, const table_t *self, const char *figure) {
     for (int k = 0; k < self->rows; ++k) {
         const row_t *row = &self->row[k];
         char reason[REASON_MAX];
-        char heading[128];
         verdict_reason(self, row, reason, sizeof reason);
         if (strcmp(row->figure, figure) == 0 && reason[0] != '\0') {
+            char heading[128];
             (void)snprintf(heading, sizeof heading, "%s, %s: ", row->what,
                            verdict_name(verdict_of(self, row).verdict));
             print_note(file, heading, reason);

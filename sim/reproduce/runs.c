@@ -24,9 +24,13 @@ void runs_free(runs_t *self) {
 static bool grow(runs_t *self) {
     const int capacity = self->capacity > 0 ? 2 * self->capacity : FIRST_CAPACITY;
     unsigned char *what = realloc(self->what, (size_t)capacity * self->what_size);
-    self->what = what != NULL ? what : self->what;
+    if (what != NULL) {
+        self->what = what;
+    }
     unsigned char *result = realloc(self->result, (size_t)capacity * self->result_size);
-    self->result = result != NULL ? result : self->result;
+    if (result != NULL) {
+        self->result = result;
+    }
     if (what == NULL || result == NULL) {
         rig_error("out of memory for the experiments");
         self->failed = true;

@@ -168,8 +168,9 @@ static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t p
         (double)lode_estimator_theta_rad(&drive->estimator) - truth->theta_e_rad, 2.0 * RIG_PI);
     const double off_A =
         hypot(truth->id_A - (double)drive->ref_A.d, truth->iq_A - (double)drive->ref_A.q);
+    const bool running = point >= FAULT_AT_10 && point < FAULT_POINTS;
     const double wanted_rad_s =
-        point >= FAULT_AT_10 ? self->speed_rad_s[point] : (double)lode_drive_speed_ref_rad_s(drive);
+        running ? self->speed_rad_s[point] : (double)lode_drive_speed_ref_rad_s(drive);
     const double off_rad_s = fabs(truth->omega_m_rad_s - wanted_rad_s);
     const double limit_degC = (double)self->config.drive.guard.temperature_max_degC;
     last->rotor_s = held(last->rotor_s, driven && fabs(off_rad) > LOST_rad, ts_s);
