@@ -127,7 +127,7 @@ typedef struct {
     bool command_posted; ///< mailbox
     bool calibrated;
     uint_least8_t mode;    ///< lode_mode_t
-    uint_least8_t omitted; ///< phases whose next two samples cannot be used
+    uint_least8_t omitted; ///< phases whose next two samples cannot be used, two bits each
     lode_sense_t sense;
     lode_guard_t guard;
     lode_plausibility_t plausibility; ///< of the currents, of set 1

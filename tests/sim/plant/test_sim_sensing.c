@@ -161,7 +161,7 @@ static void note(bench_t *bench, errors_t *worst) {
     plant_truth_t truth;
     plant_sample(&bench->plant, NULL, &truth);
     const lode_counts_t counts = read_board(bench);
-    const uint_least8_t omitted = bench->drive.omitted;
+    const uint_least8_t omitted = bench->drive.omitted & 3u; // that of the next sample
     const lode_sample_t seen =
         lode_sense_step(&bench->drive.sense, &bench->tuning.sense, &counts, omitted);
     const lode_drive_out_t out = lode_drive_step(&bench->drive, &counts);
