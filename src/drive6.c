@@ -319,6 +319,26 @@ LODE_INLINE lode_gates_t gates_if(bool driven) {
     return driven ? LODE_GATES_ON : LODE_GATES_OFF;
 }
 
+// Whoever made the duties: the last word.
+LODE_INLINE bool accept(lode_drive6_t *self, lode_abc6_t duty) {
+    lode_drive_t *drive = &self->drive;
+    const float most = drive->tuning->sense.duty_max;
+    if (LODE_RARELY(!lode_modulator_is_within(duty.set[0], most)) &&
+        !lode_drive_accept(drive, &drive->omitted, duty.set[0])) {
+        return false;
+    }
+    return LODE_USUALLY(lode_modulator_is_within(duty.set[1], most)) ||
+           lode_drive_accept(drive, &self->omitted_2, duty.set[1]);
+}
+
+// Set 1 is looked at with the guard.
+LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
+    if (self->drive.tuning->plausibility.on && self->active == (uint_least8_t)LODE_SETS_BOTH) {
+        const int32_t i[LODE_PHASES] = {set_2->i[0], set_2->i[1], set_2->i[2]};
+        lode_drive_watch(&self->drive, &self->plausibility_2, i, LOOKS_OF_SET_2);
+    }
+}
+
 // From angle and speed to duties.
 LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sample,
                                   const lode_estimate_t *estimate) {
@@ -344,23 +364,14 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     const bool free =
         lode_drive_control(drive, drive->tuning, &frame, sample->machine.v_bus_V, given);
     const lode_abc6_t duty = modulate(self, &frame, sample->machine.v_bus_V, free);
-    // Whoever made the duties: the last word.
-    const float most = drive->tuning->sense.duty_max;
-    if ((LODE_RARELY(!lode_modulator_is_within(duty.set[0], most)) &&
-         !lode_drive_accept(drive, &drive->omitted, duty.set[0])) ||
-        (LODE_RARELY(!lode_modulator_is_within(duty.set[1], most)) &&
-         !lode_drive_accept(drive, &self->omitted_2, duty.set[1]))) {
+    if (!accept(self, duty)) {
         return end_idle(self);
     }
     watch_phases(self, sample, estimate);
     const lode_slot_t slot = lode_slot_of(drive->steps);
     if (slot == SLOT_GAINS) {
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
-        if (drive->tuning->plausibility.on && self->active == (uint_least8_t)LODE_SETS_BOTH) {
-            const lode_sample_t *set_2 = &sample->set_2;
-            const int32_t i[LODE_PHASES] = {set_2->i[0], set_2->i[1], set_2->i[2]};
-            lode_drive_watch(drive, &self->plausibility_2, i, LOOKS_OF_SET_2);
-        }
+        watch_set2(self, &sample->set_2);
     }
     lode_drive_slow_job(drive, drive->tuning, &sample->machine, sample->set_2.temperature, slot);
     if (LODE_RARELY(!drive->gates)) {

@@ -153,9 +153,7 @@ static LODE_NOINLINE void renew_lag(lode_estimator_t *self, const lode_estimator
     self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
 }
 
-// After a large position error, or where the speed is set: the line through the lag may end too soon for it.
-// Up to tuning->error_small a period moves the speed by 0.05 sigma, and the lag in a round by 0.16 rad at
-// most (w0 at least 5 sigma): 1.3 % of length.
+// For a speed that has moved too far for the line through the lag, or is set.
 LODE_RAMFUNC LODE_NOINLINE void lode_estimator_move_lag(lode_estimator_t *self,
                                                         const lode_estimator_tuning_t *tuning,
                                                         float omega_rad_s) {
@@ -343,11 +341,6 @@ lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator
         !lode_is_finite(estimate.load_torque_Nm)) {
         lode_estimator_restart(self, tuning);
         estimate = lode_estimator_nothing(self);
-    } else if (lode_lag_is_far(&self->lag, estimate.omega_rad_s)) { // by currents of no motor
-        renew_lag(self, tuning, estimate.omega_rad_s);
-        estimate.rotor = lode_estimator_rotor(self);
-        estimate.i_A = lode_park(i_A, estimate.rotor);
-        self->id_A = estimate.i_A.d;
     }
     if (do_slow_job(self, tuning)) {
         estimate.reseeded = true;

@@ -60,10 +60,12 @@ LODE_INLINE bool all_stuck(lode_plausibility_t *self, const lode_plausibility_tu
 // either side of a peak.
 LODE_INLINE int32_t stuck_phase(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
                                 const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
+    // What was kept while there was no current says nothing when one is asked for.
+    const bool judged = i_A2 > tuning->i_min_A2;
     int32_t stuck = 0;
     for (int32_t n = 0; n < LODE_PHASES; n++) {
         float turn = -turn_rad; // of one that moves, as nearly all do
-        if (LODE_RARELY(i[n] == self->i[n]) && lode_abs((float)i[n]) >= tuning->i_still) {
+        if (LODE_RARELY(i[n] == self->i[n]) && lode_abs((float)i[n]) >= tuning->i_still && judged) {
             turn = self->turn_rad[n] + turn_rad;
             const float turn2 = turn * lode_max(turn, 0.0f);
             stuck = turn2 * turn2 * i_A2 > tuning->stuck_A2 ? n + 1 : stuck;
@@ -71,7 +73,7 @@ LODE_INLINE int32_t stuck_phase(lode_plausibility_t *self, const lode_plausibili
         self->i[n] = i[n];
         self->turn_rad[n] = turn;
     }
-    return i_A2 > tuning->i_min_A2 ? stuck : 0;
+    return stuck;
 }
 
 LODE_RAMFUNC lode_finding_t lode_plausibility_step(lode_plausibility_t *self,

@@ -383,7 +383,7 @@ def ring_buffers(checks, folder, good):
 
 def command_line(checks, folder):
     for arguments, pattern in [
-            (["decode"], "decode: expected a file; `lodestar decode --help`"),
+            (["decode"], "decode: expected a file; see `lodestar decode --help`"),
             (["decode", "a", "b"], "b: expected nothing there"),
             (["decode", "nowhere"], "nowhere: No such file or directory; expected octets"),
             (["decode", "."], "Is a directory"),
