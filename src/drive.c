@@ -127,8 +127,8 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t co
     lode_mode_obey_guard(self);
 }
 
-LODE_RAMFUNC void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch,
-                                   const int32_t i[LODE_PHASES], float looks) {
+void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch, const int32_t i[LODE_PHASES],
+                      float looks) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_current_tuning_t *control = &self->tuning->current;
     const float omega = lode_abs(lode_mode_frame_omega(self));

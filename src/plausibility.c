@@ -76,10 +76,10 @@ LODE_INLINE int32_t stuck_phase(lode_plausibility_t *self, const lode_plausibili
     return stuck;
 }
 
-LODE_RAMFUNC lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
-                                                   const lode_plausibility_tuning_t *tuning,
-                                                   const int32_t i[LODE_PHASES], float i_A2,
-                                                   float turn_rad) {
+// Not LODE_RAMFUNC: twice in a round, and small fast memories are full.
+lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
+                                      const lode_plausibility_tuning_t *tuning,
+                                      const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
     const bool all = all_stuck(self, tuning, i, i_A2);
     const int32_t stuck = stuck_phase(self, tuning, i, i_A2, turn_rad);
     if (LODE_RARELY(all) || LODE_RARELY(stuck > 0)) {

@@ -16,6 +16,7 @@ log=$work/build.log
 build() {
     local folder=$work/$1
     shift
+    rm -f "$folder/CMakeCache.txt" # CMake warns of a toolchain file that it is told again
     cmake -G Ninja -S . -B "$folder" -DCMAKE_TOOLCHAIN_FILE=port/cmake/arm-none-eabi.cmake \
         -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2 \
         -DLODE_CMSIS_DIR="$PWD/tests/port/fakes" "$@" >"$log" 2>&1 &&
