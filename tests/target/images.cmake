@@ -61,7 +61,7 @@ foreach(module IN LISTS modules)
   set_target_properties(${test} PROPERTIES C_EXTENSIONS ON)
   lode_compile_options(${test} ${LODE_TEST_WARNINGS} -include left_out.h)
   target_include_directories(${test} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/tests"
-                                             "${PROJECT_SOURCE_DIR}/src")
+                                             "${PROJECT_SOURCE_DIR}/src" "${PROJECT_SOURCE_DIR}/sim")
   target_compile_definitions(${test} PRIVATE CHECK_SHARE=100)
   target_link_options(${test} PRIVATE "-Wl,-u,_printf_float") # %g in what a failure prints
   target_link_libraries(${test} PRIVATE unity::framework)
