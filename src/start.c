@@ -64,8 +64,12 @@ static float default_handover(const lode_motor_t *motor, const lode_inverter_con
 
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, float ts_s) {
-    config->current_A =
-        lode_given_or(config->current_A, default_current_A(motor, inverter->i_max_A));
+    // Whoever gives the current means it in every attempt.
+    const float own_A = default_current_A(motor, inverter->i_max_A);
+    const float last_A = lode_min(CURRENT_LAST * own_A, inverter->i_max_A);
+    config->current_last_A =
+        lode_given_or(config->current_last_A, lode_given_or(config->current_A, last_A));
+    config->current_A = lode_given_or(config->current_A, own_A);
     config->omega_handover_rad_s = lode_given_or(
         config->omega_handover_rad_s, default_handover(motor, inverter, config->current_A, ts_s));
     const float torque = stiffness(config->current_A, motor);
@@ -85,7 +89,8 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
 static lode_status_t check(const lode_start_config_t *config,
                            const lode_inverter_config_t *inverter, float omega_max_rad_s,
                            float ts_s) {
-    if (!lode_in_range(config->current_A, 1.0e-3f * inverter->i_max_A, inverter->i_max_A)) {
+    if (!lode_in_range(config->current_A, 1.0e-3f * inverter->i_max_A, inverter->i_max_A) ||
+        !lode_in_range(config->current_last_A, config->current_A, inverter->i_max_A)) {
         return LODE_ERROR_START_CURRENT;
     }
     if (!lode_in_range(config->omega_handover_rad_s, 1.0e-3f * omega_max_rad_s, omega_max_rad_s)) {
@@ -140,7 +145,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .ts_s = ts_s,
         .catch_rounds = rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
         .lock_rounds = rounds_in(config->lock_s, ts_s),
-        .current_last_A = lode_min(CURRENT_LAST * config->current_A, inverter->i_max_A),
+        .current_last_A = config->current_last_A,
         .ramp_rounds = ramp_s(config) / round_s,
         .still_rounds = (config->current_rise_s + config->lock_s) / round_s,
         .patience_rounds = PATIENCE_s / round_s,

@@ -109,6 +109,7 @@ static const field_t numbers[] = {
     OPEN(speed.omega_min_rad_s, 1.0f, 1.0f, LODE_ERROR_START_SPEED),
     OPEN(start.omega_handover_rad_s, 1.0f, 1.0f, LODE_ERROR_START_SPEED),
     OPEN(start.ramp_rad_s2, 1.0f, 1.0f, LODE_ERROR_START_RAMP),
+    OPEN(start.current_last_A, 1.0f, 1.0f, LODE_ERROR_START_CURRENT),
     OPEN(start.current_rise_s, 1.0f, 1.0f, LODE_ERROR_START_RAMP),
     OPEN(start.damping, 0.0f, 2.0f, LODE_ERROR_START_DAMPING),
     OPEN(start.lock_s, 1.0f, 1.0f, LODE_ERROR_START_RAMP),

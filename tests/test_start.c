@@ -12,6 +12,7 @@ static const lode_inverter_config_t inverter = {.v_bus_V = 200.0f, .i_max_A = 12
 
 static lode_start_config_t sound(void) {
     return (lode_start_config_t){.current_A = 8.0f,
+                                 .current_last_A = 10.0f,
                                  .omega_handover_rad_s = 47.0f,
                                  .ramp_rad_s2 = 100.0f,
                                  .current_rise_s = 0.2f,
@@ -379,8 +380,10 @@ static void check_bounds(size_t offset, float lo, float good, float hi, lode_sta
 }
 
 static void test_every_field_at_its_limits(void) {
-    check_bounds(offsetof(lode_start_config_t, current_A), 0.0f, 12.0f, nextafterf(12.0f, 13.0f),
-                 LODE_ERROR_START_CURRENT);
+    check_bounds(offsetof(lode_start_config_t, current_A), 0.0f, 10.0f, nextafterf(10.0f, 13.0f),
+                 LODE_ERROR_START_CURRENT); // the last attempt's 10 A is no less
+    check_bounds(offsetof(lode_start_config_t, current_last_A), nextafterf(8.0f, 0.0f), 12.0f,
+                 nextafterf(12.0f, 13.0f), LODE_ERROR_START_CURRENT);
     check_bounds(offsetof(lode_start_config_t, omega_handover_rad_s), 0.0f, OMEGA_MAX,
                  nextafterf(OMEGA_MAX, INFINITY), LODE_ERROR_START_SPEED);
     check_bounds(offsetof(lode_start_config_t, ramp_rad_s2), 0.0f, 1.0f, 1.0e9f,
@@ -409,11 +412,15 @@ static void test_design_fills_what_is_open(void) {
     lode_start_config_t config = {.current_A = 0.0f};
     lode_start_design(&config, &inverter, &motor, PAPER_TS_s);
     CHECK_CLOSE(1.0e-6, 0.7 * 12.0, config.current_A);
+    CHECK_CLOSE(1.0e-6, 12.0, config.current_last_A); // twice that is more than i_max
     lode_motor_t salient = motor;
     salient.Lq_H = motor.Ld_H + 0.01f;
     lode_start_config_t bounded = {.current_A = 0.0f};
     lode_start_design(&bounded, &inverter, &salient, PAPER_TS_s);
     CHECK_CLOSE(1.0e-5, 0.5 * 0.142 / 0.01, bounded.current_A);
+    lode_start_config_t given = {.current_A = 3.0f}; // in every attempt
+    lode_start_design(&given, &inverter, &motor, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-6, 3.0, given.current_last_A);
     CHECK_CLOSE(1.0e-6, 0.1 * PAPER_OMEGA_RATED, config.omega_handover_rad_s); // 150 rpm
     // A sixth of the start torque on the inertia, electrical.
     CHECK_CLOSE(1.0e-5, 8.4 * 0.639 / 6.0 / 0.0174 * 3.0, config.ramp_rad_s2);
@@ -454,11 +461,11 @@ static void test_hand_over_speed_follows_what_is_not_known(void) {
     CHECK_CLOSE(1.0e-5, 0.5 * PAPER_OMEGA_RATED, weak.omega_handover_rad_s);
 }
 
-/// Each attempt begins at rest, with a quarter of the ramp; the last one takes twice the current.
+/// Each attempt begins at rest, with a quarter of the ramp; the last one takes its own current.
 static void test_each_attempt_is_easier(void) {
     lode_start_config_t config = sound();
     config.current_A = 5.0f;
-    lode_start_tuning_t tuning = tuned(&config);
+    const lode_start_tuning_t tuning = tuned(&config);
     const float ease[] = {1.0f, 0.25f, 0.0625f, 0.0625f};
     const float current[] = {5.0f, 5.0f, 10.0f, 10.0f};
     lode_start_t start;
@@ -484,11 +491,7 @@ static void test_each_attempt_is_easier(void) {
         const double expected_s = profile_s + fmax(profile_s, 0.4);
         CHECK_NEAR(0.02 * expected_s + 0.01, expected_s, periods * 2.0e-4);
     }
-    // No more than i_max, and nothing for a stop.
-    config.current_A = 8.0f;
-    tuning = tuned(&config);
-    lode_start_aim(&start, &tuning, 47.0f, 8.0f);
-    CHECK_CLOSE(1.0e-6, lode_min(16.0f, inverter.i_max_A), start.current_target);
+    // Nothing for a stop.
     lode_start_aim(&start, &tuning, 0.0f, 0.0f);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, start.current_target);
     TEST_ASSERT_EQUAL_FLOAT(0.0625f, start.ease);

@@ -131,6 +131,7 @@ static const rig_key_t keys[] = {
     FLOAT("speed", "omega_min_rad_s", speed.omega_min_rad_s),
 
     FLOAT("start", "current_A", start.current_A),
+    FLOAT("start", "current_last_A", start.current_last_A),
     FLOAT("start", "omega_handover_rad_s", start.omega_handover_rad_s),
     NUMBER("start", "handover_rpm", people.handover_rpm, 1e-3, 1e6),
     FLOAT("start", "ramp_rad_s2", start.ramp_rad_s2),

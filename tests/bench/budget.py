@@ -38,6 +38,8 @@ STEPS = {
     "board_c_leso_qpll": (WARM, CALLS),
     "board_enhanced": (WARM, CALLS),
     "board_mtpa": (WARM, CALLS),
+    "unwatched": (WARM, CALLS),
+    "board_unwatched": (WARM, CALLS),
     "fast_speed": (WARM, CALLS),
     "start": (0, WARM + CALLS),  # the rise of the current is as dear as the hand-over
     "saturated": (WARM, CALLS),

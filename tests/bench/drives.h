@@ -49,8 +49,8 @@ typedef enum {
 #define BENCH_DUTY_MAX (1.0f - 2.0f * 2.6e-6f * BENCH_F_PWM_Hz)
 
 /// name, scene, EMF observer, PLL, options: notch at 6 w / everything that costs / speed control as fast
-/// as in every fourth period, machine: without or with saliency / with it on a board / there with MTPA and
-/// field weakening
+/// as in every fourth period / the notch, but no look at the currents' plausibility, machine: without or
+/// with saliency / with it on a board / there with MTPA and field weakening
 #define BENCH_CASES(X)                                                                             \
     X(c_leso_qpll, STEADY, C_LESO, QPLL, PLAIN, ROUND)                                             \
     X(enhanced, STEADY, C_LESO, LESO, NOTCH, ROUND)                                                \
@@ -60,6 +60,8 @@ typedef enum {
     X(board_c_leso_qpll, STEADY, C_LESO, QPLL, PLAIN, BOARD)                                       \
     X(board_enhanced, STEADY, C_LESO, LESO, NOTCH, BOARD)                                          \
     X(board_mtpa, STEADY, C_LESO, LESO, NOTCH, MTPA)                                               \
+    X(unwatched, STEADY, C_LESO, LESO, UNWATCHED, ROUND)                                           \
+    X(board_unwatched, STEADY, C_LESO, LESO, UNWATCHED, BOARD)                                     \
     X(fast_speed, STEADY, C_LESO, LESO, FAST, ROUND)                                               \
     X(start, START, C_LESO, LESO, NOTCH, ROUND)                                                    \
     X(saturated, SATURATED, C_LESO, LESO, NOTCH, ROUND)                                            \
