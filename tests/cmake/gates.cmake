@@ -17,6 +17,8 @@ function(lode_add_gates)
   lode_gate(sim_layers ${python} ${tools}/check_sim_layers.py .)
   lode_gate(tree ${python} ${tools}/check_tree.py .)
   lode_gate(equations ${python} ${tools}/check_equations.py .)
+  lode_gate(safety ${python} ${tools}/safety_page.py .)
+  lode_gate(safety_planted ${python} ${tools}/safety_page.py . planted)
   lode_gate(equations_planted ${python} ${tools}/check_equations.py . --planted)
 
   lode_gate(figures ${python} ${tools}/figures.py check)
