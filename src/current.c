@@ -69,15 +69,14 @@ void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tunin
 
 LODE_RAMFUNC LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
                                                         const lode_current_tuning_t *tuning,
-                                                        lode_dq_t error_A, lode_dq_t induced_V,
-                                                        lode_dq_t asked_V, float radius_V) {
+                                                        const lode_current_case_t *at) {
     // d first: it holds the flux; q keeps what is left, at least 44 %.
-    const float radius = lode_max(radius_V, 0.0f);
+    const float radius = lode_max(at->radius_V, 0.0f);
     const float d_max = tuning->d_share * radius;
-    const float ud = lode_clamp(asked_V.d, -d_max, d_max);
+    const float ud = lode_clamp(at->asked_V.d, -d_max, d_max);
     const float q_max = lode_sqrt(radius * radius - ud * ud);
-    const lode_dq_t u_V = {ud, lode_clamp(asked_V.q, -q_max, q_max)};
-    lode_pi_settle(&self->d, &tuning->d, error_A.d, induced_V.d, asked_V.d, u_V.d);
-    lode_pi_settle(&self->q, &tuning->q, error_A.q, induced_V.q, asked_V.q, u_V.q);
+    const lode_dq_t u_V = {ud, lode_clamp(at->asked_V.q, -q_max, q_max)};
+    lode_pi_settle(&self->d, &tuning->d, at->error_A.d, at->induced_V.d, at->asked_V.d, u_V.d);
+    lode_pi_settle(&self->q, &tuning->q, at->error_A.q, at->induced_V.q, at->asked_V.q, u_V.q);
     return u_V;
 }

@@ -17,11 +17,18 @@ LODE_INLINE lode_dq_t lode_current_induced_V(const lode_current_tuning_t *tuning
                        omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
 }
 
-// Part of lode_current_step(), which alone calls it: the voltage `asked_V` may lie at the edge of the
-// circle or beyond.
+// A period whose voltage may lie at the edge of the circle or beyond. Handed over in one piece: by value its
+// parts would take 24 bytes more of the step's stack.
+typedef struct {
+    lode_dq_t error_A;
+    lode_dq_t induced_V;
+    lode_dq_t asked_V;
+    float radius_V;
+} lode_current_case_t;
+
+// Part of lode_current_step(), which alone calls it.
 lode_dq_t lode_current_limit(lode_current_t *self, const lode_current_tuning_t *tuning,
-                             lode_dq_t error_A, lode_dq_t induced_V, lode_dq_t asked_V,
-                             float radius_V);
+                             const lode_current_case_t *at);
 
 LODE_INLINE bool lode_current_is_free(const lode_current_tuning_t *tuning, lode_dq_t u_V,
                                       float v_bus_V) {
@@ -45,9 +52,8 @@ LODE_INLINE lode_current_out_t lode_current_step(lode_current_t *self,
         lode_pi_integrate(&self->q, &tuning->q, error.q);
         return (lode_current_out_t){asked, true};
     }
-    const lode_dq_t u_V =
-        lode_current_limit(self, tuning, error, ff, asked, tuning->circle * v_bus_V);
-    return (lode_current_out_t){u_V, false};
+    const lode_current_case_t edge = {error, ff, asked, tuning->circle * v_bus_V};
+    return (lode_current_out_t){lode_current_limit(self, tuning, &edge), false};
 }
 
 #endif

@@ -127,8 +127,8 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t co
     lode_mode_obey_guard(self);
 }
 
-void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch, const int32_t i[LODE_PHASES],
-                      float looks) {
+LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
+                                      const int32_t i[LODE_PHASES], float looks) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_current_tuning_t *control = &self->tuning->current;
     const float omega = lode_abs(lode_mode_frame_omega(self));
@@ -147,12 +147,12 @@ void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch, const int3
 }
 
 LODE_RAMFUNC LODE_NOINLINE bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted,
-                                                  lode_abc_t duty) {
-    if (!lode_modulator_is_sound(duty)) {
+                                                  const lode_abc_t *duty) {
+    if (!lode_modulator_is_sound(*duty)) {
         lode_mode_fault(self, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
         return false;
     }
-    const uint_least8_t phase = lode_sense_omitted(&self->tuning->sense, duty);
+    const uint_least8_t phase = lode_sense_omitted(&self->tuning->sense, *duty);
     *omitted = lode_sense_omit_later(*omitted, phase);
     return true;
 }
@@ -263,7 +263,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
     const lode_abc_t duty = modulate(self, tuning, &frame, free);
     // Whoever made the duties: the last word.
     if (LODE_RARELY(!lode_modulator_is_within(duty, tuning->sense.duty_max)) &&
-        !lode_drive_accept(self, &self->omitted, duty)) {
+        !lode_drive_accept(self, &self->omitted, &self->duty)) {
         return end_idle(self);
     }
     const lode_slot_t slot = lode_slot_of(self->steps);

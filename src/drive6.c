@@ -324,18 +324,18 @@ LODE_INLINE bool accept(lode_drive6_t *self, lode_abc6_t duty) {
     lode_drive_t *drive = &self->drive;
     const float most = drive->tuning->sense.duty_max;
     if (LODE_RARELY(!lode_modulator_is_within(duty.set[0], most)) &&
-        !lode_drive_accept(drive, &drive->omitted, duty.set[0])) {
+        !lode_drive_accept(drive, &drive->omitted, &drive->duty)) {
         return false;
     }
     return LODE_USUALLY(lode_modulator_is_within(duty.set[1], most)) ||
-           lode_drive_accept(drive, &self->omitted_2, duty.set[1]);
+           lode_drive_accept(drive, &self->omitted_2, &self->duty_2);
 }
 
 // Set 1 is looked at with the guard.
 LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
-    if (self->drive.tuning->plausibility.on && self->active == (uint_least8_t)LODE_SETS_BOTH) {
-        const int32_t i[LODE_PHASES] = {set_2->i[0], set_2->i[1], set_2->i[2]};
-        lode_drive_watch(&self->drive, &self->plausibility_2, i, LOOKS_OF_SET_2);
+    if (LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH)) {
+        lode_drive_watch(&self->drive, self->drive.tuning, &self->plausibility_2, set_2->i,
+                         LOOKS_OF_SET_2);
     }
 }
 

@@ -7,7 +7,7 @@
 // Share of i_max, as the mean magnitude of a phase current: below it no open phase is reported.
 #define WATCH_SHARE 0.03f
 // A phase that stays within so many counts of no current is open rather than its converter stuck.
-#define STILL_COUNTS 4.0f
+#define STILL_COUNTS 4
 
 lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H) {
     lode_motor_t alone = *motor;
@@ -87,7 +87,7 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
         t.watch = (lode_open_phase_tuning_t){i_min_A / lode_abs(t.drive.sense.i_gain)};
         // A set's vector is that of the dq plane and that of the xy plane.
         t.drive.current.free = lode_min(t.drive.current.free, t.drive.inverter.free - t.xy.circle);
-        t.drive.plausibility.i_still = STILL_COUNTS * (float)LODE_COUNT_FRACTION;
+        t.drive.plausibility.i_still = STILL_COUNTS * LODE_COUNT_FRACTION;
         t.alone.plausibility.i_still = t.drive.plausibility.i_still;
         t.source = complete.source;
         t.open_phase = complete.open_phase;

@@ -9,6 +9,7 @@
 #include "inverter_inline.h"
 #include "mode.h"
 #include "modulator_inline.h"
+#include "plausibility_inline.h"
 #include "references_inline.h"
 #include "sense_inline.h"
 #include "speed_inline.h"
@@ -38,13 +39,12 @@ void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                          const lode_sample_t *sample);
 // Speed control where it comes more often than once in a round: before current control; in drive.c.
 void lode_drive_fast_speed(lode_drive_t *self);
-// The plausibility of a set's currents (1/256 count), `looks` times LODE_GUARD_PERIODS after the last time;
-// in drive.c.
-void lode_drive_watch(lode_drive_t *self, lode_plausibility_t *watch, const int32_t i[LODE_PHASES],
-                      float looks);
+// One of a set's currents has kept its count, or their sum is large; in drive.c.
+void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
+                        const int32_t i[LODE_PHASES], float looks);
 // Duties that lode_sense_tuning_t.duty_max does not allow, in drive.c: `omitted` of their set follows.
 // False: they are none, and the drive is in FAULT.
-bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, lode_abc_t duty);
+bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_abc_t *duty);
 // The guard's slow checks have something to count, in drive.c.
 void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition);
 
@@ -117,6 +117,22 @@ LODE_INLINE void lode_drive_lead(lode_drive_t *self) {
     self->lead = lode_angle_triple(lode_sincos_small(half_rad));
 }
 
+// The plausibility of a set's currents (1/256 count), `looks` times LODE_GUARD_PERIODS after the last time.
+LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                  lode_plausibility_t *watch, const int32_t i[LODE_PHASES],
+                                  float looks) {
+    if (LODE_RARELY(!tuning->plausibility.on)) {
+        return;
+    }
+    if (lode_plausibility_all_move(watch, &tuning->plausibility, i)) {
+        lode_plausibility_note(watch, i);
+    } else {
+        // A copy: a sample handed over by its address would lie in memory in all periods.
+        const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]};
+        lode_drive_suspect(self, watch, copy, looks);
+    }
+}
+
 // SLOT_GUARD and SLOT_NOTCHES. `other`: temperature count of a second power stage, or of the same one. False:
 // the gates are off.
 LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t *tuning,
@@ -129,11 +145,7 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
     if (LODE_RARELY(!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition))) {
         lode_drive_check_slow(self, condition);
     }
-    if (LODE_USUALLY(tuning->plausibility.on)) {
-        // The three alone: a sample handed over by its address would lie in memory in all periods.
-        const int32_t i[LODE_PHASES] = {sample->i[0], sample->i[1], sample->i[2]};
-        lode_drive_watch(self, &self->plausibility, i, 1.0f);
-    }
+    lode_drive_watch(self, tuning, &self->plausibility, sample->i, 1.0f);
     return self->gates;
 }
 
@@ -148,7 +160,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         break;
     case SLOT_NOTCHES:
         lode_estimator_adapt_notches(estimator, &tuning->estimator);
-        return lode_drive_guard(self, tuning, sample, other);
+        break;
     case SLOT_GAINS:
         if (LODE_RARELY(!estimator->locked)) {
             lode_mode_seed(self);
@@ -164,7 +176,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
         break;
     case SLOT_GUARD:
-        return lode_drive_guard(self, tuning, sample, other);
+        break;
     case SLOT_SPEED:
         if (LODE_RARELY(lode_mode(self) != LODE_MODE_RUN)) {
             break;
@@ -187,7 +199,8 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     default:
         break;
     }
-    return true;
+    return (uint32_t)slot % LODE_GUARD_PERIODS != (uint32_t)SLOT_GUARD % LODE_GUARD_PERIODS ||
+           lode_drive_guard(self, tuning, sample, other);
 }
 
 #endif

@@ -208,8 +208,9 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
 // A large position error: by the present amplitude, and without the notches, which took no part in so large
 // a step. Beyond SINE_MAX where no motor has such a state.
 LODE_RAMFUNC float lode_estimator_look_again(lode_estimator_t *self,
-                                             const lode_estimator_tuning_t *tuning, lode_ab_t e_V,
+                                             const lode_estimator_tuning_t *tuning,
                                              lode_sincos_t frame) {
+    const lode_ab_t e_V = self->emf.observer.e_V;
     const float e2 = square(e_V);
     if (!(e2 <= EMF2_LIMIT_V2) || !(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit)) {
         return 2.0f * SINE_MAX;

@@ -7,9 +7,9 @@ static float limited(const lode_inverter_tuning_t *inverter, float duty) {
 
 LODE_RAMFUNC LODE_NOINLINE lode_modulator_phases_t
 lode_modulator_limit(const lode_inverter_tuning_t *inverter, const lode_dead_time_t *dead_time,
-                     lode_abc_t v, lode_abc_t i_A) {
-    lode_abc_t duty = lode_modulator_duties(v);
-    const lode_abc_t error = lode_modulator_errors(dead_time, i_A);
+                     const lode_modulator_case_t *at) {
+    lode_abc_t duty = lode_modulator_duties(at->v);
+    const lode_abc_t error = lode_modulator_errors(dead_time, at->i_A);
     if (inverter->correct) {
         duty = (lode_abc_t){duty.a + error.a, duty.b + error.b, duty.c + error.c};
     }

@@ -12,10 +12,16 @@ typedef struct {
     bool as_asked;
 } lode_modulator_phases_t;
 
+// What one set is asked for. In one piece for the same reason as lode_current_case_t.
+typedef struct {
+    lode_abc_t v;   // per bus volt
+    lode_abc_t i_A; // while it acts
+} lode_modulator_case_t;
+
 // The same as lode_modulator_set() where a duty may reach a rail, or the dead time is modelled.
 lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inverter,
-                                             const lode_dead_time_t *dead_time, lode_abc_t v,
-                                             lode_abc_t i_A);
+                                             const lode_dead_time_t *dead_time,
+                                             const lode_modulator_case_t *at);
 
 // Added to this, a float holds whole numbers only.
 #define MODULATOR_WHOLE 8388608.0f // 2^23
@@ -49,7 +55,8 @@ LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tunin
                                                        const lode_dead_time_t *dead_time,
                                                        lode_abc_t v, lode_abc_t i_A, bool free) {
     if (LODE_RARELY(!free)) {
-        return lode_modulator_limit(inverter, dead_time, v, i_A);
+        const lode_modulator_case_t edge = {v, i_A};
+        return lode_modulator_limit(inverter, dead_time, &edge);
     }
     const lode_abc_t asked = lode_modulator_duties(v);
     const lode_abc_t error = lode_modulator_errors(dead_time, i_A); // 0 without correction

@@ -1,4 +1,4 @@
-#include "lodestar/plausibility.h"
+#include "plausibility_inline.h"
 
 // A phase of amplitude I stays within I (1 - cos(D/2)) of its peak while the vector turns by D: about
 // I D^2/8. It counts as stuck once that would have been so many counts, and yet it moved by none.
@@ -7,6 +7,8 @@
 #define STUCK_SHARE 0.05f // of i_max
 #define ALL_STUCK 4.0f // of the same, squared: a tenth of i_max asked for, and no count has moved
 #define COUNTER_MAX 65535.0f
+#define ALL_PHASES ((1u << LODE_PHASES) - 1u)
+#define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
 
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
@@ -28,8 +30,8 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
         .look_s = look_s,
         .stuck_A2 = stuck_A * stuck_A,
         .i_min_A2 = i_min_A * i_min_A,
-        .i_still = 0.0f,
-        .i_sum = sums ? config->i_sum_A / i_gain : FLT_MAX,
+        .i_still = 0,
+        .i_sum = (int32_t)(sums ? lode_min(config->i_sum_A / i_gain, SUM_MAX) : SUM_MAX),
         .A_per_count = i_gain,
         .sum_looks = (uint32_t)(int32_t)lode_clamp(config->lock_s / look_s, 2.0f, COUNTER_MAX),
     };
@@ -37,64 +39,70 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
 }
 
 void lode_plausibility_reset(lode_plausibility_t *self) {
+    *self = (lode_plausibility_t){.i = {0, 0, 0}};
+}
+
+// Notes the counts; those that are the same as at the last look.
+static uint32_t note(lode_plausibility_t *self, const int32_t i[LODE_PHASES]) {
+    uint32_t kept = 0u;
     for (int32_t n = 0; n < LODE_PHASES; n++) {
-        self->i[n] = 0;
-        self->turn_rad[n] = 0.0f;
+        kept += i[n] == self->i[n] ? 1u << n : 0u;
+        self->i[n] = i[n];
     }
-    self->i_A2 = 0.0f;
-    self->moved_A2 = 0.0f;
-    self->sum = 0u;
+    return kept;
 }
 
 // None of the counts follows what is asked for: in a start, before the vector turns.
-LODE_INLINE bool all_stuck(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
-                           const int32_t i[LODE_PHASES], float i_A2) {
-    const bool kept = i[0] == self->i[0] && i[1] == self->i[1] && i[2] == self->i[2];
-    const float before_A2 = kept ? self->moved_A2 : 0.0f; // it takes a look to follow
-    self->moved_A2 = before_A2 + lode_abs(i_A2 - self->i_A2);
+static bool none_follows(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
+                         uint32_t kept, float i_A2) {
+    const bool again = kept == ALL_PHASES && self->kept == (uint_least8_t)ALL_PHASES;
+    const float before_A2 = again ? self->moved_A2 : 0.0f; // it takes a look to follow
+    self->moved_A2 = again ? before_A2 + lode_abs(i_A2 - self->i_A2) : 0.0f;
     self->i_A2 = i_A2;
     return before_A2 > ALL_STUCK * tuning->i_min_A2;
 }
 
 // The phase, from 1, that has kept its count for too long; 0: none. Three looks at least: two may lie on
 // either side of a peak.
-LODE_INLINE int32_t stuck_phase(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
-                                const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
-    // What was kept while there was no current says nothing when one is asked for.
-    const bool judged = i_A2 > tuning->i_min_A2;
-    int32_t stuck = 0;
+static int32_t stuck_phase(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
+                           uint32_t kept, float i_A2, float turn_rad) {
+    uint32_t judged = 0u;
     for (int32_t n = 0; n < LODE_PHASES; n++) {
-        float turn = -turn_rad; // of one that moves, as nearly all do
-        if (LODE_RARELY(i[n] == self->i[n]) && lode_abs((float)i[n]) >= tuning->i_still && judged) {
-            turn = self->turn_rad[n] + turn_rad;
-            const float turn2 = turn * lode_max(turn, 0.0f);
-            stuck = turn2 * turn2 * i_A2 > tuning->stuck_A2 ? n + 1 : stuck;
-        }
-        self->i[n] = i[n];
-        self->turn_rad[n] = turn;
+        const int32_t size = self->i[n] < 0 ? -self->i[n] : self->i[n];
+        judged += (kept & (1u << n)) != 0u && size >= tuning->i_still ? 1u << n : 0u;
     }
-    return stuck;
+    if (!(i_A2 > tuning->i_min_A2)) {
+        judged = 0u; // what is kept without current says nothing when one is asked for
+    }
+    const uint32_t still = judged & self->still;
+    self->turn_rad = still > 0u ? self->turn_rad + turn_rad : 0.0f;
+    self->still = (uint_least8_t)(still > 0u ? still : judged);
+    const float turn2 = self->turn_rad * self->turn_rad;
+    if (!(turn2 * turn2 * i_A2 > tuning->stuck_A2)) {
+        return 0;
+    }
+    return (still & 1u) != 0u ? 1 : (still & 2u) != 0u ? 2 : 3;
 }
 
-// Not LODE_RAMFUNC: twice in a round, and small fast memories are full.
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
                                       const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
-    const bool all = all_stuck(self, tuning, i, i_A2);
-    const int32_t stuck = stuck_phase(self, tuning, i, i_A2, turn_rad);
-    if (LODE_RARELY(all) || LODE_RARELY(stuck > 0)) {
+    const uint32_t kept = note(self, i);
+    const bool all = none_follows(self, tuning, kept, i_A2);
+    const int32_t stuck = stuck_phase(self, tuning, kept, i_A2, turn_rad);
+    self->kept = (uint_least8_t)kept;
+    if (all || stuck > 0) {
         return (lode_finding_t){LODE_CHECK_CURRENT_STUCK, (float)stuck, 0.0f};
     }
-    // Where one was taken from the other two, the sum says nothing.
-    const float sum = (float)(i[0] + i[1] + i[2]);
-    if (LODE_RARELY(lode_abs(sum) > tuning->i_sum)) {
+    if (lode_plausibility_sum_ok(tuning, i)) {
+        self->sum = self->sum > 0u ? (uint_least16_t)(self->sum - 1u) : 0u;
+    } else {
         self->sum = (uint_least16_t)(self->sum + 1u);
         if (self->sum >= tuning->sum_looks) {
+            const float sum = (float)(i[0] + i[1] + i[2]);
             return (lode_finding_t){LODE_CHECK_CURRENT_SUM, sum * tuning->A_per_count,
-                                    tuning->i_sum * tuning->A_per_count};
+                                    (float)tuning->i_sum * tuning->A_per_count};
         }
-    } else if (LODE_RARELY(self->sum > 0u)) {
-        self->sum = (uint_least16_t)(self->sum - 1u);
     }
     return (lode_finding_t){LODE_CHECK_NONE, 0.0f, 0.0f};
 }

@@ -107,11 +107,11 @@ static void test_a_phase_that_stays_near_zero_may_be_left_out(void) {
     for (int six = 0; six < 2; six++) {
         bench_t self = bench(3.6, 300.0);
         lode_finding_t found;
-        self.tuning.i_still = six == 1 ? 4.0f * LODE_COUNT_FRACTION : 0.0f;
+        self.tuning.i_still = six == 1 ? 4 * LODE_COUNT_FRACTION : 0;
         expect_none(&self, 200);
         self.stuck = 2;
         self.held[1] = -3 * LODE_COUNT_FRACTION;
-        self.tuning.i_sum = FLT_MAX;
+        self.tuning.i_sum = INT32_MAX;
         const double found_s = until_found(&self, &found);
         TEST_ASSERT_EQUAL_INT(six == 1 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK, found.check);
         TEST_ASSERT_TRUE((six == 1) == (found_s > 0.5));

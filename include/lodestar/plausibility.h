@@ -16,19 +16,21 @@ typedef struct {
     float look_s; ///< between two looks
     float
         stuck_A2; ///< current squared times the turn to the fourth that no sound phase keeps still in
-    float i_min_A2; ///< least current squared at which a phase that keeps still is judged
-    float i_still;  ///< 1/256 count: with less a phase is none of this; six phases: it may be open
-    float i_sum;    ///< largest sum of the three, 1/256 count
+    float i_min_A2;  ///< least current squared at which a phase that keeps still is judged
+    int32_t i_still; ///< 1/256 count: with less a phase is none of this; six phases: it may be open
+    int32_t i_sum;   ///< largest sum of the three, 1/256 count
     float A_per_count; ///< A per 1/256 count
     uint32_t sum_looks;
 } lode_plausibility_tuning_t;
 
 typedef struct {
-    int32_t i[LODE_PHASES];      ///< at the last look, 1/256 count
-    float turn_rad[LODE_PHASES]; ///< electrical, since the phase's count last changed
-    float i_A2;                  ///< asked for at the last look, squared
-    float moved_A2;              ///< by how much that has moved since any of the counts changed
-    uint_least16_t sum;          ///< debounce: up while out of range, down while in range
+    int32_t i[LODE_PHASES]; ///< at the last look, 1/256 count
+    uint_least8_t kept;     ///< phases that had the same count at the look before, a bit each
+    uint_least8_t still;    ///< of them those that have kept it for the whole of turn_rad
+    uint_least16_t sum;     ///< debounce: up while out of range, down while in range
+    float turn_rad;         ///< electrical
+    float i_A2;             ///< asked for at the last look at which a count was kept, squared
+    float moved_A2;         ///< by how much that has moved since any of the counts changed
 } lode_plausibility_t;
 
 /// What was found; check == LODE_CHECK_NONE: nothing.
@@ -43,7 +45,8 @@ void lode_plausibility_reset(lode_plausibility_t *self);
 
 /// One look at the currents `i` (1/256 count), `turn_rad` of the current vector after the last one. `i_A2`:
 /// the square of the current that is asked for, or where the voltage does not suffice for it, of the
-/// measured one.
+/// measured one. Most looks find three counts that have moved, and are done after that
+/// (plausibility_inline.h).
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
                                       const int32_t i[LODE_PHASES], float i_A2, float turn_rad);
