@@ -64,4 +64,7 @@ uint32_t board_send(const uint16_t *octets, uint32_t count);
 /// Of the application (port/example/app.c): one period, from board_read() to board_write().
 void app_period(void);
 
+/// Of the application: the motor's data, for a board that brings samples to t_k. From board_init() on.
+lode_motor_t app_motor(void);
+
 #endif

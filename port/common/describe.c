@@ -7,6 +7,9 @@
 #ifndef VARIANT_SENSING
 #define VARIANT_SENSING PORT_LOW_SIDE_THREE
 #endif
+#ifndef CHIP_LEAD_ns // the first current is sampled this long before t_k
+#define CHIP_LEAD_ns 0.0f
+#endif
 
 void board_describe(lode_drive_config_t *config) {
     const float f_pwm = (float)VARIANT_F_PWM_Hz;
@@ -29,6 +32,6 @@ void board_describe(lode_drive_config_t *config) {
         .temperature_offset_degC = VARIANT_T_OFFSET_degC,
     };
     config->guard.temperature_max_degC = VARIANT_T_MAX_degC;
-    port_sensing(config, VARIANT_SENSING, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns);
+    port_sensing(config, VARIANT_SENSING, VARIANT_SETTLE_ns + CHIP_LEAD_ns, CHIP_SAMPLE_ns);
     config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_pwm;
 }

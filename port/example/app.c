@@ -129,6 +129,10 @@ bool app_start(void) {
     return true;
 }
 
+lode_motor_t app_motor(void) {
+    return config.motor;
+}
+
 lode_status_t app_status(void) {
     return status;
 }

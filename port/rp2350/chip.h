@@ -1,0 +1,84 @@
+/// The parts of the RP2350 port, and what common/describe.c must know of the chip.
+#ifndef LODESTAR_PORT_RP2350_CHIP_H
+#define LODESTAR_PORT_RP2350_CHIP_H
+
+#include "figures.h"
+#include "lodestar/lodestar.h"
+#include "reg.h"
+#include "rp2350.h"
+
+#ifndef RP_BOARD_H
+#define RP_BOARD_H "boards/generic_rp2350.h"
+#endif
+#include RP_BOARD_H
+
+#if !VARIANT_DRIVER_INTERLOCK || !VARIANT_DRIVER_DEAD_TIME || !VARIANT_DRIVER_LATCHED_TRIP
+#error                                                                                             \
+    "The RP2350 has no dead time and no break input: take a gate driver with interlock, dead time and latched over-current"
+#endif
+
+#define CHIP_PHASES 3u
+#define CHIP_F_SYS_Hz 150000000u
+#define CHIP_F_PWM_Hz CHIP_F_SYS_Hz
+#define CHIP_F_STAMP_Hz CHIP_F_SYS_Hz ///< TIMER0
+#define CHIP_F_ADC_Hz 48000000u
+
+/// Conversions follow each other every 96 cycles of 48 MHz. When within them the input is sampled the data
+/// sheet does not say: taken as a quarter of a conversion after its begin.
+#define CHIP_CONVERSION_ns 2000.0f
+#define CHIP_APERTURE_ns 500.0f
+
+/// Slices of the PWM without pins, in either package: one triggers the converter, one is the deadline.
+#define CHIP_TRIGGER_SLICE 8u
+#define CHIP_DEADLINE_SLICE 9u
+
+#define CHIP_IS_TWO (VARIANT_SENSING == PORT_LOW_SIDE_TWO || VARIANT_SENSING == PORT_IN_LINE_TWO)
+/// Sampled one after the other: the currents, then the bus.
+#define CHIP_CURRENTS (CHIP_IS_TWO ? 2u : 3u)
+#define CHIP_SAMPLES (CHIP_CURRENTS + 1u)
+/// The currents lie evenly around t_k: from t_k to the last, and as long before it to the first.
+#define CHIP_SPREAD_ns (0.5f * (float)(CHIP_CURRENTS - 1u) * CHIP_CONVERSION_ns)
+/// Amplifiers must have settled this much before t_k.
+#define CHIP_LEAD_ns (CHIP_SPREAD_ns + CHIP_APERTURE_ns)
+/// Until the end of the last current's sampling.
+#define CHIP_SAMPLE_ns (CHIP_SPREAD_ns + CHIP_APERTURE_ns)
+
+/// Core, PWM and serial port at 150 MHz from the crystal, converter at 48 MHz. The reference clock, and with
+/// it the watchdog, stays on the ring oscillator. False: crystal or PLL does not come.
+bool chip_clock_init(void);
+/// The system's PLL has been without lock since the last chip_clock_forget().
+bool chip_clock_lost(void);
+void chip_clock_forget(void);
+/// Takes parts out of reset; those in `fresh` go through it first. False: no answer.
+bool chip_release(uint32_t fresh, uint32_t others);
+/// `us` on the stamp's counter; before that, loops.
+void chip_wait_us(uint32_t us);
+
+/// Slices of the three phases and of trigger and deadline, standing still. False: the period does not fit.
+bool chip_pwm_init(void);
+/// All slices at once.
+void chip_pwm_start(void);
+void chip_pwm_write(lode_abc_t duty);
+/// The interrupt has come: the deadline moves on.
+void chip_deadline_move(void);
+
+/// Converter and the two DMA channels, not yet enabled.
+bool chip_converter_init(void);
+/// From now on the slices' wraps are heard.
+void chip_converter_arm(void);
+/// Takes the samples of this period. False: there are not as many as there should be.
+bool chip_converter_take(uint16_t sample[CHIP_SAMPLES]);
+/// After the period: waits for the conversion that has begun on its own, and throws it away.
+void chip_converter_rest(void);
+
+/// Enable, reset and fault pin of the gate driver. Before anything else: enable low.
+void chip_driver_init(void);
+void chip_gates_off(void);
+/// Unless something is latched.
+void chip_gates_on(void);
+/// Fault line, deadline, lost clock: any of them has come and not been cleared.
+bool chip_tripped(void);
+/// Gates off, then the latches of driver and chip cleared.
+void chip_driver_reset(void);
+
+#endif
