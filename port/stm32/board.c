@@ -98,7 +98,7 @@ static bool pwm_init(void) {
 // A halted core must leave neither a switched bridge nor a biting watchdog; the stamp shows the gap.
 static void halt_init(void) {
     REG_SET(STM32_DBG_APB2, STM32_DBG_TIM1_STOP);
-    REG_SET(STM32_DBG_APB1, STM32_DBG_IWDG_STOP);
+    REG_SET(STM32_DBG_WATCHDOG, STM32_DBG_IWDG_STOP);
     REG_CLEAR(STM32_DBG_APB1, STM32_DBG_TIM2_STOP);
 }
 

@@ -1,4 +1,4 @@
-/// TIM1 as a three-phase PWM, the same in STM32F4 and STM32G4.
+/// TIM1 as a three-phase PWM, the same in STM32F4, G4 and H7.
 ///
 /// It counts up and down. In PWM mode 2 the high sides are on around the upper turning point, so all low
 /// sides are on around the lower one: there the shunts carry the phase currents. The update event comes

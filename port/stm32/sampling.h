@@ -6,7 +6,7 @@
 
 typedef struct {
     uint32_t low;  ///< register of channels 0 .. 9
-    uint32_t high; ///< of channels 10 .. 18
+    uint32_t high; ///< of channels 10 .. 19
 } stm32_sampling_t;
 
 static inline stm32_sampling_t stm32_sampling(const uint32_t *channels, uint32_t count,

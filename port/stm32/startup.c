@@ -35,6 +35,7 @@ void reset_handler(void) {
     copy(data_begin, data_end, data_load);
     copy(hot_begin, hot_end, hot_load);
     clear(bss_begin, bss_end);
+    __asm volatile("dsb\n isb" ::: "memory"); // code has been written
     (void)main();
     stop_handler();
 }

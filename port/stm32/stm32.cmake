@@ -1,6 +1,6 @@
-# lode_stm32_firmware(<target> <family: G4 or F4> <linker script> <source>...)
+# lode_stm32_firmware(<target> <family: G4, F4 or H7> <linker script> <source>...)
 set(LODE_CMSIS_DIR "" CACHE PATH
-    "ST's device headers: the folder CMSIS of STM32CubeG4 or STM32CubeF4, or one with stm32g4xx.h or stm32f4xx.h")
+    "ST's device headers: the folder CMSIS of STM32CubeG4, F4 or H7, or one with stm32g4xx.h, stm32f4xx.h or stm32h7xx.h")
 
 # What every board needs but the emulated one.
 set(lode_stm32_board "${LODE_PORT_DIR}/stm32/board.c" "${LODE_PORT_DIR}/stm32/pwm.c"

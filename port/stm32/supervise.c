@@ -7,14 +7,14 @@
 #define WATCHDOG_RELOAD 160u
 
 bool stm32_reset_by_watchdog(void) {
-    const bool by_watchdog = (REG_READ(RCC->CSR) & (RCC_CSR_IWDGRSTF | RCC_CSR_WWDGRSTF)) != 0u;
-    REG_SET(RCC->CSR, RCC_CSR_RMVF);
+    const bool by_watchdog = (REG_READ(STM32_RESET_CAUSE) & STM32_RESET_BY_WATCHDOG) != 0u;
+    REG_SET(STM32_RESET_CAUSE, STM32_RESET_FORGET);
     return by_watchdog;
 }
 
 void stm32_clock_watch(void) {
     if (VARIANT_HSE_Hz != 0u) {
-        REG_SET(RCC->CR, RCC_CR_CSSON);
+        REG_SET(RCC->CR, STM32_CLOCK_WATCH);
     }
 }
 
@@ -24,11 +24,11 @@ bool stm32_watchdog_init(void) {
 }
 
 void stm32_watchdog_start(void) {
-    REG_WRITE(IWDG->KR, 0xCCCCu); // starts it, and its clock
-    REG_WRITE(IWDG->KR, 0x5555u); // unlocks the next two
-    REG_WRITE(IWDG->PR, WATCHDOG_DIVIDER);
-    REG_WRITE(IWDG->RLR, WATCHDOG_RELOAD);
-    (void)reg_await(&IWDG->SR, UINT32_MAX, 0u); // divider and reload are taken
+    REG_WRITE(STM32_WATCHDOG->KR, 0xCCCCu); // starts it, and its clock
+    REG_WRITE(STM32_WATCHDOG->KR, 0x5555u); // unlocks the next two
+    REG_WRITE(STM32_WATCHDOG->PR, WATCHDOG_DIVIDER);
+    REG_WRITE(STM32_WATCHDOG->RLR, WATCHDOG_RELOAD);
+    (void)reg_await(&STM32_WATCHDOG->SR, UINT32_MAX, 0u); // divider and reload are taken
     stm32_watchdog_feed();
 }
 

@@ -1,10 +1,10 @@
-/// Independent watchdog, cause of a reset and time stamp; the same in STM32F4 and STM32G4.
+/// Independent watchdog, cause of a reset and time stamp; the same in STM32F4, G4 and H7.
 #ifndef LODESTAR_PORT_STM32_SUPERVISE_H
 #define LODESTAR_PORT_STM32_SUPERVISE_H
 
 #include "reg.h"
 
-/// A watchdog's flag in RCC_CSR; clears all flags of a reset.
+/// A watchdog's flag among the causes of a reset; clears them all.
 bool stm32_reset_by_watchdog(void);
 
 /// A crystal that stops is a break of TIM1 and an NMI, and the core goes on with the internal oscillator
@@ -19,7 +19,7 @@ bool stm32_watchdog_init(void);
 void stm32_watchdog_start(void);
 
 static inline void stm32_watchdog_feed(void) {
-    REG_WRITE(IWDG->KR, 0xAAAAu);
+    REG_WRITE(STM32_WATCHDOG->KR, 0xAAAAu);
 }
 
 /// Starts TIM2 as a free-running counter of 32 bits. It runs on while a debugger

@@ -16,6 +16,7 @@ endfunction()
 stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 clock.c analog.c deadline.c)
 stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 clock.c analog.c deadline.c)
 stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 clock.c converters.c)
+stm32_test(test_port_stm32h7 stm32h7 generic_h743 FAKE_H7 clock.c converters.c deadline.c)
 
 # The same board with other ways to sense.
 foreach(sensing IN ITEMS LOW_SIDE_TWO IN_LINE_THREE IN_LINE_TWO)

@@ -61,6 +61,22 @@ if build refused_chip -DLODE_PORT=stm32g4 -DLODE_CHIP=g999 || ! grep -q "expecte
     echo "a chip that is none: expected a refusal that names g431 and g474"
     exit 1
 fi
+# The STM32H7: the step in the ITCM, at no address 0, data and stack in the DTCM.
+must_build h7 -DLODE_PORT=stm32h7 -DLODE_CORE=cortex-m7
+sizes stm32h7 "$work/h7/port/stm32h7/lodestar_stm32h7.elf"
+arm-none-eabi-nm "$work/h7/port/stm32h7/lodestar_stm32h7.elf" | awk '
+    { at[$3] = $1 }
+    END { for (name in at) if (at[name] == "00000000" && name !~ /^\$/) exit 1
+          split("ADC_IRQHandler app_period lode_drive_step board_read board_write board_gates_off", hot, " ")
+          for (n in hot) if (at[hot[n]] !~ /^0000[0-9a-f]+$/) exit 1
+          exit !(at["drive"] ~ /^2000/ && at["stack_end"] == "20020000" && at["outputs_off"] ~ /^080/) }' ||
+    { echo "stm32h7: expected the step in the ITCM, data in the DTCM, the word for the DMA in flash"; exit 1; }
+must_build h7 -DLODE_PORT=stm32h7 -DLODE_CORE=cortex-m7 -DCMAKE_BUILD_TYPE=Debug
+sizes "stm32h7 Debug" "$work/h7/port/stm32h7/lodestar_stm32h7.elf"
+if build refused_core -DLODE_PORT=stm32h7 || ! grep -q "expected cortex-m7" "$log"; then
+    echo "the STM32H7 with another core: expected a refusal that names cortex-m7"
+    exit 1
+fi
 must_build f4 -DLODE_PORT=stm32f4
 sizes stm32f4 "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
 # The fast memory holds the step whatever the optimisation; in a Debug build it runs from flash.

@@ -14,23 +14,43 @@
 
 #define TRIP_A 1.0e3f // more than any board bears
 
-#define STEPS (CHIP_F_CPU_Hz / VARIANT_F_PWM_Hz / 2u)
+#define STEPS (CHIP_F_PWM_Hz / VARIANT_F_PWM_Hz / 2u)
 #define PERIOD (CHIP_F_STAMP_Hz / VARIANT_F_PWM_Hz)
 #define BDTR_DTG 0xFFu
 #define BDTR_LOCK (3u << 8)
 #define DUTY_MAX port_duty_max((float)VARIANT_F_PWM_Hz, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns)
 
+#if defined(FAKE_G4) || defined(FAKE_H7)
+#define HAS_DEADLINE // and a system's break, and polarities of the break's sources
+#endif
 #ifdef FAKE_G4
 #define SERIAL_PORT USART2
-#define BREAK_ACTIVE_HIGH TIM_BDTR_BKP // behind the polarity of each source
-#define CONVERTERS_ARMED(from) fake_first(&ADC1->CR, ADC_CR_JADSTART, ADC_CR_JADSTART, (from))
-#define PWM_CLOCK fake_first(&RCC->APB2ENR, RCC_APB2ENR_TIM1EN, RCC_APB2ENR_TIM1EN, 0)
+#define SWITCH_PLL 3u
+#define WAIT_STATES 4u
+#elif defined(FAKE_H7)
+#define SERIAL_PORT USART3
+#define SWITCH_PLL 3u
+#define WAIT_STATES 2u
 #else
 #define SERIAL_PORT USART3
+#define SWITCH_PLL 2u
+#define WAIT_STATES 5u
+#endif
+#ifdef FAKE_H7
+#define WATCHDOG_FLAG 26u // of RCC_RSR
+#define F_RC_Hz 64000000u
+#else
+#define WATCHDOG_FLAG 29u // of RCC_CSR
+#define F_RC_Hz 16000000u
+#endif
+#ifdef HAS_DEADLINE
+#define BREAK_ACTIVE_HIGH TIM_BDTR_BKP // behind the polarity of each source
+#define CONVERTERS_ARMED(from) fake_first(&ADC1->CR, ADC_CR_JADSTART, ADC_CR_JADSTART, (from))
+#else
 #define BREAK_ACTIVE_HIGH 0u
 #define CONVERTERS_ARMED(from) fake_first(&ADC1->CR1, ADC_CR1_JEOCIE, ADC_CR1_JEOCIE, (from))
-#define PWM_CLOCK fake_first(&RCC->APB2ENR, RCC_APB2ENR_TIM1EN, RCC_APB2ENR_TIM1EN, 0)
 #endif
+#define PWM_CLOCK fake_first(&RCC->APB2ENR, RCC_APB2ENR_TIM1EN, RCC_APB2ENR_TIM1EN, 0)
 
 void STM32_PERIOD_HANDLER(void);
 
@@ -230,7 +250,7 @@ static void test_timer_settings(void) {
 static void test_trigger_is_the_update_and_nothing_hears_it_before_the_start(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_HEX32(2u << 4, TIM1->CR2 & (7u << 4)); // MMS: update
-#ifdef FAKE_G4
+#ifdef HAS_DEADLINE
     TEST_ASSERT_EQUAL_HEX32(0u, (ADC1->JSQR >> 2) & 31u); // JEXTSEL: TIM1_TRGO
     TEST_ASSERT_EQUAL_HEX32(1u, (ADC1->JSQR >> 7) & 3u);  // JEXTEN: rising
     TEST_ASSERT_EQUAL_HEX32(0u, (ADC2->JSQR >> 7) & 3u);  // follows
@@ -243,6 +263,13 @@ static void test_trigger_is_the_update_and_nothing_hears_it_before_the_start(voi
     // Calibrated before enabled.
     const int calibrated = first(&ADC1->CR, ADC_CR_ADCAL, ADC_CR_ADCAL);
     TEST_ASSERT_TRUE(first(&ADC1->CR, ADC_CR_ADEN, ADC_CR_ADEN) > calibrated);
+#ifdef FAKE_H7
+    TEST_ASSERT_EQUAL_HEX32(1u << 10 | 1u << 4 | 1u << 5, ADC1->PCSEL);
+    TEST_ASSERT_EQUAL_HEX32(1u << 11 | 1u << 8, ADC2->PCSEL);
+    TEST_ASSERT_EQUAL_HEX32(2u << 2, ADC2->CFGR);         // 12 bits
+    TEST_ASSERT_EQUAL_HEX32(2u << 8, ADC1->CR & 3u << 8); // BOOST, kept
+    TEST_ASSERT_EQUAL_HEX32(2u << 30 | 2u << 12 | 2u << 15, (ADC1->SMPR2 << 30) | ADC1->SMPR1);
+#endif
 #else
     TEST_ASSERT_EQUAL_HEX32(1u, (ADC1->CR2 >> 16) & 15u); // JEXTSEL: TIM1_TRGO
     TEST_ASSERT_EQUAL_HEX32(1u, (ADC1->CR2 >> 20) & 3u);  // JEXTEN: rising
@@ -270,14 +297,22 @@ static void test_clock_that_does_not_come_keeps_everything_off(void) {
 
 static void test_wait_states_before_the_faster_clock(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
-    const int wait_states = first(&FLASH->ACR, 7u, CHIP_F_CPU_Hz == 170000000u ? 4u : 5u);
-    const uint32_t pll = CHIP_F_CPU_Hz == 170000000u ? 3u : 2u;
-    TEST_ASSERT_TRUE(first(&RCC->CFGR, RCC_CFGR_SW, pll) > wait_states);
+    const int wait_states = first(&FLASH->ACR, 7u, WAIT_STATES);
+    TEST_ASSERT_TRUE(first(&RCC->CFGR, RCC_CFGR_SW, SWITCH_PLL) > wait_states);
     // VCO: source / M * N.
 #ifdef FAKE_G4
     TEST_ASSERT_EQUAL_HEX32(PWR_CR3_UCPD_DBDIS, PWR->CR3);
     const uint32_t m = ((RCC->PLLCFGR >> 4) & 15u) + 1u;
     const uint32_t n = (RCC->PLLCFGR >> 8) & 127u;
+#elif defined(FAKE_H7)
+    TEST_ASSERT_EQUAL_HEX32(3u << 14, PWR->D3CR & PWR_D3CR_VOS);
+    TEST_ASSERT_TRUE(first(&PWR->D3CR, PWR_D3CR_VOS, 3u << 14) > first(&PWR->CR3, 6u, 2u));
+    TEST_ASSERT_TRUE(first(&RCC->D1CFGR, ~0u, 0x48u) < first(&RCC->CFGR, RCC_CFGR_SW, 3u));
+    TEST_ASSERT_EQUAL_HEX32(0x440u, RCC->D2CFGR);
+    TEST_ASSERT_EQUAL_HEX32(0x10004u, RCC->PLLCFGR);         // input 2 .. 4 MHz, output P
+    TEST_ASSERT_EQUAL_UINT32(1u, RCC->PLL1DIVR >> 9 & 127u); // P = 2
+    const uint32_t m = (RCC->PLLCKSELR >> 4) & 63u;
+    const uint32_t n = (RCC->PLL1DIVR & 511u) + 1u;
 #else
     const uint32_t m = RCC->PLLCFGR & 63u;
     const uint32_t n = (RCC->PLLCFGR >> 6) & 511u;
@@ -299,13 +334,13 @@ static void expect_break_pin(stm32_pin_t pin) {
 static void test_break_input(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     uint32_t dtg = 0u;
-    TEST_ASSERT_TRUE(stm32_dead_time(CHIP_F_CPU_Hz, VARIANT_DEAD_TIME_ns, &dtg));
+    TEST_ASSERT_TRUE(stm32_dead_time(CHIP_F_PWM_Hz, VARIANT_DEAD_TIME_ns, &dtg));
     TEST_ASSERT_EQUAL_HEX32(dtg, TIM1->BDTR & BDTR_DTG);
     const uint32_t wanted = TIM_BDTR_BKE | TIM_BDTR_OSSI | TIM_BDTR_OSSR | BREAK_ACTIVE_HIGH;
     TEST_ASSERT_EQUAL_HEX32(wanted, TIM1->BDTR & (wanted | TIM_BDTR_BKP));
     TEST_ASSERT_EQUAL_HEX32(0u, TIM1->BDTR & (1u << 14)); // no automatic return of the outputs
     TEST_ASSERT_EQUAL_HEX32(TIM_BDTR_LOCK_1, TIM1->BDTR & BDTR_LOCK);
-#ifdef FAKE_G4
+#ifdef HAS_DEADLINE
     TEST_ASSERT_EQUAL_HEX32(4u, (TIM1->BDTR >> 16) & 15u); // filter
     const int sources = first(&TIM1->AF1, 0u, 0u);
     TEST_ASSERT_TRUE(sources < first(&TIM1->BDTR, BDTR_LOCK, TIM_BDTR_LOCK_1)); // locked with it
@@ -313,6 +348,8 @@ static void test_break_input(void) {
     TEST_ASSERT_EQUAL_HEX32(TIM1_AF1_BKCMP1E | TIM1_AF1_BKCMP2E | TIM1_AF1_BKCMP4E, TIM1->AF1);
 #else
     TEST_ASSERT_EQUAL_HEX32(TIM1_AF1_BKINE | TIM1_AF1_BKINP, TIM1->AF1); // the pin is active low
+#endif
+#ifdef VARIANT_BREAK2_PIN
     TEST_ASSERT_EQUAL_HEX32(TIM1_AF2_BK2INE | TIM1_AF2_BK2INP, TIM1->AF2);
     const uint32_t second = TIM_BDTR_BK2E | TIM_BDTR_BK2P | 4u << TIM_BDTR_BK2F_Pos;
     TEST_ASSERT_EQUAL_HEX32(second, TIM1->BDTR & (second | 15u << TIM_BDTR_BK2F_Pos));
@@ -417,11 +454,11 @@ static void expect_system_break(void (*event)(void)) {
 static void test_lost_clock_switches_off(void) {
     expect_system_break(fake_lose_clock);
     // Watched once it is in use, not before.
-    TEST_ASSERT_TRUE(first(&RCC->CR, RCC_CR_CSSON, RCC_CR_CSSON) >
-                     first(&RCC->CFGR, RCC_CFGR_SW, CHIP_F_CPU_Hz == 170000000u ? 3u : 2u));
+    TEST_ASSERT_TRUE(first(&RCC->CR, STM32_CLOCK_WATCH, STM32_CLOCK_WATCH) >
+                     first(&RCC->CFGR, RCC_CFGR_SW, SWITCH_PLL));
 }
 
-#ifdef FAKE_G4
+#ifdef HAS_DEADLINE
 static void test_locked_up_core_switches_off(void) {
     expect_system_break(fake_lock_up);
 }
@@ -705,7 +742,7 @@ static void test_missed_interrupt_is_a_fault(void) {
 static void test_gates_stay_off_after_a_halted_core(void) {
     gates_on_by_the_drive();
     TEST_ASSERT_TRUE(fake_halt(100u * PERIOD));
-#ifdef FAKE_G4
+#ifdef HAS_DEADLINE
     TEST_ASSERT_FALSE(gates_on()); // before the core goes on
 #endif
     expect_gates_off_in_one_period();
@@ -713,7 +750,7 @@ static void test_gates_stay_off_after_a_halted_core(void) {
                              lode_check_name((lode_check_t)app_telemetry().fault.check));
 }
 
-#ifdef FAKE_G4
+#ifdef HAS_DEADLINE
 static void test_missing_interrupt_switches_off_by_hardware(void) {
     gates_on_by_the_drive();
     one_period();
@@ -747,7 +784,7 @@ static void test_flag_is_cleared_before_the_period(void) {
     TEST_ASSERT_TRUE(app_start());
     const int from = fake_count();
     one_period();
-#ifdef FAKE_G4
+#ifdef HAS_DEADLINE
     TEST_ASSERT_EQUAL_INT(from, fake_first(&ADC1->ISR, ADC_ISR_JEOS, ADC_ISR_JEOS, from));
 #else
     TEST_ASSERT_EQUAL_INT(from, fake_first(&ADC1->SR, ADC_SR_JEOC, 0u, from));
@@ -798,12 +835,21 @@ static void test_failed_init_is_reported_and_stops(void) {
     expect_report_of_a_failed_init(CHIP_F_SERIAL_Hz);
     fake_reset();
     fake_kill_clock();
-    expect_report_of_a_failed_init(16000000u); // by the oscillator that is there after a reset
+    expect_report_of_a_failed_init(F_RC_Hz); // by the oscillator that is there after a reset
 }
+
+#ifdef FAKE_H7
+// Its converters' clock is not halved, and would be too fast.
+static void test_revision_y_is_refused(void) {
+    DBGMCU->IDCODE = 0x10036450u;
+    TEST_ASSERT_FALSE(board_init(TRIP_A));
+    TEST_ASSERT_EQUAL_INT(-1, fake_first(&ADC1->CR, ADC_CR_ADEN, ADC_CR_ADEN, 0));
+}
+#endif
 
 static void test_cause_of_a_reset(void) {
     TEST_ASSERT_FALSE(board_reset_by_watchdog());
-    RCC->CSR = RCC_CSR_IWDGRSTF;
+    STM32_RESET_CAUSE = 1u << (WATCHDOG_FLAG);
     TEST_ASSERT_TRUE(board_reset_by_watchdog());
     TEST_ASSERT_FALSE(board_reset_by_watchdog()); // cleared: the next reset speaks for itself
 }
@@ -838,7 +884,7 @@ int main(void) {
     RUN_TEST(test_trip_path_is_tested);
     RUN_TEST(test_latched_trip_keeps_the_gates_off);
     RUN_TEST(test_lost_clock_switches_off);
-#ifdef FAKE_G4
+#ifdef HAS_DEADLINE
     RUN_TEST(test_locked_up_core_switches_off);
 #endif
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
@@ -853,7 +899,7 @@ int main(void) {
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_period);
     RUN_TEST(test_missed_interrupt_is_a_fault);
     RUN_TEST(test_gates_stay_off_after_a_halted_core);
-#ifdef FAKE_G4
+#ifdef HAS_DEADLINE
     RUN_TEST(test_missing_interrupt_switches_off_by_hardware);
 #endif
     RUN_TEST(test_fault_is_not_restarted);
@@ -862,6 +908,9 @@ int main(void) {
     RUN_TEST(test_gates_off_from_anywhere);
     RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);
     RUN_TEST(test_failed_init_is_reported_and_stops);
+#ifdef FAKE_H7
+    RUN_TEST(test_revision_y_is_refused);
+#endif
     RUN_TEST(test_cause_of_a_reset);
     RUN_TEST(test_serial_port_takes_what_it_has_room_for);
     return UNITY_END();

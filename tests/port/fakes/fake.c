@@ -10,6 +10,15 @@
 #define SERIAL_DATA fake_USART2.TDR
 #define SERIAL_READY USART_ISR_TXE
 #define SYSTEM_BREAK TIM_SR_SBIF
+#define CALIBRATED // its converters
+#elif defined(FAKE_H7)
+#include "stm32h7xx.h"
+#define SERIAL fake_USART3
+#define SERIAL_STATUS fake_USART3.ISR
+#define SERIAL_DATA fake_USART3.TDR
+#define SERIAL_READY USART_ISR_TXE_TXFNF
+#define SYSTEM_BREAK TIM_SR_SBIF
+#define CALIBRATED
 #else
 #include "stm32f4xx.h"
 #define SERIAL fake_USART3
@@ -17,6 +26,20 @@
 #define SERIAL_DATA fake_USART3.DR
 #define SERIAL_READY USART_SR_TXE
 #define SYSTEM_BREAK TIM_SR_BIF
+#endif
+
+#ifdef FAKE_H7
+#define RESET_CAUSE fake_RCC.RSR
+#define RESET_BY_WATCHDOG (RCC_RSR_IWDG1RSTF | RCC_RSR_WWDG1RSTF)
+#define RESET_FORGET RCC_RSR_RMVF
+#define PLL_ON RCC_CR_PLL1ON
+#define CLOCK_WATCH RCC_CR_CSSHSEON
+#else
+#define RESET_CAUSE fake_RCC.CSR
+#define RESET_BY_WATCHDOG (RCC_CSR_IWDGRSTF | RCC_CSR_WWDGRSTF)
+#define RESET_FORGET RCC_CSR_RMVF
+#define PLL_ON RCC_CR_PLLON
+#define CLOCK_WATCH RCC_CR_CSSON
 #endif
 
 #define ENTRIES_MAX 65536
@@ -40,6 +63,11 @@ OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
 DAC_TypeDef fake_DAC3;
 SYSCFG_TypeDef fake_SYSCFG;
 DMA_Channel_TypeDef fake_DMA1_Channel1;
+DMAMUX_Channel_TypeDef fake_DMAMUX1_Channel0;
+#elif defined(FAKE_H7)
+ADC_Common_TypeDef fake_ADC12_COMMON;
+SYSCFG_TypeDef fake_SYSCFG;
+DMA_Stream_TypeDef fake_DMA1_Stream0;
 DMAMUX_Channel_TypeDef fake_DMAMUX1_Channel0;
 #else
 TIM_TypeDef fake_TIM5;
@@ -88,7 +116,14 @@ void fake_reset(void) {
     WIPE(fake_DMA1_Channel1);
     WIPE(fake_DMAMUX1_Channel0);
 #endif
-#ifndef FAKE_G4
+#ifdef FAKE_H7
+    WIPE(fake_SYSCFG);
+    WIPE(fake_PWR);
+    WIPE(fake_DMA1_Stream0);
+    WIPE(fake_DMAMUX1_Channel0);
+    fake_DBGMCU.IDCODE = 0x20036450u; // revision V
+#endif
+#ifndef CALIBRATED
     WIPE(fake_ADC3);
 #endif
     count = 0;
@@ -191,18 +226,23 @@ static void model_clock(void) {
         fake_set_break(break_active);
     }
     fake_RCC.CSR |= (fake_RCC.CSR & RCC_CSR_LSION) << 1;
-    if ((fake_RCC.CSR & RCC_CSR_RMVF) != 0u) {
-        fake_RCC.CSR &= ~(RCC_CSR_IWDGRSTF | RCC_CSR_WWDGRSTF | RCC_CSR_RMVF);
+    if ((RESET_CAUSE & RESET_FORGET) != 0u) {
+        RESET_CAUSE &= ~(RESET_BY_WATCHDOG | RESET_FORGET);
     }
+#ifdef FAKE_H7
+    fake_PWR.CSR1 |= (fake_PWR.CR3 & PWR_CR3_SCUEN) == 0u ? PWR_CSR1_ACTVOSRDY : 0u;
+    fake_PWR.D3CR |= PWR_D3CR_VOSRDY;
+#endif
     if (clock_dead) {
         return;
     }
-    fake_RCC.CR |= (fake_RCC.CR & (RCC_CR_HSEON | RCC_CR_PLLON)) << 1;
-    fake_RCC.CFGR = (fake_RCC.CFGR & ~RCC_CFGR_SWS) | (fake_RCC.CFGR & RCC_CFGR_SW) << 2;
+    fake_RCC.CR |= (fake_RCC.CR & (RCC_CR_HSEON | PLL_ON)) << 1;
+    fake_RCC.CFGR = (fake_RCC.CFGR & ~RCC_CFGR_SWS) | (fake_RCC.CFGR & RCC_CFGR_SW)
+                                                          << RCC_CFGR_SWS_Pos;
 }
 
 static void model_converters(volatile uint32_t *reg, uint32_t before) {
-#ifdef FAKE_G4
+#ifdef CALIBRATED
     ADC_TypeDef *const adcs[] = {&fake_ADC1, &fake_ADC2};
     for (int n = 0; n < 2; n++) {
         ADC_TypeDef *adc = adcs[n];
@@ -312,7 +352,7 @@ static void system_break(uint32_t flag) {
 }
 
 void fake_lose_clock(void) {
-    if ((fake_RCC.CR & RCC_CR_CSSON) != 0u) {
+    if ((fake_RCC.CR & CLOCK_WATCH) != 0u) {
         system_break(SYSTEM_BREAK);
     }
 }
@@ -320,6 +360,10 @@ void fake_lose_clock(void) {
 void fake_lock_up(void) {
 #ifdef FAKE_G4
     if ((fake_SYSCFG.CFGR2 & SYSCFG_CFGR2_CLL) != 0u) {
+        system_break(SYSTEM_BREAK);
+    }
+#elif defined(FAKE_H7)
+    if ((fake_SYSCFG.CFGR & SYSCFG_CFGR_CM7L) != 0u) {
         system_break(SYSTEM_BREAK);
     }
 #endif
@@ -338,18 +382,32 @@ static void model_deadline(uint32_t ticks) {
         fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
     }
 }
+#elif defined(FAKE_H7)
+static void model_deadline(uint32_t ticks) {
+    const uint32_t on =
+        DMA_SxCR_EN | DMA_SxCR_DIR_0 | DMA_SxCR_CIRC | DMA_SxCR_PSIZE_1 | DMA_SxCR_MSIZE_1;
+    if (fake_TIM2.CCR1 - fake_TIM2.CNT <= ticks && (fake_TIM2.DIER & TIM_DIER_CC1DE) != 0u &&
+        (fake_RCC.AHB1ENR & RCC_AHB1ENR_DMA1EN) != 0u && fake_DMAMUX1_Channel0.CCR == 18u &&
+        (fake_DMA1_Stream0.CR & on) == on && fake_DMA1_Stream0.NDTR == 1u &&
+        fake_DMA1_Stream0.PAR == (uint32_t)(uintptr_t)&fake_TIM1.BDTR) {
+        fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
+    }
+}
 #endif
 
 bool fake_halt(uint32_t ticks) {
 #ifdef FAKE_G4
     const bool frozen = (fake_DBGMCU.APB1FZR1 & DBGMCU_APB1FZR1_DBG_TIM2_STOP) != 0u;
     const bool outputs_off = (fake_DBGMCU.APB2FZ & DBGMCU_APB2FZ_DBG_TIM1_STOP) != 0u;
+#elif defined(FAKE_H7)
+    const bool frozen = (fake_DBGMCU.APB1LFZ1 & DBGMCU_APB1LFZ1_DBG_TIM2) != 0u;
+    const bool outputs_off = (fake_DBGMCU.APB2FZ1 & DBGMCU_APB2FZ1_DBG_TIM1) != 0u;
 #else
     const bool frozen = (fake_DBGMCU.APB1FZ & DBGMCU_APB1_FZ_DBG_TIM2_STOP) != 0u;
     const bool outputs_off = (fake_DBGMCU.APB2FZ & DBGMCU_APB2_FZ_DBG_TIM1_STOP) != 0u;
 #endif
     if (!frozen && (fake_TIM2.CR1 & TIM_CR1_CEN) != 0u) {
-#ifdef FAKE_G4
+#ifdef CALIBRATED
         model_deadline(ticks);
 #endif
         fake_TIM2.CNT += ticks;
