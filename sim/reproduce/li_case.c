@@ -66,8 +66,10 @@ bool li_case_load(rig_config_t *base) {
 }
 
 li_case_t li_case_in(li_case_t what, li_column_t column) {
-    what.form = column <= LI_PRINTED_DEAD ? LI_EULER : LI_SAMPLED;
-    what.compensated = column >= LI_EXACT;
+    const bool sampled = column == LI_UNCOMPENSATED || column == LI_EXACT || column == LI_CORRECTED;
+    what.form = sampled ? LI_SAMPLED : LI_EULER;
+    what.compensated = sampled && column != LI_UNCOMPENSATED;
+    what.qpll = column == LI_PRINTED_QPLL;
     what.inverter = CASE_IDEAL;
     if (column == LI_PRINTED_DEAD) {
         what.inverter = CASE_BARE;

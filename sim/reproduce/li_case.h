@@ -30,6 +30,7 @@ typedef enum {
     LI_UNCOMPENSATED, ///< the library's observer and PLL; ideal inverter
     LI_EXACT,         ///< the same, compensated
     LI_CORRECTED,     ///< the same behind 2 us of dead time, corrected
+    LI_PRINTED_QPLL,  ///< LI_PRINTED with a QPLL in place of the LESO-QPLL
     LI_COLUMNS
 } li_column_t;
 

@@ -1,5 +1,6 @@
 #include "reproduce/li_plots.h"
 
+#include <complex.h>
 #include <math.h>
 #include <string.h>
 
@@ -8,7 +9,7 @@
 #include "support/stats.h"
 #include "support/units.h"
 
-enum { WIDTH = 1500, POINTS = 700, DRAWN = 2 };
+enum { WIDTH = 1500, POINTS = 700, DRAWN = 2, ORDERS = 25 };
 
 typedef enum { WAVES, RUNS, KNOBS, SWEEP } style_t;
 
@@ -126,7 +127,40 @@ static void send_run(FILE *script, const li_log_t *log, int id, double from_s) {
     (void)fputs("END\n", script);
 }
 
+/// Harmonics of the estimated alpha EMF over the last LI_WINDOW_s, in % of the fundamental.
+static void send_spectrum(FILE *script, const li_log_t *log, int id) {
+    double complex sum[ORDERS + 1] = {0.0};
+    const double end_s = log->rows > 0 ? log->row[log->rows - 1].t_s : 0.0;
+    for (size_t k = row_at(log, end_s - LI_WINDOW_s) + 1; k < log->rows; ++k) {
+        for (int n = 0; n <= ORDERS; ++n) {
+            sum[n] += log->row[k].e_alpha_V * cexp(-I * (double)n * log->row[k].theta_rad);
+        }
+    }
+    (void)fprintf(script, "$s%d << END\n", id);
+    for (int n = 2; n <= ORDERS; ++n) {
+        (void)fprintf(script, "%d %.5g\n", n, 100.0 * cabs(sum[n]) / cabs(sum[1]));
+    }
+    (void)fputs("END\n", script);
+}
+
 // ---- Figs. 10 to 15 -----------------------------------------------------------------------------
+
+/// Figs. 13 to 15, whose motor has harmonics.
+static bool has_spectrum(const drawing_t *drawing) {
+    return drawing->what.harmonics > 0.0;
+}
+
+static void draw_spectrum(FILE *script, int first) {
+    panels_next(script, "harmonics of e_{/Symbol a} [%]", "", true);
+    (void)fprintf(script,
+                  "set xlabel 'order' offset 0,0.5\n"
+                  "set xrange [1:%d]\nset xtics (5,7,11,13,17,19,23,25)\nset yrange [0:7]\n"
+                  "plot $s%d using ($1-0.2):2:(0.36) with boxes fs solid lc rgb red title "
+                  "'printed', "
+                  "$s%d using ($1+0.2):2:(0.36) with boxes fs solid lc rgb blue title 'exact'\n"
+                  "set xtics autofreq\nset yrange [*:*]\n",
+                  ORDERS + 1, first, first + 1);
+}
 
 static void draw_waves(FILE *script, int first, const char *head, double emf_V) {
     panels_next(script, "EMF, printed [V]", head, false);
@@ -155,8 +189,7 @@ static bool plot_waves(FILE *script, const drawing_t *drawing, const rig_config_
     const double rpm = drawing->what.stage[0].speed_rpm;
     const double w = (double)base->drive.motor.pole_pairs * rig_rad_s_from_rpm(rpm);
     const double length_s = drawing->turns * 2.0 * RIG_PI / w;
-    panels_begin(script, drawing->title, 3, LI_OBSERVERS);
-    (void)fprintf(script, "set xrange [0:%g]\n", length_s);
+    panels_begin(script, drawing->title, has_spectrum(drawing) ? 4 : 3, LI_OBSERVERS);
     for (int o = 0; o < LI_OBSERVERS; ++o) {
         for (int c = 0; c < DRAWN; ++c) {
             li_case_t what = drawing->what;
@@ -167,9 +200,14 @@ static bool plot_waves(FILE *script, const drawing_t *drawing, const rig_config_
                 return false;
             }
             send_waves(script, &log, DRAWN * o + c, length_s);
+            send_spectrum(script, &log, DRAWN * o + c);
             li_log_free(&log);
         }
+        (void)fprintf(script, "set xrange [0:%g]\n", length_s);
         draw_waves(script, DRAWN * o, heads[o], 1.2 * w * (double)base->drive.motor.psi_Wb);
+        if (has_spectrum(drawing)) {
+            draw_spectrum(script, DRAWN * o);
+        }
     }
     return true;
 }
@@ -304,7 +342,8 @@ static void plot_sweep(FILE *script, const drawing_t *drawing, const table_t *ta
 
 bool li_plot(const plot_output_t *output, int k, const table_t *table, const rig_config_t *base) {
     const drawing_t *drawing = &drawings[k];
-    const int rows = drawing->style == WAVES || drawing->style == RUNS ? 3 : 2;
+    const int rows =
+        drawing->style == KNOBS || drawing->style == SWEEP ? 2 : (has_spectrum(drawing) ? 4 : 3);
     plot_t plot;
     if (!plot_start(&plot, output, drawing->title, WIDTH, panels_height(rows))) {
         return false;

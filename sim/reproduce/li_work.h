@@ -45,7 +45,8 @@ typedef struct {
 
 #define LI_ALL_COLUMNS (~0u)
 #define LI_ALL_BUT_DEAD_TIME (~(1u << LI_PRINTED_DEAD))
-#define LI_THREE_COLUMNS ((1u << LI_PRINTED) | (1u << LI_EXACT) | (1u << LI_CORRECTED))
+#define LI_THREE_COLUMNS                                                                           \
+    ((1u << LI_PRINTED) | (1u << LI_PRINTED_QPLL) | (1u << LI_EXACT) | (1u << LI_CORRECTED))
 
 typedef enum {
     LI_MEAN,

@@ -218,7 +218,7 @@ static void put_groups(writer_t *self, const table_t *table, const row_t *row, i
                        int state, const char *heading) {
     const int variants = table_variants(table->paper);
     bool said[VARIANTS_MAX] = {false};
-    const char *before = heading;
+    const char *before = heading; // ends a sentence
     for (int v = 0; v < variants; ++v) {
         if (said[v] || !row->ran[v] || state_of(row, v) != state) {
             continue;
@@ -249,8 +249,7 @@ static void put_depends(writer_t *self, const table_t *table, const row_t *row,
         put(self, before);
         put(self, "noise");
     }
-    put(self, ".");
-    put_groups(self, table, row, subset, 1, " Holds: ");
+    put_groups(self, table, row, subset, 1, ". Holds: ");
     put_groups(self, table, row, subset, 2, ". With some seeds: ");
     put_groups(self, table, row, subset, 0, ". Not: ");
 }

@@ -278,6 +278,7 @@ RATED6_A = RATED6 / (3 * NP6 * PSI6)
 LI_SPEEDS = {300: "fig10", 600: "fig11", 840: "fig12"}
 LI_FIGURES = ["table1", "table2", "fig4", "fig10", "fig11", "fig12", "load80", "load20", "fig13", "fig14", "fig15",
               "fig16", "fig17", "fig18", "eq42", "xy", "k2"]
+SPECTRA = {("li", "fig13"), ("li", "fig14"), ("li", "fig15")}
 LI_PLOTS = ["fig10", "fig11", "fig12", "fig13", "fig14", "fig15", "fig16", "fig17", "fig18", "k2"]
 LI_TIME_MAX_s = 1500 if FULL else 300
 
@@ -456,6 +457,19 @@ def harmonics6(checks, rows):
             near(checks, row[column], (low + high) / 2, (high - low) / 2, f"{row['id']}: {column}")
 
 
+def qpll6(checks, rows):
+    """The column of the QPLL is the variant with it; a load step moves it as far as its closed form says."""
+    for name, row in rows.items():
+        choice = ("Euler", "ideal", "QPLL")
+        variants = [v for v in row["variants"] if (v["form"], v["inverter"], v["PLL"]) == choice]
+        if variants and isinstance(row["as_printed_qpll"], float):
+            low, high = variants[0]["least"], variants[0]["largest"]
+            checks.true(low - 1e-9 <= row["as_printed_qpll"] <= high + 1e-9,
+                        f"{name}: QPLL {row['as_printed_qpll']}, the variant {low} .. {high}")
+    both = [rows["fig17_c_rpm"][column] for column in ("as_printed", "as_printed_qpll")]
+    checks.true(both[1] > 1.5 * both[0], f"speed error in a load step: LESO-QPLL {both[0]}, QPLL {both[1]} rpm")
+
+
 def tables6(checks, rows):
     checks.equal(rows["table1_routh"]["as_printed"], 0, "eq. 24 against roots")
     limit = math.sqrt(2 * K26 / TS6 - K26 ** 2) / (2 * math.pi)
@@ -479,7 +493,7 @@ def paper_2(checks, folder):
     rows = {row["id"]: row for row in folder.json("l.json")["rows"]}
     checks.equal(len(rows), len(folder.json("l.json")["rows"]), "ids are unique")
     checks.equal({row["figure"] for row in rows.values()}, set(LI_FIGURES), "figures of paper 2")
-    for part in (tables6, steady6, dynamics6, mismatch6, harmonics6, verdicts):
+    for part in (tables6, steady6, dynamics6, mismatch6, harmonics6, qpll6, verdicts):
         part(checks, rows)
     files(checks, folder, rows, done.stdout, "l.csv",
           ["printed", "dead time", "exact raw", "corrected", "verdict", "STAND-IN"])
@@ -688,6 +702,7 @@ def pictures(checks, folder, name, figures):
         if path.exists():
             svg = path.read_text()
             checks.true("</svg>" in svg and len(svg) > 20000, f"{figure}.svg is whole")
+            checks.equal(">order<" in svg, (name, figure) in SPECTRA, f"{figure}.svg: a panel of spectra")
 
 
 def main():
