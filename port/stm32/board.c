@@ -3,9 +3,9 @@
 #include "board.h"
 
 #include "chip.h"
-#include "ntc.h"
 #include "pwm.h"
 #include "supervise.h"
+#include "temperature.h"
 
 void STM32_PERIOD_HANDLER(void);
 
@@ -36,32 +36,6 @@ static void enables_init(void) {}
 
 static void enables_set(bool on) {
     (void)on;
-}
-
-#endif
-
-#ifdef VARIANT_NTC_POINTS
-
-static port_ntc_t ntc;
-
-static void temperature_init(void) {
-    static const port_ntc_point_t points[] = {VARIANT_NTC_POINTS};
-    port_ntc_init(&ntc, &(port_ntc_config_t){.points = points,
-                                             .count = sizeof points / sizeof points[0],
-                                             .fixed_Ohm = VARIANT_NTC_FIXED_Ohm,
-                                             .to_ground = VARIANT_NTC_TO_GROUND});
-}
-
-static inline uint16_t temperature(void) {
-    return port_ntc_tenths(&ntc, REG_READ(VARIANT_COUNT_T));
-}
-
-#else
-
-static void temperature_init(void) {}
-
-static inline uint16_t temperature(void) { // a straight line, or none
-    return (uint16_t)REG_READ(VARIANT_COUNT_T);
 }
 
 #endif
@@ -120,7 +94,7 @@ bool board_init(float i_trip_A) {
         return false;
     }
     stm32_stamp_start();
-    temperature_init();
+    port_temperature_init();
     analog_pins_init();
     chip_protection_init(i_trip_A);
     if (!pwm_init() || !chip_converters_init()) {
@@ -151,7 +125,7 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
         .i = {(uint16_t)REG_READ(VARIANT_COUNT_A), (uint16_t)REG_READ(VARIANT_COUNT_B),
               (uint16_t)REG_READ(VARIANT_COUNT_C)},
         .v_bus = (uint16_t)REG_READ(VARIANT_COUNT_BUS),
-        .temperature = temperature(),
+        .temperature = port_temperature(REG_READ(VARIANT_COUNT_T)),
         .trip = stm32_pwm_tripped() || stm32_pwm_counts_down(),
         .stamp = stm32_stamp(),
     };

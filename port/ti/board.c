@@ -3,6 +3,7 @@
 
 #include "chip.h"
 #include "figures.h"
+#include "temperature.h"
 
 #define WAKE_us 1000u       // of a gate driver, after its enable
 #define DRIVER_RESET_us 20u // its fault latch: enable low for 8 .. 40 us (DRV8320)
@@ -15,6 +16,13 @@ static bool missed_periods;
 // Of the comparators, in counts of their DACs: a current of either sign.
 static uint16_t threshold_high;
 static uint16_t threshold_low;
+
+static bool low_sides_alone; // what the ePWM are set to
+
+void ti_init(void) {
+    port_temperature_init();
+    low_sides_alone = false;
+}
 
 LODE_RAMFUNC void ti_period(void) {
     missed_periods = !chip_converters_acknowledge();
@@ -29,15 +37,21 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){
         .i = {chip_current(0u), chip_current(1u), chip_current(2u)},
         .v_bus = chip_bus(),
+        .temperature = port_temperature(chip_temperature()),
         .trip = chip_pwm_tripped() || chip_pwm_counts_down() || missed_periods,
         .stamp = board_cycles(),
     };
 }
 
 LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
-    const bool on = out->gates == LODE_GATES_ON; // the low sides alone: not made, so off
-    if (!on) {
+    const bool low = out->gates == LODE_GATES_LOW;
+    const bool on = out->gates == LODE_GATES_ON || low;
+    if (!on || low != low_sides_alone) {
         board_gates_off();
+    }
+    if (low != low_sides_alone) {
+        chip_pwm_low_sides_alone(low);
+        low_sides_alone = low;
     }
     chip_pwm_write(out->duty);
     if (on) {

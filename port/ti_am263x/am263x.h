@@ -11,6 +11,9 @@
 #define EPWM_CMPCTL 0x010u
 #define EPWM_DBCTL 0x018u
 #define EPWM_AQCTLA 0x080u
+#define EPWM_AQCTLB 0x084u
+#define EPWM_AQSFRC 0x08Eu
+#define EPWM_AQCSFRC 0x092u
 #define EPWM_DBRED 0x0A2u
 #define EPWM_DBFED 0x0A6u
 #define EPWM_TBPRD 0x0C6u
@@ -36,6 +39,10 @@
 #define TBSTS_UP 0x0001u
 #define AQCTL_HIGH_AT_CMPA_UP 0x0020u
 #define AQCTL_LOW_AT_CMPA_DOWN 0x0040u
+#define AQCTL_LOW_AT_CMPA_UP 0x0010u
+#define AQCTL_HIGH_AT_CMPA_DOWN 0x0080u
+#define AQSFRC_AT_ONCE 0x00C0u // AQCSFRC acts when it is written
+#define AQCSFRC_A_LOW 0x0001u
 #define DBCTL_BOTH_EDGES 0x0003u
 #define DBCTL_COMPLEMENT 0x0008u // B inverted; A is the input of both edges
 #define TZ_OST5 0x1000u          // lost clock

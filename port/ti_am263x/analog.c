@@ -74,6 +74,10 @@ void chip_converters_init(void) {
     }
     reg_write32(ADC(VARIANT_BUS_ADC) + ADC_SOC(1),
                 ADCSOC(trigger, VARIANT_BUS_CHANNEL, CHIP_WINDOW_cycles));
+#ifdef VARIANT_T_CHANNEL
+    reg_write32(ADC(VARIANT_T_ADC) + ADC_SOC(1),
+                ADCSOC(trigger, VARIANT_T_CHANNEL, CHIP_WINDOW_cycles));
+#endif
     reg_write16(ADC(VARIANT_BUS_ADC) + ADC_INTFLGCLR, ADCINT1);
     reg_write16(ADC(VARIANT_BUS_ADC) + ADC_INTSEL1N2, ADCINTSEL_INT1_SOC1);
     reg_write32(INTXBAR0_G2, INTXBAR_ADC_INT1(VARIANT_BUS_ADC));
@@ -85,6 +89,14 @@ LODE_RAMFUNC uint16_t chip_current(uint32_t phase) {
 
 LODE_RAMFUNC uint16_t chip_bus(void) {
     return reg_read16(ADC_RESULT(VARIANT_BUS_ADC, 1));
+}
+
+LODE_RAMFUNC uint16_t chip_temperature(void) {
+#ifdef VARIANT_T_CHANNEL
+    return reg_read16(ADC_RESULT(VARIANT_T_ADC, 1));
+#else
+    return 0u;
+#endif
 }
 
 LODE_RAMFUNC bool chip_converters_acknowledge(void) {

@@ -69,6 +69,7 @@ bool board_init(float i_trip_A) {
         return false;
     }
     chip_converters_init();
+    ti_init();
     pwm_pins_init(); // only now: the trip zones hold the outputs low
     ti_driver_enable();
     return board_clear_trip();

@@ -17,6 +17,10 @@ static void time_base(uint32_t base) {
     reg_write16(base + EPWM_TBCTR, 0u);
     reg_write16(base + EPWM_CMPCTL, 0u); // shadow, taken over at zero
     reg_write16(base + EPWM_AQCTLA, AQCTL_HIGH_AT_CMPA_UP | AQCTL_LOW_AT_CMPA_DOWN);
+    // Unseen behind the dead-band, which makes output B of A, but for the low sides alone.
+    reg_write16(base + EPWM_AQCTLB, AQCTL_LOW_AT_CMPA_UP | AQCTL_HIGH_AT_CMPA_DOWN);
+    reg_write16(base + EPWM_AQSFRC, AQSFRC_AT_ONCE);
+    reg_write16(base + EPWM_AQCSFRC, 0u);
 }
 
 // Output A is input A with its rising edge delayed, output B its complement with the other edge delayed.
@@ -88,6 +92,14 @@ bool chip_pwm_init(void) {
 
 void chip_pwm_start(void) {
     clock_sync(true);
+}
+
+// Past the dead-band, and A forced low at once: whatever it was in the middle of.
+void chip_pwm_low_sides_alone(bool alone) {
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        reg_write16(EPWM(pwm[n]) + EPWM_AQCSFRC, alone ? AQCSFRC_A_LOW : 0u);
+        reg_write16(EPWM(pwm[n]) + EPWM_DBCTL, alone ? 0u : DBCTL_BOTH_EDGES | DBCTL_COMPLEMENT);
+    }
 }
 
 LODE_RAMFUNC void chip_pwm_off(void) {

@@ -111,6 +111,10 @@ void chip_converters_init(void) {
     }
     ADC_setupSOC(VARIANT_BUS_ADC, ADC_SOC_NUMBER1, VARIANT_TRIGGER, VARIANT_BUS_CHANNEL,
                  CHIP_WINDOW_cycles);
+#ifdef VARIANT_T_CHANNEL
+    ADC_setupSOC(VARIANT_T_ADC, ADC_SOC_NUMBER1, VARIANT_TRIGGER, VARIANT_T_CHANNEL,
+                 CHIP_WINDOW_cycles);
+#endif
     ADC_setInterruptSource(VARIANT_BUS_ADC, ADC_INT_NUMBER1, ADC_SOC_NUMBER1);
     ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
     ADC_enableInterrupt(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
@@ -122,6 +126,14 @@ LODE_RAMFUNC uint16_t chip_current(uint32_t phase) {
 
 LODE_RAMFUNC uint16_t chip_bus(void) {
     return ADC_readResult(VARIANT_BUS_RESULT, ADC_SOC_NUMBER1);
+}
+
+LODE_RAMFUNC uint16_t chip_temperature(void) {
+#ifdef VARIANT_T_CHANNEL
+    return ADC_readResult(VARIANT_T_RESULT, ADC_SOC_NUMBER1);
+#else
+    return 0u;
+#endif
 }
 
 LODE_RAMFUNC bool chip_converters_acknowledge(void) {

@@ -25,6 +25,13 @@ static void time_base(uint32_t base) {
                                   EPWM_AQ_OUTPUT_ON_TIMEBASE_UP_CMPA);
     EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_A, EPWM_AQ_OUTPUT_LOW,
                                   EPWM_AQ_OUTPUT_ON_TIMEBASE_DOWN_CMPA);
+    // Unseen behind the dead-band, which makes output B of A, but for the low sides alone.
+    EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_B, EPWM_AQ_OUTPUT_LOW,
+                                  EPWM_AQ_OUTPUT_ON_TIMEBASE_UP_CMPA);
+    EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_B, EPWM_AQ_OUTPUT_HIGH,
+                                  EPWM_AQ_OUTPUT_ON_TIMEBASE_DOWN_CMPA);
+    EPWM_setActionQualifierContSWForceShadowMode(base, EPWM_AQ_SW_IMMEDIATE_LOAD);
+    EPWM_setActionQualifierContSWForceAction(base, EPWM_AQ_OUTPUT_A, EPWM_AQ_SW_DISABLED);
 }
 
 // Output A is input A with its rising edge delayed, output B its complement with the other edge delayed.
@@ -83,6 +90,16 @@ bool chip_pwm_init(void) {
 
 void chip_pwm_start(void) {
     SysCtl_enablePeripheral(SYSCTL_PERIPH_CLK_TBCLKSYNC);
+}
+
+// Past the dead-band, and A forced low at once: whatever it was in the middle of.
+void chip_pwm_low_sides_alone(bool alone) {
+    for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
+        EPWM_setActionQualifierContSWForceAction(
+            pwm[n], EPWM_AQ_OUTPUT_A, alone ? EPWM_AQ_SW_OUTPUT_LOW : EPWM_AQ_SW_DISABLED);
+        EPWM_setDeadBandDelayMode(pwm[n], EPWM_DB_RED, !alone);
+        EPWM_setDeadBandDelayMode(pwm[n], EPWM_DB_FED, !alone);
+    }
 }
 
 LODE_RAMFUNC void chip_pwm_off(void) {

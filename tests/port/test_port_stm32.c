@@ -12,6 +12,10 @@
 #define VARIANT_SENSING PORT_LOW_SIDE_THREE
 #endif
 
+#ifndef BOARD_DEAD_TIME_ns // of the board's documents, not of its header
+#define BOARD_DEAD_TIME_ns 500.0
+#endif
+
 #define TRIP_A 1.0e3f // more than any board bears
 
 #define STEPS (CHIP_F_PWM_Hz / VARIANT_F_PWM_Hz / 2u)
@@ -336,6 +340,13 @@ static void test_break_input(void) {
     uint32_t dtg = 0u;
     TEST_ASSERT_TRUE(stm32_dead_time(CHIP_F_PWM_Hz, VARIANT_DEAD_TIME_ns, &dtg));
     TEST_ASSERT_EQUAL_HEX32(dtg, TIM1->BDTR & BDTR_DTG);
+    // The register, the correction and the board's figure are one dead time.
+    const double made_s = (double)dead_ticks(TIM1->BDTR & BDTR_DTG) / (double)CHIP_F_PWM_Hz;
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    CHECK_CLOSE(1e-5, BOARD_DEAD_TIME_ns * 1.0e-9, config.inverter.dead_time_s);
+    CHECK_NEAR(16.0 / (double)CHIP_F_PWM_Hz, config.inverter.dead_time_s, made_s);
+    CHECK_AT_LEAST((double)config.inverter.dead_time_s - 1.0e-12, made_s);
     const uint32_t wanted = TIM_BDTR_BKE | TIM_BDTR_OSSI | TIM_BDTR_OSSR | BREAK_ACTIVE_HIGH;
     TEST_ASSERT_EQUAL_HEX32(wanted, TIM1->BDTR & (wanted | TIM_BDTR_BKP));
     TEST_ASSERT_EQUAL_HEX32(0u, TIM1->BDTR & (1u << 14)); // no automatic return of the outputs

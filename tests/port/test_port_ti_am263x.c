@@ -142,6 +142,8 @@ static void test_converters_are_triggered_at_zero_of_every_period(void) {
         TEST_ASSERT_EQUAL_HEX32(0x84u, fake_get(ADC(n) + ADC_CTL1));
     }
     TEST_ASSERT_EQUAL_UINT32(8u, fake_get(ADC(0) + ADC_SOC(1)) >> 20);
+    TEST_ASSERT_EQUAL_UINT32(8u, fake_get(ADC(1) + ADC_SOC(1)) >> 20); // temperature
+    TEST_ASSERT_EQUAL_UINT32(0u, fake_get(ADC(1) + ADC_SOC(1)) >> 15 & 31u);
     // The interrupt comes with the last of all results.
     TEST_ASSERT_EQUAL_HEX32(0x21u, fake_get(ADC(0) + ADC_INTSEL1N2));
     TEST_ASSERT_EQUAL_HEX32(1u, fake_get(INTXBAR0_G2));
@@ -209,6 +211,54 @@ static void test_every_source_switches_all_six_off_and_latches(void) {
     }
 }
 
+// An ePWM's two outputs while no trip holds them: by the dead-band, which makes B the complement of A, or
+// past it, where A is forced and B has actions of its own.
+static void expect_outputs(uint32_t base, bool below, bool a, bool b) {
+    const uint32_t band = fake_get(base + EPWM_DBCTL);
+    TEST_ASSERT_TRUE(band == 0x0Bu || band == 0u);
+    TEST_ASSERT_EQUAL_HEX32(0x90u, fake_get(base + EPWM_AQCTLB)); // on around zero
+    TEST_ASSERT_EQUAL_HEX32(0xC0u, fake_get(base + EPWM_AQSFRC)); // forced at once
+    const bool input_a = !below && fake_get(base + EPWM_AQCSFRC) == 0u;
+    TEST_ASSERT_EQUAL_INT(a, input_a);
+    TEST_ASSERT_EQUAL_INT(b, band != 0u ? !input_a : below);
+}
+
+static void test_low_sides_alone(void) {
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    board_write(&on);
+    for (int p = 0; p < 3; p++) {
+        expect_outputs(EPWM(p), true, false, true);
+        expect_outputs(EPWM(p), false, true, false);
+    }
+    const int from = fake_count();
+    const lode_drive_out_t low = {.duty = {0.8f, 0.8f, 0.8f}, .gates = LODE_GATES_LOW};
+    board_write(&low);
+    TEST_ASSERT_TRUE(fake_gates_on());
+    for (int p = 0; p < 3; p++) {
+        const uint32_t base = EPWM(p);
+        expect_outputs(base, true, false, true);
+        expect_outputs(base, false, false, false);
+        // All off while the outputs change, A low before the dead-band lets it through.
+        const int off = fake_first(base + EPWM_TZFRC, TZFRC_OST, TZFRC_OST, from);
+        const int forced = fake_first(base + EPWM_AQCSFRC, ~0u, 1u, from);
+        const int past = fake_first(base + EPWM_DBCTL, ~0u, 0u, from);
+        const int cleared = fake_first(base + EPWM_TZCLR, TZFLG_OST, TZFLG_OST, from);
+        TEST_ASSERT_TRUE(off >= from && forced > off && past > forced && cleared > past);
+    }
+    const int again = fake_count();
+    board_write(&low); // steady: nothing goes off in between
+    TEST_ASSERT_EQUAL_INT(-1, fake_first(EPWM(0) + EPWM_TZFRC, 0u, 0u, again));
+    set_source(0, true); // a trip counts here too
+    set_source(0, false);
+    board_write(&low);
+    TEST_ASSERT_TRUE(fake_all_tripped());
+    TEST_ASSERT_TRUE(board_clear_trip());
+    board_write(&on);
+    TEST_ASSERT_TRUE(fake_gates_on());
+    expect_outputs(EPWM(0), false, true, false);
+}
+
 static void test_trip_path_is_tested(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
@@ -272,6 +322,7 @@ static void put_counts(float i_A) {
     fake_put(COUNT_B, (uint32_t)(offset - 0.5f * i_A / gain));
     fake_put(COUNT_C, (uint32_t)(offset - 0.5f * i_A / gain));
     fake_put(COUNT_BUS, (uint32_t)(VARIANT_V_BUS_V / config.sense.v_bus_gain_V_count));
+    fake_put(ADC_RESULT(1, 1), 2048u); // 25 degC
 }
 
 static void one_period(void) {
@@ -307,6 +358,52 @@ static void gates_on_by_the_drive(void) {
         app_poll();
     }
     TEST_ASSERT_TRUE(fake_gates_on());
+    // Past the low sides alone, and without a fault they stay on.
+    for (uint32_t n = 0; n < (uint32_t)(VARIANT_PRECHARGE_s * (float)VARIANT_F_PWM_Hz) + 4u; n++) {
+        one_period();
+    }
+    TEST_ASSERT_TRUE(fake_gates_on());
+}
+
+#define PUT_T(count) fake_put(ADC_RESULT(1, 1), (count))
+static void put_temperature(float degC) {
+    static const float points[][2] = {VARIANT_NTC_POINTS};
+    for (int n = 1; n < COUNT_OF(points); n++) {
+        if (points[n][0] >= degC) {
+            const float part = (degC - points[n - 1][0]) / (points[n][0] - points[n - 1][0]);
+            const float R_Ohm = points[n - 1][1] * powf(points[n][1] / points[n - 1][1], part);
+            PUT_T((uint32_t)(R_Ohm / (R_Ohm + VARIANT_NTC_FIXED_Ohm) * VARIANT_COUNTS + 0.5f));
+            return;
+        }
+    }
+    TEST_FAIL_MESSAGE("beyond the table");
+}
+
+static void some_periods(void) {
+    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
+        one_period();
+    }
+}
+
+static void test_over_temperature_switches_off(void) {
+    gates_on_by_the_drive();
+    put_temperature(VARIANT_T_MAX_degC - 3.0f);
+    some_periods();
+    TEST_ASSERT_TRUE(fake_gates_on());
+    put_temperature(VARIANT_T_MAX_degC + 3.0f);
+    some_periods();
+    TEST_ASSERT_TRUE(fake_all_tripped());
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_TEMPERATURE",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+
+static void test_missing_sensor_is_too_hot(void) {
+    gates_on_by_the_drive();
+    PUT_T(4095u); // pulled up
+    some_periods();
+    TEST_ASSERT_TRUE(fake_all_tripped());
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_TEMPERATURE",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
 }
 
 static void expect_gates_off_in_one_call(const char *check) {
@@ -431,12 +528,15 @@ int main(void) {
     RUN_TEST(test_duties_become_compare_values);
     RUN_TEST(test_thresholds_on_both_sides);
     RUN_TEST(test_every_source_switches_all_six_off_and_latches);
+    RUN_TEST(test_low_sides_alone);
     RUN_TEST(test_trip_path_is_tested);
     RUN_TEST(test_threshold_follows_the_motor);
     RUN_TEST(test_gates_off_by_software_is_no_trip);
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
     RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);
     RUN_TEST(test_counts_come_from_the_right_results);
+    RUN_TEST(test_over_temperature_switches_off);
+    RUN_TEST(test_missing_sensor_is_too_hot);
     RUN_TEST(test_over_current_reaches_the_gates_in_the_same_call);
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_call);
     RUN_TEST(test_periods_missed_while_the_counter_stood_still_are_a_fault);

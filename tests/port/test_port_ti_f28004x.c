@@ -311,6 +311,63 @@ static void test_every_source_switches_all_six_off_and_latches(void) {
     }
 }
 
+// An ePWM's two outputs while no trip holds them: by the dead-band, which makes B the complement of A, or
+// past it, where A is forced and B has actions of its own.
+static void expect_outputs(uint32_t base, bool below, bool a, bool b) {
+    const bool banded = third("EPWM_setDeadBandDelayMode", base, EPWM_DB_RED) != 0u;
+    TEST_ASSERT_EQUAL_UINT32(banded, third("EPWM_setDeadBandDelayMode", base, EPWM_DB_FED));
+    const bool forced = third("EPWM_setActionQualifierContSWForceAction", base, EPWM_AQ_OUTPUT_A) ==
+                        EPWM_AQ_SW_OUTPUT_LOW;
+    TEST_ASSERT_EQUAL_UINT32(EPWM_AQ_SW_IMMEDIATE_LOAD,
+                             second("EPWM_setActionQualifierContSWForceShadowMode", base));
+    const int low =
+        fake_last("EPWM_setActionQualifierAction", base, EPWM_AQ_OUTPUT_B, EPWM_AQ_OUTPUT_LOW);
+    const int high =
+        fake_last("EPWM_setActionQualifierAction", base, EPWM_AQ_OUTPUT_B, EPWM_AQ_OUTPUT_HIGH);
+    TEST_ASSERT_EQUAL_UINT32(EPWM_AQ_OUTPUT_ON_TIMEBASE_UP_CMPA, fake_arguments(low)[3]);
+    TEST_ASSERT_EQUAL_UINT32(EPWM_AQ_OUTPUT_ON_TIMEBASE_DOWN_CMPA, fake_arguments(high)[3]);
+    const bool input_a = !below && !forced;
+    TEST_ASSERT_EQUAL_INT(a, input_a);
+    TEST_ASSERT_EQUAL_INT(b, banded ? !input_a : below);
+}
+
+static void test_low_sides_alone(void) {
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    board_write(&on);
+    for (int p = 0; p < COUNT_OF(pwm); p++) {
+        expect_outputs(pwm[p], true, false, true);
+        expect_outputs(pwm[p], false, true, false);
+    }
+    const int from = fake_count();
+    const lode_drive_out_t low = {.duty = {0.8f, 0.8f, 0.8f}, .gates = LODE_GATES_LOW};
+    board_write(&low);
+    TEST_ASSERT_TRUE(fake_gates_on());
+    for (int p = 0; p < COUNT_OF(pwm); p++) {
+        expect_outputs(pwm[p], true, false, true);
+        expect_outputs(pwm[p], false, false, false);
+        // All off while the outputs change, A low before the dead-band lets it through.
+        const int off = fake_first("EPWM_forceTripZoneEvent", pwm[p], FAKE_ANY, FAKE_ANY, from);
+        const int forced =
+            fake_first("EPWM_setActionQualifierContSWForceAction", pwm[p], 0u, 1u, from);
+        const int past = fake_first("EPWM_setDeadBandDelayMode", pwm[p], FAKE_ANY, 0u, from);
+        const int cleared = fake_first("EPWM_clearTripZoneFlag", pwm[p], FAKE_ANY, FAKE_ANY, from);
+        TEST_ASSERT_TRUE(off >= from && forced > off && past > forced && cleared > past);
+    }
+    const int again = fake_count();
+    board_write(&low); // steady: nothing goes off in between
+    TEST_ASSERT_EQUAL_INT(
+        -1, fake_first("EPWM_forceTripZoneEvent", FAKE_ANY, FAKE_ANY, FAKE_ANY, again));
+    set_source(0, true); // a trip counts here too
+    set_source(0, false);
+    board_write(&low);
+    TEST_ASSERT_TRUE(fake_all_tripped());
+    TEST_ASSERT_TRUE(board_clear_trip());
+    board_write(&on);
+    TEST_ASSERT_TRUE(fake_gates_on());
+    expect_outputs(pwm[0], false, true, false);
+}
+
 static void test_trip_path_is_tested(void) {
     static const uint32_t cmpss[] = {CMPSS5_BASE, CMPSS3_BASE, CMPSS1_BASE};
     TEST_ASSERT_TRUE(board_init(TRIP_A));
@@ -398,6 +455,7 @@ static void put_counts(float i_A) {
     fake_set_result(ADCBRESULT_BASE, ADC_SOC_NUMBER0, (uint16_t)(offset - 0.5f * i_A / gain));
     fake_set_result(ADCBRESULT_BASE, ADC_SOC_NUMBER1,
                     (uint16_t)(VARIANT_V_BUS_V / config.sense.v_bus_gain_V_count));
+    fake_set_result(ADCARESULT_BASE, ADC_SOC_NUMBER1, 2048u); // 25 degC, with a sensor
 }
 
 static void one_period(void) {
@@ -432,7 +490,55 @@ static void gates_on_by_the_drive(void) {
         app_poll();
     }
     TEST_ASSERT_TRUE(fake_gates_on());
+    // Past the low sides alone, and without a fault they stay on.
+    for (uint32_t n = 0; n < (uint32_t)(VARIANT_PRECHARGE_s * (float)VARIANT_F_PWM_Hz) + 4u; n++) {
+        one_period();
+    }
+    TEST_ASSERT_TRUE(fake_gates_on());
 }
+
+#ifdef VARIANT_NTC_POINTS
+#define PUT_T(count) fake_set_result(VARIANT_T_RESULT, ADC_SOC_NUMBER1, (uint16_t)(count))
+static void put_temperature(float degC) {
+    static const float points[][2] = {VARIANT_NTC_POINTS};
+    for (int n = 1; n < COUNT_OF(points); n++) {
+        if (points[n][0] >= degC) {
+            const float part = (degC - points[n - 1][0]) / (points[n][0] - points[n - 1][0]);
+            const float R_Ohm = points[n - 1][1] * powf(points[n][1] / points[n - 1][1], part);
+            PUT_T((uint32_t)(R_Ohm / (R_Ohm + VARIANT_NTC_FIXED_Ohm) * VARIANT_COUNTS + 0.5f));
+            return;
+        }
+    }
+    TEST_FAIL_MESSAGE("beyond the table");
+}
+
+static void some_periods(void) {
+    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
+        one_period();
+    }
+}
+
+static void test_over_temperature_switches_off(void) {
+    gates_on_by_the_drive();
+    put_temperature(VARIANT_T_MAX_degC - 3.0f);
+    some_periods();
+    TEST_ASSERT_TRUE(fake_gates_on());
+    put_temperature(VARIANT_T_MAX_degC + 3.0f);
+    some_periods();
+    TEST_ASSERT_TRUE(fake_all_tripped());
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_TEMPERATURE",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+
+static void test_missing_sensor_is_too_hot(void) {
+    gates_on_by_the_drive();
+    PUT_T(4095u); // pulled up
+    some_periods();
+    TEST_ASSERT_TRUE(fake_all_tripped());
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_TEMPERATURE",
+                             lode_check_name((lode_check_t)app_telemetry().fault.check));
+}
+#endif
 
 static void expect_gates_off_in_one_call(const char *check) {
     const int from = fake_count();
@@ -575,6 +681,7 @@ int main(void) {
     RUN_TEST(test_duties_become_compare_values);
     RUN_TEST(test_thresholds_on_both_sides);
     RUN_TEST(test_every_source_switches_all_six_off_and_latches);
+    RUN_TEST(test_low_sides_alone);
     RUN_TEST(test_trip_path_is_tested);
     RUN_TEST(test_threshold_follows_the_motor);
     RUN_TEST(test_gates_off_by_software_is_no_trip);
@@ -582,6 +689,10 @@ int main(void) {
     RUN_TEST(test_clearing_resets_the_driver_and_waits_for_it);
     RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);
     RUN_TEST(test_counts_come_from_the_right_results);
+#ifdef VARIANT_NTC_POINTS
+    RUN_TEST(test_over_temperature_switches_off);
+    RUN_TEST(test_missing_sensor_is_too_hot);
+#endif
     RUN_TEST(test_over_current_reaches_the_gates_in_the_same_call);
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_call);
     RUN_TEST(test_result_that_nobody_took_is_a_fault);

@@ -15,6 +15,11 @@ ti_test(test_port_ti_f28004x f28004x board.c pwm.c analog.c)
 ti_test(test_port_ti_am263x am263x board.c pwm.c analog.c)
 target_compile_definitions(test_port_ti_am263x PRIVATE "TI_REG_H=\"am263x_reg.h\"")
 
+# The LaunchPad's port with an NTC and bootstrap capacitors, which that board does not have.
+ti_test(test_port_ti_f28004x_ntc f28004x board.c pwm.c analog.c)
+target_compile_definitions(test_port_ti_f28004x_ntc
+                           PRIVATE "TI_BOARD_H=\"${CMAKE_CURRENT_SOURCE_DIR}/boards/f28004x_ntc.h\"")
+
 if(LODE_BUILD_GATES)
   foreach(script IN ITEMS ti_images ti_char16)
     add_test(NAME port_${script} COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/${script}.sh"

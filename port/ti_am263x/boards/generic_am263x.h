@@ -6,7 +6,7 @@
 
 #define VARIANT_F_PWM_Hz 20000u
 #define VARIANT_DEAD_TIME_ns 300u
-#define VARIANT_PRECHARGE_s 0.0f // a driver with a charge pump or a supply of its own
+#define VARIANT_PRECHARGE_s 10.0e-3f // of bootstrap capacitors; 0: none
 
 // Power stage.
 #define VARIANT_V_BUS_V 24.0f
@@ -27,9 +27,21 @@
 #define VARIANT_I_OFFSET_TOL_count 100.0f
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (82.0f + 4.99f) / 4.99f) // 82 kOhm over 4.99 kOhm
-#define VARIANT_T_GAIN_degC_count 0.0f                           // no temperature is measured
-#define VARIANT_T_OFFSET_degC 0.0f
-#define VARIANT_T_MAX_degC 0.0f // the core's default
+// NTC of 10 kOhm and B = 3435 K between the converter's input and ground, 10 kOhm up to the converters' full
+// scale; the points are those of the B equation. Enter the table of your data sheet.
+#define VARIANT_NTC_POINTS                                                                         \
+    {-40.0f, 248277.0f}, {-30.0f, 135452.0f}, {-20.0f, 77523.0f}, {-10.0f, 46290.0f},              \
+        {0.0f, 28704.0f}, {10.0f, 18410.0f}, {20.0f, 12171.0f}, {30.0f, 8269.0f},                  \
+        {40.0f, 5759.0f}, {50.0f, 4101.0f}, {60.0f, 2981.0f}, {70.0f, 2207.0f}, {80.0f, 1662.0f},  \
+        {90.0f, 1272.0f}, {100.0f, 987.0f}, {110.0f, 776.0f}, {120.0f, 618.0f}, {130.0f, 498.0f},  \
+        {140.0f, 405.0f}, {                                                                        \
+        150.0f, 333.0f                                                                             \
+    }
+#define VARIANT_NTC_FIXED_Ohm 10000.0f
+#define VARIANT_NTC_TO_GROUND true
+#define VARIANT_T_GAIN_degC_count PORT_NTC_GAIN_degC
+#define VARIANT_T_OFFSET_degC PORT_NTC_ZERO_degC
+#define VARIANT_T_MAX_degC 100.0f
 #define VARIANT_SETTLE_ns 1700.0f
 #define VARIANT_TRIP_MAX_A 14.0f // of 16 A that the amplifier can show, either sign
 #define VARIANT_TRIP_MIN_A 2.0f
@@ -47,6 +59,10 @@
 // After a current on the same converter, so its end is the end of all.
 #define VARIANT_BUS_ADC 0u
 #define VARIANT_BUS_CHANNEL 0u // ADC0_AIN0
+
+// The temperature after a current on another one.
+#define VARIANT_T_ADC 1u
+#define VARIANT_T_CHANNEL 0u // ADC1_AIN0
 
 #define VARIANT_ENABLE_GPIO 49u // pad EPWM3_A; high switches the gate driver on
 #define VARIANT_FAULT_GPIO 50u  // pad EPWM3_B; active low

@@ -80,7 +80,7 @@ typedef enum {
     EPWM_COMP_LOAD_ON_CNTR_ZERO = 0,
     EPWM_COMP_LOAD_ON_CNTR_PERIOD = 1
 } EPWM_CounterCompareLoadMode;
-typedef enum { EPWM_AQ_OUTPUT_A = 0 } EPWM_ActionQualifierOutputModule;
+typedef enum { EPWM_AQ_OUTPUT_A = 0, EPWM_AQ_OUTPUT_B = 2 } EPWM_ActionQualifierOutputModule;
 typedef enum { EPWM_AQ_OUTPUT_LOW = 1, EPWM_AQ_OUTPUT_HIGH = 2 } EPWM_ActionQualifierOutput;
 typedef enum {
     EPWM_AQ_OUTPUT_ON_TIMEBASE_UP_CMPA = 4,
@@ -91,6 +91,8 @@ typedef enum {
     EPWM_DB_POLARITY_ACTIVE_HIGH = 0,
     EPWM_DB_POLARITY_ACTIVE_LOW = 1
 } EPWM_DeadBandPolarity;
+typedef enum { EPWM_AQ_SW_DISABLED = 0, EPWM_AQ_SW_OUTPUT_LOW = 1 } EPWM_ActionQualifierSWOutput;
+typedef enum { EPWM_AQ_SW_IMMEDIATE_LOAD = 3 } EPWM_ActionQualifierContForce;
 typedef enum { EPWM_DB_FED = 0, EPWM_DB_RED = 1 } EPWM_DeadBandDelayMode;
 typedef enum { EPWM_TZ_ACTION_EVENT_TZA = 0, EPWM_TZ_ACTION_EVENT_TZB = 2 } EPWM_TripZoneEvent;
 typedef enum {
@@ -188,6 +190,9 @@ void EPWM_setFallingEdgeDeadBandDelayInput(uint32_t, uint16_t);
 void EPWM_setDeadBandDelayPolarity(uint32_t, EPWM_DeadBandDelayMode, EPWM_DeadBandPolarity);
 void EPWM_setRisingEdgeDelayCount(uint32_t, uint16_t);
 void EPWM_setFallingEdgeDelayCount(uint32_t, uint16_t);
+void EPWM_setActionQualifierContSWForceShadowMode(uint32_t, EPWM_ActionQualifierContForce);
+void EPWM_setActionQualifierContSWForceAction(uint32_t, EPWM_ActionQualifierOutputModule,
+                                              EPWM_ActionQualifierSWOutput);
 void EPWM_setDeadBandDelayMode(uint32_t, EPWM_DeadBandDelayMode, bool);
 void EPWM_setTripZoneAction(uint32_t, EPWM_TripZoneEvent, EPWM_TripZoneAction);
 void EPWM_selectDigitalCompareTripInput(uint32_t, EPWM_DigitalCompareTripInput,

@@ -384,6 +384,9 @@ RECORD_3(EPWM_setCounterCompareShadowLoadMode, uint32_t, EPWM_CounterCompareModu
 RECORD_3(EPWM_setCounterCompareValue, uint32_t, EPWM_CounterCompareModule, uint16_t)
 RECORD_4(EPWM_setActionQualifierAction, uint32_t, EPWM_ActionQualifierOutputModule,
          EPWM_ActionQualifierOutput, EPWM_ActionQualifierOutputEvent)
+RECORD_2(EPWM_setActionQualifierContSWForceShadowMode, uint32_t, EPWM_ActionQualifierContForce)
+RECORD_3(EPWM_setActionQualifierContSWForceAction, uint32_t, EPWM_ActionQualifierOutputModule,
+         EPWM_ActionQualifierSWOutput)
 RECORD_2(EPWM_setDeadBandCounterClock, uint32_t, EPWM_DeadBandClockMode)
 RECORD_2(EPWM_setRisingEdgeDeadBandDelayInput, uint32_t, uint16_t)
 RECORD_2(EPWM_setFallingEdgeDeadBandDelayInput, uint32_t, uint16_t)
