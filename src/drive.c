@@ -127,6 +127,8 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t co
     lode_mode_obey_guard(self);
 }
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
 LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                                       const int32_t i[LODE_PHASES], float looks) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
@@ -145,6 +147,8 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
         lode_mode_fault(self, found.check, found.measured + before, found.limit);
     }
 }
+
+#endif
 
 LODE_RAMFUNC LODE_NOINLINE bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted,
                                                   const lode_abc_t *duty) {

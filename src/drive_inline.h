@@ -121,6 +121,13 @@ LODE_INLINE void lode_drive_lead(lode_drive_t *self) {
 LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                   lode_plausibility_t *watch, const int32_t i[LODE_PHASES],
                                   float looks) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    (void)tuning;
+    (void)watch;
+    (void)i;
+    (void)looks;
+#else
     if (LODE_RARELY(!tuning->plausibility.on)) {
         return;
     }
@@ -131,6 +138,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
         const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]};
         lode_drive_suspect(self, watch, copy, looks);
     }
+#endif
 }
 
 // SLOT_GUARD and SLOT_NOTCHES. `other`: temperature count of a second power stage, or of the same one. False:

@@ -238,7 +238,7 @@ LODE_INLINE void lode_estimator_adapt_gains(lode_estimator_t *self,
 }
 
 // SLOT_LAG
-LODE_SHARED void lode_estimator_adapt_lag(lode_estimator_t *self,
+LODE_INLINE void lode_estimator_adapt_lag(lode_estimator_t *self,
                                           const lode_estimator_tuning_t *tuning) {
     self->lag = lode_lag_line(&tuning->lag, self->pll.omega_rad_s);
 }

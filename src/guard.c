@@ -59,7 +59,11 @@ void lode_guard_design(lode_guard_config_t *config, const lode_inverter_config_t
         lode_given_or(config->temperature_min_degC, TEMPERATURE_MIN_degC);
     config->i_sum_A = lode_given_or(config->i_sum_A, I_SUM_SHARE * inverter->i_max_A);
     if (config->plausibility == LODE_AUTO) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+        config->plausibility = LODE_OFF;
+#else
         config->plausibility = LODE_ON;
+#endif
     }
 }
 

@@ -17,13 +17,20 @@ LODE_INLINE void lode_guard_note(lode_guard_t *self, uint32_t stamp) {
     self->stamp = stamp;
 }
 
-// Bus and temperature, then lock, speed and direction, within their limits. NaN is not.
-LODE_SHARED bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
+// Bus and temperature, then lock, speed and direction, within their limits. NaN is not. A small build does
+// without this, and counts in every look.
+LODE_INLINE bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
                                      const lode_condition_t *condition) {
+#ifdef LODE_SMALL
+    (void)tuning;
+    (void)condition;
+    return false;
+#else
     return LODE_USUALLY(condition->v_bus_V <= tuning->v_bus_max) &&
            LODE_USUALLY(condition->v_bus_V >= tuning->v_bus_min) &&
            LODE_USUALLY(condition->temperature_degC <= tuning->temperature_max) &&
            LODE_USUALLY(condition->temperature_degC >= tuning->temperature_min);
+#endif
 }
 
 LODE_INLINE bool lode_guard_motion_ok(const lode_guard_tuning_t *tuning,

@@ -14,7 +14,7 @@ LODE_INLINE float lode_lag_rad(const lode_lag_t *lag, float omega_rad_s) {
 }
 
 // The line through the lag at a speed: the polynomial and its slope, by one scheme of Horner's.
-LODE_INLINE lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s) {
+LODE_SHARED lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s) {
     const float v = omega_rad_s * omega_rad_s * lag->inv_range2;
     const float in = lode_min(v, 1.0f);
     const float *c = lag->coefficient;

@@ -16,6 +16,11 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
     if (config->plausibility != LODE_ON && config->plausibility != LODE_OFF) {
         return LODE_ERROR_CHOICE;
     }
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    if (config->plausibility == LODE_ON) {
+        return LODE_ERROR_CHOICE;
+    }
+#endif
     const bool sums = !lode_in_range(config->i_sum_A, LODE_NONE, LODE_NONE);
     if (sums && !lode_in_range(config->i_sum_A, 1.0e-3f * i_max_A, 10.0f * i_max_A)) {
         return LODE_ERROR_GUARD_CURRENT;

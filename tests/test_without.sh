@@ -77,6 +77,9 @@ int main(void) {
     config.sense.duty_max = 1.0f;
     config.sense.shunts = LODE_SHUNTS_TWO;
     say("shunts", config);
+    config.sense.shunts = LODE_SHUNTS_THREE;
+    config.guard.plausibility = LODE_ON;
+    say("plausibility", config);
     post(LODE_MODE_VOLTAGE);
     post(LODE_MODE_CURRENT);
     post(LODE_MODE_CALIBRATE);
@@ -91,7 +94,7 @@ refuses() {
     "$object" > "$said"
     refused=$(sed -n '/ LODE_OK$/!p' "$said" | tr '\n' ' ')
     [ "$refused" = "$2" ] || { echo "built with '$1', refused: $refused, expected: $2"; exit 1; }
-    [ "$(grep -c . "$said")" = 10 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
+    [ "$(grep -c . "$said")" = 11 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
 }
 references=LODE_ERROR_REFERENCES
 window=LODE_ERROR_SENSE_WINDOW
@@ -100,6 +103,7 @@ weakening="weakening $references "
 optimal="mtpa $references weakening $references regen $references "
 notch="notch LODE_ERROR_NOTCH "
 phases="window $window shunts $window "
+plausibility="plausibility LODE_ERROR_CHOICE "
 vectors="2 $command 3 $command "
 refuses "" ""
 refuses -DLODE_WITHOUT_FIELD_WEAKENING "$weakening"
@@ -108,8 +112,10 @@ absent lode_references_optimal LODE_WITHOUT_OPTIMAL_REFERENCES
 refuses -DLODE_WITHOUT_NOTCH "$notch"
 refuses -DLODE_WITHOUT_SHUNT_WINDOW "$phases"
 refuses -DLODE_WITHOUT_COMMISSIONING "$vectors"
-least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_COMMISSIONING"
-refuses "$least$all" "$optimal$notch$phases$vectors"
+refuses -DLODE_WITHOUT_PLAUSIBILITY "$plausibility"
+absent lode_drive_suspect LODE_WITHOUT_PLAUSIBILITY
+least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_COMMISSIONING"
+refuses "$least$all" "$optimal$notch$phases$plausibility$vectors"
 
 # LODE_SMALL is a matter of size alone: the same periods to the bit.
 periods() {

@@ -46,7 +46,9 @@ typedef struct {
     float stamp_per_period;     ///< counts of the free-running stamp per period; 0: not watched
     float temperature_min_degC; ///< 0: -40
     float i_sum_A; ///< of the three phase currents for lock_s; 0: 0.15 i_max; LODE_NONE: any
-    lode_choice_t plausibility; ///< of the currents (plausibility.h); auto: on
+    /// of the currents (plausibility.h); auto: on, and off in a build with LODE_WITHOUT_PLAUSIBILITY, which
+    /// has no such check
+    lode_choice_t plausibility;
 } lode_guard_config_t;
 
 typedef struct {

@@ -13,6 +13,14 @@ lode_telemetry_t firmware_telemetry;
 lode_counts_t firmware_counts;
 lode_drive_out_t firmware_out;
 
+// By their addresses, or -flto would make them a part of the function here, which is not counted.
+static void (*volatile firmware_begin)(lode_drive_t *,
+                                       const lode_drive_tuning_t *) = lode_drive_begin;
+static lode_status_t (*volatile firmware_post)(lode_drive_t *,
+                                               const lode_command_t *) = lode_drive_post_command;
+static bool (*volatile firmware_read)(const lode_drive_t *,
+                                      lode_telemetry_t *) = lode_drive_telemetry;
+
 void firmware_interrupt(void);
 int firmware(void);
 
@@ -23,12 +31,12 @@ void firmware_interrupt(void) {
 int firmware(void) {
 #ifdef FIRMWARE_TUNING_IN_FLASH
     const lode_status_t initialised = LODE_OK;
-    lode_drive_begin(&firmware_drive, &firmware_tuning);
+    firmware_begin(&firmware_drive, &firmware_tuning);
 #else
     const lode_status_t initialised =
         lode_drive_init(&firmware_drive, &firmware_tuning, &firmware_config);
 #endif
-    const lode_status_t posted = lode_drive_post_command(&firmware_drive, &firmware_command);
-    const bool whole = lode_drive_telemetry(&firmware_drive, &firmware_telemetry);
+    const lode_status_t posted = firmware_post(&firmware_drive, &firmware_command);
+    const bool whole = firmware_read(&firmware_drive, &firmware_telemetry);
     return initialised == LODE_OK && posted == LODE_OK && whole ? 0 : 1;
 }

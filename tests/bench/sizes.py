@@ -48,12 +48,14 @@ def reachable(path, start):
 
 
 def firmware_sizes(path, step="lode_drive_step"):
-    image, on_path = Image(path), reachable(path, step)
+    image = Image(path)
+    # With -flto it may have a suffix.
+    on_path = reachable(path, next(f.name for f in image.functions if f.name.split(".")[0] == step))
     sizes = dict.fromkeys(("step", "init", "constants", "libraries"), 0)
     for section in input_sections(path.with_suffix(".map")):
         names = {f.name for f in image.functions
                  if section.address <= f.start < section.address + section.size}
-        if any(name.startswith(OWN) for name in names):
+        if any(name.startswith(OWN) for name in names) or section.name.startswith(f".data.{OWN}"):
             continue
         if ".a(" in section.file:
             sizes["libraries"] += section.size
