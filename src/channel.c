@@ -4,6 +4,16 @@
 
 #include <stddef.h>
 
+// What the next period takes to have acted, as lode_drive_sense() will make it of the same.
+static inline lode_ab_t seen_V(const lode_drive_t *drive) {
+    if (!drive->gates) {
+        return (lode_ab_t){0.0f, 0.0f};
+    }
+    return lode_inverter_less_drop(&drive->inverter,
+                                   lode_inverter_realised(&drive->inverter, drive->steps),
+                                   drive->estimator.emf.i_A);
+}
+
 // The one place that knows where a drive keeps its quantities.
 static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) {
     switch (channel) {
@@ -55,10 +65,10 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
         return drive->estimator.emf.i_A.alpha;
     case LODE_CHANNEL_I_BETA:
         return drive->estimator.emf.i_A.beta;
-    case LODE_CHANNEL_U_ALPHA: // as lode_inverter_realised() will make it of the same two
-        return lode_inverter_realised(&drive->inverter, drive->steps).alpha;
+    case LODE_CHANNEL_U_ALPHA:
+        return seen_V(drive).alpha;
     case LODE_CHANNEL_U_BETA:
-        return lode_inverter_realised(&drive->inverter, drive->steps).beta;
+        return seen_V(drive).beta;
     case LODE_CHANNEL_COUNT:
     default:
         return 0.0f;

@@ -190,7 +190,8 @@ LODE_INLINE lode_sample_t sense(lode_drive_t *self, const lode_drive_tuning_t *t
     if (LODE_RARELY(!lode_guard_all_ok(&self->guard, &tuning->guard, &sample))) {
         diagnose(self, counts, sample.omitted, sample.i_A);
     }
-    sample.u_V = lode_inverter_realised(&self->inverter, self->steps);
+    const lode_ab_t u_V = lode_inverter_realised(&self->inverter, self->steps);
+    sample.u_V = lode_inverter_less_drop(&self->inverter, u_V, self->estimator.emf.i_A);
     lode_guard_note(&self->guard, sample.stamp);
     lode_inverter_follow_bus(&self->inverter, &tuning->inverter, sample.v_bus_V);
     return sample;

@@ -203,6 +203,7 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
         x.u_seen_V = of_set(&u_V, self->tuning->source == LODE_SOURCE_SET_1);
         x.i_seen_A = of_set(&x.i_A, self->tuning->source == LODE_SOURCE_SET_1);
     }
+    x.u_seen_V = lode_inverter_less_drop(&drive->inverter, x.u_seen_V, drive->estimator.emf.i_A);
     x.watched = LODE_USUALLY(both) && LODE_USUALLY(lode_mode(drive) == LODE_MODE_RUN) &&
                 LODE_USUALLY(self->tuning->open_phase != LODE_OPEN_PHASE_IGNORE);
     if (x.watched) {

@@ -8,6 +8,11 @@
 // Beyond any bootstrap capacitor.
 #define PRECHARGE_MAX_s 1.0f
 
+// Of dead time that the start may find beyond the configured one.
+#define DEAD_MORE_MAX_s 1.5e-6f
+// Of voltage along the current, averaged over its directions, per volt that a phase loses.
+#define FOUR_PER_PI (4.0f / LODE_PI)
+
 // Room for rounding.
 #define ROUNDING 0.999f
 
@@ -20,7 +25,7 @@ void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *mo
     const float i_dead_A = lode_clamp(0.75f * ripple_A, 0.01f * config->i_max_A, config->i_max_A);
     config->i_dead_A = lode_given_or(config->i_dead_A, i_dead_A);
     if (config->dead_time_correction == LODE_AUTO) {
-        config->dead_time_correction = config->dead_time_s > 0.0f ? LODE_ON : LODE_OFF;
+        config->dead_time_correction = LODE_ON;
     }
     if (config->dead_time_model == LODE_AUTO) {
         config->dead_time_model = LODE_OFF;
@@ -79,11 +84,13 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     const float v_min_V = V_MIN_SHARE * config->v_bus_V;
     const float dead_duty = config->dead_time_s / ts_s;
     // Min-max centring leaves each rail half of what the span leaves over; the correction takes of it.
-    const float most_error = correct ? dead_duty + config->v_drop_V / v_min_V : 0.0f;
+    const float dead_more = DEAD_MORE_MAX_s / ts_s;
+    const float most_error = correct ? dead_duty + dead_more + config->v_drop_V / v_min_V : 0.0f;
     const float headroom = (1.0f - 2.0f * most_error) / LODE_SQRT3;
     *tuning = (lode_inverter_tuning_t){
         .v_min_V = v_min_V,
         .dead_duty = correct || model ? dead_duty : 0.0f,
+        .dead_more_max = correct || model ? dead_more : 0.0f,
         .v_drop_V = correct || model ? config->v_drop_V : 0.0f,
         .i_dead_min_A = I_DEAD_MIN_SHARE * config->i_dead_A,
         .i_dead_span_A = (1.0f - I_DEAD_MIN_SHARE) * config->i_dead_A,
@@ -100,11 +107,22 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
 
 // In |i + i_dead| - |i - i_dead| both terms round by half a step of a float at 2 i.
 void lode_inverter_bound_current(lode_inverter_tuning_t *tuning, float i_A) {
-    const float slope_A = 0.5f * (tuning->dead_duty + tuning->v_drop_V / tuning->v_min_V) /
-                          lode_max(tuning->i_dead_min_A, FLT_MIN);
+    const float slope_A =
+        0.5f * (tuning->dead_duty + tuning->dead_more_max + tuning->v_drop_V / tuning->v_min_V) /
+        lode_max(tuning->i_dead_min_A, FLT_MIN);
     if (tuning->correct) {
         tuning->free -= 2.0f / LODE_SQRT3 * slope_A * FLT_EPSILON * 2.0f * i_A;
     }
+}
+
+void lode_inverter_correct(lode_inverter_t *self, const lode_inverter_tuning_t *tuning, float r_Ohm,
+                           float dead_V, float current_A) {
+    const float before = self->dead_more;
+    const float wanted = before + dead_V * self->per_V / FOUR_PER_PI;
+    self->dead_more = lode_clamp(wanted, -lode_min(tuning->dead_duty, tuning->dead_more_max),
+                                 tuning->dead_more_max);
+    const float left_V = dead_V - (self->dead_more - before) * FOUR_PER_PI * self->v_bus_V;
+    self->r_more_Ohm += r_Ohm + left_V / current_A;
 }
 
 void lode_inverter_reset(lode_inverter_t *self) {

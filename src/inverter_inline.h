@@ -13,6 +13,12 @@ LODE_INLINE lode_ab_t lode_inverter_realised(const lode_inverter_t *self, uint32
     return lode_ab_scale(self->v_bus_V, self->written[call % 2u]);
 }
 
+// The voltage `u_V` without the drop across the resistance beyond the configured one. `i_A`: at t_k-1.
+LODE_INLINE lode_ab_t lode_inverter_less_drop(const lode_inverter_t *self, lode_ab_t u_V,
+                                              lode_ab_t i_A) {
+    return lode_ab_add_scaled(u_V, -self->r_more_Ohm, i_A);
+}
+
 LODE_INLINE void lode_inverter_divide(lode_inverter_t *self, const lode_inverter_tuning_t *tuning) {
     self->per_V = 1.0f / lode_max(self->v_bus_V, tuning->v_min_V);
 }
@@ -37,10 +43,10 @@ LODE_INLINE void lode_inverter_write(lode_inverter_t *self, uint32_t call, lode_
 // How the dead-time error follows the current at a modulation: `span`: largest less smallest duty, 0 .. 1
 // (I4). Both move slowly.
 LODE_INLINE lode_dead_time_t lode_inverter_dead_time(const lode_inverter_tuning_t *tuning,
-                                                     float span, float per_V) {
+                                                     float dead_more, float span, float per_V) {
     const float i_dead = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
-    return (lode_dead_time_t){0.5f * (tuning->dead_duty + tuning->v_drop_V * per_V) / i_dead,
-                              i_dead};
+    return (lode_dead_time_t){
+        0.5f * (tuning->dead_duty + dead_more + tuning->v_drop_V * per_V) / i_dead, i_dead};
 }
 
 // Duty that a phase loses at the current `i_A` (I3): |i + i_dead| - |i - i_dead| is twice the clamped current.
@@ -56,7 +62,7 @@ LODE_SHARED void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_
     // Largest less smallest duty is sqrt(3) times the amplitude, at most.
     const float u = lode_sqrt(u_V.d * u_V.d + u_V.q * u_V.q);
     const float span = lode_clamp(LODE_SQRT3 * u * self->per_V, 0.0f, 1.0f);
-    self->dead_time = lode_inverter_dead_time(tuning, span, self->per_V);
+    self->dead_time = lode_inverter_dead_time(tuning, self->dead_more, span, self->per_V);
 }
 
 #endif

@@ -156,6 +156,13 @@ static void judge_start(lode_drive_t *self) {
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
+    lode_start_found_t found;
+    if (lode_start_measure(start, tuning, estimator->emf.observer.e_V, &found)) {
+        lode_inverter_correct(&self->inverter, &self->tuning->inverter, found.r_Ohm, found.dead_V,
+                              start->current_A);
+        self->inverter.r_more_Ohm =
+            lode_clamp(self->inverter.r_more_Ohm, -tuning->r_more_max_Ohm, tuning->r_more_max_Ohm);
+    }
     lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
     if (stopping && at_rest && !(start->current_A > 0.0f)) {
         lode_mode_switch_off(self);

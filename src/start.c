@@ -1,4 +1,4 @@
-#include "lodestar/start.h"
+#include "start_inline.h"
 
 #define CURRENT_SHARE 0.7f  // of i_max
 #define SALIENT_SHARE 0.5f  // of the current at which a salient rotor is no longer pulled
@@ -31,6 +31,15 @@
 #define HOLD_SHARE 0.5f       // of hand-over speed: below, the EMF drowns in the inverter's errors
 #define SPEED_TOLERANCE 0.25f // of hand-over speed, between estimator and vector
 
+// Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
+// current settle; given up after 0.15 s.
+#define CALM_TIME_s 0.02f
+#define DWELL_TIME_s 0.15f
+#define SETTLE_PART 15u           // of the dwell
+#define CALM_SHARE 0.1f           // of the voltage that is not known
+#define RESISTANCE_MORE_MAX 0.75f // of the configured one
+#define LEVEL_SHARE 0.5f
+
 // Torque per electrical radian between rotor and vector, Nm/rad.
 static float stiffness(float current_A, const lode_motor_t *motor) {
     return current_A * lode_motor_kt_Nm_A(motor);
@@ -46,18 +55,29 @@ static float ramp_s(const lode_start_config_t *config) {
     return config->omega_handover_rad_s / lode_max(config->ramp_rad_s2, FLT_MIN);
 }
 
+static float dwell_s(const lode_start_config_t *config) {
+    return config->measure == LODE_ON ? (float)LODE_START_LEVELS * DWELL_TIME_s : 0.0f;
+}
+
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
 static float attempt_s(const lode_start_config_t *config, float ease) {
-    const float profile_s = config->current_rise_s + ramp_s(config) / ease + config->lock_s;
+    const float profile_s =
+        config->current_rise_s + dwell_s(config) + ramp_s(config) / ease + config->lock_s;
     return profile_s + lode_max(profile_s, PATIENCE_s);
+}
+
+// What nobody knows of the voltage along the start current.
+static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                       float current_A, float ts_s) {
+    const float dead_time_V = FOUR_PER_PI * inverter->v_bus_V * DEAD_TIME_UNKNOWN_s / ts_s;
+    const float drop_V = RESISTANCE_UNKNOWN * (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
+    return dead_time_V + drop_V;
 }
 
 static float default_handover(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                               float current_A, float ts_s) {
-    const float dead_time_V = FOUR_PER_PI * inverter->v_bus_V * DEAD_TIME_UNKNOWN_s / ts_s;
-    const float drop_V = RESISTANCE_UNKNOWN * (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
-    const float by_emf =
-        EMF_PER_UNKNOWN * (dead_time_V + drop_V) / lode_max(motor->psi_Wb, FLT_MIN);
+    const float by_emf = EMF_PER_UNKNOWN * unknown_V(motor, inverter, current_A, ts_s) /
+                         lode_max(motor->psi_Wb, FLT_MIN);
     return lode_clamp(by_emf, HANDOVER_SHARE * motor->omega_rated_rad_s,
                       HANDOVER_SHARE_MAX * motor->omega_rated_rad_s);
 }
@@ -81,6 +101,9 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
     config->catch_s = lode_given_or(config->catch_s, CATCH_TIME_s);
     config->fade_s = lode_given_or(config->fade_s, FADE_TIME_s);
+    if (config->measure == LODE_AUTO) {
+        config->measure = LODE_ON;
+    }
     const float attempts_s =
         attempt_s(config, 1.0f) + attempt_s(config, EASE) + attempt_s(config, EASE_LAST);
     config->timeout_s = lode_given_or(config->timeout_s, lode_min(attempts_s, TIMEOUT_MAX_s));
@@ -103,6 +126,9 @@ static lode_status_t check(const lode_start_config_t *config,
         !lode_in_range(config->fade_s, ts_s, 10.0f) ||
         !lode_in_range(config->timeout_s, config->lock_s, TIMEOUT_MAX_s)) {
         return LODE_ERROR_START_RAMP;
+    }
+    if (config->measure != LODE_ON && config->measure != LODE_OFF) {
+        return LODE_ERROR_CHOICE;
     }
     if (!lode_in_range(config->damping, LODE_NONE, 2.0f)) {
         return LODE_ERROR_START_DAMPING;
@@ -147,9 +173,13 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .lock_rounds = rounds_in(config->lock_s, ts_s),
         .current_last_A = config->current_last_A,
         .ramp_rounds = ramp_s(config) / round_s,
-        .still_rounds = (config->current_rise_s + config->lock_s) / round_s,
+        .still_rounds = (config->current_rise_s + dwell_s(config) + config->lock_s) / round_s,
         .patience_rounds = PATIENCE_s / round_s,
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
+        .r_more_max_Ohm = RESISTANCE_MORE_MAX * (motor->Rs_Ohm + inverter->r_on_Ohm),
+        .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
+        .calm_rounds = rounds_in(CALM_TIME_s, ts_s),
+        .dwell_rounds = config->measure == LODE_ON ? rounds_in(DWELL_TIME_s, ts_s) : 0u,
     };
     return LODE_OK;
 }
@@ -160,12 +190,14 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
                            .current_A = current_A,
                            .omega_target = omega_rad_s,
                            .current_target = current_A,
+                           .level = LODE_START_LEVELS,
                            .ease = 1.0f};
 }
 
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
     lode_start_reset(self, (lode_sincos_t){0.0f, 1.0f}, 0.0f, 0.0f);
     self->catching = tuning->catch_rounds;
+    self->level = tuning->dwell_rounds > 0u ? 0u : LODE_START_LEVELS;
 }
 
 static float attempt_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
@@ -183,14 +215,45 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
         self->omega_rad_s = 0.0f;
         self->current_A = 0.0f;
         self->ease = lode_max(EASE * self->ease, EASE_LAST);
+        self->level = tuning->dwell_rounds > 0u ? 0u : LODE_START_LEVELS;
     }
+}
+
+bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
+                        lode_start_found_t *found) {
+    if (self->level >= LODE_START_LEVELS || !(self->current_A > 0.0f) ||
+        self->current_A < self->current_target) {
+        return false;
+    }
+    self->dwelt++;
+    const lode_dq_t seen_V = lode_park(e_V, lode_start_vector(self, tuning));
+    if (self->dwelt > tuning->dwell_rounds / SETTLE_PART && lode_abs(seen_V.q) <= tuning->calm_V) {
+        self->calm++;
+        self->sum_V += seen_V.d;
+    }
+    const bool known = self->calm >= tuning->calm_rounds;
+    if (!known && self->dwelt < tuning->dwell_rounds) {
+        return false;
+    }
+    const float mean_V = self->sum_V / (float)(int32_t)tuning->calm_rounds;
+    const bool last = self->level > 0u;
+    // (S13), (S14)
+    found->r_Ohm = (mean_V - self->along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
+    found->dead_V = mean_V - found->r_Ohm * self->current_A;
+    self->along_V = mean_V;
+    self->level = known ? self->level + 1u : LODE_START_LEVELS;
+    self->dwelt = 0u;
+    self->calm = 0u;
+    self->sum_V = 0.0f;
+    return known && last;
 }
 
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
     const bool last = current_A > 0.0f && self->ease <= EASE_LAST;
     self->omega_target = omega_target_rad_s;
-    self->current_target = last ? tuning->current_last_A : current_A;
+    self->current_target =
+        (last ? tuning->current_last_A : current_A) * (self->level == 0u ? LEVEL_SHARE : 1.0f);
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length
     self->rounds++;

@@ -12,11 +12,11 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
     // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
     // turn, or a rotor that happens to lie opposite to it would feel no torque.
     float advance_rad = tuning->ts_s * self->omega_rad_s;
-    if (!(self->current_A < self->current_target)) {
+    if (!(self->current_A < self->current_target) && !(self->level < LODE_START_LEVELS)) {
         const float most = self->ease * tuning->omega_step;
         self->omega_rad_s += lode_clamp(self->omega_target - self->omega_rad_s, -most, most);
         advance_rad = tuning->ts_s * self->omega_rad_s;
-    } else if (!(lode_abs(self->omega_rad_s) > 0.0f)) {
+    } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f)) {
         advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
     }
     self->current_A += lode_clamp(self->current_target - self->current_A, -tuning->current_step,

@@ -411,6 +411,12 @@ static void test_implausible_currents_of_either_set_trip(void) {
     rig6_t sound = turning(&config, 600.0, LOAD_Nm);
     for (int stuck = 1; stuck <= 6; stuck++) {
         rig6_t rig = sound;
+        // One that keeps still near zero is an open phase to all that can be seen.
+        for (double count = 2048.0; fabs(count - 2048.0) < 80.0;) {
+            rig6_step(&rig);
+            const lode_counts6_t counts = rig6_counts(&rig);
+            count = (double)counts.set[(stuck - 1) / 3].i[(stuck - 1) % 3];
+        }
         CHECK_AT_MOST(5.0e-3, until_implausible(&rig, stuck) * RIG6_TS_s);
         expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
         TEST_ASSERT_EQUAL_FLOAT((float)stuck, rig6_telemetry(&rig).drive.fault.measured);

@@ -67,7 +67,7 @@ static void test_reset_forgets_what_is_on_its_way(void) {
 /// Duty that a phase which carries `i` loses.
 static double error_of(const lode_inverter_tuning_t *tuning, double i, double span, double bus) {
     const lode_dead_time_t dead_time =
-        lode_inverter_dead_time(tuning, (float)span, (float)(1.0 / bus));
+        lode_inverter_dead_time(tuning, 0.0f, (float)span, (float)(1.0 / bus));
     return (double)lode_inverter_error(&dead_time, (float)i);
 }
 
@@ -329,15 +329,52 @@ static void test_design_decides(void) {
     CHECK_CLOSE(1.0e-5, 0.75 * 200.0 * 2.0e-4 / (6.0 * 6.65e-3), config.i_dead_A);
     lode_inverter_config_t ideal = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
     lode_inverter_design(&ideal, &motor, PAPER_TS_s);
-    TEST_ASSERT_EQUAL_INT(LODE_OFF, ideal.dead_time_correction);
+    TEST_ASSERT_EQUAL_INT(LODE_ON, ideal.dead_time_correction); // of what the start may find
     const lode_inverter_config_t all = sound();
     lode_inverter_config_t kept = all;
     lode_inverter_design(&kept, &motor, PAPER_TS_s);
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
 }
 
+/// The voltage along the current that a phase's share of lost time makes, averaged over its directions.
+static double along_V(double dead_s) {
+    return 4.0 / CHECK_PI * 200.0 * dead_s / PAPER_TS_s;
+}
+
+static void test_what_is_measured_is_shared_out(void) {
+    const lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    lode_inverter_t inverter;
+    lode_inverter_reset(&inverter);
+    inverter.v_bus_V = 200.0f;
+    lode_inverter_adapt(&inverter, &tuning, (lode_dq_t){0.0f, 0.0f});
+    lode_inverter_correct(&inverter, &tuning, 0.2f, (float)along_V(0.6e-6), 8.0f);
+    lode_inverter_correct(&inverter, &tuning, 0.1f, (float)along_V(-0.2e-6), 8.0f);
+    CHECK_CLOSE(1.0e-4, 0.3, inverter.r_more_Ohm);
+    CHECK_CLOSE(1.0e-4, 0.4e-6 / PAPER_TS_s, inverter.dead_more);
+    // It is what the dead time's loss is made of.
+    lode_inverter_adapt(&inverter, &tuning, (lode_dq_t){0.0f, 0.0f});
+    CHECK_CLOSE(1.0e-4, 4.4e-6 / PAPER_TS_s + 1.2 / 200.0,
+                2.0f * inverter.dead_time.i_dead_A * inverter.dead_time.slope_A);
+    // Up to 1.5 us; the rest counts as resistance, at the current that it was measured with.
+    lode_inverter_correct(&inverter, &tuning, 0.0f, (float)along_V(2.1e-6), 8.0f);
+    CHECK_CLOSE(1.0e-4, 1.5e-6 / PAPER_TS_s, inverter.dead_more);
+    CHECK_CLOSE(1.0e-4, 0.3 + along_V(1.0e-6) / 8.0, inverter.r_more_Ohm);
+    // Without a correction all of it.
+    lode_inverter_config_t plain = sound();
+    plain.dead_time_correction = LODE_OFF;
+    const lode_inverter_tuning_t off = tuned(&plain);
+    lode_inverter_reset(&inverter);
+    inverter.v_bus_V = 200.0f;
+    lode_inverter_adapt(&inverter, &off, (lode_dq_t){0.0f, 0.0f});
+    lode_inverter_correct(&inverter, &off, 0.2f, (float)along_V(0.5e-6), 8.0f);
+    TEST_ASSERT_TRUE(inverter.dead_more == 0.0f);
+    CHECK_CLOSE(1.0e-4, 0.2 + along_V(0.5e-6) / 8.0, inverter.r_more_Ohm);
+}
+
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_what_is_measured_is_shared_out);
     RUN_TEST(test_voltage_is_of_the_call_before_last_at_the_bus_of_the_last);
     RUN_TEST(test_reset_forgets_what_is_on_its_way);
     RUN_TEST(test_error_at_full_modulation_is_a_ramp_to_a_constant);

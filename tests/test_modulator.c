@@ -50,7 +50,8 @@ static bool is_free(const lode_inverter_tuning_t *tuning, lode_ab_t v) {
 static lode_modulator_out_t modulated(const lode_inverter_tuning_t *tuning, lode_ab_t u, float bus,
                                       lode_ab_t i) {
     const float per_V = per_volt(tuning, bus);
-    const lode_dead_time_t dead_time = lode_inverter_dead_time(tuning, span_of(u, bus), per_V);
+    const lode_dead_time_t dead_time =
+        lode_inverter_dead_time(tuning, 0.0f, span_of(u, bus), per_V);
     const lode_ab_t v = lode_ab_scale(per_V, u);
     return lode_modulator_step(tuning, &dead_time, v, i, is_free(tuning, v));
 }
@@ -286,8 +287,8 @@ static void test_no_duty_of_the_fast_path_leaves_its_range(void) {
             const lode_ab_t i = vector(random_between(&random, 0.0, n % 5 == 0 ? 100.0 : 1.0),
                                        random_between(&random, 0.0, 6.3));
             const float per_V = per_volt(tuning, bus);
-            const lode_dead_time_t dead_time =
-                lode_inverter_dead_time(tuning, random_float(&random, 0.0, 1.0), per_V);
+            const lode_dead_time_t dead_time = lode_inverter_dead_time(
+                tuning, tuning->dead_more_max, random_float(&random, 0.0, 1.0), per_V);
             const lode_modulator_out_t out =
                 lode_modulator_step(tuning, &dead_time, lode_ab_scale(per_V, u), i, true);
             TEST_ASSERT_TRUE(inside(out.duty));
@@ -313,7 +314,8 @@ static void test_rounding_at_large_currents_leaves_duties_in_range(void) {
         lode_inverter_bound_current(&tuning, i_A);
         TEST_ASSERT_TRUE(tuning.free < before);
         const float per_V = per_volt(&tuning, 200.0f);
-        const lode_dead_time_t dead_time = lode_inverter_dead_time(&tuning, 0.0f, per_V);
+        const lode_dead_time_t dead_time =
+            lode_inverter_dead_time(&tuning, tuning.dead_more_max, 0.0f, per_V);
         for (int n = 0; n < CHECK_TRIES(20000); n++) {
             const lode_ab_t u =
                 vector(0.999999 * free_length(&tuning, 200.0), n * CHECK_PI / 1800.0);
@@ -377,7 +379,8 @@ static void test_the_fast_path_is_as_long_as_the_loss_leaves(void) {
     const lode_inverter_tuning_t none = ideal();
     CHECK_CLOSE(1.1e-3, 1.0 / sqrt(3.0), none.free);
     const lode_inverter_tuning_t on = inverter(4.0e-6f, 0.0f, LODE_ON, LODE_OFF);
-    const double loss = 0.02 + 1.0 / (double)on.v_min_V;
+    const double more = 1.5e-6 / PAPER_TS_s; // that the start may find
+    const double loss = 0.02 + more + 1.0 / (double)on.v_min_V;
     CHECK_CLOSE(1.1e-3, (1.0 - 2.0 * loss) / sqrt(3.0), on.free);
     // The timer's grid takes nothing: a duty inside the range stays there.
     TEST_ASSERT_TRUE(inverter(4.0e-6f, 8400.0f, LODE_ON, LODE_OFF).free == on.free);

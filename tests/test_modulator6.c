@@ -84,7 +84,7 @@ static void test_beyond_the_hexagon_realised_is_what_the_duties_make(void) {
 static void test_all_six_legs_are_corrected(void) {
     const float dead = 2.0e-6f;
     const lode_inverter_tuning_t tuning = inverter(dead, 0.0f);
-    const lode_dead_time_t dead_time = lode_inverter_dead_time(&tuning, 0.5f, 1.0f / V_BUS);
+    const lode_dead_time_t dead_time = lode_inverter_dead_time(&tuning, 0.0f, 0.5f, 1.0f / V_BUS);
     const lode_ab_t u = vector(100.0, 0.4);
     const lode_ab_t i = vector(8.0, 0.9); // every phase of both sets well beyond the dead band
     const lode_sets_t v = per_volt((lode_sets_t){{u, u}});

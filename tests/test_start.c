@@ -20,6 +20,7 @@ static lode_start_config_t sound(void) {
                                  .lock_s = 0.05f,
                                  .catch_s = 0.05f,
                                  .timeout_s = 3.0f,
+                                 .measure = LODE_OFF,
                                  .fade_s = 0.1f};
 }
 
@@ -431,7 +432,8 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 0.1, config.fade_s);
     // Three attempts, each with a quarter of the ramp before: twice the profile, or 0.4 s more.
     const double ramp_s = (double)config.omega_handover_rad_s / (double)config.ramp_rad_s2;
-    const double profiles_s = 0.3 + ramp_s + 0.3 + 4.0 * ramp_s + 0.3 + 16.0 * ramp_s;
+    const double still_s = 0.3 + 2.0 * 0.15; // with the measurement at two currents
+    const double profiles_s = 3.0 * still_s + 21.0 * ramp_s;
     CHECK_CLOSE(1.0e-5, 2.0 * profiles_s, config.timeout_s);
     lode_motor_t heavy = motor;
     heavy.J_kgm2 = 10.0f;
@@ -499,8 +501,112 @@ static void test_each_attempt_is_easier(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, start.ease);
 }
 
+#define DWELLS 2
+
+/// A rotor at rest, or one that swings; returns the rounds that the measurement took.
+static int measure(const lode_start_config_t *config, double r_Ohm, double dead_V, double across_V,
+                   bool *known, lode_start_found_t *found) {
+    const lode_start_tuning_t tuning = tuned(config);
+    lode_start_t start;
+    lode_start_begin(&start, &tuning);
+    start.catching = 0u;
+    *known = false;
+    double least_A = 0.0;
+    int dwelt = 0;
+    for (int n = 1; n <= 10000 && !(start.omega_rad_s > 0.0f); n++) {
+        const double along_V = r_Ohm * (double)start.current_A + dead_V;
+        const lode_dq_t e = {(float)along_V, (float)across_V};
+        const lode_ab_t e_V = lode_park_inverse(e, lode_start_vector(&start, &tuning));
+        if (n % ROUND == 1) {
+            lode_start_found_t now;
+            if (lode_start_measure(&start, &tuning, e_V, &now)) {
+                TEST_ASSERT_FALSE(*known);
+                *known = true;
+                *found = now;
+            }
+            lode_start_aim(&start, &tuning, 47.0f, config->current_A);
+            dwelt += start.current_A >= start.current_target ? 1 : 0;
+        }
+        TEST_ASSERT_TRUE((double)start.current_A >= least_A); // it only rises
+        least_A = (double)start.current_A;
+        (void)lode_start_step(&start, &tuning, e_V);
+    }
+    CHECK_CLOSE(1.0e-5, config->current_A, start.current_A);
+    TEST_ASSERT_TRUE(start.omega_rad_s > 0.0f); // and goes on
+    return dwelt;
+}
+
+static void test_resistance_and_dead_time_are_measured_at_rest(void) {
+    lode_start_config_t config = sound();
+    config.measure = LODE_ON;
+    config.damping = LODE_NONE;
+    lode_start_found_t found = {0.0f, 0.0f};
+    bool known = false;
+    // A mean of 20 ms after 10 ms to settle, at two currents.
+    CHECK_NEAR(6.0, DWELLS * 30.0e-3 / (ROUND * 2.0e-4),
+               measure(&config, 0.3, -1.2, 0.0, &known, &found));
+    TEST_ASSERT_TRUE(known);
+    CHECK_CLOSE(1.0e-4, 0.3, found.r_Ohm);
+    CHECK_CLOSE(1.0e-4, -1.2, found.dead_V);
+    // A rotor that moves has an EMF of its own along the vector: given up after 0.15 s.
+    const int given_up = (int)(0.15 / (ROUND * 2.0e-4));
+    CHECK_NEAR(4.0, given_up, measure(&config, 0.3, -1.2, 5.0, &known, &found));
+    TEST_ASSERT_FALSE(known);
+    config.measure = LODE_OFF;
+    CHECK_AT_MOST(4.0, measure(&config, 0.3, -1.2, 0.0, &known, &found));
+    TEST_ASSERT_FALSE(known);
+}
+
+static void test_a_new_attempt_measures_again(void) {
+    lode_start_config_t config = sound();
+    config.measure = LODE_ON;
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_begin(&start, &tuning);
+    start.catching = 0u;
+    int first = 0;
+    for (int n = 1; start.ease > 0.5f; n++) {
+        lode_start_found_t found;
+        if (n % ROUND == 1) {
+            first += lode_start_measure(&start, &tuning, no_emf, &found) ? 1 : 0;
+        }
+        (void)step(&start, &tuning, n, 47.0f, 8.0f, no_emf);
+    }
+    TEST_ASSERT_EQUAL_INT(1, first);
+    int second = 0;
+    for (int n = 1; n <= 5000; n++) {
+        lode_start_found_t found;
+        if (n % ROUND == 1) {
+            second += lode_start_measure(&start, &tuning, no_emf, &found) ? 1 : 0;
+        }
+        (void)step(&start, &tuning, n, 47.0f, 8.0f, no_emf);
+    }
+    TEST_ASSERT_EQUAL_INT(1, second);
+    // On the way to a stop there is nothing to measure.
+    lode_start_begin(&start, &tuning);
+    lode_start_aim(&start, &tuning, 0.0f, 0.0f);
+    TEST_ASSERT_TRUE(start.current_target == 0.0f);
+}
+
+static void test_measuring_is_a_choice(void) {
+    const lode_motor_t motor = paper_motor();
+    lode_start_config_t config = sound();
+    config.measure = LODE_AUTO;
+    lode_start_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, lode_start_tune(&tuning, &config, &inverter, &motor,
+                                                             OMEGA_MAX, PAPER_TS_s));
+    lode_start_design(&config, &inverter, &motor, PAPER_TS_s);
+    TEST_ASSERT_EQUAL_INT(LODE_ON, config.measure);
+    config.measure = LODE_OFF;
+    lode_start_design(&config, &inverter, &motor, PAPER_TS_s);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, config.measure);
+}
+
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_resistance_and_dead_time_are_measured_at_rest);
+    RUN_TEST(test_a_new_attempt_measures_again);
+    RUN_TEST(test_measuring_is_a_choice);
     RUN_TEST(test_hand_over_speed_follows_what_is_not_known);
     RUN_TEST(test_each_attempt_is_easier);
     RUN_TEST(test_current_rises_first_then_the_vector_turns);

@@ -33,6 +33,7 @@ typedef struct {
 typedef struct {
     float v_min_V;   ///< least bus voltage that is divided by
     float dead_duty; ///< share of the period lost to dead time; this and the next 0: not looked at
+    float dead_more_max; ///< of what may be measured beyond it
     float v_drop_V;
     float i_dead_min_A;  ///< at no modulation
     float i_dead_span_A; ///< added at full modulation
@@ -58,6 +59,9 @@ typedef struct {
     float v_bus_V;        ///< bus voltage sampled at the start of the period under way
     float per_V;          ///< 1/v_bus
     lode_dead_time_t dead_time;
+    float
+        dead_more; ///< share of the period lost beyond lode_inverter_tuning_t.dead_duty, as measured
+    float r_more_Ohm; ///< resistance beyond the configured one, as measured
 } lode_inverter_t;
 
 /// Fills every zero field that has a default.
@@ -72,6 +76,11 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
 /// Takes of `free` what the dead-time error loses to rounding at phase currents up to `i_A`, which are
 /// large beside i_dead.
 void lode_inverter_bound_current(lode_inverter_tuning_t *tuning, float i_A);
+
+/// Takes what has been measured at the current `current_A`, of what is not reckoned with yet: resistance, and
+/// voltage along the current that does not depend on its length.
+void lode_inverter_correct(lode_inverter_t *self, const lode_inverter_tuning_t *tuning, float r_Ohm,
+                           float dead_V, float current_A);
 
 /// No voltage on its way.
 void lode_inverter_reset(lode_inverter_t *self);

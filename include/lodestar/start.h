@@ -27,7 +27,10 @@ typedef struct {
     float lock_s;         ///< lock quality must have held for this long; 0: 0.1
     float catch_s;   ///< zero current, to see whether the rotor turns already; 0: 0.05; LODE_NONE
     float timeout_s; ///< from start to hand-over; 0: three attempts
-    float fade_s;    ///< from the start current to the references after hand-over; 0: 0.1
+    /// what resistance and dead time are beyond the configured ones, by the voltage that half and all of the
+    /// start current take at standstill; auto: on
+    lode_choice_t measure;
+    float fade_s; ///< from the start current to the references after hand-over; 0: 0.1
 } lode_start_config_t;
 
 typedef struct {
@@ -49,7 +52,17 @@ typedef struct {
     float still_rounds;    ///< of current rise and lock
     float patience_rounds; ///< at least, after the profile
     uint32_t timeout_rounds;
+    float r_more_max_Ohm;  ///< of what may be measured
+    float calm_V;          ///< EMF across a vector by which the rotor stands still
+    uint32_t calm_rounds;  ///< of such voltages in a mean
+    uint32_t dwell_rounds; ///< of standstill at most for one mean; 0: nothing is measured
 } lode_start_tuning_t;
+
+/// What the measurement at standstill has found.
+typedef struct {
+    float r_Ohm;  ///< resistance beyond the one that is reckoned with
+    float dead_V; ///< voltage along the current whatever its length
+} lode_start_found_t;
 
 typedef struct {
     lode_sincos_t at;  ///< angle of the current vector before damping
@@ -63,9 +76,16 @@ typedef struct {
     uint32_t catching; ///< rounds left to find a rotor that turns already
     uint32_t attempt;  ///< rounds since the present attempt began
     uint32_t rounds;   ///< since the start
+    uint32_t dwelt;    ///< rounds at the present level of the measurement
+    uint32_t calm;     ///< of them with the rotor at rest
+    uint32_t level;    ///< of the measurement: half the current, all of it, done
+    float sum_V;       ///< of the voltages along the current
+    float along_V;     ///< their mean at half the current
     float ease;        ///< share of the ramp in the present attempt: 1, a quarter, a sixteenth
 } lode_start_t;
 
+/// Currents at which the voltage at rest is measured.
+#define LODE_START_LEVELS 2u
 /// Lock quality from which the estimator may take over: well above LODE_LOCK_LOST.
 #define LODE_LOCK_HANDOVER 0.7f
 /// The vector gives way, it does not run away.
@@ -90,6 +110,11 @@ void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
 /// stay, because it counts the time that an attempt takes.
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A);
+
+/// Once in LODE_SLOW_PERIODS: measures what the voltage along the current has that is no EMF. True once, when
+/// `found` is known.
+bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
+                        lode_start_found_t *found);
 
 /// Once in LODE_SLOW_PERIODS: whether the estimate is good enough to run on. While looking for a rotor
 /// that turns already that is one of either direction; later at hand-over speed, in the direction of the

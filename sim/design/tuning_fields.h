@@ -25,6 +25,7 @@
     ROW(BOOL, bool, sense.two_shunts) \
     ROW(FLOAT, float, inverter.v_min_V) \
     ROW(FLOAT, float, inverter.dead_duty) \
+    ROW(FLOAT, float, inverter.dead_more_max) \
     ROW(FLOAT, float, inverter.v_drop_V) \
     ROW(FLOAT, float, inverter.i_dead_min_A) \
     ROW(FLOAT, float, inverter.i_dead_span_A) \
@@ -154,6 +155,10 @@
     ROW(FLOAT, float, start.still_rounds) \
     ROW(FLOAT, float, start.patience_rounds) \
     ROW(WHOLE, uint32_t, start.timeout_rounds) \
+    ROW(FLOAT, float, start.r_more_max_Ohm) \
+    ROW(FLOAT, float, start.calm_V) \
+    ROW(WHOLE, uint32_t, start.calm_rounds) \
+    ROW(WHOLE, uint32_t, start.dwell_rounds) \
     ROW(FLOAT, float, guard.i_trip) \
     ROW(FLOAT, float, guard.v_bus_max) \
     ROW(FLOAT, float, guard.v_bus_min) \
