@@ -57,7 +57,12 @@ static bool add_listed(mc_campaign_t *campaign, const char *list) {
 }
 
 static bool describe(mc_campaign_t *campaign, const options_t *options) {
-    campaign->test = strcmp(options->test, "run") == 0 ? MC_RUN : MC_START;
+    campaign->test = MC_START;
+    for (int k = MC_START; k <= MC_QUIET; ++k) {
+        if (strcmp(options->test, mc_test_name((mc_test_t)k)) == 0) {
+            campaign->test = (mc_test_t)k;
+        }
+    }
     campaign->errors = campaign->test == MC_START ? MC_ERRORS_START : MC_ERRORS_NARROW;
     for (int k = MC_ERRORS_NARROW; options->errors != NULL && k <= MC_ERRORS_START; ++k) {
         if (strcmp(options->errors, mc_errors_name((mc_errors_t)k)) == 0) {

@@ -8,7 +8,7 @@
 
 #include "config/rig_config.h"
 
-typedef enum { MC_START, MC_RUN } mc_test_t;
+typedef enum { MC_START, MC_RUN, MC_QUIET } mc_test_t;
 
 typedef enum { MC_ERRORS_NARROW, MC_ERRORS_WIDE, MC_ERRORS_START } mc_errors_t;
 

@@ -23,6 +23,7 @@ typedef struct {
 /// A case without a row has done == 0.
 typedef struct {
     uint_least8_t done, passed, listed;
+    uint64_t periods;
     float max_error_deg;
     char cause[112];
 } mc_row_t;

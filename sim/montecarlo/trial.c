@@ -20,6 +20,8 @@
 #define RIPPLE_SHARE 0.1          // of 100 % torque: the reference at a steady load
 #define RIPPLE_LOAD_SHARE 0.2
 #define RIPPLE_s 0.3
+#define QUIET_PERIODS 20000 // of the same speed and load
+enum { GLIDE_STEPS = 100 }; // of a gentle change
 #define LISTED_s 0.01
 #define LISTED_SHARE 0.5
 
@@ -88,6 +90,7 @@ static bool follow_error(trial_t *trial) {
         trial->useless_s = -1.0;
         return true;
     }
+    trial->result->periods++;
     const double error_deg = fabs(rig_angle_error_deg(
         (double)lode_estimate_theta_rad(&trial->now.estimate), trial->now.truth.theta_e_rad));
     trial->result->max_error_deg = fmax(trial->result->max_error_deg, error_deg);
@@ -272,6 +275,52 @@ static bool all_changes(trial_t *trial) {
     return good && go(trial, "reversal, 50 % load", slow);
 }
 
+// ---- Nothing to trip for ------------------------------------------------------------------------
+
+/// To a speed and a passive load, of 100 %, in small steps that speed control follows.
+static bool glide(trial_t *trial, double omega_e_rad_s, const double share[2]) {
+    const double from = trial->command_m_rad_s * trial->machine->np;
+    const double to = trial->one->direction * omega_e_rad_s;
+    const double limit_s = settle_limit_s(trial, (to - from) / trial->machine->np);
+    bool good = true;
+    for (int k = 1; good && k <= GLIDE_STEPS; ++k) {
+        const double part = (double)k / GLIDE_STEPS;
+        command(trial, from + part * (to - from));
+        load_passive(trial, share[0] + part * (share[1] - share[0]));
+        good = wait(trial, limit_s / GLIDE_STEPS);
+    }
+    return good && settle(trial, limit_s);
+}
+
+static bool all_quiet(trial_t *trial) {
+    static const double speeds[] = {0.0, 0.5, 0.9}; // of full speed; 0: the slow one
+    static const double loads[] = {0.0, RIPPLE_LOAD_SHARE, 0.5};
+    double share[2] = {0.0, 0.0};
+    for (int n = 0; n < 9; ++n) {
+        const double speed =
+            fmax(speeds[n % 3] * trial->machine->full_e_rad_s, trial->one->slow_e_rad_s);
+        share[1] = loads[n / 3];
+        trial->what = share[1] > 0.0 ? "steady, with load" : "steady, without load";
+        if (!glide(trial, speed, share) || !wait(trial, QUIET_PERIODS * trial->ts_s)) {
+            return false;
+        }
+        share[0] = share[1];
+    }
+    return true;
+}
+
+static bool after_start(trial_t *trial, mc_test_t test) {
+    switch (test) {
+    case MC_RUN:
+        return all_load_steps(trial) && all_changes(trial);
+    case MC_QUIET:
+        return all_quiet(trial);
+    case MC_START:
+    default:
+        return true;
+    }
+}
+
 void mc_trial(mc_result_t *result, const mc_machine_t *machine, const mc_case_t *one,
               mc_test_t test) {
     static trial_t trial; // large; one at a time
@@ -292,6 +341,5 @@ void mc_trial(mc_result_t *result, const mc_machine_t *machine, const mc_case_t 
     }
     plant_set_passive(&trial.rig.plant, true);
     plant_set_load(&trial.rig.plant, one->start_load_Nm);
-    result->passed =
-        start(&trial) && (test == MC_START || (all_load_steps(&trial) && all_changes(&trial)));
+    result->passed = start(&trial) && after_start(&trial, test);
 }

@@ -1,4 +1,5 @@
-/// Runs one case: a start under load, or a start and all that a drive meets afterwards.
+/// Runs one case: a start under load; a start and all that a drive meets afterwards; or a start and
+/// thousands of periods in which nothing happens that a guard should trip for.
 #ifndef MONTECARLO_TRIAL_H
 #define MONTECARLO_TRIAL_H
 
@@ -13,6 +14,7 @@ typedef struct {
     bool noticed; ///< failed with a fault
     char cause[96];
     double max_error_deg; ///< in RUN; NaN: never in RUN
+    uint64_t periods;     ///< in RUN
     int listed; ///< load steps left out: unanswered they would halve the speed within 10 ms
 } mc_result_t;
 

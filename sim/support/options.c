@@ -158,7 +158,7 @@ static const command_t commands[] = {
      "turns\n"
      "back. Exit code 0 where nothing is silent: no fault although something is wrong."},
     {"monte-carlo", COMMAND_MONTE_CARLO, MONTE_CARLO,
-     "lodestar monte-carlo start|run [OPTION...]\n"
+     "lodestar monte-carlo start|run|quiet [OPTION...]\n"
      "       lodestar monte-carlo merge F.json... [--json F.json]",
      "Runs many motors with wrong parameters in their drives, and counts failures by cause.\n"
      "start: from rest at any angle under a load. run: then load steps, changes of speed and "
@@ -470,12 +470,13 @@ static bool check_run(const options_t *options) {
 }
 
 static bool check_monte_carlo(const options_t *options) {
-    static const char what[] = "start, run, or merge with files";
+    static const char what[] = "start, run, quiet, or merge with files";
     if (!needs("monte-carlo", what, options->test)) {
         return false;
     }
     const bool merge = strcmp(options->test, "merge") == 0;
-    if (!merge && strcmp(options->test, "start") != 0 && strcmp(options->test, "run") != 0) {
+    if (!merge && strcmp(options->test, "start") != 0 && strcmp(options->test, "run") != 0 &&
+        strcmp(options->test, "quiet") != 0) {
         rig_error("monte-carlo %s: expected %s", options->test, what);
         return false;
     }

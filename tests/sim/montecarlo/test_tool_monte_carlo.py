@@ -4,7 +4,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
-from tool import Checks, Folder, refused
+from tool import FULL, Checks, Folder, refused
 
 MOTORS = "jiang2022,highspeed_100krpm,fan_325V"
 
@@ -76,10 +76,23 @@ def bars(checks, folder):
     checks.true("LODE_ERROR_START_DAMPING, init" in unfit.stdout, f"a drive that init refuses: {unfit.stdout}")
 
 
+def quiet(checks, folder):
+    """No false trip in 10^7 periods over the catalogue, 10^8 in the long campaign; and one is counted as one."""
+    done, text = run(folder, "quiet", "--n", 14 if FULL else 2)
+    print(done.stdout[done.stdout.rindex("all  "):])
+    checks.equal(done.returncode, 0, f"no false trip: {done.stdout}")
+    periods = sum(row["periods"] for row in rows_of(text).values())
+    checks.true(periods >= (1e8 if FULL else 1e7), f"{periods} periods in RUN")
+    checks.true(f"{periods:.3g} periods in RUN, 0 false trips" in done.stdout, f"{periods} periods in {done.stdout}")
+    low = folder.run("monte-carlo", "quiet", "--motors", "jiang2022", "--n", 1, "--set", "guard.omega_max_rad_s=200")
+    checks.equal(low.returncode, 1, "a trip at a speed that is asked for")
+    checks.true("1 false trips  BAR MISSED: none" in low.stdout, f"a false trip is counted: {low.stdout}")
+
+
 def refusals(checks, folder):
-    for arguments, expected in ((["monte-carlo"], "expected start, run, or merge with files"),
-                                (["monte-carlo", "merge"], "expected start, run, or merge with files"),
-                                (["monte-carlo", "walk"], "expected start, run, or merge with files"),
+    for arguments, expected in ((["monte-carlo"], "expected start, run, quiet, or merge with files"),
+                                (["monte-carlo", "merge"], "expected start, run, quiet, or merge with files"),
+                                (["monte-carlo", "walk"], "expected start, run, quiet, or merge with files"),
                                 (["monte-carlo", "start", "x.json"], "expected nothing there"),
                                 (["monte-carlo", "start", "--errors", "huge"], "expected narrow, wide or start"),
                                 (["monte-carlo", "start", "--n", "0"], "expected a whole number, 1 .. "),
@@ -101,6 +114,7 @@ def main():
         cases(checks, folder)
         shards(checks, folder)
         bars(checks, folder)
+        quiet(checks, folder)
         refusals(checks, folder)
     checks.done()
 
