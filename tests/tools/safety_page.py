@@ -56,8 +56,8 @@ def where(root, test, run_by):
 
 
 def cell(test, paths):
-    """Several programs: the folder, so that one more of them leaves the page as it is."""
-    path = paths[0] if len(paths) == 1 else pathlib.Path(paths[0]).parent.as_posix()
+    """Of the ports only the folder, so that one more of them leaves the page as it is."""
+    path = "tests/port" if paths[0].startswith("tests/port/") else paths[0]
     return f"`{test}` ([{pathlib.Path(path).name}](../{path}))"
 
 
