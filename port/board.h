@@ -67,4 +67,8 @@ void app_period(void);
 /// Of the application: the motor's data, for a board that brings samples to t_k. From board_init() on.
 lode_motor_t app_motor(void);
 
+/// Of the application: the drive, for a board that makes three currents of one shunt's and must know offset and
+/// bus voltage. Interrupt, to read only.
+const lode_drive_t *app_drive(void);
+
 #endif

@@ -20,11 +20,31 @@ float port_duty_max(float f_pwm_Hz, float settle_ns, float sample_ns) {
     return 1.0f - 2.0f * lode_max(settle_ns, sample_ns) / NS_PER_S * f_pwm_Hz;
 }
 
+lode_single_shunt_config_t port_link_config(const lode_drive_config_t *config, float settle_ns,
+                                            float sample_ns, float L_H) {
+    return (lode_single_shunt_config_t){.f_pwm_Hz = config->f_pwm_Hz,
+                                        .i_gain_A_count = config->sense.i_gain_A_count,
+                                        .window_s = (settle_ns + sample_ns) / NS_PER_S,
+                                        .sample_s = sample_ns / NS_PER_S,
+                                        .L_H = L_H};
+}
+
+// A window that is refused leaves 0: the board's initialisation fails by it.
+static float link_voltage_use(const lode_drive_config_t *config, float settle_ns, float sample_ns) {
+    const lode_single_shunt_config_t link = port_link_config(config, settle_ns, sample_ns, 0.0f);
+    lode_single_shunt_tuning_t tuning;
+    const lode_status_t status = lode_single_shunt_tune(&tuning, &link);
+    return status == LODE_OK ? lode_single_shunt_voltage_use(&tuning) : 0.0f;
+}
+
 void port_sensing(lode_drive_config_t *config, port_sensing_t sensing, float settle_ns,
                   float sample_ns) {
     const bool two = sensing == PORT_LOW_SIDE_TWO || sensing == PORT_IN_LINE_TWO;
     config->sense.shunts = two ? LODE_SHUNTS_TWO : LODE_SHUNTS_THREE;
     config->sense.duty_max = 1.0f;
+    if (sensing == PORT_LINK_ONE) {
+        config->current.voltage_use = link_voltage_use(config, settle_ns, sample_ns);
+    }
     if (sensing == PORT_LOW_SIDE_THREE || sensing == PORT_LOW_SIDE_TWO) {
         const float duty_max = port_duty_max(config->f_pwm_Hz, settle_ns, sample_ns);
         const float loss = config->inverter.dead_time_s * config->f_pwm_Hz;

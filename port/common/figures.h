@@ -20,13 +20,18 @@ typedef enum {
     PORT_LOW_SIDE_THREE, ///< shunts behind all three low sides
     PORT_LOW_SIDE_TWO,   ///< behind those of a and b
     PORT_IN_LINE_THREE,  ///< in the phases themselves: seen whatever switches
-    PORT_IN_LINE_TWO     ///< in a and b
+    PORT_IN_LINE_TWO,    ///< in a and b
+    PORT_LINK_ONE        ///< one in the DC link
 } port_sensing_t;
 
 /// Fills `sense.shunts`, `sense.duty_max` and `current.voltage_use` in; inverter and f_pwm_Hz must stand.
 /// `settle_ns`, `sample_ns`: as below, without meaning in line.
 void port_sensing(lode_drive_config_t *config, port_sensing_t sensing, float settle_ns,
                   float sample_ns);
+
+/// One shunt in the DC link of a drive; `settle_ns` from any edge on.
+lode_single_shunt_config_t port_link_config(const lode_drive_config_t *config, float settle_ns,
+                                            float sample_ns, float L_H);
 
 /// A trip threshold, not below what offsets allow and not above what board and amplifier bear.
 float port_trip_A(float wanted_A, float least_A, float most_A);

@@ -133,6 +133,10 @@ lode_motor_t app_motor(void) {
     return config.motor;
 }
 
+LODE_RAMFUNC const lode_drive_t *app_drive(void) {
+    return &drive;
+}
+
 lode_status_t app_status(void) {
     return status;
 }

@@ -40,6 +40,33 @@ static void enables_set(bool on) {
 
 #endif
 
+#ifdef VARIANT_LINK
+
+#include "link.h"
+
+static inline bool currents_read(uint16_t count[3]) {
+    return chip_link_read(count);
+}
+
+static inline void duties_write(const lode_drive_out_t *out) {
+    chip_link_write(out);
+}
+
+#else
+
+static inline bool currents_read(uint16_t count[3]) {
+    count[0] = (uint16_t)REG_READ(VARIANT_COUNT_A);
+    count[1] = (uint16_t)REG_READ(VARIANT_COUNT_B);
+    count[2] = (uint16_t)REG_READ(VARIANT_COUNT_C);
+    return true;
+}
+
+static inline void duties_write(const lode_drive_out_t *out) {
+    stm32_pwm_write(out->duty);
+}
+
+#endif
+
 LODE_RAMFUNC void board_gates_off(void) {
     enables_set(false);
     stm32_pwm_off();
@@ -60,13 +87,18 @@ static void pwm_pins_init(void) {
 }
 
 static bool pwm_init(void) {
-    return stm32_pwm_init(&(stm32_pwm_t){
+    const bool fits = stm32_pwm_init(&(stm32_pwm_t){
         .f_timer_Hz = CHIP_F_PWM_Hz,
         .f_pwm_Hz = VARIANT_F_PWM_Hz,
         .dead_time_ns = VARIANT_DEAD_TIME_ns,
         .low_sides = VARIANT_LOW_SIDES,
         .break_bits = CHIP_BREAK_BITS,
     });
+#ifdef VARIANT_LINK
+    return fits && chip_link_init();
+#else
+    return fits;
+#endif
 }
 
 // A halted core must leave neither a switched bridge nor a biting watchdog; the stamp shows the gap.
@@ -122,13 +154,12 @@ LODE_RAMFUNC void STM32_PERIOD_HANDLER(void) {
 
 LODE_RAMFUNC void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){
-        .i = {(uint16_t)REG_READ(VARIANT_COUNT_A), (uint16_t)REG_READ(VARIANT_COUNT_B),
-              (uint16_t)REG_READ(VARIANT_COUNT_C)},
         .v_bus = (uint16_t)REG_READ(VARIANT_COUNT_BUS),
         .temperature = port_temperature(REG_READ(VARIANT_COUNT_T)),
         .trip = stm32_pwm_tripped() || stm32_pwm_counts_down(),
         .stamp = stm32_stamp(),
     };
+    counts->trip = !currents_read(counts->i) || counts->trip;
 }
 
 LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
@@ -141,7 +172,7 @@ LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
         stm32_pwm_low_sides_alone(low);
         low_sides_alone = low;
     }
-    stm32_pwm_write(out->duty);
+    duties_write(out);
     if (on && stm32_pwm_on()) {
         enables_set(true);
     }

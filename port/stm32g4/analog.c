@@ -107,14 +107,6 @@ bool chip_protection_test(void) {
 
 #endif
 
-static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t trigger) {
-    const stm32_sampling_t times = stm32_sampling(ranks, RANKS, SAMPLE_6_5);
-    REG_WRITE(adc->SMPR1, times.low);
-    REG_WRITE(adc->SMPR2, times.high);
-    REG_WRITE(adc->JSQR, (RANKS - 1u) << ADC_JSQR_JL_Pos | trigger | ranks[0] << ADC_JSQR_JSQ1_Pos |
-                             ranks[1] << ADC_JSQR_JSQ2_Pos | ranks[2] << ADC_JSQR_JSQ3_Pos);
-}
-
 static bool wake(ADC_TypeDef *adc) {
     REG_WRITE(adc->CR, 0u); // out of deep power-down
     REG_WRITE(adc->CR, ADC_CR_ADVREGEN);
@@ -130,23 +122,57 @@ static bool enable(ADC_TypeDef *adc) {
     return reg_await(&adc->ISR, ADC_ISR_ADRDY, ADC_ISR_ADRDY);
 }
 
-bool chip_converters_init(void) {
+static void sampling(ADC_TypeDef *adc, const uint32_t *channels, uint32_t count) {
+    const stm32_sampling_t times = stm32_sampling(channels, count, SAMPLE_6_5);
+    REG_WRITE(adc->SMPR1, times.low);
+    REG_WRITE(adc->SMPR2, times.high);
+}
+
+#ifdef VARIANT_LINK
+
+static void sequences(void) {
+    static const uint32_t link[] = {VARIANT_LINK_CHANNEL};
+    static const uint32_t slow[] = {VARIANT_BUS_CHANNEL, VARIANT_T_CHANNEL};
+    sampling(ADC1, link, 1u);
+    sampling(ADC2, slow, 2u);
+    chip_link_converters();
+}
+
+#else
+
+static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t trigger) {
+    sampling(adc, ranks, RANKS);
+    REG_WRITE(adc->JSQR, (RANKS - 1u) << ADC_JSQR_JL_Pos | trigger | ranks[0] << ADC_JSQR_JSQ1_Pos |
+                             ranks[1] << ADC_JSQR_JSQ2_Pos | ranks[2] << ADC_JSQR_JSQ3_Pos);
+}
+
+static void sequences(void) {
     static const uint32_t ranks1[RANKS] = VARIANT_ADC1_RANKS;
     static const uint32_t ranks2[RANKS] = VARIANT_ADC2_RANKS;
-    REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_ADC12EN);
     REG_WRITE(ADC12_COMMON->CCR,
               CLOCK_BY_4 << ADC_CCR_CKMODE_Pos | DUAL_INJECTED << ADC_CCR_DUAL_Pos);
-    if (!wake(ADC1) || !wake(ADC2)) {
-        return false;
-    }
     sequence(ADC1, ranks1,
              RISING_EDGE << ADC_JSQR_JEXTEN_Pos | TRIGGER_TIM1_TRGO << ADC_JSQR_JEXTSEL_Pos);
     sequence(ADC2, ranks2, 0u);
     REG_WRITE(ADC1->IER, ADC_IER_JEOSIE);
+}
+
+#endif
+
+bool chip_converters_init(void) {
+    REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_ADC12EN);
+    REG_WRITE(ADC12_COMMON->CCR, CLOCK_BY_4 << ADC_CCR_CKMODE_Pos); // calibration runs on it
+    if (!wake(ADC1) || !wake(ADC2)) {
+        return false;
+    }
+    sequences();
     return enable(ADC1) && enable(ADC2);
 }
 
 void chip_converters_arm(void) {
     chip_converters_acknowledge();
-    REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART); // starts both
+    REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART); // starts both of a dual mode
+#ifdef VARIANT_LINK
+    REG_WRITE(ADC2->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART);
+#endif
 }

@@ -35,9 +35,15 @@ bool chip_converters_init(void);
 void chip_converters_arm(void);
 
 /// Before the next results.
+#ifdef VARIANT_LINK
+void chip_converters_acknowledge(void);
+/// Sequences and triggers with one shunt.
+void chip_link_converters(void);
+#else
 static inline void chip_converters_acknowledge(void) {
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
 }
+#endif
 
 /// Without an interrupt for a period and a half the outputs go off, and stay so. After stm32_stamp_start().
 void chip_deadline_init(void);
@@ -58,8 +64,13 @@ static inline void chip_deadline_move(void) {
 #define CHIP_BREAK_BITS CHIP_BREAK1_BITS
 #endif
 
+#ifdef VARIANT_LINK
+/// ADC clock 42.5 MHz; three cycles from the trigger to the sampling, and 6.5 of that.
+#define CHIP_SAMPLE_ns ((3.0f + 6.5f) / 42.5f * 1000.0f)
+#else
 /// ADC clock 42.5 MHz; 6.5 cycles of sampling, 12.5 of conversion. Until the end of the sampling of rank
 /// 2, with three cycles from the trigger to the first sampling.
 #define CHIP_SAMPLE_ns ((3.0f + 6.5f + 12.5f + 6.5f) / 42.5f * 1000.0f)
+#endif
 
 #endif

@@ -28,6 +28,18 @@ foreach(sensing IN ITEMS LOW_SIDE_TWO IN_LINE_THREE IN_LINE_TWO)
   target_compile_definitions(${name} PRIVATE VARIANT_SENSING=PORT_${sensing})
 endforeach()
 
+# One shunt in the DC link, without the application.
+set(link clock.c analog.c deadline.c link.c)
+list(TRANSFORM link PREPEND "${LODE_PORT_DIR}/stm32g4/")
+lode_port_test(test_port_link "${LODE_PORT_DIR}/stm32/board.c" "${LODE_PORT_DIR}/stm32/pwm.c"
+               "${LODE_PORT_DIR}/stm32/serial.c" "${LODE_PORT_DIR}/stm32/supervise.c" ${link}
+               ${board_common} "${CMAKE_CURRENT_SOURCE_DIR}/fakes/fake.c"
+               "${CMAKE_CURRENT_SOURCE_DIR}/test_port_link.c")
+target_include_directories(test_port_link PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}/fakes"
+                           "${LODE_PORT_DIR}/stm32" "${LODE_PORT_DIR}/stm32g4")
+target_compile_definitions(test_port_link PRIVATE FAKE_G4
+                           "STM32_BOARD_H=\"boards/generic_g431_link.h\"")
+
 # The core with the board's own sine and cosine: its sources once more, in front of the library. The
 # bring-up must pass with them as well.
 file(GLOB core CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/*.c")

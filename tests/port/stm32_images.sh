@@ -39,7 +39,7 @@ sizes() {
                   size[".ccmram"], size[".bss"] + size[".data"] + size[".stack"], size[".stack"] }'
 }
 
-for board in b_g431b_esc1 nucleo_ihm16m1; do
+for board in generic_g431_link b_g431b_esc1 nucleo_ihm16m1; do
     must_build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$board" # with the step in the CCM SRAM
     sizes "$board" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
     if grep -i 'warning' "$log"; then

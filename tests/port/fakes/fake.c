@@ -62,8 +62,8 @@ COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
 OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
 DAC_TypeDef fake_DAC3;
 SYSCFG_TypeDef fake_SYSCFG;
-DMA_Channel_TypeDef fake_DMA1_Channel1;
-DMAMUX_Channel_TypeDef fake_DMAMUX1_Channel0;
+DMA_Channel_TypeDef fake_DMA1_Channel1, fake_DMA1_Channel2;
+DMAMUX_Channel_TypeDef fake_DMAMUX1_Channel0, fake_DMAMUX1_Channel1;
 #elif defined(FAKE_H7)
 ADC_Common_TypeDef fake_ADC12_COMMON;
 SYSCFG_TypeDef fake_SYSCFG;
@@ -114,6 +114,8 @@ void fake_reset(void) {
     WIPE(fake_DAC3);
     WIPE(fake_SYSCFG);
     WIPE(fake_DMA1_Channel1);
+    WIPE(fake_DMA1_Channel2);
+    WIPE(fake_DMAMUX1_Channel1);
     WIPE(fake_DMAMUX1_Channel0);
 #endif
 #ifdef FAKE_H7
@@ -247,6 +249,11 @@ static void model_converters(volatile uint32_t *reg, uint32_t before) {
     for (int n = 0; n < 2; n++) {
         ADC_TypeDef *adc = adcs[n];
         adc->CR &= ~ADC_CR_ADCAL;
+#ifdef FAKE_G4
+        if ((adc->CR & ADC_CR_JADSTP) != 0u) { // takes both back
+            adc->CR &= ~(ADC_CR_JADSTP | ADC_CR_JADSTART);
+        }
+#endif
         if (reg == &adc->ISR) { // cleared by writing 1
             adc->ISR = before & ~adc->ISR;
         } else if ((adc->CR & ADC_CR_ADEN) != 0u) {

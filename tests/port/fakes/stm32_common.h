@@ -9,7 +9,8 @@
 
 typedef struct {
     volatile uint32_t CR1, CR2, SMCR, DIER, SR, EGR, CCMR1, CCMR2, CCER, CNT, PSC, ARR, RCR, CCR1,
-        CCR2, CCR3, CCR4, BDTR, RESERVED[6], AF1, AF2;
+        CCR2, CCR3, CCR4, BDTR, CCR5, CCR6, CCMR3, RESERVED1[3], AF1, AF2, RESERVED2[221], DCR,
+        DMAR;
 } TIM_TypeDef;
 
 typedef struct {
@@ -27,6 +28,7 @@ typedef struct {
 #define TIM_CR2_MMS_1 (2u << 4)
 #define TIM_DIER_UIE 1u
 #define TIM_DIER_CC1DE (1u << 9)
+#define TIM_DIER_CC4DE (1u << 12)
 #define TIM_SR_BIF (1u << 7)
 #define TIM_EGR_UG 1u
 #define TIM_CCMR1_OC1PE (1u << 3)
@@ -38,6 +40,12 @@ typedef struct {
 #define TIM_CCMR1_OC2M_1 (2u << 12)
 #define TIM_CCMR1_OC2M_2 (4u << 12)
 #define TIM_CCMR2_OC3PE (1u << 3)
+#define TIM_CCMR2_OC4PE (1u << 11)
+#define TIM_CCMR2_OC4M_Pos 12u
+#define TIM_CCMR3_OC5PE (1u << 3)
+#define TIM_CCMR3_OC5M_Pos 4u
+#define TIM_CCMR3_OC6PE (1u << 11)
+#define TIM_CCMR3_OC6M_Pos 12u
 #define TIM_CCMR2_OC3M_0 (1u << 4)
 #define TIM_CCMR2_OC3M_1 (2u << 4)
 #define TIM_CCMR2_OC3M_2 (4u << 4)

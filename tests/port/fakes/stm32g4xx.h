@@ -82,8 +82,10 @@ typedef struct {
 #define ADC_IER_JEOSIE (1u << 6)
 #define ADC_CR_ADEN 1u
 #define ADC_CR_JADSTART (1u << 3)
+#define ADC_CR_JADSTP (1u << 5)
 #define ADC_CR_ADVREGEN (1u << 28)
 #define ADC_CR_ADCAL (1u << 31)
+#define ADC_CFGR_JDISCEN (1u << 20)
 #define ADC_JSQR_JL_Pos 0u
 #define ADC_JSQR_JEXTSEL_Pos 2u
 #define ADC_JSQR_JEXTEN_Pos 7u
@@ -114,6 +116,7 @@ typedef struct {
 #define DMA_CCR_EN 1u
 #define DMA_CCR_DIR (1u << 4)
 #define DMA_CCR_CIRC (1u << 5)
+#define DMA_CCR_MINC (1u << 7)
 #define DMA_CCR_PSIZE_1 (2u << 8)
 #define DMA_CCR_MSIZE_1 (2u << 10)
 #define DMA_CCR_PL (3u << 12)
@@ -178,8 +181,8 @@ extern CORDIC_TypeDef fake_CORDIC;
 extern COMP_TypeDef fake_COMP1, fake_COMP2, fake_COMP4;
 extern OPAMP_TypeDef fake_OPAMP1, fake_OPAMP2, fake_OPAMP3;
 extern DAC_TypeDef fake_DAC3;
-extern DMA_Channel_TypeDef fake_DMA1_Channel1;
-extern DMAMUX_Channel_TypeDef fake_DMAMUX1_Channel0;
+extern DMA_Channel_TypeDef fake_DMA1_Channel1, fake_DMA1_Channel2;
+extern DMAMUX_Channel_TypeDef fake_DMAMUX1_Channel0, fake_DMAMUX1_Channel1;
 extern DBGMCU_TypeDef fake_DBGMCU;
 extern FLASH_TypeDef fake_FLASH;
 extern PWR_TypeDef fake_PWR;
@@ -204,6 +207,8 @@ extern USART_TypeDef fake_USART2;
 #define OPAMP3 FAKE_AT(OPAMP_TypeDef, OPAMP3, 0x40010308u)
 #define DAC3 FAKE_AT(DAC_TypeDef, DAC3, 0x50001000u)
 #define DMA1_Channel1 FAKE_AT(DMA_Channel_TypeDef, DMA1_Channel1, 0x40020008u)
+#define DMA1_Channel2 FAKE_AT(DMA_Channel_TypeDef, DMA1_Channel2, 0x4002001Cu)
+#define DMAMUX1_Channel1 FAKE_AT(DMAMUX_Channel_TypeDef, DMAMUX1_Channel1, 0x40020804u)
 #define DMAMUX1_Channel0 FAKE_AT(DMAMUX_Channel_TypeDef, DMAMUX1_Channel0, 0x40020800u)
 #define DBGMCU FAKE_AT(DBGMCU_TypeDef, DBGMCU, 0xE0042000u)
 #define FLASH FAKE_AT(FLASH_TypeDef, FLASH, 0x40022000u)

@@ -1,0 +1,140 @@
+#include "link.h"
+
+#include "chip.h"
+
+#ifdef VARIANT_LINK
+
+#include "board.h"
+#include "figures.h"
+
+#define TRGO_OC4REF (7u << 4)              // TIM1_CR2.MMS
+#define TRGO2_OC5REF_OR_OC6REF (14u << 20) // .MMS2: a rising edge of either
+#define PWM_MODE_1 6u                      // high below the compare value: rises in the second half
+#define BURST_CCR1_TO_3 (13u | 2u << 8)    // TIM1_DCR: from the 13th register on, three
+#define REQUEST_TIM1_CH4 45u               // RM0440, DMAMUX: assignment of requests
+#define TRIGGER_TIM1_TRGO 0u
+#define TRIGGER_TIM1_TRGO2 8u
+#define RISING_EDGE 1u
+#define CLOCK_BY_4 3u // as with more shunts: analog.c
+#define NEXT_ns 500u  // before t_k: rising edges for the next period, and the bus's conversion
+// Where the edges leave no room the samples are of no use, but must still come one after the other.
+#define SAMPLE_BLIND_1 0.6f
+#define SAMPLE_BLIND_2 0.9f
+
+uint32_t chip_link_rise[3];
+
+static lode_single_shunt_t shunt;
+static lode_single_shunt_tuning_t tuning;
+static lode_single_shunt_plan_t plan; // of the next period
+static bool complete;                 // both samples of the last one
+
+static uint32_t compare(float edge) {
+    return (uint32_t)(int32_t)((1.0f - edge) * (float)REG_READ(TIM1->ARR) + 0.5f);
+}
+
+// A share of the period in its second half, where the counter runs down.
+static uint32_t instant(float share) {
+    return (uint32_t)(int32_t)(2.0f * (1.0f - share) * (float)REG_READ(TIM1->ARR) + 0.5f);
+}
+
+static void put_rise(lode_abc_t rise) {
+    chip_link_rise[0] = compare(rise.a);
+    chip_link_rise[1] = compare(rise.b);
+    chip_link_rise[2] = compare(rise.c);
+}
+
+static void timer_init(void) {
+    REG_WRITE(TIM1->RCR, 0u); // update at both turning points
+    REG_WRITE(TIM1->CR2, TRGO_OC4REF | TRGO2_OC5REF_OR_OC6REF);
+    REG_SET(TIM1->CCMR2, PWM_MODE_1 << TIM_CCMR2_OC4M_Pos | TIM_CCMR2_OC4PE);
+    REG_WRITE(TIM1->CCMR3, PWM_MODE_1 << TIM_CCMR3_OC5M_Pos | TIM_CCMR3_OC5PE |
+                               PWM_MODE_1 << TIM_CCMR3_OC6M_Pos | TIM_CCMR3_OC6PE);
+    REG_WRITE(TIM1->CCR4, NEXT_ns * (CHIP_F_PWM_Hz / 1000000u) / 1000u);
+    REG_WRITE(TIM1->CCR5, instant(SAMPLE_BLIND_1));
+    REG_WRITE(TIM1->CCR6, instant(SAMPLE_BLIND_2));
+    REG_WRITE(TIM1->DCR, BURST_CCR1_TO_3);
+    REG_WRITE(TIM1->EGR, TIM_EGR_UG); // takes all of it over
+    REG_WRITE(TIM1->SR, 0u);
+}
+
+static void dma_init(void) {
+    REG_SET(RCC->AHB1ENR, RCC_AHB1ENR_DMA1EN | RCC_AHB1ENR_DMAMUX1EN);
+    REG_WRITE(DMAMUX1_Channel1->CCR, REQUEST_TIM1_CH4);
+    REG_WRITE(DMA1_Channel2->CPAR, (uint32_t)(uintptr_t)&TIM1->DMAR);
+    REG_WRITE(DMA1_Channel2->CMAR, (uint32_t)(uintptr_t)chip_link_rise);
+    REG_WRITE(DMA1_Channel2->CNDTR, 3u);
+    // Memory to peripheral, words, the same three for ever, before all other transfers.
+    REG_WRITE(DMA1_Channel2->CCR, DMA_CCR_DIR | DMA_CCR_CIRC | DMA_CCR_MINC | DMA_CCR_PSIZE_1 |
+                                      DMA_CCR_MSIZE_1 | DMA_CCR_PL | DMA_CCR_EN);
+    REG_SET(TIM1->DIER, TIM_DIER_CC4DE); // the flag comes while the counter runs down
+}
+
+bool chip_link_init(void) {
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    const lode_motor_t motor = app_motor();
+    const lode_single_shunt_config_t wanted = port_link_config(
+        &config, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns, 0.5f * (motor.Ld_H + motor.Lq_H));
+    if (lode_single_shunt_tune(&tuning, &wanted) != LODE_OK) {
+        return false;
+    }
+    lode_single_shunt_reset(&shunt);
+    plan = lode_single_shunt_write(&shunt, &tuning, (lode_abc_t){0.5f, 0.5f, 0.5f}, LODE_GATES_OFF);
+    put_rise(plan.rise);
+    complete = false;
+    timer_init();
+    dma_init();
+    return true;
+}
+
+// ADC1: the link, one conversion per trigger. ADC2: bus and temperature, whose end is the interrupt.
+void chip_link_converters(void) {
+    const uint32_t link = VARIANT_LINK_CHANNEL;
+    REG_WRITE(ADC1->CFGR, ADC_CFGR_JDISCEN);
+    REG_WRITE(ADC1->JSQR, 1u << ADC_JSQR_JL_Pos | RISING_EDGE << ADC_JSQR_JEXTEN_Pos |
+                              TRIGGER_TIM1_TRGO2 << ADC_JSQR_JEXTSEL_Pos |
+                              link << ADC_JSQR_JSQ1_Pos | link << ADC_JSQR_JSQ2_Pos);
+    REG_WRITE(ADC2->JSQR, 1u << ADC_JSQR_JL_Pos | RISING_EDGE << ADC_JSQR_JEXTEN_Pos |
+                              TRIGGER_TIM1_TRGO << ADC_JSQR_JEXTSEL_Pos |
+                              VARIANT_BUS_CHANNEL << ADC_JSQR_JSQ1_Pos |
+                              VARIANT_T_CHANNEL << ADC_JSQR_JSQ2_Pos);
+    REG_WRITE(ADC12_COMMON->CCR, CLOCK_BY_4 << ADC_CCR_CKMODE_Pos); // each on its own trigger
+    REG_WRITE(ADC2->IER, ADC_IER_JEOSIE);
+}
+
+// With one trigger missed the next sample would be taken for the first, from then on: begin anew.
+static void converter_begins_anew(void) {
+    REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTP);
+    (void)reg_await(&ADC1->CR, ADC_CR_JADSTP | ADC_CR_JADSTART, 0u);
+    REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART);
+}
+
+LODE_RAMFUNC void chip_converters_acknowledge(void) {
+    REG_WRITE(ADC2->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
+    complete = (REG_READ(ADC1->ISR) & ADC_ISR_JEOS) != 0u;
+    if (!complete) {
+        converter_begins_anew();
+    }
+    REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
+    // Before the upper turning point, where they are taken over.
+    REG_WRITE(TIM1->CCR1, compare(plan.fall.a));
+    REG_WRITE(TIM1->CCR2, compare(plan.fall.b));
+    REG_WRITE(TIM1->CCR3, compare(plan.fall.c));
+    REG_WRITE(TIM1->CCR5, instant(plan.blind ? SAMPLE_BLIND_1 : plan.sample[0]));
+    REG_WRITE(TIM1->CCR6, instant(plan.blind ? SAMPLE_BLIND_2 : plan.sample[1]));
+}
+
+LODE_RAMFUNC bool chip_link_read(uint16_t count[3]) {
+    const lode_drive_t *drive = app_drive();
+    const uint16_t link[2] = {(uint16_t)REG_READ(ADC1->JDR1), (uint16_t)REG_READ(ADC1->JDR2)};
+    lode_single_shunt_read(&shunt, &tuning, link, drive->sense.offset[0], drive->inverter.v_bus_V,
+                           count);
+    return complete;
+}
+
+LODE_RAMFUNC void chip_link_write(const lode_drive_out_t *out) {
+    plan = lode_single_shunt_write(&shunt, &tuning, out->duty, out->gates);
+    put_rise(plan.rise);
+}
+
+#endif
