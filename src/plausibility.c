@@ -47,19 +47,27 @@ void lode_plausibility_reset(lode_plausibility_t *self) {
     *self = (lode_plausibility_t){.i = {0, 0, 0}};
 }
 
+// One bit for each phase of which something is true.
+LODE_INLINE uint32_t phases(bool a, bool b, bool c) {
+    return (a ? 1u : 0u) + (b ? 2u : 0u) + (c ? 4u : 0u);
+}
+
 // Notes the counts; those that are the same as at the last look.
-static uint32_t note(lode_plausibility_t *self, const int32_t i[LODE_PHASES]) {
-    uint32_t kept = 0u;
-    for (int32_t n = 0; n < LODE_PHASES; n++) {
-        kept += i[n] == self->i[n] ? 1u << n : 0u;
-        self->i[n] = i[n];
-    }
+LODE_INLINE uint32_t note(lode_plausibility_t *self, const int32_t i[LODE_PHASES]) {
+    const uint32_t kept = phases(i[0] == self->i[0], i[1] == self->i[1], i[2] == self->i[2]);
+    lode_plausibility_note(self, i);
     return kept;
 }
 
+// Those of a magnitude that an open phase does not have.
+static uint32_t large(const int32_t i[LODE_PHASES], int32_t least) {
+    return phases(i[0] >= least || i[0] <= -least, i[1] >= least || i[1] <= -least,
+                  i[2] >= least || i[2] <= -least);
+}
+
 // None of the counts follows what is asked for: in a start, before the vector turns.
-static bool none_follows(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
-                         uint32_t kept, float i_A2) {
+LODE_INLINE bool none_follows(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
+                              uint32_t kept, float i_A2) {
     const bool again = kept == ALL_PHASES && self->kept == (uint_least8_t)ALL_PHASES;
     const float before_A2 = again ? self->moved_A2 : 0.0f; // it takes a look to follow
     self->moved_A2 = again ? before_A2 + lode_abs(i_A2 - self->i_A2) : 0.0f;
@@ -69,15 +77,12 @@ static bool none_follows(lode_plausibility_t *self, const lode_plausibility_tuni
 
 // The phase, from 1, that has kept its count for too long; 0: none. Three looks at least: two may lie on
 // either side of a peak.
-static int32_t stuck_phase(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
-                           uint32_t kept, float i_A2, float turn_rad) {
-    uint32_t judged = 0u;
-    for (int32_t n = 0; n < LODE_PHASES; n++) {
-        const int32_t size = self->i[n] < 0 ? -self->i[n] : self->i[n];
-        judged += (kept & (1u << n)) != 0u && size >= tuning->i_still ? 1u << n : 0u;
-    }
-    if (!(i_A2 > tuning->i_min_A2)) {
-        judged = 0u; // what is kept without current says nothing when one is asked for
+LODE_INLINE int32_t stuck_phase(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
+                                uint32_t kept, float i_A2, float turn_rad) {
+    // What is kept without current says nothing when one is asked for.
+    uint32_t judged = i_A2 > tuning->i_min_A2 ? kept : 0u;
+    if (tuning->i_still > 0) {
+        judged &= large(self->i, tuning->i_still);
     }
     const uint32_t still = judged & self->still;
     self->turn_rad = still > 0u ? self->turn_rad + turn_rad : 0.0f;

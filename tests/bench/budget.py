@@ -41,14 +41,16 @@ STEPS = {
     "unwatched": (WARM, CALLS),
     "board_unwatched": (WARM, CALLS),
     "fast_speed": (WARM, CALLS),
-    "start": (0, WARM + CALLS),  # the rise of the current is as dear as the hand-over
+    "rise": (0, WARM + CALLS),
+    "start": (0, WARM + CALLS),
     "saturated": (WARM, CALLS),
     "fault": (190, 30),  # around the trip, from period 200 on
     "off": (WARM, CALLS),
 }
 STEPS6 = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced"]
-PHASES = {"steady": "enhanced", "start, hand-over": "start", "limit of current, of voltage":
-          "saturated", "over-voltage, trip, fault": "fault", "off": "off"}
+PHASES = {"steady": "enhanced", "start at standstill": "rise", "start, hand-over": "start",
+          "limit of current, of voltage": "saturated", "over-voltage, trip, fault": "fault",
+          "off": "off"}
 BLOCKS = ["estimator_c_leso_qpll", "estimator_fa_leso_leso_qpll", "estimator_enhanced", "sense",
           "emf_c_leso", "pll", "lag", "speed", "references", "references_mtpa",
           "references_weak_id0", "references_weak_mtpa", "current", "modulator", "guard",

@@ -34,7 +34,18 @@ bench_scene_t bench_scene(int32_t number) {
 }
 
 int32_t bench_settle(int32_t number) {
-    return bench_scene(number) == BENCH_START ? BENCH_SETTLE_START : BENCH_SETTLE;
+    switch (bench_scene(number)) {
+    case BENCH_RISE:
+        return BENCH_SETTLE_RISE;
+    case BENCH_START:
+        return BENCH_SETTLE_START;
+    case BENCH_STEADY:
+    case BENCH_SATURATED:
+    case BENCH_FAULT:
+    case BENCH_OFF:
+    default:
+        return BENCH_SETTLE;
+    }
 }
 
 static void add_options(lode_drive_config_t *config, options_t options) {
@@ -112,7 +123,7 @@ lode_drive_config_t bench_config(int32_t number) {
         // The bus of BENCH_SATURATED falls far.
         .guard = {.v_bus_min_V = 10.0f},
     };
-    if (c->scene == BENCH_START) { // free, and as designed but for the times
+    if (c->scene == BENCH_RISE || c->scene == BENCH_START) { // free, and as designed but for the times
         config.speed = (lode_speed_config_t){.omega_min_rad_s = 0.0f};
         config.start =
             (lode_start_config_t){.catch_s = LODE_NONE, .current_rise_s = 0.02f, .lock_s = 0.01f};

@@ -27,15 +27,18 @@
 #define BENCH_STAMP_PER_PERIOD 1000u
 
 /// Periods in which a drive calibrates, starts, hands over and settles.
-#define BENCH_SETTLE 1000
-/// The same for BENCH_START: the measured ones hold most of the start and the hand-over.
-#define BENCH_SETTLE_START 140
+#define BENCH_SETTLE 2000
+/// The same for BENCH_RISE: the calibration.
+#define BENCH_SETTLE_RISE 140
+/// The same for BENCH_START: the counted ones hold the last of the standstill, the ramp and the hand-over.
+#define BENCH_SETTLE_START 1400
 /// Periods that are counted. After them the call number wraps around, and the record with a jump.
 #define BENCH_ROWS 512
 
 typedef enum {
     BENCH_STEADY,    ///< RUN at the operating point
-    BENCH_START,     ///< current vector from standstill, hand-over, RUN
+    BENCH_RISE,      ///< current vector at standstill: rise, resistance and dead time measured
+    BENCH_START,     ///< the same further on: ramp, hand-over, RUN
     BENCH_SATURATED, ///< RUN at the current limit while the bus falls to the voltage limit
     BENCH_FAULT,     ///< RUN, over-voltage, FAULT
     BENCH_OFF        ///< gates off
@@ -63,6 +66,7 @@ typedef enum {
     X(unwatched, STEADY, C_LESO, LESO, UNWATCHED, ROUND)                                           \
     X(board_unwatched, STEADY, C_LESO, LESO, UNWATCHED, BOARD)                                     \
     X(fast_speed, STEADY, C_LESO, LESO, FAST, ROUND)                                               \
+    X(rise, RISE, C_LESO, LESO, NOTCH, ROUND)                                                      \
     X(start, START, C_LESO, LESO, NOTCH, ROUND)                                                    \
     X(saturated, SATURATED, C_LESO, LESO, NOTCH, ROUND)                                            \
     X(fault, FAULT, C_LESO, LESO, NOTCH, ROUND)                                                    \

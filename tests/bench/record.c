@@ -23,8 +23,12 @@ static double bus_V(bench_scene_t scene, int32_t row) {
                : (double)BENCH_V_BUS_V;
 }
 
+static bool from_standstill(bench_scene_t scene) {
+    return scene == BENCH_RISE || scene == BENCH_START;
+}
+
 static shaft_t shaft_of(bench_scene_t scene, lode_mode_t mode) {
-    if (scene == BENCH_START) {
+    if (from_standstill(scene)) {
         return SHAFT_FREE;
     }
     return mode == LODE_MODE_RUN ? SHAFT_BRAKED : SHAFT_DRAGGED;
@@ -116,6 +120,8 @@ static bool is_as_named(const run_t *run) {
     case BENCH_STEADY:
         return running == BENCH_ROWS && s->bad == 0 &&
                fabs(run->motor.iq_A / (double)BENCH_IQ_A - 1.0) < 0.1;
+    case BENCH_RISE:
+        return s->mode[LODE_MODE_START] == BENCH_ROWS;
     case BENCH_START: // most of it in START, and the hand-over well inside
         return s->mode[LODE_MODE_START] > 250 && running > 100 && s->bad == 0;
     case BENCH_SATURATED:
@@ -130,8 +136,8 @@ static bool is_as_named(const run_t *run) {
 }
 
 static bool record(run_t *run) {
-    const bool dragged =
-        bench_scene(run->number) != BENCH_START; // behind a vector that starts at 0
+    const bool dragged = // behind a vector that starts at 0
+        !from_standstill(bench_scene(run->number));
     run->motor = (motor_t){.sets = 1,
                            .Ld_H = (double)bench_config(run->number).motor.Ld_H,
                            .theta_rad = dragged ? -1.5 : 1.0};
