@@ -261,6 +261,8 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
             frame = lode_drive_control_frame(self, sample);
         } else if (!lode_drive_speed_once(self)) {
             lode_drive_fast_speed(self);
+        } else {
+            // once in a round, in its slot
         }
         given = lode_mode_is_voltage(self);
     }

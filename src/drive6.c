@@ -359,6 +359,8 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
             frame = lode_drive_control_frame(drive, &sample->machine);
         } else if (!lode_drive_speed_once(drive)) {
             lode_drive_fast_speed(drive);
+        } else {
+            // once in a round, in its slot
         }
         given = lode_mode_is_voltage(drive);
     }
@@ -374,7 +376,8 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
         watch_set2(self, &sample->set_2);
     }
-    lode_drive_slow_job(drive, drive->tuning, &sample->machine, sample->set_2.temperature, slot);
+    (void)lode_drive_slow_job(drive, drive->tuning, &sample->machine, sample->set_2.temperature,
+                              slot);
     if (LODE_RARELY(!drive->gates)) {
         return end_idle(self);
     }

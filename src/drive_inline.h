@@ -195,6 +195,8 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
             // The mean of two samples half a round apart: the position error's ripple and noise fold down
             // less.
             lode_drive_speed(self, 0.5f * (self->omega_half + estimator->pll.omega_rad_s));
+        } else {
+            // more than once in a round: lode_drive_fast_speed() does it
         }
         break;
     case SLOT_REFERENCES:

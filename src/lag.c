@@ -58,6 +58,8 @@ lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_em
         }
     } else if (kind != LODE_LAG_NONE) {
         return LODE_ERROR_LAG;
+    } else {
+        // no lag is taken out
     }
     *lag = fitted;
     return LODE_OK;

@@ -168,6 +168,8 @@ static void judge_start(lode_drive_t *self) {
         lode_mode_switch_off(self);
     } else if (!stopping && start->rounds > tuning->timeout_rounds) {
         lode_mode_fault(self, LODE_CHECK_START, estimator->lock, LODE_LOCK_HANDOVER);
+    } else {
+        // on its way
     }
 }
 
@@ -181,6 +183,8 @@ static void follow_start(lode_drive_t *self) {
     } else if (slot == SLOT_REFERENCES &&
                lode_start_is_ready(&self->state.start, &self->tuning->start)) {
         hand_over(self);
+    } else {
+        // nothing to judge in this slot
     }
 }
 
@@ -216,6 +220,8 @@ static void follow_off(lode_drive_t *self) {
         set_mode(self, LODE_MODE_PRECHARGE);
     } else if (driven != LODE_MODE_OFF) {
         switch_on(self, driven);
+    } else {
+        // it stays off
     }
 }
 
@@ -242,6 +248,8 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
             self->command.mode == LODE_MODE_CALIBRATE ? LODE_MODE_OFF : self->command.mode;
     } else if (self->command.mode == LODE_MODE_OFF) {
         set_mode(self, LODE_MODE_OFF);
+    } else {
+        // more samples are to come
     }
 }
 

@@ -51,6 +51,8 @@ LODE_INLINE lode_sense_currents_t lode_sense_complete(lode_sense_currents_t i,
         i.b = -(i.c + i.a);
     } else if (omitted == 2u) {
         i.c = -(i.a + i.b);
+    } else {
+        // all three were sampled
     }
     return i;
 }

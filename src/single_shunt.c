@@ -120,6 +120,8 @@ void lode_single_shunt_read(lode_single_shunt_t *self, const lode_single_shunt_t
         self->count[plan->least] = to_count(zero + least);
         self->count[plan->most] = to_count(zero + most);
         self->count[3u - plan->least - plan->most] = to_count(zero - least - most);
+    } else {
+        // blind: the counts of before stay
     }
     for (int32_t n = 0; n < LODE_PHASES; n++) {
         count[n] = self->count[n];

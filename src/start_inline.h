@@ -18,6 +18,8 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
         advance_rad = tuning->ts_s * self->omega_rad_s;
     } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f)) {
         advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
+    } else {
+        // the current rises on at the speed that there is
     }
     self->current_A += lode_clamp(self->current_target - self->current_A, -tuning->current_step,
                                   tuning->current_step);

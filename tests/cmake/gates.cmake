@@ -42,6 +42,7 @@ function(lode_add_gates)
   # Analysis.
   lode_gate(tidy bash ${tools}/tidy.sh)
   lode_gate(cppcheck bash ${tools}/cppcheck.sh)
+  lode_gate(misra ${python} ${tools}/misra.py .)
 
   # The tests again, built in other ways.
   lode_gate(sanitize bash ${tools}/preset.sh debug-sanitize test -L unit)
