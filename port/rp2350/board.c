@@ -5,8 +5,8 @@
 
 #define BAUD 115200u
 #define FRACTIONS 64u // of the divisor
-// The ring oscillator that the reference clock runs on: nominally some 11 MHz, and loosely specified. The
-// serial port after a failed clock is as accurate.
+// The ring oscillator that the reference clock runs on: 11 MHz nominal, 4.6 .. 24 MHz (data sheet, ring
+// oscillator). The serial port after a failed clock is as accurate.
 #define F_RING_Hz 11000000u
 #define TICK_CYCLES 11u
 #define WATCHDOG_us 20000u

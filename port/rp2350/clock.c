@@ -23,15 +23,16 @@ static bool pll(uint32_t base, uint32_t feedback, uint32_t dividers) {
     return locked;
 }
 
-// Off the PLL, whatever ran before, and on it again.
+// The auxiliary source must not change while it is in use.
 static bool system_from(uint32_t source) {
-    reg_write(CLK_SYS_CTRL, source);
+    reg_write(CLK_SYS_CTRL, (reg_read(CLK_SYS_CTRL) & ~CLK_SYS_SOURCE) | source);
     return reg_await(CLK_SYS_SELECTED, 1u << source, 1u << source);
 }
 
 bool chip_clock_init(void) {
-    reg_write(CLK_REF_CTRL, CLK_REF_RING);
+    reg_clear(CLK_REF_CTRL, CLK_REF_SOURCE); // the ring oscillator
     bool ok = reg_await(CLK_REF_SELECTED, 1u, 1u) && system_from(CLK_SYS_FROM_REF);
+    reg_write(CLK_SYS_CTRL, CLK_SYS_AUX_PLL);
     reg_write(CLK_PERI_CTRL, CLK_ENABLE);
     reg_write(XOSC_STARTUP, STARTUP_DELAY);
     reg_write(XOSC_CTRL, XOSC_ENABLE_1_15_MHZ);

@@ -19,12 +19,14 @@
 // Clocks. The glitchless ones show their source, one bit each, in SELECTED.
 #define CLK_REF_CTRL 0x40010030u
 #define CLK_REF_SELECTED 0x40010038u
-#define CLK_REF_RING 0u
+#define CLK_REF_SOURCE 3u // 0: the ring oscillator
 #define CLK_SYS_CTRL 0x4001003Cu
 #define CLK_SYS_DIV 0x40010040u
 #define CLK_SYS_SELECTED 0x40010044u
 #define CLK_SYS_FROM_REF 0u
-#define CLK_SYS_FROM_AUX 1u // whose source 0 is the system's PLL
+#define CLK_SYS_FROM_AUX 1u
+#define CLK_SYS_SOURCE 1u
+#define CLK_SYS_AUX_PLL 0u // the other bits: the system's PLL
 #define CLK_PERI_CTRL 0x40010048u
 #define CLK_ADC_CTRL 0x4001006Cu
 #define CLK_ENABLE (1u << 11) // source 0: of CLK_PERI the system's clock, of CLK_ADC the USB's PLL

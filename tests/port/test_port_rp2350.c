@@ -114,8 +114,10 @@ static void test_clock(void) {
     TEST_ASSERT_EQUAL_HEX32(5u << 16 | 5u << 12, fake_get(PLL_USB + PLL_PRIM));
     TEST_ASSERT_EQUAL_UINT32(
         0u, fake_get(CLK_REF_CTRL)); // ring oscillator: the watchdog needs no crystal
-    const int off_pll = first(CLK_SYS_CTRL, ~0u, 0u);
+    const int off_pll = first(CLK_SYS_CTRL, ~0u, 0x40u); // the auxiliary source as it was
+    const int changed = first(CLK_SYS_CTRL, ~0u, 0u);
     const int on_pll = first(CLK_SYS_CTRL, ~0u, 1u);
+    TEST_ASSERT_TRUE(off_pll < changed && changed < on_pll);
     TEST_ASSERT_TRUE(off_pll < first(PLL_SYS + PLL_PWR, 0u, 0u));
     TEST_ASSERT_TRUE(on_pll > first(PLL_SYS + PLL_PWR, ~0u, PLL_PWR_UP));
     TEST_ASSERT_EQUAL_UINT32(81u, fake_get(UART0_IBRD)); // 150 MHz/16/115200 = 81.38

@@ -54,7 +54,8 @@ void fake_put(uint32_t address, uint32_t value) {
 void fake_reset(void) {
     memset(&fake, 0, sizeof fake);
     fake_put(RESETS_RESET, 0x1FFFFFFFu);
-    fake_put(CLK_SYS_SELECTED, 1u);
+    fake_put(CLK_SYS_CTRL, 0x41u); // from the ring oscillator as the auxiliary source
+    fake_put(CLK_SYS_SELECTED, 2u);
     for (uint32_t n = 0u; n < PINS; n++) {
         fake_put(PAD(n), PAD_ISOLATED);
         fake_put(PIN_CTRL(n), 31u);
