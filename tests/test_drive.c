@@ -1213,6 +1213,22 @@ static void test_an_estimate_of_the_hosts_own_is_taken_over(void) {
     drive_by_an_encoder(LODE_PLL_QPLL);
 }
 
+static void test_the_lock_of_an_external_estimate_counts(void) {
+    const float locks[] = {LODE_LOCK_LOST, nextafterf(LODE_LOCK_LOST, 0.0f), 1.0f};
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(60.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    for (int n = 0; n < COUNT_OF(locks); n++) {
+        const lode_counts_t counts = rig_counts(&rig);
+        const lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
+        lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
+        e.source = LODE_ESTIMATE_EXTERNAL;
+        e.lock = locks[n];
+        (void)lode_drive_act(&rig.drive, &m, &e);
+        TEST_ASSERT_EQUAL(locks[n] >= LODE_LOCK_LOST, rig.drive.estimator.locked);
+    }
+}
+
 static void test_a_voltage_that_is_none_trips_in_the_same_call(void) {
     // A bus that the host made up asks for 3 MV of the bus that there is: that is no duty.
     rig_t rig = fresh();
@@ -1450,6 +1466,7 @@ int main(void) {
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
     RUN_TEST(test_an_estimate_of_the_hosts_own_is_taken_over);
+    RUN_TEST(test_the_lock_of_an_external_estimate_counts);
     RUN_TEST(test_a_voltage_that_is_none_trips_in_the_same_call);
     RUN_TEST(test_a_bus_and_a_speed_of_no_motor_stay_in_range_and_trip);
     RUN_TEST(test_the_step_is_three_calls_in_a_row);

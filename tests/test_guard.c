@@ -172,6 +172,8 @@ static void test_hardware_trip_at_once(void) {
     b.counts.trip = true;
     TEST_ASSERT_FALSE(step(&b));
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, b.guard.fault.check);
+    CHECK_NEAR(0.0, 1.0, b.guard.fault.measured);
+    CHECK_NEAR(0.0, 0.0, b.guard.fault.limit);
 }
 
 /// A debounced condition: passes one look of the slow checks short of `looks`, trips in the last one;

@@ -3,6 +3,7 @@
 #include "support/check.h"
 
 #include "lodestar/plausibility.h"
+#include "plausibility_inline.h"
 
 void setUp(void) {}
 
@@ -193,6 +194,18 @@ static void test_a_sum_that_lasts_is_found(void) {
     TEST_ASSERT_EQUAL_INT(0, seldom.state.sum);
 }
 
+/// Counts whose sum is just the limit, of either sign, are good; one more is not.
+static void test_the_limit_itself_is_no_sum(void) {
+    const bench_t self = bench(3.0, 300.0);
+    const int32_t limit = self.tuning.i_sum;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const int32_t at[LODE_PHASES] = {sign * limit, 5, -5};
+        const int32_t beyond[LODE_PHASES] = {sign * (limit + 1), 5, -5};
+        TEST_ASSERT_TRUE(lode_plausibility_sum_ok(&self.tuning, at));
+        TEST_ASSERT_FALSE(lode_plausibility_sum_ok(&self.tuning, beyond));
+    }
+}
+
 static void test_reset_forgets(void) {
     bench_t self = bench(3.0, 300.0);
     self.offset_A = 5.0;
@@ -233,6 +246,7 @@ int main(void) {
     RUN_TEST(test_counts_that_were_kept_without_current_may_still_be_good);
     RUN_TEST(test_all_that_do_not_follow_a_rising_current_are_stuck);
     RUN_TEST(test_a_sum_that_lasts_is_found);
+    RUN_TEST(test_the_limit_itself_is_no_sum);
     RUN_TEST(test_reset_forgets);
     RUN_TEST(test_configuration);
     return UNITY_END();

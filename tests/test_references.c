@@ -417,6 +417,14 @@ static void test_id_rises_slowly(void) {
     CHECK_AT_MOST(5.0e-3, calls * (double)CALL_s);
 }
 
+static void test_without_a_trim_there_is_none(void) {
+    lode_references_config_t config = sound();
+    config.trim_rad_s = LODE_NONE;
+    const lode_references_tuning_t tuning = tuned(&config);
+    CHECK_NEAR(0.0, 0.0, tuning.trim_gain);
+    CHECK_NEAR(0.0, 0.0, tuning.trim_decay);
+}
+
 static void test_bus_limits_braking_and_motoring(void) {
     lode_references_config_t config = sound();
     config.v_regen_V = 220.0f;
@@ -430,8 +438,9 @@ static void test_bus_limits_braking_and_motoring(void) {
                                {120.0, 0.0, 1.0}, {90.0, 0.0, 1.0},  {220.0, 1.0, 1.0},
                                {235.0, 1.0, 0.5}, {250.0, 1.0, 0.0}, {300.0, 1.0, 0.0}};
     for (int n = 0; n < COUNT_OF(table); n++) {
-        for (int k = 0; k < 4; k++) {
-            const float omega = k & 1 ? 300.0f : -300.0f;
+        for (int k = 0; k < 8; k++) {
+            const float size = k & 4 ? 0.5f : 300.0f; // nearly at rest too
+            const float omega = k & 1 ? size : -size;
             const float torque = k & 2 ? 20.0f : -20.0f;
             const double share = omega * torque > 0.0f ? table[n][1] : table[n][2];
             lode_references_t self;
@@ -666,6 +675,7 @@ int main(void) {
     RUN_TEST(test_trim_recovers_at_the_lowest_id);
     RUN_TEST(test_torque_waits_for_the_flux);
     RUN_TEST(test_id_rises_slowly);
+    RUN_TEST(test_without_a_trim_there_is_none);
     RUN_TEST(test_bus_limits_braking_and_motoring);
     RUN_TEST(test_saturating_q_axis);
     RUN_TEST(test_id_stays_above_its_least);

@@ -346,6 +346,23 @@ static void test_calibration_averages(void) {
     CHECK_NEAR(ROUNDING, 1.25, amperes(&config, s, 2));
 }
 
+static void test_the_first_of_two_equal_deviations_is_told(void) {
+    const lode_sense_config_t config = board();
+    const lode_sense_tuning_t tuning = tuned(&config);
+    lode_sense_t sense;
+    lode_sense_reset(&sense, &tuning);
+    int steps;
+    float worst = 0.0f;
+    (void)calibrate(&sense, &tuning, 2048 - 120, 2048 + 120, 2048, &steps, &worst);
+    CHECK_NEAR(1.0e-3, -120.0, worst);
+}
+
+static void test_a_calibration_takes_one_sample_at_least(void) {
+    lode_sense_config_t config = board();
+    config.calibrate_s = PAPER_TS_s;
+    TEST_ASSERT_EQUAL_UINT32(1u, tuned(&config).calibrate_periods);
+}
+
 static void test_implausible_offsets_change_nothing(void) {
     const lode_sense_config_t config = board();
     const lode_sense_tuning_t tuning = tuned(&config);
@@ -552,6 +569,8 @@ int main(void) {
     RUN_TEST(test_a_current_beyond_the_limit_is_an_alert);
     RUN_TEST(test_every_sample_at_a_rail_is_an_alert);
     RUN_TEST(test_calibration_averages);
+    RUN_TEST(test_the_first_of_two_equal_deviations_is_told);
+    RUN_TEST(test_a_calibration_takes_one_sample_at_least);
     RUN_TEST(test_implausible_offsets_change_nothing);
     RUN_TEST(test_calibration_of_two_shunts_ignores_the_third);
     RUN_TEST(test_a_long_calibration_keeps_its_precision);
