@@ -6,6 +6,7 @@
 
 void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     *self = (lode_drive_t){.tuning = tuning, .direction = 1.0f};
+    self->command.check = lode_mode_order_check(&self->command);
     lode_sense_reset(&self->sense, &tuning->sense);
     lode_guard_reset(&self->guard);
     lode_mode_switch_off(self);
@@ -52,7 +53,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     }
     LODE_SHARED_STORE(self->command_posted, false);
     LODE_SIGNAL_FENCE();
-    self->posted = (lode_order_t){
+    lode_order_t order = {
 #ifndef LODE_WITHOUT_COMMISSIONING
         .vector = command->vector,
         .theta_rad = command->theta_rad,
@@ -61,6 +62,8 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
         .mode = command->mode,
         .clear_fault = command->clear_fault,
     };
+    order.check = lode_mode_order_check(&order);
+    self->posted = order;
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->command_posted, true);
     lode_drive_call(self);

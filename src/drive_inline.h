@@ -182,6 +182,10 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         break;
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
+        if (LODE_RARELY(!lode_mode_is_sound(self))) {
+            lode_mode_distrust(self);
+            return false;
+        }
         break;
     case SLOT_GUARD:
         break;

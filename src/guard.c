@@ -38,6 +38,7 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_CURRENT_STUCK);
         NAME(LODE_CHECK_CURRENT_SUM);
         NAME(LODE_CHECK_UNDER_TEMPERATURE);
+        NAME(LODE_CHECK_MEMORY);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";

@@ -16,6 +16,7 @@
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
+    self->mode_not = (uint_least8_t)(MODE_BITS ^ (uint32_t)mode);
     self->steady = self->gates && !self->mail && mode == LODE_MODE_RUN &&
                    self->tuning->speed_periods == LODE_SLOW_PERIODS;
 }
@@ -57,6 +58,13 @@ LODE_NOINLINE void lode_mode_fault(lode_drive_t *self, lode_check_t check, float
                                    float limit) {
     lode_guard_trip(&self->guard, self->mode, check, measured, limit);
     lode_mode_obey_guard(self);
+}
+
+LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
+    const bool command = self->command.check != lode_mode_order_check(&self->command);
+    self->command = (lode_order_t){.mode = LODE_MODE_OFF};
+    self->command.check = lode_mode_order_check(&self->command);
+    lode_mode_fault(self, LODE_CHECK_MEMORY, command ? 2.0f : 1.0f, 0.0f);
 }
 
 LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
@@ -189,7 +197,9 @@ static void follow_start(lode_drive_t *self) {
 }
 
 void lode_mode_follow(lode_drive_t *self) {
-    if (lode_mode(self) == LODE_MODE_START) {
+    if (!lode_mode_is_sound(self)) { // before a wrong mode is followed
+        lode_mode_distrust(self);
+    } else if (lode_mode(self) == LODE_MODE_START) {
         follow_start(self);
     } else if (self->command.mode == lode_mode(self)) {
         set_mode(self, lode_mode(self)); // steady again
@@ -244,8 +254,10 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
     } else if (calibration == LODE_CALIBRATION_DONE) {
         self->calibrated = true;
         set_mode(self, LODE_MODE_OFF);
-        self->command.mode =
-            self->command.mode == LODE_MODE_CALIBRATE ? LODE_MODE_OFF : self->command.mode;
+        if (self->command.mode == LODE_MODE_CALIBRATE) {
+            self->command.mode = LODE_MODE_OFF;
+            self->command.check = lode_mode_order_check(&self->command);
+        }
     } else if (self->command.mode == LODE_MODE_OFF) {
         set_mode(self, LODE_MODE_OFF);
     } else {
@@ -255,6 +267,10 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
 
 // At most one transition per period.
 void lode_mode_idle(lode_drive_t *self, lode_calibration_t calibration, float offset_count) {
+    if (!lode_mode_is_sound(self)) {
+        lode_mode_distrust(self);
+        return;
+    }
     switch (lode_mode(self)) {
     case LODE_MODE_OFF:
         follow_off(self);

@@ -10,6 +10,8 @@ typedef struct {
     lode_sincos_t lead; // from there to the middle of the period in which the duties act
 } lode_control_frame_t;
 
+#define MODE_BITS 0xffu
+
 static inline lode_mode_t lode_mode(const lode_drive_t *self) {
     return (lode_mode_t)self->mode;
 }
@@ -33,6 +35,32 @@ static inline bool lode_mode_is_voltage(const lode_drive_t *self) {
     return lode_mode(self) == LODE_MODE_VOLTAGE;
 #endif
 }
+
+// One bit of an order that changes by itself changes one bit of this.
+static inline uint32_t lode_mode_order_check(const lode_order_t *order) {
+    const union {
+        float value;
+        uint32_t bits;
+    } speed = {order->speed_rad_s};
+    uint32_t check = speed.bits ^ (uint32_t)order->mode << 1u ^ (order->clear_fault ? 1u : 0u);
+#ifndef LODE_WITHOUT_COMMISSIONING
+    const union {
+        float value[3];
+        uint32_t bits[3];
+    } vector = {{order->vector.d, order->vector.q, order->theta_rad}};
+    check ^= vector.bits[0] ^ vector.bits[1] ^ vector.bits[2];
+#endif
+    return ~check;
+}
+
+// Mode and command are what was made of them.
+static inline bool lode_mode_is_sound(const lode_drive_t *self) {
+    return ((uint32_t)self->mode ^ (uint32_t)self->mode_not) == MODE_BITS &&
+           self->command.check == lode_mode_order_check(&self->command);
+}
+
+// They are not.
+void lode_mode_distrust(lode_drive_t *self);
 
 // Takes over what was posted, at the start of a period.
 void lode_mode_take_mail(lode_drive_t *self);

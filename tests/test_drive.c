@@ -988,6 +988,50 @@ static void test_a_fault_stays_until_it_is_cleared(void) {
     TEST_ASSERT_TRUE(rig.out.gates);
 }
 
+/// One bit of the drive flips, `offset` bytes from its beginning. Gates off within a round, and the fault says
+/// what it was.
+static void check_flip(const rig_t *sound, size_t offset, int bit, float which) {
+    rig_t rig = *sound;
+    const lode_mode_t before = rig_telemetry(&rig).mode;
+    unsigned char *octet = (unsigned char *)&rig.drive + offset;
+    *octet = (unsigned char)(*octet ^ (1u << bit));
+    for (uint32_t k = 0; k <= LODE_SLOW_PERIODS; k++) {
+        rig_step(&rig);
+    }
+    char text[60];
+    (void)snprintf(text, sizeof text, "%s, byte %d, bit %d", lode_mode_name(before), (int)offset,
+                   bit);
+    const lode_telemetry_t after = rig_telemetry(&rig);
+    TEST_ASSERT_TRUE_MESSAGE(is_idle(rig.out), text);
+    TEST_ASSERT_EQUAL_STRING_MESSAGE("LODE_CHECK_MEMORY", lode_check_name(after.fault.check), text);
+    TEST_ASSERT_TRUE_MESSAGE(after.fault.measured == which, text);
+    rig_command(&rig, clear);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_OFF);
+}
+
+static void test_a_mode_or_command_that_changes_by_itself_trips(void) {
+    rig_t rigs[4];
+    rigs[0] = fresh();
+    rigs[1] = fresh();
+    rig_command(&rigs[1], (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    rig_step(&rigs[1]);
+    rigs[2] = holding();
+    rigs[3] = fresh();
+    rig_command(&rigs[3], run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rigs[3], LODE_MODE_RUN, 8.0));
+    for (int n = 0; n < COUNT_OF(rigs); n++) {
+        for (int bit = 0; bit < 8; bit++) {
+            check_flip(&rigs[n], offsetof(lode_drive_t, mode), bit, 1.0f);
+            check_flip(&rigs[n], offsetof(lode_drive_t, mode_not), bit, 1.0f);
+        }
+        const size_t speed = offsetof(lode_drive_t, command) + offsetof(lode_order_t, speed_rad_s);
+        for (int bit = 0; bit < 32; bit++) {
+            check_flip(&rigs[n], speed + (size_t)bit / 8u, bit % 8, 2.0f);
+        }
+    }
+}
+
 static void test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing(void) {
     rig_t rig = fresh();
     rig.load_Nm = 1.0;
@@ -1460,6 +1504,7 @@ int main(void) {
     RUN_TEST(test_a_call_that_is_late_trips_at_once);
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
+    RUN_TEST(test_a_mode_or_command_that_changes_by_itself_trips);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);
     RUN_TEST(test_a_stuck_converter_trips_before_the_current_is_large);
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);

@@ -108,6 +108,7 @@ typedef struct {
     float speed_rad_s; ///< RUN: mechanical; VOLTAGE, CURRENT: electrical, of their frame
     lode_mode_t mode;
     bool clear_fault;
+    uint32_t check; ///< of all of the above, bit by bit
 } lode_order_t;
 
 typedef struct {
@@ -126,8 +127,9 @@ typedef struct {
     bool mail;           ///< something is posted
     bool command_posted; ///< mailbox
     bool calibrated;
-    uint_least8_t mode;    ///< lode_mode_t
-    uint_least8_t omitted; ///< phases whose next two samples cannot be used, two bits each
+    uint_least8_t mode;     ///< lode_mode_t
+    uint_least8_t mode_not; ///< the same inverted
+    uint_least8_t omitted;  ///< phases whose next two samples cannot be used, two bits each
     lode_sense_t sense;
     lode_guard_t guard;
     lode_plausibility_t plausibility; ///< of the currents, of set 1
