@@ -590,6 +590,11 @@ static void test_observer_against_pll(void) {
         config.emf.k2_rad_s = (float)(1.002 * least);
         TEST_ASSERT_EQUAL_STRING_MESSAGE("LODE_OK", lode_status_name(try_config(&config)),
                                          chain.text);
+        // The bound itself will do.
+        const float bound = kind == LODE_EMF_FA_MULTI ? 1.2f * 100.0f : 0.549f * 100.0f;
+        config.emf.k2_rad_s = bound;
+        TEST_ASSERT_EQUAL_STRING_MESSAGE("LODE_OK", lode_status_name(try_config(&config)),
+                                         chain.text);
         config.emf.k2_rad_s = 1000.0f;
         config.emf.w0_rad_s = 499.0f;
         config.omega_max_rad_s = 500.0f; // within reach of the lag's polynomial

@@ -105,6 +105,32 @@ static void test_without_current_nothing_is_said(void) {
     TEST_ASSERT_EQUAL_INT(0, open);
 }
 
+static void test_the_sets_take_turns(void) {
+    const int32_t one[3] = {1, -2, 3};
+    const int32_t two[3] = {-10, 20, -30};
+    lode_open_phase_watch_t watch;
+    lode_open_phase_reset(&watch);
+    for (int n = 0; n < 5; n++) {
+        lode_open_phase_note(&watch, one, two);
+    }
+    CHECK_NEAR(0.0, 3.0, watch.sum.set[0].a);
+    CHECK_NEAR(0.0, 6.0, watch.sum.set[0].b);
+    CHECK_NEAR(0.0, 9.0, watch.sum.set[0].c);
+    CHECK_NEAR(0.0, 20.0, watch.sum.set[1].a);
+    CHECK_NEAR(0.0, 40.0, watch.sum.set[1].b);
+    CHECK_NEAR(0.0, 60.0, watch.sum.set[1].c);
+}
+
+static void test_each_period_is_counted_by_itself(void) {
+    const double omega = 314.0;
+    const int period = (int)(2.0 * CHECK_PI / omega / TS_s);
+    scene_t s = scene(5.0, omega, 0);
+    for (int n = 0; n < 10 * period; n++) {
+        (void)step(&s);
+        CHECK_AT_MOST(period + 2, s.watch.samples);
+    }
+}
+
 static void test_one_period_is_not_enough(void) {
     scene_t s = scene(5.0, 314.0, 0);
     for (int n = 0; n < 100; n++) {
@@ -135,6 +161,8 @@ int main(void) {
     RUN_TEST(test_faster_than_the_samples_it_takes_longer);
     RUN_TEST(test_sound_phases_are_left_alone);
     RUN_TEST(test_without_current_nothing_is_said);
+    RUN_TEST(test_the_sets_take_turns);
+    RUN_TEST(test_each_period_is_counted_by_itself);
     RUN_TEST(test_one_period_is_not_enough);
     RUN_TEST(test_whatever_the_counts_the_answer_is_a_phase);
     return UNITY_END();
