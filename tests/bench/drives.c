@@ -123,7 +123,8 @@ lode_drive_config_t bench_config(int32_t number) {
         // The bus of BENCH_SATURATED falls far.
         .guard = {.v_bus_min_V = 10.0f},
     };
-    if (c->scene == BENCH_RISE || c->scene == BENCH_START) { // free, and as designed but for the times
+    // Free, and as designed but for the times.
+    if (c->scene == BENCH_RISE || c->scene == BENCH_START) {
         config.speed = (lode_speed_config_t){.omega_min_rad_s = 0.0f};
         config.start =
             (lode_start_config_t){.catch_s = LODE_NONE, .current_rise_s = 0.02f, .lock_s = 0.01f};
