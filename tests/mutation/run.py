@@ -159,8 +159,6 @@ def report(args, total, chosen, killer, took_s):
     real = [m for m in alive if m.key() not in reasons]
     killed = len(chosen) - len(alive)
     rate = killed / max(1, len(chosen) - len(equal))
-    for m in real:
-        print(f"{'lives' if killer[chosen[m]] is None else 'not reached'}: {m.name()}")
     for m in equal:
         print(f"equivalent: {m.name()}: {reasons[m.key()]}")
     for kind in sorted({m.kind for m in chosen}):
@@ -190,7 +188,11 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
         seen = reach(programs, args.folder, workers)
         print(f"built; the tests take {sum(s for s, _ in seen.values()):.0f} s", flush=True)
-        killer = dict(zip(chosen.values(), workers.map(lambda k: judge(k, programs, seen), chosen.values())))
+        killer = {}
+        for mutant, killed_by in zip(chosen, workers.map(lambda k: judge(k, programs, seen), chosen.values())):
+            killer[chosen[mutant]] = killed_by
+            if not killed_by:
+                print(f"{'lives' if killed_by is None else 'not reached'}: {mutant.name()}", flush=True)
     return report(args, len(every), chosen, killer, time.monotonic() - start)
 
 
