@@ -430,6 +430,29 @@ static void test_implausible_currents_of_either_set_trip(void) {
     CHECK_AT_LEAST(40.0e-3, until_implausible(&sound, 0) * RIG6_TS_s);
 }
 
+/// It belongs to both sets under control: neither with the gates off nor with one set is there one.
+static void test_the_xy_voltage_ends_with_what_made_it(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    const rig6_t sound = turning(&config, 600.0, LOAD_Nm);
+    const lode_ab_t running = rig6_telemetry(&sound).u_xy_V;
+    TEST_ASSERT_TRUE(fabsf(running.alpha) > 0.0f && fabsf(running.beta) > 0.0f);
+    rig6_t stopped = sound;
+    rig6_command(&stopped, off);
+    rig6_step(&stopped);
+    rig6_step(&stopped);
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_OFF", lode_mode_name(rig6_telemetry(&stopped).drive.mode));
+    rig6_t alone = sound;
+    alone.open = 1;
+    rig6_run(&alone, 1.0);
+    TEST_ASSERT_EQUAL_INT(LODE_SETS_ONLY_2, rig6_telemetry(&alone).active);
+    const rig6_t *const rigs[] = {&stopped, &alone};
+    for (int n = 0; n < COUNT_OF(rigs); n++) {
+        const lode_ab_t u_V = rig6_telemetry(rigs[n]).u_xy_V;
+        CHECK_NEAR(0.0, 0.0, u_V.alpha);
+        CHECK_NEAR(0.0, 0.0, u_V.beta);
+    }
+}
+
 static void test_one_set_stops_and_starts_again(void) {
     const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
     rig6_t rig = turning(&config, 600.0, LOAD_Nm);
@@ -678,6 +701,7 @@ int main(void) {
     RUN_TEST(test_or_the_drive_trips_and_says_why);
     RUN_TEST(test_ignored_it_stays_unseen);
     RUN_TEST(test_implausible_currents_of_either_set_trip);
+    RUN_TEST(test_the_xy_voltage_ends_with_what_made_it);
     RUN_TEST(test_one_set_stops_and_starts_again);
     RUN_TEST(test_bad_configurations_are_refused_by_name);
     RUN_TEST(test_two_shunts_in_a_window_leave_the_voltage_that_they_see);
