@@ -331,7 +331,7 @@ static lode_control_frame_t start_frame(lode_drive_t *self) {
     const lode_ab_t e_V = self->estimator.emf.observer.e_V;
     const float step_rad = start->catching == 0u ? lode_start_step(start, tuning, e_V) : 0.0f;
     self->ref_A = (lode_dq_t){start->current_A, 0.0f};
-    return (lode_control_frame_t){lode_start_vector(start, tuning), lead_of(step_rad)};
+    return (lode_control_frame_t){lode_start_vector(start), lead_of(step_rad)};
 }
 
 lode_control_frame_t lode_mode_control_frame(lode_drive_t *self) {

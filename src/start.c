@@ -26,8 +26,11 @@
 #define CURRENT_LAST 2.0f // of the start current, up to i_max
 #define ROUNDS_MAX 2.0e9f // inside an int32
 #define SWEEP_rad (LODE_TWO_PI / 3.0f)
-#define MEAN_CORNER 0.3f      // of the mean EMF, over the swing's natural frequency
-#define SWING_CORNER 3.0f     // of its deviation: above, an error in Lq would close a loop
+#define MEAN_CORNER 0.3f  // of the mean EMF, over the swing's natural frequency
+#define SWING_CORNER 3.0f // of its deviation: above, an error in Lq would close a loop
+// Gain that is left to the loop of the shift: a moving vector moves d current, and so active flux, in a salient
+// rotor, which shows as EMF as the swing does (S15).
+#define SHIFT_LOOP 1.0f
 #define HOLD_SHARE 0.5f       // of hand-over speed: below, the EMF drowns in the inverter's errors
 #define SPEED_TOLERANCE 0.25f // of hand-over speed, between estimator and vector
 
@@ -164,6 +167,8 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .sweep_step_rad = SWEEP_rad * ts_s / config->current_rise_s,
         .omega_step = config->ramp_rad_s2 * ts_s,
         .damping = 2.0f * lode_max(config->damping, 0.0f) / (swing * motor->psi_Wb),
+        .damping_A = SHIFT_LOOP / (SWING_CORNER * swing *
+                                   lode_max(lode_abs(motor->Lq_H - motor->Ld_H), FLT_MIN)),
         .mean_weight = lode_one_minus_exp(MEAN_CORNER * swing * ts_s),
         .swing_weight = lode_one_minus_exp(SWING_CORNER * swing * ts_s),
         .omega_hold = HOLD_SHARE * config->omega_handover_rad_s,
@@ -226,7 +231,7 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
         return false;
     }
     self->dwelt++;
-    const lode_dq_t seen_V = lode_park(e_V, lode_start_vector(self, tuning));
+    const lode_dq_t seen_V = lode_park(e_V, lode_start_vector(self));
     if (self->dwelt > tuning->dwell_rounds / SETTLE_PART && lode_abs(seen_V.q) <= tuning->calm_V) {
         self->calm++;
         self->sum_V += seen_V.d;
@@ -256,6 +261,7 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
         (last ? tuning->current_last_A : current_A) * (self->level == 0u ? LEVEL_SHARE : 1.0f);
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length
+    self->give = lode_min(tuning->damping, tuning->damping_A / lode_max(self->current_A, FLT_MIN));
     self->rounds++;
     try_again(self, tuning, omega_target_rad_s);
 }

@@ -32,23 +32,21 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
 }
 
 // How far the vector is turned ahead, to damp the rotor's swing.
-LODE_INLINE float lode_start_shift_rad(const lode_start_t *self,
-                                       const lode_start_tuning_t *tuning) {
-    return lode_clamp(-tuning->damping * self->swing_V, -LODE_START_SHIFT_MAX_rad,
+LODE_INLINE float lode_start_shift_rad(const lode_start_t *self) {
+    return lode_clamp(-self->give * self->swing_V, -LODE_START_SHIFT_MAX_rad,
                       LODE_START_SHIFT_MAX_rad);
 }
 
 // The vector, with the damping. At the end of the shift's range the angle is off by 1e-3 rad, the length by
 // 0.3 %: the damping does not mind.
-LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self,
-                                            const lode_start_tuning_t *tuning) {
-    return lode_angle_add(self->at, lode_sincos_small(lode_start_shift_rad(self, tuning)));
+LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self) {
+    return lode_angle_add(self->at, lode_sincos_small(lode_start_shift_rad(self)));
 }
 
 // Where it will be a period on.
 LODE_INLINE lode_sincos_t lode_start_next(const lode_start_t *self,
                                           const lode_start_tuning_t *tuning) {
-    const float move_rad = lode_start_shift_rad(self, tuning) + tuning->ts_s * self->omega_rad_s;
+    const float move_rad = lode_start_shift_rad(self) + tuning->ts_s * self->omega_rad_s;
     return lode_angle_add(self->at, lode_sincos_octant(move_rad));
 }
 

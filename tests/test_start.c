@@ -50,7 +50,7 @@ static float step(lode_start_t *start, const lode_start_tuning_t *tuning, int n,
         lode_start_aim(start, tuning, omega, current);
     }
     (void)lode_start_step(start, tuning, e);
-    return (float)angle_of(lode_start_vector(start, tuning));
+    return (float)angle_of(lode_start_vector(start));
 }
 
 static void test_current_rises_first_then_the_vector_turns(void) {
@@ -289,7 +289,7 @@ static void test_the_next_vector_is_known(void) {
     lode_start_t start = turning(-47.0);
     start.swing_V = 2.0f;
     (void)lode_start_step(&start, &tuning, no_emf);
-    const double shift = (double)lode_start_shift_rad(&start, &tuning);
+    const double shift = (double)lode_start_shift_rad(&start);
     const lode_sincos_t next = lode_start_next(&start, &tuning);
     CHECK_NEAR(1.0e-8, -47.0 * 2.0e-4, lode_start_step(&start, &tuning, no_emf));
     CHECK_NEAR(1.0e-6, angle_of(start.at) + shift, angle_of(next));
@@ -504,6 +504,32 @@ static void test_each_attempt_is_easier(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, start.ease);
 }
 
+/// Rad by which the vector gives way to a swing of 0.01 V, in an attempt with this current.
+static double give_at(const lode_start_tuning_t *tuning, float current_A) {
+    lode_start_t start;
+    lode_start_reset(&start, lode_sincos(0.0f), 0.0f, current_A);
+    lode_start_aim(&start, tuning, 47.0f, current_A);
+    start.swing_V = 0.01f;
+    return -angle_of(lode_start_vector(&start));
+}
+
+static void test_damping_gives_way_to_the_current_of_a_salient_rotor(void) {
+    lode_start_config_t config = sound();
+    config.damping = 0.5f;
+    const lode_motor_t motor = paper_motor();
+    const lode_start_tuning_t tuning = tuned(&config);
+    const double swing = sqrt(3.0 * 8.0 * 0.639 / 0.0174);
+    const double salient = (double)(motor.Lq_H - motor.Ld_H);
+    CHECK_CLOSE(2.0e-3, 0.01 / (swing * 0.142), give_at(&tuning, 4.0f));
+    CHECK_CLOSE(2.0e-3, 0.01 / (3.0 * swing * salient * 12.0), give_at(&tuning, 12.0f));
+    lode_motor_t round = motor;
+    round.Ld_H = round.Lq_H;
+    lode_start_tuning_t plain;
+    TEST_ASSERT_EQUAL_INT(
+        LODE_OK, lode_start_tune(&plain, &config, &inverter, &round, OMEGA_MAX, PAPER_TS_s));
+    CHECK_CLOSE(2.0e-3, 0.01 / (swing * 0.142), give_at(&plain, 12.0f));
+}
+
 #define DWELLS 2
 
 /// A rotor at rest, or one that swings; returns the rounds that the measurement took.
@@ -519,7 +545,7 @@ static int measure(const lode_start_config_t *config, double r_Ohm, double dead_
     for (int n = 1; n <= 10000 && !(start.omega_rad_s > 0.0f); n++) {
         const double along_V = r_Ohm * (double)start.current_A + dead_V;
         const lode_dq_t e = {(float)along_V, (float)across_V};
-        const lode_ab_t e_V = lode_park_inverse(e, lode_start_vector(&start, &tuning));
+        const lode_ab_t e_V = lode_park_inverse(e, lode_start_vector(&start));
         if (n % ROUND == 1) {
             lode_start_found_t now;
             if (lode_start_measure(&start, &tuning, e_V, &now)) {
@@ -608,6 +634,7 @@ static void test_measuring_is_a_choice(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_resistance_and_dead_time_are_measured_at_rest);
+    RUN_TEST(test_damping_gives_way_to_the_current_of_a_salient_rotor);
     RUN_TEST(test_a_new_attempt_measures_again);
     RUN_TEST(test_measuring_is_a_choice);
     RUN_TEST(test_hand_over_speed_follows_what_is_not_known);

@@ -39,7 +39,8 @@ typedef struct {
     float omega_handover;
     float sweep_step_rad; ///< per period while the current rises
     float omega_step;     ///< electrical rad/s per period
-    float damping;        ///< rad by which the vector gives way per V of swinging EMF
+    float damping;        ///< rad by which the vector gives way per V of swinging EMF, at most
+    float damping_A;      ///< what it may be, times the current
     float mean_weight;    ///< of a new sample in the mean EMF
     float swing_weight;   ///< of a new sample in its swing
     float omega_hold;     ///< up to this speed the estimator is held to the vector
@@ -81,6 +82,7 @@ typedef struct {
     uint32_t level;    ///< of the measurement: half the current, all of it, done
     float sum_V;       ///< of the voltages along the current
     float along_V;     ///< their mean at half the current
+    float give;        ///< rad by which the vector gives way per V of swinging EMF
     float ease;        ///< share of the ramp in the present attempt: 1, a quarter, a sixteenth
 } lode_start_t;
 
