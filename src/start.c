@@ -9,7 +9,9 @@
 #define DEAD_TIME_UNKNOWN_s 1.0e-6f
 #define RESISTANCE_UNKNOWN 0.3f
 #define FOUR_PER_PI (4.0f / LODE_PI)
-#define HANDOVER_SHARE_MAX 0.5f // beyond, too little of the speed range is left
+#define HANDOVER_SHARE_MAX                                                                         \
+    0.5f                  // of rated or base speed: beyond, too little of the speed range is left
+#define VOLTAGE_USE 0.95f // as current control's default
 #define RAMP_TORQUE_SHARE (1.0f / 6.0f)
 #define RISE_TIME_s 0.2f
 #define DAMPING 0.5f
@@ -31,6 +33,8 @@
 // Gain that is left to the loop of the shift: a moving vector moves d current, and so active flux, in a salient
 // rotor, which shows as EMF as the swing does (S15).
 #define SHIFT_LOOP 1.0f
+// Gain of the shift by the rotor's angle, which a loaded rotor's EMF shows too, at speed more than its swing (S16).
+#define SHIFT_STIFFENS 2.0f
 #define HOLD_SHARE 0.5f       // of hand-over speed: below, the EMF drowns in the inverter's errors
 #define SPEED_TOLERANCE 0.25f // of hand-over speed, between estimator and vector
 
@@ -77,12 +81,24 @@ static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *
     return dead_time_V + drop_V;
 }
 
+// Electrical speed at which the largest current and the EMF use up the bus.
+static float base_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
+    const float u_V = VOLTAGE_USE * inverter->v_bus_V / LODE_SQRT3;
+    const float drop_V = (motor->Rs_Ohm + inverter->r_on_Ohm) * inverter->i_max_A;
+    const float psi_q = motor->Lq_H * inverter->i_max_A;
+    const float flux2 = motor->psi_Wb * motor->psi_Wb + psi_q * psi_q;
+    const float half = drop_V * motor->psi_Wb;
+    const float left_V2 = lode_max(u_V * u_V - drop_V * drop_V, 0.0f);
+    return (lode_sqrt(half * half + flux2 * left_V2) - half) / lode_max(flux2, FLT_MIN);
+}
+
 static float default_handover(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                               float current_A, float ts_s) {
     const float by_emf = EMF_PER_UNKNOWN * unknown_V(motor, inverter, current_A, ts_s) /
                          lode_max(motor->psi_Wb, FLT_MIN);
-    return lode_clamp(by_emf, HANDOVER_SHARE * motor->omega_rated_rad_s,
-                      HANDOVER_SHARE_MAX * motor->omega_rated_rad_s);
+    const float least = HANDOVER_SHARE * motor->omega_rated_rad_s;
+    const float full = lode_min(motor->omega_rated_rad_s, base_omega(motor, inverter));
+    return lode_clamp(by_emf, least, lode_max(HANDOVER_SHARE_MAX * full, least));
 }
 
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
@@ -169,6 +185,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .damping = 2.0f * lode_max(config->damping, 0.0f) / (swing * motor->psi_Wb),
         .damping_A = SHIFT_LOOP / (SWING_CORNER * swing *
                                    lode_max(lode_abs(motor->Lq_H - motor->Ld_H), FLT_MIN)),
+        .damping_rad_s = SHIFT_STIFFENS / motor->psi_Wb,
         .mean_weight = lode_one_minus_exp(MEAN_CORNER * swing * ts_s),
         .swing_weight = lode_one_minus_exp(SWING_CORNER * swing * ts_s),
         .omega_hold = HOLD_SHARE * config->omega_handover_rad_s,
@@ -261,7 +278,10 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
         (last ? tuning->current_last_A : current_A) * (self->level == 0u ? LEVEL_SHARE : 1.0f);
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length
-    self->give = lode_min(tuning->damping, tuning->damping_A / lode_max(self->current_A, FLT_MIN));
+    const float most =
+        lode_min(tuning->damping_A / lode_max(self->current_A, FLT_MIN),
+                 tuning->damping_rad_s / lode_max(lode_abs(self->omega_rad_s), FLT_MIN));
+    self->give = lode_min(tuning->damping, most);
     self->rounds++;
     try_again(self, tuning, omega_target_rad_s);
 }

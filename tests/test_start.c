@@ -464,6 +464,21 @@ static void test_hand_over_speed_follows_what_is_not_known(void) {
     lode_start_config_t weak = {.current_A = 6.0f};
     lode_start_design(&weak, &board, &motor, PAPER_TS_s);
     CHECK_CLOSE(1.0e-5, 0.5 * PAPER_OMEGA_RATED, weak.omega_handover_rad_s);
+    // A resistance that takes most of the voltage: half of the speed at which the bus is used up.
+    const lode_inverter_config_t small = {.v_bus_V = 12.0f, .i_max_A = 1.0f};
+    lode_motor_t gimbal = motor;
+    gimbal.psi_Wb = 8.0e-3f;
+    gimbal.Rs_Ohm = 5.0f;
+    gimbal.Ld_H = gimbal.Lq_H = 2.2e-3f;
+    lode_start_config_t slow = {.current_A = 0.0f};
+    lode_start_design(&slow, &small, &gimbal, PAPER_TS_s);
+    const double base = 2.0 * (double)slow.omega_handover_rad_s;
+    CHECK_CLOSE(1.0e-4, 0.95 * 12.0 / sqrt(3.0), hypot(5.0 + 8.0e-3 * base, 2.2e-3 * base));
+    // None at all: a tenth of rated speed.
+    gimbal.Rs_Ohm = 10.0f;
+    lode_start_config_t none = {.current_A = 0.0f};
+    lode_start_design(&none, &small, &gimbal, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-5, 0.1 * PAPER_OMEGA_RATED, none.omega_handover_rad_s);
 }
 
 /// Each attempt begins at rest, with a quarter of the ramp; the last one takes its own current.
@@ -504,30 +519,31 @@ static void test_each_attempt_is_easier(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, start.ease);
 }
 
-/// Rad by which the vector gives way to a swing of 0.01 V, in an attempt with this current.
-static double give_at(const lode_start_tuning_t *tuning, float current_A) {
+/// Rad by which the vector gives way to a swing of 0.01 V, at this speed in an attempt with this current.
+static double give_at(const lode_start_tuning_t *tuning, float omega, float current_A) {
     lode_start_t start;
-    lode_start_reset(&start, lode_sincos(0.0f), 0.0f, current_A);
+    lode_start_reset(&start, lode_sincos(0.0f), omega, current_A);
     lode_start_aim(&start, tuning, 47.0f, current_A);
     start.swing_V = 0.01f;
     return -angle_of(lode_start_vector(&start));
 }
 
-static void test_damping_gives_way_to_the_current_of_a_salient_rotor(void) {
+static void test_damping_gives_way_to_current_and_speed(void) {
     lode_start_config_t config = sound();
     config.damping = 0.5f;
     const lode_motor_t motor = paper_motor();
     const lode_start_tuning_t tuning = tuned(&config);
     const double swing = sqrt(3.0 * 8.0 * 0.639 / 0.0174);
     const double salient = (double)(motor.Lq_H - motor.Ld_H);
-    CHECK_CLOSE(2.0e-3, 0.01 / (swing * 0.142), give_at(&tuning, 4.0f));
-    CHECK_CLOSE(2.0e-3, 0.01 / (3.0 * swing * salient * 12.0), give_at(&tuning, 12.0f));
+    CHECK_CLOSE(2.0e-3, 0.01 / (swing * 0.142), give_at(&tuning, 47.0f, 4.0f));
+    CHECK_CLOSE(2.0e-3, 0.01 / (3.0 * swing * salient * 12.0), give_at(&tuning, 0.0f, 12.0f));
     lode_motor_t round = motor;
     round.Ld_H = round.Lq_H;
     lode_start_tuning_t plain;
     TEST_ASSERT_EQUAL_INT(
         LODE_OK, lode_start_tune(&plain, &config, &inverter, &round, OMEGA_MAX, PAPER_TS_s));
-    CHECK_CLOSE(2.0e-3, 0.01 / (swing * 0.142), give_at(&plain, 12.0f));
+    CHECK_CLOSE(2.0e-3, 0.01 / (swing * 0.142), give_at(&plain, 47.0f, 12.0f));
+    CHECK_CLOSE(2.0e-3, 0.01 * 2.0 / (0.142 * 200.0), give_at(&plain, -200.0f, 12.0f));
 }
 
 #define DWELLS 2
@@ -634,7 +650,7 @@ static void test_measuring_is_a_choice(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_resistance_and_dead_time_are_measured_at_rest);
-    RUN_TEST(test_damping_gives_way_to_the_current_of_a_salient_rotor);
+    RUN_TEST(test_damping_gives_way_to_current_and_speed);
     RUN_TEST(test_a_new_attempt_measures_again);
     RUN_TEST(test_measuring_is_a_choice);
     RUN_TEST(test_hand_over_speed_follows_what_is_not_known);

@@ -41,6 +41,7 @@ typedef struct {
     float omega_step;     ///< electrical rad/s per period
     float damping;        ///< rad by which the vector gives way per V of swinging EMF, at most
     float damping_A;      ///< what it may be, times the current
+    float damping_rad_s;  ///< what it may be, times the speed
     float mean_weight;    ///< of a new sample in the mean EMF
     float swing_weight;   ///< of a new sample in its swing
     float omega_hold;     ///< up to this speed the estimator is held to the vector

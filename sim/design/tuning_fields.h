@@ -144,6 +144,7 @@
     ROW(FLOAT, float, start.omega_step) \
     ROW(FLOAT, float, start.damping) \
     ROW(FLOAT, float, start.damping_A) \
+    ROW(FLOAT, float, start.damping_rad_s) \
     ROW(FLOAT, float, start.mean_weight) \
     ROW(FLOAT, float, start.swing_weight) \
     ROW(FLOAT, float, start.omega_hold) \
