@@ -603,6 +603,16 @@ static void test_reset_is_idempotent_and_complete(void) {
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &w.estimator, sizeof fresh);
 }
 
+static void test_a_mean_rotation_that_is_no_number_begins_anew(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    watch_t w = watch(&config, 300.0, 0.0);
+    w.estimator.rotation = (lode_ab_t){NAN, NAN};
+    w.estimator.wait = 0u; // it has waited for long enough
+    TEST_ASSERT_FALSE(lode_estimator_seed(&w.estimator, &w.tuning));
+    CHECK_NEAR(0.0, 0.0, w.estimator.rotation.alpha);
+    CHECK_NEAR(0.0, 0.0, w.estimator.rotation.beta);
+}
+
 static lode_status_t try_config(const lode_estimator_config_t *config, const lode_motor_t *motor) {
     lode_estimator_tuning_t tuning;
     memset(&tuning, 0x5a, sizeof tuning);
@@ -697,6 +707,7 @@ int main(void) {
     RUN_TEST(test_hold_takes_the_angle_given);
     RUN_TEST(test_hold_at_the_true_angle_is_seamless);
     RUN_TEST(test_reset_is_idempotent_and_complete);
+    RUN_TEST(test_a_mean_rotation_that_is_no_number_begins_anew);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_errors_of_the_parts_come_through);
     RUN_TEST(test_design_fills_what_is_open);
