@@ -481,6 +481,32 @@ static void test_speed_zero_stops_and_switches_off(void) {
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
 }
 
+/// Against the load the vector of the way back begins ahead of the rotor by asin(iq/I).
+static void test_the_way_back_begins_where_its_current_makes_the_torque(void) {
+    rig_t rig = fresh();
+    rig.load_Nm = 1.5;
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.0);
+    rig_command(&rig, run_at(-80.0));
+    float iq_A = 0.0f;
+    int periods = 0;
+    while (rig_telemetry(&rig).mode == LODE_MODE_RUN && periods < 20000) {
+        iq_A = rig.drive.i_A.q;
+        rig_step(&rig);
+        periods++;
+    }
+    rig_expect(&rig, LODE_MODE_START);
+    const lode_sincos_t at = rig.drive.state.start.at;
+    const lode_sincos_t rotor = lode_sincos(lode_estimator_theta_rad(&rig.drive.estimator));
+    const lode_sincos_t ahead = lode_angle_subtract(at, rotor);
+    const float wanted = iq_A / rig.drive.tuning->start.current_A;
+    printf("ahead by %.3f, iq/I %.3f\n", (double)ahead.sin, (double)wanted);
+    CHECK_AT_LEAST(0.02, fabs((double)wanted));
+    CHECK_NEAR(1.0e-3, 1.0, hypot((double)at.sin, (double)at.cos));
+    CHECK_NEAR(0.05, wanted, ahead.sin);
+}
+
 static void test_reversal(void) {
     rig_t rig = fresh();
     rig.load_Nm = 0.5;
@@ -1482,6 +1508,7 @@ int main(void) {
     RUN_TEST(test_every_rate_of_speed_control_drives);
     RUN_TEST(test_load_steps_and_speed_changes);
     RUN_TEST(test_speed_zero_stops_and_switches_off);
+    RUN_TEST(test_the_way_back_begins_where_its_current_makes_the_torque);
     RUN_TEST(test_reversal);
     RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
     RUN_TEST(test_off_at_speed_switches_off_at_once);
