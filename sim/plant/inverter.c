@@ -23,7 +23,8 @@ void plant_inverter_init(plant_inverter_t *self, const plant_config_t *config) {
         .level = config->level,
         .has_drops = !real || config->v_transistor_V > 0.0 || config->v_diode_V > 0.0,
         .sets = config->sets == PLANT_SETS ? PLANT_SETS : 1,
-        .drive = {.floating = {PLANT_NONE_FLOATS, PLANT_NONE_FLOATS}},
+        .drive = {.R_Ohm = config->Rs_Ohm + (real ? config->r_on_Ohm : 0.0),
+                  .floating = {PLANT_NONE_FLOATS, PLANT_NONE_FLOATS}},
     };
     for (int n = 0; n < PLANT_LEGS; n++) {
         plant_pwm_init(&self->leg[n].pwm);
@@ -46,7 +47,19 @@ static bool on_high_rail(plant_gate_t gate, int sign) {
     return sign > 0 ? gate == PLANT_GATE_HIGH : gate != PLANT_GATE_LOW;
 }
 
+/// Without current the terminal's limits move at every edge; an open phase feels none.
+static void find_next_edge(plant_leg_t *leg) {
+    const plant_pwm_t *pwm = &leg->pwm;
+    const bool high = on_high_rail(pwm->gate, leg->sign);
+    int k = leg->open ? pwm->edges : pwm->next;
+    while (k < pwm->edges && leg->sign != 0 && on_high_rail(pwm->edge[k].gate, leg->sign) == high) {
+        k++;
+    }
+    leg->next_s = k < pwm->edges ? pwm->edge[k].at_s : HUGE_VAL;
+}
+
 static void update_leg(const plant_inverter_t *self, int n, plant_leg_t *leg) {
+    find_next_edge(leg);
     if (leg->sign == 0) {
         leg->source_V = 0.0;
         leg->rail = 0.0;
@@ -57,18 +70,21 @@ static void update_leg(const plant_inverter_t *self, int n, plant_leg_t *leg) {
     }
 }
 
-/// Leg sources of a set from gates and signs; returns their vector.
-static plant_vector_t update_set(plant_inverter_t *self, int set) {
-    plant_leg_t *leg = &self->leg[set * PLANT_PHASES];
+/// Which legs of a set carry no current.
+static int floating_of(const plant_inverter_t *self, int set) {
     int idle = 0, floating = PLANT_NONE_FLOATS;
-    for (int n = 0; n < PLANT_PHASES; n++) {
-        update_leg(self, set * PLANT_PHASES + n, &leg[n]);
-        if (leg[n].sign == 0) {
-            floating = set * PLANT_PHASES + n;
+    for (int n = set * PLANT_PHASES; n < (set + 1) * PLANT_PHASES; n++) {
+        if (self->leg[n].sign == 0) {
+            floating = n;
             idle++;
         }
     }
-    self->drive.floating[set] = idle > 1 ? PLANT_ALL_FLOAT : floating;
+    return idle > 1 ? PLANT_ALL_FLOAT : floating;
+}
+
+/// Vector of a set's leg sources.
+static plant_vector_t sources_of(const plant_inverter_t *self, int set) {
+    const plant_leg_t *leg = &self->leg[set * PLANT_PHASES];
     const double a = leg[0].source_V, b = leg[1].source_V, c = leg[2].source_V;
     const double u = (2.0 * a - b - c) / 3.0, v = (b - c) * SQRT1_3; // on the set's own axes
     if (set == 0) {
@@ -78,21 +94,31 @@ static plant_vector_t update_set(plant_inverter_t *self, int set) {
     return (plant_vector_t){u * co - v * si, u * si + v * co};
 }
 
-/// Leg sources, then the vectors the motor sees.
-static void update_drive(plant_inverter_t *self) {
-    const plant_vector_t first = update_set(self, 0);
-    self->drive.R_Ohm = self->Rs_Ohm + self->r_on_Ohm;
+/// The vectors that the motor sees of the leg sources.
+static void update_vectors(plant_inverter_t *self) {
+    const plant_vector_t first = sources_of(self, 0);
     self->drive.u_alpha_V = first.alpha;
     self->drive.u_beta_V = first.beta;
     if (self->sets == PLANT_SETS) {
         plant_planes_t u = {{0.0, 0.0}, {0.0, 0.0}};
         plant_sets_add(&u, 0, first);
-        plant_sets_add(&u, 1, update_set(self, 1));
+        plant_sets_add(&u, 1, sources_of(self, 1));
         self->drive.u_alpha_V = u.ab.alpha;
         self->drive.u_beta_V = u.ab.beta;
         self->drive.u_x_V = u.xy.alpha;
         self->drive.u_y_V = u.xy.beta;
     }
+}
+
+/// Leg sources from gates and signs, then the vectors.
+static void update_drive(plant_inverter_t *self) {
+    for (int n = 0; n < legs_of(self); n++) {
+        update_leg(self, n, &self->leg[n]);
+    }
+    for (int set = 0; set < self->sets; set++) {
+        self->drive.floating[set] = floating_of(self, set);
+    }
+    update_vectors(self);
 }
 
 static int sign_of(double i_A) {
@@ -152,8 +178,9 @@ static void begin_switched(plant_inverter_t *self, const double i_A[PLANT_LEGS],
 
 /// What the timer makes of a duty.
 static double realised(const plant_inverter_t *self, double duty) {
-    const double within = duty > 0.0 ? fmin(duty, 1.0) : 0.0;
-    return self->pwm_ticks > 0 ? floor(within * self->pwm_ticks + 0.5) / self->pwm_ticks : within;
+    const double within = duty > 0.0 ? (duty < 1.0 ? duty : 1.0) : 0.0;
+    return self->pwm_ticks > 0 ? (double)(int64_t)(within * self->pwm_ticks + 0.5) / self->pwm_ticks
+                               : within;
 }
 
 void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
@@ -162,7 +189,9 @@ void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
     plant_duty_t share[PLANT_LEGS] = {{0.0, 0.0}};
     double i_A[PLANT_LEGS] = {0.0};
     for (int n = 0; n < legs_of(self); n++) {
-        share[n] = (plant_duty_t){realised(self, duty[n].rise), realised(self, duty[n].fall)};
+        const double rise = realised(self, duty[n].rise);
+        const bool is_even = duty[n].fall == duty[n].rise;
+        share[n] = (plant_duty_t){rise, is_even ? rise : realised(self, duty[n].fall)};
     }
     plant_motor_phase_currents(motor, &motor->x, i_A);
     for (int set = 0; set < self->sets; set++) {
@@ -197,14 +226,7 @@ void plant_inverter_open(plant_inverter_t *self, const plant_motor_t *motor, int
 double plant_inverter_next_edge(const plant_inverter_t *self, double limit_s) {
     double soonest = limit_s;
     for (int n = 0; n < legs_of(self); n++) {
-        const plant_leg_t *leg = &self->leg[n];
-        const plant_pwm_t *pwm = &leg->pwm;
-        for (int k = pwm->next; k < pwm->edges && pwm->edge[k].at_s < soonest && !leg->open; k++) {
-            if (leg->sign == 0 ||
-                on_high_rail(pwm->edge[k].gate, leg->sign) != on_high_rail(pwm->gate, leg->sign)) {
-                soonest = pwm->edge[k].at_s;
-            }
-        }
+        soonest = self->leg[n].next_s < soonest ? self->leg[n].next_s : soonest;
     }
     return soonest;
 }
@@ -313,6 +335,26 @@ void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double 
     }
 }
 
+static bool floats(const plant_inverter_t *self) {
+    return self->drive.floating[0] != PLANT_NONE_FLOATS ||
+           self->drive.floating[1] != PLANT_NONE_FLOATS;
+}
+
+void plant_inverter_switch(plant_inverter_t *self, plant_motor_t *motor, double now_s) {
+    if (floats(self)) {
+        plant_inverter_settle(self, motor, now_s);
+        return;
+    }
+    for (int n = 0; n < legs_of(self); n++) {
+        plant_leg_t *leg = &self->leg[n];
+        if (leg->next_s <= now_s) {
+            (void)plant_pwm_apply(&leg->pwm, now_s);
+            update_leg(self, n, leg);
+        }
+    }
+    update_vectors(self);
+}
+
 /// When a quadratic through i_0 with slope_0 and through i_1 after h is zero.
 static double zero_of_parabola(double i_0, double slope_0, double i_1, double h) {
     const double q = i_1 - i_0 - slope_0 * h; // times (t/h)^2
@@ -344,6 +386,17 @@ static bool passes_zero(const plant_inverter_t *self, const plant_leg_t *leg, do
     return false;
 }
 
+/// True if the leg's current may pass zero anywhere in the stretch and no voltage changes: no drops,
+/// and one gate is on all the time.
+static bool is_driven(const plant_inverter_t *self, const plant_leg_t *leg, double now_s,
+                      double h_s) {
+    const plant_pwm_t *pwm = &leg->pwm;
+    const int after = plant_pwm_first_after(pwm, now_s);
+    const plant_gate_t gate = after > pwm->next ? pwm->edge[after - 1].gate : pwm->gate;
+    return !self->has_drops && !leg->opening && gate != PLANT_GATE_OFF &&
+           (after == pwm->edges || pwm->edge[after].at_s >= now_s + h_s);
+}
+
 /// The conducting leg whose current is first through zero.
 static bool find_zero_crossing(const plant_inverter_t *self, const plant_motor_t *motor,
                                const plant_motor_state_t *before, const plant_stretch_t *stretch,
@@ -354,7 +407,8 @@ static bool find_zero_crossing(const plant_inverter_t *self, const plant_motor_t
     for (int n = 0; n < legs_of(self); n++) {
         const int sign = self->leg[n].sign;
         if (sign * i_1[n] >= -noise_A ||
-            (self->averaging[n / PLANT_PHASES] && !self->leg[n].opening)) {
+            (self->averaging[n / PLANT_PHASES] && !self->leg[n].opening) ||
+            is_driven(self, &self->leg[n], now_s, h_s)) {
             continue;
         }
         double i_0[PLANT_LEGS];
@@ -460,6 +514,7 @@ void plant_inverter_take_event(plant_inverter_t *self, plant_motor_t *motor,
 
 void plant_inverter_follow_signs(plant_inverter_t *self, const plant_motor_t *motor, double now_s) {
     double i_A[PLANT_LEGS];
+    bool turned = false;
     if (self->has_drops) {
         return; // every passage was an event
     }
@@ -467,10 +522,15 @@ void plant_inverter_follow_signs(plant_inverter_t *self, const plant_motor_t *mo
     for (int n = 0; n < legs_of(self); n++) {
         plant_leg_t *leg = &self->leg[n];
         if (leg->sign * i_A[n] < -noise_A && !self->averaging[n / PLANT_PHASES]) {
-            // Which edges still count depends on the sign.
+            // Which edges still count depends on the sign, and so does what one of just now did.
             (void)plant_pwm_apply(&leg->pwm, now_s);
             leg->sign = -leg->sign;
+            update_leg(self, n, leg);
+            turned = true;
         }
+    }
+    if (turned) {
+        update_vectors(self);
     }
 }
 

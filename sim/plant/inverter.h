@@ -28,6 +28,7 @@ typedef struct {
     double rail;     ///< share of the leg's current that comes from the positive rail, 0..1
     bool dead[2];    ///< the low, the high side's transistor no longer turns on; its diode conducts
     bool shorted[2]; ///< the low, the high side conducts whatever the gates say
+    double next_s;   ///< its next gate edge that moves the terminal; infinite if there is none
     bool opening;    ///< the phase opens when its current is next zero ...
     bool open;       ///< ... and stays so
 } plant_leg_t;
@@ -75,6 +76,9 @@ double plant_inverter_next_edge(const plant_inverter_t *self, double limit_s);
 
 /// Makes the gate edges up to now and finds which devices conduct.
 void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double now_s);
+
+/// The same where no current has started or stopped since: looks at the legs that switch only.
+void plant_inverter_switch(plant_inverter_t *self, plant_motor_t *motor, double now_s);
 
 /// Removes what integration has accumulated in currents that stay zero for long.
 void plant_inverter_clear(const plant_inverter_t *self, plant_motor_t *motor);

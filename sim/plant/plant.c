@@ -334,12 +334,13 @@ static void run(plant_t *self, double until_s) {
         plant_inverter_follow_signs(inverter, &self->motor, self->now_s);
         if (has_event) {
             plant_inverter_take_event(inverter, &self->motor, &event);
+            plant_inverter_settle(inverter, &self->motor, self->now_s);
         } else if (self->events_left <= 0) {
             plant_inverter_adopt_signs(inverter, &self->motor);
-        } else if (self->now_s < edge_s || edge_s >= until_s) {
-            continue; // nothing switched
+            plant_inverter_settle(inverter, &self->motor, self->now_s);
+        } else if (self->now_s >= edge_s && edge_s < until_s) {
+            plant_inverter_switch(inverter, &self->motor, self->now_s);
         }
-        plant_inverter_settle(inverter, &self->motor, self->now_s);
     }
 }
 
