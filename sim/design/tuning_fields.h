@@ -176,8 +176,8 @@
     ROW(FLOAT, float, plausibility.look_s) \
     ROW(FLOAT, float, plausibility.stuck_A2) \
     ROW(FLOAT, float, plausibility.i_min_A2) \
-    ROW(FLOAT, float, plausibility.i_still) \
-    ROW(FLOAT, float, plausibility.i_sum) \
+    ROW(INTEGER, int32_t, plausibility.i_still) \
+    ROW(INTEGER, int32_t, plausibility.i_sum) \
     ROW(FLOAT, float, plausibility.A_per_count) \
     ROW(WHOLE, uint32_t, plausibility.sum_looks)
 
