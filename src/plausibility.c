@@ -3,9 +3,17 @@
 // A phase of amplitude I stays within I (1 - cos(D/2)) of its peak while the vector turns by D: about
 // I D^2/8. It counts as stuck once that would have been so many counts, and yet it moved by none.
 #define STUCK_COUNTS 8.0f
+// Of all three at once one is far from its peak and moves by I D sqrt(3)/2 at least, squared: in terms of the
+// above, (8 sqrt(3)/2)^2 D^2.
+#define ALL_TURN 48.0f
 // Below it dead time may hold a phase at zero for as long.
 #define STUCK_SHARE 0.05f // of i_max
 #define ALL_STUCK 4.0f // of the same, squared: a tenth of i_max asked for, and no count has moved
+// A current that changes by more than this share of its square between two looks can hold a phase still while
+// the vector turns; not for a quarter of a turn.
+#define STEADY_SHARE 0.5f
+#define QUARTER_rad 1.5707963f
+#define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
 #define COUNTER_MAX 65535.0f
 #define ALL_PHASES ((1u << LODE_PHASES) - 1u)
 #define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
@@ -75,34 +83,40 @@ LODE_INLINE bool none_follows(lode_plausibility_t *self, const lode_plausibility
     return before_A2 > ALL_STUCK * tuning->i_min_A2;
 }
 
-// The phase, from 1, that has kept its count for too long; 0: none. Three looks at least: two may lie on
-// either side of a peak.
-LODE_INLINE int32_t stuck_phase(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
-                                uint32_t kept, float i_A2, float turn_rad) {
+// The phases that have kept their counts for too long, a bit each. Three looks at least: two may lie on either
+// side of a peak.
+LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
+                                  const lode_plausibility_tuning_t *tuning, uint32_t kept,
+                                  float i_A2, float turn_rad) {
     // What is kept without current says nothing when one is asked for.
     uint32_t judged = i_A2 > tuning->i_min_A2 ? kept : 0u;
     if (tuning->i_still > 0) {
         judged &= large(self->i, tuning->i_still);
     }
     const uint32_t still = judged & self->still;
+    const bool changes =
+        (self->still & CHANGING) != 0u || !(lode_abs(i_A2 - self->i_A2) <= STEADY_SHARE * i_A2);
     self->turn_rad = still > 0u ? self->turn_rad + turn_rad : 0.0f;
-    self->still = (uint_least8_t)(still > 0u ? still : judged);
+    self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : judged);
     const float turn2 = self->turn_rad * self->turn_rad;
-    if (!(turn2 * turn2 * i_A2 > tuning->stuck_A2)) {
-        return 0;
+    if (still == ALL_PHASES) {
+        return ALL_TURN * turn2 * i_A2 > tuning->stuck_A2 ? still : 0u;
     }
-    return (still & 1u) != 0u ? 1 : (still & 2u) != 0u ? 2 : 3;
+    const bool possible = changes && self->turn_rad < QUARTER_rad;
+    return turn2 * turn2 * i_A2 > tuning->stuck_A2 && !possible ? still : 0u;
 }
 
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
                                       const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
     const uint32_t kept = note(self, i);
+    const uint32_t stuck = stuck_phases(self, tuning, kept, i_A2, turn_rad);
     const bool all = none_follows(self, tuning, kept, i_A2);
-    const int32_t stuck = stuck_phase(self, tuning, kept, i_A2, turn_rad);
     self->kept = (uint_least8_t)kept;
-    if (all || stuck > 0) {
-        return (lode_finding_t){LODE_CHECK_CURRENT_STUCK, (float)stuck, 0.0f};
+    if (all || stuck > 0u) {
+        const float first = (stuck & 1u) != 0u ? 1.0f : ((stuck & 2u) != 0u ? 2.0f : 3.0f);
+        const bool none = all || stuck == ALL_PHASES;
+        return (lode_finding_t){LODE_CHECK_CURRENT_STUCK, none ? 0.0f : first, 0.0f};
     }
     if (lode_plausibility_sum_ok(tuning, i)) {
         self->sum = self->sum > 0u ? (uint_least16_t)(self->sum - 1u) : 0u;

@@ -26,11 +26,12 @@ typedef struct {
 typedef struct {
     int32_t i[LODE_PHASES]; ///< at the last look, 1/256 count
     uint_least8_t kept;     ///< phases that had the same count at the look before, a bit each
-    uint_least8_t still;    ///< of them those that have kept it for the whole of turn_rad
-    uint_least16_t sum;     ///< debounce: up while out of range, down while in range
-    float turn_rad;         ///< electrical
-    float i_A2;             ///< asked for at the last look at which a count was kept, squared
-    float moved_A2;         ///< by how much that has moved since any of the counts changed
+    uint_least8_t
+        still; ///< of them those that have kept it for the whole of turn_rad; a bit for a changing current
+    uint_least16_t sum; ///< debounce: up while out of range, down while in range
+    float turn_rad;     ///< electrical
+    float i_A2;         ///< asked for at the last look at which a count was kept, squared
+    float moved_A2;     ///< by how much that has moved since any of the counts changed
 } lode_plausibility_t;
 
 /// What was found; check == LODE_CHECK_NONE: nothing.
