@@ -10,9 +10,9 @@
 #define STUCK_SHARE 0.05f // of i_max
 #define ALL_STUCK 4.0f // of the same, squared: a tenth of i_max asked for, and no count has moved
 // A current that changes by more than this share of its square between two looks can hold a phase still while
-// the vector turns; not for a quarter of a turn.
+// the vector turns; hardly for an eighth of a turn.
 #define STEADY_SHARE 0.5f
-#define QUARTER_rad 1.5707963f
+#define EIGHTH_rad 0.7853982f
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
 #define COUNTER_MAX 65535.0f
 #define ALL_PHASES ((1u << LODE_PHASES) - 1u)
@@ -102,7 +102,7 @@ LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
     if (still == ALL_PHASES) {
         return ALL_TURN * turn2 * i_A2 > tuning->stuck_A2 ? still : 0u;
     }
-    const bool possible = changes && self->turn_rad < QUARTER_rad;
+    const bool possible = changes && self->turn_rad < EIGHTH_rad;
     return turn2 * turn2 * i_A2 > tuning->stuck_A2 && !possible ? still : 0u;
 }
 
