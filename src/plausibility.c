@@ -3,9 +3,9 @@
 // A phase of amplitude I stays within I (1 - cos(D/2)) of its peak while the vector turns by D: about
 // I D^2/8. It counts as stuck once that would have been so many counts, and yet it moved by none.
 #define STUCK_COUNTS 8.0f
-// Of all three at once one is far from its peak and moves by I D sqrt(3)/2 at least, squared: in terms of the
-// above, (8 sqrt(3)/2)^2 D^2.
-#define ALL_TURN 48.0f
+// Of all three at once one is far from its peak and moves by I D sqrt(3)/2 at least. It would have been 32
+// counts: a current that changes beside it may cancel a few.
+#define ALL_TURN 3.0f // (64/32 sqrt(3)/2)^2
 // Below it dead time may hold a phase at zero for as long.
 #define STUCK_SHARE 0.05f // of i_max
 #define ALL_STUCK 4.0f // of the same, squared: a tenth of i_max asked for, and no count has moved
@@ -99,11 +99,9 @@ LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
     self->turn_rad = still > 0u ? self->turn_rad + turn_rad : 0.0f;
     self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : judged);
     const float turn2 = self->turn_rad * self->turn_rad;
-    if (still == ALL_PHASES) {
-        return ALL_TURN * turn2 * i_A2 > tuning->stuck_A2 ? still : 0u;
-    }
+    const float path2 = still == ALL_PHASES ? ALL_TURN * turn2 : turn2 * turn2;
     const bool possible = changes && self->turn_rad < EIGHTH_rad;
-    return turn2 * turn2 * i_A2 > tuning->stuck_A2 && !possible ? still : 0u;
+    return path2 * i_A2 > tuning->stuck_A2 && !possible ? still : 0u;
 }
 
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
