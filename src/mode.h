@@ -42,15 +42,15 @@ static inline uint32_t lode_mode_order_check(const lode_order_t *order) {
         float value;
         uint32_t bits;
     } speed = {order->speed_rad_s};
-    uint32_t check = speed.bits ^ (uint32_t)order->mode << 1u ^ (order->clear_fault ? 1u : 0u);
+    uint32_t sum = speed.bits ^ (uint32_t)order->mode << 1u ^ (order->clear_fault ? 1u : 0u);
 #ifndef LODE_WITHOUT_COMMISSIONING
     const union {
         float value[3];
         uint32_t bits[3];
     } vector = {{order->vector.d, order->vector.q, order->theta_rad}};
-    check ^= vector.bits[0] ^ vector.bits[1] ^ vector.bits[2];
+    sum ^= vector.bits[0] ^ vector.bits[1] ^ vector.bits[2];
 #endif
-    return ~check;
+    return ~sum;
 }
 
 // Mode and command are what was made of them.

@@ -56,21 +56,21 @@ void lode_plausibility_reset(lode_plausibility_t *self) {
 }
 
 // One bit for each phase of which something is true.
-LODE_INLINE uint32_t phases(bool a, bool b, bool c) {
+LODE_INLINE uint32_t phases_if(bool a, bool b, bool c) {
     return (a ? 1u : 0u) + (b ? 2u : 0u) + (c ? 4u : 0u);
 }
 
 // Notes the counts; those that are the same as at the last look.
 LODE_INLINE uint32_t note(lode_plausibility_t *self, const int32_t i[LODE_PHASES]) {
-    const uint32_t kept = phases(i[0] == self->i[0], i[1] == self->i[1], i[2] == self->i[2]);
+    const uint32_t kept = phases_if(i[0] == self->i[0], i[1] == self->i[1], i[2] == self->i[2]);
     lode_plausibility_note(self, i);
     return kept;
 }
 
 // Those of a magnitude that an open phase does not have.
 static uint32_t large(const int32_t i[LODE_PHASES], int32_t least) {
-    return phases(i[0] >= least || i[0] <= -least, i[1] >= least || i[1] <= -least,
-                  i[2] >= least || i[2] <= -least);
+    return phases_if(i[0] >= least || i[0] <= -least, i[1] >= least || i[1] <= -least,
+                     i[2] >= least || i[2] <= -least);
 }
 
 // None of the counts follows what is asked for: in a start, before the vector turns.
@@ -104,6 +104,14 @@ LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
     return path2 * i_A2 > tuning->stuck_A2 && !possible ? still : 0u;
 }
 
+// The first of some phases, from 1; 0: all three.
+static float number_of(uint32_t phases) {
+    if (phases == ALL_PHASES) {
+        return 0.0f;
+    }
+    return (phases & 1u) != 0u ? 1.0f : ((phases & 2u) != 0u ? 2.0f : 3.0f);
+}
+
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
                                       const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
@@ -112,9 +120,8 @@ lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
     const bool all = none_follows(self, tuning, kept, i_A2);
     self->kept = (uint_least8_t)kept;
     if (all || stuck > 0u) {
-        const float first = (stuck & 1u) != 0u ? 1.0f : ((stuck & 2u) != 0u ? 2.0f : 3.0f);
-        const bool none = all || stuck == ALL_PHASES;
-        return (lode_finding_t){LODE_CHECK_CURRENT_STUCK, none ? 0.0f : first, 0.0f};
+        const float which = all ? 0.0f : number_of(stuck);
+        return (lode_finding_t){LODE_CHECK_CURRENT_STUCK, which, 0.0f};
     }
     if (lode_plausibility_sum_ok(tuning, i)) {
         self->sum = self->sum > 0u ? (uint_least16_t)(self->sum - 1u) : 0u;

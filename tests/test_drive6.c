@@ -406,6 +406,17 @@ static int until_implausible(rig6_t *rig, int stuck) {
     return 2001;
 }
 
+static void test_a_mode_that_changes_by_itself_turns_both_sets_off(void) {
+    const lode_drive6_config_t config = rig6_config();
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    rig.drive.drive.mode_not = (uint_least8_t)(rig.drive.drive.mode_not ^ 1u);
+    for (uint32_t n = 0; n < LODE_SLOW_PERIODS; n++) {
+        rig6_step(&rig);
+    }
+    expect_fault(&rig, LODE_CHECK_MEMORY);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, rig6_telemetry(&rig).drive.fault.measured);
+}
+
 static void test_implausible_currents_of_either_set_trip(void) {
     lode_drive6_config_t config = rig6_config();
     rig6_t sound = turning(&config, 600.0, LOAD_Nm);
@@ -700,6 +711,7 @@ int main(void) {
     RUN_TEST(test_a_source_that_opens_is_left);
     RUN_TEST(test_or_the_drive_trips_and_says_why);
     RUN_TEST(test_ignored_it_stays_unseen);
+    RUN_TEST(test_a_mode_that_changes_by_itself_turns_both_sets_off);
     RUN_TEST(test_implausible_currents_of_either_set_trip);
     RUN_TEST(test_the_xy_voltage_ends_with_what_made_it);
     RUN_TEST(test_one_set_stops_and_starts_again);

@@ -12,9 +12,9 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
 from tool import DRIVE, MOTOR, RECORDINGS, Checks, Folder, refused
 
 SCENARIO = (f"; Twice <b>&amp; \"once\"\n[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\nlog_s = 1e-3\n"
-            "[phase.first]\nduration_s = 1.2\nspeed_rpm = 450\nload_Nm = 1\nmode = run\n"
+            "[phase.first]\nduration_s = 2\nspeed_rpm = 450\nload_Nm = 1\nmode = run\n"
             "[phase.rest]\nduration_s = 1\nmode = off\nload_Nm = 2\n"
-            "[phase.second]\nduration_s = 1.2\nmode = run\nload_Nm = 1\n")
+            "[phase.second]\nduration_s = 2\nmode = run\nload_Nm = 1\n")
 KINDS = {"p.svg": b"<?xml", "p.png": b"\x89PNG\r\n\x1a\n", "p.html": b"<!DOCTYPE html>", "p": b"<?xml"}
 
 
@@ -129,9 +129,9 @@ def gaps_of_a_replay(checks, folder):
 
 
 def angles_of_a_record(checks, folder):
-    """No line from one end of an angle's range to the other, names on the axes of modes."""
+    """In RUN, no line from one end of an angle's range to the other; names on the axes of modes."""
     folder.run("run", "s.ini", "--scope", "s.bin", "--channels", "mode,theta_rad,iq_A,v_bus_V",
-               "--trigger", "omega_rad_s>120")
+               "--trigger", "speed_ref_rad_s>30")
     folder.run("decode", "s.bin", "--plot", "p.svg")
     svg = (folder.path / "p.svg").read_bytes()
     found = curves(svg)
