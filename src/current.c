@@ -4,7 +4,6 @@
 #define BANDWIDTH_TS 0.2f
 #define BANDWIDTH_TS_MAX 0.4f // 56 degrees
 #define GAIN_MARGIN 2.0f
-#define VOLTAGE_USE 0.95f
 #define D_SHARE 0.9f // leaves the q axis 44 % of the circle
 
 void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s) {
@@ -15,7 +14,7 @@ void lode_current_design(lode_current_config_t *config, const lode_motor_t *moto
     config->kp_q_V_A = lode_given_or(config->kp_q_V_A, bandwidth * motor->Lq_H);
     config->ki_d_V_As = lode_given_or(config->ki_d_V_As, bandwidth * motor->Rs_Ohm);
     config->ki_q_V_As = lode_given_or(config->ki_q_V_As, bandwidth * motor->Rs_Ohm);
-    config->voltage_use = lode_given_or(config->voltage_use, VOLTAGE_USE);
+    config->voltage_use = lode_given_or(config->voltage_use, LODE_VOLTAGE_USE);
 }
 
 // Jury's conditions on z^3 + c2 z^2 + c1 z + c0 = (z - a) z (z - 1) + b (kp (z - 1) + ki Ts): the R-L

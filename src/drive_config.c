@@ -13,8 +13,6 @@
 #define SPEED_ANGLE_MAX_rad (LODE_TWO_PI / 8.0f)
 
 #define ROUNDING 1.0e-5f
-// As current control's default.
-#define VOLTAGE_USE 0.95f
 
 // Machines are rated at some two thirds of the speed at which the bus is used up: the rest is for
 // control. (Paper 1: 471 of 713 rad/s.)
@@ -97,7 +95,7 @@ static float seen_voltage_use(const lode_drive_config_t *c) {
 
 float lode_drive_voltage_use(const lode_drive_config_t *c) {
     const bool windowed = c->sense.shunts == LODE_SHUNTS_TWO && c->sense.duty_max < 1.0f;
-    return windowed ? lode_min(seen_voltage_use(c), VOLTAGE_USE) : VOLTAGE_USE;
+    return windowed ? lode_min(seen_voltage_use(c), LODE_VOLTAGE_USE) : LODE_VOLTAGE_USE;
 }
 
 static bool has_blind_sectors(const lode_drive_config_t *c) {

@@ -10,8 +10,6 @@
 
 // Of dead time that the start may find beyond the configured one.
 #define DEAD_MORE_MAX_s 1.5e-6f
-// Of voltage along the current, averaged over its directions, per volt that a phase loses.
-#define FOUR_PER_PI (4.0f / LODE_PI)
 
 // Room for rounding.
 #define ROUNDING 0.999f

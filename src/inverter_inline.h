@@ -7,6 +7,9 @@
 // After a bus voltage that moves by more than this within a period, 1/v_bus is divided again.
 #define LODE_BUS_STEP_MAX 0.25f
 
+// Of voltage along the current, averaged over its directions, per volt that a phase loses.
+#define FOUR_PER_PI (4.0f / LODE_PI)
+
 // Called at t_k before anything is written: the mean voltage over [t_k-1, t_k), V, from the duty that call
 // k-2 wrote, which was of the same parity, and the bus sampled at t_k-1 (C7).
 LODE_INLINE lode_ab_t lode_inverter_realised(const lode_inverter_t *self, uint32_t call) {

@@ -1,8 +1,6 @@
 #include "lodestar/single_shunt.h"
 
 #define WINDOW_MAX 0.25f // of the period
-// As current control's default.
-#define VOLTAGE_USE 0.95f
 // With the zero vectors halved, a vector between two legs of equal duty has both at
 // 1/2 + sqrt(3)/4 of its share of the circle.
 #define TWO_LEGS 0.4330127f
@@ -34,7 +32,7 @@ lode_status_t lode_single_shunt_tune(lode_single_shunt_tuning_t *tuning,
 }
 
 float lode_single_shunt_voltage_use(const lode_single_shunt_tuning_t *tuning) {
-    return lode_min(VOLTAGE_USE, (0.5f - 0.5f * tuning->window) / TWO_LEGS);
+    return lode_min(LODE_VOLTAGE_USE, (0.5f - 0.5f * tuning->window) / TWO_LEGS);
 }
 
 void lode_single_shunt_reset(lode_single_shunt_t *self) {

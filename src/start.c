@@ -1,5 +1,8 @@
 #include "start_inline.h"
 
+#include "inverter_inline.h"
+#include "lodestar/current.h"
+
 #define CURRENT_SHARE 0.7f  // of i_max
 #define SALIENT_SHARE 0.5f  // of the current at which a salient rotor is no longer pulled
 #define HANDOVER_SHARE 0.1f // of rated speed
@@ -8,10 +11,8 @@
 #define EMF_PER_UNKNOWN 2.0f
 #define DEAD_TIME_UNKNOWN_s 1.0e-6f
 #define RESISTANCE_UNKNOWN 0.3f
-#define FOUR_PER_PI (4.0f / LODE_PI)
 #define HANDOVER_SHARE_MAX                                                                         \
-    0.5f                  // of rated or base speed: beyond, too little of the speed range is left
-#define VOLTAGE_USE 0.95f // as current control's default
+    0.5f // of rated or base speed: beyond, too little of the speed range is left
 #define RAMP_TORQUE_SHARE (1.0f / 6.0f)
 #define RISE_TIME_s 0.2f
 #define DAMPING 0.5f
@@ -83,7 +84,7 @@ static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *
 
 // Electrical speed at which the largest current and the EMF use up the bus.
 static float base_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
-    const float u_V = VOLTAGE_USE * inverter->v_bus_V / LODE_SQRT3;
+    const float u_V = LODE_VOLTAGE_USE * inverter->v_bus_V / LODE_SQRT3;
     const float drop_V = (motor->Rs_Ohm + inverter->r_on_Ohm) * inverter->i_max_A;
     const float psi_q = motor->Lq_H * inverter->i_max_A;
     const float flux2 = motor->psi_Wb * motor->psi_Wb + psi_q * psi_q;

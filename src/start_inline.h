@@ -9,8 +9,9 @@
 // a period now, rad.
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
                                   lode_ab_t e_V) {
-    // Turning at speed begins when the current is there. While it rises the vector sweeps a third of a
-    // turn, or a rotor that happens to lie opposite to it would feel no torque.
+    // Turning at speed begins when the current is there and resistance and dead time are measured. While the
+    // current rises at standstill the vector sweeps a third of a turn, or a rotor that happens to lie opposite
+    // to it would feel no torque.
     float advance_rad = tuning->ts_s * self->omega_rad_s;
     if (!(self->current_A < self->current_target) && !(self->level < LODE_START_LEVELS)) {
         const float most = self->ease * tuning->omega_step;
@@ -19,7 +20,7 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
     } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f)) {
         advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
     } else {
-        // the current rises on at the speed that there is
+        // the vector rests while it is measured, or its current rises on at the speed that there is
     }
     self->current_A += lode_clamp(self->current_target - self->current_A, -tuning->current_step,
                                   tuning->current_step);

@@ -12,14 +12,16 @@
 extern "C" {
 #endif
 
+/// Default share of v_bus/sqrt(3) that current control may use: the rest is for the dead-time correction.
+#define LODE_VOLTAGE_USE 0.95f
+
 typedef struct {
     float bandwidth_rad_s; ///< places kp = L bandwidth, ki = R bandwidth; 0: 0.2/Ts
     float kp_d_V_A;        ///< 0: from the bandwidth
     float kp_q_V_A;
     float ki_d_V_As;
     float ki_q_V_As;
-    float voltage_use; ///< share of v_bus/sqrt(3) that may be used; 0: 0.95, the rest is for the
-                       ///< dead-time correction
+    float voltage_use; ///< share of v_bus/sqrt(3) that may be used; 0: LODE_VOLTAGE_USE
 } lode_current_config_t;
 
 typedef struct {

@@ -2,8 +2,6 @@
 
 #define STEPS_MAX 65535u
 #define NS_PER_S 1.0e9f
-// The core's default share of the circle; more than the board allows is never asked of it.
-#define VOLTAGE_USE 0.95f
 // With the zero vectors halved, a vector between two legs of equal duty has them at
 // 1/2 + sqrt(3)/4 of its share of the circle.
 #define TWO_LEGS 0.4330127f
@@ -59,5 +57,5 @@ float port_trip_A(float wanted_A, float least_A, float most_A) {
 }
 
 float port_voltage_use(float duty_max) {
-    return lode_clamp((duty_max - 0.5f) / TWO_LEGS, 0.0f, VOLTAGE_USE);
+    return lode_clamp((duty_max - 0.5f) / TWO_LEGS, 0.0f, LODE_VOLTAGE_USE);
 }
