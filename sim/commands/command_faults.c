@@ -51,8 +51,12 @@ static bool next_name(const char **list, char *name, size_t size) {
 }
 
 static bool take_kind(faults_t *self, const char *name) {
+    if (self->kinds == KINDS_MAX) {
+        rig_error("--kinds %s: expected at most %d kinds", name, KINDS_MAX);
+        return false;
+    }
     for (int k = 0; k < inject_kind_count; ++k) {
-        if (strcmp(inject_kinds[k].name, name) == 0 && self->kinds < KINDS_MAX) {
+        if (strcmp(inject_kinds[k].name, name) == 0) {
             self->kind[self->kinds++] = &inject_kinds[k];
             return true;
         }
@@ -63,7 +67,7 @@ static bool take_kind(faults_t *self, const char *name) {
         (void)snprintf(known + used, sizeof known - used, "%s%s", k > 0 ? ", " : "",
                        inject_kinds[k].name);
     }
-    rig_error("--kinds %s: expected %d at most of %s", name, KINDS_MAX, known);
+    rig_error("--kinds %s: expected one of %s, or several with commas in between", name, known);
     return false;
 }
 

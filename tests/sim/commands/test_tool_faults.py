@@ -50,7 +50,8 @@ def page(checks, folder):
 
 
 def refuses(checks, folder):
-    for arguments, says in [(["--kinds", "none,nonsense"], "--kinds nonsense: expected"),
+    for arguments, says in [(["--kinds", "none,nonsense"], "--kinds nonsense: expected one of none, adc-frozen"),
+                            (["--kinds", ",".join(["none"] * 65)], "expected at most 64 kinds"),
                             (["--motors", "nobody"], "nobody"),
                             (["--jobs", "0"], "--jobs 0: expected"),
                             (["more"], "more: expected nothing there")]:
