@@ -266,6 +266,10 @@ static void describe_motor(const rig_config_t *config, plant_config_t *plant, ui
     plant->B_Nms = or_else(truth->B_Nms, (double)motor->B_Nms);
     plant->i_sat_A = or_else(truth->i_sat_A, 0.0);
     plant->Lq_sat_H = or_else(truth->Lq_sat_H, plant->Lq_H);
+    plant->id_sat_A = or_else(truth->id_sat_A, 0.0);
+    plant->Ld_sat_H = or_else(truth->Ld_sat_H, plant->Ld_H);
+    plant->i_cross_A = or_else(truth->i_cross_A, 0.0);
+    plant->Ldq_H = or_else(truth->Ldq_H, 0.0);
     plant->emf5_ratio = or_else(truth->emf5_ratio, 0.0);
     plant->emf5_phase_rad = rig_rad_from_deg(or_else(truth->emf5_phase_deg, 0.0));
     plant->emf7_ratio = or_else(truth->emf7_ratio, 0.0);

@@ -35,6 +35,12 @@ typedef struct {
     double psi_Wb;   ///< magnet flux linkage, 0 and up
     double i_sat_A;  ///< q saturation: Lq_H falls towards Lq_sat_H around this current; 0: linear
     double Lq_sat_H; ///< what is left of Lq_H at infinite current, 0 < Lq_sat_H <= Lq_H
+    double id_sat_A; ///< d saturation around this current; 0: linear
+    double Ld_sat_H; ///< differential Ld at infinite positive id, 0 < Ld_sat_H <= Ld_H
+    /// Cross-saturation: the differential cross-inductance dpsi_d/diq is largest, -Ldq_H, at this iq
+    /// (and id = 0); 0: none.
+    double i_cross_A;
+    double Ldq_H; ///< of either sign
     /// EMF harmonics in phase a: -w psi (sin th + r5 sin(5 th + p5) + ...). With two sets the 5th and
     /// 7th lie in the xy plane.
     double emf5_ratio, emf5_phase_rad;

@@ -14,10 +14,13 @@
 
 #define PI 3.14159265358979323846
 
-/// One evaluation point of the integration. On the q axis the flux is what is integrated: the
-/// voltage acts on it alike whether or not the iron saturates.
+/// Below this current the chord of a flux is its slope, A.
+static const double chord_floor_A = 1e-9;
+
+/// One evaluation point of the integration.
 typedef struct {
     double id, iq, psi_q, omega, cos, sin;
+    double psi_d;  // without the magnet's; iron that saturates only
     double ix, iy; // two sets only
 } point_t;
 
@@ -25,17 +28,20 @@ typedef struct {
 typedef struct {
     bool dual;  ///< two sets
     bool plain; ///< plant_motor_t.is_plain, and nothing floats
+    bool
+        iron; ///< plant_motor_t.saturates: both fluxes are integrated, the currents follow from them
 } kind_t;
 
 typedef struct {
     double did, dpsi_q, torque;
+    double dpsi_d;  // in place of did where the iron saturates
     double u_float; // one set only
     double dix, diy;
     plant_vector_t push[PLANT_SETS]; // voltage of floating phases, two sets only
 } slope_t;
 
 void plant_motor_init(plant_motor_t *self, const plant_config_t *config) {
-    const bool saturates = config->i_sat_A > 0.0;
+    const bool saturates = plant_iron_saturates(config);
     const bool dual = config->sets == PLANT_SETS;
     *self = (plant_motor_t){
         .x = {.omega_m_rad_s = config->omega_m_rad_s, .theta_e_rad = config->theta_e_rad},
@@ -48,20 +54,18 @@ void plant_motor_init(plant_motor_t *self, const plant_config_t *config) {
         .Rs_Ohm = config->Rs_Ohm,
         .Ld_H = config->Ld_H,
         .Lq_H = config->Lq_H,
-        .Lq_sat_H = saturates ? config->Lq_sat_H : config->Lq_H,
         .Lxy_H = dual ? config->Lxy_H : 0.0,
         .psi_Wb = config->psi_Wb,
-        .i_sat_A = config->i_sat_A,
         .inv_Ld = 1.0 / config->Ld_H,
         .inv_Lq = 1.0 / config->Lq_H,
         .inv_Lxy = dual ? 1.0 / config->Lxy_H : 0.0,
-        .inv_i_sat = saturates ? 1.0 / config->i_sat_A : 0.0,
         .inv_J = 1.0 / config->J_kgm2,
         .J_kgm2 = config->J_kgm2,
         .B_Nms = config->B_Nms,
         .saturates = saturates,
         .keeps_accounts = config->keeps_accounts,
     };
+    plant_iron_init(&self->iron, config);
     plant_flux_init(self, config);
     plant_load_init(self, config);
     self->is_plain = !dual && !saturates && !self->has_dq_harmonics && !config->keeps_accounts;
@@ -79,74 +83,86 @@ void plant_motor_refresh_angle(plant_motor_t *self) {
     x->sin_theta = sin(x->theta_e_rad);
 }
 
-static inline double flux_q(const plant_motor_t *m, double iq) {
-    if (!m->saturates) {
-        return m->Lq_H * iq;
-    }
-    return iq * (m->Lq_sat_H + (m->Lq_H - m->Lq_sat_H) / (1.0 + fabs(iq) * m->inv_i_sat));
-}
-
-/// The inverse of flux_q: the positive root of
-///     (Lq_sat/i_sat) i^2 + (Lq - psi/i_sat) i - psi = 0
-HOT double current_q(const plant_motor_t *m, double psi_q, kind_t kind) {
-    if (kind.plain || !m->saturates) {
-        return m->inv_Lq * psi_q;
-    }
-    const double size = fabs(psi_q);
-    const double b = m->Lq_H - size * m->inv_i_sat;
-    return 2.0 * psi_q / (b + sqrt(b * b + 4.0 * m->Lq_sat_H * m->inv_i_sat * size));
-}
-
-/// diq/dpsi_q.
-HOT double inverse_Lq(const plant_motor_t *m, double iq) {
-    if (!m->saturates) {
-        return m->inv_Lq;
-    }
-    const double fade = 1.0 / (1.0 + fabs(iq) * m->inv_i_sat);
-    return 1.0 / (m->Lq_sat_H + (m->Lq_H - m->Lq_sat_H) * fade * fade);
-}
-
-static point_t point_of(const plant_motor_t *m, const plant_motor_state_t *x) {
-    return (point_t){
+HOT point_t point_of(const plant_motor_t *m, const plant_motor_state_t *x, kind_t kind) {
+    point_t at = {
         .id = x->id_A,
         .iq = x->iq_A,
-        .psi_q = flux_q(m, x->iq_A),
+        .psi_q = m->Lq_H * x->iq_A,
         .omega = x->omega_m_rad_s,
         .cos = x->cos_theta,
         .sin = x->sin_theta,
         .ix = x->ix_A,
         .iy = x->iy_A,
     };
+    if (kind.iron) {
+        const plant_iron_point_t iron = plant_iron_at(&m->iron, at.id, at.iq);
+        at.psi_d = iron.psi_d_Wb;
+        at.psi_q = iron.psi_q_Wb;
+    }
+    return at;
+}
+
+/// How the currents at a point answer to voltage.
+HOT plant_iron_answer_t answer_at(const plant_motor_t *m, const point_t *at, kind_t kind) {
+    if (!kind.iron) {
+        return (plant_iron_answer_t){m->inv_Ld, 0.0, m->inv_Lq};
+    }
+    const plant_iron_point_t iron = plant_iron_at(&m->iron, at->id, at->iq);
+    return plant_iron_answer(&iron);
+}
+
+/// Slopes of the currents, A/s.
+HOT plant_vector_dq_t current_slopes(const plant_motor_t *m, const point_t *at, const slope_t *k,
+                                     kind_t kind) {
+    if (!kind.iron) {
+        return (plant_vector_dq_t){k->did, k->dpsi_q * m->inv_Lq};
+    }
+    const plant_iron_answer_t y = answer_at(m, at, kind);
+    return (plant_vector_dq_t){y.dd * k->dpsi_d + y.dq * k->dpsi_q,
+                               y.dq * k->dpsi_d + y.qq * k->dpsi_q};
+}
+
+/// Adds a voltage in dq to the slopes.
+HOT void add_voltage(const plant_motor_t *m, double d_V, double q_V, slope_t *slope, kind_t kind) {
+    if (kind.iron) {
+        slope->dpsi_d += d_V;
+    } else {
+        slope->did += d_V * m->inv_Ld;
+    }
+    slope->dpsi_q += q_V;
 }
 
 /// Holds the current of the floating phase: its terminal takes the voltage that stops di/dt.
 static void hold_floating(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
-                          slope_t *slope) {
-    const double w = m->np * at->omega, inv_Lq = inverse_Lq(m, at->iq);
+                          slope_t *slope, kind_t kind) {
+    const double w = m->np * at->omega;
+    const plant_iron_answer_t y = answer_at(m, at, kind);
+    const plant_vector_dq_t di = current_slopes(m, at, slope, kind);
     const int leg = drive->floating[0];
     const double ac = plant_axis_cos[leg], as = plant_axis_sin[leg];
     const double ad = ac * at->cos + as * at->sin;
     const double aq = as * at->cos - ac * at->sin;
     // The phase's current changes by the dq slope and by the rotation of the frame.
-    const double rate = ad * (slope->did - w * at->iq) + aq * (slope->dpsi_q * inv_Lq + w * at->id);
-    const double push = -rate / (ad * ad * m->inv_Ld + aq * aq * inv_Lq);
-    slope->did += push * ad * m->inv_Ld;
-    slope->dpsi_q += push * aq;
+    const double rate = ad * (di.d - w * at->iq) + aq * (di.q + w * at->id);
+    const double push = -rate / (ad * ad * y.dd + 2.0 * ad * aq * y.dq + aq * aq * y.qq);
+    add_voltage(m, push * ad, push * aq, slope, kind);
     slope->u_float = 1.5 * push;
 }
 
 /// The same for two sets, which the iron couples.
 static void hold_sets(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
-                      slope_t *slope) {
-    const double w = m->np * at->omega, inv_Lq = inverse_Lq(m, at->iq);
+                      slope_t *slope, kind_t kind) {
+    const double w = m->np * at->omega;
+    const plant_iron_answer_t y = answer_at(m, at, kind);
+    const plant_vector_dq_t di = current_slopes(m, at, slope, kind);
     const double c = at->cos, s = at->sin;
     const plant_compliance_t compliance = {
-        .alpha_alpha = c * c * m->inv_Ld + s * s * inv_Lq,
-        .alpha_beta = c * s * (m->inv_Ld - inv_Lq),
-        .beta_beta = s * s * m->inv_Ld + c * c * inv_Lq,
+        .alpha_alpha = c * c * y.dd + s * s * y.qq - 2.0 * c * s * y.dq,
+        .alpha_beta = c * s * (y.dd - y.qq) + (c * c - s * s) * y.dq,
+        .beta_beta = s * s * y.dd + c * c * y.qq + 2.0 * c * s * y.dq,
         .xy = m->inv_Lxy,
     };
-    const double d = slope->did - w * at->iq, q = slope->dpsi_q * inv_Lq + w * at->id;
+    const double d = di.d - w * at->iq, q = di.q + w * at->id;
     const plant_planes_t rates = {{d * c - q * s, d * s + q * c}, {slope->dix, slope->diy}};
     const plant_vector_t rate[PLANT_SETS] = {plant_sets_vector(&rates, 0),
                                              plant_sets_vector(&rates, 1)};
@@ -154,15 +170,14 @@ static void hold_sets(const plant_motor_t *m, const plant_drive_t *drive, const 
     plant_sets_hold(&compliance, drive->floating, rate, slope->push);
     plant_sets_add(&u, 0, slope->push[0]);
     plant_sets_add(&u, 1, slope->push[1]);
-    slope->did += (u.ab.alpha * c + u.ab.beta * s) * m->inv_Ld;
-    slope->dpsi_q += u.ab.beta * c - u.ab.alpha * s;
+    add_voltage(m, u.ab.alpha * c + u.ab.beta * s, u.ab.beta * c - u.ab.alpha * s, slope, kind);
     slope->dix += u.xy.alpha * m->inv_Lxy;
     slope->diy += u.xy.beta * m->inv_Lxy;
 }
 
 /// (M6), then whatever floats.
 static void add_second_set(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
-                           slope_t *slope) {
+                           slope_t *slope, kind_t kind) {
     const double w = m->np * at->omega;
     plant_vector_t h = {0.0, 0.0};
     if (m->has_xy_harmonics) {
@@ -172,7 +187,7 @@ static void add_second_set(const plant_motor_t *m, const plant_drive_t *drive, c
     slope->dix = (drive->u_x_V - drive->R_Ohm * at->ix - w * h.alpha) * m->inv_Lxy;
     slope->diy = (drive->u_y_V - drive->R_Ohm * at->iy - w * h.beta) * m->inv_Lxy;
     if (drive->floating[0] != PLANT_NONE_FLOATS || drive->floating[1] != PLANT_NONE_FLOATS) {
-        hold_sets(m, drive, at, slope);
+        hold_sets(m, drive, at, slope, kind);
     } else {
         slope->push[0] = slope->push[1] = (plant_vector_t){0.0, 0.0};
     }
@@ -184,23 +199,25 @@ HOT slope_t slope_at(const plant_motor_t *m, const plant_drive_t *drive, const p
     const double ud = drive->u_alpha_V * at->cos + drive->u_beta_V * at->sin;
     const double uq = drive->u_beta_V * at->cos - drive->u_alpha_V * at->sin;
     const double w = m->np * at->omega;
-    double flux_1 = m->psi_Wb + m->Ld_H * at->id, flux_2 = at->psi_q;
+    double flux_1 = m->psi_Wb + (kind.iron ? at->psi_d : m->Ld_H * at->id), flux_2 = at->psi_q;
     if (!kind.plain && m->has_dq_harmonics) {
         double h_d, h_q;
         plant_flux_ripple(m, at->cos, at->sin, &h_d, &h_q);
         flux_1 += h_q;
         flux_2 -= h_d;
     }
+    const double dpsi_d = ud - drive->R_Ohm * at->id + w * flux_2;
     slope_t slope = {
-        .did = (ud - drive->R_Ohm * at->id + w * flux_2) * m->inv_Ld,
+        .did = kind.iron ? 0.0 : dpsi_d * m->inv_Ld,
+        .dpsi_d = kind.iron ? dpsi_d : 0.0,
         .dpsi_q = uq - drive->R_Ohm * at->iq - w * flux_1,
         .torque = m->power * m->np * (flux_1 * at->iq - flux_2 * at->id),
         .u_float = 0.0,
     };
     if (kind.dual) {
-        add_second_set(m, drive, at, &slope);
+        add_second_set(m, drive, at, &slope, kind);
     } else if (!kind.plain && drive->floating[0] >= 0) {
-        hold_floating(m, drive, at, &slope);
+        hold_floating(m, drive, at, &slope, kind);
     }
     return slope;
 }
@@ -259,11 +276,13 @@ static double terminal_of(const plant_vector_t *push, int leg) {
 }
 
 /// What the search for a change of conduction needs.
-HOT void note_ends(const slope_t *k, plant_stretch_t *sum) {
+HOT void note_ends(const plant_motor_t *m, const point_t *p, const slope_t *k, plant_stretch_t *sum,
+                   kind_t kind) {
+    const plant_vector_dq_t di = current_slopes(m, &p[0], &k[0], kind);
     sum->set[0].u_start_V = k[0].u_float;
     sum->set[0].u_end_V = k[2].u_float;
-    sum->did_start_A_s = k[0].did;
-    sum->dpsi_q_start_V = k[0].dpsi_q;
+    sum->did_start_A_s = di.d;
+    sum->diq_start_A_s = di.q;
 }
 
 /// What two sets have besides.
@@ -366,9 +385,16 @@ static void coast(plant_motor_t *m, double h, plant_stretch_t *sum) {
 /// Where the trial slopes lead from p[0].
 HOT void move(const plant_motor_t *m, const point_t *from, double h, const slope_t *k, point_t *to,
               kind_t kind) {
-    to->id = from->id + h * k->did;
     to->psi_q = from->psi_q + h * k->dpsi_q;
-    to->iq = current_q(m, to->psi_q, kind);
+    if (kind.iron) {
+        to->psi_d = from->psi_d + h * k->dpsi_d;
+        to->id = from->id;
+        to->iq = from->iq;
+        plant_iron_currents(&m->iron, to->psi_d, to->psi_q, &to->id, &to->iq);
+    } else {
+        to->id = from->id + h * k->did;
+        to->iq = m->inv_Lq * to->psi_q;
+    }
     if (kind.dual) {
         to->ix = from->ix + h * k->dix;
         to->iy = from->iy + h * k->diy;
@@ -382,7 +408,7 @@ HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant
     const double h = h_s, half = 0.5 * h_s;
     point_t p[3];
     slope_t k[3];
-    p[0] = point_of(self, x);
+    p[0] = point_of(self, x, kind);
     k[0] = slope_at(self, drive, &p[0], kind);
     const plant_shaft_t shaft = shaft_at(self, k[0].torque, h_s);
     const double a_0 = acceleration(self, &shaft, k[0].torque, p[0].omega);
@@ -404,6 +430,7 @@ HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant
 
     const slope_t onward = {.did = 2.0 * k[1].did - k[0].did,
                             .dpsi_q = 2.0 * k[1].dpsi_q - k[0].dpsi_q,
+                            .dpsi_d = 2.0 * k[1].dpsi_d - k[0].dpsi_d,
                             .dix = kind.dual ? 2.0 * k[1].dix - k[0].dix : 0.0,
                             .diy = kind.dual ? 2.0 * k[1].diy - k[0].diy : 0.0};
     move(self, &p[0], h, &onward, &p[2], kind);
@@ -411,7 +438,7 @@ HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant
     k[2] = slope_at(self, drive, &p[2], kind);
     const double a_2 = acceleration(self, &shaft, k[2].torque, p[2].omega);
 
-    note_ends(k, sum);
+    note_ends(self, p, k, sum, kind);
     if (!kind.plain && self->keeps_accounts) {
         integrate(self, &shaft, p, k, h, sum);
     }
@@ -419,9 +446,14 @@ HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant
     x->theta_e_rad += self->np * h * (p[0].omega + half * a_0) + jerk_turn;
     x->cos_theta = p[2].cos - p[2].sin * jerk_turn;
     x->sin_theta = p[2].sin + p[2].cos * jerk_turn;
-    x->id_A += h / 6.0 * (k[0].did + 4.0 * k[1].did + k[2].did);
-    x->iq_A = current_q(
-        self, p[0].psi_q + h / 6.0 * (k[0].dpsi_q + 4.0 * k[1].dpsi_q + k[2].dpsi_q), kind);
+    const double psi_q = p[0].psi_q + h / 6.0 * (k[0].dpsi_q + 4.0 * k[1].dpsi_q + k[2].dpsi_q);
+    if (kind.iron) {
+        const double psi_d = p[0].psi_d + h / 6.0 * (k[0].dpsi_d + 4.0 * k[1].dpsi_d + k[2].dpsi_d);
+        plant_iron_currents(&self->iron, psi_d, psi_q, &x->id_A, &x->iq_A);
+    } else {
+        x->id_A += h / 6.0 * (k[0].did + 4.0 * k[1].did + k[2].did);
+        x->iq_A = self->inv_Lq * psi_q;
+    }
     x->omega_m_rad_s += h / 6.0 * (a_0 + 4.0 * a_1 + a_2);
     if (kind.dual) {
         x->ix_A += h / 6.0 * (k[0].dix + 4.0 * k[1].dix + k[2].dix);
@@ -440,8 +472,12 @@ static void step_rotor(plant_motor_t *self, const plant_drive_t *drive, double h
     const bool dual = self->sets == PLANT_SETS;
     if (drive->floating[0] == PLANT_ALL_FLOAT && (!dual || drive->floating[1] == PLANT_ALL_FLOAT)) {
         coast(self, h_s, sum);
+    } else if (dual && self->saturates) {
+        step(self, drive, h_s, sum, (kind_t){.dual = true, .iron = true});
     } else if (dual) {
         step(self, drive, h_s, sum, (kind_t){.dual = true});
+    } else if (self->saturates) {
+        step(self, drive, h_s, sum, (kind_t){.iron = true});
     } else if (self->is_plain && drive->floating[0] == PLANT_NONE_FLOATS) {
         step(self, drive, h_s, sum, (kind_t){.plain = true});
     } else {
@@ -462,7 +498,7 @@ void plant_motor_step(plant_motor_t *self, const plant_drive_t *drive, double h_
 
 double plant_motor_longest_step(const plant_motor_t *self, double R_Ohm) {
     const double w = self->np * self->x.omega_m_rad_s;
-    const double L = fmin(self->Ld_H, self->Lq_sat_H);
+    const double L = self->iron.smallest_L_H;
     const double decay = R_Ohm / (self->sets == 1 ? L : fmin(L, self->Lxy_H));
     double fastest2 = fmax(w * w, decay * decay);
     if (self->has_xy_harmonics) {
@@ -471,6 +507,7 @@ double plant_motor_longest_step(const plant_motor_t *self, double R_Ohm) {
     }
     if (!self->speed_is_prescribed) {
         // The rotor swings in the field of the currents like a mass on a spring; light ones fast.
+        // Saturation leaves less flux.
         const double psi_d = self->psi_Wb + self->Ld_H * self->x.id_A;
         const double psi_q = self->Lq_H * self->x.iq_A;
         const double stiffness =
@@ -484,28 +521,34 @@ double plant_motor_longest_step(const plant_motor_t *self, double R_Ohm) {
     return 0.05 / sqrt(fmax(fastest2, 2500.0));
 }
 
+static kind_t kind_of(const plant_motor_t *self) {
+    return (kind_t){.dual = self->sets == PLANT_SETS, .iron = self->saturates};
+}
+
 double plant_motor_torque(const plant_motor_t *self) {
     const plant_drive_t none = {.floating = {PLANT_NONE_FLOATS, PLANT_NONE_FLOATS}};
-    const point_t at = point_of(self, &self->x);
-    return slope_at(self, &none, &at, (kind_t){.dual = self->sets == PLANT_SETS}).torque;
+    const kind_t kind = kind_of(self);
+    const point_t at = point_of(self, &self->x, kind);
+    return slope_at(self, &none, &at, kind).torque;
 }
 
 void plant_motor_slopes(const plant_motor_t *self, const plant_drive_t *drive,
                         plant_stretch_t *now) {
-    const bool dual = self->sets == PLANT_SETS;
-    if (!dual && drive->floating[0] == PLANT_ALL_FLOAT) {
+    const kind_t kind = kind_of(self);
+    if (!kind.dual && drive->floating[0] == PLANT_ALL_FLOAT) {
         const plant_planes_t emf = plant_flux_open_emf(self, &self->x);
         *now = (plant_stretch_t){.set = {{.all_start_V = emf.ab}}};
         return;
     }
-    const point_t at = point_of(self, &self->x);
-    const slope_t slope = slope_at(self, drive, &at, (kind_t){.dual = dual});
-    now->did_start_A_s = slope.did;
-    now->dpsi_q_start_V = slope.dpsi_q;
+    const point_t at = point_of(self, &self->x, kind);
+    const slope_t slope = slope_at(self, drive, &at, kind);
+    const plant_vector_dq_t di = current_slopes(self, &at, &slope, kind);
+    now->did_start_A_s = di.d;
+    now->diq_start_A_s = di.q;
     now->dix_start_A_s = slope.dix;
     now->diy_start_A_s = slope.diy;
     now->set[0].u_start_V = slope.u_float;
-    for (int set = 0; dual && set < PLANT_SETS; set++) {
+    for (int set = 0; kind.dual && set < PLANT_SETS; set++) {
         const int leg = drive->floating[set];
         now->set[set].all_start_V = slope.push[set];
         if (leg != PLANT_NONE_FLOATS && leg != PLANT_ALL_FLOAT) {
@@ -520,9 +563,8 @@ double plant_motor_phase_slope(const plant_motor_t *self, const plant_motor_stat
     const double ac = plant_axis_cos[leg], as = plant_axis_sin[leg];
     const double ad = ac * state->cos_theta + as * state->sin_theta;
     const double aq = as * state->cos_theta - ac * state->sin_theta;
-    const double diq_A_s = stretch->dpsi_q_start_V * inverse_Lq(self, state->iq_A);
-    const double slope =
-        ad * (stretch->did_start_A_s - w * state->iq_A) + aq * (diq_A_s + w * state->id_A);
+    const double slope = ad * (stretch->did_start_A_s - w * state->iq_A) +
+                         aq * (stretch->diq_start_A_s + w * state->id_A);
     if (self->sets == 1) {
         return slope;
     }
@@ -533,9 +575,14 @@ double plant_motor_phase_slope(const plant_motor_t *self, const plant_motor_stat
 plant_planes_t plant_motor_active_emf(const plant_motor_t *self) {
     const plant_motor_state_t *x = &self->x;
     const double w = self->np * x->omega_m_rad_s;
-    const double fade = 1.0 / (1.0 + fabs(x->iq_A) * self->inv_i_sat);
-    const double Lq = self->Lq_sat_H + (self->Lq_H - self->Lq_sat_H) * fade;
-    const double e = w * (self->Ld_H - Lq) * x->id_A; // on top of the magnet's
+    double flux_Wb = (self->Ld_H - self->Lq_H) * x->id_A; // on top of the magnet's
+    if (self->saturates) {
+        // psi_d - Lq id with the chord Lq = psi_q/iq, in its limit at no current
+        const plant_iron_point_t at = plant_iron_at(&self->iron, x->id_A, x->iq_A);
+        const bool chord = fabs(x->iq_A) > chord_floor_A;
+        flux_Wb = at.psi_d_Wb - (chord ? at.psi_q_Wb / x->iq_A : at.Lqq_H) * x->id_A;
+    }
+    const double e = w * flux_Wb;
     plant_planes_t emf = plant_flux_open_emf(self, x);
     emf.ab.alpha -= e * x->sin_theta;
     emf.ab.beta += e * x->cos_theta;
@@ -593,13 +640,11 @@ void plant_motor_clear_set(plant_motor_t *self, int set) {
 
 double plant_motor_field_energy(const plant_motor_t *self) {
     const double id = self->x.id_A, iq = self->x.iq_A, ix = self->x.ix_A, iy = self->x.iy_A;
-    double energy = 0.5 * self->Ld_H * id * id + 0.5 * self->Lq_sat_H * iq * iq +
-                    0.5 * self->Lxy_H * (ix * ix + iy * iy);
+    double energy = 0.5 * self->Lxy_H * (ix * ix + iy * iy);
     if (self->saturates) {
-        // The integral of iq dpsi_q of the fading part.
-        const double r = fabs(iq) * self->inv_i_sat;
-        energy += (self->Lq_H - self->Lq_sat_H) * self->i_sat_A * self->i_sat_A *
-                  (log1p(r) - r / (1.0 + r));
+        energy += plant_iron_energy(&self->iron, id, iq);
+    } else {
+        energy += 0.5 * self->Ld_H * id * id + 0.5 * self->Lq_H * iq * iq;
     }
     return self->power * energy;
 }

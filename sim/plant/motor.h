@@ -1,15 +1,15 @@
 /// Interior permanent-magnet motor and shaft, integrated over stretches of constant source voltage.
 ///
 /// States id, iq, omega_m, theta_e. With Rt = winding plus on-state resistance, w = np omega_m:
-///     Ld did/dt = ud - Rt id + w (psi_q - h_d)                                               (M1)
+///     dpsi_d/dt = ud - Rt id + w (psi_q - h_d)                                               (M1)
 ///     dpsi_q/dt = uq - Rt iq - w (psi_d + h_q)                                               (M2)
 ///     Te = 1.5 np ((psi_d + h_q) iq - (psi_q - h_d) id)                                      (M3)
 ///     J domega/dt = Te - load - B omega                                                      (M4)
 /// with what load.h puts on the shaft.
-/// psi_d = psi + Ld id, psi_q = Lq_sat iq + (Lq - Lq_sat) iq / (1 + |iq|/i_sat), so each flux
-/// depends on its own current only: the field energy is a function of state. h is the EMF of the
-/// 5th and 7th harmonic per rad/s, in dq; it depends on the angle only, so (M3) takes from the
-/// shaft exactly what (M1), (M2) give to the terminals.
+/// psi_d = psi + Ld id, psi_q = Lq iq, or of iron that saturates (iron.h); there both fluxes are
+/// integrated within a step and the currents follow from them. h is the EMF of the 5th and 7th
+/// harmonic per rad/s, in dq; it depends on the angle only, so (M3) takes from the shaft exactly what
+/// (M1), (M2) give to the terminals.
 ///
 /// Two sets of windings (plant/sets.h) double (M3) and add states ix, iy in the stationary xy plane,
 /// with Lxy and the harmonics h_x, h_y of 5th and 7th order:
@@ -17,6 +17,7 @@
 #ifndef PLANT_MOTOR_H
 #define PLANT_MOTOR_H
 
+#include "plant/iron.h"
 #include "plant/sets.h"
 
 typedef struct {
@@ -34,6 +35,10 @@ typedef struct {
     double fan_Nms2, stiction_Nm, load_ripple, cogging_Nm, cogging_per_turn;
     double J_kgm2, shaft_Nm_rad, shaft_Nms_rad, half_gap_rad;
 } plant_load_t;
+
+typedef struct {
+    double d, q;
+} plant_vector_dq_t;
 
 /// psi r exp(j phase), Wb.
 typedef struct {
@@ -56,8 +61,9 @@ typedef struct {
     plant_load_t load;
     int sets;
     double power; ///< of two vectors' product: 1.5 per set
-    double np, Rs_Ohm, Ld_H, Lq_H, Lq_sat_H, Lxy_H, psi_Wb, i_sat_A;
-    double inv_Ld, inv_Lq, inv_Lxy, inv_i_sat, inv_J, J_kgm2, B_Nms;
+    double np, Rs_Ohm, Ld_H, Lq_H, Lxy_H, psi_Wb;
+    double inv_Ld, inv_Lq, inv_Lxy, inv_J, J_kgm2, B_Nms;
+    plant_iron_t iron; ///< in use where `saturates`
     bool saturates, has_dq_harmonics, has_xy_harmonics;
     bool keeps_accounts;
     bool is_plain;                    ///< one set, linear iron, sinusoidal EMF, no accounts
@@ -89,8 +95,8 @@ typedef struct {
     double friction_J;
     double load_J; ///< into the load or dynamometer
     plant_float_t set[PLANT_SETS];
-    // ... and what the search for a change of conduction needs: slopes of (M1), (M2), (M6).
-    double did_start_A_s, dpsi_q_start_V, dix_start_A_s, diy_start_A_s;
+    // ... and what the search for a change of conduction needs: slopes of the currents.
+    double did_start_A_s, diq_start_A_s, dix_start_A_s, diy_start_A_s;
 } plant_stretch_t;
 
 void plant_motor_init(plant_motor_t *self, const plant_config_t *config);

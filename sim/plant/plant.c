@@ -71,13 +71,8 @@ static const char *check_motor(const plant_config_t *c) {
     if (!within(c->psi_Wb, 0.0, 1e3)) {
         return "psi_Wb must be 0..1e3";
     }
-    if (!within(c->i_sat_A, 0.0, 1e6)) {
-        return "i_sat_A must be 0 (linear) ..1e6";
-    }
-    if (c->i_sat_A > 0.0 && !within(c->Lq_sat_H, 1e-9, c->Lq_H)) {
-        return "Lq_sat_H must be 1e-9..Lq_H";
-    }
-    return check_harmonics(c);
+    const char *error = plant_iron_check(c);
+    return error != NULL ? error : check_harmonics(c);
 }
 
 static const char *check_shaft(const plant_config_t *c) {

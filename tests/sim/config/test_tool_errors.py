@@ -210,6 +210,9 @@ def others_than_the_library(checks, folder):
     refused(checks, folder, ["run", "main", "--set", "plant.i_sat_A=5", "--set",
                               "plant.Lq_sat_H=0.02"],
             r"^--set: \[plant\] Lq_sat_H = 0.02: refused by the plant: Lq_sat_H must be")
+    refused(checks, folder, ["run", "main", "--set", "plant.i_cross_A=5", "--set",
+                              "plant.Ldq_H=0.01"],
+            r"^--set: \[plant\] Ldq_H = 0.01: refused by the plant: Ldq_H, too large")
     refused(checks, folder, ["run", "main", "--set", "plant.sample_offset_s=0.5"],
             r"^--set: \[plant\] sample_offset_s = 0.5: refused by the plant")
     refused(checks, folder, ["run", "main", "--set", "phase.ramp.Lq_factor=0.01"],

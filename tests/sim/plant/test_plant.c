@@ -110,6 +110,29 @@ static double reference_iq(const plant_config_t *c, double psi_q) {
     return copysign(2.0 * y / (b + sqrt(b * b + 4.0 * q * y)), psi_q);
 }
 
+static double reference_id(const plant_config_t *c, double psi_d) {
+    if (!(c->id_sat_A > 0.0)) {
+        return psi_d / c->Ld_H;
+    }
+    // x - s (sqrt(1 + x^2) - 1) = psi/(Ld a), a quadratic in x.
+    const double s = 1.0 - c->Ld_sat_H / c->Ld_H, y = psi_d / (c->Ld_H * c->id_sat_A) - s;
+    return c->id_sat_A * (y + s * sqrt(y * y + 1.0 - s * s)) / (1.0 - s * s);
+}
+
+/// Each axis by itself, with what the other one takes from its flux by the currents of a little earlier.
+static void reference_dq(const plant_config_t *c, double psi_d, double psi_q, double *id,
+                         double *iq) {
+    double d_Wb = 0.0, q_Wb = 0.0;
+    if (c->i_cross_A > 0.0) {
+        const double i = SQRT3 * c->i_cross_A, u = *id / i, v = *iq / i;
+        const double size = 8.0 / (3.0 * SQRT3) * c->Ldq_H * i;
+        d_Wb = size * pow(1.0 + u * u, -1.5) * v * v / (1.0 + v * v);
+        q_Wb = size * u / sqrt(1.0 + u * u) * 2.0 * v / ((1.0 + v * v) * (1.0 + v * v));
+    }
+    *id = reference_id(c, psi_d + d_Wb);
+    *iq = reference_iq(c, psi_q + q_Wb);
+}
+
 /// Currents and torque from flux and angle.
 static double reference_currents(reference_t *r) {
     const plant_config_t *c = r->c;
@@ -126,7 +149,9 @@ static double reference_currents(reference_t *r) {
     }
     const double p_alpha = r->psi_alpha - h_alpha, p_beta = r->psi_beta - h_beta;
     const double psi_d = p_alpha * co + p_beta * si, psi_q = p_beta * co - p_alpha * si;
-    const double id = (psi_d - c->psi_Wb) / c->Ld_H, iq = reference_iq(c, psi_q);
+    double id = r->i[0] * co + (r->i[1] - r->i[2]) / SQRT3 * si;
+    double iq = (r->i[1] - r->i[2]) / SQRT3 * co - r->i[0] * si;
+    reference_dq(c, psi_d - c->psi_Wb, psi_q, &id, &iq);
     const double alpha = id * co - iq * si, beta = id * si + iq * co;
     r->i[0] = alpha;
     r->i[1] = -0.5 * alpha + 0.5 * SQRT3 * beta;
@@ -247,6 +272,26 @@ static void test_switching_matches_reference_with_saturation_and_harmonics(void)
     c.emf7_phase_rad = -0.7;
     c.load_Nm = 3.0;
     compare_with_reference(&c, -7.0, 120, PLANT_GATES_ON, 10e-3, 0.1, "saturation and harmonics");
+}
+
+/// Both axes saturate, and each takes from the other.
+static void saturate(plant_config_t *c) {
+    c->i_sat_A = 12.0;
+    c->Lq_sat_H = 2.5e-3;
+    c->id_sat_A = 5.0;
+    c->Ld_sat_H = 2.3e-3;
+    c->i_cross_A = 8.0;
+    c->Ldq_H = 0.4e-3;
+}
+
+static void test_switching_matches_reference_with_cross_saturation(void) {
+    plant_config_t c = lossy_config();
+    saturate(&c);
+    c.load_Nm = 4.0;
+    compare_with_reference(&c, 8.0, 120, PLANT_GATES_ON, 10e-3, 0.1, "cross-saturation");
+    c.load_Nm = 0.0;
+    c.omega_m_rad_s = 12.0;
+    compare_with_reference(&c, 1.2, 60, PLANT_GATES_ON, 5e-3, 0.1, "cross-saturation, little load");
 }
 
 /// All three currents cross zero several times in each period here; phases float in between.
@@ -494,8 +539,7 @@ static void check_energy(plant_level_t level, bool extras, const char *name) {
     c.load_Nm = 1.5;
     c.B_Nms = 0.01;
     if (extras) {
-        c.i_sat_A = 10.0;
-        c.Lq_sat_H = 2e-3;
+        saturate(&c);
         c.emf5_ratio = 0.05;
         c.emf7_ratio = 0.04;
         c.emf7_phase_rad = 1.0;
@@ -572,6 +616,10 @@ static plant_config_t random_config(plant_noise_t *noise) {
     c.load_Nm = uniform(noise, -1.0, 1.0);
     c.i_sat_A = uniform(noise, 0.0, 1.0) > 0.5 ? uniform(noise, 1.0, 10.0) : 0.0;
     c.Lq_sat_H = c.Lq_H * uniform(noise, 0.2, 1.0);
+    c.id_sat_A = uniform(noise, 0.0, 1.0) > 0.5 ? uniform(noise, 1.0, 10.0) : 0.0;
+    c.Ld_sat_H = c.Ld_H * uniform(noise, 0.5, 1.0);
+    c.i_cross_A = uniform(noise, 0.0, 1.0) > 0.5 ? uniform(noise, 1.0, 10.0) : 0.0;
+    c.Ldq_H = 0.15 * fmin(c.Ld_sat_H, c.Lq_sat_H) * uniform(noise, -1.0, 1.0);
     c.emf5_ratio = fmax(0.0, uniform(noise, -0.1, 0.1));
     c.v_transistor_V = fmax(0.0, uniform(noise, -2.0, 2.0));
     c.v_diode_V = fmax(0.0, uniform(noise, -2.0, 2.0));
@@ -1434,6 +1482,20 @@ static void spoil_Lq_sat(plant_config_t *c) {
     c->i_sat_A = 5.0;
     c->Lq_sat_H = 0.02;
 }
+static void spoil_id_sat(plant_config_t *c) {
+    c->id_sat_A = not_a_number;
+}
+static void spoil_Ld_sat(plant_config_t *c) {
+    c->id_sat_A = 5.0;
+    c->Ld_sat_H = 4e-3;
+}
+static void spoil_cross(plant_config_t *c) {
+    c->i_cross_A = -1.0;
+}
+static void spoil_Ldq(plant_config_t *c) {
+    c->i_cross_A = 5.0;
+    c->Ldq_H = 2e-3; // no longer convex
+}
 static void spoil_emf(plant_config_t *c) {
     c->emf5_ratio = 2.0;
 }
@@ -1521,7 +1583,8 @@ static void test_bad_configurations_are_refused(void) {
         spoil_period,     spoil_bus,         spoil_dead_time, spoil_drop,     spoil_r_on,
         spoil_bits,       spoil_gain,        spoil_offset,    spoil_noise,    spoil_temperature,
         spoil_instant,    spoil_stamp,       spoil_ripple,    spoil_stiction, spoil_fan,
-        spoil_cogging,    spoil_second_mass, spoil_shaft};
+        spoil_cogging,    spoil_second_mass, spoil_shaft,     spoil_id_sat,   spoil_Ld_sat,
+        spoil_cross,      spoil_Ldq};
     for (size_t n = 0; n < sizeof spoil / sizeof spoil[0]; n++) {
         plant_config_t c = plant_config_jiang2022();
         plant_t plant, untouched;
@@ -1741,6 +1804,7 @@ int main(void) {
     RUN_TEST(test_bad_configurations_are_refused);
     RUN_TEST(test_switching_matches_reference_under_load);
     RUN_TEST(test_switching_matches_reference_with_saturation_and_harmonics);
+    RUN_TEST(test_switching_matches_reference_with_cross_saturation);
     RUN_TEST(test_switching_matches_reference_without_load);
     RUN_TEST(test_switching_matches_reference_at_reversals);
     RUN_TEST(test_low_sides_alone_match_the_reference);

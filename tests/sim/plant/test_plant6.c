@@ -751,6 +751,10 @@ static void check_energy(const journey_t *journey) {
     c.emf11_ratio = 0.02;
     c.i_sat_A = 15.0;
     c.Lq_sat_H = 8e-3;
+    c.id_sat_A = 5.0;
+    c.Ld_sat_H = 0.8 * c.Ld_H;
+    c.i_cross_A = 8.0;
+    c.Ldq_H = 0.1 * c.Ld_H;
     plant_t plant = new_plant(&c);
     const double start_J = truth_of(&plant).energy.kinetic_J;
     double throughput_J = 0.0, last_J = 0.0;
