@@ -7,6 +7,9 @@
 #ifndef VARIANT_SENSING
 #define VARIANT_SENSING PORT_LOW_SIDE_THREE
 #endif
+#ifndef VARIANT_PRECHARGE_s // no bootstrap capacitors
+#define VARIANT_PRECHARGE_s 0.0f
+#endif
 #ifndef CHIP_LEAD_ns // the first current is sampled this long before t_k
 #define CHIP_LEAD_ns 0.0f
 #endif

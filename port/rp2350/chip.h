@@ -16,6 +16,10 @@
 #error                                                                                             \
     "The RP2350 has no dead time and no break input: take a gate driver with interlock, dead time and latched over-current"
 #endif
+#ifdef VARIANT_PRECHARGE_s
+#error                                                                                             \
+    "One input per half bridge: no low sides alone, so no VARIANT_PRECHARGE_s; take a driver with a charge pump"
+#endif
 
 #define CHIP_PHASES 3u
 #define CHIP_F_SYS_Hz 150000000u

@@ -7,6 +7,10 @@
 #include "supervise.h"
 #include "temperature.h"
 
+#if defined(VARIANT_PRECHARGE_s) && !VARIANT_LOW_SIDES
+#error "A driver that makes its low sides itself: no low sides alone, so no VARIANT_PRECHARGE_s"
+#endif
+
 void STM32_PERIOD_HANDLER(void);
 
 #ifdef VARIANT_ENABLE_PINS

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The RP2350 as a complete image for the Cortex-M33: linked from this tree alone, with what the boot ROM looks
-# for in the first 4 KB, the interrupt in SRAM; prints the sizes. A driver without one of its three protections
-# and a wrong core are refused. Runs at the project's root.
+# for in the first 4 KB, the interrupt in SRAM; prints the sizes. A driver without one of its three protections,
+# one with bootstrap capacitors and a wrong core are refused. Runs at the project's root.
 set -eu -o pipefail
 for tool in arm-none-eabi-gcc cmake ninja; do
     command -v "$tool" >/dev/null || { echo "skipped: no $tool"; exit 77; }
@@ -39,16 +39,20 @@ for symbol in adc_fifo_handler app_period board_read board_write lode_drive_step
     grep -Eq "^2000[0-9a-f]{4} . $symbol\$" "$work/symbols" || { echo "$symbol: expected in SRAM"; exit 1; }
 done
 
-for protection in INTERLOCK DEAD_TIME LATCHED_TRIP; do
-    sed "s/\(VARIANT_DRIVER_$protection \)1/\10/" port/rp2350/boards/generic_rp2350.h >"$work/board.h"
-    cmp -s "$work/board.h" port/rp2350/boards/generic_rp2350.h && { echo "$protection: not found"; exit 1; }
+refused() { # refused EDIT WHY: the example header, edited, does not compile
+    sed "$1" port/rp2350/boards/generic_rp2350.h >"$work/board.h"
+    cmp -s "$work/board.h" port/rp2350/boards/generic_rp2350.h && { echo "$1: nothing edited"; exit 1; }
     configure -DLODE_CORE=cortex-m33 -DLODE_BOARD="$work/board.h" || { cat "$log"; exit 1; }
     if ninja -C "$work/m33" port/rp2350/CMakeFiles/lodestar_rp2350.dir/driver.c.obj >"$log" 2>&1 ||
-        ! grep -q "interlock, dead time and latched over-current" "$log"; then
-        echo "a driver without $protection: expected a refusal"
+        ! grep -q "$2" "$log"; then
+        echo "$1: expected a refusal, '$2'"
         exit 1
     fi
+}
+for protection in INTERLOCK DEAD_TIME LATCHED_TRIP; do
+    refused "s/\(VARIANT_DRIVER_$protection \)1/\10/" "interlock, dead time and latched over-current"
 done
+refused 's/\(#define VARIANT_F_PWM_Hz .*\)/\1\n#define VARIANT_PRECHARGE_s 10.0e-3f/' "take a driver with a charge pump"
 if configure || ! grep -q "expected cortex-m33" "$log"; then
     echo "another core: expected a refusal that names cortex-m33"
     exit 1

@@ -12,6 +12,10 @@
 #define VARIANT_SENSING PORT_LOW_SIDE_THREE
 #endif
 
+#ifndef VARIANT_PRECHARGE_s
+#define VARIANT_PRECHARGE_s 0.0f
+#endif
+
 #ifndef BOARD_DEAD_TIME_ns // of the board's documents, not of its header
 #define BOARD_DEAD_TIME_ns 500.0
 #endif

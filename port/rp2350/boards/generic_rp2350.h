@@ -5,7 +5,8 @@
 #define LODESTAR_PORT_BOARD_VARIANT_H
 
 // This chip has neither dead time nor a break input. Say what your gate driver does, by its data sheet and
-// as it is set up on your board; without any of the three the port does not build.
+// as it is set up on your board; without any of the three the port does not build. It also needs a charge
+// pump: with one input per half bridge bootstrap capacitors cannot be charged before the start.
 //   INTERLOCK     both switches of a leg are never on together, whatever its input does
 //   DEAD_TIME     inserted by the driver
 //   LATCHED_TRIP  over-current switches all six off, and they stay off until a reset
@@ -16,7 +17,6 @@
 
 #define VARIANT_XOSC_Hz 12000000u
 #define VARIANT_F_PWM_Hz 20000u
-#define VARIANT_PRECHARGE_s 0.0f // the driver has a charge pump
 
 // Power stage.
 #define VARIANT_V_BUS_V 24.0f

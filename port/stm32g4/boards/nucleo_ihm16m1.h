@@ -10,8 +10,7 @@
 #define VARIANT_HSE_Hz 24000000u
 #define VARIANT_F_PWM_Hz 20000u
 #define VARIANT_DEAD_TIME_ns 550u // the driver's own: changes no output, only the correction
-#define VARIANT_LOW_SIDES false
-#define VARIANT_PRECHARGE_s 0.0f // the driver's own charge pump
+#define VARIANT_LOW_SIDES false // hence no VARIANT_PRECHARGE_s: the driver has its own charge pump
 
 // Power stage: 7 .. 45 V, 1.5 A effective.
 #define VARIANT_V_BUS_V 12.0f
