@@ -102,6 +102,9 @@ void chip_link_converters(void) {
     REG_WRITE(ADC2->IER, ADC_IER_JEOSIE);
 }
 
+// From here on, what the interrupt runs: from flash, as the arithmetic in src/single_shunt.c. The 10 KB of
+// CCM SRAM hold the step and little else.
+
 // With one trigger missed the next sample would be taken for the first, from then on: begin anew.
 static void converter_begins_anew(void) {
     REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTP);
@@ -109,7 +112,7 @@ static void converter_begins_anew(void) {
     REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART);
 }
 
-LODE_RAMFUNC void chip_converters_acknowledge(void) {
+void chip_converters_acknowledge(void) {
     REG_WRITE(ADC2->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
     complete = (REG_READ(ADC1->ISR) & ADC_ISR_JEOS) != 0u;
     if (!complete) {
@@ -124,7 +127,7 @@ LODE_RAMFUNC void chip_converters_acknowledge(void) {
     REG_WRITE(TIM1->CCR6, instant(plan.blind ? SAMPLE_BLIND_2 : plan.sample[1]));
 }
 
-LODE_RAMFUNC bool chip_link_read(uint16_t count[3]) {
+bool chip_link_read(uint16_t count[3]) {
     const lode_drive_t *drive = app_drive();
     const uint16_t link[2] = {(uint16_t)REG_READ(ADC1->JDR1), (uint16_t)REG_READ(ADC1->JDR2)};
     lode_single_shunt_read(&shunt, &tuning, link, drive->sense.offset[0], drive->inverter.v_bus_V,
@@ -132,7 +135,7 @@ LODE_RAMFUNC bool chip_link_read(uint16_t count[3]) {
     return complete;
 }
 
-LODE_RAMFUNC void chip_link_write(const lode_drive_out_t *out) {
+void chip_link_write(const lode_drive_out_t *out) {
     plan = lode_single_shunt_write(&shunt, &tuning, out->duty, out->gates);
     put_rise(plan.rise);
 }
