@@ -25,6 +25,9 @@ static float ripple_H(float L_H, float Lxy_H) {
 void lode_drive6_design(lode_drive6_config_t *config) {
     const float ts_s = 1.0f / lode_max(config->drive.f_pwm_Hz, FLT_MIN);
     config->drive.motor.sets = (float)LODE_SETS;
+    if (config->drive.hfi.mode == LODE_HFI_AUTO) {
+        config->drive.hfi.mode = LODE_HFI_OFF;
+    }
     lode_motor_t ripple = config->drive.motor;
     ripple.Ld_H = ripple_H(ripple.Ld_H, config->Lxy_H);
     ripple.Lq_H = ripple_H(ripple.Lq_H, config->Lxy_H);
@@ -46,12 +49,14 @@ static lode_status_t check(const lode_drive6_config_t *config) {
         config->open_phase != LODE_OPEN_PHASE_IGNORE) {
         return LODE_ERROR_OPEN_PHASE;
     }
-    return LODE_OK;
+    // Not for six phases.
+    return config->drive.hfi.mode == LODE_HFI_ON ? LODE_ERROR_HFI_MODE : LODE_OK;
 }
 
 // What was given holds for one set too; what follows from the inductances is designed again.
 static lode_status_t tune_alone(lode_drive6_tuning_t *t, const lode_drive6_config_t *given) {
     lode_drive_config_t alone = given->drive;
+    alone.hfi.mode = LODE_HFI_OFF;
     alone.motor = lode_drive6_motor_alone(&given->drive.motor, given->Lxy_H);
     return lode_drive_tune(&t->alone, &alone);
 }

@@ -103,6 +103,20 @@ static bool has_blind_sectors(const lode_drive_config_t *c) {
            c->current.voltage_use > seen_voltage_use(c) + ROUNDING;
 }
 
+static lode_hfi_system_t injected_into(const lode_drive_config_t *c) {
+    return (lode_hfi_system_t){
+        .motor = &c->motor,
+        .inverter = &c->inverter,
+        .ts_s = 1.0f / lode_max(c->f_pwm_Hz, FLT_MIN),
+        .circle_V = c->current.voltage_use * c->inverter.v_bus_V / LODE_SQRT3,
+        .count_A = c->sense.i_gain_A_count,
+        .sigma_rad_s = c->estimator.pll.sigma_rad_s,
+        .omega_max_rad_s = c->estimator.omega_max_rad_s,
+        .Lq_fall = c->references.Lq_fall,
+        .third_order = c->estimator.pll.kind == LODE_PLL_LESO,
+    };
+}
+
 void lode_drive_design(lode_drive_config_t *config) {
     const float ts_s = 1.0f / lode_max(config->f_pwm_Hz, FLT_MIN);
     lode_motor_t *motor = &config->motor;
@@ -123,6 +137,8 @@ void lode_drive_design(lode_drive_config_t *config) {
     config->current.voltage_use =
         lode_given_or(config->current.voltage_use, lode_drive_voltage_use(config));
     lode_current_design(&config->current, &circuit, ts_s);
+    const lode_hfi_system_t injected = injected_into(config);
+    lode_hfi_design(&config->hfi, &injected);
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
                       config->start.omega_handover_rad_s);
     lode_guard_design(&config->guard, inverter, &config->estimator);
@@ -145,6 +161,20 @@ static uint32_t speed_periods(const lode_drive_config_t *c) {
 }
 
 // Sensing, inverter and estimator: what is needed to see.
+static lode_status_t tune_injection(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    const lode_hfi_system_t system = injected_into(c);
+    lode_hfi_tuning_t hfi;
+    const lode_status_t status = lode_hfi_tune(&hfi, &c->hfi, &system);
+#ifdef LODE_WITHOUT_HFI
+    (void)t;
+#else
+    if (status == LODE_OK) {
+        t->estimator.hfi = hfi;
+    }
+#endif
+    return status;
+}
+
 static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     lode_status_t status = lode_inverter_tune(&t->inverter, &c->inverter, t->ts_s);
     if (status == LODE_OK) {
@@ -230,6 +260,9 @@ lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_conf
     status = tune_senses(&t, &complete);
     if (status == LODE_OK) {
         status = tune_control(&t, &complete);
+    }
+    if (status == LODE_OK) {
+        status = tune_injection(&t, &complete);
     }
     if (status == LODE_OK) {
         *tuning = t;

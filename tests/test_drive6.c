@@ -518,6 +518,10 @@ static void test_bad_configurations_are_refused_by_name(void) {
     config.source = (lode_source_t)3;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SOURCE, tried(&config));
     config = rig6_config();
+    config.drive.hfi.mode = LODE_HFI_ON; // not for six phases
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_MODE, tried(&config));
+    config.drive.hfi.mode = LODE_HFI_AUTO;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tried(&config));
     config.open_phase = (lode_open_phase_response_t)3;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_OPEN_PHASE, tried(&config));
     config = rig6_config();

@@ -12,6 +12,7 @@
 #include "lodestar/current.h"
 #include "lodestar/estimator.h"
 #include "lodestar/guard.h"
+#include "lodestar/hfi.h"
 #include "lodestar/inverter.h"
 #include "lodestar/modulator.h"
 #include "lodestar/motor.h"
@@ -32,6 +33,7 @@ typedef struct {
     lode_inverter_config_t inverter; ///< needed: v_bus_V and i_max_A
     lode_sense_config_t sense;       ///< needed: gains and offset
     lode_estimator_config_t estimator;
+    lode_hfi_config_t hfi;
     lode_references_config_t references;
     lode_current_config_t current;
     lode_speed_config_t speed;

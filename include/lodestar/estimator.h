@@ -7,6 +7,7 @@
 #define LODESTAR_ESTIMATOR_H
 
 #include "lodestar/emf.h"
+#include "lodestar/hfi.h"
 #include "lodestar/inverter.h"
 #include "lodestar/lag.h"
 #include "lodestar/notch.h"
@@ -43,6 +44,9 @@ typedef struct {
     lode_emf_tuning_t emf;
     lode_pll_tuning_t pll;
     lode_lag_t lag;
+#ifndef LODE_WITHOUT_HFI
+    lode_hfi_tuning_t hfi;
+#endif
 #ifndef LODE_WITHOUT_NOTCH
     lode_notch_tuning_t notch;
     lode_notch_tuning_t notch12;

@@ -91,6 +91,15 @@ static const rig_key_t keys[] = {
     CHOICE("estimator", "winding", six.source, "vsd|set-1|set-2", NULL),
     NUMBER("estimator", "seeded_s", seeded_s, 0.0, 1e4),
 
+    CHOICE("hfi", "mode", drive.hfi.mode, "off|on|auto", NULL),
+    FLOAT("hfi", "V_h_V", hfi.V_h_V),
+    FLOAT("hfi", "w1_rad_s", hfi.w1_rad_s),
+    FLOAT("hfi", "w2_rad_s", hfi.w2_rad_s),
+    FLOAT("hfi", "sigma_rad_s", hfi.sigma_rad_s),
+    GIVEN("hfi", "k_x_rad_A", hfi.k_x_rad_A),
+    FLOAT("hfi", "Lq_i_max_H", hfi.Lq_i_max_H),
+    FLOAT("hfi", "noise_A", hfi.noise_A),
+
     FLOAT("current", "bandwidth_rad_s", current.bandwidth_rad_s),
     FLOAT("current", "kp_d_V_A", current.kp_d_V_A),
     FLOAT("current", "kp_q_V_A", current.kp_q_V_A),

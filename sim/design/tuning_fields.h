@@ -61,6 +61,16 @@
     ROW(FLOAT, float, estimator.lag.coefficient[3]) \
     ROW(FLOAT, float, estimator.lag.coefficient[4]) \
     ROW(FLOAT, float, estimator.lag.coefficient[5]) \
+    ROW(BOOL, bool, estimator.hfi.on) \
+    ROW(FLOAT, float, estimator.hfi.V_h_V) \
+    ROW(FLOAT, float, estimator.hfi.omega_low) \
+    ROW(FLOAT, float, estimator.hfi.omega_high) \
+    ROW(FLOAT, float, estimator.hfi.inv_span) \
+    ROW(FLOAT, float, estimator.hfi.full_V) \
+    ROW(FLOAT, float, estimator.hfi.k_x) \
+    ROW(FLOAT, float, estimator.hfi.gains.theta) \
+    ROW(FLOAT, float, estimator.hfi.gains.omega_s) \
+    ROW(FLOAT, float, estimator.hfi.gains.f_s2) \
     ROW(FLOAT, float, estimator.notch.k) \
     ROW(FLOAT, float, estimator.notch.order_Ts) \
     ROW(FLOAT, float, estimator.notch.centre_low) \

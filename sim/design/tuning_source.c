@@ -42,14 +42,23 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
         PRINT_FLOAT(float, member)                                                                 \
     }
 #define PRINT(kind, type, member)                                                                  \
-    print_option(file, #member, "#ifndef LODE_WITHOUT_NOTCH\n");                                   \
-    PRINT_##kind(type, member) print_option(file, #member, "#endif\n");
+    print_option(file, #member, true);                                                             \
+    PRINT_##kind(type, member) print_option(file, #member, false);
 
 // Members that a build without their option does not have.
-static void print_option(FILE *file, const char *member, const char *line) {
-    static const char notches[] = "estimator.notch";
-    if (strncmp(member, notches, sizeof notches - 1) == 0) {
-        (void)fputs(line, file);
+static void print_option(FILE *file, const char *member, bool begins) {
+    static const struct {
+        const char *members, *option;
+    } options[] = {{"estimator.notch", "NOTCH"}, {"estimator.hfi", "HFI"}};
+    for (size_t k = 0u; k < sizeof options / sizeof options[0]; ++k) {
+        if (strncmp(member, options[k].members, strlen(options[k].members)) != 0) {
+            continue;
+        }
+        if (begins) {
+            (void)fprintf(file, "#ifndef LODE_WITHOUT_%s\n", options[k].option);
+        } else {
+            (void)fputs("#endif\n", file);
+        }
     }
 }
 
@@ -90,6 +99,9 @@ static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
     }
     if ((tuning->estimator.options & (uint32_t)LODE_ESTIMATOR_NOTCH) != 0u) {
         (void)fputs(UNLESS("NOTCH"), file);
+    }
+    if (tuning->estimator.hfi.on) {
+        (void)fputs(UNLESS("HFI"), file);
     }
 }
 

@@ -27,7 +27,7 @@ CORES = {
 DEBUG = "-gdwarf-4"  # says where instructions come from, and changes none
 IN_FLASH = ["-DFIRMWARE_TUNING_IN_FLASH"]  # of firmware.c
 LEAST = [*IN_FLASH, "-DLODE_SMALL", "-DLODE_WITHOUT_OPTIMAL_REFERENCES", "-DLODE_WITHOUT_NOTCH",
-         "-DLODE_WITHOUT_COMMISSIONING", "-DLODE_WITHOUT_SHUNT_WINDOW",
+         "-DLODE_WITHOUT_HFI", "-DLODE_WITHOUT_COMMISSIONING", "-DLODE_WITHOUT_SHUNT_WINDOW",
          "-DLODE_WITHOUT_PLAUSIBILITY", "-flto"]
 OBSERVERS = re.findall(r"^LODE_OBSERVER\((\w+), (\w+)",
                        (ROOT / "include/lodestar/observers.def").read_text(), re.MULTILINE)

@@ -11,7 +11,7 @@ LAYERS = [
     ["schedule"],
     ["motor", "pi", "ramp", "sogi", "observer", "vsd"],
     ["sense", "inverter", "modulator", "modulator6", "xy",
-     "open_phase", "emf", "pll", "lag", "notch"],
+     "open_phase", "emf", "pll", "lag", "notch", "hfi"],
     ["estimator", "current", "speed", "references", "start", "guard", "plausibility"],
     ["drive", "drive_config", "mode"],
     ["drive6", "drive6_config", "single_shunt"],

@@ -132,6 +132,12 @@ REFUSALS = {
     "START_RAMP": ["start.ramp_rad_s2=1e9 start.lock_s=0.1", "start.lock_s=100",
                    "motor.J_kgm2=1e-9 motor.B_Nms=0 start.lock_s=0.1"],
     "START_DAMPING": ["start.damping=3"],
+    "HFI_SALIENCY": ["hfi.Lq_i_max_H=4e-3 hfi.mode=on"],
+    "HFI_VOLTAGE": ["hfi.V_h_V=60 hfi.mode=on", "hfi.noise_A=20 hfi.V_h_V=20 hfi.mode=on"],
+    "HFI_DEAD_TIME": ["hfi.V_h_V=5 hfi.mode=on"],
+    "HFI_SPEEDS": ["hfi.w1_rad_s=130 hfi.mode=on", "hfi.w2_rad_s=1e4 hfi.mode=on"],
+    "HFI_SIGMA": ["hfi.sigma_rad_s=2000 hfi.mode=on"],
+    "HFI_AXIS": ["hfi.k_x_rad_A=0.05 hfi.mode=on"],
     "XY_INDUCTANCE": ["motor.Lxy_H=20 motor.sets=2"],
     "XY_BANDWIDTH": ["xy.bandwidth_rad_s=1e5 motor.sets=2 motor.Lxy_H=1e-3"],
     "XY_VOLTAGE": ["xy.voltage_share=1 motor.sets=2 motor.Lxy_H=1e-3"],
@@ -142,7 +148,8 @@ REFUSALS = {
     "GUARD_TIME": ["guard.bus_s=100", "guard.lock_s=100", "guard.stamp_per_period=1e10"],
 }
 # Choices are read by their names, from a build that has all of them.
-UNREACHABLE = {"SENSE_SHUNTS", "EMF_KIND", "PLL_KIND", "CHOICE", "REFERENCES", "SOURCE", "OPEN_PHASE"}
+UNREACHABLE = {"SENSE_SHUNTS", "EMF_KIND", "PLL_KIND", "CHOICE", "REFERENCES", "SOURCE", "OPEN_PHASE",
+               "HFI_MODE"}
 
 
 def refusals(checks, folder):

@@ -35,12 +35,19 @@ with Folder() as folder:
     checks.true("const lode_drive_tuning_t out = {" in text, "the constant is named like the file")
     compiled(checks, source, HOST, [])
     # For a build without what the tuning does not ask for, which has no members for that.
-    compiled(checks, source, HOST, ["-DLODE_SMALL", "-DLODE_WITHOUT_NOTCH", "-DLODE_WITHOUT_COMMISSIONING",
+    compiled(checks, source, HOST, ["-DLODE_SMALL", "-DLODE_WITHOUT_NOTCH", "-DLODE_WITHOUT_HFI",
+                                    "-DLODE_WITHOUT_COMMISSIONING",
                                     "-DLODE_WITHOUT_GI_LESO", "-DLODE_WITHOUT_FA_MULTI"])
     image = compiled(checks, source, TARGET, M4F)
     if image is not None:
         symbols = subprocess.run(["arm-none-eabi-nm", image], capture_output=True, text=True).stdout
         checks.true(re.search(r" R out$", symbols, re.M), f"not in read-only memory: {symbols}")
+    # Injection that the firmware's build does not have would be left out without a word.
+    subprocess.run([TOOL, "design", "--motor", MOTOR, "--drive", DRIVE, "--set", "hfi.mode=on", "--c", "hfi.c"],
+                   cwd=folder.path, capture_output=True, check=True)
+    bare = subprocess.run([HOST, f"-I{SOURCE}/include", "-DLODE_WITHOUT_HFI", "-fsyntax-only",
+                           folder.path / "hfi.c"], capture_output=True, text=True)
+    checks.true(bare.returncode != 0 and "LODE_WITHOUT_HFI" in bare.stderr, "a build without injection is refused")
     # Another version of the library: what the members mean may have changed.
     source.write_text(text.replace("LODE_VERSION_MINOR != ", "LODE_VERSION_MINOR != 9"))
     stale = subprocess.run([HOST, f"-I{SOURCE}/include", "-fsyntax-only", source],

@@ -1,0 +1,77 @@
+/// Position from signal injection, for zero and low speed: a square wave of voltage along the estimated d
+/// axis, whose current shows where the axis of least inductance is. docs/theory/injection.md.
+///
+/// Needs a rotor whose q axis has the larger inductance, at load too. Half the call rate is audible up to some
+/// 30 kHz calls. Off by default; LODE_WITHOUT_HFI leaves it out of a build, which then refuses it.
+#ifndef LODESTAR_HFI_H
+#define LODESTAR_HFI_H
+
+#include "lodestar/config.h"
+#include "lodestar/inverter.h"
+#include "lodestar/motor.h"
+#include "lodestar/pll.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum {
+    LODE_HFI_OFF, ///< nothing is injected
+    LODE_HFI_ON,  ///< at low speed; refused where the machine does not allow it
+    LODE_HFI_AUTO ///< on where the machine allows it, else off
+} lode_hfi_mode_t;
+
+typedef struct {
+    lode_hfi_mode_t mode;
+    float
+        V_h_V; ///< amplitude of the square wave; 0: the largest that noise, dead time and ripple ask for
+    float w1_rad_s; ///< ELECTRICAL speed up to which injection alone gives the position; 0: 0.65 w2
+    float
+        w2_rad_s; ///< from which the EMF alone does, and nothing is injected; 0: by dead time and psi
+    float sigma_rad_s; ///< bandwidth of the PLL while injecting; 0: as at rated speed
+    /// angle by which i_q turns the axis of least inductance (cross-saturation), rad/A; 0: none
+    float k_x_rad_A;
+    /// DIFFERENTIAL q-axis inductance, d(psi_q)/d(i_q), at i_max; 0: from Lq_H and references.Lq_fall
+    float Lq_i_max_H;
+    float
+        noise_A; ///< rms noise of one component of the current vector; 0: 1.6 counts of the converter
+} lode_hfi_config_t;
+
+/// What the design goes by.
+typedef struct {
+    const lode_motor_t *motor;
+    const lode_inverter_config_t *inverter;
+    float ts_s;
+    float circle_V;    ///< radius of current control's voltage circle
+    float count_A;     ///< one count of the current's converter
+    float sigma_rad_s; ///< of the PLL at rated speed
+    float omega_max_rad_s;
+    float Lq_fall;    ///< of the references
+    bool third_order; ///< the PLL
+} lode_hfi_system_t;
+
+typedef struct {
+    bool on;
+    float V_h_V;
+    float omega_low;  ///< w1
+    float omega_high; ///< w2
+    float inv_span;   ///< 1/(w2 - w1)
+    float full_V;     ///< H0: by what the regressor moves in a period on the true axis (H5)
+    float k_x;        ///< rad/A
+    lode_pll_gains_t gains;
+} lode_hfi_tuning_t;
+
+/// Saliency below which nothing is injected: Lq'(i_max)/Ld'.
+#define LODE_HFI_SALIENCY_MIN 1.15f
+
+/// Fills every zero field that has a default, and settles LODE_HFI_AUTO.
+void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system);
+
+lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *config,
+                            const lode_hfi_system_t *system);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,146 @@
+#include "lodestar/hfi.h"
+
+#include "pll_inline.h"
+
+// Of the largest current, peak to peak: with less ripple the currents stay in the dead band of the inverter.
+#define RIPPLE_SHARE 0.08f
+// Position error of one period by the noise of the current, rms: 0.6 degrees behind a PLL of 100 rad/s at
+// 5 kHz (H8).
+#define NOISE_rad 0.03f
+// sqrt(6)/2: the second difference of white noise over twice the voltage (H7).
+#define NOISE_GAIN 1.2247f
+// A 12 bit converter and its amplifier: 20 mA of +-25 A.
+#define NOISE_COUNTS 1.6f
+// Position error by a dead-time voltage that turns with the sign of a current (H9), rad.
+#define DEAD_TIME_rad 0.3f
+#define DEAD_TIME_MAX_rad 0.5f
+// Of the voltage circle. The rest is for what drives the load: at w2 the EMF itself is small.
+#define CIRCLE_SHARE 0.5f
+// At w2 the EMF is this many times the fundamental, 4/pi, of a dead-time correction that is 20 % off (H10).
+#define EMF_TIMES 10.0f
+#define CORRECTION_ERROR 0.2f
+#define FUNDAMENTAL 1.27324f
+// At least this much of rated speed: twice what the EMF's start hands over at, with room for the blend.
+#define W2_SHARE 0.275f
+#define W1_SHARE 0.65f
+#define SIGMA_TS_MAX 0.3f
+#define AXIS_MAX_rad 0.5f
+
+// d(psi_q)/d(i_q) of a flux Lq i/(1 + k i).
+static float differential_Lq(const lode_hfi_system_t *system) {
+    const float by = 1.0f + system->Lq_fall * system->inverter->i_max_A;
+    return system->motor->Lq_H / (by * by);
+}
+
+static float saliency(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
+    return config->Lq_i_max_H / lode_max(system->motor->Ld_H, FLT_MIN);
+}
+
+// Of a phase: dead time and drops.
+static float dead_time_V(const lode_hfi_system_t *system) {
+    const lode_inverter_config_t *inverter = system->inverter;
+    return inverter->v_bus_V * inverter->dead_time_s / system->ts_s + inverter->v_drop_V;
+}
+
+// The largest of what noise (H7), dead time (H9) and the dead band ask for.
+static float least_V(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
+    const float more = lode_max(saliency(config, system) - 1.0f, FLT_MIN);
+    const float per_A = system->motor->Ld_H / system->ts_s;
+    const float noise_V = NOISE_GAIN / NOISE_rad * config->noise_A * per_A * (1.0f + 1.0f / more);
+    const float dead_V = dead_time_V(system) / (DEAD_TIME_rad * more);
+    const float ripple_V = RIPPLE_SHARE * system->inverter->i_max_A * per_A;
+    return lode_max(lode_max(noise_V, dead_V), ripple_V);
+}
+
+#ifdef LODE_WITHOUT_HFI
+
+static lode_status_t check(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
+    (void)config, (void)system;
+    return LODE_ERROR_HFI_MODE;
+}
+
+#else
+
+static lode_status_t check_voltage(const lode_hfi_config_t *config,
+                                   const lode_hfi_system_t *system) {
+    const float xi = saliency(config, system);
+    const bool rises = system->motor->Lq_H > system->motor->Ld_H;
+    if (!rises || !lode_in_range(xi, LODE_HFI_SALIENCY_MIN, FLT_MAX)) {
+        return LODE_ERROR_HFI_SALIENCY;
+    }
+    if (!lode_in_range(config->V_h_V, FLT_MIN, CIRCLE_SHARE * system->circle_V) ||
+        !lode_in_range(config->noise_A, 0.0f, system->inverter->i_max_A)) {
+        return LODE_ERROR_HFI_VOLTAGE;
+    }
+    return dead_time_V(system) <= DEAD_TIME_MAX_rad * config->V_h_V * (xi - 1.0f)
+               ? LODE_OK
+               : LODE_ERROR_HFI_DEAD_TIME;
+}
+
+static lode_status_t check(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
+    const lode_status_t status = check_voltage(config, system);
+    if (status != LODE_OK) {
+        return status;
+    }
+    if (!lode_in_range(config->w2_rad_s, 1.0f, system->omega_max_rad_s) ||
+        !lode_in_range(config->w1_rad_s, 0.1f, 0.95f * config->w2_rad_s)) {
+        return LODE_ERROR_HFI_SPEEDS;
+    }
+    if (!lode_in_range(config->sigma_rad_s, 1.0f, SIGMA_TS_MAX / system->ts_s)) {
+        return LODE_ERROR_HFI_SIGMA;
+    }
+    return lode_abs(config->k_x_rad_A) * system->inverter->i_max_A <= AXIS_MAX_rad
+               ? LODE_OK
+               : LODE_ERROR_HFI_AXIS;
+}
+
+#endif
+
+void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system) {
+    const lode_motor_t *motor = system->motor;
+    config->noise_A = lode_given_or(config->noise_A, NOISE_COUNTS * lode_abs(system->count_A));
+    config->Lq_i_max_H = lode_given_or(config->Lq_i_max_H, differential_Lq(system));
+    config->V_h_V = lode_given_or(config->V_h_V, least_V(config, system));
+    const float error_V = FUNDAMENTAL * CORRECTION_ERROR * dead_time_V(system);
+    const float w2 = lode_max(EMF_TIMES * error_V / lode_max(motor->psi_Wb, FLT_MIN),
+                              W2_SHARE * motor->omega_rated_rad_s);
+    config->w2_rad_s = lode_given_or(config->w2_rad_s, w2);
+    config->w1_rad_s = lode_given_or(config->w1_rad_s, W1_SHARE * config->w2_rad_s);
+    config->sigma_rad_s = lode_given_or(config->sigma_rad_s, system->sigma_rad_s);
+    if (config->mode == LODE_HFI_AUTO) {
+        config->mode = check(config, system) == LODE_OK ? LODE_HFI_ON : LODE_HFI_OFF;
+    }
+}
+
+lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *config,
+                            const lode_hfi_system_t *system) {
+    const bool on = config->mode == LODE_HFI_ON;
+    if (!on && config->mode != LODE_HFI_OFF) {
+        return LODE_ERROR_HFI_MODE;
+    }
+    *tuning = (lode_hfi_tuning_t){.on = false};
+    if (!on) {
+        return LODE_OK;
+    }
+    const lode_status_t status = check(config, system);
+    if (status != LODE_OK) {
+        return status;
+    }
+    const lode_motor_t *motor = system->motor;
+    const lode_pll_tuning_t pll = {
+        .inv_ts = 1.0f / system->ts_s,
+        .x_low = lode_one_minus_exp(config->sigma_rad_s * system->ts_s),
+        .third_order = system->third_order,
+    };
+    *tuning = (lode_hfi_tuning_t){
+        .on = true,
+        .V_h_V = config->V_h_V,
+        .omega_low = config->w1_rad_s,
+        .omega_high = config->w2_rad_s,
+        .inv_span = 1.0f / (config->w2_rad_s - config->w1_rad_s),
+        .full_V = 2.0f * config->V_h_V * (motor->Lq_H - motor->Ld_H) / motor->Ld_H,
+        .k_x = config->k_x_rad_A,
+        .gains = lode_pll_gains(&pll, 0.0f),
+    };
+    return LODE_OK;
+}
