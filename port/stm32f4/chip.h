@@ -38,9 +38,13 @@ static inline void chip_converters_acknowledge(void) {
     REG_WRITE(ADC1->SR, ~(uint32_t)(ADC_SR_JEOC | ADC_SR_JSTRT));
 }
 
-/// None: the DMA unit that TIM2 can ask does not reach TIM1 in this family (RM0090, bus matrix).
-static inline void chip_deadline_init(void) {}
-static inline void chip_deadline_move(void) {}
+/// Without an interrupt for a period and a half the outputs go off, and stay so.
+void chip_deadline_init(void);
+
+/// The interrupt has come: the deadline moves on.
+static inline void chip_deadline_move(void) {
+    REG_WRITE(TIM8->CNT, 0u);
+}
 
 /// BKP = 0: the fault input is active low. This timer has no filter on it.
 #define CHIP_BREAK_BITS TIM_BDTR_BKE

@@ -4,7 +4,7 @@
 /// timing by then.
 #include "chip.h"
 
-#define REQUEST_TIM2_CH1 56u // RM0440, DMAMUX: assignment of requests
+#define REQUEST_TIM2_CH1 56u // RM0440, DMAMUX: assignment of multiplexer inputs
 
 // Of BDTR only MOE can still be written: all else is locked.
 static const uint32_t outputs_off = 0u;

@@ -15,16 +15,19 @@ endfunction()
 
 stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 clock.c analog.c deadline.c)
 stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 clock.c analog.c deadline.c)
-stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 clock.c converters.c)
+stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 clock.c converters.c deadline.c)
 stm32_test(test_port_stm32h7 stm32h7 generic_h743 FAKE_H7 clock.c converters.c deadline.c)
 
-target_compile_definitions(test_port_b_g431b_esc1 PRIVATE BOARD_DEAD_TIME_ns=800.0)
-target_compile_definitions(test_port_nucleo_ihm16m1 PRIVATE BOARD_DEAD_TIME_ns=550.0)
+# Bought boards: their figures once more, from their documents.
+foreach(board IN ITEMS b_g431b_esc1 nucleo_ihm16m1)
+  target_compile_definitions(test_port_${board} PRIVATE
+                             "BOARD_FIGURES_H=\"${CMAKE_CURRENT_SOURCE_DIR}/boards/figures_${board}.h\"")
+endforeach()
 
 # The same board with other ways to sense.
 foreach(sensing IN ITEMS LOW_SIDE_TWO IN_LINE_THREE IN_LINE_TWO)
   string(TOLOWER "test_port_stm32f4_${sensing}" name)
-  stm32_test(${name} stm32f4 generic_f405 FAKE_F4 clock.c converters.c)
+  stm32_test(${name} stm32f4 generic_f405 FAKE_F4 clock.c converters.c deadline.c)
   target_compile_definitions(${name} PRIVATE VARIANT_SENSING=PORT_${sensing})
 endforeach()
 

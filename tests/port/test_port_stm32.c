@@ -16,8 +16,8 @@
 #define VARIANT_PRECHARGE_s 0.0f
 #endif
 
-#ifndef BOARD_DEAD_TIME_ns // of the board's documents, not of its header
-#define BOARD_DEAD_TIME_ns 500.0
+#ifdef BOARD_FIGURES_H // of the board's documents, not of its header
+#include BOARD_FIGURES_H
 #endif
 
 #define TRIP_A 1.0e3f // more than any board bears
@@ -29,7 +29,7 @@
 #define DUTY_MAX port_duty_max((float)VARIANT_F_PWM_Hz, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns)
 
 #if defined(FAKE_G4) || defined(FAKE_H7)
-#define HAS_DEADLINE // and a system's break, and polarities of the break's sources
+#define HAS_SYSTEM_BREAK // and polarities of the break's sources, and one converter after another
 #endif
 #ifdef FAKE_G4
 #define SERIAL_PORT USART2
@@ -51,7 +51,7 @@
 #define WATCHDOG_FLAG 29u // of RCC_CSR
 #define F_RC_Hz 16000000u
 #endif
-#ifdef HAS_DEADLINE
+#ifdef HAS_SYSTEM_BREAK
 #define BREAK_ACTIVE_HIGH TIM_BDTR_BKP // behind the polarity of each source
 #define CONVERTERS_ARMED(from) fake_first(&ADC1->CR, ADC_CR_JADSTART, ADC_CR_JADSTART, (from))
 #else
@@ -182,6 +182,25 @@ static void test_two_phases_can_always_be_sampled(void) {
     CHECK_NEAR(1e-9, 0.0, port_voltage_use(0.4f));
 }
 
+#ifdef BOARD_FIGURES_H
+static void test_figures_are_those_of_the_board(void) {
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    CHECK_CLOSE(1e-5, BOARD_DEAD_TIME_s, config.inverter.dead_time_s);
+    CHECK_NEAR(1e-6, BOARD_R_ON_Ohm, config.inverter.r_on_Ohm);
+    CHECK_CLOSE(1e-6, BOARD_I_MAX_A, config.inverter.i_max_A);
+    CHECK_CLOSE(1e-3, BOARD_I_GAIN_A_count, config.sense.i_gain_A_count);
+    CHECK_NEAR(1.0, BOARD_I_OFFSET_count, config.sense.i_offset_count);
+    CHECK_CLOSE(1e-3, BOARD_BUS_V_count, config.sense.v_bus_gain_V_count);
+    CHECK_CLOSE(1e-3, BOARD_T_GAIN_degC_count, config.sense.temperature_gain_degC_count);
+    CHECK_NEAR(0.05, BOARD_T_OFFSET_degC, config.sense.temperature_offset_degC);
+    CHECK_CLOSE(1e-6, BOARD_T_MAX_degC, config.guard.temperature_max_degC);
+    // A low side's least time on, half of it before t_k.
+    CHECK_CLOSE(1e-4, 2.0 * BOARD_SETTLE_s,
+                (1.0 - (double)config.sense.duty_max) / (double)VARIANT_F_PWM_Hz);
+}
+#endif
+
 static void test_configuration_is_accepted(void) {
     TEST_ASSERT_TRUE(app_start());
     TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(app_status()));
@@ -258,7 +277,7 @@ static void test_timer_settings(void) {
 static void test_trigger_is_the_update_and_nothing_hears_it_before_the_start(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_HEX32(2u << 4, TIM1->CR2 & (7u << 4)); // MMS: update
-#ifdef HAS_DEADLINE
+#ifdef HAS_SYSTEM_BREAK
     TEST_ASSERT_EQUAL_HEX32(0u, (ADC1->JSQR >> 2) & 31u); // JEXTSEL: TIM1_TRGO
     TEST_ASSERT_EQUAL_HEX32(1u, (ADC1->JSQR >> 7) & 3u);  // JEXTEN: rising
     TEST_ASSERT_EQUAL_HEX32(0u, (ADC2->JSQR >> 7) & 3u);  // follows
@@ -344,18 +363,17 @@ static void test_break_input(void) {
     uint32_t dtg = 0u;
     TEST_ASSERT_TRUE(stm32_dead_time(CHIP_F_PWM_Hz, VARIANT_DEAD_TIME_ns, &dtg));
     TEST_ASSERT_EQUAL_HEX32(dtg, TIM1->BDTR & BDTR_DTG);
-    // The register, the correction and the board's figure are one dead time.
+    // The register and the correction are one dead time.
     const double made_s = (double)dead_ticks(TIM1->BDTR & BDTR_DTG) / (double)CHIP_F_PWM_Hz;
     lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
     board_describe(&config);
-    CHECK_CLOSE(1e-5, BOARD_DEAD_TIME_ns * 1.0e-9, config.inverter.dead_time_s);
     CHECK_NEAR(16.0 / (double)CHIP_F_PWM_Hz, config.inverter.dead_time_s, made_s);
     CHECK_AT_LEAST((double)config.inverter.dead_time_s - 1.0e-12, made_s);
     const uint32_t wanted = TIM_BDTR_BKE | TIM_BDTR_OSSI | TIM_BDTR_OSSR | BREAK_ACTIVE_HIGH;
     TEST_ASSERT_EQUAL_HEX32(wanted, TIM1->BDTR & (wanted | TIM_BDTR_BKP));
     TEST_ASSERT_EQUAL_HEX32(0u, TIM1->BDTR & (1u << 14)); // no automatic return of the outputs
     TEST_ASSERT_EQUAL_HEX32(TIM_BDTR_LOCK_1, TIM1->BDTR & BDTR_LOCK);
-#ifdef HAS_DEADLINE
+#ifdef HAS_SYSTEM_BREAK
     TEST_ASSERT_EQUAL_HEX32(4u, (TIM1->BDTR >> 16) & 15u); // filter
     const int sources = first(&TIM1->AF1, 0u, 0u);
     TEST_ASSERT_TRUE(sources < first(&TIM1->BDTR, BDTR_LOCK, TIM_BDTR_LOCK_1)); // locked with it
@@ -409,8 +427,13 @@ static void test_trip_path_is_tested(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
     const uint32_t threshold = DAC3->DHR12R1;
+    board_write(&(lode_drive_out_t){.gates = true});
+    TEST_ASSERT_TRUE(gates_on());
+    const int from = fake_count();
     TEST_ASSERT_TRUE(board_test_trip());
     TEST_ASSERT_FALSE(gates_on());
+    const int off = fake_first(&TIM1->BDTR, TIM_BDTR_MOE, 0u, from); // by itself, before that
+    TEST_ASSERT_TRUE(off >= from && fake_first(&DAC3->DHR12R1, ~0u, 0u, from) > off);
     TEST_ASSERT_EQUAL_UINT32(threshold, DAC3->DHR12R1);
     TEST_ASSERT_EQUAL_UINT32(threshold, DAC3->DHR12R2);
     lode_counts_t counts;
@@ -466,6 +489,21 @@ static void expect_system_break(void (*event)(void)) {
     TEST_ASSERT_TRUE(counts.trip);
 }
 
+#ifdef VARIANT_BREAK2_PIN
+static void pull_second_break(void) {
+    if ((TIM1->BDTR & TIM_BDTR_BK2E) != 0u) {
+        TIM1->SR |= TIM_SR_B2IF;
+        TIM1->BDTR &= ~TIM_BDTR_MOE;
+    }
+}
+
+static void test_second_break_input_switches_off(void) {
+    expect_system_break(pull_second_break);
+    board_write(&(lode_drive_out_t){.gates = true});
+    TEST_ASSERT_FALSE(gates_on());
+}
+#endif
+
 static void test_lost_clock_switches_off(void) {
     expect_system_break(fake_lose_clock);
     // Watched once it is in use, not before.
@@ -473,9 +511,11 @@ static void test_lost_clock_switches_off(void) {
                      first(&RCC->CFGR, RCC_CFGR_SW, SWITCH_PLL));
 }
 
-#ifdef HAS_DEADLINE
+#ifdef HAS_SYSTEM_BREAK
 static void test_locked_up_core_switches_off(void) {
     expect_system_break(fake_lock_up);
+    fake_reset();
+    expect_system_break(fake_flash_error);
 }
 #endif
 
@@ -516,7 +556,7 @@ static void put_counts(float i_A) {
 }
 
 static void one_period(void) {
-    TIM2->CNT += PERIOD;
+    fake_run(PERIOD);
     STM32_PERIOD_HANDLER();
 }
 
@@ -656,6 +696,23 @@ static void gates_on_by_the_drive(void) {
     TEST_ASSERT_TRUE(gates_on());
 }
 
+static void test_bootstrap_capacitors_are_charged_first(void) {
+    TEST_ASSERT_TRUE(app_start());
+    put_counts(0.0f);
+    app_mode = BRINGUP_SIGNS;
+    app_armed = 1u;
+    run_until_gates_on();
+    const uint32_t high_sides = TIM_CCER_CC1E | TIM_CCER_CC2E | TIM_CCER_CC3E;
+    int periods = 0;
+    while ((TIM1->CCER & high_sides) == 0u && periods < 30000) {
+        TEST_ASSERT_TRUE(gates_on());
+        one_period();
+        periods++;
+    }
+    CHECK_NEAR(1.5, (double)VARIANT_PRECHARGE_s * VARIANT_F_PWM_Hz, periods);
+    TEST_ASSERT_EQUAL_HEX32(high_sides, TIM1->CCER & high_sides);
+}
+
 static void expect_gates_off_in_one_period(void) {
     const int from = fake_count();
     one_period();
@@ -757,24 +814,25 @@ static void test_missed_interrupt_is_a_fault(void) {
 static void test_gates_stay_off_after_a_halted_core(void) {
     gates_on_by_the_drive();
     TEST_ASSERT_TRUE(fake_halt(100u * PERIOD));
-#ifdef HAS_DEADLINE
     TEST_ASSERT_FALSE(gates_on()); // before the core goes on
-#endif
+    TEST_ASSERT_TRUE(fake_watchdog_waits());
     expect_gates_off_in_one_period();
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_TIMING",
                              lode_check_name((lode_check_t)app_telemetry().fault.check));
 }
 
-#ifdef HAS_DEADLINE
 static void test_missing_interrupt_switches_off_by_hardware(void) {
     gates_on_by_the_drive();
-    one_period();
+    for (int n = 0; n < 10; n++) {
+        fake_run(PERIOD);
+        TEST_ASSERT_TRUE(gates_on()); // each interrupt moves the deadline on
+        STM32_PERIOD_HANDLER();
+    }
     (void)fake_halt(PERIOD); // it may be late
     TEST_ASSERT_TRUE(gates_on());
     (void)fake_halt(PERIOD);
     TEST_ASSERT_FALSE(gates_on());
 }
-#endif
 
 // The trip is gone after one period, and time goes by: without a person the gates stay off.
 static void test_fault_is_not_restarted(void) {
@@ -799,7 +857,7 @@ static void test_flag_is_cleared_before_the_period(void) {
     TEST_ASSERT_TRUE(app_start());
     const int from = fake_count();
     one_period();
-#ifdef HAS_DEADLINE
+#ifdef HAS_SYSTEM_BREAK
     TEST_ASSERT_EQUAL_INT(from, fake_first(&ADC1->ISR, ADC_ISR_JEOS, ADC_ISR_JEOS, from));
 #else
     TEST_ASSERT_EQUAL_INT(from, fake_first(&ADC1->SR, ADC_SR_JEOC, 0u, from));
@@ -884,6 +942,9 @@ int main(void) {
     RUN_TEST(test_period_in_steps);
     RUN_TEST(test_least_low_side_window);
     RUN_TEST(test_two_phases_can_always_be_sampled);
+#ifdef BOARD_FIGURES_H
+    RUN_TEST(test_figures_are_those_of_the_board);
+#endif
     RUN_TEST(test_configuration_is_accepted);
     RUN_TEST(test_outputs_are_safe_before_the_pins_are_theirs);
     RUN_TEST(test_lock_holds_whatever_was_written_before);
@@ -898,8 +959,11 @@ int main(void) {
 #endif
     RUN_TEST(test_trip_path_is_tested);
     RUN_TEST(test_latched_trip_keeps_the_gates_off);
+#ifdef VARIANT_BREAK2_PIN
+    RUN_TEST(test_second_break_input_switches_off);
+#endif
     RUN_TEST(test_lost_clock_switches_off);
-#ifdef HAS_DEADLINE
+#ifdef HAS_SYSTEM_BREAK
     RUN_TEST(test_locked_up_core_switches_off);
 #endif
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
@@ -914,12 +978,11 @@ int main(void) {
     RUN_TEST(test_hardware_trip_is_a_fault_in_the_same_period);
     RUN_TEST(test_missed_interrupt_is_a_fault);
     RUN_TEST(test_gates_stay_off_after_a_halted_core);
-#ifdef HAS_DEADLINE
     RUN_TEST(test_missing_interrupt_switches_off_by_hardware);
-#endif
     RUN_TEST(test_fault_is_not_restarted);
     RUN_TEST(test_flag_is_cleared_before_the_period);
     RUN_TEST(test_low_sides_alone);
+    RUN_TEST(test_bootstrap_capacitors_are_charged_first);
     RUN_TEST(test_gates_off_from_anywhere);
     RUN_TEST(test_watchdog_is_started_last_and_fed_by_steps);
     RUN_TEST(test_failed_init_is_reported_and_stops);

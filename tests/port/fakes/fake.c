@@ -70,7 +70,8 @@ SYSCFG_TypeDef fake_SYSCFG;
 DMA_Stream_TypeDef fake_DMA1_Stream0;
 DMAMUX_Channel_TypeDef fake_DMAMUX1_Channel0;
 #else
-TIM_TypeDef fake_TIM5;
+TIM_TypeDef fake_TIM5, fake_TIM8;
+DMA_Stream_TypeDef fake_DMA2_Stream1;
 ADC_TypeDef fake_ADC3;
 ADC_Common_TypeDef fake_ADC123_COMMON;
 #endif
@@ -127,6 +128,8 @@ void fake_reset(void) {
 #endif
 #ifndef CALIBRATED
     WIPE(fake_ADC3);
+    WIPE(fake_TIM8);
+    WIPE(fake_DMA2_Stream1);
 #endif
     count = 0;
     memset(irq_index, -1, sizeof irq_index);
@@ -284,6 +287,22 @@ static void model_pins(volatile uint32_t *reg, uint32_t value) {
     }
 }
 
+// Without its clock it takes nothing.
+static void model_syscfg(volatile uint32_t *reg, uint32_t before) {
+#ifdef FAKE_G4
+    if (reg == &fake_SYSCFG.CFGR2 && (fake_RCC.APB2ENR & RCC_APB2ENR_SYSCFGEN) == 0u) {
+        *reg = before;
+    }
+#elif defined(FAKE_H7)
+    if (reg == &fake_SYSCFG.CFGR && (fake_RCC.APB4ENR & RCC_APB4ENR_SYSCFGEN) == 0u) {
+        *reg = before;
+    }
+#else
+    (void)reg;
+    (void)before;
+#endif
+}
+
 void fake_write(volatile uint32_t *reg, const char *name, uint32_t value) {
     const uint32_t before = *reg;
     if (count < ENTRIES_MAX) {
@@ -295,6 +314,7 @@ void fake_write(volatile uint32_t *reg, const char *name, uint32_t value) {
     model_converters(reg, before);
     model_serial(reg, value);
     model_pins(reg, value);
+    model_syscfg(reg, before);
 #ifdef FAKE_G4
     model_comparators();
     model_cordic(reg, value);
@@ -364,17 +384,31 @@ void fake_lose_clock(void) {
     }
 }
 
-void fake_lock_up(void) {
-#ifdef FAKE_G4
-    if ((fake_SYSCFG.CFGR2 & SYSCFG_CFGR2_CLL) != 0u) {
+#ifdef CALIBRATED
+static void system_error(uint32_t enabled) {
+    if (enabled != 0u) {
         system_break(SYSTEM_BREAK);
     }
-#elif defined(FAKE_H7)
-    if ((fake_SYSCFG.CFGR & SYSCFG_CFGR_CM7L) != 0u) {
-        system_break(SYSTEM_BREAK);
-    }
-#endif
 }
+#endif
+
+#ifdef FAKE_G4
+void fake_lock_up(void) {
+    system_error(fake_SYSCFG.CFGR2 & SYSCFG_CFGR2_CLL);
+}
+
+void fake_flash_error(void) {
+    system_error(fake_SYSCFG.CFGR2 & SYSCFG_CFGR2_ECCL);
+}
+#elif defined(FAKE_H7)
+void fake_lock_up(void) {
+    system_error(fake_SYSCFG.CFGR & SYSCFG_CFGR_CM7L);
+}
+
+void fake_flash_error(void) {
+    system_error(fake_SYSCFG.CFGR & SYSCFG_CFGR_FLASHL);
+}
+#endif
 
 #ifdef FAKE_G4
 // TIM2's compare value comes, and the DMA writes what it points to, which is 0 (its address has only its
@@ -400,7 +434,40 @@ static void model_deadline(uint32_t ticks) {
         fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
     }
 }
+#else
+// TIM8 counts half as fast as TIM2, and its wrap asks stream 1 of DMA2 on channel 7.
+static void model_deadline(uint32_t ticks) {
+    const uint32_t on = DMA_SxCR_EN | DMA_SxCR_DIR_0 | DMA_SxCR_CIRC | DMA_SxCR_PSIZE_1 |
+                        DMA_SxCR_MSIZE_1 | 7u << 25;
+    const bool runs = (fake_RCC.APB2ENR & RCC_APB2ENR_TIM8EN) != 0u &&
+                      (fake_TIM8.CR1 & TIM_CR1_CEN) != 0u && fake_TIM8.PSC == 3u;
+    const uint32_t at = fake_TIM8.CNT + (runs ? ticks / 2u : 0u);
+    if (at > fake_TIM8.ARR && fake_TIM8.ARR <= 65535u && (fake_TIM8.DIER & TIM_DIER_UDE) != 0u &&
+        (fake_RCC.AHB1ENR & RCC_AHB1ENR_DMA2EN) != 0u && (fake_DMA2_Stream1.CR & on) == on &&
+        fake_DMA2_Stream1.NDTR == 1u &&
+        fake_DMA2_Stream1.PAR == (uint32_t)(uintptr_t)&fake_TIM1.BDTR) {
+        fake_TIM1.BDTR &= ~TIM_BDTR_MOE;
+    }
+    fake_TIM8.CNT = at % (fake_TIM8.ARR + 1u);
+}
 #endif
+
+void fake_run(uint32_t ticks) {
+    if ((fake_TIM2.CR1 & TIM_CR1_CEN) != 0u) {
+        model_deadline(ticks);
+        fake_TIM2.CNT += ticks;
+    }
+}
+
+bool fake_watchdog_waits(void) {
+#ifdef FAKE_G4
+    return (fake_DBGMCU.APB1FZR1 & DBGMCU_APB1FZR1_DBG_IWDG_STOP) != 0u;
+#elif defined(FAKE_H7)
+    return (fake_DBGMCU.APB4FZ1 & DBGMCU_APB4FZ1_DBG_IWDG1) != 0u;
+#else
+    return (fake_DBGMCU.APB1FZ & DBGMCU_APB1_FZ_DBG_IWDG_STOP) != 0u;
+#endif
+}
 
 bool fake_halt(uint32_t ticks) {
 #ifdef FAKE_G4
@@ -410,14 +477,12 @@ bool fake_halt(uint32_t ticks) {
     const bool frozen = (fake_DBGMCU.APB1LFZ1 & DBGMCU_APB1LFZ1_DBG_TIM2) != 0u;
     const bool outputs_off = (fake_DBGMCU.APB2FZ1 & DBGMCU_APB2FZ1_DBG_TIM1) != 0u;
 #else
-    const bool frozen = (fake_DBGMCU.APB1FZ & DBGMCU_APB1_FZ_DBG_TIM2_STOP) != 0u;
+    const bool frozen = (fake_DBGMCU.APB1FZ & DBGMCU_APB1_FZ_DBG_TIM2_STOP) != 0u ||
+                        (fake_DBGMCU.APB2FZ & DBGMCU_APB2_FZ_DBG_TIM8_STOP) != 0u;
     const bool outputs_off = (fake_DBGMCU.APB2FZ & DBGMCU_APB2_FZ_DBG_TIM1_STOP) != 0u;
 #endif
-    if (!frozen && (fake_TIM2.CR1 & TIM_CR1_CEN) != 0u) {
-#ifdef CALIBRATED
-        model_deadline(ticks);
-#endif
-        fake_TIM2.CNT += ticks;
+    if (!frozen) {
+        fake_run(ticks);
     }
     return outputs_off && (fake_TIM1.BDTR & TIM_BDTR_OSSI) != 0u;
 }

@@ -29,12 +29,17 @@ uint32_t fake_irq_priority(int irq);
 
 /// The break input's level. Active: the outputs are off, as the hardware does it, and stay off.
 void fake_set_break(bool active);
+/// So many ticks of TIM2 go by without an interrupt.
+void fake_run(uint32_t ticks);
 /// A debugger holds the core for so many ticks of TIM2, which counts them unless it is frozen; TIM1 does
 /// not. True: TIM1 drives its outputs inactive meanwhile.
 bool fake_halt(uint32_t ticks);
-/// The crystal stops, or the core locks up: a break where the port has connected it.
+/// The watchdog waits while a debugger holds the core.
+bool fake_watchdog_waits(void);
+/// The crystal stops, the core locks up, the flash has an error: a break where the port has connected it.
 void fake_lose_clock(void);
 void fake_lock_up(void);
+void fake_flash_error(void);
 /// One of the comparators 1, 2, 4 (n = 0 .. 2) never acts; STM32G4.
 void fake_kill_comparator(int n);
 /// The oscillators never get ready.

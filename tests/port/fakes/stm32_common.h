@@ -27,6 +27,7 @@ typedef struct {
 #define TIM_CR1_ARPE (1u << 7)
 #define TIM_CR2_MMS_1 (2u << 4)
 #define TIM_DIER_UIE 1u
+#define TIM_DIER_UDE (1u << 8)
 #define TIM_DIER_CC1DE (1u << 9)
 #define TIM_DIER_CC4DE (1u << 12)
 #define TIM_SR_BIF (1u << 7)

@@ -13,6 +13,10 @@ typedef struct {
 } ADC_Common_TypeDef;
 
 typedef struct {
+    volatile uint32_t CR, NDTR, PAR, M0AR, M1AR, FCR;
+} DMA_Stream_TypeDef;
+
+typedef struct {
     volatile uint32_t IDCODE, CR, APB1FZ, APB2FZ;
 } DBGMCU_TypeDef;
 
@@ -49,6 +53,13 @@ typedef struct {
 #define DBGMCU_APB1_FZ_DBG_TIM2_STOP 1u
 #define DBGMCU_APB1_FZ_DBG_IWDG_STOP (1u << 12)
 #define DBGMCU_APB2_FZ_DBG_TIM1_STOP 1u
+#define DBGMCU_APB2_FZ_DBG_TIM8_STOP (1u << 1)
+#define DMA_SxCR_EN 1u
+#define DMA_SxCR_DIR_0 (1u << 6)
+#define DMA_SxCR_CIRC (1u << 8)
+#define DMA_SxCR_PSIZE_1 (2u << 11)
+#define DMA_SxCR_MSIZE_1 (2u << 13)
+#define DMA_SxCR_PL (3u << 16)
 #define FLASH_ACR_PRFTEN (1u << 8)
 #define FLASH_ACR_ICEN (1u << 9)
 #define FLASH_ACR_DCEN (1u << 10)
@@ -72,11 +83,13 @@ typedef struct {
 #define RCC_AHB1ENR_GPIOAEN 1u
 #define RCC_AHB1ENR_GPIOBEN (1u << 1)
 #define RCC_AHB1ENR_GPIOCEN (1u << 2)
+#define RCC_AHB1ENR_DMA2EN (1u << 22)
 #define RCC_APB1ENR_TIM2EN 1u
 #define RCC_APB1ENR_USART3EN (1u << 18)
 #define RCC_APB1ENR_PWREN (1u << 28)
 #define RCC_APB2RSTR_TIM1RST 1u
 #define RCC_APB2ENR_TIM1EN 1u
+#define RCC_APB2ENR_TIM8EN (1u << 1)
 #define RCC_APB2ENR_ADC1EN (1u << 8)
 #define RCC_APB2ENR_ADC2EN (1u << 9)
 #define RCC_APB2ENR_ADC3EN (1u << 10)
@@ -91,7 +104,8 @@ typedef struct {
 #define TIM2_IRQn 28
 
 #if !defined(__arm__)
-extern TIM_TypeDef fake_TIM3, fake_TIM5;
+extern TIM_TypeDef fake_TIM3, fake_TIM5, fake_TIM8;
+extern DMA_Stream_TypeDef fake_DMA2_Stream1;
 extern ADC_TypeDef fake_ADC1, fake_ADC2, fake_ADC3;
 extern ADC_Common_TypeDef fake_ADC123_COMMON;
 extern DBGMCU_TypeDef fake_DBGMCU;
@@ -104,6 +118,8 @@ extern USART_TypeDef fake_USART3;
 #define TIM1 FAKE_AT(TIM_TypeDef, TIM1, 0x40010000u)
 #define TIM3 FAKE_AT(TIM_TypeDef, TIM3, 0x40000400u)
 #define TIM5 FAKE_AT(TIM_TypeDef, TIM5, 0x40000C00u)
+#define TIM8 FAKE_AT(TIM_TypeDef, TIM8, 0x40010400u)
+#define DMA2_Stream1 FAKE_AT(DMA_Stream_TypeDef, DMA2_Stream1, 0x40026428u)
 #define GPIOA FAKE_AT(GPIO_TypeDef, GPIOA, 0x40020000u)
 #define GPIOB FAKE_AT(GPIO_TypeDef, GPIOB, 0x40020400u)
 #define GPIOC FAKE_AT(GPIO_TypeDef, GPIOC, 0x40020800u)
