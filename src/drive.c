@@ -39,7 +39,7 @@ static bool is_finite(const lode_command_t *command) {
         return false;
     }
 #endif
-    return lode_is_finite(command->speed_rad_s);
+    return lode_is_finite(command->speed_rad_s) && lode_is_finite(command->torque_Nm);
 }
 
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command) {
@@ -48,8 +48,15 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     }
     const bool known = command->mode == LODE_MODE_OFF || command->mode == LODE_MODE_CALIBRATE ||
                        command->mode == LODE_MODE_RUN || lode_mode_is_commissioning(command->mode);
-    if (!known || !is_finite(command)) {
+    const bool controlled =
+        command->control == LODE_CONTROL_SPEED || command->control == LODE_CONTROL_TORQUE;
+    if (!known || !controlled || !is_finite(command)) {
         return LODE_ERROR_COMMAND;
+    }
+    const lode_drive_tuning_t *tuning = self->tuning;
+    if (command->mode == LODE_MODE_RUN &&
+        lode_abs(command->speed_rad_s) > tuning->guard.omega_max * tuning->inv_pole_pairs) {
+        return LODE_ERROR_COMMAND_SPEED;
     }
     LODE_SHARED_STORE(self->command_posted, false);
     LODE_SIGNAL_FENCE();
@@ -59,7 +66,9 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
         .theta_rad = command->theta_rad,
 #endif
         .speed_rad_s = command->mode == LODE_MODE_RUN ? command->speed_rad_s : command->omega_rad_s,
+        .torque_Nm = command->torque_Nm,
         .mode = command->mode,
+        .torque = command->control == LODE_CONTROL_TORQUE,
         .clear_fault = command->clear_fault,
     };
     order.check = lode_mode_order_check(&order);
@@ -85,15 +94,29 @@ bool lode_drive_tuning_taken(const lode_drive_t *self) {
     return LODE_SHARED_LOAD(self->posted_tuning) == NULL;
 }
 
+static bool is_limited(const lode_speed_t *speed) {
+    return !(speed->torque_Nm > speed->limit_Nm.min && speed->torque_Nm < speed->limit_Nm.max);
+}
+
+// The least speed is held in place of the commanded one. (A stop goes through it.)
+static bool is_raised(const lode_drive_t *self) {
+    const float commanded = lode_abs(self->command.speed_rad_s);
+    return commanded > 0.0f && commanded < self->tuning->omega_min * self->tuning->inv_pole_pairs;
+}
+
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry) {
     for (int32_t i = 0; i < TELEMETRY_TRIES; i++) {
         const uint32_t steps = LODE_SHARED_LOAD(self->steps);
         LODE_SIGNAL_FENCE();
         const lode_pll_t *pll = &self->estimator.pll;
+        const lode_speed_t *speed =
+            lode_mode(self) == LODE_MODE_RUN ? &self->state.run.speed : NULL;
         *telemetry = (lode_telemetry_t){
             .steps = steps,
             .mode = lode_mode(self),
             .fault = self->guard.fault,
+            .torque_limited = speed != NULL && is_limited(speed),
+            .speed_raised = speed != NULL && is_raised(self),
             .duty = self->duty,
             .i_A = self->i_A,
             .ref_A = self->ref_A,
@@ -103,6 +126,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .theta_rad = lode_estimator_theta_rad(&self->estimator),
             .omega_rad_s = pll->omega_rad_s,
             .speed_ref_rad_s = lode_drive_speed_ref_rad_s(self),
+            .torque_ref_Nm = speed != NULL ? speed->torque_Nm : 0.0f,
             .load_torque_Nm = self->tuning->estimator.load_per_f_Nm * pll->f_rad_s2,
             .lock = self->estimator.lock,
             .e_V = self->estimator.emf.observer.e_V,

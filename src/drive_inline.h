@@ -86,17 +86,32 @@ LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
            lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
 }
 
+// The torque as commanded, between the least and the commanded speed.
+LODE_INLINE bool lode_drive_is_torque(const lode_drive_t *self) {
+    return self->command.torque && self->command.speed_rad_s * self->direction > 0.0f;
+}
+
 // SLOT_SPEED, by the electrical speed `omega_rad_s`.
 LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
+    const float load_Nm = lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator);
     const float least = tuning->omega_min * tuning->inv_pole_pairs;
     float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
     if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
         target = run->speed.reference_rad_s;
         run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
+    } else if (LODE_RARELY(lode_drive_is_torque(self))) {
+        const float slowest = least * self->direction;
+        const lode_range_t between = {lode_min(slowest, target), lode_max(slowest, target)};
+        if (lode_speed_follow_torque(&run->speed, &tuning->speed, self->command.torque_Nm, between,
+                                     omega_rad_s, load_Nm)) {
+            return;
+        }
+        target = run->speed.reference_rad_s;
+    } else {
+        // along the ramp
     }
-    const float load_Nm = lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator);
     (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_Nm);
 }
 

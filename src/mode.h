@@ -39,10 +39,11 @@ static inline bool lode_mode_is_voltage(const lode_drive_t *self) {
 // One bit of an order that changes by itself changes one bit of this.
 static inline uint32_t lode_mode_order_check(const lode_order_t *order) {
     const union {
-        float value;
-        uint32_t bits;
-    } speed = {order->speed_rad_s};
-    uint32_t sum = speed.bits ^ (uint32_t)order->mode << 1u ^ (order->clear_fault ? 1u : 0u);
+        float value[2];
+        uint32_t bits[2];
+    } run = {{order->speed_rad_s, order->torque_Nm}};
+    uint32_t sum = run.bits[0] ^ run.bits[1] ^ (uint32_t)order->mode << 2u ^
+                   (order->torque ? 2u : 0u) ^ (order->clear_fault ? 1u : 0u);
 #ifndef LODE_WITHOUT_COMMISSIONING
     const union {
         float value[3];

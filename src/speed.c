@@ -1,5 +1,4 @@
-#include "lodestar/speed.h"
-#include "pi_inline.h"
+#include "speed_inline.h"
 
 // Up to four times lighter an inertia than configured keeps the loop inside the PLL.
 #define BANDWIDTH_PER_SIGMA 0.25f
@@ -94,4 +93,30 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
     self->reference_rad_s = omega_rad_s;
     self->torque_Nm = torque_Nm;
     self->limit_Nm = (lode_range_t){-tuning->torque_max_Nm, tuning->torque_max_Nm};
+}
+
+// Not LODE_RAMFUNC: once in a round.
+LODE_NOINLINE bool lode_speed_follow_torque(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                                            float torque_Nm, lode_range_t between_rad_s,
+                                            float omega_rad_s, float load_Nm) {
+    const float speed = omega_rad_s * tuning->inv_pole_pairs;
+    const float gain = lode_speed_gain(tuning, omega_rad_s);
+    const float ff = tuning->load_feed_forward * load_Nm;
+    // What speed control would ask for at either end.
+    const float most =
+        lode_pi_output(&self->pi, &tuning->pi, gain * (between_rad_s.max - speed), ff);
+    const float least =
+        lode_pi_output(&self->pi, &tuning->pi, gain * (between_rad_s.min - speed), ff);
+    if (torque_Nm > most) {
+        self->reference_rad_s = between_rad_s.max;
+        return false;
+    }
+    if (torque_Nm < least) {
+        self->reference_rad_s = between_rad_s.min;
+        return false;
+    }
+    self->torque_Nm = lode_clamp(torque_Nm, self->limit_Nm.min, self->limit_Nm.max);
+    self->reference_rad_s = speed; // whence speed control goes on, with this torque
+    lode_pi_reset(&self->pi, self->torque_Nm - ff);
+    return true;
 }

@@ -6,14 +6,26 @@
 #include "pi_inline.h"
 #include "ramp_inline.h"
 
+// Torque control (K13). True: the torque reference is `torque_Nm`, within its limits. False: with it the
+// speed (ELECTRICAL `omega_rad_s`) would leave `between_rad_s` (mechanical); the reference is the end that
+// speed control has to hold, by lode_speed_step().
+bool lode_speed_follow_torque(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                              float torque_Nm, lode_range_t between_rad_s, float omega_rad_s,
+                              float load_Nm);
+
+// Factor of both gains at the electrical speed `omega_rad_s`.
+LODE_INLINE float lode_speed_gain(const lode_speed_tuning_t *tuning, float omega_rad_s) {
+    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
+    return 1.0f + tuning->rise * lode_clamp(up, 0.0f, 1.0f);
+}
+
 // Torque reference, Nm, for the mechanical target `target_rad_s` at the estimated ELECTRICAL speed
 // `omega_rad_s` and load torque `load_Nm` (K7, K8).
 LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
                                   float target_rad_s, float omega_rad_s, float load_Nm) {
     const float before = self->reference_rad_s;
     self->reference_rad_s = lode_ramp(before, target_rad_s, tuning->ramp_step);
-    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
-    const float gain = 1.0f + tuning->rise * lode_clamp(up, 0.0f, 1.0f);
+    const float gain = lode_speed_gain(tuning, omega_rad_s);
     const float error = gain * (self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs);
     // A rotor that is ahead of its ramp needs no torque to follow it: as much less as the controller
     // asks against it, but not the other way.

@@ -86,6 +86,7 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_SOURCE);
         NAME(LODE_ERROR_OPEN_PHASE);
         NAME(LODE_ERROR_COMMAND);
+        NAME(LODE_ERROR_COMMAND_SPEED);
         NAME(LODE_ERROR_CHANNELS);
         NAME(LODE_ERROR_BUFFER);
         NAME(LODE_ERROR_TRIGGER);

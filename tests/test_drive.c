@@ -463,6 +463,61 @@ static void test_load_steps_and_speed_changes(void) {
     check_running(&rig, 150.0);
 }
 
+static lode_command_t torque_of(double torque, double speed) {
+    return (lode_command_t){.mode = LODE_MODE_RUN,
+                            .speed_rad_s = (float)speed,
+                            .control = LODE_CONTROL_TORQUE,
+                            .torque_Nm = (float)torque};
+}
+
+static void test_torque_control_follows_torque_and_holds_its_speeds(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = fresh();
+        rig.load_Nm = 1.0;
+        rig_command(&rig, torque_of(1.5 * sign, 150.0 * sign));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+        rig_run(&rig, 0.5); // the start current has faded
+        for (int n = 0; n < 1000; n++) {
+            rig_step(&rig);
+            CHECK_NEAR(0.03, 1.5 * sign, ipmsm_torque(&rig.motor));
+        }
+        TEST_ASSERT_EQUAL_FLOAT(1.5f * (float)sign, rig_telemetry(&rig).torque_ref_Nm);
+        TEST_ASSERT_FALSE(rig_telemetry(&rig).torque_limited);
+        rig_run(&rig, 6.0);
+        check_running(&rig, 150.0 * sign); // no faster: the torque is the load's
+        TEST_ASSERT_TRUE(fabs(ipmsm_torque(&rig.motor)) < 1.2);
+        rig_command(&rig, torque_of(-2.0 * sign, 150.0 * sign)); // brakes
+        rig_run(&rig, 0.2);
+        CHECK_NEAR(0.03, -2.0 * sign, ipmsm_torque(&rig.motor));
+        rig_run(&rig, 4.0);
+        check_running(&rig, (double)(tuning.omega_min * tuning.inv_pole_pairs) * sign);
+        TEST_ASSERT_FALSE(rig_telemetry(&rig).speed_raised);
+        // Speed control goes on from there.
+        rig_command(&rig, torque_of(1.0e3 * sign, 150.0 * sign));
+        rig_run(&rig, 0.1);
+        TEST_ASSERT_TRUE(rig_telemetry(&rig).torque_limited);
+        rig_command(&rig, run_at(80.0 * sign));
+        rig_run(&rig, 3.0);
+        check_running(&rig, 80.0 * sign);
+        // The other way: against its direction it is stopped as by speed control.
+        rig_command(&rig, torque_of(-1.5 * sign, -100.0 * sign));
+        rig_run(&rig, 14.0);
+        check_running(&rig, -100.0 * sign);
+    }
+}
+
+static void test_a_speed_that_is_raised_is_told(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(1.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 3.0);
+    TEST_ASSERT_TRUE(rig_telemetry(&rig).speed_raised);
+    check_running(&rig, (double)(tuning.omega_min * tuning.inv_pole_pairs));
+    rig_command(&rig, run_at(60.0));
+    rig_step(&rig);
+    TEST_ASSERT_FALSE(rig_telemetry(&rig).speed_raised);
+}
+
 static void test_speed_zero_stops_and_switches_off(void) {
     rig_t rig = fresh();
     rig.load_Nm = 0.5;
@@ -565,14 +620,25 @@ static void test_bad_commands_are_refused_and_change_nothing(void) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND, lode_drive_post_command(&rig.drive, &command));
     }
     for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
-        for (int field = 0; field < 5; field++) {
+        for (int field = 0; field < 6; field++) {
             lode_command_t command = {.mode = LODE_MODE_CURRENT};
-            float *const values[] = {&command.speed_rad_s, &command.vector.d, &command.vector.q,
-                                     &command.theta_rad, &command.omega_rad_s};
+            float *const values[] = {&command.speed_rad_s, &command.vector.d,
+                                     &command.vector.q,    &command.theta_rad,
+                                     &command.omega_rad_s, &command.torque_Nm};
             *values[field] = check_not_finite[i];
             TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND,
                                   lode_drive_post_command(&rig.drive, &command));
         }
+    }
+    lode_command_t command = run_at(80.0);
+    command.control = (lode_control_t)2;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND, lode_drive_post_command(&rig.drive, &command));
+    // Over-speed would trip: refused in either direction. Not looked at by other modes.
+    const double most = (double)tuning.guard.omega_max * (double)tuning.inv_pole_pairs;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        command = run_at(1.001 * sign * most);
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND_SPEED,
+                              lode_drive_post_command(&rig.drive, &command));
     }
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_command(&rig.drive, NULL));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_command(NULL, &off));
@@ -616,7 +682,11 @@ static void test_huge_commands_give_duties(void) {
             rig_t rig = fresh();
             rig.blocked = true;
             rig_command(&rig, (lode_command_t){.mode = modes[m],
-                                               .speed_rad_s = huge[i],
+                                               .torque_Nm = huge[i],
+                                               .control = LODE_CONTROL_TORQUE,
+                                               .speed_rad_s = modes[m] == LODE_MODE_RUN
+                                                                  ? copysignf(150.0f, huge[i])
+                                                                  : huge[i],
                                                .vector = {huge[i], huge[i]},
                                                .theta_rad = huge[i],
                                                .omega_rad_s = huge[i]});
@@ -1506,6 +1576,8 @@ int main(void) {
     RUN_TEST(test_speed_control_runs_as_often_as_its_bandwidth_asks);
     RUN_TEST(test_every_rate_of_speed_control_drives);
     RUN_TEST(test_load_steps_and_speed_changes);
+    RUN_TEST(test_torque_control_follows_torque_and_holds_its_speeds);
+    RUN_TEST(test_a_speed_that_is_raised_is_told);
     RUN_TEST(test_speed_zero_stops_and_switches_off);
     RUN_TEST(test_the_way_back_begins_where_its_current_makes_the_torque);
     RUN_TEST(test_reversal);

@@ -76,15 +76,28 @@ typedef enum {
 /// The enumerator's name, for logs.
 const char *lode_mode_name(lode_mode_t mode);
 
+/// What RUN controls.
+typedef enum {
+    LODE_CONTROL_SPEED, ///< the speed, along its ramp
+    /// the torque, in Nm at the shaft, between the least speed that can be held without a sensor and the
+    /// commanded one, which give way to no torque
+    LODE_CONTROL_TORQUE
+} lode_control_t;
+
 /// What the drive shall do. RUN calibrates and starts by itself where that is needed, and with speed 0
 /// stops and switches off.
 typedef struct {
-    lode_mode_t mode;  ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
-    float speed_rad_s; ///< RUN: MECHANICAL speed, either sign
-    lode_dq_t vector;  ///< VOLTAGE: V, CURRENT: A, in a frame at theta_rad
-    float theta_rad;   ///< VOLTAGE, CURRENT: angle of that frame when the mode is entered
-    float omega_rad_s; ///< VOLTAGE, CURRENT: electrical speed at which it turns
-    bool clear_fault;  ///< with OFF: leave FAULT
+    lode_mode_t mode; ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
+    /// RUN: MECHANICAL speed, either sign; with torque control the direction in which to run, and the speed
+    /// that is not exceeded. At most that at which OVER_SPEED trips
+    float speed_rad_s;
+    lode_dq_t vector;       ///< VOLTAGE: V, CURRENT: A, in a frame at theta_rad
+    float theta_rad;        ///< VOLTAGE, CURRENT: angle of that frame when the mode is entered
+    float omega_rad_s;      ///< VOLTAGE, CURRENT: electrical speed at which it turns
+    bool clear_fault;       ///< with OFF: leave FAULT
+    lode_control_t control; ///< RUN
+    float
+        torque_Nm; ///< torque control: positive turns towards positive speeds, whichever way it runs
 } lode_command_t;
 
 /// Which of a bridge's six switches may be on.
@@ -108,8 +121,10 @@ typedef struct {
     float theta_rad;
 #endif
     float speed_rad_s; ///< RUN: mechanical; VOLTAGE, CURRENT: electrical, of their frame
+    float torque_Nm;   ///< RUN, torque control
     lode_mode_t mode;
     bool clear_fault;
+    bool torque;    ///< torque control
     uint32_t check; ///< of all of the above, bit by bit
 } lode_order_t;
 
@@ -169,6 +184,10 @@ typedef struct {
     uint32_t steps;
     lode_mode_t mode;
     lode_fault_t fault;
+    /// RUN: the torque reference is at a limit of current, voltage or bus
+    bool torque_limited;
+    bool
+        speed_raised; ///< RUN: the commanded speed is below the least one, which is held in its place
     lode_abc_t duty;
     lode_dq_t i_A; ///< in the frame of control: the rotor's in RUN, the vector's in START
     lode_dq_t ref_A;
@@ -178,6 +197,7 @@ typedef struct {
     float theta_rad;       ///< estimated rotor angle at t_k
     float omega_rad_s;     ///< estimated electrical speed
     float speed_ref_rad_s; ///< ramped mechanical reference of RUN, else 0
+    float torque_ref_Nm;   ///< reference of RUN, else 0
     float load_torque_Nm;
     float lock;
     lode_ab_t e_V;

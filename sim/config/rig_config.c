@@ -43,6 +43,7 @@ void rig_config_init(rig_config_t *config) {
         rig_phase_t *phase = &config->scenario.phase[k];
         unset_all(rig_phase_schema(), phase);
         phase->mode = -1;
+        phase->control = -1;
         phase->trip = -1;
         phase->open_phase = -1;
         phase->end_mode = -1;

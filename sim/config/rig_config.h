@@ -110,6 +110,8 @@ typedef struct {
     double duration_s;
     int mode;          ///< index into the list of mode names, -1: as before
     double speed_rpm;  ///< commanded
+    int control;       ///< lode_control_t, -1: as before
+    double torque_Nm;  ///< commanded, torque control
     double ramp_rpm_s; ///< slope at which the command itself moves there; unset: at once
     double load_Nm;
     double v_bus_V;
@@ -123,7 +125,7 @@ typedef struct {
     double d, q; ///< V or A, modes voltage and current
     double theta_deg, omega_rad_s;
     // Bars: what the phase must reach.
-    double bar_dc_deg, bar_pp_deg, bar_error_deg, bar_speed_rpm;
+    double bar_dc_deg, bar_pp_deg, bar_error_deg, bar_speed_rpm, bar_torque_Nm;
     int end_mode; ///< -1: any but a fault
 } rig_phase_t;
 

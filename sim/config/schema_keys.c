@@ -248,6 +248,8 @@ static const rig_key_t phase_keys[] = {
     PHASE_NUMBER("duration_s", duration_s, 1e-3, 1e4),
     PHASE_CHOICE("mode", mode, "off|calibrate|voltage|current|run"),
     PHASE_NUMBER("speed_rpm", speed_rpm, -1e6, 1e6),
+    PHASE_CHOICE("control", control, "speed|torque"),
+    PHASE_NUMBER("torque_Nm", torque_Nm, -1e6, 1e6),
     PHASE_NUMBER("ramp_rpm_s", ramp_rpm_s, 1e-3, 1e9),
     PHASE_NUMBER("load_Nm", load_Nm, -1e6, 1e6),
     PHASE_NUMBER("v_bus_V", v_bus_V, 0.1, 1e5),
@@ -266,6 +268,7 @@ static const rig_key_t phase_keys[] = {
     PHASE_NUMBER("bar_pp_deg", bar_pp_deg, 0.0, 360.0),
     PHASE_NUMBER("bar_error_deg", bar_error_deg, 0.0, 180.0),
     PHASE_NUMBER("bar_speed_rpm", bar_speed_rpm, 0.0, 1e6),
+    PHASE_NUMBER("bar_torque_Nm", bar_torque_Nm, 0.0, 1e6),
     PHASE_CHOICE("end_mode", end_mode, "off|calibrate|voltage|current|start|run|fault"),
 };
 

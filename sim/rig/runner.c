@@ -358,6 +358,8 @@ static void apply_to_command(run_t *run, const rig_phase_t *phase) {
                                         LODE_MODE_CURRENT, LODE_MODE_RUN};
     lode_command_t *command = &run->command;
     command->mode = phase->mode >= 0 ? modes[phase->mode] : command->mode;
+    command->control = phase->control >= 0 ? (lode_control_t)phase->control : command->control;
+    set_if_given(&command->torque_Nm, phase->torque_Nm);
     set_if_given(&command->vector.d, phase->d);
     set_if_given(&command->vector.q, phase->q);
     set_if_given(&command->theta_rad, rig_rad_from_deg(phase->theta_deg));
@@ -413,6 +415,9 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
     check_bar(out, "angle error max", rig_stats_peak(&out->run_error_deg), phase->bar_error_deg);
     check_bar(out, "speed off by", fabs(rig_stats_mean(&out->speed_rpm) - out->speed_command_rpm),
               phase->bar_speed_rpm);
+    check_bar(out, "torque off by",
+              fabs(rig_stats_mean(&out->torque_Nm) - (double)run->command.torque_Nm),
+              phase->bar_torque_Nm);
     if (phase->end_mode >= 0 && (int)out->mode != phase->end_mode) {
         const size_t used = strlen(out->missed);
         (void)snprintf(out->missed + used, sizeof out->missed - used, "%sended in %s, bar %s",
@@ -427,7 +432,7 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
 
 static bool is_barred(const rig_phase_t *phase) {
     return !isnan(phase->bar_dc_deg) || !isnan(phase->bar_pp_deg) || !isnan(phase->bar_error_deg) ||
-           !isnan(phase->bar_speed_rpm) || phase->end_mode >= 0;
+           !isnan(phase->bar_speed_rpm) || !isnan(phase->bar_torque_Nm) || phase->end_mode >= 0;
 }
 
 static void warn(runner_phase_t *out, const char *format, ...) RIG_PRINTF(2, 3);
@@ -457,12 +462,14 @@ static const char *why_not(const run_t *run, double omega_rad_s) {
 }
 
 /// A commanded speed that the drive changed, or did not come to. Nothing is expected of a shaft that a
-/// dynamometer holds, of a stop, or after a fault.
+/// dynamometer holds, of a stop, with torque control, or after a fault.
 static void check_speed(const run_t *run, runner_phase_t *out) {
     const double goal_rpm = run->speed_goal_rpm;
     const double np = (double)run->config->drive.motor.pole_pairs;
     const double omega = fabs(rig_rad_s_from_rpm(goal_rpm)) * np;
-    if (run->held || run->faulted || run->command.mode != LODE_MODE_RUN || !(omega > 0.0)) {
+    const bool asked = run->command.mode == LODE_MODE_RUN &&
+                       run->command.control == LODE_CONTROL_SPEED && omega > 0.0;
+    if (run->held || run->faulted || !asked) {
         return;
     }
     const double least_rpm = rig_rpm_from_rad_s(run->limits.least_rad_s) / np;
