@@ -233,8 +233,7 @@ bool ini_config_load_part(rig_config_t *config, const char *path) {
     return load(config, path, PASS_PART);
 }
 
-/// `name` as seen from the folder of the file `from`.
-static bool relative_to(const char *from, const char *name, char *path, size_t size) {
+bool ini_config_relative(const char *from, const char *name, char *path, size_t size) {
     const char *slash = strrchr(from, '/');
     const int folder = slash == NULL || name[0] == '/' ? 0 : (int)(slash - from) + 1;
     const int length = snprintf(path, size, "%.*s%s", folder, from, name);
@@ -250,7 +249,7 @@ static bool load_named_part(rig_config_t *config, const char *scenario, const ch
     char name[RIG_PATH_LENGTH];
     char path[RIG_PATH_LENGTH];
     rig_key_print(&schema.row[row], config, name, sizeof name);
-    FILE *found = relative_to(scenario, name, path, sizeof path) ? inputs_open(path) : NULL;
+    FILE *found = ini_config_relative(scenario, name, path, sizeof path) ? inputs_open(path) : NULL;
     if (found == NULL) {
         rig_error_at(
             scenario, config->origin[row].line,

@@ -26,4 +26,7 @@ void ini_config_where(const rig_config_t *config, int row, char *text, size_t si
 /// First comment line of the file, without its mark: what a list says about it.
 void ini_config_title(const char *path, char *text, size_t size);
 
+/// `name` as seen from the folder of the file `from`. False: longer than `size`.
+bool ini_config_relative(const char *from, const char *name, char *path, size_t size);
+
 #endif

@@ -6,6 +6,8 @@
 
 #include "config/assumptions.h"
 #include "config/conversions.h"
+#include "config/flux_map.h"
+#include "config/ini_config.h"
 #include "config/schema.h"
 #include "support/diag.h"
 #include "support/splitmix.h"
@@ -271,6 +273,11 @@ static void describe_motor(const rig_config_t *config, plant_config_t *plant, ui
     plant->Ld_sat_H = or_else(truth->Ld_sat_H, plant->Ld_H);
     plant->i_cross_A = or_else(truth->i_cross_A, 0.0);
     plant->Ldq_H = or_else(truth->Ldq_H, 0.0);
+    if (plant->map != NULL) {
+        plant->psi_Wb = fmax(plant->map->psi_Wb, 0.0); // a reluctance machine has rounding
+        plant->Ld_H = plant->map->Ld_H;
+        plant->Lq_H = plant->map->Lq_H;
+    }
     plant->emf5_ratio = or_else(truth->emf5_ratio, 0.0);
     plant->emf5_phase_rad = rig_rad_from_deg(or_else(truth->emf5_phase_deg, 0.0));
     plant->emf7_ratio = or_else(truth->emf7_ratio, 0.0);
@@ -365,10 +372,33 @@ static void refuse_plant(const rig_config_t *config, const char *why) {
                  "[%s] %s = %s: refused by the plant: %s", section, key, value, why);
 }
 
+/// Relative to the file that names it, or to where the tool was started with --set.
+static bool find_map(const rig_config_t *config, const plant_map_t **map) {
+    char path[RIG_PATH_LENGTH];
+    *map = NULL;
+    if (!is_given(config, "plant", "flux_map")) {
+        return true;
+    }
+    const rig_origin_t *origin =
+        &config->origin[rig_schema_find(rig_schema(), "plant", "flux_map")];
+    const char *from = origin->file >= 0 ? config->file[origin->file] : "";
+    if (!ini_config_relative(from, config->plant.flux_map, path, sizeof path)) {
+        rig_error_at(from, origin->line,
+                     "[plant] flux_map: expected a path of at most %zu characters",
+                     sizeof path - 1);
+        return false;
+    }
+    *map = flux_map_find(path);
+    return *map != NULL;
+}
+
 bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double *extra_load_Nm) {
     uint64_t state = (uint64_t)config->scenario.seed;
     memset(plant, 0, sizeof *plant);
     plant->seed = state;
+    if (!find_map(config, &plant->map)) {
+        return false;
+    }
     describe_motor(config, plant, &state);
     describe_load(config, plant);
     describe_inverter(config, plant);

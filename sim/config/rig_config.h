@@ -51,6 +51,7 @@ typedef struct {
 /// The truth that the firmware does not know. Unset values are those of motor and drive.
 typedef struct {
     double Rs_Ohm, Ld_H, Lq_H, Lxy_H, psi_Wb, J_kgm2, B_Nms;
+    char flux_map[RIG_PATH_LENGTH];
     double i_sat_A, Lq_sat_H, id_sat_A, Ld_sat_H, i_cross_A, Ldq_H;
     double emf5_ratio, emf5_phase_deg, emf7_ratio, emf7_phase_deg;
     double emf11_ratio, emf11_phase_deg, emf13_ratio, emf13_phase_deg;

@@ -172,6 +172,7 @@ static const rig_key_t keys[] = {
     NUMBER("plant", "psi_Wb", plant.psi_Wb, 0.0, 1e3),
     NUMBER("plant", "J_kgm2", plant.J_kgm2, 1e-12, 1e6),
     NUMBER("plant", "B_Nms", plant.B_Nms, 0.0, 1e6),
+    TEXT("plant", "flux_map", plant.flux_map),
     NUMBER("plant", "i_sat_A", plant.i_sat_A, 0.0, 1e6),
     NUMBER("plant", "Lq_sat_H", plant.Lq_sat_H, 1e-9, 1e3),
     NUMBER("plant", "id_sat_A", plant.id_sat_A, 0.0, 1e6),

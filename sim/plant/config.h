@@ -8,6 +8,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "plant/map.h"
+
 enum {
     PLANT_PHASES = 3,                       ///< of one set
     PLANT_SETS = 2,                         ///< at most
@@ -41,6 +43,9 @@ typedef struct {
     /// (and id = 0); 0: none.
     double i_cross_A;
     double Ldq_H; ///< of either sign
+    /// Fluxes of a grid of currents in place of the laws above; Ld_H, Lq_H and psi_Wb are then the map's
+    /// own. It must outlive the plant. NULL: none.
+    const plant_map_t *map;
     /// EMF harmonics in phase a: -w psi (sin th + r5 sin(5 th + p5) + ...). With two sets the 5th and
     /// 7th lie in the xy plane.
     double emf5_ratio, emf5_phase_rad;

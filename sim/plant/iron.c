@@ -17,12 +17,13 @@ static const double step_enough = 1e-8;
 static const double current_floor_A = 1e-6;
 
 bool plant_iron_saturates(const plant_config_t *c) {
-    return c->id_sat_A > 0.0 || c->i_sat_A > 0.0 || c->i_cross_A > 0.0;
+    return c->map != NULL || c->id_sat_A > 0.0 || c->i_sat_A > 0.0 || c->i_cross_A > 0.0;
 }
 
 void plant_iron_init(plant_iron_t *self, const plant_config_t *c) {
     const bool d = c->id_sat_A > 0.0, q = c->i_sat_A > 0.0, cross = c->i_cross_A > 0.0;
     *self = (plant_iron_t){
+        .map = c->map,
         .Ld_H = c->Ld_H,
         .Lq_H = c->Lq_H,
         .Lq_sat_H = q ? c->Lq_sat_H : c->Lq_H,
@@ -36,7 +37,8 @@ void plant_iron_init(plant_iron_t *self, const plant_config_t *c) {
     const double d_H = c->Ld_H * (1.0 - self->Ld_fall) - CROSS_DD_MAX * fabs(self->cross_H);
     const double q_H = self->Lq_sat_H - CROSS_QQ_MAX * fabs(self->cross_H);
     const double half_H = hypot(0.5 * (d_H - q_H), self->cross_H / CROSS_PER_LARGEST);
-    self->smallest_L_H = cross ? 0.5 * (d_H + q_H) - half_H : fmin(d_H, q_H);
+    const double all_H = cross ? 0.5 * (d_H + q_H) - half_H : fmin(d_H, q_H);
+    self->smallest_L_H = c->map != NULL ? c->map->smallest_L_H : all_H;
 }
 
 static bool within(double value, double low, double high) {
@@ -69,6 +71,11 @@ const char *plant_iron_check(const plant_config_t *c) {
 }
 
 plant_iron_point_t plant_iron_at(const plant_iron_t *self, double id_A, double iq_A) {
+    if (self->map != NULL) {
+        const plant_map_value_t of = plant_map_at(self->map, id_A, iq_A);
+        return (plant_iron_point_t){of.d - self->map->psi_Wb, of.q - self->map->psi_q_Wb, of.dd,
+                                    of.dq, of.qq};
+    }
     // D: the inductance falls by Ld_fall x / sqrt(1 + x^2).
     const double x = id_A * self->inv_id_sat, r = sqrt(1.0 + x * x);
     // Q: Lq_sat iq + (Lq - Lq_sat) iq / (1 + |iq|/i_sat).
@@ -133,6 +140,10 @@ void plant_iron_currents(const plant_iron_t *self, double psi_d_Wb, double psi_q
 }
 
 double plant_iron_energy(const plant_iron_t *self, double id_A, double iq_A) {
+    if (self->map != NULL) {
+        const plant_map_value_t of = plant_map_at(self->map, id_A, iq_A);
+        return id_A * of.d + iq_A * of.q - (of.W - self->map->W_J);
+    }
     const plant_iron_point_t at = plant_iron_at(self, id_A, iq_A);
     double W = 0.5 * self->Ld_H * id_A * id_A + 0.5 * self->Lq_sat_H * iq_A * iq_A;
     if (self->inv_id_sat > 0.0) {

@@ -10,6 +10,7 @@
 #include "plant/config.h"
 
 typedef struct {
+    const plant_map_t *map; ///< in place of all that follows but smallest_L_H; NULL: none
     double Ld_H, Lq_H, Lq_sat_H;
     double Ld_fall;      ///< share of Ld_H that goes at large positive, and comes at negative, id
     double inv_id_sat;   ///< 0: D is linear

@@ -487,6 +487,20 @@ static void check_speed(const run_t *run, runner_phase_t *out) {
     }
 }
 
+/// Beyond its map a machine is another one: no result is better than a wrong one.
+static bool is_in_map(const run_t *run, const plant_truth_t *truth) {
+    const plant_map_t *map = run->rig.plant.motor.iron.map;
+    if (map == NULL || plant_map_holds(map, truth->id_A, truth->iq_A)) {
+        return true;
+    }
+    rig_error("[plant] flux_map: at %.4g s the currents were i_d = %.4g, i_q = %.4g A; expected a "
+              "map that "
+              "holds them, this one has i_d from %g to %g, i_q from %g to %g A",
+              truth->t_s, truth->id_A, truth->iq_A, map->id_A[0], map->id_A[map->rows - 1],
+              map->iq_A[0], map->iq_A[map->columns - 1]);
+    return false;
+}
+
 static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_window) {
     moment_t now;
     move_command(run);
@@ -495,6 +509,9 @@ static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_windo
         capture_step(run->log->capture, run->rig.drive);
     }
     note_changes(run, &now.at);
+    if (!is_in_map(run, &now.at.truth)) {
+        return false;
+    }
     measure(run, out, &now, in_window);
     const bool good = run->k % run->log_every != 0 || log_row(run, index, &now);
     run->k++;
