@@ -58,7 +58,11 @@ static void watchdog_start(void) {
 }
 
 bool board_reset_by_watchdog(void) {
-    return (reg_read32(TOP_RCM_WARM_RST_CAUSE) & RST_CAUSE_WATCHDOGS) != 0u;
+    const uint32_t cause = reg_read32(TOP_RCM_WARM_RST_CAUSE);
+    reg_write32(TOP_RCM_KICK0, KICK0_UNLOCK);
+    reg_write32(TOP_RCM_KICK1, KICK1_UNLOCK);
+    reg_write32(TOP_RCM_WARM_RST_CAUSE_CLR, RST_CAUSE_FORGET);
+    return (cause & RST_CAUSE_WATCHDOGS) != 0u;
 }
 
 bool board_init(float i_trip_A) {

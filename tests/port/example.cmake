@@ -7,5 +7,6 @@ if(TARGET lodestar_rig)
   lode_port_test(test_port_low_bus "${CMAKE_CURRENT_SOURCE_DIR}/test_port_bringup.c" ${application})
   target_compile_definitions(test_port_low_bus PRIVATE APP_V_BUS_V=10.0f)
 endif()
+lode_port_test(test_port_kept "${CMAKE_CURRENT_SOURCE_DIR}/test_port_kept.c")
 lode_port_test(test_port_template "${CMAKE_CURRENT_SOURCE_DIR}/test_port_template.c" ${application}
                "${LODE_PORT_DIR}/template/board.c")

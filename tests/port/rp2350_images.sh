@@ -39,6 +39,10 @@ for symbol in adc_fifo_handler app_period board_read board_write lode_drive_step
     grep -Eq "^2000[0-9a-f]{4} . $symbol\$" "$work/symbols" || { echo "$symbol: expected in SRAM"; exit 1; }
 done
 
+# What outlives a reset lies where start-up code neither clears nor copies.
+awk '{ at[$3] = $1 } END { exit !(at["resets"] >= at["bss_end"] && at["check"] >= at["bss_end"]) }' "$work/symbols" ||
+    { echo "the count of watchdog resets: expected behind .bss"; exit 1; }
+
 refused() { # refused EDIT WHY: the example header, edited, does not compile
     sed "$1" port/rp2350/boards/generic_rp2350.h >"$work/board.h"
     cmp -s "$work/board.h" port/rp2350/boards/generic_rp2350.h && { echo "$1: nothing edited"; exit 1; }

@@ -39,6 +39,14 @@ sizes() {
                   size[".ccmram"], size[".bss"] + size[".data"] + size[".stack"], size[".stack"] }'
 }
 
+# kept ELF: what outlives a reset lies where start-up code neither clears nor copies.
+kept() {
+    arm-none-eabi-nm "$1" | awk '
+        { at[$3] = $1 }
+        END { exit !(at["resets"] >= at["bss_end"] && at["check"] >= at["bss_end"] && at["resets"] > at["data_end"]) }' ||
+        { echo "$1: the count of watchdog resets: expected behind .bss"; exit 1; }
+}
+
 boards=(generic_g431_link b_g431b_esc1 nucleo_ihm16m1)
 for board in "${boards[@]}"; do
     must_build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$board" # with the step in the CCM SRAM
@@ -56,11 +64,7 @@ if build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$work/bootstrap.h" || ! grep -q "n
     exit 1
 fi
 must_build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD=nucleo_ihm16m1
-# What outlives a reset lies where start-up code neither clears nor copies.
-arm-none-eabi-nm "$work/g4/port/stm32g4/lodestar_stm32g4.elf" | awk '
-    { at[$3] = $1 }
-    END { exit !(at["resets"] >= at["bss_end"] && at["check"] >= at["bss_end"] && at["resets"] > at["data_end"]) }' ||
-    { echo "the count of watchdog resets: expected behind .bss"; exit 1; }
+kept "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON
 sizes "nucleo_ihm16m1 with CORDIC" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 # The larger chip has room for every observer in its fast memory.
@@ -73,6 +77,7 @@ fi
 # The STM32H7: the step in the ITCM, at no address 0, data and stack in the DTCM.
 must_build h7 -DLODE_PORT=stm32h7 -DLODE_CORE=cortex-m7
 sizes stm32h7 "$work/h7/port/stm32h7/lodestar_stm32h7.elf"
+kept "$work/h7/port/stm32h7/lodestar_stm32h7.elf"
 arm-none-eabi-nm "$work/h7/port/stm32h7/lodestar_stm32h7.elf" | awk '
     { at[$3] = $1 }
     END { for (name in at) if (at[name] == "00000000" && name !~ /^\$/) exit 1
@@ -88,6 +93,7 @@ if build refused_core -DLODE_PORT=stm32h7 || ! grep -q "expected cortex-m7" "$lo
 fi
 must_build f4 -DLODE_PORT=stm32f4
 sizes stm32f4 "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
+kept "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
 # The fast memory holds the step whatever the optimisation; in a Debug build it runs from flash.
 for board in "${boards[@]}"; do
     for flags in -Os -O3; do

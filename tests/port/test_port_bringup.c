@@ -33,6 +33,7 @@ typedef struct {
     bool trip; ///< the trip input is active
     bool dead_comparator;
     double dead_time_s; ///< of the inverter, and configured
+    double unknown_s;   ///< more of it, not configured
     double r_on_Ohm;
     double precharge_s;
 } mistakes_t;
@@ -168,9 +169,9 @@ static plant_config_t plant_of_motor(void) {
 static void power_up(const mistakes_t *mistakes, plant_config_t config) {
     with = *mistakes;
     config.v_bus_V = with.v_bus;
-    if (with.dead_time_s > 0.0) {
+    if (with.dead_time_s + with.unknown_s > 0.0) {
         config.level = PLANT_SWITCHING;
-        config.dead_time_s = with.dead_time_s;
+        config.dead_time_s = with.dead_time_s + with.unknown_s;
         config.r_on_Ohm = with.r_on_Ohm;
     }
     TEST_ASSERT_NULL(plant_init(&plant, &config));
@@ -429,6 +430,16 @@ static void test_resistance_behind_switches_and_dead_time(void) {
     expect(result, BRINGUP_OK, -1);
     CHECK_CLOSE(0.1, (double)motor_data().Rs_Ohm + m.r_on_Ohm, result.measured);
     expect(bring_up(BRINGUP_CURRENT, 5.0), BRINGUP_OK, -1);
+}
+
+// A dead time that nobody has configured takes as much voltage at either current: the two points do not see it.
+static void test_resistance_behind_an_unknown_dead_time(void) {
+    mistakes_t m = sound;
+    m.unknown_s = 500.0e-9;
+    power_up(&m, plant_of_motor());
+    const bringup_result_t result = bring_up(BRINGUP_VOLTAGE, 5.0);
+    expect(result, BRINGUP_OK, -1);
+    CHECK_CLOSE(0.1, (double)motor_data().Rs_Ohm, result.measured);
 }
 
 static void test_current_that_never_comes(void) {
@@ -705,6 +716,7 @@ int main(void) {
     RUN_TEST(test_resistance_is_named);
     RUN_TEST(test_currents_that_are_not_seen_stay_bounded);
     RUN_TEST(test_resistance_behind_switches_and_dead_time);
+    RUN_TEST(test_resistance_behind_an_unknown_dead_time);
     RUN_TEST(test_current_that_never_comes);
     RUN_TEST(test_start_that_cannot_succeed_is_a_fault_with_its_check);
     RUN_TEST(test_report_is_one_line);

@@ -285,8 +285,10 @@ static void test_missing_interrupt_switches_off_by_hardware(void) {
     one_period();
     TEST_ASSERT_EQUAL_UINT32(0u, fake_get(PWM_CTR(CHIP_DEADLINE_SLICE)));
     board_write(&on);
+    const uint32_t before = fake_get(TIMER0_RAWL);
     fake_halt(2u * PERIOD);
     TEST_ASSERT_FALSE(fake_gates_on()); // before the core goes on
+    TEST_ASSERT_EQUAL_UINT32(2u * PERIOD, fake_get(TIMER0_RAWL) - before); // the stamp runs on
     TEST_ASSERT_TRUE(counts_now().trip);
     board_write(&on);
     TEST_ASSERT_FALSE(fake_gates_on());

@@ -172,15 +172,17 @@ static void test_thresholds_on_both_sides(void) {
     }
 }
 
-#define SOURCES 5 // three comparators, the fault line, a halted core
+#define SOURCES 6 // three comparators, the fault line, a halted core, a lost clock
 
 static void set_source(int n, bool active) {
     if (n < 3) {
         fake_set_comparator(2u * (uint32_t)n, active);
     } else if (n == 3) {
         fake_set_fault(active);
-    } else {
+    } else if (n == 4) {
         fake_set_halted(active);
+    } else {
+        fake_set_clock_lost(active);
     }
 }
 
@@ -262,8 +264,14 @@ static void test_low_sides_alone(void) {
 static void test_trip_path_is_tested(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
+    board_write(&on);
+    TEST_ASSERT_TRUE(fake_gates_on());
+    const int from = fake_count();
     TEST_ASSERT_TRUE(board_test_trip());
-    TEST_ASSERT_TRUE(fake_all_tripped()); // off
+    TEST_ASSERT_TRUE(fake_all_tripped()); // off, by itself before the first threshold moves
+    const int off = fake_first(EPWM(2) + EPWM_TZFRC, TZFRC_OST, TZFRC_OST, from);
+    const int moved = fake_first(CMPSSB(0) + CMPSS_DACHVALS, ~0u, 0u, from);
+    TEST_ASSERT_TRUE(off >= from && moved > off);
     lode_counts_t counts;
     board_read(&counts);
     TEST_ASSERT_FALSE(counts.trip);     // leaves no trip behind
@@ -377,6 +385,24 @@ static void put_temperature(float degC) {
         }
     }
     TEST_FAIL_MESSAGE("beyond the table");
+}
+
+static void test_bootstrap_capacitors_are_charged_first(void) {
+    TEST_ASSERT_TRUE(app_start());
+    put_counts(0.0f);
+    app_mode = BRINGUP_SIGNS;
+    app_armed = 1u;
+    for (int n = 0; n < 30000 && !fake_gates_on(); n++) {
+        one_period();
+        app_poll();
+    }
+    int periods = 0;
+    while (fake_get(EPWM(0) + EPWM_AQCSFRC) == AQCSFRC_A_LOW && periods < 30000) {
+        TEST_ASSERT_TRUE(fake_gates_on());
+        one_period();
+        periods++;
+    }
+    CHECK_NEAR(1.5, (double)VARIANT_PRECHARGE_s * VARIANT_F_PWM_Hz, periods);
 }
 
 static void some_periods(void) {
@@ -501,6 +527,7 @@ static void test_cause_of_a_reset(void) {
     TEST_ASSERT_FALSE(board_reset_by_watchdog());
     fake_put(TOP_RCM_WARM_RST_CAUSE, 0x42u); // the watchdog of R5FSS0 core 0
     TEST_ASSERT_TRUE(board_reset_by_watchdog());
+    TEST_ASSERT_FALSE(board_reset_by_watchdog()); // cleared: the next reset speaks for itself
 }
 
 static void test_serial_port(void) {
@@ -529,6 +556,7 @@ int main(void) {
     RUN_TEST(test_thresholds_on_both_sides);
     RUN_TEST(test_every_source_switches_all_six_off_and_latches);
     RUN_TEST(test_low_sides_alone);
+    RUN_TEST(test_bootstrap_capacitors_are_charged_first);
     RUN_TEST(test_trip_path_is_tested);
     RUN_TEST(test_threshold_follows_the_motor);
     RUN_TEST(test_gates_off_by_software_is_no_trip);

@@ -147,6 +147,13 @@ static void test_trip_path_is_armed_before_the_pins_and_before_the_driver(void) 
     }
     for (int p = 0; p < COUNT_OF(pwm); p++) {
         TEST_ASSERT_TRUE(first("EPWM_enableTripZoneSignals", pwm[p], FAKE_ANY, FAKE_ANY) < pins);
+        // Neither waits for a clock.
+        const uint32_t *source = fake_arguments(
+            first("EPWM_setDigitalCompareEventSource", pwm[p], EPWM_DC_MODULE_A, EPWM_DC_EVENT_1));
+        const uint32_t *sync = fake_arguments(first("EPWM_setDigitalCompareEventSyncMode", pwm[p],
+                                                    EPWM_DC_MODULE_A, EPWM_DC_EVENT_1));
+        TEST_ASSERT_EQUAL_UINT32(EPWM_DC_EVENT_SOURCE_ORIG_SIGNAL, source[3]);
+        TEST_ASSERT_EQUAL_UINT32(EPWM_DC_EVENT_INPUT_NOT_SYNCED, sync[3]);
     }
     TEST_ASSERT_TRUE(first("XBAR_enableEPWMMux", XBAR_TRIP4, FAKE_ANY, FAKE_ANY) < pins);
     TEST_ASSERT_TRUE(first("XBAR_setInputPin", XBAR_INPUT1, VARIANT_FAULT_GPIO, FAKE_ANY) < pins);
@@ -188,6 +195,8 @@ static void test_counters_and_dead_band(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     for (int p = 0; p < COUNT_OF(pwm); p++) {
         const uint32_t base = pwm[p];
+        // A halt trips; the counter must not stop before that.
+        TEST_ASSERT_EQUAL_UINT32(EPWM_EMULATION_FREE_RUN, second("EPWM_setEmulationMode", base));
         TEST_ASSERT_EQUAL_UINT32(EPWM_COUNTER_MODE_UP_DOWN,
                                  second("EPWM_setTimeBaseCounterMode", base));
         TEST_ASSERT_EQUAL_UINT32(STEPS, second("EPWM_setTimeBasePeriod", base));
@@ -274,12 +283,16 @@ static void set_source(int n, bool active) {
     static const uint32_t cmpss[] = {CMPSS5_BASE, CMPSS3_BASE, CMPSS1_BASE};
     if (n < COUNT_OF(cmpss)) {
         fake_set_comparator(cmpss[n], active);
-    } else {
+    } else if (n == 3) {
         fake_set_fault(active);
+    } else if (n == 4) {
+        fake_set_clock_lost(active);
+    } else {
+        fake_set_halted(active);
     }
 }
 
-#define SOURCES 4 // three comparators and nFAULT
+#define SOURCES 6 // three comparators, nFAULT, lost clock, halted core
 
 static void test_every_source_switches_all_six_off_and_latches(void) {
     for (int n = 0; n < SOURCES; n++) {
@@ -372,8 +385,14 @@ static void test_trip_path_is_tested(void) {
     static const uint32_t cmpss[] = {CMPSS5_BASE, CMPSS3_BASE, CMPSS1_BASE};
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
+    board_write(&on);
+    TEST_ASSERT_TRUE(fake_gates_on());
+    const int from = fake_count();
     TEST_ASSERT_TRUE(board_test_trip());
-    TEST_ASSERT_TRUE(fake_all_tripped()); // off
+    TEST_ASSERT_TRUE(fake_all_tripped()); // off, by itself before the first threshold moves
+    const int off = fake_first("EPWM_forceTripZoneEvent", pwm[2], FAKE_ANY, FAKE_ANY, from);
+    const int moved = fake_first("CMPSS_setDACValueHigh", cmpss[0], 0u, FAKE_ANY, from);
+    TEST_ASSERT_TRUE(off >= from && moved > off);
     lode_counts_t counts;
     board_read(&counts);
     TEST_ASSERT_FALSE(counts.trip);     // leaves no trip behind
@@ -497,6 +516,26 @@ static void gates_on_by_the_drive(void) {
     TEST_ASSERT_TRUE(fake_gates_on());
 }
 
+static void test_bootstrap_capacitors_are_charged_first(void) {
+    TEST_ASSERT_TRUE(app_start());
+    put_counts(0.0f);
+    app_mode = BRINGUP_SIGNS;
+    app_armed = 1u;
+    for (int n = 0; n < 30000 && !fake_gates_on(); n++) {
+        one_period();
+        app_poll();
+    }
+    int periods = 0;
+    while (third("EPWM_setActionQualifierContSWForceAction", pwm[0], EPWM_AQ_OUTPUT_A) ==
+               EPWM_AQ_SW_OUTPUT_LOW &&
+           periods < 30000) {
+        TEST_ASSERT_TRUE(fake_gates_on());
+        one_period();
+        periods++;
+    }
+    CHECK_NEAR(1.5, (double)VARIANT_PRECHARGE_s * VARIANT_F_PWM_Hz, periods);
+}
+
 #ifdef VARIANT_NTC_POINTS
 #define PUT_T(count) fake_set_result(VARIANT_T_RESULT, ADC_SOC_NUMBER1, (uint16_t)(count))
 static void put_temperature(float degC) {
@@ -581,6 +620,9 @@ static void test_result_that_nobody_took_is_a_fault(void) {
 }
 
 static void test_missed_interrupt_is_a_fault(void) {
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    TEST_ASSERT_EQUAL_UINT32(CPUTIMER_EMULATIONMODE_RUNFREE,
+                             second("CPUTimer_setEmulationMode", CPUTIMER1_BASE)); // in a halt too
     gates_on_by_the_drive();
     now_cycles += PERIOD;
     expect_gates_off_in_one_call("LODE_CHECK_TIMING");
@@ -682,6 +724,7 @@ int main(void) {
     RUN_TEST(test_thresholds_on_both_sides);
     RUN_TEST(test_every_source_switches_all_six_off_and_latches);
     RUN_TEST(test_low_sides_alone);
+    RUN_TEST(test_bootstrap_capacitors_are_charged_first);
     RUN_TEST(test_trip_path_is_tested);
     RUN_TEST(test_threshold_follows_the_motor);
     RUN_TEST(test_gates_off_by_software_is_no_trip);

@@ -56,6 +56,7 @@ void fake_reset(void) {
     fake_put(RESETS_RESET, 0x1FFFFFFFu);
     fake_put(CLK_SYS_CTRL, 0x41u); // from the ring oscillator as the auxiliary source
     fake_put(CLK_SYS_SELECTED, 2u);
+    fake_put(TIMER0_DBGPAUSE, 7u);
     for (uint32_t n = 0u; n < PINS; n++) {
         fake_put(PAD(n), PAD_ISOLATED);
         fake_put(PIN_CTRL(n), 31u);
@@ -151,6 +152,11 @@ static bool wrap(uint32_t slice) {
 }
 
 bool fake_trigger(void) {
+    if (fake.running &&
+        (fake_get(ADC_CS) & ADC_CS_START_MANY) == 0u) { // that nobody has waited for
+        convert();
+        fake.running = false;
+    }
     if (!wrap(CHIP_TRIGGER_SLICE) || (fake_get(ADC_CS) & ADC_CS_START_MANY) == 0u) {
         return false;
     }

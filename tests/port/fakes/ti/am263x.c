@@ -22,7 +22,7 @@ static struct {
     int used;
     uint32_t comparators, dead_comparator;
     bool dead_high; // of the two in it, the one for positive currents
-    bool fault, gated, halted;
+    bool fault, gated, halted, clock_lost;
     uint32_t cycles, step;
     int interrupts_on;
     char text[TEXT_MAX];
@@ -110,6 +110,10 @@ static void sources_act(void) {
             *reg(base + EPWM_TZOSTFLG) |= TZOST_OST6;
             *reg(base + EPWM_TZFLG) |= TZFLG_OST;
         }
+        if (fake.clock_lost && (enabled & TZ_OST5) != 0u) {
+            *reg(base + EPWM_TZOSTFLG) |= TZOST_OST5;
+            *reg(base + EPWM_TZFLG) |= TZFLG_OST;
+        }
         if (fault && (condition & 0x1C0u) == TZDCSEL_B1_LOW && (enabled & TZ_DCBEVT1) != 0u) {
             *reg(base + EPWM_TZOSTFLG) |= TZOST_DCBEVT1;
             *reg(base + EPWM_TZFLG) |= TZFLG_OST | TZFLG_DCBEVT1;
@@ -134,6 +138,11 @@ void fake_set_fault(bool active) {
 
 void fake_set_halted(bool halted) {
     fake.halted = halted;
+    sources_act();
+}
+
+void fake_set_clock_lost(bool lost) {
+    fake.clock_lost = lost;
     sources_act();
 }
 
@@ -190,6 +199,10 @@ static void note(uint32_t address, uint32_t value) {
         fake_get(CONTROLSS_KICK0) != KICK0_UNLOCK || fake_get(CONTROLSS_KICK1) != KICK1_UNLOCK;
     if (locked && address >= CONTROLSS_CLKSYNC && address < CONTROLSS_KICK0) {
         return;
+    }
+    if (address == TOP_RCM_WARM_RST_CAUSE_CLR && value == RST_CAUSE_FORGET &&
+        fake_get(TOP_RCM_KICK0) == KICK0_UNLOCK && fake_get(TOP_RCM_KICK1) == KICK1_UNLOCK) {
+        *reg(TOP_RCM_WARM_RST_CAUSE) = 0u;
     }
     if (address == ADC(0) + ADC_INTOVFCLR) {
         *reg(ADC(0) + ADC_INTOVF) &= ~value;

@@ -23,6 +23,8 @@ void fake_set_fault(bool active);
 void fake_kill_comparator(uint32_t n, bool high);
 /// A debugger holds the core.
 void fake_set_halted(bool halted);
+/// The crystal has stopped.
+void fake_set_clock_lost(bool lost);
 /// The six pads are the ePWM's and no trip holds them low.
 bool fake_gates_on(void);
 bool fake_all_tripped(void);

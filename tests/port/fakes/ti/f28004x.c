@@ -30,7 +30,8 @@ static struct {
     entry_t entries[ENTRIES_MAX];
     int count;
     zone_t zone[PHASES];
-    bool comparator[PHASES], dead_high[PHASES], dead_low[PHASES], fault, dead, overflow;
+    bool comparator[PHASES], dead_high[PHASES], dead_low[PHASES], fault, clock_lost, halted, dead,
+        overflow;
     uint16_t direction;
     uint32_t cycles;
     uint16_t result[PHASES][RESULTS];
@@ -139,18 +140,24 @@ static bool fault_reaches(uint32_t base) {
            signal_enabled(base, EPWM_TZ_SIGNAL_OSHT1);
 }
 
+static void act(zone_t *zone, bool comes, uint16_t latch, uint16_t flags) {
+    if (comes) {
+        zone->latches |= latch;
+        zone->flags |= EPWM_TZ_FLAG_OST | flags;
+    }
+}
+
 static void sources_act(void) {
     for (int n = 0; n < PHASES; n++) {
         for (int c = 0; c < PHASES; c++) {
-            if (compared(c) && comparator_reaches(c, pwm[n])) {
-                fake.zone[n].latches |= EPWM_TZ_OST_FLAG_DCAEVT1;
-                fake.zone[n].flags |= EPWM_TZ_FLAG_OST | EPWM_TZ_FLAG_DCAEVT1;
-            }
+            act(&fake.zone[n], compared(c) && comparator_reaches(c, pwm[n]),
+                EPWM_TZ_OST_FLAG_DCAEVT1, EPWM_TZ_FLAG_DCAEVT1);
         }
-        if (fake.fault && fault_reaches(pwm[n])) {
-            fake.zone[n].latches |= EPWM_TZ_OST_FLAG_OST1;
-            fake.zone[n].flags |= EPWM_TZ_FLAG_OST;
-        }
+        act(&fake.zone[n], fake.fault && fault_reaches(pwm[n]), EPWM_TZ_OST_FLAG_OST1, 0u);
+        act(&fake.zone[n], fake.clock_lost && signal_enabled(pwm[n], EPWM_TZ_SIGNAL_OSHT5),
+            EPWM_TZ_OST_FLAG_OST5, 0u);
+        act(&fake.zone[n], fake.halted && signal_enabled(pwm[n], EPWM_TZ_SIGNAL_OSHT6),
+            EPWM_TZ_OST_FLAG_OST6, 0u);
     }
 }
 
@@ -181,6 +188,16 @@ void fake_kill_comparator(uint32_t base, bool high) {
 
 void fake_set_fault(bool active) {
     fake.fault = active;
+    sources_act();
+}
+
+void fake_set_clock_lost(bool lost) {
+    fake.clock_lost = lost;
+    sources_act();
+}
+
+void fake_set_halted(bool halted) {
+    fake.halted = halted;
     sources_act();
 }
 

@@ -19,6 +19,9 @@ const uint32_t *fake_arguments(int index);
 /// or amplifier to the outputs of each ePWM.
 void fake_set_comparator(uint32_t cmpss, bool active);
 void fake_set_fault(bool active);
+/// The chip's own: a crystal that has stopped (TZ5), a core held by a debugger (TZ6).
+void fake_set_clock_lost(bool lost);
+void fake_set_halted(bool halted);
 /// The one for positive (`high`) or negative currents never acts on its threshold.
 void fake_kill_comparator(uint32_t cmpss, bool high);
 /// The six pins are the ePWM's and no trip holds them low.
