@@ -96,8 +96,8 @@ void bringup_window_ask(volatile bringup_window_t *self, uint32_t periods) {
     self->wanted = periods;
 }
 
-LODE_RAMFUNC void bringup_window_take(volatile bringup_window_t *self,
-                                      const lode_counts_t *counts) {
+// From flash: out of bring-up it returns at once, and the fast memory is for the step.
+void bringup_window_take(volatile bringup_window_t *self, const lode_counts_t *counts) {
     if (self->taken >= self->wanted) {
         return;
     }
