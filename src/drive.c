@@ -55,7 +55,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     }
     const lode_drive_tuning_t *tuning = self->tuning;
     if (command->mode == LODE_MODE_RUN &&
-        lode_abs(command->speed_rad_s) > tuning->guard.omega_max * tuning->inv_pole_pairs) {
+        lode_abs(command->speed_rad_s) > tuning->guard.omega_max * tuning->speed.inv_pole_pairs) {
         return LODE_ERROR_COMMAND_SPEED;
     }
     LODE_SHARED_STORE(self->command_posted, false);
@@ -101,7 +101,8 @@ static bool is_limited(const lode_speed_t *speed) {
 // The least speed is held in place of the commanded one. (A stop goes through it.)
 static bool is_raised(const lode_drive_t *self) {
     const float commanded = lode_abs(self->command.speed_rad_s);
-    return commanded > 0.0f && commanded < self->tuning->omega_min * self->tuning->inv_pole_pairs;
+    return commanded > 0.0f &&
+           commanded < self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
 }
 
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry) {
@@ -166,7 +167,9 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
         control->psi_Wb * omega < EMF_SHARE * control->circle * self->inverter.v_bus_V;
     const lode_dq_t i_A = follows ? self->ref_A : self->i_A;
     const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
-    const float turn_rad = looks * tuning->look_s * omega;
+    const uint32_t periods = LODE_GUARD_PERIODS;
+    const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
+    const float turn_rad = looks * look_s * omega;
     const lode_finding_t found = lode_plausibility_step(watch, tuning, i, i_A2, turn_rad);
     if (LODE_RARELY(found.check != LODE_CHECK_NONE)) {
         const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;

@@ -119,7 +119,7 @@ static lode_calibration_t calibrate(lode_drive6_t *self, const lode_sample6_t *s
 // The start, which has little EMF to go by, is left to both sets: with 6 % of harmonics in one of them it
 // fails.
 LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
-    return self->tuning->source != LODE_SOURCE_VSD &&
+    return self->tuning->source != (uint_least16_t)LODE_SOURCE_VSD &&
            self->active == (uint_least8_t)LODE_SETS_BOTH &&
            lode_mode(&self->drive) == LODE_MODE_RUN;
 }
@@ -200,12 +200,12 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
     x.u_seen_V = x.machine.u_V;
     x.i_seen_A = x.machine.i_A;
     if (sees_one_set(self)) {
-        x.u_seen_V = of_set(&u_V, self->tuning->source == LODE_SOURCE_SET_1);
-        x.i_seen_A = of_set(&x.i_A, self->tuning->source == LODE_SOURCE_SET_1);
+        x.u_seen_V = of_set(&u_V, self->tuning->source == (uint_least16_t)LODE_SOURCE_SET_1);
+        x.i_seen_A = of_set(&x.i_A, self->tuning->source == (uint_least16_t)LODE_SOURCE_SET_1);
     }
     x.u_seen_V = lode_inverter_less_drop(&drive->inverter, x.u_seen_V, drive->estimator.emf.i_A);
     x.watched = LODE_USUALLY(both) && LODE_USUALLY(lode_mode(drive) == LODE_MODE_RUN) &&
-                LODE_USUALLY(self->tuning->open_phase != LODE_OPEN_PHASE_IGNORE);
+                LODE_USUALLY(self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE);
     if (x.watched) {
         lode_open_phase_note(&self->watch, x.machine.i, x.set_2.i);
     }
@@ -240,7 +240,7 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
 static LODE_NOINLINE void on_open_phase(lode_drive6_t *self, lode_open_phase_t open,
                                         lode_ab_t i_A) {
     self->open = open;
-    if (self->tuning->open_phase == LODE_OPEN_PHASE_TRIP) {
+    if (self->tuning->open_phase == (uint_least16_t)LODE_OPEN_PHASE_TRIP) {
         lode_mode_fault(&self->drive, LODE_CHECK_OPEN_PHASE, (float)open, 0.0f);
     } else {
         const bool in_1 = lode_open_phase_set(open) == 0;

@@ -176,50 +176,52 @@ static lode_status_t tune_injection(lode_drive_tuning_t *t, const lode_drive_con
 }
 
 static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
-    lode_status_t status = lode_inverter_tune(&t->inverter, &c->inverter, t->ts_s);
+    const float ts_s = 1.0f / c->f_pwm_Hz;
+    lode_status_t status = lode_inverter_tune(&t->inverter, &c->inverter, ts_s);
     if (status == LODE_OK) {
         // Phases up to the trip, whose sum need not be zero, make a vector of up to 1.8 times that.
         lode_inverter_bound_current(&t->inverter, 2.0f * c->guard.i_trip_A);
-        status = lode_sense_tune(&t->sense, &c->sense, c->inverter.i_max_A, c->inverter.v_bus_V,
-                                 t->ts_s);
+        status =
+            lode_sense_tune(&t->sense, &c->sense, c->inverter.i_max_A, c->inverter.v_bus_V, ts_s);
     }
     if (status == LODE_OK) {
         const lode_motor_t circuit = circuit_of(c);
-        status = lode_estimator_tune(&t->estimator, &c->estimator, &circuit, t->ts_s);
+        status = lode_estimator_tune(&t->estimator, &c->estimator, &circuit, ts_s);
     }
     return status;
 }
 
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    const float ts_s = 1.0f / c->f_pwm_Hz;
     const lode_motor_t circuit = circuit_of(c);
-    lode_status_t status = lode_current_tune(&t->current, &c->current, &circuit, t->ts_s);
+    lode_status_t status = lode_current_tune(&t->current, &c->current, &circuit, ts_s);
     if (status == LODE_OK && has_blind_sectors(c)) {
         status = LODE_ERROR_SENSE_WINDOW;
     }
     if (status == LODE_OK) {
         status = lode_references_tune(&t->references, &c->references, &c->inverter, &circuit,
-                                      c->current.voltage_use, (float)t->speed_periods * t->ts_s);
+                                      c->current.voltage_use, (float)t->speed_periods * ts_s);
     }
-    if (status == LODE_OK && t->references.weakens) {
+    if (status == LODE_OK && c->references.field_weakening == LODE_ON) {
         t->current.d_share = WEAKENED_D_SHARE;
     }
     t->current.free = lode_min(t->current.free, t->inverter.free);
     if (status == LODE_OK) {
         status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,
-                                 c->estimator.omega_max_rad_s, t->ts_s);
+                                 c->estimator.omega_max_rad_s, ts_s);
         t->start.fade_step *= (float)t->speed_periods;
     }
     if (status == LODE_OK) {
         status = lode_speed_tune(&t->speed, &c->speed, &c->inverter, &c->motor, &c->estimator.pll,
-                                 (float)t->speed_periods * t->ts_s);
+                                 (float)t->speed_periods * ts_s);
     }
     if (status == LODE_OK) {
-        status = lode_guard_tune(&t->guard, &c->guard, &c->inverter, &c->sense, t->ts_s);
+        status = lode_guard_tune(&t->guard, &c->guard, &c->inverter, &c->sense, ts_s);
     }
     if (status == LODE_OK) {
         status = lode_plausibility_tune(&t->plausibility, &c->guard, c->inverter.i_max_A, &t->sense,
-                                        t->ts_s);
+                                        ts_s);
     }
     if (status == LODE_OK) {
         const float trip = t->guard.i_trip / lode_abs(t->sense.i_gain);
@@ -252,10 +254,7 @@ lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_conf
     lode_drive_config_t complete = *config;
     lode_drive_design(&complete);
     lode_drive_tuning_t t;
-    t.ts_s = 1.0f / complete.f_pwm_Hz;
     t.speed_periods = speed_periods(&complete);
-    t.half_period_s = 0.5f * t.ts_s;
-    t.inv_pole_pairs = 1.0f / complete.motor.pole_pairs;
     t.omega_min = complete.speed.omega_min_rad_s;
     status = tune_senses(&t, &complete);
     if (status == LODE_OK) {

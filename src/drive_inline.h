@@ -96,7 +96,7 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float load_Nm = lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator);
-    const float least = tuning->omega_min * tuning->inv_pole_pairs;
+    const float least = tuning->omega_min * tuning->speed.inv_pole_pairs;
     float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
     if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
         target = run->speed.reference_rad_s;
@@ -127,8 +127,9 @@ LODE_SHARED void lode_drive_references(lode_drive_t *self) {
 }
 
 // SLOT_LAG
-LODE_INLINE void lode_drive_lead(lode_drive_t *self) {
-    const float half_rad = self->tuning->half_period_s * self->estimator.pll.omega_rad_s;
+LODE_INLINE void lode_drive_lead(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+    // A third of the time from a sample to the middle of its duties' period, three times.
+    const float half_rad = 0.5f * tuning->estimator.pll.ts_s * self->estimator.pll.omega_rad_s;
     self->lead = lode_angle_triple(lode_sincos_small(half_rad));
 }
 
@@ -143,7 +144,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
     (void)i;
     (void)looks;
 #else
-    if (LODE_RARELY(!tuning->plausibility.on)) {
+    if (LODE_RARELY(tuning->plausibility.sum_looks == 0u)) {
         return;
     }
     if (lode_plausibility_all_move(watch, &tuning->plausibility, i)) {
@@ -193,7 +194,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         break;
     case SLOT_LAG:
         lode_estimator_adapt_lag(estimator, &tuning->estimator);
-        lode_drive_lead(self);
+        lode_drive_lead(self, tuning);
         break;
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);

@@ -30,8 +30,7 @@ lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *
     *tuning = (lode_emf_tuning_t){
         .inv_b = inv_b,
         .a_over_b = inv_b - motor->Rs_Ohm,
-        .salient_Ohm = (motor->Ld_H - motor->Lq_H) / ts_s,
-        .salient = active_flux && lode_abs(motor->Ld_H - motor->Lq_H) > 0.0f,
+        .salient_Ohm = active_flux ? (motor->Ld_H - motor->Lq_H) / ts_s : 0.0f,
         .observer = observer,
     };
     return LODE_OK;

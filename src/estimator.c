@@ -66,22 +66,22 @@ static lode_status_t tune_notches(lode_estimator_tuning_t *t, const lode_estimat
 #else
     if (status == LODE_OK) {
         t->notch = notch;
-        t->notch12 = notch12;
+        t->notch12_k = notch12.k;
     }
 #endif
     return status;
 }
 
-static uint_least16_t options_of(const lode_estimator_tuning_t *t,
-                                 const lode_estimator_config_t *config) {
+static uint32_t options_of(const lode_estimator_tuning_t *t,
+                           const lode_estimator_config_t *config) {
     const bool notch12 = config->notch12_k > 0.0f;
     uint32_t options = 0u;
-    options |= t->emf.salient ? (uint32_t)LODE_ESTIMATOR_SALIENT : 0u;
+    options |= lode_abs(t->emf.salient_Ohm) > 0.0f ? (uint32_t)LODE_ESTIMATOR_SALIENT : 0u;
     options |= t->w_weight < 1.0f ? (uint32_t)LODE_ESTIMATOR_FILTERED : 0u;
     options |= config->notch_k > 0.0f || notch12 ? (uint32_t)LODE_ESTIMATOR_NOTCH : 0u;
     options |= notch12 ? (uint32_t)LODE_ESTIMATOR_NOTCH12 : 0u;
-    options |= t->pll.third_order ? (uint32_t)LODE_ESTIMATOR_THIRD_ORDER : 0u;
-    return (uint_least16_t)options;
+    options |= t->pll.third_order != 0u ? (uint32_t)LODE_ESTIMATOR_THIRD_ORDER : 0u;
+    return options;
 }
 
 lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,

@@ -90,9 +90,9 @@ LODE_INLINE float lode_estimator_notched(lode_estimator_t *self,
     (void)options;
 #else
     if (lode_estimator_asks(options, LODE_ESTIMATOR_NOTCH)) {
-        error = lode_notch_step(&self->notch, &tuning->notch, error);
+        error = lode_notch_step(&self->notch, tuning->notch.k, error);
         if (lode_estimator_asks(options, LODE_ESTIMATOR_NOTCH12)) {
-            error = lode_notch_step(&self->notch12, &tuning->notch12, error);
+            error = lode_notch_step(&self->notch12, tuning->notch12_k, error);
         }
     }
 #endif
@@ -219,9 +219,10 @@ LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
     (void)tuning;
 #else
     if (lode_estimator_asks(tuning->options, LODE_ESTIMATOR_NOTCH) && LODE_USUALLY(self->locked)) {
-        lode_notch_adapt(&self->notch, &tuning->notch, self->pll.omega_rad_s);
+        const float omega = self->pll.omega_rad_s;
+        lode_notch_adapt(&self->notch, &tuning->notch, tuning->notch.k, omega);
         if (lode_estimator_asks(tuning->options, LODE_ESTIMATOR_NOTCH12)) {
-            lode_notch_adapt(&self->notch12, &tuning->notch12, self->pll.omega_rad_s);
+            lode_notch_adapt(&self->notch12, &tuning->notch, tuning->notch12_k, 2.0f * omega);
         }
     }
 #endif
@@ -231,7 +232,7 @@ LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
 LODE_INLINE void lode_estimator_adapt_gains(lode_estimator_t *self,
                                             const lode_estimator_tuning_t *tuning) {
     self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);
-    if (!tuning->pll.third_order) {
+    if (tuning->pll.third_order == 0u) {
         self->pll.f_rad_s2 = 0.0f; // the QPLL has no such states
         self->pll.rise_rad_s = 0.0f;
     }

@@ -118,7 +118,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     if (!on && config->mode != LODE_HFI_OFF) {
         return LODE_ERROR_HFI_MODE;
     }
-    *tuning = (lode_hfi_tuning_t){.on = false};
+    *tuning = (lode_hfi_tuning_t){.on = 0u};
     if (!on) {
         return LODE_OK;
     }
@@ -133,7 +133,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
         .third_order = system->third_order,
     };
     *tuning = (lode_hfi_tuning_t){
-        .on = true,
+        .on = 1u,
         .V_h_V = config->V_h_V,
         .omega_low = config->w1_rad_s,
         .omega_high = config->w2_rad_s,

@@ -96,9 +96,8 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
         .inv_ticks = ticks > 0.0f ? 1.0f / ticks : 0.0f,
         .free = model ? -1.0f : ROUNDING * headroom,
         .precharge_periods = (uint32_t)(int32_t)(config->precharge_s / ts_s + 0.5f),
-        .correct = correct,
-        .model = model,
-        .grid = ticks > 0.0f,
+        .correct = correct ? 1u : 0u,
+        .grid = ticks > 0.0f ? 1u : 0u,
     };
     return LODE_OK;
 }
@@ -108,7 +107,7 @@ void lode_inverter_bound_current(lode_inverter_tuning_t *tuning, float i_A) {
     const float slope_A =
         0.5f * (tuning->dead_duty + tuning->dead_more_max + tuning->v_drop_V / tuning->v_min_V) /
         lode_max(tuning->i_dead_min_A, FLT_MIN);
-    if (tuning->correct) {
+    if (tuning->correct != 0u) {
         tuning->free -= 2.0f / LODE_SQRT3 * slope_A * FLT_EPSILON * 2.0f * i_A;
     }
 }

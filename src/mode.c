@@ -126,7 +126,7 @@ static void hand_over(lode_drive_t *self) {
     lode_current_reset(&self->current, &tuning->current, u_V, i_A, omega);
     const float torque = lode_references_torque_Nm(&tuning->references, i_A);
     lode_running_t *run = &self->state.run; // takes the place of the start's
-    lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->inv_pole_pairs, torque,
+    lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
                      lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator));
     run->fade = 1.0f;
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
@@ -316,7 +316,7 @@ static lode_control_frame_t commanded_frame(lode_drive_t *self) {
         const float radius_V = self->tuning->current.circle * self->inverter.v_bus_V;
         self->u_V = in_circle(self->command.vector, radius_V);
     }
-    const float step_rad = self->tuning->ts_s * self->command.speed_rad_s;
+    const float step_rad = self->tuning->estimator.pll.ts_s * self->command.speed_rad_s;
     const lode_sincos_t at = lode_sincos(self->state.theta_rad);
     self->state.theta_rad = lode_wrap(self->state.theta_rad + step_rad);
     return (lode_control_frame_t){at, lode_angle_triple(lode_sincos(0.5f * step_rad))};
@@ -348,7 +348,7 @@ void lode_mode_seed(lode_drive_t *self) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     const lode_start_t *start = &self->state.start;
     if (lode_mode(self) == LODE_MODE_START && start->catching == 0u &&
-        lode_abs(start->omega_rad_s) < self->tuning->start.omega_hold) {
+        lode_abs(start->omega_rad_s) < LODE_START_HOLD * self->tuning->start.omega_handover) {
         lode_estimator_hold(&self->estimator, tuning, start->at, start->omega_rad_s);
     } else {
         (void)lode_estimator_seed(&self->estimator, tuning);
@@ -366,13 +366,13 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
         lode_mode_fault(self, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
         return;
     }
-    const float step_rad = self->tuning->ts_s * estimate->omega_rad_s;
+    const float step_rad = self->tuning->estimator.pll.ts_s * estimate->omega_rad_s;
     own->pll.omega_rad_s = estimate->omega_rad_s;
     lode_estimator_move_lag(own, &self->tuning->estimator, estimate->omega_rad_s);
     own->pll.frame =
         lode_angle_subtract(estimate->rotor, lode_lag_near(&own->lag, own->pll.omega_rad_s));
     own->pll.f_rad_s2 = load_per_f < 0.0f ? estimate->load_torque_Nm / load_per_f : 0.0f;
-    own->pll.rise_rad_s = self->tuning->ts_s * own->pll.f_rad_s2;
+    own->pll.rise_rad_s = self->tuning->estimator.pll.ts_s * own->pll.f_rad_s2;
     own->id_A = estimate->i_A.d;
     own->emf.observer.e_V = estimate->e_V;
     own->lock = estimate->lock;

@@ -61,7 +61,7 @@ LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tunin
     const lode_abc_t asked = lode_modulator_duties(v);
     const lode_abc_t error = lode_modulator_errors(dead_time, i_A); // 0 without correction
     const lode_abc_t duty = {asked.a + error.a, asked.b + error.b, asked.c + error.c};
-    if (inverter->grid) {
+    if (inverter->grid != 0u) {
         const lode_abc_t made = {lode_modulator_on_grid(inverter, duty.a),
                                  lode_modulator_on_grid(inverter, duty.b),
                                  lode_modulator_on_grid(inverter, duty.c)};

@@ -20,9 +20,9 @@ lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k,
     return LODE_OK;
 }
 
-LODE_RAMFUNC void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning,
+LODE_RAMFUNC void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning, float k,
                                    float omega_rad_s) {
-    if (!(tuning->k > 0.0f)) {
+    if (!(k > 0.0f)) {
         self->weight = 0.0f;
         return;
     }
@@ -30,7 +30,7 @@ LODE_RAMFUNC void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t
         lode_min(tuning->order_Ts * lode_abs(omega_rad_s), LODE_SOGI_CENTRE_MAX_rad);
     const float in = lode_clamp((centre - tuning->centre_low) * tuning->inv_span, 0.0f, 1.0f);
     self->weight = centre < LODE_SOGI_CENTRE_MAX_rad ? in : 0.0f;
-    const lode_sogi_tuning_t tuned = lode_sogi_tune_within(tuning->k, centre);
+    const lode_sogi_tuning_t tuned = lode_sogi_tune_within(k, centre);
     self->g = tuned.g;
     self->inv_sum = tuned.inv_sum;
 }

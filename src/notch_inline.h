@@ -6,10 +6,9 @@
 #include "sogi_inline.h"
 
 // The error without its harmonic; unchanged where the notch is out. The filter runs all the time, so
-// that it has settled when it is blended in.
-LODE_INLINE float lode_notch_step(lode_notch_t *self, const lode_notch_tuning_t *tuning,
-                                  float error) {
-    const lode_sogi_tuning_t tuned = {tuning->k, self->g, self->inv_sum};
+// that it has settled when it is blended in. `k`: as given to lode_notch_adapt().
+LODE_INLINE float lode_notch_step(lode_notch_t *self, float k, float error) {
+    const lode_sogi_tuning_t tuned = {k, self->g, self->inv_sum};
     return error - self->weight * lode_sogi_step(&self->sogi, &tuned, error).in_phase;
 }
 

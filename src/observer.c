@@ -48,7 +48,7 @@ static bool tune_own(float *own, const lode_observer_config_t *config, float ome
 lode_status_t lode_observer_tune(lode_observer_tuning_t *tuning,
                                  const lode_observer_config_t *config, float omega_rated_rad_s,
                                  float ts_s) {
-    lode_observer_tuning_t tuned = {.kind = config->kind};
+    lode_observer_tuning_t tuned = {.kind = (uint32_t)config->kind};
     if (!tune_own(tuned.own, config, omega_rated_rad_s, ts_s)) {
         return LODE_ERROR_EMF_KIND;
     }
@@ -79,7 +79,7 @@ void lode_observer_reset(lode_observer_t *self) {
 void lode_observer_settle(lode_observer_t *self, const lode_observer_tuning_t *tuning) {
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
     LODE_IF_BUILT_IN(                                                                              \
-        ID, if (tuning->kind == LODE_EMF_##ID) { id##_settle(self); })
+        ID, if (tuning->kind == (uint32_t)LODE_EMF_##ID) { id##_settle(self); })
 #include "lodestar/observers.def"
 #undef LODE_OBSERVER
 }
@@ -92,7 +92,7 @@ LODE_RAMFUNC void lode_observer_step_called(lode_observer_t *self,
 #define STEP_FIXED(ID, id)
 #define STEP_INLINE(ID, id)
 #define STEP_CALLED(ID, id)                                                                        \
-    if (tuning->kind == LODE_EMF_##ID) {                                                           \
+    if (tuning->kind == (uint32_t)LODE_EMF_##ID) {                                                 \
         (void)id##_step(self, tuning, m_V, step_angle, omega_rad_s);                               \
     }
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \

@@ -27,7 +27,7 @@ LODE_INLINE bool lode_observer_rotates(const lode_observer_tuning_t *tuning) {
 #undef ROTATES_INLINE
 #undef ROTATES_FIXED
 #define ROTATES_FIXED(ID)                                                                          \
-    if (tuning->kind == LODE_EMF_##ID) {                                                           \
+    if (tuning->kind == (uint32_t)LODE_EMF_##ID) {                                                 \
         return false;                                                                              \
     }
 #define ROTATES_INLINE(ID)
@@ -47,7 +47,7 @@ LODE_INLINE lode_ab_t lode_observer_step(lode_observer_t *self,
                                          const lode_observer_tuning_t *tuning, lode_ab_t m_V,
                                          lode_sincos_t step_angle, float omega_rad_s) {
 #define STEP_INLINE(ID, id)                                                                        \
-    if (LODE_USUALLY(tuning->kind == LODE_EMF_##ID)) {                                             \
+    if (LODE_USUALLY(tuning->kind == (uint32_t)LODE_EMF_##ID)) {                                   \
         return id##_step(self, tuning, m_V, step_angle, omega_rad_s);                              \
     }
 #define STEP_FIXED(ID, id) STEP_INLINE(ID, id)

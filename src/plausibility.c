@@ -35,18 +35,17 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
     }
     const uint32_t periods = LODE_GUARD_PERIODS;
     const float look_s = (float)periods * ts_s;
+    const float looks = lode_clamp(config->lock_s / look_s, 2.0f, COUNTER_MAX);
     const float i_gain = lode_abs(sense->i_gain);
     const float stuck_A = 8.0f * STUCK_COUNTS * (float)LODE_COUNT_FRACTION * i_gain;
     const float i_min_A = STUCK_SHARE * i_max_A;
     *tuning = (lode_plausibility_tuning_t){
-        .on = config->plausibility == LODE_ON,
-        .look_s = look_s,
         .stuck_A2 = stuck_A * stuck_A,
         .i_min_A2 = i_min_A * i_min_A,
         .i_still = 0,
         .i_sum = (int32_t)(sums ? lode_min(config->i_sum_A / i_gain, SUM_MAX) : SUM_MAX),
         .A_per_count = i_gain,
-        .sum_looks = (uint32_t)(int32_t)lode_clamp(config->lock_s / look_s, 2.0f, COUNTER_MAX),
+        .sum_looks = config->plausibility == LODE_ON ? (uint32_t)(int32_t)looks : 0u,
     };
     return LODE_OK;
 }

@@ -40,7 +40,7 @@ lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *
         .x_rise = lode_one_minus_exp(config->sigma_rad_s * ts_s) - x_low,
         .omega_low = config->omega_low_rad_s,
         .inv_span = 1.0f / span,
-        .third_order = config->kind == LODE_PLL_LESO,
+        .third_order = config->kind == LODE_PLL_LESO ? 1u : 0u,
     };
     return LODE_OK;
 }

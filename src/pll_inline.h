@@ -9,7 +9,7 @@ LODE_SHARED lode_pll_gains_t lode_pll_gains(const lode_pll_tuning_t *tuning, flo
     const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
     const float x = tuning->x_low + tuning->x_rise * lode_clamp(up, 0.0f, 1.0f);
     const float rate = x * x * tuning->inv_ts;
-    if (tuning->third_order) {
+    if (tuning->third_order != 0u) {
         return (lode_pll_gains_t){x * (3.0f - x * (3.0f - x)), 1.5f * (2.0f - x) * rate,
                                   x * rate * tuning->inv_ts};
     }

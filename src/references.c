@@ -16,11 +16,10 @@
 // Near MTPV the flux no longer depends on id: from a tenth of the slope at no current the step is
 // bounded by fall_A.
 #define SLOPE_MIN_SHARE 0.1f
-#define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi
-#define WEAKENING_SHARE 1.0e-3f    // of i_max below what the torque alone would have
-#define SETTLED_SHARE 0.9f         // of the slower rate of id: less is no rate limit
-#define FLUX_UNLIMITED 1.0e9f      // finite when squared, beyond any motor's
-#define FLUX_SLACK 1.02f           // some of what voltage_use leaves: iq is not to follow its noise
+#define WEAKENING_SHARE 1.0e-3f // of i_max below what the torque alone would have
+#define SETTLED_SHARE 0.9f      // of the slower rate of id: less is no rate limit
+#define FLUX_UNLIMITED 1.0e9f   // finite when squared, beyond any motor's
+#define FLUX_SLACK 1.02f        // some of what voltage_use leaves: iq is not to follow its noise
 #define SATURATION_STEPS 32
 
 void lode_references_design(lode_references_config_t *config,
@@ -79,6 +78,10 @@ static lode_status_t check(const lode_references_config_t *config,
     return is_fade_sound(config, inverter->v_bus_V) ? LODE_OK : LODE_ERROR_BUS_FADE;
 }
 
+LODE_INLINE bool asks(const lode_references_tuning_t *tuning, int option) {
+    return (tuning->options & (uint32_t)option) != 0u;
+}
+
 LODE_INLINE float Lq_at(const lode_references_tuning_t *tuning, float iq_A) {
     return tuning->Lq_H / (1.0f + tuning->Lq_fall * lode_abs(iq_A));
 }
@@ -90,7 +93,7 @@ static float most_tau(const lode_references_tuning_t *tuning) {
     float iq = i_max;
     float id = 0.0f;
     float salient = tuning->salient_H;
-    for (int32_t i = 0; tuning->mtpa && i < SATURATION_STEPS; i++) {
+    for (int32_t i = 0; asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && i < SATURATION_STEPS; i++) {
         salient = tuning->Ld_H - Lq_at(tuning, iq);
         const float arm = 2.0f * salient * i_max;
         id = arm * i_max /
@@ -98,6 +101,21 @@ static float most_tau(const lode_references_tuning_t *tuning) {
         iq = lode_sqrt(i_max * i_max - id * id);
     }
     return (tuning->psi_Wb + salient * id) * iq;
+}
+
+static uint32_t options_of(const lode_references_config_t *config, const lode_motor_t *motor) {
+    const bool weakens = config->field_weakening == LODE_ON;
+    // With Lq >= Ld the point of most torque per volt lies beyond psi/Ld (R13).
+    const bool reaches =
+        motor->Ld_H > motor->Lq_H || motor->psi_Wb < motor->Ld_H * config->id_max_A;
+    const bool fades = config->v_regen_V > 0.0f || config->v_motor_V > 0.0f;
+    uint32_t options = 0u;
+    options |= config->kind == LODE_REFERENCES_MTPA ? (uint32_t)LODE_REFERENCES_LEAST_CURRENT : 0u;
+    options |= weakens ? (uint32_t)LODE_REFERENCES_WEAKEN : 0u;
+    options |= weakens && reaches ? (uint32_t)LODE_REFERENCES_REACH_MTPV : 0u;
+    options |= fades ? (uint32_t)LODE_REFERENCES_FADE : 0u;
+    options |= config->Lq_fall > 0.0f ? (uint32_t)LODE_REFERENCES_SATURATE : 0u;
+    return options;
 }
 
 // A fade that is never met where none is wanted.
@@ -108,9 +126,9 @@ static lode_fade_t fade_between(float low, float high, bool wanted) {
 // What lode_references_step() can follow in this build.
 static bool is_built_in(const lode_references_tuning_t *t) {
 #if defined(LODE_WITHOUT_OPTIMAL_REFERENCES)
-    return t->plain;
+    return t->options == 0u;
 #elif defined(LODE_WITHOUT_FIELD_WEAKENING)
-    return !t->weakens;
+    return !asks(t, LODE_REFERENCES_WEAKEN);
 #else
     (void)t;
     return true;
@@ -127,14 +145,10 @@ static void tune_weakening(lode_references_tuning_t *t, const lode_references_co
     t->trim_gain = 0.5f * trim_ts / (nominal * nominal);
     t->trim_decay = lode_min(trim_ts, 1.0f);
     t->drop = motor->Rs_Ohm / nominal;
-    t->flux_min = FLUX_MIN_SHARE * motor->psi_Wb;
     t->flux_max = motor->psi_Wb + (motor->Ld_H + motor->Lq_H) * i_max;
-    t->slope_min = SLOPE_MIN_SHARE * 2.0f * motor->psi_Wb * motor->Ld_H;
     t->id_min_A = -config->id_max_A;
     t->fall_A = i_max * lode_min(ts_s / FALL_s, 1.0f);
     t->rise_A = i_max * lode_min(ts_s / config->release_s, 1.0f);
-    // With Lq >= Ld the point of most torque per volt lies beyond psi/Ld (R13).
-    t->mtpv = motor->Ld_H > motor->Lq_H || motor->psi_Wb < motor->Ld_H * config->id_max_A;
 }
 
 lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
@@ -148,6 +162,7 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
     const bool regen = config->v_regen_V > 0.0f;
     const bool motoring = config->v_motor_V > 0.0f;
     lode_references_tuning_t t = {
+        .options = options_of(config, motor),
         .fade = fade_between(config->omega_low_rad_s, config->omega_high_rad_s, true),
         .id_bias_A = lode_max(config->id_bias_A, 0.0f),
         .i_max_A = inverter->i_max_A,
@@ -155,19 +170,14 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
         .salient_H = motor->Ld_H - motor->Lq_H,
         .torque_factor = lode_motor_torque_factor(motor),
         .inv_torque_factor = 1.0f / lode_motor_torque_factor(motor),
-        .mtpa = config->kind == LODE_REFERENCES_MTPA,
-        .weakens = config->field_weakening == LODE_ON,
         .inv_psi2 = 1.0f / (motor->psi_Wb * motor->psi_Wb),
         .Ld_H = motor->Ld_H,
         .inv_Ld = 1.0f / motor->Ld_H,
         .Lq_H = motor->Lq_H,
-        .active_min = ACTIVE_FLUX_MIN_SHARE * motor->psi_Wb,
-        .fades = regen || motoring,
         .Lq_fall = config->Lq_fall,
         .regen = fade_between(config->v_regen_V, config->v_bus_max_V, regen),
         .motor = fade_between(-config->v_motor_V, -config->v_bus_min_V, motoring),
     };
-    t.plain = !t.mtpa && !t.weakens && !regen && !motoring && !(t.Lq_fall > 0.0f);
     if (!is_built_in(&t)) {
         return LODE_ERROR_REFERENCES;
     }
@@ -199,7 +209,7 @@ LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient,
                           float omega_rad_s) {
     const float bias = -tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (tuning->mtpa) {
+    if (asks(tuning, LODE_REFERENCES_LEAST_CURRENT)) {
         const float id = mtpa_id(tuning, salient, tau);
         return bias < 0.0f ? lode_min(id, bias) : id;
     }
@@ -222,7 +232,7 @@ LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuni
     }
     const float emf = use + use * self->trim - tuning->drop * self->tau * omega_rad_s;
     const float flux = emf / lode_max(lode_abs(omega_rad_s), 1.0f);
-    return lode_clamp(flux, tuning->flux_min, tuning->flux_max);
+    return lode_clamp(flux, FLUX_MIN_SHARE * tuning->psi_Wb, tuning->flux_max);
 }
 
 // Most torque per volt (R13): the currents at the flux `flux`.
@@ -245,13 +255,14 @@ LODE_INLINE float newton_id(const lode_references_tuning_t *tuning, float id, fl
     const float excess = psi_d * psi_d - flux * flux;
     const float iq2 = i_max * i_max - id * id;
     const float active2 = active * active;
+    const float slope_min = SLOPE_MIN_SHARE * 2.0f * tuning->psi_Wb * tuning->Ld_H;
     if (tau * tau >= active2 * iq2) {
         const float slope = 2.0f * (psi_d * tuning->Ld_H - Lq * Lq * id);
-        return id - (excess + Lq * Lq * iq2) / lode_max(slope, tuning->slope_min);
+        return id - (excess + Lq * Lq * iq2) / lode_max(slope, slope_min);
     }
     const float slope = 2.0f * active * (psi_d * tuning->Ld_H * active + excess * salient);
     const float psi_q = Lq * tau;
-    return id - (excess * active2 + psi_q * psi_q) / lode_max(slope, tuning->slope_min * active2);
+    return id - (excess * active2 + psi_q * psi_q) / lode_max(slope, slope_min * active2);
 }
 
 // `id_free` or, where the voltage asks for it, less: falls fast, rises slowly (R12).
@@ -272,7 +283,7 @@ LODE_INLINE float weakened_id(lode_references_t *self, const lode_references_tun
 LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, float omega_rad_s,
                                     float v_bus_V) {
     const float most = tuning->tau_max;
-    if (!tuning->fades) {
+    if (!asks(tuning, LODE_REFERENCES_FADE)) {
         return (lode_range_t){-most, most};
     }
     const float motor = most * lode_fade(&tuning->motor, -v_bus_V);
@@ -297,8 +308,8 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
                                               const lode_references_tuning_t *tuning,
                                               float torque_Nm, float omega_rad_s, float id_add_A,
                                               lode_references_voltage_t voltage) {
-    const bool saturates = tuning->Lq_fall > 0.0f;
-    const float Lq = saturates ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
+    const float Lq =
+        asks(tuning, LODE_REFERENCES_SATURATE) ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
     const float salient = tuning->Ld_H - Lq;
     const float i_max = tuning->i_max_A;
     const lode_range_t bus = bus_limits(tuning, omega_rad_s, voltage.v_bus_V);
@@ -309,10 +320,10 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
     float id = lode_clamp(free_id(tuning, salient, tau, omega_rad_s) + id_add_A, -i_max, i_max);
     bool weakening = false;
 #ifndef LODE_WITHOUT_FIELD_WEAKENING
-    if (tuning->weakens) {
+    if (asks(tuning, LODE_REFERENCES_WEAKEN)) {
         flux = flux_limit(self, tuning, omega_rad_s, voltage);
         float id_min = tuning->id_min_A;
-        if (tuning->mtpv) {
+        if (asks(tuning, LODE_REFERENCES_REACH_MTPV)) {
             const lode_dq_t point = mtpv(tuning, Lq, flux);
             most = lode_references_active_flux(tuning, salient, point.d) * point.q;
             tau = lode_min(tau, most);
@@ -331,7 +342,9 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
     self->tau = active * signed_iq;
     // With more torque MTPA would move id too: all of the circle can be had.
     const float circle = active * iq_max;
-    const float open = tuning->mtpa && !weakening ? lode_max(circle, tuning->tau_max) : circle;
+    const float open = asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && !weakening
+                           ? lode_max(circle, tuning->tau_max)
+                           : circle;
     const float limit = lode_min(open, most);
     return (lode_references_out_t){{id, signed_iq},
                                    {tuning->torque_factor * lode_max(-limit, bus.min),

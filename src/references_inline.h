@@ -11,10 +11,12 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
                                               float torque_Nm, float omega_rad_s, float id_add_A,
                                               lode_references_voltage_t voltage);
 
+#define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi: least active flux that is divided by
+
 // An id so positive that a salient rotor has no torque left is met at the current limit.
 LODE_INLINE float lode_references_active_flux(const lode_references_tuning_t *tuning, float salient,
                                               float id_A) {
-    return lode_max(tuning->psi_Wb + salient * id_A, tuning->active_min);
+    return lode_max(tuning->psi_Wb + salient * id_A, ACTIVE_FLUX_MIN_SHARE * tuning->psi_Wb);
 }
 
 // Current references for `torque_Nm` at the electrical speed `omega_rad_s`; `id_add_A` is added to
@@ -25,7 +27,7 @@ LODE_INLINE lode_references_out_t lode_references_step(lode_references_t *self,
                                                        float id_add_A,
                                                        lode_references_voltage_t voltage) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (!tuning->plain) {
+    if (tuning->options != 0u) {
         return lode_references_optimal(self, tuning, torque_Nm, omega_rad_s, id_add_A, voltage);
     }
 #endif

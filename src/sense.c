@@ -79,8 +79,8 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
         .temperature_offset = config->temperature_offset_degC,
         .duty_max = config->shunts == LODE_SHUNTS_TWO ? 1.0f : config->duty_max,
         .calibrate_periods = (uint32_t)lode_clamp(periods, 1.0f, CALIBRATION_SAMPLES_MAX),
-        .count_max = (uint16_t)(int32_t)config->count_max,
-        .two_shunts = config->shunts == LODE_SHUNTS_TWO,
+        .count_max = (uint_least16_t)(int32_t)config->count_max,
+        .two_shunts = config->shunts == LODE_SHUNTS_TWO ? 1u : 0u,
     };
     return LODE_OK;
 }
@@ -100,7 +100,7 @@ void lode_sense_begin(lode_sense_sums_t *sums) {
 // The third where there are two shunts; else the one with the longest duty, where that leaves its
 // low-side shunt no time.
 LODE_RAMFUNC uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
-    if (tuning->two_shunts) {
+    if (tuning->two_shunts != 0u) {
         return 2u;
     }
     const float longest = lode_max(lode_max(duty.a, duty.b), duty.c);
@@ -159,7 +159,7 @@ lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *s
         const uint32_t rest = sums->count[n] % sums->samples;
         offset[n] =
             (int32_t)(LODE_COUNT_FRACTION * whole + LODE_COUNT_FRACTION * rest / sums->samples);
-        if (tuning->two_shunts && n == 2) {
+        if (tuning->two_shunts != 0u && n == 2) {
             offset[n] = tuning->offset_nominal; // nothing need be wired there
         }
         const int32_t off = offset[n] - tuning->offset_nominal;

@@ -122,7 +122,7 @@ LODE_INLINE lode_sample_t lode_sense_next(const lode_sense_t *self,
     if (LODE_RARELY(*omitted != OMITTED_NONE)) {
         now = (uint_least8_t)(*omitted & OMITTED_MASK);
         i = lode_sense_complete(i, now);
-        if (!tuning->two_shunts) {
+        if (tuning->two_shunts == 0u) {
             *omitted =
                 lode_sense_omit_later((uint_least8_t)(*omitted >> OMITTED_BITS), LODE_PHASES);
         }

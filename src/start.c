@@ -36,7 +36,6 @@
 #define SHIFT_LOOP 1.0f
 // Gain of the shift by the rotor's angle, which a loaded rotor's EMF shows too, at speed more than its swing (S16).
 #define SHIFT_STIFFENS 2.0f
-#define HOLD_SHARE 0.5f       // of hand-over speed: below, the EMF drowns in the inverter's errors
 #define SPEED_TOLERANCE 0.25f // of hand-over speed, between estimator and vector
 
 // Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
@@ -189,7 +188,6 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .damping_rad_s = SHIFT_STIFFENS / motor->psi_Wb,
         .mean_weight = lode_one_minus_exp(MEAN_CORNER * swing * ts_s),
         .swing_weight = lode_one_minus_exp(SWING_CORNER * swing * ts_s),
-        .omega_hold = HOLD_SHARE * config->omega_handover_rad_s,
         .fade_step = ts_s / config->fade_s,
         .ts_s = ts_s,
         .catch_rounds = rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
@@ -201,8 +199,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
         .r_more_max_Ohm = RESISTANCE_MORE_MAX * (motor->Rs_Ohm + inverter->r_on_Ohm),
         .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
-        .calm_rounds = rounds_in(CALM_TIME_s, ts_s),
-        .dwell_rounds = config->measure == LODE_ON ? rounds_in(DWELL_TIME_s, ts_s) : 0u,
+        .calm_rounds = (uint_least16_t)rounds_in(CALM_TIME_s, ts_s),
+        .dwell_rounds =
+            config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
     };
     return LODE_OK;
 }
@@ -258,7 +257,7 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
     if (!known && self->dwelt < tuning->dwell_rounds) {
         return false;
     }
-    const float mean_V = self->sum_V / (float)(int32_t)tuning->calm_rounds;
+    const float mean_V = self->sum_V / (float)tuning->calm_rounds;
     const bool last = self->level > 0u;
     // (S13), (S14)
     found->r_Ohm = (mean_V - self->along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);

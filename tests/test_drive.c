@@ -490,7 +490,7 @@ static void test_torque_control_follows_torque_and_holds_its_speeds(void) {
         rig_run(&rig, 0.2);
         CHECK_NEAR(0.03, -2.0 * sign, ipmsm_torque(&rig.motor));
         rig_run(&rig, 4.0);
-        check_running(&rig, (double)(tuning.omega_min * tuning.inv_pole_pairs) * sign);
+        check_running(&rig, (double)(tuning.omega_min * tuning.speed.inv_pole_pairs) * sign);
         TEST_ASSERT_FALSE(rig_telemetry(&rig).speed_raised);
         // Speed control goes on from there.
         rig_command(&rig, torque_of(1.0e3 * sign, 150.0 * sign));
@@ -512,7 +512,7 @@ static void test_a_speed_that_is_raised_is_told(void) {
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
     rig_run(&rig, 3.0);
     TEST_ASSERT_TRUE(rig_telemetry(&rig).speed_raised);
-    check_running(&rig, (double)(tuning.omega_min * tuning.inv_pole_pairs));
+    check_running(&rig, (double)(tuning.omega_min * tuning.speed.inv_pole_pairs));
     rig_command(&rig, run_at(60.0));
     rig_step(&rig);
     TEST_ASSERT_FALSE(rig_telemetry(&rig).speed_raised);
@@ -634,7 +634,7 @@ static void test_bad_commands_are_refused_and_change_nothing(void) {
     command.control = (lode_control_t)2;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND, lode_drive_post_command(&rig.drive, &command));
     // Over-speed would trip: refused in either direction. Not looked at by other modes.
-    const double most = (double)tuning.guard.omega_max * (double)tuning.inv_pole_pairs;
+    const double most = (double)tuning.guard.omega_max * (double)tuning.speed.inv_pole_pairs;
     for (int sign = -1; sign <= 1; sign += 2) {
         command = run_at(1.001 * sign * most);
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND_SPEED,
@@ -806,19 +806,15 @@ static void test_a_tuning_with_windows_leaves_out_what_is_not_sampled(void) {
 }
 
 #define PLACE_FLOAT(type, member) offsetof(lode_drive_tuning_t, member),
-#define PLACE_BOOL(type, member)
 #define PLACE_INTEGER(type, member)
 #define PLACE_WHOLE(type, member)
-#define PLACE_CHOICE(type, member)
 #define PLACE_OBSERVER(place, member) PLACE_FLOAT(float, member)
 #define PLACE(kind, type, member) PLACE_##kind(type, member)
 static const size_t floats_of_a_tuning[] = {TUNING_FIELDS(PLACE)};
 
 #define NAME_FLOAT(type, member) #member,
-#define NAME_BOOL(type, member)
 #define NAME_INTEGER(type, member)
 #define NAME_WHOLE(type, member)
-#define NAME_CHOICE(type, member)
 #define NAME_OBSERVER(place, member) NAME_FLOAT(float, member)
 #define NAME(kind, type, member) NAME_##kind(type, member)
 static const char *const names_of_a_tuning[] = {TUNING_FIELDS(NAME)};

@@ -29,8 +29,8 @@ static lode_notch_t empty(void) {
 /// One period at the speed `omega`.
 static float stepped(lode_notch_t *notch, const lode_notch_tuning_t *tuning, float omega,
                      float error) {
-    lode_notch_adapt(notch, tuning, omega);
-    return lode_notch_step(notch, tuning, error);
+    lode_notch_adapt(notch, tuning, tuning->k, omega);
+    return lode_notch_step(notch, tuning->k, error);
 }
 
 /// Largest output over the last 1000 of `steps` calls with cos(turn k) + dc at the speed `omega`.
@@ -174,10 +174,10 @@ static void test_adapting_is_total(void) {
     lode_notch_t notch = empty();
     for (int n = 0; n < CHECK_TRIES(200000); n++) {
         const float speed = n < 3 ? check_not_finite[n] : random_any(&random);
-        lode_notch_adapt(&notch, &tuning, speed);
+        lode_notch_adapt(&notch, &tuning, tuning.k, speed);
         TEST_ASSERT_TRUE(lode_in_range(notch.weight, 0.0f, 1.0f));
         TEST_ASSERT_TRUE(
-            lode_is_finite(lode_notch_step(&notch, &tuning, random_float(&random, -1.0, 1.0))));
+            lode_is_finite(lode_notch_step(&notch, tuning.k, random_float(&random, -1.0, 1.0))));
     }
 }
 
@@ -194,10 +194,10 @@ static void test_adapting_now_and_then_is_enough(void) {
         angle += 6.0 * omega * (double)PAPER_TS_s;
         const float error = (float)cos(angle);
         if (k % (int)LODE_SLOW_PERIODS == 0) {
-            lode_notch_adapt(&seldom, &tuning, (float)omega);
+            lode_notch_adapt(&seldom, &tuning, tuning.k, (float)omega);
         }
         worst_note(&apart, (double)stepped(&often, &tuning, (float)omega, error) -
-                               (double)lode_notch_step(&seldom, &tuning, error));
+                               (double)lode_notch_step(&seldom, tuning.k, error));
     }
     CHECK_AT_MOST(0.02, apart.value);
 }

@@ -231,7 +231,7 @@ static void test_configuration(void) {
     lode_guard_config_t config = sound_config();
     config.plausibility = LODE_OFF;
     TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&tuning, &config));
-    TEST_ASSERT_FALSE(tuning.on);
+    TEST_ASSERT_EQUAL_UINT32(0u, tuning.sum_looks);
     config.plausibility = LODE_AUTO; // design decides
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, tune(&tuning, &config));
     const float bad[] = {0.0f, 0.0119f, 121.0f, -2.0f, NAN, INFINITY};

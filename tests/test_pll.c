@@ -163,7 +163,7 @@ static double pole_at(const lode_pll_tuning_t *tuning, double omega) {
     lode_pll_reset(&pll, 0.0f, (float)omega);
     lode_pll_correct(&pll, lode_pll_gains(tuning, (float)omega), pll.frame, (float)omega, 0.01f);
     const double left = 1.0 - tan(theta_of(&pll)) / 0.01; // moved by the arc tangent
-    return tuning->third_order ? cbrt(left) : sqrt(left);
+    return tuning->third_order != 0u ? cbrt(left) : sqrt(left);
 }
 
 static void test_bandwidth_is_scheduled_with_speed(void) {

@@ -42,13 +42,11 @@ typedef struct {
 } lode_drive_config_t;
 
 /// Everything derived from a configuration. Never written by the step: it may serve several drives,
-/// and lie in flash. It must stay as it is while a drive uses it.
+/// and lie in flash. It must stay as it is while a drive uses it. Made of floats, 32-bit integers and pairs of
+/// 16-bit ones, so that no byte of it is padding.
 typedef struct {
-    float ts_s;
-    float inv_pole_pairs;
     uint32_t speed_periods; ///< between two calls of speed control and references: 8, 4, 2 or 1
-    float half_period_s; ///< a third of the time from a sample to the middle of its duties' period
-    float omega_min;     ///< least electrical speed in RUN
+    float omega_min;        ///< least electrical speed in RUN
     lode_sense_tuning_t sense;
     lode_inverter_tuning_t inverter;
     lode_estimator_tuning_t estimator;

@@ -46,8 +46,8 @@ typedef struct {
     lode_drive_tuning_t alone; ///< one set, the other without current
     lode_xy_tuning_t xy;
     lode_open_phase_tuning_t watch;
-    lode_source_t source;
-    lode_open_phase_response_t open_phase;
+    uint_least16_t source;     ///< lode_source_t
+    uint_least16_t open_phase; ///< lode_open_phase_response_t
 } lode_drive6_tuning_t;
 
 /// The raw results of one period. Bus voltage and stamp are those of set 1, the hotter power stage

@@ -18,8 +18,7 @@ typedef lode_observer_config_t lode_emf_config_t;
 typedef struct {
     float inv_b;       ///< 1/b, V/A: b is the current that one volt makes in one period
     float a_over_b;    ///< V/A: a is what a period leaves of a current; (1 - a)/b is R
-    float salient_Ohm; ///< (Ld - Lq)/Ts
-    bool salient;      ///< false leaves the EMF of a changing active flux in the estimate
+    float salient_Ohm; ///< (Ld - Lq)/Ts; 0 leaves the EMF of a changing active flux in the estimate
     lode_observer_tuning_t observer;
 } lode_emf_tuning_t;
 

@@ -40,7 +40,7 @@ enum {
 };
 
 typedef struct {
-    uint_least16_t options;
+    uint32_t options;
     lode_emf_tuning_t emf;
     lode_pll_tuning_t pll;
     lode_lag_t lag;
@@ -49,7 +49,7 @@ typedef struct {
 #endif
 #ifndef LODE_WITHOUT_NOTCH
     lode_notch_tuning_t notch;
-    lode_notch_tuning_t notch12;
+    float notch12_k; ///< relative width of the one at 12 w; 0: no notch
 #endif
     float w_weight; ///< of a new sample in the speed that tunes the observer; 1: no filter
     float emin_V;

@@ -59,8 +59,9 @@ typedef struct {
     float temperature_max;
     float temperature_min;
     float omega_max;
-    uint32_t rail_periods;
-    uint32_t bus_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
+    uint_least16_t rail_periods;
+    uint_least16_t
+        bus_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
     uint32_t lock_looks;
     uint32_t stamp_min;
     /// largest less smallest count between two calls; 2^32 - 1, which any will do for: not watched

@@ -51,7 +51,7 @@ typedef struct {
 } lode_hfi_system_t;
 
 typedef struct {
-    bool on;
+    uint32_t on; ///< 0 or 1
     float V_h_V;
     float omega_low;  ///< w1
     float omega_high; ///< w2

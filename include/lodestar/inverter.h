@@ -39,11 +39,12 @@ typedef struct {
     float i_dead_span_A; ///< added at full modulation
     float ticks;
     float inv_ticks;
-    float free; ///< volts per bus volt up to which no duty can reach a rail; -1: with the model
+    float
+        free; ///< volts per bus volt up to which no duty can reach a rail; -1: the dead-time error is
+              ///< taken out of the observer's voltage instead of being added
     uint32_t precharge_periods;
-    bool correct; ///< the dead-time error is added to the duties
-    bool model;   ///< it is taken out of the observer's voltage instead
-    bool grid;    ///< duties lie on the timer's steps
+    uint_least16_t correct; ///< 1: the dead-time error is added to the duties
+    uint_least16_t grid;    ///< 1: duties lie on the timer's steps
 } lode_inverter_tuning_t;
 
 /// The duty that a phase loses at its current: in proportion up to i_dead, constant beyond.

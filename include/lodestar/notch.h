@@ -35,8 +35,11 @@ typedef struct {
     float weight; ///< 0: the notch is out, 1: in full
 } lode_notch_t;
 
-/// Moves the centre to the harmonic of `omega_rad_s`. Speed moves slowly: every few periods is enough.
-void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning, float omega_rad_s);
+/// Moves the centre to the harmonic of `omega_rad_s`, with the relative width `k`: the tuning's, or that of a
+/// notch at another harmonic that is given its share of the speed. Speed moves slowly: every few periods is
+/// enough.
+void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning, float k,
+                      float omega_rad_s);
 
 #ifdef __cplusplus
 }

@@ -57,7 +57,7 @@ typedef union {
 
 /// The file of each observer names what is in `own`.
 typedef struct {
-    lode_emf_kind_t kind;
+    uint32_t kind; ///< lode_emf_kind_t
     float own[sizeof(lode_observer_numbers_t)];
 } lode_observer_tuning_t;
 

@@ -12,15 +12,13 @@ extern "C" {
 #endif
 
 typedef struct {
-    bool on;
-    float look_s; ///< between two looks
     float
         stuck_A2; ///< current squared times the turn to the fourth that no sound phase keeps still in
     float i_min_A2;  ///< least current squared at which a phase that keeps still is judged
     int32_t i_still; ///< 1/256 count: with less a phase is none of this; six phases: it may be open
     int32_t i_sum;   ///< largest sum of the three, 1/256 count
-    float A_per_count; ///< A per 1/256 count
-    uint32_t sum_looks;
+    float A_per_count;  ///< A per 1/256 count
+    uint32_t sum_looks; ///< debounce of the sum; 0: nothing is looked at
 } lode_plausibility_tuning_t;
 
 typedef struct {

@@ -34,8 +34,8 @@ typedef struct {
     float x_low;  ///< 1 - exp(-sigma Ts) at low speed
     float x_rise; ///< its increase up to omega_high
     float omega_low;
-    float inv_span; ///< 1/(omega_high - omega_low)
-    bool third_order;
+    float inv_span;       ///< 1/(omega_high - omega_low)
+    uint32_t third_order; ///< 0 or 1
 } lode_pll_tuning_t;
 
 typedef struct {

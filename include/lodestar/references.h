@@ -40,6 +40,15 @@ typedef struct {
     float v_bus_min_V; ///< where no motoring torque is left; 0: where the guard trips
 } lode_references_config_t;
 
+/// What a tuning asks of a call, in one word.
+enum {
+    LODE_REFERENCES_LEAST_CURRENT = 1, ///< MTPA
+    LODE_REFERENCES_WEAKEN = 2,
+    LODE_REFERENCES_REACH_MTPV = 4, ///< the speed of most torque per volt can be reached
+    LODE_REFERENCES_FADE = 8,       ///< braking or motoring torque follows the bus
+    LODE_REFERENCES_SATURATE = 16,  ///< Lq falls
+};
+
 typedef struct {
     lode_fade_t fade;
     float id_bias_A;
@@ -47,12 +56,7 @@ typedef struct {
     float psi_Wb;
     float salient_H;     ///< Ld - Lq
     float torque_factor; ///< 1.5 np per winding set
-    float active_min;    ///< least active flux that is divided by
-    bool plain;          ///< id* = 0 and nothing else
-    bool mtpa;
-    bool weakens;
-    bool fades; ///< braking or motoring torque follows the bus
-    bool mtpv;  ///< the speed of most torque per volt can be reached
+    uint32_t options;    ///< 0: id* = 0 and nothing else
     float inv_torque_factor;
     float tau_max; ///< most torque inside the circle, over torque_factor
     float inv_psi2;
@@ -64,9 +68,7 @@ typedef struct {
     float trim_gain;  ///< per V^2 and call
     float trim_decay; ///< per call
     float drop;       ///< Rs over the nominal voltage to be used
-    float flux_min;
     float flux_max;
-    float slope_min; ///< least slope of flux^2 over id that is divided by
     float id_min_A;
     float fall_A; ///< largest move of id per call, towards weaker fields
     float rise_A; ///< and back

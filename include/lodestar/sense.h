@@ -59,8 +59,8 @@ typedef struct {
     float temperature_offset;
     float duty_max; ///< beyond it a phase is missing
     uint32_t calibrate_periods;
-    uint16_t count_max;
-    bool two_shunts;
+    uint_least16_t count_max;
+    uint_least16_t two_shunts; ///< 0 or 1
 } lode_sense_tuning_t;
 
 typedef struct {

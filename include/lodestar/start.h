@@ -44,7 +44,6 @@ typedef struct {
     float damping_rad_s;  ///< what it may be, times the speed
     float mean_weight;    ///< of a new sample in the mean EMF
     float swing_weight;   ///< of a new sample in its swing
-    float omega_hold;     ///< up to this speed the estimator is held to the vector
     float ts_s;
     float fade_step;       ///< per call of the references
     uint32_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
@@ -54,10 +53,10 @@ typedef struct {
     float still_rounds;    ///< of current rise and lock
     float patience_rounds; ///< at least, after the profile
     uint32_t timeout_rounds;
-    float r_more_max_Ohm;  ///< of what may be measured
-    float calm_V;          ///< EMF across a vector by which the rotor stands still
-    uint32_t calm_rounds;  ///< of such voltages in a mean
-    uint32_t dwell_rounds; ///< of standstill at most for one mean; 0: nothing is measured
+    float r_more_max_Ohm;        ///< of what may be measured
+    float calm_V;                ///< EMF across a vector by which the rotor stands still
+    uint_least16_t calm_rounds;  ///< of such voltages in a mean
+    uint_least16_t dwell_rounds; ///< of standstill at most for one mean; 0: nothing is measured
 } lode_start_tuning_t;
 
 /// What the measurement at standstill has found.
@@ -78,15 +77,17 @@ typedef struct {
     uint32_t catching; ///< rounds left to find a rotor that turns already
     uint32_t attempt;  ///< rounds since the present attempt began
     uint32_t rounds;   ///< since the start
-    uint32_t dwelt;    ///< rounds at the present level of the measurement
-    uint32_t calm;     ///< of them with the rotor at rest
-    uint32_t level;    ///< of the measurement: half the current, all of it, done
-    float sum_V;       ///< of the voltages along the current
-    float along_V;     ///< their mean at half the current
-    float give;        ///< rad by which the vector gives way per V of swinging EMF
-    float ease;        ///< share of the ramp in the present attempt: 1, a quarter, a sixteenth
+    uint_least16_t dwelt; ///< rounds at the present level of the measurement
+    uint_least16_t calm;  ///< of them with the rotor at rest
+    uint32_t level;       ///< of the measurement: half the current, all of it, done
+    float sum_V;          ///< of the voltages along the current
+    float along_V;        ///< their mean at half the current
+    float give;           ///< rad by which the vector gives way per V of swinging EMF
+    float ease;           ///< share of the ramp in the present attempt: 1, a quarter, a sixteenth
 } lode_start_t;
 
+/// Of hand-over speed: below, the EMF drowns in the inverter's errors, and the estimator is held to the vector.
+#define LODE_START_HOLD 0.5f
 /// Currents at which the voltage at rest is measured.
 #define LODE_START_LEVELS 2u
 /// Lock quality from which the estimator may take over: well above LODE_LOCK_LOST.

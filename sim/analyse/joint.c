@@ -42,14 +42,14 @@ void joint_observer(joint_t *joint, const lode_observer_tuning_t *tuning, double
     }
 }
 
-static joint_notch_t make_notch(const lode_notch_tuning_t *tuning, double omega_rad_s) {
+static joint_notch_t make_notch(const lode_notch_tuning_t *tuning, double k, double omega_rad_s) {
     const double centre = (double)tuning->order_Ts * fabs(omega_rad_s);
     const double in =
         fmin(fmax((centre - (double)tuning->centre_low) * (double)tuning->inv_span, 0.0), 1.0);
     const double least = (double)LODE_SOGI_CENTRE_MIN_rad;
     const double most = (double)LODE_SOGI_CENTRE_MAX_rad;
-    return (joint_notch_t){.on = tuning->k > 0.0f && in > 0.0 && centre < most,
-                           .width = (double)tuning->k,
+    return (joint_notch_t){.on = k > 0.0 && in > 0.0 && centre < most,
+                           .width = k,
                            .weight = centre < most ? in : 0.0,
                            .g = tan(0.5 * fmin(fmax(centre, least), most))};
 }
@@ -59,7 +59,7 @@ static void place_gains(joint_t *j, const lode_pll_tuning_t *pll, double omega_r
     const double x = (double)pll->x_low + (double)pll->x_rise * fmin(fmax(up, 0.0), 1.0);
     const double ts = j->ts_s;
     j->sigma_rad_s = -log1p(-x) / ts;
-    j->third_order = pll->third_order;
+    j->third_order = pll->third_order != 0u;
     j->l1 = j->third_order ? x * (3.0 - x * (3.0 - x)) : x * (2.0 - x);
     j->l2 = (j->third_order ? 1.5 * (2.0 - x) : 1.0) * x * x / ts;
     j->l3 = j->third_order ? x * x * x / (ts * ts) : 0.0;
@@ -70,8 +70,8 @@ joint_t joint_make(const lode_estimator_tuning_t *tuning, double omega_rad_s) {
     place_gains(&j, &tuning->pll, omega_rad_s);
     joint_observer(&j, &tuning->emf.observer, j.ts_s, omega_rad_s);
     j.filtered = j.w_weight < 1.0;
-    j.notch[0] = make_notch(&tuning->notch, omega_rad_s);
-    j.notch[1] = make_notch(&tuning->notch12, omega_rad_s);
+    j.notch[0] = make_notch(&tuning->notch, (double)tuning->notch.k, omega_rad_s);
+    j.notch[1] = make_notch(&tuning->notch, (double)tuning->notch12_k, 2.0 * omega_rad_s);
     j.pll = 2 * j.observer.modes;
     j.states = j.pll + 2 + (j.third_order ? 1 : 0) + (j.filtered ? 1 : 0);
     for (int k = 0; k < JOINT_NOTCHES; ++k) {
@@ -88,7 +88,6 @@ lode_estimator_tuning_t joint_with_sigma(const lode_estimator_tuning_t *tuning,
     t.pll.x_low = lode_one_minus_exp(sigma * ts);
     t.pll.x_rise = 0.0f;
     (void)lode_notch_tune(&t.notch, tuning->notch.order_Ts / ts, tuning->notch.k, sigma, ts);
-    (void)lode_notch_tune(&t.notch12, tuning->notch12.order_Ts / ts, tuning->notch12.k, sigma, ts);
     return t;
 }
 

@@ -96,7 +96,7 @@ static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
 static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s,
                         double sigma_of_notch) {
     const double ts_s = 1.0 / (double)config->f_pwm_Hz;
-    lode_observer_tuning_t observer = {.kind = config->estimator.emf.kind};
+    lode_observer_tuning_t observer = {.kind = (uint32_t)config->estimator.emf.kind};
     (void)lode_observer_tune(&observer, &config->estimator.emf, config->motor.omega_rated_rad_s,
                              (float)ts_s);
     loop_t loop = {

@@ -151,7 +151,7 @@ static guide_row_t evaluate(const task_t *task, double k2_rad_s) {
     first_order.k1_rad2_s2 = 0.0f;
     lode_estimator_tuning_t plain = with_k2(task, &first_order, k2_rad_s);
     plain.notch.k = 0.0f;
-    plain.notch12.k = 0.0f;
+    plain.notch12_k = 0.0f;
     guide_row_t row = {.k2_rad_s = k2_rad_s,
                        .per_sigma = k2_rad_s / guide->sigma_rad_s,
                        .damping = 1.0,

@@ -5,10 +5,7 @@
 #define RIG_TUNING_FIELDS_H
 
 #define TUNING_FIELDS(ROW) \
-    ROW(FLOAT, float, ts_s) \
-    ROW(FLOAT, float, inv_pole_pairs) \
     ROW(WHOLE, uint32_t, speed_periods) \
-    ROW(FLOAT, float, half_period_s) \
     ROW(FLOAT, float, omega_min) \
     ROW(FLOAT, float, sense.i_gain) \
     ROW(FLOAT, float, sense.alpha_gain) \
@@ -21,8 +18,8 @@
     ROW(FLOAT, float, sense.temperature_offset) \
     ROW(FLOAT, float, sense.duty_max) \
     ROW(WHOLE, uint32_t, sense.calibrate_periods) \
-    ROW(WHOLE, uint16_t, sense.count_max) \
-    ROW(BOOL, bool, sense.two_shunts) \
+    ROW(WHOLE, uint_least16_t, sense.count_max) \
+    ROW(WHOLE, uint_least16_t, sense.two_shunts) \
     ROW(FLOAT, float, inverter.v_min_V) \
     ROW(FLOAT, float, inverter.dead_duty) \
     ROW(FLOAT, float, inverter.dead_more_max) \
@@ -33,15 +30,13 @@
     ROW(FLOAT, float, inverter.inv_ticks) \
     ROW(FLOAT, float, inverter.free) \
     ROW(WHOLE, uint32_t, inverter.precharge_periods) \
-    ROW(BOOL, bool, inverter.correct) \
-    ROW(BOOL, bool, inverter.model) \
-    ROW(BOOL, bool, inverter.grid) \
-    ROW(WHOLE, uint_least16_t, estimator.options) \
+    ROW(WHOLE, uint_least16_t, inverter.correct) \
+    ROW(WHOLE, uint_least16_t, inverter.grid) \
+    ROW(WHOLE, uint32_t, estimator.options) \
     ROW(FLOAT, float, estimator.emf.inv_b) \
     ROW(FLOAT, float, estimator.emf.a_over_b) \
     ROW(FLOAT, float, estimator.emf.salient_Ohm) \
-    ROW(BOOL, bool, estimator.emf.salient) \
-    ROW(CHOICE, lode_emf_kind_t, estimator.emf.observer.kind) \
+    ROW(WHOLE, uint32_t, estimator.emf.observer.kind) \
     ROW(OBSERVER, 0, estimator.emf.observer.own[0]) \
     ROW(OBSERVER, 1, estimator.emf.observer.own[1]) \
     ROW(OBSERVER, 2, estimator.emf.observer.own[2]) \
@@ -53,7 +48,7 @@
     ROW(FLOAT, float, estimator.pll.x_rise) \
     ROW(FLOAT, float, estimator.pll.omega_low) \
     ROW(FLOAT, float, estimator.pll.inv_span) \
-    ROW(BOOL, bool, estimator.pll.third_order) \
+    ROW(WHOLE, uint32_t, estimator.pll.third_order) \
     ROW(FLOAT, float, estimator.lag.inv_range2) \
     ROW(FLOAT, float, estimator.lag.coefficient[0]) \
     ROW(FLOAT, float, estimator.lag.coefficient[1]) \
@@ -61,7 +56,7 @@
     ROW(FLOAT, float, estimator.lag.coefficient[3]) \
     ROW(FLOAT, float, estimator.lag.coefficient[4]) \
     ROW(FLOAT, float, estimator.lag.coefficient[5]) \
-    ROW(BOOL, bool, estimator.hfi.on) \
+    ROW(WHOLE, uint32_t, estimator.hfi.on) \
     ROW(FLOAT, float, estimator.hfi.V_h_V) \
     ROW(FLOAT, float, estimator.hfi.omega_low) \
     ROW(FLOAT, float, estimator.hfi.omega_high) \
@@ -75,10 +70,7 @@
     ROW(FLOAT, float, estimator.notch.order_Ts) \
     ROW(FLOAT, float, estimator.notch.centre_low) \
     ROW(FLOAT, float, estimator.notch.inv_span) \
-    ROW(FLOAT, float, estimator.notch12.k) \
-    ROW(FLOAT, float, estimator.notch12.order_Ts) \
-    ROW(FLOAT, float, estimator.notch12.centre_low) \
-    ROW(FLOAT, float, estimator.notch12.inv_span) \
+    ROW(FLOAT, float, estimator.notch12_k) \
     ROW(FLOAT, float, estimator.w_weight) \
     ROW(FLOAT, float, estimator.emin_V) \
     ROW(FLOAT, float, estimator.omega_limit) \
@@ -100,12 +92,7 @@
     ROW(FLOAT, float, references.psi_Wb) \
     ROW(FLOAT, float, references.salient_H) \
     ROW(FLOAT, float, references.torque_factor) \
-    ROW(FLOAT, float, references.active_min) \
-    ROW(BOOL, bool, references.plain) \
-    ROW(BOOL, bool, references.mtpa) \
-    ROW(BOOL, bool, references.weakens) \
-    ROW(BOOL, bool, references.fades) \
-    ROW(BOOL, bool, references.mtpv) \
+    ROW(WHOLE, uint32_t, references.options) \
     ROW(FLOAT, float, references.inv_torque_factor) \
     ROW(FLOAT, float, references.tau_max) \
     ROW(FLOAT, float, references.inv_psi2) \
@@ -117,9 +104,7 @@
     ROW(FLOAT, float, references.trim_gain) \
     ROW(FLOAT, float, references.trim_decay) \
     ROW(FLOAT, float, references.drop) \
-    ROW(FLOAT, float, references.flux_min) \
     ROW(FLOAT, float, references.flux_max) \
-    ROW(FLOAT, float, references.slope_min) \
     ROW(FLOAT, float, references.id_min_A) \
     ROW(FLOAT, float, references.fall_A) \
     ROW(FLOAT, float, references.rise_A) \
@@ -157,7 +142,6 @@
     ROW(FLOAT, float, start.damping_rad_s) \
     ROW(FLOAT, float, start.mean_weight) \
     ROW(FLOAT, float, start.swing_weight) \
-    ROW(FLOAT, float, start.omega_hold) \
     ROW(FLOAT, float, start.ts_s) \
     ROW(FLOAT, float, start.fade_step) \
     ROW(WHOLE, uint32_t, start.catch_rounds) \
@@ -169,21 +153,19 @@
     ROW(WHOLE, uint32_t, start.timeout_rounds) \
     ROW(FLOAT, float, start.r_more_max_Ohm) \
     ROW(FLOAT, float, start.calm_V) \
-    ROW(WHOLE, uint32_t, start.calm_rounds) \
-    ROW(WHOLE, uint32_t, start.dwell_rounds) \
+    ROW(WHOLE, uint_least16_t, start.calm_rounds) \
+    ROW(WHOLE, uint_least16_t, start.dwell_rounds) \
     ROW(FLOAT, float, guard.i_trip) \
     ROW(FLOAT, float, guard.v_bus_max) \
     ROW(FLOAT, float, guard.v_bus_min) \
     ROW(FLOAT, float, guard.temperature_max) \
     ROW(FLOAT, float, guard.temperature_min) \
     ROW(FLOAT, float, guard.omega_max) \
-    ROW(WHOLE, uint32_t, guard.rail_periods) \
-    ROW(WHOLE, uint32_t, guard.bus_looks) \
+    ROW(WHOLE, uint_least16_t, guard.rail_periods) \
+    ROW(WHOLE, uint_least16_t, guard.bus_looks) \
     ROW(WHOLE, uint32_t, guard.lock_looks) \
     ROW(WHOLE, uint32_t, guard.stamp_min) \
     ROW(WHOLE, uint32_t, guard.stamp_span) \
-    ROW(BOOL, bool, plausibility.on) \
-    ROW(FLOAT, float, plausibility.look_s) \
     ROW(FLOAT, float, plausibility.stuck_A2) \
     ROW(FLOAT, float, plausibility.i_min_A2) \
     ROW(INTEGER, int32_t, plausibility.i_still) \

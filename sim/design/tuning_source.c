@@ -28,14 +28,10 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
 #define PRINT_FLOAT(type, member)                                                                  \
     (void)fprintf(file, "    ." #member " = %af, // %.9g\n", (double)tuning->member,               \
                   (double)tuning->member);
-#define PRINT_BOOL(type, member)                                                                   \
-    (void)fprintf(file, "    ." #member " = %s,\n", tuning->member ? "true" : "false");
 #define PRINT_WHOLE(type, member)                                                                  \
     (void)fprintf(file, "    ." #member " = %luu,\n", (unsigned long)tuning->member);
 #define PRINT_INTEGER(type, member)                                                                \
     (void)fprintf(file, "    ." #member " = %ld,\n", (long)tuning->member);
-#define PRINT_CHOICE(type, member)                                                                 \
-    (void)fprintf(file, "    ." #member " = (" #type ")%d,\n", (int)tuning->member);
 // An observer's own numbers, as many as it has: in a firmware with fewer observers there is no room for more.
 #define PRINT_OBSERVER(place, member)                                                              \
     if ((place) < numbers_of[tuning->estimator.emf.observer.kind]) {                               \
@@ -88,19 +84,19 @@ static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
                   "#endif\n",
                   LODE_VERSION_MAJOR, LODE_VERSION_MINOR, LODE_VERSION_PATCH);
     (void)fputs(option_of[tuning->estimator.emf.observer.kind], file);
-    if (tuning->sense.two_shunts || tuning->sense.duty_max < 1.0f) {
+    if (tuning->sense.two_shunts != 0u || tuning->sense.duty_max < 1.0f) {
         (void)fputs(UNLESS("SHUNT_WINDOW"), file);
     }
-    if (tuning->references.weakens) {
+    if ((tuning->references.options & (uint32_t)LODE_REFERENCES_WEAKEN) != 0u) {
         (void)fputs(UNLESS("FIELD_WEAKENING"), file);
     }
-    if (!tuning->references.plain) {
+    if (tuning->references.options != 0u) {
         (void)fputs(UNLESS("OPTIMAL_REFERENCES"), file);
     }
     if ((tuning->estimator.options & (uint32_t)LODE_ESTIMATOR_NOTCH) != 0u) {
         (void)fputs(UNLESS("NOTCH"), file);
     }
-    if (tuning->estimator.hfi.on) {
+    if (tuning->estimator.hfi.on != 0u) {
         (void)fputs(UNLESS("HFI"), file);
     }
 }

@@ -24,8 +24,6 @@ static void spoil(fuzz_t *in, lode_drive6_config_t *config) {
 #define IS_FINITE_OBSERVER(type, member) IS_FINITE_FLOAT(type, member)
 #define IS_FINITE_WHOLE(type, member)
 #define IS_FINITE_INTEGER(type, member)
-#define IS_FINITE_BOOL(type, member)
-#define IS_FINITE_CHOICE(type, member)
 #define IS_FINITE(kind, type, member) IS_FINITE_##kind(type, member)
 
 // What init accepts is made of numbers.
@@ -39,7 +37,7 @@ static void start(lode_drive_t *drive) {
     const lode_drive_tuning_t *tuning = drive->tuning;
     const float omega = 1.5f * tuning->start.omega_handover;
     const lode_command_t go = {.mode = LODE_MODE_RUN,
-                               .speed_rad_s = 2.0f * omega * tuning->inv_pole_pairs};
+                               .speed_rad_s = 2.0f * omega * tuning->speed.inv_pole_pairs};
     const uint16_t zero = (uint16_t)(tuning->sense.offset_nominal / LODE_COUNT_FRACTION);
     const float bus = tuning->guard.v_bus_min / tuning->sense.v_bus_gain + 1.0f;
     lode_counts_t counts = {.i = {zero, zero, zero},
@@ -50,11 +48,12 @@ static void start(lode_drive_t *drive) {
         counts.stamp += tuning->guard.stamp_min + 1u;
         const lode_sample_t sample = lode_drive_sense(drive, &counts);
         lode_estimate_t from = lode_drive_estimate(drive, &sample);
-        from = (lode_estimate_t){.omega_rad_s = omega,
-                                 .rotor = lode_sincos((float)n * tuning->ts_s * omega),
-                                 .i_A = from.i_A,
-                                 .lock = 1.0f,
-                                 .source = LODE_ESTIMATE_EXTERNAL};
+        from =
+            (lode_estimate_t){.omega_rad_s = omega,
+                              .rotor = lode_sincos((float)n * tuning->estimator.pll.ts_s * omega),
+                              .i_A = from.i_A,
+                              .lock = 1.0f,
+                              .source = LODE_ESTIMATE_EXTERNAL};
         (void)lode_drive_act(drive, &sample, &from);
     }
 }

@@ -1,5 +1,6 @@
 """usage: tuning_fields.py: prints sim/design/tuning_fields.h, every scalar of a lode_drive_tuning_t, from the
-headers in include/lodestar. A member of a type that it does not know ends it."""
+headers in include/lodestar. A member that would leave padding on some machine ends it: a tuning, that of six phases
+too, is made of floats, 32-bit integers and pairs of 16-bit ones."""
 import pathlib
 import re
 import sys
@@ -8,16 +9,15 @@ from csource import code_of
 
 INCLUDE = pathlib.Path(__file__).resolve().parents[2] / "include" / "lodestar"
 TOP = "lode_drive_tuning_t"
-SCALARS = {"float": "FLOAT", "bool": "BOOL", "int32_t": "INTEGER", "uint32_t": "WHOLE", "uint16_t": "WHOLE",
-           "uint_least16_t": "WHOLE", "uint_least8_t": "WHOLE"}
+TOP_6 = "lode_drive6_tuning_t"
+HALF = "uint_least16_t"
+SCALARS = {"float": "FLOAT", "int32_t": "INTEGER", "uint32_t": "WHOLE", HALF: "WHOLE"}
 STRUCT = re.compile(r"typedef struct \{([^{}]*)\} (\w+);")
-ENUM = re.compile(r"typedef enum(?: \w+)? \{[^{}]*\} (\w+);")
 MEMBER = re.compile(r"(\w+) (\w+)(?:\[([\w()]+)\])?")
 OBSERVER = re.compile(r"^LODE_OBSERVER\(.*, (\d+)\)$", re.M)
 
 text = "\n".join(code_of(path.read_text()) for path in sorted(INCLUDE.glob("*.h")))
 structs = {name: body for body, name in STRUCT.findall(text)}
-enums = set(ENUM.findall(text))
 constants = dict(re.findall(r"#define (LODE_\w+) (\d+)\s", text))
 numbers = OBSERVER.findall((INCLUDE / "observers.def").read_text())
 constants["sizeof(lode_observer_numbers_t)"] = max(int(number) for number in numbers)
@@ -37,18 +37,24 @@ def members(struct):
 
 
 def scalars(struct, prefix=""):
+    halves = 0
     for kind, name, count in members(struct):
+        if kind != HALF and halves % 2 != 0:
+            sys.exit(f"{struct}.{name}: comes after a single {HALF}, expected pairs")
+        halves += int(kind == HALF)
         for place in [name] if count is None else [f"{name}[{k}]" for k in range(count)]:
             if kind in structs:
                 yield from scalars(kind, f"{prefix}{place}.")
-            elif kind in SCALARS or kind in enums:
+            elif kind in SCALARS:
                 # How many numbers of its tuning an observer uses depends on which it is.
-                used = (SCALARS.get(kind, "CHOICE"), kind)
+                used = (SCALARS[kind], kind)
                 if struct == "lode_observer_tuning_t" and count:
                     used = ("OBSERVER", re.search(r"\d+", place).group())
                 yield *used, prefix + place
             else:
-                sys.exit(f"{struct}.{name}: {kind} is no type that this script knows")
+                sys.exit(f"{struct}.{name}: {kind}, expected one of {', '.join(SCALARS)}")
+    if halves % 2 != 0:
+        sys.exit(f"{struct}: ends in a single {HALF}, expected pairs")
 
 
 print("// Printed by tests/tools/tuning_fields.py from the headers; the test gate_tuning_fields compares.")
@@ -56,6 +62,7 @@ print("// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t; OBSE
 print("// clang-format off")
 print("#ifndef RIG_TUNING_FIELDS_H\n#define RIG_TUNING_FIELDS_H\n")
 print("#define TUNING_FIELDS(ROW) \\")
+list(scalars(TOP_6))  # looked at only
 rows = [f"    ROW({kind}, {type_}, {place})" for kind, type_, place in scalars(TOP)]
 print(" \\\n".join(rows))
 print("\n#endif")
