@@ -221,12 +221,14 @@ static void test_blind_sector(void) {
     expect_currents(i_A);
     static const lode_abc_t blind[] = {
         {1.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {1.0f, 1.0f, 1.0f}, {1.0f, 0.0f, 0.0f}};
+    wanted.duty = blind[0];
+    (void)one_period(i_A); // the last one with its edges apart
     for (int k = 0; k < 2 * COUNT_OF(blind); k++) {
         wanted.duty = blind[k / 2];
         (void)one_period(other_A);
+        expect_currents(i_A);
         TEST_ASSERT_FALSE(seen.trip);
     }
-    TEST_ASSERT_FALSE(seen.i[0] == (uint16_t)(ZERO + other_A[0] / (double)VARIANT_I_GAIN_A_count));
     wanted.duty = (lode_abc_t){0.7f, 0.5f, 0.3f};
     for (int k = 0; k < 3; k++) {
         (void)one_period(other_A);

@@ -275,6 +275,7 @@ static void test_blind_sectors(void) {
     const double limit = (double)lode_single_shunt_voltage_use(&tuning);
     TEST_ASSERT_TRUE(limit > 0.8);
     expect_blind(SINGLE, limit, &tuning);
+    TEST_ASSERT_TRUE(blind_share(SINGLE, 1.1, &tuning) > 0.0); // beyond the circle
     // Edges left where they are: blind around every switching state, and everywhere at little voltage.
     TEST_ASSERT_TRUE(blind_share(SINGLE_AS_SAMPLED, 0.05, &tuning) == 1.0);
     printf("  share of a turn that is blind (window %.1f us of 50):\n"
