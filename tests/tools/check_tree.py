@@ -1,7 +1,8 @@
 """usage: check_tree.py ROOT: what may lie in the tree and what its text must not say.
 
 The entries of the root, no file over 1 MB, no path or host of one person's machine, no unfinished
-mark, no test that cannot fail. The patterns are spelt so that they do not find themselves.
+mark, no test that cannot fail; what a port's README says first. The patterns are spelt so that they do not
+find themselves.
 """
 import pathlib
 import re
@@ -24,6 +25,9 @@ PATTERNS = [
      "a test that cannot fail or is switched off"),
 ]
 
+# The first paragraph of a README of a port with boards.
+TRIED = re.compile(r"\*\*Never run on hardware\b[^*]*\*\* Tested: .* Not tested: ")
+
 
 def tree_files(root):
     """Tracked files and new ones that git would take; without git, everything but build/."""
@@ -40,8 +44,17 @@ def tree_files(root):
     return sorted(name for name in names if (root / name).is_file())
 
 
+def untold(root, names):
+    for port in sorted({name.split("/")[1] for name in names if re.match(r"port/[^/]+/boards/", name)}):
+        readme = root / "port" / port / "README.md"
+        lines = readme.read_text().splitlines() if readme.exists() else []
+        if not TRIED.match("".join(lines[2:3])):
+            yield f"port/{port}/README.md:3: expected what has been tested, on what, and that no hardware was"
+
+
 def problems(root):
     names = tree_files(root)
+    yield from untold(root, names)
     entries = {name.split("/")[0] for name in names}
     for entry in sorted(entries - ENTRIES):
         if not entry.startswith("."):
