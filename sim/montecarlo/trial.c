@@ -173,11 +173,17 @@ static bool go(trial_t *trial, const char *what, double omega_e_rad_s) {
     return settle(trial, start_s + settle_limit_s(trial, trial->command_m_rad_s - before));
 }
 
+/// Unanswered, the step would halve the speed in no time.
+static bool is_listed(const trial_t *trial, double torque_Nm) {
+    return fabs(torque_Nm) / trial->one->plant.J_kgm2 * LISTED_s >
+           LISTED_SHARE * fabs(trial->command_m_rad_s);
+}
+
 /// A load against the commanded speed, and back to none. 100 % is torque_Nm.
 static bool load_step(trial_t *trial, const char *what, double share) {
     const double torque_Nm = share * trial->machine->torque_Nm;
     const double omega = trial->command_m_rad_s;
-    if (torque_Nm / trial->one->plant.J_kgm2 * LISTED_s > LISTED_SHARE * fabs(omega)) {
+    if (is_listed(trial, torque_Nm)) {
         trial->result->listed++;
         return true;
     }
@@ -193,6 +199,22 @@ static bool load_step(trial_t *trial, const char *what, double share) {
 static void load_passive(trial_t *trial, double share) {
     plant_set_passive(&trial->rig.plant, share > 0.0);
     plant_set_load(&trial->rig.plant, share * trial->machine->torque_Nm);
+}
+
+/// From one passive load to another: at once, but where such a step is listed, gently.
+static bool change_load(trial_t *trial, const char *what, double from, double to) {
+    if (!is_listed(trial, (to - from) * trial->machine->torque_Nm)) {
+        load_passive(trial, to);
+        return true;
+    }
+    bool good = true;
+    trial->what = what;
+    trial->result->listed++;
+    for (int k = 1; good && k <= GLIDE_STEPS; ++k) {
+        load_passive(trial, from + (to - from) * (double)k / GLIDE_STEPS);
+        good = wait(trial, settle_limit_s(trial, 0.0) / GLIDE_STEPS);
+    }
+    return good;
 }
 
 /// The torque reference at a steady load.
@@ -264,15 +286,13 @@ static bool all_changes(trial_t *trial) {
     const double slow = trial->one->slow_e_rad_s;
     const double fast = fmax(0.9 * trial->machine->full_e_rad_s, slow);
     bool good = go(trial, "slam down", slow) && go(trial, "slam up", fast);
-    load_passive(trial, 0.5);
-    good = good && go(trial, "slam down, 50 % load", slow) && go(trial, "slam up, 50 % load", fast);
-    load_passive(trial, RIPPLE_LOAD_SHARE);
-    good = good && go(trial, "20 % load", fmax(0.5 * trial->machine->full_e_rad_s, slow)) &&
-           is_calm(trial);
-    load_passive(trial, 0.0);
-    good = good && go(trial, "before the reversal", slow) && go(trial, "reversal", -slow);
-    load_passive(trial, 0.5);
-    return good && go(trial, "reversal, 50 % load", slow);
+    good = good && change_load(trial, "50 % load", 0.0, 0.5) &&
+           go(trial, "slam down, 50 % load", slow) && go(trial, "slam up, 50 % load", fast) &&
+           change_load(trial, "down to 20 % load", 0.5, RIPPLE_LOAD_SHARE) &&
+           go(trial, "20 % load", fmax(0.5 * trial->machine->full_e_rad_s, slow)) &&
+           is_calm(trial) && change_load(trial, "no load", RIPPLE_LOAD_SHARE, 0.0);
+    return good && go(trial, "before the reversal", slow) && go(trial, "reversal", -slow) &&
+           change_load(trial, "50 % load", 0.0, 0.5) && go(trial, "reversal, 50 % load", slow);
 }
 
 // ---- Nothing to trip for ------------------------------------------------------------------------
