@@ -27,6 +27,9 @@
 #define EASE_LAST (EASE * EASE)
 #define TIMEOUT_MAX_s 1000.0f
 #define CURRENT_LAST 2.0f // of the start current, up to i_max
+// Of the current, by the end of an attempt at speed without a lock: what is left of twice a salient rotor's
+// start current then takes less than a third of its flux.
+#define CURRENT_FALL 0.7f
 #define ROUNDS_MAX 2.0e9f // inside an int32
 #define SWEEP_rad (LODE_TWO_PI / 3.0f)
 #define MEAN_CORNER 0.3f  // of the mean EMF, over the swing's natural frequency
@@ -222,9 +225,24 @@ void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
     self->level = tuning->dwell_rounds > 0u ? 0u : LODE_START_LEVELS;
 }
 
+static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    return tuning->still_rounds + tuning->ramp_rounds / self->ease;
+}
+
 static float attempt_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    const float profile = tuning->still_rounds + tuning->ramp_rounds / self->ease;
+    const float profile = profile_rounds(self, tuning);
     return profile + lode_max(profile, tuning->patience_rounds);
+}
+
+// Share of the current that an attempt takes now: a vector at speed that finds no lock gives way (S17).
+static float current_share(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    if (lode_abs(self->omega_rad_s) < tuning->omega_handover) {
+        return 1.0f;
+    }
+    const float profile = profile_rounds(self, tuning);
+    const float late = (float)(int32_t)self->attempt - profile;
+    return 1.0f -
+           CURRENT_FALL * lode_clamp(late / lode_max(profile, tuning->patience_rounds), 0.0f, 1.0f);
 }
 
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
@@ -274,8 +292,8 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
                     float current_A) {
     const bool last = current_A > 0.0f && self->ease <= EASE_LAST;
     self->omega_target = omega_target_rad_s;
-    self->current_target =
-        (last ? tuning->current_last_A : current_A) * (self->level == 0u ? LEVEL_SHARE : 1.0f);
+    self->current_target = (last ? tuning->current_last_A : current_A) *
+                           (self->level == 0u ? LEVEL_SHARE : current_share(self, tuning));
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length
     const float most =

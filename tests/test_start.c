@@ -59,7 +59,7 @@ static void test_current_rises_first_then_the_vector_turns(void) {
     for (int sign = -1; sign <= 1; sign += 2) {
         lode_start_t start;
         lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 0.0f);
-        for (int n = 1; n <= 4000; n++) {
+        for (int n = 1; n <= 3600; n++) {
             (void)step(&start, &tuning, n, 47.0f * (float)sign, 8.0f, no_emf);
             const double t = 2.0e-4 * n;
             // Two periods of slack where one ramp ends and the other begins; float sums.
@@ -196,7 +196,7 @@ static void test_a_failed_attempt_begins_again_at_rest(void) {
     float before = 0.0f;
     for (int n = 1; n <= 15000; n++) { // the 3 s of the time-out
         (void)step(&start, &tuning, n, 47.0f, 8.0f, no_emf);
-        if (start.current_A < before - 4.0f) {
+        if (start.current_A < before - 1.0f) {
             again++;
             CHECK_NEAR(0.05, 0.0, start.current_A); // of which a period may have passed
         }
@@ -501,7 +501,7 @@ static void test_each_attempt_is_easier(void) {
             (void)step(&start, &tuning, n, 47.0f, 5.0f, no_emf);
             most_A = lode_max(most_A, start.current_A);
             most_step = lode_max(most_step, start.omega_rad_s - before);
-            fresh = start.current_A < most_A - 1.0f;
+            fresh = start.omega_rad_s < before - 1.0f; // at rest again
         }
         CHECK_CLOSE(1.0e-4, current[k], most_A);
         CHECK_CLOSE(1.0e-3, ease[k] * tuning.omega_step, most_step);
@@ -517,6 +517,26 @@ static void test_each_attempt_is_easier(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.0625f, start.ease);
     lode_start_begin(&start, &tuning);
     TEST_ASSERT_EQUAL_FLOAT(1.0f, start.ease);
+}
+
+/// (S17): where no lock comes at speed the current falls to 0.3 until the attempt ends; not on the way up.
+static void test_the_current_falls_where_no_lock_comes(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    for (int slow = 0; slow <= 1; slow++) {
+        lode_start_t start;
+        lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 0.0f);
+        const float target = slow > 0 ? 40.0f : 47.0f; // below the speed of hand-over
+        const double profile_s = 0.2 + 0.47 + 0.05;
+        for (int n = 1; n <= 7190; n++) { // the attempt ends at 7200
+            (void)step(&start, &tuning, n, target, 8.0f, no_emf);
+            const double late = fmax(0.0, PAPER_TS_s * (double)n - profile_s) / profile_s;
+            const double share = slow > 0 ? 1.0 : 1.0 - 0.7 * late;
+            if (n > 1000) {
+                CHECK_NEAR(0.03, 8.0 * share, start.current_A);
+            }
+        }
+    }
 }
 
 /// Rad by which the vector gives way to a swing of 0.01 V, at this speed in an attempt with this current.
@@ -655,6 +675,7 @@ int main(void) {
     RUN_TEST(test_measuring_is_a_choice);
     RUN_TEST(test_hand_over_speed_follows_what_is_not_known);
     RUN_TEST(test_each_attempt_is_easier);
+    RUN_TEST(test_the_current_falls_where_no_lock_comes);
     RUN_TEST(test_current_rises_first_then_the_vector_turns);
     RUN_TEST(test_angle_is_the_integral_of_the_speed);
     RUN_TEST(test_the_vector_sweeps_while_the_current_rises);
