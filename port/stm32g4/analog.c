@@ -130,6 +130,8 @@ static void sampling(ADC_TypeDef *adc, const uint32_t *channels, uint32_t count)
 
 #ifdef VARIANT_LINK
 
+#define MODE 0u // each converter on its own trigger
+
 static void sequences(void) {
     static const uint32_t link[] = {VARIANT_LINK_CHANNEL};
     static const uint32_t slow[] = {VARIANT_BUS_CHANNEL, VARIANT_T_CHANNEL};
@@ -140,6 +142,8 @@ static void sequences(void) {
 
 #else
 
+#define MODE DUAL_INJECTED
+
 static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t trigger) {
     sampling(adc, ranks, RANKS);
     REG_WRITE(adc->JSQR, (RANKS - 1u) << ADC_JSQR_JL_Pos | trigger | ranks[0] << ADC_JSQR_JSQ1_Pos |
@@ -149,8 +153,6 @@ static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t tri
 static void sequences(void) {
     static const uint32_t ranks1[RANKS] = VARIANT_ADC1_RANKS;
     static const uint32_t ranks2[RANKS] = VARIANT_ADC2_RANKS;
-    REG_WRITE(ADC12_COMMON->CCR,
-              CLOCK_BY_4 << ADC_CCR_CKMODE_Pos | DUAL_INJECTED << ADC_CCR_DUAL_Pos);
     sequence(ADC1, ranks1,
              RISING_EDGE << ADC_JSQR_JEXTEN_Pos | TRIGGER_TIM1_TRGO << ADC_JSQR_JEXTSEL_Pos);
     sequence(ADC2, ranks2, 0u);
@@ -165,8 +167,13 @@ bool chip_converters_init(void) {
     if (!wake(ADC1) || !wake(ADC2)) {
         return false;
     }
-    sequences();
-    return enable(ADC1) && enable(ADC2);
+    REG_WRITE(ADC12_COMMON->CCR,
+              CLOCK_BY_4 << ADC_CCR_CKMODE_Pos | MODE << ADC_CCR_DUAL_Pos); // while both are off
+    if (!enable(ADC1) || !enable(ADC2)) {
+        return false;
+    }
+    sequences(); // of a converter that is on (RM0440, constraints when writing the ADC control bits)
+    return true;
 }
 
 void chip_converters_arm(void) {

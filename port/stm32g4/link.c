@@ -15,8 +15,7 @@
 #define TRIGGER_TIM1_TRGO 0u
 #define TRIGGER_TIM1_TRGO2 8u
 #define RISING_EDGE 1u
-#define CLOCK_BY_4 3u // as with more shunts: analog.c
-#define NEXT_ns 500u  // before t_k: rising edges for the next period, and the bus's conversion
+#define NEXT_ns 500u // before t_k: rising edges for the next period, and the bus's conversion
 // Where the edges leave no room the samples are of no use, but must still come one after the other.
 #define SAMPLE_BLIND_1 0.6f
 #define SAMPLE_BLIND_2 0.9f
@@ -98,7 +97,6 @@ void chip_link_converters(void) {
                               TRIGGER_TIM1_TRGO << ADC_JSQR_JEXTSEL_Pos |
                               VARIANT_BUS_CHANNEL << ADC_JSQR_JSQ1_Pos |
                               VARIANT_T_CHANNEL << ADC_JSQR_JSQ2_Pos);
-    REG_WRITE(ADC12_COMMON->CCR, CLOCK_BY_4 << ADC_CCR_CKMODE_Pos); // each on its own trigger
     REG_WRITE(ADC2->IER, ADC_IER_JEOSIE);
 }
 

@@ -72,11 +72,15 @@ bool chip_converters_init(void) {
     if (!wake(ADC1) || !wake(ADC2)) {
         return false;
     }
+    if (!enable(ADC1) || !enable(ADC2)) {
+        return false;
+    }
+    // Of converters that are on, as the STM32G4's manual has it for the same unit.
     sequence(ADC1, ranks1,
              RISING_EDGE << ADC_JSQR_JEXTEN_Pos | TRIGGER_TIM1_TRGO << ADC_JSQR_JEXTSEL_Pos);
     sequence(ADC2, ranks2, 0u);
     REG_WRITE(ADC1->IER, ADC_IER_JEOSIE);
-    return enable(ADC1) && enable(ADC2);
+    return true;
 }
 
 void chip_converters_arm(void) {

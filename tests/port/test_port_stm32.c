@@ -290,6 +290,12 @@ static void test_trigger_is_the_update_and_nothing_hears_it_before_the_start(voi
     // Calibrated before enabled.
     const int calibrated = first(&ADC1->CR, ADC_CR_ADCAL, ADC_CR_ADCAL);
     TEST_ASSERT_TRUE(first(&ADC1->CR, ADC_CR_ADEN, ADC_CR_ADEN) > calibrated);
+#ifdef FAKE_G4
+    for (int n = 0; n < COUNT_OF(ranks); n++) { // 6.5 cycles each
+        const uint32_t times = ranks[n] < 10u ? ADC1->SMPR1 : ADC1->SMPR2;
+        TEST_ASSERT_EQUAL_UINT32(1u, times >> (3u * (ranks[n] % 10u)) & 7u);
+    }
+#endif
 #ifdef FAKE_H7
     TEST_ASSERT_EQUAL_HEX32(1u << 10 | 1u << 4 | 1u << 5, ADC1->PCSEL);
     TEST_ASSERT_EQUAL_HEX32(1u << 11 | 1u << 8, ADC2->PCSEL);

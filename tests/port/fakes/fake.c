@@ -251,6 +251,18 @@ static void model_converters(volatile uint32_t *reg, uint32_t before) {
     ADC_TypeDef *const adcs[] = {&fake_ADC1, &fake_ADC2};
     for (int n = 0; n < 2; n++) {
         ADC_TypeDef *adc = adcs[n];
+        if (reg == &adc->CR) { // is not taken back by writing 0
+            adc->CR |= before & ADC_CR_ADEN;
+        }
+        const bool on = (adc->CR & ADC_CR_ADEN) != 0u;
+        if (!on && (reg == &adc->JSQR || reg == &adc->SMPR1 || reg == &adc->SMPR2 ||
+                    reg == &adc->CFGR || reg == &adc->IER)) { // only while it is on
+            *reg = before;
+        }
+        if (reg == &fake_ADC12_COMMON.CCR &&
+            (adc->CR & ADC_CR_ADEN) != 0u) { // only while it is off
+            *reg = before;
+        }
         adc->CR &= ~ADC_CR_ADCAL;
 #ifdef FAKE_G4
         if ((adc->CR & ADC_CR_JADSTP) != 0u) { // takes both back
