@@ -12,6 +12,9 @@
 // 4.7 samples per turn hunted with 9 A.
 #define SPEED_ANGLE_MAX_rad (LODE_TWO_PI / 8.0f)
 
+// Least speed where injection gives the position: none.
+#define ANY_SPEED (-1.0e9f)
+
 #define ROUNDING 1.0e-5f
 
 // Machines are rated at some two thirds of the speed at which the bus is used up: the rest is for
@@ -160,7 +163,7 @@ static uint32_t speed_periods(const lode_drive_config_t *c) {
     return periods;
 }
 
-// Sensing, inverter and estimator: what is needed to see.
+// Into what the others have made.
 static lode_status_t tune_injection(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const lode_hfi_system_t system = injected_into(c);
     lode_hfi_tuning_t hfi;
@@ -171,10 +174,16 @@ static lode_status_t tune_injection(lode_drive_tuning_t *t, const lode_drive_con
     if (status == LODE_OK) {
         t->estimator.hfi = hfi;
     }
+    if (status == LODE_OK && hfi.on) {
+        t->omega_min = ANY_SPEED;
+        t->references.id_bias_A = -lode_max(c->hfi.id_A, 0.0f);
+        t->references.fade = (lode_fade_t){2.0f * c->hfi.w2_rad_s, 1.0f / c->hfi.w2_rad_s};
+    }
 #endif
     return status;
 }
 
+// Sensing, inverter and estimator: what is needed to see.
 static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const float ts_s = 1.0f / c->f_pwm_Hz;
     lode_status_t status = lode_inverter_tune(&t->inverter, &c->inverter, ts_s);

@@ -173,6 +173,32 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
     return self->gates;
 }
 
+// SLOT_GAINS, after the gains of the EMF's loop.
+LODE_INLINE void lode_drive_inject(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_HFI
+    (void)self;
+    (void)tuning;
+#else
+    if (LODE_RARELY(tuning->estimator.hfi.on)) {
+        lode_mode_inject(self);
+    }
+#endif
+}
+
+// The bus voltage whose circle current control may use.
+LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                    float v_bus_V) {
+#ifndef LODE_WITHOUT_HFI
+    if (lode_estimator_injects(&self->estimator)) {
+        return v_bus_V - tuning->estimator.hfi.reserve_V;
+    }
+#else
+    (void)self;
+    (void)tuning;
+#endif
+    return v_bus_V;
+}
+
 // One of the jobs that follow speed and load slowly. After the duties, which do not wait for it.
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                      const lode_sample_t *sample, uint16_t other,
@@ -190,6 +216,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
             lode_mode_seed(self);
         }
         lode_estimator_adapt_gains(estimator, &tuning->estimator);
+        lode_drive_inject(self, tuning);
         self->omega_half = estimator->pll.omega_rad_s;
         break;
     case SLOT_LAG:

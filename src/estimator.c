@@ -215,12 +215,35 @@ LODE_RAMFUNC float lode_estimator_look_again(lode_estimator_t *self,
     if (!(e2 <= EMF2_LIMIT_V2) || !(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit)) {
         return 2.0f * SINE_MAX;
     }
+#ifndef LODE_WITHOUT_HFI
+    if (self->hfi.active) {
+        return lode_hfi_blend(&self->hfi, lode_park(e_V, frame).d * self->per_V);
+    }
+#endif
     self->per_V = per_V_of(tuning, e2, self->pll.omega_rad_s);
 #ifndef LODE_WITHOUT_NOTCH
     self->notch.sogi = self->notch12.sogi = (lode_sogi_t){0.0f, 0.0f};
 #endif
     return lode_park(e_V, frame).d * self->per_V;
 }
+
+#ifndef LODE_WITHOUT_HFI
+
+// By itself: where nothing is injected, not a value more is kept in a register.
+LODE_RAMFUNC LODE_NOINLINE void lode_estimator_see_wave(lode_estimator_t *self,
+                                                        const lode_estimator_tuning_t *tuning,
+                                                        lode_ab_t u_V, lode_ab_t i_A) {
+    const lode_ab_t before = self->emf.i_A;
+    const lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
+    self->emf.i_A = before;
+    const lode_pll_motion_t motion = lode_pll_predict(&self->pll, &tuning->pll);
+    const lode_sincos_t half = lode_sincos_small(0.5f * motion.angle_rad);
+    const lode_sincos_t lag = lode_lag_near(&self->lag, self->pll.omega_rad_s);
+    const lode_sincos_t middle = lode_angle_add(lode_angle_add(self->pll.frame, half), lag);
+    lode_hfi_demodulate(&self->hfi, &tuning->hfi, tuning->emf.salient_Ohm, m_V, i_A, middle, half);
+}
+
+#endif
 
 // Without lock, and has waited for long enough. The waiting time lets observer and mean rotation settle
 // after a reset, and a new acquisition prove itself. A longer time was

@@ -3,6 +3,7 @@
 #define LODE_ESTIMATOR_INLINE_H
 
 #include "emf_inline.h"
+#include "hfi_inline.h"
 #include "lag_inline.h"
 #include "lodestar/estimator.h"
 #include "notch_inline.h"
@@ -34,6 +35,9 @@ lode_sincos_t lode_estimator_filtered_step(lode_estimator_t *self,
                                            float omega_rad_s);
 float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                 lode_sincos_t frame);
+// Position error by injection, (H4).
+void lode_estimator_see_wave(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                             lode_ab_t u_V, lode_ab_t i_A);
 void lode_estimator_move_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              float omega_rad_s);
 void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
@@ -44,9 +48,47 @@ LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
     return tuning->load_per_f_Nm * self->pll.f_rad_s2;
 }
 
+// Position by signal injection, wholly or in part.
+LODE_INLINE bool lode_estimator_injects(const lode_estimator_t *self) {
+#ifdef LODE_WITHOUT_HFI
+    (void)self;
+    return false;
+#else
+    return LODE_RARELY(self->hfi.active);
+#endif
+}
+
 // Sine and cosine of the rotor's angle at t_k.
 LODE_SHARED lode_sincos_t lode_estimator_rotor(const lode_estimator_t *self) {
     return lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
+}
+
+// Takes in the period under way, before anything else does.
+LODE_INLINE void lode_estimator_demodulate(lode_estimator_t *self,
+                                           const lode_estimator_tuning_t *tuning, lode_ab_t u_V,
+                                           lode_ab_t i_A) {
+#ifdef LODE_WITHOUT_HFI
+    (void)self;
+    (void)tuning;
+    (void)u_V;
+    (void)i_A;
+#else
+    if (lode_estimator_injects(self)) {
+        lode_estimator_see_wave(self, tuning, u_V, i_A);
+    }
+#endif
+}
+
+// The current of control at t_k.
+LODE_INLINE lode_dq_t lode_estimator_less_ripple(lode_estimator_t *self, lode_dq_t i_A) {
+#ifndef LODE_WITHOUT_HFI
+    if (lode_estimator_injects(self)) {
+        return lode_hfi_less_ripple(&self->hfi, i_A);
+    }
+#else
+    (void)self;
+#endif
+    return i_A;
 }
 
 // The EMF at t_k. `half`: rotation by half of the motion's angle, `step`: by all of it; `frame`: of the PLL
@@ -122,6 +164,7 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
                                                 const lode_estimator_tuning_t *tuning,
                                                 lode_ab_t u_V, lode_ab_t i_A) {
     const uint32_t options = tuning->options;
+    lode_estimator_demodulate(self, tuning, u_V, i_A);
     const lode_pll_motion_t motion = lode_pll_predict(&self->pll, &tuning->pll);
     const lode_sincos_t half = lode_sincos_small(0.5f * motion.angle_rad);
     const lode_sincos_t step = lode_angle_double(half);
@@ -133,7 +176,7 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
     // amplitude is the one last computed; where the error is large, or not finite, it is computed now.
     const float across_V = lode_park(e_V, frame).d;
     float error = lode_estimator_notched(self, tuning, options, across_V * self->per_V);
-    if (LODE_RARELY(!(lode_abs(error) <= tuning->error_small))) {
+    if (lode_estimator_injects(self) || LODE_RARELY(!(lode_abs(error) <= tuning->error_small))) {
         error = lode_estimator_look_again(self, tuning, frame);
         if (!(lode_abs(error) <= SINE_MAX)) {
             lode_estimator_restart(self, tuning);
@@ -148,8 +191,9 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
         lode_estimator_move_lag(self, tuning, self->pll.omega_rad_s);
     }
     const lode_sincos_t rotor = lode_estimator_rotor(self);
-    const lode_dq_t i_dq = lode_park(i_A, rotor);
+    lode_dq_t i_dq = lode_park(i_A, rotor);
     self->id_A = i_dq.d;
+    i_dq = lode_estimator_less_ripple(self, i_dq);
     if (LODE_USUALLY(lode_estimator_asks(options, LODE_ESTIMATOR_THIRD_ORDER))) {
         const float acc = lode_estimator_acceleration(tuning, i_dq, error, self->pll.omega_rad_s);
         lode_pll_correct_disturbance(&self->pll, &tuning->pll, self->gains, error, acc);
@@ -173,6 +217,21 @@ LODE_INLINE bool lode_estimator_is_sound(const lode_estimator_t *self,
            LODE_USUALLY(lode_abs(length2 - 1.0f) <= 0.25f);
 }
 
+// That of the source with the larger weight.
+LODE_INLINE float lode_estimator_quality(lode_estimator_t *self,
+                                         const lode_estimator_tuning_t *tuning, float by_emf) {
+#ifndef LODE_WITHOUT_HFI
+    if (lode_estimator_injects(self)) {
+        const float own = lode_hfi_quality(&self->hfi, &tuning->hfi, tuning->lock_weight);
+        return self->hfi.weight < 0.5f ? by_emf : own;
+    }
+#else
+    (void)self;
+    (void)tuning;
+#endif
+    return by_emf;
+}
+
 // SLOT_LOCK. Two independent signs: the EMF's amplitude against what the speed induces, and the cosine
 // of the angle between the EMF and where the PLL has it. The worse one counts.
 LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
@@ -193,7 +252,8 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     const float cosine = lode_park(e_V, frame).q * -per_V;
     const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * self->id_A);
     const float level = 1.0f - LEVEL_SLOPE * lode_abs(induced_V * inv_e0 - 1.0f);
-    const float quality = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
+    const float by_emf = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
+    const float quality = lode_estimator_quality(self, tuning, by_emf);
     const float lock =
         lode_clamp(self->lock + tuning->lock_weight * (quality - self->lock), 0.0f, 1.0f);
     self->pll.frame = frame;

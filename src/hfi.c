@@ -1,5 +1,5 @@
-#include "lodestar/hfi.h"
-
+#include "hfi_inline.h"
+#include "inverter_inline.h"
 #include "pll_inline.h"
 
 // Of the largest current, peak to peak: with less ripple the currents stay in the dead band of the inverter.
@@ -19,12 +19,20 @@
 // At w2 the EMF is this many times the fundamental, 4/pi, of a dead-time correction that is 20 % off (H10).
 #define EMF_TIMES 10.0f
 #define CORRECTION_ERROR 0.2f
-#define FUNDAMENTAL 1.27324f
 // At least this much of rated speed: twice what the EMF's start hands over at, with room for the blend.
 #define W2_SHARE 0.275f
 #define W1_SHARE 0.65f
 #define SIGMA_TS_MAX 0.3f
 #define AXIS_MAX_rad 0.5f
+// With less, positive id: at 1.2 the rotor is lost without it.
+#define SALIENCY_ENOUGH 1.5f
+#define ID_SHARE 0.3f
+// Low-pass of the i_q that turns the axis: below current control, above what the load does.
+#define IQ_rad_s 500.0f
+// Injection ends a little above the speed at which it begins.
+#define HYSTERESIS 1.05f
+// Mean error that leaves no trust.
+#define OFF_rad 0.35f
 
 // d(psi_q)/d(i_q) of a flux Lq i/(1 + k i).
 static float differential_Lq(const lode_hfi_system_t *system) {
@@ -89,6 +97,9 @@ static lode_status_t check(const lode_hfi_config_t *config, const lode_hfi_syste
     if (!lode_in_range(config->sigma_rad_s, 1.0f, SIGMA_TS_MAX / system->ts_s)) {
         return LODE_ERROR_HFI_SIGMA;
     }
+    if (!lode_in_range(config->id_A, LODE_NONE, system->inverter->i_max_A)) {
+        return LODE_ERROR_ID_BIAS;
+    }
     return lode_abs(config->k_x_rad_A) * system->inverter->i_max_A <= AXIS_MAX_rad
                ? LODE_OK
                : LODE_ERROR_HFI_AXIS;
@@ -101,11 +112,15 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
     config->noise_A = lode_given_or(config->noise_A, NOISE_COUNTS * lode_abs(system->count_A));
     config->Lq_i_max_H = lode_given_or(config->Lq_i_max_H, differential_Lq(system));
     config->V_h_V = lode_given_or(config->V_h_V, least_V(config, system));
-    const float error_V = FUNDAMENTAL * CORRECTION_ERROR * dead_time_V(system);
+    const float error_V = FOUR_PER_PI * CORRECTION_ERROR * dead_time_V(system);
     const float w2 = lode_max(EMF_TIMES * error_V / lode_max(motor->psi_Wb, FLT_MIN),
                               W2_SHARE * motor->omega_rated_rad_s);
     config->w2_rad_s = lode_given_or(config->w2_rad_s, w2);
     config->w1_rad_s = lode_given_or(config->w1_rad_s, W1_SHARE * config->w2_rad_s);
+    const float id_A = saliency(config, system) < SALIENCY_ENOUGH
+                           ? ID_SHARE * system->inverter->i_max_A
+                           : LODE_NONE;
+    config->id_A = lode_given_or(config->id_A, id_A);
     config->sigma_rad_s = lode_given_or(config->sigma_rad_s, system->sigma_rad_s);
     if (config->mode == LODE_HFI_AUTO) {
         config->mode = check(config, system) == LODE_OK ? LODE_HFI_ON : LODE_HFI_OFF;
@@ -127,6 +142,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
         return status;
     }
     const lode_motor_t *motor = system->motor;
+    const float full_V = 2.0f * config->V_h_V * (motor->Lq_H - motor->Ld_H) / motor->Ld_H;
     const lode_pll_tuning_t pll = {
         .inv_ts = 1.0f / system->ts_s,
         .x_low = lode_one_minus_exp(config->sigma_rad_s * system->ts_s),
@@ -135,12 +151,40 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     *tuning = (lode_hfi_tuning_t){
         .on = 1u,
         .V_h_V = config->V_h_V,
-        .omega_low = config->w1_rad_s,
         .omega_high = config->w2_rad_s,
         .inv_span = 1.0f / (config->w2_rad_s - config->w1_rad_s),
-        .full_V = 2.0f * config->V_h_V * (motor->Lq_H - motor->Ld_H) / motor->Ld_H,
+        .full_V = full_V,
+        .reserve_V = config->V_h_V * system->inverter->v_bus_V / system->circle_V,
         .k_x = config->k_x_rad_A,
+        .iq_weight = lode_one_minus_exp(IQ_rad_s * (float)LODE_SLOW_PERIODS * system->ts_s),
         .gains = lode_pll_gains(&pll, 0.0f),
     };
     return LODE_OK;
 }
+
+#ifndef LODE_WITHOUT_HFI
+
+void lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A,
+                     float omega_rad_s) {
+    const float speed = lode_abs(omega_rad_s);
+    if (!self->active && speed < tuning->omega_high) {
+        *self = (lode_hfi_t){.active = true, .wave_V = tuning->V_h_V, .iq_A = i_A.q, .i_A = i_A};
+    }
+    if (!(speed < HYSTERESIS * tuning->omega_high)) {
+        self->active = false;
+    }
+    self->weight = lode_clamp((tuning->omega_high - speed) * tuning->inv_span, 0.0f, 1.0f);
+    // The axis, and the current along it from there on.
+    self->iq_A += tuning->iq_weight * (self->i_A.q - self->iq_A);
+    const float turn_rad = lode_clamp(tuning->k_x * self->iq_A, -AXIS_MAX_rad, AXIS_MAX_rad);
+    self->axis = lode_sincos_octant(turn_rad);
+    self->ih_A = self->i_A.d * self->axis.cos + self->i_A.q * self->axis.sin;
+}
+
+float lode_hfi_quality(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float weight) {
+    self->off_rad += weight * (lode_abs(self->error) - self->off_rad);
+    const float swing = lode_min(lode_abs(self->swing_V) / tuning->full_V, 1.0f);
+    return swing * lode_clamp(1.0f - self->off_rad / OFF_rad, 0.0f, 1.0f);
+}
+
+#endif

@@ -355,6 +355,25 @@ void lode_mode_seed(lode_drive_t *self) {
     }
 }
 
+#ifndef LODE_WITHOUT_HFI
+
+LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
+    lode_estimator_t *estimator = &self->estimator;
+    const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
+    if (lode_mode(self) != LODE_MODE_RUN) {
+        estimator->hfi.active = false;
+        return;
+    }
+    const float omega = estimator->pll.omega_rad_s;
+    lode_hfi_follow(&estimator->hfi, tuning, self->i_A, omega);
+    if (estimator->hfi.active) {
+        estimator->gains = tuning->gains;
+        self->direction = lode_sign(omega); // either is as good
+    }
+}
+
+#endif
+
 LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate) {
     lode_estimator_t *own = &self->estimator;
     const float load_per_f = self->tuning->estimator.load_per_f_Nm;

@@ -1,7 +1,10 @@
-// Signal injection: what is designed, what is refused.
+// Signal injection: what is designed, what is refused; the position error by it, and the drive at no speed.
 #include "support/fields.h"
+#include "support/rig.h"
 
-#include "lodestar/hfi.h"
+#include "emf_inline.h"
+#include "estimator_inline.h"
+#include "hfi_inline.h"
 
 void setUp(void) {}
 
@@ -123,6 +126,8 @@ static void test_refusals(void) {
         {offsetof(lode_hfi_config_t, w2_rad_s), NAN, LODE_ERROR_HFI_SPEEDS},
         {offsetof(lode_hfi_config_t, sigma_rad_s), 0.5f, LODE_ERROR_HFI_SIGMA},
         {offsetof(lode_hfi_config_t, sigma_rad_s), 1501.0f, LODE_ERROR_HFI_SIGMA},
+        {offsetof(lode_hfi_config_t, id_A), 12.1f, LODE_ERROR_ID_BIAS},
+        {offsetof(lode_hfi_config_t, id_A), -1.1f, LODE_ERROR_ID_BIAS},
         {offsetof(lode_hfi_config_t, k_x_rad_A), -0.05f, LODE_ERROR_HFI_AXIS},
         {offsetof(lode_hfi_config_t, k_x_rad_A), NAN, LODE_ERROR_HFI_AXIS},
     };
@@ -161,6 +166,352 @@ static void test_auto_is_on_where_the_machine_allows_it(void) {
     TEST_ASSERT_FALSE(tuning.on);
 }
 
+static void test_id_that_saturates_the_d_axis_where_saliency_is_small(void) {
+    machine_t machine;
+    set_up(&machine);
+    CHECK_NEAR(0.0, (double)LODE_NONE, designed(&machine).id_A);
+    machine.motor.Lq_H = 1.4f * machine.motor.Ld_H;
+    CHECK_NEAR(1.0e-5, 3.6, designed(&machine).id_A);
+}
+
+/// A linear machine at rest on held mean voltages, seen from an angle that is off.
+typedef struct {
+    ipmsm_t motor;
+    lode_emf_t emf;
+    lode_emf_tuning_t emf_tuning;
+    lode_hfi_t hfi;
+    lode_hfi_tuning_t tuning;
+    lode_sincos_t seen; ///< the drive's angle
+    lode_sincos_t half; ///< its motion in half a period
+} bench_t;
+
+static void bench_init(bench_t *b, double xi, double V_h, double Ld_factor, double off_rad) {
+    machine_t machine;
+    set_up(&machine);
+    b->motor = ipmsm_paper(0.0);
+    b->motor.Lq = xi * b->motor.Ld;
+    machine.motor.Lq_H = (float)b->motor.Lq;
+    machine.motor.Ld_H = (float)(Ld_factor * b->motor.Ld);
+    machine.inverter.dead_time_s = machine.inverter.v_drop_V = 0.0f;
+    machine.system.circle_V = 1000.0f;
+    lode_hfi_config_t config = {
+        .mode = LODE_HFI_ON, .V_h_V = (float)V_h, .Lq_i_max_H = 9.8e-3f, .noise_A = 0.01f};
+    lode_hfi_design(&config, &machine.system);
+    CHECK_STATUS(LODE_OK, lode_hfi_tune(&b->tuning, &config, &machine.system));
+    lode_emf_config_t emf = {.kind = LODE_EMF_C_LESO};
+    lode_emf_design(&emf, &machine.motor, 100.0f, PAPER_TS_s);
+    CHECK_STATUS(LODE_OK, lode_emf_tune(&b->emf_tuning, &emf, &machine.motor, true, PAPER_TS_s));
+    lode_emf_reset(&b->emf, (lode_ab_t){0.0f, 0.0f});
+    b->hfi = (lode_hfi_t){.wave_V = (float)V_h, .axis = {0.0f, 1.0f}};
+    b->seen = lode_sincos((float)(b->motor.theta - off_rad));
+    b->half = (lode_sincos_t){0.0f, 1.0f};
+}
+
+/// A period of the wave on top of (ud, uq) as the drive sees it.
+static void bench_step(bench_t *b, double ud, double uq) {
+    const lode_dq_t u_dq = lode_hfi_add_wave(&b->hfi, (lode_dq_t){(float)ud, (float)uq});
+    const lode_ab_t u = lode_park_inverse(u_dq, b->seen);
+    ipmsm_step(&b->motor, (double)u.alpha, (double)u.beta, (double)PAPER_TS_s);
+    const lode_ab_t i = ipmsm_current(&b->motor);
+    const lode_ab_t m = lode_emf_dead_beat(&b->emf, &b->emf_tuning, u, i);
+    lode_hfi_demodulate(&b->hfi, &b->tuning, b->emf_tuning.salient_Ohm, m, i, b->seen, b->half);
+    (void)lode_hfi_less_ripple(&b->hfi, lode_park(i, b->seen));
+}
+
+/// Steps of the voltage on both axes at random, as current control would make them; least and largest e_h/off
+/// of the periods with enough excitation, and their mean.
+typedef struct {
+    double least, most, mean;
+} gains_t;
+
+static gains_t bench_gains(bench_t *b, double off_rad, double step_V) {
+    gains_t gains = {1.0e9, -1.0e9, 0.0};
+    random_t random = random_seed(1u);
+    int count = 0;
+    for (int k = 0; k < 2000; k++) {
+        // Less what brings the currents back: the steps would add up.
+        bench_step(b, random_between(&random, -step_V, step_V) - 2.0 * b->motor.id,
+                   random_between(&random, -step_V, step_V) - 2.0 * b->motor.iq);
+        if (k < 10 || fabs((double)b->hfi.swing_V) < 0.3 * (double)b->tuning.full_V) {
+            continue;
+        }
+        const double gain = (double)b->hfi.error / off_rad;
+        gains.least = fmin(gains.least, gain);
+        gains.most = fmax(gains.most, gain);
+        gains.mean += gain;
+        count++;
+    }
+    gains.mean /= count;
+    return gains;
+}
+
+static const double saliencies[] = {1.2, 1.5, 2.0, 2.8, 3.0};
+static const double waves_V[] = {10.0, 30.0, 100.0};
+
+static void test_no_error_shows_at_the_right_angle_whatever_the_voltage_does(void) {
+    for (int s = 0; s < COUNT_OF(saliencies); s++) {
+        for (int v = 0; v < COUNT_OF(waves_V); v++) {
+            bench_t b;
+            bench_init(&b, saliencies[s], waves_V[v], 1.0, 0.0);
+            const gains_t gains = bench_gains(&b, 1.0, 30.0);
+            // What rounding leaves of some 500 V in the dead-beat EMF, beside the least H that counts.
+            const double bound = 4.0e-5 / (0.3 * (double)b.tuning.full_V);
+            CHECK_NEAR(bound, 0.0, gains.least);
+            CHECK_NEAR(bound, 0.0, gains.most);
+        }
+    }
+}
+
+static void test_gain_of_the_position_error(void) {
+    for (int s = 0; s < COUNT_OF(saliencies); s++) {
+        for (int v = 0; v < COUNT_OF(waves_V); v++) {
+            bench_t b;
+            bench_init(&b, saliencies[s], waves_V[v], 1.0, 0.05);
+            const gains_t gains = bench_gains(&b, 0.05, 30.0);
+            CHECK_NEAR(0.005, 1.0, gains.mean);
+            // The term of second order: off times the second difference of iq over that of id.
+            const double spread = 0.05 * 1.5 * (1.0 + 60.0 / waves_V[v]) / 0.3;
+            TEST_ASSERT_TRUE(gains.least > 1.0 - spread && gains.most < 1.0 + spread);
+        }
+    }
+}
+
+static void test_wrong_Ld_scales_the_gain(void) {
+    for (int s = 0; s < COUNT_OF(saliencies); s++) {
+        for (int v = 0; v < 2; v++) {
+            bench_t b;
+            const double factor = v == 0 ? 0.95 : 1.05;
+            bench_init(&b, saliencies[s], 50.0, factor, 0.05);
+            const gains_t gains = bench_gains(&b, 0.05, 30.0);
+            CHECK_NEAR(0.005, (saliencies[s] - 1.0) / (saliencies[s] - factor), gains.mean);
+        }
+    }
+}
+
+static void test_without_excitation_there_is_no_error(void) {
+    bench_t b;
+    bench_init(&b, 2.8, 25.0, 1.0, 0.05);
+    b.hfi.wave_V = 0.0f;
+    for (int k = 0; k < 10; k++) {
+        bench_step(&b, 0.0, 0.0);
+        CHECK_NEAR(1.0e-7, 0.0, b.hfi.error);
+    }
+    // And never more than can be meant by one.
+    b.hfi.wave_V = 25.0f;
+    b.hfi.q_V = -1000.0f;
+    bench_step(&b, 0.0, 0.0);
+    CHECK_NEAR(1.0e-7, 0.5, fabsf(b.hfi.error));
+}
+
+static lode_hfi_tuning_t paper_tuning(void) {
+    machine_t machine;
+    set_up(&machine);
+    lode_hfi_config_t config = designed(&machine);
+    config.V_h_V = 25.0f;
+    config.w1_rad_s = 80.0f;
+    config.w2_rad_s = 130.0f;
+    config.k_x_rad_A = 0.01f;
+    lode_hfi_tuning_t tuning;
+    CHECK_STATUS(LODE_OK, lode_hfi_tune(&tuning, &config, &machine.system));
+    return tuning;
+}
+
+static void test_begins_and_ends_with_the_speed(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    const lode_dq_t none = {0.0f, 0.0f};
+    lode_hfi_t hfi = {.active = false};
+    lode_hfi_follow(&hfi, &tuning, none, 131.0f);
+    TEST_ASSERT_FALSE(hfi.active);
+    lode_hfi_follow(&hfi, &tuning, none, -129.0f);
+    TEST_ASSERT_TRUE(hfi.active);
+    CHECK_NEAR(1.0e-6, 0.02, hfi.weight);
+    CHECK_NEAR(0.0, 25.0, hfi.wave_V);
+    lode_hfi_follow(&hfi, &tuning, none, 105.0f);
+    CHECK_NEAR(1.0e-6, 0.5, hfi.weight);
+    lode_hfi_follow(&hfi, &tuning, none, -70.0f);
+    CHECK_NEAR(0.0, 1.0, hfi.weight);
+    lode_hfi_follow(&hfi, &tuning, none, 136.0f); // within 5 %
+    TEST_ASSERT_TRUE(hfi.active);
+    CHECK_NEAR(0.0, 0.0, hfi.weight);
+    lode_hfi_follow(&hfi, &tuning, none, 137.0f);
+    TEST_ASSERT_FALSE(hfi.active);
+    lode_hfi_follow(&hfi, &tuning, none, 0.0f);
+    lode_hfi_follow(&hfi, &tuning, none, NAN);
+    TEST_ASSERT_FALSE(hfi.active);
+}
+
+static void test_both_errors_are_weighted(void) {
+    lode_hfi_t hfi = {.error = 0.1f, .weight = 0.75f};
+    CHECK_NEAR(1.0e-7, 0.75 * 0.1 - 0.25 * 0.2, lode_hfi_blend(&hfi, -0.2f));
+    CHECK_NEAR(1.0e-7, 0.75 * 0.1 + 0.25 * 0.5, lode_hfi_blend(&hfi, 7.0f));
+    CHECK_NEAR(1.0e-7, 0.75 * 0.1 - 0.25 * 0.5, lode_hfi_blend(&hfi, -7.0f));
+}
+
+static void test_the_ripple_drops_out(void) {
+    lode_hfi_t hfi = {.i_A = {1.5f, 4.0f}, .axis = lode_sincos(0.1f)};
+    const lode_dq_t mean = lode_hfi_less_ripple(&hfi, (lode_dq_t){0.5f, 4.0f});
+    CHECK_NEAR(1.0e-7, 1.0, mean.d);
+    CHECK_NEAR(1.0e-7, 4.0, mean.q);
+    CHECK_NEAR(1.0e-6, 0.5 * cos(0.1) + 4.0 * sin(0.1), hfi.ih_A); // along the axis
+}
+
+static void test_cross_saturation_turns_the_axis(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    lode_hfi_t hfi = {.active = false};
+    const lode_dq_t i_A = {0.0f, -8.0f};
+    for (int k = 0; k < 100; k++) {
+        lode_hfi_follow(&hfi, &tuning, i_A, 0.0f);
+    }
+    CHECK_NEAR(1.0e-6, sin(-0.08), hfi.axis.sin);
+    CHECK_NEAR(1.0e-6, cos(-0.08), hfi.axis.cos);
+    CHECK_NEAR(1.0e-6, -8.0 * sin(-0.08), hfi.ih_A);
+    const lode_dq_t u_V = lode_hfi_add_wave(&hfi, (lode_dq_t){1.0f, 2.0f});
+    CHECK_NEAR(1.0e-5, 1.0 - 25.0 * cos(-0.08), u_V.d);
+    CHECK_NEAR(1.0e-5, 2.0 - 25.0 * sin(-0.08), u_V.q);
+    CHECK_NEAR(1.0e-5, 1.0 + 25.0 * cos(-0.08), lode_hfi_add_wave(&hfi, (lode_dq_t){1.0f, 2.0f}).d);
+}
+
+static void test_quality_falls_with_the_response_and_with_the_error(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning(); // H0 is 90 V
+    lode_hfi_t hfi = {.swing_V = -90.0f};
+    CHECK_NEAR(1.0e-6, 1.0, lode_hfi_quality(&hfi, &tuning, 0.2f));
+    hfi.swing_V = 120.0f;
+    CHECK_NEAR(1.0e-6, 1.0, lode_hfi_quality(&hfi, &tuning, 0.2f));
+    hfi.swing_V = 45.0f;
+    CHECK_NEAR(1.0e-6, 0.5, lode_hfi_quality(&hfi, &tuning, 0.2f));
+    hfi.error = -0.35f;
+    CHECK_NEAR(1.0e-6, 0.5 * 0.8, lode_hfi_quality(&hfi, &tuning, 0.2f));
+    hfi.error = 0.5f;
+    for (int k = 0; k < 100; k++) {
+        (void)lode_hfi_quality(&hfi, &tuning, 0.2f);
+    }
+    CHECK_NEAR(0.0, 0.0, lode_hfi_quality(&hfi, &tuning, 0.2f));
+}
+
+/// Paper 1's motor with injection in RUN at 300 rpm, from an I-f start.
+static lode_drive_tuning_t rig_tuning;
+
+static void rig_running(rig_t *rig, lode_pll_kind_t pll) {
+    lode_drive_config_t config = rig_config();
+    config.hfi.mode = LODE_HFI_ON;
+    config.hfi.V_h_V = 25.0f;
+    config.estimator.pll.kind = pll;
+    rig_init(rig, &rig_tuning, &config);
+    rig_command(rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 31.4f});
+    rig_run(rig, 2.0);
+    rig_expect(rig, LODE_MODE_RUN);
+    CHECK_NEAR(1.0, 31.4, rig->motor.omega / 3.0);
+}
+
+/// Worst position error (rad) of the next `seconds`.
+static double rig_worst(rig_t *rig, double seconds) {
+    worst_t worst = {0.0};
+    for (int k = 0; k < (int)(seconds / RIG_TS_s); k++) {
+        rig_step(rig);
+        worst_note(&worst, rig->angle_error);
+    }
+    return worst.value;
+}
+
+static void rig_ask(rig_t *rig, float speed_rad_s) {
+    rig_command(rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = speed_rad_s});
+}
+
+static void test_full_torque_at_no_speed_and_reversal(void) {
+    static rig_t rig;
+    // Without a disturbance state a step of the load turns the angle by A/sigma^2 (P7): 4.9 degrees and more.
+    static const struct {
+        lode_pll_kind_t pll;
+        double step_deg;
+    } kinds[] = {{LODE_PLL_LESO, 3.6}, {LODE_PLL_QPLL, 11.0}};
+    for (int k = 0; k < COUNT_OF(kinds); k++) {
+        rig_running(&rig, kinds[k].pll);
+        rig_ask(&rig, 0.0f);
+        rig_run(&rig, 1.0);
+        CHECK_AT_MOST(1.0 * CHECK_DEG, rig_worst(&rig, 0.5));
+        for (int sign = -1; sign <= 1; sign += 2) {
+            rig.pull_Nm = 5.0 * sign;
+            CHECK_AT_MOST(kinds[k].step_deg * CHECK_DEG, rig_worst(&rig, 0.7));
+            CHECK_AT_MOST(1.0 * CHECK_DEG, rig_worst(&rig, 0.5));
+        }
+        CHECK_NEAR(2.0, 0.0, rig.motor.omega / 3.0); // and comes back
+        rig_ask(&rig, -6.3f);
+        CHECK_AT_MOST(6.0 * CHECK_DEG, rig_worst(&rig, 1.0));
+        rig_ask(&rig, -62.8f); // the EMF takes over
+        CHECK_AT_MOST(8.0 * CHECK_DEG, rig_worst(&rig, 2.0));
+        TEST_ASSERT_FALSE(rig.drive.estimator.hfi.active);
+        CHECK_NEAR(1.0, -62.8, rig.motor.omega / 3.0);
+        rig_expect(&rig, LODE_MODE_RUN);
+    }
+}
+
+// Injection cannot tell north from south: the load takes the rotor along, until the EMF finds the angle anew.
+static void test_a_magnet_the_wrong_way_round_is_found_by_its_EMF(void) {
+    static rig_t rig;
+    rig_running(&rig, LODE_PLL_LESO);
+    rig_ask(&rig, 0.0f);
+    rig_run(&rig, 1.0);
+    rig.motor.theta += CHECK_PI;
+    rig.motor.id = -rig.motor.id;
+    rig.motor.iq = -rig.motor.iq;
+    rig.pull_Nm = 5.0;
+    CHECK_AT_LEAST(3.0, rig_worst(&rig, 0.05));
+    rig_run(&rig, 0.15);
+    CHECK_AT_MOST(2.0 * CHECK_DEG, rig_worst(&rig, 0.8));
+    CHECK_NEAR(1.0, 0.0, rig.motor.omega / 3.0);
+    rig_expect(&rig, LODE_MODE_RUN);
+}
+
+static void test_no_response_to_the_wave_trips(void) {
+    static rig_t rig;
+    rig_running(&rig, LODE_PLL_LESO);
+    rig_ask(&rig, 0.0f);
+    rig_run(&rig, 1.0);
+    rig.motor.Ld = 9.8e-3; // 0.36 of it is left
+    rig_run(&rig, 0.2);
+    rig_expect(&rig, LODE_MODE_FAULT);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&rig).fault.check);
+}
+
+static void test_off_is_off_to_the_bit(void) {
+    static rig_t plain;
+    static rig_t rig;
+    static lode_drive_tuning_t tunings[2];
+    lode_drive_config_t config = rig_config();
+    rig_init(&plain, &tunings[0], &config);
+    config.hfi = (lode_hfi_config_t){
+        .V_h_V = 25.0f, .w1_rad_s = 80.0f, .w2_rad_s = 130.0f, .sigma_rad_s = 50.0f, .id_A = 3.0f};
+    rig_init(&rig, &tunings[1], &config);
+    rig_ask(&plain, 31.4f);
+    rig_ask(&rig, 31.4f);
+    for (int k = 0; k < 8000; k++) {
+        if (k == 6000) {
+            rig_expect(&rig, LODE_MODE_RUN);
+            rig_ask(&plain, -31.4f);
+            rig_ask(&rig, -31.4f);
+        }
+        rig_step(&plain);
+        rig_step(&rig);
+        TEST_ASSERT_EQUAL_MEMORY(&plain.out.duty, &rig.out.duty, sizeof rig.out.duty);
+    }
+}
+
+static void test_what_is_not_finite_is_left_behind(void) {
+    static rig_t rig;
+    rig_running(&rig, LODE_PLL_LESO);
+    rig_ask(&rig, 0.0f);
+    rig_run(&rig, 1.0);
+    lode_estimator_t *estimator = &rig.drive.estimator;
+    for (int k = 0; k < COUNT_OF(check_not_finite); k++) {
+        const lode_ab_t u_V = {0.0f, 0.0f};
+        estimator->hfi.active = true;
+        const lode_estimate_t bad = lode_estimator_step(estimator, &rig_tuning.estimator, u_V,
+                                                        (lode_ab_t){check_not_finite[k], 0.0f});
+        TEST_ASSERT_TRUE(bad.reseeded);
+        TEST_ASSERT_FALSE(estimator->hfi.active);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_each_rule_sizes_the_voltage);
@@ -169,5 +520,20 @@ int main(void) {
     RUN_TEST(test_tuning_follows_from_the_configuration);
     RUN_TEST(test_refusals);
     RUN_TEST(test_auto_is_on_where_the_machine_allows_it);
+    RUN_TEST(test_id_that_saturates_the_d_axis_where_saliency_is_small);
+    RUN_TEST(test_no_error_shows_at_the_right_angle_whatever_the_voltage_does);
+    RUN_TEST(test_gain_of_the_position_error);
+    RUN_TEST(test_wrong_Ld_scales_the_gain);
+    RUN_TEST(test_without_excitation_there_is_no_error);
+    RUN_TEST(test_begins_and_ends_with_the_speed);
+    RUN_TEST(test_both_errors_are_weighted);
+    RUN_TEST(test_the_ripple_drops_out);
+    RUN_TEST(test_cross_saturation_turns_the_axis);
+    RUN_TEST(test_quality_falls_with_the_response_and_with_the_error);
+    RUN_TEST(test_full_torque_at_no_speed_and_reversal);
+    RUN_TEST(test_a_magnet_the_wrong_way_round_is_found_by_its_EMF);
+    RUN_TEST(test_no_response_to_the_wave_trips);
+    RUN_TEST(test_off_is_off_to_the_bit);
+    RUN_TEST(test_what_is_not_finite_is_left_behind);
     return UNITY_END();
 }

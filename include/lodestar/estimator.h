@@ -84,6 +84,9 @@ typedef struct {
     lode_notch_t notch;
     lode_notch_t notch12;
 #endif
+#ifndef LODE_WITHOUT_HFI
+    lode_hfi_t hfi;
+#endif
     float omega_tune;   ///< the speed that tunes the observer, where it is filtered
     lode_ab_t rotation; ///< without lock: mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
     lode_ab_t before_V; ///< without lock: e[k-1]

@@ -33,6 +33,10 @@ typedef struct {
     float k_x_rad_A;
     /// DIFFERENTIAL q-axis inductance, d(psi_q)/d(i_q), at i_max; 0: from Lq_H and references.Lq_fall
     float Lq_i_max_H;
+    /// POSITIVE d current while injecting, which saturates the d axis and so makes the rotor more salient; fades
+    /// from w2 to 2 w2. It takes the place of the references' negative one. 0: 0.3 i_max where Lq_i_max_H is
+    /// below 1.5 Ld_H, else none; LODE_NONE: none
+    float id_A;
     float
         noise_A; ///< rms noise of one component of the current vector; 0: 1.6 counts of the converter
 } lode_hfi_config_t;
@@ -53,13 +57,30 @@ typedef struct {
 typedef struct {
     uint32_t on; ///< 0 or 1
     float V_h_V;
-    float omega_low;  ///< w1
     float omega_high; ///< w2
     float inv_span;   ///< 1/(w2 - w1)
     float full_V;     ///< H0: by what the regressor moves in a period on the true axis (H5)
+    float reserve_V;  ///< bus voltage that current control leaves to the wave
     float k_x;        ///< rad/A
+    float iq_weight;  ///< of a new i_q in the one that turns the axis, once in LODE_SLOW_PERIODS
     lode_pll_gains_t gains;
 } lode_hfi_tuning_t;
+
+/// What injection keeps from period to period; that of the estimator.
+typedef struct {
+    bool active;        ///< injecting
+    float wave_V;       ///< added along the axis in the last duties: V_h or -V_h
+    float weight;       ///< of its position error beside the EMF's (H11)
+    float error;        ///< its position error at t_k, rad (H4)
+    float ih_A;         ///< current along the axis at t_k
+    float q_V;          ///< dead-beat EMF across the axis (H1)
+    float h_V;          ///< regressor (H1)
+    float swing_V;      ///< H, by which it has moved in the last period
+    float off_rad;      ///< mean magnitude of the error
+    float iq_A;         ///< low-passed
+    lode_sincos_t axis; ///< from the estimated d axis, by cross-saturation
+    lode_dq_t i_A;      ///< current in the rotor's frame at t_k, ripple included
+} lode_hfi_t;
 
 /// Saliency below which nothing is injected: Lq'(i_max)/Ld'.
 #define LODE_HFI_SALIENCY_MIN 1.15f

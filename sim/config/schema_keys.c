@@ -98,6 +98,7 @@ static const rig_key_t keys[] = {
     FLOAT("hfi", "sigma_rad_s", hfi.sigma_rad_s),
     GIVEN("hfi", "k_x_rad_A", hfi.k_x_rad_A),
     FLOAT("hfi", "Lq_i_max_H", hfi.Lq_i_max_H),
+    FLOAT_OR_NONE("hfi", "id_A", hfi.id_A),
     FLOAT("hfi", "noise_A", hfi.noise_A),
 
     FLOAT("current", "bandwidth_rad_s", current.bandwidth_rad_s),

@@ -84,7 +84,8 @@ speed_limits_t speed_limits_of(const lode_drive_config_t *config) {
         .no_load_rad_s = no_load,
         .weakened_rad_s = weakened_speed(config),
         .estimator_rad_s = (double)config->estimator.omega_max_rad_s,
-        .least_rad_s = (double)config->speed.omega_min_rad_s,
+        .least_rad_s =
+            config->hfi.mode == LODE_HFI_ON ? 0.0 : (double)config->speed.omega_min_rad_s,
     };
 }
 

@@ -14,7 +14,7 @@ typedef struct {
     /// NaN: the field is not weakened
     double weakened_rad_s;
     double estimator_rad_s; ///< omega_max: what the estimator is made for, whatever the voltage
-    double least_rad_s;     ///< omega_min: commands below it are taken for it
+    double least_rad_s;     ///< omega_min: commands below it are taken for it; 0 with injection
 } speed_limits_t;
 
 /// Of a configuration that is designed and that the library accepts.

@@ -58,11 +58,12 @@
     ROW(FLOAT, float, estimator.lag.coefficient[5]) \
     ROW(WHOLE, uint32_t, estimator.hfi.on) \
     ROW(FLOAT, float, estimator.hfi.V_h_V) \
-    ROW(FLOAT, float, estimator.hfi.omega_low) \
     ROW(FLOAT, float, estimator.hfi.omega_high) \
     ROW(FLOAT, float, estimator.hfi.inv_span) \
     ROW(FLOAT, float, estimator.hfi.full_V) \
+    ROW(FLOAT, float, estimator.hfi.reserve_V) \
     ROW(FLOAT, float, estimator.hfi.k_x) \
+    ROW(FLOAT, float, estimator.hfi.iq_weight) \
     ROW(FLOAT, float, estimator.hfi.gains.theta) \
     ROW(FLOAT, float, estimator.hfi.gains.omega_s) \
     ROW(FLOAT, float, estimator.hfi.gains.f_s2) \

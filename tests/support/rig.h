@@ -27,6 +27,7 @@ typedef struct {
     lode_drive_out_t out;
     ipmsm_t motor;
     double load_Nm;     ///< friction-like: against the rotation
+    double pull_Nm;     ///< constant, whichever way the rotor turns
     bool blocked;       ///< the rotor stands still
     double offset[3];   ///< of the current converters, counts
     lode_abc_t applied; ///< duties under way
@@ -62,7 +63,7 @@ static inline void rig_move(rig_t *self) {
     ipmsm_t *m = &self->motor;
     const double torque = ipmsm_torque(m);
     const double drag = self->load_Nm * tanh(m->omega / 3.0) + 7.5e-4 * m->omega / 3.0;
-    m->acc = self->blocked ? 0.0 : 3.0 / 0.0174 * (torque - drag);
+    m->acc = self->blocked ? 0.0 : 3.0 / 0.0174 * (torque - drag - self->pull_Nm);
     const lode_ab_t u = lode_clarke(self->applied);
     if (self->out.gates == LODE_GATES_ON) {
         ipmsm_step(m, (double)PAPER_V_BUS * (double)u.alpha, (double)PAPER_V_BUS * (double)u.beta,
