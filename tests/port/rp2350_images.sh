@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The RP2350 as a complete image for the Cortex-M33: linked from this tree alone, with what the boot ROM looks
-# for in the first 4 KB, the interrupt in SRAM; prints the sizes. A driver without one of its three protections,
-# one with bootstrap capacitors and a wrong core are refused. Runs at the project's root.
+# for in the first 4 KB, the interrupt in SRAM; prints the sizes. A Debug build links too. A driver without one
+# of its three protections, one with bootstrap capacitors and a wrong core are refused. Runs at the
+# project's root.
 set -eu -o pipefail
 for tool in arm-none-eabi-gcc cmake ninja; do
     command -v "$tool" >/dev/null || { echo "skipped: no $tool"; exit 77; }
@@ -42,6 +43,8 @@ done
 # What outlives a reset lies where start-up code neither clears nor copies.
 awk '{ at[$3] = $1 } END { exit !(at["resets"] >= at["bss_end"] && at["check"] >= at["bss_end"]) }' "$work/symbols" ||
     { echo "the count of watchdog resets: expected behind .bss"; exit 1; }
+
+configure -DLODE_CORE=cortex-m33 -DCMAKE_BUILD_TYPE=Debug && ninja -C "$work/m33" >>"$log" 2>&1 || { cat "$log"; exit 1; }
 
 refused() { # refused EDIT WHY: the example header, edited, does not compile
     sed "$1" port/rp2350/boards/generic_rp2350.h >"$work/board.h"

@@ -12,9 +12,13 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 log=$work/build.log
 
-cmake -G Ninja -S . -B "$work/r5" -DCMAKE_TOOLCHAIN_FILE=port/cmake/arm-none-eabi.cmake \
-    -DLODE_CORE=cortex-r5f -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2 \
-    -DLODE_PORT=ti_am263x >"$log" 2>&1 && ninja -C "$work/r5" >>"$log" 2>&1 || { cat "$log"; exit 1; }
+r5() { # r5 FOLDER OPTION...
+    cmake -G Ninja -S . -B "$work/$1" -DCMAKE_TOOLCHAIN_FILE=port/cmake/arm-none-eabi.cmake \
+        -DLODE_CORE=cortex-r5f -DLODE_PORT=ti_am263x "${@:2}" >"$log" 2>&1 && ninja -C "$work/$1" >>"$log" 2>&1 ||
+        { cat "$log"; exit 1; }
+}
+r5 debug -DCMAKE_BUILD_TYPE=Debug # links
+r5 r5 -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2
 elf=$work/r5/port/ti_am263x/lodestar_am263x.elf
 arm-none-eabi-size -A "$elf" | awk '
     { size[$1] = $2 }
