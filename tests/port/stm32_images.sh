@@ -67,9 +67,9 @@ must_build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD=nucleo_ihm16m1
 kept "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON
 sizes "nucleo_ihm16m1 with CORDIC" "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
-# The larger chip has room for every observer in its fast memory.
-must_build g474 -DLODE_PORT=stm32g4 -DLODE_CHIP=g474 -DLODE_BOARD=nucleo_ihm16m1 -DLODE_OTHER_OBSERVERS=ON
-sizes "g474, all observers" "$work/g474/port/stm32g4/lodestar_stm32g4.elf"
+# The larger chip has room for every observer and for signal injection in its fast memory.
+must_build g474 -DLODE_PORT=stm32g4 -DLODE_CHIP=g474 -DLODE_BOARD=nucleo_ihm16m1 -DLODE_OTHER_OBSERVERS=ON -DLODE_HFI=ON
+sizes "g474, all observers, injection" "$work/g474/port/stm32g4/lodestar_stm32g4.elf"
 if build refused_chip -DLODE_PORT=stm32g4 -DLODE_CHIP=g999 || ! grep -q "expected g431 or g474" "$log"; then
     echo "a chip that is none: expected a refusal that names g431 and g474"
     exit 1
