@@ -101,7 +101,7 @@ static bool is_limited(const lode_speed_t *speed) {
 // The least speed is held in place of the commanded one. (A stop goes through it.)
 static bool is_raised(const lode_drive_t *self) {
     const float commanded = lode_abs(self->command.speed_rad_s);
-    return commanded > 0.0f &&
+    return !self->sensored && commanded > 0.0f &&
            commanded < self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
 }
 
@@ -189,6 +189,29 @@ LODE_RAMFUNC LODE_NOINLINE bool lode_drive_accept(lode_drive_t *self, uint_least
     const uint_least8_t phase = lode_sense_omitted(&self->tuning->sense, *duty);
     *omitted = lode_sense_omit_later(*omitted, phase);
     return true;
+}
+
+// Mechanical speeds between which RUN stays, as commanded. Without a sensor: in the present direction, and no
+// slower than the least speed; where another is asked for, that one alone.
+static lode_range_t allowed_speeds(const lode_drive_t *self) {
+    const float speed = self->command.speed_rad_s;
+    if (self->sensored) {
+        return (lode_range_t){-lode_abs(speed), lode_abs(speed)};
+    }
+    const float least = self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
+    const float most = lode_max(speed * self->direction, least);
+    return self->direction < 0.0f ? (lode_range_t){-most, -least} : (lode_range_t){least, most};
+}
+
+LODE_NOINLINE float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm) {
+    const lode_range_t speeds = allowed_speeds(self);
+    const float wanted = self->command.speed_rad_s;
+    const bool stops = !self->sensored && !(wanted * self->direction > 0.0f);
+    if (!self->command.torque || stops) {
+        return lode_clamp(wanted, speeds.min, speeds.max);
+    }
+    return lode_speed_torque_target(&self->state.run.speed, &self->tuning->speed,
+                                    self->command.torque_Nm, speeds, omega_rad_s, load_Nm);
 }
 
 LODE_RAMFUNC LODE_NOINLINE void lode_drive_fast_speed(lode_drive_t *self) {
@@ -335,9 +358,7 @@ lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_sample_t *sam
 
 lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
                                 const lode_estimate_t *estimate) {
-    if (self->gates && estimate->source == LODE_ESTIMATE_EXTERNAL) {
-        lode_mode_adopt(self, estimate);
-    }
+    lode_mode_adopt(self, estimate);
     return self->gates ? act(self, self->tuning, sample, estimate) : idle(self, sample);
 }
 

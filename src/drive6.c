@@ -397,9 +397,7 @@ lode_estimate_t lode_drive6_estimate(lode_drive6_t *self, const lode_sample6_t *
 
 lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_sample6_t *sample,
                                   const lode_estimate_t *estimate) {
-    if (self->drive.gates && estimate->source == LODE_ESTIMATE_EXTERNAL) {
-        lode_mode_adopt(&self->drive, estimate);
-    }
+    lode_mode_adopt(&self->drive, estimate);
     return self->drive.gates ? act(self, sample, estimate) : idle(self, sample);
 }
 

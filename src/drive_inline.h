@@ -39,6 +39,8 @@ void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                          const lode_sample_t *sample);
 // Speed control where it comes more often than once in a round: before current control; in drive.c.
 void lode_drive_fast_speed(lode_drive_t *self);
+// Target of speed control with a sensor, or for torque control; in drive.c.
+float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm);
 // One of a set's currents has kept its count, or their sum is large; in drive.c.
 void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                         const int32_t i[LODE_PHASES], float looks);
@@ -82,13 +84,8 @@ LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
 
 // Too slow to run on, and not about to speed up.
 LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
-    return !(self->command.speed_rad_s * self->direction > 0.0f) &&
+    return !self->sensored && !(self->command.speed_rad_s * self->direction > 0.0f) &&
            lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
-}
-
-// The torque as commanded, between the least and the commanded speed.
-LODE_INLINE bool lode_drive_is_torque(const lode_drive_t *self) {
-    return self->command.torque && self->command.speed_rad_s * self->direction > 0.0f;
 }
 
 // SLOT_SPEED, by the electrical speed `omega_rad_s`.
@@ -101,14 +98,8 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
         target = run->speed.reference_rad_s;
         run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
-    } else if (LODE_RARELY(lode_drive_is_torque(self))) {
-        const float slowest = least * self->direction;
-        const lode_range_t between = {lode_min(slowest, target), lode_max(slowest, target)};
-        if (lode_speed_follow_torque(&run->speed, &tuning->speed, self->command.torque_Nm, between,
-                                     omega_rad_s, load_Nm)) {
-            return;
-        }
-        target = run->speed.reference_rad_s;
+    } else if (LODE_RARELY(self->sensored || self->command.torque)) {
+        target = lode_drive_other_target(self, omega_rad_s, load_Nm);
     } else {
         // along the ramp
     }

@@ -186,6 +186,9 @@ static void follow_start(lode_drive_t *self) {
     const lode_slot_t slot = lode_slot_of(self->steps);
     if (self->command.mode != LODE_MODE_RUN) {
         lode_mode_switch_off(self);
+    } else if (self->sensored) { // there is nothing to start
+        hand_over(self);
+        self->state.run.fade = 0.0f;
     } else if (slot == SLOT_SPEED) {
         judge_start(self);
     } else if (slot == SLOT_REFERENCES &&
@@ -375,6 +378,10 @@ LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
 #endif
 
 LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate) {
+    self->sensored = estimate->source == LODE_ESTIMATE_SENSOR;
+    if (!self->gates || estimate->source == LODE_ESTIMATE_OWN) {
+        return;
+    }
     lode_estimator_t *own = &self->estimator;
     const float load_per_f = self->tuning->estimator.load_per_f_Nm;
     const float sum = lode_abs(estimate->i_A.d) + lode_abs(estimate->i_A.q) +
@@ -397,6 +404,9 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     own->lock = estimate->lock;
     own->locked = estimate->lock >= LODE_LOCK_LOST;
     own->aligned = own->locked;
+    if (self->sensored) {
+        self->direction = lode_sign(estimate->omega_rad_s);
+    }
     self->lead = lode_angle_triple(lode_sincos(0.5f * step_rad));
 }
 

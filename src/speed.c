@@ -96,9 +96,9 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
 }
 
 // Not LODE_RAMFUNC: once in a round.
-LODE_NOINLINE bool lode_speed_follow_torque(lode_speed_t *self, const lode_speed_tuning_t *tuning,
-                                            float torque_Nm, lode_range_t between_rad_s,
-                                            float omega_rad_s, float load_Nm) {
+LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                                             float torque_Nm, lode_range_t between_rad_s,
+                                             float omega_rad_s, float load_Nm) {
     const float speed = omega_rad_s * tuning->inv_pole_pairs;
     const float gain = lode_speed_gain(tuning, omega_rad_s);
     const float ff = tuning->load_feed_forward * load_Nm;
@@ -109,14 +109,12 @@ LODE_NOINLINE bool lode_speed_follow_torque(lode_speed_t *self, const lode_speed
         lode_pi_output(&self->pi, &tuning->pi, gain * (between_rad_s.min - speed), ff);
     if (torque_Nm > most) {
         self->reference_rad_s = between_rad_s.max;
-        return false;
-    }
-    if (torque_Nm < least) {
+    } else if (torque_Nm < least) {
         self->reference_rad_s = between_rad_s.min;
-        return false;
+    } else { // at the speed that there is, with this torque
+        self->reference_rad_s = speed;
+        lode_pi_reset(&self->pi,
+                      lode_clamp(torque_Nm, self->limit_Nm.min, self->limit_Nm.max) - ff);
     }
-    self->torque_Nm = lode_clamp(torque_Nm, self->limit_Nm.min, self->limit_Nm.max);
-    self->reference_rad_s = speed; // whence speed control goes on, with this torque
-    lode_pi_reset(&self->pi, self->torque_Nm - ff);
-    return true;
+    return self->reference_rad_s;
 }

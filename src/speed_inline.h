@@ -6,12 +6,11 @@
 #include "pi_inline.h"
 #include "ramp_inline.h"
 
-// Torque control (K13). True: the torque reference is `torque_Nm`, within its limits. False: with it the
-// speed (ELECTRICAL `omega_rad_s`) would leave `between_rad_s` (mechanical); the reference is the end that
-// speed control has to hold, by lode_speed_step().
-bool lode_speed_follow_torque(lode_speed_t *self, const lode_speed_tuning_t *tuning,
-                              float torque_Nm, lode_range_t between_rad_s, float omega_rad_s,
-                              float load_Nm);
+// Torque control (K13): the target with which lode_speed_step() asks for `torque_Nm`, within its limits, or
+// holds the end of `between_rad_s` (mechanical) that the speed (ELECTRICAL `omega_rad_s`) would leave with it.
+float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                               float torque_Nm, lode_range_t between_rad_s, float omega_rad_s,
+                               float load_Nm);
 
 // Factor of both gains at the electrical speed `omega_rad_s`.
 LODE_INLINE float lode_speed_gain(const lode_speed_tuning_t *tuning, float omega_rad_s) {

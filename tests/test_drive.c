@@ -481,7 +481,7 @@ static void test_torque_control_follows_torque_and_holds_its_speeds(void) {
             rig_step(&rig);
             CHECK_NEAR(0.03, 1.5 * sign, ipmsm_torque(&rig.motor));
         }
-        TEST_ASSERT_EQUAL_FLOAT(1.5f * (float)sign, rig_telemetry(&rig).torque_ref_Nm);
+        CHECK_NEAR(1.0e-6, 1.5 * sign, rig_telemetry(&rig).torque_ref_Nm);
         TEST_ASSERT_FALSE(rig_telemetry(&rig).torque_limited);
         rig_run(&rig, 6.0);
         check_running(&rig, 150.0 * sign); // no faster: the torque is the load's

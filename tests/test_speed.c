@@ -63,27 +63,33 @@ static void test_torque_is_pi_and_feed_forward(void) {
     }
 }
 
+// One call of torque control between 20 and 80 rad/s.
+static float torque_control(lode_speed_t *speed, const lode_speed_tuning_t *tuning, float torque,
+                            float omega, float load) {
+    const lode_range_t between = {20.0f, 80.0f};
+    const float target = lode_speed_torque_target(speed, tuning, torque, between, omega, load);
+    return lode_speed_step(speed, tuning, target, omega, load);
+}
+
 static void test_torque_is_followed_between_two_speeds(void) {
     const lode_speed_config_t config = sound();
     const lode_speed_tuning_t tuning = tuned(&config);
-    const lode_range_t between = {20.0f, 80.0f};
     lode_speed_t speed;
     lode_speed_reset(&speed, &tuning, 50.0f, 1.0f, 2.0f);
-    TEST_ASSERT_TRUE(lode_speed_follow_torque(&speed, &tuning, 3.0f, between, 150.0f, 2.0f));
-    TEST_ASSERT_EQUAL_FLOAT(3.0f, speed.torque_Nm);
+    CHECK_NEAR(1.0e-6, 3.0, torque_control(&speed, &tuning, 3.0f, 150.0f, 2.0f));
     TEST_ASSERT_EQUAL_FLOAT(50.0f, speed.reference_rad_s);
     // Speed control goes on with it.
     CHECK_NEAR(1.0e-5, 3.0, lode_speed_step(&speed, &tuning, 50.0f, 150.0f, 2.0f));
     // Within the limits.
     speed.limit_Nm = (lode_range_t){-2.5f, 2.0f};
-    TEST_ASSERT_TRUE(lode_speed_follow_torque(&speed, &tuning, 3.0f, between, 150.0f, 0.0f));
-    TEST_ASSERT_EQUAL_FLOAT(2.0f, speed.torque_Nm);
-    TEST_ASSERT_TRUE(lode_speed_follow_torque(&speed, &tuning, -3.0f, between, 150.0f, 0.0f));
-    TEST_ASSERT_EQUAL_FLOAT(-2.5f, speed.torque_Nm);
-    // Beyond an end speed control is to hold that end.
-    TEST_ASSERT_FALSE(lode_speed_follow_torque(&speed, &tuning, 1.0f, between, 246.0f, 0.0f));
+    CHECK_NEAR(1.0e-6, 2.0, torque_control(&speed, &tuning, 3.0f, 150.0f, 0.0f));
+    CHECK_NEAR(1.0e-6, -2.5, torque_control(&speed, &tuning, -3.0f, 150.0f, 0.0f));
+    // Beyond an end speed control holds that end.
+    lode_speed_reset(&speed, &tuning, 50.0f, 1.0f, 0.0f);
+    CHECK_NEAR(1.0e-5, 1.0 - 0.8 * 2.0, torque_control(&speed, &tuning, 1.0f, 246.0f, 0.0f));
     TEST_ASSERT_EQUAL_FLOAT(80.0f, speed.reference_rad_s);
-    TEST_ASSERT_FALSE(lode_speed_follow_torque(&speed, &tuning, -3.0f, between, 54.0f, 0.0f));
+    lode_speed_reset(&speed, &tuning, 50.0f, -3.0f, 0.0f);
+    CHECK_NEAR(1.0e-5, -3.0 + 0.8 * 2.0, torque_control(&speed, &tuning, -3.0f, 54.0f, 0.0f));
     TEST_ASSERT_EQUAL_FLOAT(20.0f, speed.reference_rad_s);
 }
 

@@ -94,8 +94,9 @@ typedef struct {
 
 /// Who made an estimate.
 typedef enum {
-    LODE_ESTIMATE_OWN,     ///< the drive's estimator
-    LODE_ESTIMATE_EXTERNAL ///< somebody else: the drive checks it and takes it over
+    LODE_ESTIMATE_OWN,      ///< the drive's estimator
+    LODE_ESTIMATE_EXTERNAL, ///< somebody else: the drive checks it and takes it over
+    LODE_ESTIMATE_SENSOR    ///< the same, good at any speed: no start, no least speed
 } lode_estimate_source_t;
 
 /// All at t_k, the instant of the current sample.

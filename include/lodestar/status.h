@@ -87,12 +87,16 @@ typedef enum {
     LODE_ERROR_SOURCE,       ///< source of the estimator not an enumerator
     LODE_ERROR_OPEN_PHASE,   ///< answer to an open phase not an enumerator
     LODE_ERROR_COMMAND,      ///< a command with an unknown mode or a value that is not finite
-    LODE_ERROR_COMMAND_SPEED, ///< a commanded speed at which OVER_SPEED would trip
-    LODE_ERROR_CHANNELS,      ///< no channel, too many of them, or one that does not exist
-    LODE_ERROR_BUFFER,        ///< a recorder's buffer holds less than two frames or rows
-    LODE_ERROR_TRIGGER,       ///< trigger or its channel not an enumerator, or level not finite
-    LODE_ERROR_PRE_SHARE,     ///< share of rows before the trigger outside 0 .. 1
-    LODE_STATUS_COUNT         ///< number of statuses, none itself
+    LODE_ERROR_COMMAND_SPEED,     ///< a commanded speed at which OVER_SPEED would trip
+    LODE_ERROR_ENCODER_COUNTS,    ///< counts per turn outside 6 .. 2^20
+    LODE_ERROR_ENCODER_ANGLE,     ///< offset outside +-pi, or delay outside 0 .. 10 periods
+    LODE_ERROR_ENCODER_BANDWIDTH, ///< bandwidth of the tracking loop outside 1 .. 1/Ts
+    LODE_ERROR_ENCODER_CHECK,     ///< speed or time of the check by the EMF out of range
+    LODE_ERROR_CHANNELS,          ///< no channel, too many of them, or one that does not exist
+    LODE_ERROR_BUFFER,            ///< a recorder's buffer holds less than two frames or rows
+    LODE_ERROR_TRIGGER,           ///< trigger or its channel not an enumerator, or level not finite
+    LODE_ERROR_PRE_SHARE,         ///< share of rows before the trigger outside 0 .. 1
+    LODE_STATUS_COUNT             ///< number of statuses, none itself
 } lode_status_t;
 
 /// The enumerator's name, for logs; "LODE_STATUS_UNKNOWN" for any other value.

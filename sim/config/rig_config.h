@@ -77,8 +77,17 @@ typedef enum {
     RIG_SOURCE_OWN,
     RIG_SOURCE_TRUTH, ///< the plant
     /// the plant until the drive runs and seeded_s is over, then `own` from the true angle and speed on
-    RIG_SOURCE_SEEDED
+    RIG_SOURCE_SEEDED,
+    RIG_SOURCE_ENCODER ///< an angle sensor on the plant's shaft
 } rig_source_t;
+
+/// The angle sensor of `source = encoder`.
+typedef struct {
+    double counts_per_turn; ///< of one mechanical turn; unset: 4096
+    double offset_deg;      ///< electrical, what the firmware takes it for; unset: 0, the truth
+    double bandwidth_rad_s; ///< unset: the library's
+    int falls_back;         ///< 1: sensorless where the EMF disagrees
+} rig_encoder_t;
 
 /// EMF observer by its name: lode_emf_kind_t, then the papers' own forms.
 enum { RIG_EMF_C_EULER = LODE_EMF_KINDS, RIG_EMF_GI_EULER, RIG_EMF_FA_EULER };
@@ -158,6 +167,7 @@ typedef struct {
     rig_plant_t plant;
     rig_source_t source;
     double seeded_s; ///< unset: 0
+    rig_encoder_t encoder;
     int emf;
     rig_pll_t pll;
     rig_compensation_t compensation;

@@ -87,9 +87,14 @@ static const rig_key_t keys[] = {
     FLOAT("estimator", "lock_s", estimator.lock_s),
     CHOICE("estimator", "active_flux", drive.estimator.active_flux, "auto|on|off", NULL),
     CHOICE("estimator", "compensation", compensation, "auto|exact|none|eq30", NULL),
-    CHOICE("estimator", "source", source, "own|truth|seeded", NULL),
+    CHOICE("estimator", "source", source, "own|truth|seeded|encoder", NULL),
     CHOICE("estimator", "winding", six.source, "vsd|set-1|set-2", NULL),
     NUMBER("estimator", "seeded_s", seeded_s, 0.0, 1e4),
+
+    NUMBER("encoder", "counts_per_turn", encoder.counts_per_turn, 6.0, 1048576.0),
+    NUMBER("encoder", "offset_deg", encoder.offset_deg, -180.0, 180.0),
+    NUMBER("encoder", "bandwidth_rad_s", encoder.bandwidth_rad_s, 0.0, 1e6),
+    CHOICE("encoder", "falls_back", encoder.falls_back, "off|on", NULL),
 
     CHOICE("hfi", "mode", drive.hfi.mode, "off|on|auto", NULL),
     FLOAT("hfi", "V_h_V", hfi.V_h_V),

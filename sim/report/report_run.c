@@ -97,7 +97,9 @@ static void print_heading(FILE *file, const rig_config_t *config) {
         config->files > 0 ? config->file[0] : "", rig_config_is_six(config) ? "six phases, " : "",
         (double)drive->motor.pole_pairs, (double)drive->f_pwm_Hz, (double)drive->inverter.v_bus_V,
         config->plant.inverter == (int)PLANT_SWITCHING ? "switched" : "ideal", emf, pll,
-        config->source == RIG_SOURCE_TRUTH ? " unused: driven by the true angle" : "",
+        config->source == RIG_SOURCE_TRUTH     ? " unused: driven by the true angle"
+        : config->source == RIG_SOURCE_ENCODER ? " behind an angle sensor"
+                                               : "",
         config->scenario.seed);
 }
 

@@ -5,11 +5,17 @@
 #include "config/rig_config.h"
 #include "rig/euler.h"
 
+#include "lodestar/encoder.h"
+
 /// What an estimator other than the drive's own has to remember.
 typedef struct {
     double seeded_s; ///< until then `seeded` is driven by the truth
     euler_config_t euler_config;
     euler_t euler;
+    double counts_per_turn, turns; ///< of the angle sensor: the shaft's angle
+    double theta_e_rad;            ///< one period ago
+    lode_encoder_tuning_t encoder_tuning;
+    lode_encoder_t encoder;
 } runner_memory_t;
 
 /// Where an estimate comes from: the place at which other estimators can be compared.

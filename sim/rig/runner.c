@@ -75,6 +75,19 @@ static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_sample_t *s
     return estimate;
 }
 
+/// An angle sensor on the shaft, which counts from the start of the run.
+static lode_estimate_t encoder_estimate(lode_drive_t *drive, const lode_sample_t *sample,
+                                        const plant_truth_t *truth, runner_memory_t *memory) {
+    const double np = 1.0 / (double)drive->tuning->speed.inv_pole_pairs;
+    memory->turns += remainder(truth->theta_e_rad - memory->theta_e_rad, 2.0 * RIG_PI) / np;
+    memory->theta_e_rad = truth->theta_e_rad;
+    const double turn = memory->turns / (2.0 * RIG_PI);
+    const double count = floor((turn - floor(turn)) * memory->counts_per_turn);
+    const lode_estimate_t own = lode_drive_estimate(drive, sample);
+    return lode_encoder_estimate(&memory->encoder, &memory->encoder_tuning, &own, sample->i_A,
+                                 (uint32_t)count);
+}
+
 static bool on_its_own(const lode_drive_t *drive, const plant_truth_t *truth,
                        const runner_memory_t *memory) {
     return drive->mode == (uint_least8_t)LODE_MODE_RUN && truth->t_s >= memory->seeded_s;
@@ -132,6 +145,8 @@ runner_estimator_t runner_estimator(const rig_config_t *config) {
         return true_estimate;
     case RIG_SOURCE_SEEDED:
         return euler ? euler_seeded : seeded_estimate;
+    case RIG_SOURCE_ENCODER:
+        return encoder_estimate;
     case RIG_SOURCE_OWN:
     default:
         return euler ? euler_own : own_estimate;
@@ -474,7 +489,7 @@ static void check_speed(const run_t *run, runner_phase_t *out) {
     }
     const double least_rpm = rig_rpm_from_rad_s(run->limits.least_rad_s) / np;
     const double found_rpm = rig_stats_mean(&out->speed_rpm);
-    if (fabs(goal_rpm) < least_rpm) {
+    if (fabs(goal_rpm) < least_rpm && run->config->source != RIG_SOURCE_ENCODER) {
         warn(out, "%g rpm is below the least speed and was raised to %.4g rpm", goal_rpm,
              copysign(least_rpm, goal_rpm));
     } else if (!(fabs(found_rpm - goal_rpm) <= SPEED_REACHED * fabs(goal_rpm))) {
@@ -584,6 +599,33 @@ static bool check_drive(const rig_config_t *config) {
     return status == LODE_OK;
 }
 
+#define COUNTS_PER_TURN 4096.0
+
+/// LODE_OK, or what the library refuses of the angle sensor.
+static bool start_encoder(run_t *run) {
+    const rig_encoder_t *given = &run->config->encoder;
+    runner_memory_t *memory = &run->memory;
+    const double counts = isnan(given->counts_per_turn) ? COUNTS_PER_TURN : given->counts_per_turn;
+    const double np = (double)run->config->drive.motor.pole_pairs;
+    const double offset_deg = isnan(given->offset_deg) ? 0.0 : given->offset_deg;
+    memory->counts_per_turn = floor(counts);
+    const lode_encoder_config_t config = {
+        .counts_per_turn = (uint32_t)counts,
+        // The sensor counts from angle 0, count 0 has its middle half a count further.
+        .offset_rad = (float)remainder(
+            rig_rad_from_deg(offset_deg) + RIG_PI * np / memory->counts_per_turn, 2.0 * RIG_PI),
+        .bandwidth_rad_s = isnan(given->bandwidth_rad_s) ? 0.0f : (float)given->bandwidth_rad_s,
+        .falls_back = given->falls_back == 1,
+    };
+    const lode_status_t status =
+        lode_encoder_tune(&memory->encoder_tuning, &config, run->rig.drive->tuning);
+    lode_encoder_reset(&memory->encoder);
+    if (status != LODE_OK) {
+        rig_error("[encoder] %s", lode_status_name(status));
+    }
+    return status == LODE_OK;
+}
+
 static bool start(run_t *run) {
     const rig_scenario_t *scenario = &run->config->scenario;
     plant_config_t plant;
@@ -598,6 +640,9 @@ static bool start(run_t *run) {
     run->memory.seeded_s = isnan(run->config->seeded_s) ? 0.0 : run->config->seeded_s;
     if (euler_estimate_wanted(run->config)) {
         run->memory.euler_config = euler_estimate_config(run->config);
+    }
+    if (run->config->source == RIG_SOURCE_ENCODER && !start_encoder(run)) {
+        return false;
     }
     run->ts_s = 1.0 / (double)run->config->drive.f_pwm_Hz;
     run->command = (lode_command_t){.mode = LODE_MODE_RUN};

@@ -1,0 +1,81 @@
+/// An angle sensor: encoder, resolver or Hall switches. A tracking loop makes angle and speed of its counts,
+/// which take the place of the drive's own estimate, from standstill on; where there is EMF enough, the
+/// drive's estimator checks them.
+///
+/// In the interrupt, in place of lode_drive_step():
+///
+///     const lode_sample_t sample = lode_drive_sense(&drive, &counts);
+///     const lode_estimate_t own = lode_drive_estimate(&drive, &sample);
+///     const lode_estimate_t by_sensor =
+///         lode_encoder_estimate(&encoder, &encoder_tuning, &own, sample.i_A, count);
+///     const lode_drive_out_t out = lode_drive_act(&drive, &sample, &by_sensor);
+#ifndef LODESTAR_ENCODER_H
+#define LODESTAR_ENCODER_H
+
+#include "lodestar/drive.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    uint32_t counts_per_turn; ///< of one MECHANICAL turn, 6 .. 2^20; Hall switches: 6 per pole pair
+    bool reversed;            ///< it counts down where the speed is positive
+    float offset_rad;         ///< electrical rotor angle in the middle of count 0, +-pi
+    float delay_s;            ///< age of a count at t_k, 0 .. 10 periods
+    float bandwidth_rad_s; ///< of the tracking loop, 1 .. 1/Ts; 0: 0.1/Ts, less for coarse counts
+    /// ELECTRICAL speed from which the EMF checks the sensor; 0: the least one that the drive runs at without
+    float omega_check_rad_s;
+    float check_s; ///< for which it must disagree, 1 period .. 10 s; 0: 5 ms
+    /// where it disagrees, run without the sensor from then on; else LOST_LOCK trips
+    bool falls_back;
+} lode_encoder_config_t;
+
+typedef struct {
+    uint32_t counts_per_turn;
+    uint32_t pole_pairs;
+    uint32_t check_periods;
+    float rad_per_count; ///< electrical, negative if reversed
+    float half_rad;      ///< half a count, electrical
+    float offset_rad;
+    float ts_s;
+    float delay_s;
+    float angle_gain; ///< rad per rad
+    float speed_gain; ///< rad/s per rad
+    float omega_check;
+    bool falls_back;
+    bool coarse; ///< edges are followed
+} lode_encoder_tuning_t;
+
+typedef struct {
+    float theta_rad; ///< electrical, at the instant of the count
+    float omega_rad_s;
+    float seen_rad;     ///< middle of the last count
+    float since_s;      ///< coarse counts: time since the last edge
+    uint32_t disagreed; ///< periods running
+    bool tracks;        ///< a count has been seen
+    bool distrusted;    ///< the EMF disagreed for check_s; until the next reset
+} lode_encoder_t;
+
+/// Checks a configuration for the motor and rate of `drive`. On any error `tuning` is left alone.
+lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encoder_config_t *config,
+                                const lode_drive_tuning_t *drive);
+
+/// Knows nothing: the next count is the angle, at rest.
+void lode_encoder_reset(lode_encoder_t *self);
+
+/// The estimate to act on in this period: angle and speed at t_k by the sensor, or `own` where the drive
+/// falls back. `i_A`: current at t_k. `count`: 0 .. counts_per_turn - 1; more is reduced.
+lode_estimate_t lode_encoder_estimate(lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
+                                      const lode_estimate_t *own, lode_ab_t i_A, uint32_t count);
+
+/// What `offset_rad` should have been, by the estimate `own` of a drive that runs without the sensor, with
+/// the count of the same period. For bring-up: average the differences over some turns.
+float lode_encoder_offset_rad(const lode_encoder_tuning_t *tuning, const lode_estimate_t *own,
+                              uint32_t count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,306 @@
+// An angle sensor: tracking of fine and of coarse counts, the check by the EMF, and a drive behind it.
+#include "support/rig.h"
+
+#include "lodestar/encoder.h"
+
+#define NP 3.0
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static lode_drive_tuning_t drive_tuning;
+
+static lode_encoder_tuning_t tuned(const lode_encoder_config_t *config) {
+    const lode_drive_config_t drive = rig_config();
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&drive_tuning, &drive));
+    lode_encoder_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_encoder_tune(&tuning, config, &drive_tuning));
+    return tuning;
+}
+
+// What a sensor with count 0 from angle 0 on says at a mechanical angle.
+static uint32_t count_at(double theta_m, uint32_t counts_per_turn) {
+    const double turn = theta_m / (2.0 * CHECK_PI);
+    return (uint32_t)floor((turn - floor(turn)) * counts_per_turn);
+}
+
+static float middle_rad(uint32_t counts_per_turn) {
+    return (float)(NP * CHECK_PI / counts_per_turn);
+}
+
+static double angle_off(const lode_estimate_t *estimate, double theta_e) {
+    return remainder((double)lode_estimate_theta_rad(estimate) - theta_e, 2.0 * CHECK_PI);
+}
+
+static void test_bad_configurations_are_refused(void) {
+    const lode_encoder_config_t sound = {.counts_per_turn = 4096u};
+    const lode_encoder_tuning_t before = tuned(&sound);
+    const struct {
+        lode_encoder_config_t config;
+        lode_status_t status;
+    } cases[] = {
+        {{.counts_per_turn = 5u}, LODE_ERROR_ENCODER_COUNTS},
+        {{.counts_per_turn = 1048577u}, LODE_ERROR_ENCODER_COUNTS},
+        {{.counts_per_turn = 64u, .offset_rad = 3.2f}, LODE_ERROR_ENCODER_ANGLE},
+        {{.counts_per_turn = 64u, .offset_rad = NAN}, LODE_ERROR_ENCODER_ANGLE},
+        {{.counts_per_turn = 64u, .delay_s = 2.1e-3f}, LODE_ERROR_ENCODER_ANGLE},
+        {{.counts_per_turn = 64u, .delay_s = -1.0e-6f}, LODE_ERROR_ENCODER_ANGLE},
+        {{.counts_per_turn = 64u, .bandwidth_rad_s = 0.5f}, LODE_ERROR_ENCODER_BANDWIDTH},
+        {{.counts_per_turn = 64u, .bandwidth_rad_s = 5001.0f}, LODE_ERROR_ENCODER_BANDWIDTH},
+        {{.counts_per_turn = 64u, .omega_check_rad_s = 0.5f}, LODE_ERROR_ENCODER_CHECK},
+        {{.counts_per_turn = 64u, .check_s = 1.0e-4f}, LODE_ERROR_ENCODER_CHECK},
+        {{.counts_per_turn = 64u, .check_s = 11.0f}, LODE_ERROR_ENCODER_CHECK},
+    };
+    lode_encoder_tuning_t tuning = before;
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        TEST_ASSERT_EQUAL_STRING(
+            lode_status_name(cases[n].status),
+            lode_status_name(lode_encoder_tune(&tuning, &cases[n].config, &drive_tuning)));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_encoder_tune(NULL, &sound, &drive_tuning));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_encoder_tune(&tuning, NULL, &drive_tuning));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_encoder_tune(&tuning, &sound, NULL));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof before);
+}
+
+typedef struct {
+    double worst_rad, mean_rad;     // of the angle, electrical
+    double worst_rad_s, mean_rad_s; // of the electrical speed
+} tracked_t;
+
+// A rotor at a constant mechanical speed: errors of the second half of two seconds.
+static tracked_t track(const lode_encoder_config_t *config, double omega_m, double age_s) {
+    const lode_encoder_tuning_t tuning = tuned(config);
+    const double sign = config->reversed ? -1.0 : 1.0;
+    const lode_estimate_t own = {.lock = 1.0f, .rotor = {0.0f, 1.0f}};
+    lode_encoder_t encoder;
+    lode_encoder_reset(&encoder);
+    tracked_t out = {0.0, 0.0, 0.0, 0.0};
+    const int periods = 10000;
+    for (int k = 0; k < periods; k++) {
+        const double theta_m = 0.3 + omega_m * RIG_TS_s * k;
+        const uint32_t count =
+            count_at(sign * (theta_m - omega_m * age_s), config->counts_per_turn);
+        const lode_estimate_t e =
+            lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, count);
+        TEST_ASSERT_EQUAL_INT(LODE_ESTIMATE_SENSOR, e.source);
+        if (k < periods / 2) {
+            continue;
+        }
+        const double off = angle_off(&e, NP * theta_m);
+        const double fast = (double)e.omega_rad_s - NP * omega_m;
+        out.worst_rad = fmax(out.worst_rad, fabs(off));
+        out.worst_rad_s = fmax(out.worst_rad_s, fabs(fast));
+        out.mean_rad += off / (periods / 2.0);
+        out.mean_rad_s += fast / (periods / 2.0);
+    }
+    return out;
+}
+
+static void test_a_fine_encoder_is_tracked_to_its_count(void) {
+    const double speeds[] = {0.0, 0.02, -1.0, 30.0, -157.0};
+    for (int n = 0; n < COUNT_OF(speeds); n++) {
+        for (int reversed = 0; reversed < 2; reversed++) {
+            const float middle = middle_rad(4096u);
+            const lode_encoder_config_t config = {.counts_per_turn = 4096u,
+                                                  .reversed = reversed == 1,
+                                                  .offset_rad = reversed == 1 ? -middle : middle};
+            const tracked_t found = track(&config, speeds[n], 0.0);
+            CHECK_AT_MOST(1.1 * 2.0 * NP * CHECK_PI / 4096.0, found.worst_rad);
+            CHECK_AT_MOST(1.0, found.worst_rad_s);
+        }
+    }
+}
+
+static void test_the_age_of_a_count_is_made_up_for(void) {
+    const lode_encoder_config_t config = {
+        .counts_per_turn = 1048576u, .offset_rad = middle_rad(1048576u), .delay_s = 4.0e-5f};
+    CHECK_AT_MOST(1.0e-3, track(&config, 157.0, 4.0e-5).worst_rad);
+}
+
+static void test_hall_switches_are_followed_by_their_edges(void) {
+    // 6 and 20 per electrical turn.
+    const uint32_t counts[] = {18u, 60u};
+    const double speeds[] = {-157.0, -20.0, 10.0, 62.8};
+    for (int c = 0; c < COUNT_OF(counts); c++) {
+        const lode_encoder_config_t config = {.counts_per_turn = counts[c],
+                                              .offset_rad = middle_rad(counts[c])};
+        for (int n = 0; n < COUNT_OF(speeds); n++) {
+            const tracked_t found = track(&config, speeds[n], 0.0);
+            const double step = NP * fabs(speeds[n]) * RIG_TS_s;
+            CHECK_AT_MOST(1.0 * step + 0.5 * CHECK_DEG, found.worst_rad);
+            CHECK_AT_MOST(0.1 * step + 0.2 * CHECK_DEG, fabs(found.mean_rad));
+            CHECK_AT_MOST(0.01 * NP * fabs(speeds[n]), fabs(found.mean_rad_s));
+        }
+    }
+}
+
+static void test_a_rotor_that_stops_between_two_edges_is_seen_to_stop(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 18u, .offset_rad = middle_rad(18u)};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const lode_estimate_t own = {.lock = 1.0f, .rotor = {0.0f, 1.0f}};
+    lode_encoder_t encoder;
+    lode_encoder_reset(&encoder);
+    lode_estimate_t e = own;
+    double theta_m = 0.0;
+    for (int k = 0; k < 10000; k++) {
+        theta_m += k < 5000 ? 20.0 * RIG_TS_s : 0.0;
+        e = lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f},
+                                  count_at(theta_m, 18u));
+    }
+    CHECK_AT_MOST(1.1, fabs((double)e.omega_rad_s));                  // less than an edge a second
+    CHECK_AT_MOST(CHECK_PI / 3.0, fabs(angle_off(&e, NP * theta_m))); // both within the count
+}
+
+static void test_counts_beyond_a_turn_are_reduced(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 1000u};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const lode_estimate_t own = {.lock = 1.0f, .rotor = {0.0f, 1.0f}};
+    const uint32_t counts[] = {250u, 1250u, 4294967250u};
+    for (int n = 0; n < COUNT_OF(counts); n++) {
+        lode_encoder_t encoder;
+        lode_encoder_reset(&encoder);
+        const lode_estimate_t e =
+            lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, counts[n]);
+        const double count = (double)(counts[n] % 1000u);
+        CHECK_NEAR(1.0e-5, 0.0, angle_off(&e, NP * 2.0 * CHECK_PI * count / 1000.0));
+    }
+}
+
+static void test_the_offset_is_found_from_the_own_estimate(void) {
+    const lode_encoder_config_t config = {
+        .counts_per_turn = 4096u, .offset_rad = -0.4f, .delay_s = 1.0e-4f};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const double offset = 1.1; // the true one
+    const uint32_t count = 777u;
+    const double theta = NP * 2.0 * CHECK_PI * count / 4096.0 + offset + 300.0 * 1.0e-4;
+    const lode_estimate_t own = {.omega_rad_s = 300.0f,
+                                 .rotor = {(float)sin(theta), (float)cos(theta)}};
+    CHECK_NEAR(1.0e-5, offset, (double)lode_encoder_offset_rad(&tuning, &own, count));
+}
+
+// --- A drive behind it --------------------------------------------------------------------------
+
+typedef struct {
+    rig_t rig;
+    lode_encoder_tuning_t tuning;
+    lode_encoder_t encoder;
+    double theta_m, before;
+    bool stuck;
+} shaft_t;
+
+static shaft_t shaft(bool falls_back) {
+    const lode_encoder_config_t config = {
+        .counts_per_turn = 4096u, .offset_rad = middle_rad(4096u), .falls_back = falls_back};
+    shaft_t self = {.tuning = tuned(&config)};
+    const lode_drive_config_t drive = rig_config();
+    rig_init(&self.rig, &drive_tuning, &drive);
+    lode_encoder_reset(&self.encoder);
+    return self;
+}
+
+static void shaft_step(shaft_t *self) {
+    rig_t *rig = &self->rig;
+    rig->stamp += 1000u;
+    const lode_counts_t counts = rig_counts(rig);
+    self->theta_m += remainder(rig->motor.theta - self->before, 2.0 * CHECK_PI) / NP;
+    self->before = rig->motor.theta;
+    const uint32_t count = self->stuck ? 100u : count_at(self->theta_m, 4096u);
+    const lode_sample_t sample = lode_drive_sense(&rig->drive, &counts);
+    const lode_estimate_t own = lode_drive_estimate(&rig->drive, &sample);
+    const lode_estimate_t e =
+        lode_encoder_estimate(&self->encoder, &self->tuning, &own, sample.i_A, count);
+    rig->out = lode_drive_act(&rig->drive, &sample, &e);
+    rig_move(rig);
+}
+
+static void shaft_run(shaft_t *self, double seconds) {
+    for (int n = 0; n < (int)(seconds / RIG_TS_s); n++) {
+        shaft_step(self);
+    }
+}
+
+static void check_speed(shaft_t *self, double rad_s) {
+    rig_expect(&self->rig, LODE_MODE_RUN);
+    CHECK_NEAR(0.2, rad_s, self->rig.motor.omega / NP);
+}
+
+static void test_a_drive_holds_zero_speed_and_reverses_through_it(void) {
+    shaft_t self = shaft(false);
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 1.0f});
+    shaft_run(&self, 0.15); // calibrated; no start
+    rig_expect(&self.rig, LODE_MODE_RUN);
+    shaft_run(&self, 2.0);
+    check_speed(&self, 1.0);
+    TEST_ASSERT_FALSE(rig_telemetry(&self.rig).speed_raised);
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 0.0f});
+    shaft_run(&self, 2.0);
+    check_speed(&self, 0.0); // it stays on
+    TEST_ASSERT_TRUE(self.rig.out.gates);
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = -150.0f});
+    shaft_run(&self, 4.0);
+    check_speed(&self, -150.0);
+    // Torque either way, between the two speeds.
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN,
+                                            .control = LODE_CONTROL_TORQUE,
+                                            .speed_rad_s = 20.0f,
+                                            .torque_Nm = 1.0f});
+    shaft_run(&self, 6.0);
+    check_speed(&self, 20.0);
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN,
+                                            .control = LODE_CONTROL_TORQUE,
+                                            .speed_rad_s = 20.0f,
+                                            .torque_Nm = -1.0f});
+    shaft_run(&self, 6.0);
+    check_speed(&self, -20.0);
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    shaft_step(&self);
+    TEST_ASSERT_FALSE(self.rig.out.gates);
+}
+
+static void test_a_sensor_that_sticks_trips(void) {
+    shaft_t self = shaft(false);
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 100.0f});
+    shaft_run(&self, 3.0);
+    check_speed(&self, 100.0);
+    self.stuck = true;
+    shaft_run(&self, 0.2);
+    rig_expect(&self.rig, LODE_MODE_FAULT);
+}
+
+// The sensor slips by a third of an electrical turn, as a loose magnet does.
+static void test_a_sensor_that_slips_is_left_for_the_emf(void) {
+    for (int falls_back = 0; falls_back < 2; falls_back++) {
+        shaft_t self = shaft(falls_back == 1);
+        rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 100.0f});
+        shaft_run(&self, 3.0);
+        check_speed(&self, 100.0);
+        self.theta_m += 2.0 * CHECK_PI / 3.0 / NP;
+        shaft_run(&self, 2.0);
+        TEST_ASSERT_TRUE(self.encoder.distrusted);
+        if (falls_back == 1) {
+            check_speed(&self, 100.0);
+            rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 1.0f});
+            shaft_run(&self, 3.0);
+            TEST_ASSERT_TRUE(rig_telemetry(&self.rig).speed_raised); // sensorless
+        } else {
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&self.rig).fault.check);
+        }
+    }
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_bad_configurations_are_refused);
+    RUN_TEST(test_a_fine_encoder_is_tracked_to_its_count);
+    RUN_TEST(test_the_age_of_a_count_is_made_up_for);
+    RUN_TEST(test_hall_switches_are_followed_by_their_edges);
+    RUN_TEST(test_a_rotor_that_stops_between_two_edges_is_seen_to_stop);
+    RUN_TEST(test_counts_beyond_a_turn_are_reduced);
+    RUN_TEST(test_the_offset_is_found_from_the_own_estimate);
+    RUN_TEST(test_a_drive_holds_zero_speed_and_reverses_through_it);
+    RUN_TEST(test_a_sensor_that_sticks_trips);
+    RUN_TEST(test_a_sensor_that_slips_is_left_for_the_emf);
+    return UNITY_END();
+}
