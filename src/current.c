@@ -4,6 +4,7 @@
 #define BANDWIDTH_TS 0.2f
 #define BANDWIDTH_TS_MAX 0.4f // 56 degrees
 #define GAIN_MARGIN 2.0f
+#define VOLTAGE_USE_MAX 1.1547f // 2/sqrt(3): the corners of the hexagon
 #define D_SHARE 0.9f // leaves the q axis 44 % of the circle
 
 void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s) {
@@ -43,7 +44,7 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
         !is_sound(config->kp_q_V_A, config->ki_q_V_As, motor->Rs_Ohm, motor->Lq_H, ts_s)) {
         return LODE_ERROR_CURRENT_GAINS;
     }
-    if (!lode_in_range(config->voltage_use, 0.1f, 1.0f)) {
+    if (!lode_in_range(config->voltage_use, 0.1f, VOLTAGE_USE_MAX)) {
         return LODE_ERROR_CURRENT_VOLTAGE;
     }
     *tuning = (lode_current_tuning_t){
@@ -54,7 +55,7 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
         .psi_Wb = motor->psi_Wb,
         .circle = config->voltage_use / LODE_SQRT3,
         .d_share = D_SHARE,
-        .free = D_SHARE * config->voltage_use / LODE_SQRT3,
+        .free = D_SHARE * lode_min(config->voltage_use, 1.0f) / LODE_SQRT3,
     };
     return LODE_OK;
 }

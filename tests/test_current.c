@@ -272,7 +272,7 @@ static void test_every_field_at_its_limits(void) {
     static const field_t fields[] = {
         {FIELD(lode_current_config_t, bandwidth_rad_s), .lo = 1.0f, .hi = 2000.0f, .computed = true,
          .error = LODE_ERROR_CURRENT_BANDWIDTH}, // 0.4/Ts
-        {FIELD(lode_current_config_t, voltage_use), .lo = 0.1f, .hi = 1.0f,
+        {FIELD(lode_current_config_t, voltage_use), .lo = 0.1f, .hi = 1.1547f,
          .error = LODE_ERROR_CURRENT_VOLTAGE},
     };
     field_check_all(fields, COUNT_OF(fields), try_one);

@@ -21,7 +21,9 @@ typedef struct {
     float kp_q_V_A;
     float ki_d_V_As;
     float ki_q_V_As;
-    float voltage_use; ///< share of v_bus/sqrt(3) that may be used; 0: LODE_VOLTAGE_USE
+    /// share of v_bus/sqrt(3) that may be used, 0.1 .. 1.1547; above 1: over-modulation, cut to the hexagon;
+    /// 0: LODE_VOLTAGE_USE
+    float voltage_use;
 } lode_current_config_t;
 
 typedef struct {

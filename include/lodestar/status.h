@@ -53,7 +53,7 @@ typedef enum {
     LODE_ERROR_LOCK_TIME,          ///< lock_s outside 1 period .. 1 s
     LODE_ERROR_CURRENT_BANDWIDTH,  ///< current bandwidth outside 1 .. 0.4/Ts
     LODE_ERROR_CURRENT_GAINS,      ///< current gains not positive, or unstable with the motor's L
-    LODE_ERROR_CURRENT_VOLTAGE,    ///< use of the voltage circle outside 0.1 .. 1
+    LODE_ERROR_CURRENT_VOLTAGE,    ///< use of the voltage circle outside 0.1 .. 1.1547
     LODE_ERROR_SPEED_GAINS,        ///< speed gains outside 0 .. 1e6
     LODE_ERROR_SPEED_BANDWIDTH,    ///< the speed loop is faster than the PLL that feeds it
     LODE_ERROR_SPEED_RAMP,         ///< acceleration not positive

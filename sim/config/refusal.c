@@ -88,7 +88,7 @@ static const refusal_t refusals[] = {
      "current.kp_d_V_A current.kp_q_V_A current.ki_d_V_As current.ki_q_V_As",
      "current.bandwidth_rad_s motor.Rs_Ohm motor.Ld_H motor.Lq_H drive.r_on_Ohm drive.f_pwm_Hz",
      "positive gains that are stable with the motor's inductances"},
-    {LODE_ERROR_CURRENT_VOLTAGE, "current.voltage_use", NULL, "0.1 .. 1"},
+    {LODE_ERROR_CURRENT_VOLTAGE, "current.voltage_use", NULL, "0.1 .. 1.1547"},
     {LODE_ERROR_SPEED_GAINS, "speed.kp_Nms speed.ki_Nm speed.gain_rise",
      "speed.bandwidth_rad_s motor.J_kgm2 " RATED,
      "kp_Nms 1e-9 .. 1e6, ki_Nm 0 .. 1e6, gain_rise 1 .. 10"},
