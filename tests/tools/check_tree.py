@@ -1,8 +1,8 @@
 """usage: check_tree.py ROOT: what may lie in the tree and what its text must not say.
 
 The entries of the root, no file over 1 MB, no path or host of one person's machine, no unfinished
-mark, no test that cannot fail; what a port's README says first. The patterns are spelt so that they do not
-find themselves.
+mark, no test that cannot fail; what a port's README says first, and that porting.md names every fault's
+number. The patterns are spelt so that they do not find themselves.
 """
 import pathlib
 import re
@@ -52,9 +52,20 @@ def untold(root, names):
             yield f"port/{port}/README.md:3: expected what has been tested, on what, and that no hardware was"
 
 
+def unnamed_checks(root):
+    """The table of faults in docs/porting.md has every number of lode_check_t."""
+    enumerators = re.findall(r"^    LODE_CHECK_(\w+)", (root / "include/lodestar/guard.h").read_text(), re.M)
+    text = (root / "docs/porting.md").read_text()
+    table = text[text.index("### Faults"):text.index("What each means")]
+    named = {int(number) for number in re.findall(r"\| (\d+) \|", table)}
+    for number in sorted(set(range(1, enumerators.index("COUNT"))) - named):
+        yield f"docs/porting.md:1: the table of faults lacks check {number}, {enumerators[number]}"
+
+
 def problems(root):
     names = tree_files(root)
     yield from untold(root, names)
+    yield from unnamed_checks(root)
     entries = {name.split("/")[0] for name in names}
     for entry in sorted(entries - ENTRIES):
         if not entry.startswith("."):
