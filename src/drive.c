@@ -7,6 +7,8 @@
 void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     *self = (lode_drive_t){.tuning = tuning, .direction = 1.0f};
     self->command.check = lode_mode_order_check(&self->command);
+    lode_mode_post_check(self, lode_mode_words(tuning));
+    lode_mode_take_check(self);
     lode_sense_reset(&self->sense, &tuning->sense);
     lode_guard_reset(&self->guard);
     lode_mode_switch_off(self);
@@ -83,6 +85,10 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
     if (self == NULL || tuning == NULL) {
         return LODE_ERROR_NULL;
     }
+    LODE_SHARED_STORE(self->posted_tuning,
+                      NULL); // one not yet taken would come with this one's check
+    LODE_SIGNAL_FENCE();
+    lode_mode_post_check(self, lode_mode_words(tuning));
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->posted_tuning, tuning);
     lode_drive_call(self);
@@ -306,7 +312,7 @@ static LODE_NOINLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample
     if (self->mail) {
         lode_mode_take_mail(self);
     }
-    lode_mode_idle(self, calibration, worst_count);
+    lode_mode_idle(self, lode_mode_words(self->tuning), calibration, worst_count);
     return end_idle(self);
 }
 
@@ -344,7 +350,8 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
     }
     const lode_slot_t slot = lode_slot_of(self->steps);
     self->steps++;
-    const bool driven = lode_drive_slow_job(self, tuning, sample, sample->temperature, slot);
+    const bool driven = lode_drive_slow_job(self, tuning, lode_mode_words(tuning), sample,
+                                            sample->temperature, slot);
     return driven ? (lode_drive_out_t){duty, LODE_GATES_ON} : idle_out(self);
 }
 

@@ -30,9 +30,16 @@ static void select_sets(lode_drive6_t *self, lode_active_t active) {
     self->drive.tuning = active == LODE_SETS_BOTH ? &self->tuning->drive : &self->tuning->alone;
 }
 
+static lode_words_t words_of(const lode_drive6_tuning_t *tuning) {
+    return (lode_words_t){(const unsigned char *)tuning,
+                          (uint32_t)(sizeof *tuning / sizeof(uint32_t))};
+}
+
 void lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning) {
     *self = (lode_drive6_t){.tuning = tuning};
     lode_drive_begin(&self->drive, &tuning->drive);
+    lode_mode_post_check(&self->drive, words_of(tuning));
+    lode_mode_take_check(&self->drive);
     lode_sense_reset(&self->sense_2, &tuning->drive.sense);
     idle_set2(self);
 }
@@ -53,6 +60,9 @@ lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tun
     if (self == NULL || tuning == NULL) {
         return LODE_ERROR_NULL;
     }
+    LODE_SHARED_STORE(self->posted_tuning, NULL); // as lode_drive_post_tuning()
+    LODE_SIGNAL_FENCE();
+    lode_mode_post_check(&self->drive, words_of(tuning));
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->posted_tuning, tuning);
     lode_drive_call(&self->drive);
@@ -83,6 +93,7 @@ bool lode_drive6_telemetry(const lode_drive6_t *self, lode_telemetry6_t *telemet
 static LODE_NOINLINE void take_mail(lode_drive6_t *self) {
     if (self->posted_tuning != NULL) {
         self->tuning = self->posted_tuning;
+        lode_mode_take_check(&self->drive);
         self->posted_tuning = NULL;
         select_sets(self, active_of(self));
         const lode_sense_tuning_t *tuning = &self->tuning->drive.sense;
@@ -312,7 +323,7 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
     if (drive->mail) {
         take_mail(self);
     }
-    lode_mode_idle(drive, calibration, worst_count);
+    lode_mode_idle(drive, words_of(self->tuning), calibration, worst_count);
     return end_idle(self);
 }
 
@@ -376,8 +387,8 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
         watch_set2(self, &sample->set_2);
     }
-    (void)lode_drive_slow_job(drive, drive->tuning, &sample->machine, sample->set_2.temperature,
-                              slot);
+    (void)lode_drive_slow_job(drive, drive->tuning, words_of(self->tuning), &sample->machine,
+                              sample->set_2.temperature, slot);
     if (LODE_RARELY(!drive->gates)) {
         return end_idle(self);
     }

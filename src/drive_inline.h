@@ -190,10 +190,11 @@ LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, const lode_drive_t
     return v_bus_V;
 }
 
-// One of the jobs that follow speed and load slowly. After the duties, which do not wait for it.
+// One of the jobs that follow speed and load slowly. After the duties, which do not wait for it. `words`: of
+// the tuning that is watched, of which `tuning` is all or a part.
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                     const lode_sample_t *sample, uint16_t other,
-                                     lode_slot_t slot) {
+                                     lode_words_t words, const lode_sample_t *sample,
+                                     uint16_t other, lode_slot_t slot) {
     lode_estimator_t *estimator = &self->estimator;
     switch (slot) {
     case SLOT_LOCK:
@@ -216,7 +217,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         break;
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
-        if (LODE_RARELY(!lode_mode_is_sound(self))) {
+        if (LODE_RARELY(!lode_mode_memory_ok(self, words))) {
             lode_mode_distrust(self);
             return false;
         }

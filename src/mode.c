@@ -61,10 +61,33 @@ LODE_NOINLINE void lode_mode_fault(lode_drive_t *self, lode_check_t check, float
 }
 
 LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
-    const bool command = self->command.check != lode_mode_order_check(&self->command);
+    const bool mode =
+        ((uint32_t)self->mode ^ (uint32_t)self->mode_not) == MODE_BITS && lode_mode_fits(self);
+    const bool command = self->command.check == lode_mode_order_check(&self->command);
     self->command = (lode_order_t){.mode = LODE_MODE_OFF};
     self->command.check = lode_mode_order_check(&self->command);
-    lode_mode_fault(self, LODE_CHECK_MEMORY, command ? 2.0f : 1.0f, 0.0f);
+    lode_mode_fault(self, LODE_CHECK_MEMORY, !command ? 2.0f : (!mode ? 1.0f : 3.0f), 0.0f);
+}
+
+void lode_mode_post_check(lode_drive_t *self, lode_words_t tuning) {
+#ifdef LODE_WITHOUT_TUNING_CHECK
+    (void)self;
+    (void)tuning;
+#else
+    uint32_t sum = 0u;
+    for (uint32_t word = 0u; word < tuning.words; word++) {
+        sum = lode_mode_add_word(sum, tuning.from + word * sizeof(uint32_t));
+    }
+    self->posted_check = sum;
+#endif
+}
+
+void lode_mode_take_check(lode_drive_t *self) {
+#ifdef LODE_WITHOUT_TUNING_CHECK
+    (void)self;
+#else
+    self->watch = (lode_tuning_watch_t){.check = self->posted_check};
+#endif
 }
 
 LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
@@ -96,6 +119,7 @@ LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
     LODE_SIGNAL_FENCE();
     if (self->posted_tuning != NULL) {
         self->tuning = self->posted_tuning;
+        lode_mode_take_check(self);
         LODE_SHARED_STORE(self->posted_tuning, NULL);
         set_omitted(self);
     }
@@ -200,9 +224,10 @@ static void follow_start(lode_drive_t *self) {
 }
 
 void lode_mode_follow(lode_drive_t *self) {
-    if (!lode_mode_is_sound(self)) { // before a wrong mode is followed
-        lode_mode_distrust(self);
-    } else if (lode_mode(self) == LODE_MODE_START) {
+    const bool starts = lode_mode(self) == LODE_MODE_START;
+    if (!lode_mode_is_sound(self) || (!starts && !lode_mode_fits(self))) {
+        lode_mode_distrust(self); // before a wrong mode is followed
+    } else if (starts) {
         follow_start(self);
     } else if (self->command.mode == lode_mode(self)) {
         set_mode(self, lode_mode(self)); // steady again
@@ -269,8 +294,9 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
 }
 
 // At most one transition per period.
-void lode_mode_idle(lode_drive_t *self, lode_calibration_t calibration, float offset_count) {
-    if (!lode_mode_is_sound(self)) {
+void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, lode_calibration_t calibration,
+                    float offset_count) {
+    if (!lode_mode_memory_ok(self, tuning)) {
         lode_mode_distrust(self);
         return;
     }

@@ -11,6 +11,7 @@ typedef struct {
 } lode_control_frame_t;
 
 #define MODE_BITS 0xffu
+#define WORD_BITS 32u
 
 static inline lode_mode_t lode_mode(const lode_drive_t *self) {
     return (lode_mode_t)self->mode;
@@ -60,8 +61,77 @@ static inline bool lode_mode_is_sound(const lode_drive_t *self) {
            self->command.check == lode_mode_order_check(&self->command);
 }
 
-// They are not.
+// The flags go with the mode: each alone would keep gates on that are off.
+static inline bool lode_mode_fits(const lode_drive_t *self) {
+    const uint32_t mode = self->mode;
+    const bool driven =
+        mode - (uint32_t)LODE_MODE_VOLTAGE <= (uint32_t)LODE_MODE_RUN - (uint32_t)LODE_MODE_VOLTAGE;
+    return self->gates == driven && (!self->steady || mode == (uint32_t)LODE_MODE_RUN);
+}
+
+// They are not, or the tuning is not.
 void lode_mode_distrust(lode_drive_t *self);
+
+// A tuning as words: that of three phases, or all of that of six.
+typedef struct {
+    const unsigned char *from;
+    uint32_t words;
+} lode_words_t;
+
+static inline lode_words_t lode_mode_words(const lode_drive_tuning_t *tuning) {
+    return (lode_words_t){(const unsigned char *)tuning,
+                          (uint32_t)(sizeof *tuning / sizeof(uint32_t))};
+}
+
+// Leaves the sum of a tuning beside it in the mailbox. One bit that flips changes it. For a thread.
+void lode_mode_post_check(lode_drive_t *self, lode_words_t tuning);
+
+// From the next period on the tuning whose sum lies in the mailbox is watched.
+void lode_mode_take_check(lode_drive_t *self);
+
+#ifndef LODE_WITHOUT_TUNING_CHECK
+
+// One of up to four bytes of a word; a byte may have more than eight bits.
+static inline uint32_t lode_mode_byte(const unsigned char *word, uint32_t n) {
+    const uint32_t bytes = (uint32_t)sizeof(uint32_t);
+    return n < bytes ? (uint32_t)word[n] << (WORD_BITS / bytes * n) : 0u;
+}
+
+// The sum with one more word of a tuning. Read as bytes: that may be done with any object, and compilers make
+// one load of it.
+static inline uint32_t lode_mode_add_word(uint32_t sum, const unsigned char *word) {
+    const uint32_t bits = lode_mode_byte(word, 0u) | lode_mode_byte(word, 1u) |
+                          lode_mode_byte(word, 2u) | lode_mode_byte(word, 3u);
+    return (sum << 1u | sum >> (WORD_BITS - 1u)) ^ bits;
+}
+
+#endif
+
+// One more word of the tuning. False: all are summed up, and the sum is not what it was.
+static inline bool lode_mode_watch_tuning(lode_drive_t *self, lode_words_t tuning) {
+#ifdef LODE_WITHOUT_TUNING_CHECK
+    (void)self;
+    (void)tuning;
+    return true;
+#else
+    lode_tuning_watch_t *watch = &self->watch;
+    const uint32_t word = watch->word;
+    if (LODE_USUALLY(word < tuning.words)) {
+        watch->sum = lode_mode_add_word(watch->sum, tuning.from + word * sizeof(uint32_t));
+        watch->word = word + 1u;
+        return true;
+    }
+    const bool same = watch->sum == watch->check;
+    watch->sum = watch->word = 0u;
+    return same;
+#endif
+}
+
+// Mode, flags and command, and one more word of the tuning.
+static inline bool lode_mode_memory_ok(lode_drive_t *self, lode_words_t tuning) {
+    return LODE_USUALLY(lode_mode_is_sound(self)) && LODE_USUALLY(lode_mode_fits(self)) &&
+           LODE_USUALLY(lode_mode_watch_tuning(self, tuning));
+}
 
 // Takes over what was posted, at the start of a period.
 void lode_mode_take_mail(lode_drive_t *self);
@@ -90,7 +160,8 @@ static inline lode_gates_t lode_mode_idle_gates(const lode_drive_t *self) {
 }
 
 // A period with the gates off, or the low sides alone. All may be on after it.
-void lode_mode_idle(lode_drive_t *self, lode_calibration_t calibration, float offset_count);
+void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, lode_calibration_t calibration,
+                    float offset_count);
 
 // A driven period in which there may be something to decide: angle, speed and lock are the estimator's,
 // the current in the rotor's frame is i_A. The gates may be off after it.

@@ -12,7 +12,7 @@ typedef enum {
     SLOT_NOTCHES,    // centres; guard
     SLOT_GAINS,      // of the PLL, of the xy resonators; without lock acquisition first
     SLOT_LAG,        // of the EMF observer; lead of the duties
-    SLOT_DEAD_TIME,  // slope of the dead-time error, 1/v_bus; mode and command unchanged
+    SLOT_DEAD_TIME,  // slope of the dead-time error, 1/v_bus; memory unchanged
     SLOT_GUARD,      // again
     SLOT_SPEED,      // speed control; START: is the estimate good enough?
     SLOT_REFERENCES, // current references; START: hand-over

@@ -1116,11 +1116,66 @@ static void test_a_mode_or_command_that_changes_by_itself_trips(void) {
             check_flip(&rigs[n], offsetof(lode_drive_t, mode), bit, 1.0f);
             check_flip(&rigs[n], offsetof(lode_drive_t, mode_not), bit, 1.0f);
         }
+        check_flip(&rigs[n], offsetof(lode_drive_t, gates), 0, 1.0f);
+        if (n < 3) { // running, the flag is set
+            check_flip(&rigs[n], offsetof(lode_drive_t, steady), 0, 1.0f);
+        }
         const size_t speed = offsetof(lode_drive_t, command) + offsetof(lode_order_t, speed_rad_s);
         for (int bit = 0; bit < 32; bit++) {
             check_flip(&rigs[n], speed + (size_t)bit / 8u, bit % 8, 2.0f);
         }
     }
+}
+
+/// The least bit of a word of the tuning in use flips, and stays so for `time_s`.
+static lode_fault_t after_flip(const rig_t *sound, size_t word, double time_s) {
+    rig_t rig = *sound;
+    unsigned char *octet = (unsigned char *)&other_tuning + word * sizeof(float);
+    *octet = (unsigned char)(*octet ^ 1u);
+    rig_run(&rig, time_s);
+    *octet = (unsigned char)(*octet ^ 1u);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    return rig_telemetry(&rig).fault;
+}
+
+#define WORDS_OF_A_TUNING (sizeof other_tuning / sizeof(float))
+
+/// Standing, a word is looked at in each period, running in every eighth.
+static void test_a_tuning_that_changes_by_itself_trips(void) {
+    for (int running = 0; running < 2; running++) {
+        rig_t rig = fresh();
+        other_tuning = *rig.drive.tuning;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+        rig_step(&rig);
+        if (running == 1) {
+            rig_command(&rig, run_at(100.0));
+            TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+            rig_run(&rig, 0.5);
+        }
+        const uint32_t periods = running == 1 ? LODE_SLOW_PERIODS : 1u;
+        const double walk_s = (double)((WORDS_OF_A_TUNING + 2) * periods) * (double)PAPER_TS_s;
+        const rig_t sound = rig;
+        rig_run(&rig, 5.0 * walk_s);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
+        for (size_t word = 0; word < WORDS_OF_A_TUNING; word += running == 1 ? 7 : 1) {
+            const lode_fault_t fault = after_flip(&sound, word, 2.0 * walk_s);
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_MEMORY", lode_check_name(fault.check));
+            TEST_ASSERT_TRUE(fault.measured == 3.0f);
+        }
+    }
+}
+
+/// Of two in a row only the second is taken, with its own sum.
+static void test_a_tuning_posted_twice_is_watched_by_its_own_sum(void) {
+    rig_t rig = fresh();
+    lode_drive_config_t config = rig_config();
+    config.speed.ramp_rad_s2 = 100.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, rig.drive.tuning));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    rig_run(&rig, 0.2);
+    TEST_ASSERT_TRUE(rig.drive.tuning == &other_tuning);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
 }
 
 static void test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing(void) {
@@ -1599,6 +1654,8 @@ int main(void) {
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_a_mode_or_command_that_changes_by_itself_trips);
+    RUN_TEST(test_a_tuning_that_changes_by_itself_trips);
+    RUN_TEST(test_a_tuning_posted_twice_is_watched_by_its_own_sum);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);
     RUN_TEST(test_a_stuck_converter_trips_before_the_current_is_large);
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);

@@ -568,6 +568,32 @@ static void test_a_new_tuning_is_taken_while_it_turns(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_post_tuning(NULL, &other_tuning));
 }
 
+/// Of both sets, of one alone, of the xy plane and of what only six phases have.
+static void test_a_tuning_that_changes_by_itself_trips(void) {
+    const lode_drive6_config_t config = rig6_config();
+    const size_t places[] = {offsetof(lode_drive6_tuning_t, drive.current.psi_Wb),
+                             offsetof(lode_drive6_tuning_t, alone.current.psi_Wb),
+                             offsetof(lode_drive6_tuning_t, xy.circle),
+                             offsetof(lode_drive6_tuning_t, watch.i_min),
+                             offsetof(lode_drive6_tuning_t, source)};
+    const rig6_t sound = turning(&config, 300.0, LOAD_Nm);
+    const double walk_s =
+        (double)LODE_SLOW_PERIODS * (double)(sizeof tuning / sizeof(float) + 2) * RIG6_TS_s;
+    rig6_t rig = sound;
+    rig6_run(&rig, 3.0 * walk_s);
+    TEST_ASSERT_TRUE(rig.out.set[0].gates && rig.out.set[1].gates);
+    for (int n = 0; n < COUNT_OF(places); n++) {
+        unsigned char *octet = (unsigned char *)&tuning + places[n];
+        rig = sound;
+        *octet = (unsigned char)(*octet ^ 1u);
+        rig6_run(&rig, 2.0 * walk_s);
+        *octet = (unsigned char)(*octet ^ 1u);
+        TEST_ASSERT_FALSE(rig.out.set[0].gates || rig.out.set[1].gates);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_MEMORY, rig.drive.drive.guard.fault.check);
+        TEST_ASSERT_TRUE(rig.drive.drive.guard.fault.measured == 3.0f);
+    }
+}
+
 /// A call with 25 A of 22.5 A in one phase, 0 .. 5.
 static bool trips(const rig6_t *rig, int phase) {
     lode_drive6_t drive = rig->drive;
@@ -722,6 +748,7 @@ int main(void) {
     RUN_TEST(test_bad_configurations_are_refused_by_name);
     RUN_TEST(test_two_shunts_in_a_window_leave_the_voltage_that_they_see);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
+    RUN_TEST(test_a_tuning_that_changes_by_itself_trips);
     RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);
     RUN_TEST(test_windowed_shunts);
     RUN_TEST(test_speed_control_in_every_period);

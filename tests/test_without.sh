@@ -114,7 +114,8 @@ refuses -DLODE_WITHOUT_SHUNT_WINDOW "$phases"
 refuses -DLODE_WITHOUT_COMMISSIONING "$vectors"
 refuses -DLODE_WITHOUT_PLAUSIBILITY "$plausibility"
 absent lode_drive_suspect LODE_WITHOUT_PLAUSIBILITY
-least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_COMMISSIONING"
+refuses -DLODE_WITHOUT_TUNING_CHECK ""
+least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING"
 refuses "$least$all" "$optimal$notch$phases$plausibility$vectors"
 
 # LODE_SMALL is a matter of size alone: the same periods to the bit.
@@ -128,4 +129,6 @@ periods() {
 plain=$(periods)
 small=$(periods -DLODE_SMALL)
 [ "$plain" = "$small" ] || { echo "LODE_SMALL does something else"; exit 1; }
+unwatched=$(periods -DLODE_WITHOUT_TUNING_CHECK)
+[ "$plain" = "$unwatched" ] || { echo "LODE_WITHOUT_TUNING_CHECK does something else"; exit 1; }
 has pll_gains || { echo "LODE_SMALL makes no functions of what is shared"; exit 1; }

@@ -133,6 +133,14 @@ typedef struct {
     float id_A; ///< d-axis current at hand-over, which fades
 } lode_running_t;
 
+/// Whether the tuning in use is still what it was when it came: summed up a word at a time. A build with
+/// LODE_WITHOUT_TUNING_CHECK has none of it.
+typedef struct {
+    uint32_t check; ///< the whole sum, when it came
+    uint32_t sum;   ///< of the words before `word`
+    uint32_t word;
+} lode_tuning_watch_t;
+
 /// A drive. Visible for static allocation; written by its functions only.
 typedef struct {
     const lode_drive_tuning_t *tuning;
@@ -169,6 +177,10 @@ typedef struct {
     } state;                    ///< that of the present mode, set up when it is entered
     lode_order_t command;       ///< being followed
     lode_order_t posted;        ///< mailbox
+#ifndef LODE_WITHOUT_TUNING_CHECK
+    lode_tuning_watch_t watch;
+    uint32_t posted_check; ///< mailbox: of the posted tuning
+#endif
     const lode_drive_tuning_t *posted_tuning; ///< mailbox: NULL when taken
 } lode_drive_t;
 
@@ -233,7 +245,7 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command);
 
 /// Leaves a tuning, checked and derived by lode_drive_tune(), for the next period. All states go on.
-/// The old one may be reused once lode_drive_tuning_taken() is true.
+/// The old one may be reused once lode_drive_tuning_taken() is true. Sums the tuning up, some 150 words.
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 bool lode_drive_tuning_taken(const lode_drive_t *self);
 

@@ -28,7 +28,7 @@ typedef enum {
     LODE_CHECK_CURRENT_STUCK, ///< 1 .. 3, 4 .. 6: phase of set 1, 2 whose converter is stuck; 0: all three
     LODE_CHECK_CURRENT_SUM,       ///< sum of the three phase currents, A
     LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: a sensor that is open or shorted
-    LODE_CHECK_MEMORY,            ///< what changed by itself: 1 the mode, 2 the command
+    LODE_CHECK_MEMORY, ///< what changed by itself: 1 the mode, 2 the command, 3 the tuning
     LODE_CHECK_COUNT
 } lode_check_t;
 
