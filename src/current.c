@@ -5,7 +5,7 @@
 #define BANDWIDTH_TS_MAX 0.4f // 56 degrees
 #define GAIN_MARGIN 2.0f
 #define VOLTAGE_USE_MAX 1.1547f // 2/sqrt(3): the corners of the hexagon
-#define D_SHARE 0.9f // leaves the q axis 44 % of the circle
+#define D_SHARE 0.9f            // leaves the q axis 44 % of the circle
 
 void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s) {
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_TS / ts_s);
