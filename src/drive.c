@@ -5,7 +5,7 @@
 #define EMF_SHARE 0.8f
 
 void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-    *self = (lode_drive_t){.tuning = tuning, .direction = 1.0f};
+    *self = (lode_drive_t){.tuning = tuning, .torque_share = 1.0f, .direction = 1.0f};
     self->command.check = lode_mode_order_check(&self->command);
     lode_mode_post_check(self, lode_mode_words(tuning));
     lode_mode_take_check(self);
@@ -93,6 +93,10 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
     LODE_SHARED_STORE(self->posted_tuning, tuning);
     lode_drive_call(self);
     return LODE_OK;
+}
+
+void lode_drive_limit_torque(lode_drive_t *self, float share) {
+    self->torque_share = lode_clamp(share, 0.0f, 1.0f); // one word, read once in a round
 }
 
 bool lode_drive_tuning_taken(const lode_drive_t *self) {

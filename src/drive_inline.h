@@ -114,7 +114,8 @@ LODE_SHARED void lode_drive_references(lode_drive_t *self) {
         lode_references_step(&run->references, &self->tuning->references, run->speed.torque_Nm,
                              self->estimator.pll.omega_rad_s, run->fade * run->id_A, voltage);
     self->ref_A = out.i_A;
-    run->speed.limit_Nm = out.torque_Nm;
+    const float share = self->torque_share;
+    run->speed.limit_Nm = (lode_range_t){share * out.torque_Nm.min, share * out.torque_Nm.max};
 }
 
 // SLOT_LAG

@@ -167,7 +167,8 @@ typedef struct {
     lode_dq_t u_V;
     lode_abc_t duty; ///< written by the last call
     float temperature_degC;
-    float direction; ///< sense of rotation, -1 or +1
+    float torque_share; ///< of the torque that the references allow, 0 .. 1
+    float direction;    ///< sense of rotation, -1 or +1
     union {
         lode_sense_sums_t sums; ///< CALIBRATE
         uint32_t precharged;    ///< PRECHARGE: periods of it
@@ -248,6 +249,11 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
 /// The old one may be reused once lode_drive_tuning_taken() is true. Sums the tuning up, some 150 words.
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 bool lode_drive_tuning_taken(const lode_drive_t *self);
+
+/// From the next round of the slow jobs on, RUN asks for at most this share, 0 .. 1, of the torque that current,
+/// voltage and bus allow, either way: for derating (derate.h), or a limit of the application's. Below 0, above 1
+/// and NaN become 0, 1 and 0. Holds until it is changed. The current that weakens the field is not limited.
+void lode_drive_limit_torque(lode_drive_t *self, float share);
 
 /// A snapshot of the last period. False if the interrupt came in between three times running; the
 /// snapshot then mixes fields of different periods, each whole.

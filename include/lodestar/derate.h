@@ -1,0 +1,53 @@
+/// Less torque before something is too hot: by the temperature of the power stage, and by the heat of the
+/// winding (I2t). For the main loop, some ten times a second:
+///
+///     lode_telemetry_t now;
+///     (void)lode_drive_telemetry(&drive, &now);
+///     lode_drive_limit_torque(&drive, lode_derate_step(&derate, &derate_tuning, &now, 0.1f));
+#ifndef LODESTAR_DERATE_H
+#define LODESTAR_DERATE_H
+
+#include "lodestar/drive.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    float i_max_A; ///< that of the inverter's configuration, peak of a phase
+    float
+        i_continuous_A; ///< what the winding bears for ever, peak of a phase, up to i_max_A; 0: i_max_A
+    float
+        winding_s; ///< thermal time constant of the winding, 0.1 .. 1e5; data sheets give it; 0: 30
+    float from_degC; ///< of the power stage: full torque up to here; 0: 20 K below to_degC
+    float to_degC;   ///< none from here on, -40 .. 300: at or below the guard's limit
+} lode_derate_config_t;
+
+typedef struct {
+    float inv_continuous2; ///< 1/A^2
+    float least;           ///< share that the winding bears for ever
+    float winding_s;
+    lode_fade_t winding;
+    lode_fade_t stage;
+} lode_derate_tuning_t;
+
+typedef struct {
+    float heat; ///< of the winding over its surroundings; 1: what i_continuous_A leads to
+} lode_derate_t;
+
+/// LODE_ERROR_DERATE where a field is out of range; `tuning` is then left alone.
+lode_status_t lode_derate_tune(lode_derate_tuning_t *tuning, const lode_derate_config_t *config);
+
+/// A cold winding: `heat` 0. What is not known to be cold begins at 1.
+void lode_derate_reset(lode_derate_t *self, float heat);
+
+/// `dt_s` after the last time: the share of the torque that may be asked for, 0 .. 1. A temperature or
+/// current that is no number counts as too hot.
+float lode_derate_step(lode_derate_t *self, const lode_derate_tuning_t *tuning,
+                       const lode_telemetry_t *telemetry, float dt_s);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

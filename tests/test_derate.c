@@ -1,0 +1,132 @@
+// Derating by temperature and by the heat of the winding.
+#include "support/rig.h"
+
+#include "lodestar/derate.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static const lode_derate_config_t sound = {
+    .i_max_A = 12.0f, .i_continuous_A = 6.0f, .winding_s = 20.0f, .to_degC = 100.0f};
+
+static lode_derate_tuning_t tuned(void) {
+    lode_derate_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_derate_tune(&tuning, &sound));
+    return tuning;
+}
+
+static lode_telemetry_t at(float current_A, float temperature_degC) {
+    return (lode_telemetry_t){.i_A = {-0.6f * current_A, 0.8f * current_A},
+                              .temperature_degC = temperature_degC};
+}
+
+static void test_bad_configurations_are_refused(void) {
+    const lode_derate_tuning_t before = tuned();
+    lode_derate_tuning_t tuning = before;
+    lode_derate_config_t bad[9];
+    for (int n = 0; n < COUNT_OF(bad); n++) {
+        bad[n] = sound;
+    }
+    bad[0].i_max_A = 0.0f;
+    bad[1].i_continuous_A = 12.1f;
+    bad[2].i_continuous_A = -1.0f;
+    bad[3].winding_s = 0.05f;
+    bad[4].winding_s = NAN;
+    bad[5].to_degC = 301.0f;
+    bad[6].from_degC = 99.5f;
+    bad[7].from_degC = NAN;
+    bad[8].i_max_A = NAN;
+    for (int n = 0; n < COUNT_OF(bad); n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_DERATE, lode_derate_tune(&tuning, &bad[n]));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_derate_tune(NULL, &sound));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_derate_tune(&tuning, NULL));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof before);
+}
+
+static void test_the_winding_heats_up_to_its_continuous_current(void) {
+    const lode_derate_tuning_t tuning = tuned();
+    lode_derate_t derate;
+    lode_derate_reset(&derate, 0.0f);
+    // i_max from cold: h = 4 (1 - exp(-t/20 s)) reaches 0.9 after 5.1 s.
+    double first_s = 0.0;
+    float share = 1.0f;
+    for (int n = 1; n <= 3000; n++) {
+        const lode_telemetry_t now = at(12.0f * share, 25.0f);
+        share = lode_derate_step(&derate, &tuning, &now, 0.1f);
+        if (!(first_s > 0.0) && share < 1.0f) {
+            first_s = 0.1 * n;
+        }
+    }
+    CHECK_NEAR(0.15, 5.1, first_s);
+    CHECK_NEAR(0.005, 0.5, (double)share); // i_continuous, and there it stays
+    CHECK_NEAR(0.005, 1.0, (double)derate.heat);
+    // It cools with the same time constant.
+    const lode_telemetry_t idle = at(0.0f, 25.0f);
+    for (int n = 0; n < 200; n++) {
+        share = lode_derate_step(&derate, &tuning, &idle, 0.1f);
+    }
+    CHECK_NEAR(0.005, 0.368, (double)derate.heat);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, share);
+}
+
+static void test_a_hot_power_stage_has_less_torque(void) {
+    const lode_derate_tuning_t tuning = tuned();
+    const float temperatures[] = {25.0f, 80.0f, 90.0f, 100.0f, 140.0f};
+    const double shares[] = {1.0, 1.0, 0.5, 0.0, 0.0};
+    for (int n = 0; n < COUNT_OF(shares); n++) {
+        lode_derate_t derate;
+        lode_derate_reset(&derate, 0.0f);
+        const lode_telemetry_t now = at(1.0f, temperatures[n]);
+        CHECK_NEAR(1.0e-6, shares[n], (double)lode_derate_step(&derate, &tuning, &now, 0.1f));
+    }
+}
+
+static void test_what_is_no_number_counts_as_hot(void) {
+    const lode_derate_tuning_t tuning = tuned();
+    lode_derate_t derate;
+    lode_derate_reset(&derate, 0.0f);
+    const lode_telemetry_t blind = at(1.0f, NAN);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, lode_derate_step(&derate, &tuning, &blind, 0.1f));
+    const lode_telemetry_t wild = at(NAN, 25.0f);
+    CHECK_NEAR(1.0e-6, 0.5, (double)lode_derate_step(&derate, &tuning, &wild, 0.1f));
+    TEST_ASSERT_TRUE(lode_is_finite(derate.heat));
+    lode_derate_reset(&derate, NAN);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, derate.heat);
+    const lode_telemetry_t back = at(0.0f, 25.0f);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, lode_derate_step(&derate, &tuning, &back, -0.1f));
+}
+
+static void test_a_drive_keeps_to_its_share(void) {
+    static lode_drive_tuning_t tuning;
+    const lode_drive_config_t config = rig_config();
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 60.0f});
+    rig_run(&rig, 4.0);
+    rig_expect(&rig, LODE_MODE_RUN);
+    lode_drive_limit_torque(&rig.drive, 0.25f);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 150.0f});
+    rig_run(&rig, 0.2);
+    const double most = (double)tuning.speed.torque_max_Nm;
+    CHECK_NEAR(0.02 * most, 0.25 * most, (double)rig_telemetry(&rig).torque_ref_Nm);
+    TEST_ASSERT_TRUE(rig_telemetry(&rig).torque_limited);
+    // Any number will do.
+    const float shares[] = {NAN, -1.0f, 2.0f};
+    const float taken[] = {0.0f, 0.0f, 1.0f};
+    for (int n = 0; n < COUNT_OF(shares); n++) {
+        lode_drive_limit_torque(&rig.drive, shares[n]);
+        TEST_ASSERT_EQUAL_FLOAT(taken[n], rig.drive.torque_share);
+    }
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_bad_configurations_are_refused);
+    RUN_TEST(test_the_winding_heats_up_to_its_continuous_current);
+    RUN_TEST(test_a_hot_power_stage_has_less_torque);
+    RUN_TEST(test_what_is_no_number_counts_as_hot);
+    RUN_TEST(test_a_drive_keeps_to_its_share);
+    return UNITY_END();
+}
