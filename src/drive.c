@@ -336,7 +336,9 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
             return end_idle(self);
         }
         if (lode_mode(self) != LODE_MODE_RUN) {
-            frame = lode_drive_control_frame(self, sample);
+            if (!lode_estimator_injects(&self->estimator)) { // then it is the rotor's
+                frame = lode_drive_control_frame(self, sample);
+            }
         } else if (!lode_drive_speed_once(self)) {
             lode_drive_fast_speed(self);
         } else {

@@ -27,6 +27,17 @@
 // With less, positive id: at 1.2 the rotor is lost without it.
 #define SALIENCY_ENOUGH 1.5f
 #define ID_SHARE 0.3f
+// Start at rest: time for the axis, 50 rad/s while the error is at its limit, and for either current.
+#define FIND_s 0.08f
+#define POLAR_s 0.04f
+#define FIND_TIMES 3u
+// Of i_max: enough to move Ld by some percent.
+#define POLAR_SHARE 0.33f
+// Relative difference of the responses: without saturation at most 0.0044 in 100 simulated starts, 0.011 and more
+// where Ld falls by 2.6 % over twice the current.
+#define POLAR_LEAST 0.008f
+// Mean error of an axis that is found.
+#define FOUND_rad 0.15f
 // Low-pass of the i_q that turns the axis: below current control, above what the load does.
 #define IQ_rad_s 500.0f
 // Injection ends a little above the speed at which it begins.
@@ -51,13 +62,17 @@ static float dead_time_V(const lode_hfi_system_t *system) {
 }
 
 // The largest of what noise (H7), dead time (H9) and the dead band ask for.
-static float least_V(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
+static float wave_V(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
     const float more = lode_max(saliency(config, system) - 1.0f, FLT_MIN);
     const float per_A = system->motor->Ld_H / system->ts_s;
     const float noise_V = NOISE_GAIN / NOISE_rad * config->noise_A * per_A * (1.0f + 1.0f / more);
     const float dead_V = dead_time_V(system) / (DEAD_TIME_rad * more);
     const float ripple_V = RIPPLE_SHARE * system->inverter->i_max_A * per_A;
     return lode_max(lode_max(noise_V, dead_V), ripple_V);
+}
+
+static uint32_t rounds_in(float time_s, float ts_s) {
+    return (uint32_t)(int32_t)(time_s / ((float)LODE_SLOW_PERIODS * ts_s)) + 1u;
 }
 
 #ifdef LODE_WITHOUT_HFI
@@ -111,7 +126,7 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
     const lode_motor_t *motor = system->motor;
     config->noise_A = lode_given_or(config->noise_A, NOISE_COUNTS * lode_abs(system->count_A));
     config->Lq_i_max_H = lode_given_or(config->Lq_i_max_H, differential_Lq(system));
-    config->V_h_V = lode_given_or(config->V_h_V, least_V(config, system));
+    config->V_h_V = lode_given_or(config->V_h_V, wave_V(config, system));
     const float error_V = FOUR_PER_PI * CORRECTION_ERROR * dead_time_V(system);
     const float w2 = lode_max(EMF_TIMES * error_V / lode_max(motor->psi_Wb, FLT_MIN),
                               W2_SHARE * motor->omega_rated_rad_s);
@@ -157,6 +172,10 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
         .reserve_V = config->V_h_V * system->inverter->v_bus_V / system->circle_V,
         .k_x = config->k_x_rad_A,
         .iq_weight = lode_one_minus_exp(IQ_rad_s * (float)LODE_SLOW_PERIODS * system->ts_s),
+        .find_gain = pll.x_low,
+        .polar_A = POLAR_SHARE * system->inverter->i_max_A,
+        .find_rounds = rounds_in(FIND_s, system->ts_s),
+        .polar_rounds = rounds_in(POLAR_s, system->ts_s),
         .gains = lode_pll_gains(&pll, 0.0f),
     };
     return LODE_OK;
@@ -164,15 +183,78 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
 
 #ifndef LODE_WITHOUT_HFI
 
+void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A) {
+    *self = (lode_hfi_t){.active = true,
+                         .wave_V = tuning->V_h_V,
+                         .weight = 1.0f,
+                         .ih_A = i_A.d,
+                         .iq_A = i_A.q,
+                         .axis = {0.0f, 1.0f},
+                         .i_A = i_A};
+}
+
+static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
+    switch ((lode_hfi_step_t)self->step) {
+    case LODE_HFI_FIND:
+        if (self->off_rad <= FOUND_rad) {
+            return LODE_HFI_NORTH;
+        }
+        return self->rounds < FIND_TIMES * tuning->find_rounds ? LODE_HFI_FIND : LODE_HFI_UNDECIDED;
+    case LODE_HFI_NORTH:
+        return LODE_HFI_SOUTH;
+    case LODE_HFI_SOUTH:
+    case LODE_HFI_RIGHT:
+    case LODE_HFI_WRONG:
+    case LODE_HFI_UNDECIDED:
+    default:
+        break;
+    }
+    // (H15): the iron of a magnet's north saturates with current along it.
+    const float more_V = self->along_V - self->against_V;
+    if (lode_abs(more_V) <= POLAR_LEAST * (self->along_V + self->against_V)) {
+        return LODE_HFI_UNDECIDED;
+    }
+    return more_V > 0.0f ? LODE_HFI_RIGHT : LODE_HFI_WRONG;
+}
+
+float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
+    const bool finding = self->step == (uint_least8_t)LODE_HFI_FIND;
+    const uint32_t rounds = finding ? tuning->find_rounds : tuning->polar_rounds;
+    self->rounds++;
+    if (2u * self->rounds > rounds) { // the current has settled
+        *(self->step == (uint_least8_t)LODE_HFI_SOUTH ? &self->against_V : &self->along_V) +=
+            finding ? 0.0f : self->sum_V;
+    }
+    self->sum_V = 0.0f;
+    if (self->rounds >= rounds) {
+        const lode_hfi_step_t next = next_step(self, tuning);
+        self->rounds = next == LODE_HFI_FIND ? self->rounds : 0u;
+        self->step = (uint_least8_t)next;
+    }
+    if (self->step == (uint_least8_t)LODE_HFI_NORTH) {
+        return tuning->polar_A;
+    }
+    return self->step == (uint_least8_t)LODE_HFI_SOUTH ? -tuning->polar_A : 0.0f;
+}
+
+void lode_hfi_turn_round(lode_hfi_t *self) {
+    self->ih_A = -self->ih_A;
+    self->iq_A = -self->iq_A;
+    self->i_A = (lode_dq_t){-self->i_A.d, -self->i_A.q};
+    self->h_V = -self->h_V;
+    self->q_V = -self->q_V;
+}
+
 void lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A,
                      float omega_rad_s) {
     const float speed = lode_abs(omega_rad_s);
     if (!self->active && speed < tuning->omega_high) {
-        *self = (lode_hfi_t){.active = true, .wave_V = tuning->V_h_V, .iq_A = i_A.q, .i_A = i_A};
+        lode_hfi_begin(self, tuning, i_A);
     }
     if (!(speed < HYSTERESIS * tuning->omega_high)) {
         self->active = false;
     }
+    self->sum_V = 0.0f;
     self->weight = lode_clamp((tuning->omega_high - speed) * tuning->inv_span, 0.0f, 1.0f);
     // The axis, and the current along it from there on.
     self->iq_A += tuning->iq_weight * (self->i_A.q - self->iq_A);

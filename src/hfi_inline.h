@@ -27,7 +27,17 @@ LODE_INLINE void lode_hfi_demodulate(lode_hfi_t *self, const lode_hfi_tuning_t *
     self->h_V = h_V;
     self->q_V = q_V;
     self->swing_V = swing_V;
+    self->sum_V += lode_abs(swing_V);
 }
+
+// From the current `i_A` along its axis.
+void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A);
+
+// Once in LODE_SLOW_PERIODS of a start at rest: the d current that is asked for. `step` says how far it is.
+float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning);
+
+// The angle is half a turn on.
+void lode_hfi_turn_round(lode_hfi_t *self);
 
 // Once in LODE_SLOW_PERIODS: begins and ends by the speed; weight (H11) and axis (H6). `i_A`: in the rotor's
 // frame.

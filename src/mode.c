@@ -175,13 +175,24 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
     set_mode(self, LODE_MODE_START);
 }
 
+// By injection, until that is given up: then the vector is turned.
+static bool finds_at_rest(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_HFI
+    (void)self;
+    return false;
+#else
+    return self->tuning->estimator.hfi.on != 0u &&
+           self->estimator.hfi.step != (uint_least8_t)LODE_HFI_UNDECIDED;
+#endif
+}
+
 // SLOT_SPEED: where the vector goes, and whether the estimate is good enough to run on.
 static void judge_start(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->state.start;
     const lode_estimator_t *estimator = &self->estimator;
     lode_start_judge(start, tuning, estimator->pll.omega_rad_s, estimator->lock);
-    if (start->catching > 0u) {
+    if (start->catching > 0u || finds_at_rest(self)) {
         return;
     }
     const bool stopping = is_stop(self);
@@ -239,7 +250,7 @@ void lode_mode_follow(lode_drive_t *self) {
 // The mode with all gates on that is asked for; OFF: none.
 static lode_mode_t driven_mode(const lode_drive_t *self) {
     const lode_mode_t wanted = self->command.mode;
-    if (wanted == LODE_MODE_RUN && !is_stop(self)) {
+    if (wanted == LODE_MODE_RUN && (!is_stop(self) || finds_at_rest(self))) {
         return LODE_MODE_START;
     }
     return lode_mode_is_commissioning(wanted) ? wanted : LODE_MODE_OFF;
@@ -376,6 +387,9 @@ lode_control_frame_t lode_mode_control_frame(lode_drive_t *self) {
 void lode_mode_seed(lode_drive_t *self) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     const lode_start_t *start = &self->state.start;
+    if (lode_estimator_injects(&self->estimator) && lode_mode(self) == LODE_MODE_START) {
+        return; // it goes by injection
+    }
     if (lode_mode(self) == LODE_MODE_START && start->catching == 0u &&
         lode_abs(start->omega_rad_s) < LODE_START_HOLD * self->tuning->start.omega_handover) {
         lode_estimator_hold(&self->estimator, tuning, start->at, start->omega_rad_s);
@@ -386,18 +400,89 @@ void lode_mode_seed(lode_drive_t *self) {
 
 #ifndef LODE_WITHOUT_HFI
 
+// The rotor is found. It stands still, or nearly so, and the currents are in its frame.
+static void run_from_rest(lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_estimator_t *estimator = &self->estimator;
+    if (estimator->hfi.step == (uint_least8_t)LODE_HFI_WRONG) {
+        estimator->pll.frame.sin = -estimator->pll.frame.sin;
+        estimator->pll.frame.cos = -estimator->pll.frame.cos;
+        estimator->id_A = -estimator->id_A;
+        lode_hfi_turn_round(&estimator->hfi);
+        self->i_A = (lode_dq_t){-self->i_A.d, -self->i_A.q};
+        lode_current_reset(&self->current, &tuning->current,
+                           (lode_dq_t){-self->u_V.d, -self->u_V.q}, self->i_A, 0.0f);
+    }
+    const float omega = estimator->pll.omega_rad_s;
+    lode_running_t *run = &self->state.run; // takes the place of the start's
+    lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
+                     lode_estimator_load_torque_Nm(estimator, &tuning->estimator));
+    run->fade = 0.0f;
+    run->id_A = 0.0f;
+    lode_references_reset(&run->references, self->i_A.d);
+    self->ref_A = (lode_dq_t){0.0f, 0.0f}; // until SLOT_REFERENCES
+    set_mode(self, LODE_MODE_RUN);
+}
+
+// Injection knows no polarity, or found no axis: the vector finds it, from where it would have begun.
+static void give_up(lode_drive_t *self) {
+    lode_estimator_restart(&self->estimator, &self->tuning->estimator);
+    self->estimator.hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
+    lode_current_reset(&self->current, &self->tuning->current, (lode_dq_t){0.0f, 0.0f},
+                       (lode_dq_t){0.0f, 0.0f}, 0.0f);
+    if (is_stop(self)) { // it would turn the rotor
+        lode_mode_fault(self, LODE_CHECK_START, self->estimator.lock, LODE_LOCK_HANDOVER);
+    }
+}
+
+// START, when a rotor that turns has been looked for.
+static void find_at_rest(lode_drive_t *self) {
+    lode_estimator_t *estimator = &self->estimator;
+    lode_hfi_t *hfi = &estimator->hfi;
+    const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
+    if (!hfi->active) {
+        lode_estimator_restart(estimator, &self->tuning->estimator);
+        const lode_ab_t i_A = estimator->emf.i_A;
+        lode_hfi_begin(hfi, tuning, (lode_dq_t){i_A.alpha, i_A.beta});
+    }
+    self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning), 0.0f};
+    estimator->gains = tuning->gains;
+    switch ((lode_hfi_step_t)hfi->step) {
+    case LODE_HFI_FIND: // (H14): of third order the loop would wind up its speed, and slip
+        estimator->gains = (lode_pll_gains_t){tuning->find_gain, 0.0f, 0.0f};
+        estimator->pll.omega_rad_s = 0.0f;
+        estimator->pll.f_rad_s2 = 0.0f;
+        estimator->pll.rise_rad_s = 0.0f;
+        break;
+    case LODE_HFI_RIGHT:
+    case LODE_HFI_WRONG:
+        run_from_rest(self);
+        break;
+    case LODE_HFI_UNDECIDED:
+        give_up(self);
+        break;
+    case LODE_HFI_NORTH:
+    case LODE_HFI_SOUTH:
+    default:
+        break;
+    }
+}
+
 LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
     lode_estimator_t *estimator = &self->estimator;
     const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
-    if (lode_mode(self) != LODE_MODE_RUN) {
+    const lode_mode_t mode = lode_mode(self);
+    if (mode == LODE_MODE_START && self->state.start.catching == 0u && finds_at_rest(self)) {
+        find_at_rest(self);
+    } else if (mode == LODE_MODE_RUN) {
+        const float omega = estimator->pll.omega_rad_s;
+        lode_hfi_follow(&estimator->hfi, tuning, self->i_A, omega);
+        if (estimator->hfi.active) {
+            estimator->gains = tuning->gains;
+            self->direction = lode_sign(omega); // either is as good
+        }
+    } else {
         estimator->hfi.active = false;
-        return;
-    }
-    const float omega = estimator->pll.omega_rad_s;
-    lode_hfi_follow(&estimator->hfi, tuning, self->i_A, omega);
-    if (estimator->hfi.active) {
-        estimator->gains = tuning->gains;
-        self->direction = lode_sign(omega); // either is as good
     }
 }
 

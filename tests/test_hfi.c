@@ -473,6 +473,100 @@ static void test_no_response_to_the_wave_trips(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&rig).fault.check);
 }
 
+/// At rest at the angle `theta`, with an Ld that falls by `share` from -4 to 4 A; asked for `speed_rad_s`.
+static void rig_at_rest(rig_t *rig, double theta, double share, float speed_rad_s) {
+    lode_drive_config_t config = rig_config();
+    config.hfi.mode = LODE_HFI_ON;
+    config.hfi.V_h_V = 25.0f;
+    rig_init(rig, &rig_tuning, &config);
+    rig->motor.theta = theta;
+    rig->motor.Ld_per_A = -share * rig->motor.Ld / 8.0;
+    rig_ask(rig, speed_rad_s);
+}
+
+static void test_start_at_rest_from_any_angle(void) {
+    static rig_t rig;
+    for (int k = 0; k < 24; k++) {
+        rig_at_rest(&rig, k * 15.0 * CHECK_DEG, 0.05, 0.0f);
+        rig_run(&rig, 0.4);
+        rig_expect(&rig, LODE_MODE_RUN);
+        CHECK_AT_MOST(1.0 * CHECK_DEG, rig_worst(&rig, 0.1));
+        // It has turned by a few degrees at most, and holds from here on.
+        CHECK_AT_MOST(6.0 * CHECK_DEG,
+                      fabs(remainder(rig.motor.theta - k * 15.0 * CHECK_DEG, 2.0 * CHECK_PI)));
+        rig.pull_Nm = 5.0;
+        CHECK_AT_MOST(3.6 * CHECK_DEG, rig_worst(&rig, 0.5));
+        CHECK_NEAR(3.0, 0.0, rig.motor.omega / 3.0);
+    }
+}
+
+static void test_iron_that_tells_no_polarity(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 2.0, 0.0, 0.0f);
+    rig_run(&rig, 0.5);
+    rig_expect(&rig, LODE_MODE_FAULT); // a turning vector would leave the speed that is asked for
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
+    rig_at_rest(&rig, 2.0, 0.0, -31.4f);
+    rig_run(&rig, 0.5);
+    rig_expect(&rig, LODE_MODE_START);
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, rig.drive.estimator.hfi.step);
+    rig_run(&rig, 1.5);
+    rig_expect(&rig, LODE_MODE_RUN);
+    CHECK_NEAR(1.0, -31.4, rig.motor.omega / 3.0);
+}
+
+static void test_start_at_rest_can_be_called_off(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.25);
+    rig_expect(&rig, LODE_MODE_START);
+    TEST_ASSERT_TRUE(rig.drive.estimator.hfi.active);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    rig_run(&rig, 0.01);
+    rig_expect(&rig, LODE_MODE_OFF);
+    TEST_ASSERT_FALSE(rig.drive.estimator.hfi.active);
+}
+
+static void test_an_axis_that_is_not_found_is_given_up(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning(); // 51 rounds of 1.6 ms
+    lode_hfi_t hfi = {.off_rad = 0.2f};
+    for (int k = 1; k < 3 * 51; k++) {
+        CHECK_NEAR(0.0, 0.0, lode_hfi_find(&hfi, &tuning));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_FIND, hfi.step);
+    }
+    CHECK_NEAR(0.0, 0.0, lode_hfi_find(&hfi, &tuning));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, hfi.step);
+    hfi = (lode_hfi_t){.off_rad = 0.1f};
+    for (int k = 1; k < 51; k++) {
+        (void)lode_hfi_find(&hfi, &tuning);
+    }
+    CHECK_NEAR(1.0e-5, 0.33 * 12.0, lode_hfi_find(&hfi, &tuning));
+}
+
+/// What is made of mean responses to current along the axis and against it.
+static int decided(const lode_hfi_tuning_t *tuning, float along_V, float against_V) {
+    lode_hfi_t hfi = {.step = LODE_HFI_NORTH};
+    for (int k = 0; k < 26; k++) {
+        hfi.sum_V = along_V;
+        CHECK_NEAR(1.0e-5, k < 25 ? 3.96 : -3.96, lode_hfi_find(&hfi, tuning));
+    }
+    for (int k = 0; k < 26; k++) {
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_SOUTH, hfi.step);
+        hfi.sum_V = against_V;
+        (void)lode_hfi_find(&hfi, tuning);
+    }
+    return hfi.step;
+}
+
+static void test_polarity_by_the_difference_of_the_responses(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, decided(&tuning, 101.7f, 100.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 101.5f, 100.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 100.0f, 101.5f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided(&tuning, 100.0f, 101.7f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 0.0f, 0.0f));
+}
+
 static void test_off_is_off_to_the_bit(void) {
     static rig_t plain;
     static rig_t rig;
@@ -533,6 +627,11 @@ int main(void) {
     RUN_TEST(test_full_torque_at_no_speed_and_reversal);
     RUN_TEST(test_a_magnet_the_wrong_way_round_is_found_by_its_EMF);
     RUN_TEST(test_no_response_to_the_wave_trips);
+    RUN_TEST(test_start_at_rest_from_any_angle);
+    RUN_TEST(test_iron_that_tells_no_polarity);
+    RUN_TEST(test_start_at_rest_can_be_called_off);
+    RUN_TEST(test_an_axis_that_is_not_found_is_given_up);
+    RUN_TEST(test_polarity_by_the_difference_of_the_responses);
     RUN_TEST(test_off_is_off_to_the_bit);
     RUN_TEST(test_what_is_not_finite_is_left_behind);
     return UNITY_END();

@@ -83,7 +83,7 @@ typedef enum {
 } lode_control_t;
 
 /// What the drive shall do. RUN calibrates and starts by itself where that is needed, and with speed 0
-/// stops and switches off; with signal injection it runs on at that speed too, once it runs.
+/// stops and switches off; with signal injection that is a speed like any other, and OFF stops.
 typedef struct {
     lode_mode_t mode; ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
     /// RUN: MECHANICAL speed, either sign; with torque control the direction in which to run, and the speed

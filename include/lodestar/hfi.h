@@ -63,23 +63,42 @@ typedef struct {
     float reserve_V;  ///< bus voltage that current control leaves to the wave
     float k_x;        ///< rad/A
     float iq_weight;  ///< of a new i_q in the one that turns the axis, once in LODE_SLOW_PERIODS
+    float find_gain;  ///< of the angle, while it is looked for at rest (H14)
+    float polar_A;    ///< d current of either sign that tells north from south
+    uint32_t find_rounds;  ///< LODE_SLOW_PERIODS each
+    uint32_t polar_rounds; ///< with either sign
     lode_pll_gains_t gains;
 } lode_hfi_tuning_t;
 
+/// What a start at rest is doing.
+typedef enum {
+    LODE_HFI_FIND,     ///< the axis, from any angle
+    LODE_HFI_NORTH,    ///< current along it,
+    LODE_HFI_SOUTH,    ///< and against it
+    LODE_HFI_RIGHT,    ///< done: the magnet's north is where the angle is,
+    LODE_HFI_WRONG,    ///< or opposite
+    LODE_HFI_UNDECIDED ///< the iron tells no difference
+} lode_hfi_step_t;
+
 /// What injection keeps from period to period; that of the estimator.
 typedef struct {
-    bool active;        ///< injecting
-    float wave_V;       ///< added along the axis in the last duties: V_h or -V_h
-    float weight;       ///< of its position error beside the EMF's (H11)
-    float error;        ///< its position error at t_k, rad (H4)
-    float ih_A;         ///< current along the axis at t_k
-    float q_V;          ///< dead-beat EMF across the axis (H1)
-    float h_V;          ///< regressor (H1)
-    float swing_V;      ///< H, by which it has moved in the last period
-    float off_rad;      ///< mean magnitude of the error
-    float iq_A;         ///< low-passed
-    lode_sincos_t axis; ///< from the estimated d axis, by cross-saturation
-    lode_dq_t i_A;      ///< current in the rotor's frame at t_k, ripple included
+    bool active;           ///< injecting
+    float wave_V;          ///< added along the axis in the last duties: V_h or -V_h
+    float weight;          ///< of its position error beside the EMF's (H11)
+    float error;           ///< its position error at t_k, rad (H4)
+    float ih_A;            ///< current along the axis at t_k
+    float q_V;             ///< dead-beat EMF across the axis (H1)
+    float h_V;             ///< regressor (H1)
+    float swing_V;         ///< H, by which it has moved in the last period
+    float off_rad;         ///< mean magnitude of the error
+    float iq_A;            ///< low-passed
+    lode_sincos_t axis;    ///< from the estimated d axis, by cross-saturation
+    lode_dq_t i_A;         ///< current in the rotor's frame at t_k, ripple included
+    uint_least8_t step;    ///< lode_hfi_step_t of a start
+    uint_least16_t rounds; ///< in it
+    float sum_V;           ///< of the magnitudes of H in this round
+    float along_V;         ///< the same with current along the axis
+    float against_V;       ///< and against it
 } lode_hfi_t;
 
 /// Saliency below which nothing is injected: Lq'(i_max)/Ld'.

@@ -64,6 +64,10 @@
     ROW(FLOAT, float, estimator.hfi.reserve_V) \
     ROW(FLOAT, float, estimator.hfi.k_x) \
     ROW(FLOAT, float, estimator.hfi.iq_weight) \
+    ROW(FLOAT, float, estimator.hfi.find_gain) \
+    ROW(FLOAT, float, estimator.hfi.polar_A) \
+    ROW(WHOLE, uint32_t, estimator.hfi.find_rounds) \
+    ROW(WHOLE, uint32_t, estimator.hfi.polar_rounds) \
     ROW(FLOAT, float, estimator.hfi.gains.theta) \
     ROW(FLOAT, float, estimator.hfi.gains.omega_s) \
     ROW(FLOAT, float, estimator.hfi.gains.f_s2) \

@@ -14,6 +14,7 @@ typedef struct {
     double R, Ld, Lq, psi;
     double id, iq, theta, omega; ///< now
     double acc;                  ///< of the rotor, electrical
+    double Ld_per_A; ///< by which the differential Ld moves with id: the iron of the magnets
 } ipmsm_t;
 
 /// Table 3's motor at rest in the air, turning.
@@ -28,8 +29,9 @@ static inline void ipmsm_slope(const ipmsm_t *m, double ua, double ub, double t,
     const double w = m->omega + t * m->acc;
     const double ud = ua * cos(theta) + ub * sin(theta);
     const double uq = ub * cos(theta) - ua * sin(theta);
-    out[0] = (ud - m->R * x[0] + w * m->Lq * x[1]) / m->Ld;
-    out[1] = (uq - m->R * x[1] - w * (m->Ld * x[0] + m->psi)) / m->Lq;
+    const double more = 0.5 * m->Ld_per_A * x[0]; // of psi_d over id
+    out[0] = (ud - m->R * x[0] + w * m->Lq * x[1]) / (m->Ld + 2.0 * more);
+    out[1] = (uq - m->R * x[1] - w * ((m->Ld + more) * x[0] + m->psi)) / m->Lq;
 }
 
 static inline void ipmsm_move(ipmsm_t *m, double ua, double ub, double h) {
