@@ -201,11 +201,16 @@ LODE_RAMFUNC LODE_NOINLINE bool lode_drive_accept(lode_drive_t *self, uint_least
     return true;
 }
 
+// Zero speed and both directions: with a sensor, or with injection.
+static bool is_any_speed(const lode_drive_t *self) {
+    return self->sensored || self->tuning->omega_min < 0.0f;
+}
+
 // Mechanical speeds between which RUN stays, as commanded. Without a sensor: in the present direction, and no
 // slower than the least speed; where another is asked for, that one alone.
 static lode_range_t allowed_speeds(const lode_drive_t *self) {
     const float speed = self->command.speed_rad_s;
-    if (self->sensored) {
+    if (is_any_speed(self)) {
         return (lode_range_t){-lode_abs(speed), lode_abs(speed)};
     }
     const float least = self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
@@ -216,7 +221,7 @@ static lode_range_t allowed_speeds(const lode_drive_t *self) {
 LODE_NOINLINE float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm) {
     const lode_range_t speeds = allowed_speeds(self);
     const float wanted = self->command.speed_rad_s;
-    const bool stops = !self->sensored && !(wanted * self->direction > 0.0f);
+    const bool stops = !is_any_speed(self) && !(wanted * self->direction > 0.0f);
     if (!self->command.torque || stops) {
         return lode_clamp(wanted, speeds.min, speeds.max);
     }

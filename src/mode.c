@@ -474,7 +474,7 @@ LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
     const lode_mode_t mode = lode_mode(self);
     if (mode == LODE_MODE_START && self->state.start.catching == 0u && finds_at_rest(self)) {
         find_at_rest(self);
-    } else if (mode == LODE_MODE_RUN) {
+    } else if (mode == LODE_MODE_RUN && !self->sensored) {
         const float omega = estimator->pll.omega_rad_s;
         lode_hfi_follow(&estimator->hfi, tuning, self->i_A, omega);
         if (estimator->hfi.active) {
@@ -515,6 +515,10 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     own->lock = estimate->lock;
     own->locked = estimate->lock >= LODE_LOCK_LOST;
     own->aligned = own->locked;
+#ifndef LODE_WITHOUT_HFI
+    own->hfi.active = false; // nothing is to be found by it
+    own->hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
+#endif
     if (self->sensored) {
         self->direction = lode_sign(estimate->omega_rad_s);
     }
