@@ -112,6 +112,7 @@ absent lode_references_optimal LODE_WITHOUT_OPTIMAL_REFERENCES
 refuses -DLODE_WITHOUT_NOTCH "$notch"
 refuses -DLODE_WITHOUT_SHUNT_WINDOW "$phases"
 refuses -DLODE_WITHOUT_COMMISSIONING "$vectors"
+absent lode_commission_step LODE_WITHOUT_COMMISSIONING
 refuses -DLODE_WITHOUT_PLAUSIBILITY "$plausibility"
 absent lode_drive_suspect LODE_WITHOUT_PLAUSIBILITY
 refuses -DLODE_WITHOUT_TUNING_CHECK ""

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "commands/command_analyse.h"
+#include "commands/command_commission.h"
 #include "commands/command_decode.h"
 #include "commands/command_design.h"
 #include "commands/command_faults.h"
@@ -61,6 +62,8 @@ static rig_exit_t dispatch(const options_t *options) {
         return command_reproduce(options);
     case COMMAND_FAULTS:
         return command_faults(options);
+    case COMMAND_COMMISSION:
+        return command_commission(options);
     case COMMAND_DECODE:
         return command_decode(options);
     case COMMAND_MONTE_CARLO:

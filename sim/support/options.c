@@ -18,9 +18,10 @@ enum {
     REPRODUCE = 32,
     DECODE = 64,
     MONTE_CARLO = 128,
-    FAULTS = 256
+    FAULTS = 256,
+    COMMISSION = 512
 };
-enum { CONFIGURED = 63 | MONTE_CARLO | FAULTS, ALL = 511 };
+enum { CONFIGURED = 63 | MONTE_CARLO | FAULTS | COMMISSION, ALL = 1023 };
 
 // Seeds pass through a double, which holds them up to here.
 #define SEED_MAX (UINT64_C(1) << 53)
@@ -36,9 +37,9 @@ typedef struct {
 } option_t;
 
 static const option_t table[] = {
-    {"motor", required_argument, 'm', RUN | REPLAY | DESIGN | ANALYSE, "F.ini",
+    {"motor", required_argument, 'm', RUN | REPLAY | DESIGN | ANALYSE | COMMISSION, "F.ini",
      "motor, and anything else it sets; a file, or a name from `lodestar list`"},
-    {"drive", required_argument, 'd', RUN | REPLAY | DESIGN | ANALYSE, "F.ini",
+    {"drive", required_argument, 'd', RUN | REPLAY | DESIGN | ANALYSE | COMMISSION, "F.ini",
      "drive; overrides the motor's file; a file or a name too"},
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
     {"column", required_argument, 'l', REPLAY, "NAME=COLUMN",
@@ -65,7 +66,7 @@ static const option_t table[] = {
     {"kinds", required_argument, 'K', FAULTS, "A,B,...", "of fault; all of them"},
     {"motors", required_argument, 'M', FAULTS, "A,B,...",
      "names of motors that have a drive of the same name; jiang2022,eldeeb2017"},
-    {"seed", required_argument, 'n', MAIN_JOB | RUN | FAULTS, "S",
+    {"seed", required_argument, 'n', MAIN_JOB | RUN | FAULTS | COMMISSION, "S",
      "seed of the noise and of all else that is random"},
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
     {"seeds", required_argument, 'N', REPRODUCE, "A-B",
@@ -73,6 +74,7 @@ static const option_t table[] = {
     {"jobs", required_argument, 'w', RUN | MONTE_CARLO | FAULTS | REPRODUCE, "N",
      "number of parallel processes; default: one per processor"},
     {"out", required_argument, 'o', FAULTS, "F.md", "a page with the tables"},
+    {"out", required_argument, 'o', COMMISSION, "F.ini", "a motor file of what was found"},
     {"out", required_argument, 'o', REPLAY, "F.csv", "one row of estimates per recorded row"},
     {"csv", required_argument, 'c', MAIN_JOB | RUN, "F.csv", "signals over time"},
     {"ring", required_argument, 'R', RUN, "F.bin", "octets that the telemetry ring would send"},
@@ -90,6 +92,7 @@ static const option_t table[] = {
     {"json", required_argument, 'j', MONTE_CARLO, "F.json",
      "{motor, seed, result, cause, max_error_deg} of each case"},
     {"json", required_argument, 'j', DECODE, "F.json", "the summary"},
+    {"json", required_argument, 'j', COMMISSION, "F.json", "{name: {value, confidence}}"},
     {"json", optional_argument, 'J', DESIGN, "[=F.json]", "JSON in place of the table"},
     {"c", required_argument, 'x', DESIGN, "F.c",
      "the tuning as a constant in C, named like the file, for the firmware's flash;\n"
@@ -157,6 +160,14 @@ static const command_t commands[] = {
      "field: by which check it is found and when, the largest current, and how far the rotor "
      "turns\n"
      "back. Exit code 0 where nothing is silent: no fault although something is wrong."},
+    {"commission", COMMAND_COMMISSION, COMMISSION,
+     "lodestar commission [SCENARIO.ini | --motor F.ini] [OPTION...]",
+     "Lets the drive measure the simulated motor and inverter by itself, as it does on a board.\n"
+     "Sensors, resistance, dead-time voltage, inductances, flux, inertia and friction, each with "
+     "a\n"
+     "confidence. [motor] and [drive] are what is known before, [plant] is the truth. Exit code 0 "
+     "where\n"
+     "all was found. The shaft must be free. Without a scenario or a motor: the main job's."},
     {"monte-carlo", COMMAND_MONTE_CARLO, MONTE_CARLO,
      "lodestar monte-carlo start|run|quiet [OPTION...]\n"
      "       lodestar monte-carlo merge F.json... [--json F.json]",
@@ -457,16 +468,25 @@ static bool check_format(const char *format) {
     return good;
 }
 
-static bool check_run(const options_t *options) {
-    if (options->scenario == NULL) {
-        return needs("run", "a scenario file, or --motor F.ini", options->motor);
-    }
-    if (options->motor != NULL || options->drive != NULL) {
+static bool check_either(const char *command, const options_t *options) {
+    if (options->scenario != NULL && (options->motor != NULL || options->drive != NULL)) {
         rig_error(
-            "run: expected a scenario or --motor, not both: a scenario names its motor and drive");
+            "%s: expected a scenario or --motor, not both: a scenario names its motor and drive",
+            command);
         return false;
     }
     return true;
+}
+
+static bool check_run(const options_t *options) {
+    return (options->scenario != NULL ||
+            needs("run", "a scenario file, or --motor F.ini", options->motor)) &&
+           check_either("run", options);
+}
+
+static bool check_commission(const options_t *options) {
+    return (options->drive == NULL || needs("commission", "--motor F.ini", options->motor)) &&
+           check_either("commission", options);
 }
 
 static bool check_monte_carlo(const options_t *options) {
@@ -523,6 +543,8 @@ static bool check(const options_t *options) {
         return needs("decode", "a file", options->recording);
     case COMMAND_MONTE_CARLO:
         return check_monte_carlo(options);
+    case COMMAND_COMMISSION:
+        return check_commission(options);
     case COMMAND_REPRODUCE:
         return needs("reproduce", "the name of a paper: jiang2022 or li-fa-leso", options->paper);
     case COMMAND_MAIN_JOB:
@@ -538,7 +560,9 @@ static bool check(const options_t *options) {
 
 static bool take_operands(options_t *options, const command_t *command, int argc, char **argv) {
     int next = optind;
-    if (command->command == COMMAND_RUN && next < argc) {
+    const bool may_have_scenario =
+        command->command == COMMAND_RUN || command->command == COMMAND_COMMISSION;
+    if (may_have_scenario && next < argc) {
         options->scenario = argv[next++];
     }
     if (command->command == COMMAND_DECODE && next < argc) {
@@ -578,7 +602,7 @@ bool options_parse(options_t *options, int argc, char **argv) {
     }
     if (command == NULL) {
         rig_error("%s: unknown command; expected list, run, replay, design, analyse, "
-                  "reproduce, decode, faults or monte-carlo",
+                  "reproduce, decode, faults, commission or monte-carlo",
                   argv[1]);
         return false;
     }

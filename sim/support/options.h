@@ -16,6 +16,7 @@ typedef enum {
     COMMAND_DECODE,
     COMMAND_FAULTS,
     COMMAND_MONTE_CARLO,
+    COMMAND_COMMISSION,
     COMMAND_HELP,
     COMMAND_VERSION
 } options_command_t;

@@ -1,0 +1,136 @@
+/// Self-commissioning: what a motor and an inverter are, measured by the drive itself in under 10 s.
+///
+/// Sensors first, by voltage pulses too short to turn a rotor; then resistance, dead-time voltage and
+/// inductances with the rotor held by a current; then flux, inertia and friction from running up and down
+/// on a free shaft. It works by the drive's own commands alone, so all limits and the guard hold.
+/// Three-phase motors; LODE_WITHOUT_COMMISSIONING leaves it out of a build.
+///
+/// Interrupt: lode_commission_step() in place of lode_drive_step().
+/// Thread:    lode_commission_work() again and again until it returns something else than RUNNING.
+#ifndef LODESTAR_COMMISSION_H
+#define LODESTAR_COMMISSION_H
+
+#include "lodestar/drive.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#ifndef LODE_WITHOUT_COMMISSIONING
+
+typedef enum {
+    LODE_COMMISSION_OFFSET_A, ///< count at zero current; the next two of phases b and c
+    LODE_COMMISSION_OFFSET_B,
+    LODE_COMMISSION_OFFSET_C,
+    LODE_COMMISSION_SIGNALS, ///< phases whose sensor has the right sign and place: 3
+    LODE_COMMISSION_RS_Ohm,  ///< winding and switches
+    LODE_COMMISSION_DEAD_V,  ///< what a phase loses to dead time and drops at the present bus
+    LODE_COMMISSION_LD_H,    ///< differential, at about half of the start current in d
+    LODE_COMMISSION_LQ_H,    ///< the same
+    LODE_COMMISSION_PSI_Wb,
+    LODE_COMMISSION_J_kgm2, ///< of all that turns
+    LODE_COMMISSION_B_Nms,  ///< friction over speed, at the mean speed of the run
+    LODE_COMMISSION_QUANTITIES
+} lode_commission_quantity_t;
+
+/// Name of a quantity, as in lode_drive_config_t where it is a field of that.
+const char *lode_commission_name(lode_commission_quantity_t quantity);
+
+/// What a measurement gave, and how far it agrees with itself: 1/(1 + (d/l)^2), where d is the deviation that
+/// it shows and l the one that is allowed. 0: not measured.
+typedef struct {
+    float value;
+    float confidence;
+} lode_commission_value_t;
+
+/// Below this confidence a quantity is refused.
+#define LODE_COMMISSION_SURE 0.5f
+
+typedef enum {
+    LODE_COMMISSION_RUNNING,
+    LODE_COMMISSION_DONE,
+    LODE_COMMISSION_FAULT,      ///< the guard tripped: drive.guard.fault
+    LODE_COMMISSION_UNSURE,     ///< `quantity` was measured with too little confidence
+    LODE_COMMISSION_NO_CURRENT, ///< the voltage went to its end and the current did not come
+    LODE_COMMISSION_UNSETTLED,  ///< the rotor would not come to rest under a current
+    LODE_COMMISSION_REFUSED,    ///< the drive refuses what was measured: `status`
+    LODE_COMMISSION_NO_START    ///< the motor did not come to speed
+} lode_commission_result_t;
+
+/// The enumerator's name, for logs.
+const char *lode_commission_result_name(lode_commission_result_t result);
+
+/// Sums of a measurement under way.
+typedef struct {
+    uint32_t count;
+    float
+        t; ///< of the run: time, speed, voltage, and their products; of the steps: voltage and current
+    float x;
+    float y;
+    float tx;
+    float xx;
+    float xy;
+    float yy;
+    lode_dq_t u;
+    lode_dq_t i[2];
+} lode_commission_sums_t;
+
+typedef struct {
+    lode_drive_t drive;
+    lode_commission_value_t found[LODE_COMMISSION_QUANTITIES];
+    lode_commission_quantity_t quantity; ///< that is being measured, or was refused
+    lode_status_t status;
+    lode_commission_result_t result;
+    // From here on its own.
+    lode_drive_config_t config;    ///< as given, then with what was found
+    lode_drive_config_t designed;  ///< the same, complete
+    lode_drive_tuning_t tuning[2]; ///< before and after
+    lode_commission_sums_t sums;
+    uint32_t stage;
+    uint32_t since; ///< periods in it
+    uint32_t calm;  ///< windows in a row without a change
+    uint32_t level;
+    uint32_t runs; ///< up and down
+    uint32_t lost; ///< times that the rotor was lost in one
+    bool rises;    ///< the voltage, to the next level
+    bool wants_tuning;
+    float u_V;     ///< of the vector being raised or lowered
+    float quick_V; ///< its change per period until there is some current
+    float slow_V;  ///< and then
+    float u_max_V;
+    float current_A;            ///< that holds the rotor
+    float peak_A;               ///< largest length of a pulse
+    float phase_A[LODE_PHASES]; ///< at that instant
+    lode_dq_t before_u_V;       ///< of the last period; in the run the first point
+    lode_dq_t before_i_A[2];
+    float level_u_V[3];
+    float level_i_A[3];
+    float low_rad_s; ///< of the run
+    float high_rad_s;
+    float torque_Nm;
+    float run_psi_Wb[2]; ///< up, down
+    float run_acc[2];
+    float run_torque_Nm[2];
+    float run_omega[2];
+} lode_commission_t;
+
+/// `config` is what is known: f_pwm, inverter and sense as for lode_drive_init(), and the motor by its data
+/// sheet: R within 30 %, inductances and flux within 20 %, J within a factor of three.
+lode_status_t lode_commission_init(lode_commission_t *self, const lode_drive_config_t *config);
+
+/// One PWM period.
+lode_drive_out_t lode_commission_step(lode_commission_t *self, const lode_counts_t *counts);
+
+/// What is too long for the interrupt, and how it stands.
+lode_commission_result_t lode_commission_work(lode_commission_t *self);
+
+/// The configuration with what was found in it. Only after LODE_COMMISSION_DONE.
+const lode_drive_config_t *lode_commission_config(const lode_commission_t *self);
+
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,61 @@
+#include "rig/commission.h"
+
+#include <math.h>
+
+#include "config/refusal.h"
+#include "rig/rig.h"
+
+/// Longer than all of its own time-outs together.
+#define LONGEST_s 60.0
+
+static void note_truth(commission_run_t *self, const rig_config_t *config) {
+    const plant_config_t *plant = &self->plant;
+    for (int x = 0; x < PLANT_PHASES; ++x) {
+        self->truth[LODE_COMMISSION_OFFSET_A + x] = (double)config->drive.sense.i_offset_count +
+                                                    plant->i_offset_A[x] / plant->i_A_per_count;
+    }
+    const bool real = plant->level == PLANT_SWITCHING;
+    self->truth[LODE_COMMISSION_SIGNALS] = PLANT_PHASES;
+    self->truth[LODE_COMMISSION_RS_Ohm] = plant->Rs_Ohm + (real ? plant->r_on_Ohm : 0.0);
+    self->truth[LODE_COMMISSION_DEAD_V] =
+        real ? plant->v_bus_V * plant->dead_time_s / plant->period_s +
+                   0.5 * (plant->v_transistor_V + plant->v_diode_V)
+             : 0.0;
+    self->truth[LODE_COMMISSION_LD_H] = plant->Ld_H;
+    self->truth[LODE_COMMISSION_LQ_H] = plant->Lq_H;
+    self->truth[LODE_COMMISSION_PSI_Wb] = plant->psi_Wb;
+    self->truth[LODE_COMMISSION_J_kgm2] = plant->J_kgm2 + plant->load_J_kgm2;
+    self->truth[LODE_COMMISSION_B_Nms] = plant->B_Nms;
+}
+
+bool commission_run(commission_run_t *self, const rig_config_t *config) {
+    plant_t plant;
+    double unused_Nm;
+    *self = (commission_run_t){.took_s = 0.0};
+    if (!rig_config_plant(config, &self->plant, &unused_Nm)) {
+        return false;
+    }
+    (void)plant_init(&plant, &self->plant); // rig_config_plant() has tried
+    note_truth(self, config);
+    const lode_status_t status = lode_commission_init(&self->commission, &config->given);
+    if (status != LODE_OK) {
+        refusal_report(config, status);
+        return false;
+    }
+    lode_commission_result_t result = LODE_COMMISSION_RUNNING;
+    while (result == LODE_COMMISSION_RUNNING && self->took_s < LONGEST_s) {
+        plant_counts_t sampled;
+        plant_truth_t truth;
+        plant_sample(&plant, &sampled, &truth);
+        const lode_counts_t counts = rig_counts(&sampled);
+        const lode_drive_out_t out = lode_commission_step(&self->commission, &counts);
+        const double duty[PLANT_PHASES] = {(double)out.duty.a, (double)out.duty.b,
+                                           (double)out.duty.c};
+        plant_write(&plant, duty, (plant_gates_t)out.gates); // the same three
+        plant_advance(&plant);
+        self->i_max_A = fmax(self->i_max_A, hypot(truth.id_A, truth.iq_A));
+        self->took_s = truth.t_s;
+        result = lode_commission_work(&self->commission);
+    }
+    return true;
+}

@@ -1,0 +1,19 @@
+/// The library's self-commissioning against the simulated motor.
+#ifndef RIG_COMMISSION_H
+#define RIG_COMMISSION_H
+
+#include "config/rig_config.h"
+#include "lodestar/commission.h"
+
+typedef struct {
+    lode_commission_t commission;
+    plant_config_t plant;
+    double truth[LODE_COMMISSION_QUANTITIES]; ///< NaN where there is none
+    double took_s;
+    double i_max_A; ///< largest length of the current vector
+} commission_run_t;
+
+/// False after a message: refused input. Whatever the commissioning came to is its own result.
+bool commission_run(commission_run_t *self, const rig_config_t *config);
+
+#endif

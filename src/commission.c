@@ -1,0 +1,775 @@
+#include "lodestar/commission.h"
+
+#ifndef LODE_WITHOUT_COMMISSIONING
+
+#include "inverter_inline.h"
+
+#include <stddef.h>
+
+#define PHASES ((uint32_t)LODE_PHASES)
+#define BEFORE_FIRST 0xFFFFFFFFu // counts on to 0
+
+// Signals: pulses along each phase, first forward, then back, so that the rotor stays where it is; then rest.
+#define PULSE_PERIODS 5u
+#define REST_PERIODS 60u
+#define SEEN_PERIODS 3u   // from a voltage that is written to the current that it makes
+#define PULSE_SHARE 0.15f // of i_max, by the smaller inductance
+#define PULSE_SEEN 0.08f  // the same, by the larger one; with less the voltage is raised
+#define PULSES_MOST 12u
+#define DRIVEN_LEAST                                                                               \
+    0.7f // of the largest phase current: saliency turns the vector by up to 35 degrees
+#define SUM_MOST 0.25f   // of the same: what flows in must flow out
+#define NOISE_MOST 0.02f // of full scale, peak to peak
+#define OFFSET_SAMPLES 1024u
+
+// Holding the rotor.
+#define CURRENT_SHARE 0.5f // of i_max
+#define SALIENT_SHARE                                                                              \
+    0.4f // of the current at which reluctance pulls as much across as the magnet along
+#define QUICK_TIME_s 1.0f // of the voltage to its end, until there is some current
+#define SOME_SHARE 0.02f  // of the current
+#define CATCH_SHARE 0.4f  // of it: as far as it rises until the rotor lies along it
+// Then slowly: a winding of little resistance is a short circuit for a rotor that turns. The rotor lies along
+// the vector after some volt seconds per weber, and shall do that with little current.
+#define RISE_LEAST_s 0.6f
+#define RISE_MOST_s 2.0f
+#define RISE_FLUXES 40.0f
+#define QUICKER 4.0f // times as fast where the rotor lies along the vector, or has too much current
+#define TURN_TIME_s                                                                                \
+    0.8f // from the first direction, across, so that no rotor can lie opposite to both
+#define WINDOW_s 0.1f
+#define CALM_WINDOWS 2u
+#define CALM_SHARE 0.005f // of the current, between the halves of a window
+#define SETTLE_TIME_s 4.0f
+#define UNKNOWN_R 1.5f // of the configured one: as far as the voltage goes
+#define UNKNOWN_DEAD_s 1.5e-6f
+#define LEVELS 3u
+#define LEVEL_STEP 0.3f              // of the current, from level to level
+#define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along phase a per volt that each phase loses
+#define LINE_DEVIATION 0.03f         // of the middle level's voltage off the line, allowed
+
+// Inductances: steps of the current's reference, on top of a current that holds the rotor and the signs of
+// all phase currents.
+#define HOLD_SHARE 0.7f // of the current at the first level
+#define STEP_SHARE 0.3f // of what holds, either way
+#define HALF_WAVE 8u    // periods
+#define WAVES 120u
+#define HOLD_TIME_s 0.15f
+#define STEP_DEVIATION 0.01f // of the inductance, standard deviation by what it does not explain
+
+// The run.
+#define LOW_SHARE 0.3f // of rated speed
+#define HIGH_SHARE 0.7f
+#define HANDOVER_SHARE 0.2f // of rated speed
+#define HANDOVER_MORE 2.0f  // of the default
+#define ABOVE_HANDOVER 1.3f
+#define SPAN_WANTED 2.0f // of the lower speed
+#define SPAN_LEAST 1.3f
+#define HIGH_MOST 0.9f     // of rated speed
+#define RUN_TIME_s 0.4f    // from the one speed to the other, by the configured J
+#define TORQUE_LEAST 0.02f // of the torque at i_max
+#define TORQUE_MOST 0.6f
+#define REACHED 0.03f
+#define STEADY_s 0.2f
+#define RUN_WAIT_s 3.0f
+#define SPEED_ROOM 1.2f        // below the commanded speed torque does not give way
+#define EDGE_SHARE 0.15f       // of the span at either end that is not looked at
+#define TORQUE_DEVIATION 0.02f // of what the currents say of the torque
+#define B_DEVIATION 0.2f
+#define PSI_DEVIATION 0.06f // between up and down
+#define POINTS_LEAST 20u
+#define PSI_ROUGH 0.03f // of what was reckoned with: more, and the run is made again
+#define J_ROUGH 0.2f
+#define LOST_MOST 2u // times that a lost rotor is looked for again
+#define LOST_INERTIA 2.0f
+
+typedef enum {
+    STAGE_CALIBRATE,
+    STAGE_PULSES, // a, b, c
+    STAGE_ACROSS,
+    STAGE_ALONG,
+    STAGE_LEVEL,
+    STAGE_LD,
+    STAGE_LQ,
+    STAGE_RETUNE,
+    STAGE_START,
+    STAGE_UP,
+    STAGE_DOWN,
+    STAGE_OVER
+} stage_t;
+
+const char *lode_commission_name(lode_commission_quantity_t quantity) {
+    static const char *const names[LODE_COMMISSION_QUANTITIES] = {
+        "offset_a_count", "offset_b_count", "offset_c_count", "signals", "Rs_Ohm", "dead_V",
+        "Ld_H",           "Lq_H",           "psi_Wb",         "J_kgm2",  "B_Nms"};
+    return quantity < LODE_COMMISSION_QUANTITIES ? names[quantity] : "unknown";
+}
+
+const char *lode_commission_result_name(lode_commission_result_t result) {
+    static const char *const names[] = {"RUNNING",    "DONE",      "FAULT",   "UNSURE",
+                                        "NO_CURRENT", "UNSETTLED", "REFUSED", "NO_START"};
+    return result <= LODE_COMMISSION_NO_START ? names[result] : "UNKNOWN";
+}
+
+static uint32_t periods_in(const lode_commission_t *self, float time_s) {
+    return (uint32_t)(int32_t)(time_s * self->config.f_pwm_Hz + 0.5f);
+}
+
+static float float_of(uint32_t count) {
+    return (float)(int32_t)count;
+}
+
+static void post(lode_commission_t *self, lode_command_t command) {
+    (void)lode_drive_post_command(&self->drive, &command);
+}
+
+static void post_vector(lode_commission_t *self, lode_mode_t mode, float d, float q) {
+    post(self, (lode_command_t){.mode = mode, .vector = {d, q}});
+}
+
+// The next period is the stage's first again.
+static void restart(lode_commission_t *self) {
+    self->since = BEFORE_FIRST;
+}
+
+static void enter(lode_commission_t *self, stage_t stage) {
+    self->stage = (uint32_t)stage;
+    restart(self);
+    self->calm = 0u;
+    self->sums = (lode_commission_sums_t){.count = 0u};
+}
+
+static void finish(lode_commission_t *self, lode_commission_result_t result) {
+    enter(self, STAGE_OVER);
+    self->result = result;
+    post(self, (lode_command_t){.mode = LODE_MODE_OFF});
+}
+
+// How far a value agrees with itself.
+static lode_commission_value_t judged(float value, float deviation, float allowed) {
+    const float share = deviation / lode_max(allowed, FLT_MIN);
+    const float confidence = 1.0f / (1.0f + share * share);
+    return (lode_commission_value_t){value, lode_is_finite(value + confidence) ? confidence : 0.0f};
+}
+
+// False: refused, and it is over.
+static bool keep(lode_commission_t *self, lode_commission_quantity_t quantity, float value,
+                 float deviation, float allowed) {
+    self->found[quantity] = judged(value, deviation, allowed);
+    self->quantity = quantity;
+    if (self->found[quantity].confidence < LODE_COMMISSION_SURE) {
+        finish(self, LODE_COMMISSION_UNSURE);
+        return false;
+    }
+    return true;
+}
+
+static float found(const lode_commission_t *self, lode_commission_quantity_t quantity) {
+    return self->found[quantity].value;
+}
+
+static float length_of(lode_dq_t x) {
+    return lode_ab_length((lode_ab_t){x.d, x.q});
+}
+
+// --- Offsets ---
+
+// Extremes of the counts, in the fields of the pulses' peaks.
+static void note_counts(lode_commission_t *self, const lode_counts_t *counts) {
+    for (uint32_t x = 0u; x < PHASES; x++) {
+        const float count = (float)counts->i[x];
+        const bool first = self->since == 0u;
+        self->level_u_V[x] = first ? count : lode_min(self->level_u_V[x], count);
+        self->level_i_A[x] = first ? count : lode_max(self->level_i_A[x], count);
+        self->phase_A[x] = (first ? 0.0f : self->phase_A[x]) + count;
+    }
+}
+
+static void calibrate(lode_commission_t *self, const lode_counts_t *counts) {
+    const lode_sense_config_t *sense = &self->designed.sense;
+    if (self->since < OFFSET_SAMPLES) {
+        note_counts(self, counts);
+        return;
+    }
+    if (self->since == OFFSET_SAMPLES) {
+        for (uint32_t x = 0u; x < PHASES; x++) {
+            const bool there = x < 2u || sense->shunts == LODE_SHUNTS_THREE;
+            const float span = there ? self->level_i_A[x] - self->level_u_V[x] : 0.0f;
+            self->phase_A[x] /= float_of(OFFSET_SAMPLES);
+            if (!keep(self, (lode_commission_quantity_t)((uint32_t)LODE_COMMISSION_OFFSET_A + x),
+                      self->phase_A[x], span, NOISE_MOST * sense->count_max)) {
+                return;
+            }
+        }
+        post(self, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    } else if (self->drive.calibrated) {
+        self->quantity = LODE_COMMISSION_SIGNALS;
+        self->level = 0u;
+        enter(self, STAGE_PULSES);
+    } else {
+        // a fault, if it does not come
+    }
+}
+
+// --- Signals ---
+
+// What a phase loses, as far as it is known.
+static float dead_known_V(const lode_drive_config_t *config) {
+    const lode_inverter_config_t *inverter = &config->inverter;
+    return inverter->v_drop_V + inverter->v_bus_V * inverter->dead_time_s * config->f_pwm_Hz;
+}
+
+// Phase currents at the largest length of the vector.
+static void note_peak(lode_commission_t *self, const lode_counts_t *counts, lode_dq_t i_A) {
+    const lode_sense_config_t *sense = &self->designed.sense;
+    const float length_A = length_of(i_A);
+    if (length_A <= self->peak_A) {
+        return;
+    }
+    self->peak_A = length_A;
+    for (uint32_t x = 0u; x < PHASES; x++) {
+        const float offset =
+            found(self, (lode_commission_quantity_t)((uint32_t)LODE_COMMISSION_OFFSET_A + x));
+        self->phase_A[x] = sense->i_gain_A_count * ((float)counts->i[x] - offset);
+    }
+    if (sense->shunts == LODE_SHUNTS_TWO) {
+        self->phase_A[2] = -(self->phase_A[0] + self->phase_A[1]);
+    }
+}
+
+// A wrong sign or a wrong place makes the driven phase small or negative, a dead one leaves a sum.
+static bool judge_phase(lode_commission_t *self, uint32_t driven) {
+    const float *i = self->phase_A;
+    const float largest = lode_max(lode_max(lode_abs(i[0]), lode_abs(i[1])), lode_abs(i[2]));
+    const float inv = 1.0f / lode_max(largest, FLT_MIN);
+    const float off = 1.0f - i[driven] * inv;
+    const float sum = lode_abs(i[0] + i[1] + i[2]) * inv;
+    const float worst = lode_max(off / (1.0f - DRIVEN_LEAST), sum / SUM_MOST);
+    const float least_A = NOISE_MOST * self->designed.inverter.i_max_A;
+    return keep(self, LODE_COMMISSION_SIGNALS, float_of(driven + 1u),
+                self->peak_A > least_A ? worst : 2.0f, 1.0f);
+}
+
+// Voltage along the driven phase: by what is known at first, then more, for the dead time may take more.
+static float pulse_V(const lode_commission_t *self) {
+    const lode_motor_t *motor = &self->designed.motor;
+    const float step_A = PULSE_SHARE * self->designed.inverter.i_max_A;
+    const float rise_s = float_of(PULSE_PERIODS) / self->config.f_pwm_Hz;
+    const float rise_V = lode_min(motor->Ld_H, motor->Lq_H) * step_A / rise_s;
+    return DEAD_PER_PHASE * dead_known_V(&self->designed) +
+           rise_V * (1.0f + 0.5f * float_of(self->calm));
+}
+
+// Once more with more voltage, or the next phase.
+static void end_pulse(lode_commission_t *self) {
+    const float seen_A = PULSE_SEEN * self->designed.inverter.i_max_A;
+    if (self->peak_A < seen_A && self->calm < PULSES_MOST) {
+        self->calm++;
+        restart(self);
+    } else if (judge_phase(self, self->level)) {
+        self->peak_A = 0.0f;
+        self->level++;
+        enter(self, self->level < PHASES ? STAGE_PULSES : STAGE_ACROSS);
+    } else {
+        // refused
+    }
+}
+
+static void pulse(lode_commission_t *self, const lode_counts_t *counts, lode_dq_t i_A) {
+    const lode_sincos_t axis = lode_sincos(LODE_TWO_PI / 3.0f * float_of(self->level));
+    const float pulse_u_V = pulse_V(self);
+    float u_V = 0.0f;
+    if (self->since < PULSE_PERIODS) {
+        u_V = pulse_u_V;
+    } else if (self->since < 2u * PULSE_PERIODS) {
+        u_V = -pulse_u_V;
+    } else {
+        // rest
+    }
+    post_vector(self, LODE_MODE_VOLTAGE, u_V * axis.cos, u_V * axis.sin);
+    if (self->since < PULSE_PERIODS + SEEN_PERIODS) {
+        note_peak(self, counts, i_A);
+    } else if (self->since >= REST_PERIODS) {
+        end_pulse(self);
+    } else {
+        // it dies away
+    }
+}
+
+// --- Resistance and dead time ---
+
+// Means over the halves of a window. True at its end.
+static bool window_ends(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
+    lode_commission_sums_t *s = &self->sums;
+    const uint32_t length = periods_in(self, WINDOW_s);
+    const uint32_t half = s->count < length / 2u ? 0u : 1u;
+    s->u.d += u_V.d;
+    s->i[half].d += i_A.d;
+    s->i[half].q += i_A.q;
+    s->count++;
+    return s->count >= length / 2u * 2u;
+}
+
+// The current has been the same for long enough: the rotor rests. `i_A`: its mean, `u_V` that of the voltage.
+static bool settled(lode_commission_t *self, lode_dq_t *u_V, lode_dq_t *i_A) {
+    const lode_commission_sums_t s = self->sums;
+    const float inv = 1.0f / float_of(s.count);
+    const lode_dq_t change = {2.0f * inv * (s.i[1].d - s.i[0].d),
+                              2.0f * inv * (s.i[1].q - s.i[0].q)};
+    *u_V = (lode_dq_t){inv * s.u.d, 0.0f};
+    *i_A = (lode_dq_t){inv * (s.i[0].d + s.i[1].d), inv * (s.i[0].q + s.i[1].q)};
+    self->sums = (lode_commission_sums_t){.count = 0u};
+    self->calm = length_of(change) <= CALM_SHARE * self->current_A ? self->calm + 1u : 0u;
+    return self->calm >= CALM_WINDOWS;
+}
+
+// The first direction: the voltage rises until the current is there, then turns to the other.
+static void across(lode_commission_t *self, lode_dq_t i_A) {
+    if (self->level == PHASES) {
+        const float length_A = length_of(i_A);
+        // Once is enough: while the rotor turns, its EMF takes the current away.
+        self->calm += length_A >= SOME_SHARE * self->current_A ? 1u : 0u;
+        self->quantity = LODE_COMMISSION_RS_Ohm;
+        self->u_V += self->calm > 0u ? self->slow_V : self->quick_V;
+        post_vector(self, LODE_MODE_VOLTAGE, 0.0f, self->u_V);
+        if (length_A >= CATCH_SHARE * self->current_A) {
+            self->level++;
+            restart(self);
+        } else if (self->u_V > self->u_max_V) {
+            finish(self, LODE_COMMISSION_NO_CURRENT);
+        } else {
+            // it rises
+        }
+    } else {
+        const float turned = float_of(self->since) / (TURN_TIME_s * self->config.f_pwm_Hz);
+        self->u_V -= length_of(i_A) > CATCH_SHARE * self->current_A ? QUICKER * self->slow_V : 0.0f;
+        const lode_sincos_t at = lode_sincos(0.5f * LODE_PI * lode_max(1.0f - turned, 0.0f));
+        post_vector(self, LODE_MODE_VOLTAGE, self->u_V * at.cos, self->u_V * at.sin);
+        if (turned >= 1.0f) {
+            self->level = 0u;
+            enter(self, STAGE_LEVEL);
+        }
+    }
+}
+
+// A line through the voltages at three currents: its slope, and what is left without current. Both the drops
+// and the dead time are along phase a, and opposite in b and c.
+static bool judge_levels(lode_commission_t *self) {
+    const float *u = self->level_u_V;
+    const float *i = self->level_i_A;
+    const float r_Ohm = (u[0] - u[2]) / (i[0] - i[2]);
+    const float dead_V = (u[0] - r_Ohm * i[0]) / DEAD_PER_PHASE;
+    const float off_V = u[1] - (u[0] + r_Ohm * (i[1] - i[0]));
+    const float span_V = r_Ohm * (i[0] - i[2]);
+    // By the same deviation, of which more is allowed.
+    self->found[LODE_COMMISSION_DEAD_V] =
+        judged(dead_V, lode_abs(off_V), LINE_DEVIATION * lode_max(lode_abs(dead_V), span_V));
+    return r_Ohm > 0.0f &&
+           keep(self, LODE_COMMISSION_RS_Ohm, r_Ohm, lode_abs(off_V), LINE_DEVIATION * span_V);
+}
+
+// Rest at the present level, then note it.
+static void along(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
+    lode_dq_t mean_V;
+    lode_dq_t mean_A;
+    if (!window_ends(self, u_V, i_A)) {
+        return;
+    }
+    if (!settled(self, &mean_V, &mean_A)) {
+        if (self->since > periods_in(self, SETTLE_TIME_s)) {
+            finish(self, LODE_COMMISSION_UNSETTLED);
+        }
+        return;
+    }
+    self->level_u_V[self->level] = mean_V.d;
+    self->level_i_A[self->level] = mean_A.d;
+    self->level++;
+    if (self->level < LEVELS) {
+        enter(self, STAGE_LEVEL);
+    } else if (judge_levels(self)) {
+        self->quantity = LODE_COMMISSION_LD_H;
+        enter(self, STAGE_LD);
+    } else {
+        finish(self, LODE_COMMISSION_UNSURE);
+    }
+}
+
+// To the next level, up or down: a rotor that swung makes more current than the voltage does, or less.
+static void move_level(lode_commission_t *self, lode_dq_t i_A) {
+    const float wanted_A = self->current_A * (1.0f - LEVEL_STEP * float_of(self->level));
+    const bool below = i_A.d < wanted_A;
+    if (self->since == 0u) {
+        self->rises = below;
+    }
+    self->u_V += (self->rises ? QUICKER : -QUICKER) * self->slow_V;
+    post_vector(self, LODE_MODE_VOLTAGE, self->u_V, 0.0f);
+    if (self->u_V > self->u_max_V) {
+        finish(self, LODE_COMMISSION_NO_CURRENT);
+    } else if (below != self->rises) {
+        enter(self, STAGE_ALONG);
+    } else {
+        // it moves
+    }
+}
+
+// --- Inductances ---
+
+// Second differences of L di = (u - R i) Ts: neither the dead time nor the EMF of a rotor that hardly moves
+// stands in them. The voltage is known, the current has noise: 1/L is what is regressed.
+static void note_step(lode_commission_t *self, float u_V, float u1_V, float i_A, float i1_A,
+                      float i2_A) {
+    const float r_Ohm = found(self, LODE_COMMISSION_RS_Ohm);
+    const float x = u_V - u1_V - 0.5f * r_Ohm * (i_A - i2_A);
+    const float y = (i_A - 2.0f * i1_A + i2_A) * self->config.f_pwm_Hz;
+    self->sums.count++;
+    self->sums.xx += x * x;
+    self->sums.xy += x * y;
+    self->sums.yy += y * y;
+}
+
+static bool judge_steps(lode_commission_t *self, lode_commission_quantity_t quantity) {
+    const lode_commission_sums_t *s = &self->sums;
+    const float fit = s->xy * s->xy / (s->xx * s->yy);
+    const float deviation = lode_sqrt(lode_max(1.0f / fit - 1.0f, 0.0f) / float_of(s->count));
+    return keep(self, quantity, s->xx / s->xy, deviation, STEP_DEVIATION);
+}
+
+// Steps of the current along one axis while the other holds the rotor.
+static void wave(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_axis) {
+    const lode_dq_t *u1 = &self->before_u_V;
+    const lode_dq_t *i1 = &self->before_i_A[0];
+    const lode_dq_t *i2 = &self->before_i_A[1];
+    const float hold_A = HOLD_SHARE * self->current_A;
+    const uint32_t begin = periods_in(self, HOLD_TIME_s);
+    float step_A = 0.0f;
+    if (self->since >= begin) {
+        const uint32_t half = (self->since - begin) / HALF_WAVE;
+        step_A = half % 2u == 0u ? STEP_SHARE * hold_A : -STEP_SHARE * hold_A;
+        if (q_axis) {
+            note_step(self, u_V.q, u1->q, i_A.q, i1->q, i2->q);
+        } else {
+            note_step(self, u_V.d, u1->d, i_A.d, i1->d, i2->d);
+        }
+    }
+    post_vector(self, LODE_MODE_CURRENT, hold_A + (q_axis ? 0.0f : step_A), q_axis ? step_A : 0.0f);
+    if (self->since < begin + 2u * HALF_WAVE * WAVES ||
+        !judge_steps(self, q_axis ? LODE_COMMISSION_LQ_H : LODE_COMMISSION_LD_H)) {
+        return;
+    }
+    self->quantity = LODE_COMMISSION_LQ_H;
+    enter(self, q_axis ? STAGE_RETUNE : STAGE_LQ);
+}
+
+// --- With what is known by now ---
+
+static void take_standstill(lode_commission_t *self) {
+    lode_motor_t *motor = &self->config.motor;
+    lode_inverter_config_t *inverter = &self->config.inverter;
+    const float lost_V = found(self, LODE_COMMISSION_DEAD_V) - inverter->v_drop_V;
+    motor->Rs_Ohm = lode_max(found(self, LODE_COMMISSION_RS_Ohm) - inverter->r_on_Ohm, 0.0f);
+    motor->Ld_H = found(self, LODE_COMMISSION_LD_H);
+    motor->Lq_H = found(self, LODE_COMMISSION_LQ_H);
+    inverter->dead_time_s =
+        lode_max(lost_V, 0.0f) / (self->drive.inverter.v_bus_V * self->config.f_pwm_Hz);
+}
+
+lode_commission_result_t lode_commission_work(lode_commission_t *self) {
+    if (self->wants_tuning) {
+        take_standstill(self);
+        self->designed = self->config;
+        lode_drive_design(&self->designed);
+        // Flux and inertia are not known yet: the EMF at hand-over has more room than usual.
+        const float handover = self->designed.start.omega_handover_rad_s;
+        const float wanted = HANDOVER_SHARE * self->designed.motor.omega_rated_rad_s;
+        lode_drive_config_t config = self->config;
+        config.start.omega_handover_rad_s = lode_clamp(wanted, handover, HANDOVER_MORE * handover);
+        self->designed.start.omega_handover_rad_s = config.start.omega_handover_rad_s;
+        lode_drive_tuning_t *next = &self->tuning[self->drive.tuning == &self->tuning[0] ? 1 : 0];
+        const lode_status_t status = lode_drive_tune(next, &config);
+        self->status = status;
+        if (status == LODE_OK) {
+            (void)lode_drive_post_tuning(&self->drive, next);
+        }
+        LODE_SIGNAL_FENCE();
+        self->wants_tuning = false;
+    }
+    return self->result;
+}
+
+static void retune(lode_commission_t *self) {
+    const lode_drive_config_t *config = &self->designed;
+    if (self->since == 0u) {
+        post(self, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
+        self->wants_tuning = true;
+    } else if (self->wants_tuning) {
+        // the thread is at it
+    } else if (self->status != LODE_OK) {
+        finish(self, LODE_COMMISSION_REFUSED);
+    } else {
+        const float inv_np = 1.0f / config->motor.pole_pairs;
+        const float rated = config->motor.omega_rated_rad_s;
+        const float low =
+            lode_max(LOW_SHARE * rated, ABOVE_HANDOVER * config->start.omega_handover_rad_s);
+        const float high = lode_max(
+            lode_clamp(SPAN_WANTED * low, HIGH_SHARE * rated, HIGH_MOST * rated), SPAN_LEAST * low);
+        const float most_Nm = lode_motor_kt_Nm_A(&config->motor) * config->inverter.i_max_A;
+        self->low_rad_s = low * inv_np;
+        self->high_rad_s = high * inv_np;
+        self->torque_Nm =
+            lode_clamp(config->motor.J_kgm2 * (self->high_rad_s - self->low_rad_s) / RUN_TIME_s,
+                       TORQUE_LEAST * most_Nm, TORQUE_MOST * most_Nm);
+        self->quantity = LODE_COMMISSION_PSI_Wb;
+        enter(self, STAGE_START);
+    }
+}
+
+// --- The run ---
+
+static float speed_of(const lode_commission_t *self) {
+    return self->drive.estimator.pll.omega_rad_s / self->config.motor.pole_pairs;
+}
+
+static void start(lode_commission_t *self) {
+    const float off = lode_abs(speed_of(self) - self->low_rad_s);
+    const bool steady =
+        self->drive.mode == (uint_least8_t)LODE_MODE_RUN && off <= REACHED * self->low_rad_s;
+    post(self, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = self->low_rad_s});
+    self->calm = steady ? self->calm + 1u : 0u;
+    if (self->calm >= periods_in(self, STEADY_s)) {
+        enter(self, STAGE_UP);
+    } else if (self->since > periods_in(self, self->designed.start.timeout_s + RUN_WAIT_s)) {
+        finish(self, LODE_COMMISSION_NO_START);
+    } else {
+        // on its way
+    }
+}
+
+// Lines through speed over time and voltage over speed, from the first point on.
+static void note_run(lode_commission_t *self) {
+    const lode_drive_t *drive = &self->drive;
+    lode_commission_sums_t *s = &self->sums;
+    const float omega = drive->estimator.pll.omega_rad_s;
+    // The d current fades with speed where the references bias it.
+    const float u_V = drive->u_V.q - found(self, LODE_COMMISSION_RS_Ohm) * drive->i_A.q -
+                      omega * self->config.motor.Ld_H * drive->i_A.d;
+    if (s->count == 0u) {
+        self->before_u_V = (lode_dq_t){u_V, omega};
+        self->level = self->since;
+    }
+    const float t = float_of(self->since - self->level) / self->config.f_pwm_Hz;
+    const float x = omega - self->before_u_V.q;
+    const float y = u_V - self->before_u_V.d;
+    s->count++;
+    s->t += t;
+    s->x += x;
+    s->y += y;
+    s->tx += t * x;
+    s->u.d += t * t;
+    s->xx += x * x;
+    s->xy += x * y;
+    s->i[0].d += drive->i_A.d;
+    s->i[0].q += drive->i_A.q;
+}
+
+static void take_run(lode_commission_t *self, uint32_t way) {
+    const lode_commission_sums_t *s = &self->sums;
+    const lode_motor_t *motor = &self->config.motor;
+    const float n = float_of(s->count);
+    const float inv = 1.0f / n;
+    const lode_dq_t i_A = {inv * s->i[0].d, inv * s->i[0].q};
+    self->run_psi_Wb[way] = (n * s->xy - s->x * s->y) / (n * s->xx - s->x * s->x);
+    self->run_acc[way] = (n * s->tx - s->t * s->x) / (n * s->u.d - s->t * s->t) / motor->pole_pairs;
+    self->run_omega[way] = (self->before_u_V.q + inv * s->x) / motor->pole_pairs;
+    self->run_torque_Nm[way] = lode_motor_torque_factor(motor) *
+                               (self->run_psi_Wb[way] + (motor->Ld_H - motor->Lq_H) * i_A.d) *
+                               i_A.q;
+}
+
+// The run was made with a flux or an inertia so far off that it is made again.
+static bool is_rough(const lode_commission_t *self, float psi_Wb, float J) {
+    const lode_motor_t *motor = &self->config.motor;
+    return self->runs == 0u && psi_Wb > 0.0f && J > 0.0f &&
+           (lode_abs(psi_Wb - motor->psi_Wb) > PSI_ROUGH * motor->psi_Wb ||
+            lode_abs(J - motor->J_kgm2) > J_ROUGH * motor->J_kgm2);
+}
+
+// Friction acts alike up and down through the same speeds.
+static void judge_run(lode_commission_t *self) {
+    const float *psi = self->run_psi_Wb;
+    const float *acc = self->run_acc;
+    const float *torque = self->run_torque_Nm;
+    const float mean_Wb = 0.5f * (psi[0] + psi[1]);
+    const float J = (torque[0] - torque[1]) / (acc[0] - acc[1]);
+    const float friction_Nm = 0.5f * (torque[0] + torque[1] - J * (acc[0] + acc[1]));
+    const float omega = 0.5f * (self->run_omega[0] + self->run_omega[1]);
+    const float unequal = lode_abs(torque[0] + torque[1]) / lode_abs(torque[0] - torque[1]);
+    lode_motor_t *motor = &self->config.motor;
+    const bool rough = is_rough(self, mean_Wb, J);
+    self->found[LODE_COMMISSION_B_Nms] =
+        judged(friction_Nm / omega, TORQUE_DEVIATION * lode_abs(torque[0]),
+               B_DEVIATION * lode_max(friction_Nm, 0.0f));
+    if (!rough && (!keep(self, LODE_COMMISSION_PSI_Wb, mean_Wb, lode_abs(psi[0] - psi[1]),
+                         PSI_DEVIATION * mean_Wb) ||
+                   !keep(self, LODE_COMMISSION_J_kgm2, J, unequal, 1.0f))) {
+        return;
+    }
+    motor->psi_Wb = mean_Wb;
+    motor->J_kgm2 = J;
+    self->runs++;
+    if (rough) {
+        enter(self, STAGE_RETUNE);
+        return;
+    }
+    if (self->found[LODE_COMMISSION_B_Nms].confidence >= LODE_COMMISSION_SURE) {
+        motor->B_Nms = friction_Nm / omega;
+    }
+    finish(self, LODE_COMMISSION_DONE);
+}
+
+static void run(lode_commission_t *self, uint32_t way) {
+    const float sign = way == 0u ? 1.0f : -1.0f;
+    const float edge = EDGE_SHARE * (self->high_rad_s - self->low_rad_s);
+    const float from = self->low_rad_s + edge;
+    const float to = self->high_rad_s - edge;
+    const float now = speed_of(self);
+    post(self, (lode_command_t){.mode = LODE_MODE_RUN,
+                                .speed_rad_s = SPEED_ROOM * self->high_rad_s,
+                                .control = LODE_CONTROL_TORQUE,
+                                .torque_Nm = sign * self->torque_Nm});
+    const bool past = way == 0u ? now > self->high_rad_s : now < from;
+    const bool inside = lode_in_range(now, from, to);
+    if (inside) {
+        note_run(self);
+    }
+    if (past && self->sums.count >= POINTS_LEAST) {
+        take_run(self, way);
+        if (way == 0u) {
+            enter(self, STAGE_DOWN);
+        } else {
+            judge_run(self);
+        }
+    } else if (self->since > periods_in(self, RUN_WAIT_s)) {
+        finish(self, LODE_COMMISSION_NO_START);
+    } else {
+        // under way
+    }
+}
+
+// A rotor that was lost is looked for once more, with twice the inertia: a slower start, and less of an
+// acceleration that does not come. All other faults end it.
+static void end_by_fault(lode_commission_t *self) {
+    const uint_least8_t check = self->drive.guard.fault.check;
+    const bool lost = check == (uint_least8_t)LODE_CHECK_LOST_LOCK ||
+                      check == (uint_least8_t)LODE_CHECK_WRONG_WAY ||
+                      check == (uint_least8_t)LODE_CHECK_START;
+    if (lost && self->lost < LOST_MOST) { // these checks are of START and RUN alone
+        self->lost++;
+        self->config.motor.J_kgm2 *= LOST_INERTIA;
+        enter(self, STAGE_RETUNE);
+    } else {
+        finish(self, LODE_COMMISSION_FAULT);
+    }
+}
+
+// --- The whole ---
+
+static void proceed(lode_commission_t *self, const lode_counts_t *counts, lode_dq_t u_V) {
+    const lode_dq_t i_A = self->drive.i_A;
+    switch ((stage_t)self->stage) {
+    case STAGE_CALIBRATE:
+        calibrate(self, counts);
+        break;
+    case STAGE_PULSES:
+        pulse(self, counts, i_A);
+        break;
+    case STAGE_ACROSS:
+        across(self, i_A);
+        break;
+    case STAGE_ALONG:
+        along(self, u_V, i_A);
+        break;
+    case STAGE_LEVEL:
+        move_level(self, i_A);
+        break;
+    case STAGE_LD:
+        wave(self, u_V, i_A, false);
+        break;
+    case STAGE_LQ:
+        wave(self, u_V, i_A, true);
+        break;
+    case STAGE_RETUNE:
+        retune(self);
+        break;
+    case STAGE_START:
+        start(self);
+        break;
+    case STAGE_UP:
+        run(self, 0u);
+        break;
+    case STAGE_DOWN:
+        run(self, 1u);
+        break;
+    case STAGE_OVER:
+    default:
+        break;
+    }
+}
+
+lode_status_t lode_commission_init(lode_commission_t *self, const lode_drive_config_t *config) {
+    if (self == NULL || config == NULL) {
+        return LODE_ERROR_NULL;
+    }
+    if (config->motor.sets > 1.0f) {
+        return LODE_ERROR_MOTOR_SETS;
+    }
+    *self = (lode_commission_t){.config = *config};
+    // What the inverter loses is to be seen.
+    self->designed = *config;
+    self->designed.inverter.dead_time_correction = LODE_OFF;
+    self->designed.inverter.dead_time_model = LODE_OFF;
+    lode_drive_design(&self->designed);
+    const lode_status_t status = lode_drive_init(&self->drive, &self->tuning[0], &self->designed);
+    const lode_motor_t *motor = &self->designed.motor;
+    const float r_Ohm = motor->Rs_Ohm + self->designed.inverter.r_on_Ohm;
+    const float dead_V = dead_known_V(&self->designed) +
+                         UNKNOWN_DEAD_s * config->inverter.v_bus_V * config->f_pwm_Hz;
+    const float most_A =
+        SALIENT_SHARE * motor->psi_Wb / lode_max(motor->Lq_H - motor->Ld_H, FLT_MIN);
+    self->current_A = lode_min(CURRENT_SHARE * self->designed.inverter.i_max_A, most_A);
+    const float drop_V = r_Ohm * self->current_A;
+    const float rise_s = lode_clamp(RISE_FLUXES * motor->psi_Wb / lode_max(drop_V, FLT_MIN),
+                                    RISE_LEAST_s, RISE_MOST_s);
+    self->u_max_V = UNKNOWN_R * drop_V + DEAD_PER_PHASE * dead_V;
+    self->quick_V = self->u_max_V / (QUICK_TIME_s * config->f_pwm_Hz);
+    self->slow_V = drop_V / (rise_s * config->f_pwm_Hz);
+    return status;
+}
+
+lode_drive_out_t lode_commission_step(lode_commission_t *self, const lode_counts_t *counts) {
+    const lode_ab_t u_V = lode_inverter_realised(&self->drive.inverter, self->drive.steps);
+    const lode_drive_out_t out = lode_drive_step(&self->drive, counts);
+    const uint32_t stage = self->stage;
+    // In these two a fault has been dealt with.
+    const bool dealt = stage == (uint32_t)STAGE_RETUNE || stage == (uint32_t)STAGE_OVER;
+    if (!dealt && !lode_guard_is_good(&self->drive.guard)) {
+        end_by_fault(self);
+        self->since++;
+    } else {
+        const lode_dq_t seen_V = {u_V.alpha, u_V.beta}; // the frame stands at 0
+        const lode_dq_t i_A = self->drive.i_A;
+        proceed(self, counts, seen_V);
+        if (stage != (uint32_t)STAGE_UP && stage != (uint32_t)STAGE_DOWN) {
+            self->before_i_A[1] = self->before_i_A[0];
+            self->before_i_A[0] = i_A;
+            self->before_u_V = seen_V;
+        }
+        self->since++;
+    }
+    return out;
+}
+
+const lode_drive_config_t *lode_commission_config(const lode_commission_t *self) {
+    return &self->config;
+}
+
+#endif
