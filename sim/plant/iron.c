@@ -119,22 +119,23 @@ void plant_iron_currents(const plant_iron_t *self, double psi_d_Wb, double psi_q
     for (int n = 0; n < STEPS; n++) {
         const double d_Wb = psi_d_Wb - at.psi_d_Wb, q_Wb = psi_q_Wb - at.psi_q_Wb;
         const plant_iron_answer_t y = plant_iron_answer(&at);
-        const double id = share * (y.dd * d_Wb + y.dq * q_Wb);
-        const double iq = share * (y.dq * d_Wb + y.qq * q_Wb);
-        const plant_iron_point_t next = plant_iron_at(self, *id_A + id, *iq_A + iq);
-        const bool is_last = fabs(id) + fabs(iq) <= step_enough * (fabs(*id_A) + fabs(*iq_A)) +
-                                                        current_floor_A * step_enough;
-        if (is_last ||
-            hypot(psi_d_Wb - next.psi_d_Wb, psi_q_Wb - next.psi_q_Wb) < hypot(d_Wb, q_Wb)) {
-            *id_A += id;
-            *iq_A += iq;
+        const double id = *id_A + share * (y.dd * d_Wb + y.dq * q_Wb);
+        const double iq = *iq_A + share * (y.dq * d_Wb + y.qq * q_Wb);
+        const double step_A = fabs(id - *id_A) + fabs(iq - *iq_A);
+        if (step_A <= step_enough * (fabs(*id_A) + fabs(*iq_A) + current_floor_A)) {
+            *id_A = id;
+            *iq_A = iq;
+            return;
+        }
+        const plant_iron_point_t next = plant_iron_at(self, id, iq);
+        const double d = psi_d_Wb - next.psi_d_Wb, q = psi_q_Wb - next.psi_q_Wb;
+        if (d * d + q * q < d_Wb * d_Wb + q_Wb * q_Wb) {
+            *id_A = id;
+            *iq_A = iq;
             at = next;
             share = 1.0;
         } else {
             share *= 0.5;
-        }
-        if (is_last) {
-            return;
         }
     }
 }
