@@ -24,8 +24,8 @@
 #define W1_SHARE 0.65f
 #define SIGMA_TS_MAX 0.3f
 #define AXIS_MAX_rad 0.5f
-// With less, positive id: at 1.2 the rotor is lost without it.
-#define SALIENCY_ENOUGH 1.5f
+// With less (1.5 but for rounding), positive id: at 1.2 the rotor is lost without it.
+#define SALIENCY_ENOUGH 1.49f
 #define ID_SHARE 0.3f
 // Start at rest: time for the axis, 50 rad/s while the error is at its limit, and for either current.
 #define FIND_s 0.08f

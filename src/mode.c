@@ -400,19 +400,22 @@ void lode_mode_seed(lode_drive_t *self) {
 
 #ifndef LODE_WITHOUT_HFI
 
+// North is south.
+static void turn_round(lode_drive_t *self) {
+    lode_estimator_t *estimator = &self->estimator;
+    estimator->pll.frame.sin = -estimator->pll.frame.sin;
+    estimator->pll.frame.cos = -estimator->pll.frame.cos;
+    estimator->id_A = -estimator->id_A;
+    lode_hfi_turn_round(&estimator->hfi);
+    self->i_A = (lode_dq_t){-self->i_A.d, -self->i_A.q};
+    self->u_V = (lode_dq_t){-self->u_V.d, -self->u_V.q};
+    lode_current_reset(&self->current, &self->tuning->current, self->u_V, self->i_A, 0.0f);
+}
+
 // The rotor is found. It stands still, or nearly so, and the currents are in its frame.
 static void run_from_rest(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    lode_estimator_t *estimator = &self->estimator;
-    if (estimator->hfi.step == (uint_least8_t)LODE_HFI_WRONG) {
-        estimator->pll.frame.sin = -estimator->pll.frame.sin;
-        estimator->pll.frame.cos = -estimator->pll.frame.cos;
-        estimator->id_A = -estimator->id_A;
-        lode_hfi_turn_round(&estimator->hfi);
-        self->i_A = (lode_dq_t){-self->i_A.d, -self->i_A.q};
-        lode_current_reset(&self->current, &tuning->current,
-                           (lode_dq_t){-self->u_V.d, -self->u_V.q}, self->i_A, 0.0f);
-    }
+    const lode_estimator_t *estimator = &self->estimator;
     const float omega = estimator->pll.omega_rad_s;
     lode_running_t *run = &self->state.run; // takes the place of the start's
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
@@ -445,8 +448,12 @@ static void find_at_rest(lode_drive_t *self) {
         const lode_ab_t i_A = estimator->emf.i_A;
         lode_hfi_begin(hfi, tuning, (lode_dq_t){i_A.alpha, i_A.beta});
     }
-    self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning), 0.0f};
     estimator->gains = tuning->gains;
+    if (hfi->step == (uint_least8_t)LODE_HFI_RIGHT) {
+        run_from_rest(self);
+        return;
+    }
+    self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning), 0.0f};
     switch ((lode_hfi_step_t)hfi->step) {
     case LODE_HFI_FIND: // (H14): of third order the loop would wind up its speed, and slip
         estimator->gains = (lode_pll_gains_t){tuning->find_gain, 0.0f, 0.0f};
@@ -454,15 +461,16 @@ static void find_at_rest(lode_drive_t *self) {
         estimator->pll.f_rad_s2 = 0.0f;
         estimator->pll.rise_rad_s = 0.0f;
         break;
-    case LODE_HFI_RIGHT:
-    case LODE_HFI_WRONG:
-        run_from_rest(self);
+    case LODE_HFI_WRONG: // RUN comes with the next round, and an angle that is right from its start
+        turn_round(self);
+        hfi->step = (uint_least8_t)LODE_HFI_RIGHT;
         break;
     case LODE_HFI_UNDECIDED:
         give_up(self);
         break;
     case LODE_HFI_NORTH:
     case LODE_HFI_SOUTH:
+    case LODE_HFI_RIGHT: // RUN the same
     default:
         break;
     }
