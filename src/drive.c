@@ -167,24 +167,35 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t co
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
-                                      const int32_t i[LODE_PHASES], float looks) {
-    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+// Square of the current that the phases should show.
+static float expected_A2(const lode_drive_t *self, float omega_rad_s) {
     const lode_current_tuning_t *control = &self->tuning->current;
-    const float omega = lode_abs(lode_mode_frame_omega(self));
     // Where the EMF takes the voltage, the current need not follow its reference.
     const bool follows =
-        control->psi_Wb * omega < EMF_SHARE * control->circle * self->inverter.v_bus_V;
+        control->psi_Wb * omega_rad_s < EMF_SHARE * control->circle * self->inverter.v_bus_V;
     const lode_dq_t i_A = follows ? self->ref_A : self->i_A;
-    const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
-    const uint32_t periods = LODE_GUARD_PERIODS;
-    const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
-    const float turn_rad = looks * look_s * omega;
+    return i_A.d * i_A.d + i_A.q * i_A.q;
+}
+
+static LODE_NOINLINE void judge(lode_drive_t *self, lode_plausibility_t *watch,
+                                const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_finding_t found = lode_plausibility_step(watch, tuning, i, i_A2, turn_rad);
     if (LODE_RARELY(found.check != LODE_CHECK_NONE)) {
         const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;
         const float before = second ? (float)LODE_PHASES : 0.0f;
         lode_mode_fault(self, found.check, found.measured + before, found.limit);
+    }
+}
+
+LODE_RAMFUNC LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
+                                                   const int32_t i[LODE_PHASES], float looks) {
+    const float omega = lode_abs(lode_mode_frame_omega(self));
+    const float i_A2 = expected_A2(self, omega);
+    if (!lode_plausibility_is_chance(watch, &self->tuning->plausibility, i, i_A2)) {
+        const uint32_t periods = LODE_GUARD_PERIODS;
+        const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
+        judge(self, watch, i, i_A2, looks * look_s * omega);
     }
 }
 

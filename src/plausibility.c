@@ -54,24 +54,6 @@ void lode_plausibility_reset(lode_plausibility_t *self) {
     *self = (lode_plausibility_t){.i = {0, 0, 0}};
 }
 
-// One bit for each phase of which something is true.
-LODE_INLINE uint32_t phases_if(bool a, bool b, bool c) {
-    return (a ? 1u : 0u) + (b ? 2u : 0u) + (c ? 4u : 0u);
-}
-
-// Notes the counts; those that are the same as at the last look.
-LODE_INLINE uint32_t note(lode_plausibility_t *self, const int32_t i[LODE_PHASES]) {
-    const uint32_t kept = phases_if(i[0] == self->i[0], i[1] == self->i[1], i[2] == self->i[2]);
-    lode_plausibility_note(self, i);
-    return kept;
-}
-
-// Those of a magnitude that an open phase does not have.
-static uint32_t large(const int32_t i[LODE_PHASES], int32_t least) {
-    return phases_if(i[0] >= least || i[0] <= -least, i[1] >= least || i[1] <= -least,
-                     i[2] >= least || i[2] <= -least);
-}
-
 // None of the counts follows what is asked for: in a start, before the vector turns.
 LODE_INLINE bool none_follows(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
                               uint32_t kept, float i_A2) {
@@ -87,11 +69,7 @@ LODE_INLINE bool none_follows(lode_plausibility_t *self, const lode_plausibility
 LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
                                   const lode_plausibility_tuning_t *tuning, uint32_t kept,
                                   float i_A2, float turn_rad) {
-    // What is kept without current says nothing when one is asked for.
-    uint32_t judged = i_A2 > tuning->i_min_A2 ? kept : 0u;
-    if (tuning->i_still > 0) {
-        judged &= large(self->i, tuning->i_still);
-    }
+    const uint32_t judged = lode_plausibility_judged(self, tuning, kept, i_A2);
     const uint32_t still = judged & self->still;
     const bool changes =
         (self->still & CHANGING) != 0u || !(lode_abs(i_A2 - self->i_A2) <= STEADY_SHARE * i_A2);
@@ -114,7 +92,8 @@ static float number_of(uint32_t phases) {
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
                                       const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
-    const uint32_t kept = note(self, i);
+    const uint32_t kept = lode_plausibility_kept(self, i);
+    lode_plausibility_note(self, i);
     const uint32_t stuck = stuck_phases(self, tuning, kept, i_A2, turn_rad);
     const bool all = none_follows(self, tuning, kept, i_A2);
     self->kept = (uint_least8_t)kept;
