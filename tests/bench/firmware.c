@@ -3,7 +3,7 @@
 
 lode_drive_t firmware_drive;
 #ifdef FIRMWARE_TUNING_IN_FLASH // as `lodestar design --c` writes one; what it says does not matter here
-const lode_drive_tuning_t firmware_tuning = {.ts_s = 1.0e-4f};
+const lode_drive_tuning_t firmware_tuning = {.estimator.pll.ts_s = 1.0e-4f};
 #else
 lode_drive_tuning_t firmware_tuning;
 #endif
