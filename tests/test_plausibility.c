@@ -2,7 +2,6 @@
 // a sound one is never; the sum of the three.
 #include "support/check.h"
 
-#include "lodestar/plausibility.h"
 #include "plausibility_inline.h"
 
 void setUp(void) {}
@@ -226,6 +225,46 @@ static void test_reset_forgets(void) {
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &self.state, sizeof fresh);
 }
 
+/// Whatever came before: the short path does what the long one would, or leaves all to it.
+static void test_what_is_chance_is_noted_as_by_the_whole_step(void) {
+    random_t random = random_seed(7);
+    bench_t self = bench(6.0, 100.0);
+    const int32_t most_counts = self.tuning.i_sum / LODE_COUNT_FRACTION;
+    int chances = 0;
+    for (int n = 0; n < 200000; n++) {
+        lode_plausibility_t before = {.sum = (uint_least16_t)(random_bits(&random) % 4u == 0u)};
+        int32_t i[3];
+        for (int k = 0; k < 3; k++) {
+            const int32_t wide = random_bits(&random) % 8u == 0u ? most_counts : 2;
+            i[k] = LODE_COUNT_FRACTION *
+                   ((int32_t)(random_bits(&random) % (uint32_t)(2 * wide + 1)) - wide);
+            before.i[k] = random_bits(&random) % 2u == 0u
+                              ? i[k]
+                              : LODE_COUNT_FRACTION * (int32_t)(random_bits(&random) % 3u);
+        }
+        before.kept = (uint_least8_t)(random_bits(&random) % 8u);
+        before.still = (uint_least8_t)(before.kept & random_bits(&random) % 8u);
+        before.still |= before.still != 0u ? (uint_least8_t)(random_bits(&random) % 2u * 8u) : 0u;
+        before.turn_rad = random_float(&random, 0.0, 0.1);
+        before.i_A2 = random_float(&random, 0.0, 4.0);
+        before.moved_A2 = random_float(&random, 0.0, 0.1);
+        self.tuning.i_still = (int32_t)(random_bits(&random) % 2u) * LODE_COUNT_FRACTION;
+        const float i_A2 = random_float(&random, 0.0, 2.0) * self.tuning.i_min_A2;
+        lode_plausibility_t shortly = before;
+        lode_plausibility_t whole = before;
+        const bool chance = lode_plausibility_is_chance(&shortly, &self.tuning, i, i_A2);
+        if (chance) {
+            const lode_finding_t found =
+                lode_plausibility_step(&whole, &self.tuning, i, i_A2, 0.01f);
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found.check);
+            chances++;
+        }
+        TEST_ASSERT_EQUAL_MEMORY(&whole, &shortly, sizeof whole);
+    }
+    CHECK_AT_LEAST(20000, chances);
+    CHECK_AT_LEAST(20000, 200000 - chances);
+}
+
 static void test_configuration(void) {
     lode_plausibility_tuning_t tuning;
     lode_guard_config_t config = sound_config();
@@ -260,6 +299,7 @@ int main(void) {
     RUN_TEST(test_a_sum_that_lasts_is_found);
     RUN_TEST(test_the_limit_itself_is_no_sum);
     RUN_TEST(test_reset_forgets);
+    RUN_TEST(test_what_is_chance_is_noted_as_by_the_whole_step);
     RUN_TEST(test_configuration);
     return UNITY_END();
 }
