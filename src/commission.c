@@ -98,17 +98,42 @@ typedef enum {
     STAGE_OVER
 } stage_t;
 
+#define NAME(enumerator, name)                                                                     \
+    case LODE_COMMISSION_##enumerator:                                                             \
+        return name
+
 const char *lode_commission_name(lode_commission_quantity_t quantity) {
-    static const char *const names[LODE_COMMISSION_QUANTITIES] = {
-        "offset_a_count", "offset_b_count", "offset_c_count", "signals", "Rs_Ohm", "dead_V",
-        "Ld_H",           "Lq_H",           "psi_Wb",         "J_kgm2",  "B_Nms"};
-    return quantity < LODE_COMMISSION_QUANTITIES ? names[quantity] : "unknown";
+    switch (quantity) {
+        NAME(OFFSET_A, "offset_a_count");
+        NAME(OFFSET_B, "offset_b_count");
+        NAME(OFFSET_C, "offset_c_count");
+        NAME(SIGNALS, "signals");
+        NAME(RS_Ohm, "Rs_Ohm");
+        NAME(DEAD_V, "dead_V");
+        NAME(LD_H, "Ld_H");
+        NAME(LQ_H, "Lq_H");
+        NAME(PSI_Wb, "psi_Wb");
+        NAME(J_kgm2, "J_kgm2");
+        NAME(B_Nms, "B_Nms");
+    case LODE_COMMISSION_QUANTITIES:
+    default:
+        return "unknown";
+    }
 }
 
 const char *lode_commission_result_name(lode_commission_result_t result) {
-    static const char *const names[] = {"RUNNING",    "DONE",      "FAULT",   "UNSURE",
-                                        "NO_CURRENT", "UNSETTLED", "REFUSED", "NO_START"};
-    return result <= LODE_COMMISSION_NO_START ? names[result] : "UNKNOWN";
+    switch (result) {
+        NAME(RUNNING, "RUNNING");
+        NAME(DONE, "DONE");
+        NAME(FAULT, "FAULT");
+        NAME(UNSURE, "UNSURE");
+        NAME(NO_CURRENT, "NO_CURRENT");
+        NAME(UNSETTLED, "UNSETTLED");
+        NAME(REFUSED, "REFUSED");
+        NAME(NO_START, "NO_START");
+    default:
+        return "UNKNOWN";
+    }
 }
 
 static uint32_t periods_in(const lode_commission_t *self, float time_s) {

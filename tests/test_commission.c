@@ -449,6 +449,10 @@ static void test_names(void) {
             0, strcmp("unknown", lode_commission_name((lode_commission_quantity_t)k)));
     }
     TEST_ASSERT_EQUAL_STRING("unknown", lode_commission_name(LODE_COMMISSION_QUANTITIES));
+    for (int k = 0; k <= (int)LODE_COMMISSION_NO_START; k++) {
+        const char *name = lode_commission_result_name((lode_commission_result_t)k);
+        TEST_ASSERT_NOT_EQUAL(0, strcmp("UNKNOWN", name));
+    }
     TEST_ASSERT_EQUAL_STRING("NO_START", lode_commission_result_name(LODE_COMMISSION_NO_START));
     TEST_ASSERT_EQUAL_STRING("UNKNOWN", lode_commission_result_name((lode_commission_result_t)99));
 }
