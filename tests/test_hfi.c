@@ -571,6 +571,16 @@ static void test_start_at_rest_can_be_called_off(void) {
     TEST_ASSERT_FALSE(rig.drive.estimator.hfi.active);
 }
 
+static void test_a_drive_that_cannot_inject_is_refused(void) {
+    static lode_drive_t drive;
+    lode_drive_config_t config = rig_config();
+    config.hfi.mode = LODE_HFI_ON;
+    config.motor.Lq_H = config.motor.Ld_H;
+    CHECK_STATUS(LODE_ERROR_HFI_SALIENCY, lode_drive_init(&drive, &rig_tuning, &config));
+    config.hfi.mode = LODE_HFI_AUTO;
+    CHECK_STATUS(LODE_OK, lode_drive_init(&drive, &rig_tuning, &config));
+}
+
 static void test_an_axis_that_is_not_found_is_given_up(void) {
     const lode_hfi_tuning_t tuning = paper_tuning(); // 51 rounds of 1.6 ms
     lode_hfi_t hfi = {.off_rad = 0.2f};
@@ -676,6 +686,7 @@ int main(void) {
     RUN_TEST(test_torque_through_zero);
     RUN_TEST(test_an_estimate_from_outside_takes_its_place);
     RUN_TEST(test_start_at_rest_can_be_called_off);
+    RUN_TEST(test_a_drive_that_cannot_inject_is_refused);
     RUN_TEST(test_an_axis_that_is_not_found_is_given_up);
     RUN_TEST(test_polarity_by_the_difference_of_the_responses);
     RUN_TEST(test_off_is_off_to_the_bit);
