@@ -62,7 +62,7 @@ static float dead_time_V(const lode_hfi_system_t *system) {
 }
 
 // The largest of what noise (H7), dead time (H9) and the dead band ask for.
-static float wave_V(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
+static float needed_V(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
     const float more = lode_max(saliency(config, system) - 1.0f, FLT_MIN);
     const float per_A = system->motor->Ld_H / system->ts_s;
     const float noise_V = NOISE_GAIN / NOISE_rad * config->noise_A * per_A * (1.0f + 1.0f / more);
@@ -126,7 +126,7 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
     const lode_motor_t *motor = system->motor;
     config->noise_A = lode_given_or(config->noise_A, NOISE_COUNTS * lode_abs(system->count_A));
     config->Lq_i_max_H = lode_given_or(config->Lq_i_max_H, differential_Lq(system));
-    config->V_h_V = lode_given_or(config->V_h_V, wave_V(config, system));
+    config->V_h_V = lode_given_or(config->V_h_V, needed_V(config, system));
     const float error_V = FOUR_PER_PI * CORRECTION_ERROR * dead_time_V(system);
     const float w2 = lode_max(EMF_TIMES * error_V / lode_max(motor->psi_Wb, FLT_MIN),
                               W2_SHARE * motor->omega_rated_rad_s);
