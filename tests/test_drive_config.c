@@ -81,7 +81,7 @@ static const field_t open_fields[] = {
     OPEN(estimator.omega_max_rad_s, 1.0f, 0.5f / TS, LODE_ERROR_OMEGA_MAX),
     OPEN(estimator.lock_s, TS, 1.0f, LODE_ERROR_LOCK_TIME),
     OPEN(current.bandwidth_rad_s, 1.0f, 0.4f / TS, LODE_ERROR_CURRENT_BANDWIDTH),
-    OPEN(current.voltage_use, 0.1f, 1.0f, LODE_ERROR_CURRENT_VOLTAGE),
+    OPEN(current.voltage_use, 0.1f, 1.1547f, LODE_ERROR_CURRENT_VOLTAGE),
     OPEN(start.current_A, 0.012f, 12.0f, LODE_ERROR_START_CURRENT),
     OPEN(guard.i_trip_A, 12.0f, 2047.0f * 0.0125f, LODE_ERROR_GUARD_CURRENT),
     OPEN(guard.v_bus_max_V, 200.0f, 409.5f, LODE_ERROR_GUARD_BUS),
