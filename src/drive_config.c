@@ -76,12 +76,35 @@ static float sigma_of_light_rotor(const lode_drive_config_t *config) {
     return lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), most);
 }
 
+// Where the rotor has moved the hand-over beyond the speeds at which the bandwidth rises, it rises on up to
+// there: what an error of Lq - Ld does, depends on sigma over the speed.
+static void stretch_pll(lode_pll_config_t *pll, const lode_drive_config_t *config) {
+    const float run_up_s = lode_motor_run_up_s(&config->motor, config->inverter.i_max_A);
+    const float most =
+        lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), SIGMA_TS_MAX * config->f_pwm_Hz);
+    const float by_speed =
+        config->start.omega_handover_rad_s / lode_max(pll->omega_high_rad_s, FLT_MIN);
+    const float by_sigma = most / lode_max(pll->sigma_rad_s, FLT_MIN);
+    const float stretch = lode_max(lode_min(by_speed, by_sigma), 1.0f);
+    pll->sigma_low_rad_s *= stretch;
+    pll->sigma_rad_s *= stretch;
+    pll->omega_low_rad_s *= stretch;
+    pll->omega_high_rad_s *= stretch;
+}
+
+static bool is_open(float value) {
+    return lode_in_range(value, 0.0f, 0.0f);
+}
+
 // By the rated speed, and by the inertia where that asks for more.
 static void design_pll(lode_drive_config_t *config) {
     lode_pll_config_t *pll = &config->estimator.pll;
-    const bool open = lode_in_range(pll->sigma_rad_s, 0.0f, 0.0f) &&
-                      lode_in_range(pll->sigma_low_rad_s, 0.0f, 0.0f);
+    const bool open = is_open(pll->sigma_rad_s) && is_open(pll->sigma_low_rad_s);
+    const bool all_open = open && is_open(pll->omega_low_rad_s) && is_open(pll->omega_high_rad_s);
     lode_pll_design(pll, config->motor.omega_rated_rad_s);
+    if (all_open) {
+        stretch_pll(pll, config);
+    }
     if (open) {
         pll->sigma_low_rad_s = lode_max(pll->sigma_low_rad_s, sigma_of_light_rotor(config));
         pll->sigma_rad_s = lode_max(pll->sigma_rad_s, pll->sigma_low_rad_s);

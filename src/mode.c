@@ -391,7 +391,7 @@ void lode_mode_seed(lode_drive_t *self) {
         return; // it goes by injection
     }
     if (lode_mode(self) == LODE_MODE_START && start->catching == 0u &&
-        lode_abs(start->omega_rad_s) < LODE_START_HOLD * self->tuning->start.omega_handover) {
+        lode_abs(start->omega_rad_s) < LODE_START_HOLD * self->tuning->start.omega_ready) {
         lode_estimator_hold(&self->estimator, tuning, start->at, start->omega_rad_s);
     } else {
         (void)lode_estimator_seed(&self->estimator, tuning);

@@ -11,6 +11,8 @@
 #define EMF_PER_UNKNOWN 2.0f
 #define DEAD_TIME_UNKNOWN_s 1.0e-6f
 #define RESISTANCE_UNKNOWN 0.3f
+// Square of the hand-over speed over the largest acceleration and the share of the flux that is lost.
+#define LIGHT_ROTOR 4.5f
 #define HANDOVER_SHARE_MAX                                                                         \
     0.5f // of rated or base speed: beyond, too little of the speed range is left
 #define RAMP_TORQUE_SHARE (1.0f / 6.0f)
@@ -95,13 +97,48 @@ static float base_omega(const lode_motor_t *motor, const lode_inverter_config_t 
     return (lode_sqrt(half * half + flux2 * left_V2) - half) / lode_max(flux2, FLT_MIN);
 }
 
-static float default_handover(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
-                              float current_A, float ts_s) {
-    const float by_emf = EMF_PER_UNKNOWN * unknown_V(motor, inverter, current_A, ts_s) /
-                         lode_max(motor->psi_Wb, FLT_MIN);
+// A load step must not stop the rotor before the PLL has seen it. An error of Lq - Ld turns the angle the more
+// the lower the speed, and holds the PLL's bandwidth to some omega psi/((Lq - Ld) I): so the speed of hand-over
+// must be high where the rotor is light (S18).
+static float omega_of_light_rotor(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                                  float current_A) {
+    const float lost =
+        lode_abs(motor->Lq_H - motor->Ld_H) * current_A / lode_max(motor->psi_Wb, FLT_MIN);
+    const float acc_rad_s2 =
+        motor->omega_rated_rad_s / lode_max(lode_motor_run_up_s(motor, inverter->i_max_A), FLT_MIN);
+    return lode_sqrt(LIGHT_ROTOR * lost * acc_rad_s2);
+}
+
+// Electrical speed from which the EMF stands out of what nobody knows (S12).
+static float omega_of_emf(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                          float current_A, float ts_s) {
+    return EMF_PER_UNKNOWN * unknown_V(motor, inverter, current_A, ts_s) /
+           lode_max(motor->psi_Wb, FLT_MIN);
+}
+
+static float within_speeds(float omega_rad_s, const lode_motor_t *motor,
+                           const lode_inverter_config_t *inverter) {
     const float least = HANDOVER_SHARE * motor->omega_rated_rad_s;
     const float full = lode_min(motor->omega_rated_rad_s, base_omega(motor, inverter));
-    return lode_clamp(by_emf, least, lode_max(HANDOVER_SHARE_MAX * full, least));
+    return lode_clamp(omega_rad_s, least, lode_max(HANDOVER_SHARE_MAX * full, least));
+}
+
+static float default_handover(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                              float current_A, float ts_s) {
+    const float by_emf = omega_of_emf(motor, inverter, current_A, ts_s);
+    const float by_rotor = omega_of_light_rotor(motor, inverter, current_A);
+    return within_speeds(lode_max(by_emf, by_rotor), motor, inverter);
+}
+
+// The angle can be seen from this speed on: a vector on its way to a speed that only load steps ask for need
+// not arrive. A speed that is given is meant.
+static float omega_ready(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
+                         const lode_motor_t *motor, float ts_s) {
+    const float own = default_handover(motor, inverter, config->current_A, ts_s);
+    const float by_emf =
+        within_speeds(omega_of_emf(motor, inverter, config->current_A, ts_s), motor, inverter);
+    const bool is_own = lode_in_range(config->omega_handover_rad_s, own, own);
+    return is_own ? by_emf : config->omega_handover_rad_s;
 }
 
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
@@ -183,6 +220,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .current_A = config->current_A,
         .current_step = config->current_A * ts_s / config->current_rise_s,
         .omega_handover = config->omega_handover_rad_s,
+        .omega_ready = omega_ready(config, inverter, motor, ts_s),
         .sweep_step_rad = SWEEP_rad * ts_s / config->current_rise_s,
         .omega_step = config->ramp_rad_s2 * ts_s,
         .damping = 2.0f * lode_max(config->damping, 0.0f) / (swing * motor->psi_Wb),
@@ -307,12 +345,12 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
 void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_rad_s,
                       float lock) {
     const float vector = self->omega_rad_s;
-    const float slack = SPEED_TOLERANCE * tuning->omega_handover;
-    const bool arrived = lode_abs(vector) >= tuning->omega_handover &&
+    const float slack = SPEED_TOLERANCE * tuning->omega_ready;
+    const bool arrived = lode_abs(vector) >= tuning->omega_ready &&
                          vector * self->omega_target > 0.0f &&
                          lode_abs(omega_rad_s - vector) <= slack;
     const bool sound = (self->catching > 0u || arrived) && lock >= LODE_LOCK_HANDOVER &&
-                       lode_abs(omega_rad_s) >= tuning->omega_handover - slack;
+                       lode_abs(omega_rad_s) >= tuning->omega_ready - slack;
     self->locked = sound ? self->locked + 1u : 0u;
     if (self->catching > 0u) {
         self->catching--;

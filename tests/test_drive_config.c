@@ -450,6 +450,41 @@ static lode_pll_config_t pll_with(double inertia, float Lq_H) {
     return config.estimator.pll;
 }
 
+/// (P21), by a hand-over that is given; bounded by the inertia and by the sampling; not where any is given.
+static void test_a_late_hand_over_stretches_the_schedule(void) {
+    const double high = 0.2 * PAPER_OMEGA_RATED;
+    lode_drive_config_t config = minimal();
+    config.motor.J_kgm2 *= 0.1f;
+    config.motor.Lq_H = config.motor.Ld_H + 6.0e-3f; // which leaves sigma_low alone
+    config.start.current_A = 11.0f;
+    config.start.omega_handover_rad_s = (float)(1.5 * high);
+    lode_drive_config_t late = config;
+    lode_drive_design(&late);
+    CHECK_CLOSE(1.0e-4, 1.5 * high, late.estimator.pll.omega_high_rad_s);
+    CHECK_CLOSE(1.0e-4, 0.75 * high, late.estimator.pll.omega_low_rad_s);
+    CHECK_CLOSE(1.0e-4, 1.5 * 0.2122 * PAPER_OMEGA_RATED, late.estimator.pll.sigma_rad_s);
+    CHECK_CLOSE(1.0e-4, 1.5 * 0.1061 * PAPER_OMEGA_RATED, late.estimator.pll.sigma_low_rad_s);
+    lode_drive_config_t heavy = config;
+    heavy.motor.J_kgm2 *= 100.0f;
+    lode_drive_design(&heavy);
+    CHECK_CLOSE(1.0e-4, high, heavy.estimator.pll.omega_high_rad_s);
+    lode_drive_config_t slow = config;
+    slow.f_pwm_Hz = 1800.0f;
+    lode_drive_design(&slow);
+    CHECK_CLOSE(1.0e-4, 0.07 * 1800.0, slow.estimator.pll.sigma_rad_s);
+    for (int k = 0; k < 4; k++) {
+        lode_drive_config_t given = config;
+        lode_pll_config_t *pll = &given.estimator.pll;
+        float *const one[] = {&pll->omega_low_rad_s, &pll->omega_high_rad_s, &pll->sigma_rad_s,
+                              &pll->sigma_low_rad_s};
+        const float value[] = {47.0f, 94.0f, 100.0f, 50.0f};
+        *one[k] = value[k];
+        lode_drive_design(&given);
+        TEST_ASSERT_EQUAL_FLOAT(value[k], *one[k]);
+        CHECK_NEAR(1.0, high, pll->omega_high_rad_s);
+    }
+}
+
 static void test_a_light_rotor_raises_sigma(void) {
     const float Ld_H = minimal().motor.Ld_H;
     const double torque_Nm = 1.5 * 3.0 * 0.142 * 12.0;
@@ -494,6 +529,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_only_motor_inverter_sense_and_rate_are_needed);
     RUN_TEST(test_a_light_rotor_raises_sigma);
+    RUN_TEST(test_a_late_hand_over_stretches_the_schedule);
     RUN_TEST(test_motors_of_many_kinds_need_no_more);
     RUN_TEST(test_every_needed_field_at_its_limits);
     RUN_TEST(test_every_open_field_at_its_limits);

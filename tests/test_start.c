@@ -481,6 +481,31 @@ static void test_hand_over_speed_follows_what_is_not_known(void) {
     CHECK_CLOSE(1.0e-5, 0.1 * PAPER_OMEGA_RATED, none.omega_handover_rad_s);
 }
 
+/// (S18): a load step must not stop the rotor. The estimator may take over at the speed of (S12) already, on the
+/// way to a speed that nobody gave.
+static void test_a_light_salient_rotor_hands_over_later(void) {
+    lode_motor_t motor = paper_motor();
+    motor.J_kgm2 *= 0.25f;
+    for (int sign = -1; sign <= 1; sign++) {
+        motor.Lq_H = motor.Ld_H + 6.0e-3f * (float)sign;
+        lode_start_config_t config = {.current_A = 6.0f};
+        lode_start_design(&config, &inverter, &motor, PAPER_TS_s);
+        const double lost = fabs(6.0e-3 * sign) * 6.0 / (double)motor.psi_Wb;
+        const double acc = (double)motor.pole_pairs * 12.0 * (double)lode_motor_kt_Nm_A(&motor) /
+                           (double)motor.J_kgm2;
+        const double least = 0.1 * PAPER_OMEGA_RATED;
+        CHECK_CLOSE(1.0e-4, fmax(least, sqrt(4.5 * lost * acc)), config.omega_handover_rad_s);
+        lode_start_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(
+            LODE_OK, lode_start_tune(&tuning, &config, &inverter, &motor, OMEGA_MAX, PAPER_TS_s));
+        CHECK_CLOSE(1.0e-5, least, tuning.omega_ready);
+        config.omega_handover_rad_s *= 1.01f; // given
+        TEST_ASSERT_EQUAL_INT(
+            LODE_OK, lode_start_tune(&tuning, &config, &inverter, &motor, OMEGA_MAX, PAPER_TS_s));
+        TEST_ASSERT_EQUAL_FLOAT(config.omega_handover_rad_s, tuning.omega_ready);
+    }
+}
+
 /// Each attempt begins at rest, with a quarter of the ramp; the last one takes its own current.
 static void test_each_attempt_is_easier(void) {
     lode_start_config_t config = sound();
@@ -674,6 +699,7 @@ int main(void) {
     RUN_TEST(test_a_new_attempt_measures_again);
     RUN_TEST(test_measuring_is_a_choice);
     RUN_TEST(test_hand_over_speed_follows_what_is_not_known);
+    RUN_TEST(test_a_light_salient_rotor_hands_over_later);
     RUN_TEST(test_each_attempt_is_easier);
     RUN_TEST(test_the_current_falls_where_no_lock_comes);
     RUN_TEST(test_current_rises_first_then_the_vector_turns);

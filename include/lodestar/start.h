@@ -18,7 +18,7 @@ typedef struct {
     /// i_max
     float current_last_A;
     /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm), or up to 0.5 where 1 us of dead
-    /// time and 30 % of R leave less than half of the EMF certain
+    /// time and 30 % of R leave less than half of the EMF certain, or a load step would stop a light salient rotor
     float omega_handover_rad_s;
     float
         ramp_rad_s2; ///< electrical, of the first attempt; 0: what a sixth of the start torque gives the inertia
@@ -37,6 +37,7 @@ typedef struct {
     float current_A;
     float current_step; ///< A per period
     float omega_handover;
+    float omega_ready;    ///< from which the estimator may take over, up to omega_handover
     float sweep_step_rad; ///< per period while the current rises
     float omega_step;     ///< electrical rad/s per period
     float damping;        ///< rad by which the vector gives way per V of swinging EMF, at most
@@ -86,7 +87,7 @@ typedef struct {
     float ease;           ///< share of the ramp in the present attempt: 1, a quarter, a sixteenth
 } lode_start_t;
 
-/// Of hand-over speed: below, the EMF drowns in the inverter's errors, and the estimator is held to the vector.
+/// Of omega_ready: below, the EMF drowns in the inverter's errors, and the estimator is held to the vector.
 #define LODE_START_HOLD 0.5f
 /// Currents at which the voltage at rest is measured.
 #define LODE_START_LEVELS 2u
