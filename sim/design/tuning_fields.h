@@ -140,6 +140,7 @@
     ROW(FLOAT, float, start.current_A) \
     ROW(FLOAT, float, start.current_step) \
     ROW(FLOAT, float, start.omega_handover) \
+    ROW(FLOAT, float, start.omega_ready) \
     ROW(FLOAT, float, start.sweep_step_rad) \
     ROW(FLOAT, float, start.omega_step) \
     ROW(FLOAT, float, start.damping) \
