@@ -102,7 +102,9 @@ static void design_pll(lode_drive_config_t *config) {
     const bool open = is_open(pll->sigma_rad_s) && is_open(pll->sigma_low_rad_s);
     const bool all_open = open && is_open(pll->omega_low_rad_s) && is_open(pll->omega_high_rad_s);
     lode_pll_design(pll, config->motor.omega_rated_rad_s);
-    if (all_open) {
+    // Not where the field is weakened: there the d current moves with the torque, and a quick PLL follows what
+    // an error of Lq - Ld makes of it (7.2 degrees for 3.5 where a motor came back from its MTPV range).
+    if (all_open && config->references.field_weakening != LODE_ON) {
         stretch_pll(pll, config);
     }
     if (open) {

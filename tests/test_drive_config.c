@@ -464,6 +464,10 @@ static void test_a_late_hand_over_stretches_the_schedule(void) {
     CHECK_CLOSE(1.0e-4, 0.75 * high, late.estimator.pll.omega_low_rad_s);
     CHECK_CLOSE(1.0e-4, 1.5 * 0.2122 * PAPER_OMEGA_RATED, late.estimator.pll.sigma_rad_s);
     CHECK_CLOSE(1.0e-4, 1.5 * 0.1061 * PAPER_OMEGA_RATED, late.estimator.pll.sigma_low_rad_s);
+    lode_drive_config_t weakened = config;
+    weakened.references.field_weakening = LODE_ON;
+    lode_drive_design(&weakened);
+    CHECK_CLOSE(1.0e-4, high, weakened.estimator.pll.omega_high_rad_s);
     lode_drive_config_t heavy = config;
     heavy.motor.J_kgm2 *= 100.0f;
     lode_drive_design(&heavy);
