@@ -33,18 +33,21 @@ typedef double _Complex cplx_t;
 
 static inline lode_drive6_config_t rig6_config(void) {
     return (lode_drive6_config_t){
-        .drive = {.f_pwm_Hz = 10000.0f,
-                  .motor = {.pole_pairs = (float)RIG6_NP,
-                            .Rs_Ohm = (float)RIG6_R,
-                            .Ld_H = (float)RIG6_LD,
-                            .Lq_H = (float)RIG6_LQ,
-                            .psi_Wb = (float)RIG6_PSI,
-                            .J_kgm2 = (float)RIG6_J,
-                            .B_Nms = (float)RIG6_B},
-                  .inverter = {.v_bus_V = (float)RIG6_V_BUS, .i_max_A = 15.0f},
-                  .sense = {.i_gain_A_count = (float)RIG6_GAIN_A,
-                            .i_offset_count = 2048.0f,
-                            .v_bus_gain_V_count = (float)RIG6_GAIN_V}},
+        .drive =
+            {.f_pwm_Hz = 10000.0f,
+             .motor = {.pole_pairs = (float)RIG6_NP,
+                       .Rs_Ohm = (float)RIG6_R,
+                       .Ld_H = (float)RIG6_LD,
+                       .Lq_H = (float)RIG6_LQ,
+                       .psi_Wb = (float)RIG6_PSI,
+                       .J_kgm2 = (float)RIG6_J,
+                       .B_Nms = (float)RIG6_B},
+             .inverter = {.v_bus_V = (float)RIG6_V_BUS, .i_max_A = 15.0f},
+             .sense = {.i_gain_A_count = (float)RIG6_GAIN_A,
+                       .i_offset_count = 2048.0f,
+                       .v_bus_gain_V_count = (float)RIG6_GAIN_V},
+             // Its rotor is light: the default's least speed is above the 300 rpm of many tests.
+             .start = {.omega_handover_rad_s = 67.0f}},
         .Lxy_H = (float)RIG6_LXY};
 }
 
