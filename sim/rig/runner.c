@@ -621,7 +621,9 @@ static bool start_encoder(run_t *run) {
         lode_encoder_tune(&memory->encoder_tuning, &config, run->rig.drive->tuning);
     lode_encoder_reset(&memory->encoder);
     if (status != LODE_OK) {
-        rig_error("[encoder] %s", lode_status_name(status));
+        rig_error("[encoder] bandwidth_rad_s = %g: %s: expected 1 .. %g, the rate of the step",
+                  given->bandwidth_rad_s, lode_status_name(status),
+                  (double)run->config->drive.f_pwm_Hz);
     }
     return status == LODE_OK;
 }

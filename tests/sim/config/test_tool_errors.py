@@ -159,8 +159,9 @@ def refusals(checks, folder):
     header = (SOURCE / "include/lodestar/status.h").read_text()
     every = set(re.findall(r"LODE_ERROR_(\w+)", header))
     # No configuration of the tool leads to these: pointers, commands, recorders, a sensor of its own.
-    checks.equal(every - known, {"NULL", "COMMAND", "CHANNELS", "BUFFER", "TRIGGER", "PRE_SHARE",
-                                 "SENSE_TEMPERATURE"}, "statuses without words")
+    checks.equal(every - known, {"NULL", "COMMAND", "COMMAND_SPEED", "CHANNELS", "BUFFER", "TRIGGER",
+                                 "PRE_SHARE", "SENSE_TEMPERATURE", "ENCODER_COUNTS", "ENCODER_ANGLE",
+                                 "ENCODER_BANDWIDTH", "ENCODER_CHECK", "DERATE"}, "statuses without words")
     scenario = (f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
                 "[phase.a]\nduration_s = 0.01\n")
     for status, cases in REFUSALS.items():
@@ -220,6 +221,8 @@ def others_than_the_library(checks, folder):
     refused(checks, folder, ["run", "main", "--set", "plant.i_cross_A=5", "--set",
                               "plant.Ldq_H=0.01"],
             r"^--set: \[plant\] Ldq_H = 0.01: refused by the plant: Ldq_H, too large")
+    refused(checks, folder, ["run", "encoder", "--set", "encoder.bandwidth_rad_s=6000"],
+            r"\[encoder\] bandwidth_rad_s = 6000: LODE_ERROR_ENCODER_BANDWIDTH: expected 1 .. 5000")
     refused(checks, folder, ["run", "main", "--set", "plant.sample_offset_s=0.5"],
             r"^--set: \[plant\] sample_offset_s = 0.5: refused by the plant")
     refused(checks, folder, ["run", "main", "--set", "phase.ramp.Lq_factor=0.01"],
