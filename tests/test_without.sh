@@ -80,6 +80,9 @@ int main(void) {
     config.sense.shunts = LODE_SHUNTS_THREE;
     config.guard.plausibility = LODE_ON;
     say("plausibility", config);
+    config.guard.plausibility = LODE_AUTO;
+    config.hfi.mode = LODE_HFI_ON;
+    say("hfi", config);
     post(LODE_MODE_VOLTAGE);
     post(LODE_MODE_CURRENT);
     post(LODE_MODE_CALIBRATE);
@@ -94,7 +97,7 @@ refuses() {
     "$object" > "$said"
     refused=$(sed -n '/ LODE_OK$/!p' "$said" | tr '\n' ' ')
     [ "$refused" = "$2" ] || { echo "built with '$1', refused: $refused, expected: $2"; exit 1; }
-    [ "$(grep -c . "$said")" = 11 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
+    [ "$(grep -c . "$said")" = 12 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
 }
 references=LODE_ERROR_REFERENCES
 window=LODE_ERROR_SENSE_WINDOW
@@ -104,6 +107,7 @@ optimal="mtpa $references weakening $references regen $references "
 notch="notch LODE_ERROR_NOTCH "
 phases="window $window shunts $window "
 plausibility="plausibility LODE_ERROR_CHOICE "
+injection="hfi LODE_ERROR_HFI_MODE "
 vectors="2 $command 3 $command "
 refuses "" ""
 refuses -DLODE_WITHOUT_FIELD_WEAKENING "$weakening"
@@ -115,9 +119,11 @@ refuses -DLODE_WITHOUT_COMMISSIONING "$vectors"
 absent lode_commission_step LODE_WITHOUT_COMMISSIONING
 refuses -DLODE_WITHOUT_PLAUSIBILITY "$plausibility"
 absent lode_drive_suspect LODE_WITHOUT_PLAUSIBILITY
+refuses -DLODE_WITHOUT_HFI "$injection"
+absent lode_estimator_see_wave LODE_WITHOUT_HFI
 refuses -DLODE_WITHOUT_TUNING_CHECK ""
-least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING"
-refuses "$least$all" "$optimal$notch$phases$plausibility$vectors"
+least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING -DLODE_WITHOUT_HFI"
+refuses "$least$all" "$optimal$notch$phases$plausibility$injection$vectors"
 
 # LODE_SMALL is a matter of size alone: the same periods to the bit.
 periods() {
@@ -133,3 +139,6 @@ small=$(periods -DLODE_SMALL)
 has pll_gains || { echo "LODE_SMALL makes no functions of what is shared"; exit 1; }
 unwatched=$(periods -DLODE_WITHOUT_TUNING_CHECK)
 [ "$plain" = "$unwatched" ] || { echo "LODE_WITHOUT_TUNING_CHECK does something else"; exit 1; }
+# Off, injection changes nothing.
+without=$(periods -DLODE_WITHOUT_HFI)
+[ "$plain" = "$without" ] || { echo "LODE_WITHOUT_HFI does something else to a drive that does not inject"; exit 1; }
