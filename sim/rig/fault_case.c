@@ -133,7 +133,7 @@ bool fault_bench_init(fault_bench_t *self, const rig_config_t *config) {
     const double weak = limits.base_rad_s + WEAK_SHARE * (most - limits.base_rad_s);
     self->full_rad_s = full / np;
     self->speed_rad_s[FAULT_AT_10] = fmax(0.1 * full, LEAST_SHARE * limits.least_rad_s) / np;
-    self->speed_rad_s[FAULT_AT_50] = 0.5 * full / np;
+    self->speed_rad_s[FAULT_AT_50] = fmax(0.5 * full / np, self->speed_rad_s[FAULT_AT_10]);
     self->speed_rad_s[FAULT_AT_100] = full / np;
     self->speed_rad_s[FAULT_AT_WEAKENING] = weak / np;
     return reach_all(self);
@@ -198,7 +198,7 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *ki
     rig_copy(&rig, &self->at[point]);
     inject_init(&inject, kind, &self->config, &self->plant, seed);
     if (point <= FAULT_AT_START) {
-        command(&rig, 0.5 * self->full_rad_s);
+        command(&rig, self->speed_rad_s[FAULT_AT_50]);
     }
     const double start_s = START_s + 2.0 * (double)self->config.drive.start.timeout_s;
     const double until_s = running ? RUN_s : start_s;
