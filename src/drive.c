@@ -188,8 +188,9 @@ static LODE_NOINLINE void judge(lode_drive_t *self, lode_plausibility_t *watch,
     }
 }
 
-LODE_RAMFUNC LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
-                                                   const int32_t i[LODE_PHASES], float looks) {
+// Not LODE_RAMFUNC: one call in many, and small fast memories are full without it.
+LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
+                                      const int32_t i[LODE_PHASES], float looks) {
     const float omega = lode_abs(lode_mode_frame_omega(self));
     const float i_A2 = expected_A2(self, omega);
     if (!lode_plausibility_is_chance(watch, &self->tuning->plausibility, i, i_A2)) {
