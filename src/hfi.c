@@ -148,7 +148,8 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     if (!on && config->mode != LODE_HFI_OFF) {
         return LODE_ERROR_HFI_MODE;
     }
-    *tuning = (lode_hfi_tuning_t){.on = 0u};
+    // A corrupted state may inject without it: what is divided by is never zero.
+    *tuning = (lode_hfi_tuning_t){.on = 0u, .full_V = 1.0f};
     if (!on) {
         return LODE_OK;
     }
