@@ -148,8 +148,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     if (!on && config->mode != LODE_HFI_OFF) {
         return LODE_ERROR_HFI_MODE;
     }
-    // A corrupted state may inject without it: what is divided by is never zero.
-    *tuning = (lode_hfi_tuning_t){.on = 0u, .full_V = 1.0f};
+    *tuning = (lode_hfi_tuning_t){.on = 0u};
     if (!on) {
         return LODE_OK;
     }
@@ -266,7 +265,7 @@ void lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_
 
 float lode_hfi_quality(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float weight) {
     self->off_rad += weight * (lode_abs(self->error) - self->off_rad);
-    const float swing = lode_min(lode_abs(self->swing_V) / tuning->full_V, 1.0f);
+    const float swing = lode_min(lode_abs(self->swing_V) / lode_max(tuning->full_V, FLT_MIN), 1.0f);
     return swing * lode_clamp(1.0f - self->off_rad / OFF_rad, 0.0f, 1.0f);
 }
 

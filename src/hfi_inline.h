@@ -22,7 +22,9 @@ LODE_INLINE void lode_hfi_demodulate(lode_hfi_t *self, const lode_hfi_tuning_t *
     const float swing_V = h_V - self->h_V;
     const float moved_V = q_V - self->q_V;
     const float least_V = LODE_HFI_LEAST_SHARE * tuning->full_V;
-    const float ratio = moved_V * swing_V / lode_max(swing_V * swing_V, least_V * least_V);
+    // A corrupted state may inject without a tuning for it: the divisor is never zero.
+    const float least_V2 = least_V * least_V + FLT_MIN;
+    const float ratio = moved_V * swing_V / lode_max(swing_V * swing_V, least_V2);
     self->error = lode_clamp(ratio, -LODE_HFI_ERROR_MAX_rad, LODE_HFI_ERROR_MAX_rad);
     self->h_V = h_V;
     self->q_V = q_V;
