@@ -111,7 +111,7 @@ static bool is_limited(const lode_speed_t *speed) {
 // The least speed is held in place of the commanded one. (A stop goes through it.)
 static bool is_raised(const lode_drive_t *self) {
     const float commanded = lode_abs(self->command.speed_rad_s);
-    return !self->sensored && commanded > 0.0f &&
+    return self->sensored == 0u && commanded > 0.0f &&
            commanded < self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
 }
 
@@ -215,7 +215,7 @@ LODE_RAMFUNC LODE_NOINLINE bool lode_drive_accept(lode_drive_t *self, uint_least
 
 // Zero speed and both directions: with a sensor, or with injection.
 static bool is_any_speed(const lode_drive_t *self) {
-    return self->sensored || self->tuning->omega_min < 0.0f;
+    return self->sensored > 0u || self->tuning->omega_min < 0.0f;
 }
 
 // Mechanical speeds between which RUN stays, as commanded. Without a sensor: in the present direction, and no

@@ -84,7 +84,7 @@ LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
 
 // Too slow to run on, and not about to speed up.
 LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
-    return !self->sensored && !(self->command.speed_rad_s * self->direction > 0.0f) &&
+    return self->sensored == 0u && !(self->command.speed_rad_s * self->direction > 0.0f) &&
            lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
 }
 
@@ -98,7 +98,7 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
         target = run->speed.reference_rad_s;
         run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
-    } else if (LODE_RARELY(self->sensored || self->command.torque)) {
+    } else if (LODE_RARELY(self->sensored > 0u || self->command.torque)) {
         target = lode_drive_other_target(self, omega_rad_s, load_Nm);
     } else {
         // along the ramp
@@ -210,6 +210,9 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         }
         lode_estimator_adapt_gains(estimator, &tuning->estimator);
         lode_drive_inject(self, tuning);
+        if (LODE_RARELY(self->sensored > 0u)) {
+            self->sensored--; // the sensor's next estimate renews it
+        }
         self->omega_half = estimator->pll.omega_rad_s;
         break;
     case SLOT_LAG:

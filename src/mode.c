@@ -13,6 +13,8 @@
 // A rotor that turns is short-circuited while the low sides are on: a fifth of a period bounds its current,
 // and is longer than any shunt amplifier takes to settle.
 #define DUTY_PRECHARGE 0.8f
+// A whole round of the slow jobs knows of a sensor that the last period had; the next one does not.
+#define SENSOR_ROUNDS 2u
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
@@ -98,6 +100,7 @@ LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
 static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     const lode_drive_tuning_t *tuning = self->tuning;
     self->gates = true;
+    self->sensored = 0u; // until the next estimate says so
     set_duties(self, DUTY_IDLE);
     lode_guard_reset(&self->guard);
     lode_plausibility_reset(&self->plausibility);
@@ -221,7 +224,7 @@ static void follow_start(lode_drive_t *self) {
     const lode_slot_t slot = lode_slot_of(self->steps);
     if (self->command.mode != LODE_MODE_RUN) {
         lode_mode_switch_off(self);
-    } else if (self->sensored) { // there is nothing to start
+    } else if (self->sensored > 0u) { // there is nothing to start
         hand_over(self);
         self->state.run.fade = 0.0f;
     } else if (slot == SLOT_SPEED) {
@@ -482,7 +485,7 @@ LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
     const lode_mode_t mode = lode_mode(self);
     if (mode == LODE_MODE_START && self->state.start.catching == 0u && finds_at_rest(self)) {
         find_at_rest(self);
-    } else if (mode == LODE_MODE_RUN && !self->sensored) {
+    } else if (mode == LODE_MODE_RUN && self->sensored == 0u) {
         const float omega = estimator->pll.omega_rad_s;
         lode_hfi_follow(&estimator->hfi, tuning, self->i_A, omega);
         if (estimator->hfi.active) {
@@ -497,7 +500,7 @@ LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
 #endif
 
 LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate) {
-    self->sensored = estimate->source == LODE_ESTIMATE_SENSOR;
+    self->sensored = estimate->source == LODE_ESTIMATE_SENSOR ? SENSOR_ROUNDS : 0u;
     if (!self->gates || estimate->source == LODE_ESTIMATE_OWN) {
         return;
     }
@@ -527,7 +530,7 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     own->hfi.active = false; // nothing is to be found by it
     own->hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
 #endif
-    if (self->sensored) {
+    if (self->sensored > 0u) {
         self->direction = lode_sign(estimate->omega_rad_s);
     }
     self->lead = lode_angle_triple(lode_sincos(0.5f * step_rad));

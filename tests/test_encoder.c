@@ -290,6 +290,30 @@ static void test_a_sensor_that_slips_is_left_for_the_emf(void) {
     }
 }
 
+// lode_drive_step() knows no sensor: the drive is sensorless again, at once where it has to start.
+static void test_the_step_alone_is_sensorless(void) {
+    shaft_t self = shaft(false);
+    rig_t *rig = &self.rig;
+    rig_command(rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 100.0f});
+    shaft_run(&self, 3.0);
+    check_speed(&self, 100.0);
+    rig_command(rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 1.0f});
+    rig_run(rig, 3.0);
+    TEST_ASSERT_TRUE(rig_telemetry(rig).speed_raised);
+    check_speed(&self, (double)(drive_tuning.omega_min * drive_tuning.speed.inv_pole_pairs));
+    // Switched off by the sensor's calls and on again without them: it is started.
+    self = shaft(false);
+    rig_command(rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 1.0f});
+    shaft_run(&self, 2.0);
+    rig_command(rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    shaft_step(&self);
+    rig_command(rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 80.0f});
+    rig_run(rig, 0.05);
+    rig_expect(rig, LODE_MODE_START);
+    rig_run(rig, 8.0);
+    check_speed(&self, 80.0);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_bad_configurations_are_refused);
@@ -302,5 +326,6 @@ int main(void) {
     RUN_TEST(test_a_drive_holds_zero_speed_and_reverses_through_it);
     RUN_TEST(test_a_sensor_that_sticks_trips);
     RUN_TEST(test_a_sensor_that_slips_is_left_for_the_emf);
+    RUN_TEST(test_the_step_alone_is_sensorless);
     return UNITY_END();
 }

@@ -150,7 +150,7 @@ typedef struct {
     bool mail;           ///< something is posted
     bool command_posted; ///< mailbox
     bool calibrated;
-    bool sensored;          ///< the last estimate was LODE_ESTIMATE_SENSOR
+    uint_least8_t sensored; ///< slow rounds for which the last LODE_ESTIMATE_SENSOR still counts
     uint_least8_t mode;     ///< lode_mode_t
     uint_least8_t mode_not; ///< the same inverted
     uint_least8_t omitted;  ///< phases whose next two samples cannot be used, two bits each
