@@ -177,6 +177,13 @@ LODE_INLINE void lode_drive_inject(lode_drive_t *self, const lode_drive_tuning_t
 #endif
 }
 
+// SLOT_GAINS: the sensor's next estimate renews what is counted here.
+LODE_INLINE void lode_drive_count_sensor(lode_drive_t *self) {
+    if (LODE_RARELY(self->sensored > 0u)) {
+        self->sensored--;
+    }
+}
+
 // The bus voltage whose circle current control may use.
 LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                     float v_bus_V) {
@@ -210,9 +217,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         }
         lode_estimator_adapt_gains(estimator, &tuning->estimator);
         lode_drive_inject(self, tuning);
-        if (LODE_RARELY(self->sensored > 0u)) {
-            self->sensored--; // the sensor's next estimate renews it
-        }
+        lode_drive_count_sensor(self);
         self->omega_half = estimator->pll.omega_rad_s;
         break;
     case SLOT_LAG:
