@@ -6,14 +6,16 @@
 #include "chip.h"
 #include "support/check.h"
 
-#define TRIP_A 1.0e3f // more than any board bears
-
 #define STEPS (CHIP_F_PWM_Hz / VARIANT_F_PWM_Hz / 2u)
 #define PERIOD (CHIP_F_CPU_Hz / VARIANT_F_PWM_Hz)
 #define COUNT_A ADC_RESULT(0, 0)
 #define COUNT_B ADC_RESULT(1, 0)
 #define COUNT_C ADC_RESULT(2, 0)
 #define COUNT_BUS ADC_RESULT(0, 1)
+
+#define SOURCES 6 // three comparators, the fault line, a halted core, a lost clock
+#define PUT_T(count) fake_put(ADC_RESULT(1, 1), (count))
+#include "ti_cases.h"
 
 void irq_handler(void);
 
@@ -172,8 +174,6 @@ static void test_thresholds_on_both_sides(void) {
     }
 }
 
-#define SOURCES 6 // three comparators, the fault line, a halted core, a lost clock
-
 static void set_source(int n, bool active) {
     if (n < 3) {
         fake_set_comparator(2u * (uint32_t)n, active);
@@ -301,15 +301,6 @@ static void test_gates_off_by_software_is_no_trip(void) {
     TEST_ASSERT_FALSE(counts.trip);
 }
 
-static void test_active_trip_at_power_up_is_a_failed_init(void) {
-    for (int n = 0; n < SOURCES; n++) {
-        fake_reset();
-        set_source(n, true);
-        TEST_ASSERT_FALSE(board_init(TRIP_A));
-        TEST_ASSERT_FALSE(fake_gates_on());
-    }
-}
-
 static void test_sample_at_the_wrong_end_is_a_trip(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     lode_counts_t counts;
@@ -356,37 +347,6 @@ static void test_counts_come_from_the_right_results(void) {
     TEST_ASSERT_EQUAL_UINT32(66u, counts.stamp);
 }
 
-static void gates_on_by_the_drive(void) {
-    TEST_ASSERT_TRUE(app_start());
-    put_counts(0.0f);
-    app_mode = BRINGUP_SIGNS;
-    app_armed = 1u;
-    for (int n = 0; n < 30000 && !fake_gates_on(); n++) {
-        one_period();
-        app_poll();
-    }
-    TEST_ASSERT_TRUE(fake_gates_on());
-    // Past the low sides alone, and without a fault they stay on.
-    for (uint32_t n = 0; n < (uint32_t)(VARIANT_PRECHARGE_s * (float)VARIANT_F_PWM_Hz) + 4u; n++) {
-        one_period();
-    }
-    TEST_ASSERT_TRUE(fake_gates_on());
-}
-
-#define PUT_T(count) fake_put(ADC_RESULT(1, 1), (count))
-static void put_temperature(float degC) {
-    static const float points[][2] = {VARIANT_NTC_POINTS};
-    for (int n = 1; n < COUNT_OF(points); n++) {
-        if (points[n][0] >= degC) {
-            const float part = (degC - points[n - 1][0]) / (points[n][0] - points[n - 1][0]);
-            const float R_Ohm = points[n - 1][1] * powf(points[n][1] / points[n - 1][1], part);
-            PUT_T((uint32_t)(R_Ohm / (R_Ohm + VARIANT_NTC_FIXED_Ohm) * VARIANT_COUNTS + 0.5f));
-            return;
-        }
-    }
-    TEST_FAIL_MESSAGE("beyond the table");
-}
-
 static void test_bootstrap_capacitors_are_charged_first(void) {
     TEST_ASSERT_TRUE(app_start());
     put_counts(0.0f);
@@ -405,33 +365,6 @@ static void test_bootstrap_capacitors_are_charged_first(void) {
     CHECK_NEAR(1.5, (double)VARIANT_PRECHARGE_s * VARIANT_F_PWM_Hz, periods);
 }
 
-static void some_periods(void) {
-    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
-        one_period();
-    }
-}
-
-static void test_over_temperature_switches_off(void) {
-    gates_on_by_the_drive();
-    put_temperature(VARIANT_T_MAX_degC - 3.0f);
-    some_periods();
-    TEST_ASSERT_TRUE(fake_gates_on());
-    put_temperature(VARIANT_T_MAX_degC + 3.0f);
-    some_periods();
-    TEST_ASSERT_TRUE(fake_all_tripped());
-    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_TEMPERATURE",
-                             lode_check_name((lode_check_t)app_telemetry().fault.check));
-}
-
-static void test_missing_sensor_is_too_hot(void) {
-    gates_on_by_the_drive();
-    PUT_T(4095u); // pulled up
-    some_periods();
-    TEST_ASSERT_TRUE(fake_all_tripped());
-    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVER_TEMPERATURE",
-                             lode_check_name((lode_check_t)app_telemetry().fault.check));
-}
-
 static void expect_gates_off_in_one_call(const char *check) {
     const int from = fake_count();
     one_period();
@@ -440,28 +373,6 @@ static void expect_gates_off_in_one_call(const char *check) {
     const int compare = fake_first(EPWM(0) + EPWM_CMPA, 0u, 0u, from);
     TEST_ASSERT_TRUE(off >= from && compare > off); // before anything else is written
     TEST_ASSERT_EQUAL_STRING(check, lode_check_name((lode_check_t)app_telemetry().fault.check));
-}
-
-static void test_over_current_reaches_the_gates_in_the_same_call(void) {
-    const float i_trip = 1.5f * lode_min(VARIANT_I_MAX_A, 5.0f); // of the example's motor
-    gates_on_by_the_drive();
-    put_counts(0.97f * i_trip); // the same, inside the limit
-    one_period();
-    TEST_ASSERT_TRUE(fake_gates_on());
-    put_counts(1.07f * i_trip);
-    expect_gates_off_in_one_call("LODE_CHECK_OVER_CURRENT");
-}
-
-static void test_hardware_trip_is_a_fault_in_the_same_call(void) {
-    for (int n = 0; n < SOURCES; n++) {
-        setUp();
-        gates_on_by_the_drive();
-        one_period();
-        TEST_ASSERT_TRUE(fake_gates_on());
-        set_source(n, true);
-        set_source(n, false);
-        expect_gates_off_in_one_call("LODE_CHECK_HARDWARE_TRIP");
-    }
 }
 
 // While a debugger holds the core its cycle counter stands still: without the converters' overflow the
