@@ -67,9 +67,15 @@ static rig_phase_t *add_phase(rig_scenario_t *scenario, const char *name) {
 static void unknown_key(source_t *source, rig_schema_t schema, const char *table,
                         const char *section, const char *key) {
     char list[1024];
-    char text[1152];
+    char guess[128] = "";
+    char text[1280];
+    const rig_key_t *meant = rig_schema_guess(schema, table, key);
+    if (meant != NULL) {
+        (void)snprintf(guess, sizeof guess, "is [%s] %s meant? Otherwise ", meant->section,
+                       meant->key);
+    }
     rig_schema_expected(schema, table, list, sizeof list);
-    (void)snprintf(text, sizeof text, "unknown; expected one of %s", list);
+    (void)snprintf(text, sizeof text, "unknown; %sexpected one of %s", guess, list);
     complain(source, section, key, text);
 }
 

@@ -42,6 +42,45 @@ void rig_schema_expected(rig_schema_t schema, const char *section, char *text, s
     append(text, size, "phase.NAME");
 }
 
+#define GUESS_LENGTH 64
+#define LIKENESS 0.6 // of two names, 0 .. 1, from which on one may be meant by the other
+
+/// Of two names: share of their letters in the longest sequence that both have in the same order.
+static double likeness(const char *a, const char *b) {
+    const size_t m = strlen(a), n = strlen(b);
+    size_t common[GUESS_LENGTH + 1] = {0}; // with the letters of a so far, by those of b
+    if (m + n == 0 || n > GUESS_LENGTH) {
+        return 0.0;
+    }
+    for (size_t j = 0; j < m; ++j) {
+        size_t before = 0;
+        for (size_t k = 1; k <= n; ++k) {
+            const size_t without = common[k];
+            const size_t longer = common[k] > common[k - 1] ? common[k] : common[k - 1];
+            common[k] = a[j] == b[k - 1] ? before + 1 : longer;
+            before = without;
+        }
+    }
+    return 2.0 * (double)common[n] / (double)(m + n);
+}
+
+const rig_key_t *rig_schema_guess(rig_schema_t schema, const char *section, const char *key) {
+    const rig_key_t *best = NULL;
+    double most = LIKENESS;
+    for (int k = 0; k < schema.rows; ++k) {
+        const rig_key_t *row = &schema.row[k];
+        if (strcmp(row->key, key) == 0) {
+            return row;
+        }
+        const double like = likeness(key, row->key);
+        if (strcmp(row->section, section) == 0 && like >= most) {
+            best = row;
+            most = like;
+        }
+    }
+    return best;
+}
+
 /// A finite number and nothing else.
 static bool read_number(const char *text, double *value) {
     char *end = NULL;

@@ -44,6 +44,10 @@ int rig_schema_find(rig_schema_t schema, const char *section, const char *key);
 /// Says what would have been right in place of an unknown `[section] key`.
 void rig_schema_expected(rig_schema_t schema, const char *section, char *text, size_t size);
 
+/// Which key may have been meant by an unknown one: the same in another section, or the one of this section
+/// that is spelled most alike. NULL: none.
+const rig_key_t *rig_schema_guess(rig_schema_t schema, const char *section, const char *key);
+
 /// Reads `value` into the field of `object`. False: `expected` says what would have been right.
 bool rig_key_assign(const rig_key_t *key, void *object, const char *value, char *expected,
                     size_t size);

@@ -48,6 +48,8 @@ def values(checks, folder):
     for assignment, pattern in [
         ("foo.bar=1", r"--set: \[foo\] bar: unknown; expected one of motor, drive, estimator"),
         ("motor.foo=1", r"--set: \[motor\] foo: unknown; expected one of pole_pairs, Rs_Ohm"),
+        ("motor.R_line_Ohm=1", r"unknown; is \[motor\] R_line_line_Ohm meant\? Otherwise expected one of"),
+        ("motor.i_max_A=1", r"unknown; is \[drive\] i_max_A meant\?"),
         ("motor.Rs_Ohm=", "expected a finite number, not ''"),
         ("motor.Rs_Ohm=0.75x", "expected a finite number, not '0.75x'"),
         ("motor.Rs_Ohm=nan", "expected a finite number"),
@@ -60,7 +62,7 @@ def values(checks, folder):
         ("plant.Rs_Ohm=-1", r"expected a number in 0 \.\. "),
         ("plant.theta0_deg=north", "or random, not 'north'"),
         ("phase.nowhere.load_Nm=1", "expected the name of a phase of the scenario"),
-        ("phase.start.lod=1", r"\[phase.start\] lod: unknown; expected one of duration_s"),
+        ("phase.start.lod=1", r"\[phase.start\] lod: unknown; is \[phase\] load_Nm meant\? .*one of duration_s"),
         ("phase.start.end_mode=stop", "expected off, calibrate, voltage"),
         ("scenario.motor=x.ini", "expected in a scenario file only"),
         ("scenario.seed=-1", "expected a number in 0"),
