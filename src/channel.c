@@ -1,6 +1,7 @@
 #include "lodestar/channel.h"
 
 #include "inverter_inline.h"
+#include "sense_inline.h"
 
 #include <stddef.h>
 
@@ -42,7 +43,7 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
     case LODE_CHANNEL_V_BUS:
         return drive->inverter.v_bus_V;
     case LODE_CHANNEL_TEMPERATURE:
-        return drive->temperature_degC;
+        return lode_sense_temperature_degC(&drive->tuning->sense, drive->temperature);
     case LODE_CHANNEL_THETA:
         return lode_estimator_theta_rad(&drive->estimator);
     case LODE_CHANNEL_OMEGA:

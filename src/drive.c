@@ -50,8 +50,8 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     }
     const bool known = command->mode == LODE_MODE_OFF || command->mode == LODE_MODE_CALIBRATE ||
                        command->mode == LODE_MODE_RUN || lode_mode_is_commissioning(command->mode);
-    const bool controlled =
-        command->control == LODE_CONTROL_SPEED || command->control == LODE_CONTROL_TORQUE;
+    const bool torque = command->control == LODE_CONTROL_TORQUE;
+    const bool controlled = command->control == LODE_CONTROL_SPEED || torque;
     if (!known || !controlled || !is_finite(command)) {
         return LODE_ERROR_COMMAND;
     }
@@ -63,16 +63,19 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     LODE_SHARED_STORE(self->command_posted, false);
     LODE_SIGNAL_FENCE();
     lode_order_t order = {
-#ifndef LODE_WITHOUT_COMMISSIONING
-        .vector = command->vector,
-        .theta_rad = command->theta_rad,
-#endif
-        .speed_rad_s = command->mode == LODE_MODE_RUN ? command->speed_rad_s : command->omega_rad_s,
-        .torque_Nm = command->torque_Nm,
+        .speed_rad_s = command->speed_rad_s,
+        .value.torque_Nm = command->torque_Nm,
         .mode = command->mode,
-        .torque = command->control == LODE_CONTROL_TORQUE,
-        .clear_fault = command->clear_fault,
+        .flags = (uint_least8_t)((command->clear_fault ? (uint32_t)LODE_ORDER_CLEAR_FAULT : 0u) |
+                                 (torque ? (uint32_t)LODE_ORDER_TORQUE : 0u)),
     };
+#ifndef LODE_WITHOUT_COMMISSIONING
+    if (command->mode != LODE_MODE_RUN) {
+        order.speed_rad_s = command->omega_rad_s;
+        order.theta_rad = command->theta_rad;
+        order.value.vector = command->vector;
+    }
+#endif
     order.check = lode_mode_order_check(&order);
     self->posted = order;
     LODE_SIGNAL_FENCE();
@@ -133,7 +136,8 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .ref_A = self->ref_A,
             .u_V = self->u_V,
             .v_bus_V = self->inverter.v_bus_V,
-            .temperature_degC = self->temperature_degC,
+            .temperature_degC =
+                lode_sense_temperature_degC(&self->tuning->sense, self->temperature),
             .theta_rad = lode_estimator_theta_rad(&self->estimator),
             .omega_rad_s = pll->omega_rad_s,
             .speed_ref_rad_s = lode_drive_speed_ref_rad_s(self),
@@ -234,11 +238,11 @@ LODE_NOINLINE float lode_drive_other_target(lode_drive_t *self, float omega_rad_
     const lode_range_t speeds = allowed_speeds(self);
     const float wanted = self->command.speed_rad_s;
     const bool stops = !is_any_speed(self) && !(wanted * self->direction > 0.0f);
-    if (!self->command.torque || stops) {
+    if (!lode_mode_is_torque(self) || stops) {
         return lode_clamp(wanted, speeds.min, speeds.max);
     }
     return lode_speed_torque_target(&self->state.run.speed, &self->tuning->speed,
-                                    self->command.torque_Nm, speeds, omega_rad_s, load_Nm);
+                                    self->command.value.torque_Nm, speeds, omega_rad_s, load_Nm);
 }
 
 LODE_RAMFUNC LODE_NOINLINE void lode_drive_fast_speed(lode_drive_t *self) {
@@ -329,7 +333,7 @@ static LODE_NOINLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample
         calibration = lode_sense_calibrate(&self->sense, &self->state.sums, &self->tuning->sense,
                                            sample, &worst_count);
     }
-    self->temperature_degC = lode_sense_temperature_degC(&self->tuning->sense, sample->temperature);
+    self->temperature = sample->temperature;
     if (self->mail) {
         lode_mode_take_mail(self);
     }

@@ -102,8 +102,7 @@ static LODE_NOINLINE void take_mail(lode_drive6_t *self) {
     }
     lode_mode_take_mail(&self->drive);
     // A repaired phase is accepted when the drive is at rest and faults are cleared.
-    const lode_order_t *command = &self->drive.command;
-    if (command->mode == LODE_MODE_OFF && command->clear_fault && !self->drive.gates) {
+    if (lode_mode_clears_fault(&self->drive) && !self->drive.gates) {
         self->open = 0u;
         select_sets(self, LODE_SETS_BOTH);
     }
@@ -318,8 +317,8 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
         calibration = calibrate(self, sample, &worst_count);
     }
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
-    drive->temperature_degC = lode_sense_temperature_degC(
-        tuning, lode_sense_hotter(tuning, sample->machine.temperature, sample->set_2.temperature));
+    drive->temperature =
+        lode_sense_hotter(tuning, sample->machine.temperature, sample->set_2.temperature);
     if (drive->mail) {
         take_mail(self);
     }

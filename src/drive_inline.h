@@ -98,7 +98,7 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
         target = run->speed.reference_rad_s;
         run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
-    } else if (LODE_RARELY(self->sensored > 0u || self->command.torque)) {
+    } else if (LODE_RARELY(self->sensored > 0u || lode_mode_is_torque(self))) {
         target = lode_drive_other_target(self, omega_rad_s, load_Nm);
     } else {
         // along the ramp
@@ -154,10 +154,10 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
 LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                   const lode_sample_t *sample, uint16_t other) {
     const uint16_t count = lode_sense_hotter(&tuning->sense, sample->temperature, other);
-    self->temperature_degC = lode_sense_temperature_degC(&tuning->sense, count);
-    const lode_condition_t condition = {sample->v_bus_V, self->temperature_degC,
-                                        self->direction * self->estimator.pll.omega_rad_s,
-                                        self->estimator.lock};
+    self->temperature = count;
+    const lode_condition_t condition = {
+        sample->v_bus_V, lode_sense_temperature_degC(&tuning->sense, count),
+        self->direction * self->estimator.pll.omega_rad_s, self->estimator.lock};
     if (LODE_RARELY(!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition))) {
         lode_drive_check_slow(self, condition);
     }

@@ -216,11 +216,10 @@ static void count_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
     count(self, &self->lock, looks,
           condition.lock >= LODE_LOCK_LOST ? LODE_CHECK_NONE : LODE_CHECK_LOST_LOCK, condition.lock,
           LODE_LOCK_LOST);
-    count(self, &self->speed, looks,
-          lode_abs(omega) <= tuning->omega_max ? LODE_CHECK_NONE : LODE_CHECK_OVER_SPEED, omega,
-          tuning->omega_max);
-    count(self, &self->direction, looks, omega >= 0.0f ? LODE_CHECK_NONE : LODE_CHECK_WRONG_WAY,
-          omega, 0.0f);
+    const bool fast = !(lode_abs(omega) <= tuning->omega_max);
+    const lode_check_t back = omega < 0.0f ? LODE_CHECK_WRONG_WAY : LODE_CHECK_NONE;
+    count(self, &self->speed, looks, fast ? LODE_CHECK_OVER_SPEED : back, omega,
+          fast ? tuning->omega_max : 0.0f);
 }
 
 static LODE_NOINLINE void count_all(lode_guard_t *self, const lode_guard_tuning_t *tuning,

@@ -330,7 +330,7 @@ void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, lode_calibration_t 
     case LODE_MODE_START:
     case LODE_MODE_RUN:
     default:
-        if (self->command.mode == LODE_MODE_OFF && self->command.clear_fault) {
+        if (lode_mode_clears_fault(self)) {
             lode_guard_reset(&self->guard);
             lode_mode_switch_off(self);
         }
@@ -354,10 +354,10 @@ static lode_dq_t in_circle(lode_dq_t x, float radius) {
 
 static lode_control_frame_t commanded_frame(lode_drive_t *self) {
     if (lode_mode(self) == LODE_MODE_CURRENT) {
-        self->ref_A = in_circle(self->command.vector, self->tuning->references.i_max_A);
+        self->ref_A = in_circle(self->command.value.vector, self->tuning->references.i_max_A);
     } else {
         const float radius_V = self->tuning->current.circle * self->inverter.v_bus_V;
-        self->u_V = in_circle(self->command.vector, radius_V);
+        self->u_V = in_circle(self->command.value.vector, radius_V);
     }
     const float step_rad = self->tuning->estimator.pll.ts_s * self->command.speed_rad_s;
     const lode_sincos_t at = lode_sincos(self->state.theta_rad);

@@ -12,6 +12,9 @@ typedef struct {
 
 #define MODE_BITS 0xffu
 #define WORD_BITS 32u
+#define HALF_BITS 16u
+#define HALF_MASK 0xffffu
+#define MODE_SHIFT 2u // beyond the flags
 
 static inline lode_mode_t lode_mode(const lode_drive_t *self) {
     return (lode_mode_t)self->mode;
@@ -38,21 +41,32 @@ static inline bool lode_mode_is_voltage(const lode_drive_t *self) {
 }
 
 // One bit of an order that changes by itself changes one bit of this.
-static inline uint32_t lode_mode_order_check(const lode_order_t *order) {
+static inline uint_least16_t lode_mode_order_check(const lode_order_t *order) {
+#ifdef LODE_WITHOUT_COMMISSIONING
     const union {
         float value[2];
         uint32_t bits[2];
-    } run = {{order->speed_rad_s, order->torque_Nm}};
-    uint32_t sum = run.bits[0] ^ run.bits[1] ^ (uint32_t)order->mode << 2u ^
-                   (order->torque ? 2u : 0u) ^ (order->clear_fault ? 1u : 0u);
-#ifndef LODE_WITHOUT_COMMISSIONING
+    } all = {{order->speed_rad_s, order->value.torque_Nm}};
+    uint32_t sum = all.bits[0] ^ all.bits[1];
+#else
     const union {
-        float value[3];
-        uint32_t bits[3];
-    } vector = {{order->vector.d, order->vector.q, order->theta_rad}};
-    sum ^= vector.bits[0] ^ vector.bits[1] ^ vector.bits[2];
+        float value[4];
+        uint32_t bits[4];
+    } all = {{order->speed_rad_s, order->theta_rad, order->value.vector.d, order->value.vector.q}};
+    uint32_t sum = all.bits[0] ^ all.bits[1] ^ all.bits[2] ^ all.bits[3];
 #endif
-    return ~sum;
+    sum ^= (uint32_t)order->mode << MODE_SHIFT ^ order->flags;
+    return (uint_least16_t)(~(sum ^ sum >> HALF_BITS) & HALF_MASK);
+}
+
+// RUN controls the torque.
+static inline bool lode_mode_is_torque(const lode_drive_t *self) {
+    return ((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_TORQUE) != 0u;
+}
+
+static inline bool lode_mode_clears_fault(const lode_drive_t *self) {
+    return self->command.mode == LODE_MODE_OFF &&
+           ((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_CLEAR_FAULT) != 0u;
 }
 
 // Mode and command are what was made of them.

@@ -1120,9 +1120,15 @@ static void test_a_mode_or_command_that_changes_by_itself_trips(void) {
         if (n < 3) { // running, the flag is set
             check_flip(&rigs[n], offsetof(lode_drive_t, steady), 0, 1.0f);
         }
-        const size_t speed = offsetof(lode_drive_t, command) + offsetof(lode_order_t, speed_rad_s);
+        const size_t order = offsetof(lode_drive_t, command);
+        const size_t speed = order + offsetof(lode_order_t, speed_rad_s);
+        const size_t value = order + offsetof(lode_order_t, value);
         for (int bit = 0; bit < 32; bit++) {
             check_flip(&rigs[n], speed + (size_t)bit / 8u, bit % 8, 2.0f);
+            check_flip(&rigs[n], value + (size_t)bit / 8u, bit % 8, 2.0f);
+        }
+        for (int bit = 0; bit < 8; bit++) {
+            check_flip(&rigs[n], order + offsetof(lode_order_t, flags), bit, 2.0f);
         }
     }
 }

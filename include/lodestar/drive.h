@@ -112,18 +112,26 @@ typedef struct {
     lode_gates_t gates;
 } lode_drive_out_t;
 
+enum {
+    LODE_ORDER_CLEAR_FAULT = 1,
+    LODE_ORDER_TORQUE = 2, ///< torque control
+};
+
 /// A command as the drive keeps it.
 typedef struct {
 #ifndef LODE_WITHOUT_COMMISSIONING
-    lode_dq_t vector;
     float theta_rad;
 #endif
     float speed_rad_s; ///< RUN: mechanical; VOLTAGE, CURRENT: electrical, of their frame
-    float torque_Nm;   ///< RUN, torque control
+    union {
+#ifndef LODE_WITHOUT_COMMISSIONING
+        lode_dq_t vector; ///< VOLTAGE, CURRENT
+#endif
+        float torque_Nm; ///< RUN, torque control
+    } value;
     lode_mode_t mode;
-    bool clear_fault;
-    bool torque;    ///< torque control
-    uint32_t check; ///< of all of the above, bit by bit
+    uint_least8_t flags;
+    uint_least16_t check; ///< of all of the above, bit by bit
 } lode_order_t;
 
 typedef struct {
@@ -154,6 +162,7 @@ typedef struct {
     uint_least8_t mode;     ///< lode_mode_t
     uint_least8_t mode_not; ///< the same inverted
     uint_least8_t omitted;  ///< phases whose next two samples cannot be used, two bits each
+    uint_least16_t temperature; ///< count, of the hotter power stage
     lode_sense_t sense;
     lode_guard_t guard;
     lode_plausibility_t plausibility; ///< of the currents, of set 1
@@ -165,8 +174,7 @@ typedef struct {
     lode_dq_t ref_A;
     lode_dq_t i_A; ///< in the frame of control
     lode_dq_t u_V;
-    lode_abc_t duty; ///< written by the last call
-    float temperature_degC;
+    lode_abc_t duty;    ///< written by the last call
     float torque_share; ///< of the torque that the references allow, 0 .. 1
     float direction;    ///< sense of rotation, -1 or +1
     union {

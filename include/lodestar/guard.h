@@ -82,10 +82,9 @@ typedef struct {
     uint_least16_t temperature;
     uint_least16_t rail;
     uint_least16_t lock;
-    uint_least16_t speed;
-    uint_least16_t direction;
-    bool railed;  ///< a rail was met since the last lode_guard_check_slow()
-    bool pending; ///< some counter is not 0
+    uint_least16_t speed; ///< and its direction
+    bool railed;          ///< a rail was met since the last lode_guard_check_slow()
+    bool pending;         ///< some counter is not 0
 } lode_guard_t;
 
 /// What the guard needs to know of the drive.
