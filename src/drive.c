@@ -60,7 +60,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
         lode_abs(command->speed_rad_s) > tuning->guard.omega_max * tuning->speed.inv_pole_pairs) {
         return LODE_ERROR_COMMAND_SPEED;
     }
-    LODE_SHARED_STORE(self->command_posted, false);
+    LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
     LODE_SIGNAL_FENCE();
     lode_order_t order = {
         .speed_rad_s = command->speed_rad_s,
@@ -79,7 +79,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     order.check = lode_mode_order_check(&order);
     self->posted = order;
     LODE_SIGNAL_FENCE();
-    LODE_SHARED_STORE(self->command_posted, true);
+    LODE_SHARED_STORE(self->command_posted, LODE_POST_FULL);
     lode_drive_call(self);
     return LODE_OK;
 }

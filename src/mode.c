@@ -65,7 +65,12 @@ LODE_NOINLINE void lode_mode_fault(lode_drive_t *self, lode_check_t check, float
 LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
     const bool mode =
         ((uint32_t)self->mode ^ (uint32_t)self->mode_not) == MODE_BITS && lode_mode_fits(self);
-    const bool command = self->command.check == lode_mode_order_check(&self->command);
+    const bool posted =
+        self->command_posted == LODE_POST_NONE || self->command_posted == LODE_POST_FULL;
+    const bool command = posted && self->command.check == lode_mode_order_check(&self->command);
+    if (!posted) {
+        LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
+    }
     self->command = (lode_order_t){.mode = LODE_MODE_OFF};
     self->command.check = lode_mode_order_check(&self->command);
     lode_mode_fault(self, LODE_CHECK_MEMORY, !command ? 2.0f : (!mode ? 1.0f : 3.0f), 0.0f);
@@ -126,10 +131,16 @@ LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
         LODE_SHARED_STORE(self->posted_tuning, NULL);
         set_omitted(self);
     }
-    if (self->command_posted) {
+    if (self->command_posted == LODE_POST_FULL) {
         self->command = self->posted;
-        self->command_posted = false;
+        LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
     }
+}
+
+LODE_NOINLINE bool lode_mode_mail_ok(lode_drive_t *self) {
+    LODE_SHARED_STORE(self->mail, true); // or about to be
+    LODE_SHARED_STORE(self->steady, false);
+    return self->command_posted == LODE_POST_FULL;
 }
 
 static bool is_stop(const lode_drive_t *self) {

@@ -141,9 +141,13 @@ static inline bool lode_mode_watch_tuning(lode_drive_t *self, lode_words_t tunin
 #endif
 }
 
-// Mode, flags and command, and one more word of the tuning.
+// A command lies in the mailbox: it is called for, if the call was lost. False: its flag is none.
+bool lode_mode_mail_ok(lode_drive_t *self);
+
+// Mode, flags, mailbox and command, and one more word of the tuning.
 static inline bool lode_mode_memory_ok(lode_drive_t *self, lode_words_t tuning) {
     return LODE_USUALLY(lode_mode_is_sound(self)) && LODE_USUALLY(lode_mode_fits(self)) &&
+           (LODE_USUALLY(self->command_posted == LODE_POST_NONE) || lode_mode_mail_ok(self)) &&
            LODE_USUALLY(lode_mode_watch_tuning(self, tuning));
 }
 

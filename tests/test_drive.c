@@ -1130,7 +1130,47 @@ static void test_a_mode_or_command_that_changes_by_itself_trips(void) {
         for (int bit = 0; bit < 8; bit++) {
             check_flip(&rigs[n], order + offsetof(lode_order_t, flags), bit, 2.0f);
         }
+        for (int bit = 0; bit < 8; bit++) {
+            check_flip(&rigs[n], offsetof(lode_drive_t, command_posted), bit, 2.0f);
+        }
     }
+}
+
+/// A bit of the mailbox flips between a post and the call that takes it: the command is followed, or the drive
+/// says that it is lost.
+static void test_a_posted_command_is_not_lost_by_a_flip(void) {
+    const lode_command_t calibrate = {.mode = LODE_MODE_CALIBRATE};
+    for (int bit = 0; bit < 8; bit++) {
+        rig_t rig = fresh();
+        rig_command(&rig, calibrate);
+        unsigned char *flag = (unsigned char *)&rig.drive.command_posted;
+        *flag = (unsigned char)(*flag ^ (1u << bit));
+        rig_step(&rig);
+        rig_step(&rig);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_MEMORY",
+                                 lode_check_name(rig_telemetry(&rig).fault.check));
+    }
+    rig_t rig = fresh();
+    rig_command(&rig, calibrate);
+    rig.drive.mail = false;
+    rig_step(&rig);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_CALIBRATE);
+    rig = fresh();
+    rig_command(&rig, calibrate);
+    rig.drive.mail = false;
+    rig.drive.mode = (uint_least8_t)LODE_MODE_START;
+    rig_step(&rig); // what is wrong besides is named
+    TEST_ASSERT_TRUE(rig_telemetry(&rig).fault.measured == 1.0f);
+    rig = fresh();
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    rig.drive.mail = false;
+    for (uint32_t n = 0; n <= 2u * LODE_SLOW_PERIODS; n++) {
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_OFF);
 }
 
 /// The least bit of a word of the tuning in use flips, and stays so for `time_s`.
@@ -1660,6 +1700,7 @@ int main(void) {
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_a_mode_or_command_that_changes_by_itself_trips);
+    RUN_TEST(test_a_posted_command_is_not_lost_by_a_flip);
     RUN_TEST(test_a_tuning_that_changes_by_itself_trips);
     RUN_TEST(test_a_tuning_posted_twice_is_watched_by_its_own_sum);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);

@@ -134,6 +134,10 @@ typedef struct {
     uint_least16_t check; ///< of all of the above, bit by bit
 } lode_order_t;
 
+// What the flag of the command's mailbox may hold; a bit that flips makes neither of it.
+#define LODE_POST_NONE 0u
+#define LODE_POST_FULL 0xa5u
+
 typedef struct {
     lode_speed_t speed;
     lode_references_t references;
@@ -152,12 +156,12 @@ typedef struct {
 /// A drive. Visible for static allocation; written by its functions only.
 typedef struct {
     const lode_drive_tuning_t *tuning;
-    uint32_t steps;      ///< periods since init
-    bool steady;         ///< RUN as commanded, speed control in its slot, nothing in the mail
-    bool gates;          ///< on
-    bool mail;           ///< something is posted
-    bool command_posted; ///< mailbox
+    uint32_t steps; ///< periods since init
+    bool steady;    ///< RUN as commanded, speed control in its slot, nothing in the mail
+    bool gates;     ///< on
+    bool mail;      ///< something is posted
     bool calibrated;
+    uint_least8_t command_posted; ///< mailbox: LODE_POST_...
     uint_least8_t sensored; ///< slow rounds for which the last LODE_ESTIMATE_SENSOR still counts
     uint_least8_t mode;     ///< lode_mode_t
     uint_least8_t mode_not; ///< the same inverted
