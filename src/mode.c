@@ -206,7 +206,7 @@ static void judge_start(lode_drive_t *self) {
     lode_start_t *start = &self->state.start;
     const lode_estimator_t *estimator = &self->estimator;
     lode_start_judge(start, tuning, estimator->pll.omega_rad_s, estimator->lock);
-    if (start->catching > 0u || finds_at_rest(self)) {
+    if (lode_start_catches(start) || finds_at_rest(self)) {
         return;
     }
     const bool stopping = is_stop(self);
@@ -383,7 +383,7 @@ static lode_control_frame_t start_frame(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->state.start;
     const lode_ab_t e_V = self->estimator.emf.observer.e_V;
-    const float step_rad = start->catching == 0u ? lode_start_step(start, tuning, e_V) : 0.0f;
+    const float step_rad = lode_start_catches(start) ? 0.0f : lode_start_step(start, tuning, e_V);
     self->ref_A = (lode_dq_t){start->current_A, 0.0f};
     return (lode_control_frame_t){lode_start_vector(start), lead_of(step_rad)};
 }
@@ -404,7 +404,7 @@ void lode_mode_seed(lode_drive_t *self) {
     if (lode_estimator_injects(&self->estimator) && lode_mode(self) == LODE_MODE_START) {
         return; // it goes by injection
     }
-    if (lode_mode(self) == LODE_MODE_START && start->catching == 0u &&
+    if (lode_mode(self) == LODE_MODE_START && !lode_start_catches(start) &&
         lode_abs(start->omega_rad_s) < LODE_START_HOLD * self->tuning->start.omega_ready) {
         lode_estimator_hold(&self->estimator, tuning, start->at, start->omega_rad_s);
     } else {
@@ -494,7 +494,7 @@ LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
     lode_estimator_t *estimator = &self->estimator;
     const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
     const lode_mode_t mode = lode_mode(self);
-    if (mode == LODE_MODE_START && self->state.start.catching == 0u && finds_at_rest(self)) {
+    if (mode == LODE_MODE_START && !lode_start_catches(&self->state.start) && finds_at_rest(self)) {
         find_at_rest(self);
     } else if (mode == LODE_MODE_RUN && self->sensored == 0u) {
         const float omega = estimator->pll.omega_rad_s;

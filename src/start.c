@@ -23,10 +23,7 @@
 #define CATCH_PARTS 5u     // the lock must hold for this part of the time
 #define FADE_TIME_s 0.1f
 #define PATIENCE_s 0.4f
-// Three attempts until the start has failed. A rotor with more on its shaft than configured cannot follow the
-// ramp: each has a quarter of the one before. The last one also takes more current, against a load.
-#define EASE 0.25f
-#define EASE_LAST (EASE * EASE)
+#define FAILED_MAX 2u // attempts before the last one
 #define TIMEOUT_MAX_s 1000.0f
 #define CURRENT_LAST 2.0f // of the start current, up to i_max
 // Of the current, by the end of an attempt at speed without a lock: what is left of twice a salient rotor's
@@ -47,6 +44,7 @@
 // current settle; given up after 0.15 s.
 #define CALM_TIME_s 0.02f
 #define DWELL_TIME_s 0.15f
+#define MEASUREMENTS 2.0f         // with half the current and with all of it
 #define SETTLE_PART 15u           // of the dwell
 #define CALM_SHARE 0.1f           // of the voltage that is not known
 #define RESISTANCE_MORE_MAX 0.75f // of the configured one
@@ -68,7 +66,7 @@ static float ramp_s(const lode_start_config_t *config) {
 }
 
 static float dwell_s(const lode_start_config_t *config) {
-    return config->measure == LODE_ON ? (float)LODE_START_LEVELS * DWELL_TIME_s : 0.0f;
+    return config->measure == LODE_ON ? MEASUREMENTS * DWELL_TIME_s : 0.0f;
 }
 
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
@@ -163,8 +161,8 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     if (config->measure == LODE_AUTO) {
         config->measure = LODE_ON;
     }
-    const float attempts_s =
-        attempt_s(config, 1.0f) + attempt_s(config, EASE) + attempt_s(config, EASE_LAST);
+    const float attempts_s = attempt_s(config, 1.0f) + attempt_s(config, LODE_START_EASE) +
+                             attempt_s(config, LODE_START_EASE_LAST);
     config->timeout_s = lode_given_or(config->timeout_s, lode_min(attempts_s, TIMEOUT_MAX_s));
 }
 
@@ -253,18 +251,22 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
                            .current_A = current_A,
                            .omega_target = omega_rad_s,
                            .current_target = current_A,
-                           .level = LODE_START_LEVELS,
-                           .ease = 1.0f};
+                           .stage = (uint_least8_t)LODE_START_TURN};
+}
+
+// Without looking for a rotor that turns.
+static uint_least8_t first_stage(const lode_start_tuning_t *tuning) {
+    return (uint_least8_t)(tuning->dwell_rounds > 0u ? LODE_START_HALF : LODE_START_TURN);
 }
 
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
     lode_start_reset(self, (lode_sincos_t){0.0f, 1.0f}, 0.0f, 0.0f);
-    self->catching = tuning->catch_rounds;
-    self->level = tuning->dwell_rounds > 0u ? 0u : LODE_START_LEVELS;
+    self->attempt = tuning->catch_rounds;
+    self->stage = self->attempt > 0u ? (uint_least8_t)LODE_START_CATCH : first_stage(tuning);
 }
 
 static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    return tuning->still_rounds + tuning->ramp_rounds / self->ease;
+    return tuning->still_rounds + tuning->ramp_rounds / lode_start_ease(self);
 }
 
 static float attempt_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
@@ -292,14 +294,14 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
         self->attempt = 0u;
         self->omega_rad_s = 0.0f;
         self->current_A = 0.0f;
-        self->ease = lode_max(EASE * self->ease, EASE_LAST);
-        self->level = tuning->dwell_rounds > 0u ? 0u : LODE_START_LEVELS;
+        self->failed = self->failed == 0u ? 1u : FAILED_MAX;
+        self->stage = first_stage(tuning);
     }
 }
 
 bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
                         lode_start_found_t *found) {
-    if (self->level >= LODE_START_LEVELS || !(self->current_A > 0.0f) ||
+    if (self->stage >= (uint_least8_t)LODE_START_TURN || !(self->current_A > 0.0f) ||
         self->current_A < self->current_target) {
         return false;
     }
@@ -314,12 +316,12 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
         return false;
     }
     const float mean_V = self->sum_V / (float)tuning->calm_rounds;
-    const bool last = self->level > 0u;
+    const bool last = self->stage != (uint_least8_t)LODE_START_HALF;
     // (S13), (S14)
     found->r_Ohm = (mean_V - self->along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
     found->dead_V = mean_V - found->r_Ohm * self->current_A;
     self->along_V = mean_V;
-    self->level = known ? self->level + 1u : LODE_START_LEVELS;
+    self->stage = (uint_least8_t)(known && !last ? LODE_START_FULL : LODE_START_TURN);
     self->dwelt = 0u;
     self->calm = 0u;
     self->sum_V = 0.0f;
@@ -328,10 +330,11 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
 
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
-    const bool last = current_A > 0.0f && self->ease <= EASE_LAST;
+    const bool last = current_A > 0.0f && self->failed >= FAILED_MAX;
     self->omega_target = omega_target_rad_s;
-    self->current_target = (last ? tuning->current_last_A : current_A) *
-                           (self->level == 0u ? LEVEL_SHARE : current_share(self, tuning));
+    self->current_target =
+        (last ? tuning->current_last_A : current_A) *
+        (self->stage == (uint_least8_t)LODE_START_HALF ? LEVEL_SHARE : current_share(self, tuning));
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length
     const float most =
@@ -344,21 +347,26 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
 
 void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_rad_s,
                       float lock) {
+    const bool catching = lode_start_catches(self);
     const float vector = self->omega_rad_s;
     const float slack = SPEED_TOLERANCE * tuning->omega_ready;
     const bool arrived = lode_abs(vector) >= tuning->omega_ready &&
                          vector * self->omega_target > 0.0f &&
                          lode_abs(omega_rad_s - vector) <= slack;
-    const bool sound = (self->catching > 0u || arrived) && lock >= LODE_LOCK_HANDOVER &&
+    const bool sound = (catching || arrived) && lock >= LODE_LOCK_HANDOVER &&
                        lode_abs(omega_rad_s) >= tuning->omega_ready - slack;
     self->locked = sound ? self->locked + 1u : 0u;
-    if (self->catching > 0u) {
-        self->catching--;
-        self->locked = self->catching > 0u ? self->locked : 0u; // the vector restarts
+    if (!catching) {
+        return;
+    }
+    self->attempt = self->attempt > 0u ? self->attempt - 1u : 0u;
+    if (self->attempt == 0u) { // the vector begins
+        self->locked = 0u;
+        self->stage = first_stage(tuning);
     }
 }
 
 bool lode_start_is_ready(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     const uint32_t caught = tuning->catch_rounds / CATCH_PARTS + 1u;
-    return self->locked >= (self->catching > 0u ? caught : tuning->lock_rounds);
+    return self->locked >= (lode_start_catches(self) ? caught : tuning->lock_rounds);
 }

@@ -5,6 +5,21 @@
 #include "lodestar/start.h"
 #include "scalar_inline.h"
 
+// Three attempts until the start has failed. A rotor with more on its shaft than configured cannot follow the
+// ramp: each has a quarter of the one before. The last one also takes more current, against a load.
+#define LODE_START_EASE 0.25f
+#define LODE_START_EASE_LAST (LODE_START_EASE * LODE_START_EASE)
+
+// Share of the ramp in the present attempt.
+LODE_INLINE float lode_start_ease(const lode_start_t *self) {
+    const float again = self->failed == 1u ? LODE_START_EASE : LODE_START_EASE_LAST;
+    return self->failed == 0u ? 1.0f : again;
+}
+
+LODE_INLINE bool lode_start_catches(const lode_start_t *self) {
+    return self->stage == (uint_least8_t)LODE_START_CATCH;
+}
+
 // One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector turns in
 // a period now, rad.
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
@@ -13,8 +28,9 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
     // current rises at standstill the vector sweeps a third of a turn, or a rotor that happens to lie opposite
     // to it would feel no torque.
     float advance_rad = tuning->ts_s * self->omega_rad_s;
-    if (!(self->current_A < self->current_target) && !(self->level < LODE_START_LEVELS)) {
-        const float most = self->ease * tuning->omega_step;
+    if (!(self->current_A < self->current_target) &&
+        !(self->stage < (uint_least8_t)LODE_START_TURN)) {
+        const float most = lode_start_ease(self) * tuning->omega_step;
         self->omega_rad_s += lode_clamp(self->omega_target - self->omega_rad_s, -most, most);
         advance_rad = tuning->ts_s * self->omega_rad_s;
     } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f)) {

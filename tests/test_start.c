@@ -304,7 +304,7 @@ static int caught_after(lode_estimate_t estimate) {
     lode_start_begin(&start, &tuning);
     TEST_ASSERT_TRUE(start.current_A == 0.0f && start.omega_rad_s == 0.0f && start.at.sin == 0.0f);
     int n = 0;
-    while (start.catching > 0u && n < 10000) {
+    while (lode_start_catches(&start) && n < 10000) {
         n++;
         if (ready(&start, &tuning, &estimate)) {
             return n;
@@ -313,6 +313,18 @@ static int caught_after(lode_estimate_t estimate) {
     TEST_ASSERT_EQUAL_INT(250 / ROUND, n); // 0.05 s, and no longer
     TEST_ASSERT_EQUAL_UINT32(0, start.locked);
     return 0;
+}
+
+/// As a corrupted state may have it.
+static void test_no_rounds_left_to_look_for_a_rotor_are_over(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_begin(&start, &tuning);
+    TEST_ASSERT_TRUE(lode_start_catches(&start));
+    start.attempt = 0u;
+    lode_start_judge(&start, &tuning, 0.0f, 0.0f);
+    TEST_ASSERT_FALSE(lode_start_catches(&start));
 }
 
 static void test_a_rotor_that_turns_already_is_caught(void) {
@@ -517,7 +529,7 @@ static void test_each_attempt_is_easier(void) {
     lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 0.0f);
     int n = 1;
     for (int k = 0; k < COUNT_OF(ease); k++) {
-        TEST_ASSERT_EQUAL_FLOAT(ease[k], start.ease);
+        TEST_ASSERT_EQUAL_FLOAT(ease[k], lode_start_ease(&start));
         float most_A = 0.0f;
         float most_step = 0.0f;
         int periods = 0;
@@ -539,9 +551,9 @@ static void test_each_attempt_is_easier(void) {
     // Nothing for a stop.
     lode_start_aim(&start, &tuning, 0.0f, 0.0f);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, start.current_target);
-    TEST_ASSERT_EQUAL_FLOAT(0.0625f, start.ease);
+    TEST_ASSERT_EQUAL_FLOAT(0.0625f, lode_start_ease(&start));
     lode_start_begin(&start, &tuning);
-    TEST_ASSERT_EQUAL_FLOAT(1.0f, start.ease);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, lode_start_ease(&start));
 }
 
 /// (S17): where no lock comes at speed the current falls to 0.3 until the attempt ends; not on the way up.
@@ -596,10 +608,11 @@ static void test_damping_gives_way_to_current_and_speed(void) {
 /// A rotor at rest, or one that swings; returns the rounds that the measurement took.
 static int measure(const lode_start_config_t *config, double r_Ohm, double dead_V, double across_V,
                    bool *known, lode_start_found_t *found) {
-    const lode_start_tuning_t tuning = tuned(config);
+    lode_start_config_t at_once = *config;
+    at_once.catch_s = LODE_NONE;
+    const lode_start_tuning_t tuning = tuned(&at_once);
     lode_start_t start;
     lode_start_begin(&start, &tuning);
-    start.catching = 0u;
     *known = false;
     double least_A = 0.0;
     int dwelt = 0;
@@ -650,12 +663,12 @@ static void test_resistance_and_dead_time_are_measured_at_rest(void) {
 static void test_a_new_attempt_measures_again(void) {
     lode_start_config_t config = sound();
     config.measure = LODE_ON;
+    config.catch_s = LODE_NONE;
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     lode_start_begin(&start, &tuning);
-    start.catching = 0u;
     int first = 0;
-    for (int n = 1; start.ease > 0.5f; n++) {
+    for (int n = 1; start.failed == 0u; n++) {
         lode_start_found_t found;
         if (n % ROUND == 1) {
             first += lode_start_measure(&start, &tuning, no_emf, &found) ? 1 : 0;
@@ -714,6 +727,7 @@ int main(void) {
     RUN_TEST(test_hand_over_needs_speed_and_direction);
     RUN_TEST(test_the_next_vector_is_known);
     RUN_TEST(test_a_rotor_that_turns_already_is_caught);
+    RUN_TEST(test_no_rounds_left_to_look_for_a_rotor_are_over);
     RUN_TEST(test_range_of_the_time_to_catch);
     RUN_TEST(test_times_become_rounds);
     RUN_TEST(test_every_field_at_its_limits);

@@ -66,31 +66,35 @@ typedef struct {
     float dead_V; ///< voltage along the current whatever its length
 } lode_start_found_t;
 
+typedef enum {
+    LODE_START_CATCH, ///< looks for a rotor that turns already
+    LODE_START_HALF,  ///< measures at rest: with half the current,
+    LODE_START_FULL,  ///< with all of it
+    LODE_START_TURN   ///< the vector turns as soon as its current is there
+} lode_start_stage_t;
+
 typedef struct {
     lode_sincos_t at;  ///< angle of the current vector before damping
     float omega_rad_s; ///< its electrical speed
     float current_A;   ///< its length
     float omega_target;
     float current_target;
-    float mean_V;      ///< mean EMF across the vector
-    float swing_V;     ///< its deviation from the mean: of the rotor's swing, which it is to damp
-    uint32_t locked;   ///< rounds of LODE_SLOW_PERIODS for which the lock has held
-    uint32_t catching; ///< rounds left to find a rotor that turns already
-    uint32_t attempt;  ///< rounds since the present attempt began
-    uint32_t rounds;   ///< since the start
-    uint_least16_t dwelt; ///< rounds at the present level of the measurement
+    float mean_V;     ///< mean EMF across the vector
+    float swing_V;    ///< its deviation from the mean: of the rotor's swing, which it is to damp
+    uint32_t locked;  ///< rounds of LODE_SLOW_PERIODS for which the lock has held
+    uint32_t attempt; ///< rounds since the present attempt began; LODE_START_CATCH: that are left
+    uint32_t rounds;  ///< since the start
+    float sum_V;      ///< of the voltages along the current
+    float along_V;    ///< their mean at half the current
+    float give;       ///< rad by which the vector gives way per V of swinging EMF
+    uint_least16_t dwelt; ///< rounds at the present current of the measurement
     uint_least16_t calm;  ///< of them with the rotor at rest
-    uint32_t level;       ///< of the measurement: half the current, all of it, done
-    float sum_V;          ///< of the voltages along the current
-    float along_V;        ///< their mean at half the current
-    float give;           ///< rad by which the vector gives way per V of swinging EMF
-    float ease;           ///< share of the ramp in the present attempt: 1, a quarter, a sixteenth
+    uint_least8_t stage;  ///< lode_start_stage_t
+    uint_least8_t failed; ///< attempts, up to two
 } lode_start_t;
 
 /// Of omega_ready: below, the EMF drowns in the inverter's errors, and the estimator is held to the vector.
 #define LODE_START_HOLD 0.5f
-/// Currents at which the voltage at rest is measured.
-#define LODE_START_LEVELS 2u
 /// Lock quality from which the estimator may take over: well above LODE_LOCK_LOST.
 #define LODE_LOCK_HANDOVER 0.7f
 /// The vector gives way, it does not run away.
