@@ -169,6 +169,18 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t co
     lode_mode_obey_guard(self);
 }
 
+void lode_drive_count_still(lode_drive_t *self, uint16_t count) {
+    lode_guard_t *guard = &self->guard;
+    const lode_guard_tuning_t *tuning = &self->tuning->guard;
+    guard->still = count == self->temperature ? (uint_least16_t)(guard->still + 1u) : 0u;
+    if (LODE_RARELY(guard->still >= tuning->still_rounds)) {
+        const uint32_t periods = tuning->still_rounds * LODE_SLOW_PERIODS;
+        lode_mode_fault(self, LODE_CHECK_TEMPERATURE_STUCK,
+                        lode_sense_temperature_degC(&self->tuning->sense, count),
+                        (float)periods * self->tuning->estimator.pll.ts_s);
+    }
+}
+
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
 // Square of the current that the phases should show.

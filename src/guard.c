@@ -39,6 +39,7 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_CURRENT_SUM);
         NAME(LODE_CHECK_UNDER_TEMPERATURE);
         NAME(LODE_CHECK_MEMORY);
+        NAME(LODE_CHECK_TEMPERATURE_STUCK);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";
@@ -107,6 +108,12 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         !lode_in_range(config->stamp_per_period, 0.0f, 1.0e9f)) {
         return LODE_ERROR_GUARD_TIME;
     }
+    const uint32_t round_periods = LODE_SLOW_PERIODS;
+    const float round_s = (float)round_periods * ts_s;
+    const float still_s = config->temperature_still_s;
+    if (!lode_in_range(still_s, 0.0f, COUNTER_MAX * round_s)) {
+        return LODE_ERROR_GUARD_TIME;
+    }
     const float stamp = config->stamp_per_period;
     const uint32_t stamp_min = (uint32_t)(int32_t)((1.0f - STAMP_TOLERANCE) * stamp);
     const uint32_t stamp_max = (uint32_t)(int32_t)((1.0f + STAMP_TOLERANCE) * stamp);
@@ -121,7 +128,9 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         .omega_max = config->omega_max_rad_s,
         .rail_periods = (uint_least16_t)periods_in(config->bus_s, ts_s),
         .bus_looks = (uint_least16_t)periods_in(config->bus_s, look_s),
-        .lock_looks = periods_in(config->lock_s, look_s),
+        .lock_looks = (uint_least16_t)periods_in(config->lock_s, look_s),
+        .still_rounds =
+            still_s > 0.0f ? (uint_least16_t)periods_in(still_s, round_s) : (uint_least16_t)0u,
         .stamp_min = stamp_min,
         .stamp_span = stamp_max > 0u ? stamp_max - stamp_min : UINT32_MAX,
     };

@@ -1503,6 +1503,41 @@ static void test_a_bus_and_a_speed_of_no_motor_stay_in_range_and_trip(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_VOLTAGE, rig_telemetry(&rig).fault.check);
 }
 
+/// Half a second with a temperature whose count moves once in `every` periods; 0: never.
+static lode_fault_t after_temperature(rig_t rig, uint32_t every) {
+    for (uint32_t n = 0; n < 2500u; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        counts.temperature = (uint16_t)(500u + (every > 0u ? n / every % 2u : 0u));
+        rig.stamp += 1000u;
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    return rig_telemetry(&rig).fault;
+}
+
+static void test_a_temperature_that_stands_still_trips_where_it_should_not(void) {
+    lode_drive_config_t config = rig_config();
+    config.sense.temperature_gain_degC_count = 0.1f;
+    config.guard.temperature_still_s = 0.1f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(100.0));
+    for (uint32_t n = 0; n < 40000u && !rig.drive.steady; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        counts.temperature = (uint16_t)(500u + n / 4u % 2u);
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig_telemetry(&rig).mode);
+    const lode_fault_t stuck = after_temperature(rig, 0u);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_TEMPERATURE_STUCK", lode_check_name(stuck.check));
+    CHECK_CLOSE(1.0e-3, 50.0, stuck.measured);
+    CHECK_CLOSE(1.0e-4, 62 * 8 * 2.0e-4, stuck.limit); // whole rounds
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_temperature(rig, 4u).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_temperature(rig, 400u).check); // 80 ms
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_TEMPERATURE_STUCK, after_temperature(rig, 600u).check);
+}
+
 /// The same fault by the step and by its three calls: the same record, in the same period.
 static void expect_same_fault(const rig_t *before, const lode_counts_t *counts, int limit) {
     lode_drive_t one = before->drive;
@@ -1712,6 +1747,7 @@ int main(void) {
     RUN_TEST(test_the_lock_of_an_external_estimate_counts);
     RUN_TEST(test_a_voltage_that_is_none_trips_in_the_same_call);
     RUN_TEST(test_a_bus_and_a_speed_of_no_motor_stay_in_range_and_trip);
+    RUN_TEST(test_a_temperature_that_stands_still_trips_where_it_should_not);
     RUN_TEST(test_the_step_is_three_calls_in_a_row);
     RUN_TEST(test_two_drives_share_nothing);
     RUN_TEST(test_any_counts_give_duties_on_the_grid);

@@ -29,6 +29,7 @@ typedef enum {
     LODE_CHECK_CURRENT_SUM,       ///< sum of the three phase currents, A
     LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: a sensor that is open or shorted
     LODE_CHECK_MEMORY, ///< what changed by itself: 1 the mode, 2 the command, 3 the tuning
+    LODE_CHECK_TEMPERATURE_STUCK, ///< power stage, degC: a count that has not moved; the limit is the time, s
     LODE_CHECK_COUNT
 } lode_check_t;
 
@@ -50,6 +51,8 @@ typedef struct {
     /// of the currents (plausibility.h); auto: on, and off in a build with LODE_WITHOUT_PLAUSIBILITY, which
     /// has no such check
     lode_choice_t plausibility;
+    /// with the gates on the temperature's count moves within it, by noise alone; 0: it need not
+    float temperature_still_s;
 } lode_guard_config_t;
 
 typedef struct {
@@ -62,7 +65,8 @@ typedef struct {
     uint_least16_t rail_periods;
     uint_least16_t
         bus_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
-    uint32_t lock_looks;
+    uint_least16_t lock_looks;
+    uint_least16_t still_rounds; ///< of slow jobs in which the temperature's count moves; 0: any
     uint32_t stamp_min;
     /// largest less smallest count between two calls; 2^32 - 1, which any will do for: not watched
     uint32_t stamp_span;
@@ -80,6 +84,7 @@ typedef struct {
     uint32_t stamp;     ///< of the last call
     uint_least16_t bus; ///< debounce counters: up while out of range, down while in range
     uint_least16_t temperature;
+    uint_least16_t still; ///< rounds for which the temperature's count has been the same
     uint_least16_t rail;
     uint_least16_t lock;
     uint_least16_t speed; ///< and its direction

@@ -160,8 +160,11 @@ static const refusal_t refusals[] = {
      "temperature_max_degC -100 .. 1000, temperature_min_degC -300 .. temperature_max_degC"},
     {LODE_ERROR_GUARD_SPEED, "guard.omega_max_rad_s", "estimator.omega_max_rad_s " RATED,
      "1 .. 1e6"},
-    {LODE_ERROR_GUARD_TIME, "guard.bus_s guard.lock_s guard.stamp_per_period", "drive.f_pwm_Hz",
-     "bus_s and lock_s 1 period .. 10 s, stamp_per_period 0 .. 1e9"},
+    {LODE_ERROR_GUARD_TIME,
+     "guard.bus_s guard.lock_s guard.stamp_per_period guard.temperature_still_s", "drive.f_pwm_Hz",
+     "bus_s and lock_s 1 period .. 10 s, stamp_per_period 0 .. 1e9, temperature_still_s 0 .. "
+     "524280 "
+     "periods"},
 };
 
 static const refusal_t *find(lode_status_t status) {

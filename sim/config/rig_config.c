@@ -344,6 +344,7 @@ static void describe_board(const rig_config_t *config, plant_config_t *plant, ui
     plant->temperature_degC = or_else(truth->temperature_degC, AMBIENT_degC);
     plant->i_noise_A = or_else(truth->i_noise_A, 0.0);
     plant->v_bus_noise_V = or_else(truth->v_bus_noise_V, 0.0);
+    plant->temperature_noise_degC = or_else(truth->temperature_noise_degC, 0.0);
     plant->sample_offset_s = or_else(truth->sample_offset_s, 0.0);
     plant->stamp_Hz = stamp > 0.0 ? stamp / plant->period_s : STAMP_Hz;
     for (int k = 0; k < plant->sets * PLANT_PHASES; ++k) {

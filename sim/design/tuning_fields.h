@@ -169,7 +169,8 @@
     ROW(FLOAT, float, guard.omega_max) \
     ROW(WHOLE, uint_least16_t, guard.rail_periods) \
     ROW(WHOLE, uint_least16_t, guard.bus_looks) \
-    ROW(WHOLE, uint32_t, guard.lock_looks) \
+    ROW(WHOLE, uint_least16_t, guard.lock_looks) \
+    ROW(WHOLE, uint_least16_t, guard.still_rounds) \
     ROW(WHOLE, uint32_t, guard.stamp_min) \
     ROW(WHOLE, uint32_t, guard.stamp_span) \
     ROW(FLOAT, float, plausibility.stuck_A2) \

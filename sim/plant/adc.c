@@ -58,6 +58,7 @@ void plant_adc_init(plant_adc_t *self, const plant_config_t *config) {
         .temperature_count_per_degC = 1.0 / config->temperature_degC_per_count,
         .i_noise_A = config->i_noise_A,
         .v_noise_V = config->v_bus_noise_V,
+        .temperature_noise_degC = config->temperature_noise_degC,
         .temperature_zero_degC = config->temperature_zero_degC,
         .sets = config->sets == PLANT_SETS ? PLANT_SETS : 1,
     };
@@ -94,7 +95,8 @@ void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_LEGS], double v
     }
     const double v_V = v_bus_V + noise(self, self->v_noise_V);
     counts->v_bus = to_count(self, v_V * self->v_count_per_V);
-    counts->temperature = to_count(self, (temperature_degC - self->temperature_zero_degC) *
+    const double seen_degC = temperature_degC + noise(self, self->temperature_noise_degC);
+    counts->temperature = to_count(self, (seen_degC - self->temperature_zero_degC) *
                                              self->temperature_count_per_degC);
     for (int set = 1; set < self->sets; set++) {
         counts[set].v_bus = counts->v_bus;

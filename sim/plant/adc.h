@@ -17,7 +17,7 @@ typedef struct {
     double i_count_per_A, v_count_per_V, temperature_count_per_degC;
     double i_offset_A[PLANT_LEGS], i_gain[PLANT_LEGS];
     int sets;
-    double i_noise_A, v_noise_V, temperature_zero_degC;
+    double i_noise_A, v_noise_V, temperature_noise_degC, temperature_zero_degC;
 } plant_adc_t;
 
 void plant_adc_init(plant_adc_t *self, const plant_config_t *config);

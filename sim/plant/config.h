@@ -89,6 +89,7 @@ typedef struct {
     double i_noise_A;                  ///< Gaussian, rms
     double v_bus_V_per_count;          ///< nominal; 0 V is count 0
     double v_bus_noise_V;              ///< Gaussian, rms
+    double temperature_noise_degC;     ///< Gaussian, rms
     double temperature_degC_per_count; ///< nominal
     double temperature_zero_degC;      ///< at count 0
     double temperature_degC;           ///< at the start; see plant_set_temperature

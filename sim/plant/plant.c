@@ -145,8 +145,9 @@ static const char *check_adc(const plant_config_t *c) {
             return "i_offset_A must be -1e6..1e6, i_gain_error -1..1e3";
         }
     }
-    if (!within(c->i_noise_A, 0.0, 1e6) || !within(c->v_bus_noise_V, 0.0, 1e6)) {
-        return "i_noise_A and v_bus_noise_V must be 0..1e6";
+    if (!within(c->i_noise_A, 0.0, 1e6) || !within(c->v_bus_noise_V, 0.0, 1e6) ||
+        !within(c->temperature_noise_degC, 0.0, 1e6)) {
+        return "i_noise_A, v_bus_noise_V and temperature_noise_degC must be 0..1e6";
     }
     if (!within(c->temperature_zero_degC, -1e6, 1e6) || !within(c->temperature_degC, -1e6, 1e6)) {
         return "temperature_zero_degC and temperature_degC must be -1e6..1e6";

@@ -110,7 +110,9 @@ void report_faults_page(FILE *file, const char *tables) {
         "why. Of a kind that comes in many the worst is told.\n\n"
         "The plant switches, with dead time and noise. It has no over-current path in hardware, "
         "which a real bridge must have: where interrupts are missed or a switch is shorted, the "
-        "current is what the motor makes of it.\n\n",
+        "current is what the motor makes of it. The temperature has a count of noise, and "
+        "`guard.temperature_still_s` is 0.5: by default it is off, and a stuck sensor is then not "
+        "found.\n\n",
         file);
     (void)fputs(tables, file);
 }

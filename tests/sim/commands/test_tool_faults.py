@@ -34,6 +34,16 @@ def finds(checks, folder):
     checks.true("| the rotor stands | START " in done.stdout, "the table")
 
 
+def finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder):
+    kind = ("--motors", "jiang2022", "--kinds", "ntc-stuck")
+    done, cases = cases_of(folder, *kind)
+    checks.equal(done.returncode, 0, "exit code")
+    checks.equal({case["found"] for case in cases.values()}, {"TEMPERATURE_STUCK"}, "by its count")
+    done, cases = cases_of(folder, *kind, "--set", "guard.temperature_still_s=0")
+    checks.equal(done.returncode, 1, "exit code where it is silent")
+    checks.true(all(case["silent"] for case in cases.values()), "silent without that")
+
+
 def same_with_any_number_of_processes(checks, folder):
     _, one = cases_of(folder, "--motors", "jiang2022", "--kinds", "flip-state", "--jobs", "1")
     _, two = cases_of(folder, "--motors", "jiang2022", "--kinds", "flip-state", "--jobs", "2")
@@ -61,6 +71,7 @@ def refuses(checks, folder):
 checks = Checks()
 with Folder() as folder:
     finds(checks, folder)
+    finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder)
     same_with_any_number_of_processes(checks, folder)
     page(checks, folder)
     refuses(checks, folder)
