@@ -172,7 +172,8 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t co
 void lode_drive_count_still(lode_drive_t *self, uint16_t count) {
     lode_guard_t *guard = &self->guard;
     const lode_guard_tuning_t *tuning = &self->tuning->guard;
-    guard->still = count == self->temperature ? (uint_least16_t)(guard->still + 1u) : 0u;
+    guard->still = count == guard->still_count ? (uint_least16_t)(guard->still + 1u) : 0u;
+    guard->still_count = count;
     if (LODE_RARELY(guard->still >= tuning->still_rounds)) {
         const uint32_t periods = tuning->still_rounds * LODE_SLOW_PERIODS;
         lode_mode_fault(self, LODE_CHECK_TEMPERATURE_STUCK,

@@ -167,8 +167,7 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
     return self->gates;
 }
 
-// SLOT_GUARD, before the guard: the temperature's count is that of its last look. A live one moves, by noise
-// alone.
+// SLOT_GUARD: the temperature's count. A live one moves, by noise alone.
 LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                        uint16_t count) {
     if (LODE_RARELY(tuning->guard.still_rounds > 0u)) {

@@ -84,7 +84,8 @@ typedef struct {
     uint32_t stamp;     ///< of the last call
     uint_least16_t bus; ///< debounce counters: up while out of range, down while in range
     uint_least16_t temperature;
-    uint_least16_t still; ///< rounds for which the temperature's count has been the same
+    uint_least16_t still_count; ///< the temperature's, one round before
+    uint_least16_t still;       ///< rounds for which that has been the same
     uint_least16_t rail;
     uint_least16_t lock;
     uint_least16_t speed; ///< and its direction
