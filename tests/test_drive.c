@@ -1524,7 +1524,7 @@ static void test_a_temperature_that_stands_still_trips_where_it_should_not(void)
     rig_command(&rig, run_at(100.0));
     for (uint32_t n = 0; n < 40000u && !rig.drive.steady; n++) {
         lode_counts_t counts = rig_counts(&rig);
-        counts.temperature = (uint16_t)(500u + n / 4u % 2u);
+        counts.temperature = (uint16_t)(500u + n / 8u % 2u);
         rig.out = lode_drive_step(&rig.drive, &counts);
         rig_move(&rig);
     }
@@ -1533,7 +1533,7 @@ static void test_a_temperature_that_stands_still_trips_where_it_should_not(void)
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_TEMPERATURE_STUCK", lode_check_name(stuck.check));
     CHECK_CLOSE(1.0e-3, 50.0, stuck.measured);
     CHECK_CLOSE(1.0e-4, 62 * 8 * 2.0e-4, stuck.limit); // whole rounds
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_temperature(rig, 4u).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_temperature(rig, 8u).check);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_temperature(rig, 400u).check); // 80 ms
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_TEMPERATURE_STUCK, after_temperature(rig, 600u).check);
 }
