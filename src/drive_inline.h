@@ -47,8 +47,8 @@ void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
 // Duties that lode_sense_tuning_t.duty_max does not allow, in drive.c: `omitted` of their set follows.
 // False: they are none, and the drive is in FAULT.
 bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_abc_t *duty);
-// SLOT_GUARD where the temperature is watched, in drive.c.
-void lode_drive_count_still(lode_drive_t *self, uint16_t count);
+// SLOT_GUARD where temperature or bus must move, in drive.c.
+void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
 // The guard's slow checks have something to count, in drive.c.
 void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition);
 
@@ -167,11 +167,13 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
     return self->gates;
 }
 
-// SLOT_GUARD: the temperature's count. A live one moves, by noise alone.
+// SLOT_GUARD: counts of temperature and bus. Live ones move, by noise alone.
 LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                       uint16_t count) {
-    if (LODE_RARELY(tuning->guard.still_rounds > 0u)) {
-        lode_drive_count_still(self, count);
+                                       uint16_t count, float v_bus_V) {
+    const uint32_t watched =
+        (uint32_t)tuning->guard.still_rounds | (uint32_t)tuning->guard.bus_still_rounds;
+    if (LODE_RARELY(watched > 0u)) {
+        lode_drive_count_still(self, count, v_bus_V);
     }
 }
 
@@ -243,7 +245,8 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         break;
     case SLOT_GUARD:
         lode_drive_note_still(self, tuning,
-                              lode_sense_hotter(&tuning->sense, sample->temperature, other));
+                              lode_sense_hotter(&tuning->sense, sample->temperature, other),
+                              sample->v_bus_V);
         break;
     case SLOT_SPEED:
         if (LODE_RARELY(lode_mode(self) != LODE_MODE_RUN)) {

@@ -40,6 +40,8 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_UNDER_TEMPERATURE);
         NAME(LODE_CHECK_MEMORY);
         NAME(LODE_CHECK_TEMPERATURE_STUCK);
+        NAME(LODE_CHECK_BUS_STUCK);
+        NAME(LODE_CHECK_FLUX);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";
@@ -97,6 +99,11 @@ static uint32_t periods_in(float time_s, float period_s) {
     return (uint32_t)(int32_t)lode_clamp(time_s / period_s, 2.0f, COUNTER_MAX);
 }
 
+// 0: not watched.
+static uint_least16_t rounds_in(float time_s, float round_s) {
+    return (uint_least16_t)(time_s > 0.0f ? periods_in(time_s, round_s) : 0u);
+}
+
 lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_config_t *config,
                               const lode_inverter_config_t *inverter,
                               const lode_sense_config_t *sense, float ts_s) {
@@ -110,8 +117,8 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
     }
     const uint32_t round_periods = LODE_SLOW_PERIODS;
     const float round_s = (float)round_periods * ts_s;
-    const float still_s = config->temperature_still_s;
-    if (!lode_in_range(still_s, 0.0f, COUNTER_MAX * round_s)) {
+    if (!lode_in_range(config->temperature_still_s, 0.0f, COUNTER_MAX * round_s) ||
+        !lode_in_range(config->bus_still_s, 0.0f, COUNTER_MAX * round_s)) {
         return LODE_ERROR_GUARD_TIME;
     }
     const float stamp = config->stamp_per_period;
@@ -129,8 +136,8 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         .rail_periods = (uint_least16_t)periods_in(config->bus_s, ts_s),
         .bus_looks = (uint_least16_t)periods_in(config->bus_s, look_s),
         .lock_looks = (uint_least16_t)periods_in(config->lock_s, look_s),
-        .still_rounds =
-            still_s > 0.0f ? (uint_least16_t)periods_in(still_s, round_s) : (uint_least16_t)0u,
+        .still_rounds = rounds_in(config->temperature_still_s, round_s),
+        .bus_still_rounds = rounds_in(config->bus_still_s, round_s),
         .stamp_min = stamp_min,
         .stamp_span = stamp_max > 0u ? stamp_max - stamp_min : UINT32_MAX,
     };

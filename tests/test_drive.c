@@ -1387,6 +1387,63 @@ static void test_lost_lock_and_wrong_way_trip_in_20_ms(void) {
     TEST_ASSERT_EQUAL_INT(1001, steps_until_off(&sound, 0.9f, 1.0f, 1000));
 }
 
+/// Magnets that have lost `share` of their flux: the fault, within 100 ms.
+static lode_fault_t with_less_flux(rig_t rig, double share) {
+    rig.motor.psi *= 1.0 - share;
+    rig_run(&rig, 0.1);
+    return rig_telemetry(&rig).fault;
+}
+
+static void test_another_flux_is_named(void) {
+    rig_t rig = fresh();
+    rig.load_Nm = 0.5;
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.0);
+    const lode_fault_t weak = with_less_flux(rig, 0.35);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_FLUX", lode_check_name(weak.check));
+    CHECK_CLOSE(0.05, 0.65 * rig.motor.psi, weak.measured);
+    CHECK_CLOSE(0.05, rig.motor.psi, weak.limit);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(rig, 0.1).check);
+    // Nearly none is no motor's, and a rotor that is stopped has none.
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, with_less_flux(rig, 0.8).check);
+    rig.blocked = true;
+    rig.motor.omega = 0.0;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, with_less_flux(rig, 0.0).check);
+}
+
+/// 0.3 s with a bus that reads `share` of what it is, and moves by a count every round or not.
+static lode_fault_t with_bus(rig_t rig, double share, bool moves) {
+    for (uint32_t n = 0; n < 1500u; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        const uint32_t noise = moves ? n / LODE_SLOW_PERIODS % 2u : 0u;
+        counts.v_bus = (uint16_t)((uint32_t)rig_count(share * counts.v_bus) + noise);
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    return rig_telemetry(&rig).fault;
+}
+
+static void test_a_bus_that_stands_still_trips_where_the_emf_has_moved(void) {
+    lode_drive_config_t config = rig_config();
+    config.guard.bus_still_s = 0.1f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.load_Nm = 0.5;
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.0);
+    const double shares[] = {1.18, 0.85}; // the bus has sagged, or risen
+    for (int n = 0; n < COUNT_OF(shares); n++) {
+        const lode_fault_t stuck = with_bus(rig, shares[n], false);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_BUS_STUCK", lode_check_name(stuck.check));
+        CHECK_CLOSE(0.2, shares[n] * (double)PAPER_V_BUS, stuck.measured);
+        CHECK_CLOSE(1.0e-4, 62 * 8 * RIG_TS_s, stuck.limit); // whole rounds
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_bus(rig, shares[n], true).check);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_bus(rig, 1.0, false).check);
+}
+
 // --- The step as a whole ----------------------------------------------------------------------
 
 static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
@@ -1742,6 +1799,8 @@ int main(void) {
     RUN_TEST(test_a_stuck_converter_trips_before_the_current_is_large);
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
+    RUN_TEST(test_another_flux_is_named);
+    RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
     RUN_TEST(test_an_estimate_of_the_hosts_own_is_taken_over);
     RUN_TEST(test_the_lock_of_an_external_estimate_counts);

@@ -30,6 +30,8 @@ typedef enum {
     LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: a sensor that is open or shorted
     LODE_CHECK_MEMORY, ///< what changed by itself: 1 the mode, 2 the command, 3 the tuning
     LODE_CHECK_TEMPERATURE_STUCK, ///< power stage, degC: a count that has not moved; the limit is the time, s
+    LODE_CHECK_BUS_STUCK, ///< bus, V: a count that has not moved while the EMF says it has; the limit is the time, s
+    LODE_CHECK_FLUX, ///< flux linkage that the EMF tells, Wb, with a sound angle; the limit is the motor's
     LODE_CHECK_COUNT
 } lode_check_t;
 
@@ -53,6 +55,9 @@ typedef struct {
     lode_choice_t plausibility;
     /// with the gates on the temperature's count moves within it, by noise alone; 0: it need not
     float temperature_still_s;
+    /// in RUN, while the EMF is more than a tenth off what the speed induces, the bus's count moves within it; 0:
+    /// it need not
+    float bus_still_s;
 } lode_guard_config_t;
 
 typedef struct {
@@ -67,6 +72,8 @@ typedef struct {
         bus_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
     uint_least16_t lock_looks;
     uint_least16_t still_rounds; ///< of slow jobs in which the temperature's count moves; 0: any
+    uint_least16_t bus_still_rounds; ///< the same of the bus
+    uint_least16_t unused;
     uint32_t stamp_min;
     /// largest less smallest count between two calls; 2^32 - 1, which any will do for: not watched
     uint32_t stamp_span;
@@ -84,13 +91,16 @@ typedef struct {
     uint32_t stamp;     ///< of the last call
     uint_least16_t bus; ///< debounce counters: up while out of range, down while in range
     uint_least16_t temperature;
+    uint_least16_t bus_still;   ///< rounds for which still_V has been the same
     uint_least16_t still_count; ///< the temperature's, one round before
     uint_least16_t still;       ///< rounds for which that has been the same
     uint_least16_t rail;
     uint_least16_t lock;
     uint_least16_t speed; ///< and its direction
+    float still_V;        ///< bus, one round before
     bool railed;          ///< a rail was met since the last lode_guard_check_slow()
     bool pending;         ///< some counter is not 0
+    bool flux;            ///< while the lock was counted as lost, only the EMF's size was wrong
 } lode_guard_t;
 
 /// What the guard needs to know of the drive.

@@ -20,11 +20,11 @@
 enum { MOTORS_MAX = 8, KINDS_MAX = 64 };
 
 /// What the campaign adds to the shipped files: a port that stamps, a field that can be weakened, a bridge
-/// whose switches can break, and a temperature sensor with a count of noise, as the bus's has, on which the
-/// guard relies.
-static const char *const added[] = {"references.field_weakening=on", "guard.stamp_per_period=1000",
-                                    "plant.inverter=switched", "plant.temperature_noise_degC=0.05",
-                                    "guard.temperature_still_s=0.5"};
+/// whose switches can break, a temperature sensor with a count of noise, as the bus's has, and a guard that
+/// relies on the noise of both.
+static const char *const added[] = {
+    "references.field_weakening=on",     "guard.stamp_per_period=1000",   "plant.inverter=switched",
+    "plant.temperature_noise_degC=0.05", "guard.temperature_still_s=0.5", "guard.bus_still_s=0.1"};
 
 typedef struct {
     const options_t *options;

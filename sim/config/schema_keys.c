@@ -168,6 +168,7 @@ static const rig_key_t keys[] = {
     FLOAT("guard", "stamp_per_period", guard.stamp_per_period),
     FLOAT("guard", "temperature_min_degC", guard.temperature_min_degC),
     FLOAT("guard", "temperature_still_s", guard.temperature_still_s),
+    FLOAT("guard", "bus_still_s", guard.bus_still_s),
     FLOAT("guard", "i_sum_A", guard.i_sum_A),
     CHOICE("guard", "plausibility", drive.guard.plausibility, "auto|on|off", NULL),
     CHOICE("guard", "open_phase", six.open_phase, "trip|go-on|ignore", NULL),

@@ -171,6 +171,8 @@
     ROW(WHOLE, uint_least16_t, guard.bus_looks) \
     ROW(WHOLE, uint_least16_t, guard.lock_looks) \
     ROW(WHOLE, uint_least16_t, guard.still_rounds) \
+    ROW(WHOLE, uint_least16_t, guard.bus_still_rounds) \
+    ROW(WHOLE, uint_least16_t, guard.unused) \
     ROW(WHOLE, uint32_t, guard.stamp_min) \
     ROW(WHOLE, uint32_t, guard.stamp_span) \
     ROW(FLOAT, float, plausibility.stuck_A2) \
