@@ -264,8 +264,10 @@ static float expected_A2(const lode_drive_t *self, float omega_rad_s) {
 
 static LODE_NOINLINE void judge(lode_drive_t *self, lode_plausibility_t *watch,
                                 const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
-    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
-    const lode_finding_t found = lode_plausibility_step(watch, tuning, i, i_A2, turn_rad);
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_finding_t found =
+        lode_plausibility_step(watch, &tuning->plausibility, i, tuning->guard.lock_looks, i_A2,
+                               turn_rad, lode_abs(tuning->sense.i_gain));
     if (LODE_RARELY(found.check != LODE_CHECK_NONE)) {
         const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;
         const float before = second ? (float)LODE_PHASES : 0.0f;

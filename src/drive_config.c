@@ -254,8 +254,8 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
         status = lode_guard_tune(&t->guard, &c->guard, &c->inverter, &c->sense, ts_s);
     }
     if (status == LODE_OK) {
-        status = lode_plausibility_tune(&t->plausibility, &c->guard, c->inverter.i_max_A, &t->sense,
-                                        ts_s);
+        status =
+            lode_plausibility_tune(&t->plausibility, &c->guard, c->inverter.i_max_A, &t->sense);
     }
     if (status == LODE_OK) {
         const float trip = t->guard.i_trip / lode_abs(t->sense.i_gain);

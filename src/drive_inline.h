@@ -138,7 +138,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
     (void)i;
     (void)looks;
 #else
-    if (LODE_RARELY(tuning->plausibility.sum_looks == 0u)) {
+    if (LODE_RARELY(tuning->plausibility.i_sum < 0)) {
         return;
     }
     if (lode_plausibility_all_move(watch, &tuning->plausibility, i)) {

@@ -159,7 +159,7 @@ static void hand_over(lode_drive_t *self) {
     const float omega = self->estimator.pll.omega_rad_s;
     const lode_dq_t i_A = self->i_A;
     const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
-    const lode_sincos_t vector = lode_start_next(&self->state.start, &tuning->start);
+    const lode_sincos_t vector = lode_start_next(&self->state.start, tuning->estimator.pll.ts_s);
     const lode_dq_t u_V = in_frame(self->u_V, lode_angle_subtract(rotor, vector));
     lode_current_reset(&self->current, &tuning->current, u_V, i_A, omega);
     const float torque = lode_references_torque_Nm(&tuning->references, i_A);
@@ -383,7 +383,9 @@ static lode_control_frame_t start_frame(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->state.start;
     const lode_ab_t e_V = self->estimator.emf.observer.e_V;
-    const float step_rad = lode_start_catches(start) ? 0.0f : lode_start_step(start, tuning, e_V);
+    const float ts_s = self->tuning->estimator.pll.ts_s;
+    const float step_rad =
+        lode_start_catches(start) ? 0.0f : lode_start_step(start, tuning, e_V, ts_s);
     self->ref_A = (lode_dq_t){start->current_A, 0.0f};
     return (lode_control_frame_t){lode_start_vector(start), lead_of(step_rad)};
 }

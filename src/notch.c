@@ -1,5 +1,8 @@
 #include "notch_inline.h"
 
+// Of the span over which it fades in, below it.
+#define LOW (LODE_NOTCH_LOW_SIGMA / (LODE_NOTCH_HIGH_SIGMA - LODE_NOTCH_LOW_SIGMA))
+
 lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k, float sigma_rad_s,
                               float ts_s) {
     const bool none = lode_in_range(k, 0.0f, 0.0f);
@@ -14,7 +17,6 @@ lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k,
     *tuning = (lode_notch_tuning_t){
         .k = k,
         .order_Ts = order * ts_s,
-        .centre_low = LODE_NOTCH_LOW_SIGMA * sigma_rad_s * ts_s,
         .inv_span = 1.0f / ((LODE_NOTCH_HIGH_SIGMA - LODE_NOTCH_LOW_SIGMA) * sigma_rad_s * ts_s),
     };
     return LODE_OK;
@@ -28,7 +30,7 @@ LODE_RAMFUNC void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t
     }
     const float centre =
         lode_min(tuning->order_Ts * lode_abs(omega_rad_s), LODE_SOGI_CENTRE_MAX_rad);
-    const float in = lode_clamp((centre - tuning->centre_low) * tuning->inv_span, 0.0f, 1.0f);
+    const float in = lode_clamp(centre * tuning->inv_span - LOW, 0.0f, 1.0f);
     self->weight = centre < LODE_SOGI_CENTRE_MAX_rad ? in : 0.0f;
     const lode_sogi_tuning_t tuned = lode_sogi_tune_within(k, centre);
     self->g = tuned.g;

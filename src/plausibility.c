@@ -3,6 +3,8 @@
 // A phase of amplitude I stays within I (1 - cos(D/2)) of its peak while the vector turns by D: about
 // I D^2/8. It counts as stuck once that would have been so many counts, and yet it moved by none.
 #define STUCK_COUNTS 8.0f
+#define STUCK                                                                                      \
+    (8.0f * STUCK_COUNTS * (float)LODE_COUNT_FRACTION) // times the turn squared, 1/256 count
 // Of all three at once one is far from its peak and moves by I D sqrt(3)/2 at least. It would have been 32
 // counts: a current that changes beside it may cancel a few.
 #define ALL_TURN 3.0f // (64/32 sqrt(3)/2)^2
@@ -14,13 +16,12 @@
 #define STEADY_SHARE 0.5f
 #define EIGHTH_rad 0.7853982f
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
-#define COUNTER_MAX 65535.0f
 #define ALL_PHASES ((1u << LODE_PHASES) - 1u)
 #define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
 
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
-                                     const lode_sense_tuning_t *sense, float ts_s) {
+                                     const lode_sense_tuning_t *sense) {
     if (config->plausibility != LODE_ON && config->plausibility != LODE_OFF) {
         return LODE_ERROR_CHOICE;
     }
@@ -33,19 +34,13 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
     if (sums && !lode_in_range(config->i_sum_A, 1.0e-3f * i_max_A, 10.0f * i_max_A)) {
         return LODE_ERROR_GUARD_CURRENT;
     }
-    const uint32_t periods = LODE_GUARD_PERIODS;
-    const float look_s = (float)periods * ts_s;
-    const float looks = lode_clamp(config->lock_s / look_s, 2.0f, COUNTER_MAX);
-    const float i_gain = lode_abs(sense->i_gain);
-    const float stuck_A = 8.0f * STUCK_COUNTS * (float)LODE_COUNT_FRACTION * i_gain;
     const float i_min_A = STUCK_SHARE * i_max_A;
+    const float i_sum =
+        sums ? lode_min(config->i_sum_A / lode_abs(sense->i_gain), SUM_MAX) : SUM_MAX;
     *tuning = (lode_plausibility_tuning_t){
-        .stuck_A2 = stuck_A * stuck_A,
         .i_min_A2 = i_min_A * i_min_A,
         .i_still = 0,
-        .i_sum = (int32_t)(sums ? lode_min(config->i_sum_A / i_gain, SUM_MAX) : SUM_MAX),
-        .A_per_count = i_gain,
-        .sum_looks = config->plausibility == LODE_ON ? (uint32_t)(int32_t)looks : 0u,
+        .i_sum = config->plausibility == LODE_ON ? (int32_t)i_sum : -1,
     };
     return LODE_OK;
 }
@@ -68,7 +63,7 @@ LODE_INLINE bool none_follows(lode_plausibility_t *self, const lode_plausibility
 // side of a peak.
 LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
                                   const lode_plausibility_tuning_t *tuning, uint32_t kept,
-                                  float i_A2, float turn_rad) {
+                                  float i_A2, float turn_rad, float A_per_count) {
     const uint32_t judged = lode_plausibility_judged(self, tuning, kept, i_A2);
     const uint32_t still = judged & self->still;
     const bool changes =
@@ -78,7 +73,8 @@ LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
     const float turn2 = self->turn_rad * self->turn_rad;
     const float path2 = still == ALL_PHASES ? ALL_TURN * turn2 : turn2 * turn2;
     const bool possible = changes && self->turn_rad < EIGHTH_rad;
-    return path2 * i_A2 > tuning->stuck_A2 && !possible ? still : 0u;
+    const float stuck_A = STUCK * A_per_count;
+    return path2 * i_A2 > stuck_A * stuck_A && !possible ? still : 0u;
 }
 
 // The first of some phases, from 1; 0: all three.
@@ -91,10 +87,11 @@ static float number_of(uint32_t phases) {
 
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
-                                      const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
+                                      const int32_t i[LODE_PHASES], uint32_t sum_looks, float i_A2,
+                                      float turn_rad, float A_per_count) {
     const uint32_t kept = lode_plausibility_kept(self, i);
     lode_plausibility_note(self, i);
-    const uint32_t stuck = stuck_phases(self, tuning, kept, i_A2, turn_rad);
+    const uint32_t stuck = stuck_phases(self, tuning, kept, i_A2, turn_rad, A_per_count);
     const bool all = none_follows(self, tuning, kept, i_A2);
     self->kept = (uint_least8_t)kept;
     if (all || stuck > 0u) {
@@ -105,10 +102,10 @@ lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
         self->sum = self->sum > 0u ? (uint_least16_t)(self->sum - 1u) : 0u;
     } else {
         self->sum = (uint_least16_t)(self->sum + 1u);
-        if (self->sum >= tuning->sum_looks) {
+        if (self->sum >= sum_looks) {
             const float sum = (float)(i[0] + i[1] + i[2]);
-            return (lode_finding_t){LODE_CHECK_CURRENT_SUM, sum * tuning->A_per_count,
-                                    (float)tuning->i_sum * tuning->A_per_count};
+            return (lode_finding_t){LODE_CHECK_CURRENT_SUM, sum * A_per_count,
+                                    (float)tuning->i_sum * A_per_count};
         }
     }
     return (lode_finding_t){LODE_CHECK_NONE, 0.0f, 0.0f};

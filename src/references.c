@@ -92,7 +92,7 @@ static float most_tau(const lode_references_tuning_t *tuning) {
     const float i_max = tuning->i_max_A;
     float iq = i_max;
     float id = 0.0f;
-    float salient = tuning->salient_H;
+    float salient = lode_references_salient_H(tuning);
     for (int32_t i = 0; asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && i < SATURATION_STEPS; i++) {
         salient = tuning->Ld_H - Lq_at(tuning, iq);
         const float arm = 2.0f * salient * i_max;
@@ -145,7 +145,6 @@ static void tune_weakening(lode_references_tuning_t *t, const lode_references_co
     t->trim_gain = 0.5f * trim_ts / (nominal * nominal);
     t->trim_decay = lode_min(trim_ts, 1.0f);
     t->drop = motor->Rs_Ohm / nominal;
-    t->flux_max = motor->psi_Wb + (motor->Ld_H + motor->Lq_H) * i_max;
     t->id_min_A = -config->id_max_A;
     t->fall_A = i_max * lode_min(ts_s / FALL_s, 1.0f);
     t->rise_A = i_max * lode_min(ts_s / config->release_s, 1.0f);
@@ -167,7 +166,6 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
         .id_bias_A = lode_max(config->id_bias_A, 0.0f),
         .i_max_A = inverter->i_max_A,
         .psi_Wb = motor->psi_Wb,
-        .salient_H = motor->Ld_H - motor->Lq_H,
         .torque_factor = lode_motor_torque_factor(motor),
         .inv_torque_factor = 1.0f / lode_motor_torque_factor(motor),
         .inv_psi2 = 1.0f / (motor->psi_Wb * motor->psi_Wb),
@@ -232,7 +230,8 @@ LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuni
     }
     const float emf = use + use * self->trim - tuning->drop * self->tau * omega_rad_s;
     const float flux = emf / lode_max(lode_abs(omega_rad_s), 1.0f);
-    return lode_clamp(flux, FLUX_MIN_SHARE * tuning->psi_Wb, tuning->flux_max);
+    const float most = tuning->psi_Wb + (tuning->Ld_H + tuning->Lq_H) * tuning->i_max_A;
+    return lode_clamp(flux, FLUX_MIN_SHARE * tuning->psi_Wb, most);
 }
 
 // Most torque per volt (R13): the currents at the flux `flux`.
@@ -356,11 +355,12 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
 float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
                            float omega_rad_s) {
     const float tau = lode_abs(torque_Nm) * tuning->inv_torque_factor;
-    const float id =
-        free_id(tuning, tuning->salient_H, lode_min(tau, tuning->tau_max), omega_rad_s);
+    const float id = free_id(tuning, lode_references_salient_H(tuning),
+                             lode_min(tau, tuning->tau_max), omega_rad_s);
     return lode_clamp(id, -tuning->i_max_A, tuning->i_max_A);
 }
 
 float lode_references_torque_Nm(const lode_references_tuning_t *tuning, lode_dq_t i_A) {
-    return tuning->torque_factor * (tuning->psi_Wb + tuning->salient_H * i_A.d) * i_A.q;
+    return tuning->torque_factor * (tuning->psi_Wb + lode_references_salient_H(tuning) * i_A.d) *
+           i_A.q;
 }

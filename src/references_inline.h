@@ -13,6 +13,11 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
 
 #define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi: least active flux that is divided by
 
+// At no current.
+LODE_INLINE float lode_references_salient_H(const lode_references_tuning_t *tuning) {
+    return tuning->Ld_H - tuning->Lq_H;
+}
+
 // An id so positive that a salient rotor has no torque left is met at the current limit.
 LODE_INLINE float lode_references_active_flux(const lode_references_tuning_t *tuning, float salient,
                                               float id_A) {
@@ -37,8 +42,8 @@ LODE_INLINE lode_references_out_t lode_references_step(lode_references_t *self,
     const float bias = tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
     const float id = lode_clamp(id_add_A - bias, -i_max, i_max);
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
-    const float per_iq =
-        tuning->torque_factor * lode_references_active_flux(tuning, tuning->salient_H, id);
+    const float per_iq = tuning->torque_factor *
+                         lode_references_active_flux(tuning, lode_references_salient_H(tuning), id);
     const float limit = per_iq * iq_max;
     return (lode_references_out_t){{id, lode_clamp(torque_Nm / per_iq, -iq_max, iq_max)},
                                    {-limit, limit}};

@@ -228,7 +228,6 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .mean_weight = lode_one_minus_exp(MEAN_CORNER * swing * ts_s),
         .swing_weight = lode_one_minus_exp(SWING_CORNER * swing * ts_s),
         .fade_step = ts_s / config->fade_s,
-        .ts_s = ts_s,
         .catch_rounds = rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
         .lock_rounds = rounds_in(config->lock_s, ts_s),
         .current_last_A = config->current_last_A,

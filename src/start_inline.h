@@ -23,16 +23,16 @@ LODE_INLINE bool lode_start_catches(const lode_start_t *self) {
 // One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector turns in
 // a period now, rad.
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
-                                  lode_ab_t e_V) {
+                                  lode_ab_t e_V, float ts_s) {
     // Turning at speed begins when the current is there and resistance and dead time are measured. While the
     // current rises at standstill the vector sweeps a third of a turn, or a rotor that happens to lie opposite
     // to it would feel no torque.
-    float advance_rad = tuning->ts_s * self->omega_rad_s;
+    float advance_rad = ts_s * self->omega_rad_s;
     if (!(self->current_A < self->current_target) &&
         !(self->stage < (uint_least8_t)LODE_START_TURN)) {
         const float most = lode_start_ease(self) * tuning->omega_step;
         self->omega_rad_s += lode_clamp(self->omega_target - self->omega_rad_s, -most, most);
-        advance_rad = tuning->ts_s * self->omega_rad_s;
+        advance_rad = ts_s * self->omega_rad_s;
     } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f)) {
         advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
     } else {
@@ -61,9 +61,8 @@ LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self) {
 }
 
 // Where it will be a period on.
-LODE_INLINE lode_sincos_t lode_start_next(const lode_start_t *self,
-                                          const lode_start_tuning_t *tuning) {
-    const float move_rad = lode_start_shift_rad(self) + tuning->ts_s * self->omega_rad_s;
+LODE_INLINE lode_sincos_t lode_start_next(const lode_start_t *self, float ts_s) {
+    const float move_rad = lode_start_shift_rad(self) + ts_s * self->omega_rad_s;
     return lode_angle_add(self->at, lode_sincos_octant(move_rad));
 }
 

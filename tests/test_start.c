@@ -49,7 +49,7 @@ static float step(lode_start_t *start, const lode_start_tuning_t *tuning, int n,
     if (n % ROUND == 1) {
         lode_start_aim(start, tuning, omega, current);
     }
-    (void)lode_start_step(start, tuning, e);
+    (void)lode_start_step(start, tuning, e, PAPER_TS_s);
     return (float)angle_of(lode_start_vector(start));
 }
 
@@ -288,10 +288,10 @@ static void test_the_next_vector_is_known(void) {
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start = turning(-47.0);
     start.swing_V = 2.0f;
-    (void)lode_start_step(&start, &tuning, no_emf);
+    (void)lode_start_step(&start, &tuning, no_emf, PAPER_TS_s);
     const double shift = (double)lode_start_shift_rad(&start);
-    const lode_sincos_t next = lode_start_next(&start, &tuning);
-    CHECK_NEAR(1.0e-8, -47.0 * 2.0e-4, lode_start_step(&start, &tuning, no_emf));
+    const lode_sincos_t next = lode_start_next(&start, PAPER_TS_s);
+    CHECK_NEAR(1.0e-8, -47.0 * 2.0e-4, lode_start_step(&start, &tuning, no_emf, PAPER_TS_s));
     CHECK_NEAR(1.0e-6, angle_of(start.at) + shift, angle_of(next));
 }
 
@@ -632,7 +632,7 @@ static int measure(const lode_start_config_t *config, double r_Ohm, double dead_
         }
         TEST_ASSERT_TRUE((double)start.current_A >= least_A); // it only rises
         least_A = (double)start.current_A;
-        (void)lode_start_step(&start, &tuning, e_V);
+        (void)lode_start_step(&start, &tuning, e_V, PAPER_TS_s);
     }
     CHECK_CLOSE(1.0e-5, config->current_A, start.current_A);
     TEST_ASSERT_TRUE(start.omega_rad_s > 0.0f); // and goes on

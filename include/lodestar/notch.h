@@ -18,10 +18,10 @@ extern "C" {
 /// LODE_WITHOUT_NOTCH leaves the notches out of a build; init then refuses them (LODE_ERROR_NOTCH), and a
 /// tuning from elsewhere that asks for them runs without.
 typedef struct {
-    float k;          ///< relative width; 0: no notch
-    float order_Ts;   ///< harmonic order times Ts
-    float centre_low; ///< rad per sample up to which it stays out
-    float inv_span;   ///< 1/(rad per sample from which it is in full - centre_low)
+    float k;        ///< relative width; 0: no notch
+    float order_Ts; ///< harmonic order times Ts
+    float
+        inv_span; ///< 1/(rad per sample from which it is in full, less that up to which it stays out)
 } lode_notch_tuning_t;
 
 /// `order`: harmonic of the electrical speed; `k`: 0 (none) or 0.01 .. 2.

@@ -12,13 +12,9 @@ extern "C" {
 #endif
 
 typedef struct {
-    float
-        stuck_A2; ///< current squared times the turn to the fourth that no sound phase keeps still in
     float i_min_A2;  ///< least current squared at which a phase that keeps still is judged
     int32_t i_still; ///< 1/256 count: with less a phase is none of this; six phases: it may be open
-    int32_t i_sum;   ///< largest sum of the three, 1/256 count
-    float A_per_count;  ///< A per 1/256 count
-    uint32_t sum_looks; ///< debounce of the sum; 0: nothing is looked at
+    int32_t i_sum;   ///< largest sum of the three, 1/256 count; below 0: nothing is looked at
 } lode_plausibility_tuning_t;
 
 typedef struct {
@@ -44,16 +40,17 @@ void lode_plausibility_reset(lode_plausibility_t *self);
 
 /// One look at the currents `i` (1/256 count), `turn_rad` of the current vector after the last one. `i_A2`:
 /// the square of the current that is asked for, or where the voltage does not suffice for it, of the
-/// measured one. Most looks find three counts that have moved, and are done after that
-/// (plausibility_inline.h).
+/// measured one. `sum_looks`: debounce of the sum; `A_per_count`: per 1/256 count. Most looks find three counts
+/// that have moved, and are done after that (plausibility_inline.h).
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
-                                      const int32_t i[LODE_PHASES], float i_A2, float turn_rad);
+                                      const int32_t i[LODE_PHASES], uint32_t sum_looks, float i_A2,
+                                      float turn_rad, float A_per_count);
 
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
-                                     const lode_sense_tuning_t *sense, float ts_s);
+                                     const lode_sense_tuning_t *sense);
 
 #ifdef __cplusplus
 }

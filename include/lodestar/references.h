@@ -54,7 +54,6 @@ typedef struct {
     float id_bias_A;
     float i_max_A;
     float psi_Wb;
-    float salient_H;     ///< Ld - Lq
     float torque_factor; ///< 1.5 np per winding set
     uint32_t options;    ///< 0: id* = 0 and nothing else
     float inv_torque_factor;
@@ -68,7 +67,6 @@ typedef struct {
     float trim_gain;  ///< per V^2 and call
     float trim_decay; ///< per call
     float drop;       ///< Rs over the nominal voltage to be used
-    float flux_max;
     float id_min_A;
     float fall_A; ///< largest move of id per call, towards weaker fields
     float rise_A; ///< and back

@@ -44,8 +44,9 @@ void joint_observer(joint_t *joint, const lode_observer_tuning_t *tuning, double
 
 static joint_notch_t make_notch(const lode_notch_tuning_t *tuning, double k, double omega_rad_s) {
     const double centre = (double)tuning->order_Ts * fabs(omega_rad_s);
-    const double in =
-        fmin(fmax((centre - (double)tuning->centre_low) * (double)tuning->inv_span, 0.0), 1.0);
+    const double low =
+        (double)(LODE_NOTCH_LOW_SIGMA / (LODE_NOTCH_HIGH_SIGMA - LODE_NOTCH_LOW_SIGMA));
+    const double in = fmin(fmax(centre * (double)tuning->inv_span - low, 0.0), 1.0);
     const double least = (double)LODE_SOGI_CENTRE_MIN_rad;
     const double most = (double)LODE_SOGI_CENTRE_MAX_rad;
     return (joint_notch_t){.on = k > 0.0 && in > 0.0 && centre < most,

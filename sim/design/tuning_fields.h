@@ -73,7 +73,6 @@
     ROW(FLOAT, float, estimator.hfi.gains.f_s2) \
     ROW(FLOAT, float, estimator.notch.k) \
     ROW(FLOAT, float, estimator.notch.order_Ts) \
-    ROW(FLOAT, float, estimator.notch.centre_low) \
     ROW(FLOAT, float, estimator.notch.inv_span) \
     ROW(FLOAT, float, estimator.notch12_k) \
     ROW(FLOAT, float, estimator.w_weight) \
@@ -95,7 +94,6 @@
     ROW(FLOAT, float, references.id_bias_A) \
     ROW(FLOAT, float, references.i_max_A) \
     ROW(FLOAT, float, references.psi_Wb) \
-    ROW(FLOAT, float, references.salient_H) \
     ROW(FLOAT, float, references.torque_factor) \
     ROW(WHOLE, uint32_t, references.options) \
     ROW(FLOAT, float, references.inv_torque_factor) \
@@ -109,7 +107,6 @@
     ROW(FLOAT, float, references.trim_gain) \
     ROW(FLOAT, float, references.trim_decay) \
     ROW(FLOAT, float, references.drop) \
-    ROW(FLOAT, float, references.flux_max) \
     ROW(FLOAT, float, references.id_min_A) \
     ROW(FLOAT, float, references.fall_A) \
     ROW(FLOAT, float, references.rise_A) \
@@ -148,7 +145,6 @@
     ROW(FLOAT, float, start.damping_rad_s) \
     ROW(FLOAT, float, start.mean_weight) \
     ROW(FLOAT, float, start.swing_weight) \
-    ROW(FLOAT, float, start.ts_s) \
     ROW(FLOAT, float, start.fade_step) \
     ROW(WHOLE, uint32_t, start.catch_rounds) \
     ROW(WHOLE, uint32_t, start.lock_rounds) \
@@ -175,11 +171,8 @@
     ROW(WHOLE, uint_least16_t, guard.unused) \
     ROW(WHOLE, uint32_t, guard.stamp_min) \
     ROW(WHOLE, uint32_t, guard.stamp_span) \
-    ROW(FLOAT, float, plausibility.stuck_A2) \
     ROW(FLOAT, float, plausibility.i_min_A2) \
     ROW(INTEGER, int32_t, plausibility.i_still) \
-    ROW(INTEGER, int32_t, plausibility.i_sum) \
-    ROW(FLOAT, float, plausibility.A_per_count) \
-    ROW(WHOLE, uint32_t, plausibility.sum_looks)
+    ROW(INTEGER, int32_t, plausibility.i_sum)
 
 #endif

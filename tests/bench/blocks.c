@@ -271,7 +271,8 @@ BLOCK(guard) {
 
 BLOCK(start) {
     const bench_inputs_t *in = input(call);
-    bench_sink[0] = lode_start_step(&start, &tuning[ENHANCED].start, in->u_V);
+    bench_sink[0] = lode_start_step(&start, &tuning[ENHANCED].start, in->u_V,
+                                    tuning[ENHANCED].estimator.pll.ts_s);
 }
 
 BLOCK(sincos) {
