@@ -42,6 +42,7 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_TEMPERATURE_STUCK);
         NAME(LODE_CHECK_BUS_STUCK);
         NAME(LODE_CHECK_FLUX);
+        NAME(LODE_CHECK_RESISTANCE);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";

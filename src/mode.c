@@ -15,6 +15,11 @@
 #define DUTY_PRECHARGE 0.8f
 // A whole round of the slow jobs knows of a sensor that the last period had; the next one does not.
 #define SENSOR_ROUNDS 2u
+// Times the most that is corrected, so that it is 2.2 times what was configured, and times the voltage at which the
+// vector counts as calm, so that it stands out of what nobody knows of the voltage. A winding of copper that is
+// 100 K hotter has 1.4 times its resistance; a current sensor with 0.4 of its gain shows 2.5 times.
+#define WRONG_RESISTANCE 1.6f
+#define WRONG_PER_CALM 10.0f
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
@@ -200,6 +205,24 @@ static bool finds_at_rest(const lode_drive_t *self) {
 #endif
 }
 
+// What the start has found corrects the inverter's model. False: no winding has so much resistance.
+static bool takes_resistance(lode_drive_t *self, const lode_start_found_t *found) {
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    const float current_A = self->state.start.current_A;
+    lode_inverter_correct(&self->inverter, &self->tuning->inverter, found->r_Ohm, found->dead_V,
+                          current_A);
+    const float more_Ohm = self->inverter.r_more_Ohm;
+    const float most_Ohm = tuning->r_more_max_Ohm;
+    const float limit_Ohm =
+        lode_max(WRONG_RESISTANCE * most_Ohm, WRONG_PER_CALM * tuning->calm_V / current_A);
+    self->inverter.r_more_Ohm = lode_clamp(more_Ohm, -most_Ohm, most_Ohm);
+    if (more_Ohm > limit_Ohm) {
+        lode_mode_fault(self, LODE_CHECK_RESISTANCE, more_Ohm, limit_Ohm);
+        return false;
+    }
+    return true;
+}
+
 // SLOT_SPEED: where the vector goes, and whether the estimate is good enough to run on.
 static void judge_start(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
@@ -214,11 +237,9 @@ static void judge_start(lode_drive_t *self) {
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
     lode_start_found_t found;
-    if (lode_start_measure(start, tuning, estimator->emf.observer.e_V, &found)) {
-        lode_inverter_correct(&self->inverter, &self->tuning->inverter, found.r_Ohm, found.dead_V,
-                              start->current_A);
-        self->inverter.r_more_Ohm =
-            lode_clamp(self->inverter.r_more_Ohm, -tuning->r_more_max_Ohm, tuning->r_more_max_Ohm);
+    if (lode_start_measure(start, tuning, estimator->emf.observer.e_V, &found) &&
+        !takes_resistance(self, &found)) {
+        return;
     }
     lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
     if (stopping && at_rest && !(start->current_A > 0.0f)) {

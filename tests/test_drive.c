@@ -1412,6 +1412,24 @@ static void test_another_flux_is_named(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, with_less_flux(rig, 0.0).check);
 }
 
+/// A start of a motor with `times` the configured resistance.
+static lode_fault_t with_resistance(double times) {
+    rig_t rig = fresh();
+    rig.motor.R *= times;
+    rig_command(&rig, run_at(100.0));
+    rig_run(&rig, 2.0);
+    return rig_telemetry(&rig).fault;
+}
+
+static void test_a_resistance_of_no_winding_ends_the_start(void) {
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_resistance(1.6).check);
+    const lode_fault_t wrong = with_resistance(2.6);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_RESISTANCE", lode_check_name(wrong.check));
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_START, wrong.state);
+    CHECK_CLOSE(0.1, 1.6 * 0.75, wrong.measured);
+    CHECK_CLOSE(0.01, 1.2 * 0.75, wrong.limit);
+}
+
 /// 0.3 s with a bus that reads `share` of what it is, and moves by a count every round or not.
 static lode_fault_t with_bus(rig_t rig, double share, bool moves) {
     for (uint32_t n = 0; n < 1500u; n++) {
@@ -1800,6 +1818,7 @@ int main(void) {
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_another_flux_is_named);
+    RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
     RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
     RUN_TEST(test_an_estimate_of_the_hosts_own_is_taken_over);

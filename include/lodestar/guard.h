@@ -32,6 +32,7 @@ typedef enum {
     LODE_CHECK_TEMPERATURE_STUCK, ///< power stage, degC: a count that has not moved; the limit is the time, s
     LODE_CHECK_BUS_STUCK, ///< bus, V: a count that has not moved while the EMF says it has; the limit is the time, s
     LODE_CHECK_FLUX, ///< flux linkage that the EMF tells, Wb, with a sound angle; the limit is the motor's
+    LODE_CHECK_RESISTANCE, ///< what the start has found above the configured one, Ohm
     LODE_CHECK_COUNT
 } lode_check_t;
 
