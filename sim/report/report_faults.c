@@ -10,9 +10,10 @@ static const struct {
     int bit;
     const char *word;
 } harms[] = {
-    {FAULT_HARM_ROTOR, "rotor lost"}, {FAULT_HARM_CURRENT, "current"},
-    {FAULT_HARM_CONTROL, "control"},  {FAULT_HARM_SPEED, "speed"},
-    {FAULT_HARM_HEAT, "heat"},        {FAULT_HARM_STUCK, "does not run"},
+    {FAULT_HARM_ROTOR, "rotor lost"},   {FAULT_HARM_CURRENT, "current"},
+    {FAULT_HARM_CONTROL, "control"},    {FAULT_HARM_SPEED, "speed"},
+    {FAULT_HARM_HEAT, "heat"},          {FAULT_HARM_STUCK, "does not run"},
+    {FAULT_HARM_DIP, "the speed dips"},
 };
 enum { HARMS = sizeof harms / sizeof harms[0] };
 
@@ -45,7 +46,8 @@ static void print_cell(FILE *file, const fault_result_t *one) {
         harm_words(one->harm, words, sizeof words);
         (void)fprintf(file, " **silent**: %s", words);
     } else if (one->found == LODE_CHECK_NONE) {
-        (void)fprintf(file, " harmless");
+        (void)fprintf(file, (one->harm & FAULT_HARM_DIP) != 0 ? " harmless (the speed dips)"
+                                                              : " harmless");
     } else {
         (void)fprintf(file, " %s ", check_word(one->found));
         print_time(file, one->found_s);
@@ -105,9 +107,13 @@ void report_faults_page(FILE *file, const char *tables) {
         "its time-out) that was "
         "watched. **silent**: not found, although for 10 ms the rotor was lost (angle off by more "
         "than 60 degrees), a phase carried more than 1.2 i_max, the current was off its reference "
-        "by more than 0.3 i_max, the power stage was 10 K above its limit, or for 0.1 s the speed "
-        "was off by more than 10 % of full speed; or the drive neither ran at the end nor said "
-        "why. Of a kind that comes in many the worst is told.\n\n"
+        "by more than 0.3 i_max (and not just less of it, which makes less torque as any limit "
+        "does), or the power stage was 10 K above its limit; or at the end the speed was off by "
+        "more "
+        "than 10 % of full speed, or the drive neither ran nor said why. A speed that was off by "
+        "as "
+        "much for 0.1 s and came back is told: `the speed dips`. Of a kind that comes in many the "
+        "worst is told.\n\n"
         "The plant switches, with dead time and noise. It has no over-current path in hardware, "
         "which a real bridge must have: where interrupts are missed or a switch is shorted, the "
         "current is what the motor makes of it. The temperature has a count of noise, and "

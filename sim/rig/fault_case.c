@@ -158,6 +158,15 @@ static double largest_A(const plant_truth_t *truth) {
     return most;
 }
 
+/// How far a current is from its reference, or from less of it: that makes less torque, as any limit does.
+static double beyond_A(lode_dq_t ref_A, double id_A, double iq_A) {
+    const double d_A = (double)ref_A.d;
+    const double q_A = (double)ref_A.q;
+    const double length2 = fmax(d_A * d_A + q_A * q_A, 1e-12);
+    const double share = fmax(0.0, fmin(1.0, (id_A * d_A + iq_A * q_A) / length2));
+    return hypot(id_A - share * d_A, iq_A - share * q_A);
+}
+
 static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t point,
                     const plant_truth_t *truth, lasting_t *last) {
     const lode_drive_t *drive = rig->drive;
@@ -166,8 +175,7 @@ static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t p
     const bool driven = runs(rig) && drive->gates;
     const double off_rad = remainder(
         (double)lode_estimator_theta_rad(&drive->estimator) - truth->theta_e_rad, 2.0 * RIG_PI);
-    const double off_A =
-        hypot(truth->id_A - (double)drive->ref_A.d, truth->iq_A - (double)drive->ref_A.q);
+    const double off_A = beyond_A(drive->ref_A, truth->id_A, truth->iq_A);
     const bool running = point >= FAULT_AT_10 && point < FAULT_POINTS;
     const double wanted_rad_s =
         running ? self->speed_rad_s[point] : (double)lode_drive_speed_ref_rad_s(drive);
@@ -181,7 +189,7 @@ static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t p
     return (last->rotor_s >= HOLD_s ? FAULT_HARM_ROTOR : 0) |
            (last->current_s >= HOLD_s ? FAULT_HARM_CURRENT : 0) |
            (last->control_s >= HOLD_s ? FAULT_HARM_CONTROL : 0) |
-           (last->speed_s >= SPEED_HOLD_s ? FAULT_HARM_SPEED : 0) |
+           (last->speed_s >= SPEED_HOLD_s ? FAULT_HARM_DIP : 0) |
            (last->heat_s >= HOLD_s ? FAULT_HARM_HEAT : 0);
 }
 
@@ -223,12 +231,16 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *ki
     if (isnan(result.found_s) && !runs(&rig)) {
         result.harm |= FAULT_HARM_STUCK;
     }
+    if (isnan(result.found_s) && last.speed_s >= SPEED_HOLD_s) {
+        result.harm |= FAULT_HARM_SPEED;
+    }
     result.silent = fault_is_silent(&result) ? 1 : 0;
     return result;
 }
 
 bool fault_is_silent(const fault_result_t *result) {
-    return result->silent > 0 || (result->found == LODE_CHECK_NONE && result->harm != 0);
+    return result->silent > 0 ||
+           (result->found == LODE_CHECK_NONE && (result->harm & ~FAULT_HARM_DIP) != 0);
 }
 
 /// The worse of two: silent, then unnoticed, then late.

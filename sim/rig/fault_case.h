@@ -27,15 +27,18 @@ typedef struct {
     rig_t at[FAULT_POINTS];
 } fault_bench_t;
 
-/// What was wrong while nothing was found; each held for 10 ms.
+/// What was wrong while nothing was found; each held for 10 ms. All but the last make it silent.
 enum {
     FAULT_HARM_ROTOR = 1,   ///< the estimate is off by more than 60 degrees
     FAULT_HARM_CURRENT = 2, ///< a phase carries more than 1.2 i_max
-    FAULT_HARM_CONTROL = 4, ///< the current is off its reference by more than 0.3 i_max
+    FAULT_HARM_CONTROL =
+        4, ///< the current is off its reference by more than 0.3 i_max: not only less of it
     FAULT_HARM_SPEED =
-        8, ///< the speed is off the commanded one by more than 10 % of full, for 0.1 s
-    FAULT_HARM_HEAT = 16, ///< the power stage is hotter than its limit by 10 K
-    FAULT_HARM_STUCK = 32 ///< the drive neither runs at the end nor says why
+        8, ///< in the end the speed is off the commanded one by more than 10 % of full
+    FAULT_HARM_HEAT = 16,  ///< the power stage is hotter than its limit by 10 K
+    FAULT_HARM_STUCK = 32, ///< the drive neither runs at the end nor says why
+    FAULT_HARM_DIP =
+        64 ///< the speed was off by as much for 0.1 s, and came back, as after a load step
 };
 
 /// It passes through a pipe: no pointers.
