@@ -56,7 +56,11 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     }
     const bool known = command->mode == LODE_MODE_OFF || command->mode == LODE_MODE_CALIBRATE ||
                        command->mode == LODE_MODE_RUN || lode_mode_is_commissioning(command->mode);
+#ifdef LODE_WITHOUT_TORQUE_CONTROL
+    const bool torque = false;
+#else
     const bool torque = command->control == LODE_CONTROL_TORQUE;
+#endif
     const bool controlled = command->control == LODE_CONTROL_SPEED || torque;
     if (!known || !controlled || !is_finite(command)) {
         return LODE_ERROR_COMMAND;
@@ -120,7 +124,7 @@ static bool is_limited(const lode_speed_t *speed) {
 // The least speed is held in place of the commanded one. (A stop goes through it.)
 static bool is_raised(const lode_drive_t *self) {
     const float commanded = lode_abs(self->command.speed_rad_s);
-    return self->sensored == 0u && commanded > 0.0f &&
+    return !lode_mode_is_sensored(self) && commanded > 0.0f &&
            commanded < self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
 }
 
@@ -169,6 +173,8 @@ LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *s
     }
 }
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
 // Flux linkage of the motor as configured, Wb, and as the EMF tells it.
 typedef struct {
     float expected_Wb;
@@ -209,12 +215,18 @@ static void name_lost_lock(lode_drive_t *self) {
     }
 }
 
+#endif
+
 LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition) {
     const lode_situation_t now = {self->mode, lode_mode(self) == LODE_MODE_RUN};
     lode_guard_check_slow(&self->guard, &self->tuning->guard, condition, now);
+#ifndef LODE_WITHOUT_PLAUSIBILITY
     name_lost_lock(self);
+#endif
     lode_mode_obey_guard(self);
 }
+
+#ifndef LODE_WITHOUT_PLAUSIBILITY
 
 // In seconds, rounds of the slow jobs.
 static float rounds_s(const lode_drive_t *self, uint32_t rounds) {
@@ -249,8 +261,6 @@ LODE_NOINLINE void lode_drive_count_still(lode_drive_t *self, uint16_t count, fl
         lode_mode_fault(self, LODE_CHECK_BUS_STUCK, v_bus_V, rounds_s(self, bus_rounds));
     }
 }
-
-#ifndef LODE_WITHOUT_PLAUSIBILITY
 
 // Square of the current that the phases should show.
 static float expected_A2(const lode_drive_t *self, float omega_rad_s) {
@@ -302,7 +312,7 @@ LODE_RAMFUNC LODE_NOINLINE bool lode_drive_accept(lode_drive_t *self, uint_least
 
 // Zero speed and both directions: with a sensor, or with injection.
 static bool is_any_speed(const lode_drive_t *self) {
-    return self->sensored > 0u || self->tuning->omega_min < 0.0f;
+    return lode_mode_is_sensored(self) || self->tuning->omega_min < 0.0f;
 }
 
 // Mechanical speeds between which RUN stays, as commanded. Without a sensor: in the present direction, and no
@@ -321,11 +331,18 @@ LODE_NOINLINE float lode_drive_other_target(lode_drive_t *self, float omega_rad_
     const lode_range_t speeds = allowed_speeds(self);
     const float wanted = self->command.speed_rad_s;
     const bool stops = !is_any_speed(self) && !(wanted * self->direction > 0.0f);
-    if (!lode_mode_is_torque(self) || stops) {
-        return lode_clamp(wanted, speeds.min, speeds.max);
+#ifdef LODE_WITHOUT_TORQUE_CONTROL
+    (void)stops;
+    (void)omega_rad_s;
+    (void)load_Nm;
+#else
+    if (lode_mode_is_torque(self) && !stops) {
+        return lode_speed_torque_target(&self->state.run.speed, &self->tuning->speed,
+                                        self->command.value.torque_Nm, speeds, omega_rad_s,
+                                        load_Nm);
     }
-    return lode_speed_torque_target(&self->state.run.speed, &self->tuning->speed,
-                                    self->command.value.torque_Nm, speeds, omega_rad_s, load_Nm);
+#endif
+    return lode_clamp(wanted, speeds.min, speeds.max);
 }
 
 LODE_RAMFUNC LODE_NOINLINE void lode_drive_fast_speed(lode_drive_t *self) {

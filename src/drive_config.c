@@ -290,6 +290,11 @@ lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_conf
     lode_drive_tuning_t t;
     t.speed_periods = speed_periods(&complete);
     t.omega_min = complete.speed.omega_min_rad_s;
+#ifdef LODE_WITHOUT_FAST_SPEED
+    if (t.speed_periods != LODE_SLOW_PERIODS) {
+        return LODE_ERROR_SPEED_BANDWIDTH;
+    }
+#endif
     status = tune_senses(&t, &complete);
     if (status == LODE_OK) {
         status = tune_control(&t, &complete);

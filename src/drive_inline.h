@@ -81,12 +81,17 @@ LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_
 
 // Speed control and references have a slot of their own.
 LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_FAST_SPEED
+    (void)self;
+    return true;
+#else
     return self->tuning->speed_periods == LODE_SLOW_PERIODS;
+#endif
 }
 
 // Too slow to run on, and not about to speed up.
 LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
-    return self->sensored == 0u && !(self->command.speed_rad_s * self->direction > 0.0f) &&
+    return !lode_mode_is_sensored(self) && !(self->command.speed_rad_s * self->direction > 0.0f) &&
            lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
 }
 
@@ -100,7 +105,7 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
         target = run->speed.reference_rad_s;
         run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
-    } else if (LODE_RARELY(self->sensored > 0u || lode_mode_is_torque(self))) {
+    } else if (LODE_RARELY(lode_mode_is_sensored(self) || lode_mode_is_torque(self))) {
         target = lode_drive_other_target(self, omega_rad_s, load_Nm);
     } else {
         // along the ramp
@@ -170,11 +175,18 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
 // SLOT_GUARD: counts of temperature and bus. Live ones move, by noise alone.
 LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                        uint16_t count, float v_bus_V) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    (void)tuning;
+    (void)count;
+    (void)v_bus_V;
+#else
     const uint32_t watched =
         (uint32_t)tuning->guard.still_rounds | (uint32_t)tuning->guard.bus_still_rounds;
     if (LODE_RARELY(watched > 0u)) {
         lode_drive_count_still(self, count, v_bus_V);
     }
+#endif
 }
 
 // SLOT_GAINS, after the gains of the EMF's loop.
@@ -191,7 +203,7 @@ LODE_INLINE void lode_drive_inject(lode_drive_t *self, const lode_drive_tuning_t
 
 // SLOT_GAINS: the sensor's next estimate renews what is counted here.
 LODE_INLINE void lode_drive_count_sensor(lode_drive_t *self) {
-    if (LODE_RARELY(self->sensored > 0u)) {
+    if (LODE_RARELY(lode_mode_is_sensored(self))) {
         self->sensored--;
     }
 }

@@ -122,6 +122,11 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         !lode_in_range(config->bus_still_s, 0.0f, COUNTER_MAX * round_s)) {
         return LODE_ERROR_GUARD_TIME;
     }
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    if (config->temperature_still_s > 0.0f || config->bus_still_s > 0.0f) {
+        return LODE_ERROR_GUARD_TIME;
+    }
+#endif
     const float stamp = config->stamp_per_period;
     const uint32_t stamp_min = (uint32_t)(int32_t)((1.0f - STAMP_TOLERANCE) * stamp);
     const uint32_t stamp_max = (uint32_t)(int32_t)((1.0f + STAMP_TOLERANCE) * stamp);

@@ -64,6 +64,11 @@ static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
     if (!lode_in_range(config->precharge_s, 0.0f, PRECHARGE_MAX_s)) {
         return LODE_ERROR_PRECHARGE;
     }
+#ifdef LODE_WITHOUT_PRECHARGE
+    if (config->precharge_s > 0.0f) {
+        return LODE_ERROR_PRECHARGE;
+    }
+#endif
     if (!is_decided(config->dead_time_correction) || !is_decided(config->dead_time_model)) {
         return LODE_ERROR_CHOICE;
     }

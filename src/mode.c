@@ -205,6 +205,8 @@ static bool finds_at_rest(const lode_drive_t *self) {
 #endif
 }
 
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+
 // What the start has found corrects the inverter's model. False: no winding has so much resistance.
 static bool takes_resistance(lode_drive_t *self, const lode_start_found_t *found) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
@@ -223,6 +225,8 @@ static bool takes_resistance(lode_drive_t *self, const lode_start_found_t *found
     return true;
 }
 
+#endif
+
 // SLOT_SPEED: where the vector goes, and whether the estimate is good enough to run on.
 static void judge_start(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
@@ -236,11 +240,13 @@ static void judge_start(lode_drive_t *self) {
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
+#ifndef LODE_WITHOUT_START_MEASUREMENT
     lode_start_found_t found;
     if (lode_start_measure(start, tuning, estimator->emf.observer.e_V, &found) &&
         !takes_resistance(self, &found)) {
         return;
     }
+#endif
     lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
     if (stopping && at_rest && !(start->current_A > 0.0f)) {
         lode_mode_switch_off(self);
@@ -256,7 +262,7 @@ static void follow_start(lode_drive_t *self) {
     const lode_slot_t slot = lode_slot_of(self->steps);
     if (self->command.mode != LODE_MODE_RUN) {
         lode_mode_switch_off(self);
-    } else if (self->sensored > 0u) { // there is nothing to start
+    } else if (lode_mode_is_sensored(self)) { // there is nothing to start
         hand_over(self);
         self->state.run.fade = 0.0f;
     } else if (slot == SLOT_SPEED) {
@@ -291,23 +297,37 @@ static lode_mode_t driven_mode(const lode_drive_t *self) {
     return lode_mode_is_commissioning(wanted) ? wanted : LODE_MODE_OFF;
 }
 
+// The low sides come with their duties, one period on. False: that is not asked for.
+static bool begins_precharge(lode_drive_t *self) {
+#ifdef LODE_WITHOUT_PRECHARGE
+    (void)self;
+    return false;
+#else
+    if (self->tuning->inverter.precharge_periods == 0u) {
+        return false;
+    }
+    self->state.precharged = 0u;
+    set_duties(self, lode_min(DUTY_PRECHARGE, self->tuning->sense.duty_max));
+    lode_guard_reset(&self->guard);
+    set_mode(self, LODE_MODE_PRECHARGE);
+    return true;
+#endif
+}
+
 static void follow_off(lode_drive_t *self) {
     const lode_mode_t driven = driven_mode(self);
     if (self->command.mode == LODE_MODE_CALIBRATE ||
         (driven == LODE_MODE_START && !self->calibrated)) {
         lode_sense_begin(&self->state.sums);
         set_mode(self, LODE_MODE_CALIBRATE);
-    } else if (driven != LODE_MODE_OFF && self->tuning->inverter.precharge_periods > 0u) {
-        self->state.precharged = 0u; // the low sides come with their duties, one period on
-        set_duties(self, lode_min(DUTY_PRECHARGE, self->tuning->sense.duty_max));
-        lode_guard_reset(&self->guard);
-        set_mode(self, LODE_MODE_PRECHARGE);
-    } else if (driven != LODE_MODE_OFF) {
+    } else if (driven != LODE_MODE_OFF && !begins_precharge(self)) {
         switch_on(self, driven);
     } else {
-        // it stays off
+        // it stays off, or the low sides come first
     }
 }
+
+#ifndef LODE_WITHOUT_PRECHARGE
 
 static void follow_precharge(lode_drive_t *self) {
     const lode_mode_t driven = driven_mode(self);
@@ -319,6 +339,8 @@ static void follow_precharge(lode_drive_t *self) {
         switch_on(self, driven);
     }
 }
+
+#endif
 
 static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
                              float offset_count) {
@@ -353,9 +375,11 @@ void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, lode_calibration_t 
     case LODE_MODE_CALIBRATE:
         follow_calibrate(self, calibration, offset_count);
         break;
+#ifndef LODE_WITHOUT_PRECHARGE
     case LODE_MODE_PRECHARGE:
         follow_precharge(self);
         break;
+#endif
     case LODE_MODE_FAULT:
     case LODE_MODE_VOLTAGE: // these have the gates on
     case LODE_MODE_CURRENT:
@@ -519,7 +543,7 @@ LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
     const lode_mode_t mode = lode_mode(self);
     if (mode == LODE_MODE_START && !lode_start_catches(&self->state.start) && finds_at_rest(self)) {
         find_at_rest(self);
-    } else if (mode == LODE_MODE_RUN && self->sensored == 0u) {
+    } else if (mode == LODE_MODE_RUN && !lode_mode_is_sensored(self)) {
         const float omega = estimator->pll.omega_rad_s;
         lode_hfi_follow(&estimator->hfi, tuning, self->i_A, omega);
         if (estimator->hfi.active) {
@@ -564,7 +588,7 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     own->hfi.active = false; // nothing is to be found by it
     own->hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
 #endif
-    if (self->sensored > 0u) {
+    if (lode_mode_is_sensored(self)) {
         self->direction = lode_sign(estimate->omega_rad_s);
     }
     self->lead = lode_angle_triple(lode_sincos(0.5f * step_rad));

@@ -61,7 +61,22 @@ static inline uint_least16_t lode_mode_order_check(const lode_order_t *order) {
 
 // RUN controls the torque.
 static inline bool lode_mode_is_torque(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_TORQUE_CONTROL
+    (void)self;
+    return false;
+#else
     return ((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_TORQUE) != 0u;
+#endif
+}
+
+// Angle and speed come from a sensor.
+static inline bool lode_mode_is_sensored(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_ANGLE_SENSOR
+    (void)self;
+    return false;
+#else
+    return self->sensored > 0u;
+#endif
 }
 
 static inline bool lode_mode_clears_fault(const lode_drive_t *self) {
@@ -168,7 +183,12 @@ void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A);
 
 // Low sides alone: the guard is awake, nothing is estimated.
 static inline bool lode_mode_precharges(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_PRECHARGE
+    (void)self;
+    return false;
+#else
     return lode_mode(self) == LODE_MODE_PRECHARGE;
+#endif
 }
 
 // What switches in the period after lode_mode_idle().

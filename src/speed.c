@@ -95,6 +95,8 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
     self->limit_Nm = (lode_range_t){-tuning->torque_max_Nm, tuning->torque_max_Nm};
 }
 
+#ifndef LODE_WITHOUT_TORQUE_CONTROL
+
 // Not LODE_RAMFUNC: once in a round.
 LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tuning,
                                              float torque_Nm, lode_range_t between_rad_s,
@@ -118,3 +120,5 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
     }
     return self->reference_rad_s;
 }
+
+#endif

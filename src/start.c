@@ -49,6 +49,11 @@
 #define CALM_SHARE 0.1f           // of the voltage that is not known
 #define RESISTANCE_MORE_MAX 0.75f // of the configured one
 #define LEVEL_SHARE 0.5f
+#ifdef LODE_WITHOUT_START_MEASUREMENT
+#define MEASURES LODE_OFF
+#else
+#define MEASURES LODE_ON
+#endif
 
 // Torque per electrical radian between rotor and vector, Nm/rad.
 static float stiffness(float current_A, const lode_motor_t *motor) {
@@ -159,7 +164,7 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     config->catch_s = lode_given_or(config->catch_s, CATCH_TIME_s);
     config->fade_s = lode_given_or(config->fade_s, FADE_TIME_s);
     if (config->measure == LODE_AUTO) {
-        config->measure = LODE_ON;
+        config->measure = MEASURES;
     }
     const float attempts_s = attempt_s(config, 1.0f) + attempt_s(config, LODE_START_EASE) +
                              attempt_s(config, LODE_START_EASE_LAST);
@@ -184,7 +189,7 @@ static lode_status_t check(const lode_start_config_t *config,
         !lode_in_range(config->timeout_s, config->lock_s, TIMEOUT_MAX_s)) {
         return LODE_ERROR_START_RAMP;
     }
-    if (config->measure != LODE_ON && config->measure != LODE_OFF) {
+    if (config->measure != MEASURES && config->measure != LODE_OFF) {
         return LODE_ERROR_CHOICE;
     }
     if (!lode_in_range(config->damping, LODE_NONE, 2.0f)) {
@@ -255,7 +260,12 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
 
 // Without looking for a rotor that turns.
 static uint_least8_t first_stage(const lode_start_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_START_MEASUREMENT
+    (void)tuning;
+    return (uint_least8_t)LODE_START_TURN;
+#else
     return (uint_least8_t)(tuning->dwell_rounds > 0u ? LODE_START_HALF : LODE_START_TURN);
+#endif
 }
 
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
@@ -298,6 +308,8 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
     }
 }
 
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+
 bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
                         lode_start_found_t *found) {
     if (self->stage >= (uint_least8_t)LODE_START_TURN || !(self->current_A > 0.0f) ||
@@ -326,6 +338,8 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
     self->sum_V = 0.0f;
     return known && last;
 }
+
+#endif
 
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {

@@ -57,7 +57,7 @@ static void post(lode_mode_t mode) {
 }
 int main(void) {
     lode_drive_config_t config = {
-        .f_pwm_Hz = 10e3f,
+        .f_pwm_Hz = 20e3f,
         .motor = {.pole_pairs = 4.0f, .Rs_Ohm = 0.05f, .Ld_H = 1e-4f, .Lq_H = 2e-4f, .psi_Wb = 0.02f, .J_kgm2 = 1e-4f},
         .inverter = {.v_bus_V = 48.0f, .i_max_A = 20.0f},
         .sense = {.i_gain_A_count = 0.02f, .i_offset_count = 2048.0f, .v_bus_gain_V_count = 0.02f}};
@@ -81,8 +81,22 @@ int main(void) {
     config.guard.plausibility = LODE_ON;
     say("plausibility", config);
     config.guard.plausibility = LODE_AUTO;
+    config.guard.bus_still_s = 0.1f;
+    say("still", config);
+    config.guard.bus_still_s = 0.0f;
+    config.inverter.precharge_s = 0.01f;
+    say("precharge", config);
+    config.inverter.precharge_s = 0.0f;
+    config.start.measure = LODE_ON;
+    say("measurement", config);
+    config.start.measure = LODE_AUTO;
+    config.speed.every_period = LODE_ON;
+    say("fast", config);
+    config.speed.every_period = LODE_AUTO;
     config.hfi.mode = LODE_HFI_ON;
     say("hfi", config);
+    const lode_command_t torque = {.mode = LODE_MODE_RUN, .control = LODE_CONTROL_TORQUE};
+    printf("torque %s\n", lode_status_name(lode_drive_post_command(&drive, &torque)));
     post(LODE_MODE_VOLTAGE);
     post(LODE_MODE_CURRENT);
     post(LODE_MODE_CALIBRATE);
@@ -97,7 +111,7 @@ refuses() {
     "$object" > "$said"
     refused=$(sed -n '/ LODE_OK$/!p' "$said" | tr '\n' ' ')
     [ "$refused" = "$2" ] || { echo "built with '$1', refused: $refused, expected: $2"; exit 1; }
-    [ "$(grep -c . "$said")" = 12 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
+    [ "$(grep -c . "$said")" = 17 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
 }
 references=LODE_ERROR_REFERENCES
 window=LODE_ERROR_SENSE_WINDOW
@@ -106,8 +120,12 @@ weakening="weakening $references "
 optimal="mtpa $references weakening $references regen $references "
 notch="notch LODE_ERROR_NOTCH "
 phases="window $window shunts $window "
-plausibility="plausibility LODE_ERROR_CHOICE "
+plausibility="plausibility LODE_ERROR_CHOICE still LODE_ERROR_GUARD_TIME "
 injection="hfi LODE_ERROR_HFI_MODE "
+precharge="precharge LODE_ERROR_PRECHARGE "
+measurement="measurement LODE_ERROR_CHOICE "
+fast="fast LODE_ERROR_SPEED_BANDWIDTH "
+torque="torque $command "
 vectors="2 $command 3 $command "
 refuses "" ""
 refuses -DLODE_WITHOUT_FIELD_WEAKENING "$weakening"
@@ -119,11 +137,15 @@ refuses -DLODE_WITHOUT_COMMISSIONING "$vectors"
 absent lode_commission_step LODE_WITHOUT_COMMISSIONING
 refuses -DLODE_WITHOUT_PLAUSIBILITY "$plausibility"
 absent lode_drive_suspect LODE_WITHOUT_PLAUSIBILITY
+refuses "-DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT" "$precharge$measurement"
+absent lode_start_measure LODE_WITHOUT_START_MEASUREMENT
+refuses "-DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR" "$fast$torque"
+absent lode_speed_torque_target LODE_WITHOUT_TORQUE_CONTROL
 refuses -DLODE_WITHOUT_HFI "$injection"
 absent lode_estimator_see_wave LODE_WITHOUT_HFI
 refuses -DLODE_WITHOUT_TUNING_CHECK ""
-least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING -DLODE_WITHOUT_HFI"
-refuses "$least$all" "$optimal$notch$phases$plausibility$injection$vectors"
+least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING -DLODE_WITHOUT_HFI -DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT -DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR"
+refuses "$least$all" "$optimal$notch$phases$plausibility$precharge$measurement$fast$injection$torque$vectors"
 
 # LODE_SMALL is a matter of size alone: the same periods to the bit.
 periods() {

@@ -99,6 +99,12 @@ static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
     if (tuning->estimator.hfi.on != 0u) {
         (void)fputs(UNLESS("HFI"), file);
     }
+    if (tuning->speed_periods != LODE_SLOW_PERIODS) {
+        (void)fputs(UNLESS("FAST_SPEED"), file);
+    }
+    if (tuning->inverter.precharge_periods > 0u) {
+        (void)fputs(UNLESS("PRECHARGE"), file);
+    }
 }
 
 static void print_members(FILE *file, const lode_drive_tuning_t *tuning) {

@@ -28,7 +28,9 @@ DEBUG = "-gdwarf-4"  # says where instructions come from, and changes none
 IN_FLASH = ["-DFIRMWARE_TUNING_IN_FLASH"]  # of firmware.c
 LEAST = [*IN_FLASH, "-DLODE_SMALL", "-DLODE_WITHOUT_OPTIMAL_REFERENCES", "-DLODE_WITHOUT_NOTCH",
          "-DLODE_WITHOUT_HFI", "-DLODE_WITHOUT_COMMISSIONING", "-DLODE_WITHOUT_SHUNT_WINDOW",
-         "-DLODE_WITHOUT_PLAUSIBILITY", "-DLODE_WITHOUT_TUNING_CHECK", "-flto"]
+         "-DLODE_WITHOUT_PLAUSIBILITY", "-DLODE_WITHOUT_TUNING_CHECK",
+         "-DLODE_WITHOUT_START_MEASUREMENT", "-DLODE_WITHOUT_PRECHARGE", "-DLODE_WITHOUT_FAST_SPEED",
+         "-DLODE_WITHOUT_TORQUE_CONTROL", "-DLODE_WITHOUT_ANGLE_SENSOR", "-flto"]
 OBSERVERS = re.findall(r"^LODE_OBSERVER\((\w+), (\w+)",
                        (ROOT / "include/lodestar/observers.def").read_text(), re.MULTILINE)
 ONE_OBSERVER = [f"-DLODE_WITHOUT_{upper}" for upper, _ in OBSERVERS[1:]]

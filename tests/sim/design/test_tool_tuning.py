@@ -48,6 +48,13 @@ with Folder() as folder:
     bare = subprocess.run([HOST, f"-I{SOURCE}/include", "-DLODE_WITHOUT_HFI", "-fsyntax-only",
                            folder.path / "hfi.c"], capture_output=True, text=True)
     checks.true(bare.returncode != 0 and "LODE_WITHOUT_HFI" in bare.stderr, "a build without injection is refused")
+    subprocess.run([TOOL, "design", "--motor", MOTOR, "--drive", DRIVE, "--set", "speed.every_period=on",
+                    "--set", "drive.precharge_s=0.01", "--c", "fast.c"],
+                   cwd=folder.path, capture_output=True, check=True)
+    for part in ("FAST_SPEED", "PRECHARGE"):
+        bare = subprocess.run([HOST, f"-I{SOURCE}/include", f"-DLODE_WITHOUT_{part}", "-fsyntax-only",
+                               folder.path / "fast.c"], capture_output=True, text=True)
+        checks.true(bare.returncode != 0 and f"LODE_WITHOUT_{part}" in bare.stderr, f"a build without {part}")
     # Another version of the library: what the members mean may have changed.
     source.write_text(text.replace("LODE_VERSION_MINOR != ", "LODE_VERSION_MINOR != 9"))
     stale = subprocess.run([HOST, f"-I{SOURCE}/include", "-fsyntax-only", source],
