@@ -230,6 +230,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .damping_A = SHIFT_LOOP / (SWING_CORNER * swing *
                                    lode_max(lode_abs(motor->Lq_H - motor->Ld_H), FLT_MIN)),
         .damping_rad_s = SHIFT_STIFFENS / motor->psi_Wb,
+        .lost_per_A = lode_abs(motor->Lq_H - motor->Ld_H) / motor->psi_Wb,
         .mean_weight = lode_one_minus_exp(MEAN_CORNER * swing * ts_s),
         .swing_weight = lode_one_minus_exp(SWING_CORNER * swing * ts_s),
         .fade_step = ts_s / config->fade_s,
@@ -354,6 +355,9 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
         lode_min(tuning->damping_A / lode_max(self->current_A, FLT_MIN),
                  tuning->damping_rad_s / lode_max(lode_abs(self->omega_rad_s), FLT_MIN));
     self->give = lode_min(tuning->damping, most);
+    const float speed = self->omega_rad_s / (LODE_START_HOLD * tuning->omega_ready);
+    self->by_size = lode_clamp(speed, -1.0f, 1.0f) *
+                    lode_max(1.0f - tuning->lost_per_A * self->current_A, 0.0f);
     self->rounds++;
     try_again(self, tuning, omega_target_rad_s);
 }

@@ -42,7 +42,11 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
                                   tuning->current_step);
     const lode_sincos_t half = lode_sincos_small(0.5f * advance_rad);
     self->at = lode_angle_add(self->at, lode_angle_double(half));
-    const float across_V = lode_park(e_V, self->at).q;
+    // Of a swing the EMF across the vector shows speed and angle; its size, which comes in with speed, only the
+    // speed (S19).
+    const float by_size = self->by_size;
+    const float across_V =
+        (1.0f - lode_abs(by_size)) * lode_park(e_V, self->at).q + by_size * lode_ab_length(e_V);
     self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
     self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
     return advance_rad;

@@ -43,6 +43,7 @@ typedef struct {
     float damping;         ///< rad by which the vector gives way per V of swinging EMF, at most
     float damping_A;       ///< what it may be, times the current
     float damping_rad_s;   ///< what it may be, times the speed
+    float lost_per_A;      ///< share of the flux that the start's current takes, per A
     float mean_weight;     ///< of a new sample in the mean EMF
     float swing_weight;    ///< of a new sample in its swing
     float fade_step;       ///< per call of the references
@@ -85,6 +86,7 @@ typedef struct {
     uint32_t rounds;  ///< since the start
     float sum_V;      ///< of the voltages along the current
     float along_V;    ///< their mean at half the current
+    float by_size;    ///< share of the EMF's size in the swing, with the sign of the speed
     float give;       ///< rad by which the vector gives way per V of swinging EMF
     uint_least16_t dwelt; ///< rounds at the present current of the measurement
     uint_least16_t calm;  ///< of them with the rotor at rest

@@ -143,6 +143,7 @@
     ROW(FLOAT, float, start.damping) \
     ROW(FLOAT, float, start.damping_A) \
     ROW(FLOAT, float, start.damping_rad_s) \
+    ROW(FLOAT, float, start.lost_per_A) \
     ROW(FLOAT, float, start.mean_weight) \
     ROW(FLOAT, float, start.swing_weight) \
     ROW(FLOAT, float, start.fade_step) \
