@@ -50,9 +50,6 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
     *tuning = (lode_current_tuning_t){
         .d = {config->kp_d_V_A, config->ki_d_V_As * ts_s},
         .q = {config->kp_q_V_A, config->ki_q_V_As * ts_s},
-        .Ld_H = motor->Ld_H,
-        .Lq_H = motor->Lq_H,
-        .psi_Wb = motor->psi_Wb,
         .circle = config->voltage_use / LODE_SQRT3,
         .d_share = D_SHARE,
         .free = D_SHARE * lode_min(config->voltage_use, 1.0f) / LODE_SQRT3,
@@ -60,11 +57,9 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
     return LODE_OK;
 }
 
-void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t u_V,
-                        lode_dq_t i_A, float omega_rad_s) {
-    const lode_dq_t ff = lode_current_induced_V(tuning, i_A, omega_rad_s);
-    lode_pi_reset(&self->d, u_V.d - ff.d);
-    lode_pi_reset(&self->q, u_V.q - ff.q);
+void lode_current_reset(lode_current_t *self, lode_dq_t u_V, lode_dq_t induced_V) {
+    lode_pi_reset(&self->d, u_V.d - induced_V.d);
+    lode_pi_reset(&self->q, u_V.q - induced_V.q);
 }
 
 LODE_RAMFUNC LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,

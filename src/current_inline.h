@@ -10,13 +10,6 @@ typedef struct {
     bool free; // no duty can reach a rail
 } lode_current_out_t;
 
-// What rotation induces: decoupling and EMF feed-forward (K2).
-LODE_INLINE lode_dq_t lode_current_induced_V(const lode_current_tuning_t *tuning, lode_dq_t i_A,
-                                             float omega_rad_s) {
-    return (lode_dq_t){-omega_rad_s * tuning->Lq_H * i_A.q,
-                       omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
-}
-
 // A period whose voltage may lie at the edge of the circle or beyond. Handed over in one piece: by value its
 // parts would take 24 bytes more of the step's stack.
 typedef struct {
@@ -36,14 +29,13 @@ LODE_INLINE bool lode_current_is_free(const lode_current_tuning_t *tuning, lode_
     return LODE_USUALLY(u_V.d * u_V.d + u_V.q * u_V.q <= radius * lode_abs(radius));
 }
 
-// Voltage for the references `ref_A` at the currents `i_A`. `omega_rad_s`: electrical speed of the
-// rotor for decoupling and EMF feed-forward, 0 in a frame that is not the rotor's. Integrates on the
-// voltage inside the circle: what the modulator clamps beyond that is the dead-time correction's only.
+// Voltage for the references `ref_A` at the currents `i_A`. `ff`: what rotation induces (references_inline.h),
+// nothing in a frame that is not the rotor's. Integrates on the voltage inside the circle: what the modulator
+// clamps beyond that is the dead-time correction's only.
 LODE_INLINE lode_current_out_t lode_current_step(lode_current_t *self,
                                                  const lode_current_tuning_t *tuning,
-                                                 lode_dq_t ref_A, lode_dq_t i_A, float omega_rad_s,
+                                                 lode_dq_t ref_A, lode_dq_t i_A, lode_dq_t ff,
                                                  float v_bus_V) {
-    const lode_dq_t ff = lode_current_induced_V(tuning, i_A, omega_rad_s);
     const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
     const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
                              lode_pi_output(&self->q, &tuning->q, error.q, ff.q)};

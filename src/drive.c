@@ -266,8 +266,8 @@ LODE_NOINLINE void lode_drive_count_still(lode_drive_t *self, uint16_t count, fl
 static float expected_A2(const lode_drive_t *self, float omega_rad_s) {
     const lode_current_tuning_t *control = &self->tuning->current;
     // Where the EMF takes the voltage, the current need not follow its reference.
-    const bool follows =
-        control->psi_Wb * omega_rad_s < EMF_SHARE * control->circle * self->inverter.v_bus_V;
+    const bool follows = self->tuning->references.psi_Wb * omega_rad_s <
+                         EMF_SHARE * control->circle * self->inverter.v_bus_V;
     const lode_dq_t i_A = follows ? self->ref_A : self->i_A;
     return i_A.d * i_A.d + i_A.q * i_A.q;
 }

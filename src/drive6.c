@@ -238,8 +238,9 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
     select_sets(self, active);
     lode_estimator_set_current(&drive->estimator, i_A);
     drive->i_A = lode_park(i_A, rotor);
-    lode_current_reset(&drive->current, &drive->tuning->current, drive->u_V, drive->i_A,
-                       drive->estimator.pll.omega_rad_s);
+    const float omega = drive->estimator.pll.omega_rad_s;
+    lode_current_reset(&drive->current, drive->u_V,
+                       lode_references_induced_V(&drive->tuning->references, drive->i_A, omega));
     lode_references_reset(&drive->state.run.references, drive->i_A.d);
     drive->ref_A = drive->i_A; // until SLOT_REFERENCES
     lode_xy_reset(&self->xy);

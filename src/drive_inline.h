@@ -73,8 +73,10 @@ LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_
     if (LODE_RARELY(given)) {
         return lode_current_is_free(&tuning->current, self->u_V, v_bus_V);
     }
+    const lode_dq_t induced_V =
+        lode_references_induced_V(&tuning->references, frame->i_A, frame->omega_rotor);
     const lode_current_out_t out = lode_current_step(&self->current, &tuning->current, self->ref_A,
-                                                     frame->i_A, frame->omega_rotor, v_bus_V);
+                                                     frame->i_A, induced_V, v_bus_V);
     self->u_V = out.u_V;
     return out.free;
 }

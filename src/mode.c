@@ -3,6 +3,7 @@
 #include "current_inline.h"
 #include "estimator_inline.h"
 #include "inverter_inline.h"
+#include "references_inline.h"
 #include "sense_inline.h"
 #include "start_inline.h"
 
@@ -166,7 +167,8 @@ static void hand_over(lode_drive_t *self) {
     const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
     const lode_sincos_t vector = lode_start_next(&self->state.start, tuning->estimator.pll.ts_s);
     const lode_dq_t u_V = in_frame(self->u_V, lode_angle_subtract(rotor, vector));
-    lode_current_reset(&self->current, &tuning->current, u_V, i_A, omega);
+    lode_current_reset(&self->current, u_V,
+                       lode_references_induced_V(&tuning->references, i_A, omega));
     const float torque = lode_references_torque_Nm(&tuning->references, i_A);
     lode_running_t *run = &self->state.run; // takes the place of the start's
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
@@ -189,8 +191,7 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
     const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
     lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead),
                      self->estimator.pll.omega_rad_s, current_A);
-    lode_current_reset(&self->current, &self->tuning->current, u_V, (lode_dq_t){current_A, 0.0f},
-                       0.0f);
+    lode_current_reset(&self->current, u_V, (lode_dq_t){0.0f, 0.0f});
     set_mode(self, LODE_MODE_START);
 }
 
@@ -470,7 +471,7 @@ static void turn_round(lode_drive_t *self) {
     lode_hfi_turn_round(&estimator->hfi);
     self->i_A = (lode_dq_t){-self->i_A.d, -self->i_A.q};
     self->u_V = (lode_dq_t){-self->u_V.d, -self->u_V.q};
-    lode_current_reset(&self->current, &self->tuning->current, self->u_V, self->i_A, 0.0f);
+    lode_current_reset(&self->current, self->u_V, (lode_dq_t){0.0f, 0.0f});
 }
 
 // The rotor is found. It stands still, or nearly so, and the currents are in its frame.
@@ -492,8 +493,7 @@ static void run_from_rest(lode_drive_t *self) {
 static void give_up(lode_drive_t *self) {
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
     self->estimator.hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
-    lode_current_reset(&self->current, &self->tuning->current, (lode_dq_t){0.0f, 0.0f},
-                       (lode_dq_t){0.0f, 0.0f}, 0.0f);
+    lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
     if (is_stop(self)) { // it would turn the rotor
         lode_mode_fault(self, LODE_CHECK_START, self->estimator.lock, LODE_LOCK_HANDOVER);
     }

@@ -13,6 +13,13 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
 
 #define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi: least active flux that is divided by
 
+// What rotation induces at the currents `i_A`: decoupling and EMF feed-forward of current control (K2).
+LODE_INLINE lode_dq_t lode_references_induced_V(const lode_references_tuning_t *tuning,
+                                                lode_dq_t i_A, float omega_rad_s) {
+    return (lode_dq_t){-omega_rad_s * tuning->Lq_H * i_A.q,
+                       omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
+}
+
 // At no current.
 LODE_INLINE float lode_references_salient_H(const lode_references_tuning_t *tuning) {
     return tuning->Ld_H - tuning->Lq_H;

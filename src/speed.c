@@ -76,7 +76,6 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         .pi = {config->kp_Nms, config->ki_Nm * ts_s},
         .rise = config->gain_rise - 1.0f,
         // From where the PLL has its full bandwidth to twice that speed, clear of the dead band's ripple.
-        .omega_low = pll->omega_high_rad_s,
         .inv_span = 1.0f / pll->omega_high_rad_s,
         .inv_pole_pairs = 1.0f / motor->pole_pairs,
         .ramp_step = config->ramp_rad_s2 * ts_s,

@@ -14,7 +14,7 @@ float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tu
 
 // Factor of both gains at the electrical speed `omega_rad_s`.
 LODE_INLINE float lode_speed_gain(const lode_speed_tuning_t *tuning, float omega_rad_s) {
-    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
+    const float up = lode_abs(omega_rad_s) * tuning->inv_span - 1.0f;
     return 1.0f + tuning->rise * lode_clamp(up, 0.0f, 1.0f);
 }
 

@@ -571,8 +571,8 @@ static void test_a_new_tuning_is_taken_while_it_turns(void) {
 /// Of both sets, of one alone, of the xy plane and of what only six phases have.
 static void test_a_tuning_that_changes_by_itself_trips(void) {
     const lode_drive6_config_t config = rig6_config();
-    const size_t places[] = {offsetof(lode_drive6_tuning_t, drive.current.psi_Wb),
-                             offsetof(lode_drive6_tuning_t, alone.current.psi_Wb),
+    const size_t places[] = {offsetof(lode_drive6_tuning_t, drive.references.psi_Wb),
+                             offsetof(lode_drive6_tuning_t, alone.references.psi_Wb),
                              offsetof(lode_drive6_tuning_t, xy.circle),
                              offsetof(lode_drive6_tuning_t, watch.i_min),
                              offsetof(lode_drive6_tuning_t, source)};

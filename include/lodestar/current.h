@@ -29,9 +29,6 @@ typedef struct {
 typedef struct {
     lode_pi_tuning_t d;
     lode_pi_tuning_t q;
-    float Ld_H;
-    float Lq_H;
-    float psi_Wb;
     float circle;  ///< radius of the voltage circle per bus volt
     float d_share; ///< of the circle that the d axis may take, so that q keeps headroom
     float
@@ -50,9 +47,8 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
                                 const lode_motor_t *motor, float ts_s);
 
 /// Puts the integrators where the output is `u_V` without control error: for a bumpless start of
-/// control, or a change of frame, at the currents `i_A` and the electrical speed `omega_rad_s`.
-void lode_current_reset(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t u_V,
-                        lode_dq_t i_A, float omega_rad_s);
+/// control, or a change of frame. `induced_V`: what rotation induces (references_inline.h).
+void lode_current_reset(lode_current_t *self, lode_dq_t u_V, lode_dq_t induced_V);
 
 #ifdef __cplusplus
 }

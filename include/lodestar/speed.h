@@ -34,9 +34,9 @@ typedef struct {
 
 typedef struct {
     lode_pi_tuning_t pi;
-    float rise;      ///< gain_rise - 1
-    float omega_low; ///< electrical speed up to which the gains are not raised
-    float inv_span;  ///< 1/(speed from which they are in full - omega_low)
+    float rise; ///< gain_rise - 1
+    float
+        inv_span; ///< 1/(electrical speed up to which the gains are not raised; they are in full at twice that)
     float inv_pole_pairs;
     float ramp_step; ///< mechanical rad/s per period
     float load_feed_forward;

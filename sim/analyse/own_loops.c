@@ -65,7 +65,7 @@ static void pll_whole(const task_t *task, int count, const double *Omega, double
 
 /// The factor by which the gains rise with the speed (K8).
 static double gain_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
-    const double up = (omega_rad_s - (double)tuning->omega_low) * (double)tuning->inv_span;
+    const double up = omega_rad_s * (double)tuning->inv_span - 1.0;
     return 1.0 + (double)tuning->rise * fmin(fmax(up, 0.0), 1.0);
 }
 

@@ -118,16 +118,12 @@
     ROW(FLOAT, float, current.d.ki_Ts) \
     ROW(FLOAT, float, current.q.kp) \
     ROW(FLOAT, float, current.q.ki_Ts) \
-    ROW(FLOAT, float, current.Ld_H) \
-    ROW(FLOAT, float, current.Lq_H) \
-    ROW(FLOAT, float, current.psi_Wb) \
     ROW(FLOAT, float, current.circle) \
     ROW(FLOAT, float, current.d_share) \
     ROW(FLOAT, float, current.free) \
     ROW(FLOAT, float, speed.pi.kp) \
     ROW(FLOAT, float, speed.pi.ki_Ts) \
     ROW(FLOAT, float, speed.rise) \
-    ROW(FLOAT, float, speed.omega_low) \
     ROW(FLOAT, float, speed.inv_span) \
     ROW(FLOAT, float, speed.inv_pole_pairs) \
     ROW(FLOAT, float, speed.ramp_step) \

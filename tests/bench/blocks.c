@@ -87,7 +87,8 @@ bool bench_blocks_setup(void) {
     const lode_dq_t i_A = {0.0f, BENCH_IQ_A};
     lode_sense_reset(&sense, &t->sense);
     rotor = lode_sincos(1.0f);
-    lode_current_reset(&current, &t->current, (lode_dq_t){-0.5f, 9.9f}, i_A, BENCH_OMEGA_rad_s);
+    lode_current_reset(&current, (lode_dq_t){-0.5f, 9.9f},
+                       lode_references_induced_V(&t->references, i_A, BENCH_OMEGA_rad_s));
     lode_speed_reset(&speed, &t->speed, BENCH_OMEGA_rad_s / BENCH_POLE_PAIRS,
                      lode_references_torque_Nm(&t->references, i_A), 0.0f);
     lode_guard_reset(&guard);
@@ -171,9 +172,12 @@ BLOCK(lag) {
 
 BLOCK(current) {
     const bench_inputs_t *in = input(call);
-    const lode_current_out_t out = lode_current_step(
-        &current, &tuning[ENHANCED].current, (lode_dq_t){0.0f, BENCH_IQ_A},
-        (lode_dq_t){0.01f * in->i_A.alpha, BENCH_IQ_A}, BENCH_OMEGA_rad_s, BENCH_V_BUS_V);
+    const lode_dq_t i_A = {0.01f * in->i_A.alpha, BENCH_IQ_A};
+    const lode_dq_t induced_V =
+        lode_references_induced_V(&tuning[ENHANCED].references, i_A, BENCH_OMEGA_rad_s);
+    const lode_current_out_t out =
+        lode_current_step(&current, &tuning[ENHANCED].current, (lode_dq_t){0.0f, BENCH_IQ_A}, i_A,
+                          induced_V, BENCH_V_BUS_V);
     bench_sink[0] = out.u_V.d;
     bench_sink[1] = out.u_V.q;
 }
