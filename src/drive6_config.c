@@ -94,6 +94,8 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
         t.drive.current.free = lode_min(t.drive.current.free, t.drive.inverter.free - t.xy.circle);
         t.drive.plausibility.i_still = STILL_COUNTS * LODE_COUNT_FRACTION;
         t.alone.plausibility.i_still = t.drive.plausibility.i_still;
+        t.drive.plausibility.per_wave_A = 0.0f; // open_phase.h looks at six
+        t.alone.plausibility.per_wave_A = 0.0f;
         t.source = (uint_least16_t)complete.source;
         t.open_phase = (uint_least16_t)complete.open_phase;
         *tuning = t;

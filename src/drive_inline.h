@@ -49,6 +49,8 @@ void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
 bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_abc_t *duty);
 // SLOT_GUARD where temperature or bus must move, in drive.c.
 void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
+// SLOT_LAG in START with three phases: whether each has both its half-waves, in drive.c.
+void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
 // The guard's slow checks have something to count, in drive.c.
 void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition);
 
@@ -191,6 +193,21 @@ LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuni
 #endif
 }
 
+// SLOT_LAG
+LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                        const int32_t i[LODE_PHASES]) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    (void)tuning;
+    (void)i;
+#else
+    if (LODE_RARELY(lode_mode(self) == LODE_MODE_START) && tuning->plausibility.per_wave_A > 0.0f) {
+        const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]}; // as lode_drive_watch()
+        lode_drive_note_waves(self, copy);
+    }
+#endif
+}
+
 // SLOT_GAINS, after the gains of the EMF's loop.
 LODE_INLINE void lode_drive_inject(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_HFI
@@ -249,6 +266,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     case SLOT_LAG:
         lode_estimator_adapt_lag(estimator, &tuning->estimator);
         lode_drive_lead(self, tuning);
+        lode_drive_watch_waves(self, tuning, sample->i);
         break;
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);

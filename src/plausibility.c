@@ -17,7 +17,11 @@
 #define EIGHTH_rad 0.7853982f
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
 #define ALL_PHASES ((1u << LODE_PHASES) - 1u)
-#define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
+#define WAVE_CURRENT 4.0f     // of the same, squared: a tenth of i_max asked for
+#define WAVE_SHARE 0.5f       // of what is asked for
+#define WAVE_STEP_rad 1.05f   // a sixth of a turn: a half-wave lasts a third above half its height
+#define WAVE_TURN_rad 6.9115f // a turn and a tenth
+#define SUM_MAX 1.0e9f        // 1/256 count: no converter has so many
 
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
@@ -41,6 +45,7 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
         .i_min_A2 = i_min_A * i_min_A,
         .i_still = 0,
         .i_sum = config->plausibility == LODE_ON ? (int32_t)i_sum : -1,
+        .per_wave_A = WAVE_SHARE / lode_abs(sense->i_gain),
     };
     return LODE_OK;
 }
@@ -83,6 +88,26 @@ static float number_of(uint32_t phases) {
         return 0.0f;
     }
     return (phases & 1u) != 0u ? 1.0f : ((phases & 2u) != 0u ? 2.0f : 3.0f);
+}
+
+uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning_t *tuning,
+                              const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
+    if (!(i_A2 >= WAVE_CURRENT * tuning->i_min_A2) || !(lode_abs(turn_rad) <= WAVE_STEP_rad)) {
+        *self = (lode_waves_t){.turn_rad = 0.0f};
+        return 0u;
+    }
+    const int32_t least = (int32_t)lode_min(lode_sqrt(i_A2) * tuning->per_wave_A, SUM_MAX);
+    const uint32_t up = lode_plausibility_phases(i[0] > least, i[1] > least, i[2] > least);
+    const uint32_t down = lode_plausibility_phases(i[0] < -least, i[1] < -least, i[2] < -least);
+    const uint32_t seen = self->seen | up | down << LODE_PHASES;
+    self->seen = (uint_least8_t)seen;
+    self->turn_rad += turn_rad;
+    if (lode_abs(self->turn_rad) < WAVE_TURN_rad) {
+        return 0u;
+    }
+    *self = (lode_waves_t){.turn_rad = 0.0f};
+    const uint32_t missing = ALL_PHASES & ~(seen & seen >> LODE_PHASES);
+    return (uint_least8_t)(missing > 0u ? number_of(missing) : 0.0f);
 }
 
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,

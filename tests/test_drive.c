@@ -1430,6 +1430,35 @@ static void test_a_resistance_of_no_winding_ends_the_start(void) {
     CHECK_CLOSE(0.01, 1.2 * 0.75, wrong.limit);
 }
 
+/// A start in which one phase has no positive current, as with a dead high switch.
+static lode_fault_t with_a_dead_switch(int phase) {
+    lode_drive_config_t config = rig_config();
+    config.guard.i_sum_A =
+        LODE_NONE; // only the counts are changed here: of a real one the sum is zero
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(100.0));
+    for (int n = 0; n < 10000 && rig_telemetry(&rig).mode != LODE_MODE_RUN; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        if (phase >= 0 && counts.i[phase] > 2048u) {
+            counts.i[phase] = (uint16_t)(2048u + counts.i[phase] % 2u); // noise
+        }
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    return rig_telemetry(&rig).fault;
+}
+
+static void test_a_dead_switch_ends_the_start(void) {
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_a_dead_switch(-1).check);
+    for (int phase = 0; phase < LODE_PHASES; phase++) {
+        const lode_fault_t dead = with_a_dead_switch(phase);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(dead.check));
+        TEST_ASSERT_TRUE(dead.measured == (float)(phase + 1));
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_START, dead.state);
+    }
+}
+
 /// 0.3 s with a bus that reads `share` of what it is, and moves by a count every round or not.
 static lode_fault_t with_bus(rig_t rig, double share, bool moves) {
     for (uint32_t n = 0; n < 1500u; n++) {
@@ -1818,6 +1847,7 @@ int main(void) {
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_another_flux_is_named);
+    RUN_TEST(test_a_dead_switch_ends_the_start);
     RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
     RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);

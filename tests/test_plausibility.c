@@ -292,6 +292,43 @@ static void test_configuration(void) {
     expect_none(&self, 100);
 }
 
+// --- Half-waves -----------------------------------------------------------------------------------
+
+static const lode_plausibility_tuning_t waves_tuning = {.i_min_A2 = 0.25f, .per_wave_A = 50.0f};
+
+/// Three turns of a vector of `i_A` that is to be found, with the half-waves of `missing` left out, a bit each as in
+/// lode_waves_t. A count of 1/256 is 10 mA.
+static uint_least8_t after_turns(uint32_t missing, float i_A, int looks_per_turn) {
+    lode_waves_t self = {.turn_rad = 0.0f};
+    uint_least8_t found = 0u;
+    for (int n = 0; n < 3 * looks_per_turn && found == 0u; n++) {
+        int32_t i[LODE_PHASES];
+        for (int phase = 0; phase < LODE_PHASES; phase++) {
+            const double at = 2.0 * CHECK_PI * ((double)n / looks_per_turn - phase / 3.0);
+            i[phase] = (int32_t)(100.0 * (double)i_A * cos(at));
+            const uint32_t bit = 1u << (phase + (i[phase] > 0 ? 0 : LODE_PHASES));
+            i[phase] = (missing & bit) != 0u ? 0 : i[phase];
+        }
+        found = lode_waves_step(&self, &waves_tuning, i, i_A * i_A,
+                                (float)(2.0 * CHECK_PI / looks_per_turn));
+    }
+    return found;
+}
+
+static void test_a_phase_without_a_half_wave_is_found(void) {
+    for (int looks = 6; looks <= 60; looks += 9) {
+        TEST_ASSERT_EQUAL_UINT(0u, after_turns(0u, 5.0f, looks));
+        for (uint32_t bit = 0; bit < 6u; bit++) {
+            TEST_ASSERT_EQUAL_UINT(1u + bit % 3u, after_turns(1u << bit, 5.0f, looks));
+        }
+        TEST_ASSERT_EQUAL_UINT(2u, after_turns(2u | 16u, 5.0f, looks)); // open
+    }
+    // Not with little current, and not where a look may miss a half-wave.
+    TEST_ASSERT_EQUAL_UINT(1u, after_turns(1u, 1.01f, 30));
+    TEST_ASSERT_EQUAL_UINT(0u, after_turns(1u, 0.99f, 30));
+    TEST_ASSERT_EQUAL_UINT(0u, after_turns(1u, 5.0f, 5));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_sound_converters_are_never_stuck);
@@ -306,5 +343,6 @@ int main(void) {
     RUN_TEST(test_reset_forgets);
     RUN_TEST(test_what_is_chance_is_noted_as_by_the_whole_step);
     RUN_TEST(test_configuration);
+    RUN_TEST(test_a_phase_without_a_half_wave_is_found);
     return UNITY_END();
 }

@@ -170,6 +170,7 @@ typedef struct {
     lode_sense_t sense;
     lode_guard_t guard;
     lode_plausibility_t plausibility; ///< of the currents, of set 1
+    lode_waves_t waves;               ///< of three phases
     lode_inverter_t inverter;
     lode_estimator_t estimator;
     float omega_half;   ///< electrical speed half a round of slow jobs before speed control

@@ -15,7 +15,16 @@ typedef struct {
     float i_min_A2;  ///< least current squared at which a phase that keeps still is judged
     int32_t i_still; ///< 1/256 count: with less a phase is none of this; six phases: it may be open
     int32_t i_sum;   ///< largest sum of the three, 1/256 count; below 0: nothing is looked at
+    float per_wave_A; ///< least half-wave per ampere asked for, 1/256 count; 0: not looked at
 } lode_plausibility_tuning_t;
+
+/// Both half-waves of each of three currents, over a turn and a tenth of a vector that is twice as long: a phase
+/// without one has a dead switch, without both is open. In START, where the vector is steady: in RUN the speed's
+/// control fights with such a fault.
+typedef struct {
+    float turn_rad;     ///< electrical, of the vector, since it began
+    uint_least8_t seen; ///< half-waves, a bit each: three positive ones, three negative ones
+} lode_waves_t;
 
 typedef struct {
     int32_t i[LODE_PHASES]; ///< at the last look, 1/256 count
@@ -46,6 +55,11 @@ lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
                                       const int32_t i[LODE_PHASES], uint32_t sum_looks, float i_A2,
                                       float turn_rad, float A_per_count);
+
+/// One look at the currents, the vector having turned by `turn_rad` since the last one. `i_A2`: the
+/// square of the current that is asked for. The phase without a half-wave, 1 .. 3; 0: none is known to be.
+uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning_t *tuning,
+                              const int32_t i[LODE_PHASES], float i_A2, float turn_rad);
 
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,

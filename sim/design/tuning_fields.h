@@ -170,6 +170,7 @@
     ROW(WHOLE, uint32_t, guard.stamp_span) \
     ROW(FLOAT, float, plausibility.i_min_A2) \
     ROW(INTEGER, int32_t, plausibility.i_still) \
-    ROW(INTEGER, int32_t, plausibility.i_sum)
+    ROW(INTEGER, int32_t, plausibility.i_sum) \
+    ROW(FLOAT, float, plausibility.per_wave_A)
 
 #endif
