@@ -21,9 +21,30 @@
 #define FLUX_UNLIMITED 1.0e9f   // finite when squared, beyond any motor's
 #define FLUX_SLACK 1.02f        // some of what voltage_use leaves: iq is not to follow its noise
 #define SATURATION_STEPS 32
+#define LQ_UNKNOWN 0.1f // of Lq at i_max; as much as 20 % at 0.7 i_max
+
+// With id* = 0 an error of Lq turns the angle, and the current, so that some of it strengthens the flux: a salient
+// rotor loses active flux, and the angle turns the more. Beyond (psi/iq)^2 = 4 (Lq - Ld) dLq there is no end to it
+// (R15); with id < 0 there is.
+static lode_references_kind_t default_kind(const lode_inverter_config_t *inverter,
+                                           const lode_motor_t *motor) {
+#ifdef LODE_WITHOUT_OPTIMAL_REFERENCES
+    (void)inverter;
+    (void)motor;
+    return LODE_REFERENCES_ID0;
+#else
+    const float lost = (motor->Lq_H - motor->Ld_H) * inverter->i_max_A;
+    const float turned = LQ_UNKNOWN * motor->Lq_H * inverter->i_max_A;
+    const bool ends = 4.0f * lost * turned < motor->psi_Wb * motor->psi_Wb;
+    return ends ? LODE_REFERENCES_ID0 : LODE_REFERENCES_MTPA;
+#endif
+}
 
 void lode_references_design(lode_references_config_t *config,
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
+    if (config->kind == LODE_REFERENCES_AUTO) {
+        config->kind = default_kind(inverter, motor);
+    }
     if (config->field_weakening == LODE_AUTO) {
         config->field_weakening = LODE_OFF;
     }

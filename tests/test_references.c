@@ -46,6 +46,30 @@ static double torque_of(double id, double iq) {
     return 4.5 * (0.142 + (3.5e-3 - 9.8e-3) * id) * iq;
 }
 
+/// What auto stands for at this largest current.
+static int kind_at(float i_max_A, lode_motor_t motor) {
+    lode_inverter_config_t limited = inverter;
+    limited.i_max_A = i_max_A;
+    lode_references_config_t config = {.kind = LODE_REFERENCES_AUTO};
+    lode_references_design(&config, &limited, &motor);
+    return (int)config.kind;
+}
+
+static void test_much_reluctance_asks_for_mtpa(void) {
+    lode_motor_t motor = paper_motor();
+    // (R15): 4 0.1 Lq (Lq - Ld) i^2 = psi^2
+    const float bound_A = 0.142f / lode_sqrt(0.4f * motor.Lq_H * (motor.Lq_H - motor.Ld_H));
+    TEST_ASSERT_EQUAL_INT(LODE_REFERENCES_ID0, kind_at(0.99f * bound_A, motor));
+    TEST_ASSERT_EQUAL_INT(LODE_REFERENCES_MTPA, kind_at(1.01f * bound_A, motor));
+    motor.Ld_H = 2.0f * motor.Lq_H; // reluctance that adds to the flux
+    TEST_ASSERT_EQUAL_INT(LODE_REFERENCES_ID0, kind_at(10.0f * bound_A, motor));
+    lode_references_config_t given = {.kind = LODE_REFERENCES_ID0};
+    const lode_inverter_config_t large = {.v_bus_V = 200.0f, .i_max_A = 1000.0f};
+    const lode_motor_t paper = paper_motor();
+    lode_references_design(&given, &large, &paper);
+    TEST_ASSERT_EQUAL_INT(LODE_REFERENCES_ID0, given.kind);
+}
+
 static void test_at_speed_id_is_zero(void) {
     const lode_references_config_t config = sound();
     const lode_references_tuning_t tuning = tuned(&config);
@@ -657,6 +681,7 @@ static void test_design_fills_what_is_open(void) {
 
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_much_reluctance_asks_for_mtpa);
     RUN_TEST(test_at_speed_id_is_zero);
     RUN_TEST(test_bias_fades_with_speed);
     RUN_TEST(test_no_bias);

@@ -14,6 +14,7 @@ extern "C" {
 /// with its bias: MTPA, field weakening, saturation, limits that follow the bus. Init then refuses them
 /// (LODE_ERROR_REFERENCES). A tuning from elsewhere that asks for them runs without.
 typedef enum {
+    LODE_REFERENCES_AUTO, ///< ID0; MTPA where an error of Lq would else turn the angle without end (R15)
     LODE_REFERENCES_ID0, ///< id* = 0
     LODE_REFERENCES_MTPA ///< least current for the torque
 } lode_references_kind_t;

@@ -117,7 +117,7 @@ static const rig_key_t keys[] = {
     PLAIN("xy", "resonance_rad_s", six.xy.resonance_rad_s, RIG_KEY_FLOAT_OR_NONE),
     PLAIN("xy", "voltage_share", six.xy.voltage_share, RIG_KEY_FLOAT),
 
-    CHOICE("references", "strategy", drive.references.kind, "id0|mtpa", NULL),
+    CHOICE("references", "strategy", drive.references.kind, "auto|id0|mtpa", NULL),
     CHOICE("references", "field_weakening", drive.references.field_weakening, "auto|on|off", NULL),
     FLOAT_OR_NONE("references", "id_bias_A", references.id_bias_A),
     FLOAT("references", "omega_low_rad_s", references.omega_low_rad_s),
