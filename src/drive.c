@@ -217,9 +217,9 @@ static void name_lost_lock(lode_drive_t *self) {
 
 #endif
 
-LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition) {
+LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self) {
     const lode_situation_t now = {self->mode, lode_mode(self) == LODE_MODE_RUN};
-    lode_guard_check_slow(&self->guard, &self->tuning->guard, condition, now);
+    lode_guard_check_slow(&self->guard, &self->tuning->guard, lode_drive_condition(self), now);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     name_lost_lock(self);
 #endif

@@ -343,7 +343,7 @@ LODE_INLINE bool accept(lode_drive6_t *self, lode_abc6_t duty) {
            lode_drive_accept(drive, &self->omitted_2, &self->duty_2);
 }
 
-// Set 1 is looked at with the guard.
+// SLOT_REFERENCES. Set 1 is looked at with the guard.
 LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
     if (LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH)) {
         lode_drive_watch(&self->drive, self->drive.tuning, &self->plausibility_2, set_2->i,
@@ -381,10 +381,13 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     if (!accept(self, duty)) {
         return end_idle(self);
     }
-    watch_phases(self, sample, estimate);
     const lode_slot_t slot = lode_slot_of(drive->steps);
-    if (slot == SLOT_GAINS) {
+    if (slot == SLOT_LAG) { // dear enough: the end of an electrical period is seen in the next one
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
+    } else {
+        watch_phases(self, sample, estimate);
+    }
+    if (slot == SLOT_REFERENCES) {
         watch_set2(self, &sample->set_2);
     }
     (void)lode_drive_slow_job(drive, drive->tuning, words_of(self->tuning), &sample->machine,

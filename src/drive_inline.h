@@ -49,10 +49,10 @@ void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
 bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_abc_t *duty);
 // SLOT_GUARD where temperature or bus must move, in drive.c.
 void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
-// SLOT_LAG in START with three phases: whether each has both its half-waves, in drive.c.
+// SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive.c.
 void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
 // The guard's slow checks have something to count, in drive.c.
-void lode_drive_check_slow(lode_drive_t *self, lode_condition_t condition);
+void lode_drive_check_slow(lode_drive_t *self);
 
 // The rotor's frame, and the duties' in it.
 LODE_INLINE lode_frame_t lode_drive_rotor_frame(const lode_drive_t *self,
@@ -160,17 +160,24 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
 #endif
 }
 
-// SLOT_GUARD and SLOT_NOTCHES. `other`: temperature count of a second power stage, or of the same one. False:
+// What the guard's slow checks ask for.
+LODE_INLINE lode_condition_t lode_drive_condition(const lode_drive_t *self) {
+    return (lode_condition_t){self->inverter.v_bus_V,
+                              lode_sense_temperature_degC(&self->tuning->sense, self->temperature),
+                              self->direction * self->estimator.pll.omega_rad_s,
+                              self->estimator.lock};
+}
+
+// SLOT_GUARD and SLOT_GUARD_2. `other`: temperature count of a second power stage, or of the same one. False:
 // the gates are off.
 LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                   const lode_sample_t *sample, uint16_t other) {
     const uint16_t count = lode_sense_hotter(&tuning->sense, sample->temperature, other);
     self->temperature = count;
-    const lode_condition_t condition = {
-        sample->v_bus_V, lode_sense_temperature_degC(&tuning->sense, count),
-        self->direction * self->estimator.pll.omega_rad_s, self->estimator.lock};
-    if (LODE_RARELY(!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition))) {
-        lode_drive_check_slow(self, condition);
+    const lode_condition_t condition = lode_drive_condition(self);
+    const bool sensorless = lode_mode(self) == LODE_MODE_RUN;
+    if (LODE_RARELY(!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition, sensorless))) {
+        lode_drive_check_slow(self);
     }
     lode_drive_watch(self, tuning, &self->plausibility, sample->i, 1.0f);
     return self->gates;
@@ -193,7 +200,7 @@ LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuni
 #endif
 }
 
-// SLOT_LAG
+// SLOT_REFERENCES
 LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                         const int32_t i[LODE_PHASES]) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
@@ -251,22 +258,10 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     case SLOT_LOCK:
         lode_estimator_note_lock(estimator, &tuning->estimator);
         break;
-    case SLOT_NOTCHES:
-        lode_estimator_adapt_notches(estimator, &tuning->estimator);
-        break;
-    case SLOT_GAINS:
-        if (LODE_RARELY(!estimator->locked)) {
-            lode_mode_seed(self);
-        }
-        lode_estimator_adapt_gains(estimator, &tuning->estimator);
-        lode_drive_inject(self, tuning);
-        lode_drive_count_sensor(self);
-        self->omega_half = estimator->pll.omega_rad_s;
-        break;
     case SLOT_LAG:
         lode_estimator_adapt_lag(estimator, &tuning->estimator);
         lode_drive_lead(self, tuning);
-        lode_drive_watch_waves(self, tuning, sample->i);
+        self->omega_half = estimator->pll.omega_rad_s;
         break;
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
@@ -275,10 +270,14 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
             return false;
         }
         break;
-    case SLOT_GUARD:
-        lode_drive_note_still(self, tuning,
-                              lode_sense_hotter(&tuning->sense, sample->temperature, other),
-                              sample->v_bus_V);
+    case SLOT_GAINS:
+        if (LODE_RARELY(!estimator->locked)) {
+            lode_mode_seed(self);
+        }
+        lode_estimator_adapt_gains(estimator, &tuning->estimator);
+        lode_drive_inject(self, tuning);
+        lode_drive_count_sensor(self);
+        lode_estimator_adapt_notches(estimator, &tuning->estimator);
         break;
     case SLOT_SPEED:
         if (LODE_RARELY(lode_mode(self) != LODE_MODE_RUN)) {
@@ -299,13 +298,20 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
             LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
             lode_drive_references(self);
         }
-        break;
+        lode_drive_watch_waves(self, tuning, sample->i);
+        return self->gates;
+    case SLOT_GUARD:
+        lode_drive_note_still(self, tuning,
+                              lode_sense_hotter(&tuning->sense, sample->temperature, other),
+                              sample->v_bus_V);
+        return lode_drive_guard(self, tuning, sample, other);
+    case SLOT_GUARD_2:
+        return lode_drive_guard(self, tuning, sample, other);
     case SLOT_COUNT:
     default:
         break;
     }
-    return (uint32_t)slot % LODE_GUARD_PERIODS != (uint32_t)SLOT_GUARD % LODE_GUARD_PERIODS ||
-           lode_drive_guard(self, tuning, sample, other);
+    return true;
 }
 
 #endif

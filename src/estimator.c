@@ -189,7 +189,7 @@ LODE_NOINLINE void lode_estimator_restart(lode_estimator_t *self,
     }
 }
 
-// Notches, gains and the EMF's amplitude follow in their slots.
+// Gains, notches and the EMF's amplitude follow in their slots.
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                          lode_sincos_t rotor, float omega_rad_s) {
     lode_estimator_move_lag(self, tuning, omega_rad_s);
@@ -291,6 +291,7 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     self->per_V = -unit;
     self->omega_tune = omega;
     self->wait = tuning->patience_rounds;
+    renew_lag(self, tuning, omega);
     return true;
 }
 
@@ -336,19 +337,18 @@ static bool do_slow_job(lode_estimator_t *self, const lode_estimator_tuning_t *t
     case SLOT_LOCK:
         lode_estimator_note_lock(self, tuning);
         return false;
-    case SLOT_NOTCHES:
-        lode_estimator_adapt_notches(self, tuning);
+    case SLOT_LAG:
+        lode_estimator_adapt_lag(self, tuning);
         return false;
     case SLOT_GAINS: {
         const bool seeded = !self->locked && lode_estimator_seed(self, tuning);
         lode_estimator_adapt_gains(self, tuning);
+        lode_estimator_adapt_notches(self, tuning);
         return seeded;
     }
-    case SLOT_LAG:
-        lode_estimator_adapt_lag(self, tuning);
-        return false;
-    case SLOT_DEAD_TIME:
     case SLOT_GUARD:
+    case SLOT_DEAD_TIME:
+    case SLOT_GUARD_2:
     case SLOT_SPEED:
     case SLOT_REFERENCES:
     case SLOT_COUNT:

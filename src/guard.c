@@ -244,8 +244,8 @@ static void count_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
           fast ? tuning->omega_max : 0.0f);
 }
 
-static LODE_NOINLINE void count_all(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                    lode_condition_t condition, lode_situation_t now) {
+void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                           lode_condition_t condition, lode_situation_t now) {
     const bool good = lode_guard_is_good(self);
     self->pending = self->rail > 0u;
     count_power(self, tuning, condition);
@@ -254,13 +254,5 @@ static LODE_NOINLINE void count_all(lode_guard_t *self, const lode_guard_tuning_
     }
     if (good && !lode_guard_is_good(self)) {
         self->fault.state = now.state;
-    }
-}
-
-void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                           lode_condition_t condition, lode_situation_t now) {
-    // Running sensorless, this is called only where something has been found.
-    if (self->pending || now.sensorless || !lode_guard_power_ok(tuning, &condition)) {
-        count_all(self, tuning, condition, now);
     }
 }

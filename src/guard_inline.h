@@ -40,11 +40,11 @@ LODE_INLINE bool lode_guard_motion_ok(const lode_guard_tuning_t *tuning,
            LODE_USUALLY(condition->omega_rad_s <= tuning->omega_max);
 }
 
-// lode_guard_check_slow() would have nothing to do, running without a sensor.
+// lode_guard_check_slow() would have nothing to do. `sensorless`: the estimator drives the motor.
 LODE_INLINE bool lode_guard_slow_ok(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                    const lode_condition_t *condition) {
+                                    const lode_condition_t *condition, bool sensorless) {
     return LODE_USUALLY(!self->pending) && lode_guard_power_ok(tuning, condition) &&
-           lode_guard_motion_ok(tuning, condition);
+           (lode_guard_motion_ok(tuning, condition) || !sensorless);
 }
 
 #endif

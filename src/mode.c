@@ -210,8 +210,8 @@ static bool finds_at_rest(const lode_drive_t *self) {
 
 #ifndef LODE_WITHOUT_START_MEASUREMENT
 
-// What the start has found corrects the inverter's model. False: no winding has so much resistance.
-static bool takes_resistance(lode_drive_t *self, const lode_start_found_t *found) {
+// What the start has found corrects the inverter's model.
+static void take_resistance(lode_drive_t *self, const lode_start_found_t *found) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     const float current_A = self->state.start.current_A;
     lode_inverter_correct(&self->inverter, &self->tuning->inverter, found->r_Ohm, found->dead_V,
@@ -221,14 +221,25 @@ static bool takes_resistance(lode_drive_t *self, const lode_start_found_t *found
     const float limit_Ohm =
         lode_max(WRONG_RESISTANCE * most_Ohm, WRONG_PER_CALM * tuning->calm_V / current_A);
     self->inverter.r_more_Ohm = lode_clamp(more_Ohm, -most_Ohm, most_Ohm);
-    if (more_Ohm > limit_Ohm) {
+    if (more_Ohm > limit_Ohm) { // no winding has so much
         lode_mode_fault(self, LODE_CHECK_RESISTANCE, more_Ohm, limit_Ohm);
-        return false;
     }
-    return true;
 }
 
 #endif
+
+// SLOT_LAG: resistance and dead time, while the vector rests.
+static void measure_start(lode_drive_t *self) {
+#ifdef LODE_WITHOUT_START_MEASUREMENT
+    (void)self;
+#else
+    lode_start_found_t found;
+    if (lode_start_measure(&self->state.start, &self->tuning->start,
+                           self->estimator.emf.observer.e_V, &found)) {
+        take_resistance(self, &found);
+    }
+#endif
+}
 
 // SLOT_SPEED: where the vector goes, and whether the estimate is good enough to run on.
 static void judge_start(lode_drive_t *self) {
@@ -243,13 +254,6 @@ static void judge_start(lode_drive_t *self) {
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
-#ifndef LODE_WITHOUT_START_MEASUREMENT
-    lode_start_found_t found;
-    if (lode_start_measure(start, tuning, estimator->emf.observer.e_V, &found) &&
-        !takes_resistance(self, &found)) {
-        return;
-    }
-#endif
     lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
     if (stopping && at_rest && !(start->current_A > 0.0f)) {
         lode_mode_switch_off(self);
@@ -260,7 +264,7 @@ static void judge_start(lode_drive_t *self) {
     }
 }
 
-// Decides in one slot and hands over in the next: each is enough for a period.
+// Measures, decides and hands over in a slot each: one is enough for a period.
 static void follow_start(lode_drive_t *self) {
     const lode_slot_t slot = lode_slot_of(self->steps);
     if (self->command.mode != LODE_MODE_RUN) {
@@ -268,6 +272,8 @@ static void follow_start(lode_drive_t *self) {
     } else if (lode_mode_is_sensored(self)) { // there is nothing to start
         hand_over(self);
         self->state.run.fade = 0.0f;
+    } else if (slot == SLOT_LAG) {
+        measure_start(self);
     } else if (slot == SLOT_SPEED) {
         judge_start(self);
     } else if (slot == SLOT_REFERENCES &&

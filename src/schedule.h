@@ -1,5 +1,7 @@
 // What follows the speed slowly: one job per period, each once in LODE_SLOW_PERIODS, in the order in which
-// the results are used. The drive's step and the estimator on its own (replay) go by the same slots.
+// the results are used. The drive's step and the estimator on its own (replay) go by the same slots. The
+// dearest period is what the interrupt's time must allow for: no slot has two dear jobs, and those of the
+// guard, which now and then has to look more closely, hardly anything else.
 #ifndef LODE_SCHEDULE_H
 #define LODE_SCHEDULE_H
 
@@ -8,14 +10,22 @@
 #include <stdint.h>
 
 typedef enum {
-    SLOT_LOCK,       // lock quality, amplitude of the EMF, length of the PLL's rotation
-    SLOT_NOTCHES,    // centres; guard
-    SLOT_GAINS,      // of the PLL, of the xy resonators; without lock acquisition first
-    SLOT_LAG,        // of the EMF observer; lead of the duties
-    SLOT_DEAD_TIME,  // slope of the dead-time error, 1/v_bus; memory unchanged
-    SLOT_GUARD,      // again
-    SLOT_SPEED,      // speed control; START: is the estimate good enough?
-    SLOT_REFERENCES, // current references; START: hand-over
+    // lock quality, amplitude of the EMF, length of the PLL's rotation
+    SLOT_LOCK,
+    // guard's slow checks, plausibility of the currents
+    SLOT_GUARD,
+    // lag of the EMF observer, lead of the duties; resonators of the xy plane; START: resistance and dead time
+    SLOT_LAG,
+    // slope of the dead-time error, 1/v_bus; memory unchanged
+    SLOT_DEAD_TIME,
+    // without lock acquisition; gains of the PLL, centres of the notches
+    SLOT_GAINS,
+    // as SLOT_GUARD
+    SLOT_GUARD_2,
+    // speed control; START: where the vector goes, is the estimate good enough?
+    SLOT_SPEED,
+    // current references; START: hand-over, half-waves of the currents; plausibility of a second set's currents
+    SLOT_REFERENCES,
     SLOT_COUNT = LODE_SLOW_PERIODS
 } lode_slot_t;
 

@@ -13,7 +13,6 @@
 #define VOLTAGE_SHARE 0.1f
 // 6 w Ts up to which a resonance can be placed: a quarter of the sampling rate.
 #define TURN_MAX_rad 1.57f
-#define DELAY_PERIODS 1.5f
 // The PI's integrator at low speed: as far as the resonators follow it.
 #define CORNER_MAX 4.0f
 
@@ -42,7 +41,6 @@ lode_status_t lode_xy_tune(lode_xy_tuning_t *tuning, const lode_xy_config_t *con
         .bandwidth_rad_s = config->bandwidth_rad_s,
         .corner_rad_s = R_Ohm / L_H,
         .ts_s = ts_s,
-        .delay_s = DELAY_PERIODS * ts_s,
         .gain_Ohm_s = 2.0f * L_H * lode_max(config->resonance_rad_s, 0.0f) * ts_s,
         .omega6_max = TURN_MAX_rad / ts_s,
         .circle = config->voltage_share / LODE_SQRT3,
@@ -65,12 +63,11 @@ LODE_RAMFUNC void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning,
     }
     const float sign = lode_sign(omega_rad_s);
     const float omega6 = sign * size;
-    self->aim.step = lode_angle_double(lode_sincos_octant(0.5f * omega6 * tuning->ts_s));
+    const lode_sincos_t half = lode_sincos_octant(0.5f * omega6 * tuning->ts_s);
+    self->aim.step = lode_angle_double(half);
     // The PI loop answers a voltage at 6 w with the current 1/(L d), d below: the resonator leads by the
-    // angle of d, and its gain keeps the rate (X3). A quarter of the angle lies within the octant:
-    // TURN_MAX_rad DELAY_PERIODS/4 is 0.59.
-    const lode_sincos_t quarter = lode_sincos_octant(omega6 * (0.25f * tuning->delay_s));
-    const lode_sincos_t late = lode_angle_double(lode_angle_double(quarter));
+    // angle of d, and its gain keeps the rate (X3). The voltage is late by 1.5 periods.
+    const lode_sincos_t late = lode_angle_add(self->aim.step, half);
     const lode_ab_t loop = {tuning->bandwidth_rad_s - omega6 * late.sin, omega6 * late.cos};
     // d = (1 - j r) loop with r = corner/omega6, here times `w`: one division for all.
     const float corner = sign * tuning->corner_rad_s;

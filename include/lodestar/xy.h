@@ -25,7 +25,6 @@ typedef struct {
     float bandwidth_rad_s;
     float corner_rad_s; ///< R/L
     float ts_s;
-    float delay_s;    ///< from sample to the middle of the period in which the voltage acts
     float gain_Ohm_s; ///< 2 L resonance Ts
     float omega6_max; ///< of the resonance: beyond it the resonators stay out
     float circle;     ///< largest voltage per bus volt

@@ -74,7 +74,7 @@ static double gain_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
 /// mean of two; more often the jobs come before it.
 static double complex slots(uint32_t periods, double complex z) {
     if (periods == LODE_SLOW_PERIODS) {
-        return 0.5 * (1.0 + cpow(z, SLOT_GAINS - SLOT_SPEED)) / (z * z);
+        return 0.5 * (1.0 + cpow(z, SLOT_LAG - SLOT_SPEED)) / (z * z);
     }
     return periods > 1u ? 1.0 / z : 1.0;
 }
