@@ -131,7 +131,8 @@ static void check_found(const plant_config_t *c) {
     CHECK_CLOSE(0.05, c->Lq_H, value(LODE_COMMISSION_LQ_H));
     CHECK_CLOSE(0.01, c->psi_Wb, value(LODE_COMMISSION_PSI_Wb));
     CHECK_CLOSE(0.10, c->J_kgm2, value(LODE_COMMISSION_J_kgm2));
-    CHECK_AT_MOST(10.0, rig.time_s);
+    // A second run starts on a rotor that still turns. One in ten is not caught, and waited for: 5.4 s.
+    CHECK_AT_MOST(rig.commission.runs > 1u ? 16.0 : 10.0, rig.time_s);
     CHECK_AT_MOST(12.1, rig.i_max_A); // current control's overshoot in the start
     CHECK_AT_MOST(2.0, rig.moved_deg);
 }
