@@ -92,10 +92,12 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
         t.watch = (lode_open_phase_tuning_t){i_min_A / lode_abs(t.drive.sense.i_gain)};
         // A set's vector is that of the dq plane and that of the xy plane.
         t.drive.current.free = lode_min(t.drive.current.free, t.drive.inverter.free - t.xy.circle);
+#ifndef LODE_WITHOUT_PLAUSIBILITY
         t.drive.plausibility.i_still = STILL_COUNTS * LODE_COUNT_FRACTION;
         t.alone.plausibility.i_still = t.drive.plausibility.i_still;
         t.drive.plausibility.per_wave_A = 0.0f; // open_phase.h looks at six
         t.alone.plausibility.per_wave_A = 0.0f;
+#endif
         t.source = (uint_least16_t)complete.source;
         t.open_phase = (uint_least16_t)complete.open_phase;
         *tuning = t;

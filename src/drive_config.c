@@ -225,6 +225,18 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
     return status;
 }
 
+static lode_status_t tune_plausibility(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    lode_plausibility_tuning_t plausibility;
+    const lode_status_t status =
+        lode_plausibility_tune(&plausibility, &c->guard, c->inverter.i_max_A, &t->sense);
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    if (status == LODE_OK) {
+        t->plausibility = plausibility;
+    }
+#endif
+    return status;
+}
+
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const float ts_s = 1.0f / c->f_pwm_Hz;
@@ -254,8 +266,7 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
         status = lode_guard_tune(&t->guard, &c->guard, &c->inverter, &c->sense, ts_s);
     }
     if (status == LODE_OK) {
-        status =
-            lode_plausibility_tune(&t->plausibility, &c->guard, c->inverter.i_max_A, &t->sense);
+        status = tune_plausibility(t, c);
     }
     if (status == LODE_OK) {
         const float trip = t->guard.i_trip / lode_abs(t->sense.i_gain);

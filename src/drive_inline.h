@@ -179,7 +179,9 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
     if (LODE_RARELY(!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition, sensorless))) {
         lode_drive_check_slow(self);
     }
+#ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_drive_watch(self, tuning, &self->plausibility, sample->i, 1.0f);
+#endif
     return self->gates;
 }
 

@@ -117,6 +117,8 @@ void lode_inverter_bound_current(lode_inverter_tuning_t *tuning, float i_A) {
     }
 }
 
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+
 void lode_inverter_correct(lode_inverter_t *self, const lode_inverter_tuning_t *tuning, float r_Ohm,
                            float dead_V, float current_A) {
     const float before = self->dead_more;
@@ -126,6 +128,8 @@ void lode_inverter_correct(lode_inverter_t *self, const lode_inverter_tuning_t *
     const float left_V = dead_V - (self->dead_more - before) * FOUR_PER_PI * self->v_bus_V;
     self->r_more_Ohm += r_Ohm + left_V / current_A;
 }
+
+#endif
 
 void lode_inverter_reset(lode_inverter_t *self) {
     *self = (lode_inverter_t){.v_bus_V = 0.0f};

@@ -19,7 +19,13 @@ LODE_INLINE lode_ab_t lode_inverter_realised(const lode_inverter_t *self, uint32
 // The voltage `u_V` without the drop across the resistance beyond the configured one. `i_A`: at t_k-1.
 LODE_INLINE lode_ab_t lode_inverter_less_drop(const lode_inverter_t *self, lode_ab_t u_V,
                                               lode_ab_t i_A) {
+#ifdef LODE_WITHOUT_START_MEASUREMENT
+    (void)self;
+    (void)i_A;
+    return u_V;
+#else
     return lode_ab_add_scaled(u_V, -self->r_more_Ohm, i_A);
+#endif
 }
 
 LODE_INLINE void lode_inverter_divide(lode_inverter_t *self, const lode_inverter_tuning_t *tuning) {
@@ -65,7 +71,12 @@ LODE_SHARED void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_
     // Largest less smallest duty is sqrt(3) times the amplitude, at most.
     const float u = lode_sqrt(u_V.d * u_V.d + u_V.q * u_V.q);
     const float span = lode_clamp(LODE_SQRT3 * u * self->per_V, 0.0f, 1.0f);
-    self->dead_time = lode_inverter_dead_time(tuning, self->dead_more, span, self->per_V);
+#ifdef LODE_WITHOUT_START_MEASUREMENT
+    const float dead_more = 0.0f;
+#else
+    const float dead_more = self->dead_more;
+#endif
+    self->dead_time = lode_inverter_dead_time(tuning, dead_more, span, self->per_V);
 }
 
 #endif

@@ -241,11 +241,13 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .still_rounds = (config->current_rise_s + dwell_s(config) + config->lock_s) / round_s,
         .patience_rounds = PATIENCE_s / round_s,
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
+#ifndef LODE_WITHOUT_START_MEASUREMENT
         .r_more_max_Ohm = RESISTANCE_MORE_MAX * (motor->Rs_Ohm + inverter->r_on_Ohm),
         .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
         .calm_rounds = (uint_least16_t)rounds_in(CALM_TIME_s, ts_s),
         .dwell_rounds =
             config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
+#endif
     };
     return LODE_OK;
 }

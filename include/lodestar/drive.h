@@ -55,7 +55,9 @@ typedef struct {
     lode_speed_tuning_t speed;
     lode_start_tuning_t start;
     lode_guard_tuning_t guard;
+#ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_tuning_t plausibility;
+#endif
 } lode_drive_tuning_t;
 
 /// LODE_WITHOUT_COMMISSIONING leaves VOLTAGE and CURRENT out of a build; they are then refused
@@ -169,8 +171,10 @@ typedef struct {
     uint_least16_t temperature; ///< count, of the hotter power stage
     lode_sense_t sense;
     lode_guard_t guard;
+#ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_t plausibility; ///< of the currents, of set 1
     lode_waves_t waves;               ///< of three phases
+#endif
     lode_inverter_t inverter;
     lode_estimator_t estimator;
     float omega_half;   ///< electrical speed half a round of slow jobs before speed control

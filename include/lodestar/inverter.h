@@ -60,9 +60,11 @@ typedef struct {
     float v_bus_V;        ///< bus voltage sampled at the start of the period under way
     float per_V;          ///< 1/v_bus
     lode_dead_time_t dead_time;
+#ifndef LODE_WITHOUT_START_MEASUREMENT
     float
         dead_more; ///< share of the period lost beyond lode_inverter_tuning_t.dead_duty, as measured
     float r_more_Ohm; ///< resistance beyond the configured one, as measured
+#endif
 } lode_inverter_t;
 
 /// Fills every zero field that has a default.

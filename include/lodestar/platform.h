@@ -17,9 +17,9 @@
 #endif
 #endif
 
-/// A kernel of the interrupt: small, and part of the function that uses it.
+/// A kernel of the interrupt: small, and part of the function that uses it. With LODE_SMALL the compiler decides.
 #ifndef LODE_INLINE
-#if defined(__GNUC__)
+#if defined(__GNUC__) && !defined(LODE_SMALL)
 #define LODE_INLINE static inline __attribute__((always_inline))
 #else
 #define LODE_INLINE static inline
@@ -36,9 +36,10 @@
 #endif
 #endif
 
-/// A rare branch of the interrupt: kept out of the code that runs every time, and small.
+/// A rare branch of the interrupt: kept out of the code that runs every time, and small. Not with LODE_SMALL: as a
+/// part of the only function that calls it, it takes less.
 #ifndef LODE_NOINLINE
-#if defined(__GNUC__)
+#if defined(__GNUC__) && !defined(LODE_SMALL)
 #define LODE_NOINLINE __attribute__((noinline, cold))
 #else
 #define LODE_NOINLINE

@@ -18,6 +18,8 @@ static void (*volatile firmware_begin)(lode_drive_t *,
                                        const lode_drive_tuning_t *) = lode_drive_begin;
 static lode_status_t (*volatile firmware_post)(lode_drive_t *,
                                                const lode_command_t *) = lode_drive_post_command;
+static lode_drive_out_t (*volatile firmware_step)(lode_drive_t *,
+                                                  const lode_counts_t *) = lode_drive_step;
 static bool (*volatile firmware_read)(const lode_drive_t *,
                                       lode_telemetry_t *) = lode_drive_telemetry;
 
@@ -25,7 +27,7 @@ void firmware_interrupt(void);
 int firmware(void);
 
 void firmware_interrupt(void) {
-    firmware_out = lode_drive_step(&firmware_drive, &firmware_counts);
+    firmware_out = firmware_step(&firmware_drive, &firmware_counts);
 }
 
 int firmware(void) {
