@@ -142,7 +142,7 @@ absent lode_start_measure LODE_WITHOUT_START_MEASUREMENT
 refuses "-DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR" "$fast$torque"
 absent lode_speed_torque_target LODE_WITHOUT_TORQUE_CONTROL
 refuses -DLODE_WITHOUT_HFI "$injection"
-absent lode_estimator_see_wave LODE_WITHOUT_HFI
+absent lode_estimator_by_wave LODE_WITHOUT_HFI
 refuses -DLODE_WITHOUT_TUNING_CHECK ""
 least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING -DLODE_WITHOUT_HFI -DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT -DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR"
 refuses "$least$all" "$optimal$notch$phases$plausibility$precharge$measurement$fast$injection$torque$vectors"
@@ -162,5 +162,6 @@ has pll_gains || { echo "LODE_SMALL makes no functions of what is shared"; exit 
 unwatched=$(periods -DLODE_WITHOUT_TUNING_CHECK)
 [ "$plain" = "$unwatched" ] || { echo "LODE_WITHOUT_TUNING_CHECK does something else"; exit 1; }
 # Off, injection changes nothing.
-without=$(periods -DLODE_WITHOUT_HFI)
-[ "$plain" = "$without" ] || { echo "LODE_WITHOUT_HFI does something else to a drive that does not inject"; exit 1; }
+off=$(periods -DBENCH_WITHOUT_INJECTING)
+without=$(periods -DBENCH_WITHOUT_INJECTING -DLODE_WITHOUT_HFI)
+[ "$off" = "$without" ] || { echo "LODE_WITHOUT_HFI does something else to a drive that does not inject"; exit 1; }

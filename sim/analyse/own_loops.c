@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "analyse/loop.h"
 #include "analyse/margins.h"
 #include "schedule.h"
 #include "support/units.h"
@@ -59,6 +60,18 @@ static void pll_alone(const task_t *task, int count, const double *Omega, double
 
 static void pll_whole(const task_t *task, int count, const double *Omega, double complex *value) {
     margins_open_loop(task->drive, false, task->omega_rad_s, count, Omega, value);
+}
+
+// ---- Injection ------------------------------------------------------------------------------------
+
+/// (H3) compares two periods: its error is the mean of theirs.
+static void injection(const task_t *task, int count, const double *Omega, double complex *value) {
+    const lode_drive_config_t *drive = task->drive;
+    const loop_ratio_t pll = loop_pll_sampled(
+        (double)drive->hfi.sigma_rad_s, drive->estimator.pll.kind == LODE_PLL_LESO, task->ts_s);
+    for (int k = 0; k < count; ++k) {
+        value[k] = 0.5 * (1.0 + cexp(-I * Omega[k] * task->ts_s)) * loop_at(&pll, Omega[k]);
+    }
 }
 
 // ---- Speed ----------------------------------------------------------------------------------------
@@ -179,6 +192,9 @@ void own_loops(analyse_t *self, const lode_drive_config_t *drive,
     task_t task = {drive, tuning, 1.0 / (double)drive->f_pwm_Hz, NAN};
     add_loop(self, &task, "own-current", "current, d axis", 0, current_d);
     add_loop(self, &task, "own-current", "current, q axis", 1, current_q);
+    if (drive->hfi.mode == LODE_HFI_ON) {
+        add_loop(self, &task, "own-injection", "PLL by injection", 0, injection);
+    }
     for (int k = 0; k < OWN_SPEEDS; ++k) {
         task.omega_rad_s = shares[k] * (double)drive->motor.omega_rated_rad_s;
         add_observer(self, &task, k);

@@ -6,6 +6,7 @@
 #include "config/rig_config.h"
 #include "config/speed_limits.h"
 #include "design/guide.h"
+#include "design/injection.h"
 #include "design/limits.h"
 
 enum { DESIGN_SPEEDS = 10 };
@@ -26,6 +27,7 @@ typedef struct {
     design_speed_t at[DESIGN_SPEEDS];
     guide_t guide;
     limits_t limits;
+    injection_t injection;
     double sigma_accepted_rad_s; ///< largest sigma that the library takes
     double rated_rpm, handover_rpm;
     speed_limits_t speeds;

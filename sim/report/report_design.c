@@ -8,6 +8,7 @@
 #include "config/ini_config.h"
 #include "config/schema.h"
 #include "report/report_guide.h"
+#include "report/report_injection.h"
 #include "support/units.h"
 
 // ---- Text ---------------------------------------------------------------------------------------
@@ -172,6 +173,9 @@ void report_design_text(FILE *file, const rig_config_t *config, const design_t *
     report_guide_text(file, config, design);
     print_lags(file, design);
     print_limits(file, config, design);
+    if (!rig_config_is_six(config)) {
+        report_injection_text(file, &config->drive, &design->injection);
+    }
 }
 
 // ---- JSON ---------------------------------------------------------------------------------------
@@ -222,6 +226,9 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
         add_speed(speeds, &design->at[k]);
     }
     report_guide_json(root, design);
+    if (!rig_config_is_six(config)) {
+        report_injection_json(root, &design->injection);
+    }
     (void)cJSON_AddItemToObject(root, "assumed", config_json_assumed(config));
     (void)cJSON_AddItemToObject(root, "config", config_json(config));
     (void)config_json_write(file, root);

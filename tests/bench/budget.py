@@ -40,6 +40,8 @@ STEPS = {
     "board_mtpa": (WARM, CALLS),
     "unwatched": (WARM, CALLS),
     "board_unwatched": (WARM, CALLS),
+    "injecting": (WARM, CALLS),
+    "board_injecting": (WARM, CALLS),
     "fast_speed": (WARM, CALLS),
     "rise": (0, WARM + CALLS),
     "start": (0, WARM + CALLS),

@@ -39,6 +39,8 @@ int32_t bench_settle(int32_t number) {
         return BENCH_SETTLE_RISE;
     case BENCH_START:
         return BENCH_SETTLE_START;
+    case BENCH_INJECTING:
+        return BENCH_SETTLE_INJECTING;
     case BENCH_STEADY:
     case BENCH_SATURATED:
     case BENCH_FAULT:
@@ -46,6 +48,10 @@ int32_t bench_settle(int32_t number) {
     default:
         return BENCH_SETTLE;
     }
+}
+
+float bench_omega_rad_s(int32_t number) {
+    return bench_scene(number) == BENCH_INJECTING ? BENCH_OMEGA_LOW_rad_s : BENCH_OMEGA_rad_s;
 }
 
 static void add_options(lode_drive_config_t *config, options_t options) {
@@ -129,6 +135,9 @@ lode_drive_config_t bench_config(int32_t number) {
         config.start =
             (lode_start_config_t){.catch_s = LODE_NONE, .current_rise_s = 0.02f, .lock_s = 0.01f};
     }
+    if (c->scene == BENCH_INJECTING) {
+        config.hfi.mode = LODE_HFI_ON;
+    }
     add_options(&config, c->options);
     add_machine(&config, c->machine);
     return config;
@@ -137,7 +146,7 @@ lode_drive_config_t bench_config(int32_t number) {
 bool bench_begin(int32_t number) {
     const lode_drive_config_t config = bench_config(number);
     const lode_command_t run = {.mode = LODE_MODE_RUN,
-                                .speed_rad_s = BENCH_OMEGA_rad_s / BENCH_POLE_PAIRS};
+                                .speed_rad_s = bench_omega_rad_s(number) / BENCH_POLE_PAIRS};
     lode_drive_t *drive = &bench_drive[number];
     return lode_drive_init(drive, &tuning[number], &config) == LODE_OK &&
            lode_drive_post_command(drive, &run) == LODE_OK;
@@ -169,8 +178,10 @@ uint32_t bench_digest(lode_drive_out_t out) {
 
 bool bench_estimate_is_good(int32_t number, const lode_telemetry_t *telemetry, float theta_rad) {
     const bool pushed = bench_scene(number) == BENCH_SATURATED;
+    const bool injecting = bench_scene(number) == BENCH_INJECTING;
     const float off_rad = lode_abs(lode_wrap(telemetry->theta_rad - theta_rad));
     const float slip = lode_abs(telemetry->omega_rad_s - BENCH_OMEGA_rad_s);
-    return telemetry->lock > (pushed ? 0.7f : 0.9f) && off_rad <= (pushed ? 0.3f : 0.1f) &&
+    return telemetry->lock > (pushed || injecting ? 0.7f : 0.9f) &&
+           off_rad <= (pushed ? 0.3f : 0.1f) &&
            (bench_scene(number) != BENCH_STEADY || slip <= 0.015f * BENCH_OMEGA_rad_s);
 }

@@ -26,8 +26,13 @@
 #define BENCH_V_GAIN_V_count 0.02f
 #define BENCH_STAMP_PER_PERIOD 1000u
 
+/// The same of every case with signal injection.
+#define BENCH_OMEGA_LOW_rad_s 60.0f
+
 /// Periods in which a drive calibrates, starts, hands over and settles.
 #define BENCH_SETTLE 2000
+/// The same for BENCH_INJECTING, whose axis and polarity take 160 ms: the largest of all.
+#define BENCH_SETTLE_INJECTING 2600
 /// The same for BENCH_RISE: the calibration.
 #define BENCH_SETTLE_RISE 140
 /// The same for BENCH_START: the counted ones hold the last of the standstill, the ramp and the hand-over.
@@ -40,6 +45,7 @@ typedef enum {
     BENCH_RISE,      ///< current vector at standstill: rise, resistance and dead time measured
     BENCH_START,     ///< the same further on: ramp, hand-over, RUN
     BENCH_SATURATED, ///< RUN at the current limit while the bus falls to the voltage limit
+    BENCH_INJECTING, ///< RUN at the torque of the operating point, so slow that a signal is injected
     BENCH_FAULT,     ///< RUN, over-voltage, FAULT
     BENCH_OFF        ///< gates off
 } bench_scene_t;
@@ -50,6 +56,15 @@ typedef enum {
 /// low-side amplifiers that need 2.6 us of the period's ends (B-G431B-ESC1).
 #define BENCH_PWM_TICKS 8500.0f
 #define BENCH_DUTY_MAX (1.0f - 2.0f * 2.6e-6f * BENCH_F_PWM_Hz)
+
+/// A build without injection refuses them: a test that compares both leaves them out.
+#ifdef BENCH_WITHOUT_INJECTING
+#define BENCH_INJECTING_CASES(X)
+#else
+#define BENCH_INJECTING_CASES(X)                                                                   \
+    X(injecting, INJECTING, C_LESO, LESO, NOTCH, SALIENT)                                          \
+    X(board_injecting, INJECTING, C_LESO, LESO, NOTCH, BOARD)
+#endif
 
 /// name, scene, EMF observer, PLL, options: notch at 6 w / everything that costs / speed control as fast
 /// as in every fourth period / the notch, but no look at the currents' plausibility, machine: without or
@@ -65,6 +80,7 @@ typedef enum {
     X(board_mtpa, STEADY, C_LESO, LESO, NOTCH, MTPA)                                               \
     X(unwatched, STEADY, C_LESO, LESO, UNWATCHED, ROUND)                                           \
     X(board_unwatched, STEADY, C_LESO, LESO, UNWATCHED, BOARD)                                     \
+    BENCH_INJECTING_CASES(X)                                                                       \
     X(fast_speed, STEADY, C_LESO, LESO, FAST, ROUND)                                               \
     X(rise, RISE, C_LESO, LESO, NOTCH, ROUND)                                                      \
     X(start, START, C_LESO, LESO, NOTCH, ROUND)                                                    \
@@ -86,6 +102,9 @@ bench_scene_t bench_scene(int32_t number);
 
 /// Periods before the first counted one.
 int32_t bench_settle(int32_t number);
+
+/// Electrical speed that a case is asked for while it settles.
+float bench_omega_rad_s(int32_t number);
 
 /// Configuration of a case; fields left open are computed by init.
 lode_drive_config_t bench_config(int32_t number);
@@ -110,7 +129,7 @@ uint32_t bench_digest(lode_drive_out_t out);
 
 /// The estimate of a drive in RUN is good: lock above 0.9, angle within 0.1 rad of the rotor's, and in
 /// the steady cases speed within 1 % of the operating point. BENCH_SATURATED, which changes speed as
-/// fast as it can: 0.7 and 0.3 rad.
+/// fast as it can: 0.7 and 0.3 rad. BENCH_INJECTING, whose lock has the noise of the converters in it: 0.7.
 bool bench_estimate_is_good(int32_t number, const lode_telemetry_t *telemetry, float theta_rad);
 
 #endif

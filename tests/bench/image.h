@@ -14,7 +14,7 @@ typedef struct {
     float theta_rad;
 } bench_inputs_t;
 
-extern const lode_counts_t bench_settling[BENCH_CASE_COUNT][BENCH_SETTLE];
+extern const lode_counts_t bench_settling[BENCH_CASE_COUNT][BENCH_SETTLE_INJECTING];
 extern const lode_counts_t bench_counted[BENCH_CASE_COUNT][BENCH_ROWS];
 /// After so many counted calls.
 extern const bench_truth_t bench_truth[BENCH_CASE_COUNT][BENCH_ROWS + 1];

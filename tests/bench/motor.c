@@ -41,7 +41,7 @@ static double load_Nm(const motor_t *m, shaft_t shaft) {
     if (shaft == SHAFT_FREE) {
         return FREE_SHARE * rated_Nm * clamped(m->omega_rad_s / FREE_rad_s, 1.0);
     }
-    const double above = m->omega_rad_s - (double)BENCH_OMEGA_rad_s;
+    const double above = m->omega_rad_s - m->braked_rad_s;
     return rated_Nm + BRAKE_Nms * above / (double)BENCH_POLE_PAIRS;
 }
 
@@ -62,7 +62,7 @@ static void turn(motor_t *m, double h, shaft_t shaft) {
 
 static void carry(motor_t *m, double h, double alpha_V, double beta_V) {
     const double R = (double)BENCH_RS_Ohm;
-    const double Ld = m->Ld_H;
+    const double Ld = m->Ld_H * (1.0 - m->Ld_fall_per_A * m->id_A);
     const double Lq = (double)BENCH_L_H;
     const double w = m->omega_rad_s;
     const double middle = m->theta_rad + 0.5 * h * w;

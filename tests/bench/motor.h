@@ -6,8 +6,11 @@
 #include "drives.h"
 
 typedef struct {
-    int sets;    ///< 1, or 2 that stand 30 degrees apart
-    double Ld_H; ///< the other inductance is BENCH_L_H
+    int sets;             ///< 1, or 2 that stand 30 degrees apart
+    double Ld_H;          ///< the other inductance is BENCH_L_H
+    double Ld_fall_per_A; ///< share of Ld that current along the magnet takes away
+    double
+        braked_rad_s; ///< electrical speed at which the brake takes the torque of the operating point
     double id_A;
     double iq_A;
     double omega_rad_s; ///< electrical
@@ -25,7 +28,7 @@ void motor_phases(const motor_t *motor, int set, double i_A[3]);
 typedef enum {
     SHAFT_FREE,    ///< a tenth of the torque of the operating point, while it turns
     SHAFT_DRAGGED, ///< a machine that keeps the rotor a quarter turn behind the current vector
-    SHAFT_BRAKED   ///< a brake that takes the torque of the operating point at its speed, steeply
+    SHAFT_BRAKED   ///< a brake that takes the torque of the operating point at a speed, steeply
 } shaft_t;
 
 /// One PWM period with the outputs `applied` of all sets, whose gates are all on or all off.

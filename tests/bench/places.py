@@ -29,8 +29,8 @@ COMMON = {
     "sensing, with the voltage that acted": {
         "sense", "lode_sense_next", "lode_sense_currents", "lode_sense_sample",
         "lode_inverter_realised", "lode_inverter_follow_bus"},
-    "EMF observer": {"lode_observer_step_called", "lode_estimator_emf"},
-    "PLL": {"lode_estimator_fast", "lode_estimator_acceleration", "lode_pll_predict",
+    "EMF observer": {"lode_observer_step_called", "lode_estimator_emf", "lode_estimator_dead_beat"},
+    "PLL": {"lode_estimator_fast", "lode_estimator_period", "lode_estimator_acceleration", "lode_pll_predict",
             "lode_pll_correct", "lode_pll_correct_disturbance"},
     "current control": {"lode_drive_control", "lode_current_step"},
     "modulation": {"modulate", "lode_modulator_step", "lode_modulator6_step",

@@ -12,6 +12,7 @@
 #define FAULT_ROW 200  // after the warm-up of a count, and before its end
 #define SAG_ROW 150
 #define SAG_ROWS 150
+#define LD_FALL_PER_A 0.01 // of a case that is to tell north from south
 
 static double bus_V(bench_scene_t scene, int32_t row) {
     if (scene == BENCH_FAULT && row >= FAULT_ROW) {
@@ -24,14 +25,15 @@ static double bus_V(bench_scene_t scene, int32_t row) {
 }
 
 static bool from_standstill(bench_scene_t scene) {
-    return scene == BENCH_RISE || scene == BENCH_START;
+    return scene == BENCH_RISE || scene == BENCH_START || scene == BENCH_INJECTING;
 }
 
 static shaft_t shaft_of(bench_scene_t scene, lode_mode_t mode) {
-    if (from_standstill(scene)) {
-        return SHAFT_FREE;
+    const bool braked = mode == LODE_MODE_RUN && scene != BENCH_RISE && scene != BENCH_START;
+    if (braked) {
+        return SHAFT_BRAKED;
     }
-    return mode == LODE_MODE_RUN ? SHAFT_BRAKED : SHAFT_DRAGGED;
+    return from_standstill(scene) ? SHAFT_FREE : SHAFT_DRAGGED;
 }
 
 // Between -1 and 1: what a converter adds in counts.
@@ -69,9 +71,9 @@ typedef struct {
     lode_drive_out_t applied;
     lode_telemetry_t telemetry;
     seen_t seen;
-    lode_counts_t counts[BENCH_SETTLE + BENCH_ROWS];
+    lode_counts_t counts[BENCH_SETTLE_INJECTING + BENCH_ROWS];
     bench_truth_t truth[BENCH_ROWS + 1];
-    bench_inputs_t inputs[BENCH_SETTLE + BENCH_ROWS];
+    bench_inputs_t inputs[BENCH_SETTLE_INJECTING + BENCH_ROWS];
 } run_t;
 
 static void look(run_t *run) {
@@ -118,6 +120,7 @@ static bool is_as_named(const run_t *run) {
     const int32_t running = s->mode[LODE_MODE_RUN];
     switch (bench_scene(run->number)) {
     case BENCH_STEADY:
+    case BENCH_INJECTING: // without injection it would not run so slowly
         return running == BENCH_ROWS && s->bad == 0 &&
                fabs(run->motor.iq_A / (double)BENCH_IQ_A - 1.0) < 0.1;
     case BENCH_RISE:
@@ -138,8 +141,11 @@ static bool is_as_named(const run_t *run) {
 static bool record(run_t *run) {
     const bool dragged = // behind a vector that starts at 0
         !from_standstill(bench_scene(run->number));
+    const bool injecting = bench_scene(run->number) == BENCH_INJECTING;
     run->motor = (motor_t){.sets = 1,
                            .Ld_H = (double)bench_config(run->number).motor.Ld_H,
+                           .Ld_fall_per_A = injecting ? LD_FALL_PER_A : 0.0,
+                           .braked_rad_s = (double)bench_omega_rad_s(run->number),
                            .theta_rad = dragged ? -1.5 : 1.0};
     if (!bench_begin(run->number)) {
         fprintf(stderr, "case %d: the configuration was refused\n", (int)run->number);
@@ -193,7 +199,7 @@ static void print_inputs(const bench_inputs_t *inputs, int32_t rows) {
 
 static void print_all(const run_t *runs) {
     printf("#include \"image.h\"\n"
-           "const lode_counts_t bench_settling[BENCH_CASE_COUNT][BENCH_SETTLE] = {\n");
+           "const lode_counts_t bench_settling[BENCH_CASE_COUNT][BENCH_SETTLE_INJECTING] = {\n");
     for (int32_t n = 0; n < BENCH_CASE_COUNT; n++) {
         printf("{\n");
         record_print_counts(runs[n].counts, bench_settle(n));

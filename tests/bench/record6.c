@@ -50,6 +50,7 @@ static void one_period(run6_t *run, int32_t period) {
 
 static bool record(run6_t *run) {
     run->motor = (motor_t){.sets = LODE_SETS,
+                           .braked_rad_s = (double)BENCH_OMEGA_rad_s,
                            .Ld_H = (double)BENCH_L_H,
                            .theta_rad = -1.5}; // behind a vector that starts at 0
     if (!bench6_begin(run->number)) {

@@ -315,6 +315,14 @@ def own_loops(checks, folder):
         near(checks, found[key]["crossover_rad_s"], crossover, 4e-3 * crossover, f"crossover of {key}")
         near(checks, found[key]["phase_margin_deg"], margin, 0.3, f"margin of {key}")
         checks.true(key[0] in done.stdout, f"{key[0]} is printed")
+    # Of injection, with a sigma of its own: its error is the mean of two periods'.
+    folder.run("analyse", "--set", "hfi.mode=on", "--set", "hfi.sigma_rad_s=100", "--json", "h.json")
+    rows = [row for row in folder.json("h.json")["loops"] if row["loop"] == "PLL by injection"]
+    checks.equal(len(rows), 1, "loops of injection")
+    c["estimator"]["sigma_rad_s"] = 100
+    crossover, margin = crossing(lambda w: pll(w)[0] * 0.5 * (1 + cmath.exp(-1j * w * TS)), 5, 5000)
+    near(checks, rows[0]["crossover_rad_s"], crossover, 4e-3 * crossover, "crossover of injection")
+    near(checks, rows[0]["phase_margin_deg"], margin, 0.3, "margin of injection")
     folder.run("analyse", "--set", "speed.every_period=on", "--json", "e.json")
     for row in folder.json("e.json")["loops"]:
         if row["loop"] == "speed, PI alone" and round(row["speed_rpm"]) in (300, 1500):

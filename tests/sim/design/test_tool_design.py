@@ -225,6 +225,38 @@ def first_turn(checks, folder):
     refused(checks, folder, ["run", "both.ini"], "A file with a motor alone goes behind --motor")
 
 
+def injection(checks, folder):
+    """Whether signal injection is possible, and what it would be, worked out here for paper 1's motor."""
+    command = ["design", "--motor", "jiang2022", "--drive", "jiang2022", "--set", "hfi.noise_A=0.02",
+               "--set", "hfi.V_h_V=25"]
+    found = json.loads(folder.run(*command, "--json").stdout)["injection"]
+    Ts, Ld, Lq, V, sigma = 2e-4, 3.5e-3, 9.8e-3, 25, 100
+    noise = math.sqrt(6) / 2 * 0.02 / V * Ld / Ts * Lq / (Lq - Ld)
+    wanted = {"saliency": Lq / Ld, "V_h_V": V, "ripple_A": V * Ts / Ld, "tone_Hz": 0.5 / Ts, "id_A": 0,
+              "circle_share": V / (0.95 * 200 / math.sqrt(3)),
+              "ripple_Nm": 1.5 * 3 * (Lq - Ld) * 12 * V * Ts / Ld,
+              "noise_deg": math.degrees(noise * math.sqrt(8 / 3 * 33 / 16 * sigma * Ts)),
+              "dead_time_rad": (200 * 4e-6 / Ts + 1) / (V * (Lq / Ld - 1)), "sigma_rad_s": sigma}
+    checks.equal([found["on"], found["status"]], [False, "LODE_OK"], "possible, and off")
+    for key, value in wanted.items():
+        checks.at_most(abs(found[key] - value), 1e-4 * max(value, 1), f"{key}: {found[key]}")
+    checks.at_most(found["w1_rad_s"] / found["w2_rad_s"], 0.651, "the blend")
+    text = folder.run(*command).stdout
+    checks.true("zero and low speed: off (hfi.mode)\npossible: hfi.mode = on\n" in text, "said to be possible")
+    text = folder.run(*command, "--set", "hfi.mode=on").stdout
+    checks.true("zero and low speed: on\nit is used\n" in text, "said to be used")
+    round_rotor = folder.run("design", "--motor", "ebike_hub", "--drive", "ebike_hub").stdout
+    checks.true("not possible: the rotor is not salient enough" in round_rotor
+                and "LODE_ERROR_HFI_SALIENCY" in round_rotor, "why not")
+    other = folder.run(*command, "--set", "hfi.w2_rad_s=50", "--set", "hfi.w1_rad_s=60").stdout
+    checks.true("not possible: w1 and w2 do not lie" in other, "why not, of a setting")
+    other = folder.run(*command, "--set", "hfi.sigma_rad_s=9000").stdout
+    checks.true("not possible: the configuration is refused with it (LODE_ERROR_HFI_SIGMA)" in other,
+                "why not, of another")
+    six = folder.run("design", "--motor", "ultrazohm6", "--drive", "ultrazohm6").stdout
+    checks.true("signal injection" not in six, "not for six phases")
+
+
 def main():
     checks = Checks()
     with Folder() as folder:
@@ -233,6 +265,7 @@ def main():
         speeds(checks, folder)
         assumed(checks, folder)
         first_turn(checks, folder)
+        injection(checks, folder)
     checks.done()
 
 

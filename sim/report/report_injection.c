@@ -1,0 +1,73 @@
+#include "report/report_injection.h"
+
+#include "config/config_json.h"
+#include "support/units.h"
+
+/// Why it cannot be, in words.
+static const char *reason_of(lode_status_t status) {
+    static const struct {
+        lode_status_t status;
+        const char *words;
+    } reasons[] = {
+        {LODE_ERROR_HFI_SALIENCY,
+         "the rotor is not salient enough at i_max: Lq'/Ld must be at least 1.15"},
+        {LODE_ERROR_HFI_VOLTAGE, "it would take more than half of the voltage circle"},
+        {LODE_ERROR_HFI_DEAD_TIME,
+         "the dead time would hide the response: a larger hfi.V_h_V, or a shorter dead time"},
+        {LODE_ERROR_HFI_SPEEDS, "w1 and w2 do not lie between 0 and the estimator's limit"},
+        {LODE_ERROR_ID_BIAS, "hfi.id_A is more than i_max"},
+    };
+    for (size_t k = 0; k < sizeof reasons / sizeof reasons[0]; ++k) {
+        if (reasons[k].status == status) {
+            return reasons[k].words;
+        }
+    }
+    return "the configuration is refused with it";
+}
+
+static double rpm_of(const lode_drive_config_t *config, double omega_rad_s) {
+    return rig_rpm_from_rad_s(omega_rad_s) / (double)config->motor.pole_pairs;
+}
+
+void report_injection_text(FILE *file, const lode_drive_config_t *config, const injection_t *i) {
+    (void)fprintf(file, "\nsignal injection, for zero and low speed: %s\n",
+                  i->on ? "on" : "off (hfi.mode)");
+    if (i->status != LODE_OK) {
+        (void)fprintf(file, "not possible: %s (%s)\n", reason_of(i->status),
+                      lode_status_name(i->status));
+        (void)fprintf(file, "saliency at i_max: Lq'/Ld = %.2f\n", i->saliency);
+        return;
+    }
+    (void)fprintf(
+        file,
+        "%s\n"
+        "saliency at i_max: Lq'/Ld = %.2f, as far as Lq_H, Lq_fall or hfi.Lq_i_max_H tell\n"
+        "amplitude: %.1f V, %.0f %% of the voltage circle; id %.3g A\n"
+        "ripple, peak to peak: %.3g A; at i_max %.3g Nm\n"
+        "tone: %.0f Hz\n"
+        "angle: %.2f degrees rms by the noise of the currents; %.1f where a current passes "
+        "through zero\n"
+        "position by injection up to %.1f rpm, by the EMF from %.1f rpm; sigma %.0f rad/s\n",
+        i->on ? "it is used" : "possible: hfi.mode = on", i->saliency, i->V_h_V,
+        100.0 * i->circle_share, i->id_A, i->ripple_A, i->ripple_Nm, i->tone_Hz, i->noise_deg,
+        rig_deg_from_rad(i->dead_time_rad), rpm_of(config, i->w1_rad_s),
+        rpm_of(config, i->w2_rad_s), i->sigma_rad_s);
+}
+
+void report_injection_json(cJSON *root, const injection_t *i) {
+    cJSON *out = cJSON_AddObjectToObject(root, "injection");
+    (void)cJSON_AddBoolToObject(out, "on", i->on);
+    (void)cJSON_AddStringToObject(out, "status", lode_status_name(i->status));
+    config_json_number(out, "saliency", i->saliency);
+    config_json_number(out, "V_h_V", i->V_h_V);
+    config_json_number(out, "circle_share", i->circle_share);
+    config_json_number(out, "ripple_A", i->ripple_A);
+    config_json_number(out, "ripple_Nm", i->ripple_Nm);
+    config_json_number(out, "tone_Hz", i->tone_Hz);
+    config_json_number(out, "noise_deg", i->noise_deg);
+    config_json_number(out, "dead_time_rad", i->dead_time_rad);
+    config_json_number(out, "id_A", i->id_A);
+    config_json_number(out, "w1_rad_s", i->w1_rad_s);
+    config_json_number(out, "w2_rad_s", i->w2_rad_s);
+    config_json_number(out, "sigma_rad_s", i->sigma_rad_s);
+}
