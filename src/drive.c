@@ -399,16 +399,11 @@ LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_drive_tuning
 }
 
 // The voltage of current control with that of injection.
-LODE_INLINE lode_dq_t with_wave(lode_drive_t *self, const lode_drive_tuning_t *tuning, bool *free) {
+LODE_INLINE lode_dq_t with_wave(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_HFI
     if (lode_estimator_injects(&self->estimator)) {
-        const lode_dq_t u_V = lode_hfi_add_wave(&self->estimator.hfi, self->u_V);
-        *free = lode_current_is_free(&tuning->current, u_V, self->inverter.v_bus_V);
-        return u_V;
+        return lode_hfi_add_wave(&self->estimator.hfi, self->u_V);
     }
-#else
-    (void)tuning;
-    (void)free;
 #endif
     return self->u_V;
 }
@@ -416,7 +411,7 @@ LODE_INLINE lode_dq_t with_wave(lode_drive_t *self, const lode_drive_tuning_t *t
 // Duties for the voltage, and what the motor will see of it.
 LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                 const lode_frame_t *frame, bool free) {
-    const lode_dq_t u_V = with_wave(self, tuning, &free);
+    const lode_dq_t u_V = with_wave(self);
     const lode_ab_t v = lode_ab_scale(self->inverter.per_V, lode_park_inverse(u_V, frame->applied));
     const lode_ab_t i_A = lode_park_inverse(frame->i_A, frame->applied);
     const lode_modulator_out_t out =
@@ -478,7 +473,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
         }
         given = lode_mode_is_voltage(self);
     }
-    const float left_V = lode_drive_left_V(self, tuning, sample->v_bus_V);
+    const float left_V = lode_drive_left_V(self, sample->v_bus_V);
     const bool free = lode_drive_control(self, tuning, &frame, left_V, given);
     const lode_abc_t duty = modulate(self, tuning, &frame, free);
     // Whoever made the duties: the last word.

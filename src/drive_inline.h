@@ -237,17 +237,13 @@ LODE_INLINE void lode_drive_count_sensor(lode_drive_t *self) {
 }
 
 // The bus voltage whose circle current control may use.
-LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                    float v_bus_V) {
-#ifndef LODE_WITHOUT_HFI
-    if (lode_estimator_injects(&self->estimator)) {
-        return v_bus_V - tuning->estimator.hfi.reserve_V;
-    }
-#else
+LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, float v_bus_V) {
+#ifdef LODE_WITHOUT_HFI
     (void)self;
-    (void)tuning;
-#endif
     return v_bus_V;
+#else
+    return v_bus_V - self->estimator.hfi.reserve_V;
+#endif
 }
 
 // One of the jobs that follow speed and load slowly. After the duties, which do not wait for it. `words`: of

@@ -15,15 +15,11 @@ LODE_INLINE lode_ab_t lode_emf_dead_beat(lode_emf_t *self, const lode_emf_tuning
     return m;
 }
 
-// `m_V` without (Ld - Lq) did/dt on the d axis (E5), at the angle half a period back: the mean over it.
-// `rotor`: predicted rotor angle at t_k; `half_step`: angle of half a period; `id_before_A`: d-axis
-// current at t_k-1. Where the angle can be trusted.
+// `m_V` without (Ld - Lq) did/dt on the d axis (E5), the mean over the period. `rise_A`: of the d-axis current
+// in it; `middle`: predicted rotor angle in its middle. Where the angle can be trusted.
 LODE_INLINE lode_ab_t lode_emf_less_salient(const lode_emf_tuning_t *tuning, lode_ab_t m_V,
-                                            lode_ab_t i_A, lode_sincos_t rotor,
-                                            lode_sincos_t half_step, float id_before_A) {
-    const lode_sincos_t middle = lode_angle_subtract(rotor, half_step);
-    const float rise_d = lode_park(i_A, rotor).d - id_before_A;
-    return lode_ab_add_scaled(m_V, -tuning->salient_Ohm * rise_d,
+                                            float rise_A, lode_sincos_t middle) {
+    return lode_ab_add_scaled(m_V, -tuning->salient_Ohm * rise_A,
                               (lode_ab_t){middle.cos, middle.sin});
 }
 

@@ -88,6 +88,9 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
                                   const lode_estimator_config_t *config, const lode_motor_t *motor,
                                   float ts_s) {
     lode_estimator_tuning_t t = {.options = 0u};
+#ifndef LODE_WITHOUT_HFI
+    t.hfi = lode_hfi_none();
+#endif
     lode_status_t status = lode_motor_check(motor);
     // Friction that stops the rotor within a period: the motion predicted from it would swing up.
     if (status == LODE_OK && !(motor->B_Nms * ts_s <= motor->J_kgm2)) {
@@ -212,35 +215,31 @@ LODE_RAMFUNC float lode_estimator_look_again(lode_estimator_t *self,
                                              lode_sincos_t frame) {
     const lode_ab_t e_V = self->emf.observer.e_V;
     const float e2 = square(e_V);
-    if (!(e2 <= EMF2_LIMIT_V2) || !(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit)) {
+    if (!(e2 <= EMF_LIMIT_V * EMF_LIMIT_V) ||
+        !(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit)) {
         return 2.0f * SINE_MAX;
     }
-#ifndef LODE_WITHOUT_HFI
-    if (self->hfi.active) {
-        return lode_hfi_blend(&self->hfi, lode_park(e_V, frame).d * self->per_V);
-    }
-#endif
     self->per_V = per_V_of(tuning, e2, self->pll.omega_rad_s);
-#ifndef LODE_WITHOUT_NOTCH
-    self->notch.sogi = self->notch12.sogi = (lode_sogi_t){0.0f, 0.0f};
-#endif
+    lode_estimator_clear_notches(self);
     return lode_park(e_V, frame).d * self->per_V;
 }
 
-#ifndef LODE_WITHOUT_HFI
+// Beyond SINE_MAX where the EMF is not that of a motor: not finite, or too large to be blended.
+LODE_RAMFUNC LODE_NOINLINE float lode_estimator_limit(const lode_estimator_t *self, float error) {
+    if (!(square(self->emf.observer.e_V) <= EMF_LIMIT_V * EMF_LIMIT_V)) {
+        return 2.0f * SINE_MAX;
+    }
+    return lode_clamp(error, -LODE_HFI_ERROR_MAX_rad, LODE_HFI_ERROR_MAX_rad);
+}
 
-// By itself: where nothing is injected, not a value more is kept in a register.
-LODE_RAMFUNC LODE_NOINLINE void lode_estimator_see_wave(lode_estimator_t *self,
-                                                        const lode_estimator_tuning_t *tuning,
-                                                        lode_ab_t u_V, lode_ab_t i_A) {
-    const lode_ab_t before = self->emf.i_A;
-    const lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
-    self->emf.i_A = before;
-    const lode_pll_motion_t motion = lode_pll_predict(&self->pll, &tuning->pll);
-    const lode_sincos_t half = lode_sincos_small(0.5f * motion.angle_rad);
-    const lode_sincos_t lag = lode_lag_near(&self->lag, self->pll.omega_rad_s);
-    const lode_sincos_t middle = lode_angle_add(lode_angle_add(self->pll.frame, half), lag);
-    lode_hfi_demodulate(&self->hfi, &tuning->hfi, tuning->emf.salient_Ohm, m_V, i_A, middle, half);
+#if !defined(LODE_WITHOUT_HFI) && !defined(LODE_SMALL)
+
+LODE_RAMFUNC lode_estimator_seen_t lode_estimator_by_wave(lode_estimator_t *self,
+                                                          const lode_estimator_tuning_t *tuning,
+                                                          lode_ab_t u_V, lode_ab_t i_A) {
+    const lode_estimate_t estimate = lode_estimator_period(self, tuning, u_V, i_A, true);
+    return (lode_estimator_seen_t){estimate.rotor.sin, estimate.rotor.cos, estimate.i_A.d,
+                                   estimate.i_A.q};
 }
 
 #endif

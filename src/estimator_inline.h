@@ -11,8 +11,8 @@
 #include "scalar_inline.h"
 #include "schedule.h"
 
-// Amplitude, squared, beyond any motor's EMF: NaN and Inf fall outside.
-#define EMF2_LIMIT_V2 1.0e12f
+// Amplitude beyond any motor's EMF: NaN and Inf fall outside.
+#define EMF_LIMIT_V 1.0e6f
 // The EMF of a changing active flux is taken out from this lock quality on: the angle is within some 65
 // degrees. Where that ended with the lock, an angle on its way back was found by an EMF that the rise of the
 // current had turned, at a speed 60 % off. Simulated: 0.3 to 0.4 lose none of 220 starts, 0.25 one; of
@@ -35,9 +35,21 @@ lode_sincos_t lode_estimator_filtered_step(lode_estimator_t *self,
                                            float omega_rad_s);
 float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                 lode_sincos_t frame);
-// Position error by injection, (H4).
-void lode_estimator_see_wave(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                             lode_ab_t u_V, lode_ab_t i_A);
+// A large position error of a period that injects.
+float lode_estimator_limit(const lode_estimator_t *self, float error);
+// The rotor at t_k and the current in its frame. Flat: four floats are returned in registers, and stay there.
+typedef struct {
+    float sin;
+    float cos;
+    float d_A;
+    float q_A;
+} lode_estimator_seen_t;
+
+// lode_estimator_fast() of a period that injects. By itself: where nothing is injected, not a value more is kept
+// in a register.
+lode_estimator_seen_t lode_estimator_by_wave(lode_estimator_t *self,
+                                             const lode_estimator_tuning_t *tuning, lode_ab_t u_V,
+                                             lode_ab_t i_A);
 void lode_estimator_move_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              float omega_rad_s);
 void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
@@ -63,48 +75,11 @@ LODE_SHARED lode_sincos_t lode_estimator_rotor(const lode_estimator_t *self) {
     return lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
 }
 
-// Takes in the period under way, before anything else does.
-LODE_INLINE void lode_estimator_demodulate(lode_estimator_t *self,
-                                           const lode_estimator_tuning_t *tuning, lode_ab_t u_V,
-                                           lode_ab_t i_A) {
-#ifdef LODE_WITHOUT_HFI
-    (void)self;
-    (void)tuning;
-    (void)u_V;
-    (void)i_A;
-#else
-    if (lode_estimator_injects(self)) {
-        lode_estimator_see_wave(self, tuning, u_V, i_A);
-    }
-#endif
-}
-
-// The current of control at t_k.
-LODE_INLINE lode_dq_t lode_estimator_less_ripple(lode_estimator_t *self, lode_dq_t i_A) {
-#ifndef LODE_WITHOUT_HFI
-    if (lode_estimator_injects(self)) {
-        return lode_hfi_less_ripple(&self->hfi, i_A);
-    }
-#else
-    (void)self;
-#endif
-    return i_A;
-}
-
-// The EMF at t_k. `half`: rotation by half of the motion's angle, `step`: by all of it; `frame`: of the PLL
-// as predicted for t_k.
+// The EMF at t_k from the dead-beat one. `step`: rotation by the motion's angle.
 LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning, uint32_t options,
-                                         lode_ab_t u_V, lode_ab_t i_A, lode_pll_motion_t motion,
-                                         lode_sincos_t half, lode_sincos_t step,
-                                         lode_sincos_t frame) {
-    lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
-    if (lode_estimator_asks(options, LODE_ESTIMATOR_SALIENT) && LODE_USUALLY(self->aligned)) {
-        // By the lag that id_A was seen with: a difference would pass for a rise of the current.
-        const lode_sincos_t lag = lode_lag_near(&self->lag, self->pll.omega_rad_s);
-        m_V = lode_emf_less_salient(&tuning->emf, m_V, i_A, lode_angle_add(frame, lag), half,
-                                    self->id_A);
-    }
+                                         lode_ab_t m_V, lode_pll_motion_t motion,
+                                         lode_sincos_t step) {
     if (LODE_RARELY(!self->locked)) {
         lode_estimator_note_rotation(self, tuning);
     }
@@ -120,6 +95,15 @@ LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
         }
     }
     return lode_observer_step(&self->emf.observer, &tuning->emf.observer, m_V, tuned, omega_rad_s);
+}
+
+// From no ripple at all.
+LODE_INLINE void lode_estimator_clear_notches(lode_estimator_t *self) {
+#ifdef LODE_WITHOUT_NOTCH
+    (void)self;
+#else
+    self->notch.sogi = self->notch12.sogi = (lode_sogi_t){0.0f, 0.0f};
+#endif
 }
 
 // The position error without the harmonics of the EMF, which show in it at 6 w and 12 w.
@@ -159,25 +143,94 @@ LODE_INLINE lode_estimate_t lode_estimator_nothing(const lode_estimator_t *self)
                              .source = LODE_ESTIMATE_OWN};
 }
 
-// The fast part of a period.
-LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
-                                                const lode_estimator_tuning_t *tuning,
-                                                lode_ab_t u_V, lode_ab_t i_A) {
+// Of a period that went well.
+LODE_INLINE lode_estimate_t lode_estimator_estimate(const lode_estimator_t *self,
+                                                    const lode_estimator_tuning_t *tuning,
+                                                    lode_sincos_t rotor, lode_dq_t i_A) {
+    return (lode_estimate_t){
+        .omega_rad_s = self->pll.omega_rad_s,
+        .rotor = rotor,
+        .i_A = i_A,
+        .e_V = self->emf.observer.e_V,
+        .load_torque_Nm = lode_estimator_load_torque_Nm(self, tuning),
+        .lock = self->lock,
+        .reseeded = false,
+        .source = LODE_ESTIMATE_OWN,
+    };
+}
+
+// The dead-beat EMF without that of a changing active flux. `frame`: of the PLL as predicted for t_k; `half`:
+// rotation by half of the motion's angle. `by_wave`: the position error by injection too, in its state.
+LODE_INLINE lode_ab_t lode_estimator_dead_beat(lode_estimator_t *self,
+                                               const lode_estimator_tuning_t *tuning,
+                                               uint32_t options, lode_ab_t u_V, lode_ab_t i_A,
+                                               lode_sincos_t frame, lode_sincos_t half,
+                                               bool by_wave) {
+    const lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
+    const bool seen =
+        lode_estimator_asks(options, LODE_ESTIMATOR_SALIENT) && LODE_USUALLY(self->aligned);
+    if (!by_wave && !seen) {
+        return m_V;
+    }
+    // By the lag that id_A was seen with: a difference would pass for a rise of the current.
+    const lode_sincos_t lag = lode_lag_near(&self->lag, self->pll.omega_rad_s);
+    const lode_sincos_t end = lode_angle_add(frame, lag);
+    const lode_sincos_t middle = lode_angle_subtract(end, half);
+    const lode_dq_t i_end_A = lode_park(i_A, end);
+#ifndef LODE_WITHOUT_HFI
+    if (by_wave) {
+        lode_hfi_demodulate(&self->hfi, &tuning->hfi, tuning->emf.salient_Ohm,
+                            lode_park(m_V, middle), i_end_A);
+    }
+#endif
+    return lode_emf_less_salient(&tuning->emf, m_V, i_end_A.d - self->id_A, middle);
+}
+
+// The position error of a period that injects, `error` by the EMF.
+LODE_INLINE float lode_estimator_blend(const lode_estimator_t *self, float error) {
+#ifdef LODE_WITHOUT_HFI
+    (void)self;
+    return error;
+#else
+    return lode_hfi_blend(&self->hfi, error);
+#endif
+}
+
+// The current of control at t_k.
+LODE_INLINE lode_dq_t lode_estimator_less_ripple(lode_estimator_t *self, lode_dq_t i_A,
+                                                 bool by_wave) {
+#ifdef LODE_WITHOUT_HFI
+    (void)self;
+    (void)by_wave;
+    return i_A;
+#else
+    return by_wave ? lode_hfi_less_ripple(&self->hfi, i_A) : i_A;
+#endif
+}
+
+// The fast part of a period. `by_wave`: it injects.
+LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
+                                                  const lode_estimator_tuning_t *tuning,
+                                                  lode_ab_t u_V, lode_ab_t i_A, bool by_wave) {
     const uint32_t options = tuning->options;
-    lode_estimator_demodulate(self, tuning, u_V, i_A);
     const lode_pll_motion_t motion = lode_pll_predict(&self->pll, &tuning->pll);
     const lode_sincos_t half = lode_sincos_small(0.5f * motion.angle_rad);
     const lode_sincos_t step = lode_angle_double(half);
     lode_sincos_t frame = lode_angle_add(self->pll.frame, step);
-    const lode_ab_t e_V =
-        lode_estimator_emf(self, tuning, options, u_V, i_A, motion, half, step, frame);
+    const lode_ab_t m_V =
+        lode_estimator_dead_beat(self, tuning, options, u_V, i_A, frame, half, by_wave);
+    const lode_ab_t e_V = lode_estimator_emf(self, tuning, options, m_V, motion, step);
 
     // Phase detector (paper 1, eq. 13; P1) with the sign of speed, or it locks half a turn off. The
     // amplitude is the one last computed; where the error is large, or not finite, it is computed now.
     const float across_V = lode_park(e_V, frame).d;
-    float error = lode_estimator_notched(self, tuning, options, across_V * self->per_V);
-    if (lode_estimator_injects(self) || LODE_RARELY(!(lode_abs(error) <= tuning->error_small))) {
-        error = lode_estimator_look_again(self, tuning, frame);
+    const float by_emf = across_V * self->per_V;
+    float error = by_wave ? lode_estimator_blend(self, by_emf)
+                          : lode_estimator_notched(self, tuning, options, by_emf);
+    const float small = by_wave ? LODE_HFI_ERROR_MAX_rad : tuning->error_small;
+    if (LODE_RARELY(!(lode_abs(error) <= small))) {
+        error = by_wave ? lode_estimator_limit(self, error)
+                        : lode_estimator_look_again(self, tuning, frame);
         if (!(lode_abs(error) <= SINE_MAX)) {
             lode_estimator_restart(self, tuning);
             return lode_estimator_nothing(self);
@@ -193,21 +246,30 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
     const lode_sincos_t rotor = lode_estimator_rotor(self);
     lode_dq_t i_dq = lode_park(i_A, rotor);
     self->id_A = i_dq.d;
-    i_dq = lode_estimator_less_ripple(self, i_dq);
+    i_dq = lode_estimator_less_ripple(self, i_dq, by_wave);
     if (LODE_USUALLY(lode_estimator_asks(options, LODE_ESTIMATOR_THIRD_ORDER))) {
         const float acc = lode_estimator_acceleration(tuning, i_dq, error, self->pll.omega_rad_s);
         lode_pll_correct_disturbance(&self->pll, &tuning->pll, self->gains, error, acc);
     }
-    return (lode_estimate_t){
-        .omega_rad_s = self->pll.omega_rad_s,
-        .rotor = rotor,
-        .i_A = i_dq,
-        .e_V = e_V,
-        .load_torque_Nm = lode_estimator_load_torque_Nm(self, tuning),
-        .lock = self->lock,
-        .reseeded = false,
-        .source = LODE_ESTIMATE_OWN,
-    };
+    return lode_estimator_estimate(self, tuning, rotor, i_dq);
+}
+
+// The fast part of a period.
+LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
+                                                const lode_estimator_tuning_t *tuning,
+                                                lode_ab_t u_V, lode_ab_t i_A) {
+#if defined(LODE_WITHOUT_HFI) || defined(LODE_SMALL)
+    return lode_estimator_period(self, tuning, u_V, i_A, lode_estimator_injects(self));
+#else
+    if (lode_estimator_injects(self)) {
+        const lode_estimator_seen_t seen = lode_estimator_by_wave(self, tuning, u_V, i_A);
+        lode_estimate_t out = lode_estimator_estimate(
+            self, tuning, (lode_sincos_t){seen.sin, seen.cos}, (lode_dq_t){seen.d_A, seen.q_A});
+        out.reseeded = !self->hfi.active;
+        return out;
+    }
+    return lode_estimator_period(self, tuning, u_V, i_A, false);
+#endif
 }
 
 // The state is that of a motor: a rotation of about length 1 and a speed within limits. NaN is not.

@@ -22,7 +22,8 @@
 // At least this much of rated speed: twice what the EMF's start hands over at, with room for the blend.
 #define W2_SHARE 0.275f
 #define W1_SHARE 0.65f
-#define SIGMA_TS_MAX 0.3f
+// By an error at its limit the length of the PLL's rotation grows to 1.07 in a round.
+#define SIGMA_TS_MAX 0.1f
 #define AXIS_MAX_rad 0.5f
 // With less (1.5 but for rounding), positive id: at 1.2 the rotor is lost without it.
 #define SALIENCY_ENOUGH 1.49f
@@ -40,6 +41,8 @@
 #define FOUND_rad 0.15f
 // Low-pass of the i_q that turns the axis: below current control, above what the load does.
 #define IQ_rad_s 500.0f
+// Of H0 (H4).
+#define LEAST_SHARE 0.3f
 // Injection ends a little above the speed at which it begins.
 #define HYSTERESIS 1.05f
 // Mean error that leaves no trust.
@@ -136,7 +139,9 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
                            ? ID_SHARE * system->inverter->i_max_A
                            : LODE_NONE;
     config->id_A = lode_given_or(config->id_A, id_A);
-    config->sigma_rad_s = lode_given_or(config->sigma_rad_s, system->sigma_rad_s);
+    const float sigma_max = SIGMA_TS_MAX / lode_max(system->ts_s, FLT_MIN);
+    config->sigma_rad_s =
+        lode_given_or(config->sigma_rad_s, lode_min(system->sigma_rad_s, sigma_max));
     if (config->mode == LODE_HFI_AUTO) {
         config->mode = check(config, system) == LODE_OK ? LODE_HFI_ON : LODE_HFI_OFF;
     }
@@ -148,7 +153,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     if (!on && config->mode != LODE_HFI_OFF) {
         return LODE_ERROR_HFI_MODE;
     }
-    *tuning = (lode_hfi_tuning_t){.on = 0u};
+    *tuning = lode_hfi_none();
     if (!on) {
         return LODE_OK;
     }
@@ -158,6 +163,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     }
     const lode_motor_t *motor = system->motor;
     const float full_V = 2.0f * config->V_h_V * (motor->Lq_H - motor->Ld_H) / motor->Ld_H;
+    const float least_V = LEAST_SHARE * full_V;
     const lode_pll_tuning_t pll = {
         .inv_ts = 1.0f / system->ts_s,
         .x_low = lode_one_minus_exp(config->sigma_rad_s * system->ts_s),
@@ -168,8 +174,8 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
         .V_h_V = config->V_h_V,
         .omega_high = config->w2_rad_s,
         .inv_span = 1.0f / (config->w2_rad_s - config->w1_rad_s),
-        .full_V = full_V,
-        .reserve_V = config->V_h_V * system->inverter->v_bus_V / system->circle_V,
+        .inv_full = 1.0f / full_V,
+        .least_V2 = lode_max(least_V * least_V, FLT_MIN),
         .k_x = config->k_x_rad_A,
         .iq_weight = lode_one_minus_exp(IQ_rad_s * (float)LODE_SLOW_PERIODS * system->ts_s),
         .find_gain = pll.x_low,
@@ -185,11 +191,10 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
 
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A) {
     *self = (lode_hfi_t){.active = true,
+                         .reserve_V = tuning->reserve_V,
                          .wave_V = tuning->V_h_V,
                          .weight = 1.0f,
-                         .ih_A = i_A.d,
                          .iq_A = i_A.q,
-                         .axis = {0.0f, 1.0f},
                          .i_A = i_A};
 }
 
@@ -223,9 +228,8 @@ float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
     self->rounds++;
     if (2u * self->rounds > rounds) { // the current has settled
         *(self->step == (uint_least8_t)LODE_HFI_SOUTH ? &self->against_V : &self->along_V) +=
-            finding ? 0.0f : self->sum_V;
+            finding ? 0.0f : self->swing_V;
     }
-    self->sum_V = 0.0f;
     if (self->rounds >= rounds) {
         const lode_hfi_step_t next = next_step(self, tuning);
         self->rounds = next == LODE_HFI_FIND ? self->rounds : 0u;
@@ -238,7 +242,6 @@ float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
 }
 
 void lode_hfi_turn_round(lode_hfi_t *self) {
-    self->ih_A = -self->ih_A;
     self->iq_A = -self->iq_A;
     self->i_A = (lode_dq_t){-self->i_A.d, -self->i_A.q};
     self->h_V = -self->h_V;
@@ -252,21 +255,23 @@ void lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_
         lode_hfi_begin(self, tuning, i_A);
     }
     if (!(speed < HYSTERESIS * tuning->omega_high)) {
-        self->active = false;
+        lode_hfi_end(self);
     }
-    self->sum_V = 0.0f;
     self->weight = lode_clamp((tuning->omega_high - speed) * tuning->inv_span, 0.0f, 1.0f);
-    // The axis, and the current along it from there on.
-    self->iq_A += tuning->iq_weight * (self->i_A.q - self->iq_A);
-    const float turn_rad = lode_clamp(tuning->k_x * self->iq_A, -AXIS_MAX_rad, AXIS_MAX_rad);
-    self->axis = lode_sincos_octant(turn_rad);
-    self->ih_A = self->i_A.d * self->axis.cos + self->i_A.q * self->axis.sin;
+    if (lode_abs(tuning->k_x) > 0.0f) {
+        self->iq_A += tuning->iq_weight * (self->i_A.q - self->iq_A);
+        const float eps = lode_clamp(tuning->k_x * self->iq_A, -AXIS_MAX_rad, AXIS_MAX_rad);
+        self->axis = eps * (1.0f + 1.0f / 3.0f * eps * eps); // tan, to 1 % at its limit
+    }
 }
 
 float lode_hfi_quality(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float weight) {
-    self->off_rad += weight * (lode_abs(self->error) - self->off_rad);
-    const float swing = lode_min(lode_abs(self->swing_V) / lode_max(tuning->full_V, FLT_MIN), 1.0f);
-    return swing * lode_clamp(1.0f - self->off_rad / OFF_rad, 0.0f, 1.0f);
+    const float off_rad = lode_min(lode_abs(self->error), LODE_HFI_ERROR_MAX_rad);
+    self->off_rad += weight * (off_rad - self->off_rad);
+    self->swing_V = 1.0f / (float)LODE_SLOW_PERIODS * self->sum_V;
+    self->sum_V = 0.0f;
+    const float swing = lode_min(self->swing_V * tuning->inv_full, 1.0f);
+    return swing * lode_clamp(1.0f - 1.0f / OFF_rad * self->off_rad, 0.0f, 1.0f);
 }
 
 #endif

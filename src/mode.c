@@ -21,6 +21,14 @@
 // 100 K hotter has 1.4 times its resistance; a current sensor with 0.4 of its gain shows 2.5 times.
 #define WRONG_RESISTANCE 1.6f
 #define WRONG_PER_CALM 10.0f
+// With injection a rotor is given up for lost at two thirds of the guard's time, up to twice the speed at which
+// injection ends: the EMF may have pulled the estimate there.
+#define LOST_SHARE 2u
+#define LOST_PARTS 3u
+#define LOST_SPEED 2.0f
+// So often it is looked for again; one loss is forgotten after so many rounds, 3.3 s of 5 kHz.
+#define LOSSES_MAX 3u
+#define FORGET_ROUNDS 2048u
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
@@ -112,6 +120,7 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     const lode_drive_tuning_t *tuning = self->tuning;
     self->gates = true;
     self->sensored = 0u; // until the next estimate says so
+    self->losses = 0u;
     set_duties(self, DUTY_IDLE);
     lode_guard_reset(&self->guard);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -549,21 +558,50 @@ static void find_at_rest(lode_drive_t *self) {
     }
 }
 
-LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
+// RUN, about to trip for lost lock, at a speed from which injection can find the rotor.
+static bool is_lost(const lode_drive_t *self) {
+    const uint32_t least = LOST_SHARE * self->tuning->guard.lock_looks;
+    return LOST_PARTS * (uint32_t)self->guard.lock >= least && self->losses < LOSSES_MAX &&
+           lode_abs(self->estimator.pll.omega_rad_s) <
+               LOST_SPEED * self->tuning->estimator.hfi.omega_high;
+}
+
+// As from OFF, with the gates on: by the EMF of a rotor that turns, else by injection.
+static void find_again(lode_drive_t *self) {
+    self->losses++;
+    self->guard.lock = 0u;
+    lode_estimator_restart(&self->estimator, &self->tuning->estimator);
+    lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
+    lode_start_begin(&self->state.start, &self->tuning->start);
+    set_mode(self, LODE_MODE_START);
+}
+
+static void inject_running(lode_drive_t *self) {
     lode_estimator_t *estimator = &self->estimator;
-    const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
+    const float omega = estimator->pll.omega_rad_s;
+    if (self->losses > 0u && self->steps / LODE_SLOW_PERIODS % FORGET_ROUNDS == 0u) {
+        self->losses--;
+    }
+    if (is_lost(self)) {
+        find_again(self);
+        return;
+    }
+    lode_hfi_follow(&estimator->hfi, &self->tuning->estimator.hfi, self->i_A, omega);
+    if (estimator->hfi.active) {
+        estimator->gains = self->tuning->estimator.hfi.gains;
+        lode_estimator_clear_notches(estimator); // they rest, and begin anew
+        self->direction = lode_sign(omega);      // either is as good
+    }
+}
+
+LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
     const lode_mode_t mode = lode_mode(self);
     if (mode == LODE_MODE_START && !lode_start_catches(&self->state.start) && finds_at_rest(self)) {
         find_at_rest(self);
     } else if (mode == LODE_MODE_RUN && !lode_mode_is_sensored(self)) {
-        const float omega = estimator->pll.omega_rad_s;
-        lode_hfi_follow(&estimator->hfi, tuning, self->i_A, omega);
-        if (estimator->hfi.active) {
-            estimator->gains = tuning->gains;
-            self->direction = lode_sign(omega); // either is as good
-        }
+        inject_running(self);
     } else {
-        estimator->hfi.active = false;
+        lode_hfi_end(&self->estimator.hfi);
     }
 }
 
@@ -597,7 +635,7 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     own->locked = estimate->lock >= LODE_LOCK_LOST;
     own->aligned = own->locked;
 #ifndef LODE_WITHOUT_HFI
-    own->hfi.active = false; // nothing is to be found by it
+    lode_hfi_end(&own->hfi); // nothing is to be found by it
     own->hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
 #endif
     if (lode_mode_is_sensored(self)) {

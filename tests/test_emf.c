@@ -31,7 +31,8 @@ static lode_ab_t step(lode_emf_t *emf, const lode_emf_tuning_t *tuning, lode_ab_
     const float id_before = lode_park(emf->i_A, sincos_of(theta - turn)).d;
     lode_ab_t m = lode_emf_dead_beat(emf, tuning, u, i);
     if (known) {
-        m = lode_emf_less_salient(tuning, m, i, sincos_of(theta), sincos_of(0.5 * turn), id_before);
+        const float rise = lode_park(i, sincos_of(theta)).d - id_before;
+        m = lode_emf_less_salient(tuning, m, rise, sincos_of(theta - 0.5 * turn));
     }
     return lode_observer_step(&emf->observer, &tuning->observer, m, sincos_of(turn),
                               (float)(turn / 2.0e-4));

@@ -168,6 +168,7 @@ typedef struct {
     uint_least8_t mode;     ///< lode_mode_t
     uint_least8_t mode_not; ///< the same inverted
     uint_least8_t omitted;  ///< phases whose next two samples cannot be used, two bits each
+    uint_least8_t losses;   ///< of the rotor in RUN, injection having found it again
     uint_least16_t temperature; ///< count, of the hotter power stage
     lode_sense_t sense;
     lode_guard_t guard;

@@ -59,8 +59,9 @@ typedef struct {
     float V_h_V;
     float omega_high; ///< w2
     float inv_span;   ///< 1/(w2 - w1)
-    float full_V;     ///< H0: by what the regressor moves in a period on the true axis (H5)
-    float reserve_V;  ///< bus voltage that current control leaves to the wave
+    float inv_full;   ///< 1/H0, by which the regressor moves in a period on the true axis (H5)
+    float least_V2;   ///< square of the least such move that is divided by (H4)
+    float reserve_V;  ///< bus voltage that current control leaves to the wave; the drive sets it
     float k_x;        ///< rad/A
     float iq_weight;  ///< of a new i_q in the one that turns the axis, once in LODE_SLOW_PERIODS
     float find_gain;  ///< of the angle, while it is looked for at rest (H14)
@@ -82,22 +83,23 @@ typedef enum {
 
 /// What injection keeps from period to period; that of the estimator.
 typedef struct {
-    bool active;           ///< injecting
-    float wave_V;          ///< added along the axis in the last duties: V_h or -V_h
-    float weight;          ///< of its position error beside the EMF's (H11)
-    float error;           ///< its position error at t_k, rad (H4)
-    float ih_A;            ///< current along the axis at t_k
-    float q_V;             ///< dead-beat EMF across the axis (H1)
-    float h_V;             ///< regressor (H1)
-    float swing_V;         ///< H, by which it has moved in the last period
-    float off_rad;         ///< mean magnitude of the error
-    float iq_A;            ///< low-passed
-    lode_sincos_t axis;    ///< from the estimated d axis, by cross-saturation
-    lode_dq_t i_A;         ///< current in the rotor's frame at t_k, ripple included
+    bool active; ///< injecting
+    float
+        reserve_V; ///< bus voltage that current control leaves to the wave; 0: nothing is injected
+    float wave_V;  ///< added along the axis in the last duties: V_h or -V_h
+    float weight;  ///< of its position error beside the EMF's (H11)
+    float error;   ///< its position error at t_k, rad (H3), not limited
+    float q_V;     ///< dead-beat EMF across the axis (H1)
+    float h_V;     ///< regressor (H1)
+    float sum_V;   ///< magnitudes of H, by which it moves in a period, since the last look
+    float swing_V; ///< their mean in the last round
+    float off_rad; ///< mean magnitude of the error
+    float iq_A;    ///< low-passed
+    float axis;    ///< tangent of the angle to it from the estimated d axis, by cross-saturation
+    lode_dq_t i_A; ///< current in the rotor's frame at t_k, ripple included
     uint_least8_t step;    ///< lode_hfi_step_t of a start
     uint_least16_t rounds; ///< in it
-    float sum_V;           ///< of the magnitudes of H in this round
-    float along_V;         ///< the same with current along the axis
+    float along_V;         ///< sum of swing_V with current along the axis
     float against_V;       ///< and against it
 } lode_hfi_t;
 

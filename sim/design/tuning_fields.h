@@ -60,7 +60,8 @@
     ROW(FLOAT, float, estimator.hfi.V_h_V) \
     ROW(FLOAT, float, estimator.hfi.omega_high) \
     ROW(FLOAT, float, estimator.hfi.inv_span) \
-    ROW(FLOAT, float, estimator.hfi.full_V) \
+    ROW(FLOAT, float, estimator.hfi.inv_full) \
+    ROW(FLOAT, float, estimator.hfi.least_V2) \
     ROW(FLOAT, float, estimator.hfi.reserve_V) \
     ROW(FLOAT, float, estimator.hfi.k_x) \
     ROW(FLOAT, float, estimator.hfi.iq_weight) \
