@@ -45,8 +45,10 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
     // Of a swing the EMF across the vector shows speed and angle; its size, which comes in with speed, only the
     // speed (S19).
     const float by_size = self->by_size;
-    const float across_V =
-        (1.0f - lode_abs(by_size)) * lode_park(e_V, self->at).q + by_size * lode_ab_length(e_V);
+    float across_V = lode_park(e_V, self->at).q;
+    if (lode_abs(by_size) > 0.0f) { // no root at rest: there the plausibility takes most
+        across_V = (1.0f - lode_abs(by_size)) * across_V + by_size * lode_ab_length(e_V);
+    }
     self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
     self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
     return advance_rad;
