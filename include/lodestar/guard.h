@@ -74,7 +74,7 @@ typedef struct {
     uint_least16_t lock_looks;
     uint_least16_t still_rounds; ///< of slow jobs in which the temperature's count moves; 0: any
     uint_least16_t bus_still_rounds; ///< the same of the bus
-    uint_least16_t unused;
+    uint_least16_t unused;           ///< no padding: the tuning is summed up word by word
     uint32_t stamp_min;
     /// largest less smallest count between two calls; 2^32 - 1, which any will do for: not watched
     uint32_t stamp_span;
