@@ -402,7 +402,7 @@ LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_drive_tuning
 LODE_INLINE lode_dq_t with_wave(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_HFI
     if (lode_estimator_injects(&self->estimator)) {
-        return lode_hfi_add_wave(&self->estimator.hfi, self->u_V);
+        return lode_hfi_add_wave(&self->estimator.by.hfi, self->u_V);
     }
 #endif
     return self->u_V;

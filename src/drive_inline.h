@@ -242,7 +242,7 @@ LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, float v_bus_V) {
     (void)self;
     return v_bus_V;
 #else
-    return v_bus_V - self->estimator.hfi.reserve_V;
+    return v_bus_V - self->estimator.by.hfi.reserve_V;
 #endif
 }
 

@@ -169,7 +169,7 @@ void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t 
     *self = (lode_estimator_t){
         .pll.frame = {0.0f, 1.0f},
         .per_V = -1.0f / tuning->emin_V,
-        .wait = tuning->settle_rounds,
+        .by.alone.wait = tuning->settle_rounds,
     };
     renew_lag(self, tuning, 0.0f);
     self->gains = lode_pll_gains(&tuning->pll, 0.0f);
@@ -205,7 +205,7 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
     self->per_V = omega_rad_s < 0.0f ? per_V : -per_V;
     self->id_A = lode_park(self->emf.i_A, rotor).d;
     self->omega_tune = omega_rad_s;
-    self->wait = tuning->patience_rounds;
+    self->by.alone.wait = tuning->patience_rounds;
 }
 
 // A large position error: by the present amplitude, and without the notches, which took no part in so large
@@ -249,7 +249,7 @@ LODE_RAMFUNC lode_estimator_seen_t lode_estimator_by_wave(lode_estimator_t *self
 // never set: a corrupted state must not wait for it.
 static bool is_seed_due(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const uint32_t longest = (uint32_t)tuning->settle_rounds + tuning->patience_rounds;
-    return self->wait == 0u || self->wait > longest;
+    return self->by.alone.wait == 0u || self->by.alone.wait > longest;
 }
 
 // Of the speed found, by what a free rotor would move within a time constant of the PLL.
@@ -272,9 +272,9 @@ static float load_acceleration(const lode_estimator_t *self,
 static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e_V = self->emf.observer.e_V;
     lode_observer_settle(&self->emf.observer, &tuning->emf.observer);
-    const float step_rad = lode_atan2(self->rotation.beta, self->rotation.alpha);
+    const float step_rad = lode_atan2(self->by.alone.rotation.beta, self->by.alone.rotation.alpha);
     if (!(lode_abs(step_rad) > 0.0f)) { // also where the mean is NaN, and would stay so
-        self->rotation = (lode_ab_t){0.0f, 0.0f};
+        self->by.alone.rotation = (lode_ab_t){0.0f, 0.0f};
     }
     const float omega = step_rad * tuning->pll.inv_ts;
     const float e_abs = lode_ab_length(e_V);
@@ -289,7 +289,7 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     self->pll.f_rad_s2 = -load_acceleration(self, tuning);
     self->per_V = -unit;
     self->omega_tune = omega;
-    self->wait = tuning->patience_rounds;
+    self->by.alone.wait = tuning->patience_rounds;
     renew_lag(self, tuning, omega);
     return true;
 }
@@ -297,20 +297,23 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
 LODE_RAMFUNC LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
                                                     const lode_estimator_tuning_t *tuning) {
     if (!is_seed_due(self, tuning)) {
-        self->wait = (uint_least16_t)(self->wait - 1u);
+        self->by.alone.wait = (uint_least16_t)(self->by.alone.wait - 1u);
     }
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
 LODE_RAMFUNC void lode_estimator_note_rotation(lode_estimator_t *self,
                                                const lode_estimator_tuning_t *tuning) {
+    if (lode_estimator_injects(self)) {
+        return;
+    }
     const lode_ab_t e = self->emf.observer.e_V;
-    const lode_ab_t before = self->before_V;
+    const lode_ab_t before = self->by.alone.before_V;
     const lode_ab_t step = {e.alpha * before.alpha + e.beta * before.beta,
                             e.beta * before.alpha - e.alpha * before.beta};
-    self->before_V = e;
-    self->rotation = lode_ab_add_scaled(self->rotation, tuning->rotation_weight,
-                                        lode_ab_subtract(step, self->rotation));
+    self->by.alone.before_V = e;
+    self->by.alone.rotation = lode_ab_add_scaled(self->by.alone.rotation, tuning->rotation_weight,
+                                                 lode_ab_subtract(step, self->by.alone.rotation));
 }
 
 LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_step(
@@ -318,6 +321,19 @@ LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_step(
     self->omega_tune += tuning->w_weight * (omega_rad_s - self->omega_tune);
     return lode_sincos(tuning->pll.ts_s * self->omega_tune);
 }
+
+#ifndef LODE_WITHOUT_HFI
+
+// Notches, rotation and waiting begin anew.
+void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+    if (self->by.hfi.active) {
+        self->by.alone =
+            (lode_estimator_alone_t){.step = self->by.hfi.step, .wait = tuning->patience_rounds};
+    }
+    self->by.alone.reserve_V = 0.0f;
+}
+
+#endif
 
 bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     return is_seed_due(self, tuning) && acquire(self, tuning);

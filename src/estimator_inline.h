@@ -53,6 +53,8 @@ lode_estimator_seen_t lode_estimator_by_wave(lode_estimator_t *self,
 void lode_estimator_move_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              float omega_rad_s);
 void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+// The EMF alone from now on.
+void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 
 LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
@@ -66,7 +68,7 @@ LODE_INLINE bool lode_estimator_injects(const lode_estimator_t *self) {
     (void)self;
     return false;
 #else
-    return LODE_RARELY(self->hfi.active);
+    return LODE_RARELY(self->by.hfi.active);
 #endif
 }
 
@@ -102,7 +104,7 @@ LODE_INLINE void lode_estimator_clear_notches(lode_estimator_t *self) {
 #ifdef LODE_WITHOUT_NOTCH
     (void)self;
 #else
-    self->notch.sogi = self->notch12.sogi = (lode_sogi_t){0.0f, 0.0f};
+    self->by.alone.notch.sogi = self->by.alone.notch12.sogi = (lode_sogi_t){0.0f, 0.0f};
 #endif
 }
 
@@ -116,9 +118,9 @@ LODE_INLINE float lode_estimator_notched(lode_estimator_t *self,
     (void)options;
 #else
     if (lode_estimator_asks(options, LODE_ESTIMATOR_NOTCH)) {
-        error = lode_notch_step(&self->notch, tuning->notch.k, error);
+        error = lode_notch_step(&self->by.alone.notch, tuning->notch.k, error);
         if (lode_estimator_asks(options, LODE_ESTIMATOR_NOTCH12)) {
-            error = lode_notch_step(&self->notch12, tuning->notch12_k, error);
+            error = lode_notch_step(&self->by.alone.notch12, tuning->notch12_k, error);
         }
     }
 #endif
@@ -179,7 +181,7 @@ LODE_INLINE lode_ab_t lode_estimator_dead_beat(lode_estimator_t *self,
     const lode_dq_t i_end_A = lode_park(i_A, end);
 #ifndef LODE_WITHOUT_HFI
     if (by_wave) {
-        lode_hfi_demodulate(&self->hfi, &tuning->hfi, tuning->emf.salient_Ohm,
+        lode_hfi_demodulate(&self->by.hfi, &tuning->hfi, tuning->emf.salient_Ohm,
                             lode_park(m_V, middle), i_end_A);
     }
 #endif
@@ -192,7 +194,7 @@ LODE_INLINE float lode_estimator_blend(const lode_estimator_t *self, float error
     (void)self;
     return error;
 #else
-    return lode_hfi_blend(&self->hfi, error);
+    return lode_hfi_blend(&self->by.hfi, error);
 #endif
 }
 
@@ -204,7 +206,7 @@ LODE_INLINE lode_dq_t lode_estimator_less_ripple(lode_estimator_t *self, lode_dq
     (void)by_wave;
     return i_A;
 #else
-    return by_wave ? lode_hfi_less_ripple(&self->hfi, i_A) : i_A;
+    return by_wave ? lode_hfi_less_ripple(&self->by.hfi, i_A) : i_A;
 #endif
 }
 
@@ -265,7 +267,7 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
         const lode_estimator_seen_t seen = lode_estimator_by_wave(self, tuning, u_V, i_A);
         lode_estimate_t out = lode_estimator_estimate(
             self, tuning, (lode_sincos_t){seen.sin, seen.cos}, (lode_dq_t){seen.d_A, seen.q_A});
-        out.reseeded = !self->hfi.active;
+        out.reseeded = !self->by.hfi.active;
         return out;
     }
     return lode_estimator_period(self, tuning, u_V, i_A, false);
@@ -284,8 +286,8 @@ LODE_INLINE float lode_estimator_quality(lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning, float by_emf) {
 #ifndef LODE_WITHOUT_HFI
     if (lode_estimator_injects(self)) {
-        const float own = lode_hfi_quality(&self->hfi, &tuning->hfi, tuning->lock_weight);
-        return self->hfi.weight < 0.5f ? by_emf : own;
+        const float own = lode_hfi_quality(&self->by.hfi, &tuning->hfi, tuning->lock_weight);
+        return self->by.hfi.weight < 0.5f ? by_emf : own;
     }
 #else
     (void)self;
@@ -323,10 +325,13 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     self->lock = lock;
     self->locked = lock >= LODE_LOCK_LOST;
     self->aligned = lock >= LOCK_ALIGNED;
+    if (lode_estimator_injects(self)) {
+        return;
+    }
     if (LODE_USUALLY(self->locked)) {
-        self->wait = tuning->patience_rounds;
-        self->rotation = (lode_ab_t){0.0f, 0.0f};
-        self->before_V = (lode_ab_t){0.0f, 0.0f};
+        self->by.alone.wait = tuning->patience_rounds;
+        self->by.alone.rotation = (lode_ab_t){0.0f, 0.0f};
+        self->by.alone.before_V = (lode_ab_t){0.0f, 0.0f};
     } else {
         lode_estimator_wait(self, tuning);
     }
@@ -340,11 +345,13 @@ LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
     (void)self;
     (void)tuning;
 #else
-    if (lode_estimator_asks(tuning->options, LODE_ESTIMATOR_NOTCH) && LODE_USUALLY(self->locked)) {
+    if (lode_estimator_asks(tuning->options, LODE_ESTIMATOR_NOTCH) && LODE_USUALLY(self->locked) &&
+        !lode_estimator_injects(self)) {
         const float omega = self->pll.omega_rad_s;
-        lode_notch_adapt(&self->notch, &tuning->notch, tuning->notch.k, omega);
+        lode_notch_adapt(&self->by.alone.notch, &tuning->notch, tuning->notch.k, omega);
         if (lode_estimator_asks(tuning->options, LODE_ESTIMATOR_NOTCH12)) {
-            lode_notch_adapt(&self->notch12, &tuning->notch, tuning->notch12_k, 2.0f * omega);
+            lode_notch_adapt(&self->by.alone.notch12, &tuning->notch, tuning->notch12_k,
+                             2.0f * omega);
         }
     }
 #endif

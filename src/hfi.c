@@ -248,14 +248,15 @@ void lode_hfi_turn_round(lode_hfi_t *self) {
     self->q_V = -self->q_V;
 }
 
-void lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A,
+bool lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A,
                      float omega_rad_s) {
     const float speed = lode_abs(omega_rad_s);
-    if (!self->active && speed < tuning->omega_high) {
-        lode_hfi_begin(self, tuning, i_A);
+    const float most = self->active ? HYSTERESIS * tuning->omega_high : tuning->omega_high;
+    if (!(speed < most)) {
+        return false;
     }
-    if (!(speed < HYSTERESIS * tuning->omega_high)) {
-        lode_hfi_end(self);
+    if (!self->active) {
+        lode_hfi_begin(self, tuning, i_A);
     }
     self->weight = lode_clamp((tuning->omega_high - speed) * tuning->inv_span, 0.0f, 1.0f);
     if (lode_abs(tuning->k_x) > 0.0f) {
@@ -263,6 +264,7 @@ void lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_
         const float eps = lode_clamp(tuning->k_x * self->iq_A, -AXIS_MAX_rad, AXIS_MAX_rad);
         self->axis = eps * (1.0f + 1.0f / 3.0f * eps * eps); // tan, to 1 % at its limit
     }
+    return true;
 }
 
 float lode_hfi_quality(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float weight) {

@@ -33,20 +33,15 @@ LODE_INLINE void lode_hfi_demodulate(lode_hfi_t *self, const lode_hfi_tuning_t *
 // From the current `i_A` in the frame of its angle.
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A);
 
-LODE_INLINE void lode_hfi_end(lode_hfi_t *self) {
-    self->active = false;
-    self->reserve_V = 0.0f;
-}
-
 // Once in LODE_SLOW_PERIODS of a start at rest: the d current that is asked for. `step` says how far it is.
 float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning);
 
 // The angle is half a turn on.
 void lode_hfi_turn_round(lode_hfi_t *self);
 
-// Once in LODE_SLOW_PERIODS: begins and ends by the speed; weight (H11) and axis (H6). `i_A`: in the rotor's
+// Once in LODE_SLOW_PERIODS. False: at this speed it ends. Begins by the speed; weight (H11) and axis (H6). `i_A`: in the rotor's
 // frame.
-void lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A,
+bool lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A,
                      float omega_rad_s);
 
 // Lock quality by injection (H13), once in LODE_SLOW_PERIODS. `weight`: of the present error in the mean one.

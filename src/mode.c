@@ -217,7 +217,7 @@ static bool finds_at_rest(const lode_drive_t *self) {
     return false;
 #else
     return self->tuning->estimator.hfi.on != 0u &&
-           self->estimator.hfi.step != (uint_least8_t)LODE_HFI_UNDECIDED;
+           self->estimator.by.hfi.step != (uint_least8_t)LODE_HFI_UNDECIDED;
 #endif
 }
 
@@ -470,7 +470,7 @@ lode_control_frame_t lode_mode_control_frame(lode_drive_t *self) {
 void lode_mode_seed(lode_drive_t *self) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     const lode_start_t *start = &self->state.start;
-    if (lode_estimator_injects(&self->estimator) && lode_mode(self) == LODE_MODE_START) {
+    if (lode_estimator_injects(&self->estimator)) {
         return; // it goes by injection
     }
     if (lode_mode(self) == LODE_MODE_START && !lode_start_catches(start) &&
@@ -489,7 +489,7 @@ static void turn_round(lode_drive_t *self) {
     estimator->pll.frame.sin = -estimator->pll.frame.sin;
     estimator->pll.frame.cos = -estimator->pll.frame.cos;
     estimator->id_A = -estimator->id_A;
-    lode_hfi_turn_round(&estimator->hfi);
+    lode_hfi_turn_round(&estimator->by.hfi);
     self->i_A = (lode_dq_t){-self->i_A.d, -self->i_A.q};
     self->u_V = (lode_dq_t){-self->u_V.d, -self->u_V.q};
     lode_current_reset(&self->current, self->u_V, (lode_dq_t){0.0f, 0.0f});
@@ -513,7 +513,7 @@ static void run_from_rest(lode_drive_t *self) {
 // Injection knows no polarity, or found no axis: the vector finds it, from where it would have begun.
 static void give_up(lode_drive_t *self) {
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
-    self->estimator.hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
+    self->estimator.by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
     if (is_stop(self)) { // it would turn the rotor
         lode_mode_fault(self, LODE_CHECK_START, self->estimator.lock, LODE_LOCK_HANDOVER);
@@ -523,7 +523,7 @@ static void give_up(lode_drive_t *self) {
 // START, when a rotor that turns has been looked for.
 static void find_at_rest(lode_drive_t *self) {
     lode_estimator_t *estimator = &self->estimator;
-    lode_hfi_t *hfi = &estimator->hfi;
+    lode_hfi_t *hfi = &estimator->by.hfi;
     const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
     if (!hfi->active) {
         lode_estimator_restart(estimator, &self->tuning->estimator);
@@ -586,11 +586,11 @@ static void inject_running(lode_drive_t *self) {
         find_again(self);
         return;
     }
-    lode_hfi_follow(&estimator->hfi, &self->tuning->estimator.hfi, self->i_A, omega);
-    if (estimator->hfi.active) {
+    if (lode_hfi_follow(&estimator->by.hfi, &self->tuning->estimator.hfi, self->i_A, omega)) {
         estimator->gains = self->tuning->estimator.hfi.gains;
-        lode_estimator_clear_notches(estimator); // they rest, and begin anew
-        self->direction = lode_sign(omega);      // either is as good
+        self->direction = lode_sign(omega); // either is as good
+    } else {
+        lode_estimator_end_injection(estimator, &self->tuning->estimator);
     }
 }
 
@@ -601,7 +601,7 @@ LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
     } else if (mode == LODE_MODE_RUN && !lode_mode_is_sensored(self)) {
         inject_running(self);
     } else {
-        lode_hfi_end(&self->estimator.hfi);
+        lode_estimator_end_injection(&self->estimator, &self->tuning->estimator);
     }
 }
 
@@ -635,8 +635,8 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     own->locked = estimate->lock >= LODE_LOCK_LOST;
     own->aligned = own->locked;
 #ifndef LODE_WITHOUT_HFI
-    lode_hfi_end(&own->hfi); // nothing is to be found by it
-    own->hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
+    lode_estimator_end_injection(own, &self->tuning->estimator); // nothing is to be found by it
+    own->by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
 #endif
     if (lode_mode_is_sensored(self)) {
         self->direction = lode_sign(estimate->omega_rad_s);

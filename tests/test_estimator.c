@@ -369,9 +369,9 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     s.id_A = random_float(random, -80.0, 80.0);
     s.locked = random_bits(random) % 2u == 0u;
     s.slot = (uint_least8_t)random_bits(random);
-    s.rotation = random_vector(random, e_rated * e_rated);
+    s.by.alone.rotation = random_vector(random, e_rated * e_rated);
     s.lock = random_float(random, 0.0, 1.0);
-    s.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_rounds + 1u));
+    s.by.alone.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_rounds + 1u));
     return s;
 }
 
@@ -425,10 +425,10 @@ static void test_any_state_is_detected_flagged_and_relocked(void) {
                                      &state.pll.f_rad_s2,
                                      &state.pll.rise_rad_s,
                                      &state.id_A,
-                                     &state.rotation.alpha,
-                                     &state.rotation.beta,
-                                     &state.before_V.alpha,
-                                     &state.before_V.beta,
+                                     &state.by.alone.rotation.alpha,
+                                     &state.by.alone.rotation.beta,
+                                     &state.by.alone.before_V.alpha,
+                                     &state.by.alone.before_V.beta,
                                      &state.lock};
             // First every field alone with every odd number, then all of them at random.
             const int single =
@@ -441,7 +441,7 @@ static void test_any_state_is_detected_flagged_and_relocked(void) {
                 }
             }
             if (single < 0) {
-                state.wait = (uint_least16_t)random_bits(&random);
+                state.by.alone.wait = (uint_least16_t)random_bits(&random);
                 state.slot = (uint_least8_t)random_bits(&random);
                 state.locked = random_bits(&random) % 2u == 0u;
             }
@@ -606,11 +606,11 @@ static void test_reset_is_idempotent_and_complete(void) {
 static void test_a_mean_rotation_that_is_no_number_begins_anew(void) {
     const lode_estimator_config_t config = designed(LODE_PLL_LESO);
     watch_t w = watch(&config, 300.0, 0.0);
-    w.estimator.rotation = (lode_ab_t){NAN, NAN};
-    w.estimator.wait = 0u; // it has waited for long enough
+    w.estimator.by.alone.rotation = (lode_ab_t){NAN, NAN};
+    w.estimator.by.alone.wait = 0u; // it has waited for long enough
     TEST_ASSERT_FALSE(lode_estimator_seed(&w.estimator, &w.tuning));
-    CHECK_NEAR(0.0, 0.0, w.estimator.rotation.alpha);
-    CHECK_NEAR(0.0, 0.0, w.estimator.rotation.beta);
+    CHECK_NEAR(0.0, 0.0, w.estimator.by.alone.rotation.alpha);
+    CHECK_NEAR(0.0, 0.0, w.estimator.by.alone.rotation.beta);
 }
 
 static lode_status_t try_config(const lode_estimator_config_t *config, const lode_motor_t *motor) {

@@ -374,14 +374,14 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     fill_vectors(random, &s.emf.observer.e_V, 1, 10.0 * e_rated);
     fill_vectors(random, s.emf.observer.own, COUNT_OF(s.emf.observer.own), 10.0 * e_rated);
     fill_vectors(random, &s.emf.i_A, 1, 80.0);
-    fill_vectors(random, &s.rotation, 1, e_rated * e_rated);
+    fill_vectors(random, &s.by.alone.rotation, 1, e_rated * e_rated);
     s.pll.frame = sincos_of(random_between(random, -CHECK_PI, CHECK_PI));
     s.pll.omega_rad_s = random_float(random, -omega_max, omega_max);
     s.pll.f_rad_s2 = random_float(random, -10.0 * f_rated, 10.0 * f_rated);
     s.pll.rise_rad_s = tuning->pll.ts_s * random_float(random, -20.0 * f_rated, 20.0 * f_rated);
-    s.notch.sogi =
+    s.by.alone.notch.sogi =
         (lode_sogi_t){random_float(random, -10.0, 10.0), random_float(random, -10.0, 10.0)};
-    s.notch12.sogi =
+    s.by.alone.notch12.sogi =
         (lode_sogi_t){random_float(random, -10.0, 10.0), random_float(random, -10.0, 10.0)};
     s.omega_tune = random_float(random, -omega_max, omega_max);
     s.gains = lode_pll_gains(&tuning->pll, random_float(random, -omega_max, omega_max));
@@ -390,7 +390,7 @@ static lode_estimator_t random_state(random_t *random, const lode_estimator_tuni
     s.locked = random_bits(random) % 2u == 0u;
     s.slot = (uint_least8_t)random_bits(random);
     s.lock = random_float(random, 0.0, 1.0);
-    s.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_rounds + 1u));
+    s.by.alone.wait = (uint_least16_t)(random_bits(random) % (tuning->settle_rounds + 1u));
     return s;
 }
 
@@ -445,7 +445,7 @@ static void test_what_is_no_number_inside_is_flagged_and_forgotten(void) {
             }
             float *const fields[] = {&state.emf.observer.e_V.alpha, &state.emf.observer.own[0].beta,
                                      &state.pll.omega_rad_s, &state.omega_tune,
-                                     &state.notch.sogi.band};
+                                     &state.by.alone.notch.sogi.band};
             *fields[f / 3] = check_not_finite[f % 3];
             bool flagged = false;
             for (int k = 2000; k < 2010; k++) {

@@ -322,24 +322,22 @@ static void test_begins_and_ends_with_the_speed(void) {
     const lode_hfi_tuning_t tuning = paper_tuning();
     const lode_dq_t none = {0.0f, 0.0f};
     lode_hfi_t hfi = {.active = false};
-    lode_hfi_follow(&hfi, &tuning, none, 131.0f);
+    TEST_ASSERT_FALSE(lode_hfi_follow(&hfi, &tuning, none, 131.0f));
     TEST_ASSERT_FALSE(hfi.active);
-    lode_hfi_follow(&hfi, &tuning, none, -129.0f);
+    TEST_ASSERT_TRUE(lode_hfi_follow(&hfi, &tuning, none, -129.0f));
     TEST_ASSERT_TRUE(hfi.active);
     CHECK_NEAR(1.0e-6, 0.02, hfi.weight);
     CHECK_NEAR(0.0, 25.0, hfi.wave_V);
-    lode_hfi_follow(&hfi, &tuning, none, 105.0f);
+    (void)lode_hfi_follow(&hfi, &tuning, none, 105.0f);
     CHECK_NEAR(1.0e-6, 0.5, hfi.weight);
-    lode_hfi_follow(&hfi, &tuning, none, -70.0f);
+    (void)lode_hfi_follow(&hfi, &tuning, none, -70.0f);
     CHECK_NEAR(0.0, 1.0, hfi.weight);
-    lode_hfi_follow(&hfi, &tuning, none, 136.0f); // within 5 %
+    (void)lode_hfi_follow(&hfi, &tuning, none, 136.0f); // within 5 %
     TEST_ASSERT_TRUE(hfi.active);
     CHECK_NEAR(0.0, 0.0, hfi.weight);
-    lode_hfi_follow(&hfi, &tuning, none, 137.0f);
-    TEST_ASSERT_FALSE(hfi.active);
-    lode_hfi_follow(&hfi, &tuning, none, 0.0f);
-    lode_hfi_follow(&hfi, &tuning, none, NAN);
-    TEST_ASSERT_FALSE(hfi.active);
+    TEST_ASSERT_FALSE(lode_hfi_follow(&hfi, &tuning, none, 137.0f));
+    (void)lode_hfi_follow(&hfi, &tuning, none, 0.0f);
+    TEST_ASSERT_FALSE(lode_hfi_follow(&hfi, &tuning, none, NAN));
 }
 
 static void test_both_errors_are_weighted(void) {
@@ -361,7 +359,7 @@ static void test_cross_saturation_turns_the_axis(void) {
     lode_hfi_t hfi = {.active = false};
     const lode_dq_t i_A = {0.0f, -8.0f};
     for (int k = 0; k < 100; k++) {
-        lode_hfi_follow(&hfi, &tuning, i_A, 0.0f);
+        (void)lode_hfi_follow(&hfi, &tuning, i_A, 0.0f);
     }
     CHECK_NEAR(1.0e-6, tan(-0.08), hfi.axis);
     const lode_dq_t u_V = lode_hfi_add_wave(&hfi, (lode_dq_t){1.0f, 2.0f});
@@ -379,7 +377,7 @@ static void test_cross_saturation_turns_the_axis(void) {
 }
 
 static void test_an_error_that_none_can_be_is_limited(void) {
-    lode_estimator_t estimator = {.hfi = {.active = true}};
+    lode_estimator_t estimator = {.by.hfi = {.active = true}};
     CHECK_NEAR(0.0, 0.5, lode_estimator_limit(&estimator, 7.0f));
     CHECK_NEAR(0.0, -0.5, lode_estimator_limit(&estimator, -7.0f));
     estimator.emf.observer.e_V.beta = 2.0e6f; // more than any motor's
@@ -459,7 +457,7 @@ static void test_full_torque_at_no_speed_and_reversal(void) {
         CHECK_AT_MOST(6.0 * CHECK_DEG, rig_worst(&rig, 1.0));
         rig_ask(&rig, -62.8f); // the EMF takes over
         CHECK_AT_MOST(8.0 * CHECK_DEG, rig_worst(&rig, 2.0));
-        TEST_ASSERT_FALSE(rig.drive.estimator.hfi.active);
+        TEST_ASSERT_FALSE(rig.drive.estimator.by.hfi.active);
         CHECK_NEAR(1.0, -62.8, rig.motor.omega / 3.0);
         rig_expect(&rig, LODE_MODE_RUN);
     }
@@ -579,7 +577,7 @@ static void test_iron_that_tells_no_polarity(void) {
     rig_at_rest(&rig, 2.0, 0.0, -31.4f);
     rig_run(&rig, 0.5);
     rig_expect(&rig, LODE_MODE_START);
-    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, rig.drive.estimator.hfi.step);
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, rig.drive.estimator.by.hfi.step);
     rig_run(&rig, 1.5);
     rig_expect(&rig, LODE_MODE_RUN);
     CHECK_NEAR(1.0, -31.4, rig.motor.omega / 3.0);
@@ -619,7 +617,7 @@ static void test_an_estimate_from_outside_takes_its_place(void) {
         estimate.lock = 1.0f;
         estimate.source = LODE_ESTIMATE_SENSOR;
         rig.out = lode_drive_act(&rig.drive, &sample, &estimate);
-        TEST_ASSERT_FALSE(rig.drive.estimator.hfi.active);
+        TEST_ASSERT_FALSE(rig.drive.estimator.by.hfi.active);
         rig_move(&rig);
     }
     rig_expect(&rig, LODE_MODE_RUN);
@@ -631,11 +629,33 @@ static void test_start_at_rest_can_be_called_off(void) {
     rig_at_rest(&rig, 1.0, 0.05, 0.0f);
     rig_run(&rig, 0.25);
     rig_expect(&rig, LODE_MODE_START);
-    TEST_ASSERT_TRUE(rig.drive.estimator.hfi.active);
+    TEST_ASSERT_TRUE(rig.drive.estimator.by.hfi.active);
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
     rig_run(&rig, 0.01);
     rig_expect(&rig, LODE_MODE_OFF);
-    TEST_ASSERT_FALSE(rig.drive.estimator.hfi.active);
+    TEST_ASSERT_FALSE(rig.drive.estimator.by.hfi.active);
+}
+
+/// Its state takes the place of theirs; above w2 they begin anew.
+static void test_notches_rest_while_it_injects(void) {
+    static rig_t rig;
+    lode_drive_config_t config = rig_config();
+    config.hfi.mode = LODE_HFI_ON;
+    config.hfi.V_h_V = 25.0f;
+    config.estimator.notch_k = 0.5f;
+    rig_init(&rig, &rig_tuning, &config);
+    rig_ask(&rig, 31.4f);
+    rig_run(&rig, 2.0);
+    rig_ask(&rig, 0.0f);
+    rig_run(&rig, 1.0);
+    TEST_ASSERT_TRUE(rig.drive.estimator.by.hfi.active);
+    CHECK_AT_MOST(1.0 * CHECK_DEG, rig_worst(&rig, 0.5));
+    rig_ask(&rig, 100.0f);
+    rig_run(&rig, 2.0);
+    rig_expect(&rig, LODE_MODE_RUN);
+    TEST_ASSERT_FALSE(rig.drive.estimator.by.hfi.active);
+    TEST_ASSERT_TRUE(rig.drive.estimator.by.alone.notch.g > 0.0f);
+    CHECK_NEAR(1.0, 100.0, rig.motor.omega / 3.0);
 }
 
 static void test_a_drive_that_cannot_inject_is_refused(void) {
@@ -719,11 +739,11 @@ static void test_what_is_not_finite_is_left_behind(void) {
     lode_estimator_t *estimator = &rig.drive.estimator;
     for (int k = 0; k < COUNT_OF(check_not_finite); k++) {
         const lode_ab_t u_V = {0.0f, 0.0f};
-        estimator->hfi.active = true;
+        estimator->by.hfi.active = true;
         const lode_estimate_t bad = lode_estimator_step(estimator, &rig_tuning.estimator, u_V,
                                                         (lode_ab_t){check_not_finite[k], 0.0f});
         TEST_ASSERT_TRUE(bad.reseeded);
-        TEST_ASSERT_FALSE(estimator->hfi.active);
+        TEST_ASSERT_FALSE(estimator->by.hfi.active);
     }
 }
 
@@ -757,6 +777,7 @@ int main(void) {
     RUN_TEST(test_torque_through_zero);
     RUN_TEST(test_an_estimate_from_outside_takes_its_place);
     RUN_TEST(test_start_at_rest_can_be_called_off);
+    RUN_TEST(test_notches_rest_while_it_injects);
     RUN_TEST(test_a_drive_that_cannot_inject_is_refused);
     RUN_TEST(test_an_axis_that_is_not_found_is_given_up);
     RUN_TEST(test_polarity_by_the_difference_of_the_responses);

@@ -67,6 +67,25 @@ typedef struct {
     uint_least16_t patience_rounds; ///< without lock until the next one
 } lode_estimator_tuning_t;
 
+/// What the EMF alone has use for. Where injection gives the position, wholly or in part, its state takes the
+/// place of all of this: the notches rest, and nothing is acquired.
+typedef struct {
+#ifndef LODE_WITHOUT_HFI
+    bool active;         ///< as in lode_hfi_t: false
+    uint_least8_t step;  ///< as in lode_hfi_t
+    uint_least16_t wait; ///< rounds until the next acquisition, while there is no lock
+    float reserve_V;     ///< 0
+#else
+    uint_least16_t wait; ///< rounds until the next acquisition, while there is no lock
+#endif
+#ifndef LODE_WITHOUT_NOTCH
+    lode_notch_t notch;
+    lode_notch_t notch12;
+#endif
+    lode_ab_t rotation; ///< without lock: mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
+    lode_ab_t before_V; ///< without lock: e[k-1]
+} lode_estimator_alone_t;
+
 typedef struct {
     lode_emf_t emf;
     lode_pll_t pll;
@@ -76,20 +95,16 @@ typedef struct {
         per_V; ///< one over the EMF's amplitude when it was last looked at, negative for positive speed
     float id_A; ///< current in the rotor's direction at t_k
     float lock;
-    bool locked;         ///< lock >= LODE_LOCK_LOST
-    bool aligned;        ///< good enough to know the direction of the d axis
-    uint_least8_t slot;  ///< of lode_estimator_step()
-    uint_least16_t wait; ///< rounds until the next acquisition, while there is no lock
-#ifndef LODE_WITHOUT_NOTCH
-    lode_notch_t notch;
-    lode_notch_t notch12;
-#endif
+    bool locked;        ///< lock >= LODE_LOCK_LOST
+    bool aligned;       ///< good enough to know the direction of the d axis
+    uint_least8_t slot; ///< of lode_estimator_step()
+    union {
+        lode_estimator_alone_t alone;
 #ifndef LODE_WITHOUT_HFI
-    lode_hfi_t hfi;
+        lode_hfi_t hfi;
 #endif
-    float omega_tune;   ///< the speed that tunes the observer, where it is filtered
-    lode_ab_t rotation; ///< without lock: mean of e[k] conj(e[k-1]), V^2: its angle is w Ts
-    lode_ab_t before_V; ///< without lock: e[k-1]
+    } by;
+    float omega_tune; ///< the speed that tunes the observer, where it is filtered
 } lode_estimator_t;
 
 /// Who made an estimate.

@@ -81,9 +81,12 @@ typedef enum {
     LODE_HFI_UNDECIDED ///< the iron tells no difference
 } lode_hfi_step_t;
 
-/// What injection keeps from period to period; that of the estimator.
+/// What injection keeps from period to period; that of the estimator. Of a period that does not inject the first
+/// members alone, which lode_estimator_alone_t has too.
 typedef struct {
-    bool active; ///< injecting
+    bool active;           ///< injecting
+    uint_least8_t step;    ///< lode_hfi_step_t of a start
+    uint_least16_t rounds; ///< in it
     float
         reserve_V; ///< bus voltage that current control leaves to the wave; 0: nothing is injected
     float wave_V;  ///< added along the axis in the last duties: V_h or -V_h
@@ -97,10 +100,8 @@ typedef struct {
     float iq_A;    ///< low-passed
     float axis;    ///< tangent of the angle to it from the estimated d axis, by cross-saturation
     lode_dq_t i_A; ///< current in the rotor's frame at t_k, ripple included
-    uint_least8_t step;    ///< lode_hfi_step_t of a start
-    uint_least16_t rounds; ///< in it
-    float along_V;         ///< sum of swing_V with current along the axis
-    float against_V;       ///< and against it
+    float along_V; ///< sum of swing_V with current along the axis
+    float against_V; ///< and against it
 } lode_hfi_t;
 
 /// Saliency below which nothing is injected: Lq'(i_max)/Ld'.

@@ -52,7 +52,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         const uint8_t bools = fuzz_byte(&in); // no other bits make one
         estimator.locked = (bools & 1u) != 0u;
         estimator.aligned = (bools & 2u) != 0u;
-        estimator.hfi.active = (bools & 4u) != 0u;
+        estimator.by.hfi.active = (bools & 4u) != 0u;
         // Until all that is derived has been renewed: gains, and in the next round the length of the
         // rotation that wrong ones have stretched.
         settle = 2u * LODE_SLOW_PERIODS;
