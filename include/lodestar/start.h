@@ -68,12 +68,13 @@ typedef struct {
     float dead_V; ///< voltage along the current whatever its length
 } lode_start_found_t;
 
-typedef enum {
+/// What lode_start_t.stage may be.
+enum {
     LODE_START_CATCH, ///< looks for a rotor that turns already
     LODE_START_HALF,  ///< measures at rest: with half the current,
     LODE_START_FULL,  ///< with all of it
     LODE_START_TURN   ///< the vector turns as soon as its current is there
-} lode_start_stage_t;
+};
 
 typedef struct {
     lode_sincos_t at;  ///< angle of the current vector before damping
@@ -92,7 +93,7 @@ typedef struct {
     float give;       ///< rad by which the vector gives way per V of swinging EMF
     uint_least16_t dwelt; ///< rounds at the present current of the measurement
     uint_least16_t calm;  ///< of them with the rotor at rest
-    uint_least8_t stage;  ///< lode_start_stage_t
+    uint_least8_t stage;  ///< LODE_START_...
     uint_least8_t failed; ///< attempts, up to two
 } lode_start_t;
 

@@ -69,10 +69,10 @@ static void unknown_key(source_t *source, rig_schema_t schema, const char *table
     char list[1024];
     char guess[128] = "";
     char text[1280];
-    const rig_key_t *meant = rig_schema_guess(schema, table, key);
-    if (meant != NULL) {
-        (void)snprintf(guess, sizeof guess, "is [%s] %s meant? Otherwise ", meant->section,
-                       meant->key);
+    const int meant = rig_schema_guess(schema, table, key);
+    if (meant >= 0) {
+        (void)snprintf(guess, sizeof guess, "is [%s] %s meant? Otherwise ",
+                       schema.row[meant].section, schema.row[meant].key);
     }
     rig_schema_expected(schema, table, list, sizeof list);
     (void)snprintf(text, sizeof text, "unknown; %sexpected one of %s", guess, list);

@@ -64,17 +64,17 @@ static double likeness(const char *a, const char *b) {
     return 2.0 * (double)common[n] / (double)(m + n);
 }
 
-const rig_key_t *rig_schema_guess(rig_schema_t schema, const char *section, const char *key) {
-    const rig_key_t *best = NULL;
+int rig_schema_guess(rig_schema_t schema, const char *section, const char *key) {
+    int best = -1;
     double most = LIKENESS;
     for (int k = 0; k < schema.rows; ++k) {
         const rig_key_t *row = &schema.row[k];
         if (strcmp(row->key, key) == 0) {
-            return row;
+            return k;
         }
         const double like = likeness(key, row->key);
         if (strcmp(row->section, section) == 0 && like >= most) {
-            best = row;
+            best = k;
             most = like;
         }
     }

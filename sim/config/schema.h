@@ -45,8 +45,8 @@ int rig_schema_find(rig_schema_t schema, const char *section, const char *key);
 void rig_schema_expected(rig_schema_t schema, const char *section, char *text, size_t size);
 
 /// Which key may have been meant by an unknown one: the same in another section, or the one of this section
-/// that is spelled most alike. NULL: none.
-const rig_key_t *rig_schema_guess(rig_schema_t schema, const char *section, const char *key);
+/// that is spelled most alike; its row. -1: none.
+int rig_schema_guess(rig_schema_t schema, const char *section, const char *key);
 
 /// Reads `value` into the field of `object`. False: `expected` says what would have been right.
 bool rig_key_assign(const rig_key_t *key, void *object, const char *value, char *expected,
