@@ -17,9 +17,11 @@
 #define EIGHTH_rad 0.7853982f
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
 #define ALL_PHASES ((1u << LODE_PHASES) - 1u)
-#define WAVE_CURRENT 4.0f     // of the same, squared: a tenth of i_max asked for
-#define WAVE_SHARE 0.5f       // of what is asked for
-#define WAVE_STEP_rad 1.05f   // a sixth of a turn: a half-wave lasts a third above half its height
+#define HALF_WAVES ((1u << 2 * LODE_PHASES) - 1u)
+#define WAVE_CURRENT 4.0f // of the same, squared: a tenth of i_max asked for
+#define WAVE_SHARE 0.5f   // of what is asked for
+// Of a round: faster, current control may not hold the current against a rotor that falls out of step.
+#define WAVE_STEP_rad 0.3f
 #define WAVE_TURN_rad 6.9115f // a turn and a tenth
 #define SUM_MAX 1.0e9f        // 1/256 count: no converter has so many
 
@@ -105,9 +107,11 @@ uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning
     if (lode_abs(self->turn_rad) < WAVE_TURN_rad) {
         return 0u;
     }
-    *self = (lode_waves_t){.turn_rad = 0.0f};
-    const uint32_t missing = ALL_PHASES & ~(seen & seen >> LODE_PHASES);
-    return (uint_least8_t)(missing > 0u ? number_of(missing) : 0.0f);
+    const uint32_t lacking = HALF_WAVES & ~seen;
+    const uint32_t twice = lacking & self->lacking;
+    *self = (lode_waves_t){.lacking = (uint_least8_t)lacking};
+    const uint32_t phases = ALL_PHASES & (twice | twice >> LODE_PHASES);
+    return (uint_least8_t)(phases > 0u ? number_of(phases) : 0.0f);
 }
 
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,

@@ -19,11 +19,13 @@ typedef struct {
 } lode_plausibility_tuning_t;
 
 /// Both half-waves of each of three currents, over a turn and a tenth of a vector that is twice as long: a phase
-/// without one has a dead switch, without both is open. In START, where the vector is steady: in RUN the speed's
-/// control fights with such a fault.
+/// that lacks the same one twice running has a dead switch, or is open. (Once: a rotor that falls out of step
+/// may shift the currents for a turn.) In START, where the vector is steady: in RUN the speed's control fights
+/// with such a fault.
 typedef struct {
-    float turn_rad;     ///< electrical, of the vector, since it began
-    uint_least8_t seen; ///< half-waves, a bit each: three positive ones, three negative ones
+    float turn_rad;        ///< electrical, of the vector, since it began
+    uint_least8_t seen;    ///< half-waves, a bit each: three positive ones, three negative ones
+    uint_least8_t lacking; ///< those that the turn before did not have
 } lode_waves_t;
 
 typedef struct {
