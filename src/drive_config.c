@@ -142,6 +142,7 @@ static lode_hfi_system_t injected_into(const lode_drive_config_t *c) {
         .omega_max_rad_s = c->estimator.omega_max_rad_s,
         .Lq_fall = c->references.Lq_fall,
         .third_order = c->estimator.pll.kind == LODE_PLL_LESO,
+        .active_flux = c->estimator.active_flux == LODE_ON,
     };
 }
 

@@ -91,6 +91,9 @@ static lode_status_t check_voltage(const lode_hfi_config_t *config,
                                    const lode_hfi_system_t *system) {
     const float xi = saliency(config, system);
     const bool rises = system->motor->Lq_H > system->motor->Ld_H;
+    if (!system->active_flux) {
+        return LODE_ERROR_HFI_FLUX;
+    }
     if (!rises || !lode_in_range(xi, LODE_HFI_SALIENCY_MIN, FLT_MAX)) {
         return LODE_ERROR_HFI_SALIENCY;
     }

@@ -30,6 +30,7 @@ static void set_up(machine_t *machine) {
         .sigma_rad_s = 100.0f,
         .omega_max_rad_s = 1178.0f,
         .third_order = true,
+        .active_flux = true,
     };
 }
 
@@ -144,6 +145,9 @@ static void test_refusals(void) {
     lode_hfi_config_t config = good;
     config.mode = (lode_hfi_mode_t)3;
     CHECK_STATUS(LODE_ERROR_HFI_MODE, tried(&config, &machine));
+    machine.system.active_flux = false;
+    CHECK_STATUS(LODE_ERROR_HFI_FLUX, tried(&good, &machine));
+    machine.system.active_flux = true;
     config = good;
     config.V_h_V = 5.6f; // 0.496
     CHECK_STATUS(LODE_OK, tried(&config, &machine));

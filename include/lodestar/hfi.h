@@ -52,6 +52,7 @@ typedef struct {
     float omega_max_rad_s;
     float Lq_fall;    ///< of the references
     bool third_order; ///< the PLL
+    bool active_flux; ///< the EMF's prediction has Ld - Lq in it, by which injection sees the rotor
 } lode_hfi_system_t;
 
 typedef struct {
