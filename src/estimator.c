@@ -206,6 +206,7 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
     self->id_A = lode_park(self->emf.i_A, rotor).d;
     self->omega_tune = omega_rad_s;
     self->by.alone.wait = tuning->patience_rounds;
+    self->found = 1u;
 }
 
 // A large position error: by the present amplitude, and without the notches, which took no part in so large
@@ -290,6 +291,7 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     self->per_V = -unit;
     self->omega_tune = omega;
     self->by.alone.wait = tuning->patience_rounds;
+    self->found = 1u;
     renew_lag(self, tuning, omega);
     return true;
 }
@@ -329,6 +331,7 @@ void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_t
     if (self->by.hfi.active) {
         self->by.alone =
             (lode_estimator_alone_t){.step = self->by.hfi.step, .wait = tuning->patience_rounds};
+        self->found = 1u;
     }
     self->by.alone.reserve_V = 0.0f;
 }

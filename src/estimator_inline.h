@@ -323,7 +323,8 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     self->pll.frame = frame;
     self->per_V = per_V;
     self->lock = lock;
-    self->locked = lock >= LODE_LOCK_LOST;
+    // A loop that begins at no speed may seem to lock on its way past a rotor that turns.
+    self->locked = lock >= LODE_LOCK_LOST && (self->found > 0u || lode_estimator_injects(self));
     self->aligned = lock >= LOCK_ALIGNED;
     if (lode_estimator_injects(self)) {
         return;

@@ -634,6 +634,7 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     own->lock = estimate->lock;
     own->locked = estimate->lock >= LODE_LOCK_LOST;
     own->aligned = own->locked;
+    own->found = 1u;
 #ifndef LODE_WITHOUT_HFI
     lode_estimator_end_injection(own, &self->tuning->estimator); // nothing is to be found by it
     own->by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;

@@ -95,9 +95,10 @@ typedef struct {
         per_V; ///< one over the EMF's amplitude when it was last looked at, negative for positive speed
     float id_A; ///< current in the rotor's direction at t_k
     float lock;
-    bool locked;        ///< lock >= LODE_LOCK_LOST
-    bool aligned;       ///< good enough to know the direction of the d axis
-    uint_least8_t slot; ///< of lode_estimator_step()
+    bool locked;         ///< lock >= LODE_LOCK_LOST, of a rotor that has been found
+    bool aligned;        ///< good enough to know the direction of the d axis
+    uint_least8_t found; ///< above 0: angle and speed were acquired, held or given since the reset
+    uint_least8_t slot;  ///< of lode_estimator_step()
     union {
         lode_estimator_alone_t alone;
 #ifndef LODE_WITHOUT_HFI

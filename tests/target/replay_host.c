@@ -26,7 +26,7 @@ static bool record(int32_t number) {
         const lode_drive_out_t out = replay_step(&replay, &recorded[number][n]);
         plant_period(&plant, &out);
     }
-    return replay.running > REPLAY_ROWS / 4; // else the record shows little of the drive
+    return replay.running > REPLAY_ROWS / 5; // else the record shows little of the drive
 }
 
 static void print_counts(void) {
