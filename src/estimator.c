@@ -226,7 +226,7 @@ LODE_RAMFUNC float lode_estimator_look_again(lode_estimator_t *self,
 }
 
 // Beyond SINE_MAX where the EMF is not that of a motor: not finite, or too large to be blended.
-LODE_RAMFUNC LODE_NOINLINE float lode_estimator_limit(const lode_estimator_t *self, float error) {
+LODE_NOINLINE float lode_estimator_limit(const lode_estimator_t *self, float error) {
     if (!(square(self->emf.observer.e_V) <= EMF_LIMIT_V * EMF_LIMIT_V)) {
         return 2.0f * SINE_MAX;
     }
@@ -296,8 +296,8 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     return true;
 }
 
-LODE_RAMFUNC LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
-                                                    const lode_estimator_tuning_t *tuning) {
+LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
+                                       const lode_estimator_tuning_t *tuning) {
     if (!is_seed_due(self, tuning)) {
         self->by.alone.wait = (uint_least16_t)(self->by.alone.wait - 1u);
     }
