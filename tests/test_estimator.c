@@ -590,6 +590,29 @@ static void test_hold_at_the_true_angle_is_seamless(void) {
     }
 }
 
+static void test_a_lock_is_not_believed_before_the_rotor_was_found(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    watch_t w = watch(&config, paper_omega(600.0), 0.0);
+    for (int k = 0; k < 2000; k++) {
+        (void)watch_step(&w, 0.0, 0.0);
+    }
+    TEST_ASSERT_TRUE(w.estimator.locked);
+    // As after a reset, but for a loop that happens to be where the rotor is.
+    w.estimator.found = 0u;
+    w.estimator.by.alone.wait = w.tuning.settle_rounds;
+    w.reseeded = false;
+    for (int k = 0; k < (w.tuning.settle_rounds - 1) * (int)LODE_SLOW_PERIODS; k++) {
+        (void)watch_step(&w, 0.0, 0.0);
+        TEST_ASSERT_TRUE(w.last.lock > LODE_LOCK_LOST);
+        TEST_ASSERT_TRUE(k < (int)LODE_SLOW_PERIODS || !w.estimator.locked);
+    }
+    TEST_ASSERT_FALSE(w.reseeded);
+    for (int k = 0; k < 2 * (int)LODE_SLOW_PERIODS; k++) {
+        CHECK_NEAR(1.0 * CHECK_DEG, 0.0, watch_step(&w, 0.0, 0.0));
+    }
+    TEST_ASSERT_TRUE(w.reseeded && w.estimator.locked);
+}
+
 static void test_reset_is_idempotent_and_complete(void) {
     const lode_estimator_config_t config = designed(LODE_PLL_LESO);
     watch_t w = watch(&config, 300.0, 0.0);
@@ -706,6 +729,7 @@ int main(void) {
     RUN_TEST(test_outputs_are_in_range_for_any_input);
     RUN_TEST(test_hold_takes_the_angle_given);
     RUN_TEST(test_hold_at_the_true_angle_is_seamless);
+    RUN_TEST(test_a_lock_is_not_believed_before_the_rotor_was_found);
     RUN_TEST(test_reset_is_idempotent_and_complete);
     RUN_TEST(test_a_mean_rotation_that_is_no_number_begins_anew);
     RUN_TEST(test_every_field_at_its_limits);
