@@ -17,7 +17,7 @@
 #define EIGHTH_rad 0.7853982f
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
 #define ALL_PHASES ((1u << LODE_PHASES) - 1u)
-#define HALF_WAVES ((1u << 2 * LODE_PHASES) - 1u)
+#define HALF_WAVES (ALL_PHASES | (ALL_PHASES << LODE_PHASES))
 #define WAVE_CURRENT 4.0f // of the same, squared: a tenth of i_max asked for
 #define WAVE_SHARE 0.5f   // of what is asked for
 // Of a round: faster, current control may not hold the current against a rotor that falls out of step.
