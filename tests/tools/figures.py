@@ -191,11 +191,15 @@ def up(value, digits):
     return f"{math.ceil(round(value * 10**digits, 6)) / 10**digits:.{digits}f}"
 
 
-def correction(of):
-    """Of one share."""
-    text = f"{of['started']} of {of['starts']} start"
-    if of["started"] > 0:
-        text += f", {of['held']} hold the load" + (f", at most {up(of['max'], 1)} off" if of["held"] else "")
+def corrections(shares):
+    """Of each share in turn; one figure where all have the same."""
+    def each(what):
+        figures = [str(of[what]) for of in shares]
+        return figures[0] if len(set(figures)) == 1 else ", ".join(figures)
+    text = f"{each('started')} of {each('starts')} start"
+    held = [of for of in shares if of["started"] > 0 and of["held"]]
+    if held:
+        text += f", {each('held')} hold the load, at most {up(max(of['max'] for of in held), 1)} off"
     return text
 
 
@@ -255,8 +259,8 @@ def table_rows(f):
          "`sim/run run dtp_open_phase`, `dtp_open_phase_300` with `--set phase.broken.open_phase=a1` .. `c2`, "
          "[picture](docs/images/dtp_open_phase.svg)"),
         ("six phases, dead time and drops corrected by " + ", ".join(f"{100 * float(k):.0f}" for k in f["six_correction"]) +
-         " % of the right figure: 5 starts, then 5 Nm at once at 300 rpm",
-         "; ".join(correction(of) for of in f["six_correction"].values()),
+         " % of the right figure: 5 starts each, then 5 Nm at once at 300 rpm",
+         corrections(list(f["six_correction"].values())),
          "`sim/run run dtp_correction --set drive.dead_time_s=2.4e-6 --set drive.v_drop_V=1.2`"),
         (f"{f['starts']['cases']} starts: random angle, load 0 .. 2 Nm, $R$ ±20 %, $L_q$ ±15 %, noise, "
          "offset", f"{f['starts']['passed']} reach 900 rpm",
