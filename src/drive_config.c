@@ -97,11 +97,11 @@ static bool is_open(float value) {
 }
 
 // By the rated speed, and by the inertia where that asks for more.
-static void design_pll(lode_drive_config_t *config) {
+static void design_pll(lode_drive_config_t *config, float ts_s) {
     lode_pll_config_t *pll = &config->estimator.pll;
     const bool open = is_open(pll->sigma_rad_s) && is_open(pll->sigma_low_rad_s);
     const bool all_open = open && is_open(pll->omega_low_rad_s) && is_open(pll->omega_high_rad_s);
-    lode_pll_design(pll, config->motor.omega_rated_rad_s);
+    lode_pll_design(pll, config->motor.omega_rated_rad_s, ts_s);
     // Not where the field is weakened: there the d current moves with the torque, and a quick PLL follows what
     // an error of Lq - Ld makes of it (7.2 degrees for 3.5 where a motor came back from its MTPV range).
     if (all_open && config->references.field_weakening != LODE_ON) {
@@ -160,7 +160,7 @@ void lode_drive_design(lode_drive_config_t *config) {
             lode_given_or(config->estimator.omega_max_rad_s, weakened_omega(config));
     }
     lode_start_design(&config->start, inverter, motor, ts_s);
-    design_pll(config);
+    design_pll(config, ts_s);
     lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
     config->current.voltage_use =

@@ -17,7 +17,7 @@
 
 void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *motor, float ts_s) {
     const float omega_rated = motor->omega_rated_rad_s;
-    lode_pll_design(&config->pll, omega_rated);
+    lode_pll_design(&config->pll, omega_rated, ts_s);
     lode_emf_design(&config->emf, motor, config->pll.sigma_rad_s, ts_s);
     if (config->active_flux == LODE_AUTO) {
         config->active_flux = LODE_ON;

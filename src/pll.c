@@ -7,12 +7,17 @@
 #define OMEGA_LOW_SHARE 0.1f
 #define OMEGA_HIGH_SHARE 0.2f
 #define SIGMA_TS_MAX 0.3f
+// A fifth (P10) of the largest w0 that an observer has by default, less a rounding.
+#define SIGMA_TS_DEFAULT_MAX 0.0999f
 
-void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s) {
+void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s, float ts_s) {
     const bool given = config->sigma_rad_s > 0.0f;
-    const float sigma_low = given ? config->sigma_rad_s : SIGMA_LOW_SHARE * omega_rated_rad_s;
-    config->sigma_low_rad_s = lode_given_or(config->sigma_low_rad_s, sigma_low);
-    config->sigma_rad_s = lode_given_or(config->sigma_rad_s, SIGMA_HIGH_SHARE * omega_rated_rad_s);
+    const float most = SIGMA_TS_DEFAULT_MAX / ts_s;
+    const float sigma = lode_min(SIGMA_HIGH_SHARE * omega_rated_rad_s, most);
+    const float sigma_low = lode_min(SIGMA_LOW_SHARE * omega_rated_rad_s, most);
+    config->sigma_low_rad_s =
+        lode_given_or(config->sigma_low_rad_s, given ? config->sigma_rad_s : sigma_low);
+    config->sigma_rad_s = lode_given_or(config->sigma_rad_s, sigma);
     config->omega_low_rad_s =
         lode_given_or(config->omega_low_rad_s, OMEGA_LOW_SHARE * omega_rated_rad_s);
     config->omega_high_rad_s =

@@ -382,19 +382,23 @@ static void test_kind_is_an_enumerator(void) {
 
 static void test_design_fills_what_is_open(void) {
     lode_pll_config_t config = {.kind = LODE_PLL_LESO};
-    lode_pll_design(&config, 471.239f);
+    lode_pll_design(&config, 471.239f, 2.0e-4f);
     // As documented: 0.21 and 0.11 of the rated speed, between 0.1 and 0.2 of it; two digits.
     CHECK_CLOSE(0.025, 0.21 * 471.239, config.sigma_rad_s);
     CHECK_CLOSE(0.05, 0.11 * 471.239, config.sigma_low_rad_s);
     CHECK_CLOSE(1.0e-6, 47.1239, config.omega_low_rad_s);
     CHECK_CLOSE(1.0e-6, 94.2478, config.omega_high_rad_s);
+    // At a rated speed of 0.49 rad a period, bounded by what the largest default of w0 bears (P10).
+    lode_pll_config_t quick = {.kind = LODE_PLL_LESO};
+    lode_pll_design(&quick, 2450.0f, 2.0e-4f);
+    CHECK_CLOSE(1.1e-3, 0.1 / 2.0e-4, quick.sigma_rad_s);
     lode_pll_config_t given = {.sigma_rad_s = 150.0f};
-    lode_pll_design(&given, 471.239f);
+    lode_pll_design(&given, 471.239f, 2.0e-4f);
     TEST_ASSERT_EQUAL_FLOAT(150.0f, given.sigma_rad_s);
     TEST_ASSERT_EQUAL_FLOAT(150.0f, given.sigma_low_rad_s);
     const lode_pll_config_t all = sound_config();
     lode_pll_config_t kept = all;
-    lode_pll_design(&kept, 471.239f);
+    lode_pll_design(&kept, 471.239f, 2.0e-4f);
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
 }
 

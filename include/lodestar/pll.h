@@ -47,7 +47,7 @@ typedef struct {
 } lode_pll_t;
 
 /// Fills every zero field that has a default.
-void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s);
+void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s, float ts_s);
 
 lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *config, float ts_s);
 

@@ -57,7 +57,7 @@ double tables_tracking_deg(const theory_t *t, bool leso, int motion, bool printe
     euler_t euler;
     rig_stats_t error_deg;
     rig_stats_reset(&error_deg);
-    lode_pll_design(&config, 471.0f);
+    lode_pll_design(&config, 471.0f, (float)t->ts_s);
     if (lode_pll_tune(&tuning, &config, (float)t->ts_s) != LODE_OK) {
         return NAN;
     }
