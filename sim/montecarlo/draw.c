@@ -17,6 +17,7 @@
 #define SLOW_SHARE 0.2            // of full speed
 #define PER_HANDOVER 1.5          // clear of the hand-over
 #define START_LOAD_SHARE 0.8      // mean plus ripple of the load at the start, of 100 %
+#define COAST_STEPS 10u           // up to rated speed
 #define NOISE_COUNTS 0.5          // rms, of a current
 #define OFFSET_SHARE 0.01         // of the converter's range; calibrated before the start
 #define GAIN_SHARE 0.02
@@ -65,6 +66,9 @@ bool mc_machine_load(mc_machine_t *machine, const char *name, int sets, const ch
     machine->torque_max_Nm =
         (double)lode_motor_kt_Nm_A(&drive->motor) * (double)drive->inverter.i_max_A;
     machine->torque_Nm = RATED_PER_MAX * machine->torque_max_Nm;
+    machine->rated_e_rad_s = (double)drive->motor.omega_rated_rad_s;
+    machine->bus_e_rad_s =
+        (double)drive->inverter.v_bus_V / (sqrt(3.0) * (double)drive->motor.psi_Wb);
     machine->full_e_rad_s = fmin((double)drive->motor.omega_rated_rad_s,
                                  BASE_SHARE * speed_limits_of(drive).base_rad_s);
     return true;
@@ -120,6 +124,11 @@ static void draw_truth(rig_config_t *truth, const ranges_t *ranges, uint64_t *st
     }
 }
 
+/// A row of seeds goes through all speeds, of either direction.
+static double coast_share(uint64_t seed) {
+    return (double)(seed % (2u * COAST_STEPS + 1u)) / COAST_STEPS - 1.0;
+}
+
 bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_errors_t errors,
              uint64_t seed) {
     const ranges_t ranges = ranges_of(errors);
@@ -143,5 +152,6 @@ bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_err
     one->slow_e_rad_s = fmax(SLOW_SHARE * machine->full_e_rad_s,
                              PER_HANDOVER * (double)one->told.drive.start.omega_handover_rad_s);
     one->slow_e_rad_s = fmin(one->slow_e_rad_s, machine->full_e_rad_s);
+    one->coast_e_rad_s = test == MC_FLY ? coast_share(seed) * machine->rated_e_rad_s : 0.0;
     return true;
 }

@@ -8,7 +8,7 @@
 
 #include "config/rig_config.h"
 
-typedef enum { MC_START, MC_RUN, MC_QUIET } mc_test_t;
+typedef enum { MC_START, MC_RUN, MC_FLY, MC_QUIET } mc_test_t;
 
 typedef enum { MC_ERRORS_NARROW, MC_ERRORS_WIDE, MC_ERRORS_START } mc_errors_t;
 
@@ -19,6 +19,8 @@ typedef struct {
     double torque_Nm;     ///< 100 %: at i_max/1.5 with id = 0
     double torque_max_Nm; ///< at i_max
     double full_e_rad_s;  ///< 100 % of speed: rated, at most 0.9 of base speed
+    double rated_e_rad_s;
+    double bus_e_rad_s; ///< from which on the EMF drives a current through the diodes
     double np;
 } mc_machine_t;
 
@@ -29,6 +31,7 @@ typedef struct {
         slow_e_rad_s; ///< 20 %, or 1.5 times the hand-over speed that follows from what the drive is told
     double direction;     ///< 1 or -1
     double start_load_Nm; ///< MC_START: mean of the passive load
+    double coast_e_rad_s; ///< MC_FLY: at which the rotor turns already
 } mc_case_t;
 
 /// Reads motors/NAME, drives/NAME and, where there is one, plants/NAME, and `set` on top of them. False

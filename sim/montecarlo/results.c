@@ -16,8 +16,11 @@
 
 enum { CAUSES_MAX = 64 };
 #define SILENT "silent: "
+#define LISTED_STEPS "load steps left out: unanswered they would halve the speed within 10 ms"
+#define LISTED_COASTS                                                                              \
+    "speeds left out: the EMF is above the bus, and drives a current through the diodes"
 
-static const char *const tests[] = {"start", "run", "quiet"};
+static const char *const tests[] = {"start", "run", "fly", "quiet"};
 static const char *const kinds[] = {"narrow", "wide", "start"};
 
 const char *mc_test_name(mc_test_t test) {
@@ -170,10 +173,8 @@ bool mc_results_print(FILE *file, const mc_results_t *self) {
                       100.0 * share_of(&count), (unsigned long long)count.silent,
                       count.max_error_deg, held ? "" : "  BAR MISSED: 97 %");
         if (count.listed > 0u) {
-            (void)fprintf(file,
-                          "    %6llu  load steps left out: unanswered they would halve the speed "
-                          "within 10 ms\n",
-                          (unsigned long long)count.listed);
+            (void)fprintf(file, "    %6llu  %s\n", (unsigned long long)count.listed,
+                          campaign->test == MC_FLY ? LISTED_COASTS : LISTED_STEPS);
         }
         print_causes(file, self, from, from + campaign->cases);
     }

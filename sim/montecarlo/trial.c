@@ -22,6 +22,9 @@
 #define RIPPLE_s 0.3
 #define QUIET_PERIODS 20000 // of the same speed and load
 enum { GLIDE_STEPS = 100 }; // of a gentle change
+#define CATCH_s 0.05        // a rotor that turns already is caught within this time ...
+#define CATCH_TURNS 2.0     // ... or so many electrical turns, whichever is longer
+#define KICK_s 5.0e-3       // afterwards, in which its peak current still counts
 #define LISTED_s 0.01
 #define LISTED_SHARE 0.5
 
@@ -295,6 +298,82 @@ static bool all_changes(trial_t *trial) {
            change_load(trial, "50 % load", 0.0, 0.5) && go(trial, "reversal, 50 % load", slow);
 }
 
+// ---- A rotor that turns already ------------------------------------------------------------------
+
+static bool is_turned(const trial_t *trial) {
+    return mode_of(trial) == LODE_MODE_START &&
+           trial->rig.drive->state.start.stage != (uint_least8_t)LODE_START_CATCH;
+}
+
+static bool calibrate(trial_t *trial) {
+    static const lode_command_t calibration = {.mode = LODE_MODE_CALIBRATE};
+    trial->what = "calibration";
+    plant_set_speed(&trial->rig.plant, 0.0);
+    (void)lode_drive_post_command(trial->rig.drive, &calibration);
+    for (double left_s = 2.0 * (double)trial->one->told.drive.sense.calibrate_s;
+         !trial->rig.drive->calibrated && left_s > 0.0; left_s -= trial->ts_s) {
+        if (!step(trial)) {
+            return false;
+        }
+    }
+    return wait(trial, 4.0 * trial->ts_s);
+}
+
+/// From the command on, until the drive runs by an angle that is right, or turns a vector of its own. False: it
+/// has failed.
+static bool is_caught(trial_t *trial) {
+    const double coast = fabs(trial->one->coast_e_rad_s);
+    const double limit_s = fmax(CATCH_s, CATCH_TURNS * 2.0 * RIG_PI / fmax(coast, 1.0e-3));
+    const bool fast = coast >= (double)trial->one->told.drive.start.omega_handover_rad_s;
+    double time_s = 0.0;
+    trial->what = "catch";
+    plant_watch_peak(&trial->rig.plant);
+    while (mode_of(trial) != LODE_MODE_RUN && !is_turned(trial)) {
+        if (!step(trial)) {
+            return false;
+        }
+        time_s += trial->ts_s;
+    }
+    if (fast && (is_turned(trial) || time_s > limit_s)) {
+        fail(trial, false, is_turned(trial) ? "passed over" : "too late");
+        return false;
+    }
+    if (mode_of(trial) == LODE_MODE_RUN && !wait(trial, KICK_s)) {
+        return false;
+    }
+    if (plant_peak_A(&trial->rig.plant) > (double)trial->machine->given.drive.inverter.i_max_A) {
+        fail(trial, false, "peak current above i_max");
+        return false;
+    }
+    return true;
+}
+
+static bool fly(trial_t *trial) {
+    const double coast = trial->one->coast_e_rad_s;
+    const double np = trial->machine->np;
+    if (fabs(coast) >= trial->machine->bus_e_rad_s) {
+        trial->result->listed++;
+        return true;
+    }
+    if (!calibrate(trial)) {
+        return false;
+    }
+    plant_set_speed(&trial->rig.plant, coast / np);
+    if (!wait(trial, 4.0 * trial->ts_s)) {
+        return false;
+    }
+    plant_release_speed(&trial->rig.plant);
+    const double speed =
+        fmin(fmax(fabs(coast), trial->one->slow_e_rad_s), trial->machine->full_e_rad_s);
+    command(trial, trial->one->direction * speed);
+    if (!is_caught(trial)) {
+        return false;
+    }
+    trial->what = "after the catch";
+    return settle(trial, (double)trial->one->told.drive.start.timeout_s +
+                             settle_limit_s(trial, 2.0 * trial->command_m_rad_s));
+}
+
 // ---- Nothing to trip for ------------------------------------------------------------------------
 
 /// To a speed and a passive load, of 100 %, in small steps that speed control follows.
@@ -335,6 +414,7 @@ static bool after_start(trial_t *trial, mc_test_t test) {
         return all_load_steps(trial) && all_changes(trial);
     case MC_QUIET:
         return all_quiet(trial);
+    case MC_FLY: // begins otherwise
     case MC_START:
     default:
         return true;
@@ -361,5 +441,5 @@ void mc_trial(mc_result_t *result, const mc_machine_t *machine, const mc_case_t 
     }
     plant_set_passive(&trial.rig.plant, true);
     plant_set_load(&trial.rig.plant, one->start_load_Nm);
-    result->passed = start(&trial) && after_start(&trial, test);
+    result->passed = test == MC_FLY ? fly(&trial) : start(&trial) && after_start(&trial, test);
 }

@@ -309,6 +309,14 @@ static double step_to_event(plant_t *self, double h_s, plant_stretch_t *sum, boo
     return done_s;
 }
 
+static void note_peak(plant_t *self) {
+    double i_A[PLANT_LEGS] = {0.0};
+    plant_motor_phase_currents(&self->motor, &self->motor.x, i_A);
+    for (int n = 0; n < self->sets * PLANT_PHASES; n++) {
+        self->peak_A = fmax(self->peak_A, fabs(i_A[n]));
+    }
+}
+
 /// Simulates the period at hand up to `until_s`, stretch by stretch.
 static void run(plant_t *self, double until_s) {
     plant_inverter_t *inverter = &self->inverter;
@@ -325,6 +333,9 @@ static void run(plant_t *self, double until_s) {
         const double done_s = step_to_event(self, h_s, &sum, &has_event, &event);
         if (self->motor.keeps_accounts) {
             book(self, &sum, done_s);
+        }
+        if (self->watches_peak) {
+            note_peak(self);
         }
         self->now_s = parts > 1.0 || has_event ? self->now_s + done_s : edge_s;
         plant_inverter_follow_signs(inverter, &self->motor, self->now_s);
@@ -386,6 +397,15 @@ void plant_advance(plant_t *self) {
         self->link_at[n] = self->next_link_at[n];
     }
     self->periods++;
+}
+
+void plant_watch_peak(plant_t *self) {
+    self->watches_peak = true;
+    self->peak_A = 0.0;
+}
+
+double plant_peak_A(const plant_t *self) {
+    return self->peak_A;
 }
 
 void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], plant_gates_t gates) {

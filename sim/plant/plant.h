@@ -83,6 +83,8 @@ typedef struct {
     plant_planes_t u_Vs; ///< over the period at hand, then over the last one
     double i_early_A[PLANT_LEGS];
     plant_energy_t energy;
+    bool watches_peak;
+    double peak_A;
 } plant_t;
 
 /// NULL, or the reason in words; the object is untouched then. Starts with gates off, no current.
@@ -108,6 +110,13 @@ void plant_set_link_samples(plant_t *self, const double at[PLANT_LINKS]);
 
 /// Simulates one PWM period, t_k to t_k+1.
 void plant_advance(plant_t *self);
+
+/// From now on the largest phase current is kept, in between the samples too: at every edge, and where conduction
+/// changes.
+void plant_watch_peak(plant_t *self);
+
+/// What it has been since then.
+double plant_peak_A(const plant_t *self);
 
 /// Passive load: the sign does not matter. Otherwise positive brakes positive speed.
 void plant_set_load(plant_t *self, double load_Nm);

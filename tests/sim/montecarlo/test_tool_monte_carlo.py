@@ -76,6 +76,16 @@ def bars(checks, folder):
     checks.true("LODE_ERROR_START_DAMPING, init" in unfit.stdout, f"a drive that init refuses: {unfit.stdout}")
 
 
+def fly(checks, folder):
+    """A rotor that turns already is caught at every speed; one that nothing looks for is not."""
+    done, text = run(folder, "fly", "--motors", "compressor_310V", "--n", 21)
+    checks.equal(done.returncode, 0, f"caught: {done.stdout}")
+    checks.equal(len(rows_of(text)), 21, "speeds")
+    none = folder.run("monte-carlo", "fly", "--motors", "compressor_310V", "--n", 21, "--set", "start.catch_s=none")
+    checks.equal(none.returncode, 1, "nothing looks for it")
+    checks.true("passed over, catch" in none.stdout, f"a rotor that is not looked for: {none.stdout}")
+
+
 def quiet(checks, folder):
     """No false trip in 10^7 periods over the catalogue, 10^8 in the long campaign; and one is counted as one."""
     done, text = run(folder, "quiet", "--n", 14 if FULL else 2)
@@ -91,8 +101,8 @@ def quiet(checks, folder):
 
 
 def refusals(checks, folder):
-    for arguments, expected in ((["monte-carlo"], "expected start, run, quiet, or merge with files"),
-                                (["monte-carlo", "merge"], "expected start, run, quiet, or merge with files"),
+    for arguments, expected in ((["monte-carlo"], "expected start, run, fly, quiet, or merge with files"),
+                                (["monte-carlo", "merge"], "expected start, run, fly, quiet, or merge with files"),
                                 (["monte-carlo", "walk"], "expected start, run, quiet, or merge with files"),
                                 (["monte-carlo", "start", "x.json"], "expected nothing there"),
                                 (["monte-carlo", "start", "--errors", "huge"], "expected narrow, wide or start"),
@@ -115,6 +125,7 @@ def main():
         cases(checks, folder)
         shards(checks, folder)
         bars(checks, folder)
+        fly(checks, folder)
         quiet(checks, folder)
         refusals(checks, folder)
     checks.done()
