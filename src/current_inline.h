@@ -45,7 +45,9 @@ LODE_INLINE lode_current_out_t lode_current_step(lode_current_t *self,
         return (lode_current_out_t){asked, true};
     }
     const lode_current_case_t edge = {error, ff, asked, tuning->circle * v_bus_V};
-    return (lode_current_out_t){lode_current_limit(self, tuning, &edge), false};
+    const lode_dq_t u_V =
+        lode_current_limit(self, tuning, &edge); // copied, as in estimator_inline.h
+    return (lode_current_out_t){{u_V.d, u_V.q}, false};
 }
 
 #endif

@@ -383,7 +383,10 @@ LODE_INLINE lode_sample_t sense(lode_drive_t *self, const lode_drive_tuning_t *t
                                 const lode_counts_t *counts) {
     lode_sample_t sample = lode_sense_next(&self->sense, &tuning->sense, counts, &self->omitted);
     if (LODE_RARELY(!lode_guard_all_ok(&self->guard, &tuning->guard, &sample))) {
-        diagnose(self, counts, sample.omitted, sample.i_A);
+        // A copy: for the current of the sample itself the step would keep room for a whole one, 16 bytes of
+        // stack more.
+        const lode_ab_t i_A = {sample.i_A.alpha, sample.i_A.beta};
+        diagnose(self, counts, sample.omitted, i_A);
     }
     const lode_ab_t u_V = lode_inverter_realised(&self->inverter, self->steps);
     sample.u_V = lode_inverter_less_drop(&self->inverter, u_V, self->estimator.emf.i_A);

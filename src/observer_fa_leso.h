@@ -17,7 +17,8 @@ LODE_INLINE lode_ab_t fa_leso_step(lode_observer_t *self, const lode_observer_tu
     if (LODE_RARELY(tuning->own[FA_LESO_K1_TS2] > 0.0f)) {
         const lode_ab_t m = {m_V.alpha, m_V.beta}; // copies: they themselves stay in registers
         const lode_sincos_t rho = {step_angle.sin, step_angle.cos};
-        return lode_fa_leso_step_slow(self, tuning, m, rho, omega_rad_s);
+        const lode_ab_t e_V = lode_fa_leso_step_slow(self, tuning, m, rho, omega_rad_s);
+        return (lode_ab_t){e_V.alpha, e_V.beta};
     }
     // First order: e = q rho e + (1 - q) m (E17).
     const lode_ab_t rotated = lode_ab_rotate(self->e_V, step_angle);
