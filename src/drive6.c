@@ -185,7 +185,8 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
     x.set_2 = lode_sense_next(&self->sense_2, tuning, &counts->set[1], &self->omitted_2);
     if (LODE_RARELY(!lode_guard_all_ok(&drive->guard, &drive->tuning->guard, &x.machine)) ||
         LODE_RARELY(x.set_2.alert) || LODE_RARELY(x.set_2.trip)) {
-        diagnose(self, counts, x.machine.omitted, x.set_2.omitted, x.machine.i_A);
+        const lode_ab_t i_1 = {x.machine.i_A.alpha, x.machine.i_A.beta}; // as in drive.c
+        diagnose(self, counts, x.machine.omitted, x.set_2.omitted, i_1);
     }
     lode_guard_note(&drive->guard, x.machine.stamp);
     x.i_A = currents(tuning, x.machine.i_A, &x.set_2);
@@ -203,9 +204,11 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
         const bool first_alone = self->active == (uint_least8_t)LODE_SETS_ONLY_1;
         x.machine.i_A = of_set(&x.i_A, first_alone);
         x.machine.u_V = of_set(&u_V, first_alone);
-        x.machine.i[0] = first_alone ? x.machine.i[0] : x.set_2.i[0]; // of the set that is driven
-        x.machine.i[1] = first_alone ? x.machine.i[1] : x.set_2.i[1];
-        x.machine.i[2] = first_alone ? x.machine.i[2] : x.set_2.i[2];
+        // Of the set that is driven. With the gates off its own, for calibration.
+        const bool of_1 = first_alone || !drive->gates;
+        x.machine.i[0] = of_1 ? x.machine.i[0] : x.set_2.i[0];
+        x.machine.i[1] = of_1 ? x.machine.i[1] : x.set_2.i[1];
+        x.machine.i[2] = of_1 ? x.machine.i[2] : x.set_2.i[2];
     }
     x.u_seen_V = x.machine.u_V;
     x.i_seen_A = x.machine.i_A;
@@ -327,6 +330,16 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
     return end_idle(self);
 }
 
+static LODE_NOINLINE lode_drive6_out_t idle_period(lode_drive6_t *self,
+                                                   const lode_counts6_t *counts,
+                                                   uint_least8_t omitted_1,
+                                                   uint_least8_t omitted_2) {
+    lode_sample6_t sample;
+    lode_sense_again(&self->drive.sense, &counts->set[0], omitted_1, &sample.machine);
+    lode_sense_again(&self->sense_2, &counts->set[1], omitted_2, &sample.set_2);
+    return idle(self, &sample);
+}
+
 LODE_INLINE lode_gates_t gates_if(bool driven) {
     return driven ? LODE_GATES_ON : LODE_GATES_OFF;
 }
@@ -418,8 +431,7 @@ lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_sample6_t *sam
 LODE_RAMFUNC lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
     const lode_sample6_t sample = sense(self, counts);
     if (LODE_RARELY(!self->drive.steady) && !self->drive.gates) {
-        const lode_sample6_t seen = sample; // in memory here only
-        return idle(self, &seen);
+        return idle_period(self, counts, sample.machine.omitted, sample.set_2.omitted);
     }
     const lode_estimate_t rotor = estimate(self, &sample);
     return act(self, &sample, &rotor);

@@ -492,6 +492,33 @@ static void test_one_set_stops_and_starts_again(void) {
     TEST_ASSERT_EQUAL_INT(0, rig6_telemetry(&rig).open);
 }
 
+// By the step and by its three parts.
+static void test_one_set_alone_still_calibrates_both(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    rig.open = 1;
+    rig6_run(&rig, 1.0);
+    rig6_command(&rig, off);
+    rig6_run(&rig, 3.0);
+    TEST_ASSERT_EQUAL_INT(LODE_SETS_ONLY_2, rig6_telemetry(&rig).active);
+    rig.offset[0] = 12.0;
+    rig.offset[4] = 25.0;
+    rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    lode_drive6_t apart = rig.drive;
+    for (int n = 0; n < (int)(0.2 / RIG6_TS_s); n++) {
+        const lode_counts6_t counts = rig6_counts(&rig);
+        const lode_sample6_t sample = lode_drive6_sense(&apart, &counts);
+        const lode_estimate_t estimate = lode_drive6_estimate(&apart, &sample);
+        (void)lode_drive6_act(&apart, &sample, &estimate);
+        rig6_step(&rig);
+    }
+    const lode_drive6_t *drives[] = {&rig.drive, &apart};
+    for (int k = 0; k < COUNT_OF(drives); k++) {
+        CHECK_NEAR(0.01, 2060.0, offset_of(&drives[k]->drive.sense, 0));
+        CHECK_NEAR(0.01, 2073.0, offset_of(&drives[k]->sense_2, 1));
+    }
+}
+
 // --- Configuration, tunings, telemetry --------------------------------------------------------
 
 static lode_status_t tried(const lode_drive6_config_t *config) {
@@ -745,6 +772,7 @@ int main(void) {
     RUN_TEST(test_implausible_currents_of_either_set_trip);
     RUN_TEST(test_the_xy_voltage_ends_with_what_made_it);
     RUN_TEST(test_one_set_stops_and_starts_again);
+    RUN_TEST(test_one_set_alone_still_calibrates_both);
     RUN_TEST(test_bad_configurations_are_refused_by_name);
     RUN_TEST(test_two_shunts_in_a_window_leave_the_voltage_that_they_see);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
