@@ -338,6 +338,16 @@ static lode_range_t allowed_speeds(const lode_drive_t *self) {
     return self->direction < 0.0f ? (lode_range_t){-most, -least} : (lode_range_t){least, most};
 }
 
+// A current on its way through zero leaves all phases where nobody knows what the dead time does: what would be
+// shorter than the bias that keeps them away from there is left out (S20).
+LODE_NOINLINE float lode_drive_faded(const lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const float bias_A = tuning->references.id_bias_A;
+    const lode_dq_t i_A = self->ref_A;
+    const bool is_short = i_A.d * i_A.d + i_A.q * i_A.q < bias_A * bias_A;
+    return is_short ? 0.0f : lode_max(self->state.run.fade - tuning->start.fade_step, 0.0f);
+}
+
 LODE_NOINLINE float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm) {
     const lode_range_t speeds = allowed_speeds(self);
     const float wanted = self->command.speed_rad_s;

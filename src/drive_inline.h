@@ -39,6 +39,8 @@ void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                          const lode_sample_t *sample);
 // Speed control where it comes more often than once in a round: before current control; in drive.c.
 void lode_drive_fast_speed(lode_drive_t *self);
+// The rest of the start current, of what it was at hand-over, a round on; in drive.c.
+float lode_drive_faded(const lode_drive_t *self);
 // Target of speed control with a sensor, or for torque control; in drive.c.
 float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm);
 // One of a set's currents has kept its count, or their sum is large; in drive.c.
@@ -108,7 +110,7 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
     if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
         target = run->speed.reference_rad_s;
-        run->fade = lode_max(run->fade - tuning->start.fade_step, 0.0f);
+        run->fade = lode_drive_faded(self);
     } else if (LODE_RARELY(lode_mode_is_sensored(self) || lode_mode_is_torque(self))) {
         target = lode_drive_other_target(self, omega_rad_s, load_Nm);
     } else {

@@ -463,6 +463,44 @@ static void test_load_steps_and_speed_changes(void) {
     check_running(&rig, 150.0);
 }
 
+// From RUN until the start current has faded: periods in which the reference is shorter than `short_A`, and its
+// largest step.
+static void watch_the_fade(rig_t *rig, float short_A, uint32_t *shorts, float *step_A) {
+    *shorts = 0u;
+    *step_A = 0.0f;
+    TEST_ASSERT_TRUE(reach(rig, LODE_MODE_RUN, 8.0));
+    float before_A = rig->drive.ref_A.d;
+    while (rig->drive.state.run.fade > 0.0f) {
+        rig_step(rig);
+        const lode_dq_t i_A = rig->drive.ref_A;
+        *shorts += hypotf(i_A.d, i_A.q) < short_A ? 1u : 0u;
+        *step_A = fmaxf(*step_A, fabsf(i_A.d - before_A));
+        before_A = i_A.d;
+    }
+    rig_expect(rig, LODE_MODE_RUN);
+}
+
+static void test_the_fade_leaves_out_short_currents(void) {
+    uint32_t shorts = 0u;
+    float step_A = 0.0f;
+    rig_t rig = fresh();
+    const float bias_A = tuning.references.id_bias_A;
+    TEST_ASSERT_TRUE(bias_A > 0.0f);
+    rig_command(&rig, run_at(60.0));
+    watch_the_fade(&rig, bias_A, &shorts, &step_A);
+    rig_run(&rig, (double)LODE_SLOW_PERIODS * RIG_TS_s);
+    TEST_ASSERT_TRUE(shorts <= LODE_SLOW_PERIODS); // a round has seen one
+    CHECK_CLOSE(1.0e-6, -bias_A, rig.drive.ref_A.d);
+    // Where no bias asks for it, it fades to the end.
+    lode_drive_config_t config = rig_config();
+    config.references.id_bias_A = LODE_NONE;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(60.0));
+    watch_the_fade(&rig, bias_A, &shorts, &step_A);
+    TEST_ASSERT_TRUE(shorts > 4u * LODE_SLOW_PERIODS);
+    TEST_ASSERT_TRUE(step_A < 0.2f * bias_A);
+}
+
 static lode_command_t torque_of(double torque, double speed) {
     return (lode_command_t){.mode = LODE_MODE_RUN,
                             .speed_rad_s = (float)speed,
@@ -1812,6 +1850,7 @@ int main(void) {
     RUN_TEST(test_speed_control_runs_as_often_as_its_bandwidth_asks);
     RUN_TEST(test_every_rate_of_speed_control_drives);
     RUN_TEST(test_load_steps_and_speed_changes);
+    RUN_TEST(test_the_fade_leaves_out_short_currents);
     RUN_TEST(test_torque_control_follows_torque_and_holds_its_speeds);
     RUN_TEST(test_a_speed_that_is_raised_is_told);
     RUN_TEST(test_speed_zero_stops_and_switches_off);
