@@ -372,6 +372,8 @@ LODE_RAMFUNC LODE_NOINLINE void lode_drive_fast_speed(lode_drive_t *self) {
         lode_drive_speed(self, self->estimator.pll.omega_rad_s);
     }
     if (((self->steps - (uint32_t)SLOT_REFERENCES) & mask) == 0u) {
+        lode_drive_limit_flux(self);
+        lode_drive_free_id(self);
         lode_drive_references(self);
     }
 }

@@ -119,13 +119,40 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_Nm);
 }
 
-// SLOT_REFERENCES
+// SLOT_LAG, in RUN: first part of the references.
+LODE_INLINE void lode_drive_limit_flux(lode_drive_t *self) {
+    const lode_references_voltage_t voltage = {self->inverter.v_bus_V, self->u_V};
+    lode_references_limit(&self->state.run.references, &self->tuning->references,
+                          self->estimator.pll.omega_rad_s, voltage);
+}
+
+// SLOT_SPEED, with the torque: second part.
+LODE_INLINE void lode_drive_free_id(lode_drive_t *self) {
+    lode_running_t *run = &self->state.run;
+    lode_references_free(&run->references, &self->tuning->references, run->speed.torque_Nm,
+                         self->estimator.pll.omega_rad_s, run->fade * run->id_A,
+                         self->inverter.v_bus_V);
+}
+
+// SLOT_SPEED, in RUN.
+LODE_INLINE void lode_drive_run(lode_drive_t *self) {
+    if (LODE_RARELY(lode_drive_is_too_slow(self))) {
+        lode_mode_hand_back(self);
+    } else if (LODE_USUALLY(lode_drive_speed_once(self))) {
+        // The mean of two samples half a round apart: the position error's ripple and noise fold down less.
+        lode_drive_speed(self, 0.5f * (self->omega_half + self->estimator.pll.omega_rad_s));
+        lode_drive_free_id(self);
+    } else {
+        // more than once in a round: lode_drive_fast_speed() does it
+    }
+}
+
+// SLOT_REFERENCES: last part.
 LODE_SHARED void lode_drive_references(lode_drive_t *self) {
     lode_running_t *run = &self->state.run;
-    const lode_references_voltage_t voltage = {self->inverter.v_bus_V, self->u_V};
-    const lode_references_out_t out =
-        lode_references_step(&run->references, &self->tuning->references, run->speed.torque_Nm,
-                             self->estimator.pll.omega_rad_s, run->fade * run->id_A, voltage);
+    const lode_references_out_t out = lode_references_finish(
+        &run->references, &self->tuning->references, run->speed.torque_Nm,
+        self->estimator.pll.omega_rad_s, run->fade * run->id_A, self->inverter.v_bus_V);
     self->ref_A = out.i_A;
     const float share = self->torque_share;
     run->speed.limit_Nm = (lode_range_t){share * out.torque_Nm.min, share * out.torque_Nm.max};
@@ -262,6 +289,10 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         lode_estimator_adapt_lag(estimator, &tuning->estimator);
         lode_drive_lead(self, tuning);
         self->omega_half = estimator->pll.omega_rad_s;
+        if (LODE_RARELY(lode_references_weakens(&tuning->references)) &&
+            lode_drive_speed_once(self) && lode_mode(self) == LODE_MODE_RUN) {
+            lode_drive_limit_flux(self);
+        }
         break;
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
@@ -280,17 +311,8 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         lode_estimator_adapt_notches(estimator, &tuning->estimator);
         break;
     case SLOT_SPEED:
-        if (LODE_RARELY(lode_mode(self) != LODE_MODE_RUN)) {
-            break;
-        }
-        if (LODE_RARELY(lode_drive_is_too_slow(self))) {
-            lode_mode_hand_back(self);
-        } else if (LODE_USUALLY(lode_drive_speed_once(self))) {
-            // The mean of two samples half a round apart: the position error's ripple and noise fold down
-            // less.
-            lode_drive_speed(self, 0.5f * (self->omega_half + estimator->pll.omega_rad_s));
-        } else {
-            // more than once in a round: lode_drive_fast_speed() does it
+        if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
+            lode_drive_run(self);
         }
         break;
     case SLOT_REFERENCES:

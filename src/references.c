@@ -99,10 +99,6 @@ static lode_status_t check(const lode_references_config_t *config,
     return is_fade_sound(config, inverter->v_bus_V) ? LODE_OK : LODE_ERROR_BUS_FADE;
 }
 
-LODE_INLINE bool asks(const lode_references_tuning_t *tuning, int option) {
-    return (tuning->options & (uint32_t)option) != 0u;
-}
-
 LODE_INLINE float Lq_at(const lode_references_tuning_t *tuning, float iq_A) {
     return tuning->Lq_H / (1.0f + tuning->Lq_fall * lode_abs(iq_A));
 }
@@ -114,7 +110,8 @@ static float most_tau(const lode_references_tuning_t *tuning) {
     float iq = i_max;
     float id = 0.0f;
     float salient = lode_references_salient_H(tuning);
-    for (int32_t i = 0; asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && i < SATURATION_STEPS; i++) {
+    for (int32_t i = 0;
+         lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && i < SATURATION_STEPS; i++) {
         salient = tuning->Ld_H - Lq_at(tuning, iq);
         const float arm = 2.0f * salient * i_max;
         id = arm * i_max /
@@ -149,7 +146,7 @@ static bool is_built_in(const lode_references_tuning_t *t) {
 #if defined(LODE_WITHOUT_OPTIMAL_REFERENCES)
     return t->options == 0u;
 #elif defined(LODE_WITHOUT_FIELD_WEAKENING)
-    return !asks(t, LODE_REFERENCES_WEAKEN);
+    return !lode_references_asks(t, LODE_REFERENCES_WEAKEN);
 #else
     (void)t;
     return true;
@@ -207,7 +204,11 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
 }
 
 void lode_references_reset(lode_references_t *self, float id_A) {
-    *self = (lode_references_t){.id_A = id_A};
+    *self = (lode_references_t){.id_A = id_A,
+                                .id_free_A = id_A,
+                                .id_least_A = id_A,
+                                .flux = FLUX_UNLIMITED,
+                                .tau_most = FLT_MAX};
 }
 
 // id of MTPA for the torque `tau` >= 0 over the torque factor: (R3) to (R5).
@@ -228,7 +229,7 @@ LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient,
                           float omega_rad_s) {
     const float bias = -tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (asks(tuning, LODE_REFERENCES_LEAST_CURRENT)) {
+    if (lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT)) {
         const float id = mtpa_id(tuning, salient, tau);
         return bias < 0.0f ? lode_min(id, bias) : id;
     }
@@ -238,15 +239,24 @@ LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient,
     return bias;
 }
 
-// Flux that the voltage leaves room for (R8), with the trim (R9) brought up to date.
+// The last id is below the one for the torque alone.
+LODE_INLINE bool is_weakening(const lode_references_t *self,
+                              const lode_references_tuning_t *tuning) {
+    return self->id_A < self->id_free_A - WEAKENING_SHARE * tuning->i_max_A;
+}
+
+// Flux that the voltage leaves room for (R8), with the trim (R9) brought up to date. An id that is the least, or
+// moves at a rate limit, does not answer to the trim.
 LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuning_t *tuning,
                              float omega_rad_s, lode_references_voltage_t voltage) {
     const float use = tuning->circle * voltage.v_bus_V;
     const lode_dq_t u = voltage.u_V;
     const float headroom = use * use - (u.d * u.d + u.q * u.q);
-    const float change =
-        self->weakening ? tuning->trim_gain * headroom : -tuning->trim_decay * self->trim;
-    if ((self->settled || (self->lowest && change > 0.0f)) && lode_is_finite(change)) {
+    const float change = is_weakening(self, tuning) ? tuning->trim_gain * headroom
+                                                    : -tuning->trim_decay * self->trim;
+    const bool lowest = !(self->id_A > tuning->id_min_A);
+    const bool settled = !lowest && lode_abs(self->moved_A) < SETTLED_SHARE * tuning->rise_A;
+    if ((settled || (lowest && change > 0.0f)) && lode_is_finite(change)) {
         self->trim = lode_clamp(self->trim + change, -TRIM_MAX, TRIM_MAX);
     }
     const float emf = use + use * self->trim - tuning->drop * self->tau * omega_rad_s;
@@ -285,30 +295,30 @@ LODE_INLINE float newton_id(const lode_references_tuning_t *tuning, float id, fl
     return id - (excess * active2 + psi_q * psi_q) / lode_max(slope, slope_min * active2);
 }
 
-// `id_free` or, where the voltage asks for it, less: falls fast, rises slowly (R12).
-LODE_INLINE float weakened_id(lode_references_t *self, const lode_references_tuning_t *tuning,
-                              float Lq, float tau, float flux, float id_free, float id_min) {
+// The one for the torque alone or, where the voltage asks for it, less: falls fast, rises slowly (R12).
+LODE_INLINE float weakened_id(const lode_references_t *self, const lode_references_tuning_t *tuning,
+                              float Lq, float tau) {
     const float before = self->id_A;
-    const float high = lode_min(id_free, before + tuning->rise_A);
-    const float low = lode_min(lode_max(id_min, before - tuning->fall_A), high);
-    const float id = lode_clamp(newton_id(tuning, before, Lq, tau, flux), low, high);
-    self->weakening = id < id_free - WEAKENING_SHARE * tuning->i_max_A;
-    // At the least id, or at a rate limit, it does not answer to the trim.
-    self->lowest = !(id > tuning->id_min_A);
-    self->settled = !self->lowest && lode_abs(id - before) < SETTLED_SHARE * tuning->rise_A;
-    return id;
+    const float high = lode_min(self->id_free_A, before + tuning->rise_A);
+    const float low = lode_min(lode_max(self->id_least_A, before - tuning->fall_A), high);
+    return lode_clamp(newton_id(tuning, before, Lq, tau, self->flux), low, high);
 }
 
 // Torques over the torque factor that the bus allows against and with positive iq (R14).
 LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, float omega_rad_s,
                                     float v_bus_V) {
     const float most = tuning->tau_max;
-    if (!asks(tuning, LODE_REFERENCES_FADE)) {
+    if (LODE_USUALLY(!lode_references_asks(tuning, LODE_REFERENCES_FADE))) { // 6 cycles
         return (lode_range_t){-most, most};
     }
     const float motor = most * lode_fade(&tuning->motor, -v_bus_V);
     const float regen = most * lode_fade(&tuning->regen, v_bus_V);
     return omega_rad_s < 0.0f ? (lode_range_t){-motor, regen} : (lode_range_t){-regen, motor};
+}
+
+LODE_INLINE float wanted_tau(const lode_references_tuning_t *tuning, float torque_Nm,
+                             lode_range_t bus) {
+    return lode_clamp(torque_Nm * tuning->inv_torque_factor, bus.min, bus.max);
 }
 
 // iq for the torque, within the circle (K11); it waits until id leaves it the flux (R12).
@@ -323,48 +333,67 @@ LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float tau, float
 
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 
-// Not LODE_RAMFUNC: once in some periods, and too large for small fast memories.
+// As the iq of the last call saturates it.
+static float present_Lq(const lode_references_t *self, const lode_references_tuning_t *tuning) {
+    const bool falls = LODE_RARELY(lode_references_asks(tuning, LODE_REFERENCES_SATURATE));
+    return falls ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
+}
+
+// None of the three is LODE_RAMFUNC: once in some periods, and too large for small fast memories.
+
+void lode_references_find_flux(lode_references_t *self, const lode_references_tuning_t *tuning,
+                               float omega_rad_s, lode_references_voltage_t voltage) {
+    self->flux = flux_limit(self, tuning, omega_rad_s, voltage);
+    self->tau_most = FLT_MAX;
+    self->id_least_A = tuning->id_min_A;
+    if (lode_references_asks(tuning, LODE_REFERENCES_REACH_MTPV)) {
+        const float Lq = present_Lq(self, tuning);
+        const lode_dq_t point = mtpv(tuning, Lq, self->flux);
+        self->tau_most = lode_references_active_flux(tuning, tuning->Ld_H - Lq, point.d) * point.q;
+        self->id_least_A = lode_max(tuning->id_min_A, point.d);
+    }
+}
+
+void lode_references_find_id(lode_references_t *self, const lode_references_tuning_t *tuning,
+                             float torque_Nm, float omega_rad_s, float id_add_A, float v_bus_V) {
+    const float salient = tuning->Ld_H - present_Lq(self, tuning);
+    const lode_range_t bus = bus_limits(tuning, omega_rad_s, v_bus_V);
+    const float tau = lode_abs(wanted_tau(tuning, torque_Nm, bus));
+    self->id_free_A = lode_clamp(free_id(tuning, salient, tau, omega_rad_s) + id_add_A,
+                                 -tuning->i_max_A, tuning->i_max_A);
+}
+
 lode_references_out_t lode_references_optimal(lode_references_t *self,
                                               const lode_references_tuning_t *tuning,
-                                              float torque_Nm, float omega_rad_s, float id_add_A,
-                                              lode_references_voltage_t voltage) {
-    const float Lq =
-        asks(tuning, LODE_REFERENCES_SATURATE) ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
+                                              float torque_Nm, float omega_rad_s, float v_bus_V) {
+    const float Lq = present_Lq(self, tuning);
     const float salient = tuning->Ld_H - Lq;
     const float i_max = tuning->i_max_A;
-    const lode_range_t bus = bus_limits(tuning, omega_rad_s, voltage.v_bus_V);
-    const float wanted = lode_clamp(torque_Nm * tuning->inv_torque_factor, bus.min, bus.max);
+    const lode_range_t bus = bus_limits(tuning, omega_rad_s, v_bus_V);
+    const float wanted = wanted_tau(tuning, torque_Nm, bus);
     float tau = lode_abs(wanted);
     float most = FLT_MAX;
     float flux = FLUX_UNLIMITED;
-    float id = lode_clamp(free_id(tuning, salient, tau, omega_rad_s) + id_add_A, -i_max, i_max);
-    bool weakening = false;
-#ifndef LODE_WITHOUT_FIELD_WEAKENING
-    if (asks(tuning, LODE_REFERENCES_WEAKEN)) {
-        flux = flux_limit(self, tuning, omega_rad_s, voltage);
-        float id_min = tuning->id_min_A;
-        if (asks(tuning, LODE_REFERENCES_REACH_MTPV)) {
-            const lode_dq_t point = mtpv(tuning, Lq, flux);
-            most = lode_references_active_flux(tuning, salient, point.d) * point.q;
-            tau = lode_min(tau, most);
-            id_min = lode_max(id_min, point.d);
-        }
-        id = weakened_id(self, tuning, Lq, tau, flux, id, id_min);
-        weakening = self->weakening;
+    float id = self->id_free_A;
+    if (lode_references_weakens(tuning)) {
+        flux = self->flux;
+        most = self->tau_most;
+        tau = lode_min(tau, most);
+        id = weakened_id(self, tuning, Lq, tau);
     }
-#endif
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
     const float active = lode_references_active_flux(tuning, salient, id);
     const float iq = iq_of(tuning, tau, active, iq_max, id, Lq, flux);
     const float signed_iq = wanted < 0.0f ? -iq : iq;
+    self->moved_A = id - self->id_A;
     self->id_A = id;
     self->iq_A = signed_iq;
     self->tau = active * signed_iq;
     // With more torque MTPA would move id too: all of the circle can be had.
     const float circle = active * iq_max;
-    const float open = asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && !weakening
-                           ? lode_max(circle, tuning->tau_max)
-                           : circle;
+    const bool opens =
+        lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && !is_weakening(self, tuning);
+    const float open = opens ? lode_max(circle, tuning->tau_max) : circle;
     const float limit = lode_min(open, most);
     return (lode_references_out_t){{id, signed_iq},
                                    {tuning->torque_factor * lode_max(-limit, bus.min),

@@ -5,11 +5,17 @@
 #include "lodestar/references.h"
 #include "ramp_inline.h"
 
-// Part of lode_references_step(), which alone calls it: everything but plain id* = 0.
+// What is more than plain id* = 0 comes in three parts, since all at once would make one period in a round
+// much dearer than the others. With field weakening: the flux that the voltage leaves room for.
+void lode_references_find_flux(lode_references_t *self, const lode_references_tuning_t *tuning,
+                               float omega_rad_s, lode_references_voltage_t voltage);
+// id for the torque alone, and what is added to it.
+void lode_references_find_id(lode_references_t *self, const lode_references_tuning_t *tuning,
+                             float torque_Nm, float omega_rad_s, float id_add_A, float v_bus_V);
+// The currents for this torque, that flux and that id.
 lode_references_out_t lode_references_optimal(lode_references_t *self,
                                               const lode_references_tuning_t *tuning,
-                                              float torque_Nm, float omega_rad_s, float id_add_A,
-                                              lode_references_voltage_t voltage);
+                                              float torque_Nm, float omega_rad_s, float v_bus_V);
 
 #define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi: least active flux that is divided by
 
@@ -31,20 +37,65 @@ LODE_INLINE float lode_references_active_flux(const lode_references_tuning_t *tu
     return lode_max(tuning->psi_Wb + salient * id_A, ACTIVE_FLUX_MIN_SHARE * tuning->psi_Wb);
 }
 
-// Current references for `torque_Nm` at the electrical speed `omega_rad_s`; `id_add_A` is added to
-// the d axis (the rest of the start current while it fades). Stays within the circle i_max, d first.
-LODE_INLINE lode_references_out_t lode_references_step(lode_references_t *self,
-                                                       const lode_references_tuning_t *tuning,
-                                                       float torque_Nm, float omega_rad_s,
-                                                       float id_add_A,
-                                                       lode_references_voltage_t voltage) {
+LODE_INLINE bool lode_references_asks(const lode_references_tuning_t *tuning, int option) {
+    return (tuning->options & (uint32_t)option) != 0u;
+}
+
+LODE_INLINE bool lode_references_weakens(const lode_references_tuning_t *tuning) {
+#if defined(LODE_WITHOUT_OPTIMAL_REFERENCES) || defined(LODE_WITHOUT_FIELD_WEAKENING)
+    (void)tuning;
+    return false;
+#else
+    return lode_references_asks(tuning, LODE_REFERENCES_WEAKEN);
+#endif
+}
+
+// First part: what limits the flux, at the electrical speed `omega_rad_s`.
+LODE_INLINE void lode_references_limit(lode_references_t *self,
+                                       const lode_references_tuning_t *tuning, float omega_rad_s,
+                                       lode_references_voltage_t voltage) {
+#ifdef LODE_WITHOUT_OPTIMAL_REFERENCES
+    (void)self;
+    (void)tuning;
+    (void)omega_rad_s;
+    (void)voltage;
+#else
+    if (LODE_RARELY(lode_references_weakens(tuning))) {
+        lode_references_find_flux(self, tuning, omega_rad_s, voltage);
+    }
+#endif
+}
+
+// Second part: id for `torque_Nm` alone; `id_add_A` is added to it (the rest of the start current while it fades).
+LODE_INLINE void lode_references_free(lode_references_t *self,
+                                      const lode_references_tuning_t *tuning, float torque_Nm,
+                                      float omega_rad_s, float id_add_A, float v_bus_V) {
+#ifdef LODE_WITHOUT_OPTIMAL_REFERENCES
+    (void)self;
+    (void)tuning;
+    (void)torque_Nm;
+    (void)omega_rad_s;
+    (void)id_add_A;
+    (void)v_bus_V;
+#else
+    if (LODE_RARELY(tuning->options != 0u)) {
+        lode_references_find_id(self, tuning, torque_Nm, omega_rad_s, id_add_A, v_bus_V);
+    }
+#endif
+}
+
+// Last part: the currents for `torque_Nm`. They stay within the circle i_max, d first.
+LODE_INLINE lode_references_out_t lode_references_finish(lode_references_t *self,
+                                                         const lode_references_tuning_t *tuning,
+                                                         float torque_Nm, float omega_rad_s,
+                                                         float id_add_A, float v_bus_V) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (tuning->options != 0u) {
-        return lode_references_optimal(self, tuning, torque_Nm, omega_rad_s, id_add_A, voltage);
+    if (LODE_RARELY(tuning->options != 0u)) {
+        return lode_references_optimal(self, tuning, torque_Nm, omega_rad_s, v_bus_V);
     }
 #endif
     (void)self;
-    (void)voltage;
+    (void)v_bus_V;
     const float i_max = tuning->i_max_A;
     const float bias = tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
     const float id = lode_clamp(id_add_A - bias, -i_max, i_max);
@@ -54,6 +105,17 @@ LODE_INLINE lode_references_out_t lode_references_step(lode_references_t *self,
     const float limit = per_iq * iq_max;
     return (lode_references_out_t){{id, lode_clamp(torque_Nm / per_iq, -iq_max, iq_max)},
                                    {-limit, limit}};
+}
+
+// All three at once.
+LODE_INLINE lode_references_out_t lode_references_step(lode_references_t *self,
+                                                       const lode_references_tuning_t *tuning,
+                                                       float torque_Nm, float omega_rad_s,
+                                                       float id_add_A,
+                                                       lode_references_voltage_t voltage) {
+    lode_references_limit(self, tuning, omega_rad_s, voltage);
+    lode_references_free(self, tuning, torque_Nm, omega_rad_s, id_add_A, voltage.v_bus_V);
+    return lode_references_finish(self, tuning, torque_Nm, omega_rad_s, id_add_A, voltage.v_bus_V);
 }
 
 #endif

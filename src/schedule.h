@@ -14,7 +14,8 @@ typedef enum {
     SLOT_LOCK,
     // guard's slow checks, plausibility of the currents
     SLOT_GUARD,
-    // lag of the EMF observer, lead of the duties; resonators of the xy plane; START: resistance and dead time
+    // lag of the EMF observer, lead of the duties; flux that the voltage leaves room for; resonators of the xy
+    // plane; START: resistance and dead time
     SLOT_LAG,
     // slope of the dead-time error, 1/v_bus; memory unchanged
     SLOT_DEAD_TIME,
@@ -22,7 +23,7 @@ typedef enum {
     SLOT_GAINS,
     // as SLOT_GUARD
     SLOT_GUARD_2,
-    // speed control; START: where the vector goes, is the estimate good enough?
+    // speed control, id for its torque; START: where the vector goes, is the estimate good enough?
     SLOT_SPEED,
     // current references; START: hand-over, half-waves of the currents; plausibility of a second set's currents
     SLOT_REFERENCES,

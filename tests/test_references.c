@@ -528,6 +528,28 @@ static void test_start_from_any_id(void) {
     }
 }
 
+/// A drive that has just come to its references meets the last part first.
+static void test_before_the_first_parts_id_stays(void) {
+    rig_t rig = rig_of(0, true, &weakening);
+    lode_references_reset(&rig.self, -9.0f);
+    const float torque = 1.0f;
+    const float fast = 3.0f * (float)(rig.V / rig.psi);
+    rig.out =
+        lode_references_finish(&rig.self, &rig.tuning, torque, fast, 0.0f, rig.voltage.v_bus_V);
+    TEST_ASSERT_EQUAL_FLOAT(-9.0f, rig.out.i_A.d);
+    CHECK_CLOSE(1.0e-5, (double)torque / 6.0, rig_tau(&rig));
+    // The flux is known, and id falls as fast as it may.
+    rig_step(&rig, (double)fast, (double)torque / 6.0);
+    TEST_ASSERT_EQUAL_FLOAT(-9.0f - rig.tuning.fall_A, rig.out.i_A.d);
+    // A tuning without field weakening takes over: what was found for it counts no more.
+    rig_settle(&rig, (double)fast, 0.0);
+    const rig_t plain = rig_of(0, true, &(lode_references_config_t){.kind = LODE_REFERENCES_MTPA});
+    rig.tuning = plain.tuning;
+    rig_step(&rig, (double)fast, (double)torque / 6.0);
+    CHECK_AT_LEAST(-1.0, rig.out.i_A.d);
+    CHECK_CLOSE(1.0e-5, (double)torque / 6.0, rig_tau(&rig));
+}
+
 static void test_any_input_of_any_kind_stays_in_the_circle(void) {
     random_t random = random_seed(7);
     for (int number = 0; number < 3; number++) {
@@ -705,6 +727,7 @@ int main(void) {
     RUN_TEST(test_saturating_q_axis);
     RUN_TEST(test_id_stays_above_its_least);
     RUN_TEST(test_start_from_any_id);
+    RUN_TEST(test_before_the_first_parts_id_stays);
     RUN_TEST(test_any_input_of_any_kind_stays_in_the_circle);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_every_field_of_weakening_at_its_limits);

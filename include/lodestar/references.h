@@ -75,15 +75,17 @@ typedef struct {
     lode_fade_t motor; ///< of the negative bus voltage
 } lode_references_tuning_t;
 
-/// Only field weakening and saturation remember anything.
+/// More than id* = 0 takes several periods, and remembers what it found in them.
 typedef struct {
     float id_A;
     float iq_A;
-    float tau;      ///< torque of both over the torque factor
-    float trim;     ///< share by which the voltage to be used is corrected
-    bool weakening; ///< the last id was below the one that the torque alone would have
-    bool settled;   ///< it moved freely
-    bool lowest;    ///< it could not be lower
+    float tau;        ///< torque of both over the torque factor
+    float trim;       ///< share by which the voltage to be used is corrected
+    float flux;       ///< that the voltage leaves room for, Wb
+    float tau_most;   ///< most torque at that flux, over the torque factor
+    float id_least_A; ///< id there, or the least allowed one
+    float id_free_A;  ///< id for the torque alone
+    float moved_A;    ///< last move of id
 } lode_references_t;
 
 /// What limits the references from outside.
