@@ -657,11 +657,3 @@ lode_estimate_t lode_mode_estimate(const lode_drive_t *self) {
         .source = LODE_ESTIMATE_OWN,
     };
 }
-
-float lode_mode_frame_omega(const lode_drive_t *self) {
-    if (lode_mode(self) == LODE_MODE_RUN) {
-        return self->estimator.pll.omega_rad_s;
-    }
-    return lode_mode(self) == LODE_MODE_START ? self->state.start.omega_rad_s
-                                              : self->command.speed_rad_s;
-}

@@ -224,6 +224,12 @@ void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate);
 lode_estimate_t lode_mode_estimate(const lode_drive_t *self);
 
 // Electrical speed at which the frame of control turns.
-float lode_mode_frame_omega(const lode_drive_t *self);
+static inline float lode_mode_frame_omega(const lode_drive_t *self) {
+    if (lode_mode(self) == LODE_MODE_RUN) {
+        return self->estimator.pll.omega_rad_s;
+    }
+    return lode_mode(self) == LODE_MODE_START ? self->state.start.omega_rad_s
+                                              : self->command.speed_rad_s;
+}
 
 #endif
