@@ -128,6 +128,18 @@ static bool is_raised(const lode_drive_t *self) {
            commanded < self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
 }
 
+// The position error by either source, and how the loop shares them.
+static void tell_errors(const lode_estimator_t *estimator, lode_telemetry_t *telemetry) {
+    telemetry->emf_error_rad =
+        lode_park(estimator->emf.observer.e_V, estimator->pll.frame).d * estimator->per_V;
+#ifndef LODE_WITHOUT_HFI
+    if (estimator->by.hfi.active) {
+        telemetry->injected = estimator->by.hfi.weight;
+        telemetry->injection_error_rad = estimator->by.hfi.error;
+    }
+#endif
+}
+
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry) {
     for (int32_t i = 0; i < TELEMETRY_TRIES; i++) {
         const uint32_t steps = LODE_SHARED_LOAD(self->steps);
@@ -156,6 +168,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .lock = self->estimator.lock,
             .e_V = self->estimator.emf.observer.e_V,
         };
+        tell_errors(&self->estimator, telemetry);
         LODE_SIGNAL_FENCE();
         if (steps == LODE_SHARED_LOAD(self->steps)) {
             return true;
@@ -413,22 +426,31 @@ LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_drive_tuning
     return lode_estimator_fast(&self->estimator, &tuning->estimator, sample->u_V, sample->i_A);
 }
 
-// The voltage of current control with that of injection.
-LODE_INLINE lode_dq_t with_wave(lode_drive_t *self) {
+// What the modulator goes by, in the frame of control.
+typedef struct {
+    lode_dq_t u_V;
+    lode_dq_t i_A; // tells the dead time's voltage
+} asked_t;
+
+// The voltage of current control, with the wave of injection.
+LODE_INLINE asked_t ask(lode_drive_t *self, const lode_frame_t *frame) {
 #ifndef LODE_WITHOUT_HFI
     if (lode_estimator_injects(&self->estimator)) {
-        return lode_hfi_add_wave(&self->estimator.by.hfi, self->u_V);
+        // The measured current is two periods old: near its zero, where the correction moves it along the d axis,
+        // that left 0.25 V of EMF across the rotor (H19).
+        return (asked_t){lode_hfi_add_wave(&self->estimator.by.hfi, self->u_V), self->ref_A};
     }
 #endif
-    return self->u_V;
+    return (asked_t){self->u_V, frame->i_A};
 }
 
 // Duties for the voltage, and what the motor will see of it.
 LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                 const lode_frame_t *frame, bool free) {
-    const lode_dq_t u_V = with_wave(self);
-    const lode_ab_t v = lode_ab_scale(self->inverter.per_V, lode_park_inverse(u_V, frame->applied));
-    const lode_ab_t i_A = lode_park_inverse(frame->i_A, frame->applied);
+    const asked_t asked = ask(self, frame);
+    const lode_ab_t v =
+        lode_ab_scale(self->inverter.per_V, lode_park_inverse(asked.u_V, frame->applied));
+    const lode_ab_t i_A = lode_park_inverse(asked.i_A, frame->applied);
     const lode_modulator_out_t out =
         lode_modulator_step(&tuning->inverter, &self->inverter.dead_time, v, i_A, free);
     lode_inverter_write(&self->inverter, self->steps, out.realised);

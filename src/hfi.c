@@ -22,6 +22,10 @@
 // At least this much of rated speed: twice what the EMF's start hands over at, with room for the blend.
 #define W2_SHARE 0.275f
 #define W1_SHARE 0.65f
+// To learn Lq: w1 is then at 0.42 of rated speed, where an error of the dead time is small beside the EMF. Less
+// where EMF and reactance at half of i_max would leave the wave too little of the circle.
+#define W2_LEARN_SHARE 0.65f
+#define CIRCLE_LEARN_SHARE 0.9f
 // By an error at its limit the length of the PLL's rotation grows to 1.07 in a round.
 #define SIGMA_TS_MAX 0.1f
 #define AXIS_MAX_rad 0.5f
@@ -128,14 +132,29 @@ static lode_status_t check(const lode_hfi_config_t *config, const lode_hfi_syste
 
 #endif
 
+// Highest w2 at which Lq can be learned, with V_h settled.
+static float learning_speed(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
+    const lode_motor_t *motor = system->motor;
+    const float across_Wb = 0.5f * system->inverter->i_max_A * motor->Lq_H;
+    const float flux_Wb = lode_sqrt(motor->psi_Wb * motor->psi_Wb + across_Wb * across_Wb);
+    const float left_V = CIRCLE_LEARN_SHARE * system->circle_V - config->V_h_V;
+    return lode_min(W2_LEARN_SHARE * motor->omega_rated_rad_s, left_V / lode_max(flux_Wb, FLT_MIN));
+}
+
 void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system) {
     const lode_motor_t *motor = system->motor;
+    if (config->learn == LODE_AUTO) {
+        config->learn = LODE_OFF;
+    }
     config->noise_A = lode_given_or(config->noise_A, NOISE_COUNTS * lode_abs(system->count_A));
     config->Lq_i_max_H = lode_given_or(config->Lq_i_max_H, differential_Lq(system));
     config->V_h_V = lode_given_or(config->V_h_V, needed_V(config, system));
     const float error_V = FOUR_PER_PI * CORRECTION_ERROR * dead_time_V(system);
-    const float w2 = lode_max(EMF_TIMES * error_V / lode_max(motor->psi_Wb, FLT_MIN),
-                              W2_SHARE * motor->omega_rated_rad_s);
+    float w2 = lode_max(EMF_TIMES * error_V / lode_max(motor->psi_Wb, FLT_MIN),
+                        W2_SHARE * motor->omega_rated_rad_s);
+    if (config->learn == LODE_ON) {
+        w2 = lode_max(w2, learning_speed(config, system));
+    }
     config->w2_rad_s = lode_given_or(config->w2_rad_s, w2);
     config->w1_rad_s = lode_given_or(config->w1_rad_s, W1_SHARE * config->w2_rad_s);
     const float id_A = saliency(config, system) < SALIENCY_ENOUGH
@@ -147,6 +166,7 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
         lode_given_or(config->sigma_rad_s, lode_min(system->sigma_rad_s, sigma_max));
     if (config->mode == LODE_HFI_AUTO) {
         config->mode = check(config, system) == LODE_OK ? LODE_HFI_ON : LODE_HFI_OFF;
+        config->learn = config->mode == LODE_HFI_ON ? config->learn : LODE_OFF;
     }
 }
 
@@ -155,6 +175,9 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     const bool on = config->mode == LODE_HFI_ON;
     if (!on && config->mode != LODE_HFI_OFF) {
         return LODE_ERROR_HFI_MODE;
+    }
+    if (config->learn != LODE_OFF && (config->learn != LODE_ON || !on)) {
+        return LODE_ERROR_HFI_LEARN;
     }
     *tuning = lode_hfi_none();
     if (!on) {

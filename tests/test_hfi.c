@@ -5,6 +5,7 @@
 #include "emf_inline.h"
 #include "estimator_inline.h"
 #include "hfi_inline.h"
+#include "modulator_inline.h"
 
 void setUp(void) {}
 
@@ -73,6 +74,37 @@ static void test_speeds_and_bandwidth(void) {
     machine.system.ts_s = 5.0e-5f; // 20 kHz: 17 V
     config = designed(&machine);
     CHECK_NEAR(0.1, 10.0 * 4.0 / 3.14159265 * 0.2 * 17.0 / 0.142, config.w2_rad_s);
+}
+
+static void test_learning_raises_the_speeds(void) {
+    machine_t machine;
+    set_up(&machine);
+    lode_hfi_config_t config = {.mode = LODE_HFI_ON, .learn = LODE_ON};
+    lode_hfi_design(&config, &machine.system);
+    CHECK_NEAR(0.02, 0.65 * 471.23889, config.w2_rad_s);
+    CHECK_NEAR(0.02, 0.65 * 0.65 * 471.23889, config.w1_rad_s);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tried(&config, &machine));
+    // Where the wave takes half of the circle, the rest of it is left to the EMF: 0.4 of 109.7 V, 0.154 Wb.
+    config = (lode_hfi_config_t){.mode = LODE_HFI_ON, .learn = LODE_ON, .V_h_V = 54.8f};
+    lode_hfi_design(&config, &machine.system);
+    CHECK_NEAR(0.5, (0.9 * 109.70 - 54.8) / sqrt(0.142 * 0.142 + 0.0588 * 0.0588), config.w2_rad_s);
+    config.learn = (lode_choice_t)7;
+    CHECK_STATUS(LODE_ERROR_HFI_LEARN, tried(&config, &machine));
+    config.mode = LODE_HFI_OFF;
+    CHECK_STATUS(LODE_ERROR_HFI_LEARN, tried(&config, &machine));
+    config.learn = LODE_ON; // there is nothing to learn from
+    CHECK_STATUS(LODE_ERROR_HFI_LEARN, tried(&config, &machine));
+    config = (lode_hfi_config_t){.mode = LODE_HFI_AUTO, .learn = LODE_ON};
+    lode_hfi_design(&config, &machine.system);
+    TEST_ASSERT_EQUAL_INT(LODE_ON, config.learn);
+    machine.motor.Lq_H = machine.motor.Ld_H;
+    config = (lode_hfi_config_t){.mode = LODE_HFI_AUTO, .learn = LODE_ON};
+    lode_hfi_design(&config, &machine.system);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, config.learn);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tried(&config, &machine));
+    machine.motor = paper_motor();
+    config = designed(&machine);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, config.learn);
 }
 
 static void test_differential_inductance_of_a_saturating_q_axis(void) {
@@ -467,6 +499,52 @@ static void test_full_torque_at_no_speed_and_reversal(void) {
     }
 }
 
+/// Duties for the voltage of the last period, whose dead time is corrected by the current `i_A`.
+static lode_abc_t duties_by(const lode_drive_t *drive, const lode_drive_t *before, lode_dq_t i_A) {
+    const lode_sincos_t applied =
+        lode_angle_add(lode_estimator_rotor(&drive->estimator), before->lead);
+    const lode_dq_t u_V = {drive->u_V.d + drive->estimator.by.hfi.wave_V, drive->u_V.q};
+    const lode_ab_t v = lode_ab_scale(drive->inverter.per_V, lode_park_inverse(u_V, applied));
+    return lode_modulator_step(&drive->tuning->inverter, &before->inverter.dead_time, v,
+                               lode_park_inverse(i_A, applied), false)
+        .duty;
+}
+
+static double apart(lode_abc_t x, lode_abc_t y) {
+    return fmax(fabs((double)(x.a - y.a)),
+                fmax(fabs((double)(x.b - y.b)), fabs((double)(x.c - y.c))));
+}
+
+// (H19): the measured current is two periods old.
+static void test_dead_time_by_the_current_that_is_asked_for(void) {
+    static rig_t rig;
+    lode_drive_config_t config = rig_config();
+    config.hfi.mode = LODE_HFI_ON;
+    config.hfi.V_h_V = 25.0f;
+    config.inverter.dead_time_s = 1.0e-6f; // the motor has none
+    rig_init(&rig, &rig_tuning, &config);
+    rig_ask(&rig, 31.4f); // the way of a linear motor, by an I-f start
+    rig_run(&rig, 3.0);
+    rig_ask(&rig, 10.0f);
+    rig_run(&rig, 1.0);
+    rig_expect(&rig, LODE_MODE_RUN);
+    TEST_ASSERT_TRUE(rig.drive.estimator.by.hfi.active);
+    double far = 0.0;
+    for (int k = 0; k < 2000; k++) {
+        const lode_drive_t before = rig.drive;
+        rig_step(&rig);
+        const lode_drive_t *drive = &rig.drive;
+        // Lock and lag renew the angle after the duties, fast speed control the reference before them.
+        const lode_slot_t slot = lode_slot_of(before.steps);
+        if (slot != SLOT_LOCK && slot != SLOT_LAG && slot % 4 != 3) {
+            CHECK_AT_MOST(1.0e-5, apart(drive->duty, duties_by(drive, &before, before.ref_A)));
+            far = fmax(far, apart(drive->duty, duties_by(drive, &before, drive->i_A)));
+        }
+    }
+    TEST_ASSERT_TRUE(rig.drive.estimator.by.hfi.active);
+    TEST_ASSERT_TRUE(far > 1.0e-3); // of 5e-3
+}
+
 // Injection cannot tell north from south: the load takes the rotor along, until the EMF finds the angle anew.
 static void test_a_magnet_the_wrong_way_round_is_found_by_its_EMF(void) {
     static rig_t rig;
@@ -755,6 +833,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_each_rule_sizes_the_voltage);
     RUN_TEST(test_speeds_and_bandwidth);
+    RUN_TEST(test_learning_raises_the_speeds);
     RUN_TEST(test_differential_inductance_of_a_saturating_q_axis);
     RUN_TEST(test_tuning_follows_from_the_configuration);
     RUN_TEST(test_refusals);
@@ -771,6 +850,7 @@ int main(void) {
     RUN_TEST(test_an_error_that_none_can_be_is_limited);
     RUN_TEST(test_quality_falls_with_the_response_and_with_the_error);
     RUN_TEST(test_full_torque_at_no_speed_and_reversal);
+    RUN_TEST(test_dead_time_by_the_current_that_is_asked_for);
     RUN_TEST(test_a_magnet_the_wrong_way_round_is_found_by_its_EMF);
     RUN_TEST(test_no_response_to_the_wave_trips);
     RUN_TEST(test_start_at_rest_from_any_angle);

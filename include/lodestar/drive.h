@@ -231,6 +231,9 @@ typedef struct {
     float load_torque_Nm;
     float lock;
     lode_ab_t e_V;
+    float injected; ///< share of injection in the position error, 0 .. 1; the rest is the EMF's
+    float injection_error_rad; ///< position error by injection, not limited; 0: nothing is injected
+    float emf_error_rad;       ///< by the EMF
 } lode_telemetry_t;
 
 /// Computes every value that `config` leaves open (0 or LODE_AUTO). Used by lode_drive_init() and by

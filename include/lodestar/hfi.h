@@ -39,6 +39,8 @@ typedef struct {
     float id_A;
     float
         noise_A; ///< rms noise of one component of the current vector; 0: 1.6 counts of the converter
+    /// injects up to where an error of Lq shows, for learn.h: raises the defaults of w1 and w2; auto: off
+    lode_choice_t learn;
 } lode_hfi_config_t;
 
 /// What the design goes by.

@@ -7,6 +7,7 @@
 #include "lodestar/drive.h"
 #include "lodestar/drive6.h"
 #include "lodestar/encoder.h"
+#include "lodestar/learn.h"
 #include "lodestar/restart.h"
 #include "lodestar/ring.h"
 #include "lodestar/scope.h"

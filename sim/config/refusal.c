@@ -143,6 +143,7 @@ static const refusal_t refusals[] = {
      "w1_rad_s 0.1 .. 0.95 times w2_rad_s, w2_rad_s at most omega_max_rad_s"},
     {LODE_ERROR_HFI_SIGMA, "hfi.sigma_rad_s", "estimator.sigma_rad_s " RATED, "1 .. 0.1/Ts"},
     {LODE_ERROR_HFI_AXIS, "hfi.k_x_rad_A", "drive.i_max_A", "within +-0.5/i_max_A"},
+    {LODE_ERROR_HFI_LEARN, "hfi.learn", "hfi.mode", "auto, on or off; on with injection only"},
     {LODE_ERROR_HFI_FLUX, "estimator.active_flux", "hfi.mode", "on, with injection"},
     {LODE_ERROR_XY_INDUCTANCE, "motor.Lxy_H", NULL, "1e-7 .. 10"},
     {LODE_ERROR_XY_BANDWIDTH, "xy.bandwidth_rad_s xy.resonance_rad_s", "drive.f_pwm_Hz",

@@ -135,7 +135,7 @@ typedef struct {
     double d, q; ///< V or A, modes voltage and current
     double theta_deg, omega_rad_s;
     // Bars: what the phase must reach.
-    double bar_dc_deg, bar_pp_deg, bar_error_deg, bar_speed_rpm, bar_torque_Nm;
+    double bar_dc_deg, bar_pp_deg, bar_error_deg, bar_speed_rpm, bar_torque_Nm, bar_Lq_percent;
     int end_mode; ///< -1: any but a fault
 } rig_phase_t;
 

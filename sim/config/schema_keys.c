@@ -105,6 +105,7 @@ static const rig_key_t keys[] = {
     FLOAT("hfi", "Lq_i_max_H", hfi.Lq_i_max_H),
     FLOAT_OR_NONE("hfi", "id_A", hfi.id_A),
     FLOAT("hfi", "noise_A", hfi.noise_A),
+    CHOICE("hfi", "learn", drive.hfi.learn, "auto|on|off", NULL),
 
     FLOAT("current", "bandwidth_rad_s", current.bandwidth_rad_s),
     FLOAT("current", "kp_d_V_A", current.kp_d_V_A),
@@ -279,6 +280,7 @@ static const rig_key_t phase_keys[] = {
     PHASE_NUMBER("bar_error_deg", bar_error_deg, 0.0, 180.0),
     PHASE_NUMBER("bar_speed_rpm", bar_speed_rpm, 0.0, 1e6),
     PHASE_NUMBER("bar_torque_Nm", bar_torque_Nm, 0.0, 1e6),
+    PHASE_NUMBER("bar_Lq_percent", bar_Lq_percent, 0.0, 1e3),
     PHASE_CHOICE("end_mode", end_mode, "off|calibrate|voltage|current|start|run|fault"),
 };
 

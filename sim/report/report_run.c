@@ -42,6 +42,10 @@ static void print_phase(FILE *file, const runner_phase_t *phase) {
     cell(file, 6, 2, rig_stats_rms(&phase->iq_A));
     cell(file, 5, 2, rig_stats_min(&phase->run_lock));
     (void)fprintf(file, "  %s\n", report_mode_name(phase->mode));
+    if (!isnan(phase->Lq_off_percent)) {
+        (void)fprintf(file, "    learned: Lq %+.1f %% off the motor's, confidence %.2f\n",
+                      phase->Lq_off_percent, phase->Lq_confidence);
+    }
     if (phase->missed[0] != '\0') {
         (void)fprintf(file, "    BAR MISSED: %s\n", phase->missed);
     }
@@ -176,6 +180,8 @@ static void add_phase(cJSON *array, const runner_phase_t *phase) {
     add_stats(item, "torque_Nm", &phase->torque_Nm);
     add_stats(item, "i_xy_A", &phase->i_xy_A);
     config_json_number(item, "lock_min", rig_stats_min(&phase->run_lock));
+    config_json_number(item, "Lq_off_percent", phase->Lq_off_percent);
+    config_json_number(item, "Lq_confidence", phase->Lq_confidence);
     (void)cJSON_AddStringToObject(item, "mode", report_mode_name(phase->mode));
     (void)cJSON_AddStringToObject(item, "missed", phase->missed);
     (void)cJSON_AddStringToObject(item, "warning", phase->warning);

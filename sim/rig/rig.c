@@ -2,13 +2,34 @@
 
 #include "lodestar/channel.h"
 
+#include <math.h>
 #include <stddef.h>
+
+// Of the slow rounds' length: some 600 times a second at 5 kHz.
+#define MAIN_LOOP_PERIODS LODE_SLOW_PERIODS
+// Below it there is no chord.
+#define CHORD_LEAST_A 1e-3
+
+static void begin_learning(rig_t *self, const lode_drive_config_t *config) {
+    self->learning = *config;
+    self->learns = lode_learn_design(&self->learn_tuning, config) == LODE_OK;
+    if (self->learns) {
+        lode_learn_begin(&self->learn, &self->learn_tuning, config, NULL);
+    }
+}
+
+/// As the firmware does it: beside the tuning that is in use.
+static lode_drive_tuning_t *spare_tuning(rig_t *self) {
+    return &self->three_tuning[self->three.tuning == &self->three_tuning[0] ? 1 : 0];
+}
 
 lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_config_t *plant) {
     self->sets = plant->sets == PLANT_SETS ? PLANT_SETS : 1;
     (void)plant_init(&self->plant, plant);
+    self->learns = false;
     if (self->sets == 1) {
         self->drive = &self->three;
+        begin_learning(self, &config->drive);
         return lode_drive_init(&self->three, &self->three_tuning[0], &config->drive);
     }
     const lode_drive6_config_t six = rig_config_six(config);
@@ -32,10 +53,40 @@ lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_mot
     }
     lode_drive_config_t drive = config->drive;
     drive.motor = *motor;
-    lode_drive_tuning_t *next =
-        &self->three_tuning[self->three.tuning == &self->three_tuning[0] ? 1 : 0];
+    lode_drive_tuning_t *next = spare_tuning(self);
     const lode_status_t status = lode_drive_tune(next, &drive);
-    return status == LODE_OK ? lode_drive_post_tuning(&self->three, next) : status;
+    if (status != LODE_OK) {
+        return status;
+    }
+    // What was learned is forgotten; the limits stay those of the motor as configured.
+    const lode_learned_t now = {motor->Lq_H, motor->psi_Wb, 0.0f};
+    if (self->learns) {
+        lode_learn_begin(&self->learn, &self->learn_tuning, &drive, &now);
+    }
+    return lode_drive_post_tuning(&self->three, next);
+}
+
+void rig_main_loop(rig_t *self) {
+    lode_telemetry_t now;
+    const float dt_s = (float)MAIN_LOOP_PERIODS / self->learning.f_pwm_Hz;
+    if (!self->learns || self->drive->steps % MAIN_LOOP_PERIODS != 0u ||
+        !lode_drive_telemetry(self->drive, &now) ||
+        !lode_learn_step(&self->learn, &self->learn_tuning, &now, dt_s)) {
+        return;
+    }
+    lode_drive_tuning_t *next = spare_tuning(self);
+    if (lode_learn_tune(&self->learn, next, &self->learning) == LODE_OK) {
+        (void)lode_drive_post_tuning(&self->three, next);
+    }
+}
+
+double rig_true_Lq_H(const rig_t *self) {
+    const plant_motor_t *motor = &self->plant.motor;
+    const double iq_A = motor->x.iq_A;
+    if (!motor->saturates || fabs(iq_A) < CHORD_LEAST_A) {
+        return motor->Lq_H;
+    }
+    return plant_iron_at(&motor->iron, motor->x.id_A, iq_A).psi_q_Wb / iq_A;
 }
 
 void rig_copy(rig_t *to, const rig_t *from) {

@@ -6,6 +6,7 @@
 #include "rig/euler.h"
 
 #include "lodestar/encoder.h"
+#include "lodestar/learn.h"
 
 /// What an estimator other than the drive's own has to remember.
 typedef struct {
@@ -37,6 +38,10 @@ typedef struct {
     lode_drive_tuning_t three_tuning[2]; ///< in use, and the next one
     lode_drive6_t six;
     lode_drive6_tuning_t six_tuning[2];
+    lode_drive_config_t learning; ///< what is learned goes into
+    lode_learn_tuning_t learn_tuning;
+    lode_learn_t learn;
+    bool learns; ///< hfi.learn
 } rig_t;
 
 /// LODE_OK, or what the library refuses of `config`. `plant` has been accepted by plant_init().
@@ -44,6 +49,12 @@ lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_conf
 
 /// From the next period on the firmware takes this for its motor. LODE_OK, or why not.
 lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_motor_t *motor);
+
+/// The firmware's main loop, in every period: learns, where hfi.learn asks for it.
+void rig_main_loop(rig_t *self);
+
+/// The motor's Lq at its present currents, psi_q/i_q.
+double rig_true_Lq_H(const rig_t *self);
 
 /// `to` becomes an independent rig in the same state.
 void rig_copy(rig_t *to, const rig_t *from);

@@ -7,9 +7,11 @@
 #include "support/diag.h"
 
 #define COLUMN(name, digits)                                                                       \
-    { #name, offsetof(runlog_row_t, name), digits, 1 }
+    { #name, offsetof(runlog_row_t, name), digits, 1, false }
 #define COLUMN_OF_SIX(name, digits)                                                                \
-    { #name, offsetof(runlog_row_t, name), digits, 2 }
+    { #name, offsetof(runlog_row_t, name), digits, 2, false }
+#define COLUMN_BY_WAVE(name, digits)                                                               \
+    { #name, offsetof(runlog_row_t, name), digits, 1, true }
 
 const runlog_column_t runlog_columns[] = {
     COLUMN(t_s, 12),
@@ -61,7 +63,14 @@ const runlog_column_t runlog_columns[] = {
     COLUMN_OF_SIX(duty_c2, 6),
     COLUMN_OF_SIX(open_phase, 6),
     COLUMN_OF_SIX(found_open, 6),
-    {NULL, 0, 0, 0},
+    COLUMN_BY_WAVE(w_h, 4),
+    COLUMN_BY_WAVE(er_h_deg, 5),
+    COLUMN_BY_WAVE(er_e_deg, 5),
+    COLUMN_BY_WAVE(Lq_H, 6),
+    COLUMN_BY_WAVE(Lq_est_H, 6),
+    COLUMN_BY_WAVE(psi_est_Wb, 6),
+    COLUMN_BY_WAVE(Lq_confidence, 4),
+    {NULL, 0, 0, 0, false},
 };
 
 void runlog_init(runlog_t *self) {
@@ -99,7 +108,7 @@ void runlog_note(runlog_t *self, double t_s, const char *text) {
 }
 
 bool runlog_has(const runlog_t *self, const runlog_column_t *column) {
-    return column->sets == 1 || self->sets == column->sets;
+    return (column->sets == 1 || self->sets == column->sets) && (!column->by_wave || self->by_wave);
 }
 
 double runlog_value(const runlog_row_t *row, const runlog_column_t *column) {

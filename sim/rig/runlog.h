@@ -33,13 +33,20 @@ typedef struct {
     double v_bus_V;
     double lock;
     double torque_Nm, load_Nm, load_est_Nm;
+    // With signal injection only.
+    double w_h;                  ///< share of injection in the position error
+    double er_h_deg, er_e_deg;   ///< position error by injection, and by the EMF
+    double Lq_H;                 ///< of the motor at its currents
+    double Lq_est_H, psi_est_Wb; ///< as the drive has them
+    double Lq_confidence;        ///< in what it has learned
 } runlog_row_t;
 
 typedef struct {
     const char *name;
     size_t offset; ///< of a double in runlog_row_t
     int digits;
-    int sets; ///< 2: six phases only
+    int sets;     ///< 2: six phases only
+    bool by_wave; ///< with signal injection only
 } runlog_column_t;
 
 /// The columns in the order of a file; NULL-terminated by name.
@@ -55,7 +62,8 @@ enum { RUNLOG_EVENTS_MAX = 100 };
 typedef struct {
     runlog_row_t *row;
     size_t rows, capacity;
-    int sets; ///< of windings; 0 counts as 1
+    int sets;     ///< of windings; 0 counts as 1
+    bool by_wave; ///< with signal injection
     int events;
     int events_dropped;
     runlog_event_t event[RUNLOG_EVENTS_MAX];

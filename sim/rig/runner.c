@@ -229,6 +229,16 @@ static void log_inputs(const rig_t *rig, runlog_row_t *row) {
     row->u_beta_V = (double)u_V.beta;
 }
 
+static void log_injection(const rig_t *rig, const lode_telemetry_t *seen, runlog_row_t *row) {
+    row->w_h = (double)seen->injected;
+    row->er_h_deg = rig_deg_from_rad((double)seen->injection_error_rad);
+    row->er_e_deg = rig_deg_from_rad((double)seen->emf_error_rad);
+    row->Lq_H = rig_true_Lq_H(rig);
+    row->Lq_est_H = (double)(rig->learns ? rig->learn.now.Lq_H : rig->learning.motor.Lq_H);
+    row->psi_est_Wb = (double)(rig->learns ? rig->learn.now.psi_Wb : rig->learning.motor.psi_Wb);
+    row->Lq_confidence = rig->learns ? (double)rig->learn.now.confidence : 0.0;
+}
+
 static bool log_row(run_t *run, int phase, const moment_t *now) {
     lode_telemetry_t seen;
     (void)lode_drive_telemetry(run->rig.drive, &seen);
@@ -286,6 +296,7 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
         .load_est_Nm = (double)estimate->load_torque_Nm,
     };
     log_inputs(&run->rig, &row);
+    log_injection(&run->rig, &seen, &row);
     return runlog_add(run->log, &row);
 }
 
@@ -433,6 +444,7 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
     check_bar(out, "torque off by",
               fabs(rig_stats_mean(&out->torque_Nm) - (double)run->command.torque_Nm),
               phase->bar_torque_Nm);
+    check_bar(out, "Lq off by percent", fabs(out->Lq_off_percent), phase->bar_Lq_percent);
     if (phase->end_mode >= 0 && (int)out->mode != phase->end_mode) {
         const size_t used = strlen(out->missed);
         (void)snprintf(out->missed + used, sizeof out->missed - used, "%sended in %s, bar %s",
@@ -447,7 +459,8 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
 
 static bool is_barred(const rig_phase_t *phase) {
     return !isnan(phase->bar_dc_deg) || !isnan(phase->bar_pp_deg) || !isnan(phase->bar_error_deg) ||
-           !isnan(phase->bar_speed_rpm) || !isnan(phase->bar_torque_Nm) || phase->end_mode >= 0;
+           !isnan(phase->bar_speed_rpm) || !isnan(phase->bar_torque_Nm) ||
+           !isnan(phase->bar_Lq_percent) || phase->end_mode >= 0;
 }
 
 static void warn(runner_phase_t *out, const char *format, ...) RIG_PRINTF(2, 3);
@@ -520,6 +533,7 @@ static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_windo
     moment_t now;
     move_command(run);
     step_rig(run, &now);
+    rig_main_loop(&run->rig);
     if (run->log->capture != NULL) {
         capture_step(run->log->capture, run->rig.drive);
     }
@@ -564,6 +578,10 @@ static bool run_phase(run_t *run, int index) {
     out->speed_command_rpm = run->speed_goal_rpm;
     out->load_Nm = run->load_Nm;
     out->mode = run->mode;
+    out->Lq_off_percent =
+        run->rig.learns ? 100.0 * ((double)run->rig.learn.now.Lq_H / rig_true_Lq_H(&run->rig) - 1.0)
+                        : NAN;
+    out->Lq_confidence = run->rig.learns ? (double)run->rig.learn.now.confidence : NAN;
     check_bars(run, phase, out);
     check_speed(run, out);
     run->result->phases = index + 1;
@@ -639,6 +657,7 @@ static bool start(run_t *run) {
     run->limits = speed_limits_of(&run->config->drive);
     run->v_bus_V = plant.v_bus_V;
     run->log->sets = run->rig.sets;
+    run->log->by_wave = run->config->drive.hfi.mode == LODE_HFI_ON;
     run->memory.seeded_s = isnan(run->config->seeded_s) ? 0.0 : run->config->seeded_s;
     if (euler_estimate_wanted(run->config)) {
         run->memory.euler_config = euler_estimate_config(run->config);

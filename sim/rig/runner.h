@@ -25,6 +25,8 @@ typedef struct {
     rig_stats_t run_error_deg;
     rig_stats_t run_lock;
     lode_mode_t mode; ///< at the end
+    // The same, NaN without hfi.learn: how far what was learned is off the motor's, at its currents.
+    double Lq_off_percent, Lq_confidence;
     uint32_t reseeds;
     char missed[200];  ///< bars missed, in words; empty: none
     char warning[200]; ///< what became of the commanded speed, in words; empty: it was reached

@@ -14,7 +14,7 @@ LAYERS = [
      "open_phase", "emf", "pll", "lag", "notch", "hfi"],
     ["estimator", "current", "speed", "references", "start", "guard", "plausibility"],
     ["drive", "drive_config", "mode"],
-    ["commission", "derate", "drive6", "drive6_config", "encoder", "restart", "single_shunt"],
+    ["commission", "derate", "drive6", "drive6_config", "encoder", "learn", "restart", "single_shunt"],
     ["channel"],
     ["ring", "scope"],
     ["lodestar"],

@@ -140,6 +140,7 @@ REFUSALS = {
     "HFI_SPEEDS": ["hfi.w1_rad_s=130 hfi.mode=on", "hfi.w2_rad_s=1e4 hfi.mode=on"],
     "HFI_SIGMA": ["hfi.sigma_rad_s=2000 hfi.mode=on"],
     "HFI_AXIS": ["hfi.k_x_rad_A=0.05 hfi.mode=on"],
+    "HFI_LEARN": ["hfi.learn=on"],
     "HFI_FLUX": ["estimator.active_flux=off hfi.mode=on"],
     "XY_INDUCTANCE": ["motor.Lxy_H=20 motor.sets=2"],
     "XY_BANDWIDTH": ["xy.bandwidth_rad_s=1e5 motor.sets=2 motor.Lxy_H=1e-3"],

@@ -1,0 +1,148 @@
+#include "lodestar/learn.h"
+#include "scalar_inline.h"
+
+#include <stddef.h>
+
+// The iron may be far from the data sheet; magnets lose a fifth from 20 to 120 degC.
+#define LQ_LEAST 0.3f
+#define LQ_MOST 3.0f
+#define PSI_LEAST 0.7f
+#define PSI_MOST 1.2f
+// Of the saliency below which init refuses.
+#define SALIENCY_ROOM 1.01f
+// Of the speed at which the EMF alone gives the position without learning (H10).
+#define OMEGA_LEAST 0.13f
+#define OMEGA_PSI 0.32f
+#define I_LEAST 0.15f // of i_max
+// Of the position that injection has a part in.
+#define SHARE_LEAST 0.5f
+// After a new tuning, or a change of speed or load: what observer and PLL need.
+#define SETTLE_s 0.05f
+#define LOOK_s 0.15f
+// Of what a look finds: a steady error falls to 1 % in four.
+#define GAIN 0.7f
+#define CONFIDENCE_GAIN 0.25f
+// Looks that agree within a tenth are worth something.
+#define AGREE 0.1f
+// A change that is worth a tuning.
+#define WORTH 0.003f
+
+lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_config_t *config) {
+    if (tuning == NULL || config == NULL) {
+        return LODE_ERROR_NULL;
+    }
+    lode_drive_tuning_t drive;
+    const lode_status_t status = lode_drive_tune(&drive, config);
+    if (status != LODE_OK) {
+        return status;
+    }
+    lode_drive_config_t complete = *config;
+    lode_drive_design(&complete);
+    if (complete.hfi.learn != LODE_ON) {
+        return LODE_ERROR_HFI_LEARN;
+    }
+    const lode_motor_t *motor = &complete.motor;
+    const float salient =
+        SALIENCY_ROOM * LODE_HFI_SALIENCY_MIN * motor->Ld_H / complete.hfi.Lq_i_max_H;
+    *tuning = (lode_learn_tuning_t){
+        .Ld_H = motor->Ld_H,
+        .Lq_H = {lode_min(lode_max(LQ_LEAST, salient), 1.0f) * motor->Lq_H, LQ_MOST * motor->Lq_H},
+        .psi_Wb = {PSI_LEAST * motor->psi_Wb, PSI_MOST * motor->psi_Wb},
+        .omega_least = OMEGA_LEAST * motor->omega_rated_rad_s,
+        .omega_psi = OMEGA_PSI * motor->omega_rated_rad_s,
+        .i_least_A = I_LEAST * complete.inverter.i_max_A,
+        .droop_s2 = drive.estimator.droop_s2,
+    };
+    return LODE_OK;
+}
+
+static void look_again(lode_learn_t *self) {
+    self->time_s = 0.0f;
+    self->iq2_A2 = self->off_VsA = self->psi_Wb = 0.0f;
+    self->looks = self->psi_looks = 0.0f;
+}
+
+void lode_learn_begin(lode_learn_t *self, const lode_learn_tuning_t *tuning,
+                      const lode_drive_config_t *config, const lode_learned_t *stored) {
+    const lode_learned_t given = {config->motor.Lq_H, config->motor.psi_Wb, 0.0f};
+    const lode_learned_t *from = stored != NULL ? stored : &given;
+    self->used = given;
+    self->now = (lode_learned_t){
+        lode_clamp(from->Lq_H, tuning->Lq_H.min, tuning->Lq_H.max),
+        lode_clamp(from->psi_Wb, tuning->psi_Wb.min, tuning->psi_Wb.max),
+        lode_clamp(from->confidence, 0.0f, 1.0f),
+    };
+    look_again(self);
+}
+
+static bool can_look(const lode_learn_tuning_t *tuning, const lode_telemetry_t *now) {
+    return now->mode == LODE_MODE_RUN && now->injected >= SHARE_LEAST &&
+           now->lock >= LODE_LOCK_LOST && lode_abs(now->omega_rad_s) >= tuning->omega_least &&
+           lode_abs(now->i_A.q) >= tuning->i_least_A;
+}
+
+// (H16), (H18): one more sample. The loop keeps the mean of (H11) at 0, so that both sources differ by e_e/w_h.
+static void sum_up(lode_learn_t *self, const lode_learn_tuning_t *tuning,
+                   const lode_telemetry_t *now) {
+    const float omega = lode_abs(now->omega_rad_s);
+    const float salient_Wb = (tuning->Ld_H - self->now.Lq_H) * now->i_A.d;
+    const float error = now->emf_error_rad / now->injected;
+    self->iq2_A2 += now->i_A.q * now->i_A.q;
+    self->off_VsA += error * (self->now.psi_Wb + salient_Wb) * now->i_A.q;
+    self->looks += 1.0f;
+    if (omega >= tuning->omega_psi) {
+        const float taken = 1.0f + omega * omega * tuning->droop_s2;
+        self->psi_Wb += lode_ab_length(now->e_V) * taken / omega - salient_Wb;
+        self->psi_looks += 1.0f;
+    }
+}
+
+// (H17), (H18)
+static void learn(lode_learn_t *self, const lode_learn_tuning_t *tuning) {
+    const float off_H = self->off_VsA / self->iq2_A2;
+    if (!lode_is_finite(off_H) || !lode_is_finite(self->psi_Wb)) {
+        return;
+    }
+    const float agree = lode_max(1.0f - lode_abs(off_H) / (AGREE * self->now.Lq_H), 0.0f);
+    self->now.Lq_H = lode_clamp(self->now.Lq_H + GAIN * off_H, tuning->Lq_H.min, tuning->Lq_H.max);
+    self->now.confidence += CONFIDENCE_GAIN * (agree - self->now.confidence);
+    if (self->psi_looks >= self->looks) {
+        const float psi_Wb = self->psi_Wb / self->psi_looks;
+        self->now.psi_Wb = lode_clamp(self->now.psi_Wb + GAIN * (psi_Wb - self->now.psi_Wb),
+                                      tuning->psi_Wb.min, tuning->psi_Wb.max);
+    }
+}
+
+static bool is_worth(float now, float used) {
+    return lode_abs(now - used) > WORTH * used;
+}
+
+bool lode_learn_step(lode_learn_t *self, const lode_learn_tuning_t *tuning,
+                     const lode_telemetry_t *telemetry, float dt_s) {
+    if (!can_look(tuning, telemetry)) {
+        look_again(self);
+    } else {
+        self->time_s += dt_s;
+        if (self->time_s >= SETTLE_s) {
+            sum_up(self, tuning, telemetry);
+        }
+        if (self->time_s >= SETTLE_s + LOOK_s) {
+            learn(self, tuning);
+            look_again(self);
+        }
+    }
+    return is_worth(self->now.Lq_H, self->used.Lq_H) ||
+           is_worth(self->now.psi_Wb, self->used.psi_Wb);
+}
+
+lode_status_t lode_learn_tune(lode_learn_t *self, lode_drive_tuning_t *tuning,
+                              const lode_drive_config_t *config) {
+    lode_drive_config_t next = *config;
+    const float times = self->now.Lq_H / config->motor.Lq_H;
+    next.motor.Lq_H = self->now.Lq_H;
+    next.motor.psi_Wb = self->now.psi_Wb;
+    next.hfi.Lq_i_max_H *= times;
+    next.current.kp_q_V_A *= times;
+    self->used = self->now; // a refused one is not tried again until there is something new
+    return lode_drive_tune(tuning, &next);
+}

@@ -1,0 +1,288 @@
+// Lq and psi from where the EMF and injection differ.
+#include "support/rig.h"
+
+#include "lodestar/learn.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+#define DT_s 2.0e-3f
+// Long enough for a look: 50 ms that are waited for, 150 ms of samples.
+#define LOOK_STEPS 102
+
+static lode_drive_config_t learning(void) {
+    lode_drive_config_t config = rig_config();
+    config.hfi.mode = LODE_HFI_ON;
+    config.hfi.learn = LODE_ON;
+    config.hfi.V_h_V = 25.0f;
+    lode_drive_design(&config);
+    return config;
+}
+
+static lode_learn_tuning_t designed(const lode_drive_config_t *config) {
+    lode_learn_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_learn_design(&tuning, config));
+    return tuning;
+}
+
+/// What a drive sees whose Lq is `Lq_off_H` below the motor's, at 5 A and 200 rad/s.
+static lode_telemetry_t seen(float Lq_off_H, float iq_A) {
+    return (lode_telemetry_t){
+        .mode = LODE_MODE_RUN,
+        .injected = 1.0f,
+        .lock = 0.9f,
+        .omega_rad_s = 200.0f,
+        .i_A = {0.0f, iq_A},
+        .e_V = {0.0f, 0.142f * 200.0f},
+        .emf_error_rad = Lq_off_H * iq_A / 0.142f,
+    };
+}
+
+/// The same seen for as long as a look takes.
+static bool look(lode_learn_t *learn, const lode_learn_tuning_t *tuning,
+                 const lode_telemetry_t *now) {
+    bool worth = false;
+    for (int k = 0; k < LOOK_STEPS; k++) {
+        worth = lode_learn_step(learn, tuning, now, DT_s);
+    }
+    return worth;
+}
+
+static void begin(lode_learn_t *learn, lode_learn_tuning_t *tuning) {
+    const lode_drive_config_t config = learning();
+    *tuning = designed(&config);
+    tuning->droop_s2 = 0.0f; // of a perfect observer
+    lode_learn_begin(learn, tuning, &config, NULL);
+}
+
+static void test_refusals(void) {
+    lode_drive_config_t config = learning();
+    lode_learn_tuning_t tuning = {.Ld_H = 7.0f};
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_learn_design(NULL, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_learn_design(&tuning, NULL));
+    config.hfi.learn = LODE_OFF;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_LEARN, lode_learn_design(&tuning, &config));
+    config.hfi.learn = LODE_ON;
+    config.hfi.mode = LODE_HFI_OFF;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_LEARN, lode_learn_design(&tuning, &config));
+    config.motor.psi_Wb = -1.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_PSI, lode_learn_design(&tuning, &config));
+    CHECK_NEAR(0.0, 7.0, tuning.Ld_H);
+}
+
+static void test_limits(void) {
+    lode_drive_config_t config = learning();
+    lode_learn_tuning_t tuning = designed(&config);
+    // Below 1.15 Ld init refuses: 0.41 times Lq here, and the 0.3 times of a more salient one.
+    CHECK_NEAR(1.0e-7, 1.01 * 1.15 * 3.5e-3, tuning.Lq_H.min);
+    CHECK_NEAR(1.0e-7, 3.0 * 9.8e-3, tuning.Lq_H.max);
+    CHECK_NEAR(1.0e-6, 0.7 * 0.142, tuning.psi_Wb.min);
+    CHECK_NEAR(1.0e-6, 1.2 * 0.142, tuning.psi_Wb.max);
+    config.motor.Lq_H *= 2.0f;
+    config.hfi.Lq_i_max_H *= 2.0f;
+    config.current.kp_q_V_A *= 2.0f;
+    tuning = designed(&config);
+    CHECK_NEAR(1.0e-7, 0.3 * 19.6e-3, tuning.Lq_H.min);
+}
+
+static void test_what_was_stored_is_taken_within_limits(void) {
+    lode_learn_t learn;
+    lode_learn_tuning_t tuning;
+    begin(&learn, &tuning);
+    CHECK_NEAR(0.0, 0.0, learn.now.confidence);
+    CHECK_NEAR(1.0e-9, 9.8e-3, learn.now.Lq_H);
+    const lode_drive_config_t config = learning();
+    const lode_learned_t stored = {8.0e-3f, 0.13f, 0.9f};
+    lode_learn_begin(&learn, &tuning, &config, &stored);
+    CHECK_NEAR(1.0e-9, 8.0e-3, learn.now.Lq_H);
+    CHECK_NEAR(1.0e-6, 0.9, learn.now.confidence);
+    const lode_telemetry_t off = {.mode = LODE_MODE_OFF};
+    TEST_ASSERT_TRUE(lode_learn_step(&learn, &tuning, &off, DT_s)); // the first tuning has it
+    const lode_learned_t broken = {NAN, 1.0e9f, -3.0f};
+    lode_learn_begin(&learn, &tuning, &config, &broken);
+    TEST_ASSERT_TRUE(learn.now.Lq_H >= tuning.Lq_H.min && learn.now.Lq_H <= tuning.Lq_H.max);
+    CHECK_NEAR(1.0e-6, 1.2 * 0.142, learn.now.psi_Wb);
+    CHECK_NEAR(0.0, 0.0, learn.now.confidence);
+}
+
+// (H16), (H17): 0.7 of what the errors show, whatever the sign of the current and injection's share.
+static void test_a_look_corrects_Lq(void) {
+    static const float currents_A[] = {5.0f, -5.0f, 3.0f};
+    for (int n = 0; n < COUNT_OF(currents_A); n++) {
+        lode_learn_t learn;
+        lode_learn_tuning_t tuning;
+        begin(&learn, &tuning);
+        lode_telemetry_t now = seen(1.0e-3f, currents_A[n]);
+        now.injected = n == 2 ? 0.5f : 1.0f;
+        now.emf_error_rad *= now.injected;
+        TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+        CHECK_NEAR(1.0e-8, 9.8e-3 + 0.7e-3, learn.now.Lq_H);
+        CHECK_NEAR(1.0e-5, 0.142, learn.now.psi_Wb);
+    }
+}
+
+static void test_looks_converge_and_are_believed(void) {
+    lode_learn_t learn;
+    lode_learn_tuning_t tuning;
+    begin(&learn, &tuning);
+    for (int n = 0; n < 12; n++) {
+        const lode_telemetry_t now = seen(5.9e-3f - learn.now.Lq_H, 5.0f);
+        (void)look(&learn, &tuning, &now);
+    }
+    CHECK_NEAR(1.0e-6, 5.9e-3, learn.now.Lq_H);
+    TEST_ASSERT_TRUE(learn.now.confidence > 0.9f);
+    const lode_telemetry_t other = seen(2.0e-3f, 5.0f);
+    const float before = learn.now.confidence;
+    (void)look(&learn, &tuning, &other); // it does not fit any more
+    CHECK_NEAR(1.0e-6, 0.75 * (double)before, learn.now.confidence);
+}
+
+static void test_limited(void) {
+    lode_learn_t learn;
+    lode_learn_tuning_t tuning;
+    begin(&learn, &tuning);
+    for (int n = 0; n < 20; n++) {
+        lode_telemetry_t now = seen(-4.0e-3f, 5.0f);
+        now.e_V.beta = 100.0f;
+        (void)look(&learn, &tuning, &now);
+    }
+    CHECK_NEAR(0.0, (double)tuning.Lq_H.min, learn.now.Lq_H);
+    CHECK_NEAR(0.0, (double)tuning.psi_Wb.max, learn.now.psi_Wb);
+}
+
+static void test_frozen_where_not_both_tell_the_position(void) {
+    for (int n = 0; n < 6; n++) {
+        lode_learn_t learn;
+        lode_learn_tuning_t tuning;
+        begin(&learn, &tuning);
+        lode_telemetry_t now = seen(1.0e-3f, 5.0f);
+        lode_telemetry_t bad[6] = {now, now, now, now, now, now};
+        bad[0].mode = LODE_MODE_START;
+        bad[1].injected = 0.4f;
+        bad[2].lock = 0.4f;
+        bad[3].omega_rad_s = -60.0f;
+        bad[4].i_A.q = 1.7f;
+        bad[5].omega_rad_s = NAN;
+        for (int k = 0; k < LOOK_STEPS - 6; k++) {
+            TEST_ASSERT_FALSE(lode_learn_step(&learn, &tuning, &now, DT_s));
+        }
+        TEST_ASSERT_FALSE(lode_learn_step(&learn, &tuning, &bad[n], DT_s));
+        for (int k = 0; k < LOOK_STEPS - 6; k++) { // the look begins anew
+            TEST_ASSERT_FALSE(lode_learn_step(&learn, &tuning, &now, DT_s));
+        }
+        CHECK_NEAR(0.0, (double)9.8e-3f, learn.now.Lq_H);
+    }
+}
+
+// (H18), and below 0.32 of rated speed not at all.
+static void test_flux(void) {
+    lode_learn_t learn;
+    lode_learn_tuning_t tuning;
+    begin(&learn, &tuning);
+    lode_telemetry_t now = seen(0.0f, 5.0f);
+    now.i_A.d = 2.0f;
+    now.e_V = (lode_ab_t){-200.0f * (0.13f - 2.0f * 6.3e-3f), 0.0f};
+    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+    CHECK_NEAR(1.0e-5, 0.142 - 0.7 * 0.012, learn.now.psi_Wb);
+    begin(&learn, &tuning);
+    now.omega_rad_s = 140.0f;
+    now.e_V.alpha *= 0.7f;
+    TEST_ASSERT_FALSE(look(&learn, &tuning, &now));
+    CHECK_NEAR(0.0, (double)0.142f, learn.now.psi_Wb);
+    // The observer's part of the amplitude is taken back.
+    begin(&learn, &tuning);
+    tuning.droop_s2 = 2.5e-7f;
+    now = seen(0.0f, 5.0f);
+    now.e_V.beta /= 1.01f;
+    (void)look(&learn, &tuning, &now);
+    CHECK_NEAR(1.0e-5, 0.142, learn.now.psi_Wb);
+}
+
+static void test_what_is_not_finite_teaches_nothing(void) {
+    lode_learn_t learn;
+    lode_learn_tuning_t tuning;
+    begin(&learn, &tuning);
+    lode_telemetry_t now = seen(1.0e-3f, 5.0f);
+    now.emf_error_rad = NAN;
+    TEST_ASSERT_FALSE(look(&learn, &tuning, &now));
+    now = seen(1.0e-3f, 5.0f);
+    now.e_V.alpha = INFINITY;
+    TEST_ASSERT_FALSE(look(&learn, &tuning, &now));
+    CHECK_NEAR(0.0, (double)9.8e-3f, learn.now.Lq_H);
+    now = seen(1.0e-3f, 5.0f);
+    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+}
+
+static void test_the_tuning_has_what_was_learned(void) {
+    lode_learn_t learn;
+    lode_learn_tuning_t tuning;
+    lode_drive_config_t config = learning();
+    begin(&learn, &tuning);
+    learn.now = (lode_learned_t){7.0e-3f, 0.135f, 1.0f};
+    static lode_drive_tuning_t drive;
+    static lode_drive_tuning_t before;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&before, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_learn_tune(&learn, &drive, &config));
+    CHECK_NEAR(1.0e-7, 3.5e-3 - 7.0e-3, drive.estimator.salient_H);
+    CHECK_NEAR(1.0e-6, 0.135, drive.estimator.psi_Wb);
+    CHECK_NEAR(1.0e-3, 1.0 / (2.0 * 25.0), drive.estimator.hfi.inv_full);
+    CHECK_NEAR(1.0e-6, (double)before.estimator.hfi.omega_high, drive.estimator.hfi.omega_high);
+    const lode_telemetry_t off = {.mode = LODE_MODE_OFF};
+    TEST_ASSERT_FALSE(lode_learn_step(&learn, &tuning, &off, DT_s)); // it is in use
+    learn.now.Lq_H = 3.6e-3f;
+    const lode_drive_tuning_t kept = drive;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_SALIENCY, lode_learn_tune(&learn, &drive, &config));
+    TEST_ASSERT_EQUAL_MEMORY(&kept, &drive, sizeof drive);
+    TEST_ASSERT_FALSE(lode_learn_step(&learn, &tuning, &off, DT_s)); // nor tried again
+}
+
+/// A drive with a wrong Lq under load: the main loop of learn.h.
+static void test_a_running_drive_learns(void) {
+    static rig_t rig;
+    static lode_drive_tuning_t tunings[2];
+    lode_learn_t learn;
+    lode_drive_config_t config = learning();
+    config.motor.Lq_H *= 1.5f;
+    config.hfi.Lq_i_max_H *= 1.5f;
+    const lode_learn_tuning_t tuning = designed(&config);
+    lode_learn_begin(&learn, &tuning, &config, NULL);
+    rig_init(&rig, &tunings[0], &config);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 62.8f});
+    int next = 1;
+    for (int k = 0; k < (int)(3.0 / RIG_TS_s); k++) {
+        rig_step(&rig);
+        rig.pull_Nm = k * RIG_TS_s > 1.5 ? 3.0 : 0.0;
+        lode_telemetry_t now;
+        if (k % 10 == 0 && lode_drive_telemetry(&rig.drive, &now) &&
+            lode_learn_step(&learn, &tuning, &now, 10.0f * (float)RIG_TS_s) &&
+            lode_drive_tuning_taken(&rig.drive) &&
+            lode_learn_tune(&learn, &tunings[next], &config) == LODE_OK) {
+            TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &tunings[next]));
+            next = 1 - next;
+        }
+        if (k * RIG_TS_s <= 1.5) { // no load, no q current: nothing shows
+            CHECK_NEAR(0.0, (double)config.motor.Lq_H, learn.now.Lq_H);
+        }
+    }
+    rig_expect(&rig, LODE_MODE_RUN);
+    CHECK_NEAR(0.02 * 9.8e-3, 9.8e-3, learn.now.Lq_H);
+    CHECK_NEAR(0.02 * 0.142, 0.142, learn.now.psi_Wb);
+    TEST_ASSERT_TRUE(learn.now.confidence > 0.5f);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_refusals);
+    RUN_TEST(test_limits);
+    RUN_TEST(test_what_was_stored_is_taken_within_limits);
+    RUN_TEST(test_a_look_corrects_Lq);
+    RUN_TEST(test_looks_converge_and_are_believed);
+    RUN_TEST(test_limited);
+    RUN_TEST(test_frozen_where_not_both_tell_the_position);
+    RUN_TEST(test_flux);
+    RUN_TEST(test_what_is_not_finite_teaches_nothing);
+    RUN_TEST(test_the_tuning_has_what_was_learned);
+    RUN_TEST(test_a_running_drive_learns);
+    return UNITY_END();
+}
