@@ -58,8 +58,11 @@ lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_co
 
 static void look_again(lode_learn_t *self) {
     self->time_s = 0.0f;
-    self->iq2_A2 = self->off_VsA = self->psi_Wb = 0.0f;
-    self->looks = self->psi_looks = 0.0f;
+    self->iq2_A2 = 0.0f;
+    self->off_VsA = 0.0f;
+    self->psi_Wb = 0.0f;
+    self->looks = 0.0f;
+    self->psi_looks = 0.0f;
 }
 
 void lode_learn_begin(lode_learn_t *self, const lode_learn_tuning_t *tuning,
