@@ -446,6 +446,28 @@ static void test_every_rate_of_speed_control_drives(void) {
     }
 }
 
+/// In its three slots, and all at once.
+static void test_references_weaken_the_field(void) {
+    const lode_choice_t every_period[] = {LODE_OFF, LODE_ON};
+    for (int n = 0; n < COUNT_OF(every_period); n++) {
+        lode_drive_config_t config = with_speed_bandwidth(35.0f);
+        config.speed.every_period = every_period[n];
+        config.references.field_weakening = LODE_ON;
+        config.references.voltage_use = 0.5f;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        TEST_ASSERT_EQUAL_UINT32(n == 0 ? LODE_SLOW_PERIODS : 1u, tuning.speed_periods);
+        rig_command(&rig, run_at(150.0));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+        rig_run(&rig, 4.0);
+        check_running(&rig, 150.0);
+        const lode_telemetry_t at = rig_telemetry(&rig);
+        const double use_V = (double)(tuning.references.circle * at.v_bus_V);
+        CHECK_CLOSE(0.02, use_V, hypot((double)at.u_V.d, (double)at.u_V.q));
+        CHECK_AT_MOST(-3.0, at.i_A.d);
+    }
+}
+
 static void test_load_steps_and_speed_changes(void) {
     rig_t rig = fresh();
     rig_command(&rig, run_at(60.0));
@@ -1849,6 +1871,7 @@ int main(void) {
     RUN_TEST(test_two_shunts_do);
     RUN_TEST(test_speed_control_runs_as_often_as_its_bandwidth_asks);
     RUN_TEST(test_every_rate_of_speed_control_drives);
+    RUN_TEST(test_references_weaken_the_field);
     RUN_TEST(test_load_steps_and_speed_changes);
     RUN_TEST(test_the_fade_leaves_out_short_currents);
     RUN_TEST(test_torque_control_follows_torque_and_holds_its_speeds);
