@@ -6,6 +6,8 @@
 #include "report/report_run.h"
 
 enum { WIDTH = 1200, HEIGHT = 1220, TOP = 115, LEGEND = 180, PANELS = 6, POINTS = 2400 };
+// With signal injection two more, of the same height.
+enum { PANELS_BY_WAVE = 8, HEIGHT_BY_WAVE = 1580 };
 
 /// Of a part of the plot's data that is there in RUN only, or not at all.
 static double shown(bool there, double value) {
@@ -22,16 +24,17 @@ static void send_rows(FILE *script, const runlog_t *log) {
         // With the gates off the estimator is reset in every period.
         const bool driven =
             row->mode >= (double)LODE_MODE_VOLTAGE && row->mode <= (double)LODE_MODE_RUN;
-        (void)fprintf(script,
-                      "%.6g %.5g %.5g %.5g %.4g %.4g %.4g %.4g %.4g %.4g %.4g %g %.3g %.4g %.4g "
-                      "%.4g\n",
-                      row->t_s, row->speed_command_rpm, row->speed_rpm,
-                      shown(sensorless, row->speed_est_rpm), row->id_A, row->iq_A,
-                      shown(sensorless, row->i1_ref_A), shown(sensorless, row->i2_ref_A),
-                      shown(driven, hypot(row->e_alpha_V, row->e_beta_V)),
-                      hypot(row->e_true_alpha_V, row->e_true_beta_V), row->load_Nm, row->mode,
-                      shown(driven, row->lock), hypot(row->ix_A, row->iy_A), row->torque_Nm,
-                      shown(sensorless, row->load_est_Nm));
+        (void)fprintf(
+            script,
+            "%.6g %.5g %.5g %.5g %.4g %.4g %.4g %.4g %.4g %.4g %.4g %g %.3g %.4g %.4g "
+            "%.4g %.4g %.4g %.4g %.5g %.5g\n",
+            row->t_s, row->speed_command_rpm, row->speed_rpm, shown(sensorless, row->speed_est_rpm),
+            row->id_A, row->iq_A, shown(sensorless, row->i1_ref_A),
+            shown(sensorless, row->i2_ref_A), shown(driven, hypot(row->e_alpha_V, row->e_beta_V)),
+            hypot(row->e_true_alpha_V, row->e_true_beta_V), row->load_Nm, row->mode,
+            shown(driven, row->lock), hypot(row->ix_A, row->iy_A), row->torque_Nm,
+            shown(sensorless, row->load_est_Nm), shown(row->w_h > 0.0, row->er_h_deg),
+            shown(sensorless, row->er_e_deg), row->w_h, 1e3 * row->Lq_H, 1e3 * row->Lq_est_H);
     }
     (void)fputs("END\n", script);
 }
@@ -134,6 +137,21 @@ static void send_emf(FILE *script) {
                 script);
 }
 
+/// Position errors by either source, and Lq: what is known of it beside what it is.
+static void send_injection(FILE *script) {
+    plot_panel(script, "position error [deg el.]");
+    (void)fputs("set yrange [-30:30]\n"
+                "plot $run using 1:18 with lines lc rgb grey lw 1 title 'by EMF, e_e', "
+                "'' using 1:17 with lines lc rgb blue lw 0.6 title 'by injection, e_h', "
+                "'' using 1:(10*$19) with lines lc rgb red lw 2 title 'w_h (10: alone)'\n"
+                "set yrange [*:*]\n",
+                script);
+    plot_panel(script, "L_q [mH]");
+    (void)fputs("plot $run using 1:20 with lines lc rgb blue lw 2 title 'true, psi_q/i_q', "
+                "'' using 1:21 with steps lc rgb red lw 1.4 title 'in the drive'\n",
+                script);
+}
+
 static void send_state(FILE *script) {
     plot_panel(script, "state");
     (void)fputs("set format x '%g'\nset xlabel 'time [s]' offset 0,0.4\nset yrange [-0.4:6.4]\n"
@@ -151,12 +169,19 @@ bool plot_run(const plot_output_t *output, const char *title, const runner_resul
     if (log->rows == 0) {
         return true;
     }
-    if (!plot_start(&plot, output, title, WIDTH, HEIGHT)) {
+    const int height = log->by_wave ? HEIGHT_BY_WAVE : HEIGHT;
+    if (!plot_start(&plot, output, title, WIDTH, height)) {
         return false;
     }
     send_rows(plot.script, log);
     const double peak_deg = send_errors(plot.script, log);
-    const plot_frame_t frame = {WIDTH, HEIGHT, TOP, LEGEND, PANELS, 0.0, result->simulated_s};
+    const plot_frame_t frame = {WIDTH,
+                                height,
+                                TOP,
+                                LEGEND,
+                                log->by_wave ? PANELS_BY_WAVE : PANELS,
+                                0.0,
+                                result->simulated_s};
     plot_style(plot.script, title, &frame);
     send_phases(plot.script, result);
     send_speed(plot.script, result->phases);
@@ -164,6 +189,9 @@ bool plot_run(const plot_output_t *output, const char *title, const runner_resul
     send_currents(plot.script, log->sets);
     send_torque(plot.script, estimates_load(log));
     send_emf(plot.script);
+    if (log->by_wave) {
+        send_injection(plot.script);
+    }
     send_state(plot.script);
     return plot_finish(&plot);
 }

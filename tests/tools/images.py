@@ -8,7 +8,8 @@ import subprocess
 import sys
 
 IMAGES = pathlib.Path(__file__).parents[2] / "docs/images"
-SCENARIO_OF = {"run": "main", "dtp": "dtp", "dtp_open_phase": "dtp_open_phase"}
+SCENARIO_OF = {"run": "main", "dtp": "dtp", "dtp_open_phase": "dtp_open_phase",
+               "zero_reversal": "zero_reversal", "zero_learn": "zero_learn"}
 
 
 def main():

@@ -56,6 +56,19 @@ def mismatch(checks, folder):
     checks.true(abs(phases["at_1500_x0_5"]["angle_error_deg"]["mean"]) > 10, "half of Lq shows")
 
 
+def plot(checks, folder):
+    """Two panels more than without injection, where gnuplot is there."""
+    done = folder.run("run", "zero_reluctance", "--plot", "p.svg")
+    path = folder.path / "p.svg"
+    if not path.exists():
+        checks.true("gnuplot" in done.stderr, "no plot only where gnuplot is not there")
+        return
+    text = path.read_text()
+    checks.true("position error" in text and "in the drive" in text, "panels of injection")
+    folder.run("run", "steady_ideal", "--plot", "q.svg")
+    checks.true("position error" not in (folder.path / "q.svg").read_text(), "none without it")
+
+
 def columns(checks, folder):
     run(checks, folder, "zero_reversal", ["scenario.log_s=1e-2"])
     with open(folder.path / "r.csv", newline="") as file:
@@ -80,6 +93,7 @@ def main():
         learned(checks, folder)
         mismatch(checks, folder)
         columns(checks, folder)
+        plot(checks, folder)
     checks.done()
 
 
