@@ -285,12 +285,24 @@ static float expected_A2(const lode_drive_t *self, float omega_rad_s) {
     return i_A.d * i_A.d + i_A.q * i_A.q;
 }
 
+// A phase whose current cannot pass zero without more voltage than dead time and drops take is not held there:
+// at its zero a current of that size asks for the inductance's.
+static bool may_clamp(const lode_drive_t *self, float omega_rad_s, float i_A2) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_inverter_tuning_t *inverter = &tuning->inverter;
+    const float taken_V = (inverter->dead_duty + inverter->dead_more_max) * self->inverter.v_bus_V +
+                          2.0f * inverter->v_drop_V;
+    const float Lq_H = tuning->estimator.emf.inv_b * tuning->estimator.pll.ts_s;
+    const float needed_V = Lq_H * omega_rad_s;
+    return taken_V * taken_V >= needed_V * needed_V * i_A2;
+}
+
 static LODE_NOINLINE void judge(lode_drive_t *self, lode_plausibility_t *watch,
-                                const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
+                                const int32_t i[LODE_PHASES], float i_A2, lode_path_t path) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_finding_t found =
         lode_plausibility_step(watch, &tuning->plausibility, i, tuning->guard.lock_looks, i_A2,
-                               turn_rad, lode_abs(tuning->sense.i_gain));
+                               path, lode_abs(tuning->sense.i_gain));
     if (LODE_RARELY(found.check != LODE_CHECK_NONE)) {
         const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;
         const float before = second ? (float)LODE_PHASES : 0.0f;
@@ -312,12 +324,19 @@ LODE_NOINLINE void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
 // Not LODE_RAMFUNC: one call in many, and small fast memories are full without it.
 LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                                       const int32_t i[LODE_PHASES], float looks) {
-    const float omega = lode_abs(lode_mode_frame_omega(self));
-    const float i_A2 = expected_A2(self, omega);
+    const float omega = lode_mode_frame_omega(self);
+    const float i_A2 = expected_A2(self, lode_abs(omega));
+    const uint32_t periods = LODE_GUARD_PERIODS;
+    const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
+    float turn_rad = looks * look_s * omega;
+    if (lode_mode(self) == LODE_MODE_START) {
+        // The damping may turn the vector back as fast as it turns on: it rests, and so do the counts. A second
+        // set is looked at in RUN only.
+        const bool first = watch == &self->plausibility;
+        turn_rad = first ? lode_start_turned_rad(&self->state.start, turn_rad) : 0.0f;
+    }
     if (!lode_plausibility_is_chance(watch, &self->tuning->plausibility, i, i_A2)) {
-        const uint32_t periods = LODE_GUARD_PERIODS;
-        const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
-        judge(self, watch, i, i_A2, looks * look_s * omega);
+        judge(self, watch, i, i_A2, (lode_path_t){turn_rad, may_clamp(self, omega, i_A2)});
     }
 }
 

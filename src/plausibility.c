@@ -15,6 +15,10 @@
 // the vector turns; hardly for an eighth of a turn.
 #define STEADY_SHARE 0.5f
 #define EIGHTH_rad 0.7853982f
+// Dead time may hold a phase near zero for up to a sixth of a turn. The other two then balance, to within their
+// gains; beside a converter that is stuck there they do not. One that is made of them is not known to.
+#define QUARTER_rad 1.5707963f
+#define BALANCE_SHARE 0.05f // of the current
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
 #define ALL_PHASES ((1u << LODE_PHASES) - 1u)
 #define HALF_WAVES (ALL_PHASES | (ALL_PHASES << LODE_PHASES))
@@ -66,22 +70,44 @@ LODE_INLINE bool none_follows(lode_plausibility_t *self, const lode_plausibility
     return before_A2 > ALL_STUCK * tuning->i_min_A2;
 }
 
+// Dead time may hold the one phase that is near zero. The other two move together then, or not: their current is
+// at its peak.
+LODE_INLINE bool is_clamped(const lode_plausibility_t *self,
+                            const lode_plausibility_tuning_t *tuning, uint32_t still, float i_A2,
+                            float A_per_count) {
+    const int32_t *i = self->i;
+    const float sum_A = (float)(i[0] + i[1] + i[2]) * A_per_count;
+    const float near = lode_sqrt(tuning->i_min_A2) / A_per_count;
+    const uint32_t at_zero =
+        lode_plausibility_phases(lode_abs((float)i[0]) <= near, lode_abs((float)i[1]) <= near,
+                                 lode_abs((float)i[2]) <= near);
+    const bool one = at_zero != 0u && (at_zero & (at_zero - 1u)) == 0u;
+    return one && (still == at_zero || still == ALL_PHASES) &&
+           sum_A * sum_A <= BALANCE_SHARE * BALANCE_SHARE * i_A2;
+}
+
 // The phases that have kept their counts for too long, a bit each. Three looks at least: two may lie on either
 // side of a peak.
 LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
                                   const lode_plausibility_tuning_t *tuning, uint32_t kept,
-                                  float i_A2, float turn_rad, float A_per_count) {
+                                  float i_A2, lode_path_t path, float A_per_count) {
     const uint32_t judged = lode_plausibility_judged(self, tuning, kept, i_A2);
     const uint32_t still = judged & self->still;
     const bool changes =
         (self->still & CHANGING) != 0u || !(lode_abs(i_A2 - self->i_A2) <= STEADY_SHARE * i_A2);
-    self->turn_rad = still > 0u ? self->turn_rad + turn_rad : 0.0f;
+    self->turn_rad = still > 0u ? self->turn_rad + path.turn_rad : 0.0f;
     self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : judged);
+    const bool clamped = path.clamps && is_clamped(self, tuning, still, i_A2, A_per_count);
+    const bool all = still == ALL_PHASES;
     const float turn2 = self->turn_rad * self->turn_rad;
-    const float path2 = still == ALL_PHASES ? ALL_TURN * turn2 : turn2 * turn2;
-    const bool possible = changes && self->turn_rad < EIGHTH_rad;
+    const float path2 = all && !clamped ? ALL_TURN * turn2 : turn2 * turn2;
     const float stuck_A = STUCK * A_per_count;
-    return path2 * i_A2 > stuck_A * stuck_A && !possible ? still : 0u;
+    if (!(path2 * i_A2 > stuck_A * stuck_A)) {
+        return 0u;
+    }
+    const float quick_rad = changes ? EIGHTH_rad : 0.0f;
+    const float least_rad = clamped && !all ? QUARTER_rad : quick_rad;
+    return lode_abs(self->turn_rad) >= least_rad ? still : 0u;
 }
 
 // The first of some phases, from 1; 0: all three.
@@ -117,10 +143,10 @@ uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
                                       const int32_t i[LODE_PHASES], uint32_t sum_looks, float i_A2,
-                                      float turn_rad, float A_per_count) {
+                                      lode_path_t path, float A_per_count) {
     const uint32_t kept = lode_plausibility_kept(self, i);
     lode_plausibility_note(self, i);
-    const uint32_t stuck = stuck_phases(self, tuning, kept, i_A2, turn_rad, A_per_count);
+    const uint32_t stuck = stuck_phases(self, tuning, kept, i_A2, path, A_per_count);
     const bool all = none_follows(self, tuning, kept, i_A2);
     self->kept = (uint_least8_t)kept;
     if (all || stuck > 0u) {

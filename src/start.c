@@ -308,6 +308,7 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
         self->current_A = 0.0f;
         self->failed = self->failed == 0u ? 1u : FAILED_MAX;
         self->stage = first_stage(tuning);
+        self->by.shift_rad = 0.0f; // nothing has dwelt
     }
 }
 
@@ -319,14 +320,15 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
         self->current_A < self->current_target) {
         return false;
     }
-    self->dwelt++;
+    self->by.rest.dwelt++;
     const lode_dq_t seen_V = lode_park(e_V, lode_start_vector(self));
-    if (self->dwelt > tuning->dwell_rounds / SETTLE_PART && lode_abs(seen_V.q) <= tuning->calm_V) {
-        self->calm++;
+    if (self->by.rest.dwelt > tuning->dwell_rounds / SETTLE_PART &&
+        lode_abs(seen_V.q) <= tuning->calm_V) {
+        self->by.rest.calm++;
         self->sum_V += seen_V.d;
     }
-    const bool known = self->calm >= tuning->calm_rounds;
-    if (!known && self->dwelt < tuning->dwell_rounds) {
+    const bool known = self->by.rest.calm >= tuning->calm_rounds;
+    if (!known && self->by.rest.dwelt < tuning->dwell_rounds) {
         return false;
     }
     const float mean_V = self->sum_V / (float)tuning->calm_rounds;
@@ -336,13 +338,25 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
     found->dead_V = mean_V - found->r_Ohm * self->current_A;
     self->along_V = mean_V;
     self->stage = (uint_least8_t)(known && !last ? LODE_START_FULL : LODE_START_TURN);
-    self->dwelt = 0u;
-    self->calm = 0u;
+    self->by.rest.dwelt = 0u;
+    self->by.rest.calm = 0u;
+    if (self->stage == (uint_least8_t)LODE_START_TURN) {
+        self->by.shift_rad = lode_start_shift_rad(self);
+    }
     self->sum_V = 0.0f;
     return known && last;
 }
 
 #endif
+
+float lode_start_turned_rad(lode_start_t *self, float advance_rad) {
+    if (self->stage != (uint_least8_t)LODE_START_TURN) {
+        return 0.0f;
+    }
+    const float before_rad = self->by.shift_rad;
+    self->by.shift_rad = lode_start_shift_rad(self);
+    return advance_rad + self->by.shift_rad - before_rad;
+}
 
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {

@@ -45,7 +45,7 @@ static bench_t bench(double i_A, double omega) {
 
 static lode_finding_t judge(lode_plausibility_t *state, const lode_plausibility_tuning_t *tuning,
                             const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
-    return lode_plausibility_step(state, tuning, i, SUM_LOOKS, i_A2, turn_rad,
+    return lode_plausibility_step(state, tuning, i, SUM_LOOKS, i_A2, (lode_path_t){turn_rad, true},
                                   (float)(GAIN_A / LODE_COUNT_FRACTION));
 }
 
@@ -106,6 +106,32 @@ static void test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_spee
             TEST_ASSERT_TRUE(found.measured == (stuck == 4 ? 0.0f : (float)stuck)); // 0: all
         }
     }
+}
+
+/// Turns with one count held at 4; `balanced`: the others add up to none with it. Returns the turn until found.
+static double turn_until_found(bool balanced) {
+    bench_t self = bench(3.6, 0.0);
+    const double step = 0.05;
+    lode_finding_t found = {.check = LODE_CHECK_NONE};
+    double turned = 0.0;
+    for (; turned < 3.0 && found.check == LODE_CHECK_NONE; turned += step) {
+        const double a = 3.6 * cos(turned - 1.0) / GAIN_A;
+        const int32_t b = LODE_COUNT_FRACTION * (int32_t)lround(a);
+        const int32_t c = LODE_COUNT_FRACTION * (int32_t)lround(0.4 * a);
+        const int32_t i[LODE_PHASES] = {4 * LODE_COUNT_FRACTION, b, balanced ? -b : c};
+        found = judge(&self.state, &self.tuning, i, (float)(3.6 * 3.6), (float)step);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
+    TEST_ASSERT_TRUE(found.measured == 1.0f);
+    return turned;
+}
+
+/// Dead time holds a phase at zero for up to 60 degrees.
+static void test_a_phase_that_dead_time_may_hold_has_a_quarter_turn(void) {
+    CHECK_AT_MOST(0.6, turn_until_found(false));
+    const double clamped = turn_until_found(true);
+    TEST_ASSERT_TRUE(clamped > CHECK_PI / 2.0);
+    CHECK_AT_MOST(CHECK_PI / 2.0 + 0.3, clamped);
 }
 
 /// A phase near zero may be open instead: with six phases that is another check.
@@ -350,6 +376,7 @@ int main(void) {
     RUN_TEST(test_sound_converters_are_never_stuck);
     RUN_TEST(test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_speed);
     RUN_TEST(test_a_phase_that_stays_near_zero_may_be_left_out);
+    RUN_TEST(test_a_phase_that_dead_time_may_hold_has_a_quarter_turn);
     RUN_TEST(test_without_current_nothing_is_stuck);
     RUN_TEST(test_counts_that_were_kept_without_current_may_still_be_good);
     RUN_TEST(test_all_that_do_not_follow_a_rising_current_are_stuck);

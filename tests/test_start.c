@@ -755,6 +755,20 @@ static void test_a_new_attempt_measures_again(void) {
     TEST_ASSERT_TRUE(start.current_target == 0.0f);
 }
 
+/// The damping turns the vector too; while it rests for a measurement it has not turned.
+static void test_a_vector_turns_by_its_damping_too(void) {
+    lode_start_t start;
+    lode_start_reset(&start, (lode_sincos_t){0.0f, 1.0f}, 10.0f, 1.0f);
+    start.give = 2.0f;
+    start.swing_V = -0.1f;
+    CHECK_NEAR(1.0e-6, 0.25, (double)lode_start_turned_rad(&start, 0.05f));
+    CHECK_NEAR(1.0e-6, 0.05, (double)lode_start_turned_rad(&start, 0.05f));
+    start.swing_V = 0.05f;
+    CHECK_NEAR(1.0e-6, -0.25, (double)lode_start_turned_rad(&start, 0.05f));
+    start.stage = (uint_least8_t)LODE_START_HALF;
+    TEST_ASSERT_TRUE(lode_start_turned_rad(&start, 0.05f) == 0.0f);
+}
+
 static void test_measuring_is_a_choice(void) {
     const lode_motor_t motor = paper_motor();
     lode_start_config_t config = sound();
@@ -774,6 +788,7 @@ int main(void) {
     RUN_TEST(test_resistance_and_dead_time_are_measured_at_rest);
     RUN_TEST(test_damping_gives_way_to_current_and_speed);
     RUN_TEST(test_a_new_attempt_measures_again);
+    RUN_TEST(test_a_vector_turns_by_its_damping_too);
     RUN_TEST(test_measuring_is_a_choice);
     RUN_TEST(test_hand_over_speed_follows_what_is_not_known);
     RUN_TEST(test_a_light_salient_rotor_hands_over_later);

@@ -49,14 +49,20 @@ typedef struct {
 /// Nothing seen yet.
 void lode_plausibility_reset(lode_plausibility_t *self);
 
-/// One look at the currents `i` (1/256 count), `turn_rad` of the current vector after the last one. `i_A2`:
+/// What the current vector has done since the last look.
+typedef struct {
+    float turn_rad; ///< electrical, with its sign
+    bool clamps;    ///< dead time may hold a phase at zero while it turns
+} lode_path_t;
+
+/// One look at the currents `i` (1/256 count), the `path` of the current vector to it. `i_A2`:
 /// the square of the current that is asked for, or where the voltage does not suffice for it, of the
 /// measured one. `sum_looks`: debounce of the sum; `A_per_count`: per 1/256 count. Most looks find three counts
 /// that have moved, and are done after that (plausibility_inline.h).
 lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning,
                                       const int32_t i[LODE_PHASES], uint32_t sum_looks, float i_A2,
-                                      float turn_rad, float A_per_count);
+                                      lode_path_t path, float A_per_count);
 
 /// One look at the currents, the vector having turned by `turn_rad` since the last one. `i_A2`: the
 /// square of the current that is asked for. The phase without a half-wave, 1 .. 3; 0: none is known to be.

@@ -91,8 +91,13 @@ typedef struct {
     float along_V;    ///< their mean at half the current
     float by_size;    ///< share of the EMF's size in the swing, with the sign of the speed
     float give;       ///< rad by which the vector gives way per V of swinging EMF
-    uint_least16_t dwelt; ///< rounds at the present current of the measurement
-    uint_least16_t calm;  ///< of them with the rotor at rest
+    union {
+        struct {
+            uint_least16_t dwelt; ///< rounds at the present current of the measurement
+            uint_least16_t calm;  ///< of them with the rotor at rest
+        } rest;                   ///< before LODE_START_TURN
+        float shift_rad;          ///< LODE_START_TURN: how far ahead the vector was when last asked
+    } by;
     uint_least8_t stage;  ///< LODE_START_...
     uint_least8_t failed; ///< attempts, up to two
 } lode_start_t;
@@ -118,6 +123,9 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
 /// From rest, but first with zero current for a while: the voltage that this takes shows a rotor that
 /// turns already.
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
+
+/// How far the vector has turned, rad, since the last call: by `advance_rad`, and by what its damping has moved.
+float lode_start_turned_rad(lode_start_t *self, float advance_rad);
 
 /// Where the vector shall go: electrical speed and amplitude. Once in LODE_SLOW_PERIODS, also where they
 /// stay, because it counts the time that an attempt takes.

@@ -160,6 +160,45 @@ def truth_as_source(checks, folder):
     checks.at_most(worst, 1e-3, "angle error with the true angle")
 
 
+# Converters without noise, whose counts keep still with the current: while the damping of the start holds the
+# vector, and while dead time, here three times what the resistance takes, holds a phase at zero.
+QUIET = {"heavy": """[motor]
+pole_pairs = 2
+Rs_Ohm = 8.9e-3
+Ld_H = 8.7e-6
+Lq_H = 17.4e-6
+KV_rpm_V = 423
+J_kgm2 = 1.7e-3
+speed_rated_rpm = 6444
+[drive]
+dead_time_s = 2e-6
+v_bus_V = 36
+i_max_A = 300
+f_pwm_Hz = 16000
+""", "light": """[motor]
+pole_pairs = 11
+Rs_Ohm = 1.206
+Ld_H = 0.3224e-3
+Lq_H = 0.4191e-3
+KV_rpm_V = 64.781
+J_kgm2 = 0.1588e-3
+speed_rated_rpm = 8964
+[drive]
+dead_time_s = 1e-6
+v_bus_V = 310
+i_max_A = 3
+f_pwm_Hz = 25000
+"""}
+
+
+def quiet_converters(checks, folder):
+    for name, text in QUIET.items():
+        (folder.path / f"{name}.ini").write_text(text)
+        done = folder.run("run", "--motor", f"{name}.ini", "--set", "plant.i_noise_A=0", f"--json={name}.json")
+        checks.equal(done.returncode, 0, f"{name} motor, quiet converters: {done.stdout[-300:]}{done.stderr}")
+        checks.equal(folder.json(f"{name}.json")["fault"], None, f"{name} motor, quiet converters: no fault")
+
+
 def six_phases(checks, folder):
     """The broken wire is in the record, and the other set carries the load."""
     done = folder.run("run", "dtp_open_phase", "--csv", "six.csv", "--json", "six.json")
@@ -251,6 +290,7 @@ def main():
         mismatch(checks, folder)
         loads(checks, folder)
         truth_as_source(checks, folder)
+        quiet_converters(checks, folder)
         six_phases(checks, folder)
         list_and_help(checks, folder)
         design(checks, folder)
