@@ -56,6 +56,13 @@ def mismatch(checks, folder):
     checks.true(abs(phases["at_1500_x0_5"]["angle_error_deg"]["mean"]) > 10, "half of Lq shows")
 
 
+def handover(checks, folder):
+    """Paper 1's hand-over at 100 rpm, by injection."""
+    done = folder.run("run", "start_100rpm", "--seeds", "1-100", "--set", "hfi.mode=on",
+                      "--set", "hfi.V_h_V=25")
+    checks.true("100 of 100 passed" in done.stdout, f"{done.stdout[-200:]}{done.stderr}")
+
+
 def plot(checks, folder):
     """Two panels more than without injection, where gnuplot is there."""
     done = folder.run("run", "zero_reluctance", "--plot", "p.svg")
@@ -92,6 +99,7 @@ def main():
     with Folder() as folder:
         learned(checks, folder)
         mismatch(checks, folder)
+        handover(checks, folder)
         columns(checks, folder)
         plot(checks, folder)
     checks.done()
