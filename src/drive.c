@@ -499,7 +499,7 @@ static LODE_NOINLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample
     if (self->mail) {
         lode_mode_take_mail(self);
     }
-    lode_mode_idle(self, lode_mode_words(self->tuning), calibration, worst_count);
+    lode_mode_idle(self, lode_mode_words(self->tuning), sample, calibration, worst_count);
     return end_idle(self);
 }
 

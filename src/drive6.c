@@ -326,7 +326,7 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
     if (drive->mail) {
         take_mail(self);
     }
-    lode_mode_idle(drive, words_of(self->tuning), calibration, worst_count);
+    lode_mode_idle(drive, words_of(self->tuning), &sample->machine, calibration, worst_count);
     return end_idle(self);
 }
 

@@ -240,6 +240,19 @@ static lode_status_t tune_plausibility(lode_drive_tuning_t *t, const lode_drive_
     return status;
 }
 
+static lode_status_t tune_flight(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    lode_fly_tuning_t fly;
+    const lode_status_t status =
+        lode_fly_tune(&fly, &c->start, &c->inverter, &c->motor, c->estimator.omega_max_rad_s,
+                      t->sense.duty_max, 1.0f / c->f_pwm_Hz);
+#ifndef LODE_WITHOUT_FLYING_START
+    if (status == LODE_OK) {
+        t->fly = fly;
+    }
+#endif
+    return status;
+}
+
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const float ts_s = 1.0f / c->f_pwm_Hz;
@@ -260,6 +273,9 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
         status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,
                                  c->estimator.omega_max_rad_s, ts_s);
         t->start.fade_step *= (float)t->speed_periods;
+    }
+    if (status == LODE_OK) {
+        status = tune_flight(t, c);
     }
     if (status == LODE_OK) {
         status = lode_speed_tune(&t->speed, &c->speed, &c->inverter, &c->motor, &c->estimator.pll,

@@ -209,6 +209,27 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
     self->found = 1u;
 }
 
+#ifndef LODE_WITHOUT_FLYING_START
+
+// EMF, lag and gains too: as if it had run for long.
+void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                             lode_sincos_t rotor, float omega_rad_s) {
+    lode_estimator_reset(self, tuning);
+    lode_estimator_hold(self, tuning, rotor, omega_rad_s);
+    const float taken = 1.0f + omega_rad_s * omega_rad_s * tuning->droop_s2;
+    const float seen_V = omega_rad_s * tuning->psi_Wb / taken;
+    const lode_sincos_t frame = self->pll.frame;
+    self->emf.observer.e_V = (lode_ab_t){-seen_V * frame.sin, seen_V * frame.cos};
+    lode_observer_settle(&self->emf.observer, &tuning->emf.observer);
+    self->per_V = per_V_of(tuning, seen_V * seen_V, omega_rad_s);
+    self->gains = lode_pll_gains(&tuning->pll, omega_rad_s);
+    self->lock = 1.0f;
+    self->locked = true;
+    self->aligned = true;
+}
+
+#endif
+
 // A large position error: by the present amplitude, and without the notches, which took no part in so large
 // a step. Beyond SINE_MAX where no motor has such a state.
 LODE_RAMFUNC float lode_estimator_look_again(lode_estimator_t *self,

@@ -54,6 +54,9 @@ lode_estimator_seen_t lode_estimator_by_wave(lode_estimator_t *self,
                                              lode_ab_t i_A);
 void lode_estimator_move_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              float omega_rad_s);
+// With angle and speed at t_k found by other means than the EMF.
+void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                             lode_sincos_t rotor, float omega_rad_s);
 void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 // The EMF alone from now on.
 void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);

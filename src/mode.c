@@ -140,6 +140,21 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     set_mode(self, mode);
 }
 
+// What follows from where the rotor is and how fast it turns, in RUN, where that was found at once.
+static void run_at_once(lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_estimator_t *estimator = &self->estimator;
+    const float omega = estimator->pll.omega_rad_s;
+    lode_running_t *run = &self->state.run; // takes the place of the start's
+    lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
+                     lode_estimator_load_torque_Nm(estimator, &tuning->estimator));
+    run->fade = 0.0f;
+    run->id_A = 0.0f;
+    lode_references_reset(&run->references, self->i_A.d);
+    self->ref_A = (lode_dq_t){0.0f, 0.0f}; // until SLOT_REFERENCES
+    set_mode(self, LODE_MODE_RUN);
+}
+
 LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
     LODE_SHARED_STORE(self->mail, false);
     LODE_SIGNAL_FENCE();
@@ -319,17 +334,29 @@ static lode_mode_t driven_mode(const lode_drive_t *self) {
     return lode_mode_is_commissioning(wanted) ? wanted : LODE_MODE_OFF;
 }
 
-// The low sides come with their duties, one period on. False: that is not asked for.
-static bool begins_precharge(lode_drive_t *self) {
+// The low sides come with their duties, one period on. False: nothing asks for them.
+static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
 #ifdef LODE_WITHOUT_PRECHARGE
     (void)self;
+    (void)driven;
     return false;
 #else
-    if (self->tuning->inverter.precharge_periods == 0u) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    bool flies = false;
+#ifndef LODE_WITHOUT_FLYING_START
+    flies = driven == LODE_MODE_START && tuning->fly.share_first > 0.0f;
+#else
+    (void)driven;
+#endif
+    if (tuning->inverter.precharge_periods == 0u && !flies) {
         return false;
     }
-    self->state.precharged = 0u;
-    set_duties(self, lode_min(DUTY_PRECHARGE, self->tuning->sense.duty_max));
+    self->state.precharge = (lode_precharge_t){.periods = 0u};
+#ifndef LODE_WITHOUT_FLYING_START
+    self->state.precharge.fly.stage = (uint_least8_t)(flies ? LODE_FLY_BEGIN : LODE_FLY_SLOW);
+#endif
+    // Those in force when the low sides come: a board may switch them on at once.
+    set_duties(self, flies ? 1.0f : lode_min(DUTY_PRECHARGE, tuning->sense.duty_max));
     lode_guard_reset(&self->guard);
     set_mode(self, LODE_MODE_PRECHARGE);
     return true;
@@ -342,21 +369,85 @@ static void follow_off(lode_drive_t *self) {
         (driven == LODE_MODE_START && !self->calibrated)) {
         lode_sense_begin(&self->state.sums);
         set_mode(self, LODE_MODE_CALIBRATE);
-    } else if (driven != LODE_MODE_OFF && !begins_precharge(self)) {
+    } else if (driven != LODE_MODE_OFF && !begins_precharge(self, driven)) {
         switch_on(self, driven);
     } else {
         // it stays off, or the low sides come first
     }
 }
 
+#ifndef LODE_WITHOUT_FLYING_START
+
+// RUN by the angle and the speed found. The gates go on two periods from now; until then the terminals are
+// open, and the voltage at them is the EMF.
+static void take_flight(lode_drive_t *self, const lode_fly_t *found) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const float omega = found->omega_rad_s;
+    const lode_sincos_t rotor = lode_sincos(found->theta_rad);
+    const lode_sincos_t half = lode_sincos(0.5f * tuning->fly.ts_s * omega);
+    self->u_V = (lode_dq_t){0.0f, tuning->fly.psi_Wb * omega};
+    switch_on(self, LODE_MODE_START);
+    lode_estimator_begin_at(&self->estimator, &tuning->estimator, rotor, omega);
+    const lode_dq_t emf = {0.0f, self->u_V.q * self->inverter.per_V};
+    const lode_sincos_t first = lode_angle_add(rotor, half);
+    const lode_sincos_t second = lode_angle_add(first, lode_angle_double(half));
+    lode_inverter_write(&self->inverter, self->steps + 1u, lode_park_inverse(emf, first));
+    lode_inverter_write(&self->inverter, self->steps, lode_park_inverse(emf, second));
+    lode_current_reset(&self->current, self->u_V, self->u_V);
+    // A board may switch on at once, before the first duties of its own.
+    const lode_abc_t e = lode_clarke_inverse(lode_park_inverse(emf, second));
+    self->duty = (lode_abc_t){lode_clamp(DUTY_IDLE + e.a, 0.0f, 1.0f),
+                              lode_clamp(DUTY_IDLE + e.b, 0.0f, 1.0f),
+                              lode_clamp(DUTY_IDLE + e.c, 0.0f, 1.0f)};
+    self->i_A = (lode_dq_t){0.0f, 0.0f};
+    self->lead = lode_angle_triple(half);
+    self->omega_half = omega;
+    self->direction = lode_sign(omega);
+    run_at_once(self);
+}
+
+// Pulses. False: there is, or was, nothing to look for.
+static bool follow_flight(lode_drive_t *self, const lode_sample_t *sample) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_precharge_t *precharge = &self->state.precharge;
+    if (precharge->fly.stage == (uint_least8_t)LODE_FLY_SLOW) {
+        return false;
+    }
+    const int32_t *i = sample->i;
+    const lode_ab_t i_A = {(float)(2 * i[0] - i[1] - i[2]) * tuning->sense.alpha_gain,
+                           (float)(i[1] - i[2]) * tuning->sense.beta_gain};
+    const float charge =
+        (1.0f - DUTY_PRECHARGE) * (float)(int32_t)tuning->inverter.precharge_periods;
+    lode_fly_step(&precharge->fly, &tuning->fly, i_A, self->inverter.v_bus_V, charge);
+    set_duties(self, 1.0f - precharge->fly.share);
+    if (precharge->fly.stage == (uint_least8_t)LODE_FLY_FOUND) {
+        const lode_fly_t found = precharge->fly;
+        take_flight(self, &found);
+        return true;
+    }
+    return precharge->fly.stage != (uint_least8_t)LODE_FLY_SLOW;
+}
+
+#endif
+
 #ifndef LODE_WITHOUT_PRECHARGE
 
-static void follow_precharge(lode_drive_t *self) {
+static void follow_precharge(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_mode_t driven = driven_mode(self);
     if (driven == LODE_MODE_OFF) {
         lode_mode_switch_off(self);
-    } else if (self->state.precharged < self->tuning->inverter.precharge_periods) {
-        self->state.precharged++;
+        return;
+    }
+#ifdef LODE_WITHOUT_FLYING_START
+    (void)sample;
+#else
+    if (follow_flight(self, sample)) {
+        return;
+    }
+#endif
+    if (self->state.precharge.periods < self->tuning->inverter.precharge_periods) {
+        self->state.precharge.periods++;
+        set_duties(self, lode_min(DUTY_PRECHARGE, self->tuning->sense.duty_max));
     } else {
         switch_on(self, driven);
     }
@@ -384,12 +475,15 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
 }
 
 // At most one transition per period.
-void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, lode_calibration_t calibration,
-                    float offset_count) {
+void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, const lode_sample_t *sample,
+                    lode_calibration_t calibration, float offset_count) {
     if (!lode_mode_memory_ok(self, tuning)) {
         lode_mode_distrust(self);
         return;
     }
+#ifdef LODE_WITHOUT_PRECHARGE
+    (void)sample;
+#endif
     switch (lode_mode(self)) {
     case LODE_MODE_OFF:
         follow_off(self);
@@ -399,7 +493,7 @@ void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, lode_calibration_t 
         break;
 #ifndef LODE_WITHOUT_PRECHARGE
     case LODE_MODE_PRECHARGE:
-        follow_precharge(self);
+        follow_precharge(self, sample);
         break;
 #endif
     case LODE_MODE_FAULT:
@@ -495,21 +589,6 @@ static void turn_round(lode_drive_t *self) {
     lode_current_reset(&self->current, self->u_V, (lode_dq_t){0.0f, 0.0f});
 }
 
-// The rotor is found. It stands still, or nearly so, and the currents are in its frame.
-static void run_from_rest(lode_drive_t *self) {
-    const lode_drive_tuning_t *tuning = self->tuning;
-    const lode_estimator_t *estimator = &self->estimator;
-    const float omega = estimator->pll.omega_rad_s;
-    lode_running_t *run = &self->state.run; // takes the place of the start's
-    lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
-                     lode_estimator_load_torque_Nm(estimator, &tuning->estimator));
-    run->fade = 0.0f;
-    run->id_A = 0.0f;
-    lode_references_reset(&run->references, self->i_A.d);
-    self->ref_A = (lode_dq_t){0.0f, 0.0f}; // until SLOT_REFERENCES
-    set_mode(self, LODE_MODE_RUN);
-}
-
 // Injection knows no polarity, or found no axis: the vector finds it, from where it would have begun.
 static void give_up(lode_drive_t *self) {
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
@@ -532,7 +611,7 @@ static void find_at_rest(lode_drive_t *self) {
     }
     estimator->gains = tuning->gains;
     if (hfi->step == (uint_least8_t)LODE_HFI_RIGHT) {
-        run_from_rest(self);
+        run_at_once(self); // it stands still, or nearly so, and the currents are in its frame
         return;
     }
     self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning), 0.0f};

@@ -191,15 +191,26 @@ static inline bool lode_mode_precharges(const lode_drive_t *self) {
 #endif
 }
 
-// What switches in the period after lode_mode_idle().
-static inline lode_gates_t lode_mode_idle_gates(const lode_drive_t *self) {
-    return lode_mode_precharges(self) && self->state.precharged > 0u ? LODE_GATES_LOW
-                                                                     : LODE_GATES_OFF;
+// In PRECHARGE: the pulses have begun.
+static inline bool lode_mode_pulses(const lode_drive_t *self) {
+    const lode_precharge_t *precharge = &self->state.precharge;
+#ifndef LODE_WITHOUT_FLYING_START
+    if (precharge->fly.stage != (uint_least8_t)LODE_FLY_SLOW) {
+        return precharge->fly.stage != (uint_least8_t)LODE_FLY_BEGIN;
+    }
+#endif
+    return precharge->periods > 0u;
 }
 
-// A period with the gates off, or the low sides alone. All may be on after it.
-void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, lode_calibration_t calibration,
-                    float offset_count);
+// What switches in the period after lode_mode_idle().
+static inline lode_gates_t lode_mode_idle_gates(const lode_drive_t *self) {
+    return lode_mode_precharges(self) && lode_mode_pulses(self) ? LODE_GATES_LOW : LODE_GATES_OFF;
+}
+
+// A period with the gates off, or the low sides alone. All may be on after it. Of the `sample` the phase currents
+// are looked at.
+void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, const lode_sample_t *sample,
+                    lode_calibration_t calibration, float offset_count);
 
 // A driven period in which there may be something to decide: angle, speed and lock are the estimator's,
 // the current in the rotor's frame is i_A. The gates may be off after it.

@@ -131,6 +131,7 @@ static void test_off_interrupts_a_calibration(void) {
 static rig_t precharging(void) {
     lode_drive_config_t config = rig_config();
     config.inverter.precharge_s = (float)(PRECHARGE_PERIODS * RIG_TS_s);
+    config.start.pulses = LODE_OFF;
     rig_t rig;
     rig_init(&rig, &tuning, &config);
     rig.blocked = true;
@@ -645,6 +646,72 @@ static void test_a_rotor_that_turns_already_is_taken_over(void) {
         rig_run(&rig, 2.0);
         check_running(&rig, 80.0 * sign);
     }
+}
+
+/// Of a rotor that turns at `omega` rad/s before the command comes.
+static rig_t coasting(double omega) {
+    rig_t rig = fresh();
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.2));
+    rig.motor.omega = 3.0 * omega;
+    return rig;
+}
+
+static void test_pulses_find_a_rotor_that_turns(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = coasting(150.0 * sign);
+        double most = 0.0;
+        rig_command(&rig, run_at(150.0 * sign));
+        rig_step(&rig);
+        rig_expect(&rig, LODE_MODE_PRECHARGE);
+        // No pulse by the duties that are in force when the low sides come.
+        TEST_ASSERT_TRUE(rig.out.gates == LODE_GATES_OFF && !(rig.out.duty.a < 1.0f));
+        for (int k = 0; k < 100 && rig_telemetry(&rig).mode == LODE_MODE_PRECHARGE; k++) {
+            rig_step(&rig);
+        }
+        rig_expect(&rig, LODE_MODE_RUN);
+        TEST_ASSERT_EQUAL_INT(LODE_GATES_OFF, rig.out.gates);
+        CHECK_NEAR(5.0, 450.0 * sign, rig.drive.estimator.pll.omega_rad_s);
+        for (int k = 0; k < 8; k++) { // the first duties are the EMF's
+            rig_step(&rig);
+            TEST_ASSERT_EQUAL_INT(LODE_GATES_ON, rig.out.gates);
+            CHECK_NEAR(0.03, 0.0, rig.angle_error);
+            if (!(fabs((double)rig.drive.ref_A.q) > 0.0)) { // until speed control asks for torque
+                most = fmax(most, fmax(fabs(rig.motor.id), fabs(rig.motor.iq)));
+            }
+        }
+        CHECK_NEAR(0.1, 0.0, most);
+        rig_run(&rig, 2.0);
+        check_running(&rig, 150.0 * sign);
+    }
+}
+
+static void test_off_ends_the_pulses(void) {
+    rig_t rig = coasting(150.0);
+    rig_command(&rig, run_at(150.0));
+    rig_run(&rig, 5.0 * RIG_TS_s);
+    TEST_ASSERT_EQUAL_INT(LODE_GATES_LOW, rig.out.gates);
+    rig_command(&rig, off);
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    rig_expect(&rig, LODE_MODE_OFF);
+}
+
+static void test_capacitors_are_charged_after_pulses_that_find_nothing(void) {
+    lode_drive_config_t config = rig_config();
+    config.inverter.precharge_s = (float)(PRECHARGE_PERIODS * RIG_TS_s);
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.blocked = true;
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_PRECHARGE, 0.2));
+    int charged = 0;
+    for (int k = 0; k < 400 && rig_telemetry(&rig).mode == LODE_MODE_PRECHARGE; k++) {
+        rig_step(&rig);
+        charged += is_low(rig.out, 0.8f) ? 1 : 0;
+    }
+    rig_expect(&rig, LODE_MODE_START);
+    TEST_ASSERT_EQUAL_INT(PRECHARGE_PERIODS, charged);
 }
 
 static void test_off_at_speed_switches_off_at_once(void) {
@@ -1880,6 +1947,9 @@ int main(void) {
     RUN_TEST(test_the_way_back_begins_where_its_current_makes_the_torque);
     RUN_TEST(test_reversal);
     RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
+    RUN_TEST(test_pulses_find_a_rotor_that_turns);
+    RUN_TEST(test_off_ends_the_pulses);
+    RUN_TEST(test_capacitors_are_charged_after_pulses_that_find_nothing);
     RUN_TEST(test_off_at_speed_switches_off_at_once);
     RUN_TEST(test_a_blocked_rotor_ends_in_a_start_fault);
     RUN_TEST(test_bad_commands_are_refused_and_change_nothing);

@@ -90,6 +90,9 @@ int main(void) {
     config.start.measure = LODE_ON;
     say("measurement", config);
     config.start.measure = LODE_AUTO;
+    config.start.pulses = LODE_ON;
+    say("pulses", config);
+    config.start.pulses = LODE_AUTO;
     config.speed.every_period = LODE_ON;
     say("fast", config);
     config.speed.every_period = LODE_AUTO;
@@ -111,7 +114,7 @@ refuses() {
     "$object" > "$said"
     refused=$(sed -n '/ LODE_OK$/!p' "$said" | tr '\n' ' ')
     [ "$refused" = "$2" ] || { echo "built with '$1', refused: $refused, expected: $2"; exit 1; }
-    [ "$(grep -c . "$said")" = 17 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
+    [ "$(grep -c . "$said")" = 18 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
 }
 references=LODE_ERROR_REFERENCES
 window=LODE_ERROR_SENSE_WINDOW
@@ -123,6 +126,7 @@ phases="window $window shunts $window "
 plausibility="plausibility LODE_ERROR_CHOICE still LODE_ERROR_GUARD_TIME "
 injection="hfi LODE_ERROR_HFI_MODE "
 precharge="precharge LODE_ERROR_PRECHARGE "
+pulses="pulses LODE_ERROR_CHOICE "
 measurement="measurement LODE_ERROR_CHOICE "
 fast="fast LODE_ERROR_SPEED_BANDWIDTH "
 torque="torque $command "
@@ -137,15 +141,17 @@ refuses -DLODE_WITHOUT_COMMISSIONING "$vectors"
 absent lode_commission_step LODE_WITHOUT_COMMISSIONING
 refuses -DLODE_WITHOUT_PLAUSIBILITY "$plausibility"
 absent lode_drive_suspect LODE_WITHOUT_PLAUSIBILITY
-refuses "-DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT" "$precharge$measurement"
+refuses "-DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT" "$precharge$measurement$pulses"
 absent lode_start_measure LODE_WITHOUT_START_MEASUREMENT
+refuses -DLODE_WITHOUT_FLYING_START "$pulses"
+absent lode_fly_step LODE_WITHOUT_FLYING_START
 refuses "-DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR" "$fast$torque"
 absent lode_speed_torque_target LODE_WITHOUT_TORQUE_CONTROL
 refuses -DLODE_WITHOUT_HFI "$injection"
 absent lode_estimator_by_wave LODE_WITHOUT_HFI
 refuses -DLODE_WITHOUT_TUNING_CHECK ""
 least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING -DLODE_WITHOUT_HFI -DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT -DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR"
-refuses "$least$all" "$optimal$notch$phases$plausibility$precharge$measurement$fast$injection$torque$vectors"
+refuses "$least$all" "$optimal$notch$phases$plausibility$precharge$measurement$pulses$fast$injection$torque$vectors"
 
 # LODE_SMALL is a matter of size alone: the same periods to the bit.
 periods() {

@@ -11,6 +11,7 @@
 
 #include "lodestar/current.h"
 #include "lodestar/estimator.h"
+#include "lodestar/fly.h"
 #include "lodestar/guard.h"
 #include "lodestar/hfi.h"
 #include "lodestar/inverter.h"
@@ -54,6 +55,9 @@ typedef struct {
     lode_current_tuning_t current;
     lode_speed_tuning_t speed;
     lode_start_tuning_t start;
+#ifndef LODE_WITHOUT_FLYING_START
+    lode_fly_tuning_t fly;
+#endif
     lode_guard_tuning_t guard;
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_tuning_t plausibility;
@@ -70,7 +74,8 @@ typedef enum {
     LODE_MODE_START,     ///< I-f: current vector turned by the start-up, or by the stop
     LODE_MODE_RUN,       ///< speed control without a sensor
     LODE_MODE_FAULT,     ///< gates off until the fault is cleared
-    LODE_MODE_PRECHARGE  ///< low sides alone, before a mode with all gates on
+    LODE_MODE_PRECHARGE ///< low sides alone, before a mode with all gates on: looks for a rotor that turns,
+                        ///< and charges bootstrap capacitors
 } lode_mode_t;
 
 /// The enumerator's name, for logs.
@@ -147,6 +152,14 @@ typedef struct {
     float id_A; ///< d-axis current at hand-over, which fades
 } lode_running_t;
 
+/// Low sides alone.
+typedef struct {
+    uint32_t periods; ///< in a fifth of each, to charge bootstrap capacitors
+#ifndef LODE_WITHOUT_FLYING_START
+    lode_fly_t fly; ///< before that, in search of a rotor that turns
+#endif
+} lode_precharge_t;
+
 /// Whether the tuning in use is still what it was when it came: summed up a word at a time. A build with
 /// LODE_WITHOUT_TUNING_CHECK has none of it.
 typedef struct {
@@ -188,14 +201,14 @@ typedef struct {
     float torque_share; ///< of the torque that the references allow, 0 .. 1
     float direction;    ///< sense of rotation, -1 or +1
     union {
-        lode_sense_sums_t sums; ///< CALIBRATE
-        uint32_t precharged;    ///< PRECHARGE: periods of it
-        float theta_rad;        ///< VOLTAGE, CURRENT: of their frame
-        lode_start_t start;     ///< START
-        lode_running_t run;     ///< RUN
-    } state;                    ///< that of the present mode, set up when it is entered
-    lode_order_t command;       ///< being followed
-    lode_order_t posted;        ///< mailbox
+        lode_sense_sums_t sums;     ///< CALIBRATE
+        lode_precharge_t precharge; ///< PRECHARGE
+        float theta_rad;            ///< VOLTAGE, CURRENT: of their frame
+        lode_start_t start;         ///< START
+        lode_running_t run;         ///< RUN
+    } state;                        ///< that of the present mode, set up when it is entered
+    lode_order_t command;           ///< being followed
+    lode_order_t posted;            ///< mailbox
 #ifndef LODE_WITHOUT_TUNING_CHECK
     lode_tuning_watch_t watch;
     uint32_t posted_check; ///< mailbox: of the posted tuning

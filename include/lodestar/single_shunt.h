@@ -11,7 +11,8 @@
 ///
 /// The two samples lie in the second half of the period, as close to t_k as its edges allow: while two legs
 /// are high the link carries minus the current of the third, while one is high that leg's. Needs
-/// LODE_SHUNTS_THREE, duty_max 1 and current.voltage_use at or below lode_single_shunt_voltage_use().
+/// LODE_SHUNTS_THREE, duty_max 1, current.voltage_use at or below lode_single_shunt_voltage_use(), and
+/// start.pulses off: a current in the low sides alone is not seen.
 #ifndef LODESTAR_SINGLE_SHUNT_H
 #define LODESTAR_SINGLE_SHUNT_H
 

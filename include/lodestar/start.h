@@ -30,6 +30,10 @@ typedef struct {
     /// what resistance and dead time are beyond the configured ones, by the voltage that half and all of the
     /// start current take at standstill; auto: on
     lode_choice_t measure;
+    /// a rotor that turns already is found by short zero vectors from gates off (fly.h); auto: on. Off for a
+    /// board that sees no current with the low sides alone (one shunt in the DC link), or cannot switch so;
+    /// six phases have none
+    lode_choice_t pulses;
     float fade_s; ///< from the start current to the references after hand-over; 0: 0.1
 } lode_start_config_t;
 

@@ -7,6 +7,9 @@
 #ifndef VARIANT_SENSING
 #define VARIANT_SENSING PORT_LOW_SIDE_THREE
 #endif
+#ifndef VARIANT_LOW_SIDES // of the chips that can all switch them alone
+#define VARIANT_LOW_SIDES true
+#endif
 #ifndef VARIANT_PRECHARGE_s // no bootstrap capacitors
 #define VARIANT_PRECHARGE_s 0.0f
 #endif
@@ -36,5 +39,8 @@ void board_describe(lode_drive_config_t *config) {
     };
     config->guard.temperature_max_degC = VARIANT_T_MAX_degC;
     port_sensing(config, VARIANT_SENSING, VARIANT_SETTLE_ns + CHIP_LEAD_ns, CHIP_SAMPLE_ns);
+    if (!VARIANT_LOW_SIDES) {
+        config->start.pulses = LODE_OFF;
+    }
     config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_pwm;
 }

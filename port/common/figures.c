@@ -41,6 +41,7 @@ void port_sensing(lode_drive_config_t *config, port_sensing_t sensing, float set
     config->sense.shunts = two ? LODE_SHUNTS_TWO : LODE_SHUNTS_THREE;
     config->sense.duty_max = 1.0f;
     if (sensing == PORT_LINK_ONE) {
+        config->start.pulses = LODE_OFF; // a current in the low sides alone is not seen
         config->current.voltage_use = link_voltage_use(config, settle_ns, sample_ns);
     }
     if (sensing == PORT_LOW_SIDE_THREE || sensing == PORT_LOW_SIDE_TWO) {

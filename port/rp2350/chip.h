@@ -16,6 +16,7 @@
 #error                                                                                             \
     "The RP2350 has no dead time and no break input: take a gate driver with interlock, dead time and latched over-current"
 #endif
+#define VARIANT_LOW_SIDES false // one input per half bridge
 #ifdef VARIANT_PRECHARGE_s
 #error                                                                                             \
     "One input per half bridge: no low sides alone, so no VARIANT_PRECHARGE_s; take a driver with a charge pump"

@@ -157,6 +157,7 @@ static const rig_key_t keys[] = {
     FLOAT_OR_NONE("start", "catch_s", start.catch_s),
     FLOAT("start", "timeout_s", start.timeout_s),
     CHOICE("start", "measure", drive.start.measure, "auto|on|off", NULL),
+    CHOICE("start", "pulses", drive.start.pulses, "auto|on|off", NULL),
     FLOAT("start", "fade_s", start.fade_s),
 
     FLOAT("guard", "i_trip_A", guard.i_trip_A),

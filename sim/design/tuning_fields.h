@@ -155,6 +155,18 @@
     ROW(FLOAT, float, start.calm_V) \
     ROW(WHOLE, uint_least16_t, start.calm_rounds) \
     ROW(WHOLE, uint_least16_t, start.dwell_rounds) \
+    ROW(FLOAT, float, fly.share_first) \
+    ROW(FLOAT, float, fly.share_least) \
+    ROW(FLOAT, float, fly.share_dead) \
+    ROW(FLOAT, float, fly.share_blind) \
+    ROW(FLOAT, float, fly.target_A) \
+    ROW(FLOAT, float, fly.seen_A) \
+    ROW(FLOAT, float, fly.V_per_A) \
+    ROW(FLOAT, float, fly.lead_s) \
+    ROW(FLOAT, float, fly.ts_s) \
+    ROW(FLOAT, float, fly.psi_Wb) \
+    ROW(FLOAT, float, fly.omega_least) \
+    ROW(WHOLE, uint32_t, fly.periods) \
     ROW(FLOAT, float, guard.i_trip) \
     ROW(FLOAT, float, guard.v_bus_max) \
     ROW(FLOAT, float, guard.v_bus_min) \

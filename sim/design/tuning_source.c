@@ -45,10 +45,13 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
 static void print_option(FILE *file, const char *member, bool begins) {
     static const struct {
         const char *members, *option;
-    } options[] = {
-        {"estimator.notch", "NOTCH"},         {"estimator.hfi", "HFI"},
-        {"plausibility", "PLAUSIBILITY"},     {"start.r_more_max_Ohm", "START_MEASUREMENT"},
-        {"start.calm_", "START_MEASUREMENT"}, {"start.dwell_rounds", "START_MEASUREMENT"}};
+    } options[] = {{"estimator.notch", "NOTCH"},
+                   {"estimator.hfi", "HFI"},
+                   {"plausibility", "PLAUSIBILITY"},
+                   {"start.r_more_max_Ohm", "START_MEASUREMENT"},
+                   {"start.calm_", "START_MEASUREMENT"},
+                   {"start.dwell_rounds", "START_MEASUREMENT"},
+                   {"fly.", "FLYING_START"}};
     for (size_t k = 0u; k < sizeof options / sizeof options[0]; ++k) {
         if (strncmp(member, options[k].members, strlen(options[k].members)) != 0) {
             continue;

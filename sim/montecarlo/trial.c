@@ -87,9 +87,9 @@ static void follow_angle(trial_t *trial, double turned_e_rad) {
     trial->lowest_rad = fmin(trial->lowest_rad, trial->travelled_rad);
 }
 
-/// False where an angle of no use has gone unnoticed.
-static bool follow_error(trial_t *trial) {
-    if (mode_of(trial) != LODE_MODE_RUN) {
+/// False where an angle of no use has gone unnoticed. `ran`: the period's estimate was that of RUN.
+static bool follow_error(trial_t *trial, bool ran) {
+    if (!ran || mode_of(trial) != LODE_MODE_RUN) {
         trial->useless_s = -1.0;
         return true;
     }
@@ -108,6 +108,7 @@ static bool follow_error(trial_t *trial) {
 /// One period. False: the trial has ended.
 static bool step(trial_t *trial) {
     const double theta_before_rad = trial->now.truth.theta_e_rad;
+    const bool ran = mode_of(trial) == LODE_MODE_RUN;
     rig_step(&trial->rig, trial->estimate, &trial->memory, &trial->now);
     const double turned_rad =
         remainder(trial->now.truth.theta_e_rad - theta_before_rad, 2.0 * RIG_PI);
@@ -117,7 +118,7 @@ static bool step(trial_t *trial) {
         fail_by_fault(trial);
         return false;
     }
-    if (!follow_error(trial)) {
+    if (!follow_error(trial, ran)) {
         fail(trial, false, "angle lost without a fault");
         return false;
     }

@@ -278,6 +278,7 @@ static void test_window_that_does_not_fit_is_a_failed_init(void) {
                                         .sense = {.i_gain_A_count = VARIANT_I_GAIN_A_count}};
     lode_drive_config_t other = config;
     port_sensing(&other, PORT_LINK_ONE, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, other.start.pulses);
     TEST_ASSERT_TRUE(other.current.voltage_use <= 0.0f);
     motor.Ld_H = -1.0f; // no inductance
     motor.Lq_H = -1.0f;

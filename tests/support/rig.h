@@ -73,6 +73,11 @@ static inline void rig_move(rig_t *self) {
         m->iq = 0.0;
         m->theta = remainder(m->theta + RIG_TS_s * m->omega, 2.0 * CHECK_PI);
         m->omega += RIG_TS_s * m->acc;
+        if (self->out.gates == LODE_GATES_LOW) { // short-circuited since half of the share ago
+            const double turned = 0.5 * (1.0 - (double)self->applied.a) * RIG_TS_s * m->omega;
+            m->id = 0.142 * (cos(turned) - 1.0) / 3.5e-3;
+            m->iq = -0.142 * sin(turned) / 9.8e-3;
+        }
     }
     self->applied = self->out.duty;
 }

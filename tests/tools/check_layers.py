@@ -12,7 +12,7 @@ LAYERS = [
     ["motor", "pi", "ramp", "sogi", "observer", "vsd"],
     ["sense", "inverter", "modulator", "modulator6", "xy",
      "open_phase", "emf", "pll", "lag", "notch", "hfi"],
-    ["estimator", "current", "speed", "references", "start", "guard", "plausibility"],
+    ["estimator", "current", "speed", "references", "start", "fly", "guard", "plausibility"],
     ["drive", "drive_config", "mode"],
     ["commission", "derate", "drive6", "drive6_config", "encoder", "learn", "restart", "single_shunt"],
     ["channel"],

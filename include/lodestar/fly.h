@@ -1,0 +1,77 @@
+/// Flying start: angle and speed of a rotor that turns already, from short zero vectors out of gates off.
+///
+/// While the low sides alone are on, for a share of the period around t_k, the EMF is short-circuited and
+/// drives a current across the rotor: one vector shows the angle, two the speed with its sign (S20)-(S23).
+/// The shares begin so short that a rotor at the highest speed stays below i_max, and lengthen until the
+/// current can be seen. A part of LODE_MODE_PRECHARGE; LODE_WITHOUT_FLYING_START leaves it out of a build,
+/// and so does LODE_WITHOUT_PRECHARGE.
+#ifndef LODESTAR_FLY_H
+#define LODESTAR_FLY_H
+
+#include "lodestar/inverter.h"
+#include "lodestar/start.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(LODE_WITHOUT_PRECHARGE) && !defined(LODE_WITHOUT_FLYING_START)
+#define LODE_WITHOUT_FLYING_START
+#endif
+
+typedef struct {
+    float share_first; ///< of the period; 0: no pulses
+    float share_least; ///< to which the pulses go back where the EMF is nearly that of the bus
+    float share_dead;  ///< of it, that dead time takes
+    float share_blind; ///< of it, that dead time may take
+    float target_A;    ///< at t_k, up to which the pulses lengthen
+    float seen_A;      ///< at t_k, from which on a vector has a direction
+    float V_per_A;     ///< EMF per ampere at t_k, times the share
+    float lead_s;      ///< from the vector to the rotor beyond a quarter turn, per share
+    float ts_s;
+    float psi_Wb;
+    float omega_least; ///< electrical; a slower rotor is left to the start
+    uint32_t periods;  ///< at most, in which the vectors are seen to turn
+} lode_fly_tuning_t;
+
+/// What lode_fly_t.stage may be.
+enum {
+    LODE_FLY_BEGIN, ///< gates off: no current may flow
+    LODE_FLY_GROW,  ///< the pulses lengthen
+    LODE_FLY_TURN,  ///< the vectors are seen to turn
+    LODE_FLY_COAST, ///< no more pulses: the current decays
+    LODE_FLY_FOUND,
+    LODE_FLY_SLOW ///< at rest, too slow, or nothing that could be seen
+};
+
+typedef struct {
+    float share;        ///< of the period in which the low sides are on, from the next period on
+    float theta_rad;    ///< angle of the last vector; COAST, FOUND: of the rotor at t_k
+    float turned_rad;   ///< TURN: since its begin
+    float sum_rad;      ///< of turned_rad over the periods
+    float moment_rad;   ///< of turned_rad times the period's number
+    float omega_rad_s;  ///< COAST, FOUND: electrical
+    float charged;      ///< periods with the low sides on
+    uint32_t periods;   ///< of the present stage
+    uint_least8_t wait; ///< periods until a new share has been sampled
+    uint_least8_t stage;
+} lode_fly_t;
+
+/// No pulses where `config` says so, or where a share that is safe at `omega_max_rad_s` is too short for
+/// low-side shunts, which see nothing below 1 - `duty_max`.
+lode_status_t lode_fly_tune(lode_fly_tuning_t *tuning, const lode_start_config_t *config,
+                            const lode_inverter_config_t *inverter, const lode_motor_t *motor,
+                            float omega_max_rad_s, float duty_max, float ts_s);
+
+void lode_fly_begin(lode_fly_t *self, const lode_fly_tuning_t *tuning);
+
+/// One period with the low sides alone, or none. `i_A`: at t_k; `charge`: for so many periods of pulses they
+/// go on in any case.
+void lode_fly_step(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A, float v_bus_V,
+                   float charge);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

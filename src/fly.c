@@ -1,0 +1,220 @@
+#include "lodestar/fly.h"
+
+#define PEAK_SHARE 0.8f     // of i_max, by a pulse at the highest speed
+#define TARGET_SHARE 0.1f   // of i_max, at t_k: the pulse goes on to twice that
+#define SEEN_SHARE 0.003f   // of i_max: some three counts, and so within 10 degrees
+#define SHARE_MAX 0.5f      // the current must decay before the next pulse
+#define FIRST_MAX 0.05f     // of the period: short enough for an EMF that is nearly that of the bus
+#define DECAY_SHARE 0.8f    // of the time in which it just does
+#define FITS 1.2f           // of the longest share: another look at the EMF moves that too
+#define ACTED_MIN 0.3f      // of a pulse that dead time may have taken
+#define GROWTH 2.0f         // of a pulse that shows nothing: it may come to three times
+#define UNKNOWN_s 1.0e-6f   // of dead time
+#define TURN_rad 3.0f       // seen turning by so much, the speed is known to a few per cent ...
+#define TURN_LEAST_rad 0.5f // ... by so much to some 20 %
+#define TURN_PERIODS 12u
+#define TURN_PART 0.5f    // of the time in which a rotor is looked for
+#define LEAST_SHARE 0.75f // of the speed from which the estimator may take over
+#define FLUX_LOW                                                                                   \
+    0.5f // of the configured flux, by the size of the vectors: the inductance may be 20 % off
+#define FLUX_HIGH 1.6f
+#define LOST_SHARE 0.5f // of the current that is seen: noise alone is rarely that, and not for long
+#define GONE_SHARE 0.25f // of the current of a pulse
+#define SETTLE 2u        // periods from a new share to its first sample
+#define PERIODS_MAX 1.0e6f
+
+#ifdef LODE_WITHOUT_FLYING_START
+
+lode_status_t lode_fly_tune(lode_fly_tuning_t *tuning, const lode_start_config_t *config,
+                            const lode_inverter_config_t *inverter, const lode_motor_t *motor,
+                            float omega_max_rad_s, float duty_max, float ts_s) {
+    (void)inverter, (void)motor, (void)omega_max_rad_s, (void)duty_max, (void)ts_s;
+    *tuning = (lode_fly_tuning_t){.share_first = 0.0f};
+    return config->pulses == LODE_ON ? LODE_ERROR_CHOICE : LODE_OK;
+}
+
+#else
+
+lode_status_t lode_fly_tune(lode_fly_tuning_t *tuning, const lode_start_config_t *config,
+                            const lode_inverter_config_t *inverter, const lode_motor_t *motor,
+                            float omega_max_rad_s, float duty_max, float ts_s) {
+    if (config->pulses != LODE_AUTO && config->pulses != LODE_ON && config->pulses != LODE_OFF) {
+        return LODE_ERROR_CHOICE;
+    }
+    // (S21): what the largest EMF drives through the smaller inductance.
+    const float rise_A =
+        motor->psi_Wb * omega_max_rad_s * ts_s / lode_min(motor->Ld_H, motor->Lq_H);
+    const float window = lode_max(FIRST_MAX, 1.0f - duty_max);
+    const float first = lode_min(PEAK_SHARE * inverter->i_max_A / rise_A, window);
+    const bool flies =
+        config->pulses != LODE_OFF && config->catch_s > 0.0f && first >= 1.0f - duty_max;
+    *tuning = (lode_fly_tuning_t){
+        .share_first = flies ? first : 0.0f,
+        .share_least = window,
+        .share_dead = 2.0f * inverter->dead_time_s / ts_s,
+        .share_blind = 2.0f * (inverter->dead_time_s + UNKNOWN_s) / ts_s,
+        .target_A = TARGET_SHARE * inverter->i_max_A,
+        .seen_A = SEEN_SHARE * inverter->i_max_A,
+        .V_per_A = 2.0f * motor->Lq_H / ts_s,
+        .lead_s = 0.25f * ts_s * motor->Lq_H / motor->Ld_H,
+        .ts_s = ts_s,
+        .psi_Wb = motor->psi_Wb,
+        .omega_least = LEAST_SHARE * config->omega_handover_rad_s,
+        .periods = (uint32_t)(int32_t)lode_clamp(TURN_PART * config->catch_s / ts_s,
+                                                 (float)TURN_PERIODS, PERIODS_MAX),
+    };
+    return LODE_OK;
+}
+
+typedef struct {
+    float more_rad;  // where the line ends, beyond the last angle
+    float slope_rad; // per period
+} line_t;
+
+void lode_fly_begin(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
+    *self = (lode_fly_t){
+        .stage = (uint_least8_t)(tuning->share_first > 0.0f ? LODE_FLY_BEGIN : LODE_FLY_SLOW)};
+}
+
+static void enter(lode_fly_t *self, uint_least8_t stage) {
+    self->stage = stage;
+    self->periods = 0u;
+}
+
+// Longest share after which the current, driven down by what the bus is above the EMF, is gone before the
+// next pulse (S22).
+static float longest(const lode_fly_t *self, const lode_fly_tuning_t *tuning, float i_abs_A,
+                     float v_bus_V) {
+    const float acted = lode_max(self->share - tuning->share_dead, ACTED_MIN * self->share);
+    const float emf_V = LODE_SQRT3 * tuning->V_per_A * i_abs_A / acted;
+    const float left = 1.0f - emf_V / lode_max(v_bus_V, FLT_MIN);
+    // No current flowed with the gates off: the EMF is below the bus.
+    return lode_clamp(DECAY_SHARE * left, tuning->share_least, SHARE_MAX);
+}
+
+static void grow(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A, float v_bus_V) {
+    const float i_abs_A = lode_ab_length(i_A);
+    const bool seen = i_abs_A >= tuning->seen_A;
+    const float most = seen ? longest(self, tuning, i_abs_A, v_bus_V) : SHARE_MAX;
+    const bool enough = i_abs_A >= tuning->target_A || self->share >= most;
+    const bool fits = self->share <= FITS * most;
+    self->periods++;
+    if ((enough && fits) || self->periods >= tuning->periods) {
+        self->theta_rad = lode_atan2(i_A.beta, i_A.alpha);
+        self->turned_rad = self->sum_rad = self->moment_rad = 0.0f;
+        enter(self, (uint_least8_t)(seen ? LODE_FLY_TURN : LODE_FLY_SLOW));
+        return;
+    }
+    float more = lode_max(tuning->share_first, GROWTH * (self->share - tuning->share_blind));
+    if (seen) { // no more than the target asks for
+        more = lode_min(more, self->share * lode_min(tuning->target_A / i_abs_A - 1.0f, 1.0f));
+    }
+    self->share = lode_min(self->share + lode_max(more, 0.0f), most);
+    self->wait = SETTLE;
+}
+
+// The size of the vectors is that of the flux at the speed found (S23). Dead time may have taken its part of
+// the pulses, or none.
+static bool is_motor(const lode_fly_t *self, const lode_fly_tuning_t *tuning, float i_abs_A,
+                     float omega) {
+    const float seen_V = tuning->V_per_A * i_abs_A;
+    const float induced_V = tuning->psi_Wb * lode_abs(omega);
+    return lode_abs(omega) >= tuning->omega_least &&
+           seen_V <= FLUX_HIGH * induced_V * self->share &&
+           seen_V >= FLUX_LOW * induced_V * (self->share - tuning->share_blind);
+}
+
+// The line through the angles of TURN, by least squares: noise of the last one alone would be an error of the
+// angle, and of the first and the last one of the speed (S24).
+static line_t line_of(const lode_fly_t *self) {
+    const float last = (float)(int32_t)self->periods;
+    const float count = last + 1.0f;
+    const float mean = self->sum_rad / count;
+    const float slope =
+        12.0f * (self->moment_rad - 0.5f * last * self->sum_rad) / (count * (count * count - 1.0f));
+    return (line_t){mean + 0.5f * last * slope - self->turned_rad, slope};
+}
+
+static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A, float charge) {
+    const float i_abs_A = lode_ab_length(i_A);
+    const float at_rad = lode_atan2(i_A.beta, i_A.alpha);
+    self->periods++;
+    self->turned_rad += lode_wrap(at_rad - self->theta_rad);
+    self->theta_rad = at_rad;
+    self->sum_rad += self->turned_rad;
+    self->moment_rad += (float)(int32_t)self->periods * self->turned_rad;
+    const float turned = lode_abs(self->turned_rad);
+    const bool charged = self->charged >= charge;
+    if (i_abs_A < LOST_SHARE * tuning->seen_A) {
+        enter(self, (uint_least8_t)LODE_FLY_SLOW);
+        return;
+    }
+    if (!charged ||
+        (self->periods < tuning->periods && (self->periods < TURN_PERIODS || turned < TURN_rad))) {
+        return;
+    }
+    const line_t line = line_of(self);
+    const float omega = line.slope_rad / tuning->ts_s;
+    if (turned >= TURN_LEAST_rad && is_motor(self, tuning, i_abs_A, omega)) {
+        // (S20): the current lags the rotor by a quarter turn, and by what the rotor turns meanwhile.
+        const float ahead = lode_sign(omega) * LODE_HALF_PI + tuning->lead_s * self->share * omega;
+        self->theta_rad = lode_wrap(at_rad + line.more_rad + ahead);
+        self->omega_rad_s = omega;
+        self->share = 0.0f;
+        enter(self, (uint_least8_t)LODE_FLY_COAST);
+    } else {
+        enter(self, (uint_least8_t)LODE_FLY_SLOW);
+    }
+}
+
+static void coast(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A) {
+    self->theta_rad = lode_wrap(self->theta_rad + tuning->ts_s * self->omega_rad_s);
+    self->periods++;
+    const bool gone = lode_ab_length(i_A) < GONE_SHARE * tuning->target_A;
+    if ((self->periods >= SETTLE && gone) || self->periods >= tuning->periods) {
+        enter(self, (uint_least8_t)LODE_FLY_FOUND);
+    }
+}
+
+// With the EMF above the bus the diodes conduct, and no vector would be a pulse's.
+static void begin(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A) {
+    self->periods++;
+    if (lode_ab_length(i_A) < tuning->seen_A) {
+        self->share = tuning->share_first;
+        self->wait = SETTLE;
+        enter(self, (uint_least8_t)LODE_FLY_GROW);
+    } else if (self->periods >= tuning->periods) {
+        enter(self, (uint_least8_t)LODE_FLY_SLOW);
+    } else {
+        // it may fall
+    }
+}
+
+void lode_fly_step(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A, float v_bus_V,
+                   float charge) {
+    self->charged += self->share;
+    if (self->wait > 1u) {
+        self->wait--;
+        return;
+    }
+    switch (self->stage) {
+    case LODE_FLY_BEGIN:
+        begin(self, tuning, i_A);
+        break;
+    case LODE_FLY_GROW:
+        grow(self, tuning, i_A, v_bus_V);
+        break;
+    case LODE_FLY_TURN:
+        turn(self, tuning, i_A, charge);
+        break;
+    case LODE_FLY_COAST:
+        coast(self, tuning, i_A);
+        break;
+    case LODE_FLY_FOUND:
+    case LODE_FLY_SLOW: // the drive goes on
+    default:
+        break;
+    }
+}
+
+#endif

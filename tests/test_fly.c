@@ -1,0 +1,245 @@
+// Flying start: what the vectors of short zero vectors tell, on a machine without losses.
+#include "support/ipmsm.h"
+
+#include "lodestar/fly.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static const lode_inverter_config_t inverter = {
+    .v_bus_V = 200.0f, .i_max_A = 12.0f, .dead_time_s = 2.0e-6f};
+static const lode_start_config_t start = {.omega_handover_rad_s = 47.0f, .catch_s = 0.05f};
+#define OMEGA_MAX 1178.0f
+#define STEPS_MAX 1000
+
+static lode_fly_tuning_t tuned(const lode_start_config_t *config, float duty_max) {
+    const lode_motor_t motor = paper_motor();
+    lode_fly_tuning_t tuning;
+    TEST_ASSERT_EQUAL_STRING("LODE_OK",
+                             lode_status_name(lode_fly_tune(&tuning, config, &inverter, &motor,
+                                                            OMEGA_MAX, duty_max, PAPER_TS_s)));
+    return tuning;
+}
+
+/// A rotor that coasts behind a bridge.
+typedef struct {
+    double omega, theta;
+    double psi;     ///< true flux, Wb
+    double lost_s;  ///< of every pulse, by dead time
+    double noise_A; ///< a vector of this length, in a direction that hops about
+    double share[2];
+    double peak_A; ///< at the end of a pulse
+    int steps;
+} coaster_t;
+
+static lode_ab_t sample(coaster_t *self) {
+    const double time = fmax(0.5 * self->share[1] * (double)PAPER_TS_s - self->lost_s, 0.0);
+    const double turned = time * self->omega;
+    const lode_dq_t i = {(float)(self->psi * (cos(turned) - 1.0) / 3.5e-3),
+                         (float)(-self->psi * sin(turned) / 9.8e-3)};
+    self->peak_A = fmax(self->peak_A, 2.0 * hypot((double)i.d, (double)i.q));
+    const lode_ab_t seen = lode_park_inverse(i, lode_sincos((float)self->theta));
+    const lode_sincos_t hop = lode_sincos((float)(2.4 * self->steps));
+    return (lode_ab_t){seen.alpha + (float)self->noise_A * hop.cos,
+                       seen.beta + (float)self->noise_A * hop.sin};
+}
+
+static void step(coaster_t *self, lode_fly_t *fly, const lode_fly_tuning_t *tuning, float charge) {
+    lode_fly_step(fly, tuning, sample(self), inverter.v_bus_V, charge);
+    self->share[1] =
+        self->share[0]; // a share acts a period later, and is sampled at that period's end
+    self->share[0] = (double)fly->share;
+    self->theta = remainder(self->theta + (double)PAPER_TS_s * self->omega, 2.0 * CHECK_PI);
+    self->steps++;
+}
+
+static bool is_over(const lode_fly_t *fly) {
+    return fly->stage == (uint_least8_t)LODE_FLY_FOUND ||
+           fly->stage == (uint_least8_t)LODE_FLY_SLOW;
+}
+
+static lode_fly_t run(coaster_t *self, const lode_fly_tuning_t *tuning, float charge) {
+    lode_fly_t fly;
+    lode_fly_begin(&fly, tuning);
+    while (!is_over(&fly) && self->steps < STEPS_MAX) {
+        step(self, &fly, tuning, charge);
+    }
+    return fly;
+}
+
+static coaster_t rotor(double omega) {
+    return (coaster_t){.omega = omega, .theta = 0.7, .psi = 0.142};
+}
+
+static void test_angle_and_speed_are_found_in_either_direction(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    for (int k = -10; k <= 10; k++) {
+        coaster_t self = rotor(80.0 * k);
+        const lode_fly_t fly = run(&self, &tuning, 0.0f);
+        if (k == 0) {
+            TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, fly.stage);
+            continue;
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
+        CHECK_NEAR(1.0, self.omega, fly.omega_rad_s);
+        // Of the sample that the last call has had.
+        const double at = self.theta - (double)PAPER_TS_s * self.omega;
+        CHECK_NEAR(0.02, 0.0, remainder((double)fly.theta_rad - at, 2.0 * CHECK_PI));
+        TEST_ASSERT_TRUE(self.peak_A < 0.8 * (double)inverter.i_max_A);
+        TEST_ASSERT_TRUE((double)self.steps * (double)PAPER_TS_s < 0.05);
+    }
+}
+
+static void test_noise_and_dead_time_leave_angle_and_speed(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    for (int k = -8; k <= 8; k += 4) {
+        coaster_t self = rotor(80.0 * k);
+        self.lost_s = 3.0e-6;
+        self.noise_A = 0.01;
+        const lode_fly_t fly = run(&self, &tuning, 0.0f);
+        TEST_ASSERT_EQUAL_INT(k == 0 ? LODE_FLY_SLOW : LODE_FLY_FOUND, fly.stage);
+        if (k != 0) {
+            const double at = self.theta - (double)PAPER_TS_s * self.omega;
+            CHECK_NEAR(0.02 * fabs(self.omega), self.omega, fly.omega_rad_s);
+            CHECK_NEAR(0.06, 0.0, remainder((double)fly.theta_rad - at, 2.0 * CHECK_PI));
+        }
+    }
+}
+
+static void test_what_is_no_rotor_of_this_motor_is_left_to_the_start(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    static const struct {
+        double omega, psi, noise_A;
+    } cases[] = {
+        {30.0, 0.142, 0.0}, // slower than the start hands over
+        {400.0, 0.30, 0.0}, // too large a flux
+        {400.0, 0.05, 0.0}, // too small a one
+        {0.0, 0.142, 0.03}, // noise, in a direction that hops about
+        {900.0, 0.0, 0.02}, // noise too small to be seen
+    };
+    for (size_t n = 0; n < sizeof cases / sizeof cases[0]; n++) {
+        coaster_t self = rotor(cases[n].omega);
+        self.psi = cases[n].psi;
+        self.noise_A = cases[n].noise_A;
+        TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, run(&self, &tuning, 0.0f).stage);
+    }
+}
+
+static void test_a_current_that_ends_is_no_rotor(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    coaster_t self = rotor(400.0);
+    lode_fly_t fly;
+    lode_fly_begin(&fly, &tuning);
+    while (fly.stage != (uint_least8_t)LODE_FLY_TURN && self.steps < STEPS_MAX) {
+        step(&self, &fly, &tuning, 0.0f);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_TURN, fly.stage);
+    self.psi = 0.0;
+    step(&self, &fly, &tuning, 0.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, fly.stage);
+}
+
+// With the EMF above the bus the diodes conduct.
+static void test_pulses_wait_for_the_diodes(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    lode_fly_t fly;
+    lode_fly_begin(&fly, &tuning);
+    for (uint32_t k = 0u; k < tuning.periods - 1u; k++) {
+        lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 1.0f}, 200.0f, 0.0f);
+        TEST_ASSERT_EQUAL_INT(LODE_FLY_BEGIN, fly.stage);
+        TEST_ASSERT_FALSE(fly.share > 0.0f);
+    }
+    lode_fly_t waited = fly;
+    lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 200.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_GROW, fly.stage);
+    lode_fly_step(&waited, &tuning, (lode_ab_t){0.0f, 1.0f}, 200.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, waited.stage);
+}
+
+static void test_pulses_are_shorter_where_the_bus_leaves_little(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    lode_fly_t fly;
+    lode_fly_begin(&fly, &tuning);
+    lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 200.0f, 0.0f);
+    // More and more current, as one that does not decay, and then none.
+    for (int k = 1; k < 20; k++) {
+        const float i_A = fly.share > 0.3f ? 10.0f : 0.03f;
+        lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, i_A}, 200.0f, 0.0f);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_GROW, fly.stage);
+    TEST_ASSERT_TRUE(fly.share >= 0.05f && fly.share <= 0.5f);
+    for (int k = 0; k < STEPS_MAX && !is_over(&fly) && fly.stage != (uint_least8_t)LODE_FLY_TURN;
+         k++) { // not for ever
+        const float i_A = fly.share > 0.3f ? 10.0f : 0.03f;
+        lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, i_A}, 200.0f, 0.0f);
+    }
+    TEST_ASSERT_TRUE(fly.stage != (uint_least8_t)LODE_FLY_GROW);
+}
+
+static void test_a_current_that_does_not_decay_is_waited_for(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    lode_fly_t fly = {.stage = (uint_least8_t)LODE_FLY_COAST, .omega_rad_s = 100.0f};
+    for (int k = 0; k < 10; k++) {
+        lode_fly_step(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 200.0f, 0.0f);
+        TEST_ASSERT_EQUAL_INT(LODE_FLY_COAST, fly.stage);
+    }
+    lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 200.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
+    CHECK_NEAR(1.0e-4, 11.0 * 100.0 * (double)PAPER_TS_s, fly.theta_rad);
+    fly = (lode_fly_t){.stage = (uint_least8_t)LODE_FLY_COAST};
+    for (uint32_t k = 0u; k < tuning.periods; k++) {
+        lode_fly_step(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 200.0f, 0.0f);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
+    lode_fly_step(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 200.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
+}
+
+static void test_pulses_go_on_until_capacitors_are_charged(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    coaster_t self = rotor(400.0);
+    const lode_fly_t fly = run(&self, &tuning, 100.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
+    TEST_ASSERT_TRUE(fly.charged >= 100.0f && self.steps >= 200);
+    CHECK_NEAR(1.0, 400.0, fly.omega_rad_s);
+}
+
+static void test_where_there_are_no_pulses(void) {
+    lode_start_config_t config = start;
+    TEST_ASSERT_TRUE(tuned(&config, 0.97f).share_first > 0.0f);
+    CHECK_NEAR(1.0e-6, 0.1, tuned(&config, 0.9f).share_first); // what low-side shunts see
+    const lode_motor_t motor = paper_motor();
+    lode_fly_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_fly_tune(&tuning, &config, &inverter, &motor,
+                                                 20.0f * OMEGA_MAX, 0.9f, PAPER_TS_s));
+    TEST_ASSERT_FALSE(tuning.share_first > 0.0f); // too long for the highest speed
+    config.pulses = LODE_ON;
+    TEST_ASSERT_TRUE(tuned(&config, 1.0f).share_first > 0.0f);
+    config.catch_s = LODE_NONE;
+    TEST_ASSERT_FALSE(tuned(&config, 1.0f).share_first > 0.0f);
+    config = start;
+    config.pulses = LODE_OFF;
+    const lode_fly_tuning_t none = tuned(&config, 1.0f);
+    TEST_ASSERT_FALSE(none.share_first > 0.0f);
+    lode_fly_t fly;
+    lode_fly_begin(&fly, &none);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, fly.stage);
+    config.pulses = (lode_choice_t)7;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, lode_fly_tune(&tuning, &config, &inverter, &motor,
+                                                           OMEGA_MAX, 1.0f, PAPER_TS_s));
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_angle_and_speed_are_found_in_either_direction);
+    RUN_TEST(test_noise_and_dead_time_leave_angle_and_speed);
+    RUN_TEST(test_what_is_no_rotor_of_this_motor_is_left_to_the_start);
+    RUN_TEST(test_a_current_that_ends_is_no_rotor);
+    RUN_TEST(test_pulses_wait_for_the_diodes);
+    RUN_TEST(test_pulses_are_shorter_where_the_bus_leaves_little);
+    RUN_TEST(test_a_current_that_does_not_decay_is_waited_for);
+    RUN_TEST(test_pulses_go_on_until_capacitors_are_charged);
+    RUN_TEST(test_where_there_are_no_pulses);
+    return UNITY_END();
+}
