@@ -41,7 +41,7 @@ lode_status_t lode_fly_tune(lode_fly_tuning_t *tuning, const lode_start_config_t
     if (config->pulses != LODE_AUTO && config->pulses != LODE_ON && config->pulses != LODE_OFF) {
         return LODE_ERROR_CHOICE;
     }
-    // (S21): what the largest EMF drives through the smaller inductance.
+    // (S22): what the largest EMF drives through the smaller inductance.
     const float rise_A =
         motor->psi_Wb * omega_max_rad_s * ts_s / lode_min(motor->Ld_H, motor->Lq_H);
     const float window = lode_max(FIRST_MAX, 1.0f - duty_max);
@@ -82,7 +82,7 @@ static void enter(lode_fly_t *self, uint_least8_t stage) {
 }
 
 // Longest share after which the current, driven down by what the bus is above the EMF, is gone before the
-// next pulse (S22).
+// next pulse (S23).
 static float longest(const lode_fly_t *self, const lode_fly_tuning_t *tuning, float i_abs_A,
                      float v_bus_V) {
     const float acted = lode_max(self->share - tuning->share_dead, ACTED_MIN * self->share);
@@ -113,7 +113,7 @@ static void grow(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     self->wait = SETTLE;
 }
 
-// The size of the vectors is that of the flux at the speed found (S23). Dead time may have taken its part of
+// The size of the vectors is that of the flux at the speed found (S24). Dead time may have taken its part of
 // the pulses, or none.
 static bool is_motor(const lode_fly_t *self, const lode_fly_tuning_t *tuning, float i_abs_A,
                      float omega) {
@@ -125,7 +125,7 @@ static bool is_motor(const lode_fly_t *self, const lode_fly_tuning_t *tuning, fl
 }
 
 // The line through the angles of TURN, by least squares: noise of the last one alone would be an error of the
-// angle, and of the first and the last one of the speed (S24).
+// angle, and of the first and the last one of the speed (S25).
 static line_t line_of(const lode_fly_t *self) {
     const float last = (float)(int32_t)self->periods;
     const float count = last + 1.0f;
@@ -156,7 +156,7 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     const line_t line = line_of(self);
     const float omega = line.slope_rad / tuning->ts_s;
     if (turned >= TURN_LEAST_rad && is_motor(self, tuning, i_abs_A, omega)) {
-        // (S20): the current lags the rotor by a quarter turn, and by what the rotor turns meanwhile.
+        // (S21): the current lags the rotor by a quarter turn, and by what the rotor turns meanwhile.
         const float ahead = lode_sign(omega) * LODE_HALF_PI + tuning->lead_s * self->share * omega;
         self->theta_rad = lode_wrap(at_rad + line.more_rad + ahead);
         self->omega_rad_s = omega;

@@ -1,7 +1,7 @@
 /// Flying start: angle and speed of a rotor that turns already, from short zero vectors out of gates off.
 ///
 /// While the low sides alone are on, for a share of the period around t_k, the EMF is short-circuited and
-/// drives a current across the rotor: one vector shows the angle, two the speed with its sign (S20)-(S23).
+/// drives a current across the rotor: one vector shows the angle, two the speed with its sign (S21)-(S24).
 /// The shares begin so short that a rotor at the highest speed stays below i_max, and lengthen until the
 /// current can be seen. A part of LODE_MODE_PRECHARGE; LODE_WITHOUT_FLYING_START leaves it out of a build,
 /// and so does LODE_WITHOUT_PRECHARGE.
