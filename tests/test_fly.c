@@ -113,6 +113,8 @@ static void test_what_is_no_rotor_of_this_motor_is_left_to_the_start(void) {
         double omega, psi, noise_A;
     } cases[] = {
         {30.0, 0.142, 0.0}, // slower than the start hands over
+        {30.0, 0.40, 0.0},  // the same, seen
+        {15.0, 1.0, 0.0},   // hardly turns while it is looked at
         {400.0, 0.30, 0.0}, // too large a flux
         {400.0, 0.05, 0.0}, // too small a one
         {0.0, 0.142, 0.03}, // noise, in a direction that hops about
