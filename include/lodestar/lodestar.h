@@ -2,6 +2,7 @@
 #ifndef LODESTAR_LODESTAR_H
 #define LODESTAR_LODESTAR_H
 
+#include "lodestar/adaptation.h"
 #include "lodestar/commission.h"
 #include "lodestar/derate.h"
 #include "lodestar/drive.h"

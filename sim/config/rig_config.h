@@ -89,6 +89,11 @@ typedef struct {
     int falls_back;         ///< 1: sensorless where the EMF disagrees
 } rig_encoder_t;
 
+/// What is adapted while the drive runs; 1: on.
+typedef struct {
+    int J, psi, Rs;
+} rig_adaptation_t;
+
 /// EMF observer by its name: lode_emf_kind_t, then the papers' own forms.
 enum { RIG_EMF_C_EULER = LODE_EMF_KINDS, RIG_EMF_GI_EULER, RIG_EMF_FA_EULER };
 
@@ -168,6 +173,7 @@ typedef struct {
     rig_source_t source;
     double seeded_s; ///< unset: 0
     rig_encoder_t encoder;
+    rig_adaptation_t adaptation;
     int emf;
     rig_pll_t pll;
     rig_compensation_t compensation;

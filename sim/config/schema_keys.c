@@ -96,6 +96,10 @@ static const rig_key_t keys[] = {
     NUMBER("encoder", "bandwidth_rad_s", encoder.bandwidth_rad_s, 0.0, 1e6),
     CHOICE("encoder", "falls_back", encoder.falls_back, "off|on", NULL),
 
+    CHOICE("adaptation", "J", adaptation.J, "off|on", NULL),
+    CHOICE("adaptation", "psi", adaptation.psi, "off|on", NULL),
+    CHOICE("adaptation", "Rs", adaptation.Rs, "off|on", NULL),
+
     CHOICE("hfi", "mode", drive.hfi.mode, "off|on|auto", NULL),
     FLOAT("hfi", "V_h_V", hfi.V_h_V),
     FLOAT("hfi", "w1_rad_s", hfi.w1_rad_s),

@@ -64,6 +64,44 @@ static void print_events(FILE *file, const runlog_t *log) {
     }
 }
 
+typedef struct {
+    const char *name, *unit;
+    bool on;
+    lode_adapted_t found;
+    double configured;
+} adapted_row_t;
+
+enum { ADAPTED = 3 };
+
+static void adapted_rows(adapted_row_t row[ADAPTED], const rig_config_t *config,
+                         const runner_result_t *result) {
+    const lode_motor_t *motor = &config->drive.motor;
+    const rig_adaptation_t *wanted = &config->adaptation;
+    row[0] =
+        (adapted_row_t){"J", "kgm2", wanted->J == 1, result->found.J_kgm2, (double)motor->J_kgm2};
+    row[1] =
+        (adapted_row_t){"psi", "Wb", wanted->psi == 1, result->found.psi_Wb, (double)motor->psi_Wb};
+    row[2] =
+        (adapted_row_t){"Rs", "Ohm", wanted->Rs == 1, result->found.Rs_Ohm, (double)motor->Rs_Ohm};
+}
+
+static void print_adaptation(FILE *file, const rig_config_t *config,
+                             const runner_result_t *result) {
+    adapted_row_t row[ADAPTED];
+    if (!result->adapts) {
+        return;
+    }
+    adapted_rows(row, config, result);
+    (void)fputs("\nadapted     configured       found  confidence\n", file);
+    for (int k = 0; k < ADAPTED; ++k) {
+        if (row[k].on) {
+            (void)fprintf(file, "%-4s %-4s %12.4g %11.4g %11.2f\n", row[k].name, row[k].unit,
+                          row[k].configured, (double)row[k].found.value,
+                          (double)row[k].found.confidence);
+        }
+    }
+}
+
 static const char *verdict(const runner_result_t *result) {
     if (report_run_failed(result)) {
         return "FAILED";
@@ -123,6 +161,7 @@ void report_run_table(FILE *file, const rig_config_t *config, const runner_resul
         "mean, pp (max - min) and rms: last %.1f s of a phase; max, lock: the whole phase "
         "while in RUN; angles electrical\n",
         RUNNER_WINDOW_s);
+    print_adaptation(file, config, result);
     print_events(file, log);
     print_verdict(file, result);
 }
@@ -202,6 +241,23 @@ static void add_fault(cJSON *root, const runner_result_t *result) {
     config_json_number(item, "limit", (double)result->fault.limit);
 }
 
+static void add_adaptation(cJSON *root, const rig_config_t *config, const runner_result_t *result) {
+    adapted_row_t row[ADAPTED];
+    if (!result->adapts) {
+        return;
+    }
+    adapted_rows(row, config, result);
+    cJSON *all = cJSON_AddObjectToObject(root, "adapted");
+    for (int k = 0; k < ADAPTED; ++k) {
+        if (row[k].on) {
+            cJSON *item = cJSON_AddObjectToObject(all, row[k].name);
+            config_json_number(item, "configured", row[k].configured);
+            config_json_number(item, "value", (double)row[k].found.value);
+            config_json_number(item, "confidence", (double)row[k].found.confidence);
+        }
+    }
+}
+
 void report_run_json(FILE *file, const rig_config_t *config, const runner_result_t *result,
                      const runlog_t *log) {
     cJSON *root = config_json_root();
@@ -213,6 +269,7 @@ void report_run_json(FILE *file, const rig_config_t *config, const runner_result
     config_json_number(root, "simulated_s", result->simulated_s);
     config_json_number(root, "times_real_time", result->simulated_s / result->processor_s);
     add_fault(root, result);
+    add_adaptation(root, config, result);
     cJSON *phases = cJSON_AddArrayToObject(root, "phases");
     for (int k = 0; k < result->phases; ++k) {
         add_phase(phases, &result->phase[k]);

@@ -23,6 +23,27 @@ static lode_drive_tuning_t *spare_tuning(rig_t *self) {
     return &self->three_tuning[self->three.tuning == &self->three_tuning[0] ? 1 : 0];
 }
 
+#define ADAPT_EVERY_s 1e-3 // a main loop
+
+static lode_choice_t choice(int on) {
+    return on == 1 ? LODE_ON : LODE_OFF;
+}
+
+static lode_status_t init_adaptation(rig_t *self, const rig_config_t *config) {
+    const rig_adaptation_t *wanted = &config->adaptation;
+    self->adapts = wanted->J == 1 || wanted->psi == 1 || wanted->Rs == 1;
+    if (!self->adapts) {
+        return LODE_OK;
+    }
+    lode_drive_config_t designed = config->drive;
+    lode_drive_design(&designed);
+    const lode_adaptation_config_t choices = {choice(wanted->J), choice(wanted->psi),
+                                              choice(wanted->Rs)};
+    self->adapt_every = (uint32_t)fmax(1.0, round(ADAPT_EVERY_s * (double)config->drive.f_pwm_Hz));
+    return lode_adaptation_init(&self->adaptation, &choices, &self->three_tuning[0],
+                                &designed.motor, NULL);
+}
+
 lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_config_t *plant) {
     self->sets = plant->sets == PLANT_SETS ? PLANT_SETS : 1;
     (void)plant_init(&self->plant, plant);
@@ -30,8 +51,11 @@ lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_conf
     if (self->sets == 1) {
         self->drive = &self->three;
         begin_learning(self, &config->drive);
-        return lode_drive_init(&self->three, &self->three_tuning[0], &config->drive);
+        const lode_status_t status =
+            lode_drive_init(&self->three, &self->three_tuning[0], &config->drive);
+        return status == LODE_OK ? init_adaptation(self, config) : status;
     }
+    self->adapts = false;
     const lode_drive6_config_t six = rig_config_six(config);
     self->drive = &self->six.drive;
     return lode_drive6_init(&self->six, &self->six_tuning[0], &six);
@@ -89,11 +113,25 @@ double rig_true_Lq_H(const rig_t *self) {
     return plant_iron_at(&motor->iron, motor->x.id_A, iq_A).psi_q_Wb / iq_A;
 }
 
+// Its tuning is one of the rig's, or of the adaptation's.
+static void copy_three(rig_t *to, const rig_t *from) {
+    to->drive = &to->three;
+    to->adaptation.base = &to->three_tuning[0];
+    for (int k = 0; k < 2; ++k) {
+        if (from->three.tuning == &from->three_tuning[k]) {
+            to->three.tuning = &to->three_tuning[k];
+        } else if (from->three.tuning == &from->adaptation.tuning[k]) {
+            to->three.tuning = &to->adaptation.tuning[k];
+        } else {
+            // the other one
+        }
+    }
+}
+
 void rig_copy(rig_t *to, const rig_t *from) {
     *to = *from;
     if (from->sets != PLANT_SETS) {
-        to->drive = &to->three;
-        to->three.tuning = &to->three_tuning[from->three.tuning - from->three_tuning];
+        copy_three(to, from);
         return;
     }
     const ptrdiff_t now = from->six.tuning - from->six_tuning;
@@ -127,6 +165,9 @@ static void step_three(rig_t *self, const plant_counts_t *sampled, runner_estima
     now->estimate = estimate(&self->three, &sample, &now->truth, memory);
     const lode_drive_out_t out = lode_drive_act(&self->three, &sample, &now->estimate);
     write_set(&self->plant, 0, &out);
+    if (self->adapts && self->three.steps % self->adapt_every == 0u) {
+        (void)lode_adaptation_step(&self->adaptation, &self->three);
+    }
 }
 
 static void step_six(rig_t *self, const plant_counts_t sampled[PLANT_SETS], rig_moment_t *now) {

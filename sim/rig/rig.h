@@ -5,6 +5,7 @@
 #include "config/rig_config.h"
 #include "rig/euler.h"
 
+#include "lodestar/adaptation.h"
 #include "lodestar/encoder.h"
 #include "lodestar/learn.h"
 
@@ -36,6 +37,9 @@ typedef struct {
     lode_drive_t *drive; ///< that of three phases, or the one within that of six
     lode_drive_t three;
     lode_drive_tuning_t three_tuning[2]; ///< in use, and the next one
+    lode_adaptation_t adaptation;        ///< of three phases, where `adapts`
+    bool adapts;
+    uint32_t adapt_every; ///< periods
     lode_drive6_t six;
     lode_drive6_tuning_t six_tuning[2];
     lode_drive_config_t learning; ///< what is learned goes into

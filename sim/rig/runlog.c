@@ -13,6 +13,9 @@
 #define COLUMN_BY_WAVE(name, digits)                                                               \
     { #name, offsetof(runlog_row_t, name), digits, 1, true }
 
+#define COLUMN_OF_ADAPTATION(name, digits)                                                         \
+    { #name, offsetof(runlog_row_t, name), digits, RUNLOG_ADAPTED, false }
+
 const runlog_column_t runlog_columns[] = {
     COLUMN(t_s, 12),
     COLUMN(phase, 3),
@@ -70,6 +73,12 @@ const runlog_column_t runlog_columns[] = {
     COLUMN_BY_WAVE(Lq_est_H, 6),
     COLUMN_BY_WAVE(psi_est_Wb, 6),
     COLUMN_BY_WAVE(Lq_confidence, 4),
+    COLUMN_OF_ADAPTATION(adapted_J_kgm2, 6),
+    COLUMN_OF_ADAPTATION(adapted_J_confidence, 4),
+    COLUMN_OF_ADAPTATION(adapted_psi_Wb, 6),
+    COLUMN_OF_ADAPTATION(adapted_psi_confidence, 4),
+    COLUMN_OF_ADAPTATION(adapted_Rs_Ohm, 6),
+    COLUMN_OF_ADAPTATION(adapted_Rs_confidence, 4),
     {NULL, 0, 0, 0, false},
 };
 
@@ -108,6 +117,9 @@ void runlog_note(runlog_t *self, double t_s, const char *text) {
 }
 
 bool runlog_has(const runlog_t *self, const runlog_column_t *column) {
+    if (column->sets == RUNLOG_ADAPTED) {
+        return self->adapts;
+    }
     return (column->sets == 1 || self->sets == column->sets) && (!column->by_wave || self->by_wave);
 }
 

@@ -39,13 +39,19 @@ typedef struct {
     double Lq_H;                 ///< of the motor at its currents
     double Lq_est_H, psi_est_Wb; ///< as the drive has them
     double Lq_confidence;        ///< in what it has learned
+    // With adaptation only.
+    double adapted_J_kgm2, adapted_J_confidence;
+    double adapted_psi_Wb, adapted_psi_confidence;
+    double adapted_Rs_Ohm, adapted_Rs_confidence;
 } runlog_row_t;
+
+enum { RUNLOG_ADAPTED = 3 };
 
 typedef struct {
     const char *name;
     size_t offset; ///< of a double in runlog_row_t
     int digits;
-    int sets;     ///< 2: six phases only
+    int sets;     ///< 2: six phases only; RUNLOG_ADAPTED: with adaptation only
     bool by_wave; ///< with signal injection only
 } runlog_column_t;
 
@@ -64,6 +70,7 @@ typedef struct {
     size_t rows, capacity;
     int sets;     ///< of windings; 0 counts as 1
     bool by_wave; ///< with signal injection
+    bool adapts;
     int events;
     int events_dropped;
     runlog_event_t event[RUNLOG_EVENTS_MAX];

@@ -239,6 +239,16 @@ static void log_injection(const rig_t *rig, const lode_telemetry_t *seen, runlog
     row->Lq_confidence = rig->learns ? (double)rig->learn.now.confidence : 0.0;
 }
 
+static void log_adaptation(const rig_t *rig, runlog_row_t *row) {
+    const lode_adaptation_found_t found = lode_adaptation_found(&rig->adaptation);
+    row->adapted_J_kgm2 = (double)found.J_kgm2.value;
+    row->adapted_J_confidence = (double)found.J_kgm2.confidence;
+    row->adapted_psi_Wb = (double)found.psi_Wb.value;
+    row->adapted_psi_confidence = (double)found.psi_Wb.confidence;
+    row->adapted_Rs_Ohm = (double)found.Rs_Ohm.value;
+    row->adapted_Rs_confidence = (double)found.Rs_Ohm.confidence;
+}
+
 static bool log_row(run_t *run, int phase, const moment_t *now) {
     lode_telemetry_t seen;
     (void)lode_drive_telemetry(run->rig.drive, &seen);
@@ -297,6 +307,7 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
     };
     log_inputs(&run->rig, &row);
     log_injection(&run->rig, &seen, &row);
+    log_adaptation(&run->rig, &row);
     return runlog_add(run->log, &row);
 }
 
@@ -617,6 +628,30 @@ static bool check_drive(const rig_config_t *config) {
     return status == LODE_OK;
 }
 
+static bool check_adaptation(const rig_config_t *config) {
+    const rig_adaptation_t *wanted = &config->adaptation;
+    const bool any = wanted->J == 1 || wanted->psi == 1 || wanted->Rs == 1;
+    if (any && rig_config_is_six(config)) {
+        rig_error("[adaptation]: on; expected off, or a motor with three phases");
+        return false;
+    }
+    if (any && config->drive.hfi.learn == LODE_ON) {
+        rig_error("[adaptation]: on with hfi.learn = on; expected one of them: each makes tunings "
+                  "of its own");
+        return false;
+    }
+    for (int k = 0; any && k < config->scenario.phases; ++k) {
+        const rig_phase_t *phase = &config->scenario.phase[k];
+        if (!isnan(phase->Lq_factor) || !isnan(phase->Rs_factor)) {
+            rig_error("[phase.%s] Lq_factor, Rs_factor: expected none with [adaptation], which "
+                      "goes by one tuning",
+                      phase->name);
+            return false;
+        }
+    }
+    return true;
+}
+
 #define COUNTS_PER_TURN 4096.0
 
 /// LODE_OK, or what the library refuses of the angle sensor.
@@ -649,7 +684,7 @@ static bool start_encoder(run_t *run) {
 static bool start(run_t *run) {
     const rig_scenario_t *scenario = &run->config->scenario;
     plant_config_t plant;
-    if (!check_phases(run->config) || !check_drive(run->config) ||
+    if (!check_phases(run->config) || !check_drive(run->config) || !check_adaptation(run->config) ||
         !rig_config_plant(run->config, &plant, &run->extra_load_Nm)) {
         return false;
     }
@@ -658,6 +693,7 @@ static bool start(run_t *run) {
     run->v_bus_V = plant.v_bus_V;
     run->log->sets = run->rig.sets;
     run->log->by_wave = run->config->drive.hfi.mode == LODE_HFI_ON;
+    run->log->adapts = run->rig.adapts;
     run->memory.seeded_s = isnan(run->config->seeded_s) ? 0.0 : run->config->seeded_s;
     if (euler_estimate_wanted(run->config)) {
         run->memory.euler_config = euler_estimate_config(run->config);
@@ -701,6 +737,8 @@ bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_
             good = run_phase(&run, k);
         }
     }
+    result->adapts = run.rig.adapts;
+    result->found = lode_adaptation_found(&run.rig.adaptation);
     result->simulated_s = (double)run.k * run.ts_s;
     result->processor_s = progress_end(&run.progress);
     return good;

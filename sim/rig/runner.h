@@ -41,8 +41,10 @@ typedef struct {
     double handover_s; ///< first time in RUN, NaN: never
     double simulated_s;
     double processor_s;
-    bool barred; ///< the scenario sets a bar, or a mode to end in
-    bool missed; ///< a bar
+    bool adapts;
+    lode_adaptation_found_t found; ///< at the end, where the drive adapts
+    bool barred;                   ///< the scenario sets a bar, or a mode to end in
+    bool missed;                   ///< a bar
 } runner_result_t;
 
 /// The one that [estimator] names.

@@ -1,0 +1,103 @@
+/// Adaptation while the drive runs: inertia, flux and resistance, by what speed, current and EMF say of them.
+/// For the main loop, some hundred to a thousand times a second; the interrupt has no part in it:
+///
+///     (void)lode_adaptation_step(&adaptation, &drive);
+///
+/// What is found goes into a copy of the drive's tuning, which is posted. J changes speed control and
+/// feed-forward only, psi the torque that the references ask for, Rs the observer's voltage. All else stays as
+/// it was designed, the flux that FLUX and the lock are judged by too (docs/adaptation.md).
+#ifndef LODESTAR_ADAPTATION_H
+#define LODESTAR_ADAPTATION_H
+
+#include "lodestar/drive.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// LODE_AUTO: on.
+typedef struct {
+    lode_choice_t J;
+    lode_choice_t psi;
+    lode_choice_t Rs;
+} lode_adaptation_config_t;
+
+typedef struct {
+    float value;      ///< as configured, until there is more to say
+    float confidence; ///< 0: nothing was seen .. 1; used from 0.5 on
+} lode_adapted_t;
+
+/// What an application may show, and keep over a reset.
+typedef struct {
+    lode_adapted_t J_kgm2; ///< 0.2 .. 5 times the configured one
+    lode_adapted_t psi_Wb; ///< within 20 % of the configured one
+    /// of the winding, within 50 % of the configured one: what the start has measured and what became of it
+    lode_adapted_t Rs_Ohm;
+} lode_adaptation_found_t;
+
+/// A washout of two equal poles (O1).
+typedef struct {
+    float one;
+    float two;
+} lode_adaptation_filter_t;
+
+/// What one change of the ramp's slope has shown (O2), (O3).
+typedef struct {
+    float energy;  ///< of the ramp
+    float seen;    ///< correlation of ramp and acceleration
+    float asked;   ///< of ramp and torque
+    float torque2; ///< energy of the torque
+    float acc2;    ///< of the acceleration
+    float both;    ///< correlation of the two
+} lode_adaptation_edge_t;
+
+/// Visible for static allocation; written by its functions only.
+typedef struct {
+    const lode_drive_tuning_t *base; ///< as commissioned
+    lode_motor_t motor;
+    bool adapts_J;
+    bool adapts_psi;
+    bool adapts_Rs;
+    bool runs; ///< the last call saw RUN, so that there are differences
+    uint32_t steps;
+    float lambda_rad_s; ///< both poles of the washout
+    float torque_Nm;    ///< of the last call
+    float quiet_s;      ///< since a tuning was posted
+    lode_adaptation_filter_t by_torque;
+    lode_adaptation_filter_t by_speed;
+    lode_adaptation_filter_t by_ramp;
+    lode_adaptation_edge_t edge; ///< under way
+    float seen;                  ///< of the edges that agree with a constant inertia
+    float asked;
+    float other;     ///< inertia of the last edge that did not agree, over the configured one
+    float spread;    ///< by which edges differed from what was found before, over that
+    float psi_share; ///< beyond the configured flux, over it
+    float Rs_share;  ///< the same of the resistance
+    float variance_psi;
+    float variance_Rs;
+    float covariance;
+    float J_used;   ///< in the posted tuning, over the configured one
+    float psi_used; ///< as psi_share
+    float Rs_used;  ///< as Rs_share
+    uint32_t next;  ///< which of the two is written next
+    lode_drive_tuning_t tuning[2];
+} lode_adaptation_t;
+
+/// `tuning`: what the drive runs on, made for `motor`, whose omega_rated_rad_s must be given; both of what the
+/// application has commissioned, not of what this has found. `tuning` must stay. `stored`: what
+/// lode_adaptation_found() said at another time, or NULL. LODE_OK, or why not; `self` is then left alone.
+lode_status_t lode_adaptation_init(lode_adaptation_t *self, const lode_adaptation_config_t *config,
+                                   const lode_drive_tuning_t *tuning, const lode_motor_t *motor,
+                                   const lode_adaptation_found_t *stored);
+
+/// Looks at the drive; true: a new tuning was posted. Calls may come as they like: the drive's own count of periods
+/// is the time. It rests while the drive is not in RUN, and for as long as the drive runs on somebody else's tuning.
+bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive);
+
+lode_adaptation_found_t lode_adaptation_found(const lode_adaptation_t *self);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,106 @@
+"""lodestar run with [adaptation]: what it finds on plants that are not as configured; table, columns, refusals."""
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
+from tool import SOURCE, Checks, Folder, refused
+
+DATA = SOURCE / "sim" / "data"
+MACHINES = ["jiang2022", "servo_48V", "fan_325V", "compressor_310V", "drone_900KV"]
+ON = [f"--set=adaptation.{name}=on" for name in ("J", "psi", "Rs")]
+# Over the configured one; the resistance with the start's measurement off, which would take it.
+CASES = {
+    "J x0.3": {"J": 0.3},
+    "J x3": {"J": 3.0},
+    "psi x0.9": {"psi": 0.9},
+    "Rs x1.3": {"Rs": 1.3},
+}
+KEYS = {"J": "plant.J_kgm2", "psi": "plant.psi_Wb", "Rs": "plant.Rs_Ohm"}
+# As measured, of the true value: inertia 5.6 % at most, flux 0.9 %; resistance where it is sure.
+BARS = {"J": 0.08, "psi": 0.015, "Rs": 0.1}
+SURE = 0.5
+
+
+def scenario_of(folder, machine, checks):
+    """Ramps up and down without load, then with; the speeds and the load are those of the trial run."""
+    done = folder.run("run", "--motor", machine, "--drive", machine, *ON, "--json", "trial.json")
+    checks.equal(done.returncode, 0, f"{machine}: {done.stdout[-300:]}{done.stderr}")
+    trial = folder.json("trial.json")
+    phase = {each["name"]: each for each in trial["phases"]}
+    half, full = (phase[name]["speed_command_rpm"] for name in ("half_speed", "full_speed"))
+    seconds = phase["full_speed"]["end_s"] - phase["full_speed"]["start_s"]
+    load = phase["load"]["load_Nm"]
+    text = f"[scenario]\nmotor = {DATA}/motors/{machine}.ini\ndrive = {DATA}/drives/{machine}.ini\n"
+    text += f"[phase.start]\nduration_s = {phase['start']['end_s']}\nload_Nm = 0\nspeed_rpm = {half}\n"
+    for n in range(4):
+        text += f"[phase.up_{n}]\nduration_s = {seconds}\nspeed_rpm = {full}\n"
+        text += f"[phase.load_{n}]\nduration_s = 1\nload_Nm = {load}\n"
+        text += f"[phase.free_{n}]\nduration_s = 1\nload_Nm = 0\n"
+        text += f"[phase.down_{n}]\nduration_s = {seconds}\nspeed_rpm = {half}\n"
+    (folder.path / "ramps.ini").write_text(text)
+    return {name: trial["adapted"][name]["configured"] for name in KEYS}
+
+
+def accuracy(checks, folder):
+    for machine in MACHINES:
+        configured = scenario_of(folder, machine, checks)
+        for case, truth in CASES.items():
+            sets = [f"--set={KEYS[name]}={share * configured[name]}" for name, share in truth.items()]
+            sets += ["--set=start.measure=off"] if "Rs" in truth else []
+            done = folder.run("run", "ramps.ini", *ON, *sets, "--json", "out.json")
+            if not checks.equal(done.returncode, 0, f"{machine}, {case}: {done.stdout[-300:]}"):
+                continue
+            for name, found in folder.json("out.json")["adapted"].items():
+                true = truth.get(name, 1.0) * configured[name]
+                off = abs(found["value"] / true - 1.0)
+                text = f"{machine}, {case}: {name} {found['value'] / true:.3f} of the true one ({found['confidence']:.2f})"
+                print(text)
+                if name != "Rs":
+                    checks.true(found["confidence"] >= SURE, f"{text}: expected to be sure")
+                if found["confidence"] >= SURE:
+                    checks.at_most(off, BARS[name], text)
+
+
+def resistance(checks, folder):
+    """Where it shows: at low speed with much current, after the flux has been seen."""
+    text = (f"[scenario]\nmotor = {DATA}/motors/jiang2022.ini\ndrive = {DATA}/drives/jiang2022.ini\n"
+            "[phase.start]\nduration_s = 4\nspeed_rpm = 1500\nload_Nm = 0\n"
+            "[phase.flux]\nduration_s = 10\nload_Nm = 5\n"
+            "[phase.slow]\nduration_s = 30\nspeed_rpm = 240\n")
+    (folder.path / "slow.ini").write_text(text)
+    for measure in ("on", "off"):
+        done = folder.run("run", "slow.ini", *ON, "--set=plant.Rs_Ohm=0.975",
+                          f"--set=start.measure={measure}", "--json", "out.json")
+        checks.equal(done.returncode, 0, f"measure {measure}: {done.stdout[-300:]}")
+        found = folder.json("out.json")["adapted"]["Rs"]
+        print(f"measure {measure}: {found}")
+        checks.at_most(abs(found["value"] / 0.975 - 1.0), BARS["Rs"], f"measure {measure}: {found}")
+        checks.true(found["confidence"] >= SURE, f"measure {measure}: {found}: expected to be sure")
+
+
+def output(checks, folder):
+    """Each for itself, by default none."""
+    for on in ([], ["J"], ["psi"], ["Rs"]):
+        sets = [f"--set=adaptation.{name}=on" for name in on]
+        done = folder.run("run", "servo", *sets, "--csv", "out.csv", "--json", "out.json")
+        checks.equal(list(folder.json("out.json").get("adapted", {})), on, f"{on}: JSON")
+        rows = [line.split()[0] for line in done.stdout.partition("\nadapted ")[2].splitlines()[1:4]
+                if line.strip()]
+        checks.equal(rows[:1], on, f"{on}: table {done.stdout}")
+        header = (folder.path / "out.csv").read_text().partition("\n")[0].split(",")
+        names = [name for name in header if name.startswith("adapted_")]
+        checks.equal(len(names), 6 if on else 0, f"{on}: columns {names}")
+
+
+with Folder() as place:
+    tally = Checks()
+    accuracy(tally, place)
+    resistance(tally, place)
+    output(tally, place)
+    refused(tally, place, ["run", "servo", "--set", "adaptation.J=yes"], r"off, on|off\|on|off or on")
+    refused(tally, place, ["run", "dtp", "--set", "adaptation.J=on"], r"three phases")
+    refused(tally, place, ["run", "zero_learn", "--set", "adaptation.J=on"],
+            r"expected one of them")
+    (place.path / "factor.ini").write_text((place.path / "slow.ini").read_text() + "Lq_factor = 1.1\n")
+    refused(tally, place, ["run", "factor.ini", "--set", "adaptation.J=on"], r"Lq_factor, Rs_factor")
+    tally.done()
