@@ -122,8 +122,11 @@ static lode_calibration_t calibrate(lode_drive6_t *self, const lode_sample6_t *s
         lode_sense_calibrate(&drive->sense, &drive->state.sums, tuning, &sample->machine, &worst_1);
     const lode_calibration_t second =
         lode_sense_calibrate(&self->sense_2, &self->sums_2, tuning, &sample->set_2, &worst_2);
-    *worst_count = lode_abs(worst_1) > lode_abs(worst_2) ? worst_1 : worst_2;
-    return first == LODE_CALIBRATION_IMPLAUSIBLE ? first : second;
+    const bool of_2 = second > first || (second == first && second != LODE_CALIBRATION_STUCK &&
+                                         lode_abs(worst_2) > lode_abs(worst_1));
+    const float before = second == LODE_CALIBRATION_STUCK ? (float)LODE_PHASES : 0.0f;
+    *worst_count = of_2 ? before + worst_2 : worst_1;
+    return of_2 ? second : first;
 }
 
 // The start, which has little EMF to go by, is left to both sets: with 6 % of harmonics in one of them it

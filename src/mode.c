@@ -460,6 +460,8 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
     if (calibration == LODE_CALIBRATION_IMPLAUSIBLE) {
         const float limit = (float)self->tuning->sense.offset_tol / (float)LODE_COUNT_FRACTION;
         lode_mode_fault(self, LODE_CHECK_OFFSET, offset_count, limit);
+    } else if (calibration == LODE_CALIBRATION_STUCK) {
+        lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, offset_count, 0.0f);
     } else if (calibration == LODE_CALIBRATION_DONE) {
         self->calibrated = true;
         set_mode(self, LODE_MODE_OFF);

@@ -6,6 +6,13 @@
 #define CALIBRATION_TIME_s 0.1f
 // As many 16-bit counts as a sum of 32 bits holds.
 #define CALIBRATION_SAMPLES_MAX 65536.0f
+// Two samples of noise are off by a square of twice the variance; half the rms is a quarter of that. With less than
+// 0.4 counts a current in the middle between two may keep still by chance, and with less than 256 samples.
+#define NOISE_STEPS2 0.5f
+#define NOISE_LEAST_count 0.4f
+#define NOISE_MOST_count 64.0f
+#define NOISE_SAMPLES 256.0f
+#define STEP_MAX 255u
 // Beyond any board: keeps every sample finite.
 #define GAIN_MAX 1.0e4f
 
@@ -64,6 +71,14 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
     if (!lode_in_range(config->calibrate_s, ts_s, 10.0f)) {
         return LODE_ERROR_SENSE_CALIBRATION;
     }
+    const bool noisy = config->i_noise_count > 0.0f;
+    const float least = noisy ? NOISE_LEAST_count : 0.0f;
+    if (!lode_in_range(config->i_noise_count, least, NOISE_MOST_count) ||
+        (noisy && periods < NOISE_SAMPLES)) {
+        return LODE_ERROR_SENSE_CALIBRATION;
+    }
+    const float samples = lode_clamp(periods, 1.0f, CALIBRATION_SAMPLES_MAX);
+    const float steps2 = NOISE_STEPS2 * config->i_noise_count * config->i_noise_count * samples;
     const float fraction = (float)LODE_COUNT_FRACTION;
     const float gain = config->i_gain_A_count / fraction;
     const float alert = headroom_count(config) - config->i_offset_tol_count - 1.0f;
@@ -78,7 +93,8 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
         .temperature_gain = config->temperature_gain_degC_count,
         .temperature_offset = config->temperature_offset_degC,
         .duty_max = config->shunts == LODE_SHUNTS_TWO ? 1.0f : config->duty_max,
-        .calibrate_periods = (uint32_t)lode_clamp(periods, 1.0f, CALIBRATION_SAMPLES_MAX),
+        .calibrate_periods = (uint32_t)samples,
+        .noise_least = (uint32_t)(int32_t)steps2,
         .count_max = (uint_least16_t)(int32_t)config->count_max,
         .two_shunts = config->shunts == LODE_SHUNTS_TWO ? 1u : 0u,
     };
@@ -140,13 +156,35 @@ LODE_NOINLINE bool lode_sense_is_railed(const lode_sense_t *self, const lode_sen
     return railed;
 }
 
+static void add_sample(const lode_sense_t *self, lode_sense_sums_t *sums,
+                       const lode_sample_t *sample) {
+    for (int32_t n = 0; n < LODE_PHASES; n++) {
+        const uint32_t count = (uint32_t)count_of(self, sample, n);
+        const uint32_t before = sums->samples > 0u ? sums->before[n] : count;
+        const uint32_t step = count > before ? count - before : before - count;
+        const uint32_t some = step < STEP_MAX ? step : STEP_MAX;
+        sums->count[n] += count;
+        sums->steps2[n] += some * some;
+        sums->before[n] = (uint16_t)count;
+    }
+    sums->samples++;
+}
+
+// The first without the noise that it should have, from 1; 0: none.
+static int32_t still_phase(const lode_sense_sums_t *sums, const lode_sense_tuning_t *tuning) {
+    const int32_t wired = tuning->two_shunts != 0u ? 2 : LODE_PHASES;
+    for (int32_t n = 0; n < wired; n++) {
+        if (sums->steps2[n] < tuning->noise_least) {
+            return n + 1;
+        }
+    }
+    return 0;
+}
+
 lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *sums,
                                         const lode_sense_tuning_t *tuning,
                                         const lode_sample_t *sample, float *worst_count) {
-    for (int32_t n = 0; n < LODE_PHASES; n++) {
-        sums->count[n] += (uint32_t)count_of(self, sample, n);
-    }
-    sums->samples++;
+    add_sample(self, sums, sample);
     *worst_count = 0.0f;
     if (sums->samples < tuning->calibrate_periods) {
         return LODE_CALIBRATION_RUNNING;
@@ -165,10 +203,15 @@ lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *s
         const int32_t off = offset[n] - tuning->offset_nominal;
         worst = lode_abs((float)off) > lode_abs((float)worst) ? off : worst;
     }
+    const int32_t still = still_phase(sums, tuning);
     lode_sense_begin(sums);
     *worst_count = (float)worst / (float)LODE_COUNT_FRACTION;
     if (worst > tuning->offset_tol || worst < -tuning->offset_tol) {
         return LODE_CALIBRATION_IMPLAUSIBLE;
+    }
+    if (still > 0) {
+        *worst_count = (float)still;
+        return LODE_CALIBRATION_STUCK;
     }
     for (int32_t n = 0; n < LODE_PHASES; n++) {
         self->offset[n] = offset[n];

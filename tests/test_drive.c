@@ -1586,6 +1586,35 @@ static void test_a_dead_switch_ends_the_start(void) {
     }
 }
 
+/// Noise of a count in some phases (a bit each) while the offsets are calibrated.
+static lode_telemetry_t with_noise(unsigned noisy) {
+    lode_drive_config_t config = rig_config();
+    config.sense.i_noise_count = 0.5f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    for (unsigned n = 0; n < 600; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        for (unsigned k = 0; k < 3; k++) {
+            counts.i[k] = (uint16_t)(counts.i[k] + (noisy >> k & n & 1u));
+        }
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    return rig_telemetry(&rig);
+}
+
+static void test_a_current_without_its_noise_is_refused_at_calibration(void) {
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, with_noise(7u).mode);
+    for (unsigned noisy = 0; noisy < 7; noisy++) {
+        const lode_fault_t fault = with_noise(noisy).fault;
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK", lode_check_name(fault.check));
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_CALIBRATE, fault.state);
+        const float first = (noisy & 1u) == 0u ? 1.0f : ((noisy & 2u) == 0u ? 2.0f : 3.0f);
+        TEST_ASSERT_TRUE(fault.measured == first);
+    }
+}
+
 /// 0.3 s with a bus that reads `share` of what it is, and moves by a count every round or not.
 static lode_fault_t with_bus(rig_t rig, double share, bool moves) {
     for (uint32_t n = 0; n < 1500u; n++) {
@@ -1980,6 +2009,7 @@ int main(void) {
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_another_flux_is_named);
     RUN_TEST(test_a_dead_switch_ends_the_start);
+    RUN_TEST(test_a_current_without_its_noise_is_refused_at_calibration);
     RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
     RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);

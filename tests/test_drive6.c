@@ -191,6 +191,41 @@ static void test_an_implausible_offset_of_either_set_is_a_fault(void) {
     }
 }
 
+/// A calibration with a converter that keeps its count from the beginning; all others have noise.
+static lode_fault_t with_a_converter_stuck(lode_command_t command, int stuck, float noise_count) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.sense.i_noise_count = noise_count;
+    rig6_t rig = rig_with(&config);
+    rig6_command(&rig, command);
+    for (unsigned n = 0; n < 3000u; n++) {
+        lode_counts6_t counts = rig6_counts(&rig);
+        for (int k = 0; k < 6; k++) {
+            uint16_t *count = &counts.set[k / 3].i[k % 3];
+            *count = k == stuck ? (uint16_t)2050u : (uint16_t)(*count + n % 2u);
+        }
+        rig.out = lode_drive6_step(&rig.drive, &counts);
+        rig6_move(&rig);
+    }
+    return rig6_telemetry(&rig).drive.fault;
+}
+
+static void test_a_converter_of_either_set_without_noise_is_refused(void) {
+    const lode_command_t calibrate_only = {.mode = LODE_MODE_CALIBRATE};
+    for (int stuck = 0; stuck < 6; stuck++) {
+        const lode_fault_t still = with_a_converter_stuck(calibrate_only, stuck, 0.5f);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK", lode_check_name(still.check));
+        TEST_ASSERT_TRUE(still.measured == (float)(stuck + 1));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_a_converter_stuck(calibrate_only, -1, 0.5f).check);
+    lode_drive6_config_t config = rig6_config(); // without any noise
+    config.drive.sense.i_noise_count = 0.5f;
+    rig6_t rig = rig_with(&config);
+    rig6_command(&rig, calibrate_only);
+    rig6_run(&rig, 0.2);
+    expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
+    TEST_ASSERT_TRUE(rig6_telemetry(&rig).drive.fault.measured == 1.0f);
+}
+
 static void test_a_trip_of_either_set_switches_both_off_at_once(void) {
     const lode_drive6_config_t config = rig6_config();
     for (int set = 0; set < 2; set++) {
@@ -757,6 +792,7 @@ int main(void) {
     RUN_TEST(test_field_weakening_keeps_the_angle);
     RUN_TEST(test_calibration_takes_all_six_offsets);
     RUN_TEST(test_an_implausible_offset_of_either_set_is_a_fault);
+    RUN_TEST(test_a_converter_of_either_set_without_noise_is_refused);
     RUN_TEST(test_a_trip_of_either_set_switches_both_off_at_once);
     RUN_TEST(test_over_current_in_set_2_is_seen);
     RUN_TEST(test_a_single_sample_at_the_rail_passes);

@@ -403,6 +403,62 @@ static void test_calibration_of_two_shunts_ignores_the_third(void) {
     CHECK_NEAR(1.0e-3, 2058.0, offset_of(&sense, 0));
 }
 
+static lode_status_t try_config(const lode_sense_config_t *config);
+
+static void test_calibration_asks_for_noise_where_there_is_some(void) {
+    lode_sense_config_t config = board();
+    config.calibrate_s = 0.1f; // steps of 6 counts: rms noise of 3 makes 4.2 of them
+    config.i_noise_count = 8.0f;
+    lode_sense_tuning_t tuning = tuned(&config);
+    lode_sense_t sense;
+    lode_sense_reset(&sense, &tuning);
+    int steps;
+    float worst;
+    TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_DONE,
+                          calibrate(&sense, &tuning, 2060, 2048, 2050, &steps, &worst));
+    TEST_ASSERT_EQUAL_INT(500, steps);
+    config.i_noise_count = 9.0f;
+    tuning = tuned(&config);
+    lode_sense_reset(&sense, &tuning);
+    TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_STUCK,
+                          calibrate(&sense, &tuning, 2060, 2048, 2050, &steps, &worst));
+    TEST_ASSERT_TRUE(worst == 1.0f);
+    CHECK_NEAR(0.0, 2048.0, offset_of(&sense, 0)); // nothing has changed
+    // An offset that is wrong is told first. Where nothing is wired nothing is asked for.
+    TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_IMPLAUSIBLE,
+                          calibrate(&sense, &tuning, 2248, 2048, 2050, &steps, &worst));
+    config.shunts = LODE_SHUNTS_TWO;
+    config.i_noise_count = 0.4f;
+    tuning = tuned(&config);
+    lode_sense_begin(&sums);
+    lode_calibration_t result = LODE_CALIBRATION_RUNNING;
+    for (unsigned n = 0; n < 500u; n++) { // and a step of 300 counts does not overflow
+        const lode_counts_t counts = {
+            .i = {(uint16_t)(n == 100u ? 2348u : 2048u + n % 2u), (uint16_t)(2048u + n % 2u), 0u}};
+        const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, 2u);
+        result = lode_sense_calibrate(&sense, &sums, &tuning, &s, &worst);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_DONE, result);
+}
+
+static void test_range_of_the_noise(void) {
+    lode_sense_config_t config = board();
+    config.calibrate_s = 0.0512f; // 256 samples
+    const float good[] = {0.0f, 0.4f, 64.0f};
+    const float bad[] = {-0.1f, 0.39f, 64.1f, NAN, INFINITY};
+    for (int k = 0; k < COUNT_OF(good); k++) {
+        config.i_noise_count = good[k];
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_config(&config));
+    }
+    for (int k = 0; k < COUNT_OF(bad); k++) {
+        config.i_noise_count = bad[k];
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CALIBRATION, try_config(&config));
+    }
+    config.i_noise_count = 0.4f;
+    config.calibrate_s = 0.0509f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CALIBRATION, try_config(&config));
+}
+
 static void test_a_long_calibration_keeps_its_precision(void) {
     lode_sense_config_t config = board();
     config.count_max = 65535.0f;
@@ -573,6 +629,8 @@ int main(void) {
     RUN_TEST(test_a_calibration_takes_one_sample_at_least);
     RUN_TEST(test_implausible_offsets_change_nothing);
     RUN_TEST(test_calibration_of_two_shunts_ignores_the_third);
+    RUN_TEST(test_calibration_asks_for_noise_where_there_is_some);
+    RUN_TEST(test_range_of_the_noise);
     RUN_TEST(test_a_long_calibration_keeps_its_precision);
     RUN_TEST(test_reset_forgets_the_calibration);
     RUN_TEST(test_every_field_at_its_limits);

@@ -31,6 +31,9 @@ typedef struct {
     float duty_max; ///< low-side shunts: above this duty a phase has no time to be sampled and is
                     ///< taken from the other two; 1: sampled always. 0: 1
     float calibrate_s; ///< time over which offsets are averaged; 0: 0.1
+    /// rms noise of a sound current sensor, at least: with less than half of it the calibration refuses; 0: it need
+    /// have none
+    float i_noise_count;
 } lode_sense_config_t;
 
 /// The raw results of one period, all sampled at t_k, the start of PWM period k.
@@ -59,6 +62,7 @@ typedef struct {
     float temperature_offset;
     float duty_max; ///< beyond it a phase is missing
     uint32_t calibrate_periods;
+    uint32_t noise_least; ///< of lode_sense_sums_t.steps2
     uint_least16_t count_max;
     uint_least16_t two_shunts; ///< 0 or 1
 } lode_sense_tuning_t;
@@ -70,6 +74,8 @@ typedef struct {
 /// A calibration under way.
 typedef struct {
     uint32_t count[3];
+    uint32_t steps2[3]; ///< of the squares of the counts' steps, each at most 255
+    uint16_t before[3];
     uint32_t samples; ///< how many are in the sums
 } lode_sense_sums_t;
 
@@ -89,7 +95,8 @@ typedef struct {
 typedef enum {
     LODE_CALIBRATION_RUNNING,
     LODE_CALIBRATION_DONE,
-    LODE_CALIBRATION_IMPLAUSIBLE
+    LODE_CALIBRATION_IMPLAUSIBLE,
+    LODE_CALIBRATION_STUCK
 } lode_calibration_t;
 
 /// Fills every zero field that has a default.
@@ -108,7 +115,8 @@ void lode_sense_reset(lode_sense_t *self, const lode_sense_tuning_t *tuning);
 void lode_sense_begin(lode_sense_sums_t *sums);
 
 /// Takes one more sample at zero current (gates off). At the end either all three offsets change or,
-/// where one is implausible, none; `worst_count` is the largest deviation from nominal.
+/// where one is implausible or has no noise, none; `worst_count` is the largest deviation from nominal, or the first
+/// phase without noise, 1 .. 3.
 lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *sums,
                                         const lode_sense_tuning_t *tuning,
                                         const lode_sample_t *sample, float *worst_count);

@@ -52,8 +52,9 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_SENSE_OFFSET, "drive.i_offset_tol_count drive.adc_bits", NULL,
      "within the converter's range"},
     {LODE_ERROR_SENSE_WINDOW, "drive.duty_max", NULL, "0.5 .. 1"},
-    {LODE_ERROR_SENSE_CALIBRATION, "drive.calibrate_s", "drive.f_pwm_Hz",
-     "1 period .. 10 s, at most 65536 periods"},
+    {LODE_ERROR_SENSE_CALIBRATION, "drive.calibrate_s drive.i_noise_count", "drive.f_pwm_Hz",
+     "calibrate_s 1 period .. 10 s, at most 65536 periods; i_noise_count 0, or 0.4 .. 64 and at "
+     "least 256 periods"},
     {LODE_ERROR_EMF_KIND, "estimator.emf", NULL, "an observer that is built in"},
     {LODE_ERROR_EMF_W0, "estimator.w0_rad_s", RATED, "1 .. 2/Ts"},
     {LODE_ERROR_EMF_GI, "estimator.gi_kappa estimator.gi_wc_rad_s", NULL,

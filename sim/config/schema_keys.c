@@ -68,6 +68,7 @@ static const rig_key_t keys[] = {
     FLOAT("drive", "i_offset_tol_count", sense.i_offset_tol_count),
     FLOAT("drive", "duty_max", sense.duty_max),
     FLOAT("drive", "calibrate_s", sense.calibrate_s),
+    FLOAT("drive", "i_noise_count", sense.i_noise_count),
 
     CHOICE("estimator", "emf", emf, emf_names, NULL),
     CHOICE("estimator", "pll", pll, PLL, NULL),

@@ -18,6 +18,7 @@
     ROW(FLOAT, float, sense.temperature_offset) \
     ROW(FLOAT, float, sense.duty_max) \
     ROW(WHOLE, uint32_t, sense.calibrate_periods) \
+    ROW(WHOLE, uint32_t, sense.noise_least) \
     ROW(WHOLE, uint_least16_t, sense.count_max) \
     ROW(WHOLE, uint_least16_t, sense.two_shunts) \
     ROW(FLOAT, float, inverter.v_min_V) \
