@@ -76,7 +76,7 @@ static float square(float x) {
 
 // Acceleration, mechanical, with all of the torque.
 static float acc_max_rad_s2(const lode_adaptation_t *self) {
-    return self->base->speed.torque_max_Nm / self->motor.J_kgm2;
+    return lode_references_most_Nm(&self->base->references) / self->motor.J_kgm2;
 }
 
 static float J_share(const lode_adaptation_t *self) {
@@ -244,7 +244,8 @@ static void follow_inertia(lode_adaptation_t *self, const lode_telemetry_t *now,
     const float x = self->lambda_rad_s * dt_s;
     const float a = x / (1.0f + x);
     const float per_acc = 1.0f / lode_max(acc_max_rad_s2(self), FLT_MIN);
-    const float per_torque = 1.0f / lode_max(self->base->speed.torque_max_Nm, FLT_MIN);
+    const float per_torque =
+        1.0f / lode_max(lode_references_most_Nm(&self->base->references), FLT_MIN);
     const float torque = wash(&self->by_torque, mean_Nm, a, dt_s).value * per_torque;
     const float speed_rad_s = now->omega_rad_s / self->motor.pole_pairs;
     const float acc = wash(&self->by_speed, speed_rad_s, a, dt_s).rate * per_acc;
@@ -384,13 +385,14 @@ static void use_inertia(lode_drive_tuning_t *t, const lode_adaptation_t *self, f
     const lode_speed_tuning_t *base = &self->base->speed;
     const lode_motor_t *motor = &self->motor;
     const float kp = base->pi.kp;
-    const float most = BANDWIDTH_RUN_UP_MAX * base->torque_max_Nm * motor->pole_pairs /
+    const float most_Nm = lode_references_most_Nm(&self->base->references);
+    const float most = BANDWIDTH_RUN_UP_MAX * most_Nm * motor->pole_pairs /
                        (motor->omega_rated_rad_s * (1.0f + base->rise));
     t->speed.pi.kp = lode_min(kp * J, lode_max(kp, most));
     t->speed.pi.ki_Ts = base->pi.ki_Ts * square(t->speed.pi.kp / kp) / J;
     t->speed.inertia_Nm = base->inertia_Nm * J;
     const float period_s = self->base->estimator.pll.ts_s * (float)self->base->speed_periods;
-    const float half = RAMP_TORQUE_SHARE * base->torque_max_Nm * period_s / motor->J_kgm2;
+    const float half = RAMP_TORQUE_SHARE * most_Nm * period_s / motor->J_kgm2;
     t->speed.ramp_step = lode_min(base->ramp_step, lode_max(base->ramp_step, half) / J);
     t->estimator.acc_per_torque = self->base->estimator.acc_per_torque / J;
     t->estimator.acc_per_omega = self->base->estimator.acc_per_omega / J;

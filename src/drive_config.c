@@ -202,7 +202,7 @@ static lode_status_t tune_injection(lode_drive_tuning_t *t, const lode_drive_con
         // Where current control is free beside the reserve, the modulator is with the wave.
         t->estimator.hfi.reserve_V = hfi.V_h_V / t->current.free;
     }
-    if (status == LODE_OK && hfi.on) {
+    if (status == LODE_OK && lode_hfi_is_on(&hfi)) {
         t->omega_min = ANY_SPEED;
         t->references.id_bias_A = -lode_max(c->hfi.id_A, 0.0f);
         t->references.fade = (lode_fade_t){2.0f * c->hfi.w2_rad_s, 1.0f / c->hfi.w2_rad_s};
@@ -278,7 +278,7 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
         status = tune_flight(t, c);
     }
     if (status == LODE_OK) {
-        status = lode_speed_tune(&t->speed, &c->speed, &c->inverter, &c->motor, &c->estimator.pll,
+        status = lode_speed_tune(&t->speed, &c->speed, &c->motor, &c->estimator.pll,
                                  (float)t->speed_periods * ts_s);
     }
     if (status == LODE_OK) {

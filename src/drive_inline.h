@@ -139,8 +139,10 @@ LODE_INLINE void lode_drive_run(lode_drive_t *self) {
     if (LODE_RARELY(lode_drive_is_too_slow(self))) {
         lode_mode_hand_back(self);
     } else if (LODE_USUALLY(lode_drive_speed_once(self))) {
-        // The mean of two samples half a round apart: the position error's ripple and noise fold down less.
-        lode_drive_speed(self, 0.5f * (self->omega_half + self->estimator.pll.omega_rad_s));
+        // The mean of two samples half a round apart, the first that of the lag: the position error's ripple
+        // and noise fold down less.
+        const lode_estimator_t *estimator = &self->estimator;
+        lode_drive_speed(self, 0.5f * (estimator->lag.omega_rad_s + estimator->pll.omega_rad_s));
         lode_drive_free_id(self);
     } else {
         // more than once in a round: lode_drive_fast_speed() does it
@@ -252,7 +254,7 @@ LODE_INLINE void lode_drive_inject(lode_drive_t *self, const lode_drive_tuning_t
     (void)self;
     (void)tuning;
 #else
-    if (LODE_RARELY(tuning->estimator.hfi.on)) {
+    if (LODE_RARELY(lode_hfi_is_on(&tuning->estimator.hfi))) {
         lode_mode_inject(self);
     }
 #endif
@@ -288,7 +290,6 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     case SLOT_LAG:
         lode_estimator_adapt_lag(estimator, &tuning->estimator);
         lode_drive_lead(self, tuning);
-        self->omega_half = estimator->pll.omega_rad_s;
         if (LODE_RARELY(lode_references_weakens(&tuning->references)) &&
             lode_drive_speed_once(self) && lode_mode(self) == LODE_MODE_RUN) {
             lode_drive_limit_flux(self);

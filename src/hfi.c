@@ -78,8 +78,8 @@ static float needed_V(const lode_hfi_config_t *config, const lode_hfi_system_t *
     return lode_max(lode_max(noise_V, dead_V), ripple_V);
 }
 
-static uint32_t rounds_in(float time_s, float ts_s) {
-    return (uint32_t)(int32_t)(time_s / ((float)LODE_SLOW_PERIODS * ts_s)) + 1u;
+static uint_least16_t rounds_in(float time_s, float ts_s) {
+    return (uint_least16_t)((uint32_t)(int32_t)(time_s / ((float)LODE_SLOW_PERIODS * ts_s)) + 1u);
 }
 
 #ifdef LODE_WITHOUT_HFI
@@ -190,13 +190,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     const lode_motor_t *motor = system->motor;
     const float full_V = 2.0f * config->V_h_V * (motor->Lq_H - motor->Ld_H) / motor->Ld_H;
     const float least_V = LEAST_SHARE * full_V;
-    const lode_pll_tuning_t pll = {
-        .inv_ts = 1.0f / system->ts_s,
-        .x_low = lode_one_minus_exp(config->sigma_rad_s * system->ts_s),
-        .third_order = system->third_order,
-    };
     *tuning = (lode_hfi_tuning_t){
-        .on = 1u,
         .V_h_V = config->V_h_V,
         .omega_high = config->w2_rad_s,
         .inv_span = 1.0f / (config->w2_rad_s - config->w1_rad_s),
@@ -204,11 +198,9 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
         .least_V2 = lode_max(least_V * least_V, FLT_MIN),
         .k_x = config->k_x_rad_A,
         .iq_weight = lode_one_minus_exp(IQ_rad_s * (float)LODE_SLOW_PERIODS * system->ts_s),
-        .find_gain = pll.x_low,
-        .polar_A = POLAR_SHARE * system->inverter->i_max_A,
+        .find_gain = lode_one_minus_exp(config->sigma_rad_s * system->ts_s),
         .find_rounds = rounds_in(FIND_s, system->ts_s),
         .polar_rounds = rounds_in(POLAR_s, system->ts_s),
-        .gains = lode_pll_gains(&pll, 0.0f),
     };
     return LODE_OK;
 }
@@ -248,7 +240,7 @@ static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t
     return more_V > 0.0f ? LODE_HFI_RIGHT : LODE_HFI_WRONG;
 }
 
-float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
+float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_max_A) {
     const bool finding = self->step == (uint_least8_t)LODE_HFI_FIND;
     const uint32_t rounds = finding ? tuning->find_rounds : tuning->polar_rounds;
     self->rounds++;
@@ -261,10 +253,11 @@ float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
         self->rounds = next == LODE_HFI_FIND ? self->rounds : 0u;
         self->step = (uint_least8_t)next;
     }
+    const float polar_A = POLAR_SHARE * i_max_A;
     if (self->step == (uint_least8_t)LODE_HFI_NORTH) {
-        return tuning->polar_A;
+        return polar_A;
     }
-    return self->step == (uint_least8_t)LODE_HFI_SOUTH ? -tuning->polar_A : 0.0f;
+    return self->step == (uint_least8_t)LODE_HFI_SOUTH ? -polar_A : 0.0f;
 }
 
 void lode_hfi_turn_round(lode_hfi_t *self) {

@@ -10,7 +10,11 @@
 
 // The tuning of a drive that does not inject. A corrupted state may inject by it: the divisor is not zero.
 LODE_INLINE lode_hfi_tuning_t lode_hfi_none(void) {
-    return (lode_hfi_tuning_t){.on = 0u, .least_V2 = FLT_MIN};
+    return (lode_hfi_tuning_t){.find_rounds = 0u, .least_V2 = FLT_MIN};
+}
+
+LODE_INLINE bool lode_hfi_is_on(const lode_hfi_tuning_t *tuning) {
+    return tuning->find_rounds > 0u;
 }
 
 // Position error (H4) of the period whose dead-beat EMF is `m_V`, seen from the predicted angle in its middle;
@@ -33,8 +37,9 @@ LODE_INLINE void lode_hfi_demodulate(lode_hfi_t *self, const lode_hfi_tuning_t *
 // From the current `i_A` in the frame of its angle.
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A);
 
-// Once in LODE_SLOW_PERIODS of a start at rest: the d current that is asked for. `step` says how far it is.
-float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning);
+// Once in LODE_SLOW_PERIODS of a start at rest: the d current that is asked for, by the largest one that may be.
+// `step` says how far it is.
+float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_max_A);
 
 // The angle is half a turn on.
 void lode_hfi_turn_round(lode_hfi_t *self);

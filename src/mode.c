@@ -147,7 +147,8 @@ static void run_at_once(lode_drive_t *self) {
     const float omega = estimator->pll.omega_rad_s;
     lode_running_t *run = &self->state.run; // takes the place of the start's
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
-                     lode_estimator_load_torque_Nm(estimator, &tuning->estimator));
+                     lode_estimator_load_torque_Nm(estimator, &tuning->estimator),
+                     lode_references_most_Nm(&tuning->references));
     run->fade = 0.0f;
     run->id_A = 0.0f;
     lode_references_reset(&run->references, self->i_A.d);
@@ -199,7 +200,8 @@ static void hand_over(lode_drive_t *self) {
     const float torque = lode_references_torque_Nm(&tuning->references, i_A);
     lode_running_t *run = &self->state.run; // takes the place of the start's
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
-                     lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator));
+                     lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator),
+                     lode_references_most_Nm(&tuning->references));
     run->fade = 1.0f;
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
     lode_references_reset(&run->references, i_A.d);
@@ -231,7 +233,7 @@ static bool finds_at_rest(const lode_drive_t *self) {
     (void)self;
     return false;
 #else
-    return self->tuning->estimator.hfi.on != 0u &&
+    return lode_hfi_is_on(&self->tuning->estimator.hfi) &&
            self->estimator.by.hfi.step != (uint_least8_t)LODE_HFI_UNDECIDED;
 #endif
 }
@@ -401,7 +403,6 @@ static void take_flight(lode_drive_t *self, const lode_fly_t *found) {
                               lode_clamp(DUTY_IDLE + e.c, 0.0f, 1.0f)};
     self->i_A = (lode_dq_t){0.0f, 0.0f};
     self->lead = lode_angle_triple(half);
-    self->omega_half = omega;
     self->direction = lode_sign(omega);
     run_at_once(self);
 }
@@ -611,12 +612,12 @@ static void find_at_rest(lode_drive_t *self) {
         const lode_ab_t i_A = estimator->emf.i_A;
         lode_hfi_begin(hfi, tuning, (lode_dq_t){i_A.alpha, i_A.beta});
     }
-    estimator->gains = tuning->gains;
+    estimator->gains = lode_pll_gains_of(&self->tuning->estimator.pll, tuning->find_gain);
     if (hfi->step == (uint_least8_t)LODE_HFI_RIGHT) {
         run_at_once(self); // it stands still, or nearly so, and the currents are in its frame
         return;
     }
-    self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning), 0.0f};
+    self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning, self->tuning->references.i_max_A), 0.0f};
     switch ((lode_hfi_step_t)hfi->step) {
     case LODE_HFI_FIND: // (H14): of third order the loop would wind up its speed, and slip
         estimator->gains = (lode_pll_gains_t){tuning->find_gain, 0.0f, 0.0f};
@@ -668,7 +669,8 @@ static void inject_running(lode_drive_t *self) {
         return;
     }
     if (lode_hfi_follow(&estimator->by.hfi, &self->tuning->estimator.hfi, self->i_A, omega)) {
-        estimator->gains = self->tuning->estimator.hfi.gains;
+        const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
+        estimator->gains = lode_pll_gains_of(&tuning->pll, tuning->hfi.find_gain);
         self->direction = lode_sign(omega); // either is as good
     } else {
         lode_estimator_end_injection(estimator, &self->tuning->estimator);

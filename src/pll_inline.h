@@ -4,16 +4,20 @@
 
 #include "lodestar/pll.h"
 
-// Gains of the bandwidth that belongs to the speed (P5). It moves slowly: every few periods is enough.
-LODE_SHARED lode_pll_gains_t lode_pll_gains(const lode_pll_tuning_t *tuning, float omega_rad_s) {
-    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
-    const float x = tuning->x_low + tuning->x_rise * lode_clamp(up, 0.0f, 1.0f);
+// Gains (P5) of a bandwidth, `x` = 1 - exp(-sigma Ts).
+LODE_INLINE lode_pll_gains_t lode_pll_gains_of(const lode_pll_tuning_t *tuning, float x) {
     const float rate = x * x * tuning->inv_ts;
     if (tuning->third_order != 0u) {
         return (lode_pll_gains_t){x * (3.0f - x * (3.0f - x)), 1.5f * (2.0f - x) * rate,
                                   x * rate * tuning->inv_ts};
     }
     return (lode_pll_gains_t){x * (2.0f - x), rate, 0.0f};
+}
+
+// Those of the bandwidth that belongs to the speed. It moves slowly: every few periods is enough.
+LODE_SHARED lode_pll_gains_t lode_pll_gains(const lode_pll_tuning_t *tuning, float omega_rad_s) {
+    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
+    return lode_pll_gains_of(tuning, tuning->x_low + tuning->x_rise * lode_clamp(up, 0.0f, 1.0f));
 }
 
 // The motion from t_k-1 to t_k.

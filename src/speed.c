@@ -49,8 +49,7 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
 }
 
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
-                              const lode_inverter_config_t *inverter, const lode_motor_t *motor,
-                              const lode_pll_config_t *pll, float ts_s) {
+                              const lode_motor_t *motor, const lode_pll_config_t *pll, float ts_s) {
     if (!lode_in_range(config->kp_Nms, 1.0e-9f, 1.0e6f) ||
         !lode_in_range(config->ki_Nm, 0.0f, 1.0e6f) ||
         !lode_in_range(config->gain_rise, 1.0f, RISE_MAX)) {
@@ -81,17 +80,16 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         .ramp_step = config->ramp_rad_s2 * ts_s,
         .load_feed_forward = lode_max(config->load_feed_forward, 0.0f),
         .inertia_Nm = lode_max(config->inertia_feed_forward, 0.0f) * motor->J_kgm2 / ts_s,
-        .torque_max_Nm = inverter->i_max_A * lode_motor_kt_Nm_A(motor),
     };
     return LODE_OK;
 }
 
 void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,
-                      float torque_Nm, float load_Nm) {
+                      float torque_Nm, float load_Nm, float most_Nm) {
     lode_pi_reset(&self->pi, torque_Nm - tuning->load_feed_forward * load_Nm);
     self->reference_rad_s = omega_rad_s;
     self->torque_Nm = torque_Nm;
-    self->limit_Nm = (lode_range_t){-tuning->torque_max_Nm, tuning->torque_max_Nm};
+    self->limit_Nm = (lode_range_t){-most_Nm, most_Nm};
 }
 
 #ifndef LODE_WITHOUT_TORQUE_CONTROL

@@ -30,6 +30,7 @@
 // start current then takes less than a third of its flux.
 #define CURRENT_FALL 0.7f
 #define ROUNDS_MAX 2.0e9f // inside an int32
+#define COUNTER_MAX 65535.0f
 #define SWEEP_rad (LODE_TWO_PI / 3.0f)
 #define MEAN_CORNER 0.3f  // of the mean EMF, over the swing's natural frequency
 #define SWING_CORNER 3.0f // of its deviation: above, an error in Lq would close a loop
@@ -181,10 +182,11 @@ static lode_status_t check(const lode_start_config_t *config,
     if (!lode_in_range(config->omega_handover_rad_s, 1.0e-3f * omega_max_rad_s, omega_max_rad_s)) {
         return LODE_ERROR_START_SPEED;
     }
+    const float longest_s = lode_min(10.0f, COUNTER_MAX * (float)LODE_SLOW_PERIODS * ts_s);
     if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f) ||
         !lode_in_range(config->current_rise_s, ts_s, 100.0f) ||
-        !lode_in_range(config->catch_s, LODE_NONE, 10.0f) ||
-        !lode_in_range(config->lock_s, ts_s, 10.0f) ||
+        !lode_in_range(config->catch_s, LODE_NONE, longest_s) ||
+        !lode_in_range(config->lock_s, ts_s, longest_s) ||
         !lode_in_range(config->fade_s, ts_s, 10.0f) ||
         !lode_in_range(config->timeout_s, config->lock_s, TIMEOUT_MAX_s)) {
         return LODE_ERROR_START_RAMP;
@@ -234,8 +236,8 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .mean_weight = lode_one_minus_exp(MEAN_CORNER * swing * ts_s),
         .swing_weight = lode_one_minus_exp(SWING_CORNER * swing * ts_s),
         .fade_step = ts_s / config->fade_s,
-        .catch_rounds = rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
-        .lock_rounds = rounds_in(config->lock_s, ts_s),
+        .catch_rounds = (uint_least16_t)rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
+        .lock_rounds = (uint_least16_t)rounds_in(config->lock_s, ts_s),
         .current_last_A = config->current_last_A,
         .ramp_rounds = ramp_s(config) / round_s,
         .still_rounds = (config->current_rise_s + dwell_s(config) + config->lock_s) / round_s,

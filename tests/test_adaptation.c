@@ -171,8 +171,8 @@ static void test_inertia_changes_speed_control_and_feed_forward_only(void) {
                              now.estimator.load_per_f_Nm / base->estimator.load_per_f_Nm);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4f, 1.0f / used, now.speed.ramp_step / base->speed.ramp_step);
     // Not in proportion: a rotor three times as heavy would answer the noise of its speed with too much torque.
-    const float most = 13.0f * base->speed.torque_max_Nm * bench.config.motor.pole_pairs /
-                       bench.config.motor.omega_rated_rad_s;
+    const float most = 13.0f * lode_references_most_Nm(&base->references) *
+                       bench.config.motor.pole_pairs / bench.config.motor.omega_rated_rad_s;
     TEST_ASSERT_FLOAT_WITHIN(1.0e-3f, 1.0f, now.speed.pi.kp * (1.0f + base->speed.rise) / most);
     TEST_ASSERT_TRUE(now.speed.pi.kp < used * base->speed.pi.kp);
     const float gain = now.speed.pi.kp / base->speed.pi.kp;

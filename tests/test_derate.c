@@ -109,7 +109,7 @@ static void test_a_drive_keeps_to_its_share(void) {
     lode_drive_limit_torque(&rig.drive, 0.25f);
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 150.0f});
     rig_run(&rig, 0.2);
-    const double most = (double)tuning.speed.torque_max_Nm;
+    const double most = (double)lode_references_most_Nm(&tuning.references);
     CHECK_NEAR(0.02 * most, 0.25 * most, (double)rig_telemetry(&rig).torque_ref_Nm);
     TEST_ASSERT_TRUE(rig_telemetry(&rig).torque_limited);
     // Any number will do.

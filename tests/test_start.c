@@ -432,6 +432,25 @@ static void test_times_become_rounds(void) {
     CHECK_CLOSE(1.0e-6, 5.0e6 / ROUND, far.timeout_rounds);
 }
 
+// 16 bits hold 65535 rounds of catch and lock.
+static void test_times_have_room_in_their_counters(void) {
+    const float ts_s = 5.0e-6f;
+    const size_t offsets[] = {offsetof(lode_start_config_t, catch_s),
+                              offsetof(lode_start_config_t, lock_s)};
+    const lode_motor_t motor = paper_motor();
+    for (int i = 0; i < COUNT_OF(offsets); i++) {
+        lode_start_config_t config = sound();
+        lode_start_tuning_t tuning;
+        field_set(&config, offsets[i], 2.62f);
+        TEST_ASSERT_EQUAL_INT(
+            LODE_OK, lode_start_tune(&tuning, &config, &inverter, &motor, OMEGA_MAX, ts_s));
+        TEST_ASSERT_EQUAL_UINT32(65500, i == 0 ? tuning.catch_rounds : tuning.lock_rounds);
+        field_set(&config, offsets[i], 2.63f);
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_START_RAMP, lode_start_tune(&tuning, &config, &inverter,
+                                                                     &motor, OMEGA_MAX, ts_s));
+    }
+}
+
 static lode_status_t try_one(size_t offset, float value) {
     lode_start_config_t config = sound();
     field_set(&config, offset, value);
@@ -811,6 +830,7 @@ int main(void) {
     RUN_TEST(test_no_rounds_left_to_look_for_a_rotor_are_over);
     RUN_TEST(test_range_of_the_time_to_catch);
     RUN_TEST(test_times_become_rounds);
+    RUN_TEST(test_times_have_room_in_their_counters);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_design_fills_what_is_open);
     return UNITY_END();

@@ -191,7 +191,6 @@ typedef struct {
 #endif
     lode_inverter_t inverter;
     lode_estimator_t estimator;
-    float omega_half;   ///< electrical speed half a round of slow jobs before speed control
     lode_sincos_t lead; ///< angle from a sample to the middle of its duties, at the present speed
     lode_current_t current;
     lode_dq_t ref_A;

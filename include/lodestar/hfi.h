@@ -58,7 +58,6 @@ typedef struct {
 } lode_hfi_system_t;
 
 typedef struct {
-    uint32_t on; ///< 0 or 1
     float V_h_V;
     float omega_high; ///< w2
     float inv_span;   ///< 1/(w2 - w1)
@@ -67,11 +66,10 @@ typedef struct {
     float reserve_V;  ///< bus voltage that current control leaves to the wave; the drive sets it
     float k_x;        ///< rad/A
     float iq_weight;  ///< of a new i_q in the one that turns the axis, once in LODE_SLOW_PERIODS
-    float find_gain;  ///< of the angle, while it is looked for at rest (H14)
-    float polar_A;    ///< d current of either sign that tells north from south
-    uint32_t find_rounds;  ///< LODE_SLOW_PERIODS each
-    uint32_t polar_rounds; ///< with either sign
-    lode_pll_gains_t gains;
+    float
+        find_gain; ///< of the angle, while it is looked for at rest (H14); the PLL's gains follow from it
+    uint_least16_t find_rounds;  ///< LODE_SLOW_PERIODS each; 0: nothing is injected
+    uint_least16_t polar_rounds; ///< with either sign
 } lode_hfi_tuning_t;
 
 /// What a start at rest is doing.

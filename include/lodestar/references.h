@@ -115,6 +115,11 @@ void lode_references_reset(lode_references_t *self, float id_A);
 float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
                            float omega_rad_s);
 
+/// Torque of i_max at id = 0, Nm.
+static inline float lode_references_most_Nm(const lode_references_tuning_t *tuning) {
+    return tuning->i_max_A * (tuning->torque_factor * tuning->psi_Wb);
+}
+
 /// Torque that `i_A` makes, Nm: the inverse of the step without its limits and without saturation.
 float lode_references_torque_Nm(const lode_references_tuning_t *tuning, lode_dq_t i_A);
 

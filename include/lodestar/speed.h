@@ -41,7 +41,6 @@ typedef struct {
     float ramp_step; ///< mechanical rad/s per period
     float load_feed_forward;
     float inertia_Nm; ///< torque per mechanical rad/s and period
-    float torque_max_Nm;
 } lode_speed_tuning_t;
 
 typedef struct {
@@ -56,12 +55,12 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
                        float omega_handover_rad_s);
 
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
-                              const lode_inverter_config_t *inverter, const lode_motor_t *motor,
-                              const lode_pll_config_t *pll, float ts_s);
+                              const lode_motor_t *motor, const lode_pll_config_t *pll, float ts_s);
 
-/// Starts from the mechanical speed `omega_rad_s` with the torque `torque_Nm`, without a jump.
+/// Starts from the mechanical speed `omega_rad_s` with the torque `torque_Nm`, without a jump, and within
+/// `most_Nm` of either sign.
 void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,
-                      float torque_Nm, float load_Nm);
+                      float torque_Nm, float load_Nm, float most_Nm);
 
 #ifdef __cplusplus
 }

@@ -41,18 +41,18 @@ typedef struct {
     float current_A;
     float current_step; ///< A per period
     float omega_handover;
-    float omega_ready;     ///< from which the estimator may take over, up to omega_handover
-    float sweep_step_rad;  ///< per period while the current rises
-    float omega_step;      ///< electrical rad/s per period
-    float damping;         ///< rad by which the vector gives way per V of swinging EMF, at most
-    float damping_A;       ///< what it may be, times the current
-    float damping_rad_s;   ///< what it may be, times the speed
-    float lost_per_A;      ///< share of the flux that the start's current takes, per A
-    float mean_weight;     ///< of a new sample in the mean EMF
-    float swing_weight;    ///< of a new sample in its swing
-    float fade_step;       ///< per call of the references
-    uint32_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
-    uint32_t lock_rounds;
+    float omega_ready;    ///< from which the estimator may take over, up to omega_handover
+    float sweep_step_rad; ///< per period while the current rises
+    float omega_step;     ///< electrical rad/s per period
+    float damping;        ///< rad by which the vector gives way per V of swinging EMF, at most
+    float damping_A;      ///< what it may be, times the current
+    float damping_rad_s;  ///< what it may be, times the speed
+    float lost_per_A;     ///< share of the flux that the start's current takes, per A
+    float mean_weight;    ///< of a new sample in the mean EMF
+    float swing_weight;   ///< of a new sample in its swing
+    float fade_step;      ///< per call of the references
+    uint_least16_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
+    uint_least16_t lock_rounds;
     float current_last_A;  ///< of the last attempt
     float ramp_rounds;     ///< of the first attempt's ramp to hand-over speed, in LODE_SLOW_PERIODS
     float still_rounds;    ///< of current rise and lock

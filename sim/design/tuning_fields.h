@@ -57,7 +57,6 @@
     ROW(FLOAT, float, estimator.lag.coefficient[3]) \
     ROW(FLOAT, float, estimator.lag.coefficient[4]) \
     ROW(FLOAT, float, estimator.lag.coefficient[5]) \
-    ROW(WHOLE, uint32_t, estimator.hfi.on) \
     ROW(FLOAT, float, estimator.hfi.V_h_V) \
     ROW(FLOAT, float, estimator.hfi.omega_high) \
     ROW(FLOAT, float, estimator.hfi.inv_span) \
@@ -67,12 +66,8 @@
     ROW(FLOAT, float, estimator.hfi.k_x) \
     ROW(FLOAT, float, estimator.hfi.iq_weight) \
     ROW(FLOAT, float, estimator.hfi.find_gain) \
-    ROW(FLOAT, float, estimator.hfi.polar_A) \
-    ROW(WHOLE, uint32_t, estimator.hfi.find_rounds) \
-    ROW(WHOLE, uint32_t, estimator.hfi.polar_rounds) \
-    ROW(FLOAT, float, estimator.hfi.gains.theta) \
-    ROW(FLOAT, float, estimator.hfi.gains.omega_s) \
-    ROW(FLOAT, float, estimator.hfi.gains.f_s2) \
+    ROW(WHOLE, uint_least16_t, estimator.hfi.find_rounds) \
+    ROW(WHOLE, uint_least16_t, estimator.hfi.polar_rounds) \
     ROW(FLOAT, float, estimator.notch.k) \
     ROW(FLOAT, float, estimator.notch.order_Ts) \
     ROW(FLOAT, float, estimator.notch.inv_span) \
@@ -131,7 +126,6 @@
     ROW(FLOAT, float, speed.ramp_step) \
     ROW(FLOAT, float, speed.load_feed_forward) \
     ROW(FLOAT, float, speed.inertia_Nm) \
-    ROW(FLOAT, float, speed.torque_max_Nm) \
     ROW(FLOAT, float, start.current_A) \
     ROW(FLOAT, float, start.current_step) \
     ROW(FLOAT, float, start.omega_handover) \
@@ -145,8 +139,8 @@
     ROW(FLOAT, float, start.mean_weight) \
     ROW(FLOAT, float, start.swing_weight) \
     ROW(FLOAT, float, start.fade_step) \
-    ROW(WHOLE, uint32_t, start.catch_rounds) \
-    ROW(WHOLE, uint32_t, start.lock_rounds) \
+    ROW(WHOLE, uint_least16_t, start.catch_rounds) \
+    ROW(WHOLE, uint_least16_t, start.lock_rounds) \
     ROW(FLOAT, float, start.current_last_A) \
     ROW(FLOAT, float, start.ramp_rounds) \
     ROW(FLOAT, float, start.still_rounds) \

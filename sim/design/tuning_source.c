@@ -102,7 +102,7 @@ static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
     if ((tuning->estimator.options & (uint32_t)LODE_ESTIMATOR_NOTCH) != 0u) {
         (void)fputs(UNLESS("NOTCH"), file);
     }
-    if (tuning->estimator.hfi.on != 0u) {
+    if (tuning->estimator.hfi.find_rounds > 0u) {
         (void)fputs(UNLESS("HFI"), file);
     }
     if (tuning->speed_periods != LODE_SLOW_PERIODS) {

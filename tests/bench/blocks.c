@@ -90,7 +90,8 @@ bool bench_blocks_setup(void) {
     lode_current_reset(&current, (lode_dq_t){-0.5f, 9.9f},
                        lode_references_induced_V(&t->references, i_A, BENCH_OMEGA_rad_s));
     lode_speed_reset(&speed, &t->speed, BENCH_OMEGA_rad_s / BENCH_POLE_PAIRS,
-                     lode_references_torque_Nm(&t->references, i_A), 0.0f);
+                     lode_references_torque_Nm(&t->references, i_A), 0.0f,
+                     lode_references_most_Nm(&t->references));
     lode_guard_reset(&guard);
     lode_start_reset(&start, lode_sincos(0.0f), BENCH_OMEGA_rad_s, BENCH_IQ_A);
     pll = estimator[ENHANCED].pll;
