@@ -241,7 +241,9 @@ LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const lode_drive_tun
     (void)tuning;
     (void)i;
 #else
-    if (LODE_RARELY(lode_mode(self) == LODE_MODE_START) && tuning->plausibility.per_wave_A > 0.0f) {
+    if (LODE_RARELY(lode_mode(self) == LODE_MODE_START) &&
+        self->state.start.stage == (uint_least8_t)LODE_START_TURN &&
+        tuning->plausibility.per_wave_A > 0.0f) {
         const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]}; // as lode_drive_watch()
         lode_drive_note_waves(self, copy);
     }

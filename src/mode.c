@@ -125,7 +125,6 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     lode_guard_reset(&self->guard);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_reset(&self->plausibility);
-    self->waves = (lode_waves_t){.turn_rad = 0.0f};
 #endif
     lode_estimator_reset(&self->estimator, &tuning->estimator);
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
@@ -221,9 +220,6 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
     lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead),
                      self->estimator.pll.omega_rad_s, current_A);
     lode_current_reset(&self->current, u_V, (lode_dq_t){0.0f, 0.0f});
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-    self->waves = (lode_waves_t){.turn_rad = 0.0f};
-#endif
     set_mode(self, LODE_MODE_START);
 }
 

@@ -254,13 +254,27 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     return LODE_OK;
 }
 
+// What is seen of the stage before is forgotten.
+static void enter(lode_start_t *self, uint_least8_t stage) {
+    self->stage = stage;
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    self->seen.rest.sum_V = 0.0f;
+    self->seen.rest.along_V = 0.0f;
+#endif
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    if (stage == (uint_least8_t)LODE_START_TURN) {
+        self->seen.waves = (lode_waves_t){.turn_rad = 0.0f};
+    }
+#endif
+}
+
 void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, float current_A) {
     *self = (lode_start_t){.at = at,
                            .omega_rad_s = omega_rad_s,
                            .current_A = current_A,
                            .omega_target = omega_rad_s,
-                           .current_target = current_A,
-                           .stage = (uint_least8_t)LODE_START_TURN};
+                           .current_target = current_A};
+    enter(self, (uint_least8_t)LODE_START_TURN);
 }
 
 // Without looking for a rotor that turns.
@@ -276,7 +290,7 @@ static uint_least8_t first_stage(const lode_start_tuning_t *tuning) {
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
     lode_start_reset(self, (lode_sincos_t){0.0f, 1.0f}, 0.0f, 0.0f);
     self->attempt = tuning->catch_rounds;
-    self->stage = self->attempt > 0u ? (uint_least8_t)LODE_START_CATCH : first_stage(tuning);
+    enter(self, self->attempt > 0u ? (uint_least8_t)LODE_START_CATCH : first_stage(tuning));
 }
 
 static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
@@ -309,7 +323,7 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
         self->omega_rad_s = 0.0f;
         self->current_A = 0.0f;
         self->failed = self->failed == 0u ? 1u : FAILED_MAX;
-        self->stage = first_stage(tuning);
+        enter(self, first_stage(tuning));
         self->by.shift_rad = 0.0f; // nothing has dwelt
     }
 }
@@ -327,25 +341,25 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
     if (self->by.rest.dwelt > tuning->dwell_rounds / SETTLE_PART &&
         lode_abs(seen_V.q) <= tuning->calm_V) {
         self->by.rest.calm++;
-        self->sum_V += seen_V.d;
+        self->seen.rest.sum_V += seen_V.d;
     }
     const bool known = self->by.rest.calm >= tuning->calm_rounds;
     if (!known && self->by.rest.dwelt < tuning->dwell_rounds) {
         return false;
     }
-    const float mean_V = self->sum_V / (float)tuning->calm_rounds;
+    const float mean_V = self->seen.rest.sum_V / (float)tuning->calm_rounds;
     const bool last = self->stage != (uint_least8_t)LODE_START_HALF;
     // (S13), (S14)
-    found->r_Ohm = (mean_V - self->along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
+    found->r_Ohm = (mean_V - self->seen.rest.along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
     found->dead_V = mean_V - found->r_Ohm * self->current_A;
-    self->along_V = mean_V;
-    self->stage = (uint_least8_t)(known && !last ? LODE_START_FULL : LODE_START_TURN);
+    enter(self, (uint_least8_t)(known && !last ? LODE_START_FULL : LODE_START_TURN));
     self->by.rest.dwelt = 0u;
     self->by.rest.calm = 0u;
     if (self->stage == (uint_least8_t)LODE_START_TURN) {
         self->by.shift_rad = lode_start_shift_rad(self);
+    } else {
+        self->seen.rest.along_V = mean_V;
     }
-    self->sum_V = 0.0f;
     return known && last;
 }
 
@@ -397,7 +411,7 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
     self->attempt = self->attempt > 0u ? self->attempt - 1u : 0u;
     if (self->attempt == 0u) { // the vector begins
         self->locked = 0u;
-        self->stage = first_stage(tuning);
+        enter(self, first_stage(tuning));
     }
 }
 

@@ -187,7 +187,6 @@ typedef struct {
     lode_guard_t guard;
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_t plausibility; ///< of the currents, of set 1
-    lode_waves_t waves;               ///< of three phases
 #endif
     lode_inverter_t inverter;
     lode_estimator_t estimator;

@@ -5,6 +5,7 @@
 
 #include "lodestar/estimator.h"
 #include "lodestar/inverter.h"
+#include "lodestar/plausibility.h"
 #include "lodestar/references.h"
 
 #ifdef __cplusplus
@@ -91,10 +92,17 @@ typedef struct {
     uint32_t locked;  ///< rounds of LODE_SLOW_PERIODS for which the lock has held
     uint32_t attempt; ///< rounds since the present attempt began; LODE_START_CATCH: that are left
     uint32_t rounds;  ///< since the start
-    float sum_V;      ///< of the voltages along the current
-    float along_V;    ///< their mean at half the current
-    float by_size;    ///< share of the EMF's size in the swing, with the sign of the speed
-    float give;       ///< rad by which the vector gives way per V of swinging EMF
+    union {
+        struct {
+            float sum_V;   ///< of the voltages along the current
+            float along_V; ///< their mean at half the current
+        } rest;            ///< before LODE_START_TURN
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        lode_waves_t waves; ///< LODE_START_TURN: of three phases
+#endif
+    } seen;
+    float by_size; ///< share of the EMF's size in the swing, with the sign of the speed
+    float give;    ///< rad by which the vector gives way per V of swinging EMF
     union {
         struct {
             uint_least16_t dwelt; ///< rounds at the present current of the measurement
