@@ -314,7 +314,7 @@ LODE_NOINLINE void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
     const lode_drive_tuning_t *tuning = self->tuning;
     const float round_s = (float)LODE_SLOW_PERIODS * tuning->estimator.pll.ts_s;
     const uint_least8_t phase =
-        lode_waves_step(&self->state.start.seen.waves, &tuning->plausibility, i,
+        lode_waves_step(&self->state.start.seen.turn.waves, &tuning->plausibility, i,
                         self->ref_A.d * self->ref_A.d, round_s * self->state.start.omega_rad_s);
     if (LODE_RARELY(phase > 0u)) {
         lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);

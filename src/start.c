@@ -257,15 +257,16 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 // What is seen of the stage before is forgotten.
 static void enter(lode_start_t *self, uint_least8_t stage) {
     self->stage = stage;
-#ifndef LODE_WITHOUT_START_MEASUREMENT
     self->seen.rest.sum_V = 0.0f;
     self->seen.rest.along_V = 0.0f;
-#endif
-#ifndef LODE_WITHOUT_PLAUSIBILITY
+    self->seen.rest.dwelt = 0u;
+    self->seen.rest.calm = 0u;
     if (stage == (uint_least8_t)LODE_START_TURN) {
-        self->seen.waves = (lode_waves_t){.turn_rad = 0.0f};
-    }
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        self->seen.turn.waves = (lode_waves_t){.turn_rad = 0.0f};
 #endif
+        self->seen.turn.shift_rad = lode_start_shift_rad(self);
+    }
 }
 
 void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, float current_A) {
@@ -324,7 +325,6 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
         self->current_A = 0.0f;
         self->failed = self->failed == 0u ? 1u : FAILED_MAX;
         enter(self, first_stage(tuning));
-        self->by.shift_rad = 0.0f; // nothing has dwelt
     }
 }
 
@@ -336,15 +336,15 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
         self->current_A < self->current_target) {
         return false;
     }
-    self->by.rest.dwelt++;
+    self->seen.rest.dwelt++;
     const lode_dq_t seen_V = lode_park(e_V, lode_start_vector(self));
-    if (self->by.rest.dwelt > tuning->dwell_rounds / SETTLE_PART &&
+    if (self->seen.rest.dwelt > tuning->dwell_rounds / SETTLE_PART &&
         lode_abs(seen_V.q) <= tuning->calm_V) {
-        self->by.rest.calm++;
+        self->seen.rest.calm++;
         self->seen.rest.sum_V += seen_V.d;
     }
-    const bool known = self->by.rest.calm >= tuning->calm_rounds;
-    if (!known && self->by.rest.dwelt < tuning->dwell_rounds) {
+    const bool known = self->seen.rest.calm >= tuning->calm_rounds;
+    if (!known && self->seen.rest.dwelt < tuning->dwell_rounds) {
         return false;
     }
     const float mean_V = self->seen.rest.sum_V / (float)tuning->calm_rounds;
@@ -353,11 +353,7 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
     found->r_Ohm = (mean_V - self->seen.rest.along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
     found->dead_V = mean_V - found->r_Ohm * self->current_A;
     enter(self, (uint_least8_t)(known && !last ? LODE_START_FULL : LODE_START_TURN));
-    self->by.rest.dwelt = 0u;
-    self->by.rest.calm = 0u;
-    if (self->stage == (uint_least8_t)LODE_START_TURN) {
-        self->by.shift_rad = lode_start_shift_rad(self);
-    } else {
+    if (self->stage != (uint_least8_t)LODE_START_TURN) {
         self->seen.rest.along_V = mean_V;
     }
     return known && last;
@@ -369,9 +365,9 @@ float lode_start_turned_rad(lode_start_t *self, float advance_rad) {
     if (self->stage != (uint_least8_t)LODE_START_TURN) {
         return 0.0f;
     }
-    const float before_rad = self->by.shift_rad;
-    self->by.shift_rad = lode_start_shift_rad(self);
-    return advance_rad + self->by.shift_rad - before_rad;
+    const float before_rad = self->seen.turn.shift_rad;
+    self->seen.turn.shift_rad = lode_start_shift_rad(self);
+    return advance_rad + self->seen.turn.shift_rad - before_rad;
 }
 
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,

@@ -720,10 +720,10 @@ static int measure(const lode_start_config_t *config, double r_Ohm, double dead_
     CHECK_CLOSE(1.0e-5, config->current_A, start.current_A);
     TEST_ASSERT_TRUE(start.omega_rad_s > 0.0f); // and goes on
     // What is seen at rest and of a vector that turns shares its place.
-    TEST_ASSERT_EQUAL_UINT(0u, start.seen.waves.seen);
-    TEST_ASSERT_EQUAL_UINT(0u, start.seen.waves.lacking);
-    CHECK_NEAR(0.0, 0.0, start.seen.waves.turn_rad);
-    start.seen.waves.turn_rad = 3.0f;
+    TEST_ASSERT_EQUAL_UINT(0u, start.seen.turn.waves.seen);
+    TEST_ASSERT_EQUAL_UINT(0u, start.seen.turn.waves.lacking);
+    CHECK_NEAR(0.0, 0.0, start.seen.turn.waves.turn_rad);
+    start.seen.turn.waves.turn_rad = 3.0f;
     while (start.stage == LODE_START_TURN && start.rounds < 20000u) {
         lode_start_aim(&start, &tuning, 47.0f, config->current_A);
     }

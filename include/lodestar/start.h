@@ -94,22 +94,20 @@ typedef struct {
     uint32_t rounds;  ///< since the start
     union {
         struct {
-            float sum_V;   ///< of the voltages along the current
-            float along_V; ///< their mean at half the current
-        } rest;            ///< before LODE_START_TURN
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-        lode_waves_t waves; ///< LODE_START_TURN: of three phases
-#endif
-    } seen;
-    float by_size; ///< share of the EMF's size in the swing, with the sign of the speed
-    float give;    ///< rad by which the vector gives way per V of swinging EMF
-    union {
-        struct {
+            float sum_V;          ///< of the voltages along the current
+            float along_V;        ///< their mean at half the current
             uint_least16_t dwelt; ///< rounds at the present current of the measurement
             uint_least16_t calm;  ///< of them with the rotor at rest
         } rest;                   ///< before LODE_START_TURN
-        float shift_rad;          ///< LODE_START_TURN: how far ahead the vector was when last asked
-    } by;
+        struct {
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+            lode_waves_t waves; ///< of three phases
+#endif
+            float shift_rad; ///< how far ahead the vector was when last asked
+        } turn;              ///< LODE_START_TURN
+    } seen;
+    float by_size;        ///< share of the EMF's size in the swing, with the sign of the speed
+    float give;           ///< rad by which the vector gives way per V of swinging EMF
     uint_least8_t stage;  ///< LODE_START_...
     uint_least8_t failed; ///< attempts, up to two
 } lode_start_t;
