@@ -12,6 +12,7 @@
 #define UNKNOWN_s 1.0e-6f   // of dead time
 #define TURN_rad 3.0f       // seen turning by so much, the speed is known to a few per cent ...
 #define TURN_LEAST_rad 0.5f // ... by so much to some 20 %
+#define SCATTER_MAX_rad 0.5f // rms about the line; of noise alone it is some 1.6 and more
 #define TURN_PERIODS 12u
 #define TURN_PART 0.5f    // of the time in which a rotor is looked for
 #define LEAST_SHARE 0.75f // of the speed from which the estimator may take over
@@ -67,8 +68,9 @@ lode_status_t lode_fly_tune(lode_fly_tuning_t *tuning, const lode_start_config_t
 }
 
 typedef struct {
-    float more_rad;  // where the line ends, beyond the last angle
-    float slope_rad; // per period
+    float more_rad;     // where the line ends, beyond the last angle
+    float slope_rad;    // per period
+    float scatter_rad2; // mean square of the angles about it
 } line_t;
 
 void lode_fly_begin(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
@@ -101,7 +103,7 @@ static void grow(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     self->periods++;
     if ((enough && fits) || self->periods >= tuning->periods) {
         self->theta_rad = lode_atan2(i_A.beta, i_A.alpha);
-        self->turned_rad = self->sum_rad = self->moment_rad = 0.0f;
+        self->turned_rad = self->sum_rad = self->moment_rad = self->square_rad2 = 0.0f;
         enter(self, (uint_least8_t)(seen ? LODE_FLY_TURN : LODE_FLY_SLOW));
         return;
     }
@@ -132,7 +134,9 @@ static line_t line_of(const lode_fly_t *self) {
     const float mean = self->sum_rad / count;
     const float slope =
         12.0f * (self->moment_rad - 0.5f * last * self->sum_rad) / (count * (count * count - 1.0f));
-    return (line_t){mean + 0.5f * last * slope - self->turned_rad, slope};
+    const float spread = (count * count - 1.0f) * (1.0f / 12.0f); // of the periods
+    const float scatter = self->square_rad2 / count - mean * mean - slope * slope * spread;
+    return (line_t){mean + 0.5f * last * slope - self->turned_rad, slope, scatter};
 }
 
 static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A, float charge) {
@@ -143,6 +147,7 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     self->theta_rad = at_rad;
     self->sum_rad += self->turned_rad;
     self->moment_rad += (float)(int32_t)self->periods * self->turned_rad;
+    self->square_rad2 += self->turned_rad * self->turned_rad;
     const float turned = lode_abs(self->turned_rad);
     const bool charged = self->charged >= charge;
     if (i_abs_A < LOST_SHARE * tuning->seen_A) {
@@ -155,7 +160,8 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     }
     const line_t line = line_of(self);
     const float omega = line.slope_rad / tuning->ts_s;
-    if (turned >= TURN_LEAST_rad && is_motor(self, tuning, i_abs_A, omega)) {
+    if (turned >= TURN_LEAST_rad && line.scatter_rad2 <= SCATTER_MAX_rad * SCATTER_MAX_rad &&
+        is_motor(self, tuning, i_abs_A, omega)) {
         // (S21): the current lags the rotor by a quarter turn, and by what the rotor turns meanwhile.
         const float ahead = lode_sign(omega) * LODE_HALF_PI + tuning->lead_s * self->share * omega;
         self->theta_rad = lode_wrap(at_rad + line.more_rad + ahead);

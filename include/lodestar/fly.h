@@ -50,6 +50,7 @@ typedef struct {
     float turned_rad;   ///< TURN: since its begin
     float sum_rad;      ///< of turned_rad over the periods
     float moment_rad;   ///< of turned_rad times the period's number
+    float square_rad2;  ///< of turned_rad, squared
     float omega_rad_s;  ///< COAST, FOUND: electrical
     float charged;      ///< periods with the low sides on
     uint32_t periods;   ///< of the present stage
