@@ -65,7 +65,7 @@ def decode(checks, folder, name, *options, code=0):
 
 
 # By the enumerations of drive.h and guard.h.
-NAMED = {"mode": ["OFF", "CALIBRATE", "VOLTAGE", "CURRENT", "START", "RUN", "FAULT"],
+NAMED = {"mode": ["OFF", "CALIBRATE", "VOLTAGE", "CURRENT", "START", "RUN", "FAULT", "PRECHARGE"],
          "check": ["NONE", "HARDWARE_TRIP"]}
 
 
