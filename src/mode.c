@@ -139,6 +139,8 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     set_mode(self, mode);
 }
 
+#if !defined(LODE_WITHOUT_FLYING_START) || !defined(LODE_WITHOUT_HFI)
+
 // What follows from where the rotor is and how fast it turns, in RUN, where that was found at once.
 static void run_at_once(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
@@ -154,6 +156,8 @@ static void run_at_once(lode_drive_t *self) {
     self->ref_A = (lode_dq_t){0.0f, 0.0f}; // until SLOT_REFERENCES
     set_mode(self, LODE_MODE_RUN);
 }
+
+#endif
 
 LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
     LODE_SHARED_STORE(self->mail, false);
