@@ -15,6 +15,8 @@
 #define STEP_MAX 255u
 // Beyond any board: keeps every sample finite.
 #define GAIN_MAX 1.0e4f
+// Between an offset and the end of the range.
+#define HEADROOM_MIN_count 1.0f
 
 void lode_sense_design(lode_sense_config_t *config) {
     config->count_max = lode_given_or(config->count_max, COUNT_MAX_12_BIT);
@@ -36,6 +38,7 @@ static lode_status_t check_ranges(const lode_sense_config_t *config, float i_max
         return LODE_ERROR_SENSE_OFFSET;
     }
     if (!lode_in_range(config->i_gain_A_count, -GAIN_MAX, GAIN_MAX) ||
+        headroom_count(config) < HEADROOM_MIN_count ||
         !(headroom_count(config) * lode_abs(config->i_gain_A_count) >= i_max_A)) {
         return LODE_ERROR_SENSE_CURRENT;
     }
@@ -81,14 +84,16 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
     const float steps2 = NOISE_STEPS2 * config->i_noise_count * config->i_noise_count * samples;
     const float fraction = (float)LODE_COUNT_FRACTION;
     const float gain = config->i_gain_A_count / fraction;
-    const float alert = headroom_count(config) - config->i_offset_tol_count - 1.0f;
+    // An offset at the end of the range would pass for no current, and hide that the sensor is railed.
+    const float most = headroom_count(config) - HEADROOM_MIN_count;
+    const float tol = fraction * lode_min(config->i_offset_tol_count, most);
     *tuning = (lode_sense_tuning_t){
         .i_gain = gain,
         .alpha_gain = gain / 3.0f,
         .beta_gain = gain / LODE_SQRT3,
         .offset_nominal = (int32_t)(fraction * config->i_offset_count),
-        .offset_tol = (int32_t)(fraction * config->i_offset_tol_count),
-        .alert = (uint32_t)(int32_t)(fraction * lode_max(alert, 0.0f)),
+        .offset_tol = (int32_t)tol,
+        .alert = (uint32_t)(int32_t)(fraction * most - tol),
         .v_bus_gain = config->v_bus_gain_V_count,
         .temperature_gain = config->temperature_gain_degC_count,
         .temperature_offset = config->temperature_offset_degC,

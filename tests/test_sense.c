@@ -323,6 +323,34 @@ static lode_calibration_t calibrate(lode_sense_t *sense, const lode_sense_tuning
     return result;
 }
 
+static void test_no_offset_at_the_end_of_the_range(void) {
+    // A tolerance of the whole range: what hangs at a rail would else pass for no current.
+    lode_sense_config_t config = board();
+    config.i_offset_tol_count = 4095.0f;
+    const lode_sense_tuning_t tuning = tuned(&config);
+    const struct {
+        uint16_t count;
+        lode_calibration_t result;
+    } cases[] = {{0, LODE_CALIBRATION_IMPLAUSIBLE},
+                 {1, LODE_CALIBRATION_IMPLAUSIBLE}, // 2048 +- 2046: the upper side is the shorter
+                 {2, LODE_CALIBRATION_DONE},
+                 {4094, LODE_CALIBRATION_DONE},
+                 {4095, LODE_CALIBRATION_IMPLAUSIBLE}};
+    for (int k = 0; k < COUNT_OF(cases); k++) {
+        lode_sense_t sense;
+        lode_sense_reset(&sense, &tuning);
+        lode_sense_begin(&sums);
+        const lode_counts_t counts = {.i = {cases[k].count, 2048, 2048}};
+        const lode_sample_t sample = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
+        lode_calibration_t result = LODE_CALIBRATION_RUNNING;
+        float worst;
+        for (int n = 0; n < 1000 && result == LODE_CALIBRATION_RUNNING; n++) {
+            result = lode_sense_calibrate(&sense, &sums, &tuning, &sample, &worst);
+        }
+        TEST_ASSERT_EQUAL_INT(cases[k].result, result);
+    }
+}
+
 static void test_calibration_averages(void) {
     const lode_sense_config_t config = board();
     const lode_sense_tuning_t tuning = tuned(&config);
@@ -537,6 +565,12 @@ static void test_currents_must_reach_i_max(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, 961.0f)); // 12 A are 960 counts
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(offset, 959.0f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(offset, 4095.0f - 959.0f));
+    lode_sense_config_t close = board();
+    close.i_gain_A_count = 100.0f;
+    close.i_offset_count = 0.9f; // 90 A
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_config(&close));
+    close.i_offset_count = 1.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_config(&close));
     const float none[] = {-1.0f, 4096.0f, NAN, INFINITY, -INFINITY};
     for (int i = 0; i < COUNT_OF(none); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_OFFSET, try_one(offset, none[i]));
@@ -624,6 +658,7 @@ int main(void) {
     RUN_TEST(test_vector_is_that_of_the_phases);
     RUN_TEST(test_a_current_beyond_the_limit_is_an_alert);
     RUN_TEST(test_every_sample_at_a_rail_is_an_alert);
+    RUN_TEST(test_no_offset_at_the_end_of_the_range);
     RUN_TEST(test_calibration_averages);
     RUN_TEST(test_the_first_of_two_equal_deviations_is_told);
     RUN_TEST(test_a_calibration_takes_one_sample_at_least);
