@@ -195,16 +195,22 @@ def defaults_that_are_refused(checks, folder):
              "KV_rpm_V = {KV}\n[drive]\nf_pwm_Hz = {f}\nv_bus_V = {v}\ni_max_A = {i}\n")
     folder.write("s.ini", "[scenario]\nmotor = m.ini\n[phase.a]\nduration_s = 0.001\n")
     for values, pattern in [
-        ({"KV": 750, "f": 20000, "v": 36, "i": 20},
-         r"^m.ini:8: \[drive\] f_pwm_Hz = 20000: LODE_ERROR_PLL_OBSERVER: gives \[estimator\] "
-         r"sigma_rad_s = \d+.*; expected .*\[estimator\] w0_rad_s = 10000.*; with .*"
-         r"\[drive\] v_bus_V = 36 \(m.ini:9\), \[motor\] KV_rpm_V = 750 \(m.ini:6\).*"
+        ({"KV": 750, "f": 2500, "v": 36, "i": 20},
+         r"^m.ini:9: \[drive\] v_bus_V = 36: LODE_ERROR_START_SPEED: gives \[start\] "
+         r"omega_handover_rad_s = \d+.*; expected .*\[estimator\] omega_max_rad_s = 1250.*; with .*"
+         r"\[motor\] KV_rpm_V = 750 \(m.ini:6\).*\[drive\] i_max_A = 20 \(m.ini:10\)"
          r"; \[motor\] speed_rated_rpm = 17\d\d\d\S* is assumed, and may be given"),
         ({"KV": 0, "f": 20000, "v": 36, "i": 20},
          r"^m.ini:6: \[motor\] KV_rpm_V = 0: LODE_ERROR_MOTOR_PSI: gives \[motor\] psi_Wb = inf; "),
     ]:
         folder.write("m.ini", motor.format(**values))
         refused(checks, folder, ["run", "s.ini"], pattern)
+    # At 0.6 rad a period the PLL's default keeps to what the observer bears; one that is given is refused.
+    folder.write("m.ini", motor.format(KV=750, f=20000, v=36, i=20))
+    checks.equal(folder.run("run", "s.ini").returncode, 0, "exit code of a fast motor with all defaults")
+    refused(checks, folder, ["run", "s.ini", "--set", "estimator.w0_rad_s=9000"],
+            r"^--set: \[estimator\] w0_rad_s = 9000: LODE_ERROR_PLL_OBSERVER: expected .*; "
+            r"here \[estimator\] sigma_rad_s = 1998")
     # Whatever the figures: a place and a key that somebody wrote.
     draw = random.Random(1)
     refusals_seen = 0
