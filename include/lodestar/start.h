@@ -81,6 +81,22 @@ enum {
     LODE_START_TURN   ///< the vector turns as soon as its current is there
 };
 
+/// What is seen while the vector stands.
+typedef struct {
+    float sum_V;          ///< of the voltages along the current
+    float along_V;        ///< their mean at half the current
+    uint_least16_t dwelt; ///< rounds at the present current of the measurement
+    uint_least16_t calm;  ///< of them with the rotor at rest
+} lode_start_rest_t;
+
+/// What is seen while it turns.
+typedef struct {
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    lode_waves_t waves; ///< of three phases
+#endif
+    float shift_rad; ///< how far ahead the vector was when last asked
+} lode_start_turn_t;
+
 typedef struct {
     lode_sincos_t at;  ///< angle of the current vector before damping
     float omega_rad_s; ///< its electrical speed
@@ -93,18 +109,8 @@ typedef struct {
     uint32_t attempt; ///< rounds since the present attempt began; LODE_START_CATCH: that are left
     uint32_t rounds;  ///< since the start
     union {
-        struct {
-            float sum_V;          ///< of the voltages along the current
-            float along_V;        ///< their mean at half the current
-            uint_least16_t dwelt; ///< rounds at the present current of the measurement
-            uint_least16_t calm;  ///< of them with the rotor at rest
-        } rest;                   ///< before LODE_START_TURN
-        struct {
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-            lode_waves_t waves; ///< of three phases
-#endif
-            float shift_rad; ///< how far ahead the vector was when last asked
-        } turn;              ///< LODE_START_TURN
+        lode_start_rest_t rest; ///< before LODE_START_TURN
+        lode_start_turn_t turn; ///< LODE_START_TURN
     } seen;
     float by_size;        ///< share of the EMF's size in the swing, with the sign of the speed
     float give;           ///< rad by which the vector gives way per V of swinging EMF
