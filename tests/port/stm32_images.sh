@@ -39,14 +39,7 @@ sizes() {
                   size[".ccmram"], size[".bss"] + size[".data"] + size[".stack"], size[".stack"] }'
 }
 
-# kept ELF: what outlives a reset lies where start-up code neither clears nor copies.
-kept() {
-    arm-none-eabi-nm "$1" | awk '
-        { at[$3] = $1 }
-        END { exit !(at["resets"] >= at["bss_end"] && at["check"] >= at["bss_end"] && at["resets"] > at["data_end"]) }' ||
-        { echo "$1: the count of watchdog resets: expected behind .bss"; exit 1; }
-}
-
+. tests/port/kept.sh
 boards=(generic_g431_link b_g431b_esc1 nucleo_ihm16m1)
 for board in "${boards[@]}"; do
     must_build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$board" # with the step in the CCM SRAM

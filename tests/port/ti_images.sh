@@ -39,9 +39,8 @@ for symbol in irq_entry irq_handler app_period lode_drive_step board_write chip_
     tcm "$symbol"
 done
 
-# What outlives a reset lies where start-up code neither clears nor copies.
-awk '{ at[$3] = $1 } END { exit !(at["resets"] >= at["bss_end"] && at["check"] >= at["bss_end"]) }' "$work/symbols" ||
-    { echo "the count of watchdog resets: expected behind .bss"; exit 1; }
+. tests/port/kept.sh
+kept "$elf"
 
 # The F28004x's memories, and a checker that is not blind: TI's generic file, which gives .bss and the
 # code in RAM one block each, must fail.
