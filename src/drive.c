@@ -285,16 +285,16 @@ static float expected_A2(const lode_drive_t *self, float omega_rad_s) {
     return i_A.d * i_A.d + i_A.q * i_A.q;
 }
 
-// A phase whose current cannot pass zero without more voltage than dead time and drops take is not held there:
-// at its zero a current of that size asks for the inductance's.
-static bool may_clamp(const lode_drive_t *self, float omega_rad_s, float i_A2) {
+// At its zero a phase's current asks for the voltage of the inductance: where dead time and drops take more, they
+// hold it there.
+LODE_INLINE lode_path_t path_of(const lode_drive_t *self, float turn_rad, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_inverter_tuning_t *inverter = &tuning->inverter;
-    const float taken_V = (inverter->dead_duty + inverter->dead_more_max) * self->inverter.v_bus_V +
-                          2.0f * inverter->v_drop_V;
+    const float dead_duty = inverter->dead_duty + inverter->dead_more_max;
     const float Lq_H = tuning->estimator.emf.inv_b * tuning->estimator.pll.ts_s;
-    const float needed_V = Lq_H * omega_rad_s;
-    return taken_V * taken_V >= needed_V * needed_V * i_A2;
+    return (lode_path_t){.turn_rad = turn_rad,
+                         .taken_V = dead_duty * self->inverter.v_bus_V + 2.0f * inverter->v_drop_V,
+                         .x_Ohm = Lq_H * omega_rad_s};
 }
 
 static LODE_NOINLINE void judge(lode_drive_t *self, lode_plausibility_t *watch,
@@ -326,17 +326,16 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
                                       const int32_t i[LODE_PHASES], float looks) {
     const float omega = lode_mode_frame_omega(self);
     const float i_A2 = expected_A2(self, lode_abs(omega));
-    const uint32_t periods = LODE_GUARD_PERIODS;
-    const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
-    float turn_rad = looks * look_s * omega;
-    if (lode_mode(self) == LODE_MODE_START) {
-        // The damping may turn the vector back as fast as it turns on: it rests, and so do the counts. A second
-        // set is looked at in RUN only.
-        const bool first = watch == &self->plausibility;
-        turn_rad = first ? lode_start_turned_rad(&self->state.start, turn_rad) : 0.0f;
-    }
+    // The damping of a start may turn the vector back as fast as it turns on: it rests, and so do the counts. It is
+    // known at the looks at set 1.
+    const bool starts = lode_mode(self) == LODE_MODE_START;
+    const bool known = !starts || watch == &self->plausibility;
+    const float shift_rad = starts && known ? lode_start_shifted_rad(&self->state.start) : 0.0f;
     if (!lode_plausibility_is_chance(watch, &self->tuning->plausibility, i, i_A2)) {
-        judge(self, watch, i, i_A2, (lode_path_t){turn_rad, may_clamp(self, omega, i_A2)});
+        const uint32_t periods = LODE_GUARD_PERIODS;
+        const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
+        const float turn_rad = known ? looks * look_s * omega + shift_rad : 0.0f;
+        judge(self, watch, i, i_A2, path_of(self, turn_rad, omega));
     }
 }
 

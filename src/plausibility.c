@@ -15,6 +15,11 @@
 // the vector turns; hardly for an eighth of a turn.
 #define STEADY_SHARE 0.5f
 #define EIGHTH_rad 0.7853982f
+// A current that changes by less may, with some luck. Three that are each measured tell it from a converter that
+// is stuck: they still add up to none, where the true current of the stuck one has moved by 8 counts. Where one is
+// made of the others it takes a turn that luck does not last for.
+#define BALANCE_COUNTS 4.0f
+#define SIXTH_rad 1.0471976f
 // Dead time may hold a phase near zero for up to a sixth of a turn. The other two then balance, to within their
 // gains; beside a converter that is stuck there they do not. One that is made of them is not known to.
 #define QUARTER_rad 1.5707963f
@@ -70,11 +75,10 @@ LODE_INLINE bool none_follows(lode_plausibility_t *self, const lode_plausibility
     return before_A2 > ALL_STUCK * tuning->i_min_A2;
 }
 
-// Dead time may hold the one phase that is near zero. The other two move together then, or not: their current is
-// at its peak.
-LODE_INLINE bool is_clamped(const lode_plausibility_t *self,
-                            const lode_plausibility_tuning_t *tuning, uint32_t still, float i_A2,
-                            float A_per_count) {
+// Dead time may hold the one phase that is near zero, where the current asks for less voltage there than dead time
+// takes. The other two move together then, or not: their current is at its peak.
+static bool is_clamped(const lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
+                       uint32_t still, float i_A2, lode_path_t path, float A_per_count) {
     const int32_t *i = self->i;
     const float sum_A = (float)(i[0] + i[1] + i[2]) * A_per_count;
     const float near = lode_sqrt(tuning->i_min_A2) / A_per_count;
@@ -83,7 +87,19 @@ LODE_INLINE bool is_clamped(const lode_plausibility_t *self,
                                  lode_abs((float)i[2]) <= near);
     const bool one = at_zero != 0u && (at_zero & (at_zero - 1u)) == 0u;
     return one && (still == at_zero || still == ALL_PHASES) &&
+           path.x_Ohm * path.x_Ohm * i_A2 <= path.taken_V * path.taken_V &&
            sum_A * sum_A <= BALANCE_SHARE * BALANCE_SHARE * i_A2;
+}
+
+// The turn in which a single phase may keep its count.
+static float least_rad(const lode_plausibility_t *self, bool changes, bool clamped) {
+    if (clamped) {
+        return QUARTER_rad;
+    }
+    const float sum = lode_abs((float)(self->i[0] + self->i[1] + self->i[2]));
+    const bool balanced = sum <= BALANCE_COUNTS * (float)LODE_COUNT_FRACTION;
+    const float changed_rad = changes ? EIGHTH_rad : 0.0f;
+    return balanced ? SIXTH_rad : changed_rad;
 }
 
 // The phases that have kept their counts for too long, a bit each. Three looks at least: two may lie on either
@@ -97,17 +113,19 @@ LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
         (self->still & CHANGING) != 0u || !(lode_abs(i_A2 - self->i_A2) <= STEADY_SHARE * i_A2);
     self->turn_rad = still > 0u ? self->turn_rad + path.turn_rad : 0.0f;
     self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : judged);
-    const bool clamped = path.clamps && is_clamped(self, tuning, still, i_A2, A_per_count);
     const bool all = still == ALL_PHASES;
     const float turn2 = self->turn_rad * self->turn_rad;
-    const float path2 = all && !clamped ? ALL_TURN * turn2 : turn2 * turn2;
     const float stuck_A = STUCK * A_per_count;
-    if (!(path2 * i_A2 > stuck_A * stuck_A)) {
+    const float least = stuck_A * stuck_A;
+    if (!((all ? ALL_TURN * turn2 : turn2 * turn2) * i_A2 > least)) {
         return 0u;
     }
-    const float quick_rad = changes ? EIGHTH_rad : 0.0f;
-    const float least_rad = clamped && !all ? QUARTER_rad : quick_rad;
-    return lode_abs(self->turn_rad) >= least_rad ? still : 0u;
+    const bool clamped = is_clamped(self, tuning, still, i_A2, path, A_per_count);
+    if (all) {
+        const bool waits = changes && lode_abs(self->turn_rad) < EIGHTH_rad;
+        return waits || (clamped && !(turn2 * turn2 * i_A2 > least)) ? 0u : still;
+    }
+    return lode_abs(self->turn_rad) >= least_rad(self, changes, clamped) ? still : 0u;
 }
 
 // The first of some phases, from 1; 0: all three.

@@ -45,7 +45,8 @@ static bench_t bench(double i_A, double omega) {
 
 static lode_finding_t judge(lode_plausibility_t *state, const lode_plausibility_tuning_t *tuning,
                             const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
-    return lode_plausibility_step(state, tuning, i, SUM_LOOKS, i_A2, (lode_path_t){turn_rad, true},
+    return lode_plausibility_step(state, tuning, i, SUM_LOOKS, i_A2,
+                                  (lode_path_t){turn_rad, 10.0f, 0.0f},
                                   (float)(GAIN_A / LODE_COUNT_FRACTION));
 }
 

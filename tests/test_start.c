@@ -791,12 +791,12 @@ static void test_a_vector_turns_by_its_damping_too(void) {
     lode_start_reset(&start, (lode_sincos_t){0.0f, 1.0f}, 10.0f, 1.0f);
     start.give = 2.0f;
     start.swing_V = -0.1f;
-    CHECK_NEAR(1.0e-6, 0.25, (double)lode_start_turned_rad(&start, 0.05f));
-    CHECK_NEAR(1.0e-6, 0.05, (double)lode_start_turned_rad(&start, 0.05f));
+    CHECK_NEAR(1.0e-6, 0.2, (double)lode_start_shifted_rad(&start));
+    CHECK_NEAR(1.0e-6, 0.0, (double)lode_start_shifted_rad(&start));
     start.swing_V = 0.05f;
-    CHECK_NEAR(1.0e-6, -0.25, (double)lode_start_turned_rad(&start, 0.05f));
+    CHECK_NEAR(1.0e-6, -0.3, (double)lode_start_shifted_rad(&start));
     start.stage = (uint_least8_t)LODE_START_HALF;
-    TEST_ASSERT_TRUE(lode_start_turned_rad(&start, 0.05f) == 0.0f);
+    TEST_ASSERT_TRUE(lode_start_shifted_rad(&start) == 0.0f);
 }
 
 static void test_measuring_is_a_choice(void) {

@@ -52,7 +52,8 @@ void lode_plausibility_reset(lode_plausibility_t *self);
 /// What the current vector has done since the last look.
 typedef struct {
     float turn_rad; ///< electrical, with its sign
-    bool clamps;    ///< dead time may hold a phase at zero while it turns
+    float taken_V;  ///< by dead time and drops
+    float x_Ohm;    ///< reactance at the speed of the turn
 } lode_path_t;
 
 /// One look at the currents `i` (1/256 count), the `path` of the current vector to it. `i_A2`:

@@ -140,8 +140,8 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
 /// turns already.
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
 
-/// How far the vector has turned, rad, since the last call: by `advance_rad`, and by what its damping has moved.
-float lode_start_turned_rad(lode_start_t *self, float advance_rad);
+/// How far its damping has turned the vector, rad, since the last call.
+float lode_start_shifted_rad(lode_start_t *self);
 
 /// Where the vector shall go: electrical speed and amplitude. Once in LODE_SLOW_PERIODS, also where they
 /// stay, because it counts the time that an attempt takes.
