@@ -128,6 +128,24 @@ static void test_what_is_no_rotor_of_this_motor_is_left_to_the_start(void) {
     }
 }
 
+/// Of a converter whose noise is above what is taken for a current.
+static void test_noise_is_no_rotor(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    random_t random = random_seed(11);
+    for (int n = 0; n < CHECK_TRIES(300); n++) {
+        lode_fly_t fly;
+        lode_fly_begin(&fly, &tuning);
+        for (int k = 0; k < STEPS_MAX && !is_over(&fly); k++) {
+            // The first one lets the pulses begin.
+            const double most_A = k == 0 ? 0.0 : 0.1;
+            const lode_ab_t i = {random_float(&random, -most_A, most_A),
+                                 random_float(&random, -most_A, most_A)};
+            lode_fly_step(&fly, &tuning, i, inverter.v_bus_V, 0.0f);
+        }
+        TEST_ASSERT_EQUAL_UINT(LODE_FLY_SLOW, fly.stage);
+    }
+}
+
 static void test_a_current_that_ends_is_no_rotor(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
     coaster_t self = rotor(400.0);
@@ -237,6 +255,7 @@ int main(void) {
     RUN_TEST(test_angle_and_speed_are_found_in_either_direction);
     RUN_TEST(test_noise_and_dead_time_leave_angle_and_speed);
     RUN_TEST(test_what_is_no_rotor_of_this_motor_is_left_to_the_start);
+    RUN_TEST(test_noise_is_no_rotor);
     RUN_TEST(test_a_current_that_ends_is_no_rotor);
     RUN_TEST(test_pulses_wait_for_the_diodes);
     RUN_TEST(test_pulses_are_shorter_where_the_bus_leaves_little);
