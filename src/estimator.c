@@ -232,9 +232,9 @@ void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning
 
 // A large position error: by the present amplitude, and without the notches, which took no part in so large
 // a step. Beyond SINE_MAX where no motor has such a state.
-LODE_RAMFUNC float lode_estimator_look_again(lode_estimator_t *self,
-                                             const lode_estimator_tuning_t *tuning,
-                                             lode_sincos_t frame) {
+// Not LODE_RAMFUNC: rare, and small fast memories are full without it.
+float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                                lode_sincos_t frame) {
     const lode_ab_t e_V = self->emf.observer.e_V;
     const float e2 = square(e_V);
     if (!(e2 <= EMF_LIMIT_V * EMF_LIMIT_V) ||
