@@ -110,7 +110,7 @@ static void test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_spee
 }
 
 /// Turns with one count held at 4; `balanced`: the others add up to none with it. Returns the turn until found.
-static double turn_until_found(bool balanced) {
+static double turn_until_found(bool balanced, float x_Ohm) {
     bench_t self = bench(3.6, 0.0);
     const double step = 0.05;
     lode_finding_t found = {.check = LODE_CHECK_NONE};
@@ -120,7 +120,9 @@ static double turn_until_found(bool balanced) {
         const int32_t b = LODE_COUNT_FRACTION * (int32_t)lround(a);
         const int32_t c = LODE_COUNT_FRACTION * (int32_t)lround(0.4 * a);
         const int32_t i[LODE_PHASES] = {4 * LODE_COUNT_FRACTION, b, balanced ? -b : c};
-        found = judge(&self.state, &self.tuning, i, (float)(3.6 * 3.6), (float)step);
+        found = lode_plausibility_step(&self.state, &self.tuning, i, SUM_LOOKS, (float)(3.6 * 3.6),
+                                       (lode_path_t){(float)step, 10.0f, x_Ohm},
+                                       (float)(GAIN_A / LODE_COUNT_FRACTION));
     }
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
     TEST_ASSERT_TRUE(found.measured == 1.0f);
@@ -129,10 +131,31 @@ static double turn_until_found(bool balanced) {
 
 /// Dead time holds a phase at zero for up to 60 degrees.
 static void test_a_phase_that_dead_time_may_hold_has_a_quarter_turn(void) {
-    CHECK_AT_MOST(0.6, turn_until_found(false));
-    const double clamped = turn_until_found(true);
+    CHECK_AT_MOST(0.6, turn_until_found(false, 0.0f));
+    const double clamped = turn_until_found(true, 0.0f);
     TEST_ASSERT_TRUE(clamped > CHECK_PI / 2.0);
     CHECK_AT_MOST(CHECK_PI / 2.0 + 0.3, clamped);
+    // It holds none where the inductance asks for more voltage: then luck alone may, for a sixth of a turn.
+    const double lucky = turn_until_found(true, 3.0f);
+    TEST_ASSERT_TRUE(lucky > CHECK_PI / 3.0);
+    CHECK_AT_MOST(CHECK_PI / 3.0 + 0.3, lucky);
+}
+
+/// All three still, and the vector turned by 0.3 rad: stuck, unless the current that is asked for changes as well.
+static void test_three_that_keep_still_may_while_the_current_changes(void) {
+    for (int changes = 0; changes < 2; changes++) {
+        bench_t self = bench(3.6, 0.0);
+        const int32_t i[LODE_PHASES] = {300 * LODE_COUNT_FRACTION, -100 * LODE_COUNT_FRACTION,
+                                        -200 * LODE_COUNT_FRACTION};
+        lode_finding_t found = {.check = LODE_CHECK_NONE};
+        for (int look = 0; look < 3; look++) {
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found.check);
+            const float i_A2 = changes == 1 && look < 2 ? 4.0f : 12.0f;
+            found = judge(&self.state, &self.tuning, i, i_A2, 0.3f);
+        }
+        TEST_ASSERT_EQUAL_INT(changes == 1 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK,
+                              found.check);
+    }
 }
 
 /// A phase near zero may be open instead: with six phases that is another check.
@@ -378,6 +401,7 @@ int main(void) {
     RUN_TEST(test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_speed);
     RUN_TEST(test_a_phase_that_stays_near_zero_may_be_left_out);
     RUN_TEST(test_a_phase_that_dead_time_may_hold_has_a_quarter_turn);
+    RUN_TEST(test_three_that_keep_still_may_while_the_current_changes);
     RUN_TEST(test_without_current_nothing_is_stuck);
     RUN_TEST(test_counts_that_were_kept_without_current_may_still_be_good);
     RUN_TEST(test_all_that_do_not_follow_a_rising_current_are_stuck);

@@ -57,10 +57,11 @@ def mismatch(checks, folder):
 
 
 def handover(checks, folder):
-    """Paper 1's hand-over at 100 rpm, by injection."""
+    """Paper 1's hand-over at 100 rpm, by injection: 394 of 400 seeds, some 98 of any 100; 95 is two deviations less."""
     done = folder.run("run", "start_100rpm", "--seeds", "1-100", "--set", "hfi.mode=on",
-                      "--set", "hfi.V_h_V=25")
-    checks.true("100 of 100 passed" in done.stdout, f"{done.stdout[-200:]}{done.stderr}")
+                      "--set", "hfi.V_h_V=25", "--json", "h.json")
+    passed = folder.json("h.json")["passed"]
+    checks.true(passed >= 95, f"{passed} of 100 passed: {done.stdout[-200:]}{done.stderr}")
 
 
 def plot(checks, folder):
