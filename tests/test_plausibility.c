@@ -142,19 +142,21 @@ static void test_a_phase_that_dead_time_may_hold_has_a_quarter_turn(void) {
 }
 
 /// All three still, and the vector turned by 0.3 rad: stuck, unless the current that is asked for changes as well.
+/// By 0.9 rad: stuck.
 static void test_three_that_keep_still_may_while_the_current_changes(void) {
-    for (int changes = 0; changes < 2; changes++) {
+    for (int n = 0; n < 3; n++) {
+        const bool changes = n > 0;
+        const float turn_rad = n == 2 ? 0.9f : 0.3f;
         bench_t self = bench(3.6, 0.0);
         const int32_t i[LODE_PHASES] = {300 * LODE_COUNT_FRACTION, -100 * LODE_COUNT_FRACTION,
                                         -200 * LODE_COUNT_FRACTION};
         lode_finding_t found = {.check = LODE_CHECK_NONE};
         for (int look = 0; look < 3; look++) {
             TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found.check);
-            const float i_A2 = changes == 1 && look < 2 ? 4.0f : 12.0f;
-            found = judge(&self.state, &self.tuning, i, i_A2, 0.3f);
+            const float i_A2 = changes && look < 2 ? 4.0f : 12.0f;
+            found = judge(&self.state, &self.tuning, i, i_A2, turn_rad);
         }
-        TEST_ASSERT_EQUAL_INT(changes == 1 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK,
-                              found.check);
+        TEST_ASSERT_EQUAL_INT(n == 1 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK, found.check);
     }
 }
 
