@@ -8,12 +8,13 @@
 #include "lodestar/drive.h"
 #include "lodestar/drive6.h"
 #include "lodestar/encoder.h"
+#include "lodestar/fault_log.h"
 #include "lodestar/learn.h"
-#include "lodestar/restart.h"
 #include "lodestar/ring.h"
 #include "lodestar/scope.h"
 #include "lodestar/single_shunt.h"
 #include "lodestar/sogi.h"
+#include "lodestar/supervisor.h"
 #include "lodestar/version.h"
 
 #endif

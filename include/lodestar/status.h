@@ -95,6 +95,7 @@ typedef enum {
     LODE_ERROR_ENCODER_BANDWIDTH, ///< bandwidth of the tracking loop outside 1 .. 1/Ts
     LODE_ERROR_ENCODER_CHECK,     ///< speed or time of the check by the EMF out of range
     LODE_ERROR_DERATE,            ///< a current, time or temperature of derating out of range
+    LODE_ERROR_SUPERVISOR,        ///< supervisor: a reaction that is none, or a time out of range
     LODE_ERROR_CHANNELS,          ///< no channel, too many of them, or one that does not exist
     LODE_ERROR_BUFFER,            ///< a recorder's buffer holds less than two frames or rows
     LODE_ERROR_TRIGGER,           ///< trigger or its channel not an enumerator, or level not finite

@@ -33,6 +33,7 @@ typedef struct {
     lode_abc_t applied; ///< duties under way
     uint32_t stamp;
     bool trip;
+    double sag_V; ///< of the bus, below the nominal one
     double angle_error;
 } rig_t;
 
@@ -49,7 +50,7 @@ static inline uint16_t rig_count(double x) {
 
 static inline lode_counts_t rig_counts(const rig_t *self) {
     const lode_abc_t i = lode_clarke_inverse(ipmsm_current(&self->motor));
-    lode_counts_t counts = {.v_bus = rig_count((double)PAPER_V_BUS / RIG_GAIN_V),
+    lode_counts_t counts = {.v_bus = rig_count(((double)PAPER_V_BUS - self->sag_V) / RIG_GAIN_V),
                             .trip = self->trip,
                             .stamp = self->stamp};
     counts.i[0] = rig_count(2048.0 + self->offset[0] + (double)i.a / RIG_GAIN_A);
