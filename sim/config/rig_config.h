@@ -13,7 +13,7 @@ enum {
     RIG_PATH_LENGTH = 512,
     RIG_NAME_LENGTH = 32,
     RIG_FILES_MAX = 8,
-    RIG_KEYS_MAX = 240,
+    RIG_KEYS_MAX = 320,
     RIG_PHASE_KEYS_MAX = 32,
     RIG_PHASES_MAX = 48
 };
@@ -93,6 +93,13 @@ typedef struct {
 typedef struct {
     int J, psi, Rs;
 } rig_adaptation_t;
+
+/// What follows a fault (lode_supervisor_config_t), unset: the library's.
+typedef struct {
+    int reaction[LODE_CHECK_COUNT]; ///< lode_reaction_t
+    double attempts;                ///< unset: none
+    double wait_s, good_s;
+} rig_supervisor_t;
 
 /// EMF observer by its name: lode_emf_kind_t, then the papers' own forms.
 enum { RIG_EMF_C_EULER = LODE_EMF_KINDS, RIG_EMF_GI_EULER, RIG_EMF_FA_EULER };
@@ -174,6 +181,7 @@ typedef struct {
     double seeded_s; ///< unset: 0
     rig_encoder_t encoder;
     rig_adaptation_t adaptation;
+    rig_supervisor_t supervisor;
     int emf;
     rig_pll_t pll;
     rig_compensation_t compensation;

@@ -25,6 +25,9 @@ typedef char enum_is_int[sizeof(lode_choice_t) == sizeof(int) ? 1 : -1];
 #define TEXT(section, key, field)                                                                  \
     { section, key, RIG_KEY_TEXT, offsetof(rig_config_t, field), 0.0, 0.0, NULL, NULL }
 #define SHEET(key, one, other, conversion, factor) NUMBER("motor", #key, sheet.key, 0.0, 1e9),
+#define REACTION(key, check)                                                                       \
+    CHOICE("supervisor", key, supervisor.reaction[LODE_CHECK_##check], "latch|again|ride-through", \
+           NULL)
 static const char emf_names[] =
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) name "|"
 #include "lodestar/observers.def"
@@ -179,6 +182,32 @@ static const rig_key_t keys[] = {
     FLOAT("guard", "i_sum_A", guard.i_sum_A),
     CHOICE("guard", "plausibility", drive.guard.plausibility, "auto|on|off", NULL),
     CHOICE("guard", "open_phase", six.open_phase, "trip|go-on|ignore", NULL),
+
+    NUMBER("supervisor", "attempts", supervisor.attempts, 0.0, 255.0),
+    NUMBER("supervisor", "wait_s", supervisor.wait_s, 1e-3, 1e4),
+    NUMBER("supervisor", "good_s", supervisor.good_s, 1e-3, 1e5),
+    REACTION("hardware_trip", HARDWARE_TRIP),
+    REACTION("over_current", OVER_CURRENT),
+    REACTION("current_rail", CURRENT_RAIL),
+    REACTION("over_voltage", OVER_VOLTAGE),
+    REACTION("under_voltage", UNDER_VOLTAGE),
+    REACTION("over_temperature", OVER_TEMPERATURE),
+    REACTION("timing", TIMING),
+    REACTION("non_finite", NON_FINITE),
+    REACTION("over_speed", OVER_SPEED),
+    REACTION("lost_lock", LOST_LOCK),
+    REACTION("wrong_way", WRONG_WAY),
+    REACTION("start", START),
+    REACTION("offset", OFFSET),
+    REACTION("open_phase", OPEN_PHASE),
+    REACTION("current_stuck", CURRENT_STUCK),
+    REACTION("current_sum", CURRENT_SUM),
+    REACTION("under_temperature", UNDER_TEMPERATURE),
+    REACTION("memory", MEMORY),
+    REACTION("temperature_stuck", TEMPERATURE_STUCK),
+    REACTION("bus_stuck", BUS_STUCK),
+    REACTION("flux", FLUX),
+    REACTION("resistance", RESISTANCE),
 
     NUMBER("plant", "Rs_Ohm", plant.Rs_Ohm, 0.0, 1e6),
     NUMBER("plant", "Ld_H", plant.Ld_H, 1e-9, 1e3),

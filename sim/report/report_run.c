@@ -109,6 +109,21 @@ static const char *verdict(const runner_result_t *result) {
     return result->barred ? "passed" : "done, no bars set";
 }
 
+/// After which of them it was started again stands among the events.
+static void print_log(FILE *file, const runner_result_t *result) {
+    if (result->faults == 0 || !result->supervised) {
+        return;
+    }
+    (void)fputs("\nthe drive's fault log\n", file);
+    for (int k = 0; k < result->faults; ++k) {
+        const runner_fault_t *logged = &result->logged[k];
+        (void)fprintf(file, "%9.4f s  %-9s %s, measured %.4g, limit %.4g\n", logged->t_s,
+                      report_mode_name((lode_mode_t)logged->fault.state),
+                      lode_check_name((lode_check_t)logged->fault.check),
+                      (double)logged->fault.measured, (double)logged->fault.limit);
+    }
+}
+
 static void print_verdict(FILE *file, const runner_result_t *result) {
     if (result->fault.check != LODE_CHECK_NONE) {
         (void)fprintf(file, "\nFAULT at %.4f s in %s: %s, measured %.4g, limit %.4g%s\n",
@@ -163,6 +178,7 @@ void report_run_table(FILE *file, const rig_config_t *config, const runner_resul
         RUNNER_WINDOW_s);
     print_adaptation(file, config, result);
     print_events(file, log);
+    print_log(file, result);
     print_verdict(file, result);
 }
 
@@ -226,19 +242,27 @@ static void add_phase(cJSON *array, const runner_phase_t *phase) {
     (void)cJSON_AddStringToObject(item, "warning", phase->warning);
 }
 
+static void describe_fault(cJSON *item, double t_s, const lode_fault_t *fault) {
+    config_json_number(item, "t_s", t_s);
+    (void)cJSON_AddStringToObject(item, "state", report_mode_name((lode_mode_t)fault->state));
+    (void)cJSON_AddStringToObject(item, "check", lode_check_name((lode_check_t)fault->check));
+    config_json_number(item, "measured", (double)fault->measured);
+    config_json_number(item, "limit", (double)fault->limit);
+}
+
 static void add_fault(cJSON *root, const runner_result_t *result) {
     if (result->fault.check == LODE_CHECK_NONE) {
         (void)cJSON_AddNullToObject(root, "fault");
         return;
     }
-    cJSON *item = cJSON_AddObjectToObject(root, "fault");
-    config_json_number(item, "t_s", result->fault_s);
-    (void)cJSON_AddStringToObject(item, "state",
-                                  report_mode_name((lode_mode_t)result->fault.state));
-    (void)cJSON_AddStringToObject(item, "check",
-                                  lode_check_name((lode_check_t)result->fault.check));
-    config_json_number(item, "measured", (double)result->fault.measured);
-    config_json_number(item, "limit", (double)result->fault.limit);
+    describe_fault(cJSON_AddObjectToObject(root, "fault"), result->fault_s, &result->fault);
+}
+
+static void add_log(cJSON *root, const runner_result_t *result) {
+    cJSON *faults = cJSON_AddArrayToObject(root, "fault_log");
+    for (int k = 0; k < result->faults; ++k) {
+        describe_fault(config_json_item(faults), result->logged[k].t_s, &result->logged[k].fault);
+    }
 }
 
 static void add_adaptation(cJSON *root, const rig_config_t *config, const runner_result_t *result) {
@@ -269,6 +293,7 @@ void report_run_json(FILE *file, const rig_config_t *config, const runner_result
     config_json_number(root, "simulated_s", result->simulated_s);
     config_json_number(root, "times_real_time", result->simulated_s / result->processor_s);
     add_fault(root, result);
+    add_log(root, result);
     add_adaptation(root, config, result);
     cJSON *phases = cJSON_AddArrayToObject(root, "phases");
     for (int k = 0; k < result->phases; ++k) {

@@ -25,6 +25,7 @@ typedef struct {
     runner_result_t *result;
     runlog_t *log;
     rig_t rig;
+    reactions_t reactions;
     double Lq_factor, Rs_factor;
     double ts_s;
     double extra_load_Nm;
@@ -313,6 +314,13 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
 
 // ---- One period ---------------------------------------------------------------------------------
 
+/// Where a supervisor has the last word, it posts.
+static void post_command(run_t *run) {
+    if (!run->reactions.on) {
+        (void)lode_drive_post_command(run->rig.drive, &run->command);
+    }
+}
+
 static void move_command(run_t *run) {
     const double left_rpm = run->speed_goal_rpm - run->speed_rpm;
     if (fabs(left_rpm) <= 0.0) {
@@ -322,7 +330,7 @@ static void move_command(run_t *run) {
     run->speed_rpm =
         there ? run->speed_goal_rpm : run->speed_rpm + copysign(run->speed_step_rpm, left_rpm);
     run->command.speed_rad_s = (float)rig_rad_s_from_rpm(run->speed_rpm);
-    (void)lode_drive_post_command(run->rig.drive, &run->command);
+    post_command(run);
 }
 
 static void step_rig(run_t *run, moment_t *now) {
@@ -406,7 +414,7 @@ static void apply_to_command(run_t *run, const rig_phase_t *phase) {
     run->speed_step_rpm = at_once ? HUGE_VAL : phase->ramp_rpm_s * run->ts_s;
     run->speed_rpm = at_once ? run->speed_goal_rpm : run->speed_rpm;
     command->speed_rad_s = (float)rig_rad_s_from_rpm(run->speed_rpm);
-    (void)lode_drive_post_command(run->rig.drive, command);
+    post_command(run);
 }
 
 static void measure(const run_t *run, runner_phase_t *out, const moment_t *now, bool in_window) {
@@ -545,6 +553,7 @@ static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_windo
     move_command(run);
     step_rig(run, &now);
     rig_main_loop(&run->rig);
+    reactions_step(&run->reactions, run->rig.drive, run->command);
     if (run->log->capture != NULL) {
         capture_step(run->log->capture, run->rig.drive);
     }
@@ -689,6 +698,7 @@ static bool start(run_t *run) {
         return false;
     }
     (void)rig_init(&run->rig, run->config, &plant);
+    reactions_init(&run->reactions, run->config, run->rig.drive);
     run->limits = speed_limits_of(&run->config->drive);
     run->v_bus_V = plant.v_bus_V;
     run->log->sets = run->rig.sets;
@@ -717,6 +727,20 @@ static bool start(run_t *run) {
     return true;
 }
 
+/// What the drive's log remembers. A fault that was followed by another start, and by no other fault, is over.
+static void take_log(run_t *run) {
+    runner_result_t *result = run->result;
+    const lode_fault_log_t *log = &run->reactions.log;
+    result->supervised = run->reactions.on;
+    result->faults = (int)lode_fault_log_count(log);
+    for (int k = 0; k < result->faults; ++k) {
+        const lode_telemetry_t *row =
+            lode_fault_log_row(log, (uint32_t)(result->faults - 1 - k), 0u);
+        result->logged[k] = (runner_fault_t){(double)row->steps * run->ts_s, row->fault};
+    }
+    result->fault_expected = result->fault_expected || (result->supervised && !run->faulted);
+}
+
 bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_result_t *result,
                 runlog_t *log) {
     run_t run = {.config = config,
@@ -733,10 +757,11 @@ bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_
     bool good = true;
     for (int k = 0; good && k < config->scenario.phases; ++k) {
         // Nothing happens any more after a fault that no phase clears.
-        if (!run.faulted || config->scenario.phase[k].clear_fault == 1) {
+        if (!run.faulted || run.reactions.on || config->scenario.phase[k].clear_fault == 1) {
             good = run_phase(&run, k);
         }
     }
+    take_log(&run);
     result->adapts = run.rig.adapts;
     result->found = lode_adaptation_found(&run.rig.adaptation);
     result->simulated_s = (double)run.k * run.ts_s;

@@ -2,6 +2,7 @@
 #ifndef RIG_RUNNER_H
 #define RIG_RUNNER_H
 
+#include "rig/reactions.h"
 #include "rig/rig.h"
 #include "rig/runlog.h"
 #include "support/stats.h"
@@ -32,12 +33,21 @@ typedef struct {
     char warning[200]; ///< what became of the commanded speed, in words; empty: it was reached
 } runner_phase_t;
 
+/// One of the drive's fault log.
+typedef struct {
+    double t_s;
+    lode_fault_t fault;
+} runner_fault_t;
+
 typedef struct {
     int phases;
     runner_phase_t phase[RIG_PHASES_MAX];
     lode_fault_t fault; ///< check NONE: none
     double fault_s;
     bool fault_expected;
+    bool supervised; ///< it may be started again
+    int faults;      ///< that the drive's log has, the oldest first
+    runner_fault_t logged[REACTIONS_FAULTS];
     double handover_s; ///< first time in RUN, NaN: never
     double simulated_s;
     double processor_s;
