@@ -78,6 +78,12 @@ def starts(checks, folder):
     print("the same with hand-over at 100 rpm:", paper.stdout.strip().splitlines()[-1])
 
 
+def reversal_by_hall_switches(checks, folder):
+    """At full torque, whatever the noise and the angle at rest."""
+    done = folder.run("run", "hall", "--seeds", "1-220" if FULL else "1-40")
+    checks.equal(done.returncode, 0, f"Hall switches, more seeds: {done.stdout}")
+
+
 def exit_codes(checks, folder):
     done = folder.run("run", "main", "--set", "phase.ramp.bar_dc_deg=0", "--json", "j.json")
     checks.equal(done.returncode, 1, "exit code after a missed bar")
@@ -284,6 +290,7 @@ def main():
         seeds(checks, folder)
         scenarios(checks, folder)
         starts(checks, folder)
+        reversal_by_hall_switches(checks, folder)
         exit_codes(checks, folder)
         warnings(checks, folder)
         mismatch(checks, folder)
