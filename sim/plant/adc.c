@@ -70,8 +70,9 @@ void plant_adc_init(plant_adc_t *self, const plant_config_t *config) {
 }
 
 static uint16_t to_count(const plant_adc_t *self, double value) {
-    const double rounded = floor(value + 0.5);
-    return (uint16_t)(rounded > 0.0 ? fmin(rounded, self->full_scale_count) : 0.0);
+    const double up = value + 0.5; // the conversion cuts off
+    return (uint16_t)(up >= 1.0 ? (up < self->full_scale_count ? up : self->full_scale_count)
+                                : 0.0);
 }
 
 /// No draw where there is no noise: an ideal converter costs nothing.

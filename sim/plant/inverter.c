@@ -4,9 +4,7 @@
 
 #define SQRT1_3 0.57735026918962576451
 
-/// A current this small that has the wrong sign is what the search for zero left over, no crossing.
-static const double noise_A = 2e-5;
-/// The same for a floating terminal at its limit.
+/// As PLANT_NOISE_A, for a floating terminal at its limit.
 static const double noise_V = 1e-9;
 
 void plant_inverter_init(plant_inverter_t *self, const plant_config_t *config) {
@@ -35,24 +33,13 @@ static int legs_of(const plant_inverter_t *self) {
     return self->sets * PLANT_PHASES;
 }
 
-static double low_limit(const plant_inverter_t *self, plant_gate_t gate) {
-    return gate == PLANT_GATE_HIGH ? self->v_bus_V - self->v_transistor_V : -self->v_diode_V;
-}
-
-static double high_limit(const plant_inverter_t *self, plant_gate_t gate) {
-    return gate == PLANT_GATE_LOW ? self->v_transistor_V : self->v_bus_V + self->v_diode_V;
-}
-
-static bool on_high_rail(plant_gate_t gate, int sign) {
-    return sign > 0 ? gate == PLANT_GATE_HIGH : gate != PLANT_GATE_LOW;
-}
-
 /// Without current the terminal's limits move at every edge; an open phase feels none.
 static void find_next_edge(plant_leg_t *leg) {
     const plant_pwm_t *pwm = &leg->pwm;
-    const bool high = on_high_rail(pwm->gate, leg->sign);
+    const bool high = plant_inverter_on_high_rail(pwm->gate, leg->sign);
     int k = leg->open ? pwm->edges : pwm->next;
-    while (k < pwm->edges && leg->sign != 0 && on_high_rail(pwm->edge[k].gate, leg->sign) == high) {
+    while (k < pwm->edges && leg->sign != 0 &&
+           plant_inverter_on_high_rail(pwm->edge[k].gate, leg->sign) == high) {
         k++;
     }
     leg->next_s = k < pwm->edges ? pwm->edge[k].at_s : HUGE_VAL;
@@ -65,8 +52,8 @@ static void update_leg(const plant_inverter_t *self, int n, plant_leg_t *leg) {
         leg->rail = 0.0;
     } else if (!self->averaging[n / PLANT_PHASES]) {
         const plant_gate_t gate = leg->pwm.gate;
-        leg->source_V = leg->sign > 0 ? low_limit(self, gate) : high_limit(self, gate);
-        leg->rail = on_high_rail(gate, leg->sign) ? 1.0 : 0.0;
+        leg->source_V = plant_inverter_source_V(self, gate, leg->sign);
+        leg->rail = plant_inverter_on_high_rail(gate, leg->sign) ? 1.0 : 0.0;
     }
 }
 
@@ -122,7 +109,7 @@ static void update_drive(plant_inverter_t *self) {
 }
 
 static int sign_of(double i_A) {
-    return i_A > noise_A ? 1 : (i_A < -noise_A ? -1 : 0);
+    return i_A > PLANT_NOISE_A ? 1 : (i_A < -PLANT_NOISE_A ? -1 : 0);
 }
 
 /// The averaged level: three ideal sources for the whole period. The sign matters only for a phase
@@ -241,8 +228,8 @@ static double all_float_margin(const plant_inverter_t *self, int set, const plan
             continue;
         }
         const double emf = plant_axis_cos[n] * u->alpha + plant_axis_sin[n] * u->beta;
-        const double low = low_limit(self, self->leg[n].pwm.gate) - emf;
-        const double high = high_limit(self, self->leg[n].pwm.gate) - emf;
+        const double low = plant_inverter_low_V(self, self->leg[n].pwm.gate) - emf;
+        const double high = plant_inverter_high_V(self, self->leg[n].pwm.gate) - emf;
         if (low > floor_V) {
             floor_V = low;
             *first_out = n;
@@ -264,9 +251,9 @@ static void settle_floating(plant_inverter_t *self, const plant_motor_t *motor, 
     }
     plant_motor_slopes(motor, &self->drive, &now);
     const double u = now.set[set].u_start_V;
-    if (u < low_limit(self, leg->pwm.gate) - noise_V) {
+    if (u < plant_inverter_low_V(self, leg->pwm.gate) - noise_V) {
         leg->sign = 1;
-    } else if (u > high_limit(self, leg->pwm.gate) + noise_V) {
+    } else if (u > plant_inverter_high_V(self, leg->pwm.gate) + noise_V) {
         leg->sign = -1;
     } else {
         return;
@@ -406,14 +393,14 @@ static bool find_zero_crossing(const plant_inverter_t *self, const plant_motor_t
     plant_motor_phase_currents(motor, &motor->x, i_1);
     for (int n = 0; n < legs_of(self); n++) {
         const int sign = self->leg[n].sign;
-        if (sign * i_1[n] >= -noise_A ||
+        if (sign * i_1[n] >= -PLANT_NOISE_A ||
             (self->averaging[n / PLANT_PHASES] && !self->leg[n].opening) ||
             is_driven(self, &self->leg[n], now_s, h_s)) {
             continue;
         }
         double i_0[PLANT_LEGS];
         plant_motor_phase_currents(motor, before, i_0);
-        if (sign * i_0[n] < -noise_A) {
+        if (sign * i_0[n] < -PLANT_NOISE_A) {
             // Two crossings so close that one was passed over: put the sign right.
             *event = (plant_event_t){.after_s = 0.0, .leg = n, .sign = -sign};
             return true;
@@ -454,8 +441,8 @@ static bool find_rectification(const plant_inverter_t *self, int set, const plan
 static bool find_float_exit(const plant_inverter_t *self, int set, const plant_float_t *motor,
                             double h_s, plant_event_t *event) {
     const int n = self->drive.floating[set];
-    const double low = low_limit(self, self->leg[n].pwm.gate);
-    const double high = high_limit(self, self->leg[n].pwm.gate);
+    const double low = plant_inverter_low_V(self, self->leg[n].pwm.gate);
+    const double high = plant_inverter_high_V(self, self->leg[n].pwm.gate);
     const double was = motor->u_start_V, is = motor->u_end_V;
     if (self->leg[n].open) {
         return false;
@@ -521,7 +508,7 @@ void plant_inverter_follow_signs(plant_inverter_t *self, const plant_motor_t *mo
     plant_motor_phase_currents(motor, &motor->x, i_A);
     for (int n = 0; n < legs_of(self); n++) {
         plant_leg_t *leg = &self->leg[n];
-        if (leg->sign * i_A[n] < -noise_A && !self->averaging[n / PLANT_PHASES]) {
+        if (leg->sign * i_A[n] < -PLANT_NOISE_A && !self->averaging[n / PLANT_PHASES]) {
             // Which edges still count depends on the sign, and so does what one of just now did.
             (void)plant_pwm_apply(&leg->pwm, now_s);
             leg->sign = -leg->sign;

@@ -21,6 +21,9 @@
 #include "plant/motor.h"
 #include "plant/pwm.h"
 
+/// A current this small that has the wrong sign is what the search for zero left over, no crossing.
+#define PLANT_NOISE_A 2e-5
+
 typedef struct {
     plant_pwm_t pwm;
     int sign;        ///< of the current: +1 out of the inverter, -1 into it, 0 none
@@ -44,6 +47,25 @@ typedef struct {
     plant_level_t level;
     bool has_drops;
 } plant_inverter_t;
+
+/// The table above: what a leg's terminal may not fall below and not exceed ...
+static inline double plant_inverter_low_V(const plant_inverter_t *self, plant_gate_t gate) {
+    return gate == PLANT_GATE_HIGH ? self->v_bus_V - self->v_transistor_V : -self->v_diode_V;
+}
+
+static inline double plant_inverter_high_V(const plant_inverter_t *self, plant_gate_t gate) {
+    return gate == PLANT_GATE_LOW ? self->v_transistor_V : self->v_bus_V + self->v_diode_V;
+}
+
+/// ... and where it is while the leg conducts; whether the current then comes from the positive rail.
+static inline double plant_inverter_source_V(const plant_inverter_t *self, plant_gate_t gate,
+                                             int sign) {
+    return sign > 0 ? plant_inverter_low_V(self, gate) : plant_inverter_high_V(self, gate);
+}
+
+static inline bool plant_inverter_on_high_rail(plant_gate_t gate, int sign) {
+    return sign > 0 ? gate == PLANT_GATE_HIGH : gate != PLANT_GATE_LOW;
+}
 
 /// A change of conduction inside a stretch.
 typedef struct {

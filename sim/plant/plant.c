@@ -1,5 +1,7 @@
 #include "plant/plant.h"
 
+#include "plant/linear.h"
+
 #include <math.h>
 #include <stddef.h>
 
@@ -317,36 +319,49 @@ static void note_peak(plant_t *self) {
     }
 }
 
-/// Simulates the period at hand up to `until_s`, stretch by stretch.
-static void run(plant_t *self, double until_s) {
+/// To the next gate edge, or part of the way, or to a change of conduction.
+static void run_stretch(plant_t *self, double until_s, double longest_s) {
     plant_inverter_t *inverter = &self->inverter;
-    const double longest_s = plant_motor_longest_step(&self->motor, inverter->drive.R_Ohm);
+    const double edge_s = plant_inverter_next_edge(inverter, until_s);
+    // Equal parts: no sliver of a step at the end.
+    const double gap_s = edge_s - self->now_s;
+    const double parts = gap_s > longest_s ? ceil(gap_s / longest_s) : 1.0;
+    const double h_s = parts > 1.0 ? gap_s / parts : gap_s;
+    plant_stretch_t sum;
+    plant_event_t event;
+    bool has_event;
+    const double done_s = step_to_event(self, h_s, &sum, &has_event, &event);
+    if (self->motor.keeps_accounts) {
+        book(self, &sum, done_s);
+    }
+    if (self->watches_peak) {
+        note_peak(self);
+    }
+    self->now_s = parts > 1.0 || has_event ? self->now_s + done_s : edge_s;
+    plant_inverter_follow_signs(inverter, &self->motor, self->now_s);
+    if (has_event) {
+        plant_inverter_take_event(inverter, &self->motor, &event);
+        plant_inverter_settle(inverter, &self->motor, self->now_s);
+    } else if (self->events_left <= 0) {
+        plant_inverter_adopt_signs(inverter, &self->motor);
+        plant_inverter_settle(inverter, &self->motor, self->now_s);
+    } else if (self->now_s >= edge_s && edge_s < until_s) {
+        plant_inverter_switch(inverter, &self->motor, self->now_s);
+    }
+}
+
+/// Simulates the period at hand up to `until_s`.
+static void run(plant_t *self, double until_s) {
+    const double longest_s = plant_motor_longest_step(&self->motor, self->inverter.drive.R_Ohm);
     while (self->now_s < until_s) {
-        const double edge_s = plant_inverter_next_edge(inverter, until_s);
-        // Equal parts: no sliver of a step at the end.
-        const double gap_s = edge_s - self->now_s;
-        const double parts = gap_s > longest_s ? ceil(gap_s / longest_s) : 1.0;
-        const double h_s = parts > 1.0 ? gap_s / parts : gap_s;
-        plant_stretch_t sum;
-        plant_event_t event;
-        bool has_event;
-        const double done_s = step_to_event(self, h_s, &sum, &has_event, &event);
-        if (self->motor.keeps_accounts) {
-            book(self, &sum, done_s);
+        const double now_s = self->now_s;
+        // A peak may lie at any edge: it is looked for at each.
+        if (!self->watches_peak && plant_linear_can_run(&self->inverter, &self->motor)) {
+            self->now_s =
+                plant_linear_run(&self->inverter, &self->motor, now_s, until_s, &self->events_left);
         }
-        if (self->watches_peak) {
-            note_peak(self);
-        }
-        self->now_s = parts > 1.0 || has_event ? self->now_s + done_s : edge_s;
-        plant_inverter_follow_signs(inverter, &self->motor, self->now_s);
-        if (has_event) {
-            plant_inverter_take_event(inverter, &self->motor, &event);
-            plant_inverter_settle(inverter, &self->motor, self->now_s);
-        } else if (self->events_left <= 0) {
-            plant_inverter_adopt_signs(inverter, &self->motor);
-            plant_inverter_settle(inverter, &self->motor, self->now_s);
-        } else if (self->now_s >= edge_s && edge_s < until_s) {
-            plant_inverter_switch(inverter, &self->motor, self->now_s);
+        if (!(self->now_s > now_s)) {
+            run_stretch(self, until_s, longest_s);
         }
     }
 }
