@@ -138,6 +138,9 @@ static plant_gate_t of_broken(const plant_leg_t *leg, plant_gate_t gate) {
 
 static void break_edges(plant_leg_t *leg) {
     plant_pwm_t *pwm = &leg->pwm;
+    if (!leg->dead[0] && !leg->dead[1] && !leg->shorted[0] && !leg->shorted[1]) {
+        return;
+    }
     pwm->gate = of_broken(leg, pwm->gate);
     for (int k = 0; k < pwm->edges; k++) {
         pwm->edge[k].gate = of_broken(leg, pwm->edge[k].gate);

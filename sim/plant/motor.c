@@ -527,6 +527,11 @@ static kind_t kind_of(const plant_motor_t *self) {
 
 double plant_motor_torque(const plant_motor_t *self) {
     const plant_drive_t none = {.floating = {PLANT_NONE_FLOATS, PLANT_NONE_FLOATS}};
+    if (self->is_plain) { // asked for in every period
+        const kind_t plain = {.plain = true};
+        const point_t at = point_of(self, &self->x, plain);
+        return slope_at(self, &none, &at, plain).torque;
+    }
     const kind_t kind = kind_of(self);
     const point_t at = point_of(self, &self->x, kind);
     return slope_at(self, &none, &at, kind).torque;

@@ -352,7 +352,7 @@ static void run_stretch(plant_t *self, double until_s, double longest_s) {
 
 /// Simulates the period at hand up to `until_s`.
 static void run(plant_t *self, double until_s) {
-    const double longest_s = plant_motor_longest_step(&self->motor, self->inverter.drive.R_Ohm);
+    double longest_s = 0.0; // until a stretch asks for it
     while (self->now_s < until_s) {
         const double now_s = self->now_s;
         // A peak may lie at any edge: it is looked for at each.
@@ -361,6 +361,9 @@ static void run(plant_t *self, double until_s) {
                 plant_linear_run(&self->inverter, &self->motor, now_s, until_s, &self->events_left);
         }
         if (!(self->now_s > now_s)) {
+            if (!(longest_s > 0.0)) {
+                longest_s = plant_motor_longest_step(&self->motor, self->inverter.drive.R_Ohm);
+            }
             run_stretch(self, until_s, longest_s);
         }
     }

@@ -24,7 +24,8 @@ static inline double rig_rad_from_deg(double deg) {
 
 /// Difference of two angles, (-180, 180] degrees.
 static inline double rig_angle_error_deg(double estimate_rad, double truth_rad) {
-    return rig_deg_from_rad(remainder(estimate_rad - truth_rad, 2.0 * RIG_PI));
+    const double off_rad = estimate_rad - truth_rad; // seldom beyond half a turn
+    return rig_deg_from_rad(fabs(off_rad) <= RIG_PI ? off_rad : remainder(off_rad, 2.0 * RIG_PI));
 }
 
 #endif
