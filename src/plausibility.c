@@ -23,6 +23,9 @@
 // Dead time may hold a phase near zero for up to a sixth of a turn. The other two then balance, to within their
 // gains; beside a converter that is stuck there they do not. One that is made of them is not known to.
 #define QUARTER_rad 1.5707963f
+// What a look adds at most where some of them keep still: at high speed looks lie far apart, and one phase of a
+// current with ripple may happen on the same count at three of them.
+#define LOOK_rad 0.2617994f
 #define BALANCE_SHARE 0.05f // of the current
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
 #define ALL_PHASES ((1u << LODE_PHASES) - 1u)
@@ -111,9 +114,10 @@ LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
     const uint32_t still = judged & self->still;
     const bool changes =
         (self->still & CHANGING) != 0u || !(lode_abs(i_A2 - self->i_A2) <= STEADY_SHARE * i_A2);
-    self->turn_rad = still > 0u ? self->turn_rad + path.turn_rad : 0.0f;
-    self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : judged);
     const bool all = still == ALL_PHASES;
+    const float look_rad = all ? path.turn_rad : lode_clamp(path.turn_rad, -LOOK_rad, LOOK_rad);
+    self->turn_rad = still > 0u ? self->turn_rad + look_rad : 0.0f;
+    self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : judged);
     const float turn2 = self->turn_rad * self->turn_rad;
     const float stuck_A = STUCK * A_per_count;
     const float least = stuck_A * stuck_A;

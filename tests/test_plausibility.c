@@ -236,6 +236,22 @@ static void test_a_phase_that_a_rising_current_holds_is_not_stuck(void) {
     TEST_ASSERT_TRUE(self.i_A > 2.0);
 }
 
+/// At high speed the looks lie far apart: a current with ripple may happen on the same count at three of them.
+static void test_three_looks_far_apart_are_luck(void) {
+    const float far = 1.25f; // between two looks: 20 periods per turn
+    for (int equal = 2; equal <= 8; equal++) {
+        bench_t self = bench(3.6, 0.0);
+        lode_finding_t found = {.check = LODE_CHECK_NONE};
+        for (int n = 0; n < equal; n++) {
+            const int32_t b = (100 + 40 * n) * LODE_COUNT_FRACTION;
+            const int32_t i[LODE_PHASES] = {150 * LODE_COUNT_FRACTION, b,
+                                            -150 * LODE_COUNT_FRACTION - b};
+            found = judge(&self.state, &self.tuning, i, (float)(3.6 * 3.6), far);
+        }
+        TEST_ASSERT_EQUAL_INT(equal < 6 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK, found.check);
+    }
+}
+
 static void test_a_sum_that_lasts_is_found(void) {
     bench_t self = bench(3.0, 300.0);
     lode_finding_t found;
@@ -408,6 +424,7 @@ int main(void) {
     RUN_TEST(test_counts_that_were_kept_without_current_may_still_be_good);
     RUN_TEST(test_all_that_do_not_follow_a_rising_current_are_stuck);
     RUN_TEST(test_a_phase_that_a_rising_current_holds_is_not_stuck);
+    RUN_TEST(test_three_looks_far_apart_are_luck);
     RUN_TEST(test_a_sum_that_lasts_is_found);
     RUN_TEST(test_the_limit_itself_is_no_sum);
     RUN_TEST(test_reset_forgets);
