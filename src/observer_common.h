@@ -4,16 +4,16 @@
 
 #include "lodestar/observer.h"
 
-// Default bandwidth over the rated speed: paper 1 has 2000 rad/s at 471 rad/s.
+// Default bandwidth over the rated speed: paper 1 has 2000 rad/s at 471 rad/s. Not less at few periods per turn:
+// (E29).
 #define W0_PER_OMEGA_RATED 4.25f
-#define W0_TS_DEFAULT_MAX 0.5f
 #define W0_TS_MAX 2.0f
 #define K2_TS_MAX 1.0f
 
 // The default of w0.
 LODE_INLINE void observer_design_w0(lode_observer_config_t *config, float omega_rated_rad_s,
                                     float ts_s) {
-    const float w0 = lode_min(W0_PER_OMEGA_RATED * omega_rated_rad_s, W0_TS_DEFAULT_MAX / ts_s);
+    const float w0 = lode_min(W0_PER_OMEGA_RATED * omega_rated_rad_s, W0_TS_MAX / ts_s);
     config->w0_rad_s = lode_given_or(config->w0_rad_s, w0);
 }
 

@@ -129,6 +129,35 @@ static double complex expected_response(const lode_observer_config_t *config, do
     }
 }
 
+/// How far an EMF that grows by `rate` of itself per second turns the estimate, of what it grows per period.
+static double turn_by_growth(const lode_observer_config_t *config, double omega, double rate) {
+    const lode_observer_tuning_t tuning = tuned(config);
+    lode_observer_t leso;
+    lode_observer_reset(&leso);
+    double complex e = 0.0, m = 0.0;
+    for (int k = 0; k <= 400; k++) {
+        m = rotating(omega * 2.0e-4 * k) * exp(rate * 2.0e-4 * (k - 400));
+        e = feed(&leso, &tuning, omega, m);
+    }
+    return (carg(e / m) - carg(expected_response(config, omega))) / rate;
+}
+
+/// (E29)
+static void test_a_growing_emf_turns_the_c_leso(void) {
+    for (double w0 = 1000.0; w0 < 9000.0; w0 *= 2.0) {
+        const lode_observer_config_t c = {LODE_EMF_C_LESO, (float)w0, 2.0f, LODE_PI, 0.0f, 300.0f};
+        const lode_observer_config_t r = {LODE_EMF_R_LESO, (float)w0, 2.0f, LODE_PI, 0.0f, 300.0f};
+        for (double omega = -2000.0; omega < 2100.0; omega += 800.0) {
+            const double pole = exp(-w0 * 2.0e-4), turn = omega * 2.0e-4;
+            const double far = cabs(cexp(I * turn) - pole);
+            const double wanted = 2.0 * pole * 2.0e-4 * sin(turn) / (far * far);
+            TEST_ASSERT_DOUBLE_WITHIN(0.02 * fabs(wanted) + 1.0e-6, wanted,
+                                      turn_by_growth(&c, omega, 5.0));
+            TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, 0.0, turn_by_growth(&r, omega, 5.0));
+        }
+    }
+}
+
 static void test_steady_gain_and_lag(void) {
     const double rpms[] = {100.0, 300.0, 900.0, 1500.0, 3000.0};
     for (int i = 0; i < COUNT_OF(observers); i++) {
@@ -654,6 +683,7 @@ int main(void) {
     RUN_TEST(test_every_kind_against_float64);
     RUN_TEST(test_steady_gain_and_lag);
     RUN_TEST(test_lag_of_the_papers_motor);
+    RUN_TEST(test_a_growing_emf_turns_the_c_leso);
     RUN_TEST(test_lag_is_odd);
     RUN_TEST(test_offset_shrinks_in_fa);
     RUN_TEST(test_multi_leaves_no_offset_and_no_fifth_and_seventh);
