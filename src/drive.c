@@ -50,6 +50,15 @@ static bool is_finite(const lode_command_t *command) {
     return lode_is_finite(command->speed_rad_s) && lode_is_finite(command->torque_Nm);
 }
 
+static bool wants_short(const lode_command_t *command) {
+#ifdef LODE_WITHOUT_ACTIVE_SHORT
+    (void)command;
+    return false;
+#else
+    return command->active_short;
+#endif
+}
+
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command) {
     if (self == NULL || command == NULL) {
         return LODE_ERROR_NULL;
@@ -77,7 +86,8 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
         .value.torque_Nm = command->torque_Nm,
         .mode = command->mode,
         .flags = (uint_least8_t)((command->clear_fault ? (uint32_t)LODE_ORDER_CLEAR_FAULT : 0u) |
-                                 (torque ? (uint32_t)LODE_ORDER_TORQUE : 0u)),
+                                 (torque ? (uint32_t)LODE_ORDER_TORQUE : 0u) |
+                                 (wants_short(command) ? (uint32_t)LODE_ORDER_SHORT : 0u)),
     };
 #ifndef LODE_WITHOUT_COMMISSIONING
     if (command->mode != LODE_MODE_RUN) {
@@ -177,13 +187,32 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
     return false;
 }
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+// In FAULT without a short of the drive's own. Where the EMF is above the bus, current flows through the diodes of a
+// sound bridge too.
+static bool is_open(const lode_drive_t *self) {
+    const float emf_V =
+        LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(self->estimator.pll.omega_rad_s);
+    return lode_mode(self) == LODE_MODE_FAULT && !lode_mode_shorts(self) &&
+           emf_V <= self->inverter.v_bus_V;
+}
+
+#endif
+
 LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                                        const lode_sample_t *sample) {
     if (self->gates || lode_mode_precharges(self)) {
         lode_guard_diagnose(&self->guard, &self->tuning->guard, sense, &self->tuning->sense, sample,
                             self->mode);
         lode_mode_obey_guard(self);
+        return;
     }
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    if (is_open(self)) {
+        lode_guard_suspect(&self->guard, &self->tuning->guard, &self->tuning->sense, sample);
+    }
+#endif
 }
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -477,7 +506,7 @@ LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_drive_tuning_t *t
 }
 
 static LODE_NOINLINE lode_drive_out_t idle_out(const lode_drive_t *self) {
-    return (lode_drive_out_t){self->duty, lode_mode_idle_gates(self)};
+    return lode_mode_idle_out(self, &self->duty);
 }
 
 // The end of a period with the gates off, or the low sides alone.

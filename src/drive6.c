@@ -311,8 +311,8 @@ static LODE_NOINLINE lode_drive6_out_t end_idle(lode_drive6_t *self) {
     lode_drive_t *drive = &self->drive;
     idle_set2(self);
     drive->steps++;
-    const lode_gates_t gates = lode_mode_idle_gates(drive);
-    return (lode_drive6_out_t){{{drive->duty, gates}, {self->duty_2, gates}}};
+    return (lode_drive6_out_t){
+        {lode_mode_idle_out(drive, &drive->duty), lode_mode_idle_out(drive, &self->duty_2)}};
 }
 
 // A whole one: the voltage at open terminals is not known, so there is nothing to estimate.

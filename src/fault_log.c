@@ -35,11 +35,20 @@ lode_status_t lode_fault_log_init(lode_fault_log_t *self, lode_telemetry_t *buff
     return LODE_OK;
 }
 
+// Row that tripped, of the fault `back` before the last one.
+static lode_telemetry_t *tripped_row(const lode_fault_log_t *self, uint32_t back) {
+    const uint32_t blocks = self->faults + 1u;
+    return row_at(self, (self->block + blocks - 1u - back) % blocks, 0u);
+}
+
 bool lode_fault_log_step(lode_fault_log_t *self, const lode_telemetry_t *telemetry) {
     const bool fault = telemetry->mode == LODE_MODE_FAULT;
     const bool noted = fault && self->faulted;
     self->faulted = fault;
-    if (noted) {
+    if (noted) { // the same one, by a better name perhaps
+        if (self->held > 0u) {
+            tripped_row(self, 0u)->fault = telemetry->fault;
+        }
         return false;
     }
     for (uint32_t row = self->rows - 1u; row > 0u; row--) {
@@ -63,7 +72,6 @@ const lode_telemetry_t *lode_fault_log_row(const lode_fault_log_t *self, uint32_
     if (back >= self->held || row >= self->rows) {
         return NULL;
     }
-    const uint32_t blocks = self->faults + 1u;
-    const lode_telemetry_t *found = row_at(self, (self->block + blocks - 1u - back) % blocks, row);
+    const lode_telemetry_t *found = &tripped_row(self, back)[row];
     return found->steps > 0u ? found : NULL;
 }

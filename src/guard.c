@@ -13,6 +13,7 @@
 #define LOCK_TIME_s 15.0e-3f // with the lock's own 3.5 ms it trips in less than 20 ms
 #define COUNTER_MAX 65535.0f
 #define STAMP_TOLERANCE 0.25f // of a period
+#define MIDDLE_SHARE 0.1f // of the largest current: well above offsets, noise and differing gains
 
 #define NAME(check)                                                                                \
     case check:                                                                                    \
@@ -43,6 +44,7 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_BUS_STUCK);
         NAME(LODE_CHECK_FLUX);
         NAME(LODE_CHECK_RESISTANCE);
+        NAME(LODE_CHECK_SWITCH_SHORTED);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";
@@ -203,6 +205,47 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
                         (float)(tuning->stamp_min + tuning->stamp_span));
     }
 }
+
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+// With a low side shorted the current leaves the motor by that phase alone, and comes back by the diodes of both
+// others; with a high side the other way round. The phase in the middle tells which: samples of the other two may be
+// at the rails. 0: not now.
+static float shorted_A(const lode_sense_tuning_t *sense, const lode_sample_t *sample) {
+    const float a = (float)sample->i[0] * sense->i_gain;
+    const float b = (float)sample->i[1] * sense->i_gain;
+    const float c = (float)sample->i[2] * sense->i_gain;
+    const float most = lode_max(lode_max(a, b), c);
+    const float least = lode_min(lode_min(a, b), c);
+    const float middle = a + b + c - most - least;
+    if (!(lode_abs(middle) > MIDDLE_SHARE * most)) {
+        return 0.0f;
+    }
+    return middle > 0.0f ? least : most;
+}
+
+LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                                      const lode_sense_tuning_t *sense_tuning,
+                                      const lode_sample_t *sample) {
+    const uint32_t check = self->fault.check;
+    const float i_A = shorted_A(sense_tuning, sample);
+    const bool suspect =
+        check == (uint32_t)LODE_CHECK_HARDWARE_TRIP || check == (uint32_t)LODE_CHECK_OVER_CURRENT;
+    if (!suspect || !(lode_abs(i_A) > tuning->i_trip)) {
+        return;
+    }
+    // With the gates off nobody else counts rails: the same side all the time.
+    const bool low = i_A < 0.0f;
+    self->rail = low == self->railed ? self->rail : 0u;
+    self->railed = low;
+    if (persists(self, &self->rail, true, tuning->rail_periods + LODE_GUARD_DECAY_PERIODS)) {
+        self->fault.check = (uint_least8_t)LODE_CHECK_SWITCH_SHORTED;
+        self->fault.measured = i_A;
+        self->fault.limit = tuning->i_trip;
+    }
+}
+
+#endif
 
 // `wrong`: LODE_CHECK_NONE while all is well.
 static void count(lode_guard_t *self, uint_least16_t *counter, uint32_t looks, lode_check_t wrong,

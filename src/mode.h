@@ -14,7 +14,7 @@ typedef struct {
 #define WORD_BITS 32u
 #define HALF_BITS 16u
 #define HALF_MASK 0xffffu
-#define MODE_SHIFT 2u // beyond the flags
+#define MODE_SHIFT 3u // beyond the flags
 
 static inline lode_mode_t lode_mode(const lode_drive_t *self) {
     return (lode_mode_t)self->mode;
@@ -202,9 +202,31 @@ static inline bool lode_mode_pulses(const lode_drive_t *self) {
     return precharge->periods > 0u;
 }
 
-// What switches in the period after lode_mode_idle().
-static inline lode_gates_t lode_mode_idle_gates(const lode_drive_t *self) {
-    return lode_mode_precharges(self) && lode_mode_pulses(self) ? LODE_GATES_LOW : LODE_GATES_OFF;
+// FAULT, and the motor is short-circuited by all low sides.
+static inline bool lode_mode_shorts(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_ACTIVE_SHORT
+    (void)self;
+    return false;
+#else
+    if (LODE_USUALLY(((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_SHORT) == 0u)) {
+        return false;
+    }
+    const uint32_t check = self->guard.fault.check;
+    // Behind these may be a switch that is shorted itself: who then says OFF has looked at it.
+    const bool suspect =
+        check == (uint32_t)LODE_CHECK_HARDWARE_TRIP || check == (uint32_t)LODE_CHECK_OVER_CURRENT;
+    return lode_mode(self) == LODE_MODE_FAULT && (!suspect || self->command.mode == LODE_MODE_OFF);
+#endif
+}
+
+// What switches in the period after lode_mode_idle(), with the duties `duty` or, short-circuited, with none.
+static inline lode_drive_out_t lode_mode_idle_out(const lode_drive_t *self,
+                                                  const lode_abc_t *duty) {
+    if (lode_mode_shorts(self)) {
+        return (lode_drive_out_t){{0.0f, 0.0f, 0.0f}, LODE_GATES_LOW};
+    }
+    const bool pulses = lode_mode_precharges(self) && lode_mode_pulses(self);
+    return (lode_drive_out_t){*duty, pulses ? LODE_GATES_LOW : LODE_GATES_OFF};
 }
 
 // A period with the gates off, or the low sides alone. All may be on after it. Of the `sample` the phase currents

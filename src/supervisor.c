@@ -10,6 +10,13 @@
 #define GOOD_s 10.0f // longer than a start and its ramp take
 #define GOOD_MAX_s 1.0e5f
 #define TIME_MIN_s 1.0e-3f
+#define LESS_EMF 0.9f // of the bus, at which the short is given up: well below noise and ripple
+
+#ifdef LODE_WITHOUT_ACTIVE_SHORT
+#define IS_SHORT_BUILT_IN false
+#else
+#define IS_SHORT_BUILT_IN true
+#endif
 
 static void set_count(lode_attempts_t *attempts, uint32_t count) {
     attempts->count = count;
@@ -41,14 +48,21 @@ lode_status_t lode_supervisor_init(lode_supervisor_t *self, const lode_superviso
     if (self == NULL || config == NULL || tuning == NULL || attempts == NULL) {
         return LODE_ERROR_NULL;
     }
+    const lode_references_tuning_t *motor = &tuning->references;
+    const lode_choice_t choice = config->active_short;
     const float wait_s = lode_given_or(config->wait_s, WAIT_s);
     const float good_s = lode_given_or(config->good_s, GOOD_s);
     if (!are_reactions(config) || !lode_in_range(wait_s, TIME_MIN_s, WAIT_MAX_s) ||
-        !lode_in_range(good_s, TIME_MIN_s, GOOD_MAX_s)) {
+        !lode_in_range(good_s, TIME_MIN_s, GOOD_MAX_s) ||
+        (choice != LODE_AUTO && choice != LODE_ON && choice != LODE_OFF)) {
         return LODE_ERROR_SUPERVISOR;
     }
+    const bool can = IS_SHORT_BUILT_IN && motor->psi_Wb <= motor->Ld_H * motor->i_max_A;
+    if (choice == LODE_ON && !can) {
+        return LODE_ERROR_ACTIVE_SHORT;
+    }
     *self = (lode_supervisor_t){.config = config,
-                                .limits = &tuning->guard,
+                                .tuning = tuning,
                                 .attempts = attempts,
                                 .wait_s = wait_s,
                                 .good_s = good_s};
@@ -66,7 +80,7 @@ static lode_reaction_t reaction_to(const lode_supervisor_t *self, lode_fault_t f
 
 // The bus has recovered, and the power stage has cooled down.
 static bool is_over(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
-    const lode_guard_tuning_t *limits = self->limits;
+    const lode_guard_tuning_t *limits = &self->tuning->guard;
     return lode_in_range(telemetry->v_bus_V, limits->v_bus_min, limits->v_bus_max) &&
            lode_in_range(telemetry->temperature_degC, limits->temperature_min,
                          limits->temperature_max);
@@ -79,6 +93,45 @@ bool lode_supervisor_is_latched(const lode_supervisor_t *self, const lode_teleme
         return count >= most || reaction_to(self, telemetry->fault) == LODE_REACTION_LATCH;
     }
     return count > most; // resets have used them up
+}
+
+// The peak of the line-to-line EMF is above the bus, so that the diodes would conduct.
+static bool generates(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
+    const float emf_V =
+        LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(telemetry->omega_rad_s);
+    const float share = self->shorts ? LESS_EMF : 1.0f;
+    return self->config->active_short == LODE_ON && emf_V > share * telemetry->v_bus_V;
+}
+
+// Time enough for the guard to find that a switch is shorted.
+static bool has_looked(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
+    const uint32_t needed = self->tuning->guard.rail_periods + LODE_GUARD_DECAY_PERIODS;
+    return telemetry->steps - self->faulted_at > needed;
+}
+
+// In FAULT: all low sides on are better than none. Where one is shorted they make a short circuit of one phase one of
+// all three, with less current and no DC; where a high side is, they would short the bus.
+static bool shorts_after(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
+    const uint32_t check = telemetry->fault.check;
+    if (check == (uint32_t)LODE_CHECK_SWITCH_SHORTED) {
+        return self->config->active_short == LODE_ON && telemetry->fault.measured < 0.0f;
+    }
+    if (check == (uint32_t)LODE_CHECK_OVER_CURRENT && !has_looked(self, telemetry)) {
+        return false;
+    }
+    return self->shorts && check != (uint32_t)LODE_CHECK_HARDWARE_TRIP;
+}
+
+// The command, with an active short where it has one itself or `shorts` says so.
+static lode_command_t with_short(lode_command_t command, bool shorts) {
+#ifdef LODE_WITHOUT_ACTIVE_SHORT
+    (void)shorts;
+    return command;
+#else
+    lode_command_t changed = command;
+    changed.active_short = command.active_short || shorts;
+    return changed;
+#endif
 }
 
 // In FAULT, with an attempt left: whether it is time for it.
@@ -94,38 +147,52 @@ static lode_command_t after_fault(lode_supervisor_t *self, const lode_telemetry_
     if (self->asked && self->asked_at == telemetry->steps) { // a loop faster than the interrupt
         return (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true};
     }
-    self->time_s = self->faulted ? self->time_s + dt_s : 0.0f;
+    self->time_s = self->waits ? self->time_s + dt_s : 0.0f;
     const bool now = !lode_supervisor_is_latched(self, telemetry) && is_time(self, telemetry);
     if (now) {
         count_one(self->attempts);
     }
-    self->faulted = !now;
+    self->waits = !now;
     self->asked = now;
     self->asked_at = telemetry->steps;
-    return (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = now};
+    const lode_command_t command = {.mode = LODE_MODE_OFF, .clear_fault = now};
+    return with_short(command, !now && shorts_after(self, telemetry));
+}
+
+// Somebody wants OFF. Without clear_fault a fault stays, and so does what follows it.
+static lode_command_t off(lode_supervisor_t *self, const lode_telemetry_t *telemetry,
+                          lode_command_t wanted) {
+    if (wanted.clear_fault) {
+        set_count(self->attempts, 0u);
+    }
+    self->waits = false;
+    self->time_s = 0.0f;
+    return with_short(wanted, telemetry->mode == LODE_MODE_FAULT && shorts_after(self, telemetry));
 }
 
 lode_command_t lode_supervisor_step(lode_supervisor_t *self, const lode_telemetry_t *telemetry,
                                     lode_command_t wanted, float dt_s) {
-    if (wanted.mode == LODE_MODE_OFF) {
-        if (wanted.clear_fault) {
-            set_count(self->attempts, 0u);
-        }
-        self->faulted = false;
-        self->time_s = 0.0f;
-        return wanted;
+    const bool fault = telemetry->mode == LODE_MODE_FAULT;
+    const bool runs = telemetry->mode == LODE_MODE_RUN;
+    if (fault && !self->faulted) {
+        self->faulted_at = telemetry->steps;
     }
-    if (telemetry->mode == LODE_MODE_FAULT) {
+    self->faulted = fault;
+    self->shorts = runs ? generates(self, telemetry) : self->shorts;
+    if (wanted.mode == LODE_MODE_OFF) {
+        return off(self, telemetry, wanted);
+    }
+    if (fault) {
         return after_fault(self, telemetry, dt_s);
     }
-    const bool runs = telemetry->mode == LODE_MODE_RUN;
-    self->time_s = runs && !self->faulted ? self->time_s + dt_s : 0.0f;
-    self->faulted = false;
+    self->time_s = runs && !self->waits ? self->time_s + dt_s : 0.0f;
+    self->waits = false;
     if (self->time_s >= self->good_s) {
         set_count(self->attempts, 0u);
         self->time_s = self->good_s;
     }
-    return lode_supervisor_is_latched(self, telemetry)
-               ? (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = false}
-               : wanted;
+    if (lode_supervisor_is_latched(self, telemetry)) {
+        return (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = false};
+    }
+    return with_short(wanted, self->shorts);
 }

@@ -1120,6 +1120,150 @@ static void test_hardware_trip_in_the_same_call(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, rig_telemetry(&rig).fault.check);
 }
 
+static bool is_shorted(lode_drive_out_t out) {
+    return out.gates == LODE_GATES_LOW && out.duty.a == 0.0f && out.duty.b == 0.0f &&
+           out.duty.c == 0.0f;
+}
+
+/// Low sides on from the call of the fault on, until somebody says otherwise.
+static void test_a_fault_shorts_the_motor_where_that_is_commanded(void) {
+    rig_t rig = holding();
+    rig_command(&rig, (lode_command_t){
+                          .mode = LODE_MODE_CURRENT, .vector = {4.0f, 0.0f}, .active_short = true});
+    rig_run(&rig, 0.01);
+    TEST_ASSERT_EQUAL_INT(LODE_GATES_ON, rig.out.gates);
+    rig.sag_V = 150.0;
+    for (int n = 0; n < 100 && rig.out.gates == LODE_GATES_ON; n++) {
+        rig_step(&rig);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_UNDER_VOLTAGE, rig_telemetry(&rig).fault.check);
+    TEST_ASSERT_TRUE(is_shorted(rig.out));
+    rig_run(&rig, 0.01);
+    TEST_ASSERT_TRUE(is_shorted(rig.out));
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .active_short = true});
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_shorted(rig.out));
+    rig_command(&rig,
+                (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true, .active_short = true});
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out)); // OFF is off
+    rig_expect(&rig, LODE_MODE_OFF);
+}
+
+/// A switch may be shorted: the low sides come only when somebody has looked at it, and says OFF.
+static void test_a_trip_by_current_shorts_nothing_by_itself(void) {
+    for (int by_hardware = 0; by_hardware <= 1; by_hardware++) {
+        rig_t rig = holding();
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT,
+                                           .vector = {4.0f, 0.0f},
+                                           .active_short = true});
+        rig_run(&rig, 0.01);
+        lode_counts_t counts = rig_counts(&rig);
+        counts.trip = by_hardware == 1;
+        counts.i[0] = by_hardware == 1 ? counts.i[0] : 548u;
+        TEST_ASSERT_TRUE(is_idle(lode_drive_step(&rig.drive, &counts)));
+        counts.i[0] = 2048u;
+        TEST_ASSERT_TRUE(is_idle(lode_drive_step(&rig.drive, &counts)));
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .active_short = true});
+        TEST_ASSERT_TRUE(is_shorted(lode_drive_step(&rig.drive, &counts)));
+    }
+}
+
+/// The current of phase a, 18.75 A of 18 A, that flows on after a trip for so many periods: the check.
+static uint32_t after_current(rig_t *rig, int sign, int periods) {
+    lode_counts_t counts = rig_counts(rig);
+    counts.i[0] = (uint16_t)(2048 + sign * 1500);
+    counts.i[1] = counts.i[2] = (uint16_t)(2048 - sign * 750);
+    for (int n = 0; n < periods; n++) {
+        (void)lode_drive_step(&rig->drive, &counts);
+    }
+    return rig_telemetry(rig).fault.check;
+}
+
+/// A sound bridge stops the current; 1 ms is five periods, and the decay four more.
+static void test_a_current_that_flows_on_is_a_shorted_switch(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = holding();
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, after_current(&rig, sign, 9));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, after_current(&rig, sign, 1));
+        const lode_fault_t fault = rig_telemetry(&rig).fault;
+        CHECK_NEAR(1.0e-3, sign * 18.75, fault.measured);
+        CHECK_NEAR(1.0e-3, 18.0, fault.limit);
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_CURRENT, fault.state);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, after_current(&rig, -sign, 20));
+        CHECK_NEAR(1.0e-3, sign * 18.75, rig_telemetry(&rig).fault.measured);
+    }
+    rig_t rig = holding();
+    rig.trip = true;
+    rig_step(&rig);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, after_current(&rig, 1, 9));
+}
+
+/// A fault of 62 A and more is beyond what 12 bits show: the phase in the middle still tells the side.
+static void test_samples_at_the_rails_tell_the_side_too(void) {
+    for (int high = 0; high <= 1; high++) {
+        rig_t rig = holding();
+        rig.trip = true;
+        rig_step(&rig);
+        rig.trip = false;
+        lode_counts_t counts = rig_counts(&rig);
+        counts.i[0] = high == 1 ? 0u : 4095u;
+        counts.i[1] = high == 1 ? 4095u : 0u;
+        counts.i[2] = high == 1 ? 1548u : 2548u;
+        for (int n = 0; n < 9; n++) {
+            (void)lode_drive_step(&rig.drive, &counts);
+        }
+        const lode_fault_t fault = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, fault.check);
+        TEST_ASSERT_TRUE(high == 1 ? fault.measured > 25.0f : fault.measured < -25.0f);
+    }
+}
+
+/// A side that changes, or a current in two phases alone, is no shorted switch.
+static void test_a_shorted_switch_shows_one_side(void) {
+    rig_t rig = holding();
+    (void)after_current(&rig, 1, 1);
+    for (int n = 0; n < 10; n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, after_current(&rig, n % 2 == 0 ? 1 : -1, 8));
+    }
+    rig = holding();
+    (void)after_current(&rig, 1, 1);
+    lode_counts_t counts = rig_counts(&rig);
+    counts.i[0] = 3548u;
+    counts.i[1] = 548u;
+    counts.i[2] = 2048u;
+    for (int n = 0; n < 50; n++) {
+        (void)lode_drive_step(&rig.drive, &counts);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, rig_telemetry(&rig).fault.check);
+}
+
+static void test_other_currents_with_the_gates_off_are_no_shorted_switch(void) {
+    rig_t rig = holding();
+    rig.trip = true;
+    rig_run(&rig, 0.01); // a trip input that stays, without current
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, rig_telemetry(&rig).fault.check);
+    rig = holding();
+    rig.sag_V = 150.0;
+    rig_run(&rig, 0.01); // of another cause
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_UNDER_VOLTAGE, after_current(&rig, 1, 50));
+    rig = holding();
+    (void)after_current(&rig, 1, 1);
+    rig.drive.estimator.pll.omega_rad_s = 900.0f; // 221 V between the lines, by the diodes
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, after_current(&rig, 1, 50));
+    rig.drive.estimator.pll.omega_rad_s = -800.0f; // 197 V of 200 V
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, after_current(&rig, 1, 10));
+    rig = holding();
+    (void)after_current(&rig, 1, 1);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .active_short = true});
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, after_current(&rig, 1, 50)); // its own
+    rig = fresh();
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_current(&rig, 1, 50)); // OFF
+}
+
 static void test_a_single_sample_at_the_rail_passes(void) {
     lode_drive_config_t config = rig_config();
     config.guard.i_trip_A = 2047.0f * (float)RIG_GAIN_A; // what the highest count says
@@ -1995,6 +2139,12 @@ int main(void) {
     RUN_TEST(test_a_bus_without_reading_stays_in_range);
     RUN_TEST(test_over_current_of_either_sign_in_the_same_call);
     RUN_TEST(test_hardware_trip_in_the_same_call);
+    RUN_TEST(test_a_fault_shorts_the_motor_where_that_is_commanded);
+    RUN_TEST(test_a_trip_by_current_shorts_nothing_by_itself);
+    RUN_TEST(test_a_current_that_flows_on_is_a_shorted_switch);
+    RUN_TEST(test_samples_at_the_rails_tell_the_side_too);
+    RUN_TEST(test_a_shorted_switch_shows_one_side);
+    RUN_TEST(test_other_currents_with_the_gates_off_are_no_shorted_switch);
     RUN_TEST(test_a_single_sample_at_the_rail_passes);
     RUN_TEST(test_a_call_that_is_late_trips_at_once);
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);

@@ -237,6 +237,22 @@ static void test_a_trip_of_either_set_switches_both_off_at_once(void) {
     }
 }
 
+static void test_a_fault_shorts_both_sets_where_that_is_commanded(void) {
+    const lode_drive6_config_t config = rig6_config();
+    rig6_t rig = turning(&config, 300.0, 0.0);
+    rig.trip[1] = true;
+    rig6_step(&rig);
+    expect_fault(&rig, LODE_CHECK_HARDWARE_TRIP);
+    TEST_ASSERT_EQUAL_INT(LODE_GATES_OFF, rig.out.set[0].gates);
+    rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .active_short = true});
+    rig6_step(&rig);
+    for (int set = 0; set < 2; set++) {
+        const lode_drive_out_t out = rig.out.set[set];
+        TEST_ASSERT_EQUAL_INT(LODE_GATES_LOW, out.gates);
+        TEST_ASSERT_TRUE(out.duty.a == 0.0f && out.duty.b == 0.0f && out.duty.c == 0.0f);
+    }
+}
+
 static void test_over_current_in_set_2_is_seen(void) {
     const lode_drive6_config_t config = rig6_config();
     rig6_t rig = turning(&config, 300.0, 0.0);
@@ -794,6 +810,7 @@ int main(void) {
     RUN_TEST(test_an_implausible_offset_of_either_set_is_a_fault);
     RUN_TEST(test_a_converter_of_either_set_without_noise_is_refused);
     RUN_TEST(test_a_trip_of_either_set_switches_both_off_at_once);
+    RUN_TEST(test_a_fault_shorts_both_sets_where_that_is_commanded);
     RUN_TEST(test_over_current_in_set_2_is_seen);
     RUN_TEST(test_a_single_sample_at_the_rail_passes);
     RUN_TEST(test_a_voltage_that_is_none_in_either_set_trips_in_the_same_call);

@@ -95,6 +95,17 @@ static void test_the_last_ones_are_kept(void) {
     }
 }
 
+/// A trip whose current flows on is called a shorted switch a millisecond later.
+static void test_a_fault_may_get_a_better_name(void) {
+    lode_fault_log_t log = new_log();
+    runs(&log, 3);
+    TEST_ASSERT_TRUE(step(&log, LODE_MODE_FAULT, LODE_CHECK_OVER_CURRENT));
+    TEST_ASSERT_FALSE(step(&log, LODE_MODE_FAULT, LODE_CHECK_SWITCH_SHORTED));
+    TEST_ASSERT_EQUAL_UINT(1u, lode_fault_log_count(&log));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, lode_fault_log_row(&log, 0u, 0u)->fault.check);
+    TEST_ASSERT_EQUAL_UINT(4u, lode_fault_log_row(&log, 0u, 0u)->steps); // of the trip
+}
+
 static void test_one_row_is_enough(void) {
     lode_fault_log_t log;
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_fault_log_init(&log, buffer, 1u, 1u));
@@ -134,6 +145,7 @@ int main(void) {
     RUN_TEST(test_a_fault_has_its_row_and_those_before);
     RUN_TEST(test_rows_that_nobody_saw_are_not_there);
     RUN_TEST(test_the_last_ones_are_kept);
+    RUN_TEST(test_a_fault_may_get_a_better_name);
     RUN_TEST(test_one_row_is_enough);
     RUN_TEST(test_erased_it_is_empty);
     RUN_TEST(test_wrong_arguments_are_refused);

@@ -234,7 +234,7 @@ static void test_what_is_left_open_is_1_s_and_10_s(void) {
 
 static lode_status_t init_with(lode_reaction_t reaction, float wait_s, float good_s) {
     lode_supervisor_config_t wrong = config;
-    wrong.reaction[LODE_CHECK_COUNT - 1] = reaction;
+    wrong.reaction[LODE_CHECK_START] = reaction;
     wrong.wait_s = wait_s;
     wrong.good_s = good_s;
     lode_supervisor_t self = {.time_s = 7.0f};
@@ -264,6 +264,133 @@ static void test_wrong_configurations_are_refused(void) {
                           lode_supervisor_init(&self, &config, NULL, &attempts, false));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL,
                           lode_supervisor_init(&self, &config, &tuning, NULL, false));
+}
+
+// ---- Active short -------------------------------------------------------------------------------
+
+// psi/Ld is 50 A; 0.1 Wb reach 150 V between the lines at 866 rad/s.
+static lode_drive_tuning_t shortable(void) {
+    lode_drive_tuning_t motor = tuning;
+    motor.references.psi_Wb = 0.1f;
+    motor.references.Ld_H = 2.0e-3f;
+    motor.references.i_max_A = 60.0f;
+    motor.guard.rail_periods = 5u;
+    return motor;
+}
+
+static const lode_supervisor_config_t shorting = {
+    .reaction = {[LODE_CHECK_START] = LODE_REACTION_AGAIN},
+    .attempts = 1u,
+    .wait_s = 0.35f,
+    .active_short = LODE_ON};
+
+static lode_command_t shorts_step(lode_supervisor_t *self, lode_mode_t mode, lode_check_t check,
+                                  float omega_rad_s, lode_command_t wanted) {
+    lode_telemetry_t now = seen(mode, check);
+    now.omega_rad_s = omega_rad_s;
+    now.fault.measured = omega_rad_s; // of a shorted switch
+    return lode_supervisor_step(self, &now, wanted, STEP_s);
+}
+
+/// Whether a fault would short the motor that has run at these speeds.
+static bool would_short(lode_supervisor_t *self, float omega_rad_s) {
+    return shorts_step(self, LODE_MODE_RUN, LODE_CHECK_NONE, omega_rad_s, run).active_short;
+}
+
+static lode_supervisor_t shorter(const lode_drive_tuning_t *motor) {
+    lode_supervisor_t self;
+    attempts = (lode_attempts_t){.count = 0u};
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_supervisor_init(&self, &shorting, motor, &attempts, false));
+    return self;
+}
+
+static void test_it_shorts_where_the_emf_is_above_the_bus(void) {
+    const lode_drive_tuning_t motor = shortable();
+    lode_supervisor_t self = shorter(&motor);
+    TEST_ASSERT_FALSE(would_short(&self, 860.0f));
+    TEST_ASSERT_TRUE(would_short(&self, 870.0f));
+    TEST_ASSERT_TRUE(would_short(&self, -785.0f)); // a tenth less
+    TEST_ASSERT_FALSE(would_short(&self, -770.0f));
+    TEST_ASSERT_FALSE(would_short(&self, 860.0f));
+    TEST_ASSERT_TRUE(would_short(&self, -870.0f));
+    // With the gates off nobody knows the speed: it stays as it was.
+    TEST_ASSERT_TRUE(shorts_step(&self, LODE_MODE_OFF, LODE_CHECK_NONE, 0.0f, run).active_short);
+    // OFF is somebody's, and no fault.
+    TEST_ASSERT_FALSE(shorts_step(&self, LODE_MODE_OFF, LODE_CHECK_NONE, 0.0f, off).active_short);
+    lode_command_t given = run;
+    given.active_short = true;
+    TEST_ASSERT_FALSE(would_short(&self, 0.0f));
+    TEST_ASSERT_TRUE(shorts_step(&self, LODE_MODE_RUN, LODE_CHECK_NONE, 0.0f, given).active_short);
+    given.mode = LODE_MODE_OFF;
+    TEST_ASSERT_TRUE(shorts_step(&self, LODE_MODE_OFF, LODE_CHECK_NONE, 0.0f, given).active_short);
+}
+
+static void test_it_shorts_nothing_unless_told(void) {
+    const lode_drive_tuning_t motor = shortable();
+    lode_supervisor_t self;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_supervisor_init(&self, &config, &motor, &attempts, false));
+    TEST_ASSERT_FALSE(would_short(&self, 5000.0f));
+    TEST_ASSERT_FALSE(
+        shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_SWITCH_SHORTED, -70.0f, run).active_short);
+}
+
+static void test_it_shorts_until_it_starts_again(void) {
+    const lode_drive_tuning_t motor = shortable();
+    lode_supervisor_t self = shorter(&motor);
+    TEST_ASSERT_TRUE(would_short(&self, 900.0f));
+    for (int n = 0; n < 4; n++) {
+        const lode_command_t command =
+            shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_START, 900.0f, run);
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, command.mode);
+        TEST_ASSERT_TRUE(command.active_short && !command.clear_fault);
+    }
+    // Somebody wants OFF: the fault stays, and so does the short.
+    TEST_ASSERT_TRUE(
+        shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_START, 900.0f, off).active_short);
+    int n = 0;
+    lode_command_t command = run;
+    do {
+        command = shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_START, 900.0f, run);
+    } while (!command.clear_fault && ++n < 100);
+    TEST_ASSERT_TRUE(command.clear_fault && !command.active_short);
+}
+
+/// Behind these may be a shorted switch.
+static void test_after_a_trip_it_looks_first(void) {
+    const lode_drive_tuning_t motor = shortable();
+    lode_supervisor_t self = shorter(&motor);
+    TEST_ASSERT_TRUE(would_short(&self, 900.0f));
+    for (int n = 0; n <= 9; n++) { // a period each
+        TEST_ASSERT_FALSE(
+            shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_OVER_CURRENT, 900.0f, n < 5 ? run : off)
+                .active_short);
+    }
+    TEST_ASSERT_TRUE(
+        shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_OVER_CURRENT, 900.0f, run).active_short);
+    TEST_ASSERT_FALSE(
+        shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_HARDWARE_TRIP, 900.0f, run).active_short);
+    // A low side that is shorted is joined by the others; a high side is not, at any speed.
+    TEST_ASSERT_TRUE(
+        shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_SWITCH_SHORTED, -70.0f, run).active_short);
+    TEST_ASSERT_FALSE(
+        shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_SWITCH_SHORTED, 70.0f, run).active_short);
+}
+
+static void test_a_short_of_more_than_the_largest_current_is_refused(void) {
+    lode_drive_tuning_t motor = shortable();
+    lode_supervisor_t self;
+    motor.references.i_max_A = 50.1f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_supervisor_init(&self, &shorting, &motor, &attempts, false));
+    motor.references.i_max_A = 49.9f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_ACTIVE_SHORT,
+                          lode_supervisor_init(&self, &shorting, &motor, &attempts, false));
+    lode_supervisor_config_t other = shorting;
+    other.active_short = LODE_OFF;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_supervisor_init(&self, &other, &motor, &attempts, false));
+    other.active_short = (lode_choice_t)(LODE_OFF + 1);
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SUPERVISOR,
+                          lode_supervisor_init(&self, &other, &motor, &attempts, false));
 }
 
 // ---- With a drive -------------------------------------------------------------------------------
@@ -393,6 +520,11 @@ int main(void) {
     RUN_TEST(test_off_is_off_and_a_clear_begins_at_0);
     RUN_TEST(test_what_is_left_open_is_1_s_and_10_s);
     RUN_TEST(test_wrong_configurations_are_refused);
+    RUN_TEST(test_it_shorts_where_the_emf_is_above_the_bus);
+    RUN_TEST(test_it_shorts_nothing_unless_told);
+    RUN_TEST(test_it_shorts_until_it_starts_again);
+    RUN_TEST(test_after_a_trip_it_looks_first);
+    RUN_TEST(test_a_short_of_more_than_the_largest_current_is_refused);
     RUN_TEST(test_a_drive_runs_again);
     RUN_TEST(test_a_drive_that_fails_again_and_again_stays_off);
     RUN_TEST(test_a_drive_rides_through_a_sag);

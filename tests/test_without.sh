@@ -44,7 +44,7 @@ done
 sources() {
     ${CC:-cc} -std=c99 -O1 -Wall -Wextra -Wconversion -Werror -ffp-contract=off -fno-math-errno \
         -I"$root/include" "$@" -x c - "$root"/src/*.c -lm -o "$object" << 'END'
-#include "lodestar/drive.h"
+#include "lodestar/supervisor.h"
 #include <stdio.h>
 static lode_drive_t drive;
 static lode_drive_tuning_t tuning;
@@ -100,6 +100,12 @@ int main(void) {
     say("hfi", config);
     const lode_command_t torque = {.mode = LODE_MODE_RUN, .control = LODE_CONTROL_TORQUE};
     printf("torque %s\n", lode_status_name(lode_drive_post_command(&drive, &torque)));
+    const lode_supervisor_config_t shorts = {.active_short = LODE_ON};
+    lode_attempts_t attempts = {.count = 0u};
+    lode_supervisor_t supervisor;
+    lode_drive_tuning_t strong = tuning;
+    strong.references.i_max_A = 1000.0f;
+    printf("short %s\n", lode_status_name(lode_supervisor_init(&supervisor, &shorts, &strong, &attempts, false)));
     post(LODE_MODE_VOLTAGE);
     post(LODE_MODE_CURRENT);
     post(LODE_MODE_CALIBRATE);
@@ -114,7 +120,7 @@ refuses() {
     "$object" > "$said"
     refused=$(sed -n '/ LODE_OK$/!p' "$said" | tr '\n' ' ')
     [ "$refused" = "$2" ] || { echo "built with '$1', refused: $refused, expected: $2"; exit 1; }
-    [ "$(grep -c . "$said")" = 18 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
+    [ "$(grep -c . "$said")" = 19 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
 }
 references=LODE_ERROR_REFERENCES
 window=LODE_ERROR_SENSE_WINDOW
@@ -130,6 +136,7 @@ pulses="pulses LODE_ERROR_CHOICE "
 measurement="measurement LODE_ERROR_CHOICE "
 fast="fast LODE_ERROR_SPEED_BANDWIDTH "
 torque="torque $command "
+short="short LODE_ERROR_ACTIVE_SHORT "
 vectors="2 $command 3 $command "
 refuses "" ""
 refuses -DLODE_WITHOUT_FIELD_WEAKENING "$weakening"
@@ -150,8 +157,9 @@ absent lode_speed_torque_target LODE_WITHOUT_TORQUE_CONTROL
 refuses -DLODE_WITHOUT_HFI "$injection"
 absent lode_estimator_by_wave LODE_WITHOUT_HFI
 refuses -DLODE_WITHOUT_TUNING_CHECK ""
-least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING -DLODE_WITHOUT_HFI -DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT -DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR"
-refuses "$least$all" "$optimal$notch$phases$plausibility$precharge$measurement$pulses$fast$injection$torque$vectors"
+refuses -DLODE_WITHOUT_ACTIVE_SHORT "$short"
+least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING -DLODE_WITHOUT_HFI -DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT -DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR -DLODE_WITHOUT_ACTIVE_SHORT"
+refuses "$least$all" "$optimal$notch$phases$plausibility$precharge$measurement$pulses$fast$injection$torque$short$vectors"
 
 # LODE_SMALL is a matter of size alone: the same periods to the bit.
 periods() {

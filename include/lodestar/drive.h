@@ -73,7 +73,7 @@ typedef enum {
     LODE_MODE_CURRENT,   ///< current vector at a given angle
     LODE_MODE_START,     ///< I-f: current vector turned by the start-up, or by the stop
     LODE_MODE_RUN,       ///< speed control without a sensor
-    LODE_MODE_FAULT,     ///< gates off until the fault is cleared
+    LODE_MODE_FAULT,     ///< gates off, or active short, until the fault is cleared
     LODE_MODE_PRECHARGE ///< low sides alone, before a mode with all gates on: looks for a rotor that turns,
                         ///< and charges bootstrap capacitors
 } lode_mode_t;
@@ -103,6 +103,11 @@ typedef struct {
     lode_control_t control; ///< RUN
     float
         torque_Nm; ///< torque control: positive turns towards positive speeds, whichever way it runs
+#ifndef LODE_WITHOUT_ACTIVE_SHORT
+    /// in FAULT the low sides are on, all the time (docs/reactions.md); with any mode but OFF not after a
+    /// HARDWARE_TRIP or OVER_CURRENT. Not in a build with LODE_WITHOUT_ACTIVE_SHORT
+    bool active_short;
+#endif
 } lode_command_t;
 
 /// Which of a bridge's six switches may be on.
@@ -122,6 +127,7 @@ typedef struct {
 enum {
     LODE_ORDER_CLEAR_FAULT = 1,
     LODE_ORDER_TORQUE = 2, ///< torque control
+    LODE_ORDER_SHORT = 4,  ///< active short in FAULT
 };
 
 /// A command as the drive keeps it.

@@ -33,6 +33,9 @@ typedef enum {
     LODE_CHECK_BUS_STUCK, ///< bus, V: a count that has not moved while the EMF says it has; the limit is the time, s
     LODE_CHECK_FLUX, ///< flux linkage that the EMF tells, Wb, with a sound angle; the limit is the motor's
     LODE_CHECK_RESISTANCE, ///< what the start has found above the configured one, Ohm
+    /// after HARDWARE_TRIP or OVER_CURRENT, in its place: the current that flows on with the gates off in the one
+    /// phase, A; negative: its low side is shorted, positive: its high side
+    LODE_CHECK_SWITCH_SHORTED,
     LODE_CHECK_COUNT
 } lode_check_t;
 
@@ -131,6 +134,15 @@ void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check
 void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                          const lode_sense_t *sense, const lode_sense_tuning_t *sense_tuning,
                          const lode_sample_t *sample, uint_least8_t state);
+
+/// With the gates off after a trip: finds out whether the current flows on, which a sound bridge stops. Not in a
+/// build with LODE_WITHOUT_PLAUSIBILITY.
+void lode_guard_suspect(lode_guard_t *self, const lode_guard_tuning_t *tuning,
+                        const lode_sense_tuning_t *sense_tuning, const lode_sample_t *sample);
+
+/// Periods after a trip for which the current may flow on: it falls as fast as it rose, in the two periods that
+/// a command takes, and as long again.
+#define LODE_GUARD_DECAY_PERIODS 4u
 
 /// Checks what may last for a while, every LODE_GUARD_PERIODS: bus, temperature, lock, speed,
 /// direction.

@@ -95,12 +95,13 @@ typedef enum {
     LODE_ERROR_ENCODER_BANDWIDTH, ///< bandwidth of the tracking loop outside 1 .. 1/Ts
     LODE_ERROR_ENCODER_CHECK,     ///< speed or time of the check by the EMF out of range
     LODE_ERROR_DERATE,            ///< a current, time or temperature of derating out of range
-    LODE_ERROR_SUPERVISOR,        ///< supervisor: a reaction that is none, or a time out of range
-    LODE_ERROR_CHANNELS,          ///< no channel, too many of them, or one that does not exist
-    LODE_ERROR_BUFFER,            ///< a recorder's buffer holds less than two frames or rows
-    LODE_ERROR_TRIGGER,           ///< trigger or its channel not an enumerator, or level not finite
-    LODE_ERROR_PRE_SHARE,         ///< share of rows before the trigger outside 0 .. 1
-    LODE_STATUS_COUNT             ///< number of statuses, none itself
+    LODE_ERROR_ACTIVE_SHORT, ///< supervisor: the short circuit's current psi/Ld is above i_max, or not built in
+    LODE_ERROR_SUPERVISOR, ///< supervisor: a reaction that is none, or a time out of range
+    LODE_ERROR_CHANNELS,   ///< no channel, too many of them, or one that does not exist
+    LODE_ERROR_BUFFER,     ///< a recorder's buffer holds less than two frames or rows
+    LODE_ERROR_TRIGGER,    ///< trigger or its channel not an enumerator, or level not finite
+    LODE_ERROR_PRE_SHARE,  ///< share of rows before the trigger outside 0 .. 1
+    LODE_STATUS_COUNT      ///< number of statuses, none itself
 } lode_status_t;
 
 /// The enumerator's name, for logs; "LODE_STATUS_UNKNOWN" for any other value.

@@ -6,8 +6,8 @@
 ///     const lode_command_t command = lode_supervisor_step(&supervisor, &now, wanted, 1.0e-3f);
 ///     (void)lode_drive_post_command(&drive, &command);
 ///
-/// Until it is started again the motor coasts; the start catches a rotor that still turns (start.h). Which fault
-/// wants which reaction: docs/reactions.md.
+/// Until it is started again the motor coasts, or is short-circuited where its EMF is above the bus; the start
+/// catches a rotor that still turns (start.h). Which fault wants which reaction: docs/reactions.md.
 #ifndef LODESTAR_SUPERVISOR_H
 #define LODESTAR_SUPERVISOR_H
 
@@ -31,6 +31,9 @@ typedef struct {
     /// in RUN in one piece, after which the attempts begin at 0 again, 1e-3 .. 1e5: there are never more than
     /// `attempts` in a time as long; 0: 10
     float good_s;
+    /// after a fault the low sides are on where else the motor would charge the bus through the diodes; auto: off.
+    /// Refused where the current of the short, psi/Ld, is above i_max
+    lode_choice_t active_short;
 } lode_supervisor_config_t;
 
 /// What a port may keep over a reset, in memory that start-up leaves alone.
@@ -42,14 +45,17 @@ typedef struct {
 /// Visible for static allocation; written by its functions only.
 typedef struct {
     const lode_supervisor_config_t *config;
-    const lode_guard_tuning_t *limits;
+    const lode_drive_tuning_t *tuning;
     lode_attempts_t *attempts;
     float wait_s;
     float good_s;
-    float time_s;      ///< in FAULT, or in RUN
-    bool faulted;      ///< at the last step
-    bool asked;        ///< an attempt is in the mail, since ...
-    uint32_t asked_at; ///< ... so many periods
+    float time_s;        ///< in FAULT, or in RUN
+    bool faulted;        ///< at the last step
+    bool waits;          ///< the time is that in FAULT
+    bool shorts;         ///< the EMF was above the bus when the drive last ran
+    uint32_t faulted_at; ///< period in which the fault was first seen
+    bool asked;          ///< an attempt is in the mail, since ...
+    uint32_t asked_at;   ///< ... so many periods
 } lode_supervisor_t;
 
 /// `tuning`: what the drive began with, which must stay. `attempts`: goes on counting where it holds a count, else

@@ -48,6 +48,7 @@ void rig_config_init(rig_config_t *config) {
         phase->control = -1;
         phase->trip = -1;
         phase->open_phase = -1;
+        phase->shorted = -1;
         phase->end_mode = -1;
     }
 }
@@ -325,6 +326,8 @@ static void describe_inverter(const rig_config_t *config, plant_config_t *plant)
     plant->level = (plant_level_t)truth->inverter;
     plant->period_s = 1.0 / (double)config->drive.f_pwm_Hz;
     plant->v_bus_V = or_else(truth->v_bus_V, (double)inverter->v_bus_V);
+    plant->bus_C_F = or_else(truth->bus_C_F, 0.0);
+    plant->keeps_accounts = plant->keeps_accounts || plant->bus_C_F > 0.0;
     plant->dead_time_s = or_else(truth->dead_time_s, (double)inverter->dead_time_s);
     plant->v_transistor_V = or_else(truth->v_drop_V, (double)inverter->v_drop_V);
     plant->v_diode_V = or_else(truth->v_diode_V, plant->v_transistor_V);

@@ -61,7 +61,7 @@ typedef struct {
     double fan_Nm, fan_rpm; ///< torque of a fan at a speed
     double J_factor;        ///< of J_kgm2: what is coupled to the motor
     double load_J_kgm2, shaft_Nm_rad, shaft_Nms_rad, backlash_deg;
-    double v_bus_V, dead_time_s, v_drop_V, v_diode_V, r_on_Ohm, pwm_ticks;
+    double v_bus_V, bus_C_F, dead_time_s, v_drop_V, v_diode_V, r_on_Ohm, pwm_ticks;
     double i_offset_A[PLANT_LEGS], i_gain_error[PLANT_LEGS];
     double i_noise_A, v_bus_noise_V, temperature_noise_degC, temperature_degC, sample_offset_s;
     double theta0_deg; ///< RIG_RANDOM: anywhere
@@ -99,6 +99,7 @@ typedef struct {
     int reaction[LODE_CHECK_COUNT]; ///< lode_reaction_t
     double attempts;                ///< unset: none
     double wait_s, good_s;
+    int active_short; ///< lode_choice_t
 } rig_supervisor_t;
 
 /// EMF observer by its name: lode_emf_kind_t, then the papers' own forms.
@@ -141,6 +142,7 @@ typedef struct {
     double dyno_rpm; ///< speed held by a dynamometer; RIG_RANDOM ("free"): no longer
     int trip;        ///< hardware trip: rig_trip_t, -1 as before
     int open_phase;  ///< this phase breaks, 0 .. 5 for a1 .. c2; -1: none
+    int shorted;     ///< this switch of phase a1 is shorted from here on: 0 low, 1 high; -1: none
     int clear_fault; ///< 1: leave the fault state first
     /// from here on the firmware takes its motor's value times this for true; unset: as before
     double Lq_factor, Rs_factor;

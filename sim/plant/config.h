@@ -73,8 +73,11 @@ typedef struct {
 
     // Inverter.
     plant_level_t level;
-    double period_s;       ///< PWM period
-    double v_bus_V;        ///< at the start; see plant_set_bus
+    double period_s; ///< PWM period
+    double v_bus_V;  ///< at the start; see plant_set_bus
+    /// capacitor behind a rectifier, which charges it to v_bus_V and takes nothing back; 0: a stiff source, a
+    /// battery say. It follows once a period, and needs keeps_accounts
+    double bus_C_F;
     double dead_time_s;    ///< 0 up to a quarter of the period
     double v_transistor_V; ///< on-state drop at zero current
     double v_diode_V;      ///< the same of the diode across it

@@ -122,6 +122,12 @@ static const char *check_inverter(const plant_config_t *c) {
     if (!within(c->v_bus_V, 0.0, 1e5)) {
         return "v_bus_V must be 0..1e5";
     }
+    if (!within(c->bus_C_F, 0.0, 1e3)) {
+        return "bus_C_F must be 0..1e3";
+    }
+    if (c->bus_C_F > 0.0 && !c->keeps_accounts) {
+        return "bus_C_F needs keeps_accounts";
+    }
     if (!within(c->dead_time_s, 0.0, 0.25 * c->period_s)) {
         return "dead_time_s must be 0..a quarter of period_s";
     }
@@ -183,6 +189,8 @@ const char *plant_init(plant_t *self, const plant_config_t *config) {
         .sample_offset_s = config->sample_offset_s,
         .stamp_Hz = config->stamp_Hz,
         .temperature_degC = config->temperature_degC,
+        .bus_C_F = config->bus_C_F,
+        .source_V = config->v_bus_V,
     };
     plant_motor_init(&self->motor, config);
     plant_inverter_init(&self->inverter, config);
@@ -394,6 +402,18 @@ static void sample_link(plant_t *self) {
     }
 }
 
+/// What the inverter took out of the capacitor in the period, or put into it.
+static void follow_bus(plant_t *self) {
+    if (!(self->bus_C_F > 0.0)) {
+        return;
+    }
+    const double v_V = self->inverter.v_bus_V;
+    const double taken_J = self->energy.bus_J - self->drawn_J;
+    const double squared = v_V * v_V - 2.0 * taken_J / self->bus_C_F;
+    self->drawn_J = self->energy.bus_J;
+    self->inverter.v_bus_V = fmax(self->source_V, sqrt(fmax(squared, 0.0)));
+}
+
 void plant_advance(plant_t *self) {
     begin_period(self);
     if (self->link_at[PLANT_LINKS - 1] > 0.0) {
@@ -405,6 +425,7 @@ void plant_advance(plant_t *self) {
     }
     run(self, self->period_s);
     plant_motor_refresh_angle(&self->motor);
+    follow_bus(self);
     plant_inverter_clear(&self->inverter, &self->motor);
     for (int n = 0; n < self->sets * PLANT_PHASES; n++) {
         self->duty[n] = self->next_duty[n];
@@ -549,7 +570,10 @@ void plant_release_speed(plant_t *self) {
 }
 
 void plant_set_bus(plant_t *self, double v_bus_V) {
-    self->inverter.v_bus_V = v_bus_V;
+    self->source_V = v_bus_V;
+    if (!(self->bus_C_F > 0.0)) {
+        self->inverter.v_bus_V = v_bus_V;
+    }
 }
 
 void plant_set_temperature(plant_t *self, double temperature_degC) {

@@ -83,6 +83,8 @@ typedef struct {
     plant_planes_t u_Vs; ///< over the period at hand, then over the last one
     double i_early_A[PLANT_LEGS];
     plant_energy_t energy;
+    double bus_C_F, source_V;
+    double drawn_J; ///< energy.bus_J at the start of the period
     bool watches_peak;
     double peak_A;
 } plant_t;

@@ -8,7 +8,8 @@ static float float_or_0(double x) {
     return isnan(x) ? 0.0f : (float)x;
 }
 
-void reactions_init(reactions_t *self, const rig_config_t *config, const lode_drive_t *drive) {
+lode_status_t reactions_init(reactions_t *self, const rig_config_t *config,
+                             const lode_drive_t *drive) {
     const rig_supervisor_t *given = &config->supervisor;
     const double f_Hz = (double)config->drive.f_pwm_Hz;
     *self = (reactions_t){.every = (uint32_t)fmax(1.0, round(LOOP_s * f_Hz))};
@@ -17,14 +18,16 @@ void reactions_init(reactions_t *self, const rig_config_t *config, const lode_dr
         .attempts = (uint_least8_t)(isnan(given->attempts) ? 0.0 : given->attempts),
         .wait_s = float_or_0(given->wait_s),
         .good_s = float_or_0(given->good_s),
+        .active_short = (lode_choice_t)given->active_short,
     };
+    self->on = self->config.active_short == LODE_ON;
     for (int k = 0; k < LODE_CHECK_COUNT; ++k) {
         self->config.reaction[k] = (lode_reaction_t)given->reaction[k];
         self->on = self->on || self->config.reaction[k] != LODE_REACTION_LATCH;
     }
-    (void)lode_supervisor_init(&self->supervisor, &self->config, drive->tuning, &self->attempts,
-                               false);
     (void)lode_fault_log_init(&self->log, self->rows, REACTIONS_FAULTS, 1);
+    return lode_supervisor_init(&self->supervisor, &self->config, drive->tuning, &self->attempts,
+                                false);
 }
 
 void reactions_step(reactions_t *self, lode_drive_t *drive, lode_command_t wanted) {

@@ -369,6 +369,9 @@ static void apply_to_plant(run_t *run, const rig_phase_t *phase) {
     if (phase->open_phase >= 0) {
         plant_open_phase(plant, phase->open_phase);
     }
+    if (phase->shorted >= 0) {
+        plant_fail_switch(plant, 0, phase->shorted == 1, true);
+    }
 }
 
 /// What the firmware believes of its motor changes under way. False after a message.
@@ -661,6 +664,19 @@ static bool check_adaptation(const rig_config_t *config) {
     return true;
 }
 
+static bool start_reactions(run_t *run) {
+    const lode_status_t status = reactions_init(&run->reactions, run->config, run->rig.drive);
+    const lode_motor_t *motor = &run->config->drive.motor;
+    if (status == LODE_ERROR_ACTIVE_SHORT) {
+        rig_error(
+            "[supervisor] active_short = on: %s: expected a motor whose psi/Ld, %.4g A, is at "
+            "most i_max, %.4g A",
+            lode_status_name(status), (double)(motor->psi_Wb / motor->Ld_H),
+            (double)run->config->drive.inverter.i_max_A);
+    }
+    return status == LODE_OK;
+}
+
 #define COUNTS_PER_TURN 4096.0
 
 /// LODE_OK, or what the library refuses of the angle sensor.
@@ -698,7 +714,9 @@ static bool start(run_t *run) {
         return false;
     }
     (void)rig_init(&run->rig, run->config, &plant);
-    reactions_init(&run->reactions, run->config, run->rig.drive);
+    if (!start_reactions(run)) {
+        return false;
+    }
     run->limits = speed_limits_of(&run->config->drive);
     run->v_bus_V = plant.v_bus_V;
     run->log->sets = run->rig.sets;

@@ -165,7 +165,8 @@ def refusals(checks, folder):
     # No configuration of the tool leads to these: pointers, commands, recorders, a sensor of its own.
     checks.equal(every - known, {"NULL", "COMMAND", "COMMAND_SPEED", "CHANNELS", "BUFFER", "TRIGGER",
                                  "PRE_SHARE", "SENSE_TEMPERATURE", "ENCODER_COUNTS", "ENCODER_ANGLE",
-                                 "ENCODER_BANDWIDTH", "ENCODER_CHECK", "DERATE", "SUPERVISOR"}, "statuses without words")
+                                 "ENCODER_BANDWIDTH", "ENCODER_CHECK", "DERATE", "SUPERVISOR",
+                                 "ACTIVE_SHORT"}, "statuses without words")
     scenario = (f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
                 "[phase.a]\nduration_s = 0.01\n")
     for status, cases in REFUSALS.items():
