@@ -1,4 +1,5 @@
 #include "drive_inline.h"
+#include "start_inline.h"
 
 #define TELEMETRY_TRIES 3
 // Of the voltage circle: with less EMF there is voltage left to drive the current that is asked for.
@@ -316,22 +317,20 @@ static float expected_A2(const lode_drive_t *self, float omega_rad_s) {
 
 // At its zero a phase's current asks for the voltage of the inductance: where dead time and drops take more, they
 // hold it there.
-LODE_INLINE lode_path_t path_of(const lode_drive_t *self, float turn_rad, float omega_rad_s) {
+static lode_hold_t hold_of(const lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_inverter_tuning_t *inverter = &tuning->inverter;
     const float dead_duty = inverter->dead_duty + inverter->dead_more_max;
     const float Lq_H = tuning->estimator.emf.inv_b * tuning->estimator.pll.ts_s;
-    return (lode_path_t){.turn_rad = turn_rad,
-                         .taken_V = dead_duty * self->inverter.v_bus_V + 2.0f * inverter->v_drop_V,
-                         .x_Ohm = Lq_H * omega_rad_s};
+    return (lode_hold_t){.taken_V = dead_duty * self->inverter.v_bus_V + 2.0f * inverter->v_drop_V,
+                         .x_Ohm = Lq_H * lode_mode_frame_omega(self)};
 }
 
-static LODE_NOINLINE void judge(lode_drive_t *self, lode_plausibility_t *watch,
-                                const int32_t i[LODE_PHASES], float i_A2, lode_path_t path) {
+static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, uint32_t doubt) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_finding_t found =
-        lode_plausibility_step(watch, &tuning->plausibility, i, tuning->guard.lock_looks, i_A2,
-                               path, lode_abs(tuning->sense.i_gain));
+        lode_plausibility_find(watch, &tuning->plausibility, doubt, tuning->guard.lock_looks,
+                               hold_of(self), lode_abs(tuning->sense.i_gain));
     if (LODE_RARELY(found.check != LODE_CHECK_NONE)) {
         const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;
         const float before = second ? (float)LODE_PHASES : 0.0f;
@@ -350,21 +349,46 @@ LODE_NOINLINE void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
     }
 }
 
+// By how much the damping of a start has turned the vector since the last look. It may turn it back as fast as the
+// vector turns on: that rests then, and so do the counts.
+LODE_INLINE float damping_rad(lode_drive_t *self) {
+    return lode_mode(self) == LODE_MODE_START ? lode_start_shifted_rad(&self->state.start) : 0.0f;
+}
+
+// By how much the vector has turned since the last look, `looks` times LODE_GUARD_PERIODS ago. The damping is known
+// at the looks at set 1.
+LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float looks) {
+    if (watch != &self->plausibility && lode_mode(self) == LODE_MODE_START) {
+        return 0.0f;
+    }
+    const uint32_t periods = LODE_GUARD_PERIODS;
+    const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
+    return looks * look_s * lode_mode_frame_omega(self) + damping_rad(self);
+}
+
+static LODE_NOINLINE void judge(lode_drive_t *self, lode_plausibility_t *watch, uint32_t again,
+                                float i_A2, float looks) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const uint32_t doubt =
+        lode_plausibility_doubt(watch, &tuning->plausibility, again, i_A2,
+                                turn_of(self, watch, looks), lode_abs(tuning->sense.i_gain));
+    if (LODE_RARELY(doubt > 0u || watch->sum > 0u ||
+                    !lode_plausibility_sum_ok(&tuning->plausibility, watch->i))) {
+        find(self, watch, doubt);
+    }
+}
+
 // Not LODE_RAMFUNC: one call in many, and small fast memories are full without it.
 LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                                       const int32_t i[LODE_PHASES], float looks) {
-    const float omega = lode_mode_frame_omega(self);
-    const float i_A2 = expected_A2(self, lode_abs(omega));
-    // The damping of a start may turn the vector back as fast as it turns on: it rests, and so do the counts. It is
-    // known at the looks at set 1.
-    const bool starts = lode_mode(self) == LODE_MODE_START;
-    const bool known = !starts || watch == &self->plausibility;
-    const float shift_rad = starts && known ? lode_start_shifted_rad(&self->state.start) : 0.0f;
-    if (!lode_plausibility_is_chance(watch, &self->tuning->plausibility, i, i_A2)) {
-        const uint32_t periods = LODE_GUARD_PERIODS;
-        const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
-        const float turn_rad = known ? looks * look_s * omega + shift_rad : 0.0f;
-        judge(self, watch, i, i_A2, path_of(self, turn_rad, omega));
+    const uint32_t again = lode_plausibility_look(watch, i);
+    const float i_A2 = expected_A2(self, lode_abs(lode_mode_frame_omega(self)));
+    if (!lode_plausibility_is_chance(watch, &self->tuning->plausibility, again, i_A2)) {
+        judge(self, watch, again, i_A2, looks);
+    } else if (watch == &self->plausibility) {
+        (void)damping_rad(self); // for the next look
+    } else {
+        // not known of set 2
     }
 }
 

@@ -182,7 +182,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
         return;
     }
     if (lode_plausibility_all_move(watch, &tuning->plausibility, i)) {
-        lode_plausibility_note(watch, i);
+        lode_plausibility_note(watch, i, 0u);
     } else {
         // A copy: a sample handed over by its address would lie in memory in all periods.
         const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]};

@@ -68,21 +68,12 @@ void lode_plausibility_reset(lode_plausibility_t *self) {
     *self = (lode_plausibility_t){.i = {0, 0, 0}};
 }
 
-// None of the counts follows what is asked for: in a start, before the vector turns.
-LODE_INLINE bool none_follows(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
-                              uint32_t kept, float i_A2) {
-    const bool again = kept == ALL_PHASES && self->kept == (uint_least8_t)ALL_PHASES;
-    const float before_A2 = again ? self->moved_A2 : 0.0f; // it takes a look to follow
-    self->moved_A2 = again ? before_A2 + lode_abs(i_A2 - self->i_A2) : 0.0f;
-    self->i_A2 = i_A2;
-    return before_A2 > ALL_STUCK * tuning->i_min_A2;
-}
-
 // Dead time may hold the one phase that is near zero, where the current asks for less voltage there than dead time
 // takes. The other two move together then, or not: their current is at its peak.
 static bool is_clamped(const lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
-                       uint32_t still, float i_A2, lode_path_t path, float A_per_count) {
+                       uint32_t still, lode_hold_t hold, float A_per_count) {
     const int32_t *i = self->i;
+    const float i_A2 = self->i_A2;
     const float sum_A = (float)(i[0] + i[1] + i[2]) * A_per_count;
     const float near = lode_sqrt(tuning->i_min_A2) / A_per_count;
     const uint32_t at_zero =
@@ -90,7 +81,7 @@ static bool is_clamped(const lode_plausibility_t *self, const lode_plausibility_
                                  lode_abs((float)i[2]) <= near);
     const bool one = at_zero != 0u && (at_zero & (at_zero - 1u)) == 0u;
     return one && (still == at_zero || still == ALL_PHASES) &&
-           path.x_Ohm * path.x_Ohm * i_A2 <= path.taken_V * path.taken_V &&
+           hold.x_Ohm * hold.x_Ohm * i_A2 <= hold.taken_V * hold.taken_V &&
            sum_A * sum_A <= BALANCE_SHARE * BALANCE_SHARE * i_A2;
 }
 
@@ -105,31 +96,28 @@ static float least_rad(const lode_plausibility_t *self, bool changes, bool clamp
     return balanced ? SIXTH_rad : changed_rad;
 }
 
-// The phases that have kept their counts for too long, a bit each. Three looks at least: two may lie on either
-// side of a peak.
-LODE_INLINE uint32_t stuck_phases(lode_plausibility_t *self,
-                                  const lode_plausibility_tuning_t *tuning, uint32_t kept,
-                                  float i_A2, lode_path_t path, float A_per_count) {
-    const uint32_t judged = lode_plausibility_judged(self, tuning, kept, i_A2);
-    const uint32_t still = judged & self->still;
-    const bool changes =
-        (self->still & CHANGING) != 0u || !(lode_abs(i_A2 - self->i_A2) <= STEADY_SHARE * i_A2);
-    const bool all = still == ALL_PHASES;
-    const float look_rad = all ? path.turn_rad : lode_clamp(path.turn_rad, -LOOK_rad, LOOK_rad);
-    self->turn_rad = still > 0u ? self->turn_rad + look_rad : 0.0f;
-    self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : judged);
+// While some kept their counts the vector has turned by enough to see one of them stuck.
+static bool shows_one(const lode_plausibility_t *self, float A_per_count) {
     const float turn2 = self->turn_rad * self->turn_rad;
     const float stuck_A = STUCK * A_per_count;
-    const float least = stuck_A * stuck_A;
-    if (!((all ? ALL_TURN * turn2 : turn2 * turn2) * i_A2 > least)) {
+    return turn2 * turn2 * self->i_A2 > stuck_A * stuck_A;
+}
+
+// Of phases that have kept their counts over such a turn, those that nothing but a stuck converter explains.
+static uint32_t stuck_phases(const lode_plausibility_t *self,
+                             const lode_plausibility_tuning_t *tuning, uint32_t still,
+                             lode_hold_t hold, float A_per_count) {
+    if (still == 0u) {
         return 0u;
     }
-    const bool clamped = is_clamped(self, tuning, still, i_A2, path, A_per_count);
-    if (all) {
-        const bool waits = changes && lode_abs(self->turn_rad) < EIGHTH_rad;
-        return waits || (clamped && !(turn2 * turn2 * i_A2 > least)) ? 0u : still;
+    const float turn_rad = lode_abs(self->turn_rad);
+    const bool changes = (self->still & CHANGING) != 0u;
+    const bool clamped = is_clamped(self, tuning, still, hold, A_per_count);
+    if (still == ALL_PHASES) {
+        const bool waits = changes && turn_rad < EIGHTH_rad;
+        return waits || (clamped && !shows_one(self, A_per_count)) ? 0u : still;
     }
-    return lode_abs(self->turn_rad) >= least_rad(self, changes, clamped) ? still : 0u;
+    return turn_rad >= least_rad(self, changes, clamped) ? still : 0u;
 }
 
 // The first of some phases, from 1; 0: all three.
@@ -162,25 +150,60 @@ uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning
     return (uint_least8_t)(phases > 0u ? number_of(phases) : 0.0f);
 }
 
-lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
-                                      const lode_plausibility_tuning_t *tuning,
-                                      const int32_t i[LODE_PHASES], uint32_t sum_looks, float i_A2,
-                                      lode_path_t path, float A_per_count) {
-    const uint32_t kept = lode_plausibility_kept(self, i);
-    lode_plausibility_note(self, i);
-    const uint32_t stuck = stuck_phases(self, tuning, kept, i_A2, path, A_per_count);
-    const bool all = none_follows(self, tuning, kept, i_A2);
-    self->kept = (uint_least8_t)kept;
-    if (all || stuck > 0u) {
-        const float which = all ? 0.0f : number_of(stuck);
+// Of those that kept their count `again` the ones that should not have: what is kept without current says nothing
+// when one is asked for (it takes a look to follow), nor does a phase that may be open.
+LODE_INLINE uint32_t judged_phases(const lode_plausibility_t *self,
+                                   const lode_plausibility_tuning_t *tuning, uint32_t again,
+                                   float i_A2) {
+    const int32_t least = tuning->i_still;
+    const int32_t *i = self->i;
+    const bool asked = i_A2 > tuning->i_min_A2 && self->i_A2 > tuning->i_min_A2;
+    uint32_t judged = asked ? again : 0u;
+    if (least > 0) {
+        judged &= lode_plausibility_phases(i[0] >= least || i[0] <= -least,
+                                           i[1] >= least || i[1] <= -least,
+                                           i[2] >= least || i[2] <= -least);
+    }
+    return judged;
+}
+
+// Three looks at least: two may lie on either side of a peak.
+uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
+                                 const lode_plausibility_tuning_t *tuning, uint32_t again,
+                                 float i_A2, float turn_rad, float A_per_count) {
+    const float change_A2 = lode_abs(i_A2 - self->i_A2);
+    const uint32_t still = judged_phases(self, tuning, again, i_A2) & self->still;
+    const bool changes = (self->still & CHANGING) != 0u || !(change_A2 <= STEADY_SHARE * i_A2);
+    const bool all = again == ALL_PHASES;
+    const bool none_follows = all && self->moved_A2 > ALL_STUCK * tuning->i_min_A2;
+    self->moved_A2 = all ? self->moved_A2 + change_A2 : 0.0f;
+    self->i_A2 = i_A2;
+    const float look_rad =
+        still == ALL_PHASES ? turn_rad : lode_clamp(turn_rad, -LOOK_rad, LOOK_rad);
+    self->turn_rad = still > 0u ? self->turn_rad + look_rad : 0.0f;
+    self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : self->kept);
+    const float turn2 = self->turn_rad * self->turn_rad;
+    const float stuck_A = STUCK * A_per_count;
+    const bool turned =
+        (still == ALL_PHASES ? ALL_TURN * turn2 : turn2 * turn2) * i_A2 > stuck_A * stuck_A;
+    return (turned ? still : 0u) + (none_follows ? LODE_NONE_FOLLOWS : 0u);
+}
+
+lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
+                                      const lode_plausibility_tuning_t *tuning, uint32_t doubt,
+                                      uint32_t sum_looks, lode_hold_t hold, float A_per_count) {
+    const uint32_t stuck = stuck_phases(self, tuning, doubt & ALL_PHASES, hold, A_per_count);
+    const bool none_follows = (doubt & LODE_NONE_FOLLOWS) != 0u;
+    if (none_follows || stuck > 0u) {
+        const float which = none_follows ? 0.0f : number_of(stuck);
         return (lode_finding_t){LODE_CHECK_CURRENT_STUCK, which, 0.0f};
     }
-    if (lode_plausibility_sum_ok(tuning, i)) {
+    if (lode_plausibility_sum_ok(tuning, self->i)) {
         self->sum = self->sum > 0u ? (uint_least16_t)(self->sum - 1u) : 0u;
     } else {
         self->sum = (uint_least16_t)(self->sum + 1u);
         if (self->sum >= sum_looks) {
-            const float sum = (float)(i[0] + i[1] + i[2]);
+            const float sum = (float)(self->i[0] + self->i[1] + self->i[2]);
             return (lode_finding_t){LODE_CHECK_CURRENT_SUM, sum * A_per_count,
                                     (float)tuning->i_sum * A_per_count};
         }

@@ -361,15 +361,6 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
 
 #endif
 
-float lode_start_shifted_rad(lode_start_t *self) {
-    if (self->stage != (uint_least8_t)LODE_START_TURN) {
-        return 0.0f;
-    }
-    const float before_rad = self->seen.turn.shift_rad;
-    self->seen.turn.shift_rad = lode_start_shift_rad(self);
-    return self->seen.turn.shift_rad - before_rad;
-}
-
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
     const bool last = current_A > 0.0f && self->failed >= FAILED_MAX;

@@ -60,6 +60,16 @@ LODE_INLINE float lode_start_shift_rad(const lode_start_t *self) {
                       LODE_START_SHIFT_MAX_rad);
 }
 
+// How far the damping has turned the vector, rad, since the last call.
+LODE_INLINE float lode_start_shifted_rad(lode_start_t *self) {
+    if (self->stage != (uint_least8_t)LODE_START_TURN) {
+        return 0.0f;
+    }
+    const float before_rad = self->seen.turn.shift_rad;
+    self->seen.turn.shift_rad = lode_start_shift_rad(self);
+    return self->seen.turn.shift_rad - before_rad;
+}
+
 // The vector, with the damping. At the end of the shift's range the angle is off by 1e-3 rad, the length by
 // 0.3 %: the damping does not mind.
 LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self) {

@@ -43,11 +43,41 @@ static bench_t bench(double i_A, double omega) {
     return self;
 }
 
+#define A_PER_COUNT ((float)(GAIN_A / LODE_COUNT_FRACTION))
+
+/// As the drive does it, but each look in full.
+static lode_finding_t judge_held(lode_plausibility_t *state,
+                                 const lode_plausibility_tuning_t *tuning,
+                                 const int32_t i[LODE_PHASES], float i_A2, float turn_rad,
+                                 lode_hold_t hold) {
+    const uint32_t again = lode_plausibility_look(state, i);
+    const uint32_t doubt =
+        lode_plausibility_doubt(state, tuning, again, i_A2, turn_rad, A_PER_COUNT);
+    return lode_plausibility_find(state, tuning, doubt, SUM_LOOKS, hold, A_PER_COUNT);
+}
+
 static lode_finding_t judge(lode_plausibility_t *state, const lode_plausibility_tuning_t *tuning,
                             const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
-    return lode_plausibility_step(state, tuning, i, SUM_LOOKS, i_A2,
-                                  (lode_path_t){turn_rad, 10.0f, 0.0f},
-                                  (float)(GAIN_A / LODE_COUNT_FRACTION));
+    return judge_held(state, tuning, i, i_A2, turn_rad, (lode_hold_t){10.0f, 0.0f});
+}
+
+/// The same with the drive's short ways.
+static lode_finding_t judge_shortly(lode_plausibility_t *state,
+                                    const lode_plausibility_tuning_t *tuning,
+                                    const int32_t i[LODE_PHASES], float i_A2, float turn_rad) {
+    const lode_finding_t none = {LODE_CHECK_NONE, 0.0f, 0.0f};
+    if (lode_plausibility_all_move(state, tuning, i)) {
+        lode_plausibility_note(state, i, 0u);
+        return none;
+    }
+    const uint32_t again = lode_plausibility_look(state, i);
+    if (lode_plausibility_is_chance(state, tuning, again, i_A2)) {
+        return none;
+    }
+    const uint32_t doubt =
+        lode_plausibility_doubt(state, tuning, again, i_A2, turn_rad, A_PER_COUNT);
+    return lode_plausibility_find(state, tuning, doubt, SUM_LOOKS, (lode_hold_t){10.0f, 0.0f},
+                                  A_PER_COUNT);
 }
 
 static lode_finding_t look(bench_t *self) {
@@ -120,9 +150,8 @@ static double turn_until_found(bool balanced, float x_Ohm) {
         const int32_t b = LODE_COUNT_FRACTION * (int32_t)lround(a);
         const int32_t c = LODE_COUNT_FRACTION * (int32_t)lround(0.4 * a);
         const int32_t i[LODE_PHASES] = {4 * LODE_COUNT_FRACTION, b, balanced ? -b : c};
-        found = lode_plausibility_step(&self.state, &self.tuning, i, SUM_LOOKS, (float)(3.6 * 3.6),
-                                       (lode_path_t){(float)step, 10.0f, x_Ohm},
-                                       (float)(GAIN_A / LODE_COUNT_FRACTION));
+        found = judge_held(&self.state, &self.tuning, i, (float)(3.6 * 3.6), (float)step,
+                           (lode_hold_t){10.0f, x_Ohm});
     }
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
     TEST_ASSERT_TRUE(found.measured == 1.0f);
@@ -299,8 +328,8 @@ static void test_reset_forgets(void) {
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &self.state, sizeof fresh);
 }
 
-/// Whatever came before: the short path does what the long one would, or leaves all to it.
-static void test_what_is_chance_is_noted_as_by_the_whole_step(void) {
+/// Whatever came before: what is chance is noted as by the long way, or all is left to that.
+static void test_what_is_chance_is_noted_as_by_the_long_way(void) {
     random_t random = random_seed(7);
     bench_t self = bench(6.0, 100.0);
     const int32_t most_counts = self.tuning.i_sum / LODE_COUNT_FRACTION;
@@ -326,16 +355,58 @@ static void test_what_is_chance_is_noted_as_by_the_whole_step(void) {
         const float i_A2 = random_float(&random, 0.0, 2.0) * self.tuning.i_min_A2;
         lode_plausibility_t shortly = before;
         lode_plausibility_t whole = before;
-        const bool chance = lode_plausibility_is_chance(&shortly, &self.tuning, i, i_A2);
-        if (chance) {
+        const uint32_t again = lode_plausibility_look(&shortly, i);
+        if (lode_plausibility_is_chance(&shortly, &self.tuning, again, i_A2)) {
             const lode_finding_t found = judge(&whole, &self.tuning, i, i_A2, 0.01f);
             TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found.check);
             chances++;
+        } else {
+            (void)lode_plausibility_look(&whole, i);
         }
         TEST_ASSERT_EQUAL_MEMORY(&whole, &shortly, sizeof whole);
     }
     CHECK_AT_LEAST(20000, chances);
     CHECK_AT_LEAST(20000, 200000 - chances);
+}
+
+/// Counts that are now kept and now not, under currents that now change and now do not: the short ways find what
+/// looking at all in full finds, and when that does.
+static void test_the_short_ways_find_the_same(void) {
+    random_t random = random_seed(11);
+    bench_t self = bench(6.0, 100.0);
+    lode_plausibility_t shortly = self.state;
+    int32_t i[LODE_PHASES] = {0, 0, 0};
+    int found[LODE_PHASES + 1] = {0};
+    int sums = 0;
+    uint32_t moving = 0u;
+    float i_A2 = 0.0f;
+    for (int n = 0; n < 400000; n++) {
+        if (random_bits(&random) % 8u == 0u) { // every few looks
+            moving = random_bits(&random) % 8u;
+            i_A2 = random_float(&random, 0.0, 6.0) * self.tuning.i_min_A2;
+            self.tuning.i_still = (int32_t)(random_bits(&random) % 2u) * 20 * LODE_COUNT_FRACTION;
+        }
+        for (uint32_t k = 0; k < LODE_PHASES; k++) {
+            const int32_t to = (int32_t)(random_bits(&random) % 181u) - 90;
+            i[k] = (moving & 1u << k) != 0u ? to * LODE_COUNT_FRACTION : i[k];
+        }
+        const float turn_rad = random_float(&random, -0.2, 0.8);
+        const lode_finding_t whole = judge(&self.state, &self.tuning, i, i_A2, turn_rad);
+        const lode_finding_t fast = judge_shortly(&shortly, &self.tuning, i, i_A2, turn_rad);
+        TEST_ASSERT_EQUAL_INT(whole.check, fast.check);
+        TEST_ASSERT_TRUE(lode_in_range(whole.measured, fast.measured, fast.measured));
+        found[whole.check == LODE_CHECK_CURRENT_STUCK ? (int)whole.measured : 0] +=
+            whole.check == LODE_CHECK_CURRENT_STUCK ? 1 : 0;
+        sums += whole.check == LODE_CHECK_CURRENT_SUM ? 1 : 0;
+        if (whole.check != LODE_CHECK_NONE) {
+            lode_plausibility_reset(&self.state);
+            lode_plausibility_reset(&shortly);
+        }
+    }
+    for (int which = 0; which <= LODE_PHASES; which++) {
+        CHECK_AT_LEAST(100, found[which]);
+    }
+    CHECK_AT_LEAST(10, sums);
 }
 
 static void test_configuration(void) {
@@ -428,7 +499,8 @@ int main(void) {
     RUN_TEST(test_a_sum_that_lasts_is_found);
     RUN_TEST(test_the_limit_itself_is_no_sum);
     RUN_TEST(test_reset_forgets);
-    RUN_TEST(test_what_is_chance_is_noted_as_by_the_whole_step);
+    RUN_TEST(test_what_is_chance_is_noted_as_by_the_long_way);
+    RUN_TEST(test_the_short_ways_find_the_same);
     RUN_TEST(test_configuration);
     RUN_TEST(test_a_phase_without_a_half_wave_is_found);
     RUN_TEST(test_a_half_wave_that_is_missing_once_is_none);

@@ -49,21 +49,28 @@ typedef struct {
 /// Nothing seen yet.
 void lode_plausibility_reset(lode_plausibility_t *self);
 
-/// What the current vector has done since the last look.
+/// What may hold a phase's current at zero.
 typedef struct {
-    float turn_rad; ///< electrical, with its sign
-    float taken_V;  ///< by dead time and drops
-    float x_Ohm;    ///< reactance at the speed of the turn
-} lode_path_t;
+    float taken_V; ///< by dead time and drops
+    float x_Ohm;   ///< reactance at the speed at which the vector turns
+} lode_hold_t;
 
-/// One look at the currents `i` (1/256 count), the `path` of the current vector to it. `i_A2`:
-/// the square of the current that is asked for, or where the voltage does not suffice for it, of the
-/// measured one. `sum_looks`: debounce of the sum; `A_per_count`: per 1/256 count. Most looks find three counts
-/// that have moved, and are done after that (plausibility_inline.h).
-lode_finding_t lode_plausibility_step(lode_plausibility_t *self,
-                                      const lode_plausibility_tuning_t *tuning,
-                                      const int32_t i[LODE_PHASES], uint32_t sum_looks, float i_A2,
-                                      lode_path_t path, float A_per_count);
+#define LODE_NONE_FOLLOWS 8u ///< beside a bit for each phase
+
+/// The second part of a look, where the first (lode_plausibility_look() in plausibility_inline.h) found the phases
+/// `again` that kept their count twice in a row, a bit each; the vector has turned by `turn_rad` since the last look,
+/// with its sign. `i_A2`: the square of the current that is asked for, or where the voltage does not suffice for it,
+/// of the measured one. `A_per_count`: per 1/256 count. Returns a bit for each phase that has kept its count over a
+/// turn that should have moved it, and LODE_NONE_FOLLOWS where all kept theirs while the current asked for changed.
+uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
+                                 const lode_plausibility_tuning_t *tuning, uint32_t again,
+                                 float i_A2, float turn_rad, float A_per_count);
+
+/// The third, where there is `doubt` or the sum is not good: what nothing explains but a fault. `sum_looks`: debounce
+/// of the sum.
+lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
+                                      const lode_plausibility_tuning_t *tuning, uint32_t doubt,
+                                      uint32_t sum_looks, lode_hold_t hold, float A_per_count);
 
 /// One look at the currents, the vector having turned by `turn_rad` since the last one. `i_A2`: the
 /// square of the current that is asked for. The phase without a half-wave, 1 .. 3; 0: none is known to be.

@@ -140,9 +140,6 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
 /// turns already.
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
 
-/// How far its damping has turned the vector, rad, since the last call.
-float lode_start_shifted_rad(lode_start_t *self);
-
 /// Where the vector shall go: electrical speed and amplitude. Once in LODE_SLOW_PERIODS, also where they
 /// stay, because it counts the time that an attempt takes.
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
