@@ -199,8 +199,6 @@ static lode_status_t tune_injection(lode_drive_tuning_t *t, const lode_drive_con
 #else
     if (status == LODE_OK) {
         t->estimator.hfi = hfi;
-        // Where current control is free beside the reserve, the modulator is with the wave.
-        t->estimator.hfi.reserve_V = hfi.V_h_V / t->current.free;
     }
     if (status == LODE_OK && lode_hfi_is_on(&hfi)) {
         t->omega_min = ANY_SPEED;

@@ -141,8 +141,7 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         .temperature_max = config->temperature_max_degC,
         .temperature_min = config->temperature_min_degC,
         .omega_max = config->omega_max_rad_s,
-        .rail_periods = (uint_least16_t)periods_in(config->bus_s, ts_s),
-        .bus_looks = (uint_least16_t)periods_in(config->bus_s, look_s),
+        .bus_periods = (uint_least16_t)periods_in(config->bus_s, ts_s),
         .lock_looks = (uint_least16_t)periods_in(config->lock_s, look_s),
         .still_rounds = rounds_in(config->temperature_still_s, round_s),
         .bus_still_rounds = rounds_in(config->bus_still_s, round_s),
@@ -197,7 +196,7 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
         lode_guard_trip(self, state, LODE_CHECK_OVER_CURRENT, i_A, tuning->i_trip);
     }
     self->railed = self->railed || railed; // lode_guard_check_slow() empties it
-    if (railed && persists(self, &self->rail, true, tuning->rail_periods)) {
+    if (railed && persists(self, &self->rail, true, tuning->bus_periods)) {
         lode_guard_trip(self, state, LODE_CHECK_CURRENT_RAIL, i_A, tuning->i_trip);
     }
     if (passed - tuning->stamp_min > tuning->stamp_span) {
@@ -238,7 +237,7 @@ LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tunin
     const bool low = i_A < 0.0f;
     self->rail = low == self->railed ? self->rail : 0u;
     self->railed = low;
-    if (persists(self, &self->rail, true, tuning->rail_periods + LODE_GUARD_DECAY_PERIODS)) {
+    if (persists(self, &self->rail, true, tuning->bus_periods + LODE_GUARD_DECAY_PERIODS)) {
         self->fault.check = (uint_least8_t)LODE_CHECK_SWITCH_SHORTED;
         self->fault.measured = i_A;
         self->fault.limit = tuning->i_trip;
@@ -257,19 +256,22 @@ static void count(lode_guard_t *self, uint_least16_t *counter, uint32_t looks, l
 
 static void count_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                         lode_condition_t condition) {
+    const uint32_t least = 2u; // a single sample passes
+    const uint32_t whole = tuning->bus_periods / LODE_GUARD_PERIODS;
+    const uint32_t looks = whole > least ? whole : least;
     const float v = condition.v_bus_V;
     const float hot = condition.temperature_degC;
     const bool high = !(v <= tuning->v_bus_max);
     const lode_check_t low = v < tuning->v_bus_min ? LODE_CHECK_UNDER_VOLTAGE : LODE_CHECK_NONE;
-    count(self, &self->bus, tuning->bus_looks, high ? LODE_CHECK_OVER_VOLTAGE : low, v,
+    count(self, &self->bus, looks, high ? LODE_CHECK_OVER_VOLTAGE : low, v,
           high ? tuning->v_bus_max : tuning->v_bus_min);
     const bool heat = !(hot <= tuning->temperature_max);
     const lode_check_t cold =
         hot < tuning->temperature_min ? LODE_CHECK_UNDER_TEMPERATURE : LODE_CHECK_NONE;
-    count(self, &self->temperature, tuning->bus_looks, heat ? LODE_CHECK_OVER_TEMPERATURE : cold,
-          hot, heat ? tuning->temperature_max : tuning->temperature_min);
+    count(self, &self->temperature, looks, heat ? LODE_CHECK_OVER_TEMPERATURE : cold, hot,
+          heat ? tuning->temperature_max : tuning->temperature_min);
     if (!self->railed) {
-        (void)persists(self, &self->rail, false, tuning->rail_periods);
+        (void)persists(self, &self->rail, false, tuning->bus_periods);
     }
     self->railed = false;
 }

@@ -208,12 +208,8 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
 #ifndef LODE_WITHOUT_HFI
 
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A) {
-    *self = (lode_hfi_t){.active = true,
-                         .reserve_V = tuning->reserve_V,
-                         .wave_V = tuning->V_h_V,
-                         .weight = 1.0f,
-                         .iq_A = i_A.q,
-                         .i_A = i_A};
+    *self = (lode_hfi_t){
+        .active = true, .wave_V = tuning->V_h_V, .weight = 1.0f, .iq_A = i_A.q, .i_A = i_A};
 }
 
 static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {

@@ -34,7 +34,7 @@ LODE_INLINE void lode_hfi_demodulate(lode_hfi_t *self, const lode_hfi_tuning_t *
     self->sum_V += lode_abs(swing_V);
 }
 
-// From the current `i_A` in the frame of its angle.
+// From the current `i_A` in the frame of its angle. The drive sets the reserve.
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A);
 
 // Once in LODE_SLOW_PERIODS of a start at rest: the d current that is asked for, by the largest one that may be.

@@ -16,6 +16,7 @@
 #define DUTY_PRECHARGE 0.8f
 // A whole round of the slow jobs knows of a sensor that the last period had; the next one does not.
 #define SENSOR_ROUNDS 2u
+#define RESISTANCE_MORE_MAX 0.75f // of the configured one
 // Times the most that is corrected, so that it is 2.2 times what was configured, and times the voltage at which the
 // vector counts as calm, so that it stands out of what nobody knows of the voltage. A winding of copper that is
 // 100 K hotter has 1.4 times its resistance; a current sensor with 0.4 of its gain shows 2.5 times.
@@ -247,7 +248,8 @@ static void take_resistance(lode_drive_t *self, const lode_start_found_t *found)
     lode_inverter_correct(&self->inverter, &self->tuning->inverter, found->r_Ohm, found->dead_V,
                           current_A);
     const float more_Ohm = self->inverter.r_more_Ohm;
-    const float most_Ohm = tuning->r_more_max_Ohm;
+    const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
+    const float most_Ohm = RESISTANCE_MORE_MAX * (emf->inv_b - emf->a_over_b);
     const float limit_Ohm =
         lode_max(WRONG_RESISTANCE * most_Ohm, WRONG_PER_CALM * tuning->calm_V / current_A);
     self->inverter.r_more_Ohm = lode_clamp(more_Ohm, -most_Ohm, most_Ohm);
@@ -386,8 +388,8 @@ static void take_flight(lode_drive_t *self, const lode_fly_t *found) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float omega = found->omega_rad_s;
     const lode_sincos_t rotor = lode_sincos(found->theta_rad);
-    const lode_sincos_t half = lode_sincos(0.5f * tuning->fly.ts_s * omega);
-    self->u_V = (lode_dq_t){0.0f, tuning->fly.psi_Wb * omega};
+    const lode_sincos_t half = lode_sincos(0.5f * tuning->estimator.pll.ts_s * omega);
+    self->u_V = (lode_dq_t){0.0f, tuning->estimator.psi_Wb * omega};
     switch_on(self, LODE_MODE_START);
     lode_estimator_begin_at(&self->estimator, &tuning->estimator, rotor, omega);
     const lode_dq_t emf = {0.0f, self->u_V.q * self->inverter.per_V};
@@ -417,9 +419,19 @@ static bool follow_flight(lode_drive_t *self, const lode_sample_t *sample) {
     const int32_t *i = sample->i;
     const lode_ab_t i_A = {(float)(2 * i[0] - i[1] - i[2]) * tuning->sense.alpha_gain,
                            (float)(i[1] - i[2]) * tuning->sense.beta_gain};
-    const float charge =
-        (1.0f - DUTY_PRECHARGE) * (float)(int32_t)tuning->inverter.precharge_periods;
-    lode_fly_step(&precharge->fly, &tuning->fly, i_A, self->inverter.v_bus_V, charge);
+    const lode_fly_given_t given = {
+        .ts_s = tuning->estimator.pll.ts_s,
+        .i_max_A = tuning->references.i_max_A,
+        .psi_Wb = tuning->estimator.psi_Wb,
+        .Lq_H = tuning->references.Lq_H,
+        .inv_Ld = tuning->references.inv_Ld,
+        .duty_max = tuning->sense.duty_max,
+        .omega_handover = tuning->start.omega_handover,
+        .catch_rounds = tuning->start.catch_rounds,
+        .v_bus_V = self->inverter.v_bus_V,
+        .charge = (1.0f - DUTY_PRECHARGE) * (float)(int32_t)tuning->inverter.precharge_periods,
+    };
+    lode_fly_step(&precharge->fly, &tuning->fly, i_A, &given);
     set_duties(self, 1.0f - precharge->fly.share);
     if (precharge->fly.stage == (uint_least8_t)LODE_FLY_FOUND) {
         const lode_fly_t found = precharge->fly;
@@ -685,6 +697,10 @@ LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
         inject_running(self);
     } else {
         lode_estimator_end_injection(&self->estimator, &self->tuning->estimator);
+    }
+    lode_hfi_t *hfi = &self->estimator.by.hfi;
+    if (hfi->active) { // where current control is free beside the reserve, the modulator is with the wave
+        hfi->reserve_V = self->tuning->estimator.hfi.V_h_V / self->tuning->current.free;
     }
 }
 

@@ -45,10 +45,9 @@
 // current settle; given up after 0.15 s.
 #define CALM_TIME_s 0.02f
 #define DWELL_TIME_s 0.15f
-#define MEASUREMENTS 2.0f         // with half the current and with all of it
-#define SETTLE_PART 15u           // of the dwell
-#define CALM_SHARE 0.1f           // of the voltage that is not known
-#define RESISTANCE_MORE_MAX 0.75f // of the configured one
+#define MEASUREMENTS 2.0f // with half the current and with all of it
+#define SETTLE_PART 15u   // of the dwell
+#define CALM_SHARE 0.1f   // of the voltage that is not known
 #define LEVEL_SHARE 0.5f
 #ifdef LODE_WITHOUT_START_MEASUREMENT
 #define MEASURES LODE_OFF
@@ -244,7 +243,6 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .patience_rounds = PATIENCE_s / round_s,
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
 #ifndef LODE_WITHOUT_START_MEASUREMENT
-        .r_more_max_Ohm = RESISTANCE_MORE_MAX * (motor->Rs_Ohm + inverter->r_on_Ohm),
         .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
         .calm_rounds = (uint_least16_t)rounds_in(CALM_TIME_s, ts_s),
         .dwell_rounds =

@@ -12,6 +12,8 @@ static const lode_inverter_config_t inverter = {
 static const lode_start_config_t start = {.omega_handover_rad_s = 47.0f, .catch_s = 0.05f};
 #define OMEGA_MAX 1178.0f
 #define STEPS_MAX 1000
+#define CATCH_ROUNDS 62u
+#define TURN_PERIODS (4u * CATCH_ROUNDS) // half of the time in which a rotor is looked for
 
 static lode_fly_tuning_t tuned(const lode_start_config_t *config, float duty_max) {
     const lode_motor_t motor = paper_motor();
@@ -20,6 +22,24 @@ static lode_fly_tuning_t tuned(const lode_start_config_t *config, float duty_max
                              lode_status_name(lode_fly_tune(&tuning, config, &inverter, &motor,
                                                             OMEGA_MAX, duty_max, PAPER_TS_s)));
     return tuning;
+}
+
+// A step of the paper's motor.
+static void fly_on(lode_fly_t *fly, const lode_fly_tuning_t *tuning, lode_ab_t i_A, float charge) {
+    const lode_motor_t motor = paper_motor();
+    const lode_fly_given_t given = {
+        .ts_s = PAPER_TS_s,
+        .i_max_A = inverter.i_max_A,
+        .psi_Wb = motor.psi_Wb,
+        .Lq_H = motor.Lq_H,
+        .inv_Ld = 1.0f / motor.Ld_H,
+        .duty_max = 1.0f,
+        .omega_handover = start.omega_handover_rad_s,
+        .catch_rounds = CATCH_ROUNDS,
+        .v_bus_V = inverter.v_bus_V,
+        .charge = charge,
+    };
+    lode_fly_step(fly, tuning, i_A, &given);
 }
 
 /// A rotor that coasts behind a bridge.
@@ -46,7 +66,7 @@ static lode_ab_t sample(coaster_t *self) {
 }
 
 static void step(coaster_t *self, lode_fly_t *fly, const lode_fly_tuning_t *tuning, float charge) {
-    lode_fly_step(fly, tuning, sample(self), inverter.v_bus_V, charge);
+    fly_on(fly, tuning, sample(self), charge);
     self->share[1] =
         self->share[0]; // a share acts a period later, and is sampled at that period's end
     self->share[0] = (double)fly->share;
@@ -140,7 +160,7 @@ static void test_noise_is_no_rotor(void) {
             const double most_A = k == 0 ? 0.0 : 0.1;
             const lode_ab_t i = {random_float(&random, -most_A, most_A),
                                  random_float(&random, -most_A, most_A)};
-            lode_fly_step(&fly, &tuning, i, inverter.v_bus_V, 0.0f);
+            fly_on(&fly, &tuning, i, 0.0f);
         }
         TEST_ASSERT_EQUAL_UINT(LODE_FLY_SLOW, fly.stage);
     }
@@ -165,15 +185,15 @@ static void test_pulses_wait_for_the_diodes(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
     lode_fly_t fly;
     lode_fly_begin(&fly, &tuning);
-    for (uint32_t k = 0u; k < tuning.periods - 1u; k++) {
-        lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 1.0f}, 200.0f, 0.0f);
+    for (uint32_t k = 0u; k < TURN_PERIODS - 1u; k++) {
+        fly_on(&fly, &tuning, (lode_ab_t){0.0f, 1.0f}, 0.0f);
         TEST_ASSERT_EQUAL_INT(LODE_FLY_BEGIN, fly.stage);
         TEST_ASSERT_FALSE(fly.share > 0.0f);
     }
     lode_fly_t waited = fly;
-    lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 200.0f, 0.0f);
+    fly_on(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 0.0f);
     TEST_ASSERT_EQUAL_INT(LODE_FLY_GROW, fly.stage);
-    lode_fly_step(&waited, &tuning, (lode_ab_t){0.0f, 1.0f}, 200.0f, 0.0f);
+    fly_on(&waited, &tuning, (lode_ab_t){0.0f, 1.0f}, 0.0f);
     TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, waited.stage);
 }
 
@@ -181,18 +201,18 @@ static void test_pulses_are_shorter_where_the_bus_leaves_little(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
     lode_fly_t fly;
     lode_fly_begin(&fly, &tuning);
-    lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 200.0f, 0.0f);
+    fly_on(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 0.0f);
     // More and more current, as one that does not decay, and then none.
     for (int k = 1; k < 20; k++) {
         const float i_A = fly.share > 0.3f ? 10.0f : 0.03f;
-        lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, i_A}, 200.0f, 0.0f);
+        fly_on(&fly, &tuning, (lode_ab_t){0.0f, i_A}, 0.0f);
     }
     TEST_ASSERT_EQUAL_INT(LODE_FLY_GROW, fly.stage);
     TEST_ASSERT_TRUE(fly.share >= 0.05f && fly.share <= 0.5f);
     for (int k = 0; k < STEPS_MAX && !is_over(&fly) && fly.stage != (uint_least8_t)LODE_FLY_TURN;
          k++) { // not for ever
         const float i_A = fly.share > 0.3f ? 10.0f : 0.03f;
-        lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, i_A}, 200.0f, 0.0f);
+        fly_on(&fly, &tuning, (lode_ab_t){0.0f, i_A}, 0.0f);
     }
     TEST_ASSERT_TRUE(fly.stage != (uint_least8_t)LODE_FLY_GROW);
 }
@@ -201,18 +221,18 @@ static void test_a_current_that_does_not_decay_is_waited_for(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
     lode_fly_t fly = {.stage = (uint_least8_t)LODE_FLY_COAST, .omega_rad_s = 100.0f};
     for (int k = 0; k < 10; k++) {
-        lode_fly_step(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 200.0f, 0.0f);
+        fly_on(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 0.0f);
         TEST_ASSERT_EQUAL_INT(LODE_FLY_COAST, fly.stage);
     }
-    lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 200.0f, 0.0f);
+    fly_on(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 0.0f);
     TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
     CHECK_NEAR(1.0e-4, 11.0 * 100.0 * (double)PAPER_TS_s, fly.theta_rad);
     fly = (lode_fly_t){.stage = (uint_least8_t)LODE_FLY_COAST};
-    for (uint32_t k = 0u; k < tuning.periods; k++) {
-        lode_fly_step(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 200.0f, 0.0f);
+    for (uint32_t k = 0u; k < TURN_PERIODS; k++) {
+        fly_on(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 0.0f);
     }
     TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
-    lode_fly_step(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 200.0f, 0.0f);
+    fly_on(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 0.0f);
     TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
 }
 

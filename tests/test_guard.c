@@ -496,9 +496,15 @@ static void test_times_become_periods_and_looks(void) {
         config.bus_s = times[i];
         config.lock_s = times[i];
         const lode_guard_tuning_t tuning = tuned(&config);
-        TEST_ASSERT_EQUAL_INT(periods[i], tuning.rail_periods);
-        TEST_ASSERT_EQUAL_INT(looks[i], tuning.bus_looks);
+        TEST_ASSERT_EQUAL_INT(periods[i], tuning.bus_periods);
         TEST_ASSERT_EQUAL_INT(looks[i], tuning.lock_looks);
+        bench_t b = bench();
+        b.tuning = tuning;
+        b.condition.v_bus_V = 300.0f;
+        for (int look = 1; look < looks[i]; look++) {
+            TEST_ASSERT_TRUE(slow(&b));
+        }
+        TEST_ASSERT_FALSE(slow(&b));
     }
 }
 

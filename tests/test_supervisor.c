@@ -274,7 +274,7 @@ static lode_drive_tuning_t shortable(void) {
     motor.references.psi_Wb = 0.1f;
     motor.references.Ld_H = 2.0e-3f;
     motor.references.i_max_A = 60.0f;
-    motor.guard.rail_periods = 5u;
+    motor.guard.bus_periods = 5u;
     return motor;
 }
 

@@ -21,18 +21,22 @@ extern "C" {
 
 typedef struct {
     float share_first; ///< of the period; 0: no pulses
-    float share_least; ///< to which the pulses go back where the EMF is nearly that of the bus
     float share_dead;  ///< of it, that dead time takes
-    float share_blind; ///< of it, that dead time may take
-    float target_A;    ///< at t_k, up to which the pulses lengthen
-    float seen_A;      ///< at t_k, from which on a vector has a direction
-    float V_per_A;     ///< EMF per ampere at t_k, times the share
-    float lead_s;      ///< from the vector to the rotor beyond a quarter turn, per share
-    float ts_s;
-    float psi_Wb;
-    float omega_least; ///< electrical; a slower rotor is left to the start
-    uint32_t periods;  ///< at most, in which the vectors are seen to turn
 } lode_fly_tuning_t;
+
+/// What a step goes by that the drive has in other tunings.
+typedef struct {
+    float ts_s;
+    float i_max_A;
+    float psi_Wb;
+    float Lq_H;
+    float inv_Ld;          ///< 1/H
+    float duty_max;        ///< as in lode_fly_tune()
+    float omega_handover;  ///< electrical; a rotor that is much slower is left to the start
+    uint32_t catch_rounds; ///< of LODE_SLOW_PERIODS, in which a rotor is looked for
+    float v_bus_V;
+    float charge; ///< for so many periods of pulses they go on in any case
+} lode_fly_given_t;
 
 /// What lode_fly_t.stage may be.
 enum {
@@ -66,10 +70,9 @@ lode_status_t lode_fly_tune(lode_fly_tuning_t *tuning, const lode_start_config_t
 
 void lode_fly_begin(lode_fly_t *self, const lode_fly_tuning_t *tuning);
 
-/// One period with the low sides alone, or none. `i_A`: at t_k; `charge`: for so many periods of pulses they
-/// go on in any case.
-void lode_fly_step(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A, float v_bus_V,
-                   float charge);
+/// One period with the low sides alone, or none. `i_A`: at t_k.
+void lode_fly_step(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
+                   const lode_fly_given_t *given);
 
 #ifdef __cplusplus
 }

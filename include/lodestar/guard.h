@@ -71,13 +71,11 @@ typedef struct {
     float temperature_max;
     float temperature_min;
     float omega_max;
-    uint_least16_t rail_periods;
+    uint_least16_t bus_periods; ///< of bus, temperature and rail
     uint_least16_t
-        bus_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
-    uint_least16_t lock_looks;
+        lock_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
     uint_least16_t still_rounds; ///< of slow jobs in which the temperature's count moves; 0: any
     uint_least16_t bus_still_rounds; ///< the same of the bus
-    uint_least16_t unused;           ///< no padding: the tuning is summed up word by word
     uint32_t stamp_min;
     /// largest less smallest count between two calls; 2^32 - 1, which any will do for: not watched
     uint32_t stamp_span;

@@ -63,7 +63,6 @@ typedef struct {
     float inv_span;   ///< 1/(w2 - w1)
     float inv_full;   ///< 1/H0, by which the regressor moves in a period on the true axis (H5)
     float least_V2;   ///< square of the least such move that is divided by (H4)
-    float reserve_V;  ///< bus voltage that current control leaves to the wave; the drive sets it
     float k_x;        ///< rad/A
     float iq_weight;  ///< of a new i_q in the one that turns the axis, once in LODE_SLOW_PERIODS
     float

@@ -60,7 +60,6 @@ typedef struct {
     float patience_rounds; ///< at least, after the profile
     uint32_t timeout_rounds;
 #ifndef LODE_WITHOUT_START_MEASUREMENT
-    float r_more_max_Ohm;        ///< of what may be measured
     float calm_V;                ///< EMF across a vector by which the rotor stands still
     uint_least16_t calm_rounds;  ///< of such voltages in a mean
     uint_least16_t dwell_rounds; ///< of standstill at most for one mean; 0: nothing is measured

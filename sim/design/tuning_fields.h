@@ -62,7 +62,6 @@
     ROW(FLOAT, float, estimator.hfi.inv_span) \
     ROW(FLOAT, float, estimator.hfi.inv_full) \
     ROW(FLOAT, float, estimator.hfi.least_V2) \
-    ROW(FLOAT, float, estimator.hfi.reserve_V) \
     ROW(FLOAT, float, estimator.hfi.k_x) \
     ROW(FLOAT, float, estimator.hfi.iq_weight) \
     ROW(FLOAT, float, estimator.hfi.find_gain) \
@@ -146,34 +145,21 @@
     ROW(FLOAT, float, start.still_rounds) \
     ROW(FLOAT, float, start.patience_rounds) \
     ROW(WHOLE, uint32_t, start.timeout_rounds) \
-    ROW(FLOAT, float, start.r_more_max_Ohm) \
     ROW(FLOAT, float, start.calm_V) \
     ROW(WHOLE, uint_least16_t, start.calm_rounds) \
     ROW(WHOLE, uint_least16_t, start.dwell_rounds) \
     ROW(FLOAT, float, fly.share_first) \
-    ROW(FLOAT, float, fly.share_least) \
     ROW(FLOAT, float, fly.share_dead) \
-    ROW(FLOAT, float, fly.share_blind) \
-    ROW(FLOAT, float, fly.target_A) \
-    ROW(FLOAT, float, fly.seen_A) \
-    ROW(FLOAT, float, fly.V_per_A) \
-    ROW(FLOAT, float, fly.lead_s) \
-    ROW(FLOAT, float, fly.ts_s) \
-    ROW(FLOAT, float, fly.psi_Wb) \
-    ROW(FLOAT, float, fly.omega_least) \
-    ROW(WHOLE, uint32_t, fly.periods) \
     ROW(FLOAT, float, guard.i_trip) \
     ROW(FLOAT, float, guard.v_bus_max) \
     ROW(FLOAT, float, guard.v_bus_min) \
     ROW(FLOAT, float, guard.temperature_max) \
     ROW(FLOAT, float, guard.temperature_min) \
     ROW(FLOAT, float, guard.omega_max) \
-    ROW(WHOLE, uint_least16_t, guard.rail_periods) \
-    ROW(WHOLE, uint_least16_t, guard.bus_looks) \
+    ROW(WHOLE, uint_least16_t, guard.bus_periods) \
     ROW(WHOLE, uint_least16_t, guard.lock_looks) \
     ROW(WHOLE, uint_least16_t, guard.still_rounds) \
     ROW(WHOLE, uint_least16_t, guard.bus_still_rounds) \
-    ROW(WHOLE, uint_least16_t, guard.unused) \
     ROW(WHOLE, uint32_t, guard.stamp_min) \
     ROW(WHOLE, uint32_t, guard.stamp_span) \
     ROW(FLOAT, float, plausibility.i_min_A2) \

@@ -48,7 +48,6 @@ static void print_option(FILE *file, const char *member, bool begins) {
     } options[] = {{"estimator.notch", "NOTCH"},
                    {"estimator.hfi", "HFI"},
                    {"plausibility", "PLAUSIBILITY"},
-                   {"start.r_more_max_Ohm", "START_MEASUREMENT"},
                    {"start.calm_", "START_MEASUREMENT"},
                    {"start.dwell_rounds", "START_MEASUREMENT"},
                    {"fly.", "FLYING_START"}};
