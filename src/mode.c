@@ -384,10 +384,9 @@ static void follow_off(lode_drive_t *self) {
 
 // RUN by the angle and the speed found. The gates go on two periods from now; until then the terminals are
 // open, and the voltage at them is the EMF.
-static void take_flight(lode_drive_t *self, const lode_fly_t *found) {
+static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float omega) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const float omega = found->omega_rad_s;
-    const lode_sincos_t rotor = lode_sincos(found->theta_rad);
+    const lode_sincos_t rotor = lode_sincos(theta_rad);
     const lode_sincos_t half = lode_sincos(0.5f * tuning->estimator.pll.ts_s * omega);
     self->u_V = (lode_dq_t){0.0f, tuning->estimator.psi_Wb * omega};
     switch_on(self, LODE_MODE_START);
@@ -409,14 +408,9 @@ static void take_flight(lode_drive_t *self, const lode_fly_t *found) {
     run_at_once(self);
 }
 
-// Pulses. False: there is, or was, nothing to look for.
-static bool follow_flight(lode_drive_t *self, const lode_sample_t *sample) {
+// One period of pulses.
+static LODE_NOINLINE void fly_on(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    lode_precharge_t *precharge = &self->state.precharge;
-    if (precharge->fly.stage == (uint_least8_t)LODE_FLY_SLOW) {
-        return false;
-    }
-    const int32_t *i = sample->i;
     const lode_ab_t i_A = {(float)(2 * i[0] - i[1] - i[2]) * tuning->sense.alpha_gain,
                            (float)(i[1] - i[2]) * tuning->sense.beta_gain};
     const lode_fly_given_t given = {
@@ -431,14 +425,22 @@ static bool follow_flight(lode_drive_t *self, const lode_sample_t *sample) {
         .v_bus_V = self->inverter.v_bus_V,
         .charge = (1.0f - DUTY_PRECHARGE) * (float)(int32_t)tuning->inverter.precharge_periods,
     };
-    lode_fly_step(&precharge->fly, &tuning->fly, i_A, &given);
-    set_duties(self, 1.0f - precharge->fly.share);
-    if (precharge->fly.stage == (uint_least8_t)LODE_FLY_FOUND) {
-        const lode_fly_t found = precharge->fly;
-        take_flight(self, &found);
+    lode_fly_step(&self->state.precharge.fly, &tuning->fly, i_A, &given);
+}
+
+// Pulses. False: there is, or was, nothing to look for.
+static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t *sample) {
+    const lode_fly_t *fly = &self->state.precharge.fly;
+    if (fly->stage == (uint_least8_t)LODE_FLY_SLOW) {
+        return false;
+    }
+    fly_on(self, sample->i);
+    set_duties(self, 1.0f - fly->share);
+    if (fly->stage == (uint_least8_t)LODE_FLY_FOUND) {
+        take_flight(self, fly->theta_rad, fly->omega_rad_s); // ends the precharge's state
         return true;
     }
-    return precharge->fly.stage != (uint_least8_t)LODE_FLY_SLOW;
+    return fly->stage != (uint_least8_t)LODE_FLY_SLOW;
 }
 
 #endif
