@@ -151,8 +151,8 @@ static float square(lode_ab_t x) {
     return x.alpha * x.alpha + x.beta * x.beta;
 }
 
-static LODE_NOINLINE void renew_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                    float omega_rad_s) {
+static LODE_NOINLINE LODE_SMALL_CALL void
+renew_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float omega_rad_s) {
     self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
 }
 

@@ -48,7 +48,7 @@ static void set_duties(lode_drive_t *self, float duty) {
 }
 
 // Gates off, with no voltage on its way.
-static void open_gates(lode_drive_t *self, lode_mode_t mode) {
+static LODE_SMALL_CALL void open_gates(lode_drive_t *self, lode_mode_t mode) {
     self->gates = false;
     set_duties(self, DUTY_IDLE);
     set_omitted(self);

@@ -36,6 +36,16 @@
 #endif
 #endif
 
+/// Called from many places: with LODE_SMALL a call in each of them, also where link-time optimisation would rather
+/// repeat what is called.
+#ifndef LODE_SMALL_CALL
+#if defined(LODE_SMALL) && defined(__GNUC__)
+#define LODE_SMALL_CALL __attribute__((noinline))
+#else
+#define LODE_SMALL_CALL
+#endif
+#endif
+
 /// A rare branch of the interrupt: kept out of the code that runs every time, and small. Not with LODE_SMALL: as a
 /// part of the only function that calls it, it takes less.
 #ifndef LODE_NOINLINE

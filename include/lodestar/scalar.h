@@ -55,8 +55,8 @@ LODE_INLINE float lode_sign(float x) {
 }
 
 /// x limited to [lo, hi]; lo for NaN.
-LODE_SHARED float lode_clamp(float x, float lo, float hi);
-LODE_SHARED float lode_clamp(float x, float lo, float hi) {
+LODE_SHARED LODE_SMALL_CALL float lode_clamp(float x, float lo, float hi);
+LODE_SHARED LODE_SMALL_CALL float lode_clamp(float x, float lo, float hi) {
     return x > lo ? (x < hi ? x : hi) : lo;
 }
 
