@@ -24,10 +24,9 @@ static lode_fly_tuning_t tuned(const lode_start_config_t *config, float duty_max
     return tuning;
 }
 
-// A step of the paper's motor.
-static void fly_on(lode_fly_t *fly, const lode_fly_tuning_t *tuning, lode_ab_t i_A, float charge) {
+static lode_fly_given_t given_with(float charge) {
     const lode_motor_t motor = paper_motor();
-    const lode_fly_given_t given = {
+    return (lode_fly_given_t){
         .ts_s = PAPER_TS_s,
         .i_max_A = inverter.i_max_A,
         .psi_Wb = motor.psi_Wb,
@@ -39,6 +38,10 @@ static void fly_on(lode_fly_t *fly, const lode_fly_tuning_t *tuning, lode_ab_t i
         .v_bus_V = inverter.v_bus_V,
         .charge = charge,
     };
+}
+
+static void fly_on(lode_fly_t *fly, const lode_fly_tuning_t *tuning, lode_ab_t i_A, float charge) {
+    const lode_fly_given_t given = given_with(charge);
     lode_fly_step(fly, tuning, i_A, &given);
 }
 
@@ -197,6 +200,21 @@ static void test_pulses_wait_for_the_diodes(void) {
     TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, waited.stage);
 }
 
+// However short the time is in which a rotor is looked for.
+static void test_pulses_wait_for_a_few_periods_at_least(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    lode_fly_given_t given = given_with(0.0f);
+    given.catch_rounds = 1u;
+    lode_fly_t fly;
+    lode_fly_begin(&fly, &tuning);
+    for (int k = 1; k < 12; k++) {
+        lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 1.0f}, &given);
+        TEST_ASSERT_EQUAL_INT(LODE_FLY_BEGIN, fly.stage);
+    }
+    lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 1.0f}, &given);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, fly.stage);
+}
+
 static void test_pulses_are_shorter_where_the_bus_leaves_little(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
     lode_fly_t fly;
@@ -278,6 +296,7 @@ int main(void) {
     RUN_TEST(test_noise_is_no_rotor);
     RUN_TEST(test_a_current_that_ends_is_no_rotor);
     RUN_TEST(test_pulses_wait_for_the_diodes);
+    RUN_TEST(test_pulses_wait_for_a_few_periods_at_least);
     RUN_TEST(test_pulses_are_shorter_where_the_bus_leaves_little);
     RUN_TEST(test_a_current_that_does_not_decay_is_waited_for);
     RUN_TEST(test_pulses_go_on_until_capacitors_are_charged);
