@@ -12,7 +12,7 @@ static const lode_inverter_config_t inverter = {
 static const lode_start_config_t start = {.omega_handover_rad_s = 47.0f, .catch_s = 0.05f};
 #define OMEGA_MAX 1178.0f
 #define STEPS_MAX 1000
-#define CATCH_ROUNDS 62u
+#define CATCH_ROUNDS 31u                 // 0.05 s
 #define TURN_PERIODS (4u * CATCH_ROUNDS) // half of the time in which a rotor is looked for
 
 static lode_fly_tuning_t tuned(const lode_start_config_t *config, float duty_max) {
