@@ -211,10 +211,10 @@ static inline bool lode_mode_shorts(const lode_drive_t *self) {
     if (LODE_USUALLY(((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_SHORT) == 0u)) {
         return false;
     }
-    const uint32_t check = self->guard.fault.check;
+    const uint32_t cause = self->guard.fault.check;
     // Behind these may be a switch that is shorted itself: who then says OFF has looked at it.
     const bool suspect =
-        check == (uint32_t)LODE_CHECK_HARDWARE_TRIP || check == (uint32_t)LODE_CHECK_OVER_CURRENT;
+        cause == (uint32_t)LODE_CHECK_HARDWARE_TRIP || cause == (uint32_t)LODE_CHECK_OVER_CURRENT;
     return lode_mode(self) == LODE_MODE_FAULT && (!suspect || self->command.mode == LODE_MODE_OFF);
 #endif
 }
