@@ -14,8 +14,9 @@ static lode_telemetry_t buffer[LODE_FAULT_LOG_ROWS(FAULTS, ROWS)];
 static uint32_t steps;
 
 static bool step(lode_fault_log_t *log, lode_mode_t mode, lode_check_t check) {
+    steps++;
     const lode_telemetry_t now = {
-        .steps = ++steps,
+        .steps = steps,
         .mode = mode,
         .fault = {.check = (uint_least8_t)check},
         .omega_rad_s = (float)steps,
