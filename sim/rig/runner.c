@@ -38,6 +38,7 @@ typedef struct {
     double speed_goal_rpm; ///< where the command is moving to
     double speed_step_rpm; ///< per period
     lode_mode_t mode;
+    bool driven; ///< the gates were on in the period that the estimate looks back at
     bool faulted;
     bool held; ///< by a dynamometer
     double v_bus_V;
@@ -426,7 +427,7 @@ static void measure(const run_t *run, runner_phase_t *out, const moment_t *now, 
     const double np = (double)run->config->drive.motor.pole_pairs;
     const double rpm = rig_rpm_from_rad_s(truth->omega_m_rad_s);
     const bool running = run->mode == LODE_MODE_RUN;
-    if (running) {
+    if (running && run->driven) {
         rig_stats_add(&out->run_error_deg, now->error_deg);
         rig_stats_add(&out->run_lock, (double)estimate->lock);
         out->reseeds += estimate->reseeded ? 1u : 0u;
@@ -553,6 +554,7 @@ static bool is_in_map(const run_t *run, const plant_truth_t *truth) {
 
 static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_window) {
     moment_t now;
+    run->driven = run->rig.drive->gates;
     move_command(run);
     step_rig(run, &now);
     rig_main_loop(&run->rig);
