@@ -51,10 +51,13 @@ bool lode_fault_log_step(lode_fault_log_t *self, const lode_telemetry_t *telemet
         }
         return false;
     }
-    for (uint32_t row = self->rows - 1u; row > 0u; row--) {
-        *row_at(self, self->block, row) = *row_at(self, self->block, row - 1u);
+    // One row by the other: of an array that shifts compilers make a call of memmove.
+    lode_telemetry_t moved = *telemetry;
+    for (uint32_t row = 0u; row < self->rows; row++) {
+        const lode_telemetry_t older = *row_at(self, self->block, row);
+        *row_at(self, self->block, row) = moved;
+        moved = older;
     }
-    *row_at(self, self->block, 0u) = *telemetry;
     if (fault) {
         self->total++;
         self->held = self->held < self->faults ? self->held + 1u : self->held;
