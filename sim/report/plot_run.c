@@ -154,9 +154,9 @@ static void send_injection(FILE *script) {
 
 static void send_state(FILE *script) {
     plot_panel(script, "state");
-    (void)fputs("set format x '%g'\nset xlabel 'time [s]' offset 0,0.4\nset yrange [-0.4:6.4]\n"
+    (void)fputs("set format x '%g'\nset xlabel 'time [s]' offset 0,0.4\nset yrange [-0.4:7.4]\n"
                 "set ytics ('off' 0, 'calibrate' 1, 'voltage' 2, 'current' 3, 'start' 4, "
-                "'run' 5, 'fault' 6) font ',10'\n"
+                "'run' 5, 'fault' 6, 'precharge' 7) font ',10'\n"
                 "plot $run using 1:12 with steps lc rgb blue lw 2 title 'mode', "
                 "'' using 1:(5*$13) with lines lc rgb green lw 1 title 'lock (1: at run)'\n"
                 "unset multiplot\n",
