@@ -56,6 +56,13 @@ def mismatch(checks, folder):
     checks.true(abs(phases["at_1500_x0_5"]["angle_error_deg"]["mean"]) > 10, "half of Lq shows")
 
 
+def without_disturbance_state(checks, folder):
+    """QPLL, which a step of the load moves by what its bandwidth leaves (H20)."""
+    for scenario in ["zero_speed", "zero_reversal"]:
+        run(checks, folder, scenario, ["estimator.pll=qpll"])
+    run(checks, folder, "zero_speed", ["estimator.pll=qpll", "hfi.sigma_rad_s=100"], code=1)
+
+
 def handover(checks, folder):
     """Paper 1's hand-over at 100 rpm, by injection: 394 of 400 seeds, some 98 of any 100; 95 is two deviations less."""
     done = folder.run("run", "start_100rpm", "--seeds", "1-100", "--set", "hfi.mode=on",
