@@ -43,6 +43,8 @@
 // Relative difference of the responses: without saturation at most 0.0044 in 100 simulated starts, 0.011 and more
 // where Ld falls by 2.6 % over twice the current.
 #define POLAR_LEAST 0.008f
+// And at least so many deviations of the difference, as the responses scatter by noise (H21).
+#define POLAR_DEVIATIONS 4.0f
 // Mean error of an axis that is found.
 #define FOUND_rad 0.15f
 // Low-pass of the i_q that turns the axis: below current control, above what the load does.
@@ -232,19 +234,29 @@ static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t
     }
     // (H15): the iron of a magnet's north saturates with current along it.
     const float more_V = self->along_V - self->against_V;
-    if (lode_abs(more_V) <= POLAR_LEAST * (self->along_V + self->against_V)) {
+    const float least_V = POLAR_LEAST * (self->along_V + self->against_V);
+    const float least_V2 = 0.5f * POLAR_DEVIATIONS * POLAR_DEVIATIONS * self->scatter_V2;
+    if (more_V * more_V <= lode_max(least_V * least_V, least_V2)) {
         return LODE_HFI_UNDECIDED;
     }
     return more_V > 0.0f ? LODE_HFI_RIGHT : LODE_HFI_WRONG;
+}
+
+// The response of a round, to current along the axis or against it.
+static void take_response(lode_hfi_t *self, float *sum_V) {
+    const float moved_V = *sum_V > 0.0f ? self->swing_V - self->before_V : 0.0f;
+    self->scatter_V2 += moved_V * moved_V;
+    self->before_V = self->swing_V;
+    *sum_V += self->swing_V;
 }
 
 float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_max_A) {
     const bool finding = self->step == (uint_least8_t)LODE_HFI_FIND;
     const uint32_t rounds = finding ? tuning->find_rounds : tuning->polar_rounds;
     self->rounds++;
-    if (2u * self->rounds > rounds) { // the current has settled
-        *(self->step == (uint_least8_t)LODE_HFI_SOUTH ? &self->against_V : &self->along_V) +=
-            finding ? 0.0f : self->swing_V;
+    if (!finding && 2u * self->rounds > rounds) { // the current has settled
+        take_response(self, self->step == (uint_least8_t)LODE_HFI_NORTH ? &self->along_V
+                                                                        : &self->against_V);
     }
     if (self->rounds >= rounds) {
         const lode_hfi_step_t next = next_step(self, tuning);

@@ -765,19 +765,24 @@ static void test_an_axis_that_is_not_found_is_given_up(void) {
     CHECK_NEAR(1.0e-5, 0.33 * 12.0, lode_hfi_find(&hfi, &tuning, 12.0f));
 }
 
-/// What is made of mean responses to current along the axis and against it.
-static int decided(const lode_hfi_tuning_t *tuning, float along_V, float against_V) {
+/// What is made of responses to current along the axis and against it, that move by `noise_V` from round to round.
+static int decided_in_noise(const lode_hfi_tuning_t *tuning, float along_V, float against_V,
+                            float noise_V) {
     lode_hfi_t hfi = {.step = LODE_HFI_NORTH};
     for (int k = 0; k < 26; k++) {
-        hfi.swing_V = along_V;
+        hfi.swing_V = along_V + (k % 2 == 0 ? 0.5f : -0.5f) * noise_V;
         CHECK_NEAR(1.0e-5, k < 25 ? 3.96 : -3.96, lode_hfi_find(&hfi, tuning, 12.0f));
     }
     for (int k = 0; k < 26; k++) {
         TEST_ASSERT_EQUAL_INT(LODE_HFI_SOUTH, hfi.step);
-        hfi.swing_V = against_V;
+        hfi.swing_V = against_V + (k % 2 == 0 ? 0.5f : -0.5f) * noise_V;
         (void)lode_hfi_find(&hfi, tuning, 12.0f);
     }
     return hfi.step;
+}
+
+static int decided(const lode_hfi_tuning_t *tuning, float along_V, float against_V) {
+    return decided_in_noise(tuning, along_V, against_V, 0.0f);
 }
 
 static void test_polarity_by_the_difference_of_the_responses(void) {
@@ -787,6 +792,10 @@ static void test_polarity_by_the_difference_of_the_responses(void) {
     TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 100.0f, 101.5f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided(&tuning, 100.0f, 101.7f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 0.0f, 0.0f));
+    // (H21): a difference of 13 times 3 V, 24 moves of 2.8 V.
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, decided_in_noise(&tuning, 103.0f, 100.0f, 2.8f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided_in_noise(&tuning, 103.0f, 100.0f, 2.9f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided_in_noise(&tuning, 100.0f, 103.0f, 2.8f));
 }
 
 static void test_off_is_off_to_the_bit(void) {

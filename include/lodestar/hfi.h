@@ -102,7 +102,9 @@ typedef struct {
     float axis;    ///< tangent of the angle to it from the estimated d axis, by cross-saturation
     lode_dq_t i_A; ///< current in the rotor's frame at t_k, ripple included
     float along_V; ///< sum of swing_V with current along the axis
-    float against_V; ///< and against it
+    float against_V;  ///< and against it
+    float before_V;   ///< swing_V of the round before
+    float scatter_V2; ///< sum of squares of what it moves by from round to round
 } lode_hfi_t;
 
 /// Saliency below which nothing is injected: Lq'(i_max)/Ld'.

@@ -64,11 +64,11 @@ def without_disturbance_state(checks, folder):
 
 
 def handover(checks, folder):
-    """Paper 1's hand-over at 100 rpm, by injection: 394 of 400 seeds, some 98 of any 100; 95 is two deviations less."""
+    """Paper 1's hand-over at 100 rpm, by injection: all of these, 1496 of 1500; 98 leaves room for other noise."""
     done = folder.run("run", "start_100rpm", "--seeds", "1-100", "--set", "hfi.mode=on",
                       "--set", "hfi.V_h_V=25", "--json", "h.json")
     passed = folder.json("h.json")["passed"]
-    checks.true(passed >= 95, f"{passed} of 100 passed: {done.stdout[-200:]}{done.stderr}")
+    checks.true(passed >= 98, f"{passed} of 100 passed: {done.stdout[-200:]}{done.stderr}")
 
 
 def plot(checks, folder):
