@@ -18,19 +18,21 @@ static const double longest_piece = 0.1;
 /// A current that reverses is found to this, A: half of what counts as zero.
 static const double zero_A = 1e-5;
 
+/// A vector's two components, alpha and beta or d and q, which the processor takes together.
+typedef double pair_t __attribute__((vector_size(2 * sizeof(double))));
+
 /// One instant. Vectors in the coordinates of the run: the rotor's when half of it is over.
 typedef struct {
+    pair_t psi_u; ///< flux linkage without the resistance: at the start, and all volt-seconds since
+    pair_t i, i_As;
+    pair_t dq; ///< the current as the rotor sees it
     double t_s;
-    plant_vector_t
-        psi_u; ///< flux linkage without the resistance: at the start, and all volt-seconds since
-    plant_vector_t i, i_As;
-    double d, q;   ///< the current as the rotor sees it
     double torque; ///< psi x i
 } point_t;
 
 /// A leg on its way.
 typedef struct {
-    plant_vector_t axis;
+    pair_t axis;
     double next_s; ///< its next edge
     double
         guard; ///< sign that its current must not lose without notice; 0 where that changes nothing
@@ -40,12 +42,15 @@ typedef struct {
 typedef struct {
     plant_inverter_t *inverter;
     // Constant in a run.
-    double R, inv_Ld, inv_Lq, psi_m;
+    pair_t L, inv_L, psi_m; ///< d and q
+    pair_t pull;            ///< share of the other current in the slope, by speed
+    double R;
     double middle_s, w, half_a; ///< the angle from the middle: w t + half_a t^2
     double longest_s, slope_A_s;
-    plant_vector_t drift_A_s; ///< slope of the current without voltage
+    pair_t drift_A_s; ///< slope of the current without voltage
     point_t at;
-    plant_vector_t u, half_slope, psi_start;
+    pair_t u, half_slope, psi_start;
+    pair_t axis_alpha, axis_beta; ///< of phases a and b
     way_t leg[PLANT_PHASES];
     bool may_pass;   ///< pass_over has not just been in vain
     int passed_sign; ///< of a leg before it
@@ -53,7 +58,7 @@ typedef struct {
     // Sums of h^3, of that times u, of h^2 times the change of the current, of the torque over time and over that
     // to the middle.
     double h3, torque_s, torque_s2, h_dd_dq;
-    plant_vector_t h3_u, h2_di;
+    pair_t h3_u, h2_di;
 } run_t;
 
 HOT double smaller(double a, double b) {
@@ -74,6 +79,25 @@ static void turned(double angle, double *c, double *s) {
     *s = angle * (1.0 - x2 * (1.0 / 6 - x2 * (1.0 / 120 - x2 * (1.0 / 5040))));
 }
 
+HOT pair_t swapped(pair_t v) {
+    return (pair_t){v[1], v[0]};
+}
+
+/// In coordinates that lie this angle ahead ...
+HOT pair_t turned_back(pair_t v, double c, double s) {
+    return v * c + swapped(v) * (pair_t){s, -s};
+}
+
+/// ... and from there.
+HOT pair_t turned_forth(pair_t v, double c, double s) {
+    return v * c - swapped(v) * (pair_t){s, -s};
+}
+
+HOT double cross(pair_t a, pair_t b) {
+    const pair_t both = a * swapped(b);
+    return both[0] - both[1];
+}
+
 /// The next point, h further.
 HOT point_t advance(const run_t *run, double h) {
     const point_t *from = &run->at;
@@ -82,26 +106,22 @@ HOT point_t advance(const run_t *run, double h) {
     to.t_s = from->t_s + h;
     const double t = to.t_s - run->middle_s;
     turned_little(t * (run->w + t * run->half_a), &c, &s);
-    to.psi_u.alpha = from->psi_u.alpha + h * run->u.alpha;
-    to.psi_u.beta = from->psi_u.beta + h * run->u.beta;
+    to.psi_u = from->psi_u + h * run->u;
     // The drop by an estimate of the current on the way, so that nothing has to wait for its end.
-    const double a_As = from->i_As.alpha + h * (from->i.alpha + h * run->half_slope.alpha);
-    const double b_As = from->i_As.beta + h * (from->i.beta + h * run->half_slope.beta);
-    const double a = to.psi_u.alpha - run->R * a_As, b = to.psi_u.beta - run->R * b_As;
-    to.d = (a * c + b * s - run->psi_m) * run->inv_Ld;
-    to.q = (b * c - a * s) * run->inv_Lq;
-    to.i.alpha = to.d * c - to.q * s;
-    to.i.beta = to.d * s + to.q * c;
-    to.i_As.alpha = from->i_As.alpha + 0.5 * h * (from->i.alpha + to.i.alpha);
-    to.i_As.beta = from->i_As.beta + 0.5 * h * (from->i.beta + to.i.beta);
-    to.torque = a * to.i.beta - b * to.i.alpha;
+    const pair_t i_As = from->i_As + h * (from->i + h * run->half_slope);
+    const pair_t psi = to.psi_u - run->R * i_As;
+    to.dq = (turned_back(psi, c, s) - run->psi_m) * run->inv_L;
+    to.i = turned_forth(to.dq, c, s);
+    to.i_As = from->i_As + 0.5 * h * (from->i + to.i);
+    to.torque = cross(psi, to.i);
     return to;
 }
 
 HOT void phase_currents(const run_t *run, const point_t *at, double i_A[PLANT_PHASES]) {
-    i_A[0] = run->leg[0].axis.alpha * at->i.alpha + run->leg[0].axis.beta * at->i.beta;
-    i_A[1] = run->leg[1].axis.alpha * at->i.alpha + run->leg[1].axis.beta * at->i.beta;
-    i_A[2] = -i_A[0] - i_A[1];
+    const pair_t a_b = run->axis_alpha * at->i[0] + run->axis_beta * at->i[1];
+    i_A[0] = a_b[0];
+    i_A[1] = a_b[1];
+    i_A[2] = -a_b[0] - a_b[1];
 }
 
 HOT bool keeps_signs(const run_t *run, const double i_A[PLANT_PHASES]) {
@@ -115,12 +135,11 @@ HOT bool keeps_signs(const run_t *run, const double i_A[PLANT_PHASES]) {
 HOT void accept(run_t *run, const point_t *to, const double i_A[PLANT_PHASES], double h) {
     const point_t *from = &run->at;
     const double h2 = h * h, h3 = h2 * h, torque_s = 0.5 * h * (from->torque + to->torque);
+    const pair_t d_dq = to->dq - from->dq;
     run->h3 += h3;
-    run->h3_u.alpha += h3 * run->u.alpha;
-    run->h3_u.beta += h3 * run->u.beta;
-    run->h2_di.alpha += h2 * (to->i.alpha - from->i.alpha);
-    run->h2_di.beta += h2 * (to->i.beta - from->i.beta);
-    run->h_dd_dq += h * (to->d - from->d) * (to->q - from->q);
+    run->h3_u += h3 * run->u;
+    run->h2_di += h2 * (to->i - from->i);
+    run->h_dd_dq += h * d_dq[0] * d_dq[1];
     run->torque_s += torque_s;
     run->torque_s2 += torque_s * (to->t_s - 0.5 * h - run->middle_s);
     run->at = *to;
@@ -130,8 +149,7 @@ HOT void accept(run_t *run, const point_t *to, const double i_A[PLANT_PHASES], d
 }
 
 HOT void set_slope(run_t *run) {
-    run->half_slope.alpha = 0.5 * (run->u.alpha * run->inv_Ld + run->drift_A_s.alpha);
-    run->half_slope.beta = 0.5 * (run->u.beta * run->inv_Lq + run->drift_A_s.beta);
+    run->half_slope = 0.5 * (run->u * run->inv_L + run->drift_A_s);
 }
 
 /// What the leg's terminal does next. With drops a current is guarded all the time, and only edges that move the
@@ -161,12 +179,10 @@ HOT void find_next(run_t *run, int n, bool drops) {
 /// The leg's terminal as gate and sign have it now.
 HOT void move_terminal(run_t *run, int n) {
     plant_leg_t *leg = &run->inverter->leg[n];
-    const plant_vector_t *axis = &run->leg[n].axis;
     const double source_V = plant_inverter_source_V(run->inverter, leg->pwm.gate, leg->sign);
     const double step_V = (2.0 / 3.0) * (source_V - leg->source_V);
     leg->source_V = source_V;
-    run->u.alpha += step_V * axis->alpha;
-    run->u.beta += step_V * axis->beta;
+    run->u += step_V * run->leg[n].axis;
     set_slope(run);
 }
 
@@ -188,19 +204,22 @@ HOT void take_edge(run_t *run, int n, bool drops) {
     find_next(run, n, drops);
 }
 
+/// What the rotor's motion adds to the slope of the current as it sees it, and the EMF: (M1), (M2).
+HOT pair_t rotation_A_s(const run_t *run, double w, pair_t dq) {
+    const pair_t emf_A_s = {0.0, w * run->psi_m[0] * run->inv_L[1]};
+    return w * swapped(dq) * run->pull - emf_A_s;
+}
+
 /// Rate of a leg's current now, A/s: (M1), (M2).
 static double slope_of(const run_t *run, int n) {
     const point_t *at = &run->at;
     const double t = at->t_s - run->middle_s, w = run->w + 2.0 * run->half_a * t;
     double c, s;
     turned_little(t * (run->w + t * run->half_a), &c, &s);
-    const double ua = run->u.alpha - run->R * at->i.alpha, ub = run->u.beta - run->R * at->i.beta;
-    const double d =
-        (ua * c + ub * s) * run->inv_Ld + w * at->q * (run->inv_Ld / run->inv_Lq - 1.0);
-    const double q = (ub * c - ua * s) * run->inv_Lq +
-                     w * at->d * (1.0 - run->inv_Lq / run->inv_Ld) - w * run->psi_m * run->inv_Lq;
-    const plant_vector_t *axis = &run->leg[n].axis;
-    return axis->alpha * (d * c - q * s) + axis->beta * (d * s + q * c);
+    const pair_t v = turned_back(run->u - run->R * at->i, c, s);
+    const pair_t rate = v * run->inv_L + rotation_A_s(run, w, at->dq);
+    const pair_t slope = run->leg[n].axis * turned_forth(rate, c, s);
+    return slope[0] + slope[1];
 }
 
 /// The leg whose current is first through zero on the way to i_A, by straight lines.
@@ -279,23 +298,21 @@ static void place(run_t *run, const plant_motor_t *motor, double a, double T_s) 
     double c, s;
     turned(0.5 * T_s * (w + 0.25 * T_s * a), &c, &s);
     point_t *at = &run->at;
-    const double psi_d = motor->psi_Wb + motor->Ld_H * x->id_A, psi_q = motor->Lq_H * x->iq_A;
-    at->d = x->id_A;
-    at->q = x->iq_A;
-    at->i = (plant_vector_t){at->d * c + at->q * s, at->q * c - at->d * s};
-    at->psi_u = (plant_vector_t){psi_d * c + psi_q * s, psi_q * c - psi_d * s};
-    at->i_As = (plant_vector_t){0.0, 0.0};
+    const pair_t psi = {motor->psi_Wb + motor->Ld_H * x->id_A, motor->Lq_H * x->iq_A};
+    at->dq = (pair_t){x->id_A, x->iq_A};
+    at->i = turned_back(at->dq, c, s);
+    at->psi_u = turned_back(psi, c, s);
+    at->i_As = (pair_t){0.0, 0.0};
     run->psi_start = at->psi_u;
-    const double cos_theta = x->cos_theta * c - x->sin_theta * s;
-    const double sin_theta = x->sin_theta * c + x->cos_theta * s;
+    const pair_t rotor = turned_forth((pair_t){x->cos_theta, x->sin_theta}, c, s);
     const plant_drive_t *u = &run->inverter->drive;
-    run->u = (plant_vector_t){u->u_alpha_V * cos_theta + u->u_beta_V * sin_theta,
-                              u->u_beta_V * cos_theta - u->u_alpha_V * sin_theta};
+    run->u = turned_back((pair_t){u->u_alpha_V, u->u_beta_V}, rotor[0], rotor[1]);
     for (int n = 0; n < PLANT_PHASES; n++) {
-        const double ac = plant_axis_cos[n], as = plant_axis_sin[n];
         run->leg[n].axis =
-            (plant_vector_t){ac * cos_theta + as * sin_theta, as * cos_theta - ac * sin_theta};
+            turned_back((pair_t){plant_axis_cos[n], plant_axis_sin[n]}, rotor[0], rotor[1]);
     }
+    run->axis_alpha = (pair_t){run->leg[0].axis[0], run->leg[1].axis[0]};
+    run->axis_beta = (pair_t){run->leg[0].axis[1], run->leg[1].axis[1]};
 }
 
 /// Torque that acts against psi x i on the shaft, without friction, Nm; the speed is not zero where the load is passive.
@@ -323,34 +340,32 @@ static void start(run_t *run, plant_inverter_t *inverter, const plant_motor_t *m
     const plant_motor_state_t *x = &motor->x;
     const double T_s = until_s - now_s, K = motor->power * motor->np;
     const double w = motor->np * x->omega_m_rad_s, inv_J = electrical_inv_J(motor);
-    const double psi_d = motor->psi_Wb + motor->Ld_H * x->id_A, psi_q = motor->Lq_H * x->iq_A;
+    const pair_t dq = {x->id_A, x->iq_A};
     run->inverter = inverter;
     run->R = inverter->drive.R_Ohm;
-    run->inv_Ld = motor->inv_Ld;
-    run->inv_Lq = motor->inv_Lq;
-    run->psi_m = motor->psi_Wb;
+    run->L = (pair_t){motor->Ld_H, motor->Lq_H};
+    run->inv_L = (pair_t){motor->inv_Ld, motor->inv_Lq};
+    run->pull = (pair_t){motor->Lq_H * motor->inv_Ld - 1.0, 1.0 - motor->Ld_H * motor->inv_Lq};
+    run->psi_m = (pair_t){motor->psi_Wb, 0.0};
+    const pair_t psi = run->psi_m + run->L * dq;
     run->at.t_s = now_s;
-    run->at.torque = psi_d * x->iq_A - psi_q * x->id_A;
+    run->at.torque = cross(psi, dq);
     const double a =
         inv_J * (K * run->at.torque - load_of(motor) - motor->B_Nms * x->omega_m_rad_s);
     run->middle_s = now_s + 0.5 * T_s;
     run->half_a = 0.5 * a;
     run->w = w + 0.5 * a * T_s;
     place(run, motor, a, T_s);
-    run->drift_A_s = (plant_vector_t){w * run->at.q * (motor->Lq_H * motor->inv_Ld - 1.0) -
-                                          run->R * run->at.i.alpha * motor->inv_Ld,
-                                      w * run->at.d * (1.0 - motor->Ld_H * motor->inv_Lq) -
-                                          w * motor->psi_Wb * motor->inv_Lq -
-                                          run->R * run->at.i.beta * motor->inv_Lq};
+    run->drift_A_s = rotation_A_s(run, w, run->at.dq) - run->R * run->at.i * run->inv_L;
     set_slope(run);
     const double inv_L = motor->inv_Ld > motor->inv_Lq ? motor->inv_Ld : motor->inv_Lq;
     const double rate = smaller(-fabs(w), -run->R * inv_L);
     run->longest_s = -longest_piece / (rate - 1.0);
     // No current changes faster, whatever conducts.
-    run->slope_A_s = inv_L * (inverter->v_bus_V + 2.0 * fabs(w) * (fabs(psi_d) + fabs(psi_q)) +
-                              run->R * (fabs(x->id_A) + fabs(x->iq_A)));
+    run->slope_A_s = inv_L * (inverter->v_bus_V + 2.0 * fabs(w) * (fabs(psi[0]) + fabs(psi[1])) +
+                              run->R * (fabs(dq[0]) + fabs(dq[1])));
     run->h3 = run->torque_s = run->torque_s2 = run->h_dd_dq = 0.0;
-    run->h3_u = run->h2_di = (plant_vector_t){0.0, 0.0};
+    run->h3_u = run->h2_di = (pair_t){0.0, 0.0};
     double i_A[PLANT_PHASES];
     phase_currents(run, &run->at, i_A);
     for (int n = 0; n < PLANT_PHASES; n++) {
@@ -361,23 +376,20 @@ static void start(run_t *run, plant_inverter_t *inverter, const plant_motor_t *m
 
 /// What the trapezoid missed, by (M18), with the rotor as it is in the middle: takes it from the integrals of the
 /// current and the torque.
-static void correct(run_t *run, plant_vector_t psi) {
-    const double w = run->w, inv_Ld = run->inv_Ld, inv_Lq = run->inv_Lq, h3 = run->h3;
-    const double Ld = 1.0 / inv_Ld, Lq = 1.0 / inv_Lq;
-    const double turn = 2.0 * w * (inv_Ld - inv_Lq);
+static void correct(run_t *run, pair_t psi) {
+    static const pair_t conjugate = {1.0, -1.0};
+    const double w = run->w, R = run->R, h3 = run->h3;
+    const double Ld = run->L[0], Lq = run->L[1], psi_m = run->psi_m[0];
+    const double turn = 2.0 * w * (run->inv_L[0] - run->inv_L[1]);
+    const pair_t dq = (psi - run->psi_m) * run->inv_L;
     // What changes the flux linkage: voltage less drop.
-    const double d = (psi.alpha - run->psi_m) * inv_Ld, q = psi.beta * inv_Lq;
-    const double va = run->h3_u.alpha - run->R * h3 * d, vb = run->h3_u.beta - run->R * h3 * q;
-    const double ra = run->R * run->h2_di.alpha, rb = run->R * run->h2_di.beta;
-    const double a2 =
-        turn * (vb - w * h3 * psi.alpha) + w * w * run->psi_m * inv_Ld * h3 - inv_Ld * ra;
-    const double b2 = turn * (va + w * h3 * psi.beta) - inv_Lq * rb;
-    const double d2 = (2.0 * w * vb - w * w * h3 * psi.alpha - ra) * inv_Ld;
-    const double q2 = -(2.0 * w * va + w * w * h3 * psi.beta + rb) * inv_Lq;
-    run->at.i_As.alpha -= a2 * (1.0 / 12);
-    run->at.i_As.beta -= b2 * (1.0 / 12);
+    const pair_t v = run->h3_u - R * h3 * dq, r = R * run->h2_di;
+    const pair_t pull = {w * w * psi_m * run->inv_L[0] * h3, 0.0};
+    const pair_t i2 = turn * (swapped(v) - conjugate * (w * h3 * psi)) + pull - run->inv_L * r;
+    const pair_t dq2 = (conjugate * (2.0 * w * swapped(v)) - w * w * h3 * psi - r) * run->inv_L;
+    run->at.i_As -= i2 * (1.0 / 12);
     run->torque_s -=
-        ((run->psi_m + (Ld - Lq) * d) * q2 + (Ld - Lq) * (q * d2 + 2.0 * run->h_dd_dq)) *
+        ((psi_m + (Ld - Lq) * dq[0]) * dq2[1] + (Ld - Lq) * (dq[1] * dq2[0] + 2.0 * run->h_dd_dq)) *
         (1.0 / 12);
 }
 
@@ -386,10 +398,7 @@ static void finish(run_t *run, plant_motor_t *motor, double start_s) {
     plant_motor_state_t *x = &motor->x;
     const double inv_J = electrical_inv_J(motor), K = motor->power * motor->np;
     const double T_s = run->at.t_s - start_s, w = motor->np * x->omega_m_rad_s;
-    const plant_vector_t *psi_u = &run->at.psi_u;
-    correct(run, (plant_vector_t){
-                     0.5 * (run->psi_start.alpha + psi_u->alpha - run->R * run->at.i_As.alpha),
-                     0.5 * (run->psi_start.beta + psi_u->beta - run->R * run->at.i_As.beta)});
+    correct(run, 0.5 * (run->psi_start + run->at.psi_u - run->R * run->at.i_As));
     // Each torque turns the rotor from its own time to the end.
     const double steady = load_of(motor) + motor->B_Nms * x->omega_m_rad_s;
     const double dw = inv_J * (K * run->torque_s - steady * T_s);
@@ -400,16 +409,16 @@ static void finish(run_t *run, plant_motor_t *motor, double start_s) {
     const double beyond = turn - half_s * (run->w - run->half_a * half_s);
     double c, s;
     turned(beyond, &c, &s);
-    const double a = psi_u->alpha - run->R * run->at.i_As.alpha;
-    const double b = psi_u->beta - run->R * run->at.i_As.beta;
-    x->id_A = (a * c + b * s - motor->psi_Wb) * motor->inv_Ld;
-    x->iq_A = (b * c - a * s) * motor->inv_Lq;
+    const pair_t psi = turned_back(run->at.psi_u - run->R * run->at.i_As, c, s);
+    const pair_t dq = (psi - run->psi_m) * run->inv_L;
+    x->id_A = dq[0];
+    x->iq_A = dq[1];
     x->theta_e_rad += turn;
     x->omega_m_rad_s += dw / motor->np;
     turned(turn, &c, &s);
-    const double cos_theta = x->cos_theta * c - x->sin_theta * s;
-    x->sin_theta = x->sin_theta * c + x->cos_theta * s;
-    x->cos_theta = cos_theta;
+    const pair_t rotor = turned_forth((pair_t){x->cos_theta, x->sin_theta}, c, s);
+    x->cos_theta = rotor[0];
+    x->sin_theta = rotor[1];
 }
 
 /// A passive load could stop the rotor within a period, even if the bus drove the current against it all the time.
@@ -444,9 +453,8 @@ HOT bool pass_over(run_t *run, int n, double limit_s) {
         pwm->edge[k].gate != PLANT_GATE_OFF || pwm->edge[k + 1].gate == PLANT_GATE_OFF) {
         return false;
     }
-    const double change_A =
-        2.0 * (way->next_s - run->at.t_s) *
-        (way->axis.alpha * run->half_slope.alpha + way->axis.beta * run->half_slope.beta);
+    const pair_t along = way->axis * run->half_slope;
+    const double change_A = 2.0 * (way->next_s - run->at.t_s) * (along[0] + along[1]);
     const double i_A = way->i_A + change_A;
     const int sign = pwm->gate == PLANT_GATE_LOW ? 1 : -1;
     if (!(sign * i_A > 0.1 * fabs(change_A))) {
