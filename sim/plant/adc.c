@@ -1,8 +1,8 @@
 #include "plant/adc.h"
 
-#include <math.h>
+#include "plant/turn.h"
 
-#define PI 3.14159265358979323846
+#include <math.h>
 
 void plant_noise_init(plant_noise_t *self, uint64_t seed) {
     *self = (plant_noise_t){.has_spare = false};
@@ -43,10 +43,11 @@ double plant_noise_next(plant_noise_t *self) {
         return self->spare;
     }
     const double radius = sqrt(-2.0 * log(uniform(self)));
-    const double angle = 2.0 * PI * uniform(self);
-    self->spare = radius * sin(angle);
+    double c, s;
+    plant_turn(uniform(self), &c, &s);
+    self->spare = radius * s;
     self->has_spare = true;
-    return radius * cos(angle);
+    return radius * c;
 }
 
 void plant_adc_init(plant_adc_t *self, const plant_config_t *config) {

@@ -370,7 +370,12 @@ static void start(run_t *run, plant_inverter_t *inverter, const plant_motor_t *m
     phase_currents(run, &run->at, i_A);
     for (int n = 0; n < PLANT_PHASES; n++) {
         run->leg[n].i_A = i_A[n];
-        find_next(run, n, inverter->has_drops);
+        if (inverter->has_drops) { // the inverter has looked for it already
+            run->leg[n].guard = inverter->leg[n].sign;
+            run->leg[n].next_s = inverter->leg[n].next_s;
+        } else {
+            find_next(run, n, false);
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "plant/flux.h"
 #include "plant/load.h"
+#include "plant/turn.h"
 
 #include <math.h>
 
@@ -79,8 +80,7 @@ void plant_motor_refresh_angle(plant_motor_t *self) {
         x->theta_e_rad -= 2.0 * PI * turns;
         self->turns = (int)fmod((double)self->turns + turns, self->np);
     }
-    x->cos_theta = cos(x->theta_e_rad);
-    x->sin_theta = sin(x->theta_e_rad);
+    plant_turn(x->theta_e_rad * (0.5 / PI), &x->cos_theta, &x->sin_theta);
 }
 
 HOT point_t point_of(const plant_motor_t *m, const plant_motor_state_t *x, kind_t kind) {

@@ -22,6 +22,26 @@ static void ask(plant_pwm_t *self, double at_s, plant_gate_t gate, double dead_t
     self->ready_s = at_s + dead_time_s;
 }
 
+/// What most periods are: the low gate on at both ends, and each gate that is asked for turns on before the next goes
+/// off. The edges are those that ask() would make. False if the period is another one.
+static bool schedule_pulse(plant_pwm_t *self, plant_duty_t duty, double period_s,
+                           double dead_time_s) {
+    const double rise_s = 0.5 * (1.0 - duty.rise) * period_s;
+    const double fall_s = 0.5 * (1.0 + duty.fall) * period_s;
+    const bool is_usual = self->wanted == PLANT_GATE_LOW && !self->waiting && rise_s > 0.0 &&
+                          rise_s + dead_time_s <= fall_s && fall_s + dead_time_s < period_s;
+    if (!is_usual) {
+        return false;
+    }
+    self->edge[0] = (plant_edge_t){.at_s = rise_s, .gate = PLANT_GATE_OFF};
+    self->edge[1] = (plant_edge_t){.at_s = rise_s + dead_time_s, .gate = PLANT_GATE_HIGH};
+    self->edge[2] = (plant_edge_t){.at_s = fall_s, .gate = PLANT_GATE_OFF};
+    self->edge[3] = (plant_edge_t){.at_s = fall_s + dead_time_s, .gate = PLANT_GATE_LOW};
+    self->edges = 4;
+    self->ready_s = fall_s + dead_time_s - period_s;
+    return true;
+}
+
 void plant_pwm_schedule(plant_pwm_t *self, plant_duty_t duty, plant_gates_t gates, double period_s,
                         double dead_time_s) {
     self->edges = 0;
@@ -34,6 +54,9 @@ void plant_pwm_schedule(plant_pwm_t *self, plant_duty_t duty, plant_gates_t gate
     }
     const plant_gate_t high = gates == PLANT_GATES_LOW ? PLANT_GATE_OFF : PLANT_GATE_HIGH;
     const bool pulse = duty.rise > 0.0 || duty.fall > 0.0;
+    if (gates == PLANT_GATES_ON && schedule_pulse(self, duty, period_s, dead_time_s)) {
+        return;
+    }
     ask(self, 0.0, duty.rise >= 1.0 ? high : PLANT_GATE_LOW, dead_time_s);
     if (pulse && duty.rise < 1.0) {
         ask(self, 0.5 * (1.0 - duty.rise) * period_s, high, dead_time_s);
