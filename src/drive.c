@@ -497,28 +497,10 @@ LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_drive_tuning
     return lode_estimator_fast(&self->estimator, &tuning->estimator, sample->u_V, sample->i_A);
 }
 
-// What the modulator goes by, in the frame of control.
-typedef struct {
-    lode_dq_t u_V;
-    lode_dq_t i_A; // tells the dead time's voltage
-} asked_t;
-
-// The voltage of current control, with the wave of injection.
-LODE_INLINE asked_t ask(lode_drive_t *self, const lode_frame_t *frame) {
-#ifndef LODE_WITHOUT_HFI
-    if (lode_estimator_injects(&self->estimator)) {
-        // The measured current is two periods old: near its zero, where the correction moves it along the d axis,
-        // that left 0.25 V of EMF across the rotor (H19).
-        return (asked_t){lode_hfi_add_wave(&self->estimator.by.hfi, self->u_V), self->ref_A};
-    }
-#endif
-    return (asked_t){self->u_V, frame->i_A};
-}
-
 // Duties for the voltage, and what the motor will see of it.
 LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                 const lode_frame_t *frame, bool free) {
-    const asked_t asked = ask(self, frame);
+    const lode_asked_t asked = lode_drive_ask(self, frame);
     const lode_ab_t v =
         lode_ab_scale(self->inverter.per_V, lode_park_inverse(asked.u_V, frame->applied));
     const lode_ab_t i_A = lode_park_inverse(asked.i_A, frame->applied);

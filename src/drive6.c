@@ -130,11 +130,12 @@ static lode_calibration_t calibrate(lode_drive6_t *self, const lode_sample6_t *s
 }
 
 // The start, which has little EMF to go by, is left to both sets: with 6 % of harmonics in one of them it
-// fails.
+// fails. So is injection, which is in the plane of both.
 LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
     return self->tuning->source != (uint_least16_t)LODE_SOURCE_VSD &&
            self->active == (uint_least8_t)LODE_SETS_BOTH &&
-           lode_mode(&self->drive) == LODE_MODE_RUN;
+           lode_mode(&self->drive) == LODE_MODE_RUN &&
+           !lode_estimator_injects(&self->drive.estimator);
 }
 
 // Without an index, which would put both into memory.
@@ -233,7 +234,10 @@ LODE_INLINE lode_estimate_t estimate(lode_drive6_t *self, const lode_sample6_t *
     lode_drive_t *drive = &self->drive;
     lode_estimate_t seen =
         lode_estimator_fast(&drive->estimator, &drive->tuning->estimator, x->u_seen_V, x->i_seen_A);
-    seen.i_A = lode_park(x->machine.i_A, seen.rotor);
+    if (LODE_USUALLY(!lode_estimator_injects(
+            &drive->estimator))) { // else it is the machine's, without the ripple
+        seen.i_A = lode_park(x->machine.i_A, seen.rotor);
+    }
     return seen;
 }
 
@@ -257,7 +261,9 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
 static LODE_NOINLINE void on_open_phase(lode_drive6_t *self, lode_open_phase_t open,
                                         lode_ab_t i_A) {
     self->open = open;
-    if (self->tuning->open_phase == (uint_least16_t)LODE_OPEN_PHASE_TRIP) {
+    // One set alone has little saliency of its own: what goes by injection cannot go on.
+    if (self->tuning->open_phase == (uint_least16_t)LODE_OPEN_PHASE_TRIP ||
+        lode_estimator_injects(&self->drive.estimator)) {
         lode_mode_fault(&self->drive, LODE_CHECK_OPEN_PHASE, (float)open, 0.0f);
     } else {
         const bool in_1 = lode_open_phase_set(open) == 0;
@@ -277,8 +283,9 @@ LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x,
     }
 }
 
-// Voltages of both sets per bus volt while the duties act.
-LODE_INLINE lode_sets_t voltages(lode_drive6_t *self, const lode_frame_t *frame, float v_bus_V) {
+// Voltages of both sets per bus volt while the duties act. `u_V`: that of the machine, in the frame of control.
+LODE_INLINE lode_sets_t voltages(lode_drive6_t *self, const lode_frame_t *frame, lode_dq_t u_V,
+                                 float v_bus_V) {
     lode_ab_t xy = {0.0f, 0.0f};
     if (LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH)) {
         self->u_xy_V = lode_xy_step(&self->xy, &self->tuning->xy,
@@ -287,7 +294,7 @@ LODE_INLINE lode_sets_t voltages(lode_drive6_t *self, const lode_frame_t *frame,
         xy = (lode_ab_t){rotated.d, rotated.q};
     }
     const float per_V = self->drive.inverter.per_V;
-    const lode_ab_t ab = lode_park_inverse(self->drive.u_V, frame->applied);
+    const lode_ab_t ab = lode_park_inverse(u_V, frame->applied);
     return lode_vsd_sets(lode_ab_scale(per_V, ab), lode_ab_scale(per_V, xy));
 }
 
@@ -295,8 +302,9 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
                                  bool free) {
     lode_drive_t *drive = &self->drive;
     const lode_drive_tuning_t *tuning = drive->tuning;
-    const lode_sets_t v = voltages(self, frame, v_bus_V);
-    const lode_ab_t i_A = lode_park_inverse(frame->i_A, frame->applied);
+    const lode_asked_t asked = lode_drive_ask(drive, frame);
+    const lode_sets_t v = voltages(self, frame, asked.u_V, v_bus_V);
+    const lode_ab_t i_A = lode_park_inverse(asked.i_A, frame->applied);
     const lode_modulator6_out_t out =
         lode_modulator6_step(&tuning->inverter, &drive->inverter.dead_time, v, i_A, free);
     lode_inverter_write(&drive->inverter, drive->steps, out.realised.set[0]);
@@ -383,7 +391,9 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
             return end_idle(self);
         }
         if (lode_mode(drive) != LODE_MODE_RUN) {
-            frame = lode_drive_control_frame(drive, &sample->machine);
+            if (!lode_estimator_injects(&drive->estimator)) { // then it is the rotor's
+                frame = lode_drive_control_frame(drive, &sample->machine);
+            }
         } else if (!lode_drive_speed_once(drive)) {
             lode_drive_fast_speed(drive);
         } else {
@@ -391,8 +401,8 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
         }
         given = lode_mode_is_voltage(drive);
     }
-    const bool free =
-        lode_drive_control(drive, drive->tuning, &frame, sample->machine.v_bus_V, given);
+    const float left_V = lode_drive_left_V(drive, sample->machine.v_bus_V);
+    const bool free = lode_drive_control(drive, drive->tuning, &frame, left_V, given);
     const lode_abc6_t duty = modulate(self, &frame, sample->machine.v_bus_V, free);
     if (!accept(self, duty)) {
         return end_idle(self);

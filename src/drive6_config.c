@@ -25,9 +25,6 @@ static float ripple_H(float L_H, float Lxy_H) {
 void lode_drive6_design(lode_drive6_config_t *config) {
     const float ts_s = 1.0f / lode_max(config->drive.f_pwm_Hz, FLT_MIN);
     config->drive.motor.sets = (float)LODE_SETS;
-    if (config->drive.hfi.mode == LODE_HFI_AUTO) {
-        config->drive.hfi.mode = LODE_HFI_OFF;
-    }
     lode_motor_t ripple = config->drive.motor;
     ripple.Ld_H = ripple_H(ripple.Ld_H, config->Lxy_H);
     ripple.Lq_H = ripple_H(ripple.Lq_H, config->Lxy_H);
@@ -45,12 +42,13 @@ static lode_status_t check(const lode_drive6_config_t *config) {
         config->source != LODE_SOURCE_SET_2) {
         return LODE_ERROR_SOURCE;
     }
-    if (config->open_phase != LODE_OPEN_PHASE_TRIP && config->open_phase != LODE_OPEN_PHASE_GO_ON &&
-        config->open_phase != LODE_OPEN_PHASE_IGNORE) {
+    const bool known = config->open_phase == LODE_OPEN_PHASE_TRIP ||
+                       config->open_phase == LODE_OPEN_PHASE_GO_ON ||
+                       config->open_phase == LODE_OPEN_PHASE_IGNORE;
+    if (!known) {
         return LODE_ERROR_OPEN_PHASE;
     }
-    // Not for six phases.
-    return config->drive.hfi.mode == LODE_HFI_ON ? LODE_ERROR_HFI_MODE : LODE_OK;
+    return config->drive.hfi.learn == LODE_ON ? LODE_ERROR_HFI_LEARN : LODE_OK; // of three phases
 }
 
 // What was given holds for one set too; what follows from the inductances is designed again.

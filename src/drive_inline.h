@@ -279,6 +279,24 @@ LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, float v_bus_V) {
 #endif
 }
 
+// What the modulator goes by, in the frame of control.
+typedef struct {
+    lode_dq_t u_V;
+    lode_dq_t i_A; // tells the dead time's voltage
+} lode_asked_t;
+
+// The voltage of current control, with the wave of injection.
+LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_frame_t *frame) {
+#ifndef LODE_WITHOUT_HFI
+    if (lode_estimator_injects(&self->estimator)) {
+        // The measured current is two periods old: near its zero, where the correction moves it along the d axis,
+        // that left 0.25 V of EMF across the rotor (H19).
+        return (lode_asked_t){lode_hfi_add_wave(&self->estimator.by.hfi, self->u_V), self->ref_A};
+    }
+#endif
+    return (lode_asked_t){self->u_V, frame->i_A};
+}
+
 // One of the jobs that follow speed and load slowly. After the duties, which do not wait for it. `words`: of
 // the tuning that is watched, of which `tuning` is all or a part.
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,

@@ -150,7 +150,10 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
     if (config->learn == LODE_AUTO) {
         config->learn = LODE_OFF;
     }
-    config->noise_A = lode_given_or(config->noise_A, NOISE_COUNTS * lode_abs(system->count_A));
+    // The machine's current is the mean of its sets'.
+    const float noise_A =
+        NOISE_COUNTS * lode_abs(system->count_A) / lode_sqrt(lode_max(motor->sets, 1.0f));
+    config->noise_A = lode_given_or(config->noise_A, noise_A);
     config->Lq_i_max_H = lode_given_or(config->Lq_i_max_H, differential_Lq(system));
     config->V_h_V = lode_given_or(config->V_h_V, needed_V(config, system));
     const float error_V = FOUR_PER_PI * CORRECTION_ERROR * dead_time_V(system);

@@ -431,6 +431,34 @@ static void test_or_the_drive_trips_and_says_why(void) {
     TEST_ASSERT_EQUAL_FLOAT(5.0f, rig6_telemetry(&rig).drive.fault.measured);
 }
 
+/// Injection in the plane of both sets: at rest, and slowly either way against a load.
+static void test_injection_finds_the_machine_at_low_speed(void) {
+    lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    config.drive.hfi = (lode_hfi_config_t){.mode = LODE_HFI_ON, .V_h_V = 70.0f};
+    config.source = LODE_SOURCE_SET_1; // of the EMF
+    // This iron tells no polarity: a turning vector starts it.
+    rig6_t rig = turning(&config, 300.0, 0.0);
+    rig6_command(&rig, run_at(0.0));
+    rig6_run(&rig, 1.5);
+    TEST_ASSERT_TRUE(rig.drive.drive.estimator.by.hfi.active);
+    CHECK_AT_MOST(1.0, worst_angle(&rig, 0.5));
+    CHECK_NEAR(RPM(1.0) * RIG6_NP, 0.0, rig.omega);
+    rig.load_Nm = LOAD_Nm;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig6_command(&rig, run_at(20.0 * sign));
+        CHECK_AT_MOST(5.0, worst_angle(&rig, 3.0)); // as with three phases
+        CHECK_AT_MOST(1.0, worst_angle(&rig, 0.5));
+        CHECK_CLOSE(0.3, RPM(20.0 * sign) * RIG6_NP, rig.omega);  // against a steep friction
+        const lode_telemetry_t seen = rig6_telemetry(&rig).drive; // without the ripple of 1.1 A
+        CHECK_AT_MOST(0.1, fabs((double)(seen.i_A.d - seen.ref_A.d)));
+    }
+    // One set alone has not the saliency for it. By the third turn of 0.6 s.
+    rig.open = 2;
+    rig6_run(&rig, 1.9);
+    expect_fault(&rig, LODE_CHECK_OPEN_PHASE);
+    TEST_ASSERT_EQUAL_FLOAT(2.0f, rig6_telemetry(&rig).drive.fault.measured);
+}
+
 static void test_ignored_it_stays_unseen(void) {
     const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_IGNORE);
     rig6_t rig = turning(&config, 600.0, LOAD_Nm);
@@ -596,8 +624,12 @@ static void test_bad_configurations_are_refused_by_name(void) {
     config.source = (lode_source_t)3;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SOURCE, tried(&config));
     config = rig6_config();
-    config.drive.hfi.mode = LODE_HFI_ON; // not for six phases
-    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_MODE, tried(&config));
+    config.drive.hfi = (lode_hfi_config_t){.mode = LODE_HFI_ON, .V_h_V = 70.0f, .learn = LODE_ON};
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_LEARN, tried(&config)); // for three phases alone
+    config.drive.hfi.learn = LODE_AUTO;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tried(&config));
+    config.drive.motor.Lq_H = config.drive.motor.Ld_H;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_SALIENCY, tried(&config));
     config.drive.hfi.mode = LODE_HFI_AUTO;
     TEST_ASSERT_EQUAL_INT(LODE_OK, tried(&config));
     config.open_phase = (lode_open_phase_response_t)3;
@@ -820,6 +852,7 @@ int main(void) {
     RUN_TEST(test_the_other_set_drives_on);
     RUN_TEST(test_a_source_that_opens_is_left);
     RUN_TEST(test_or_the_drive_trips_and_says_why);
+    RUN_TEST(test_injection_finds_the_machine_at_low_speed);
     RUN_TEST(test_ignored_it_stays_unseen);
     RUN_TEST(test_a_mode_that_changes_by_itself_turns_both_sets_off);
     RUN_TEST(test_implausible_currents_of_either_set_trip);

@@ -39,7 +39,7 @@ typedef struct {
     /// below 1.5 Ld_H, else none; LODE_NONE: none
     float id_A;
     float
-        noise_A; ///< rms noise of one component of the current vector; 0: 1.6 counts of the converter
+        noise_A; ///< rms noise of one component of the current vector; 0: 1.6 counts, six phases 1.13
     /// injects up to where an error of Lq shows, for learn.h: raises the defaults of w1 and w2; auto: off
     lode_choice_t learn;
 } lode_hfi_config_t;

@@ -20,6 +20,8 @@ injection_t injection_of(const lode_drive_config_t *config) {
     const double dead_V =
         (double)inverter->v_bus_V * (double)inverter->dead_time_s / ts + (double)inverter->v_drop_V;
     const double ripple_A = V * ts / Ld;
+    const double noise_bandwidth =
+        asked.estimator.pll.kind == LODE_PLL_LESO ? 33.0 / 16.0 : 5.0 / 4.0;
     // (H7), (H8)
     const double sample_rad =
         sqrt(6.0) / 2.0 * (double)hfi->noise_A / V * Ld / ts * (more + 1.0) / more;
@@ -31,11 +33,11 @@ injection_t injection_of(const lode_drive_config_t *config) {
         .circle_share =
             V / ((double)asked.current.voltage_use * (double)inverter->v_bus_V / sqrt(3.0)),
         .ripple_A = ripple_A,
-        .ripple_Nm = 1.5 * (double)motor->pole_pairs * fabs(Ld - (double)motor->Lq_H) *
-                     (double)inverter->i_max_A * ripple_A,
+        .ripple_Nm = 1.5 * fmax((double)motor->sets, 1.0) * (double)motor->pole_pairs *
+                     fabs(Ld - (double)motor->Lq_H) * (double)inverter->i_max_A * ripple_A,
         .tone_Hz = 0.5 / ts,
         .noise_deg = rig_deg_from_rad(
-            sample_rad * sqrt(8.0 / 3.0 * 33.0 / 16.0 * (double)hfi->sigma_rad_s * ts)),
+            sample_rad * sqrt(8.0 / 3.0 * noise_bandwidth * (double)hfi->sigma_rad_s * ts)),
         .dead_time_rad = dead_V / (V * more),
         .id_A = fmax((double)hfi->id_A, 0.0),
         .w1_rad_s = (double)hfi->w1_rad_s,

@@ -173,9 +173,7 @@ void report_design_text(FILE *file, const rig_config_t *config, const design_t *
     report_guide_text(file, config, design);
     print_lags(file, design);
     print_limits(file, config, design);
-    if (!rig_config_is_six(config)) {
-        report_injection_text(file, &config->drive, &design->injection);
-    }
+    report_injection_text(file, &config->drive, &design->injection);
 }
 
 // ---- JSON ---------------------------------------------------------------------------------------
@@ -226,9 +224,7 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
         add_speed(speeds, &design->at[k]);
     }
     report_guide_json(root, design);
-    if (!rig_config_is_six(config)) {
-        report_injection_json(root, &design->injection);
-    }
+    report_injection_json(root, &design->injection);
     (void)cJSON_AddItemToObject(root, "assumed", config_json_assumed(config));
     (void)cJSON_AddItemToObject(root, "config", config_json(config));
     (void)config_json_write(file, root);

@@ -63,6 +63,15 @@ def without_disturbance_state(checks, folder):
     run(checks, folder, "zero_speed", ["estimator.pll=qpll", "hfi.sigma_rad_s=100"], code=1)
 
 
+def six_phases(checks, folder):
+    """Injection in the plane of both sets, also with parameters that are wrong; one that opens is named."""
+    for seed, sets in [(1, []), (2, ["motor.Lq_H=20e-3", "motor.Rs_Ohm=1"]),
+                       (3, ["motor.Lq_H=15e-3", "motor.psi_Wb=0.157", "drive.dead_time_s=1e-6"])]:
+        run(checks, folder, "zero_dtp", sets, seed=seed)
+    said = run(checks, folder, "zero_dtp", ["phase.turned_round.open_phase=b1"], code=1)[1]
+    checks.true("LODE_CHECK_OPEN_PHASE" in said and "by the drive: b1" in said, said)
+
+
 def handover(checks, folder):
     """Paper 1's hand-over at 100 rpm, by injection: all of these, 1496 of 1500; 98 leaves room for other noise."""
     done = folder.run("run", "start_100rpm", "--seeds", "1-100", "--set", "hfi.mode=on",
@@ -107,6 +116,8 @@ def main():
     with Folder() as folder:
         learned(checks, folder)
         mismatch(checks, folder)
+        without_disturbance_state(checks, folder)
+        six_phases(checks, folder)
         handover(checks, folder)
         columns(checks, folder)
         plot(checks, folder)
