@@ -2,7 +2,7 @@
 
 // Of the largest mean magnitude: noise and offset of a phase without current. Sound phases are equal.
 #define OPEN_SHARE 0.15f
-// So few samples are not an electrical period but noise about the angle 0.
+// So few samples are too few to compare: more than one electrical period then.
 #define SAMPLES_MIN 16u
 #define PHASES 6
 #define WHOLE_SET_1 7u

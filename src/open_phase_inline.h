@@ -25,13 +25,16 @@ LODE_INLINE void lode_open_phase_note(lode_open_phase_watch_t *self, const int32
     self->samples = (uint_least16_t)(self->samples + 1u);
 }
 
+// A rotor at rest whose angle is noise about 0 does not turn.
+#define TURNED_SINE 0.5f
+
 // After lode_open_phase_note(), at the rotor angle of sine `rotor_sin`. Returns a phase that has been
 // open for two whole electrical periods: the third since it opened at the latest.
 LODE_INLINE lode_open_phase_t lode_open_phase_step(lode_open_phase_watch_t *self,
                                                    const lode_open_phase_tuning_t *tuning,
                                                    float rotor_sin) {
     const bool before = self->positive;
-    self->positive = rotor_sin >= 0.0f;
+    self->positive = rotor_sin >= (before ? -TURNED_SINE : TURNED_SINE);
     return self->positive && !before ? lode_open_phase_judge(self, tuning) : (lode_open_phase_t)0u;
 }
 
