@@ -34,9 +34,8 @@
 // With less (1.5 but for rounding), positive id: at 1.2 the rotor is lost without it.
 #define SALIENCY_ENOUGH 1.49f
 #define ID_SHARE 0.3f
-// Start at rest: time for the axis, 50 rad/s while the error is at its limit, and for either current.
+// Start at rest: time for the axis, 50 rad/s while the error is at its limit; half of it for either current.
 #define FIND_s 0.08f
-#define POLAR_s 0.04f
 #define FIND_TIMES 3u
 // Of i_max: enough to move Ld by some percent.
 #define POLAR_SHARE 0.33f
@@ -79,7 +78,7 @@ static float needed_V(const lode_hfi_config_t *config, const lode_hfi_system_t *
     const float noise_V = NOISE_GAIN / NOISE_rad * config->noise_A * per_A * (1.0f + 1.0f / more);
     const float dead_V = dead_time_V(system) / (DEAD_TIME_rad * more);
     const float ripple_V = RIPPLE_SHARE * system->inverter->i_max_A * per_A;
-    return lode_max(lode_max(noise_V, dead_V), ripple_V);
+    return lode_max(lode_max(noise_V, dead_V), config->silent == LODE_ON ? 0.0f : ripple_V);
 }
 
 static uint_least16_t rounds_in(float time_s, float ts_s) {
@@ -147,9 +146,8 @@ static float learning_speed(const lode_hfi_config_t *config, const lode_hfi_syst
 
 void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system) {
     const lode_motor_t *motor = system->motor;
-    if (config->learn == LODE_AUTO) {
-        config->learn = LODE_OFF;
-    }
+    config->learn = config->learn == LODE_AUTO ? LODE_OFF : config->learn;
+    config->silent = config->silent == LODE_AUTO ? LODE_OFF : config->silent;
     // The machine's current is the mean of its sets'.
     const float noise_A =
         NOISE_COUNTS * lode_abs(system->count_A) / lode_sqrt(lode_max(motor->sets, 1.0f));
@@ -186,6 +184,9 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     if (config->learn != LODE_OFF && (config->learn != LODE_ON || !on)) {
         return LODE_ERROR_HFI_LEARN;
     }
+    if (config->silent != LODE_OFF && config->silent != LODE_ON) {
+        return LODE_ERROR_HFI_SILENT;
+    }
     *tuning = lode_hfi_none();
     if (!on) {
         return LODE_OK;
@@ -207,7 +208,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
         .iq_weight = lode_one_minus_exp(IQ_rad_s * (float)LODE_SLOW_PERIODS * system->ts_s),
         .find_gain = lode_one_minus_exp(config->sigma_rad_s * system->ts_s),
         .find_rounds = rounds_in(FIND_s, system->ts_s),
-        .polar_rounds = rounds_in(POLAR_s, system->ts_s),
+        .silent = config->silent == LODE_ON ? 1u : 0u,
     };
     return LODE_OK;
 }
@@ -215,8 +216,12 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
 #ifndef LODE_WITHOUT_HFI
 
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A) {
-    *self = (lode_hfi_t){
-        .active = true, .wave_V = tuning->V_h_V, .weight = 1.0f, .iq_A = i_A.q, .i_A = i_A};
+    *self = (lode_hfi_t){.active = true,
+                         .random = tuning->silent, // not 0: any beginning will do
+                         .wave_V = tuning->V_h_V,
+                         .weight = 1.0f,
+                         .iq_A = i_A.q,
+                         .i_A = i_A};
 }
 
 static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
@@ -255,7 +260,8 @@ static void take_response(lode_hfi_t *self, float *sum_V) {
 
 float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_max_A) {
     const bool finding = self->step == (uint_least8_t)LODE_HFI_FIND;
-    const uint32_t rounds = finding ? tuning->find_rounds : tuning->polar_rounds;
+    const uint32_t polar_rounds = ((uint32_t)tuning->find_rounds + 1u) / 2u;
+    const uint32_t rounds = finding ? tuning->find_rounds : polar_rounds;
     self->rounds++;
     if (!finding && 2u * self->rounds > rounds) { // the current has settled
         take_response(self, self->step == (uint_least8_t)LODE_HFI_NORTH ? &self->along_V

@@ -28,10 +28,13 @@ LODE_INLINE void lode_hfi_demodulate(lode_hfi_t *self, const lode_hfi_tuning_t *
     const float q_V = m_V.q - axis * m_V.d;
     const float swing_V = h_V - self->h_V;
     const float moved_V = q_V - self->q_V;
-    self->error = moved_V * swing_V / lode_max(swing_V * swing_V, tuning->least_V2);
+    const bool alternates = self->random == 0u;
+    if (alternates || self->first) { // else between two pairs, whose signs may be the same
+        self->error = moved_V * swing_V / lode_max(swing_V * swing_V, tuning->least_V2);
+        self->sum_V += (alternates ? 1.0f : 2.0f) * lode_abs(swing_V);
+    }
     self->h_V = h_V;
     self->q_V = q_V;
-    self->sum_V += lode_abs(swing_V);
 }
 
 // From the current `i_A` in the frame of its angle. The drive sets the reserve.
@@ -57,16 +60,36 @@ LODE_INLINE float lode_hfi_blend(const lode_hfi_t *self, float error_rad) {
     return error_rad + self->weight * (self->error - error_rad);
 }
 
-// Takes in the current at t_k. Returns the mean of the last two, in which the ripple cancels (H12).
+// Takes in the current at t_k. Returns the mean of the last two, in which the ripple cancels (H12); of a pair of
+// waves the current at its ends, where it is not (H22).
 LODE_INLINE lode_dq_t lode_hfi_less_ripple(lode_hfi_t *self, lode_dq_t i_A) {
-    const lode_dq_t mean = {0.5f * (i_A.d + self->i_A.d), 0.5f * (i_A.q + self->i_A.q)};
+    const lode_dq_t last_A = self->i_A;
     self->i_A = i_A;
-    return mean;
+    if (self->random != 0u) {
+        return self->first ? i_A : last_A;
+    }
+    return (lode_dq_t){0.5f * (i_A.d + last_A.d), 0.5f * (i_A.q + last_A.q)};
+}
+
+// The sign of the first wave of a pair; the second has the other one. A maximal sequence of 65535 (x^16 + x^14 +
+// x^13 + x^11 + 1).
+LODE_INLINE bool lode_hfi_turns(lode_hfi_t *self) {
+    if (self->random == 0u) {
+        return true;
+    }
+    self->first = !self->first;
+    if (!self->first) {
+        return true;
+    }
+    const uint32_t random = self->random;
+    const uint32_t last = random & 1u;
+    self->random = (uint_least16_t)((random >> 1) ^ (last > 0u ? 0xB400u : 0u));
+    return last > 0u;
 }
 
 // `u_V` of current control with the wave, whose sign turns.
 LODE_INLINE lode_dq_t lode_hfi_add_wave(lode_hfi_t *self, lode_dq_t u_V) {
-    const float wave_V = -self->wave_V;
+    const float wave_V = lode_hfi_turns(self) ? -self->wave_V : self->wave_V;
     self->wave_V = wave_V;
     return (lode_dq_t){u_V.d + wave_V, u_V.q + wave_V * self->axis};
 }

@@ -81,6 +81,7 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_HFI_SIGMA);
         NAME(LODE_ERROR_HFI_AXIS);
         NAME(LODE_ERROR_HFI_LEARN);
+        NAME(LODE_ERROR_HFI_SILENT);
         NAME(LODE_ERROR_HFI_FLUX);
         NAME(LODE_ERROR_XY_INDUCTANCE);
         NAME(LODE_ERROR_XY_BANDWIDTH);

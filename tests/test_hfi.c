@@ -7,6 +7,8 @@
 #include "hfi_inline.h"
 #include "modulator_inline.h"
 
+#include <complex.h>
+
 void setUp(void) {}
 
 void tearDown(void) {}
@@ -58,6 +60,10 @@ static void test_each_rule_sizes_the_voltage(void) {
     // Ripple: 0.08 i_max peak to peak.
     machine.system.count_A = 0.0f;
     CHECK_NEAR(1.0e-4, 0.08 * 12.0 * 3.5e-3 / 2.0e-4, designed(&machine).V_h_V);
+    // A silent wave does without: dead time (H9), 0.3 V_h (xi - 1) = 5 V.
+    lode_hfi_config_t silent = {.mode = LODE_HFI_ON, .silent = LODE_ON};
+    lode_hfi_design(&silent, &machine.system);
+    CHECK_NEAR(1.0e-3, 5.0 / (0.3 * 1.8), silent.V_h_V);
     // Dead time (H9): 0.3 V_h (xi - 1) = 200 V 4 us/Ts + 1 V.
     machine.motor.Lq_H = 1.5f * machine.motor.Ld_H;
     CHECK_NEAR(1.0e-3, 5.0 / (0.3 * 0.5), designed(&machine).V_h_V);
@@ -176,6 +182,11 @@ static void test_refusals(void) {
     lode_hfi_config_t config = good;
     config.mode = (lode_hfi_mode_t)3;
     CHECK_STATUS(LODE_ERROR_HFI_MODE, tried(&config, &machine));
+    config = good;
+    config.silent = (lode_choice_t)3;
+    CHECK_STATUS(LODE_ERROR_HFI_SILENT, tried(&config, &machine));
+    config.silent = LODE_ON;
+    CHECK_STATUS(LODE_OK, tried(&config, &machine));
     machine.system.active_flux = false;
     CHECK_STATUS(LODE_ERROR_HFI_FLUX, tried(&good, &machine));
     machine.system.active_flux = true;
@@ -389,6 +400,64 @@ static void test_the_ripple_drops_out(void) {
     CHECK_NEAR(0.0, 0.5, hfi.i_A.d);
 }
 
+/// Of a pair the current is taken at its ends, and the error from its middle to its end (H22).
+static void test_pairs_of_waves(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    lode_hfi_t hfi = {.random = 1u, .first = true, .i_A = {0.5f, 4.0f}};
+    lode_dq_t i_A = lode_hfi_less_ripple(&hfi, (lode_dq_t){0.6f, 4.1f}); // between two pairs
+    CHECK_NEAR(1.0e-7, 0.6, i_A.d);
+    CHECK_NEAR(1.0e-7, 4.1, i_A.q);
+    lode_hfi_demodulate(&hfi, &tuning, 1.0f, (lode_dq_t){0.0f, -2.0f}, (lode_dq_t){-99.4f, 4.1f});
+    CHECK_NEAR(1.0e-6, 0.02, hfi.error); // 2 V of 100
+    CHECK_NEAR(1.0e-4, 200.0, hfi.sum_V);
+    hfi.first = false; // in its middle
+    i_A = lode_hfi_less_ripple(&hfi, (lode_dq_t){2.0f, 4.2f});
+    CHECK_NEAR(1.0e-7, 0.6, i_A.d);
+    const float held = hfi.error;
+    lode_hfi_demodulate(&hfi, &tuning, 1.0f, (lode_dq_t){0.0f, 5.0f}, (lode_dq_t){50.0f, 4.0f});
+    TEST_ASSERT_EQUAL_FLOAT(held, hfi.error);
+    CHECK_NEAR(1.0e-4, 200.0, hfi.sum_V);
+    CHECK_NEAR(1.0e-4, 5.0, hfi.q_V); // what the next one is compared with
+}
+
+/// Share of the wave's power in the strongest of 128 bands of it.
+static double strongest_band(bool silent) {
+    enum { BANDS = 128, SPAN = 2 * BANDS, SPANS = 128 };
+    double power[BANDS + 1] = {0.0};
+    lode_hfi_tuning_t tuning = paper_tuning();
+    tuning.silent = silent ? 1u : 0u;
+    lode_hfi_t hfi;
+    lode_hfi_begin(&hfi, &tuning, (lode_dq_t){0.0f, 0.0f});
+    double sum = 0.0;
+    for (int n = 0; n < SPANS; n++) {
+        double wave[SPAN];
+        for (int k = 0; k < SPAN; k++) {
+            wave[k] = (double)lode_hfi_add_wave(&hfi, (lode_dq_t){0.0f, 0.0f}).d;
+            CHECK_NEAR(1.0e-5, 25.0, fabs(wave[k]));
+            // The second of a pair takes back what the first has done.
+            CHECK_NEAR(1.0e-5, 0.0, k % 2 == 0 ? 0.0 : wave[k] + wave[k - 1]);
+        }
+        for (int f = 0; f <= BANDS; f++) {
+            double _Complex at = 0.0;
+            for (int k = 0; k < SPAN; k++) {
+                at += wave[k] * cexp(-I * CHECK_PI * f * k / BANDS);
+            }
+            power[f] += creal(at * conj(at));
+            sum += creal(at * conj(at));
+        }
+    }
+    double most = 0.0;
+    for (int f = 0; f <= BANDS; f++) {
+        most = fmax(most, power[f]);
+    }
+    return most / sum;
+}
+
+static void test_no_tone_stands_out_of_a_silent_wave(void) {
+    CHECK_NEAR(1.0e-9, 1.0, strongest_band(false));
+    CHECK_AT_MOST(0.03, strongest_band(true)); // of 129 bands, 0.016 at the middle of (H23)
+}
+
 static void test_cross_saturation_turns_the_axis(void) {
     const lode_hfi_tuning_t tuning = paper_tuning();
     lode_hfi_t hfi = {.active = false};
@@ -496,6 +565,29 @@ static void test_full_torque_at_no_speed_and_reversal(void) {
         CHECK_NEAR(1.0, -62.8, rig.motor.omega / 3.0);
         rig_expect(&rig, LODE_MODE_RUN);
     }
+}
+
+static void test_a_silent_drive_holds_the_rotor(void) {
+    static rig_t rig;
+    lode_drive_config_t config = rig_config();
+    config.hfi = (lode_hfi_config_t){.mode = LODE_HFI_ON, .V_h_V = 25.0f, .silent = LODE_ON};
+    rig_init(&rig, &rig_tuning, &config);
+    rig.motor.Ld_per_A = -0.05 * rig.motor.Ld / 8.0;
+    rig.motor.theta = 2.5;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 0.0f});
+    rig_run(&rig, 0.5);
+    rig_expect(&rig, LODE_MODE_RUN);
+    double worst = 0.0;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig.pull_Nm = 5.0 * sign;
+        for (int k = 0; k < 5000; k++) {
+            rig_step(&rig);
+            worst = fmax(worst, fabs(rig.angle_error));
+        }
+        CHECK_NEAR(0.2, (double)rig.drive.ref_A.d, (double)rig.drive.i_A.d); // no ripple of 1.4 A
+    }
+    CHECK_AT_MOST(3.6 * CHECK_DEG, worst); // as where the signs alternate
+    CHECK_NEAR(2.0, 0.0, rig.motor.omega / 3.0);
 }
 
 /// Duties for the voltage of the last period, whose dead time is corrected by the current `i_A`.
@@ -854,6 +946,9 @@ int main(void) {
     RUN_TEST(test_begins_and_ends_with_the_speed);
     RUN_TEST(test_both_errors_are_weighted);
     RUN_TEST(test_the_ripple_drops_out);
+    RUN_TEST(test_pairs_of_waves);
+    RUN_TEST(test_no_tone_stands_out_of_a_silent_wave);
+    RUN_TEST(test_a_silent_drive_holds_the_rotor);
     RUN_TEST(test_cross_saturation_turns_the_axis);
     RUN_TEST(test_an_error_that_none_can_be_is_limited);
     RUN_TEST(test_quality_falls_with_the_response_and_with_the_error);

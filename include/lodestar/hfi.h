@@ -42,6 +42,9 @@ typedef struct {
         noise_A; ///< rms noise of one component of the current vector; 0: 1.6 counts, six phases 1.13
     /// injects up to where an error of Lq shows, for learn.h: raises the defaults of w1 and w2; auto: off
     lode_choice_t learn;
+    /// signs by pairs in a random order, so that no tone stands out, and no more amplitude by default than noise
+    /// and dead time ask for; auto: off
+    lode_choice_t silent;
 } lode_hfi_config_t;
 
 /// What the design goes by.
@@ -68,8 +71,9 @@ typedef struct {
     float iq_weight;  ///< of a new i_q in the one that turns the axis, once in LODE_SLOW_PERIODS
     float
         find_gain; ///< of the angle, while it is looked for at rest (H14); the PLL's gains follow from it
-    uint_least16_t find_rounds;  ///< LODE_SLOW_PERIODS each; 0: nothing is injected
-    uint_least16_t polar_rounds; ///< with either sign
+    uint_least16_t
+        find_rounds; ///< LODE_SLOW_PERIODS each; 0: nothing is injected. Half with either sign
+    uint_least16_t silent; ///< 0 or 1
 } lode_hfi_tuning_t;
 
 /// What a start at rest is doing.
@@ -88,6 +92,8 @@ typedef struct {
     bool active;           ///< injecting
     uint_least8_t step;    ///< lode_hfi_step_t of a start
     uint_least16_t rounds; ///< in it
+    uint_least16_t random; ///< of the signs, a shift register; 0: they alternate
+    bool first;            ///< the last wave was the first of its pair
     float
         reserve_V; ///< bus voltage that current control leaves to the wave; 0: nothing is injected
     float wave_V;  ///< added along the axis in the last duties: V_h or -V_h

@@ -82,6 +82,7 @@ typedef enum {
     LODE_ERROR_HFI_SIGMA,     ///< sigma while injecting outside 1 .. 0.1/Ts
     LODE_ERROR_HFI_AXIS,      ///< k_x_rad_A turns the axis by more than 0.5 rad at i_max_A
     LODE_ERROR_HFI_LEARN, ///< hfi.learn not a lode_choice_t, on without injection or with six phases, or off where something shall be learned
+    LODE_ERROR_HFI_SILENT, ///< hfi.silent not a lode_choice_t
     LODE_ERROR_HFI_FLUX, ///< injection with estimator.active_flux off: nothing would show the d axis
     LODE_ERROR_XY_INDUCTANCE, ///< Lxy_H outside 1e-7 .. 10
     LODE_ERROR_XY_BANDWIDTH, ///< xy bandwidth outside 1 .. 0.4/Ts, or resonance above a quarter of it

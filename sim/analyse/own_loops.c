@@ -64,13 +64,14 @@ static void pll_whole(const task_t *task, int count, const double *Omega, double
 
 // ---- Injection ------------------------------------------------------------------------------------
 
-/// (H3) compares two periods: its error is the mean of theirs.
+/// (H3) compares two periods: its error is the mean of theirs. That of a pair (H22) holds for two.
 static void injection(const task_t *task, int count, const double *Omega, double complex *value) {
     const lode_drive_config_t *drive = task->drive;
     const loop_ratio_t pll = loop_pll_sampled(
         (double)drive->hfi.sigma_rad_s, drive->estimator.pll.kind == LODE_PLL_LESO, task->ts_s);
     for (int k = 0; k < count; ++k) {
-        value[k] = 0.5 * (1.0 + cexp(-I * Omega[k] * task->ts_s)) * loop_at(&pll, Omega[k]);
+        const double complex mean = 0.5 * (1.0 + cexp(-I * Omega[k] * task->ts_s));
+        value[k] = (drive->hfi.silent == LODE_ON ? mean : 1.0) * mean * loop_at(&pll, Omega[k]);
     }
 }
 

@@ -146,6 +146,7 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_HFI_AXIS, "hfi.k_x_rad_A", "drive.i_max_A", "within +-0.5/i_max_A"},
     {LODE_ERROR_HFI_LEARN, "hfi.learn", "hfi.mode",
      "auto, on or off; on with injection of three phases only"},
+    {LODE_ERROR_HFI_SILENT, "hfi.silent", NULL, "auto, on or off"},
     {LODE_ERROR_HFI_FLUX, "estimator.active_flux", "hfi.mode", "on, with injection"},
     {LODE_ERROR_XY_INDUCTANCE, "motor.Lxy_H", NULL, "1e-7 .. 10"},
     {LODE_ERROR_XY_BANDWIDTH, "xy.bandwidth_rad_s xy.resonance_rad_s", "drive.f_pwm_Hz",

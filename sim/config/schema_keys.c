@@ -114,6 +114,7 @@ static const rig_key_t keys[] = {
     FLOAT_OR_NONE("hfi", "id_A", hfi.id_A),
     FLOAT("hfi", "noise_A", hfi.noise_A),
     CHOICE("hfi", "learn", drive.hfi.learn, "auto|on|off", NULL),
+    CHOICE("hfi", "silent", drive.hfi.silent, "auto|on|off", NULL),
 
     FLOAT("current", "bandwidth_rad_s", current.bandwidth_rad_s),
     FLOAT("current", "kp_d_V_A", current.kp_d_V_A),

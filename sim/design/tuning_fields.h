@@ -66,7 +66,7 @@
     ROW(FLOAT, float, estimator.hfi.iq_weight) \
     ROW(FLOAT, float, estimator.hfi.find_gain) \
     ROW(WHOLE, uint_least16_t, estimator.hfi.find_rounds) \
-    ROW(WHOLE, uint_least16_t, estimator.hfi.polar_rounds) \
+    ROW(WHOLE, uint_least16_t, estimator.hfi.silent) \
     ROW(FLOAT, float, estimator.notch.k) \
     ROW(FLOAT, float, estimator.notch.order_Ts) \
     ROW(FLOAT, float, estimator.notch.inv_span) \

@@ -63,6 +63,14 @@ def without_disturbance_state(checks, folder):
     run(checks, folder, "zero_speed", ["estimator.pll=qpll", "hfi.sigma_rad_s=100"], code=1)
 
 
+def silent(checks, folder):
+    """Signs at random, with the bars of those that alternate."""
+    for scenario in ["zero_speed", "zero_reversal", "zero_traction", "zero_reluctance", "zero_dtp"]:
+        run(checks, folder, scenario, ["hfi.silent=on"], seed=2)
+    done = folder.run("run", "zero_start", "--seeds", "1-20", "--set", "hfi.silent=on")
+    checks.equal(done.returncode, 0, f"starts: {done.stdout[-300:]}")
+
+
 def six_phases(checks, folder):
     """Injection in the plane of both sets, also with parameters that are wrong; one that opens is named."""
     for seed, sets in [(1, []), (2, ["motor.Lq_H=20e-3", "motor.Rs_Ohm=1"]),
@@ -117,6 +125,7 @@ def main():
         learned(checks, folder)
         mismatch(checks, folder)
         without_disturbance_state(checks, folder)
+        silent(checks, folder)
         six_phases(checks, folder)
         handover(checks, folder)
         columns(checks, folder)
