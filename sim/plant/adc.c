@@ -5,7 +5,7 @@
 #include <math.h>
 
 void plant_noise_init(plant_noise_t *self, uint64_t seed) {
-    *self = (plant_noise_t){.has_spare = false};
+    *self = (plant_noise_t){.left = 0};
     for (int n = 0; n < 4; n++) {
         // splitmix64: spreads any seed, zero included, over the whole state
         seed += UINT64_C(0x9E3779B97F4A7C15);
@@ -37,17 +37,22 @@ static double uniform(plant_noise_t *self) {
     return ((double)(next_bits(self->state) >> 11) + 1.0) * (1.0 / 9007199254740992.0);
 }
 
-double plant_noise_next(plant_noise_t *self) {
-    if (self->has_spare) {
-        self->has_spare = false;
-        return self->spare;
+static void fill_store(plant_noise_t *self) {
+    for (int n = 0; n < PLANT_NOISE_STORE; n += 2) {
+        const double radius = sqrt(-2.0 * log(uniform(self)));
+        double c, s;
+        plant_turn(uniform(self), &c, &s);
+        self->store[n] = radius * c;
+        self->store[n + 1] = radius * s;
     }
-    const double radius = sqrt(-2.0 * log(uniform(self)));
-    double c, s;
-    plant_turn(uniform(self), &c, &s);
-    self->spare = radius * s;
-    self->has_spare = true;
-    return radius * c;
+    self->left = PLANT_NOISE_STORE;
+}
+
+double plant_noise_next(plant_noise_t *self) {
+    if (self->left == 0) {
+        fill_store(self);
+    }
+    return self->store[PLANT_NOISE_STORE - self->left--];
 }
 
 void plant_adc_init(plant_adc_t *self, const plant_config_t *config) {

@@ -4,11 +4,14 @@
 
 #include "plant/config.h"
 
+/// Made in advance, so that one transform does not wait for another.
+enum { PLANT_NOISE_STORE = 16 };
+
 /// xoshiro256++ (Blackman and Vigna, 2019) feeding the Box-Muller transform.
 typedef struct {
     uint64_t state[4];
-    double spare; ///< the transform's second value
-    bool has_spare;
+    double store[PLANT_NOISE_STORE];
+    int left; ///< in the store, at its end
 } plant_noise_t;
 
 typedef struct {

@@ -160,7 +160,7 @@ static void begin_switched(plant_inverter_t *self, const double i_A[PLANT_LEGS],
             leg->sign = leg->open ? 0 : sign_of(i_A[n]);
         }
         // Edges that changed no terminal are still to be made.
-        (void)plant_pwm_apply(&leg->pwm, self->period_s);
+        plant_pwm_finish(&leg->pwm);
         plant_pwm_schedule(&leg->pwm, duty[n], gates, self->period_s, self->dead_time_s);
         break_edges(leg);
     }

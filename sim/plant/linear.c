@@ -37,6 +37,9 @@ typedef struct {
     double
         guard; ///< sign that its current must not lose without notice; 0 where that changes nothing
     double i_A;
+    double step_V;    ///< of the source vector along the axis when the terminal next moves
+    plant_gate_t key; ///< with drops: going on or off, it alone moves the terminal
+    int next;         ///< with drops: the edge at next_s
 } way_t;
 
 typedef struct {
@@ -45,6 +48,7 @@ typedef struct {
     pair_t L, inv_L, psi_m; ///< d and q
     pair_t pull;            ///< share of the other current in the slope, by speed
     double R;
+    double rails_V, drops_V; ///< between a leg's two places; between the two signs at one of them
     double middle_s, w, half_a; ///< the angle from the middle: w t + half_a t^2
     double longest_s, slope_A_s;
     pair_t drift_A_s; ///< slope of the current without voltage
@@ -152,38 +156,50 @@ HOT void set_slope(run_t *run) {
     run->half_slope = 0.5 * (run->u * run->inv_L + run->drift_A_s);
 }
 
-/// What the leg's terminal does next. With drops a current is guarded all the time, and only edges that move the
-/// terminal count; without, only while both gates are off, and unless it is too large to pass zero until the other
-/// turns on.
-HOT void find_next(run_t *run, int n, bool drops) {
+/// With drops: a current is guarded all the time, and only edges that move the terminal count.
+HOT void find_move(run_t *run, int n, int from) {
+    const plant_pwm_t *pwm = &run->inverter->leg[n].pwm;
+    way_t *way = &run->leg[n];
+    const bool is_at_key = (way->key == PLANT_GATE_HIGH) == (way->step_V < 0.0);
+    int k = from;
+    while (k < pwm->edges && (pwm->edge[k].gate == way->key) == is_at_key) {
+        k++;
+    }
+    way->next = k;
+    way->next_s = k < pwm->edges ? pwm->edge[k].at_s : HUGE_VAL;
+}
+
+/// Where the leg's terminal is with this gate and its sign, and what moves it.
+HOT void look_at_leg(run_t *run, int n, plant_gate_t gate) {
+    const int sign = run->inverter->leg[n].sign;
+    way_t *way = &run->leg[n];
+    way->step_V = plant_inverter_on_high_rail(gate, sign) ? -run->rails_V : run->rails_V;
+    way->guard = sign;
+    way->key = sign > 0 ? PLANT_GATE_HIGH : PLANT_GATE_LOW;
+}
+
+HOT void move_terminal(run_t *run, int n) {
+    way_t *way = &run->leg[n];
+    run->u += way->step_V * way->axis;
+    way->step_V = -way->step_V;
+    set_slope(run);
+}
+
+/// Without drops: a current is guarded only while both gates are off, and unless it is too large to pass zero until the
+/// other turns on.
+HOT void find_next(run_t *run, int n) {
     plant_leg_t *leg = &run->inverter->leg[n];
     plant_pwm_t *pwm = &leg->pwm;
     way_t *way = &run->leg[n];
     int k = pwm->next;
-    if (drops) {
-        const bool high = plant_inverter_on_high_rail(pwm->gate, leg->sign);
-        while (k < pwm->edges &&
-               plant_inverter_on_high_rail(pwm->edge[k].gate, leg->sign) == high) {
-            k++;
-        }
-    } else if (pwm->gate == PLANT_GATE_OFF && k < pwm->edges &&
-               plant_inverter_on_high_rail(pwm->edge[k].gate, leg->sign) == (leg->sign < 0) &&
-               fabs(way->i_A) > run->slope_A_s * (pwm->edge[k].at_s - run->at.t_s)) {
+    if (pwm->gate == PLANT_GATE_OFF && k < pwm->edges &&
+        plant_inverter_on_high_rail(pwm->edge[k].gate, leg->sign) == (leg->sign < 0) &&
+        fabs(way->i_A) > run->slope_A_s * (pwm->edge[k].at_s - run->at.t_s)) {
         pwm->gate = pwm->edge[k++].gate;
         pwm->next = k;
     }
-    way->guard = drops || pwm->gate == PLANT_GATE_OFF ? leg->sign : 0.0;
+    way->guard = pwm->gate == PLANT_GATE_OFF ? leg->sign : 0.0;
     way->next_s = k < pwm->edges ? pwm->edge[k].at_s : HUGE_VAL;
-}
-
-/// The leg's terminal as gate and sign have it now.
-HOT void move_terminal(run_t *run, int n) {
-    plant_leg_t *leg = &run->inverter->leg[n];
-    const double source_V = plant_inverter_source_V(run->inverter, leg->pwm.gate, leg->sign);
-    const double step_V = (2.0 / 3.0) * (source_V - leg->source_V);
-    leg->source_V = source_V;
-    run->u += step_V * run->leg[n].axis;
-    set_slope(run);
 }
 
 /// The current may have passed through zero where that changes nothing.
@@ -196,12 +212,19 @@ HOT void follow_sign(run_t *run, int n) {
 
 /// The leg's next edge is now.
 HOT void take_edge(run_t *run, int n, bool drops) {
-    if (!drops) {
-        follow_sign(run, n);
+    way_t *way = &run->leg[n];
+    plant_leg_t *leg = &run->inverter->leg[n];
+    if (drops) {
+        move_terminal(run, n);
+        find_move(run, n, way->next + 1);
+        return;
     }
-    (void)plant_pwm_apply(&run->inverter->leg[n].pwm, run->at.t_s);
-    move_terminal(run, n);
-    find_next(run, n, drops);
+    follow_sign(run, n);
+    leg->pwm.gate = leg->pwm.edge[leg->pwm.next++].gate;
+    if (plant_inverter_on_high_rail(leg->pwm.gate, leg->sign) != (way->step_V < 0.0)) {
+        move_terminal(run, n);
+    }
+    find_next(run, n);
 }
 
 /// What the rotor's motion adds to the slope of the current as it sees it, and the EMF: (M1), (M2).
@@ -268,24 +291,97 @@ static bool go_to_zero(run_t *run, int n, double i_end_A, double h) {
     return false;
 }
 
+/// The other sign, and what it makes of the leg's edges from this one on.
+static void change_sign(run_t *run, int n, plant_gate_t gate, int next) {
+    run->inverter->leg[n].sign *= -1;
+    look_at_leg(run, n, gate);
+    find_move(run, n, next);
+}
+
+/// When the leg's current is zero, by the parabola through its value and slope now and its value at h; negative where
+/// that is far from a straight line.
+static double zero_on_the_way(const run_t *run, int n, double i_end_A, double h) {
+    const double i_A = run->leg[n].i_A, mean = (i_end_A - i_A) / h;
+    const double bend = mean - slope_of(run, n), straight = -i_A / (i_end_A - i_A);
+    if (!(fabs(bend) < 0.1 * fabs(mean))) {
+        return -1.0;
+    }
+    // By how much the parabola is off the line there, over its slope.
+    const double off = bend * straight * (1.0 - straight);
+    return h * (straight + off / (mean + bend * (2.0 * straight - 1.0)));
+}
+
+/// Goes past the zero that is at zero_s to the end of the piece, or to where the leg of the other sign has its next
+/// edge. Until then the source is the mean one; what the bend of the flux linkage at zero_s takes from the integrals is
+/// (M19). False if the current does not go on with the other sign, or another one is in the way.
+static bool go_past_zero(run_t *run, int n, double zero_s, double h) {
+    const way_t *way = &run->leg[n];
+    const pair_t step_V = -way->guard * run->drops_V * way->axis, u = run->u;
+    const double h_s = smaller(h, way->next_s - run->at.t_s), rest_s = h_s - zero_s;
+    double i_A[PLANT_PHASES];
+    if (!(rest_s > 0.0)) {
+        return false;
+    }
+    run->u = u + rest_s / h_s * step_V;
+    set_slope(run);
+    const point_t to = advance(run, h_s);
+    phase_currents(run, &to, i_A);
+    const bool good = keeps_signs(run, i_A) && way->guard * i_A[n] > PLANT_NOISE_A;
+    if (good) {
+        const pair_t psi_Vs2 = -0.5 * zero_s * rest_s * step_V, i_As = psi_Vs2 * run->inv_L;
+        accept(run, &to, i_A, h_s);
+        run->at.i_As += i_As;
+        run->torque_s += cross(to.psi_u, i_As) + cross(psi_Vs2, to.i);
+        run->u = u + step_V;
+    } else {
+        run->u = u;
+    }
+    set_slope(run);
+    return good;
+}
+
+/// The usual reversal: while a gate is on, and by much. False where nothing was done.
+static bool pass_zero(run_t *run, int n, double i_end_A, double h) {
+    plant_leg_t *leg = &run->inverter->leg[n];
+    plant_pwm_t *pwm = &leg->pwm;
+    const double zero_s = zero_on_the_way(run, n, i_end_A, h);
+    const int next = plant_pwm_first_after(pwm, run->at.t_s + zero_s);
+    const plant_gate_t gate = next > pwm->next ? pwm->edge[next - 1].gate : pwm->gate;
+    if (!(zero_s > 0.0) || gate == PLANT_GATE_OFF || fabs(run->leg[n].i_A) < PLANT_NOISE_A) {
+        return false;
+    }
+    const way_t before = run->leg[n];
+    change_sign(run, n, gate, next);
+    if (go_past_zero(run, n, zero_s, h)) {
+        pwm->gate = gate;
+        pwm->next = next;
+        return true;
+    }
+    leg->sign = -leg->sign;
+    run->leg[n] = before;
+    return false;
+}
+
 /// A current that passes zero while a gate is on reverses, unless the drops hold it. False where the run has to end:
 /// the current of leg `stopped` is zero and stays so for now, or, if that is PLANT_NONE_FLOATS, the search failed.
 static bool reverse(run_t *run, const double i_A[PLANT_PHASES], double h, int *stopped) {
     const int n = first_through_zero(run, i_A);
     plant_leg_t *leg = &run->inverter->leg[n];
+    if (pass_zero(run, n, i_A[n], h)) {
+        return true;
+    }
     if (!go_to_zero(run, n, i_A[n], h)) {
         return false;
     }
     (void)plant_pwm_apply(&leg->pwm, run->at.t_s);
-    const int sign = leg->sign;
     if (leg->pwm.gate != PLANT_GATE_OFF) {
-        leg->sign = -sign;
-        move_terminal(run, n);
-        find_next(run, n, true);
+        run->u += leg->sign * run->drops_V * run->leg[n].axis;
+        set_slope(run);
+        change_sign(run, n, leg->pwm.gate, leg->pwm.next);
         if (slope_of(run, n) * leg->sign > 0.0) {
             return true;
         }
-        leg->sign = sign;
+        leg->sign = -leg->sign;
     }
     *stopped = n;
     return false;
@@ -343,6 +439,9 @@ static void start(run_t *run, plant_inverter_t *inverter, const plant_motor_t *m
     const pair_t dq = {x->id_A, x->iq_A};
     run->inverter = inverter;
     run->R = inverter->drive.R_Ohm;
+    run->drops_V = (2.0 / 3.0) * (inverter->v_transistor_V + inverter->v_diode_V);
+    run->rails_V =
+        (2.0 / 3.0) * (inverter->v_bus_V - inverter->v_transistor_V + inverter->v_diode_V);
     run->L = (pair_t){motor->Ld_H, motor->Lq_H};
     run->inv_L = (pair_t){motor->inv_Ld, motor->inv_Lq};
     run->pull = (pair_t){motor->Lq_H * motor->inv_Ld - 1.0, 1.0 - motor->Ld_H * motor->inv_Lq};
@@ -370,11 +469,11 @@ static void start(run_t *run, plant_inverter_t *inverter, const plant_motor_t *m
     phase_currents(run, &run->at, i_A);
     for (int n = 0; n < PLANT_PHASES; n++) {
         run->leg[n].i_A = i_A[n];
-        if (inverter->has_drops) { // the inverter has looked for it already
-            run->leg[n].guard = inverter->leg[n].sign;
-            run->leg[n].next_s = inverter->leg[n].next_s;
+        look_at_leg(run, n, inverter->leg[n].pwm.gate);
+        if (inverter->has_drops) {
+            find_move(run, n, inverter->leg[n].pwm.next);
         } else {
-            find_next(run, n, false);
+            find_next(run, n);
         }
     }
 }
@@ -505,31 +604,30 @@ HOT bool meet_zero(run_t *run, int passed, const double i_A[PLANT_PHASES], doubl
 /// Up to until_s; returns the leg whose current stopped, or PLANT_NONE_FLOATS.
 HOT int go(run_t *run, double until_s, int *events_left, bool drops) {
     int stopped = PLANT_NONE_FLOATS;
-    bool goes_on = true;
     run->may_pass = !drops;
-    while (goes_on) {
+    while (run->at.t_s < until_s) {
         const double limit_s = smaller(until_s, run->at.t_s + run->longest_s);
         int n = soonest_of(run->leg), passed = PLANT_NONE_FLOATS;
         if (run->may_pass && pass_over(run, n, limit_s)) {
             passed = n;
             n = soonest_of(run->leg);
         }
-        const double edge_s = run->leg[n].next_s, end_s = smaller(edge_s, limit_s);
+        const double end_s = smaller(run->leg[n].next_s, limit_s);
         const double h = end_s - run->at.t_s;
         double i_A[PLANT_PHASES];
         point_t to = advance(run, h);
         to.t_s = end_s;
         phase_currents(run, &to, i_A);
-        if (!keeps_signs(run, i_A)) {
-            goes_on = meet_zero(run, passed, i_A, h, events_left, &stopped);
-            continue;
-        }
-        accept(run, &to, i_A, h);
-        run->may_pass = !drops;
-        if (end_s >= edge_s) {
-            take_edge(run, n, drops);
+        if (keeps_signs(run, i_A)) {
+            accept(run, &to, i_A, h);
+            run->may_pass = !drops;
+        } else if (meet_zero(run, passed, i_A, h, events_left, &stopped)) {
+            n = soonest_of(run->leg);
         } else {
-            goes_on = end_s < until_s;
+            break;
+        }
+        if (run->at.t_s >= run->leg[n].next_s) {
+            take_edge(run, n, drops);
         }
     }
     return stopped;

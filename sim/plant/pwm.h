@@ -41,6 +41,14 @@ typedef struct {
 void plant_pwm_schedule(plant_pwm_t *self, plant_duty_t duty, plant_gates_t gates, double period_s,
                         double dead_time_s);
 
+/// Makes all edges that are left.
+static inline void plant_pwm_finish(plant_pwm_t *self) {
+    if (self->next < self->edges) {
+        self->next = self->edges;
+        self->gate = self->edge[self->edges - 1].gate;
+    }
+}
+
 /// First edge after this time; the number of edges if there is none.
 int plant_pwm_first_after(const plant_pwm_t *self, double at_s);
 
