@@ -12,7 +12,10 @@
 #define BUS_SHARE 0.1f // of the flux, by which the EMF is off when the bus is not what is read
 
 void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-    *self = (lode_drive_t){.tuning = tuning, .torque_share = 1.0f, .direction = 1.0f};
+    *self = (lode_drive_t){.tuning = tuning, .direction = 1.0f};
+#ifndef LODE_WITHOUT_TORQUE_LIMITS
+    lode_drive_limit_torque(self, 1.0f);
+#endif
     self->command.check = lode_mode_order_check(&self->command);
     lode_mode_post_check(self, lode_mode_words(tuning));
     lode_mode_take_check(self);
@@ -119,9 +122,22 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
     return LODE_OK;
 }
 
-void lode_drive_limit_torque(lode_drive_t *self, float share) {
-    self->torque_share = lode_clamp(share, 0.0f, 1.0f); // one word, read once in a round
+#ifndef LODE_WITHOUT_TORQUE_LIMITS
+
+static uint_least16_t torque_share(float share) {
+    return (uint_least16_t)((float)LODE_TORQUE_SHARE_ONE * lode_clamp(share, 0.0f, 1.0f) + 0.5f);
 }
+
+void lode_drive_limit_torque(lode_drive_t *self, float share) {
+    lode_drive_limit_torques(self, share, share);
+}
+
+void lode_drive_limit_torques(lode_drive_t *self, float motoring, float braking) {
+    self->torque_share[0] = torque_share(motoring); // each is read once in a round, as a whole
+    self->torque_share[1] = torque_share(braking);
+}
+
+#endif
 
 bool lode_drive_tuning_taken(const lode_drive_t *self) {
     LODE_SIGNAL_FENCE();
@@ -130,6 +146,15 @@ bool lode_drive_tuning_taken(const lode_drive_t *self) {
 
 static bool is_limited(const lode_speed_t *speed) {
     return !(speed->torque_Nm > speed->limit_Nm.min && speed->torque_Nm < speed->limit_Nm.max);
+}
+
+static float most_Nm(const lode_running_t *run) {
+#ifdef LODE_WITHOUT_TORQUE_LIMITS
+    (void)run;
+    return 0.0f;
+#else
+    return run->most_Nm;
+#endif
 }
 
 // The least speed is held in place of the commanded one. (A stop goes through it.)
@@ -175,6 +200,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .omega_rad_s = pll->omega_rad_s,
             .speed_ref_rad_s = lode_drive_speed_ref_rad_s(self),
             .torque_ref_Nm = speed != NULL ? speed->torque_Nm : 0.0f,
+            .torque_most_Nm = speed != NULL ? most_Nm(&self->state.run) : 0.0f,
             .load_torque_Nm = self->tuning->estimator.load_per_f_Nm * pll->f_rad_s2,
             .lock = self->estimator.lock,
             .e_V = self->estimator.emf.observer.e_V,

@@ -18,6 +18,7 @@
 
 // Sensorless running goes over to the way down from this much above the least speed.
 #define HAND_BACK_SHARE 1.15f
+#define PER_SHARE (1.0f / (float)LODE_TORQUE_SHARE_ONE)
 
 // The frame in which the currents are controlled.
 typedef struct {
@@ -149,6 +150,20 @@ LODE_INLINE void lode_drive_run(lode_drive_t *self) {
     }
 }
 
+// What is left of the range that the references allow.
+LODE_INLINE lode_range_t lode_drive_torque_limits(lode_drive_t *self, lode_range_t most) {
+#ifdef LODE_WITHOUT_TORQUE_LIMITS
+    (void)self;
+    return most;
+#else
+    const uint32_t backwards = self->estimator.pll.omega_rad_s < 0.0f ? 1u : 0u;
+    const float up = PER_SHARE * (float)self->torque_share[backwards];
+    const float down = PER_SHARE * (float)self->torque_share[backwards ^ 1u];
+    self->state.run.most_Nm = lode_max(most.max, -most.min);
+    return (lode_range_t){down * most.min, up * most.max};
+#endif
+}
+
 // SLOT_REFERENCES: last part.
 LODE_SHARED void lode_drive_references(lode_drive_t *self) {
     lode_running_t *run = &self->state.run;
@@ -156,8 +171,7 @@ LODE_SHARED void lode_drive_references(lode_drive_t *self) {
         &run->references, &self->tuning->references, run->speed.torque_Nm,
         self->estimator.pll.omega_rad_s, run->fade * run->id_A, self->inverter.v_bus_V);
     self->ref_A = out.i_A;
-    const float share = self->torque_share;
-    run->speed.limit_Nm = (lode_range_t){share * out.torque_Nm.min, share * out.torque_Nm.max};
+    run->speed.limit_Nm = lode_drive_torque_limits(self, out.torque_Nm);
 }
 
 // SLOT_LAG

@@ -96,6 +96,8 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_ENCODER_CHECK);
         NAME(LODE_ERROR_DERATE);
         NAME(LODE_ERROR_ACTIVE_SHORT);
+        NAME(LODE_ERROR_SUPPLY);
+        NAME(LODE_ERROR_CHOPPER);
         NAME(LODE_ERROR_SUPERVISOR);
         NAME(LODE_ERROR_CHANNELS);
         NAME(LODE_ERROR_BUFFER);

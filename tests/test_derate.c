@@ -114,10 +114,11 @@ static void test_a_drive_keeps_to_its_share(void) {
     TEST_ASSERT_TRUE(rig_telemetry(&rig).torque_limited);
     // Any number will do.
     const float shares[] = {NAN, -1.0f, 2.0f};
-    const float taken[] = {0.0f, 0.0f, 1.0f};
+    const uint32_t taken[] = {0u, 0u, LODE_TORQUE_SHARE_ONE};
     for (int n = 0; n < COUNT_OF(shares); n++) {
         lode_drive_limit_torque(&rig.drive, shares[n]);
-        TEST_ASSERT_EQUAL_FLOAT(taken[n], rig.drive.torque_share);
+        TEST_ASSERT_EQUAL_UINT32(taken[n], rig.drive.torque_share[0]);
+        TEST_ASSERT_EQUAL_UINT32(taken[n], rig.drive.torque_share[1]);
     }
 }
 

@@ -156,6 +156,9 @@ typedef struct {
     lode_references_t references;
     float fade; ///< 1 at hand-over, 0 when the references have taken over
     float id_A; ///< d-axis current at hand-over, which fades
+#ifndef LODE_WITHOUT_TORQUE_LIMITS
+    float most_Nm; ///< that the references allow, in the better direction
+#endif
 } lode_running_t;
 
 /// Low sides alone.
@@ -173,6 +176,8 @@ typedef struct {
     uint32_t sum;   ///< of the words before `word`
     uint32_t word;
 } lode_tuning_watch_t;
+
+#define LODE_TORQUE_SHARE_ONE 0x8000u // two shares in one word
 
 /// A drive. Visible for static allocation; written by its functions only.
 typedef struct {
@@ -201,9 +206,12 @@ typedef struct {
     lode_dq_t ref_A;
     lode_dq_t i_A; ///< in the frame of control
     lode_dq_t u_V;
-    lode_abc_t duty;    ///< written by the last call
-    float torque_share; ///< of the torque that the references allow, 0 .. 1
-    float direction;    ///< sense of rotation, -1 or +1
+    lode_abc_t duty; ///< written by the last call
+#ifndef LODE_WITHOUT_TORQUE_LIMITS
+    /// of the torque that the references allow, with the speed and against it: 0 .. LODE_TORQUE_SHARE_ONE
+    uint_least16_t torque_share[2];
+#endif
+    float direction; ///< sense of rotation, -1 or +1
     union {
         lode_sense_sums_t sums;     ///< CALIBRATE
         lode_precharge_t precharge; ///< PRECHARGE
@@ -245,6 +253,9 @@ typedef struct {
     float omega_rad_s;     ///< estimated electrical speed
     float speed_ref_rad_s; ///< ramped mechanical reference of RUN, else 0
     float torque_ref_Nm;   ///< reference of RUN, else 0
+    /// RUN: what current, voltage and bus allow in the better direction, with all of the share. 0 where that is
+    /// not known: in the other modes, and in a build with LODE_WITHOUT_TORQUE_LIMITS
+    float torque_most_Nm;
     float load_torque_Nm;
     float lock;
     lode_ab_t e_V;
@@ -288,10 +299,17 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 bool lode_drive_tuning_taken(const lode_drive_t *self);
 
+#ifndef LODE_WITHOUT_TORQUE_LIMITS
+
 /// From the next round of the slow jobs on, RUN asks for at most this share, 0 .. 1, of the torque that current,
 /// voltage and bus allow, either way: for derating (derate.h), or a limit of the application's. Below 0, above 1
 /// and NaN become 0, 1 and 0. Holds until it is changed. The current that weakens the field is not limited.
 void lode_drive_limit_torque(lode_drive_t *self, float share);
+
+/// The same with a share for each direction: with the speed, and against it (supply.h).
+void lode_drive_limit_torques(lode_drive_t *self, float motoring, float braking);
+
+#endif
 
 /// A snapshot of the last period. False if the interrupt came in between three times running; the
 /// snapshot then mixes fields of different periods, each whole.

@@ -3,6 +3,7 @@
 #define LODESTAR_LODESTAR_H
 
 #include "lodestar/adaptation.h"
+#include "lodestar/chopper.h"
 #include "lodestar/commission.h"
 #include "lodestar/derate.h"
 #include "lodestar/drive.h"
@@ -15,6 +16,7 @@
 #include "lodestar/single_shunt.h"
 #include "lodestar/sogi.h"
 #include "lodestar/supervisor.h"
+#include "lodestar/supply.h"
 #include "lodestar/version.h"
 
 #endif

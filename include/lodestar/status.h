@@ -97,6 +97,8 @@ typedef enum {
     LODE_ERROR_ENCODER_CHECK,     ///< speed or time of the check by the EMF out of range
     LODE_ERROR_DERATE,            ///< a current, time or temperature of derating out of range
     LODE_ERROR_ACTIVE_SHORT, ///< supervisor: the short circuit's current psi/Ld is above i_max, or not built in
+    LODE_ERROR_SUPPLY,  ///< a current limit of the supply or its time out of range
+    LODE_ERROR_CHOPPER, ///< a voltage, resistance, power or time of the brake chopper out of range
     LODE_ERROR_SUPERVISOR, ///< supervisor: a reaction that is none, or a time out of range
     LODE_ERROR_CHANNELS,   ///< no channel, too many of them, or one that does not exist
     LODE_ERROR_BUFFER,     ///< a recorder's buffer holds less than two frames or rows

@@ -320,6 +320,17 @@ static void describe_load(const rig_config_t *config, plant_config_t *plant) {
     plant->backlash_rad = rig_rad_from_deg(or_else(truth->backlash_deg, 0.0));
 }
 
+/// Its current is to be told.
+static bool looks_at_supply(const rig_config_t *config) {
+    bool looks = !isnan(config->supply.battery_A) || !isnan(config->supply.regen_A);
+    for (int k = 0; k < config->scenario.phases; ++k) {
+        const rig_phase_t *phase = &config->scenario.phase[k];
+        looks = looks || !isnan(phase->bar_battery_A) || !isnan(phase->bar_regen_A) ||
+                !isnan(phase->bar_v_bus_V);
+    }
+    return looks;
+}
+
 static void describe_inverter(const rig_config_t *config, plant_config_t *plant) {
     const rig_plant_t *truth = &config->plant;
     const lode_inverter_config_t *inverter = &config->drive.inverter;
@@ -327,7 +338,9 @@ static void describe_inverter(const rig_config_t *config, plant_config_t *plant)
     plant->period_s = 1.0 / (double)config->drive.f_pwm_Hz;
     plant->v_bus_V = or_else(truth->v_bus_V, (double)inverter->v_bus_V);
     plant->bus_C_F = or_else(truth->bus_C_F, 0.0);
-    plant->keeps_accounts = plant->keeps_accounts || plant->bus_C_F > 0.0;
+    plant->chopper_R_Ohm = or_else(truth->chopper_R_Ohm, or_else(config->chopper.R_Ohm, 0.0));
+    plant->keeps_accounts =
+        plant->keeps_accounts || plant->bus_C_F > 0.0 || looks_at_supply(config);
     plant->dead_time_s = or_else(truth->dead_time_s, (double)inverter->dead_time_s);
     plant->v_transistor_V = or_else(truth->v_drop_V, (double)inverter->v_drop_V);
     plant->v_diode_V = or_else(truth->v_diode_V, plant->v_transistor_V);

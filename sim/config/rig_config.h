@@ -14,7 +14,7 @@ enum {
     RIG_NAME_LENGTH = 32,
     RIG_FILES_MAX = 8,
     RIG_KEYS_MAX = 320,
-    RIG_PHASE_KEYS_MAX = 32,
+    RIG_PHASE_KEYS_MAX = 40,
     RIG_PHASES_MAX = 48
 };
 
@@ -61,7 +61,7 @@ typedef struct {
     double fan_Nm, fan_rpm; ///< torque of a fan at a speed
     double J_factor;        ///< of J_kgm2: what is coupled to the motor
     double load_J_kgm2, shaft_Nm_rad, shaft_Nms_rad, backlash_deg;
-    double v_bus_V, bus_C_F, dead_time_s, v_drop_V, v_diode_V, r_on_Ohm, pwm_ticks;
+    double v_bus_V, bus_C_F, chopper_R_Ohm, dead_time_s, v_drop_V, v_diode_V, r_on_Ohm, pwm_ticks;
     double i_offset_A[PLANT_LEGS], i_gain_error[PLANT_LEGS];
     double i_noise_A, v_bus_noise_V, temperature_noise_degC, temperature_degC, sample_offset_s;
     double theta0_deg; ///< RIG_RANDOM: anywhere
@@ -101,6 +101,18 @@ typedef struct {
     double wait_s, good_s;
     int active_short; ///< lode_choice_t
 } rig_supervisor_t;
+
+/// Limits of the supply's current (lode_supply_config_t); unset: none.
+typedef struct {
+    double battery_A;
+    double regen_A; ///< infinite: "none", nothing is taken back
+    double correct_s;
+} rig_supply_t;
+
+/// Brake chopper (lode_chopper_config_t); unset: none.
+typedef struct {
+    double on_V, full_V, R_Ohm, power_W, thermal_s;
+} rig_chopper_t;
 
 /// EMF observer by its name: lode_emf_kind_t, then the papers' own forms.
 enum { RIG_EMF_C_EULER = LODE_EMF_KINDS, RIG_EMF_GI_EULER, RIG_EMF_FA_EULER };
@@ -150,6 +162,7 @@ typedef struct {
     double theta_deg, omega_rad_s;
     // Bars: what the phase must reach.
     double bar_dc_deg, bar_pp_deg, bar_error_deg, bar_speed_rpm, bar_torque_Nm, bar_Lq_percent;
+    double bar_battery_A, bar_regen_A, bar_v_bus_V;
     int end_mode; ///< -1: any but a fault
 } rig_phase_t;
 
@@ -184,6 +197,8 @@ typedef struct {
     rig_encoder_t encoder;
     rig_adaptation_t adaptation;
     rig_supervisor_t supervisor;
+    rig_supply_t supply;
+    rig_chopper_t chopper;
     int emf;
     rig_pll_t pll;
     rig_compensation_t compensation;

@@ -212,6 +212,16 @@ static const rig_key_t keys[] = {
     REACTION("resistance", RESISTANCE),
     REACTION("switch_shorted", SWITCH_SHORTED),
 
+    NUMBER("supply", "battery_A", supply.battery_A, 0.0, 1e5),
+    NUMBER_OR("supply", "regen_A", supply.regen_A, 0.0, 1e5, "none"),
+    NUMBER("supply", "correct_s", supply.correct_s, 1e-3, 100.0),
+
+    NUMBER("chopper", "on_V", chopper.on_V, 1.0, 2e3),
+    NUMBER("chopper", "full_V", chopper.full_V, 1.0, 4e3),
+    NUMBER("chopper", "R_Ohm", chopper.R_Ohm, 1e-3, 1e5),
+    NUMBER("chopper", "power_W", chopper.power_W, 1e-3, 1e7),
+    NUMBER("chopper", "thermal_s", chopper.thermal_s, 1e-2, 1e5),
+
     NUMBER("plant", "Rs_Ohm", plant.Rs_Ohm, 0.0, 1e6),
     NUMBER("plant", "Ld_H", plant.Ld_H, 1e-9, 1e3),
     NUMBER("plant", "Lq_H", plant.Lq_H, 1e-9, 1e3),
@@ -249,6 +259,7 @@ static const rig_key_t keys[] = {
     NUMBER("plant", "backlash_deg", plant.backlash_deg, 0.0, 360.0),
     NUMBER("plant", "v_bus_V", plant.v_bus_V, 0.1, 1e5),
     NUMBER("plant", "bus_C_F", plant.bus_C_F, 0.0, 1e3),
+    NUMBER("plant", "chopper_R_Ohm", plant.chopper_R_Ohm, 1e-3, 1e9),
     NUMBER("plant", "dead_time_s", plant.dead_time_s, 0.0, 1.0),
     NUMBER("plant", "v_drop_V", plant.v_drop_V, 0.0, 100.0),
     NUMBER("plant", "v_diode_V", plant.v_diode_V, 0.0, 100.0),
@@ -321,6 +332,9 @@ static const rig_key_t phase_keys[] = {
     PHASE_NUMBER("bar_speed_rpm", bar_speed_rpm, 0.0, 1e6),
     PHASE_NUMBER("bar_torque_Nm", bar_torque_Nm, 0.0, 1e6),
     PHASE_NUMBER("bar_Lq_percent", bar_Lq_percent, 0.0, 1e3),
+    PHASE_NUMBER("bar_battery_A", bar_battery_A, 0.0, 1e6),
+    PHASE_NUMBER("bar_regen_A", bar_regen_A, 0.0, 1e6),
+    PHASE_NUMBER("bar_v_bus_V", bar_v_bus_V, 0.0, 1e5),
     PHASE_CHOICE("end_mode", end_mode, "off|calibrate|voltage|current|start|run|fault"),
 };
 

@@ -78,7 +78,9 @@ typedef struct {
     /// capacitor behind a rectifier, which charges it to v_bus_V and takes nothing back; 0: a stiff source, a
     /// battery say. It follows once a period, and needs keeps_accounts
     double bus_C_F;
-    double dead_time_s;    ///< 0 up to a quarter of the period
+    double
+        chopper_R_Ohm;  ///< brake resistor across the capacitor; see plant_write_chopper(); 0: none
+    double dead_time_s; ///< 0 up to a quarter of the period
     double v_transistor_V; ///< on-state drop at zero current
     double v_diode_V;      ///< the same of the diode across it
     double r_on_Ohm;       ///< slope of both

@@ -125,6 +125,10 @@ static const char *check_inverter(const plant_config_t *c) {
     if (!within(c->bus_C_F, 0.0, 1e3)) {
         return "bus_C_F must be 0..1e3";
     }
+    if (!within(c->chopper_R_Ohm, 0.0, 1e9) || (c->chopper_R_Ohm > 0.0 && !(c->bus_C_F > 0.0))) {
+        return "chopper_R_Ohm must be 0..1e9, and needs bus_C_F: a stiff source takes all that "
+               "comes";
+    }
     if (c->bus_C_F > 0.0 && !c->keeps_accounts) {
         return "bus_C_F needs keeps_accounts";
     }
@@ -191,6 +195,7 @@ const char *plant_init(plant_t *self, const plant_config_t *config) {
         .temperature_degC = config->temperature_degC,
         .bus_C_F = config->bus_C_F,
         .source_V = config->v_bus_V,
+        .chopper_R_Ohm = config->chopper_R_Ohm,
     };
     plant_motor_init(&self->motor, config);
     plant_inverter_init(&self->inverter, config);
@@ -402,13 +407,23 @@ static void sample_link(plant_t *self) {
     }
 }
 
-/// What the inverter took out of the capacitor in the period, or put into it.
+/// What the brake resistor takes in a period.
+static double chopped_J(const plant_t *self) {
+    const double v_V = self->inverter.v_bus_V;
+    return self->chopper_R_Ohm > 0.0
+               ? self->chopper * v_V * v_V / self->chopper_R_Ohm * self->period_s
+               : 0.0;
+}
+
+/// What inverter and brake resistor took out of the capacitor in the period, or put into it.
 static void follow_bus(plant_t *self) {
     if (!(self->bus_C_F > 0.0)) {
         return;
     }
     const double v_V = self->inverter.v_bus_V;
-    const double taken_J = self->energy.bus_J - self->drawn_J;
+    const double chopper_J = chopped_J(self);
+    const double taken_J = self->energy.bus_J - self->drawn_J + chopper_J;
+    self->energy.chopper_J += chopper_J;
     const double squared = v_V * v_V - 2.0 * taken_J / self->bus_C_F;
     self->drawn_J = self->energy.bus_J;
     self->inverter.v_bus_V = fmax(self->source_V, sqrt(fmax(squared, 0.0)));
@@ -435,6 +450,7 @@ void plant_advance(plant_t *self) {
     for (int n = 0; n < PLANT_LINKS; n++) {
         self->link_at[n] = self->next_link_at[n];
     }
+    self->chopper = self->next_chopper;
     self->periods++;
 }
 
@@ -466,6 +482,14 @@ void plant_write_halves(plant_t *self, const double rise[PLANT_PHASES],
     for (int n = 0; n < PLANT_PHASES; n++) {
         self->next_fall[n] = fall[n];
     }
+}
+
+void plant_write_chopper(plant_t *self, double duty) {
+    self->next_chopper = duty;
+}
+
+double plant_bus_V(const plant_t *self) {
+    return self->inverter.v_bus_V;
 }
 
 void plant_set_link_samples(plant_t *self, const double at[PLANT_LINKS]) {
@@ -522,7 +546,7 @@ static void tell_truth(const plant_t *self, plant_truth_t *truth) {
         truth->energy.kinetic_J = plant_motor_kinetic_energy(motor);
     } else {
         truth->u_alpha_V = truth->u_beta_V = truth->u_x_V = truth->u_y_V = NAN;
-        truth->energy = (plant_energy_t){NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+        truth->energy = (plant_energy_t){NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     }
     plant_motor_phase_currents(motor, x, truth->i_abc_A);
     for (int n = 0; n < PLANT_LEGS; n++) {

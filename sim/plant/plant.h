@@ -42,6 +42,7 @@ typedef struct {
     double load_J;     ///< into the load or the dynamometer
     double field_J;    ///< held now; the magnet's own share left out
     double kinetic_J;  ///< held now
+    double chopper_J;  ///< in the brake resistor, out of the capacitor: no part of the sum
 } plant_energy_t;
 
 /// What really is at t_k. No error of any sensor in it.
@@ -84,7 +85,9 @@ typedef struct {
     double i_early_A[PLANT_LEGS];
     plant_energy_t energy;
     double bus_C_F, source_V;
-    double drawn_J; ///< energy.bus_J at the start of the period
+    double chopper_R_Ohm;
+    double chopper, next_chopper; ///< duty in the period at hand, in the next one
+    double drawn_J;               ///< energy.bus_J at the start of the period
     bool watches_peak;
     double peak_A;
 } plant_t;
@@ -105,6 +108,12 @@ void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], pl
 /// The same with a duty for each half of the period: high from (1 - rise)/2 to (1 + fall)/2 of it.
 void plant_write_halves(plant_t *self, const double rise[PLANT_PHASES],
                         const double fall[PLANT_PHASES], plant_gates_t gates);
+
+/// On-time of the brake chopper's switch, 0..1, from the next period on.
+void plant_write_chopper(plant_t *self, double duty);
+
+/// What the bus has now.
+double plant_bus_V(const plant_t *self);
 
 /// When the shunt in the DC link is sampled, shares of the period, in order; from the next period on. What it
 /// shows then (set 1) is plant_counts_t.link at that period's end.

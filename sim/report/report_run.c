@@ -46,6 +46,11 @@ static void print_phase(FILE *file, const runner_phase_t *phase) {
         (void)fprintf(file, "    learned: Lq %+.1f %% off the motor's, confidence %.2f\n",
                       phase->Lq_off_percent, phase->Lq_confidence);
     }
+    if (!isnan(phase->battery_A)) {
+        (void)fprintf(file,
+                      "    supply: at most %.2f A out of it, %.2f A into it, bus at most %.1f V\n",
+                      fmax(phase->battery_A, 0.0), fmax(phase->regen_A, 0.0), phase->v_bus_V);
+    }
     if (phase->missed[0] != '\0') {
         (void)fprintf(file, "    BAR MISSED: %s\n", phase->missed);
     }
@@ -237,6 +242,9 @@ static void add_phase(cJSON *array, const runner_phase_t *phase) {
     config_json_number(item, "lock_min", rig_stats_min(&phase->run_lock));
     config_json_number(item, "Lq_off_percent", phase->Lq_off_percent);
     config_json_number(item, "Lq_confidence", phase->Lq_confidence);
+    config_json_number(item, "battery_A", phase->battery_A);
+    config_json_number(item, "regen_A", phase->regen_A);
+    config_json_number(item, "v_bus_max_V", phase->v_bus_V);
     (void)cJSON_AddStringToObject(item, "mode", report_mode_name(phase->mode));
     (void)cJSON_AddStringToObject(item, "missed", phase->missed);
     (void)cJSON_AddStringToObject(item, "warning", phase->warning);

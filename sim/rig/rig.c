@@ -48,6 +48,7 @@ lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_conf
     self->sets = plant->sets == PLANT_SETS ? PLANT_SETS : 1;
     (void)plant_init(&self->plant, plant);
     self->learns = false;
+    self->bus = (bus_t){.limits = false};
     if (self->sets == 1) {
         self->drive = &self->three;
         begin_learning(self, &config->drive);
@@ -93,6 +94,7 @@ lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_mot
 void rig_main_loop(rig_t *self) {
     lode_telemetry_t now;
     const float dt_s = (float)MAIN_LOOP_PERIODS / self->learning.f_pwm_Hz;
+    bus_limit(&self->bus, self->drive);
     if (!self->learns || self->drive->steps % MAIN_LOOP_PERIODS != 0u ||
         !lode_drive_telemetry(self->drive, &now) ||
         !lode_learn_step(&self->learn, &self->learn_tuning, &now, dt_s)) {
@@ -191,6 +193,9 @@ void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory,
               rig_moment_t *now) {
     plant_counts_t sampled[PLANT_SETS];
     plant_sample(&self->plant, sampled, &now->truth);
+    if (self->bus.chops) {
+        plant_write_chopper(&self->plant, bus_chop(&self->bus, sampled[0].v_bus));
+    }
     if (self->sets == PLANT_SETS) {
         step_six(self, sampled, now);
     } else {

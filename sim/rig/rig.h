@@ -3,6 +3,7 @@
 #define RIG_RIG_H
 
 #include "config/rig_config.h"
+#include "rig/bus.h"
 #include "rig/euler.h"
 
 #include "lodestar/adaptation.h"
@@ -46,15 +47,17 @@ typedef struct {
     lode_learn_tuning_t learn_tuning;
     lode_learn_t learn;
     bool learns; ///< hfi.learn
+    bus_t bus;
 } rig_t;
 
-/// LODE_OK, or what the library refuses of `config`. `plant` has been accepted by plant_init().
+/// LODE_OK, or what the library refuses of `config`. `plant` has been accepted by plant_init(). Without limits of the
+/// supply and without chopper: the caller sets `bus`.
 lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_config_t *plant);
 
 /// From the next period on the firmware takes this for its motor. LODE_OK, or why not.
 lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_motor_t *motor);
 
-/// The firmware's main loop, in every period: learns, where hfi.learn asks for it.
+/// The firmware's main loop, in every period: limits the supply's current, and learns, where hfi.learn asks for it.
 void rig_main_loop(rig_t *self);
 
 /// The motor's Lq at its present currents, psi_q/i_q.

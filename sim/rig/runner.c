@@ -42,6 +42,9 @@ typedef struct {
     bool faulted;
     bool held; ///< by a dynamometer
     double v_bus_V;
+    double drawn_J;  ///< out of the supply, before the period at hand
+    double supply_A; ///< filtered
+    bool looks_at_supply;
     speed_limits_t limits;
     int found_open;
     bool open[PLANT_LEGS]; ///< broken phases that the log has
@@ -421,6 +424,23 @@ static void apply_to_command(run_t *run, const rig_phase_t *phase) {
     post_command(run);
 }
 
+/// NaN is less than any number.
+static double larger(double a, double b) {
+    return a >= b || isnan(b) ? a : b;
+}
+
+static void measure_supply(run_t *run, runner_phase_t *out, const plant_truth_t *truth) {
+    const double v_bus_V = plant_bus_V(&run->rig.plant);
+    const double i_A = (truth->energy.bus_J - run->drawn_J) / (run->ts_s * v_bus_V);
+    run->drawn_J = truth->energy.bus_J;
+    if (run->looks_at_supply) {
+        run->supply_A += (i_A - run->supply_A) * (1.0 - exp(-run->ts_s / RUNNER_SUPPLY_s));
+        out->battery_A = larger(out->battery_A, run->supply_A);
+        out->regen_A = larger(out->regen_A, -run->supply_A);
+        out->v_bus_V = larger(out->v_bus_V, v_bus_V);
+    }
+}
+
 static void measure(const run_t *run, runner_phase_t *out, const moment_t *now, bool in_window) {
     const plant_truth_t *truth = &now->at.truth;
     const lode_estimate_t *estimate = &now->at.estimate;
@@ -468,6 +488,9 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
               fabs(rig_stats_mean(&out->torque_Nm) - (double)run->command.torque_Nm),
               phase->bar_torque_Nm);
     check_bar(out, "Lq off by percent", fabs(out->Lq_off_percent), phase->bar_Lq_percent);
+    check_bar(out, "current out of the supply", out->battery_A, phase->bar_battery_A);
+    check_bar(out, "current into the supply", out->regen_A, phase->bar_regen_A);
+    check_bar(out, "bus voltage", out->v_bus_V, phase->bar_v_bus_V);
     if (phase->end_mode >= 0 && (int)out->mode != phase->end_mode) {
         const size_t used = strlen(out->missed);
         (void)snprintf(out->missed + used, sizeof out->missed - used, "%sended in %s, bar %s",
@@ -483,7 +506,8 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
 static bool is_barred(const rig_phase_t *phase) {
     return !isnan(phase->bar_dc_deg) || !isnan(phase->bar_pp_deg) || !isnan(phase->bar_error_deg) ||
            !isnan(phase->bar_speed_rpm) || !isnan(phase->bar_torque_Nm) ||
-           !isnan(phase->bar_Lq_percent) || phase->end_mode >= 0;
+           !isnan(phase->bar_Lq_percent) || !isnan(phase->bar_battery_A) ||
+           !isnan(phase->bar_regen_A) || !isnan(phase->bar_v_bus_V) || phase->end_mode >= 0;
 }
 
 static void warn(runner_phase_t *out, const char *format, ...) RIG_PRINTF(2, 3);
@@ -567,6 +591,7 @@ static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_windo
         return false;
     }
     measure(run, out, &now, in_window);
+    measure_supply(run, out, &now.at.truth);
     const bool good = run->k % run->log_every != 0 || log_row(run, index, &now);
     run->k++;
     if (run->k % PERIODS_PER_PROGRESS == 0) {
@@ -584,6 +609,7 @@ static bool run_phase(run_t *run, int index) {
     bool good = retune(run, phase);
     (void)snprintf(out->name, sizeof out->name, "%s", phase->name);
     out->start_s = (double)run->k * run->ts_s;
+    out->battery_A = out->regen_A = out->v_bus_V = NAN;
     apply_to_plant(run, phase);
     uint64_t k = 0;
     if (good && phase->clear_fault == 1) {
@@ -716,9 +742,10 @@ static bool start(run_t *run) {
         return false;
     }
     (void)rig_init(&run->rig, run->config, &plant);
-    if (!start_reactions(run)) {
+    if (!start_reactions(run) || !bus_init(&run->rig.bus, run->config)) {
         return false;
     }
+    run->looks_at_supply = plant.keeps_accounts;
     run->limits = speed_limits_of(&run->config->drive);
     run->v_bus_V = plant.v_bus_V;
     run->log->sets = run->rig.sets;

@@ -10,6 +10,9 @@
 /// Steady figures are those of this last part of a phase.
 #define RUNNER_WINDOW_s 0.4
 
+/// A cell or a fuse does not answer to what is faster.
+#define RUNNER_SUPPLY_s 0.01
+
 typedef struct {
     char name[RIG_NAME_LENGTH];
     double start_s, end_s;
@@ -25,6 +28,9 @@ typedef struct {
     // The whole phase, as far as the drive RAN.
     rig_stats_t run_error_deg;
     rig_stats_t run_lock;
+    /// The same, whatever the mode, as a filter of RUNNER_SUPPLY_s sees it: most current out of the supply and into
+    /// it. And the highest bus voltage. NaN where nothing asks for them.
+    double battery_A, regen_A, v_bus_V;
     lode_mode_t mode; ///< at the end
     // The same, NaN without hfi.learn: how far what was learned is off the motor's, at its currents.
     double Lq_off_percent, Lq_confidence;

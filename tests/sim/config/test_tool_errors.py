@@ -166,7 +166,7 @@ def refusals(checks, folder):
     checks.equal(every - known, {"NULL", "COMMAND", "COMMAND_SPEED", "CHANNELS", "BUFFER", "TRIGGER",
                                  "PRE_SHARE", "SENSE_TEMPERATURE", "ENCODER_COUNTS", "ENCODER_ANGLE",
                                  "ENCODER_BANDWIDTH", "ENCODER_CHECK", "DERATE", "SUPERVISOR",
-                                 "ACTIVE_SHORT"}, "statuses without words")
+                                 "ACTIVE_SHORT", "SUPPLY", "CHOPPER"}, "statuses without words")
     scenario = (f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
                 "[phase.a]\nduration_s = 0.01\n")
     for status, cases in REFUSALS.items():

@@ -533,6 +533,32 @@ static void test_emf_above_the_bus_charges_it(void) {
     TEST_ASSERT_TRUE(e.inverter_J > 0.0);
 }
 
+/// A capacitor that nothing else charges: what the resistor takes is missing in it, until the rectifier has it.
+static void test_a_brake_resistor_discharges_the_bus(void) {
+    plant_config_t c = bench_config();
+    c.keeps_accounts = true;
+    c.chopper_R_Ohm = 50.0;
+    TEST_ASSERT_NOT_NULL(plant_init(&(plant_t){.periods = 0}, &c)); // no capacitor
+    c.bus_C_F = 1e-3;
+    plant_t plant = new_plant(&c);
+    plant_set_bus(&plant, 0.5 * c.v_bus_V);
+    plant_write_chopper(&plant, 0.25);
+    advance(&plant, 1); // it acts from the next period on
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, c.v_bus_V, plant_bus_V(&plant));
+    const int periods = 250;
+    advance(&plant, periods);
+    // v = V exp(-d t/RC), a quarter of 1/RC: in steps of a period.
+    const double t_s = periods * c.period_s;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * c.v_bus_V, c.v_bus_V * exp(-0.25 * t_s / (50.0 * 1e-3)),
+                              plant_bus_V(&plant));
+    const double lost_J =
+        0.5e-3 * (c.v_bus_V * c.v_bus_V - plant_bus_V(&plant) * plant_bus_V(&plant));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, lost_J, truth_of(&plant).energy.chopper_J);
+    plant_write_chopper(&plant, 1.0);
+    advance(&plant, 2000);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.5 * c.v_bus_V, plant_bus_V(&plant));
+}
+
 // ---------------------------------------------------------------------------------------------
 // Energy
 
@@ -1772,6 +1798,7 @@ int main(void) {
     RUN_TEST(test_open_circuit_emf);
     RUN_TEST(test_emf_above_the_bus_charges_it);
     RUN_TEST(test_energy_balance);
+    RUN_TEST(test_a_brake_resistor_discharges_the_bus);
     RUN_TEST(test_energy_scale);
     RUN_TEST(test_random_motors_stay_consistent);
     RUN_TEST(test_dead_time_voltage_loss);

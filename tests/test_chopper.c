@@ -1,0 +1,122 @@
+// The brake chopper's duty, and what its resistor bears.
+#include "support/check.h"
+
+#include "lodestar/chopper.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+// 8 kW at 400 V, 500 W for ever.
+static const lode_chopper_config_t sound = {.on_V = 420.0f,
+                                            .full_V = 460.0f,
+                                            .R_Ohm = 20.0f,
+                                            .power_W = 500.0f,
+                                            .thermal_s = 40.0f,
+                                            .period_s = 1.0e-3f};
+
+static lode_chopper_tuning_t tuned(void) {
+    lode_chopper_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_chopper_tune(&tuning, &sound));
+    return tuning;
+}
+
+static void test_bad_configurations_are_refused(void) {
+    const lode_chopper_tuning_t before = tuned();
+    lode_chopper_tuning_t tuning = before;
+    lode_chopper_config_t bad[9];
+    for (int n = 0; n < COUNT_OF(bad); n++) {
+        bad[n] = sound;
+    }
+    bad[0].on_V = 0.5f;
+    bad[1].full_V = 420.0f;
+    bad[2].full_V = NAN;
+    bad[3].R_Ohm = 0.0f;
+    bad[4].power_W = 0.0f;
+    bad[5].thermal_s = 0.0f;
+    bad[6].period_s = 0.0f;
+    bad[7].period_s = 0.2f;
+    bad[8].on_V = NAN;
+    for (int n = 0; n < COUNT_OF(bad); n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOPPER, lode_chopper_tune(&tuning, &bad[n]));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_chopper_tune(NULL, &sound));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_chopper_tune(&tuning, NULL));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof before);
+}
+
+static void test_the_duty_follows_the_bus(void) {
+    const lode_chopper_tuning_t tuning = tuned();
+    const float bus_V[] = {-10.0f, 0.0f, 419.0f, 420.0f, 430.0f, 450.0f, 460.0f, 700.0f, NAN};
+    const double duty[] = {0.0, 0.0, 0.0, 0.0, 0.25, 0.75, 1.0, 1.0, 0.0};
+    for (int n = 0; n < COUNT_OF(duty); n++) {
+        lode_chopper_t chopper;
+        lode_chopper_reset(&chopper, 0.0f);
+        CHECK_NEAR(1.0e-6, duty[n], (double)lode_chopper_step(&chopper, &tuning, bus_V[n]));
+        TEST_ASSERT_TRUE(lode_is_finite(chopper.heat));
+    }
+}
+
+// Runs for `seconds` at a bus voltage; the energy in the resistor.
+static double burns_J(lode_chopper_t *chopper, const lode_chopper_tuning_t *tuning, double bus_V,
+                      double seconds, double *duty) {
+    double energy_J = 0.0;
+    for (int n = 0; n < (int)(seconds * 1000.0); n++) {
+        *duty = (double)lode_chopper_step(chopper, tuning, (float)bus_V);
+        energy_J += 1.0e-3 * *duty * bus_V * bus_V / 20.0;
+    }
+    return energy_J;
+}
+
+static void test_the_resistor_is_not_overheated(void) {
+    const lode_chopper_tuning_t tuning = tuned();
+    lode_chopper_t chopper;
+    double duty = 0.0;
+    lode_chopper_reset(&chopper, 0.0f);
+    // 10.58 kW at 460 V are 21.2 times what it bears: h = 21.2 (1 - exp(-t/40 s)) is 0.9 after 1.74 s.
+    (void)burns_J(&chopper, &tuning, 460.0, 1.7, &duty);
+    CHECK_NEAR(1.0e-6, 1.0, duty);
+    (void)burns_J(&chopper, &tuning, 460.0, 0.3, &duty);
+    TEST_ASSERT_TRUE(duty < 0.6);
+    (void)burns_J(&chopper, &tuning, 460.0, 200.0, &duty);
+    CHECK_NEAR(0.01, 1.0, (double)chopper.heat);
+    CHECK_NEAR(10.0, 500.0, burns_J(&chopper, &tuning, 460.0, 1.0, &duty)); // for ever
+    // What the bus asks for comes first: in the middle of the range a resistor that bears it goes on.
+    lode_chopper_reset(&chopper, 1.0f);
+    CHECK_NEAR(1.0e-6, 0.0, burns_J(&chopper, &tuning, 400.0, 40.0, &duty));
+    CHECK_NEAR(0.005, exp(-1.0), (double)chopper.heat);
+}
+
+static void test_one_that_bears_full_duty_has_it_for_ever(void) {
+    lode_chopper_config_t large = sound;
+    large.power_W = 20.0e3f;
+    lode_chopper_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_chopper_tune(&tuning, &large));
+    lode_chopper_t chopper;
+    double duty = 0.0;
+    lode_chopper_reset(&chopper, 1.0f);
+    (void)burns_J(&chopper, &tuning, 460.0, 1.0, &duty);
+    CHECK_NEAR(1.0e-6, 1.0, duty);
+}
+
+static void test_heat_stays_bounded(void) {
+    const lode_chopper_tuning_t tuning = tuned();
+    lode_chopper_t chopper;
+    lode_chopper_reset(&chopper, NAN);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, chopper.heat);
+    lode_chopper_reset(&chopper, 100.0f);
+    TEST_ASSERT_EQUAL_FLOAT(4.0f, chopper.heat);
+    chopper.heat = 0.0f;
+    (void)lode_chopper_step(&chopper, &tuning, 1.0e15f);
+    TEST_ASSERT_TRUE(chopper.heat <= 4.0f);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_bad_configurations_are_refused);
+    RUN_TEST(test_the_duty_follows_the_bus);
+    RUN_TEST(test_the_resistor_is_not_overheated);
+    RUN_TEST(test_one_that_bears_full_duty_has_it_for_ever);
+    RUN_TEST(test_heat_stays_bounded);
+    return UNITY_END();
+}
