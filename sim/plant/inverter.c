@@ -45,8 +45,7 @@ static void find_next_edge(plant_leg_t *leg) {
     leg->next_s = k < pwm->edges ? pwm->edge[k].at_s : HUGE_VAL;
 }
 
-static void update_leg(const plant_inverter_t *self, int n, plant_leg_t *leg) {
-    find_next_edge(leg);
+static inline void update_source(const plant_inverter_t *self, int n, plant_leg_t *leg) {
     if (leg->sign == 0) {
         leg->source_V = 0.0;
         leg->rail = 0.0;
@@ -55,6 +54,11 @@ static void update_leg(const plant_inverter_t *self, int n, plant_leg_t *leg) {
         leg->source_V = plant_inverter_source_V(self, gate, leg->sign);
         leg->rail = plant_inverter_on_high_rail(gate, leg->sign) ? 1.0 : 0.0;
     }
+}
+
+static void update_leg(const plant_inverter_t *self, int n, plant_leg_t *leg) {
+    find_next_edge(leg);
+    update_source(self, n, leg);
 }
 
 /// Which legs of a set carry no current.
@@ -102,6 +106,7 @@ static void update_drive(plant_inverter_t *self) {
     for (int n = 0; n < legs_of(self); n++) {
         update_leg(self, n, &self->leg[n]);
     }
+    self->has_next = true;
     for (int set = 0; set < self->sets; set++) {
         self->drive.floating[set] = floating_of(self, set);
     }
@@ -173,6 +178,23 @@ static double realised(const plant_inverter_t *self, double duty) {
                                : within;
 }
 
+/// All phases of a set carry current, also one that the period before ended with.
+static bool conducts(const plant_inverter_t *self, int set) {
+    const plant_leg_t *leg = &self->leg[set * PLANT_PHASES];
+    return self->drive.floating[set] == PLANT_NONE_FLOATS && leg[0].sign != 0 && leg[1].sign != 0 &&
+           leg[2].sign != 0;
+}
+
+/// The start of a period in which all phases conduct as they did.
+static void go_on(plant_inverter_t *self) {
+    for (int n = 0; n < legs_of(self); n++) {
+        (void)plant_pwm_apply(&self->leg[n].pwm, 0.0);
+        update_source(self, n, &self->leg[n]);
+    }
+    self->has_next = false;
+    update_vectors(self);
+}
+
 void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
                           const plant_duty_t duty[PLANT_LEGS],
                           const plant_gates_t gates[PLANT_SETS]) {
@@ -184,6 +206,7 @@ void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
         share[n] = (plant_duty_t){rise, is_even ? rise : realised(self, duty[n].fall)};
     }
     plant_motor_phase_currents(motor, &motor->x, i_A);
+    bool goes_on = true;
     for (int set = 0; set < self->sets; set++) {
         const bool was_averaging = self->averaging[set];
         self->averaging[set] = gates[set] == PLANT_GATES_ON && self->level == PLANT_AVERAGED;
@@ -192,8 +215,13 @@ void plant_inverter_begin(plant_inverter_t *self, plant_motor_t *motor,
         } else {
             begin_switched(self, i_A, set, share, gates[set], was_averaging);
         }
+        goes_on = goes_on && conducts(self, set) && !was_averaging && !self->averaging[set];
     }
-    plant_inverter_settle(self, motor, 0.0);
+    if (goes_on) {
+        go_on(self);
+    } else {
+        plant_inverter_settle(self, motor, 0.0);
+    }
 }
 
 double plant_inverter_link_A(const plant_inverter_t *self, const double i_A[PLANT_LEGS], int set) {
@@ -213,8 +241,12 @@ void plant_inverter_open(plant_inverter_t *self, const plant_motor_t *motor, int
     }
 }
 
-double plant_inverter_next_edge(const plant_inverter_t *self, double limit_s) {
+double plant_inverter_next_edge(plant_inverter_t *self, double limit_s) {
     double soonest = limit_s;
+    for (int n = 0; !self->has_next && n < legs_of(self); n++) {
+        find_next_edge(&self->leg[n]);
+    }
+    self->has_next = true;
     for (int n = 0; n < legs_of(self); n++) {
         soonest = self->leg[n].next_s < soonest ? self->leg[n].next_s : soonest;
     }

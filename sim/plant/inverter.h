@@ -31,9 +31,10 @@ typedef struct {
     double rail;     ///< share of the leg's current that comes from the positive rail, 0..1
     bool dead[2];    ///< the low, the high side's transistor no longer turns on; its diode conducts
     bool shorted[2]; ///< the low, the high side conducts whatever the gates say
-    double next_s;   ///< its next gate edge that moves the terminal; infinite if there is none
-    bool opening;    ///< the phase opens when its current is next zero ...
-    bool open;       ///< ... and stays so
+    double
+        next_s; ///< its next gate edge that moves the terminal; infinite if there is none, once looked for
+    bool opening; ///< the phase opens when its current is next zero ...
+    bool open;    ///< ... and stays so
 } plant_leg_t;
 
 typedef struct {
@@ -41,6 +42,7 @@ typedef struct {
     int sets;
     plant_drive_t drive;        ///< what the motor sees
     bool averaging[PLANT_SETS]; ///< legs are ideal sources of duty * v_bus now
+    bool has_next;              ///< next_s has been looked for in this period
     double v_bus_V;
     double period_s, dead_time_s, v_transistor_V, v_diode_V, r_on_Ohm, Rs_Ohm;
     uint32_t pwm_ticks;
@@ -94,7 +96,7 @@ void plant_inverter_fail(plant_inverter_t *self, int leg, bool high, bool shorte
 
 /// Time of the next gate edge that changes a terminal voltage; `limit_s` if there is none before.
 /// An edge that hands the current from a diode to the transistor of the other direction is none.
-double plant_inverter_next_edge(const plant_inverter_t *self, double limit_s);
+double plant_inverter_next_edge(plant_inverter_t *self, double limit_s);
 
 /// Makes the gate edges up to now and finds which devices conduct.
 void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double now_s);
