@@ -10,6 +10,7 @@
 #define LEAST_FLUX 0.5f
 #define ANOTHER_FLUX 0.2f
 #define BUS_SHARE 0.1f // of the flux, by which the EMF is off when the bus is not what is read
+#define MOVED_FLUX_MAX 0.35f // of the flux, that a d current may take or give at once
 
 void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     *self = (lode_drive_t){.tuning = tuning, .direction = 1.0f};
@@ -449,12 +450,14 @@ static lode_range_t allowed_speeds(const lode_drive_t *self) {
 }
 
 // A current on its way through zero leaves all phases where nobody knows what the dead time does: what would be
-// shorter than the bias that keeps them away from there is left out (S20).
+// shorter than the bias that keeps them away from there is left out (S20), unless that moves so much of a salient
+// rotor's flux at once that an error of Lq - Ld takes the EMF along.
 LODE_NOINLINE float lode_drive_faded(const lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float bias_A = tuning->references.id_bias_A;
     const lode_dq_t i_A = self->ref_A;
-    const bool is_short = i_A.d * i_A.d + i_A.q * i_A.q < bias_A * bias_A;
+    const bool is_short = i_A.d * i_A.d + i_A.q * i_A.q < bias_A * bias_A &&
+                          2.0f * bias_A * tuning->start.lost_per_A <= MOVED_FLUX_MAX;
     return is_short ? 0.0f : lode_max(self->state.run.fade - tuning->start.fade_step, 0.0f);
 }
 

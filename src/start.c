@@ -25,7 +25,9 @@
 #define PATIENCE_s 0.4f
 #define FAILED_MAX 2u // attempts before the last one
 #define TIMEOUT_MAX_s 1000.0f
-#define CURRENT_LAST 2.0f // of the start current, up to i_max
+// Of the start current, in the last attempt; from CURRENT_SHARE of i_max up to i_max. A rotor that needs so much is
+// loaded, and lags by so much that reluctance adds to its torque.
+#define CURRENT_LAST 2.0f
 // Of the current, by the end of an attempt at speed without a lock: what is left of twice a salient rotor's
 // start current then takes less than a third of its flux.
 #define CURRENT_FALL 0.7f
@@ -39,7 +41,10 @@
 #define SHIFT_LOOP 1.0f
 // Gain of the shift by the rotor's angle, which a loaded rotor's EMF shows too, at speed more than its swing (S16).
 #define SHIFT_STIFFENS 2.0f
-#define SPEED_TOLERANCE 0.25f // of hand-over speed, between estimator and vector
+// Share of the EMF's size in the swing, at least: at 90 degrees of lag, where a rotor is that needs so much current,
+// what the size and the EMF across the vector show of the angle cancels at 1/(1 + c), with c about 1.
+#define BY_SIZE_MIN 0.5f
+#define SPEED_TOLERANCE 0.25f // of the vector's speed, between estimator and vector
 
 // Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
 // current settle; given up after 0.15 s.
@@ -148,7 +153,8 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
                        const lode_motor_t *motor, float ts_s) {
     // Whoever gives the current means it in every attempt.
     const float own_A = default_current_A(motor, inverter->i_max_A);
-    const float last_A = lode_min(CURRENT_LAST * own_A, inverter->i_max_A);
+    const float last_A =
+        lode_clamp(CURRENT_LAST * own_A, CURRENT_SHARE * inverter->i_max_A, inverter->i_max_A);
     config->current_last_A =
         lode_given_or(config->current_last_A, lode_given_or(config->current_A, last_A));
     config->current_A = lode_given_or(config->current_A, own_A);
@@ -374,7 +380,7 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     self->give = lode_min(tuning->damping, most);
     const float speed = self->omega_rad_s / (LODE_START_HOLD * tuning->omega_ready);
     self->by_size = lode_clamp(speed, -1.0f, 1.0f) *
-                    lode_max(1.0f - tuning->lost_per_A * self->current_A, 0.0f);
+                    lode_max(1.0f - tuning->lost_per_A * self->current_A, BY_SIZE_MIN);
     self->rounds++;
     try_again(self, tuning, omega_target_rad_s);
 }
@@ -383,7 +389,8 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
                       float lock) {
     const bool catching = lode_start_catches(self);
     const float vector = self->omega_rad_s;
-    const float slack = SPEED_TOLERANCE * tuning->omega_ready;
+    // Of the vector's speed: a load that swings within a turn swings the rotor in proportion.
+    const float slack = SPEED_TOLERANCE * lode_max(lode_abs(vector), tuning->omega_ready);
     const bool arrived = lode_abs(vector) >= tuning->omega_ready &&
                          vector * self->omega_target > 0.0f &&
                          lode_abs(omega_rad_s - vector) <= slack;

@@ -514,8 +514,16 @@ static void test_the_fade_leaves_out_short_currents(void) {
     rig_run(&rig, (double)LODE_SLOW_PERIODS * RIG_TS_s);
     TEST_ASSERT_TRUE(shorts <= LODE_SLOW_PERIODS); // a round has seen one
     CHECK_CLOSE(1.0e-6, -bias_A, rig.drive.ref_A.d);
-    // Where no bias asks for it, it fades to the end.
+    // Where that moves more than a third of the flux at once, it fades to the end.
     lode_drive_config_t config = rig_config();
+    config.references.id_bias_A = 1.5f * bias_A;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(60.0));
+    watch_the_fade(&rig, bias_A, &shorts, &step_A);
+    TEST_ASSERT_TRUE(shorts > 4u * LODE_SLOW_PERIODS);
+    TEST_ASSERT_TRUE(step_A < 0.2f * bias_A);
+    // So it does where no bias asks for it.
+    config = rig_config();
     config.references.id_bias_A = LODE_NONE;
     rig_init(&rig, &tuning, &config);
     rig_command(&rig, run_at(60.0));

@@ -211,7 +211,7 @@ static void test_the_size_of_the_emf_comes_in_with_speed(void) {
                  {0.25f, 4.0f, 0.5 * (1.0 - 4.0 * lost_per_A)},
                  {-0.5f, 4.0f, -(1.0 - 4.0 * lost_per_A)},
                  {-8.0f, 8.0f, -(1.0 - 8.0 * lost_per_A)},
-                 {8.0f, 1000.0f, 0.0}};
+                 {8.0f, 1000.0f, 0.5}}; // of the angle both show as much, there
     for (int k = 0; k < COUNT_OF(cases); k++) {
         lode_start_t start;
         lode_start_reset(&start, lode_sincos(0.0f), cases[k].omega * tuning.omega_ready,
@@ -344,6 +344,9 @@ static void test_hand_over_needs_speed_and_direction(void) {
     TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = 47.0f, .lock = 0.6f}));
     TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = 47.0f, .lock = NAN}));
     TEST_ASSERT_FALSE(ever_ready(47.0, (lode_estimate_t){.omega_rad_s = NAN, .lock = 0.9f}));
+    // A quarter of the vector's own speed, in which a load that swings within a turn swings the rotor.
+    TEST_ASSERT_TRUE(ever_ready(94.0, (lode_estimate_t){.omega_rad_s = 115.0f, .lock = 0.9f}));
+    TEST_ASSERT_FALSE(ever_ready(94.0, (lode_estimate_t){.omega_rad_s = 120.0f, .lock = 0.9f}));
 }
 
 /// Where the vector will be a period on, and the angle by which it gets there.
@@ -517,6 +520,11 @@ static void test_design_fills_what_is_open(void) {
     lode_start_config_t bounded = {.current_A = 0.0f};
     lode_start_design(&bounded, &inverter, &salient, PAPER_TS_s);
     CHECK_CLOSE(1.0e-5, 0.5 * 0.142 / 0.01, bounded.current_A);
+    CHECK_CLOSE(1.0e-6, 12.0, bounded.current_last_A);
+    salient.Lq_H = motor.Ld_H + 0.04f; // twice the current is less than what a round rotor takes
+    bounded = (lode_start_config_t){.current_A = 0.0f};
+    lode_start_design(&bounded, &inverter, &salient, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-6, 0.7 * 12.0, bounded.current_last_A);
     lode_start_config_t given = {.current_A = 3.0f}; // in every attempt
     lode_start_design(&given, &inverter, &motor, PAPER_TS_s);
     CHECK_CLOSE(1.0e-6, 3.0, given.current_last_A);

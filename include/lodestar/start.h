@@ -15,8 +15,8 @@ extern "C" {
 typedef struct {
     /// amplitude of the vector; 0: 0.7 i_max, at most psi/(2 (Lq - Ld))
     float current_A;
-    /// the same in the last attempt, current_A .. i_max; 0: current_A where that is given, else twice it, at most
-    /// i_max
+    /// the same in the last attempt, current_A .. i_max; 0: current_A where that is given, else twice it, 0.7
+    /// to 1 i_max
     float current_last_A;
     /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm), or up to 0.5 where 1 us of dead
     /// time and 30 % of R leave less than half of the EMF certain, or a load step would stop a light salient rotor
