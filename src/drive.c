@@ -149,12 +149,13 @@ static bool is_limited(const lode_speed_t *speed) {
     return !(speed->torque_Nm > speed->limit_Nm.min && speed->torque_Nm < speed->limit_Nm.max);
 }
 
-static float most_Nm(const lode_running_t *run) {
+static float most_Nm(const lode_drive_t *self) {
 #ifdef LODE_WITHOUT_TORQUE_LIMITS
-    (void)run;
+    (void)self;
     return 0.0f;
 #else
-    return run->most_Nm;
+    return lode_references_allowed_Nm(&self->state.run.references, &self->tuning->references,
+                                      self->ref_A.d);
 #endif
 }
 
@@ -201,7 +202,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .omega_rad_s = pll->omega_rad_s,
             .speed_ref_rad_s = lode_drive_speed_ref_rad_s(self),
             .torque_ref_Nm = speed != NULL ? speed->torque_Nm : 0.0f,
-            .torque_most_Nm = speed != NULL ? most_Nm(&self->state.run) : 0.0f,
+            .torque_most_Nm = speed != NULL ? most_Nm(self) : 0.0f,
             .load_torque_Nm = self->tuning->estimator.load_per_f_Nm * pll->f_rad_s2,
             .lock = self->estimator.lock,
             .e_V = self->estimator.emf.observer.e_V,

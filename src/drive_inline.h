@@ -151,7 +151,7 @@ LODE_INLINE void lode_drive_run(lode_drive_t *self) {
 }
 
 // What is left of the range that the references allow.
-LODE_INLINE lode_range_t lode_drive_torque_limits(lode_drive_t *self, lode_range_t most) {
+LODE_INLINE lode_range_t lode_drive_torque_limits(const lode_drive_t *self, lode_range_t most) {
 #ifdef LODE_WITHOUT_TORQUE_LIMITS
     (void)self;
     return most;
@@ -159,7 +159,6 @@ LODE_INLINE lode_range_t lode_drive_torque_limits(lode_drive_t *self, lode_range
     const uint32_t backwards = self->estimator.pll.omega_rad_s < 0.0f ? 1u : 0u;
     const float up = PER_SHARE * (float)self->torque_share[backwards];
     const float down = PER_SHARE * (float)self->torque_share[backwards ^ 1u];
-    self->state.run.most_Nm = lode_max(most.max, -most.min);
     return (lode_range_t){down * most.min, up * most.max};
 #endif
 }

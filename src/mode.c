@@ -140,15 +140,6 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     set_mode(self, mode);
 }
 
-// Not known before SLOT_REFERENCES.
-LODE_INLINE void forget_most(lode_running_t *run) {
-#ifdef LODE_WITHOUT_TORQUE_LIMITS
-    (void)run;
-#else
-    run->most_Nm = 0.0f;
-#endif
-}
-
 #if !defined(LODE_WITHOUT_FLYING_START) || !defined(LODE_WITHOUT_HFI)
 
 // What follows from where the rotor is and how fast it turns, in RUN, where that was found at once.
@@ -160,7 +151,6 @@ static void run_at_once(lode_drive_t *self) {
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
                      lode_estimator_load_torque_Nm(estimator, &tuning->estimator),
                      lode_references_most_Nm(&tuning->references));
-    forget_most(run);
     run->fade = 0.0f;
     run->id_A = 0.0f;
     lode_references_reset(&run->references, self->i_A.d);
@@ -216,7 +206,6 @@ static void hand_over(lode_drive_t *self) {
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
                      lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator),
                      lode_references_most_Nm(&tuning->references));
-    forget_most(run);
     run->fade = 1.0f;
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
     lode_references_reset(&run->references, i_A.d);

@@ -410,6 +410,20 @@ float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_
     return lode_clamp(id, -tuning->i_max_A, tuning->i_max_A);
 }
 
+float lode_references_allowed_Nm(const lode_references_t *self,
+                                 const lode_references_tuning_t *tuning, float id_A) {
+    const float i_max = tuning->i_max_A;
+    const float salient = lode_references_salient_H(tuning);
+    const float circle =
+        lode_references_active_flux(tuning, salient, id_A) * lode_sqrt(i_max * i_max - id_A * id_A);
+    // With more torque MTPA would move id too: all of the circle can be had.
+    const bool opens =
+        lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && !is_weakening(self, tuning);
+    const float most = lode_references_weakens(tuning) ? self->tau_most : FLT_MAX;
+    return tuning->torque_factor *
+           lode_min(opens ? lode_max(circle, tuning->tau_max) : circle, most);
+}
+
 float lode_references_torque_Nm(const lode_references_tuning_t *tuning, lode_dq_t i_A) {
     return tuning->torque_factor * (tuning->psi_Wb + lode_references_salient_H(tuning) * i_A.d) *
            i_A.q;

@@ -375,6 +375,8 @@ static void test_torque_limit_is_what_can_be_had(void) {
             const lode_range_t limit = rig.out.torque_Nm;
             CHECK_AT_MOST(1.0e-3 * full, fabs((double)limit.max / 6.0 - rig_tau(&rig)));
             TEST_ASSERT_EQUAL_FLOAT(-limit.max, limit.min);
+            CHECK_NEAR(1.0e-3 * (double)limit.max, (double)limit.max,
+                       (double)lode_references_allowed_Nm(&rig.self, &rig.tuning, rig.out.i_A.d));
             // Exactly that much more asked for: the same.
             rig_settle(&rig, omega, (double)limit.max / 6.0);
             CHECK_NEAR(2.0e-3 * full, (double)limit.max / 6.0, rig_tau(&rig));

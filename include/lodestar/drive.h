@@ -156,9 +156,6 @@ typedef struct {
     lode_references_t references;
     float fade; ///< 1 at hand-over, 0 when the references have taken over
     float id_A; ///< d-axis current at hand-over, which fades
-#ifndef LODE_WITHOUT_TORQUE_LIMITS
-    float most_Nm; ///< that the references allow, in the better direction
-#endif
 } lode_running_t;
 
 /// Low sides alone.
@@ -253,8 +250,8 @@ typedef struct {
     float omega_rad_s;     ///< estimated electrical speed
     float speed_ref_rad_s; ///< ramped mechanical reference of RUN, else 0
     float torque_ref_Nm;   ///< reference of RUN, else 0
-    /// RUN: what current, voltage and bus allow in the better direction, with all of the share. 0 where that is
-    /// not known: in the other modes, and in a build with LODE_WITHOUT_TORQUE_LIMITS
+    /// RUN: what current and voltage allow, with all of the share; 0 in the other modes, and in a build with
+    /// LODE_WITHOUT_TORQUE_LIMITS
     float torque_most_Nm;
     float load_torque_Nm;
     float lock;

@@ -115,6 +115,11 @@ void lode_references_reset(lode_references_t *self, float id_A);
 float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
                            float omega_rad_s);
 
+/// Most torque that current and voltage allow with the last call's `id_A`, Nm, whatever the bus. Not for the
+/// interrupt.
+float lode_references_allowed_Nm(const lode_references_t *self,
+                                 const lode_references_tuning_t *tuning, float id_A);
+
 /// Torque of i_max at id = 0, Nm.
 static inline float lode_references_most_Nm(const lode_references_tuning_t *tuning) {
     return tuning->i_max_A * (tuning->torque_factor * tuning->psi_Wb);
