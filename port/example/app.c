@@ -27,8 +27,9 @@
 
 #define HARDWARE_TRIP 1.2f   // of the drive's own over-current trip: the last resort, not the first
 #define STOPPED_PERIODS 8.0f // without an interrupt
-#define TAKEN_PERIODS 4u     // within which a posted command shows in the telemetry
+#define LOOP_PERIODS 8u      // a posted command shows in the telemetry by then
 #define RESTART_PAUSE_s 1.0f // lets the cause die down and the rotor slow down
+#define RESTART_GOOD_s 60.0f // of RUN, after which the restarts are counted anew
 
 volatile uint32_t app_mode = APP_MODE;
 volatile uint32_t app_armed;
@@ -54,12 +55,13 @@ static uint32_t mode_now = APP_MODE_OFF;
 static uint32_t mode_waiting; // for app_armed, and reported
 static uint32_t steps_seen;
 static uint32_t seen_at; // board_cycles() when they were seen
-static uint32_t restarts;
-static uint32_t fault_steps; // steps at which a fault was seen first, or its clearing posted
+static lode_supervisor_config_t reactions;
+static lode_supervisor_t supervisor;
+static uint32_t supervised_at; // steps
+static lode_command_t posted;
 static bool faulted;
-static bool stopped;  // by a fault, until somebody arms again
-static bool clearing; // posted, not yet taken
-static float speed_now;
+static bool stopped; // by a fault, until somebody arms again
+static bool resumes; // armed before the watchdog's reset
 
 static void note_cycles(uint32_t entered) {
     if (cycles_restart) {
@@ -90,6 +92,23 @@ LODE_RAMFUNC void app_period(void) {
     note_cycles(entered);
 }
 
+// Each fault is followed by a new start, as often as APP_RESTARTS allows; a reset by the watchdog too, where the motor
+// was armed and that is left of them. Else a person arms.
+static lode_status_t start_supervisor(bool by_watchdog) {
+    const lode_telemetry_t off = {.mode = LODE_MODE_OFF};
+    reactions = (lode_supervisor_config_t){
+        .attempts = APP_RESTARTS, .wait_s = RESTART_PAUSE_s, .good_s = RESTART_GOOD_s};
+    for (uint32_t n = 0u; n < (uint32_t)LODE_CHECK_COUNT; n++) {
+        reactions.reaction[n] = LODE_REACTION_AGAIN;
+    }
+    const lode_status_t done =
+        lode_supervisor_init(&supervisor, &reactions, &tuning, kept_attempts(), by_watchdog);
+    resumes = done == LODE_OK && by_watchdog && kept_was_armed() &&
+              app_mode == APP_MODE_APPLICATION && !lode_supervisor_is_latched(&supervisor, &off);
+    app_armed = resumes ? 1u : 0u;
+    return done;
+}
+
 bool app_start(void) {
     board_gates_off();
     started = false;
@@ -97,7 +116,9 @@ bool app_start(void) {
     mode_now = APP_MODE_OFF;
     mode_waiting = APP_MODE_OFF;
     stopped = false;
-    const uint32_t resets = kept_watchdog_resets(board_reset_by_watchdog());
+    resumes = false;
+    const bool by_watchdog = board_reset_by_watchdog();
+    const uint32_t resets = kept_watchdog_resets(by_watchdog);
     if (resets > 0u) {
         report_event("START", "WATCHDOG_RESETS", resets);
     }
@@ -113,6 +134,9 @@ bool app_start(void) {
     status = lode_drive_init(&drive, &tuning, &config);
     if (status == LODE_OK) {
         status = record_init(config.f_pwm_Hz);
+    }
+    if (status == LODE_OK) {
+        status = start_supervisor(by_watchdog);
     }
     const bool up = board_init(
         HARDWARE_TRIP *
@@ -163,18 +187,27 @@ lode_telemetry_t app_telemetry(void) {
 }
 
 static void post(lode_command_t command) {
+    posted = command;
     (void)lode_drive_post_command(&drive, &command);
 }
 
-static void begin_mode(uint32_t mode, uint32_t steps) {
+// Somebody has armed, or switched off.
+static void forget_restarts(const lode_telemetry_t *now) {
+    const lode_command_t clear = {.mode = LODE_MODE_OFF, .clear_fault = true};
+    (void)lode_supervisor_step(&supervisor, now, clear, 0.0f);
+}
+
+static void begin_mode(uint32_t mode, const lode_telemetry_t *now) {
     mode_now = mode;
     mode_waiting = APP_MODE_OFF;
-    restarts = 0u;
+    if (!resumes) {
+        forget_restarts(now);
+    }
+    resumes = false;
     faulted = false;
     stopped = false;
-    clearing = true; // a fault of what went before
-    fault_steps = steps;
-    speed_now = 0.0f;
+    supervised_at = now->steps; // by the next pass a fault of what went before is cleared
+    posted = (lode_command_t){.mode = LODE_MODE_OFF};
     cycles_restart = true;
     (void)board_clear_trip();
     bringup.speed_rad_s = app_speed_rad_s;
@@ -185,40 +218,34 @@ static void begin_mode(uint32_t mode, uint32_t steps) {
     bringup_begin(&bringup, mode < (uint32_t)BRINGUP_COUNT ? (bringup_mode_t)mode : BRINGUP_NONE);
 }
 
-// After a fault: gates stay off for the pause, then the trip must clear and the motor starts again, as
-// often as APP_RESTARTS allows.
-static void restart(const lode_telemetry_t *now) {
-    if (clearing && now->steps - fault_steps <= TAKEN_PERIODS) {
-        return;
-    }
-    clearing = false;
-    if (!faulted) {
-        faulted = true;
-        fault_steps = now->steps;
-        stopped = restarts == APP_RESTARTS;
+static void note_fault(const lode_telemetry_t *now) {
+    const bool before = faulted;
+    faulted = now->mode == LODE_MODE_FAULT;
+    if (faulted && !before) {
+        stopped = lode_supervisor_is_latched(&supervisor, now);
         app_armed = stopped ? 0u : app_armed;
         report_event("FAULT", lode_check_name((lode_check_t)now->fault.check), now->fault.check);
-    } else if (!stopped && (float)(now->steps - fault_steps) > RESTART_PAUSE_s * config.f_pwm_Hz &&
-               board_clear_trip()) {
-        restarts++;
-        faulted = false;
-        clearing = true;
-        fault_steps = now->steps;
-        speed_now = 0.0f;
-        post((lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
     }
 }
 
+static bool is_posted(const lode_command_t *command) {
+    return command->mode == posted.mode && command->clear_fault == posted.clear_fault &&
+           !(lode_abs(command->speed_rad_s - posted.speed_rad_s) > 0.0f);
+}
+
+// A fault is cleared behind the hardware's trip only; one that is still there makes it a start that has failed.
 static void run_application(const lode_telemetry_t *now) {
-    if (now->mode == LODE_MODE_FAULT) {
-        restart(now);
+    const uint32_t periods = now->steps - supervised_at;
+    if (periods < LOOP_PERIODS) {
         return;
     }
-    clearing = false;
-    const float wanted = app_speed_rad_s;
-    if (lode_abs(wanted - speed_now) > 0.0f) {
-        speed_now = wanted;
-        post((lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = wanted});
+    supervised_at = now->steps;
+    note_fault(now);
+    const lode_command_t wanted = {.mode = LODE_MODE_RUN, .speed_rad_s = app_speed_rad_s};
+    const lode_command_t command =
+        lode_supervisor_step(&supervisor, now, wanted, (float)periods / config.f_pwm_Hz);
+    if (!is_posted(&command) && (!command.clear_fault || board_clear_trip())) {
+        post(command);
     }
 }
 
@@ -235,9 +262,9 @@ static void supervise(uint32_t steps) {
 }
 
 // A mode that switches begins only while somebody has armed it, and ends with that.
-static void wait_for_arming(uint32_t mode, uint32_t steps) {
+static void wait_for_arming(uint32_t mode, const lode_telemetry_t *now) {
     if (mode_now != APP_MODE_OFF) {
-        begin_mode(APP_MODE_OFF, steps);
+        begin_mode(APP_MODE_OFF, now);
     }
     if (mode_waiting != mode) {
         mode_waiting = mode;
@@ -246,22 +273,22 @@ static void wait_for_arming(uint32_t mode, uint32_t steps) {
 }
 
 // The gates go on only behind a trip path that has shown that it works.
-static void begin_if_safe(uint32_t mode, uint32_t steps) {
+static void begin_if_safe(uint32_t mode, const lode_telemetry_t *now) {
     if (mode >= (uint32_t)BRINGUP_SIGNS && !board_test_trip()) {
         app_armed = 0u;
         report_event("FAIL", "TRIP_PATH", mode);
         return;
     }
-    begin_mode(mode, steps);
+    begin_mode(mode, now);
 }
 
 static void step_mode(uint32_t mode, const bringup_view_t *view) {
     app_armed = mode == APP_MODE_OFF ? 0u : app_armed;
     const bool armed = mode < (uint32_t)BRINGUP_SIGNS || app_armed != 0u;
     if (armed && (mode != mode_now || stopped)) {
-        begin_if_safe(mode, view->now.steps);
+        begin_if_safe(mode, &view->now);
     } else if (!armed && !stopped) {
-        wait_for_arming(mode, view->now.steps);
+        wait_for_arming(mode, &view->now);
     } else if (mode_now == APP_MODE_APPLICATION) {
         run_application(&view->now);
     } else if (mode_now > 0u && mode_now < (uint32_t)BRINGUP_COUNT) {
@@ -277,6 +304,7 @@ void app_poll(void) {
     const bringup_view_t view = {.now = app_telemetry(), .cycles = app_cycles()};
     supervise(view.now.steps);
     step_mode(app_mode, &view);
+    kept_note_armed(app_armed != 0u && mode_now == APP_MODE_APPLICATION);
     if (!record_poll((link_t)app_link)) {
         report_poll(&bringup.result);
     }

@@ -14,8 +14,9 @@
 
 extern volatile uint32_t app_mode;
 /// The modes that switch the gates, 3 .. 8, wait until this is not 0, and end where it is 0 again. 0 after
-/// every reset, with mode 0, and after a fault in the mode "application" that is not restarted: then only
-/// a person starts the motor again. With -DAPP_RESTARTS=n, n faults are restarted by themselves.
+/// a reset, with mode 0, and after a fault in the mode "application" that is not restarted: then only
+/// a person starts the motor again. With -DAPP_RESTARTS=n, n faults and resets by the watchdog in a row are
+/// followed by a new start of that mode.
 extern volatile uint32_t app_armed;
 /// Mechanical rad/s for the modes "run" and "application"; 0 stops.
 extern volatile float app_speed_rad_s;

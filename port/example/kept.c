@@ -6,10 +6,13 @@
 #define APP_NOINIT
 #endif
 
+#define ARMED 0x41524D44u // memory that nobody has written holds it once in 2^32
 #define MAGIC 0x4B455054u // with the count: memory that no reset has left untouched does not match
 
 static APP_NOINIT uint32_t resets;
 static APP_NOINIT uint32_t check;
+static APP_NOINIT uint32_t kept_armed;
+static APP_NOINIT lode_attempts_t attempts;
 
 uint32_t kept_watchdog_resets(bool by_watchdog) {
     const bool kept = check == (resets ^ MAGIC);
@@ -17,4 +20,16 @@ uint32_t kept_watchdog_resets(bool by_watchdog) {
     resets = by_watchdog ? before + 1u : 0u;
     check = resets ^ MAGIC;
     return resets;
+}
+
+lode_attempts_t *kept_attempts(void) {
+    return &attempts;
+}
+
+void kept_note_armed(bool armed) {
+    kept_armed = armed ? ARMED : 0u;
+}
+
+bool kept_was_armed(void) {
+    return kept_armed == ARMED;
 }

@@ -7,6 +7,10 @@
 #include "record.h"
 #include "support/check.h"
 
+#ifndef APP_RESTARTS
+#define APP_RESTARTS 0u
+#endif
+
 #ifndef APP_V_BUS_V
 #define APP_V_BUS_V 0.0f
 #endif
@@ -612,6 +616,58 @@ static void test_application_gives_up_after_some_restarts(void) {
     TEST_ASSERT_EQUAL_INT(1 + 3, starts);
 }
 
+// A reset by the watchdog is an attempt as well: the motor that was armed starts again, three times. What is not the
+// watchdog's, or was not armed, waits for somebody.
+static void test_application_goes_on_after_resets_by_the_watchdog(void) {
+    power_up(&sound, plant_of_motor());
+    app_mode = APP_MODE_APPLICATION;
+    run_for(1.0);
+    TEST_ASSERT_TRUE(gates);
+    by_watchdog = true;
+    for (int n = 1; n <= 4; n++) {
+        TEST_ASSERT_TRUE(app_start());
+        TEST_ASSERT_EQUAL_UINT32(n <= (int)APP_RESTARTS ? 1u : 0u, app_armed);
+        run_for(1.0);
+        TEST_ASSERT_EQUAL_INT(n <= (int)APP_RESTARTS, gates);
+    }
+    // They count with the faults, which are not restarted any more either, until somebody arms.
+    app_armed = 1u;
+    run_for(1.0);
+    TEST_ASSERT_TRUE(gates);
+    TEST_ASSERT_TRUE(app_start());
+    by_watchdog = false;
+    int starts = 0;
+    bool before = false;
+    for (int n = 0; n < (int)(12.0 * F_PWM); n++) {
+        period();
+        starts += gates && !before ? 1 : 0;
+        before = gates;
+        latched = latched || gates;
+    }
+    TEST_ASSERT_EQUAL_INT(APP_RESTARTS > 0u ? (int)APP_RESTARTS : 0, starts);
+}
+
+static void test_only_an_armed_application_goes_on(void) {
+    power_up(&sound, plant_of_motor());
+    app_mode = APP_MODE_APPLICATION;
+    run_for(1.0);
+    TEST_ASSERT_TRUE(app_start()); // the reset button
+    run_for(1.0);
+    TEST_ASSERT_FALSE(gates);
+    by_watchdog = true;
+    TEST_ASSERT_TRUE(app_start()); // was not armed any more
+    run_for(1.0);
+    TEST_ASSERT_FALSE(gates);
+    app_armed = 1u;
+    run_for(1.0);
+    TEST_ASSERT_TRUE(gates);
+    app_mode = BRINGUP_CURRENT;
+    TEST_ASSERT_TRUE(app_start()); // another mode comes up
+    run_for(1.0);
+    TEST_ASSERT_FALSE(gates);
+    by_watchdog = false;
+}
+
 static uint32_t word_at(size_t at) {
     uint32_t word = 0u;
     for (size_t n = 0; n < 4u; n++) {
@@ -732,6 +788,8 @@ int main(void) {
     RUN_TEST(test_watchdog_is_fed_only_while_periods_come);
     RUN_TEST(test_application_runs_and_restarts_after_a_trip);
     RUN_TEST(test_application_gives_up_after_some_restarts);
+    RUN_TEST(test_application_goes_on_after_resets_by_the_watchdog);
+    RUN_TEST(test_only_an_armed_application_goes_on);
     RUN_TEST(test_ring_goes_over_the_line_without_a_gap);
     RUN_TEST(test_scope_sends_the_fault_once);
     RUN_TEST(test_scope_of_what_happens_now);
