@@ -22,10 +22,13 @@
 #define FLUX_SLACK 1.02f        // some of what voltage_use leaves: iq is not to follow its noise
 #define SATURATION_STEPS 32
 #define LQ_UNKNOWN 0.1f // of Lq at i_max; as much as 20 % at 0.7 i_max
+// Half of the most that there is an end to. There a change of the current moves the angle 1.7 times as much as at
+// little current; at the end itself any amount, which the PLL shows speed control as a speed.
+#define ANGLE_SHARE 0.5f
 
 // With id* = 0 an error of Lq turns the angle, and the current, so that some of it strengthens the flux: a salient
 // rotor loses active flux, and the angle turns the more. Beyond (psi/iq)^2 = 4 (Lq - Ld) dLq there is no end to it
-// (R15); with id < 0 there is.
+// (R15); with id < 0 there is, and the angle moves less with the current (R16).
 static lode_references_kind_t default_kind(const lode_inverter_config_t *inverter,
                                            const lode_motor_t *motor) {
 #ifdef LODE_WITHOUT_OPTIMAL_REFERENCES
@@ -35,8 +38,8 @@ static lode_references_kind_t default_kind(const lode_inverter_config_t *inverte
 #else
     const float lost = (motor->Lq_H - motor->Ld_H) * inverter->i_max_A;
     const float turned = LQ_UNKNOWN * motor->Lq_H * inverter->i_max_A;
-    const bool ends = 4.0f * lost * turned < motor->psi_Wb * motor->psi_Wb;
-    return ends ? LODE_REFERENCES_ID0 : LODE_REFERENCES_MTPA;
+    const bool calm = 4.0f * lost * turned < ANGLE_SHARE * motor->psi_Wb * motor->psi_Wb;
+    return calm ? LODE_REFERENCES_ID0 : LODE_REFERENCES_MTPA;
 #endif
 }
 

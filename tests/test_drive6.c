@@ -810,6 +810,7 @@ static void test_an_estimate_that_is_no_number_turns_both_sets_off(void) {
 
 static void test_an_estimate_of_the_hosts_own_is_driven_by(void) {
     lode_drive6_config_t config = rig6_config();
+    config.drive.references.kind = LODE_REFERENCES_ID0;
     config.drive.references.id_bias_A = LODE_NONE;
     rig6_t rig = turning(&config, 300.0, LOAD_Nm);
     for (int n = 0; n < 5000; n++) { // an encoder mounted 20 degrees ahead

@@ -57,8 +57,8 @@ static int kind_at(float i_max_A, lode_motor_t motor) {
 
 static void test_much_reluctance_asks_for_mtpa(void) {
     lode_motor_t motor = paper_motor();
-    // (R15): 4 0.1 Lq (Lq - Ld) i^2 = psi^2
-    const float bound_A = 0.142f / lode_sqrt(0.4f * motor.Lq_H * (motor.Lq_H - motor.Ld_H));
+    // Half of (R15): 4 0.1 Lq (Lq - Ld) i^2 = psi^2/2
+    const float bound_A = 0.142f / lode_sqrt(0.8f * motor.Lq_H * (motor.Lq_H - motor.Ld_H));
     TEST_ASSERT_EQUAL_INT(LODE_REFERENCES_ID0, kind_at(0.99f * bound_A, motor));
     TEST_ASSERT_EQUAL_INT(LODE_REFERENCES_MTPA, kind_at(1.01f * bound_A, motor));
     motor.Ld_H = 2.0f * motor.Lq_H; // reluctance that adds to the flux
