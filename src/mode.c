@@ -435,7 +435,8 @@ static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t 
         return false;
     }
     fly_on(self, sample->i);
-    set_duties(self, 1.0f - fly->share);
+    set_duties(self,
+               lode_clamp(1.0f - fly->share, 0.0f, 1.0f)); // the last word, as in a driven period
     if (fly->stage == (uint_least8_t)LODE_FLY_FOUND) {
         take_flight(self, fly->theta_rad, fly->omega_rad_s); // ends the precharge's state
         return true;

@@ -194,32 +194,36 @@ lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *s
     if (sums->samples < tuning->calibrate_periods) {
         return LODE_CALIBRATION_RUNNING;
     }
-    int32_t offset[LODE_PHASES];
+    int32_t off[LODE_PHASES];
     int32_t worst = 0;
     for (int32_t n = 0; n < LODE_PHASES; n++) {
         // Whole counts and the rest apart: together they would not fit.
         const uint32_t whole = sums->count[n] / sums->samples;
         const uint32_t rest = sums->count[n] % sums->samples;
-        offset[n] =
-            (int32_t)(LODE_COUNT_FRACTION * whole + LODE_COUNT_FRACTION * rest / sums->samples);
+        const uint32_t mean =
+            LODE_COUNT_FRACTION * whole + LODE_COUNT_FRACTION * rest / sums->samples;
+        // Without a sign there is no overflow, whatever the sums hold.
+        const uint32_t beyond = mean - (uint32_t)tuning->offset_nominal;
+        off[n] = (int32_t)beyond;
         if (tuning->two_shunts != 0u && n == 2) {
-            offset[n] = tuning->offset_nominal; // nothing need be wired there
+            off[n] = 0; // nothing need be wired there
         }
-        const int32_t off = offset[n] - tuning->offset_nominal;
-        worst = lode_abs((float)off) > lode_abs((float)worst) ? off : worst;
+        worst = lode_abs((float)off[n]) > lode_abs((float)worst) ? off[n] : worst;
     }
     const int32_t still = still_phase(sums, tuning);
     lode_sense_begin(sums);
     *worst_count = (float)worst / (float)LODE_COUNT_FRACTION;
-    if (worst > tuning->offset_tol || worst < -tuning->offset_tol) {
-        return LODE_CALIBRATION_IMPLAUSIBLE;
+    for (int32_t n = 0; n < LODE_PHASES; n++) {
+        if (off[n] > tuning->offset_tol || off[n] < -tuning->offset_tol) {
+            return LODE_CALIBRATION_IMPLAUSIBLE;
+        }
     }
     if (still > 0) {
         *worst_count = (float)still;
         return LODE_CALIBRATION_STUCK;
     }
     for (int32_t n = 0; n < LODE_PHASES; n++) {
-        self->offset[n] = offset[n];
+        self->offset[n] = tuning->offset_nominal + off[n];
     }
     return LODE_CALIBRATION_DONE;
 }

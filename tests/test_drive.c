@@ -705,6 +705,24 @@ static void test_off_ends_the_pulses(void) {
     rig_expect(&rig, LODE_MODE_OFF);
 }
 
+// Whatever a memory that has flipped says of the share.
+static void test_duties_of_pulses_stay_in_range(void) {
+    const float shares[] = {1.5f, -0.5f, NAN, INFINITY, -INFINITY};
+    rig_t searching = coasting(150.0);
+    rig_command(&searching, run_at(150.0));
+    TEST_ASSERT_TRUE(reach(&searching, LODE_MODE_PRECHARGE, 0.2));
+    rig_run(&searching, 2.0 * RIG_TS_s);
+    for (int k = 0; k < COUNT_OF(shares); k++) {
+        rig_t rig = searching;
+        rig.drive.state.precharge.fly.share = shares[k];
+        rig.drive.state.precharge.fly.wait = 2u; // it stays for a period
+        rig_step(&rig);
+        TEST_ASSERT_TRUE(rig.out.duty.a >= 0.0f && rig.out.duty.a <= 1.0f);
+        TEST_ASSERT_EQUAL_FLOAT(rig.out.duty.a, rig.out.duty.b);
+        TEST_ASSERT_EQUAL_FLOAT(rig.out.duty.a, rig.out.duty.c);
+    }
+}
+
 static void test_capacitors_are_charged_after_pulses_that_find_nothing(void) {
     lode_drive_config_t config = rig_config();
     config.inverter.precharge_s = (float)(PRECHARGE_PERIODS * RIG_TS_s);
@@ -2130,6 +2148,7 @@ int main(void) {
     RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
     RUN_TEST(test_pulses_find_a_rotor_that_turns);
     RUN_TEST(test_off_ends_the_pulses);
+    RUN_TEST(test_duties_of_pulses_stay_in_range);
     RUN_TEST(test_capacitors_are_charged_after_pulses_that_find_nothing);
     RUN_TEST(test_off_at_speed_switches_off_at_once);
     RUN_TEST(test_a_blocked_rotor_ends_in_a_start_fault);

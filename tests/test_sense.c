@@ -513,6 +513,32 @@ static void test_a_long_calibration_keeps_its_precision(void) {
     CHECK_NEAR(0.004, 32769.0, offset_of(&sense, 2));
 }
 
+// A memory that has flipped: the offset that comes of it does not fit, and is refused, with no overflow on the way.
+static void test_sums_of_no_converter_are_refused(void) {
+    const lode_sense_config_t config = board();
+    const lode_sense_tuning_t tuning = tuned(&config);
+    const lode_counts_t counts = {.i = {2048, 2048, 2048}};
+    const uint32_t means[] = {0x00800000u, 0x007FFFFFu, 0x00FFFFFFu, 0x00400000u};
+    for (int k = 0; k < COUNT_OF(means); k++) {
+        for (int phase = 0; phase < LODE_PHASES; phase++) {
+            lode_sense_t sense;
+            lode_sense_reset(&sense, &tuning);
+            const lode_sense_t before = sense;
+            const lode_sample_t sample = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
+            lode_sense_begin(&sums);
+            sums.samples = tuning.calibrate_periods - 1u;
+            for (int n = 0; n < LODE_PHASES; n++) {
+                sums.count[n] = 2048u * tuning.calibrate_periods - 2048u;
+            }
+            sums.count[phase] = means[k] * tuning.calibrate_periods - 2048u;
+            float worst;
+            TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_IMPLAUSIBLE,
+                                  lode_sense_calibrate(&sense, &sums, &tuning, &sample, &worst));
+            TEST_ASSERT_EQUAL_INT32_ARRAY(before.offset, sense.offset, LODE_PHASES);
+        }
+    }
+}
+
 static void test_reset_forgets_the_calibration(void) {
     const lode_sense_config_t config = board();
     const lode_sense_tuning_t tuning = tuned(&config);
@@ -673,6 +699,7 @@ int main(void) {
     RUN_TEST(test_the_bus_must_reach_its_voltage);
     RUN_TEST(test_range_of_the_converter);
     RUN_TEST(test_temperature_must_be_finite);
+    RUN_TEST(test_sums_of_no_converter_are_refused);
     RUN_TEST(test_shunts_are_an_enumerator);
     RUN_TEST(test_samples_are_finite_for_any_accepted_gain);
     RUN_TEST(test_design_fills_what_is_open);

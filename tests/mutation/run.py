@@ -1,4 +1,4 @@
-"""usage: run.py ROOT FOLDER [--sample N] [--seed S] [--only REGEX] [--json FILE] [--list] [--check]
+"""usage: run.py ROOT FOLDER [--sample N] [--seed S] [--only REGEX] [--jobs N] [--json FILE] [--list] [--check]
 
 Mutation test of src/ and include/ against the unit tests, tests/test_*.c. FOLDER keeps the build. Of all
 mutants N are drawn (0: all) with seed S; with --only, of those in whose name it is found. Each is run with
@@ -134,6 +134,7 @@ def options():
     parser.add_argument("--sample", type=int)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--check", action="store_true")
@@ -185,7 +186,7 @@ def main():
         return check(args.root, args.folder, every)
     start = time.monotonic()
     programs = build(args.root, args.folder, chosen)
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
+    with concurrent.futures.ThreadPoolExecutor(args.jobs) as workers:
         seen = reach(programs, args.folder, workers)
         print(f"built; the tests take {sum(s for s, _ in seen.values()):.0f} s", flush=True)
         killer = {}
