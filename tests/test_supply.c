@@ -148,6 +148,12 @@ static void test_a_side_without_limit_is_free(void) {
     little.battery_A = 0.1f;
     const lode_supply_tuning_t small = tuned(&little);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, shares(&small, &weakened).motoring);
+    const lode_telemetry_t rest = at(0.0f, (lode_dq_t){-6.0f, 0.0f});
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, shares(&small, &rest).motoring);
+    // A current that leaves no active flux is bounded all the same.
+    const lode_supply_tuning_t usual = tuned(&sound);
+    const lode_telemetry_t odd = at(900.0f, (lode_dq_t){22.0f, 0.0f});
+    TEST_ASSERT_TRUE(shares(&usual, &odd).motoring < 0.3f);
 }
 
 static void test_before_RUN_the_torque_of_i_max_counts(void) {
