@@ -241,7 +241,8 @@ static void calibrate(lode_commission_t *self, const lode_counts_t *counts) {
 // What a phase loses, as far as it is known.
 static float dead_known_V(const lode_drive_config_t *config) {
     const lode_inverter_config_t *inverter = &config->inverter;
-    return inverter->v_drop_V + inverter->v_bus_V * inverter->dead_time_s * config->f_pwm_Hz;
+    return inverter->v_drop_V + inverter->v_bus_V * inverter->dead_time_s *
+                                    lode_inverter_carrier_Hz(inverter, config->f_pwm_Hz);
 }
 
 // Phase currents at the largest length of the vector.
@@ -495,7 +496,8 @@ static void take_standstill(lode_commission_t *self) {
     motor->Ld_H = found(self, LODE_COMMISSION_LD_H);
     motor->Lq_H = found(self, LODE_COMMISSION_LQ_H);
     inverter->dead_time_s =
-        lode_max(lost_V, 0.0f) / (self->drive.inverter.v_bus_V * self->config.f_pwm_Hz);
+        lode_max(lost_V, 0.0f) /
+        (self->drive.inverter.v_bus_V * lode_inverter_carrier_Hz(inverter, self->config.f_pwm_Hz));
 }
 
 lode_commission_result_t lode_commission_work(lode_commission_t *self) {
@@ -757,7 +759,8 @@ lode_status_t lode_commission_init(lode_commission_t *self, const lode_drive_con
     const lode_motor_t *motor = &self->designed.motor;
     const float r_Ohm = motor->Rs_Ohm + self->designed.inverter.r_on_Ohm;
     const float dead_V = dead_known_V(&self->designed) +
-                         UNKNOWN_DEAD_s * config->inverter.v_bus_V * config->f_pwm_Hz;
+                         UNKNOWN_DEAD_s * config->inverter.v_bus_V *
+                             lode_inverter_carrier_Hz(&config->inverter, config->f_pwm_Hz);
     const float most_A =
         SALIENT_SHARE * motor->psi_Wb / lode_max(motor->Lq_H - motor->Ld_H, FLT_MIN);
     self->current_A = lode_min(CURRENT_SHARE * self->designed.inverter.i_max_A, most_A);

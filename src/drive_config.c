@@ -116,8 +116,9 @@ static void design_pll(lode_drive_config_t *config, float ts_s) {
 // With two low-side shunts there is no third to take the place of one that has no time: the voltage with
 // which no duty, dead-time correction included, goes beyond the window.
 static float seen_voltage_use(const lode_drive_config_t *c) {
-    const float loss = c->inverter.dead_time_s * c->f_pwm_Hz +
-                       c->inverter.v_drop_V / lode_max(c->inverter.v_bus_V, FLT_MIN);
+    const float loss =
+        c->inverter.dead_time_s * lode_inverter_carrier_Hz(&c->inverter, c->f_pwm_Hz) +
+        c->inverter.v_drop_V / lode_max(c->inverter.v_bus_V, FLT_MIN);
     return 2.0f * (c->sense.duty_max - loss) - 1.0f;
 }
 
@@ -258,6 +259,10 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
     lode_status_t status = lode_current_tune(&t->current, &c->current, &circuit, ts_s);
     if (status == LODE_OK && has_blind_sectors(c)) {
         status = LODE_ERROR_SENSE_WINDOW;
+    }
+    if (status == LODE_OK && c->inverter.double_update == LODE_ON && c->sense.duty_max < 1.0f) {
+        status =
+            LODE_ERROR_DOUBLE_UPDATE; // low-side shunts show nothing at the upper turning point
     }
     if (status == LODE_OK) {
         status = lode_references_tune(&t->references, &c->references, &c->inverter, &circuit,

@@ -50,8 +50,9 @@ lode_status_t lode_fly_tune(lode_fly_tuning_t *tuning, const lode_start_config_t
     const float rise_A =
         motor->psi_Wb * omega_max_rad_s * ts_s / lode_min(motor->Ld_H, motor->Lq_H);
     const float first = lode_min(PEAK_SHARE * inverter->i_max_A / rise_A, window(duty_max));
-    const bool flies =
-        config->pulses != LODE_OFF && config->catch_s > 0.0f && first >= 1.0f - duty_max;
+    // Low-side pulses lie about the lower turning point.
+    const bool flies = config->pulses != LODE_OFF && inverter->double_update != LODE_ON &&
+                       config->catch_s > 0.0f && first >= 1.0f - duty_max;
     *tuning = (lode_fly_tuning_t){
         .share_first = flies ? first : 0.0f,
         .share_dead = 2.0f * inverter->dead_time_s / ts_s,

@@ -68,7 +68,8 @@ static float saliency(const lode_hfi_config_t *config, const lode_hfi_system_t *
 // Of a phase: dead time and drops.
 static float dead_time_V(const lode_hfi_system_t *system) {
     const lode_inverter_config_t *inverter = system->inverter;
-    return inverter->v_bus_V * inverter->dead_time_s / system->ts_s + inverter->v_drop_V;
+    const float carrier_Hz = lode_inverter_carrier_Hz(inverter, 1.0f / system->ts_s);
+    return inverter->v_bus_V * inverter->dead_time_s * carrier_Hz + inverter->v_drop_V;
 }
 
 // The largest of what noise (H7), dead time (H9) and the dead band ask for.
@@ -185,7 +186,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
         return LODE_ERROR_HFI_LEARN;
     }
     if (config->silent != LODE_OFF && config->silent != LODE_ON) {
-        return LODE_ERROR_HFI_SILENT;
+        return LODE_ERROR_CHOICE;
     }
     *tuning = lode_hfi_none();
     if (!on) {

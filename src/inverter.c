@@ -19,7 +19,8 @@ void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *mo
     // peak. Three quarters of it, L the mean of both axes: simulated without load, half as much hunts
     // at 1500 rpm, twice as much leaves 2 degrees at 300 rpm.
     const float L_H = lode_max(motor->Ld_H + motor->Lq_H, FLT_MIN);
-    const float ripple_A = config->v_bus_V * ts_s / (3.0f * L_H);
+    const float carrier_Hz = lode_inverter_carrier_Hz(config, 1.0f / ts_s);
+    const float ripple_A = config->v_bus_V / (3.0f * carrier_Hz * L_H);
     const float i_dead_A = lode_clamp(0.75f * ripple_A, 0.01f * config->i_max_A, config->i_max_A);
     config->i_dead_A = lode_given_or(config->i_dead_A, i_dead_A);
     if (config->dead_time_correction == LODE_AUTO) {
@@ -27,6 +28,9 @@ void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *mo
     }
     if (config->dead_time_model == LODE_AUTO) {
         config->dead_time_model = LODE_OFF;
+    }
+    if (config->double_update == LODE_AUTO) {
+        config->double_update = LODE_OFF;
     }
 }
 
@@ -69,7 +73,8 @@ static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
         return LODE_ERROR_PRECHARGE;
     }
 #endif
-    if (!is_decided(config->dead_time_correction) || !is_decided(config->dead_time_model)) {
+    if (!is_decided(config->dead_time_correction) || !is_decided(config->dead_time_model) ||
+        !is_decided(config->double_update)) {
         return LODE_ERROR_CHOICE;
     }
     return LODE_OK;
@@ -85,9 +90,10 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     const bool correct = config->dead_time_correction == LODE_ON;
     const bool model = !correct && config->dead_time_model == LODE_ON;
     const float v_min_V = V_MIN_SHARE * config->v_bus_V;
-    const float dead_duty = config->dead_time_s / ts_s;
+    const float carrier_Hz = lode_inverter_carrier_Hz(config, 1.0f / ts_s);
+    const float dead_duty = config->dead_time_s * carrier_Hz;
     // Min-max centring leaves each rail half of what the span leaves over; the correction takes of it.
-    const float dead_more = DEAD_MORE_MAX_s / ts_s;
+    const float dead_more = DEAD_MORE_MAX_s * carrier_Hz;
     const float most_error = correct ? dead_duty + dead_more + config->v_drop_V / v_min_V : 0.0f;
     const float headroom = (1.0f - 2.0f * most_error) / LODE_SQRT3;
     *tuning = (lode_inverter_tuning_t){

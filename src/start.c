@@ -89,7 +89,8 @@ static float attempt_s(const lode_start_config_t *config, float ease) {
 // What nobody knows of the voltage along the start current.
 static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                        float current_A, float ts_s) {
-    const float dead_time_V = FOUR_PER_PI * inverter->v_bus_V * DEAD_TIME_UNKNOWN_s / ts_s;
+    const float carrier_Hz = lode_inverter_carrier_Hz(inverter, 1.0f / ts_s);
+    const float dead_time_V = FOUR_PER_PI * inverter->v_bus_V * DEAD_TIME_UNKNOWN_s * carrier_Hz;
     const float drop_V = RESISTANCE_UNKNOWN * (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
     return dead_time_V + drop_V;
 }

@@ -35,6 +35,7 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_SENSE_TEMPERATURE);
         NAME(LODE_ERROR_SENSE_OFFSET);
         NAME(LODE_ERROR_SENSE_WINDOW);
+        NAME(LODE_ERROR_DOUBLE_UPDATE);
         NAME(LODE_ERROR_SENSE_CALIBRATION);
         NAME(LODE_ERROR_EMF_KIND);
         NAME(LODE_ERROR_EMF_GI);
@@ -81,7 +82,6 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_HFI_SIGMA);
         NAME(LODE_ERROR_HFI_AXIS);
         NAME(LODE_ERROR_HFI_LEARN);
-        NAME(LODE_ERROR_HFI_SILENT);
         NAME(LODE_ERROR_HFI_FLUX);
         NAME(LODE_ERROR_XY_INDUCTANCE);
         NAME(LODE_ERROR_XY_BANDWIDTH);

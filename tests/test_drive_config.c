@@ -239,6 +239,20 @@ static void test_sense_must_fit_the_inverter(void) {
     }
 }
 
+static void test_double_update_needs_currents_from_the_phases(void) {
+    lode_drive_config_t config = minimal();
+    config.inverter.double_update = LODE_ON;
+    config.start.catch_s = 0.02f;
+    lode_drive_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+    TEST_ASSERT_FALSE(tuning.fly.share_first > 0.0f); // low-side pulses
+    config.sense.duty_max = 0.9f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_DOUBLE_UPDATE, lode_drive_tune(&tuning, &config));
+    config.inverter.double_update = LODE_AUTO;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+    TEST_ASSERT_TRUE(tuning.fly.share_first > 0.0f);
+}
+
 // With two low-side shunts no third one can take the place of a phase without time.
 static void test_two_shunts_bound_the_voltage(void) {
     lode_drive_config_t config = minimal();
@@ -543,6 +557,7 @@ int main(void) {
     RUN_TEST(test_negative_values_ask_for_no_default);
     RUN_TEST(test_lode_none_is_for_those_that_may_be_done_without);
     RUN_TEST(test_sense_must_fit_the_inverter);
+    RUN_TEST(test_double_update_needs_currents_from_the_phases);
     RUN_TEST(test_two_shunts_bound_the_voltage);
     RUN_TEST(test_enumerators);
     RUN_TEST(test_pole_pairs);

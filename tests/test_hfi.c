@@ -184,7 +184,7 @@ static void test_refusals(void) {
     CHECK_STATUS(LODE_ERROR_HFI_MODE, tried(&config, &machine));
     config = good;
     config.silent = (lode_choice_t)3;
-    CHECK_STATUS(LODE_ERROR_HFI_SILENT, tried(&config, &machine));
+    CHECK_STATUS(LODE_ERROR_CHOICE, tried(&config, &machine));
     config.silent = LODE_ON;
     CHECK_STATUS(LODE_OK, tried(&config, &machine));
     machine.system.active_flux = false;

@@ -16,7 +16,8 @@ static lode_inverter_config_t sound(void) {
                                     .i_dead_A = 0.5f,
                                     .pwm_ticks = 10000.0f,
                                     .dead_time_correction = LODE_ON,
-                                    .dead_time_model = LODE_OFF};
+                                    .dead_time_model = LODE_OFF,
+                                    .double_update = LODE_OFF};
 }
 
 static lode_inverter_tuning_t tuned(const lode_inverter_config_t *config) {
@@ -237,6 +238,26 @@ static void test_error_is_odd_and_rises_with_the_current(void) {
     }
 }
 
+/// (I10): half of the loss, at the ripple of a carrier period of two calls.
+static void test_double_update_has_one_edge_a_call(void) {
+    lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t once = tuned(&config);
+    config.double_update = LODE_ON;
+    const lode_inverter_tuning_t twice = tuned(&config);
+    CHECK_CLOSE(1.0e-6, 0.5 * (double)once.dead_duty, twice.dead_duty);
+    CHECK_CLOSE(1.0e-6, 0.5 * (double)once.dead_more_max, twice.dead_more_max);
+    CHECK_CLOSE(1.0e-6, 2.5e3, lode_inverter_carrier_Hz(&config, 5.0e3f));
+    const lode_motor_t motor = {.Ld_H = 3.5e-3f, .Lq_H = 9.8e-3f};
+    config.i_dead_A = 0.0f;
+    lode_inverter_design(&config, &motor, 1.0e-4f);
+    lode_inverter_config_t slow = sound();
+    slow.i_dead_A = 0.0f;
+    slow.double_update = LODE_AUTO;
+    lode_inverter_design(&slow, &motor, 2.0e-4f);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, slow.double_update);
+    CHECK_CLOSE(1.0e-6, slow.i_dead_A, config.i_dead_A);
+}
+
 static void test_tuning_of_a_configuration(void) {
     lode_inverter_config_t config = sound();
     const lode_inverter_tuning_t tuning = tuned(&config);
@@ -316,6 +337,9 @@ static void test_choices_must_be_made(void) {
         config = sound();
         config.dead_time_model = (lode_choice_t)bad[i];
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
+        config = sound();
+        config.double_update = (lode_choice_t)bad[i];
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
     }
 }
 
@@ -386,6 +410,7 @@ int main(void) {
     RUN_TEST(test_the_reciprocal_of_any_bus_stays_in_range);
     RUN_TEST(test_after_reset_nothing_is_lost);
     RUN_TEST(test_error_is_odd_and_rises_with_the_current);
+    RUN_TEST(test_double_update_has_one_edge_a_call);
     RUN_TEST(test_tuning_of_a_configuration);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_choices_must_be_made);

@@ -28,7 +28,17 @@ typedef struct {
     lode_choice_t dead_time_model;
     /// low sides alone, a fifth of each period, before all gates go on: charges bootstrap capacitors; 0: none
     float precharge_s;
+    /// two calls in a carrier period, each with half a pulse: the edges, and so the loss, of one period in two of
+    /// them. Needs currents that are sensed at the upper turning point, too; auto: off
+    lode_choice_t double_update;
 } lode_inverter_config_t;
+
+/// Share of a call's period that a leg loses for each second of dead time: how often a second both switches are off at
+/// turn-on. `f_step_Hz`: rate of the calls.
+static inline float lode_inverter_carrier_Hz(const lode_inverter_config_t *config,
+                                             float f_step_Hz) {
+    return config->double_update == LODE_ON ? 0.5f * f_step_Hz : f_step_Hz;
+}
 
 typedef struct {
     float v_min_V;   ///< least bus voltage that is divided by

@@ -34,6 +34,7 @@ typedef enum {
     LODE_ERROR_SENSE_TEMPERATURE, ///< temperature gain or offset not finite
     LODE_ERROR_SENSE_OFFSET,      ///< offsets or their tolerance outside the converter's range
     LODE_ERROR_SENSE_WINDOW,      ///< duty_max outside 0.5 .. 1
+    LODE_ERROR_DOUBLE_UPDATE,     ///< double_update with low-side shunts, duty_max below 1
     LODE_ERROR_SENSE_CALIBRATION, ///< calibrate_s outside 1 period .. 10 s
     LODE_ERROR_EMF_KIND,          ///< emf not an enumerator of an observer that is built in
     LODE_ERROR_EMF_GI,            ///< gi_kappa outside 0 .. 7, or gi_wc_rad_s outside 0.01 .. 100
@@ -82,7 +83,6 @@ typedef enum {
     LODE_ERROR_HFI_SIGMA,     ///< sigma while injecting outside 1 .. 0.1/Ts
     LODE_ERROR_HFI_AXIS,      ///< k_x_rad_A turns the axis by more than 0.5 rad at i_max_A
     LODE_ERROR_HFI_LEARN, ///< hfi.learn not a lode_choice_t, on without injection or with six phases, or off where something shall be learned
-    LODE_ERROR_HFI_SILENT, ///< hfi.silent not a lode_choice_t
     LODE_ERROR_HFI_FLUX, ///< injection with estimator.active_flux off: nothing would show the d axis
     LODE_ERROR_XY_INDUCTANCE, ///< Lxy_H outside 1e-7 .. 10
     LODE_ERROR_XY_BANDWIDTH, ///< xy bandwidth outside 1 .. 0.4/Ts, or resonance above a quarter of it

@@ -52,6 +52,8 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_SENSE_OFFSET, "drive.i_offset_tol_count drive.adc_bits", NULL,
      "within the converter's range"},
     {LODE_ERROR_SENSE_WINDOW, "drive.duty_max", NULL, "0.5 .. 1"},
+    {LODE_ERROR_DOUBLE_UPDATE, "drive.double_update", "drive.duty_max",
+     "off, or currents sensed in the phases: duty_max 1"},
     {LODE_ERROR_SENSE_CALIBRATION, "drive.calibrate_s drive.i_noise_count", "drive.f_pwm_Hz",
      "calibrate_s 1 period .. 10 s, at most 65536 periods; i_noise_count 0, or 0.4 .. 64 and at "
      "least 256 periods"},
@@ -146,7 +148,6 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_HFI_AXIS, "hfi.k_x_rad_A", "drive.i_max_A", "within +-0.5/i_max_A"},
     {LODE_ERROR_HFI_LEARN, "hfi.learn", "hfi.mode",
      "auto, on or off; on with injection of three phases only"},
-    {LODE_ERROR_HFI_SILENT, "hfi.silent", NULL, "auto, on or off"},
     {LODE_ERROR_HFI_FLUX, "estimator.active_flux", "hfi.mode", "on, with injection"},
     {LODE_ERROR_XY_INDUCTANCE, "motor.Lxy_H", NULL, "1e-7 .. 10"},
     {LODE_ERROR_XY_BANDWIDTH, "xy.bandwidth_rad_s xy.resonance_rad_s", "drive.f_pwm_Hz",

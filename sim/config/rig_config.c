@@ -336,6 +336,7 @@ static void describe_inverter(const rig_config_t *config, plant_config_t *plant)
     const lode_inverter_config_t *inverter = &config->drive.inverter;
     plant->level = (plant_level_t)truth->inverter;
     plant->period_s = 1.0 / (double)config->drive.f_pwm_Hz;
+    plant->double_update = inverter->double_update == LODE_ON;
     plant->v_bus_V = or_else(truth->v_bus_V, (double)inverter->v_bus_V);
     plant->bus_C_F = or_else(truth->bus_C_F, 0.0);
     plant->chopper_R_Ohm = or_else(truth->chopper_R_Ohm, or_else(config->chopper.R_Ohm, 0.0));

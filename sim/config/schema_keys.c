@@ -64,6 +64,7 @@ static const rig_key_t keys[] = {
     CHOICE("drive", "dead_time_correction", drive.inverter.dead_time_correction, "auto|on|off",
            NULL),
     CHOICE("drive", "dead_time_model", drive.inverter.dead_time_model, "auto|on|off", NULL),
+    CHOICE("drive", "double_update", drive.inverter.double_update, "auto|on|off", NULL),
     CHOICE("drive", "shunts", drive.sense.shunts, "three|two", NULL),
     NUMBER("drive", "adc_bits", board.adc_bits, 4.0, 16.0),
     NUMBER("drive", "i_range_A", board.i_range_A, 1e-3, 1e5),

@@ -73,8 +73,9 @@ typedef struct {
 
     // Inverter.
     plant_level_t level;
-    double period_s; ///< PWM period
-    double v_bus_V;  ///< at the start; see plant_set_bus
+    double period_s;    ///< from call to call: a PWM period
+    bool double_update; ///< or half of one
+    double v_bus_V;     ///< at the start; see plant_set_bus
     /// capacitor behind a rectifier, which charges it to v_bus_V and takes nothing back; 0: a stiff source, a
     /// battery say. It follows once a period, and needs keeps_accounts
     double bus_C_F;

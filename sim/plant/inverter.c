@@ -25,7 +25,7 @@ void plant_inverter_init(plant_inverter_t *self, const plant_config_t *config) {
                   .floating = {PLANT_NONE_FLOATS, PLANT_NONE_FLOATS}},
     };
     for (int n = 0; n < PLANT_LEGS; n++) {
-        plant_pwm_init(&self->leg[n].pwm);
+        plant_pwm_init(&self->leg[n].pwm, config->double_update);
     }
 }
 

@@ -1,7 +1,9 @@
 #include "plant/pwm.h"
 
-void plant_pwm_init(plant_pwm_t *self) {
-    *self = (plant_pwm_t){.gate = PLANT_GATE_OFF, .wanted = PLANT_GATE_OFF};
+void plant_pwm_init(plant_pwm_t *self, bool double_update) {
+    *self = (plant_pwm_t){.part = double_update ? PLANT_RISING_HALF : PLANT_PERIOD,
+                          .gate = PLANT_GATE_OFF,
+                          .wanted = PLANT_GATE_OFF};
 }
 
 static void add_edge(plant_pwm_t *self, double at_s, plant_gate_t gate) {
@@ -42,8 +44,37 @@ static bool schedule_pulse(plant_pwm_t *self, plant_duty_t duty, double period_s
     return true;
 }
 
+/// One half of a carrier period: an edge at most.
+static void schedule_half(plant_pwm_t *self, plant_duty_t duty, plant_gate_t high, double period_s,
+                          double dead_time_s, plant_part_t part) {
+    const bool rises = part == PLANT_RISING_HALF;
+    const double share = rises ? duty.rise : duty.fall;
+    const bool begins_high = rises ? share >= 1.0 : share > 0.0;
+    ask(self, 0.0, begins_high ? high : PLANT_GATE_LOW, dead_time_s);
+    if (share > 0.0 && share < 1.0) {
+        ask(self, (rises ? 1.0 - share : share) * period_s, rises ? high : PLANT_GATE_LOW,
+            dead_time_s);
+    }
+}
+
+static void schedule_period(plant_pwm_t *self, plant_duty_t duty, plant_gate_t high,
+                            double period_s, double dead_time_s) {
+    const bool pulse = duty.rise > 0.0 || duty.fall > 0.0;
+    ask(self, 0.0, duty.rise >= 1.0 ? high : PLANT_GATE_LOW, dead_time_s);
+    if (pulse && duty.rise < 1.0) {
+        ask(self, 0.5 * (1.0 - duty.rise) * period_s, high, dead_time_s);
+    }
+    if (pulse && duty.fall < 1.0) {
+        ask(self, 0.5 * (1.0 + duty.fall) * period_s, PLANT_GATE_LOW, dead_time_s);
+    }
+}
+
 void plant_pwm_schedule(plant_pwm_t *self, plant_duty_t duty, plant_gates_t gates, double period_s,
                         double dead_time_s) {
+    const plant_part_t part = self->part;
+    if (part != PLANT_PERIOD) {
+        self->part = part == PLANT_RISING_HALF ? PLANT_FALLING_HALF : PLANT_RISING_HALF;
+    }
     self->edges = 0;
     self->next = 0;
     if (gates == PLANT_GATES_OFF) {
@@ -53,16 +84,12 @@ void plant_pwm_schedule(plant_pwm_t *self, plant_duty_t duty, plant_gates_t gate
         return;
     }
     const plant_gate_t high = gates == PLANT_GATES_LOW ? PLANT_GATE_OFF : PLANT_GATE_HIGH;
-    const bool pulse = duty.rise > 0.0 || duty.fall > 0.0;
-    if (gates == PLANT_GATES_ON && schedule_pulse(self, duty, period_s, dead_time_s)) {
+    if (part != PLANT_PERIOD) {
+        schedule_half(self, duty, high, period_s, dead_time_s, part);
+    } else if (gates == PLANT_GATES_ON && schedule_pulse(self, duty, period_s, dead_time_s)) {
         return;
-    }
-    ask(self, 0.0, duty.rise >= 1.0 ? high : PLANT_GATE_LOW, dead_time_s);
-    if (pulse && duty.rise < 1.0) {
-        ask(self, 0.5 * (1.0 - duty.rise) * period_s, high, dead_time_s);
-    }
-    if (pulse && duty.fall < 1.0) {
-        ask(self, 0.5 * (1.0 + duty.fall) * period_s, PLANT_GATE_LOW, dead_time_s);
+    } else {
+        schedule_period(self, duty, high, period_s, dead_time_s);
     }
     if (self->waiting && self->ready_s < period_s) {
         add_edge(self, self->ready_s, self->wanted);

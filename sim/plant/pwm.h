@@ -20,7 +20,12 @@ typedef struct {
 
 enum { PLANT_EDGES = 8 };
 
+/// What of a carrier period is scheduled: all of it, or with double update the half up to its middle, whose pulse lies
+/// at its end, or the other, whose pulse lies at its beginning.
+typedef enum { PLANT_PERIOD, PLANT_RISING_HALF, PLANT_FALLING_HALF } plant_part_t;
+
 typedef struct {
+    plant_part_t part;              ///< that is scheduled next
     plant_edge_t edge[PLANT_EDGES]; ///< of this period, in order of time
     int edges;
     int next;            ///< first edge still to come
@@ -30,14 +35,15 @@ typedef struct {
     double ready_s;      ///< ... and turns on at this time
 } plant_pwm_t;
 
-void plant_pwm_init(plant_pwm_t *self);
+void plant_pwm_init(plant_pwm_t *self, bool double_update);
 
 /// Duties of the two halves of a period; equal where the pulse lies in its middle.
 typedef struct {
     double rise, fall;
 } plant_duty_t;
 
-/// Lays out the edges of the period that begins now. A duty of 0 or 1 makes none.
+/// Lays out the edges of the period that begins now, which is the next half with double update. A duty of 0 or 1 makes
+/// none.
 void plant_pwm_schedule(plant_pwm_t *self, plant_duty_t duty, plant_gates_t gates, double period_s,
                         double dead_time_s);
 

@@ -71,6 +71,15 @@ def silent(checks, folder):
     checks.equal(done.returncode, 0, f"starts: {done.stdout[-300:]}")
 
 
+def double_update(checks, folder):
+    """Two calls a carrier, and the wave of twice the voltage in half the time; and the main job so."""
+    twice = ["drive.f_pwm_Hz=10000", "drive.double_update=on"]
+    for more in ["hfi.silent=off", "hfi.silent=on"]:
+        for scenario in ["zero_speed", "zero_reversal"]:
+            run(checks, folder, scenario, [*twice, "hfi.V_h_V=50", more], seed=3)
+    run(checks, folder, "main", twice)
+
+
 def six_phases(checks, folder):
     """Injection in the plane of both sets, also with parameters that are wrong; one that opens is named."""
     for seed, sets in [(1, []), (2, ["motor.Lq_H=20e-3", "motor.Rs_Ohm=1"]),
@@ -126,6 +135,7 @@ def main():
         mismatch(checks, folder)
         without_disturbance_state(checks, folder)
         silent(checks, folder)
+        double_update(checks, folder)
         six_phases(checks, folder)
         handover(checks, folder)
         columns(checks, folder)

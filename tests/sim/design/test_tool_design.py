@@ -254,7 +254,7 @@ def injection(checks, folder):
     checks.true("not possible: the configuration is refused with it (LODE_ERROR_HFI_SIGMA)" in other,
                 "why not, of another")
     six = folder.run("design", "--motor", "ultrazohm6", "--drive", "ultrazohm6").stdout
-    checks.true("signal injection" not in six, "not for six phases")
+    checks.true("possible: hfi.mode = on" in six, "six phases, too")
 
 
 def main():

@@ -820,7 +820,7 @@ static void test_zero_current_clamping(void) {
 
 /// Never both gates of a leg, always the whole dead time between them, order of time kept: also
 /// across periods, for pulses shorter than the dead time, and after gates off.
-static void test_gate_edges(void) {
+static void check_gate_edges(bool double_update) {
     const double period = 200e-6, dead = 4e-6;
     const double corner[8] = {0.0, 1.0, 0.005, 0.995, 0.02, 0.98, 0.5, 0.039};
     plant_noise_t noise;
@@ -828,7 +828,7 @@ static void test_gate_edges(void) {
     double off_since = -1.0, last = -1.0, high_time = 0.0;
     plant_gate_t before = PLANT_GATE_OFF;
     plant_noise_init(&noise, 7);
-    plant_pwm_init(&pwm);
+    plant_pwm_init(&pwm, double_update);
     for (int k = 0; k < 20000; k++) {
         const double pick = fabs(plant_noise_next(&noise));
         const double duty = pick < 1.0 ? corner[(int)(8.0 * pick)] : fmin(pick - 1.0, 1.0);
@@ -856,10 +856,44 @@ static void test_gate_edges(void) {
     TEST_ASSERT_TRUE(high_time > 0.1);
 }
 
+static void test_gate_edges(void) {
+    check_gate_edges(false);
+    check_gate_edges(true);
+}
+
+/// With double update the pulse is at the end of one half and at the beginning of the other: the edge between them
+/// is none, and each half has the dead time of one edge.
+static void test_double_update(void) {
+    const double at[2][2] = {{75e-6, 77e-6}, {25e-6, 27e-6}};
+    const plant_gate_t last[2] = {PLANT_GATE_HIGH, PLANT_GATE_LOW};
+    plant_pwm_t pwm;
+    plant_pwm_init(&pwm, true);
+    for (int half = 0; half < 4; half++) {
+        plant_pwm_schedule(&pwm, (plant_duty_t){0.25, 0.25}, true, 100e-6, 2e-6);
+        (void)plant_pwm_apply(&pwm, 100e-6);
+        if (half >= 2) { // both begin with no gate on
+            TEST_ASSERT_EQUAL(2, pwm.edges);
+            TEST_ASSERT_EQUAL(PLANT_GATE_OFF, pwm.edge[0].gate);
+            TEST_ASSERT_EQUAL(last[half % 2], pwm.edge[1].gate);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-15, at[half % 2][0], pwm.edge[0].at_s);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-15, at[half % 2][1], pwm.edge[1].at_s);
+        }
+    }
+    // No duty, and all of it: no edges, whatever the half.
+    for (int all = 0; all < 2; all++) {
+        for (int half = 0; half < 4; half++) {
+            plant_pwm_schedule(&pwm, (plant_duty_t){all, all}, true, 100e-6, 2e-6);
+            (void)plant_pwm_apply(&pwm, 100e-6);
+            TEST_ASSERT_EQUAL(half == 0 ? pwm.edges : 0, pwm.edges);
+        }
+        TEST_ASSERT_EQUAL(all ? PLANT_GATE_HIGH : PLANT_GATE_LOW, pwm.gate);
+    }
+}
+
 /// The high side is on in the middle of the period: realised by the edges themselves.
 static void test_pwm_is_centred(void) {
     plant_pwm_t pwm;
-    plant_pwm_init(&pwm);
+    plant_pwm_init(&pwm, false);
     plant_pwm_schedule(&pwm, (plant_duty_t){0.25, 0.25}, true, 100e-6, 2e-6);
     plant_pwm_schedule(&pwm, (plant_duty_t){0.25, 0.25}, true, 100e-6, 2e-6);
     TEST_ASSERT_EQUAL(4, pwm.edges);
@@ -874,7 +908,7 @@ static void test_pwm_is_centred(void) {
 /// A dead time that began at the end of a period ends in the next one.
 static void test_dead_time_carries_over(void) {
     plant_pwm_t pwm;
-    plant_pwm_init(&pwm);
+    plant_pwm_init(&pwm, false);
     plant_pwm_schedule(&pwm, (plant_duty_t){0.98, 0.98}, true, 100e-6, 2e-6); // falls at 99 us
     plant_pwm_schedule(&pwm, (plant_duty_t){0.50, 0.50}, true, 100e-6, 2e-6);
     TEST_ASSERT_EQUAL(5, pwm.edges);
@@ -1807,6 +1841,7 @@ int main(void) {
     RUN_TEST(test_duty_range);
     RUN_TEST(test_zero_current_clamping);
     RUN_TEST(test_gate_edges);
+    RUN_TEST(test_double_update);
     RUN_TEST(test_pwm_is_centred);
     RUN_TEST(test_dead_time_carries_over);
     RUN_TEST(test_phases_are_alike);
