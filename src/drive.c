@@ -582,16 +582,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
         if (!self->gates) {
             return end_idle(self);
         }
-        if (lode_mode(self) != LODE_MODE_RUN) {
-            if (!lode_estimator_injects(&self->estimator)) { // then it is the rotor's
-                frame = lode_drive_control_frame(self, sample);
-            }
-        } else if (!lode_drive_speed_once(self)) {
-            lode_drive_fast_speed(self);
-        } else {
-            // once in a round, in its slot
-        }
-        given = lode_mode_is_voltage(self);
+        given = lode_drive_by_mode(self, sample, &frame);
     }
     const float left_V = lode_drive_left_V(self, sample->v_bus_V);
     const bool free = lode_drive_control(self, tuning, &frame, left_V, given);

@@ -390,16 +390,7 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
         if (!drive->gates) {
             return end_idle(self);
         }
-        if (lode_mode(drive) != LODE_MODE_RUN) {
-            if (!lode_estimator_injects(&drive->estimator)) { // then it is the rotor's
-                frame = lode_drive_control_frame(drive, &sample->machine);
-            }
-        } else if (!lode_drive_speed_once(drive)) {
-            lode_drive_fast_speed(drive);
-        } else {
-            // once in a round, in its slot
-        }
-        given = lode_mode_is_voltage(drive);
+        given = lode_drive_by_mode(drive, &sample->machine, &frame);
     }
     const float left_V = lode_drive_left_V(drive, sample->machine.v_bus_V);
     const bool free = lode_drive_control(drive, drive->tuning, &frame, left_V, given);

@@ -96,6 +96,20 @@ LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
 #endif
 }
 
+// What an unsteady mode has of its own: the frame of control, and speed control in every period. True: it gives the
+// voltage itself.
+LODE_INLINE bool lode_drive_by_mode(lode_drive_t *self, const lode_sample_t *sample,
+                                    lode_frame_t *frame) {
+    const bool runs = lode_mode(self) == LODE_MODE_RUN;
+    if (!runs && !lode_estimator_injects(&self->estimator)) { // with injection it is the rotor's
+        *frame = lode_drive_control_frame(self, sample);
+    }
+    if (runs && !lode_drive_speed_once(self)) {
+        lode_drive_fast_speed(self);
+    }
+    return lode_mode_is_voltage(self);
+}
+
 // Too slow to run on, and not about to speed up.
 LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
     return !lode_mode_is_sensored(self) && !(self->command.speed_rad_s * self->direction > 0.0f) &&
