@@ -29,9 +29,6 @@ void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *mo
     if (config->dead_time_model == LODE_AUTO) {
         config->dead_time_model = LODE_OFF;
     }
-    if (config->double_update == LODE_AUTO) {
-        config->double_update = LODE_OFF;
-    }
 }
 
 static bool is_decided(lode_choice_t choice) {
@@ -74,7 +71,7 @@ static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
     }
 #endif
     if (!is_decided(config->dead_time_correction) || !is_decided(config->dead_time_model) ||
-        !is_decided(config->double_update)) {
+        (!is_decided(config->double_update) && config->double_update != LODE_AUTO)) {
         return LODE_ERROR_CHOICE;
     }
     return LODE_OK;
