@@ -29,7 +29,7 @@ LODE_INLINE void lode_hfi_demodulate(lode_hfi_t *self, const lode_hfi_tuning_t *
     const float swing_V = h_V - self->h_V;
     const float moved_V = q_V - self->q_V;
     const bool alternates = self->random == 0u;
-    if (alternates || self->first) { // else between two pairs, whose signs may be the same
+    if (alternates || self->first != 0u) { // else between two pairs, whose signs may be the same
         self->error = moved_V * swing_V / lode_max(swing_V * swing_V, tuning->least_V2);
         self->sum_V += (alternates ? 1.0f : 2.0f) * lode_abs(swing_V);
     }
@@ -66,7 +66,7 @@ LODE_INLINE lode_dq_t lode_hfi_less_ripple(lode_hfi_t *self, lode_dq_t i_A) {
     const lode_dq_t last_A = self->i_A;
     self->i_A = i_A;
     if (self->random != 0u) {
-        return self->first ? i_A : last_A;
+        return self->first != 0u ? i_A : last_A;
     }
     return (lode_dq_t){0.5f * (i_A.d + last_A.d), 0.5f * (i_A.q + last_A.q)};
 }
@@ -77,8 +77,8 @@ LODE_INLINE bool lode_hfi_turns(lode_hfi_t *self) {
     if (self->random == 0u) {
         return true;
     }
-    self->first = !self->first;
-    if (!self->first) {
+    self->first = (uint_least16_t)(self->first != 0u ? 0u : 1u);
+    if (self->first == 0u) {
         return true;
     }
     const uint32_t random = self->random;

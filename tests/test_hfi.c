@@ -403,14 +403,14 @@ static void test_the_ripple_drops_out(void) {
 /// Of a pair the current is taken at its ends, and the error from its middle to its end (H22).
 static void test_pairs_of_waves(void) {
     const lode_hfi_tuning_t tuning = paper_tuning();
-    lode_hfi_t hfi = {.random = 1u, .first = true, .i_A = {0.5f, 4.0f}};
+    lode_hfi_t hfi = {.random = 1u, .first = 1u, .i_A = {0.5f, 4.0f}};
     lode_dq_t i_A = lode_hfi_less_ripple(&hfi, (lode_dq_t){0.6f, 4.1f}); // between two pairs
     CHECK_NEAR(1.0e-7, 0.6, i_A.d);
     CHECK_NEAR(1.0e-7, 4.1, i_A.q);
     lode_hfi_demodulate(&hfi, &tuning, 1.0f, (lode_dq_t){0.0f, -2.0f}, (lode_dq_t){-99.4f, 4.1f});
     CHECK_NEAR(1.0e-6, 0.02, hfi.error); // 2 V of 100
     CHECK_NEAR(1.0e-4, 200.0, hfi.sum_V);
-    hfi.first = false; // in its middle
+    hfi.first = 0u; // in its middle
     i_A = lode_hfi_less_ripple(&hfi, (lode_dq_t){2.0f, 4.2f});
     CHECK_NEAR(1.0e-7, 0.6, i_A.d);
     const float held = hfi.error;
@@ -890,6 +890,14 @@ static void test_polarity_by_the_difference_of_the_responses(void) {
     TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided_in_noise(&tuning, 100.0f, 103.0f, 2.8f));
 }
 
+/// Of a period that does not inject the same members are read by either name.
+static void test_what_both_states_share_lies_in_one_place(void) {
+    TEST_ASSERT_EQUAL_INT(offsetof(lode_hfi_t, active), offsetof(lode_estimator_alone_t, active));
+    TEST_ASSERT_EQUAL_INT(offsetof(lode_hfi_t, step), offsetof(lode_estimator_alone_t, step));
+    TEST_ASSERT_EQUAL_INT(offsetof(lode_hfi_t, reserve_V),
+                          offsetof(lode_estimator_alone_t, reserve_V));
+}
+
 static void test_off_is_off_to_the_bit(void) {
     static rig_t plain;
     static rig_t rig;
@@ -968,6 +976,7 @@ int main(void) {
     RUN_TEST(test_a_drive_that_cannot_inject_is_refused);
     RUN_TEST(test_an_axis_that_is_not_found_is_given_up);
     RUN_TEST(test_polarity_by_the_difference_of_the_responses);
+    RUN_TEST(test_what_both_states_share_lies_in_one_place);
     RUN_TEST(test_off_is_off_to_the_bit);
     RUN_TEST(test_what_is_not_finite_is_left_behind);
     return UNITY_END();

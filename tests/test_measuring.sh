@@ -41,7 +41,7 @@ for core in 3 4 7 33; do
     $gcc "${common[@]}" -O2 "-mcpu=cortex-m$core" -mthumb -DCORTEX_M "-D__CORTEX_M=${core}U" \
         '-DCOUNTER="cortex_m.h"' -c "$here/target.c" -o "$work/m.o" || fail "Cortex-M$core: does not compile"
     unlocks=0
-    ! arm-none-eabi-objdump -d "$work/m.o" | grep -q -i c5acce55 || unlocks=1
+    ! arm-none-eabi-objdump -d "$work/m.o" | grep -i c5acce55 >/dev/null || unlocks=1
     [ $unlocks = $((core == 7)) ] || fail "Cortex-M$core: the key to the lock is for the M7 alone"
 done
 r5f=(-mcpu=cortex-r5 -marm -mfpu=vfpv3-d16 -mfloat-abi=hard '-DCOUNTER="cortex_r5f.h"' -O2)

@@ -92,22 +92,22 @@ typedef struct {
     bool active;           ///< injecting
     uint_least8_t step;    ///< lode_hfi_step_t of a start
     uint_least16_t rounds; ///< in it
-    uint_least16_t random; ///< of the signs, a shift register; 0: they alternate
-    bool first;            ///< the last wave was the first of its pair
     float
         reserve_V; ///< bus voltage that current control leaves to the wave; 0: nothing is injected
-    float wave_V;  ///< added along the axis in the last duties: V_h or -V_h
-    float weight;  ///< of its position error beside the EMF's (H11)
-    float error;   ///< its position error at t_k, rad (H3), not limited
-    float q_V;     ///< dead-beat EMF across the axis (H1)
-    float h_V;     ///< regressor (H1)
-    float sum_V;   ///< magnitudes of H, by which it moves in a period, since the last look
-    float swing_V; ///< their mean in the last round
-    float off_rad; ///< mean magnitude of the error
-    float iq_A;    ///< low-passed
-    float axis;    ///< tangent of the angle to it from the estimated d axis, by cross-saturation
-    lode_dq_t i_A; ///< current in the rotor's frame at t_k, ripple included
-    float along_V; ///< sum of swing_V with current along the axis
+    uint_least16_t random; ///< of the signs, a shift register; 0: they alternate
+    uint_least16_t first;  ///< 1: the last wave was the first of its pair
+    float wave_V;          ///< added along the axis in the last duties: V_h or -V_h
+    float weight;          ///< of its position error beside the EMF's (H11)
+    float error;           ///< its position error at t_k, rad (H3), not limited
+    float q_V;             ///< dead-beat EMF across the axis (H1)
+    float h_V;             ///< regressor (H1)
+    float sum_V;           ///< magnitudes of H, by which it moves in a period, since the last look
+    float swing_V;         ///< their mean in the last round
+    float off_rad;         ///< mean magnitude of the error
+    float iq_A;            ///< low-passed
+    float axis;       ///< tangent of the angle to it from the estimated d axis, by cross-saturation
+    lode_dq_t i_A;    ///< current in the rotor's frame at t_k, ripple included
+    float along_V;    ///< sum of swing_V with current along the axis
     float against_V;  ///< and against it
     float before_V;   ///< swing_V of the round before
     float scatter_V2; ///< sum of squares of what it moves by from round to round
