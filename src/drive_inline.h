@@ -318,7 +318,9 @@ LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_frame_t *
     if (lode_estimator_injects(&self->estimator)) {
         // The measured current is two periods old: near its zero, where the correction moves it along the d axis,
         // that left 0.25 V of EMF across the rotor (H19).
-        return (lode_asked_t){lode_hfi_add_wave(&self->estimator.by.hfi, self->u_V), self->ref_A};
+        const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
+        return (lode_asked_t){lode_hfi_add_wave(&self->estimator.by.hfi, tuning, self->u_V),
+                              self->ref_A};
     }
 #endif
     return (lode_asked_t){self->u_V, frame->i_A};

@@ -218,20 +218,41 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
 
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A) {
     *self = (lode_hfi_t){.active = true,
-                         .random = tuning->silent, // not 0: any beginning will do
-                         .wave_V = tuning->V_h_V,
+                         .signs = tuning->silent, // a shift register may begin with all but 0
                          .weight = 1.0f,
-                         .iq_A = i_A.q,
                          .i_A = i_A};
 }
 
+static uint32_t polar_rounds(const lode_hfi_tuning_t *tuning) {
+    return ((uint32_t)tuning->find_rounds + 1u) / 2u;
+}
+
+// (H15): the iron of a magnet's north saturates with current along it. `heard`: of the later half of either.
+static lode_hfi_step_t polarity(const lode_hfi_responses_t *heard,
+                                const lode_hfi_tuning_t *tuning) {
+    const uint32_t each = polar_rounds(tuning) - polar_rounds(tuning) / 2u;
+    const float along_V = heard->along_V;
+    const float against_V = heard->against_V;
+    const float more_V = along_V - against_V;
+    const float least_V = POLAR_LEAST * (along_V + against_V);
+    const float scatter_V2 = heard->squares_V2 - (along_V * along_V + against_V * against_V) /
+                                                     lode_max((float)each, 1.0f);
+    const float least_V2 = POLAR_DEVIATIONS * POLAR_DEVIATIONS * scatter_V2; // (H21)
+    if (more_V * more_V <= lode_max(least_V * least_V, least_V2)) {
+        return LODE_HFI_UNDECIDED;
+    }
+    return more_V > 0.0f ? LODE_HFI_RIGHT : LODE_HFI_WRONG;
+}
+
 static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
+    const lode_hfi_responses_t *heard = &self->of.heard;
     switch ((lode_hfi_step_t)self->step) {
     case LODE_HFI_FIND:
         if (self->off_rad <= FOUND_rad) {
             return LODE_HFI_NORTH;
         }
-        return self->rounds < FIND_TIMES * tuning->find_rounds ? LODE_HFI_FIND : LODE_HFI_UNDECIDED;
+        return heard->rounds < FIND_TIMES * tuning->find_rounds ? LODE_HFI_FIND
+                                                                : LODE_HFI_UNDECIDED;
     case LODE_HFI_NORTH:
         return LODE_HFI_SOUTH;
     case LODE_HFI_SOUTH:
@@ -239,39 +260,34 @@ static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t
     case LODE_HFI_WRONG:
     case LODE_HFI_UNDECIDED:
     default:
-        break;
+        return polarity(heard, tuning);
     }
-    // (H15): the iron of a magnet's north saturates with current along it.
-    const float more_V = self->along_V - self->against_V;
-    const float least_V = POLAR_LEAST * (self->along_V + self->against_V);
-    const float least_V2 = 0.5f * POLAR_DEVIATIONS * POLAR_DEVIATIONS * self->scatter_V2;
-    if (more_V * more_V <= lode_max(least_V * least_V, least_V2)) {
-        return LODE_HFI_UNDECIDED;
-    }
-    return more_V > 0.0f ? LODE_HFI_RIGHT : LODE_HFI_WRONG;
 }
 
-// The response of a round, to current along the axis or against it.
-static void take_response(lode_hfi_t *self, float *sum_V) {
-    const float moved_V = *sum_V > 0.0f ? self->swing_V - self->before_V : 0.0f;
-    self->scatter_V2 += moved_V * moved_V;
-    self->before_V = self->swing_V;
-    *sum_V += self->swing_V;
+// The step is over.
+static void go_on(lode_hfi_t *self, lode_hfi_step_t next) {
+    if (next == LODE_HFI_FIND) {
+        return; // for longer
+    }
+    self->step = (uint_least8_t)next;
+    self->of.heard.rounds = 0u;
+    if (next == LODE_HFI_RIGHT || next == LODE_HFI_WRONG) {
+        self->of.iq_A = self->i_A.q;
+    }
 }
 
 float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_max_A) {
     const bool finding = self->step == (uint_least8_t)LODE_HFI_FIND;
-    const uint32_t polar_rounds = ((uint32_t)tuning->find_rounds + 1u) / 2u;
-    const uint32_t rounds = finding ? tuning->find_rounds : polar_rounds;
-    self->rounds++;
-    if (!finding && 2u * self->rounds > rounds) { // the current has settled
-        take_response(self, self->step == (uint_least8_t)LODE_HFI_NORTH ? &self->along_V
-                                                                        : &self->against_V);
+    const uint32_t rounds = finding ? tuning->find_rounds : polar_rounds(tuning);
+    lode_hfi_responses_t *heard = &self->of.heard;
+    heard->rounds++;
+    if (!finding && 2u * heard->rounds > rounds) { // the current has settled
+        *(self->step == (uint_least8_t)LODE_HFI_NORTH ? &heard->along_V : &heard->against_V) +=
+            self->swing_V;
+        heard->squares_V2 += self->swing_V * self->swing_V;
     }
-    if (self->rounds >= rounds) {
-        const lode_hfi_step_t next = next_step(self, tuning);
-        self->rounds = next == LODE_HFI_FIND ? self->rounds : 0u;
-        self->step = (uint_least8_t)next;
+    if (heard->rounds >= rounds) {
+        go_on(self, next_step(self, tuning));
     }
     const float polar_A = POLAR_SHARE * i_max_A;
     if (self->step == (uint_least8_t)LODE_HFI_NORTH) {
@@ -281,7 +297,7 @@ float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_m
 }
 
 void lode_hfi_turn_round(lode_hfi_t *self) {
-    self->iq_A = -self->iq_A;
+    self->of.iq_A = -self->of.iq_A;
     self->i_A = (lode_dq_t){-self->i_A.d, -self->i_A.q};
     self->h_V = -self->h_V;
     self->q_V = -self->q_V;
@@ -296,11 +312,12 @@ bool lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_
     }
     if (!self->active) {
         lode_hfi_begin(self, tuning, i_A);
+        self->of.iq_A = i_A.q;
     }
     self->weight = lode_clamp((tuning->omega_high - speed) * tuning->inv_span, 0.0f, 1.0f);
     if (lode_abs(tuning->k_x) > 0.0f) {
-        self->iq_A += tuning->iq_weight * (self->i_A.q - self->iq_A);
-        const float eps = lode_clamp(tuning->k_x * self->iq_A, -AXIS_MAX_rad, AXIS_MAX_rad);
+        self->of.iq_A += tuning->iq_weight * (self->i_A.q - self->of.iq_A);
+        const float eps = lode_clamp(tuning->k_x * self->of.iq_A, -AXIS_MAX_rad, AXIS_MAX_rad);
         self->axis = eps * (1.0f + 1.0f / 3.0f * eps * eps); // tan, to 1 % at its limit
     }
     return true;

@@ -28,8 +28,9 @@ LODE_INLINE void lode_hfi_demodulate(lode_hfi_t *self, const lode_hfi_tuning_t *
     const float q_V = m_V.q - axis * m_V.d;
     const float swing_V = h_V - self->h_V;
     const float moved_V = q_V - self->q_V;
-    const bool alternates = self->random == 0u;
-    if (alternates || self->first != 0u) { // else between two pairs, whose signs may be the same
+    const bool alternates = (self->signs & LODE_HFI_RANDOM) == 0u;
+    if (alternates || (self->signs & LODE_HFI_FIRST) !=
+                          0u) { // else between two pairs, whose signs may be the same
         self->error = moved_V * swing_V / lode_max(swing_V * swing_V, tuning->least_V2);
         self->sum_V += (alternates ? 1.0f : 2.0f) * lode_abs(swing_V);
     }
@@ -65,32 +66,34 @@ LODE_INLINE float lode_hfi_blend(const lode_hfi_t *self, float error_rad) {
 LODE_INLINE lode_dq_t lode_hfi_less_ripple(lode_hfi_t *self, lode_dq_t i_A) {
     const lode_dq_t last_A = self->i_A;
     self->i_A = i_A;
-    if (self->random != 0u) {
-        return self->first != 0u ? i_A : last_A;
+    if ((self->signs & LODE_HFI_RANDOM) != 0u) {
+        return (self->signs & LODE_HFI_FIRST) != 0u ? i_A : last_A;
     }
     return (lode_dq_t){0.5f * (i_A.d + last_A.d), 0.5f * (i_A.q + last_A.q)};
 }
 
-// The sign of the first wave of a pair; the second has the other one. A maximal sequence of 65535 (x^16 + x^14 +
-// x^13 + x^11 + 1).
-LODE_INLINE bool lode_hfi_turns(lode_hfi_t *self) {
-    if (self->random == 0u) {
-        return true;
+// The next wave's. The sign of the first of a pair is random, by a maximal sequence of 16383 (x^14 + x^13 + x^12 +
+// x^2 + 1); the second has the other one.
+LODE_INLINE uint32_t lode_hfi_next_signs(uint32_t signs) {
+    const uint32_t turned = signs ^ LODE_HFI_NEGATIVE;
+    const uint32_t random = signs & LODE_HFI_RANDOM;
+    if (random == 0u) {
+        return turned;
     }
-    self->first = (uint_least16_t)(self->first != 0u ? 0u : 1u);
-    if (self->first == 0u) {
-        return true;
+    if ((signs & LODE_HFI_FIRST) != 0u) {
+        return turned ^ LODE_HFI_FIRST;
     }
-    const uint32_t random = self->random;
-    const uint32_t last = random & 1u;
-    self->random = (uint_least16_t)((random >> 1) ^ (last > 0u ? 0xB400u : 0u));
-    return last > 0u;
+    const bool turns = (random & 1u) != 0u;
+    const uint32_t sign = (turns ? turned : signs) & LODE_HFI_NEGATIVE;
+    return sign | LODE_HFI_FIRST | ((random >> 1) ^ (turns ? 0x3802u : 0u));
 }
 
 // `u_V` of current control with the wave, whose sign turns.
-LODE_INLINE lode_dq_t lode_hfi_add_wave(lode_hfi_t *self, lode_dq_t u_V) {
-    const float wave_V = lode_hfi_turns(self) ? -self->wave_V : self->wave_V;
-    self->wave_V = wave_V;
+LODE_INLINE lode_dq_t lode_hfi_add_wave(lode_hfi_t *self, const lode_hfi_tuning_t *tuning,
+                                        lode_dq_t u_V) {
+    self->signs = (uint_least16_t)lode_hfi_next_signs(self->signs);
+    const bool negative = (self->signs & LODE_HFI_NEGATIVE) != 0u;
+    const float wave_V = negative ? -tuning->V_h_V : tuning->V_h_V;
     return (lode_dq_t){u_V.d + wave_V, u_V.q + wave_V * self->axis};
 }
 

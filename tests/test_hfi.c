@@ -253,13 +253,14 @@ static void bench_init(bench_t *b, double xi, double V_h, double Ld_factor, doub
     lode_emf_design(&emf, &machine.motor, 100.0f, PAPER_TS_s);
     CHECK_STATUS(LODE_OK, lode_emf_tune(&b->emf_tuning, &emf, &machine.motor, true, PAPER_TS_s));
     lode_emf_reset(&b->emf, (lode_ab_t){0.0f, 0.0f});
-    b->hfi = (lode_hfi_t){.wave_V = (float)V_h};
+    b->hfi = (lode_hfi_t){.signs = 0u};
     b->seen = lode_sincos((float)(b->motor.theta - off_rad));
 }
 
 /// A period of the wave on top of (ud, uq) as the drive sees it.
 static void bench_step(bench_t *b, double ud, double uq) {
-    const lode_dq_t u_dq = lode_hfi_add_wave(&b->hfi, (lode_dq_t){(float)ud, (float)uq});
+    const lode_dq_t u_dq =
+        lode_hfi_add_wave(&b->hfi, &b->tuning, (lode_dq_t){(float)ud, (float)uq});
     const lode_ab_t u = lode_park_inverse(u_dq, b->seen);
     ipmsm_step(&b->motor, (double)u.alpha, (double)u.beta, (double)PAPER_TS_s);
     const lode_ab_t i = ipmsm_current(&b->motor);
@@ -344,7 +345,7 @@ static void test_wrong_Ld_scales_the_gain(void) {
 static void test_without_excitation_there_is_no_error(void) {
     bench_t b;
     bench_init(&b, 2.8, 25.0, 1.0, 0.05);
-    b.hfi.wave_V = 0.0f;
+    b.tuning.V_h_V = 0.0f;
     for (int k = 0; k < 10; k++) {
         bench_step(&b, 0.0, 0.0);
         CHECK_NEAR(1.0e-7, 0.0, b.hfi.error);
@@ -373,7 +374,6 @@ static void test_begins_and_ends_with_the_speed(void) {
     TEST_ASSERT_TRUE(lode_hfi_follow(&hfi, &tuning, none, -129.0f));
     TEST_ASSERT_TRUE(hfi.active);
     CHECK_NEAR(1.0e-6, 0.02, hfi.weight);
-    CHECK_NEAR(0.0, 25.0, hfi.wave_V);
     (void)lode_hfi_follow(&hfi, &tuning, none, 105.0f);
     CHECK_NEAR(1.0e-6, 0.5, hfi.weight);
     (void)lode_hfi_follow(&hfi, &tuning, none, -70.0f);
@@ -403,14 +403,14 @@ static void test_the_ripple_drops_out(void) {
 /// Of a pair the current is taken at its ends, and the error from its middle to its end (H22).
 static void test_pairs_of_waves(void) {
     const lode_hfi_tuning_t tuning = paper_tuning();
-    lode_hfi_t hfi = {.random = 1u, .first = 1u, .i_A = {0.5f, 4.0f}};
+    lode_hfi_t hfi = {.signs = LODE_HFI_FIRST | 1u, .i_A = {0.5f, 4.0f}};
     lode_dq_t i_A = lode_hfi_less_ripple(&hfi, (lode_dq_t){0.6f, 4.1f}); // between two pairs
     CHECK_NEAR(1.0e-7, 0.6, i_A.d);
     CHECK_NEAR(1.0e-7, 4.1, i_A.q);
     lode_hfi_demodulate(&hfi, &tuning, 1.0f, (lode_dq_t){0.0f, -2.0f}, (lode_dq_t){-99.4f, 4.1f});
     CHECK_NEAR(1.0e-6, 0.02, hfi.error); // 2 V of 100
     CHECK_NEAR(1.0e-4, 200.0, hfi.sum_V);
-    hfi.first = 0u; // in its middle
+    hfi.signs = 1u; // in its middle
     i_A = lode_hfi_less_ripple(&hfi, (lode_dq_t){2.0f, 4.2f});
     CHECK_NEAR(1.0e-7, 0.6, i_A.d);
     const float held = hfi.error;
@@ -432,7 +432,7 @@ static double strongest_band(bool silent) {
     for (int n = 0; n < SPANS; n++) {
         double wave[SPAN];
         for (int k = 0; k < SPAN; k++) {
-            wave[k] = (double)lode_hfi_add_wave(&hfi, (lode_dq_t){0.0f, 0.0f}).d;
+            wave[k] = (double)lode_hfi_add_wave(&hfi, &tuning, (lode_dq_t){0.0f, 0.0f}).d;
             CHECK_NEAR(1.0e-5, 25.0, fabs(wave[k]));
             // The second of a pair takes back what the first has done.
             CHECK_NEAR(1.0e-5, 0.0, k % 2 == 0 ? 0.0 : wave[k] + wave[k - 1]);
@@ -466,10 +466,10 @@ static void test_cross_saturation_turns_the_axis(void) {
         (void)lode_hfi_follow(&hfi, &tuning, i_A, 0.0f);
     }
     CHECK_NEAR(1.0e-6, tan(-0.08), hfi.axis);
-    const lode_dq_t u_V = lode_hfi_add_wave(&hfi, (lode_dq_t){1.0f, 2.0f});
+    const lode_dq_t u_V = lode_hfi_add_wave(&hfi, &tuning, (lode_dq_t){1.0f, 2.0f});
     CHECK_NEAR(1.0e-5, 1.0 - 25.0, u_V.d);
     CHECK_NEAR(1.0e-4, 2.0 - 25.0 * tan(-0.08), u_V.q);
-    CHECK_NEAR(1.0e-5, 1.0 + 25.0, lode_hfi_add_wave(&hfi, (lode_dq_t){1.0f, 2.0f}).d);
+    CHECK_NEAR(1.0e-5, 1.0 + 25.0, lode_hfi_add_wave(&hfi, &tuning, (lode_dq_t){1.0f, 2.0f}).d);
     // Regressor and error are seen along it and across: only their ratio counts.
     hfi = (lode_hfi_t){.axis = hfi.axis, .h_V = 0.0f};
     const float turn = 0.02f;
@@ -594,7 +594,9 @@ static void test_a_silent_drive_holds_the_rotor(void) {
 static lode_abc_t duties_by(const lode_drive_t *drive, const lode_drive_t *before, lode_dq_t i_A) {
     const lode_sincos_t applied =
         lode_angle_add(lode_estimator_rotor(&drive->estimator), before->lead);
-    const lode_dq_t u_V = {drive->u_V.d + drive->estimator.by.hfi.wave_V, drive->u_V.q};
+    const bool negative = (drive->estimator.by.hfi.signs & LODE_HFI_NEGATIVE) != 0u;
+    const float wave_V = (negative ? -1.0f : 1.0f) * drive->tuning->estimator.hfi.V_h_V;
+    const lode_dq_t u_V = {drive->u_V.d + wave_V, drive->u_V.q};
     const lode_ab_t v = lode_ab_scale(drive->inverter.per_V, lode_park_inverse(u_V, applied));
     return lode_modulator_step(&drive->tuning->inverter, &before->inverter.dead_time, v,
                                lode_park_inverse(i_A, applied), false)
@@ -884,10 +886,10 @@ static void test_polarity_by_the_difference_of_the_responses(void) {
     TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 100.0f, 101.5f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided(&tuning, 100.0f, 101.7f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 0.0f, 0.0f));
-    // (H21): a difference of 13 times 3 V, 24 moves of 2.8 V.
-    TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, decided_in_noise(&tuning, 103.0f, 100.0f, 2.8f));
-    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided_in_noise(&tuning, 103.0f, 100.0f, 2.9f));
-    TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided_in_noise(&tuning, 100.0f, 103.0f, 2.8f));
+    // (H21): a difference of 13 times 3 V, against four times the root of 26 squares of 1.9 V.
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, decided_in_noise(&tuning, 103.0f, 100.0f, 3.7f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided_in_noise(&tuning, 103.0f, 100.0f, 4.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided_in_noise(&tuning, 100.0f, 103.0f, 3.7f));
 }
 
 /// Of a period that does not inject the same members are read by either name.

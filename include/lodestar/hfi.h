@@ -86,31 +86,40 @@ typedef enum {
     LODE_HFI_UNDECIDED ///< the iron tells no difference
 } lode_hfi_step_t;
 
+/// What a start at rest has heard of the rotor.
+typedef struct {
+    float along_V;         ///< sum of swing_V with current along the axis
+    float against_V;       ///< and against it
+    float squares_V2;      ///< of both
+    uint_least16_t rounds; ///< in this step of the start
+} lode_hfi_responses_t;
+
+/// The last wave had the negative sign; it was the first of its pair; shift register, 0: the signs alternate.
+#define LODE_HFI_NEGATIVE 0x8000u
+#define LODE_HFI_FIRST 0x4000u
+#define LODE_HFI_RANDOM 0x3FFFu
+
 /// What injection keeps from period to period; that of the estimator. Of a period that does not inject the first
 /// members alone, which lode_estimator_alone_t has too.
 typedef struct {
-    bool active;           ///< injecting
-    uint_least8_t step;    ///< lode_hfi_step_t of a start
-    uint_least16_t rounds; ///< in it
+    bool active;          ///< injecting
+    uint_least8_t step;   ///< lode_hfi_step_t of a start
+    uint_least16_t signs; ///< of the wave: LODE_HFI_NEGATIVE, _FIRST, _RANDOM
     float
         reserve_V; ///< bus voltage that current control leaves to the wave; 0: nothing is injected
-    uint_least16_t random; ///< of the signs, a shift register; 0: they alternate
-    uint_least16_t first;  ///< 1: the last wave was the first of its pair
-    float wave_V;          ///< added along the axis in the last duties: V_h or -V_h
-    float weight;          ///< of its position error beside the EMF's (H11)
-    float error;           ///< its position error at t_k, rad (H3), not limited
-    float q_V;             ///< dead-beat EMF across the axis (H1)
-    float h_V;             ///< regressor (H1)
-    float sum_V;           ///< magnitudes of H, by which it moves in a period, since the last look
-    float swing_V;         ///< their mean in the last round
-    float off_rad;         ///< mean magnitude of the error
-    float iq_A;            ///< low-passed
-    float axis;       ///< tangent of the angle to it from the estimated d axis, by cross-saturation
-    lode_dq_t i_A;    ///< current in the rotor's frame at t_k, ripple included
-    float along_V;    ///< sum of swing_V with current along the axis
-    float against_V;  ///< and against it
-    float before_V;   ///< swing_V of the round before
-    float scatter_V2; ///< sum of squares of what it moves by from round to round
+    float weight;  ///< of its position error beside the EMF's (H11)
+    float error;   ///< its position error at t_k, rad (H3), not limited
+    float q_V;     ///< dead-beat EMF across the axis (H1)
+    float h_V;     ///< regressor (H1)
+    float sum_V;   ///< magnitudes of H, by which it moves in a period, since the last look
+    float swing_V; ///< their mean in the last round
+    float off_rad; ///< mean magnitude of the error
+    float axis;    ///< tangent of the angle to it from the estimated d axis, by cross-saturation
+    lode_dq_t i_A; ///< current in the rotor's frame at t_k, ripple included
+    union {
+        float iq_A;                 ///< low-passed, when the start is over
+        lode_hfi_responses_t heard; ///< before
+    } of;
 } lode_hfi_t;
 
 /// Saliency below which nothing is injected: Lq'(i_max)/Ld'.

@@ -90,7 +90,7 @@ def six_phases(checks, folder):
 
 
 def handover(checks, folder):
-    """Paper 1's hand-over at 100 rpm, by injection: all of these, 1497 of 1500; 98 leaves room for other noise."""
+    """Paper 1's hand-over at 100 rpm, by injection: all of these, 1498 of 1500; 98 leaves room for other noise."""
     done = folder.run("run", "start_100rpm", "--seeds", "1-100", "--set", "hfi.mode=on",
                       "--set", "hfi.V_h_V=25", "--json", "h.json")
     passed = folder.json("h.json")["passed"]
