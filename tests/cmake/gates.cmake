@@ -49,7 +49,8 @@ function(lode_add_gates)
   lode_gate(sanitize bash ${tools}/preset.sh debug-sanitize test -L unit)
   lode_gate(clang bash ${tools}/clang.sh)
   lode_gate(coverage bash ${tools}/coverage.sh)
-  set_tests_properties(gate_sanitize gate_clang gate_coverage
+  lode_gate(mcdc bash ${tools}/mcdc.sh)
+  set_tests_properties(gate_sanitize gate_clang gate_coverage gate_mcdc
                        PROPERTIES TIMEOUT 1500 PROCESSORS 2 COST 1000)
   set_tests_properties(gate_tidy PROPERTIES TIMEOUT 600 COST 900)
 endfunction()

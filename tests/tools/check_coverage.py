@@ -93,4 +93,5 @@ def main(root, build, exceptions):
     return 1 if failed or not count else 0
 
 
-sys.exit(main(*sys.argv[1:]))
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
