@@ -51,6 +51,7 @@ static void tell(void) {
 __attribute__((constructor)) static void choose(void) {
     const char *text = getenv("LODE_MUTANT");
     lode_mutant = text ? atoi(text) : -1;
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ); // the first failure is read at once
     atexit(tell);
 }
 """

@@ -17,6 +17,7 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 import time
 
 import mutants
@@ -79,16 +80,18 @@ def check(root, folder, every):
 
 
 def run_test(program, number, timeout_s, reached=None):
-    """(killed, seconds)"""
+    """(killed, seconds). The first test that fails is enough."""
     env = {**os.environ, "LODE_MUTANT": str(number)}
     if reached:
         env["LODE_REACHED"] = str(reached)
     start = time.monotonic()
-    try:
-        code = subprocess.run([program], cwd=program.parent, env=env, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL, timeout=timeout_s).returncode
-    except subprocess.TimeoutExpired:
-        code = -1
+    with subprocess.Popen([program], cwd=program.parent, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as running:
+        timer = threading.Timer(timeout_s, running.kill)
+        timer.start()
+        if any(b":FAIL" in line for line in running.stdout):
+            running.kill()
+        code = running.wait()
+        timer.cancel()
     return code != 0, time.monotonic() - start
 
 
