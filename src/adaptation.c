@@ -1,5 +1,6 @@
 #include "lodestar/adaptation.h"
 #include "drive_inline.h"
+#include "lag_inline.h"
 
 #include <stddef.h>
 
@@ -291,6 +292,18 @@ static bool is_measured(const lode_adaptation_t *self, const lode_drive_t *drive
     return lode_abs(measured_share(self, drive)) > 0.0f;
 }
 
+// (O8): what the EMF has along the q axis, in the direction of the speed, as the observer has it. The PLL alone turns its
+// frame until nothing is left across: that is its size. While the angle is that of injection, something is left,
+// and near no speed the size has no sign.
+static float emf_along(const lode_adaptation_t *self, const lode_telemetry_t *now) {
+    if (!(now->injected > 0.0f)) {
+        return lode_ab_length(now->e_V);
+    }
+    const float lag_rad = lode_lag_rad(&self->base->estimator.lag, now->omega_rad_s);
+    const float along_V = lode_park(now->e_V, lode_sincos(now->theta_rad - lag_rad)).q;
+    return lode_sign(now->omega_rad_s) * along_V;
+}
+
 // (O4): the EMF's size beyond the one expected with the resistance and flux configured, over the rated EMF.
 static float emf_beyond(const lode_adaptation_t *self, const lode_drive_t *drive,
                         const lode_telemetry_t *now, float ampere_share) {
@@ -298,9 +311,9 @@ static float emf_beyond(const lode_adaptation_t *self, const lode_drive_t *drive
     const float omega = lode_abs(now->omega_rad_s);
     const float taken = 1.0f + omega * omega * tuning->droop_s2; // as lode_estimator_note_lock()
     const float expected_V = omega * (tuning->psi_Wb + tuning->salient_H * now->i_A.d);
-    const float rated_V = self->motor.omega_rated_rad_s * tuning->psi_Wb;
+    const float rated_V = self->motor.omega_rated_rad_s * self->motor.psi_Wb;
     const float reckoned = self->Rs_used + measured_share(self, drive);
-    return (lode_ab_length(now->e_V) * taken - expected_V) / rated_V + reckoned * ampere_share;
+    return (emf_along(self, now) * taken - expected_V) / rated_V + reckoned * ampere_share;
 }
 
 // Standard deviation of the voltage along the current, V. Below the current at which the dead time has its full
@@ -407,6 +420,19 @@ static void use_flux(lode_drive_tuning_t *t, const lode_adaptation_t *self, floa
     t->references.tau_max = base->tau_max + lode_min(share, 0.0f) * base->psi_Wb * base->i_max_A;
 }
 
+// The base, with all that is in use.
+static void post(lode_adaptation_t *self, lode_drive_t *drive) {
+    lode_drive_tuning_t *next = &self->tuning[self->next];
+    *next = *self->base;
+    use_inertia(next, self, self->J_used);
+    use_flux(next, self, self->psi_used);
+    // As lode_inverter_less_drop().
+    next->estimator.emf.a_over_b -= self->Rs_used * self->motor.Rs_Ohm;
+    self->next = 1u - self->next;
+    self->quiet_s = 0.0f;
+    (void)lode_drive_post_tuning(drive, next);
+}
+
 static bool use(lode_adaptation_t *self, lode_drive_t *drive) {
     const float J = next_of(self->J_used, J_share(self), J_found(self), J_STEP * self->J_used);
     const float psi = next_of(self->psi_used, self->psi_share, psi_found(self), PSI_STEP);
@@ -418,18 +444,20 @@ static bool use(lode_adaptation_t *self, lode_drive_t *drive) {
     if (!worth || self->quiet_s < QUIET_s) {
         return false;
     }
-    lode_drive_tuning_t *next = &self->tuning[self->next];
-    *next = *self->base;
-    use_inertia(next, self, J);
-    use_flux(next, self, psi);
-    // As lode_inverter_less_drop().
-    next->estimator.emf.a_over_b -= Rs * self->motor.Rs_Ohm;
     self->J_used = J;
     self->psi_used = psi;
     self->Rs_used = Rs;
-    self->next = 1u - self->next;
-    self->quiet_s = 0.0f;
-    (void)lode_drive_post_tuning(drive, next);
+    post(self, drive);
+    return true;
+}
+
+bool lode_adaptation_post(lode_adaptation_t *self, lode_drive_t *drive,
+                          const lode_drive_tuning_t *tuning) {
+    if (!lode_drive_tuning_taken(drive)) {
+        return false; // the drive may still run on the one that would be written
+    }
+    self->base = tuning;
+    post(self, drive);
     return true;
 }
 
@@ -448,8 +476,7 @@ bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive) {
     (void)lode_drive_telemetry(drive, &now);
     const uint32_t steps = now.steps - self->steps;
     const float dt_s = (float)steps * self->base->estimator.pll.ts_s;
-    const bool usable = now.mode == LODE_MODE_RUN && is_own(self, drive->tuning) &&
-                        !lode_estimator_injects(&drive->estimator);
+    const bool usable = now.mode == LODE_MODE_RUN && is_own(self, drive->tuning);
     const bool goes_on = self->runs && usable && dt_s <= GAP_MAX_s;
     self->runs = usable;
     if (goes_on && (steps == 0u || !lode_drive_tuning_taken(drive))) {

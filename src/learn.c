@@ -27,9 +27,13 @@
 // A change that is worth a tuning.
 #define WORTH 0.003f
 
-lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_config_t *config) {
+lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_config_t *config,
+                                lode_choice_t psi) {
     if (tuning == NULL || config == NULL) {
         return LODE_ERROR_NULL;
+    }
+    if (psi != LODE_AUTO && psi != LODE_ON && psi != LODE_OFF) {
+        return LODE_ERROR_CHOICE;
     }
     lode_drive_tuning_t drive;
     const lode_status_t status = lode_drive_tune(&drive, config);
@@ -52,6 +56,7 @@ lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_co
         .omega_psi = OMEGA_PSI * motor->omega_rated_rad_s,
         .i_least_A = I_LEAST * complete.inverter.i_max_A,
         .droop_s2 = drive.estimator.droop_s2,
+        .learns_psi = psi != LODE_OFF,
     };
     return LODE_OK;
 }
@@ -69,10 +74,13 @@ void lode_learn_begin(lode_learn_t *self, const lode_learn_tuning_t *tuning,
                       const lode_drive_config_t *config, const lode_learned_t *stored) {
     const lode_learned_t given = {config->motor.Lq_H, config->motor.psi_Wb, 0.0f};
     const lode_learned_t *from = stored != NULL ? stored : &given;
+    const float psi_Wb = tuning->learns_psi
+                             ? lode_clamp(from->psi_Wb, tuning->psi_Wb.min, tuning->psi_Wb.max)
+                             : given.psi_Wb;
     self->used = given;
     self->now = (lode_learned_t){
         lode_clamp(from->Lq_H, tuning->Lq_H.min, tuning->Lq_H.max),
-        lode_clamp(from->psi_Wb, tuning->psi_Wb.min, tuning->psi_Wb.max),
+        psi_Wb,
         lode_clamp(from->confidence, 0.0f, 1.0f),
     };
     look_again(self);
@@ -93,7 +101,7 @@ static void sum_up(lode_learn_t *self, const lode_learn_tuning_t *tuning,
     self->iq2_A2 += now->i_A.q * now->i_A.q;
     self->off_VsA += error * (self->now.psi_Wb + salient_Wb) * now->i_A.q;
     self->looks += 1.0f;
-    if (omega >= tuning->omega_psi) {
+    if (tuning->learns_psi && omega >= tuning->omega_psi) {
         const float taken = 1.0f + omega * omega * tuning->droop_s2;
         self->psi_Wb += lode_ab_length(now->e_V) * taken / omega - salient_Wb;
         self->psi_looks += 1.0f;

@@ -1,6 +1,7 @@
 // Adaptation on a drive whose fields are made by hand: torque, speed and EMF of a motor other than the configured one.
 #include "support/rig.h"
 
+#include "lag_inline.h"
 #include "lodestar/adaptation.h"
 
 #define CALL_STEPS 5u // at 5 kHz: 1 ms
@@ -25,6 +26,8 @@ typedef struct {
     double load_Nm, id_A;
     double reference, speed; ///< mechanical
     int posted;
+    bool injects;
+    double across; ///< share of the EMF along the q axis that is left across it
 } bench_t;
 
 static void bench_init(bench_t *self, const lode_adaptation_config_t *config,
@@ -77,7 +80,12 @@ static bool bench_call(bench_t *self, double target) {
     drive->steps += CALL_STEPS;
     drive->i_A = (lode_dq_t){(float)self->id_A, (float)iq_A};
     drive->estimator.pll.omega_rad_s = (float)(self->speed * (double)motor->pole_pairs);
-    drive->estimator.emf.observer.e_V = (lode_ab_t){0.0f, seen_emf_V(self, iq_A)};
+    const float along_V = seen_emf_V(self, iq_A);
+    drive->estimator.emf.observer.e_V = (lode_ab_t){(float)self->across * along_V, along_V};
+    drive->estimator.by.hfi.active = self->injects;
+    drive->estimator.by.hfi.weight = self->injects ? 1.0f : 0.0f;
+    drive->estimator.lag =
+        lode_lag_line(&self->tuning.estimator.lag, drive->estimator.pll.omega_rad_s);
     drive->state.run.speed.reference_rad_s = (float)self->reference;
     const bool posted = lode_adaptation_step(&self->adaptation, drive);
     self->posted += posted ? 1 : 0;
@@ -327,6 +335,79 @@ static void test_resistance_goes_on_from_what_the_start_measured(void) {
     TEST_ASSERT_TRUE(bench.posted == 0);
 }
 
+// The EMF along the q axis has a sign at no speed too, where its size has none.
+static void test_resistance_is_found_at_rest_while_injecting(void) {
+    static const double shares[] = {0.7, 1.3};
+    for (int n = 0; n < 2 * COUNT_OF(shares); n++) {
+        static bench_t bench;
+        bench_init(&bench, &all, NULL);
+        bench.injects = true;
+        bench.Rs = shares[n / 2];
+        bench.load_Nm = n % 2 == 0 ? 5.0 : -5.0;
+        bench.reference = bench.speed = 0.0;
+        bench_run(&bench, 0.0, 20.0);
+        const lode_adaptation_found_t found = found_by(&bench);
+        expect(shares[n / 2], 0.02, bench.config.motor.Rs_Ohm, found.Rs_Ohm);
+        TEST_ASSERT_TRUE(found.Rs_Ohm.confidence > 0.7f);
+        TEST_ASSERT_TRUE(found.psi_Wb.value == bench.config.motor.psi_Wb);
+    }
+}
+
+// An error of Lq turns the EMF away from the angle that injection gives, and makes it longer.
+static void test_flux_is_found_while_Lq_is_not_known(void) {
+    static const double speeds[] = {HIGH_rad_s, -HIGH_rad_s};
+    for (int n = 0; n < COUNT_OF(speeds); n++) {
+        static bench_t bench;
+        bench_init(&bench, &all, NULL);
+        bench.injects = true;
+        bench.psi = 0.9;
+        bench.across = 0.4;
+        bench.reference = bench.speed = speeds[n];
+        bench.load_Nm = 3.0;
+        bench_run(&bench, speeds[n], 15.0);
+        expect(0.9, 0.01, bench.config.motor.psi_Wb, found_by(&bench).psi_Wb);
+    }
+}
+
+// What learn.h has made goes on with what was found.
+static void test_another_base_keeps_what_was_found(void) {
+    static bench_t bench;
+    static lode_drive_tuning_t learned;
+    bench_init(&bench, &all, NULL);
+    bench.J = 2.0;
+    bench.psi = 0.9;
+    bench.Rs = 1.3;
+    bench.load_Nm = 3.0;
+    ramps(&bench, 4);
+    bench_run(&bench, SLOW_rad_s, 20.0);
+    take(&bench);
+    const lode_drive_tuning_t before = *bench.drive.tuning;
+    lode_drive_config_t config = bench.config;
+    config.motor.Lq_H *= 0.8f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&learned, &config));
+    TEST_ASSERT_TRUE(lode_adaptation_post(&bench.adaptation, &bench.drive, &learned));
+    TEST_ASSERT_FALSE(lode_adaptation_post(&bench.adaptation, &bench.drive, &bench.tuning));
+    take(&bench);
+    const lode_drive_tuning_t *now = bench.drive.tuning;
+    TEST_ASSERT_TRUE(now->estimator.salient_H == learned.estimator.salient_H);
+    TEST_ASSERT_TRUE(now->speed.inertia_Nm == before.speed.inertia_Nm);
+    TEST_ASSERT_TRUE(now->references.psi_Wb == before.references.psi_Wb);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4f, bench.tuning.estimator.emf.a_over_b,
+                             before.estimator.emf.a_over_b +
+                                 bench.adaptation.Rs_used * config.motor.Rs_Ohm);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4f, learned.estimator.emf.a_over_b,
+                             now->estimator.emf.a_over_b +
+                                 bench.adaptation.Rs_used * config.motor.Rs_Ohm);
+    TEST_ASSERT_TRUE(bench.adaptation.Rs_used > 0.05f);
+    // And it goes on from there.
+    const int posted = bench.posted;
+    bench.J = 1.0;
+    ramps(&bench, 4);
+    TEST_ASSERT_TRUE(bench.posted > posted);
+    TEST_ASSERT_TRUE(bench.drive.tuning->estimator.salient_H == learned.estimator.salient_H);
+    expect(1.0, 0.1, bench.config.motor.J_kgm2, found_by(&bench).J_kgm2);
+}
+
 static void test_each_can_be_off(void) {
     static const lode_adaptation_config_t none = {LODE_OFF, LODE_OFF, LODE_OFF};
     static bench_t bench;
@@ -392,17 +473,14 @@ static void test_a_stored_value_that_makes_no_sense_is_not_taken(void) {
 static void test_it_rests_unless_the_drive_runs_on_its_own_tuning(void) {
     static const struct {
         lode_mode_t mode;
-        bool other, injects;
-    } cases[] = {{LODE_MODE_START, false, false},
-                 {LODE_MODE_RUN, true, false},
-                 {LODE_MODE_RUN, false, true}};
+        bool other;
+    } cases[] = {{LODE_MODE_START, false}, {LODE_MODE_RUN, true}};
     for (int n = 0; n < COUNT_OF(cases); n++) {
         static bench_t bench;
         bench_init(&bench, &all, NULL);
         bench.J = 2.0;
         const lode_drive_tuning_t other = bench.tuning;
         bench.drive.mode = (uint_least8_t)cases[n].mode;
-        bench.drive.estimator.by.alone.active = cases[n].injects;
         if (cases[n].other) {
             bench.drive.tuning = &other;
         }
@@ -547,6 +625,9 @@ int main(void) {
     RUN_TEST(test_small_currents_tell_less_of_the_flux);
     RUN_TEST(test_resistance_is_found_at_low_speed_and_high_current);
     RUN_TEST(test_resistance_goes_on_from_what_the_start_measured);
+    RUN_TEST(test_resistance_is_found_at_rest_while_injecting);
+    RUN_TEST(test_flux_is_found_while_Lq_is_not_known);
+    RUN_TEST(test_another_base_keeps_what_was_found);
     RUN_TEST(test_each_can_be_off);
     RUN_TEST(test_what_was_found_can_be_kept);
     RUN_TEST(test_a_stored_value_that_makes_no_sense_is_not_taken);

@@ -1,6 +1,7 @@
 // Lq and psi from where the EMF and injection differ.
 #include "support/rig.h"
 
+#include "lodestar/adaptation.h"
 #include "lodestar/learn.h"
 
 void setUp(void) {}
@@ -22,7 +23,7 @@ static lode_drive_config_t learning(void) {
 
 static lode_learn_tuning_t designed(const lode_drive_config_t *config) {
     lode_learn_tuning_t tuning;
-    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_learn_design(&tuning, config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_learn_design(&tuning, config, LODE_AUTO));
     return tuning;
 }
 
@@ -59,15 +60,16 @@ static void begin(lode_learn_t *learn, lode_learn_tuning_t *tuning) {
 static void test_refusals(void) {
     lode_drive_config_t config = learning();
     lode_learn_tuning_t tuning = {.Ld_H = 7.0f};
-    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_learn_design(NULL, &config));
-    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_learn_design(&tuning, NULL));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_learn_design(NULL, &config, LODE_ON));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_learn_design(&tuning, NULL, LODE_ON));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, lode_learn_design(&tuning, &config, (lode_choice_t)3));
     config.hfi.learn = LODE_OFF;
-    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_LEARN, lode_learn_design(&tuning, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_LEARN, lode_learn_design(&tuning, &config, LODE_ON));
     config.hfi.learn = LODE_ON;
     config.hfi.mode = LODE_HFI_OFF;
-    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_LEARN, lode_learn_design(&tuning, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_HFI_LEARN, lode_learn_design(&tuning, &config, LODE_ON));
     config.motor.psi_Wb = -1.0f;
-    TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_PSI, lode_learn_design(&tuning, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_PSI, lode_learn_design(&tuning, &config, LODE_ON));
     CHECK_NEAR(0.0, 7.0, tuning.Ld_H);
 }
 
@@ -199,6 +201,21 @@ static void test_flux(void) {
     CHECK_NEAR(1.0e-5, 0.142, learn.now.psi_Wb);
 }
 
+// The adaptation's: it stays as configured, whatever is stored and seen.
+static void test_flux_may_be_somebody_elses(void) {
+    const lode_drive_config_t config = learning();
+    const lode_learned_t stored = {8.0e-3f, 0.13f, 0.9f};
+    lode_learn_t learn;
+    lode_learn_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_learn_design(&tuning, &config, LODE_OFF));
+    lode_learn_begin(&learn, &tuning, &config, &stored);
+    lode_telemetry_t now = seen(1.0e-3f, 5.0f);
+    now.e_V.beta *= 0.9f;
+    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+    CHECK_NEAR(1.0e-8, 8.0e-3 + 0.7e-3, learn.now.Lq_H);
+    CHECK_NEAR(0.0, (double)config.motor.psi_Wb, learn.now.psi_Wb);
+}
+
 static void test_what_is_not_finite_teaches_nothing(void) {
     lode_learn_t learn;
     lode_learn_tuning_t tuning;
@@ -271,6 +288,79 @@ static void test_a_running_drive_learns(void) {
     TEST_ASSERT_TRUE(learn.now.confidence > 0.5f);
 }
 
+typedef struct {
+    rig_t rig;
+    lode_drive_tuning_t commissioned;
+    lode_drive_tuning_t learned[2];
+    int next; ///< of them
+    lode_learn_tuning_t tuning;
+    lode_learn_t learn;
+    lode_adaptation_t adaptation;
+} both_t;
+
+/// The main loop of a drive that learns and adapts.
+static void both_run(both_t *self, const lode_drive_config_t *config, double seconds) {
+    const float dt_s = 10.0f * (float)RIG_TS_s;
+    for (int k = 0; k < (int)(seconds / RIG_TS_s); k++) {
+        rig_step(&self->rig);
+        lode_telemetry_t now;
+        if (k % 10 != 0) {
+            continue;
+        }
+        if (lode_drive_telemetry(&self->rig.drive, &now) &&
+            lode_learn_step(&self->learn, &self->tuning, &now, dt_s) &&
+            lode_drive_tuning_taken(&self->rig.drive) &&
+            lode_learn_tune(&self->learn, &self->learned[self->next], config) == LODE_OK) {
+            TEST_ASSERT_TRUE(lode_adaptation_post(&self->adaptation, &self->rig.drive,
+                                                  &self->learned[self->next]));
+            self->next = 1 - self->next;
+        }
+        (void)lode_adaptation_step(&self->adaptation, &self->rig.drive);
+    }
+}
+
+/// Lq, psi and R wrong at once: R at rest under load, then Lq and psi at 600 rpm. None of the three pulls at another.
+static void test_learning_beside_the_adaptation(void) {
+    static both_t both;
+    static const lode_adaptation_config_t choices = {.J = LODE_OFF};
+    both = (both_t){.next = 0};
+    lode_drive_config_t config = learning();
+    config.motor.Lq_H *= 1.5f;
+    config.hfi.Lq_i_max_H *= 1.5f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_learn_design(&both.tuning, &config, LODE_OFF));
+    lode_learn_begin(&both.learn, &both.tuning, &config, NULL);
+    rig_init(&both.rig, &both.commissioned, &config);
+    both.rig.motor.psi *= 0.9;
+    both.rig.motor.R *= 1.3;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_adaptation_init(&both.adaptation, &choices,
+                                                        &both.commissioned, &config.motor, NULL));
+    rig_command(&both.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 62.8f});
+    both_run(&both, &config, 2.0);
+    rig_command(&both.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 0.0f});
+    both_run(&both, &config, 2.0);
+    const float Lq_H = both.learn.now.Lq_H;
+    both.rig.pull_Nm = 3.0;
+    both_run(&both, &config, 10.0);
+    lode_adaptation_found_t found = lode_adaptation_found(&both.adaptation);
+    CHECK_NEAR(0.03, 1.3, (double)(found.Rs_Ohm.value / config.motor.Rs_Ohm));
+    TEST_ASSERT_TRUE(found.Rs_Ohm.confidence > 0.5f);
+    CHECK_NEAR(0.0, (double)Lq_H, both.learn.now.Lq_H); // no EMF
+    rig_command(&both.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 62.8f});
+    both_run(&both, &config, 6.0);
+    for (int n = 0; n < 2; n++) { // and they stay
+        found = lode_adaptation_found(&both.adaptation);
+        CHECK_NEAR(0.03 * 9.8e-3, 9.8e-3, both.learn.now.Lq_H);
+        TEST_ASSERT_TRUE(both.learn.now.confidence > 0.5f);
+        CHECK_NEAR(0.015, 0.9, (double)(found.psi_Wb.value / config.motor.psi_Wb));
+        CHECK_NEAR(0.05, 1.3, (double)(found.Rs_Ohm.value / config.motor.Rs_Ohm));
+        CHECK_NEAR(0.0, (double)config.motor.psi_Wb, both.learn.now.psi_Wb);
+        both_run(&both, &config, 20.0);
+    }
+    rig_expect(&both.rig, LODE_MODE_RUN);
+    TEST_ASSERT_FLOAT_WITHIN(0.02f, 0.9f,
+                             both.rig.drive.tuning->references.psi_Wb / config.motor.psi_Wb);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_refusals);
@@ -281,8 +371,10 @@ int main(void) {
     RUN_TEST(test_limited);
     RUN_TEST(test_frozen_where_not_both_tell_the_position);
     RUN_TEST(test_flux);
+    RUN_TEST(test_flux_may_be_somebody_elses);
     RUN_TEST(test_what_is_not_finite_teaches_nothing);
     RUN_TEST(test_the_tuning_has_what_was_learned);
     RUN_TEST(test_a_running_drive_learns);
+    RUN_TEST(test_learning_beside_the_adaptation);
     return UNITY_END();
 }

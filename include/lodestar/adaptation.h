@@ -3,7 +3,8 @@
 ///
 ///     (void)lode_adaptation_step(&adaptation, &drive);
 ///
-/// What is found goes into a copy of the drive's tuning, which is posted. J changes speed control and
+/// What is found goes into a copy of the drive's tuning, which is posted. A tuning that learn.h has made goes through
+/// here too, lode_adaptation_post() in place of lode_drive_post_tuning(). J changes speed control and
 /// feed-forward only, psi the torque that the references ask for, Rs the observer's voltage. All else stays as
 /// it was designed, the flux that FLUX and the lock are judged by too (docs/adaptation.md).
 #ifndef LODESTAR_ADAPTATION_H
@@ -53,7 +54,7 @@ typedef struct {
 
 /// Visible for static allocation; written by its functions only.
 typedef struct {
-    const lode_drive_tuning_t *base; ///< as commissioned
+    const lode_drive_tuning_t *base; ///< as commissioned, or posted since
     lode_motor_t motor;
     bool adapts_J;
     bool adapts_psi;
@@ -93,6 +94,11 @@ lode_status_t lode_adaptation_init(lode_adaptation_t *self, const lode_adaptatio
 /// Looks at the drive; true: a new tuning was posted. Calls may come as they like: the drive's own count of periods
 /// is the time. It rests while the drive is not in RUN, and for as long as the drive runs on somebody else's tuning.
 bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive);
+
+/// The drive's next tuning: `tuning`, which must stay, with what was found. It is made for the commissioned motor but
+/// for its Lq. False: the last one is not taken yet, and nothing was done.
+bool lode_adaptation_post(lode_adaptation_t *self, lode_drive_t *drive,
+                          const lode_drive_tuning_t *tuning);
 
 lode_adaptation_found_t lode_adaptation_found(const lode_adaptation_t *self);
 

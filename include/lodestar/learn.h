@@ -10,6 +10,9 @@
 ///     }
 ///
 /// What it knows is `learn.now`: to be looked at, and to be stored for the next time. docs/theory/injection.md.
+///
+/// Beside adaptation.h, whose are psi and Rs: lode_learn_design() with `psi` off, and lode_adaptation_post() in place
+/// of lode_drive_post_tuning().
 #ifndef LODESTAR_LEARN_H
 #define LODESTAR_LEARN_H
 
@@ -35,6 +38,7 @@ typedef struct {
     float omega_psi;     ///< and for psi
     float i_least_A;     ///< q current from which on an error of Lq shows
     float droop_s2;      ///< by which the observer's amplitude falls with speed
+    bool learns_psi;
 } lode_learn_tuning_t;
 
 typedef struct {
@@ -49,8 +53,10 @@ typedef struct {
 } lode_learn_t;
 
 /// Limits: 0.3 to 3 times the Lq of `config` (more where less would be refused), 0.7 to 1.2 times its psi. Refuses what
-/// lode_drive_tune() refuses, and LODE_ERROR_HFI_LEARN where hfi.learn, or injection itself, is off.
-lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_config_t *config);
+/// lode_drive_tune() refuses, LODE_ERROR_HFI_LEARN where hfi.learn, or injection itself, is off, and LODE_ERROR_CHOICE.
+/// `psi`: auto: on; off where the adaptation finds psi or Rs: it stays as in `config`.
+lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_config_t *config,
+                                lode_choice_t psi);
 
 /// `stored`: from another time, NULL: none. Then as configured, and not believed. What is out of limits is limited.
 void lode_learn_begin(lode_learn_t *self, const lode_learn_tuning_t *tuning,

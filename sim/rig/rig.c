@@ -10,17 +10,27 @@
 // Below it there is no chord.
 #define CHORD_LEAST_A 1e-3
 
-static void begin_learning(rig_t *self, const lode_drive_config_t *config) {
-    self->learning = *config;
-    self->learns = lode_learn_design(&self->learn_tuning, config) == LODE_OK;
+static void begin_learning(rig_t *self, const rig_config_t *config) {
+    const bool elsewhere = config->adaptation.psi == 1 || config->adaptation.Rs == 1;
+    self->learns = lode_learn_design(&self->learn_tuning, &config->drive,
+                                     elsewhere ? LODE_OFF : LODE_ON) == LODE_OK;
     if (self->learns) {
-        lode_learn_begin(&self->learn, &self->learn_tuning, config, NULL);
+        lode_learn_begin(&self->learn, &self->learn_tuning, &config->drive, NULL);
     }
 }
 
-/// As the firmware does it: beside the tuning that is in use.
+/// As the firmware does it: beside the tuning that is in use, or that the adaptation goes by.
 static lode_drive_tuning_t *spare_tuning(rig_t *self) {
-    return &self->three_tuning[self->three.tuning == &self->three_tuning[0] ? 1 : 0];
+    const lode_drive_tuning_t *used = self->adapts ? self->adaptation.base : self->three.tuning;
+    return &self->three_tuning[used == &self->three_tuning[0] ? 1 : 0];
+}
+
+static lode_status_t post(rig_t *self, const lode_drive_tuning_t *next) {
+    if (self->adapts) {
+        self->posts = next;
+        return LODE_OK;
+    }
+    return lode_drive_post_tuning(&self->three, next);
 }
 
 #define ADAPT_EVERY_s 1e-3 // a main loop
@@ -48,10 +58,12 @@ lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_conf
     self->sets = plant->sets == PLANT_SETS ? PLANT_SETS : 1;
     (void)plant_init(&self->plant, plant);
     self->learns = false;
+    self->learning = config->drive;
+    self->posts = NULL;
     self->bus = (bus_t){.limits = false};
     if (self->sets == 1) {
         self->drive = &self->three;
-        begin_learning(self, &config->drive);
+        begin_learning(self, config);
         const lode_status_t status =
             lode_drive_init(&self->three, &self->three_tuning[0], &config->drive);
         return status == LODE_OK ? init_adaptation(self, config) : status;
@@ -88,21 +100,24 @@ lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_mot
     if (self->learns) {
         lode_learn_begin(&self->learn, &self->learn_tuning, &drive, &now);
     }
-    return lode_drive_post_tuning(&self->three, next);
+    return post(self, next);
 }
 
 void rig_main_loop(rig_t *self) {
     lode_telemetry_t now;
     const float dt_s = (float)MAIN_LOOP_PERIODS / self->learning.f_pwm_Hz;
     bus_limit(&self->bus, self->drive);
+    if (self->posts != NULL && lode_adaptation_post(&self->adaptation, &self->three, self->posts)) {
+        self->posts = NULL;
+    }
     if (!self->learns || self->drive->steps % MAIN_LOOP_PERIODS != 0u ||
         !lode_drive_telemetry(self->drive, &now) ||
-        !lode_learn_step(&self->learn, &self->learn_tuning, &now, dt_s)) {
+        !lode_learn_step(&self->learn, &self->learn_tuning, &now, dt_s) || self->posts != NULL) {
         return;
     }
     lode_drive_tuning_t *next = spare_tuning(self);
     if (lode_learn_tune(&self->learn, next, &self->learning) == LODE_OK) {
-        (void)lode_drive_post_tuning(&self->three, next);
+        (void)post(self, next);
     }
 }
 
@@ -118,8 +133,13 @@ double rig_true_Lq_H(const rig_t *self) {
 // Its tuning is one of the rig's, or of the adaptation's.
 static void copy_three(rig_t *to, const rig_t *from) {
     to->drive = &to->three;
-    to->adaptation.base = &to->three_tuning[0];
     for (int k = 0; k < 2; ++k) {
+        if (from->adaptation.base == &from->three_tuning[k]) {
+            to->adaptation.base = &to->three_tuning[k];
+        }
+        if (from->posts == &from->three_tuning[k]) {
+            to->posts = &to->three_tuning[k];
+        }
         if (from->three.tuning == &from->three_tuning[k]) {
             to->three.tuning = &to->three_tuning[k];
         } else if (from->three.tuning == &from->adaptation.tuning[k]) {

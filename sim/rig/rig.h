@@ -47,6 +47,8 @@ typedef struct {
     lode_learn_tuning_t learn_tuning;
     lode_learn_t learn;
     bool learns; ///< hfi.learn
+    const lode_drive_tuning_t
+        *posts; ///< what the adaptation shall post as soon as it can; NULL: nothing
     bus_t bus;
 } rig_t;
 

@@ -675,16 +675,12 @@ static bool check_adaptation(const rig_config_t *config) {
         rig_error("[adaptation]: on; expected off, or a motor with three phases");
         return false;
     }
-    if (any && config->drive.hfi.learn == LODE_ON) {
-        rig_error("[adaptation]: on with hfi.learn = on; expected one of them: each makes tunings "
-                  "of its own");
-        return false;
-    }
     for (int k = 0; any && k < config->scenario.phases; ++k) {
         const rig_phase_t *phase = &config->scenario.phase[k];
-        if (!isnan(phase->Lq_factor) || !isnan(phase->Rs_factor)) {
-            rig_error("[phase.%s] Lq_factor, Rs_factor: expected none with [adaptation], which "
-                      "goes by one tuning",
+        if (!isnan(phase->Rs_factor)) {
+            rig_error("[phase.%s] Rs_factor: expected none with [adaptation], which finds Rs by "
+                      "the configured one; a plant.Rs_Ohm other than the motor's is an error that "
+                      "it can find",
                       phase->name);
             return false;
         }
