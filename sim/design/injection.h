@@ -19,6 +19,10 @@ typedef struct {
     double dead_time_rad; ///< position error as a phase current passes through zero
     double id_A;          ///< 0: none
     double w1_rad_s, w2_rad_s, sigma_rad_s;
+    double torque_Nm;    ///< the largest; NAN where it is refused
+    double step_deg;     ///< angle error by a load of that size that turns round, while injecting
+    double step_emf_deg; ///< the same by the EMF, from w2 on
+    bool loses_steps;    ///< a QPLL that does not follow a rotor so light (P7)
 } injection_t;
 
 /// Of a configuration that is designed.

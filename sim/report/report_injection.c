@@ -52,6 +52,15 @@ void report_injection_text(FILE *file, const lode_drive_config_t *config, const 
         100.0 * i->circle_share, i->id_A, i->ripple_A, i->ripple_Nm, i->tone_Hz, i->noise_deg,
         rig_deg_from_rad(i->dead_time_rad), rpm_of(config, i->w1_rad_s),
         rpm_of(config, i->w2_rad_s), i->sigma_rad_s);
+    (void)fprintf(
+        file,
+        "a load of the largest torque, %.3g Nm, that turns round: %.1f degrees while injecting, "
+        "%.1f by the EMF\n",
+        i->torque_Nm, i->step_deg, i->step_emf_deg);
+    if (i->loses_steps) {
+        (void)fprintf(file, "warning: a QPLL has no disturbance state, and does not follow a rotor "
+                            "so light: estimator.pll = leso-qpll\n");
+    }
 }
 
 void report_injection_json(cJSON *root, const injection_t *i) {
@@ -70,4 +79,8 @@ void report_injection_json(cJSON *root, const injection_t *i) {
     config_json_number(out, "w1_rad_s", i->w1_rad_s);
     config_json_number(out, "w2_rad_s", i->w2_rad_s);
     config_json_number(out, "sigma_rad_s", i->sigma_rad_s);
+    config_json_number(out, "torque_Nm", i->torque_Nm);
+    config_json_number(out, "step_deg", i->step_deg);
+    config_json_number(out, "step_emf_deg", i->step_emf_deg);
+    (void)cJSON_AddBoolToObject(out, "loses_steps", i->loses_steps);
 }

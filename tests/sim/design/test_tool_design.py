@@ -241,6 +241,24 @@ def injection(checks, folder):
     for key, value in wanted.items():
         checks.at_most(abs(found[key] - value), 1e-4 * max(value, 1), f"{key}: {found[key]}")
     checks.at_most(found["w1_rad_s"] / found["w2_rad_s"], 0.651, "the blend")
+    # Signs at random: 2 in place of 8/3. Two calls a carrier: half of the dead time's edges in each.
+    silent = json.loads(folder.run(*command, "--set", "hfi.silent=on", "--json").stdout)["injection"]
+    checks.at_most(abs(silent["noise_deg"] / found["noise_deg"] - math.sqrt(3 / 4)), 1e-5, "noise of signs at random")
+    twice = json.loads(folder.run(*command, "--set", "drive.double_update=on", "--json").stdout)["injection"]
+    checks.at_most(abs(twice["dead_time_rad"] - (100 * 4e-6 / Ts + 1) / (V * (Lq / Ld - 1))), 1e-4, "dead time")
+    # The angle by a load that turns round (P7), and who does not follow it.
+    acc = 2 * 3 * (1.5 * 3 * 0.142 * 12) / 0.0174
+    checks.at_most(abs(found["torque_Nm"] / (1.5 * 3 * 0.142 * 12) - 1), 1e-3, f"torque {found['torque_Nm']}")
+    checks.at_most(abs(found["step_deg"] - math.degrees(2 * math.exp(-2) * acc / sigma ** 2)), 0.01, "step, LESO-QPLL")
+    second = json.loads(folder.run(*command, "--set", "estimator.pll=qpll", "--json").stdout)["injection"]
+    checks.at_most(abs(second["step_deg"] - math.degrees(acc / second["sigma_rad_s"] ** 2)), 0.01, "step, QPLL")
+    checks.at_most(abs(second["step_emf_deg"] - math.degrees(acc / sigma ** 2)), 0.01, "step, QPLL, by the EMF")
+    for motor, pll, loses in [("jiang2022", "qpll", False), ("pmsyrm_5kW", "qpll", True),
+                              ("pmsyrm_5kW", "leso-qpll", False), ("traction_400V", "qpll", False)]:
+        light = ["design", "--motor", motor, "--drive", motor, "--set", f"estimator.pll={pll}"]
+        checks.equal(json.loads(folder.run(*light, "--json").stdout)["injection"]["loses_steps"], loses, f"{motor}, {pll}")
+        said = "does not follow a rotor so light: estimator.pll = leso-qpll" in folder.run(*light).stdout
+        checks.equal(said, loses, f"{motor}, {pll}: the warning")
     text = folder.run(*command).stdout
     checks.true("zero and low speed: off (hfi.mode)\npossible: hfi.mode = on\n" in text, "said to be possible")
     text = folder.run(*command, "--set", "hfi.mode=on").stdout
