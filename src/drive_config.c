@@ -65,6 +65,24 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 // ... and, where the start current weakens the active flux, less: an error of Lq - Ld turns the angle. At the
 // largest current that the start takes by default, half of the flux lost, the rule by speed is left.
 #define SIGMA_FLUX_LOST 1.2f
+// These are of the LESO-QPLL. A QPLL has more, up to what the default observer allows: a fifth of w0 (P10).
+#define SIGMA_OBSERVER 0.84f
+#define SIGMA_TS_OBSERVER 0.0999f
+
+// Of the GI-LESO's resonance, times the rotor's time, within what it has at least and what is accepted.
+#define GI_WC_RUN_UP 17.0f
+#define GI_WC_MIN_rad_s LODE_TWO_PI
+#define GI_WC_MAX_rad_s 100.0f
+// Of the FA-LESO, times sigma, where the field is weakened: as the multi-mode form.
+#define K2_WEAKENED 10.0f
+
+static float sigma_of_kind(const lode_drive_config_t *config, float sigma_rad_s) {
+    const float most = lode_min(SIGMA_OBSERVER * config->motor.omega_rated_rad_s,
+                                SIGMA_TS_OBSERVER * config->f_pwm_Hz);
+    const float sigma = lode_pll_times(config->estimator.pll.kind) * sigma_rad_s;
+    return lode_min(sigma, lode_max(sigma_rad_s, most));
+}
+
 static float sigma_of_light_rotor(const lode_drive_config_t *config) {
     const lode_motor_t *motor = &config->motor;
     const float lost = lode_abs(motor->Lq_H - motor->Ld_H) * config->start.current_A;
@@ -73,15 +91,15 @@ static float sigma_of_light_rotor(const lode_drive_config_t *config) {
     const float most = lode_min(SIGMA_RATED_MAX * left * left * motor->omega_rated_rad_s,
                                 SIGMA_TS_MAX * config->f_pwm_Hz);
     const float run_up_s = lode_motor_run_up_s(motor, config->inverter.i_max_A);
-    return lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), most);
+    return sigma_of_kind(config, lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), most));
 }
 
 // Where the rotor has moved the hand-over beyond the speeds at which the bandwidth rises, it rises on up to
 // there: what an error of Lq - Ld does, depends on sigma over the speed.
 static void stretch_pll(lode_pll_config_t *pll, const lode_drive_config_t *config) {
     const float run_up_s = lode_motor_run_up_s(&config->motor, config->inverter.i_max_A);
-    const float most =
-        lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), SIGMA_TS_MAX * config->f_pwm_Hz);
+    const float most = sigma_of_kind(config, lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN),
+                                                      SIGMA_TS_MAX * config->f_pwm_Hz));
     const float by_speed =
         config->start.omega_handover_rad_s / lode_max(pll->omega_high_rad_s, FLT_MIN);
     const float by_sigma = most / lode_max(pll->sigma_rad_s, FLT_MIN);
@@ -94,6 +112,21 @@ static void stretch_pll(lode_pll_config_t *pll, const lode_drive_config_t *confi
 
 static bool is_open(float value) {
     return lode_in_range(value, 0.0f, 0.0f);
+}
+
+// By the rotor's own time too: the GI-LESO's resonance forgets within a turn of events that it can make. Where
+// the field is weakened an error of the speed that tunes the FA-LESO moves the d current, and that the angle.
+static void design_observer(lode_drive_config_t *config) {
+    lode_emf_config_t *emf = &config->estimator.emf;
+    const float run_up_s = lode_motor_run_up_s(&config->motor, config->inverter.i_max_A);
+    const float gi_wc =
+        lode_clamp(GI_WC_RUN_UP / lode_max(run_up_s, FLT_MIN), GI_WC_MIN_rad_s, GI_WC_MAX_rad_s);
+    emf->gi_wc_rad_s = lode_given_or(emf->gi_wc_rad_s, gi_wc);
+    if (emf->kind == LODE_EMF_FA_LESO && config->references.field_weakening == LODE_ON) {
+        const float k2 =
+            lode_min(K2_WEAKENED * config->estimator.pll.sigma_rad_s, config->f_pwm_Hz);
+        emf->k2_rad_s = lode_given_or(emf->k2_rad_s, k2);
+    }
 }
 
 // By the rated speed, and by the inertia where that asks for more.
@@ -142,7 +175,6 @@ static lode_hfi_system_t injected_into(const lode_drive_config_t *c) {
         .sigma_rad_s = c->estimator.pll.sigma_rad_s,
         .omega_max_rad_s = c->estimator.omega_max_rad_s,
         .Lq_fall = c->references.Lq_fall,
-        .third_order = c->estimator.pll.kind == LODE_PLL_LESO,
         .active_flux = c->estimator.active_flux == LODE_ON,
     };
 }
@@ -162,6 +194,7 @@ void lode_drive_design(lode_drive_config_t *config) {
     }
     lode_start_design(&config->start, inverter, motor, ts_s);
     design_pll(config, ts_s);
+    design_observer(config);
     lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
     config->current.voltage_use =
@@ -252,6 +285,21 @@ static lode_status_t tune_flight(lode_drive_tuning_t *t, const lode_drive_config
     return status;
 }
 
+// The last check: docs/theory/pll.md and emf.md say what the QPLL and the GI-LESO cannot hold.
+static lode_status_t tune_references(lode_drive_tuning_t *t, const lode_drive_config_t *c,
+                                     const lode_motor_t *circuit) {
+    const float period_s = (float)t->speed_periods * (1.0f / c->f_pwm_Hz);
+    const lode_status_t status = lode_references_tune(&t->references, &c->references, &c->inverter,
+                                                      circuit, c->current.voltage_use, period_s);
+    if (status != LODE_OK || c->references.field_weakening != LODE_ON) {
+        return status;
+    }
+    t->current.d_share = WEAKENED_D_SHARE;
+    const bool slow =
+        c->estimator.pll.kind == LODE_PLL_QPLL || c->estimator.emf.kind == LODE_EMF_GI_LESO;
+    return slow ? LODE_ERROR_WEAKENING_ESTIMATOR : LODE_OK;
+}
+
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const float ts_s = 1.0f / c->f_pwm_Hz;
@@ -265,11 +313,7 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
             LODE_ERROR_DOUBLE_UPDATE; // low-side shunts show nothing at the upper turning point
     }
     if (status == LODE_OK) {
-        status = lode_references_tune(&t->references, &c->references, &c->inverter, &circuit,
-                                      c->current.voltage_use, (float)t->speed_periods * ts_s);
-    }
-    if (status == LODE_OK && c->references.field_weakening == LODE_ON) {
-        t->current.d_share = WEAKENED_D_SHARE;
+        status = tune_references(t, c, &circuit);
     }
     t->current.free = lode_min(t->current.free, t->inverter.free);
     if (status == LODE_OK) {

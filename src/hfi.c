@@ -26,8 +26,6 @@
 // where EMF and reactance at half of i_max would leave the wave too little of the circle.
 #define W2_LEARN_SHARE 0.65f
 #define CIRCLE_LEARN_SHARE 0.9f
-// Bandwidth of a QPLL by that of the LESO-QPLL whose angle has the same noise (H20).
-#define QPLL_TIMES 1.65f
 // By an error at its limit the length of the PLL's rotation grows to 1.07 in a round.
 #define SIGMA_TS_MAX 0.1f
 #define AXIS_MAX_rad 0.5f
@@ -168,8 +166,8 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
                            : LODE_NONE;
     config->id_A = lode_given_or(config->id_A, id_A);
     const float sigma_max = SIGMA_TS_MAX / lode_max(system->ts_s, FLT_MIN);
-    const float sigma = (system->third_order ? 1.0f : QPLL_TIMES) * system->sigma_rad_s;
-    config->sigma_rad_s = lode_given_or(config->sigma_rad_s, lode_min(sigma, sigma_max));
+    config->sigma_rad_s =
+        lode_given_or(config->sigma_rad_s, lode_min(system->sigma_rad_s, sigma_max));
     if (config->mode == LODE_HFI_AUTO) {
         config->mode = check(config, system) == LODE_OK ? LODE_HFI_ON : LODE_HFI_OFF;
         config->learn = config->mode == LODE_HFI_ON ? config->learn : LODE_OFF;

@@ -6,15 +6,23 @@
 #define SIGMA_HIGH_SHARE 0.2122f
 #define OMEGA_LOW_SHARE 0.1f
 #define OMEGA_HIGH_SHARE 0.2f
+// Of a QPLL, times those: the same noise of the angle (H20), and an acceleration that it does not know leaves it
+// 1/2.7 of the error.
+#define QPLL_TIMES 1.65f
 #define SIGMA_TS_MAX 0.3f
 // A fifth (P10) of the largest w0 that an observer has by default, less a rounding.
 #define SIGMA_TS_DEFAULT_MAX 0.0999f
 
+float lode_pll_times(lode_pll_kind_t kind) {
+    return kind == LODE_PLL_QPLL ? QPLL_TIMES : 1.0f;
+}
+
 void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s, float ts_s) {
     const bool given = config->sigma_rad_s > 0.0f;
     const float most = SIGMA_TS_DEFAULT_MAX / ts_s;
-    const float sigma = lode_min(SIGMA_HIGH_SHARE * omega_rated_rad_s, most);
-    const float sigma_low = lode_min(SIGMA_LOW_SHARE * omega_rated_rad_s, most);
+    const float per_share = lode_pll_times(config->kind) * omega_rated_rad_s;
+    const float sigma = lode_min(SIGMA_HIGH_SHARE * per_share, most);
+    const float sigma_low = lode_min(SIGMA_LOW_SHARE * per_share, most);
     config->sigma_low_rad_s =
         lode_given_or(config->sigma_low_rad_s, given ? config->sigma_rad_s : sigma_low);
     config->sigma_rad_s = lode_given_or(config->sigma_rad_s, sigma);

@@ -63,6 +63,7 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_ID_BIAS);
         NAME(LODE_ERROR_REFERENCES);
         NAME(LODE_ERROR_FIELD_WEAKENING);
+        NAME(LODE_ERROR_WEAKENING_ESTIMATOR);
         NAME(LODE_ERROR_LQ_FALL);
         NAME(LODE_ERROR_BUS_FADE);
         NAME(LODE_ERROR_START_CURRENT);

@@ -3,7 +3,7 @@
 Runs the EMF observers through recordings, scenarios and errors of every motor and prints the tables that say
 which one is the best default; write: into docs/observer-choice.md, the groups named or all, and the
 comparison of all that stands there. Takes some ten minutes on two cores.
-Groups: recordings, scenarios, errors, starts. Every gain is the default.
+Groups: recordings, scenarios, errors, starts, plls. Every gain is the default.
 """
 import concurrent.futures
 import math
@@ -24,6 +24,7 @@ TODAY = ALL[0]
 CANDIDATE = "r-leso"
 COMPARED = ["c-leso", "fa-leso", "r-leso"]  # in the long tables
 SEEDS = [101, 102, 103]
+PLL_SEEDS = range(101, 106)
 STARTS = range(1001, 1061)
 # A figure is better or worse than another one by at least so much, of it and in degrees; below that the
 # noise of one run against the next decides.
@@ -35,6 +36,7 @@ STEPS = [(2.5, 300, 0), (1, 300, 5), (1, 300, -5), (1.5, 900, -5), (1, 900, 5), 
          (1, 1500, -5)]
 SCENARIOS = ["main", "steady_ideal", "steady_switched", "steady_correction_off_20", "dynamics", "reversal",
              "field_weakening", "mtpv", "servo", "traction", "drone", "dtp", "dtp_open_phase"]
+PLLS = ["leso-qpll", "qpll"]
 ERRORS = ["steps", "servo", "traction", "drone"]  # a scenario of each three-phase motor
 MOTORS = {"steps": "jiang2022", "servo": "servo_48V", "traction": "traction_400V", "drone": "drone_900KV"}
 
@@ -78,6 +80,8 @@ def measure(folder, job):
     words = [word for key, value in {**values, "estimator.emf": observer}.items()
              for word in ("--set", f"{key}={value:.6g}" if key != "estimator.emf" else f"{key}={value}")]
     done = folder.run("run", scenario_file(folder, name), "--seed", str(seed), "--json", out, *words)
+    if "LODE_ERROR_WEAKENING_ESTIMATOR" in done.stderr:
+        return math.nan, math.nan, math.nan, math.nan, True
     if not (folder.path / out).exists():
         sys.exit(f"{name} with {observer}, {values}: {done.stderr}")
     result = folder.json(out)
@@ -183,6 +187,40 @@ def starts(folder):
             table(["", "reach 900 rpm", "median", "90 %", "worst"], rows))
 
 
+def ending(folder, job):
+    """How a run ended: "", a fault's name, "bars" or "refused"."""
+    name, observer, pll, seed = job
+    done = folder.run("run", str(DATA / f"scenarios/{name}.ini"), "--seed", str(seed), "--set",
+                      f"estimator.emf={observer}", "--set", f"estimator.pll={pll}")
+    fault = re.search(r"^FAULT .*LODE_CHECK_(\w+)", done.stdout, re.MULTILINE)
+    if "LODE_ERROR_WEAKENING_ESTIMATOR" in done.stderr:
+        return "refused"
+    return fault.group(1) if fault else "" if done.returncode == 0 else "bars"
+
+
+def ended(endings):
+    if set(endings) == {"refused"}:
+        return "refused"
+    bad = [e for e in endings if e]
+    return f"{len(bad)} of {len(endings)}: {', '.join(sorted(set(bad)))}" if bad else "passes"
+
+
+def plls(folder):
+    names = [*SCENARIOS, "start", "torque"]
+    jobs = [(name, o, pll, seed) for name in names for o in ALL for pll in PLLS for seed in PLL_SEEDS]
+    found = {}
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for job, how in zip(jobs, pool.map(lambda j: ending(folder, j), jobs)):
+            found.setdefault(job[:3], []).append(how)
+    parts = [f"## Every observer with either PLL\n\nHow many of seeds {PLL_SEEDS[0]} .. {PLL_SEEDS[-1]} miss a bar or "
+             "end in a fault, and which; refused: by init, as the theory pages say of [the QPLL](theory/pll.md#qpll) "
+             "and [the GI-LESO](theory/emf.md#gi-leso).\n"]
+    for pll in PLLS:
+        parts.append(f"With {pll}:\n\n" + table(
+            ["", *ALL], [[name, *(ended(found[name, o, pll]) for o in ALL)] for name in names]))
+    return "\n".join(parts)
+
+
 def figure(cell):
     """The number of a cell, infinite where the drive was lost in more than half of the runs."""
     match = re.match(r"-?[\d.]+", cell)
@@ -192,7 +230,7 @@ def figure(cell):
 def compared(page, other):
     """(where, today's figure, the other's) of every cell of the page's tables."""
     place, columns = "", []
-    for line in page.split("## Against")[0].splitlines():
+    for line in page.split("## Against")[0].split("## Every observer")[0].splitlines():
         if not line.startswith("|"):
             columns = []
             place = line.strip("#:. ") or place
@@ -226,7 +264,7 @@ def verdict(page):
     return "\n".join([head, table(["", "better", "worse"], rows), *lists])
 
 
-GROUPS = {"recordings": recordings, "scenarios": scenarios, "errors": errors, "starts": starts}
+GROUPS = {"recordings": recordings, "scenarios": scenarios, "errors": errors, "starts": starts, "plls": plls}
 
 
 def put(page, section):

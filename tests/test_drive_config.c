@@ -535,6 +535,85 @@ static void test_a_light_rotor_raises_sigma(void) {
     CHECK_CLOSE(1.0e-3, 0.07 * 3000.0, config.estimator.pll.sigma_low_rad_s);
 }
 
+/// (P22): 1.65 times in all that (P20) and (P21) make, up to what the default observer allows.
+static void test_a_qpll_has_more_sigma(void) {
+    lode_drive_config_t config = minimal();
+    config.estimator.pll.kind = LODE_PLL_QPLL;
+    config.motor.Lq_H = config.motor.Ld_H;
+    const lode_drive_config_t base = config;
+    lode_drive_design(&config);
+    CHECK_CLOSE(1.0e-3, 1.65 * 0.2122 * PAPER_OMEGA_RATED, config.estimator.pll.sigma_rad_s);
+    CHECK_CLOSE(1.0e-3, 0.25, config.speed.bandwidth_rad_s / config.estimator.pll.sigma_low_rad_s);
+    config = base;
+    config.motor.J_kgm2 *= 0.5f;
+    lode_drive_design(&config);
+    const double run_up_s = 0.5 * 0.0174 * PAPER_OMEGA_RATED / 3.0 / (1.5 * 3.0 * 0.142 * 12.0);
+    CHECK_CLOSE(1.0e-3, 1.65 * 17.0 / run_up_s, config.estimator.pll.sigma_low_rad_s);
+    config = base;
+    config.motor.J_kgm2 *= 0.01f;
+    lode_drive_design(&config);
+    CHECK_CLOSE(1.0e-3, 0.84 * PAPER_OMEGA_RATED, config.estimator.pll.sigma_low_rad_s);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_config(&config));
+    config = base;
+    config.motor.J_kgm2 *= 0.01f;
+    config.f_pwm_Hz = 3000.0f;
+    lode_drive_design(&config);
+    CHECK_CLOSE(2.0e-3, 0.1 * 3000.0, config.estimator.pll.sigma_low_rad_s);
+    config = base;
+    config.motor.J_kgm2 *= 0.1f;
+    config.motor.Lq_H = config.motor.Ld_H + 6.0e-3f;
+    config.start.current_A = 11.0f;
+    config.start.omega_handover_rad_s = (float)(0.3 * PAPER_OMEGA_RATED);
+    lode_drive_design(&config);
+    CHECK_CLOSE(1.0e-3, 1.5 * 1.65 * 0.2122 * PAPER_OMEGA_RATED, config.estimator.pll.sigma_rad_s);
+}
+
+/// (E30) and (P23): what the observers have by the rotor's time and by field weakening.
+static void test_observers_by_rotor_and_field_weakening(void) {
+    const double run_up_s = 0.0174 * PAPER_OMEGA_RATED / 3.0 / (1.5 * 3.0 * 0.142 * 12.0);
+    lode_drive_config_t config = minimal();
+    lode_drive_design(&config);
+    CHECK_CLOSE(1.0e-3, 17.0 / run_up_s, config.estimator.emf.gi_wc_rad_s);
+    config = minimal();
+    config.motor.J_kgm2 *= 0.1f;
+    lode_drive_design(&config);
+    TEST_ASSERT_EQUAL_FLOAT(100.0f, config.estimator.emf.gi_wc_rad_s);
+    config = minimal();
+    config.motor.J_kgm2 *= 100.0f;
+    lode_drive_design(&config);
+    CHECK_NEAR(1.0e-5, 2.0 * CHECK_PI, config.estimator.emf.gi_wc_rad_s);
+    config = minimal();
+    config.estimator.emf.gi_wc_rad_s = 3.0f;
+    lode_drive_design(&config);
+    TEST_ASSERT_EQUAL_FLOAT(3.0f, config.estimator.emf.gi_wc_rad_s);
+    for (int weak = 0; weak < 2; weak++) {
+        config = minimal();
+        config.estimator.emf.kind = LODE_EMF_FA_LESO;
+        config.references.field_weakening = weak == 1 ? LODE_ON : LODE_OFF;
+        lode_drive_design(&config);
+        CHECK_CLOSE(1.0e-5, weak == 1 ? 10.0 : 3.0,
+                    config.estimator.emf.k2_rad_s / config.estimator.pll.sigma_rad_s);
+    }
+    config = minimal();
+    config.estimator.emf.kind = LODE_EMF_FA_LESO;
+    config.references.field_weakening = LODE_ON;
+    config.estimator.pll.sigma_rad_s = 600.0f;
+    lode_drive_design(&config);
+    TEST_ASSERT_EQUAL_FLOAT(5000.0f, config.estimator.emf.k2_rad_s); // 1/Ts
+}
+
+static void test_field_weakening_has_its_estimators(void) {
+    for (int n = 0; n < 8; n++) {
+        lode_drive_config_t config = minimal();
+        const bool weak = (n & 1) != 0;
+        config.references.field_weakening = weak ? LODE_ON : LODE_OFF;
+        config.estimator.emf.kind = (n & 2) != 0 ? LODE_EMF_GI_LESO : LODE_EMF_C_LESO;
+        config.estimator.pll.kind = (n & 4) != 0 ? LODE_PLL_QPLL : LODE_PLL_LESO;
+        TEST_ASSERT_EQUAL_INT(weak && n > 1 ? LODE_ERROR_WEAKENING_ESTIMATOR : LODE_OK,
+                              try_config(&config));
+    }
+}
+
 static void test_rated_speed_follows_from_bus_and_current(void) {
     lode_drive_config_t config = minimal();
     config.motor.omega_rated_rad_s = 0.0f;
@@ -549,6 +628,9 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_only_motor_inverter_sense_and_rate_are_needed);
     RUN_TEST(test_a_light_rotor_raises_sigma);
+    RUN_TEST(test_a_qpll_has_more_sigma);
+    RUN_TEST(test_observers_by_rotor_and_field_weakening);
+    RUN_TEST(test_field_weakening_has_its_estimators);
     RUN_TEST(test_a_late_hand_over_stretches_the_schedule);
     RUN_TEST(test_motors_of_many_kinds_need_no_more);
     RUN_TEST(test_every_needed_field_at_its_limits);

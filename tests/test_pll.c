@@ -388,6 +388,10 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(0.05, 0.11 * 471.239, config.sigma_low_rad_s);
     CHECK_CLOSE(1.0e-6, 47.1239, config.omega_low_rad_s);
     CHECK_CLOSE(1.0e-6, 94.2478, config.omega_high_rad_s);
+    lode_pll_config_t second = {.kind = LODE_PLL_QPLL}; // (P22)
+    lode_pll_design(&second, 471.239f, 2.0e-4f);
+    CHECK_CLOSE(1.0e-6, 1.65 * (double)config.sigma_rad_s, second.sigma_rad_s);
+    CHECK_CLOSE(1.0e-6, 1.65 * (double)config.sigma_low_rad_s, second.sigma_low_rad_s);
     // At a rated speed of 0.49 rad a period, bounded by what the largest default of w0 bears (P10).
     lode_pll_config_t quick = {.kind = LODE_PLL_LESO};
     lode_pll_design(&quick, 2450.0f, 2.0e-4f);

@@ -28,8 +28,7 @@ typedef struct {
     float w1_rad_s; ///< ELECTRICAL speed up to which injection alone gives the position; 0: 0.65 w2
     float
         w2_rad_s; ///< from which the EMF alone does, and nothing is injected; 0: by dead time and psi
-    float
-        sigma_rad_s; ///< bandwidth of the PLL while injecting; 0: as at rated speed, QPLL: 1.65 times it
+    float sigma_rad_s; ///< bandwidth of the PLL while injecting; 0: as at rated speed
     /// angle by which i_q turns the axis of least inductance (cross-saturation), rad/A; 0: none
     float k_x_rad_A;
     /// DIFFERENTIAL q-axis inductance, d(psi_q)/d(i_q), at i_max; 0: from Lq_H and references.Lq_fall
@@ -57,7 +56,6 @@ typedef struct {
     float sigma_rad_s; ///< of the PLL at rated speed
     float omega_max_rad_s;
     float Lq_fall;    ///< of the references
-    bool third_order; ///< LESO-QPLL
     bool active_flux; ///< the EMF's prediction has Ld - Lq in it, by which injection sees the rotor
 } lode_hfi_system_t;
 

@@ -20,10 +20,10 @@ typedef enum {
 
 typedef struct {
     lode_pll_kind_t kind;
-    /// triple (double) pole at and above omega_high; 0: scheduled, 0.21 of rated speed
+    /// triple (double) pole at and above omega_high; 0: scheduled, 0.21 of rated speed, QPLL 0.35
     float sigma_rad_s;
     float sigma_low_rad_s; ///< the same at and below omega_low; 0: as sigma_rad_s if that is given,
-                           ///< else 0.11 of rated speed
+                           ///< else 0.11 of rated speed, QPLL 0.18
     float omega_low_rad_s; ///< 0: 0.1 of rated speed
     float omega_high_rad_s; ///< 0: 0.2 of rated speed
 } lode_pll_config_t;
@@ -45,6 +45,9 @@ typedef struct {
     float
         rise_rad_s; ///< of the speed over the period under way: by the disturbance, torque and friction
 } lode_pll_t;
+
+/// Bandwidth of a loop of this kind over that of the LESO-QPLL whose angle has the same noise (H20).
+float lode_pll_times(lode_pll_kind_t kind);
 
 /// Fills every zero field that has a default.
 void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s, float ts_s);

@@ -63,7 +63,8 @@ typedef enum {
     LODE_ERROR_REFERENCES,      ///< kind or field_weakening not an enumerator, or not built in
     LODE_ERROR_FIELD_WEAKENING, ///< voltage_use outside 0.1 .. 1, trim_rad_s 0.1 .. 1e3, release_s
                                 ///< 1e-3 .. 10 or id_max_A 0.001 .. 1 times i_max_A
-    LODE_ERROR_LQ_FALL,         ///< Lq_fall outside 0 .. 10/i_max_A
+    LODE_ERROR_WEAKENING_ESTIMATOR, ///< field weakening with the GI-LESO or the QPLL, which cannot hold it
+    LODE_ERROR_LQ_FALL,             ///< Lq_fall outside 0 .. 10/i_max_A
     LODE_ERROR_BUS_FADE, ///< v_bus_V <= v_regen_V < v_bus_max_V or v_bus_min_V < v_motor_V <= v_bus_V
                          ///< does not hold
     LODE_ERROR_START_CURRENT,     ///< start current outside 0.001 .. 1 times i_max_A

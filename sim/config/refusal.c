@@ -108,6 +108,9 @@ static const refusal_t refusals[] = {
      "id_bias_A at most i_max_A, and omega_low_rad_s below omega_high_rad_s"},
     {LODE_ERROR_REFERENCES, "references.strategy references.field_weakening", NULL,
      "id0 or mtpa, and auto, on or off"},
+    {LODE_ERROR_WEAKENING_ESTIMATOR, "references.field_weakening estimator.pll estimator.emf", NULL,
+     "off with the QPLL and with the GI-LESO: their errors while the speed changes move the d "
+     "current"},
     {LODE_ERROR_FIELD_WEAKENING,
      "references.voltage_use references.trim_rad_s references.release_s references.id_max_A",
      "drive.i_max_A",

@@ -127,6 +127,8 @@ REFUSALS = {
     "FIELD_WEAKENING": ["references.voltage_use=2", "references.trim_rad_s=1e5",
                         "references.release_s=100 references.trim_rad_s=10",
                         "references.id_max_A=100"],
+    "WEAKENING_ESTIMATOR": ["references.field_weakening=on estimator.emf=gi-leso",
+                            "references.field_weakening=on estimator.pll=qpll"],
     "LQ_FALL": ["references.Lq_fall=10"],
     "BUS_FADE": ["references.v_regen_V=100", "references.v_motor_V=300"],
     "START_CURRENT": ["start.current_A=1000"],
