@@ -4,8 +4,8 @@
 
 #include "support/units.h"
 
-/// Beyond it the position error is limited.
-#define ERROR_MAX_rad 0.5
+/// Of the speed: an error beyond it loses the lock by the EMF's size (P17).
+#define SPEED_ERROR_MAX 0.4
 /// Largest angle error by a step of the acceleration, times sigma^2 (P7): s/(s + sigma)^3 has it at 2/sigma.
 #define PEAK_THIRD_ORDER (2.0 * exp(-2.0))
 
@@ -32,7 +32,8 @@ static void add_step(injection_t *self, const lode_drive_config_t *config, doubl
     self->torque_Nm = torque_Nm;
     self->step_deg = rig_deg_from_rad(peak * acc / (self->sigma_rad_s * self->sigma_rad_s));
     self->step_emf_deg = rig_deg_from_rad(emf_rad);
-    self->loses_steps = !is_third_order(config) && emf_rad > ERROR_MAX_rad;
+    self->loses_steps =
+        !is_third_order(config) && 2.0 * acc / by_emf > SPEED_ERROR_MAX * self->w2_rad_s;
 }
 
 injection_t injection_of(const lode_drive_config_t *config) {

@@ -252,7 +252,7 @@ def injection(checks, folder):
     checks.at_most(abs(found["step_deg"] - math.degrees(2 * math.exp(-2) * acc / sigma ** 2)), 0.01, "step, LESO-QPLL")
     second = json.loads(folder.run(*command, "--set", "estimator.pll=qpll", "--json").stdout)["injection"]
     checks.at_most(abs(second["step_deg"] - math.degrees(acc / second["sigma_rad_s"] ** 2)), 0.01, "step, QPLL")
-    checks.at_most(abs(second["step_emf_deg"] - math.degrees(acc / sigma ** 2)), 0.01, "step, QPLL, by the EMF")
+    checks.at_most(abs(second["step_emf_deg"] - math.degrees(acc / (1.65 * sigma) ** 2)), 0.01, "step, QPLL, by the EMF")
     for motor, pll, loses in [("jiang2022", "qpll", False), ("pmsyrm_5kW", "qpll", True),
                               ("pmsyrm_5kW", "leso-qpll", False), ("traction_400V", "qpll", False)]:
         light = ["design", "--motor", motor, "--drive", motor, "--set", f"estimator.pll={pll}"]
