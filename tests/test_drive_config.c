@@ -612,6 +612,11 @@ static void test_field_weakening_has_its_estimators(void) {
         TEST_ASSERT_EQUAL_INT(weak && n > 1 ? LODE_ERROR_WEAKENING_ESTIMATOR : LODE_OK,
                               try_config(&config));
     }
+    lode_drive_config_t config = minimal(); // the references' own refusal comes first
+    config.references.field_weakening = LODE_ON;
+    config.references.voltage_use = 2.0f;
+    config.estimator.pll.kind = LODE_PLL_QPLL;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_FIELD_WEAKENING, try_config(&config));
 }
 
 static void test_rated_speed_follows_from_bus_and_current(void) {
