@@ -1,6 +1,8 @@
 /// board_describe() for every board that has a header of figures (VARIANT_...) and a chip.h.
 #include "board.h"
 #include "chip.h"
+
+#include "calls.h"
 #include "figures.h"
 #include "ntc.h"
 
@@ -18,8 +20,8 @@
 #endif
 
 void board_describe(lode_drive_config_t *config) {
-    const float f_pwm = (float)VARIANT_F_PWM_Hz;
-    config->f_pwm_Hz = f_pwm;
+    const float f_call_Hz = (float)PORT_F_CALL_Hz;
+    config->f_pwm_Hz = f_call_Hz;
     config->inverter = (lode_inverter_config_t){
         .v_bus_V = VARIANT_V_BUS_V,
         .i_max_A = VARIANT_I_MAX_A,
@@ -28,6 +30,7 @@ void board_describe(lode_drive_config_t *config) {
         .r_on_Ohm = VARIANT_R_ON_Ohm,
         .precharge_s = VARIANT_PRECHARGE_s,
         .pwm_ticks = (float)port_pwm_steps(CHIP_F_PWM_Hz, VARIANT_F_PWM_Hz),
+        .double_update = VARIANT_DOUBLE_UPDATE ? LODE_ON : LODE_OFF,
     };
     config->sense = (lode_sense_config_t){
         .i_gain_A_count = VARIANT_I_GAIN_A_count,
@@ -42,5 +45,5 @@ void board_describe(lode_drive_config_t *config) {
     if (!VARIANT_LOW_SIDES) {
         config->start.pulses = LODE_OFF;
     }
-    config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_pwm;
+    config->guard.stamp_per_period = (float)CHIP_F_STAMP_Hz / f_call_Hz;
 }

@@ -3,6 +3,8 @@
 #include "board.h"
 
 #include "chip.h"
+
+#include "calls.h"
 #include "pwm.h"
 #include "supervise.h"
 #include "temperature.h"
@@ -96,6 +98,7 @@ static bool pwm_init(void) {
         .f_pwm_Hz = VARIANT_F_PWM_Hz,
         .dead_time_ns = VARIANT_DEAD_TIME_ns,
         .low_sides = VARIANT_LOW_SIDES,
+        .double_update = VARIANT_DOUBLE_UPDATE,
         .break_bits = CHIP_BREAK_BITS,
     });
 #ifdef VARIANT_LINK
@@ -113,6 +116,7 @@ static void halt_init(void) {
 }
 
 static bool low_sides_alone; // what the timer is set to
+static port_ran_t ran;       // its counter, in the call before
 
 bool board_reset_by_watchdog(void) {
     return stm32_reset_by_watchdog();
@@ -124,6 +128,7 @@ bool board_init(float i_trip_A) {
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_TIM1EN);
     stm32_pwm_reset();
     low_sides_alone = false;
+    ran = PORT_RAN_UNKNOWN;
     const bool clocked = chip_clock_init();
     stm32_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // a failure is reported over it
     if (!clocked) {
@@ -160,7 +165,7 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){
         .v_bus = (uint16_t)REG_READ(VARIANT_COUNT_BUS),
         .temperature = port_temperature(REG_READ(VARIANT_COUNT_T)),
-        .trip = stm32_pwm_tripped() || stm32_pwm_counts_down(),
+        .trip = port_is_wrong_half(&ran, stm32_pwm_counts_down()) || stm32_pwm_tripped(),
         .stamp = stm32_stamp(),
     };
     counts->trip = !currents_read(counts->i) || counts->trip;

@@ -49,7 +49,8 @@ bool stm32_pwm_init(const stm32_pwm_t *config) {
     REG_WRITE(TIM1->CR2, TIM_CR2_MMS_1); // TRGO = update; idle levels low
     REG_WRITE(TIM1->PSC, 0u);
     REG_WRITE(TIM1->ARR, steps);
-    REG_WRITE(TIM1->RCR, 1u); // before the counter starts: update at the lower turning point only
+    // 1, before the counter starts: update at the lower turning point only.
+    REG_WRITE(TIM1->RCR, config->double_update ? 0u : 1u);
     // PWM mode 2 (7), preloaded.
     REG_WRITE(TIM1->CCMR1, TIM_CCMR1_OC1M_0 | TIM_CCMR1_OC1M_1 | TIM_CCMR1_OC1M_2 |
                                TIM_CCMR1_OC1PE | TIM_CCMR1_OC2M_0 | TIM_CCMR1_OC2M_1 |

@@ -2,8 +2,8 @@
 ///
 /// It counts up and down. In PWM mode 2 the high sides are on around the upper turning point, so all low
 /// sides are on around the lower one: there the shunts carry the phase currents. The update event comes
-/// there once per period (repetition counter 1). It takes the compare values over and triggers the
-/// converters: that instant is t_k.
+/// there once per period (repetition counter 1), or with double update at both turning points (0). It takes
+/// the compare values over and triggers the converters: that instant is t_k.
 #ifndef LODESTAR_PORT_STM32_PWM_H
 #define LODESTAR_PORT_STM32_PWM_H
 
@@ -15,6 +15,7 @@ typedef struct {
     uint32_t f_pwm_Hz;
     uint32_t dead_time_ns; ///< rounded up to the timer's next step
     bool low_sides;        ///< complementary outputs drive the low sides
+    bool double_update;    ///< at both turning points
     uint32_t break_bits;   ///< of BDTR: enable, polarity and filter of the break inputs
 } stm32_pwm_t;
 
@@ -45,7 +46,7 @@ static inline bool stm32_pwm_tripped(void) {
     return (REG_READ(TIM1->SR) & STM32_BREAK_FLAGS) != 0u;
 }
 
-/// The counter runs down: the interrupt comes half a period late, or the trigger sits at the wrong end.
+/// The counter runs down: from the upper turning point on.
 static inline bool stm32_pwm_counts_down(void) {
     return (REG_READ(TIM1->CR1) & TIM_CR1_DIR) != 0u;
 }

@@ -11,6 +11,8 @@
 #endif
 #include STM32_BOARD_H
 
+#include "calls.h"
+
 #define CHIP_F_CPU_Hz 168000000u
 #define CHIP_F_PWM_Hz CHIP_F_CPU_Hz ///< TIM1
 #define CHIP_F_SERIAL_Hz 42000000u  ///< APB1: USART3
@@ -38,7 +40,7 @@ static inline void chip_converters_acknowledge(void) {
     REG_WRITE(ADC1->SR, ~(uint32_t)(ADC_SR_JEOC | ADC_SR_JSTRT));
 }
 
-/// Without an interrupt for a period and a half the outputs go off, and stay so.
+/// Without an interrupt for one and a half times what lies between two calls the outputs go off, and stay so.
 void chip_deadline_init(void);
 
 /// The interrupt has come: the deadline moves on.

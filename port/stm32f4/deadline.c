@@ -6,7 +6,7 @@
 #define PRESCALER 4u       // 16 bits then hold one and a half periods of 1 kHz
 #define REQUEST_TIM8_UP 7u // channel of DMA2's stream 1 (RM0090, DMA2 request mapping)
 #define CHANNEL_Pos 25u    // DMA_SxCR.CHSEL
-#define TICKS (3u * (CHIP_F_PWM_Hz / PRESCALER / VARIANT_F_PWM_Hz) / 2u)
+#define TICKS (3u * (CHIP_F_PWM_Hz / PRESCALER / PORT_F_CALL_Hz) / 2u)
 
 // Of BDTR only MOE can still be written: all else is locked.
 static const uint32_t outputs_off = 0u;

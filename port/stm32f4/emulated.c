@@ -5,6 +5,10 @@
 
 #include "chip.h"
 
+#if VARIANT_DOUBLE_UPDATE
+#error "No TIM1 here, so no turning points: no VARIANT_DOUBLE_UPDATE"
+#endif
+
 // The model runs every timer at 1 GHz, whatever the clock tree says.
 #define F_TIMER_Hz 1.0e9f
 #define PRESCALER 1000u // 1 MHz

@@ -11,6 +11,8 @@
 #endif
 #include STM32_BOARD_H
 
+#include "calls.h"
+
 #define CHIP_F_CPU_Hz 170000000u
 #define CHIP_F_PWM_Hz CHIP_F_CPU_Hz    ///< TIM1
 #define CHIP_F_STAMP_Hz CHIP_F_CPU_Hz  ///< TIM2
@@ -34,6 +36,10 @@ bool chip_converters_init(void);
 /// From now on a trigger starts them.
 void chip_converters_arm(void);
 
+#if defined(VARIANT_LINK) && VARIANT_DOUBLE_UPDATE
+#error "One shunt needs a whole period for its two samples: no VARIANT_DOUBLE_UPDATE"
+#endif
+
 /// Before the next results.
 #ifdef VARIANT_LINK
 void chip_converters_acknowledge(void);
@@ -45,12 +51,12 @@ static inline void chip_converters_acknowledge(void) {
 }
 #endif
 
-/// Without an interrupt for a period and a half the outputs go off, and stay so. After stm32_stamp_start().
+/// Without an interrupt for one and a half times what lies between two calls the outputs go off, and stay so. After stm32_stamp_start().
 void chip_deadline_init(void);
 
 /// The interrupt has come: the deadline moves on.
 static inline void chip_deadline_move(void) {
-    REG_WRITE(TIM2->CCR1, REG_READ(TIM2->CNT) + 3u * (CHIP_F_STAMP_Hz / VARIANT_F_PWM_Hz) / 2u);
+    REG_WRITE(TIM2->CCR1, REG_READ(TIM2->CNT) + 3u * (CHIP_F_STAMP_Hz / PORT_F_CALL_Hz) / 2u);
 }
 
 /// Break inputs: enabled, the sources' own polarities stand in AF1 and AF2; filter of six equal samples at

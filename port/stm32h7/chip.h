@@ -11,6 +11,8 @@
 #endif
 #include STM32_BOARD_H
 
+#include "calls.h"
+
 #define CHIP_F_CPU_Hz 400000000u
 #define CHIP_F_PWM_Hz 200000000u      ///< TIM1
 #define CHIP_F_STAMP_Hz CHIP_F_PWM_Hz ///< TIM2
@@ -39,12 +41,12 @@ static inline void chip_converters_acknowledge(void) {
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
 }
 
-/// Without an interrupt for a period and a half the outputs go off, and stay so. After stm32_stamp_start().
+/// Without an interrupt for one and a half times what lies between two calls the outputs go off, and stay so. After stm32_stamp_start().
 void chip_deadline_init(void);
 
 /// The interrupt has come: the deadline moves on.
 static inline void chip_deadline_move(void) {
-    REG_WRITE(TIM2->CCR1, REG_READ(TIM2->CNT) + 3u * (CHIP_F_STAMP_Hz / VARIANT_F_PWM_Hz) / 2u);
+    REG_WRITE(TIM2->CCR1, REG_READ(TIM2->CNT) + 3u * (CHIP_F_STAMP_Hz / PORT_F_CALL_Hz) / 2u);
 }
 
 /// Break input: enabled, the pin's own polarity stands in AF1; filter of six equal samples at half the

@@ -31,6 +31,20 @@ foreach(sensing IN ITEMS LOW_SIDE_TWO IN_LINE_THREE IN_LINE_TWO)
   target_compile_definitions(${name} PRIVATE VARIANT_SENSING=PORT_${sensing})
 endforeach()
 
+# Two calls in a period; with low-side shunts that is refused.
+foreach(case IN ITEMS stm32f4:IN_LINE_THREE stm32f4:IN_LINE_TWO stm32f4:LOW_SIDE_THREE stm32h7:IN_LINE_THREE)
+  string(REPLACE ":" ";" case "${case}")
+  list(GET case 0 port)
+  list(GET case 1 sensing)
+  string(TOLOWER "test_port_${port}_${sensing}_double" name)
+  if(port STREQUAL stm32f4)
+    stm32_test(${name} stm32f4 generic_f405 FAKE_F4 clock.c converters.c deadline.c)
+  else()
+    stm32_test(${name} stm32h7 generic_h743 FAKE_H7 clock.c converters.c deadline.c)
+  endif()
+  target_compile_definitions(${name} PRIVATE VARIANT_SENSING=PORT_${sensing} VARIANT_DOUBLE_UPDATE=true)
+endforeach()
+
 # One shunt in the DC link, without the application.
 set(link clock.c analog.c deadline.c link.c)
 list(TRANSFORM link PREPEND "${LODE_PORT_DIR}/stm32g4/")

@@ -23,7 +23,8 @@
 #define TRIP_A 1.0e3f // more than any board bears
 
 #define STEPS (CHIP_F_PWM_Hz / VARIANT_F_PWM_Hz / 2u)
-#define PERIOD (CHIP_F_STAMP_Hz / VARIANT_F_PWM_Hz)
+#define PERIOD (CHIP_F_STAMP_Hz / PORT_F_CALL_Hz)
+#define HALF (CHIP_F_STAMP_Hz / VARIANT_F_PWM_Hz / 2u)
 #define BDTR_DTG 0xFFu
 #define BDTR_LOCK (3u << 8)
 #define DUTY_MAX port_duty_max((float)VARIANT_F_PWM_Hz, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns)
@@ -78,6 +79,40 @@ static int first(const volatile uint32_t *reg, uint32_t mask, uint32_t bits) {
 
 static bool gates_on(void) {
     return (fake_read(&TIM1->BDTR) & TIM_BDTR_MOE) != 0u;
+}
+
+// --- turning points ---
+
+// The timer comes to its next turning point. True: with an update event, which takes compare values over (they are
+// preloaded) and triggers the converters. Repetition counter 1, written before the start: the lower one only.
+static uint32_t acting[3];
+
+static bool next_turn(void) {
+    fake_run(HALF);
+    TIM1->CR1 ^= TIM_CR1_DIR;
+    const bool updates = TIM1->RCR == 0u || (TIM1->CR1 & TIM_CR1_DIR) == 0u;
+    if (updates) {
+        acting[0] = TIM1->CCR1;
+        acting[1] = TIM1->CCR2;
+        acting[2] = TIM1->CCR3;
+    }
+    return updates;
+}
+
+static void next_call(void) {
+    while (!next_turn()) {
+    }
+}
+
+static bool trip_now(void) {
+    lode_counts_t counts;
+    board_read(&counts);
+    return counts.trip;
+}
+
+static bool trip_in_next_call(void) {
+    next_call();
+    return trip_now();
 }
 
 // --- figures ---
@@ -208,6 +243,9 @@ static void test_configuration_is_accepted(void) {
     board_describe(&config);
     CHECK_CLOSE(1e-6, STEPS, config.inverter.pwm_ticks);
     CHECK_CLOSE(1e-6, PERIOD, config.guard.stamp_per_period);
+    CHECK_CLOSE(1e-6, (VARIANT_DOUBLE_UPDATE ? 2.0 : 1.0) * VARIANT_F_PWM_Hz, config.f_pwm_Hz);
+    TEST_ASSERT_EQUAL_INT(VARIANT_DOUBLE_UPDATE ? LODE_ON : LODE_OFF,
+                          config.inverter.double_update);
     // Low-side shunts: current into the motor lowers the count.
     TEST_ASSERT_TRUE(config.sense.i_gain_A_count < 0.0f);
 }
@@ -262,12 +300,12 @@ static void test_timer_settings(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_HEX32(TIM_CR1_ARPE | TIM_CR1_CMS_0, TIM1->CR1);
     TEST_ASSERT_EQUAL_UINT32(STEPS, TIM1->ARR);
-    TEST_ASSERT_EQUAL_UINT32(1u, TIM1->RCR); // one update per period
+    TEST_ASSERT_EQUAL_UINT32(VARIANT_DOUBLE_UPDATE ? 0u : 1u, TIM1->RCR); // two updates, or one
     // Three compare registers in PWM mode 2, preloaded.
     TEST_ASSERT_EQUAL_HEX32(0x7878u, TIM1->CCMR1);
     TEST_ASSERT_EQUAL_HEX32(0x78u, TIM1->CCMR2);
     TEST_ASSERT_EQUAL_HEX32(VARIANT_LOW_SIDES ? 0x555u : 0x111u, TIM1->CCER);
-    const int rcr = first(&TIM1->RCR, 1u, 1u);
+    const int rcr = first(&TIM1->RCR, 0u, 0u);
     const int update = first(&TIM1->EGR, TIM_EGR_UG, TIM_EGR_UG);
     TEST_ASSERT_TRUE(rcr < update);
     TEST_ASSERT_TRUE(update > first(&TIM1->CCR3, 0u, 0u));
@@ -467,18 +505,14 @@ static void test_latched_trip_keeps_the_gates_off(void) {
     TEST_ASSERT_TRUE(gates_on());
     fake_set_break(true);
     TEST_ASSERT_FALSE(gates_on());
-    lode_counts_t counts;
-    board_read(&counts);
-    TEST_ASSERT_TRUE(counts.trip);
+    TEST_ASSERT_TRUE(trip_in_next_call());
     TEST_ASSERT_FALSE(board_clear_trip()); // still active
     fake_set_break(false);
     board_write(&on); // gone, but latched
     TEST_ASSERT_FALSE(gates_on());
-    board_read(&counts);
-    TEST_ASSERT_TRUE(counts.trip);
+    TEST_ASSERT_TRUE(trip_in_next_call());
     TEST_ASSERT_TRUE(board_clear_trip());
-    board_read(&counts);
-    TEST_ASSERT_FALSE(counts.trip);
+    TEST_ASSERT_FALSE(trip_in_next_call());
     board_write(&on);
     TEST_ASSERT_TRUE(gates_on());
 }
@@ -530,15 +564,48 @@ static void test_active_trip_at_power_up_is_a_failed_init(void) {
     TEST_ASSERT_FALSE(board_init(TRIP_A));
 }
 
+// One call: it comes half a period late, or the trigger sits at the wrong end. Two: one of either half is missing, or
+// late by a half.
 static void test_sample_at_the_wrong_end_is_a_trip(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
-    lode_counts_t counts;
-    board_read(&counts);
-    TEST_ASSERT_FALSE(counts.trip);
-    TIM1->CR1 |= TIM_CR1_DIR;
-    board_read(&counts);
-    TEST_ASSERT_TRUE(counts.trip);
+    for (int half = 0; half < 2; half++) {
+        for (int n = 0; n < 4; n++) {
+            next_call();
+            TEST_ASSERT_FALSE(trip_now());
+        }
+        (void)next_turn();
+        if (VARIANT_DOUBLE_UPDATE) {
+            (void)next_turn();
+        }
+        TEST_ASSERT_TRUE(trip_now());
+        if (VARIANT_DOUBLE_UPDATE) {
+            next_call();
+            TEST_ASSERT_FALSE(trip_now()); // in step again, now in the other half
+        }
+    }
+}
+
+// What a call writes acts from the next one on, in each half by itself: the high side is on at and above the value.
+static void test_each_call_has_its_own_pulse(void) {
+    static const lode_abc_t duty[] = {{0.0f, 0.5f, 1.0f}, {1.0f, 0.25f, 0.0f}, {0.9f, 0.1f, 0.3f},
+                                      {0.2f, 0.8f, 0.7f}, {1.0f, 0.0f, 0.5f},  {0.0f, 1.0f, 0.5f}};
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    next_call();
+    const uint32_t from = board_cycles();
+    int upper = 0;
+    for (int k = 0; k < COUNT_OF(duty); k++) {
+        board_write(&(lode_drive_out_t){.duty = duty[k], .gates = LODE_GATES_ON});
+        next_call();
+        upper += stm32_pwm_counts_down() ? 1 : 0;
+        TEST_ASSERT_EQUAL_UINT32(from + (uint32_t)(k + 1) * PERIOD, board_cycles());
+        const float wanted[3] = {duty[k].a, duty[k].b, duty[k].c};
+        for (int x = 0; x < 3; x++) {
+            CHECK_NEAR(0.5 / STEPS, wanted[x], (double)(STEPS - acting[x]) / STEPS);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(VARIANT_DOUBLE_UPDATE ? COUNT_OF(duty) / 2 : 0, upper);
 }
 
 // --- periods ---
@@ -562,7 +629,7 @@ static void put_counts(float i_A) {
 }
 
 static void one_period(void) {
-    fake_run(PERIOD);
+    next_call();
     STM32_PERIOD_HANDLER();
 }
 
@@ -681,7 +748,7 @@ static void test_low_sides_alone(void) {
 }
 
 static void run_until_gates_on(void) {
-    for (int n = 0; n < 30000 && !gates_on(); n++) {
+    for (int n = 0; n < 60000 && !gates_on(); n++) {
         one_period();
         app_poll();
     }
@@ -696,7 +763,7 @@ static void gates_on_by_the_drive(void) {
     app_armed = 1u;
     run_until_gates_on();
     // Past the low sides alone, and without a fault they stay on.
-    for (uint32_t n = 0; n < (uint32_t)(VARIANT_PRECHARGE_s * (float)VARIANT_F_PWM_Hz) + 4u; n++) {
+    for (uint32_t n = 0; n < (uint32_t)(VARIANT_PRECHARGE_s * (float)PORT_F_CALL_Hz) + 4u; n++) {
         one_period();
     }
     TEST_ASSERT_TRUE(gates_on());
@@ -715,7 +782,7 @@ static void test_bootstrap_capacitors_are_charged_first(void) {
         one_period();
         periods++;
     }
-    CHECK_NEAR(1.5, (double)VARIANT_PRECHARGE_s * VARIANT_F_PWM_Hz, periods);
+    CHECK_NEAR(1.5, (double)VARIANT_PRECHARGE_s * PORT_F_CALL_Hz, periods);
     TEST_ASSERT_EQUAL_HEX32(high_sides, TIM1->CCER & high_sides);
 }
 
@@ -768,7 +835,7 @@ static void put_temperature(float degC) {
 static void test_missing_sensor_is_too_hot(void) {
     gates_on_by_the_drive();
     VARIANT_COUNT_T = 4095u; // pulled up
-    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
+    for (uint32_t n = 0; n < PORT_F_CALL_Hz / 100u; n++) {
         one_period();
     }
     TEST_ASSERT_FALSE(gates_on());
@@ -785,12 +852,12 @@ static void put_temperature(float degC) {
 static void test_over_temperature_switches_off(void) {
     gates_on_by_the_drive();
     put_temperature(VARIANT_T_MAX_degC - 2.0f);
-    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
+    for (uint32_t n = 0; n < PORT_F_CALL_Hz / 100u; n++) {
         one_period();
     }
     TEST_ASSERT_TRUE(gates_on());
     put_temperature(VARIANT_T_MAX_degC + 2.0f);
-    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
+    for (uint32_t n = 0; n < PORT_F_CALL_Hz / 100u; n++) {
         one_period();
     }
     TEST_ASSERT_FALSE(gates_on());
@@ -830,7 +897,7 @@ static void test_gates_stay_off_after_a_halted_core(void) {
 static void test_missing_interrupt_switches_off_by_hardware(void) {
     gates_on_by_the_drive();
     for (int n = 0; n < 10; n++) {
-        fake_run(PERIOD);
+        next_call();
         TEST_ASSERT_TRUE(gates_on()); // each interrupt moves the deadline on
         STM32_PERIOD_HANDLER();
     }
@@ -849,7 +916,7 @@ static void test_fault_is_not_restarted(void) {
     run_until_gates_on();
     fake_set_break(true);
     fake_set_break(false);
-    for (uint32_t n = 0; n < 3u * VARIANT_F_PWM_Hz; n++) {
+    for (uint32_t n = 0; n < 3u * PORT_F_CALL_Hz; n++) {
         one_period();
         app_poll();
         TEST_ASSERT_FALSE(gates_on());
@@ -942,8 +1009,25 @@ static void test_serial_port_takes_what_it_has_room_for(void) {
     TEST_ASSERT_EQUAL_STRING("abc", fake_serial_text());
 }
 
+// At the upper turning point no low side is on.
+static void test_double_update_with_low_side_shunts_is_refused(void) {
+    TEST_ASSERT_FALSE(app_start());
+    TEST_ASSERT_EQUAL_STRING("LODE_ERROR_DOUBLE_UPDATE", lode_status_name(app_status()));
+    for (int n = 0; n < 10; n++) {
+        app_poll();
+    }
+    TEST_ASSERT_NOT_NULL(strstr(fake_serial_text(), "START FAIL LODE_ERROR_DOUBLE_UPDATE 0\r\n"));
+    TEST_ASSERT_EQUAL_INT(-1, fake_irq_enabled(18));
+    TEST_ASSERT_FALSE(gates_on());
+}
+
 int main(void) {
     UNITY_BEGIN();
+    if (VARIANT_DOUBLE_UPDATE &&
+        (VARIANT_SENSING == PORT_LOW_SIDE_THREE || VARIANT_SENSING == PORT_LOW_SIDE_TWO)) {
+        RUN_TEST(test_double_update_with_low_side_shunts_is_refused);
+        return UNITY_END();
+    }
     RUN_TEST(test_dead_time_code);
     RUN_TEST(test_period_in_steps);
     RUN_TEST(test_least_low_side_window);
@@ -974,6 +1058,7 @@ int main(void) {
 #endif
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
     RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);
+    RUN_TEST(test_each_call_has_its_own_pulse);
     RUN_TEST(test_counts_come_from_the_right_registers);
     RUN_TEST(test_duties_become_compare_values);
     RUN_TEST(test_over_current_reaches_the_gates_in_the_same_period);
