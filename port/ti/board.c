@@ -2,6 +2,8 @@
 #include "board.h"
 
 #include "chip.h"
+
+#include "calls.h"
 #include "figures.h"
 #include "temperature.h"
 
@@ -18,10 +20,12 @@ static uint16_t threshold_high;
 static uint16_t threshold_low;
 
 static bool low_sides_alone; // what the ePWM are set to
+static port_ran_t ran;       // the first one's counter, in the call before
 
 void ti_init(void) {
     port_temperature_init();
     low_sides_alone = false;
+    ran = PORT_RAN_UNKNOWN;
 }
 
 LODE_RAMFUNC void ti_period(void) {
@@ -38,7 +42,8 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
         .i = {chip_current(0u), chip_current(1u), chip_current(2u)},
         .v_bus = chip_bus(),
         .temperature = port_temperature(chip_temperature()),
-        .trip = chip_pwm_tripped() || chip_pwm_counts_down() || missed_periods,
+        .trip = port_is_wrong_half(&ran, chip_pwm_counts_down()) || chip_pwm_tripped() ||
+                missed_periods,
         .stamp = board_cycles(),
     };
 }

@@ -18,13 +18,13 @@ void chip_pwm_on(void);
 /// From now on only output B of each, high around zero in the same share of the period; false: both again. The
 /// trip zones must hold them low meanwhile.
 void chip_pwm_low_sides_alone(bool alone);
-/// Into the compare registers' shadows, taken over at the next zero.
+/// Into the compare registers' shadows, taken over at the next zero, with double update at the next turning point.
 void chip_pwm_write(lode_abc_t duty);
 /// A trip has come and not been cleared; chip_pwm_off() is none.
 bool chip_pwm_tripped(void);
 /// Clears what chip_pwm_tripped() reads. The outputs stay off.
 void chip_pwm_clear_trip(void);
-/// The counter runs down: the interrupt comes half a period late, or the trigger sits at the wrong end.
+/// The counter runs down: from the upper turning point on.
 bool chip_pwm_counts_down(void);
 
 /// Comparators, fault input and their ways to the trip zones: before those are armed.

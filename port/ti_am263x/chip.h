@@ -12,6 +12,8 @@
 #endif
 #include TI_BOARD_H
 
+#include "calls.h"
+
 /// What the boot loader has set up: core and CONTROLSS.
 #define CHIP_F_CPU_Hz 400000000u
 #define CHIP_F_PWM_Hz 200000000u

@@ -1,6 +1,6 @@
 // The counters run up and down. The high sides are on around the upper turning point, so all low sides
 // are on around zero: there the shunts carry the phase currents, the compare values are taken over and
-// the converters are triggered. That instant is t_k.
+// the converters are triggered. That instant is t_k. With double update both happen at the upper one too.
 #include "chip.h"
 #include "figures.h"
 
@@ -10,12 +10,15 @@
 static const uint32_t pwm[CHIP_PHASES] = VARIANT_PWM;
 static uint16_t steps;
 
+#define LOADED (VARIANT_DOUBLE_UPDATE ? CMPCTL_AT_ZERO_AND_PERIOD : CMPCTL_AT_ZERO)
+#define TRIGGERED (VARIANT_DOUBLE_UPDATE ? ETSEL_SOCA_AT_ZERO_AND_PERIOD : ETSEL_SOCA_AT_ZERO)
+
 static void time_base(uint32_t base) {
     // A halt does not stop the counter, which would hold the switches as they are: it trips.
     reg_write16(base + EPWM_TBCTL, TBCTL_UP_DOWN | TBCTL_PERIOD_AT_ONCE | TBCTL_FREE_RUN);
     reg_write16(base + EPWM_TBPRD, steps);
     reg_write16(base + EPWM_TBCTR, 0u);
-    reg_write16(base + EPWM_CMPCTL, 0u); // shadow, taken over at zero
+    reg_write16(base + EPWM_CMPCTL, LOADED); // shadow
     reg_write16(base + EPWM_AQCTLA, AQCTL_HIGH_AT_CMPA_UP | AQCTL_LOW_AT_CMPA_DOWN);
     // Unseen behind the dead-band, which makes output B of A, but for the low sides alone.
     reg_write16(base + EPWM_AQCTLB, AQCTL_LOW_AT_CMPA_UP | AQCTL_HIGH_AT_CMPA_DOWN);
@@ -86,7 +89,7 @@ bool chip_pwm_init(void) {
     }
     chip_pwm_write((lode_abc_t){0.5f, 0.5f, 0.5f}); // no voltage between the phases
     reg_write16(EPWM(pwm[0]) + EPWM_ETPS, ETPS_SOCA_EVERY);
-    reg_write16(EPWM(pwm[0]) + EPWM_ETSEL, ETSEL_SOCA_AT_ZERO);
+    reg_write16(EPWM(pwm[0]) + EPWM_ETSEL, TRIGGERED);
     return answers;
 }
 
@@ -141,7 +144,7 @@ LODE_RAMFUNC bool chip_pwm_counts_down(void) {
 }
 
 LODE_RAMFUNC void chip_pwm_write(lode_abc_t duty) {
-    reg_write16(EPWM(pwm[0]) + EPWM_CMPA, ti_compare(duty.a, steps));
-    reg_write16(EPWM(pwm[1]) + EPWM_CMPA, ti_compare(duty.b, steps));
-    reg_write16(EPWM(pwm[2]) + EPWM_CMPA, ti_compare(duty.c, steps));
+    reg_write16(EPWM(pwm[0]) + EPWM_CMPA, ti_compare(duty.a, steps, VARIANT_DOUBLE_UPDATE));
+    reg_write16(EPWM(pwm[1]) + EPWM_CMPA, ti_compare(duty.b, steps, VARIANT_DOUBLE_UPDATE));
+    reg_write16(EPWM(pwm[2]) + EPWM_CMPA, ti_compare(duty.c, steps, VARIANT_DOUBLE_UPDATE));
 }

@@ -12,6 +12,8 @@
 #endif
 #include TI_BOARD_H
 
+#include "calls.h"
+
 #define CHIP_F_CPU_Hz 100000000u
 #define CHIP_F_PWM_Hz CHIP_F_CPU_Hz
 #define CHIP_F_STAMP_Hz CHIP_F_CPU_Hz ///< CPU timer 1

@@ -1,6 +1,6 @@
 // The counters run up and down. The high sides are on around the upper turning point, so all low sides
 // are on around zero: there the shunts carry the phase currents, the compare values are taken over and
-// the converters are triggered. That instant is t_k.
+// the converters are triggered. That instant is t_k. With double update both happen at the upper one too.
 #include "chip.h"
 #include "figures.h"
 
@@ -13,6 +13,10 @@
 static const uint32_t pwm[CHIP_PHASES] = VARIANT_PWM;
 static uint16_t steps;
 
+#define LOADED                                                                                     \
+    (VARIANT_DOUBLE_UPDATE ? EPWM_COMP_LOAD_ON_CNTR_ZERO_PERIOD : EPWM_COMP_LOAD_ON_CNTR_ZERO)
+#define TRIGGERED (VARIANT_DOUBLE_UPDATE ? EPWM_SOC_TBCTR_ZERO_OR_PERIOD : EPWM_SOC_TBCTR_ZERO)
+
 static void time_base(uint32_t base) {
     EPWM_setClockPrescaler(base, EPWM_CLOCK_DIVIDER_1, EPWM_HSCLOCK_DIVIDER_1);
     EPWM_setEmulationMode(base, EPWM_EMULATION_FREE_RUN); // a halt trips, see trip_zone()
@@ -20,7 +24,7 @@ static void time_base(uint32_t base) {
     EPWM_setTimeBasePeriod(base, steps);
     EPWM_setTimeBaseCounter(base, 0u);
     EPWM_setTimeBaseCounterMode(base, EPWM_COUNTER_MODE_UP_DOWN);
-    EPWM_setCounterCompareShadowLoadMode(base, EPWM_COUNTER_COMPARE_A, EPWM_COMP_LOAD_ON_CNTR_ZERO);
+    EPWM_setCounterCompareShadowLoadMode(base, EPWM_COUNTER_COMPARE_A, LOADED);
     EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_A, EPWM_AQ_OUTPUT_HIGH,
                                   EPWM_AQ_OUTPUT_ON_TIMEBASE_UP_CMPA);
     EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_A, EPWM_AQ_OUTPUT_LOW,
@@ -82,7 +86,7 @@ bool chip_pwm_init(void) {
         trip_zone(pwm[n]);
     }
     chip_pwm_write((lode_abc_t){0.5f, 0.5f, 0.5f}); // no voltage between the phases
-    EPWM_setADCTriggerSource(pwm[0], EPWM_SOC_A, EPWM_SOC_TBCTR_ZERO);
+    EPWM_setADCTriggerSource(pwm[0], EPWM_SOC_A, TRIGGERED);
     EPWM_setADCTriggerEventPrescale(pwm[0], EPWM_SOC_A, 1u);
     EPWM_enableADCTrigger(pwm[0], EPWM_SOC_A);
     return true;
@@ -141,7 +145,10 @@ LODE_RAMFUNC bool chip_pwm_counts_down(void) {
 }
 
 LODE_RAMFUNC void chip_pwm_write(lode_abc_t duty) {
-    EPWM_setCounterCompareValue(pwm[0], EPWM_COUNTER_COMPARE_A, ti_compare(duty.a, steps));
-    EPWM_setCounterCompareValue(pwm[1], EPWM_COUNTER_COMPARE_A, ti_compare(duty.b, steps));
-    EPWM_setCounterCompareValue(pwm[2], EPWM_COUNTER_COMPARE_A, ti_compare(duty.c, steps));
+    EPWM_setCounterCompareValue(pwm[0], EPWM_COUNTER_COMPARE_A,
+                                ti_compare(duty.a, steps, VARIANT_DOUBLE_UPDATE));
+    EPWM_setCounterCompareValue(pwm[1], EPWM_COUNTER_COMPARE_A,
+                                ti_compare(duty.b, steps, VARIANT_DOUBLE_UPDATE));
+    EPWM_setCounterCompareValue(pwm[2], EPWM_COUNTER_COMPARE_A,
+                                ti_compare(duty.c, steps, VARIANT_DOUBLE_UPDATE));
 }

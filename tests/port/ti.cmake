@@ -15,6 +15,19 @@ ti_test(test_port_ti_f28004x f28004x board.c pwm.c analog.c)
 ti_test(test_port_ti_am263x am263x board.c pwm.c analog.c)
 target_compile_definitions(test_port_ti_am263x PRIVATE "TI_REG_H=\"am263x_reg.h\"")
 
+# Two calls in a period; with low-side shunts that is refused.
+foreach(chip IN ITEMS f28004x am263x)
+  set(double_board "TI_BOARD_H=\"${CMAKE_CURRENT_SOURCE_DIR}/boards/${chip}_double.h\"")
+  foreach(sensing IN ITEMS IN_LINE_THREE LOW_SIDE_THREE)
+    string(TOLOWER "test_port_ti_${chip}_${sensing}_double" name)
+    ti_test(${name} ${chip} board.c pwm.c analog.c)
+    target_compile_definitions(${name} PRIVATE ${double_board} VARIANT_SENSING=PORT_${sensing})
+  endforeach()
+endforeach()
+foreach(sensing IN ITEMS in_line_three low_side_three)
+  target_compile_definitions(test_port_ti_am263x_${sensing}_double PRIVATE "TI_REG_H=\"am263x_reg.h\"")
+endforeach()
+
 # The LaunchPad's port with an NTC and bootstrap capacitors, which that board does not have.
 ti_test(test_port_ti_f28004x_ntc f28004x board.c pwm.c analog.c)
 target_compile_definitions(test_port_ti_f28004x_ntc

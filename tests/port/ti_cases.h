@@ -7,12 +7,26 @@
 #include "app.h"
 #include "board.h"
 #include "chip.h"
+#include "figures.h"
 #include "support/check.h"
 
-#define TRIP_A 1.0e3f // more than any board bears
+#ifndef VARIANT_SENSING
+#define VARIANT_SENSING PORT_LOW_SIDE_THREE
+#endif
 
-// One period of the timer and its interrupt.
+#define TRIP_A 1.0e3f // more than any board bears
+#define IN_LINE (VARIANT_SENSING == PORT_IN_LINE_THREE || VARIANT_SENSING == PORT_IN_LINE_TWO)
+
+// From one call to the next, and its interrupt.
 static void one_period(void);
+// To the counters' next turning point, without an interrupt.
+static void next_turn(void);
+static bool counts_down;
+// By what the port has set: at the turning point that has come the converters are triggered, and ePWM x takes its
+// compare value over, which is this one.
+static bool is_triggered(void);
+static bool is_taken_over(int x);
+static uint32_t compare_shadow(int x);
 // The currents of the next period, with i_A in phase a.
 static void put_counts(float i_A);
 // One of the ways of a trip, on or off.
@@ -20,21 +34,99 @@ static void set_source(int n, bool active);
 // In the next interrupt, by this check.
 static void expect_gates_off_in_one_call(const char *check);
 
+static uint32_t acting[3];
+
+static void next_call(void) {
+    do {
+        next_turn();
+        for (int x = 0; x < 3; x++) {
+            acting[x] = is_taken_over(x) ? compare_shadow(x) : acting[x];
+        }
+    } while (!is_triggered());
+}
+
+static bool trip_now(void) {
+    lode_counts_t counts;
+    board_read(&counts);
+    return counts.trip;
+}
+
+static bool trip_in_next_call(void) {
+    next_call();
+    return trip_now();
+}
+
 static void gates_on_by_the_drive(void) {
     TEST_ASSERT_TRUE(app_start());
     put_counts(0.0f);
     app_mode = BRINGUP_SIGNS;
     app_armed = 1u;
-    for (int n = 0; n < 30000 && !fake_gates_on(); n++) {
+    for (int n = 0; n < 60000 && !fake_gates_on(); n++) {
         one_period();
         app_poll();
     }
     TEST_ASSERT_TRUE(fake_gates_on());
     // Past the low sides alone, and without a fault they stay on.
-    for (uint32_t n = 0; n < (uint32_t)(VARIANT_PRECHARGE_s * (float)VARIANT_F_PWM_Hz) + 4u; n++) {
+    for (uint32_t n = 0; n < (uint32_t)(VARIANT_PRECHARGE_s * (float)PORT_F_CALL_Hz) + 4u; n++) {
         one_period();
     }
     TEST_ASSERT_TRUE(fake_gates_on());
+}
+
+// One call: it comes half a period late, or the trigger sits at the wrong end. Two: one of either half is missing, or
+// late by a half.
+static void test_sample_at_the_wrong_end_is_a_trip(void) {
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    for (int half = 0; half < 2; half++) {
+        for (int n = 0; n < 4; n++) {
+            next_call();
+            TEST_ASSERT_FALSE(trip_now());
+        }
+        next_turn();
+        if (VARIANT_DOUBLE_UPDATE) {
+            next_turn();
+        }
+        TEST_ASSERT_TRUE(trip_now());
+        if (VARIANT_DOUBLE_UPDATE) {
+            next_call();
+            TEST_ASSERT_FALSE(trip_now()); // in step again, now in the other half
+        }
+    }
+}
+
+// What a call writes acts from the next one on, in each half by itself. No value meets a turning point at which
+// another one is taken over.
+static void test_each_call_has_its_own_pulse(void) {
+    static const lode_abc_t duty[] = {{0.0f, 0.5f, 1.0f}, {1.0f, 0.25f, 0.0f}, {0.9f, 0.1f, 0.3f},
+                                      {0.2f, 0.8f, 0.7f}, {1.0f, 0.0f, 0.5f},  {0.0f, 1.0f, 0.5f}};
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    next_call();
+    int upper = 0;
+    for (int k = 0; k < COUNT_OF(duty); k++) {
+        board_write(&(lode_drive_out_t){.duty = duty[k], .gates = LODE_GATES_ON});
+        next_call();
+        upper += counts_down ? 1 : 0;
+        const float wanted[3] = {duty[k].a, duty[k].b, duty[k].c};
+        for (int x = 0; x < 3; x++) {
+            CHECK_NEAR(1.0 / STEPS, wanted[x], (double)(STEPS - acting[x]) / STEPS);
+            TEST_ASSERT_TRUE(acting[x] >= 1u && acting[x] <= STEPS);
+            TEST_ASSERT_TRUE(!VARIANT_DOUBLE_UPDATE || acting[x] < STEPS);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(VARIANT_DOUBLE_UPDATE ? COUNT_OF(duty) / 2 : 0, upper);
+}
+
+// At the upper turning point no low side is on.
+static void test_double_update_with_low_side_shunts_is_refused(void) {
+    TEST_ASSERT_FALSE(app_start());
+    TEST_ASSERT_EQUAL_STRING("LODE_ERROR_DOUBLE_UPDATE", lode_status_name(app_status()));
+    for (int n = 0; n < 10; n++) {
+        app_poll();
+    }
+    TEST_ASSERT_NOT_NULL(strstr(SERIAL_TEXT, "START FAIL LODE_ERROR_DOUBLE_UPDATE 0\r\n"));
+    TEST_ASSERT_FALSE(fake_gates_on());
 }
 
 static void test_active_trip_at_power_up_is_a_failed_init(void) {
@@ -83,7 +175,7 @@ static void put_temperature(float degC) {
 }
 
 static void some_periods(void) {
-    for (uint32_t n = 0; n < VARIANT_F_PWM_Hz / 100u; n++) {
+    for (uint32_t n = 0; n < PORT_F_CALL_Hz / 100u; n++) {
         one_period();
     }
 }

@@ -78,7 +78,8 @@ typedef enum { EPWM_COUNTER_MODE_UP_DOWN = 2 } EPWM_TimeBaseCountMode;
 typedef enum { EPWM_COUNTER_COMPARE_A = 0 } EPWM_CounterCompareModule;
 typedef enum {
     EPWM_COMP_LOAD_ON_CNTR_ZERO = 0,
-    EPWM_COMP_LOAD_ON_CNTR_PERIOD = 1
+    EPWM_COMP_LOAD_ON_CNTR_PERIOD = 1,
+    EPWM_COMP_LOAD_ON_CNTR_ZERO_PERIOD = 2
 } EPWM_CounterCompareLoadMode;
 typedef enum { EPWM_AQ_OUTPUT_A = 0, EPWM_AQ_OUTPUT_B = 2 } EPWM_ActionQualifierOutputModule;
 typedef enum { EPWM_AQ_OUTPUT_LOW = 1, EPWM_AQ_OUTPUT_HIGH = 2 } EPWM_ActionQualifierOutput;
@@ -113,7 +114,11 @@ typedef enum {
     EPWM_REGISTER_GROUP_DIGITAL_COMPARE = 0x10
 } EPWM_LockRegisterGroup;
 typedef enum { EPWM_SOC_A = 0 } EPWM_ADCStartOfConversionType;
-typedef enum { EPWM_SOC_TBCTR_ZERO = 1, EPWM_SOC_TBCTR_PERIOD = 2 } EPWM_ADCStartOfConversionSource;
+typedef enum {
+    EPWM_SOC_TBCTR_ZERO = 1,
+    EPWM_SOC_TBCTR_PERIOD = 2,
+    EPWM_SOC_TBCTR_ZERO_OR_PERIOD = 3
+} EPWM_ADCStartOfConversionSource;
 typedef enum { ADC_REFERENCE_INTERNAL = 0 } ADC_ReferenceMode;
 typedef enum { ADC_REFERENCE_3_3V = 0 } ADC_ReferenceVoltage;
 typedef enum { ADC_CLK_DIV_2_0 = 2 } ADC_ClkPrescale;
