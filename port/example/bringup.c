@@ -264,7 +264,8 @@ static float voltage_for(const lode_drive_config_t *config, float i_A) {
     const lode_inverter_config_t *inverter = &config->inverter;
     return VOLTAGE_MARGIN * resistance_of(config) * i_A +
            LOSS_MARGIN *
-               (inverter->v_drop_V + inverter->v_bus_V * inverter->dead_time_s * config->f_pwm_Hz);
+               (inverter->v_drop_V + inverter->v_bus_V * inverter->dead_time_s *
+                                         lode_inverter_carrier_Hz(inverter, config->f_pwm_Hz));
 }
 
 // By raw counts, all the time while the voltage rises: what flows in must flow out. False: an amplifier is

@@ -22,6 +22,12 @@
     "One input per half bridge: no low sides alone, so no VARIANT_PRECHARGE_s; take a driver with a charge pump"
 #endif
 
+#include "calls.h"
+#if VARIANT_DOUBLE_UPDATE
+#error                                                                                             \
+    "This PWM takes compare values over at zero only, and one converter has no time for it: no VARIANT_DOUBLE_UPDATE"
+#endif
+
 #define CHIP_PHASES 3u
 #define CHIP_F_SYS_Hz 150000000u
 #define CHIP_F_PWM_Hz CHIP_F_SYS_Hz

@@ -4,6 +4,8 @@ set(application "${example}/app.c" "${example}/bringup.c" "${example}/kept.c" "$
 if(TARGET lodestar_rig)
   lode_port_test(test_port_bringup "${CMAKE_CURRENT_SOURCE_DIR}/test_port_bringup.c" ${application})
   target_compile_definitions(test_port_bringup PRIVATE APP_RESTARTS=3u)
+  lode_port_test(test_port_bringup_double "${CMAKE_CURRENT_SOURCE_DIR}/test_port_bringup.c" ${application})
+  target_compile_definitions(test_port_bringup_double PRIVATE APP_RESTARTS=3u DOUBLE_UPDATE=true)
   lode_port_test(test_port_low_bus "${CMAKE_CURRENT_SOURCE_DIR}/test_port_bringup.c" ${application})
   target_compile_definitions(test_port_low_bus PRIVATE APP_V_BUS_V=10.0f)
 endif()

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The RP2350 as a complete image for the Cortex-M33: linked from this tree alone, with what the boot ROM looks
 # for in the first 4 KB, the interrupt in SRAM; prints the sizes. A Debug build links too. A driver without one
-# of its three protections, one with bootstrap capacitors and a wrong core are refused. Runs at the
-# project's root.
+# of its three protections, one with bootstrap capacitors, two calls in a period and a wrong core are refused.
+# Runs at the project's root.
 set -eu -o pipefail
 for tool in arm-none-eabi-gcc cmake ninja; do
     command -v "$tool" >/dev/null || { echo "skipped: no $tool"; exit 77; }
@@ -59,6 +59,7 @@ for protection in INTERLOCK DEAD_TIME LATCHED_TRIP; do
     refused "s/\(VARIANT_DRIVER_$protection \)1/\10/" "interlock, dead time and latched over-current"
 done
 refused 's/\(#define VARIANT_F_PWM_Hz .*\)/\1\n#define VARIANT_PRECHARGE_s 10.0e-3f/' "take a driver with a charge pump"
+refused 's/\(#define VARIANT_F_PWM_Hz .*\)/\1\n#define VARIANT_DOUBLE_UPDATE true/' "no VARIANT_DOUBLE_UPDATE"
 if configure || ! grep -q "expected cortex-m33" "$log"; then
     echo "another core: expected a refusal that names cortex-m33"
     exit 1

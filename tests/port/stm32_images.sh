@@ -56,6 +56,16 @@ if build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD="$work/bootstrap.h" || ! grep -q "n
     echo "bootstrap capacitors without low sides: expected a refusal that names VARIANT_PRECHARGE_s"
     exit 1
 fi
+# Two calls in a period: one shunt has no time for it, and the emulated board no turning points.
+refused_double() { # refused_double FOLDER BOARD OPTION...
+    sed 's/\(#define VARIANT_F_PWM_Hz .*\)/\1\n#define VARIANT_DOUBLE_UPDATE true/' "$2" >"$work/double.h"
+    if build "$1" -DLODE_BOARD="$work/double.h" "${@:3}" || ! grep -q "no VARIANT_DOUBLE_UPDATE" "$log"; then
+        echo "$2 ${*:3}: expected a refusal that names VARIANT_DOUBLE_UPDATE"
+        exit 1
+    fi
+}
+refused_double g4 port/stm32g4/boards/generic_g431_link.h -DLODE_PORT=stm32g4
+refused_double f4 port/stm32f4/boards/generic_f405.h -DLODE_PORT=stm32f4 -DLODE_EMULATED=ON
 must_build g4 -DLODE_PORT=stm32g4 -DLODE_BOARD=nucleo_ihm16m1
 kept "$work/g4/port/stm32g4/lodestar_stm32g4.elf"
 must_build g4 -DLODE_PORT=stm32g4 -DLODE_CORDIC=ON
@@ -84,6 +94,10 @@ if build refused_core -DLODE_PORT=stm32h7 || ! grep -q "expected cortex-m7" "$lo
     echo "the STM32H7 with another core: expected a refusal that names cortex-m7"
     exit 1
 fi
+sed -e 's/PORT_LOW_SIDE_THREE/PORT_IN_LINE_THREE/' -e 's/\(#define VARIANT_F_PWM_Hz .*\)/\1\n#define VARIANT_DOUBLE_UPDATE true/' \
+    port/stm32f4/boards/generic_f405.h >"$work/double.h"
+must_build f4 -DLODE_PORT=stm32f4 -DLODE_EMULATED=OFF -DLODE_BOARD="$work/double.h"
+sizes "stm32f4, two calls in a period" "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
 must_build f4 -DLODE_PORT=stm32f4
 sizes stm32f4 "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
 kept "$work/f4/port/stm32f4/lodestar_stm32f4.elf"
