@@ -3,7 +3,8 @@
 #include "board.h"
 
 /// f_pwm, bus voltage and largest current, dead time, drops, timer steps; gains, offset and range of the
-/// sensors; guard.stamp_per_period = cycles of board_cycles() per period.
+/// sensors; guard.stamp_per_period = cycles of board_cycles() per call. A timer that calls at both turning points:
+/// f_pwm is that of the calls, and inverter.double_update is on.
 void board_describe(lode_drive_config_t *config) {
     config->f_pwm_Hz = 20.0e3f;
     config->inverter = (lode_inverter_config_t){.v_bus_V = 24.0f, .i_max_A = 10.0f};

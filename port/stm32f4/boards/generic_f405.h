@@ -46,6 +46,7 @@
 #ifndef VARIANT_SENSING // two shunts, or sensors in the phases (whose gain is positive): figures.h
 #define VARIANT_SENSING PORT_LOW_SIDE_THREE
 #endif
+// With sensors in the phases the drive may be called at both turning points: #define VARIANT_DOUBLE_UPDATE true
 
 // The three currents at once: one converter each, rank 1. Rank 2: bus, temperature, anything.
 #define VARIANT_ADC1_RANKS                                                                         \
