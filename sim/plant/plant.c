@@ -629,5 +629,6 @@ void plant_set_flux(plant_t *self, double psi_Wb) {
 void plant_write_through(plant_t *self) {
     for (int n = 0; n < PLANT_LEGS; n++) {
         self->duty[n] = self->next_duty[n];
+        self->fall[n] = self->next_fall[n];
     }
 }

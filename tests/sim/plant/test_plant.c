@@ -967,6 +967,28 @@ static void test_duty_acts_one_period_late(void) {
     }
 }
 
+/// Both edges of it.
+static void test_duty_without_a_shadow_acts_at_once(void) {
+    for (int level = 0; level < 2; level++) {
+        plant_config_t c = bench_config();
+        c.level = level == 0 ? PLANT_AVERAGED : PLANT_SWITCHING;
+        plant_t shadowed = new_plant(&c);
+        start_with_voltage(&shadowed, 0.0, 0.0);
+        plant_advance(&shadowed);
+        plant_t through = shadowed;
+        write_voltage(&shadowed, 40.0, 10.0);
+        plant_advance(&shadowed);
+        plant_advance(&shadowed);
+        write_voltage(&through, 40.0, 10.0);
+        plant_write_through(&through);
+        plant_advance(&through);
+        TEST_ASSERT_TRUE(truth_of(&through).i_alpha_A > 1.0);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, truth_of(&shadowed).i_alpha_A,
+                                  truth_of(&through).i_alpha_A);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, truth_of(&shadowed).i_beta_A, truth_of(&through).i_beta_A);
+    }
+}
+
 /// The shadowed voltage loses to gates off at once; gates on comes with its duties a period later.
 static void test_gates_off_acts_at_once(void) {
     for (int level = 0; level < 2; level++) {
@@ -1846,6 +1868,7 @@ int main(void) {
     RUN_TEST(test_dead_time_carries_over);
     RUN_TEST(test_phases_are_alike);
     RUN_TEST(test_duty_acts_one_period_late);
+    RUN_TEST(test_duty_without_a_shadow_acts_at_once);
     RUN_TEST(test_gates_off_acts_at_once);
     RUN_TEST(test_trip_cuts_the_gates_and_is_seen);
     RUN_TEST(test_bus_can_change);
