@@ -88,7 +88,7 @@ LODE_RAMFUNC void app_period(void) {
     board_write(&out);
 
     record_period(&drive);
-    bringup_window_take(&window, &counts);
+    bringup_window_take(&window, &counts, out.duty);
     note_cycles(entered);
 }
 

@@ -31,6 +31,11 @@
 #define IN_PHASE 0.75f   // share of the largest current: +-1 is right, +-0.5 another phase
 #define NOTHING 0.25f
 #define RETURN_TOLERANCE 0.2f // of the half that should come back in each other phase
+#define LATENCY_MAX 0.25f     // calls: one leg of three that is a period off makes half a call
+#define LATENCY_SIGMAS 2.0f   // of the noise
+#define FALL_SHARE 0.5f       // of the step of a duty
+#define LEAST_TICKS 4.0f      // of the timer, in a step
+#define TAUS 12.0f            // until a current stands: six of a winding twice as slow
 #define ACROSS_SHARE 0.3f
 #define RESISTANCE_FACTOR 2.0f
 #define CURRENT_SHARE 0.3f
@@ -70,6 +75,7 @@ const char *bringup_reason_name(uint_least8_t reason) {
         NAME(SIGN);
         NAME(ORDER);
         NAME(RATIO);
+        NAME(LATENCY);
         NAME(BALANCE);
         NAME(ANGLE);
         NAME(RESISTANCE);
@@ -97,7 +103,9 @@ void bringup_window_ask(volatile bringup_window_t *self, uint32_t periods) {
 }
 
 // From flash: out of bring-up it returns at once, and the fast memory is for the step.
-void bringup_window_take(volatile bringup_window_t *self, const lode_counts_t *counts) {
+void bringup_window_take(volatile bringup_window_t *self, const lode_counts_t *counts,
+                         lode_abc_t duty) {
+    edge_take(&self->edge, counts, duty);
     if (self->taken >= self->wanted) {
         return;
     }
@@ -154,6 +162,7 @@ void bringup_begin(bringup_t *self, bringup_mode_t mode) {
     self->u_V = 0.0f;
     self->count = 0.0f;
     self->window->wanted = 0u;
+    self->window->edge.wanted = 0u;
     post_off(self);
 }
 
@@ -345,14 +354,82 @@ static bool judge_phase(bringup_t *self, uint32_t driven) {
     return true;
 }
 
-// Four stages for each of the three phases, after the three of the calibration.
+static float tau_s(const bringup_t *self) {
+    const lode_motor_t *motor = &self->config->motor;
+    return 0.5f * (motor->Ld_H + motor->Lq_H) / resistance_of(self->config);
+}
+
+// The interrupt follows the steps in which the voltage goes back to nothing. False: of so few of the timer's steps that
+// they would not be seen.
+static bool begin_edges(bringup_t *self, const bringup_view_t *view, uint32_t phase) {
+    const bool unseen = phase == 2u && self->config->sense.shunts == LODE_SHUNTS_TWO;
+    // Min-max centring: the driven leg leaves one half by three quarters of its voltage.
+    const float step = 0.75f * self->u_V / lode_max(view->now.v_bus_V, 1.0f);
+    const float ticks = self->config->inverter.pwm_ticks;
+    if (ticks > 0.0f && step * ticks < LEAST_TICKS) {
+        return false;
+    }
+    edge_begin(&self->window->edge, phase, unseen ? 0u : phase, FALL_SHARE * step);
+    return true;
+}
+
+static void end_edges(bringup_t *self, const bringup_view_t *view, uint32_t stages) {
+    post(self, (lode_command_t){.mode = LODE_MODE_OFF});
+    self->stage += stages; // that are left out
+    next_stage(self, view);
+}
+
+// A winding that tells too little is not judged.
+static bool judge_edges(bringup_t *self, uint32_t phase) {
+    const volatile edge_t *edge = &self->window->edge;
+    const edge_time_t time =
+        edge_time(edge, self->offset_count[edge->from], tau_s(self) * self->config->f_pwm_Hz);
+    const float late = time.at - EDGE_EXPECTED;
+    const float limit = LATENCY_MAX + LATENCY_SIGMAS * time.sigma;
+    if (time.known && !(lode_abs(late) <= limit)) {
+        finish(self, BRINGUP_LATENCY, phase, late, limit);
+        return false;
+    }
+    return true;
+}
+
+// Behind a step: the voltage comes back for the next one, or they are judged.
+static void follow_edges(bringup_t *self, const bringup_view_t *view, uint32_t phase) {
+    if (!edge_done(&self->window->edge)) {
+        if (elapsed_s(self, view) > SETTLE_TIME) {
+            finish(self, BRINGUP_TIMEOUT, phase, elapsed_s(self, view), SETTLE_TIME);
+        }
+        return;
+    }
+    if (self->window->edge.edges < EDGE_COUNT) {
+        lode_command_t at = voltage_at((float)phase * PHASE_ANGLE_rad, 0.0f);
+        at.vector.d = self->u_V;
+        post(self, at);
+        next_stage(self, view);
+    } else if (judge_edges(self, phase)) {
+        end_edges(self, view, 1u);
+    }
+}
+
+// A current that takes no voltage: a leg's duty does not follow, and drives it by itself.
+static bool voltage_plausible(bringup_t *self, const bringup_view_t *view, uint32_t phase) {
+    const float R_Ohm = self->u_V / lode_max(length_of(view->now.i_A), 1.0e-6f);
+    const float least = resistance_of(self->config) / RESISTANCE_FACTOR;
+    if (!(R_Ohm >= least)) {
+        finish(self, BRINGUP_RESISTANCE, phase, R_Ohm, least);
+        return false;
+    }
+    return true;
+}
+
+// Seven stages for each of the three phases, after the three of the calibration.
 static void step_signs(bringup_t *self, const bringup_view_t *view) {
     if (!calibrated(self, view)) {
         return;
     }
-    const uint32_t phase = (self->stage - 3u) / 4u;
+    const uint32_t phase = (self->stage - 3u) / 7u;
     const float angle = (float)phase * PHASE_ANGLE_rad;
-    switch ((self->stage - 3u) % 4u) {
+    switch ((self->stage - 3u) % 7u) {
     case 0u:
         if (raise_voltage(self, view, voltage_at(angle, 0.0f), test_current_A(self))) {
             next_stage(self, view);
@@ -365,8 +442,27 @@ static void step_signs(bringup_t *self, const bringup_view_t *view) {
         }
         break;
     case 2u:
-        if (window_done(self) && judge_phase(self, phase)) {
-            post(self, (lode_command_t){.mode = LODE_MODE_OFF});
+        if (window_done(self) && judge_phase(self, phase) && voltage_plausible(self, view, phase)) {
+            if (begin_edges(self, view, phase)) {
+                next_stage(self, view);
+            } else {
+                end_edges(self, view, 3u);
+            }
+        }
+        break;
+    case 3u:
+        if (edge_ready(&self->window->edge)) {
+            post(self, voltage_at(angle, 0.0f));
+            next_stage(self, view);
+        }
+        break;
+    case 4u:
+        follow_edges(self, view, phase);
+        break;
+    case 5u:
+        if (elapsed_s(self, view) > lode_clamp(TAUS * tau_s(self), FIRST_TIME, SETTLE_TIME)) {
+            edge_ask(&self->window->edge);
+            self->stage -= 3u;
             next_stage(self, view);
         }
         break;

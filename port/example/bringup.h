@@ -6,13 +6,15 @@
 #ifndef LODESTAR_PORT_BRINGUP_H
 #define LODESTAR_PORT_BRINGUP_H
 
+#include "edge.h"
 #include "lodestar/lodestar.h"
 
 typedef enum {
     BRINGUP_NONE = 0,
     BRINGUP_PWM = 1, ///< gates off: periods against the cycle counter, load of the processor
     BRINGUP_OFFSETS, ///< gates off: current offsets, noise, bus voltage
-    BRINGUP_SIGNS,   ///< small voltage at 0, 120, 240 degrees: which phase carries which current
+    /// small voltage at 0, 120, 240 degrees: which phase carries which current, and when duties act
+    BRINGUP_SIGNS,
     BRINGUP_VOLTAGE, ///< voltage at a given angle: resistance
     BRINGUP_CURRENT, ///< current at a given angle: current control
     BRINGUP_START,   ///< I-f start up to the hand-over
@@ -37,6 +39,7 @@ typedef enum {
     BRINGUP_SIGN,         ///< a phase reads backwards: its share of the largest
     BRINGUP_ORDER, ///< the current of the driven phase shows up in another: share of the largest
     BRINGUP_RATIO, ///< phases of unequal gain: share of the return current
+    BRINGUP_LATENCY, ///< duties act early or late, by how many calls (one leg of three: by half a call)
     BRINGUP_BALANCE, ///< the three currents do not sum up to nothing, A: an amplifier shows too little
     BRINGUP_ANGLE,      ///< current across the voltage, as a share of its length
     BRINGUP_RESISTANCE, ///< more voltage over more current, Ohm; limit: motor.Rs_Ohm + inverter.r_on_Ohm
@@ -81,6 +84,7 @@ typedef struct {
     uint32_t sum_count[3];
     uint16_t min_count[3];
     uint16_t max_count[3];
+    edge_t edge;
 } bringup_window_t;
 
 /// What a step may look at, gathered by the thread.
@@ -119,7 +123,8 @@ bringup_state_t bringup_step(bringup_t *self, const bringup_view_t *view);
 
 /// Asks the interrupt for `periods` more. Thread, when the last window is complete or not wanted.
 void bringup_window_ask(volatile bringup_window_t *self, uint32_t periods);
-/// Interrupt.
-void bringup_window_take(volatile bringup_window_t *self, const lode_counts_t *counts);
+/// Interrupt: what has been sampled, and the duties that it led to.
+void bringup_window_take(volatile bringup_window_t *self, const lode_counts_t *counts,
+                         lode_abc_t duty);
 
 #endif

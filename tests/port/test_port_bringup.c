@@ -32,7 +32,14 @@ typedef struct {
     double sign[3]; ///< 0: dead
     double offset_count[3];
     double noise_count;
-    int leg[3]; ///< which leg PWM channel x switches
+    double random_count; ///< rms, beside it
+    bool two_sensors;    ///< of phases a and b
+    float ticks;         ///< of the timer; 0: 4250
+    int leg[3];          ///< which leg PWM channel x switches
+    int late_legs;       ///< bits: their duties act a period late
+    bool early;          ///< all duties act a period early
+    int stuck_legs;      ///< bits: their duties stay where they are
+    double stuck_duty;   ///< there
     bool dead_gates;
     uint32_t cycles_per_period;
     uint32_t jitter; ///< every other period comes late by this
@@ -78,11 +85,15 @@ void board_describe(lode_drive_config_t *config) {
                                  .dead_time_s = (float)with.dead_time_s,
                                  .r_on_Ohm = (float)with.r_on_Ohm,
                                  .precharge_s = (float)with.precharge_s,
-                                 .pwm_ticks = 4250.0f,
+                                 .pwm_ticks = with.ticks > 0.0f ? with.ticks : 4250.0f,
                                  .double_update = DOUBLE_UPDATE ? LODE_ON : LODE_OFF};
     config->sense = (lode_sense_config_t){.i_gain_A_count = (float)GAIN_A,
                                           .i_offset_count = 2048.0f,
                                           .v_bus_gain_V_count = (float)GAIN_V};
+    if (with.two_sensors) {
+        config->sense.shunts = LODE_SHUNTS_TWO;
+        config->sense.duty_max = 1.0f;
+    }
     config->guard.stamp_per_period = (float)CYCLES_PER_PERIOD;
 }
 
@@ -99,27 +110,40 @@ void board_start(void) {
     started = true;
 }
 
+static uint64_t random_state = 1u;
+
 void board_read(lode_counts_t *counts) {
     plant_counts_t raw;
     plant_sample(&plant, &raw, NULL);
     *counts = (lode_counts_t){.v_bus = raw.v_bus, .trip = latched, .stamp = stamp};
     for (int x = 0; x < 3; x++) {
         const double noise = with.noise_count * ((periods & 1u) != 0u ? 0.5 : -0.5);
-        const double i = with.sign[x] * ((double)raw.i[with.channel[x]] - 2048.0);
+        random_state = random_state * 6364136223846793005u + 1442695040888963407u;
+        const double random = ((double)(random_state >> 33) / 2147483648.0 - 0.5) * sqrt(12.0);
+        const double i =
+            with.random_count * random + with.sign[x] * ((double)raw.i[with.channel[x]] - 2048.0);
         counts->i[x] = (uint16_t)fmax(0.0, fmin(4095.0, 2048.0 + i + with.offset_count[x] + noise));
     }
+    counts->i[2] = with.two_sensors ? 0u : counts->i[2];
 }
 
 void board_write(const lode_drive_out_t *out) {
     const float duty[3] = {out->duty.a, out->duty.b, out->duty.c};
+    static double before[3];
     double legs[3];
     for (int x = 0; x < 3; x++) {
-        legs[with.leg[x]] = (double)duty[x];
+        const bool late = (with.late_legs >> x & 1) != 0;
+        const bool stuck = (with.stuck_legs >> x & 1) != 0;
+        legs[with.leg[x]] = stuck ? with.stuck_duty : late ? before[x] : (double)duty[x];
+        before[x] = (double)duty[x];
     }
     gates = out->gates != LODE_GATES_OFF && !latched;
     low_periods += out->gates == LODE_GATES_LOW ? 1 : 0;
     plant_write(&plant, legs,
                 gates && !with.dead_gates ? (plant_gates_t)out->gates : PLANT_GATES_OFF);
+    if (with.early) {
+        plant_write_through(&plant);
+    }
 }
 
 void board_gates_off(void) {
@@ -294,6 +318,97 @@ static void test_steps_pass_before_a_fast_thread(void) {
     power_up(&sound, plant_of_motor());
     for (uint32_t mode = BRINGUP_SIGNS; mode < (uint32_t)BRINGUP_COUNT; mode++) {
         expect(bring_up(mode, 20.0), BRINGUP_OK, -1);
+    }
+}
+
+static bringup_result_t signs_of(const mistakes_t *m, double L_share) {
+    plant_config_t config = plant_of_motor();
+    config.Ld_H *= L_share;
+    config.Lq_H *= L_share;
+    power_up(m, config);
+    return bring_up(BRINGUP_SIGNS, 10.0);
+}
+
+static void expect_late(const mistakes_t *m, double L_share, double wanted) {
+    const bringup_result_t result = signs_of(m, L_share);
+    expect(result, BRINGUP_LATENCY, -1);
+    CHECK_NEAR(0.4, wanted, result.measured);
+}
+
+// With an inductance that is off by a half, noise, two sensors and a dead time that is known or not.
+static void test_duties_that_act_early_or_late(void) {
+    static const double shares[] = {0.5, 0.75, 1.0};
+    for (int n = 0; n < 4 * COUNT_OF(shares); n++) {
+        mistakes_t m = sound;
+        m.two_sensors = n % 2 == 1;
+        m.random_count = n % 4 < 2 ? 0.0 : 1.0;
+        m.late_legs = 7;
+        expect_late(&m, shares[n / 4], 1.0);
+        m.late_legs = 0;
+        m.early = true;
+        expect_late(&m, shares[n / 4], -1.0);
+    }
+    mistakes_t m = sound;
+    m.dead_time_s = 550.0e-9;
+    m.late_legs = 7;
+    expect_late(&m, 1.0, 1.0);
+    m = sound;
+    m.unknown_s = 500.0e-9;
+    m.late_legs = 7;
+    expect_late(&m, 1.0, 1.0);
+}
+
+static void test_one_leg_of_three_that_acts_late(void) {
+    for (int x = 0; x < 3; x++) {
+        mistakes_t m = sound;
+        m.late_legs = 1 << x;
+        expect_late(&m, 1.0, 0.5);
+    }
+}
+
+// Noise takes the judgement away, and makes none.
+static void test_duties_in_time_are_never_late(void) {
+    static const double shares[] = {0.5, 1.0, 1.5};
+    for (int n = 0; n < COUNT_OF(shares); n++) {
+        for (int noise = 0; noise < 5; noise++) {
+            mistakes_t m = sound;
+            m.random_count = noise;
+            m.two_sensors = noise % 2 == 1;
+            expect(signs_of(&m, shares[n]), BRINGUP_OK, -1);
+        }
+    }
+    mistakes_t m = sound;
+    m.dead_time_s = 550.0e-9;
+    expect(signs_of(&m, 1.0), BRINGUP_OK, -1);
+    m = sound;
+    m.unknown_s = 500.0e-9;
+    expect(signs_of(&m, 1.0), BRINGUP_OK, -1);
+}
+
+// Nor is what a coarse timer makes of a step.
+static void test_steps_of_few_ticks_are_not_judged(void) {
+    mistakes_t m = sound;
+    m.late_legs = 7;
+    m.ticks = 400.0f;
+    expect_late(&m, 1.0, 1.0);
+    m.ticks = 150.0f;
+    expect(signs_of(&m, 1.0), BRINGUP_OK, -1);
+}
+
+// Registers that do not take a value: the steps that follow never get a board on which one leg is stuck.
+static void test_legs_that_do_not_follow(void) {
+    static const double duties[] = {0.0, 0.4, 0.45, 0.49, 0.5, 0.51, 0.55, 0.6, 1.0};
+    for (int n = 0; n < COUNT_OF(duties); n++) {
+        for (int legs = 1; legs < 8; legs++) {
+            mistakes_t m = sound;
+            m.stuck_legs = legs;
+            m.stuck_duty = duties[n];
+            const bringup_result_t result = signs_of(&m, 1.0);
+            TEST_ASSERT_EQUAL_INT(BRINGUP_FAIL, result.state);
+            if (legs == 7) {
+                expect(result, BRINGUP_NO_CURRENT, -1);
+            }
+        }
     }
 }
 
@@ -777,6 +892,11 @@ int main(void) {
     RUN_TEST(test_sound_board_passes_every_step);
     RUN_TEST(test_bootstrap_capacitors_are_charged_first);
     RUN_TEST(test_steps_pass_before_a_fast_thread);
+    RUN_TEST(test_duties_that_act_early_or_late);
+    RUN_TEST(test_one_leg_of_three_that_acts_late);
+    RUN_TEST(test_duties_in_time_are_never_late);
+    RUN_TEST(test_steps_of_few_ticks_are_not_judged);
+    RUN_TEST(test_legs_that_do_not_follow);
     RUN_TEST(test_angle_and_turning_vector);
     RUN_TEST(test_clock_and_pwm);
     RUN_TEST(test_offsets);
