@@ -220,16 +220,19 @@ static void judge_edge(lode_adaptation_t *self) {
     const float J = edge.asked / edge.seen;
     const bool first = !(self->seen > 0.0f);
     float off = first ? self->spread : difference(J, J_share(self));
-    const float past = 1.0f - lode_min(edge.energy / J_MEMORY, FORGET_MAX);
-    float keep = first ? 0.0f : past;
+    float keep = 1.0f - lode_min(edge.energy / J_MEMORY, FORGET_MAX);
+    bool taken = true;
     if (!first && off > AGREE_MAX) {
         const float again = difference(J, self->other);
         self->other = J;
-        keep = again > AGREE_MAX ? 1.0f : 0.0f;
-        off = lode_min(off, keep > 0.0f ? 1.0f : again);
+        taken = again <= AGREE_MAX;
+        if (taken) {
+            keep = 0.0f;
+            off = again;
+        }
     }
     self->spread += SPREAD_WEIGHT * (off - self->spread);
-    if (keep < 1.0f) {
+    if (taken) {
         self->seen = keep * self->seen + edge.seen;
         self->asked = keep * self->asked + edge.asked;
         self->other = 0.0f;

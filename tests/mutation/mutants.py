@@ -176,6 +176,8 @@ class File:
             return
         for kind, change in changes(node):
             yield self.mutant(node, kind, change)
+        if text_of(node).startswith("#ifdef LODE_WITHOUT_"):  # what is left out is not in the tests' build
+            node = node.child_by_field_name("alternative") or node.child_by_field_name("name")
         condition = condition_of(node)
         if condition is not None:
             yield self.mutant(condition, "condition", "negated")

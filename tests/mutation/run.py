@@ -1,8 +1,9 @@
-"""usage: run.py ROOT FOLDER [--sample N] [--seed S] [--only REGEX] [--jobs N] [--json FILE] [--list] [--check]
+"""usage: run.py ROOT FOLDER [--sample N] [--seed S] [--only REGEX] [--again JSON] [--jobs N] [--json FILE] [--list] [--check]
 
 Mutation test of src/ and include/ against the unit tests, tests/test_*.c. FOLDER keeps the build. Of all
-mutants N are drawn (0: all) with seed S; with --only, of those in whose name it is found. Each is run with
-the tests that reach it, the quickest first, until one fails. Exit 1 if fewer than KILLED_MIN of those that
+mutants N are drawn (0: all) with seed S; with --only, of those in whose name it is found; with
+--again, of those that lived in the run that wrote JSON. Each is run with the tests that reach it, the quickest
+first, until one fails. Exit 1 if fewer than KILLED_MIN of those that
 are not equivalent are killed, or more than 3 % are declared equivalent (tests/mutation/equivalent.txt: key and
 reason). --check, and any run without LODE_TEST_FULL=1 or one of these options: compiles the sources with
 every mutant in them, and no more.
@@ -137,6 +138,7 @@ def options():
     parser.add_argument("--sample", type=int)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
+    parser.add_argument("--again", type=pathlib.Path)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--list", action="store_true")
@@ -152,6 +154,9 @@ def drawn(args):
     for key in sorted(set(equivalents(args.root)) - {m.key() for m in every}):
         sys.exit(f"tests/mutation/equivalent.txt: there is no mutant '{key}'")
     every = [m for m in every if re.search(args.only, m.name())]
+    if args.again:
+        lived = set(json.loads(args.again.read_text())["live_keys"])
+        every = [m for m in every if m.key() in lived]
     chosen = every if args.sample == 0 else random.Random(args.seed).sample(every, min(args.sample, len(every)))
     return every, {m: k for k, m in enumerate(sorted(chosen, key=lambda m: (m.file, m.start, m.change)))}
 
@@ -173,7 +178,7 @@ def report(args, total, chosen, killer, took_s):
     if args.json:
         args.json.write_text(json.dumps({
             "mutants": total, "drawn": len(chosen), "seed": args.seed, "killed": killed, "rate": rate,
-            "live": [m.name() for m in real], "equivalent": {m.name(): reasons[m.key()] for m in equal},
+            "live": [m.name() for m in real], "live_keys": [m.key() for m in real], "equivalent": {m.name(): reasons[m.key()] for m in equal},
             "killers": {m.name(): killer[k] for m, k in chosen.items()}}, indent=1) + "\n")
     return 0 if rate >= KILLED_MIN and len(equal) <= EQUIVALENT_MAX * len(chosen) else 1
 
