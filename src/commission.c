@@ -229,7 +229,6 @@ static void calibrate(lode_commission_t *self, const lode_counts_t *counts) {
         post(self, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
     } else if (self->drive.calibrated) {
         self->quantity = LODE_COMMISSION_SIGNALS;
-        self->level = 0u;
         enter(self, STAGE_PULSES);
     } else {
         // a fault, if it does not come
@@ -336,14 +335,15 @@ static bool window_ends(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     return s->count >= length / 2u * 2u;
 }
 
-// The current has been the same for long enough: the rotor rests. `i_A`: its mean, `u_V` that of the voltage.
-static bool settled(lode_commission_t *self, lode_dq_t *u_V, lode_dq_t *i_A) {
+// The current has been the same for long enough: the rotor rests. `i_A`: its mean along the vector, `u_V` that of
+// the voltage.
+static bool settled(lode_commission_t *self, float *u_V, float *i_A) {
     const lode_commission_sums_t s = self->sums;
     const float inv = 1.0f / float_of(s.count);
     const lode_dq_t change = {2.0f * inv * (s.i[1].d - s.i[0].d),
                               2.0f * inv * (s.i[1].q - s.i[0].q)};
-    *u_V = (lode_dq_t){inv * s.u.d, 0.0f};
-    *i_A = (lode_dq_t){inv * (s.i[0].d + s.i[1].d), inv * (s.i[0].q + s.i[1].q)};
+    *u_V = inv * s.u.d;
+    *i_A = inv * (s.i[0].d + s.i[1].d);
     self->sums = (lode_commission_sums_t){.count = 0u};
     self->calm = length_of(change) <= CALM_SHARE * self->current_A ? self->calm + 1u : 0u;
     return self->calm >= CALM_WINDOWS;
@@ -396,8 +396,8 @@ static bool judge_levels(lode_commission_t *self) {
 
 // Rest at the present level, then note it.
 static void along(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
-    lode_dq_t mean_V;
-    lode_dq_t mean_A;
+    float mean_V;
+    float mean_A;
     if (!window_ends(self, u_V, i_A)) {
         return;
     }
@@ -407,8 +407,8 @@ static void along(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
         }
         return;
     }
-    self->level_u_V[self->level] = mean_V.d;
-    self->level_i_A[self->level] = mean_A.d;
+    self->level_u_V[self->level] = mean_V;
+    self->level_i_A[self->level] = mean_A;
     self->level++;
     if (self->level < LEVELS) {
         enter(self, STAGE_LEVEL);
