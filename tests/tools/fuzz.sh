@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# usage: fuzz.sh build | fuzz.sh run NAME
+# usage: fuzz.sh build | fuzz.sh run NAME | fuzz.sh all
 # Builds all libFuzzer programs, or runs one: 10 s or 200 000 inputs, five minutes in a campaign
-# (LODE_TEST_FULL=1). An input that fails is left beside the program.
+# (LODE_TEST_FULL=1), or LODE_FUZZ_RUNS inputs or LODE_FUZZ_SECONDS, whichever is given and comes first. all: builds them
+# and runs one after the other, each as long. An input that fails is left beside the program.
 set -eu -o pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 cd "$root"
@@ -20,12 +21,27 @@ if [ "$1" = build ]; then
     exit
 fi
 
+if [ "$1" = all ]; then
+    bash "$0" build
+    failed=
+    for program in tests/fuzz/fuzz_*.c; do
+        name=$(basename "$program" .c)
+        echo "== $name"
+        bash "$0" run "$name" || failed="$failed $name"
+    done
+    [ -z "$failed" ] || { echo "failed:$failed"; exit 1; }
+    exit
+fi
+
 name=$2
 program=$work/tests/fuzz/$name
 [ -x "$program" ] || skip "$program was not built"
 budget=(-runs=200000 -max_total_time=10)
 if [ "${LODE_TEST_FULL:-0}" = 1 ]; then
     budget=(-max_total_time=300)
+fi
+if [ -n "${LODE_FUZZ_RUNS:-}${LODE_FUZZ_SECONDS:-}" ]; then
+    budget=(-runs="${LODE_FUZZ_RUNS:--1}" -max_total_time="${LODE_FUZZ_SECONDS:-0}")
 fi
 corpus=$work/corpus-$name
 seeds=tests/fuzz/corpus/${name#fuzz_}
