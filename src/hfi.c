@@ -225,15 +225,14 @@ static uint32_t polar_rounds(const lode_hfi_tuning_t *tuning) {
     return ((uint32_t)tuning->find_rounds + 1u) / 2u;
 }
 
-// (H15): the iron of a magnet's north saturates with current along it. `heard`: of the later half of either.
-static lode_hfi_step_t polarity(const lode_hfi_responses_t *heard,
-                                const lode_hfi_tuning_t *tuning) {
+// (H15): the iron of a magnet's north saturates with current along it. `start`: of the later half of either.
+static lode_hfi_step_t polarity(const lode_hfi_start_t *start, const lode_hfi_tuning_t *tuning) {
     const uint32_t each = polar_rounds(tuning) - polar_rounds(tuning) / 2u;
-    const float along_V = heard->along_V;
-    const float against_V = heard->against_V;
+    const float along_V = start->along_V;
+    const float against_V = start->against_V;
     const float more_V = along_V - against_V;
     const float least_V = POLAR_LEAST * (along_V + against_V);
-    const float scatter_V2 = heard->squares_V2 - (along_V * along_V + against_V * against_V) /
+    const float scatter_V2 = start->squares_V2 - (along_V * along_V + against_V * against_V) /
                                                      lode_max((float)each, 1.0f);
     const float least_V2 = POLAR_DEVIATIONS * POLAR_DEVIATIONS * scatter_V2; // (H21)
     if (more_V * more_V <= lode_max(least_V * least_V, least_V2)) {
@@ -243,13 +242,13 @@ static lode_hfi_step_t polarity(const lode_hfi_responses_t *heard,
 }
 
 static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
-    const lode_hfi_responses_t *heard = &self->of.heard;
+    const lode_hfi_start_t *start = &self->of.start;
     switch ((lode_hfi_step_t)self->step) {
     case LODE_HFI_FIND:
         if (self->off_rad <= FOUND_rad) {
             return LODE_HFI_NORTH;
         }
-        return heard->rounds < FIND_TIMES * tuning->find_rounds ? LODE_HFI_FIND
+        return start->rounds < FIND_TIMES * tuning->find_rounds ? LODE_HFI_FIND
                                                                 : LODE_HFI_UNDECIDED;
     case LODE_HFI_NORTH:
         return LODE_HFI_SOUTH;
@@ -258,7 +257,7 @@ static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t
     case LODE_HFI_WRONG:
     case LODE_HFI_UNDECIDED:
     default:
-        return polarity(heard, tuning);
+        return polarity(start, tuning);
     }
 }
 
@@ -268,7 +267,7 @@ static void go_on(lode_hfi_t *self, lode_hfi_step_t next) {
         return; // for longer
     }
     self->step = (uint_least8_t)next;
-    self->of.heard.rounds = 0u;
+    self->of.start.rounds = 0u;
     if (next == LODE_HFI_RIGHT || next == LODE_HFI_WRONG) {
         self->of.iq_A = self->i_A.q;
     }
@@ -277,14 +276,14 @@ static void go_on(lode_hfi_t *self, lode_hfi_step_t next) {
 float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_max_A) {
     const bool finding = self->step == (uint_least8_t)LODE_HFI_FIND;
     const uint32_t rounds = finding ? tuning->find_rounds : polar_rounds(tuning);
-    lode_hfi_responses_t *heard = &self->of.heard;
-    heard->rounds++;
-    if (!finding && 2u * heard->rounds > rounds) { // the current has settled
-        *(self->step == (uint_least8_t)LODE_HFI_NORTH ? &heard->along_V : &heard->against_V) +=
+    lode_hfi_start_t *start = &self->of.start;
+    start->rounds++;
+    if (!finding && 2u * start->rounds > rounds) { // the current has settled
+        *(self->step == (uint_least8_t)LODE_HFI_NORTH ? &start->along_V : &start->against_V) +=
             self->swing_V;
-        heard->squares_V2 += self->swing_V * self->swing_V;
+        start->squares_V2 += self->swing_V * self->swing_V;
     }
-    if (heard->rounds >= rounds) {
+    if (start->rounds >= rounds) {
         go_on(self, next_step(self, tuning));
     }
     const float polar_A = POLAR_SHARE * i_max_A;

@@ -84,13 +84,13 @@ typedef enum {
     LODE_HFI_UNDECIDED ///< the iron tells no difference
 } lode_hfi_step_t;
 
-/// What a start at rest has heard of the rotor.
+/// Responses to the wave, in a start at rest.
 typedef struct {
     float along_V;         ///< sum of swing_V with current along the axis
     float against_V;       ///< and against it
     float squares_V2;      ///< of both
     uint_least16_t rounds; ///< in this step of the start
-} lode_hfi_responses_t;
+} lode_hfi_start_t;
 
 /// The last wave had the negative sign; it was the first of its pair; shift register, 0: the signs alternate.
 #define LODE_HFI_NEGATIVE 0x8000u
@@ -115,8 +115,8 @@ typedef struct {
     float axis;    ///< tangent of the angle to it from the estimated d axis, by cross-saturation
     lode_dq_t i_A; ///< current in the rotor's frame at t_k, ripple included
     union {
-        float iq_A;                 ///< low-passed, when the start is over
-        lode_hfi_responses_t heard; ///< before
+        float iq_A;             ///< low-passed, when the start is over
+        lode_hfi_start_t start; ///< before
     } of;
 } lode_hfi_t;
 
