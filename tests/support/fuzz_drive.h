@@ -21,7 +21,9 @@ static inline lode_drive_config_t fuzz_drive_config(uint16_t choice) {
                   .v_bus_gain_V_count = 0.1f,
                   .duty_max = (choice & 8u) != 0u ? 0.9f : 0.0f,
                   .calibrate_s = 4.0e-4f},
-        .estimator = {.pll = {.kind = (choice & 16u) != 0u ? LODE_PLL_QPLL : LODE_PLL_LESO}},
+        // Field weakening refuses the QPLL.
+        .estimator = {.pll = {.kind =
+                                  (choice & (16u | 512u)) == 16u ? LODE_PLL_QPLL : LODE_PLL_LESO}},
         .references = {.kind = (choice & 256u) != 0u ? LODE_REFERENCES_MTPA : LODE_REFERENCES_ID0,
                        .field_weakening = (choice & 512u) != 0u ? LODE_ON : LODE_OFF,
                        .Lq_fall = (choice & 1024u) != 0u ? 0.02f : 0.0f,
