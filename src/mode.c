@@ -278,7 +278,8 @@ static void judge_start(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->state.start;
     const lode_estimator_t *estimator = &self->estimator;
-    lode_start_judge(start, tuning, estimator->pll.omega_rad_s, estimator->lock);
+    const bool lost = tuning->lost_per_A * estimator->id_A > LODE_START_LOST_MAX;
+    lode_start_judge(start, tuning, estimator->pll.omega_rad_s, lost ? 0.0f : estimator->lock);
     if (lode_start_catches(start) || finds_at_rest(self)) {
         return;
     }

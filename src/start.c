@@ -11,6 +11,9 @@
 #define EMF_PER_UNKNOWN 2.0f
 #define DEAD_TIME_UNKNOWN_s 1.0e-6f
 #define RESISTANCE_UNKNOWN 0.3f
+// The EMF at hand-over over the drop across the resistance, at least: errors of 2 % of a phase current's gain swing
+// the drop, once measured, by as much twice per turn.
+#define EMF_PER_DROP 0.25f
 // Square of the hand-over speed over the largest acceleration and the share of the flux that is lost.
 #define LIGHT_ROTOR 4.5f
 #define HANDOVER_SHARE_MAX                                                                         \
@@ -22,6 +25,7 @@
 #define CATCH_TIME_s 0.05f // the estimator needs 20 to 30 ms from a reset to a sure lock
 #define CATCH_PARTS 5u     // the lock must hold for this part of the time
 #define FADE_TIME_s 0.1f
+#define SALIENT_TIME_SHARE 0.5f // of lock and fade, where reluctance bounds the start current
 #define PATIENCE_s 0.4f
 #define FAILED_MAX 2u // attempts before the last one
 #define TIMEOUT_MAX_s 1000.0f
@@ -86,23 +90,27 @@ static float attempt_s(const lode_start_config_t *config, float ease) {
     return profile_s + lode_max(profile_s, PATIENCE_s);
 }
 
+static float drop_V(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                    float current_A) {
+    return (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
+}
+
 // What nobody knows of the voltage along the start current.
 static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                        float current_A, float ts_s) {
     const float carrier_Hz = lode_inverter_carrier_Hz(inverter, 1.0f / ts_s);
     const float dead_time_V = FOUR_PER_PI * inverter->v_bus_V * DEAD_TIME_UNKNOWN_s * carrier_Hz;
-    const float drop_V = RESISTANCE_UNKNOWN * (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
-    return dead_time_V + drop_V;
+    return dead_time_V + RESISTANCE_UNKNOWN * drop_V(motor, inverter, current_A);
 }
 
-// Electrical speed at which the largest current and the EMF use up the bus.
+// Electrical speed at which the largest current, in a warm winding, and the EMF use up the bus.
 static float base_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
     const float u_V = LODE_VOLTAGE_USE * inverter->v_bus_V / LODE_SQRT3;
-    const float drop_V = (motor->Rs_Ohm + inverter->r_on_Ohm) * inverter->i_max_A;
+    const float warm_V = (1.0f + RESISTANCE_UNKNOWN) * drop_V(motor, inverter, inverter->i_max_A);
     const float psi_q = motor->Lq_H * inverter->i_max_A;
     const float flux2 = motor->psi_Wb * motor->psi_Wb + psi_q * psi_q;
-    const float half = drop_V * motor->psi_Wb;
-    const float left_V2 = lode_max(u_V * u_V - drop_V * drop_V, 0.0f);
+    const float half = warm_V * motor->psi_Wb;
+    const float left_V2 = lode_max(u_V * u_V - warm_V * warm_V, 0.0f);
     return (lode_sqrt(half * half + flux2 * left_V2) - half) / lode_max(flux2, FLT_MIN);
 }
 
@@ -126,8 +134,10 @@ static float omega_of_emf(const lode_motor_t *motor, const lode_inverter_config_
 }
 
 static float within_speeds(float omega_rad_s, const lode_motor_t *motor,
-                           const lode_inverter_config_t *inverter) {
-    const float least = HANDOVER_SHARE * motor->omega_rated_rad_s;
+                           const lode_inverter_config_t *inverter, float current_A) {
+    const float seen =
+        EMF_PER_DROP * drop_V(motor, inverter, current_A) / lode_max(motor->psi_Wb, FLT_MIN);
+    const float least = lode_max(HANDOVER_SHARE * motor->omega_rated_rad_s, seen);
     const float full = lode_min(motor->omega_rated_rad_s, base_omega(motor, inverter));
     return lode_clamp(omega_rad_s, least, lode_max(HANDOVER_SHARE_MAX * full, least));
 }
@@ -136,7 +146,7 @@ static float default_handover(const lode_motor_t *motor, const lode_inverter_con
                               float current_A, float ts_s) {
     const float by_emf = omega_of_emf(motor, inverter, current_A, ts_s);
     const float by_rotor = omega_of_light_rotor(motor, inverter, current_A);
-    return within_speeds(lode_max(by_emf, by_rotor), motor, inverter);
+    return within_speeds(lode_max(by_emf, by_rotor), motor, inverter, current_A);
 }
 
 // The angle can be seen from this speed on: a vector on its way to a speed that only load steps ask for need
@@ -144,8 +154,8 @@ static float default_handover(const lode_motor_t *motor, const lode_inverter_con
 static float omega_ready(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
                          const lode_motor_t *motor, float ts_s) {
     const float own = default_handover(motor, inverter, config->current_A, ts_s);
-    const float by_emf =
-        within_speeds(omega_of_emf(motor, inverter, config->current_A, ts_s), motor, inverter);
+    const float by_emf = within_speeds(omega_of_emf(motor, inverter, config->current_A, ts_s),
+                                       motor, inverter, config->current_A);
     const bool is_own = lode_in_range(config->omega_handover_rad_s, own, own);
     return is_own ? by_emf : config->omega_handover_rad_s;
 }
@@ -161,15 +171,16 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     config->current_A = lode_given_or(config->current_A, own_A);
     config->omega_handover_rad_s = lode_given_or(
         config->omega_handover_rad_s, default_handover(motor, inverter, config->current_A, ts_s));
+    const float time_share = own_A < CURRENT_SHARE * inverter->i_max_A ? SALIENT_TIME_SHARE : 1.0f;
     const float torque = stiffness(config->current_A, motor);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * torque /
                                                                  lode_max(motor->J_kgm2, FLT_MIN) *
                                                                  motor->pole_pairs);
     config->current_rise_s = lode_given_or(config->current_rise_s, RISE_TIME_s);
     config->damping = lode_given_or(config->damping, DAMPING);
-    config->lock_s = lode_given_or(config->lock_s, LOCK_TIME_s);
+    config->lock_s = lode_given_or(config->lock_s, time_share * LOCK_TIME_s);
     config->catch_s = lode_given_or(config->catch_s, CATCH_TIME_s);
-    config->fade_s = lode_given_or(config->fade_s, FADE_TIME_s);
+    config->fade_s = lode_given_or(config->fade_s, time_share * FADE_TIME_s);
     if (config->measure == LODE_AUTO) {
         config->measure = MEASURES;
     }
@@ -326,6 +337,7 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
     self->attempt = starting ? self->attempt + 1u : 0u;
     if ((float)(int32_t)self->attempt > attempt_rounds(self, tuning)) {
         self->attempt = 0u;
+        self->at = (lode_sincos_t){0.0f, 1.0f}; // on a phase, for the measurement
         self->omega_rad_s = 0.0f;
         self->current_A = 0.0f;
         self->failed = self->failed == 0u ? 1u : FAILED_MAX;
@@ -342,9 +354,14 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
         return false;
     }
     self->seen.rest.dwelt++;
+    // Resistance shows along the current, dead time along the phase that the vector waits at, whatever the damping
+    // adds to that.
     const lode_dq_t seen_V = lode_park(e_V, lode_start_vector(self));
-    if (self->seen.rest.dwelt > tuning->dwell_rounds / SETTLE_PART &&
-        lode_abs(seen_V.q) <= tuning->calm_V) {
+    float across_V = lode_abs(seen_V.q);
+    if (self->seen.rest.dwelt > tuning->dwell_rounds / 2u) {
+        across_V = lode_min(across_V, lode_abs(lode_park(e_V, self->at).q));
+    }
+    if (self->seen.rest.dwelt > tuning->dwell_rounds / SETTLE_PART && across_V <= tuning->calm_V) {
         self->seen.rest.calm++;
         self->seen.rest.sum_V += seen_V.d;
     }

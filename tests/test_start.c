@@ -520,6 +520,8 @@ static void test_design_fills_what_is_open(void) {
     lode_start_config_t bounded = {.current_A = 0.0f};
     lode_start_design(&bounded, &inverter, &salient, PAPER_TS_s);
     CHECK_CLOSE(1.0e-5, 0.5 * 0.142 / 0.01, bounded.current_A);
+    CHECK_CLOSE(1.0e-6, 0.05, bounded.lock_s); // half, where reluctance bounds the current
+    CHECK_CLOSE(1.0e-6, 0.05, bounded.fade_s);
     CHECK_CLOSE(1.0e-6, 12.0, bounded.current_last_A);
     salient.Lq_H = motor.Ld_H + 0.04f; // twice the current is less than what a round rotor takes
     bounded = (lode_start_config_t){.current_A = 0.0f};
@@ -563,25 +565,28 @@ static void test_hand_over_speed_follows_what_is_not_known(void) {
     const double unknown_V =
         4.0 / CHECK_PI * (double)board.v_bus_V * 1.0e-6 / 2.0e-4 + 0.3 * 0.8 * 6.0;
     CHECK_CLOSE(1.0e-5, 2.0 * unknown_V / 0.05, config.omega_handover_rad_s);
-    motor.psi_Wb = 0.005f;
+    motor.psi_Wb = 0.006f;
     lode_start_config_t weak = {.current_A = 6.0f};
     lode_start_design(&weak, &board, &motor, PAPER_TS_s);
     CHECK_CLOSE(1.0e-5, 0.5 * PAPER_OMEGA_RATED, weak.omega_handover_rad_s);
-    // A resistance that takes most of the voltage: half of the speed at which the bus is used up.
+    // A resistance that takes most of the voltage, warm: half of the speed at which the bus is used up.
     const lode_inverter_config_t small = {.v_bus_V = 12.0f, .i_max_A = 1.0f};
     lode_motor_t gimbal = motor;
     gimbal.psi_Wb = 8.0e-3f;
-    gimbal.Rs_Ohm = 5.0f;
+    gimbal.Rs_Ohm = 3.8f;
     gimbal.Ld_H = gimbal.Lq_H = 2.2e-3f;
     lode_start_config_t slow = {.current_A = 0.0f};
     lode_start_design(&slow, &small, &gimbal, PAPER_TS_s);
     const double base = 2.0 * (double)slow.omega_handover_rad_s;
-    CHECK_CLOSE(1.0e-4, 0.95 * 12.0 / sqrt(3.0), hypot(5.0 + 8.0e-3 * base, 2.2e-3 * base));
-    // None at all: a tenth of rated speed.
+    CHECK_CLOSE(1.0e-4, 0.95 * 12.0 / sqrt(3.0), hypot(1.3 * 3.8 + 8.0e-3 * base, 2.2e-3 * base));
+    // None at all: a quarter of the drop, or a tenth of rated speed.
     gimbal.Rs_Ohm = 10.0f;
     lode_start_config_t none = {.current_A = 0.0f};
     lode_start_design(&none, &small, &gimbal, PAPER_TS_s);
-    CHECK_CLOSE(1.0e-5, 0.1 * PAPER_OMEGA_RATED, none.omega_handover_rad_s);
+    CHECK_CLOSE(1.0e-5, 0.25 * 10.0 * 0.7 / 8.0e-3, none.omega_handover_rad_s);
+    lode_start_config_t little = {.current_A = 0.1f};
+    lode_start_design(&little, &small, &gimbal, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-5, 0.1 * PAPER_OMEGA_RATED, little.omega_handover_rad_s);
 }
 
 /// (S18): a load step must not stop the rotor. The estimator may take over at the speed of (S12) already, on the
@@ -762,6 +767,35 @@ static void test_resistance_and_dead_time_are_measured_at_rest(void) {
     TEST_ASSERT_FALSE(known);
 }
 
+/// Dead time shows along the phase that the vector waits at, by however much the damping has turned it.
+static void test_dead_time_is_measured_with_a_vector_that_gives_way(void) {
+    lode_start_config_t config = sound();
+    config.measure = LODE_ON;
+    config.catch_s = LODE_NONE;
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_begin(&start, &tuning);
+    lode_start_found_t found = {0.0f, 0.0f};
+    bool known = false;
+    bool moved =
+        false; // a rotor, as long as its EMF is neither along the phase nor along the current
+    for (int n = 1; n <= 5000 && !known; n++) {
+        start.swing_V = 0.3f / tuning.damping; // 0.3 rad
+        const lode_dq_t e = {4.0f, n < 1000 ? 1.0f : 0.0f};
+        const lode_ab_t e_V = lode_park_inverse(e, start.at);
+        if (n % ROUND == 1) {
+            known = lode_start_measure(&start, &tuning, e_V, &found);
+            lode_start_aim(&start, &tuning, 47.0f, config.current_A);
+            moved = moved || (n < 1000 && start.seen.rest.calm > 0u);
+        }
+        (void)lode_start_step(&start, &tuning, e_V, PAPER_TS_s);
+    }
+    TEST_ASSERT_TRUE(known);
+    TEST_ASSERT_FALSE(moved);
+    CHECK_NEAR(0.05, 0.0, found.r_Ohm);
+    CHECK_NEAR(0.3, 4.0, found.dead_V);
+}
+
 static void test_a_new_attempt_measures_again(void) {
     lode_start_config_t config = sound();
     config.measure = LODE_ON;
@@ -778,6 +812,7 @@ static void test_a_new_attempt_measures_again(void) {
         (void)step(&start, &tuning, n, 47.0f, 8.0f, no_emf);
     }
     TEST_ASSERT_EQUAL_INT(1, first);
+    CHECK_NEAR(1.0e-4, 1.0, start.at.cos); // on a phase again
     int second = 0;
     for (int n = 1; n <= 5000; n++) {
         lode_start_found_t found;
@@ -825,6 +860,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_resistance_and_dead_time_are_measured_at_rest);
     RUN_TEST(test_damping_gives_way_to_current_and_speed);
+    RUN_TEST(test_dead_time_is_measured_with_a_vector_that_gives_way);
     RUN_TEST(test_a_new_attempt_measures_again);
     RUN_TEST(test_a_vector_turns_by_its_damping_too);
     RUN_TEST(test_measuring_is_a_choice);

@@ -19,13 +19,14 @@ typedef struct {
     /// to 1 i_max
     float current_last_A;
     /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm), or up to 0.5 where 1 us of dead
-    /// time and 30 % of R leave less than half of the EMF certain, or a load step would stop a light salient rotor
+    /// time and 30 % of R leave less than half of the EMF certain, or a load step would stop a light salient rotor;
+    /// at least an EMF of a quarter of the drop across R
     float omega_handover_rad_s;
     float
         ramp_rad_s2; ///< electrical, of the first attempt; 0: what a sixth of the start torque gives the inertia
     float current_rise_s; ///< 0: 0.2
     float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
-    float lock_s;         ///< lock quality must have held for this long; 0: 0.1
+    float lock_s;         ///< lock quality must have held for this long; 0: 0.1, salient 0.05
     float catch_s;   ///< zero current, to see whether the rotor turns already; 0: 0.05; LODE_NONE
     float timeout_s; ///< from start to hand-over; 0: three attempts
     /// what resistance and dead time are beyond the configured ones, by the voltage that half and all of the
@@ -35,7 +36,8 @@ typedef struct {
     /// board that sees no current with the low sides alone (one shunt in the DC link), or cannot switch so;
     /// six phases have none
     lode_choice_t pulses;
-    float fade_s; ///< from the start current to the references after hand-over; 0: 0.1
+    float
+        fade_s; ///< from the start current to the references after hand-over; 0: 0.1, salient 0.05
 } lode_start_config_t;
 
 typedef struct {
@@ -121,6 +123,9 @@ typedef struct {
 #define LODE_START_HOLD 0.5f
 /// Lock quality from which the estimator may take over: well above LODE_LOCK_LOST.
 #define LODE_LOCK_HANDOVER 0.7f
+/// Of psi: what the d current may take of a salient rotor's flux at hand-over. With little of it left speed control
+/// and the PLL swing up against each other before the current has faded.
+#define LODE_START_LOST_MAX 0.4f
 /// The vector gives way, it does not run away.
 #define LODE_START_SHIFT_MAX_rad 0.5f
 
