@@ -78,6 +78,7 @@ def shorted_switches(checks, folder):
     """The side is named; a low side is joined by the others, a high side is not."""
     data = SOURCE / "sim/data"
     folder.write("w.ini", f"[scenario]\nmotor = {data}/motors/mtpv_400V.ini\ndrive = {data}/drives/traction_400V.ini\n"
+                          "[start]\nlock_s = 0.1\nfade_s = 0.1\n"
                           "[plant]\ninverter = switched\nload_kind = passive\n"
                           "[phase.up]\nduration_s = 2\nspeed_rpm = 3000\nend_mode = run\n"
                           "[phase.broken]\nduration_s = 0.1\nend_mode = fault\n")
