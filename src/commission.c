@@ -539,12 +539,16 @@ static void retune(lode_commission_t *self) {
             lode_max(LOW_SHARE * rated, ABOVE_HANDOVER * config->start.omega_handover_rad_s);
         const float high = lode_max(
             lode_clamp(SPAN_WANTED * low, HIGH_SHARE * rated, HIGH_MOST * rated), SPAN_LEAST * low);
-        const float most_Nm = lode_motor_kt_Nm_A(&config->motor) * config->inverter.i_max_A;
+        const float kt_Nm_A = lode_motor_kt_Nm_A(&config->motor);
+        const float most_Nm = kt_Nm_A * config->inverter.i_max_A;
+        // Within the dead band of the currents the dead time's loss changes with speed, and stands in the slope.
+        const float least_Nm =
+            lode_max(TORQUE_LEAST * most_Nm, kt_Nm_A * config->inverter.i_dead_A);
         self->low_rad_s = low * inv_np;
         self->high_rad_s = high * inv_np;
         self->torque_Nm =
             lode_clamp(config->motor.J_kgm2 * (self->high_rad_s - self->low_rad_s) / RUN_TIME_s,
-                       TORQUE_LEAST * most_Nm, TORQUE_MOST * most_Nm);
+                       least_Nm, TORQUE_MOST * most_Nm);
         self->quantity = LODE_COMMISSION_PSI_Wb;
         enter(self, STAGE_START);
     }

@@ -8,6 +8,7 @@
 #include "config/data_files.h"
 #include "config/ini_config.h"
 #include "config/speed_limits.h"
+#include "rig/commission.h"
 #include "support/diag.h"
 #include "support/splitmix.h"
 #include "support/units.h"
@@ -37,6 +38,7 @@ static ranges_t ranges_of(mc_errors_t errors) {
     case MC_ERRORS_WIDE:
         return (ranges_t){0.7, 1.3, 0.2, 0.1, 0.4, 0.0, 0.25, 4.0};
     case MC_ERRORS_NARROW:
+    case MC_ERRORS_COMMISSIONED:
     default:
         return (ranges_t){0.85, 1.15, 0.1, 0.05, 0.2, 0.0, 0.5, 2.0};
     }
@@ -124,6 +126,26 @@ static void draw_truth(rig_config_t *truth, const ranges_t *ranges, uint64_t *st
     }
 }
 
+/// Commissioning of the drive that was told wrong, with a free shaft. Takes what it found in place of what was told;
+/// returns why there is nothing to take, or NULL.
+static const char *commission(rig_config_t *told, const plant_config_t *truth) {
+    static commission_run_t run; // large
+    plant_config_t plant = *truth;
+    plant.load_Nm = 0.0;
+    if (!commission_run_on(&run, told, &plant)) {
+        return "refused";
+    }
+    if (run.commission.result != LODE_COMMISSION_DONE) {
+        return lode_commission_result_name(run.commission.result);
+    }
+    const lode_drive_config_t *found = lode_commission_config(&run.commission);
+    told->given.motor = found->motor;
+    told->given.inverter = found->inverter;
+    told->drive = told->given;
+    rig_config_design(told);
+    return NULL;
+}
+
 /// A row of seeds goes through all speeds, of either direction.
 static double coast_share(uint64_t seed) {
     return (double)(seed % (2u * COAST_STEPS + 1u)) / COAST_STEPS - 1.0;
@@ -145,7 +167,12 @@ bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_err
     }
     one->told = machine->given;
     tell_wrong(&one->told.drive, &ranges, &state);
+    one->told.given = one->told.drive;
     rig_config_design(&one->told);
+    one->unfit = NULL;
+    if (errors == MC_ERRORS_COMMISSIONED) {
+        one->unfit = commission(&one->told, &one->plant);
+    }
     one->direction = splitmix_uniform(&state) < 0.5 ? -1.0 : 1.0;
     const double peak_Nm = splitmix_uniform(&state) * START_LOAD_SHARE * machine->torque_Nm;
     one->start_load_Nm = test == MC_START ? peak_Nm / (1.0 + one->plant.load_ripple) : 0.0;

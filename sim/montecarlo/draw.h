@@ -10,7 +10,13 @@
 
 typedef enum { MC_START, MC_RUN, MC_FLY, MC_QUIET } mc_test_t;
 
-typedef enum { MC_ERRORS_NARROW, MC_ERRORS_WIDE, MC_ERRORS_START } mc_errors_t;
+/// COMMISSIONED: narrow ones to begin with, which the drive's own commissioning then corrects.
+typedef enum {
+    MC_ERRORS_NARROW,
+    MC_ERRORS_WIDE,
+    MC_ERRORS_START,
+    MC_ERRORS_COMMISSIONED
+} mc_errors_t;
 
 /// A machine as it is.
 typedef struct {
@@ -32,6 +38,7 @@ typedef struct {
     double direction;     ///< 1 or -1
     double start_load_Nm; ///< MC_START: mean of the passive load
     double coast_e_rad_s; ///< MC_FLY: at which the rotor turns already
+    const char *unfit;    ///< why commissioning failed; NULL: it did not, or was not asked for
 } mc_case_t;
 
 /// Reads motors/NAME, drives/NAME and, where there is one, plants/NAME, and `set` on top of them. False

@@ -434,6 +434,11 @@ void mc_trial(mc_result_t *result, const mc_machine_t *machine, const mc_case_t 
     trial.ts_s = 1.0 / (double)one->told.drive.f_pwm_Hz;
     trial.useless_s = -1.0;
     trial.now.truth.theta_e_rad = one->plant.theta_e_rad;
+    if (one->unfit != NULL) {
+        trial.what = "commissioning";
+        fail(&trial, true, one->unfit);
+        return;
+    }
     const lode_status_t status = rig_init(&trial.rig, &one->told, &one->plant);
     if (status != LODE_OK) {
         trial.what = "init";

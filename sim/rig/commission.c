@@ -29,12 +29,15 @@ static void note_truth(commission_run_t *self, const rig_config_t *config) {
 }
 
 bool commission_run(commission_run_t *self, const rig_config_t *config) {
-    plant_t plant;
+    plant_config_t truth;
     double unused_Nm;
-    *self = (commission_run_t){.took_s = 0.0};
-    if (!rig_config_plant(config, &self->plant, &unused_Nm)) {
-        return false;
-    }
+    return rig_config_plant(config, &truth, &unused_Nm) && commission_run_on(self, config, &truth);
+}
+
+bool commission_run_on(commission_run_t *self, const rig_config_t *config,
+                       const plant_config_t *truth) {
+    plant_t plant;
+    *self = (commission_run_t){.plant = *truth};
     (void)plant_init(&plant, &self->plant); // rig_config_plant() has tried
     note_truth(self, config);
     const lode_status_t status = lode_commission_init(&self->commission, &config->given);
@@ -45,16 +48,16 @@ bool commission_run(commission_run_t *self, const rig_config_t *config) {
     lode_commission_result_t result = LODE_COMMISSION_RUNNING;
     while (result == LODE_COMMISSION_RUNNING && self->took_s < LONGEST_s) {
         plant_counts_t sampled;
-        plant_truth_t truth;
-        plant_sample(&plant, &sampled, &truth);
+        plant_truth_t now;
+        plant_sample(&plant, &sampled, &now);
         const lode_counts_t counts = rig_counts(&sampled);
         const lode_drive_out_t out = lode_commission_step(&self->commission, &counts);
         const double duty[PLANT_PHASES] = {(double)out.duty.a, (double)out.duty.b,
                                            (double)out.duty.c};
         plant_write(&plant, duty, (plant_gates_t)out.gates); // the same three
         plant_advance(&plant);
-        self->i_max_A = fmax(self->i_max_A, hypot(truth.id_A, truth.iq_A));
-        self->took_s = truth.t_s;
+        self->i_max_A = fmax(self->i_max_A, hypot(now.id_A, now.iq_A));
+        self->took_s = now.t_s;
         result = lode_commission_work(&self->commission);
     }
     return true;

@@ -57,8 +57,9 @@ static const option_t table[] = {
     {"motors", required_argument, 'M', MONTE_CARLO, "A,B,...",
      "names of motors that have a drive of the same name; all of them"},
     {"errors", required_argument, 'X', MONTE_CARLO, "KIND",
-     "of the drive's parameters: narrow, wide (twice that) or start; `start` for\n"
-     "                             starts, `narrow` for runs"},
+     "of the drive's parameters: narrow, wide (twice that), start, or commissioned:\n"
+     "                             narrow, then measured by the drive; `start` for starts,\n"
+     "                             `narrow` for runs"},
     {"n", required_argument, 'a', MONTE_CARLO, "N", "seeds per motor; 200"},
     {"seed", required_argument, 'n', MONTE_CARLO, "S", "the first seed; 1"},
     {"shard", required_argument, 'P', MONTE_CARLO, "K/N",
@@ -513,8 +514,8 @@ static bool check_monte_carlo(const options_t *options) {
     }
     const char *errors = options->errors;
     if (errors != NULL && strcmp(errors, "narrow") != 0 && strcmp(errors, "wide") != 0 &&
-        strcmp(errors, "start") != 0) {
-        rig_error("--errors %s: expected narrow, wide or start", errors);
+        strcmp(errors, "start") != 0 && strcmp(errors, "commissioned") != 0) {
+        rig_error("--errors %s: expected narrow, wide, start or commissioned", errors);
         return false;
     }
     return true;

@@ -64,7 +64,7 @@ typedef struct {
     const char *set[OPTIONS_SETS_MAX];
     const char *test;   ///< of monte-carlo: start, run or merge
     const char *motors; ///< names, separated by commas
-    const char *errors; ///< narrow, wide or start
+    const char *errors; ///< narrow, wide, start or commissioned
     uint64_t cases;     ///< per motor; 0: not given
     uint64_t shard;     ///< 1 .. shards; 0: all
     uint64_t shards;

@@ -37,6 +37,20 @@ def cases(checks, folder):
     checks.true(rows_of(other)["fan_325V", 5] != rows["fan_325V", 5], "other errors, another case")
 
 
+def commissioned(checks, folder):
+    """The drive measures its own parameters first; a failure to do so is one of the case."""
+    _, narrow = run(folder, "start", "--motors", "servo_48V", "--n", 2, "--errors", "narrow")
+    done, text = run(folder, "start", "--motors", "servo_48V", "--n", 2, "--errors", "commissioned")
+    checks.equal(done.returncode, 0, f"measured, then started: {done.stdout}")
+    rows, before = rows_of(text), rows_of(narrow)
+    checks.true(all(rows[key]["max_error_deg"] != before[key]["max_error_deg"] for key in rows), "other parameters")
+    lost = folder.run("monte-carlo", "start", "--motors", "servo_48V", "--n", 1, "--errors", "commissioned",
+                      "--set", "start.timeout_s=0.2")
+    checks.true("NO_START, commissioning" in lost.stdout, f"commissioning cannot start the motor: {lost.stdout}")
+    refused(checks, folder, ["monte-carlo", "run", "--motors", "ultrazohm6", "--errors", "commissioned"],
+            "expected motors with three phases")
+
+
 def shards(checks, folder):
     arguments = ["run", "--motors", "jiang2022,traction_400V", "--n", 2]
     whole, text = run(folder, *arguments)
@@ -105,7 +119,7 @@ def refusals(checks, folder):
                                 (["monte-carlo", "merge"], "expected start, run, fly, quiet, or merge with files"),
                                 (["monte-carlo", "walk"], "expected start, run, fly, quiet, or merge with files"),
                                 (["monte-carlo", "start", "x.json"], "expected nothing there"),
-                                (["monte-carlo", "start", "--errors", "huge"], "expected narrow, wide or start"),
+                                (["monte-carlo", "start", "--errors", "huge"], "expected narrow, wide, start or commissioned"),
                                 (["monte-carlo", "start", "--n", "0"], "expected a whole number, 1 .. "),
                                 (["monte-carlo", "start", "--shard", "4/3"], "expected K/N with K from 1 to N"),
                                 (["monte-carlo", "start", "--shard", "9/9", "--motors", "jiang2022", "--n", "8"],
@@ -123,6 +137,7 @@ def main():
     checks = Checks()
     with Folder() as folder:
         cases(checks, folder)
+        commissioned(checks, folder)
         shards(checks, folder)
         bars(checks, folder)
         fly(checks, folder)
