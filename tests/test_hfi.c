@@ -613,7 +613,8 @@ static void test_dead_time_by_the_current_that_is_asked_for(void) {
     lode_drive_config_t config = rig_config();
     config.hfi.mode = LODE_HFI_ON;
     config.hfi.V_h_V = 25.0f;
-    config.inverter.dead_time_s = 1.0e-6f; // the motor has none
+    config.inverter.dead_time_s = 1.0e-6f; // the motor has none ...
+    config.start.measure = LODE_OFF;       // ... and the start is not to find that out
     rig_init(&rig, &rig_tuning, &config);
     rig_ask(&rig, 31.4f); // the way of a linear motor, by an I-f start
     rig_run(&rig, 3.0);

@@ -267,9 +267,9 @@ static void test_a_running_drive_learns(void) {
     rig_init(&rig, &tunings[0], &config);
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 62.8f});
     int next = 1;
-    for (int k = 0; k < (int)(3.0 / RIG_TS_s); k++) {
+    for (int k = 0; k < (int)(4.5 / RIG_TS_s); k++) {
         rig_step(&rig);
-        rig.pull_Nm = k * RIG_TS_s > 1.5 ? 3.0 : 0.0;
+        rig.pull_Nm = k * RIG_TS_s > 3.0 ? 3.0 : 0.0;
         lode_telemetry_t now;
         if (k % 10 == 0 && lode_drive_telemetry(&rig.drive, &now) &&
             lode_learn_step(&learn, &tuning, &now, 10.0f * (float)RIG_TS_s) &&
@@ -278,7 +278,7 @@ static void test_a_running_drive_learns(void) {
             TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &tunings[next]));
             next = 1 - next;
         }
-        if (k * RIG_TS_s <= 1.5) { // no load, no q current: nothing shows
+        if (k * RIG_TS_s <= 3.0) { // no load, no q current: nothing shows
             CHECK_NEAR(0.0, (double)config.motor.Lq_H, learn.now.Lq_H);
         }
     }
@@ -335,7 +335,7 @@ static void test_learning_beside_the_adaptation(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_adaptation_init(&both.adaptation, &choices,
                                                         &both.commissioned, &config.motor, NULL));
     rig_command(&both.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 62.8f});
-    both_run(&both, &config, 2.0);
+    both_run(&both, &config, 3.0);
     rig_command(&both.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 0.0f});
     both_run(&both, &config, 2.0);
     const float Lq_H = both.learn.now.Lq_H;
