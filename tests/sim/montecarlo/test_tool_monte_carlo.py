@@ -46,7 +46,7 @@ def commissioned(checks, folder):
     checks.true(all(rows[key]["max_error_deg"] != before[key]["max_error_deg"] for key in rows), "other parameters")
     lost = folder.run("monte-carlo", "start", "--motors", "servo_48V", "--n", 1, "--errors", "commissioned",
                       "--set", "start.timeout_s=0.2")
-    checks.true("NO_START, commissioning" in lost.stdout, f"commissioning cannot start the motor: {lost.stdout}")
+    checks.true("FAULT, commissioning" in lost.stdout, f"commissioning cannot start the motor: {lost.stdout}")
     refused(checks, folder, ["monte-carlo", "run", "--motors", "ultrazohm6", "--errors", "commissioned"],
             "expected motors with three phases")
 
