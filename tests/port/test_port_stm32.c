@@ -104,16 +104,7 @@ static void next_call(void) {
     }
 }
 
-static bool trip_now(void) {
-    lode_counts_t counts;
-    board_read(&counts);
-    return counts.trip;
-}
-
-static bool trip_in_next_call(void) {
-    next_call();
-    return trip_now();
-}
+#include "calls_cases.h"
 
 // --- figures ---
 
@@ -564,48 +555,24 @@ static void test_active_trip_at_power_up_is_a_failed_init(void) {
     TEST_ASSERT_FALSE(board_init(TRIP_A));
 }
 
-// One call: it comes half a period late, or the trigger sits at the wrong end. Two: one of either half is missing, or
-// late by a half.
-static void test_sample_at_the_wrong_end_is_a_trip(void) {
-    TEST_ASSERT_TRUE(board_init(TRIP_A));
-    board_start();
-    for (int half = 0; half < 2; half++) {
-        for (int n = 0; n < 4; n++) {
-            next_call();
-            TEST_ASSERT_FALSE(trip_now());
-        }
-        (void)next_turn();
-        if (VARIANT_DOUBLE_UPDATE) {
-            (void)next_turn();
-        }
-        TEST_ASSERT_TRUE(trip_now());
-        if (VARIANT_DOUBLE_UPDATE) {
-            next_call();
-            TEST_ASSERT_FALSE(trip_now()); // in step again, now in the other half
-        }
-    }
-}
-
 // What a call writes acts from the next one on, in each half by itself: the high side is on at and above the value.
 static void test_each_call_has_its_own_pulse(void) {
-    static const lode_abc_t duty[] = {{0.0f, 0.5f, 1.0f}, {1.0f, 0.25f, 0.0f}, {0.9f, 0.1f, 0.3f},
-                                      {0.2f, 0.8f, 0.7f}, {1.0f, 0.0f, 0.5f},  {0.0f, 1.0f, 0.5f}};
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
     next_call();
     const uint32_t from = board_cycles();
     int upper = 0;
-    for (int k = 0; k < COUNT_OF(duty); k++) {
-        board_write(&(lode_drive_out_t){.duty = duty[k], .gates = LODE_GATES_ON});
+    for (int k = 0; k < COUNT_OF(duty_of_call); k++) {
+        board_write(&(lode_drive_out_t){.duty = duty_of_call[k], .gates = LODE_GATES_ON});
         next_call();
         upper += stm32_pwm_counts_down() ? 1 : 0;
         TEST_ASSERT_EQUAL_UINT32(from + (uint32_t)(k + 1) * PERIOD, board_cycles());
-        const float wanted[3] = {duty[k].a, duty[k].b, duty[k].c};
+        const float wanted[3] = {duty_of_call[k].a, duty_of_call[k].b, duty_of_call[k].c};
         for (int x = 0; x < 3; x++) {
             CHECK_NEAR(0.5 / STEPS, wanted[x], (double)(STEPS - acting[x]) / STEPS);
         }
     }
-    TEST_ASSERT_EQUAL_INT(VARIANT_DOUBLE_UPDATE ? COUNT_OF(duty) / 2 : 0, upper);
+    TEST_ASSERT_EQUAL_INT(VARIANT_DOUBLE_UPDATE ? COUNT_OF(duty_of_call) / 2 : 0, upper);
 }
 
 // --- periods ---

@@ -45,16 +45,7 @@ static void next_call(void) {
     } while (!is_triggered());
 }
 
-static bool trip_now(void) {
-    lode_counts_t counts;
-    board_read(&counts);
-    return counts.trip;
-}
-
-static bool trip_in_next_call(void) {
-    next_call();
-    return trip_now();
-}
+#include "calls_cases.h"
 
 static void gates_on_by_the_drive(void) {
     TEST_ASSERT_TRUE(app_start());
@@ -73,49 +64,25 @@ static void gates_on_by_the_drive(void) {
     TEST_ASSERT_TRUE(fake_gates_on());
 }
 
-// One call: it comes half a period late, or the trigger sits at the wrong end. Two: one of either half is missing, or
-// late by a half.
-static void test_sample_at_the_wrong_end_is_a_trip(void) {
-    TEST_ASSERT_TRUE(board_init(TRIP_A));
-    board_start();
-    for (int half = 0; half < 2; half++) {
-        for (int n = 0; n < 4; n++) {
-            next_call();
-            TEST_ASSERT_FALSE(trip_now());
-        }
-        next_turn();
-        if (VARIANT_DOUBLE_UPDATE) {
-            next_turn();
-        }
-        TEST_ASSERT_TRUE(trip_now());
-        if (VARIANT_DOUBLE_UPDATE) {
-            next_call();
-            TEST_ASSERT_FALSE(trip_now()); // in step again, now in the other half
-        }
-    }
-}
-
 // What a call writes acts from the next one on, in each half by itself. No value meets a turning point at which
 // another one is taken over.
 static void test_each_call_has_its_own_pulse(void) {
-    static const lode_abc_t duty[] = {{0.0f, 0.5f, 1.0f}, {1.0f, 0.25f, 0.0f}, {0.9f, 0.1f, 0.3f},
-                                      {0.2f, 0.8f, 0.7f}, {1.0f, 0.0f, 0.5f},  {0.0f, 1.0f, 0.5f}};
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     board_start();
     next_call();
     int upper = 0;
-    for (int k = 0; k < COUNT_OF(duty); k++) {
-        board_write(&(lode_drive_out_t){.duty = duty[k], .gates = LODE_GATES_ON});
+    for (int k = 0; k < COUNT_OF(duty_of_call); k++) {
+        board_write(&(lode_drive_out_t){.duty = duty_of_call[k], .gates = LODE_GATES_ON});
         next_call();
         upper += counts_down ? 1 : 0;
-        const float wanted[3] = {duty[k].a, duty[k].b, duty[k].c};
+        const float wanted[3] = {duty_of_call[k].a, duty_of_call[k].b, duty_of_call[k].c};
         for (int x = 0; x < 3; x++) {
             CHECK_NEAR(1.0 / STEPS, wanted[x], (double)(STEPS - acting[x]) / STEPS);
             TEST_ASSERT_TRUE(acting[x] >= 1u && acting[x] <= STEPS);
             TEST_ASSERT_TRUE(!VARIANT_DOUBLE_UPDATE || acting[x] < STEPS);
         }
     }
-    TEST_ASSERT_EQUAL_INT(VARIANT_DOUBLE_UPDATE ? COUNT_OF(duty) / 2 : 0, upper);
+    TEST_ASSERT_EQUAL_INT(VARIANT_DOUBLE_UPDATE ? COUNT_OF(duty_of_call) / 2 : 0, upper);
 }
 
 // At the upper turning point no low side is on.
