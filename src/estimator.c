@@ -283,6 +283,9 @@ static bool is_seed_due(const lode_estimator_t *self, const lode_estimator_tunin
 static float load_acceleration(const lode_estimator_t *self,
                                const lode_estimator_tuning_t *tuning) {
     const lode_pll_t *pll = &self->pll;
+    if (tuning->pll.third_order == 0u) {
+        return 0.0f; // the QPLL has no such state
+    }
     const lode_dq_t i_A = lode_park(self->emf.i_A, pll->frame);
     const float acc = lode_estimator_acceleration(tuning, i_A, 0.0f, pll->omega_rad_s);
     const float sigma = tuning->pll.x_low * tuning->pll.inv_ts;
@@ -312,8 +315,7 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     self->per_V = -unit;
     self->omega_tune = omega;
     self->by.alone.wait = tuning->patience_rounds;
-    self->found = 1u;
-    renew_lag(self, tuning, omega);
+    self->found = 1u; // the lag follows in the next period, where the speed is far from its line's
     return true;
 }
 

@@ -273,13 +273,19 @@ static void measure_start(lode_drive_t *self) {
 #endif
 }
 
-// SLOT_SPEED: where the vector goes, and whether the estimate is good enough to run on.
+// SLOT_DEAD_TIME: whether the estimate is good enough to run on.
 static void judge_start(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
-    lode_start_t *start = &self->state.start;
     const lode_estimator_t *estimator = &self->estimator;
     const bool lost = tuning->lost_per_A * estimator->id_A > LODE_START_LOST_MAX;
-    lode_start_judge(start, tuning, estimator->pll.omega_rad_s, lost ? 0.0f : estimator->lock);
+    lode_start_judge(&self->state.start, tuning, estimator->pll.omega_rad_s,
+                     lost ? 0.0f : estimator->lock);
+}
+
+// SLOT_SPEED: where the vector goes.
+static void aim_start(lode_drive_t *self) {
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    lode_start_t *start = &self->state.start;
     if (lode_start_catches(start) || finds_at_rest(self)) {
         return;
     }
@@ -291,13 +297,13 @@ static void judge_start(lode_drive_t *self) {
     if (stopping && at_rest && !(start->current_A > 0.0f)) {
         lode_mode_switch_off(self);
     } else if (!stopping && start->rounds > tuning->timeout_rounds) {
-        lode_mode_fault(self, LODE_CHECK_START, estimator->lock, LODE_LOCK_HANDOVER);
+        lode_mode_fault(self, LODE_CHECK_START, self->estimator.lock, LODE_LOCK_HANDOVER);
     } else {
         // on its way
     }
 }
 
-// Measures, decides and hands over in a slot each: one is enough for a period.
+// Measures, judges, aims and hands over in a slot each: one is enough for a period.
 static void follow_start(lode_drive_t *self) {
     const lode_slot_t slot = lode_slot_of(self->steps);
     if (self->command.mode != LODE_MODE_RUN) {
@@ -307,8 +313,10 @@ static void follow_start(lode_drive_t *self) {
         self->state.run.fade = 0.0f;
     } else if (slot == SLOT_LAG) {
         measure_start(self);
-    } else if (slot == SLOT_SPEED) {
+    } else if (slot == SLOT_DEAD_TIME) {
         judge_start(self);
+    } else if (slot == SLOT_SPEED) {
+        aim_start(self);
     } else if (slot == SLOT_REFERENCES &&
                lode_start_is_ready(&self->state.start, &self->tuning->start)) {
         hand_over(self);
@@ -580,18 +588,18 @@ lode_control_frame_t lode_mode_control_frame(lode_drive_t *self) {
 }
 
 // At low speed in START there is no EMF to go by: from time to time the estimator is set to the vector.
-void lode_mode_seed(lode_drive_t *self) {
+bool lode_mode_seed(lode_drive_t *self) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     const lode_start_t *start = &self->state.start;
     if (lode_estimator_injects(&self->estimator)) {
-        return; // it goes by injection
+        return false; // it goes by injection
     }
     if (lode_mode(self) == LODE_MODE_START && !lode_start_catches(start) &&
         lode_abs(start->omega_rad_s) < LODE_START_HOLD * self->tuning->start.omega_ready) {
         lode_estimator_hold(&self->estimator, tuning, start->at, start->omega_rad_s);
-    } else {
-        (void)lode_estimator_seed(&self->estimator, tuning);
+        return false;
     }
+    return lode_estimator_seed(&self->estimator, tuning);
 }
 
 #ifndef LODE_WITHOUT_HFI

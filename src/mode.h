@@ -248,7 +248,7 @@ void lode_mode_hand_back(lode_drive_t *self);
 void lode_mode_inject(lode_drive_t *self);
 
 // SLOT_GAINS without lock.
-void lode_mode_seed(lode_drive_t *self);
+bool lode_mode_seed(lode_drive_t *self);
 
 // Takes over an estimate from outside, with the gates on; one that is not finite is a fault.
 void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate);

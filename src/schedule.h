@@ -17,13 +17,13 @@ typedef enum {
     // lag of the EMF observer, lead of the duties; flux that the voltage leaves room for; resonators of the xy
     // plane; START: resistance and dead time
     SLOT_LAG,
-    // slope of the dead-time error, 1/v_bus; memory unchanged
+    // slope of the dead-time error, 1/v_bus; memory unchanged; START: is the estimate good enough?
     SLOT_DEAD_TIME,
     // without lock acquisition; gains of the PLL, centres of the notches
     SLOT_GAINS,
     // as SLOT_GUARD
     SLOT_GUARD_2,
-    // speed control, id for its torque; START: where the vector goes, is the estimate good enough?
+    // speed control, id for its torque; START: where the vector goes
     SLOT_SPEED,
     // current references; START: hand-over, half-waves of the currents; plausibility of a second set's currents
     SLOT_REFERENCES,

@@ -347,12 +347,17 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
 
 #ifndef LODE_WITHOUT_START_MEASUREMENT
 
-bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
-                        lode_start_found_t *found) {
-    if (self->stage >= (uint_least8_t)LODE_START_TURN || !(self->current_A > 0.0f) ||
-        self->current_A < self->current_target) {
-        return false;
-    }
+// (S13), (S14): from the voltages along half and all of the current.
+static lode_start_found_t found_at_rest(const lode_start_t *self,
+                                        const lode_start_tuning_t *tuning) {
+    const float mean_V = self->seen.rest.sum_V / (float)tuning->calm_rounds;
+    const float r_Ohm =
+        (mean_V - self->seen.rest.along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
+    return (lode_start_found_t){.r_Ohm = r_Ohm, .dead_V = mean_V - r_Ohm * self->current_A};
+}
+
+// One round with the present current. What it makes known is worked out in the next round, by a call of its own.
+static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V) {
     self->seen.rest.dwelt++;
     // Resistance shows along the current, dead time along the phase that the vector waits at, whatever the damping
     // adds to that.
@@ -365,20 +370,33 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
         self->seen.rest.calm++;
         self->seen.rest.sum_V += seen_V.d;
     }
-    const bool known = self->seen.rest.calm >= tuning->calm_rounds;
-    if (!known && self->seen.rest.dwelt < tuning->dwell_rounds) {
-        return false;
+    if (self->seen.rest.calm >= tuning->calm_rounds) {
+        if (self->stage == (uint_least8_t)LODE_START_HALF) {
+            const float mean_V = self->seen.rest.sum_V / (float)tuning->calm_rounds;
+            enter(self, (uint_least8_t)LODE_START_FULL);
+            self->seen.rest.along_V = mean_V;
+        } else {
+            self->stage = (uint_least8_t)LODE_START_FOUND;
+        }
+    } else if (self->seen.rest.dwelt >= tuning->dwell_rounds) {
+        enter(self, (uint_least8_t)LODE_START_TURN);
+    } else {
+        // goes on
     }
-    const float mean_V = self->seen.rest.sum_V / (float)tuning->calm_rounds;
-    const bool last = self->stage != (uint_least8_t)LODE_START_HALF;
-    // (S13), (S14)
-    found->r_Ohm = (mean_V - self->seen.rest.along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
-    found->dead_V = mean_V - found->r_Ohm * self->current_A;
-    enter(self, (uint_least8_t)(known && !last ? LODE_START_FULL : LODE_START_TURN));
-    if (self->stage != (uint_least8_t)LODE_START_TURN) {
-        self->seen.rest.along_V = mean_V;
+}
+
+bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
+                        lode_start_found_t *found) {
+    if (self->stage == (uint_least8_t)LODE_START_FOUND) {
+        *found = found_at_rest(self, tuning);
+        enter(self, (uint_least8_t)LODE_START_TURN);
+        return true;
     }
-    return known && last;
+    if (self->stage < (uint_least8_t)LODE_START_TURN && self->current_A > 0.0f &&
+        !(self->current_A < self->current_target)) {
+        watch_at_rest(self, tuning, e_V);
+    }
+    return false;
 }
 
 #endif

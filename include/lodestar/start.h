@@ -78,7 +78,8 @@ typedef struct {
 enum {
     LODE_START_CATCH, ///< looks for a rotor that turns already
     LODE_START_HALF,  ///< measures at rest: with half the current,
-    LODE_START_FULL,  ///< with all of it
+    LODE_START_FULL,  ///< with all of it,
+    LODE_START_FOUND, ///< and works out what that makes known
     LODE_START_TURN   ///< the vector turns as soon as its current is there
 };
 

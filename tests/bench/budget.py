@@ -27,6 +27,7 @@ TOLERANCE = 0.02
 SLACK = 1.0  # in any unit: figures of a few cycles or bytes
 
 WARM, CALLS = 100, 300
+RECORDED = 512  # rows of a recording, BENCH_ROWS: of a start every one is counted
 # name: warm-up calls, counted calls
 STEPS = {
     "c_leso_qpll": (WARM, CALLS),
@@ -43,8 +44,8 @@ STEPS = {
     "injecting": (WARM, CALLS),
     "board_injecting": (WARM, CALLS),
     "fast_speed": (WARM, CALLS),
-    "rise": (0, WARM + CALLS),
-    "start": (0, WARM + CALLS),
+    "rise": (0, RECORDED),
+    "start": (0, RECORDED),
     "saturated": (WARM, CALLS),
     "fault": (190, 30),  # around the trip, from period 200 on
     "off": (WARM, CALLS),
