@@ -1,9 +1,9 @@
-"""usage: run.py ROOT FOLDER [--sample N] [--seed S] [--only REGEX] [--again JSON] [--jobs N] [--json FILE] [--list] [--check]
+"""usage: run.py ROOT FOLDER [--sample N] [--seed S] [--only REGEX] [--again JSON] [--tests REGEX] [--jobs N] [--json FILE] [--list] [--check]
 
 Mutation test of src/ and include/ against the unit tests, tests/test_*.c. FOLDER keeps the build. Of all
 mutants N are drawn (0: all) with seed S; with --only, of those in whose name it is found; with
 --again, of those that lived in the run that wrote JSON. Each is run with the tests that reach it, the quickest
-first, until one fails. Exit 1 if fewer than KILLED_MIN of those that
+first, until one fails; with --tests, with those in whose name it is found, for a quick look at one room. Exit 1 if fewer than KILLED_MIN of those that
 are not equivalent are killed, or more than 3 % are declared equivalent (tests/mutation/equivalent.txt: key and
 reason). --check, and any run without LODE_TEST_FULL=1 or one of these options: compiles the sources with
 every mutant in them, and no more.
@@ -28,7 +28,7 @@ EQUIVALENT_MAX = 0.03
 # What the build takes as it is; src and include come with mutants, and tests includes some of them as ../src.
 LINKED = ("CMakeLists.txt", "sim", "port")
 COPIED = ("src", "include", "tests")
-FLAGS = "-w -O1 -fsanitize=bounds -fsanitize-undefined-trap-on-error"
+FLAGS = "-w -O1 -fsanitize=bounds-strict -fsanitize-undefined-trap-on-error"
 
 
 def fresh_tree(root, folder):
@@ -50,11 +50,11 @@ def run(command, log, **more):
     return done
 
 
-def build(root, folder, chosen):
+def build(root, folder, chosen, tests):
     """Names of the unit tests' programs, built with the mutants."""
     tree = fresh_tree(root, folder)
     mutants.write(root, tree, chosen)
-    names = sorted(path.stem for path in (root / "tests").glob("test_*.c"))
+    names = sorted(path.stem for path in (root / "tests").glob("test_*.c") if re.search(tests, path.stem))
     out = folder / "build"
     flags = f"{FLAGS} -include {tree}/mutant.h"
     for command in (["cmake", "-S", tree, "-B", out, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None", f"-DCMAKE_C_FLAGS={flags}",
@@ -139,6 +139,7 @@ def options():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
     parser.add_argument("--again", type=pathlib.Path)
+    parser.add_argument("--tests", default="")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--list", action="store_true")
@@ -193,7 +194,7 @@ def main():
     if args.check:
         return check(args.root, args.folder, every)
     start = time.monotonic()
-    programs = build(args.root, args.folder, chosen)
+    programs = build(args.root, args.folder, chosen, args.tests)
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as workers:
         seen = reach(programs, args.folder, workers)
         print(f"built; the tests take {sum(s for s, _ in seen.values()):.0f} s", flush=True)
