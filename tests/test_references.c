@@ -464,11 +464,12 @@ static void test_bus_limits_braking_and_motoring(void) {
                                {120.0, 0.0, 1.0}, {90.0, 0.0, 1.0},  {220.0, 1.0, 1.0},
                                {235.0, 1.0, 0.5}, {250.0, 1.0, 0.0}, {300.0, 1.0, 0.0}};
     for (int n = 0; n < COUNT_OF(table); n++) {
-        for (int k = 0; k < 8; k++) {
+        for (int k = 0; k < 10; k++) {
             const float size = k & 4 ? 0.5f : 300.0f; // nearly at rest too
-            const float omega = k & 1 ? size : -size;
-            const float torque = k & 2 ? 20.0f : -20.0f;
-            const double share = omega * torque > 0.0f ? table[n][1] : table[n][2];
+            const float omega = k >= 8 ? 0.0f : (k & 1 ? size : -size);
+            const float torque = (k >= 8 ? k & 1 : k & 2) ? 20.0f : -20.0f;
+            const bool forward = omega >= 0.0f; // at rest as well
+            const double share = forward == (torque > 0.0f) ? table[n][1] : table[n][2];
             lode_references_t self;
             lode_references_reset(&self, 0.0f);
             const lode_references_voltage_t voltage = {(float)table[n][0], {0.0f, 0.0f}};
@@ -580,6 +581,266 @@ static void test_any_input_of_any_kind_stays_in_the_circle(void) {
     }
 }
 
+/// What the tuning asks of each call.
+static uint32_t options(float Ld_H, float Lq_H, float psi_Wb, float id_max_A, bool weakens) {
+    const lode_motor_t motor = {.pole_pairs = 4.0f,
+                                .Ld_H = Ld_H,
+                                .Lq_H = Lq_H,
+                                .psi_Wb = psi_Wb,
+                                .omega_rated_rad_s = 1.0f};
+    lode_references_config_t config = {.kind = LODE_REFERENCES_ID0,
+                                       .field_weakening = weakens ? LODE_ON : LODE_OFF,
+                                       .id_max_A = id_max_A};
+    lode_references_design(&config, &inverter, &motor);
+    lode_references_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(
+        LODE_OK, lode_references_tune(&tuning, &config, &inverter, &motor, VOLTAGE_USE, CALL_s));
+    return tuning.options;
+}
+
+/// Most torque per volt costs a call some time, and is asked for only by who weakens the field and may come to it:
+/// beyond id = -psi/Ld where Lq is no smaller than Ld, at any id where it is.
+static void test_most_torque_per_volt_only_where_it_is_reached(void) {
+    const uint32_t weakens = (uint32_t)LODE_REFERENCES_WEAKEN;
+    const uint32_t reaches = weakens | (uint32_t)LODE_REFERENCES_REACH_MTPV;
+    const float L = 1.0f / 64.0f; // psi/Ld is 8 A for 1/8 Vs
+    const float lower = nextafterf(0.125f, 0.0f);
+    TEST_ASSERT_EQUAL_UINT32(weakens, options(L, L, 0.125f, 8.0f, true));
+    TEST_ASSERT_EQUAL_UINT32(reaches, options(L, L, lower, 8.0f, true));
+    TEST_ASSERT_EQUAL_UINT32(weakens, options(L, 2.0f * L, 0.125f, 8.0f, true));
+    TEST_ASSERT_EQUAL_UINT32(reaches, options(L, 2.0f * L, lower, 8.0f, true));
+    TEST_ASSERT_EQUAL_UINT32(reaches, options(L, 0.9f * L, 0.125f, 8.0f, true));
+    TEST_ASSERT_EQUAL_UINT32(0u, options(L, L, lower, 8.0f, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, options(L, 0.9f * L, 0.125f, 8.0f, false));
+}
+
+/// All of the circle, at the Lq that its own q current leaves, is what is told as the most.
+static void test_most_torque_of_a_saturating_motor(void) {
+    lode_references_config_t config = {.Lq_fall = 0.1f};
+    rig_t rig = rig_of(0, true, &config);
+    double best = 0.0;
+    for (int n = 0; n <= 9000; n++) {
+        const double angle = 0.01 * n * CHECK_DEG;
+        const double iq = rig.i_max * cos(angle);
+        const double Lq = rig.Lq / (1.0 + 0.1 * iq);
+        best = fmax(best, (rig.psi - (rig.Ld - Lq) * rig.i_max * sin(angle)) * iq);
+    }
+    rig_step(&rig, 0.1, 0.0);
+    CHECK_CLOSE(0.01, 6.0 * best, rig.out.torque_Nm.max);
+}
+
+/// A call much longer than the times that id takes moves it by i_max at most, and the trim by all that it is off.
+static void test_long_calls_do_not_overshoot(void) {
+    lode_references_config_t config = sound();
+    config.release_s = 1.0e-3f;
+    config.trim_rad_s = 1.0e3f;
+    const lode_motor_t motor = paper_motor();
+    lode_references_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(
+        LODE_OK, lode_references_tune(&tuning, &config, &inverter, &motor, VOLTAGE_USE, 0.1f));
+    TEST_ASSERT_EQUAL_FLOAT(12.0f, tuning.fall_A);
+    TEST_ASSERT_EQUAL_FLOAT(12.0f, tuning.rise_A);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, tuning.trim_decay);
+}
+
+/// A rig of feed-forward alone, at rest at this speed and torque over the torque factor.
+static rig_t rig_at_rest(int number, double speed_share, double tau) {
+    lode_references_config_t config = weakening;
+    config.trim_rad_s = LODE_NONE;
+    rig_t rig = rig_of(number, true, &config);
+    rig_settle(&rig, speed_share * rig.V / rig.psi, tau);
+    return rig;
+}
+
+/// One call for that torque, of the last part alone: the flux stays.
+static void rig_finish(rig_t *rig, double tau) {
+    rig->out = lode_references_finish(&rig->self, &rig->tuning, rig->factor * (float)tau, 500.0f,
+                                      0.0f, rig->voltage.v_bus_V);
+}
+
+/// R10, R11: a Newton step. From a little beside, one call leaves less than a tenth of it.
+static void test_one_call_finds_the_flux(void) {
+    for (int kind = 0; kind < 2; kind++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const double tau = kind == 0 ? 0.4 : 100.0; // inside the circle, on it
+            rig_t rig = rig_at_rest(0, kind == 0 ? 1.3 : 1.1, tau);
+            const float id_A = rig.self.id_A;
+            TEST_ASSERT_TRUE(id_A < rig.self.id_free_A - 1.0f && id_A > -15.0f);
+            rig.self.id_A = id_A + 0.1f * (float)sign;
+            rig.tuning.rise_A = 1.0f;
+            rig_finish(&rig, tau);
+            CHECK_NEAR(0.01, id_A, rig.out.i_A.d);
+        }
+    }
+}
+
+/// At id = -psi/Ld the flux of a motor without saliency depends on id no more. It moves as by a tenth of the slope at no
+/// current then, and towards the flux that is wanted.
+static void test_where_the_flux_does_not_depend_on_id(void) {
+    const float L = 1.0f / 64.0f;
+    const lode_motor_t motor = {.pole_pairs = 4.0f,
+                                .Ld_H = L,
+                                .Lq_H = L,
+                                .psi_Wb = 0.125f, // psi/Ld = 8 A
+                                .omega_rated_rad_s = 1.0f};
+    lode_references_config_t config = weakening;
+    config.id_bias_A = LODE_NONE;
+    lode_references_design(&config, &inverter, &motor);
+    lode_references_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(
+        LODE_OK, lode_references_tune(&tuning, &config, &inverter, &motor, VOLTAGE_USE, CALL_s));
+    tuning.rise_A = tuning.fall_A = 10.0f;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_references_t self;
+        lode_references_reset(&self, -8.0f);
+        self.id_least_A = -12.0f;
+        self.id_free_A = 0.0f;
+        const double iq = 3.0;
+        self.flux = (float)(0.015625 * (iq + 0.5 * sign));
+        const double excess = 0.015625 * 0.015625 * iq * iq - (double)self.flux * (double)self.flux;
+        const float torque = tuning.torque_factor * 0.125f * (float)iq;
+        const lode_references_out_t out =
+            lode_references_finish(&self, &tuning, torque, 500.0f, 0.0f, 200.0f);
+        CHECK_NEAR(1.0e-4, -8.0 - excess / (0.1 * 2.0 * 0.125 * 0.015625), out.i_A.d);
+    }
+}
+
+/// iq does not follow a flux that is 1.5 % less than what id leaves it, as the bus's noise makes it; of 5 % less it
+/// takes back what is beyond 2 %.
+static void test_torque_does_not_follow_the_noise(void) {
+    const double tau = 1.0;
+    rig_t rig = rig_at_rest(0, 1.2, tau);
+    const float flux = rig.self.flux;
+    rig.tuning.fall_A = rig.tuning.rise_A = 0.0f; // id stays
+    const float iq = rig.out.i_A.q;
+    rig.self.flux = 0.985f * flux;
+    rig_finish(&rig, tau);
+    CHECK_NEAR(1.0e-5, iq, rig.out.i_A.q);
+    rig.self.flux = 0.95f * flux;
+    rig_finish(&rig, tau);
+    const double psi_d = rig.psi + rig.Ld * (double)rig.out.i_A.d;
+    const double psi_q = rig.Lq * (double)rig.out.i_A.q;
+    TEST_ASSERT_TRUE(rig.out.i_A.q < 0.9f * iq);
+    CHECK_CLOSE(1.0e-4, 1.02 * 0.95 * (double)flux, hypot(psi_d, psi_q));
+}
+
+/// R13: beyond most torque per volt more of a negative id costs torque. At high speed that is near id = -psi/Ld.
+static void test_id_stays_above_most_torque_per_volt(void) {
+    rig_t rig = rig_of(2, true, &weakening);
+    TEST_ASSERT_TRUE(rig.psi / rig.Ld < 0.7 * rig.i_max);
+    rig.self.id_A = (float)(-0.95 * rig.i_max);
+    rig_settle(&rig, 40.0 * rig.V / rig.psi, 100.0);
+    CHECK_CLOSE(0.02, -rig.psi / rig.Ld, rig.self.id_least_A);
+    CHECK_AT_LEAST((double)rig.self.id_least_A - 1.0e-3, rig.out.i_A.d);
+    // Another tuning that does not come to it: what was the most torque then counts no more.
+    lode_references_config_t config = weakening;
+    config.id_max_A = (float)(0.5 * rig.psi / rig.Ld);
+    const rig_t shallow = rig_of(2, true, &config);
+    rig.tuning = shallow.tuning;
+    rig_settle(&rig, 0.3 * rig.V / rig.psi, 100.0);
+    rig_t fresh = shallow;
+    rig_settle(&fresh, 0.3 * rig.V / rig.psi, 100.0);
+    CHECK_CLOSE(1.0e-5, (double)fresh.out.torque_Nm.max, rig.out.torque_Nm.max);
+}
+
+/// What is left of the start current is added where MTPA sets id too.
+static void test_start_current_is_added_to_mtpa(void) {
+    lode_references_config_t config = sound();
+    config.kind = LODE_REFERENCES_MTPA;
+    const lode_references_tuning_t tuning = tuned(&config);
+    const double id = (double)step(&tuning, 2.0f, 300.0f, 0.0f).d;
+    CHECK_AT_MOST(-0.1, id);
+    CHECK_NEAR(1.0e-5, id + 4.5, step(&tuning, 2.0f, 300.0f, 4.5f).d);
+}
+
+/// Below one rad/s the voltage leaves the flux that it leaves there, whatever a rotor at rest does.
+static void test_flux_at_rest_is_finite(void) {
+    lode_references_config_t config = sound();
+    config.field_weakening = LODE_ON;
+    const lode_references_tuning_t tuning = tuned(&config);
+    for (int n = 0; n <= 2; n++) {
+        lode_references_t self;
+        lode_references_reset(&self, 0.0f);
+        const lode_references_voltage_t voltage = {0.1f, {0.0f, 0.0f}};
+        lode_references_find_flux(&self, &tuning, 0.5f * (float)n, voltage);
+        CHECK_NEAR(1.0e-6, 0.1 * 0.95 * 0.95 / sqrt(3.0), self.flux);
+    }
+}
+
+/// The trim after a call from 0.1, with the field weakened by `weak_A`, id last moved by `moved_A`, and a voltage
+/// whose square is `headroom_V2` below what may be used.
+static float trim_after(const lode_references_tuning_t *tuning, float id_A, float weak_A,
+                        float moved_A, float headroom_V2) {
+    const float use_V = tuning->circle * 200.0f;
+    const float q_V2 = 0.36f * (use_V * use_V - headroom_V2); // d and q count alike
+    const float d_V2 = 0.64f * (use_V * use_V - headroom_V2);
+    lode_references_t self;
+    lode_references_reset(&self, id_A);
+    self.id_free_A = id_A + weak_A;
+    self.moved_A = moved_A;
+    self.trim = 0.1f;
+    const lode_references_voltage_t voltage = {200.0f, {lode_sqrt(d_V2), -lode_sqrt(q_V2)}};
+    lode_references_find_flux(&self, tuning, 300.0f, voltage);
+    return self.trim;
+}
+
+/// R9: of the error of the voltage's square; only while the field is weakened, by a thousandth of i_max at least, and
+/// id answers to it. Else it decays.
+static void test_when_the_trim_moves(void) {
+    lode_references_config_t config = sound();
+    config.field_weakening = LODE_ON;
+    const lode_references_tuning_t tuning = tuned(&config);
+    const double use_V = 0.95 * 0.95 / sqrt(3.0) * 200.0;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const double off_V2 = 0.1 * sign * use_V * use_V;
+        const double moved = 0.1 + 0.5 * 20.0 * (double)CALL_s * 0.1 * sign;
+        const double decayed = 0.1 * (1.0 - 20.0 * (double)CALL_s);
+        CHECK_NEAR(1.0e-6, moved, trim_after(&tuning, -5.0f, 0.02f, 0.0f, (float)off_V2));
+        CHECK_NEAR(1.0e-6, decayed, trim_after(&tuning, -5.0f, 0.006f, 0.0f, (float)off_V2));
+        // At a rate limit id does not answer, nor at its least, but to a trim that lets it rise again.
+        CHECK_NEAR(1.0e-6, 0.1,
+                   trim_after(&tuning, -5.0f, 0.02f, 0.95f * tuning.rise_A, (float)off_V2));
+        CHECK_NEAR(1.0e-6, 0.1,
+                   trim_after(&tuning, -5.0f, 0.02f, -0.95f * tuning.rise_A, (float)off_V2));
+        CHECK_NEAR(1.0e-6, moved,
+                   trim_after(&tuning, -5.0f, 0.02f, 0.85f * tuning.rise_A, (float)off_V2));
+        CHECK_NEAR(1.0e-6, sign > 0 ? moved : 0.1,
+                   trim_after(&tuning, -12.0f, 0.02f, 0.0f, (float)off_V2));
+    }
+}
+
+/// Of the two fades each is there alone: braking or motoring torque, at any bus, whatever the other's limits are.
+static void test_one_fade_alone(void) {
+    for (int k = 0; k < 2; k++) {
+        lode_references_config_t config = sound();
+        config.v_regen_V = k == 0 ? 0.9f : 0.0f;
+        config.v_motor_V = k == 0 ? 0.0f : 0.7f;
+        config.v_bus_max_V = 1.0f;
+        config.v_bus_min_V = 0.1f;
+        const lode_inverter_config_t small = {.v_bus_V = 0.8f, .i_max_A = I_MAX_A};
+        const lode_motor_t motor = paper_motor();
+        lode_references_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(
+            LODE_OK, lode_references_tune(&tuning, &config, &small, &motor, VOLTAGE_USE, CALL_s));
+        const double full = 12.0 * 4.5 * 0.142;
+        static const double table[][3] = {// bus, share of motoring, of braking torque
+                                          {0.4, 0.5, 1.0},
+                                          {0.1, 0.0, 1.0},
+                                          {0.8, 1.0, 1.0},
+                                          {0.95, 1.0, 0.5},
+                                          {1.0, 1.0, 0.0}};
+        for (int n = 0; n < COUNT_OF(table); n++) {
+            lode_references_t self;
+            lode_references_reset(&self, 0.0f);
+            const lode_references_voltage_t voltage = {(float)table[n][0], {0.0f, 0.0f}};
+            const lode_references_out_t out =
+                lode_references_step(&self, &tuning, 0.0f, 300.0f, 0.0f, voltage);
+            CHECK_NEAR(1.0e-4, full * (k == 0 ? 1.0 : table[n][1]), out.torque_Nm.max);
+            CHECK_NEAR(1.0e-4, -full * (k == 0 ? table[n][2] : 1.0), out.torque_Nm.min);
+        }
+    }
+}
+
 static lode_status_t try_one(size_t offset, float value) {
     lode_references_config_t config = sound();
     field_set(&config, offset, value);
@@ -662,6 +923,7 @@ static void test_choices_and_fades(void) {
         {210.0f, NAN, 0.0f, 0.0f, LODE_ERROR_BUS_FADE},
         {210.0f, INFINITY, 0.0f, 0.0f, LODE_ERROR_BUS_FADE},
         {-1.0f, 250.0f, 0.0f, 0.0f, LODE_ERROR_BUS_FADE},
+        {0.5f, 250.0f, 0.0f, 0.0f, LODE_ERROR_BUS_FADE},
         {INFINITY, INFINITY, 0.0f, 0.0f, LODE_ERROR_BUS_FADE},
         {0.0f, 0.0f, 1.0e-40f, 0.0f, LODE_ERROR_BUS_FADE}, // 1/span is no number
         {0.0f, 0.0f, 200.0f, 0.0f, LODE_OK},
@@ -731,6 +993,17 @@ int main(void) {
     RUN_TEST(test_start_from_any_id);
     RUN_TEST(test_before_the_first_parts_id_stays);
     RUN_TEST(test_any_input_of_any_kind_stays_in_the_circle);
+    RUN_TEST(test_most_torque_per_volt_only_where_it_is_reached);
+    RUN_TEST(test_most_torque_of_a_saturating_motor);
+    RUN_TEST(test_long_calls_do_not_overshoot);
+    RUN_TEST(test_one_call_finds_the_flux);
+    RUN_TEST(test_where_the_flux_does_not_depend_on_id);
+    RUN_TEST(test_torque_does_not_follow_the_noise);
+    RUN_TEST(test_id_stays_above_most_torque_per_volt);
+    RUN_TEST(test_start_current_is_added_to_mtpa);
+    RUN_TEST(test_flux_at_rest_is_finite);
+    RUN_TEST(test_when_the_trim_moves);
+    RUN_TEST(test_one_fade_alone);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_every_field_of_weakening_at_its_limits);
     RUN_TEST(test_choices_and_fades);
