@@ -191,6 +191,19 @@ static void test_an_implausible_offset_of_either_set_is_a_fault(void) {
     }
 }
 
+/// Of two sets with implausible offsets the worse one is told.
+static void test_the_worse_offset_of_both_sets_is_told(void) {
+    for (int worse = 0; worse < 2; worse++) {
+        rig6_t rig = fresh();
+        rig.offset[1] = worse == 0 ? 400.0 : 300.0;
+        rig.offset[4] = worse == 0 ? 300.0 : 400.0;
+        rig6_command(&rig, run_at(300.0));
+        rig6_run(&rig, 0.2);
+        expect_fault(&rig, LODE_CHECK_OFFSET);
+        CHECK_NEAR(1.0, 400.0, (double)rig6_telemetry(&rig).drive.fault.measured);
+    }
+}
+
 /// A calibration with a converter that keeps its count from the beginning; all others have noise.
 static lode_fault_t with_a_converter_stuck(lode_command_t command, int stuck, float noise_count) {
     lode_drive6_config_t config = rig6_config();
@@ -841,6 +854,7 @@ int main(void) {
     RUN_TEST(test_field_weakening_keeps_the_angle);
     RUN_TEST(test_calibration_takes_all_six_offsets);
     RUN_TEST(test_an_implausible_offset_of_either_set_is_a_fault);
+    RUN_TEST(test_the_worse_offset_of_both_sets_is_told);
     RUN_TEST(test_a_converter_of_either_set_without_noise_is_refused);
     RUN_TEST(test_a_trip_of_either_set_switches_both_off_at_once);
     RUN_TEST(test_a_fault_shorts_both_sets_where_that_is_commanded);

@@ -269,6 +269,34 @@ static void test_a_sensor_that_sticks_trips(void) {
     rig_expect(&self.rig, LODE_MODE_FAULT);
 }
 
+/// A sensor that the EMF contradicts for less than the time of the check is trusted; the time begins anew.
+static void test_a_short_doubt_is_forgotten(void) {
+    const lode_encoder_config_t config = {
+        .counts_per_turn = 4096u, .offset_rad = middle_rad(4096u), .check_s = 0.02f};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const int periods = (int)(0.02 / RIG_TS_s + 0.5);
+    lode_encoder_t encoder;
+    lode_encoder_reset(&encoder);
+    double theta = 0.0;
+    for (int n = 0; n <= 20 * periods; n++) {
+        theta += 100.0 * RIG_TS_s;
+        const bool doubt = n > 5 * periods && n % periods != 0;
+        const lode_estimate_t own = {.lock = doubt ? 0.0f : 1.0f};
+        (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f},
+                                    count_at(theta, 4096u));
+        TEST_ASSERT_FALSE(encoder.distrusted);
+    }
+    int n = 0;
+    while (!encoder.distrusted && n < 2 * periods) {
+        theta += 100.0 * RIG_TS_s;
+        const lode_estimate_t own = {.lock = 0.0f};
+        (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f},
+                                    count_at(theta, 4096u));
+        n++;
+    }
+    CHECK_NEAR(1.5, periods, n);
+}
+
 // The sensor slips by a third of an electrical turn, as a loose magnet does.
 static void test_a_sensor_that_slips_is_left_for_the_emf(void) {
     for (int falls_back = 0; falls_back < 2; falls_back++) {
@@ -325,6 +353,7 @@ int main(void) {
     RUN_TEST(test_the_offset_is_found_from_the_own_estimate);
     RUN_TEST(test_a_drive_holds_zero_speed_and_reverses_through_it);
     RUN_TEST(test_a_sensor_that_sticks_trips);
+    RUN_TEST(test_a_short_doubt_is_forgotten);
     RUN_TEST(test_a_sensor_that_slips_is_left_for_the_emf);
     RUN_TEST(test_the_step_alone_is_sensorless);
     return UNITY_END();

@@ -135,6 +135,25 @@ static void test_edges(void) {
     CHECK_NEAR(1e-6, 0.5, wide.rise.b);
 }
 
+/// Near either end of the period the edge in the middle gives way to the others.
+static void test_duties_near_the_ends_are_seen(void) {
+    const lode_single_shunt_config_t config = sound();
+    const lode_single_shunt_tuning_t tuning = tuned(&config);
+    static const lode_abc_t duties[] = {{0.95f, 0.9f, 0.8f}, {0.2f, 0.1f, 0.05f}};
+    lode_single_shunt_t shunt;
+    memset(&shunt, 0xff, sizeof shunt);
+    lode_single_shunt_reset(&shunt);
+    for (int x = 0; x < 3; x++) {
+        TEST_ASSERT_EQUAL_UINT16(0u, shunt.count[x]);
+    }
+    for (int n = 0; n < COUNT_OF(duties); n++) {
+        const lode_single_shunt_plan_t plan =
+            lode_single_shunt_write(&shunt, &tuning, duties[n], LODE_GATES_ON);
+        TEST_ASSERT_FALSE(plan.blind);
+        expect_plan(&plan, duties[n]);
+    }
+}
+
 // What the link carries at the two instants, from the phase currents.
 static void link_of(const lode_single_shunt_plan_t *plan, const double i_A[3], double gain,
                     uint16_t link[2]) {
@@ -145,22 +164,24 @@ static void link_of(const lode_single_shunt_plan_t *plan, const double i_A[3], d
 static void test_currents(void) {
     const double gains[] = {GAIN_A, -GAIN_A};
     const double i_A[3] = {5.0, -3.0, -2.0};
-    for (int g = 0; g < 2; g++) {
+    static const lode_abc_t duties[] = {{0.2f, 0.6f, 0.4f}, {0.2f, 0.4f, 0.6f}, {0.4f, 0.2f, 0.6f},
+                                        {0.4f, 0.6f, 0.2f}, {0.6f, 0.2f, 0.4f}, {0.6f, 0.4f, 0.2f}};
+    for (int g = 0; g < 2 * COUNT_OF(duties); g++) {
         lode_single_shunt_config_t config = sound();
-        config.i_gain_A_count = (float)gains[g];
+        config.i_gain_A_count = (float)gains[g % 2];
         const lode_single_shunt_tuning_t tuning = tuned(&config);
         lode_single_shunt_t shunt;
         lode_single_shunt_reset(&shunt);
         const lode_single_shunt_plan_t plan =
-            lode_single_shunt_write(&shunt, &tuning, (lode_abc_t){0.2f, 0.6f, 0.4f}, LODE_GATES_ON);
+            lode_single_shunt_write(&shunt, &tuning, duties[g / 2], LODE_GATES_ON);
         (void)lode_single_shunt_write(&shunt, &tuning, (lode_abc_t){0.9f, 0.1f, 0.5f},
                                       LODE_GATES_ON);
         uint16_t link[2], count[3];
-        link_of(&plan, i_A, gains[g], link);
+        link_of(&plan, i_A, gains[g % 2], link);
         lode_single_shunt_read(&shunt, &tuning, link, ZERO * LODE_COUNT_FRACTION, (float)V_BUS,
                                count);
         for (int x = 0; x < 3; x++) { // of the period that ends, not of the one that begins
-            CHECK_NEAR(1.0, (double)ZERO + i_A[x] / gains[g], count[x]);
+            CHECK_NEAR(1.0, (double)ZERO + i_A[x] / gains[g % 2], count[x]);
         }
     }
 }
@@ -214,6 +235,8 @@ static void test_gates_off_shows_the_offset_in_all_three(void) {
         CHECK_CLOSE(1e-6, 0.9, plan.fall.a);
         CHECK_AT_LEAST((double)plan.sample[0], plan.sample[1]);
         CHECK_AT_MOST(1.0, plan.sample[1]);
+        CHECK_CLOSE(1e-6, 0.5, plan.sample[0]); // triggers that no other call moves
+        CHECK_CLOSE(1e-6, 1.0 - SAMPLE_s * F_PWM, plan.sample[1]);
         const uint16_t link[2] = {2000, 2010};
         uint16_t count[3];
         lode_single_shunt_read(&shunt, &tuning, link, 0, (float)V_BUS, count);
@@ -262,6 +285,7 @@ int main(void) {
     RUN_TEST(test_refusals);
     RUN_TEST(test_voltage_use);
     RUN_TEST(test_edges);
+    RUN_TEST(test_duties_near_the_ends_are_seen);
     RUN_TEST(test_currents);
     RUN_TEST(test_samples_are_brought_to_the_start_of_the_period);
     RUN_TEST(test_gates_off_shows_the_offset_in_all_three);
