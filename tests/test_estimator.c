@@ -654,6 +654,58 @@ static lode_status_t try_one(size_t offset, float value) {
     return try_config(&config, &motor);
 }
 
+/// What a period is asked for, and no more of it: each costs it some time.
+static void test_what_is_asked_of_a_period(void) {
+    static const struct {
+        float salient_H, w_filter_rad_s, notch_k, notch12_k;
+        lode_pll_kind_t kind;
+        int options;
+    } cases[] = {
+        {0.0f, 0.0f, 0.0f, 0.0f, LODE_PLL_QPLL, 0},
+        {1.0e-5f, 0.0f, 0.0f, 0.0f, LODE_PLL_QPLL, LODE_ESTIMATOR_SALIENT},
+        {-1.0e-5f, 0.0f, 0.0f, 0.0f, LODE_PLL_QPLL, LODE_ESTIMATOR_SALIENT},
+        {0.0f, 100.0f, 0.0f, 0.0f, LODE_PLL_QPLL, LODE_ESTIMATOR_FILTERED},
+        {0.0f, 0.0f, 0.1f, 0.0f, LODE_PLL_QPLL, LODE_ESTIMATOR_NOTCH},
+        {0.0f, 0.0f, 0.0f, 0.1f, LODE_PLL_QPLL, LODE_ESTIMATOR_NOTCH | LODE_ESTIMATOR_NOTCH12},
+        {0.0f, 0.0f, 0.0f, 0.0f, LODE_PLL_LESO, LODE_ESTIMATOR_THIRD_ORDER},
+    };
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        lode_motor_t motor = paper_motor();
+        motor.Lq_H = motor.Ld_H + cases[n].salient_H;
+        lode_estimator_config_t config = {.pll.kind = cases[n].kind};
+        lode_estimator_design(&config, &motor, PAPER_TS_s);
+        config.w_filter_rad_s = cases[n].w_filter_rad_s;
+        config.notch_k = cases[n].notch_k;
+        config.notch12_k = cases[n].notch12_k;
+        lode_estimator_tuning_t tuning;
+        TEST_ASSERT_EQUAL_STRING(
+            "LODE_OK", lode_status_name(lode_estimator_tune(&tuning, &config, &motor, PAPER_TS_s)));
+        TEST_ASSERT_EQUAL_UINT32((uint32_t)cases[n].options, tuning.options);
+    }
+}
+
+/// After a reset the rotor is looked for once the observer has settled, eight of its time constants, and the mean
+/// rotation, three; a try has the time of the lock. A round more at most.
+static void test_times_of_waiting(void) {
+    static const float locks_s[] = {PAPER_TS_s, 0.02f};
+    const lode_motor_t motor = paper_motor();
+    for (int n = 0; n < COUNT_OF(locks_s); n++) {
+        lode_estimator_config_t config = designed(LODE_PLL_LESO);
+        config.lock_s = locks_s[n];
+        lode_estimator_tuning_t tuning;
+        TEST_ASSERT_EQUAL_STRING(
+            "LODE_OK", lode_status_name(lode_estimator_tune(&tuning, &config, &motor, PAPER_TS_s)));
+        const double round_s = (double)LODE_SLOW_PERIODS * (double)PAPER_TS_s;
+        const double settle_s =
+            fmax(8.0 / (double)config.emf.w0_rad_s, 3.0 * (double)config.lock_s);
+        CHECK_NEAR(0.5, settle_s / round_s + 0.5, tuning.settle_rounds);
+        CHECK_NEAR(0.5, (double)config.lock_s / round_s + 0.5, tuning.patience_rounds);
+        lode_estimator_t self;
+        lode_estimator_reset(&self, &tuning);
+        TEST_ASSERT_EQUAL_UINT(tuning.settle_rounds, self.by.alone.wait);
+    }
+}
+
 static void test_every_field_at_its_limits(void) {
     static const field_t fields[] = {
         {FIELD(lode_estimator_config_t, emin_V), .lo = 1.0e-4f, .hi = 1.0e3f,
@@ -732,6 +784,8 @@ int main(void) {
     RUN_TEST(test_a_lock_is_not_believed_before_the_rotor_was_found);
     RUN_TEST(test_reset_is_idempotent_and_complete);
     RUN_TEST(test_a_mean_rotation_that_is_no_number_begins_anew);
+    RUN_TEST(test_what_is_asked_of_a_period);
+    RUN_TEST(test_times_of_waiting);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_errors_of_the_parts_come_through);
     RUN_TEST(test_design_fills_what_is_open);
