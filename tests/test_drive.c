@@ -2,6 +2,7 @@
 #include "support/rig.h"
 
 #include "design/tuning_fields.h"
+#include "inverter_inline.h"
 #include "lodestar/channel.h"
 #include "mode.h"
 
@@ -649,6 +650,43 @@ static void test_the_way_back_begins_where_its_current_makes_the_torque(void) {
         CHECK_NEAR(1.0e-3, 1.0, hypot((double)at.sin, (double)at.cos));
         CHECK_NEAR(0.05, wanted, ahead.sin);
     }
+}
+
+/// With the gates off no voltage is on its way, whatever was written last.
+static void test_gates_off_no_voltage_is_on_its_way(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.0);
+    for (uint32_t n = 0u; n < 2u; n++) {
+        const lode_ab_t u_V = lode_inverter_realised(&rig.drive.inverter, rig.drive.steps + n);
+        CHECK_AT_LEAST(5.0, hypot((double)u_V.alpha, (double)u_V.beta));
+    }
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_OFF);
+    for (uint32_t n = 0u; n < 2u; n++) {
+        const lode_ab_t u_V = lode_inverter_realised(&rig.drive.inverter, rig.drive.steps + n);
+        CHECK_NEAR(0.0, 0.0, u_V.alpha);
+        CHECK_NEAR(0.0, 0.0, u_V.beta);
+    }
+}
+
+/// A command that is posted while the interrupt is at its end is not passed over in the next period.
+static void test_mail_that_comes_late_ends_the_steady_state(void) {
+    lode_drive_config_t config = rig_config();
+    config.motor.omega_rated_rad_s = 300.0f; // speed control in its slot is enough
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 0.5);
+    TEST_ASSERT_TRUE(rig.drive.steady);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    lode_mode_follow(&rig.drive); // as the interrupt that it came into
+    TEST_ASSERT_FALSE(rig.drive.steady);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_OFF);
 }
 
 static void test_reversal(void) {
@@ -2181,6 +2219,8 @@ int main(void) {
     RUN_TEST(test_a_speed_that_is_raised_is_told);
     RUN_TEST(test_speed_zero_stops_and_switches_off);
     RUN_TEST(test_the_way_back_begins_where_its_current_makes_the_torque);
+    RUN_TEST(test_gates_off_no_voltage_is_on_its_way);
+    RUN_TEST(test_mail_that_comes_late_ends_the_steady_state);
     RUN_TEST(test_reversal);
     RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
     RUN_TEST(test_pulses_find_a_rotor_that_turns);

@@ -629,6 +629,36 @@ static void test_rated_speed_follows_from_bus_and_current(void) {
     CHECK_AT_LEAST(0.5 * most, config.motor.omega_rated_rad_s);
 }
 
+/// Each sample from the trip on is looked at, and none that is a count below it.
+static void test_the_alert_lies_at_the_trip(void) {
+    lode_drive_config_t config = minimal();
+    for (int n = 0; n < 2; n++) {
+        config.sense.i_gain_A_count = n == 0 ? 0.0125f : -0.0125f;
+        config.guard.i_trip_A = 15.0f; // 1200 counts
+        lode_drive_t drive;
+        lode_drive_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_init(&drive, &tuning, &config));
+        CHECK_NEAR((double)LODE_COUNT_FRACTION, 1199.5 * (double)LODE_COUNT_FRACTION,
+                   tuning.sense.alert);
+    }
+}
+
+/// The voltage that is free of a closer look leaves room for the rounding of the correction at the currents of a trip.
+static void test_free_voltage_leaves_room_for_rounding(void) {
+    float before = FLT_MAX;
+    for (int n = 0; n < 3; n++) {
+        lode_drive_config_t config = minimal();
+        config.inverter.dead_time_s = 2.0e-6f;
+        config.inverter.i_dead_A = 0.02f;
+        config.guard.i_trip_A = n == 0 ? 12.0f : (n == 1 ? 18.0f : 25.0f);
+        lode_drive_t drive;
+        lode_drive_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_init(&drive, &tuning, &config));
+        TEST_ASSERT_TRUE(tuning.inverter.free < before);
+        before = tuning.inverter.free;
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_only_motor_inverter_sense_and_rate_are_needed);
@@ -653,6 +683,8 @@ int main(void) {
     RUN_TEST(test_what_init_accepts_is_made_of_numbers);
     RUN_TEST(test_null_pointers);
     RUN_TEST(test_design_of_the_papers_drive);
+    RUN_TEST(test_the_alert_lies_at_the_trip);
+    RUN_TEST(test_free_voltage_leaves_room_for_rounding);
     RUN_TEST(test_rated_speed_follows_from_bus_and_current);
     return UNITY_END();
 }
