@@ -941,6 +941,39 @@ static void test_the_run_by_another_reckoning(void) {
                k->found[LODE_COMMISSION_B_Nms].confidence);
 }
 
+static void unlike_ways(rig_t *r) {
+    lode_commission_t *k = &r->commission;
+    if (k->stage == DOWN && k->since == 0u) {
+        k->run_psi_Wb[0] *= 1.02f;
+        k->run_omega[0] *= 1.2f;
+        k->run_torque_Nm[0] *= 1.3f;
+    }
+}
+
+/// What was found on the way up counts as much as what was found on the way down.
+static void test_both_ways_count_alike(void) {
+    plant_config_t c = machine();
+    lode_drive_config_t config = sheet();
+    c.B_Nms = 0.006;
+    config.motor.psi_Wb = (float)c.psi_Wb;
+    config.motor.J_kgm2 = (float)c.J_kgm2;
+    begin(&c, &config, unlike_ways);
+    expect(LODE_COMMISSION_DONE);
+    const lode_commission_t *k = &rig.commission;
+    const float *torque = k->run_torque_Nm;
+    CHECK_CLOSE(1.0e-6, 0.5 * (double)(k->run_psi_Wb[0] + k->run_psi_Wb[1]),
+                k->found[LODE_COMMISSION_PSI_Wb].value);
+    const double J = k->found[LODE_COMMISSION_J_kgm2].value;
+    const double friction = (double)torque[0] - J * (double)k->run_acc[0];
+    CHECK_CLOSE(1.0e-3, friction / (0.5 * (double)(k->run_omega[0] + k->run_omega[1])),
+                k->found[LODE_COMMISSION_B_Nms].value);
+    CHECK_NEAR(1.0e-3, sure_by(0.02 * (double)torque[0], 0.2 * friction),
+               k->found[LODE_COMMISSION_B_Nms].confidence);
+    CHECK_NEAR(1.0e-3,
+               sure_by((double)(torque[0] + torque[1]) / (double)(torque[0] - torque[1]), 1.0),
+               k->found[LODE_COMMISSION_J_kgm2].confidence);
+}
+
 /// A flux 8 % off, or an inertia 40 % off, is reason for a second run with what the first has found; less is not.
 static void test_when_the_run_is_made_again(void) {
     static const struct {
@@ -1158,6 +1191,7 @@ int main(void) {
     RUN_TEST(test_a_shaft_that_is_not_free);
     RUN_TEST(test_what_does_not_agree_is_refused);
     RUN_TEST(test_the_run_by_another_reckoning);
+    RUN_TEST(test_both_ways_count_alike);
     RUN_TEST(test_when_the_run_is_made_again);
     RUN_TEST(test_a_run_too_short_to_see_anything);
     RUN_TEST(test_torque_of_the_run);
