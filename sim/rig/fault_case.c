@@ -158,13 +158,15 @@ static double largest_A(const plant_truth_t *truth) {
     return most;
 }
 
-/// How far a current is from its reference, or from less of it: that makes less torque, as any limit does.
-static double beyond_A(lode_dq_t ref_A, double id_A, double iq_A) {
+/// How far a current is from the direction of its reference, or beyond the largest in it. Less of it makes less torque, as
+/// any limit does; more of it, within what the drive may ask for, more torque, as a load that goes away does: speed control
+/// takes it back, or the speed tells.
+static double beyond_A(lode_dq_t ref_A, double i_max_A, double id_A, double iq_A) {
     const double d_A = (double)ref_A.d;
     const double q_A = (double)ref_A.q;
-    const double length2 = fmax(d_A * d_A + q_A * q_A, 1e-12);
-    const double share = fmax(0.0, fmin(1.0, (id_A * d_A + iq_A * q_A) / length2));
-    return hypot(id_A - share * d_A, iq_A - share * q_A);
+    const double length_A = fmax(hypot(d_A, q_A), 1e-6);
+    const double along_A = fmax(0.0, fmin(i_max_A, (id_A * d_A + iq_A * q_A) / length_A));
+    return hypot(id_A - along_A * d_A / length_A, iq_A - along_A * q_A / length_A);
 }
 
 static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t point,
@@ -175,7 +177,7 @@ static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t p
     const bool driven = runs(rig) && drive->gates;
     const double off_rad = remainder(
         (double)lode_estimator_theta_rad(&drive->estimator) - truth->theta_e_rad, 2.0 * RIG_PI);
-    const double off_A = beyond_A(drive->ref_A, truth->id_A, truth->iq_A);
+    const double off_A = beyond_A(drive->ref_A, i_max, truth->id_A, truth->iq_A);
     const bool running = point >= FAULT_AT_10 && point < FAULT_POINTS;
     const double wanted_rad_s =
         running ? self->speed_rad_s[point] : (double)lode_drive_speed_ref_rad_s(drive);

@@ -31,8 +31,8 @@ typedef struct {
 enum {
     FAULT_HARM_ROTOR = 1,   ///< the estimate is off by more than 60 degrees
     FAULT_HARM_CURRENT = 2, ///< a phase carries more than 1.2 i_max
-    FAULT_HARM_CONTROL =
-        4, ///< the current is off its reference by more than 0.3 i_max: not only less of it
+    FAULT_HARM_CONTROL = 4, ///< the current is off its reference's direction, or beyond i_max in
+                            ///< it, by more than 0.3 i_max
     FAULT_HARM_SPEED =
         8, ///< in the end the speed is off the commanded one by more than 10 % of full
     FAULT_HARM_HEAT = 16,  ///< the power stage is hotter than its limit by 10 K
