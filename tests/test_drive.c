@@ -113,6 +113,7 @@ static void test_an_implausible_offset_is_a_fault(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_OFFSET, fault.check);
     TEST_ASSERT_EQUAL_INT(LODE_MODE_CALIBRATE, fault.state);
     CHECK_NEAR(0.01, -300.0, fault.measured);
+    CHECK_NEAR(0.01, (double)tuning.sense.offset_tol / (double)LODE_COUNT_FRACTION, fault.limit);
     TEST_ASSERT_TRUE(is_idle(rig.out));
 }
 
@@ -689,6 +690,140 @@ static void test_mail_that_comes_late_ends_the_steady_state(void) {
     rig_expect(&rig, LODE_MODE_OFF);
 }
 
+/// Of a rotor that turns at `omega` rad/s before the command comes.
+static rig_t coasting(double omega) {
+    rig_t rig = fresh();
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.2));
+    rig.motor.omega = 3.0 * omega;
+    return rig;
+}
+
+/// What the drive did, or met, before it was switched on says nothing about this time.
+static void test_switched_on_it_begins_anew(void) {
+    rig_t clean = coasting(0.0);
+    rig_t rig = clean;
+    lode_drive_t *drive = &rig.drive;
+    drive->losses = 2u;
+    drive->guard.lock = drive->guard.speed = drive->guard.bus = 5u;
+    memset(&drive->plausibility, 0x11, sizeof drive->plausibility);
+    drive->estimator.lock = 0.5f;
+    drive->estimator.id_A = 3.0f;
+    drive->estimator.emf.observer.e_V = (lode_ab_t){5.0f, -3.0f};
+    drive->current.d.integral = 4.0f;
+    drive->current.q.integral = -4.0f;
+    rig_command(&clean, run_at(80.0));
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&clean, LODE_MODE_START, 0.2));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
+    TEST_ASSERT_EQUAL_UINT(0u, drive->losses);
+    TEST_ASSERT_EQUAL_MEMORY(&clean.drive.guard, &drive->guard, sizeof drive->guard);
+    TEST_ASSERT_EQUAL_MEMORY(&clean.drive.plausibility, &drive->plausibility,
+                             sizeof drive->plausibility);
+    TEST_ASSERT_EQUAL_MEMORY(&clean.drive.estimator, &drive->estimator, sizeof drive->estimator);
+    TEST_ASSERT_EQUAL_MEMORY(&clean.drive.current, &drive->current, sizeof drive->current);
+    TEST_ASSERT_EQUAL_MEMORY(&clean.drive.state.start, &drive->state.start,
+                             sizeof drive->state.start);
+}
+
+/// Volts by which the voltage leaves its turn in this period.
+static double jump_of(rig_t *rig) {
+    const lode_ab_t before = lode_clarke(rig->applied);
+    rig_step(rig);
+    const lode_ab_t now = lode_clarke(rig->applied);
+    const lode_ab_t turned = lode_park_inverse((lode_dq_t){before.alpha, before.beta},
+                                               lode_sincos((float)(rig->motor.omega * RIG_TS_s)));
+    return (double)PAPER_V_BUS *
+           hypot((double)(now.alpha - turned.alpha), (double)(now.beta - turned.beta));
+}
+
+/// From the start to the run the voltage does not jump: current control goes on from what both frames call the same, and
+/// until the references' slot from the current that there is.
+static void test_no_jump_at_hand_over(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = fresh();
+        rig.load_Nm = 0.8;
+        rig_command(&rig, run_at(80.0 * sign));
+        double jump_V = 0.0;
+        for (int n = 0; n < 40000 && rig_telemetry(&rig).mode != LODE_MODE_RUN; n++) {
+            jump_V = jump_of(&rig);
+        }
+        rig_expect(&rig, LODE_MODE_RUN);
+        const lode_running_t *run = &rig.drive.state.run;
+        const lode_dq_t i_A = rig.drive.ref_A;
+        CHECK_NEAR(0.15, rig.motor.id, i_A.d);
+        CHECK_NEAR(0.15, rig.motor.iq, i_A.q);
+        CHECK_NEAR(0.0, i_A.d, run->references.id_A);
+        CHECK_NEAR(0.0, 1.0, run->fade);
+        CHECK_NEAR(1.0, rig.motor.omega / 3.0, lode_drive_speed_ref_rad_s(&rig.drive));
+        CHECK_CLOSE(0.05, ipmsm_torque(&rig.motor), run->speed.torque_Nm);
+        for (int n = 0; n < 2; n++) {
+            jump_V = fmax(jump_V, jump_of(&rig));
+        }
+        CHECK_AT_MOST(1.0, jump_V);
+    }
+}
+
+/// Of a start current that is less than the torque asks for, all is ahead of the rotor.
+static void test_the_way_back_with_a_small_current(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_drive_config_t config = rig_config();
+        rig_t rig = fresh();
+        rig_command(&rig, run_at(80.0 * sign));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+        rig_run(&rig, 1.0);
+        config.start.current_A = 1.0f;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+        rig.load_Nm = 1.5; // of 0.64 Nm per ampere
+        rig_run(&rig, 1.0);
+        rig_command(&rig, run_at(-80.0 * sign));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 5.0));
+        const lode_sincos_t at = rig.drive.state.start.at;
+        const lode_sincos_t rotor = lode_sincos(lode_estimator_theta_rad(&rig.drive.estimator));
+        const lode_sincos_t ahead = lode_angle_subtract(at, rotor);
+        CHECK_NEAR(1.0e-3, 1.0, hypot((double)at.sin, (double)at.cos));
+        CHECK_NEAR(0.05, 1.0, fabs((double)ahead.sin));
+    }
+}
+
+/// Mail is read once, and the drive is steady again.
+static void test_mail_is_read_once(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_command(&rig, run_at(90.0));
+    TEST_ASSERT_TRUE(rig.drive.mail);
+    rig_step(&rig);
+    TEST_ASSERT_FALSE(rig.drive.mail);
+    TEST_ASSERT_EQUAL_FLOAT(90.0f, rig.drive.command.speed_rad_s);
+}
+
+/// The current that trips is the one that telemetry tells.
+static void test_the_current_of_a_trip_is_told(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.0);
+    rig.motor.id = -25.0;
+    rig.motor.iq = 3.0;
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_FAULT);
+    const lode_telemetry_t t = rig_telemetry(&rig);
+    CHECK_NEAR(1.0, -25.0, t.i_A.d); // the angle is a period old
+    CHECK_NEAR(0.1, hypot(25.0, 3.0), hypot((double)t.i_A.d, (double)t.i_A.q));
+}
+
+/// A winding of twice the resistance is corrected by as much as one may be warmer, and no more: 0.75 of it.
+static void test_much_resistance_is_corrected_in_part(void) {
+    rig_t rig = fresh();
+    const double R = rig.motor.R;
+    rig.motor.R = 2.0 * R;
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    CHECK_CLOSE(1.0e-3, 0.75 * R, rig.drive.inverter.r_more_Ohm);
+}
+
 static void test_reversal(void) {
     rig_t rig = fresh();
     rig.load_Nm = 0.5;
@@ -713,15 +848,6 @@ static void test_a_rotor_that_turns_already_is_taken_over(void) {
         rig_run(&rig, 2.0);
         check_running(&rig, 80.0 * sign);
     }
-}
-
-/// Of a rotor that turns at `omega` rad/s before the command comes.
-static rig_t coasting(double omega) {
-    rig_t rig = fresh();
-    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.2));
-    rig.motor.omega = 3.0 * omega;
-    return rig;
 }
 
 static void test_pulses_find_a_rotor_that_turns(void) {
@@ -750,6 +876,37 @@ static void test_pulses_find_a_rotor_that_turns(void) {
         CHECK_NEAR(0.1, 0.0, most);
         rig_run(&rig, 2.0);
         check_running(&rig, 150.0 * sign);
+    }
+}
+
+/// A rotor that was found by pulses is run from its EMF: no current, and neither torque nor a fade of a start that never was.
+/// Until the first duties act the voltage at the terminals is the EMF, in the middle of each period.
+static void test_a_flight_begins_with_the_emf(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = coasting(150.0 * sign);
+        rig_command(&rig, run_at(120.0 * sign));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 0.2));
+        const lode_drive_t *drive = &rig.drive;
+        const lode_running_t *run = &drive->state.run;
+        const double emf_V = 0.142 * rig.motor.omega;
+        CHECK_NEAR(0.0, 0.0, drive->u_V.d);
+        CHECK_CLOSE(0.01, emf_V, drive->u_V.q);
+        CHECK_NEAR(0.0, 0.0, drive->i_A.d);
+        CHECK_NEAR(0.0, 0.0, drive->i_A.q);
+        CHECK_NEAR(0.0, 0.0, drive->ref_A.d);
+        CHECK_NEAR(0.0, 0.0, drive->ref_A.q);
+        CHECK_NEAR(0.0, 0.0, run->fade);
+        CHECK_NEAR(0.0, 0.0, run->id_A);
+        CHECK_NEAR(0.0, 0.0, run->references.id_A);
+        CHECK_NEAR(0.0, 0.0, run->speed.torque_Nm);
+        CHECK_CLOSE(0.01, rig.motor.omega / 3.0, lode_drive_speed_ref_rad_s(drive));
+        for (int n = 0; n < 2; n++) {
+            const lode_ab_t u_V =
+                lode_inverter_realised(&drive->inverter, drive->steps + (uint32_t)n);
+            const double middle = rig.motor.theta + ((double)n - 0.5) * RIG_TS_s * rig.motor.omega;
+            CHECK_NEAR(0.02 * fabs(emf_V), -emf_V * sin(middle), u_V.alpha);
+            CHECK_NEAR(0.02 * fabs(emf_V), emf_V * cos(middle), u_V.beta);
+        }
     }
 }
 
@@ -1916,6 +2073,66 @@ static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
     }
 }
 
+/// An estimate of somebody else's is the drive's own from then on: what it would tell of itself is what it was told.
+static void test_an_estimate_that_is_taken_over_is_the_own_one(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(60.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    lode_drive_t *drive = &rig.drive;
+    const float ts_s = drive->tuning->estimator.pll.ts_s;
+    const float locks[] = {0.0f, LODE_LOCK_LOST, 0.9f};
+    for (int n = 0; n < COUNT_OF(locks); n++) {
+        drive->estimator.found = 0u;
+        drive->estimator.aligned = n == 0;
+        const lode_estimate_t told = {.source = LODE_ESTIMATE_EXTERNAL,
+                                      .omega_rad_s = 500.0f,
+                                      .rotor = lode_sincos(2.0f),
+                                      .i_A = {-1.5f, 2.5f},
+                                      .e_V = {-60.0f, 35.0f},
+                                      .load_torque_Nm = 1.25f,
+                                      .lock = locks[n]};
+        lode_mode_adopt(drive, &told);
+        const lode_estimate_t own = lode_mode_estimate(drive);
+        CHECK_NEAR(1.0e-6, told.rotor.sin, own.rotor.sin);
+        CHECK_NEAR(1.0e-6, told.rotor.cos, own.rotor.cos);
+        CHECK_NEAR(0.0, told.omega_rad_s, own.omega_rad_s);
+        CHECK_NEAR(0.0, told.e_V.alpha, own.e_V.alpha);
+        CHECK_NEAR(0.0, told.e_V.beta, own.e_V.beta);
+        CHECK_NEAR(1.0e-6, told.load_torque_Nm, own.load_torque_Nm);
+        CHECK_NEAR(0.0, told.lock, own.lock);
+        CHECK_NEAR(0.0, told.i_A.d, drive->estimator.id_A);
+        CHECK_CLOSE(1.0e-6, (double)(ts_s * drive->estimator.pll.f_rad_s2),
+                    drive->estimator.pll.rise_rad_s);
+        TEST_ASSERT_EQUAL_INT(n > 0, drive->estimator.locked);
+        TEST_ASSERT_EQUAL_INT(n > 0, drive->estimator.aligned);
+        TEST_ASSERT_EQUAL_UINT(1u, drive->estimator.found);
+    }
+}
+
+/// Numbers whose sum is none are no motor's, and so is a lock beyond one.
+static void test_an_estimate_of_no_motor_trips(void) {
+    rig_t start = fresh();
+    rig_command(&start, run_at(60.0));
+    TEST_ASSERT_TRUE(reach(&start, LODE_MODE_RUN, 3.0));
+    for (int k = 1; k <= 8; k++) {
+        rig_t rig = start;
+        lode_estimate_t e = lode_mode_estimate(&rig.drive);
+        e.source = LODE_ESTIMATE_EXTERNAL;
+        float *const fields[] = {&e.i_A.d,       &e.i_A.q,          &e.rotor.cos, &e.rotor.sin,
+                                 &e.omega_rad_s, &e.load_torque_Nm, &e.e_V.alpha, &e.e_V.beta};
+        if (k < 8) {
+            *fields[0] = *fields[k] = 3.0e38f;
+        } else {
+            e.lock = nextafterf(1.0f, 2.0f);
+        }
+        lode_mode_adopt(&rig.drive, &e);
+        const lode_fault_t *fault = &rig.drive.guard.fault;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NON_FINITE, fault->check);
+        CHECK_NEAR(0.0, 1.0, fault->measured);
+        CHECK_NEAR(0.0, 0.0, fault->limit);
+    }
+}
+
 /// With the PLL `kind`: the estimate of the QPLL has no load torque in it.
 static void drive_by_an_encoder(lode_pll_kind_t kind) {
     lode_drive_config_t config = rig_config();
@@ -2221,9 +2438,16 @@ int main(void) {
     RUN_TEST(test_the_way_back_begins_where_its_current_makes_the_torque);
     RUN_TEST(test_gates_off_no_voltage_is_on_its_way);
     RUN_TEST(test_mail_that_comes_late_ends_the_steady_state);
+    RUN_TEST(test_switched_on_it_begins_anew);
+    RUN_TEST(test_no_jump_at_hand_over);
+    RUN_TEST(test_the_way_back_with_a_small_current);
+    RUN_TEST(test_mail_is_read_once);
+    RUN_TEST(test_the_current_of_a_trip_is_told);
+    RUN_TEST(test_much_resistance_is_corrected_in_part);
     RUN_TEST(test_reversal);
     RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
     RUN_TEST(test_pulses_find_a_rotor_that_turns);
+    RUN_TEST(test_a_flight_begins_with_the_emf);
     RUN_TEST(test_off_ends_the_pulses);
     RUN_TEST(test_duties_of_pulses_stay_in_range);
     RUN_TEST(test_capacitors_are_charged_after_pulses_that_find_nothing);
@@ -2267,6 +2491,8 @@ int main(void) {
     RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
     RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
+    RUN_TEST(test_an_estimate_that_is_taken_over_is_the_own_one);
+    RUN_TEST(test_an_estimate_of_no_motor_trips);
     RUN_TEST(test_an_estimate_of_the_hosts_own_is_taken_over);
     RUN_TEST(test_the_lock_of_an_external_estimate_counts);
     RUN_TEST(test_a_voltage_that_is_none_trips_in_the_same_call);
