@@ -824,6 +824,56 @@ static void test_much_resistance_is_corrected_in_part(void) {
     CHECK_CLOSE(1.0e-3, 0.75 * R, rig.drive.inverter.r_more_Ohm);
 }
 
+/// A flag of the mailbox that is neither full nor empty trips; then the mailbox is empty, the command is OFF, and all is as
+/// after any other fault.
+static void test_after_a_mailbox_that_lies_the_drive_can_be_started_again(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig.drive.command_posted = (uint_least8_t)(LODE_POST_FULL ^ 4u);
+    rig_run(&rig, 16.0 * RIG_TS_s);
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_MEMORY, fault.check);
+    CHECK_NEAR(0.0, 2.0, fault.measured);
+    CHECK_NEAR(0.0, 0.0, fault.limit);
+    TEST_ASSERT_EQUAL_INT(LODE_POST_NONE, rig.drive.command_posted);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, rig.drive.command.mode);
+    TEST_ASSERT_EQUAL_UINT(lode_mode_order_check(&rig.drive.command), rig.drive.command.check);
+    rig_command(&rig, clear);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_OFF);
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+}
+
+/// A post that the flags hide from a steady drive is found within a round.
+static void test_a_post_that_is_not_told_is_found(void) {
+    lode_drive_config_t config = rig_config();
+    config.motor.omega_rated_rad_s = 300.0f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 0.5);
+    TEST_ASSERT_TRUE(rig.drive.steady);
+    rig_command(&rig, off);
+    rig.drive.mail = false;
+    rig.drive.steady = true;
+    rig_run(&rig, 2.0 * (double)LODE_SLOW_PERIODS * RIG_TS_s);
+    rig_expect(&rig, LODE_MODE_OFF);
+}
+
+/// What the guard had counted before the low sides come does not count.
+static void test_the_guard_counts_anew_from_the_low_sides_on(void) {
+    rig_t rig = coasting(0.0);
+    rig.drive.guard.bus = rig.drive.guard.rail = 3u;
+    rig_command(&rig, run_at(80.0));
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_PRECHARGE);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.bus);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.rail);
+}
+
 static void test_reversal(void) {
     rig_t rig = fresh();
     rig.load_Nm = 0.5;
@@ -2444,6 +2494,9 @@ int main(void) {
     RUN_TEST(test_mail_is_read_once);
     RUN_TEST(test_the_current_of_a_trip_is_told);
     RUN_TEST(test_much_resistance_is_corrected_in_part);
+    RUN_TEST(test_after_a_mailbox_that_lies_the_drive_can_be_started_again);
+    RUN_TEST(test_a_post_that_is_not_told_is_found);
+    RUN_TEST(test_the_guard_counts_anew_from_the_low_sides_on);
     RUN_TEST(test_reversal);
     RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
     RUN_TEST(test_pulses_find_a_rotor_that_turns);
