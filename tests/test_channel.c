@@ -175,13 +175,17 @@ static void test_bad_configurations_are_refused(void) {
     lode_channels_t channels;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_channels_init(NULL, &good));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_channels_init(&channels, NULL));
-    const float rates[] = {0.0f, 999.0f, 2.1e5f, NAN, INFINITY, -5000.0f};
+    const float rates[] = {0.0f, 999.9f, 2.0001e5f, NAN, INFINITY, -5000.0f};
     for (int n = 0; n < COUNT_OF(rates); n++) {
         lode_channels_config_t config = good;
         config.f_pwm_Hz = rates[n];
         refuses(config, LODE_ERROR_F_PWM);
     }
     lode_channels_config_t config = good;
+    config.f_pwm_Hz = 1.0e3f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_channels_init(&channels, &config));
+    config.f_pwm_Hz = 2.0e5f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_channels_init(&channels, &config));
     config.count = 0u;
     refuses(config, LODE_ERROR_CHANNELS);
     config.count = LODE_CHANNELS_MAX + 1u;

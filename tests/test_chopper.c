@@ -111,6 +111,68 @@ static void test_heat_stays_bounded(void) {
     TEST_ASSERT_TRUE(chopper.heat <= 4.0f);
 }
 
+/// Each field is taken up to its ends, and not beyond.
+static void test_every_field_at_its_limits(void) {
+    static const struct {
+        size_t offset;
+        float lo, hi;
+    } fields[] = {{offsetof(lode_chopper_config_t, R_Ohm), 1.0e-3f, 1.0e5f},
+                  {offsetof(lode_chopper_config_t, power_W), 1.0e-3f, 1.0e7f},
+                  {offsetof(lode_chopper_config_t, thermal_s), 1.0e-2f, 1.0e5f},
+                  {offsetof(lode_chopper_config_t, period_s), 1.0e-6f, 0.1f}};
+    for (int n = 0; n < COUNT_OF(fields); n++) {
+        const float values[] = {fields[n].lo, fields[n].hi, nextafterf(fields[n].lo, 0.0f),
+                                nextafterf(fields[n].hi, INFINITY)};
+        for (int k = 0; k < COUNT_OF(values); k++) {
+            lode_chopper_config_t config = sound;
+            lode_chopper_tuning_t tuning;
+            memcpy((char *)&config + fields[n].offset, &values[k], sizeof values[k]);
+            TEST_ASSERT_EQUAL_INT(k < 2 ? LODE_OK : LODE_ERROR_CHOPPER,
+                                  lode_chopper_tune(&tuning, &config));
+        }
+    }
+    // Where it begins, and over which span.
+    const struct {
+        float on_V, full_V;
+        bool good;
+    } spans[] = {{1.0f, 2.0f, true},           {0.999f, 2.0f, false},
+                 {2.0e3f, 2.001e3f, true},     {2.001e3f, 2.002e3f, false},
+                 {1.0f, 1.0f + 1.0e-3f, true}, {1.0f, 1.0009f, false},
+                 {1.0f, 2.001e3f, true},       {1.0f, 2.002e3f, false}};
+    for (int n = 0; n < COUNT_OF(spans); n++) {
+        lode_chopper_config_t config = sound;
+        lode_chopper_tuning_t tuning;
+        config.on_V = spans[n].on_V;
+        config.full_V = spans[n].full_V;
+        TEST_ASSERT_EQUAL_INT(spans[n].good ? LODE_OK : LODE_ERROR_CHOPPER,
+                              lode_chopper_tune(&tuning, &config));
+    }
+}
+
+/// A resistor that is hot bears what it bears for ever, and the share between falls over the last tenth of its heat.
+static void test_a_hot_resistor_has_its_lasting_power(void) {
+    const lode_chopper_tuning_t tuning = tuned();
+    const double load = 460.0 * 460.0 / 20.0 / 500.0; // times what it bears
+    const struct {
+        float heat;
+        double duty;
+    } cases[] = {{0.5f, 1.0},
+                 {0.9f, 1.0},
+                 {0.95f, 0.5 + 0.5 / load},
+                 {1.0f, 1.0 / load},
+                 {2.0f, 1.0 / load}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        lode_chopper_t chopper;
+        lode_chopper_reset(&chopper, cases[n].heat);
+        CHECK_NEAR(1.0e-5, cases[n].duty, lode_chopper_step(&chopper, &tuning, 460.0f));
+    }
+    // A bus that is no number heats nothing.
+    lode_chopper_t chopper;
+    lode_chopper_reset(&chopper, 0.5f);
+    (void)lode_chopper_step(&chopper, &tuning, NAN);
+    CHECK_NEAR(1.0e-6, 0.5 * exp(-1.0e-3 / 40.0), chopper.heat);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_bad_configurations_are_refused);
@@ -118,5 +180,7 @@ int main(void) {
     RUN_TEST(test_the_resistor_is_not_overheated);
     RUN_TEST(test_one_that_bears_full_duty_has_it_for_ever);
     RUN_TEST(test_heat_stays_bounded);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_a_hot_resistor_has_its_lasting_power);
     return UNITY_END();
 }

@@ -122,6 +122,39 @@ static void test_a_drive_keeps_to_its_share(void) {
     }
 }
 
+/// Each field is taken up to its ends, and not beyond.
+static void test_every_field_at_its_limits(void) {
+    const float least_A = 1.0e-3f * 12.0f;
+    const struct {
+        size_t offset;
+        float lo, hi;
+    } fields[] = {{offsetof(lode_derate_config_t, i_continuous_A), least_A, 12.0f},
+                  {offsetof(lode_derate_config_t, winding_s), 0.1f, 1.0e5f},
+                  {offsetof(lode_derate_config_t, to_degC), -40.0f, 300.0f},
+                  {offsetof(lode_derate_config_t, from_degC), -100.0f, 99.0f}};
+    for (int n = 0; n < COUNT_OF(fields); n++) {
+        const float values[] = {fields[n].lo, fields[n].hi, nextafterf(fields[n].lo, -INFINITY),
+                                nextafterf(fields[n].hi, INFINITY)};
+        for (int k = 0; k < COUNT_OF(values); k++) {
+            lode_derate_config_t config = sound;
+            lode_derate_tuning_t tuning;
+            memcpy((char *)&config + fields[n].offset, &values[k], sizeof values[k]);
+            TEST_ASSERT_EQUAL_INT(k < 2 ? LODE_OK : LODE_ERROR_DERATE,
+                                  lode_derate_tune(&tuning, &config));
+        }
+    }
+    const float currents[] = {1.0e-3f, 1.0e5f, nextafterf(1.0e-3f, 0.0f),
+                              nextafterf(1.0e5f, INFINITY)};
+    for (int k = 0; k < COUNT_OF(currents); k++) {
+        lode_derate_config_t config = sound;
+        lode_derate_tuning_t tuning;
+        config.i_max_A = currents[k];
+        config.i_continuous_A = 0.5f * currents[k];
+        TEST_ASSERT_EQUAL_INT(k < 2 ? LODE_OK : LODE_ERROR_DERATE,
+                              lode_derate_tune(&tuning, &config));
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_bad_configurations_are_refused);
@@ -129,5 +162,6 @@ int main(void) {
     RUN_TEST(test_a_hot_power_stage_has_less_torque);
     RUN_TEST(test_what_is_no_number_counts_as_hot);
     RUN_TEST(test_a_drive_keeps_to_its_share);
+    RUN_TEST(test_every_field_at_its_limits);
     return UNITY_END();
 }

@@ -281,7 +281,7 @@ static void test_a_short_doubt_is_forgotten(void) {
     for (int n = 0; n <= 20 * periods; n++) {
         theta += 100.0 * RIG_TS_s;
         const bool doubt = n > 5 * periods && n % periods != 0;
-        const lode_estimate_t own = {.lock = doubt ? 0.0f : 1.0f};
+        const lode_estimate_t own = {.lock = doubt ? 0.0f : LODE_LOCK_LOST};
         (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f},
                                     count_at(theta, 4096u));
         TEST_ASSERT_FALSE(encoder.distrusted);
@@ -294,7 +294,16 @@ static void test_a_short_doubt_is_forgotten(void) {
                                     count_at(theta, 4096u));
         n++;
     }
-    CHECK_NEAR(1.5, periods, n);
+    TEST_ASSERT_EQUAL_INT(periods, n);
+    // Near standstill the EMF says nothing.
+    lode_encoder_reset(&encoder);
+    for (n = 0; n < 3 * periods; n++) {
+        const lode_estimate_t own = {.lock = 0.0f};
+        const lode_estimate_t e =
+            lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 7u);
+        TEST_ASSERT_FALSE(encoder.distrusted);
+        CHECK_NEAR(0.0, 1.0, e.lock);
+    }
 }
 
 // The sensor slips by a third of an electrical turn, as a loose magnet does.
@@ -342,6 +351,70 @@ static void test_the_step_alone_is_sensorless(void) {
     check_speed(&self, 80.0);
 }
 
+/// What is given is taken up to its ends, and not beyond.
+static void test_every_field_at_its_limits(void) {
+    const float ts_s = drive_tuning.estimator.pll.ts_s;
+    const struct {
+        size_t offset;
+        float lo, hi;
+    } fields[] = {
+        {offsetof(lode_encoder_config_t, offset_rad), -LODE_PI, LODE_PI},
+        {offsetof(lode_encoder_config_t, bandwidth_rad_s), 1.0f, 1.0f / ts_s},
+        {offsetof(lode_encoder_config_t, omega_check_rad_s), 1.0f, 1.0e6f},
+        {offsetof(lode_encoder_config_t, check_s), ts_s, 10.0f},
+    };
+    for (int n = 0; n < COUNT_OF(fields); n++) {
+        const float values[] = {fields[n].lo, fields[n].hi, nextafterf(fields[n].lo, -INFINITY),
+                                nextafterf(fields[n].hi, INFINITY)};
+        for (int k = 0; k < COUNT_OF(values); k++) {
+            lode_encoder_config_t config = {.counts_per_turn = 64u};
+            lode_encoder_tuning_t tuning;
+            memcpy((char *)&config + fields[n].offset, &values[k], sizeof values[k]);
+            TEST_ASSERT_EQUAL_INT(k < 2,
+                                  lode_encoder_tune(&tuning, &config, &drive_tuning) == LODE_OK);
+        }
+    }
+    static const uint32_t counts[] = {6u, 1048576u, 5u, 1048577u};
+    for (int k = 0; k < COUNT_OF(counts); k++) {
+        const lode_encoder_config_t config = {.counts_per_turn = counts[k]};
+        lode_encoder_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(k < 2, lode_encoder_tune(&tuning, &config, &drive_tuning) == LODE_OK);
+    }
+}
+
+/// Both poles of the loop lie at exp(-bandwidth Ts). Inside a count a tenth of its gain acts, beyond it all.
+static void test_gains_of_a_fine_encoder(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 4096u, .bandwidth_rad_s = 300.0f};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const double ts_s = RIG_TS_s;
+    const double pole = exp(-300.0 * ts_s);
+    const double angle = tuning.angle_gain;
+    const double speed = tuning.speed_gain;
+    CHECK_CLOSE(1.0e-4, pole * pole, 1.0 - angle);
+    CHECK_CLOSE(1.0e-4, 2.0 * pole, 2.0 - angle - speed * ts_s);
+    static const double offs[] = {0.5, -0.5, 1.0, 3.0, -3.0}; // halves of a count
+    const double half = NP * CHECK_PI / 4096.0;
+    for (int n = 0; n < COUNT_OF(offs); n++) {
+        lode_encoder_t encoder;
+        memset(&encoder, 0xff, sizeof encoder);
+        lode_encoder_reset(&encoder);
+        const lode_estimate_t own = {.lock = 1.0f, .load_torque_Nm = 2.0f};
+        const lode_ab_t i_A = {1.5f, -2.5f};
+        (void)lode_encoder_estimate(&encoder, &tuning, &own, i_A, 1000u);
+        const double middle = encoder.theta_rad;
+        encoder.theta_rad = (float)(middle - offs[n] * half);
+        const lode_estimate_t e = lode_encoder_estimate(&encoder, &tuning, &own, i_A, 1000u);
+        const double inside = fmax(-half, fmin(half, offs[n] * half));
+        const double error = offs[n] * half - 0.9 * inside;
+        CHECK_NEAR(1.0e-6, angle * error, (double)encoder.theta_rad - middle + offs[n] * half);
+        CHECK_NEAR(1.0e-3 * fabs(speed * error), speed * error, encoder.omega_rad_s);
+        const lode_dq_t seen = lode_park(i_A, e.rotor);
+        CHECK_NEAR(0.0, seen.d, e.i_A.d);
+        CHECK_NEAR(0.0, seen.q, e.i_A.q);
+        CHECK_NEAR(0.0, 0.0, e.load_torque_Nm);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_bad_configurations_are_refused);
@@ -356,5 +429,7 @@ int main(void) {
     RUN_TEST(test_a_short_doubt_is_forgotten);
     RUN_TEST(test_a_sensor_that_slips_is_left_for_the_emf);
     RUN_TEST(test_the_step_alone_is_sensorless);
+    RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_gains_of_a_fine_encoder);
     return UNITY_END();
 }
