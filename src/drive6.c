@@ -314,10 +314,21 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     return out.duty;
 }
 
+// Both sets stand at the same EMF, where a rotor that turns was found; else there is none.
+static LODE_NOINLINE void begin_set2(lode_drive6_t *self) {
+    const lode_ab_t *emf = self->drive.inverter.written;
+    self->inverter_2.written[0] = emf[0];
+    self->inverter_2.written[1] = emf[1];
+    self->duty_2 = lode_mode_duties_at(lode_set2_clarke_inverse(emf[self->drive.steps % 2u]));
+}
+
 // The end of a period with the gates off, or the low sides alone.
 static LODE_NOINLINE lode_drive6_out_t end_idle(lode_drive6_t *self) {
     lode_drive_t *drive = &self->drive;
     idle_set2(self);
+    if (drive->gates) { // from the next period on
+        begin_set2(self);
+    }
     drive->steps++;
     return (lode_drive6_out_t){
         {lode_mode_idle_out(drive, &drive->duty), lode_mode_idle_out(drive, &self->duty_2)}};

@@ -97,8 +97,8 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
         t.alone.plausibility.per_wave_A = 0.0f;
 #endif
 #ifndef LODE_WITHOUT_FLYING_START
-        t.drive.fly.share_first = 0.0f; // for three phases alone
-        t.alone.fly.share_first = 0.0f;
+        t.alone.fly.share_first =
+            0.0f; // a set alone has another inductance, and the other one's current flows too
 #endif
         t.source = (uint_least16_t)complete.source;
         t.open_phase = (uint_least16_t)complete.open_phase;

@@ -9,8 +9,6 @@
 
 #include <stddef.h>
 
-// With every leg at half duty there is no voltage between the phases.
-#define DUTY_IDLE 0.5f
 // A rotor that turns is short-circuited while the low sides are on: a fifth of a period bounds its current,
 // and is longer than any shunt amplifier takes to settle.
 #define DUTY_PRECHARGE 0.8f
@@ -50,7 +48,7 @@ static void set_duties(lode_drive_t *self, float duty) {
 // Gates off, with no voltage on its way.
 static LODE_SMALL_CALL void open_gates(lode_drive_t *self, lode_mode_t mode) {
     self->gates = false;
-    set_duties(self, DUTY_IDLE);
+    set_duties(self, LODE_DUTY_IDLE);
     set_omitted(self);
     const lode_ab_t none = {0.0f, 0.0f};
     self->inverter.written[0] = self->inverter.written[1] = none;
@@ -122,7 +120,7 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     self->gates = true;
     self->sensored = 0u; // until the next estimate says so
     self->losses = 0u;
-    set_duties(self, DUTY_IDLE);
+    set_duties(self, LODE_DUTY_IDLE);
     lode_guard_reset(&self->guard);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_reset(&self->plausibility);
@@ -407,10 +405,7 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
     lode_inverter_write(&self->inverter, self->steps, lode_park_inverse(emf, second));
     lode_current_reset(&self->current, self->u_V, self->u_V);
     // A board may switch on at once, before the first duties of its own.
-    const lode_abc_t e = lode_clarke_inverse(lode_park_inverse(emf, second));
-    self->duty = (lode_abc_t){lode_clamp(DUTY_IDLE + e.a, 0.0f, 1.0f),
-                              lode_clamp(DUTY_IDLE + e.b, 0.0f, 1.0f),
-                              lode_clamp(DUTY_IDLE + e.c, 0.0f, 1.0f)};
+    self->duty = lode_mode_duties_at(lode_clarke_inverse(lode_park_inverse(emf, second)));
     self->i_A = (lode_dq_t){0.0f, 0.0f};
     self->lead = lode_angle_triple(half);
     self->direction = lode_sign(omega);

@@ -229,6 +229,16 @@ static inline lode_drive_out_t lode_mode_idle_out(const lode_drive_t *self,
     return (lode_drive_out_t){*duty, pulses ? LODE_GATES_LOW : LODE_GATES_OFF};
 }
 
+// With every leg at half duty there is no voltage between the phases.
+#define LODE_DUTY_IDLE 0.5f
+
+// Duties that hold the terminals at the voltages `e`, per bus volt.
+static inline lode_abc_t lode_mode_duties_at(lode_abc_t e) {
+    return (lode_abc_t){lode_clamp(LODE_DUTY_IDLE + e.a, 0.0f, 1.0f),
+                        lode_clamp(LODE_DUTY_IDLE + e.b, 0.0f, 1.0f),
+                        lode_clamp(LODE_DUTY_IDLE + e.c, 0.0f, 1.0f)};
+}
+
 // A period with the gates off, or the low sides alone. All may be on after it. Of the `sample` the phase currents
 // are looked at.
 void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, const lode_sample_t *sample,

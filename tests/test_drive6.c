@@ -100,6 +100,39 @@ static void test_from_standstill_to_speed_both_ways(void) {
     }
 }
 
+static void test_pulses_of_both_sets_find_a_rotor_that_turns(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig6_t rig = fresh();
+        rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+        rig6_run(&rig, 0.2);
+        rig.omega = sign * RIG6_NP * RPM(700.0); // coasting
+        rig6_command(&rig, run_at(700.0 * sign));
+        for (int k = 0; k < 200 && rig6_telemetry(&rig).drive.mode != LODE_MODE_RUN; k++) {
+            rig6_step(&rig);
+            TEST_ASSERT_EQUAL_INT(rig.out.set[0].gates, rig.out.set[1].gates);
+        }
+        TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN", lode_mode_name(rig6_telemetry(&rig).drive.mode));
+        CHECK_CLOSE(0.02, rig.omega, rig.drive.drive.estimator.pll.omega_rad_s);
+        // The first duties of either set are the EMF's.
+        for (int set = 0; set < 2; set++) {
+            const cplx_t v = rig6_vector(rig.out.set[set].duty, set);
+            const cplx_t emf = I * rig.omega * RIG6_PSI * cexp(I * rig.theta);
+            CHECK_AT_MOST(0.1 * cabs(emf), cabs(v - emf));
+        }
+        double most = 0.0;
+        for (int k = 0; k < 8; k++) { // before speed control asks for torque
+            rig6_step(&rig);
+            TEST_ASSERT_EQUAL_INT(LODE_GATES_ON, rig.out.set[0].gates);
+            TEST_ASSERT_EQUAL_INT(LODE_GATES_ON, rig.out.set[1].gates);
+            CHECK_NEAR(0.03, 0.0, rig.angle_error);
+            most = fmax(most, cabs(rig.i_dq) + cabs(rig.i_xy));
+        }
+        CHECK_AT_MOST(0.2, most);
+        rig6_run(&rig, 1.0);
+        CHECK_CLOSE(0.03, sign * RIG6_NP * RPM(700.0), rig.omega);
+    }
+}
+
 static void test_every_kind_of_observer(void) {
     for (int kind = 0; kind < LODE_EMF_KINDS; kind++) {
         lode_drive6_config_t config = rig6_config();
@@ -848,6 +881,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_low_sides_come_before_all_gates);
     RUN_TEST(test_from_standstill_to_speed_both_ways);
+    RUN_TEST(test_pulses_of_both_sets_find_a_rotor_that_turns);
     RUN_TEST(test_every_kind_of_observer);
     RUN_TEST(test_resonators_hold_the_xy_plane_at_zero);
     RUN_TEST(test_one_set_as_the_source_sees_its_harmonics);

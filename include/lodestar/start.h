@@ -33,8 +33,7 @@ typedef struct {
     /// start current take at standstill; auto: on
     lode_choice_t measure;
     /// a rotor that turns already is found by short zero vectors from gates off (fly.h); auto: on. Off for a
-    /// board that sees no current with the low sides alone (one shunt in the DC link), or cannot switch so;
-    /// six phases have none
+    /// board that sees no current with the low sides alone (one shunt in the DC link), or cannot switch so
     lode_choice_t pulses;
     float
         fade_s; ///< from the start current to the references after hand-over; 0: 0.1, salient 0.05

@@ -169,13 +169,20 @@ static inline void rig6_carry_alone(rig6_t *self, cplx_t v, int set, double h) {
     self->i_xy = set == 0 ? xy : -xy;
 }
 
+/// Short-circuited by the low sides since half of their share ago; the diodes let the current die before the next.
+static inline cplx_t rig6_pulse(const rig6_t *self) {
+    const double share = 1.0 - (double)self->applied.set[0].duty.a;
+    const double turned = 0.5 * share * RIG6_TS_s * self->omega;
+    return RIG6_PSI * ((cos(turned) - 1.0) / RIG6_LD - I * sin(turned) / RIG6_LQ);
+}
+
 static inline void rig6_move(rig6_t *self) {
     const double h = RIG6_TS_s / RIG6_PARTS;
     const cplx_t v1 = rig6_vector(self->applied.set[0].duty, 0);
     const cplx_t v2 = rig6_vector(self->applied.set[1].duty, 1);
     for (int part = 0; part < RIG6_PARTS; part++) {
-        const bool on_1 = self->out.set[0].gates;
-        const bool on_2 = self->out.set[1].gates;
+        const bool on_1 = self->out.set[0].gates == LODE_GATES_ON;
+        const bool on_2 = self->out.set[1].gates == LODE_GATES_ON;
         if (on_1 && on_2) {
             rig6_carry(self, v1, v2, h);
         } else if (on_1 || on_2) {
@@ -187,6 +194,9 @@ static inline void rig6_move(rig6_t *self) {
             self->load_Nm * tanh(self->omega / 3.0) + RIG6_B * self->omega / RIG6_NP;
         self->theta = remainder(self->theta + h * self->omega, 2.0 * CHECK_PI);
         self->omega += h * RIG6_NP / RIG6_J * (rig6_torque(self) - drag);
+    }
+    if (self->out.set[0].gates == LODE_GATES_LOW && self->out.set[1].gates == LODE_GATES_LOW) {
+        self->i_dq = rig6_pulse(self);
     }
     self->applied = self->out;
 }
