@@ -366,9 +366,11 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         }
         break;
     case SLOT_REFERENCES:
-        if (LODE_USUALLY(lode_drive_speed_once(self)) &&
-            LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
-            lode_drive_references(self);
+        if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
+            if (LODE_USUALLY(lode_drive_speed_once(self))) {
+                lode_drive_references(self);
+            }
+            return true;
         }
         lode_drive_watch_waves(self, tuning, sample->i);
         return self->gates;
