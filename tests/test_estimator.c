@@ -706,6 +706,25 @@ static void test_times_of_waiting(void) {
     }
 }
 
+/// Where injection ends the rotor has been found, and the EMF has the time of a try to be of use.
+static void test_after_injection_the_rotor_is_known(void) {
+    const lode_motor_t motor = paper_motor();
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    lode_estimator_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_estimator_tune(&tuning, &config, &motor, PAPER_TS_s));
+    lode_estimator_t self;
+    lode_estimator_reset(&self, &tuning);
+    self.by.hfi.active = true;
+    self.by.hfi.step = (uint_least8_t)LODE_HFI_RIGHT;
+    self.found = 0u;
+    lode_estimator_end_injection(&self, &tuning);
+    TEST_ASSERT_FALSE(lode_estimator_injects(&self));
+    TEST_ASSERT_EQUAL_UINT(1u, self.found);
+    TEST_ASSERT_EQUAL_UINT(tuning.patience_rounds, self.by.alone.wait);
+    TEST_ASSERT_EQUAL_UINT(LODE_HFI_RIGHT, self.by.alone.step);
+    CHECK_NEAR(0.0, 0.0, self.by.alone.reserve_V);
+}
+
 static void test_every_field_at_its_limits(void) {
     static const field_t fields[] = {
         {FIELD(lode_estimator_config_t, emin_V), .lo = 1.0e-4f, .hi = 1.0e3f,
@@ -786,6 +805,7 @@ int main(void) {
     RUN_TEST(test_a_mean_rotation_that_is_no_number_begins_anew);
     RUN_TEST(test_what_is_asked_of_a_period);
     RUN_TEST(test_times_of_waiting);
+    RUN_TEST(test_after_injection_the_rotor_is_known);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_errors_of_the_parts_come_through);
     RUN_TEST(test_design_fills_what_is_open);

@@ -356,6 +356,21 @@ static bool late(uint32_t first, uint32_t passed) {
     return !runs;
 }
 
+/// The fast check passes a call in time, and no other, wherever the counter stands.
+static void test_the_fast_check_of_the_stamp(void) {
+    static const uint32_t before[] = {0u, 200u, 500u, 1000000u, UINT32_MAX - 400u};
+    static const uint32_t passed[] = {0u, 600u, 749u, 750u, 1000u, 1250u, 1251u, 60000u};
+    for (int n = 0; n < COUNT_OF(before); n++) {
+        for (int k = 0; k < COUNT_OF(passed); k++) {
+            bench_t b = bench();
+            b.guard.stamp = before[n];
+            const lode_sample_t sample = {.stamp = before[n] + passed[k]};
+            TEST_ASSERT_EQUAL_INT(passed[k] >= 750u && passed[k] <= 1250u,
+                                  lode_guard_all_ok(&b.guard, &b.tuning, &sample));
+        }
+    }
+}
+
 static void test_timing_by_the_stamp(void) {
     // Starts include some that wrap round on the way.
     const uint32_t starts[] = {0u, 12345u, UINT32_MAX - 3u, 1000u};
@@ -598,6 +613,7 @@ int main(void) {
     RUN_TEST(test_wrong_way);
     RUN_TEST(test_motion_is_watched_only_without_a_sensor);
     RUN_TEST(test_samples_that_are_no_number_trip);
+    RUN_TEST(test_the_fast_check_of_the_stamp);
     RUN_TEST(test_timing_by_the_stamp);
     RUN_TEST(test_timing_is_not_watched_unless_configured);
     RUN_TEST(test_the_first_cause_stays);
