@@ -42,6 +42,7 @@ REWRITTEN = (
      "!EVA_BOTH_WITHIN(duty, self, tuning->sense.duty_max)"),
     (DRIVE, "!lode_drive_accept(self, &self->omitted, &self->duty)", "!lode_drive_accept(self, &self->omitted, &duty)"),
     (DRIVE, "!lode_modulator_is_sound(*duty)", "!EVA_BOTH_WITHIN(*duty, self, 1.0f)"),
+    # When the duties of set 2 are looked at those of set 1 have been accepted.
     (DRIVE6, "accept(lode_drive6_t *self, lode_abc6_t duty)", "accept(lode_drive6_t *self, const lode_abc6_t *duty)"),
     (DRIVE6, "!accept(self, duty)", "!accept(self, &duty)"),
     (DRIVE6, "!lode_modulator_is_within(duty.set[0], most)", "!EVA_BOTH_WITHIN(duty->set[0], drive, most)"),
