@@ -886,6 +886,8 @@ static void test_polarity_by_the_difference_of_the_responses(void) {
     TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 100.0f, 101.5f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided(&tuning, 100.0f, 101.7f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 0.0f, 0.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, decided(&tuning, 0.021f, 0.02f)); // of small voltages too
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided(&tuning, 0.02f, 0.021f));
     // (H21): a difference of 13 times 3 V, against four times the root of 26 squares of 1.9 V.
     TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, decided_in_noise(&tuning, 103.0f, 100.0f, 3.7f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided_in_noise(&tuning, 103.0f, 100.0f, 4.0f));

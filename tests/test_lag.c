@@ -63,6 +63,19 @@ static void test_polynomial_of_the_papers_motor_is_ten_times_better(void) {
     }
 }
 
+/// It goes through the exact lag at the Chebyshev nodes of the square of the speed, where its error is least.
+static void test_polynomial_is_exact_at_the_nodes(void) {
+    for (int i = 0; i < COUNT_OF(cases); i++) {
+        lode_lag_t lag;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[i]));
+        for (int k = 0; k < LODE_LAG_TERMS; k++) {
+            const double node = 0.5 - 0.5 * cos(CHECK_PI * (k + 0.5) / LODE_LAG_TERMS);
+            const double omega = cases[i].omega_max * sqrt(node);
+            CHECK_NEAR(1.0e-6, exact(&cases[i], omega), lode_lag_rad(&lag, (float)omega));
+        }
+    }
+}
+
 static void test_polynomial_is_odd(void) {
     lode_lag_t lag;
     TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[0]));
@@ -159,6 +172,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_polynomial_is_within_its_tolerance);
     RUN_TEST(test_polynomial_of_the_papers_motor_is_ten_times_better);
+    RUN_TEST(test_polynomial_is_exact_at_the_nodes);
     RUN_TEST(test_polynomial_is_odd);
     RUN_TEST(test_beyond_the_range_it_is_a_straight_line);
     RUN_TEST(test_no_compensation);

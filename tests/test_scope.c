@@ -251,6 +251,7 @@ static void test_armed_anew_in_any_state(void) {
         run(1);
         expect(LODE_SCOPE_ARMED);
         TEST_ASSERT_EQUAL_UINT32(1u, buffer[LODE_SCOPE_AT_FILLED]);
+        TEST_ASSERT_EQUAL_UINT32(1u, buffer[LODE_SCOPE_AT_NEXT]); // from the first row on
         run(70);
         expect(LODE_SCOPE_DONE);
         const uint32_t event = buffer[LODE_SCOPE_AT_EVENT];

@@ -78,8 +78,21 @@ static void test_voltages_and_currents_tell_the_current(void) {
         TEST_ASSERT_EQUAL_FLOAT(0.0f, lode_supply_current_A(&tuning, &now));
     }
     now.mode = LODE_MODE_RUN;
+    now.v_bus_V = 0.5f;
+    CHECK_NEAR(1.0e-2, power_W / 0.5, (double)lode_supply_current_A(&tuning, &now));
     now.v_bus_V = 0.0f;
     TEST_ASSERT_EQUAL_FLOAT(0.0f, lode_supply_current_A(&tuning, &now));
+}
+
+/// Switches of 0.25 V take a quarter of that.
+static void test_the_drop_counts(void) {
+    lode_drive_config_t drive = drive_config();
+    const lode_telemetry_t now = at(0.0f, (lode_dq_t){-3.0f, 4.0f}); // no voltage of the motor's
+    lode_supply_tuning_t tuning;
+    drive.inverter.v_drop_V = 0.25f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_supply_tune(&tuning, &sound, &drive));
+    CHECK_NEAR(1.0e-6, 0.25 * 6.0 / CHECK_PI * 5.0 / 200.0,
+               (double)lode_supply_current_A(&tuning, &now));
 }
 
 static void test_two_windings_draw_twice_as_much(void) {
@@ -268,6 +281,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_bad_configurations_are_refused);
     RUN_TEST(test_voltages_and_currents_tell_the_current);
+    RUN_TEST(test_the_drop_counts);
     RUN_TEST(test_two_windings_draw_twice_as_much);
     RUN_TEST(test_the_torque_allowed_draws_the_limit);
     RUN_TEST(test_a_side_without_limit_is_free);
