@@ -203,7 +203,7 @@ void lode_drive_design(lode_drive_config_t *config) {
     const lode_hfi_system_t injected = injected_into(config);
     lode_hfi_design(&config->hfi, &injected);
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
-                      config->start.omega_handover_rad_s);
+                      config->start.omega_handover_rad_s, config->hfi.mode == LODE_HFI_ON);
     lode_guard_design(&config->guard, inverter, &config->estimator);
     config->references.v_bus_max_V =
         lode_given_or(config->references.v_bus_max_V, config->guard.v_bus_max_V);

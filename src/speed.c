@@ -15,10 +15,22 @@
 // Where the PLL is this much faster than the rotor, the load that it sees is noise more than load.
 #define SIGMA_RUN_UP_NOISY 78.0f
 #define INERTIA_FEED_FORWARD 1.0f
+// Of the largest torque: the rest is for control. Such a load at once takes 2/e of the speed that it would take in
+// 1/bandwidth by itself.
+#define RATED_LOAD (2.0f / 3.0f)
+#define DIP 0.735759f
+
+// (K15): whether a rated load at the least speed would stop a rotor that no load is fed forward to.
+static bool is_stopped(const lode_speed_config_t *config, const lode_inverter_config_t *inverter,
+                       const lode_motor_t *motor) {
+    const float load_Nm = RATED_LOAD * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
+    const float dip = motor->pole_pairs * DIP * load_Nm / lode_max(config->kp_Nms, FLT_MIN);
+    return dip > config->omega_min_rad_s;
+}
 
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, const lode_pll_config_t *pll,
-                       float omega_handover_rad_s) {
+                       float omega_handover_rad_s, bool injects) {
     const float J = lode_max(motor->J_kgm2, FLT_MIN);
     const float sigma_low = lode_max(pll->sigma_low_rad_s, FLT_MIN);
     const bool given = config->kp_Nms > 0.0f;
@@ -37,12 +49,13 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
         lode_min(RAMP_TORQUE_SHARE, RAMP_BANDWIDTH_SHARE * config->bandwidth_rad_s * run_up_s);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, ramp_share * inverter->i_max_A *
                                                                  lode_motor_kt_Nm_A(motor) / J);
+    config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);
     const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
+    const bool feeds = !noisy && (injects || is_stopped(config, inverter, motor));
     config->load_feed_forward =
-        lode_given_or(config->load_feed_forward, noisy ? LODE_NONE : LOAD_FEED_FORWARD);
+        lode_given_or(config->load_feed_forward, feeds ? LOAD_FEED_FORWARD : LODE_NONE);
     config->inertia_feed_forward =
         lode_given_or(config->inertia_feed_forward, INERTIA_FEED_FORWARD);
-    config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);
     if (config->every_period == LODE_AUTO) {
         config->every_period = LODE_OFF;
     }

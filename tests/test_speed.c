@@ -323,7 +323,7 @@ static void test_no_feed_forward(void) {
 static void test_design_fills_what_is_open(void) {
     const lode_motor_t motor = paper_motor();
     lode_speed_config_t config = {.kp_Nms = 0.0f};
-    lode_speed_design(&config, &inverter, &motor, &pll, 47.0f);
+    lode_speed_design(&config, &inverter, &motor, &pll, 25.0f, false);
     // As documented: a quarter of sigma, kp = bandwidth J, ki = kp bandwidth/4.
     CHECK_CLOSE(1.0e-6, 25.0, config.bandwidth_rad_s);
     CHECK_CLOSE(1.0e-6, 25.0 * 0.0174, config.kp_Nms);
@@ -332,13 +332,13 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 0.5 * TORQUE_MAX / 0.0174, config.ramp_rad_s2);
     CHECK_CLOSE(1.0e-6, 0.5, config.load_feed_forward);
     CHECK_CLOSE(1.0e-6, 1.0, config.inertia_feed_forward);
-    CHECK_CLOSE(1.0e-6, 47.0, config.omega_min_rad_s);
+    CHECK_CLOSE(1.0e-6, 25.0, config.omega_min_rad_s);
     const lode_speed_config_t all = sound();
     lode_speed_config_t kept = all;
-    lode_speed_design(&kept, &inverter, &motor, &pll, 30.0f);
+    lode_speed_design(&kept, &inverter, &motor, &pll, 30.0f, false);
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
     lode_speed_config_t by_gain = {.kp_Nms = 0.5f};
-    lode_speed_design(&by_gain, &inverter, &motor, &pll, 30.0f);
+    lode_speed_design(&by_gain, &inverter, &motor, &pll, 30.0f, false);
     CHECK_CLOSE(1.0e-6, 0.5 / 0.0174, by_gain.bandwidth_rad_s);
     TEST_ASSERT_EQUAL_FLOAT(0.5f, by_gain.kp_Nms);
     TEST_ASSERT_EQUAL_FLOAT(1.0f, by_gain.gain_rise);
@@ -349,7 +349,7 @@ static lode_speed_config_t designed_with_inertia(double factor) {
     lode_motor_t motor = paper_motor();
     lode_speed_config_t config = {.kp_Nms = 0.0f};
     motor.J_kgm2 *= (float)factor;
-    lode_speed_design(&config, &inverter, &motor, &pll, 47.0f);
+    lode_speed_design(&config, &inverter, &motor, &pll, 25.0f, false);
     return config;
 }
 
@@ -366,12 +366,40 @@ static void test_design_follows_the_inertia(void) {
     CHECK_CLOSE(1.0e-6, 1.0, heavy.gain_rise);
     CHECK_CLOSE(1.0e-5, 0.5 * TORQUE_MAX / (3.0 * 0.0174), heavy.ramp_rad_s2);
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, heavy.load_feed_forward);
-    TEST_ASSERT_EQUAL_FLOAT(0.5f, designed_with_inertia(2.0).load_feed_forward);
+}
+
+static float fed_forward(double factor, double omega_min, bool injects) {
+    lode_motor_t motor = paper_motor();
+    lode_speed_config_t config = {.kp_Nms = 0.0f};
+    motor.J_kgm2 *= (float)factor;
+    lode_speed_design(&config, &inverter, &motor, &pll, (float)omega_min, injects);
+    return config.load_feed_forward;
+}
+
+static void test_a_load_is_fed_forward_where_it_would_stop_the_rotor(void) {
+    // The dip of J dw/dt = -T - kp w - ki int w, by steps.
+    const double J = 0.0174;
+    const double kp = 25.0 * J;
+    double omega = 0.0;
+    double turned = 0.0;
+    double dip = 0.0;
+    for (int n = 0; n < 400000; n++) {
+        omega -= 1.0e-6 * (2.0 / 3.0 * TORQUE_MAX + kp * omega + 25.0 / 4.0 * kp * turned) / J;
+        turned += 1.0e-6 * omega;
+        dip = fmax(dip, -3.0 * omega);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, fed_forward(1.0, 0.999 * dip, false));
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, fed_forward(1.0, 1.001 * dip, false));
+    // A light rotor has less gain; injection holds it at any speed; noise is fed forward by none.
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, fed_forward(0.5, 1.999 * dip, false));
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, fed_forward(1.0, 10.0 * dip, true));
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, fed_forward(3.0, 0.1 * dip, true));
 }
 
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_design_follows_the_inertia);
+    RUN_TEST(test_a_load_is_fed_forward_where_it_would_stop_the_rotor);
     RUN_TEST(test_reference_is_a_mechanical_ramp);
     RUN_TEST(test_torque_is_pi_and_feed_forward);
     RUN_TEST(test_torque_is_followed_between_two_speeds);

@@ -25,7 +25,8 @@ typedef struct {
         ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: up to half the torque limit over J
     float inertia_feed_forward; ///< share of the torque that the ramp needs for J, 0 .. 1; 0: 1;
                                 ///< LODE_NONE: none
-    /// share of the estimated load torque, 0 .. 1; 0: 0.5, or none for a heavy rotor; LODE_NONE: none
+    /// share of the estimated load torque, 0 .. 1; 0: 0.5 where a rated load would else stop the rotor at its least
+    /// speed, or with injection; none for all others; LODE_NONE: none
     float load_feed_forward;
     /// least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
     float omega_min_rad_s;
@@ -50,9 +51,10 @@ typedef struct {
     lode_range_t limit_Nm; ///< within which it stays; the drive keeps it up to date
 } lode_speed_t;
 
+/// `injects`: by injection the rotor is held at standstill too.
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, const lode_pll_config_t *pll,
-                       float omega_handover_rad_s);
+                       float omega_handover_rad_s, bool injects);
 
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
                               const lode_motor_t *motor, const lode_pll_config_t *pll, float ts_s);
