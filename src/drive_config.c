@@ -63,7 +63,8 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define SIGMA_RATED_MAX 0.66f
 #define SIGMA_TS_MAX 0.07f
 // ... and, where the start current weakens the active flux, less: an error of Lq - Ld turns the angle. At the
-// largest current that the start takes by default, half of the flux lost, the rule by speed is left.
+// largest current that the start takes by default, half of the flux lost, the rule by speed is left. Where the d current
+// moves with the torque such an error turns it twice.
 #define SIGMA_FLUX_LOST 1.2f
 // These are of the LESO-QPLL. A QPLL has more, up to what the default observer allows: a fifth of w0 (P10).
 #define SIGMA_OBSERVER 0.84f
@@ -88,7 +89,8 @@ static float sigma_of_light_rotor(const lode_drive_config_t *config) {
     const float lost = lode_abs(motor->Lq_H - motor->Ld_H) * config->start.current_A;
     const float left =
         lode_max(1.0f - SIGMA_FLUX_LOST * lost / lode_max(motor->psi_Wb, FLT_MIN), 0.0f);
-    const float most = lode_min(SIGMA_RATED_MAX * left * left * motor->omega_rated_rad_s,
+    const float share = config->references.kind == LODE_REFERENCES_MTPA ? left * left : left;
+    const float most = lode_min(SIGMA_RATED_MAX * share * motor->omega_rated_rad_s,
                                 SIGMA_TS_MAX * config->f_pwm_Hz);
     const float run_up_s = lode_motor_run_up_s(motor, config->inverter.i_max_A);
     return sigma_of_kind(config, lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), most));

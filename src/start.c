@@ -26,6 +26,8 @@
 #define CATCH_PARTS 5u     // the lock must hold for this part of the time
 #define FADE_TIME_s 0.1f
 #define SALIENT_TIME_SHARE 0.5f // of lock and fade, where reluctance bounds the start current
+#define LOST_UNSURE 1.2f // flux that the current may take of a rotor whose Lq - Ld is 20 % off
+#define LOCK_TURNS 2.0f  // electrical
 #define PATIENCE_s 0.4f
 #define FAILED_MAX 2u // attempts before the last one
 #define TIMEOUT_MAX_s 1000.0f
@@ -160,6 +162,19 @@ static float omega_ready(const lode_start_config_t *config, const lode_inverter_
     return is_own ? by_emf : config->omega_handover_rad_s;
 }
 
+// A rotor with too little flux left for (S8) is handed over while its vector gives way, and where the load swings within
+// every turn of the shaft, in a part of the turn.
+static float default_lock_s(const lode_start_config_t *config, const lode_motor_t *motor,
+                            float time_share) {
+    const float lost = (motor->Lq_H - motor->Ld_H) * config->current_A;
+    const bool waits = LOST_UNSURE * lost > LODE_START_LOST_MAX * motor->psi_Wb;
+    const float turns_s =
+        LOCK_TURNS * LODE_TWO_PI / lode_max(config->omega_handover_rad_s, FLT_MIN);
+    const float by_turns =
+        lode_clamp(turns_s, SALIENT_TIME_SHARE * LOCK_TIME_s, time_share * LOCK_TIME_s);
+    return waits ? by_turns : time_share * LOCK_TIME_s;
+}
+
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, float ts_s) {
     // Whoever gives the current means it in every attempt.
@@ -178,7 +193,7 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
                                                                  motor->pole_pairs);
     config->current_rise_s = lode_given_or(config->current_rise_s, RISE_TIME_s);
     config->damping = lode_given_or(config->damping, DAMPING);
-    config->lock_s = lode_given_or(config->lock_s, time_share * LOCK_TIME_s);
+    config->lock_s = lode_given_or(config->lock_s, default_lock_s(config, motor, time_share));
     config->catch_s = lode_given_or(config->catch_s, CATCH_TIME_s);
     config->fade_s = lode_given_or(config->fade_s, time_share * FADE_TIME_s);
     if (config->measure == LODE_AUTO) {

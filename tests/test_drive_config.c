@@ -458,10 +458,11 @@ static void test_design_of_the_papers_drive(void) {
 }
 
 /// What design makes of paper 1's motor with another inertia and Lq.
-static lode_pll_config_t pll_with(double inertia, float Lq_H) {
+static lode_pll_config_t pll_with(double inertia, float Lq_H, lode_references_kind_t kind) {
     lode_drive_config_t config = minimal();
     config.motor.J_kgm2 *= (float)inertia;
     config.motor.Lq_H = Lq_H;
+    config.references.kind = kind;
     lode_drive_design(&config);
     return config.estimator.pll;
 }
@@ -472,6 +473,7 @@ static void test_a_late_hand_over_stretches_the_schedule(void) {
     lode_drive_config_t config = minimal();
     config.motor.J_kgm2 *= 0.1f;
     config.motor.Lq_H = config.motor.Ld_H + 6.0e-3f; // which leaves sigma_low alone
+    config.references.kind = LODE_REFERENCES_MTPA;
     config.start.current_A = 11.0f;
     config.start.omega_handover_rad_s = (float)(1.5 * high);
     lode_drive_config_t late = config;
@@ -509,19 +511,22 @@ static void test_a_light_rotor_raises_sigma(void) {
     const float Ld_H = minimal().motor.Ld_H;
     const double torque_Nm = 1.5 * 3.0 * 0.142 * 12.0;
     const double run_up_s = 0.0174 * PAPER_OMEGA_RATED / 3.0 / torque_Nm;
-    const lode_pll_config_t plain = pll_with(1.0, Ld_H);
+    const lode_pll_config_t plain = pll_with(1.0, Ld_H, LODE_REFERENCES_AUTO);
     CHECK_CLOSE(1.0e-3, 0.1061 * PAPER_OMEGA_RATED, plain.sigma_low_rad_s);
     CHECK_CLOSE(1.0e-3, 0.2122 * PAPER_OMEGA_RATED, plain.sigma_rad_s);
-    const lode_pll_config_t light = pll_with(0.5, Ld_H);
+    const lode_pll_config_t light = pll_with(0.5, Ld_H, LODE_REFERENCES_AUTO);
     CHECK_CLOSE(1.0e-3, 17.0 / (0.5 * run_up_s), light.sigma_low_rad_s);
     CHECK_CLOSE(1.0e-3, 0.2122 * PAPER_OMEGA_RATED, light.sigma_rad_s);
-    const lode_pll_config_t lightest = pll_with(0.01, Ld_H);
+    const lode_pll_config_t lightest = pll_with(0.01, Ld_H, LODE_REFERENCES_AUTO);
     CHECK_CLOSE(1.0e-3, 0.66 * PAPER_OMEGA_RATED, lightest.sigma_low_rad_s);
     TEST_ASSERT_EQUAL_FLOAT(lightest.sigma_low_rad_s, lightest.sigma_rad_s);
     // Salient, of the 8.4 A of the start: 3.3 mH more take 0.195 of the flux.
-    const lode_pll_config_t salient = pll_with(0.01, Ld_H + 3.3e-3f);
     const double left = 1.0 - 1.2 * 3.3e-3 * 8.4 / 0.142;
-    CHECK_CLOSE(1.0e-3, 0.66 * left * left * PAPER_OMEGA_RATED, salient.sigma_low_rad_s);
+    const lode_pll_config_t salient = pll_with(0.01, Ld_H + 3.3e-3f, LODE_REFERENCES_ID0);
+    CHECK_CLOSE(1.0e-3, 0.66 * left * PAPER_OMEGA_RATED, salient.sigma_low_rad_s);
+    // The more so where its d current moves with the torque.
+    const lode_pll_config_t moving = pll_with(0.01, Ld_H + 3.3e-3f, LODE_REFERENCES_MTPA);
+    CHECK_CLOSE(1.0e-3, 0.66 * left * left * PAPER_OMEGA_RATED, moving.sigma_low_rad_s);
     // Slow sampling, and what somebody gave.
     lode_drive_config_t config = minimal();
     config.motor.J_kgm2 *= 0.01f;

@@ -530,6 +530,28 @@ static void test_every_field_at_its_limits(void) {
     }
 }
 
+/// Where 1.2 times the flux that the current takes is more than (S8) allows: two electrical turns at hand-over speed.
+static void test_a_salient_rotor_is_seen_locked_within_a_turn(void) {
+    lode_motor_t motor = paper_motor();
+    const double most_H = 0.4 * 0.142 / (1.2 * 8.4);
+    const struct {
+        double omega, Lq_H, lock_s;
+    } cases[] = {
+        {180.0, 1.001 * most_H, 4.0 * 3.14159265 / 180.0},
+        {180.0, 0.999 * most_H, 0.1},
+        {100.0, 1.001 * most_H, 0.1},
+        {400.0, 1.001 * most_H, 0.05},
+    };
+    for (int i = 0; i < COUNT_OF(cases); i++) {
+        lode_start_config_t config = {.omega_handover_rad_s = (float)cases[i].omega};
+        motor.Lq_H = motor.Ld_H + (float)cases[i].Lq_H;
+        lode_start_design(&config, &inverter, &motor, PAPER_TS_s);
+        CHECK_CLOSE(1.0e-5, 8.4, config.current_A);
+        CHECK_CLOSE(1.0e-5, cases[i].lock_s, config.lock_s);
+        CHECK_CLOSE(1.0e-5, 0.1, config.fade_s);
+    }
+}
+
 static void test_design_fills_what_is_open(void) {
     const lode_motor_t motor = paper_motor();
     lode_start_config_t config = {.current_A = 0.0f};
@@ -1075,6 +1097,7 @@ int main(void) {
     RUN_TEST(test_times_become_rounds);
     RUN_TEST(test_times_have_room_in_their_counters);
     RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_a_salient_rotor_is_seen_locked_within_a_turn);
     RUN_TEST(test_design_fills_what_is_open);
     RUN_TEST(test_time_of_an_attempt);
     RUN_TEST(test_corners_of_the_damping);

@@ -26,7 +26,7 @@ typedef struct {
         ramp_rad_s2; ///< electrical, of the first attempt; 0: what a sixth of the start torque gives the inertia
     float current_rise_s; ///< 0: 0.2
     float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
-    float lock_s;         ///< lock quality must have held for this long; 0: 0.1, salient 0.05
+    float lock_s;         ///< lock quality must have held for this long; 0: 0.1, salient from 0.05
     float catch_s;   ///< zero current, to see whether the rotor turns already; 0: 0.05; LODE_NONE
     float timeout_s; ///< from start to hand-over; 0: three attempts
     /// what resistance and dead time are beyond the configured ones, by the voltage that half and all of the
