@@ -297,6 +297,30 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self) {
     lode_mode_obey_guard(self);
 }
 
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+
+// Not with injection: it goes by the inductances themselves, and learn.h may have found the present Lq.
+static bool goes_by_emf(const lode_estimator_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_HFI
+    (void)tuning;
+    return true;
+#else
+    return !lode_hfi_is_on(&tuning->hfi);
+#endif
+}
+
+LODE_NOINLINE void lode_drive_turn_by_iron(lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_estimator_t *estimator = &self->estimator;
+    const lode_dq_t i_A = lode_park(estimator->emf.i_A, lode_estimator_rotor(estimator));
+    lode_estimator_adapt_lag(estimator, &tuning->estimator);
+    if (goes_by_emf(&tuning->estimator)) {
+        estimator->lag.at = lode_references_saturated(&tuning->references, estimator->lag.at, i_A);
+    }
+}
+
+#endif
+
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
 // In seconds, rounds of the slow jobs.

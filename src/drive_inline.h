@@ -52,6 +52,10 @@ void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
 bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_abc_t *duty);
 // SLOT_GUARD where temperature or bus must move, in drive.c.
 void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+// SLOT_LAG where the q axis saturates: with what that turns the observed angle by (R17), in drive.c.
+void lode_drive_turn_by_iron(lode_drive_t *self);
+#endif
 // SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive.c.
 void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
 // The guard's slow checks have something to count, in drive.c.
@@ -326,6 +330,24 @@ LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_frame_t *
     return (lode_asked_t){self->u_V, frame->i_A};
 }
 
+// SLOT_LAG
+LODE_INLINE void lode_drive_adapt_lag(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+    if (LODE_RARELY(lode_references_asks(&tuning->references, LODE_REFERENCES_SATURATE))) {
+        lode_drive_turn_by_iron(self);
+        return;
+    }
+#endif
+    lode_estimator_adapt_lag(&self->estimator, &tuning->estimator);
+}
+
+// SLOT_REFERENCES in RUN. With speed control in every period they are its part.
+LODE_INLINE void lode_drive_renew_references(lode_drive_t *self) {
+    if (LODE_USUALLY(lode_drive_speed_once(self))) {
+        lode_drive_references(self);
+    }
+}
+
 // One of the jobs that follow speed and load slowly. After the duties, which do not wait for it. `words`: of
 // the tuning that is watched, of which `tuning` is all or a part.
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
@@ -337,7 +359,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         lode_estimator_note_lock(estimator, &tuning->estimator);
         break;
     case SLOT_LAG:
-        lode_estimator_adapt_lag(estimator, &tuning->estimator);
+        lode_drive_adapt_lag(self, tuning);
         lode_drive_lead(self, tuning);
         if (LODE_RARELY(lode_references_weakens(&tuning->references)) &&
             lode_drive_speed_once(self) && lode_mode(self) == LODE_MODE_RUN) {
@@ -367,9 +389,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         break;
     case SLOT_REFERENCES:
         if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
-            if (LODE_USUALLY(lode_drive_speed_once(self))) {
-                lode_drive_references(self);
-            }
+            lode_drive_renew_references(self);
             return true;
         }
         lode_drive_watch_waves(self, tuning, sample->i);

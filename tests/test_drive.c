@@ -337,6 +337,32 @@ static void check_running(rig_t *rig, double speed) {
     CHECK_AT_LEAST(0.7, rig_telemetry(rig).lock);
 }
 
+/// Mean error of the angle under load, in degrees, of a motor whose Lq falls by 5 % per ampere.
+static double error_of_a_q_axis_that_saturates(float Lq_fall) {
+    lode_drive_config_t config = rig_config();
+    config.references.Lq_fall = Lq_fall;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 1.0);
+    double sum = 0.0;
+    for (int n = 0; n < 20000; n++) {
+        rig.load_Nm = fmin(3.0, 3.0e-4 * n);
+        rig.motor.Lq = 9.8e-3 / (1.0 + 0.05 * fabs(rig.motor.iq));
+        rig_step(&rig);
+        sum += n < 15000 ? 0.0 : rig.angle_error;
+    }
+    rig_expect(&rig, LODE_MODE_RUN);
+    CHECK_AT_LEAST(4.0, rig.motor.iq);
+    return sum / 5000.0 / CHECK_DEG;
+}
+
+static void test_a_falling_Lq_that_is_known_leaves_no_error_of_the_angle(void) {
+    CHECK_AT_LEAST(3.0, fabs(error_of_a_q_axis_that_saturates(0.0f)));
+    CHECK_AT_MOST(0.3, fabs(error_of_a_q_axis_that_saturates(0.05f)));
+}
+
 static void test_run_calibrates_starts_and_turns_both_ways(void) {
     for (int sign = -1; sign <= 1; sign += 2) {
         rig_t rig = fresh();
@@ -2497,6 +2523,7 @@ int main(void) {
     RUN_TEST(test_after_a_mailbox_that_lies_the_drive_can_be_started_again);
     RUN_TEST(test_a_post_that_is_not_told_is_found);
     RUN_TEST(test_the_guard_counts_anew_from_the_low_sides_on);
+    RUN_TEST(test_a_falling_Lq_that_is_known_leaves_no_error_of_the_angle);
     RUN_TEST(test_reversal);
     RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
     RUN_TEST(test_pulses_find_a_rotor_that_turns);

@@ -55,6 +55,29 @@ static int kind_at(float i_max_A, lode_motor_t motor) {
     return (int)config.kind;
 }
 
+/// What an observer with the Lq of no current takes for the active flux, and where it then stands.
+static void test_a_q_axis_that_saturates_turns_the_angle_by_what_its_flux_lacks(void) {
+    lode_references_config_t config = sound();
+    config.Lq_fall = 0.05f;
+    const lode_references_tuning_t tuning = tuned(&config);
+    for (int n = 0; n < 30; n++) {
+        const double id = -4.0 + (double)(n % 3) * 3.0;
+        const double iq = -12.0 + 24.0 / 29.0 * n;
+        const double flux_q = 9.8e-3 * iq / (1.0 + 0.05 * fabs(iq));
+        const double seen_d = 0.142 + (3.5e-3 - 9.8e-3) * id;
+        const double seen_q = flux_q - 9.8e-3 * iq;
+        const lode_sincos_t seen = sincos_of(2.0 + atan2(seen_q, seen_d));
+        const lode_sincos_t rotor =
+            lode_references_saturated(&tuning, seen, (lode_dq_t){(float)id, (float)iq});
+        CHECK_NEAR(1e-5, sin(2.0), rotor.sin);
+        CHECK_NEAR(1e-5, cos(2.0), rotor.cos);
+    }
+    // Whatever the current, by an eighth of a turn at most.
+    const lode_sincos_t most =
+        lode_references_saturated(&tuning, (lode_sincos_t){0.0f, 1.0f}, (lode_dq_t){90.0f, 900.0f});
+    CHECK_NEAR(1e-5, sqrt(0.5), most.sin);
+}
+
 static void test_much_reluctance_asks_for_mtpa(void) {
     lode_motor_t motor = paper_motor();
     // Half of (R15): 4 0.1 Lq (Lq - Ld) i^2 = psi^2/2
@@ -967,6 +990,7 @@ static void test_design_fills_what_is_open(void) {
 
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_a_q_axis_that_saturates_turns_the_angle_by_what_its_flux_lacks);
     RUN_TEST(test_much_reluctance_asks_for_mtpa);
     RUN_TEST(test_at_speed_id_is_zero);
     RUN_TEST(test_bias_fades_with_speed);
