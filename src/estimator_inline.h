@@ -216,6 +216,16 @@ LODE_INLINE lode_dq_t lode_estimator_less_ripple(lode_estimator_t *self, lode_dq
 #endif
 }
 
+// Of a period that injects: the torque of its current is known, with its sign.
+LODE_INLINE bool lode_estimator_knows_torque(const lode_estimator_t *self) {
+#ifdef LODE_WITHOUT_HFI
+    (void)self;
+    return true;
+#else
+    return LODE_USUALLY(self->by.hfi.step != (uint_least8_t)LODE_HFI_PUSH);
+#endif
+}
+
 // The fast part of a period. `by_wave`: it injects.
 LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
                                                   const lode_estimator_tuning_t *tuning,
@@ -257,7 +267,10 @@ LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
     self->id_A = i_dq.d;
     i_dq = lode_estimator_less_ripple(self, i_dq, by_wave);
     if (LODE_USUALLY(lode_estimator_asks(options, LODE_ESTIMATOR_THIRD_ORDER))) {
-        const float acc = lode_estimator_acceleration(tuning, i_dq, error, self->pll.omega_rad_s);
+        float acc = lode_estimator_acceleration(tuning, i_dq, error, self->pll.omega_rad_s);
+        if (by_wave && !lode_estimator_knows_torque(self)) {
+            acc = 0.0f;
+        }
         lode_pll_correct_disturbance(&self->pll, &tuning->pll, self->gains, error, acc);
     }
     return lode_estimator_estimate(self, tuning, rotor, i_dq);

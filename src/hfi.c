@@ -42,6 +42,12 @@
 #define POLAR_LEAST 0.008f
 // And at least so many deviations of the difference, as the responses scatter by noise (H21).
 #define POLAR_DEVIATIONS 4.0f
+// A rotor has moved that turns at this share of the loop's bandwidth, ten times the noise of its speed, and is so
+// far from where it was (H27).
+#define MOVES_SHARE 0.1f
+#define MOVED_rad 0.15f
+// Times that of the axis: until the current across it is all there. As long again it waits.
+#define PUSH_TIMES 3u
 // Mean error of an axis that is found.
 #define FOUND_rad 0.15f
 // Low-pass of the i_q that turns the axis: below current control, above what the load does.
@@ -236,7 +242,7 @@ static lode_hfi_step_t polarity(const lode_hfi_start_t *start, const lode_hfi_tu
                                                      lode_max((float)each, 1.0f);
     const float least_V2 = POLAR_DEVIATIONS * POLAR_DEVIATIONS * scatter_V2; // (H21)
     if (more_V * more_V <= lode_max(least_V * least_V, least_V2)) {
-        return LODE_HFI_UNDECIDED;
+        return LODE_HFI_PUSH;
     }
     return more_V > 0.0f ? LODE_HFI_RIGHT : LODE_HFI_WRONG;
 }
@@ -253,6 +259,7 @@ static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t
     case LODE_HFI_NORTH:
         return LODE_HFI_SOUTH;
     case LODE_HFI_SOUTH:
+    case LODE_HFI_PUSH:
     case LODE_HFI_RIGHT:
     case LODE_HFI_WRONG:
     case LODE_HFI_UNDECIDED:
@@ -268,6 +275,9 @@ static void go_on(lode_hfi_t *self, lode_hfi_step_t next) {
     }
     self->step = (uint_least8_t)next;
     self->of.start.rounds = 0u;
+    if (next == LODE_HFI_PUSH) {
+        self->of.push = (lode_hfi_push_t){.rounds = 0u};
+    }
     if (next == LODE_HFI_RIGHT || next == LODE_HFI_WRONG) {
         self->of.iq_A = self->i_A.q;
     }
@@ -291,6 +301,40 @@ float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_m
         return polar_A;
     }
     return self->step == (uint_least8_t)LODE_HFI_SOUTH ? -polar_A : 0.0f;
+}
+
+// (H27). `share`: of the bandwidth, at which it turns in the direction of the current.
+static lode_hfi_step_t moved(const lode_hfi_push_t *push, lode_sincos_t rotor, float share,
+                             float direction) {
+    const float off = direction * lode_angle_subtract(rotor, push->from).sin;
+    if (push->rounds == 0u && lode_abs(share) > MOVES_SHARE) {
+        return LODE_HFI_UNDECIDED; // something else moves it
+    }
+    if (share > MOVES_SHARE && off > MOVED_rad) {
+        return LODE_HFI_RIGHT;
+    }
+    return share < -MOVES_SHARE && off < -MOVED_rad ? LODE_HFI_WRONG : LODE_HFI_PUSH;
+}
+
+float lode_hfi_push(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_sincos_t rotor,
+                    float step_rad, float direction) {
+    lode_hfi_push_t *push = &self->of.push;
+    const uint32_t rise = PUSH_TIMES * (uint32_t)tuning->find_rounds;
+    if (push->rounds == 0u) {
+        push->from = rotor;
+    }
+    const float share = step_rad / lode_max(tuning->find_gain, FLT_MIN);
+    const lode_hfi_step_t next = moved(push, rotor, share, direction);
+    push->rounds++;
+    const float risen = (float)(int32_t)push->rounds / lode_max((float)(int32_t)rise, 1.0f);
+    if (next != LODE_HFI_PUSH) {
+        go_on(self, next);
+    } else if (push->rounds >= 2u * rise) {
+        go_on(self, LODE_HFI_UNDECIDED);
+    } else {
+        // on its way
+    }
+    return lode_min(risen, 1.0f);
 }
 
 void lode_hfi_turn_round(lode_hfi_t *self) {

@@ -45,6 +45,11 @@ void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t
 // `step` says how far it is.
 float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_max_A);
 
+// Once in LODE_SLOW_PERIODS of LODE_HFI_PUSH: share of the largest current across the axis. `rotor`: where it is;
+// `step_rad`: how far it turns in a period, in the direction of the current, which has the sign `direction`.
+float lode_hfi_push(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_sincos_t rotor,
+                    float step_rad, float direction);
+
 // The angle is half a turn on.
 void lode_hfi_turn_round(lode_hfi_t *self);
 

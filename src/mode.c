@@ -28,6 +28,10 @@
 // So often it is looked for again; one loss is forgotten after so many rounds, 3.3 s of 5 kHz.
 #define LOSSES_MAX 3u
 #define FORGET_ROUNDS 2048u
+// Of the largest current of a start that shows polarity by motion: what is along the axis, so that the phases are away
+// from their zeros; and what share of the flux it takes or gives at most.
+#define ALONG_SHARE 0.33f
+#define ALONG_FLUX 0.5f
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
@@ -611,7 +615,7 @@ static void turn_round(lode_drive_t *self) {
     lode_current_reset(&self->current, self->u_V, (lode_dq_t){0.0f, 0.0f});
 }
 
-// Injection knows no polarity, or found no axis: the vector finds it, from where it would have begun.
+// Injection found no axis, or nothing tells polarity: the vector finds it, from where it would have begun.
 static void give_up(lode_drive_t *self) {
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
     self->estimator.by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
@@ -619,6 +623,29 @@ static void give_up(lode_drive_t *self) {
     if (is_stop(self)) { // it would turn the rotor
         lode_mode_fault(self, LODE_CHECK_START, self->estimator.lock, LODE_LOCK_HANDOVER);
     }
+}
+
+// The current of LODE_HFI_PUSH (H25).
+static LODE_NOINLINE lode_dq_t pushing_A(lode_drive_t *self) {
+    const lode_start_tuning_t *start = &self->tuning->start;
+    const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
+    lode_estimator_t *estimator = &self->estimator;
+    if (is_stop(self)) { // which a rotor that is pushed would not
+        estimator->by.hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
+        return (lode_dq_t){0.0f, 0.0f};
+    }
+    const float direction = lode_sign(self->command.speed_rad_s);
+    const float step_rad = self->tuning->estimator.pll.ts_s * estimator->pll.omega_rad_s;
+    const float share = lode_hfi_push(&estimator->by.hfi, tuning, lode_estimator_rotor(estimator),
+                                      direction * step_rad, direction);
+    if (estimator->by.hfi.step != (uint_least8_t)LODE_HFI_PUSH) {
+        estimator->pll.f_rad_s2 = 0.0f; // from now on the torque is known that it stood for
+    }
+    const float most_A = start->current_last_A;
+    const float along_A =
+        lode_min(ALONG_SHARE * most_A, ALONG_FLUX / lode_max(start->lost_per_A, FLT_MIN));
+    const float across_A = lode_sqrt(most_A * most_A - along_A * along_A);
+    return (lode_dq_t){-along_A, direction * share * across_A};
 }
 
 // START, when a rotor that turns has been looked for.
@@ -636,7 +663,12 @@ static void find_at_rest(lode_drive_t *self) {
         run_at_once(self); // it stands still, or nearly so, and the currents are in its frame
         return;
     }
-    self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning, self->tuning->references.i_max_A), 0.0f};
+    if (hfi->step == (uint_least8_t)LODE_HFI_PUSH) {
+        self->ref_A = pushing_A(self);
+    } else {
+        const float i_max_A = self->tuning->references.i_max_A;
+        self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning, i_max_A), 0.0f};
+    }
     switch ((lode_hfi_step_t)hfi->step) {
     case LODE_HFI_FIND: // (H14): of third order the loop would wind up its speed, and slip
         estimator->gains = (lode_pll_gains_t){tuning->find_gain, 0.0f, 0.0f};
@@ -653,6 +685,7 @@ static void find_at_rest(lode_drive_t *self) {
         break;
     case LODE_HFI_NORTH:
     case LODE_HFI_SOUTH:
+    case LODE_HFI_PUSH:
     case LODE_HFI_RIGHT: // RUN the same
     default:
         break;

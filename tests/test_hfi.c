@@ -747,15 +747,68 @@ static void test_iron_that_tells_no_polarity(void) {
     static rig_t rig;
     rig_at_rest(&rig, 2.0, 0.0, 0.0f);
     rig_run(&rig, 0.5);
-    rig_expect(&rig, LODE_MODE_FAULT); // a turning vector would leave the speed that is asked for
+    rig_expect(&rig, LODE_MODE_FAULT); // pushed, it would leave the speed that is asked for
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
+    // From any angle, under load and without.
+    for (int k = 0; k < 24; k++) {
+        const double from = k * 15.0 * CHECK_DEG;
+        const double direction = k % 2 == 0 ? 1.0 : -1.0;
+        rig_at_rest(&rig, from, 0.0, (float)(31.4 * direction));
+        rig.load_Nm = k % 3;
+        double turned = 0.0;
+        double back = 0.0;
+        for (int n = 0; n < 600; n++) {
+            rig_run(&rig, 0.001);
+            turned += 0.001 * direction * rig.motor.omega;
+            back = fmax(back, -turned);
+        }
+        rig_expect(&rig, LODE_MODE_RUN);
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, rig.drive.estimator.by.hfi.step);
+        CHECK_AT_MOST(45.0 * CHECK_DEG, back);
+        rig_run(&rig, 1.5);
+        CHECK_NEAR(1.0, 31.4 * direction, rig.motor.omega / 3.0);
+        CHECK_AT_MOST(3.0 * CHECK_DEG, rig_worst(&rig, 0.1));
+    }
+}
+
+/// The currents stay within those of a start, and the loop reckons with no torque whose sign is not known.
+static void test_a_push_and_its_end(void) {
+    static rig_t rig;
     rig_at_rest(&rig, 2.0, 0.0, -31.4f);
-    rig_run(&rig, 0.5);
+    rig.blocked = true;
+    while (rig.drive.estimator.by.hfi.step != (uint_least8_t)LODE_HFI_PUSH) {
+        rig_run(&rig, RIG_TS_s);
+    }
+    float most_A = 0.0f;
+    while (rig.drive.estimator.by.hfi.step == (uint_least8_t)LODE_HFI_PUSH) {
+        rig_run(&rig, RIG_TS_s);
+        const lode_pll_t *pll = &rig.drive.estimator.pll;
+        const lode_dq_t asked_A = rig.drive.ref_A;
+        if (rig.drive.estimator.by.hfi.step == (uint_least8_t)LODE_HFI_PUSH) {
+            CHECK_NEAR(1.0e-6 + 1.0e-6 * fabs((double)pll->rise_rad_s),
+                       (double)(RIG_TS_s * pll->f_rad_s2), pll->rise_rad_s);
+            most_A = lode_max(most_A, lode_ab_length((lode_ab_t){asked_A.d, asked_A.q}));
+            TEST_ASSERT_TRUE(!(asked_A.q > 0.0f));
+        }
+    }
+    CHECK_NEAR(0.01, (double)rig.drive.tuning->start.current_last_A, most_A);
+    // Nothing moved: the vector has its try.
     rig_expect(&rig, LODE_MODE_START);
     TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, rig.drive.estimator.by.hfi.step);
-    rig_run(&rig, 1.5);
+    TEST_ASSERT_FALSE(rig.drive.estimator.by.hfi.active);
+    rig.blocked = false;
+    rig_run(&rig, 2.0);
     rig_expect(&rig, LODE_MODE_RUN);
     CHECK_NEAR(1.0, -31.4, rig.motor.omega / 3.0);
+    // Called off on its way.
+    rig_at_rest(&rig, 2.0, 0.0, 31.4f);
+    rig.blocked = true;
+    rig_run(&rig, 0.35);
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, rig.drive.estimator.by.hfi.step);
+    rig_ask(&rig, 0.0f);
+    rig_run(&rig, 0.01);
+    rig_expect(&rig, LODE_MODE_FAULT);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
 }
 
 static void test_torque_through_zero(void) {
@@ -882,16 +935,59 @@ static int decided(const lode_hfi_tuning_t *tuning, float along_V, float against
 static void test_polarity_by_the_difference_of_the_responses(void) {
     const lode_hfi_tuning_t tuning = paper_tuning();
     TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, decided(&tuning, 101.7f, 100.0f));
-    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 101.5f, 100.0f));
-    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 100.0f, 101.5f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, decided(&tuning, 101.5f, 100.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, decided(&tuning, 100.0f, 101.5f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided(&tuning, 100.0f, 101.7f));
-    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided(&tuning, 0.0f, 0.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, decided(&tuning, 0.0f, 0.0f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, decided(&tuning, 0.021f, 0.02f)); // of small voltages too
     TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided(&tuning, 0.02f, 0.021f));
     // (H21): a difference of 13 times 3 V, against four times the root of 26 squares of 1.9 V.
     TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, decided_in_noise(&tuning, 103.0f, 100.0f, 3.7f));
-    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, decided_in_noise(&tuning, 103.0f, 100.0f, 4.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, decided_in_noise(&tuning, 103.0f, 100.0f, 4.0f));
     TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, decided_in_noise(&tuning, 100.0f, 103.0f, 3.7f));
+}
+
+/// The step after `rounds` rounds of a push that have turned the rotor to `at_rad`, the last one of them at `share` of
+/// the loop's bandwidth.
+static int pushed(const lode_hfi_tuning_t *tuning, int rounds, double at_rad, float share,
+                  float direction) {
+    lode_hfi_t hfi = {.step = LODE_HFI_PUSH, .i_A = {1.0f, 2.0f}};
+    for (int k = 1; k <= rounds; k++) {
+        const lode_sincos_t rotor = lode_sincos(k > 1 ? (float)(1.0 + at_rad) : 1.0f);
+        const float step_rad = k == rounds ? share * tuning->find_gain : 0.0f;
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, hfi.step);
+        // 153 rounds to all of the current
+        CHECK_NEAR(1.0e-5, fmin(k / 153.0, 1.0),
+                   lode_hfi_push(&hfi, tuning, rotor, step_rad, direction));
+    }
+    const bool done =
+        hfi.step != (uint_least8_t)LODE_HFI_PUSH && hfi.step != (uint_least8_t)LODE_HFI_UNDECIDED;
+    if (done) { // by which cross-saturation turns the axis
+        TEST_ASSERT_EQUAL_FLOAT(2.0f, hfi.of.iq_A);
+    }
+    return hfi.step;
+}
+
+/// (H27): speed and angle, both.
+static void test_polarity_by_motion(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const float direction = (float)sign;
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, pushed(&tuning, 9, 0.16 * sign, 0.11f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_WRONG, pushed(&tuning, 9, -0.16 * sign, -0.11f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, pushed(&tuning, 9, 0.14 * sign, 0.11f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, pushed(&tuning, 9, -0.14 * sign, -0.11f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, pushed(&tuning, 9, 0.16 * sign, 0.09f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, pushed(&tuning, 9, -0.16 * sign, -0.09f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, pushed(&tuning, 9, -0.16 * sign, 0.11f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, pushed(&tuning, 9, 0.16 * sign, -0.11f, direction));
+        // It turns already, or it does not for long.
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, pushed(&tuning, 1, 0.0, -0.11f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, pushed(&tuning, 1, 0.0, 0.11f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, pushed(&tuning, 1, 0.0, 0.09f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, pushed(&tuning, 305, 0.0, 0.0f, direction));
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, pushed(&tuning, 306, 0.0, 0.0f, direction));
+    }
 }
 
 /// Of a period that does not inject the same members are read by either name.
@@ -973,6 +1069,7 @@ int main(void) {
     RUN_TEST(test_a_loss_at_speed_trips);
     RUN_TEST(test_a_loss_is_forgotten);
     RUN_TEST(test_iron_that_tells_no_polarity);
+    RUN_TEST(test_a_push_and_its_end);
     RUN_TEST(test_torque_through_zero);
     RUN_TEST(test_an_estimate_from_outside_takes_its_place);
     RUN_TEST(test_start_at_rest_can_be_called_off);
@@ -980,6 +1077,7 @@ int main(void) {
     RUN_TEST(test_a_drive_that_cannot_inject_is_refused);
     RUN_TEST(test_an_axis_that_is_not_found_is_given_up);
     RUN_TEST(test_polarity_by_the_difference_of_the_responses);
+    RUN_TEST(test_polarity_by_motion);
     RUN_TEST(test_what_both_states_share_lies_in_one_place);
     RUN_TEST(test_off_is_off_to_the_bit);
     RUN_TEST(test_what_is_not_finite_is_left_behind);

@@ -79,9 +79,10 @@ typedef enum {
     LODE_HFI_FIND,     ///< the axis, from any angle
     LODE_HFI_NORTH,    ///< current along it,
     LODE_HFI_SOUTH,    ///< and against it
+    LODE_HFI_PUSH,     ///< the iron tells no difference: current across it, until the rotor moves
     LODE_HFI_RIGHT,    ///< done: the magnet's north is where the angle is,
     LODE_HFI_WRONG,    ///< or opposite
-    LODE_HFI_UNDECIDED ///< the iron tells no difference
+    LODE_HFI_UNDECIDED ///< nothing tells
 } lode_hfi_step_t;
 
 /// Responses to the wave, in a start at rest.
@@ -91,6 +92,12 @@ typedef struct {
     float squares_V2;      ///< of both
     uint_least16_t rounds; ///< in this step of the start
 } lode_hfi_start_t;
+
+/// LODE_HFI_PUSH.
+typedef struct {
+    lode_sincos_t from;    ///< the angle before
+    uint_least16_t rounds; ///< since
+} lode_hfi_push_t;
 
 /// The last wave had the negative sign; it was the first of its pair; shift register, 0: the signs alternate.
 #define LODE_HFI_NEGATIVE 0x8000u
@@ -117,6 +124,7 @@ typedef struct {
     union {
         float iq_A;             ///< low-passed, when the start is over
         lode_hfi_start_t start; ///< before
+        lode_hfi_push_t push;   ///< at its end
     } of;
 } lode_hfi_t;
 
