@@ -353,12 +353,17 @@ static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t 
                ((float)LODE_SLOW_PERIODS * tuning->omega_step * lode_start_ease(self));
 }
 
+static float attempt_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const float profile = profile_rounds(self, tuning);
+    return profile + lode_max(profile, tuning->patience_rounds);
+}
+
 // Share of the current that an attempt takes now: a vector at speed that finds no lock gives way (S17).
-static float current_share(const lode_start_t *self, const lode_start_tuning_t *tuning,
-                           float profile) {
+static float current_share(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     if (lode_abs(self->omega_rad_s) < tuning->omega_handover) {
         return 1.0f;
     }
+    const float profile = profile_rounds(self, tuning);
     const float late = (float)(int32_t)self->attempt - profile;
     return 1.0f -
            CURRENT_FALL * lode_clamp(late / lode_max(profile, tuning->patience_rounds), 0.0f, 1.0f);
@@ -366,10 +371,10 @@ static float current_share(const lode_start_t *self, const lode_start_tuning_t *
 
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
 static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
-                      float omega_target_rad_s, float profile) {
+                      float omega_target_rad_s) {
     const bool starting = lode_abs(omega_target_rad_s) > 0.0f;
     self->attempt = starting ? self->attempt + 1u : 0u;
-    if ((float)(int32_t)self->attempt > profile + lode_max(profile, tuning->patience_rounds)) {
+    if ((float)(int32_t)self->attempt > attempt_rounds(self, tuning)) {
         self->attempt = 0u;
         self->at = (lode_sincos_t){0.0f, 1.0f}; // on a phase, for the measurement
         self->omega_rad_s = 0.0f;
@@ -459,12 +464,10 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
     const bool last = current_A > 0.0f && self->failed >= FAILED_MAX;
-    const float profile = profile_rounds(self, tuning);
     self->omega_target = omega_target_rad_s;
     self->current_target =
-        (last ? tuning->current_last_A : current_A) * (self->stage == (uint_least8_t)LODE_START_HALF
-                                                           ? LEVEL_SHARE
-                                                           : current_share(self, tuning, profile));
+        (last ? tuning->current_last_A : current_A) *
+        (self->stage == (uint_least8_t)LODE_START_HALF ? LEVEL_SHARE : current_share(self, tuning));
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length
     const float most =
@@ -476,7 +479,7 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     self->by_size = lode_clamp(speed, -1.0f, 1.0f) *
                     lode_max(1.0f - tuning->lost_per_A * self->current_A, BY_SIZE_MIN);
     self->rounds++;
-    try_again(self, tuning, omega_target_rad_s, profile);
+    try_again(self, tuning, omega_target_rad_s);
 }
 
 void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_rad_s,

@@ -5,7 +5,7 @@
 #include "drives6.h"
 
 /// Rows of bench_inputs before the first counted one, in which an estimator finds the rotor.
-#define BENCH_SETTLE_ESTIMATOR 480
+#define BENCH_SETTLE_ESTIMATOR 400
 
 /// True quantities of one period of the case `enhanced`, all at its start.
 typedef struct {
