@@ -573,7 +573,7 @@ static lode_control_frame_t start_frame(lode_drive_t *self) {
     const float ts_s = self->tuning->estimator.pll.ts_s;
     const float step_rad =
         lode_start_catches(start) ? 0.0f : lode_start_step(start, tuning, e_V, ts_s);
-    self->ref_A = (lode_dq_t){lode_start_length_A(start), 0.0f};
+    self->ref_A = (lode_dq_t){start->current_A, 0.0f};
     return (lode_control_frame_t){lode_start_vector(start), lead_of(step_rad)};
 }
 

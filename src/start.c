@@ -21,7 +21,6 @@
 #define RAMP_TORQUE_SHARE (1.0f / 6.0f)
 #define RISE_TIME_s 0.2f
 #define DAMPING 0.5f
-#define CALMING 2.0f // times that, of a rotor that falls towards the first vector
 #define LOCK_TIME_s 0.1f
 #define CATCH_TIME_s 0.05f // the estimator needs 20 to 30 ms from a reset to a sure lock
 #define CATCH_PARTS 5u     // the lock must hold for this part of the time
@@ -54,13 +53,11 @@
 #define SPEED_TOLERANCE 0.25f // of the vector's speed, between estimator and vector
 
 // Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
-// current settle; given up after 0.15 s, or when a slow rotor should have come to rest.
+// current settle; given up after 0.15 s.
 #define CALM_TIME_s 0.02f
-#define SETTLE_PART 2u // of that
 #define DWELL_TIME_s 0.15f
-#define DWELL_SWINGS 8.0f // over the swing's natural frequency
-#define DWELL_MAX_s 1.0f
 #define MEASUREMENTS 2.0f // with half the current and with all of it
+#define SETTLE_PART 15u   // of the dwell
 #define CALM_SHARE 0.1f   // of the voltage that is not known
 #define LEVEL_SHARE 0.5f
 #ifdef LODE_WITHOUT_START_MEASUREMENT
@@ -84,22 +81,14 @@ static float ramp_s(const lode_start_config_t *config) {
     return config->omega_handover_rad_s / lode_max(config->ramp_rad_s2, FLT_MIN);
 }
 
-// Natural frequency of the rotor's swing about the vector.
-static float swing_rad_s(const lode_start_config_t *config, const lode_motor_t *motor) {
-    return lode_sqrt(motor->pole_pairs * stiffness(config->current_A, motor) /
-                     lode_max(motor->J_kgm2, FLT_MIN));
-}
-
-// For one mean.
-static float dwell_s(const lode_start_config_t *config, const lode_motor_t *motor) {
-    const float slow_s = DWELL_SWINGS / lode_max(swing_rad_s(config, motor), FLT_MIN);
-    return config->measure == LODE_ON ? lode_clamp(slow_s, DWELL_TIME_s, DWELL_MAX_s) : 0.0f;
+static float dwell_s(const lode_start_config_t *config) {
+    return config->measure == LODE_ON ? MEASUREMENTS * DWELL_TIME_s : 0.0f;
 }
 
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
-static float attempt_s(const lode_start_config_t *config, const lode_motor_t *motor, float ease) {
-    const float profile_s = config->current_rise_s + MEASUREMENTS * dwell_s(config, motor) +
-                            ramp_s(config) / ease + config->lock_s;
+static float attempt_s(const lode_start_config_t *config, float ease) {
+    const float profile_s =
+        config->current_rise_s + dwell_s(config) + ramp_s(config) / ease + config->lock_s;
     return profile_s + lode_max(profile_s, PATIENCE_s);
 }
 
@@ -210,9 +199,8 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     if (config->measure == LODE_AUTO) {
         config->measure = MEASURES;
     }
-    const float attempts_s = attempt_s(config, motor, 1.0f) +
-                             attempt_s(config, motor, LODE_START_EASE) +
-                             attempt_s(config, motor, LODE_START_EASE_LAST);
+    const float attempts_s = attempt_s(config, 1.0f) + attempt_s(config, LODE_START_EASE) +
+                             attempt_s(config, LODE_START_EASE_LAST);
     config->timeout_s = lode_given_or(config->timeout_s, lode_min(attempts_s, TIMEOUT_MAX_s));
 }
 
@@ -261,8 +249,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     // Rotor and vector make a spring of stiffness K, natural frequency wn = sqrt(np K/J). A vector that
     // gives way by 2 zeta/wn per rad/s of the rotor's swing damps it with the ratio zeta: torque K times
     // that angle. The swing shows as EMF across the vector, psi volts per rad/s, at standstill too.
-    const float swing = swing_rad_s(config, motor);
-    const float rest_s = dwell_s(config, motor);
+    const float K = stiffness(config->current_A, motor);
+    const float np = motor->pole_pairs;
+    const float swing = lode_sqrt(np * K / motor->J_kgm2);
     const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
     *tuning = (lode_start_tuning_t){
         .current_A = config->current_A,
@@ -282,28 +271,18 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .catch_rounds = (uint_least16_t)rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
         .lock_rounds = (uint_least16_t)rounds_in(config->lock_s, ts_s),
         .current_last_A = config->current_last_A,
-        .still_rounds = (config->current_rise_s + MEASUREMENTS * rest_s + config->lock_s) / round_s,
+        .ramp_rounds = ramp_s(config) / round_s,
+        .still_rounds = (config->current_rise_s + dwell_s(config) + config->lock_s) / round_s,
         .patience_rounds = PATIENCE_s / round_s,
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
 #ifndef LODE_WITHOUT_START_MEASUREMENT
         .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
         .calm_rounds = (uint_least16_t)rounds_in(CALM_TIME_s, ts_s),
-        .dwell_rounds = (uint_least16_t)rounds_in(rest_s, ts_s),
+        .dwell_rounds =
+            config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
 #endif
     };
     return LODE_OK;
-}
-
-// A rotor may still be falling towards the first vector: both ways of damping are stronger (S27).
-static bool is_calming(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-#ifdef LODE_WITHOUT_START_MEASUREMENT
-    (void)self;
-    (void)tuning;
-    return false;
-#else
-    return self->stage == (uint_least8_t)LODE_START_HALF &&
-           self->seen.rest.dwelt <= tuning->dwell_rounds / 2u;
-#endif
 }
 
 // What is seen of the stage before is forgotten.
@@ -311,7 +290,6 @@ static void enter(lode_start_t *self, uint_least8_t stage) {
     self->stage = stage;
     self->seen.rest.sum_V = 0.0f;
     self->seen.rest.along_V = 0.0f;
-    self->seen.rest.share = 1.0f;
     self->seen.rest.dwelt = 0u;
     self->seen.rest.calm = 0u;
     if (stage == (uint_least8_t)LODE_START_TURN) {
@@ -348,9 +326,7 @@ void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
 }
 
 static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    return tuning->still_rounds +
-           tuning->omega_handover /
-               ((float)LODE_SLOW_PERIODS * tuning->omega_step * lode_start_ease(self));
+    return tuning->still_rounds + tuning->ramp_rounds / lode_start_ease(self);
 }
 
 static float attempt_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
@@ -395,19 +371,9 @@ static lode_start_found_t found_at_rest(const lode_start_t *self,
     return (lode_start_found_t){.r_Ohm = r_Ohm, .dead_V = mean_V - r_Ohm * self->current_A};
 }
 
-// What is along the vector beyond its mean is of a rotor that falls towards it (S27). Beside a rotor that is still
-// whatever is along the vector is no EMF, and the mean is quick.
-static void watch_fall(lode_start_rest_t *rest, const lode_start_tuning_t *tuning, float along_V,
-                       bool still) {
-    const float quick = lode_min((float)LODE_SLOW_PERIODS * tuning->swing_weight, 1.0f);
-    const float gain = CALMING * tuning->damping;
-    const float beyond_V = along_V - rest->along_V;
-    rest->share += quick * (1.0f - gain * (beyond_V - tuning->calm_V) - rest->share);
-    rest->along_V += (still ? quick : (float)LODE_SLOW_PERIODS * tuning->mean_weight) * beyond_V;
-}
-
-// One round. What it makes known is worked out in the next round, by a call of its own.
+// One round with the present current. What it makes known is worked out in the next round, by a call of its own.
 static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V) {
+    self->seen.rest.dwelt++;
     // Resistance shows along the current, dead time along the phase that the vector waits at, whatever the damping
     // adds to that.
     const lode_dq_t seen_V = lode_park(e_V, lode_start_vector(self));
@@ -415,19 +381,7 @@ static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning,
     if (self->seen.rest.dwelt > tuning->dwell_rounds / 2u) {
         across_V = lode_min(across_V, lode_abs(lode_park(e_V, self->at).q));
     }
-    const bool still = across_V <= tuning->calm_V;
-    if (is_calming(self, tuning)) {
-        watch_fall(&self->seen.rest, tuning, seen_V.d, still);
-    } else {
-        self->seen.rest.share = 1.0f;
-    }
-    if (self->current_A < self->current_target) {
-        return;
-    }
-    self->seen.rest.dwelt++;
-    if (self->seen.rest.dwelt > tuning->calm_rounds / SETTLE_PART && still &&
-        lode_in_range(self->seen.rest.share, 1.0f,
-                      1.0f + 2.0f * CALMING * tuning->damping * tuning->calm_V)) {
+    if (self->seen.rest.dwelt > tuning->dwell_rounds / SETTLE_PART && across_V <= tuning->calm_V) {
         self->seen.rest.calm++;
         self->seen.rest.sum_V += seen_V.d;
     }
@@ -453,7 +407,8 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
         enter(self, (uint_least8_t)LODE_START_TURN);
         return true;
     }
-    if (self->stage < (uint_least8_t)LODE_START_TURN && self->current_A > 0.0f) {
+    if (self->stage < (uint_least8_t)LODE_START_TURN && self->current_A > 0.0f &&
+        !(self->current_A < self->current_target)) {
         watch_at_rest(self, tuning, e_V);
     }
     return false;
@@ -473,8 +428,7 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     const float most =
         lode_min(tuning->damping_A / lode_max(self->current_A, FLT_MIN),
                  tuning->damping_rad_s / lode_max(lode_abs(self->omega_rad_s), FLT_MIN));
-    const float more = is_calming(self, tuning) ? CALMING : 1.0f;
-    self->give = lode_min(more * tuning->damping, most);
+    self->give = lode_min(tuning->damping, most);
     const float speed = self->omega_rad_s / (LODE_START_HOLD * tuning->omega_ready);
     self->by_size = lode_clamp(speed, -1.0f, 1.0f) *
                     lode_max(1.0f - tuning->lost_per_A * self->current_A, BY_SIZE_MIN);

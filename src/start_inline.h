@@ -76,17 +76,6 @@ LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self) {
     return lode_angle_add(self->at, lode_sincos_small(lode_start_shift_rad(self)));
 }
 
-// Its length. At first that gives way too, to the EMF along it: of a rotor that falls towards it from far, which the
-// EMF across hardly shows (S27). What is measured is measured with all of it.
-LODE_INLINE float lode_start_length_A(const lode_start_t *self) {
-#ifndef LODE_WITHOUT_START_MEASUREMENT
-    if (self->stage < (uint_least8_t)LODE_START_TURN) {
-        return self->current_A * lode_clamp(self->seen.rest.share, 0.0f, 1.0f);
-    }
-#endif
-    return self->current_A;
-}
-
 // Where it will be a period on.
 LODE_INLINE lode_sincos_t lode_start_next(const lode_start_t *self, float ts_s) {
     const float move_rad = lode_start_shift_rad(self) + ts_s * self->omega_rad_s;

@@ -583,8 +583,7 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 0.1, config.fade_s);
     // Three attempts, each with a quarter of the ramp before: twice the profile, or 0.4 s more.
     const double ramp_s = (double)config.omega_handover_rad_s / (double)config.ramp_rad_s2;
-    const double swing = sqrt(3.0 * 8.4 * 0.639 / 0.0174);
-    const double still_s = 0.3 + 2.0 * 8.0 / swing; // with the measurement at two currents
+    const double still_s = 0.3 + 2.0 * 0.15; // with the measurement at two currents
     const double profiles_s = 3.0 * still_s + 21.0 * ramp_s;
     CHECK_CLOSE(1.0e-5, 2.0 * profiles_s, config.timeout_s);
     lode_motor_t heavy = motor;
@@ -802,8 +801,8 @@ static void test_resistance_and_dead_time_are_measured_at_rest(void) {
     TEST_ASSERT_TRUE(known);
     CHECK_CLOSE(1.0e-4, 0.3, found.r_Ohm);
     CHECK_CLOSE(1.0e-4, -1.2, found.dead_V);
-    // A rotor that moves has an EMF of its own along the vector: given up when it should have come to rest.
-    const int given_up = (int)(8.0 / sqrt(3.0 * 8.0 * 0.639 / 0.0174) / (ROUND * 2.0e-4));
+    // A rotor that moves has an EMF of its own along the vector: given up after 0.15 s.
+    const int given_up = (int)(0.15 / (ROUND * 2.0e-4));
     CHECK_NEAR(4.0, given_up, measure(&config, 0.3, -1.2, 5.0, &known, &found));
     TEST_ASSERT_FALSE(known);
     config.measure = LODE_OFF;
@@ -838,89 +837,6 @@ static void test_dead_time_is_measured_with_a_vector_that_gives_way(void) {
     TEST_ASSERT_FALSE(moved);
     CHECK_NEAR(0.05, 0.0, found.r_Ohm);
     CHECK_NEAR(0.3, 4.0, found.dead_V);
-}
-
-/// A rotor `ahead_deg` ahead of the first vector, and a resistance that nobody knows of. Returns how far it is turned
-/// backwards until the vector turns, degrees.
-static double pulled_back_deg(float damping, double sign, double ahead_deg, double r_Ohm) {
-    lode_start_config_t config = sound();
-    config.catch_s = LODE_NONE;
-    config.measure = LODE_ON;
-    config.damping = damping;
-    const lode_start_tuning_t tuning = tuned(&config);
-    lode_start_t start;
-    lode_start_begin(&start, &tuning);
-    double theta = angle_of(start.at) + sign * ahead_deg * CHECK_PI / 180.0;
-    const double from = theta;
-    double w = 0.0, least = 0.0;
-    lode_start_found_t found;
-    for (int n = 1; n <= 2500; n++) { // 0.5 s: the current has risen, and the rotor swings
-        const lode_sincos_t vector = lode_start_vector(&start);
-        const double i_A = (double)lode_start_length_A(&start);
-        TEST_ASSERT_TRUE(i_A >= 0.0 && i_A <= (double)start.current_A);
-        const double V = r_Ohm * i_A;
-        const lode_ab_t e = {(float)(-0.142 * w * sin(theta) + V * (double)vector.cos),
-                             (float)(0.142 * w * cos(theta) + V * (double)vector.sin)};
-        if (n % ROUND == 1) {
-            (void)lode_start_measure(&start, &tuning, e, &found);
-            lode_start_aim(&start, &tuning, (float)sign * 47.0f, config.current_A);
-        }
-        (void)lode_start_step(&start, &tuning, e, PAPER_TS_s);
-        const double delta = theta - angle_of(lode_start_vector(&start));
-        w -= 2.0e-4 * 3.0 / 0.0174 * i_A * 0.639 * sin(delta);
-        theta += 2.0e-4 * w;
-        least = fmin(least, sign * (theta - from));
-    }
-    return -180.0 / CHECK_PI * least;
-}
-
-static void test_a_rotor_that_falls_towards_the_vector_is_held_back(void) {
-    for (int sign = -1; sign <= 1; sign += 2) {
-        double damped = 0.0, undamped = 0.0;
-        for (int ahead_deg = 0; ahead_deg < 180; ahead_deg += 10) {
-            damped = fmax(damped, pulled_back_deg(0.5f, sign, ahead_deg, 0.0));
-            undamped = fmax(undamped, pulled_back_deg(LODE_NONE, sign, ahead_deg, 0.0));
-        }
-        CHECK_AT_MOST(157.0, damped); // 164 by the part across alone
-        CHECK_AT_LEAST(200.0, undamped);
-    }
-}
-
-/// The least share of the current that the vector keeps, of a voltage along it that is no rotor's.
-static double least_share(double r_Ohm) {
-    lode_start_config_t config = sound();
-    config.catch_s = LODE_NONE;
-    config.measure = LODE_ON;
-    const lode_start_tuning_t tuning = tuned(&config);
-    lode_start_t start;
-    lode_start_begin(&start, &tuning);
-    double least = 1.0;
-    lode_start_found_t found;
-    bool known = false;
-    for (int n = 1; n <= 5000 && !known; n++) {
-        const double i_A = (double)lode_start_length_A(&start);
-        const bool counts = start.seen.rest.calm > 0u;
-        const lode_dq_t along = {(float)(r_Ohm * i_A), 0.0f};
-        const lode_ab_t e_V = lode_park_inverse(along, lode_start_vector(&start));
-        if (n % ROUND == 1) {
-            known = lode_start_measure(&start, &tuning, e_V, &found);
-            lode_start_aim(&start, &tuning, 47.0f, config.current_A);
-        }
-        if (start.current_A > 0.0f) {
-            least = fmin(least, i_A / (double)start.current_A);
-            CHECK_NEAR(counts ? 0.0 : 1.0, 1.0, i_A / (double)start.current_A);
-        }
-        (void)lode_start_step(&start, &tuning, e_V, PAPER_TS_s);
-    }
-    TEST_ASSERT_TRUE(known);
-    CHECK_CLOSE(0.01, r_Ohm, found.r_Ohm);
-    return least;
-}
-
-/// A warm winding is no EMF: what is measured is measured with all of the current.
-static void test_a_resistance_does_not_hold_the_current_back_for_long(void) {
-    CHECK_NEAR(0.0, 1.0, least_share(0.2));
-    CHECK_AT_LEAST(0.85, least_share(1.6));
 }
 
 static void test_a_new_attempt_measures_again(void) {
@@ -996,29 +912,12 @@ static int attempt_periods(const lode_start_config_t *config) {
     return n - 1;
 }
 
-/// For one mean at rest, of a rotor with this inertia.
-static double longest_dwell_s(float J_kgm2) {
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    lode_motor_t motor = paper_motor();
-    motor.J_kgm2 = J_kgm2;
-    lode_start_tuning_t tuning;
-    TEST_ASSERT_EQUAL_INT(
-        LODE_OK, lode_start_tune(&tuning, &config, &inverter, &motor, OMEGA_MAX, PAPER_TS_s));
-    return ROUND * PAPER_TS_s * (double)tuning.dwell_rounds;
-}
-
 /// Twice what the profile takes, with what is measured in it; of a short one 0.4 s more.
 static void test_time_of_an_attempt(void) {
     lode_start_config_t config = sound();
     CHECK_NEAR(ROUND, 2.0 * 0.72 / PAPER_TS_s, attempt_periods(&config));
-    config.measure =
-        LODE_ON; // twice the time in which a rotor comes to rest, 0.15 s at least and 1 s at most
-    const double rest_s = 8.0 / sqrt(3.0 * 8.0 * 0.639 / 0.0174);
-    CHECK_NEAR(ROUND, 2.0 * (0.72 + 2.0 * rest_s) / PAPER_TS_s, attempt_periods(&config));
-    CHECK_NEAR(1.0e-3, 0.15, longest_dwell_s(0.001f));
-    CHECK_NEAR(1.0e-3, rest_s, longest_dwell_s(0.0174f));
-    CHECK_NEAR(1.0e-3, 1.0, longest_dwell_s(1.0f));
+    config.measure = LODE_ON; // twice 0.15 s
+    CHECK_NEAR(ROUND, 2.0 * 1.02 / PAPER_TS_s, attempt_periods(&config));
     config.measure = LODE_OFF;
     config.current_rise_s = 0.1f;
     config.ramp_rad_s2 = 470.0f; // 0.1 + 0.1 + 0.05 s
@@ -1172,8 +1071,6 @@ int main(void) {
     RUN_TEST(test_resistance_and_dead_time_are_measured_at_rest);
     RUN_TEST(test_damping_gives_way_to_current_and_speed);
     RUN_TEST(test_dead_time_is_measured_with_a_vector_that_gives_way);
-    RUN_TEST(test_a_rotor_that_falls_towards_the_vector_is_held_back);
-    RUN_TEST(test_a_resistance_does_not_hold_the_current_back_for_long);
     RUN_TEST(test_a_new_attempt_measures_again);
     RUN_TEST(test_a_vector_turns_by_its_damping_too);
     RUN_TEST(test_measuring_is_a_choice);

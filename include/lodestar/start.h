@@ -56,6 +56,7 @@ typedef struct {
     uint_least16_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
     uint_least16_t lock_rounds;
     float current_last_A;  ///< of the last attempt
+    float ramp_rounds;     ///< of the first attempt's ramp to hand-over speed, in LODE_SLOW_PERIODS
     float still_rounds;    ///< of current rise and lock
     float patience_rounds; ///< at least, after the profile
     uint32_t timeout_rounds;
@@ -83,10 +84,8 @@ enum {
 
 /// What is seen while the vector stands.
 typedef struct {
-    float sum_V;   ///< of the voltages along the current
-    float along_V; ///< their mean: HALF: a running one; FULL: at half the current
-    float
-        share; ///< of its length that the vector keeps beside a rotor that falls towards it, 0 .. 1 of it
+    float sum_V;          ///< of the voltages along the current
+    float along_V;        ///< their mean at half the current
     uint_least16_t dwelt; ///< rounds at the present current of the measurement
     uint_least16_t calm;  ///< of them with the rotor at rest
 } lode_start_rest_t;

@@ -141,6 +141,7 @@
     ROW(WHOLE, uint_least16_t, start.catch_rounds) \
     ROW(WHOLE, uint_least16_t, start.lock_rounds) \
     ROW(FLOAT, float, start.current_last_A) \
+    ROW(FLOAT, float, start.ramp_rounds) \
     ROW(FLOAT, float, start.still_rounds) \
     ROW(FLOAT, float, start.patience_rounds) \
     ROW(WHOLE, uint32_t, start.timeout_rounds) \
