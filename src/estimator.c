@@ -156,10 +156,10 @@ renew_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float o
     self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
 }
 
-// For a speed that has moved too far for the line through the lag, or is set.
-LODE_RAMFUNC LODE_NOINLINE void lode_estimator_move_lag(lode_estimator_t *self,
-                                                        const lode_estimator_tuning_t *tuning,
-                                                        float omega_rad_s) {
+// For a speed that has moved too far for the line through the lag, or is set. Not LODE_RAMFUNC: as below.
+LODE_NOINLINE void lode_estimator_move_lag(lode_estimator_t *self,
+                                           const lode_estimator_tuning_t *tuning,
+                                           float omega_rad_s) {
     if (lode_lag_is_far(&self->lag, omega_rad_s)) {
         renew_lag(self, tuning, omega_rad_s);
     }

@@ -2,6 +2,7 @@
 #include "support/rig.h"
 
 #include "design/tuning_fields.h"
+#include "drive_inline.h"
 #include "inverter_inline.h"
 #include "lodestar/channel.h"
 #include "mode.h"
@@ -361,6 +362,22 @@ static double error_of_a_q_axis_that_saturates(float Lq_fall) {
 static void test_a_falling_Lq_that_is_known_leaves_no_error_of_the_angle(void) {
     CHECK_AT_LEAST(3.0, fabs(error_of_a_q_axis_that_saturates(0.0f)));
     CHECK_AT_MOST(0.3, fabs(error_of_a_q_axis_that_saturates(0.05f)));
+}
+
+/// With injection, which may have learned the present Lq, the angle is left alone.
+static void test_a_falling_Lq_turns_no_angle_with_injection(void) {
+    for (int injects = 0; injects <= 1; injects++) {
+        lode_drive_config_t config = rig_config();
+        config.references.Lq_fall = 0.03f;
+        config.hfi.mode = injects != 0 ? LODE_HFI_ON : LODE_HFI_OFF;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        rig.drive.estimator.emf.i_A = (lode_ab_t){0.0f, 6.0f};
+        lode_drive_turn_by_iron(&rig.drive);
+        const double turned = fabs((double)rig.drive.estimator.lag.at.sin);
+        CHECK_AT_LEAST(injects != 0 ? 0.0 : 0.05, turned);
+        CHECK_AT_MOST(injects != 0 ? 0.0 : 0.2, turned);
+    }
 }
 
 static void test_run_calibrates_starts_and_turns_both_ways(void) {
@@ -2524,6 +2541,7 @@ int main(void) {
     RUN_TEST(test_a_post_that_is_not_told_is_found);
     RUN_TEST(test_the_guard_counts_anew_from_the_low_sides_on);
     RUN_TEST(test_a_falling_Lq_that_is_known_leaves_no_error_of_the_angle);
+    RUN_TEST(test_a_falling_Lq_turns_no_angle_with_injection);
     RUN_TEST(test_reversal);
     RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
     RUN_TEST(test_pulses_find_a_rotor_that_turns);
