@@ -382,10 +382,12 @@ static bool do_slow_job(lode_estimator_t *self, const lode_estimator_tuning_t *t
         lode_estimator_adapt_lag(self, tuning);
         return false;
     case SLOT_GAINS: {
-        const bool seeded = !self->locked && lode_estimator_seed(self, tuning);
+        if (!self->locked && lode_estimator_seed(self, tuning)) {
+            return true; // as in the drive
+        }
         lode_estimator_adapt_gains(self, tuning);
         lode_estimator_adapt_notches(self, tuning);
-        return seeded;
+        return false;
     }
     case SLOT_GUARD:
     case SLOT_DEAD_TIME:
