@@ -75,10 +75,13 @@ static bool fill_in(rig_config_t *config, const char *path, const recording_t *r
     lode_inverter_config_t *inverter = &config->drive.inverter;
     const double f_Hz = 1.0 / recording->ts_s;
     if (!(f_Hz >= F_PWM_MIN_Hz && f_Hz <= F_PWM_MAX_Hz)) {
-        rig_error_at(path, 0,
-                     "t_s: steps of %.6g s; expected 5 us .. 1 ms, one row per PWM period; of "
-                     "faster rows --resample makes such, where the drive gives f_pwm_Hz",
-                     recording->ts_s);
+        rig_error_at(
+            path, 0,
+            "t_s: steps of %.6g s; expected 5 us .. 1 ms, one row per PWM period. Of slower "
+            "rows none can be made: record every period (ring and scope: decimation 1; "
+            "run: scenario.log_s = one period). Of faster ones --resample makes such, "
+            "where the drive gives f_pwm_Hz",
+            recording->ts_s);
         return false;
     }
     config->drive.f_pwm_Hz = (float)f_Hz;

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 int rig_schema_find(rig_schema_t schema, const char *section, const char *key) {
     for (int k = 0; k < schema.rows; ++k) {
@@ -64,16 +65,23 @@ static double likeness(const char *a, const char *b) {
     return 2.0 * (double)common[n] / (double)(m + n);
 }
 
+/// It is the name without its unit, in letters of either case.
+static bool lacks_unit(const char *key, const char *name) {
+    const size_t length = strlen(key);
+    return length > 0 && strncasecmp(key, name, length) == 0 && name[length] == '_';
+}
+
 int rig_schema_guess(rig_schema_t schema, const char *section, const char *key) {
     int best = -1;
     double most = LIKENESS;
     for (int k = 0; k < schema.rows; ++k) {
         const rig_key_t *row = &schema.row[k];
-        if (strcmp(row->key, key) == 0) {
+        const bool here = strcmp(row->section, section) == 0;
+        if (strcmp(row->key, key) == 0 || (here && lacks_unit(key, row->key))) {
             return k;
         }
         const double like = likeness(key, row->key);
-        if (strcmp(row->section, section) == 0 && like >= most) {
+        if (here && like >= most) {
             best = k;
             most = like;
         }

@@ -44,8 +44,8 @@ int rig_schema_find(rig_schema_t schema, const char *section, const char *key);
 /// Says what would have been right in place of an unknown `[section] key`.
 void rig_schema_expected(rig_schema_t schema, const char *section, char *text, size_t size);
 
-/// Which key may have been meant by an unknown one: the same in another section, or the one of this section
-/// that is spelled most alike; its row. -1: none.
+/// Which key may have been meant by an unknown one: the same in another section, or in this one the same with
+/// its unit, or the one that is spelled most alike; its row. -1: none.
 int rig_schema_guess(rig_schema_t schema, const char *section, const char *key);
 
 /// Reads `value` into the field of `object`. False: `expected` says what would have been right.

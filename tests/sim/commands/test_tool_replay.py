@@ -201,7 +201,7 @@ def bad_recordings(checks, folder):
     folder.write("b.csv", "")
     refused(checks, folder, arguments, "b.csv: empty; expected a CSV file")
     write(folder, "b.csv", header, [[str(0.01 * k), *r[1:]] for k, r in enumerate(rows)])
-    refused(checks, folder, arguments, "b.csv: t_s: steps of 0.01 s; expected")
+    refused(checks, folder, arguments, "b.csv: t_s: steps of 0.01 s; expected .*scenario.log_s")
     refused(checks, folder, arguments[:4] + ["nowhere.csv"], "nowhere.csv: No such file")
     folder.write("b.csv", "")
     (folder.path / "b.csv").unlink()

@@ -49,6 +49,8 @@ def values(checks, folder):
         ("foo.bar=1", r"--set: \[foo\] bar: unknown; expected one of motor, drive, estimator"),
         ("motor.foo=1", r"--set: \[motor\] foo: unknown; expected one of pole_pairs, Rs_Ohm"),
         ("motor.R_line_Ohm=1", r"unknown; is \[motor\] R_line_line_Ohm meant\? Otherwise expected one of"),
+        ("motor.kv=1", r"unknown; is \[motor\] KV_rpm_V meant\?"),
+        ("motor.J=1", r"unknown; is \[motor\] J_kgm2 meant\?"),
         ("motor.i_max_A=1", r"unknown; is \[drive\] i_max_A meant\?"),
         ("motor.Rs_Ohm=", "expected a finite number, not ''"),
         ("motor.Rs_Ohm=0.75x", "expected a finite number, not '0.75x'"),
