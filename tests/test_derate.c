@@ -1,4 +1,5 @@
 // Derating by temperature and by the heat of the winding.
+#include "support/fields.h"
 #include "support/rig.h"
 
 #include "lodestar/derate.h"
@@ -122,36 +123,41 @@ static void test_a_drive_keeps_to_its_share(void) {
     }
 }
 
-/// Each field is taken up to its ends, and not beyond.
-static void test_every_field_at_its_limits(void) {
-    const float least_A = 1.0e-3f * 12.0f;
-    const struct {
-        size_t offset;
-        float lo, hi;
-    } fields[] = {{offsetof(lode_derate_config_t, i_continuous_A), least_A, 12.0f},
-                  {offsetof(lode_derate_config_t, winding_s), 0.1f, 1.0e5f},
-                  {offsetof(lode_derate_config_t, to_degC), -40.0f, 300.0f},
-                  {offsetof(lode_derate_config_t, from_degC), -100.0f, 99.0f}};
-    for (int n = 0; n < COUNT_OF(fields); n++) {
-        const float values[] = {fields[n].lo, fields[n].hi, nextafterf(fields[n].lo, -INFINITY),
-                                nextafterf(fields[n].hi, INFINITY)};
-        for (int k = 0; k < COUNT_OF(values); k++) {
-            lode_derate_config_t config = sound;
-            lode_derate_tuning_t tuning;
-            memcpy((char *)&config + fields[n].offset, &values[k], sizeof values[k]);
-            TEST_ASSERT_EQUAL_INT(k < 2 ? LODE_OK : LODE_ERROR_DERATE,
-                                  lode_derate_tune(&tuning, &config));
-        }
+static lode_status_t try_config(const lode_derate_config_t *config) {
+    const lode_derate_tuning_t before = tuned();
+    lode_derate_tuning_t tuning = before;
+    const lode_status_t status = lode_derate_tune(&tuning, config);
+    if (status != LODE_OK) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof before);
     }
+    return status;
+}
+
+static lode_status_t try_one(size_t offset, float value) {
+    lode_derate_config_t config = sound;
+    field_set(&config, offset, value);
+    return try_config(&config);
+}
+
+static void test_every_field_at_its_limits(void) {
+    static const field_t fields[] = {
+        {FIELD(lode_derate_config_t, i_continuous_A), .lo = 1.0e-3f * 12.0f, .hi = 12.0f,
+         .error = LODE_ERROR_DERATE},
+        {FIELD(lode_derate_config_t, winding_s), .lo = 0.1f, .hi = 1.0e5f,
+         .error = LODE_ERROR_DERATE},
+        {FIELD(lode_derate_config_t, to_degC), .lo = -40.0f, .hi = 300.0f,
+         .error = LODE_ERROR_DERATE},
+        {FIELD(lode_derate_config_t, from_degC), .lo = -100.0f, .hi = 99.0f,
+         .error = LODE_ERROR_DERATE},
+    };
+    field_check_all(fields, COUNT_OF(fields), try_one);
     const float currents[] = {1.0e-3f, 1.0e5f, nextafterf(1.0e-3f, 0.0f),
                               nextafterf(1.0e5f, INFINITY)};
     for (int k = 0; k < COUNT_OF(currents); k++) {
         lode_derate_config_t config = sound;
-        lode_derate_tuning_t tuning;
         config.i_max_A = currents[k];
         config.i_continuous_A = 0.5f * currents[k];
-        TEST_ASSERT_EQUAL_INT(k < 2 ? LODE_OK : LODE_ERROR_DERATE,
-                              lode_derate_tune(&tuning, &config));
+        TEST_ASSERT_EQUAL_INT(k < 2 ? LODE_OK : LODE_ERROR_DERATE, try_config(&config));
     }
 }
 

@@ -40,6 +40,19 @@ static bool reach(rig_t *rig, lode_mode_t mode, double seconds) {
     return false;
 }
 
+/// Into RUN at a mechanical speed.
+static void run_up(rig_t *rig, double speed, double within_s) {
+    rig_command(rig, run_at(speed));
+    TEST_ASSERT_TRUE(reach(rig, LODE_MODE_RUN, within_s));
+}
+
+/// A fresh one that runs.
+static rig_t running(double speed, double within_s) {
+    rig_t rig = fresh();
+    run_up(&rig, speed, within_s);
+    return rig;
+}
+
 // --- Off, calibration -------------------------------------------------------------------------
 
 static bool is_idle(lode_drive_out_t out) {
@@ -344,8 +357,7 @@ static double error_of_a_q_axis_that_saturates(float Lq_fall) {
     config.references.Lq_fall = Lq_fall;
     rig_t rig;
     rig_init(&rig, &tuning, &config);
-    rig_command(&rig, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 100.0, 8.0);
     rig_run(&rig, 1.0);
     double sum = 0.0;
     for (int n = 0; n < 20000; n++) {
@@ -407,8 +419,7 @@ static void test_two_shunts_do(void) {
     config.sense.shunts = LODE_SHUNTS_TWO;
     rig_t rig;
     rig_init(&rig, &tuning, &config);
-    rig_command(&rig, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 100.0, 8.0);
     rig_run(&rig, 2.0);
     check_running(&rig, 100.0);
 }
@@ -419,8 +430,7 @@ static void test_hand_over_waits_for_the_flux_of_a_salient_rotor(void) {
     config.start.current_A = 12.0f;
     rig_t rig;
     rig_init(&rig, &other_tuning, &config);
-    rig_command(&rig, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 100.0, 8.0);
     const double most_A = 0.4 * 0.142 / 6.3e-3;
     CHECK_AT_MOST(1.05 * most_A, rig.motor.id);
     CHECK_AT_MOST(rig.motor.id, 0.8 * most_A); // and no later than the lock takes
@@ -528,9 +538,7 @@ static void test_references_weaken_the_field(void) {
 }
 
 static void test_load_steps_and_speed_changes(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(60.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_t rig = running(60.0, 8.0);
     rig_run(&rig, 1.5);
     check_running(&rig, 60.0);
     rig.load_Nm = 5.0;
@@ -634,9 +642,7 @@ static void test_torque_control_follows_torque_and_holds_its_speeds(void) {
 }
 
 static void test_a_speed_that_is_raised_is_told(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(1.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_t rig = running(1.0, 8.0);
     rig_run(&rig, 3.0);
     TEST_ASSERT_TRUE(rig_telemetry(&rig).speed_raised);
     check_running(&rig, (double)(tuning.omega_min * tuning.speed.inv_pole_pairs));
@@ -648,8 +654,7 @@ static void test_a_speed_that_is_raised_is_told(void) {
 static void test_speed_zero_stops_and_switches_off(void) {
     rig_t rig = fresh();
     rig.load_Nm = 0.5;
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 80.0, 8.0);
     rig_run(&rig, 1.0);
     rig_command(&rig, run_at(0.0));
     double last_A = 0.0;
@@ -698,9 +703,7 @@ static void test_the_way_back_begins_where_its_current_makes_the_torque(void) {
 
 /// With the gates off no voltage is on its way, whatever was written last.
 static void test_gates_off_no_voltage_is_on_its_way(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_t rig = running(80.0, 8.0);
     rig_run(&rig, 1.0);
     for (uint32_t n = 0u; n < 2u; n++) {
         const lode_ab_t u_V = lode_inverter_realised(&rig.drive.inverter, rig.drive.steps + n);
@@ -722,8 +725,7 @@ static void test_mail_that_comes_late_ends_the_steady_state(void) {
     config.motor.omega_rated_rad_s = 300.0f; // speed control in its slot is enough
     rig_t rig;
     rig_init(&rig, &tuning, &config);
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 80.0, 8.0);
     rig_run(&rig, 0.5);
     TEST_ASSERT_TRUE(rig.drive.steady);
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
@@ -832,9 +834,7 @@ static void test_the_way_back_with_a_small_current(void) {
 
 /// Mail is read once, and the drive is steady again.
 static void test_mail_is_read_once(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_t rig = running(80.0, 8.0);
     rig_command(&rig, run_at(90.0));
     TEST_ASSERT_TRUE(rig.drive.mail);
     rig_step(&rig);
@@ -844,9 +844,7 @@ static void test_mail_is_read_once(void) {
 
 /// The current that trips is the one that telemetry tells.
 static void test_the_current_of_a_trip_is_told(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_t rig = running(80.0, 8.0);
     rig_run(&rig, 1.0);
     rig.motor.id = -25.0;
     rig.motor.iq = 3.0;
@@ -862,17 +860,14 @@ static void test_much_resistance_is_corrected_in_part(void) {
     rig_t rig = fresh();
     const double R = rig.motor.R;
     rig.motor.R = 2.0 * R;
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 80.0, 8.0);
     CHECK_CLOSE(1.0e-3, 0.75 * R, rig.drive.inverter.r_more_Ohm);
 }
 
 /// A flag of the mailbox that is neither full nor empty trips; then the mailbox is empty, the command is OFF, and all is as
 /// after any other fault.
 static void test_after_a_mailbox_that_lies_the_drive_can_be_started_again(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_t rig = running(80.0, 8.0);
     rig.drive.command_posted = (uint_least8_t)(LODE_POST_FULL ^ 4u);
     rig_run(&rig, 16.0 * RIG_TS_s);
     const lode_fault_t fault = rig_telemetry(&rig).fault;
@@ -885,8 +880,7 @@ static void test_after_a_mailbox_that_lies_the_drive_can_be_started_again(void) 
     rig_command(&rig, clear);
     rig_step(&rig);
     rig_expect(&rig, LODE_MODE_OFF);
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 80.0, 8.0);
 }
 
 /// A post that the flags hide from a steady drive is found within a round.
@@ -895,8 +889,7 @@ static void test_a_post_that_is_not_told_is_found(void) {
     config.motor.omega_rated_rad_s = 300.0f;
     rig_t rig;
     rig_init(&rig, &tuning, &config);
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 80.0, 8.0);
     rig_run(&rig, 0.5);
     TEST_ASSERT_TRUE(rig.drive.steady);
     rig_command(&rig, off);
@@ -920,8 +913,7 @@ static void test_the_guard_counts_anew_from_the_low_sides_on(void) {
 static void test_reversal(void) {
     rig_t rig = fresh();
     rig.load_Nm = 0.5;
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 80.0, 8.0);
     rig_run(&rig, 1.5);
     check_running(&rig, 80.0);
     rig_command(&rig, run_at(-80.0));
@@ -1050,9 +1042,7 @@ static void test_capacitors_are_charged_after_pulses_that_find_nothing(void) {
 }
 
 static void test_off_at_speed_switches_off_at_once(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_t rig = running(80.0, 8.0);
     rig_command(&rig, off);
     rig_step(&rig);
     TEST_ASSERT_TRUE(is_idle(rig.out));
@@ -1125,9 +1115,7 @@ static void test_commands_wait_for_the_next_period_and_the_last_counts(void) {
 
 static void test_a_command_that_comes_within_a_period_waits_for_the_next(void) {
     // From an interrupt of higher priority, behind the place where the step takes the mail.
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(60.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    rig_t rig = running(60.0, 3.0);
     rig_command(&rig, off);
     lode_mode_follow(&rig.drive);
     rig_expect(&rig, LODE_MODE_RUN);
@@ -1165,9 +1153,7 @@ static void test_huge_commands_give_duties(void) {
 // --- Tunings ----------------------------------------------------------------------------------
 
 static void test_the_same_tuning_changes_nothing(void) {
-    rig_t one = fresh();
-    rig_command(&one, run_at(90.0));
-    TEST_ASSERT_TRUE(reach(&one, LODE_MODE_RUN, 8.0));
+    rig_t one = running(90.0, 8.0);
     rig_t two = one;
     other_tuning = tuning;
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&two.drive, &other_tuning));
@@ -1181,9 +1167,7 @@ static void test_the_same_tuning_changes_nothing(void) {
 }
 
 static void test_a_new_tuning_is_taken_at_a_period(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(90.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_t rig = running(90.0, 8.0);
     rig_run(&rig, 2.0);
     lode_drive_config_t config = rig_config();
     config.estimator.pll.kind = LODE_PLL_QPLL;
@@ -1392,8 +1376,7 @@ static void test_a_bus_without_reading_stays_in_range(void) {
     config.guard.plausibility = LODE_OFF; // the motor stands still in this
     rig_t start;
     rig_init(&start, &tuning, &config);
-    rig_command(&start, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&start, LODE_MODE_RUN, 8.0));
+    run_up(&start, 100.0, 8.0);
     rig_run(&start, 1.0);
     for (int slot = 0; slot < (int)LODE_SLOW_PERIODS; slot++) {
         rig_step(&start);
@@ -1769,8 +1752,7 @@ static void test_a_posted_command_is_not_lost_by_a_flip(void) {
     rig_step(&rig); // what is wrong besides is named
     TEST_ASSERT_TRUE(rig_telemetry(&rig).fault.measured == 1.0f);
     rig = fresh();
-    rig_command(&rig, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 100.0, 8.0);
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
     rig.drive.mail = false;
     for (uint32_t n = 0; n <= 2u * LODE_SLOW_PERIODS; n++) {
@@ -1833,8 +1815,7 @@ static void test_a_tuning_posted_twice_is_watched_by_its_own_sum(void) {
 static void test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing(void) {
     rig_t rig = fresh();
     rig.load_Nm = 1.0;
-    rig_command(&rig, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 100.0, 8.0);
     rig_run(&rig, 1.0);
     const lode_telemetry_t before = rig_telemetry(&rig);
     rig.trip = true;
@@ -1888,8 +1869,7 @@ static void run_stuck(rig_t *rig, int stuck, const lode_counts_t *held, double *
 static void test_a_stuck_converter_trips_before_the_current_is_large(void) {
     rig_t running = fresh();
     running.load_Nm = 1.5;
-    rig_command(&running, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&running, LODE_MODE_RUN, 8.0));
+    run_up(&running, 100.0, 8.0);
     rig_run(&running, 1.0);
     for (int instant = 0; instant < 105; instant += 3) {
         rig_run(&running, 3.0 * RIG_TS_s);
@@ -1936,8 +1916,7 @@ static void test_the_row_of_every_fault_keeps_the_values_of_its_step(void) {
     rig_t running;
     rig_init(&running, &tuning, &config);
     running.load_Nm = 1.0;
-    rig_command(&running, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&running, LODE_MODE_RUN, 8.0));
+    run_up(&running, 100.0, 8.0);
     rig_run(&running, 1.0);
     for (int check = LODE_CHECK_HARDWARE_TRIP; check <= LODE_CHECK_WRONG_WAY; check++) {
         rig_t rig = running;
@@ -1990,9 +1969,7 @@ static int steps_until_off(rig_t *rig, float lock, float omega_share, int limit)
 }
 
 static void test_lost_lock_and_wrong_way_trip_in_20_ms(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_t rig = running(100.0, 8.0);
     rig_run(&rig, 1.0);
     rig_t lost = rig;
     CHECK_AT_MOST(100, steps_until_off(&lost, 0.3f, 1.0f, 1000));
@@ -2016,8 +1993,7 @@ static lode_fault_t with_less_flux(rig_t rig, double share) {
 static void test_another_flux_is_named(void) {
     rig_t rig = fresh();
     rig.load_Nm = 0.5;
-    rig_command(&rig, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 100.0, 8.0);
     rig_run(&rig, 1.0);
     const lode_fault_t weak = with_less_flux(rig, 0.35);
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_FLUX", lode_check_name(weak.check));
@@ -2127,8 +2103,7 @@ static void test_a_bus_that_stands_still_trips_where_the_emf_has_moved(void) {
     rig_t rig;
     rig_init(&rig, &tuning, &config);
     rig.load_Nm = 0.5;
-    rig_command(&rig, run_at(100.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    run_up(&rig, 100.0, 8.0);
     rig_run(&rig, 1.0);
     const double shares[] = {1.18, 0.85}; // the bus has sagged, or risen
     for (int n = 0; n < COUNT_OF(shares); n++) {
@@ -2144,9 +2119,7 @@ static void test_a_bus_that_stands_still_trips_where_the_emf_has_moved(void) {
 // --- The step as a whole ----------------------------------------------------------------------
 
 static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
-    rig_t start = fresh();
-    rig_command(&start, run_at(60.0));
-    TEST_ASSERT_TRUE(reach(&start, LODE_MODE_RUN, 3.0));
+    rig_t start = running(60.0, 3.0);
     for (int field = -1; field < 18; field++) { // -1: the same without the fault
         rig_t rig = start;
         const lode_counts_t counts = rig_counts(&rig);
@@ -2168,9 +2141,7 @@ static void test_an_estimate_that_is_no_number_trips_in_the_same_call(void) {
 
 /// An estimate of somebody else's is the drive's own from then on: what it would tell of itself is what it was told.
 static void test_an_estimate_that_is_taken_over_is_the_own_one(void) {
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(60.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    rig_t rig = running(60.0, 3.0);
     lode_drive_t *drive = &rig.drive;
     const float ts_s = drive->tuning->estimator.pll.ts_s;
     const float locks[] = {0.0f, LODE_LOCK_LOST, 0.9f};
@@ -2204,9 +2175,7 @@ static void test_an_estimate_that_is_taken_over_is_the_own_one(void) {
 
 /// Numbers whose sum is none are no motor's, and so is a lock beyond one.
 static void test_an_estimate_of_no_motor_trips(void) {
-    rig_t start = fresh();
-    rig_command(&start, run_at(60.0));
-    TEST_ASSERT_TRUE(reach(&start, LODE_MODE_RUN, 3.0));
+    rig_t start = running(60.0, 3.0);
     for (int k = 1; k <= 8; k++) {
         rig_t rig = start;
         lode_estimate_t e = lode_mode_estimate(&rig.drive);
@@ -2232,8 +2201,7 @@ static void drive_by_an_encoder(lode_pll_kind_t kind) {
     config.estimator.pll.kind = kind;
     rig_t rig;
     rig_init(&rig, &tuning, &config);
-    rig_command(&rig, run_at(60.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    run_up(&rig, 60.0, 3.0);
     rig_run(&rig, 1.0);
     for (int n = 0; n < 5000; n++) { // an encoder mounted 10 degrees ahead
         const lode_counts_t counts = rig_counts(&rig);
@@ -2265,9 +2233,7 @@ static void test_an_estimate_of_the_hosts_own_is_taken_over(void) {
 
 static void test_the_lock_of_an_external_estimate_counts(void) {
     const float locks[] = {LODE_LOCK_LOST, nextafterf(LODE_LOCK_LOST, 0.0f), 1.0f};
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(60.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    rig_t rig = running(60.0, 3.0);
     for (int n = 0; n < COUNT_OF(locks); n++) {
         const lode_counts_t counts = rig_counts(&rig);
         const lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
@@ -2281,9 +2247,7 @@ static void test_the_lock_of_an_external_estimate_counts(void) {
 
 static void test_a_voltage_that_is_none_trips_in_the_same_call(void) {
     // A bus that the host made up asks for 3 MV of the bus that there is: that is no duty.
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(60.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    rig_t rig = running(60.0, 3.0);
     const lode_counts_t counts = rig_counts(&rig);
     lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
     lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
@@ -2296,9 +2260,7 @@ static void test_a_voltage_that_is_none_trips_in_the_same_call(void) {
 
 static void test_a_bus_and_a_speed_of_no_motor_stay_in_range_and_trip(void) {
     // The voltage lies in the circle of that bus, so the duties are duties; bus and speed trip in time.
-    rig_t rig = fresh();
-    rig_command(&rig, run_at(60.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 3.0));
+    rig_t rig = running(60.0, 3.0);
     lode_counts_t counts = rig_counts(&rig);
     counts.v_bus = 65535u;
     int periods = 0;
