@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "commands/command_run.h"
+#include "commands/command_load.h"
 #include "config/config_json.h"
 #include "report/report_run.h"
 #include "rig/capture.h"
@@ -162,7 +162,7 @@ rig_exit_t campaign(const options_t *options) {
                   "--seed");
         return RIG_BAD_INPUT;
     }
-    if (!command_run_load(&self.config, options, options->scenario) ||
+    if (!command_load_run(&self.config, options, options->scenario) ||
         !outputs_open(&json, options->json)) {
         return RIG_BAD_INPUT;
     }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "commands/command_run.h"
+#include "commands/command_load.h"
 #include "config/config_json.h"
 #include "rig/commission.h"
 #include "support/atomic_file.h"
@@ -97,7 +97,7 @@ rig_exit_t command_commission(const options_t *options) {
     if (scenario == NULL && options->motor == NULL) {
         scenario = MAIN_SCENARIO;
     }
-    if (!command_run_load(&config, options, scenario)) {
+    if (!command_load_run(&config, options, scenario)) {
         return RIG_BAD_INPUT;
     }
     if (rig_config_is_six(&config)) {

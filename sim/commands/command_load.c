@@ -2,6 +2,7 @@
 
 #include "config/data_files.h"
 #include "config/ini_config.h"
+#include "config/trial_scenario.h"
 
 bool command_load_sets(rig_config_t *config, const options_t *options) {
     bool good = true;
@@ -16,4 +17,36 @@ bool command_load_drive(rig_config_t *config, const char *motor, const char *dri
     rig_config_init(config);
     return data_files_load_part(config, "motors", motor) &&
            data_files_load_part(config, "drives", drive) && command_load_sets(config, options);
+}
+
+/// A motor without a scenario brings its drive with it, or has one assumed, as in `design`.
+static bool load_motor(rig_config_t *config, const options_t *options) {
+    if (!command_load_drive(config, options->motor, options->drive, options) ||
+        !rig_config_complete(config, options->drive == NULL ? RIG_NEED_MOTOR : RIG_NEED_DRIVE)) {
+        return false;
+    }
+    rig_config_design(config);
+    trial_scenario(config);
+    return true;
+}
+
+static bool load_scenario(rig_config_t *config, const options_t *options, const char *scenario) {
+    char path[RIG_PATH_LENGTH];
+    rig_config_init(config);
+    if (!data_files_find("scenarios", scenario, path, sizeof path) ||
+        !ini_config_load_scenario(config, path) || !command_load_sets(config, options) ||
+        !rig_config_complete(config, RIG_NEED_DRIVE)) {
+        return false;
+    }
+    rig_config_design(config);
+    return true;
+}
+
+bool command_load_run(rig_config_t *config, const options_t *options, const char *scenario) {
+    const bool good =
+        scenario != NULL ? load_scenario(config, options, scenario) : load_motor(config, options);
+    if (good && (options->has_seed || options->has_campaign)) {
+        config->scenario.seed = (double)options->seed;
+    }
+    return good;
 }

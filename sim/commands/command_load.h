@@ -13,4 +13,8 @@ bool command_load_sets(rig_config_t *config, const options_t *options);
 bool command_load_drive(rig_config_t *config, const char *motor, const char *drive,
                         const options_t *options);
 
+/// Scenario, or (NULL) the motor and drive of the options with a trial of their own, --set and seed,
+/// completed and designed. False after a message.
+bool command_load_run(rig_config_t *config, const options_t *options, const char *scenario);
+
 #endif

@@ -5,9 +5,7 @@
 #include "commands/campaign.h"
 #include "commands/command_load.h"
 #include "config/assumptions.h"
-#include "config/data_files.h"
 #include "config/ini_config.h"
-#include "config/trial_scenario.h"
 #include "report/plot_run.h"
 #include "report/report_run.h"
 #include "rig/capture.h"
@@ -23,38 +21,6 @@ typedef struct {
     FILE *json;
     plot_output_t plot;
 } files_t;
-
-/// A motor without a scenario brings its drive with it, or has one assumed, as in `design`.
-static bool load_motor(rig_config_t *config, const options_t *options) {
-    if (!command_load_drive(config, options->motor, options->drive, options) ||
-        !rig_config_complete(config, options->drive == NULL ? RIG_NEED_MOTOR : RIG_NEED_DRIVE)) {
-        return false;
-    }
-    rig_config_design(config);
-    trial_scenario(config);
-    return true;
-}
-
-static bool load_scenario(rig_config_t *config, const options_t *options, const char *scenario) {
-    char path[RIG_PATH_LENGTH];
-    rig_config_init(config);
-    if (!data_files_find("scenarios", scenario, path, sizeof path) ||
-        !ini_config_load_scenario(config, path) || !command_load_sets(config, options) ||
-        !rig_config_complete(config, RIG_NEED_DRIVE)) {
-        return false;
-    }
-    rig_config_design(config);
-    return true;
-}
-
-bool command_run_load(rig_config_t *config, const options_t *options, const char *scenario) {
-    const bool good =
-        scenario != NULL ? load_scenario(config, options, scenario) : load_motor(config, options);
-    if (good && (options->has_seed || options->has_campaign)) {
-        config->scenario.seed = (double)options->seed;
-    }
-    return good;
-}
 
 static bool open_files(files_t *files, const options_t *options) {
     return outputs_open(&files->csv, options->csv) && outputs_open(&files->json, options->json) &&
@@ -81,7 +47,7 @@ static rig_exit_t run_once(const options_t *options, const char *scenario) {
     runlog_t log;
     files_t files = {.csv = NULL};
     static capture_t capture;
-    if (!command_run_load(&config, options, scenario) || !open_files(&files, options) ||
+    if (!command_load_run(&config, options, scenario) || !open_files(&files, options) ||
         (capture_wanted(options) && !capture_start(&capture, options, config.drive.f_pwm_Hz))) {
         return RIG_BAD_INPUT;
     }

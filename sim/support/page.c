@@ -3,14 +3,14 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "support/plot.h"
+#include "support/utf8.h"
 
 /// Text as HTML shows it: what marks it up is written as what it looks like, a blank for each control
 /// character but the end of a line, `?` for each byte that is not UTF-8.
 static void write_text(FILE *page, const char *text) {
     const unsigned char *at = (const unsigned char *)text;
     while (*at != '\0') {
-        const int length = plot_character_length(at);
+        const int length = utf8_length(at);
         if (length > 1) {
             (void)fwrite(at, 1, (size_t)length, page);
         } else if (*at == '&') {

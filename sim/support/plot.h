@@ -69,7 +69,4 @@ void plot_panel(FILE *script, const char *label);
 /// Waits for it, and writes the page around it. False after a message if it failed.
 bool plot_finish(plot_t *self);
 
-/// Bytes of the UTF-8 character at `text`; 0 if it is none.
-int plot_character_length(const unsigned char *text);
-
 #endif
