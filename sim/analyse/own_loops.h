@@ -6,7 +6,7 @@
 #ifndef RIG_OWN_LOOPS_H
 #define RIG_OWN_LOOPS_H
 
-#include "analyse/analyse.h"
+#include "analyse/result.h"
 
 /// Fills the figures "own-..." and the loops of `self`.
 void own_loops(analyse_t *self, const lode_drive_config_t *drive,

@@ -1,4 +1,4 @@
-#include "analyse/analyse.h"
+#include "analyse/paper1.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 // Frames as they came over a wire: some may be missing, damaged, cut off, or something else between.
-#include "decode/decode.h"
+#include "decode/frames.h"
 
 #include <string.h>
 

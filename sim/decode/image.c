@@ -1,5 +1,5 @@
 // Dumps of a recorder's buffer.
-#include "decode/decode.h"
+#include "decode/image.h"
 
 #include <string.h>
 
