@@ -11,6 +11,7 @@
 #include "report/plot_replay.h"
 #include "report/report_replay.h"
 #include "rig/euler_estimate.h"
+#include "rig/recording_load.h"
 #include "rig/replay.h"
 #include "support/atomic_file.h"
 #include "support/outputs.h"

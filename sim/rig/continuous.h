@@ -3,7 +3,7 @@
 #ifndef RIG_CONTINUOUS_H
 #define RIG_CONTINUOUS_H
 
-#include "rig/euler.h"
+#include "rig/euler_terms.h"
 
 /// From t_k-1 to t_k by Runge and Kutta's rule of fourth order, in parts of the period in which the
 /// error is far below that of any figure shown. `u_V`: held over that period; the current runs straight

@@ -37,19 +37,9 @@ typedef struct {
     size_t resampled; ///< rows of the file that these were made from; 0: they are those of the file
 } recording_t;
 
-/// False after a message "FILE:LINE: ...": not such a file, a value that is not a finite number, or
-/// times that are not those of PWM periods.
-bool recording_load(recording_t *self, const char *path, const recording_format_t *format);
-
-void recording_free(recording_t *self);
-
-// ---- Of its parts -------------------------------------------------------------------------------
-
 /// Adds a row. False after a message where memory is out.
 bool recording_add(recording_t *self, size_t *capacity, const recording_row_t *row);
 
-/// Checks the times of the rows, sets ts_s, finds gaps, and resamples where that is asked for. False after
-/// a message.
-bool recording_time(recording_t *self, const char *path, const recording_format_t *format);
+void recording_free(recording_t *self);
 
 #endif

@@ -1,5 +1,4 @@
-// The times of a recording: one row per PWM period, or made so.
-#include "rig/recording.h"
+#include "rig/recording_time.h"
 
 #include <math.h>
 #include <stdlib.h>
