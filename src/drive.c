@@ -309,7 +309,7 @@ static bool goes_by_emf(const lode_estimator_tuning_t *tuning) {
 #endif
 }
 
-LODE_NOINLINE void lode_drive_turn_by_iron(lode_drive_t *self) {
+LODE_NOINLINE void lode_drive_adapt_saturated_lag(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_estimator_t *estimator = &self->estimator;
     const lode_dq_t i_A = lode_park(estimator->emf.i_A, lode_estimator_rotor(estimator));

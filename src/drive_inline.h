@@ -54,7 +54,7 @@ bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_ab
 void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 // SLOT_LAG where the q axis saturates: with what that turns the observed angle by (R17), in drive.c.
-void lode_drive_turn_by_iron(lode_drive_t *self);
+void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
 // SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive.c.
 void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
@@ -334,7 +334,7 @@ LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_frame_t *
 LODE_INLINE void lode_drive_adapt_lag(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
     if (LODE_RARELY(lode_references_asks(&tuning->references, LODE_REFERENCES_SATURATE))) {
-        lode_drive_turn_by_iron(self);
+        lode_drive_adapt_saturated_lag(self);
         return;
     }
 #endif

@@ -10,7 +10,8 @@ extern "C" {
 #endif
 
 /// The channels: enumerator, number, name in files, unit. Meaning and instant are those of the field in
-/// lode_telemetry_t; the last four, in stator axes, are the estimator's inputs. The numbers are used in files and on the wire: none is ever changed or reused.
+/// lode_telemetry_t; the last four, in stator axes, are the estimator's inputs. The numbers are used in files and on
+/// the wire: none is ever changed or reused.
 #define LODE_CHANNELS(ROW)                                                                         \
     ROW(MODE, 0, "mode", "")     /* lode_mode_t */                                                 \
     ROW(CHECK, 1, "check", "")   /* of the fault: lode_check_t, 0 none */                          \

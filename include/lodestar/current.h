@@ -47,7 +47,8 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
                                 const lode_motor_t *motor, float ts_s);
 
 /// Puts the integrators where the output is `u_V` without control error: for a bumpless start of
-/// control, or a change of frame. `induced_V`: what rotation induces (references_inline.h).
+/// control, or a change of frame. `induced_V`: what rotation induces (K2); zero in a frame
+/// that is not the rotor's.
 void lode_current_reset(lode_current_t *self, lode_dq_t u_V, lode_dq_t induced_V);
 
 #ifdef __cplusplus

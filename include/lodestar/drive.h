@@ -240,22 +240,22 @@ typedef struct {
     bool torque_limited;
     bool
         speed_raised; ///< RUN: the commanded speed is below the least one, which is held in its place
-    lode_abc_t duty;
-    lode_dq_t i_A; ///< in the frame of control: the rotor's in RUN, the vector's in START
-    lode_dq_t ref_A;
-    lode_dq_t u_V;
+    lode_abc_t duty; ///< returned by the last call
+    lode_dq_t i_A;   ///< in the frame of control: the rotor's in RUN, the vector's in START
+    lode_dq_t ref_A; ///< its reference
+    lode_dq_t u_V;   ///< what current control asks for
     float v_bus_V;
-    float temperature_degC;
-    float theta_rad;       ///< estimated rotor angle at t_k
-    float omega_rad_s;     ///< estimated electrical speed
-    float speed_ref_rad_s; ///< ramped mechanical reference of RUN, else 0
-    float torque_ref_Nm;   ///< reference of RUN, else 0
+    float temperature_degC; ///< power stage, the hotter one
+    float theta_rad;        ///< estimated electrical rotor angle at t_k, [-pi, pi]
+    float omega_rad_s;      ///< estimated electrical speed
+    float speed_ref_rad_s;  ///< ramped mechanical reference of RUN, else 0
+    float torque_ref_Nm;    ///< reference of RUN, else 0
     /// RUN: what current and voltage allow, with all of the share; 0 in the other modes, and in a build with
     /// LODE_WITHOUT_TORQUE_LIMITS
     float torque_most_Nm;
-    float load_torque_Nm;
-    float lock;
-    lode_ab_t e_V;
+    float load_torque_Nm; ///< estimated; positive against positive speeds, 0 with the QPLL
+    float lock;           ///< quality of the estimate, 0 .. 1
+    lode_ab_t e_V;        ///< raw output of the EMF observer, stator axes
     float injected; ///< share of injection in the position error, 0 .. 1; the rest is the EMF's
     float injection_error_rad; ///< position error by injection, not limited; 0: nothing is injected
     float emf_error_rad;       ///< by the EMF
@@ -265,8 +265,8 @@ typedef struct {
 /// the host tool alike. It checks nothing: wrong inputs give values that init refuses.
 void lode_drive_design(lode_drive_config_t *config);
 
-/// Completes a copy of `config`, checks every field and derives the tuning. On any error `tuning` is
-/// left alone. Not for the interrupt; about 1.7 KB of stack (Cortex-M4F, gcc 12.2).
+/// Completes a copy of `config`, checks every field and derives the tuning. LODE_OK, or which field is out of range
+/// (status.h); `tuning` is then left alone. Not for the interrupt; about 1.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
 
 /// A drive at rest in OFF on a tuning that lode_drive_tune() has made, for this drive or for others too.
@@ -276,7 +276,8 @@ void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
                               const lode_drive_config_t *config);
 
-/// One PWM period: sense, estimate, act. Total, bounded, without allocation.
+/// One PWM period: sense, estimate, act. Whatever goes in, it ends in bounded time, and the duties are in [0, 1]. No
+/// allocation. Cycles, stack and RAM of a call: docs/budget.md.
 lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts);
 
 /// The step is these three calls in a row: counts to amperes and volts at t_k, with the guard's check of
@@ -288,11 +289,12 @@ lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_sample_t *sam
 lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
                                 const lode_estimate_t *estimate);
 
-/// Leaves a command for the next period; a later one replaces one not yet taken.
+/// Leaves a command for the next period; a later one replaces one not yet taken. Errors, which leave none: NULL;
+/// COMMAND, where a mode or kind of control is unknown or not built in, or a value is not finite; COMMAND_SPEED.
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command);
 
 /// Leaves a tuning, checked and derived by lode_drive_tune(), for the next period. All states go on.
-/// The old one may be reused once lode_drive_tuning_taken() is true. Sums the tuning up, some 150 words.
+/// The old one may be reused once lode_drive_tuning_taken() is true. Sums the tuning up, some 150 words. Error: NULL.
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 bool lode_drive_tuning_taken(const lode_drive_t *self);
 
@@ -308,8 +310,8 @@ void lode_drive_limit_torques(lode_drive_t *self, float motoring, float braking)
 
 #endif
 
-/// A snapshot of the last period. False if the interrupt came in between three times running; the
-/// snapshot then mixes fields of different periods, each whole.
+/// A snapshot of the last period, for the thread: it computes an arc tangent. False if the interrupt came in between
+/// three times running; the snapshot then mixes fields of different periods, each whole.
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry);
 
 #ifdef __cplusplus

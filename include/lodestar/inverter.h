@@ -33,8 +33,8 @@ typedef struct {
     lode_choice_t double_update;
 } lode_inverter_config_t;
 
-/// Share of a call's period that a leg loses for each second of dead time: how often a second both switches are off at
-/// turn-on. `f_step_Hz`: rate of the calls.
+/// Carrier frequency, Hz: how often a second a leg loses its dead time. `f_step_Hz`: rate of the calls, twice that with
+/// double update.
 static inline float lode_inverter_carrier_Hz(const lode_inverter_config_t *config,
                                              float f_step_Hz) {
     return config->double_update == LODE_ON ? 0.5f * f_step_Hz : f_step_Hz;

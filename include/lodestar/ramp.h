@@ -1,4 +1,4 @@
-/// A value that moves to its target at a bounded rate.
+/// Ranges, and weights that fade between two values.
 #ifndef LODESTAR_RAMP_H
 #define LODESTAR_RAMP_H
 

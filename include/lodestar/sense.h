@@ -93,16 +93,17 @@ typedef struct {
 } lode_sample_t;
 
 typedef enum {
-    LODE_CALIBRATION_RUNNING,
-    LODE_CALIBRATION_DONE,
-    LODE_CALIBRATION_IMPLAUSIBLE,
-    LODE_CALIBRATION_STUCK
+    LODE_CALIBRATION_RUNNING,     ///< wants more samples
+    LODE_CALIBRATION_DONE,        ///< the offsets are in use
+    LODE_CALIBRATION_IMPLAUSIBLE, ///< an offset is beyond i_offset_tol_count
+    LODE_CALIBRATION_STUCK        ///< a sensor lacks the noise that i_noise_count says it has
 } lode_calibration_t;
 
 /// Fills every zero field that has a default.
 void lode_sense_design(lode_sense_config_t *config);
 
-/// Checks `config` for currents up to `i_max_A` and a bus of `v_bus_V`, and derives the tuning.
+/// Checks `config` for currents up to `i_max_A` and a bus of `v_bus_V`, and derives the tuning; `ts_s`: period of the
+/// step. On any error `tuning` is left alone.
 lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_config_t *config,
                               float i_max_A, float v_bus_V, float ts_s);
 

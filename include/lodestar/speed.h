@@ -59,8 +59,9 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
                               const lode_motor_t *motor, const lode_pll_config_t *pll, float ts_s);
 
-/// Starts from the mechanical speed `omega_rad_s` with the torque `torque_Nm`, without a jump, and within
-/// `most_Nm` of either sign.
+/// Starts from the MECHANICAL speed `omega_rad_s` with the torque `torque_Nm`, without a jump, and within
+/// `most_Nm` of either sign. `load_Nm`: the present load torque; the share of it that is fed forward is a part of
+/// `torque_Nm`.
 void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,
                       float torque_Nm, float load_Nm, float most_Nm);
 
