@@ -13,12 +13,12 @@
 #define TURN_rad 3.0f       // seen turning by so much, the speed is known to a few per cent ...
 #define TURN_LEAST_rad 0.5f // ... by so much to some 20 %
 #define SCATTER_MAX_rad 0.5f // rms about the line; of noise alone it is some 1.6 and more
-#define TURN_PERIODS 12u
+#define TURN_PERIODS 12u     // of it, at least
 #define TURN_PART (LODE_SLOW_PERIODS / 2u) // half of the time in which a rotor is looked for
 #define LEAST_SHARE 0.75f                  // of the speed from which the estimator may take over
 #define FLUX_LOW                                                                                   \
     0.5f // of the configured flux, by the size of the vectors: the inductance may be 20 % off
-#define FLUX_HIGH 1.6f
+#define FLUX_HIGH 1.6f  // the same, upwards
 #define LOST_SHARE 0.5f // of the current that is seen: noise alone is rarely that, and not for long
 #define GONE_SHARE 0.25f // of the current of a pulse
 #define SETTLE 2u        // periods from a new share to its first sample

@@ -38,8 +38,8 @@ static lode_references_kind_t default_kind(const lode_inverter_config_t *inverte
 #else
     const float lost = (motor->Lq_H - motor->Ld_H) * inverter->i_max_A;
     const float turned = LQ_UNKNOWN * motor->Lq_H * inverter->i_max_A;
-    const bool calm = 4.0f * lost * turned < ANGLE_SHARE * motor->psi_Wb * motor->psi_Wb;
-    return calm ? LODE_REFERENCES_ID0 : LODE_REFERENCES_MTPA;
+    const bool bounded = 4.0f * lost * turned < ANGLE_SHARE * motor->psi_Wb * motor->psi_Wb;
+    return bounded ? LODE_REFERENCES_ID0 : LODE_REFERENCES_MTPA;
 #endif
 }
 
