@@ -45,10 +45,8 @@ bool lode_fault_log_step(lode_fault_log_t *self, const lode_telemetry_t *telemet
     const bool fault = telemetry->mode == LODE_MODE_FAULT;
     const bool noted = fault && self->faulted;
     self->faulted = fault;
-    if (noted) { // the same one, by a better name perhaps
-        if (self->held > 0u) {
-            tripped_row(self, 0u)->fault = telemetry->fault;
-        }
+    if (noted) {                                         // the same one, by a better name perhaps
+        tripped_row(self, 0u)->fault = telemetry->fault; // erased meanwhile: nobody's row
         return false;
     }
     // One row by the other: of an array that shifts compilers make a call of memmove.

@@ -123,7 +123,6 @@ static void grow(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     self->periods++;
     if ((enough && fits) || self->periods >= most_periods(given)) {
         self->theta_rad = lode_atan2(i_A.beta, i_A.alpha);
-        self->turned_rad = self->sum_rad = self->moment_rad = self->square_rad2 = 0.0f;
         enter(self, (uint_least8_t)(seen ? LODE_FLY_TURN : LODE_FLY_SLOW));
         return;
     }

@@ -189,7 +189,6 @@ lode_command_t lode_supervisor_step(lode_supervisor_t *self, const lode_telemetr
     self->waits = false;
     if (self->time_s >= self->good_s) {
         set_count(self->attempts, 0u);
-        self->time_s = self->good_s;
     }
     if (lode_supervisor_is_latched(self, telemetry)) {
         return (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = false};

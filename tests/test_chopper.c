@@ -110,6 +110,9 @@ static void test_heat_stays_bounded(void) {
     chopper.heat = 0.0f;
     (void)lode_chopper_step(&chopper, &tuning, 1.0e15f);
     TEST_ASSERT_TRUE(chopper.heat <= 4.0f);
+    chopper.heat = 0.0f;
+    (void)lode_chopper_step(&chopper, &tuning, INFINITY); // no measurement
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, chopper.heat);
 }
 
 static lode_status_t try_config(const lode_chopper_config_t *config) {

@@ -136,6 +136,38 @@ static void test_hall_switches_are_followed_by_their_edges(void) {
     }
 }
 
+/// An edge changes the speed by 0.4 of its error over the interval: of the one that the speed makes, unless the
+/// rotor took twice as long (A3).
+static void test_an_edge_corrects_the_speed_by_its_interval(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 18u, .offset_rad = middle_rad(18u)};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const lode_estimate_t own = {.lock = 1.0f, .rotor = {0.0f, 1.0f}};
+    const lode_ab_t i_A = {0.0f, 0.0f};
+    const double count_rad = CHECK_PI / 3.0;
+    static const int periods[] = {40, 160, 160}; // from edge to edge
+    static const bool by_speed[] = {false, true, false};
+    lode_encoder_t encoder;
+    lode_encoder_reset(&encoder);
+    (void)lode_encoder_estimate(&encoder, &tuning, &own, i_A, 0u);
+    for (uint32_t edge = 0u; edge < 3u; edge++) {
+        if (edge == 2u) {
+            encoder.omega_rad_s *= 0.25f; // much slower than the interval will be
+        }
+        for (int k = 1; k < periods[edge]; k++) {
+            (void)lode_encoder_estimate(&encoder, &tuning, &own, i_A, edge);
+        }
+        const double before = (double)encoder.omega_rad_s;
+        const double predicted = (double)encoder.theta_rad + RIG_TS_s * before;
+        (void)lode_encoder_estimate(&encoder, &tuning, &own, i_A, edge + 1u);
+        const double error = remainder((double)encoder.theta_rad - predicted, 2.0 * CHECK_PI) / 0.7;
+        const double interval_s = periods[edge] * RIG_TS_s;
+        const double per_s = by_speed[edge] ? before / count_rad : 1.0 / interval_s;
+        TEST_ASSERT_EQUAL_INT(by_speed[edge], before * interval_s > 0.5 * count_rad);
+        TEST_ASSERT_TRUE(fabs(error) > 0.02);
+        CHECK_CLOSE(2.0e-3, 0.4 * per_s * error, (double)encoder.omega_rad_s - before);
+    }
+}
+
 static void test_a_rotor_that_stops_between_two_edges_is_seen_to_stop(void) {
     const lode_encoder_config_t config = {.counts_per_turn = 18u, .offset_rad = middle_rad(18u)};
     const lode_encoder_tuning_t tuning = tuned(&config);
@@ -382,6 +414,20 @@ static void test_every_field_at_its_limits(void) {
     }
 }
 
+/// However the reciprocals and quotients of floats round.
+static void test_pole_pairs_and_the_time_of_the_check_are_whole(void) {
+    lode_drive_tuning_t drive = drive_tuning;
+    for (uint32_t n = 1u; n <= 100u; n++) {
+        drive.speed.inv_pole_pairs = 1.0f / (float)n;
+        const lode_encoder_config_t config = {.counts_per_turn = 4096u,
+                                              .check_s = (float)n * drive.estimator.pll.ts_s};
+        lode_encoder_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_encoder_tune(&tuning, &config, &drive));
+        TEST_ASSERT_EQUAL_UINT(n, tuning.pole_pairs);
+        TEST_ASSERT_EQUAL_UINT(n, tuning.check_periods);
+    }
+}
+
 /// Both poles of the loop lie at exp(-bandwidth Ts). Inside a count a tenth of its gain acts, beyond it all.
 static void test_gains_of_a_fine_encoder(void) {
     const lode_encoder_config_t config = {.counts_per_turn = 4096u, .bandwidth_rad_s = 300.0f};
@@ -421,6 +467,7 @@ int main(void) {
     RUN_TEST(test_a_fine_encoder_is_tracked_to_its_count);
     RUN_TEST(test_the_age_of_a_count_is_made_up_for);
     RUN_TEST(test_hall_switches_are_followed_by_their_edges);
+    RUN_TEST(test_an_edge_corrects_the_speed_by_its_interval);
     RUN_TEST(test_a_rotor_that_stops_between_two_edges_is_seen_to_stop);
     RUN_TEST(test_counts_beyond_a_turn_are_reduced);
     RUN_TEST(test_the_offset_is_found_from_the_own_estimate);
@@ -430,6 +477,7 @@ int main(void) {
     RUN_TEST(test_a_sensor_that_slips_is_left_for_the_emf);
     RUN_TEST(test_the_step_alone_is_sensorless);
     RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_pole_pairs_and_the_time_of_the_check_are_whole);
     RUN_TEST(test_gains_of_a_fine_encoder);
     return UNITY_END();
 }

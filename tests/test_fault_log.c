@@ -7,7 +7,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-#define FAULTS 3u
+#define FAULTS 4u
 #define ROWS 4u
 
 static lode_telemetry_t buffer[LODE_FAULT_LOG_ROWS(FAULTS, ROWS)];
@@ -148,6 +148,17 @@ static void test_wrong_arguments_are_refused(void) {
     TEST_ASSERT_EQUAL_UINT(7u, log.total);
 }
 
+static void test_as_many_as_a_thousand(void) {
+    static lode_telemetry_t many[LODE_FAULT_LOG_ROWS(1u, 1000u)];
+    lode_fault_log_t log;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_fault_log_init(&log, many, 1000u, 1u));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_fault_log_init(&log, many, 1u, 1000u));
+    steps = 0u;
+    runs(&log, 1500);
+    faults(&log, LODE_CHECK_START);
+    TEST_ASSERT_EQUAL_UINT(1501u - 999u, lode_fault_log_row(&log, 0u, 999u)->steps);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_fault_has_its_row_and_those_before);
@@ -157,5 +168,6 @@ int main(void) {
     RUN_TEST(test_one_row_is_enough);
     RUN_TEST(test_erased_it_is_empty);
     RUN_TEST(test_wrong_arguments_are_refused);
+    RUN_TEST(test_as_many_as_a_thousand);
     return UNITY_END();
 }

@@ -114,6 +114,116 @@ static void test_angle_and_speed_are_found_in_either_direction(void) {
     }
 }
 
+/// Without a current that is seen: every two periods by the first share, or to three times what dead time and a
+/// microsecond leave of it, up to half a period. The vector of the period between is no pulse's of that share.
+static void test_pulses_lengthen_every_two_periods(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    CHECK_NEAR(1.0e-7, 0.02, tuning.share_dead);
+    static const double shares[] = {0.05, 0.10, 0.03 + 3.0 * 0.07, 0.5};
+    lode_fly_t fly;
+    lode_fly_begin(&fly, &tuning);
+    for (int n = 0; n < 2 * COUNT_OF(shares); n++) {
+        TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_FLY_BEGIN : LODE_FLY_GROW, fly.stage);
+        fly_on(&fly, &tuning, (lode_ab_t){n % 2 == 0 ? 0.0f : 5.0f, 0.0f}, 0.0f);
+        CHECK_NEAR(1.0e-6, shares[n / 2], fly.share);
+    }
+    fly_on(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 0.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, fly.stage);
+}
+
+/// A current that is seen: by what is missing of a tenth of i_max, to twice the share at most.
+static void test_pulses_lengthen_by_what_is_missing(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    lode_fly_given_t given = given_with(0.0f);
+    given.v_bus_V = 1.0e6f; // bounds nothing
+    static const float seen_A[] = {0.0f, 0.0f, 0.3f, 0.9f, 1.25f};
+    static const double shares[] = {0.05, 0.10, 0.20, 0.20 * 1.2 / 0.9, 0.20 * 1.2 / 0.9};
+    lode_fly_t fly;
+    lode_fly_begin(&fly, &tuning);
+    for (int n = 0; n < COUNT_OF(seen_A); n++) {
+        lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, seen_A[n]}, &given);
+        CHECK_NEAR(1.0e-6, shares[n], fly.share);
+        TEST_ASSERT_EQUAL_INT(n < 4 ? LODE_FLY_GROW : LODE_FLY_TURN, fly.stage);
+        if (n < 4) {
+            lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, &given);
+        }
+    }
+}
+
+/// (S23): 0.8 of the share after which the current just decays, behind an EMF of 70 V.
+static void test_the_bus_bounds_the_pulses(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    const double emf_V = 70.0;
+    lode_fly_t fly;
+    lode_fly_begin(&fly, &tuning);
+    for (int k = 0; k < STEPS_MAX && fly.stage != (uint_least8_t)LODE_FLY_TURN; k++) {
+        const double acted = fmax((double)fly.share - 0.02, 0.0);
+        const float i_A = (float)(emf_V * acted * (double)PAPER_TS_s / (2.0 * 9.8e-3));
+        TEST_ASSERT_TRUE(fly.stage != (uint_least8_t)LODE_FLY_SLOW);
+        fly_on(&fly, &tuning, (lode_ab_t){0.0f, i_A}, 0.0f);
+    }
+    CHECK_NEAR(1.0e-4, 0.8 * (1.0 - sqrt(3.0) * emf_V / 200.0), fly.share);
+}
+
+/// Calls in TURN of a rotor that is found.
+static int calls_in_turn(double omega) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    coaster_t self = rotor(omega);
+    lode_fly_t fly;
+    int calls = 0;
+    lode_fly_begin(&fly, &tuning);
+    while (!is_over(&fly) && self.steps < STEPS_MAX) {
+        calls += fly.stage == (uint_least8_t)LODE_FLY_TURN ? 1 : 0;
+        step(&self, &fly, &tuning, 0.0f);
+        TEST_ASSERT_TRUE(fly.stage < (uint_least8_t)LODE_FLY_COAST || !(fly.share > 0.0f));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
+    CHECK_NEAR(0.02 * omega, omega, fly.omega_rad_s);
+    return calls;
+}
+
+/// Twelve periods and half a turn, at most half of the time to look.
+static void test_how_long_vectors_are_seen_to_turn(void) {
+    TEST_ASSERT_EQUAL_INT(12, calls_in_turn(1600.0));
+    TEST_ASSERT_EQUAL_INT((int)TURN_PERIODS, calls_in_turn(60.0));
+}
+
+/// Three quarters of the hand-over speed, with magnets that let so slow a rotor be seen.
+static void test_the_slowest_rotor_that_is_caught(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    lode_fly_given_t given = given_with(0.0f);
+    given.psi_Wb = 0.5f;
+    static const double speeds[] = {36.0, 34.5};
+    for (int n = 0; n < COUNT_OF(speeds); n++) {
+        coaster_t self = rotor(speeds[n]);
+        self.psi = 0.5;
+        lode_fly_t fly;
+        lode_fly_begin(&fly, &tuning);
+        while (!is_over(&fly) && self.steps < STEPS_MAX) {
+            lode_fly_step(&fly, &tuning, sample(&self), &given);
+            self.share[1] = self.share[0];
+            self.share[0] = (double)fly.share;
+            self.theta += (double)PAPER_TS_s * self.omega;
+            self.steps++;
+        }
+        TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_FLY_FOUND : LODE_FLY_SLOW, fly.stage);
+        CHECK_AT_LEAST((int)TURN_PERIODS, self.steps); // it was seen
+    }
+}
+
+/// (S24): half of the flux is enough, of what dead time and a microsecond leave.
+static void test_weak_magnets_behind_dead_time(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    coaster_t self = rotor(400.0);
+    self.lost_s = 0.5 * 0.03 * (double)PAPER_TS_s;
+    self.psi = 0.52 * 0.142;
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, run(&self, &tuning, 0.0f).stage);
+    self = rotor(400.0);
+    self.lost_s = 0.5 * 0.03 * (double)PAPER_TS_s;
+    self.psi = 0.48 * 0.142;
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, run(&self, &tuning, 0.0f).stage);
+}
+
 static void test_noise_and_dead_time_leave_angle_and_speed(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
     for (int k = -8; k <= 8; k += 4) {
@@ -223,6 +333,7 @@ static void test_pulses_are_shorter_where_the_bus_leaves_little(void) {
     // More and more current, as one that does not decay, and then none.
     for (int k = 1; k < 20; k++) {
         const float i_A = fly.share > 0.3f ? 10.0f : 0.03f;
+        TEST_ASSERT_TRUE(fly.periods < TURN_PERIODS);
         fly_on(&fly, &tuning, (lode_ab_t){0.0f, i_A}, 0.0f);
     }
     TEST_ASSERT_EQUAL_INT(LODE_FLY_GROW, fly.stage);
@@ -230,6 +341,7 @@ static void test_pulses_are_shorter_where_the_bus_leaves_little(void) {
     for (int k = 0; k < STEPS_MAX && !is_over(&fly) && fly.stage != (uint_least8_t)LODE_FLY_TURN;
          k++) { // not for ever
         const float i_A = fly.share > 0.3f ? 10.0f : 0.03f;
+        TEST_ASSERT_TRUE(fly.periods < TURN_PERIODS);
         fly_on(&fly, &tuning, (lode_ab_t){0.0f, i_A}, 0.0f);
     }
     TEST_ASSERT_TRUE(fly.stage != (uint_least8_t)LODE_FLY_GROW);
@@ -245,6 +357,17 @@ static void test_a_current_that_does_not_decay_is_waited_for(void) {
     fly_on(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 0.0f);
     TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
     CHECK_NEAR(1.0e-4, 11.0 * 100.0 * (double)PAPER_TS_s, fly.theta_rad);
+    // Two periods at least, until a quarter of a pulse's current is left.
+    fly = (lode_fly_t){.stage = (uint_least8_t)LODE_FLY_COAST};
+    for (int k = 0; k < 4; k++) {
+        TEST_ASSERT_EQUAL_INT(LODE_FLY_COAST, fly.stage);
+        fly_on(&fly, &tuning, (lode_ab_t){k == 0 ? 0.0f : (k < 3 ? 0.32f : 0.28f), 0.0f}, 0.0f);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
+    fly = (lode_fly_t){.stage = (uint_least8_t)LODE_FLY_COAST};
+    fly_on(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 0.0f);
+    fly_on(&fly, &tuning, (lode_ab_t){0.0f, 0.0f}, 0.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_FLY_FOUND, fly.stage);
     fly = (lode_fly_t){.stage = (uint_least8_t)LODE_FLY_COAST};
     for (uint32_t k = 0u; k < TURN_PERIODS; k++) {
         fly_on(&fly, &tuning, (lode_ab_t){1.0f, 0.0f}, 0.0f);
@@ -276,6 +399,8 @@ static void test_where_there_are_no_pulses(void) {
     TEST_ASSERT_TRUE(tuned(&config, 1.0f).share_first > 0.0f);
     config.catch_s = LODE_NONE;
     TEST_ASSERT_FALSE(tuned(&config, 1.0f).share_first > 0.0f);
+    config.catch_s = 0.0f;
+    TEST_ASSERT_FALSE(tuned(&config, 1.0f).share_first > 0.0f);
     config = start;
     config.pulses = LODE_OFF;
     const lode_fly_tuning_t none = tuned(&config, 1.0f);
@@ -291,6 +416,12 @@ static void test_where_there_are_no_pulses(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_angle_and_speed_are_found_in_either_direction);
+    RUN_TEST(test_pulses_lengthen_every_two_periods);
+    RUN_TEST(test_pulses_lengthen_by_what_is_missing);
+    RUN_TEST(test_the_bus_bounds_the_pulses);
+    RUN_TEST(test_how_long_vectors_are_seen_to_turn);
+    RUN_TEST(test_the_slowest_rotor_that_is_caught);
+    RUN_TEST(test_weak_magnets_behind_dead_time);
     RUN_TEST(test_noise_and_dead_time_leave_angle_and_speed);
     RUN_TEST(test_what_is_no_rotor_of_this_motor_is_left_to_the_start);
     RUN_TEST(test_noise_is_no_rotor);

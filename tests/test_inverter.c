@@ -161,7 +161,7 @@ static void test_the_reciprocal_follows_the_bus(void) {
         const double move = 1.0e-3 * n;
         lode_inverter_t inverter = at_200_V(&tuning);
         lode_inverter_follow_bus(&inverter, &tuning, (float)(200.0 * (1.0 + move)));
-        CHECK_NEAR(1.01 * move * move + 2.0e-7, 1.0, inverter.v_bus_V * inverter.per_V);
+        CHECK_NEAR(2.0e-7, 1.0 - move * move, inverter.v_bus_V * inverter.per_V);
         TEST_ASSERT_EQUAL_FLOAT((float)(200.0 * (1.0 + move)), inverter.v_bus_V);
     }
     // A ripple of 5 % in a triangle of 20 periods, 1 % per period: never off by more than 0.03 %.
@@ -276,6 +276,64 @@ static void test_tuning_of_a_configuration(void) {
     TEST_ASSERT_TRUE(tuning.v_min_V > 0.0f && tuning.v_min_V < 100.0f);
 }
 
+/// A vector as long as what is free for current control has all its duties between the rails, after the worst that
+/// the correction may add at the least bus; one that is 0.2 % longer has not.
+static void test_what_is_free_leaves_room_for_the_correction(void) {
+    for (int corrects = 0; corrects <= 1; corrects++) {
+        lode_inverter_config_t config = sound();
+        config.dead_time_correction = corrects == 1 ? LODE_ON : LODE_OFF;
+        const lode_inverter_tuning_t tuning = tuned(&config);
+        // 4 us of 200 us and 1.5 us more; 1.2 V of a tenth of 200 V.
+        const double error = corrects == 1 ? 0.02 + 0.0075 + 0.06 : 0.0;
+        double highest = 0.0;
+        for (int n = 0; n < 360; n++) {
+            double u[3];
+            for (int phase = 0; phase < 3; phase++) {
+                u[phase] = (double)tuning.free * cos(n * CHECK_DEG - 2.0 * CHECK_PI / 3.0 * phase);
+            }
+            const double most = fmax(u[0], fmax(u[1], u[2]));
+            const double least = fmin(u[0], fmin(u[1], u[2]));
+            highest = fmax(highest, 0.5 + 0.5 * (most - least) + error);
+        }
+        CHECK_AT_MOST(1.0, highest);
+        CHECK_AT_LEAST(0.999, highest);
+        TEST_ASSERT_TRUE((tuning.dead_duty > 0.0f) == (corrects == 1));
+        TEST_ASSERT_TRUE((tuning.v_drop_V > 0.0f) == (corrects == 1));
+    }
+}
+
+/// What the correction rounds by, at a current, is taken of it: half a step of a float at 2 i for each of two terms.
+static void test_what_is_free_leaves_room_for_rounding(void) {
+    lode_inverter_config_t config = sound();
+    config.i_dead_A = 0.02f; // a steep slope
+    for (int corrects = 0; corrects <= 1; corrects++) {
+        config.dead_time_correction = corrects == 1 ? LODE_ON : LODE_OFF;
+        const lode_inverter_tuning_t before = tuned(&config);
+        lode_inverter_tuning_t tuning = before;
+        lode_inverter_bound_current(&tuning, 1000.0f);
+        const double slope = 0.5 * (0.02 + 0.0075 + 0.06) / (0.05 * 0.02);
+        const double room = 2.0 / sqrt(3.0) * slope * ldexp(1.0, -23) * 2.0 * 1000.0;
+        CHECK_NEAR(2.0e-4 * room, corrects == 1 ? room : 0.0,
+                   (double)before.free - (double)tuning.free);
+    }
+}
+
+static void test_periods_and_ticks(void) {
+    lode_inverter_config_t config = sound();
+    const lode_inverter_tuning_t tuning = tuned(&config);
+    CHECK_CLOSE(1.0e-6, 1.0e-4, tuning.inv_ticks);
+    TEST_ASSERT_EQUAL_UINT(1u, tuning.grid);
+    for (uint32_t n = 0u; n <= 100u; n++) { // however the quotient rounds
+        config.precharge_s = (float)n * PAPER_TS_s;
+        TEST_ASSERT_EQUAL_UINT(n, tuned(&config).precharge_periods);
+    }
+    config.pwm_ticks = 0.0f;
+    TEST_ASSERT_EQUAL_UINT(0u, tuned(&config).grid);
+    config.pwm_ticks = 1.0f; // the coarsest
+    TEST_ASSERT_EQUAL_UINT(1u, tuned(&config).grid);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, tuned(&config).inv_ticks);
+}
+
 static lode_status_t try_config(const lode_inverter_config_t *config) {
     lode_inverter_tuning_t tuning;
     memset(&tuning, 0x5a, sizeof tuning);
@@ -353,6 +411,11 @@ static void test_design_decides(void) {
     lode_inverter_config_t ideal = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
     lode_inverter_design(&ideal, &motor, PAPER_TS_s);
     TEST_ASSERT_EQUAL_INT(LODE_ON, ideal.dead_time_correction); // of what the start may find
+    // Of a motor that has hardly any ripple, a hundredth of i_max.
+    const lode_motor_t smooth = {.Ld_H = 1.0f, .Lq_H = 1.0f};
+    lode_inverter_config_t calm = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
+    lode_inverter_design(&calm, &smooth, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-6, 0.12, calm.i_dead_A);
     const lode_inverter_config_t all = sound();
     lode_inverter_config_t kept = all;
     lode_inverter_design(&kept, &motor, PAPER_TS_s);
@@ -411,6 +474,9 @@ int main(void) {
     RUN_TEST(test_error_is_odd_and_rises_with_the_current);
     RUN_TEST(test_double_update_has_one_edge_a_call);
     RUN_TEST(test_tuning_of_a_configuration);
+    RUN_TEST(test_what_is_free_leaves_room_for_the_correction);
+    RUN_TEST(test_what_is_free_leaves_room_for_rounding);
+    RUN_TEST(test_periods_and_ticks);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_choices_must_be_made);
     RUN_TEST(test_design_decides);

@@ -86,6 +86,24 @@ static void test_limits(void) {
     config.current.kp_q_V_A *= 2.0f;
     tuning = designed(&config);
     CHECK_NEAR(1.0e-7, 0.3 * 19.6e-3, tuning.Lq_H.min);
+    // Hardly more salient than has to be: what is configured is the least.
+    config.hfi.Lq_i_max_H = 1.155f * config.motor.Ld_H;
+    tuning = designed(&config);
+    CHECK_NEAR(0.0, config.motor.Lq_H, tuning.Lq_H.min);
+}
+
+/// As for a drive, what is left open is designed.
+static void test_an_open_configuration_is_designed(void) {
+    lode_drive_config_t open = rig_config();
+    open.hfi.mode = LODE_HFI_ON;
+    open.hfi.learn = LODE_ON;
+    lode_drive_config_t complete = open;
+    lode_drive_design(&complete);
+    const lode_learn_tuning_t from_open = designed(&open);
+    const lode_learn_tuning_t from_complete = designed(&complete);
+    TEST_ASSERT_TRUE(complete.hfi.Lq_i_max_H > 0.0f);
+    CHECK_NEAR(0.0, from_complete.Lq_H.min, from_open.Lq_H.min);
+    CHECK_NEAR(0.0, from_complete.omega_least, from_open.omega_least);
 }
 
 static void test_what_was_stored_is_taken_within_limits(void) {
@@ -106,6 +124,9 @@ static void test_what_was_stored_is_taken_within_limits(void) {
     TEST_ASSERT_TRUE(learn.now.Lq_H >= tuning.Lq_H.min && learn.now.Lq_H <= tuning.Lq_H.max);
     CHECK_NEAR(1.0e-6, 1.2 * 0.142, learn.now.psi_Wb);
     CHECK_NEAR(0.0, 0.0, learn.now.confidence);
+    const lode_learned_t sure = {8.0e-3f, 0.13f, 1.5f};
+    lode_learn_begin(&learn, &tuning, &config, &sure);
+    CHECK_NEAR(0.0, 1.0, learn.now.confidence);
 }
 
 // (H16), (H17): 0.7 of what the errors show, whatever the sign of the current and injection's share.
@@ -124,9 +145,56 @@ static void test_a_look_corrects_Lq(void) {
     }
 }
 
+// What i_d makes of the active flux belongs to it.
+static void test_a_look_with_current_in_d(void) {
+    static const float currents_A[] = {-3.0f, 3.0f};
+    for (int n = 0; n < COUNT_OF(currents_A); n++) {
+        lode_learn_t learn;
+        lode_learn_tuning_t tuning;
+        begin(&learn, &tuning);
+        lode_telemetry_t now = seen(0.0f, 5.0f);
+        const float active_Wb = 0.142f + (3.5e-3f - 9.8e-3f) * currents_A[n];
+        now.i_A.d = currents_A[n];
+        now.e_V.beta = 200.0f * active_Wb;
+        now.emf_error_rad = 1.0e-3f * 5.0f / active_Wb;
+        TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+        CHECK_NEAR(1.0e-8, 9.8e-3 + 0.7e-3, learn.now.Lq_H);
+        CHECK_NEAR(1.0e-5, 0.142, learn.now.psi_Wb);
+    }
+}
+
+/// The least speed, current and lock that a look takes are looked at already.
+static void test_a_look_at_the_least_of_all(void) {
+    lode_learn_t learn;
+    lode_learn_tuning_t tuning;
+    begin(&learn, &tuning);
+    lode_telemetry_t now = seen(1.0e-3f, tuning.i_least_A);
+    now.lock = LODE_LOCK_LOST;
+    now.omega_rad_s = -tuning.omega_least;
+    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+    CHECK_NEAR(1.0e-8, 9.8e-3 + 0.7e-3, learn.now.Lq_H);
+    begin(&learn, &tuning);
+    now = seen(0.0f, 5.0f);
+    now.omega_rad_s = tuning.omega_psi;
+    now.e_V.beta = 0.13f * tuning.omega_psi;
+    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+    CHECK_NEAR(1.0e-5, 0.142 - 0.7 * 0.012, learn.now.psi_Wb);
+}
+
+/// Looks that agree raise the confidence by a quarter of what is missing each, one that does not lowers it.
 static void test_looks_converge_and_are_believed(void) {
     lode_learn_t learn;
     lode_learn_tuning_t tuning;
+    begin(&learn, &tuning);
+    const lode_telemetry_t good = seen(0.0f, 5.0f);
+    for (int n = 1; n <= 4; n++) {
+        (void)look(&learn, &tuning, &good);
+        CHECK_NEAR(1.0e-6, 1.0 - pow(0.75, n), learn.now.confidence);
+    }
+    begin(&learn, &tuning);
+    const lode_telemetry_t half = seen(0.05f * 9.8e-3f, 5.0f);
+    (void)look(&learn, &tuning, &half);
+    CHECK_NEAR(1.0e-5, 0.25 * 0.5, learn.now.confidence);
     begin(&learn, &tuning);
     for (int n = 0; n < 12; n++) {
         const lode_telemetry_t now = seen(5.9e-3f - learn.now.Lq_H, 5.0f);
@@ -187,6 +255,8 @@ static void test_flux(void) {
     now.e_V = (lode_ab_t){-200.0f * (0.13f - 2.0f * 6.3e-3f), 0.0f};
     TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
     CHECK_NEAR(1.0e-5, 0.142 - 0.7 * 0.012, learn.now.psi_Wb);
+    TEST_ASSERT_TRUE(look(&learn, &tuning, &now)); // the next takes 0.7 of what is left
+    CHECK_NEAR(1.0e-5, 0.13 + 0.09 * 0.012, learn.now.psi_Wb);
     begin(&learn, &tuning);
     now.omega_rad_s = 140.0f;
     now.e_V.alpha *= 0.7f;
@@ -365,8 +435,11 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_refusals);
     RUN_TEST(test_limits);
+    RUN_TEST(test_an_open_configuration_is_designed);
     RUN_TEST(test_what_was_stored_is_taken_within_limits);
     RUN_TEST(test_a_look_corrects_Lq);
+    RUN_TEST(test_a_look_with_current_in_d);
+    RUN_TEST(test_a_look_at_the_least_of_all);
     RUN_TEST(test_looks_converge_and_are_believed);
     RUN_TEST(test_limited);
     RUN_TEST(test_frozen_where_not_both_tell_the_position);

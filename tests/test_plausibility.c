@@ -135,12 +135,26 @@ static void test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_spee
             CHECK_AT_MOST(share < 0.25 ? 6.5e-3 : 5.0e-3, until_found(&self, &found));
             TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK", lode_check_name(found.check));
             TEST_ASSERT_TRUE(found.measured == (stuck == 4 ? 0.0f : (float)stuck)); // 0: all
+            TEST_ASSERT_TRUE(found.limit == 0.0f);
         }
     }
 }
 
-/// Turns with one count held at 4; `balanced`: the others add up to none with it. Returns the turn until found.
-static double turn_until_found(bool balanced, float x_Ohm) {
+/// One that is stuck at no current at all is found like any other.
+static void test_a_converter_may_be_stuck_at_zero(void) {
+    for (int stuck = 1; stuck <= 3; stuck++) {
+        bench_t self = bench(3.6, 0.5 * PAPER_OMEGA_RATED);
+        lode_finding_t found;
+        expect_none(&self, 200);
+        self.stuck = stuck;
+        self.held[stuck - 1] = 0;
+        CHECK_AT_MOST(10.0e-3, until_found(&self, &found));
+        TEST_ASSERT_TRUE(found.check == LODE_CHECK_CURRENT_STUCK && found.measured == (float)stuck);
+    }
+}
+
+/// Turns with phase `held` at 4 counts; `balanced`: the others add up to none with it. Returns the turn until found.
+static double turn_of_held(int held, bool balanced, float x_Ohm) {
     bench_t self = bench(3.6, 0.0);
     const double step = 0.05;
     lode_finding_t found = {.check = LODE_CHECK_NONE};
@@ -149,19 +163,67 @@ static double turn_until_found(bool balanced, float x_Ohm) {
         const double a = 3.6 * cos(turned - 1.0) / GAIN_A;
         const int32_t b = LODE_COUNT_FRACTION * (int32_t)lround(a);
         const int32_t c = LODE_COUNT_FRACTION * (int32_t)lround(0.4 * a);
-        const int32_t i[LODE_PHASES] = {4 * LODE_COUNT_FRACTION, b, balanced ? -b : c};
+        int32_t i[LODE_PHASES];
+        i[held] = 4 * LODE_COUNT_FRACTION;
+        i[(held + 1) % 3] = b;
+        i[(held + 2) % 3] = balanced ? -b : c;
         found = judge_held(&self.state, &self.tuning, i, (float)(3.6 * 3.6), (float)step,
                            (lode_hold_t){10.0f, x_Ohm});
     }
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
-    TEST_ASSERT_TRUE(found.measured == 1.0f);
+    TEST_ASSERT_TRUE(found.measured == (float)(held + 1));
     return turned;
+}
+
+/// The same whichever phase it is.
+static double turn_until_found(bool balanced, float x_Ohm) {
+    const double turned = turn_of_held(0, balanced, x_Ohm);
+    CHECK_NEAR(0.1, turned, turn_of_held(1, balanced, x_Ohm));
+    CHECK_NEAR(0.1, turned, turn_of_held(2, balanced, x_Ohm));
+    return turned;
+}
+
+/// What holds a phase near zero holds none beside it.
+static void test_a_phase_beside_one_near_zero_is_stuck(void) {
+    bench_t self = bench(3.6, 0.0);
+    lode_finding_t found = {.check = LODE_CHECK_NONE};
+    double turned = 0.0;
+    for (; turned < 3.0 && found.check == LODE_CHECK_NONE; turned += 0.05) {
+        const int32_t b = LODE_COUNT_FRACTION * (int32_t)lround(40.0 * sin(turned));
+        const int32_t a = 150 * LODE_COUNT_FRACTION;
+        const int32_t i[LODE_PHASES] = {a, b, -a - b};
+        found = judge(&self.state, &self.tuning, i, (float)(3.6 * 3.6), 0.05f);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
+    CHECK_AT_MOST(1.3, turned);
+}
+
+/// Three that keep still, one of them at zero: dead time may hold that one, and the vector has to turn until another
+/// would have moved by 8 counts.
+static void test_three_that_keep_still_beside_dead_time(void) {
+    for (int near_zero = 0; near_zero < 2; near_zero++) {
+        bench_t self = bench(3.6, 0.0);
+        const int32_t b = (near_zero == 1 ? 1 : 100) * LODE_COUNT_FRACTION;
+        const int32_t a = 250 * LODE_COUNT_FRACTION;
+        const int32_t i[LODE_PHASES] = {a, b, -a - b};
+        lode_finding_t found = {.check = LODE_CHECK_NONE};
+        double turned = -0.04; // since the first look
+        for (; turned < 2.0 && found.check == LODE_CHECK_NONE; turned += 0.02) {
+            found = judge(&self.state, &self.tuning, i, (float)(3.6 * 3.6), 0.02f);
+        }
+        const double one = sqrt(64.0 * GAIN_A / 3.6); // 3.6 A (1 - cos(turn/2)) are 8 counts
+        const double three = 32.0 * GAIN_A / 3.6 / 0.8660254;
+        CHECK_NEAR(0.04, near_zero == 1 ? one : three, turned);
+    }
 }
 
 /// Dead time holds a phase at zero for up to 60 degrees.
 static void test_a_phase_that_dead_time_may_hold_has_a_quarter_turn(void) {
-    CHECK_AT_MOST(0.6, turn_until_found(false, 0.0f));
+    const double open = turn_until_found(false, 0.0f);
+    CHECK_AT_LEAST(sqrt(64.0 * GAIN_A / 3.6), open); // 3.6 A (1 - cos(turn/2)) are 8 counts
+    CHECK_AT_MOST(0.6, open);
     const double clamped = turn_until_found(true, 0.0f);
+    CHECK_NEAR(1.0e-6, clamped, turn_until_found(true, 1.0f)); // 3.6 V of 10 V
     TEST_ASSERT_TRUE(clamped > CHECK_PI / 2.0);
     CHECK_AT_MOST(CHECK_PI / 2.0 + 0.3, clamped);
     // It holds none where the inductance asks for more voltage: then luck alone may, for a sixth of a turn.
@@ -173,8 +235,8 @@ static void test_a_phase_that_dead_time_may_hold_has_a_quarter_turn(void) {
 /// All three still, and the vector turned by 0.3 rad: stuck, unless the current that is asked for changes as well.
 /// By 0.9 rad: stuck.
 static void test_three_that_keep_still_may_while_the_current_changes(void) {
-    for (int n = 0; n < 3; n++) {
-        const bool changes = n > 0;
+    for (int n = 0; n < 4; n++) {
+        const bool changes = n == 1 || n == 2;
         const float turn_rad = n == 2 ? 0.9f : 0.3f;
         bench_t self = bench(3.6, 0.0);
         const int32_t i[LODE_PHASES] = {300 * LODE_COUNT_FRACTION, -100 * LODE_COUNT_FRACTION,
@@ -182,7 +244,8 @@ static void test_three_that_keep_still_may_while_the_current_changes(void) {
         lode_finding_t found = {.check = LODE_CHECK_NONE};
         for (int look = 0; look < 3; look++) {
             TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found.check);
-            const float i_A2 = changes && look < 2 ? 4.0f : 12.0f;
+            const float before_A2 = n == 3 ? 11.0f : 12.0f; // hardly a change
+            const float i_A2 = look == 2 ? 12.0f : (changes ? 4.0f : before_A2);
             found = judge(&self.state, &self.tuning, i, i_A2, turn_rad);
         }
         TEST_ASSERT_EQUAL_INT(n == 1 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK, found.check);
@@ -191,17 +254,22 @@ static void test_three_that_keep_still_may_while_the_current_changes(void) {
 
 /// A phase near zero may be open instead: with six phases that is another check.
 static void test_a_phase_that_stays_near_zero_may_be_left_out(void) {
-    for (int six = 0; six < 2; six++) {
+    static const int32_t counts[] = {-5, -4, -3, 0, 3, 4, 5};
+    for (int n = 0; n < 2 * 3 * COUNT_OF(counts); n++) {
+        const bool six = n % 2 == 1;
+        const int phase = n / 2 % 3;
+        const int32_t count = counts[n / 6];
+        const bool open = six && count > -4 && count < 4;
         bench_t self = bench(3.6, 300.0);
         lode_finding_t found;
-        self.tuning.i_still = six == 1 ? 4 * LODE_COUNT_FRACTION : 0;
+        self.tuning.i_still = six ? 4 * LODE_COUNT_FRACTION : 0;
         expect_none(&self, 200);
-        self.stuck = 2;
-        self.held[1] = -3 * LODE_COUNT_FRACTION;
+        self.stuck = phase + 1;
+        self.held[phase] = count * LODE_COUNT_FRACTION;
         self.tuning.i_sum = INT32_MAX;
         const double found_s = until_found(&self, &found);
-        TEST_ASSERT_EQUAL_INT(six == 1 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK, found.check);
-        TEST_ASSERT_TRUE((six == 1) == (found_s > 0.5));
+        TEST_ASSERT_EQUAL_INT(open ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK, found.check);
+        TEST_ASSERT_TRUE(open == (found_s > 0.5));
     }
 }
 
@@ -305,6 +373,15 @@ static void test_a_sum_that_lasts_is_found(void) {
     seldom.offset_A = 0.0;
     expect_none(&seldom, 3);
     TEST_ASSERT_EQUAL_INT(0, seldom.state.sum);
+    // Look by look: each good one takes back a bad one.
+    bench_t partly = bench(3.0, 300.0);
+    partly.offset_A = 5.0;
+    expect_none(&partly, 10);
+    partly.offset_A = 0.0;
+    expect_none(&partly, 5);
+    partly.offset_A = 5.0;
+    expect_none(&partly, (int)SUM_LOOKS - 1 - 5);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_SUM, look(&partly).check);
 }
 
 /// Counts whose sum is just the limit, of either sign, are good; one more is not.
@@ -423,8 +500,12 @@ static void test_configuration(void) {
         config.i_sum_A = bad[n];
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_CURRENT, tune(&tuning, &config));
     }
-    config.i_sum_A = LODE_NONE;
-    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&tuning, &config));
+    const float good[] = {1.0e-3f * I_MAX_A, 10.0f * I_MAX_A, LODE_NONE};
+    for (int n = 0; n < COUNT_OF(good); n++) {
+        config.i_sum_A = good[n];
+        TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&tuning, &config));
+        CHECK_CLOSE(1.0e-5, 0.5 * LODE_COUNT_FRACTION / GAIN_A, tuning.per_wave_A);
+    }
     bench_t self = bench(3.0, 300.0);
     self.tuning = tuning;
     self.offset_A = 100.0;
@@ -435,21 +516,63 @@ static void test_configuration(void) {
 
 static const lode_plausibility_tuning_t waves_tuning = {.i_min_A2 = 0.25f, .per_wave_A = 50.0f};
 
-/// Three turns of a vector of `i_A` that is to be found, with the half-waves of `missing` left out, a bit each as in
-/// lode_waves_t. A count of 1/256 is 10 mA.
+/// One look at a vector of `i_A` in the direction `turns`, of the half-waves of `missing`, a bit each as in
+/// lode_waves_t, no more than `left` of i_A. A count of 1/256 is 10 mA.
+static uint_least8_t wave_look(lode_waves_t *self, uint32_t missing, float i_A, double turns,
+                               int looks_per_turn, double left) {
+    int32_t i[LODE_PHASES];
+    for (int phase = 0; phase < LODE_PHASES; phase++) {
+        i[phase] = (int32_t)(100.0 * (double)i_A * cos(2.0 * CHECK_PI * (turns - phase / 3.0)));
+        const int32_t most = (int32_t)lround(100.0 * (double)i_A * left);
+        if ((missing & 1u << phase) != 0u && i[phase] > most) {
+            i[phase] = most;
+        }
+        if ((missing & 1u << (phase + LODE_PHASES)) != 0u && i[phase] < -most) {
+            i[phase] = -most;
+        }
+    }
+    return lode_waves_step(self, &waves_tuning, i, i_A * i_A,
+                           (float)(2.0 * CHECK_PI / looks_per_turn));
+}
+
+/// Looks of 30 to a turn until a phase is found whose half-wave `bit` is no more than `left` of what is asked for.
+static int looks_until_found(lode_waves_t *self, uint32_t bit, double left) {
+    int n = 0;
+    uint_least8_t found = 0u;
+    for (; n < 200 && found == 0u; n++) {
+        found = wave_look(self, 1u << bit, 5.0f, n / 30.0, 30, left);
+    }
+    TEST_ASSERT_EQUAL_UINT(n < 200 ? 1u + bit % 3u : 0u, found);
+    return n;
+}
+
+/// Half of the current is not yet a half-wave; more is.
+static void test_a_half_wave_is_more_than_half_of_the_current(void) {
+    for (uint32_t bit = 0; bit < 6u; bit++) {
+        lode_waves_t self = {.turn_rad = 0.0f};
+        CHECK_AT_MOST(70, looks_until_found(&self, bit, 0.5));
+        self = (lode_waves_t){.turn_rad = 0.0f};
+        TEST_ASSERT_EQUAL_INT(200, looks_until_found(&self, bit, 0.52));
+    }
+}
+
+/// Half-waves from before a stretch with little current do not count, nor does the turn.
+static void test_little_current_begins_the_half_waves_anew(void) {
+    lode_waves_t fresh = {.turn_rad = 0.0f};
+    lode_waves_t self = {.turn_rad = 0.0f};
+    for (int n = 0; n < 30; n++) {
+        TEST_ASSERT_EQUAL_UINT(0u, wave_look(&self, 0u, 5.0f, n / 30.0, 30, 0.0));
+    }
+    TEST_ASSERT_EQUAL_UINT(0u, wave_look(&self, 0u, 0.9f, 0.0, 30, 0.0));
+    TEST_ASSERT_EQUAL_INT(looks_until_found(&fresh, 0u, 0.0), looks_until_found(&self, 0u, 0.0));
+}
+
+/// Three turns of a vector of `i_A` that is to be found, with the half-waves of `missing` left out.
 static uint_least8_t after_turns(uint32_t missing, float i_A, int looks_per_turn) {
     lode_waves_t self = {.turn_rad = 0.0f};
     uint_least8_t found = 0u;
     for (int n = 0; n < 3 * looks_per_turn && found == 0u; n++) {
-        int32_t i[LODE_PHASES];
-        for (int phase = 0; phase < LODE_PHASES; phase++) {
-            const double at = 2.0 * CHECK_PI * ((double)n / looks_per_turn - phase / 3.0);
-            i[phase] = (int32_t)(100.0 * (double)i_A * cos(at));
-            const uint32_t bit = 1u << (phase + (i[phase] > 0 ? 0 : LODE_PHASES));
-            i[phase] = (missing & bit) != 0u ? 0 : i[phase];
-        }
-        found = lode_waves_step(&self, &waves_tuning, i, i_A * i_A,
-                                (float)(2.0 * CHECK_PI / looks_per_turn));
+        found = wave_look(&self, missing, i_A, (double)n / looks_per_turn, looks_per_turn, 0.0);
     }
     return found;
 }
@@ -479,7 +602,7 @@ static void test_a_phase_without_a_half_wave_is_found(void) {
         TEST_ASSERT_EQUAL_UINT(2u, after_turns(2u | 16u, 5.0f, looks)); // open
     }
     // Not with little current, and not where current control may not follow.
-    TEST_ASSERT_EQUAL_UINT(1u, after_turns(1u, 1.01f, 30));
+    TEST_ASSERT_EQUAL_UINT(1u, after_turns(1u, 1.0f, 30));
     TEST_ASSERT_EQUAL_UINT(0u, after_turns(1u, 0.99f, 30));
     TEST_ASSERT_EQUAL_UINT(0u, after_turns(1u, 5.0f, 20));
 }
@@ -488,6 +611,9 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_sound_converters_are_never_stuck);
     RUN_TEST(test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_speed);
+    RUN_TEST(test_a_converter_may_be_stuck_at_zero);
+    RUN_TEST(test_a_phase_beside_one_near_zero_is_stuck);
+    RUN_TEST(test_three_that_keep_still_beside_dead_time);
     RUN_TEST(test_a_phase_that_stays_near_zero_may_be_left_out);
     RUN_TEST(test_a_phase_that_dead_time_may_hold_has_a_quarter_turn);
     RUN_TEST(test_three_that_keep_still_may_while_the_current_changes);
@@ -504,5 +630,7 @@ int main(void) {
     RUN_TEST(test_configuration);
     RUN_TEST(test_a_phase_without_a_half_wave_is_found);
     RUN_TEST(test_a_half_wave_that_is_missing_once_is_none);
+    RUN_TEST(test_a_half_wave_is_more_than_half_of_the_current);
+    RUN_TEST(test_little_current_begins_the_half_waves_anew);
     return UNITY_END();
 }

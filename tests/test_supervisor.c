@@ -87,6 +87,30 @@ static void test_attempts_come_after_the_wait_and_end(void) {
     TEST_ASSERT_EQUAL_INT(0, steps_to_attempt(&self, LODE_CHECK_LOST_LOCK));
 }
 
+/// An attempt comes as soon as the wait is over, and the next fault's wait is as long.
+static void test_the_wait_ends_with_its_time(void) {
+    lode_supervisor_config_t binary = config; // times that floats add up exactly
+    binary.wait_s = 0.5f;
+    lode_supervisor_t self;
+    attempts = (lode_attempts_t){.count = 0u};
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_supervisor_init(&self, &binary, &tuning, &attempts, false));
+    for (int n = 0; n <= 4; n++) {
+        const lode_telemetry_t now = seen(LODE_MODE_FAULT, LODE_CHECK_LOST_LOCK);
+        TEST_ASSERT_EQUAL_INT(n == 4, lode_supervisor_step(&self, &now, run, 0.125f).clear_fault);
+    }
+}
+
+/// Somebody wants OFF while a fault is waited for, and RUN again: the wait begins anew.
+static void test_off_ends_the_wait(void) {
+    lode_supervisor_t self = supervisor_with(0u);
+    for (int n = 0; n < 3; n++) {
+        TEST_ASSERT_FALSE(step(&self, LODE_MODE_FAULT, LODE_CHECK_LOST_LOCK).clear_fault);
+    }
+    const lode_telemetry_t now = seen(LODE_MODE_FAULT, LODE_CHECK_LOST_LOCK);
+    (void)lode_supervisor_step(&self, &now, off, STEP_s);
+    TEST_ASSERT_EQUAL_INT(5, steps_to_attempt(&self, LODE_CHECK_LOST_LOCK));
+}
+
 /// The command is taken a period later: until then the fault is still seen.
 static void test_a_fault_that_is_not_cleared_is_another_attempt(void) {
     lode_supervisor_t self = supervisor_with(0u);
@@ -196,6 +220,10 @@ static void test_a_good_run_begins_at_0(void) {
     (void)step(&self, LODE_MODE_START, LODE_CHECK_NONE); // in a row
     runs(&self, 9);
     TEST_ASSERT_EQUAL_UINT(2u, attempts.count);
+    const lode_telemetry_t still = seen(LODE_MODE_RUN, LODE_CHECK_NONE);
+    (void)lode_supervisor_step(&self, &still, off, STEP_s); // it runs still, but is told not to
+    runs(&self, 9);
+    TEST_ASSERT_EQUAL_UINT(2u, attempts.count);
     runs(&self, 3);
     TEST_ASSERT_EQUAL_UINT(0u, attempts.count);
 }
@@ -208,6 +236,19 @@ static void test_a_fault_is_no_good_run(void) {
     }
     runs(&self, 9);
     TEST_ASSERT_EQUAL_UINT(2u, attempts.count);
+    runs(&self, 3);
+    TEST_ASSERT_EQUAL_UINT(0u, attempts.count);
+}
+
+/// Ten seconds' good run are good at ten.
+static void test_a_run_is_good_with_its_time(void) {
+    lode_supervisor_t self = supervisor_with(2u);
+    for (int n = 1; n <= 8; n++) { // floats add up eighths exactly
+        const lode_telemetry_t now = seen(LODE_MODE_RUN, LODE_CHECK_NONE);
+        TEST_ASSERT_EQUAL_UINT(2u, attempts.count);
+        (void)lode_supervisor_step(&self, &now, run, 0.125f);
+    }
+    TEST_ASSERT_EQUAL_UINT(0u, attempts.count);
 }
 
 static void test_off_is_off_and_a_clear_begins_at_0(void) {
@@ -256,6 +297,12 @@ static void test_wrong_configurations_are_refused(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SUPERVISOR, init_with(LODE_REACTION_AGAIN, 1.0f, -1.0f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SUPERVISOR, init_with(LODE_REACTION_AGAIN, 1.0f, 1.1e5f));
     lode_supervisor_t self;
+    for (int check = 0; check < LODE_CHECK_COUNT; check++) {
+        lode_supervisor_config_t wrong = config;
+        wrong.reaction[check] = none;
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SUPERVISOR,
+                              lode_supervisor_init(&self, &wrong, &tuning, &attempts, false));
+    }
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL,
                           lode_supervisor_init(NULL, &config, &tuning, &attempts, false));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL,
@@ -372,8 +419,12 @@ static void test_after_a_trip_it_looks_first(void) {
     // A low side that is shorted is joined by the others; a high side is not, at any speed.
     TEST_ASSERT_TRUE(
         shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_SWITCH_SHORTED, -70.0f, run).active_short);
-    TEST_ASSERT_FALSE(
-        shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_SWITCH_SHORTED, 70.0f, run).active_short);
+    static const float high[] = {70.0f, 0.5f, 0.0f};
+    for (int n = 0; n < COUNT_OF(high); n++) {
+        TEST_ASSERT_FALSE(
+            shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_SWITCH_SHORTED, high[n], run)
+                .active_short);
+    }
 }
 
 static void test_a_short_of_more_than_the_largest_current_is_refused(void) {
@@ -382,6 +433,10 @@ static void test_a_short_of_more_than_the_largest_current_is_refused(void) {
     motor.references.i_max_A = 50.1f;
     TEST_ASSERT_EQUAL_INT(LODE_OK,
                           lode_supervisor_init(&self, &shorting, &motor, &attempts, false));
+    motor.references.psi_Wb = motor.references.Ld_H * motor.references.i_max_A; // just as much
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_supervisor_init(&self, &shorting, &motor, &attempts, false));
+    motor = shortable();
     motor.references.i_max_A = 49.9f;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_ACTIVE_SHORT,
                           lode_supervisor_init(&self, &shorting, &motor, &attempts, false));
@@ -507,6 +562,8 @@ static void test_a_drive_rides_through_a_sag(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_attempts_come_after_the_wait_and_end);
+    RUN_TEST(test_the_wait_ends_with_its_time);
+    RUN_TEST(test_off_ends_the_wait);
     RUN_TEST(test_a_fault_that_is_not_cleared_is_another_attempt);
     RUN_TEST(test_an_attempt_counts_once_until_it_is_taken);
     RUN_TEST(test_other_faults_stay);
@@ -517,6 +574,7 @@ int main(void) {
     RUN_TEST(test_resets_use_up_the_attempts);
     RUN_TEST(test_a_good_run_begins_at_0);
     RUN_TEST(test_a_fault_is_no_good_run);
+    RUN_TEST(test_a_run_is_good_with_its_time);
     RUN_TEST(test_off_is_off_and_a_clear_begins_at_0);
     RUN_TEST(test_what_is_left_open_is_1_s_and_10_s);
     RUN_TEST(test_wrong_configurations_are_refused);

@@ -178,6 +178,17 @@ static void test_before_RUN_the_torque_of_i_max_counts(void) {
                (double)shares(&tuning, &now).motoring);
 }
 
+/// The torque that a drive gives at most may be small.
+static void test_the_share_of_a_small_torque(void) {
+    lode_supply_config_t little = sound;
+    little.battery_A = 0.05f;
+    const lode_supply_tuning_t tuning = tuned(&little);
+    lode_telemetry_t now = at(360.0f, (lode_dq_t){0.0f, 0.0f});
+    now.torque_most_Nm = 0.5f;
+    const double share = (double)shares(&tuning, &now).motoring;
+    CHECK_NEAR(0.05, 10.0, power_W(0.5 * share, 120.0, 0.0));
+}
+
 // The current of a motor whose torque constant is `psi` times the believed one, at the limit.
 static float drawn_A(const lode_shares_t *share, double psi, bool drives) {
     const double torque = drives ? 10.0 * (double)share->motoring : -10.0 * (double)share->braking;
@@ -224,13 +235,36 @@ static void test_the_current_corrects_the_model(void) {
         lode_supply_reset(&supply);
         (void)lode_supply_step(&supply, &tuning, &now, NAN, STEP_s);
         TEST_ASSERT_EQUAL_FLOAT(0.75f, supply.factor[side]);
+        // Just the limit, which does not decide: forgotten too.
+        const float at_limit_A = drives == 1 ? 4.0f : -2.0f;
+        for (int k = 0; k < 1000; k++) {
+            (void)lode_supply_step(&supply, &tuning, &now, at_limit_A, STEP_s);
+        }
+        CHECK_NEAR(1.0e-3, 1.0, (double)supply.factor[side]);
+    }
+}
+
+/// Current control is there when it is off by a twentieth at most, and the smallest torque has a way.
+static void test_a_current_that_is_nearly_there_corrects(void) {
+    const lode_supply_tuning_t tuning = tuned(&sound);
+    for (int n = 0; n < 2; n++) {
+        lode_telemetry_t now = at(360.0f, (lode_dq_t){0.0f, 7.0f});
+        now.i_A.q = n == 0 ? 6.7f : 7.0f;
+        now.torque_ref_Nm = n == 0 ? 5.0f : 0.002f;
+        now.torque_limited = true;
+        lode_supply_t supply;
+        lode_supply_reset(&supply);
+        for (int k = 0; k < 10; k++) {
+            (void)lode_supply_step(&supply, &tuning, &now, 1.0f, STEP_s);
+        }
+        TEST_ASSERT_TRUE(supply.factor[LODE_SUPPLY_DRAWN] > 1.01f);
     }
 }
 
 // The current tells nothing of the model while it is not that of the limit.
 static void test_a_current_on_its_way_corrects_nothing(void) {
     const lode_supply_tuning_t tuning = tuned(&sound);
-    lode_telemetry_t now[4];
+    lode_telemetry_t now[5];
     for (int n = 0; n < COUNT_OF(now); n++) {
         now[n] = at(360.0f, (lode_dq_t){0.0f, 7.0f});
         now[n].torque_ref_Nm = 5.0f;
@@ -240,6 +274,7 @@ static void test_a_current_on_its_way_corrects_nothing(void) {
     now[1].torque_ref_Nm = -3.0f; // braking
     now[2].torque_limited = false;
     now[3].omega_rad_s = 30.0f; // full torque draws less
+    now[4].torque_ref_Nm = 0.0f;
     for (int n = 0; n < COUNT_OF(now); n++) {
         lode_supply_t supply;
         lode_supply_reset(&supply);
@@ -247,6 +282,34 @@ static void test_a_current_on_its_way_corrects_nothing(void) {
             (void)lode_supply_step(&supply, &tuning, &now[n], 1.0f, STEP_s);
         }
         TEST_ASSERT_EQUAL_FLOAT(1.0f, supply.factor[LODE_SUPPLY_DRAWN]);
+    }
+    // At rest there is no power that the limit would be reached by.
+    lode_supply_config_t little = sound;
+    little.battery_A = 0.5f;
+    const lode_supply_tuning_t small = tuned(&little);
+    now[0] = now[4];
+    now[0].torque_ref_Nm = 5.0f;
+    now[0].omega_rad_s = 0.0f;
+    lode_supply_t supply;
+    lode_supply_reset(&supply);
+    for (int k = 0; k < 10; k++) {
+        (void)lode_supply_step(&supply, &small, &now[0], 0.1f, STEP_s);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, supply.factor[LODE_SUPPLY_DRAWN]);
+}
+
+/// Either side's first call after a reset knows no limit yet that could have decided.
+static void test_the_first_call_corrects_nothing(void) {
+    const lode_supply_tuning_t tuning = tuned(&sound);
+    for (int drives = 0; drives <= 1; drives++) {
+        lode_telemetry_t now = at(360.0f, (lode_dq_t){0.0f, drives == 1 ? 7.0f : -5.0f});
+        now.torque_ref_Nm = drives == 1 ? 5.0f : -3.0f;
+        now.torque_limited = true;
+        lode_supply_t supply;
+        lode_supply_reset(&supply);
+        (void)lode_supply_step(&supply, &tuning, &now, 0.0f, STEP_s);
+        TEST_ASSERT_EQUAL_FLOAT(
+            1.0f, supply.factor[drives == 1 ? LODE_SUPPLY_DRAWN : LODE_SUPPLY_FED_BACK]);
     }
 }
 
@@ -286,7 +349,10 @@ int main(void) {
     RUN_TEST(test_the_torque_allowed_draws_the_limit);
     RUN_TEST(test_a_side_without_limit_is_free);
     RUN_TEST(test_before_RUN_the_torque_of_i_max_counts);
+    RUN_TEST(test_the_share_of_a_small_torque);
     RUN_TEST(test_the_current_corrects_the_model);
+    RUN_TEST(test_a_current_that_is_nearly_there_corrects);
+    RUN_TEST(test_the_first_call_corrects_nothing);
     RUN_TEST(test_a_current_on_its_way_corrects_nothing);
     RUN_TEST(test_a_drive_keeps_to_both_shares);
     return UNITY_END();
