@@ -694,6 +694,11 @@ static void test_the_way_back_begins_where_its_current_makes_the_torque(void) {
         const lode_sincos_t at = rig.drive.state.start.at;
         const lode_sincos_t rotor = lode_sincos(lode_estimator_theta_rad(&rig.drive.estimator));
         const lode_sincos_t ahead = lode_angle_subtract(at, rotor);
+        const lode_dq_t u_V = lode_park((lode_ab_t){rig.drive.u_V.d, rig.drive.u_V.q}, ahead);
+        CHECK_AT_LEAST(3.0,
+                       hypot((double)u_V.d, (double)u_V.q)); // which current control goes on from
+        CHECK_NEAR(1.0e-2, u_V.d, rig.drive.current.d.integral);
+        CHECK_NEAR(1.0e-2, u_V.q, rig.drive.current.q.integral);
         const float wanted = iq_A / rig.drive.tuning->start.current_A;
         CHECK_AT_LEAST(0.02, fabs((double)wanted));
         CHECK_NEAR(1.0e-3, 1.0, hypot((double)at.sin, (double)at.cos));
@@ -745,8 +750,13 @@ static rig_t coasting(double omega) {
 }
 
 /// What the drive did, or met, before it was switched on says nothing about this time.
-static void test_switched_on_it_begins_anew(void) {
-    rig_t clean = coasting(0.0);
+static void begins_anew(lode_choice_t pulses) {
+    lode_drive_config_t config = rig_config();
+    rig_t clean;
+    config.start.pulses = pulses;
+    rig_init(&clean, &tuning, &config);
+    rig_command(&clean, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    TEST_ASSERT_TRUE(reach(&clean, LODE_MODE_OFF, 0.2));
     rig_t rig = clean;
     lode_drive_t *drive = &rig.drive;
     drive->losses = 2u;
@@ -767,8 +777,15 @@ static void test_switched_on_it_begins_anew(void) {
                              sizeof drive->plausibility);
     TEST_ASSERT_EQUAL_MEMORY(&clean.drive.estimator, &drive->estimator, sizeof drive->estimator);
     TEST_ASSERT_EQUAL_MEMORY(&clean.drive.current, &drive->current, sizeof drive->current);
+    CHECK_NEAR(0.0, 0.0, drive->current.d.integral);
+    CHECK_NEAR(0.0, 0.0, drive->current.q.integral);
     TEST_ASSERT_EQUAL_MEMORY(&clean.drive.state.start, &drive->state.start,
                              sizeof drive->state.start);
+}
+
+static void test_switched_on_it_begins_anew(void) {
+    begins_anew(LODE_OFF);
+    begins_anew(LODE_ON); // after pulses
 }
 
 /// Volts by which the voltage leaves its turn in this period.
@@ -853,6 +870,10 @@ static void test_the_current_of_a_trip_is_told(void) {
     const lode_telemetry_t t = rig_telemetry(&rig);
     CHECK_NEAR(1.0, -25.0, t.i_A.d); // the angle is a period old
     CHECK_NEAR(0.1, hypot(25.0, 3.0), hypot((double)t.i_A.d, (double)t.i_A.q));
+    // In the channels of a recorder too.
+    CHECK_NEAR(0.1, hypot(25.0, 3.0),
+               hypot((double)lode_channel_read(&rig.drive, LODE_CHANNEL_I_ALPHA),
+                     (double)lode_channel_read(&rig.drive, LODE_CHANNEL_I_BETA)));
 }
 
 /// A winding of twice the resistance is corrected by as much as one may be warmer, and no more: 0.75 of it.
@@ -969,9 +990,14 @@ static void test_pulses_find_a_rotor_that_turns(void) {
 static void test_a_flight_begins_with_the_emf(void) {
     for (int sign = -1; sign <= 1; sign += 2) {
         rig_t rig = coasting(150.0 * sign);
-        rig_command(&rig, run_at(120.0 * sign));
-        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 0.2));
         const lode_drive_t *drive = &rig.drive;
+        rig_command(&rig, run_at(120.0 * sign));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_PRECHARGE, 0.2));
+        // What the run before left where the pulses have nothing.
+        memset((char *)&rig.drive.state + sizeof rig.drive.state.precharge, 0x41,
+               sizeof rig.drive.state - sizeof rig.drive.state.precharge);
+        rig.drive.ref_A = (lode_dq_t){-3.0f, 4.0f};
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 0.2));
         const lode_running_t *run = &drive->state.run;
         const double emf_V = 0.142 * rig.motor.omega;
         CHECK_NEAR(0.0, 0.0, drive->u_V.d);
