@@ -16,8 +16,7 @@ static float lag_at(const wanted_t *wanted, float omega) {
                : lode_emf_lag_rad(wanted->config, wanted->motor, wanted->ts_s, omega);
 }
 
-// Interpolation at the Chebyshev nodes of [0, 1]: Newton's divided differences, then expanded. The coefficients are 0
-// before.
+// Interpolation at the Chebyshev nodes of [0, 1]: Newton's divided differences, then expanded.
 static void fit(lode_lag_t *lag, const wanted_t *wanted, float range) {
     float node[LODE_LAG_TERMS];
     float newton[LODE_LAG_TERMS];
@@ -32,11 +31,12 @@ static void fit(lode_lag_t *lag, const wanted_t *wanted, float range) {
             newton[i] = (newton[i] - newton[i - 1]) / (node[i] - node[i - order]);
         }
     }
+    float *c = lag->coefficient; // 0 before
     for (int32_t i = LODE_LAG_TERMS - 1; i >= 0; i--) { // c(v) = c(v) (v - node) + newton
         for (int32_t j = LODE_LAG_TERMS - 1; j > 0; j--) {
-            lag->coefficient[j] = lag->coefficient[j - 1] - node[i] * lag->coefficient[j];
+            c[j] = c[j - 1] - node[i] * c[j];
         }
-        lag->coefficient[0] = newton[i] - node[i] * lag->coefficient[0];
+        c[0] = newton[i] - node[i] * c[0];
     }
 }
 

@@ -407,7 +407,6 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
     const lode_sincos_t second = lode_angle_add(first, lode_angle_double(half));
     lode_inverter_write(&self->inverter, self->steps + 1u, lode_park_inverse(emf, first));
     lode_inverter_write(&self->inverter, self->steps, lode_park_inverse(emf, second));
-    lode_current_reset(&self->current, self->u_V, self->u_V);
     // A board may switch on at once, before the first duties of its own.
     self->duty = lode_mode_duties_at(lode_clarke_inverse(lode_park_inverse(emf, second)));
     self->i_A = (lode_dq_t){0.0f, 0.0f};

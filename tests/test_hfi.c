@@ -56,6 +56,10 @@ static void test_each_rule_sizes_the_voltage(void) {
     const double n = 1.6 * 50.0 / 4096.0;
     const double noise_V = sqrt(6.0) / 2.0 / 0.03 * n * 3.5e-3 / 2.0e-4 * 2.8 / 1.8;
     CHECK_NEAR(1.0e-3 * noise_V, noise_V, designed(&machine).V_h_V);
+    // The mean current of two windings has less noise.
+    machine.motor.sets = 2.0f;
+    CHECK_CLOSE(1.0e-5, n / sqrt(2.0), designed(&machine).noise_A);
+    machine.motor.sets = 1.0f;
     // Ripple: 0.08 i_max peak to peak.
     machine.system.count_A = 0.0f;
     CHECK_NEAR(1.0e-4, 0.08 * 12.0 * 3.5e-3 / 2.0e-4, designed(&machine).V_h_V);
@@ -63,6 +67,15 @@ static void test_each_rule_sizes_the_voltage(void) {
     lode_hfi_config_t silent = {.mode = LODE_HFI_ON, .silent = LODE_ON};
     lode_hfi_design(&silent, &machine.system);
     CHECK_NEAR(1.0e-3, 5.0 / (0.3 * 1.8), silent.V_h_V);
+    // However little that is.
+    machine_t quick;
+    set_up(&quick);
+    quick.system.count_A = 0.0f;
+    quick.inverter.dead_time_s = 0.0f;
+    quick.inverter.v_drop_V = 0.1f;
+    lode_hfi_config_t little = {.mode = LODE_HFI_ON, .silent = LODE_ON};
+    lode_hfi_design(&little, &quick.system);
+    CHECK_NEAR(1.0e-4, 0.1 / (0.3 * 1.8), little.V_h_V);
     // Dead time (H9): 0.3 V_h (xi - 1) = 200 V 4 us/Ts + 1 V.
     machine.motor.Lq_H = 1.5f * machine.motor.Ld_H;
     CHECK_NEAR(1.0e-3, 5.0 / (0.3 * 0.5), designed(&machine).V_h_V);
@@ -196,6 +209,30 @@ static void test_refusals(void) {
     machine.motor.Lq_H = machine.motor.Ld_H;
     config.Lq_i_max_H = 9.8e-3f;
     CHECK_STATUS(LODE_ERROR_HFI_SALIENCY, tried(&config, &machine));
+}
+
+/// The least and the largest that is taken.
+static void test_limits_are_taken(void) {
+    machine_t machine;
+    set_up(&machine);
+    static const struct {
+        float w1_rad_s, w2_rad_s, sigma_rad_s;
+        lode_status_t status;
+    } cases[] = {
+        {0.1f, 1.0f, 1.0f, LODE_OK},
+        {0.95f * 1178.0f, 1178.0f, 100.0f, LODE_OK},
+        {0.1f, 0.99f, 1.0f, LODE_ERROR_HFI_SPEEDS},
+        {0.099f, 1.0f, 1.0f, LODE_ERROR_HFI_SPEEDS},
+        {0.1f, 1.0f, 0.99f, LODE_ERROR_HFI_SIGMA},
+    };
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        lode_hfi_config_t config = designed(&machine);
+        config.w1_rad_s = cases[n].w1_rad_s;
+        config.w2_rad_s = cases[n].w2_rad_s;
+        config.sigma_rad_s = cases[n].sigma_rad_s;
+        TEST_ASSERT_EQUAL_STRING(lode_status_name(cases[n].status),
+                                 lode_status_name(tried(&config, &machine)));
+    }
 }
 
 static void test_auto_is_on_where_the_machine_allows_it(void) {
@@ -383,6 +420,40 @@ static void test_begins_and_ends_with_the_speed(void) {
     TEST_ASSERT_FALSE(lode_hfi_follow(&hfi, &tuning, none, 137.0f));
     (void)lode_hfi_follow(&hfi, &tuning, none, 0.0f);
     TEST_ASSERT_FALSE(lode_hfi_follow(&hfi, &tuning, none, NAN));
+}
+
+/// Begun by the speed, cross-saturation counts from the current that flows.
+static void test_begins_with_the_axis_of_its_current(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    lode_hfi_t hfi = {.active = false};
+    TEST_ASSERT_TRUE(lode_hfi_follow(&hfi, &tuning, (lode_dq_t){1.0f, 6.0f}, 50.0f));
+    CHECK_NEAR(1.0e-4, tan(0.01 * 6.0), hfi.axis);
+    hfi.i_A.q = -2.0f; // which it follows
+    TEST_ASSERT_TRUE(lode_hfi_follow(&hfi, &tuning, (lode_dq_t){0.0f, 0.0f}, 50.0f));
+    const double iq_A = -2.0 + 8.0 * exp(-500.0 * (double)LODE_SLOW_PERIODS * (double)PAPER_TS_s);
+    CHECK_NEAR(1.0e-4, tan(0.01 * iq_A), hfi.axis);
+}
+
+/// Seen from half a turn on, currents and voltages change their signs; the error of the position is the same.
+static void test_half_a_turn_on_the_error_is_the_same(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    lode_hfi_t ahead;
+    lode_hfi_begin(&ahead, &tuning, (lode_dq_t){1.0f, 2.0f});
+    lode_hfi_demodulate(&ahead, &tuning, 20.0f, (lode_dq_t){3.0f, 4.0f}, (lode_dq_t){1.7f, 2.2f});
+    (void)lode_hfi_less_ripple(&ahead, (lode_dq_t){1.7f, 2.2f});
+    ahead.of.iq_A = 2.5f;
+    lode_hfi_t behind = ahead;
+    lode_hfi_turn_round(&behind);
+    CHECK_NEAR(0.0, -2.5, behind.of.iq_A);
+    lode_hfi_demodulate(&ahead, &tuning, 20.0f, (lode_dq_t){-2.0f, 9.0f}, (lode_dq_t){0.8f, 1.9f});
+    lode_hfi_demodulate(&behind, &tuning, 20.0f, (lode_dq_t){2.0f, -9.0f},
+                        (lode_dq_t){-0.8f, -1.9f});
+    CHECK_AT_LEAST(0.01, fabs((double)ahead.error));
+    CHECK_NEAR(1.0e-7, ahead.error, behind.error);
+    const lode_dq_t a = lode_hfi_less_ripple(&ahead, (lode_dq_t){0.8f, 1.9f});
+    const lode_dq_t b = lode_hfi_less_ripple(&behind, (lode_dq_t){-0.8f, -1.9f});
+    CHECK_NEAR(0.0, -a.d, b.d);
+    CHECK_NEAR(0.0, -a.q, b.q);
 }
 
 static void test_both_errors_are_weighted(void) {
@@ -693,6 +764,33 @@ static void test_start_at_rest_from_any_angle(void) {
         CHECK_AT_MOST(3.6 * CHECK_DEG, rig_worst(&rig, 0.5));
         CHECK_NEAR(3.0, 0.0, rig.motor.omega / 3.0);
     }
+}
+
+/// Where north turns out to be south only the names change: the current stays where it flows, the voltage goes on, and
+/// current control with it.
+static void test_the_frame_turns_round_and_the_vectors_stay(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 200.0 * CHECK_DEG, 0.05, 0.0f);
+    double turned = 0.0;
+    for (int n = 0; n < 4000 && !(turned > 2.0); n++) {
+        const double before = (double)lode_estimator_theta_rad(&rig.drive.estimator);
+        rig_step(&rig);
+        turned = fabs(remainder((double)lode_estimator_theta_rad(&rig.drive.estimator) - before,
+                                2.0 * CHECK_PI));
+    }
+    TEST_ASSERT_TRUE(turned > 2.0);
+    const lode_drive_t *drive = &rig.drive;
+    const lode_sincos_t rotor = lode_estimator_rotor(&drive->estimator);
+    const lode_ab_t i_A = lode_park_inverse(drive->i_A, rotor);
+    const lode_ab_t flows_A = ipmsm_current(&rig.motor); // a period later
+    CHECK_AT_LEAST(3.0, hypot((double)i_A.alpha, (double)i_A.beta));
+    CHECK_NEAR(2.0, flows_A.alpha, i_A.alpha);
+    CHECK_NEAR(2.0, flows_A.beta, i_A.beta);
+    CHECK_NEAR(1.5, 4.0, drive->estimator.id_A); // along the magnet
+    CHECK_NEAR(0.3, 0.75 * 3.96, drive->u_V.d);
+    CHECK_NEAR(0.3, 0.0, drive->u_V.q);
+    CHECK_NEAR(1.0e-6, drive->u_V.d, drive->current.d.integral);
+    CHECK_NEAR(1.0e-6, drive->u_V.q, drive->current.q.integral);
 }
 
 /// The rotor jumps by `turn_rad` at rest.
@@ -1045,6 +1143,7 @@ int main(void) {
     RUN_TEST(test_differential_inductance_of_a_saturating_q_axis);
     RUN_TEST(test_tuning_follows_from_the_configuration);
     RUN_TEST(test_refusals);
+    RUN_TEST(test_limits_are_taken);
     RUN_TEST(test_auto_is_on_where_the_machine_allows_it);
     RUN_TEST(test_id_that_saturates_the_d_axis_where_saliency_is_small);
     RUN_TEST(test_no_error_shows_at_the_right_angle_whatever_the_voltage_does);
@@ -1052,6 +1151,8 @@ int main(void) {
     RUN_TEST(test_wrong_Ld_scales_the_gain);
     RUN_TEST(test_without_excitation_there_is_no_error);
     RUN_TEST(test_begins_and_ends_with_the_speed);
+    RUN_TEST(test_begins_with_the_axis_of_its_current);
+    RUN_TEST(test_half_a_turn_on_the_error_is_the_same);
     RUN_TEST(test_both_errors_are_weighted);
     RUN_TEST(test_the_ripple_drops_out);
     RUN_TEST(test_pairs_of_waves);
@@ -1065,6 +1166,7 @@ int main(void) {
     RUN_TEST(test_a_magnet_the_wrong_way_round_is_found_by_its_EMF);
     RUN_TEST(test_no_response_to_the_wave_trips);
     RUN_TEST(test_start_at_rest_from_any_angle);
+    RUN_TEST(test_the_frame_turns_round_and_the_vectors_stay);
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
     RUN_TEST(test_a_loss_at_speed_trips);
     RUN_TEST(test_a_loss_is_forgotten);

@@ -427,8 +427,84 @@ static void test_calibration_of_two_shunts_ignores_the_third(void) {
     int steps;
     float worst;
     TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_DONE,
-                          calibrate(&sense, &tuning, 2058, 2048, 10, &steps, &worst));
+                          calibrate(&sense, &tuning, 2058, 2042, 10, &steps, &worst));
     CHECK_NEAR(1.0e-3, 2058.0, offset_of(&sense, 0));
+    CHECK_NEAR(1.0e-3, 2042.0, offset_of(&sense, 1));
+    CHECK_NEAR(0.0, 2048.0, offset_of(&sense, 2));
+    CHECK_NEAR(1.0e-3, 10.0, worst);
+}
+
+/// Fractions of a count count, what is on its way tells no deviation yet, and the next calibration begins anew.
+static void test_calibration_of_fractions(void) {
+    const lode_sense_config_t config = board();
+    const lode_sense_tuning_t tuning = tuned(&config);
+    lode_sense_t sense;
+    lode_sense_reset(&sense, &tuning);
+    lode_sense_begin(&sums);
+    float worst = 7.0f;
+    for (int round = 0; round < 2; round++) {
+        uint32_t steps = 0u;
+        lode_calibration_t result = LODE_CALIBRATION_RUNNING;
+        while (result == LODE_CALIBRATION_RUNNING && steps < 1000u) {
+            const lode_counts_t counts = {
+                .i = {(uint16_t)(2048u + (steps % 4u == 0u ? 1u : 0u)), 2048u, 2048u}};
+            const lode_sample_t sample = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
+            result = lode_sense_calibrate(&sense, &sums, &tuning, &sample, &worst);
+            steps++;
+            TEST_ASSERT_TRUE(result != LODE_CALIBRATION_RUNNING || worst == 0.0f);
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_DONE, result);
+        TEST_ASSERT_EQUAL_UINT(tuning.calibrate_periods, steps);
+        CHECK_NEAR(0.01, 2048.25, offset_of(&sense, 0));
+        CHECK_NEAR(0.01, 0.25, worst);
+    }
+    int steps;
+    TEST_ASSERT_EQUAL_INT(LODE_CALIBRATION_DONE,
+                          calibrate(&sense, &tuning, 2048, 2048, 2048, &steps, &worst));
+    CHECK_NEAR(0.0, 0.0, worst);
+}
+
+/// Each step from one sample to the next is part of the noise.
+static void test_noise_is_that_of_all_steps(void) {
+    const lode_sense_config_t config = board();
+    const lode_sense_tuning_t tuning = tuned(&config);
+    static const uint16_t seen[] = {2048u, 2058u, 2055u};
+    lode_sense_t sense;
+    float worst;
+    lode_sense_reset(&sense, &tuning);
+    lode_sense_begin(&sums);
+    for (int n = 0; n < COUNT_OF(seen); n++) {
+        const lode_counts_t counts = {.i = {2048u, seen[n], 2048u}};
+        const lode_sample_t sample = lode_sense_step(&sense, &tuning, &counts, LODE_PHASES);
+        (void)lode_sense_calibrate(&sense, &sums, &tuning, &sample, &worst);
+    }
+    TEST_ASSERT_EQUAL_UINT(0u, sums.steps2[0]);
+    TEST_ASSERT_EQUAL_UINT(100u + 9u, sums.steps2[1]);
+}
+
+/// Of two shunts each has to have its noise; the third current, made of both, need not.
+static void test_noise_of_two_shunts(void) {
+    lode_sense_config_t config = board();
+    config.shunts = LODE_SHUNTS_TWO;
+    config.calibrate_s = 0.1f;
+    config.i_noise_count = 0.4f;
+    const lode_sense_tuning_t tuning = tuned(&config);
+    for (int still = 0; still <= 2; still++) { // 0: none
+        lode_sense_t sense;
+        float worst = 0.0f;
+        lode_sense_reset(&sense, &tuning);
+        lode_sense_begin(&sums);
+        lode_calibration_t result = LODE_CALIBRATION_RUNNING;
+        for (unsigned n = 0; n < 500u; n++) {
+            const uint16_t a = (uint16_t)(2048u + (still == 1 ? 0u : n % 2u));
+            const uint16_t b = (uint16_t)(2048u - (still == 2 ? 0u : n % 2u));
+            const lode_counts_t counts = {.i = {a, b, 0u}};
+            const lode_sample_t s = lode_sense_step(&sense, &tuning, &counts, 2u);
+            result = lode_sense_calibrate(&sense, &sums, &tuning, &s, &worst);
+        }
+        TEST_ASSERT_EQUAL_INT(still == 0 ? LODE_CALIBRATION_DONE : LODE_CALIBRATION_STUCK, result);
+        TEST_ASSERT_TRUE(still == 0 || worst == (float)still);
+    }
 }
 
 static lode_status_t try_config(const lode_sense_config_t *config);
@@ -591,6 +667,13 @@ static void test_currents_must_reach_i_max(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, 961.0f)); // 12 A are 960 counts
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(offset, 959.0f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_one(offset, 4095.0f - 959.0f));
+    // To the count: 12 A are 1536 of 1/128 A.
+    lode_sense_config_t exact = board();
+    exact.i_gain_A_count = 1.0f / 128.0f;
+    exact.i_offset_count = 1536.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_config(&exact));
+    exact.i_offset_count = 1535.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_config(&exact));
     lode_sense_config_t close = board();
     close.i_gain_A_count = 100.0f;
     close.i_offset_count = 0.9f; // 90 A
@@ -606,6 +689,10 @@ static void test_currents_must_reach_i_max(void) {
 static void test_the_bus_must_reach_its_voltage(void) {
     const size_t gain = offsetof(lode_sense_config_t, v_bus_gain_V_count);
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(gain, 200.5f / 4095.0f));
+    lode_sense_config_t exact = board();
+    exact.count_max = 4096.0f;
+    exact.v_bus_gain_V_count = 200.0f / 4096.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_config(&exact));
     const float bad[] = {199.5f / 4095.0f, 0.0f, -0.1f, NAN, INFINITY, -INFINITY};
     for (int i = 0; i < COUNT_OF(bad); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_BUS, try_one(gain, bad[i]));
@@ -619,6 +706,14 @@ static void test_range_of_the_converter(void) {
     for (int i = 0; i < COUNT_OF(bad); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_OFFSET, try_one(count, bad[i]));
     }
+    // One of a single count is a converter, but none that could see a current of either sign.
+    lode_sense_config_t least = board();
+    least.i_offset_count = 0.5f;
+    least.i_offset_tol_count = 0.5f;
+    least.count_max = 1.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_CURRENT, try_config(&least));
+    least.count_max = 0.9f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_OFFSET, try_config(&least));
 }
 
 static void test_temperature_must_be_finite(void) {
@@ -629,6 +724,13 @@ static void test_temperature_must_be_finite(void) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_TEMPERATURE, try_one(offset, check_not_finite[i]));
     }
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(gain, -0.05f));
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const float way = (float)sign;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(gain, way * 1.0e3f));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_TEMPERATURE, try_one(gain, way * 1.001e3f));
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, way * 1.0e6f));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_TEMPERATURE, try_one(offset, way * 1.001e6f));
+    }
 }
 
 static void test_shunts_are_an_enumerator(void) {
@@ -690,6 +792,9 @@ int main(void) {
     RUN_TEST(test_a_calibration_takes_one_sample_at_least);
     RUN_TEST(test_implausible_offsets_change_nothing);
     RUN_TEST(test_calibration_of_two_shunts_ignores_the_third);
+    RUN_TEST(test_calibration_of_fractions);
+    RUN_TEST(test_noise_is_that_of_all_steps);
+    RUN_TEST(test_noise_of_two_shunts);
     RUN_TEST(test_calibration_asks_for_noise_where_there_is_some);
     RUN_TEST(test_range_of_the_noise);
     RUN_TEST(test_a_long_calibration_keeps_its_precision);
