@@ -16,7 +16,8 @@ static float lag_at(const wanted_t *wanted, float omega) {
                : lode_emf_lag_rad(wanted->config, wanted->motor, wanted->ts_s, omega);
 }
 
-// Interpolation at the Chebyshev nodes of [0, 1]: Newton's divided differences, then expanded.
+// Interpolation at the Chebyshev nodes of [0, 1]: Newton's divided differences, then expanded. The coefficients are 0
+// before.
 static void fit(lode_lag_t *lag, const wanted_t *wanted, float range) {
     float node[LODE_LAG_TERMS];
     float newton[LODE_LAG_TERMS];
@@ -31,7 +32,7 @@ static void fit(lode_lag_t *lag, const wanted_t *wanted, float range) {
             newton[i] = (newton[i] - newton[i - 1]) / (node[i] - node[i - order]);
         }
     }
-    float *c = lag->coefficient; // 0 before
+    float *c = lag->coefficient;
     for (int32_t i = LODE_LAG_TERMS - 1; i >= 0; i--) { // c(v) = c(v) (v - node) + newton
         for (int32_t j = LODE_LAG_TERMS - 1; j > 0; j--) {
             c[j] = c[j - 1] - node[i] * c[j];
