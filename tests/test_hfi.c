@@ -894,6 +894,8 @@ static void test_a_push_and_its_end(void) {
     rig_expect(&rig, LODE_MODE_START);
     TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, rig.drive.estimator.by.hfi.step);
     TEST_ASSERT_FALSE(rig.drive.estimator.by.hfi.active);
+    CHECK_NEAR(0.0, 0.0, rig.drive.current.d.integral); // from where it would have begun
+    CHECK_NEAR(0.0, 0.0, rig.drive.current.q.integral);
     rig.blocked = false;
     rig_run(&rig, 2.0);
     rig_expect(&rig, LODE_MODE_RUN);
