@@ -295,6 +295,7 @@ static void test_what_is_free_leaves_room_for_the_correction(void) {
             const double least = fmin(u[0], fmin(u[1], u[2]));
             highest = fmax(highest, 0.5 + 0.5 * (most - least) + error);
         }
+        TEST_ASSERT_TRUE(tuning.free > 0.0f);
         CHECK_AT_MOST(1.0, highest);
         CHECK_AT_LEAST(0.999, highest);
         TEST_ASSERT_TRUE((tuning.dead_duty > 0.0f) == (corrects == 1));
