@@ -547,6 +547,14 @@ static void check_speed(const run_t *run, runner_phase_t *out) {
     if (run->held || run->faulted || !asked) {
         return;
     }
+    const double trip_rad_s = (double)run->config->drive.guard.omega_max_rad_s;
+    if (omega > trip_rad_s) {
+        warn(out,
+             "the drive refuses %g rpm and keeps to the command before: OVER_SPEED trips at %.4g "
+             "rpm",
+             goal_rpm, rig_rpm_from_rad_s(trip_rad_s) / np);
+        return;
+    }
     const double least_rpm = rig_rpm_from_rad_s(run->limits.least_rad_s) / np;
     const double found_rpm = rig_stats_mean(&out->speed_rpm);
     if (fabs(goal_rpm) < least_rpm && run->config->source != RIG_SOURCE_ENCODER) {

@@ -107,6 +107,7 @@ def warnings(checks, folder):
                           "[phase.slow]\nduration_s = 1\ndyno_rpm = free\nspeed_rpm = 50\n"
                           "[phase.fast]\nduration_s = 4\nspeed_rpm = 2600\n"
                           "[phase.wild]\nduration_s = 1\nspeed_rpm = 4000\n"
+                          "[phase.refused]\nduration_s = 0.1\nspeed_rpm = -5000\n"
                           "[phase.back]\nduration_s = 2\nspeed_rpm = 600\n"
                           "[phase.stop]\nduration_s = 2\nspeed_rpm = 0\n")
     done = folder.run("run", "w.ini", "--json", "w.json")
@@ -117,6 +118,8 @@ def warnings(checks, folder):
     checks.true(said["fast"].startswith("2600 rpm not reached: 2"), f"fast: {said['fast']}")
     checks.true("above what the bus voltage allows without load" in said["fast"], said["fast"])
     checks.true("4000 rpm is above the estimator's limit of 3750 rpm" in said["wild"], said["wild"])
+    checks.equal(said["refused"], "the drive refuses -5000 rpm and keeps to the command before: OVER_SPEED "
+                 "trips at 4875 rpm", "refused")
     for name in ["up", "held", "back", "stop"]:
         checks.equal(said[name], "", f"no warning in {name}")
     for text in said.values():
