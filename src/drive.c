@@ -554,7 +554,7 @@ LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_drive_tuning
 // Duties for the voltage, and what the motor will see of it.
 LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                 const lode_frame_t *frame, bool free) {
-    const lode_asked_t asked = lode_drive_ask(self, frame);
+    const lode_asked_t asked = lode_drive_ask(self, tuning, frame);
     const lode_ab_t v =
         lode_ab_scale(self->inverter.per_V, lode_park_inverse(asked.u_V, frame->applied));
     const lode_ab_t i_A = lode_park_inverse(asked.i_A, frame->applied);

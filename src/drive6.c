@@ -302,7 +302,7 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
                                  bool free) {
     lode_drive_t *drive = &self->drive;
     const lode_drive_tuning_t *tuning = drive->tuning;
-    const lode_asked_t asked = lode_drive_ask(drive, frame);
+    const lode_asked_t asked = lode_drive_ask(drive, tuning, frame);
     const lode_sets_t v = voltages(self, frame, asked.u_V, v_bus_V);
     const lode_ab_t i_A = lode_park_inverse(asked.i_A, frame->applied);
     const lode_modulator6_out_t out =

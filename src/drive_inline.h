@@ -281,16 +281,14 @@ LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const lode_drive_tun
 #endif
 }
 
-// SLOT_GAINS, after the gains of the EMF's loop.
-LODE_INLINE void lode_drive_inject(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-#ifdef LODE_WITHOUT_HFI
-    (void)self;
-    (void)tuning;
-#else
-    if (LODE_RARELY(lode_hfi_is_on(&tuning->estimator.hfi))) {
-        lode_mode_inject(self);
+// SLOT_GAINS
+LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+#ifndef LODE_WITHOUT_HFI
+    if (LODE_RARELY(lode_hfi_is_on(&tuning->estimator.hfi)) && lode_mode_inject(self)) {
+        return;
     }
 #endif
+    lode_estimator_adapt_gains(&self->estimator, &tuning->estimator);
 }
 
 // SLOT_GAINS: the sensor's next estimate renews what is counted here.
@@ -317,15 +315,18 @@ typedef struct {
 } lode_asked_t;
 
 // The voltage of current control, with the wave of injection.
-LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_frame_t *frame) {
+LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                        const lode_frame_t *frame) {
 #ifndef LODE_WITHOUT_HFI
     if (lode_estimator_injects(&self->estimator)) {
         // The measured current is two periods old: near its zero, where the correction moves it along the d axis,
         // that left 0.25 V of EMF across the rotor (H19).
-        const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
-        return (lode_asked_t){lode_hfi_add_wave(&self->estimator.by.hfi, tuning, self->u_V),
-                              self->ref_A};
+        return (lode_asked_t){
+            lode_hfi_add_wave(&self->estimator.by.hfi, &tuning->estimator.hfi, self->u_V),
+            self->ref_A};
     }
+#else
+    (void)tuning;
 #endif
     return (lode_asked_t){self->u_V, frame->i_A};
 }
@@ -377,8 +378,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         if (LODE_RARELY(!estimator->locked) && lode_mode_seed(self)) {
             break; // an angle is acquired, the rest a round later: together 1459 cycles, the dearest call of a start
         }
-        lode_estimator_adapt_gains(estimator, &tuning->estimator);
-        lode_drive_inject(self, tuning);
+        lode_drive_adapt_gains(self, tuning);
         lode_drive_count_sensor(self);
         lode_estimator_adapt_notches(estimator, &tuning->estimator);
         break;

@@ -254,18 +254,6 @@ LODE_NOINLINE float lode_estimator_limit(const lode_estimator_t *self, float err
     return lode_clamp(error, -LODE_HFI_ERROR_MAX_rad, LODE_HFI_ERROR_MAX_rad);
 }
 
-#if !defined(LODE_WITHOUT_HFI) && !defined(LODE_SMALL)
-
-LODE_RAMFUNC lode_estimator_seen_t lode_estimator_by_wave(lode_estimator_t *self,
-                                                          const lode_estimator_tuning_t *tuning,
-                                                          lode_ab_t u_V, lode_ab_t i_A) {
-    const lode_estimate_t estimate = lode_estimator_period(self, tuning, u_V, i_A, true);
-    return (lode_estimator_seen_t){estimate.rotor.sin, estimate.rotor.cos, estimate.i_A.d,
-                                   estimate.i_A.q};
-}
-
-#endif
-
 // Without lock, and has waited for long enough. The waiting time lets observer and mean rotation settle
 // after a reset, and a new acquisition prove itself. A longer time was
 // never set: a corrupted state must not wait for it.
@@ -329,9 +317,6 @@ LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
 LODE_RAMFUNC void lode_estimator_note_rotation(lode_estimator_t *self,
                                                const lode_estimator_tuning_t *tuning) {
-    if (lode_estimator_injects(self)) {
-        return;
-    }
     const lode_ab_t e = self->emf.observer.e_V;
     const lode_ab_t before = self->by.alone.before_V;
     const lode_ab_t step = {e.alpha * before.alpha + e.beta * before.beta,

@@ -728,7 +728,7 @@ static void inject_running(lode_drive_t *self) {
     }
 }
 
-LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
+LODE_NOINLINE bool lode_mode_inject(lode_drive_t *self) {
     const lode_mode_t mode = lode_mode(self);
     if (mode == LODE_MODE_START && !lode_start_catches(&self->state.start) && finds_at_rest(self)) {
         find_at_rest(self);
@@ -738,9 +738,13 @@ LODE_NOINLINE void lode_mode_inject(lode_drive_t *self) {
         lode_estimator_end_injection(&self->estimator, &self->tuning->estimator);
     }
     lode_hfi_t *hfi = &self->estimator.by.hfi;
-    if (hfi->active) { // where current control is free beside the reserve, the modulator is with the wave
-        hfi->reserve_V = self->tuning->estimator.hfi.V_h_V / self->tuning->current.free;
+    if (!hfi->active) {
+        return false;
     }
+    // Where current control is free beside it, the modulator is with the wave.
+    hfi->reserve_V = self->tuning->estimator.hfi.V_h_V / self->tuning->current.free;
+    lode_estimator_drop_disturbance(&self->estimator, &self->tuning->estimator);
+    return true;
 }
 
 #endif

@@ -254,8 +254,9 @@ lode_control_frame_t lode_mode_control_frame(lode_drive_t *self);
 // From RUN to the way down, where the EMF is too small to run by.
 void lode_mode_hand_back(lode_drive_t *self);
 
-// SLOT_GAINS where injection is asked for: begins, follows the speed, ends.
-void lode_mode_inject(lode_drive_t *self);
+// SLOT_GAINS where injection is asked for: begins, follows the speed, ends. True: it injects, and the PLL has its
+// gains.
+bool lode_mode_inject(lode_drive_t *self);
 
 // SLOT_GAINS without lock.
 bool lode_mode_seed(lode_drive_t *self);
