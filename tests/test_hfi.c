@@ -986,6 +986,28 @@ static void test_notches_rest_while_it_injects(void) {
     CHECK_NEAR(1.0, 100.0, rig.motor.omega / 3.0);
 }
 
+// A corrupted one would push its prediction for as long as it injects.
+static void test_a_QPLL_has_no_acceleration_while_it_injects(void) {
+    static rig_t rig;
+    lode_drive_config_t config = rig_config();
+    config.hfi.mode = LODE_HFI_ON;
+    config.hfi.V_h_V = 25.0f;
+    config.estimator.pll.kind = LODE_PLL_QPLL;
+    rig_init(&rig, &rig_tuning, &config);
+    rig_ask(&rig, 31.4f);
+    rig_run(&rig, 2.0);
+    rig_ask(&rig, 0.0f);
+    rig_run(&rig, 1.0);
+    lode_estimator_t *estimator = &rig.drive.estimator;
+    TEST_ASSERT_TRUE(estimator->by.hfi.active);
+    estimator->pll.rise_rad_s = 0.1f;
+    estimator->pll.f_rad_s2 = 0.1f;
+    rig_run(&rig, 2.0 * (double)LODE_SLOW_PERIODS * RIG_TS_s);
+    TEST_ASSERT_TRUE(estimator->by.hfi.active);
+    CHECK_NEAR(0.0, 0.0, estimator->pll.rise_rad_s);
+    CHECK_NEAR(0.0, 0.0, estimator->pll.f_rad_s2);
+}
+
 static void test_a_drive_that_cannot_inject_is_refused(void) {
     static lode_drive_t drive;
     lode_drive_config_t config = rig_config();
@@ -1178,6 +1200,7 @@ int main(void) {
     RUN_TEST(test_an_estimate_from_outside_takes_its_place);
     RUN_TEST(test_start_at_rest_can_be_called_off);
     RUN_TEST(test_notches_rest_while_it_injects);
+    RUN_TEST(test_a_QPLL_has_no_acceleration_while_it_injects);
     RUN_TEST(test_a_drive_that_cannot_inject_is_refused);
     RUN_TEST(test_an_axis_that_is_not_found_is_given_up);
     RUN_TEST(test_polarity_by_the_difference_of_the_responses);
