@@ -39,7 +39,8 @@
 #define CURRENT_FALL 0.7f
 #define ROUNDS_MAX 2.0e9f // inside an int32
 #define COUNTER_MAX 65535.0f
-#define SWEEP_rad (LODE_TWO_PI / 3.0f)
+// Half of it to each current of the measurement: from phase axis to phase axis.
+#define SWEEP_rad (2.0f * LODE_TWO_PI / 3.0f)
 #define MEAN_CORNER 0.3f  // of the mean EMF, over the swing's natural frequency
 #define SWING_CORNER 3.0f // of its deviation: above, an error in Lq would close a loop
 // Gain that is left to the loop of the shift: a moving vector moves d current, and so active flux, in a salient

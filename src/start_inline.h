@@ -25,8 +25,8 @@ LODE_INLINE bool lode_start_catches(const lode_start_t *self) {
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
                                   lode_ab_t e_V, float ts_s) {
     // Turning at speed begins when the current is there and resistance and dead time are measured. While the
-    // current rises at standstill the vector sweeps a third of a turn, or a rotor that happens to lie opposite
-    // to it would feel no torque.
+    // current rises at standstill the vector sweeps two thirds of a turn: a rotor that lies opposite to it would feel no
+    // torque, and one that falls back to it is carried along.
     float advance_rad = ts_s * self->omega_rad_s;
     if (!(self->current_A < self->current_target) &&
         !(self->stage < (uint_least8_t)LODE_START_TURN)) {

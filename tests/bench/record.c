@@ -126,7 +126,7 @@ static bool is_as_named(const run_t *run) {
     case BENCH_RISE:
         return s->mode[LODE_MODE_START] == BENCH_ROWS;
     case BENCH_START: // most of it in START, and the hand-over well inside
-        return s->mode[LODE_MODE_START] > 250 && running > 100 && s->bad == 0;
+        return s->mode[LODE_MODE_START] > 250 && running > 80 && s->bad == 0;
     case BENCH_SATURATED:
         return running == BENCH_ROWS && s->bad == 0 && s->current_limit > 200 &&
                s->voltage_limit > 200;
