@@ -107,28 +107,42 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
 
 #ifndef LODE_WITHOUT_TORQUE_CONTROL
 
+// What speed control asks for at an end of the range, by its integral where it holds that end already. From a distance
+// the load takes the integral's place (K13).
+static float torque_at(const lode_speed_t *self, const lode_speed_tuning_t *tuning, float error,
+                       float load_Nm, bool holds) {
+    const float ff = tuning->load_feed_forward * load_Nm;
+    return holds ? lode_pi_output(&self->pi, &tuning->pi, error, ff)
+                 : tuning->pi.kp * error + load_Nm;
+}
+
 // Not LODE_RAMFUNC: once in a round.
 LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tuning,
                                              float torque_Nm, lode_range_t between_rad_s,
                                              float omega_rad_s, float load_Nm) {
     const float speed = omega_rad_s * tuning->inv_pole_pairs;
     const float gain = lode_speed_gain(tuning, omega_rad_s);
-    const float ff = tuning->load_feed_forward * load_Nm;
-    // What speed control would ask for at either end.
-    const float most =
-        lode_pi_output(&self->pi, &tuning->pi, gain * (between_rad_s.max - speed), ff);
-    const float least =
-        lode_pi_output(&self->pi, &tuning->pi, gain * (between_rad_s.min - speed), ff);
-    if (torque_Nm > most) {
-        self->reference_rad_s = between_rad_s.max;
-    } else if (torque_Nm < least) {
-        self->reference_rad_s = between_rad_s.min;
-    } else { // at the speed that there is, with this torque
-        self->reference_rad_s = speed;
-        lode_pi_reset(&self->pi,
-                      lode_clamp(torque_Nm, self->limit_Nm.min, self->limit_Nm.max) - ff);
+    const float torque = lode_clamp(torque_Nm, self->limit_Nm.min, self->limit_Nm.max);
+    const bool at_most = !(self->reference_rad_s < between_rad_s.max);
+    const bool at_least = !(self->reference_rad_s > between_rad_s.min);
+    float target = speed; // that there is, with this torque
+    float held_Nm = torque;
+    bool holds = false;
+    if (torque > torque_at(self, tuning, gain * (between_rad_s.max - speed), load_Nm, at_most)) {
+        target = between_rad_s.max;
+        held_Nm = load_Nm;
+        holds = at_most;
+    } else if (torque <
+               torque_at(self, tuning, gain * (between_rad_s.min - speed), load_Nm, at_least)) {
+        target = between_rad_s.min;
+        held_Nm = load_Nm;
+        holds = at_least;
     }
-    return self->reference_rad_s;
+    if (!holds) {
+        lode_pi_reset(&self->pi, held_Nm - tuning->load_feed_forward * load_Nm);
+    }
+    self->reference_rad_s = target;
+    return target;
 }
 
 #endif

@@ -995,10 +995,16 @@ static void test_when_the_run_is_made_again(void) {
 }
 
 static int most_points;
+static lode_commission_sums_t points;
 static void few_points(rig_t *r) {
-    lode_commission_t *k = &r->commission;
-    if (k->stage == UP && (int)k->sums.count > most_points) {
-        k->sums.count = (uint32_t)most_points;
+    lode_commission_sums_t *s = &r->commission.sums;
+    if (r->commission.stage != UP) {
+        return;
+    }
+    if ((int)s->count <= most_points) {
+        points = *s;
+    } else {
+        *s = points; // the one more is not seen
     }
 }
 

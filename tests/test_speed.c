@@ -85,11 +85,41 @@ static void test_torque_is_followed_between_two_speeds(void) {
     CHECK_NEAR(1.0e-6, -2.5, torque_control(&speed, &tuning, -3.0f, 150.0f, 0.0f));
     // Beyond an end speed control holds that end.
     lode_speed_reset(&speed, &tuning, 50.0f, 1.0f, 0.0f, (float)TORQUE_MAX);
-    CHECK_NEAR(1.0e-5, 1.0 - 0.8 * 2.0, torque_control(&speed, &tuning, 1.0f, 246.0f, 0.0f));
+    CHECK_NEAR(1.0e-5, 0.4 - 0.8 * 2.0, torque_control(&speed, &tuning, 1.0f, 246.0f, 0.4f));
     TEST_ASSERT_EQUAL_FLOAT(80.0f, speed.reference_rad_s);
     lode_speed_reset(&speed, &tuning, 50.0f, -3.0f, 0.0f, (float)TORQUE_MAX);
-    CHECK_NEAR(1.0e-5, -3.0 + 0.8 * 2.0, torque_control(&speed, &tuning, -3.0f, 54.0f, 0.0f));
+    CHECK_NEAR(1.0e-5, -0.4 + 0.8 * 2.0, torque_control(&speed, &tuning, -3.0f, 54.0f, -0.4f));
     TEST_ASSERT_EQUAL_FLOAT(20.0f, speed.reference_rad_s);
+    // And by its own integral from then on.
+    const double next = -0.4 + 0.8 * 2.0 + 6.0 * 2.0e-4 * 2.0;
+    CHECK_NEAR(1.0e-5, next, torque_control(&speed, &tuning, -3.0f, 54.0f, -0.4f));
+    // Until the torque points inwards again.
+    CHECK_NEAR(1.0e-5, 3.0, torque_control(&speed, &tuning, 3.0f, 54.0f, -0.4f));
+    TEST_ASSERT_EQUAL_FLOAT(18.0f, speed.reference_rad_s);
+}
+
+/// (K13): with the load known, either end is overrun by less than a sixth of the 6 rad/s of (K15); the same torque where it is met.
+static void test_an_end_of_the_range_is_not_overrun(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const float wanted = 5.0f * (float)sign;
+        const float load = 1.5f;
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, 50.0f, load, load, (float)TORQUE_MAX);
+        double omega = 50.0;
+        double before = (double)wanted;
+        for (int n = 0; n < 10000; n++) {
+            const float torque =
+                torque_control(&speed, &tuning, wanted, (float)(3.0 * omega), load);
+            CHECK_NEAR(0.1, before, torque);
+            before = (double)torque;
+            omega += 2.0e-4 * ((double)torque - (double)load) / 0.0174;
+            CHECK_AT_LEAST(19.0, omega);
+            CHECK_AT_MOST(81.0, omega);
+        }
+        CHECK_NEAR(0.01, sign > 0 ? 80.0 : 20.0, omega);
+    }
 }
 
 static void test_reset_is_bumpless(void) {
@@ -403,6 +433,7 @@ int main(void) {
     RUN_TEST(test_reference_is_a_mechanical_ramp);
     RUN_TEST(test_torque_is_pi_and_feed_forward);
     RUN_TEST(test_torque_is_followed_between_two_speeds);
+    RUN_TEST(test_an_end_of_the_range_is_not_overrun);
     RUN_TEST(test_reset_is_bumpless);
     RUN_TEST(test_torque_is_limited_by_the_current);
     RUN_TEST(test_closed_loop_holds_against_a_load);
