@@ -418,8 +418,8 @@ LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, 
     return looks * look_s * lode_mode_frame_omega(self) + damping_rad(self);
 }
 
-static LODE_NOINLINE void judge(lode_drive_t *self, lode_plausibility_t *watch, uint32_t again,
-                                float i_A2, float looks) {
+LODE_INLINE void judge(lode_drive_t *self, lode_plausibility_t *watch, uint32_t again, float i_A2,
+                       float looks) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const uint32_t doubt =
         lode_plausibility_doubt(watch, &tuning->plausibility, again, i_A2,

@@ -265,11 +265,10 @@ static bool is_seed_due(const lode_estimator_t *self, const lode_estimator_tunin
 // Of the speed found, by what a free rotor would move within a time constant of the PLL.
 #define LOADED_SHARE 2.0f
 
-// What the present torque is taken to be held by, where a free rotor would run away from the speed found
-// before the PLL can see it: the PLL would never lock under load. Less may as well be a swing of the start,
-// in which the rotor does follow its torque.
-static float load_acceleration(const lode_estimator_t *self,
-                               const lode_estimator_tuning_t *tuning) {
+// What the present torque is taken to be held by, where something is known to hold the rotor, or a free one would run
+// away from the speed found before the PLL can see it: the PLL would never lock under load.
+static float load_acceleration(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                               bool held) {
     const lode_pll_t *pll = &self->pll;
     if (tuning->pll.third_order == 0u) {
         return 0.0f; // the QPLL has no such state
@@ -277,12 +276,13 @@ static float load_acceleration(const lode_estimator_t *self,
     const lode_dq_t i_A = lode_park(self->emf.i_A, pll->frame);
     const float acc = lode_estimator_acceleration(tuning, i_A, 0.0f, pll->omega_rad_s);
     const float sigma = tuning->pll.x_low * tuning->pll.inv_ts;
-    return lode_abs(acc) > LOADED_SHARE * sigma * lode_abs(pll->omega_rad_s) ? acc : 0.0f;
+    const bool loaded = lode_abs(acc) > LOADED_SHARE * sigma * lode_abs(pll->omega_rad_s);
+    return (held || loaded) ? acc : 0.0f;
 }
 
 // Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
 // quarter turn ahead of the PLL's frame in the sense of rotation. False if there is too little of it.
-static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
+static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, bool held) {
     const lode_ab_t e_V = self->emf.observer.e_V;
     lode_observer_settle(&self->emf.observer, &tuning->emf.observer);
     const float step_rad = lode_atan2(self->by.alone.rotation.beta, self->by.alone.rotation.alpha);
@@ -299,7 +299,7 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     self->pll.frame = frame;
     self->pll.omega_rad_s = omega;
     self->pll.rise_rad_s = 0.0f;
-    self->pll.f_rad_s2 = -load_acceleration(self, tuning);
+    self->pll.f_rad_s2 = -load_acceleration(self, tuning, held);
     self->per_V = -unit;
     self->omega_tune = omega;
     self->by.alone.wait = tuning->patience_rounds;
@@ -346,8 +346,8 @@ void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_t
 
 #endif
 
-bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
-    return is_seed_due(self, tuning) && acquire(self, tuning);
+bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, bool held) {
+    return is_seed_due(self, tuning) && acquire(self, tuning, held);
 }
 
 float lode_estimator_theta_rad(const lode_estimator_t *self) {
@@ -367,7 +367,7 @@ static bool do_slow_job(lode_estimator_t *self, const lode_estimator_tuning_t *t
         lode_estimator_adapt_lag(self, tuning);
         return false;
     case SLOT_GAINS: {
-        if (!self->locked && lode_estimator_seed(self, tuning)) {
+        if (!self->locked && lode_estimator_seed(self, tuning, false)) {
             return true; // as in the drive
         }
         lode_estimator_adapt_gains(self, tuning);

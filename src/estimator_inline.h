@@ -47,7 +47,8 @@ void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning
 void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 // The EMF alone from now on.
 void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
-bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
+// `held`: whatever the torque, the rotor keeps the speed that it has.
+bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, bool held);
 
 LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
                                                 const lode_estimator_tuning_t *tuning) {

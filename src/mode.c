@@ -306,8 +306,7 @@ static void aim_start(lode_drive_t *self) {
 }
 
 // Measures, judges, aims and hands over in a slot each: one is enough for a period.
-static void follow_start(lode_drive_t *self) {
-    const lode_slot_t slot = lode_slot_of(self->steps);
+static void follow_start(lode_drive_t *self, lode_slot_t slot) {
     if (self->command.mode != LODE_MODE_RUN) {
         lode_mode_switch_off(self);
     } else if (lode_mode_is_sensored(self)) { // there is nothing to start
@@ -329,10 +328,14 @@ static void follow_start(lode_drive_t *self) {
 
 void lode_mode_follow(lode_drive_t *self) {
     const bool starts = lode_mode(self) == LODE_MODE_START;
+    const lode_slot_t slot = lode_slot_of(self->steps);
+    if (starts && (slot == SLOT_GUARD || slot == SLOT_GUARD_2)) {
+        return; // the guard has enough to do: a period later
+    }
     if (!lode_mode_is_sound(self) || (!starts && !lode_mode_fits(self))) {
         lode_mode_distrust(self); // before a wrong mode is followed
     } else if (starts) {
-        follow_start(self);
+        follow_start(self, slot);
     } else if (self->command.mode == lode_mode(self)) {
         set_mode(self, lode_mode(self)); // steady again
     } else {
@@ -592,12 +595,13 @@ bool lode_mode_seed(lode_drive_t *self) {
     if (lode_estimator_injects(&self->estimator)) {
         return false; // it goes by injection
     }
-    if (lode_mode(self) == LODE_MODE_START && !lode_start_catches(start) &&
-        lode_abs(start->omega_rad_s) < LODE_START_HOLD * self->tuning->start.omega_ready) {
+    // A vector turns the rotor as fast as it turns itself, whatever the torque.
+    const bool held = lode_mode(self) == LODE_MODE_START && !lode_start_catches(start);
+    if (held && lode_abs(start->omega_rad_s) < LODE_START_HOLD * self->tuning->start.omega_ready) {
         lode_estimator_hold(&self->estimator, tuning, start->at, start->omega_rad_s);
         return false;
     }
-    return lode_estimator_seed(&self->estimator, tuning);
+    return lode_estimator_seed(&self->estimator, tuning, held);
 }
 
 #ifndef LODE_WITHOUT_HFI

@@ -626,12 +626,30 @@ static void test_reset_is_idempotent_and_complete(void) {
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &w.estimator, sizeof fresh);
 }
 
+/// (P16): a torque of less than a free rotor would run away by is that of a free rotor, but where something holds it.
+static void test_a_rotor_that_is_held_keeps_its_speed(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    watch_t w = watch(&config, 300.0, 3.0);
+    for (int k = 0; k < 4000; k++) {
+        (void)watch_step(&w, 0.0, 3.0);
+    }
+    w.estimator.by.alone.rotation = (lode_ab_t){cosf(0.06f), sinf(0.06f)}; // 300 rad/s
+    w.estimator.by.alone.wait = 0u;
+    TEST_ASSERT_TRUE(lode_estimator_seed(&w.estimator, &w.tuning, false));
+    CHECK_NEAR(0.0, 0.0, w.estimator.pll.f_rad_s2);
+    w.estimator.by.alone.wait = 0u;
+    TEST_ASSERT_TRUE(lode_estimator_seed(&w.estimator, &w.tuning, true));
+    // The currents as seen from the EMF's angle, without the lag of the observer.
+    const double friction = (double)w.tuning.acc_per_omega * 300.0;
+    CHECK_CLOSE(0.1, friction - 3.0 * 3.0 * 0.639 / 0.0174, w.estimator.pll.f_rad_s2);
+}
+
 static void test_a_mean_rotation_that_is_no_number_begins_anew(void) {
     const lode_estimator_config_t config = designed(LODE_PLL_LESO);
     watch_t w = watch(&config, 300.0, 0.0);
     w.estimator.by.alone.rotation = (lode_ab_t){NAN, NAN};
     w.estimator.by.alone.wait = 0u; // it has waited for long enough
-    TEST_ASSERT_FALSE(lode_estimator_seed(&w.estimator, &w.tuning));
+    TEST_ASSERT_FALSE(lode_estimator_seed(&w.estimator, &w.tuning, false));
     CHECK_NEAR(0.0, 0.0, w.estimator.by.alone.rotation.alpha);
     CHECK_NEAR(0.0, 0.0, w.estimator.by.alone.rotation.beta);
 }
@@ -802,6 +820,7 @@ int main(void) {
     RUN_TEST(test_hold_at_the_true_angle_is_seamless);
     RUN_TEST(test_a_lock_is_not_believed_before_the_rotor_was_found);
     RUN_TEST(test_reset_is_idempotent_and_complete);
+    RUN_TEST(test_a_rotor_that_is_held_keeps_its_speed);
     RUN_TEST(test_a_mean_rotation_that_is_no_number_begins_anew);
     RUN_TEST(test_what_is_asked_of_a_period);
     RUN_TEST(test_times_of_waiting);
