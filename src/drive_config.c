@@ -148,6 +148,10 @@ static void design_pll(lode_drive_config_t *config, float ts_s) {
     }
 }
 
+// Of dead time that a start may find beyond the configured one where there is none: some nanoseconds by the noise of
+// its measurement.
+#define FOUND_BY_CHANCE_s 5.0e-8f
+
 // With two low-side shunts there is no third to take the place of one that has no time: the voltage with
 // which no duty, dead-time correction included, goes beyond the window.
 static float seen_voltage_use(const lode_drive_config_t *c) {
@@ -159,7 +163,9 @@ static float seen_voltage_use(const lode_drive_config_t *c) {
 
 float lode_drive_voltage_use(const lode_drive_config_t *c) {
     const bool windowed = c->sense.shunts == LODE_SHUNTS_TWO && c->sense.duty_max < 1.0f;
-    return windowed ? lode_min(seen_voltage_use(c), LODE_VOLTAGE_USE) : LODE_VOLTAGE_USE;
+    const float room =
+        2.0f * FOUND_BY_CHANCE_s * lode_inverter_carrier_Hz(&c->inverter, c->f_pwm_Hz);
+    return windowed ? lode_min(seen_voltage_use(c) - room, LODE_VOLTAGE_USE) : LODE_VOLTAGE_USE;
 }
 
 static bool has_blind_sectors(const lode_drive_config_t *c) {

@@ -137,6 +137,8 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
         target = between_rad_s.min;
         held_Nm = load_Nm;
         holds = at_least;
+    } else {
+        // between the ends
     }
     if (!holds) {
         lode_pi_reset(&self->pi, held_Nm - tuning->load_feed_forward * load_Nm);

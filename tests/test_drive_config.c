@@ -263,12 +263,13 @@ static void test_two_shunts_bound_the_voltage(void) {
     config.sense.duty_max = 0.9f;
     designed = config;
     lode_drive_design(&designed);
-    CHECK_CLOSE(1e-5, 0.8, designed.current.voltage_use);
+    const double room = 2.0 * 50.0e-9 * (double)config.f_pwm_Hz; // what a start finds by chance
+    CHECK_CLOSE(1e-5, 0.8 - room, designed.current.voltage_use);
     config.inverter.dead_time_s = 0.02f / config.f_pwm_Hz;
     config.inverter.v_drop_V = 0.01f * config.inverter.v_bus_V;
     designed = config;
     lode_drive_design(&designed);
-    CHECK_CLOSE(1e-5, 0.74, designed.current.voltage_use);
+    CHECK_CLOSE(1e-5, 0.74 - room, designed.current.voltage_use);
     lode_drive_tuning_t tuning;
     TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(lode_drive_tune(&tuning, &config)));
     config.current.voltage_use = 0.75f;
