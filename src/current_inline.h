@@ -26,7 +26,7 @@ lode_dq_t lode_current_limit(lode_current_t *self, const lode_current_tuning_t *
 LODE_INLINE bool lode_current_is_free(const lode_current_tuning_t *tuning, lode_dq_t u_V,
                                       float v_bus_V) {
     const float radius = tuning->free * v_bus_V;
-    return LODE_USUALLY(u_V.d * u_V.d + u_V.q * u_V.q <= radius * lode_abs(radius));
+    return u_V.d * u_V.d + u_V.q * u_V.q <= radius * lode_abs(radius);
 }
 
 // Voltage for the references `ref_A` at the currents `i_A`. `ff`: what rotation induces (references_inline.h),

@@ -383,7 +383,7 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
     const lode_finding_t found =
         lode_plausibility_find(watch, &tuning->plausibility, doubt, tuning->guard.lock_looks,
                                hold_of(self), lode_abs(tuning->sense.i_gain));
-    if (LODE_RARELY(found.check != LODE_CHECK_NONE)) {
+    if (found.check != LODE_CHECK_NONE) {
         const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;
         const float before = second ? (float)LODE_PHASES : 0.0f;
         lode_mode_fault(self, found.check, found.measured + before, found.limit);
@@ -396,7 +396,7 @@ LODE_NOINLINE void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
     const uint_least8_t phase =
         lode_waves_step(&self->state.start.seen.turn.waves, &tuning->plausibility, i,
                         self->ref_A.d * self->ref_A.d, round_s * self->state.start.omega_rad_s);
-    if (LODE_RARELY(phase > 0u)) {
+    if (phase > 0u) {
         lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
     }
 }
@@ -424,8 +424,8 @@ LODE_INLINE void judge(lode_drive_t *self, lode_plausibility_t *watch, uint32_t 
     const uint32_t doubt =
         lode_plausibility_doubt(watch, &tuning->plausibility, again, i_A2,
                                 turn_of(self, watch, looks), lode_abs(tuning->sense.i_gain));
-    if (LODE_RARELY(doubt > 0u || watch->sum > 0u ||
-                    !lode_plausibility_sum_ok(&tuning->plausibility, watch->i))) {
+    if (doubt > 0u || watch->sum > 0u ||
+        !lode_plausibility_sum_ok(&tuning->plausibility, watch->i)) {
         find(self, watch, doubt);
     }
 }
@@ -532,7 +532,7 @@ static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *coun
 LODE_INLINE lode_sample_t sense(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                 const lode_counts_t *counts) {
     lode_sample_t sample = lode_sense_next(&self->sense, &tuning->sense, counts, &self->omitted);
-    if (LODE_RARELY(!lode_guard_all_ok(&self->guard, &tuning->guard, &sample))) {
+    if (!lode_guard_all_ok(&self->guard, &tuning->guard, &sample)) {
         // A copy: for the current of the sample itself the step would keep room for a whole one, 16 bytes of
         // stack more.
         const lode_ab_t i_A = {sample.i_A.alpha, sample.i_A.beta};
@@ -597,7 +597,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
     lode_frame_t frame = lode_drive_rotor_frame(self, estimate);
     self->i_A = frame.i_A;
     bool given = false;
-    if (LODE_RARELY(!self->steady)) {
+    if (!lode_drive_is_steady(self)) {
         if (self->mail) {
             lode_mode_take_mail(self);
             tuning = self->tuning;
@@ -612,7 +612,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
     const bool free = lode_drive_control(self, tuning, &frame, left_V, given);
     const lode_abc_t duty = modulate(self, tuning, &frame, free);
     // Whoever made the duties: the last word.
-    if (LODE_RARELY(!lode_modulator_is_within(duty, tuning->sense.duty_max)) &&
+    if (!lode_modulator_is_within(duty, tuning->sense.duty_max) &&
         !lode_drive_accept(self, &self->omitted, &self->duty)) {
         return end_idle(self);
     }
@@ -647,7 +647,7 @@ static LODE_NOINLINE lode_drive_out_t idle_period(lode_drive_t *self, const lode
 LODE_RAMFUNC lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_sample_t sample = sense(self, tuning, counts); // counts -> A, V at t_k
-    if (LODE_RARELY(!self->steady) && !self->gates) {
+    if (!lode_drive_is_steady(self) && !self->gates) {
         return idle_period(self, counts, sample.omitted);
     }
     const lode_estimate_t rotor = estimate(self, tuning, &sample); // -> angle and speed at t_k

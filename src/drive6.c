@@ -155,7 +155,7 @@ LODE_INLINE lode_sets_t currents(const lode_sense_tuning_t *tuning, lode_ab_t i_
 
 // The current that is controlled.
 LODE_INLINE lode_ab_t controlled(const lode_drive6_t *self, const lode_sets_t *x) {
-    if (LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH)) {
+    if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
         return lode_vsd_ab(*x);
     }
     return of_set(x, self->active == (uint_least8_t)LODE_SETS_ONLY_1);
@@ -187,8 +187,8 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
     lode_sample6_t x;
     x.machine = lode_sense_next(&drive->sense, tuning, &counts->set[0], &drive->omitted);
     x.set_2 = lode_sense_next(&self->sense_2, tuning, &counts->set[1], &self->omitted_2);
-    if (LODE_RARELY(!lode_guard_all_ok(&drive->guard, &drive->tuning->guard, &x.machine)) ||
-        LODE_RARELY(x.set_2.alert) || LODE_RARELY(x.set_2.trip)) {
+    if (!lode_guard_all_ok(&drive->guard, &drive->tuning->guard, &x.machine) || x.set_2.alert ||
+        x.set_2.trip) {
         const lode_ab_t i_1 = {x.machine.i_A.alpha, x.machine.i_A.beta}; // as in drive.c
         diagnose(self, counts, x.machine.omitted, x.set_2.omitted, i_1);
     }
@@ -201,7 +201,7 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
     lode_inverter_follow_bus(&drive->inverter, &drive->tuning->inverter, x.machine.v_bus_V);
     self->i_xy_A = lode_vsd_xy(x.i_A);
     const bool both = self->active == (uint_least8_t)LODE_SETS_BOTH;
-    if (LODE_USUALLY(both)) {
+    if (both) {
         x.machine.i_A = lode_vsd_ab(x.i_A);
         x.machine.u_V = lode_vsd_ab(u_V);
     } else {
@@ -221,8 +221,8 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
         x.i_seen_A = of_set(&x.i_A, self->tuning->source == (uint_least16_t)LODE_SOURCE_SET_1);
     }
     x.u_seen_V = lode_inverter_less_drop(&drive->inverter, x.u_seen_V, drive->estimator.emf.i_A);
-    x.watched = LODE_USUALLY(both) && LODE_USUALLY(lode_mode(drive) == LODE_MODE_RUN) &&
-                LODE_USUALLY(self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE);
+    x.watched = both && lode_mode(drive) == LODE_MODE_RUN &&
+                self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE;
     if (x.watched) {
         lode_open_phase_note(&self->watch, x.machine.i, x.set_2.i);
     }
@@ -234,8 +234,8 @@ LODE_INLINE lode_estimate_t estimate(lode_drive6_t *self, const lode_sample6_t *
     lode_drive_t *drive = &self->drive;
     lode_estimate_t seen =
         lode_estimator_fast(&drive->estimator, &drive->tuning->estimator, x->u_seen_V, x->i_seen_A);
-    if (LODE_USUALLY(!lode_estimator_injects(
-            &drive->estimator))) { // else it is the machine's, without the ripple
+    if (!lode_estimator_injects(
+            &drive->estimator)) { // else it is the machine's, without the ripple
         seen.i_A = lode_park(x->machine.i_A, seen.rotor);
     }
     return seen;
@@ -278,7 +278,7 @@ LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x,
     }
     const lode_open_phase_t open =
         lode_open_phase_step(&self->watch, &self->tuning->watch, est->rotor.sin);
-    if (LODE_RARELY(open > 0u)) {
+    if (open > 0u) {
         on_open_phase(self, open, of_set(&x->i_A, lode_open_phase_set(open) == 1));
     }
 }
@@ -287,7 +287,7 @@ LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x,
 LODE_INLINE lode_sets_t voltages(lode_drive6_t *self, const lode_frame_t *frame, lode_dq_t u_V,
                                  float v_bus_V) {
     lode_ab_t xy = {0.0f, 0.0f};
-    if (LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH)) {
+    if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
         self->u_xy_V = lode_xy_step(&self->xy, &self->tuning->xy,
                                     lode_ab_rotate(self->i_xy_A, frame->at), v_bus_V);
         const lode_dq_t rotated = lode_park(self->u_xy_V, frame->applied);
@@ -370,17 +370,17 @@ LODE_INLINE lode_gates_t gates_if(bool driven) {
 LODE_INLINE bool accept(lode_drive6_t *self, lode_abc6_t duty) {
     lode_drive_t *drive = &self->drive;
     const float most = drive->tuning->sense.duty_max;
-    if (LODE_RARELY(!lode_modulator_is_within(duty.set[0], most)) &&
+    if (!lode_modulator_is_within(duty.set[0], most) &&
         !lode_drive_accept(drive, &drive->omitted, &drive->duty)) {
         return false;
     }
-    return LODE_USUALLY(lode_modulator_is_within(duty.set[1], most)) ||
+    return lode_modulator_is_within(duty.set[1], most) ||
            lode_drive_accept(drive, &self->omitted_2, &self->duty_2);
 }
 
 // SLOT_REFERENCES. Set 1 is looked at with the guard.
 LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
-    if (LODE_USUALLY(self->active == (uint_least8_t)LODE_SETS_BOTH)) {
+    if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
         lode_drive_watch(&self->drive, self->drive.tuning, &self->plausibility_2, set_2->i,
                          LOOKS_OF_SET_2);
     }
@@ -393,7 +393,7 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     lode_frame_t frame = lode_drive_rotor_frame(drive, estimate);
     drive->i_A = frame.i_A;
     bool given = false;
-    if (LODE_RARELY(!drive->steady)) {
+    if (!lode_drive_is_steady(drive)) {
         if (drive->mail) {
             take_mail(self);
         }
@@ -420,7 +420,7 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     }
     (void)lode_drive_slow_job(drive, drive->tuning, words_of(self->tuning), &sample->machine,
                               sample->set_2.temperature, slot);
-    if (LODE_RARELY(!drive->gates)) {
+    if (!drive->gates) {
         return end_idle(self);
     }
     drive->steps++;
@@ -445,7 +445,7 @@ lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_sample6_t *sam
 
 LODE_RAMFUNC lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
     const lode_sample6_t sample = sense(self, counts);
-    if (LODE_RARELY(!self->drive.steady) && !self->drive.gates) {
+    if (!lode_drive_is_steady(&self->drive) && !self->drive.gates) {
         return idle_period(self, counts, sample.machine.omitted, sample.set_2.omitted);
     }
     const lode_estimate_t rotor = estimate(self, &sample);

@@ -79,7 +79,7 @@ LODE_INLINE lode_frame_t lode_drive_control_frame(lode_drive_t *self, const lode
 // True: no duty can reach a rail.
 LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                     const lode_frame_t *frame, float v_bus_V, bool given) {
-    if (LODE_RARELY(given)) {
+    if (given) {
         return lode_current_is_free(&tuning->current, self->u_V, v_bus_V);
     }
     const lode_dq_t induced_V =
@@ -98,6 +98,10 @@ LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
 #else
     return self->tuning->speed_periods == LODE_SLOW_PERIODS;
 #endif
+}
+
+LODE_INLINE bool lode_drive_is_steady(const lode_drive_t *self) {
+    return LODE_USUALLY(self->steady); // 5 cycles of c_leso_qpll
 }
 
 // What an unsteady mode has of its own: the frame of control, and speed control in every period. True: it gives the
@@ -127,10 +131,10 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const float load_Nm = lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator);
     const float least = tuning->omega_min * tuning->speed.inv_pole_pairs;
     float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
-    if (LODE_RARELY(run->fade > 0.0f)) { // while the start current fades, its speed is held
+    if (run->fade > 0.0f) { // while the start current fades, its speed is held
         target = run->speed.reference_rad_s;
         run->fade = lode_drive_faded(self);
-    } else if (LODE_RARELY(lode_mode_is_sensored(self) || lode_mode_is_torque(self))) {
+    } else if (lode_mode_is_sensored(self) || lode_mode_is_torque(self)) {
         target = lode_drive_other_target(self, omega_rad_s, load_Nm);
     } else {
         // along the ramp
@@ -155,9 +159,9 @@ LODE_INLINE void lode_drive_free_id(lode_drive_t *self) {
 
 // SLOT_SPEED, in RUN.
 LODE_INLINE void lode_drive_run(lode_drive_t *self) {
-    if (LODE_RARELY(lode_drive_is_too_slow(self))) {
+    if (lode_drive_is_too_slow(self)) {
         lode_mode_hand_back(self);
-    } else if (LODE_USUALLY(lode_drive_speed_once(self))) {
+    } else if (lode_drive_speed_once(self)) {
         // The mean of two samples half a round apart, the first that of the lag: the position error's ripple
         // and noise fold down less.
         const lode_estimator_t *estimator = &self->estimator;
@@ -209,7 +213,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
     (void)i;
     (void)looks;
 #else
-    if (LODE_RARELY(tuning->plausibility.i_sum < 0)) {
+    if (tuning->plausibility.i_sum < 0) {
         return;
     }
     if (lode_plausibility_all_move(watch, &tuning->plausibility, i)) {
@@ -238,7 +242,7 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
     self->temperature = count;
     const lode_condition_t condition = lode_drive_condition(self);
     const bool sensorless = lode_mode(self) == LODE_MODE_RUN;
-    if (LODE_RARELY(!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition, sensorless))) {
+    if (!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition, sensorless)) {
         lode_drive_check_slow(self);
     }
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -258,7 +262,7 @@ LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuni
 #else
     const uint32_t watched =
         (uint32_t)tuning->guard.still_rounds | (uint32_t)tuning->guard.bus_still_rounds;
-    if (LODE_RARELY(watched > 0u)) {
+    if (watched > 0u) {
         lode_drive_count_still(self, count, v_bus_V);
     }
 #endif
@@ -272,7 +276,7 @@ LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const lode_drive_tun
     (void)tuning;
     (void)i;
 #else
-    if (LODE_RARELY(lode_mode(self) == LODE_MODE_START) &&
+    if (lode_mode(self) == LODE_MODE_START &&
         self->state.start.stage == (uint_least8_t)LODE_START_TURN &&
         tuning->plausibility.per_wave_A > 0.0f) {
         const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]}; // as lode_drive_watch()
@@ -284,7 +288,7 @@ LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const lode_drive_tun
 // SLOT_GAINS
 LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_HFI
-    if (LODE_RARELY(lode_hfi_is_on(&tuning->estimator.hfi)) && lode_mode_inject(self)) {
+    if (lode_hfi_is_on(&tuning->estimator.hfi) && lode_mode_inject(self)) {
         return;
     }
 #endif
@@ -293,7 +297,7 @@ LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tun
 
 // SLOT_GAINS: the sensor's next estimate renews what is counted here.
 LODE_INLINE void lode_drive_count_sensor(lode_drive_t *self) {
-    if (LODE_RARELY(lode_mode_is_sensored(self))) {
+    if (lode_mode_is_sensored(self)) {
         self->sensored--;
     }
 }
@@ -334,7 +338,7 @@ LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_drive_tun
 // SLOT_LAG
 LODE_INLINE void lode_drive_adapt_lag(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (LODE_RARELY(lode_references_asks(&tuning->references, LODE_REFERENCES_SATURATE))) {
+    if (lode_references_asks(&tuning->references, LODE_REFERENCES_SATURATE)) {
         lode_drive_adapt_saturated_lag(self);
         return;
     }
@@ -344,7 +348,7 @@ LODE_INLINE void lode_drive_adapt_lag(lode_drive_t *self, const lode_drive_tunin
 
 // SLOT_REFERENCES in RUN. With speed control in every period they are its part.
 LODE_INLINE void lode_drive_renew_references(lode_drive_t *self) {
-    if (LODE_USUALLY(lode_drive_speed_once(self))) {
+    if (lode_drive_speed_once(self)) {
         lode_drive_references(self);
     }
 }
@@ -362,20 +366,20 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     case SLOT_LAG:
         lode_drive_adapt_lag(self, tuning);
         lode_drive_lead(self, tuning);
-        if (LODE_RARELY(lode_references_weakens(&tuning->references)) &&
-            lode_drive_speed_once(self) && lode_mode(self) == LODE_MODE_RUN) {
+        if (lode_references_weakens(&tuning->references) && lode_drive_speed_once(self) &&
+            lode_mode(self) == LODE_MODE_RUN) {
             lode_drive_limit_flux(self);
         }
         break;
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
-        if (LODE_RARELY(!lode_mode_memory_ok(self, words))) {
+        if (!lode_mode_memory_ok(self, words)) {
             lode_mode_distrust(self);
             return false;
         }
         break;
     case SLOT_GAINS:
-        if (LODE_RARELY(!estimator->locked) && lode_mode_seed(self)) {
+        if (!estimator->locked && lode_mode_seed(self)) {
             break; // an angle is acquired, the rest a round later: together 1459 cycles, the dearest call of a start
         }
         lode_drive_adapt_gains(self, tuning);
@@ -383,12 +387,12 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         lode_estimator_adapt_notches(estimator, &tuning->estimator);
         break;
     case SLOT_SPEED:
-        if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
+        if (lode_mode(self) == LODE_MODE_RUN) {
             lode_drive_run(self);
         }
         break;
     case SLOT_REFERENCES:
-        if (LODE_USUALLY(lode_mode(self) == LODE_MODE_RUN)) {
+        if (lode_mode(self) == LODE_MODE_RUN) {
             lode_drive_renew_references(self);
             return true;
         }

@@ -61,7 +61,7 @@ LODE_INLINE bool lode_estimator_injects(const lode_estimator_t *self) {
     (void)self;
     return false;
 #else
-    return LODE_RARELY(self->by.hfi.active);
+    return self->by.hfi.active;
 #endif
 }
 
@@ -75,16 +75,16 @@ LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning, uint32_t options,
                                          lode_ab_t m_V, lode_pll_motion_t motion,
                                          lode_sincos_t step, bool by_wave) {
-    if (!by_wave && LODE_RARELY(!self->locked)) {
+    if (!by_wave && !self->locked) {
         lode_estimator_note_rotation(self, tuning);
     }
     lode_sincos_t tuned = step;
     float omega_rad_s = motion.omega_rad_s;
-    if (LODE_RARELY(lode_observer_rotates(&tuning->emf.observer))) {
+    if (lode_observer_rotates(&tuning->emf.observer)) {
         // (G1): at the speed predicted, not at the mean of the period.
         const float more = tuning->pll.ts_s * motion.omega_rad_s - motion.angle_rad;
         tuned = lode_angle_rotate_small(step, more);
-        if (LODE_RARELY(lode_estimator_asks(options, LODE_ESTIMATOR_FILTERED))) {
+        if (lode_estimator_asks(options, LODE_ESTIMATOR_FILTERED)) {
             const lode_sincos_t slow = lode_estimator_filtered_step(self, tuning, omega_rad_s);
             tuned = (lode_sincos_t){slow.sin, slow.cos};
             omega_rad_s = self->omega_tune;
@@ -163,8 +163,7 @@ LODE_INLINE lode_ab_t lode_estimator_dead_beat(lode_estimator_t *self,
                                                lode_sincos_t frame, lode_sincos_t half,
                                                bool by_wave) {
     const lode_ab_t m_V = lode_emf_dead_beat(&self->emf, &tuning->emf, u_V, i_A);
-    const bool seen =
-        lode_estimator_asks(options, LODE_ESTIMATOR_SALIENT) && LODE_USUALLY(self->aligned);
+    const bool seen = lode_estimator_asks(options, LODE_ESTIMATOR_SALIENT) && self->aligned;
     if (!by_wave && !seen) {
         return m_V;
     }
@@ -210,7 +209,7 @@ LODE_INLINE bool lode_estimator_knows_torque(const lode_estimator_t *self) {
     (void)self;
     return true;
 #else
-    return LODE_USUALLY(self->by.hfi.step != (uint_least8_t)LODE_HFI_PUSH);
+    return self->by.hfi.step != (uint_least8_t)LODE_HFI_PUSH;
 #endif
 }
 
@@ -234,7 +233,7 @@ LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
     float error = by_wave ? lode_estimator_blend(self, by_emf)
                           : lode_estimator_notched(self, tuning, options, by_emf);
     const float small = by_wave ? LODE_HFI_ERROR_MAX_rad : tuning->error_small;
-    if (LODE_RARELY(!(lode_abs(error) <= small))) {
+    if (!(lode_abs(error) <= small)) {
         const lode_sincos_t copy = {frame.sin, frame.cos};
         error = by_wave ? lode_estimator_limit(self, error)
                         : lode_estimator_look_again(self, tuning, copy);
@@ -247,14 +246,14 @@ LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
     lode_pll_correct(&self->pll, self->gains, frame, motion.omega_rad_s, error);
     // In every period: looked at after large errors only (-6 cycles), field weakening took 17.7 A where it takes
     // 17.3 and was asked for 16.
-    if (LODE_RARELY(lode_lag_is_far(&self->lag, self->pll.omega_rad_s))) {
+    if (lode_lag_is_far(&self->lag, self->pll.omega_rad_s)) {
         lode_estimator_move_lag(self, tuning, self->pll.omega_rad_s);
     }
     const lode_sincos_t rotor = lode_estimator_rotor(self);
     lode_dq_t i_dq = lode_park(i_A, rotor);
     self->id_A = i_dq.d;
     i_dq = lode_estimator_less_ripple(self, i_dq, by_wave);
-    if (LODE_USUALLY(lode_estimator_asks(options, LODE_ESTIMATOR_THIRD_ORDER))) {
+    if (lode_estimator_asks(options, LODE_ESTIMATOR_THIRD_ORDER)) {
         float acc = lode_estimator_acceleration(tuning, i_dq, error, self->pll.omega_rad_s);
         if (by_wave && !lode_estimator_knows_torque(self)) {
             acc = 0.0f;
@@ -280,8 +279,8 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
 // The state is that of a motor: a rotation of about length 1 and a speed within limits. NaN is not.
 LODE_INLINE bool lode_estimator_is_sound(const lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning, float length2) {
-    return LODE_USUALLY(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit) &&
-           LODE_USUALLY(lode_abs(length2 - 1.0f) <= 0.25f);
+    return lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit &&
+           lode_abs(length2 - 1.0f) <= 0.25f;
 }
 
 // That of the source with the larger weight.
@@ -304,7 +303,7 @@ LODE_INLINE float lode_estimator_quality(lode_estimator_t *self,
 LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
                                           const lode_estimator_tuning_t *tuning) {
     const float length2 = lode_angle_length2(self->pll.frame);
-    if (LODE_RARELY(!lode_estimator_is_sound(self, tuning, length2))) {
+    if (!lode_estimator_is_sound(self, tuning, length2)) {
         lode_estimator_restart(self, tuning);
         return;
     }
@@ -332,7 +331,7 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     if (lode_estimator_injects(self)) {
         return;
     }
-    if (LODE_USUALLY(self->locked)) {
+    if (self->locked) {
         self->by.alone.wait = tuning->patience_rounds;
         self->by.alone.rotation = (lode_ab_t){0.0f, 0.0f};
         self->by.alone.before_V = (lode_ab_t){0.0f, 0.0f};
@@ -349,7 +348,7 @@ LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
     (void)self;
     (void)tuning;
 #else
-    if (lode_estimator_asks(tuning->options, LODE_ESTIMATOR_NOTCH) && LODE_USUALLY(self->locked) &&
+    if (lode_estimator_asks(tuning->options, LODE_ESTIMATOR_NOTCH) && self->locked &&
         !lode_estimator_injects(self)) {
         const float omega = self->pll.omega_rad_s;
         lode_notch_adapt(&self->by.alone.notch, &tuning->notch, tuning->notch.k, omega);

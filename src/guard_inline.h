@@ -8,8 +8,7 @@
 LODE_INLINE bool lode_guard_all_ok(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                    const lode_sample_t *sample) {
     const uint32_t late = sample->stamp - self->stamp - tuning->stamp_min;
-    return LODE_USUALLY(!sample->alert) && LODE_USUALLY(!sample->trip) &&
-           LODE_USUALLY(late <= tuning->stamp_span);
+    return !sample->alert && !sample->trip && late <= tuning->stamp_span;
 }
 
 // The stamp of this period, for the next one.
@@ -26,24 +25,23 @@ LODE_INLINE bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
     (void)condition;
     return false;
 #else
-    return LODE_USUALLY(condition->v_bus_V <= tuning->v_bus_max) &&
-           LODE_USUALLY(condition->v_bus_V >= tuning->v_bus_min) &&
-           LODE_USUALLY(condition->temperature_degC <= tuning->temperature_max) &&
-           LODE_USUALLY(condition->temperature_degC >= tuning->temperature_min);
+    return condition->v_bus_V <= tuning->v_bus_max && condition->v_bus_V >= tuning->v_bus_min &&
+           condition->temperature_degC <= tuning->temperature_max &&
+           condition->temperature_degC >= tuning->temperature_min;
 #endif
 }
 
 LODE_INLINE bool lode_guard_motion_ok(const lode_guard_tuning_t *tuning,
                                       const lode_condition_t *condition) {
-    return LODE_USUALLY(condition->lock >= LODE_LOCK_LOST) &&
-           LODE_USUALLY(condition->omega_rad_s >= 0.0f) &&
-           LODE_USUALLY(condition->omega_rad_s <= tuning->omega_max);
+    // 7 cycles of the dearest call of c_leso_qpll, 3 of the mean
+    return LODE_USUALLY(condition->lock >= LODE_LOCK_LOST && condition->omega_rad_s >= 0.0f &&
+                        condition->omega_rad_s <= tuning->omega_max);
 }
 
 // lode_guard_check_slow() would have nothing to do. `sensorless`: the estimator drives the motor.
 LODE_INLINE bool lode_guard_slow_ok(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                     const lode_condition_t *condition, bool sensorless) {
-    return LODE_USUALLY(!self->pending) && lode_guard_power_ok(tuning, condition) &&
+    return !self->pending && lode_guard_power_ok(tuning, condition) &&
            (lode_guard_motion_ok(tuning, condition) || !sensorless);
 }
 

@@ -145,7 +145,7 @@ static inline bool lode_mode_watch_tuning(lode_drive_t *self, lode_words_t tunin
 #else
     lode_tuning_watch_t *watch = &self->watch;
     const uint32_t word = watch->word;
-    if (LODE_USUALLY(word < tuning.words)) {
+    if (word < tuning.words) {
         watch->sum = lode_mode_add_word(watch->sum, tuning.from + word * sizeof(uint32_t));
         watch->word = word + 1u;
         return true;
@@ -161,9 +161,9 @@ bool lode_mode_mail_ok(lode_drive_t *self);
 
 // Mode, flags, mailbox and command, and one more word of the tuning.
 static inline bool lode_mode_memory_ok(lode_drive_t *self, lode_words_t tuning) {
-    return LODE_USUALLY(lode_mode_is_sound(self)) && LODE_USUALLY(lode_mode_fits(self)) &&
-           (LODE_USUALLY(self->command_posted == LODE_POST_NONE) || lode_mode_mail_ok(self)) &&
-           LODE_USUALLY(lode_mode_watch_tuning(self, tuning));
+    return lode_mode_is_sound(self) && lode_mode_fits(self) &&
+           (self->command_posted == LODE_POST_NONE || lode_mode_mail_ok(self)) &&
+           lode_mode_watch_tuning(self, tuning);
 }
 
 // Takes over what was posted, at the start of a period.
@@ -208,7 +208,7 @@ static inline bool lode_mode_shorts(const lode_drive_t *self) {
     (void)self;
     return false;
 #else
-    if (LODE_USUALLY(((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_SHORT) == 0u)) {
+    if (((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_SHORT) == 0u) {
         return false;
     }
     const uint32_t cause = self->guard.fault.check;

@@ -54,7 +54,7 @@ LODE_INLINE lode_abc_t lode_modulator_duties(lode_abc_t v) {
 LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tuning_t *inverter,
                                                        const lode_dead_time_t *dead_time,
                                                        lode_abc_t v, lode_abc_t i_A, bool free) {
-    if (LODE_RARELY(!free)) {
+    if (!free) {
         const lode_modulator_case_t edge = {v, i_A};
         return lode_modulator_limit(inverter, dead_time, &edge);
     }
@@ -89,8 +89,7 @@ LODE_INLINE bool lode_modulator_is_within(lode_abc_t duty, float most) {
         float value;
         uint32_t bits;
     } limit = {most}, a = {duty.a}, b = {duty.b}, c = {duty.c};
-    return LODE_USUALLY(a.bits <= limit.bits) && LODE_USUALLY(b.bits <= limit.bits) &&
-           LODE_USUALLY(c.bits <= limit.bits);
+    return a.bits <= limit.bits && b.bits <= limit.bits && c.bits <= limit.bits;
 }
 
 LODE_INLINE bool lode_modulator_is_sound(lode_abc_t duty) {

@@ -14,7 +14,7 @@ lode_ab_t lode_fa_leso_step_slow(lode_observer_t *self, const lode_observer_tuni
 
 LODE_INLINE lode_ab_t fa_leso_step(lode_observer_t *self, const lode_observer_tuning_t *tuning,
                                    lode_ab_t m_V, lode_sincos_t step_angle, float omega_rad_s) {
-    if (LODE_RARELY(tuning->own[FA_LESO_K1_TS2] > 0.0f)) {
+    if (tuning->own[FA_LESO_K1_TS2] > 0.0f) {
         const lode_ab_t m = {m_V.alpha, m_V.beta}; // copies: they themselves stay in registers
         const lode_sincos_t rho = {step_angle.sin, step_angle.cos};
         const lode_ab_t e_V = lode_fa_leso_step_slow(self, tuning, m, rho, omega_rad_s);

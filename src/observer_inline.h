@@ -42,7 +42,8 @@ LODE_INLINE bool lode_observer_rotates(const lode_observer_tuning_t *tuning) {
 }
 
 // One period of any of them: the estimate from `m_V`. `step_angle`: w Ts at the speed `omega_rad_s` that the
-// observer is tuned to. C-LESO falls straight through.
+// observer is tuned to. C-LESO falls straight through:
+// the hint saves 8 cycles of enhanced with six phases.
 LODE_INLINE lode_ab_t lode_observer_step(lode_observer_t *self,
                                          const lode_observer_tuning_t *tuning, lode_ab_t m_V,
                                          lode_sincos_t step_angle, float omega_rad_s) {

@@ -8,15 +8,14 @@
 LODE_INLINE bool lode_plausibility_sum_ok(const lode_plausibility_tuning_t *tuning,
                                           const int32_t i[LODE_PHASES]) {
     const int32_t sum = i[0] + i[1] + i[2];
-    return LODE_USUALLY(sum <= tuning->i_sum) && LODE_USUALLY(sum >= -tuning->i_sum);
+    return sum <= tuning->i_sum && sum >= -tuning->i_sum;
 }
 
 // All three have moved since the last look, and the sum is good: there is nothing but to note them.
 LODE_INLINE bool lode_plausibility_all_move(const lode_plausibility_t *self,
                                             const lode_plausibility_tuning_t *tuning,
                                             const int32_t i[LODE_PHASES]) {
-    return LODE_USUALLY(i[0] != self->i[0]) && LODE_USUALLY(i[1] != self->i[1]) &&
-           LODE_USUALLY(i[2] != self->i[2]) && LODE_USUALLY(self->sum == 0u) &&
+    return i[0] != self->i[0] && i[1] != self->i[1] && i[2] != self->i[2] && self->sum == 0u &&
            lode_plausibility_sum_ok(tuning, i);
 }
 

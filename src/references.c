@@ -311,7 +311,8 @@ LODE_INLINE float weakened_id(const lode_references_t *self, const lode_referenc
 LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, float omega_rad_s,
                                     float v_bus_V) {
     const float most = tuning->tau_max;
-    if (LODE_USUALLY(!lode_references_asks(tuning, LODE_REFERENCES_FADE))) { // 6 cycles
+    // 5 cycles of the dearest call of board_mtpa
+    if (LODE_USUALLY(!lode_references_asks(tuning, LODE_REFERENCES_FADE))) {
         return (lode_range_t){-most, most};
     }
     const float motor = most * lode_fade(&tuning->motor, -v_bus_V);
@@ -338,7 +339,7 @@ LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float tau, float
 
 // As the iq of the last call saturates it.
 static float present_Lq(const lode_references_t *self, const lode_references_tuning_t *tuning) {
-    const bool falls = LODE_RARELY(lode_references_asks(tuning, LODE_REFERENCES_SATURATE));
+    const bool falls = lode_references_asks(tuning, LODE_REFERENCES_SATURATE);
     return falls ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
 }
 

@@ -60,7 +60,7 @@ LODE_INLINE void lode_references_limit(lode_references_t *self,
     (void)omega_rad_s;
     (void)voltage;
 #else
-    if (LODE_RARELY(lode_references_weakens(tuning))) {
+    if (lode_references_weakens(tuning)) {
         lode_references_find_flux(self, tuning, omega_rad_s, voltage);
     }
 #endif
@@ -78,7 +78,7 @@ LODE_INLINE void lode_references_free(lode_references_t *self,
     (void)id_add_A;
     (void)v_bus_V;
 #else
-    if (LODE_RARELY(tuning->options != 0u)) {
+    if (tuning->options != 0u) {
         lode_references_find_id(self, tuning, torque_Nm, omega_rad_s, id_add_A, v_bus_V);
     }
 #endif
@@ -90,7 +90,7 @@ LODE_INLINE lode_references_out_t lode_references_finish(lode_references_t *self
                                                          float torque_Nm, float omega_rad_s,
                                                          float id_add_A, float v_bus_V) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (LODE_RARELY(tuning->options != 0u)) {
+    if (tuning->options != 0u) {
         return lode_references_optimal(self, tuning, torque_Nm, omega_rad_s, v_bus_V);
     }
 #endif

@@ -59,9 +59,9 @@ LODE_INLINE lode_sense_currents_t lode_sense_complete(lode_sense_currents_t i,
 
 // A magnitude is beyond `limit`.
 LODE_INLINE bool lode_sense_exceeds(lode_sense_currents_t i, uint32_t limit) {
-    return LODE_RARELY((uint32_t)i.a + limit > 2u * limit) ||
-           LODE_RARELY((uint32_t)i.b + limit > 2u * limit) ||
-           LODE_RARELY((uint32_t)i.c + limit > 2u * limit);
+    // 8 cycles of board_enhanced
+    return LODE_RARELY((uint32_t)i.a + limit > 2u * limit || (uint32_t)i.b + limit > 2u * limit ||
+                       (uint32_t)i.c + limit > 2u * limit);
 }
 
 LODE_INLINE lode_sense_currents_t lode_sense_currents(const lode_sense_t *self,
@@ -98,7 +98,7 @@ LODE_INLINE lode_sense_currents_t lode_sense_without(lode_sense_currents_t i,
     (void)omitted;
     return i;
 #else
-    return LODE_RARELY(omitted != LODE_PHASES) ? lode_sense_complete(i, omitted) : i;
+    return omitted != LODE_PHASES ? lode_sense_complete(i, omitted) : i;
 #endif
 }
 
@@ -119,7 +119,7 @@ LODE_INLINE lode_sample_t lode_sense_next(const lode_sense_t *self,
 #ifdef LODE_WITHOUT_SHUNT_WINDOW
     (void)omitted;
 #else
-    if (LODE_RARELY(*omitted != OMITTED_NONE)) {
+    if (LODE_RARELY(*omitted != OMITTED_NONE)) { // 11 cycles of board_enhanced
         now = (uint_least8_t)(*omitted & OMITTED_MASK);
         i = lode_sense_complete(i, now);
         if (tuning->two_shunts == 0u) {
