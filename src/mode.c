@@ -329,9 +329,11 @@ static void follow_start(lode_drive_t *self, lode_slot_t slot) {
 void lode_mode_follow(lode_drive_t *self) {
     const bool starts = lode_mode(self) == LODE_MODE_START;
     const lode_slot_t slot = lode_slot_of(self->steps);
+#ifndef LODE_WITHOUT_PLAUSIBILITY
     if (starts && (slot == SLOT_GUARD || slot == SLOT_GUARD_2)) {
         return; // the guard has enough to do: a period later
     }
+#endif
     if (!lode_mode_is_sound(self) || (!starts && !lode_mode_fits(self))) {
         lode_mode_distrust(self); // before a wrong mode is followed
     } else if (starts) {

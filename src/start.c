@@ -335,8 +335,14 @@ static float attempt_rounds(const lode_start_t *self, const lode_start_tuning_t 
     return profile + lode_max(profile, tuning->patience_rounds);
 }
 
-// Share of the current that an attempt takes now: a vector at speed that finds no lock gives way (S17).
+// Share of the current that an attempt takes now: the half that is measured with, all of it, and of a vector at speed
+// that finds no lock less and less (S17).
 static float current_share(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    if (self->stage == (uint_least8_t)LODE_START_HALF) {
+        return LEVEL_SHARE;
+    }
+#endif
     if (lode_abs(self->omega_rad_s) < tuning->omega_handover) {
         return 1.0f;
     }
@@ -422,8 +428,7 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     const bool last = current_A > 0.0f && self->failed >= FAILED_MAX;
     self->omega_target = omega_target_rad_s;
     self->current_target =
-        (last ? tuning->current_last_A : current_A) *
-        (self->stage == (uint_least8_t)LODE_START_HALF ? LEVEL_SHARE : current_share(self, tuning));
+        (last ? tuning->current_last_A : current_A) * current_share(self, tuning);
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length
     const float most =
