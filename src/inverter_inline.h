@@ -39,8 +39,7 @@ LODE_INLINE void lode_inverter_follow_bus(lode_inverter_t *self,
     const float off = 1.0f - v_bus_V * self->per_V;
     self->v_bus_V = v_bus_V;
     self->per_V += self->per_V * off;
-    // 2 cycles of every step (see LODE_USUALLY)
-    if (LODE_RARELY(!(lode_abs(off) <= LODE_BUS_STEP_MAX))) {
+    if (!(lode_abs(off) <= LODE_BUS_STEP_MAX)) {
         lode_inverter_divide(self, tuning);
     }
 }

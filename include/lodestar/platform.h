@@ -58,8 +58,7 @@
 
 /// Where a branch of the interrupt usually goes: the usual way is laid out without a jump. A hint stays where it
 /// saves 5 cycles or more of a case of docs/budget.md, on a Cortex-M4F at -O2 with all the others in place. The figure
-/// stands beside it; `tests/run bench` without the hint shows it. The one of the bus voltage saves only 2, but of every
-/// step. All seven save 18 to 27 cycles of a mean call in RUN.
+/// stands beside it; `tests/run bench` without the hint shows it. All six save 16 to 25 cycles of a mean call in RUN.
 #ifndef LODE_USUALLY
 #if defined(__GNUC__)
 #define LODE_USUALLY(condition) __builtin_expect((condition), 1)

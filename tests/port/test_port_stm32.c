@@ -178,9 +178,10 @@ static void test_least_low_side_window(void) {
                                   .psi_Wb = 6.5e-3f,
                                   .J_kgm2 = 3.0e-5f};
     lode_drive_design(&config);
-    // No phase that is used goes beyond the window, the dead-time correction included.
-    const double most =
-        (low_side ? (double)DUTY_MAX : 1.0) - VARIANT_DEAD_TIME_ns * 1.0e-9 / period_s;
+    // No phase that is used goes beyond the window, the dead-time correction included; with two shunts also 50 ns
+    // that a start may measure too much.
+    const double lost_s = VARIANT_DEAD_TIME_ns * 1.0e-9 + (two ? 50.0e-9 : 0.0);
+    const double most = (low_side ? (double)DUTY_MAX : 1.0) - lost_s / period_s;
     const double reach = two ? 0.5 : sqrt(3.0) / 4.0;
     CHECK_CLOSE(1e-4, fmin(0.95, low_side ? (most - 0.5) / reach : 0.95),
                 config.current.voltage_use);
