@@ -515,6 +515,42 @@ static void test_every_rate_of_speed_control_drives(void) {
     }
 }
 
+/// The references follow a new torque in the period after it, or in the same one: id for it, too.
+static void test_references_follow_the_torque_at_once_at_every_rate(void) {
+    for (uint32_t periods = LODE_SLOW_PERIODS; periods > 0u; periods /= 2u) {
+        lode_drive_config_t config = with_speed_bandwidth(280.0f / (float)periods);
+        config.references.kind = LODE_REFERENCES_MTPA;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        rig.load_Nm = 2.0;
+        run_up(&rig, 60.0, 8.0);
+        rig_run(&rig, 1.0);
+        rig_command(&rig, run_at(100.0));
+        rig_run(&rig, 0.02);
+        float torque_Nm = rig_telemetry(&rig).torque_ref_Nm;
+        float iq_A = rig_telemetry(&rig).ref_A.q;
+        uint32_t changed = 0u;
+        uint32_t followed = 0u;
+        for (uint32_t n = 1u; n <= 64u; n++) {
+            rig_step(&rig);
+            const lode_telemetry_t t = rig_telemetry(&rig);
+            changed = t.torque_ref_Nm > torque_Nm || t.torque_ref_Nm < torque_Nm ? n : changed;
+            if (t.ref_A.q > iq_A || t.ref_A.q < iq_A) {
+                TEST_ASSERT_TRUE(changed > 0u && n - changed <= (periods > 1u ? 1u : 0u));
+                followed++;
+            }
+            torque_Nm = t.torque_ref_Nm;
+            iq_A = t.ref_A.q;
+        }
+        CHECK_AT_LEAST(64u / periods - 2u, followed);
+        rig_run(&rig, 2.0);
+        // The least current for a torque: id (id + psi/(Ld - Lq)) = iq iq, (R3).
+        const lode_dq_t i_A = rig_telemetry(&rig).ref_A;
+        const double half = 0.5 * 0.142 / 6.3e-3;
+        CHECK_NEAR(0.1, half - sqrt(half * half + (double)(i_A.q * i_A.q)), i_A.d);
+    }
+}
+
 /// In its three slots, and all at once.
 static void test_references_weaken_the_field(void) {
     const lode_choice_t every_period[] = {LODE_OFF, LODE_ON};
@@ -598,6 +634,20 @@ static void test_the_fade_leaves_out_short_currents(void) {
     TEST_ASSERT_TRUE(step_A < 0.2f * bias_A);
 }
 
+/// Shorter than the bias is what is shorter as a vector.
+static void test_a_current_is_short_by_both_its_parts(void) {
+    rig_t rig = fresh();
+    const float bias_A = tuning.references.id_bias_A;
+    const float d[] = {0.9f, 0.2f, 0.6f, 0.9f};
+    const float q[] = {0.2f, 0.9f, 0.6f, 0.9f};
+    rig.drive.state.run.fade = 0.75f;
+    for (int n = 0; n < COUNT_OF(d); n++) {
+        rig.drive.ref_A = (lode_dq_t){d[n] * bias_A, -q[n] * bias_A};
+        const float left = n < 3 ? 0.0f : 0.75f - tuning.start.fade_step;
+        TEST_ASSERT_EQUAL_FLOAT(left, lode_drive_faded(&rig.drive));
+    }
+}
+
 static lode_command_t torque_of(double torque, double speed) {
     return (lode_command_t){.mode = LODE_MODE_RUN,
                             .speed_rad_s = (float)speed,
@@ -630,7 +680,12 @@ static void test_torque_control_follows_torque_and_holds_its_speeds(void) {
         // Speed control goes on from there.
         rig_command(&rig, torque_of(1.0e3 * sign, 150.0 * sign));
         rig_run(&rig, 0.1);
-        TEST_ASSERT_TRUE(rig_telemetry(&rig).torque_limited);
+        for (int n = 0; n < 100; n++) {
+            rig_step(&rig);
+            const lode_telemetry_t t = rig_telemetry(&rig);
+            TEST_ASSERT_TRUE(t.torque_limited);
+            CHECK_CLOSE(0.01, (double)t.torque_most_Nm, sign * (double)t.torque_ref_Nm);
+        }
         rig_command(&rig, run_at(80.0 * sign));
         rig_run(&rig, 3.0);
         check_running(&rig, 80.0 * sign);
@@ -641,14 +696,39 @@ static void test_torque_control_follows_torque_and_holds_its_speeds(void) {
     }
 }
 
+/// Without a sensor it goes down the ramp to the least speed, however low that is, where the speed allowed is none or one
+/// against its direction: the torque does not count.
+static void test_torque_control_without_a_sensor_stops_by_speed(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = running(100.0 * sign, 8.0);
+        other_tuning = tuning;
+        rig.drive.tuning = &other_tuning;
+        const double speeds[] = {0.0, -100.0 * sign};
+        for (int n = 0; n < 2 * COUNT_OF(speeds); n++) {
+            other_tuning.omega_min = n % 2 == 0 ? tuning.omega_min : 0.5f;
+            const float least = other_tuning.omega_min * tuning.speed.inv_pole_pairs;
+            rig_command(&rig, torque_of(-1.5 * sign, speeds[n / 2]));
+            lode_mode_take_mail(&rig.drive);
+            CHECK_NEAR(0.0, sign * (double)least,
+                       lode_drive_other_target(&rig.drive, 300.0f * (float)sign, 0.0f));
+        }
+    }
+}
+
 static void test_a_speed_that_is_raised_is_told(void) {
     rig_t rig = running(1.0, 8.0);
     rig_run(&rig, 3.0);
     TEST_ASSERT_TRUE(rig_telemetry(&rig).speed_raised);
     check_running(&rig, (double)(tuning.omega_min * tuning.speed.inv_pole_pairs));
-    rig_command(&rig, run_at(60.0));
-    rig_step(&rig);
-    TEST_ASSERT_FALSE(rig_telemetry(&rig).speed_raised);
+    // Neither the least speed itself, nor a stop, which goes through it, nor any above.
+    const double speeds[] = {(double)(tuning.omega_min * tuning.speed.inv_pole_pairs), 0.0, 60.0};
+    for (int n = 0; n < COUNT_OF(speeds); n++) {
+        rig_t other = rig;
+        rig_command(&other, run_at(speeds[n]));
+        rig_step(&other);
+        rig_expect(&other, LODE_MODE_RUN);
+        TEST_ASSERT_FALSE(rig_telemetry(&other).speed_raised);
+    }
 }
 
 static void test_speed_zero_stops_and_switches_off(void) {
@@ -738,6 +818,24 @@ static void test_mail_that_comes_late_ends_the_steady_state(void) {
     TEST_ASSERT_FALSE(rig.drive.steady);
     rig_step(&rig);
     rig_expect(&rig, LODE_MODE_OFF);
+}
+
+/// The duties act from one to two periods after the sample: the voltage stands ahead of where it was computed by as much as
+/// the rotor turns in one and a half.
+static void test_the_voltage_of_a_run_is_ahead_by_one_and_a_half_periods(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = running(150.0 * sign, 8.0);
+        rig_run(&rig, 2.0);
+        for (int n = 0; n < 100; n++) {
+            rig_step(&rig);
+            const lode_telemetry_t t = rig_telemetry(&rig);
+            const lode_ab_t u = lode_clarke(rig.out.duty);
+            const double computed = (double)t.theta_rad + atan2((double)t.u_V.q, (double)t.u_V.d);
+            const double put_out = atan2((double)u.beta, (double)u.alpha);
+            CHECK_NEAR(2.0e-3, 0.0,
+                       angle_error(put_out - computed, 1.5 * (double)t.omega_rad_s * RIG_TS_s));
+        }
+    }
 }
 
 /// Of a rotor that turns at `omega` rad/s before the command comes.
@@ -851,11 +949,19 @@ static void test_the_way_back_with_a_small_current(void) {
 
 /// Mail is read once, and the drive is steady again.
 static void test_mail_is_read_once(void) {
-    rig_t rig = running(80.0, 8.0);
+    lode_drive_config_t config = rig_config();
+    config.motor.omega_rated_rad_s = 300.0f; // speed control in its slot is enough
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    run_up(&rig, 80.0, 8.0);
+    rig_run(&rig, 0.5);
+    TEST_ASSERT_TRUE(rig.drive.steady);
     rig_command(&rig, run_at(90.0));
     TEST_ASSERT_TRUE(rig.drive.mail);
+    TEST_ASSERT_FALSE(rig.drive.steady);
     rig_step(&rig);
     TEST_ASSERT_FALSE(rig.drive.mail);
+    TEST_ASSERT_TRUE(rig.drive.steady);
     TEST_ASSERT_EQUAL_FLOAT(90.0f, rig.drive.command.speed_rad_s);
 }
 
@@ -1144,6 +1250,7 @@ static void test_bad_commands_are_refused_and_change_nothing(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_command(&rig.drive, NULL));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_command(NULL, &off));
     TEST_ASSERT_EQUAL_MEMORY(&before, &rig.drive, sizeof before);
+    rig_command(&rig, run_at((double)(tuning.guard.omega_max * tuning.speed.inv_pole_pairs)));
 }
 
 static void test_commands_wait_for_the_next_period_and_the_last_counts(void) {
@@ -1394,6 +1501,8 @@ static void test_a_grid_that_is_no_number_trips_in_the_same_call(void) {
     rig_step(&rig);
     TEST_ASSERT_TRUE(is_idle(rig.out));
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NON_FINITE, rig_telemetry(&rig).fault.check);
+    CHECK_NEAR(0.0, 1.0, rig_telemetry(&rig).fault.measured);
+    CHECK_NEAR(0.0, 0.0, rig_telemetry(&rig).fault.limit);
 }
 
 // --- The bus ----------------------------------------------------------------------------------
@@ -1567,6 +1676,7 @@ static void test_a_current_that_flows_on_is_a_shorted_switch(void) {
     rig.trip = true;
     rig_step(&rig);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, after_current(&rig, 1, 9));
+    CHECK_NEAR(1.0e-3, 18.0, rig_telemetry(&rig).fault.limit);
 }
 
 /// A fault of 62 A and more is beyond what 12 bits show: the phase in the middle still tells the side.
@@ -1598,14 +1708,18 @@ static void test_a_shorted_switch_shows_one_side(void) {
     }
     rig = holding();
     (void)after_current(&rig, 1, 1);
-    lode_counts_t counts = rig_counts(&rig);
-    counts.i[0] = 3548u;
-    counts.i[1] = 548u;
-    counts.i[2] = 2048u;
-    for (int n = 0; n < 50; n++) {
-        (void)lode_drive_step(&rig.drive, &counts);
+    const lode_counts_t sound = rig_counts(&rig);
+    for (int k = -1; k <= 1; k++) { // the third one has a little by its offset
+        rig_t two_phases = rig;
+        lode_counts_t counts = sound;
+        counts.i[0] = 3548u;
+        counts.i[1] = 548u;
+        counts.i[2] = (uint16_t)(2048 + 20 * k);
+        for (int n = 0; n < 50; n++) {
+            (void)lode_drive_step(&two_phases.drive, &counts);
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, rig_telemetry(&two_phases).fault.check);
     }
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, rig_telemetry(&rig).fault.check);
 }
 
 static void test_other_currents_with_the_gates_off_are_no_shorted_switch(void) {
@@ -1938,6 +2052,136 @@ static void test_a_stuck_converter_trips_before_the_current_is_large(void) {
     }
 }
 
+/// Degrees by which a current of `i_A` that is asked for turns before a phase that rests at zero counts as stuck; the
+/// other two move.
+static double degrees_until_stuck(rig_t rig, double i_A, double omega) {
+    const double look_deg = omega * LODE_GUARD_PERIODS * RIG_TS_s / CHECK_DEG;
+    rig.drive.ref_A = (lode_dq_t){0.0f, (float)i_A};
+    rig.drive.estimator.pll.omega_rad_s = (float)omega;
+    lode_plausibility_reset(&rig.drive.plausibility);
+    int looks = 0;
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && looks * look_deg < 360.0) {
+        const int32_t i[LODE_PHASES] = {0, 20000 + 100 * looks, -20000 - 100 * looks};
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
+        looks++;
+    }
+    return looks * look_deg;
+}
+
+/// Dead time and drops hold a phase at zero where its current asks for less voltage than they take: it may rest longer.
+static void test_what_dead_time_and_drops_hold_is_not_stuck(void) {
+    lode_drive_config_t config = rig_config();
+    config.inverter.dead_time_s = 2.0e-6f;
+    config.inverter.v_drop_V = 0.8f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    run_up(&rig, 100.0, 8.0);
+    const double more_V = 200.0 * (double)tuning.inverter.dead_more_max;
+    TEST_ASSERT_TRUE(more_V > 0.5);
+    const double taken_V = 2.0e-6 * 5.0e3 * 200.0 + more_V + 2.0 * 0.8;
+    const double omegas[] = {60.0, 120.0};
+    for (int n = 0; n < COUNT_OF(omegas); n++) {
+        const double i_A = taken_V / (9.8e-3 * omegas[n]);
+        const double held = degrees_until_stuck(rig, 0.93 * i_A, omegas[n]);
+        const double free = degrees_until_stuck(rig, 1.07 * i_A, omegas[n]);
+        CHECK_NEAR(20.0, 90.0, held);
+        CHECK_NEAR(20.0, 60.0, free);
+        CHECK_AT_LEAST(20.0, held - free);
+    }
+}
+
+/// Sums of the currents that are wrong in one look of `every`, after one that was wrong and `sound` that were not: looks
+/// until it trips, at most 1000.
+static uint32_t looks_of_wrong_sums(rig_t rig, uint32_t every, uint32_t sound) {
+    uint32_t look = 0u;
+    lode_plausibility_reset(&rig.drive.plausibility);
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && look < 1000u) {
+        const bool now = look == 0u || (look > sound && look % every == 0u);
+        const int32_t wrong = now ? 2 * tuning.plausibility.i_sum : 0;
+        const int32_t moves = (int32_t)(look % 2u);
+        const int32_t i[LODE_PHASES] = {20000 + wrong + moves, -10000 - moves, -10000 + moves};
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
+        look++;
+    }
+    return look;
+}
+
+static void test_a_wrong_sum_of_the_currents_trips_where_it_persists(void) {
+    const rig_t rig = running(100.0, 8.0);
+    const uint32_t looks = rig.drive.tuning->guard.lock_looks;
+    TEST_ASSERT_EQUAL_UINT32(looks, looks_of_wrong_sums(rig, 1u, 0u));
+    TEST_ASSERT_EQUAL_UINT32(looks + 11u, looks_of_wrong_sums(rig, 1u, 10u));
+    TEST_ASSERT_EQUAL_UINT32(1000u, looks_of_wrong_sums(rig, 2u, 0u));
+    TEST_ASSERT_EQUAL_UINT32(1000u, looks_of_wrong_sums(rig, 3u, 0u));
+}
+
+/// Looks at currents of a start that stand still until they count as stuck, at most 40. The vector turns by `turn_rad` from
+/// one to the next, its damping takes `back` of that from it. Before, currents that moved while the damping went through
+/// `before_rad` of its range.
+static int looks_until_stuck(rig_t rig, float turn_rad, float back, float before_rad) {
+    lode_start_t *start = &rig.drive.state.start;
+    int32_t i[LODE_PHASES] = {60000, -25000, -35000};
+    start->omega_rad_s = turn_rad / (float)(LODE_GUARD_PERIODS * RIG_TS_s);
+    rig.drive.ref_A = (lode_dq_t){4.0f, 0.0f};
+    lode_plausibility_reset(&rig.drive.plausibility);
+    start->give = 1.0f;
+    start->swing_V = 0.0f;
+    for (int n = 0; n < 8; n++) {
+        start->swing_V += before_rad / 8.0f;
+        i[0] += 100;
+        i[1] -= n % 2 == 0 ? 0 : 30; // now and then one keeps its count
+        i[2] = -i[0] - i[1];
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
+    }
+    int looks = 0;
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_START && looks < 40) {
+        start->swing_V += looks > 0 ? back * turn_rad : 0.0f;
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
+        looks++;
+    }
+    return looks;
+}
+
+/// While its damping turns the vector of a start back as fast as it turns on, the currents rest.
+static void test_currents_that_rest_by_the_damping_are_not_stuck(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
+    for (int n = 0; n < 10000 && rig.drive.state.start.stage != (uint_least8_t)LODE_START_TURN;
+         n++) {
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_START);
+    const float turn_rad = 0.01f;
+    const int without = looks_until_stuck(rig, turn_rad, 0.0f, 0.0f);
+    CHECK_AT_MOST(20, without);
+    CHECK_AT_LEAST(4, without);
+    TEST_ASSERT_EQUAL_INT(40, looks_until_stuck(rig, turn_rad, 1.0f, 0.0f));
+    // What it did before they rested does not count.
+    TEST_ASSERT_EQUAL_INT(without, looks_until_stuck(rig, turn_rad, 0.0f, 0.2f));
+    TEST_ASSERT_EQUAL_INT(without, looks_until_stuck(rig, turn_rad, 0.0f, -0.2f));
+}
+
+/// Where the EMF takes the voltage the current need not follow: that none does is no converter's fault.
+static void test_a_current_that_the_voltage_does_not_allow_is_not_missed(void) {
+    const rig_t running_rig = running(100.0, 8.0);
+    const double circle_V = (double)(tuning.current.circle * 200.0f);
+    for (int above = 0; above <= 1; above++) {
+        rig_t rig = running_rig;
+        rig.drive.i_A = (lode_dq_t){0.0f, 0.0f};
+        rig.drive.estimator.pll.omega_rad_s =
+            (float)((above == 1 ? 0.82 : 0.78) * circle_V / 0.142);
+        lode_plausibility_reset(&rig.drive.plausibility);
+        for (int look = 0; look < 20; look++) {
+            const int32_t none[LODE_PHASES] = {0, 0, 0};
+            rig.drive.ref_A = (lode_dq_t){0.0f, 4.0f + 0.5f * (float)(look % 2)};
+            lode_drive_suspect(&rig.drive, &rig.drive.plausibility, none, 1.0f);
+        }
+        TEST_ASSERT_EQUAL_STRING(above == 1 ? "LODE_CHECK_NONE" : "LODE_CHECK_CURRENT_STUCK",
+                                 lode_check_name((lode_check_t)rig_telemetry(&rig).fault.check));
+    }
+}
+
 /// Makes `check` trip a drive that runs; `counts` are those of the period.
 static void provoke(lode_check_t check, rig_t *rig, lode_counts_t *counts) {
     lode_guard_tuning_t *guard = &other_tuning.guard;
@@ -2056,6 +2300,61 @@ static void test_another_flux_is_named(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, with_less_flux(rig, 0.0).check);
 }
 
+/// Loses the lock while the observer's EMF has `size` times what the speed induces. For the first `aside` looks it stands
+/// 45 degrees beside the rotor's q axis, then along it. The check that trips.
+static lode_check_t by_emf_aside(rig_t rig, uint32_t aside, float size) {
+    lode_estimator_t *estimator = &rig.drive.estimator;
+    uint32_t look = 0u;
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && look < 1000u) {
+        const float taken = 1.0f + estimator->pll.omega_rad_s * estimator->pll.omega_rad_s *
+                                       tuning.estimator.droop_s2;
+        const float e_V = size * (float)rig.motor.psi * estimator->pll.omega_rad_s / taken;
+        const float off_rad = look < aside ? 0.7854f : 0.0f;
+        const lode_dq_t at = {-e_V * sinf(off_rad), e_V * cosf(off_rad)};
+        estimator->emf.observer.e_V = lode_park_inverse(at, estimator->pll.frame);
+        estimator->lock = 0.0f;
+        estimator->id_A = 0.0f;
+        lode_drive_check_slow(&rig.drive);
+        look++;
+    }
+    return (lode_check_t)rig_telemetry(&rig).fault.check;
+}
+
+/// Lost lock is that of another flux where the EMF was along the rotor at every look, and off by a fifth at least.
+static void test_another_flux_is_one_at_every_look(void) {
+    const rig_t rig = running(100.0, 8.0);
+    const uint32_t looks = rig.drive.tuning->guard.lock_looks;
+    TEST_ASSERT_TRUE(looks > 6u);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_emf_aside(rig, 0u, 1.5f));
+    for (uint32_t aside = 1u; aside <= 4u; aside++) {
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_emf_aside(rig, aside, 1.5f));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_emf_aside(rig, looks, 1.5f));
+    const float sizes[] = {0.45f, 0.55f, 0.77f, 0.83f, 1.17f, 1.23f};
+    const bool other[] = {false, true, true, false, false, true};
+    for (int n = 0; n < COUNT_OF(sizes); n++) {
+        TEST_ASSERT_EQUAL_INT(other[n] ? LODE_CHECK_FLUX : LODE_CHECK_LOST_LOCK,
+                              by_emf_aside(rig, 0u, sizes[n]));
+    }
+}
+
+/// What the observer's lag takes from the EMF, a fifth of it here, is no flux that is missing.
+static void test_the_observers_lag_is_no_other_flux(void) {
+    lode_drive_config_t config = rig_config();
+    config.estimator.emf.w0_rad_s = 670.0f;
+    config.estimator.omega_max_rad_s = 450.0f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    run_up(&rig, 100.0, 8.0);
+    rig_run(&rig, 1.0);
+    CHECK_CLOSE(0.01, 1.2, 1.0f + 300.0f * 300.0f * tuning.estimator.droop_s2);
+    rig.motor.psi *= 0.65;
+    rig_run(&rig, 0.1);
+    const lode_fault_t weak = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_FLUX", lode_check_name(weak.check));
+    CHECK_CLOSE(0.05, rig.motor.psi, weak.measured);
+}
+
 /// A start of a motor with `times` the configured resistance.
 static lode_fault_t with_resistance(double times) {
     rig_t rig = fresh();
@@ -2101,6 +2400,7 @@ static void test_a_dead_switch_ends_the_start(void) {
         const lode_fault_t dead = with_a_dead_switch(phase, (uint32_t)n);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(dead.check));
         TEST_ASSERT_TRUE(dead.measured == (float)(phase + 1));
+        CHECK_NEAR(0.0, 0.0, dead.limit);
         TEST_ASSERT_EQUAL_INT(LODE_MODE_START, dead.state);
     }
 }
@@ -2361,6 +2661,18 @@ static void test_a_temperature_that_stands_still_trips_where_it_should_not(void)
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_temperature(rig, 8u).check);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_temperature(rig, 400u).check); // 80 ms
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_TEMPERATURE_STUCK, after_temperature(rig, 600u).check);
+    // From the first look at the last count on: within one round, and then so many.
+    (void)after_temperature(rig, 8u);
+    uint32_t periods = 0u;
+    while (rig.out.gates) {
+        lode_counts_t counts = rig_counts(&rig);
+        counts.temperature = 777u;
+        rig.stamp += 1000u;
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+        periods++;
+    }
+    TEST_ASSERT_TRUE(periods > 62u * LODE_SLOW_PERIODS && periods <= 63u * LODE_SLOW_PERIODS);
 }
 
 /// The same fault by the step and by its three calls: the same record, in the same period.
@@ -2488,13 +2800,71 @@ static void test_any_counts_give_duties_on_the_grid(void) {
 
 static void test_telemetry_is_what_was_put_out(void) {
     rig_t rig = holding();
+    const uint32_t before = rig_telemetry(&rig).steps;
     for (int n = 0; n < 20; n++) {
         rig_step(&rig);
         const lode_telemetry_t t = rig_telemetry(&rig);
         TEST_ASSERT_EQUAL_MEMORY(&rig.out.duty, &t.duty, sizeof t.duty);
         TEST_ASSERT_EQUAL_UINT32(rig.drive.steps, t.steps);
+        TEST_ASSERT_EQUAL_UINT32(before + 1u + (uint32_t)n, t.steps);
         CHECK_NEAR(0.05, 200.0, t.v_bus_V);
     }
+}
+
+static void test_the_temperature_is_told_in_every_mode(void) {
+    lode_drive_config_t config = rig_config();
+    config.sense.temperature_gain_degC_count = 0.1f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    const lode_command_t commands[] = {off, {.mode = LODE_MODE_CALIBRATE}, run_at(100.0)};
+    for (int n = 0; n < COUNT_OF(commands); n++) {
+        rig_command(&rig, commands[n]);
+        for (int k = 0; k < 50; k++) {
+            lode_counts_t counts = rig_counts(&rig);
+            counts.temperature = (uint16_t)(400 + 100 * n);
+            rig.out = lode_drive_step(&rig.drive, &counts);
+            rig_move(&rig);
+        }
+        CHECK_NEAR(1.0e-3, 40.0 + 10.0 * n, rig_telemetry(&rig).temperature_degC);
+    }
+}
+
+static void test_telemetry_of_speed_control_is_nothing_without_it(void) {
+    rig_t rig = holding();
+    const lode_telemetry_t t = rig_telemetry(&rig);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, t.torque_ref_Nm);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, t.torque_most_Nm);
+    TEST_ASSERT_FALSE(t.torque_limited);
+    TEST_ASSERT_FALSE(t.speed_raised);
+}
+
+/// An estimate that stands beside the rotor shows it by the EMF across its axis.
+static void test_telemetry_tells_the_position_error_by_the_emf(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const rig_t rig = running(100.0 * sign, 8.0);
+        CHECK_NEAR(0.05, 0.0, rig_telemetry(&rig).emf_error_rad);
+        for (int ahead = -1; ahead <= 1; ahead += 2) {
+            rig_t off_axis = rig;
+            lode_pll_t *pll = &off_axis.drive.estimator.pll;
+            pll->frame = lode_angle_add(pll->frame, lode_sincos(0.2f * (float)ahead));
+            const lode_telemetry_t t = rig_telemetry(&off_axis);
+            CHECK_NEAR(0.05, -0.2 * ahead, t.emf_error_rad);
+            CHECK_NEAR(0.0, 0.0, t.injected);
+            CHECK_NEAR(0.0, 0.0, t.injection_error_rad);
+        }
+    }
+}
+
+static void test_telemetry_tells_the_position_error_by_injection(void) {
+    lode_drive_config_t config = rig_config();
+    config.hfi.mode = LODE_HFI_ON;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.drive.estimator.by.hfi.active = true;
+    rig.drive.estimator.by.hfi.weight = 0.75f;
+    rig.drive.estimator.by.hfi.error = -0.125f;
+    CHECK_NEAR(0.0, 0.75, rig_telemetry(&rig).injected);
+    CHECK_NEAR(0.0, -0.125, rig_telemetry(&rig).injection_error_rad);
 }
 
 static void test_names_of_modes(void) {
@@ -2533,14 +2903,18 @@ int main(void) {
     RUN_TEST(test_hand_over_waits_for_the_flux_of_a_salient_rotor);
     RUN_TEST(test_speed_control_runs_as_often_as_its_bandwidth_asks);
     RUN_TEST(test_every_rate_of_speed_control_drives);
+    RUN_TEST(test_references_follow_the_torque_at_once_at_every_rate);
     RUN_TEST(test_references_weaken_the_field);
     RUN_TEST(test_load_steps_and_speed_changes);
     RUN_TEST(test_the_fade_leaves_out_short_currents);
+    RUN_TEST(test_a_current_is_short_by_both_its_parts);
     RUN_TEST(test_torque_control_follows_torque_and_holds_its_speeds);
+    RUN_TEST(test_torque_control_without_a_sensor_stops_by_speed);
     RUN_TEST(test_a_speed_that_is_raised_is_told);
     RUN_TEST(test_speed_zero_stops_and_switches_off);
     RUN_TEST(test_the_way_back_begins_where_its_current_makes_the_torque);
     RUN_TEST(test_gates_off_no_voltage_is_on_its_way);
+    RUN_TEST(test_the_voltage_of_a_run_is_ahead_by_one_and_a_half_periods);
     RUN_TEST(test_mail_that_comes_late_ends_the_steady_state);
     RUN_TEST(test_switched_on_it_begins_anew);
     RUN_TEST(test_no_jump_at_hand_over);
@@ -2593,9 +2967,15 @@ int main(void) {
     RUN_TEST(test_a_tuning_posted_twice_is_watched_by_its_own_sum);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);
     RUN_TEST(test_a_stuck_converter_trips_before_the_current_is_large);
+    RUN_TEST(test_what_dead_time_and_drops_hold_is_not_stuck);
+    RUN_TEST(test_a_wrong_sum_of_the_currents_trips_where_it_persists);
+    RUN_TEST(test_currents_that_rest_by_the_damping_are_not_stuck);
+    RUN_TEST(test_a_current_that_the_voltage_does_not_allow_is_not_missed);
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_another_flux_is_named);
+    RUN_TEST(test_another_flux_is_one_at_every_look);
+    RUN_TEST(test_the_observers_lag_is_no_other_flux);
     RUN_TEST(test_a_dead_switch_ends_the_start);
     RUN_TEST(test_a_current_without_its_noise_is_refused_at_calibration);
     RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
@@ -2612,6 +2992,10 @@ int main(void) {
     RUN_TEST(test_two_drives_share_nothing);
     RUN_TEST(test_any_counts_give_duties_on_the_grid);
     RUN_TEST(test_telemetry_is_what_was_put_out);
+    RUN_TEST(test_the_temperature_is_told_in_every_mode);
+    RUN_TEST(test_telemetry_of_speed_control_is_nothing_without_it);
+    RUN_TEST(test_telemetry_tells_the_position_error_by_the_emf);
+    RUN_TEST(test_telemetry_tells_the_position_error_by_injection);
     RUN_TEST(test_names_of_modes);
     return UNITY_END();
 }

@@ -65,6 +65,17 @@ static void expect_fault(const rig6_t *rig, lode_check_t check) {
     TEST_ASSERT_FALSE(rig->out.set[1].gates);
 }
 
+/// Each call is a period, whether it drives or not.
+static void test_every_period_counts(void) {
+    rig6_t rig = fresh();
+    rig6_command(&rig, run_at(300.0));
+    for (uint32_t n = 0u; n < 3000u; n++) {
+        TEST_ASSERT_EQUAL_UINT32(n, rig6_telemetry(&rig).drive.steps);
+        rig6_step(&rig);
+    }
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_START", lode_mode_name(rig6_telemetry(&rig).drive.mode));
+}
+
 // Both sets' bootstrap capacitors at once.
 static void test_low_sides_come_before_all_gates(void) {
     lode_drive6_config_t config = rig6_config();
@@ -880,6 +891,7 @@ static void test_an_estimate_of_the_hosts_own_is_driven_by(void) {
 
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_every_period_counts);
     RUN_TEST(test_low_sides_come_before_all_gates);
     RUN_TEST(test_from_standstill_to_speed_both_ways);
     RUN_TEST(test_pulses_of_both_sets_find_a_rotor_that_turns);
