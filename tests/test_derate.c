@@ -113,9 +113,9 @@ static void test_a_drive_keeps_to_its_share(void) {
     const double most = (double)lode_references_most_Nm(&tuning.references);
     CHECK_NEAR(0.02 * most, 0.25 * most, (double)rig_telemetry(&rig).torque_ref_Nm);
     TEST_ASSERT_TRUE(rig_telemetry(&rig).torque_limited);
-    // Any number will do.
-    const float shares[] = {NAN, -1.0f, 2.0f};
-    const uint32_t taken[] = {0u, 0u, LODE_TORQUE_SHARE_ONE};
+    // Any number will do, to the nearest part.
+    const float shares[] = {NAN, -1.0f, 2.0f, 0.3f, 0.7f};
+    const uint32_t taken[] = {0u, 0u, LODE_TORQUE_SHARE_ONE, 9830u, 22938u};
     for (int n = 0; n < COUNT_OF(shares); n++) {
         lode_drive_limit_torque(&rig.drive, shares[n]);
         TEST_ASSERT_EQUAL_UINT32(taken[n], rig.drive.torque_share[0]);

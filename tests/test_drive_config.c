@@ -2,7 +2,7 @@
 #include "support/fields.h"
 
 #include "design/tuning_fields.h"
-#include "lodestar/drive.h"
+#include "drive_inline.h"
 
 void setUp(void) {}
 
@@ -274,6 +274,10 @@ static void test_two_shunts_bound_the_voltage(void) {
     TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(lode_drive_tune(&tuning, &config)));
     config.current.voltage_use = 0.75f;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_WINDOW, lode_drive_tune(&tuning, &config));
+    // All that is seen may be used, none of it kept for what a start finds.
+    config.current.voltage_use = 0.74f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+    config.current.voltage_use = 0.75f;
     config.sense.shunts = LODE_SHUNTS_THREE; // the third one helps
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
     config.sense.shunts = LODE_SHUNTS_TWO;
@@ -282,6 +286,108 @@ static void test_two_shunts_bound_the_voltage(void) {
     designed = config;
     lode_drive_design(&designed);
     TEST_ASSERT_TRUE(designed.current.voltage_use < 0.93f);
+    // Both always seen: whatever the dead time takes.
+    config.sense.duty_max = 1.0f;
+    config.inverter.v_drop_V = 0.04f * config.inverter.v_bus_V;
+    designed = config;
+    lode_drive_design(&designed);
+    CHECK_CLOSE(1e-6, 0.95, designed.current.voltage_use);
+    config.current.voltage_use = 1.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+}
+
+/// The slope of the switches is resistance like that of the windings, for estimator and current control.
+static void test_the_slope_of_the_switches_counts_as_resistance(void) {
+    static lode_drive_tuning_t tunings[3];
+    for (int n = 0; n < 3; n++) {
+        lode_drive_config_t config = minimal();
+        config.motor.omega_rated_rad_s = 471.0f;
+        config.motor.Rs_Ohm = n == 1 ? 1.0f : 0.75f;
+        config.inverter.r_on_Ohm = n == 0 ? 0.25f : 0.0f;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tunings[n], &config));
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&tunings[0].estimator.emf, &tunings[1].estimator.emf,
+                             sizeof tunings[0].estimator.emf);
+    TEST_ASSERT_EQUAL_MEMORY(&tunings[0].current, &tunings[1].current, sizeof tunings[0].current);
+    TEST_ASSERT_TRUE(memcmp(&tunings[0].current, &tunings[2].current, sizeof tunings[0].current) !=
+                     0);
+}
+
+/// Twice the speed whose EMF is all of the voltage, 2.5 to 5 times rated, 12 periods per turn; where the field is weakened.
+static void test_the_highest_speed_with_a_weakened_field(void) {
+    const double full = 200.0 / sqrt(3.0) / 0.142;
+    const double rated[] = {1.8 / 5.0, 2.2 / 5.0, 1.8 / 2.5, 2.2 / 2.5};
+    const double wanted[] = {1.8, 2.0, 2.0, 2.2};
+    for (int n = 0; n < COUNT_OF(rated); n++) {
+        lode_drive_config_t config = minimal();
+        config.motor.omega_rated_rad_s = (float)(rated[n] * full);
+        config.references.field_weakening = LODE_ON;
+        lode_drive_config_t slow = config;
+        lode_drive_design(&config);
+        CHECK_CLOSE(1.0e-5, wanted[n] * full, config.estimator.omega_max_rad_s);
+        slow.f_pwm_Hz = 1500.0f;
+        lode_drive_design(&slow);
+        CHECK_CLOSE(1.0e-5, 750.0, slow.estimator.omega_max_rad_s);
+        lode_drive_config_t strong = minimal();
+        strong.motor.omega_rated_rad_s = (float)(rated[n] * full);
+        lode_drive_design(&strong);
+        CHECK_CLOSE(1.0e-5, 2.5 * rated[n] * full, strong.estimator.omega_max_rad_s);
+    }
+}
+
+/// The voltages that references reckon with are those between which the guard lets it run; the d axis may take nearly all
+/// of them where the field is weakened.
+static void test_references_know_the_bus_that_the_guard_allows(void) {
+    lode_drive_config_t config = minimal();
+    lode_drive_tuning_t tuning;
+    config.guard.v_bus_max_V = 237.0f;
+    config.guard.v_bus_min_V = 121.0f;
+    lode_drive_config_t designed = config;
+    lode_drive_design(&designed);
+    TEST_ASSERT_EQUAL_FLOAT(237.0f, designed.references.v_bus_max_V);
+    TEST_ASSERT_EQUAL_FLOAT(121.0f, designed.references.v_bus_min_V);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+    const float d_share = tuning.current.d_share;
+    config.references.field_weakening = LODE_ON;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+    TEST_ASSERT_TRUE(tuning.current.d_share > d_share);
+    CHECK_NEAR(0.03, 0.97, tuning.current.d_share);
+}
+
+/// What moves once in a period of speed control moves as fast at every rate of it.
+static void test_what_follows_speed_control_has_its_rate(void) {
+    static lode_drive_tuning_t tunings[2];
+    for (int n = 0; n < 2; n++) {
+        lode_drive_config_t config = minimal();
+        config.references.field_weakening = LODE_ON;
+        config.speed.bandwidth_rad_s = 10.0f;
+        config.speed.every_period = n == 0 ? LODE_ON : LODE_OFF;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tunings[n], &config));
+    }
+    TEST_ASSERT_EQUAL_UINT32(1u, tunings[0].speed_periods);
+    const double times = (double)tunings[1].speed_periods;
+    TEST_ASSERT_TRUE(times > 1.0);
+    CHECK_CLOSE(1.0e-5, times * (double)tunings[0].start.fade_step, tunings[1].start.fade_step);
+    CHECK_CLOSE(1.0e-5, times * (double)tunings[0].speed.ramp_step, tunings[1].speed.ramp_step);
+    CHECK_CLOSE(1.0e-5, times * (double)tunings[0].references.rise_A, tunings[1].references.rise_A);
+    lode_drive_config_t designed = minimal();
+    designed.references.field_weakening = LODE_ON;
+    lode_drive_design(&designed);
+    CHECK_CLOSE(1.0e-4, 12.0 * 2.0e-4 / (double)designed.references.release_s,
+                tunings[0].references.rise_A);
+}
+
+/// Motor and inverter are looked at before anything is computed of them.
+static void test_what_is_given_is_checked_by_itself(void) {
+    lode_drive_config_t config = minimal();
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_check_given(&config));
+    config.motor.Rs_Ohm = NAN;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_MOTOR_RS, lode_drive_check_given(&config));
+    config = minimal();
+    config.inverter.v_bus_V = NAN;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_V_BUS, lode_drive_check_given(&config));
+    config.f_pwm_Hz = NAN;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_F_PWM, lode_drive_check_given(&config));
 }
 
 static void test_enumerators(void) {
@@ -661,6 +767,7 @@ static void test_free_voltage_leaves_room_for_rounding(void) {
         lode_drive_tuning_t tuning;
         TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_init(&drive, &tuning, &config));
         TEST_ASSERT_TRUE(tuning.inverter.free < before);
+        TEST_ASSERT_TRUE(tuning.current.free <= tuning.inverter.free);
         before = tuning.inverter.free;
     }
 }
@@ -682,6 +789,11 @@ int main(void) {
     RUN_TEST(test_sense_must_fit_the_inverter);
     RUN_TEST(test_double_update_needs_currents_from_the_phases);
     RUN_TEST(test_two_shunts_bound_the_voltage);
+    RUN_TEST(test_the_slope_of_the_switches_counts_as_resistance);
+    RUN_TEST(test_the_highest_speed_with_a_weakened_field);
+    RUN_TEST(test_references_know_the_bus_that_the_guard_allows);
+    RUN_TEST(test_what_follows_speed_control_has_its_rate);
+    RUN_TEST(test_what_is_given_is_checked_by_itself);
     RUN_TEST(test_enumerators);
     RUN_TEST(test_pole_pairs);
     RUN_TEST(test_combinations_that_would_not_be_stable);

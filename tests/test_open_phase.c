@@ -119,6 +119,33 @@ static void test_without_current_nothing_is_said(void) {
     TEST_ASSERT_EQUAL_INT(0, open);
 }
 
+/// Judged is a current whose mean magnitude, 2/pi of its amplitude, is the least one or more.
+static void test_currents_from_the_least_one_on_are_judged(void) {
+    const double least_A = 0.45 * CHECK_PI / 2.0;
+    for (int phase = 1; phase <= 8; phase++) {
+        for (int above = 0; above <= 1; above++) {
+            scene_t s = scene((above == 1 ? 1.08 : 0.92) * least_A, 157.0, phase);
+            lode_open_phase_t open;
+            (void)found_after(&s, 20.0, &open);
+            TEST_ASSERT_EQUAL_INT(above == 1 ? phase : 0, open);
+        }
+    }
+}
+
+/// A period of 16 samples is one to judge by, of 15 it takes two.
+static void test_sixteen_samples_are_enough(void) {
+    for (int samples = 15; samples <= 16; samples++) {
+        scene_t s = scene(5.0, 2.0 * CHECK_PI / (samples * TS_s), 0);
+        lode_open_phase_t open;
+        (void)found_after(&s, 7.5, &open);
+        s.open = 5;
+        const double periods = found_after(&s, 20.0, &open);
+        TEST_ASSERT_EQUAL_INT(5, open);
+        CHECK_AT_LEAST(samples == 16 ? 1.0 : 3.1, periods);
+        CHECK_AT_MOST(samples == 16 ? 3.0 : 6.0, periods);
+    }
+}
+
 static void test_the_sets_take_turns(void) {
     const int32_t one[3] = {1, -2, 3};
     const int32_t two[3] = {-10, 20, -30};
@@ -176,6 +203,8 @@ int main(void) {
     RUN_TEST(test_sound_phases_are_left_alone);
     RUN_TEST(test_a_rotor_at_rest_has_no_periods);
     RUN_TEST(test_without_current_nothing_is_said);
+    RUN_TEST(test_currents_from_the_least_one_on_are_judged);
+    RUN_TEST(test_sixteen_samples_are_enough);
     RUN_TEST(test_the_sets_take_turns);
     RUN_TEST(test_each_period_is_counted_by_itself);
     RUN_TEST(test_one_period_is_not_enough);

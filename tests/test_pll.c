@@ -380,6 +380,17 @@ static void test_kind_is_an_enumerator(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_config(&config));
 }
 
+/// One bandwidth alone is that of all speeds, down to the least one that is accepted.
+static void test_a_bandwidth_that_is_given_is_that_of_all_speeds(void) {
+    const float sigmas[] = {1.0f, 150.0f};
+    for (int n = 0; n < COUNT_OF(sigmas); n++) {
+        lode_pll_config_t config = {.sigma_rad_s = sigmas[n]};
+        lode_pll_design(&config, 471.0f, PAPER_TS_s);
+        CHECK_NEAR(0.0, sigmas[n], config.sigma_rad_s);
+        CHECK_NEAR(0.0, sigmas[n], config.sigma_low_rad_s);
+    }
+}
+
 static void test_design_fills_what_is_open(void) {
     lode_pll_config_t config = {.kind = LODE_PLL_LESO};
     lode_pll_design(&config, 471.239f, 2.0e-4f);
@@ -420,6 +431,7 @@ int main(void) {
     RUN_TEST(test_reset_takes_up_a_motion);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_kind_is_an_enumerator);
+    RUN_TEST(test_a_bandwidth_that_is_given_is_that_of_all_speeds);
     RUN_TEST(test_design_fills_what_is_open);
     return UNITY_END();
 }
