@@ -577,6 +577,129 @@ static void test_hold_takes_the_angle_given(void) {
     }
 }
 
+/// At the angle and the speed given, with nothing of a motion before; the lag follows, and the rotor counts as found.
+static void test_hold_begins_at_rest_in_its_frame(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    const float omegas[] = {-300.0f, -0.5f, 0.0f, 0.5f, 300.0f};
+    for (int n = 0; n < COUNT_OF(omegas); n++) {
+        watch_t w = watch(&config, 0.0, 0.0);
+        lode_estimator_t *self = &w.estimator;
+        self->pll.f_rad_s2 = 500.0f;
+        self->pll.rise_rad_s = 5.0f;
+        self->per_V = n % 2 == 0 ? 0.25f : -0.25f;
+        self->emf.i_A = (lode_ab_t){3.0f, -2.0f};
+        const lode_sincos_t rotor = lode_sincos(0.7f);
+        lode_estimator_hold(self, &w.tuning, rotor, omegas[n]);
+        CHECK_NEAR(1.0e-6, 0.7, lode_estimator_theta_rad(self));
+        CHECK_NEAR(0.0, omegas[n], self->pll.omega_rad_s);
+        CHECK_NEAR(0.0, omegas[n], self->omega_tune);
+        CHECK_NEAR(0.0, 0.0, self->pll.f_rad_s2);
+        CHECK_NEAR(0.0, 0.0, self->pll.rise_rad_s);
+        CHECK_NEAR(0.0, n < 2 ? 0.25 : -0.25, self->per_V);
+        CHECK_NEAR(1.0e-5, 3.0 * cos(0.7) - 2.0 * sin(0.7), self->id_A);
+        TEST_ASSERT_EQUAL_UINT(w.tuning.patience_rounds, self->by.alone.wait);
+        TEST_ASSERT_EQUAL_UINT(1u, self->found);
+    }
+}
+
+/// As if it had run at that angle and speed for long, whatever it did before.
+static void test_beginning_at_a_speed_is_having_run_there(void) {
+    for (int p = 0; p < COUNT_OF(both_plls); p++) {
+        const lode_estimator_config_t config = designed(both_plls[p]);
+        const double omegas[] = {-paper_omega(1500.0), paper_omega(300.0), paper_omega(1500.0)};
+        for (int n = 0; n < COUNT_OF(omegas); n++) {
+            watch_t w = watch(&config, omegas[n], 0.0);
+            for (int k = 0; k < 2000; k++) {
+                (void)watch_step(&w, 0.0, 0.0);
+            }
+            watch_t again = w;
+            memset(&again.estimator, 0x41, sizeof again.estimator);
+            lode_estimator_begin_at(&again.estimator, &w.tuning, lode_estimator_rotor(&w.estimator),
+                                    (float)omegas[n]);
+            const lode_estimator_t *ran = &w.estimator;
+            const lode_estimator_t *begun = &again.estimator;
+            const double e_V = (double)lode_ab_length(ran->emf.observer.e_V);
+            CHECK_NEAR(0.05 * e_V, ran->emf.observer.e_V.alpha, begun->emf.observer.e_V.alpha);
+            CHECK_NEAR(0.05 * e_V, ran->emf.observer.e_V.beta, begun->emf.observer.e_V.beta);
+            CHECK_CLOSE(0.05, ran->per_V, begun->per_V);
+            CHECK_CLOSE(0.02, ran->gains.theta, begun->gains.theta);
+            CHECK_CLOSE(0.02, ran->gains.omega_s, begun->gains.omega_s);
+            CHECK_NEAR(0.0, 1.0, begun->lock);
+            TEST_ASSERT_TRUE(begun->locked && begun->aligned);
+            CHECK_NEAR(0.0, 0.0, begun->id_A);
+            for (int k = 0; k < 500; k++) {
+                CHECK_NEAR(2.0 * CHECK_DEG, 0.0, watch_step(&again, 0.0, 0.0));
+                TEST_ASSERT_TRUE(again.estimator.locked && !again.last.reseeded);
+            }
+        }
+    }
+}
+
+/// An amplitude of next to nothing is of a rotor that turns forwards, where none is known to turn back.
+static void test_the_amplitude_has_the_sense_of_rotation(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    const float omegas[] = {-0.5f, 0.0f, 0.5f};
+    for (int n = 0; n < COUNT_OF(omegas); n++) {
+        watch_t w = watch(&config, 0.0, 0.0);
+        lode_estimator_begin_at(&w.estimator, &w.tuning, lode_sincos(0.7f), omegas[n]);
+        CHECK_CLOSE(1.0e-6, (n == 0 ? 1.0 : -1.0) / (double)config.emin_V, w.estimator.per_V);
+    }
+}
+
+/// A restart keeps the current, where that is one, and the slot of the slow jobs; all else is as after a reset.
+static void test_a_restart_keeps_current_and_slot(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    for (int bad = 0; bad <= 1; bad++) {
+        watch_t w = watch(&config, 300.0, 3.0);
+        for (int k = 0; k < 1003; k++) {
+            (void)watch_step(&w, 0.0, 3.0);
+        }
+        lode_estimator_t wanted;
+        memset(&wanted, 0, sizeof wanted);
+        lode_estimator_reset(&wanted, &w.tuning);
+        wanted.slot = w.estimator.slot;
+        TEST_ASSERT_TRUE(wanted.slot != 0u);
+        if (bad == 1) {
+            w.estimator.emf.i_A = (lode_ab_t){NAN, 1.0f};
+        } else {
+            wanted.emf.i_A = w.estimator.emf.i_A;
+            wanted.id_A = wanted.emf.i_A.alpha; // at an angle of nothing
+        }
+        TEST_ASSERT_TRUE(bad == 1 || lode_ab_length(wanted.emf.i_A) > 2.0f);
+        lode_estimator_restart(&w.estimator, &w.tuning);
+        TEST_ASSERT_EQUAL_MEMORY(&wanted, &w.estimator, sizeof wanted);
+    }
+}
+
+/// At rest: amplitude, lag and gains are those of no speed.
+static void test_a_reset_is_at_rest(void) {
+    for (int p = 0; p < COUNT_OF(both_plls); p++) {
+        const lode_estimator_config_t config = designed(both_plls[p]);
+        const watch_t w = watch(&config, 0.0, 0.0);
+        const lode_lag_line_t lag = lode_lag_line(&w.tuning.lag, 0.0f);
+        const lode_pll_gains_t gains = lode_pll_gains(&w.tuning.pll, 0.0f);
+        CHECK_CLOSE(1.0e-6, -1.0 / (double)config.emin_V, w.estimator.per_V);
+        TEST_ASSERT_EQUAL_MEMORY(&lag, &w.estimator.lag, sizeof lag);
+        TEST_ASSERT_EQUAL_MEMORY(&gains, &w.estimator.gains, sizeof gains);
+    }
+}
+
+/// A large error is looked at again without the notches, which had no part in it.
+static void test_a_second_look_is_without_the_notches(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    watch_t w = watch(&config, 300.0, 0.0);
+    lode_estimator_t *self = &w.estimator;
+    memset(&self->by.alone.notch.sogi, 0x41, sizeof self->by.alone.notch.sogi);
+    memset(&self->by.alone.notch12.sogi, 0x41, sizeof self->by.alone.notch12.sogi);
+    self->emf.observer.e_V = (lode_ab_t){3.0f, 4.0f};
+    self->pll.omega_rad_s = 100.0f;
+    CHECK_CLOSE(1.0e-6, -0.6,
+                lode_estimator_look_again(self, &w.tuning, (lode_sincos_t){0.0f, 1.0f}));
+    const lode_sogi_t none = {0.0f, 0.0f};
+    TEST_ASSERT_EQUAL_MEMORY(&none, &self->by.alone.notch.sogi, sizeof none);
+    TEST_ASSERT_EQUAL_MEMORY(&none, &self->by.alone.notch12.sogi, sizeof none);
+}
+
 static void test_hold_at_the_true_angle_is_seamless(void) {
     const lode_estimator_config_t config = designed(LODE_PLL_LESO);
     watch_t w = watch(&config, paper_omega(300.0), 0.0);
@@ -644,6 +767,28 @@ static void test_a_rotor_that_is_held_keeps_its_speed(void) {
     CHECK_CLOSE(0.1, friction - 3.0 * 3.0 * 0.639 / 0.0174, w.estimator.pll.f_rad_s2);
 }
 
+/// The rotor is looked for once it has waited, or where no waiting was ever so long; the mean rotation goes on, the speed
+/// begins without a rise.
+static void test_looking_for_the_rotor(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    watch_t w = watch(&config, 300.0, 0.0);
+    for (int k = 0; k < 2000; k++) {
+        (void)watch_step(&w, 0.0, 0.0);
+    }
+    lode_estimator_alone_t *alone = &w.estimator.by.alone;
+    const uint32_t longest = (uint32_t)w.tuning.settle_rounds + w.tuning.patience_rounds;
+    const uint32_t waits[] = {0u, 1u, longest, longest + 1u};
+    for (int n = 0; n < COUNT_OF(waits); n++) {
+        alone->rotation = (lode_ab_t){cosf(0.06f), sinf(0.06f)};
+        alone->wait = (uint_least16_t)waits[n];
+        w.estimator.pll.rise_rad_s = 7.0f;
+        const bool due = n == 0 || n == 3;
+        TEST_ASSERT_EQUAL_INT(due, lode_estimator_seed(&w.estimator, &w.tuning, false));
+        CHECK_NEAR(0.0, due ? 0.0 : 7.0, w.estimator.pll.rise_rad_s);
+        CHECK_NEAR(0.0, sinf(0.06f), alone->rotation.beta);
+    }
+}
+
 static void test_a_mean_rotation_that_is_no_number_begins_anew(void) {
     const lode_estimator_config_t config = designed(LODE_PLL_LESO);
     watch_t w = watch(&config, 300.0, 0.0);
@@ -683,6 +828,7 @@ static void test_what_is_asked_of_a_period(void) {
         {1.0e-5f, 0.0f, 0.0f, 0.0f, LODE_PLL_QPLL, LODE_ESTIMATOR_SALIENT},
         {-1.0e-5f, 0.0f, 0.0f, 0.0f, LODE_PLL_QPLL, LODE_ESTIMATOR_SALIENT},
         {0.0f, 100.0f, 0.0f, 0.0f, LODE_PLL_QPLL, LODE_ESTIMATOR_FILTERED},
+        {0.0f, 0.5f, 0.0f, 0.0f, LODE_PLL_QPLL, LODE_ESTIMATOR_FILTERED},
         {0.0f, 0.0f, 0.1f, 0.0f, LODE_PLL_QPLL, LODE_ESTIMATOR_NOTCH},
         {0.0f, 0.0f, 0.0f, 0.1f, LODE_PLL_QPLL, LODE_ESTIMATOR_NOTCH | LODE_ESTIMATOR_NOTCH12},
         {0.0f, 0.0f, 0.0f, 0.0f, LODE_PLL_LESO, LODE_ESTIMATOR_THIRD_ORDER},
@@ -699,6 +845,11 @@ static void test_what_is_asked_of_a_period(void) {
         TEST_ASSERT_EQUAL_STRING(
             "LODE_OK", lode_status_name(lode_estimator_tune(&tuning, &config, &motor, PAPER_TS_s)));
         TEST_ASSERT_EQUAL_UINT32((uint32_t)cases[n].options, tuning.options);
+        CHECK_CLOSE(1.0e-6, 2.0 * (double)config.omega_max_rad_s, tuning.omega_limit);
+        const bool predicts = cases[n].kind == LODE_PLL_LESO; // a QPLL knows no acceleration
+        TEST_ASSERT_EQUAL_INT(predicts, lode_abs(tuning.acc_per_torque) > 0.0f);
+        TEST_ASSERT_EQUAL_INT(predicts, lode_abs(tuning.acc_per_omega) > 0.0f);
+        TEST_ASSERT_EQUAL_INT(predicts, lode_abs(tuning.load_per_f_Nm) > 0.0f);
     }
 }
 
@@ -817,6 +968,13 @@ int main(void) {
     RUN_TEST(test_inputs_that_are_no_numbers_are_flagged);
     RUN_TEST(test_outputs_are_in_range_for_any_input);
     RUN_TEST(test_hold_takes_the_angle_given);
+    RUN_TEST(test_hold_begins_at_rest_in_its_frame);
+    RUN_TEST(test_beginning_at_a_speed_is_having_run_there);
+    RUN_TEST(test_the_amplitude_has_the_sense_of_rotation);
+    RUN_TEST(test_a_restart_keeps_current_and_slot);
+    RUN_TEST(test_a_reset_is_at_rest);
+    RUN_TEST(test_a_second_look_is_without_the_notches);
+    RUN_TEST(test_looking_for_the_rotor);
     RUN_TEST(test_hold_at_the_true_angle_is_seamless);
     RUN_TEST(test_a_lock_is_not_believed_before_the_rotor_was_found);
     RUN_TEST(test_reset_is_idempotent_and_complete);

@@ -314,6 +314,24 @@ static void test_wrong_way(void) {
     check_debounce(good, bad, LOCK_LOOKS, LODE_CHECK_WRONG_WAY);
     (void)steps_to_trip(&bad, 100);
     TEST_ASSERT_EQUAL_FLOAT(-100.0f, bad.guard.fault.measured);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, bad.guard.fault.limit);
+    // Slow is not back, and neither is standing.
+    const float slow_rad_s[] = {0.5f, 0.0f};
+    for (int n = 0; n < COUNT_OF(slow_rad_s); n++) {
+        good.condition.omega_rad_s = slow_rad_s[n];
+        TEST_ASSERT_EQUAL_INT(1000, steps_to_trip(&good, 1000));
+    }
+}
+
+/// A current as large as the trip is allowed, and one that is larger by the least that can be told is not.
+static void test_the_trip_itself_is_allowed(void) {
+    bench_t b = bench();
+    b.counts.i[0] = 2048u + TRIP_COUNT + 1u;
+    b.tuning.i_trip =
+        (float)((TRIP_COUNT + 1) * LODE_COUNT_FRACTION) * b.sensing.i_gain; // as it is computed
+    TEST_ASSERT_TRUE(fast_on_time(&b));
+    b.tuning.i_trip = nextafterf(b.tuning.i_trip, 0.0f);
+    TEST_ASSERT_FALSE(fast_on_time(&b));
 }
 
 static void test_motion_is_watched_only_without_a_sensor(void) {
@@ -382,6 +400,44 @@ static void test_timing_by_the_stamp(void) {
         TEST_ASSERT_TRUE(late(starts[i], 0u));    // called twice
         TEST_ASSERT_TRUE(late(starts[i], 500u));
     }
+}
+
+/// A quarter of a period late is in time, however close the sample is looked at.
+static void test_the_latest_stamp_is_in_time(void) {
+    for (uint32_t more = 0u; more <= 1u; more++) {
+        bench_t b = bench();
+        set_railed(&b, false);
+        TEST_ASSERT_TRUE(fast_on_time(&b));
+        set_railed(&b, true);
+        b.counts.stamp += 1250u + more;
+        TEST_ASSERT_EQUAL_INT(more == 0u, fast(&b));
+        TEST_ASSERT_EQUAL_INT(more == 0u ? LODE_CHECK_NONE : LODE_CHECK_TIMING,
+                              b.guard.fault.check);
+        CHECK_NEAR(0.0, more == 0u ? 0.0 : 1251.0, b.guard.fault.measured);
+        CHECK_NEAR(0.0, more == 0u ? 0.0 : 1250.0, b.guard.fault.limit);
+    }
+}
+
+/// The slow checks are asked for until what they have counted has come down.
+static void test_what_was_counted_is_pending(void) {
+    bench_t b = bench();
+    TEST_ASSERT_TRUE(lode_guard_slow_ok(&b.guard, &b.tuning, &b.condition, true));
+    const lode_condition_t good = b.condition;
+    for (int n = 0; n < 3; n++) {
+        b.condition.v_bus_V = n == 0 ? 300.0f : good.v_bus_V;
+        b.condition.lock = n == 1 ? 0.1f : good.lock;
+        b.condition.temperature_degC = n == 2 ? 100.0f : good.temperature_degC;
+        TEST_ASSERT_TRUE(slow(&b));
+        b.condition = good;
+        TEST_ASSERT_FALSE(lode_guard_slow_ok(&b.guard, &b.tuning, &b.condition, true));
+        TEST_ASSERT_TRUE(slow(&b));
+        TEST_ASSERT_TRUE(lode_guard_slow_ok(&b.guard, &b.tuning, &b.condition, true));
+    }
+    set_railed(&b, true);
+    TEST_ASSERT_TRUE(fast_on_time(&b));
+    TEST_ASSERT_TRUE(slow(&b));
+    set_railed(&b, false);
+    TEST_ASSERT_FALSE(lode_guard_slow_ok(&b.guard, &b.tuning, &b.condition, true));
 }
 
 static void test_timing_is_not_watched_unless_configured(void) {
@@ -501,6 +557,65 @@ static void test_every_field_at_its_limits(void) {
     }
 }
 
+static void test_the_sensors_shorter_side_bounds_the_trip(void) {
+    const float offsets[] = {1448.0f, 4095.0f - 1448.0f};
+    for (int n = 0; n < 2 * COUNT_OF(offsets); n++) {
+        lode_sense_config_t shifted = board;
+        lode_guard_config_t config = sound();
+        lode_guard_tuning_t tuning;
+        shifted.i_offset_count = offsets[n / 2];
+        config.i_trip_A = n % 2 == 0 ? 18.09f : 18.11f; // 18.1 A
+        TEST_ASSERT_EQUAL_INT(n % 2 == 0 ? LODE_OK : LODE_ERROR_GUARD_CURRENT,
+                              lode_guard_tune(&tuning, &config, &inverter, &shifted, PAPER_TS_s));
+    }
+}
+
+static void test_temperatures_and_speeds_between_which_limits_lie(void) {
+    const size_t hottest = offsetof(lode_guard_config_t, temperature_max_degC);
+    const size_t fastest = offsetof(lode_guard_config_t, omega_max_rad_s);
+    const size_t stamp = offsetof(lode_guard_config_t, stamp_per_period);
+    lode_guard_config_t cold = sound();
+    lode_guard_tuning_t tuning;
+    cold.temperature_min_degC = -300.0f;
+    cold.temperature_max_degC = -100.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_guard_tune(&tuning, &cold, &inverter, &board, PAPER_TS_s));
+    cold.temperature_max_degC = -101.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TEMPERATURE,
+                          lode_guard_tune(&tuning, &cold, &inverter, &board, PAPER_TS_s));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(hottest, 1000.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TEMPERATURE, try_one(hottest, 1001.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(fastest, 1.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_SPEED, try_one(fastest, 0.99f));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(stamp, 1.0e9f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME, try_one(stamp, 1.01e9f));
+    // A stamp that counts periods is watched too.
+    lode_guard_config_t config = sound();
+    config.stamp_per_period = 1.0f;
+    TEST_ASSERT_TRUE(tuned(&config).stamp_span < 2u);
+}
+
+/// In rounds of eight periods, two at least, and none where none are asked for; up to what the counters hold.
+static void test_times_of_standing_still(void) {
+    const float round_s = 8.0f * PAPER_TS_s;
+    const float times_s[] = {0.0f, 0.1f * PAPER_TS_s, 2.5f * round_s, 0.1f, 2.0f};
+    const uint32_t rounds[] = {0u, 2u, 2u, 62u, 1250u};
+    for (int n = 0; n < COUNT_OF(times_s); n++) {
+        lode_guard_config_t config = sound();
+        config.temperature_still_s = times_s[n];
+        config.bus_still_s = times_s[COUNT_OF(times_s) - 1 - n];
+        const lode_guard_tuning_t tuning = tuned(&config);
+        TEST_ASSERT_EQUAL_UINT32(rounds[n], tuning.still_rounds);
+        TEST_ASSERT_EQUAL_UINT32(rounds[COUNT_OF(rounds) - 1 - n], tuning.bus_still_rounds);
+    }
+    const size_t both[] = {offsetof(lode_guard_config_t, temperature_still_s),
+                           offsetof(lode_guard_config_t, bus_still_s)};
+    for (int n = 0; n < COUNT_OF(both); n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(both[n], 40.0f));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME, try_one(both[n], 1.0e4f));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME, try_one(both[n], -1.0f));
+    }
+}
+
 static void test_times_become_periods_and_looks(void) {
     // In looks of the slow checks, 0.8 ms, two at least: a single sample passes.
     const float times[] = {2.0e-4f, 4.0e-4f, 6.0e-4f, 1.0e-3f, 3.0e-3f, 15.0e-3f, 0.1f};
@@ -611,6 +726,12 @@ int main(void) {
     RUN_TEST(test_lost_lock);
     RUN_TEST(test_over_speed_both_ways);
     RUN_TEST(test_wrong_way);
+    RUN_TEST(test_the_latest_stamp_is_in_time);
+    RUN_TEST(test_what_was_counted_is_pending);
+    RUN_TEST(test_the_trip_itself_is_allowed);
+    RUN_TEST(test_the_sensors_shorter_side_bounds_the_trip);
+    RUN_TEST(test_temperatures_and_speeds_between_which_limits_lie);
+    RUN_TEST(test_times_of_standing_still);
     RUN_TEST(test_motion_is_watched_only_without_a_sensor);
     RUN_TEST(test_samples_that_are_no_number_trip);
     RUN_TEST(test_the_fast_check_of_the_stamp);
