@@ -1924,13 +1924,15 @@ static void test_a_posted_command_is_not_lost_by_a_flip(void) {
     rig_expect(&rig, LODE_MODE_OFF);
 }
 
-/// The least bit of a word of the tuning in use flips, and stays so for `time_s`.
+/// A bit of a word of the tuning in use flips, in another octet from word to word, and stays so for `time_s`.
 static lode_fault_t after_flip(const rig_t *sound, size_t word, double time_s) {
     rig_t rig = *sound;
-    unsigned char *octet = (unsigned char *)&other_tuning + word * sizeof(float);
-    *octet = (unsigned char)(*octet ^ 1u);
+    unsigned char *octet =
+        (unsigned char *)&other_tuning + word * sizeof(float) + word % sizeof(float);
+    const unsigned bit = 1u << word / sizeof(float) % 8u;
+    *octet = (unsigned char)(*octet ^ bit);
     rig_run(&rig, time_s);
-    *octet = (unsigned char)(*octet ^ 1u);
+    *octet = (unsigned char)(*octet ^ bit);
     TEST_ASSERT_TRUE(is_idle(rig.out));
     return rig_telemetry(&rig).fault;
 }

@@ -65,6 +65,21 @@ static void expect_fault(const rig6_t *rig, lode_check_t check) {
     TEST_ASSERT_FALSE(rig->out.set[1].gates);
 }
 
+/// The ripple by which the dead time's correction is designed is that of both planes: 1/L is the mean of theirs.
+static void test_the_ripple_is_of_both_planes(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.inverter.i_dead_A = 0.0f;
+    const double Lxy = (double)config.Lxy_H;
+    lode_motor_t motor = config.drive.motor;
+    motor.sets = 2.0f;
+    motor.Ld_H = (float)(1.0 / (0.5 / (double)motor.Ld_H + 0.5 / Lxy));
+    motor.Lq_H = (float)(1.0 / (0.5 / (double)motor.Lq_H + 0.5 / Lxy));
+    lode_inverter_config_t wanted = config.drive.inverter;
+    lode_inverter_design(&wanted, &motor, 1.0f / config.drive.f_pwm_Hz);
+    lode_drive6_design(&config);
+    CHECK_CLOSE(1.0e-5, (double)wanted.i_dead_A, config.drive.inverter.i_dead_A);
+}
+
 /// Each call is a period, whether it drives or not.
 static void test_every_period_counts(void) {
     rig6_t rig = fresh();
@@ -891,6 +906,7 @@ static void test_an_estimate_of_the_hosts_own_is_driven_by(void) {
 
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_the_ripple_is_of_both_planes);
     RUN_TEST(test_every_period_counts);
     RUN_TEST(test_low_sides_come_before_all_gates);
     RUN_TEST(test_from_standstill_to_speed_both_ways);
