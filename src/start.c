@@ -136,13 +136,27 @@ static float omega_of_emf(const lode_motor_t *motor, const lode_inverter_config_
            lode_max(motor->psi_Wb, FLT_MIN);
 }
 
+// Electrical speed from which the EMF stands out of what the current sensors' errors leave of the drop.
+static float seen_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                        float current_A) {
+    return EMF_PER_DROP * drop_V(motor, inverter, current_A) / lode_max(motor->psi_Wb, FLT_MIN);
+}
+
+// The highest speed of a hand-over.
+static float most_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
+    return HANDOVER_SHARE_MAX * lode_min(motor->omega_rated_rad_s, base_omega(motor, inverter));
+}
+
 static float within_speeds(float omega_rad_s, const lode_motor_t *motor,
                            const lode_inverter_config_t *inverter, float current_A) {
-    const float seen =
-        EMF_PER_DROP * drop_V(motor, inverter, current_A) / lode_max(motor->psi_Wb, FLT_MIN);
-    const float least = lode_max(HANDOVER_SHARE * motor->omega_rated_rad_s, seen);
-    const float full = lode_min(motor->omega_rated_rad_s, base_omega(motor, inverter));
-    return lode_clamp(omega_rad_s, least, lode_max(HANDOVER_SHARE_MAX * full, least));
+    const float least =
+        lode_max(HANDOVER_SHARE * motor->omega_rated_rad_s, seen_omega(motor, inverter, current_A));
+    return lode_clamp(omega_rad_s, least, lode_max(most_omega(motor, inverter), least));
+}
+
+bool lode_start_has_emf(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
+                        const lode_motor_t *motor) {
+    return seen_omega(motor, inverter, config->current_A) <= most_omega(motor, inverter);
 }
 
 static float default_handover(const lode_motor_t *motor, const lode_inverter_config_t *inverter,

@@ -1049,6 +1049,35 @@ static void test_the_vector_keeps_its_length(void) {
 
 /// Where no more than half of the speeds may go by before hand-over, that is of the base speed: there the largest
 /// current's drop in a winding 30 % warmer and the EMF of all flux use up the bus.
+/// (S27), from its two sides: the speed at which the EMF is a quarter of the start current's drop, and half of the one
+/// at which i_max in a warm winding and the EMF use up the bus.
+static void test_an_emf_below_the_drop_is_of_no_use(void) {
+    const double psi = 8.0e-3, Lq = 2.2e-3, i_max_A = 1.0, v_bus_V = 12.0;
+    const lode_inverter_config_t bridge = {.v_bus_V = (float)v_bus_V, .i_max_A = (float)i_max_A};
+    int of_use = 0;
+    for (int k = 0; k <= 100; k++) {
+        const double R = 2.0 + 0.04 * k;
+        lode_motor_t motor = {.pole_pairs = 11.0f,
+                              .Rs_Ohm = (float)R,
+                              .Ld_H = (float)Lq,
+                              .Lq_H = (float)Lq,
+                              .psi_Wb = (float)psi,
+                              .omega_rated_rad_s = 1.0e4f};
+        const lode_start_config_t config = {.current_A = 0.7f};
+        // u^2 = (1.3 R i + w psi)^2 + (w Lq i)^2 is above the bus's at the speed where it is used up.
+        const double omega = 2.0 * R * 0.7 / (4.0 * psi);
+        const double u_V = (double)LODE_VOLTAGE_USE * v_bus_V / sqrt(3.0);
+        const double needed_V = hypot(1.3 * R * i_max_A + omega * psi, omega * Lq * i_max_A);
+        if (fabs(needed_V - u_V) > 0.02 * u_V) {
+            TEST_ASSERT_EQUAL_INT(needed_V < u_V, lode_start_has_emf(&config, &bridge, &motor));
+            of_use += needed_V < u_V ? 1 : 0;
+        }
+        motor.omega_rated_rad_s = (float)(0.99 * omega); // half of rated speed bounds it too
+        TEST_ASSERT_FALSE(lode_start_has_emf(&config, &bridge, &motor));
+    }
+    TEST_ASSERT_TRUE(of_use > 10 && of_use < 90); // both kinds were there
+}
+
 static void test_hand_over_by_half_of_the_base_speed(void) {
     lode_motor_t motor = paper_motor();
     motor.Rs_Ohm = 1.5f;
@@ -1106,6 +1135,7 @@ int main(void) {
     RUN_TEST(test_a_lock_too_late_to_catch_is_none);
     RUN_TEST(test_a_stop_is_no_attempt);
     RUN_TEST(test_the_vector_keeps_its_length);
+    RUN_TEST(test_an_emf_below_the_drop_is_of_no_use);
     RUN_TEST(test_hand_over_by_half_of_the_base_speed);
     return UNITY_END();
 }

@@ -129,6 +129,12 @@ typedef struct {
 /// The vector gives way, it does not run away.
 #define LODE_START_SHIFT_MAX_rad 0.5f
 
+/// Whether the EMF stands out of the drop at any speed that may be that of a hand-over, up to half of rated and base
+/// speed (S27). False: starts and low speeds are no better than current sensors and resistance are known. `config` is
+/// that of lode_start_design().
+bool lode_start_has_emf(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
+                        const lode_motor_t *motor);
+
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, float ts_s);
 

@@ -98,6 +98,7 @@ static bool load_machines(monte_carlo_t *self) {
             good = false;
         }
         if (good && fits) {
+            campaign->named[kept] = !machine->has_emf;
             memmove(campaign->motor[kept++], campaign->motor[k], sizeof campaign->motor[k]);
         }
     }

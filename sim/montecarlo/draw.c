@@ -64,6 +64,7 @@ bool mc_machine_load(mc_machine_t *machine, const char *name, int sets, const ch
     rig_config_t designed = *given;
     rig_config_design(&designed);
     const lode_drive_config_t *drive = &designed.drive;
+    machine->has_emf = lode_start_has_emf(&drive->start, &drive->inverter, &drive->motor);
     machine->np = (double)drive->motor.pole_pairs;
     machine->torque_max_Nm =
         (double)lode_motor_kt_Nm_A(&drive->motor) * (double)drive->inverter.i_max_A;

@@ -28,6 +28,7 @@ typedef struct {
     double rated_e_rad_s;
     double bus_e_rad_s; ///< from which on the EMF drives a current through the diodes
     double np;
+    bool has_emf; ///< lode_start_has_emf() of the machine as it is
 } mc_machine_t;
 
 typedef struct {

@@ -17,7 +17,8 @@ typedef struct {
     uint64_t seed;  ///< the first
     int motors;
     char motor[MC_MOTORS_MAX][RIG_NAME_LENGTH];
-    char sets[512]; ///< of --set, for the command that runs a case again
+    bool named[MC_MOTORS_MAX]; ///< as one without usable EMF, by design
+    char sets[512];            ///< of --set, for the command that runs a case again
 } mc_campaign_t;
 
 /// A case without a row has done == 0.
@@ -50,7 +51,7 @@ void mc_results_print_failure(FILE *file, const mc_results_t *self, uint64_t num
 /// The table. True where the bars hold; cases that are missing do not count.
 bool mc_results_print(FILE *file, const mc_results_t *self);
 
-/// {test, errors, n, seed, motors, rows}, a row per line.
+/// {test, errors, n, seed, motors, named, rows}, a row per line.
 void mc_results_write(FILE *file, const mc_results_t *self);
 
 /// Adds a file to `self`, which the first one makes. False after a message: it is no such file, of another

@@ -13,6 +13,7 @@
 #define HOLD_s 0.1       // for so long on end
 #define MEAN_s 0.01 // of a speed; where the load swings within a turn, over a turn of the shaft
 #define REVERSE_MAX_deg 200.0 // electrical, against the command, at the start
+#define LIMITED_SHARE 0.1     // of HOLD_s: torque at its limit is the cause of a speed not reached
 #define NOTICE_s 0.1          // within which a fault follows an angle that is of no use
 #define SETTLE_s 2.0
 #define SETTLE_PER_BANDWIDTH 20.0 // of speed control
@@ -21,6 +22,7 @@
 #define RIPPLE_LOAD_SHARE 0.2
 #define RIPPLE_s 0.3
 #define QUIET_PERIODS 20000 // of the same speed and load
+#define TOLD_PERIODS 16u    // from one look at telemetry to the next
 enum { GLIDE_STEPS = 100 }; // of a gentle change
 #define CATCH_s 0.05        // a rotor that turns already is caught within this time ...
 #define CATCH_TURNS 2.0     // ... or so many electrical turns, whichever is longer
@@ -42,6 +44,8 @@ typedef struct {
     double turned_m_rad, turning_s; ///< of the turn at hand
     double travelled_rad;           ///< electrical, in the commanded direction, since the start
     double lowest_rad;
+    double limited;   ///< share of the last HOLD_s with the torque at its limit, as telemetry tells
+    bool raised;      ///< the commanded speed is below the least, as telemetry tells
     double useless_s; ///< since the angle became of no use; below 0: it is not
     bool ran;
     const char *what; ///< the present part of the trial
@@ -105,6 +109,30 @@ static bool follow_error(trial_t *trial, bool ran) {
     return trial->useless_s < NOTICE_s;
 }
 
+/// What a user's telemetry says of a speed that is not had.
+static void follow_telemetry(trial_t *trial) {
+    lode_telemetry_t telemetry;
+    if (trial->rig.drive->steps % TOLD_PERIODS != 0u ||
+        !lode_drive_telemetry(trial->rig.drive, &telemetry)) {
+        return;
+    }
+    const double weight = fmin((double)TOLD_PERIODS * trial->ts_s / HOLD_s, 1.0);
+    trial->limited += weight * ((telemetry.torque_limited ? 1.0 : 0.0) - trial->limited);
+    trial->raised = telemetry.speed_raised;
+}
+
+static void fail_by_speed(trial_t *trial) {
+    if (mode_of(trial) != LODE_MODE_RUN) {
+        fail(trial, false, "not in RUN");
+    } else if (trial->raised) {
+        fail(trial, true, MC_TOLD "speed raised to the least");
+    } else if (trial->limited >= LIMITED_SHARE) {
+        fail(trial, true, MC_TOLD "torque at its limit, speed not reached");
+    } else {
+        fail(trial, false, "speed not reached");
+    }
+}
+
 /// One period. False: the trial has ended.
 static bool step(trial_t *trial) {
     const double theta_before_rad = trial->now.truth.theta_e_rad;
@@ -140,6 +168,7 @@ static bool settle(trial_t *trial, double limit_s) {
         if (!step(trial)) {
             return false;
         }
+        follow_telemetry(trial);
         const double off = fabs(trial->mean_m_rad_s - trial->command_m_rad_s);
         const bool there = off <= SPEED_SHARE * fabs(trial->command_m_rad_s) &&
                            mode_of(trial) == LODE_MODE_RUN && trial->useless_s < 0.0;
@@ -148,7 +177,7 @@ static bool settle(trial_t *trial, double limit_s) {
             return true;
         }
     }
-    fail(trial, false, mode_of(trial) == LODE_MODE_RUN ? "speed not reached" : "not in RUN");
+    fail_by_speed(trial);
     return false;
 }
 

@@ -8,10 +8,13 @@
 /// With this error an angle in RUN cannot be used; a drive that does not report it has failed silently.
 #define MC_ERROR_MAX_deg 60.0
 
+/// Begins the cause of what failed without a fault, but was told: telemetry says why the speed is not had.
+#define MC_TOLD "told: "
+
 /// It passes through a pipe: no pointers.
 typedef struct {
     bool passed;
-    bool noticed; ///< failed with a fault
+    bool noticed; ///< failed with a fault, or as telemetry tells
     char cause[96];
     double max_error_deg; ///< in RUN; NaN: never in RUN
     uint64_t periods;     ///< in RUN

@@ -159,6 +159,15 @@ static void print_limits(FILE *file, const rig_config_t *config, const design_t 
             "           below about that speed the angle is as good as the dead-time correction\n",
             design->dead_time_V, design->dead_time_equal_rpm);
     }
+    if (!lode_start_has_emf(&config->drive.start, &config->drive.inverter, &config->drive.motor)) {
+        (void)fputs(
+            "no usable EMF: up to half of base speed it is less than a quarter of the drop across "
+            "the\n"
+            "           resistance at the start current, which 2 % of a current sensor's gain "
+            "swing\n"
+            "           twice per turn; starts and low speeds will be no better than the sensors\n",
+            file);
+    }
     (void)fprintf(file,
                   "Lq: each percent that it is off costs %.2f degrees at i_max (%g A) and id = 0\n",
                   design->angle_per_Lq_percent_deg, (double)config->drive.inverter.i_max_A);
@@ -218,6 +227,9 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
     config_json_number(root, "sigma_accepted_rad_s", design->sigma_accepted_rad_s);
     config_json_number(root, "dead_time_V", design->dead_time_V);
     config_json_number(root, "dead_time_equal_rpm", design->dead_time_equal_rpm);
+    (void)cJSON_AddBoolToObject(
+        root, "usable_emf",
+        lode_start_has_emf(&config->drive.start, &config->drive.inverter, &config->drive.motor));
     config_json_number(root, "angle_per_Lq_percent_deg", design->angle_per_Lq_percent_deg);
     cJSON *speeds = cJSON_AddArrayToObject(root, "speeds");
     for (int k = 0; k < DESIGN_SPEEDS; ++k) {

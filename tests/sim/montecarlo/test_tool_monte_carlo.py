@@ -90,6 +90,37 @@ def bars(checks, folder):
     checks.true("LODE_ERROR_START_DAMPING, init" in unfit.stdout, f"a drive that init refuses: {unfit.stdout}")
 
 
+def named(checks, folder):
+    """A motor without usable EMF stands in the table, but is not held against the bars, where it is one of twelve."""
+    catalogue = ["drone_900KV", "ebike_hub", "eldeeb2017", "fan_325V", "flat_30W", "highspeed_100krpm",
+                 "jiang2022", "servo_3kW", "servo_48V", "traction_100kW", "ultrazohm6"]
+    words = "no usable EMF, named by `design`: not held against the bars"
+    hopeless = ["--n", "1", "--seed", "1", "--set", "start.timeout_s=0.2"]
+    _, text = run(folder, "start", "--motors", ",".join(catalogue + ["gimbal_12V"]), *hopeless)
+    done = folder.run("monte-carlo", "merge", "m.json")
+    lines = {line.split()[0]: line for line in done.stdout.splitlines() if line and not line.startswith(" ")}
+    checks.true(words in lines["gimbal_12V"], f"named: {done.stdout}")
+    checks.equal(sum(words in line for line in lines.values()), 1, "no other motor is named")
+    checks.true("BAR MISSED: 97 %" in lines["jiang2022"], "the others are held against the bar")
+    checks.equal(json.loads(text)["named"], ["gimbal_12V"], "in JSON")
+    wide = folder.run("monte-carlo", "start", "--motors", ",".join(catalogue + ["gimbal_12V"]), *hopeless, "--errors", "wide")
+    checks.true(words not in wide.stdout, f"with doubled errors it counts: {wide.stdout}")
+    alone = folder.run("monte-carlo", "start", "--motors", "gimbal_12V", *hopeless)
+    checks.true("BAR MISSED: 97 %" in alone.stdout and alone.returncode == 1, f"one of one is held: {alone.stdout}")
+
+
+def told(checks, folder):
+    """A speed that cannot be had is a failure, but not a silent one, where telemetry tells why."""
+    arguments = ["monte-carlo", "run", "--motors", "jiang2022", "--errors", "wide", "--n", 1, "--seed", 5]
+    for settings, words in ((["--set", "speed.omega_min_rad_s=120"], "told: speed raised to the least, start"),
+                            (["--set", "plant.fan_Nm=8", "--set", "plant.fan_rpm=700"],
+                             "told: torque at its limit, speed not reached, to 50 % speed")):
+        done = folder.run(*arguments, *settings)
+        checks.true(words in done.stdout, f"{settings}: '{words}' in {done.stdout}")
+        checks.true("silent:" not in done.stdout and "no failure silent" not in done.stdout, f"told: {done.stdout}")
+        checks.equal(done.returncode, 1, "a failure all the same")
+
+
 def fly(checks, folder):
     """A rotor that turns already is caught at every speed; one that nothing looks for is not."""
     done, text = run(folder, "fly", "--motors", "compressor_310V", "--n", 21)
@@ -140,6 +171,8 @@ def main():
         commissioned(checks, folder)
         shards(checks, folder)
         bars(checks, folder)
+        named(checks, folder)
+        told(checks, folder)
         fly(checks, folder)
         quiet(checks, folder)
         refusals(checks, folder)
