@@ -12,6 +12,10 @@
 #define INPUT_LIMIT 1.0e6f
 // Half a sine: beyond it the notch, and an amplitude that is a few periods old, mislead.
 #define ERROR_SMALL 0.5f
+// Where speed and EMF have parted for good the current says little of the angle.
+#define SLIP_MAX 0.8f
+#define SLIP_ERROR_MAX_rad 0.5f
+#define ACTIVE_MIN_SHARE 0.2f // of the magnets' flux, that is divided by
 // A correction up to this leaves the rotation's length within 1 % until it is normalised.
 #define CORRECTION_SMALL_rad 0.05f
 
@@ -254,6 +258,26 @@ LODE_NOINLINE float lode_estimator_limit(const lode_estimator_t *self, float err
     return lode_clamp(error, -LODE_HFI_ERROR_MAX_rad, LODE_HFI_ERROR_MAX_rad);
 }
 
+// Of a braked salient rotor the part of the position error that is none (P24), of a whole round at once.
+// Not LODE_RAMFUNC: rare.
+LODE_NOINLINE void lode_estimator_brake_slip(lode_estimator_t *self,
+                                             const lode_estimator_tuning_t *tuning, float slip) {
+    const lode_dq_t i_A = lode_park(self->emf.i_A, lode_estimator_rotor(self));
+    const float flux_Wb =
+        lode_max(tuning->psi_Wb + tuning->salient_H * i_A.d, ACTIVE_MIN_SHARE * tuning->psi_Wb);
+    const float share = tuning->salient_H * i_A.q / flux_Wb;
+    if (!self->aligned || !(share * self->pll.omega_rad_s > 0.0f)) { // it drives, or is not salient
+        return;
+    }
+    const float error = lode_clamp(-share * lode_min(slip - SLIP_MIN, SLIP_MAX),
+                                   -SLIP_ERROR_MAX_rad, SLIP_ERROR_MAX_rad);
+    const float sum = (float)LODE_SLOW_PERIODS * error;
+    self->pll.frame =
+        lode_angle_normalise(lode_angle_rotate_small(self->pll.frame, self->gains.theta * sum));
+    self->pll.omega_rad_s += self->gains.omega_s * sum;
+    self->pll.f_rad_s2 += self->gains.f_s2 * sum;
+}
+
 // Without lock, and has waited for long enough. The waiting time lets observer and mean rotation settle
 // after a reset, and a new acquisition prove itself. A longer time was
 // never set: a corrupted state must not wait for it.
@@ -315,8 +339,8 @@ LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
 }
 
 // Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
-LODE_RAMFUNC void lode_estimator_note_rotation(lode_estimator_t *self,
-                                               const lode_estimator_tuning_t *tuning) {
+// Not LODE_RAMFUNC: without lock alone.
+void lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e = self->emf.observer.e_V;
     const lode_ab_t before = self->by.alone.before_V;
     const lode_ab_t step = {e.alpha * before.alpha + e.beta * before.beta,

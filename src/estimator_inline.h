@@ -22,6 +22,8 @@
 #define SINE_MAX 1.1f
 // Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
 #define LEVEL_SLOPE 1.25f
+// By so much an EMF may be less than the speed induces for want of the true parameters, and no more (P24).
+#define SLIP_MIN 0.2f
 
 LODE_INLINE bool lode_estimator_asks(uint32_t options, int option) {
     return (options & (uint32_t)option) != 0u;
@@ -39,6 +41,9 @@ float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tun
                                 lode_sincos_t frame);
 // A large position error of a period that injects.
 float lode_estimator_limit(const lode_estimator_t *self, float error);
+// A PLL that is faster by `slip` than the EMF says.
+void lode_estimator_brake_slip(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                               float slip);
 void lode_estimator_move_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              float omega_rad_s);
 // With angle and speed at t_k found by other means than the EMF.
@@ -317,7 +322,8 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     const float per_V = omega < 0.0f ? size : -size;
     const float cosine = lode_park(e_V, frame).q * -per_V;
     const float induced_V = lode_abs(omega) * (tuning->psi_Wb + tuning->salient_H * self->id_A);
-    const float level = 1.0f - LEVEL_SLOPE * lode_abs(induced_V * inv_e0 - 1.0f);
+    const float slip = induced_V * inv_e0 - 1.0f;
+    const float level = 1.0f - LEVEL_SLOPE * lode_abs(slip);
     const float by_emf = lode_clamp(lode_min(level, cosine), 0.0f, 1.0f);
     const float quality = lode_estimator_quality(self, tuning, by_emf);
     const float lock =
@@ -330,6 +336,9 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     self->aligned = lock >= LOCK_ALIGNED;
     if (lode_estimator_injects(self)) {
         return;
+    }
+    if (slip > SLIP_MIN) {
+        lode_estimator_brake_slip(self, tuning, slip);
     }
     if (self->locked) {
         self->by.alone.wait = tuning->patience_rounds;

@@ -789,6 +789,64 @@ static void test_looking_for_the_rotor(void) {
     }
 }
 
+/// (P24): what a slip makes of the position error, of eight periods; nothing where the rotor drives.
+static void test_a_slip_of_a_braked_rotor_is_no_angle(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        watch_t w = watch(&config, sign * 200.0, -sign * 6.0);
+        for (int k = 0; k < 4000; k++) {
+            (void)watch_step(&w, -1.0, -sign * 6.0);
+        }
+        const double share = (3.5e-3 - 9.8e-3) * -sign * 6.0 / (0.142 + (3.5e-3 - 9.8e-3) * -1.0);
+        const struct {
+            double slip, taken;
+        } cases[] = {{0.0, 0.0}, {0.1, 0.1}, {0.8, 0.8}, {1.5, 0.8}};
+        for (int n = 0; n < COUNT_OF(cases); n++) {
+            lode_estimator_t slipped = w.estimator;
+            lode_estimator_brake_slip(&slipped, &w.tuning, 0.2f + (float)cases[n].slip);
+            const double error = -8.0 * share * cases[n].taken;
+            const lode_sincos_t turned =
+                lode_angle_subtract(slipped.pll.frame, w.estimator.pll.frame);
+            CHECK_NEAR(2.0e-3, (double)w.estimator.gains.theta * error,
+                       (double)lode_atan2(turned.sin, turned.cos));
+            CHECK_NEAR(0.05 + 0.01 * fabs((double)w.estimator.gains.omega_s * error),
+                       (double)w.estimator.gains.omega_s * error,
+                       (double)slipped.pll.omega_rad_s - (double)w.estimator.pll.omega_rad_s);
+            CHECK_NEAR(1.0 + 0.01 * fabs((double)w.estimator.gains.f_s2 * error),
+                       (double)w.estimator.gains.f_s2 * error,
+                       (double)slipped.pll.f_rad_s2 - (double)w.estimator.pll.f_rad_s2);
+        }
+        lode_estimator_t driven = w.estimator;
+        driven.emf.i_A = (lode_ab_t){-driven.emf.i_A.alpha, -driven.emf.i_A.beta};
+        const lode_estimator_t before = driven;
+        lode_estimator_brake_slip(&driven, &w.tuning, 1.0f);
+        TEST_ASSERT_EQUAL_MEMORY(&before, &driven, sizeof before);
+    }
+}
+
+/// The same in the loop: the current is held in the estimator's frame, which slips over a rotor that slows down by more
+/// than its torque alone. Without (P24) 24 to 58 degrees.
+static void test_a_braked_rotor_that_slows_down_more_than_expected(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    for (int n = 0; n < 6; n++) {
+        const double sign = n % 2 == 0 ? 1.0 : -1.0;
+        const double acc = 5000.0 + 2000.0 * (double)(n / 2);
+        watch_t w = watch(&config, sign * 250.0, 0.0);
+        for (int k = 0; k < 2000; k++) {
+            (void)watch_step(&w, 0.0, 0.0);
+        }
+        double error = 0.0;
+        worst_t worst = {0.0};
+        for (int k = 0; sign * w.motor.omega > 100.0; k++) {
+            const double iq = -sign * 11.0 * fmin((double)k / 10.0, 1.0);
+            w.motor.acc = -sign * acc;
+            error = watch_step(&w, -iq * sin(error), iq * cos(error));
+            worst_note(&worst, error);
+        }
+        CHECK_AT_MOST(16.0 * CHECK_DEG, worst.value);
+    }
+}
+
 static void test_a_mean_rotation_that_is_no_number_begins_anew(void) {
     const lode_estimator_config_t config = designed(LODE_PLL_LESO);
     watch_t w = watch(&config, 300.0, 0.0);
@@ -979,6 +1037,8 @@ int main(void) {
     RUN_TEST(test_a_lock_is_not_believed_before_the_rotor_was_found);
     RUN_TEST(test_reset_is_idempotent_and_complete);
     RUN_TEST(test_a_rotor_that_is_held_keeps_its_speed);
+    RUN_TEST(test_a_slip_of_a_braked_rotor_is_no_angle);
+    RUN_TEST(test_a_braked_rotor_that_slows_down_more_than_expected);
     RUN_TEST(test_a_mean_rotation_that_is_no_number_begins_anew);
     RUN_TEST(test_what_is_asked_of_a_period);
     RUN_TEST(test_times_of_waiting);
