@@ -258,6 +258,8 @@ LODE_NOINLINE float lode_estimator_limit(const lode_estimator_t *self, float err
     return lode_clamp(error, -LODE_HFI_ERROR_MAX_rad, LODE_HFI_ERROR_MAX_rad);
 }
 
+#ifndef LODE_WITHOUT_BRAKE_SLIP
+
 // Of a braked salient rotor the part of the position error that is none (P24), of a whole round at once.
 // Not LODE_RAMFUNC: rare.
 LODE_NOINLINE void lode_estimator_brake_slip(lode_estimator_t *self,
@@ -277,6 +279,8 @@ LODE_NOINLINE void lode_estimator_brake_slip(lode_estimator_t *self,
     self->pll.omega_rad_s += self->gains.omega_s * sum;
     self->pll.f_rad_s2 += self->gains.f_s2 * sum;
 }
+
+#endif
 
 // Without lock, and has waited for long enough. The waiting time lets observer and mean rotation settle
 // after a reset, and a new acquisition prove itself. A longer time was

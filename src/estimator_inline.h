@@ -337,9 +337,11 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     if (lode_estimator_injects(self)) {
         return;
     }
+#ifndef LODE_WITHOUT_BRAKE_SLIP
     if (slip > SLIP_MIN) {
         lode_estimator_brake_slip(self, tuning, slip);
     }
+#endif
     if (self->locked) {
         self->by.alone.wait = tuning->patience_rounds;
         self->by.alone.rotation = (lode_ab_t){0.0f, 0.0f};
