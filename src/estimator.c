@@ -274,10 +274,11 @@ LODE_NOINLINE void lode_estimator_brake_slip(lode_estimator_t *self,
     const float error = lode_clamp(-share * lode_min(slip - SLIP_MIN, SLIP_MAX),
                                    -SLIP_ERROR_MAX_rad, SLIP_ERROR_MAX_rad);
     const float sum = (float)LODE_SLOW_PERIODS * error;
-    self->pll.frame =
-        lode_angle_normalise(lode_angle_rotate_small(self->pll.frame, self->gains.theta * sum));
+    const float turn_rad = lode_clamp(self->gains.theta * sum, -0.25f * LODE_PI, 0.25f * LODE_PI);
+    self->pll.frame = lode_angle_add(self->pll.frame, lode_sincos_octant(turn_rad));
     self->pll.omega_rad_s += self->gains.omega_s * sum;
     self->pll.f_rad_s2 += self->gains.f_s2 * sum;
+    lode_estimator_move_lag(self, tuning, self->pll.omega_rad_s);
 }
 
 #endif

@@ -53,9 +53,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         estimator.locked = (bools & 1u) != 0u;
         estimator.aligned = (bools & 2u) != 0u;
         estimator.by.hfi.active = (bools & 4u) != 0u;
-        // Until all that is derived has been renewed: gains, and in the next round the length of the
-        // rotation that wrong ones have stretched.
-        settle = 2u * LODE_SLOW_PERIODS;
+        // Until all that is derived has been renewed: gains, a round later where an angle is acquired in their
+        // slot, and in the next round the length of the rotation that wrong ones have stretched.
+        settle = 3u * LODE_SLOW_PERIODS;
     }
     while (fuzz_more(&in)) {
         const lode_ab_t u = {fuzz_number(&in, 300.0f), fuzz_number(&in, 300.0f)};
