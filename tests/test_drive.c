@@ -53,6 +53,18 @@ static rig_t running(double speed, double within_s) {
     return rig;
 }
 
+/// One that runs and has nothing else to look at in a period than its slot.
+static rig_t steady(void) {
+    lode_drive_config_t config = rig_config();
+    config.motor.omega_rated_rad_s = 300.0f; // speed control in its slot is enough
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    run_up(&rig, 80.0, 8.0);
+    rig_run(&rig, 0.5);
+    TEST_ASSERT_TRUE(rig.drive.steady);
+    return rig;
+}
+
 // --- Off, calibration -------------------------------------------------------------------------
 
 static bool is_idle(lode_drive_out_t out) {
@@ -806,13 +818,7 @@ static void test_gates_off_no_voltage_is_on_its_way(void) {
 
 /// A command that is posted while the interrupt is at its end is not passed over in the next period.
 static void test_mail_that_comes_late_ends_the_steady_state(void) {
-    lode_drive_config_t config = rig_config();
-    config.motor.omega_rated_rad_s = 300.0f; // speed control in its slot is enough
-    rig_t rig;
-    rig_init(&rig, &tuning, &config);
-    run_up(&rig, 80.0, 8.0);
-    rig_run(&rig, 0.5);
-    TEST_ASSERT_TRUE(rig.drive.steady);
+    rig_t rig = steady();
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
     lode_mode_follow(&rig.drive); // as the interrupt that it came into
     TEST_ASSERT_FALSE(rig.drive.steady);
@@ -949,13 +955,7 @@ static void test_the_way_back_with_a_small_current(void) {
 
 /// Mail is read once, and the drive is steady again.
 static void test_mail_is_read_once(void) {
-    lode_drive_config_t config = rig_config();
-    config.motor.omega_rated_rad_s = 300.0f; // speed control in its slot is enough
-    rig_t rig;
-    rig_init(&rig, &tuning, &config);
-    run_up(&rig, 80.0, 8.0);
-    rig_run(&rig, 0.5);
-    TEST_ASSERT_TRUE(rig.drive.steady);
+    rig_t rig = steady();
     rig_command(&rig, run_at(90.0));
     TEST_ASSERT_TRUE(rig.drive.mail);
     TEST_ASSERT_FALSE(rig.drive.steady);
@@ -1012,13 +1012,7 @@ static void test_after_a_mailbox_that_lies_the_drive_can_be_started_again(void) 
 
 /// A post that the flags hide from a steady drive is found within a round.
 static void test_a_post_that_is_not_told_is_found(void) {
-    lode_drive_config_t config = rig_config();
-    config.motor.omega_rated_rad_s = 300.0f;
-    rig_t rig;
-    rig_init(&rig, &tuning, &config);
-    run_up(&rig, 80.0, 8.0);
-    rig_run(&rig, 0.5);
-    TEST_ASSERT_TRUE(rig.drive.steady);
+    rig_t rig = steady();
     rig_command(&rig, off);
     rig.drive.mail = false;
     rig.drive.steady = true;

@@ -1,7 +1,6 @@
 // What the thread posts to a six-phase drive and reads of it, with the interrupt between any two of its steps.
-static void interrupted(void);
-// The interrupt comes in place of the compiler barriers, which stand where it could hurt.
-#define LODE_SIGNAL_FENCE() interrupted()
+#include "support/barriers.h"
+
 #include "../src/drive6.c"
 
 #include "support/rig6.h"
@@ -10,35 +9,10 @@ static lode_drive6_tuning_t tuning;
 static lode_drive6_tuning_t others[2];
 static rig6_t rig;
 
-static uint32_t barriers;       // passed by the thread
-static uint32_t interrupt_from; // from this one on
-static uint32_t interrupt_to;   // until before this one
-static uint32_t periods;        // for as long the thread waits there
-
-static void interrupted(void) {
-    const uint32_t barrier = barriers;
-    barriers++;
-    if (barrier >= interrupt_from && barrier < interrupt_to) {
-        for (uint32_t n = 0u; n < periods; n++) {
-            const lode_counts6_t counts = rig6_counts(&rig);
-            rig.out = lode_drive6_step(&rig.drive, &counts);
-        }
-    }
+static void one_period(void) {
+    const lode_counts6_t counts = rig6_counts(&rig);
+    rig.out = lode_drive6_step(&rig.drive, &counts);
 }
-
-/// From now on the interrupt comes at the barriers `from` .. `to` - 1 of the thread's.
-static void interrupt(uint32_t from, uint32_t to) {
-    barriers = 0u;
-    interrupt_from = from;
-    interrupt_to = to;
-}
-
-void setUp(void) {
-    interrupt(0u, 0u);
-    periods = 1u;
-}
-
-void tearDown(void) {}
 
 static void begin(void) {
     const lode_drive6_config_t config = rig6_config();
@@ -62,7 +36,7 @@ static void test_a_tuning_is_watched_by_its_own_sum_whenever_the_interrupt_comes
     for (uint32_t at = 0u; at < passed; at++) {
         begin();
         TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_post_tuning(&rig.drive, &others[0]));
-        periods = 10000u; // each word is looked at
+        waits = 10000u; // each word is looked at
         interrupt(at, at + 1u);
         TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_post_tuning(&rig.drive, &others[1]));
         passed = barriers;

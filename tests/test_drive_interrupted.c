@@ -1,7 +1,6 @@
 // What the thread posts to a drive and reads of it, with the interrupt between any two of its steps.
-static void interrupted(void);
-// The interrupt comes in place of the compiler barriers, which stand where it could hurt.
-#define LODE_SIGNAL_FENCE() interrupted()
+#include "support/barriers.h"
+
 #include "../src/drive.c"
 
 #include "support/rig.h"
@@ -10,41 +9,10 @@ static lode_drive_tuning_t tuning;
 static lode_drive_tuning_t others[2];
 static rig_t rig;
 
-static bool in_interrupt;
-static uint32_t barriers;       // passed by the thread
-static uint32_t interrupt_from; // from this one on
-static uint32_t interrupt_to;   // until before this one
-static uint32_t periods;        // for as long the thread waits there
-
-static void interrupted(void) {
-    const uint32_t barrier = barriers;
-    if (in_interrupt) {
-        return;
-    }
-    barriers++;
-    if (barrier >= interrupt_from && barrier < interrupt_to) {
-        in_interrupt = true;
-        for (uint32_t n = 0u; n < periods; n++) {
-            const lode_counts_t counts = rig_counts(&rig);
-            rig.out = lode_drive_step(&rig.drive, &counts);
-        }
-        in_interrupt = false;
-    }
+static void one_period(void) {
+    const lode_counts_t counts = rig_counts(&rig);
+    rig.out = lode_drive_step(&rig.drive, &counts);
 }
-
-/// From now on the interrupt comes at the barriers `from` .. `to` - 1 of the thread's.
-static void interrupt(uint32_t from, uint32_t to) {
-    barriers = 0u;
-    interrupt_from = from;
-    interrupt_to = to;
-}
-
-void setUp(void) {
-    interrupt(0u, 0u);
-    periods = 1u;
-}
-
-void tearDown(void) {}
 
 /// A voltage of `u_V` that turns at 100 rad/s.
 static lode_command_t voltage(float u_V) {
@@ -84,7 +52,7 @@ static void test_a_command_is_taken_whole_whenever_the_interrupt_comes(void) {
 /// end.
 static void test_a_tuning_is_watched_by_its_own_sum_whenever_the_interrupt_comes(void) {
     uint32_t passed = 1u;
-    periods = 5000u; // each word is looked at
+    waits = 5000u; // each word is looked at
     for (int n = 0; n < COUNT_OF(others); n++) {
         lode_drive_config_t config = rig_config();
         config.speed.ramp_rad_s2 = 100.0f * (float)(n + 1);
