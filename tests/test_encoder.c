@@ -5,15 +5,16 @@
 
 #define NP 3.0
 
-void setUp(void) {}
+static lode_drive_tuning_t drive_tuning;
+
+void setUp(void) {
+    const lode_drive_config_t drive = rig_config();
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&drive_tuning, &drive));
+}
 
 void tearDown(void) {}
 
-static lode_drive_tuning_t drive_tuning;
-
 static lode_encoder_tuning_t tuned(const lode_encoder_config_t *config) {
-    const lode_drive_config_t drive = rig_config();
-    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&drive_tuning, &drive));
     lode_encoder_tuning_t tuning;
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_encoder_tune(&tuning, config, &drive_tuning));
     return tuning;

@@ -27,32 +27,55 @@ PLAIN_MACROS = ("LODE_USUALLY", "LODE_RARELY", "LODE_SHARED_STORE", "LODE_SHARED
 QUALIFIERS = re.compile(rb"\b(LODE_INLINE|LODE_RAMFUNC|LODE_SHARED|LODE_NOINLINE)\b(?!\()")
 
 PREAMBLE = """\
+#ifndef LODE_MUTANT_H
+#define LODE_MUTANT_H
 extern int lode_mutant;
 extern unsigned char lode_reached[];
 static inline __attribute__((always_inline)) int lode_m(int k) {
     lode_reached[k] = 1;
     return lode_mutant == k;
 }
+int lode_test_begins(const char *name);
+void lode_test_ends(void);
+// In place of RUN_TEST(): each test can be run alone.
+#define LODE_RUN_TEST(test) \\
+    do { \\
+        if (lode_test_begins(#test)) { \\
+            UnityDefaultTestRun(test, #test, __LINE__); \\
+            lode_test_ends(); \\
+        } \\
+    } while (0)
+#endif
 """
 
+# LODE_MUTANT: the number of the one that is alive; LODE_TEST: the test that is run, of all of the program's;
+# LODE_REACHED: a file for the numbers that it reached; LODE_LIST: nothing runs, the tests' names are printed.
 SELECTOR = """\
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 int lode_mutant = -1;
 unsigned char lode_reached[%d];
-static void tell(void) {
+__attribute__((constructor)) static void choose(void) {
+    const char *text = getenv("LODE_MUTANT");
+    lode_mutant = text ? atoi(text) : -1;
+}
+int lode_test_begins(const char *name) {
+    const char *only = getenv("LODE_TEST");
+    if (getenv("LODE_LIST")) {
+        printf("LODE_LIST %%s\\n", name);
+        return 0;
+    }
+    memset(lode_reached, 0, sizeof lode_reached);
+    return only == NULL || strcmp(only, name) == 0;
+}
+void lode_test_ends(void) {
     const char *name = getenv("LODE_REACHED");
     FILE *file = name ? fopen(name, "wb") : NULL;
     if (file) {
         fwrite(lode_reached, 1, sizeof lode_reached, file);
         fclose(file);
     }
-}
-__attribute__((constructor)) static void choose(void) {
-    const char *text = getenv("LODE_MUTANT");
-    lode_mutant = text ? atoi(text) : -1;
-    setvbuf(stdout, NULL, _IOLBF, BUFSIZ); // the first failure is read at once
-    atexit(tell);
 }
 """
 

@@ -2,8 +2,8 @@
 
 Mutation test of src/ and include/ against the unit tests, tests/test_*.c. FOLDER keeps the build. Of all
 mutants N are drawn (0: all) with seed S; with --only, of those in whose name it is found; with
---again, of those that lived in the run that wrote JSON. Each is run with the tests that reach it, the quickest
-first, until one fails; with --tests, with those in whose name it is found, for a quick look at one room. Exit 1 if fewer than KILLED_MIN of those that
+--again, of those that lived in the run that wrote JSON. Each is run with the tests that reach it, one by one, the quickest
+first, until one fails; with --tests, with those of the programs in whose name it is found, for a quick look at one room. Exit 1 if fewer than KILLED_MIN of those that
 are not equivalent are killed, or more than 3 % are declared equivalent (tests/mutation/equivalent.txt: key and
 reason). --check, and any run without LODE_TEST_FULL=1 or one of these options: compiles the sources with
 every mutant in them, and no more.
@@ -18,7 +18,6 @@ import re
 import shutil
 import subprocess
 import sys
-import threading
 import time
 
 import mutants
@@ -54,6 +53,8 @@ def build(root, folder, chosen, tests):
     """Names of the unit tests' programs, built with the mutants."""
     tree = fresh_tree(root, folder)
     mutants.write(root, tree, chosen)
+    for path in (tree / "tests").glob("test_*.c"):
+        path.write_text(path.read_text().replace("RUN_TEST(", "LODE_RUN_TEST("))
     names = sorted(path.stem for path in (root / "tests").glob("test_*.c") if re.search(tests, path.stem))
     out = folder / "build"
     flags = f"{FLAGS} -include {tree}/mutant.h"
@@ -80,41 +81,46 @@ def check(root, folder, every):
     return 0 if good else 1
 
 
-def run_test(program, number, timeout_s, reached=None):
-    """(killed, seconds). The first test that fails is enough."""
-    env = {**os.environ, "LODE_MUTANT": str(number)}
+def run_test(test, number, timeout_s, reached=None):
+    """(killed, seconds) of one test: (program, its name)."""
+    program, name = test
+    env = {**os.environ, "LODE_MUTANT": str(number), "LODE_TEST": name}
     if reached:
         env["LODE_REACHED"] = str(reached)
     start = time.monotonic()
-    with subprocess.Popen([program], cwd=program.parent, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as running:
-        timer = threading.Timer(timeout_s, running.kill)
-        timer.start()
-        if any(b":FAIL" in line for line in running.stdout):
-            running.kill()
-        code = running.wait()
-        timer.cancel()
-    return code != 0, time.monotonic() - start
+    try:
+        done = subprocess.run([program], cwd=program.parent, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                              timeout=timeout_s)
+        killed = done.returncode != 0
+    except subprocess.TimeoutExpired:
+        killed = True
+    return killed, time.monotonic() - start
+
+
+def tests_of(program):
+    """Every test of a program, each to be run alone."""
+    done = subprocess.run([program], cwd=program.parent, env={**os.environ, "LODE_LIST": "1"}, stdout=subprocess.PIPE, text=True)
+    return [(program, line.split()[1]) for line in done.stdout.splitlines() if line.startswith("LODE_LIST ")]
 
 
 def reach(programs, folder, workers):
-    """{name: (seconds, numbers of the mutants that it reaches)} of a run without a mutant."""
-    def one(name):
-        failed, took_s = run_test(programs[name], -1, 900, folder / f"{name}.reached")
+    """{test: (seconds, numbers of the mutants that it reaches)} of a run without a mutant, of each test alone."""
+    def one(test):
+        file = folder / f"{test[0].name}.{test[1]}.reached"
+        failed, took_s = run_test(test, -1, 900, file)
         if failed:
-            sys.exit(f"{name} fails without a mutant")
-        file = folder / f"{name}.reached"  # none: the program has no mutant in it
-        data = file.read_bytes() if file.is_file() else b""
-        return name, (took_s, {k for k, byte in enumerate(data) if byte})
+            sys.exit(f"{test[0].name}: {test[1]} fails without a mutant")
+        return test, (took_s, {k for k, byte in enumerate(file.read_bytes()) if byte})
 
-    return dict(workers.map(one, programs))
+    return dict(workers.map(one, [test for program in programs.values() for test in tests_of(program)]))
 
 
-def judge(number, programs, seen):
+def judge(number, seen):
     """The test that kills a mutant; '': none reaches it; None: it lives."""
-    by_time = sorted((took_s, name) for name, (took_s, numbers) in seen.items() if number in numbers)
-    for took_s, name in by_time:
-        if run_test(programs[name], number, 10 * took_s + 10)[0]:
-            return name
+    by_time = sorted((took_s, test) for test, (took_s, numbers) in seen.items() if number in numbers)
+    for took_s, test in by_time:
+        if run_test(test, number, 10 * took_s + 5)[0]:
+            return f"{test[0].name}: {test[1]}"
     return None if by_time else ""
 
 
@@ -199,7 +205,7 @@ def main():
         seen = reach(programs, args.folder, workers)
         print(f"built; the tests take {sum(s for s, _ in seen.values()):.0f} s", flush=True)
         killer = {}
-        for mutant, killed_by in zip(chosen, workers.map(lambda k: judge(k, programs, seen), chosen.values())):
+        for mutant, killed_by in zip(chosen, workers.map(lambda k: judge(k, seen), chosen.values())):
             killer[chosen[mutant]] = killed_by
             if not killed_by:
                 print(f"{'lives' if killed_by is None else 'not reached'}: {mutant.name()}", flush=True)
