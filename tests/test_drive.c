@@ -953,6 +953,72 @@ static void test_the_way_back_with_a_small_current(void) {
     }
 }
 
+/// A period has one of the slow jobs: each of them is done once in a round, that of RUN and those of all modes.
+static void test_every_slow_job_is_done_once_in_a_round(void) {
+    rig_t rig = steady();
+    rig_command(&rig, run_at(150.0)); // all that follows the speed is on its way
+    rig_run(&rig, 0.05);
+    const lode_drive_t *drive = &rig.drive;
+    uint32_t speeds = 0u;
+    uint32_t lags = 0u;
+    uint32_t leads = 0u;
+    const uint32_t word = drive->watch.word;
+    TEST_ASSERT_TRUE(word + 2u < (uint32_t)(sizeof tuning / sizeof(uint32_t)));
+    for (uint32_t n = 0u; n < LODE_SLOW_PERIODS; n++) {
+        const lode_drive_t before = *drive;
+        // Of one call: a second one in the same period takes the ramp two steps on.
+        rig_step(&rig);
+        const float ramp = before.tuning->speed.ramp_step;
+        const float moved =
+            drive->state.run.speed.reference_rad_s - before.state.run.speed.reference_rad_s;
+        speeds += (uint32_t)(moved / ramp + 0.5f);
+        lags += drive->estimator.lag.omega_rad_s != before.estimator.lag.omega_rad_s ? 1u : 0u;
+        leads += drive->lead.sin != before.lead.sin ? 1u : 0u;
+    }
+    TEST_ASSERT_EQUAL_UINT32(1u, speeds);
+    TEST_ASSERT_EQUAL_UINT32(1u, lags);
+    TEST_ASSERT_EQUAL_UINT32(1u, leads);
+    TEST_ASSERT_EQUAL_UINT32(word + 1u, drive->watch.word);
+}
+
+/// A sensor that says nothing any more is none after two rounds.
+static void test_a_sensor_that_falls_silent_is_none(void) {
+    rig_t rig = running(80.0, 8.0);
+    rig_run(&rig, 1.0);
+    const lode_counts_t counts = rig_counts(&rig);
+    const lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
+    lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
+    e.source = LODE_ESTIMATE_SENSOR;
+    rig.out = lode_drive_act(&rig.drive, &m, &e);
+    rig_move(&rig);
+    TEST_ASSERT_TRUE(lode_mode_is_sensored(&rig.drive));
+    rig_run(&rig, 2.0 * (double)LODE_SLOW_PERIODS * RIG_TS_s);
+    TEST_ASSERT_FALSE(lode_mode_is_sensored(&rig.drive));
+}
+
+/// Shares of the torque go by the way the rotor turns, however slowly: forwards the first is upwards.
+static void test_torque_shares_change_places_at_standstill(void) {
+    rig_t rig = fresh();
+    const lode_range_t most = {-10.0f, 10.0f};
+    lode_drive_limit_torques(&rig.drive, 1.0f, 0.5f);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig.drive.estimator.pll.omega_rad_s = 0.1f * (float)sign;
+        const lode_range_t left = lode_drive_torque_limits(&rig.drive, most);
+        CHECK_NEAR(1.0e-3, sign > 0 ? 10.0 : 5.0, left.max);
+        CHECK_NEAR(1.0e-3, sign > 0 ? -5.0 : -10.0, left.min);
+    }
+}
+
+/// A commanded frame is no rotor's: nothing is induced in it that current control could know of.
+static void test_a_commanded_frame_has_no_speed_of_a_rotor(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, (lode_command_t){
+                          .mode = LODE_MODE_CURRENT, .vector = {2.0f, 0.0f}, .omega_rad_s = 50.0f});
+    rig_run(&rig, 0.1);
+    const lode_sample_t sample = {.i_A = {1.0f, 0.0f}};
+    CHECK_NEAR(0.0, 0.0, lode_drive_control_frame(&rig.drive, &sample).omega_rotor);
+}
+
 /// Mail is read once, and the drive is steady again.
 static void test_mail_is_read_once(void) {
     rig_t rig = steady();
@@ -2915,6 +2981,10 @@ int main(void) {
     RUN_TEST(test_switched_on_it_begins_anew);
     RUN_TEST(test_no_jump_at_hand_over);
     RUN_TEST(test_the_way_back_with_a_small_current);
+    RUN_TEST(test_every_slow_job_is_done_once_in_a_round);
+    RUN_TEST(test_a_sensor_that_falls_silent_is_none);
+    RUN_TEST(test_torque_shares_change_places_at_standstill);
+    RUN_TEST(test_a_commanded_frame_has_no_speed_of_a_rotor);
     RUN_TEST(test_mail_is_read_once);
     RUN_TEST(test_the_current_of_a_trip_is_told);
     RUN_TEST(test_much_resistance_is_corrected_in_part);

@@ -757,6 +757,12 @@ static void test_ignored_it_stays_unseen(void) {
     rig6_run(&rig, 0.5);
     TEST_ASSERT_EQUAL_INT(0, rig6_telemetry(&rig).open);
     CHECK_AT_LEAST(0.0, rig.omega); // never the wrong way
+    // Nor in the start, where three phases are looked at by their waves.
+    rig6_t from_rest = rig_with(&config);
+    from_rest.open = 2;
+    rig6_command(&from_rest, run_at(600.0));
+    rig6_run(&from_rest, 3.0);
+    TEST_ASSERT_TRUE(rig6_telemetry(&from_rest).drive.fault.check != LODE_CHECK_OPEN_PHASE);
 }
 
 /// Periods until the gates are off while a converter (1 .. 6) keeps its count, or (0) one is off by 3 A.

@@ -128,6 +128,47 @@ static void test_sine_and_cosine_are_those_of_the_polynomial(void) {
     }
 }
 
+/// The line's slope is that of the curve, w P(v): P + 2 v P', and P alone beyond the range.
+static void test_the_line_has_the_slope_of_the_lag(void) {
+    for (int i = 0; i < COUNT_OF(cases); i++) {
+        lode_lag_t lag;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[i]));
+        for (int k = 1; k <= 120; k++) {
+            const double omega = cases[i].omega_max * k / 100.0;
+            const double v = fmin(omega * omega * (double)lag.inv_range2, 1.0);
+            double value = 0.0;
+            double rise = 0.0;
+            for (int n = COUNT_OF(lag.coefficient) - 1; n >= 0; n--) {
+                rise += n * (double)lag.coefficient[n] * (n > 0 ? pow(v, n) : 0.0);
+                value += (double)lag.coefficient[n] * pow(v, n);
+            }
+            if (k == 100) { // the corner
+                continue;
+            }
+            const lode_lag_line_t line = lode_lag_line(&lag, (float)omega);
+            CHECK_NEAR(2.0e-6 * fabs((double)lag.coefficient[0]),
+                       value + (k < 100 ? 2.0 * rise : 0.0), line.slope_s);
+        }
+    }
+}
+
+/// Nearby speeds go along the line; a line is far where it would move the lag by more than an eighth of a radian.
+static void test_nearby_speeds_go_along_the_line(void) {
+    lode_lag_t lag;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &cases[0]));
+    const lode_lag_line_t line = lode_lag_line(&lag, 600.0f);
+    const double far_rad_s = 0.125 / fabs((double)line.slope_s);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const float near = 600.0f + 16.0f * (float)sign;
+        CHECK_NEAR(
+            4.0e-5, 0.0,
+            angle_error((double)lode_lag_rad(&lag, near), angle_of(lode_lag_near(&line, near))));
+        TEST_ASSERT_FALSE(lode_lag_is_far(&line, (float)(600.0 + 0.99 * sign * far_rad_s)));
+        TEST_ASSERT_TRUE(lode_lag_is_far(&line, (float)(600.0 + 1.01 * sign * far_rad_s)));
+    }
+    TEST_ASSERT_TRUE(lode_lag_is_far(&line, NAN));
+}
+
 static void test_without_compensation_there_is_nothing_to_rotate_by(void) {
     lode_lag_t lag;
     TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_NONE, &cases[0]));
@@ -177,6 +218,8 @@ int main(void) {
     RUN_TEST(test_beyond_the_range_it_is_a_straight_line);
     RUN_TEST(test_no_compensation);
     RUN_TEST(test_sine_and_cosine_are_those_of_the_polynomial);
+    RUN_TEST(test_the_line_has_the_slope_of_the_lag);
+    RUN_TEST(test_nearby_speeds_go_along_the_line);
     RUN_TEST(test_without_compensation_there_is_nothing_to_rotate_by);
     RUN_TEST(test_eq_30_is_the_continuous_lag);
     RUN_TEST(test_what_cannot_be_fitted_is_refused);
