@@ -76,6 +76,7 @@ static void test_init_is_at_rest_and_idempotent(void) {
     const rig_t first = rig;
     rig_expect(&rig, LODE_MODE_OFF);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, rig.drive.direction);
     TEST_ASSERT_EQUAL_UINT32(0, rig_telemetry(&rig).steps);
     rig_command(&rig, run_at(100.0));
     rig_run(&rig, 1.0);
@@ -1017,6 +1018,89 @@ static void test_a_commanded_frame_has_no_speed_of_a_rotor(void) {
     rig_run(&rig, 0.1);
     const lode_sample_t sample = {.i_A = {1.0f, 0.0f}};
     CHECK_NEAR(0.0, 0.0, lode_drive_control_frame(&rig.drive, &sample).omega_rotor);
+}
+
+/// The duties of a start too act one and a half periods after the sample: its vector is led by what it turns until then.
+static void test_the_vector_of_a_start_is_led_by_one_and_a_half_periods(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = fresh();
+        rig_command(&rig, run_at(80.0 * sign));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.5));
+        for (int n = 0; n < 20000 && fabs((double)rig.drive.state.start.omega_rad_s) < 20.0; n++) {
+            rig_step(&rig);
+        }
+        rig_expect(&rig, LODE_MODE_START);
+        lode_drive_t drive = rig.drive;
+        const lode_sincos_t lead = lode_mode_control_frame(&drive).lead;
+        CHECK_CLOSE(0.01, 1.5 * RIG_TS_s * (double)drive.state.start.omega_rad_s,
+                    atan2((double)lead.sin, (double)lead.cos));
+    }
+}
+
+/// Any one bit of an order that flips shows in its check, whatever the others are.
+static void test_every_bit_of_an_order_counts(void) {
+    random_t random = random_seed(7);
+    for (int n = 0; n < 20; n++) {
+        uint32_t bits[4];
+        for (int k = 0; k < 4; k++) {
+            bits[k] = random_bits(&random);
+        }
+        for (int bit = -1; bit < 128 + 3 + 3; bit++) { // four floats, the modes, the flags
+            static uint_least16_t check;
+            lode_order_t order = {.mode = (lode_mode_t)(n % 7), .flags = (uint_least8_t)(n % 8)};
+            uint32_t flipped[4];
+            for (int k = 0; k < 4; k++) {
+                flipped[k] = bits[k] ^ (bit >= 0 && bit / 32 == k ? 1u << bit % 32 : 0u);
+            }
+            memcpy(&order.speed_rad_s, &flipped[0], sizeof flipped[0]);
+            memcpy(&order.theta_rad, &flipped[1], sizeof flipped[1]);
+            memcpy(&order.value.vector, &flipped[2], 2u * sizeof flipped[2]);
+            order.mode ^= bit >= 128 && bit < 131 ? 1u << (bit - 128) : 0u;
+            if (bit >= 131) {
+                order.flags = (uint_least8_t)(order.flags ^ 1u << (bit - 131));
+            }
+            if (bit < 0) {
+                check = lode_mode_order_check(&order);
+            } else {
+                TEST_ASSERT_TRUE(lode_mode_order_check(&order) != check);
+            }
+        }
+    }
+}
+
+/// The terminals are held at what the bus can: no duty leaves 0 .. 1.
+static void test_duties_of_an_emf_beyond_the_bus_are_at_the_rails(void) {
+    const lode_abc_t one = lode_mode_duties_at((lode_abc_t){0.8f, -0.9f, 0.1f});
+    const lode_abc_t other = lode_mode_duties_at((lode_abc_t){-0.8f, 0.9f, 1.1f});
+    TEST_ASSERT_TRUE(one.a == 1.0f && one.b == 0.0f);
+    CHECK_NEAR(1.0e-6, 0.6, one.c);
+    TEST_ASSERT_TRUE(other.a == 0.0f && other.b == 1.0f && other.c == 1.0f);
+}
+
+/// A start whose rotor does not follow is given up in the first round beyond its time.
+static void test_a_start_has_its_time(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(80.0));
+    rig.blocked = true;
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.5));
+    for (uint32_t n = 0u; n < 500000u && rig.drive.mode == LODE_MODE_START; n++) {
+        rig_step(&rig);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
+    TEST_ASSERT_EQUAL_UINT32(rig.drive.tuning->start.timeout_rounds + 1u,
+                             rig.drive.state.start.rounds);
+}
+
+/// Of a mode that has its gates off no period is driven, though it be whole: each of its words has changed.
+static void test_a_driven_mode_that_became_another_trips_at_once(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {2.0f, 0.0f}});
+    rig_run(&rig, 0.1);
+    rig.drive.mode = (uint_least8_t)LODE_MODE_OFF;
+    rig.drive.mode_not = (uint_least8_t)(MODE_BITS ^ (uint32_t)LODE_MODE_OFF);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_FAULT);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_MEMORY, rig_telemetry(&rig).fault.check);
 }
 
 /// Mail is read once, and the drive is steady again.
@@ -2985,6 +3069,11 @@ int main(void) {
     RUN_TEST(test_a_sensor_that_falls_silent_is_none);
     RUN_TEST(test_torque_shares_change_places_at_standstill);
     RUN_TEST(test_a_commanded_frame_has_no_speed_of_a_rotor);
+    RUN_TEST(test_the_vector_of_a_start_is_led_by_one_and_a_half_periods);
+    RUN_TEST(test_every_bit_of_an_order_counts);
+    RUN_TEST(test_duties_of_an_emf_beyond_the_bus_are_at_the_rails);
+    RUN_TEST(test_a_start_has_its_time);
+    RUN_TEST(test_a_driven_mode_that_became_another_trips_at_once);
     RUN_TEST(test_mail_is_read_once);
     RUN_TEST(test_the_current_of_a_trip_is_told);
     RUN_TEST(test_much_resistance_is_corrected_in_part);

@@ -318,7 +318,11 @@ static void test_calibration_takes_all_six_offsets(void) {
     CHECK_NEAR(0.01, 2017.0, offset_of(&rig.drive.sense_2, 0));
     CHECK_NEAR(0.01, 2073.0, offset_of(&rig.drive.sense_2, 1));
     CHECK_NEAR(0.01, 2051.0, offset_of(&rig.drive.sense_2, 2));
-    rig.offset[3] = 9.0; // each begins anew
+    rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    rig6_run(&rig, 0.02);
+    rig6_command(&rig, off); // one that is called off leaves nothing to the next
+    rig6_run(&rig, 0.01);
+    rig.offset[3] = 9.0;
     rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
     rig6_run(&rig, 0.2);
     CHECK_NEAR(0.01, 2057.0, offset_of(&rig.drive.sense_2, 0));

@@ -741,6 +741,24 @@ static void test_rated_speed_follows_from_bus_and_current(void) {
     CHECK_AT_LEAST(0.5 * most, config.motor.omega_rated_rad_s);
 }
 
+/// The bias of injection is whole up to where the EMF alone tells the angle, and gone at twice that speed.
+static void test_the_bias_of_injection_fades_beyond_it(void) {
+    lode_drive_config_t config = minimal();
+    config.hfi = (lode_hfi_config_t){.mode = LODE_HFI_ON, .V_h_V = 25.0f, .w2_rad_s = 130.0f};
+    lode_drive_t drive;
+    lode_drive_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_init(&drive, &tuning, &config));
+    CHECK_NEAR(1.0e-6, 1.0, lode_fade(&tuning.references.fade, 130.0f));
+    CHECK_NEAR(1.0e-6, 0.5, lode_fade(&tuning.references.fade, 195.0f));
+    CHECK_NEAR(1.0e-6, 0.0, lode_fade(&tuning.references.fade, 260.0f));
+    const float id_A[] = {3.0f, LODE_NONE}; // along the magnet, or none
+    for (int n = 0; n < COUNT_OF(id_A); n++) {
+        config.hfi.id_A = id_A[n];
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_init(&drive, &tuning, &config));
+        CHECK_NEAR(0.0, n == 0 ? -3.0 : 0.0, tuning.references.id_bias_A);
+    }
+}
+
 /// Each sample from the trip on is looked at, and none that is a count below it.
 static void test_the_alert_lies_at_the_trip(void) {
     lode_drive_config_t config = minimal();
@@ -801,6 +819,7 @@ int main(void) {
     RUN_TEST(test_what_init_accepts_is_made_of_numbers);
     RUN_TEST(test_null_pointers);
     RUN_TEST(test_design_of_the_papers_drive);
+    RUN_TEST(test_the_bias_of_injection_fades_beyond_it);
     RUN_TEST(test_the_alert_lies_at_the_trip);
     RUN_TEST(test_free_voltage_leaves_room_for_rounding);
     RUN_TEST(test_rated_speed_follows_from_bus_and_current);

@@ -262,8 +262,11 @@ static void check_speed(shaft_t *self, double rad_s) {
 static void test_a_drive_holds_zero_speed_and_reverses_through_it(void) {
     shaft_t self = shaft(false);
     rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 1.0f});
-    shaft_run(&self, 0.15); // calibrated; no start
+    for (int n = 0; n < 750 && rig_telemetry(&self.rig).mode != LODE_MODE_RUN; n++) { // calibrated
+        shaft_step(&self);
+    }
     rig_expect(&self.rig, LODE_MODE_RUN);
+    CHECK_NEAR(0.0, 0.0, self.rig.drive.state.run.fade); // there was no start
     shaft_run(&self, 2.0);
     check_speed(&self, 1.0);
     TEST_ASSERT_FALSE(rig_telemetry(&self.rig).speed_raised);

@@ -418,6 +418,20 @@ static void test_the_latest_stamp_is_in_time(void) {
     }
 }
 
+/// What is at a limit is within it: nothing is looked at.
+static void test_at_the_limits_nothing_is_looked_at(void) {
+    const lode_condition_t conditions[] = {
+        {.v_bus_V = 250.0f,
+         .temperature_degC = 90.0f,
+         .omega_rad_s = 1500.0f,
+         .lock = LODE_LOCK_LOST},
+        {.v_bus_V = 120.0f, .temperature_degC = -30.0f, .omega_rad_s = 0.0f, .lock = 1.0f}};
+    for (int n = 0; n < COUNT_OF(conditions); n++) {
+        const bench_t b = bench();
+        TEST_ASSERT_TRUE(lode_guard_slow_ok(&b.guard, &b.tuning, &conditions[n], true));
+    }
+}
+
 /// The slow checks are asked for until what they have counted has come down.
 static void test_what_was_counted_is_pending(void) {
     bench_t b = bench();
@@ -727,6 +741,7 @@ int main(void) {
     RUN_TEST(test_over_speed_both_ways);
     RUN_TEST(test_wrong_way);
     RUN_TEST(test_the_latest_stamp_is_in_time);
+    RUN_TEST(test_at_the_limits_nothing_is_looked_at);
     RUN_TEST(test_what_was_counted_is_pending);
     RUN_TEST(test_the_trip_itself_is_allowed);
     RUN_TEST(test_the_sensors_shorter_side_bounds_the_trip);

@@ -5,6 +5,7 @@
 #include "emf_inline.h"
 #include "estimator_inline.h"
 #include "hfi_inline.h"
+#include "mode.h"
 #include "modulator_inline.h"
 
 #include <complex.h>
@@ -766,6 +767,31 @@ static void test_start_at_rest_from_any_angle(void) {
     }
 }
 
+/// A run that begins at rest goes on from the current that flows: no torque, no fade of a start that turned a vector, and
+/// what the start's memory held is nothing to it.
+static void test_a_run_from_rest_begins_without_torque(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 200.0 * CHECK_DEG, 0.05, 0.0f);
+    for (int n = 0; n < 4000 && rig.drive.mode != LODE_MODE_RUN; n++) {
+        if (rig.drive.estimator.by.hfi.step == (uint_least8_t)LODE_HFI_RIGHT) {
+            lode_start_t *start = &rig.drive.state.start; // what it may have left
+            memset(&start->seen, 0x41, sizeof start->seen);
+            start->mean_V = start->swing_V = start->by_size = start->give = 1.5f;
+        }
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_RUN);
+    const lode_running_t *run = &rig.drive.state.run;
+    lode_references_t fresh;
+    lode_references_reset(&fresh, rig.drive.i_A.d);
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &run->references, sizeof fresh);
+    CHECK_NEAR(0.0, 0.0, run->fade);
+    CHECK_NEAR(0.0, 0.0, run->id_A);
+    CHECK_NEAR(0.0, 0.0, run->speed.torque_Nm);
+    CHECK_NEAR(0.0, 0.0, rig.drive.ref_A.d);
+    CHECK_NEAR(0.0, 0.0, rig.drive.ref_A.q);
+}
+
 /// Where north turns out to be south only the names change: the current stays where it flows, the voltage goes on, and
 /// current control with it.
 static void test_the_frame_turns_round_and_the_vectors_stay(void) {
@@ -877,12 +903,18 @@ static void test_a_push_and_its_end(void) {
     while (rig.drive.estimator.by.hfi.step != (uint_least8_t)LODE_HFI_PUSH) {
         rig_run(&rig, RIG_TS_s);
     }
+    const lode_start_tuning_t *start = &rig.drive.tuning->start;
+    const double along_A =
+        fmin(0.33 * (double)start->current_last_A, 0.5 / (double)start->lost_per_A);
+    rig_run(&rig, (double)LODE_SLOW_PERIODS * RIG_TS_s); // asked for from its first round on
     float most_A = 0.0f;
     while (rig.drive.estimator.by.hfi.step == (uint_least8_t)LODE_HFI_PUSH) {
         rig_run(&rig, RIG_TS_s);
         const lode_pll_t *pll = &rig.drive.estimator.pll;
         const lode_dq_t asked_A = rig.drive.ref_A;
         if (rig.drive.estimator.by.hfi.step == (uint_least8_t)LODE_HFI_PUSH) {
+            // (H25): against the axis as much as takes the phases from their zeros, and half the flux at most.
+            CHECK_NEAR(1.0e-4, -along_A, asked_A.d);
             CHECK_NEAR(1.0e-6 + 1.0e-6 * fabs((double)pll->rise_rad_s),
                        (double)(RIG_TS_s * pll->f_rad_s2), pll->rise_rad_s);
             most_A = lode_max(most_A, lode_ab_length((lode_ab_t){asked_A.d, asked_A.q}));
@@ -909,6 +941,97 @@ static void test_a_push_and_its_end(void) {
     rig_run(&rig, 0.01);
     rig_expect(&rig, LODE_MODE_FAULT);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
+    CHECK_NEAR(0.0, 0.0, rig.drive.ref_A.d); // nothing is asked for any more
+    CHECK_NEAR(0.0, 0.0, rig.drive.ref_A.q);
+}
+
+/// (H14): while the axis is looked for the loop is of first order: it has no speed and no disturbance to wind up.
+static void test_the_loop_that_looks_for_the_axis_has_no_speed(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.2, 0.05, 0.0f);
+    while (!rig.drive.estimator.by.hfi.active) {
+        rig_step(&rig);
+    }
+    const lode_estimator_t *estimator = &rig.drive.estimator;
+    const lode_estimator_t before = *estimator; // as after a restart
+    CHECK_NEAR(0.0, 0.0, before.lock);
+    int rounds = 0;
+    for (; estimator->by.hfi.step == (uint_least8_t)LODE_HFI_FIND; rounds++) {
+        CHECK_NEAR(0.0, rig.drive.tuning->estimator.hfi.find_gain, estimator->gains.theta);
+        CHECK_NEAR(0.0, 0.0, estimator->gains.omega_s);
+        CHECK_NEAR(0.0, 0.0, estimator->gains.f_s2);
+        if (lode_slot_of(rig.drive.steps - 1u) == SLOT_GAINS) { // what a round adds is forgotten
+            CHECK_NEAR(0.0, 0.0, estimator->pll.omega_rad_s);
+            CHECK_NEAR(0.0, 0.0, estimator->pll.f_rad_s2);
+            CHECK_NEAR(0.0, 0.0, estimator->pll.rise_rad_s);
+        }
+        rig_step(&rig);
+    }
+    TEST_ASSERT_TRUE(rounds > 100);
+}
+
+/// When a push has shown the polarity the torque is known for which the disturbance stood: that begins anew.
+static void test_a_push_leaves_no_disturbance(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 2.0, 0.0, 31.4f);
+    rig.load_Nm = 1.0;
+    const uint_least8_t *step = &rig.drive.estimator.by.hfi.step;
+    while (*step != (uint_least8_t)LODE_HFI_PUSH) {
+        rig_step(&rig);
+    }
+    double before = 0.0;
+    while (*step == (uint_least8_t)LODE_HFI_PUSH) {
+        before = (double)rig.drive.estimator.pll.f_rad_s2;
+        rig_step(&rig);
+    }
+    CHECK_AT_LEAST(1.0, fabs(before));
+    CHECK_NEAR(0.0, 0.0, rig.drive.estimator.pll.f_rad_s2);
+}
+
+/// A rotor that is lost is looked for as from OFF: with no voltage of before, and a lock that is counted from nothing.
+static void test_a_search_begins_anew(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.5);
+    rig_expect(&rig, LODE_MODE_RUN);
+    const lode_pll_gains_t gains = lode_pll_gains_of(&rig.drive.tuning->estimator.pll,
+                                                     rig.drive.tuning->estimator.hfi.find_gain);
+    TEST_ASSERT_EQUAL_MEMORY(&gains, &rig.drive.estimator.gains, sizeof gains);
+    rig.motor.theta += 1.5;
+    for (int n = 0; n < 500 && rig.drive.mode == LODE_MODE_RUN; n++) {
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_START);
+    lode_drive_t *drive = &rig.drive;
+    TEST_ASSERT_EQUAL_UINT(0u, drive->guard.lock);
+    CHECK_NEAR(0.0, 0.0, drive->current.d.integral);
+    CHECK_NEAR(0.0, 0.0, drive->current.q.integral);
+    lode_estimator_t fresh = drive->estimator;
+    lode_estimator_restart(&fresh, &drive->tuning->estimator);
+    CHECK_NEAR(0.0, fresh.pll.omega_rad_s, drive->estimator.pll.omega_rad_s);
+    CHECK_NEAR(0.0, fresh.lock, drive->estimator.lock);
+}
+
+/// A sensor's estimate ends injection in the period in which it comes, and nothing is left to be found by it.
+static void test_a_sensor_ends_injection_at_once(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.5);
+    TEST_ASSERT_TRUE(rig.drive.estimator.by.hfi.active);
+    while (lode_slot_of(rig.drive.steps) == SLOT_GAINS) { // where it is looked at anyway
+        rig_step(&rig);
+    }
+    const lode_counts_t counts = rig_counts(&rig);
+    const lode_sample_t sample = lode_drive_sense(&rig.drive, &counts);
+    lode_estimate_t estimate = lode_drive_estimate(&rig.drive, &sample);
+    estimate.source = LODE_ESTIMATE_SENSOR;
+    estimate.omega_rad_s = 500.0f;
+    lode_mode_adopt(&rig.drive, &estimate);
+    TEST_ASSERT_FALSE(rig.drive.estimator.by.hfi.active);
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_UNDECIDED, rig.drive.estimator.by.hfi.step);
+    // Its speed leads the duties, too.
+    CHECK_NEAR(1.0e-4, 1.5 * RIG_TS_s * 500.0,
+               atan2((double)rig.drive.lead.sin, (double)rig.drive.lead.cos));
 }
 
 static void test_torque_through_zero(void) {
@@ -950,6 +1073,17 @@ static void test_an_estimate_from_outside_takes_its_place(void) {
     }
     rig_expect(&rig, LODE_MODE_RUN);
     CHECK_NEAR(1.0, 10.0, rig.motor.omega / 3.0);
+}
+
+/// Injection belongs to RUN and to a start at rest: in any other mode it ends with the next round.
+static void test_in_other_modes_nothing_is_injected(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.25);
+    TEST_ASSERT_TRUE(rig.drive.estimator.by.hfi.active);
+    rig.drive.mode = (uint_least8_t)LODE_MODE_CURRENT;
+    TEST_ASSERT_FALSE(lode_mode_inject(&rig.drive));
+    TEST_ASSERT_FALSE(rig.drive.estimator.by.hfi.active);
 }
 
 static void test_start_at_rest_can_be_called_off(void) {
@@ -1190,14 +1324,20 @@ int main(void) {
     RUN_TEST(test_a_magnet_the_wrong_way_round_is_found_by_its_EMF);
     RUN_TEST(test_no_response_to_the_wave_trips);
     RUN_TEST(test_start_at_rest_from_any_angle);
+    RUN_TEST(test_a_run_from_rest_begins_without_torque);
     RUN_TEST(test_the_frame_turns_round_and_the_vectors_stay);
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
     RUN_TEST(test_a_loss_at_speed_trips);
     RUN_TEST(test_a_loss_is_forgotten);
     RUN_TEST(test_iron_that_tells_no_polarity);
     RUN_TEST(test_a_push_and_its_end);
+    RUN_TEST(test_the_loop_that_looks_for_the_axis_has_no_speed);
+    RUN_TEST(test_a_push_leaves_no_disturbance);
+    RUN_TEST(test_a_search_begins_anew);
+    RUN_TEST(test_a_sensor_ends_injection_at_once);
     RUN_TEST(test_torque_through_zero);
     RUN_TEST(test_an_estimate_from_outside_takes_its_place);
+    RUN_TEST(test_in_other_modes_nothing_is_injected);
     RUN_TEST(test_start_at_rest_can_be_called_off);
     RUN_TEST(test_notches_rest_while_it_injects);
     RUN_TEST(test_a_QPLL_has_no_acceleration_while_it_injects);

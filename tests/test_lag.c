@@ -176,6 +176,37 @@ static void test_without_compensation_there_is_nothing_to_rotate_by(void) {
     TEST_ASSERT_TRUE(at.sin == 0.0f && at.cos == 1.0f);
 }
 
+/// What is accepted keeps its tolerance up to the very end of its range.
+static void test_the_end_of_the_range_is_checked(void) {
+    const case_t given = {0.75, 9.8e-3, 2.0e-4, 600.0, 600.0};
+    double accepted = 1.0;
+    double refused = 0.0;
+    lode_lag_t lag;
+    for (double times = 1.5; !(refused > 0.0); times *= 1.5) {
+        case_t c = given;
+        c.omega_max *= times;
+        if (tune(&lag, LODE_LAG_EXACT, &c) == LODE_OK) {
+            accepted = times;
+        } else {
+            refused = times;
+        }
+    }
+    for (int n = 0; n < 30; n++) {
+        case_t c = given;
+        const double times = 0.5 * (accepted + refused);
+        c.omega_max *= times;
+        const bool taken = tune(&lag, LODE_LAG_EXACT, &c) == LODE_OK;
+        accepted = taken ? times : accepted;
+        refused = taken ? refused : times;
+    }
+    case_t last = given;
+    last.omega_max *= accepted;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&lag, LODE_LAG_EXACT, &last));
+    const double end_rad =
+        exact(&last, last.omega_max) - (double)lode_lag_rad(&lag, (float)last.omega_max);
+    CHECK_AT_MOST(1.01 * (double)LODE_LAG_TOLERANCE_rad, fabs(end_rad));
+}
+
 static void check_refused(lode_lag_kind_t kind, const case_t *c) {
     lode_lag_t lag;
     memset(&lag, 0x5a, sizeof lag);
@@ -221,6 +252,7 @@ int main(void) {
     RUN_TEST(test_the_line_has_the_slope_of_the_lag);
     RUN_TEST(test_nearby_speeds_go_along_the_line);
     RUN_TEST(test_without_compensation_there_is_nothing_to_rotate_by);
+    RUN_TEST(test_the_end_of_the_range_is_checked);
     RUN_TEST(test_eq_30_is_the_continuous_lag);
     RUN_TEST(test_what_cannot_be_fitted_is_refused);
     return UNITY_END();

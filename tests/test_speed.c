@@ -87,6 +87,8 @@ static void test_torque_is_followed_between_two_speeds(void) {
     lode_speed_reset(&speed, &tuning, 50.0f, 1.0f, 0.0f, (float)TORQUE_MAX);
     CHECK_NEAR(1.0e-5, 0.4 - 0.8 * 2.0, torque_control(&speed, &tuning, 1.0f, 246.0f, 0.4f));
     TEST_ASSERT_EQUAL_FLOAT(80.0f, speed.reference_rad_s);
+    CHECK_NEAR(1.0e-5, 0.4 - 0.8 * 2.0 - 6.0 * 2.0e-4 * 2.0,
+               torque_control(&speed, &tuning, 1.0f, 246.0f, 0.4f)); // by its integral from then on
     lode_speed_reset(&speed, &tuning, 50.0f, -3.0f, 0.0f, (float)TORQUE_MAX);
     CHECK_NEAR(1.0e-5, -0.4 + 0.8 * 2.0, torque_control(&speed, &tuning, -3.0f, 54.0f, -0.4f));
     TEST_ASSERT_EQUAL_FLOAT(20.0f, speed.reference_rad_s);
@@ -333,11 +335,51 @@ static void test_the_ramp_brings_the_torque_of_the_inertia(void) {
     }
 }
 
+/// (K7): the ramp's torque is given as far as the rotor is not ahead of it: less by what the controller asks against it,
+/// never the other way.
+static void test_a_rotor_ahead_of_its_ramp_gets_less_of_its_torque(void) {
+    const float ramps[] = {200.0f, 20.0f};
+    const float ahead[] = {-1.0f, 0.0f, 0.2f, 1.0f, 10.0f}; // mechanical rad/s
+    for (int n = 0; n < COUNT_OF(ramps) * COUNT_OF(ahead) * 2; n++) {
+        lode_speed_config_t config = sound();
+        config.ramp_rad_s2 = ramps[n / 2 / COUNT_OF(ahead)];
+        config.inertia_feed_forward = 1.0f;
+        const lode_speed_tuning_t tuning = tuned(&config);
+        const double way = n % 2 == 0 ? 1.0 : -1.0;
+        const double before = (double)ahead[n / 2 % COUNT_OF(ahead)] * way;
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, 30.0f, 0.0f, 0.0f, (float)TORQUE_MAX);
+        const double reference = 30.0 + way * (double)tuning.ramp_step;
+        const float omega = (float)(3.0 * (reference + before));
+        const double push = 0.0174 * (double)config.ramp_rad_s2;
+        const double given = fmax(0.0, fmin(push, push - 0.8 * way * before));
+        const double torque = -0.8 * before + way * given;
+        CHECK_NEAR(2.0e-3, fmax(-TORQUE_MAX, fmin(TORQUE_MAX, torque)),
+                   lode_speed_step(&speed, &tuning, (float)(30.0 + 20.0 * way), omega, 0.0f));
+    }
+}
+
+/// The gains' factor rises from one span of the speed to two.
+static void test_the_gain_rises_over_one_span(void) {
+    const lode_speed_tuning_t tuning = {.inv_span = 0.01f, .rise = 0.5f};
+    const double at[][2] = {{0.0, 1.0},    {100.0, 1.0}, {125.0, 1.125},
+                            {150.0, 1.25}, {200.0, 1.5}, {300.0, 1.5}};
+    for (int n = 0; n < COUNT_OF(at); n++) {
+        CHECK_NEAR(1.0e-6, at[n][1], lode_speed_gain(&tuning, (float)at[n][0]));
+        CHECK_NEAR(1.0e-6, at[n][1], lode_speed_gain(&tuning, (float)-at[n][0]));
+    }
+}
+
 static void test_a_bandwidth_that_is_no_number_is_refused(void) {
     for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
         TEST_ASSERT_EQUAL_INT(
             LODE_ERROR_SPEED_BANDWIDTH,
             try_one(offsetof(lode_speed_config_t, bandwidth_rad_s), check_not_finite[i]));
+    }
+    const float bounds[] = {1.0e-3f, 1.0e5f, 0.9e-3f, 1.1e5f};
+    for (int i = 0; i < COUNT_OF(bounds); i++) {
+        TEST_ASSERT_EQUAL_INT(i < 2 ? LODE_OK : LODE_ERROR_SPEED_BANDWIDTH,
+                              try_one(offsetof(lode_speed_config_t, bandwidth_rad_s), bounds[i]));
     }
 }
 
@@ -445,6 +487,8 @@ int main(void) {
     RUN_TEST(test_gains_rise_with_the_pll);
     RUN_TEST(test_range_of_the_gain_rise);
     RUN_TEST(test_the_ramp_brings_the_torque_of_the_inertia);
+    RUN_TEST(test_a_rotor_ahead_of_its_ramp_gets_less_of_its_torque);
+    RUN_TEST(test_the_gain_rises_over_one_span);
     RUN_TEST(test_a_bandwidth_that_is_no_number_is_refused);
     RUN_TEST(test_no_feed_forward);
     RUN_TEST(test_design_fills_what_is_open);

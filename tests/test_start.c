@@ -349,6 +349,19 @@ static void test_hand_over_needs_speed_and_direction(void) {
     TEST_ASSERT_FALSE(ever_ready(94.0, (lode_estimate_t){.omega_rad_s = 120.0f, .lock = 0.9f}));
 }
 
+/// Only from standstill the vector sweeps while its current rises: one that turns, however slowly, rests until it is there.
+static void test_a_vector_that_turns_does_not_sweep(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    for (int slow = 0; slow < 2; slow++) {
+        lode_start_t start;
+        lode_start_reset(&start, lode_sincos(0.0f), slow > 0 ? 0.5f : 0.0f, 2.0f);
+        lode_start_aim(&start, &tuning, 47.0f, 8.0f);
+        const double turned = (double)lode_start_step(&start, &tuning, no_emf, PAPER_TS_s);
+        CHECK_NEAR(1.0e-8, slow > 0 ? 0.5 * 2.0e-4 : (double)tuning.sweep_step_rad, turned);
+    }
+}
+
 /// Where the vector will be a period on, and the angle by which it gets there.
 static void test_the_next_vector_is_known(void) {
     const lode_start_config_t config = sound();
@@ -1118,6 +1131,7 @@ int main(void) {
     RUN_TEST(test_a_failed_attempt_begins_again_at_rest);
     RUN_TEST(test_hand_over_needs_the_lock_for_its_time);
     RUN_TEST(test_hand_over_needs_speed_and_direction);
+    RUN_TEST(test_a_vector_that_turns_does_not_sweep);
     RUN_TEST(test_the_next_vector_is_known);
     RUN_TEST(test_a_rotor_that_turns_already_is_caught);
     RUN_TEST(test_no_rounds_left_to_look_for_a_rotor_are_over);

@@ -133,6 +133,25 @@ static void test_voltage_stays_inside_its_share_and_comes_back(void) {
     CHECK_AT_MOST(1.0e-3, most(&p, 0.1));
 }
 
+/// (X4): what just reaches the circle is put out and taken in, what is beyond it is shortened and not.
+static void test_the_circle_itself_is_within(void) {
+    const lode_xy_config_t config = {.voltage_share = 0.1f};
+    plane_t p = plane(&config, 0.0);
+    p.tuning.pi.kp = 1.0f;
+    p.tuning.circle = 0.5f;
+    const lode_ab_t u_V = lode_xy_step(&p.xy, &p.tuning, (lode_ab_t){-3.0f, -4.0f}, 10.0f);
+    TEST_ASSERT_TRUE(u_V.alpha == 3.0f && u_V.beta == 4.0f);
+    TEST_ASSERT_TRUE(p.xy.x.integral > 0.0f && p.xy.y.integral > 0.0f);
+    p = plane(&config, 0.0);
+    p.tuning.pi.kp = 1.0f;
+    p.tuning.circle = 0.5f;
+    const lode_ab_t cut_V = lode_xy_step(&p.xy, &p.tuning, (lode_ab_t){-6.0f, -8.0f}, 10.0f);
+    CHECK_NEAR(1.0e-6, 3.0, cut_V.alpha);
+    CHECK_NEAR(1.0e-6, 4.0, cut_V.beta);
+    CHECK_NEAR(0.0, 0.0, p.xy.x.integral);
+    CHECK_NEAR(0.0, 0.0, p.xy.y.integral);
+}
+
 static void test_too_fast_for_a_resonance_the_pi_is_left(void) {
     plane_t p = plane(&by_default, 2700.0); // 6 w Ts = 1.62
     p.fifth_V = 3.0;
@@ -186,6 +205,7 @@ int main(void) {
     RUN_TEST(test_harmonics_die_at_the_rate_asked_for);
     RUN_TEST(test_stable_with_half_and_twice_the_inductance);
     RUN_TEST(test_voltage_stays_inside_its_share_and_comes_back);
+    RUN_TEST(test_the_circle_itself_is_within);
     RUN_TEST(test_too_fast_for_a_resonance_the_pi_is_left);
     RUN_TEST(test_slow_speeds_do_no_harm);
     RUN_TEST(test_fields);
