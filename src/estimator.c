@@ -268,7 +268,7 @@ LODE_NOINLINE void lode_estimator_brake_slip(lode_estimator_t *self,
     const float flux_Wb =
         lode_max(tuning->psi_Wb + tuning->salient_H * i_A.d, ACTIVE_MIN_SHARE * tuning->psi_Wb);
     const float share = tuning->salient_H * i_A.q / flux_Wb;
-    if (!self->aligned || !(share * self->pll.omega_rad_s > 0.0f)) { // it drives, or is not salient
+    if (!self->aligned || !(share * self->pll.omega_rad_s > 0.0f)) { // motoring, or not salient
         return;
     }
     const float error = lode_clamp(-share * lode_min(slip - SLIP_MIN, SLIP_MAX),
