@@ -180,7 +180,8 @@ static const command_t commands[] = {
      "that\n"
      "runs it again. merge: the parts of one campaign, as if it had been one run. Exit code 0: of "
      "each\n"
-     "motor 97 % passed, of all together 99 %; with wide errors 95 % of all, every failure a fault."},
+     "motor 97 % passed, of all together 99 %; with wide errors 95 % of all, every failure a "
+     "fault."},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
