@@ -404,16 +404,22 @@ static void test_a_stuck_converter_is_told_before_an_offset_of_the_other_set(voi
     }
 }
 
+// With a current along the axis of a phase, which gives that the longest duty of its set.
+static rig6_t along_phase(const lode_drive6_config_t *config, int phase) {
+    rig6_t rig = rig_with(config);
+    rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT,
+                                        .vector = {4.0f, 0.0f},
+                                        .theta_rad = (float)rig6_axis(phase)});
+    rig6_run(&rig, 1.0);
+    return rig;
+}
+
 /// After a run whose longest duty left a phase out, a calibration takes all of set 2 again.
 static void test_a_calibration_takes_a_phase_that_a_run_left_out(void) {
     lode_drive6_config_t config = rig6_config();
     config.drive.sense.duty_max = 0.5f;
     for (int phase = 3; phase < 6; phase++) {
-        rig6_t rig = rig_with(&config);
-        rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT,
-                                            .vector = {4.0f, 0.0f},
-                                            .theta_rad = (float)rig6_axis(phase)});
-        rig6_run(&rig, 1.0);
+        rig6_t rig = along_phase(&config, phase);
         rig.offset[phase] = 20.0;
         rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
         rig6_run(&rig, 0.3);
@@ -1023,12 +1029,7 @@ static void test_a_tuning_that_samples_all_phases_watches_all(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_tune(&other_tuning, &config));
     config.drive.sense.duty_max = 0.5f;
     for (int phase = 0; phase < 6; phase++) {
-        // The vector along the axis of a phase gives it the longest duty of its set.
-        rig6_t rig = rig_with(&config);
-        rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT,
-                                            .vector = {4.0f, 0.0f},
-                                            .theta_rad = (float)rig6_axis(phase)});
-        rig6_run(&rig, 1.0);
+        rig6_t rig = along_phase(&config, phase);
         TEST_ASSERT_TRUE(rig.out.set[0].gates && rig.out.set[1].gates);
         TEST_ASSERT_FALSE(trips(&rig, phase)); // its sample is of no use
         TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_post_tuning(&rig.drive, &other_tuning));
