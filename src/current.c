@@ -19,15 +19,15 @@ void lode_current_design(lode_current_config_t *config, const lode_motor_t *moto
 }
 
 // Jury's conditions on z^3 + c2 z^2 + c1 z + c0 = (z - a) z (z - 1) + b (kp (z - 1) + ki Ts): the R-L
-// circuit held over the period, the voltage one period late.
+// circuit held over the period, the voltage one period late. Those on c0 alone and at -1 follow from the last one,
+// as 0 < a <= 1 and kp > 0.
 static bool is_stable(float kp, float ki_Ts, float R, float L, float ts_s) {
     const float rise = lode_one_minus_exp(R * ts_s / L);
     const float b = rise > 0.0f ? rise / R : ts_s / L;
     const float c2 = rise - 2.0f;
     const float c1 = 1.0f - rise + b * kp;
     const float c0 = b * (ki_Ts - kp);
-    return b * ki_Ts >= 0.0f && 1.0f - c2 + c1 - c0 > 0.0f && c0 * c0 < 1.0f &&
-           1.0f - c0 * c0 > lode_abs(c0 * c2 - c1);
+    return ki_Ts >= 0.0f && 1.0f - c0 * c0 > lode_abs(c0 * c2 - c1);
 }
 
 static bool is_sound(float kp, float ki, float R, float L, float ts_s) {

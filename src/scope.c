@@ -93,9 +93,7 @@ static void take_request(lode_scope_t *self) {
     if (self->request == (uint_least8_t)REQUEST_ARM) {
         self->filled = 0u;
         self->next = 0u;
-        self->buffer[LODE_SCOPE_AT_FILLED] = 0u;
-        self->buffer[LODE_SCOPE_AT_NEXT] = 0u;
-        self->channels.wait = 0u;
+        self->channels.wait = 0u; // this very period writes a row, and with it the header
         self->primed = false;
         self->event = false;
         set_state(self, LODE_SCOPE_ARMED);

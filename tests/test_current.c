@@ -236,6 +236,36 @@ static void test_whatever_gains_are_accepted_are_stable(void) {
     CHECK_AT_LEAST(300, accepted);
 }
 
+/// Twice the gains is all the margin that is asked for: what is stable with them is not refused, and what is not is.
+static void test_gains_are_refused_for_their_margin_alone(void) {
+    random_t random = random_seed(5);
+    int accepted = 0;
+    int refused = 0;
+    for (int n = 0; n < 3000; n++) {
+        lode_motor_t motor = paper_motor();
+        // Without resistance too, and with so much that the current settles within a period.
+        motor.Rs_Ohm = n % 10 == 0 ? 0.0f : (float)pow(10.0, random_between(&random, -3.0, 1.7));
+        motor.Ld_H = motor.Lq_H = (float)pow(10.0, random_between(&random, -3.5, -1.5));
+        lode_current_config_t config = sound();
+        const double kp = (double)motor.Lq_H / 2.0e-4 * random_between(&random, 0.02, 0.4);
+        const double ki = kp * pow(10.0, random_between(&random, 1.0, 4.0));
+        config.kp_d_V_A = config.kp_q_V_A = (float)kp;
+        config.ki_d_V_As = config.ki_q_V_As = (float)ki;
+        const double left =
+            left_after((double)motor.Rs_Ohm, (double)motor.Lq_H, 2.0 * kp, 2.0 * ki);
+        if (left > 1.0e-3 && left < 1.0e3) {
+            continue; // neither one nor the other yet
+        }
+        lode_current_tuning_t tuning;
+        const lode_status_t status = lode_current_tune(&tuning, &config, &motor, PAPER_TS_s);
+        TEST_ASSERT_EQUAL_INT(left < 1.0 ? LODE_OK : LODE_ERROR_CURRENT_GAINS, status);
+        accepted += left < 1.0 ? 1 : 0;
+        refused += left < 1.0 ? 0 : 1;
+    }
+    CHECK_AT_LEAST(1000, accepted);
+    CHECK_AT_LEAST(300, refused);
+}
+
 static void test_any_input_stays_in_the_circle(void) {
     const lode_current_config_t config = sound();
     const lode_current_tuning_t tuning = tuned(&config);
@@ -318,6 +348,65 @@ static void test_gains_must_be_positive_and_stable(void) {
     }
 }
 
+/// Whatever its stability: 0.4/Ts at most, and some gain at least.
+static void test_gains_have_a_range(void) {
+    const lode_motor_t motor = paper_motor();
+    const struct {
+        float bandwidth_Ts;
+        lode_status_t status;
+    } cases[] = {{0.4f, LODE_OK}, {0.41f, LODE_ERROR_CURRENT_GAINS}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        lode_current_config_t config = sound();
+        config.ki_d_V_As = config.ki_q_V_As = 0.0f;
+        config.kp_d_V_A = cases[n].bandwidth_Ts / PAPER_TS_s * motor.Ld_H;
+        config.kp_q_V_A = cases[n].bandwidth_Ts / PAPER_TS_s * motor.Lq_H;
+        lode_current_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(cases[n].status,
+                              lode_current_tune(&tuning, &config, &motor, PAPER_TS_s));
+        config.kp_d_V_A = config.kp_q_V_A = n == 0 ? 1.01e-6f : 0.99e-6f;
+        TEST_ASSERT_EQUAL_INT(cases[n].status,
+                              lode_current_tune(&tuning, &config, &motor, PAPER_TS_s));
+    }
+}
+
+/// Where the circle reaches beyond the hexagon, only what no duty comes to a rail for is free.
+static void test_more_voltage_than_the_hexagon_has_is_not_free(void) {
+    lode_current_config_t config = sound();
+    config.voltage_use = 1.1f;
+    const lode_current_tuning_t tuning = tuned(&config);
+    const lode_dq_t zero = {0.0f, 0.0f};
+    const float shares[] = {0.89f, 0.91f, 1.05f};
+    for (int n = 0; n < COUNT_OF(shares); n++) {
+        const float u_V = shares[n] * 200.0f / LODE_SQRT3;
+        lode_current_t current = {.d = {0.0f}, .q = {u_V}};
+        const lode_current_out_t out =
+            lode_current_step(&current, &tuning, zero, zero, zero, 200.0f);
+        TEST_ASSERT_EQUAL_INT(n == 0, out.free);
+        CHECK_NEAR(1.0e-4, u_V, out.u_V.q);
+    }
+}
+
+/// From far beyond the circle an error of the other sign leads inside it in the very next period.
+static void test_at_the_circle_neither_axis_winds_up(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    const lode_dq_t zero = {0.0f, 0.0f};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_current_t d = {.d = {500.0f * (float)sign}};
+        lode_current_t q = {.q = {500.0f * (float)sign}};
+        const lode_dq_t at = {control(&d, &tuning, zero, zero, 0.0f, 200.0f).d,
+                              control(&q, &tuning, zero, zero, 0.0f, 200.0f).q};
+        CHECK_NEAR(1.0e-3, 0.9 * RADIUS * sign, at.d);
+        CHECK_NEAR(1.0e-3, RADIUS * sign, at.q);
+        const lode_dq_t i = {(float)sign,
+                             (float)sign}; // 1 A more than is asked for: 3.3 and 9.2 V less
+        CHECK_NEAR(1.0e-3, (double)at.d - 3.3 * sign,
+                   control(&d, &tuning, zero, i, 0.0f, 200.0f).d + 0.0f);
+        CHECK_NEAR(1.0e-3, (double)at.q - 9.2 * sign,
+                   control(&q, &tuning, zero, i, 0.0f, 200.0f).q + 0.0f);
+    }
+}
+
 static void test_design_fills_what_is_open(void) {
     const lode_motor_t motor = paper_motor();
     lode_current_config_t config = {.bandwidth_rad_s = 940.0f};
@@ -347,10 +436,14 @@ int main(void) {
     RUN_TEST(test_closed_loop_has_the_bandwidth_asked_for);
     RUN_TEST(test_no_windup_in_a_second_of_saturation);
     RUN_TEST(test_whatever_gains_are_accepted_are_stable);
+    RUN_TEST(test_gains_are_refused_for_their_margin_alone);
     RUN_TEST(test_any_input_stays_in_the_circle);
     RUN_TEST(test_one_bad_sample_does_not_stay);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_gains_must_be_positive_and_stable);
+    RUN_TEST(test_gains_have_a_range);
+    RUN_TEST(test_more_voltage_than_the_hexagon_has_is_not_free);
+    RUN_TEST(test_at_the_circle_neither_axis_winds_up);
     RUN_TEST(test_design_fills_what_is_open);
     return UNITY_END();
 }

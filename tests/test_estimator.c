@@ -671,6 +671,30 @@ static void test_a_restart_keeps_current_and_slot(void) {
     }
 }
 
+/// A speed beyond the limit or a rotation that is none, either alone: the look at the lock begins anew. Not so at a
+/// speed and a length that a motor may have.
+static void test_what_is_no_motion_begins_anew(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    const struct {
+        float speed_share, length;
+        bool sound;
+    } cases[] = {{0.99f, 1.0f, true},      {-0.99f, 1.0f, true},      {1.01f, 1.0f, false},
+                 {-1.01f, 1.0f, false},    {(float)NAN, 1.0f, false}, {0.5f, 1.1f, true},
+                 {0.5f, 0.9f, true},       {0.5f, 1.13f, false},      {0.5f, 0.85f, false},
+                 {0.5f, (float)NAN, false}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        watch_t w = watch(&config, 300.0, 0.0);
+        w.estimator.pll.omega_rad_s = cases[n].speed_share * w.tuning.omega_limit;
+        w.estimator.pll.frame = (lode_sincos_t){0.6f * cases[n].length, 0.8f * cases[n].length};
+        w.estimator.id_A = 1.0f;
+        lode_estimator_t begun = w.estimator;
+        lode_estimator_restart(&begun, &w.tuning);
+        lode_estimator_note_lock(&w.estimator, &w.tuning);
+        const bool same = memcmp(&begun, &w.estimator, sizeof begun) == 0;
+        TEST_ASSERT_EQUAL_INT(cases[n].sound, !same);
+    }
+}
+
 /// At rest: amplitude, lag and gains are those of no speed.
 static void test_a_reset_is_at_rest(void) {
     for (int p = 0; p < COUNT_OF(both_plls); p++) {
@@ -1030,6 +1054,7 @@ int main(void) {
     RUN_TEST(test_beginning_at_a_speed_is_having_run_there);
     RUN_TEST(test_the_amplitude_has_the_sense_of_rotation);
     RUN_TEST(test_a_restart_keeps_current_and_slot);
+    RUN_TEST(test_what_is_no_motion_begins_anew);
     RUN_TEST(test_a_reset_is_at_rest);
     RUN_TEST(test_a_second_look_is_without_the_notches);
     RUN_TEST(test_looking_for_the_rotor);

@@ -495,8 +495,13 @@ static void test_pairs_of_waves(void) {
 static double strongest_band(bool silent) {
     enum { BANDS = 128, SPAN = 2 * BANDS, SPANS = 128 };
     double power[BANDS + 1] = {0.0};
-    lode_hfi_tuning_t tuning = paper_tuning();
-    tuning.silent = silent ? 1u : 0u;
+    machine_t machine;
+    set_up(&machine);
+    lode_hfi_config_t config = designed(&machine);
+    config.V_h_V = 25.0f;
+    config.silent = silent ? LODE_ON : LODE_OFF;
+    lode_hfi_tuning_t tuning;
+    CHECK_STATUS(LODE_OK, lode_hfi_tune(&tuning, &config, &machine.system));
     lode_hfi_t hfi;
     lode_hfi_begin(&hfi, &tuning, (lode_dq_t){0.0f, 0.0f});
     double sum = 0.0;
@@ -542,12 +547,12 @@ static void test_cross_saturation_turns_the_axis(void) {
     CHECK_NEAR(1.0e-4, 2.0 - 25.0 * tan(-0.08), u_V.q);
     CHECK_NEAR(1.0e-5, 1.0 + 25.0, lode_hfi_add_wave(&hfi, &tuning, (lode_dq_t){1.0f, 2.0f}).d);
     // Regressor and error are seen along it and across: only their ratio counts.
-    hfi = (lode_hfi_t){.axis = hfi.axis, .h_V = 0.0f};
+    hfi = (lode_hfi_t){.axis = hfi.axis, .h_V = 0.0f, .i_A = i_A};
     const float turn = 0.02f;
-    const lode_dq_t rise_A = {cosf(-0.08f), sinf(-0.08f)};
+    const lode_dq_t now_A = {i_A.d + cosf(-0.08f), i_A.q + sinf(-0.08f)}; // an ampere more
     lode_hfi_demodulate(&hfi, &tuning, 60.0f,
                         (lode_dq_t){60.0f * cosf(-0.08f + turn), 60.0f * sinf(-0.08f + turn)},
-                        rise_A);
+                        now_A);
     CHECK_NEAR(2.0e-5, tan(0.02) * cos(0.02), hfi.error);
 }
 
@@ -573,6 +578,8 @@ static void test_quality_falls_with_the_response_and_with_the_error(void) {
     hfi.sum_V = 8.0f * 45.0f;
     hfi.error = -0.35f;
     CHECK_NEAR(1.0e-6, 0.5 * 0.8, lode_hfi_quality(&hfi, &tuning, 0.2f));
+    // Where nothing answers any more there is none.
+    CHECK_NEAR(0.0, 0.0, lode_hfi_quality(&hfi, &tuning, 0.2f));
     hfi.error = 0.5f;
     for (int k = 0; k < 100; k++) {
         (void)lode_hfi_quality(&hfi, &tuning, 0.2f);
@@ -1075,6 +1082,23 @@ static void test_an_estimate_from_outside_takes_its_place(void) {
     CHECK_NEAR(1.0, 10.0, rig.motor.omega / 3.0);
 }
 
+/// Of a loop of second order no load can be told to the own estimator, nor is one made up.
+static void test_a_QPLL_takes_no_acceleration_from_outside(void) {
+    static rig_t rig;
+    lode_drive_config_t config = rig_config();
+    config.estimator.pll.kind = LODE_PLL_QPLL;
+    rig_init(&rig, &rig_tuning, &config);
+    const lode_counts_t counts = rig_counts(&rig);
+    const lode_sample_t sample = lode_drive_sense(&rig.drive, &counts);
+    lode_estimate_t estimate = lode_drive_estimate(&rig.drive, &sample);
+    estimate.source = LODE_ESTIMATE_SENSOR;
+    estimate.omega_rad_s = 100.0f;
+    estimate.load_torque_Nm = 1.0f;
+    lode_mode_adopt(&rig.drive, &estimate);
+    CHECK_NEAR(0.0, 0.0, rig.drive.estimator.pll.f_rad_s2);
+    CHECK_NEAR(0.0, 0.0, rig.drive.estimator.pll.rise_rad_s);
+}
+
 /// Injection belongs to RUN and to a start at rest: in any other mode it ends with the next round.
 static void test_in_other_modes_nothing_is_injected(void) {
     static rig_t rig;
@@ -1166,6 +1190,21 @@ static void test_an_axis_that_is_not_found_is_given_up(void) {
         (void)lode_hfi_find(&hfi, &tuning, 12.0f);
     }
     CHECK_NEAR(1.0e-5, 0.33 * 12.0, lode_hfi_find(&hfi, &tuning, 12.0f));
+}
+
+/// Half of the time for the axis, rounded up.
+static void test_time_for_either_current(void) {
+    lode_hfi_tuning_t tuning = paper_tuning();
+    for (uint_least16_t rounds = 49u; rounds <= 52u; rounds++) {
+        tuning.find_rounds = rounds;
+        lode_hfi_t hfi = {.step = LODE_HFI_NORTH};
+        int took = 0;
+        while (hfi.step == (uint_least8_t)LODE_HFI_NORTH && took < 100) {
+            (void)lode_hfi_find(&hfi, &tuning, 12.0f);
+            took++;
+        }
+        TEST_ASSERT_EQUAL_INT(rounds < 51u ? 25 : 26, took);
+    }
 }
 
 /// What is made of responses to current along the axis and against it, that move by `noise_V` from round to round.
@@ -1337,12 +1376,14 @@ int main(void) {
     RUN_TEST(test_a_sensor_ends_injection_at_once);
     RUN_TEST(test_torque_through_zero);
     RUN_TEST(test_an_estimate_from_outside_takes_its_place);
+    RUN_TEST(test_a_QPLL_takes_no_acceleration_from_outside);
     RUN_TEST(test_in_other_modes_nothing_is_injected);
     RUN_TEST(test_start_at_rest_can_be_called_off);
     RUN_TEST(test_notches_rest_while_it_injects);
     RUN_TEST(test_a_QPLL_has_no_acceleration_while_it_injects);
     RUN_TEST(test_a_drive_that_cannot_inject_is_refused);
     RUN_TEST(test_an_axis_that_is_not_found_is_given_up);
+    RUN_TEST(test_time_for_either_current);
     RUN_TEST(test_polarity_by_the_difference_of_the_responses);
     RUN_TEST(test_polarity_by_motion);
     RUN_TEST(test_what_both_states_share_lies_in_one_place);

@@ -131,6 +131,17 @@ static void test_without_width_there_is_no_notch(void) {
     }
 }
 
+/// Of a notch that was in, none is left where it has lost its width.
+static void test_a_notch_that_loses_its_width_is_out(void) {
+    const lode_notch_tuning_t tuning = tuned(6.0, 0.5);
+    lode_notch_t notch = empty();
+    for (int k = 0; k < 100; k++) {
+        (void)stepped(&notch, &tuning, 300.0f, (float)cos(0.3 * k));
+    }
+    lode_notch_adapt(&notch, &tuning, 0.0f, 300.0f);
+    TEST_ASSERT_TRUE(lode_notch_step(&notch, 0.5f, 0.7f) == 0.7f);
+}
+
 static void test_no_jump_while_the_speed_changes(void) {
     // Twice up and down through the blend, sigma = 100: the harmonic at 500 .. 900 rad/s.
     const lode_notch_tuning_t tuning = tuned(6.0, 0.5);
@@ -230,6 +241,7 @@ int main(void) {
     RUN_TEST(test_it_stays_out_at_low_speed);
     RUN_TEST(test_it_is_bypassed_short_of_nyquist);
     RUN_TEST(test_without_width_there_is_no_notch);
+    RUN_TEST(test_a_notch_that_loses_its_width_is_out);
     RUN_TEST(test_no_jump_while_the_speed_changes);
     RUN_TEST(test_an_offset_alone_never_moves);
     RUN_TEST(test_adapting_is_total);

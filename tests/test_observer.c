@@ -613,6 +613,25 @@ static void test_calm_keeps_the_estimate(void) {
     }
 }
 
+/// With the EMF that is taken for the present one, whatever its other states were, FA follows from there.
+static void test_settled_it_goes_on_from_its_emf(void) {
+    const lode_observer_config_t *const kinds[] = {FA, FA_SLOW};
+    const double omega = 300.0;
+    for (int n = 0; n < COUNT_OF(kinds); n++) {
+        const lode_observer_tuning_t tuning = tuned(kinds[n]);
+        lode_observer_t leso;
+        for (int k = 0; k < COUNT_OF(leso.own); k++) {
+            leso.own[k] = (lode_ab_t){30.0f, -40.0f};
+        }
+        leso.e_V = (lode_ab_t){(float)EMF_V, 0.0f};
+        lode_observer_settle(&leso, &tuning);
+        for (int k = 1; k <= 5; k++) {
+            const double complex wanted = rotating(omega * 2.0e-4 * k);
+            CHECK_NEAR(0.01 * EMF_V, 0.0, cabs(feed(&leso, &tuning, omega, wanted) - wanted));
+        }
+    }
+}
+
 static void test_reset_forgets_everything(void) {
     const lode_observer_t expected = {.e_V = {0.0f, 0.0f}};
     lode_observer_t leso;
@@ -736,6 +755,7 @@ int main(void) {
     RUN_TEST(test_what_is_no_number_shows);
     RUN_TEST(test_any_bits_do_no_harm);
     RUN_TEST(test_calm_keeps_the_estimate);
+    RUN_TEST(test_settled_it_goes_on_from_its_emf);
     RUN_TEST(test_reset_forgets_everything);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_k1_is_bound_to_k2);

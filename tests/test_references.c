@@ -76,6 +76,9 @@ static void test_a_q_axis_that_saturates_turns_the_angle_by_what_its_flux_lacks(
     const lode_sincos_t most =
         lode_references_saturated(&tuning, (lode_sincos_t){0.0f, 1.0f}, (lode_dq_t){90.0f, 900.0f});
     CHECK_NEAR(1e-5, sqrt(0.5), most.sin);
+    const lode_sincos_t least = lode_references_saturated(&tuning, (lode_sincos_t){0.0f, 1.0f},
+                                                          (lode_dq_t){90.0f, -900.0f});
+    CHECK_NEAR(1e-5, -sqrt(0.5), least.sin);
 }
 
 static void test_much_reluctance_asks_for_mtpa(void) {

@@ -172,6 +172,21 @@ static void test_level_is_reached_exactly(void) {
     expect(LODE_SCOPE_TRIGGERED);
 }
 
+/// What rests at the level has an edge where it comes to it, and none where it leaves it.
+static void test_an_edge_to_the_level_counts_and_one_from_it_does_not(void) {
+    const uint32_t values[4][4] = {
+        {6u, 5u, 5u, 4u}, {5u, 5u, 4u, 3u}, {4u, 5u, 5u, 6u}, {5u, 5u, 6u, 7u}};
+    for (int n = 0; n < 4; n++) {
+        start(n < 2 ? LODE_TRIGGER_FALLING : LODE_TRIGGER_RISING, 5.0f, 0.0f, 1);
+        lode_scope_arm(&scope);
+        for (int k = 0; k < 4; k++) {
+            source.periods = values[n][k];
+            run(1);
+            expect(n % 2 == 0 && k > 0 ? LODE_SCOPE_TRIGGERED : LODE_SCOPE_ARMED);
+        }
+    }
+}
+
 static void test_event_between_two_rows_counts(void) {
     // The step up is seen in period 150, rows are taken in 0, 100, 200: in 200 it might be over.
     start(LODE_TRIGGER_RISING, 149.5f, 0.0f, 100);
@@ -320,6 +335,7 @@ static void test_drain_in_pieces_of_any_size(void) {
     TEST_ASSERT_EQUAL_HEX32(buffer[10], word_of(&octets[40]));
     TEST_ASSERT_EQUAL_HEX32(buffer[11], word_of(&octets[44]));
     TEST_ASSERT_EQUAL_HEX16(before, octets[40]);
+    (void)lode_scope_drain(&scope, octets, 3u); // and of a word
     source.periods = 0u;
     lode_scope_arm(&scope);
     TEST_ASSERT_EQUAL_UINT32(0u, lode_scope_drain(&scope, octets, 100u));
@@ -409,6 +425,7 @@ int main(void) {
     RUN_TEST(test_falling);
     RUN_TEST(test_being_there_is_no_edge);
     RUN_TEST(test_level_is_reached_exactly);
+    RUN_TEST(test_an_edge_to_the_level_counts_and_one_from_it_does_not);
     RUN_TEST(test_event_between_two_rows_counts);
     RUN_TEST(test_immediate);
     RUN_TEST(test_fault);

@@ -147,6 +147,13 @@ static void test_width_and_centre_are_clamped(void) {
     }
 }
 
+/// Down to 0.001 the width is what is asked for, and no less.
+static void test_narrow_bands_are_taken_as_they_are(void) {
+    const double wide = (double)lode_sogi_tune(0.002f, 0.5f).inv_sum;
+    CHECK_AT_LEAST(1.0e-4, (double)lode_sogi_tune(0.001f, 0.5f).inv_sum - wide);
+    CHECK_NEAR(0.0, lode_sogi_tune(0.001f, 0.5f).inv_sum, lode_sogi_tune(0.0005f, 0.5f).inv_sum);
+}
+
 static void test_a_moving_centre_stays_bounded(void) {
     lode_sogi_t sogi;
     lode_sogi_reset(&sogi);
@@ -237,6 +244,7 @@ int main(void) {
     RUN_TEST(test_edges_of_the_band);
     RUN_TEST(test_dc_passes);
     RUN_TEST(test_width_and_centre_are_clamped);
+    RUN_TEST(test_narrow_bands_are_taken_as_they_are);
     RUN_TEST(test_a_moving_centre_stays_bounded);
     RUN_TEST(test_a_slow_sweep_follows_the_input);
     RUN_TEST(test_tuning_is_total);

@@ -161,6 +161,49 @@ static void test_too_fast_for_a_resonance_the_pi_is_left(void) {
     CHECK_AT_MOST(1.0, most(&p, 0.1)); // stable
 }
 
+/// A speed at which no resonance can be placed ends those that are there, and none builds up.
+static void test_too_fast_the_resonances_are_gone(void) {
+    plane_t p = plane(&by_default, 314.0);
+    p.xy.resonance_x = p.xy.resonance_y = (lode_ab_t){3.0f, -4.0f};
+    lode_xy_adapt(&p.xy, &p.tuning, 2700.0f);
+    p.xy.x.integral = p.xy.y.integral = 0.0f;
+    const lode_ab_t none_V = lode_xy_step(&p.xy, &p.tuning, (lode_ab_t){0.0f, 0.0f}, V_BUS);
+    CHECK_NEAR(0.0, 0.0, none_V.alpha);
+    CHECK_NEAR(0.0, 0.0, none_V.beta);
+    (void)lode_xy_step(&p.xy, &p.tuning, (lode_ab_t){0.1f, 0.1f}, V_BUS);
+    CHECK_NEAR(0.0, 0.0, p.xy.resonance_x.alpha);
+    CHECK_NEAR(0.0, 0.0, p.xy.resonance_y.alpha);
+}
+
+/// Nothing of before is left: no voltage without current, and no resonance before the first speed.
+static void test_reset_leaves_nothing(void) {
+    plane_t p = plane(&by_default, 314.0);
+    p.fifth_V = p.seventh_V = 10.0;
+    (void)most(&p, 0.1);
+    lode_xy_reset(&p.xy);
+    const lode_ab_t none_V = lode_xy_step(&p.xy, &p.tuning, (lode_ab_t){0.0f, 0.0f}, V_BUS);
+    CHECK_NEAR(0.0, 0.0, none_V.alpha);
+    CHECK_NEAR(0.0, 0.0, none_V.beta);
+    (void)lode_xy_step(&p.xy, &p.tuning, (lode_ab_t){0.1f, 0.1f}, V_BUS);
+    CHECK_NEAR(0.0, 0.0, p.xy.resonance_x.alpha);
+    CHECK_NEAR(0.0, 0.0, p.xy.resonance_y.alpha);
+}
+
+/// (X3) At a crawl the integrator of the PI counts four times as much as the loop, and no more: the resonators
+/// have sqrt(17) of the gain that they would have without a resistance. Without one, and at rest, it is finite.
+static void test_at_a_crawl_the_gain_ends(void) {
+    const float omegas[] = {0.0f, 0.01f, 1.0f, -1.0f};
+    for (int n = 0; n < COUNT_OF(omegas); n++) {
+        plane_t p = plane(&by_default, (double)omegas[n]);
+        lode_xy_t pure;
+        lode_xy_reset(&pure);
+        p.tuning.corner_rad_s = 0.0f;
+        lode_xy_adapt(&pure, &p.tuning, omegas[n]);
+        CHECK_CLOSE(1.0e-4, sqrt(17.0) * (double)pure.aim.gain_Ohm, p.xy.aim.gain_Ohm);
+        CHECK_NEAR(1.0e-5, 1.0, hypot((double)pure.aim.lead.sin, (double)pure.aim.lead.cos));
+    }
+}
+
 static void test_slow_speeds_do_no_harm(void) {
     plane_t p = plane(&by_default, 0.0);
     p.i = 5.0;
@@ -194,6 +237,8 @@ static void test_fields(void) {
 static void test_inductance_is_needed(void) {
     lode_xy_tuning_t tuning;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_XY_INDUCTANCE, tune(&tuning, &by_default, 0.0));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_XY_INDUCTANCE, tune(&tuning, &by_default, 0.99e-7));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&tuning, &by_default, 1.01e-7));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_XY_INDUCTANCE, tune(&tuning, &by_default, 11.0));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_XY_INDUCTANCE, tune(&tuning, &by_default, (double)NAN));
 }
@@ -207,6 +252,9 @@ int main(void) {
     RUN_TEST(test_voltage_stays_inside_its_share_and_comes_back);
     RUN_TEST(test_the_circle_itself_is_within);
     RUN_TEST(test_too_fast_for_a_resonance_the_pi_is_left);
+    RUN_TEST(test_too_fast_the_resonances_are_gone);
+    RUN_TEST(test_reset_leaves_nothing);
+    RUN_TEST(test_at_a_crawl_the_gain_ends);
     RUN_TEST(test_slow_speeds_do_no_harm);
     RUN_TEST(test_fields);
     RUN_TEST(test_inductance_is_needed);

@@ -4,6 +4,7 @@ A mutant is a small change: another comparison, another operator, another consta
 a statement left out. All of them are in one build; the variable lode_mutant says at run time which of
 them, if any, is alive.
 """
+import collections
 import dataclasses
 import pathlib
 import re
@@ -90,13 +91,14 @@ class Mutant:
     kind: str    # relation, arithmetic, constant, condition, statement
     change: str  # what becomes of what
     text: str    # the source line
+    where: str = ""  # function, and number in it, where the rest of the key is that of several
 
     def name(self):
         return f"{self.file}:{self.line}:{self.column}: {self.change}: {self.text}"
 
     def key(self):
         """Without the line's number, which moves, but with the place in it."""
-        return f"{self.file} | {self.change} at {self.column} | {self.text}"
+        return " | ".join(filter(None, (self.file, f"{self.change} at {self.column}", self.text, self.where)))
 
 
 def sources(root):
@@ -168,6 +170,13 @@ def condition_of(node):
     return node.child_by_field_name("condition") if node.type in CONDITIONS else None
 
 
+def function_of(body):
+    node = body.parent.child_by_field_name("declarator")
+    while node.type != "identifier":
+        node = node.child_by_field_name("declarator")
+    return text_of(node)
+
+
 class File:
     def __init__(self, root, path):
         self.path = path
@@ -212,8 +221,18 @@ class File:
             yield from self.below(child, node)
 
     def mutants(self):
-        for body in self.bodies():
-            yield from self.below(body)
+        found = [dataclasses.replace(mutant, where=function_of(body)) for body in self.bodies() for mutant in self.below(body)]
+        same_line = collections.Counter(mutant.key().removesuffix(mutant.where) for mutant in found)
+        same_function = collections.Counter(mutant.key() for mutant in found)
+        number = collections.Counter()
+        for mutant in found:
+            key = mutant.key()
+            number[key] += 1
+            if same_line[key.removesuffix(mutant.where)] == 1:
+                mutant = dataclasses.replace(mutant, where="")
+            elif same_function[key] > 1:
+                mutant = dataclasses.replace(mutant, where=f"{mutant.where} {number[key]}")
+            yield mutant
 
     # ---- Writing ----
 

@@ -132,7 +132,7 @@ def equivalents(root):
         if line.strip() and not line.startswith("#"):
             key, _, reason = line.rpartition(" | ")
             if not key or not reason:
-                sys.exit(f"{path}:{number}: expected 'file | change | source line | reason'")
+                sys.exit(f"{path}:{number}: expected 'file | change | source line | [function |] reason'")
             found[key] = reason
     return found
 
