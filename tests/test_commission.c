@@ -439,8 +439,10 @@ static void test_a_line_that_is_bent(void) {
 }
 
 static int sway_a, sway_b, sway_c;
+static bool sway_rests; ///< in every second tenth of a second
 static void sway(rig_t *r) {
-    if (r->commission.stage == ALONG) {
+    const bool rests = sway_rests && r->commission.since % 1000u >= 500u;
+    if (r->commission.stage == ALONG && !rests) {
         const int sign = r->commission.since % 500u < 250u ? 1 : -1;
         r->counts.i[0] = (uint16_t)((int)r->counts.i[0] + sign * sway_a);
         r->counts.i[1] = (uint16_t)((int)r->counts.i[1] + sign * sway_b);
@@ -467,6 +469,18 @@ static void test_a_current_that_sways(void) {
         begin(&c, &config, sway);
         expect(cases[n].result);
     }
+}
+
+/// A tenth of a second of calm is not enough, however often there is one.
+static void test_a_current_that_rests_now_and_then(void) {
+    const plant_config_t c = machine();
+    const lode_drive_config_t config = sheet();
+    sway_a = 3;
+    sway_b = sway_c = 0;
+    sway_rests = true;
+    begin(&c, &config, sway);
+    expect(LODE_COMMISSION_UNSETTLED);
+    sway_rests = false;
 }
 
 static float gain_of_c;
@@ -1181,6 +1195,7 @@ int main(void) {
     RUN_TEST(test_offsets_are_the_mean_of_the_counts);
     RUN_TEST(test_a_line_that_is_bent);
     RUN_TEST(test_a_current_that_sways);
+    RUN_TEST(test_a_current_that_rests_now_and_then);
     RUN_TEST(test_a_sensor_that_reads_too_little);
     RUN_TEST(test_currents_and_voltages_of_the_rest);
     RUN_TEST(test_what_becomes_of_what_was_found);
