@@ -49,7 +49,7 @@ lode_status_t lode_xy_tune(lode_xy_tuning_t *tuning, const lode_xy_config_t *con
 }
 
 void lode_xy_reset(lode_xy_t *self) {
-    *self = (lode_xy_t){.aim = {0.0f, {0.0f, 1.0f}, {0.0f, 1.0f}}};
+    *self = (lode_xy_t){.aim.gain_Ohm = 0.0f}; // the first speed places the resonators
 }
 
 LODE_RAMFUNC void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning,

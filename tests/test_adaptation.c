@@ -724,6 +724,18 @@ static void test_flux_is_found_while_Lq_is_not_known(void) {
     }
 }
 
+// Where the EMF itself gives the angle, what is across is that of a PLL on its way: the size counts.
+static void test_without_injection_the_size_of_the_EMF_counts(void) {
+    static bench_t bench;
+    bench_init(&bench, &all, NULL);
+    bench.psi = 0.9;
+    bench.across = 0.4;
+    bench.reference = bench.speed = HIGH_rad_s;
+    bench.load_Nm = 3.0;
+    bench_run(&bench, HIGH_rad_s, 15.0);
+    expect(0.9 * sqrt(1.0 + 0.4 * 0.4), 0.01, bench.config.motor.psi_Wb, found_by(&bench).psi_Wb);
+}
+
 // What learn.h has made goes on with what was found.
 static void test_another_base_keeps_what_was_found(void) {
     static bench_t bench;
@@ -1003,6 +1015,7 @@ int main(void) {
     RUN_TEST(test_a_measured_resistance_does_not_hang_on_the_flux);
     RUN_TEST(test_resistance_is_found_at_rest_while_injecting);
     RUN_TEST(test_flux_is_found_while_Lq_is_not_known);
+    RUN_TEST(test_without_injection_the_size_of_the_EMF_counts);
     RUN_TEST(test_another_base_keeps_what_was_found);
     RUN_TEST(test_each_can_be_off);
     RUN_TEST(test_what_was_found_can_be_kept);

@@ -840,6 +840,18 @@ static void test_a_slip_of_a_braked_rotor_is_no_angle(void) {
                        (double)w.estimator.gains.f_s2 * error,
                        (double)slipped.pll.f_rad_s2 - (double)w.estimator.pll.f_rad_s2);
         }
+        // At any speed that induces.
+        lode_estimator_t slow = w.estimator;
+        slow.pll.omega_rad_s = 2.0f * (float)sign;
+        lode_estimator_brake_slip(&slow, &w.tuning, 1.0f);
+        TEST_ASSERT_TRUE(lode_abs(slow.pll.omega_rad_s - 2.0f * (float)sign) > 0.1f);
+        // However wide the loop, by an eighth of a turn at most.
+        lode_estimator_t wide = w.estimator;
+        wide.gains.theta = 1.0f;
+        lode_estimator_brake_slip(&wide, &w.tuning, 1.0f);
+        const lode_sincos_t most = lode_angle_subtract(wide.pll.frame, w.estimator.pll.frame);
+        CHECK_NEAR(1.0e-5, share > 0.0 ? -0.25 * CHECK_PI : 0.25 * CHECK_PI,
+                   (double)lode_atan2(most.sin, most.cos));
         lode_estimator_t driven = w.estimator;
         driven.emf.i_A = (lode_ab_t){-driven.emf.i_A.alpha, -driven.emf.i_A.beta};
         const lode_estimator_t before = driven;

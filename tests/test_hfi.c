@@ -1088,6 +1088,9 @@ static void test_a_QPLL_takes_no_acceleration_from_outside(void) {
     lode_drive_config_t config = rig_config();
     config.estimator.pll.kind = LODE_PLL_QPLL;
     rig_init(&rig, &rig_tuning, &config);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {1.0f, 0.0f}});
+    rig_run(&rig, 0.1);
+    rig_expect(&rig, LODE_MODE_CURRENT);
     const lode_counts_t counts = rig_counts(&rig);
     const lode_sample_t sample = lode_drive_sense(&rig.drive, &counts);
     lode_estimate_t estimate = lode_drive_estimate(&rig.drive, &sample);
@@ -1095,6 +1098,7 @@ static void test_a_QPLL_takes_no_acceleration_from_outside(void) {
     estimate.omega_rad_s = 100.0f;
     estimate.load_torque_Nm = 1.0f;
     lode_mode_adopt(&rig.drive, &estimate);
+    CHECK_NEAR(0.0, 100.0, rig.drive.estimator.pll.omega_rad_s);
     CHECK_NEAR(0.0, 0.0, rig.drive.estimator.pll.f_rad_s2);
     CHECK_NEAR(0.0, 0.0, rig.drive.estimator.pll.rise_rad_s);
 }

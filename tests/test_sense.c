@@ -770,6 +770,15 @@ static void test_design_fills_what_is_open(void) {
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
 }
 
+/// The counts say nothing of it.
+static void test_a_sample_alone_has_no_voltage(void) {
+    const lode_sense_config_t config = board();
+    const lode_sample_t sample =
+        sampled(&config, (lode_counts_t){.i = {2000u, 2100u, 2048u}, .v_bus = 900u}, half);
+    CHECK_NEAR(0.0, 0.0, sample.u_V.alpha);
+    CHECK_NEAR(0.0, 0.0, sample.u_V.beta);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_three_shunts);
@@ -808,5 +817,6 @@ int main(void) {
     RUN_TEST(test_shunts_are_an_enumerator);
     RUN_TEST(test_samples_are_finite_for_any_accepted_gain);
     RUN_TEST(test_design_fills_what_is_open);
+    RUN_TEST(test_a_sample_alone_has_no_voltage);
     return UNITY_END();
 }
