@@ -394,6 +394,21 @@ static void test_speeds_of_the_run(void) {
     }
 }
 
+/// Of a motor whose start hands over at little less than its rated speed: 1.3 of the lower speed all the same.
+static void test_the_run_has_a_span(void) {
+    const plant_config_t c = machine();
+    lode_drive_config_t config = sheet();
+    config.motor.psi_Wb = (float)c.psi_Wb;
+    config.motor.omega_rated_rad_s = 471.0f;
+    config.start.omega_handover_rad_s = 300.0f;
+    begin(&c, &config, NULL);
+    rig.watch = watch_run;
+    run_seen.low = run_seen.high = 0.0;
+    (void)go_on(); // however such a motor starts
+    CHECK_CLOSE(1.0e-5, 1.3 * 300.0 / 3.0, run_seen.low);
+    CHECK_CLOSE(1.0e-5, 1.3 * run_seen.low, run_seen.high);
+}
+
 static void steady_counts(rig_t *r) {
     if (r->commission.stage == CALIBRATE) {
         r->counts.i[0] = 2050u;
@@ -1192,6 +1207,7 @@ int main(void) {
     RUN_TEST(test_steps_of_the_current);
     RUN_TEST(test_quantity_under_way);
     RUN_TEST(test_speeds_of_the_run);
+    RUN_TEST(test_the_run_has_a_span);
     RUN_TEST(test_offsets_are_the_mean_of_the_counts);
     RUN_TEST(test_a_line_that_is_bent);
     RUN_TEST(test_a_current_that_sways);

@@ -632,6 +632,24 @@ static void test_settled_it_goes_on_from_its_emf(void) {
     }
 }
 
+/// Settled where there is no EMF, none comes of what the other states were, where these would last.
+static void test_settled_on_no_emf_it_is_silent(void) {
+    const lode_observer_config_t *const kinds[] = {&observers[LODE_EMF_GI_LESO], FA, FA_SLOW,
+                                                   MULTI};
+    for (int n = 0; n < COUNT_OF(kinds); n++) {
+        const lode_observer_tuning_t tuning = tuned(kinds[n]);
+        lode_observer_t leso;
+        for (int k = 0; k < COUNT_OF(leso.own); k++) {
+            leso.own[k] = (lode_ab_t){30.0f, -40.0f};
+        }
+        leso.e_V = (lode_ab_t){0.0f, 0.0f};
+        lode_observer_settle(&leso, &tuning);
+        for (int k = 1; k <= 5; k++) {
+            CHECK_NEAR(0.0, 0.0, cabs(feed(&leso, &tuning, 300.0, 0.0)));
+        }
+    }
+}
+
 static void test_reset_forgets_everything(void) {
     const lode_observer_t expected = {.e_V = {0.0f, 0.0f}};
     lode_observer_t leso;
@@ -756,6 +774,7 @@ int main(void) {
     RUN_TEST(test_any_bits_do_no_harm);
     RUN_TEST(test_calm_keeps_the_estimate);
     RUN_TEST(test_settled_it_goes_on_from_its_emf);
+    RUN_TEST(test_settled_on_no_emf_it_is_silent);
     RUN_TEST(test_reset_forgets_everything);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_k1_is_bound_to_k2);

@@ -98,7 +98,9 @@ static lode_finding_t look(bench_t *self) {
 
 static void expect_none(bench_t *self, int looks) {
     for (int n = 0; n < looks; n++) {
-        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_NONE", lode_check_name(look(self).check));
+        const lode_finding_t found = look(self);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_NONE", lode_check_name(found.check));
+        TEST_ASSERT_TRUE(found.measured == 0.0f && found.limit == 0.0f);
     }
 }
 

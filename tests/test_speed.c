@@ -248,6 +248,8 @@ static void test_every_field_at_its_limits(void) {
     for (int i = 0; i < COUNT_OF(none); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_GAINS, try_one(kp, none[i]));
     }
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(kp, 1.01e-9f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_GAINS, try_one(kp, 0.99e-9f));
     // kp/J is the crossover: not beyond the 100 rad/s of the PLL.
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(kp, 0.99f * 100.0f * 0.0174f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_BANDWIDTH, try_one(kp, 1.01f * 100.0f * 0.0174f));
