@@ -1196,6 +1196,48 @@ static void test_an_axis_that_is_not_found_is_given_up(void) {
     CHECK_NEAR(1.0e-5, 0.33 * 12.0, lode_hfi_find(&hfi, &tuning, 12.0f));
 }
 
+/// What is just at a bound: the dead time and the axis that are taken, the axis that is found, the speed at which it does
+/// not begin, and the motion that decides nothing.
+static void test_at_the_bounds(void) {
+    machine_t machine;
+    set_up(&machine);
+    machine.motor.Lq_H = 2.0f * machine.motor.Ld_H;
+    machine.inverter.dead_time_s = 0.0f;
+    machine.inverter.v_drop_V = 5.0f; // half of 10 V, which one of (xi - 1) makes 0.5 rad
+    machine.inverter.i_max_A = 8.0f;
+    lode_hfi_config_t config = designed(&machine);
+    config.V_h_V = 10.0f;
+    config.k_x_rad_A = 0.0625f;
+    CHECK_STATUS(LODE_OK, tried(&config, &machine));
+    config.k_x_rad_A = 0.0626f;
+    CHECK_STATUS(LODE_ERROR_HFI_AXIS, tried(&config, &machine));
+    machine.inverter.v_drop_V = 5.01f;
+    CHECK_STATUS(LODE_ERROR_HFI_DEAD_TIME, tried(&config, &machine));
+    lode_hfi_tuning_t tuning = paper_tuning();
+    lode_hfi_t hfi = {.active = false};
+    TEST_ASSERT_FALSE(lode_hfi_follow(&hfi, &tuning, (lode_dq_t){0.0f, 0.0f}, 130.0f));
+    hfi = (lode_hfi_t){.off_rad = 0.15f};
+    for (int k = 0; k < 51; k++) {
+        (void)lode_hfi_find(&hfi, &tuning, 12.0f);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_NORTH, hfi.step);
+    tuning.find_gain = 1.0f; // a step is the share of it
+    const struct {
+        uint_least16_t rounds;
+        float step_rad, off_rad;
+    } cases[] = {{0u, 0.1f, 0.0f},  {1u, 0.1f, 0.2f},   {1u, 0.2f, 0.15f},
+                 {0u, -0.1f, 0.0f}, {1u, -0.1f, -0.2f}, {1u, -0.2f, -0.15f}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        hfi = (lode_hfi_t){.step = LODE_HFI_PUSH};
+        hfi.of.push.rounds = cases[n].rounds;
+        hfi.of.push.from = (lode_sincos_t){0.0f, 1.0f};
+        const lode_sincos_t rotor = {cases[n].off_rad,
+                                     sqrtf(1.0f - cases[n].off_rad * cases[n].off_rad)};
+        (void)lode_hfi_push(&hfi, &tuning, rotor, cases[n].step_rad, 1.0f);
+        TEST_ASSERT_EQUAL_INT(LODE_HFI_PUSH, hfi.step);
+    }
+}
+
 /// Half of the time for the axis, rounded up.
 static void test_time_for_either_current(void) {
     lode_hfi_tuning_t tuning = paper_tuning();
@@ -1387,6 +1429,7 @@ int main(void) {
     RUN_TEST(test_a_QPLL_has_no_acceleration_while_it_injects);
     RUN_TEST(test_a_drive_that_cannot_inject_is_refused);
     RUN_TEST(test_an_axis_that_is_not_found_is_given_up);
+    RUN_TEST(test_at_the_bounds);
     RUN_TEST(test_time_for_either_current);
     RUN_TEST(test_polarity_by_the_difference_of_the_responses);
     RUN_TEST(test_polarity_by_motion);

@@ -196,6 +196,42 @@ static void test_whatever_the_counts_the_answer_is_a_phase(void) {
     }
 }
 
+/// What two electrical periods make of these sums over twenty samples, ten of either set.
+static lode_open_phase_t judged(lode_abc_t set_1, lode_abc_t set_2) {
+    const lode_open_phase_tuning_t ten = {.i_min = 10.0f};
+    lode_open_phase_watch_t watch;
+    lode_open_phase_reset(&watch);
+    lode_open_phase_t open = 0u;
+    for (int n = 0; n < 2; n++) {
+        watch.sum = (lode_abc6_t){{set_1, set_2}};
+        watch.samples = 20u;
+        open = lode_open_phase_judge(&watch, &ten);
+        // The next period is looked at by itself.
+        TEST_ASSERT_EQUAL_UINT(0u, watch.samples);
+        for (int k = 0; k < 2; k++) {
+            const lode_abc_t sum = watch.sum.set[k];
+            TEST_ASSERT_TRUE(sum.a == 0.0f && sum.b == 0.0f && sum.c == 0.0f);
+        }
+    }
+    return open;
+}
+
+/// A share of 0.15 of the largest sum is little enough, a mean current of i_min is enough.
+static void test_just_at_the_bounds(void) {
+    const float most = 100.0f; // ten samples of ten
+    const float little = 0.15f * most;
+    const float more = 15.01f;
+    const lode_abc_t all = {most, most, most};
+    TEST_ASSERT_EQUAL_UINT(2u, judged((lode_abc_t){most, little, most}, all));
+    TEST_ASSERT_EQUAL_UINT(6u, judged(all, (lode_abc_t){most, most, little}));
+    TEST_ASSERT_EQUAL_UINT(0u, judged((lode_abc_t){most, more, most}, all));
+    TEST_ASSERT_EQUAL_UINT(7u, judged((lode_abc_t){little, little, little}, all));
+    TEST_ASSERT_EQUAL_UINT(8u, judged(all, (lode_abc_t){little, little, little}));
+    TEST_ASSERT_EQUAL_UINT(3u, judged((lode_abc_t){little, more, 0.0f}, all));
+    TEST_ASSERT_EQUAL_UINT(
+        0u, judged((lode_abc_t){99.0f, 0.0f, 99.0f}, (lode_abc_t){99.0f, 99.0f, 99.0f}));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_every_phase_is_found_within_three_periods);
@@ -209,5 +245,6 @@ int main(void) {
     RUN_TEST(test_each_period_is_counted_by_itself);
     RUN_TEST(test_one_period_is_not_enough);
     RUN_TEST(test_whatever_the_counts_the_answer_is_a_phase);
+    RUN_TEST(test_just_at_the_bounds);
     return UNITY_END();
 }
