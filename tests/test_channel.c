@@ -231,6 +231,15 @@ static void test_a_row_holds_the_channels_in_their_order(void) {
     TEST_ASSERT_EQUAL_UINT32(9u, row[3]);
 }
 
+static void test_a_drive_that_is_off_asks_for_no_speed(void) {
+    rig_t rig;
+    lode_drive_tuning_t tuning;
+    const lode_drive_config_t drive = rig_config();
+    rig_init(&rig, &tuning, &drive);
+    rig_step(&rig);
+    CHECK_NEAR(0.0, 0.0, lode_drive_speed_ref_rad_s(&rig.drive));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_channels_are_the_fields_of_the_telemetry);
@@ -241,5 +250,6 @@ int main(void) {
     RUN_TEST(test_bad_configurations_are_refused);
     RUN_TEST(test_rows_are_due_by_the_decimation);
     RUN_TEST(test_a_row_holds_the_channels_in_their_order);
+    RUN_TEST(test_a_drive_that_is_off_asks_for_no_speed);
     return UNITY_END();
 }

@@ -806,9 +806,14 @@ static void test_looking_for_the_rotor(void) {
         alone->rotation = (lode_ab_t){cosf(0.06f), sinf(0.06f)};
         alone->wait = (uint_least16_t)waits[n];
         w.estimator.pll.rise_rad_s = 7.0f;
+        w.estimator.per_V = 7.0f;
         const bool due = n == 0 || n == 3;
         TEST_ASSERT_EQUAL_INT(due, lode_estimator_seed(&w.estimator, &w.tuning, false));
         CHECK_NEAR(0.0, due ? 0.0 : 7.0, w.estimator.pll.rise_rad_s);
+        if (due) { // the size of an error is that of the EMF at hand, with the sign of the rotation
+            CHECK_CLOSE(1.0e-5, -1.0 / (double)lode_ab_length(w.estimator.emf.observer.e_V),
+                        w.estimator.per_V);
+        }
         CHECK_NEAR(0.0, sinf(0.06f), alone->rotation.beta);
     }
 }
@@ -848,10 +853,12 @@ static void test_a_slip_of_a_braked_rotor_is_no_angle(void) {
         // However wide the loop, by an eighth of a turn at most.
         lode_estimator_t wide = w.estimator;
         wide.gains.theta = 1.0f;
+        wide.gains.omega_s = 100.0f;
         lode_estimator_brake_slip(&wide, &w.tuning, 1.0f);
         const lode_sincos_t most = lode_angle_subtract(wide.pll.frame, w.estimator.pll.frame);
         CHECK_NEAR(1.0e-5, share > 0.0 ? -0.25 * CHECK_PI : 0.25 * CHECK_PI,
                    (double)lode_atan2(most.sin, most.cos));
+        TEST_ASSERT_FALSE(lode_lag_is_far(&wide.lag, wide.pll.omega_rad_s)); // follows that speed
         lode_estimator_t driven = w.estimator;
         driven.emf.i_A = (lode_ab_t){-driven.emf.i_A.alpha, -driven.emf.i_A.beta};
         const lode_estimator_t before = driven;
@@ -1042,6 +1049,49 @@ static void test_design_fills_what_is_open(void) {
     TEST_ASSERT_EQUAL_MEMORY(&config, &kept, sizeof config);
 }
 
+/// An error of the angle changes the torque as the same currents seen from a frame that is off by it do; what would
+/// swing up is left out.
+static void test_the_torque_swings_with_the_error(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    const lode_estimator_tuning_t tuning = tuned(&config);
+    const double error = 0.01;
+    const double ids[] = {-4.0, -1.0, 3.0};
+    for (int n = 0; n < COUNT_OF(ids); n++) {
+        const double id = ids[n];
+        const double iq = 3.0;
+        const lode_dq_t i_A = {(float)id, (float)iq};
+        const lode_dq_t off_A = {(float)(id * cos(error) + iq * sin(error)),
+                                 (float)(iq * cos(error) - id * sin(error))};
+        const double sound = (double)lode_estimator_acceleration(&tuning, i_A, 0.0f, 100.0f);
+        const double seen = (double)lode_estimator_acceleration(&tuning, off_A, 0.0f, 100.0f);
+        const double by_error =
+            (double)lode_estimator_acceleration(&tuning, i_A, (float)error, 100.0f);
+        CHECK_NEAR(0.05 * fabs(seen - sound), seen > sound ? seen - sound : 0.0, by_error - sound);
+    }
+}
+
+/// A lock forgets what an acquisition would go by, and a loop of second order the disturbance that it has none of.
+static void test_what_has_no_use_is_forgotten(void) {
+    for (int p = 0; p < COUNT_OF(both_plls); p++) {
+        const lode_estimator_config_t config = designed(both_plls[p]);
+        watch_t w = watch(&config, 300.0, 0.0);
+        for (int k = 0; k < 4000; k++) {
+            (void)watch_step(&w, 0.0, 0.0);
+        }
+        TEST_ASSERT_TRUE(w.estimator.locked);
+        w.estimator.by.alone.rotation = (lode_ab_t){1.0f, 2.0f};
+        w.estimator.by.alone.before_V = (lode_ab_t){3.0f, 4.0f};
+        lode_estimator_note_lock(&w.estimator, &w.tuning);
+        CHECK_NEAR(0.0, 0.0, lode_ab_length(w.estimator.by.alone.rotation));
+        CHECK_NEAR(0.0, 0.0, lode_ab_length(w.estimator.by.alone.before_V));
+        w.estimator.pll.f_rad_s2 = w.estimator.pll.rise_rad_s = 0.25f;
+        lode_estimator_adapt_gains(&w.estimator, &w.tuning);
+        const double left = both_plls[p] == LODE_PLL_QPLL ? 0.0 : 0.25;
+        CHECK_NEAR(0.0, left, w.estimator.pll.f_rad_s2);
+        CHECK_NEAR(0.0, left, w.estimator.pll.rise_rad_s);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_steady_angle_open_loop);
@@ -1083,5 +1133,7 @@ int main(void) {
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_errors_of_the_parts_come_through);
     RUN_TEST(test_design_fills_what_is_open);
+    RUN_TEST(test_the_torque_swings_with_the_error);
+    RUN_TEST(test_what_has_no_use_is_forgotten);
     return UNITY_END();
 }

@@ -397,6 +397,14 @@ static void test_interrupt_at_every_instruction(void) {
 
 #endif
 
+/// Whatever was in the memory, nothing is told as written or lost before the first period.
+static void test_a_ring_begins_empty(void) {
+    memset(buffer, 0x5A, sizeof buffer);
+    start(4u, 1u);
+    TEST_ASSERT_EQUAL_UINT32(0u, buffer[LODE_RING_AT_WRITTEN]);
+    TEST_ASSERT_EQUAL_UINT32(0u, buffer[LODE_RING_AT_OVERRUNS]);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_frames_arrive_in_order_whatever_the_pieces);
@@ -412,5 +420,6 @@ int main(void) {
 #if defined(__x86_64__) && defined(__linux__)
     RUN_TEST(test_interrupt_at_every_instruction);
 #endif
+    RUN_TEST(test_a_ring_begins_empty);
     return UNITY_END();
 }

@@ -183,6 +183,7 @@ static void test_atan2_on_axes_diagonals_and_denormals(void) {
             }
         }
     }
+    CHECK_NEAR(ATAN2_ERROR, CHECK_PI, lode_atan2(0.0f, -1.0f)); // not -pi
     CHECK_NEAR(ATAN2_ERROR, CHECK_PI / 2.0, lode_atan2(FLT_MAX, 1.0e-45f));
     CHECK_NEAR(ATAN2_ERROR, 0.0, lode_atan2(1.0e-45f, FLT_MAX));
     CHECK_NEAR(ATAN2_ERROR, 0.0, lode_atan2(-0.0f, 1.0f));
