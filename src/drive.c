@@ -191,6 +191,9 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .fault = self->guard.fault,
             .torque_limited = speed != NULL && is_limited(speed),
             .speed_raised = speed != NULL && is_raised(self),
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+            .retries = lode_mode(self) == LODE_MODE_START ? self->state.start.failed : self->losses,
+#endif
             .duty = self->duty,
             .i_A = self->i_A,
             .ref_A = self->ref_A,
@@ -291,6 +294,9 @@ static void name_lost_lock(lode_drive_t *self) {
 LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self) {
     const lode_situation_t now = {self->mode, lode_mode(self) == LODE_MODE_RUN};
     lode_guard_check_slow(&self->guard, &self->tuning->guard, lode_drive_condition(self), now);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    lode_mode_prove_start(self);
+#endif
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     name_lost_lock(self);
 #endif

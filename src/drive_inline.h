@@ -362,6 +362,11 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     switch (slot) {
     case SLOT_LOCK:
         lode_estimator_note_lock(estimator, &tuning->estimator);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+        if (lode_mode(self) == LODE_MODE_RUN) {
+            self->state.run.proving -= 1.0f; // ends below 0
+        }
+#endif
         break;
     case SLOT_LAG:
         lode_drive_adapt_lag(self, tuning);

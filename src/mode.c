@@ -20,8 +20,8 @@
 // 100 K hotter has 1.4 times its resistance; a current sensor with 0.4 of its gain shows 2.5 times.
 #define WRONG_RESISTANCE 1.6f
 #define WRONG_PER_CALM 10.0f
-// With injection a rotor is given up for lost at two thirds of the guard's time, up to twice the speed at which
-// injection ends: the EMF may have pulled the estimate there.
+// A rotor is given up for lost at two thirds of the guard's time; with injection up to twice the speed at which that
+// ends: the EMF may have pulled the estimate there.
 #define LOST_SHARE 2u
 #define LOST_PARTS 3u
 #define LOST_SPEED 2.0f
@@ -52,6 +52,7 @@ static void set_duties(lode_drive_t *self, float duty) {
 // Gates off, with no voltage on its way.
 static LODE_SMALL_CALL void open_gates(lode_drive_t *self, lode_mode_t mode) {
     self->gates = false;
+    self->losses = 0u;
     set_duties(self, LODE_DUTY_IDLE);
     set_omitted(self);
     const lode_ab_t none = {0.0f, 0.0f};
@@ -66,6 +67,29 @@ LODE_NOINLINE void lode_mode_switch_off(lode_drive_t *self) {
     self->u_V = (lode_dq_t){0.0f, 0.0f};
     lode_estimator_reset(&self->estimator, &self->tuning->estimator);
 }
+
+#if !defined(LODE_WITHOUT_HANDOVER_RETRY) || !defined(LODE_WITHOUT_HFI)
+
+// RUN, about to trip for lost lock.
+static bool loses_lock(const lode_drive_t *self) {
+    const uint32_t least = LOST_SHARE * self->tuning->guard.lock_looks;
+    return LOST_PARTS * (uint32_t)self->guard.lock >= least;
+}
+
+#endif
+
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+
+LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
+    const uint_least8_t losses = self->losses;
+    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0.0f && loses_lock(self) &&
+        losses < LODE_START_FAILED_MAX) {
+        lode_mode_switch_off(self); // as the command is RUN, for no longer than the next period
+        self->losses = (uint_least8_t)(losses + 1u);
+    }
+}
+
+#endif
 
 LODE_NOINLINE void lode_mode_obey_guard(lode_drive_t *self) {
     if (!lode_guard_is_good(&self->guard)) {
@@ -123,7 +147,6 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     const lode_drive_tuning_t *tuning = self->tuning;
     self->gates = true;
     self->sensored = 0u; // until the next estimate says so
-    self->losses = 0u;
     set_duties(self, LODE_DUTY_IDLE);
     lode_guard_reset(&self->guard);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -134,6 +157,9 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     lode_pi_reset(&self->current.d, 0.0f);
     lode_pi_reset(&self->current.q, 0.0f);
     lode_start_begin(&self->state.start, &tuning->start);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    self->state.start.failed = self->losses;
+#endif
 #ifndef LODE_WITHOUT_COMMISSIONING
     if (mode != LODE_MODE_START) {
         self->state.theta_rad = self->command.theta_rad; // in place of the start's
@@ -155,6 +181,9 @@ static void run_at_once(lode_drive_t *self) {
                      lode_references_most_Nm(&tuning->references));
     run->fade = 0.0f;
     run->id_A = 0.0f;
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    run->proving = 0.0f;
+#endif
     lode_references_reset(&run->references, self->i_A.d);
     self->ref_A = (lode_dq_t){0.0f, 0.0f}; // until SLOT_REFERENCES
     set_mode(self, LODE_MODE_RUN);
@@ -204,11 +233,17 @@ static void hand_over(lode_drive_t *self) {
     lode_current_reset(&self->current, u_V,
                        lode_references_induced_V(&tuning->references, i_A, omega));
     const float torque = lode_references_torque_Nm(&tuning->references, i_A);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    self->losses = self->state.start.failed;
+#endif
     lode_running_t *run = &self->state.run; // takes the place of the start's
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
                      lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator),
                      lode_references_most_Nm(&tuning->references));
     run->fade = 1.0f;
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    run->proving = tuning->start.patience_rounds;
+#endif
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
     lode_references_reset(&run->references, i_A.d);
     self->ref_A = i_A; // until SLOT_REFERENCES
@@ -224,8 +259,16 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
     const lode_sincos_t ahead = {sine, lode_sqrt(1.0f - sine * sine)};
     const lode_dq_t u_V = in_frame(self->u_V, ahead);
     const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    if (!(self->state.run.proving > 0.0f)) {
+        self->losses = 0u; // else it is the same start
+    }
+#endif
     lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead),
                      self->estimator.pll.omega_rad_s, current_A);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    self->state.start.failed = self->losses;
+#endif
     lode_current_reset(&self->current, u_V, (lode_dq_t){0.0f, 0.0f});
     set_mode(self, LODE_MODE_START);
 }
@@ -418,6 +461,9 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
     self->lead = lode_angle_triple(half);
     self->direction = lode_sign(omega);
     run_at_once(self);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    self->state.run.proving = tuning->start.patience_rounds;
+#endif
 }
 
 // One period of pulses.
@@ -699,8 +745,7 @@ static void find_at_rest(lode_drive_t *self) {
 
 // RUN, about to trip for lost lock, at a speed from which injection can find the rotor.
 static bool is_lost(const lode_drive_t *self) {
-    const uint32_t least = LOST_SHARE * self->tuning->guard.lock_looks;
-    return LOST_PARTS * (uint32_t)self->guard.lock >= least && self->losses < LOSSES_MAX &&
+    return loses_lock(self) && self->losses < LOSSES_MAX &&
            lode_abs(self->estimator.pll.omega_rad_s) <
                LOST_SPEED * self->tuning->estimator.hfi.omega_high;
 }
@@ -712,6 +757,7 @@ static void find_again(lode_drive_t *self) {
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
     lode_start_begin(&self->state.start, &self->tuning->start);
+    self->state.start.failed = self->losses;
     set_mode(self, LODE_MODE_START);
 }
 

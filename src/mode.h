@@ -178,6 +178,11 @@ void lode_mode_fault(lode_drive_t *self, lode_check_t check, float measured, flo
 // The guard has tripped: what follows, if it has not yet.
 void lode_mode_obey_guard(lode_drive_t *self);
 
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+// Once in LODE_SLOW_PERIODS: a start whose lock goes right after the hand-over has failed, and begins anew.
+void lode_mode_prove_start(lode_drive_t *self);
+#endif
+
 // Keeps the current `i_A` of a period that has tripped, which goes no further.
 void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A);
 

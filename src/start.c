@@ -29,7 +29,6 @@
 #define LOST_UNSURE 1.2f // flux that the current may take of a rotor whose Lq - Ld is 20 % off
 #define LOCK_TURNS 2.0f  // electrical
 #define PATIENCE_s 0.4f
-#define FAILED_MAX 2u // attempts before the last one
 #define TIMEOUT_MAX_s 1000.0f
 // Of the start current, in the last attempt; from CURRENT_SHARE of i_max up to i_max. A rotor that needs so much is
 // loaded, and lags by so much that reluctance adds to its torque.
@@ -307,6 +306,7 @@ static void enter(lode_start_t *self, uint_least8_t stage) {
     self->seen.rest.along_V = 0.0f;
     self->seen.rest.dwelt = 0u;
     self->seen.rest.calm = 0u;
+    self->seen.rest.unknown = 0u;
     if (stage == (uint_least8_t)LODE_START_TURN) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         self->seen.turn.waves = (lode_waves_t){.turn_rad = 0.0f};
@@ -376,7 +376,7 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
         self->at = (lode_sincos_t){0.0f, 1.0f}; // on a phase, for the measurement
         self->omega_rad_s = 0.0f;
         self->current_A = 0.0f;
-        self->failed = self->failed == 0u ? 1u : FAILED_MAX;
+        self->failed = self->failed == 0u ? 1u : LODE_START_FAILED_MAX;
         enter(self, first_stage(tuning));
     }
 }
@@ -390,6 +390,22 @@ static lode_start_found_t found_at_rest(const lode_start_t *self,
     const float r_Ohm =
         (mean_V - self->seen.rest.along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
     return (lode_start_found_t){.r_Ohm = r_Ohm, .dead_V = mean_V - r_Ohm * self->current_A};
+}
+
+// The voltage with the present current is known, or is not: the rotor has its time to come to rest at both, as it is
+// all of the current that it is to follow.
+static LODE_NOINLINE void end_dwell(lode_start_t *self, const lode_start_tuning_t *tuning,
+                                    bool known) {
+    const float mean_V = self->seen.rest.sum_V / (float)tuning->calm_rounds;
+    if (self->stage == (uint_least8_t)LODE_START_HALF) {
+        enter(self, (uint_least8_t)LODE_START_FULL);
+        self->seen.rest.along_V = mean_V;
+        self->seen.rest.unknown = (uint_least8_t)(known ? 0u : 1u);
+    } else if (known && self->seen.rest.unknown == 0u) {
+        self->stage = (uint_least8_t)LODE_START_FOUND;
+    } else {
+        enter(self, (uint_least8_t)LODE_START_TURN);
+    }
 }
 
 // One round with the present current. What it makes known is worked out in the next round, by a call of its own.
@@ -406,18 +422,9 @@ static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning,
         self->seen.rest.calm++;
         self->seen.rest.sum_V += seen_V.d;
     }
-    if (self->seen.rest.calm >= tuning->calm_rounds) {
-        if (self->stage == (uint_least8_t)LODE_START_HALF) {
-            const float mean_V = self->seen.rest.sum_V / (float)tuning->calm_rounds;
-            enter(self, (uint_least8_t)LODE_START_FULL);
-            self->seen.rest.along_V = mean_V;
-        } else {
-            self->stage = (uint_least8_t)LODE_START_FOUND;
-        }
-    } else if (self->seen.rest.dwelt >= tuning->dwell_rounds) {
-        enter(self, (uint_least8_t)LODE_START_TURN);
-    } else {
-        // goes on
+    const bool known = self->seen.rest.calm >= tuning->calm_rounds;
+    if (known || self->seen.rest.dwelt >= tuning->dwell_rounds) {
+        end_dwell(self, tuning, known);
     }
 }
 
@@ -439,7 +446,7 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
 
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
-    const bool last = current_A > 0.0f && self->failed >= FAILED_MAX;
+    const bool last = current_A > 0.0f && self->failed >= LODE_START_FAILED_MAX;
     self->omega_target = omega_target_rad_s;
     self->current_target =
         (last ? tuning->current_last_A : current_A) * current_share(self, tuning);

@@ -9,6 +9,7 @@
 // ramp: each has a quarter of the one before. The last one also takes more current, against a load.
 #define LODE_START_EASE 0.25f
 #define LODE_START_EASE_LAST (LODE_START_EASE * LODE_START_EASE)
+#define LODE_START_FAILED_MAX 2u // attempts before the last one
 
 // Share of the ramp in the present attempt.
 LODE_INLINE float lode_start_ease(const lode_start_t *self) {

@@ -864,7 +864,6 @@ static void begins_anew(lode_choice_t pulses) {
     TEST_ASSERT_TRUE(reach(&clean, LODE_MODE_OFF, 0.2));
     rig_t rig = clean;
     lode_drive_t *drive = &rig.drive;
-    drive->losses = 2u;
     drive->guard.lock = drive->guard.speed = drive->guard.bus = 5u;
     memset(&drive->plausibility, 0x11, sizeof drive->plausibility);
     drive->estimator.lock = 0.5f;
@@ -876,7 +875,6 @@ static void begins_anew(lode_choice_t pulses) {
     rig_command(&rig, run_at(80.0));
     TEST_ASSERT_TRUE(reach(&clean, LODE_MODE_START, 0.2));
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
-    TEST_ASSERT_EQUAL_UINT(0u, drive->losses);
     TEST_ASSERT_EQUAL_MEMORY(&clean.drive.guard, &drive->guard, sizeof drive->guard);
     TEST_ASSERT_EQUAL_MEMORY(&clean.drive.plausibility, &drive->plausibility,
                              sizeof drive->plausibility);
@@ -2422,6 +2420,96 @@ static void test_lost_lock_and_wrong_way_trip_in_20_ms(void) {
     TEST_ASSERT_EQUAL_INT(1001, steps_until_off(&sound, 0.9f, 1.0f, 1000));
 }
 
+/// One that has just handed over, by a start that looks for no rotor that turns already.
+static rig_t handed_over(void) {
+    lode_drive_config_t config = rig_config();
+    config.start.pulses = LODE_OFF;
+    config.start.catch_s = LODE_NONE;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    run_up(&rig, 80.0, 8.0);
+    return rig;
+}
+
+/// Loses the lock, and with it the gates without a fault; the next attempt begins from rest.
+static void lose_an_attempt(rig_t *rig, unsigned attempt) {
+    const int looks = (int)(tuning.guard.lock_looks * LODE_GUARD_PERIODS);
+    const int steps = steps_until_off(rig, 0.3f, 1.0f, 1000);
+    CHECK_NEAR(2.0 * LODE_GUARD_PERIODS, 2.0 / 3.0 * looks, steps);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, rig_telemetry(rig).mode);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(rig).fault.check);
+    TEST_ASSERT_TRUE(is_idle(rig->out));
+    TEST_ASSERT_EQUAL_UINT(attempt, rig_telemetry(rig).retries);
+    rig->motor.omega = 0.0;
+    TEST_ASSERT_TRUE(reach(rig, LODE_MODE_START, 0.1));
+    TEST_ASSERT_EQUAL_UINT(attempt, rig_telemetry(rig).retries);
+    TEST_ASSERT_EQUAL_UINT(attempt, rig->drive.state.start.failed);
+}
+
+/// (S28). Three attempts, then the fault.
+static void test_a_lock_lost_right_after_the_hand_over_is_an_attempt(void) {
+    rig_t rig = handed_over();
+    TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&rig).retries);
+    for (unsigned attempt = 1u; attempt <= 2u; attempt++) {
+        lose_an_attempt(&rig, attempt);
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+        TEST_ASSERT_EQUAL_UINT(attempt, rig_telemetry(&rig).retries);
+    }
+    rig_t steady_rig = rig;
+    rig_run(&steady_rig, 1.0);
+    TEST_ASSERT_EQUAL_UINT(2u, rig_telemetry(&steady_rig).retries); // of the last start
+    (void)steps_until_off(&rig, 0.3f, 1.0f, 1000);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&rig).fault.check);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig_telemetry(&rig).fault.state);
+}
+
+static void test_a_start_that_is_over_is_no_attempt(void) {
+    const rig_t rig = handed_over();
+    rig_t early = rig;
+    rig_run(&early, 0.37);
+    (void)steps_until_off(&early, 0.3f, 1.0f, 1000);
+
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, rig_telemetry(&early).mode);
+    rig_t late = rig;
+    rig_run(&late, 0.4);
+    (void)steps_until_off(&late, 0.3f, 1.0f, 1000);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&late).fault.check);
+    rig_t fast = rig; // any other fault is one
+    (void)steps_until_off(&fast, 0.9f, 10.0f, 1000);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_FAULT, rig_telemetry(&fast).mode);
+}
+
+static void test_a_commanded_off_forgets_the_attempts(void) {
+    rig_t rig = handed_over();
+    lose_an_attempt(&rig, 1u);
+    rig_command(&rig, off);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.01));
+    TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&rig).retries);
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.state.start.failed);
+    TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&rig).retries);
+}
+
+/// An attempt that fails in START counts as one that fails after it, and a reversal is another start.
+static void test_attempts_that_fail_in_the_start_count(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
+    rig.drive.state.start.failed = 2u;
+    TEST_ASSERT_EQUAL_UINT(2u, rig_telemetry(&rig).retries);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+    TEST_ASSERT_EQUAL_UINT(2u, rig_telemetry(&rig).retries);
+    rig_t reversed = rig;
+    (void)steps_until_off(&rig, 0.3f, 1.0f, 1000);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&rig).fault.check);
+    rig_run(&reversed, 0.5);
+    rig_command(&reversed, run_at(-80.0));
+    TEST_ASSERT_TRUE(reach(&reversed, LODE_MODE_START, 4.0));
+    TEST_ASSERT_TRUE(reach(&reversed, LODE_MODE_RUN, 4.0));
+    TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&reversed).retries);
+}
+
 /// Magnets that have lost `share` of their flux: the fault, within 100 ms.
 static lode_fault_t with_less_flux(rig_t rig, double share) {
     rig.motor.psi *= 1.0 - share;
@@ -2468,7 +2556,8 @@ static lode_check_t by_emf_aside(rig_t rig, uint32_t aside, float size) {
 
 /// Lost lock is that of another flux where the EMF was along the rotor at every look, and off by a fifth at least.
 static void test_another_flux_is_one_at_every_look(void) {
-    const rig_t rig = running(100.0, 8.0);
+    rig_t rig = running(100.0, 8.0);
+    rig_run(&rig, 0.5); // the start is over
     const uint32_t looks = rig.drive.tuning->guard.lock_looks;
     TEST_ASSERT_TRUE(looks > 6u);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_emf_aside(rig, 0u, 1.5f));
@@ -3128,6 +3217,10 @@ int main(void) {
     RUN_TEST(test_a_current_that_the_voltage_does_not_allow_is_not_missed);
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
+    RUN_TEST(test_a_lock_lost_right_after_the_hand_over_is_an_attempt);
+    RUN_TEST(test_a_start_that_is_over_is_no_attempt);
+    RUN_TEST(test_a_commanded_off_forgets_the_attempts);
+    RUN_TEST(test_attempts_that_fail_in_the_start_count);
     RUN_TEST(test_another_flux_is_named);
     RUN_TEST(test_another_flux_is_one_at_every_look);
     RUN_TEST(test_the_observers_lag_is_no_other_flux);

@@ -813,13 +813,44 @@ static void test_resistance_and_dead_time_are_measured_at_rest(void) {
     TEST_ASSERT_TRUE(known);
     CHECK_CLOSE(1.0e-4, 0.3, found.r_Ohm);
     CHECK_CLOSE(1.0e-4, -1.2, found.dead_V);
-    // A rotor that moves has an EMF of its own along the vector: given up after 0.15 s.
-    const int given_up = (int)(0.15 / (ROUND * 2.0e-4));
+    // A rotor that moves has an EMF of its own along the vector: given up after 0.15 s at each current.
+    const int given_up = 2 * (int)(0.15 / (ROUND * 2.0e-4));
     CHECK_NEAR(4.0, given_up, measure(&config, 0.3, -1.2, 5.0, &known, &found));
     TEST_ASSERT_FALSE(known);
     config.measure = LODE_OFF;
     CHECK_AT_MOST(4.0, measure(&config, 0.3, -1.2, 0.0, &known, &found));
     TEST_ASSERT_FALSE(known);
+}
+
+/// One mean is none: a rotor that comes to rest at the second current, or moves there, tells nothing.
+static void test_one_of_two_means_tells_nothing(void) {
+    lode_start_config_t config = sound();
+    config.measure = LODE_ON;
+    config.catch_s = LODE_NONE;
+    const lode_start_tuning_t tuning = tuned(&config);
+    for (int moves_at = LODE_START_HALF; moves_at <= LODE_START_FULL + 1; moves_at++) {
+        lode_start_t start;
+        lode_start_begin(&start, &tuning);
+        lode_start_found_t found = {0.0f, 0.0f};
+        bool known = false;
+        int rounds[2] = {0, 0};
+        for (int n = 1; start.stage != LODE_START_TURN && n < 20000; n++) {
+            const lode_dq_t e = {3.0f, start.stage == moves_at ? 5.0f : 0.0f};
+            const lode_ab_t e_V = lode_park_inverse(e, start.at);
+            if (n % ROUND == 1) {
+                rounds[0] += start.stage == LODE_START_HALF ? 1 : 0;
+                rounds[1] += start.stage == LODE_START_FULL ? 1 : 0;
+                known = lode_start_measure(&start, &tuning, e_V, &found) || known;
+                lode_start_aim(&start, &tuning, 47.0f, config.current_A);
+            }
+            (void)lode_start_step(&start, &tuning, e_V, PAPER_TS_s);
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_START_TURN, start.stage);
+        TEST_ASSERT_EQUAL_INT(moves_at > LODE_START_FULL, known);
+        const int dwell = (int)(0.15 / (ROUND * 2.0e-4));
+        CHECK_AT_LEAST(dwell, rounds[0] + (moves_at == LODE_START_HALF ? 0 : dwell));
+        CHECK_AT_LEAST(dwell, rounds[1] + (moves_at == LODE_START_FULL ? 0 : dwell));
+    }
 }
 
 /// Dead time shows along the phase that the vector waits at, by however much the damping has turned it.
@@ -999,6 +1030,7 @@ static void test_a_stage_begins_anew(void) {
     TEST_ASSERT_EQUAL_UINT(0u, start.seen.rest.dwelt);
     TEST_ASSERT_EQUAL_UINT(0u, start.seen.rest.calm);
     CHECK_NEAR(0.0, 0.0, start.seen.rest.along_V);
+    TEST_ASSERT_EQUAL_UINT(0u, start.seen.rest.unknown);
     lode_start_found_t found;
     start.swing_V = 0.2f / tuning.damping;
     for (int n = 1; start.stage != LODE_START_TURN && n < 20000; n++) {
@@ -1111,6 +1143,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_resistance_and_dead_time_are_measured_at_rest);
     RUN_TEST(test_damping_gives_way_to_current_and_speed);
+    RUN_TEST(test_one_of_two_means_tells_nothing);
     RUN_TEST(test_dead_time_is_measured_with_a_vector_that_gives_way);
     RUN_TEST(test_a_new_attempt_measures_again);
     RUN_TEST(test_a_vector_turns_by_its_damping_too);

@@ -156,6 +156,10 @@ typedef struct {
     lode_references_t references;
     float fade; ///< 1 at hand-over, 0 when the references have taken over
     float id_A; ///< d-axis current at hand-over, which fades
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    float
+        proving; ///< more than 0: a lost lock is a start that failed, for as many LODE_SLOW_PERIODS
+#endif
 } lode_running_t;
 
 /// Low sides alone.
@@ -189,7 +193,7 @@ typedef struct {
     uint_least8_t mode;     ///< lode_mode_t
     uint_least8_t mode_not; ///< the same inverted
     uint_least8_t omitted;  ///< phases whose next two samples cannot be used, two bits each
-    uint_least8_t losses;   ///< of the rotor in RUN, injection having found it again
+    uint_least8_t losses;   ///< of the rotor: as lode_telemetry_t.retries
     uint_least16_t temperature; ///< count, of the hotter power stage
     lode_sense_t sense;
     lode_guard_t guard;
@@ -240,6 +244,9 @@ typedef struct {
     bool torque_limited;
     bool
         speed_raised; ///< RUN: the commanded speed is below the least one, which is held in its place
+    /// attempts of the present start, or the last one, that have failed, 2 for more; with injection also times that the
+    /// rotor was looked for again, up to 3. 0 with LODE_WITHOUT_HANDOVER_RETRY
+    uint_least8_t retries;
     lode_abc_t duty; ///< returned by the last call
     lode_dq_t i_A;   ///< in the frame of control: the rotor's in RUN, the vector's in START
     lode_dq_t ref_A; ///< its reference

@@ -84,10 +84,11 @@ enum {
 
 /// What is seen while the vector stands.
 typedef struct {
-    float sum_V;          ///< of the voltages along the current
-    float along_V;        ///< their mean at half the current
-    uint_least16_t dwelt; ///< rounds at the present current of the measurement
-    uint_least16_t calm;  ///< of them with the rotor at rest
+    float sum_V;           ///< of the voltages along the current
+    float along_V;         ///< their mean at half the current
+    uint_least16_t dwelt;  ///< rounds at the present current of the measurement
+    uint_least16_t calm;   ///< of them with the rotor at rest
+    uint_least8_t unknown; ///< 1: along_V is
 } lode_start_rest_t;
 
 /// What is seen while it turns.

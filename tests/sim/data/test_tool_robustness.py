@@ -63,7 +63,8 @@ def one_case(folder, number, case):
     text = phases((3, direction * share * RATED_RPM, 0),
                   (2, direction * share * RATED_RPM, direction * load * RATED_NM))
     done, lost = run(folder, f"case{number}", text, {"estimator.emf": emf, **values})
-    return math.inf if lost else done[-1]["angle_error_max_deg"]
+    error = done[-1]["angle_error_max_deg"]
+    return math.inf if lost or error is None else error  # None: it still starts
 
 
 def worst_of(folder, emf, shares, values):
