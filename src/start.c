@@ -18,7 +18,7 @@
 #define LIGHT_ROTOR 4.5f
 #define HANDOVER_SHARE_MAX                                                                         \
     0.5f // of rated or base speed: beyond, too little of the speed range is left
-#define RAMP_TORQUE_SHARE (1.0f / 6.0f)
+#define RAMP_TORQUE_SHARE 0.1f // ten times the inertia takes it all
 #define RISE_TIME_s 0.2f
 #define DAMPING 0.5f
 #define LOCK_TIME_s 0.1f
@@ -38,8 +38,9 @@
 #define CURRENT_FALL 0.7f
 #define ROUNDS_MAX 2.0e9f // inside an int32
 #define COUNTER_MAX 65535.0f
-// Half of it to each current of the measurement: from phase axis to phase axis.
-#define SWEEP_rad (2.0f * LODE_TWO_PI / 3.0f)
+// Of the vector while the current rises (S29): all of it, or from half of the current on, where it is measured there.
+#define SWEEP_rad (LODE_TWO_PI * 240.0f / 360.0f)
+#define SWEEP_SECOND_rad (LODE_TWO_PI * 60.0f / 360.0f)
 #define MEAN_CORNER 0.3f  // of the mean EMF, over the swing's natural frequency
 #define SWING_CORNER 3.0f // of its deviation: above, an error in Lq would close a loop
 // Gain that is left to the loop of the shift: a moving vector moves d current, and so active flux, in a salient
@@ -53,12 +54,17 @@
 #define SPEED_TOLERANCE 0.25f // of the vector's speed, between estimator and vector
 
 // Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
-// current settle; given up after 0.15 s.
+// current settle; of one that does not come to rest in 0.15 s the mean of its swing.
 #define CALM_TIME_s 0.02f
 #define DWELL_TIME_s 0.15f
 #define MEASUREMENTS 2.0f // with half the current and with all of it
 #define SETTLE_PART 15u   // of the dwell
 #define CALM_SHARE 0.1f   // of the voltage that is not known
+// What a voltage along the vector may be off its mean, in the first half of the dwell and in the second, in calm
+// voltages; and the time for which it must be, where the rotor does not come to rest, in that of a calm mean (S30).
+#define STEADY_EARLY 0.5f
+#define STEADY_LATE 2.0f
+#define STEADY_TIMES 2.0f
 #define LEVEL_SHARE 0.5f
 #ifdef LODE_WITHOUT_START_MEASUREMENT
 #define MEASURES LODE_OFF
@@ -83,6 +89,11 @@ static float ramp_s(const lode_start_config_t *config) {
 
 static float dwell_s(const lode_start_config_t *config) {
     return config->measure == LODE_ON ? MEASUREMENTS * DWELL_TIME_s : 0.0f;
+}
+
+static float sweep_rad_s(const lode_start_config_t *config) {
+    const float rad = config->measure == LODE_ON ? SWEEP_SECOND_rad / LEVEL_SHARE : SWEEP_rad;
+    return rad / config->current_rise_s;
 }
 
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
@@ -272,7 +283,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .current_step = config->current_A * ts_s / config->current_rise_s,
         .omega_handover = config->omega_handover_rad_s,
         .omega_ready = omega_ready(config, inverter, motor, ts_s),
-        .sweep_step_rad = SWEEP_rad * ts_s / config->current_rise_s,
+        .sweep_step_rad = sweep_rad_s(config) * ts_s,
         .omega_step = config->ramp_rad_s2 * ts_s,
         .damping = 2.0f * lode_max(config->damping, 0.0f) / (swing * motor->psi_Wb),
         .damping_A = SHIFT_LOOP / (SWING_CORNER * swing *
@@ -302,11 +313,14 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 // What is seen of the stage before is forgotten.
 static void enter(lode_start_t *self, uint_least8_t stage) {
     self->stage = stage;
+#ifndef LODE_WITHOUT_START_MEASUREMENT
     self->seen.rest.sum_V = 0.0f;
     self->seen.rest.along_V = 0.0f;
     self->seen.rest.dwelt = 0u;
+    self->seen.rest.summed = 0.0f;
     self->seen.rest.calm = 0u;
     self->seen.rest.unknown = 0u;
+#endif
     if (stage == (uint_least8_t)LODE_START_TURN) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         self->seen.turn.waves = (lode_waves_t){.turn_rad = 0.0f};
@@ -384,24 +398,42 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
 #ifndef LODE_WITHOUT_START_MEASUREMENT
 
 // (S13), (S14): from the voltages along half and all of the current.
-static lode_start_found_t found_at_rest(const lode_start_t *self,
-                                        const lode_start_tuning_t *tuning) {
-    const float mean_V = self->seen.rest.sum_V / (float)tuning->calm_rounds;
+static lode_start_found_t found_at_rest(const lode_start_t *self) {
+    const float mean_V = self->seen.rest.sum_V;
     const float r_Ohm =
         (mean_V - self->seen.rest.along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
     return (lode_start_found_t){.r_Ohm = r_Ohm, .dead_V = mean_V - r_Ohm * self->current_A};
 }
 
+// One round's voltage, in the axis at which the vector waits. Resistance shows along the current, dead time along the phase
+// of the axis, whatever the damping adds to that. A rotor that falls past a right angle to the vector shows nothing
+// across it, but along it, and ever more: then the sum begins anew. In the second half of the dwell it takes the ripple of
+// a swing for no such change (S30).
+static void add_at_rest(lode_start_rest_t *rest, const lode_start_tuning_t *tuning,
+                        lode_dq_t axis_V) {
+    const bool late = rest->dwelt > tuning->dwell_rounds / 2u;
+    const float steady_V = (late ? STEADY_LATE : STEADY_EARLY) * tuning->calm_V;
+    if (lode_abs(axis_V.d * rest->summed - rest->sum_V) > steady_V * rest->summed) {
+        rest->sum_V = 0.0f;
+        rest->summed = 0.0f;
+        rest->calm = 0u;
+    }
+    rest->sum_V += axis_V.d;
+    rest->summed += 1.0f;
+    rest->calm = (uint_least16_t)(rest->calm + (lode_abs(axis_V.q) <= tuning->calm_V ? 1u : 0u));
+}
+
 // The voltage with the present current is known, or is not: the rotor has its time to come to rest at both, as it is
 // all of the current that it is to follow.
-static LODE_NOINLINE void end_dwell(lode_start_t *self, const lode_start_tuning_t *tuning,
-                                    bool known) {
-    const float mean_V = self->seen.rest.sum_V / (float)tuning->calm_rounds;
+static LODE_NOINLINE void end_dwell(lode_start_t *self, bool known) {
+    lode_start_rest_t *rest = &self->seen.rest;
+    const float mean_V = rest->sum_V / lode_max(rest->summed, 1.0f);
     if (self->stage == (uint_least8_t)LODE_START_HALF) {
         enter(self, (uint_least8_t)LODE_START_FULL);
-        self->seen.rest.along_V = mean_V;
-        self->seen.rest.unknown = (uint_least8_t)(known ? 0u : 1u);
-    } else if (known && self->seen.rest.unknown == 0u) {
+        rest->along_V = mean_V;
+        rest->unknown = (uint_least8_t)(known ? 0u : 1u);
+    } else if (known && rest->unknown == 0u) {
+        rest->sum_V = mean_V;
         self->stage = (uint_least8_t)LODE_START_FOUND;
     } else {
         enter(self, (uint_least8_t)LODE_START_TURN);
@@ -410,28 +442,21 @@ static LODE_NOINLINE void end_dwell(lode_start_t *self, const lode_start_tuning_
 
 // One round with the present current. What it makes known is worked out in the next round, by a call of its own.
 static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V) {
-    self->seen.rest.dwelt++;
-    // Resistance shows along the current, dead time along the phase that the vector waits at, whatever the damping
-    // adds to that.
-    const lode_dq_t seen_V = lode_park(e_V, lode_start_vector(self));
-    float across_V = lode_abs(seen_V.q);
-    if (self->seen.rest.dwelt > tuning->dwell_rounds / 2u) {
-        across_V = lode_min(across_V, lode_abs(lode_park(e_V, self->at).q));
+    lode_start_rest_t *rest = &self->seen.rest;
+    rest->dwelt++;
+    if (rest->dwelt > tuning->dwell_rounds / SETTLE_PART) {
+        add_at_rest(rest, tuning, lode_park(e_V, self->at));
     }
-    if (self->seen.rest.dwelt > tuning->dwell_rounds / SETTLE_PART && across_V <= tuning->calm_V) {
-        self->seen.rest.calm++;
-        self->seen.rest.sum_V += seen_V.d;
-    }
-    const bool known = self->seen.rest.calm >= tuning->calm_rounds;
-    if (known || self->seen.rest.dwelt >= tuning->dwell_rounds) {
-        end_dwell(self, tuning, known);
+    const bool calm = rest->calm >= tuning->calm_rounds;
+    if (calm || rest->dwelt >= tuning->dwell_rounds) {
+        end_dwell(self, calm || rest->summed >= STEADY_TIMES * (float)tuning->calm_rounds);
     }
 }
 
 bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
                         lode_start_found_t *found) {
     if (self->stage == (uint_least8_t)LODE_START_FOUND) {
-        *found = found_at_rest(self, tuning);
+        *found = found_at_rest(self);
         enter(self, (uint_least8_t)LODE_START_TURN);
         return true;
     }
@@ -474,7 +499,7 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
                          lode_abs(omega_rad_s - vector) <= slack;
     const bool sound = (catching || arrived) && lock >= LODE_LOCK_HANDOVER &&
                        lode_abs(omega_rad_s) >= tuning->omega_ready - slack;
-    self->locked = sound ? self->locked + 1u : 0u;
+    self->locked = (uint_least16_t)(sound ? self->locked + 1u : 0u);
     if (!catching) {
         return;
     }

@@ -11,6 +11,10 @@
 #define LODE_START_EASE_LAST (LODE_START_EASE * LODE_START_EASE)
 #define LODE_START_FAILED_MAX 2u // attempts before the last one
 
+// The sweep to half of the current, where it is measured there, over that from there to all of it: to each from phase
+// axis to phase axis, by 240 and by 60 degrees (S29).
+#define LODE_START_SWEEP_FIRST 4.0f
+
 // Share of the ramp in the present attempt.
 LODE_INLINE float lode_start_ease(const lode_start_t *self) {
     const float again = self->failed == 1u ? LODE_START_EASE : LODE_START_EASE_LAST;
@@ -26,8 +30,8 @@ LODE_INLINE bool lode_start_catches(const lode_start_t *self) {
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
                                   lode_ab_t e_V, float ts_s) {
     // Turning at speed begins when the current is there and resistance and dead time are measured. While the
-    // current rises at standstill the vector sweeps two thirds of a turn: a rotor that lies opposite to it would feel no
-    // torque, and one that falls back to it is carried along.
+    // current rises at standstill the vector sweeps, most of it to the first current that is measured with: a rotor
+    // that lies opposite to it would feel no torque, and one that falls back to it is carried along (S29).
     float advance_rad = ts_s * self->omega_rad_s;
     if (!(self->current_A < self->current_target) &&
         !(self->stage < (uint_least8_t)LODE_START_TURN)) {
@@ -36,6 +40,11 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
         advance_rad = ts_s * self->omega_rad_s;
     } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f)) {
         advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+        if (self->stage == (uint_least8_t)LODE_START_HALF) {
+            advance_rad *= LODE_START_SWEEP_FIRST;
+        }
+#endif
     } else {
         // the vector rests while it is measured, or its current rises on at the speed that there is
     }

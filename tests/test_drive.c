@@ -350,7 +350,7 @@ static void test_current_command_is_limited(void) {
 
 // --- Sensorless running -----------------------------------------------------------------------
 
-static void check_running(rig_t *rig, double speed) {
+static void check_running_within(rig_t *rig, double speed, double most_deg) {
     worst_t angle = {0.0};
     worst_t off_speed = {0.0};
     for (int n = 0; n < 1000; n++) {
@@ -359,9 +359,13 @@ static void check_running(rig_t *rig, double speed) {
         worst_note(&off_speed, rig->motor.omega / 3.0 - speed);
     }
     rig_expect(rig, LODE_MODE_RUN);
-    CHECK_AT_MOST(1.0 * CHECK_DEG, angle.value); // counts of 12.5 mA move it
+    CHECK_AT_MOST(most_deg * CHECK_DEG, angle.value);
     CHECK_AT_MOST(0.01 * fabs(speed), off_speed.value);
     CHECK_AT_LEAST(0.7, rig_telemetry(rig).lock);
+}
+
+static void check_running(rig_t *rig, double speed) {
+    check_running_within(rig, speed, 1.0); // counts of 12.5 mA move it
 }
 
 /// Mean error of the angle under load, in degrees, of a motor whose Lq falls by 5 % per ampere.
@@ -535,8 +539,9 @@ static void test_references_follow_the_torque_at_once_at_every_rate(void) {
         config.references.kind = LODE_REFERENCES_MTPA;
         rig_t rig;
         rig_init(&rig, &tuning, &config);
-        rig.load_Nm = 2.0;
         run_up(&rig, 60.0, 8.0);
+        rig_run(&rig, 1.0);
+        rig.load_Nm = 2.0;
         rig_run(&rig, 1.0);
         rig_command(&rig, run_at(100.0));
         rig_run(&rig, 0.02);
@@ -732,7 +737,8 @@ static void test_a_speed_that_is_raised_is_told(void) {
     rig_t rig = running(1.0, 8.0);
     rig_run(&rig, 3.0);
     TEST_ASSERT_TRUE(rig_telemetry(&rig).speed_raised);
-    check_running(&rig, (double)(tuning.omega_min * tuning.speed.inv_pole_pairs));
+    // At the least speed the resistance counts, which the start has measured.
+    check_running_within(&rig, (double)(tuning.omega_min * tuning.speed.inv_pole_pairs), 1.5);
     // Neither the least speed itself, nor a stop, which goes through it, nor any above.
     const double speeds[] = {(double)(tuning.omega_min * tuning.speed.inv_pole_pairs), 0.0, 60.0};
     for (int n = 0; n < COUNT_OF(speeds); n++) {
@@ -916,12 +922,12 @@ static void test_no_jump_at_hand_over(void) {
         rig_expect(&rig, LODE_MODE_RUN);
         const lode_running_t *run = &rig.drive.state.run;
         const lode_dq_t i_A = rig.drive.ref_A;
-        CHECK_NEAR(0.15, rig.motor.id, i_A.d);
-        CHECK_NEAR(0.15, rig.motor.iq, i_A.q);
+        CHECK_NEAR(0.3, rig.motor.id, i_A.d); // 8 A in a frame that is 2 degrees off
+        CHECK_NEAR(0.3, rig.motor.iq, i_A.q);
         CHECK_NEAR(0.0, i_A.d, run->references.id_A);
         CHECK_NEAR(0.0, 1.0, run->fade);
         CHECK_NEAR(1.0, rig.motor.omega / 3.0, lode_drive_speed_ref_rad_s(&rig.drive));
-        CHECK_CLOSE(0.05, ipmsm_torque(&rig.motor), run->speed.torque_Nm);
+        CHECK_NEAR(0.15, ipmsm_torque(&rig.motor), run->speed.torque_Nm);
         for (int n = 0; n < 2; n++) {
             jump_V = fmax(jump_V, jump_of(&rig));
         }
@@ -1130,13 +1136,21 @@ static void test_the_current_of_a_trip_is_told(void) {
                      (double)lode_channel_read(&rig.drive, LODE_CHANNEL_I_BETA)));
 }
 
-/// A winding of twice the resistance is corrected by as much as one may be warmer, and no more: 0.75 of it.
+/// A winding of twice the resistance is corrected by as much as one may be warmer, and no more: 0.75 of it. One rest
+/// position in three at least lets it be measured.
 static void test_much_resistance_is_corrected_in_part(void) {
-    rig_t rig = fresh();
-    const double R = rig.motor.R;
-    rig.motor.R = 2.0 * R;
-    run_up(&rig, 80.0, 8.0);
-    CHECK_CLOSE(1.0e-3, 0.75 * R, rig.drive.inverter.r_more_Ohm);
+    int measured = 0;
+    for (int k = 0; k < 12; k++) {
+        rig_t rig = fresh();
+        const double R = rig.motor.R;
+        rig.motor.R = 2.0 * R;
+        rig.motor.theta = (double)k * CHECK_PI / 6.0;
+        run_up(&rig, 80.0, 8.0);
+        const double more_Ohm = (double)rig.drive.inverter.r_more_Ohm;
+        CHECK_AT_MOST(0.7501 * R, more_Ohm);
+        measured += more_Ohm > 0.7499 * R ? 1 : 0;
+    }
+    CHECK_AT_LEAST(4.0, (double)measured);
 }
 
 /// A flag of the mailbox that is neither full nor empty trips; then the mailbox is empty, the command is OFF, and all is as
@@ -1350,7 +1364,7 @@ static void test_a_blocked_rotor_ends_in_a_start_fault(void) {
     rig_t rig = fresh();
     rig.blocked = true;
     rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_FAULT, 20.0)); // three attempts
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_FAULT, 30.0)); // three attempts
     const lode_fault_t fault = rig_telemetry(&rig).fault;
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_START", lode_check_name((lode_check_t)fault.check));
     TEST_ASSERT_EQUAL_INT(LODE_MODE_START, fault.state);
@@ -2591,21 +2605,54 @@ static void test_the_observers_lag_is_no_other_flux(void) {
 }
 
 /// A start of a motor with `times` the configured resistance.
-static lode_fault_t with_resistance(double times) {
+static lode_fault_t with_resistance(double times, double theta_rad) {
     rig_t rig = fresh();
     rig.motor.R *= times;
+    rig.motor.theta = theta_rad;
     rig_command(&rig, run_at(100.0));
     rig_run(&rig, 2.0);
     return rig_telemetry(&rig).fault;
 }
 
+/// Where the rotor came to rest in time: in a third of its positions at least.
 static void test_a_resistance_of_no_winding_ends_the_start(void) {
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_resistance(1.6).check);
-    const lode_fault_t wrong = with_resistance(2.6);
-    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_RESISTANCE", lode_check_name(wrong.check));
-    TEST_ASSERT_EQUAL_INT(LODE_MODE_START, wrong.state);
-    CHECK_CLOSE(0.1, 1.6 * 0.75, wrong.measured);
-    CHECK_CLOSE(0.01, 1.2 * 0.75, wrong.limit);
+    int ended = 0;
+    for (int k = 0; k < 12; k++) {
+        const double theta_rad = (double)k * CHECK_PI / 6.0;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_resistance(1.6, theta_rad).check);
+        const lode_fault_t wrong = with_resistance(2.6, theta_rad);
+        if (wrong.check != LODE_CHECK_NONE) {
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_RESISTANCE", lode_check_name(wrong.check));
+            TEST_ASSERT_EQUAL_INT(LODE_MODE_START, wrong.state);
+            CHECK_CLOSE(0.1, 1.6 * 0.75, wrong.measured);
+            CHECK_CLOSE(0.01, 1.2 * 0.75, wrong.limit);
+            ended++;
+        }
+    }
+    CHECK_AT_LEAST(4.0, (double)ended);
+}
+
+/// With the winding that is configured, one 30 % warmer and one colder, from 12 rest positions: at least one start in three
+/// lets the rotor come to rest in time, and what is measured then is 0.1 of it off, root of the mean square (S30).
+static void test_a_resistance_that_is_measured_is_right(void) {
+    const double times[] = {0.7, 1.0, 1.3};
+    double square = 0.0;
+    int measured = 0;
+    for (int n = 0; n < 3 * 12; n++) {
+        rig_t rig = fresh();
+        const double R = rig.motor.R;
+        rig.motor.R = times[n / 12] * R;
+        rig.motor.theta = (double)(n % 12) * CHECK_PI / 6.0;
+        run_up(&rig, 80.0, 8.0);
+        const double more = (double)rig.drive.inverter.r_more_Ohm / R;
+        if (fabs(more) > 0.0) {
+            const double error = more - (times[n / 12] - 1.0);
+            square += error * error;
+            measured++;
+        }
+    }
+    CHECK_AT_LEAST(12.0, (double)measured);
+    CHECK_AT_MOST(0.1, sqrt(square / (double)measured));
 }
 
 /// A start in which one phase has no positive current, as with a dead high switch.
@@ -3227,6 +3274,7 @@ int main(void) {
     RUN_TEST(test_a_dead_switch_ends_the_start);
     RUN_TEST(test_a_current_without_its_noise_is_refused_at_calibration);
     RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
+    RUN_TEST(test_a_resistance_that_is_measured_is_right);
     RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
     RUN_TEST(test_an_estimate_that_is_taken_over_is_the_own_one);

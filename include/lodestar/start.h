@@ -23,7 +23,7 @@ typedef struct {
     /// at least an EMF of a quarter of the drop across R
     float omega_handover_rad_s;
     float
-        ramp_rad_s2; ///< electrical, of the first attempt; 0: what a sixth of the start torque gives the inertia
+        ramp_rad_s2; ///< electrical, of the first attempt; 0: what a tenth of the start torque gives the inertia
     float current_rise_s; ///< 0: 0.2
     float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
     float lock_s;         ///< lock quality must have held for this long; 0: 0.1, salient from 0.05
@@ -43,16 +43,17 @@ typedef struct {
     float current_A;
     float current_step; ///< A per period
     float omega_handover;
-    float omega_ready;    ///< from which the estimator may take over, up to omega_handover
-    float sweep_step_rad; ///< per period while the current rises
-    float omega_step;     ///< electrical rad/s per period
-    float damping;        ///< rad by which the vector gives way per V of swinging EMF, at most
-    float damping_A;      ///< what it may be, times the current
-    float damping_rad_s;  ///< what it may be, times the speed
-    float lost_per_A;     ///< share of the flux that the start's current takes, per A
-    float mean_weight;    ///< of a new sample in the mean EMF
-    float swing_weight;   ///< of a new sample in its swing
-    float fade_step;      ///< per call of the references
+    float omega_ready; ///< from which the estimator may take over, up to omega_handover
+    float
+        sweep_step_rad; ///< per period while the current rises, from half of it on where it is measured there
+    float omega_step;    ///< electrical rad/s per period
+    float damping;       ///< rad by which the vector gives way per V of swinging EMF, at most
+    float damping_A;     ///< what it may be, times the current
+    float damping_rad_s; ///< what it may be, times the speed
+    float lost_per_A;    ///< share of the flux that the start's current takes, per A
+    float mean_weight;   ///< of a new sample in the mean EMF
+    float swing_weight;  ///< of a new sample in its swing
+    float fade_step;     ///< per call of the references
     uint_least16_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
     uint_least16_t lock_rounds;
     float current_last_A;  ///< of the last attempt
@@ -61,9 +62,10 @@ typedef struct {
     float patience_rounds; ///< at least, after the profile
     uint32_t timeout_rounds;
 #ifndef LODE_WITHOUT_START_MEASUREMENT
-    float calm_V;                ///< EMF across a vector by which the rotor stands still
-    uint_least16_t calm_rounds;  ///< of such voltages in a mean
-    uint_least16_t dwell_rounds; ///< of standstill at most for one mean; 0: nothing is measured
+    float calm_V;               ///< EMF across a vector by which the rotor stands still
+    uint_least16_t calm_rounds; ///< of such voltages that are enough for a mean
+    uint_least16_t
+        dwell_rounds; ///< of a vector that stands, at most, for one mean; 0: nothing is measured
 #endif
 } lode_start_tuning_t;
 
@@ -84,10 +86,11 @@ enum {
 
 /// What is seen while the vector stands.
 typedef struct {
-    float sum_V;           ///< of the voltages along the current
+    float sum_V;           ///< of the voltages along the axis at which the vector waits
+    float summed;          ///< how many
     float along_V;         ///< their mean at half the current
     uint_least16_t dwelt;  ///< rounds at the present current of the measurement
-    uint_least16_t calm;   ///< of them with the rotor at rest
+    uint_least16_t calm;   ///< of those in the sum that have nothing across the vector
     uint_least8_t unknown; ///< 1: along_V is
 } lode_start_rest_t;
 
@@ -107,17 +110,17 @@ typedef struct {
     float current_target;
     float mean_V;     ///< mean EMF across the vector
     float swing_V;    ///< its deviation from the mean: of the rotor's swing, which it is to damp
-    uint32_t locked;  ///< rounds of LODE_SLOW_PERIODS for which the lock has held
     uint32_t attempt; ///< rounds since the present attempt began; LODE_START_CATCH: that are left
     uint32_t rounds;  ///< since the start
     union {
         lode_start_rest_t rest; ///< before LODE_START_TURN
         lode_start_turn_t turn; ///< LODE_START_TURN
     } seen;
-    float by_size;        ///< share of the EMF's size in the swing, with the sign of the speed
-    float give;           ///< rad by which the vector gives way per V of swinging EMF
-    uint_least8_t stage;  ///< LODE_START_...
-    uint_least8_t failed; ///< attempts, up to two
+    float by_size;         ///< share of the EMF's size in the swing, with the sign of the speed
+    float give;            ///< rad by which the vector gives way per V of swinging EMF
+    uint_least16_t locked; ///< rounds of LODE_SLOW_PERIODS for which the lock has held
+    uint_least8_t stage;   ///< LODE_START_...
+    uint_least8_t failed;  ///< attempts, up to two
 } lode_start_t;
 
 /// Of omega_ready: below, the EMF drowns in the inverter's errors, and the estimator is held to the vector.
@@ -127,8 +130,9 @@ typedef struct {
 /// Of psi: what the d current may take of a salient rotor's flux at hand-over. With little of it left speed control
 /// and the PLL swing up against each other before the current has faded.
 #define LODE_START_LOST_MAX 0.4f
-/// The vector gives way, it does not run away.
-#define LODE_START_SHIFT_MAX_rad 0.5f
+/// The vector gives way, it does not run away: at 30 degrees from the phase axis at which it waits a phase current
+/// changes its sign, and takes what is not known of the dead time along (S31).
+#define LODE_START_SHIFT_MAX_rad 0.42f
 
 /// Whether the EMF stands out of the drop at any speed that may be that of a hand-over, up to half of rated and base
 /// speed (S27). False: starts and low speeds are no better than current sensors and resistance are known. `config` is

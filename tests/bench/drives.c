@@ -113,7 +113,7 @@ lode_drive_config_t bench_config(int32_t number) {
                   .temperature_gain_degC_count = 0.02f,
                   .calibrate_s = 1.0e-3f},
         // The vector of the start carries the rotor to the operating point itself, and its current
-        // is about the torque there: nothing but the speed has to settle after the hand-over.
+        // is about the torque there: nothing but the speed has to settle after the hand-over. Nothing is measured.
         .speed = {.bandwidth_rad_s = 80.0f,
                   .ki_Nm = 0.5f,
                   // Half the torque at the limit of current: BENCH_SATURATED is to get there.
@@ -122,10 +122,11 @@ lode_drive_config_t bench_config(int32_t number) {
         .start = {.current_A = BENCH_IQ_A,
                   .omega_handover_rad_s = BENCH_OMEGA_rad_s,
                   .ramp_rad_s2 = 2.0e4f,
-                  .current_rise_s = 0.005f,
+                  .current_rise_s = 0.02f,
                   .lock_s = 0.02f,
                   .catch_s = LODE_NONE,
-                  .fade_s = 0.01f},
+                  .fade_s = 0.01f,
+                  .measure = LODE_OFF},
         // The bus of BENCH_SATURATED falls far.
         .guard = {.v_bus_min_V = 10.0f},
     };
@@ -133,7 +134,7 @@ lode_drive_config_t bench_config(int32_t number) {
     if (c->scene == BENCH_RISE || c->scene == BENCH_START) {
         config.speed = (lode_speed_config_t){.omega_min_rad_s = 0.0f};
         config.start =
-            (lode_start_config_t){.catch_s = LODE_NONE, .current_rise_s = 0.02f, .lock_s = 0.01f};
+            (lode_start_config_t){.catch_s = LODE_NONE, .current_rise_s = 0.02f, .lock_s = 0.005f};
     }
     if (c->scene == BENCH_INJECTING) {
         config.hfi.mode = LODE_HFI_ON;

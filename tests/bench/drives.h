@@ -37,7 +37,7 @@
 #define BENCH_SETTLE_RISE 140
 /// The same for BENCH_START: the counted ones hold the last of the standstill, with the call that takes over
 /// what was measured, the ramp and the hand-over.
-#define BENCH_SETTLE_START 1540
+#define BENCH_SETTLE_START 1920
 /// Periods that are counted. After them the call number wraps around, and the record with a jump.
 #define BENCH_ROWS 512
 

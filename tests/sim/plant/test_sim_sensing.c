@@ -12,7 +12,8 @@
 #define V_BUS 24.0
 #define GAIN_A (1.0 / 128.0)
 #define DEAD_s 0.5e-6
-#define SETTLE_s 3.0e-6 // of a shunt's amplifier, dead time included
+#define DEAD_MOST_s (1.2 * DEAD_s) // that a start may measure
+#define SETTLE_s 3.0e-6            // of a shunt's amplifier, dead time included
 #define SAMPLE_s 0.3e-6
 #define ROUNDING_s 1.0e-9
 #define DUTY_MAX (1.0 - 2.0 * SETTLE_s * F_PWM)
@@ -75,7 +76,7 @@ static float voltage_use(const bench_t *bench) {
         return 0.0f; // the drive's own
     }
     return bench->way == LOW_THREE
-               ? (float)fmin(0.95, (DUTY_MAX - DEAD_s * F_PWM - 0.5) / (sqrt(3.0) / 4.0))
+               ? (float)fmin(0.95, (DUTY_MAX - DEAD_MOST_s * F_PWM - 0.5) / (sqrt(3.0) / 4.0))
                : 0.95f;
 }
 
@@ -184,11 +185,11 @@ static errors_t run_at(way_t way, double omega_m, double load_Nm) {
     const lode_command_t go = {.mode = LODE_MODE_RUN, .speed_rad_s = (float)omega_m};
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_command(&bench.drive, &go));
     errors_t worst = {.i_A = 0.0};
-    for (int k = 0; k < (int)(3.0 * F_PWM); k++) {
-        if (k == (int)(2.5 * F_PWM)) {
+    for (int k = 0; k < (int)(5.0 * F_PWM); k++) {
+        if (k == (int)(4.5 * F_PWM)) {
             plant_set_load(&bench.plant, load_Nm);
         }
-        if (k == (int)(2.8 * F_PWM)) {
+        if (k == (int)(4.8 * F_PWM)) {
             worst = (errors_t){.i_A = 0.0};
         }
         note(&bench, &worst);
