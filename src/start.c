@@ -319,7 +319,6 @@ static void enter(lode_start_t *self, uint_least8_t stage) {
     self->seen.rest.dwelt = 0u;
     self->seen.rest.summed = 0.0f;
     self->seen.rest.calm = 0u;
-    self->seen.rest.unknown = 0u;
 #endif
     if (stage == (uint_least8_t)LODE_START_TURN) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -429,10 +428,9 @@ static LODE_NOINLINE void end_dwell(lode_start_t *self, bool known) {
     lode_start_rest_t *rest = &self->seen.rest;
     const float mean_V = rest->sum_V / lode_max(rest->summed, 1.0f);
     if (self->stage == (uint_least8_t)LODE_START_HALF) {
-        enter(self, (uint_least8_t)LODE_START_FULL);
+        enter(self, (uint_least8_t)(known ? LODE_START_FULL : LODE_START_WAIT));
         rest->along_V = mean_V;
-        rest->unknown = (uint_least8_t)(known ? 0u : 1u);
-    } else if (known && rest->unknown == 0u) {
+    } else if (known && self->stage == (uint_least8_t)LODE_START_FULL) {
         rest->sum_V = mean_V;
         self->stage = (uint_least8_t)LODE_START_FOUND;
     } else {

@@ -80,18 +80,18 @@ enum {
     LODE_START_CATCH, ///< looks for a rotor that turns already
     LODE_START_HALF,  ///< measures at rest: with half the current,
     LODE_START_FULL,  ///< with all of it,
+    LODE_START_WAIT,  ///< or only waits there, as half the current made nothing known,
     LODE_START_FOUND, ///< and works out what that makes known
     LODE_START_TURN   ///< the vector turns as soon as its current is there
 };
 
 /// What is seen while the vector stands.
 typedef struct {
-    float sum_V;           ///< of the voltages along the axis at which the vector waits
-    float summed;          ///< how many
-    float along_V;         ///< their mean at half the current
-    uint_least16_t dwelt;  ///< rounds at the present current of the measurement
-    uint_least16_t calm;   ///< of those in the sum that have nothing across the vector
-    uint_least8_t unknown; ///< 1: along_V is
+    float sum_V;          ///< of the voltages along the axis at which the vector waits
+    float summed;         ///< how many
+    float along_V;        ///< their mean at half the current
+    uint_least16_t dwelt; ///< rounds at the present current of the measurement
+    uint_least16_t calm;  ///< of those in the sum that have nothing across the vector
 } lode_start_rest_t;
 
 /// What is seen while it turns.
