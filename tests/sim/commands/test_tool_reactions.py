@@ -21,7 +21,7 @@ def restarts(checks, folder):
     checks.at_most(abs(starts[1] - result["fault_log"][1]["t_s"] - 0.2), 0.003, "s off wait_s")
     # The estimate of the call that leaves PRECHARGE for RUN is still that of open gates.
     worst = max(phase["angle_error_max_deg"] for phase in result["phases"] if phase["mode"] == "RUN")
-    checks.at_most(worst, 15, "deg in RUN, behind each start too")
+    checks.at_most(worst, 20, "deg in RUN, behind each start too")
     checks.true("the drive's fault log" in done.stdout, "the log is printed")
     more = folder.run("run", "restart", "--set", "supervisor.attempts=3", "--json", "m.json")
     checks.equal(more.returncode, 1, "with one attempt more it does not stay off, as the scenario expects")
@@ -98,7 +98,7 @@ def shorted_switches(checks, folder):
         for k in range(INSTANTS):  # one electrical turn: the angle at the fault decides by how much
             current_A = {}
             for short in ("on", "off"):
-                last, current_A[short] = shorted(folder, side, short, 2.0 + k * TURN_s / INSTANTS)
+                last, current_A[short] = shorted(folder, side, short, 3.0 + k * TURN_s / INSTANTS)
                 checks.equal(last["check"], "LODE_CHECK_SWITCH_SHORTED", f"the {side} side is shorted")
                 checks.true((last["measured"] < 0) == (side == "low"), f"{side}: {last['measured']} A")
             ratios[side].append(current_A["on"] / current_A["off"])

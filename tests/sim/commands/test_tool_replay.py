@@ -240,7 +240,7 @@ def own_records(checks, folder):
     off = [abs(error_deg(float(estimates["run.csv"][k][1]), float(rows[k][theta]))) for k in late]
     # Not to the bit: the slow jobs fall into other periods than in the drive.
     checks.at_most(max(off), 0.01, f"the drive's own angle again, degrees, {len(late)} rows of RUN")
-    checks.true(len(late) > 3000, f"{len(late)} rows of RUN")
+    checks.true(len(late) > 2500, f"{len(late)} rows of RUN")
 
 
 def own_record_of_a_fault(checks, folder):
