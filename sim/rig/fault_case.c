@@ -206,6 +206,7 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *ki
     double turned_rad = 0.0;
     double ran_s = 0.0;
     rig_copy(&rig, &self->at[point]);
+    uint_least8_t losses = rig.drive->losses;
     inject_init(&inject, kind, &self->config, &self->plant, seed);
     if (point <= FAULT_AT_START) {
         command(&rig, self->speed_rad_s[FAULT_AT_50]);
@@ -220,6 +221,11 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *ki
         result.back_deg = fmax(result.back_deg, -rig_deg_from_rad(turned_rad));
         if (isnan(result.found_s)) {
             result.harm |= harm_now(self, &rig, point, &truth, &last);
+            if (rig.drive->losses > losses) { // a start given up for lost, which telemetry tells
+                result.harm &= FAULT_HARM_DIP;
+                last = (lasting_t){.rotor_s = 0.0};
+            }
+            losses = rig.drive->losses;
             if (rig.drive->guard.fault.check != (uint_least8_t)LODE_CHECK_NONE) {
                 result.found = (lode_check_t)rig.drive->guard.fault.check;
                 result.found_s = t_s + ts_s;
