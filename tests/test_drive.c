@@ -2524,6 +2524,35 @@ static void test_attempts_that_fail_in_the_start_count(void) {
     TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&reversed).retries);
 }
 
+/// Given back to the vector before the start is over it is the same start; after, another one.
+static void test_a_way_back_before_the_start_is_over_is_of_the_same_start(void) {
+    rig_t rig = handed_over();
+    lose_an_attempt(&rig, 1u);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+    for (int late = 0; late <= 1; late++) {
+        rig_t back = rig;
+        rig_run(&back, late == 1 ? 0.41 : 0.0);
+        rig_expect(&back, LODE_MODE_RUN);
+        lode_mode_hand_back(&back.drive);
+        TEST_ASSERT_EQUAL_UINT(late == 1 ? 0u : 1u, rig_telemetry(&back).retries);
+        TEST_ASSERT_EQUAL_UINT(late == 1 ? 0u : 1u, back.drive.state.start.failed);
+    }
+}
+
+/// A rotor that pulses have found may be lost as soon.
+static void test_a_lock_lost_right_after_the_pulses_is_an_attempt(void) {
+    rig_t rig = coasting(80.0);
+    run_up(&rig, 80.0, 0.2);
+    TEST_ASSERT_TRUE(rig.drive.steps < 3000u); // no start by a vector is so quick
+    rig_t late = rig;
+    (void)steps_until_off(&rig, 0.3f, 1.0f, 1000);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, rig_telemetry(&rig).mode);
+    TEST_ASSERT_EQUAL_UINT(1u, rig_telemetry(&rig).retries);
+    rig_run(&late, 0.41);
+    (void)steps_until_off(&late, 0.3f, 1.0f, 1000);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&late).fault.check);
+}
+
 /// Magnets that have lost `share` of their flux: the fault, within 100 ms.
 static lode_fault_t with_less_flux(rig_t rig, double share) {
     rig.motor.psi *= 1.0 - share;
@@ -3268,6 +3297,8 @@ int main(void) {
     RUN_TEST(test_a_start_that_is_over_is_no_attempt);
     RUN_TEST(test_a_commanded_off_forgets_the_attempts);
     RUN_TEST(test_attempts_that_fail_in_the_start_count);
+    RUN_TEST(test_a_way_back_before_the_start_is_over_is_of_the_same_start);
+    RUN_TEST(test_a_lock_lost_right_after_the_pulses_is_an_attempt);
     RUN_TEST(test_another_flux_is_named);
     RUN_TEST(test_another_flux_is_one_at_every_look);
     RUN_TEST(test_the_observers_lag_is_no_other_flux);
