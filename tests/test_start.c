@@ -479,6 +479,40 @@ static int caught_after(lode_estimate_t estimate) {
     return 0;
 }
 
+/// Rounds until the hand-over of a vector at 47 rad/s; 0: it does not come.
+static int ready_after(const lode_start_tuning_t *tuning, unsigned failed, float omega_rad_s) {
+    const lode_estimate_t estimate = {.omega_rad_s = omega_rad_s, .lock = LODE_LOCK_HANDOVER};
+    lode_start_t start = turning(47.0);
+    start.failed = (uint_least8_t)failed;
+    for (int n = 1; n < 1000; n++) {
+        if (ready(&start, tuning, &estimate)) {
+            return n;
+        }
+    }
+    return 0;
+}
+
+/// (S32).
+static void test_the_last_attempt_takes_what_lock_there_is(void) {
+    const lode_start_config_t config = sound();
+    lode_start_tuning_t tuning = tuned(&config);
+    const int rounds = 250 / ROUND;
+    TEST_ASSERT_EQUAL_INT(rounds, ready_after(&tuning, 1u, 47.0f));
+    TEST_ASSERT_EQUAL_INT(0, ready_after(&tuning, 1u, 47.0f * 0.7f));
+    // Of a vector that takes just all of the flux; one that takes more is not believed sooner.
+    tuning.lost_per_A = 1.0f / tuning.current_last_A;
+    TEST_ASSERT_EQUAL_INT(rounds / 2 + 1, ready_after(&tuning, 2u, 47.0f));
+    TEST_ASSERT_EQUAL_INT(rounds / 2 + 1, ready_after(&tuning, 2u, 47.0f * 1.49f));
+    TEST_ASSERT_EQUAL_INT(0, ready_after(&tuning, 2u, 47.0f * 1.51f));
+    tuning.lost_per_A = 1.1f / tuning.current_last_A;
+    TEST_ASSERT_EQUAL_INT(rounds, ready_after(&tuning, 2u, 47.0f));
+    TEST_ASSERT_EQUAL_INT(0, ready_after(&tuning, 2u, 47.0f * 1.49f));
+    // The shortest lock is a round in any attempt.
+    tuning.lock_rounds = 1u;
+    tuning.lost_per_A = 0.0f;
+    TEST_ASSERT_EQUAL_INT(1, ready_after(&tuning, 2u, 47.0f));
+}
+
 /// As a corrupted state may have it.
 static void test_no_rounds_left_to_look_for_a_rotor_are_over(void) {
     const lode_start_config_t config = sound();
@@ -1323,6 +1357,7 @@ int main(void) {
     RUN_TEST(test_any_emf_gives_an_angle);
     RUN_TEST(test_a_failed_attempt_begins_again_at_rest);
     RUN_TEST(test_hand_over_needs_the_lock_for_its_time);
+    RUN_TEST(test_the_last_attempt_takes_what_lock_there_is);
     RUN_TEST(test_hand_over_needs_speed_and_direction);
     RUN_TEST(test_a_vector_that_turns_does_not_sweep);
     RUN_TEST(test_the_next_vector_is_known);

@@ -167,7 +167,7 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
 
 /// Once in LODE_SLOW_PERIODS: whether the estimate is good enough to run on. While looking for a rotor
 /// that turns already that is one of either direction; later at hand-over speed, in the direction of the
-/// vector.
+/// vector. The last attempt asks for less (S32).
 void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_rad_s,
                       float lock);
 
