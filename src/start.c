@@ -52,11 +52,10 @@
 // what the size and the EMF across the vector show of the angle cancels at 1/(1 + c), with c about 1.
 #define BY_SIZE_MIN 0.5f
 #define SPEED_TOLERANCE 0.25f // of the vector's speed, between estimator and vector
-// In the last attempt, of a vector that takes at most all of the flux (a hundredth more is rounding): what is asked
-// of a lock otherwise is twice as long, and half as far off the vector (S32).
+// In the last attempt, of a vector that takes at most all of the flux (a hundredth more is rounding), a round with a
+// lock counts as so many, and the speed may be so many times as far off the vector's (S32).
 #define LOST_LAST 1.01f
-#define TOLERANCE_LAST 2.0f
-#define LOCK_PART_LAST 2u
+#define WEIGHT_LAST 2u
 
 // Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
 // current settle; of one that does not come to rest in 0.15 s the mean of its swing.
@@ -491,10 +490,19 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     try_again(self, tuning, omega_target_rad_s);
 }
 
-// A lock that goes again is no worse than none: no attempt is left (S32).
-static bool is_last_chance(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    return self->failed >= LODE_START_FAILED_MAX &&
-           tuning->lost_per_A * tuning->current_last_A <= LOST_LAST;
+// What a round with a lock counts on the vector. A lock that goes again is no worse than none where no attempt is
+// left (S32).
+static uint32_t lock_weight(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    if (self->failed >= LODE_START_FAILED_MAX && !lode_start_catches(self) &&
+        tuning->lost_per_A * tuning->current_last_A <= LOST_LAST) {
+        return WEIGHT_LAST;
+    }
+#else
+    (void)self;
+    (void)tuning;
+#endif
+    return 1u;
 }
 
 void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_rad_s,
@@ -503,13 +511,13 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
     const float vector = self->omega_rad_s;
     // Of the vector's speed: a load that swings within a turn swings the rotor in proportion.
     const float slack = SPEED_TOLERANCE * lode_max(lode_abs(vector), tuning->omega_ready);
-    const float most = is_last_chance(self, tuning) ? TOLERANCE_LAST * slack : slack;
+    const uint32_t weight = lock_weight(self, tuning);
     const bool arrived = lode_abs(vector) >= tuning->omega_ready &&
                          vector * self->omega_target > 0.0f &&
-                         lode_abs(omega_rad_s - vector) <= most;
+                         lode_abs(omega_rad_s - vector) <= (float)weight * slack;
     const bool sound = (catching || arrived) && lock >= LODE_LOCK_HANDOVER &&
                        lode_abs(omega_rad_s) >= tuning->omega_ready - slack;
-    self->locked = (uint_least16_t)(sound ? self->locked + 1u : 0u);
+    self->locked = (uint_least16_t)(sound ? self->locked + weight : 0u);
     if (!catching) {
         return;
     }
@@ -521,13 +529,6 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
 }
 
 bool lode_start_is_ready(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    uint32_t rounds = tuning->lock_rounds;
-    if (lode_start_catches(self)) {
-        rounds = tuning->catch_rounds / CATCH_PARTS + 1u;
-    } else if (is_last_chance(self, tuning)) {
-        rounds = rounds / LOCK_PART_LAST + 1u;
-    } else {
-        // of an attempt that others may follow
-    }
-    return self->locked >= rounds;
+    const uint32_t caught = tuning->catch_rounds / CATCH_PARTS + 1u;
+    return self->locked >= (lode_start_catches(self) ? caught : tuning->lock_rounds);
 }

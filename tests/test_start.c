@@ -501,8 +501,8 @@ static void test_the_last_attempt_takes_what_lock_there_is(void) {
     TEST_ASSERT_EQUAL_INT(0, ready_after(&tuning, 1u, 47.0f * 0.7f));
     // Of a vector that takes just all of the flux; one that takes more is not believed sooner.
     tuning.lost_per_A = 1.0f / tuning.current_last_A;
-    TEST_ASSERT_EQUAL_INT(rounds / 2 + 1, ready_after(&tuning, 2u, 47.0f));
-    TEST_ASSERT_EQUAL_INT(rounds / 2 + 1, ready_after(&tuning, 2u, 47.0f * 1.49f));
+    TEST_ASSERT_EQUAL_INT((rounds + 1) / 2, ready_after(&tuning, 2u, 47.0f));
+    TEST_ASSERT_EQUAL_INT((rounds + 1) / 2, ready_after(&tuning, 2u, 47.0f * 1.49f));
     TEST_ASSERT_EQUAL_INT(0, ready_after(&tuning, 2u, 47.0f * 1.51f));
     tuning.lost_per_A = 1.1f / tuning.current_last_A;
     TEST_ASSERT_EQUAL_INT(rounds, ready_after(&tuning, 2u, 47.0f));
