@@ -83,7 +83,7 @@ static bool loses_lock(const lode_drive_t *self) {
 LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
     const uint_least8_t losses = self->losses;
     if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0.0f && loses_lock(self) &&
-        losses < LODE_START_FAILED_MAX) {
+        losses < LODE_START_LOSSES_MAX) {
         lode_mode_switch_off(self); // as the command is RUN, for no longer than the next period
         self->losses = (uint_least8_t)(losses + 1u);
     }

@@ -10,6 +10,9 @@
 #define LODE_START_EASE 0.25f
 #define LODE_START_EASE_LAST (LODE_START_EASE * LODE_START_EASE)
 #define LODE_START_FAILED_MAX 2u // attempts before the last one
+// Attempts that may end after the hand-over: these and the last one itself, which nothing gentler follows and which is
+// repeated once (S28).
+#define LODE_START_LOSSES_MAX (LODE_START_FAILED_MAX + 1u)
 
 // The sweep to half of the current, where it is measured there, over that from there to all of it: to each from phase
 // axis to phase axis, by 240 and by 60 degrees (S29).

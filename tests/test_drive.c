@@ -2460,18 +2460,18 @@ static void lose_an_attempt(rig_t *rig, unsigned attempt) {
     TEST_ASSERT_EQUAL_UINT(attempt, rig->drive.state.start.failed);
 }
 
-/// (S28). Three attempts, then the fault.
+/// (S28). Three attempts, the last one once more, then the fault.
 static void test_a_lock_lost_right_after_the_hand_over_is_an_attempt(void) {
     rig_t rig = handed_over();
     TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&rig).retries);
-    for (unsigned attempt = 1u; attempt <= 2u; attempt++) {
+    for (unsigned attempt = 1u; attempt <= 3u; attempt++) {
         lose_an_attempt(&rig, attempt);
         TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
         TEST_ASSERT_EQUAL_UINT(attempt, rig_telemetry(&rig).retries);
     }
     rig_t steady_rig = rig;
     rig_run(&steady_rig, 1.0);
-    TEST_ASSERT_EQUAL_UINT(2u, rig_telemetry(&steady_rig).retries); // of the last start
+    TEST_ASSERT_EQUAL_UINT(3u, rig_telemetry(&steady_rig).retries); // of the last start
     (void)steps_until_off(&rig, 0.3f, 1.0f, 1000);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&rig).fault.check);
     TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig_telemetry(&rig).fault.state);
@@ -2505,7 +2505,8 @@ static void test_a_commanded_off_forgets_the_attempts(void) {
     TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&rig).retries);
 }
 
-/// An attempt that fails in START counts as one that fails after it, and a reversal is another start.
+/// An attempt that fails in START counts as one that fails after it, and a reversal is another start. Where the last
+/// one, repeated, does not come up, that is the end.
 static void test_attempts_that_fail_in_the_start_count(void) {
     rig_t rig = fresh();
     rig_command(&rig, run_at(80.0));
@@ -2515,6 +2516,12 @@ static void test_attempts_that_fail_in_the_start_count(void) {
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
     TEST_ASSERT_EQUAL_UINT(2u, rig_telemetry(&rig).retries);
     rig_t reversed = rig;
+    lose_an_attempt(&rig, 3u);
+    rig_t stuck = rig;
+    stuck.blocked = true;
+    TEST_ASSERT_TRUE(reach(&stuck, LODE_MODE_FAULT, 30.0));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&stuck).fault.check);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
     (void)steps_until_off(&rig, 0.3f, 1.0f, 1000);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&rig).fault.check);
     rig_run(&reversed, 0.5);

@@ -244,8 +244,8 @@ typedef struct {
     bool torque_limited;
     bool
         speed_raised; ///< RUN: the commanded speed is below the least one, which is held in its place
-    /// attempts of the present start, or the last one, that have failed, 2 for more; with injection also times that the
-    /// rotor was looked for again, up to 3. 0 with LODE_WITHOUT_HANDOVER_RETRY
+    /// attempts of the present start, or the last one, that have failed, up to 2, and 3 while the last one is
+    /// repeated; with injection also times that the rotor was looked for again, up to 3. 0 with LODE_WITHOUT_HANDOVER_RETRY
     uint_least8_t retries;
     lode_abc_t duty; ///< returned by the last call
     lode_dq_t i_A;   ///< in the frame of control: the rotor's in RUN, the vector's in START
