@@ -143,6 +143,16 @@ LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
     self->i_A = lode_park(i_A, lode_estimator_rotor(&self->estimator));
 }
 
+// START goes on with the attempt after those that failed, in what is left of the time; after none it is another start.
+static void count_start(lode_drive_t *self) {
+    if (self->losses == 0u) {
+        self->start_rounds = 0u;
+    }
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    self->state.start.failed = self->losses;
+#endif
+}
+
 static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     const lode_drive_tuning_t *tuning = self->tuning;
     self->gates = true;
@@ -157,9 +167,7 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     lode_pi_reset(&self->current.d, 0.0f);
     lode_pi_reset(&self->current.q, 0.0f);
     lode_start_begin(&self->state.start, &tuning->start);
-#ifndef LODE_WITHOUT_HANDOVER_RETRY
-    self->state.start.failed = self->losses;
-#endif
+    count_start(self);
 #ifndef LODE_WITHOUT_COMMISSIONING
     if (mode != LODE_MODE_START) {
         self->state.theta_rad = self->command.theta_rad; // in place of the start's
@@ -266,9 +274,7 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
 #endif
     lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead),
                      self->estimator.pll.omega_rad_s, current_A);
-#ifndef LODE_WITHOUT_HANDOVER_RETRY
-    self->state.start.failed = self->losses;
-#endif
+    count_start(self);
     lode_current_reset(&self->current, u_V, (lode_dq_t){0.0f, 0.0f});
     set_mode(self, LODE_MODE_START);
 }
@@ -338,10 +344,11 @@ static void aim_start(lode_drive_t *self) {
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
+    self->start_rounds++;
     lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
     if (stopping && at_rest && !(start->current_A > 0.0f)) {
         lode_mode_switch_off(self);
-    } else if (!stopping && start->rounds > tuning->timeout_rounds) {
+    } else if (!stopping && self->start_rounds > tuning->timeout_rounds) {
         lode_mode_fault(self, LODE_CHECK_START, self->estimator.lock, LODE_LOCK_HANDOVER);
     } else {
         // on its way
@@ -758,6 +765,7 @@ static void find_again(lode_drive_t *self) {
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
     lode_start_begin(&self->state.start, &self->tuning->start);
     self->state.start.failed = self->losses;
+    self->start_rounds = 0u;
     set_mode(self, LODE_MODE_START);
 }
 

@@ -1092,7 +1092,7 @@ static void test_a_start_has_its_time(void) {
     }
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
     TEST_ASSERT_EQUAL_UINT32(rig.drive.tuning->start.timeout_rounds + 1u,
-                             rig.drive.state.start.rounds);
+                             rig.drive.start_rounds);
 }
 
 /// Of a mode that has its gates off no period is driven, though it be whole: each of its words has changed.

@@ -111,7 +111,6 @@ typedef struct {
     float mean_V;     ///< mean EMF across the vector
     float swing_V;    ///< its deviation from the mean: of the rotor's swing, which it is to damp
     uint32_t attempt; ///< rounds since the present attempt began; LODE_START_CATCH: that are left
-    uint32_t rounds;  ///< since the start
     union {
         lode_start_rest_t rest; ///< before LODE_START_TURN
         lode_start_turn_t turn; ///< LODE_START_TURN
