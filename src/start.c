@@ -73,6 +73,9 @@
 #define STEADY_LATE 2.0f
 #define STEADY_TIMES 2.0f
 #define LEVEL_SHARE 0.5f
+// Where one current alone is measured with, half of its voltage counts as resistance's, the other half as dead time's.
+#define HALF_OF_FULL 0.75f
+#define FULL_OF_HALF 1.5f
 #ifdef LODE_WITHOUT_START_MEASUREMENT
 #define MEASURES LODE_OFF
 #else
@@ -431,15 +434,19 @@ static void add_at_rest(lode_start_rest_t *rest, const lode_start_tuning_t *tuni
 }
 
 // The voltage with the present current is known, or is not: the rotor has its time to come to rest at both, as it is
-// all of the current that it is to follow.
+// all of the current that it is to follow. Of the current at which it did not, the voltage follows from that of the
+// other one (S33).
 static LODE_NOINLINE void end_dwell(lode_start_t *self, bool known) {
     lode_start_rest_t *rest = &self->seen.rest;
     const float mean_V = rest->sum_V / lode_max(rest->summed, 1.0f);
     if (self->stage == (uint_least8_t)LODE_START_HALF) {
-        enter(self, (uint_least8_t)(known ? LODE_START_FULL : LODE_START_WAIT));
+        enter(self, (uint_least8_t)(known ? LODE_START_FULL : LODE_START_ALONE));
         rest->along_V = mean_V;
-    } else if (known && self->stage == (uint_least8_t)LODE_START_FULL) {
-        rest->sum_V = mean_V;
+    } else if (known || self->stage == (uint_least8_t)LODE_START_FULL) {
+        rest->sum_V = known ? mean_V : FULL_OF_HALF * rest->along_V;
+        if (self->stage == (uint_least8_t)LODE_START_ALONE) {
+            rest->along_V = HALF_OF_FULL * mean_V;
+        }
         self->stage = (uint_least8_t)LODE_START_FOUND;
     } else {
         enter(self, (uint_least8_t)LODE_START_TURN);

@@ -80,7 +80,7 @@ enum {
     LODE_START_CATCH, ///< looks for a rotor that turns already
     LODE_START_HALF,  ///< measures at rest: with half the current,
     LODE_START_FULL,  ///< with all of it,
-    LODE_START_WAIT,  ///< or only waits there, as half the current made nothing known,
+    LODE_START_ALONE,  ///< or with all of it alone, as half of it made nothing known,
     LODE_START_FOUND, ///< and works out what that makes known
     LODE_START_TURN   ///< the vector turns as soon as its current is there
 };
