@@ -19,13 +19,27 @@
 // 1/bandwidth by itself.
 #define RATED_LOAD (2.0f / 3.0f)
 #define DIP 0.735759f
+// What nobody knows of Lq, the PLL's crossover, and the gain that is left to the loop of the two (K16); but a rated
+// load takes two thirds of the least speed at most for it.
+#define L_UNSURE 0.2f
+#define CROSSOVER_PER_SIGMA 3.05f
+#define SWING_MAX 0.7f
+#define FIRM_PER_STOPPED 1.5f
 
-// (K15): whether a rated load at the least speed would stop a rotor that no load is fed forward to.
-static bool is_stopped(const lode_speed_config_t *config, const lode_inverter_config_t *inverter,
-                       const lode_motor_t *motor) {
+// (K15): kp with which a rated load takes all of the least speed from a rotor that no load is fed forward to.
+static float stopped_kp_Nms(const lode_speed_config_t *config,
+                            const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
     const float load_Nm = RATED_LOAD * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
-    const float dip = motor->pole_pairs * DIP * load_Nm / lode_max(config->kp_Nms, FLT_MIN);
-    return dip > config->omega_min_rad_s;
+    return motor->pole_pairs * DIP * load_Nm / lode_max(config->omega_min_rad_s, FLT_MIN);
+}
+
+// (K16): kp by which an error of Lq, through the angle and a PLL of bandwidth `sigma_rad_s`, answers a torque with as
+// much as SWING_MAX of it.
+static float swinging_kp_Nms(const lode_motor_t *motor, float sigma_rad_s) {
+    const float turned_rad_A = L_UNSURE * motor->Lq_H / lode_max(motor->psi_Wb, FLT_MIN);
+    const float rise_rad_s_Nm = CROSSOVER_PER_SIGMA * sigma_rad_s * turned_rad_A /
+                                lode_max(lode_motor_kt_Nm_A(motor), FLT_MIN);
+    return SWING_MAX * motor->pole_pairs / lode_max(rise_rad_s_Nm, FLT_MIN);
 }
 
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
@@ -35,10 +49,16 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float sigma_low = lode_max(pll->sigma_low_rad_s, FLT_MIN);
     const bool given = config->kp_Nms > 0.0f;
     const float run_up_s = lode_max(lode_motor_run_up_s(motor, inverter->i_max_A), FLT_MIN);
+    config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);
+    const float stopped_Nms = stopped_kp_Nms(config, inverter, motor);
+    const float calm_Nms =
+        lode_max(swinging_kp_Nms(motor, sigma_low), FIRM_PER_STOPPED * stopped_Nms);
     const float most = BANDWIDTH_RUN_UP_MAX / run_up_s;
-    const float by_sigma = lode_min(BANDWIDTH_PER_SIGMA * sigma_low, most);
+    const float by_sigma =
+        lode_min(lode_min(BANDWIDTH_PER_SIGMA * sigma_low, most), calm_Nms / J);
     const float bandwidth = given ? config->kp_Nms / J : by_sigma;
-    const float rise = lode_min(pll->sigma_rad_s / sigma_low, most / by_sigma);
+    const float most_fast = lode_min(most, swinging_kp_Nms(motor, pll->sigma_rad_s) / J);
+    const float rise = lode_min(pll->sigma_rad_s / sigma_low, most_fast / by_sigma);
     config->gain_rise =
         lode_given_or(config->gain_rise, given ? 1.0f : lode_clamp(rise, 1.0f, RISE_MAX));
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
@@ -49,9 +69,8 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
         lode_min(RAMP_TORQUE_SHARE, RAMP_BANDWIDTH_SHARE * config->bandwidth_rad_s * run_up_s);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, ramp_share * inverter->i_max_A *
                                                                  lode_motor_kt_Nm_A(motor) / J);
-    config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);
     const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
-    const bool feeds = !noisy && (injects || is_stopped(config, inverter, motor));
+    const bool feeds = !noisy && (injects || config->kp_Nms < stopped_Nms);
     config->load_feed_forward =
         lode_given_or(config->load_feed_forward, feeds ? LOAD_FEED_FORWARD : LODE_NONE);
     config->inertia_feed_forward =
