@@ -23,7 +23,7 @@
 // load takes two thirds of the least speed at most for it.
 #define L_UNSURE 0.2f
 #define CROSSOVER_PER_SIGMA 3.05f
-#define SWING_MAX 0.7f
+#define SWING_MAX 0.8f
 #define FIRM_PER_STOPPED 1.5f
 
 // (K15): kp with which a rated load takes all of the least speed from a rotor that no load is fed forward to.

@@ -68,10 +68,12 @@
 #define SETTLE_PART 15u   // of the dwell
 #define CALM_SHARE 0.1f   // of the voltage that is not known
 // What a voltage along the vector may be off its mean, in the first half of the dwell and in the second, in calm
-// voltages; and the time for which it must be, where the rotor does not come to rest, in that of a calm mean (S30).
+// voltages; and the time for which it must be, where the rotor does not come to rest: twice that of a calm mean, and so
+// many radians of the swing, in which a rotor that falls passes the right angle (S30).
 #define STEADY_EARLY 0.5f
 #define STEADY_LATE 2.0f
 #define STEADY_TIMES 2.0f
+#define STEADY_rad 2.0f
 #define LEVEL_SHARE 0.5f
 // Where one current alone is measured with, half of its voltage counts as resistance's, the other half as dead time's.
 #define HALF_OF_FULL 0.75f
@@ -289,6 +291,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     const float np = motor->pole_pairs;
     const float swing = lode_sqrt(np * K / motor->J_kgm2);
     const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    const float steady_s = lode_max(STEADY_TIMES * CALM_TIME_s, STEADY_rad / swing);
+#endif
     *tuning = (lode_start_tuning_t){
         .current_A = config->current_A,
         .current_step = config->current_A * ts_s / config->current_rise_s,
@@ -314,6 +319,8 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 #ifndef LODE_WITHOUT_START_MEASUREMENT
         .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
         .calm_rounds = (uint_least16_t)rounds_in(CALM_TIME_s, ts_s),
+        .steady_rounds =
+            (uint_least16_t)lode_min((float)rounds_in(steady_s, ts_s), COUNTER_MAX),
         .dwell_rounds =
             config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
 #endif
@@ -462,7 +469,7 @@ static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning,
     }
     const bool calm = rest->calm >= tuning->calm_rounds;
     if (calm || rest->dwelt >= tuning->dwell_rounds) {
-        end_dwell(self, calm || rest->summed >= STEADY_TIMES * (float)tuning->calm_rounds);
+        end_dwell(self, calm || rest->summed >= (float)tuning->steady_rounds);
     }
 }
 

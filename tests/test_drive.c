@@ -1136,8 +1136,8 @@ static void test_the_current_of_a_trip_is_told(void) {
                      (double)lode_channel_read(&rig.drive, LODE_CHANNEL_I_BETA)));
 }
 
-/// A winding of twice the resistance is corrected by as much as one may be warmer, and no more: 0.75 of it. One rest
-/// position in three at least lets it be measured.
+/// A winding of twice the resistance is corrected by as much as one may be warmer, and no more: 0.75 of it. Two rest
+/// positions in three at least let it be measured; with one current alone, what no dead time has counts as resistance.
 static void test_much_resistance_is_corrected_in_part(void) {
     int measured = 0;
     for (int k = 0; k < 12; k++) {
@@ -1148,9 +1148,9 @@ static void test_much_resistance_is_corrected_in_part(void) {
         run_up(&rig, 80.0, 8.0);
         const double more_Ohm = (double)rig.drive.inverter.r_more_Ohm;
         CHECK_AT_MOST(0.7501 * R, more_Ohm);
-        measured += more_Ohm > 0.7499 * R ? 1 : 0;
+        measured += more_Ohm > 0.65 * R ? 1 : 0;
     }
-    CHECK_AT_LEAST(4.0, (double)measured);
+    CHECK_AT_LEAST(8.0, (double)measured);
 }
 
 /// A flag of the mailbox that is neither full nor empty trips; then the mailbox is empty, the command is OFF, and all is as
@@ -2389,7 +2389,7 @@ static void test_the_row_of_every_fault_keeps_the_values_of_its_step(void) {
                                  lode_check_name((lode_check_t)row.fault.check));
         const char *name = lode_check_name((lode_check_t)check);
         TEST_ASSERT_TRUE_MESSAGE(lode_abs(row.i_A.q) > 0.5f, name);
-        TEST_ASSERT_TRUE_MESSAGE(lode_abs(row.ref_A.q) > 0.5f, name);
+        TEST_ASSERT_TRUE_MESSAGE(lode_abs(row.ref_A.q) > 0.1f, name);
         TEST_ASSERT_TRUE_MESSAGE(lode_abs(row.u_V.q) > 10.0f, name);
         TEST_ASSERT_TRUE_MESSAGE(lode_abs(row.u_V.q - before.u_V.q) < 10.0f, name);
         TEST_ASSERT_TRUE_MESSAGE(row.v_bus_V > 100.0f && row.omega_rad_s > 200.0f, name);
@@ -2650,7 +2650,8 @@ static lode_fault_t with_resistance(double times, double theta_rad) {
     return rig_telemetry(&rig).fault;
 }
 
-/// Where the rotor came to rest in time: in a third of its positions at least.
+/// Where the rotor came to rest in time: in a third of its positions at least. With one current alone some of it counts as
+/// dead time's.
 static void test_a_resistance_of_no_winding_ends_the_start(void) {
     int ended = 0;
     for (int k = 0; k < 12; k++) {
@@ -2660,7 +2661,8 @@ static void test_a_resistance_of_no_winding_ends_the_start(void) {
         if (wrong.check != LODE_CHECK_NONE) {
             TEST_ASSERT_EQUAL_STRING("LODE_CHECK_RESISTANCE", lode_check_name(wrong.check));
             TEST_ASSERT_EQUAL_INT(LODE_MODE_START, wrong.state);
-            CHECK_CLOSE(0.1, 1.6 * 0.75, wrong.measured);
+            CHECK_AT_LEAST(1.2 * 0.75, (double)wrong.measured);
+            CHECK_AT_MOST(1.1 * 1.6 * 0.75, (double)wrong.measured);
             CHECK_CLOSE(0.01, 1.2 * 0.75, wrong.limit);
             ended++;
         }

@@ -402,7 +402,7 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 25.0, config.bandwidth_rad_s);
     CHECK_CLOSE(1.0e-6, 25.0 * 0.0174, config.kp_Nms);
     CHECK_CLOSE(1.0e-6, 25.0 * 25.0 / 4.0 * 0.0174, config.ki_Nm);
-    CHECK_CLOSE(1.0e-6, 13.0 / (RUN_UP_s * 25.0), config.gain_rise); // less than sigma's: see below
+    CHECK_CLOSE(1.0e-6, 1.0, config.gain_rise); // (K16), see below
     CHECK_CLOSE(1.0e-6, 0.5 * TORQUE_MAX / 0.0174, config.ramp_rad_s2);
     CHECK_CLOSE(1.0e-6, 0.5, config.load_feed_forward);
     CHECK_CLOSE(1.0e-6, 1.0, config.inertia_feed_forward);
@@ -442,6 +442,33 @@ static void test_design_follows_the_inertia(void) {
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, heavy.load_feed_forward);
 }
 
+static lode_speed_config_t designed_with_Lq(double factor, double omega_min) {
+    lode_motor_t motor = paper_motor();
+    lode_speed_config_t config = {.kp_Nms = 0.0f};
+    motor.Lq_H *= (float)factor;
+    lode_speed_design(&config, &inverter, &motor, &pll, (float)omega_min, false);
+    return config;
+}
+
+// (K16): bandwidth at which the torque of an error of 20 % in Lq comes back as 0.8 of it.
+static double swinging_rad_s(double factor, double sigma) {
+    const double turned_rad_Nm = 0.2 * factor * 9.8e-3 / 0.142 / (1.5 * 3.0 * 0.142);
+    return 0.8 * 3.0 / (3.05 * sigma * turned_rad_Nm) / 0.0174;
+}
+
+static void test_an_error_of_Lq_bounds_the_gains(void) {
+    const double fast = 10000.0; // no load stops a rotor that fast
+    CHECK_CLOSE(1.0e-5, 13.0 / (RUN_UP_s * 25.0), designed_with_Lq(0.3, fast).gain_rise);
+    CHECK_CLOSE(1.0e-5, swinging_rad_s(0.5, 150.0) / 25.0, designed_with_Lq(0.5, fast).gain_rise);
+    CHECK_CLOSE(1.0e-5, 25.0, designed_with_Lq(0.5, fast).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, swinging_rad_s(2.0, 100.0), designed_with_Lq(2.0, fast).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-6, 1.0, designed_with_Lq(2.0, fast).gain_rise);
+    // But a rated load takes two thirds of the least speed at most (K15).
+    const double firm = 1.5 * 3.0 * 2.0 * exp(-1.0) * (2.0 / 3.0) * TORQUE_MAX / 50.0 / 0.0174;
+    CHECK_CLOSE(1.0e-5, firm, designed_with_Lq(2.0, 50.0).bandwidth_rad_s);
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed_with_Lq(2.0, 50.0).load_feed_forward);
+}
+
 static float fed_forward(double factor, double omega_min, bool injects) {
     lode_motor_t motor = paper_motor();
     lode_speed_config_t config = {.kp_Nms = 0.0f};
@@ -473,6 +500,7 @@ static void test_a_load_is_fed_forward_where_it_would_stop_the_rotor(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_design_follows_the_inertia);
+    RUN_TEST(test_an_error_of_Lq_bounds_the_gains);
     RUN_TEST(test_a_load_is_fed_forward_where_it_would_stop_the_rotor);
     RUN_TEST(test_reference_is_a_mechanical_ramp);
     RUN_TEST(test_torque_is_pi_and_feed_forward);

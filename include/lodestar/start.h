@@ -63,7 +63,8 @@ typedef struct {
     uint32_t timeout_rounds;
 #ifndef LODE_WITHOUT_START_MEASUREMENT
     float calm_V;               ///< EMF across a vector by which the rotor stands still
-    uint_least16_t calm_rounds; ///< of such voltages that are enough for a mean
+    uint_least16_t calm_rounds;   ///< of such voltages that are enough for a mean
+    uint_least16_t steady_rounds; ///< of any that do not change, where the rotor swings
     uint_least16_t
         dwell_rounds; ///< of a vector that stands, at most, for one mean; 0: nothing is measured
 #endif
