@@ -54,8 +54,7 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float calm_Nms =
         lode_max(swinging_kp_Nms(motor, sigma_low), FIRM_PER_STOPPED * stopped_Nms);
     const float most = BANDWIDTH_RUN_UP_MAX / run_up_s;
-    const float by_sigma =
-        lode_min(lode_min(BANDWIDTH_PER_SIGMA * sigma_low, most), calm_Nms / J);
+    const float by_sigma = lode_min(lode_min(BANDWIDTH_PER_SIGMA * sigma_low, most), calm_Nms / J);
     const float bandwidth = given ? config->kp_Nms / J : by_sigma;
     const float most_fast = lode_min(most, swinging_kp_Nms(motor, pll->sigma_rad_s) / J);
     const float rise = lode_min(pll->sigma_rad_s / sigma_low, most_fast / by_sigma);

@@ -319,8 +319,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 #ifndef LODE_WITHOUT_START_MEASUREMENT
         .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
         .calm_rounds = (uint_least16_t)rounds_in(CALM_TIME_s, ts_s),
-        .steady_rounds =
-            (uint_least16_t)lode_min((float)rounds_in(steady_s, ts_s), COUNTER_MAX),
+        .steady_rounds = (uint_least16_t)lode_min((float)rounds_in(steady_s, ts_s), COUNTER_MAX),
         .dwell_rounds =
             config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
 #endif

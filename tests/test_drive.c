@@ -6,6 +6,7 @@
 #include "inverter_inline.h"
 #include "lodestar/channel.h"
 #include "mode.h"
+#include "start_inline.h"
 
 void setUp(void) {}
 
@@ -1091,8 +1092,7 @@ static void test_a_start_has_its_time(void) {
         rig_step(&rig);
     }
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
-    TEST_ASSERT_EQUAL_UINT32(rig.drive.tuning->start.timeout_rounds + 1u,
-                             rig.drive.start_rounds);
+    TEST_ASSERT_EQUAL_UINT32(rig.drive.tuning->start.timeout_rounds + 1u, rig.drive.start_rounds);
 }
 
 /// Of a mode that has its gates off no period is driven, though it be whole: each of its words has changed.
@@ -2477,6 +2477,41 @@ static void test_a_lock_lost_right_after_the_hand_over_is_an_attempt(void) {
     TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig_telemetry(&rig).fault.state);
 }
 
+/// (S28). What the attempts before have used up is gone; after a commanded OFF and in a reversal it is another start.
+static void test_all_attempts_of_a_start_have_one_time(void) {
+    rig_t rig = handed_over();
+    const uint32_t first = rig.drive.start_rounds;
+    CHECK_AT_LEAST(100.0, (double)first);
+    lose_an_attempt(&rig, 1u);
+    CHECK_AT_LEAST((double)first, (double)rig.drive.start_rounds);
+    rig_t late = rig;
+    late.drive.start_rounds = tuning.start.timeout_rounds - 100u;
+    TEST_ASSERT_TRUE(reach(&late, LODE_MODE_FAULT, 0.5));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&late).fault.check);
+    rig_t again = rig;
+    rig_command(&again, off);
+    TEST_ASSERT_TRUE(reach(&again, LODE_MODE_OFF, 0.01));
+    rig_command(&again, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&again, LODE_MODE_START, 0.2));
+    CHECK_AT_MOST(10.0, (double)again.drive.start_rounds);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+    rig_run(&rig, 0.5);
+    rig_command(&rig, run_at(-80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 4.0));
+    CHECK_AT_MOST(10.0, (double)rig.drive.start_rounds);
+}
+
+/// The last attempt, repeated, has a ramp of a quarter again.
+static void test_the_last_attempt_is_repeated_faster(void) {
+    rig_t rig = handed_over();
+    const float ease[] = {0.25f, 0.0625f, 0.25f};
+    for (unsigned attempt = 1u; attempt <= 3u; attempt++) {
+        lose_an_attempt(&rig, attempt);
+        TEST_ASSERT_EQUAL_FLOAT(ease[attempt - 1u], lode_start_ease(&rig.drive.state.start));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+    }
+}
+
 static void test_a_start_that_is_over_is_no_attempt(void) {
     const rig_t rig = handed_over();
     rig_t early = rig;
@@ -3303,6 +3338,8 @@ int main(void) {
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_a_lock_lost_right_after_the_hand_over_is_an_attempt);
+    RUN_TEST(test_all_attempts_of_a_start_have_one_time);
+    RUN_TEST(test_the_last_attempt_is_repeated_faster);
     RUN_TEST(test_a_start_that_is_over_is_no_attempt);
     RUN_TEST(test_a_commanded_off_forgets_the_attempts);
     RUN_TEST(test_attempts_that_fail_in_the_start_count);

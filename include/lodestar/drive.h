@@ -212,8 +212,9 @@ typedef struct {
     /// of the torque that the references allow, with the speed and against it: 0 .. LODE_TORQUE_SHARE_ONE
     uint_least16_t torque_share[2];
 #endif
-    float direction;       ///< sense of rotation, -1 or +1
-    uint32_t start_rounds; ///< of the present start, whatever attempts it takes, in LODE_SLOW_PERIODS
+    float direction; ///< sense of rotation, -1 or +1
+    uint32_t
+        start_rounds; ///< of the present start, whatever attempts it takes, in LODE_SLOW_PERIODS
     union {
         lode_sense_sums_t sums;     ///< CALIBRATE
         lode_precharge_t precharge; ///< PRECHARGE

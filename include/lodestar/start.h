@@ -28,7 +28,7 @@ typedef struct {
     float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
     float lock_s;         ///< lock quality must have held for this long; 0: 0.1, salient from 0.05
     float catch_s;   ///< zero current, to see whether the rotor turns already; 0: 0.05; LODE_NONE
-    float timeout_s; ///< from start to hand-over; 0: three attempts
+    float timeout_s; ///< from start to hand-over, of all attempts together; 0: three attempts
     /// what resistance and dead time are beyond the configured ones, by the voltage that half and all of the
     /// start current take at standstill; auto: on
     lode_choice_t measure;
@@ -62,7 +62,7 @@ typedef struct {
     float patience_rounds; ///< at least, after the profile
     uint32_t timeout_rounds;
 #ifndef LODE_WITHOUT_START_MEASUREMENT
-    float calm_V;               ///< EMF across a vector by which the rotor stands still
+    float calm_V;                 ///< EMF across a vector by which the rotor stands still
     uint_least16_t calm_rounds;   ///< of such voltages that are enough for a mean
     uint_least16_t steady_rounds; ///< of any that do not change, where the rotor swings
     uint_least16_t
@@ -81,7 +81,7 @@ enum {
     LODE_START_CATCH, ///< looks for a rotor that turns already
     LODE_START_HALF,  ///< measures at rest: with half the current,
     LODE_START_FULL,  ///< with all of it,
-    LODE_START_ALONE,  ///< or with all of it alone, as half of it made nothing known,
+    LODE_START_ALONE, ///< or with all of it alone, as half of it made nothing known,
     LODE_START_FOUND, ///< and works out what that makes known
     LODE_START_TURN   ///< the vector turns as soon as its current is there
 };
