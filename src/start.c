@@ -330,18 +330,13 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 // What is seen of the stage before is forgotten.
 static void enter(lode_start_t *self, uint_least8_t stage) {
     self->stage = stage;
-#ifndef LODE_WITHOUT_START_MEASUREMENT
-    self->seen.rest.sum_V = 0.0f;
-    self->seen.rest.along_V = 0.0f;
-    self->seen.rest.dwelt = 0u;
-    self->seen.rest.summed = 0.0f;
-    self->seen.rest.calm = 0u;
-#endif
     if (stage == (uint_least8_t)LODE_START_TURN) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         self->seen.turn.waves = (lode_waves_t){.turn_rad = 0.0f};
 #endif
         self->seen.turn.shift_rad = lode_start_shift_rad(self);
+    } else {
+        self->seen.rest = (lode_start_rest_t){.sum_V = 0.0f};
     }
 }
 
@@ -534,13 +529,14 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
     const bool sound = (catching || arrived) && lock >= LODE_LOCK_HANDOVER &&
                        lode_abs(omega_rad_s) >= tuning->omega_ready - slack;
     self->locked = (uint_least16_t)(sound ? self->locked + weight : 0u);
-    if (!catching) {
-        return;
-    }
-    self->attempt = self->attempt > 0u ? self->attempt - 1u : 0u;
-    if (self->attempt == 0u) { // the vector begins
+    if (catching && self->attempt > 1u) {
+        self->attempt--;
+    } else if (catching) { // the vector begins
+        self->attempt = 0u;
         self->locked = 0u;
         enter(self, first_stage(tuning));
+    } else {
+        // on the vector
     }
 }
 

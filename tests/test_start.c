@@ -358,6 +358,22 @@ static void test_a_failed_attempt_begins_again_at_rest(void) {
     CHECK_AT_MOST(3, again);
 }
 
+/// A target of less than 1 rad/s is one: its attempts are counted, and it is handed over at.
+static void test_a_slow_target_is_started_to(void) {
+    const lode_start_config_t config = sound();
+    lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 0.0f);
+    for (int n = 1; n <= 15000; n++) {
+        (void)step(&start, &tuning, n, 0.5f, 8.0f, no_emf);
+    }
+    CHECK_AT_LEAST(1.0, (double)start.failed);
+    tuning.omega_ready = 0.4f;
+    lode_start_reset(&start, lode_sincos(0.0f), 0.5f, 8.0f);
+    lode_start_judge(&start, &tuning, 0.5f, 0.9f);
+    TEST_ASSERT_EQUAL_UINT(1u, start.locked);
+}
+
 /// A vector at hand-over speed and an estimate that agrees with it.
 static lode_start_t turning(double omega) {
     lode_start_t start;
@@ -522,6 +538,11 @@ static void test_no_rounds_left_to_look_for_a_rotor_are_over(void) {
     start.attempt = 0u;
     lode_start_judge(&start, &tuning, 0.0f, 0.0f);
     TEST_ASSERT_FALSE(lode_start_catches(&start));
+    lode_start_begin(&start, &tuning); // as ever: the attempt's own rounds begin with none
+    start.attempt = 1u;
+    lode_start_judge(&start, &tuning, 0.0f, 0.0f);
+    TEST_ASSERT_FALSE(lode_start_catches(&start));
+    TEST_ASSERT_EQUAL_UINT32(0u, start.attempt);
 }
 
 static void test_a_rotor_that_turns_already_is_caught(void) {
@@ -992,6 +1013,95 @@ static void test_a_rotor_that_falls_past_a_right_angle_is_not_at_rest(void) {
     CHECK_NEAR(0.05 * (double)tuning.calm_V, 1.0, start.seen.rest.along_V);
 }
 
+/// Rounds that the vector dwells at the first current, with the voltages of round `n`, 1 .. : along and across its axis.
+typedef lode_dq_t (*seen_at_t)(const lode_start_tuning_t *tuning, int n);
+
+static int rounds_at_half(seen_at_t seen_at, lode_start_t *start, lode_start_tuning_t *tuning) {
+    lode_start_config_t config = sound();
+    config.measure = LODE_ON;
+    config.catch_s = LODE_NONE;
+    config.damping = LODE_NONE;
+    *tuning = tuned(&config);
+    lode_start_begin(start, tuning);
+    start->current_A = start->current_target = 4.0f; // as it comes to be
+    int rounds = 0;
+    while (start->stage == LODE_START_HALF && rounds < 20000) {
+        lode_start_found_t found;
+        rounds++;
+        (void)lode_start_measure(start, tuning,
+                                 lode_park_inverse(seen_at(tuning, rounds), start->at), &found);
+    }
+    return rounds;
+}
+
+static lode_dq_t rests(const lode_start_tuning_t *tuning, int n) {
+    const bool settles = n < tuning->dwell_rounds / 15; // the last round of it too would do
+    return settles ? (lode_dq_t){9.0f, 0.0f} : (lode_dq_t){0.3f * tuning->calm_V, 0.0f};
+}
+
+static lode_dq_t never_rests(const lode_start_tuning_t *tuning, int n) {
+    return (lode_dq_t){(n & 4) != 0 ? 9.0f : -9.0f, 5.0f * tuning->calm_V};
+}
+
+static lode_dq_t falls_once(const lode_start_tuning_t *tuning, int n) {
+    return (lode_dq_t){n <= tuning->dwell_rounds / 8 ? 9.0f : 3.0f, 0.0f};
+}
+
+/// To the round: a tenth of the dwell to settle, then as many as a mean takes; with none, the dwell.
+static void test_a_dwell_ends_with_its_mean(void) {
+    lode_start_t start;
+    lode_start_tuning_t tuning;
+    int rounds = rounds_at_half(rests, &start, &tuning);
+    TEST_ASSERT_EQUAL_INT(tuning.dwell_rounds / 15 + tuning.calm_rounds, rounds);
+    TEST_ASSERT_EQUAL_INT(LODE_START_FULL, start.stage);
+    CHECK_CLOSE(1.0e-5, 0.3 * (double)tuning.calm_V, start.seen.rest.along_V);
+    TEST_ASSERT_EQUAL_UINT(0u, start.seen.rest.dwelt); // the next current's are its own
+    TEST_ASSERT_EQUAL_UINT(0u, start.seen.rest.calm);
+    CHECK_NEAR(0.0, 0.0, start.seen.rest.summed);
+    CHECK_NEAR(0.0, 0.0, start.seen.rest.sum_V);
+    rounds = rounds_at_half(falls_once, &start, &tuning);
+    TEST_ASSERT_EQUAL_INT(tuning.dwell_rounds / 8 + tuning.calm_rounds,
+                          rounds); // anew with the first voltage that is another
+    CHECK_CLOSE(1.0e-5, 3.0, start.seen.rest.along_V);
+    rounds = rounds_at_half(never_rests, &start, &tuning);
+    TEST_ASSERT_EQUAL_INT(tuning.dwell_rounds, rounds);
+    TEST_ASSERT_EQUAL_INT(LODE_START_ALONE, start.stage);
+}
+
+static int steady_from; // round
+static lode_dq_t becomes_steady(const lode_start_tuning_t *tuning, int n) {
+    return (lode_dq_t){n < steady_from ? 99.0f - 9.0f * (float)(n % 2) : 3.0f,
+                       5.0f * tuning->calm_V};
+}
+
+static int steps_at; // round
+static lode_dq_t steps_once(const lode_start_tuning_t *tuning, int n) {
+    return (lode_dq_t){n < steps_at ? 3.0f : 3.0f + tuning->calm_V, 5.0f * tuning->calm_V};
+}
+
+/// (S30), to the round: a swing's mean needs `steady_rounds`, and in the first half of the dwell no step of a calm voltage.
+static void test_a_swing_is_watched_to_the_round(void) {
+    lode_start_t start;
+    lode_start_tuning_t tuning;
+    (void)rounds_at_half(never_rests, &start, &tuning); // for its times
+    CHECK_AT_LEAST(2.0 * tuning.calm_rounds, (double)tuning.steady_rounds);
+    CHECK_NEAR(1.0, 2.0 / sqrt(3.0 * 8.0 * 0.639 / 0.0174) / (ROUND * PAPER_TS_s),
+               (double)tuning.steady_rounds);
+    for (int late = 0; late <= 1; late++) {
+        steady_from = tuning.dwell_rounds - tuning.steady_rounds + 1 + late;
+        (void)rounds_at_half(becomes_steady, &start, &tuning);
+        TEST_ASSERT_EQUAL_INT(late == 0 ? LODE_START_FULL : LODE_START_ALONE, start.stage);
+        steps_at = tuning.dwell_rounds / 2 + late;
+        (void)rounds_at_half(steps_once, &start, &tuning);
+        TEST_ASSERT_EQUAL_INT(LODE_START_FULL, start.stage);
+        const double after = late == 0 ? 1.0
+                                       : (double)(tuning.dwell_rounds - steps_at + 1) /
+                                             (double)(tuning.dwell_rounds * 14 / 15 + 1);
+        CHECK_NEAR(0.01 * (double)tuning.calm_V, 3.0 + after * (double)tuning.calm_V,
+                   start.seen.rest.along_V);
+    }
+}
+
 /// (S33): of a rotor that comes to rest at one of the currents alone, its voltage counts half as resistance's and half as
 /// dead time's.
 static void test_one_of_two_means_tells_the_sum(void) {
@@ -1314,6 +1424,16 @@ static void test_an_emf_below_the_drop_is_of_no_use(void) {
         TEST_ASSERT_FALSE(lode_start_has_emf(&config, &bridge, &motor));
     }
     TEST_ASSERT_TRUE(of_use > 10 && of_use < 90); // both kinds were there
+    // Less bus than the drop, however little of both: there is no base speed.
+    const lode_inverter_config_t flat = {.v_bus_V = 0.01f, .i_max_A = 1.0f};
+    const lode_motor_t strong = {.pole_pairs = 11.0f,
+                                 .Rs_Ohm = 0.1f,
+                                 .Ld_H = 1.0e-3f,
+                                 .Lq_H = 1.0e-3f,
+                                 .psi_Wb = 0.142f,
+                                 .omega_rated_rad_s = 1.0e4f};
+    const lode_start_config_t small = {.current_A = 0.7f};
+    TEST_ASSERT_FALSE(lode_start_has_emf(&small, &flat, &strong));
 }
 
 static void test_hand_over_by_half_of_the_base_speed(void) {
@@ -1338,6 +1458,8 @@ int main(void) {
     RUN_TEST(test_damping_gives_way_to_current_and_speed);
     RUN_TEST(test_resistance_is_measured_while_the_rotor_swings);
     RUN_TEST(test_a_rotor_that_falls_past_a_right_angle_is_not_at_rest);
+    RUN_TEST(test_a_dwell_ends_with_its_mean);
+    RUN_TEST(test_a_swing_is_watched_to_the_round);
     RUN_TEST(test_one_of_two_means_tells_the_sum);
     RUN_TEST(test_dead_time_is_measured_with_a_vector_that_gives_way);
     RUN_TEST(test_a_new_attempt_measures_again);
@@ -1359,6 +1481,7 @@ int main(void) {
     RUN_TEST(test_the_size_of_the_emf_comes_in_with_speed);
     RUN_TEST(test_damping_gives_way_to_a_bound);
     RUN_TEST(test_any_emf_gives_an_angle);
+    RUN_TEST(test_a_slow_target_is_started_to);
     RUN_TEST(test_a_failed_attempt_begins_again_at_rest);
     RUN_TEST(test_hand_over_needs_the_lock_for_its_time);
     RUN_TEST(test_the_last_attempt_takes_what_lock_there_is);
