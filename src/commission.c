@@ -565,7 +565,8 @@ static void start(lode_commission_t *self) {
     const bool steady =
         self->drive.mode == (uint_least8_t)LODE_MODE_RUN && off <= REACHED * self->low_rad_s;
     post(self, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = self->low_rad_s});
-    self->calm = steady ? self->calm + 1u : 0u;
+    // More often than not: with little EMF the speed ripples by as much.
+    self->calm = steady ? self->calm + 1u : self->calm - (self->calm > 0u ? 1u : 0u);
     if (self->calm >= periods_in(self, STEADY_s)) {
         enter(self, STAGE_UP);
     } else if (self->since > periods_in(self, self->designed.start.timeout_s + RUN_WAIT_s)) {
