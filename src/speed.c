@@ -11,7 +11,8 @@
 // Less torque for the ramp where the loop is slow for the rotor: where a ramp ends, half of the ramp's torque,
 // for want of the true inertia, moves the speed by a twentieth of rated at most.
 #define RAMP_BANDWIDTH_SHARE 0.114f
-#define LOAD_FEED_FORWARD 0.5f
+#define LOAD_FEED_FORWARD 0.5f // at most: the more, the more an error of J or Lq swings
+#define LEFT_OF_LEAST 0.75f
 // Where the PLL is this much faster than the rotor, the load that it sees is noise more than load.
 #define SIGMA_RUN_UP_NOISY 78.0f
 #define INERTIA_FEED_FORWARD 1.0f
@@ -31,6 +32,12 @@ static float stopped_kp_Nms(const lode_speed_config_t *config,
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
     const float load_Nm = RATED_LOAD * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
     return motor->pole_pairs * DIP * load_Nm / lode_max(config->omega_min_rad_s, FLT_MIN);
+}
+
+// (K17): share of a rated load that is fed forward, so that the rest takes LEFT_OF_LEAST of the least speed.
+static float fed_share(float kp_Nms, float stopped_Nms) {
+    return lode_min(1.0f - LEFT_OF_LEAST * kp_Nms / lode_max(stopped_Nms, FLT_MIN),
+                    LOAD_FEED_FORWARD);
 }
 
 // (K16): kp by which an error of Lq, through the angle and a PLL of bandwidth `sigma_rad_s`, answers a torque with as
@@ -70,8 +77,8 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
                                                                  lode_motor_kt_Nm_A(motor) / J);
     const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
     const bool feeds = !noisy && (injects || config->kp_Nms < stopped_Nms);
-    config->load_feed_forward =
-        lode_given_or(config->load_feed_forward, feeds ? LOAD_FEED_FORWARD : LODE_NONE);
+    const float share = injects ? LOAD_FEED_FORWARD : fed_share(config->kp_Nms, stopped_Nms);
+    config->load_feed_forward = lode_given_or(config->load_feed_forward, feeds ? share : LODE_NONE);
     config->inertia_feed_forward =
         lode_given_or(config->inertia_feed_forward, INERTIA_FEED_FORWARD);
     if (config->every_period == LODE_AUTO) {

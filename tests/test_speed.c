@@ -404,7 +404,9 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 25.0 * 25.0 / 4.0 * 0.0174, config.ki_Nm);
     CHECK_CLOSE(1.0e-6, 1.0, config.gain_rise); // (K16), see below
     CHECK_CLOSE(1.0e-6, 0.5 * TORQUE_MAX / 0.0174, config.ramp_rad_s2);
-    CHECK_CLOSE(1.0e-6, 0.5, config.load_feed_forward);
+    // Three quarters of what a rated load would take of 25 rad/s is left to speed control (K17).
+    const double dip = 3.0 * 2.0 * exp(-1.0) * (2.0 / 3.0) * TORQUE_MAX / (25.0 * 0.0174);
+    CHECK_CLOSE(1.0e-5, 1.0 - 0.75 * 25.0 / dip, config.load_feed_forward);
     CHECK_CLOSE(1.0e-6, 1.0, config.inertia_feed_forward);
     CHECK_CLOSE(1.0e-6, 25.0, config.omega_min_rad_s);
     const lode_speed_config_t all = sound();
@@ -489,10 +491,12 @@ static void test_a_load_is_fed_forward_where_it_would_stop_the_rotor(void) {
         turned += 1.0e-6 * omega;
         dip = fmax(dip, -3.0 * omega);
     }
-    TEST_ASSERT_EQUAL_FLOAT(0.5f, fed_forward(1.0, 0.999 * dip, false));
+    CHECK_CLOSE(1.0e-3, 1.0 - 0.75 * 0.999, fed_forward(1.0, 0.999 * dip, false));
+    CHECK_CLOSE(1.0e-3, 1.0 - 0.75 * 0.7, fed_forward(1.0, 0.7 * dip, false));
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, fed_forward(1.0, 0.66 * dip, false));
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, fed_forward(1.0, 1.001 * dip, false));
     // A light rotor has less gain; injection holds it at any speed; noise is fed forward by none.
-    TEST_ASSERT_EQUAL_FLOAT(0.5f, fed_forward(0.5, 1.999 * dip, false));
+    CHECK_CLOSE(1.0e-3, 1.0 - 0.75 * 0.9995, fed_forward(0.5, 1.999 * dip, false));
     TEST_ASSERT_EQUAL_FLOAT(0.5f, fed_forward(1.0, 10.0 * dip, true));
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, fed_forward(3.0, 0.1 * dip, true));
 }

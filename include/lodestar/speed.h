@@ -25,8 +25,8 @@ typedef struct {
         ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: up to half the torque limit over J
     float inertia_feed_forward; ///< share of the torque that the ramp needs for J, 0 .. 1; 0: 1;
                                 ///< LODE_NONE: none
-    /// share of the estimated load torque, 0 .. 1; 0: 0.5 where a rated load would else stop the rotor at its least
-    /// speed, or with injection; none for all others; LODE_NONE: none
+    /// share of the estimated load torque, 0 .. 1; 0: 0.25 to 0.5 where a rated load would else stop the rotor at its
+    /// least speed, 0.5 with injection, none for all others; LODE_NONE: none
     float load_feed_forward;
     /// least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
     float omega_min_rad_s;
