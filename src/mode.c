@@ -145,10 +145,10 @@ LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
 
 // START goes on with the attempt after those that failed, in what is left of the time; after none it is another start.
 static void count_start(lode_drive_t *self) {
-    if (self->losses == 0u) {
-        self->start_rounds = 0u;
-    }
-#ifndef LODE_WITHOUT_HANDOVER_RETRY
+#ifdef LODE_WITHOUT_HANDOVER_RETRY
+    self->start_rounds = 0u;
+#else
+    self->start_rounds = self->losses == 0u ? 0u : self->start_rounds;
     self->state.start.failed = self->losses;
 #endif
 }
@@ -250,7 +250,7 @@ static void hand_over(lode_drive_t *self) {
                      lode_references_most_Nm(&tuning->references));
     run->fade = 1.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    run->proving = tuning->start.patience_rounds;
+    run->proving = (float)tuning->start.patience_rounds;
 #endif
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
     lode_references_reset(&run->references, i_A.d);
@@ -469,7 +469,7 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
     self->direction = lode_sign(omega);
     run_at_once(self);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    self->state.run.proving = tuning->start.patience_rounds;
+    self->state.run.proving = (float)tuning->start.patience_rounds;
 #endif
 }
 

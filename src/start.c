@@ -62,7 +62,7 @@
 
 // Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
 // current settle; of one that does not come to rest in 0.15 s the mean of its swing.
-#define CALM_TIME_s 0.02f
+#define CALM_PART 20u // of the patience
 #define DWELL_TIME_s 0.15f
 #define MEASUREMENTS 2.0f // with half the current and with all of it
 #define SETTLE_PART 15u   // of the dwell
@@ -72,7 +72,7 @@
 // many radians of the swing, in which a rotor that falls passes the right angle (S30).
 #define STEADY_EARLY 0.5f
 #define STEADY_LATE 2.0f
-#define STEADY_TIMES 2.0f
+#define STEADY_TIMES 2u
 #define STEADY_rad 2.0f
 #define LEVEL_SHARE 0.5f
 // Where one current alone is measured with, half of its voltage counts as resistance's, the other half as dead time's.
@@ -291,9 +291,6 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     const float np = motor->pole_pairs;
     const float swing = lode_sqrt(np * K / motor->J_kgm2);
     const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
-#ifndef LODE_WITHOUT_START_MEASUREMENT
-    const float steady_s = lode_max(STEADY_TIMES * CALM_TIME_s, STEADY_rad / swing);
-#endif
     *tuning = (lode_start_tuning_t){
         .current_A = config->current_A,
         .current_step = config->current_A * ts_s / config->current_rise_s,
@@ -314,14 +311,12 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .current_last_A = config->current_last_A,
         .ramp_rounds = ramp_s(config) / round_s,
         .still_rounds = (config->current_rise_s + dwell_s(config) + config->lock_s) / round_s,
-        .patience_rounds = PATIENCE_s / round_s,
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
+        .patience_rounds = (uint_least16_t)rounds_in(PATIENCE_s, ts_s),
 #ifndef LODE_WITHOUT_START_MEASUREMENT
-        .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
-        .calm_rounds = (uint_least16_t)rounds_in(CALM_TIME_s, ts_s),
-        .steady_rounds = (uint_least16_t)lode_min((float)rounds_in(steady_s, ts_s), COUNTER_MAX),
         .dwell_rounds =
             config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
+        .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
 #endif
     };
     return LODE_OK;
@@ -331,12 +326,14 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 static void enter(lode_start_t *self, uint_least8_t stage) {
     self->stage = stage;
     if (stage == (uint_least8_t)LODE_START_TURN) {
-#ifndef LODE_WITHOUT_PLAUSIBILITY
+#ifndef LODE_WITHOUT_PLAUSIBILITY // which alone looks at what turns
         self->seen.turn.waves = (lode_waves_t){.turn_rad = 0.0f};
-#endif
         self->seen.turn.shift_rad = lode_start_shift_rad(self);
+#endif
     } else {
+#ifndef LODE_WITHOUT_START_MEASUREMENT
         self->seen.rest = (lode_start_rest_t){.sum_V = 0.0f};
+#endif
     }
 }
 
@@ -369,9 +366,9 @@ static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t 
     return tuning->still_rounds + tuning->ramp_rounds / lode_start_ease(self);
 }
 
-static float attempt_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    const float profile = profile_rounds(self, tuning);
-    return profile + lode_max(profile, tuning->patience_rounds);
+// After the profile.
+static float waiting_rounds(const lode_start_tuning_t *tuning, float profile) {
+    return lode_max(profile, (float)tuning->patience_rounds);
 }
 
 // Share of the current that an attempt takes now: the half that is measured with, all of it, and of a vector at speed
@@ -387,8 +384,7 @@ static float current_share(const lode_start_t *self, const lode_start_tuning_t *
     }
     const float profile = profile_rounds(self, tuning);
     const float late = (float)(int32_t)self->attempt - profile;
-    return 1.0f -
-           CURRENT_FALL * lode_clamp(late / lode_max(profile, tuning->patience_rounds), 0.0f, 1.0f);
+    return 1.0f - CURRENT_FALL * lode_clamp(late / waiting_rounds(tuning, profile), 0.0f, 1.0f);
 }
 
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
@@ -396,7 +392,8 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
                       float omega_target_rad_s) {
     const bool starting = lode_abs(omega_target_rad_s) > 0.0f;
     self->attempt = starting ? self->attempt + 1u : 0u;
-    if ((float)(int32_t)self->attempt > attempt_rounds(self, tuning)) {
+    const float profile = profile_rounds(self, tuning);
+    if ((float)(int32_t)self->attempt > profile + waiting_rounds(tuning, profile)) {
         self->attempt = 0u;
         self->at = (lode_sincos_t){0.0f, 1.0f}; // on a phase, for the measurement
         self->omega_rad_s = 0.0f;
@@ -454,6 +451,14 @@ static LODE_NOINLINE void end_dwell(lode_start_t *self, bool known) {
     }
 }
 
+// The mean of a swing is known. The weight of the swing's filter is nearly its corner times a period.
+static bool is_steady(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const float summed = self->seen.rest.summed;
+    const uint32_t least = STEADY_TIMES * (tuning->patience_rounds / CALM_PART);
+    const float swung_rad = summed * (float)LODE_SLOW_PERIODS / SWING_CORNER * tuning->swing_weight;
+    return summed >= (float)least && swung_rad >= STEADY_rad;
+}
+
 // One round with the present current. What it makes known is worked out in the next round, by a call of its own.
 static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V) {
     lode_start_rest_t *rest = &self->seen.rest;
@@ -461,9 +466,9 @@ static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning,
     if (rest->dwelt > tuning->dwell_rounds / SETTLE_PART) {
         add_at_rest(rest, tuning, lode_park(e_V, self->at));
     }
-    const bool calm = rest->calm >= tuning->calm_rounds;
+    const bool calm = rest->calm >= tuning->patience_rounds / CALM_PART;
     if (calm || rest->dwelt >= tuning->dwell_rounds) {
-        end_dwell(self, calm || rest->summed >= (float)tuning->steady_rounds);
+        end_dwell(self, calm || is_steady(self, tuning));
     }
 }
 

@@ -1013,6 +1013,8 @@ static void test_a_rotor_that_falls_past_a_right_angle_is_not_at_rest(void) {
     CHECK_NEAR(0.05 * (double)tuning.calm_V, 1.0, start.seen.rest.along_V);
 }
 
+#define CALM_ROUNDS ((int)(0.4 / (ROUND * PAPER_TS_s) + 0.5) / 20)
+
 /// Rounds that the vector dwells at the first current, with the voltages of round `n`, 1 .. : along and across its axis.
 typedef lode_dq_t (*seen_at_t)(const lode_start_tuning_t *tuning, int n);
 
@@ -1052,7 +1054,7 @@ static void test_a_dwell_ends_with_its_mean(void) {
     lode_start_t start;
     lode_start_tuning_t tuning;
     int rounds = rounds_at_half(rests, &start, &tuning);
-    TEST_ASSERT_EQUAL_INT(tuning.dwell_rounds / 15 + tuning.calm_rounds, rounds);
+    TEST_ASSERT_EQUAL_INT(tuning.dwell_rounds / 15 + CALM_ROUNDS, rounds);
     TEST_ASSERT_EQUAL_INT(LODE_START_FULL, start.stage);
     CHECK_CLOSE(1.0e-5, 0.3 * (double)tuning.calm_V, start.seen.rest.along_V);
     TEST_ASSERT_EQUAL_UINT(0u, start.seen.rest.dwelt); // the next current's are its own
@@ -1060,7 +1062,7 @@ static void test_a_dwell_ends_with_its_mean(void) {
     CHECK_NEAR(0.0, 0.0, start.seen.rest.summed);
     CHECK_NEAR(0.0, 0.0, start.seen.rest.sum_V);
     rounds = rounds_at_half(falls_once, &start, &tuning);
-    TEST_ASSERT_EQUAL_INT(tuning.dwell_rounds / 8 + tuning.calm_rounds,
+    TEST_ASSERT_EQUAL_INT(tuning.dwell_rounds / 8 + CALM_ROUNDS,
                           rounds); // anew with the first voltage that is another
     CHECK_CLOSE(1.0e-5, 3.0, start.seen.rest.along_V);
     rounds = rounds_at_half(never_rests, &start, &tuning);
@@ -1079,16 +1081,18 @@ static lode_dq_t steps_once(const lode_start_tuning_t *tuning, int n) {
     return (lode_dq_t){n < steps_at ? 3.0f : 3.0f + tuning->calm_V, 5.0f * tuning->calm_V};
 }
 
-/// (S30), to the round: a swing's mean needs `steady_rounds`, and in the first half of the dwell no step of a calm voltage.
+/// (S30), to the round: a swing's mean needs two radians of it, and in the first half of the dwell no step of a calm voltage.
 static void test_a_swing_is_watched_to_the_round(void) {
     lode_start_t start;
     lode_start_tuning_t tuning;
     (void)rounds_at_half(never_rests, &start, &tuning); // for its times
-    CHECK_AT_LEAST(2.0 * tuning.calm_rounds, (double)tuning.steady_rounds);
-    CHECK_NEAR(1.0, 2.0 / sqrt(3.0 * 8.0 * 0.639 / 0.0174) / (ROUND * PAPER_TS_s),
-               (double)tuning.steady_rounds);
+    const double swing = sqrt(3.0 * 8.0 * 0.639 / 0.0174);
+    // The filter's weight is what a period takes of its corner, a little less than the corner itself.
+    const int steady = (int)ceil(2.0 * 3.0 / (ROUND * (1.0 - exp(-3.0 * swing * PAPER_TS_s))));
+    CHECK_NEAR(1.0, 2.0 / (swing * ROUND * PAPER_TS_s), (double)steady);
+    CHECK_AT_LEAST(2.0 * CALM_ROUNDS, (double)steady);
     for (int late = 0; late <= 1; late++) {
-        steady_from = tuning.dwell_rounds - tuning.steady_rounds + 1 + late;
+        steady_from = tuning.dwell_rounds - steady + 1 + late;
         (void)rounds_at_half(becomes_steady, &start, &tuning);
         TEST_ASSERT_EQUAL_INT(late == 0 ? LODE_START_FULL : LODE_START_ALONE, start.stage);
         steps_at = tuning.dwell_rounds / 2 + late;

@@ -184,9 +184,11 @@ typedef struct {
 typedef struct {
     const lode_drive_tuning_t *tuning;
     uint32_t steps; ///< periods since init
-    bool steady;    ///< RUN as commanded, speed control in its slot, nothing in the mail
-    bool gates;     ///< on
-    bool mail;      ///< something is posted
+    uint32_t
+        start_rounds; ///< of the present start, whatever attempts it takes, in LODE_SLOW_PERIODS
+    bool steady;      ///< RUN as commanded, speed control in its slot, nothing in the mail
+    bool gates;       ///< on
+    bool mail;        ///< something is posted
     bool calibrated;
     uint_least8_t command_posted; ///< mailbox: LODE_POST_...
     uint_least8_t sensored; ///< slow rounds for which the last LODE_ESTIMATE_SENSOR still counts
@@ -213,8 +215,6 @@ typedef struct {
     uint_least16_t torque_share[2];
 #endif
     float direction; ///< sense of rotation, -1 or +1
-    uint32_t
-        start_rounds; ///< of the present start, whatever attempts it takes, in LODE_SLOW_PERIODS
     union {
         lode_sense_sums_t sums;     ///< CALIBRATE
         lode_precharge_t precharge; ///< PRECHARGE

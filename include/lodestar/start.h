@@ -56,17 +56,15 @@ typedef struct {
     float fade_step;     ///< per call of the references
     uint_least16_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
     uint_least16_t lock_rounds;
-    float current_last_A;  ///< of the last attempt
-    float ramp_rounds;     ///< of the first attempt's ramp to hand-over speed, in LODE_SLOW_PERIODS
-    float still_rounds;    ///< of current rise and lock
-    float patience_rounds; ///< at least, after the profile
+    float current_last_A; ///< of the last attempt
+    float ramp_rounds;    ///< of the first attempt's ramp to hand-over speed, in LODE_SLOW_PERIODS
+    float still_rounds;   ///< of current rise and lock
     uint32_t timeout_rounds;
-#ifndef LODE_WITHOUT_START_MEASUREMENT
-    float calm_V;                 ///< EMF across a vector by which the rotor stands still
-    uint_least16_t calm_rounds;   ///< of such voltages that are enough for a mean
-    uint_least16_t steady_rounds; ///< of any that do not change, where the rotor swings
+    uint_least16_t patience_rounds; ///< at least, after the profile
     uint_least16_t
         dwell_rounds; ///< of a vector that stands, at most, for one mean; 0: nothing is measured
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    float calm_V; ///< EMF across a vector by which the rotor stands still
 #endif
 } lode_start_tuning_t;
 

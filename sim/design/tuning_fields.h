@@ -143,11 +143,10 @@
     ROW(FLOAT, float, start.current_last_A) \
     ROW(FLOAT, float, start.ramp_rounds) \
     ROW(FLOAT, float, start.still_rounds) \
-    ROW(FLOAT, float, start.patience_rounds) \
     ROW(WHOLE, uint32_t, start.timeout_rounds) \
-    ROW(FLOAT, float, start.calm_V) \
-    ROW(WHOLE, uint_least16_t, start.calm_rounds) \
+    ROW(WHOLE, uint_least16_t, start.patience_rounds) \
     ROW(WHOLE, uint_least16_t, start.dwell_rounds) \
+    ROW(FLOAT, float, start.calm_V) \
     ROW(FLOAT, float, fly.share_first) \
     ROW(FLOAT, float, fly.share_dead) \
     ROW(FLOAT, float, guard.i_trip) \

@@ -49,7 +49,6 @@ static void print_option(FILE *file, const char *member, bool begins) {
                    {"estimator.hfi", "HFI"},
                    {"plausibility", "PLAUSIBILITY"},
                    {"start.calm_", "START_MEASUREMENT"},
-                   {"start.dwell_rounds", "START_MEASUREMENT"},
                    {"fly.", "FLYING_START"}};
     for (size_t k = 0u; k < sizeof options / sizeof options[0]; ++k) {
         if (strncmp(member, options[k].members, strlen(options[k].members)) != 0) {

@@ -180,9 +180,10 @@ uint32_t bench_digest(lode_drive_out_t out) {
 bool bench_estimate_is_good(int32_t number, const lode_telemetry_t *telemetry, float theta_rad) {
     const bool pushed = bench_scene(number) == BENCH_SATURATED;
     const bool injecting = bench_scene(number) == BENCH_INJECTING;
+    const bool fresh = bench_scene(number) == BENCH_START; // the hand-over is at a lock of 0.7
     const float off_rad = lode_abs(lode_wrap(telemetry->theta_rad - theta_rad));
     const float slip = lode_abs(telemetry->omega_rad_s - BENCH_OMEGA_rad_s);
-    return telemetry->lock > (pushed || injecting ? 0.7f : 0.9f) &&
+    return telemetry->lock > (pushed || injecting || fresh ? 0.7f : 0.9f) &&
            off_rad <= (pushed ? 0.3f : 0.1f) &&
            (bench_scene(number) != BENCH_STEADY || slip <= 0.015f * BENCH_OMEGA_rad_s);
 }

@@ -76,7 +76,7 @@ def shorts(checks, folder):
 
 # Of an electrical turn at 3000 rpm, four pole pairs.
 TURN_s = 5.0e-3
-INSTANTS = 6
+INSTANTS = 18
 
 
 def shorted(folder, side, short, up_s):
