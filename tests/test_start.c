@@ -1018,12 +1018,15 @@ static void test_a_rotor_that_falls_past_a_right_angle_is_not_at_rest(void) {
 /// Rounds that the vector dwells at the first current, with the voltages of round `n`, 1 .. : along and across its axis.
 typedef lode_dq_t (*seen_at_t)(const lode_start_tuning_t *tuning, int n);
 
+static float quicker = 1.0f; // a swing of so many times the natural frequency
+
 static int rounds_at_half(seen_at_t seen_at, lode_start_t *start, lode_start_tuning_t *tuning) {
     lode_start_config_t config = sound();
     config.measure = LODE_ON;
     config.catch_s = LODE_NONE;
     config.damping = LODE_NONE;
     *tuning = tuned(&config);
+    tuning->swing_weight *= quicker;
     lode_start_begin(start, tuning);
     start->current_A = start->current_target = 4.0f; // as it comes to be
     int rounds = 0;
@@ -1095,6 +1098,11 @@ static void test_a_swing_is_watched_to_the_round(void) {
         steady_from = tuning.dwell_rounds - steady + 1 + late;
         (void)rounds_at_half(becomes_steady, &start, &tuning);
         TEST_ASSERT_EQUAL_INT(late == 0 ? LODE_START_FULL : LODE_START_ALONE, start.stage);
+        quicker = 10.0f; // a light rotor: twice the time of a calm mean is more than two radians
+        steady_from = tuning.dwell_rounds - 2 * CALM_ROUNDS + 1 + late;
+        (void)rounds_at_half(becomes_steady, &start, &tuning);
+        TEST_ASSERT_EQUAL_INT(late == 0 ? LODE_START_FULL : LODE_START_ALONE, start.stage);
+        quicker = 1.0f;
         steps_at = tuning.dwell_rounds / 2 + late;
         (void)rounds_at_half(steps_once, &start, &tuning);
         TEST_ASSERT_EQUAL_INT(LODE_START_FULL, start.stage);
