@@ -2493,12 +2493,29 @@ static void test_all_attempts_of_a_start_have_one_time(void) {
     TEST_ASSERT_TRUE(reach(&again, LODE_MODE_OFF, 0.01));
     rig_command(&again, run_at(80.0));
     TEST_ASSERT_TRUE(reach(&again, LODE_MODE_START, 0.2));
-    CHECK_AT_MOST(10.0, (double)again.drive.start_rounds);
+    TEST_ASSERT_EQUAL_UINT32(0u, again.drive.start_rounds);
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
     rig_run(&rig, 0.5);
     rig_command(&rig, run_at(-80.0));
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 4.0));
-    CHECK_AT_MOST(10.0, (double)rig.drive.start_rounds);
+    TEST_ASSERT_EQUAL_UINT32(0u, rig.drive.start_rounds);
+}
+
+/// To the last round, in which half of one may be left.
+static void test_a_start_is_proven_to_the_round(void) {
+    rig_t rig = handed_over();
+    rig.drive.guard.lock = (uint_least16_t)tuning.guard.lock_looks;
+    rig.drive.losses = 1u;
+    for (int left = 0; left <= 1; left++) {
+        rig_t lost = rig;
+        lost.drive.state.run.proving = 0.5f * (float)left;
+        rig_t back = lost;
+        lode_mode_prove_start(&lost.drive);
+        TEST_ASSERT_EQUAL_INT(left == 1 ? LODE_MODE_OFF : LODE_MODE_RUN, lost.drive.mode);
+        lode_mode_hand_back(&back.drive);
+        TEST_ASSERT_EQUAL_UINT(left, back.drive.losses);
+        TEST_ASSERT_EQUAL_UINT(left, back.drive.state.start.failed);
+    }
 }
 
 /// The last attempt, repeated, has a ramp of a quarter again.
@@ -3339,6 +3356,7 @@ int main(void) {
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);
     RUN_TEST(test_a_lock_lost_right_after_the_hand_over_is_an_attempt);
     RUN_TEST(test_all_attempts_of_a_start_have_one_time);
+    RUN_TEST(test_a_start_is_proven_to_the_round);
     RUN_TEST(test_the_last_attempt_is_repeated_faster);
     RUN_TEST(test_a_start_that_is_over_is_no_attempt);
     RUN_TEST(test_a_commanded_off_forgets_the_attempts);

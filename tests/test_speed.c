@@ -385,6 +385,21 @@ static void test_a_bandwidth_that_is_no_number_is_refused(void) {
     }
 }
 
+static void test_bounds_that_are_just_met_are_accepted(void) {
+    const size_t ramp = offsetof(lode_speed_config_t, ramp_rad_s2);
+    const float ramps[] = {1.0e-3f, 1.0e7f, 0.9e-3f, 1.1e7f};
+    for (int i = 0; i < COUNT_OF(ramps); i++) {
+        TEST_ASSERT_EQUAL_INT(i < 2 ? LODE_OK : LODE_ERROR_SPEED_RAMP, try_one(ramp, ramps[i]));
+    }
+    lode_speed_config_t config = sound();
+    const lode_motor_t motor = paper_motor();
+    lode_pll_config_t slow = pll;
+    slow.sigma_low_rad_s = slow.sigma_rad_s = 100.0f;
+    config.kp_Nms = slow.sigma_rad_s * motor.J_kgm2;
+    lode_speed_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_speed_tune(&tuning, &config, &motor, &slow, PAPER_TS_s));
+}
+
 static void test_no_feed_forward(void) {
     lode_speed_config_t config = sound();
     config.load_feed_forward = LODE_NONE;
@@ -524,6 +539,7 @@ int main(void) {
     RUN_TEST(test_a_rotor_ahead_of_its_ramp_gets_less_of_its_torque);
     RUN_TEST(test_the_gain_rises_over_one_span);
     RUN_TEST(test_a_bandwidth_that_is_no_number_is_refused);
+    RUN_TEST(test_bounds_that_are_just_met_are_accepted);
     RUN_TEST(test_no_feed_forward);
     RUN_TEST(test_design_fills_what_is_open);
     return UNITY_END();
