@@ -1199,9 +1199,46 @@ static void test_names(void) {
     TEST_ASSERT_EQUAL_STRING("UNKNOWN", lode_commission_result_name((lode_commission_result_t)99));
 }
 
+/// Of the run's start: once, for so many periods, the speed is not the one that is asked for.
+#define AWAY 30u
+static uint32_t away, calm_before, calm_after;
+static float low_rad_s;
+
+static void meddle_away(rig_t *r) {
+    lode_commission_t *c = &r->commission;
+    if ((int)c->stage != START) {
+        return;
+    }
+    if (calm_before == 0u && c->calm >= 50u) {
+        calm_before = c->calm;
+        low_rad_s = c->low_rad_s;
+        away = AWAY;
+    }
+    if (away > 0u) {
+        c->low_rad_s = 1.5f * low_rad_s;
+        away--;
+    } else if (calm_before > 0u && calm_after == 0u) {
+        calm_after = c->calm;
+        c->low_rad_s = low_rad_s;
+    } else {
+        // as it is
+    }
+}
+
+/// A ripple delays it by as long as it lasts, and does not begin the wait anew.
+static void test_the_run_begins_when_the_speed_is_there_more_often_than_not(void) {
+    const plant_config_t plant = machine();
+    const lode_drive_config_t config = sheet();
+    away = calm_before = calm_after = 0u;
+    begin(&plant, &config, meddle_away);
+    expect(LODE_COMMISSION_DONE);
+    TEST_ASSERT_EQUAL_UINT32(calm_before - AWAY, calm_after);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_finds_the_machine);
+    RUN_TEST(test_the_run_begins_when_the_speed_is_there_more_often_than_not);
     RUN_TEST(test_finds_it_through_a_real_sensor);
     RUN_TEST(test_friction);
     RUN_TEST(test_pulses_grow);
