@@ -22,7 +22,7 @@ import time
 
 import mutants
 
-KILLED_MIN = 0.96  # a ratchet, to be raised with what is reached; the aim is 0.98
+KILLED_MIN = 0.98  # reached by two fresh samples
 EQUIVALENT_MAX = 0.03
 # What the build takes as it is; src and include come with mutants, and tests includes some of them as ../src.
 LINKED = ("CMakeLists.txt", "sim", "port")
