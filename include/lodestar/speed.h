@@ -16,9 +16,9 @@ extern "C" {
 typedef struct {
     float kp_Nms; ///< torque per mechanical rad/s; 0: from the bandwidth
     float ki_Nm;  ///< torque per mechanical rad; 0: kp times bandwidth/4
-    /// crossover; 0: a quarter of the PLL's sigma at low speed, at most 13 over the run-up time
+    /// crossover; 0: a quarter of the PLL's sigma at low speed, at most 13 over the run-up time, less by (K16)
     float bandwidth_rad_s;
-    /// factor by which both gains rise with the PLL's sigma, 1 .. 10; 0: as sigma does, or 1 (not at
+    /// factor by which both gains rise with the PLL's sigma, 1 .. 10; 0: as sigma does, less by (K16), or 1 (not at
     /// all) where kp_Nms is given
     float gain_rise;
     float

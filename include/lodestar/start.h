@@ -118,7 +118,7 @@ typedef struct {
     float give;            ///< rad by which the vector gives way per V of swinging EMF
     uint_least16_t locked; ///< rounds of LODE_SLOW_PERIODS for which the lock has held
     uint_least8_t stage;   ///< LODE_START_...
-    uint_least8_t failed;  ///< attempts, up to two
+    uint_least8_t failed;  ///< attempts, up to three
 } lode_start_t;
 
 /// Of omega_ready: below, the EMF drowns in the inverter's errors, and the estimator is held to the vector.
