@@ -74,8 +74,8 @@ LODE_INLINE float lode_wrap_once(float x) {
 /// Angle in [-pi, pi], for any x up to LODE_ANGLE_LIMIT_rad; 0 beyond and for NaN.
 float lode_wrap(float x_rad);
 
-/// Sine and cosine from one range reduction. Error at most 1e-6 for |x| <= 8 pi; beyond
-/// LODE_ANGLE_LIMIT_rad and for NaN those of angle 0.
+/// Sine and cosine from one range reduction. Error at most 1e-6; beyond LODE_ANGLE_LIMIT_rad and for NaN those of
+/// angle 0.
 lode_sincos_t lode_sincos(float x_rad);
 
 #ifdef LODE_SINCOS_BOARD
