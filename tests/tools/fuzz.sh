@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# usage: fuzz.sh build | fuzz.sh run NAME | fuzz.sh all
-# Builds all libFuzzer programs, or runs one: 10 s or 200 000 inputs, five minutes in a campaign
-# (LODE_TEST_FULL=1), or LODE_FUZZ_RUNS inputs or LODE_FUZZ_SECONDS, whichever is given and comes first. all: builds them
-# and runs one after the other, each as long. An input that fails is left beside the program.
+# usage: fuzz.sh build | fuzz.sh run NAME | fuzz.sh night [INPUTS]
+# build: all libFuzzer programs. run: one of them, for 10 s or 200 000 inputs, for five minutes in a
+# campaign (LODE_TEST_FULL=1), for LODE_FUZZ_SECONDS where that is given. night: builds all and runs them in
+# turns of a minute, one on each processor, until they have tried INPUTS in all (10^9 unless told); each
+# goes on from what it has found. An input that fails is left beside the program.
 set -eu -o pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 cd "$root"
@@ -21,15 +22,33 @@ if [ "$1" = build ]; then
     exit
 fi
 
-if [ "$1" = all ]; then
+if [ "$1" = night ]; then
+    inputs=${2:-1000000000}
+    [[ $inputs =~ ^[1-9][0-9]*$ ]] || { echo "fuzz.sh night: INPUTS is a number of inputs, not '$inputs'" >&2; exit 2; }
     bash "$0" build
-    failed=
-    for program in tests/fuzz/fuzz_*.c; do
-        name=$(basename "$program" .c)
-        echo "== $name"
-        bash "$0" run "$name" || failed="$failed $name"
+    turn() { # program: what it tried goes to its log
+        LODE_FUZZ_SECONDS=60 LODE_FUZZ_SEED=$RANDOM bash "$0" run "$1" >"$work/night-$1.log" 2>&1 || {
+            tail -n 40 "$work/night-$1.log"
+            echo "failed: $1"
+            touch "$work/night-failed"
+        }
+    }
+    total=0
+    rm -f "$work/night-failed"
+    while [ "$total" -lt "$inputs" ]; do
+        for program in tests/fuzz/fuzz_*.c; do
+            while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do
+                wait -n
+            done
+            turn "$(basename "$program" .c)" &
+        done
+        wait
+        [ ! -e "$work/night-failed" ] || exit 1
+        tried=$(cat "$work"/night-fuzz_*.log | awk '/number_of_executed_units/ { n += $2 } END { print n + 0 }')
+        total=$((total + tried))
+        echo "$(date +%T) $total inputs of $inputs"
+        [ "$tried" -gt 0 ] || { echo "no program tried anything" >&2; exit 1; }
     done
-    [ -z "$failed" ] || { echo "failed:$failed"; exit 1; }
     exit
 fi
 
@@ -40,8 +59,8 @@ budget=(-runs=200000 -max_total_time=10)
 if [ "${LODE_TEST_FULL:-0}" = 1 ]; then
     budget=(-max_total_time=300)
 fi
-if [ -n "${LODE_FUZZ_RUNS:-}${LODE_FUZZ_SECONDS:-}" ]; then
-    budget=(-runs="${LODE_FUZZ_RUNS:--1}" -max_total_time="${LODE_FUZZ_SECONDS:-0}")
+if [ -n "${LODE_FUZZ_SECONDS:-}" ]; then
+    budget=(-max_total_time="$LODE_FUZZ_SECONDS")
 fi
 corpus=$work/corpus-$name
 seeds=tests/fuzz/corpus/${name#fuzz_}
@@ -51,5 +70,5 @@ if [ -d "$seeds" ]; then
     folders+=("$seeds")
 fi
 # libFuzzer would end with 77 on a finding, which is the code for a skipped test.
-"$program" -seed=1 -timeout=10 -error_exitcode=1 -print_final_stats=1 -artifact_prefix="$work/$name-" \
+"$program" -seed="${LODE_FUZZ_SEED:-1}" -timeout=10 -error_exitcode=1 -print_final_stats=1 -artifact_prefix="$work/$name-" \
     "${budget[@]}" "${folders[@]}" 2>&1 | tail -n 60
