@@ -4,9 +4,8 @@
 #define TELEMETRY_TRIES 3
 // Of the voltage circle: with less EMF there is voltage left to drive the current that is asked for.
 #define EMF_SHARE 0.8f
-// Lost lock is that of another flux where the EMF is within 25 degrees of where it should be, there is half of it
-// at least (a rotor that is stopped has less), and it is off by more than a tuning and a hot magnet explain.
-#define ALIGNED_SHARE 0.9f
+// Lost lock is that of another flux where the EMF is where it should be, there is half of it at least (a rotor that is
+// stopped has less), and it is off by more than a tuning and a hot magnet explain.
 #define LEAST_FLUX 0.5f
 #define ANOTHER_FLUX 0.2f
 #define BUS_SHARE 0.1f // of the flux, by which the EMF is off when the bus is not what is read
@@ -249,40 +248,19 @@ LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *s
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-// Flux linkage of the motor as configured, Wb, and as the EMF tells it.
-typedef struct {
-    float expected_Wb;
-    float seen_Wb;
-} fluxes_t;
-
-static fluxes_t fluxes(const lode_drive_t *self) {
-    const lode_estimator_t *estimator = &self->estimator;
-    const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
-    const float omega = lode_abs(estimator->pll.omega_rad_s);
-    const float taken = 1.0f + omega * omega * tuning->droop_s2; // as lode_estimator_note_lock()
-    return (fluxes_t){tuning->psi_Wb + tuning->salient_H * estimator->id_A,
-                      lode_ab_length(estimator->emf.observer.e_V) * taken /
-                          lode_max(omega, FLT_MIN)};
-}
-
 // The EMF is along the rotor's q axis, and of another size than the speed induces.
-static bool is_another_flux(const lode_drive_t *self) {
-    const lode_estimator_t *estimator = &self->estimator;
-    const lode_ab_t e_V = estimator->emf.observer.e_V;
-    const float along_V = lode_abs(lode_park(e_V, estimator->pll.frame).q);
-    const fluxes_t flux = fluxes(self);
-    return along_V >= ALIGNED_SHARE * lode_ab_length(e_V) &&
-           flux.seen_Wb >= LEAST_FLUX * flux.expected_Wb &&
+static bool is_another(lode_flux_t flux) {
+    return flux.aligned && flux.seen_Wb >= LEAST_FLUX * flux.expected_Wb &&
            lode_abs(flux.seen_Wb - flux.expected_Wb) >= ANOTHER_FLUX * flux.expected_Wb;
 }
 
 // The lock was lost by the EMF's size alone, at every look since it was first found to be.
 static void name_lost_lock(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
+    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     const bool before = guard->flux || guard->lock <= 1u;
-    guard->flux = guard->lock > 0u && before && is_another_flux(self);
+    guard->flux = guard->lock > 0u && before && is_another(flux);
     if (guard->flux && guard->fault.check == (uint_least8_t)LODE_CHECK_LOST_LOCK) {
-        const fluxes_t flux = fluxes(self);
         guard->fault.check = (uint_least8_t)LODE_CHECK_FLUX;
         guard->fault.measured = flux.seen_Wb;
         guard->fault.limit = flux.expected_Wb;
@@ -355,7 +333,7 @@ LODE_NOINLINE void lode_drive_count_still(lode_drive_t *self, uint16_t count, fl
                         lode_sense_temperature_degC(&tuning->sense, count), rounds_s(self, rounds));
     }
     // Another bus than the one that is read makes another EMF of the same voltage.
-    const fluxes_t flux = fluxes(self);
+    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &tuning->estimator);
     const bool off = lode_mode(self) == LODE_MODE_RUN &&
                      lode_abs(flux.seen_Wb - flux.expected_Wb) > BUS_SHARE * flux.expected_Wb;
     if (is_still(&guard->bus_still, same_bus && off, bus_rounds)) {

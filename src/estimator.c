@@ -16,6 +16,7 @@
 #define SLIP_MAX 0.8f
 #define SLIP_ERROR_MAX_rad 0.5f
 #define ACTIVE_MIN_SHARE 0.2f // of the magnets' flux, that is divided by
+#define ALIGNED_SHARE 0.9f    // cosine of 25 degrees
 // A correction up to this leaves the rotation's length within 1 % until it is normalised.
 #define CORRECTION_SMALL_rad 0.05f
 
@@ -257,6 +258,22 @@ LODE_NOINLINE float lode_estimator_limit(const lode_estimator_t *self, float err
     }
     return lode_clamp(error, -LODE_HFI_ERROR_MAX_rad, LODE_HFI_ERROR_MAX_rad);
 }
+
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+lode_flux_t lode_estimator_flux(const lode_estimator_t *self,
+                                const lode_estimator_tuning_t *tuning) {
+    const lode_ab_t e_V = self->emf.observer.e_V;
+    const float length_V = lode_ab_length(e_V);
+    const float omega = lode_abs(self->pll.omega_rad_s);
+    const float taken = 1.0f + omega * omega * tuning->droop_s2; // as lode_estimator_note_lock()
+    return (lode_flux_t){.expected_Wb = tuning->psi_Wb + tuning->salient_H * self->id_A,
+                         .seen_Wb = length_V * taken / lode_max(omega, FLT_MIN),
+                         .aligned = lode_abs(lode_park(e_V, self->pll.frame).q) >=
+                                    ALIGNED_SHARE * length_V};
+}
+
+#endif
 
 #ifndef LODE_WITHOUT_BRAKE_SLIP
 

@@ -55,6 +55,18 @@ void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_t
 // `held`: whatever the torque, the rotor keeps the speed that it has.
 bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, bool held);
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+// Active flux linkage of the motor as configured, and as the EMF's size tells it.
+typedef struct {
+    float expected_Wb;
+    float seen_Wb;
+    bool aligned; // the EMF is within 25 degrees of where the PLL has it
+} lode_flux_t;
+
+lode_flux_t lode_estimator_flux(const lode_estimator_t *self,
+                                const lode_estimator_tuning_t *tuning);
+#endif
+
 LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
                                                 const lode_estimator_tuning_t *tuning) {
     return tuning->load_per_f_Nm * self->pll.f_rad_s2;

@@ -474,16 +474,20 @@ static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning,
 
 bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
                         lode_start_found_t *found) {
-    if (self->stage == (uint_least8_t)LODE_START_FOUND) {
+    // All of the current, and the drive has not been told to stop.
+    const bool there = self->current_target > 0.0f && !(self->current_A < self->current_target);
+    const bool is_end = self->stage == (uint_least8_t)LODE_START_FOUND;
+    if (is_end && there) {
         *found = found_at_rest(self);
+    }
+    if (is_end) {
         enter(self, (uint_least8_t)LODE_START_TURN);
-        return true;
-    }
-    if (self->stage < (uint_least8_t)LODE_START_TURN && self->current_A > 0.0f &&
-        !(self->current_A < self->current_target)) {
+    } else if (there && self->stage < (uint_least8_t)LODE_START_TURN) {
         watch_at_rest(self, tuning, e_V);
+    } else {
+        // the current is on its way, or the vector turns
     }
-    return false;
+    return is_end && there;
 }
 
 #endif
@@ -521,16 +525,24 @@ static uint32_t lock_weight(const lode_start_t *self, const lode_start_tuning_t 
     return 1u;
 }
 
+// Of the vector's speed: a load that swings within a turn swings the rotor in proportion.
+static float slack_of(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    return SPEED_TOLERANCE * lode_max(lode_abs(self->omega_rad_s), tuning->omega_ready);
+}
+
+bool lode_start_follows(const lode_start_t *self, const lode_start_tuning_t *tuning,
+                        float omega_rad_s, float times) {
+    const float vector = self->omega_rad_s;
+    return lode_abs(vector) >= tuning->omega_ready && vector * self->omega_target > 0.0f &&
+           lode_abs(omega_rad_s - vector) <= times * slack_of(self, tuning);
+}
+
 void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_rad_s,
                       float lock) {
     const bool catching = lode_start_catches(self);
-    const float vector = self->omega_rad_s;
-    // Of the vector's speed: a load that swings within a turn swings the rotor in proportion.
-    const float slack = SPEED_TOLERANCE * lode_max(lode_abs(vector), tuning->omega_ready);
+    const float slack = slack_of(self, tuning);
     const uint32_t weight = lock_weight(self, tuning);
-    const bool arrived = lode_abs(vector) >= tuning->omega_ready &&
-                         vector * self->omega_target > 0.0f &&
-                         lode_abs(omega_rad_s - vector) <= (float)weight * slack;
+    const bool arrived = lode_start_follows(self, tuning, omega_rad_s, (float)weight);
     const bool sound = (catching || arrived) && lock >= LODE_LOCK_HANDOVER &&
                        lode_abs(omega_rad_s) >= tuning->omega_ready - slack;
     self->locked = (uint_least16_t)(sound ? self->locked + weight : 0u);

@@ -2722,6 +2722,100 @@ static void test_a_resistance_of_no_winding_ends_the_start(void) {
     CHECK_AT_LEAST(4.0, (double)ended);
 }
 
+/// A start of which nothing is measured at rest, with sensors that show `gain` of the currents.
+static lode_fault_t with_gains(double gain, lode_choice_t plausibility) {
+    lode_drive_config_t config = rig_config();
+    config.start.measure = LODE_OFF;
+    config.guard.plausibility = plausibility;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(100.0));
+    for (int n = 0; n < 7500 && rig_telemetry(&rig).mode != LODE_MODE_FAULT; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        for (int k = 0; k < LODE_PHASES; k++) {
+            counts.i[k] = rig_count(2048.0 + gain * ((double)counts.i[k] - 2048.0));
+        }
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    return rig_telemetry(&rig).fault;
+}
+
+/// (S34)
+static void test_more_current_than_is_measured_ends_the_start(void) {
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_gains(1.0, LODE_ON).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_gains(0.8, LODE_ON).check);
+    const lode_fault_t wrong = with_gains(0.4, LODE_ON);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_FLUX", lode_check_name(wrong.check));
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_START, wrong.state);
+    CHECK_AT_LEAST((double)wrong.limit, (double)wrong.measured);
+    TEST_ASSERT_NOT_EQUAL(LODE_CHECK_FLUX, with_gains(0.4, LODE_OFF).check);
+}
+
+/// How many rounds the vector of a start turns on with the observer's EMF at `times` of what the motor's own flux induces,
+/// `off_rad` beside the rotor's q axis, at `share` of the vector's speed, with a d current that leaves `left` of the
+/// flux. The check that ended it, or none after 1000.
+typedef struct {
+    uint32_t rounds;
+    lode_check_t check;
+} rounds_t;
+
+static rounds_t by_flux(rig_t rig, float times, float off_rad, float share, float left) {
+    lode_drive_t *drive = &rig.drive;
+    lode_estimator_t *estimator = &drive->estimator;
+    const lode_estimator_tuning_t *own = &drive->tuning->estimator;
+    rounds_t seen = {0u, LODE_CHECK_NONE};
+    drive->state.start.omega_rad_s = drive->tuning->start.omega_handover;
+    const float omega = share * drive->tuning->start.omega_handover;
+    while (drive->mode == (uint_least8_t)LODE_MODE_START && seen.rounds < 1000u) {
+        const float e_V = times * own->psi_Wb * omega / (1.0f + omega * omega * own->droop_s2);
+        const lode_dq_t at = {-e_V * sinf(off_rad), e_V * cosf(off_rad)};
+        estimator->emf.observer.e_V = lode_park_inverse(at, estimator->pll.frame);
+        estimator->pll.omega_rad_s = omega;
+        estimator->id_A = (left - 1.0f) * own->psi_Wb / own->salient_H;
+        estimator->lock = 0.0f;
+        drive->steps = (uint32_t)SLOT_DEAD_TIME;
+        lode_mode_follow(drive);
+        seen.rounds++;
+    }
+    seen.check = (lode_check_t)rig_telemetry(&rig).fault.check;
+    return seen;
+}
+
+/// (S34): twice the active flux, of which 0.6 of the magnets' is expected at least, for as long as a lock would have to
+/// hold, and of a rotor that follows.
+static void test_a_flux_of_no_motor_is_one_for_as_long_as_a_lock(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(100.0));
+    while (rig.drive.mode != (uint_least8_t)LODE_MODE_START ||
+           rig.drive.state.start.stage != (uint_least8_t)LODE_START_TURN) {
+        rig_step(&rig);
+    }
+    const float whole = 1.0f;
+    const rounds_t wrong = by_flux(rig, 2.02f, 0.0f, 1.0f, whole);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, wrong.check);
+    TEST_ASSERT_EQUAL_UINT32(tuning.start.lock_rounds, wrong.rounds);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(rig, 1.98f, 0.0f, 1.0f, whole).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_flux(rig, 1.42f, 0.0f, 1.0f, 0.7f).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(rig, 1.38f, 0.0f, 1.0f, 0.7f).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_flux(rig, 1.22f, 0.0f, 1.0f, 0.2f).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(rig, 1.18f, 0.0f, 1.0f, 0.2f).check);
+    // 25 degrees beside, and a quarter of the speed.
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_flux(rig, 2.2f, 0.44f, 1.0f, whole).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(rig, 2.2f, 0.46f, 1.0f, whole).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_flux(rig, 2.2f, 0.0f, 1.24f, whole).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(rig, 2.2f, 0.0f, 1.26f, whole).check);
+    // It begins anew.
+    rig.drive.guard.lock = (uint_least16_t)(tuning.start.lock_rounds - 1u);
+    (void)by_flux(rig, 1.0f, 0.0f, 1.0f, whole);
+    TEST_ASSERT_EQUAL_UINT32(1u, by_flux(rig, 2.2f, 0.0f, 1.0f, whole).rounds);
+    lode_drive_t *drive = &rig.drive;
+    drive->state.start.omega_rad_s = 0.9f * tuning.start.omega_ready;
+    drive->steps = (uint32_t)SLOT_DEAD_TIME;
+    lode_mode_follow(drive);
+    TEST_ASSERT_EQUAL_UINT32(0u, drive->guard.lock);
+}
+
 /// With the winding that is configured, one 30 % warmer and one colder, from 12 rest positions: at least one start in three
 /// lets the rotor come to rest in time, and what is measured then is 0.1 of it off, root of the mean square (S30).
 static void test_a_resistance_that_is_measured_is_right(void) {
@@ -3369,6 +3463,8 @@ int main(void) {
     RUN_TEST(test_a_dead_switch_ends_the_start);
     RUN_TEST(test_a_current_without_its_noise_is_refused_at_calibration);
     RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
+    RUN_TEST(test_more_current_than_is_measured_ends_the_start);
+    RUN_TEST(test_a_flux_of_no_motor_is_one_for_as_long_as_a_lock);
     RUN_TEST(test_a_resistance_that_is_measured_is_right);
     RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);

@@ -1215,6 +1215,34 @@ static void test_a_new_attempt_measures_again(void) {
     TEST_ASSERT_TRUE(start.current_target == 0.0f);
 }
 
+/// Between what makes the resistance known and the round in which it is worked out.
+static void test_a_stop_ends_the_measurement(void) {
+    lode_start_config_t config = sound();
+    config.measure = LODE_ON;
+    config.catch_s = LODE_NONE;
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_found_t found = {7.0f, 8.0f};
+    lode_start_begin(&start, &tuning);
+    for (int n = 1; start.stage != LODE_START_FOUND && n < 20000; n++) {
+        if (n % ROUND == 1) {
+            TEST_ASSERT_FALSE(lode_start_measure(&start, &tuning, no_emf, &found));
+        }
+        (void)step(&start, &tuning, n, 47.0f, 8.0f, no_emf);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_START_FOUND, start.stage);
+    lode_start_t told = start;
+    TEST_ASSERT_TRUE(lode_start_measure(&told, &tuning, no_emf, &found));
+    CHECK_NEAR(1.0e-6, 0.0, found.r_Ohm);
+    TEST_ASSERT_EQUAL_INT(LODE_START_TURN, told.stage);
+    found = (lode_start_found_t){7.0f, 8.0f};
+    lode_start_aim(&start, &tuning, 0.0f, 0.0f);
+    start.current_A = 0.0f;
+    TEST_ASSERT_FALSE(lode_start_measure(&start, &tuning, no_emf, &found));
+    TEST_ASSERT_TRUE(found.r_Ohm == 7.0f && found.dead_V == 8.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_START_TURN, start.stage);
+}
+
 /// (S31)
 static void test_the_vector_gives_way_by_24_degrees_at_most(void) {
     lode_start_t start;
@@ -1475,6 +1503,7 @@ int main(void) {
     RUN_TEST(test_one_of_two_means_tells_the_sum);
     RUN_TEST(test_dead_time_is_measured_with_a_vector_that_gives_way);
     RUN_TEST(test_a_new_attempt_measures_again);
+    RUN_TEST(test_a_stop_ends_the_measurement);
     RUN_TEST(test_the_vector_gives_way_by_24_degrees_at_most);
     RUN_TEST(test_a_vector_turns_by_its_damping_too);
     RUN_TEST(test_measuring_is_a_choice);

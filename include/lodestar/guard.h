@@ -31,7 +31,7 @@ typedef enum {
     LODE_CHECK_MEMORY, ///< what changed by itself: 1 the mode, 2 the command, 3 the tuning
     LODE_CHECK_TEMPERATURE_STUCK, ///< power stage, degC: a count that has not moved; the limit is the time, s
     LODE_CHECK_BUS_STUCK, ///< bus, V: a count that has not moved while the EMF says it has; the limit is the time, s
-    LODE_CHECK_FLUX, ///< flux linkage that the EMF tells, Wb, with a sound angle; the limit is the motor's
+    LODE_CHECK_FLUX, ///< flux linkage that the EMF tells, Wb, with a sound angle; the limit is the motor's, in START twice that
     LODE_CHECK_RESISTANCE, ///< what the start has found above the configured one, Ohm
     /// after HARDWARE_TRIP or OVER_CURRENT, in its place: the current that flows on with the gates off in the one
     /// phase, A; negative: its low side is shorted, positive: its high side
