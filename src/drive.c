@@ -249,7 +249,8 @@ LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *s
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
 // The EMF is along the rotor's q axis, and of another size than the speed induces.
-static bool is_another(lode_flux_t flux) {
+static bool is_another_flux(const lode_drive_t *self) {
+    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     return flux.aligned && flux.seen_Wb >= LEAST_FLUX * flux.expected_Wb &&
            lode_abs(flux.seen_Wb - flux.expected_Wb) >= ANOTHER_FLUX * flux.expected_Wb;
 }
@@ -257,10 +258,10 @@ static bool is_another(lode_flux_t flux) {
 // The lock was lost by the EMF's size alone, at every look since it was first found to be.
 static void name_lost_lock(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
-    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     const bool before = guard->flux || guard->lock <= 1u;
-    guard->flux = guard->lock > 0u && before && is_another(flux);
+    guard->flux = guard->lock > 0u && before && is_another_flux(self);
     if (guard->flux && guard->fault.check == (uint_least8_t)LODE_CHECK_LOST_LOCK) {
+        const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
         guard->fault.check = (uint_least8_t)LODE_CHECK_FLUX;
         guard->fault.measured = flux.seen_Wb;
         guard->fault.limit = flux.expected_Wb;

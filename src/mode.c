@@ -314,11 +314,40 @@ static void take_resistance(lode_drive_t *self, const lode_start_found_t *found)
 
 #endif
 
-// SLOT_LAG: resistance and dead time, while the vector rests.
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+// An estimate that turns with the vector at speed, and an EMF of a size that no error of the motor's values explains:
+// more current flows than is measured (S34). As long as a lock would have to hold.
+static LODE_NOINLINE void watch_flux(lode_drive_t *self) {
+    const lode_start_t *start = &self->state.start;
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    const lode_estimator_t *estimator = &self->estimator;
+    const float omega = estimator->pll.omega_rad_s;
+    uint32_t rounds = 0u;
+    if (self->tuning->plausibility.i_sum >= 0 && estimator->lock < LODE_LOCK_LOST &&
+        lode_start_follows(start, tuning, omega, lode_start_slack(start, tuning))) {
+        const lode_flux_t flux = lode_estimator_flux(estimator, &self->tuning->estimator);
+        const float least_Wb = (1.0f - LODE_START_LOST_MAX) * self->tuning->estimator.psi_Wb;
+        const float limit_Wb = WRONG_FLUX * lode_max(flux.expected_Wb, least_Wb);
+        rounds = flux.aligned && flux.seen_Wb > limit_Wb ? self->guard.lock + 1u : 0u;
+        if (rounds >= tuning->lock_rounds) {
+            lode_mode_fault(self, LODE_CHECK_FLUX, flux.seen_Wb, limit_Wb);
+        }
+    }
+    self->guard.lock = (uint_least16_t)rounds;
+}
+
+#endif
+
+// SLOT_LAG: resistance and dead time, while the vector rests; then what the EMF tells of the flux.
 static void measure_start(lode_drive_t *self) {
-#ifdef LODE_WITHOUT_START_MEASUREMENT
-    (void)self;
-#else
+    if (self->state.start.stage == (uint_least8_t)LODE_START_TURN) {
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        watch_flux(self);
+#endif
+        return;
+    }
+#ifndef LODE_WITHOUT_START_MEASUREMENT
     lode_start_found_t found;
     if (lode_start_measure(&self->state.start, &self->tuning->start,
                            self->estimator.emf.observer.e_V, &found)) {
@@ -327,27 +356,6 @@ static void measure_start(lode_drive_t *self) {
 #endif
 }
 
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-
-// An estimate that turns with the vector at speed, and an EMF of a size that no error of the motor's values explains:
-// more current flows than is measured, and what a salient rotor's flux loses to it shows as EMF of the inductances
-// (S34). As long as a lock would have to hold.
-static void watch_flux(lode_drive_t *self) {
-    const lode_start_t *start = &self->state.start;
-    const lode_start_tuning_t *tuning = &self->tuning->start;
-    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
-    const float least_Wb = (1.0f - LODE_START_LOST_MAX) * self->tuning->estimator.psi_Wb;
-    const float limit_Wb = WRONG_FLUX * lode_max(flux.expected_Wb, least_Wb);
-    const bool wrong = lode_start_follows(start, tuning, self->estimator.pll.omega_rad_s, 1.0f) &&
-                       flux.aligned && flux.seen_Wb > limit_Wb;
-    self->guard.lock = (uint_least16_t)(wrong ? self->guard.lock + 1u : 0u);
-    if (self->guard.lock >= tuning->lock_rounds) {
-        lode_mode_fault(self, LODE_CHECK_FLUX, flux.seen_Wb, limit_Wb);
-    }
-}
-
-#endif
-
 // SLOT_DEAD_TIME: whether the estimate is good enough to run on.
 static void judge_start(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
@@ -355,11 +363,6 @@ static void judge_start(lode_drive_t *self) {
     const bool lost = tuning->lost_per_A * estimator->id_A > LODE_START_LOST_MAX;
     lode_start_judge(&self->state.start, tuning, estimator->pll.omega_rad_s,
                      lost ? 0.0f : estimator->lock);
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-    if (self->tuning->plausibility.i_sum >= 0) {
-        watch_flux(self);
-    }
-#endif
 }
 
 // SLOT_SPEED: where the vector goes.

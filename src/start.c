@@ -54,7 +54,6 @@
 // Share of the EMF's size in the swing, at least: at 90 degrees of lag, where a rotor is that needs so much current,
 // what the size and the EMF across the vector show of the angle cancels at 1/(1 + c), with c about 1.
 #define BY_SIZE_MIN 0.5f
-#define SPEED_TOLERANCE 0.25f // of the vector's speed, between estimator and vector
 // In the last attempt, of a vector that takes at most all of the flux (a hundredth more is rounding), a round with a
 // lock counts as so many, and the speed may be so many times as far off the vector's (S32).
 #define LOST_LAST 1.01f
@@ -474,20 +473,16 @@ static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning,
 
 bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
                         lode_start_found_t *found) {
-    // All of the current, and the drive has not been told to stop.
-    const bool there = self->current_target > 0.0f && !(self->current_A < self->current_target);
-    const bool is_end = self->stage == (uint_least8_t)LODE_START_FOUND;
-    if (is_end && there) {
+    if (self->stage == (uint_least8_t)LODE_START_FOUND) {
         *found = found_at_rest(self);
-    }
-    if (is_end) {
         enter(self, (uint_least8_t)LODE_START_TURN);
-    } else if (there && self->stage < (uint_least8_t)LODE_START_TURN) {
-        watch_at_rest(self, tuning, e_V);
-    } else {
-        // the current is on its way, or the vector turns
+        return true;
     }
-    return is_end && there;
+    if (self->stage < (uint_least8_t)LODE_START_TURN && self->current_A > 0.0f &&
+        !(self->current_A < self->current_target)) {
+        watch_at_rest(self, tuning, e_V);
+    }
+    return false;
 }
 
 #endif
@@ -496,6 +491,11 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
                     float current_A) {
     const bool last = current_A > 0.0f && self->failed >= LODE_START_FAILED_MAX;
     self->omega_target = omega_target_rad_s;
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    if (!(current_A > 0.0f) && self->stage < (uint_least8_t)LODE_START_TURN) {
+        enter(self, (uint_least8_t)LODE_START_TURN); // a stop ends the measurement
+    }
+#endif
     self->current_target =
         (last ? tuning->current_last_A : current_A) * current_share(self, tuning);
     self->at =
@@ -525,24 +525,12 @@ static uint32_t lock_weight(const lode_start_t *self, const lode_start_tuning_t 
     return 1u;
 }
 
-// Of the vector's speed: a load that swings within a turn swings the rotor in proportion.
-static float slack_of(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    return SPEED_TOLERANCE * lode_max(lode_abs(self->omega_rad_s), tuning->omega_ready);
-}
-
-bool lode_start_follows(const lode_start_t *self, const lode_start_tuning_t *tuning,
-                        float omega_rad_s, float times) {
-    const float vector = self->omega_rad_s;
-    return lode_abs(vector) >= tuning->omega_ready && vector * self->omega_target > 0.0f &&
-           lode_abs(omega_rad_s - vector) <= times * slack_of(self, tuning);
-}
-
 void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_rad_s,
                       float lock) {
     const bool catching = lode_start_catches(self);
-    const float slack = slack_of(self, tuning);
+    const float slack = lode_start_slack(self, tuning);
     const uint32_t weight = lock_weight(self, tuning);
-    const bool arrived = lode_start_follows(self, tuning, omega_rad_s, (float)weight);
+    const bool arrived = lode_start_follows(self, tuning, omega_rad_s, (float)weight * slack);
     const bool sound = (catching || arrived) && lock >= LODE_LOCK_HANDOVER &&
                        lode_abs(omega_rad_s) >= tuning->omega_ready - slack;
     self->locked = (uint_least16_t)(sound ? self->locked + weight : 0u);

@@ -29,6 +29,22 @@ LODE_INLINE bool lode_start_catches(const lode_start_t *self) {
     return self->stage == (uint_least8_t)LODE_START_CATCH;
 }
 
+// Between the speeds of estimator and vector. Of the vector's speed: a load that swings within a turn swings the rotor in
+// proportion.
+#define LODE_START_TOLERANCE 0.25f
+
+LODE_INLINE float lode_start_slack(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    return LODE_START_TOLERANCE * lode_max(lode_abs(self->omega_rad_s), tuning->omega_ready);
+}
+
+// A speed estimate goes with a vector that turns fast enough for one.
+LODE_INLINE bool lode_start_follows(const lode_start_t *self, const lode_start_tuning_t *tuning,
+                                    float omega_rad_s, float slack) {
+    const float vector = self->omega_rad_s;
+    return lode_abs(vector) >= tuning->omega_ready && vector * self->omega_target > 0.0f &&
+           lode_abs(omega_rad_s - vector) <= slack;
+}
+
 // One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector turns in
 // a period now, rad.
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,

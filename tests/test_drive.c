@@ -2764,6 +2764,7 @@ static rounds_t by_flux(rig_t rig, float times, float off_rad, float share, floa
     lode_drive_t *drive = &rig.drive;
     lode_estimator_t *estimator = &drive->estimator;
     const lode_estimator_tuning_t *own = &drive->tuning->estimator;
+    const float lock = estimator->lock;
     rounds_t seen = {0u, LODE_CHECK_NONE};
     drive->state.start.omega_rad_s = drive->tuning->start.omega_handover;
     const float omega = share * drive->tuning->start.omega_handover;
@@ -2773,8 +2774,8 @@ static rounds_t by_flux(rig_t rig, float times, float off_rad, float share, floa
         estimator->emf.observer.e_V = lode_park_inverse(at, estimator->pll.frame);
         estimator->pll.omega_rad_s = omega;
         estimator->id_A = (left - 1.0f) * own->psi_Wb / own->salient_H;
-        estimator->lock = 0.0f;
-        drive->steps = (uint32_t)SLOT_DEAD_TIME;
+        estimator->lock = lock;
+        drive->steps = (uint32_t)SLOT_LAG;
         lode_mode_follow(drive);
         seen.rounds++;
     }
@@ -2792,6 +2793,7 @@ static void test_a_flux_of_no_motor_is_one_for_as_long_as_a_lock(void) {
         rig_step(&rig);
     }
     const float whole = 1.0f;
+    rig.drive.estimator.lock = 0.99f * LODE_LOCK_LOST;
     const rounds_t wrong = by_flux(rig, 2.02f, 0.0f, 1.0f, whole);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, wrong.check);
     TEST_ASSERT_EQUAL_UINT32(tuning.start.lock_rounds, wrong.rounds);
@@ -2800,6 +2802,9 @@ static void test_a_flux_of_no_motor_is_one_for_as_long_as_a_lock(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(rig, 1.38f, 0.0f, 1.0f, 0.7f).check);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_flux(rig, 1.22f, 0.0f, 1.0f, 0.2f).check);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(rig, 1.18f, 0.0f, 1.0f, 0.2f).check);
+    rig_t locked = rig; // by the next round its lock may have gone
+    locked.drive.estimator.lock = LODE_LOCK_LOST;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(locked, 2.2f, 0.0f, 1.0f, whole).check);
     // 25 degrees beside, and a quarter of the speed.
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_flux(rig, 2.2f, 0.44f, 1.0f, whole).check);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(rig, 2.2f, 0.46f, 1.0f, whole).check);
@@ -2811,7 +2816,7 @@ static void test_a_flux_of_no_motor_is_one_for_as_long_as_a_lock(void) {
     TEST_ASSERT_EQUAL_UINT32(1u, by_flux(rig, 2.2f, 0.0f, 1.0f, whole).rounds);
     lode_drive_t *drive = &rig.drive;
     drive->state.start.omega_rad_s = 0.9f * tuning.start.omega_ready;
-    drive->steps = (uint32_t)SLOT_DEAD_TIME;
+    drive->steps = (uint32_t)SLOT_LAG;
     lode_mode_follow(drive);
     TEST_ASSERT_EQUAL_UINT32(0u, drive->guard.lock);
 }

@@ -163,10 +163,6 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
 bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
                         lode_start_found_t *found);
 
-/// A speed estimate goes with a vector that turns fast enough for one, to within a quarter of that speed, `times` as much.
-bool lode_start_follows(const lode_start_t *self, const lode_start_tuning_t *tuning,
-                        float omega_rad_s, float times);
-
 /// Once in LODE_SLOW_PERIODS: whether the estimate is good enough to run on. While looking for a rotor
 /// that turns already that is one of either direction; later at hand-over speed, in the direction of the
 /// vector. The last attempt asks for less (S32).
