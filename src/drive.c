@@ -8,6 +8,8 @@
 // stopped has less), and it is off by more than a tuning and a hot magnet explain.
 #define LEAST_FLUX 0.5f
 #define ANOTHER_FLUX 0.2f
+// Of a round: faster, a half-wave may fall between two looks.
+#define HALF_WAVE_STEP_rad 1.5f
 #define BUS_SHARE 0.1f // of the flux, by which the EMF is off when the bus is not what is read
 #define MOVED_FLUX_MAX 0.35f // of the flux, that a d current may take or give at once
 
@@ -383,6 +385,32 @@ LODE_NOINLINE void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
                         self->ref_A.d * self->ref_A.d, round_s * self->state.start.omega_rad_s);
     if (phase > 0u) {
         lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
+    }
+}
+
+LODE_NOINLINE void lode_drive_end_turn(lode_drive_t *self, uint32_t seen) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_half_waves_t *waves = &self->state.run.waves;
+    const float omega = lode_abs(self->estimator.pll.omega_rad_s);
+    const float round_s = (float)LODE_SLOW_PERIODS * tuning->estimator.pll.ts_s;
+    const uint_least8_t phase = lode_half_waves_end(waves, seen);
+    if (omega < tuning->start.omega_ready || !(omega * round_s <= HALF_WAVE_STEP_rad) ||
+        lode_mode_is_sensored(self) || self->state.run.fade > 0.0f) {
+        lode_half_waves_reset(waves); // what is known of the turn is too little
+    } else if (phase > 0u) {
+        lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
+    } else {
+        // once is not enough
+    }
+}
+
+LODE_NOINLINE void lode_drive_ask_half_waves(lode_drive_t *self) {
+    const lode_dq_t ref_A = self->ref_A;
+    const float least_A2 = LODE_WAVES_FLOW * self->tuning->plausibility.i_min_A2;
+    const lode_abc_t i = lode_clarke_inverse(lode_park_inverse(ref_A, self->estimator.pll.frame));
+    if (ref_A.d * ref_A.d + ref_A.q * ref_A.q >= least_A2) {
+        lode_half_waves_ask(&self->state.run.waves,
+                            lode_half_waves_of(i.a > i.b, i.b > i.c, i.c > i.a));
     }
 }
 

@@ -85,7 +85,7 @@ static bool loses_lock(const lode_drive_t *self) {
 
 LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
     const uint_least8_t losses = self->losses;
-    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0.0f && loses_lock(self) &&
+    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u && loses_lock(self) &&
         losses < LODE_START_LOSSES_MAX) {
         lode_mode_switch_off(self); // as the command is RUN, for no longer than the next period
         self->losses = (uint_least8_t)(losses + 1u);
@@ -193,7 +193,10 @@ static void run_at_once(lode_drive_t *self) {
     run->fade = 0.0f;
     run->id_A = 0.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    run->proving = 0.0f;
+    run->proving = 0u;
+#endif
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    lode_half_waves_reset(&run->waves);
 #endif
     lode_references_reset(&run->references, self->i_A.d);
     self->ref_A = (lode_dq_t){0.0f, 0.0f}; // until SLOT_REFERENCES
@@ -253,7 +256,7 @@ static void hand_over(lode_drive_t *self) {
                      lode_references_most_Nm(&tuning->references));
     run->fade = 1.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    run->proving = (float)tuning->start.patience_rounds;
+    run->proving = tuning->start.patience_rounds;
 #endif
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
     lode_references_reset(&run->references, i_A.d);
@@ -271,7 +274,7 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
     const lode_dq_t u_V = in_frame(self->u_V, ahead);
     const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    if (!(self->state.run.proving > 0.0f)) {
+    if (self->state.run.proving == 0u) {
         self->losses = 0u; // else it is the same start
     }
 #endif
@@ -304,11 +307,11 @@ static void take_resistance(lode_drive_t *self, const lode_start_found_t *found)
     const float more_Ohm = self->inverter.r_more_Ohm;
     const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
     const float most_Ohm = RESISTANCE_MORE_MAX * (emf->inv_b - emf->a_over_b);
-    const float limit_Ohm =
-        lode_max(WRONG_RESISTANCE * most_Ohm, WRONG_PER_CALM * tuning->calm_V / current_A);
+    const float limit_V =
+        lode_max(WRONG_RESISTANCE * most_Ohm * current_A, WRONG_PER_CALM * tuning->calm_V);
     self->inverter.r_more_Ohm = lode_clamp(more_Ohm, -most_Ohm, most_Ohm);
-    if (more_Ohm > limit_Ohm) { // no winding has so much
-        lode_mode_fault(self, LODE_CHECK_RESISTANCE, more_Ohm, limit_Ohm);
+    if (more_Ohm * current_A > limit_V) { // no winding has so much
+        lode_mode_fault(self, LODE_CHECK_RESISTANCE, more_Ohm, limit_V / current_A);
     }
 }
 
@@ -501,7 +504,7 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
     self->direction = lode_sign(omega);
     run_at_once(self);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    self->state.run.proving = (float)tuning->start.patience_rounds;
+    self->state.run.proving = tuning->start.patience_rounds;
 #endif
 }
 

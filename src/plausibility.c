@@ -29,13 +29,14 @@
 #define BALANCE_SHARE 0.05f // of the current
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
 #define ALL_PHASES ((1u << LODE_PHASES) - 1u)
-#define HALF_WAVES (ALL_PHASES | (ALL_PHASES << LODE_PHASES))
 #define WAVE_CURRENT 4.0f // of the same, squared: a tenth of i_max asked for
 #define WAVE_SHARE 0.5f   // of what is asked for
 // Of a round: faster, current control may not hold the current against a rotor that falls out of step.
 #define WAVE_STEP_rad 0.3f
 #define WAVE_TURN_rad 6.9115f // a turn and a tenth
-#define SUM_MAX 1.0e9f        // 1/256 count: no converter has so many
+#define WAVES_ASKED                                                                                \
+    0x80u // beside the half-waves of the turn before: one that was lacking is asked for
+#define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
 
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
@@ -59,7 +60,7 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
         .i_min_A2 = i_min_A * i_min_A,
         .i_still = 0,
         .i_sum = config->plausibility == LODE_ON ? (int32_t)i_sum : -1,
-        .per_wave_A = WAVE_SHARE / lode_abs(sense->i_gain),
+        .per_wave_A = config->plausibility == LODE_ON ? WAVE_SHARE / lode_abs(sense->i_gain) : 0.0f,
     };
     return LODE_OK;
 }
@@ -143,11 +144,31 @@ uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning
     if (lode_abs(self->turn_rad) < WAVE_TURN_rad) {
         return 0u;
     }
-    const uint32_t lacking = HALF_WAVES & ~seen;
+    const uint32_t lacking = LODE_WAVES_ALL & ~seen;
     const uint32_t twice = lacking & self->lacking;
     *self = (lode_waves_t){.lacking = (uint_least8_t)lacking};
     const uint32_t phases = ALL_PHASES & (twice | twice >> LODE_PHASES);
     return (uint_least8_t)(phases > 0u ? number_of(phases) : 0.0f);
+}
+
+void lode_half_waves_reset(lode_half_waves_t *self) {
+    *self = (lode_half_waves_t){LODE_WAVES_ALL, LODE_WAVES_ALL};
+}
+
+uint_least8_t lode_half_waves_end(lode_half_waves_t *self, uint32_t seen) {
+    const uint32_t either = LODE_WAVES_ALL & ~(seen & self->before);
+    const uint32_t twice = LODE_WAVES_ALL & ~(seen | self->before);
+    const uint32_t phases = ALL_PHASES & (either | either >> LODE_PHASES);
+    const bool asked = (self->before & WAVES_ASKED) != 0u;
+    const bool one = twice != 0u && (phases & (phases - 1u)) == 0u;
+    self->before = (uint_least8_t)seen;
+    return (uint_least8_t)(one && asked ? number_of(phases) : 0.0f);
+}
+
+void lode_half_waves_ask(lode_half_waves_t *self, uint32_t asked) {
+    if ((asked & ~(uint32_t)self->before) != 0u) {
+        self->before |= WAVES_ASKED;
+    }
 }
 
 // Of those that kept their count `again` the ones that should not have: what is kept without current says nothing

@@ -462,10 +462,10 @@ static bool is_steady(const lode_start_t *self, const lode_start_tuning_t *tunin
 static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V) {
     lode_start_rest_t *rest = &self->seen.rest;
     rest->dwelt++;
-    if (rest->dwelt > tuning->dwell_rounds / SETTLE_PART) {
+    if (SETTLE_PART * rest->dwelt > tuning->dwell_rounds) {
         add_at_rest(rest, tuning, lode_park(e_V, self->at));
     }
-    const bool calm = rest->calm >= tuning->patience_rounds / CALM_PART;
+    const bool calm = CALM_PART * (rest->calm + 1u) > tuning->patience_rounds;
     if (calm || rest->dwelt >= tuning->dwell_rounds) {
         end_dwell(self, calm || is_steady(self, tuning));
     }
@@ -489,13 +489,17 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
 
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
-    const bool last = current_A > 0.0f && self->failed >= LODE_START_FAILED_MAX;
+    bool last = false;
     self->omega_target = omega_target_rad_s;
+    if (current_A > 0.0f) {
+        last = self->failed >= LODE_START_FAILED_MAX;
+    } else {
 #ifndef LODE_WITHOUT_START_MEASUREMENT
-    if (!(current_A > 0.0f) && self->stage < (uint_least8_t)LODE_START_TURN) {
-        enter(self, (uint_least8_t)LODE_START_TURN); // a stop ends the measurement
-    }
+        if (self->stage < (uint_least8_t)LODE_START_TURN) {
+            enter(self, (uint_least8_t)LODE_START_TURN); // a stop ends the measurement
+        }
 #endif
+    }
     self->current_target =
         (last ? tuning->current_last_A : current_A) * current_share(self, tuning);
     self->at =

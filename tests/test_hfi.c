@@ -784,7 +784,7 @@ static void test_a_run_from_rest_begins_without_torque(void) {
             lode_start_t *start = &rig.drive.state.start; // what it may have left
             memset(&start->seen, 0x41, sizeof start->seen);
             start->mean_V = start->swing_V = start->by_size = start->give = 1.5f;
-            rig.drive.state.run.proving = 1.5f; // beyond the start's state
+            rig.drive.state.run.proving = 2u; // beyond the start's state
         }
         rig_step(&rig);
     }
@@ -795,7 +795,7 @@ static void test_a_run_from_rest_begins_without_torque(void) {
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &run->references, sizeof fresh);
     CHECK_NEAR(0.0, 0.0, run->fade);
     CHECK_NEAR(0.0, 0.0, run->id_A);
-    CHECK_AT_MOST(0.0, (double)run->proving); // nothing is to be proven
+    TEST_ASSERT_EQUAL_UINT(0u, run->proving); // nothing is to be proven
     CHECK_NEAR(0.0, 0.0, run->speed.torque_Nm);
     CHECK_NEAR(0.0, 0.0, rig.drive.ref_A.d);
     CHECK_NEAR(0.0, 0.0, rig.drive.ref_A.q);

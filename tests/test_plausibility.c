@@ -609,6 +609,190 @@ static void test_a_phase_without_a_half_wave_is_found(void) {
     TEST_ASSERT_EQUAL_UINT(0u, after_turns(1u, 5.0f, 20));
 }
 
+/// A rotor that turns, with a current vector `angle_rad` ahead of its frame. Of the half-waves in `missing` no more than
+/// `left` is there: the other two phases share what the phase lacks.
+typedef struct {
+    lode_half_waves_t waves;
+    double turned_rad;
+    double angle_rad;
+    double i_A;
+    double ref_A;
+    uint32_t missing;
+    double left;
+} turning_t;
+
+static turning_t turning(double i_A) {
+    turning_t self = {.i_A = i_A, .ref_A = i_A, .angle_rad = 1.9};
+    lode_half_waves_reset(&self.waves);
+    return self;
+}
+
+static void phases_of(double x[LODE_PHASES], double angle_rad, double length) {
+    for (int k = 0; k < LODE_PHASES; k++) {
+        x[k] = length * cos(angle_rad - (double)k * 2.0 * CHECK_PI / 3.0);
+    }
+}
+
+/// One look, `step_rad` on. The phase that is found.
+static uint_least8_t look_on(turning_t *self, double step_rad) {
+    double i[LODE_PHASES];
+    double ref[LODE_PHASES];
+    int32_t counts[LODE_PHASES];
+    self->turned_rad += step_rad;
+    const double at_rad = self->turned_rad + self->angle_rad;
+    phases_of(i, at_rad, self->i_A);
+    phases_of(ref, at_rad, self->ref_A);
+    for (uint32_t k = 0; k < (uint32_t)LODE_PHASES; k++) {
+        const bool lacks = (self->missing & (i[k] > 0.0 ? 1u << k : 8u << k)) != 0u;
+        const double lost = lacks ? (1.0 - self->left) * i[k] : 0.0;
+        i[k] -= lost;
+        i[(k + 1u) % 3u] += 0.5 * lost;
+        i[(k + 2u) % 3u] += 0.5 * lost;
+    }
+    for (int k = 0; k < LODE_PHASES; k++) {
+        counts[k] = (int32_t)lround(i[k] / (double)A_PER_COUNT);
+    }
+    const lode_guard_config_t config = sound_config();
+    lode_plausibility_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&tuning, &config));
+    const double turns = self->turned_rad / (2.0 * CHECK_PI);
+    const uint32_t quarter = (uint32_t)floor(4.0 * (turns - floor(turns)));
+    const uint32_t seen = lode_half_waves_turn(&self->waves, quarter);
+    const uint_least8_t phase = seen > 0u ? lode_half_waves_end(&self->waves, seen) : 0u;
+    const double i_A2 = 2.0 / 3.0 * (i[0] * i[0] + i[1] * i[1] + i[2] * i[2]);
+    lode_half_waves_note(&self->waves, &tuning, counts, (float)i_A2);
+    if (lode_half_waves_doubts(&self->waves) && self->ref_A > 0.15 * (double)I_MAX_A) {
+        lode_half_waves_ask(&self->waves,
+                            lode_half_waves_of(ref[0] > ref[1], ref[1] > ref[2], ref[2] > ref[0]));
+    }
+    return phase;
+}
+
+/// Turns until a phase is found, and which; 20 turns: none.
+static uint_least8_t found_after(turning_t *self, double step_rad, double *turns) {
+    const double from_rad = self->turned_rad;
+    uint_least8_t phase = 0u;
+    while (phase == 0u && self->turned_rad - from_rad < 20.0 * 2.0 * CHECK_PI) {
+        phase = look_on(self, step_rad);
+    }
+    *turns = (self->turned_rad - from_rad) / (2.0 * CHECK_PI);
+    return phase;
+}
+
+static void test_the_order_of_three_currents_tells_their_half_waves(void) {
+    for (int k = 0; k < 12; k++) {
+        double i[LODE_PHASES];
+        phases_of(i, (double)k * CHECK_PI / 6.0 + 0.01, 1.0);
+        uint32_t has = 0u;
+        for (uint32_t n = 0; n < (uint32_t)LODE_PHASES; n++) {
+            has |= (i[n] > 0.5 ? 1u << n : 0u) | (i[n] < -0.5 ? 8u << n : 0u);
+        }
+        TEST_ASSERT_EQUAL_HEX32(has, lode_half_waves_of(i[0] > i[1], i[1] > i[2], i[2] > i[0]));
+    }
+    TEST_ASSERT_EQUAL_HEX32(0u, lode_half_waves_of(false, false, false));
+    TEST_ASSERT_EQUAL_HEX32(0u, lode_half_waves_of(true, true, true));
+}
+
+/// At any speed, angle and length, with a reference that is held or not, and with a torque that changes its sign.
+static void test_three_sound_phases_lack_no_half_wave(void) {
+    const double steps_rad[] = {0.02, 0.3, 0.77, 1.1, 1.5};
+    const double lengths_A[] = {0.3, 0.61, 1.0, 1.79, 3.0, 12.0};
+    double turns;
+    for (int s = 0; s < COUNT_OF(steps_rad); s++) {
+        for (int a = 0; a < 12; a++) {
+            for (int n = 0; n < COUNT_OF(lengths_A); n++) {
+                turning_t self = turning(lengths_A[n]);
+                self.ref_A = 12.0;
+                self.angle_rad = (double)a * CHECK_PI / 6.0;
+                TEST_ASSERT_EQUAL_UINT(0u, found_after(&self, steps_rad[s], &turns));
+                // The vector is turned by half a turn: in one turn a half-wave may be lacking.
+                self.angle_rad += CHECK_PI;
+                TEST_ASSERT_EQUAL_UINT(0u, found_after(&self, steps_rad[s], &turns));
+            }
+        }
+    }
+}
+
+static void test_an_open_phase_and_a_dead_switch_are_found_within_three_turns(void) {
+    double turns;
+    for (int k = 0; k < LODE_PHASES; k++) {
+        const uint32_t kinds[] = {1u << k, 8u << k, 9u << k};
+        for (int n = 0; n < 3 * COUNT_OF(kinds); n++) {
+            turning_t self = turning(4.0);
+            self.angle_rad = (double)n;
+            (void)found_after(&self, 0.5, &turns);
+            self.missing = kinds[n % 3];
+            self.left = 0.05;
+            TEST_ASSERT_EQUAL_UINT((unsigned)k + 1u, found_after(&self, 0.5, &turns));
+            CHECK_AT_MOST(3.1, turns);
+            CHECK_AT_LEAST(1.5, turns);
+        }
+    }
+}
+
+static void test_half_waves_that_tell_nothing(void) {
+    double turns;
+    turning_t self = turning(1.7); // less than 0.15 of i_max, and so no quarter counts
+    self.ref_A = 4.0;
+    self.missing = 1u;
+    TEST_ASSERT_EQUAL_UINT(0u, found_after(&self, 0.5, &turns));
+    self.i_A = 2.5; // as a phase that lacks a half-wave leaves 0.87 of it in the others
+    TEST_ASSERT_EQUAL_UINT(1u, found_after(&self, 0.5, &turns));
+    self = turning(4.0);
+    self.missing = 1u;
+    self.ref_A = 1.0; // nobody asked for it
+    TEST_ASSERT_EQUAL_UINT(0u, found_after(&self, 0.5, &turns));
+    // In every second turn alone.
+    self = turning(4.0);
+    for (int n = 0; n < 40; n++) {
+        self.missing = n % 2 == 0 ? 1u : 0u;
+        for (int k = 0; k < 16; k++) {
+            TEST_ASSERT_EQUAL_UINT(0u, look_on(&self, 2.0 * CHECK_PI / 16.0));
+        }
+    }
+}
+
+/// Of one turn lacking `first` and the next lacking `second`, where `asked` is asked for in that.
+static uint_least8_t after_two(uint32_t first, uint32_t second, uint32_t asked) {
+    lode_half_waves_t waves;
+    lode_half_waves_reset(&waves);
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_end(&waves, 0x3fu & ~first));
+    TEST_ASSERT_EQUAL(first != 0u, lode_half_waves_doubts(&waves));
+    lode_half_waves_ask(&waves, asked);
+    return lode_half_waves_end(&waves, 0x3fu & ~second);
+}
+
+static void test_one_phase_lacks_the_same_twice(void) {
+    for (uint32_t k = 0u; k < (uint32_t)LODE_PHASES; k++) {
+        const uint32_t up = 1u << k;
+        const uint32_t down = 8u << k;
+        const uint32_t next = 1u << (k + 1u) % 3u;
+        TEST_ASSERT_EQUAL_UINT(k + 1u, after_two(up, up, up));
+        TEST_ASSERT_EQUAL_UINT(k + 1u, after_two(down, down, down));
+        TEST_ASSERT_EQUAL_UINT(k + 1u, after_two(up | down, down, up));
+        TEST_ASSERT_EQUAL_UINT(k + 1u, after_two(down, up | down, 0x3fu));
+        TEST_ASSERT_EQUAL_UINT(0u, after_two(up, down, 0x3fu)); // not the same
+        TEST_ASSERT_EQUAL_UINT(0u, after_two(up, 0u, up));
+        TEST_ASSERT_EQUAL_UINT(0u, after_two(0u, up, 0x3fu));
+        TEST_ASSERT_EQUAL_UINT(0u, after_two(up, up, 0x3fu & ~up)); // not asked for
+        TEST_ASSERT_EQUAL_UINT(0u, after_two(up | next, up, up));   // two phases
+        TEST_ASSERT_EQUAL_UINT(0u, after_two(up, up | next, up));
+    }
+}
+
+/// A frame that trembles where two quarters meet has not turned.
+static void test_a_frame_that_trembles_does_not_turn(void) {
+    turning_t self = turning(4.0);
+    self.missing = 1u;
+    (void)look_on(&self, 2.0 * CHECK_PI - 0.01);
+    const lode_half_waves_t before = self.waves;
+    for (int n = 0; n < 100; n++) {
+        TEST_ASSERT_EQUAL_UINT(0u, look_on(&self, n % 2 == 0 ? 0.02 : -0.02));
+    }
+    TEST_ASSERT_EQUAL_HEX8(before.before & 0x3fu, self.waves.before & 0x3fu);
+    TEST_ASSERT_EQUAL_UINT(0u, self.waves.seen >> 6); // forward once, and not back
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_sound_converters_are_never_stuck);
@@ -634,5 +818,11 @@ int main(void) {
     RUN_TEST(test_a_half_wave_that_is_missing_once_is_none);
     RUN_TEST(test_a_half_wave_is_more_than_half_of_the_current);
     RUN_TEST(test_little_current_begins_the_half_waves_anew);
+    RUN_TEST(test_the_order_of_three_currents_tells_their_half_waves);
+    RUN_TEST(test_three_sound_phases_lack_no_half_wave);
+    RUN_TEST(test_an_open_phase_and_a_dead_switch_are_found_within_three_turns);
+    RUN_TEST(test_half_waves_that_tell_nothing);
+    RUN_TEST(test_one_phase_lacks_the_same_twice);
+    RUN_TEST(test_a_frame_that_trembles_does_not_turn);
     return UNITY_END();
 }

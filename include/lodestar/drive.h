@@ -157,8 +157,11 @@ typedef struct {
     float fade; ///< 1 at hand-over, 0 when the references have taken over
     float id_A; ///< d-axis current at hand-over, which fades
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    float
-        proving; ///< more than 0: a lost lock is a start that failed, for as many LODE_SLOW_PERIODS
+    /// more than 0: a lost lock is a start that failed, for as many LODE_SLOW_PERIODS
+    uint_least16_t proving;
+#endif
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    lode_half_waves_t waves; ///< of three phases
 #endif
 } lode_running_t;
 

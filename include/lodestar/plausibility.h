@@ -20,13 +20,23 @@ typedef struct {
 
 /// Both half-waves of each of three currents, over a turn and a tenth of a vector that is twice as long: a phase
 /// that lacks the same one twice running has a dead switch, or is open. (Once: a rotor that falls out of step
-/// may shift the currents for a turn.) In START, where the vector is steady: in RUN the speed's control fights
-/// with such a fault.
+/// may shift the currents for a turn.) In START, where the vector is steady.
 typedef struct {
     float turn_rad;        ///< electrical, of the vector, since it began
     uint_least8_t seen;    ///< half-waves, a bit each: three positive ones, three negative ones
     uint_least8_t lacking; ///< those that the turn before did not have
 } lode_waves_t;
+
+/// The same in RUN, where amplitude and angle of the current may change: over two turns of the rotor, in neither of which
+/// a phase has a half-wave that is asked for and that the others have. (One alone may lack it where the torque changes its
+/// sign.)
+typedef struct {
+    uint_least8_t
+        seen; ///< half-waves in this turn, a bit each; above them the quarter of the turn, 0 .. 3
+    /// those of the turn before; above them whether enough flowed in this quarter, and whether one that was lacking
+    /// was asked for in this turn
+    uint_least8_t before;
+} lode_half_waves_t;
 
 typedef struct {
     int32_t i[LODE_PHASES]; ///< at the last look, 1/256 count
@@ -76,6 +86,16 @@ lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
 /// square of the current that is asked for. The phase without a half-wave, 1 .. 3; 0: none is known to be.
 uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning_t *tuning,
                               const int32_t i[LODE_PHASES], float i_A2, float turn_rad);
+
+/// As if all had been seen.
+void lode_half_waves_reset(lode_half_waves_t *self);
+
+/// A turn has ended in which these were `seen`. The phase, 1 .. 3, that lacked one that was asked for, in this turn and in
+/// the one before, while both others had both of theirs; 0: none.
+uint_least8_t lode_half_waves_end(lode_half_waves_t *self, uint32_t seen);
+
+/// The half-waves that the reference has now, where it is large enough to be seen: asked where something is in doubt.
+void lode_half_waves_ask(lode_half_waves_t *self, uint32_t asked);
 
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
