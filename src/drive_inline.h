@@ -301,7 +301,8 @@ LODE_INLINE bool lode_drive_looks_at_memory(const lode_drive_t *self,
     if (lode_mode(self) != LODE_MODE_RUN) {
         return slot == SLOT_DEAD_TIME;
     }
-    return slot == (lode_references_weakens(&tuning->references) ? SLOT_GAINS : SLOT_LAG);
+    const lode_slot_t own = lode_references_weakens(&tuning->references) ? SLOT_GAINS : SLOT_LAG;
+    return slot == own;
 #endif
 }
 
@@ -315,7 +316,7 @@ LODE_INLINE bool lode_drive_trusts_memory(lode_drive_t *self, const lode_drive_t
     return false;
 }
 
-// SLOT_DEAD_TIME in RUN
+// SLOT_DEAD_TIME
 LODE_INLINE void lode_drive_watch_half_waves(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                              const lode_sample_t *sample) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
@@ -323,7 +324,7 @@ LODE_INLINE void lode_drive_watch_half_waves(lode_drive_t *self, const lode_driv
     (void)tuning;
     (void)sample;
 #else
-    if (!(tuning->plausibility.per_wave_A > 0.0f)) {
+    if (lode_mode(self) != LODE_MODE_RUN || !(tuning->plausibility.per_wave_A > 0.0f)) {
         return;
     }
     const lode_pll_t *pll = &self->estimator.pll;
@@ -411,6 +412,13 @@ LODE_INLINE void lode_drive_renew_references(lode_drive_t *self) {
     }
 }
 
+// SLOT_LAG in RUN
+LODE_INLINE void lode_drive_weaken(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+    if (lode_references_weakens(&tuning->references) && lode_drive_speed_once(self)) {
+        lode_drive_limit_flux(self);
+    }
+}
+
 // One of the jobs that follow speed and load slowly. After the duties, which do not wait for it. `words`: of
 // the tuning that is watched, of which `tuning` is all or a part.
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
@@ -432,15 +440,11 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         if (lode_mode(self) != LODE_MODE_RUN) {
             break;
         }
-        if (lode_references_weakens(&tuning->references) && lode_drive_speed_once(self)) {
-            lode_drive_limit_flux(self);
-        }
+        lode_drive_weaken(self, tuning);
         return lode_drive_trusts_memory(self, tuning, words, SLOT_LAG);
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
-        if (lode_mode(self) == LODE_MODE_RUN) {
-            lode_drive_watch_half_waves(self, tuning, sample);
-        }
+        lode_drive_watch_half_waves(self, tuning, sample);
         return lode_drive_trusts_memory(self, tuning, words, SLOT_DEAD_TIME) && self->gates;
     case SLOT_GAINS:
         if (!estimator->locked && lode_mode_seed(self)) {
