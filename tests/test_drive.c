@@ -2906,6 +2906,44 @@ static void test_a_phase_that_opens_in_run_is_found(void) {
     }
 }
 
+/// The second of two turns in which phase 2 lacks its positive half-wave, asked for, at `omega`. The check that trips.
+static lode_check_t after_the_turn(rig_t rig, float omega, uint32_t sensored, float fade) {
+    lode_drive_t *drive = &rig.drive;
+    lode_half_waves_t *waves = &drive->state.run.waves;
+    const uint32_t seen = 0x3fu & ~2u;
+    lode_half_waves_t fresh;
+    lode_half_waves_reset(&fresh);
+    lode_half_waves_reset(waves);
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_end(waves, seen));
+    lode_half_waves_ask(waves, 2u);
+    drive->estimator.pll.omega_rad_s = omega;
+    drive->sensored = (uint_least8_t)sensored;
+    drive->state.run.fade = fade;
+    lode_drive_end_turn(drive, seen);
+    if (drive->mode == (uint_least8_t)LODE_MODE_RUN) { // whatever was known is forgotten
+        TEST_ASSERT_EQUAL_MEMORY(&fresh, waves, sizeof fresh);
+    }
+    return (lode_check_t)rig_telemetry(&rig).fault.check;
+}
+
+/// What is known of a turn is too little below the speed at which the estimator may take over, beyond 1.5 rad in a round, of
+/// a sensor's angle, and while the start's current fades.
+static void test_turns_that_tell_of_no_half_wave(void) {
+    const rig_t rig = running(100.0, 8.0);
+    const float ready = tuning.start.omega_ready;
+    const float most = 1.5f / (8.0f * (float)RIG_TS_s);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const float way = (float)sign;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OPEN_PHASE, after_the_turn(rig, way * ready, 0u, 0.0f));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_the_turn(rig, 0.999f * way * ready, 0u, 0.0f));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OPEN_PHASE,
+                              after_the_turn(rig, 0.999f * way * most, 0u, 0.0f));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_the_turn(rig, 1.001f * way * most, 0u, 0.0f));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_the_turn(rig, 2.0f * ready, 2u, 0.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_the_turn(rig, 2.0f * ready, 0u, 0.01f));
+}
+
 static void test_a_dead_switch_ends_the_start(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_a_dead_switch(-1, 0u).check);
     for (int n = 0; n < 4 * LODE_PHASES; n++) {
@@ -3509,6 +3547,7 @@ int main(void) {
     RUN_TEST(test_the_observers_lag_is_no_other_flux);
     RUN_TEST(test_a_dead_switch_ends_the_start);
     RUN_TEST(test_a_phase_that_opens_in_run_is_found);
+    RUN_TEST(test_turns_that_tell_of_no_half_wave);
     RUN_TEST(test_a_current_without_its_noise_is_refused_at_calibration);
     RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
     RUN_TEST(test_more_current_than_is_measured_ends_the_start);
