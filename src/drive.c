@@ -404,7 +404,8 @@ LODE_NOINLINE void lode_drive_end_turn(lode_drive_t *self, uint32_t seen) {
     }
 }
 
-LODE_NOINLINE void lode_drive_ask_half_waves(lode_drive_t *self) {
+// Whether what was lacking is asked for.
+static LODE_NOINLINE void ask_half_waves(lode_drive_t *self) {
     const lode_dq_t ref_A = self->ref_A;
     const float least_A2 = LODE_WAVES_FLOW * self->tuning->plausibility.i_min_A2;
     const lode_abc_t i = lode_clarke_inverse(lode_park_inverse(ref_A, self->estimator.pll.frame));
@@ -412,6 +413,28 @@ LODE_NOINLINE void lode_drive_ask_half_waves(lode_drive_t *self) {
         lode_half_waves_ask(&self->state.run.waves,
                             lode_half_waves_of(i.a > i.b, i.b > i.c, i.c > i.a));
     }
+}
+
+// By the counts of the guard's last look. Not LODE_RAMFUNC: once in a round.
+LODE_NOINLINE bool lode_drive_note_half_waves(lode_drive_t *self) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+    const lode_pll_t *pll = &self->estimator.pll;
+    lode_half_waves_t *waves = &self->state.run.waves;
+    if (!(tuning->per_wave_A > 0.0f)) {
+        return true;
+    }
+    const uint32_t first = pll->frame.cos < 0.0f ? 1u : 0u;
+    const uint32_t quarter = pll->frame.sin * pll->omega_rad_s < 0.0f ? 3u - first : first;
+    const uint32_t seen = lode_half_waves_turn(waves, quarter);
+    if (seen > 0u) {
+        lode_drive_end_turn(self, seen);
+    }
+    const lode_dq_t i_A = self->i_A;
+    lode_half_waves_note(waves, tuning, self->plausibility.i, i_A.d * i_A.d + i_A.q * i_A.q);
+    if (lode_half_waves_doubts(waves)) {
+        ask_half_waves(self);
+    }
+    return self->gates;
 }
 
 // By how much the damping of a start has turned the vector since the last look. It may turn it back as fast as the

@@ -58,10 +58,9 @@ void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
 // SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive.c.
 void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
-// SLOT_DEAD_TIME in RUN with three phases, in drive.c: at the end of a turn in which a half-wave was lacking, and whether
-// it is asked for in the next one.
+// The same in RUN, in drive.c; at the end of a turn in which one was lacking.
+bool lode_drive_note_half_waves(lode_drive_t *self);
 void lode_drive_end_turn(lode_drive_t *self, uint32_t seen);
-void lode_drive_ask_half_waves(lode_drive_t *self);
 // The guard's slow checks have something to count, in drive.c.
 void lode_drive_check_slow(lode_drive_t *self);
 
@@ -289,58 +288,13 @@ LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const lode_drive_tun
 #endif
 }
 
-// Whether the memory is looked at in this slot: SLOT_DEAD_TIME; in RUN, which looks at the half-waves there, SLOT_LAG, or
-// SLOT_GAINS where that has the limit of the flux. With both, a call took 67 cycles more than the dearest one.
-LODE_INLINE bool lode_drive_looks_at_memory(const lode_drive_t *self,
-                                            const lode_drive_tuning_t *tuning, lode_slot_t slot) {
+// In RUN. False: a phase lacks a half-wave, and the drive is in FAULT.
+LODE_INLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
-    (void)tuning;
-    return slot == SLOT_DEAD_TIME;
+    return true;
 #else
-    if (lode_mode(self) != LODE_MODE_RUN) {
-        return slot == SLOT_DEAD_TIME;
-    }
-    const lode_slot_t own = lode_references_weakens(&tuning->references) ? SLOT_GAINS : SLOT_LAG;
-    return slot == own;
-#endif
-}
-
-// Mode, command and one more word of the tuning are what they were, or it is not the time to look.
-LODE_INLINE bool lode_drive_trusts_memory(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                          lode_words_t words, lode_slot_t slot) {
-    if (!lode_drive_looks_at_memory(self, tuning, slot) || lode_mode_memory_ok(self, words)) {
-        return true;
-    }
-    lode_mode_distrust(self);
-    return false;
-}
-
-// SLOT_DEAD_TIME
-LODE_INLINE void lode_drive_watch_half_waves(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                             const lode_sample_t *sample) {
-#ifdef LODE_WITHOUT_PLAUSIBILITY
-    (void)self;
-    (void)tuning;
-    (void)sample;
-#else
-    if (lode_mode(self) != LODE_MODE_RUN || !(tuning->plausibility.per_wave_A > 0.0f)) {
-        return;
-    }
-    const lode_pll_t *pll = &self->estimator.pll;
-    const uint32_t first = pll->frame.cos < 0.0f ? 1u : 0u;
-    const uint32_t quarter = pll->frame.sin * pll->omega_rad_s < 0.0f ? 3u - first : first;
-    lode_half_waves_t *waves = &self->state.run.waves;
-    const uint32_t seen = lode_half_waves_turn(waves, quarter);
-    if (seen > 0u) {
-        lode_drive_end_turn(self, seen);
-    }
-    const lode_ab_t i_A = sample->i_A;
-    lode_half_waves_note(waves, &tuning->plausibility, sample->i,
-                         i_A.alpha * i_A.alpha + i_A.beta * i_A.beta);
-    if (lode_half_waves_doubts(waves)) {
-        lode_drive_ask_half_waves(self);
-    }
+    return lode_mode(self) != LODE_MODE_RUN || lode_drive_note_half_waves(self);
 #endif
 }
 
@@ -412,11 +366,15 @@ LODE_INLINE void lode_drive_renew_references(lode_drive_t *self) {
     }
 }
 
-// SLOT_LAG in RUN
-LODE_INLINE void lode_drive_weaken(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-    if (lode_references_weakens(&tuning->references) && lode_drive_speed_once(self)) {
+// SLOT_LAG: one dear job. With a limit of the flux the half-waves are looked at in SLOT_GAINS.
+LODE_INLINE bool lode_drive_limit_or_watch(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+    if (!lode_references_weakens(&tuning->references)) {
+        return lode_drive_watch_half_waves(self);
+    }
+    if (lode_drive_speed_once(self) && lode_mode(self) == LODE_MODE_RUN) {
         lode_drive_limit_flux(self);
     }
+    return true;
 }
 
 // One of the jobs that follow speed and load slowly. After the duties, which do not wait for it. `words`: of
@@ -437,15 +395,14 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     case SLOT_LAG:
         lode_drive_adapt_lag(self, tuning);
         lode_drive_lead(self, tuning);
-        if (lode_mode(self) != LODE_MODE_RUN) {
-            break;
-        }
-        lode_drive_weaken(self, tuning);
-        return lode_drive_trusts_memory(self, tuning, words, SLOT_LAG);
+        return lode_drive_limit_or_watch(self, tuning);
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
-        lode_drive_watch_half_waves(self, tuning, sample);
-        return lode_drive_trusts_memory(self, tuning, words, SLOT_DEAD_TIME) && self->gates;
+        if (!lode_mode_memory_ok(self, words)) {
+            lode_mode_distrust(self);
+            return false;
+        }
+        break;
     case SLOT_GAINS:
         if (!estimator->locked && lode_mode_seed(self)) {
             break; // an angle is acquired, the rest a round later: together 1459 cycles, the dearest call of a start
@@ -453,7 +410,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         lode_drive_adapt_gains(self, tuning);
         lode_drive_count_sensor(self);
         lode_estimator_adapt_notches(estimator, &tuning->estimator);
-        return lode_drive_trusts_memory(self, tuning, words, SLOT_GAINS);
+        return !lode_references_weakens(&tuning->references) || lode_drive_watch_half_waves(self);
     case SLOT_SPEED:
         if (lode_mode(self) == LODE_MODE_RUN) {
             lode_drive_run(self);
