@@ -2926,6 +2926,27 @@ static lode_check_t after_the_turn(rig_t rig, float omega, uint32_t sensored, fl
     return (lode_check_t)rig_telemetry(&rig).fault.check;
 }
 
+/// With a limit of the flux they are looked at in another slot.
+static void test_half_waves_are_looked_at_with_and_without_field_weakening(void) {
+    for (int k = 0; k < 2; k++) {
+        lode_drive_config_t config = rig_config();
+        config.references.field_weakening = k == 0 ? LODE_OFF : LODE_ON;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        run_up(&rig, 100.0, 8.0);
+        rig_run(&rig, 0.5);
+        for (int n = 0; n < 1000 && rig.drive.mode == (uint_least8_t)LODE_MODE_RUN; n++) {
+            // The last quarter of a second turn without the positive half-wave of phase 2.
+            rig.drive.state.run.waves = (lode_half_waves_t){0xfdu, 0xfdu};
+            rig_step(&rig);
+        }
+        const lode_fault_t fault = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(fault.check));
+        CHECK_NEAR(0.0, 2.0, fault.measured);
+        TEST_ASSERT_EQUAL_INT(LODE_GATES_OFF, rig.out.gates);
+    }
+}
+
 /// What is known of a turn is too little below the speed at which the estimator may take over, beyond 1.5 rad in a round, of
 /// a sensor's angle, and while the start's current fades.
 static void test_turns_that_tell_of_no_half_wave(void) {
@@ -3547,6 +3568,7 @@ int main(void) {
     RUN_TEST(test_the_observers_lag_is_no_other_flux);
     RUN_TEST(test_a_dead_switch_ends_the_start);
     RUN_TEST(test_a_phase_that_opens_in_run_is_found);
+    RUN_TEST(test_half_waves_are_looked_at_with_and_without_field_weakening);
     RUN_TEST(test_turns_that_tell_of_no_half_wave);
     RUN_TEST(test_a_current_without_its_noise_is_refused_at_calibration);
     RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
