@@ -179,6 +179,16 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     set_mode(self, mode);
 }
 
+// What is counted in RUN: the start has counted with the guard's counter of the lock too (S34).
+static void begin_counts(lode_drive_t *self) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+#else
+    self->guard.lock = 0u;
+    lode_half_waves_reset(&self->state.run.waves);
+#endif
+}
+
 #if !defined(LODE_WITHOUT_FLYING_START) || !defined(LODE_WITHOUT_HFI)
 
 // What follows from where the rotor is and how fast it turns, in RUN, where that was found at once.
@@ -195,9 +205,7 @@ static void run_at_once(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     run->proving = 0u;
 #endif
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-    lode_half_waves_reset(&run->waves);
-#endif
+    begin_counts(self);
     lode_references_reset(&run->references, self->i_A.d);
     self->ref_A = (lode_dq_t){0.0f, 0.0f}; // until SLOT_REFERENCES
     set_mode(self, LODE_MODE_RUN);
@@ -258,6 +266,7 @@ static void hand_over(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     run->proving = tuning->start.patience_rounds;
 #endif
+    begin_counts(self);
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
     lode_references_reset(&run->references, i_A.d);
     self->ref_A = i_A; // until SLOT_REFERENCES

@@ -2926,6 +2926,24 @@ static lode_check_t after_the_turn(rig_t rig, float omega, uint32_t sensored, fl
     return (lode_check_t)rig_telemetry(&rig).fault.check;
 }
 
+/// What a start or an earlier run has left of the counts is not RUN's.
+static void test_the_hand_over_begins_the_counts_of_run(void) {
+    rig_t rig = fresh();
+    lode_half_waves_t none_lacking;
+    lode_half_waves_reset(&none_lacking);
+    rig_command(&rig, run_at(100.0));
+    for (int n = 0; n < 20000 && rig.drive.mode != (uint_least8_t)LODE_MODE_RUN; n++) {
+        rig.drive.guard.lock = 7u;
+        if (offsetof(lode_running_t, waves) >= sizeof(lode_start_t)) { // beyond the start's state
+            rig.drive.state.run.waves = (lode_half_waves_t){0xbdu, 0xbdu};
+        }
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_RUN);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.lock);
+    TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &rig.drive.state.run.waves, sizeof none_lacking);
+}
+
 /// With a limit of the flux they are looked at in another slot.
 static void test_half_waves_are_looked_at_with_and_without_field_weakening(void) {
     for (int k = 0; k < 2; k++) {
@@ -3568,6 +3586,7 @@ int main(void) {
     RUN_TEST(test_the_observers_lag_is_no_other_flux);
     RUN_TEST(test_a_dead_switch_ends_the_start);
     RUN_TEST(test_a_phase_that_opens_in_run_is_found);
+    RUN_TEST(test_the_hand_over_begins_the_counts_of_run);
     RUN_TEST(test_half_waves_are_looked_at_with_and_without_field_weakening);
     RUN_TEST(test_turns_that_tell_of_no_half_wave);
     RUN_TEST(test_a_current_without_its_noise_is_refused_at_calibration);

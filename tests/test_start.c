@@ -25,6 +25,14 @@ static lode_start_config_t sound(void) {
                                  .fade_s = 0.1f};
 }
 
+/// The same, with resistance and dead time measured, and no look for a rotor that turns already.
+static lode_start_config_t measuring(void) {
+    lode_start_config_t config = sound();
+    config.measure = LODE_ON;
+    config.catch_s = LODE_NONE;
+    return config;
+}
+
 static lode_start_tuning_t tuned(const lode_start_config_t *config) {
     const lode_motor_t motor = paper_motor();
     lode_start_tuning_t tuning;
@@ -107,9 +115,7 @@ static void test_the_vector_sweeps_while_the_current_rises(void) {
 
 /// (S29): to half of the current 240 degrees, to all of it 60 more.
 static void test_a_vector_that_is_measured_sweeps_to_two_axes(void) {
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    config.catch_s = LODE_NONE;
+    lode_start_config_t config = measuring();
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     lode_start_begin(&start, &tuning);
@@ -138,9 +144,7 @@ static double turned_back_deg(double J_kgm2, double error, double theta0_rad) {
     motor.J_kgm2 = (float)J_kgm2;
     const double K = 1.5 * 3.0 * (double)motor.psi_Wb * 8.0;
     const double swing = sqrt(3.0 * K / J_kgm2);
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    config.catch_s = LODE_NONE;
+    lode_start_config_t config = measuring();
     config.damping = 0.5f;
     config.omega_handover_rad_s = (float)(2.0 * swing);
     config.ramp_rad_s2 = (float)(0.1 * swing * swing);
@@ -990,9 +994,7 @@ static void test_resistance_is_measured_while_the_rotor_swings(void) {
 /// (S30): past a right angle to the vector a falling rotor shows nothing across it, and along it ever more. The mean is
 /// of the voltage after it.
 static void test_a_rotor_that_falls_past_a_right_angle_is_not_at_rest(void) {
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    config.catch_s = LODE_NONE;
+    lode_start_config_t config = measuring();
     config.damping = LODE_NONE;
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
@@ -1021,9 +1023,7 @@ typedef lode_dq_t (*seen_at_t)(const lode_start_tuning_t *tuning, int n);
 static float quicker = 1.0f; // a swing of so many times the natural frequency
 
 static int rounds_at_half(seen_at_t seen_at, lode_start_t *start, lode_start_tuning_t *tuning) {
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    config.catch_s = LODE_NONE;
+    lode_start_config_t config = measuring();
     config.damping = LODE_NONE;
     *tuning = tuned(&config);
     tuning->swing_weight *= quicker;
@@ -1117,9 +1117,7 @@ static void test_a_swing_is_watched_to_the_round(void) {
 /// (S33): of a rotor that comes to rest at one of the currents alone, its voltage counts half as resistance's and half as
 /// dead time's.
 static void test_one_of_two_means_tells_the_sum(void) {
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    config.catch_s = LODE_NONE;
+    lode_start_config_t config = measuring();
     const lode_start_tuning_t tuning = tuned(&config);
     static const int stages[] = {LODE_START_HALF, LODE_START_FULL, LODE_START_TURN}; // or never
     const double half_A = 0.5 * (double)config.current_A;
@@ -1156,9 +1154,7 @@ static void test_one_of_two_means_tells_the_sum(void) {
 
 /// Dead time shows along the phase that the vector waits at, by however much the damping has turned it.
 static void test_dead_time_is_measured_with_a_vector_that_gives_way(void) {
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    config.catch_s = LODE_NONE;
+    lode_start_config_t config = measuring();
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     lode_start_begin(&start, &tuning);
@@ -1184,9 +1180,7 @@ static void test_dead_time_is_measured_with_a_vector_that_gives_way(void) {
 }
 
 static void test_a_new_attempt_measures_again(void) {
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    config.catch_s = LODE_NONE;
+    lode_start_config_t config = measuring();
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     lode_start_begin(&start, &tuning);
@@ -1217,9 +1211,7 @@ static void test_a_new_attempt_measures_again(void) {
 
 /// Between what makes the resistance known and the round in which it is worked out.
 static void test_a_stop_ends_the_measurement(void) {
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    config.catch_s = LODE_NONE;
+    lode_start_config_t config = measuring();
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     lode_start_found_t found = {7.0f, 8.0f};
@@ -1362,9 +1354,7 @@ static void test_a_start_of_half_an_ampere(void) {
 
 /// Nothing that an earlier stage has seen is left: neither its half-waves, nor its shift, which is no turn of the vector.
 static void test_a_stage_begins_anew(void) {
-    lode_start_config_t config = sound();
-    config.measure = LODE_ON;
-    config.catch_s = LODE_NONE;
+    lode_start_config_t config = measuring();
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start;
     memset(&start, 0xff, sizeof start);

@@ -97,7 +97,7 @@ typedef struct {
     uint_least16_t still_count; ///< the temperature's, one round before
     uint_least16_t still;       ///< rounds for which that has been the same
     uint_least16_t rail;
-    uint_least16_t lock;
+    uint_least16_t lock;  ///< in START rounds with an EMF of too large a flux
     uint_least16_t speed; ///< and its direction
     float still_V;        ///< bus, one round before
     bool railed;          ///< a rail was met since the last lode_guard_check_slow()

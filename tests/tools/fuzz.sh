@@ -8,6 +8,13 @@ set -eu -o pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 cd "$root"
 skip() { echo "skipped: $*"; exit 77; }
+case "${1:-}:$#" in
+build:1 | run:2 | night:1 | night:2) ;;
+*)
+    sed -n 's/^# //; 2p' "$0" >&2
+    exit 2
+    ;;
+esac
 
 if ! command -v clang >/dev/null; then
     skip "clang is not installed"
