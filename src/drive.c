@@ -10,6 +10,8 @@
 #define ANOTHER_FLUX 0.2f
 // Of a round: faster, a half-wave may fall between two looks.
 #define HALF_WAVE_STEP_rad 1.5f
+#define HALF_WAVE_ASKED 9.0f  // times the least current that is judged by, squared: 0.15 of i_max
+#define HALF_WAVE_MISSED 0.5f // of the current that is asked for, squared
 #define BUS_SHARE 0.1f // of the flux, by which the EMF is off when the bus is not what is read
 #define MOVED_FLUX_MAX 0.35f // of the flux, that a d current may take or give at once
 
@@ -404,12 +406,17 @@ LODE_NOINLINE void lode_drive_end_turn(lode_drive_t *self, uint32_t seen) {
     }
 }
 
-// Whether what was lacking is asked for.
+// Whether what was lacking is asked for, and current control has not had it: a current that follows a reference that
+// swings may still come too late for a half-wave.
 static LODE_NOINLINE void ask_half_waves(lode_drive_t *self) {
     const lode_dq_t ref_A = self->ref_A;
-    const float least_A2 = LODE_WAVES_FLOW * self->tuning->plausibility.i_min_A2;
-    const lode_abc_t i = lode_clarke_inverse(lode_park_inverse(ref_A, self->estimator.pll.frame));
-    if (ref_A.d * ref_A.d + ref_A.q * ref_A.q >= least_A2) {
+    const float ref_A2 = ref_A.d * ref_A.d + ref_A.q * ref_A.q;
+    const float d_A = ref_A.d - self->i_A.d;
+    const float q_A = ref_A.q - self->i_A.q;
+    if (ref_A2 >= HALF_WAVE_ASKED * self->tuning->plausibility.i_min_A2 &&
+        d_A * d_A + q_A * q_A >= HALF_WAVE_MISSED * ref_A2) {
+        const lode_abc_t i =
+            lode_clarke_inverse(lode_park_inverse(ref_A, self->estimator.pll.frame));
         lode_half_waves_ask(&self->state.run.waves,
                             lode_half_waves_of(i.a > i.b, i.b > i.c, i.c > i.a));
     }

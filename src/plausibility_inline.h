@@ -38,9 +38,8 @@ LODE_INLINE uint32_t lode_plausibility_phases(bool a, bool b, bool c) {
 #define LODE_WAVES_ALL 0x3fu
 #define LODE_WAVES_QUARTERS 4u
 #define LODE_WAVES_SHIFT 6u // of the quarter, above the half-waves
-// Times the least current that is judged by, squared: 0.15 of i_max, in each quarter of a turn that is to tell something,
-// and asked for.
-#define LODE_WAVES_FLOW 9.0f
+// Times the least current that is judged by, squared: 0.075 of i_max, in each quarter of a turn that is to tell something.
+#define LODE_WAVES_FLOW 2.25f
 
 // The half-waves that three currents have, by their order: a phase has one where its current is at least half of the
 // vector's length, within 60 degrees of its axis. At any angle that are two. Bits: three positive ones, three negative ones.

@@ -2926,6 +2926,36 @@ static lode_check_t after_the_turn(rig_t rig, float omega, uint32_t sensored, fl
     return (lode_check_t)rig_telemetry(&rig).fault.check;
 }
 
+/// Whether a half-wave that was lacking counts as asked for, where `share` of `ref_A` flows.
+static bool is_asked_for(rig_t rig, lode_dq_t ref_A, float share) {
+    lode_drive_t *drive = &rig.drive;
+    drive->state.run.waves = (lode_half_waves_t){0u, 0u}; // in the first quarter, all were lacking
+    drive->estimator.pll.frame = (lode_sincos_t){.sin = 0.6f, .cos = 0.8f};
+    drive->estimator.pll.omega_rad_s = 400.0f;
+    drive->ref_A = ref_A;
+    drive->i_A = (lode_dq_t){share * ref_A.d, share * ref_A.q};
+    TEST_ASSERT_TRUE(lode_drive_note_half_waves(drive));
+    return (drive->state.run.waves.before & 0x80u) != 0u;
+}
+
+/// Current control that has most of what it is asked for has its half-waves too, though late where the torque swings.
+static void test_a_half_wave_is_asked_for_where_the_current_does_not_come(void) {
+    const rig_t rig = running(100.0, 8.0);
+    const float i_max_A = rig_config().inverter.i_max_A;
+    for (int k = 0; k < 8; k++) {
+        const float d = cosf((float)k * 0.785398f);
+        const float q = sinf((float)k * 0.785398f);
+        const lode_dq_t enough_A = {0.151f * i_max_A * d, 0.151f * i_max_A * q};
+        const lode_dq_t little_A = {0.149f * i_max_A * d, 0.149f * i_max_A * q};
+        TEST_ASSERT_TRUE(is_asked_for(rig, enough_A, 0.0f));
+        TEST_ASSERT_TRUE(is_asked_for(rig, enough_A, 0.28f)); // 0.72 squared is more than a half
+        TEST_ASSERT_TRUE(is_asked_for(rig, enough_A, -1.0f));
+        TEST_ASSERT_FALSE(is_asked_for(rig, enough_A, 0.3f));
+        TEST_ASSERT_FALSE(is_asked_for(rig, enough_A, 1.0f));
+        TEST_ASSERT_FALSE(is_asked_for(rig, little_A, 0.0f));
+    }
+}
+
 /// What a start or an earlier run has left of the counts is not RUN's.
 static void test_the_hand_over_begins_the_counts_of_run(void) {
     rig_t rig = fresh();
@@ -3587,6 +3617,7 @@ int main(void) {
     RUN_TEST(test_a_dead_switch_ends_the_start);
     RUN_TEST(test_a_phase_that_opens_in_run_is_found);
     RUN_TEST(test_the_hand_over_begins_the_counts_of_run);
+    RUN_TEST(test_a_half_wave_is_asked_for_where_the_current_does_not_come);
     RUN_TEST(test_half_waves_are_looked_at_with_and_without_field_weakening);
     RUN_TEST(test_turns_that_tell_of_no_half_wave);
     RUN_TEST(test_a_current_without_its_noise_is_refused_at_calibration);

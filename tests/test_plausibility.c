@@ -732,11 +732,11 @@ static void test_an_open_phase_and_a_dead_switch_are_found_within_three_turns(vo
 
 static void test_half_waves_that_tell_nothing(void) {
     double turns;
-    turning_t self = turning(1.7); // less than 0.15 of i_max, and so no quarter counts
+    turning_t self = turning(0.88); // less than 0.075 of i_max, and so no quarter counts
     self.ref_A = 4.0;
     self.missing = 1u;
     TEST_ASSERT_EQUAL_UINT(0u, found_after(&self, 0.5, &turns));
-    self.i_A = 2.5; // as a phase that lacks a half-wave leaves 0.87 of it in the others
+    self.i_A = 1.1; // a phase that lacks a half-wave leaves 0.87 of it in the others
     TEST_ASSERT_EQUAL_UINT(1u, found_after(&self, 0.5, &turns));
     self = turning(4.0);
     self.missing = 1u;
