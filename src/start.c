@@ -22,6 +22,13 @@
 #define HANDOVER_SHARE_MAX                                                                         \
     0.5f // of rated or base speed: beyond, too little of the speed range is left
 #define RAMP_TORQUE_SHARE 0.1f // ten times the inertia takes it all
+// How much a ramp steepens with the share of the hand-over speed that it has reached, and what that adds to it, at most:
+// (ln 16 - 15/16)/4 (S35).
+#define STEEPENS 4.0f
+#define GENTLE_SHARE 0.46f
+// The hand-over speed over the speed whose share of the ramp the vector has at rest: with that a sixteenth, and all of it
+// where the share is as large as this.
+#define STEEP 64.0f
 #define RISE_TIME_s 0.2f
 #define DAMPING 0.5f
 #define LOCK_TIME_s 0.1f
@@ -98,6 +105,29 @@ static float ramp_s(const lode_start_config_t *config) {
     return config->omega_handover_rad_s / lode_max(config->ramp_rad_s2, FLT_MIN);
 }
 
+// Electrical.
+static float default_ramp_rad_s2(const lode_motor_t *motor, float current_A) {
+    const float torque = RAMP_TORQUE_SHARE * stiffness(current_A, motor);
+    return torque / lode_max(motor->J_kgm2, FLT_MIN) * motor->pole_pairs;
+}
+
+// A ramp that is given is meant from its beginning.
+static bool begins_gently(const lode_start_config_t *config, const lode_motor_t *motor) {
+    const float own = default_ramp_rad_s2(motor, config->current_A);
+    return lode_in_range(config->ramp_rad_s2, own, own);
+}
+
+// What that adds to a ramp, at most.
+static float gentle_s(const lode_start_config_t *config, const lode_motor_t *motor) {
+    return begins_gently(config, motor) ? GENTLE_SHARE * ramp_s(config) : 0.0f;
+}
+
+// What the ramp of an attempt after so many that failed takes, as a multiple of the first one's.
+static float ramp_times(uint32_t failed) {
+    const float last = failed == LODE_START_FAILED_MAX ? LODE_START_EASE_LAST : LODE_START_EASE;
+    return failed == 0u ? 1.0f : 1.0f / last;
+}
+
 static float dwell_s(const lode_start_config_t *config) {
     return config->measure == LODE_ON ? MEASUREMENTS * DWELL_TIME_s : 0.0f;
 }
@@ -108,9 +138,10 @@ static float sweep_rad_s(const lode_start_config_t *config) {
 }
 
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
-static float attempt_s(const lode_start_config_t *config, float ease) {
-    const float profile_s =
-        config->current_rise_s + dwell_s(config) + ramp_s(config) / ease + config->lock_s;
+static float attempt_s(const lode_start_config_t *config, const lode_motor_t *motor,
+                       uint32_t failed) {
+    const float ramps_s = ramp_s(config) * ramp_times(failed) + gentle_s(config, motor);
+    const float profile_s = config->current_rise_s + dwell_s(config) + ramps_s + config->lock_s;
     return profile_s + lode_max(profile_s, PATIENCE_s);
 }
 
@@ -224,10 +255,8 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     config->omega_handover_rad_s = lode_given_or(
         config->omega_handover_rad_s, default_handover(motor, inverter, config->current_A, ts_s));
     const float time_share = own_A < CURRENT_SHARE * inverter->i_max_A ? SALIENT_TIME_SHARE : 1.0f;
-    const float torque = stiffness(config->current_A, motor);
-    config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, RAMP_TORQUE_SHARE * torque /
-                                                                 lode_max(motor->J_kgm2, FLT_MIN) *
-                                                                 motor->pole_pairs);
+    config->ramp_rad_s2 =
+        lode_given_or(config->ramp_rad_s2, default_ramp_rad_s2(motor, config->current_A));
     config->current_rise_s = lode_given_or(config->current_rise_s, RISE_TIME_s);
     config->damping = lode_given_or(config->damping, DAMPING);
     config->lock_s = lode_given_or(config->lock_s, default_lock_s(config, motor, time_share));
@@ -236,8 +265,8 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     if (config->measure == LODE_AUTO) {
         config->measure = MEASURES;
     }
-    const float attempts_s = attempt_s(config, 1.0f) + attempt_s(config, LODE_START_EASE) +
-                             attempt_s(config, LODE_START_EASE_LAST);
+    const float attempts_s =
+        attempt_s(config, motor, 0u) + attempt_s(config, motor, 1u) + attempt_s(config, motor, 2u);
     config->timeout_s = lode_given_or(config->timeout_s, lode_min(attempts_s, TIMEOUT_MAX_s));
 }
 
@@ -297,6 +326,8 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .omega_ready = omega_ready(config, inverter, motor, ts_s),
         .sweep_step_rad = sweep_rad_s(config) * ts_s,
         .omega_step = config->ramp_rad_s2 * ts_s,
+        .steepens =
+            (begins_gently(config, motor) ? STEEPENS : STEEP) / config->omega_handover_rad_s,
         .damping = 2.0f * lode_max(config->damping, 0.0f) / (swing * motor->psi_Wb),
         .damping_A = SHIFT_LOOP / (SWING_CORNER * swing *
                                    lode_max(lode_abs(motor->Lq_H - motor->Ld_H), FLT_MIN)),
@@ -308,8 +339,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .catch_rounds = (uint_least16_t)rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
         .lock_rounds = (uint_least16_t)rounds_in(config->lock_s, ts_s),
         .current_last_A = config->current_last_A,
-        .ramp_rounds = ramp_s(config) / round_s,
-        .still_rounds = (config->current_rise_s + dwell_s(config) + config->lock_s) / round_s,
+        .still_rounds =
+            (config->current_rise_s + dwell_s(config) + gentle_s(config, motor) + config->lock_s) /
+            round_s,
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
         .patience_rounds = (uint_least16_t)rounds_in(PATIENCE_s, ts_s),
 #ifndef LODE_WITHOUT_START_MEASUREMENT
@@ -362,7 +394,8 @@ void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
 }
 
 static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    return tuning->still_rounds + tuning->ramp_rounds / lode_start_ease(self);
+    const float first = tuning->omega_handover / ((float)LODE_SLOW_PERIODS * tuning->omega_step);
+    return tuning->still_rounds + first * ramp_times(self->failed);
 }
 
 // After the profile.
@@ -487,6 +520,14 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
 
 #endif
 
+// Share of the steepest ramp that the vector has now (S35). A rotor that is stopped has followed it.
+static float ramp_share(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const float at_rest = tuning->omega_handover * (1.0f / STEEP);
+    const float gentle = tuning->steepens * (at_rest + lode_abs(self->omega_rad_s));
+    const float ease = lode_start_ease(self);
+    return lode_abs(self->omega_target) > 0.0f ? lode_min(ease, gentle) : ease;
+}
+
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
     bool last = false;
@@ -502,6 +543,7 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     }
     self->current_target =
         (last ? tuning->current_last_A : current_A) * current_share(self, tuning);
+    self->omega_step = tuning->omega_step * ramp_share(self, tuning);
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length
     const float most =

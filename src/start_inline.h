@@ -55,7 +55,7 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
     float advance_rad = ts_s * self->omega_rad_s;
     if (!(self->current_A < self->current_target) &&
         !(self->stage < (uint_least8_t)LODE_START_TURN)) {
-        const float most = lode_start_ease(self) * tuning->omega_step;
+        const float most = self->omega_step;
         self->omega_rad_s += lode_clamp(self->omega_target - self->omega_rad_s, -most, most);
         advance_rad = ts_s * self->omega_rad_s;
     } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f)) {

@@ -669,10 +669,12 @@ static void test_what_goes_on_goes_by_its_own_set(void) {
         rig.open = phase;
         lode_sample6_t seen;
         lode_drive6_out_t out;
+        lode_slot_t slot;
         do {
             const lode_counts6_t counts = rig6_counts(&rig);
             seen = lode_drive6_sense(&rig.drive, &counts);
             const lode_estimate_t estimate = lode_drive6_estimate(&rig.drive, &seen);
+            slot = lode_slot_of(rig.drive.drive.steps);
             out = lode_drive6_act(&rig.drive, &seen, &estimate);
             rig.out = out;
             rig6_move(&rig);
@@ -685,8 +687,10 @@ static void test_what_goes_on_goes_by_its_own_set(void) {
         const lode_dq_t own_A = lode_park(i_A, lode_estimator_rotor(&drive->estimator));
         CHECK_NEAR(1.0e-3, (double)own_A.d, t.i_A.d);
         CHECK_NEAR(1.0e-3, (double)own_A.q, t.i_A.q);
-        CHECK_NEAR(0.0, (double)t.i_A.d, t.ref_A.d);
-        CHECK_NEAR(0.0, (double)t.i_A.q, t.ref_A.q);
+        if (slot != SLOT_REFERENCES) { // which asks anew in the same call
+            CHECK_NEAR(0.0, (double)t.i_A.d, t.ref_A.d);
+            CHECK_NEAR(0.0, (double)t.i_A.q, t.ref_A.q);
+        }
         CHECK_NEAR(0.0, (double)t.i_A.d, drive->state.run.references.id_A);
         const double w = (double)t.omega_rad_s;
         CHECK_NEAR(0.02, (double)t.u_V.d + w * Lq * (double)t.i_A.q, drive->current.d.integral);

@@ -1356,8 +1356,8 @@ static void test_off_is_off_to_the_bit(void) {
     rig_init(&rig, &tunings[1], &config);
     rig_ask(&plain, 31.4f);
     rig_ask(&rig, 31.4f);
-    for (int k = 0; k < 8000; k++) {
-        if (k == 6000) {
+    for (int k = 0; k < 10000; k++) {
+        if (k == 8000) {
             rig_expect(&rig, LODE_MODE_RUN);
             rig_ask(&plain, -31.4f);
             rig_ask(&rig, -31.4f);

@@ -22,8 +22,9 @@ typedef struct {
     /// time and 30 % of R leave less than half of the EMF certain, or a load step would stop a light salient rotor;
     /// at least an EMF of a quarter of the drop across R
     float omega_handover_rad_s;
-    float
-        ramp_rad_s2; ///< electrical, of the first attempt; 0: what a tenth of the start torque gives the inertia
+    /// electrical, of the first attempt; 0: what a tenth of the start torque gives the inertia, and at rest a
+    /// sixteenth of that (S35)
+    float ramp_rad_s2;
     float current_rise_s; ///< 0: 0.2
     float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
     float lock_s;         ///< lock quality must have held for this long; 0: 0.1, salient from 0.05
@@ -46,7 +47,8 @@ typedef struct {
     float omega_ready; ///< from which the estimator may take over, up to omega_handover
     float
         sweep_step_rad; ///< per period while the current rises, from half of it on where it is measured there
-    float omega_step;    ///< electrical rad/s per period
+    float omega_step;    ///< electrical rad/s per period, at most
+    float steepens;      ///< share of that for each electrical rad/s beyond -omega_handover/64
     float damping;       ///< rad by which the vector gives way per V of swinging EMF, at most
     float damping_A;     ///< what it may be, times the current
     float damping_rad_s; ///< what it may be, times the speed
@@ -57,7 +59,6 @@ typedef struct {
     uint_least16_t catch_rounds; ///< times, in LODE_SLOW_PERIODS
     uint_least16_t lock_rounds;
     float current_last_A; ///< of the last attempt
-    float ramp_rounds;    ///< of the first attempt's ramp to hand-over speed, in LODE_SLOW_PERIODS
     float still_rounds;   ///< of current rise and lock
     uint32_t timeout_rounds;
     uint_least16_t patience_rounds; ///< at least, after the profile
@@ -106,6 +107,7 @@ typedef struct {
     float omega_rad_s; ///< its electrical speed
     float current_A;   ///< its length
     float omega_target;
+    float omega_step; ///< by which it goes there, per period
     float current_target;
     float mean_V;     ///< mean EMF across the vector
     float swing_V;    ///< its deviation from the mean: of the rotor's swing, which it is to damp

@@ -131,6 +131,7 @@
     ROW(FLOAT, float, start.omega_ready) \
     ROW(FLOAT, float, start.sweep_step_rad) \
     ROW(FLOAT, float, start.omega_step) \
+    ROW(FLOAT, float, start.steepens) \
     ROW(FLOAT, float, start.damping) \
     ROW(FLOAT, float, start.damping_A) \
     ROW(FLOAT, float, start.damping_rad_s) \
@@ -141,7 +142,6 @@
     ROW(WHOLE, uint_least16_t, start.catch_rounds) \
     ROW(WHOLE, uint_least16_t, start.lock_rounds) \
     ROW(FLOAT, float, start.current_last_A) \
-    ROW(FLOAT, float, start.ramp_rounds) \
     ROW(FLOAT, float, start.still_rounds) \
     ROW(WHOLE, uint32_t, start.timeout_rounds) \
     ROW(WHOLE, uint_least16_t, start.patience_rounds) \

@@ -211,6 +211,7 @@ static void power_up(const mistakes_t *mistakes, plant_config_t config) {
         config.r_on_Ohm = with.r_on_Ohm;
     }
     TEST_ASSERT_NULL(plant_init(&plant, &config));
+    random_state = 1u; // whatever ran before
     app_mode = APP_MODE_OFF;
     app_speed_rad_s = MOTOR_SPEED_rad_s;
     app_link = LINK_REPORT;

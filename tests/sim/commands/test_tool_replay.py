@@ -213,7 +213,7 @@ def bad_recordings(checks, folder):
 def own_records(checks, folder):
     """What a drive records of itself goes in as it is: the run's CSV, and ring and scope decoded."""
     folder.write("s.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\nlog_s = 2e-4\n"
-                          "[phase.start]\nduration_s = 2\nspeed_rpm = 450\nload_Nm = 1\n")
+                          "[phase.start]\nduration_s = 2.4\nspeed_rpm = 450\nload_Nm = 1\n")
     folder.run("run", "s.ini", "--csv", "run.csv", "--ring", "r.bin", "--scope", "s.bin",
                "--channels", "mode,i_beta_A,u_beta_V,i_alpha_A,u_alpha_V,theta_rad",
                "--trigger", "omega_rad_s>120")
@@ -246,7 +246,7 @@ def own_records(checks, folder):
 def own_record_of_a_fault(checks, folder):
     """After a trip a drive's record keeps the current that tripped: the gates are off all the same."""
     folder.write("f.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\nlog_s = 2e-4\n"
-                          "[phase.start]\nduration_s = 1.5\nspeed_rpm = 450\nload_Nm = 1\n"
+                          "[phase.start]\nduration_s = 1.9\nspeed_rpm = 450\nload_Nm = 1\n"
                           "[phase.trip]\nduration_s = 0.1\ntrip = on\nend_mode = fault\n")
     done = folder.run("run", "f.ini", "--csv", "fault.csv")
     checks.equal(done.returncode, 0, f"exit code of the run: {done.stderr}")

@@ -25,7 +25,7 @@ N = len(CHANNELS)
 FRAME = 4 * (N + 2)
 DESCRIPTION = 4 * (N + 6)
 SCENARIO = (f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\nlog_s = 2e-4\n"
-            "[phase.start]\nduration_s = 2\nspeed_rpm = 450\nload_Nm = 1\n")
+            "[phase.start]\nduration_s = 2.4\nspeed_rpm = 450\nload_Nm = 1\n")
 EVENT = "[phase.trip]\nduration_s = 0.1\ntrip = on\nend_mode = fault\n"
 
 
@@ -152,7 +152,7 @@ def fault(checks, folder):
     event = result["event_row"]
     checks.equal([(r["mode"], r["check"]) for r in rows[event - 1:event + 1]],
                  [("RUN", "NONE"), ("FAULT", "HARDWARE_TRIP")], "mode and check before and at the fault")
-    checks.equal(result["event_s"], 2.0, "time of the fault")
+    checks.equal(result["event_s"], 2.4, "time of the fault")
     compare(checks, rows, rows_of(folder.path / "run.csv"), "fault")
 
 
@@ -163,7 +163,7 @@ def not_triggered(checks, folder):
                  "a dump of an armed scope")
     checks.true("it has not come" in text and rows[0]["t_event_s"] == "", text)
     compare(checks, rows, rows_of(folder.path / "run.csv"), "armed")
-    checks.equal(float(rows[-1]["t_s"]), 1.9998, "the newest row is that of the last period")
+    checks.equal(float(rows[-1]["t_s"]), 2.3998, "the newest row is that of the last period")
 
 
 def values_without_name(checks, folder):

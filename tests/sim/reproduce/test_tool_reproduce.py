@@ -219,7 +219,7 @@ sigma_rad_s = 100
 {IDEAL}[start]
 handover_rpm = 300
 [phase.start]
-duration_s = 2
+duration_s = 2.5
 speed_rpm = 400
 end_mode = run
 [phase.900]
