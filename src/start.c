@@ -122,12 +122,6 @@ static float gentle_s(const lode_start_config_t *config, const lode_motor_t *mot
     return begins_gently(config, motor) ? GENTLE_SHARE * ramp_s(config) : 0.0f;
 }
 
-// What the ramp of an attempt after so many that failed takes, as a multiple of the first one's.
-static float ramp_times(uint32_t failed) {
-    const float last = failed == LODE_START_FAILED_MAX ? LODE_START_EASE_LAST : LODE_START_EASE;
-    return failed == 0u ? 1.0f : 1.0f / last;
-}
-
 static float dwell_s(const lode_start_config_t *config) {
     return config->measure == LODE_ON ? MEASUREMENTS * DWELL_TIME_s : 0.0f;
 }
@@ -138,9 +132,8 @@ static float sweep_rad_s(const lode_start_config_t *config) {
 }
 
 // What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
-static float attempt_s(const lode_start_config_t *config, const lode_motor_t *motor,
-                       uint32_t failed) {
-    const float ramps_s = ramp_s(config) * ramp_times(failed) + gentle_s(config, motor);
+static float attempt_s(const lode_start_config_t *config, const lode_motor_t *motor, float ease) {
+    const float ramps_s = ramp_s(config) / ease + gentle_s(config, motor);
     const float profile_s = config->current_rise_s + dwell_s(config) + ramps_s + config->lock_s;
     return profile_s + lode_max(profile_s, PATIENCE_s);
 }
@@ -265,8 +258,9 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     if (config->measure == LODE_AUTO) {
         config->measure = MEASURES;
     }
-    const float attempts_s =
-        attempt_s(config, motor, 0u) + attempt_s(config, motor, 1u) + attempt_s(config, motor, 2u);
+    const float attempts_s = attempt_s(config, motor, 1.0f) +
+                             attempt_s(config, motor, LODE_START_EASE) +
+                             attempt_s(config, motor, LODE_START_EASE_LAST);
     config->timeout_s = lode_given_or(config->timeout_s, lode_min(attempts_s, TIMEOUT_MAX_s));
 }
 
@@ -394,8 +388,8 @@ void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
 }
 
 static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
-    const float first = tuning->omega_handover / ((float)LODE_SLOW_PERIODS * tuning->omega_step);
-    return tuning->still_rounds + first * ramp_times(self->failed);
+    const float step = lode_start_ease(self) * tuning->omega_step;
+    return tuning->still_rounds + tuning->omega_handover / ((float)LODE_SLOW_PERIODS * step);
 }
 
 // After the profile.
@@ -424,8 +418,12 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
                       float omega_target_rad_s) {
     const bool starting = lode_abs(omega_target_rad_s) > 0.0f;
     self->attempt = starting ? self->attempt + 1u : 0u;
+    const float rounds = (float)(int32_t)self->attempt;
+    if (rounds <= tuning->still_rounds) {
+        return; // it takes longer than that, and no division
+    }
     const float profile = profile_rounds(self, tuning);
-    if ((float)(int32_t)self->attempt > profile + waiting_rounds(tuning, profile)) {
+    if (rounds > profile + waiting_rounds(tuning, profile)) {
         self->attempt = 0u;
         self->at = (lode_sincos_t){0.0f, 1.0f}; // on a phase, for the measurement
         self->omega_rad_s = 0.0f;
@@ -522,10 +520,15 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
 
 // Share of the steepest ramp that the vector has now (S35). A rotor that is stopped has followed it.
 static float ramp_share(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const float ease = lode_start_ease(self);
+#ifdef LODE_WITHOUT_GENTLE_START
+    (void)tuning;
+    return ease;
+#else
     const float at_rest = tuning->omega_handover * (1.0f / STEEP);
     const float gentle = tuning->steepens * (at_rest + lode_abs(self->omega_rad_s));
-    const float ease = lode_start_ease(self);
     return lode_abs(self->omega_target) > 0.0f ? lode_min(ease, gentle) : ease;
+#endif
 }
 
 void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,

@@ -18,11 +18,11 @@
 // axis to phase axis, by 240 and by 60 degrees (S29).
 #define LODE_START_SWEEP_FIRST 4.0f
 
-// Share of the ramp in the present attempt. The last one, repeated, need not take as long: the rotor has followed it.
+// Share of the ramp in the present attempt, by those that failed. The last one, repeated, need not take as long: the rotor
+// has followed it.
 LODE_INLINE float lode_start_ease(const lode_start_t *self) {
-    const bool last = self->failed == LODE_START_FAILED_MAX;
-    const float again = last ? LODE_START_EASE_LAST : LODE_START_EASE;
-    return self->failed == 0u ? 1.0f : again;
+    static const float share[] = {1.0f, LODE_START_EASE, LODE_START_EASE_LAST, LODE_START_EASE};
+    return share[self->failed & LODE_START_LOSSES_MAX]; // three
 }
 
 LODE_INLINE bool lode_start_catches(const lode_start_t *self) {

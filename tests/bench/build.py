@@ -33,7 +33,7 @@ LEAST = [*IN_FLASH, "-DLODE_SMALL", "-DLODE_WITHOUT_OPTIMAL_REFERENCES", "-DLODE
          "-DLODE_WITHOUT_PRECHARGE", "-DLODE_WITHOUT_FAST_SPEED",
          "-DLODE_WITHOUT_TORQUE_CONTROL", "-DLODE_WITHOUT_ANGLE_SENSOR",
          "-DLODE_WITHOUT_ACTIVE_SHORT", "-DLODE_WITHOUT_TORQUE_LIMITS",
-         "-DLODE_WITHOUT_BRAKE_SLIP", "-flto"]
+         "-DLODE_WITHOUT_BRAKE_SLIP", "-DLODE_WITHOUT_GENTLE_START", "-flto"]
 OBSERVERS = re.findall(r"^LODE_OBSERVER\((\w+), (\w+)",
                        (ROOT / "include/lodestar/observers.def").read_text(), re.MULTILINE)
 ONE_OBSERVER = [f"-DLODE_WITHOUT_{upper}" for upper, _ in OBSERVERS[1:]]
