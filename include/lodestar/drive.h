@@ -258,10 +258,11 @@ typedef struct {
     lode_dq_t u_V;   ///< what current control asks for
     float v_bus_V;
     float temperature_degC; ///< power stage, the hotter one
-    float theta_rad;        ///< estimated electrical rotor angle at t_k, [-pi, pi]
-    float omega_rad_s;      ///< estimated electrical speed
-    float speed_ref_rad_s;  ///< ramped mechanical reference of RUN, else 0
-    float torque_ref_Nm;    ///< reference of RUN, else 0
+    /// estimated electrical rotor angle at t_k, [-pi, pi]; START: that of the vector until there is a lock
+    float theta_rad;
+    float omega_rad_s;     ///< estimated electrical speed
+    float speed_ref_rad_s; ///< ramped mechanical reference of RUN, else 0
+    float torque_ref_Nm;   ///< reference of RUN, else 0
     /// RUN: what current and voltage allow, with all of the share; 0 in the other modes, and in a build with
     /// LODE_WITHOUT_TORQUE_LIMITS
     float torque_most_Nm;

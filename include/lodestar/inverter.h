@@ -17,7 +17,8 @@ typedef struct {
     float i_max_A; ///< highest amplitude of the phase current that the drive may command
     /// both switches of a leg off, per edge; turn-on minus turn-off delay included
     float dead_time_s;
-    float v_drop_V; ///< on-state threshold of switch and diode
+    /// on-state threshold of switch and diode: IGBTs 0.7 to 1.5, 0 of MOSFETs that take over from their body diodes
+    float v_drop_V;
     float r_on_Ohm; ///< on-state slope: counts as winding resistance
     float i_dead_A; ///< below this phase current the effect of dead time fades, proportionally: the
                     ///< ripple reverses the current within the period. At full modulation; it falls

@@ -11,12 +11,14 @@ extern "C" {
 
 /// One phase of the star equivalent, peak values. Paper 1, Table 3 is the example.
 typedef struct {
-    float pole_pairs;        ///< 1 .. 100, a whole number
-    float Rs_Ohm;            ///< phase resistance at working temperature, 0 .. 1e3
-    float Ld_H;              ///< d-axis inductance, 1e-7 .. 10
-    float Lq_H;              ///< q-axis inductance, 1e-7 .. 10
-    float psi_Wb;            ///< peak flux linkage of the magnets per phase, 1e-6 .. 100
-    float J_kgm2;            ///< inertia of rotor and load, 1e-9 .. 1e4
+    float pole_pairs; ///< 1 .. 100, a whole number
+    float Rs_Ohm;     ///< phase resistance at working temperature, 0 .. 1e3
+    float Ld_H;       ///< d-axis inductance, 1e-7 .. 10
+    float Lq_H;       ///< q-axis inductance, 1e-7 .. 10
+    float psi_Wb;     ///< peak flux linkage of the magnets per phase, 1e-6 .. 100
+    /// inertia of rotor and load, 1e-9 .. 1e4; in doubt rather too small: a rotor of ten times that starts, one of less
+    /// than half of it may lose the lock in a load step
+    float J_kgm2;
     float B_Nms;             ///< viscous friction, Nm per mechanical rad/s, 0 .. 1e3
     float omega_rated_rad_s; ///< rated ELECTRICAL speed; 0: from bus voltage and current
     float sets;              ///< three-phase windings on the rotor: 1, or 2; 0: 1
