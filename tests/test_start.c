@@ -862,7 +862,8 @@ static void test_a_default_ramp_begins_gently(void) {
     for (int k = 0; k < COUNT_OF(ease); k++) {
         for (int sign = -1; sign <= 1; sign += 2) {
             lode_start_t start;
-            lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 12.0f); // the current is there already
+            lode_start_reset(&start, lode_sincos(0.0f), 0.0f,
+                             12.0f); // the current is there already
             start.failed = (uint_least8_t)k;
             double omega = 0.0;
             double share = 0.0;
@@ -881,10 +882,18 @@ static void test_a_default_ramp_begins_gently(void) {
             const double bend = ((double)ease[k] - 0.0625) / 4.0;
             const double periods =
                 first * (log((double)ease[k] * 16.0) / 4.0 + (1.0 - bend) / (double)ease[k]);
-            CHECK_NEAR(0.01 * periods + 8.0, periods,
-                       n); // a round for the first and for each change
+            const double rounds = 8.0; // for the first step and for each change
+            CHECK_NEAR(0.01 * periods + rounds, periods, n);
+            // A rotor that is stopped has followed: no gentle end.
+            start.omega_rad_s = 0.0f;
+            lode_start_aim(&start, &tuning, 0.0f, 8.0f);
+            CHECK_CLOSE(1.0e-6, (double)(ease[k] * tuning.omega_step), start.omega_step);
         }
     }
+    // An attempt has the time for it.
+    const double longer_s = 0.46 * (double)config.omega_handover_rad_s / (double)config.ramp_rad_s2;
+    CHECK_CLOSE(1.0e-5, (double)(config.current_rise_s + config.lock_s) + longer_s,
+                ROUND * PAPER_TS_s * tuning.still_rounds);
 }
 
 /// (S17): where no lock comes at speed the current falls to 0.3 until the attempt ends; not on the way up.

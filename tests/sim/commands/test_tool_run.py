@@ -151,7 +151,7 @@ def mismatch(checks, folder):
 def loads(checks, folder):
     """Loads are keys of the plant: a fan's torque goes with the square of the speed, a coupled inertia swings less."""
     def phase(name, *sets):
-        sets = ("start.handover_rpm=150", *sets)
+        sets = ("start.handover_rpm=150", "phase.start.duration_s=8", *sets)
         folder.run("run", "steady_ideal", "--json", "l.json", *[x for s in sets for x in ("--set", s)])
         return {p["name"]: p for p in folder.json("l.json")["phases"]}[name]
     plain = phase("900")["torque_Nm"]["mean"]
