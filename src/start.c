@@ -22,13 +22,11 @@
 #define HANDOVER_SHARE_MAX                                                                         \
     0.5f // of rated or base speed: beyond, too little of the speed range is left
 #define RAMP_TORQUE_SHARE 0.1f // ten times the inertia takes it all
-// How much a ramp steepens with the share of the hand-over speed that it has reached, and what that adds to it, at most:
-// (ln 16 - 15/16)/4 (S35).
+// Share of the ramp that the vector has: this, times its speed and a 64th of the hand-over speed, over the hand-over
+// speed (S35). By default a sixteenth at rest; of a ramp that is given all of it.
 #define STEEPENS 4.0f
-#define GENTLE_SHARE 0.46f
-// The hand-over speed over the speed whose share of the ramp the vector has at rest: with that a sixteenth, and all of it
-// where the share is as large as this.
 #define STEEP 64.0f
+#define GENTLE_SHARE 0.46f // (ln 16 - 15/16)/4: what the default adds to a ramp, at most
 #define RISE_TIME_s 0.2f
 #define DAMPING 0.5f
 #define LOCK_TIME_s 0.1f
@@ -420,7 +418,7 @@ static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
     self->attempt = starting ? self->attempt + 1u : 0u;
     const float rounds = (float)(int32_t)self->attempt;
     if (rounds <= tuning->still_rounds) {
-        return; // it takes longer than that, and no division
+        return; // the profile alone takes longer; spares a division
     }
     const float profile = profile_rounds(self, tuning);
     if (rounds > profile + waiting_rounds(tuning, profile)) {

@@ -22,7 +22,7 @@
 // has followed it.
 LODE_INLINE float lode_start_ease(const lode_start_t *self) {
     static const float share[] = {1.0f, LODE_START_EASE, LODE_START_EASE_LAST, LODE_START_EASE};
-    return share[self->failed & LODE_START_LOSSES_MAX]; // three
+    return share[self->failed & LODE_START_LOSSES_MAX]; // 3: within the table, whatever flips
 }
 
 LODE_INLINE bool lode_start_catches(const lode_start_t *self) {

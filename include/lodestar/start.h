@@ -48,7 +48,7 @@ typedef struct {
     float
         sweep_step_rad; ///< per period while the current rises, from half of it on where it is measured there
     float omega_step;    ///< electrical rad/s per period, at most
-    float steepens;      ///< share of that for each electrical rad/s beyond -omega_handover/64
+    float steepens;      ///< share of that: times the speed and a 64th of omega_handover, s/rad
     float damping;       ///< rad by which the vector gives way per V of swinging EMF, at most
     float damping_A;     ///< what it may be, times the current
     float damping_rad_s; ///< what it may be, times the speed
