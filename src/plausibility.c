@@ -179,13 +179,10 @@ LODE_INLINE uint32_t judged_phases(const lode_plausibility_t *self,
     const int32_t least = tuning->i_still;
     const int32_t *i = self->i;
     const bool asked = i_A2 > tuning->i_min_A2 && self->i_A2 > tuning->i_min_A2;
-    uint32_t judged = asked ? again : 0u;
-    if (least > 0) {
-        judged &= lode_plausibility_phases(i[0] >= least || i[0] <= -least,
-                                           i[1] >= least || i[1] <= -least,
-                                           i[2] >= least || i[2] <= -least);
-    }
-    return judged;
+    const uint32_t flows =
+        lode_plausibility_phases(i[0] >= least || i[0] <= -least, i[1] >= least || i[1] <= -least,
+                                 i[2] >= least || i[2] <= -least);
+    return asked ? again & flows : 0u;
 }
 
 // Three looks at least: two may lie on either side of a peak.

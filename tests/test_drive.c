@@ -2995,6 +2995,68 @@ static void test_half_waves_are_looked_at_with_and_without_field_weakening(void)
     }
 }
 
+/// One look at half-waves, with the frame at `turned_rad` in the direction `way`. Of phase 2 hardly anything is left of the
+/// positive one, and the other two share what it lacks.
+static void look_without_a_half_wave(lode_drive_t *drive, double way, double turned_rad) {
+    const double peak_A = 0.1 * (double)rig_config().inverter.i_max_A;
+    const double angle_rad = way * turned_rad;
+    const double lost = 0.95 * fmax(cos(angle_rad + 1.9 - 2.0 * CHECK_PI / 3.0), 0.0);
+    double length2 = 0.0;
+    for (int k = 0; k < LODE_PHASES; k++) {
+        const double share =
+            cos(angle_rad + 1.9 - (double)k * 2.0 * CHECK_PI / 3.0) + (k == 1 ? -lost : 0.5 * lost);
+        drive->plausibility.i[k] = (int32_t)(2000.0 * share);
+        length2 += 2.0 / 3.0 * share * share;
+    }
+    drive->i_A = (lode_dq_t){0.0f, (float)(peak_A * sqrt(length2))};
+    drive->estimator.pll.frame =
+        (lode_sincos_t){.sin = (float)sin(angle_rad), .cos = (float)cos(angle_rad)};
+    const bool on = lode_drive_note_half_waves(drive);
+    TEST_ASSERT_EQUAL(drive->gates, on);
+}
+
+/// Turns of a rotor in the direction `way` until the half-wave is found, with `looks` to the turn.
+static double turns_until_found(rig_t rig, double way, int looks) {
+    lode_drive_t *drive = &rig.drive;
+    const float i_max_A = rig_config().inverter.i_max_A;
+    int n = 0;
+    lode_half_waves_reset(&drive->state.run.waves);
+    drive->estimator.pll.omega_rad_s = 2.0f * tuning.start.omega_ready * (float)way;
+    drive->state.run.fade = 0.0f;
+    drive->ref_A = (lode_dq_t){0.0f, 0.5f * i_max_A};
+    while (drive->mode == (uint_least8_t)LODE_MODE_RUN && n < 20 * looks) {
+        look_without_a_half_wave(drive, way, 2.0 * CHECK_PI * n / looks);
+        n++;
+    }
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(fault.check));
+    CHECK_NEAR(0.0, 2.0, fault.measured);
+    CHECK_NEAR(0.0, 0.0, fault.limit);
+    return (double)n / looks;
+}
+
+static void test_turns_of_either_direction_tell_of_half_waves(void) {
+    const rig_t rig = running(100.0, 8.0);
+    for (int looks = 5; looks <= 60; looks += 11) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const double turns = turns_until_found(rig, sign, looks);
+            CHECK_AT_LEAST(2.0, turns);
+            CHECK_AT_MOST(3.0 + 2.0 / looks, turns); // the first one tells nothing
+        }
+    }
+}
+
+/// A turn in which next to nothing was seen has ended all the same.
+static void test_a_turn_with_a_single_half_wave_has_ended(void) {
+    rig_t rig = running(100.0, 8.0);
+    rig.drive.estimator.pll.frame = (lode_sincos_t){.sin = 0.6f, .cos = 0.8f};
+    rig.drive.estimator.pll.omega_rad_s = 2.0f * tuning.start.omega_ready;
+    rig.drive.state.run.fade = 0.0f;
+    rig.drive.state.run.waves = (lode_half_waves_t){0xc1u, 0x7fu}; // the last quarter, with current
+    TEST_ASSERT_TRUE(lode_drive_note_half_waves(&rig.drive));
+    TEST_ASSERT_EQUAL_HEX8(1u, rig.drive.state.run.waves.before & 0x3fu);
+}
+
 /// What is known of a turn is too little below the speed at which the estimator may take over, beyond 1.5 rad in a round, of
 /// a sensor's angle, and while the start's current fades.
 static void test_turns_that_tell_of_no_half_wave(void) {
@@ -3620,6 +3682,8 @@ int main(void) {
     RUN_TEST(test_a_half_wave_is_asked_for_where_the_current_does_not_come);
     RUN_TEST(test_half_waves_are_looked_at_with_and_without_field_weakening);
     RUN_TEST(test_turns_that_tell_of_no_half_wave);
+    RUN_TEST(test_turns_of_either_direction_tell_of_half_waves);
+    RUN_TEST(test_a_turn_with_a_single_half_wave_has_ended);
     RUN_TEST(test_a_current_without_its_noise_is_refused_at_calibration);
     RUN_TEST(test_a_resistance_of_no_winding_ends_the_start);
     RUN_TEST(test_more_current_than_is_measured_ends_the_start);

@@ -494,6 +494,7 @@ static void test_configuration(void) {
     config.plausibility = LODE_OFF;
     TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&tuning, &config));
     TEST_ASSERT_TRUE(tuning.i_sum < 0);
+    CHECK_AT_MOST(0.0, tuning.per_wave_A);
     config.plausibility = LODE_AUTO; // design decides
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, tune(&tuning, &config));
     const float bad[] = {0.0f, 0.0119f, 121.0f, -2.0f, NAN, INFINITY};
@@ -793,6 +794,46 @@ static void test_a_frame_that_trembles_does_not_turn(void) {
     TEST_ASSERT_EQUAL_UINT(0u, self.waves.seen >> 6); // forward once, and not back
 }
 
+/// Both limits of the current are within what counts. Of two phases with the same count the later one is the larger.
+static void test_the_current_from_which_half_waves_count(void) {
+    const lode_plausibility_tuning_t tuning = {.i_min_A2 = 4.0f};
+    const int32_t i[LODE_PHASES] = {100, -200, 100};
+    lode_half_waves_t waves = {.seen = 0u, .before = 0u};
+    lode_half_waves_note(&waves, &tuning, i, 3.99f);
+    TEST_ASSERT_EQUAL_HEX8(0u, waves.seen);
+    lode_half_waves_note(&waves, &tuning, i, 4.0f);
+    TEST_ASSERT_EQUAL_HEX8(lode_half_waves_of(true, false, false), waves.seen);
+    lode_half_waves_note(&waves, &tuning, i, 8.99f);
+    TEST_ASSERT_EQUAL_HEX8(0u, waves.before);
+    lode_half_waves_note(&waves, &tuning, i, 9.0f);
+    TEST_ASSERT_EQUAL_HEX8(LODE_WAVES_FLOWED, waves.before);
+    const int32_t ab[LODE_PHASES] = {100, 100, -200};
+    const int32_t bc[LODE_PHASES] = {-200, 100, 100};
+    waves = (lode_half_waves_t){.seen = 0u, .before = 0u};
+    lode_half_waves_note(&waves, &tuning, ab, 4.0f);
+    TEST_ASSERT_EQUAL_HEX8(lode_half_waves_of(false, true, false), waves.seen);
+    waves.seen = 0u;
+    lode_half_waves_note(&waves, &tuning, bc, 4.0f);
+    TEST_ASSERT_EQUAL_HEX8(lode_half_waves_of(false, false, true), waves.seen);
+}
+
+/// Current flowed in a part of the turn: the rest of it tells nothing.
+static void test_each_quarter_of_the_turn_tells_for_itself(void) {
+    const uint32_t a_lacks = LODE_WAVES_ALL & ~1u;
+    lode_half_waves_t waves;
+    lode_half_waves_reset(&waves);
+    waves.seen = (uint_least8_t)a_lacks;
+    waves.before |= LODE_WAVES_FLOWED;
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_turn(&waves, 1u));
+    TEST_ASSERT_EQUAL_HEX8(a_lacks, waves.seen & LODE_WAVES_ALL);
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_turn(&waves, 2u)); // without current
+    TEST_ASSERT_EQUAL_HEX8(LODE_WAVES_ALL, waves.seen & LODE_WAVES_ALL);
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_turn(&waves, 3u));
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_turn(&waves, 0u)); // nothing was lacking
+    TEST_ASSERT_EQUAL_HEX8(LODE_WAVES_ALL, waves.before);
+    TEST_ASSERT_EQUAL_HEX8(0u, waves.seen);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_sound_converters_are_never_stuck);
@@ -824,5 +865,7 @@ int main(void) {
     RUN_TEST(test_half_waves_that_tell_nothing);
     RUN_TEST(test_one_phase_lacks_the_same_twice);
     RUN_TEST(test_a_frame_that_trembles_does_not_turn);
+    RUN_TEST(test_the_current_from_which_half_waves_count);
+    RUN_TEST(test_each_quarter_of_the_turn_tells_for_itself);
     return UNITY_END();
 }
