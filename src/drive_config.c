@@ -38,6 +38,8 @@ static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t
 // At the limits of current and voltage nearly all flux may lie on the q axis, which is voltage on the d
 // axis: with 0.9 of the circle a motor with an MTPV range lost its id on the way in.
 #define WEAKENED_D_SHARE 0.97f
+// Of what lies between where torque begins to fade with the bus and where the guard trips (R14).
+#define BUS_FADE_SHARE 0.5f
 
 static float weakened_omega(const lode_drive_config_t *config) {
     const lode_motor_t *motor = &config->motor;
@@ -187,6 +189,18 @@ static lode_hfi_system_t injected_into(const lode_drive_config_t *c) {
     };
 }
 
+// Where a torque that fades with the bus from `from_V` on is gone: before the guard trips at `limit_V`, as the bus goes on
+// for as long as the torque takes to follow (R14).
+static float fade_end_V(float given_V, float from_V, float limit_V) {
+    const float own_V = from_V > 0.0f ? from_V + BUS_FADE_SHARE * (limit_V - from_V) : limit_V;
+    return lode_given_or(given_V, own_V);
+}
+
+static void design_bus_fade(lode_references_config_t *config, const lode_guard_config_t *guard) {
+    config->v_bus_max_V = fade_end_V(config->v_bus_max_V, config->v_regen_V, guard->v_bus_max_V);
+    config->v_bus_min_V = fade_end_V(config->v_bus_min_V, config->v_motor_V, guard->v_bus_min_V);
+}
+
 void lode_drive_design(lode_drive_config_t *config) {
     const float ts_s = 1.0f / lode_max(config->f_pwm_Hz, FLT_MIN);
     lode_motor_t *motor = &config->motor;
@@ -213,10 +227,7 @@ void lode_drive_design(lode_drive_config_t *config) {
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
                       config->start.omega_handover_rad_s, config->hfi.mode == LODE_HFI_ON);
     lode_guard_design(&config->guard, inverter, &config->estimator);
-    config->references.v_bus_max_V =
-        lode_given_or(config->references.v_bus_max_V, config->guard.v_bus_max_V);
-    config->references.v_bus_min_V =
-        lode_given_or(config->references.v_bus_min_V, config->guard.v_bus_min_V);
+    design_bus_fade(&config->references, &config->guard);
 }
 
 // Speed moves slowly: its control has a slot of the slow jobs, or several.

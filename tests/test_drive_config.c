@@ -335,6 +335,24 @@ static void test_the_highest_speed_with_a_weakened_field(void) {
     }
 }
 
+/// A torque that fades with the bus is gone halfway to where the guard trips, unless somebody says where.
+static void test_a_torque_that_fades_with_the_bus_is_gone_before_the_guard_trips(void) {
+    lode_drive_config_t config = minimal();
+    config.guard.v_bus_max_V = 250.0f;
+    config.guard.v_bus_min_V = 120.0f;
+    config.references.v_regen_V = 220.0f;
+    config.references.v_motor_V = 180.0f;
+    lode_drive_config_t designed = config;
+    lode_drive_design(&designed);
+    TEST_ASSERT_EQUAL_FLOAT(235.0f, designed.references.v_bus_max_V);
+    TEST_ASSERT_EQUAL_FLOAT(150.0f, designed.references.v_bus_min_V);
+    config.references.v_bus_max_V = 249.0f;
+    config.references.v_bus_min_V = 121.0f;
+    lode_drive_design(&config);
+    TEST_ASSERT_EQUAL_FLOAT(249.0f, config.references.v_bus_max_V);
+    TEST_ASSERT_EQUAL_FLOAT(121.0f, config.references.v_bus_min_V);
+}
+
 /// The voltages that references reckon with are those between which the guard lets it run; the d axis may take nearly all
 /// of them where the field is weakened.
 static void test_references_know_the_bus_that_the_guard_allows(void) {
@@ -809,6 +827,7 @@ int main(void) {
     RUN_TEST(test_two_shunts_bound_the_voltage);
     RUN_TEST(test_the_slope_of_the_switches_counts_as_resistance);
     RUN_TEST(test_the_highest_speed_with_a_weakened_field);
+    RUN_TEST(test_a_torque_that_fades_with_the_bus_is_gone_before_the_guard_trips);
     RUN_TEST(test_references_know_the_bus_that_the_guard_allows);
     RUN_TEST(test_what_follows_speed_control_has_its_rate);
     RUN_TEST(test_what_is_given_is_checked_by_itself);

@@ -1,4 +1,4 @@
-"""`lodestar run` with [supply] and [chopper]: limits of the supply's current, and the brake chopper."""
+"""`lodestar run` with [supply] and [chopper]: limits of the supply's current, the brake chopper, a bus that fills."""
 import pathlib
 import sys
 
@@ -47,6 +47,19 @@ def chopper(checks, folder):
         checks.true("LODE_CHECK_OVER_VOLTAGE" in done.stdout, f"the bus trips with {sets}: {done.stdout}")
 
 
+def fade(checks, folder):
+    """Braking torque is gone before the guard trips; where its fade ends at the guard's limit, it trips."""
+    for farads in ("0.0005", "0.001", "0.005"):
+        for begins in ("205", "230"):
+            sets = (f"plant.bus_C_F={farads}", f"references.v_regen_V={begins}")
+            done, phase = phases(folder, "regen", *sets, "phase.down.bar_v_bus_V=250")
+            checks.equal(done.returncode, 0, f"exit code with {sets}: {done.stdout}{done.stderr}")
+            checks.at_most(float(begins), phase["down"]["v_bus_max_V"], f"V of the bus with {sets}: the fade is needed")
+    done, _ = phases(folder, "regen", "references.v_bus_max_V=250")
+    checks.equal(done.returncode, 1, "exit code with a fade up to the guard's limit")
+    checks.true("LODE_CHECK_OVER_VOLTAGE" in done.stdout, f"the bus trips then: {done.stdout}")
+
+
 def nothing(checks, folder):
     """A run that asks for neither tells nothing of the supply."""
     folder.write("n.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n[phase.a]\nduration_s = 0.01\n")
@@ -72,6 +85,7 @@ checks = Checks()
 with Folder() as folder:
     limits(checks, folder)
     chopper(checks, folder)
+    fade(checks, folder)
     nothing(checks, folder)
     keys(checks, folder)
 checks.done()
