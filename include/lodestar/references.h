@@ -37,10 +37,9 @@ typedef struct {
     float Lq_fall;   ///< saturation: Lq is Lq_H/(1 + Lq_fall |iq|), 1/A; 0: does not saturate
     float v_regen_V; ///< bus voltage from which braking torque fades; 0: does not fade
     float v_motor_V; ///< bus voltage below which motoring torque fades; 0: does not fade
-    float
-        v_bus_max_V; ///< where no braking torque is left; 0: halfway from v_regen_V to where the guard trips
-    float
-        v_bus_min_V; ///< where no motoring torque is left; 0: halfway from v_motor_V to where the guard trips
+    /// where no braking and no motoring torque is left; 0: halfway from the two above to where the
+    /// guard trips
+    float v_bus_max_V, v_bus_min_V;
 } lode_references_config_t;
 
 /// What a tuning asks of a call, in one word.
