@@ -23,6 +23,8 @@
 // Times the active flux: errors of 10 % in psi, 20 % in Ld, 50 % in R and a microsecond of dead time add up to 1.6, with
 // 0.4 of the sensors' gain it is 2.3 to 2.5.
 #define WRONG_FLUX 2.0f
+// Than the vector: a rotor that swings about it is so by half.
+#define MUCH_FASTER 2.0f
 // A rotor is given up for lost at two thirds of the guard's time; with injection up to twice the speed at which that
 // ends: the EMF may have pulled the estimate there.
 #define LOST_SHARE 2u
@@ -181,9 +183,8 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
 
 // What is counted in RUN: the start has counted with the guard's counter of the lock too (S34).
 static void begin_counts(lode_drive_t *self) {
-#ifdef LODE_WITHOUT_PLAUSIBILITY
-    (void)self;
-#else
+    self->guard.speed = 0u;
+#ifndef LODE_WITHOUT_PLAUSIBILITY
     self->guard.lock = 0u;
     lode_half_waves_reset(&self->state.run.waves);
 #endif
@@ -368,8 +369,42 @@ static void measure_start(lode_drive_t *self) {
 #endif
 }
 
+// Of a rotor that the load turns faster than the vector can hold: looks for it anew, as one that turns, or has done so often
+// enough.
+static LODE_NOINLINE void end_attempt(lode_drive_t *self) {
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    const uint_least8_t failed = self->state.start.failed;
+    if (failed < LODE_START_LOSSES_MAX && self->tuning->start.catch_rounds > 0u) {
+        lode_mode_switch_off(self); // as the command is RUN, for no longer than the next period
+        self->losses = (uint_least8_t)(failed + 1u);
+        return;
+    }
+#endif
+    lode_mode_fault(self, LODE_CHECK_WRONG_WAY, self->estimator.pll.omega_rad_s, 0.0f);
+}
+
+// A sure estimate of a rotor that the load turns: the other way than asked for, against the vector or past it; or on, much faster
+// than the vector (S36).
+static bool is_astray(const lode_drive_t *self) {
+    const lode_start_t *start = &self->state.start;
+    const float ready = self->tuning->start.omega_ready;
+    const float vector = start->omega_rad_s;
+    const float omega = self->estimator.pll.omega_rad_s;
+    const bool sure = !lode_start_catches(start) && self->estimator.lock >= LODE_LOCK_HANDOVER &&
+                      lode_abs(omega) >= ready;
+    const bool back = omega * start->omega_target < 0.0f && !(omega * vector > 0.0f);
+    const bool on = omega * start->omega_target > 0.0f &&
+                    lode_abs(omega) > MUCH_FASTER * lode_max(lode_abs(vector), ready);
+    return sure && (back || on);
+}
+
 // SLOT_DEAD_TIME: whether the estimate is good enough to run on.
 static void judge_start(lode_drive_t *self) {
+    self->guard.speed = (uint_least16_t)(is_astray(self) ? self->guard.speed + 1u : 0u);
+    if (self->guard.speed >= self->tuning->start.lock_rounds) {
+        end_attempt(self);
+        return;
+    }
     const lode_start_tuning_t *tuning = &self->tuning->start;
     const lode_estimator_t *estimator = &self->estimator;
     const bool lost = tuning->lost_per_A * estimator->id_A > LODE_START_LOST_MAX;

@@ -2518,6 +2518,102 @@ static void test_a_start_is_proven_to_the_round(void) {
     }
 }
 
+/// Periods of a start with an estimate of this speed, of that of hand-over, and a vector of that, until its attempt ends; 0: it
+/// does not.
+static int periods_until_it_ends(rig_t *rig, float omega, float vector, float lock) {
+    const float ready = tuning.start.omega_ready;
+    for (int n = 1; n <= 4000; n++) {
+        rig->drive.estimator.pll.omega_rad_s = omega * ready;
+        rig->drive.estimator.lock = lock;
+        rig->drive.state.start.omega_rad_s = vector * ready;
+        rig->drive.state.start.locked = 0u;
+        rig_step(rig);
+        if (rig->drive.mode != (uint_least8_t)LODE_MODE_START) {
+            return n;
+        }
+    }
+    return 0;
+}
+
+/// A start towards a positive speed, its vector on its way, after so many attempts that failed.
+static rig_t on_its_way(const lode_drive_config_t *config, uint_least8_t failed) {
+    rig_t rig;
+    rig_init(&rig, &tuning, config);
+    rig_command(&rig, run_at(80.0));
+    for (int n = 0; n < 20000 && !(rig.drive.state.start.omega_rad_s > 1.0f); n++) {
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_START);
+    rig.drive.state.start.failed = failed;
+    return rig;
+}
+
+/// (S36). Where the estimate is sure, and the rotor turns against a vector that does not turn its way, or much faster.
+static void test_a_rotor_that_the_load_turns_ends_the_attempt(void) {
+    const struct {
+        float omega, vector, lock;
+        bool ends;
+    } table[] = {
+        {-1.3f, 0.0f, 0.9f, true},  {-1.3f, 0.5f, 0.9f, true},  {-1.3f, -0.1f, 0.9f, false},
+        {-0.7f, 0.5f, 0.9f, false}, {-1.3f, 0.5f, 0.5f, false}, {2.3f, 0.5f, 0.9f, true},
+        {1.7f, 0.5f, 0.9f, false},  {3.3f, 1.5f, 0.9f, true},   {2.7f, 1.5f, 0.9f, false},
+    };
+    const lode_drive_config_t config = rig_config();
+    const int rounds = (int)tuning.start.lock_rounds;
+    for (int n = 0; n < COUNT_OF(table); n++) {
+        rig_t rig = on_its_way(&config, 1u);
+        const int periods =
+            periods_until_it_ends(&rig, table[n].omega, table[n].vector, table[n].lock);
+        if (table[n].ends) {
+            CHECK_NEAR(8.0, 8.0 * rounds - 4.0, periods);
+            rig_expect(&rig, LODE_MODE_OFF);
+            TEST_ASSERT_EQUAL_UINT(2u, rig.drive.losses);
+        } else {
+            TEST_ASSERT_EQUAL_INT(0, periods);
+        }
+    }
+}
+
+/// After the last attempt, and where nobody looks for a rotor that turns, it is a fault.
+static void test_a_rotor_that_the_load_turns_on_and_on_is_a_fault(void) {
+    for (int catches = 0; catches <= 1; catches++) {
+        lode_drive_config_t config = rig_config();
+        config.start.catch_s = catches == 1 ? config.start.catch_s : LODE_NONE;
+        rig_t rig = on_its_way(&config, catches == 1 ? 3u : 0u);
+        CHECK_AT_LEAST(1, periods_until_it_ends(&rig, -2.0f, 0.5f, 0.9f));
+        const lode_fault_t fault = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_WRONG_WAY", lode_check_name(fault.check));
+        CHECK_CLOSE(0.2, -2.0 * (double)tuning.start.omega_ready, fault.measured);
+        CHECK_NEAR(0.0, 0.0, fault.limit);
+    }
+}
+
+/// A hoist whose brake is open from the beginning: nothing holds its load while the offsets are calibrated.
+static void test_a_hoist_with_an_open_brake_is_caught_and_started(void) {
+    for (int pull = -4; pull <= 4; pull++) {
+        rig_t rig = fresh();
+        rig.pull_Nm = (double)pull;
+        rig_command(&rig, run_at(60.0));
+        rig_run(&rig, 12.0);
+        rig_expect(&rig, LODE_MODE_RUN);
+        CHECK_NEAR(1.0, 60.0, rig.motor.omega / 3.0);
+    }
+}
+
+/// A start is proven by a rotor that turns as it is asked to.
+static void test_a_rotor_that_turns_the_other_way_has_not_started(void) {
+    rig_t rig = running(80.0, 8.0);
+    rig_run(&rig, 1.0);
+    rig.drive.state.run.proving = 200u;
+    rig_run(&rig, 0.1);
+    const unsigned left = rig.drive.state.run.proving;
+    CHECK_NEAR(2.0, 200.0 - 0.1 / (8.0 * RIG_TS_s), left);
+    rig_command(&rig, run_at(-80.0));
+    rig_run(&rig, 0.1);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig.drive.mode);
+    CHECK_NEAR(1.0, left, rig.drive.state.run.proving);
+}
+
 /// The last attempt, repeated, has a ramp of a quarter again.
 static void test_the_last_attempt_is_repeated_faster(void) {
     rig_t rig = handed_over();
@@ -3667,6 +3763,10 @@ int main(void) {
     RUN_TEST(test_a_lock_lost_right_after_the_hand_over_is_an_attempt);
     RUN_TEST(test_all_attempts_of_a_start_have_one_time);
     RUN_TEST(test_a_start_is_proven_to_the_round);
+    RUN_TEST(test_a_rotor_that_the_load_turns_ends_the_attempt);
+    RUN_TEST(test_a_rotor_that_the_load_turns_on_and_on_is_a_fault);
+    RUN_TEST(test_a_hoist_with_an_open_brake_is_caught_and_started);
+    RUN_TEST(test_a_rotor_that_turns_the_other_way_has_not_started);
     RUN_TEST(test_the_last_attempt_is_repeated_faster);
     RUN_TEST(test_a_start_that_is_over_is_no_attempt);
     RUN_TEST(test_a_commanded_off_forgets_the_attempts);
