@@ -4,7 +4,9 @@
 #include <stdio.h>
 
 #include "commands/command_load.h"
+#include "commands/command_source.h"
 #include "config/config_json.h"
+#include "config/ini_write.h"
 #include "rig/commission.h"
 #include "support/atomic_file.h"
 #include "support/outputs.h"
@@ -63,20 +65,6 @@ static void print_failure(FILE *file, const commission_run_t *run) {
     }
 }
 
-/// A motor file that the tool reads.
-static void print_motor(FILE *file, const lode_commission_t *own) {
-    const lode_drive_config_t *config = lode_commission_config(own);
-    const lode_motor_t *motor = &config->motor;
-    (void)fprintf(file, "; Measured by lodestar commission\n[motor]\npole_pairs = %g\n",
-                  (double)motor->pole_pairs);
-    (void)fprintf(file, "Rs_Ohm = %.6g\nLd_H = %.6g\nLq_H = %.6g\npsi_Wb = %.6g\n",
-                  (double)motor->Rs_Ohm, (double)motor->Ld_H, (double)motor->Lq_H,
-                  (double)motor->psi_Wb);
-    (void)fprintf(file, "J_kgm2 = %.6g\nB_Nms = %.6g\n", (double)motor->J_kgm2,
-                  (double)motor->B_Nms);
-    (void)fprintf(file, "[drive]\ndead_time_s = %.6g\n", (double)config->inverter.dead_time_s);
-}
-
 static void print_json(FILE *file, const lode_commission_t *own) {
     cJSON *root = cJSON_CreateObject();
     for (int k = 0; k < LODE_COMMISSION_QUANTITIES; ++k) {
@@ -89,42 +77,73 @@ static void print_json(FILE *file, const lode_commission_t *own) {
     (void)config_json_write(file, root);
 }
 
+typedef struct {
+    FILE *json, *out;
+    command_source_t source;
+} files_t;
+
+static bool open_files(files_t *self, const options_t *options) {
+    return outputs_open(&self->json, options->json) && outputs_open(&self->out, options->out) &&
+           command_source_open(&self->source, options);
+}
+
+/// The drive with what was found, into the files; false where that is not whole, after saying why.
+static bool print_found(const files_t *files, const options_t *options, const char *motor,
+                        const commission_run_t *run, const rig_config_t *config) {
+    if (run->commission.result != LODE_COMMISSION_DONE) {
+        (void)printf(": ");
+        print_failure(stdout, run);
+        return false;
+    }
+    static rig_config_t found;
+    lode_drive_tuning_t tuning;
+    commission_found(&found, run, config);
+    const lode_status_t status = lode_drive_tune(&tuning, &found.drive);
+    if (status != LODE_OK) { // only standstill was tried by the drive itself
+        (void)printf(": the drive refuses what was found: %s\n", lode_status_name(status));
+        return false;
+    }
+    (void)putchar('\n');
+    if (files->out != NULL) {
+        (void)fputs("; Measured by lodestar commission; the rest as it was given\n", files->out);
+        ini_write(files->out, &found);
+    }
+    rig_config_design(&found);
+    command_source_print(&files->source, "commission", motor, options, &found, &tuning);
+    return true;
+}
+
+static bool load(rig_config_t *config, const options_t *options, const char *scenario) {
+    if (!command_load_run(config, options, scenario)) {
+        return false;
+    }
+    if (rig_config_is_six(config)) {
+        rig_error("commission: expected a motor with three phases; [motor] sets = 2 has six");
+        return false;
+    }
+    return options->source == NULL || rig_config_given(config, RIG_NEED_BOARD);
+}
+
 rig_exit_t command_commission(const options_t *options) {
     static commission_run_t run;
     rig_config_t config;
-    FILE *json = NULL, *out = NULL;
+    files_t files;
     const char *scenario = options->scenario;
     if (scenario == NULL && options->motor == NULL) {
         scenario = MAIN_SCENARIO;
     }
-    if (!command_load_run(&config, options, scenario)) {
-        return RIG_BAD_INPUT;
-    }
-    if (rig_config_is_six(&config)) {
-        rig_error("commission: expected a motor with three phases; [motor] sets = 2 has six");
-        return RIG_BAD_INPUT;
-    }
-    if (!outputs_open(&json, options->json) || !outputs_open(&out, options->out) ||
+    if (!load(&config, options, scenario) || !open_files(&files, options) ||
         !commission_run(&run, &config)) {
         return RIG_BAD_INPUT;
     }
-    const lode_commission_t *own = &run.commission;
-    const bool done = own->result == LODE_COMMISSION_DONE;
     print_table(stdout, &run);
-    if (json != NULL) {
-        print_json(json, own);
+    if (files.json != NULL) {
+        print_json(files.json, &run.commission);
     }
-    if (out != NULL && done) {
-        print_motor(out, own);
-    }
-    (void)printf("%s after %.2f s", lode_commission_result_name(own->result), run.took_s);
-    if (done) {
-        (void)putchar('\n');
-    } else {
-        (void)printf(": ");
-        print_failure(stdout, &run);
-    }
-    if (!done && out != NULL) {
+    (void)printf("%s after %.2f s", lode_commission_result_name(run.commission.result), run.took_s);
+    const bool whole =
+        print_found(&files, options, scenario != NULL ? scenario : options->motor, &run, &config);
+    if (!whole && (files.out != NULL || files.source.file != NULL)) {
         // nothing is kept of what is not whole
         atomic_file_discard_all();
         return RIG_FAILED;
@@ -134,5 +153,6 @@ rig_exit_t command_commission(const options_t *options) {
     }
     outputs_say(options->json);
     outputs_say(options->out);
-    return done ? RIG_DONE : RIG_FAILED;
+    outputs_say(options->source);
+    return whole ? RIG_DONE : RIG_FAILED;
 }

@@ -3,11 +3,11 @@
 #include <stdio.h>
 
 #include "commands/command_load.h"
+#include "commands/command_source.h"
 #include "config/assumptions.h"
 #include "config/refusal.h"
 #include "config/schema.h"
 #include "design/design.h"
-#include "design/tuning_source.h"
 #include "report/report_design.h"
 #include "support/atomic_file.h"
 #include "support/diag.h"
@@ -34,17 +34,11 @@ static bool print_source(const options_t *options, const rig_config_t *config,
         refuse_six(config, options->source);
         return false;
     }
-    char name[RIG_NAME_LENGTH * 2];
-    char from[RIG_PATH_LENGTH * 2];
-    FILE *file = NULL;
-    (void)snprintf(
-        from, sizeof from, "%s%s%s%s", options->motor, options->drive != NULL ? " and " : "",
-        options->drive != NULL ? options->drive : "", options->sets > 0 ? ", --set" : "");
-    if (!tuning_source_name(name, sizeof name, options->source) ||
-        !outputs_open(&file, options->source)) {
+    command_source_t source;
+    if (!command_source_open(&source, options)) {
         return false;
     }
-    tuning_source_print(file, name, tuning, config, from);
+    command_source_print(&source, "design", options->motor, options, config, tuning);
     return true;
 }
 

@@ -163,6 +163,15 @@ bool conversions_apply(rig_config_t *config) {
     return true;
 }
 
+bool conversions_has(const char *section, const char *key) {
+    for (int k = 0; k < ROWS; ++k) {
+        if (strcmp(rows[k].section, section) == 0 && strcmp(rows[k].key, key) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 void conversions_instead_of(const char *section, const char *key, char *text, size_t size) {
     text[0] = '\0';
     for (int k = 0; k < ROWS; ++k) {

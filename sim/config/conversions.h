@@ -10,6 +10,9 @@
 /// after a message: two keys give one quantity, or a winding's value is given without its connection.
 bool conversions_apply(rig_config_t *config);
 
+/// True of such a key, given or not.
+bool conversions_has(const char *section, const char *key);
+
 /// The keys that may stand in place of `[section] key`, separated by commas; empty: none.
 void conversions_instead_of(const char *section, const char *key, char *text, size_t size);
 

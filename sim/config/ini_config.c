@@ -323,7 +323,9 @@ void ini_config_where(const rig_config_t *config, int row, char *text, size_t si
     const rig_origin_t *origin = &config->origin[row];
     const char *gap = origin->instead != NULL ? ": " : "";
     const char *key = origin->instead != NULL ? origin->instead : "";
-    if (origin->file >= 0 && origin->line == 0) {
+    if (origin->measured) {
+        (void)snprintf(text, size, "measured");
+    } else if (origin->file >= 0 && origin->line == 0) {
         (void)snprintf(text, size, "from %s", config->file[origin->file]);
     } else if (origin->file >= 0) {
         (void)snprintf(text, size, "%s:%d%s%s", config->file[origin->file], origin->line, gap, key);

@@ -19,8 +19,8 @@ bool ini_config_set(rig_config_t *config, const char *option, const char *assign
 /// The value in use, as a file would give it; a rated speed that was not given is that of a designed drive.
 void ini_config_value(const rig_config_t *config, int row, char *text, size_t size);
 
-/// Names the place that decided a key: "FILE:LINE", "from FILE", "command line", or
-/// "default or computed".
+/// Names the place that decided a key: "FILE:LINE", "from FILE", "command line", "measured",
+/// or "default or computed".
 void ini_config_where(const rig_config_t *config, int row, char *text, size_t size);
 
 /// First comment line of the file, without its mark: what a list says about it.

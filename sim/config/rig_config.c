@@ -207,15 +207,18 @@ static bool check_six(const rig_config_t *config) {
     return true;
 }
 
-bool rig_config_complete(rig_config_t *config, rig_need_t need) {
+bool rig_config_given(const rig_config_t *config, rig_need_t need) {
     static const char *const motor[] = {"pole_pairs", "Rs_Ohm", "Ld_H", "Lq_H",
                                         "psi_Wb",     "J_kgm2", NULL};
     static const char *const drive[] = {"f_pwm_Hz", "v_bus_V", "i_max_A", NULL};
     static const char *const board[] = {"i_range_A", "v_range_V", NULL};
-    bool good = conversions_apply(config) && all_given(config, "motor", motor);
+    bool good = all_given(config, "motor", motor);
     good = (need == RIG_NEED_MOTOR || all_given(config, "drive", drive)) && good;
-    good = (need != RIG_NEED_BOARD || all_given(config, "drive", board)) && good;
-    if (!good) {
+    return (need != RIG_NEED_BOARD || all_given(config, "drive", board)) && good;
+}
+
+bool rig_config_complete(rig_config_t *config, rig_need_t need) {
+    if (!conversions_apply(config) || !rig_config_given(config, need)) {
         return false;
     }
     if (need == RIG_NEED_MOTOR) {

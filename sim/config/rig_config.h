@@ -180,7 +180,8 @@ typedef struct {
     int line;            ///< 0: command line
     const char *instead; ///< key of the section that was given in place of this one; NULL: itself
     const char
-        *assumed; ///< in words, where nobody gave a value that cannot be computed; NULL: not so
+        *assumed;  ///< in words, where nobody gave a value that cannot be computed; NULL: not so
+    bool measured; ///< by the drive itself, in place of all of these
 } rig_origin_t;
 
 typedef struct {
@@ -219,6 +220,9 @@ typedef enum {
     RIG_NEED_DRIVE, ///< f_pwm, bus voltage and current as well
     RIG_NEED_BOARD  ///< and the ranges of the converters: what goes into firmware is not assumed
 } rig_need_t;
+
+/// True where that much is given; false after a message for each key that is missing.
+bool rig_config_given(const rig_config_t *config, rig_need_t need);
 
 /// Turns what is written for people into the drive's units and fills the board's gains. False after
 /// a message: something needed is missing, or given twice in two units.

@@ -1,6 +1,7 @@
 #include "config/schema.h"
 
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,6 +43,9 @@ void rig_schema_expected(rig_schema_t schema, const char *section, char *text, s
     }
     append(text, size, "phase.NAME");
 }
+
+// Digits that any decimal fraction keeps through a float, and that any double needs.
+enum { DIGITS_LEAST = FLT_DIG, DIGITS_MOST = DBL_DIG + 2 };
 
 #define GUESS_LENGTH 64
 #define LIKENESS 0.6 // of two names, 0 .. 1, from which on one may be meant by the other
@@ -254,6 +258,24 @@ static void print_choice(const rig_key_t *key, const void *object, char *text, s
     }
     if (index >= 0 && at != NULL) {
         (void)snprintf(text, size, "%.*s", (int)strcspn(at, "|"), at);
+    }
+}
+
+void rig_key_print_exactly(const rig_key_t *key, const void *object, char *text, size_t size) {
+    const bool word = key->kind == RIG_KEY_FLOAT || key->kind == RIG_KEY_FLOAT_OR_NONE;
+    const bool single = word || key->kind == RIG_KEY_GIVEN;
+    double number = NAN;
+    if (!rig_key_number(key, object, &number)) {
+        rig_key_print(key, object, text, size);
+    } else if (word && number == 0.0) {
+        (void)snprintf(text, size, "auto"); // 0 of FLOAT_OR_NONE would be read as none
+    } else {
+        bool same = false;
+        for (int digits = DIGITS_LEAST; !same && digits <= DIGITS_MOST; ++digits) {
+            (void)snprintf(text, size, "%.*g", digits, number);
+            const double read = strtod(text, NULL);
+            same = single ? (float)read == (float)number : read == number;
+        }
     }
 }
 

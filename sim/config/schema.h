@@ -55,6 +55,9 @@ bool rig_key_assign(const rig_key_t *key, void *object, const char *value, char 
 /// The value as a file would give it. Empty for an unset one.
 void rig_key_print(const rig_key_t *key, const void *object, char *text, size_t size);
 
+/// The same with as many digits as rig_key_assign() needs to come back to the very same value.
+void rig_key_print_exactly(const rig_key_t *key, const void *object, char *text, size_t size);
+
 /// As a number, for files that machines read; false where it is a word or unset.
 bool rig_key_number(const rig_key_t *key, const void *object, double *value);
 

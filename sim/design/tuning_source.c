@@ -117,7 +117,7 @@ static void print_members(FILE *file, const lode_drive_tuning_t *tuning) {
 
 void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t *tuning,
                          const rig_config_t *config, const char *from) {
-    (void)fputs("// Written by `lodestar design --c` from ", file);
+    (void)fputs("// Written by ", file);
     for (const char *at = from; *at != '\0'; ++at) {
         (void)fputc((unsigned char)*at < ' ' ? ' ' : *at,
                     file); // a line break would end the comment

@@ -14,7 +14,8 @@
 /// no name in C, or longer than `size`.
 bool tuning_source_name(char *name, size_t size, const char *path);
 
-/// `from`: where the values come from; they and what of `config` is assumed stand in a comment.
+/// `from`: by which command and from what it was written; that and what of `config` is assumed stand in a
+/// comment.
 void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t *tuning,
                          const rig_config_t *config, const char *from);
 

@@ -6,18 +6,13 @@
 #include "config/assumptions.h"
 #include "config/config_json.h"
 #include "config/ini_config.h"
+#include "config/ini_write.h"
 #include "config/schema.h"
 #include "report/report_guide.h"
 #include "report/report_injection.h"
 #include "support/units.h"
 
 // ---- Text ---------------------------------------------------------------------------------------
-
-/// What only a drive with six phases reads.
-static bool is_of_six(const rig_key_t *key) {
-    return strcmp(key->section, "xy") == 0 || strcmp(key->key, "Lxy_H") == 0 ||
-           strcmp(key->key, "winding") == 0 || strcmp(key->key, "open_phase") == 0;
-}
 
 static void print_values(FILE *file, const rig_config_t *config) {
     const rig_schema_t schema = rig_schema();
@@ -27,9 +22,7 @@ static void print_values(FILE *file, const rig_config_t *config) {
         char value[RIG_PATH_LENGTH];
         char where[RIG_PATH_LENGTH + 16];
         rig_key_print(key, config, value, sizeof value);
-        if (value[0] == '\0' || (is_of_six(key) && !rig_config_is_six(config)) ||
-            strcmp(key->section, "plant") == 0 || strcmp(key->section, "scenario") == 0 ||
-            strcmp(key->key, "source") == 0) {
+        if (value[0] == '\0' || !ini_write_is_of_drive(config, key)) {
             continue;
         }
         if (strcmp(section, key->section) != 0) {

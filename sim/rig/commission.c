@@ -1,8 +1,10 @@
 #include "rig/commission.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "config/refusal.h"
+#include "config/schema.h"
 #include "rig/rig.h"
 
 /// Longer than all of its own time-outs together.
@@ -61,4 +63,25 @@ bool commission_run_on(commission_run_t *self, const rig_config_t *config,
         result = lode_commission_work(&self->commission);
     }
     return true;
+}
+
+void commission_found(rig_config_t *found, const commission_run_t *self,
+                      const rig_config_t *config) {
+    static const struct {
+        const char *section, *key;
+    } measured[] = {
+        {"motor", "Rs_Ohm"}, {"motor", "Ld_H"},  {"motor", "Lq_H"},        {"motor", "psi_Wb"},
+        {"motor", "J_kgm2"}, {"motor", "B_Nms"}, {"drive", "dead_time_s"},
+    };
+    const lode_commission_value_t *friction = &self->commission.found[LODE_COMMISSION_B_Nms];
+    *found = *config;
+    found->drive = *lode_commission_config(&self->commission);
+    found->given = found->drive;
+    for (size_t k = 0; k < sizeof measured / sizeof measured[0]; ++k) {
+        if (strcmp(measured[k].key, "B_Nms") == 0 && friction->confidence < LODE_COMMISSION_SURE) {
+            continue; // it stays as it was known
+        }
+        const int row = rig_schema_find(rig_schema(), measured[k].section, measured[k].key);
+        found->origin[row] = (rig_origin_t){.file = -1, .line = -1, .measured = true};
+    }
 }

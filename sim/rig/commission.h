@@ -16,7 +16,11 @@ typedef struct {
 /// False after a message: refused input. Whatever the commissioning came to is its own result.
 bool commission_run(commission_run_t *self, const rig_config_t *config);
 
-/// The same on a plant of which the configuration does not tell.
+/// `config` with what was found in the place of what was known. Only after LODE_COMMISSION_DONE.
+void commission_found(rig_config_t *found, const commission_run_t *self,
+                      const rig_config_t *config);
+
+/// The same as commission_run() on a plant of which the configuration does not tell.
 bool commission_run_on(commission_run_t *self, const rig_config_t *config,
                        const plant_config_t *truth);
 

@@ -75,7 +75,8 @@ static const option_t table[] = {
     {"jobs", required_argument, 'w', RUN | MONTE_CARLO | FAULTS | REPRODUCE, "N",
      "number of parallel processes; default: one per processor"},
     {"out", required_argument, 'o', FAULTS, "F.md", "a page with the tables"},
-    {"out", required_argument, 'o', COMMISSION, "F.ini", "a motor file of what was found"},
+    {"out", required_argument, 'o', COMMISSION, "F.ini",
+     "what was found, and the rest of motor and drive: for `design --motor F.ini`"},
     {"out", required_argument, 'o', REPLAY, "F.csv", "one row of estimates per recorded row"},
     {"csv", required_argument, 'c', MAIN_JOB | RUN, "F.csv", "signals over time"},
     {"ring", required_argument, 'R', RUN, "F.bin", "octets that the telemetry ring would send"},
@@ -98,6 +99,8 @@ static const option_t table[] = {
     {"c", required_argument, 'x', DESIGN, "F.c",
      "the tuning as a constant in C, named like the file, for the firmware's flash;\n"
      "                             needs a drive with i_range_A and v_range_V"},
+    {"c", required_argument, 'x', COMMISSION, "F.c",
+     "the tuning of what was found as a constant in C, as of `design --c`"},
     {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY | DECODE, "F.svg",
      "a picture (needs gnuplot); F.png, or F.html: a page with the table"},
     {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",

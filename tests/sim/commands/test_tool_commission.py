@@ -1,5 +1,6 @@
 """lodestar commission: every three-phase machine of the catalogue within its bars, files, and refusals."""
 import pathlib
+import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
@@ -19,7 +20,7 @@ def values(*files):
         for line in path.read_text().splitlines():
             key, equal, value = line.partition("=")
             if equal:
-                found[key.strip()] = value.strip()
+                found[key.strip()] = value.partition(";")[0].strip()
     return found
 
 
@@ -62,14 +63,26 @@ def files_and_refusals(checks, folder):
     found = folder.json("found.json")
     written = values(pathlib.Path(folder.path, "found.ini"))
     checks.at_most(abs(float(written["psi_Wb"]) - found["psi_Wb"]["value"]), 1e-6, "motor file")
-    again = folder.run("run", "--motor", "found.ini", "--drive", DATA / "drives" / "jiang2022.ini")
+    again = folder.run("run", "--motor", "found.ini")
     checks.equal(again.returncode, 0, "a run with the motor file: " + again.stderr)
     before = folder.names()
     held = folder.run("commission", "--set", "plant.load_kind=passive", "--set", "plant.stiction_Nm=1000",
-                      "--out", "none.ini")
+                      "--out", "none.ini", "--c", "none.c", "--json", "none.json")
     checks.equal(held.returncode, 1, "a shaft that is held")
     checks.true("while looking for psi_Wb" in held.stdout, held.stdout[-300:])
     checks.equal(folder.names(), before, "nothing is written of what is not whole")
+    held = folder.run("commission", "--set", "plant.J_factor=10", "--c", "none.c")
+    checks.equal(held.returncode, 1, "ten times the inertia")
+    checks.equal(folder.names(), before, "nor of the tuning alone")
+    bare = folder.write("bare.ini", (DATA / "motors" / "jiang2022.ini").read_text())
+    for arguments, pattern in [
+        (["--motor", bare, "--c", "x.c"], r"\[drive\] i_range_A: missing"),  # not assumed for firmware
+        (["--c", "2.c"], r"--c 2.c: expected a file whose name"),
+        (["--motor", bare, "--drive", "jiang2022", "--out", bare], r"it is read here"),
+        (["--motor", bare, "--drive", "jiang2022", "--c", bare], r"it is read here"),
+        (["--out", "same.c", "--c", "same.c"], r"two outputs of that name"),
+    ]:
+        refused(checks, folder, ["commission", *arguments], pattern)
     refused(checks, folder, ["commission", "main", "--motor", "jiang2022"],
             r"commission: expected a scenario or --motor, not both")
     refused(checks, folder, ["commission", "--drive", "jiang2022"],
@@ -77,11 +90,54 @@ def files_and_refusals(checks, folder):
     refused(checks, folder, ["commission", "--motor", "none.ini"], r"none.ini: No such file")
 
 
+def tuning_of(folder, name):
+    """The C file `name`.c without its constant's name and without who wrote it."""
+    text = (folder.path / f"{name}.c").read_text()
+    return re.sub(rf"\b{name}( =|;|\))", r"NAME\1", text.partition("\n")[2])
+
+
+def round_trip(checks, folder):
+    """What is commissioned and what its file gives are one tuning, to the bit."""
+    awkward = ["--set", "estimator.emf=fa-leso", "--set", "estimator.pll=enhanced",
+               "--set", "speed.kp_A_s_rad=0.01", "--set", "speed.ki_A_rad=0.1",
+               "--set", "speed.ramp_rpm_s=31234.5", "--set", "references.id_bias_A=none",
+               "--set", "references.trim_rad_s=auto", "--set", "drive.i_range_A=31.123456789012"]
+    sheet = folder.write("sheet.ini", "[motor]\npoles = 6\nRs_mOhm = 750\nLd_mH = 3.5\nLq_mH = 9.8\n"
+                         "psi_mWb = 142\nJ_kgcm2 = 174\nspeed_rated_rpm = 1501.23456789\n")
+    cases = [[], ["--motor", "drone_900KV", "--drive", "drone_900KV", *awkward],
+             ["--motor", sheet, "--drive", "jiang2022", "--set", "plant.Rs_Ohm=0.8",
+              "--set", "plant.dead_time_s=3.3e-6"]]
+    for case in cases:
+        name = " ".join(map(str, case))
+        done = folder.run("commission", *case, "--out", "c.ini", "--c", "a.c")
+        if not checks.equal(done.returncode, 0, f"commission {name}: {done.stdout[-200:]}{done.stderr}"):
+            continue
+        again = folder.run("design", "--motor", "c.ini", "--c", "b.c")
+        checks.equal(again.returncode, 0, f"design of {name}: {again.stderr}")
+        checks.true("const lode_drive_tuning_t NAME = {" in tuning_of(folder, "a"), "a constant")
+        checks.equal(tuning_of(folder, "b"), tuning_of(folder, "a"), f"tuning of {name}")
+    # Of the last one: not what was known before.
+    text = (folder.path / "c.ini").read_text()
+    written = values(folder.path / "c.ini")
+    checks.at_most(abs(float(written["dead_time_s"]) / 3.3e-6 - 1.0), 0.05, "dead time")
+    checks.equal(float(written["speed_rated_rpm"]), 1501.23456789, "rated speed")
+    checks.true("; measured" in text and "mOhm" not in text, text)
+    # What is assumed stays so: the ranges of the converters do not get into firmware this way.
+    done = folder.run("commission", "--motor", sheet, "--out", "assumed.ini")
+    checks.equal(done.returncode, 0, "a drive that is assumed: " + done.stdout[-200:] + done.stderr)
+    checks.true("\nf_pwm_Hz = 10000 ; assumed: " in (folder.path / "assumed.ini").read_text(), "marked")
+    checks.equal(folder.run("design", "--motor", "assumed.ini").returncode, 0, "which is a drive")
+    refused(checks, folder, ["design", "--motor", "assumed.ini", "--c", "x.c"],
+            r"^assumed.ini: \[drive\] i_range_A: missing")
+
+
 def main():
     checks = Checks()
     with Folder() as folder:
         catalogue(checks, folder)
         files_and_refusals(checks, folder)
+    with Folder() as folder:
+        round_trip(checks, folder)
     checks.done()
 
 
