@@ -11,6 +11,7 @@
 #include "config/refusal.h"
 #include "report/report_faults.h"
 #include "support/atomic_file.h"
+#include "support/name_list.h"
 #include "support/outputs.h"
 #include "support/progress.h"
 #include "support/shown.h"
@@ -41,15 +42,12 @@ typedef char result_fits[sizeof(fault_result_t) <= WORKERS_RESULT_MAX ? 1 : -1];
 
 // ---- Input --------------------------------------------------------------------------------------
 
-/// The next of a list "a,b,c", or false at its end.
-static bool next_name(const char **list, char *name, size_t size) {
-    const size_t length = strcspn(*list, ",");
-    if (**list == '\0') {
-        return false;
+static bool check_list(const char *option, const char *list) {
+    const bool good = list == NULL || name_list_is_whole(list);
+    if (!good) {
+        rig_error("%s: expected names with commas between them", option);
     }
-    (void)snprintf(name, size, "%.*s", (int)length, *list);
-    *list += length + ((*list)[length] == ',' ? 1u : 0u);
-    return true;
+    return good;
 }
 
 static bool take_kind(faults_t *self, const char *name) {
@@ -80,7 +78,7 @@ static bool take_kinds(faults_t *self) {
     for (int k = 0; list == NULL && k < inject_kind_count; ++k) {
         self->kind[self->kinds++] = &inject_kinds[k];
     }
-    while (good && list != NULL && next_name(&list, name, sizeof name)) {
+    while (good && list != NULL && name_list_next(&list, name, sizeof name)) {
         good = take_kind(self, name);
     }
     return good;
@@ -134,7 +132,7 @@ static bool take_motors(faults_t *self) {
     const char *list = self->options->motors != NULL ? self->options->motors : ALL_MOTORS;
     char name[RIG_NAME_LENGTH];
     bool good = true;
-    while (good && next_name(&list, name, sizeof name)) {
+    while (good && name_list_next(&list, name, sizeof name)) {
         good = take_motor(self, name);
     }
     return good;
@@ -219,8 +217,10 @@ static int write_all(const faults_t *self, FILE *page, FILE *json) {
 static rig_exit_t run(faults_t *self) {
     FILE *page = NULL;
     FILE *json = NULL;
-    if (!take_kinds(self) || !take_motors(self) || !outputs_open(&json, self->options->json) ||
-        !outputs_open(&page, self->options->out) || !run_all(self)) {
+    if (!check_list("--kinds", self->options->kinds) ||
+        !check_list("--motors", self->options->motors) || !take_kinds(self) || !take_motors(self) ||
+        !outputs_open(&json, self->options->json) || !outputs_open(&page, self->options->out) ||
+        !run_all(self)) {
         return RIG_BAD_INPUT;
     }
     const int silent = write_all(self, page, json);

@@ -6,6 +6,7 @@
 #include "config/data_files.h"
 #include "montecarlo/results.h"
 #include "support/atomic_file.h"
+#include "support/name_list.h"
 #include "support/outputs.h"
 #include "support/progress.h"
 #include "support/workers.h"
@@ -36,24 +37,30 @@ static bool add_motor(void *user, const char *name) {
 }
 
 static bool add_listed(mc_campaign_t *campaign, const char *list) {
-    bool good = true;
-    while (good && *list != '\0') {
-        char name[RIG_NAME_LENGTH + 1];
-        const size_t length = strcspn(list, ",");
-        (void)snprintf(name, sizeof name, "%.*s", (int)length, list);
-        good = length > 0u && add_motor(campaign, name);
-        list += length + (list[length] == ',' ? 1u : 0u);
+    char name[RIG_NAME_LENGTH + 1];
+    bool good = name_list_is_whole(list);
+    while (good && name_list_next(&list, name, sizeof name)) {
+        good = add_motor(campaign, name);
     }
     for (int k = 1; good && k < campaign->motors; ++k) {
         for (int n = 0; good && n < k; ++n) {
             good = strcmp(campaign->motor[n], campaign->motor[k]) != 0;
         }
     }
-    if (!good || campaign->motors == 0) {
+    if (!good) {
         rig_error("--motors: expected names with commas between them, each of them once");
         return false;
     }
     return true;
+}
+
+static bool check_seeds(const mc_campaign_t *campaign) {
+    const bool good = campaign->seed + (campaign->cases - 1u) <= OPTIONS_SEED_MAX;
+    if (!good) {
+        rig_error("--seed %llu, --n %llu: expected a last seed, seed + n - 1, of at most 2^53",
+                  (unsigned long long)campaign->seed, (unsigned long long)campaign->cases);
+    }
+    return good;
 }
 
 static bool describe(mc_campaign_t *campaign, const options_t *options) {
@@ -76,8 +83,9 @@ static bool describe(mc_campaign_t *campaign, const options_t *options) {
         (void)snprintf(campaign->sets + used, sizeof campaign->sets - used, " --set '%s'",
                        options->set[k]);
     }
-    return options->motors != NULL ? add_listed(campaign, options->motors)
-                                   : data_files_pairs(add_motor, campaign);
+    return check_seeds(campaign) &&
+           (options->motors != NULL ? add_listed(campaign, options->motors)
+                                    : data_files_pairs(add_motor, campaign));
 }
 
 /// Motors that are not named, and that commissioning does not know, are left out.

@@ -22,8 +22,17 @@ cJSON *config_json_item(cJSON *array) {
     return item;
 }
 
+/// Whole numbers that cJSON, with its 15 digits, would round: seeds, up to 2^53.
+static bool is_long(double value) {
+    return value >= 1.0e15 && value <= 9007199254740992.0 && !(floor(value) < value);
+}
+
 void config_json_number(cJSON *object, const char *name, double value) {
-    if (isfinite(value)) {
+    if (is_long(value)) {
+        char digits[32];
+        (void)snprintf(digits, sizeof digits, "%.0f", value);
+        (void)cJSON_AddRawToObject(object, name, digits);
+    } else if (isfinite(value)) {
         (void)cJSON_AddNumberToObject(object, name, value);
     } else {
         (void)cJSON_AddNullToObject(object, name);
@@ -41,7 +50,8 @@ static void add_key(cJSON *section, const rig_config_t *config, const rig_key_t 
     double number = 0.0;
     char text[RIG_PATH_LENGTH];
     if (rig_key_number(key, config, &number)) {
-        config_json_number(section, key->key, plain(number));
+        const bool whole = key->kind == RIG_KEY_DOUBLE && !(floor(number) < number);
+        config_json_number(section, key->key, whole ? number : plain(number));
         return;
     }
     rig_key_print(key, config, text, sizeof text);

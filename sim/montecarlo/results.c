@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "config/config_json.h"
 #include "support/diag.h"
 #include "support/inputs.h"
 
@@ -23,6 +24,7 @@ enum { CAUSES_MAX = 64 };
 
 static const char *const tests[] = {"start", "run", "fly", "quiet"};
 static const char *const kinds[] = {"narrow", "wide", "start", "commissioned"};
+enum { TESTS = sizeof tests / sizeof tests[0], KINDS = sizeof kinds / sizeof kinds[0] };
 
 const char *mc_test_name(mc_test_t test) {
     return tests[test];
@@ -268,8 +270,7 @@ static void write_row(FILE *file, const mc_results_t *self, uint64_t number) {
     cJSON *object = cJSON_CreateObject();
     (void)snprintf(error, sizeof error, "%.2f", (double)row->max_error_deg);
     (void)cJSON_AddStringToObject(object, "motor", campaign->motor[number / campaign->cases]);
-    (void)cJSON_AddNumberToObject(object, "seed",
-                                  (double)(campaign->seed + number % campaign->cases));
+    config_json_number(object, "seed", (double)(campaign->seed + number % campaign->cases));
     (void)cJSON_AddStringToObject(object, "result", row->passed != 0u ? "pass" : "fail");
     (void)cJSON_AddStringToObject(object, "cause", row->cause);
     (void)cJSON_AddRawToObject(object, "max_error_deg", isnan(row->max_error_deg) ? "null" : error);
@@ -379,8 +380,8 @@ static bool has_name(const cJSON *names, const char *name) {
 }
 
 static bool read_campaign(mc_campaign_t *campaign, const cJSON *root) {
-    const int test = index_of(text_of(root, "test"), tests, 3);
-    const int errors = index_of(text_of(root, "errors"), kinds, 4);
+    const int test = index_of(text_of(root, "test"), tests, TESTS);
+    const int errors = index_of(text_of(root, "errors"), kinds, KINDS);
     const int64_t cases = whole_of(root, "n", CASES_MAX);
     const int64_t seed = whole_of(root, "seed", WHOLE_MAX);
     const cJSON *motors = cJSON_GetObjectItemCaseSensitive(root, "motors");

@@ -21,6 +21,9 @@ typedef enum {
     COMMAND_VERSION
 } options_command_t;
 
+/// Seeds pass through a double, which holds them up to here.
+#define OPTIONS_SEED_MAX (UINT64_C(1) << 53)
+
 enum { OPTIONS_SETS_MAX = 64, OPTIONS_COLUMNS_MAX = 32, OPTIONS_FILES_MAX = 1024 };
 
 /// Strings are those of argv; NULL: not given.

@@ -63,6 +63,9 @@ def refuses(checks, folder):
     for arguments, says in [(["--kinds", "none,nonsense"], "--kinds nonsense: expected one of none, adc-frozen"),
                             (["--kinds", ",".join(["none"] * 65)], "expected at most 64 kinds"),
                             (["--motors", "nobody"], "nobody"),
+                            *(([option, names], f"{option}: expected names with commas between them")
+                              for option, name in (("--motors", "jiang2022"), ("--kinds", "none"))
+                              for names in ("", ",", f"{name},", f",{name}", f"{name},,{name}")),
                             (["--jobs", "0"], "--jobs 0: expected"),
                             (["more"], "more: expected nothing there")]:
         refused(checks, folder, ["faults", *arguments, "--json", "no.json"], says)

@@ -55,6 +55,13 @@ def seeds(checks, folder):
     checks.true(signals("--seed", 5) == signals("--seed", 5), "equal seeds, equal signals")
     checks.true(signals("--seed", 5) != signals("--seed", 7), "other seed, other signals")
     checks.true(signals("--seed", 5) == signals("--set", "scenario.seed=5"), "--seed is its key")
+    # 2^53 - 1: as many digits as a seed can have.
+    most = 2**53 - 1
+    folder.run("run", "main", "--seed", most, "--json", "s.json")
+    checks.equal(folder.json("s.json")["config"]["scenario"]["seed"], most, "the seed in JSON")
+    folder.run("run", "start", "--seeds", f"{most - 1}-{most}", "--json", "s.json")
+    checks.equal([case["seed"] for case in folder.json("s.json")["seeds"]], [most - 1, most], "seeds of a campaign")
+    checks.true(f'"seed":\t{most},' in (folder.path / "s.json").read_text(), "as whole numbers")
 
 
 def scenarios(checks, folder):

@@ -78,6 +78,19 @@ def shards(checks, folder):
     checks.equal((folder.path / names[0]).read_text(), before, "an input is no output")
 
 
+def seeds(checks, folder):
+    """The largest seeds keep all their digits in the file, and merge knows them again."""
+    most = 2**53
+    done, text = run(folder, "start", "--motors", "jiang2022", "--n", 2, "--seed", most - 1)
+    checks.equal(sorted(rows_of(text)), [("jiang2022", most - 1), ("jiang2022", most)], "seeds in the file")
+    again = folder.run("monte-carlo", "merge", "m.json", "--json", "again.json")
+    checks.equal(again.returncode, done.returncode, f"merged: {again.stderr}")
+    checks.equal((folder.path / "again.json").read_text(), text, "the file, merged")
+    for arguments, n in ((["--n", 3, "--seed", most - 1], 3), (["--seed", most], 200)):
+        refused(checks, folder, ["monte-carlo", "start", "--motors", "jiang2022", *arguments],
+                rf"--seed {arguments[-1]}, --n {n}: expected a last seed, seed \+ n - 1, of at most 2\^53")
+
+
 def bars(checks, folder):
     """Both verdicts, by a drive that cannot start and one that can."""
     good = folder.run("monte-carlo", "start", "--motors", "jiang2022", "--n", 2, "--errors", "narrow", "--seed", 1)
@@ -139,6 +152,9 @@ def quiet(checks, folder):
     periods = sum(row["periods"] for row in rows_of(text).values())
     checks.true(periods >= (1e8 if FULL else 1e7), f"{periods} periods in RUN")
     checks.true(f"{periods:.3g} periods in RUN, 0 false trips" in done.stdout, f"{periods} periods in {done.stdout}")
+    again = folder.run("monte-carlo", "merge", "m.json", "--json", "again.json")
+    checks.true(done.stdout.replace("m.json", "again.json").endswith(again.stdout), f"merged: {again.stdout}{again.stderr}")
+    checks.equal((folder.path / "again.json").read_text(), text, "the file, merged")
     # 90 % of rated speed is 424.12 rad/s; a lower limit would refuse the command.
     low = folder.run("monte-carlo", "quiet", "--motors", "jiang2022", "--n", 1, "--set", "guard.omega_max_rad_s=424.13")
     checks.equal(low.returncode, 1, "a trip at a speed that is asked for")
@@ -156,12 +172,21 @@ def refusals(checks, folder):
                                 (["monte-carlo", "start", "--shard", "9/9", "--motors", "jiang2022", "--n", "8"],
                                  "expected at most 8 shards"),
                                 (["monte-carlo", "start", "--motors", "jiang2022,jiang2022"], "each of them once"),
-                                (["monte-carlo", "start", "--motors", ","], "names with commas"),
+                                *((["monte-carlo", "start", "--motors", names], "--motors: expected names with commas")
+                                  for names in ("", ",", "jiang2022,", ",jiang2022", "jiang2022,,fan_325V")),
                                 (["monte-carlo", "start", "--motors", "nobody"], "nobody"),
                                 (["monte-carlo", "start", "--set", "drive.volts=1"], "volts"),
                                 (["monte-carlo", "merge", "a.json", "--n", "3"], "expected no option but --json"),
                                 (["monte-carlo", "merge", "nowhere.json"], "nowhere.json")):
         refused(checks, folder, arguments, expected)
+
+
+def rules(checks, folder):
+    """What the exit code asks for is in the help."""
+    said = " ".join(folder.run("monte-carlo", "--help").stdout.split())
+    for words in ("of each motor 97 % passed, of all together 99 %, or 99.9 % with commissioned errors",
+                  "With wide errors instead 95 % of all, and every failure a fault.", "quiet: no false trip, and nothing else."):
+        checks.true(words in said, f"'{words}' in {said}")
 
 
 def main():
@@ -170,12 +195,14 @@ def main():
         cases(checks, folder)
         commissioned(checks, folder)
         shards(checks, folder)
+        seeds(checks, folder)
         bars(checks, folder)
         named(checks, folder)
         told(checks, folder)
         fly(checks, folder)
         quiet(checks, folder)
         refusals(checks, folder)
+        rules(checks, folder)
     checks.done()
 
 
