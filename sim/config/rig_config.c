@@ -413,11 +413,30 @@ static bool find_map(const rig_config_t *config, const plant_map_t **map) {
     return *map != NULL;
 }
 
+/// What a shaft between two masses has is of no use to one that is not there.
+static bool check_masses(const rig_config_t *config) {
+    static const char *const shaft[] = {"backlash_deg", "shaft_Nm_rad", "shaft_Nms_rad"};
+    enum { SHAFT_KEYS = sizeof shaft / sizeof shaft[0] };
+    const rig_plant_t *truth = &config->plant;
+    const double value[] = {truth->backlash_deg, truth->shaft_Nm_rad, truth->shaft_Nms_rad};
+    for (int k = 0; isnan(truth->load_J_kgm2) && k < SHAFT_KEYS; ++k) {
+        if (value[k] > 0.0) {
+            const rig_origin_t *origin =
+                &config->origin[rig_schema_find(rig_schema(), "plant", shaft[k])];
+            rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set", origin->line,
+                         "[plant] %s = %g: is between two masses; expected load_J_kgm2%s as well",
+                         shaft[k], value[k], isnan(truth->shaft_Nm_rad) ? " and shaft_Nm_rad" : "");
+            return false;
+        }
+    }
+    return true;
+}
+
 bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double *extra_load_Nm) {
     uint64_t state = (uint64_t)config->scenario.seed;
     memset(plant, 0, sizeof *plant);
     plant->seed = state;
-    if (!find_map(config, &plant->map)) {
+    if (!check_masses(config) || !find_map(config, &plant->map)) {
         return false;
     }
     describe_motor(config, plant, &state);

@@ -167,6 +167,15 @@ def loads(checks, folder):
     ripple = [phase("300", "plant.load_ripple=0.6", f"plant.J_factor={factor}")["speed_rpm"]["pp"] for factor in (1, 4)]
     checks.true(ripple[0] > 3 * ripple[1] > 30, f"ripple of the load, of the speed with J and 4 J: {ripple}")
     refused(checks, folder, ["run", "steady_ideal", "--set", "plant.load_J_kgm2=0.01"], "shaft_Nm_rad")
+    # What belongs to a shaft between two masses, without the second one.
+    for key, missing in (("backlash_deg", "load_J_kgm2 and shaft_Nm_rad"), ("shaft_Nm_rad", "load_J_kgm2"),
+                         ("shaft_Nms_rad", "load_J_kgm2 and shaft_Nm_rad")):
+        refused(checks, folder, ["run", "main", "--set", f"plant.{key}=5"],
+                rf"--set: \[plant\] {key} = 5: is between two masses; expected {missing} as well")
+    for sets in (["backlash_deg=0"], ["backlash_deg=5", "shaft_Nm_rad=100", "load_J_kgm2=0"],
+                 ["backlash_deg=0.1", "shaft_Nm_rad=1000", "shaft_Nms_rad=1", "load_J_kgm2=0.005"]):
+        done = folder.run("run", "steady_ideal", *[x for s in sets for x in ("--set", f"plant.{s}")])
+        checks.true(done.returncode != 2, f"{sets}: {done.stderr}")
 
 
 def truth_as_source(checks, folder):
