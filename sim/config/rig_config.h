@@ -145,6 +145,7 @@ typedef struct {
     double duration_s;
     int mode;          ///< index into the list of mode names, -1: as before
     double speed_rpm;  ///< commanded
+    double asked_rpm;  ///< no key: what speed_rpm was lowered from; 0: it was not
     int control;       ///< lode_control_t, -1: as before
     double torque_Nm;  ///< commanded, torque control
     double ramp_rpm_s; ///< slope at which the command itself moves there; unset: at once

@@ -4,7 +4,11 @@
 
 #include "config/rig_config.h"
 
-/// Fills the phases of a designed configuration from its own speeds, torque and ramp.
+/// Of the estimator's limit, at most: room for an overshoot and for a load that lets go.
+#define TRIAL_ESTIMATOR_SHARE 0.95
+
+/// Fills the phases of a designed configuration from its own speeds, torque and ramp. A full speed that
+/// the estimator could not follow is lowered, and its phase says from where.
 void trial_scenario(rig_config_t *config);
 
 #endif

@@ -7,6 +7,7 @@
 
 #include "config/refusal.h"
 #include "config/speed_limits.h"
+#include "config/trial_scenario.h"
 #include "rig/capture.h"
 #include "rig/euler_estimate.h"
 #include "support/diag.h"
@@ -538,7 +539,7 @@ static const char *why_not(const run_t *run, double omega_rad_s) {
 
 /// A commanded speed that the drive changed, or did not come to. Nothing is expected of a shaft that a
 /// dynamometer holds, of a stop, with torque control, or after a fault.
-static void check_speed(const run_t *run, runner_phase_t *out) {
+static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase_t *out) {
     const double goal_rpm = run->speed_goal_rpm;
     const double np = (double)run->config->drive.motor.pole_pairs;
     const double omega = fabs(rig_rad_s_from_rpm(goal_rpm)) * np;
@@ -546,6 +547,11 @@ static void check_speed(const run_t *run, runner_phase_t *out) {
                        run->command.control == LODE_CONTROL_SPEED && omega > 0.0;
     if (run->held || run->faulted || !asked) {
         return;
+    }
+    const double most_rpm = rig_rpm_from_rad_s(run->limits.estimator_rad_s) / np;
+    if (phase->asked_rpm > 0.0) {
+        warn(out, "%.4g rpm is above %g of the estimator's limit of %.4g rpm, lowered to %.4g rpm",
+             phase->asked_rpm, TRIAL_ESTIMATOR_SHARE, most_rpm, phase->speed_rpm);
     }
     const double trip_rad_s = (double)run->config->drive.guard.omega_max_rad_s;
     if (omega > trip_rad_s) {
@@ -565,8 +571,7 @@ static void check_speed(const run_t *run, runner_phase_t *out) {
              why_not(run, omega));
     }
     if (omega > run->limits.estimator_rad_s) {
-        warn(out, "%g rpm is above the estimator's limit of %.4g rpm", goal_rpm,
-             rig_rpm_from_rad_s(run->limits.estimator_rad_s) / np);
+        warn(out, "%g rpm is above the estimator's limit of %.4g rpm", goal_rpm, most_rpm);
     }
 }
 
@@ -642,7 +647,7 @@ static bool run_phase(run_t *run, int index) {
                         : NAN;
     out->Lq_confidence = run->rig.learns ? (double)run->rig.learn.now.confidence : NAN;
     check_bars(run, phase, out);
-    check_speed(run, out);
+    check_speed(run, phase, out);
     run->result->phases = index + 1;
     return good;
 }

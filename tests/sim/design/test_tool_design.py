@@ -225,6 +225,41 @@ def first_turn(checks, folder):
     refused(checks, folder, ["run", "both.ini"], "A file with a motor alone goes behind --motor")
 
 
+# Its rated speed is more than the estimator can follow at 5 kHz, and within what the bus allows.
+FAST = """[motor]
+pole_pairs = 7
+Rs_Ohm = 0.1
+L_uH = 300
+KV_rpm_V = 300
+J_gcm2 = 500
+speed_rated_rpm = 6000
+[drive]
+f_pwm_Hz = 5000
+v_bus_V = 44
+i_max_A = 20
+"""
+
+
+def full_speed(checks, folder):
+    """Of a motor without a scenario: no more than the estimator can follow, and a warning where that is less."""
+    folder.write("fast.ini", FAST)
+    limit_rpm = 0.5 * 5000 / 7 * 30 / math.pi
+    slow_drone = ["drone_900KV", "--drive", "drone_900KV", "--set", "drive.f_pwm_Hz=6000"]
+    for motor, limit in ((["fast.ini"], limit_rpm), (slow_drone, 1.2 * limit_rpm)):
+        done = folder.run("run", "--motor", *motor, "--json", "t.json")
+        checks.equal(done.returncode, 0, f"{motor[0]}: {done.stdout}{done.stderr}")
+        phases = {p["name"]: p for p in folder.json("t.json")["phases"]}
+        for name in ("full_speed", "load", "no_load"):
+            rpm = phases[name]["speed_rpm"]["mean"]
+            checks.at_most(abs(rpm / (0.95 * limit) - 1), 0.005, f"{motor[0]}, {name}: {rpm} rpm of {limit:.0f}")
+        said = {name: p["warning"] for name, p in phases.items() if p["warning"]}
+        checks.equal(list(said), ["full_speed"], f"{motor[0]}: warnings {said}")
+        checks.true(f"rpm is above 0.95 of the estimator's limit of {limit:.0f} rpm, lowered to {0.95 * limit:.0f} rpm"
+                    in said.get("full_speed", ""), f"{motor[0]}: {said}")
+    folder.run("run", "--motor", "fast.ini", "--set", "drive.f_pwm_Hz=20000", "--json", "t.json")
+    checks.equal([p["warning"] for p in folder.json("t.json")["phases"]], [""] * 6, "a quicker drive follows")
+
+
 def injection(checks, folder):
     """Whether signal injection is possible, and what it would be, worked out here for paper 1's motor."""
     command = ["design", "--motor", "jiang2022", "--drive", "jiang2022", "--set", "hfi.noise_A=0.02",
@@ -283,6 +318,7 @@ def main():
         speeds(checks, folder)
         assumed(checks, folder)
         first_turn(checks, folder)
+        full_speed(checks, folder)
         injection(checks, folder)
     checks.done()
 
