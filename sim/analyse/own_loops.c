@@ -11,6 +11,10 @@
 enum { POINTS = 4000, OWN_SPEEDS = 3 };
 // Of the rated speed: the hand-over, where sigma is in full, and rated.
 static const double shares[OWN_SPEEDS] = {0.1, 0.2, 1.0};
+#define CURRENT_D "current, d axis"
+#define CURRENT_Q "current, q axis"
+#define PLL_WHOLE "PLL with observer"
+#define SPEED_ALONE "speed, PI alone"
 #define LOWEST_SHARE 1.0e-4 // of the sampling frequency, where a sweep begins
 
 typedef struct {
@@ -145,22 +149,30 @@ static void note_margins(analyse_loop_t *row, const double *Omega, const double 
     }
 }
 
-static void add_loop(analyse_t *self, const task_t *task, const char *figure, const char *name,
-                     int family, response_t response) {
+/// Crossover and margins of one loop.
+static analyse_loop_t measured(const task_t *task, const char *name, response_t response) {
     static double Omega[POINTS]; // large, and filled anew by every call
     static double complex value[POINTS];
+    analyse_loop_t row = {.speed_rpm = rig_rpm_from_rad_s(task->omega_rad_s) /
+                                       (double)task->drive->motor.pole_pairs,
+                          .crossover_rad_s = NAN,
+                          .phase_deg = NAN,
+                          .gain_dB = NAN};
+    (void)snprintf(row.name, sizeof row.name, "%s", name);
+    frequencies(task, response, POINTS, Omega);
+    response(task, POINTS, Omega, value);
+    note_margins(&row, Omega, value);
+    return row;
+}
+
+static void add_loop(analyse_t *self, const task_t *task, const char *figure, const char *name,
+                     int family, response_t response) {
     if (self->loops == ANALYSE_LOOPS_MAX) {
         return;
     }
-    analyse_loop_t *row = &self->loop[self->loops++];
-    const double rpm =
-        rig_rpm_from_rad_s(task->omega_rad_s) / (double)task->drive->motor.pole_pairs;
-    *row = (analyse_loop_t){
-        .speed_rpm = rpm, .crossover_rad_s = NAN, .phase_deg = NAN, .gain_dB = NAN};
-    (void)snprintf(row->name, sizeof row->name, "%s", name);
-    frequencies(task, response, POINTS, Omega);
-    response(task, POINTS, Omega, value);
-    note_margins(row, Omega, value);
+    const analyse_loop_t row = measured(task, name, response);
+    self->loop[self->loops++] = row;
+    const double rpm = row.speed_rpm;
     char label[ANALYSE_TEXT];
     if (isnan(rpm)) {
         (void)snprintf(label, sizeof label, "%s", name);
@@ -191,16 +203,28 @@ static void add_observer(analyse_t *self, const task_t *task, int family) {
 void own_loops(analyse_t *self, const lode_drive_config_t *drive,
                const lode_drive_tuning_t *tuning) {
     task_t task = {drive, tuning, 1.0 / (double)drive->f_pwm_Hz, NAN};
-    add_loop(self, &task, "own-current", "current, d axis", 0, current_d);
-    add_loop(self, &task, "own-current", "current, q axis", 1, current_q);
+    add_loop(self, &task, "own-current", CURRENT_D, 0, current_d);
+    add_loop(self, &task, "own-current", CURRENT_Q, 1, current_q);
     if (drive->hfi.mode == LODE_HFI_ON) {
         add_loop(self, &task, "own-injection", "PLL by injection", 0, injection);
     }
     for (int k = 0; k < OWN_SPEEDS; ++k) {
         task.omega_rad_s = shares[k] * (double)drive->motor.omega_rated_rad_s;
         add_observer(self, &task, k);
-        add_loop(self, &task, "own-pll", "PLL with observer", k, pll_whole);
+        add_loop(self, &task, "own-pll", PLL_WHOLE, k, pll_whole);
         add_loop(self, &task, "own-pll-alone", "PLL alone", k, pll_alone);
-        add_loop(self, &task, "own-speed", "speed, PI alone", k, speed);
+        add_loop(self, &task, "own-speed", SPEED_ALONE, k, speed);
     }
+}
+
+own_margins_t own_loops_at(const lode_drive_config_t *drive, const lode_drive_tuning_t *tuning,
+                           double omega_rad_s) {
+    const task_t task = {drive, tuning, 1.0 / (double)drive->f_pwm_Hz, omega_rad_s};
+    const analyse_loop_t d = measured(&task, CURRENT_D, current_d);
+    const analyse_loop_t q = measured(&task, CURRENT_Q, current_q);
+    return (own_margins_t){
+        .current = d.phase_deg < q.phase_deg ? d : q,
+        .pll = measured(&task, PLL_WHOLE, pll_whole),
+        .speed = measured(&task, SPEED_ALONE, speed),
+    };
 }

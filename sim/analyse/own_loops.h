@@ -12,4 +12,15 @@
 void own_loops(analyse_t *self, const lode_drive_config_t *drive,
                const lode_drive_tuning_t *tuning);
 
+/// The three loops of a drive at one speed.
+typedef struct {
+    analyse_loop_t current; ///< of the axis with less margin; the same at any speed
+    analyse_loop_t pll;     ///< with observer and notches
+    analyse_loop_t speed;
+} own_margins_t;
+
+/// At the electrical speed given, by the EMF.
+own_margins_t own_loops_at(const lode_drive_config_t *drive, const lode_drive_tuning_t *tuning,
+                           double omega_rad_s);
+
 #endif

@@ -27,28 +27,37 @@ static lode_dq_t most_current(const lode_references_tuning_t *tuning, double ome
     return out.i_A;
 }
 
+static double saturated_Lq_H(const lode_drive_config_t *config, lode_dq_t i) {
+    return (double)config->motor.Lq_H /
+           (1.0 + (double)config->references.Lq_fall * fabs((double)i.q));
+}
+
 /// Steady voltage at this speed and the currents of most torque.
 static double voltage_needed(const lode_drive_config_t *config,
                              const lode_references_tuning_t *tuning, double omega_rad_s) {
     const lode_motor_t *motor = &config->motor;
     const lode_dq_t i = most_current(tuning, omega_rad_s);
     const double R = (double)motor->Rs_Ohm + (double)config->inverter.r_on_Ohm;
-    const double Lq =
-        (double)motor->Lq_H / (1.0 + (double)config->references.Lq_fall * fabs((double)i.q));
+    const double Lq = saturated_Lq_H(config, i);
     const double ud = R * (double)i.d - omega_rad_s * Lq * (double)i.q;
     const double flux = (double)motor->psi_Wb + (double)motor->Ld_H * (double)i.d;
     return hypot(ud, R * (double)i.q + omega_rad_s * flux);
 }
 
+/// Of the references without weakening, and without a limit of the bus, which at the nominal one does not act.
+static bool tune_references(lode_references_tuning_t *tuning, const lode_drive_config_t *config) {
+    lode_references_config_t references = config->references;
+    references.field_weakening = LODE_OFF;
+    references.v_regen_V = 0.0f;
+    references.v_motor_V = 0.0f;
+    return lode_references_tune(tuning, &references, &config->inverter, &config->motor,
+                                config->current.voltage_use, 1.0f / config->f_pwm_Hz) == LODE_OK;
+}
+
 /// The first speed on the way up at which the voltage is used up.
 static double base_speed(const lode_drive_config_t *config, double end_rad_s) {
-    lode_references_config_t references = config->references;
     lode_references_tuning_t tuning;
-    references.field_weakening = LODE_OFF;
-    references.v_regen_V = 0.0f; // at the nominal bus no limit of the bus acts
-    references.v_motor_V = 0.0f;
-    if (lode_references_tune(&tuning, &references, &config->inverter, &config->motor,
-                             config->current.voltage_use, 1.0f / config->f_pwm_Hz) != LODE_OK) {
+    if (!tune_references(&tuning, config)) {
         return NAN;
     }
     const double radius = radius_V(config);
@@ -77,10 +86,31 @@ static double weakened_speed(const lode_drive_config_t *config) {
     return flux > 0.0 ? sqrt(fmax(used * used - R * id * R * id, 0.0)) / flux : HUGE_VAL;
 }
 
+double speed_limits_torque_Nm(const lode_drive_config_t *config, double omega_rad_s) {
+    lode_references_tuning_t tuning;
+    if (!tune_references(&tuning, config)) {
+        return NAN;
+    }
+    const lode_dq_t i = most_current(&tuning, omega_rad_s);
+    lode_motor_t motor = config->motor;
+    motor.Lq_H = (float)saturated_Lq_H(config, i);
+    return (double)lode_motor_torque_Nm(&motor, i);
+}
+
+/// Base speed of the current that is left for a steady load.
+static double rated_torque_speed(const lode_drive_config_t *config, double end_rad_s) {
+    lode_drive_config_t steady = *config;
+    steady.inverter.i_max_A /= (float)SPEED_LIMITS_CONTROL;
+    steady.references.id_max_A =
+        fminf(steady.references.id_max_A, steady.inverter.i_max_A); // or it would be refused
+    return base_speed(&steady, end_rad_s);
+}
+
 speed_limits_t speed_limits_of(const lode_drive_config_t *config) {
     const double no_load = radius_V(config) / (double)config->motor.psi_Wb;
     return (speed_limits_t){
         .base_rad_s = base_speed(config, 4.0 * no_load),
+        .rated_torque_rad_s = rated_torque_speed(config, 4.0 * no_load),
         .no_load_rad_s = no_load,
         .weakened_rad_s = weakened_speed(config),
         .estimator_rad_s = (double)config->estimator.omega_max_rad_s,

@@ -4,12 +4,16 @@
 
 #include "lodestar/drive.h"
 
+/// i_max over the current of rated torque: a third is left to control (control.md, K15).
+#define SPEED_LIMITS_CONTROL 1.5
+
 /// Electrical rad/s, at the nominal bus voltage.
 typedef struct {
     /// up to here the voltage suffices for i_max with the chosen references, before any weakening of the
     /// field; 0: not even at standstill
     double base_rad_s;
-    double no_load_rad_s; ///< here the EMF of the magnets takes all of the voltage
+    double rated_torque_rad_s; ///< the same for i_max/1.5
+    double no_load_rad_s;      ///< here the EMF of the magnets takes all of the voltage
     /// the same with as much negative id as the references may use; infinite: no speed does that;
     /// NaN: the field is not weakened
     double weakened_rad_s;
@@ -19,6 +23,9 @@ typedef struct {
 
 /// Of a configuration that is designed and that the library accepts.
 speed_limits_t speed_limits_of(const lode_drive_config_t *config);
+
+/// The largest torque at this electrical speed with the chosen references, whatever the voltage, Nm.
+double speed_limits_torque_Nm(const lode_drive_config_t *config, double omega_rad_s);
 
 /// The fastest that voltage and estimator both allow.
 double speed_limits_highest_rad_s(const speed_limits_t *limits);

@@ -8,6 +8,7 @@
 #include "design/guide.h"
 #include "design/injection.h"
 #include "design/limits.h"
+#include "design/verdict.h"
 
 enum { DESIGN_SPEEDS = 10 };
 
@@ -28,6 +29,7 @@ typedef struct {
     guide_t guide;
     limits_t limits;
     injection_t injection;
+    verdict_t verdict;
     double sigma_accepted_rad_s; ///< largest sigma that the library takes
     double rated_rpm, handover_rpm;
     speed_limits_t speeds;

@@ -10,6 +10,7 @@
 #include "config/schema.h"
 #include "report/report_guide.h"
 #include "report/report_injection.h"
+#include "report/report_verdict.h"
 #include "support/units.h"
 
 // ---- Text ---------------------------------------------------------------------------------------
@@ -176,6 +177,7 @@ void report_design_text(FILE *file, const rig_config_t *config, const design_t *
     print_lags(file, design);
     print_limits(file, config, design);
     report_injection_text(file, &config->drive, &design->injection);
+    report_verdict_text(file, &config->drive, design);
 }
 
 // ---- JSON ---------------------------------------------------------------------------------------
@@ -230,6 +232,7 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
     }
     report_guide_json(root, design);
     report_injection_json(root, &design->injection);
+    report_verdict_json(root, &config->drive, design);
     (void)cJSON_AddItemToObject(root, "assumed", config_json_assumed(config));
     (void)cJSON_AddItemToObject(root, "config", config_json(config));
     (void)config_json_write(file, root);

@@ -310,6 +310,102 @@ def injection(checks, folder):
     checks.true("possible: hfi.mode = on" in six, "six phases, too")
 
 
+def step_as_k18(config, speed_rpm, gain=1.0):
+    """(K18), worked out here: the load that leaves half of the hand-over speed."""
+    np, speed = config["motor"]["pole_pairs"], config["speed"]
+    fed = speed["load_feed_forward"]
+    fed = fed if isinstance(fed, float) and fed > 0 else 0.0
+    room = speed_rpm * RPM * np - 0.5 * config["start"]["omega_handover_rad_s"]
+    return room * gain * speed["kp_Nms"] / (1.2 * 2 / math.e * np * (1 - 0.5 * fed))
+
+
+def verdict_of(checks, folder, text, *sets):
+    return designed(checks, folder, text, *sets).get("verdict", {})
+
+
+def verdict_numbers(checks, folder):
+    """The verdict on paper 1's motor, worked out here."""
+    done = folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--json")
+    found = json.loads(done.stdout)
+    verdict, config = found["verdict"], found["config"]
+    checks.equal(set(verdict), {"lowest_rpm", "highest_rpm", "base_speed_rpm", "rated_torque_speed_rpm",
+                                "weakened_limit_rpm", "estimator_limit_rpm", "rated_torque_Nm",
+                                "step_at_handover", "step_at_base", "loops", "changes"}, "keys of the verdict")
+    checks.at_most(abs(verdict["lowest_rpm"] - 150), 0.1, "lowest speed")
+    checks.at_most(abs(verdict["highest_rpm"] - found["no_load_limit_rpm"]), 0.1, "highest speed")
+    checks.true(found["base_speed_rpm"] < verdict["rated_torque_speed_rpm"] < found["no_load_limit_rpm"],
+                "a smaller current is reached up to a higher speed")
+    rated = 1.5 * 3 * 0.142 * 12 / 1.5
+    checks.at_most(abs(verdict["rated_torque_Nm"] / rated - 1), 1e-5, "rated torque")
+    low, base = verdict["step_at_handover"], verdict["step_at_base"]
+    checks.at_most(abs(low["torque_Nm"] / step_as_k18(config, low["speed_rpm"]) - 1), 1e-4, "step at hand-over")
+    checks.at_most(abs(low["share"] - low["torque_Nm"] / rated), 1e-4, "its share of rated torque")
+    checks.at_most(abs(base["torque_Nm"] / (1.5 * rated / (1 + math.exp(-2))) - 1), 1e-3, "step at base speed")
+    checks.equal([low["bound_by"], base["bound_by"]], ["speed", "current"], "what bounds the steps")
+    loops = {(x["loop"], round(x["speed_rpm"])): x for x in verdict["loops"]}
+    checks.equal(set(loops), {(name, rpm) for name in ("current", "pll", "speed") for rpm in (150, 1500)}, "loops")
+    folder.run("analyse", "--motor", MOTOR, "--drive", DRIVE, "--json", "a.json")
+    own = {(x["loop"], round(x["speed_rpm"] or 0)): x for x in folder.json("a.json")["loops"]}
+    for rpm in (150, 1500):
+        for name, of in [("current", ("current, d axis", 0)), ("pll", ("PLL with observer", rpm)),
+                         ("speed", ("speed, PI alone", rpm))]:
+            pair = loops[name, rpm], own[of]
+            for ours, theirs in [("crossover_rad_s", "crossover_rad_s"), ("phase_margin_deg", "phase_margin_deg")]:
+                checks.at_most(abs(pair[0][ours] / pair[1][theirs] - 1), 1e-3, f"{name} at {rpm} rpm, {ours}")
+    checks.equal([x["key"] for x in verdict["changes"]], ["step_at_handover"], "what to change of it")
+
+
+def verdict_steps(checks, folder):
+    """The rotor that is simulated stands the step that is printed, and a sensible multiple of it not."""
+    found = json.loads(folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--json").stdout)
+    step = found["verdict"]["step_at_handover"]
+    for factor, stood in [(1.0, True), (2.0, False)]:
+        folder.write("step.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n[plant]\nload_kind = signed\n"
+                                 "[phase.start]\nduration_s = 4\nspeed_rpm = 151\n[phase.step]\nduration_s = 0.4\n"
+                                 f"load_Nm = {factor * step['torque_Nm']}\n[phase.after]\nduration_s = 1\n")
+        folder.run("run", "step.ini", "--json", "s.json")
+        result = folder.json("s.json")
+        checks.equal(result["fault"] is None, stood, f"{factor} times the largest step: {result['fault']}")
+        if stood:
+            least = result["phases"][1]["speed_rpm"]["min"] / step["speed_rpm"]
+            checks.at_most(abs(least - 0.5), 0.1, f"share of the speed that is left: {least}")
+
+
+def verdict_changes(checks, folder):
+    """A motor for each line."""
+    slow = ["drive.f_pwm_Hz=5000", "motor.speed_rated_rpm=6000"]
+    low_bus = ["drive.v_bus_V=4", "drive.i_max_A=40"]  # the resistance takes half of it
+    for sets, key, word in [
+        (slow, "rated_above_estimator", "raise f_pwm_Hz"),
+        (["motor.speed_rated_rpm=9500"], "rated_above_voltage", "raise v_bus_V or weaken the field"),
+        (["motor.speed_rated_rpm=9500", "references.field_weakening=on", "references.id_max_A=2"], "rated_above_voltage",
+         "raise v_bus_V or id_max_A"),
+        (["motor.speed_rated_rpm=8800"], "rated_torque_above_voltage", "rated torque is possible up to"),
+        (low_bus, "base_below_handover", "lower i_max_A"),
+        (["speed.kp_Nms=1e-4"], "step_at_handover", "kp_Nms"),
+        (["speed.kp_Nms=1e-5"], "step_at_base", "gain_rise"),
+        (["current.kp_q_V_A=0.1", "current.ki_q_V_As=800"], "margin_current", "[current] bandwidth_rad_s"),
+        (low_bus, "margin_pll", "sigma_rad_s"),
+        (["speed.ki_Nm=10"], "margin_speed", "[speed]"),
+        (low_bus, "no_usable_emf", "angle sensor"),
+    ]:
+        verdict = verdict_of(checks, folder, SMALL, *sets)
+        lines = {x["key"]: x["text"] for x in verdict.get("changes", [])}
+        checks.true(word in lines.get(key, ""), f"{key} of {sets}: {lines}")
+        done = folder.run("design", "--motor", "m.ini", *[x for s in sets for x in ("--set", s)])
+        checks.true(f"change: {lines.get(key)}\n" in done.stdout, f"{key} is printed")
+        checks.true("nothing to change" not in done.stdout, f"something to change with {sets}")
+    done = folder.run("design", "--motor", "fan_325V", "--drive", "fan_325V")
+    checks.true(done.stdout.endswith("nothing to change\n"), "a motor without a line")
+    checks.equal(done.stdout.count("\nverdict\n"), 1, "one verdict")
+    raised = json.loads(folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--set", "speed.omega_min_rad_s=60",
+                                   "--json").stdout)["verdict"]
+    checks.equal(raised["changes"], [], "with a higher least speed paper 1's motor stands half of its torque")
+    hfi = json.loads(folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--set", "hfi.mode=on",
+                                "--json").stdout)["verdict"]
+    checks.equal([hfi["lowest_rpm"], hfi["step_at_handover"]["bound_by"]], [0, "current"], "with injection any speed")
+
+
 def main():
     checks = Checks()
     with Folder() as folder:
@@ -320,6 +416,9 @@ def main():
         first_turn(checks, folder)
         full_speed(checks, folder)
         injection(checks, folder)
+        verdict_numbers(checks, folder)
+        verdict_steps(checks, folder)
+        verdict_changes(checks, folder)
     checks.done()
 
 

@@ -1,0 +1,173 @@
+#include "design/verdict.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "support/units.h"
+
+// (K18): what a load at once takes of the speed, the share of the feed-forward that comes in time, and the speed
+// below which the inverter's errors hide the EMF, of the hand-over speed.
+#define DIP 0.735759 // 2/e (K15)
+#define LATE 1.2
+#define FED_IN_TIME 0.5
+#define FLOOR_SHARE 0.5
+#define OVERSHOOT 0.135335 // 1/e^2: of the torque of (K8) after a load step
+#define STEP_SHARE_LEAST 0.35 // half of it, by what drives stand: 1.4 times as much or more
+#define MARGIN_LEAST_deg 30.0
+
+// ---- Load steps ------------------------------------------------------------------------------------
+
+/// The factor by which the gains rise with the speed (K8).
+static double gain_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
+    const double up = omega_rad_s * (double)tuning->inv_span - 1.0;
+    return 1.0 + (double)tuning->rise * fmin(fmax(up, 0.0), 1.0);
+}
+
+/// The load that takes the speed down to the floor; with injection no speed is too low.
+static double by_speed_Nm(const lode_drive_config_t *drive, const lode_drive_tuning_t *tuning,
+                          double omega_rad_s) {
+    const double room = omega_rad_s - FLOOR_SHARE * (double)drive->start.omega_handover_rad_s;
+    const double fed = 1.0 - FED_IN_TIME * fmax((double)drive->speed.load_feed_forward, 0.0);
+    const double kp = gain_at(&tuning->speed, omega_rad_s) * (double)drive->speed.kp_Nms;
+    if (drive->hfi.mode == LODE_HFI_ON) {
+        return HUGE_VAL;
+    }
+    return fmax(room, 0.0) * kp / (LATE * DIP * (double)drive->motor.pole_pairs * fed);
+}
+
+static verdict_step_t step_at(const lode_drive_config_t *drive, const lode_drive_tuning_t *tuning,
+                              double omega_rad_s, double rated_Nm) {
+    const double speed_Nm = by_speed_Nm(drive, tuning, omega_rad_s);
+    const double current_Nm = speed_limits_torque_Nm(drive, omega_rad_s) / (1.0 + OVERSHOOT);
+    const double torque_Nm = fmin(speed_Nm, current_Nm);
+    return (verdict_step_t){.omega_rad_s = omega_rad_s,
+                            .torque_Nm = torque_Nm,
+                            .share = torque_Nm / rated_Nm,
+                            .by_current = current_Nm < speed_Nm};
+}
+
+// ---- What to change ----------------------------------------------------------------------------------
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+static void
+add_change(verdict_t *verdict, const char *key, const char *format, ...) {
+    if (verdict->changes == VERDICT_CHANGES_MAX) {
+        return;
+    }
+    verdict_change_t *change = &verdict->change[verdict->changes++];
+    change->key = key;
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(change->text, sizeof change->text, format, arguments);
+    va_end(arguments);
+}
+
+static double rpm_of(const lode_drive_config_t *drive, double omega_rad_s) {
+    return rig_rpm_from_rad_s(omega_rad_s) / (double)drive->motor.pole_pairs;
+}
+
+static void judge_speeds(verdict_t *verdict, const lode_drive_config_t *drive,
+                         const speed_limits_t *speeds) {
+    const double rated = (double)drive->motor.omega_rated_rad_s;
+    const bool weakens = !isnan(speeds->weakened_rad_s);
+    const double voltage = weakens ? speeds->weakened_rad_s : speeds->no_load_rad_s;
+    const double rpm = rpm_of(drive, rated);
+    if (rated > speeds->estimator_rad_s) {
+        add_change(verdict, "rated_above_estimator",
+                   "rated speed %.0f rpm is above the estimator's limit of %.0f rpm: raise "
+                   "f_pwm_Hz (or omega_max_rad_s where it was given), or lower speed_rated_rpm",
+                   rpm, rpm_of(drive, speeds->estimator_rad_s));
+    }
+    if (rated > voltage) {
+        add_change(verdict, "rated_above_voltage",
+                   "rated speed %.0f rpm is above the %.0f rpm that the voltage allows: raise "
+                   "v_bus_V%s, or lower speed_rated_rpm",
+                   rpm, rpm_of(drive, voltage),
+                   weakens ? " or id_max_A" : " or weaken the field (field_weakening = on)");
+    } else if (rated > speeds->rated_torque_rad_s && !weakens) {
+        add_change(verdict, "rated_torque_above_voltage",
+                   "rated torque is possible up to %.0f rpm, not to the rated %.0f rpm: raise "
+                   "v_bus_V, weaken the field (field_weakening = on), or lower speed_rated_rpm",
+                   rpm_of(drive, speeds->rated_torque_rad_s), rpm);
+    }
+    if (speeds->base_rad_s < verdict->step[VERDICT_LOW].omega_rad_s) {
+        add_change(verdict, "base_below_handover",
+                   "i_max uses up the voltage at %.0f rpm, below the lowest speed of %.0f rpm: "
+                   "raise v_bus_V or lower i_max_A",
+                   rpm_of(drive, speeds->base_rad_s),
+                   rpm_of(drive, verdict->step[VERDICT_LOW].omega_rad_s));
+    }
+}
+
+static void judge_steps(verdict_t *verdict, const lode_drive_config_t *drive) {
+    static const char *const keys[VERDICT_SPEEDS] = {"step_at_handover", "step_at_base"};
+    static const char *const helps[VERDICT_SPEEDS] = {
+        "raise omega_min_rad_s or omega_handover_rad_s (and commands with them), kp_Nms with "
+        "sigma_low_rad_s, or the inertia",
+        "raise kp_Nms or gain_rise with sigma_rad_s, or the inertia"};
+    for (int k = 0; k < VERDICT_SPEEDS; ++k) {
+        const verdict_step_t *step = &verdict->step[k];
+        const bool below =
+            step->omega_rad_s < verdict->step[VERDICT_LOW].omega_rad_s; // said already
+        if (step->share < STEP_SHARE_LEAST && !below) {
+            add_change(verdict, keys[k],
+                       "a load step at %.0f rpm may be %.0f %% of rated torque at most: %s",
+                       rpm_of(drive, step->omega_rad_s), 100.0 * step->share,
+                       step->by_current ? "raise i_max_A" : helps[k]);
+        }
+    }
+}
+
+static void judge_margin(verdict_t *verdict, const analyse_loop_t *loop, const char *key,
+                         const char *help) {
+    if (!(loop->phase_deg >= MARGIN_LEAST_deg) && !isnan(loop->crossover_rad_s)) {
+        add_change(verdict, key, "phase margin of %s at %.0f rpm is %.0f degrees: %s", loop->name,
+                   loop->speed_rpm, loop->phase_deg, help);
+    }
+}
+
+static void judge_margins(verdict_t *verdict) {
+    judge_margin(verdict, &verdict->loop[VERDICT_LOW].current, "margin_current",
+                 "lower [current] bandwidth_rad_s, or raise f_pwm_Hz");
+    for (int k = 0; k < VERDICT_SPEEDS; ++k) {
+        const own_margins_t *at = &verdict->loop[k];
+        judge_margin(verdict, &at->pll, "margin_pll",
+                     k == VERDICT_LOW ? "lower sigma_low_rad_s, or raise w0_rad_s"
+                                      : "lower [estimator] sigma_rad_s, or raise w0_rad_s");
+        judge_margin(verdict, &at->speed, "margin_speed",
+                     k == VERDICT_LOW ? "lower [speed] bandwidth_rad_s or kp_Nms"
+                                      : "lower [speed] gain_rise or kp_Nms");
+    }
+}
+
+void verdict_compute(verdict_t *verdict, const lode_drive_config_t *drive,
+                     const lode_drive_tuning_t *tuning, const speed_limits_t *speeds) {
+    const double rated = (double)drive->motor.omega_rated_rad_s;
+    const double low =
+        fmax((double)drive->start.omega_handover_rad_s, (double)drive->speed.omega_min_rad_s);
+    const double base = fmin(speeds->base_rad_s, speeds->estimator_rad_s);
+    const double rated_Nm = (double)lode_motor_kt_Nm_A(&drive->motor) *
+                            (double)drive->inverter.i_max_A / SPEED_LIMITS_CONTROL;
+    *verdict = (verdict_t){
+        .lowest_rad_s = speeds->least_rad_s,
+        .highest_rad_s = speed_limits_highest_rad_s(speeds),
+        .rated_torque_Nm = rated_Nm,
+        .loop_rad_s = {low, fmin(rated, speeds->estimator_rad_s)},
+    };
+    verdict->step[VERDICT_LOW] = step_at(drive, tuning, low, rated_Nm);
+    verdict->step[VERDICT_HIGH] = step_at(drive, tuning, base, rated_Nm);
+    for (int k = 0; k < VERDICT_SPEEDS; ++k) {
+        verdict->loop[k] = own_loops_at(drive, tuning, verdict->loop_rad_s[k]);
+    }
+    judge_speeds(verdict, drive, speeds);
+    judge_steps(verdict, drive);
+    judge_margins(verdict);
+    if (!lode_start_has_emf(&drive->start, &drive->inverter, &drive->motor)) {
+        add_change(verdict, "no_usable_emf",
+                   "no usable EMF (see limits): a motor with less resistance or more flux, a "
+                   "higher v_bus_V, or an angle sensor");
+    }
+}
