@@ -158,6 +158,16 @@ static double largest_A(const plant_truth_t *truth) {
     return most;
 }
 
+/// The longest current vector of a set of three: an amplitude, whatever the phases have at this moment.
+static double longest_A(const plant_truth_t *truth) {
+    double most_A2 = 0.0;
+    for (int leg = 0; leg < PLANT_LEGS; leg += 3) {
+        const double *i = truth->i_abc_A + leg;
+        most_A2 = fmax(most_A2, 2.0 / 3.0 * (i[0] * i[0] + i[1] * i[1] + i[2] * i[2]));
+    }
+    return sqrt(most_A2);
+}
+
 /// How far a current is from the direction of its reference, or beyond the largest in it. Less of it makes less torque, as
 /// any limit does; more of it, within what the drive may ask for, more torque, as a load that goes away does: speed control
 /// takes it back, or the speed tells.
@@ -184,7 +194,7 @@ static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t p
     const double off_rad_s = fabs(truth->omega_m_rad_s - wanted_rad_s);
     const double limit_degC = (double)self->config.drive.guard.temperature_max_degC;
     last->rotor_s = held(last->rotor_s, driven && fabs(off_rad) > LOST_rad, ts_s);
-    last->current_s = held(last->current_s, largest_A(truth) > CURRENT_SHARE * i_max, ts_s);
+    last->current_s = held(last->current_s, longest_A(truth) > CURRENT_SHARE * i_max, ts_s);
     last->control_s = held(last->control_s, driven && off_A > CONTROL_SHARE * i_max, ts_s);
     last->speed_s = held(last->speed_s, driven && off_rad_s > SPEED_SHARE * self->full_rad_s, ts_s);
     last->heat_s = held(last->heat_s, rig->plant.temperature_degC > limit_degC + HEAT_K, ts_s);
