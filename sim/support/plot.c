@@ -109,7 +109,7 @@ bool plot_start(plot_t *self, const plot_output_t *output, const char *title, in
     char *const arguments[] = {name, NULL};
     int ends[2];
     *self = (plot_t){.output = output, .title = title};
-    self->drawn = output->format == PLOT_HTML ? tmpfile() : output->file;
+    self->drawn = tmpfile();
     if (self->drawn == NULL || pipe(ends) != 0) {
         rig_error("plot: %s", strerror(errno));
         return false;
@@ -125,6 +125,7 @@ bool plot_start(plot_t *self, const plot_output_t *output, const char *title, in
     self->process = (long)process;
     if (self->script == NULL) {
         (void)close(ends[1]);
+        (void)fclose(self->drawn);
         return false;
     }
     set_terminal(self->script, output->format, width, height);
@@ -187,18 +188,45 @@ void plot_panel(FILE *script, const char *label) {
         plot_text(string, label));
 }
 
+/// Where it has no room gnuplot draws a part, says nothing and ends as if all were well.
+static bool is_whole(FILE *drawn, plot_format_t format) {
+    static const char png_end[] = {'I', 'E', 'N', 'D', '\xae', 'B', '`', '\x82'};
+    char end[16 + 1] = "";
+    const size_t size = sizeof end - 1u;
+    if (fseek(drawn, -(long)size, SEEK_END) != 0 || fread(end, 1, size, drawn) != size) {
+        return false;
+    }
+    return format == PLOT_PNG ? memcmp(end + size - sizeof png_end, png_end, sizeof png_end) == 0
+                              : strstr(end, "</svg>") != NULL;
+}
+
+/// What does not get into `file` is told when that is committed.
+static void copy_picture(FILE *file, FILE *drawn) {
+    char piece[4096];
+    size_t length = 0;
+    rewind(drawn);
+    do {
+        length = fread(piece, 1, sizeof piece, drawn);
+        (void)fwrite(piece, 1, length, file);
+    } while (length == sizeof piece);
+}
+
 bool plot_finish(plot_t *self) {
+    const plot_output_t *output = self->output;
     const bool sent = fclose(self->script) == 0;
     self->script = NULL;
     const bool drawn = wait_for((pid_t)self->process);
+    const bool whole = sent && drawn && is_whole(self->drawn, output->format);
     if (!sent || !drawn) {
         rig_error("gnuplot failed; expected it to draw the plot (its message is above)");
+    } else if (!whole) {
+        rig_error("gnuplot drew a part of the plot; expected room for all of it where temporary "
+                  "files are kept");
+    } else if (output->format == PLOT_HTML) {
+        page_write(output->file, self->title, self->drawn, output->text);
+    } else {
+        copy_picture(output->file, self->drawn);
     }
-    if (self->drawn != self->output->file) {
-        if (sent && drawn) {
-            page_write(self->output->file, self->title, self->drawn, self->output->text);
-        }
-        (void)fclose(self->drawn);
-    }
-    return sent && drawn;
+    (void)fclose(self->drawn);
+    return whole;
 }

@@ -28,13 +28,13 @@ bool plot_open(plot_output_t *self, const char *path);
 void plot_path_in(char *path, size_t size, const char *folder, const char *file,
                   const char *format);
 
-/// A gnuplot under way: its commands go into `script`, its picture into the file given.
+/// A gnuplot under way: its commands go into `script`.
 typedef struct {
     FILE *script;
     long process;
     const plot_output_t *output;
     const char *title;
-    FILE *drawn; ///< HTML: the picture, which then goes into the page
+    FILE *drawn; ///< the picture, which goes into the file given, or its page, when it is whole
 } plot_t;
 
 /// Starts gnuplot with its output in `output`, `width` x `height` pixels. `title`: of a page. A value that is NaN breaks the
@@ -66,7 +66,8 @@ void plot_style(FILE *script, const char *title, const plot_frame_t *frame);
 /// Names the vertical axis of the panels to come.
 void plot_panel(FILE *script, const char *label);
 
-/// Waits for it, and writes the page around it. False after a message if it failed.
+/// Waits for it, and writes its picture or the page around it. False after a message if it failed, or
+/// drew less than a whole picture.
 bool plot_finish(plot_t *self);
 
 #endif

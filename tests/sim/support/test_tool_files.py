@@ -50,6 +50,37 @@ def nothing_half_written(checks, folder):
     checks.equal(oct((folder.path / "mode.csv").stat().st_mode & 0o777), "0o640", "rights by umask")
 
 
+def plots_are_whole(checks, folder):
+    """gnuplot says nothing where it has no room; a part of a picture is not taken for one."""
+    commands = [["run", "start"], REPLAY, ["decode", "plots.bin"]]
+    folder.run("run", "start", "--ring", "plots.bin")
+    folder.run("analyse", "--plots", "pictures")
+    *others, last = sorted((folder.path / "pictures").iterdir())
+    checks.true(others, "pictures of analyse")
+    if pathlib.Path("/dev/full").exists():
+        for command in commands:
+            done = refused(checks, folder, [*command, "--plot", "/dev/full"],
+                           "/dev/full: cannot write: No space left on device")
+            checks.true("written" not in done.stdout, f"{command[0]}: not written")
+        for path in others:
+            path.write_text("old")
+        last.unlink()
+        last.symlink_to("/dev/full")
+        refused(checks, folder, ["analyse", "--plots", "pictures"],
+                f"{last.name}: cannot write: No space left on device")
+        checks.true(all(path.read_bytes() == b"old" for path in others), "its other pictures stay")
+    # As on a disk that is full: no file grows beyond 32 * 512 bytes, gnuplot's neither.
+    full = ["sh", "-c", "trap '' XFSZ; ulimit -f 32; exec \"$@\"", "sh", TOOL]
+    for command in commands:
+        for name in ["plot.svg", "plot.png", "plot.html"]:
+            path = folder.write(name, "old")
+            done = subprocess.run([*full, *map(str, command), "--plot", name], cwd=folder.path,
+                                  capture_output=True, text=True, timeout=300, check=False)
+            checks.equal(done.returncode, 2, f"exit code of {command[0]} --plot {name} without room")
+            checks.true("gnuplot drew a part of the plot; expected room" in done.stderr, f"says {done.stderr!r}")
+            checks.true(path.read_bytes() == b"old", f"{command[0]}: {name} stays")
+
+
 def inputs_stay(checks, folder):
     """No output takes the place of what the command reads, by whatever name; nothing else is written."""
     folder.write("m.ini", MOTOR.read_text())
@@ -186,6 +217,7 @@ def main():
     with Folder() as folder:
         bad_paths(checks, folder)
         nothing_half_written(checks, folder)
+        plots_are_whole(checks, folder)
         inputs_stay(checks, folder)
         interrupt(checks, folder)
         closed_pipe(checks, folder)
