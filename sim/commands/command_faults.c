@@ -11,14 +11,14 @@
 #include "config/refusal.h"
 #include "report/report_faults.h"
 #include "support/atomic_file.h"
-#include "support/name_list.h"
+#include "support/names.h"
 #include "support/outputs.h"
 #include "support/progress.h"
 #include "support/shown.h"
 #include "support/workers.h"
 
 #define ALL_MOTORS "jiang2022,eldeeb2017"
-enum { MOTORS_MAX = 8, KINDS_MAX = 64 };
+enum { MOTORS_MAX = 8 };
 
 /// What the campaign adds to the shipped files: a port that stamps, a field that can be weakened, a bridge
 /// whose switches can break, a temperature sensor with a count of noise, as the bus's has, and a guard that
@@ -30,7 +30,7 @@ static const char *const added[] = {
 typedef struct {
     const options_t *options;
     int kinds;
-    const inject_kind_t *kind[KINDS_MAX];
+    const inject_kind_t *kind[INJECT_KINDS_MAX];
     int motors;
     char motor[MOTORS_MAX][RIG_NAME_LENGTH];
     fault_bench_t *bench[MOTORS_MAX];
@@ -42,19 +42,8 @@ typedef char result_fits[sizeof(fault_result_t) <= WORKERS_RESULT_MAX ? 1 : -1];
 
 // ---- Input --------------------------------------------------------------------------------------
 
-static bool check_list(const char *option, const char *list) {
-    const bool good = list == NULL || name_list_is_whole(list);
-    if (!good) {
-        rig_error("%s: expected names with commas between them", option);
-    }
-    return good;
-}
-
-static bool take_kind(faults_t *self, const char *name) {
-    if (self->kinds == KINDS_MAX) {
-        rig_error("--kinds %s: expected at most %d kinds", name, KINDS_MAX);
-        return false;
-    }
+static bool take_kind(void *user, const char *name) {
+    faults_t *self = user;
     for (int k = 0; k < inject_kind_count; ++k) {
         if (strcmp(inject_kinds[k].name, name) == 0) {
             self->kind[self->kinds++] = &inject_kinds[k];
@@ -72,16 +61,13 @@ static bool take_kind(faults_t *self, const char *name) {
 }
 
 static bool take_kinds(faults_t *self) {
-    const char *list = self->options->kinds;
-    char name[RIG_NAME_LENGTH];
-    bool good = true;
-    for (int k = 0; list == NULL && k < inject_kind_count; ++k) {
+    if (self->options->kinds != NULL) {
+        return names_take("--kinds", self->options->kinds, take_kind, self);
+    }
+    for (int k = 0; k < inject_kind_count; ++k) {
         self->kind[self->kinds++] = &inject_kinds[k];
     }
-    while (good && list != NULL && name_list_next(&list, name, sizeof name)) {
-        good = take_kind(self, name);
-    }
-    return good;
+    return true;
 }
 
 /// A shipped motor with the drive of its name, and the plant of its name where there is one.
@@ -111,9 +97,11 @@ static bool load(rig_config_t *config, const char *name, const options_t *option
     return status == LODE_OK;
 }
 
-static bool take_motor(faults_t *self, const char *name) {
-    if (self->motors == MOTORS_MAX) {
-        rig_error("--motors %s: expected at most %d", name, MOTORS_MAX);
+static bool take_motor(void *user, const char *name) {
+    faults_t *self = user;
+    if (self->motors == MOTORS_MAX || strlen(name) >= sizeof self->motor[0]) {
+        rig_error("--motors %s: expected at most %d, with names of less than %zu characters", name,
+                  MOTORS_MAX, sizeof self->motor[0]);
         return false;
     }
     const int n = self->motors++;
@@ -130,12 +118,7 @@ static bool take_motor(faults_t *self, const char *name) {
 
 static bool take_motors(faults_t *self) {
     const char *list = self->options->motors != NULL ? self->options->motors : ALL_MOTORS;
-    char name[RIG_NAME_LENGTH];
-    bool good = true;
-    while (good && name_list_next(&list, name, sizeof name)) {
-        good = take_motor(self, name);
-    }
-    return good;
+    return names_take("--motors", list, take_motor, self);
 }
 
 // ---- The cases ----------------------------------------------------------------------------------
@@ -217,10 +200,8 @@ static int write_all(const faults_t *self, FILE *page, FILE *json) {
 static rig_exit_t run(faults_t *self) {
     FILE *page = NULL;
     FILE *json = NULL;
-    if (!check_list("--kinds", self->options->kinds) ||
-        !check_list("--motors", self->options->motors) || !take_kinds(self) || !take_motors(self) ||
-        !outputs_open(&json, self->options->json) || !outputs_open(&page, self->options->out) ||
-        !run_all(self)) {
+    if (!take_kinds(self) || !take_motors(self) || !outputs_open(&json, self->options->json) ||
+        !outputs_open(&page, self->options->out) || !run_all(self)) {
         return RIG_BAD_INPUT;
     }
     const int silent = write_all(self, page, json);

@@ -6,7 +6,7 @@
 #include "config/data_files.h"
 #include "montecarlo/results.h"
 #include "support/atomic_file.h"
-#include "support/name_list.h"
+#include "support/names.h"
 #include "support/outputs.h"
 #include "support/progress.h"
 #include "support/workers.h"
@@ -33,24 +33,6 @@ static bool add_motor(void *user, const char *name) {
         return false;
     }
     (void)snprintf(campaign->motor[campaign->motors++], sizeof campaign->motor[0], "%s", name);
-    return true;
-}
-
-static bool add_listed(mc_campaign_t *campaign, const char *list) {
-    char name[RIG_NAME_LENGTH + 1];
-    bool good = name_list_is_whole(list);
-    while (good && name_list_next(&list, name, sizeof name)) {
-        good = add_motor(campaign, name);
-    }
-    for (int k = 1; good && k < campaign->motors; ++k) {
-        for (int n = 0; good && n < k; ++n) {
-            good = strcmp(campaign->motor[n], campaign->motor[k]) != 0;
-        }
-    }
-    if (!good) {
-        rig_error("--motors: expected names with commas between them, each of them once");
-        return false;
-    }
     return true;
 }
 
@@ -84,7 +66,7 @@ static bool describe(mc_campaign_t *campaign, const options_t *options) {
                        options->set[k]);
     }
     return check_seeds(campaign) &&
-           (options->motors != NULL ? add_listed(campaign, options->motors)
+           (options->motors != NULL ? names_take("--motors", options->motors, add_motor, campaign)
                                     : data_files_pairs(add_motor, campaign));
 }
 

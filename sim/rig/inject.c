@@ -67,6 +67,7 @@ const inject_kind_t inject_kinds[] = {
     {"flip-command", "a bit of the command flips (16)", INJECT_FLIP_COMMAND, true, 0.0},
 };
 const int inject_kind_count = (int)(sizeof inject_kinds / sizeof inject_kinds[0]);
+typedef char kinds_fit[sizeof inject_kinds / sizeof inject_kinds[0] <= INJECT_KINDS_MAX ? 1 : -1];
 
 bool inject_is_random(const inject_kind_t *kind) {
     return kind->how == INJECT_FLIP_TUNING || kind->how == INJECT_FLIP_STATE ||

@@ -44,6 +44,8 @@ typedef struct {
     double value;
 } inject_kind_t;
 
+enum { INJECT_KINDS_MAX = 64 };
+
 /// All kinds of fault, and how many.
 extern const inject_kind_t inject_kinds[];
 extern const int inject_kind_count;

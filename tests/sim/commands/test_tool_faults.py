@@ -61,7 +61,11 @@ def page(checks, folder):
 
 def refuses(checks, folder):
     for arguments, says in [(["--kinds", "none,nonsense"], "--kinds nonsense: expected one of none, adc-frozen"),
-                            (["--kinds", ",".join(["none"] * 65)], "expected at most 64 kinds"),
+                            *((["--kinds", names], "--kinds: expected names with commas between them, each of them once")
+                              for names in ("", ",", "none,", ",none", "none,,bus-reads-0", "none,none")),
+                            *((["--motors", names], "--motors: expected names with commas between them, each of them once")
+                              for names in ("", "jiang2022,", "jiang2022,jiang2022")),
+                            (["--motors", "m" * 32], "with names of less than 32 characters"),
                             (["--motors", "nobody"], "nobody"),
                             *(([option, names], f"{option}: expected names with commas between them")
                               for option, name in (("--motors", "jiang2022"), ("--kinds", "none"))
