@@ -111,7 +111,8 @@ static bool reach_all(fault_bench_t *self) {
         const bool there =
             reach_speed(&reach, speed_rad_s[point == FAULT_AT_WEAKENING ? FAULT_AT_100 : point]);
         load_with(&reach, share * torque_Nm);
-        if (!there || !reach_speed(&reach, speed_rad_s[point])) {
+        self->left_out[point] = !there || !reach_speed(&reach, speed_rad_s[point]);
+        if (self->left_out[point] && !runs(reach.rig)) {
             return refuse(self, (fault_point_t)point);
         }
     }

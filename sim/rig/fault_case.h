@@ -24,6 +24,7 @@ typedef struct {
     plant_config_t plant;
     double full_rad_s;                ///< mechanical, 100 %
     double speed_rad_s[FAULT_POINTS]; ///< commanded when the fault comes; 0: below RUN
+    bool left_out[FAULT_POINTS];      ///< the drive runs, but its speed does not settle
     rig_t at[FAULT_POINTS];
 } fault_bench_t;
 
@@ -48,12 +49,12 @@ typedef struct {
     double peak_A;      ///< of a phase, in truth
     double back_deg;    ///< largest turn against the commanded direction, mechanical
     int harm;           ///< FAULT_HARM_..., before it was found
-    int tried;          ///< of a kind that comes in many: how many
+    int tried;          ///< of a kind that comes in many: how many; 0: the state is left out
     int silent;         ///< ... and how many of them were silent
 } fault_result_t;
 
 /// Loads nothing: `config` is designed and accepted. False, after a message, where the drive does not
-/// reach a state.
+/// start, or does not run on.
 bool fault_bench_init(fault_bench_t *self, const rig_config_t *config);
 
 fault_result_t fault_case_run(const fault_bench_t *self, const inject_kind_t *kind,

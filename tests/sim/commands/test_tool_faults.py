@@ -52,6 +52,19 @@ def same_with_any_number_of_processes(checks, folder):
     checks.true(one != other, "another seed flips other bits")
 
 
+def leaves_out_where_the_speed_does_not_settle(checks, folder):
+    """The load of a compressor ripples; so does its speed, just above the least."""
+    done, cases = cases_of(folder, "--motors", "compressor_310V", "--kinds", "none,bus-reads-0")
+    checks.equal(done.returncode, 0, f"exit code: {done.stderr}")
+    points = {point for _, point in cases}
+    checks.true("10 %" not in points and {"standstill", "start", "100 %"} <= points, f"{points}")
+    checks.equal(len(cases), 2 * len(points), "cases")
+    checks.true(f"{len(cases)} cases: " in done.stdout and " - |" in done.stdout, f"the table: {done.stdout}")
+    checks.true("-: left out, the speed does not settle there" in done.stdout, "its note")
+    refused(checks, folder, ["faults", "--motors", "jiang2022", "--set", "start.timeout_s=0.2"],
+            "expected a drive that reaches the state")
+
+
 def page(checks, folder):
     done = folder.run("faults", "--motors", "jiang2022", "--kinds", "none", "--out", "f.md")
     checks.equal(done.returncode, 0, "exit code")
@@ -80,6 +93,7 @@ with Folder() as folder:
     finds(checks, folder)
     finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder)
     same_with_any_number_of_processes(checks, folder)
+    leaves_out_where_the_speed_does_not_settle(checks, folder)
     page(checks, folder)
     refuses(checks, folder)
 checks.done()
