@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # usage: fuzz.sh build | fuzz.sh run NAME | fuzz.sh night [INPUTS]
-# build: all libFuzzer programs. run: one of them, for 10 s or 200 000 inputs, for five minutes in a
+# build: all libFuzzer programs. run: one of them, for 20 s or 1 000 000 inputs, for five minutes in a
 # campaign (LODE_TEST_FULL=1), for LODE_FUZZ_SECONDS where that is given. night: builds all and runs them in
 # turns of a minute, one on each processor, until they have tried INPUTS in all (10^9 unless told); each
 # goes on from what it has found. An input that fails is left beside the program.
@@ -62,7 +62,7 @@ fi
 name=$2
 program=$work/tests/fuzz/$name
 [ -x "$program" ] || skip "$program was not built"
-budget=(-runs=200000 -max_total_time=10)
+budget=(-runs=1000000 -max_total_time=20)
 if [ "${LODE_TEST_FULL:-0}" = 1 ]; then
     budget=(-max_total_time=300)
 fi
