@@ -80,10 +80,10 @@ class Folder:
         return sorted(p.name for p in self.path.iterdir())
 
 
-def refused(checks, folder, arguments, pattern):
+def refused(checks, folder, arguments, pattern, env=None):
     """The tool ends with 2 and a message on stderr that matches; nothing is written."""
     before = folder.names()
-    done = folder.run(*arguments)
+    done = folder.run(*arguments, env=env)
     shown = " ".join(map(str, arguments))
     checks.equal(done.returncode, 2, f"exit code of `{shown}`")
     checks.true(re.search(pattern, done.stderr), f"`{shown}` says {done.stderr!r}, "

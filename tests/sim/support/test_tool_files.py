@@ -2,13 +2,14 @@
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
-from tool import MOTOR, DRIVE, RECORDINGS, TOOL, Checks, Folder, refused
+from tool import MOTOR, DRIVE, RECORDINGS, SOURCE, TOOL, Checks, Folder, refused
 
 REPLAY = ["replay", "--motor", MOTOR, "--recording", RECORDINGS / "steady-300rpm-5Nm.csv"]
 LONG = f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n[phase.a]\nduration_s = 9000\nspeed_rpm = 300\n"
@@ -88,9 +89,10 @@ def inputs_stay(checks, folder):
     folder.write("r.csv", (RECORDINGS / "steady-300rpm-5Nm.csv").read_text())
     folder.write("s.ini", "[scenario]\nmotor = m.ini\ndrive = d.ini\n[phase.a]\nduration_s = 0.01\n")
     folder.run("run", "s.ini", "--ring", "b.bin")
+    folder.run("monte-carlo", "start", "--motors", "jiang2022", "--n", "1", "--json", "c.json")
     (folder.path / "sub").mkdir()
     names = {"m.ini": "m.ini", "./d.ini": "d.ini", "sub/../r.csv": "r.csv", "s.ini": "s.ini",
-             str(folder.path / "b.bin"): "b.bin", "soft": "m.ini", "hard": "r.csv"}
+             str(folder.path / "b.bin"): "b.bin", "soft": "m.ini", "hard": "r.csv", "./c.json": "c.json"}
     (folder.path / "soft").symlink_to("m.ini")
     (folder.path / "hard").hardlink_to(folder.path / "r.csv")
     before = {path: path.read_bytes() for path in folder.path.rglob("*") if path.is_file()}
@@ -101,7 +103,10 @@ def inputs_stay(checks, folder):
         (run, ["--csv", "--json", "--plot", "--ring", "--scope"], {"s.ini", "m.ini", "d.ini"}),
         ([*run, "--seeds", "1-2"], ["--json"], {"s.ini", "m.ini", "d.ini"}),
         (replay, ["--out", "--json", "--plot"], {"m.ini", "d.ini", "r.csv"}),
-        (design, ["--json="], {"m.ini", "d.ini"}),
+        (["commission", "s.ini"], ["--json", "--out"], {"s.ini", "m.ini", "d.ini"}),
+        (["commission", *design[1:]], ["--json", "--out"], {"m.ini", "d.ini"}),
+        (["monte-carlo", "merge", "c.json"], ["--json"], {"c.json"}),
+        (design, ["--json=", "--c"], {"m.ini", "d.ini"}),
         (["analyse", *design[1:]], ["--csv", "--json"], {"m.ini", "d.ini"}),
         (decode, ["--csv", "--json", "--plot"], {"b.bin"}),
     ]:
@@ -127,6 +132,32 @@ def inputs_stay(checks, folder):
     for path, data in before.items():
         checks.true(path.read_bytes() == data, f"{path.name}: changed")
     checks.equal([name for name in folder.names() if "tmp" in name or name == "new"], [], "left")
+
+
+def shipped_files_stay(checks, folder):
+    """The same of the tool's own files, which `faults`, `monte-carlo` and `reproduce` read by their names."""
+    data = shutil.copytree(SOURCE / "sim/data", folder.path / "data")
+    env = {"LODESTAR_DATA": str(data)}
+    before = {path: path.read_bytes() for path in data.rglob("*.ini")}
+    (folder.path / "own").symlink_to("data/motors/jiang2022.ini")
+    names = ["own", "data/motors/jiang2022.ini", "data/drives/jiang2022.ini", "data/plants/jiang2022.ini"]
+    paper = ["reproduce", "jiang2022", "--seeds", "1-1"]
+    for command, options, inputs in [
+        (["faults", "--motors", "jiang2022", "--kinds", "none"], ["--json", "--out"], names),
+        (["monte-carlo", "start", "--motors", "jiang2022", "--n", "1"], ["--json"], names),
+        (paper, ["--csv", "--json"], [*names, "data/reproduce/jiang2022.ini"]),
+        (["reproduce", "li-fa-leso", "--seeds", "1-1"], ["--csv", "--json"], ["data/reproduce/li-fa-leso.ini"]),
+    ]:
+        for option in options:
+            for name in inputs:
+                done = refused(checks, folder, [*command, option, name], "it is read here, and would be lost; expected a separate file", env)
+                checks.equal(done.stdout, "", f"{command[0]} {option} {name}: printed before it was refused")
+    figure = folder.path / "of-paper/fig12.svg"
+    figure.parent.mkdir()
+    figure.symlink_to(data / "motors/jiang2022.ini")
+    refused(checks, folder, [*paper, "--plots", "of-paper"], "it is read here, and would be lost", env)
+    for path, content in before.items():
+        checks.true(path.read_bytes() == content, f"{path.name}: changed")
 
 
 def interrupt(checks, folder):
@@ -219,6 +250,7 @@ def main():
         nothing_half_written(checks, folder)
         plots_are_whole(checks, folder)
         inputs_stay(checks, folder)
+        shipped_files_stay(checks, folder)
         interrupt(checks, folder)
         closed_pipe(checks, folder)
         campaign(checks, folder)
