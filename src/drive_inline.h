@@ -387,9 +387,8 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     case SLOT_LOCK:
         lode_estimator_note_lock(estimator, &tuning->estimator);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-        if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u &&
-            self->direction * self->command.speed_rad_s > 0.0f) {
-            self->state.run.proving--; // a rotor that still turns the other way has not started
+        if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u) {
+            self->state.run.proving--;
         }
 #endif
         break;

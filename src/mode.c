@@ -25,6 +25,7 @@
 #define WRONG_FLUX 2.0f
 // Than the vector: a rotor that swings about it is so by half.
 #define MUCH_FASTER 2.0f
+#define PROVING_ENDLESS 0xffffu // rounds: 13 s of 40 kHz, and longer than a rotor takes to stop
 // A rotor is given up for lost at two thirds of the guard's time; with injection up to twice the speed at which that
 // ends: the EMF may have pulled the estimate there.
 #define LOST_SHARE 2u
@@ -190,6 +191,17 @@ static void begin_counts(lode_drive_t *self) {
 #endif
 }
 
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+
+// The rounds in which RUN proves a start. A rotor that turns the other way than asked for has not started until it is given
+// back to the vector.
+static uint_least16_t rounds_to_prove(const lode_drive_t *self, float omega_rad_s) {
+    const bool opposite = omega_rad_s * self->command.speed_rad_s < 0.0f;
+    return opposite ? PROVING_ENDLESS : self->tuning->start.patience_rounds;
+}
+
+#endif
+
 #if !defined(LODE_WITHOUT_FLYING_START) || !defined(LODE_WITHOUT_HFI)
 
 // What follows from where the rotor is and how fast it turns, in RUN, where that was found at once.
@@ -265,7 +277,7 @@ static void hand_over(lode_drive_t *self) {
                      lode_references_most_Nm(&tuning->references));
     run->fade = 1.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    run->proving = tuning->start.patience_rounds;
+    run->proving = rounds_to_prove(self, omega);
 #endif
     begin_counts(self);
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
@@ -400,8 +412,9 @@ static bool is_astray(const lode_drive_t *self) {
 
 // SLOT_DEAD_TIME: whether the estimate is good enough to run on.
 static void judge_start(lode_drive_t *self) {
-    self->guard.speed = (uint_least16_t)(is_astray(self) ? self->guard.speed + 1u : 0u);
-    if (self->guard.speed >= self->tuning->start.lock_rounds) {
+    const uint32_t rounds = is_astray(self) ? self->guard.speed + 1u : 0u;
+    self->guard.speed = (uint_least16_t)rounds;
+    if (rounds >= self->tuning->start.lock_rounds) {
         end_attempt(self);
         return;
     }
@@ -548,7 +561,7 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
     self->direction = lode_sign(omega);
     run_at_once(self);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    self->state.run.proving = tuning->start.patience_rounds;
+    self->state.run.proving = rounds_to_prove(self, self->estimator.pll.omega_rad_s);
 #endif
 }
 

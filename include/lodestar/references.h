@@ -32,14 +32,13 @@ typedef struct {
     /// bandwidth at which the voltage that is really used is brought to that share, 0.1 .. 1e3;
     /// 0: 20; LODE_NONE: feed-forward only
     float trim_rad_s;
-    float release_s; ///< time in which id may rise by i_max, 1e-3 .. 10; 0: 0.1
-    float id_max_A;  ///< magnitude of the most negative id: demagnetisation; 0: i_max
-    float Lq_fall;   ///< saturation: Lq is Lq_H/(1 + Lq_fall |iq|), 1/A; 0: does not saturate
-    float v_regen_V; ///< bus voltage from which braking torque fades; 0: does not fade
-    float v_motor_V; ///< bus voltage below which motoring torque fades; 0: does not fade
-    /// where no braking and no motoring torque is left; 0: halfway from the two above to where the
-    /// guard trips
-    float v_bus_max_V, v_bus_min_V;
+    float release_s;   ///< time in which id may rise by i_max, 1e-3 .. 10; 0: 0.1
+    float id_max_A;    ///< magnitude of the most negative id: demagnetisation; 0: i_max
+    float Lq_fall;     ///< saturation: Lq is Lq_H/(1 + Lq_fall |iq|), 1/A; 0: does not saturate
+    float v_regen_V;   ///< bus voltage from which braking torque fades; 0: does not fade
+    float v_motor_V;   ///< bus voltage below which motoring torque fades; 0: does not fade
+    float v_bus_max_V; ///< where no braking torque is left; 0: halfway to where the guard trips
+    float v_bus_min_V; ///< where no motoring torque is left; 0: halfway to where the guard trips
 } lode_references_config_t;
 
 /// What a tuning asks of a call, in one word.

@@ -17,7 +17,8 @@ bool ini_write_is_of_drive(const rig_config_t *config, const rig_key_t *key) {
 
 /// What a key in other units stands for has its value already.
 static bool is_written(const rig_config_t *config, int row) {
-    const rig_key_t *key = &rig_schema().row[row];
+    const rig_schema_t schema = rig_schema();
+    const rig_key_t *key = &schema.row[row];
     const rig_origin_t *origin = &config->origin[row];
     const bool given = origin->file >= 0 || origin->line == 0;
     return (given || origin->assumed != NULL || origin->measured) &&

@@ -12,7 +12,7 @@
 #define LATE 1.2
 #define FED_IN_TIME 0.5
 #define FLOOR_SHARE 0.5
-#define OVERSHOOT 0.135335 // 1/e^2: of the torque of (K8) after a load step
+#define OVERSHOOT 0.135335    // 1/e^2: of the torque of (K8) after a load step
 #define STEP_SHARE_LEAST 0.35 // half of it, by what drives stand: 1.4 times as much or more
 #define MARGIN_LEAST_deg 30.0
 
