@@ -184,9 +184,11 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
 
 // What is counted in RUN: the start has counted with the guard's counter of the lock too (S34).
 static void begin_counts(lode_drive_t *self) {
-    self->guard.speed = 0u;
-#ifndef LODE_WITHOUT_PLAUSIBILITY
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+#else
     self->guard.lock = 0u;
+    self->guard.speed = 0u;
     lode_half_waves_reset(&self->state.run.waves);
 #endif
 }
@@ -270,6 +272,7 @@ static void hand_over(lode_drive_t *self) {
     const float torque = lode_references_torque_Nm(&tuning->references, i_A);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     self->losses = self->state.start.failed;
+    const bool caught = lode_start_catches(&self->state.start);
 #endif
     lode_running_t *run = &self->state.run; // takes the place of the start's
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
@@ -277,7 +280,7 @@ static void hand_over(lode_drive_t *self) {
                      lode_references_most_Nm(&tuning->references));
     run->fade = 1.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    run->proving = rounds_to_prove(self, omega);
+    run->proving = caught ? rounds_to_prove(self, omega) : tuning->start.patience_rounds;
 #endif
     begin_counts(self);
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
@@ -381,6 +384,8 @@ static void measure_start(lode_drive_t *self) {
 #endif
 }
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
 // Of a rotor that the load turns faster than the vector can hold: looks for it anew, as one that turns, or has done so often
 // enough.
 static LODE_NOINLINE void end_attempt(lode_drive_t *self) {
@@ -410,14 +415,19 @@ static bool is_astray(const lode_drive_t *self) {
     return sure && (back || on);
 }
 
-// SLOT_DEAD_TIME: whether the estimate is good enough to run on.
-static void judge_start(lode_drive_t *self) {
+// SLOT_REFERENCES, while it does not hand over. For as long as a lock would have to hold.
+static void watch_load(lode_drive_t *self) {
     const uint32_t rounds = is_astray(self) ? self->guard.speed + 1u : 0u;
     self->guard.speed = (uint_least16_t)rounds;
     if (rounds >= self->tuning->start.lock_rounds) {
         end_attempt(self);
-        return;
     }
+}
+
+#endif
+
+// SLOT_DEAD_TIME: whether the estimate is good enough to run on.
+static void judge_start(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     const lode_estimator_t *estimator = &self->estimator;
     const bool lost = tuning->lost_per_A * estimator->id_A > LODE_START_LOST_MAX;
@@ -463,6 +473,10 @@ static void follow_start(lode_drive_t *self, lode_slot_t slot) {
     } else if (slot == SLOT_REFERENCES &&
                lode_start_is_ready(&self->state.start, &self->tuning->start)) {
         hand_over(self);
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    } else if (slot == SLOT_REFERENCES) {
+        watch_load(self);
+#endif
     } else {
         // nothing to judge in this slot
     }
