@@ -64,7 +64,8 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float by_sigma = lode_min(lode_min(BANDWIDTH_PER_SIGMA * sigma_low, most), calm_Nms / J);
     const float bandwidth = given ? config->kp_Nms / J : by_sigma;
     const float most_fast = lode_min(most, swinging_kp_Nms(motor, pll->sigma_rad_s) / J);
-    const float rise = lode_min(pll->sigma_rad_s / sigma_low, most_fast / by_sigma);
+    const float rise =
+        lode_min(pll->sigma_rad_s / sigma_low, most_fast / lode_max(by_sigma, FLT_MIN));
     config->gain_rise =
         lode_given_or(config->gain_rise, given ? 1.0f : lode_clamp(rise, 1.0f, RISE_MAX));
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);

@@ -335,6 +335,16 @@ static void test_the_highest_speed_with_a_weakened_field(void) {
     }
 }
 
+/// An inertia beyond all machines leaves speed control no gain, and its design no division by it.
+static void test_an_absurd_inertia_is_refused(void) {
+    lode_drive_config_t config = minimal();
+    config.motor.J_kgm2 = 3.0e38f;
+    lode_drive_design(&config);
+    TEST_ASSERT_TRUE(config.speed.gain_rise >= 1.0f && config.speed.gain_rise <= 10.0f);
+    lode_drive_tuning_t tuning;
+    TEST_ASSERT_FALSE(lode_drive_tune(&tuning, &config) == LODE_OK);
+}
+
 /// A torque that fades with the bus is gone halfway to where the guard trips, unless somebody says where.
 static void test_a_torque_that_fades_with_the_bus_is_gone_before_the_guard_trips(void) {
     lode_drive_config_t config = minimal();
@@ -827,6 +837,7 @@ int main(void) {
     RUN_TEST(test_two_shunts_bound_the_voltage);
     RUN_TEST(test_the_slope_of_the_switches_counts_as_resistance);
     RUN_TEST(test_the_highest_speed_with_a_weakened_field);
+    RUN_TEST(test_an_absurd_inertia_is_refused);
     RUN_TEST(test_a_torque_that_fades_with_the_bus_is_gone_before_the_guard_trips);
     RUN_TEST(test_references_know_the_bus_that_the_guard_allows);
     RUN_TEST(test_what_follows_speed_control_has_its_rate);
