@@ -400,19 +400,17 @@ static LODE_NOINLINE void end_attempt(lode_drive_t *self) {
     lode_mode_fault(self, LODE_CHECK_WRONG_WAY, self->estimator.pll.omega_rad_s, 0.0f);
 }
 
-// A sure estimate of a rotor that the load turns: the other way than asked for, against the vector or past it; or on, much faster
-// than the vector (S36).
+// A sure estimate of a rotor that the load turns: the other way than asked for while the vector does not, or much faster than
+// the vector (S36).
 static bool is_astray(const lode_drive_t *self) {
     const lode_start_t *start = &self->state.start;
     const float ready = self->tuning->start.omega_ready;
     const float vector = start->omega_rad_s;
     const float omega = self->estimator.pll.omega_rad_s;
     const bool sure = !lode_start_catches(start) && self->estimator.lock >= LODE_LOCK_HANDOVER &&
-                      lode_abs(omega) >= ready;
+                      lode_abs(omega) >= ready && lode_abs(start->omega_target) > 0.0f;
     const bool back = omega * start->omega_target < 0.0f && !(omega * vector > 0.0f);
-    const bool on = omega * start->omega_target > 0.0f &&
-                    lode_abs(omega) > MUCH_FASTER * lode_max(lode_abs(vector), ready);
-    return sure && (back || on);
+    return sure && (back || lode_abs(omega) > MUCH_FASTER * lode_max(lode_abs(vector), ready));
 }
 
 // SLOT_REFERENCES, while it does not hand over. For as long as a lock would have to hold.

@@ -2554,9 +2554,10 @@ static void test_a_rotor_that_the_load_turns_ends_the_attempt(void) {
         float omega, vector, lock;
         bool ends;
     } table[] = {
-        {-1.3f, 0.0f, 0.9f, true},  {-1.3f, 0.5f, 0.9f, true},  {-1.3f, -0.1f, 0.9f, false},
-        {-0.7f, 0.5f, 0.9f, false}, {-1.3f, 0.5f, 0.5f, false}, {2.3f, 0.5f, 0.9f, true},
-        {1.7f, 0.5f, 0.9f, false},  {3.3f, 1.5f, 0.9f, true},   {2.7f, 1.5f, 0.9f, false},
+        {-1.3f, 0.0f, 0.9f, true},  {-1.3f, 0.5f, 0.9f, true},   {-1.3f, -0.1f, 0.9f, false},
+        {-0.7f, 0.5f, 0.9f, false}, {-1.3f, 0.5f, 0.5f, false},  {2.3f, 0.5f, 0.9f, true},
+        {1.7f, 0.5f, 0.9f, false},  {3.3f, 1.5f, 0.9f, true},    {2.7f, 1.5f, 0.9f, false},
+        {-2.3f, -0.5f, 0.9f, true}, {-1.7f, -0.5f, 0.9f, false}, // given back, and not held
     };
     const lode_drive_config_t config = rig_config();
     const int rounds = (int)tuning.start.lock_rounds;
@@ -2572,6 +2573,14 @@ static void test_a_rotor_that_the_load_turns_ends_the_attempt(void) {
             TEST_ASSERT_EQUAL_INT(0, periods);
         }
     }
+}
+
+/// A stop is no attempt.
+static void test_a_rotor_that_the_load_turns_does_not_end_a_stop(void) {
+    const lode_drive_config_t config = rig_config();
+    rig_t rig = on_its_way(&config, 1u);
+    rig_command(&rig, run_at(0.0));
+    TEST_ASSERT_EQUAL_INT(0, periods_until_it_ends(&rig, -2.3f, 0.5f, 0.9f));
 }
 
 /// After the last attempt, and where nobody looks for a rotor that turns, it is a fault.
@@ -3771,6 +3780,7 @@ int main(void) {
     RUN_TEST(test_all_attempts_of_a_start_have_one_time);
     RUN_TEST(test_a_start_is_proven_to_the_round);
     RUN_TEST(test_a_rotor_that_the_load_turns_ends_the_attempt);
+    RUN_TEST(test_a_rotor_that_the_load_turns_does_not_end_a_stop);
     RUN_TEST(test_a_rotor_that_the_load_turns_on_and_on_is_a_fault);
     RUN_TEST(test_a_hoist_with_an_open_brake_is_caught_and_started);
     RUN_TEST(test_a_rotor_that_turns_the_other_way_has_not_started);

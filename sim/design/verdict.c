@@ -13,7 +13,7 @@
 #define FED_IN_TIME 0.5
 #define FLOOR_SHARE 0.5
 #define OVERSHOOT 0.135335    // 1/e^2: of the torque of (K8) after a load step
-#define STEP_SHARE_LEAST 0.35 // half of it, by what drives stand: 1.4 times as much or more
+#define STEP_SHARE_LEAST 0.35 // drives that are simulated stand 1.3 to 2 times as much: about half
 #define MARGIN_LEAST_deg 30.0
 
 // ---- Load steps ------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 """`lodestar` without arguments, `run`, `list` and `design`: what they do and what they write."""
 import csv
+import json
 import math
 import pathlib
 import sys
@@ -178,6 +179,20 @@ def loads(checks, folder):
         checks.true(done.returncode != 2, f"{sets}: {done.stderr}")
 
 
+def hoists(checks, folder):
+    """A load that turns the rotor from the first moment on, a quarter of the torque of i_max/1.5 either way: it is started."""
+    for motor in ["compressor_310V", "drone_900KV", "ebike_hub", "fan_325V", "flat_30W", "jiang2022", "pmsyrm_5kW",
+                  "servo_48V", "traction_400V"]:
+        verdict = json.loads(folder.run("design", "--motor", motor, "--drive", motor, "--json").stdout)["verdict"]
+        for share in (-0.25, 0.25):
+            folder.write("h.ini", f"[scenario]\nmotor = {SOURCE}/sim/data/motors/{motor}.ini\n"
+                                  f"drive = {SOURCE}/sim/data/drives/{motor}.ini\n[plant]\nload_kind = signed\n"
+                                  f"[phase.start]\nduration_s = 30\nload_Nm = {share * verdict['rated_torque_Nm']}\n"
+                                  f"speed_rpm = {1.6 * verdict['lowest_rpm']}\nend_mode = run\n")
+            done = folder.run("run", "h.ini")
+            checks.equal(done.returncode, 0, f"exit code of {motor} with {share} of its torque: {done.stdout}")
+
+
 def truth_as_source(checks, folder):
     done = folder.run("run", "main", "--set", "estimator.source=truth", "--json", "t.json")
     checks.equal(done.returncode, 0, f"exit code with the true angle: {done.stdout}")
@@ -320,6 +335,7 @@ def main():
         warnings(checks, folder)
         mismatch(checks, folder)
         loads(checks, folder)
+        hoists(checks, folder)
         truth_as_source(checks, folder)
         quiet_converters(checks, folder)
         six_phases(checks, folder)
