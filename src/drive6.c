@@ -322,10 +322,35 @@ static LODE_NOINLINE void begin_set2(lode_drive6_t *self) {
     self->duty_2 = lode_mode_duties_at(lode_set2_clarke_inverse(emf[self->drive.steps % 2u]));
 }
 
+// The signal check is at set 2.
+static bool checks_set2(const lode_drive6_t *self) {
+#ifdef LODE_WITHOUT_SIGNAL_CHECK
+    (void)self;
+    return false;
+#else
+    return lode_mode_checks_signals(&self->drive) &&
+           (uint32_t)self->drive.state.precharge.check.pulse >= LODE_SIGNAL_PULSES;
+#endif
+}
+
+// One set is tried at a time, while the other has no voltage.
+static void check_set2(lode_drive6_t *self) {
+    lode_drive_t *drive = &self->drive;
+    const lode_abc_t none = {LODE_DUTY_IDLE, LODE_DUTY_IDLE, LODE_DUTY_IDLE};
+    if (checks_set2(self)) {
+        drive->duty = none; // set 2 has them
+    } else if (lode_mode_checks_signals(drive)) {
+        self->duty_2 = none;
+    } else {
+        // both sets do the same
+    }
+}
+
 // The end of a period with the gates off, or the low sides alone.
 static LODE_NOINLINE lode_drive6_out_t end_idle(lode_drive6_t *self) {
     lode_drive_t *drive = &self->drive;
     idle_set2(self);
+    check_set2(self);
     if (drive->gates) { // from the next period on
         begin_set2(self);
     }
@@ -348,7 +373,8 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
     if (drive->mail) {
         take_mail(self);
     }
-    lode_mode_idle(drive, words_of(self->tuning), &sample->machine, calibration, worst_count);
+    const lode_sample_t *looked_at = checks_set2(self) ? &sample->set_2 : &sample->machine;
+    lode_mode_idle(drive, words_of(self->tuning), looked_at, calibration, worst_count);
     return end_idle(self);
 }
 

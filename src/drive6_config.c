@@ -51,6 +51,24 @@ static lode_status_t check(const lode_drive6_config_t *config) {
     return config->drive.hfi.learn == LODE_ON ? LODE_ERROR_HFI_LEARN : LODE_OK; // of three phases
 }
 
+// A set is tried while the other has no voltage: half of its own lies in each plane.
+static lode_status_t tune_signal_check(lode_drive6_tuning_t *t,
+                                       const lode_drive6_config_t *config) {
+#ifdef LODE_WITHOUT_SIGNAL_CHECK
+    (void)t;
+    (void)config;
+    return LODE_OK;
+#else
+    lode_motor_t set = config->drive.motor;
+    set.Ld_H = ripple_H(set.Ld_H, config->Lxy_H);
+    set.Lq_H = ripple_H(set.Lq_H, config->Lxy_H);
+    const lode_status_t status =
+        lode_drive_tune_signal_check(&t->drive, &config->drive, &set, &t->drive.fly);
+    t->drive.signal_check.pulses *= LODE_SETS;
+    return status;
+#endif
+}
+
 // What was given holds for one set too; what follows from the inductances is designed again.
 static lode_status_t tune_alone(lode_drive6_tuning_t *t, const lode_drive6_config_t *given) {
     lode_drive_config_t alone = given->drive;
@@ -86,6 +104,9 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
         status = tune_alone(&t, config);
     }
     if (status == LODE_OK) {
+        status = tune_signal_check(&t, &complete);
+    }
+    if (status == LODE_OK) {
         const float i_min_A = WATCH_SHARE * complete.drive.inverter.i_max_A;
         t.watch = (lode_open_phase_tuning_t){i_min_A / lode_abs(t.drive.sense.i_gain)};
         // A set's vector is that of the dq plane and that of the xy plane.
@@ -99,6 +120,9 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
 #ifndef LODE_WITHOUT_FLYING_START
         t.alone.fly.share_first =
             0.0f; // a set alone has another inductance, and the other one's current flows too
+#endif
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+        t.alone.signal_check.pulses = 0u; // goes by those pulses
 #endif
         t.source = (uint_least16_t)complete.source;
         t.open_phase = (uint_least16_t)complete.open_phase;

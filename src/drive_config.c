@@ -291,6 +291,22 @@ static lode_status_t tune_plausibility(lode_drive_tuning_t *t, const lode_drive_
     return status;
 }
 
+lode_status_t lode_drive_tune_signal_check(lode_drive_tuning_t *t, const lode_drive_config_t *c,
+                                           const lode_motor_t *motor,
+                                           const lode_fly_tuning_t *fly) {
+    lode_signal_check_tuning_t check;
+    const lode_status_t status = lode_signal_check_tune(&check, &c->start, &c->inverter, motor,
+                                                        &t->sense, fly, 1.0f / c->f_pwm_Hz);
+#ifdef LODE_WITHOUT_SIGNAL_CHECK
+    (void)t;
+#else
+    if (status == LODE_OK) {
+        t->signal_check = check;
+    }
+#endif
+    return status;
+}
+
 static lode_status_t tune_flight(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     lode_fly_tuning_t fly;
     const lode_status_t status =
@@ -301,7 +317,7 @@ static lode_status_t tune_flight(lode_drive_tuning_t *t, const lode_drive_config
         t->fly = fly;
     }
 #endif
-    return status;
+    return status == LODE_OK ? lode_drive_tune_signal_check(t, c, &c->motor, &fly) : status;
 }
 
 // The last check: docs/theory/pll.md and emf.md say what the QPLL and the GI-LESO cannot hold.

@@ -45,6 +45,8 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_FLUX);
         NAME(LODE_CHECK_RESISTANCE);
         NAME(LODE_CHECK_SWITCH_SHORTED);
+        NAME(LODE_CHECK_SIGNALS);
+        NAME(LODE_CHECK_INDUCTANCE);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";

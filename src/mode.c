@@ -529,6 +529,9 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
 #ifndef LODE_WITHOUT_FLYING_START
     self->state.precharge.fly.stage = (uint_least8_t)(flies ? LODE_FLY_BEGIN : LODE_FLY_SLOW);
 #endif
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+    lode_signal_check_begin(&self->state.precharge.check, &tuning->signal_check, false);
+#endif
     // Those in force when the low sides come: a board may switch them on at once.
     set_duties(self, flies ? 1.0f : lode_min(DUTY_PRECHARGE, tuning->sense.duty_max));
     lode_guard_reset(&self->guard);
@@ -610,7 +613,35 @@ static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t 
         take_flight(self, fly->theta_rad, fly->omega_rad_s); // ends the precharge's state
         return true;
     }
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+    if (fly->stage ==
+        (uint_least8_t)LODE_FLY_SLOW) { // another attempt goes by the first one's check
+        lode_signal_check_begin(&self->state.precharge.check, &self->tuning->signal_check,
+                                fly->rests && self->losses == 0u);
+    }
+#endif
     return fly->stage != (uint_least8_t)LODE_FLY_SLOW;
+}
+
+#endif
+
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+
+// One period of it.
+static LODE_NOINLINE void check_signals(lode_drive_t *self, const lode_sample_t *sample) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_signal_check_t *check = &self->state.precharge.check;
+    const lode_ab_t per_V =
+        lode_signal_check_step(check, &tuning->signal_check, &tuning->sense, sample->i);
+    self->duty = lode_mode_duties_at(lode_clarke_inverse(per_V));
+    const float v_bus_V = self->inverter.v_bus_V;
+    const lode_finding_t found =
+        lode_signal_check_judge(check, &tuning->signal_check, v_bus_V, tuning->estimator.pll.ts_s);
+    // By a bus that is none nothing is known of it: the guard's to say.
+    const bool bus = lode_in_range(v_bus_V, tuning->guard.v_bus_min, tuning->guard.v_bus_max);
+    if (bus && found.check != LODE_CHECK_NONE) {
+        lode_mode_fault(self, found.check, found.measured, found.limit);
+    }
 }
 
 #endif
@@ -633,9 +664,15 @@ static void follow_precharge(lode_drive_t *self, const lode_sample_t *sample) {
     if (self->state.precharge.periods < self->tuning->inverter.precharge_periods) {
         self->state.precharge.periods++;
         set_duties(self, lode_min(DUTY_PRECHARGE, self->tuning->sense.duty_max));
-    } else {
-        switch_on(self, driven);
+        return;
     }
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+    if (lode_mode_checks_signals(self)) {
+        check_signals(self, sample);
+        return;
+    }
+#endif
+    switch_on(self, driven);
 }
 
 #endif

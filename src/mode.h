@@ -196,6 +196,19 @@ static inline bool lode_mode_precharges(const lode_drive_t *self) {
 #endif
 }
 
+// PRECHARGE, while bridge and sensors are tried.
+static inline bool lode_mode_checks_signals(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_SIGNAL_CHECK
+    (void)self;
+    return false;
+#else
+    return lode_mode_precharges(self) &&
+           self->state.precharge.fly.stage == (uint_least8_t)LODE_FLY_SLOW &&
+           self->state.precharge.periods >= self->tuning->inverter.precharge_periods &&
+           lode_signal_check_goes_on(&self->state.precharge.check, &self->tuning->signal_check);
+#endif
+}
+
 // In PRECHARGE: the pulses have begun.
 static inline bool lode_mode_pulses(const lode_drive_t *self) {
     const lode_precharge_t *precharge = &self->state.precharge;
@@ -230,6 +243,12 @@ static inline lode_drive_out_t lode_mode_idle_out(const lode_drive_t *self,
     if (lode_mode_shorts(self)) {
         return (lode_drive_out_t){{0.0f, 0.0f, 0.0f}, LODE_GATES_LOW};
     }
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+    if (lode_mode_checks_signals(self)) {
+        const bool driven = lode_signal_check_drives(&self->state.precharge.check);
+        return (lode_drive_out_t){*duty, driven ? LODE_GATES_ON : LODE_GATES_OFF};
+    }
+#endif
     const bool pulses = lode_mode_precharges(self) && lode_mode_pulses(self);
     return (lode_drive_out_t){*duty, pulses ? LODE_GATES_LOW : LODE_GATES_OFF};
 }

@@ -20,6 +20,7 @@
 #include "lodestar/plausibility.h"
 #include "lodestar/references.h"
 #include "lodestar/sense.h"
+#include "lodestar/signal_check.h"
 #include "lodestar/speed.h"
 #include "lodestar/start.h"
 
@@ -58,6 +59,9 @@ typedef struct {
 #ifndef LODE_WITHOUT_FLYING_START
     lode_fly_tuning_t fly;
 #endif
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+    lode_signal_check_tuning_t signal_check;
+#endif
     lode_guard_tuning_t guard;
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_tuning_t plausibility;
@@ -74,8 +78,9 @@ typedef enum {
     LODE_MODE_START,     ///< I-f: current vector turned by the start-up, or by the stop
     LODE_MODE_RUN,       ///< speed control without a sensor
     LODE_MODE_FAULT,     ///< gates off, or active short, until the fault is cleared
-    LODE_MODE_PRECHARGE ///< low sides alone, before a mode with all gates on: looks for a rotor that turns,
-                        ///< and charges bootstrap capacitors
+    /// before a mode with all gates on: the low sides alone look for a rotor that turns, and charge bootstrap capacitors;
+    /// then pulses of all gates, with pauses, try bridge and sensors
+    LODE_MODE_PRECHARGE
 } lode_mode_t;
 
 /// The enumerator's name, for logs.
@@ -165,11 +170,14 @@ typedef struct {
 #endif
 } lode_running_t;
 
-/// Low sides alone.
+/// Before all gates are on.
 typedef struct {
-    uint32_t periods; ///< in a fifth of each, to charge bootstrap capacitors
+    uint32_t periods; ///< with the low sides on in a fifth of each, to charge bootstrap capacitors
 #ifndef LODE_WITHOUT_FLYING_START
     lode_fly_t fly; ///< before that, in search of a rotor that turns
+#endif
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+    lode_signal_check_t check; ///< after that
 #endif
 } lode_precharge_t;
 

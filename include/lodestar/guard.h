@@ -36,6 +36,9 @@ typedef enum {
     /// after HARDWARE_TRIP or OVER_CURRENT, in its place: the current that flows on with the gates off in the one
     /// phase, A; negative: its low side is shorted, positive: its high side
     LODE_CHECK_SWITCH_SHORTED,
+    /// before a start: current that follows its voltage at the worst rotor angle, A; negative: another phase, or the wrong way
+    LODE_CHECK_SIGNALS,
+    LODE_CHECK_INDUCTANCE, ///< before a start: the inductance that voltage and current show, mean of all angles, H
     LODE_CHECK_COUNT
 } lode_check_t;
 

@@ -36,6 +36,9 @@ typedef struct {
     /// a rotor that turns already is found by short zero vectors from gates off (fly.h); auto: on. Off for a
     /// board that sees no current with the low sides alone (one shunt in the DC link), or cannot switch so
     lode_choice_t pulses;
+    /// bridge and sensors are tried by short voltage pulses before the first attempt (signal_check.h), where `pulses` have
+    /// shown that the rotor rests; auto: on where that can be
+    lode_choice_t signal_check;
     float
         fade_s; ///< from the start current to the references after hand-over; 0: 0.1, salient 0.05
 } lode_start_config_t;

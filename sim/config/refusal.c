@@ -72,7 +72,7 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_W_FILTER, "estimator.w_filter_rad_s", NULL, "0 (none) .. 1/Ts"},
     {LODE_ERROR_CHOICE,
      "estimator.active_flux drive.dead_time_correction drive.dead_time_model speed.every_period "
-     "start.measure start.pulses",
+     "start.measure start.pulses start.signal_check",
      NULL, "auto, on or off"},
     {LODE_ERROR_PLL_KIND, "estimator.pll", NULL, "a PLL that is built in"},
     {LODE_ERROR_PLL_SIGMA, "estimator.sigma_rad_s estimator.sigma_low_rad_s",

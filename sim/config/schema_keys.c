@@ -168,6 +168,7 @@ static const rig_key_t keys[] = {
     FLOAT("start", "timeout_s", start.timeout_s),
     CHOICE("start", "measure", drive.start.measure, "auto|on|off", NULL),
     CHOICE("start", "pulses", drive.start.pulses, "auto|on|off", NULL),
+    CHOICE("start", "signal_check", drive.start.signal_check, "auto|on|off", NULL),
     FLOAT("start", "fade_s", start.fade_s),
 
     FLOAT("guard", "i_trip_A", guard.i_trip_A),

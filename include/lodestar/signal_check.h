@@ -1,0 +1,81 @@
+/// Signal check before a start: voltage pulses along each phase axis, out of gates off, one period forward and one back, far
+/// too short to turn a rotor. What the currents make of them tells bridge and sensors that do not belong together (S37).
+///
+/// A part of LODE_MODE_PRECHARGE, after the low-side pulses (fly.h), which know that the rotor is slow enough for it.
+/// LODE_WITHOUT_SIGNAL_CHECK leaves it out of a build, and so does LODE_WITHOUT_FLYING_START.
+#ifndef LODESTAR_SIGNAL_CHECK_H
+#define LODESTAR_SIGNAL_CHECK_H
+
+#include "lodestar/fly.h"
+#include "lodestar/plausibility.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(LODE_WITHOUT_FLYING_START) && !defined(LODE_WITHOUT_SIGNAL_CHECK)
+#define LODE_WITHOUT_SIGNAL_CHECK
+#endif
+
+#define LODE_SIGNAL_PULSES 6u ///< to both sides of each phase axis
+
+typedef struct {
+    float pulse;     ///< volts per bus volt, along the axis
+    float mean_A_V;  ///< what it shows of the current, mean of all rotor angles, per bus volt
+    float least_A_V; ///< the same that it shows at least
+    float off_A;     ///< what the sensors may show with the gates off
+    uint32_t pulses; ///< LODE_SIGNAL_PULSES for each set; 0: no check
+} lode_signal_check_tuning_t;
+
+typedef struct {
+    lode_ab_t along; ///< sums over the pulses: what each shows, seen from its axis
+    lode_ab_t
+        mirrored; ///< the same, turned on by the axis' angle instead of back: that is saliency
+    float phase_A[LODE_PHASES]; ///< what each phase shows, without sign
+    float sum_A;                ///< the same of the sum of all three
+    float before_A;             ///< current before the pulses, with all gates on and no voltage
+    float off_A;                ///< the largest phase current with the gates off
+    float least_A;              ///< of the pulse that shows least by itself, without the way back
+    int32_t shown[LODE_PHASES]; ///< by the present pulse, 1/256 count
+    uint_least8_t least;        ///< which pulse that is
+    uint_least8_t pulse;        ///< the present one; at the end their number
+    uint_least8_t period;       ///< of it
+} lode_signal_check_t;
+
+/// No check where `config` says so, without low-side pulses, where dead time takes too much of a pulse, or where its current
+/// would be too small to be seen. `motor`: with the inductances of one of `sets`, driven alone. LODE_ERROR_CHOICE where it
+/// is on and none of that can be helped.
+lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
+                                     const lode_start_config_t *config,
+                                     const lode_inverter_config_t *inverter,
+                                     const lode_motor_t *motor, const lode_sense_tuning_t *sense,
+                                     const lode_fly_tuning_t *fly, float ts_s);
+
+/// Begins, if the rotor `rests`; else it is passed over.
+void lode_signal_check_begin(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,
+                             bool rests);
+
+/// More periods of it are to come.
+static inline bool lode_signal_check_goes_on(const lode_signal_check_t *self,
+                                             const lode_signal_check_tuning_t *tuning) {
+    return (uint32_t)self->pulse < tuning->pulses;
+}
+
+/// One period. `i`: at t_k, 1/256 count. Returns the voltage that acts from t_k+1 on, per bus volt.
+lode_ab_t lode_signal_check_step(lode_signal_check_t *self,
+                                 const lode_signal_check_tuning_t *tuning,
+                                 const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]);
+
+/// After a step: all gates are on in the period that begins.
+bool lode_signal_check_drives(const lode_signal_check_t *self);
+
+/// After a step that was a set's last: what is wrong with it. LODE_CHECK_NONE: nothing, or there is more to come.
+lode_finding_t lode_signal_check_judge(lode_signal_check_t *self,
+                                       const lode_signal_check_tuning_t *tuning, float v_bus_V,
+                                       float ts_s);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

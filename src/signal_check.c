@@ -1,0 +1,256 @@
+#include "lodestar/signal_check.h"
+
+#define PHASES ((uint32_t)LODE_PHASES)
+
+// Periods of a pulse. The gates go on two periods before its voltage, as a board may switch them a period late.
+#define ON_PERIOD 1u
+#define FORWARD_PERIOD 2u
+#define BACK_PERIOD 3u
+#define OFF_PERIOD 4u
+#define PERIODS                                                                                    \
+    8u // with the gates off for the rest: against all of the bus what is left is gone sooner
+
+#define CURRENT_SHARE 0.25f // of i_max, through the smaller inductance
+#define CURRENT_MOST 0.5f
+#define DUTY_MOST 0.4f // beyond the half, so that both switches of a leg have their turn
+// Times what dead time takes, and a microsecond nobody knows of: what a pulse shows is then off by an eighth.
+#define PER_DEAD 4.0f
+#define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along a phase axis per volt that each phase loses
+#define UNKNOWN_s 1.0e-6f
+#define COUNTS_LEAST 64.0f // what a pulse shows: the noise of three phases is then a tenth of it
+
+#define NOTHING 0.1f     // of what is expected
+#define OFF_MOST 0.05f   // of i_max: an offset has a calibration behind it
+#define BEFORE_MOST 0.5f // of what is expected: a leg that keeps to a rail makes more than a pulse
+// Of what is expected at the larger inductance, which may be twice as large before it saturates.
+#define PULSE_LEAST 0.3f
+#define LACKS 0.08f // of the phase that shows most: a salient rotor leaves a sixth
+// Of what the phases show: gains that differ by 2 %, and noise, make 0.04, one of 0.7 makes 0.11.
+#define SUM_MOST 0.08f
+#define FOLLOWS 0.05f // of what is expected: the weaker axis of a salient rotor leaves a third
+// Of the inductance expected. Its error of 20 %, and another 20 % of iron that is not yet saturated, leave 1.6; current gains
+// of 0.4 make 2.5 of it.
+#define INDUCTANCE_HIGH 2.0f
+#define INDUCTANCE_LOW 0.4f
+
+#ifdef LODE_WITHOUT_SIGNAL_CHECK
+
+lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
+                                     const lode_start_config_t *config,
+                                     const lode_inverter_config_t *inverter,
+                                     const lode_motor_t *motor, const lode_sense_tuning_t *sense,
+                                     const lode_fly_tuning_t *fly, float ts_s) {
+    (void)inverter, (void)motor, (void)sense, (void)fly, (void)ts_s;
+    *tuning = (lode_signal_check_tuning_t){.pulses = 0u};
+    return config->signal_check == LODE_ON ? LODE_ERROR_CHOICE : LODE_OK;
+}
+
+#else
+
+// a, -c, b, -a, c, -b.
+static const lode_sincos_t axis[LODE_SIGNAL_PULSES] = {
+    {0.0f, 1.0f},  {0.5f * LODE_SQRT3, 0.5f},   {0.5f * LODE_SQRT3, -0.5f},
+    {0.0f, -1.0f}, {-0.5f * LODE_SQRT3, -0.5f}, {-0.5f * LODE_SQRT3, 0.5f}};
+static const uint_least8_t phase_of[LODE_SIGNAL_PULSES] = {1u, 3u, 2u, 1u, 3u, 2u};
+
+lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
+                                     const lode_start_config_t *config,
+                                     const lode_inverter_config_t *inverter,
+                                     const lode_motor_t *motor, const lode_sense_tuning_t *sense,
+                                     const lode_fly_tuning_t *fly, float ts_s) {
+    const lode_choice_t choice = config->signal_check;
+    if (choice != LODE_AUTO && choice != LODE_ON && choice != LODE_OFF) {
+        return LODE_ERROR_CHOICE;
+    }
+    const float L_H = lode_min(motor->Ld_H, motor->Lq_H);
+    const float all_V = inverter->i_max_A * L_H / ts_s; // for i_max in a period
+    const float dead_V =
+        inverter->v_drop_V + inverter->v_bus_V * (inverter->dead_time_s + UNKNOWN_s) / ts_s;
+    const float least_V = PER_DEAD * DEAD_PER_PHASE * dead_V;
+    const float room = lode_min(DUTY_MOST, sense->duty_max - 0.5f);
+    const float most_V = lode_min(CURRENT_MOST * all_V, room * inverter->v_bus_V);
+    const float u_V = lode_min(lode_max(CURRENT_SHARE * all_V, least_V), most_V);
+    // (S37), of the larger inductance and of both.
+    const float weakest_A = 2.0f * u_V * ts_s / lode_max(motor->Ld_H, motor->Lq_H);
+    const float mean_A = 0.5f * (weakest_A + 2.0f * u_V * ts_s / L_H);
+    const bool seen =
+        weakest_A >= COUNTS_LEAST * (float)LODE_COUNT_FRACTION * lode_abs(sense->i_gain);
+    const bool can = fly->share_first > 0.0f && least_V <= most_V && seen;
+    if (choice == LODE_ON && !can) {
+        return LODE_ERROR_CHOICE;
+    }
+    *tuning = (lode_signal_check_tuning_t){
+        .pulse = u_V / inverter->v_bus_V,
+        .mean_A_V = mean_A / inverter->v_bus_V,
+        .least_A_V = PULSE_LEAST * weakest_A / inverter->v_bus_V,
+        .off_A = OFF_MOST * inverter->i_max_A,
+        .pulses = can && choice != LODE_OFF ? LODE_SIGNAL_PULSES : 0u,
+    };
+    return LODE_OK;
+}
+
+static void forget(lode_signal_check_t *self) {
+    *self = (lode_signal_check_t){.least_A = FLT_MAX, .pulse = self->pulse};
+}
+
+void lode_signal_check_begin(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,
+                             bool rests) {
+    self->pulse = (uint_least8_t)(rests ? 0u : tuning->pulses);
+    forget(self);
+}
+
+static lode_ab_t current_A(const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
+    return (lode_ab_t){(float)(2 * i[0] - i[1] - i[2]) * sense->alpha_gain,
+                       (float)(i[1] - i[2]) * sense->beta_gain};
+}
+
+// The pulse along `at` is over.
+static void note(lode_signal_check_t *self, const lode_sense_tuning_t *sense, lode_sincos_t at) {
+    const int32_t *i = self->shown;
+    const float gain = lode_abs(sense->i_gain);
+    const lode_ab_t i_A = current_A(sense, i);
+    const lode_dq_t seen_A = lode_park(i_A, at);
+    const lode_ab_t turned_A = lode_ab_rotate(i_A, at);
+    self->along.alpha += seen_A.d;
+    self->along.beta += seen_A.q;
+    self->mirrored.alpha += turned_A.alpha;
+    self->mirrored.beta += turned_A.beta;
+    self->sum_A += gain * lode_abs((float)(i[0] + i[1] + i[2]));
+    for (uint32_t x = 0u; x < PHASES; x++) {
+        self->phase_A[x] += gain * lode_abs((float)i[x]);
+        self->shown[x] = 0;
+    }
+}
+
+// The voltage along `at` has acted: what has risen of the current, twice, and once what there was before.
+static void note_rise(lode_signal_check_t *self, const lode_sense_tuning_t *sense,
+                      lode_sincos_t at) {
+    const float rise_A = lode_park(current_A(sense, self->shown), at).d;
+    if (rise_A < self->least_A) {
+        self->least_A = rise_A;
+        self->least = self->pulse;
+    }
+}
+
+// By how much the current rises while the voltage acts forward, less that while it acts back: EMF, offset and, as the current
+// keeps its sign, dead time are in both (S37).
+static int32_t weight_of(uint32_t period) {
+    return period == BACK_PERIOD ? 2 : (period == FORWARD_PERIOD || period == OFF_PERIOD ? -1 : 0);
+}
+
+lode_ab_t lode_signal_check_step(lode_signal_check_t *self,
+                                 const lode_signal_check_tuning_t *tuning,
+                                 const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
+    const lode_sincos_t at = axis[(uint32_t)self->pulse % LODE_SIGNAL_PULSES];
+    const uint32_t period = self->period;
+    for (uint32_t x = 0u; x < PHASES; x++) {
+        self->shown[x] += weight_of(period) * i[x];
+    }
+    self->period = (uint_least8_t)(period + 1u);
+    float u = 0.0f;
+    if (period == ON_PERIOD) {
+        u = tuning->pulse;
+    } else if (period == FORWARD_PERIOD) {
+        u = -tuning->pulse;
+        self->before_A = lode_max(self->before_A, lode_ab_length(current_A(sense, i)));
+    } else if (period == BACK_PERIOD) {
+        note_rise(self, sense, at);
+    } else if (period == PERIODS - 1u) {
+        for (uint32_t x = 0u; x < PHASES; x++) {
+            self->off_A = lode_max(self->off_A, lode_abs(sense->i_gain * (float)i[x]));
+        }
+        note(self, sense, at);
+        self->period = 0u;
+        self->pulse++;
+    } else {
+        // gates on or off, without voltage
+    }
+    return (lode_ab_t){u * at.cos, u * at.sin};
+}
+
+bool lode_signal_check_drives(const lode_signal_check_t *self) {
+    return self->period >= ON_PERIOD && self->period <= OFF_PERIOD;
+}
+
+// The first phase, from 1, that shows next to nothing beside the others; 0: none.
+static uint32_t lacking_phase(const lode_signal_check_t *self) {
+    const float *i_A = self->phase_A;
+    const float most_A = lode_max(lode_max(i_A[0], i_A[1]), i_A[2]);
+    for (uint32_t x = 0u; x < PHASES; x++) {
+        if (i_A[x] < LACKS * most_A) {
+            return x + 1u;
+        }
+    }
+    return 0u;
+}
+
+static lode_finding_t finding(lode_check_t check, float measured, float limit) {
+    return (lode_finding_t){check, measured, limit};
+}
+
+// Sensors: with the gates off, and against each other.
+static lode_finding_t find_in_sensors(const lode_signal_check_t *self, float off_A, float mean_A) {
+    const float phases_A = self->phase_A[0] + self->phase_A[1] + self->phase_A[2];
+    const bool balanced = self->sum_A <= SUM_MOST * phases_A;
+    const uint32_t lacks = lacking_phase(self);
+    if (self->off_A > off_A) {
+        return finding(LODE_CHECK_OFFSET, self->off_A, off_A);
+    }
+    if (phases_A < NOTHING * 2.0f * (float)(int32_t)LODE_SIGNAL_PULSES * mean_A) {
+        return finding(LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
+    }
+    if (lacks > 0u) {
+        return finding(balanced ? LODE_CHECK_OPEN_PHASE : LODE_CHECK_CURRENT_STUCK,
+                       (float)(int32_t)lacks, 0.0f);
+    }
+    return balanced ? finding(LODE_CHECK_NONE, 0.0f, 0.0f)
+                    : finding(LODE_CHECK_CURRENT_SUM, self->sum_A, SUM_MOST * phases_A);
+}
+
+// Currents against the voltages that shall have made them. `pulse_Vs`: what acts on an inductance.
+static lode_finding_t find_in_bridge(const lode_signal_check_t *self, float pulse_Vs, float mean_A,
+                                     float least_A) {
+    const float inv = 1.0f / (float)(int32_t)LODE_SIGNAL_PULSES;
+    const float along_A = inv * self->along.alpha;
+    const float weakest_A =
+        along_A - inv * (lode_ab_length(self->mirrored) + lode_abs(self->along.beta));
+    if (self->before_A > BEFORE_MOST * mean_A) {
+        return finding(LODE_CHECK_SIGNALS, -self->before_A, -BEFORE_MOST * mean_A);
+    }
+    if (!(weakest_A >= FOLLOWS * mean_A)) {
+        return finding(LODE_CHECK_SIGNALS, weakest_A, FOLLOWS * mean_A);
+    }
+    const float seen_H = pulse_Vs / along_A;
+    const float high_H = INDUCTANCE_HIGH * pulse_Vs / mean_A;
+    const float low_H = INDUCTANCE_LOW * pulse_Vs / mean_A;
+    if (!lode_in_range(seen_H, low_H, high_H)) {
+        return finding(LODE_CHECK_INDUCTANCE, seen_H, seen_H > high_H ? high_H : low_H);
+    }
+    const bool whole = self->least_A >= least_A; // of a switch that stays off
+    return finding(whole ? LODE_CHECK_NONE : LODE_CHECK_OPEN_PHASE,
+                   (float)phase_of[(uint32_t)self->least % LODE_SIGNAL_PULSES], 0.0f);
+}
+
+lode_finding_t lode_signal_check_judge(lode_signal_check_t *self,
+                                       const lode_signal_check_tuning_t *tuning, float v_bus_V,
+                                       float ts_s) {
+    const uint32_t pulse = self->pulse;
+    if (pulse % LODE_SIGNAL_PULSES != 0u || pulse == 0u || self->period != 0u) {
+        return finding(LODE_CHECK_NONE, 0.0f, 0.0f);
+    }
+    const float mean_A = tuning->mean_A_V * v_bus_V;
+    lode_finding_t found = find_in_sensors(self, tuning->off_A, mean_A);
+    if (found.check == LODE_CHECK_NONE) {
+        found = find_in_bridge(self, 2.0f * tuning->pulse * v_bus_V * ts_s, mean_A,
+                               tuning->least_A_V * v_bus_V);
+    }
+    const bool phase = found.check == LODE_CHECK_OPEN_PHASE ||
+                       (found.check == LODE_CHECK_CURRENT_STUCK && found.measured > 0.0f);
+    if (phase && pulse > LODE_SIGNAL_PULSES) {
+        found.measured += (float)LODE_PHASES;
+    }
+    forget(self);
+    return found;
+}
+
+#endif
