@@ -214,9 +214,6 @@ static lode_finding_t find_in_bridge(const lode_signal_check_t *self, float puls
     const float along_A = inv * self->along.alpha;
     const float weakest_A =
         along_A - inv * (lode_ab_length(self->mirrored) + lode_abs(self->along.beta));
-    if (self->before_A > BEFORE_MOST * mean_A) {
-        return finding(LODE_CHECK_SIGNALS, -self->before_A, -BEFORE_MOST * mean_A);
-    }
     if (!(weakest_A >= FOLLOWS * mean_A)) {
         return finding(LODE_CHECK_SIGNALS, weakest_A, FOLLOWS * mean_A);
     }
@@ -235,10 +232,14 @@ lode_finding_t lode_signal_check_judge(lode_signal_check_t *self,
                                        const lode_signal_check_tuning_t *tuning, float v_bus_V,
                                        float ts_s) {
     const uint32_t pulse = self->pulse;
+    const float mean_A = tuning->mean_A_V * v_bus_V;
+    const float before_A = BEFORE_MOST * mean_A;
+    if (self->before_A > before_A) {
+        return finding(LODE_CHECK_SIGNALS, -self->before_A, -before_A);
+    }
     if (pulse % LODE_SIGNAL_PULSES != 0u || pulse == 0u || self->period != 0u) {
         return finding(LODE_CHECK_NONE, 0.0f, 0.0f);
     }
-    const float mean_A = tuning->mean_A_V * v_bus_V;
     lode_finding_t found = find_in_sensors(self, tuning->off_A, mean_A);
     if (found.check == LODE_CHECK_NONE) {
         found = find_in_bridge(self, 2.0f * tuning->pulse * v_bus_V * ts_s, mean_A,

@@ -69,7 +69,7 @@ lode_ab_t lode_signal_check_step(lode_signal_check_t *self,
 /// After a step: all gates are on in the period that begins.
 bool lode_signal_check_drives(const lode_signal_check_t *self);
 
-/// After a step that was a set's last: what is wrong with it. LODE_CHECK_NONE: nothing, or there is more to come.
+/// After a step: what is wrong. LODE_CHECK_NONE: nothing yet; most is said after a set's last pulse.
 lode_finding_t lode_signal_check_judge(lode_signal_check_t *self,
                                        const lode_signal_check_tuning_t *tuning, float v_bus_V,
                                        float ts_s);
