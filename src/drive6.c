@@ -329,7 +329,7 @@ static bool checks_set2(const lode_drive6_t *self) {
     return false;
 #else
     return lode_mode_checks_signals(&self->drive) &&
-           (uint32_t)self->drive.state.precharge.check.pulse >= LODE_SIGNAL_PULSES;
+           (uint32_t)self->drive.state.precharge.by.check.pulse >= LODE_SIGNAL_PULSES;
 #endif
 }
 

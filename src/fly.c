@@ -21,7 +21,6 @@
 #define FLUX_HIGH 1.6f  // the same, upwards
 #define LOST_SHARE 0.5f // of the current that is seen: noise alone is rarely that, and not for long
 #define GONE_SHARE 0.25f // of the current of a pulse
-#define REST_SHARE 0.1f  // of i_max
 #define SETTLE 2u        // periods from a new share to its first sample
 
 #ifdef LODE_WITHOUT_FLYING_START
@@ -103,13 +102,6 @@ static void enter(lode_fly_t *self, uint_least8_t stage) {
     self->periods = 0u;
 }
 
-// Left to the start, by the last pulse's current.
-static void give_up(lode_fly_t *self, float i_abs_A, const lode_fly_given_t *given) {
-    const float periods = (float)(int32_t)LODE_FLY_REST_PERIODS;
-    self->rests = periods * i_abs_A < REST_SHARE * given->i_max_A * self->share;
-    enter(self, (uint_least8_t)LODE_FLY_SLOW);
-}
-
 // Longest share after which the current, driven down by what the bus is above the EMF, is gone before the
 // next pulse (S23).
 static float longest(const lode_fly_t *self, const lode_fly_tuning_t *tuning, float i_abs_A,
@@ -131,11 +123,8 @@ static void grow(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     self->periods++;
     if ((enough && fits) || self->periods >= most_periods(given)) {
         self->theta_rad = lode_atan2(i_A.beta, i_A.alpha);
-        if (seen) {
-            enter(self, (uint_least8_t)LODE_FLY_TURN);
-        } else {
-            give_up(self, i_abs_A, given);
-        }
+        self->rests = !seen;
+        enter(self, (uint_least8_t)(seen ? LODE_FLY_TURN : LODE_FLY_SLOW));
         return;
     }
     float more = lode_max(tuning->share_first, GROWTH * (self->share - share_blind(tuning, given)));
@@ -183,7 +172,7 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     const float turned = lode_abs(self->turned_rad);
     const bool charged = self->charged >= given->charge;
     if (i_abs_A < LOST_SHARE * seen_A(given)) {
-        give_up(self, i_abs_A, given);
+        enter(self, (uint_least8_t)LODE_FLY_SLOW);
         return;
     }
     if (!charged || (self->periods < most_periods(given) &&
@@ -202,7 +191,7 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
         self->share = 0.0f;
         enter(self, (uint_least8_t)LODE_FLY_COAST);
     } else {
-        give_up(self, i_abs_A, given);
+        enter(self, (uint_least8_t)LODE_FLY_SLOW);
     }
 }
 

@@ -525,13 +525,8 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
     if (tuning->inverter.precharge_periods == 0u && !flies) {
         return false;
     }
-    self->state.precharge = (lode_precharge_t){.periods = 0u};
-#ifndef LODE_WITHOUT_FLYING_START
-    self->state.precharge.fly.stage = (uint_least8_t)(flies ? LODE_FLY_BEGIN : LODE_FLY_SLOW);
-#endif
-#ifndef LODE_WITHOUT_SIGNAL_CHECK
-    lode_signal_check_begin(&self->state.precharge.check, &tuning->signal_check, false);
-#endif
+    self->state.precharge = (lode_precharge_t){
+        .part = (uint_least8_t)(flies ? LODE_PRECHARGE_PULSES : LODE_PRECHARGE_CHARGE)};
     // Those in force when the low sides come: a board may switch them on at once.
     set_duties(self, flies ? 1.0f : lode_min(DUTY_PRECHARGE, tuning->sense.duty_max));
     lode_guard_reset(&self->guard);
@@ -597,13 +592,14 @@ static LODE_NOINLINE void fly_on(lode_drive_t *self, const int32_t i[LODE_PHASES
         .v_bus_V = self->inverter.v_bus_V,
         .charge = (1.0f - DUTY_PRECHARGE) * (float)(int32_t)tuning->inverter.precharge_periods,
     };
-    lode_fly_step(&self->state.precharge.fly, &tuning->fly, i_A, &given);
+    lode_fly_step(&self->state.precharge.by.fly, &tuning->fly, i_A, &given);
 }
 
 // Pulses. False: there is, or was, nothing to look for.
 static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t *sample) {
-    const lode_fly_t *fly = &self->state.precharge.fly;
-    if (fly->stage == (uint_least8_t)LODE_FLY_SLOW) {
+    lode_precharge_t *precharge = &self->state.precharge;
+    const lode_fly_t *fly = &precharge->by.fly;
+    if (precharge->part != (uint_least8_t)LODE_PRECHARGE_PULSES) {
         return false;
     }
     fly_on(self, sample->i);
@@ -613,24 +609,31 @@ static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t 
         take_flight(self, fly->theta_rad, fly->omega_rad_s); // ends the precharge's state
         return true;
     }
-#ifndef LODE_WITHOUT_SIGNAL_CHECK
-    if (fly->stage ==
-        (uint_least8_t)LODE_FLY_SLOW) { // another attempt goes by the first one's check
-        lode_signal_check_begin(&self->state.precharge.check, &self->tuning->signal_check,
-                                fly->rests && self->losses == 0u);
+    if (fly->stage == (uint_least8_t)LODE_FLY_SLOW) {
+        precharge->rests = fly->rests;
+        precharge->part = (uint_least8_t)LODE_PRECHARGE_CHARGE;
+        return false;
     }
-#endif
-    return fly->stage != (uint_least8_t)LODE_FLY_SLOW;
+    return true;
 }
 
 #endif
 
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
 
-// One period of it.
-static LODE_NOINLINE void check_signals(lode_drive_t *self, const lode_sample_t *sample) {
+// One period of it. False: there is, or was, nothing to check. Another attempt goes by the first one's check.
+static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    lode_signal_check_t *check = &self->state.precharge.check;
+    lode_precharge_t *precharge = &self->state.precharge;
+    lode_signal_check_t *check = &precharge->by.check;
+    if (precharge->part != (uint_least8_t)LODE_PRECHARGE_CHECK) {
+        precharge->part = (uint_least8_t)LODE_PRECHARGE_CHECK;
+        lode_signal_check_begin(check, &tuning->signal_check,
+                                precharge->rests && self->losses == 0u);
+    }
+    if (!lode_signal_check_goes_on(check, &tuning->signal_check)) {
+        return false;
+    }
     const lode_ab_t per_V =
         lode_signal_check_step(check, &tuning->signal_check, &tuning->sense, sample->i);
     self->duty = lode_mode_duties_at(lode_clarke_inverse(per_V));
@@ -642,6 +645,7 @@ static LODE_NOINLINE void check_signals(lode_drive_t *self, const lode_sample_t 
     if (bus && found.check != LODE_CHECK_NONE) {
         lode_mode_fault(self, found.check, found.measured, found.limit);
     }
+    return true;
 }
 
 #endif
@@ -667,8 +671,7 @@ static void follow_precharge(lode_drive_t *self, const lode_sample_t *sample) {
         return;
     }
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
-    if (lode_mode_checks_signals(self)) {
-        check_signals(self, sample);
+    if (check_signals(self, sample)) {
         return;
     }
 #endif

@@ -203,9 +203,8 @@ static inline bool lode_mode_checks_signals(const lode_drive_t *self) {
     return false;
 #else
     return lode_mode_precharges(self) &&
-           self->state.precharge.fly.stage == (uint_least8_t)LODE_FLY_SLOW &&
-           self->state.precharge.periods >= self->tuning->inverter.precharge_periods &&
-           lode_signal_check_goes_on(&self->state.precharge.check, &self->tuning->signal_check);
+           self->state.precharge.part == (uint_least8_t)LODE_PRECHARGE_CHECK &&
+           lode_signal_check_goes_on(&self->state.precharge.by.check, &self->tuning->signal_check);
 #endif
 }
 
@@ -213,8 +212,8 @@ static inline bool lode_mode_checks_signals(const lode_drive_t *self) {
 static inline bool lode_mode_pulses(const lode_drive_t *self) {
     const lode_precharge_t *precharge = &self->state.precharge;
 #ifndef LODE_WITHOUT_FLYING_START
-    if (precharge->fly.stage != (uint_least8_t)LODE_FLY_SLOW) {
-        return precharge->fly.stage != (uint_least8_t)LODE_FLY_BEGIN;
+    if (precharge->part == (uint_least8_t)LODE_PRECHARGE_PULSES) {
+        return precharge->by.fly.stage != (uint_least8_t)LODE_FLY_BEGIN;
     }
 #endif
     return precharge->periods > 0u;
@@ -245,7 +244,7 @@ static inline lode_drive_out_t lode_mode_idle_out(const lode_drive_t *self,
     }
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
     if (lode_mode_checks_signals(self)) {
-        const bool driven = lode_signal_check_drives(&self->state.precharge.check);
+        const bool driven = lode_signal_check_drives(&self->state.precharge.by.check);
         return (lode_drive_out_t){*duty, driven ? LODE_GATES_ON : LODE_GATES_OFF};
     }
 #endif

@@ -7,8 +7,8 @@
 #define FORWARD_PERIOD 2u
 #define BACK_PERIOD 3u
 #define OFF_PERIOD 4u
-#define PERIODS                                                                                    \
-    8u // with the gates off for the rest: against all of the bus what is left is gone sooner
+// The current is back where it was, and what is left of it is gone at once against all of the bus.
+#define PERIODS 6u
 
 #define CURRENT_SHARE 0.25f // of i_max, through the smaller inductance
 #define CURRENT_MOST 0.5f
@@ -21,6 +21,7 @@
 
 #define NOTHING 0.1f     // of what is expected
 #define OFF_MOST 0.05f   // of i_max: an offset has a calibration behind it
+#define TURNS 0.006f     // of i_max: some six counts, twice what the low-side pulses look for
 #define BEFORE_MOST 0.5f // of what is expected: a leg that keeps to a rail makes more than a pulse
 // Of what is expected at the larger inductance, which may be twice as large before it saturates.
 #define PULSE_LEAST 0.3f
@@ -84,6 +85,7 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
         .mean_A_V = mean_A / inverter->v_bus_V,
         .least_A_V = PULSE_LEAST * weakest_A / inverter->v_bus_V,
         .off_A = OFF_MOST * inverter->i_max_A,
+        .turns_A = TURNS * inverter->i_max_A,
         .pulses = can && choice != LODE_OFF ? LODE_SIGNAL_PULSES : 0u,
     };
     return LODE_OK;
@@ -132,19 +134,29 @@ static void note_rise(lode_signal_check_t *self, const lode_sense_tuning_t *sens
     }
 }
 
-// By how much the current rises while the voltage acts forward, less that while it acts back: EMF, offset and, as the current
-// keeps its sign, dead time are in both (S37).
-static int32_t weight_of(uint32_t period) {
-    return period == BACK_PERIOD ? 2 : (period == FORWARD_PERIOD || period == OFF_PERIOD ? -1 : 0);
+// All gates were on for two periods: what flows that did not before. The pulse begins.
+static void note_before(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,
+                        const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
+    self->before_A = lode_ab_length(current_A(sense, self->shown));
+    for (uint32_t x = 0u; x < PHASES; x++) {
+        self->shown[x] = -i[x];
+    }
+    if (self->before_A > tuning->turns_A) {
+        self->pulse = (uint_least8_t)tuning->pulses; // the last
+    }
 }
+
+// The first for what flows before the pulse. Then by how much the current rises while the voltage acts forward, less that while
+// it acts back: EMF, offset and, as the current keeps its sign, dead time are in both (S37).
+static const int32_t weight[PERIODS] = {-1, 0, 1, 2, -1, 0};
 
 lode_ab_t lode_signal_check_step(lode_signal_check_t *self,
                                  const lode_signal_check_tuning_t *tuning,
                                  const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
     const lode_sincos_t at = axis[(uint32_t)self->pulse % LODE_SIGNAL_PULSES];
-    const uint32_t period = self->period;
+    const uint32_t period = (uint32_t)self->period % PERIODS;
     for (uint32_t x = 0u; x < PHASES; x++) {
-        self->shown[x] += weight_of(period) * i[x];
+        self->shown[x] += weight[period] * i[x];
     }
     self->period = (uint_least8_t)(period + 1u);
     float u = 0.0f;
@@ -152,7 +164,7 @@ lode_ab_t lode_signal_check_step(lode_signal_check_t *self,
         u = tuning->pulse;
     } else if (period == FORWARD_PERIOD) {
         u = -tuning->pulse;
-        self->before_A = lode_max(self->before_A, lode_ab_length(current_A(sense, i)));
+        note_before(self, tuning, sense, i);
     } else if (period == BACK_PERIOD) {
         note_rise(self, sense, at);
     } else if (period == PERIODS - 1u) {

@@ -1303,8 +1303,8 @@ static void test_duties_of_pulses_stay_in_range(void) {
     rig_run(&searching, 2.0 * RIG_TS_s);
     for (int k = 0; k < COUNT_OF(shares); k++) {
         rig_t rig = searching;
-        rig.drive.state.precharge.fly.share = shares[k];
-        rig.drive.state.precharge.fly.wait = 2u; // it stays for a period
+        rig.drive.state.precharge.by.fly.share = shares[k];
+        rig.drive.state.precharge.by.fly.wait = 2u; // it stays for a period
         rig_step(&rig);
         TEST_ASSERT_TRUE(rig.out.duty.a >= 0.0f && rig.out.duty.a <= 1.0f);
         TEST_ASSERT_EQUAL_FLOAT(rig.out.duty.a, rig.out.duty.b);

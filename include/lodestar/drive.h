@@ -170,14 +170,25 @@ typedef struct {
 #endif
 } lode_running_t;
 
+/// What lode_precharge_t.part may be, in this order.
+enum {
+    LODE_PRECHARGE_PULSES, ///< of the low sides, in search of a rotor that turns
+    LODE_PRECHARGE_CHARGE, ///< low sides on in a fifth of each period: bootstrap capacitors
+    LODE_PRECHARGE_CHECK   ///< of bridge and sensors
+};
+
 /// Before all gates are on.
 typedef struct {
-    uint32_t periods; ///< with the low sides on in a fifth of each, to charge bootstrap capacitors
+    uint32_t periods; ///< CHARGE
+    uint_least8_t part;
+    bool rests; ///< after PULSES, as in lode_fly_t
 #ifndef LODE_WITHOUT_FLYING_START
-    lode_fly_t fly; ///< before that, in search of a rotor that turns
-#endif
+    union {
+        lode_fly_t fly; ///< PULSES
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
-    lode_signal_check_t check; ///< after that
+        lode_signal_check_t check; ///< CHECK
+#endif
+    } by;
 #endif
 } lode_precharge_t;
 

@@ -48,8 +48,6 @@ enum {
     LODE_FLY_SLOW ///< at rest, too slow, or nothing that could be seen
 };
 
-#define LODE_FLY_REST_PERIODS 4u
-
 typedef struct {
     float share;        ///< of the period in which the low sides are on, from the next period on
     float theta_rad;    ///< angle of the last vector; COAST, FOUND: of the rotor at t_k
@@ -62,7 +60,7 @@ typedef struct {
     uint32_t periods;   ///< of the present stage
     uint_least8_t wait; ///< periods until a new share has been sampled
     uint_least8_t stage;
-    bool rests; ///< SLOW: a zero vector of LODE_FLY_REST_PERIODS lets less than 0.1 i_max flow
+    bool rests; ///< SLOW: the longest pulses have shown nothing
 } lode_fly_t;
 
 /// No pulses where `config` says so, or where a share that is safe at `omega_max_rad_s` is too short for

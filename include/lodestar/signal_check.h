@@ -24,6 +24,7 @@ typedef struct {
     float mean_A_V;  ///< what it shows of the current, mean of all rotor angles, per bus volt
     float least_A_V; ///< the same that it shows at least
     float off_A;     ///< what the sensors may show with the gates off
+    float turns_A;   ///< with all gates on and no voltage: of a rotor that turns after all
     uint32_t pulses; ///< LODE_SIGNAL_PULSES for each set; 0: no check
 } lode_signal_check_tuning_t;
 
@@ -33,7 +34,7 @@ typedef struct {
         mirrored; ///< the same, turned on by the axis' angle instead of back: that is saliency
     float phase_A[LODE_PHASES]; ///< what each phase shows, without sign
     float sum_A;                ///< the same of the sum of all three
-    float before_A;             ///< current before the pulses, with all gates on and no voltage
+    float before_A;             ///< current before the pulse, with all gates on and no voltage
     float off_A;                ///< the largest phase current with the gates off
     float least_A;              ///< of the pulse that shows least by itself, without the way back
     int32_t shown[LODE_PHASES]; ///< by the present pulse, 1/256 count
