@@ -64,7 +64,9 @@ static lode_status_t tune_signal_check(lode_drive6_tuning_t *t,
     set.Lq_H = ripple_H(set.Lq_H, config->Lxy_H);
     const lode_status_t status =
         lode_drive_tune_signal_check(&t->drive, &config->drive, &set, &t->drive.fly);
-    t->drive.signal_check.pulses *= LODE_SETS;
+    // Phases that may be open have nothing to show.
+    const bool ignores = config->open_phase == LODE_OPEN_PHASE_IGNORE;
+    t->drive.signal_check.pulses *= ignores ? 0u : (uint32_t)LODE_SETS;
     return status;
 #endif
 }

@@ -295,8 +295,13 @@ lode_status_t lode_drive_tune_signal_check(lode_drive_tuning_t *t, const lode_dr
                                            const lode_motor_t *motor,
                                            const lode_fly_tuning_t *fly) {
     lode_signal_check_tuning_t check;
-    const lode_status_t status = lode_signal_check_tune(&check, &c->start, &c->inverter, motor,
-                                                        &t->sense, fly, 1.0f / c->f_pwm_Hz);
+    const lode_signal_check_given_t given = {
+        .ts_s = 1.0f / c->f_pwm_Hz,
+        .pulses = fly->share_first > 0.0f,
+        .sums = !lode_in_range(c->guard.i_sum_A, LODE_NONE, LODE_NONE),
+    };
+    const lode_status_t status =
+        lode_signal_check_tune(&check, &c->start, &c->inverter, motor, &c->sense, given);
 #ifdef LODE_WITHOUT_SIGNAL_CHECK
     (void)t;
 #else
@@ -311,7 +316,7 @@ static lode_status_t tune_flight(lode_drive_tuning_t *t, const lode_drive_config
     lode_fly_tuning_t fly;
     const lode_status_t status =
         lode_fly_tune(&fly, &c->start, &c->inverter, &c->motor, c->estimator.omega_max_rad_s,
-                      t->sense.duty_max, 1.0f / c->f_pwm_Hz);
+                      c->sense.duty_max, 1.0f / c->f_pwm_Hz);
 #ifndef LODE_WITHOUT_FLYING_START
     if (status == LODE_OK) {
         t->fly = fly;

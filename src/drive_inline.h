@@ -33,7 +33,7 @@ lode_status_t lode_drive_check_given(const lode_drive_config_t *config);
 // Default of current control's voltage_use, with `sense` designed; in drive_config.c.
 float lode_drive_voltage_use(const lode_drive_config_t *config);
 
-// The signal check of `motor`, with `t->sense` made; in drive_config.c.
+// The signal check, with the inductances of `motor`; in drive_config.c.
 lode_status_t lode_drive_tune_signal_check(lode_drive_tuning_t *t, const lode_drive_config_t *c,
                                            const lode_motor_t *motor, const lode_fly_tuning_t *fly);
 // Tells the interrupt that there is mail, in drive.c.

@@ -13,6 +13,7 @@
 #define CURRENT_SHARE 0.25f // of i_max, through the smaller inductance
 #define CURRENT_MOST 0.5f
 #define DUTY_MOST 0.4f // beyond the half, so that both switches of a leg have their turn
+#define WINDOW 0.98f   // of what low-side shunts leave
 // Times what dead time takes, and a microsecond nobody knows of: what a pulse shows is then off by an eighth.
 #define PER_DEAD 4.0f
 #define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along a phase axis per volt that each phase loses
@@ -26,8 +27,9 @@
 // Of what is expected at the larger inductance, which may be twice as large before it saturates.
 #define PULSE_LEAST 0.3f
 #define LACKS 0.08f // of the phase that shows most: a salient rotor leaves a sixth
-// Of what the phases show: gains that differ by 2 %, and noise, make 0.04, one of 0.7 makes 0.11.
-#define SUM_MOST 0.08f
+#define FLOWS 0.1f  // of the same
+// Of the phase that shows least: gains that differ by 2 % make up to 0.2 with much saliency, and 0.7 or 1.5 of one of them 0.33.
+#define SUM_MOST 0.28f
 #define FOLLOWS 0.05f // of what is expected: the weaker axis of a salient rotor leaves a third
 // Of the inductance expected. Its error of 20 %, and another 20 % of iron that is not yet saturated, leave 1.6; current gains
 // of 0.4 make 2.5 of it.
@@ -39,44 +41,38 @@
 lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
                                      const lode_start_config_t *config,
                                      const lode_inverter_config_t *inverter,
-                                     const lode_motor_t *motor, const lode_sense_tuning_t *sense,
-                                     const lode_fly_tuning_t *fly, float ts_s) {
-    (void)inverter, (void)motor, (void)sense, (void)fly, (void)ts_s;
+                                     const lode_motor_t *motor, const lode_sense_config_t *sense,
+                                     lode_signal_check_given_t given) {
+    (void)inverter, (void)motor, (void)sense, (void)given;
     *tuning = (lode_signal_check_tuning_t){.pulses = 0u};
     return config->signal_check == LODE_ON ? LODE_ERROR_CHOICE : LODE_OK;
 }
 
 #else
 
-// a, -c, b, -a, c, -b.
-static const lode_sincos_t axis[LODE_SIGNAL_PULSES] = {
-    {0.0f, 1.0f},  {0.5f * LODE_SQRT3, 0.5f},   {0.5f * LODE_SQRT3, -0.5f},
-    {0.0f, -1.0f}, {-0.5f * LODE_SQRT3, -0.5f}, {-0.5f * LODE_SQRT3, 0.5f}};
-static const uint_least8_t phase_of[LODE_SIGNAL_PULSES] = {1u, 3u, 2u, 1u, 3u, 2u};
-
 lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
                                      const lode_start_config_t *config,
                                      const lode_inverter_config_t *inverter,
-                                     const lode_motor_t *motor, const lode_sense_tuning_t *sense,
-                                     const lode_fly_tuning_t *fly, float ts_s) {
+                                     const lode_motor_t *motor, const lode_sense_config_t *sense,
+                                     lode_signal_check_given_t given) {
     const lode_choice_t choice = config->signal_check;
     if (choice != LODE_AUTO && choice != LODE_ON && choice != LODE_OFF) {
         return LODE_ERROR_CHOICE;
     }
+    const float ts_s = given.ts_s;
     const float L_H = lode_min(motor->Ld_H, motor->Lq_H);
     const float all_V = inverter->i_max_A * L_H / ts_s; // for i_max in a period
     const float dead_V =
         inverter->v_drop_V + inverter->v_bus_V * (inverter->dead_time_s + UNKNOWN_s) / ts_s;
     const float least_V = PER_DEAD * DEAD_PER_PHASE * dead_V;
-    const float room = lode_min(DUTY_MOST, sense->duty_max - 0.5f);
+    const float room = lode_min(DUTY_MOST, WINDOW * (sense->duty_max - 0.5f));
     const float most_V = lode_min(CURRENT_MOST * all_V, room * inverter->v_bus_V);
     const float u_V = lode_min(lode_max(CURRENT_SHARE * all_V, least_V), most_V);
     // (S37), of the larger inductance and of both.
     const float weakest_A = 2.0f * u_V * ts_s / lode_max(motor->Ld_H, motor->Lq_H);
     const float mean_A = 0.5f * (weakest_A + 2.0f * u_V * ts_s / L_H);
-    const bool seen =
-        weakest_A >= COUNTS_LEAST * (float)LODE_COUNT_FRACTION * lode_abs(sense->i_gain);
-    const bool can = fly->share_first > 0.0f && least_V <= most_V && seen;
+    const bool seen = weakest_A >= COUNTS_LEAST * lode_abs(sense->i_gain_A_count);
+    const bool can = given.pulses && least_V <= most_V && seen;
     if (choice == LODE_ON && !can) {
         return LODE_ERROR_CHOICE;
     }
@@ -85,6 +81,7 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
         .mean_A_V = mean_A / inverter->v_bus_V,
         .least_A_V = PULSE_LEAST * weakest_A / inverter->v_bus_V,
         .off_A = OFF_MOST * inverter->i_max_A,
+        .sum_most = given.sums ? SUM_MOST : FLT_MAX,
         .turns_A = TURNS * inverter->i_max_A,
         .pulses = can && choice != LODE_OFF ? LODE_SIGNAL_PULSES : 0u,
     };
@@ -146,13 +143,16 @@ static void note_before(lode_signal_check_t *self, const lode_signal_check_tunin
     }
 }
 
-// The first for what flows before the pulse. Then by how much the current rises while the voltage acts forward, less that while
-// it acts back: EMF, offset and, as the current keeps its sign, dead time are in both (S37).
-static const int32_t weight[PERIODS] = {-1, 0, 1, 2, -1, 0};
-
 lode_ab_t lode_signal_check_step(lode_signal_check_t *self,
                                  const lode_signal_check_tuning_t *tuning,
                                  const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
+    // a, -c, b, -a, c, -b.
+    static const lode_sincos_t axis[LODE_SIGNAL_PULSES] = {
+        {0.0f, 1.0f},  {0.5f * LODE_SQRT3, 0.5f},   {0.5f * LODE_SQRT3, -0.5f},
+        {0.0f, -1.0f}, {-0.5f * LODE_SQRT3, -0.5f}, {-0.5f * LODE_SQRT3, 0.5f}};
+    // The first for what flows before the pulse. Then by how much the current rises while the voltage acts forward, less that while
+    // it acts back: EMF, offset and, as the current keeps its sign, dead time are in both (S37).
+    static const int32_t weight[PERIODS] = {-1, 0, 1, 2, -1, 0};
     const lode_sincos_t at = axis[(uint32_t)self->pulse % LODE_SIGNAL_PULSES];
     const uint32_t period = (uint32_t)self->period % PERIODS;
     for (uint32_t x = 0u; x < PHASES; x++) {
@@ -184,12 +184,19 @@ bool lode_signal_check_drives(const lode_signal_check_t *self) {
     return self->period >= ON_PERIOD && self->period <= OFF_PERIOD;
 }
 
-// The first phase, from 1, that shows next to nothing beside the others; 0: none.
+static float least_phase_A(const lode_signal_check_t *self) {
+    return lode_min(lode_min(self->phase_A[0], self->phase_A[1]), self->phase_A[2]);
+}
+
+static float most_phase_A(const lode_signal_check_t *self) {
+    return lode_max(lode_max(self->phase_A[0], self->phase_A[1]), self->phase_A[2]);
+}
+
+// The phase, from 1, that shows next to nothing beside the others; 0: none.
 static uint32_t lacking_phase(const lode_signal_check_t *self) {
-    const float *i_A = self->phase_A;
-    const float most_A = lode_max(lode_max(i_A[0], i_A[1]), i_A[2]);
+    const float limit_A = LACKS * most_phase_A(self);
     for (uint32_t x = 0u; x < PHASES; x++) {
-        if (i_A[x] < LACKS * most_A) {
+        if (self->phase_A[x] < limit_A) {
             return x + 1u;
         }
     }
@@ -201,27 +208,30 @@ static lode_finding_t finding(lode_check_t check, float measured, float limit) {
 }
 
 // Sensors: with the gates off, and against each other.
-static lode_finding_t find_in_sensors(const lode_signal_check_t *self, float off_A, float mean_A) {
-    const float phases_A = self->phase_A[0] + self->phase_A[1] + self->phase_A[2];
-    const bool balanced = self->sum_A <= SUM_MOST * phases_A;
+static lode_finding_t find_in_sensors(const lode_signal_check_t *self,
+                                      const lode_signal_check_tuning_t *tuning, float mean_A) {
+    const float most_A = most_phase_A(self);
+    const float sum_A = tuning->sum_most * least_phase_A(self);
     const uint32_t lacks = lacking_phase(self);
-    if (self->off_A > off_A) {
-        return finding(LODE_CHECK_OFFSET, self->off_A, off_A);
+    if (self->off_A > tuning->off_A) {
+        return finding(LODE_CHECK_OFFSET, self->off_A, tuning->off_A);
     }
-    if (phases_A < NOTHING * 2.0f * (float)(int32_t)LODE_SIGNAL_PULSES * mean_A) {
+    if (most_A < NOTHING * (float)(int32_t)LODE_SIGNAL_PULSES * mean_A) {
         return finding(LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
     }
     if (lacks > 0u) {
-        return finding(balanced ? LODE_CHECK_OPEN_PHASE : LODE_CHECK_CURRENT_STUCK,
+        const bool flows = self->sum_A > FLOWS * most_A; // into the others, out of this one
+        return finding(flows ? LODE_CHECK_CURRENT_STUCK : LODE_CHECK_OPEN_PHASE,
                        (float)(int32_t)lacks, 0.0f);
     }
-    return balanced ? finding(LODE_CHECK_NONE, 0.0f, 0.0f)
-                    : finding(LODE_CHECK_CURRENT_SUM, self->sum_A, SUM_MOST * phases_A);
+    return finding(self->sum_A > sum_A ? LODE_CHECK_CURRENT_SUM : LODE_CHECK_NONE, self->sum_A,
+                   sum_A);
 }
 
 // Currents against the voltages that shall have made them. `pulse_Vs`: what acts on an inductance.
 static lode_finding_t find_in_bridge(const lode_signal_check_t *self, float pulse_Vs, float mean_A,
                                      float least_A) {
+    static const uint_least8_t phase_of[LODE_SIGNAL_PULSES] = {1u, 3u, 2u, 1u, 3u, 2u};
     const float inv = 1.0f / (float)(int32_t)LODE_SIGNAL_PULSES;
     const float along_A = inv * self->along.alpha;
     const float weakest_A =
@@ -252,7 +262,7 @@ lode_finding_t lode_signal_check_judge(lode_signal_check_t *self,
     if (pulse % LODE_SIGNAL_PULSES != 0u || pulse == 0u || self->period != 0u) {
         return finding(LODE_CHECK_NONE, 0.0f, 0.0f);
     }
-    lode_finding_t found = find_in_sensors(self, tuning->off_A, mean_A);
+    lode_finding_t found = find_in_sensors(self, tuning, mean_A);
     if (found.check == LODE_CHECK_NONE) {
         found = find_in_bridge(self, 2.0f * tuning->pulse * v_bus_V * ts_s, mean_A,
                                tuning->least_A_V * v_bus_V);

@@ -1294,6 +1294,75 @@ static void test_off_ends_the_pulses(void) {
     rig_expect(&rig, LODE_MODE_OFF);
 }
 
+/// Before a start: `swapped`: the sensors of phases a and b; the bus as sampled. Until the start or a fault; periods with all
+/// gates on.
+static int driven_before(rig_t *rig, bool swapped, bool bus) {
+    int driven = 0;
+    for (int n = 0; n < 1000 && rig->drive.mode != (uint_least8_t)LODE_MODE_START &&
+                    rig->drive.mode != (uint_least8_t)LODE_MODE_FAULT;
+         n++) {
+        lode_counts_t counts = rig_counts(rig);
+        const uint16_t a = counts.i[0];
+        counts.i[0] = swapped ? counts.i[1] : a;
+        counts.i[1] = swapped ? a : counts.i[1];
+        counts.v_bus = bus ? counts.v_bus : (uint16_t)0u;
+        rig->out = lode_drive_step(&rig->drive, &counts);
+        driven +=
+            rig->drive.mode == (uint_least8_t)LODE_MODE_PRECHARGE && rig->out.gates == LODE_GATES_ON
+                ? 1
+                : 0;
+        rig_move(rig);
+        CHECK_AT_MOST(0.4 * 12.0, hypot(rig->motor.id, rig->motor.iq));
+    }
+    return driven;
+}
+
+#define PULSE_PERIODS 4 // with the gates on, of each of six pulses
+
+/// (S37), before the first attempt and without turning the rotor.
+static void test_a_start_tries_bridge_and_sensors(void) {
+    rig_t rig = fresh();
+    const double theta = rig.motor.theta;
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_EQUAL_INT(6 * PULSE_PERIODS, driven_before(&rig, false, true));
+    rig_expect(&rig, LODE_MODE_START);
+    CHECK_NEAR(1.0 * CHECK_DEG, theta, rig.motor.theta);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+}
+
+static void test_swapped_sensors_end_the_start_before_it_begins(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_EQUAL_INT(6 * PULSE_PERIODS, driven_before(&rig, true, true));
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_SIGNALS", lode_check_name(fault.check));
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_PRECHARGE, fault.state);
+    TEST_ASSERT_TRUE(fault.measured < fault.limit);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+}
+
+/// Switched off; of another attempt; and by a bus that is none, which the guard names in START.
+static void test_starts_that_try_nothing(void) {
+    lode_drive_config_t config = rig_config();
+    config.start.signal_check = LODE_OFF;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_EQUAL_INT(0, driven_before(&rig, true, true));
+    rig_expect(&rig, LODE_MODE_START);
+    rig_t again = fresh();
+    rig_command(&again, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&again, LODE_MODE_PRECHARGE, 0.2));
+    again.drive.losses = 1u;
+    TEST_ASSERT_EQUAL_INT(0, driven_before(&again, true, true));
+    rig_expect(&again, LODE_MODE_START);
+    rig_t dark = fresh();
+    rig_command(&dark, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&dark, LODE_MODE_PRECHARGE, 0.2));
+    TEST_ASSERT_EQUAL_INT(6 * PULSE_PERIODS, driven_before(&dark, true, false));
+    rig_expect(&dark, LODE_MODE_START);
+}
+
 // Whatever a memory that has flipped says of the share.
 static void test_duties_of_pulses_stay_in_range(void) {
     const float shares[] = {1.5f, -0.5f, NAN, INFINITY, -INFINITY};
@@ -2095,6 +2164,11 @@ static lode_fault_t after_flip(const rig_t *sound, size_t word, double time_s) {
 
 #define WORDS_OF_A_TUNING (sizeof other_tuning / sizeof(float))
 
+static bool is_of_the_guard(size_t word) {
+    const size_t from = offsetof(lode_drive_tuning_t, guard);
+    return word * sizeof(float) - from < sizeof other_tuning.guard; // wraps round below it
+}
+
 /// Standing, a word is looked at in each period, running in every eighth.
 static void test_a_tuning_that_changes_by_itself_trips(void) {
     for (int running = 0; running < 2; running++) {
@@ -2114,6 +2188,10 @@ static void test_a_tuning_that_changes_by_itself_trips(void) {
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
         for (size_t word = 0; word < WORDS_OF_A_TUNING; word += running == 1 ? 7 : 1) {
             const lode_fault_t fault = after_flip(&sound, word, 2.0 * walk_s);
+            if (is_of_the_guard(word) && fault.check != (uint_least8_t)LODE_CHECK_MEMORY) {
+                TEST_ASSERT_TRUE(fault.check != (uint_least8_t)LODE_CHECK_NONE);
+                continue; // a limit that is passed trips at once
+            }
             TEST_ASSERT_EQUAL_STRING("LODE_CHECK_MEMORY", lode_check_name(fault.check));
             TEST_ASSERT_TRUE(fault.measured == 3.0f);
         }
@@ -2540,7 +2618,9 @@ static rig_t on_its_way(const lode_drive_config_t *config, uint_least8_t failed)
     rig_t rig;
     rig_init(&rig, &tuning, config);
     rig_command(&rig, run_at(80.0));
-    for (int n = 0; n < 20000 && !(rig.drive.state.start.omega_rad_s > 1.0f); n++) {
+    for (int n = 0; n < 20000 && !(rig.drive.mode == (uint_least8_t)LODE_MODE_START &&
+                                   rig.drive.state.start.omega_rad_s > 1.0f);
+         n++) {
         rig_step(&rig);
     }
     rig_expect(&rig, LODE_MODE_START);
@@ -2837,6 +2917,7 @@ static void test_a_resistance_of_no_winding_ends_the_start(void) {
 /// A start of which nothing is measured at rest, with sensors that show `gain` of the currents.
 static lode_fault_t with_gains(double gain, lode_choice_t plausibility) {
     lode_drive_config_t config = rig_config();
+    config.start.signal_check = LODE_OFF; // which finds it before
     config.start.measure = LODE_OFF;
     config.guard.plausibility = plausibility;
     rig_t rig;
@@ -2961,6 +3042,7 @@ static lode_fault_t with_a_dead_switch(int phase, uint32_t noise) {
     lode_drive_config_t config = rig_config();
     config.guard.i_sum_A =
         LODE_NONE; // only the counts are changed here: of a real one the sum is zero
+    config.start.signal_check = LODE_OFF; // which finds it before
     rig_t rig;
     rig_init(&rig, &tuning, &config);
     rig_command(&rig, run_at(100.0));
@@ -2977,8 +3059,9 @@ static lode_fault_t with_a_dead_switch(int phase, uint32_t noise) {
 }
 
 /// In RUN one phase shows nothing of its current, as if it were open, and the others share what it lacks. Until the drive
-/// trips, or for half a second. `speed`: rad/s, mechanical; the load takes a third of i_max.
-static lode_fault_t with_an_open_phase(int phase, lode_choice_t plausibility, double *took_s) {
+/// trips, or for half a second. The load takes a third of i_max.
+static lode_fault_t with_an_open_phase(int phase, double after_s, lode_choice_t plausibility,
+                                       double *took_s) {
     lode_drive_config_t config = rig_config();
     config.guard.i_sum_A = LODE_NONE; // of a real one the sum is zero
     config.guard.plausibility = plausibility;
@@ -2986,7 +3069,7 @@ static lode_fault_t with_an_open_phase(int phase, lode_choice_t plausibility, do
     rig_init(&rig, &tuning, &config);
     rig.load_Nm = 2.0;
     rig_command(&rig, run_at(150.0));
-    rig_run(&rig, 4.0);
+    rig_run(&rig, after_s);
     rig_expect(&rig, LODE_MODE_RUN);
     *took_s = 0.0;
     while (*took_s < 0.5 && rig_telemetry(&rig).mode == LODE_MODE_RUN) {
@@ -3004,18 +3087,24 @@ static lode_fault_t with_an_open_phase(int phase, lode_choice_t plausibility, do
     return rig_telemetry(&rig).fault;
 }
 
+/// A turn takes 14 ms. Where current control loses its vector for a turn, as of one in ten, that turn tells less.
 static void test_a_phase_that_opens_in_run_is_found(void) {
     double took_s;
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_an_open_phase(-1, LODE_ON, &took_s).check);
-    for (int phase = 0; phase < LODE_PHASES; phase++) {
-        const lode_fault_t fault = with_an_open_phase(phase, LODE_ON, &took_s);
+    int in_50_ms = 0;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_an_open_phase(-1, 4.0, LODE_ON, &took_s).check);
+    for (int n = 0; n < 12; n++) {
+        const int phase = n % LODE_PHASES;
+        const double after_s = 4.0 + 1.2e-3 * n;
+        const lode_fault_t fault = with_an_open_phase(phase, after_s, LODE_ON, &took_s);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(fault.check));
         TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, fault.state);
         CHECK_NEAR(0.0, phase + 1, fault.measured);
-        CHECK_AT_MOST(0.06, took_s); // four turns of 14 ms
+        CHECK_AT_MOST(0.08, took_s);
+        in_50_ms += took_s <= 0.05 ? 1 : 0;
         TEST_ASSERT_NOT_EQUAL(LODE_CHECK_OPEN_PHASE,
-                              with_an_open_phase(phase, LODE_OFF, &took_s).check);
+                              with_an_open_phase(phase, after_s, LODE_OFF, &took_s).check);
     }
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(10, in_50_ms);
 }
 
 /// The second of two turns in which phase 2 lacks its positive half-wave, asked for, at `omega`. The check that trips.
@@ -3735,6 +3824,9 @@ int main(void) {
     RUN_TEST(test_pulses_find_a_rotor_that_turns);
     RUN_TEST(test_a_flight_begins_with_the_emf);
     RUN_TEST(test_off_ends_the_pulses);
+    RUN_TEST(test_a_start_tries_bridge_and_sensors);
+    RUN_TEST(test_swapped_sensors_end_the_start_before_it_begins);
+    RUN_TEST(test_starts_that_try_nothing);
     RUN_TEST(test_duties_of_pulses_stay_in_range);
     RUN_TEST(test_capacitors_are_charged_by_the_pulses_themselves);
     RUN_TEST(test_capacitors_are_charged_after_pulses_that_find_nothing);

@@ -93,6 +93,9 @@ int main(void) {
     config.start.pulses = LODE_ON;
     say("pulses", config);
     config.start.pulses = LODE_AUTO;
+    config.start.signal_check = LODE_ON;
+    say("signals", config);
+    config.start.signal_check = LODE_AUTO;
     config.speed.every_period = LODE_ON;
     say("fast", config);
     config.speed.every_period = LODE_AUTO;
@@ -120,7 +123,7 @@ refuses() {
     "$object" > "$said"
     refused=$(sed -n '/ LODE_OK$/!p' "$said" | tr '\n' ' ')
     [ "$refused" = "$2" ] || { echo "built with '$1', refused: $refused, expected: $2"; exit 1; }
-    [ "$(grep -c . "$said")" = 19 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
+    [ "$(grep -c . "$said")" = 20 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
 }
 references=LODE_ERROR_REFERENCES
 window=LODE_ERROR_SENSE_WINDOW
@@ -132,7 +135,8 @@ phases="window $window shunts $window "
 plausibility="plausibility LODE_ERROR_CHOICE still LODE_ERROR_GUARD_TIME "
 injection="hfi LODE_ERROR_HFI_MODE "
 precharge="precharge LODE_ERROR_PRECHARGE "
-pulses="pulses LODE_ERROR_CHOICE "
+signals="signals LODE_ERROR_CHOICE "
+pulses="pulses LODE_ERROR_CHOICE $signals"
 measurement="measurement LODE_ERROR_CHOICE "
 fast="fast LODE_ERROR_SPEED_BANDWIDTH "
 torque="torque $command "
@@ -152,6 +156,8 @@ refuses "-DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT" "$precharge$
 absent lode_start_measure LODE_WITHOUT_START_MEASUREMENT
 refuses -DLODE_WITHOUT_FLYING_START "$pulses"
 absent lode_fly_step LODE_WITHOUT_FLYING_START
+refuses -DLODE_WITHOUT_SIGNAL_CHECK "$signals"
+absent lode_signal_check_step LODE_WITHOUT_SIGNAL_CHECK
 refuses "-DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR" "$fast$torque"
 absent lode_speed_torque_target LODE_WITHOUT_TORQUE_CONTROL
 refuses -DLODE_WITHOUT_HFI "$injection"

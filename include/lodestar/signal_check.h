@@ -24,9 +24,17 @@ typedef struct {
     float mean_A_V;  ///< what it shows of the current, mean of all rotor angles, per bus volt
     float least_A_V; ///< the same that it shows at least
     float off_A;     ///< what the sensors may show with the gates off
+    float sum_most;  ///< of what the phase shows that shows least, that their sum may be
     float turns_A;   ///< with all gates on and no voltage: of a rotor that turns after all
     uint32_t pulses; ///< LODE_SIGNAL_PULSES for each set; 0: no check
 } lode_signal_check_tuning_t;
+
+/// What is known elsewhere.
+typedef struct {
+    float ts_s;
+    bool pulses; ///< of the low sides (fly.h) come before
+    bool sums;   ///< the three currents add up to none
+} lode_signal_check_given_t;
 
 typedef struct {
     lode_ab_t along; ///< sums over the pulses: what each shows, seen from its axis
@@ -49,8 +57,8 @@ typedef struct {
 lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
                                      const lode_start_config_t *config,
                                      const lode_inverter_config_t *inverter,
-                                     const lode_motor_t *motor, const lode_sense_tuning_t *sense,
-                                     const lode_fly_tuning_t *fly, float ts_s);
+                                     const lode_motor_t *motor, const lode_sense_config_t *sense,
+                                     lode_signal_check_given_t given);
 
 /// Begins, if the rotor `rests`; else it is passed over.
 void lode_signal_check_begin(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,

@@ -213,6 +213,8 @@ static const rig_key_t keys[] = {
     REACTION("flux", FLUX),
     REACTION("resistance", RESISTANCE),
     REACTION("switch_shorted", SWITCH_SHORTED),
+    REACTION("signals", SIGNALS),
+    REACTION("inductance", INDUCTANCE),
 
     NUMBER("supply", "battery_A", supply.battery_A, 0.0, 1e5),
     NUMBER_OR("supply", "regen_A", supply.regen_A, 0.0, 1e5, "none"),

@@ -149,6 +149,13 @@
     ROW(FLOAT, float, start.calm_V) \
     ROW(FLOAT, float, fly.share_first) \
     ROW(FLOAT, float, fly.share_dead) \
+    ROW(FLOAT, float, signal_check.pulse) \
+    ROW(FLOAT, float, signal_check.mean_A_V) \
+    ROW(FLOAT, float, signal_check.least_A_V) \
+    ROW(FLOAT, float, signal_check.off_A) \
+    ROW(FLOAT, float, signal_check.sum_most) \
+    ROW(FLOAT, float, signal_check.turns_A) \
+    ROW(WHOLE, uint32_t, signal_check.pulses) \
     ROW(FLOAT, float, guard.i_trip) \
     ROW(FLOAT, float, guard.v_bus_max) \
     ROW(FLOAT, float, guard.v_bus_min) \

@@ -45,11 +45,9 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
 static void print_option(FILE *file, const char *member, bool begins) {
     static const struct {
         const char *members, *option;
-    } options[] = {{"estimator.notch", "NOTCH"},
-                   {"estimator.hfi", "HFI"},
-                   {"plausibility", "PLAUSIBILITY"},
-                   {"start.calm_", "START_MEASUREMENT"},
-                   {"fly.", "FLYING_START"}};
+    } options[] = {{"estimator.notch", "NOTCH"},     {"estimator.hfi", "HFI"},
+                   {"plausibility", "PLAUSIBILITY"}, {"start.calm_", "START_MEASUREMENT"},
+                   {"fly.", "FLYING_START"},         {"signal_check.", "SIGNAL_CHECK"}};
     for (size_t k = 0u; k < sizeof options / sizeof options[0]; ++k) {
         if (strncmp(member, options[k].members, strlen(options[k].members)) != 0) {
             continue;

@@ -12,7 +12,7 @@ LAYERS = [
     ["chopper", "motor", "pi", "ramp", "sogi", "observer", "vsd"],
     ["sense", "inverter", "modulator", "modulator6", "xy",
      "open_phase", "emf", "pll", "lag", "notch", "hfi"],
-    ["estimator", "current", "speed", "references", "start", "fly", "guard", "plausibility"],
+    ["estimator", "current", "speed", "references", "start", "fly", "guard", "plausibility", "signal_check"],
     ["drive", "drive_config", "mode"],
     ["adaptation", "commission", "derate", "drive6", "drive6_config", "encoder", "fault_log",
      "learn", "single_shunt", "supervisor", "supply"],

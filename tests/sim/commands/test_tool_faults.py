@@ -34,6 +34,22 @@ def finds(checks, folder):
     checks.true("| the rotor stands | START " in done.stdout, "the table")
 
 
+def tries_bridge_and_sensors_before_a_start(checks, folder):
+    """Within 15 ms of the calibration, and with less than half of i_max."""
+    expected = {"adc-last": "CURRENT_STUCK", "adc-mid-all": "CURRENT_STUCK", "gain-0.7": "CURRENT_SUM",
+                "gains-0.4": "INDUCTANCE", "offsets-25": "OFFSET", "sensors-swapped": "SIGNALS",
+                "sensors-rotated": "SIGNALS", "switch-high-dead": "OPEN_PHASE", "switch-low-dead": "OPEN_PHASE",
+                "phase-open": "OPEN_PHASE", "duties-late": "SIGNALS", "duties-early": "SIGNALS", "register-1": "SIGNALS"}
+    for motor, i_max_A in [("jiang2022", 12), ("eldeeb2017", 15), ("servo_48V", 20), ("fan_325V", 1.5)]:
+        _, cases = cases_of(folder, "--motors", motor, "--kinds", ",".join(["none", *expected]))
+        checks.equal(cases["none", "standstill"]["found"], "NONE", f"{motor} in order")
+        for kind, check in expected.items():
+            case = cases[kind, "standstill"]
+            checks.equal(case["found"], check, f"{kind} of {motor}")
+            checks.at_most(case["found_s"], 0.115, f"{kind} of {motor}: calibration and 15 ms")
+            checks.at_most(case["peak_A"], 0.5 * i_max_A, f"{kind} of {motor}")
+
+
 def finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder):
     kind = ("--motors", "jiang2022", "--kinds", "ntc-stuck")
     done, cases = cases_of(folder, *kind)

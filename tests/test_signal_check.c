@@ -1,0 +1,511 @@
+// Signal check before a start: what pulses show on a salient machine, behind a bridge and sensors that may be wrong.
+#include "support/ipmsm.h"
+
+#include "lodestar/signal_check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+#define V_BUS_V 200.0
+#define I_MAX_A 12.0
+#define A_PER_COUNT 0.01
+#define COUNT_A (A_PER_COUNT / LODE_COUNT_FRACTION)
+#define PERIODS (6 * 6) // of a set
+#define ANGLES 24
+
+static const lode_inverter_config_t inverter = {
+    .v_bus_V = (float)V_BUS_V, .i_max_A = (float)I_MAX_A, .dead_time_s = 2.0e-6f};
+static const lode_sense_config_t converters = {.i_gain_A_count = (float)A_PER_COUNT,
+                                               .duty_max = 1.0f};
+static const lode_start_config_t start = {.catch_s = 0.05f};
+static const lode_signal_check_given_t usual = {PAPER_TS_s, true, true};
+static const lode_sense_tuning_t sense = {.i_gain = (float)COUNT_A,
+                                          .alpha_gain = (float)(COUNT_A / 3.0),
+                                          .beta_gain = (float)(COUNT_A / 1.7320508)};
+
+static lode_signal_check_tuning_t tuned(void) {
+    const lode_motor_t motor = paper_motor();
+    lode_signal_check_tuning_t tuning;
+    TEST_ASSERT_EQUAL_STRING("LODE_OK",
+                             lode_status_name(lode_signal_check_tune(&tuning, &start, &inverter,
+                                                                     &motor, &converters, usual)));
+    return tuning;
+}
+
+/// Bridge and sensors. `see`: which phase each sensor shows, by which gain.
+typedef struct {
+    ipmsm_t motor;
+    int see[3];
+    double gain[3];
+    double offset_A[3];
+    double stuck_A[3]; ///< less than 1e3: what it shows whatever flows
+    int rail;          ///< leg that keeps to its low side; 0: none
+    int dead;          ///< leg whose high side stays off; negative: whose low side does
+    bool open;         ///< phase a
+    int late;          ///< periods that duties act later
+    double e[4][3];    ///< voltages per bus volt on their way, of the legs
+    double peak_A;
+} board_t;
+
+static board_t board_at(double theta) {
+    board_t self = {.motor = ipmsm_paper(0.0),
+                    .see = {0, 1, 2},
+                    .gain = {1.0, 1.0, 1.0},
+                    .stuck_A = {1e6, 1e6, 1e6}};
+    self.motor.theta = theta;
+    return self;
+}
+
+static void phases_of(const ipmsm_t *m, double i[3]) {
+    for (int x = 0; x < 3; x++) {
+        const double at = m->theta - 2.0 * CHECK_PI / 3.0 * x;
+        i[x] = m->id * cos(at) - m->iq * sin(at);
+    }
+}
+
+static void sample(const board_t *self, int32_t counts[LODE_PHASES]) {
+    double i[3];
+    phases_of(&self->motor, i);
+    for (int x = 0; x < 3; x++) {
+        double seen = self->gain[x] * i[self->see[x]] + self->offset_A[x];
+        seen = self->stuck_A[x] < 1e3 ? self->stuck_A[x] : seen;
+        counts[x] = (int32_t)lrint(seen / A_PER_COUNT) * LODE_COUNT_FRACTION;
+    }
+}
+
+// What a leg makes of its duty at the current out of it.
+static double leg(const board_t *self, int x, double e, double i_A) {
+    const int number = x + 1;
+    if (self->rail == number) {
+        return -0.5;
+    }
+    if ((self->dead == number && i_A >= 0.05) || (self->dead == -number && i_A <= -0.05)) {
+        return self->dead > 0 ? -0.5 : 0.5; // by the diode of the other side
+    }
+    return e;
+}
+
+// Phase `x` has no current: what flows does so between the other two.
+static void move_without(board_t *self, int x, const double u[3], double h) {
+    ipmsm_t *m = &self->motor;
+    const double at =
+        2.0 * CHECK_PI / 3.0 * x + 0.5 * CHECK_PI - m->theta; // across, from the d axis
+    const double along = m->id * cos(at) + m->iq * sin(at);
+    const double L = m->Ld * cos(at) * cos(at) + m->Lq * sin(at) * sin(at);
+    const double more = h / L * ((u[(x + 1) % 3] - u[(x + 2) % 3]) / sqrt(3.0) - m->R * along);
+    m->id = (along + more) * cos(at);
+    m->iq = (along + more) * sin(at);
+}
+
+// The leg whose current neither its switch nor a diode takes: -1: none.
+static int blocked(const board_t *self, const double i[3]) {
+    const int x = abs(self->dead) - 1;
+    if (self->open) {
+        return 0;
+    }
+    if (self->dead == 0 || fabs(i[x]) >= 0.05) {
+        return -1;
+    }
+    const double rest = 0.5 * (self->e[0][(x + 1) % 3] + self->e[0][(x + 2) % 3]);
+    return (self->dead > 0 ? self->e[0][x] > rest : self->e[0][x] < rest) ? x : -1;
+}
+
+// One period with all gates on, or none.
+static void move(board_t *self, bool gates) {
+    const double h = (double)PAPER_TS_s / 16.0;
+    for (int n = 0; n < 16; n++) {
+        double i[3];
+        double u[3];
+        phases_of(&self->motor, i);
+        const int without = blocked(self, i);
+        for (int x = 0; x < 3; x++) {
+            u[x] = V_BUS_V * leg(self, x, self->e[0][x], i[x]);
+        }
+        if (!gates) {
+            self->motor.id = self->motor.iq = 0.0;
+        } else if (without >= 0) {
+            move_without(self, without, u, h);
+        } else {
+            ipmsm_move(&self->motor, (2.0 * u[0] - u[1] - u[2]) / 3.0, (u[1] - u[2]) / sqrt(3.0),
+                       h);
+        }
+        self->peak_A = fmax(self->peak_A, hypot(self->motor.id, self->motor.iq));
+    }
+}
+
+static void keep(board_t *self, lode_ab_t e) {
+    for (int k = 0; k < 3; k++) {
+        memcpy(self->e[k], self->e[k + 1], sizeof self->e[k]);
+    }
+    const lode_abc_t legs = lode_clarke_inverse(e);
+    const double voltages[3] = {(double)legs.a, (double)legs.b, (double)legs.c};
+    memcpy(self->e[self->late], voltages, sizeof voltages);
+}
+
+/// A whole check, of `sets` that are alike; `periods` that it took.
+static lode_finding_t checked(board_t *self, const lode_signal_check_tuning_t *tuning,
+                              int *periods) {
+    lode_signal_check_t check;
+    lode_signal_check_begin(&check, tuning, true);
+    *periods = 0;
+    while (lode_signal_check_goes_on(&check, tuning)) {
+        int32_t i[LODE_PHASES];
+        sample(self, i);
+        const lode_ab_t e = lode_signal_check_step(&check, tuning, &sense, i);
+        const lode_finding_t found =
+            lode_signal_check_judge(&check, tuning, (float)V_BUS_V, PAPER_TS_s);
+        ++*periods;
+        if (found.check != LODE_CHECK_NONE) {
+            return found;
+        }
+        move(self, lode_signal_check_drives(&check));
+        keep(self, e);
+    }
+    return (lode_finding_t){LODE_CHECK_NONE, 0.0f, 0.0f};
+}
+
+static lode_finding_t once(board_t self) {
+    const lode_signal_check_tuning_t tuning = tuned();
+    int periods;
+    return checked(&self, &tuning, &periods);
+}
+
+static double angle_of(int n) {
+    return 2.0 * CHECK_PI * n / ANGLES;
+}
+
+static void expect(lode_check_t check, board_t self) {
+    TEST_ASSERT_EQUAL_STRING(lode_check_name(check), lode_check_name(once(self).check));
+}
+
+static void test_what_is_in_order_passes(void) {
+    const lode_signal_check_tuning_t tuning = tuned();
+    for (int n = 0; n < ANGLES; n++) {
+        board_t self = board_at(angle_of(n));
+        int periods;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, checked(&self, &tuning, &periods).check);
+        TEST_ASSERT_EQUAL_INT(PERIODS, periods);
+        CHECK_AT_MOST(0.3 * I_MAX_A, self.peak_A);
+        CHECK_AT_LEAST(0.2 * I_MAX_A, self.peak_A); // of the smaller inductance a quarter
+    }
+}
+
+static void test_gains_two_per_cent_apart_pass(void) {
+    for (int n = 0; n < ANGLES; n++) {
+        board_t self = board_at(angle_of(n));
+        self.gain[0] = self.gain[1] = 1.02;
+        self.gain[2] = 0.98;
+        expect(LODE_CHECK_NONE, self);
+    }
+}
+
+static void test_one_gain_that_is_off_shows_in_the_sum(void) {
+    static const double gains[] = {0.4, 0.7, 1.5};
+    for (int n = 0; n < ANGLES; n++) {
+        board_t self = board_at(angle_of(n));
+        self.gain[n % 3] = gains[n % COUNT_OF(gains)];
+        const lode_finding_t found = once(self);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_SUM", lode_check_name(found.check));
+        TEST_ASSERT_TRUE(found.measured > found.limit);
+        CHECK_AT_LEAST(0.1, (double)found.limit);
+    }
+}
+
+/// Where the three add up to none by themselves, or need not.
+static void test_sums_that_are_none_of_its_business(void) {
+    const lode_motor_t motor = paper_motor();
+    lode_signal_check_given_t given = usual;
+    given.sums = false;
+    lode_signal_check_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(
+        LODE_OK, lode_signal_check_tune(&tuning, &start, &inverter, &motor, &converters, given));
+    board_t self = board_at(0.3);
+    self.gain[0] = 0.7;
+    int periods;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, checked(&self, &tuning, &periods).check);
+}
+
+/// All gains, or the motor: by the mean of all angles, so wherever the rotor lies.
+static void test_an_inductance_that_is_not_the_motors(void) {
+    static const struct {
+        double gain;
+        lode_check_t check;
+    } table[] = {{0.4, LODE_CHECK_INDUCTANCE}, {0.45, LODE_CHECK_INDUCTANCE},
+                 {0.55, LODE_CHECK_NONE},      {1.0, LODE_CHECK_NONE},
+                 {2.3, LODE_CHECK_NONE},       {2.7, LODE_CHECK_INDUCTANCE}};
+    const double mean_H = 2.0 / (1.0 / 3.5e-3 + 1.0 / 9.8e-3);
+    for (int k = 0; k < COUNT_OF(table); k++) {
+        for (int n = 0; n < ANGLES; n++) {
+            board_t self = board_at(angle_of(n));
+            self.gain[0] = self.gain[1] = self.gain[2] = table[k].gain;
+            const lode_finding_t found = once(self);
+            TEST_ASSERT_EQUAL_STRING(lode_check_name(table[k].check), lode_check_name(found.check));
+            if (found.check != LODE_CHECK_NONE) {
+                CHECK_NEAR(0.1 * mean_H / table[k].gain, mean_H / table[k].gain,
+                           (double)found.measured);
+                CHECK_NEAR(1.0e-5, (table[k].gain < 1.0 ? 2.0 : 0.4) * mean_H, (double)found.limit);
+            }
+        }
+    }
+}
+
+static void test_sensors_in_the_wrong_place_or_the_wrong_way(void) {
+    static const int places[][3] = {{1, 0, 2}, {0, 2, 1}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
+    for (int k = 0; k < COUNT_OF(places); k++) {
+        for (int n = 0; n < 2 * ANGLES; n++) {
+            board_t self = board_at(angle_of(n));
+            memcpy(self.see, places[k], sizeof self.see);
+            const double way = n < ANGLES ? 1.0 : -1.0;
+            self.gain[0] = self.gain[1] = self.gain[2] = way;
+            const lode_finding_t found = once(self);
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_SIGNALS", lode_check_name(found.check));
+            TEST_ASSERT_TRUE(found.measured < found.limit);
+        }
+    }
+    for (int n = 0; n < ANGLES; n++) {
+        board_t all = board_at(angle_of(n));
+        all.gain[0] = all.gain[1] = all.gain[2] = -1.0;
+        expect(LODE_CHECK_SIGNALS, all);
+        board_t one = board_at(angle_of(n));
+        one.gain[n % 3] = -1.0;
+        expect(LODE_CHECK_CURRENT_SUM, one);
+    }
+}
+
+static void test_sensors_that_are_stuck(void) {
+    for (int n = 0; n < ANGLES; n++) {
+        board_t one = board_at(angle_of(n));
+        one.stuck_A[n % 3] = 0.02;
+        const lode_finding_t found = once(one);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK", lode_check_name(found.check));
+        CHECK_NEAR(0.0, n % 3 + 1, (double)found.measured);
+        board_t all = board_at(angle_of(n));
+        all.stuck_A[0] = all.stuck_A[1] = all.stuck_A[2] = 0.0;
+        const lode_finding_t none = once(all);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK", lode_check_name(none.check));
+        CHECK_NEAR(0.0, 0.0, (double)none.measured);
+    }
+}
+
+static void test_an_offset_that_came_after_the_calibration(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        board_t self = board_at(1.0);
+        self.offset_A[1] = sign * 0.045 * I_MAX_A;
+        expect(LODE_CHECK_NONE, self);
+        self.offset_A[1] = sign * 0.055 * I_MAX_A;
+        const lode_finding_t found = once(self);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OFFSET", lode_check_name(found.check));
+        CHECK_NEAR(0.01, 0.055 * I_MAX_A, (double)found.measured);
+        CHECK_NEAR(1.0e-6, 0.05 * I_MAX_A, (double)found.limit);
+    }
+}
+
+static void test_a_phase_that_is_open(void) {
+    for (int n = 0; n < ANGLES; n++) {
+        board_t self = board_at(angle_of(n));
+        self.open = true;
+        // Where its axis is that of the rotor, its current is as much as the other two have left.
+        const lode_finding_t found = once(self);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(found.check));
+        CHECK_NEAR(0.0, 1.0, (double)found.measured);
+    }
+}
+
+static void test_a_switch_that_stays_off(void) {
+    for (int n = 0; n < ANGLES; n++) {
+        for (int leg_number = -3; leg_number <= 3; leg_number++) {
+            board_t self = board_at(angle_of(n));
+            self.dead = leg_number;
+            const lode_finding_t found = once(self);
+            if (leg_number == 0) {
+                TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found.check);
+                continue;
+            }
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(found.check));
+            CHECK_NEAR(0.0, abs(leg_number), (double)found.measured);
+        }
+    }
+}
+
+/// At once, before it has more current than a pulse makes.
+static void test_a_leg_that_keeps_to_a_rail(void) {
+    const lode_signal_check_tuning_t tuning = tuned();
+    for (int n = 0; n < ANGLES; n++) {
+        board_t self = board_at(angle_of(n));
+        self.rail = n % 3 + 1;
+        int periods;
+        const lode_finding_t found = checked(&self, &tuning, &periods);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_SIGNALS", lode_check_name(found.check));
+        TEST_ASSERT_TRUE(found.measured < found.limit);
+        TEST_ASSERT_EQUAL_INT(3, periods);
+        CHECK_AT_MOST(I_MAX_A, self.peak_A);
+    }
+}
+
+static void test_duties_that_act_a_period_late(void) {
+    for (int n = 0; n < ANGLES; n++) {
+        board_t self = board_at(angle_of(n));
+        self.late = 1;
+        expect(LODE_CHECK_SIGNALS, self);
+    }
+}
+
+/// Its EMF flows as current while all gates are on. Without an answer: the start finds it.
+static void test_a_rotor_that_turns_after_all_is_passed_over(void) {
+    const lode_signal_check_tuning_t tuning = tuned();
+    for (int sign = -1; sign <= 1; sign += 2) {
+        board_t self = board_at(0.5);
+        self.motor.omega = sign * 30.0;
+        int periods;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, checked(&self, &tuning, &periods).check);
+        TEST_ASSERT_EQUAL_INT(3, periods);
+        CHECK_AT_LEAST(0.006 * I_MAX_A, self.peak_A);
+        board_t slow = board_at(0.5);
+        slow.motor.omega = sign * 5.0;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, checked(&slow, &tuning, &periods).check);
+        TEST_ASSERT_EQUAL_INT(PERIODS, periods);
+    }
+    lode_signal_check_t check;
+    lode_signal_check_begin(&check, &tuning, false); // known before
+    TEST_ASSERT_FALSE(lode_signal_check_goes_on(&check, &tuning));
+    TEST_ASSERT_FALSE(lode_signal_check_drives(&check));
+}
+
+/// Of six phases the second set comes after the first, and has numbers of its own.
+static void test_the_second_set(void) {
+    lode_signal_check_tuning_t tuning = tuned();
+    tuning.pulses *= 2u;
+    int periods;
+    board_t both = board_at(0.2);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, checked(&both, &tuning, &periods).check);
+    TEST_ASSERT_EQUAL_INT(2 * PERIODS, periods);
+    for (int stuck = 0; stuck <= 1; stuck++) {
+        lode_signal_check_t check;
+        lode_signal_check_begin(&check, &tuning, true);
+        board_t self = board_at(0.2);
+        lode_finding_t found = {LODE_CHECK_NONE, 0.0f, 0.0f};
+        for (int n = 0; n < 2 * PERIODS && found.check == LODE_CHECK_NONE; n++) {
+            self.open = n >= PERIODS && stuck == 0;
+            self.stuck_A[1] = n >= PERIODS && stuck == 1 ? 0.0 : 1e6;
+            int32_t i[LODE_PHASES];
+            sample(&self, i);
+            const lode_ab_t e = lode_signal_check_step(&check, &tuning, &sense, i);
+            found = lode_signal_check_judge(&check, &tuning, (float)V_BUS_V, PAPER_TS_s);
+            move(&self, lode_signal_check_drives(&check));
+            keep(&self, e);
+        }
+        TEST_ASSERT_EQUAL_STRING(stuck == 1 ? "LODE_CHECK_CURRENT_STUCK" : "LODE_CHECK_OPEN_PHASE",
+                                 lode_check_name(found.check));
+        CHECK_NEAR(0.0, stuck == 1 ? 5.0 : 4.0, (double)found.measured);
+    }
+}
+
+/// Gates on for four periods of six, voltage in the third and the fourth, to both sides of each axis.
+static void test_pulses_in_their_order(void) {
+    static const double degrees[] = {0.0, 300.0, 120.0, 180.0, 60.0, 240.0};
+    static const int32_t none[LODE_PHASES] = {0, 0, 0};
+    const lode_signal_check_tuning_t tuning = tuned();
+    lode_signal_check_t check;
+    lode_signal_check_begin(&check, &tuning, true);
+    bool seen[6] = {false};
+    for (int n = 0; n < PERIODS; n++) {
+        TEST_ASSERT_EQUAL_INT(n % 6 >= 1 && n % 6 <= 4, lode_signal_check_drives(&check));
+        const lode_ab_t e = lode_signal_check_step(&check, &tuning, &sense, none);
+        const double length = hypot((double)e.alpha, (double)e.beta);
+        const double sign = n % 6 == 1 ? 1.0 : (n % 6 == 2 ? -1.0 : 0.0);
+        CHECK_NEAR(1.0e-6, fabs(sign) * (double)tuning.pulse, length);
+        for (int k = 0; k < 6 && n % 6 == 1; k++) {
+            const double at = degrees[k] * CHECK_DEG;
+            seen[k] = seen[k] || hypot((double)e.alpha - length * cos(at),
+                                       (double)e.beta - length * sin(at)) < 1.0e-6;
+        }
+    }
+    for (int k = 0; k < 6; k++) {
+        TEST_ASSERT_TRUE(seen[k]);
+    }
+    TEST_ASSERT_FALSE(lode_signal_check_goes_on(&check, &tuning));
+}
+
+static lode_signal_check_tuning_t tuned_with(lode_choice_t choice, lode_inverter_config_t bridge,
+                                             lode_sense_config_t seen, bool pulses,
+                                             lode_status_t expected) {
+    const lode_motor_t motor = paper_motor();
+    lode_start_config_t config = start;
+    config.signal_check = choice;
+    lode_signal_check_given_t given = usual;
+    given.pulses = pulses;
+    lode_signal_check_tuning_t tuning = {.pulses = 99u};
+    TEST_ASSERT_EQUAL_STRING(
+        lode_status_name(expected),
+        lode_status_name(lode_signal_check_tune(&tuning, &config, &bridge, &motor, &seen, given)));
+    return tuning;
+}
+
+/// Auto: off where it would tell nothing. On: refused there, and the tuning left alone.
+static void test_where_there_is_no_check(void) {
+    lode_inverter_config_t slow = inverter;
+    slow.dead_time_s = 2.0e-5f; // 10 % of the period
+    lode_sense_config_t coarse = converters;
+    coarse.i_gain_A_count = 0.05f;
+    TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_AUTO, inverter, converters, true, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_ON, inverter, converters, true, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_OFF, inverter, converters, true, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, inverter, converters, false, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, slow, converters, true, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, inverter, coarse, true, LODE_OK).pulses);
+    const lode_status_t no = LODE_ERROR_CHOICE;
+    TEST_ASSERT_EQUAL_UINT(99u, tuned_with(LODE_ON, inverter, converters, false, no).pulses);
+    TEST_ASSERT_EQUAL_UINT(99u, tuned_with(LODE_ON, slow, converters, true, no).pulses);
+    TEST_ASSERT_EQUAL_UINT(99u, tuned_with(LODE_ON, inverter, coarse, true, no).pulses);
+    TEST_ASSERT_EQUAL_UINT(99u,
+                           tuned_with((lode_choice_t)7, inverter, converters, true, no).pulses);
+}
+
+/// A quarter of i_max through the smaller inductance; more where dead time takes more than a quarter of that, up to what a
+/// duty and low-side shunts leave.
+static void test_voltage_of_a_pulse(void) {
+    const double quarter_V = 0.25 * I_MAX_A * 3.5e-3 / (double)PAPER_TS_s;
+    CHECK_NEAR(1.0e-5, quarter_V / V_BUS_V, (double)tuned().pulse);
+    lode_inverter_config_t dead = inverter;
+    dead.dead_time_s = 9.0e-6f;
+    dead.v_drop_V = 1.0f;
+    const double least_V = 4.0 * 4.0 / 3.0 * (1.0 + V_BUS_V * 1.0e-5 / (double)PAPER_TS_s);
+    TEST_ASSERT_TRUE(least_V > quarter_V);
+    const lode_signal_check_tuning_t more = tuned_with(LODE_AUTO, dead, converters, true, LODE_OK);
+    CHECK_NEAR(1.0e-5, least_V / V_BUS_V, (double)more.pulse);
+    lode_sense_config_t window = converters;
+    window.duty_max = 0.7f;
+    const lode_signal_check_tuning_t less = tuned_with(LODE_AUTO, inverter, window, true, LODE_OK);
+    CHECK_NEAR(1.0e-6, 0.98 * 0.2, (double)less.pulse);
+    // What it shows, of both inductances.
+    CHECK_NEAR(1.0e-6, (double)less.pulse * (double)PAPER_TS_s * (1.0 / 3.5e-3 + 1.0 / 9.8e-3),
+               (double)less.mean_A_V);
+    CHECK_NEAR(1.0e-6, 0.3 * 2.0 * (double)less.pulse * (double)PAPER_TS_s / 9.8e-3,
+               (double)less.least_A_V);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_what_is_in_order_passes);
+    RUN_TEST(test_gains_two_per_cent_apart_pass);
+    RUN_TEST(test_one_gain_that_is_off_shows_in_the_sum);
+    RUN_TEST(test_sums_that_are_none_of_its_business);
+    RUN_TEST(test_an_inductance_that_is_not_the_motors);
+    RUN_TEST(test_sensors_in_the_wrong_place_or_the_wrong_way);
+    RUN_TEST(test_sensors_that_are_stuck);
+    RUN_TEST(test_an_offset_that_came_after_the_calibration);
+    RUN_TEST(test_a_phase_that_is_open);
+    RUN_TEST(test_a_switch_that_stays_off);
+    RUN_TEST(test_a_leg_that_keeps_to_a_rail);
+    RUN_TEST(test_duties_that_act_a_period_late);
+    RUN_TEST(test_a_rotor_that_turns_after_all_is_passed_over);
+    RUN_TEST(test_the_second_set);
+    RUN_TEST(test_pulses_in_their_order);
+    RUN_TEST(test_where_there_is_no_check);
+    RUN_TEST(test_voltage_of_a_pulse);
+    return UNITY_END();
+}
