@@ -15,7 +15,10 @@
 #define BUS_SHARE 0.1f // of the flux, by which the EMF is off when the bus is not what is read
 #define MOVED_FLUX_MAX 0.35f // of the flux, that a d current may take or give at once
 
-void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+    if (!lode_mode_is_finite(tuning)) {
+        return LODE_ERROR_TUNING;
+    }
     *self = (lode_drive_t){.tuning = tuning, .direction = 1.0f};
 #ifndef LODE_WITHOUT_TORQUE_LIMITS
     lode_drive_limit_torque(self, 1.0f);
@@ -26,6 +29,7 @@ void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     lode_sense_reset(&self->sense, &tuning->sense);
     lode_guard_reset(&self->guard);
     lode_mode_switch_off(self);
+    return LODE_OK;
 }
 
 lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
@@ -34,10 +38,7 @@ lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
         return LODE_ERROR_NULL;
     }
     const lode_status_t status = lode_drive_tune(tuning, config);
-    if (status == LODE_OK) {
-        lode_drive_begin(self, tuning);
-    }
-    return status;
+    return status == LODE_OK ? lode_drive_begin(self, tuning) : status;
 }
 
 // Tells the interrupt that there is mail. In this order: it may come in between.
@@ -115,6 +116,9 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     if (self == NULL || tuning == NULL) {
         return LODE_ERROR_NULL;
+    }
+    if (!lode_mode_is_finite(tuning)) {
+        return LODE_ERROR_TUNING;
     }
     LODE_SHARED_STORE(self->posted_tuning,
                       NULL); // one not yet taken would come with this one's check

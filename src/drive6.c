@@ -5,6 +5,8 @@
 #include "open_phase_inline.h"
 #include "xy_inline.h"
 
+#include <stddef.h>
+
 #define TELEMETRY_TRIES 3
 // Set 2 is looked at once in a round.
 #define LOOKS_OF_SET_2 2.0f
@@ -35,13 +37,32 @@ static lode_words_t words_of(const lode_drive6_tuning_t *tuning) {
                           (uint32_t)(sizeof *tuning / sizeof(uint32_t))};
 }
 
-void lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning) {
+// All floats of the tuning.
+static bool is_finite(const lode_drive6_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_TUNING_CHECK
+    (void)tuning;
+    return true;
+#else
+    const size_t from = offsetof(lode_drive6_tuning_t, xy); // from here to `source` all are floats
+    const size_t end = offsetof(lode_drive6_tuning_t, source);
+    const lode_words_t own = {&((const unsigned char *)tuning)[from],
+                              (uint32_t)((end - from) / sizeof(uint32_t))};
+    return lode_mode_is_finite(&tuning->drive) && lode_mode_is_finite(&tuning->alone) &&
+           lode_mode_are_finite(own);
+#endif
+}
+
+lode_status_t lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning) {
+    if (!is_finite(tuning)) {
+        return LODE_ERROR_TUNING;
+    }
     *self = (lode_drive6_t){.tuning = tuning};
-    lode_drive_begin(&self->drive, &tuning->drive);
+    (void)lode_drive_begin(&self->drive, &tuning->drive);
     lode_mode_post_check(&self->drive, words_of(tuning));
     lode_mode_take_check(&self->drive);
     lode_sense_reset(&self->sense_2, &tuning->drive.sense);
     idle_set2(self);
+    return LODE_OK;
 }
 
 lode_status_t lode_drive6_init(lode_drive6_t *self, lode_drive6_tuning_t *tuning,
@@ -50,15 +71,15 @@ lode_status_t lode_drive6_init(lode_drive6_t *self, lode_drive6_tuning_t *tuning
         return LODE_ERROR_NULL;
     }
     const lode_status_t status = lode_drive6_tune(tuning, config);
-    if (status == LODE_OK) {
-        lode_drive6_begin(self, tuning);
-    }
-    return status;
+    return status == LODE_OK ? lode_drive6_begin(self, tuning) : status;
 }
 
 lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tuning_t *tuning) {
     if (self == NULL || tuning == NULL) {
         return LODE_ERROR_NULL;
+    }
+    if (!is_finite(tuning)) {
+        return LODE_ERROR_TUNING;
     }
     LODE_SHARED_STORE(self->posted_tuning, NULL); // as lode_drive_post_tuning()
     LODE_SIGNAL_FENCE();

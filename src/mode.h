@@ -11,7 +11,6 @@ typedef struct {
 } lode_control_frame_t;
 
 #define MODE_BITS 0xffu
-#define WORD_BITS 32u
 #define HALF_BITS 16u
 #define HALF_MASK 0xffffu
 #define MODE_SHIFT 3u // beyond the flags
@@ -112,49 +111,37 @@ static inline lode_words_t lode_mode_words(const lode_drive_tuning_t *tuning) {
                           (uint32_t)(sizeof *tuning / sizeof(uint32_t))};
 }
 
-// Leaves the sum of a tuning beside it in the mailbox. One bit that flips changes it. For a thread.
+// Leaves the check of a tuning beside it in the mailbox. For a thread.
 void lode_mode_post_check(lode_drive_t *self, lode_words_t tuning);
 
-// From the next period on the tuning whose sum lies in the mailbox is watched.
+// From the next period on the tuning whose check lies in the mailbox is watched.
 void lode_mode_take_check(lode_drive_t *self);
 
-#ifndef LODE_WITHOUT_TUNING_CHECK
-
-// One of up to four bytes of a word; a byte may have more than eight bits.
-static inline uint32_t lode_mode_byte(const unsigned char *word, uint32_t n) {
-    const uint32_t bytes = (uint32_t)sizeof(uint32_t);
-    return n < bytes ? (uint32_t)word[n] << (WORD_BITS / bytes * n) : 0u;
-}
-
-// The sum with one more word of a tuning. Read as bytes: that may be done with any object, and compilers make
-// one load of it.
-static inline uint32_t lode_mode_add_word(uint32_t sum, const unsigned char *word) {
-    const uint32_t bits = lode_mode_byte(word, 0u) | lode_mode_byte(word, 1u) |
-                          lode_mode_byte(word, 2u) | lode_mode_byte(word, 3u);
-    return (sum << 1u | sum >> (WORD_BITS - 1u)) ^ bits;
-}
-
-#endif
-
-// One more word of the tuning. False: all are summed up, and the sum is not what it was.
-static inline bool lode_mode_watch_tuning(lode_drive_t *self, lode_words_t tuning) {
 #ifdef LODE_WITHOUT_TUNING_CHECK
+
+static inline bool lode_mode_is_finite(const lode_drive_tuning_t *tuning) {
+    (void)tuning;
+    return true;
+}
+
+static inline bool lode_mode_watch_tuning(lode_drive_t *self, lode_words_t tuning) {
     (void)self;
     (void)tuning;
     return true;
-#else
-    lode_tuning_watch_t *watch = &self->watch;
-    const uint32_t word = watch->word;
-    if (word < tuning.words) {
-        watch->sum = lode_mode_add_word(watch->sum, tuning.from + word * sizeof(uint32_t));
-        watch->word = word + 1u;
-        return true;
-    }
-    const bool same = watch->sum == watch->check;
-    watch->sum = watch->word = 0u;
-    return same;
-#endif
 }
+
+#else
+
+// All of these words are floats, and finite ones. For a thread.
+bool lode_mode_are_finite(lode_words_t floats);
+
+// All floats of the tuning are finite. For a thread.
+bool lode_mode_is_finite(const lode_drive_tuning_t *tuning);
+
+// One more word of the tuning. False: that was all of it, and it is not what it was.
+bool lode_mode_watch_tuning(lode_drive_t *self, lode_words_t tuning);
+
+#endif
 
 // A command lies in the mailbox: it is called for, if the call was lost. False: its flag is none.
 bool lode_mode_mail_ok(lode_drive_t *self);

@@ -91,6 +91,7 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_OPEN_PHASE);
         NAME(LODE_ERROR_COMMAND);
         NAME(LODE_ERROR_COMMAND_SPEED);
+        NAME(LODE_ERROR_TUNING);
         NAME(LODE_ERROR_ENCODER_COUNTS);
         NAME(LODE_ERROR_ENCODER_ANGLE);
         NAME(LODE_ERROR_ENCODER_BANDWIDTH);

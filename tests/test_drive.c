@@ -5,8 +5,11 @@
 #include "drive_inline.h"
 #include "inverter_inline.h"
 #include "lodestar/channel.h"
+#include "lodestar/drive6.h"
 #include "mode.h"
 #include "start_inline.h"
+
+#include <stdlib.h>
 
 void setUp(void) {}
 
@@ -89,7 +92,7 @@ static void test_init_is_at_rest_and_idempotent(void) {
 static void test_one_tuning_serves_two_drives(void) {
     rig_t rig = fresh();
     lode_drive_t other;
-    lode_drive_begin(&other, &tuning);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_begin(&other, &tuning));
     lode_telemetry_t mine;
     lode_telemetry_t its;
     TEST_ASSERT_TRUE(lode_drive_telemetry(&rig.drive, &mine));
@@ -1655,7 +1658,7 @@ static bool driven_by_duties(rig_t *rig) {
            is_idle(rig->out);
 }
 
-/// The same drive with one float of its tuning replaced; how many of them tripped for what is no duty.
+/// The same drive while one float of its tuning has changed by itself; how many of them tripped for what is no duty.
 static int trips_of_bad_floats(const rig_t *sound) {
     const lode_drive_tuning_t good = *sound->drive.tuning;
     int tripped = 0;
@@ -1663,9 +1666,10 @@ static int trips_of_bad_floats(const rig_t *sound) {
         const int field = n / COUNT_OF(check_not_finite);
         rig_t rig = *sound;
         other_tuning = good;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+        rig_step(&rig);
         memcpy((char *)&other_tuning + floats_of_a_tuning[field],
                &check_not_finite[n % COUNT_OF(check_not_finite)], sizeof(float));
-        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
         for (int k = 0; k < 100; k++) {
             TEST_ASSERT_TRUE_MESSAGE(driven_by_duties(&rig), names_of_a_tuning[field]);
         }
@@ -1720,14 +1724,59 @@ static void test_a_grid_that_is_no_number_trips_in_the_same_call(void) {
     lode_drive_config_t config = rig_config();
     config.inverter.pwm_ticks = 8400.0f;
     rig_t rig = holding_without(0, &config);
-    other_tuning = tuning;
-    other_tuning.inverter.inv_ticks = NAN;
-    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    tuning.inverter.inv_ticks = NAN; // by itself: the post refuses it
     rig_step(&rig);
     TEST_ASSERT_TRUE(is_idle(rig.out));
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NON_FINITE, rig_telemetry(&rig).fault.check);
     CHECK_NEAR(0.0, 1.0, rig_telemetry(&rig).fault.measured);
     CHECK_NEAR(0.0, 0.0, rig_telemetry(&rig).fault.limit);
+}
+
+#define INTEGER_FLOAT(type, member)
+#define INTEGER_INTEGER(type, member) offsetof(lode_drive_tuning_t, member),
+#define INTEGER_WHOLE(type, member) INTEGER_INTEGER(type, member)
+#define INTEGER_OBSERVER(place, member)
+#define INTEGER_PLACE(kind, type, member) INTEGER_##kind(type, member)
+static const size_t integers_of_a_tuning[] = {TUNING_FIELDS(INTEGER_PLACE)};
+
+/// Nothing of such a tuning is taken, neither running nor at the beginning.
+static void test_a_tuning_with_a_float_that_is_no_number_is_refused(void) {
+    const rig_t sound = running(90.0, 8.0);
+    for (int n = 0; n < COUNT_OF(floats_of_a_tuning) * COUNT_OF(check_not_finite); n++) {
+        const int field = n / COUNT_OF(check_not_finite);
+        other_tuning = tuning;
+        memcpy((char *)&other_tuning + floats_of_a_tuning[field],
+               &check_not_finite[n % COUNT_OF(check_not_finite)], sizeof(float));
+        rig_t rig = sound;
+        TEST_ASSERT_EQUAL_STRING_MESSAGE(
+            "LODE_ERROR_TUNING",
+            lode_status_name(lode_drive_post_tuning(&rig.drive, &other_tuning)),
+            names_of_a_tuning[field]);
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_TUNING, lode_drive_begin(&rig.drive, &other_tuning));
+        TEST_ASSERT_EQUAL_MEMORY(&sound.drive, &rig.drive, sizeof rig.drive);
+    }
+}
+
+static void test_an_integer_of_a_tuning_may_be_any(void) {
+    rig_t rig = fresh();
+    for (int n = 0; n < COUNT_OF(integers_of_a_tuning); n++) {
+        other_tuning = tuning;
+        const size_t word = integers_of_a_tuning[n] / sizeof(uint32_t) * sizeof(uint32_t);
+        memset((char *)&other_tuning + word, 0xff, sizeof(uint32_t));
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    }
+}
+
+static void test_a_refused_tuning_leaves_the_one_that_waits(void) {
+    rig_t rig = fresh();
+    other_tuning = tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    lode_drive_tuning_t bad = tuning;
+    bad.references.i_max_A = NAN;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_TUNING, lode_drive_post_tuning(&rig.drive, &bad));
+    rig_run(&rig, 0.1);
+    TEST_ASSERT_TRUE(rig.drive.tuning == &other_tuning);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
 }
 
 // --- The bus ----------------------------------------------------------------------------------
@@ -2198,8 +2247,40 @@ static void test_a_tuning_that_changes_by_itself_trips(void) {
     }
 }
 
-/// Of two in a row only the second is taken, with its own sum.
-static void test_a_tuning_posted_twice_is_watched_by_its_own_sum(void) {
+/// Two of its bits flip while nothing is driven.
+static void check_pair(const rig_t *sound, uint32_t a, uint32_t b) {
+    rig_t rig = *sound;
+    unsigned char *octets = (unsigned char *)&other_tuning;
+    octets[a / 8u] = (unsigned char)(octets[a / 8u] ^ 1u << a % 8u);
+    octets[b / 8u] = (unsigned char)(octets[b / 8u] ^ 1u << b % 8u);
+    rig_run(&rig, 2.0 * (double)(WORDS_OF_A_TUNING + 2) * RIG_TS_s);
+    octets[a / 8u] = (unsigned char)(octets[a / 8u] ^ 1u << a % 8u);
+    octets[b / 8u] = (unsigned char)(octets[b / 8u] ^ 1u << b % 8u);
+    TEST_ASSERT_EQUAL_STRING(a == b ? "LODE_CHECK_NONE" : "LODE_CHECK_MEMORY",
+                             lode_check_name(rig_telemetry(&rig).fault.check));
+}
+
+static void test_two_bits_of_a_tuning_that_change_by_themselves_trip(void) {
+    rig_t rig = fresh();
+    other_tuning = tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    rig_step(&rig);
+    check_pair(&rig, 0u, 0u);
+    random_t random = random_seed(9u);
+    const uint32_t bits = 32u * (uint32_t)WORDS_OF_A_TUNING;
+    for (int n = 0; n < 300; n++) {
+        const uint32_t a = random_bits(&random) % bits;
+        check_pair(&rig, a, (a + 1u + random_bits(&random) % (bits - 1u)) % bits);
+    }
+    for (uint32_t bit = 0; bit < 32u; bit++) { // in the next word beside it
+        check_pair(&rig, 320u + bit, 351u + bit);
+        check_pair(&rig, 320u + bit, 352u + bit);
+        check_pair(&rig, 320u + bit, 353u + bit);
+    }
+}
+
+/// Of two in a row only the second is taken, with its own check.
+static void test_a_tuning_posted_twice_is_watched_by_its_own_check(void) {
     rig_t rig = fresh();
     lode_drive_config_t config = rig_config();
     config.speed.ramp_rad_s2 = 100.0f;
@@ -2209,6 +2290,84 @@ static void test_a_tuning_posted_twice_is_watched_by_its_own_sum(void) {
     rig_run(&rig, 0.2);
     TEST_ASSERT_TRUE(rig.drive.tuning == &other_tuning);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
+}
+
+#define WORDS_OF_SIX_PHASES (sizeof(lode_drive6_tuning_t) / sizeof(uint32_t))
+#define BITS_OF_A_CHECK 32u
+
+static uint32_t check_of(const uint32_t words[], size_t count) {
+    lode_drive_t drive;
+    lode_mode_post_check(&drive, (lode_words_t){(const unsigned char *)words, (uint32_t)count});
+    return drive.posted_check;
+}
+
+static void test_the_check_is_the_remainder_of_its_polynomial(void) {
+    uint32_t words[10];
+    random_t random = random_seed(1u);
+    for (int n = 0; n < 100; n++) {
+        uint32_t crc = 0xffffffffu;
+        for (int w = 0; w < COUNT_OF(words); w++) {
+            words[w] = random_bits(&random);
+            for (int bit = 0; bit < 32; bit++) {
+                const uint32_t out = (crc ^ words[w] >> bit) & 1u;
+                crc = crc >> 1 ^ out * 0x98880000u; // x^12 + x^8 + x^4 + x^3 + 1, x^31 at the right
+            }
+        }
+        TEST_ASSERT_EQUAL_HEX32(crc, check_of(words, COUNT_OF(words)));
+    }
+}
+
+/// By what each bit of the words changes the check, then each of the check itself.
+static void find_changes(uint32_t changes[]) {
+    static uint32_t words[WORDS_OF_SIX_PHASES];
+    const uint32_t check = check_of(words, WORDS_OF_SIX_PHASES);
+    for (size_t bit = 0; bit < 32u * WORDS_OF_SIX_PHASES; bit++) {
+        words[bit / 32u] = 1u << bit % 32u;
+        changes[bit] = check ^ check_of(words, WORDS_OF_SIX_PHASES);
+        words[bit / 32u] = 0u;
+    }
+    for (uint32_t bit = 0; bit < BITS_OF_A_CHECK; bit++) {
+        changes[32u * WORDS_OF_SIX_PHASES + bit] = 1u << bit;
+    }
+}
+
+static int by_size(const void *a, const void *b) {
+    const uint32_t x = *(const uint32_t *)a;
+    const uint32_t y = *(const uint32_t *)b;
+    return x < y ? -1 : (x > y ? 1 : 0);
+}
+
+/// Any two: no two bits change the check alike. Any odd number: each changes an odd number of its bits.
+static void test_the_check_finds_any_three_bits_of_six_phases(void) {
+    static uint32_t changes[32u * WORDS_OF_SIX_PHASES + BITS_OF_A_CHECK];
+    find_changes(changes);
+    qsort(changes, COUNT_OF(changes), sizeof changes[0], by_size);
+    for (int n = 0; n < COUNT_OF(changes); n++) {
+        uint32_t odd = 0u;
+        for (uint32_t left = changes[n]; left > 0u; left >>= 1) {
+            odd ^= left & 1u;
+        }
+        TEST_ASSERT_EQUAL_UINT32(1u, odd);
+        TEST_ASSERT_TRUE(n == 0 || changes[n] > changes[n - 1]);
+    }
+}
+
+/// Of a burst the first and the last bit have flipped, and any between.
+static void test_the_check_finds_bursts_of_a_word(void) {
+    uint32_t words[20] = {0u};
+    const uint32_t check = check_of(words, COUNT_OF(words));
+    random_t random = random_seed(3u);
+    for (int n = 0; n < 50000; n++) {
+        const uint32_t length = 1u + random_bits(&random) % 32u;
+        const uint32_t ends = 1u | 1u << (length - 1u);
+        const uint64_t burst = (random_bits(&random) >> (32u - length)) | ends;
+        const uint32_t from = random_bits(&random) % (32u * 19u);
+        const uint64_t moved = burst << from % 32u;
+        words[from / 32u] = (uint32_t)moved;
+        words[from / 32u + 1u] = (uint32_t)(moved >> 32);
+        TEST_ASSERT_TRUE(check_of(words, COUNT_OF(words)) != check);
+        words[from / 32u] = words[from / 32u + 1u] = 0u;
+    }
 }
 
 static void test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing(void) {
@@ -3842,6 +4001,9 @@ int main(void) {
     RUN_TEST(test_a_tuning_with_windows_leaves_out_what_is_not_sampled);
     RUN_TEST(test_a_float_of_a_tuning_that_is_no_number_makes_no_duty);
     RUN_TEST(test_a_grid_that_is_no_number_trips_in_the_same_call);
+    RUN_TEST(test_a_tuning_with_a_float_that_is_no_number_is_refused);
+    RUN_TEST(test_an_integer_of_a_tuning_may_be_any);
+    RUN_TEST(test_a_refused_tuning_leaves_the_one_that_waits);
     RUN_TEST(test_a_bus_that_jumps_is_divided_by_at_once);
     RUN_TEST(test_a_bus_without_reading_stays_in_range);
     RUN_TEST(test_over_current_of_either_sign_in_the_same_call);
@@ -3859,7 +4021,11 @@ int main(void) {
     RUN_TEST(test_a_mode_or_command_that_changes_by_itself_trips);
     RUN_TEST(test_a_posted_command_is_not_lost_by_a_flip);
     RUN_TEST(test_a_tuning_that_changes_by_itself_trips);
-    RUN_TEST(test_a_tuning_posted_twice_is_watched_by_its_own_sum);
+    RUN_TEST(test_two_bits_of_a_tuning_that_change_by_themselves_trip);
+    RUN_TEST(test_a_tuning_posted_twice_is_watched_by_its_own_check);
+    RUN_TEST(test_the_check_is_the_remainder_of_its_polynomial);
+    RUN_TEST(test_the_check_finds_any_three_bits_of_six_phases);
+    RUN_TEST(test_the_check_finds_bursts_of_a_word);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);
     RUN_TEST(test_a_stuck_converter_trips_before_the_current_is_large);
     RUN_TEST(test_what_dead_time_and_drops_hold_is_not_stuck);

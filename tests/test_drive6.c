@@ -1,6 +1,7 @@
 // The six-phase drive on a dual three-phase machine in double: start, both planes, one set alone, faults.
 #include "support/rig6.h"
 
+#include "design/tuning_fields.h"
 #include "drive_inline.h"
 
 void setUp(void) {}
@@ -990,6 +991,32 @@ static void test_a_new_tuning_is_taken_while_it_turns(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_post_tuning(NULL, &other_tuning));
 }
 
+#define PLACE_FLOAT(type, member) offsetof(lode_drive6_tuning_t, member),
+#define PLACE_INTEGER(type, member)
+#define PLACE_WHOLE(type, member)
+#define PLACE_OBSERVER(place, member) PLACE_FLOAT(float, member)
+#define PLACE(kind, type, member) PLACE_##kind(type, member)
+#define PLACE_BOTH(kind, type, member) PLACE(kind, type, drive.member)
+#define PLACE_ALONE(kind, type, member) PLACE(kind, type, alone.member)
+static const size_t floats_of_a_tuning[] = {TUNING_FIELDS(PLACE_BOTH) TUNING_FIELDS(PLACE_ALONE)
+                                                TUNING6_FIELDS(PLACE)};
+
+/// Nothing of such a tuning is taken, neither later nor at the beginning.
+static void test_a_tuning_with_a_float_that_is_no_number_is_refused(void) {
+    const rig6_t sound = fresh();
+    for (int n = 0; n < COUNT_OF(floats_of_a_tuning) * COUNT_OF(check_not_finite); n++) {
+        const size_t place = floats_of_a_tuning[n / COUNT_OF(check_not_finite)];
+        other_tuning = tuning;
+        memcpy((char *)&other_tuning + place, &check_not_finite[n % COUNT_OF(check_not_finite)],
+               sizeof(float));
+        rig6_t rig = sound;
+        TEST_ASSERT_EQUAL_STRING("LODE_ERROR_TUNING", lode_status_name(lode_drive6_post_tuning(
+                                                          &rig.drive, &other_tuning)));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_TUNING, lode_drive6_begin(&rig.drive, &other_tuning));
+        TEST_ASSERT_EQUAL_MEMORY(&sound.drive, &rig.drive, sizeof rig.drive);
+    }
+}
+
 /// Of both sets, of one alone, of the xy plane and of what only six phases have.
 static void test_a_tuning_that_changes_by_itself_trips(void) {
     const lode_drive6_config_t config = rig6_config();
@@ -1243,6 +1270,7 @@ int main(void) {
     RUN_TEST(test_bad_configurations_are_refused_by_name);
     RUN_TEST(test_two_shunts_in_a_window_leave_the_voltage_that_they_see);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
+    RUN_TEST(test_a_tuning_with_a_float_that_is_no_number_is_refused);
     RUN_TEST(test_a_tuning_that_changes_by_itself_trips);
     RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);
     RUN_TEST(test_the_tuning_is_that_of_two_sets_and_of_one);

@@ -23,6 +23,7 @@ static void test_names_are_the_enumerators(void) {
     TEST_ASSERT_EQUAL_STRING("LODE_ERROR_NULL", lode_status_name(LODE_ERROR_NULL));
     TEST_ASSERT_EQUAL_STRING("LODE_ERROR_EMF_W0", lode_status_name(LODE_ERROR_EMF_W0));
     TEST_ASSERT_EQUAL_STRING("LODE_ERROR_COMMAND", lode_status_name(LODE_ERROR_COMMAND));
+    TEST_ASSERT_EQUAL_STRING("LODE_ERROR_TUNING", lode_status_name(LODE_ERROR_TUNING));
     TEST_ASSERT_EQUAL_STRING("LODE_ERROR_PRE_SHARE", lode_status_name(LODE_ERROR_PRE_SHARE));
 }
 

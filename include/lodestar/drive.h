@@ -192,11 +192,12 @@ typedef struct {
 #endif
 } lode_precharge_t;
 
-/// Whether the tuning in use is still what it was when it came: summed up a word at a time. A build with
-/// LODE_WITHOUT_TUNING_CHECK has none of it.
+/// Whether the tuning in use is still what it was when it came: its CRC-32, a word at a time. That finds any three bits
+/// that have flipped, any odd number of them, and any burst of up to 32. A build with LODE_WITHOUT_TUNING_CHECK has none
+/// of it.
 typedef struct {
-    uint32_t check; ///< the whole sum, when it came
-    uint32_t sum;   ///< of the words before `word`
+    uint32_t check; ///< of all words, when it came
+    uint32_t crc;   ///< of the words before `word`
     uint32_t word;
 } lode_tuning_watch_t;
 
@@ -301,8 +302,9 @@ void lode_drive_design(lode_drive_config_t *config);
 /// (status.h); `tuning` is then left alone. Not for the interrupt; about 1.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
 
-/// A drive at rest in OFF on a tuning that lode_drive_tune() has made, for this drive or for others too.
-void lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning);
+/// A drive at rest in OFF on a tuning that lode_drive_tune() has made, for this drive or for others too. Error: TUNING,
+/// and the drive is left alone.
+lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 
 /// lode_drive_tune(), then lode_drive_begin(). On any error both are left alone.
 lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
@@ -326,7 +328,8 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command);
 
 /// Leaves a tuning, checked and derived by lode_drive_tune(), for the next period. All states go on.
-/// The old one may be reused once lode_drive_tuning_taken() is true. Sums the tuning up, some 150 words. Error: NULL.
+/// The old one may be reused once lode_drive_tuning_taken() is true. Goes twice through the tuning, some 150 words.
+/// Errors, which leave none: NULL; TUNING.
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 bool lode_drive_tuning_taken(const lode_drive_t *self);
 

@@ -112,8 +112,8 @@ lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H);
 /// left alone. Not for the interrupt; about 3.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_config_t *config);
 
-/// A drive at rest in OFF on a tuning that lode_drive6_tune() has made.
-void lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning);
+/// A drive at rest in OFF on a tuning that lode_drive6_tune() has made. Errors as of lode_drive_begin().
+lode_status_t lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning);
 
 /// lode_drive6_tune(), then lode_drive6_begin(). On any error both are left alone.
 lode_status_t lode_drive6_init(lode_drive6_t *self, lode_drive6_tuning_t *tuning,

@@ -92,6 +92,7 @@ typedef enum {
     LODE_ERROR_OPEN_PHASE,   ///< answer to an open phase not an enumerator
     LODE_ERROR_COMMAND,      ///< a command with an unknown mode or a value that is not finite
     LODE_ERROR_COMMAND_SPEED,     ///< a commanded speed at which OVER_SPEED would trip
+    LODE_ERROR_TUNING,            ///< a tuning with a float that is not finite
     LODE_ERROR_ENCODER_COUNTS,    ///< counts per turn outside 6 .. 2^20
     LODE_ERROR_ENCODER_ANGLE,     ///< offset outside +-pi, or delay outside 0 .. 10 periods
     LODE_ERROR_ENCODER_BANDWIDTH, ///< bandwidth of the tracking loop outside 1 .. 1/Ts

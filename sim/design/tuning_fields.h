@@ -1,5 +1,6 @@
 // Printed by tests/tools/tuning_fields.py from the headers; the test gate_tuning_fields compares.
-// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t; OBSERVER: the place for the type.
+// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t; OBSERVER: the place for the type. TUNING6_FIELDS: of
+// those that a lode_drive6_tuning_t has besides two of these.
 // clang-format off
 #ifndef RIG_TUNING_FIELDS_H
 #define RIG_TUNING_FIELDS_H
@@ -172,5 +173,18 @@
     ROW(INTEGER, int32_t, plausibility.i_still) \
     ROW(INTEGER, int32_t, plausibility.i_sum) \
     ROW(FLOAT, float, plausibility.per_wave_A)
+
+#define TUNING6_FIELDS(ROW) \
+    ROW(FLOAT, float, xy.pi.kp) \
+    ROW(FLOAT, float, xy.pi.ki_Ts) \
+    ROW(FLOAT, float, xy.bandwidth_rad_s) \
+    ROW(FLOAT, float, xy.corner_rad_s) \
+    ROW(FLOAT, float, xy.ts_s) \
+    ROW(FLOAT, float, xy.gain_Ohm_s) \
+    ROW(FLOAT, float, xy.omega6_max) \
+    ROW(FLOAT, float, xy.circle) \
+    ROW(FLOAT, float, watch.i_min) \
+    ROW(WHOLE, uint_least16_t, source) \
+    ROW(WHOLE, uint_least16_t, open_phase)
 
 #endif

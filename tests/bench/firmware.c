@@ -14,8 +14,8 @@ lode_counts_t firmware_counts;
 lode_drive_out_t firmware_out;
 
 // By their addresses, or -flto would make them a part of the function here, which is not counted.
-static void (*volatile firmware_begin)(lode_drive_t *,
-                                       const lode_drive_tuning_t *) = lode_drive_begin;
+static lode_status_t (*volatile firmware_begin)(lode_drive_t *,
+                                                const lode_drive_tuning_t *) = lode_drive_begin;
 static lode_status_t (*volatile firmware_post)(lode_drive_t *,
                                                const lode_command_t *) = lode_drive_post_command;
 static lode_drive_out_t (*volatile firmware_step)(lode_drive_t *,

@@ -58,11 +58,13 @@ def scalars(struct, prefix=""):
 
 
 print("// Printed by tests/tools/tuning_fields.py from the headers; the test gate_tuning_fields compares.")
-print("// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t; OBSERVER: the place for the type.")
+print("// ROW(kind, type, member) of every scalar of a lode_drive_tuning_t; OBSERVER: the place for the type. TUNING6_FIELDS: of")
+print("// those that a lode_drive6_tuning_t has besides two of these.")
 print("// clang-format off")
 print("#ifndef RIG_TUNING_FIELDS_H\n#define RIG_TUNING_FIELDS_H\n")
-print("#define TUNING_FIELDS(ROW) \\")
-list(scalars(TOP_6))  # looked at only
 rows = [f"    ROW({kind}, {type_}, {place})" for kind, type_, place in scalars(TOP)]
-print(" \\\n".join(rows))
+rows6 = [f"    ROW({kind}, {type_}, {place})" for kind, type_, place in scalars(TOP_6)
+         if not place.startswith(("drive.", "alone."))]
+print("#define TUNING_FIELDS(ROW) \\\n" + " \\\n".join(rows))
+print("\n#define TUNING6_FIELDS(ROW) \\\n" + " \\\n".join(rows6))
 print("\n#endif")

@@ -168,7 +168,7 @@ def refusals(checks, folder):
     header = (SOURCE / "include/lodestar/status.h").read_text()
     every = set(re.findall(r"LODE_ERROR_(\w+)", header))
     # No configuration of the tool leads to these: pointers, commands, recorders, a sensor of its own.
-    checks.equal(every - known, {"NULL", "COMMAND", "COMMAND_SPEED", "CHANNELS", "BUFFER", "TRIGGER",
+    checks.equal(every - known, {"NULL", "COMMAND", "COMMAND_SPEED", "TUNING", "CHANNELS", "BUFFER", "TRIGGER",
                                  "PRE_SHARE", "SENSE_TEMPERATURE", "ENCODER_COUNTS", "ENCODER_ANGLE",
                                  "ENCODER_BANDWIDTH", "ENCODER_CHECK", "DERATE", "SUPERVISOR",
                                  "ACTIVE_SHORT", "SUPPLY", "CHOPPER"}, "statuses without words")

@@ -59,7 +59,7 @@ static void test_a_drive_runs_on_it(void) {
     lode_drive_tuning_t tuning;
     lode_drive_t drives[2];
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_init(&drives[0], &tuning, &config));
-    lode_drive_begin(&drives[1], &tuning_in_flash);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_begin(&drives[1], &tuning_in_flash));
     const lode_command_t run = {.mode = LODE_MODE_RUN, .speed_rad_s = 100.0f};
     random_t random = random_seed(1);
     bool gates = false;
