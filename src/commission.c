@@ -66,6 +66,7 @@
 #define SPAN_WANTED 2.0f // of the lower speed
 #define SPAN_LEAST 1.3f
 #define HIGH_MOST 0.9f     // of rated speed
+#define HIGH_OF_MOST 0.8f  // of the largest that may be commanded: SPEED_ROOM is left
 #define RUN_TIME_s 0.4f    // from the one speed to the other, by the configured J
 #define TORQUE_LEAST 0.02f // of the torque at i_max
 #define TORQUE_MOST 0.6f
@@ -537,8 +538,9 @@ static void retune(lode_commission_t *self) {
         const float rated = config->motor.omega_rated_rad_s;
         const float low =
             lode_max(LOW_SHARE * rated, ABOVE_HANDOVER * config->start.omega_handover_rad_s);
-        const float high = lode_max(
+        const float wanted = lode_max(
             lode_clamp(SPAN_WANTED * low, HIGH_SHARE * rated, HIGH_MOST * rated), SPAN_LEAST * low);
+        const float high = lode_min(wanted, HIGH_OF_MOST * config->estimator.omega_max_rad_s);
         const float kt_Nm_A = lode_motor_kt_Nm_A(&config->motor);
         const float most_Nm = kt_Nm_A * config->inverter.i_max_A;
         // Within the dead band of the currents the dead time's loss changes with speed, and stands in the slope.

@@ -68,6 +68,12 @@ static bool wants_short(const lode_command_t *command) {
 #endif
 }
 
+// The largest speed of a command, mechanical: for more the estimator is not made, or the guard trips.
+static float most_rad_s(const lode_drive_tuning_t *tuning) {
+    const float estimator = tuning->estimator.omega_limit / LODE_ALIAS_SHARE;
+    return lode_min(estimator, tuning->guard.omega_max) * tuning->speed.inv_pole_pairs;
+}
+
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command) {
     if (self == NULL || command == NULL) {
         return LODE_ERROR_NULL;
@@ -83,9 +89,8 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     if (!known || !controlled || !is_finite(command)) {
         return LODE_ERROR_COMMAND;
     }
-    const lode_drive_tuning_t *tuning = self->tuning;
     if (command->mode == LODE_MODE_RUN &&
-        lode_abs(command->speed_rad_s) > tuning->guard.omega_max * tuning->speed.inv_pole_pairs) {
+        lode_abs(command->speed_rad_s) > most_rad_s(self->tuning)) {
         return LODE_ERROR_COMMAND_SPEED;
     }
     LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);

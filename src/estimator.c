@@ -129,7 +129,7 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     t.droop_s2 = lode_observer_droop_s2(&config->emf);
     t.options = options_of(&t, config);
     t.emin_V = config->emin_V;
-    t.omega_limit = 2.0f * config->omega_max_rad_s;
+    t.omega_limit = LODE_ALIAS_SHARE * config->omega_max_rad_s;
     const float theta_gain = lode_pll_gains(&t.pll, config->pll.omega_high_rad_s).theta;
     t.error_small = lode_min(ERROR_SMALL, CORRECTION_SMALL_rad / theta_gain);
     t.psi_Wb = motor->psi_Wb;

@@ -22,6 +22,8 @@
 #define SINE_MAX 1.1f
 // Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
 #define LEVEL_SLOPE 1.25f
+// Beyond so many times omega_max a speed is taken for an alias.
+#define LODE_ALIAS_SHARE 2.0f
 // By so much an EMF may be less than the speed induces for want of the true parameters, and no more (P24).
 #define SLIP_MIN 0.2f
 

@@ -409,6 +409,20 @@ static void test_the_run_has_a_span(void) {
     CHECK_CLOSE(1.0e-5, 1.3 * run_seen.low, run_seen.high);
 }
 
+/// Of a drive that may be little faster than rated: the commanded speed, with its room, is one that may be commanded.
+static void test_the_run_is_no_faster_than_the_estimator(void) {
+    const plant_config_t c = machine();
+    lode_drive_config_t config = sheet();
+    config.motor.psi_Wb = (float)c.psi_Wb;
+    config.motor.J_kgm2 = (float)c.J_kgm2;
+    config.motor.omega_rated_rad_s = 471.0f;
+    config.estimator.omega_max_rad_s = 375.0f;
+    begin(&c, &config, NULL);
+    rig.watch = watch_run;
+    expect(LODE_COMMISSION_DONE);
+    CHECK_CLOSE(1.0e-5, 300.0 / 3.0, run_seen.high);
+}
+
 static void steady_counts(rig_t *r) {
     if (r->commission.stage == CALIBRATE) {
         r->counts.i[0] = 2050u;
@@ -1248,6 +1262,7 @@ int main(void) {
     RUN_TEST(test_quantity_under_way);
     RUN_TEST(test_speeds_of_the_run);
     RUN_TEST(test_the_run_has_a_span);
+    RUN_TEST(test_the_run_is_no_faster_than_the_estimator);
     RUN_TEST(test_offsets_are_the_mean_of_the_counts);
     RUN_TEST(test_a_line_that_is_bent);
     RUN_TEST(test_a_current_that_sways);

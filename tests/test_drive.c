@@ -1468,8 +1468,8 @@ static void test_bad_commands_are_refused_and_change_nothing(void) {
     lode_command_t command = run_at(80.0);
     command.control = (lode_control_t)2;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND, lode_drive_post_command(&rig.drive, &command));
-    // Over-speed would trip: refused in either direction. Not looked at by other modes.
-    const double most = (double)tuning.guard.omega_max * (double)tuning.speed.inv_pole_pairs;
+    // More than the estimator is made for: refused in either direction. Not looked at by other modes.
+    const double most = 0.5 * (double)tuning.estimator.omega_limit / 3.0;
     for (int sign = -1; sign <= 1; sign += 2) {
         command = run_at(1.001 * sign * most);
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND_SPEED,
@@ -1478,7 +1478,33 @@ static void test_bad_commands_are_refused_and_change_nothing(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_command(&rig.drive, NULL));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_command(NULL, &off));
     TEST_ASSERT_EQUAL_MEMORY(&before, &rig.drive, sizeof before);
-    rig_command(&rig, run_at((double)(tuning.guard.omega_max * tuning.speed.inv_pole_pairs)));
+    command = (lode_command_t){.mode = LODE_MODE_CURRENT, .speed_rad_s = (float)(2.0 * most)};
+    rig_command(&rig, command);
+    rig_command(&rig, run_at(0.999 * most));
+}
+
+/// The smaller limit counts, in torque control too, and what was commanded before goes on.
+static void test_a_speed_that_cannot_be_had_is_refused(void) {
+    for (int by = 0; by < 4; by++) {
+        const bool by_guard = by % 2 == 1;
+        lode_drive_config_t config = rig_config();
+        config.estimator.omega_max_rad_s = by_guard ? 900.0f : 600.0f;
+        config.guard.omega_max_rad_s = by_guard ? 600.0f : 900.0f;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        run_up(&rig, 100.0, 8.0);
+        const int signs[] = {-1, 1};
+        for (int n = 0; n < COUNT_OF(signs); n++) {
+            lode_command_t command = run_at(signs[n] * 201.0);
+            command.control = by < 2 ? LODE_CONTROL_SPEED : LODE_CONTROL_TORQUE;
+            TEST_ASSERT_EQUAL_STRING(
+                "LODE_ERROR_COMMAND_SPEED",
+                lode_status_name(lode_drive_post_command(&rig.drive, &command)));
+        }
+        rig_run(&rig, 2.0);
+        check_running(&rig, 100.0);
+        rig_command(&rig, run_at(199.0));
+    }
 }
 
 static void test_commands_wait_for_the_next_period_and_the_last_counts(void) {
@@ -3992,6 +4018,7 @@ int main(void) {
     RUN_TEST(test_off_at_speed_switches_off_at_once);
     RUN_TEST(test_a_blocked_rotor_ends_in_a_start_fault);
     RUN_TEST(test_bad_commands_are_refused_and_change_nothing);
+    RUN_TEST(test_a_speed_that_cannot_be_had_is_refused);
     RUN_TEST(test_commands_wait_for_the_next_period_and_the_last_counts);
     RUN_TEST(test_a_command_that_comes_within_a_period_waits_for_the_next);
     RUN_TEST(test_huge_commands_give_duties);

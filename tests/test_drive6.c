@@ -1017,6 +1017,23 @@ static void test_a_tuning_with_a_float_that_is_no_number_is_refused(void) {
     }
 }
 
+/// The smaller limit of estimator and guard counts.
+static void test_a_speed_that_cannot_be_had_is_refused(void) {
+    for (int by_guard = 0; by_guard < 2; by_guard++) {
+        lode_drive6_config_t config = rig6_config();
+        config.drive.estimator.omega_max_rad_s = by_guard == 1 ? 900.0f : 600.0f;
+        config.drive.guard.omega_max_rad_s = by_guard == 1 ? 600.0f : 900.0f;
+        rig6_t rig = rig_with(&config);
+        const lode_command_t fast = {.mode = LODE_MODE_RUN,
+                                     .speed_rad_s = (float)(601.0 / RIG6_NP)};
+        TEST_ASSERT_EQUAL_STRING(
+            "LODE_ERROR_COMMAND_SPEED",
+            lode_status_name(lode_drive_post_command(&rig.drive.drive, &fast)));
+        rig6_command(
+            &rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = (float)(599.0 / RIG6_NP)});
+    }
+}
+
 /// Of both sets, of one alone, of the xy plane and of what only six phases have.
 static void test_a_tuning_that_changes_by_itself_trips(void) {
     const lode_drive6_config_t config = rig6_config();
@@ -1271,6 +1288,7 @@ int main(void) {
     RUN_TEST(test_two_shunts_in_a_window_leave_the_voltage_that_they_see);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
     RUN_TEST(test_a_tuning_with_a_float_that_is_no_number_is_refused);
+    RUN_TEST(test_a_speed_that_cannot_be_had_is_refused);
     RUN_TEST(test_a_tuning_that_changes_by_itself_trips);
     RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);
     RUN_TEST(test_the_tuning_is_that_of_two_sets_and_of_one);

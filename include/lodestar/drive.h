@@ -99,7 +99,7 @@ typedef enum {
 typedef struct {
     lode_mode_t mode; ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
     /// RUN: MECHANICAL speed, either sign; with torque control the direction in which to run, and the speed
-    /// that is not exceeded. At most that at which OVER_SPEED trips
+    /// that is not exceeded. At most estimator.omega_max_rad_s and guard.omega_max_rad_s by the pole pairs
     float speed_rad_s;
     lode_dq_t vector;       ///< VOLTAGE: V, CURRENT: A, in a frame at theta_rad
     float theta_rad;        ///< VOLTAGE, CURRENT: angle of that frame when the mode is entered

@@ -91,10 +91,10 @@ typedef enum {
     LODE_ERROR_SOURCE,       ///< source of the estimator not an enumerator
     LODE_ERROR_OPEN_PHASE,   ///< answer to an open phase not an enumerator
     LODE_ERROR_COMMAND,      ///< a command with an unknown mode or a value that is not finite
-    LODE_ERROR_COMMAND_SPEED,     ///< a commanded speed at which OVER_SPEED would trip
-    LODE_ERROR_TUNING,            ///< a tuning with a float that is not finite
-    LODE_ERROR_ENCODER_COUNTS,    ///< counts per turn outside 6 .. 2^20
-    LODE_ERROR_ENCODER_ANGLE,     ///< offset outside +-pi, or delay outside 0 .. 10 periods
+    LODE_ERROR_COMMAND_SPEED,  ///< a commanded speed above omega_max of the estimator or the guard
+    LODE_ERROR_TUNING,         ///< a tuning with a float that is not finite
+    LODE_ERROR_ENCODER_COUNTS, ///< counts per turn outside 6 .. 2^20
+    LODE_ERROR_ENCODER_ANGLE,  ///< offset outside +-pi, or delay outside 0 .. 10 periods
     LODE_ERROR_ENCODER_BANDWIDTH, ///< bandwidth of the tracking loop outside 1 .. 1/Ts
     LODE_ERROR_ENCODER_CHECK,     ///< speed or time of the check by the EMF out of range
     LODE_ERROR_DERATE,            ///< a current, time or temperature of derating out of range

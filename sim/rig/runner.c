@@ -554,11 +554,11 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
              phase->asked_rpm, TRIAL_ESTIMATOR_SHARE, most_rpm, phase->speed_rpm);
     }
     const double trip_rad_s = (double)run->config->drive.guard.omega_max_rad_s;
-    if (omega > trip_rad_s) {
-        warn(out,
-             "the drive refuses %g rpm and keeps to the command before: OVER_SPEED trips at %.4g "
-             "rpm",
-             goal_rpm, rig_rpm_from_rad_s(trip_rad_s) / np);
+    if (omega > fmin(trip_rad_s, run->limits.estimator_rad_s)) {
+        const bool by_guard = trip_rad_s < run->limits.estimator_rad_s;
+        warn(out, "the drive refuses %g rpm and keeps to the command before: %s %.4g rpm", goal_rpm,
+             by_guard ? "OVER_SPEED trips at" : "the estimator's limit is",
+             by_guard ? rig_rpm_from_rad_s(trip_rad_s) / np : most_rpm);
         return;
     }
     const double least_rpm = rig_rpm_from_rad_s(run->limits.least_rad_s) / np;
@@ -569,9 +569,6 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
     } else if (!(fabs(found_rpm - goal_rpm) <= SPEED_REACHED * fabs(goal_rpm))) {
         warn(out, "%g rpm not reached: %.4g rpm at the end%s", goal_rpm, found_rpm,
              why_not(run, omega));
-    }
-    if (omega > run->limits.estimator_rad_s) {
-        warn(out, "%g rpm is above the estimator's limit of %.4g rpm", goal_rpm, most_rpm);
     }
 }
 

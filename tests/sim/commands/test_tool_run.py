@@ -114,7 +114,7 @@ def warnings(checks, folder):
                           "[phase.held]\nduration_s = 1\ndyno_rpm = 300\nspeed_rpm = 600\n"
                           "[phase.slow]\nduration_s = 1\ndyno_rpm = free\nspeed_rpm = 50\n"
                           "[phase.fast]\nduration_s = 4\nspeed_rpm = 2600\n"
-                          "[phase.wild]\nduration_s = 1\nspeed_rpm = 4000\n"
+                          "[phase.wild]\nduration_s = 1\nspeed_rpm = 3700\n"
                           "[phase.refused]\nduration_s = 0.1\nspeed_rpm = -5000\n"
                           "[phase.back]\nduration_s = 2\nspeed_rpm = 600\n"
                           "[phase.stop]\nduration_s = 2\nspeed_rpm = 0\n")
@@ -125,15 +125,17 @@ def warnings(checks, folder):
     checks.equal(said["slow"], "50 rpm is below the least speed and was raised to 150 rpm", "slow")
     checks.true(said["fast"].startswith("2600 rpm not reached: 2"), f"fast: {said['fast']}")
     checks.true("above what the bus voltage allows without load" in said["fast"], said["fast"])
-    checks.true("4000 rpm is above the estimator's limit of 3750 rpm" in said["wild"], said["wild"])
-    checks.equal(said["refused"], "the drive refuses -5000 rpm and keeps to the command before: OVER_SPEED "
-                 "trips at 4875 rpm", "refused")
+    checks.equal(said["refused"], "the drive refuses -5000 rpm and keeps to the command before: the estimator's "
+                 "limit is 3750 rpm", "refused")
     for name in ["up", "held", "back", "stop"]:
         checks.equal(said[name], "", f"no warning in {name}")
     for text in said.values():
         checks.true(not text or f"    warning: {text}\n" in done.stdout, f"{text!r} in the table")
     checks.true("\ndone, no bars set: " in done.stdout and "passed" not in done.stdout, "no bars")
     checks.equal(result["bars_set"], False, "no bars in JSON")
+    folder.run("run", "w.ini", "--json", "g.json", "--set", "guard.omega_max_rad_s=900")  # of 3 pole pairs
+    checks.equal(folder.json("g.json")["phases"][5]["warning"], "the drive refuses -5000 rpm and keeps to the command "
+                 "before: OVER_SPEED trips at 2865 rpm", "refused by the guard's limit")
     done = folder.run("run", "w.ini", "--json", "w.json", "--set", "phase.up.bar_speed_rpm=5")
     checks.true("\npassed: " in done.stdout, "a bar is set and met")
     checks.equal(folder.json("w.json")["bars_set"], True, "a bar in JSON")
