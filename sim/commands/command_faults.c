@@ -88,6 +88,9 @@ static bool load(rig_config_t *config, const char *name, const options_t *option
     if (!good) {
         return false;
     }
+    if (isnan(config->plant.v_bus_noise_V)) { // a count, as the temperature has
+        config->plant.v_bus_noise_V = (double)config->drive.sense.v_bus_gain_V_count;
+    }
     rig_config_design(config);
     config->scenario.seed = options->has_seed ? (double)options->seed : 1.0;
     const lode_status_t status = rig_config_judge(config);

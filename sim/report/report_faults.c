@@ -133,7 +133,7 @@ void report_faults_page(FILE *file, const char *tables) {
         "a kind that comes in many the worst is told.\n\n"
         "The plant switches, with dead time and noise. It has no over-current path in hardware, "
         "which a real bridge must have: where interrupts are missed or a switch is shorted, the "
-        "current is what the motor makes of it. The temperature has a count of noise, and "
+        "current is what the motor makes of it. Bus and temperature have a count of noise, and "
         "`guard.temperature_still_s` is 0.5, `guard.bus_still_s` 0.1: by default they are off, and "
         "a stuck sensor is then not found.\n\n",
         file);
