@@ -8,10 +8,21 @@
 // stopped has less), and it is off by more than a tuning and a hot magnet explain.
 #define LEAST_FLUX 0.5f
 #define ANOTHER_FLUX 0.2f
+// Of inductances and resistance, as for (S34) and (K16).
+#define L_UNSURE 0.2f
+#define R_UNSURE 0.5f
+#define FLUX_CURRENT 9.0f // times the least current that is judged by, squared: 0.15 of i_max
+#define FLUX_s 0.05f      // longer than a speed that changes fast is behind the EMF
+#define FLUX_ROUNDS_MAX 255u
+#define SOUND_LOCK 0.9f // an EMF that is off by less than 8 %
 // Of a round: faster, a half-wave may fall between two looks.
 #define HALF_WAVE_STEP_rad 1.5f
 #define HALF_WAVE_ASKED 9.0f  // times the least current that is judged by, squared: 0.15 of i_max
 #define HALF_WAVE_MISSED 0.5f // of the current that is asked for, squared
+// Of what limits the torque: the voltage moves that a little in each round.
+#define ALL_TORQUE 0.9f
+#define FOLLOWED 0.8f  // of the current that is asked for
+#define FAR_OFF 0.05f  // of the speed that is asked for
 #define BUS_SHARE 0.1f // of the flux, by which the EMF is off when the bus is not what is read
 #define MOVED_FLUX_MAX 0.35f // of the flux, that a d current may take or give at once
 
@@ -261,20 +272,20 @@ LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *s
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-// The EMF is along the rotor's q axis, and of another size than the speed induces.
-static bool is_another_flux(const lode_drive_t *self) {
-    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
+// The EMF is along the rotor's q axis, and off what the speed induces by `least_Wb` at least.
+static bool is_another_flux(lode_flux_t flux, float least_Wb) {
     return flux.aligned && flux.seen_Wb >= LEAST_FLUX * flux.expected_Wb &&
-           lode_abs(flux.seen_Wb - flux.expected_Wb) >= ANOTHER_FLUX * flux.expected_Wb;
+           lode_abs(flux.seen_Wb - flux.expected_Wb) >= least_Wb;
 }
 
 // The lock was lost by the EMF's size alone, at every look since it was first found to be.
 static void name_lost_lock(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
+    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     const bool before = guard->flux || guard->lock <= 1u;
-    guard->flux = guard->lock > 0u && before && is_another_flux(self);
+    const bool now = is_another_flux(flux, ANOTHER_FLUX * flux.expected_Wb);
+    guard->flux = guard->lock > 0u && before && now;
     if (guard->flux && guard->fault.check == (uint_least8_t)LODE_CHECK_LOST_LOCK) {
-        const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
         guard->fault.check = (uint_least8_t)LODE_CHECK_FLUX;
         guard->fault.measured = flux.seen_Wb;
         guard->fault.limit = flux.expected_Wb;
@@ -431,14 +442,38 @@ static LODE_NOINLINE void ask_half_waves(lode_drive_t *self) {
     }
 }
 
-// By the counts of the guard's last look. Not LODE_RAMFUNC: once in a round.
-LODE_NOINLINE bool lode_drive_note_half_waves(lode_drive_t *self) {
+// A start that RUN still proves is an attempt that fails by its lock; while its current fades there is less torque.
+static bool is_started(const lode_drive_t *self) {
+    const lode_running_t *run = &self->state.run;
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    if (run->proving > 0u) {
+        return false;
+    }
+#endif
+    return !(run->fade > 0.0f);
+}
+
+// (P25): what a tuning and a hot magnet explain of the magnets' flux, and errors of inductances and resistance, which are
+// independent of each other, of the rest.
+static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
+    const lode_references_tuning_t *motor = &self->tuning->references;
+    const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
+    const lode_dq_t i_A = self->i_A;
+    const float omega = lode_max(lode_abs(self->estimator.pll.omega_rad_s), FLT_MIN);
+    const float L_share = L_UNSURE + motor->Lq_fall * lode_abs(i_A.q);
+    const float turned_A = motor->Lq_H * i_A.q * i_A.q / lode_max(flux.expected_Wb, FLT_MIN);
+    const float d_Wb = L_share * motor->Ld_H * i_A.d;
+    const float q_Wb = L_share * lode_references_salient_H(motor) * turned_A;
+    const float r_Wb = R_UNSURE * (emf->inv_b - emf->a_over_b) * i_A.q / omega;
+    return ANOTHER_FLUX * self->tuning->estimator.psi_Wb +
+           lode_sqrt(d_Wb * d_Wb + q_Wb * q_Wb + r_Wb * r_Wb);
+}
+
+// By the counts of the guard's last look.
+static void note_half_waves(lode_drive_t *self) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_pll_t *pll = &self->estimator.pll;
     lode_half_waves_t *waves = &self->state.run.waves;
-    if (!(tuning->per_wave_A > 0.0f)) {
-        return true;
-    }
     const uint32_t first = pll->frame.cos < 0.0f ? 1u : 0u;
     const uint32_t quarter = pll->frame.sin * pll->omega_rad_s < 0.0f ? 3u - first : first;
     const uint32_t seen = lode_half_waves_turn(waves, quarter);
@@ -449,6 +484,86 @@ LODE_NOINLINE bool lode_drive_note_half_waves(lode_drive_t *self) {
     lode_half_waves_note(waves, tuning, self->plausibility.i, i_A.d * i_A.d + i_A.q * i_A.q);
     if (lode_half_waves_doubts(waves)) {
         ask_half_waves(self);
+    }
+}
+
+// The most that will be there against the load: all that i_max gives. A speed that falls for want of voltage comes to rest
+// where there is enough of it; one that rises for want of it does not.
+static float most_against_Nm(const lode_drive_t *self) {
+    const lode_references_tuning_t *references = &self->tuning->references;
+    const lode_running_t *run = &self->state.run;
+    const bool brakes = run->speed.torque_Nm * self->estimator.pll.omega_rad_s < 0.0f;
+    return brakes ? lode_references_allowed_Nm(&run->references, references, self->ref_A.d)
+                  : references->torque_factor * references->tau_max;
+}
+
+// The estimate is sure; neither the application nor temperature or bus limits the torque; and its current flows: where the
+// voltage is too little for it, so is the speed.
+static bool is_all_torque(const lode_drive_t *self) {
+    const float iq_A = self->ref_A.q;
+    return self->estimator.lock >= LODE_LOCK_HANDOVER &&
+           lode_abs(self->state.run.speed.torque_Nm) >= ALL_TORQUE * most_against_Nm(self) &&
+           self->i_A.q * iq_A >= FOLLOWED * iq_A * iq_A;
+}
+
+// (K19). With torque control the speed is the load's.
+static LODE_NOINLINE void judge_load(lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_running_t *run = &self->state.run;
+    const float omega = self->estimator.pll.omega_rad_s;
+    if (lode_mode_is_torque(self) || !is_started(self) || !is_all_torque(self)) {
+        run->held_rad_s = omega;
+        return;
+    }
+    const float sense = lode_sign(run->speed.torque_Nm);
+    const float reference = run->speed.reference_rad_s;
+    const float off = sense * (reference - omega * tuning->speed.inv_pole_pairs);
+    if (lode_plausibility_is_overloaded(&run->held_rad_s, &tuning->plausibility, sense, omega) &&
+        off > FAR_OFF * lode_abs(reference)) {
+        lode_mode_fault(self, LODE_CHECK_OVERLOAD, omega, reference / tuning->speed.inv_pole_pairs);
+    }
+}
+
+static void watch_load(lode_drive_t *self) {
+    const lode_speed_t *speed = &self->state.run.speed;
+    const lode_range_t limit = speed->limit_Nm;
+    if (lode_in_range(speed->torque_Nm, ALL_TORQUE * limit.min, ALL_TORQUE * limit.max)) {
+        self->state.run.held_rad_s = self->estimator.pll.omega_rad_s; // as nearly always
+    } else {
+        judge_load(self);
+    }
+}
+
+// Though the lock is not lost: where the current makes most of the flux, less of the magnets' takes it little. With hardly any
+// current, dead time is as large as what is looked for.
+static LODE_NOINLINE void judge_flux(lode_drive_t *self) {
+    lode_guard_t *guard = &self->guard;
+    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
+    const lode_dq_t i_A = self->i_A;
+    const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
+    if (!(i_A2 >= FLUX_CURRENT * self->tuning->plausibility.i_min_A2) || !is_started(self) ||
+        !is_another_flux(flux, unsure_Wb(self, flux))) {
+        guard->flux_rounds = 0u;
+        return;
+    }
+    const uint32_t rounds = guard->flux_rounds + 1u;
+    guard->flux_rounds = (uint_least8_t)rounds;
+    if (rounds >= FLUX_ROUNDS_MAX || rounds_s(self, rounds) >= FLUX_s) {
+        lode_mode_fault(self, LODE_CHECK_FLUX, flux.seen_Wb, flux.expected_Wb);
+    }
+}
+
+// Not LODE_RAMFUNC: once in a round.
+LODE_NOINLINE bool lode_drive_watch_running(lode_drive_t *self) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+    if (tuning->away_rad_s > 0.0f) {
+        watch_load(self);
+    }
+    if (tuning->i_sum >= 0 && (self->estimator.lock < SOUND_LOCK || self->guard.flux_rounds > 0u)) {
+        judge_flux(self);
+    }
+    if (self->gates && tuning->per_wave_A > 0.0f) {
+        note_half_waves(self);
     }
     return self->gates;
 }

@@ -281,8 +281,14 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
 
 static lode_status_t tune_plausibility(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     lode_plausibility_tuning_t plausibility;
-    const lode_status_t status =
+    lode_status_t status =
         lode_plausibility_tune(&plausibility, &c->guard, c->inverter.i_max_A, &t->sense);
+    if (status == LODE_OK) {
+        const float most_Nm = t->references.torque_factor * t->references.tau_max;
+        status = lode_plausibility_tune_load(&plausibility, &c->guard,
+                                             c->motor.pole_pairs * most_Nm / c->motor.J_kgm2,
+                                             1.0f / c->f_pwm_Hz);
+    }
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     if (status == LODE_OK) {
         t->plausibility = plausibility;

@@ -61,8 +61,8 @@ void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
 // SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive.c.
 void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
-// The same in RUN, in drive.c; at the end of a turn in which one was lacking.
-bool lode_drive_note_half_waves(lode_drive_t *self);
+// In RUN, in drive.c: the load, and the same of three phases; at the end of a turn in which one was lacking.
+bool lode_drive_watch_running(lode_drive_t *self);
 void lode_drive_end_turn(lode_drive_t *self, uint32_t seen);
 // The guard's slow checks have something to count, in drive.c.
 void lode_drive_check_slow(lode_drive_t *self);
@@ -291,13 +291,13 @@ LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const lode_drive_tun
 #endif
 }
 
-// In RUN. False: a phase lacks a half-wave, and the drive is in FAULT.
-LODE_INLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
+// In RUN. False: something is wrong, and the drive is in FAULT.
+LODE_INLINE bool lode_drive_watch_run(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
     return true;
 #else
-    return lode_mode(self) != LODE_MODE_RUN || lode_drive_note_half_waves(self);
+    return lode_mode(self) != LODE_MODE_RUN || lode_drive_watch_running(self);
 #endif
 }
 
@@ -372,7 +372,7 @@ LODE_INLINE void lode_drive_renew_references(lode_drive_t *self) {
 // SLOT_LAG: one dear job. With a limit of the flux the half-waves are looked at in SLOT_GAINS.
 LODE_INLINE bool lode_drive_limit_or_watch(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     if (!lode_references_weakens(&tuning->references)) {
-        return lode_drive_watch_half_waves(self);
+        return lode_drive_watch_run(self);
     }
     if (lode_drive_speed_once(self) && lode_mode(self) == LODE_MODE_RUN) {
         lode_drive_limit_flux(self);
@@ -413,7 +413,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         lode_drive_adapt_gains(self, tuning);
         lode_drive_count_sensor(self);
         lode_estimator_adapt_notches(estimator, &tuning->estimator);
-        return !lode_references_weakens(&tuning->references) || lode_drive_watch_half_waves(self);
+        return !lode_references_weakens(&tuning->references) || lode_drive_watch_run(self);
     case SLOT_SPEED:
         if (lode_mode(self) == LODE_MODE_RUN) {
             lode_drive_run(self);

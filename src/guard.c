@@ -13,6 +13,8 @@
 #define LOCK_TIME_s 15.0e-3f // with the lock's own 3.5 ms it trips in less than 20 ms
 #define COUNTER_MAX 65535.0f
 #define STAMP_TOLERANCE 0.25f // of a period
+#define OVERLOAD_s                                                                                 \
+    0.03f // with the time in which speed control asks for all the torque, in less than 0.1 s
 #define MIDDLE_SHARE 0.1f // of the largest current: well above offsets, noise and differing gains
 
 #define NAME(check)                                                                                \
@@ -47,6 +49,7 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_SWITCH_SHORTED);
         NAME(LODE_CHECK_SIGNALS);
         NAME(LODE_CHECK_INDUCTANCE);
+        NAME(LODE_CHECK_OVERLOAD);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";
@@ -74,6 +77,11 @@ void lode_guard_design(lode_guard_config_t *config, const lode_inverter_config_t
         config->plausibility = LODE_ON;
 #endif
     }
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    config->overload_s = lode_given_or(config->overload_s, LODE_NONE);
+#else
+    config->overload_s = lode_given_or(config->overload_s, OVERLOAD_s);
+#endif
 }
 
 static lode_status_t check_limits(const lode_guard_config_t *config,

@@ -38,6 +38,10 @@
     0x80u // beside the half-waves of the turn before: one that was lacking is asked for
 #define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
 
+#define OVERLOAD_MAX_s 10.0f
+// Of what all the torque makes of a free rotor: what a load that is hardly larger, or one that ripples, may make of it.
+#define AWAY_SHARE 0.1f
+
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
                                      const lode_sense_tuning_t *sense) {
@@ -63,6 +67,33 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
         .per_wave_A = config->plausibility == LODE_ON ? WAVE_SHARE / lode_abs(sense->i_gain) : 0.0f,
     };
     return LODE_OK;
+}
+
+lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
+                                          const lode_guard_config_t *config, float rise_rad_s2,
+                                          float ts_s) {
+    const bool none = lode_in_range(config->overload_s, LODE_NONE, LODE_NONE);
+    if (!none && !lode_in_range(config->overload_s, ts_s, OVERLOAD_MAX_s)) {
+        return LODE_ERROR_GUARD_TIME;
+    }
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    if (!none) {
+        return LODE_ERROR_GUARD_TIME;
+    }
+#endif
+    const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
+    const bool watched = !none && config->plausibility == LODE_ON;
+    tuning->away_rad_s = watched ? config->overload_s * rise_rad_s2 : 0.0f;
+    tuning->away_step = AWAY_SHARE * round_s * rise_rad_s2;
+    return LODE_OK;
+}
+
+bool lode_plausibility_is_overloaded(float *held_rad_s, const lode_plausibility_tuning_t *tuning,
+                                     float sense, float omega_rad_s) {
+    const float away = sense * (*held_rad_s - omega_rad_s);
+    *held_rad_s =
+        away > 0.0f ? *held_rad_s - sense * lode_min(away, tuning->away_step) : omega_rad_s;
+    return away > tuning->away_rad_s;
 }
 
 void lode_plausibility_reset(lode_plausibility_t *self) {

@@ -3320,7 +3320,7 @@ static bool is_asked_for(rig_t rig, lode_dq_t ref_A, float share) {
     drive->estimator.pll.omega_rad_s = 400.0f;
     drive->ref_A = ref_A;
     drive->i_A = (lode_dq_t){share * ref_A.d, share * ref_A.q};
-    TEST_ASSERT_TRUE(lode_drive_note_half_waves(drive));
+    TEST_ASSERT_TRUE(lode_drive_watch_running(drive));
     return (drive->state.run.waves.before & 0x80u) != 0u;
 }
 
@@ -3397,7 +3397,7 @@ static void look_without_a_half_wave(lode_drive_t *drive, double way, double tur
     drive->i_A = (lode_dq_t){0.0f, (float)(peak_A * sqrt(length2))};
     drive->estimator.pll.frame =
         (lode_sincos_t){.sin = (float)sin(angle_rad), .cos = (float)cos(angle_rad)};
-    const bool on = lode_drive_note_half_waves(drive);
+    const bool on = lode_drive_watch_running(drive);
     TEST_ASSERT_EQUAL(drive->gates, on);
 }
 
@@ -3439,7 +3439,7 @@ static void test_a_turn_with_a_single_half_wave_has_ended(void) {
     rig.drive.estimator.pll.omega_rad_s = 2.0f * tuning.start.omega_ready;
     rig.drive.state.run.fade = 0.0f;
     rig.drive.state.run.waves = (lode_half_waves_t){0xc1u, 0x7fu}; // the last quarter, with current
-    TEST_ASSERT_TRUE(lode_drive_note_half_waves(&rig.drive));
+    TEST_ASSERT_TRUE(lode_drive_watch_running(&rig.drive));
     TEST_ASSERT_EQUAL_HEX8(1u, rig.drive.state.run.waves.before & 0x3fu);
 }
 
@@ -3531,6 +3531,248 @@ static void test_a_bus_that_stands_still_trips_where_the_emf_has_moved(void) {
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_bus(rig, shares[n], true).check);
     }
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_bus(rig, 1.0, false).check);
+}
+
+// --- A load beyond all torque, and another flux with a lock that is not lost --------------------
+
+/// Of i_max, Nm.
+#define ALL_Nm (1.5 * 3.0 * 0.142 * 12.0)
+
+/// One that has run for so long that its start is proven.
+static rig_t proven(const lode_drive_config_t *config, double speed) {
+    rig_t rig;
+    rig_init(&rig, &tuning, config);
+    run_up(&rig, speed, 8.0);
+    rig_run(&rig, 1.0);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.state.run.proving);
+    return rig;
+}
+
+/// (K19): the load turns it back, or on, while it runs either way. The rotor still turns as it should.
+static void test_a_load_beyond_all_torque_is_named_within_100_ms(void) {
+    const lode_drive_config_t config = rig_config();
+    for (int way = -1; way <= 1; way += 2) {
+        const rig_t runs = proven(&config, 100.0 * way);
+        for (int pull = -1; pull <= 1; pull += 2) {
+            rig_t rig = runs;
+            rig.pull_Nm = 2.0 * ALL_Nm * pull;
+            rig_run(&rig, 0.1);
+            const lode_fault_t fault = rig_telemetry(&rig).fault;
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVERLOAD", lode_check_name(fault.check));
+            TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, fault.state);
+            CHECK_CLOSE(1.0e-3, 300.0 * way, fault.limit);
+            CHECK_AT_LEAST(0.05 * 300.0, (double)((float)pull * (fault.limit - fault.measured)));
+            CHECK_AT_LEAST(0.0, (double)(fault.measured * (float)way));
+        }
+    }
+}
+
+/// A second of it. The check, or none.
+static lode_check_t after_a_second(rig_t rig, double pull_Nm) {
+    rig.pull_Nm = pull_Nm;
+    rig_run(&rig, 1.0);
+    return (lode_check_t)rig_telemetry(&rig).fault.check;
+}
+
+static void test_a_load_that_can_be_held_is_none_beyond_all_torque(void) {
+    lode_drive_config_t config = rig_config();
+    const rig_t rig = proven(&config, 100.0);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_a_second(rig, 0.9 * ALL_Nm));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_a_second(rig, -0.9 * ALL_Nm));
+    // From one end to the other, with all the torque that is left beside such a load.
+    rig_t slams = rig;
+    slams.load_Nm = 0.6 * ALL_Nm;
+    for (int n = 0; n < 4; n++) {
+        rig_command(&slams, run_at(n % 2 == 0 ? 150.0 : 60.0));
+        rig_run(&slams, 0.5);
+        rig_expect(&slams, LODE_MODE_RUN);
+    }
+    // Where nobody wants it to be looked at, it ends as it did.
+    config.guard.overload_s = LODE_NONE;
+    const lode_check_t other = after_a_second(proven(&config, 100.0), 2.0 * ALL_Nm);
+    TEST_ASSERT_NOT_EQUAL(LODE_CHECK_OVERLOAD, other);
+    TEST_ASSERT_NOT_EQUAL(LODE_CHECK_NONE, other);
+}
+
+/// A limit of the application's, and torque control: what the load does then is wanted.
+static void test_less_than_all_torque_may_slip(void) {
+    const lode_drive_config_t config = rig_config();
+    rig_t limited = proven(&config, 100.0);
+    lode_drive_limit_torque(&limited.drive, 0.3f);
+    limited.pull_Nm = 0.6 * ALL_Nm;
+    rig_run(&limited, 0.15);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&limited).fault.check);
+    CHECK_AT_MOST(80.0 * 3.0, limited.motor.omega); // it has
+    rig_t torque = proven(&config, 100.0);
+    rig_command(&torque, torque_of(1.2 * ALL_Nm, 140.0));
+    torque.pull_Nm = 2.0 * ALL_Nm;
+    rig_run(&torque, 0.15);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&torque).fault.check);
+    CHECK_AT_MOST(80.0 * 3.0, torque.motor.omega);
+}
+
+/// A drive of which all torque is asked for, and whose speed has been moved by far. `way`: of the rotor; `sense`: of the torque.
+static rig_t overloaded(rig_t rig, float way, float sense) {
+    lode_drive_t *drive = &rig.drive;
+    lode_running_t *run = &drive->state.run;
+    const float omega = 300.0f * way;
+    drive->estimator.pll.omega_rad_s = omega;
+    drive->estimator.lock = 1.0f;
+    run->held_rad_s = omega + 1000.0f * sense;
+    run->speed.reference_rad_s = 100.0f * way + 50.0f * sense;
+    run->speed.limit_Nm = (lode_range_t){(float)-ALL_Nm, (float)ALL_Nm};
+    run->speed.torque_Nm = (float)ALL_Nm * sense;
+    drive->ref_A = (lode_dq_t){0.0f, 12.0f * sense};
+    drive->i_A = drive->ref_A;
+    return rig;
+}
+
+static lode_check_t check_of(rig_t rig) {
+    const bool on = lode_drive_watch_running(&rig.drive);
+    TEST_ASSERT_EQUAL_INT(rig.drive.gates, on);
+    return (lode_check_t)rig.drive.guard.fault.check;
+}
+
+/// Each of them alone tells that it may be something else than the load.
+static void test_what_may_be_else_than_the_load(void) {
+    const lode_drive_config_t config = rig_config();
+    const rig_t runs = proven(&config, 100.0);
+    for (int n = 0; n < 4; n++) {
+        const rig_t bad = overloaded(runs, n % 2 == 0 ? 1.0f : -1.0f, n < 2 ? 1.0f : -1.0f);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, check_of(bad));
+        rig_t rig = bad;
+        rig.drive.estimator.lock = 0.99f * LODE_LOCK_HANDOVER;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        rig = bad; // voltage, temperature or somebody limits the torque
+        rig.drive.state.run.speed.limit_Nm = (lode_range_t){-6.5f, 6.5f};
+        rig.drive.state.run.speed.torque_Nm = n < 2 ? 6.5f : -6.5f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        rig = bad; // the voltage is too little for the current
+        rig.drive.i_A.q *= 0.79f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        rig = bad;
+        rig.drive.state.run.speed.torque_Nm *= 0.89f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        CHECK_CLOSE(1.0e-6, 300.0, fabs((double)rig.drive.estimator.pll.omega_rad_s));
+        rig = bad;
+        rig.drive.state.run.fade = 0.1f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        rig = bad;
+        rig.drive.state.run.proving = 1u;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        rig = bad;
+        rig.drive.command.flags |= (uint_least8_t)LODE_ORDER_TORQUE;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        rig = bad; // so little may be a large inertia's
+        rig.drive.state.run.speed.reference_rad_s = 100.0f * (n % 2 == 0 ? 1.0f : -1.0f);
+        rig.drive.state.run.speed.reference_rad_s *= n == 0 || n == 3 ? 1.04f : 0.96f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+    }
+}
+
+/// Where the voltage limits the torque, a rotor that slows down comes to where there is more of it; one that is turned on does
+/// not.
+static void test_a_torque_that_the_voltage_limits_is_all_of_it_for_a_brake(void) {
+    lode_drive_config_t config = rig_config();
+    config.references.field_weakening = LODE_ON;
+    const rig_t runs = proven(&config, 100.0);
+    for (int sense = -1; sense <= 1; sense += 2) {
+        rig_t rig = overloaded(runs, 1.0f, (float)sense);
+        rig.drive.ref_A = (lode_dq_t){-11.0f, 4.0f * (float)sense};
+        rig.drive.i_A = rig.drive.ref_A;
+        const float most_Nm =
+            lode_references_allowed_Nm(&rig.drive.state.run.references, &tuning.references, -11.0f);
+        CHECK_AT_MOST(0.85 * ALL_Nm, (double)most_Nm);
+        rig.drive.state.run.speed.limit_Nm = (lode_range_t){-most_Nm, most_Nm};
+        rig.drive.state.run.speed.torque_Nm = most_Nm * (float)sense;
+        TEST_ASSERT_EQUAL_INT(sense < 0 ? LODE_CHECK_OVERLOAD : LODE_CHECK_NONE, check_of(rig));
+    }
+}
+
+/// Too little for the lock to be lost, and more than a tuning explains (P25).
+static void test_another_flux_is_named_though_the_lock_holds(void) {
+    lode_drive_config_t config = rig_config();
+    rig_t rig = proven(&config, 100.0);
+    rig.load_Nm = 3.0;
+    rig_run(&rig, 1.0);
+    const double more[] = {0.25, -0.3};
+    for (int n = 0; n < COUNT_OF(more); n++) {
+        const lode_fault_t fault = with_less_flux(rig, more[n]);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_FLUX", lode_check_name(fault.check));
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, fault.state);
+        CHECK_CLOSE(0.06, (1.0 - more[n]) * rig.motor.psi, fault.measured);
+        CHECK_CLOSE(0.06, rig.motor.psi, fault.limit);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(rig, 0.15).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(rig, -0.15).check);
+    rig_t idle = proven(&config, 100.0); // with as little current it may be the inverter
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(idle, 0.25).check);
+    config.guard.plausibility = LODE_OFF;
+    rig_t unwatched = proven(&config, 100.0);
+    unwatched.load_Nm = 3.0;
+    rig_run(&unwatched, 1.0);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(unwatched, 0.25).check);
+}
+
+/// How many rounds it takes with the observer's EMF at `times` what the speed induces; 0: more than 1000.
+static uint32_t flux_rounds(rig_t rig, float times, lode_dq_t i_A, bool proves) {
+    lode_drive_t *drive = &rig.drive;
+    lode_estimator_t *estimator = &drive->estimator;
+    const lode_estimator_tuning_t *own = &drive->tuning->estimator;
+    const float omega = 300.0f;
+    const float active_Wb = own->psi_Wb + own->salient_H * i_A.d;
+    const float e_V = times * active_Wb * omega / (1.0f + omega * omega * own->droop_s2);
+    estimator->pll.omega_rad_s = omega;
+    estimator->emf.observer.e_V = lode_park_inverse((lode_dq_t){0.0f, e_V}, estimator->pll.frame);
+    estimator->id_A = i_A.d;
+    estimator->lock = 0.6f;
+    drive->i_A = i_A;
+    drive->state.run.proving = proves ? 1u : 0u;
+    for (uint32_t n = 1u; n <= 1000u; n++) {
+        if (!lode_drive_watch_running(drive)) {
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, drive->guard.fault.check);
+            return n;
+        }
+    }
+    return 0u;
+}
+
+/// (P25)
+static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
+    lode_drive_config_t config = rig_config();
+    const rig_t rig = proven(&config, 100.0);
+    const lode_dq_t none = {0.0f, 1.9f};
+    const uint32_t rounds = (uint32_t)(0.05 / (8.0 * RIG_TS_s)) + 1u;
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, 0.77f, none, false));
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, 1.23f, none, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.81f, none, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.77f, (lode_dq_t){0.0f, 1.7f}, false));
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, 0.77f, (lode_dq_t){-1.9f, 0.0f}, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.77f, none, true));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.45f, none, false));
+    // With i_d = -6 A, i_q = 8 A the current has 0.27 of the flux, and errors of it explain 0.1 of psi.
+    const lode_dq_t much = {-6.0f, 8.0f};
+    const double active = 1.0 + 6.3e-3 * 6.0 / 0.142;
+    const double d = 0.2 * 3.5e-3 * 6.0 / 0.142;
+    const double q = 0.2 * 6.3e-3 * 9.8e-3 * 64.0 / (active * 0.142) / 0.142;
+    const double r = 0.5 * 0.75 * 8.0 / 300.0 / 0.142;
+    const double least = (0.2 + sqrt(d * d + q * q + r * r)) / active;
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, (float)(1.0 - 1.01 * least), much, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, (float)(1.0 - 0.99 * least), much, false));
+    // It begins anew.
+    rig_t again = rig;
+    again.drive.guard.flux_rounds = (uint_least8_t)(rounds - 1u);
+    TEST_ASSERT_EQUAL_UINT32(1u, flux_rounds(again, 0.77f, none, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(again, 0.81f, none, false));
+    again.drive.estimator.lock = 1.0f;
+    (void)lode_drive_watch_running(&again.drive);
+    TEST_ASSERT_EQUAL_UINT32(0u, again.drive.guard.flux_rounds);
+    // Where rounds are short, as many as the counter holds.
+    lode_drive_tuning_t quick = *rig.drive.tuning;
+    quick.estimator.pll.ts_s = 1.0e-5f;
+    rig_t fast = rig;
+    fast.drive.tuning = &quick;
+    TEST_ASSERT_EQUAL_UINT32(255u, flux_rounds(fast, 0.77f, none, false));
 }
 
 // --- The step as a whole ----------------------------------------------------------------------
@@ -4092,6 +4334,13 @@ int main(void) {
     RUN_TEST(test_a_flux_of_no_motor_is_one_for_as_long_as_a_lock);
     RUN_TEST(test_a_resistance_that_is_measured_is_right);
     RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
+    RUN_TEST(test_a_load_beyond_all_torque_is_named_within_100_ms);
+    RUN_TEST(test_a_load_that_can_be_held_is_none_beyond_all_torque);
+    RUN_TEST(test_less_than_all_torque_may_slip);
+    RUN_TEST(test_what_may_be_else_than_the_load);
+    RUN_TEST(test_a_torque_that_the_voltage_limits_is_all_of_it_for_a_brake);
+    RUN_TEST(test_another_flux_is_named_though_the_lock_holds);
+    RUN_TEST(test_another_flux_is_as_large_as_no_error_and_lasts);
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
     RUN_TEST(test_an_estimate_that_is_taken_over_is_the_own_one);
     RUN_TEST(test_an_estimate_of_no_motor_trips);

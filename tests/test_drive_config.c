@@ -87,6 +87,7 @@ static const field_t open_fields[] = {
     OPEN(guard.v_bus_max_V, 200.0f, 409.5f, LODE_ERROR_GUARD_BUS),
     OPEN(guard.bus_s, TS, 10.0f, LODE_ERROR_GUARD_TIME),
     OPEN(guard.lock_s, TS, 10.0f, LODE_ERROR_GUARD_TIME),
+    OPEN(guard.overload_s, TS, 10.0f, LODE_ERROR_GUARD_TIME),
     OPEN(guard.bus_still_s, 0.0f, 524280.0f * TS, LODE_ERROR_GUARD_TIME),
     OPEN(guard.temperature_still_s, 0.0f, 524280.0f * TS, LODE_ERROR_GUARD_TIME),
 };

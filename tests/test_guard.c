@@ -35,6 +35,7 @@ static lode_guard_config_t sound(void) {
                                  .temperature_max_degC = 90.0f,
                                  .temperature_min_degC = -30.0f,
                                  .i_sum_A = 1.8f,
+                                 .overload_s = 0.05f,
                                  .plausibility = LODE_OFF,
                                  .omega_max_rad_s = 1500.0f,
                                  .bus_s = 1.0e-3f,
@@ -718,6 +719,7 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 15.0e-3, config.lock_s);
     CHECK_CLOSE(1.0e-6, -40.0, config.temperature_min_degC);
     CHECK_CLOSE(1.0e-6, 0.15 * 12.0, config.i_sum_A);
+    CHECK_CLOSE(1.0e-6, 0.03, config.overload_s);
     TEST_ASSERT_EQUAL_INT(LODE_ON, config.plausibility);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, config.stamp_per_period);
     const lode_guard_config_t all = sound();

@@ -515,6 +515,91 @@ static void test_configuration(void) {
     expect_none(&self, 100);
 }
 
+// --- Load -----------------------------------------------------------------------------------------
+
+#define RISE_rad_s2 100.0f
+#define ROUND_s (8.0 * 1.0e-4)
+
+static lode_plausibility_tuning_t load_tuning(float overload_s) {
+    lode_guard_config_t config = sound_config();
+    config.overload_s = overload_s;
+    lode_plausibility_tuning_t tuning = {.i_sum = 0};
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, 1.0e-4f));
+    return tuning;
+}
+
+/// (K19): with `times` the torque of i_max as a load, the rounds until that is too much; 0: not within 20 000.
+static int overload_rounds(float overload_s, double times, float sense) {
+    const lode_plausibility_tuning_t tuning = load_tuning(overload_s);
+    double omega = 5.0;
+    float held = (float)omega;
+    for (int n = 1; n <= 20000; n++) {
+        omega -= (double)sense * (times - 1.0) * (double)RISE_rad_s2 * ROUND_s;
+        if (lode_plausibility_is_overloaded(&held, &tuning, sense, (float)omega)) {
+            return n;
+        }
+    }
+    return 0;
+}
+
+static void test_a_load_that_no_torque_holds_is_too_large(void) {
+    for (int sense = -1; sense <= 1; sense += 2) {
+        const float times_s[] = {0.03f, 0.1f};
+        for (int n = 0; n < COUNT_OF(times_s); n++) {
+            const double twice = (double)times_s[n] / (2.0 - 1.0 - 0.1) / ROUND_s;
+            CHECK_NEAR(1.5, twice, overload_rounds(times_s[n], 2.0, (float)sense));
+            const double half = (double)times_s[n] / (1.5 - 1.0 - 0.1) / ROUND_s;
+            CHECK_NEAR(1.5, half, overload_rounds(times_s[n], 1.5, (float)sense));
+            // Hardly more than the torque, or less: the speed goes where it should.
+            TEST_ASSERT_EQUAL_INT(0, overload_rounds(times_s[n], 1.09, (float)sense));
+            TEST_ASSERT_EQUAL_INT(0, overload_rounds(times_s[n], 0.9, (float)sense));
+        }
+    }
+}
+
+/// A speed that comes back is where the next one is counted from.
+static void test_a_speed_that_comes_back_was_no_load_too_large(void) {
+    const lode_plausibility_tuning_t tuning = load_tuning(0.03f);
+    CHECK_CLOSE(1.0e-5, 3.0, tuning.away_rad_s);
+    CHECK_CLOSE(1.0e-5, 0.1 * 100.0 * ROUND_s, tuning.away_step);
+    float held = 10.0f;
+    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 7.1f));
+    CHECK_CLOSE(1.0e-5, 10.0 - (double)tuning.away_step, held);
+    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 11.0f));
+    CHECK_CLOSE(1.0e-6, 11.0, held);
+    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 10.999f));
+    CHECK_CLOSE(1.0e-6, 10.999, held); // no further than the speed
+    TEST_ASSERT_TRUE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 7.9f));
+    held = 10.0f;
+    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, -1.0f, 7.0f));
+    TEST_ASSERT_TRUE(lode_plausibility_is_overloaded(&held, &tuning, -1.0f, 10.1f));
+    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, NAN));
+    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 5.0f));
+    CHECK_CLOSE(1.0e-6, 5.0, held);
+}
+
+static void test_configuration_of_the_load(void) {
+    lode_guard_config_t config = sound_config();
+    lode_plausibility_tuning_t tuning = {.i_sum = 0};
+    const float bad[] = {0.0f, 0.99e-4f, 10.1f, -2.0f, NAN, INFINITY};
+    for (int n = 0; n < COUNT_OF(bad); n++) {
+        config.overload_s = bad[n];
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME,
+                              lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, 1.0e-4f));
+    }
+    const float good[] = {1.0e-4f, 10.0f, LODE_NONE};
+    for (int n = 0; n < COUNT_OF(good); n++) {
+        CHECK_CLOSE(1.0e-5, n == 2 ? 0.0 : 100.0 * (double)good[n],
+                    load_tuning(good[n]).away_rad_s);
+    }
+    config.overload_s = 0.1f;
+    config.plausibility = LODE_OFF;
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, 1.0e-4f));
+    CHECK_AT_MOST(0.0, tuning.away_rad_s);
+}
+
 // --- Half-waves -----------------------------------------------------------------------------------
 
 static const lode_plausibility_tuning_t waves_tuning = {.i_min_A2 = 0.25f, .per_wave_A = 50.0f};
@@ -855,6 +940,9 @@ int main(void) {
     RUN_TEST(test_what_is_chance_is_noted_as_by_the_long_way);
     RUN_TEST(test_the_short_ways_find_the_same);
     RUN_TEST(test_configuration);
+    RUN_TEST(test_a_load_that_no_torque_holds_is_too_large);
+    RUN_TEST(test_a_speed_that_comes_back_was_no_load_too_large);
+    RUN_TEST(test_configuration_of_the_load);
     RUN_TEST(test_a_phase_without_a_half_wave_is_found);
     RUN_TEST(test_a_half_wave_that_is_missing_once_is_none);
     RUN_TEST(test_a_half_wave_is_more_than_half_of_the_current);

@@ -84,6 +84,9 @@ int main(void) {
     config.guard.bus_still_s = 0.1f;
     say("still", config);
     config.guard.bus_still_s = 0.0f;
+    config.guard.overload_s = 0.1f;
+    say("overload", config);
+    config.guard.overload_s = 0.0f;
     config.inverter.precharge_s = 0.01f;
     say("precharge", config);
     config.inverter.precharge_s = 0.0f;
@@ -132,7 +135,7 @@ weakening="weakening $references "
 optimal="mtpa $references weakening $references regen $references "
 notch="notch LODE_ERROR_NOTCH "
 phases="window $window shunts $window "
-plausibility="plausibility LODE_ERROR_CHOICE still LODE_ERROR_GUARD_TIME "
+plausibility="plausibility LODE_ERROR_CHOICE still LODE_ERROR_GUARD_TIME overload LODE_ERROR_GUARD_TIME "
 injection="hfi LODE_ERROR_HFI_MODE "
 precharge="precharge LODE_ERROR_PRECHARGE "
 signals="signals LODE_ERROR_CHOICE "

@@ -39,6 +39,7 @@ typedef enum {
     /// before a start: current that follows its voltage at the worst rotor angle, A; negative: another phase, or the wrong way
     LODE_CHECK_SIGNALS,
     LODE_CHECK_INDUCTANCE, ///< before a start: the inductance that voltage and current show, mean of all angles, H
+    LODE_CHECK_OVERLOAD, ///< electrical speed that a load beyond all torque has moved, rad/s; the limit is the one asked for
     LODE_CHECK_COUNT
 } lode_check_t;
 
@@ -65,6 +66,9 @@ typedef struct {
     /// in RUN, while the EMF is more than a tenth off what the speed induces, the bus's count moves within it; 0:
     /// it need not
     float bus_still_s;
+    /// in RUN, with speed control: a load against which all the torque of i_max is asked for may move the speed by as
+    /// much as that torque would in this time, and by a twentieth; 0: 0.03; LODE_NONE: by any
+    float overload_s;
 } lode_guard_config_t;
 
 typedef struct {
@@ -100,12 +104,13 @@ typedef struct {
     uint_least16_t still_count; ///< the temperature's, one round before
     uint_least16_t still;       ///< rounds for which that has been the same
     uint_least16_t rail;
-    uint_least16_t lock;  ///< in START rounds with an EMF of too large a flux
-    uint_least16_t speed; ///< and its direction
-    float still_V;        ///< bus, one round before
-    bool railed;          ///< a rail was met since the last lode_guard_check_slow()
-    bool pending;         ///< some counter is not 0
-    bool flux;            ///< while the lock was counted as lost, only the EMF's size was wrong
+    uint_least16_t lock;       ///< in START rounds with an EMF of too large a flux
+    uint_least16_t speed;      ///< and its direction
+    float still_V;             ///< bus, one round before
+    bool railed;               ///< a rail was met since the last lode_guard_check_slow()
+    bool pending;              ///< some counter is not 0
+    uint_least8_t flux_rounds; ///< in RUN, of another flux with a lock that is not lost
+    bool flux; ///< while the lock was counted as lost, only the EMF's size was wrong
 } lode_guard_t;
 
 /// What the guard needs to know of the drive.

@@ -16,6 +16,8 @@ typedef struct {
     int32_t i_still; ///< 1/256 count: with less a phase is none of this; six phases: it may be open
     int32_t i_sum;   ///< largest sum of the three, 1/256 count; below 0: nothing is looked at
     float per_wave_A; ///< least half-wave per ampere asked for, 1/256 count; 0: not looked at
+    float away_rad_s; ///< electrical, by which a load may move the speed; 0: not looked at
+    float away_step;  ///< of that, what it may in each LODE_SLOW_PERIODS for ever
 } lode_plausibility_tuning_t;
 
 /// Both half-waves of each of three currents, over a turn and a tenth of a vector that is twice as long: a phase
@@ -101,6 +103,18 @@ void lode_half_waves_ask(lode_half_waves_t *self, uint32_t asked);
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
                                      const lode_sense_tuning_t *sense);
+
+/// What a load may do in RUN (K19). `rise_rad_s2`: what all the torque of i_max makes of a free rotor, electrical. Before
+/// it the other, which sets the rest.
+lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
+                                          const lode_guard_config_t *config, float rise_rad_s2,
+                                          float ts_s);
+
+/// Once in LODE_SLOW_PERIODS, while all of the torque is asked for, `sense` (1 or -1) its direction: whether a load has
+/// moved the electrical speed `omega_rad_s` against it by more than it may. `held_rad_s`: the speed before that; else,
+/// while less is asked for, the present one (K19).
+bool lode_plausibility_is_overloaded(float *held_rad_s, const lode_plausibility_tuning_t *tuning,
+                                     float sense, float omega_rad_s);
 
 #ifdef __cplusplus
 }

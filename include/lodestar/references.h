@@ -115,8 +115,8 @@ void lode_references_reset(lode_references_t *self, float id_A);
 float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
                            float omega_rad_s);
 
-/// Most torque that current and voltage allow with the last call's `id_A`, Nm, whatever the bus. Not for the
-/// interrupt.
+/// Most torque that current and voltage allow with the last call's `id_A`, Nm, whatever the bus. Not for each
+/// period.
 float lode_references_allowed_Nm(const lode_references_t *self,
                                  const lode_references_tuning_t *tuning, float id_A);
 

@@ -172,12 +172,13 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_GUARD_SPEED, "guard.omega_max_rad_s", "estimator.omega_max_rad_s " RATED,
      "1 .. 1e6"},
     {LODE_ERROR_GUARD_TIME,
-     "guard.bus_s guard.lock_s guard.stamp_per_period guard.temperature_still_s guard.bus_still_s",
+     "guard.bus_s guard.lock_s guard.stamp_per_period guard.temperature_still_s guard.bus_still_s "
+     "guard.overload_s",
      "drive.f_pwm_Hz",
      "bus_s and lock_s 1 period .. 10 s, stamp_per_period 0 .. 1e9, temperature_still_s and "
      "bus_still_s 0 .. "
      "524280 "
-     "periods"},
+     "periods, overload_s 1 period .. 10 s or none"},
 };
 
 static const refusal_t *find(lode_status_t status) {

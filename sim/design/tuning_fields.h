@@ -172,7 +172,9 @@
     ROW(FLOAT, float, plausibility.i_min_A2) \
     ROW(INTEGER, int32_t, plausibility.i_still) \
     ROW(INTEGER, int32_t, plausibility.i_sum) \
-    ROW(FLOAT, float, plausibility.per_wave_A)
+    ROW(FLOAT, float, plausibility.per_wave_A) \
+    ROW(FLOAT, float, plausibility.away_rad_s) \
+    ROW(FLOAT, float, plausibility.away_step)
 
 #define TUNING6_FIELDS(ROW) \
     ROW(FLOAT, float, xy.pi.kp) \
