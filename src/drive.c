@@ -515,10 +515,10 @@ static LODE_NOINLINE void judge_load(lode_drive_t *self) {
         run->held_rad_s = omega;
         return;
     }
-    const float sense = lode_sign(run->speed.torque_Nm);
+    const float way = lode_sign(run->speed.torque_Nm);
     const float reference = run->speed.reference_rad_s;
-    const float off = sense * (reference - omega * tuning->speed.inv_pole_pairs);
-    if (lode_plausibility_is_overloaded(&run->held_rad_s, &tuning->plausibility, sense, omega) &&
+    const float off = way * (reference - omega * tuning->speed.inv_pole_pairs);
+    if (lode_plausibility_is_overloaded(&run->held_rad_s, &tuning->plausibility, way, omega) &&
         off > FAR_OFF * lode_abs(reference)) {
         lode_mode_fault(self, LODE_CHECK_OVERLOAD, omega, reference / tuning->speed.inv_pole_pairs);
     }
