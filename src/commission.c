@@ -50,12 +50,28 @@
 
 // Inductances: steps of the current's reference, on top of a current that holds the rotor and the signs of
 // all phase currents.
-#define HOLD_SHARE 0.7f // of the current at the first level
-#define STEP_SHARE 0.3f // of what holds, either way
-#define HALF_WAVE 8u    // periods
-#define WAVES 120u
-#define HOLD_TIME_s 0.15f
+#define HOLD_SHARE 0.7f  // of the current at the first level
+#define STEP_SHARE 0.4f  // of what holds, either way
+#define STEP_SPREAD 0.2f // from the first to the last, of the mean: each rounds to other counts
+#define HALF_WAVE 8u     // periods
+#define WAVES 68u
+#define WAVES_BESIDE 30u // about the other currents
+#define HOLD_TIME_s 0.1f
+#define NEXT_TIME_s 0.02f    // to another current
 #define STEP_DEVIATION 0.01f // of the inductance, standard deviation by what it does not explain
+
+// Their fall over current: in d about three currents, in q large waves of three amplitudes.
+#define FALL_POINTS 3u
+// Of the current that holds, from one to the next: the least is clear of the dead band.
+#define FALL_D_STEP 0.35f
+#define FALL_D_MIDDLE 1u   // where Ld is taken, unless it falls
+#define FALL_Q_MIDDLE 0.5f // of i_max
+#define FALL_Q_HIGH 0.75f  // with the current that holds, and its overshoot, within i_max
+#define FALL_HALVES 6u
+#define FALL_VOLTAGE 0.5f    // of the circle, to get from one end to the other
+#define FALL_LONGEST_s 0.05f // of a half-wave that moves no rotor
+#define FALL_LEAST 0.05f     // less is none
+#define FALL_DEVIATION 0.03f // of the inductance, off the line
 
 // The run.
 #define LOW_SHARE 0.3f // of rated speed
@@ -90,8 +106,9 @@ typedef enum {
     STAGE_ACROSS,
     STAGE_ALONG,
     STAGE_LEVEL,
-    STAGE_LD,
+    STAGE_LD, // three currents
     STAGE_LQ,
+    STAGE_LQ_FALL, // three amplitudes
     STAGE_RETUNE,
     STAGE_START,
     STAGE_UP,
@@ -113,6 +130,8 @@ const char *lode_commission_name(lode_commission_quantity_t quantity) {
         NAME(DEAD_V, "dead_V");
         NAME(LD_H, "Ld_H");
         NAME(LQ_H, "Lq_H");
+        NAME(LD_FALL_1_A, "Ld_fall");
+        NAME(LQ_FALL_1_A, "Lq_fall");
         NAME(PSI_Wb, "psi_Wb");
         NAME(J_kgm2, "J_kgm2");
         NAME(B_Nms, "B_Nms");
@@ -192,6 +211,10 @@ static bool keep(lode_commission_t *self, lode_commission_quantity_t quantity, f
 
 static float found(const lode_commission_t *self, lode_commission_quantity_t quantity) {
     return self->found[quantity].value;
+}
+
+static bool is_sure(const lode_commission_t *self, lode_commission_quantity_t quantity) {
+    return self->found[quantity].confidence >= LODE_COMMISSION_SURE;
 }
 
 static float length_of(lode_dq_t x) {
@@ -415,6 +438,7 @@ static void along(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
         enter(self, STAGE_LEVEL);
     } else if (judge_levels(self)) {
         self->quantity = LODE_COMMISSION_LD_H;
+        self->level = 0u;
         enter(self, STAGE_LD);
     } else {
         finish(self, LODE_COMMISSION_UNSURE);
@@ -441,14 +465,19 @@ static void move_level(lode_commission_t *self, lode_dq_t i_A) {
 
 // --- Inductances ---
 
+static float sign_of_half(uint32_t half) {
+    return half % 2u == 0u ? 1.0f : -1.0f;
+}
+
 // Second differences of L di = (u - R i) Ts: neither the dead time nor the EMF of a rotor that hardly moves
-// stands in them. The voltage is known, the current has noise: 1/L is what is regressed.
+// stands in them (N1). The voltage is known, the current has noise: 1/L is what is regressed.
 static void note_step(lode_commission_t *self, float u_V, float u1_V, float i_A, float i1_A,
                       float i2_A) {
     const float r_Ohm = found(self, LODE_COMMISSION_RS_Ohm);
     const float x = u_V - u1_V - 0.5f * r_Ohm * (i_A - i2_A);
     const float y = (i_A - 2.0f * i1_A + i2_A) * self->config.f_pwm_Hz;
     self->sums.count++;
+    self->sums.tx += lode_abs(i_A) * x * x;
     self->sums.xx += x * x;
     self->sums.xy += x * y;
     self->sums.yy += y * y;
@@ -461,17 +490,18 @@ static bool judge_steps(lode_commission_t *self, lode_commission_quantity_t quan
     return keep(self, quantity, s->xx / s->xy, deviation, STEP_DEVIATION);
 }
 
-// Steps of the current along one axis while the other holds the rotor.
-static void wave(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_axis) {
+// Steps of the current along one axis on top of `hold_A`, which holds the rotor. True at their end.
+static bool steps(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_axis, float hold_A,
+                  float wait_s, uint32_t waves) {
     const lode_dq_t *u1 = &self->before_u_V;
     const lode_dq_t *i1 = &self->before_i_A[0];
     const lode_dq_t *i2 = &self->before_i_A[1];
-    const float hold_A = HOLD_SHARE * self->current_A;
-    const uint32_t begin = periods_in(self, HOLD_TIME_s);
+    const uint32_t begin = periods_in(self, wait_s);
     float step_A = 0.0f;
     if (self->since >= begin) {
         const uint32_t half = (self->since - begin) / HALF_WAVE;
-        step_A = half % 2u == 0u ? STEP_SHARE * hold_A : -STEP_SHARE * hold_A;
+        const float part = 0.5f * float_of(half) / float_of(waves) - 0.5f;
+        step_A = sign_of_half(half) * STEP_SHARE * (1.0f + STEP_SPREAD * part) * hold_A;
         if (q_axis) {
             note_step(self, u_V.q, u1->q, i_A.q, i1->q, i2->q);
         } else {
@@ -479,12 +509,158 @@ static void wave(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_a
         }
     }
     post_vector(self, LODE_MODE_CURRENT, hold_A + (q_axis ? 0.0f : step_A), q_axis ? step_A : 0.0f);
-    if (self->since < begin + 2u * HALF_WAVE * WAVES ||
-        !judge_steps(self, q_axis ? LODE_COMMISSION_LQ_H : LODE_COMMISSION_LD_H)) {
-        return;
+    return self->since >= begin + 2u * HALF_WAVE * waves;
+}
+
+static float step_hold_A(const lode_commission_t *self) {
+    return HOLD_SHARE * self->current_A;
+}
+
+// --- Their fall over current ---
+
+// By least squares through 1/L over current; returns what the line has without current. `reach_A`: where a fall
+// must show to be one. Without confidence it stays as it was known.
+static float judge_fall(lode_commission_t *self, lode_commission_quantity_t quantity,
+                        const float *x_A, const float *y_1_H, float reach_A) {
+    const float third = 1.0f / float_of(FALL_POINTS);
+    const float x_mean = third * (x_A[0] + x_A[1] + x_A[2]);
+    const float y_mean = third * (y_1_H[0] + y_1_H[1] + y_1_H[2]);
+    float xx = 0.0f;
+    float xy = 0.0f;
+    float yy = 0.0f;
+    for (uint32_t k = 0u; k < FALL_POINTS; k++) {
+        const float x = x_A[k] - x_mean;
+        const float y = y_1_H[k] - y_mean;
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+    }
+    const float slope = xy / xx;
+    const float none_1_H = y_mean - slope * x_mean;
+    const float off_1_H = lode_sqrt(lode_max(yy - slope * xy, 0.0f));
+    const float fall = slope / none_1_H;
+    self->found[quantity] =
+        judged(fall * reach_A > FALL_LEAST ? fall : 0.0f, off_1_H, FALL_DEVIATION * none_1_H);
+    return none_1_H;
+}
+
+static bool falls(const lode_commission_t *self, lode_commission_quantity_t quantity) {
+    return is_sure(self, quantity) && found(self, quantity) > 0.0f;
+}
+
+static void judge_fall_d(lode_commission_t *self) {
+    const float none_1_H = judge_fall(self, LODE_COMMISSION_LD_FALL_1_A, self->fall_A[0],
+                                      self->fall_1_H[0], self->current_A);
+    if (falls(self, LODE_COMMISSION_LD_FALL_1_A)) {
+        self->found[LODE_COMMISSION_LD_H].value = 1.0f / none_1_H;
     }
     self->quantity = LODE_COMMISSION_LQ_H;
-    enter(self, q_axis ? STAGE_RETUNE : STAGE_LQ);
+    enter(self, STAGE_LQ);
+}
+
+static void find_Ld(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
+    const uint32_t level = self->level;
+    const float hold_A = self->current_A * (1.0f - FALL_D_STEP * float_of(level));
+    const float wait_s = level == 0u ? HOLD_TIME_s : NEXT_TIME_s;
+    const uint32_t waves = level == FALL_D_MIDDLE ? WAVES : WAVES_BESIDE;
+    if (!steps(self, u_V, i_A, false, hold_A, wait_s, waves) ||
+        (level == FALL_D_MIDDLE && !judge_steps(self, LODE_COMMISSION_LD_H))) {
+        return;
+    }
+    self->fall_A[0][level] = self->sums.tx / self->sums.xx;
+    self->fall_1_H[0][level] = self->sums.xy / self->sums.xx;
+    self->level++;
+    if (self->level < FALL_POINTS) {
+        enter(self, STAGE_LD);
+    } else {
+        judge_fall_d(self);
+    }
+}
+
+static void find_Lq(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
+    if (steps(self, u_V, i_A, true, step_hold_A(self), NEXT_TIME_s, WAVES) &&
+        judge_steps(self, LODE_COMMISSION_LQ_H)) {
+        self->near_A = self->sums.tx / self->sums.xx;
+        self->quantity = LODE_COMMISSION_LQ_FALL_1_A;
+        self->level = 0u;
+        enter(self, STAGE_LQ_FALL);
+    }
+}
+
+// What phases b and c lose, as it shows in q (N3): by the currents in the middle of the period, of which the ripple
+// goes by the voltage (I4).
+static float dead_q_V(const lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
+    const lode_inverter_tuning_t *tuning = &self->drive.tuning->inverter;
+    const float span =
+        lode_min(LODE_SQRT3 * length_of(u_V) / self->designed.inverter.v_bus_V, 1.0f);
+    const float i_dead_A = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
+    const lode_dead_time_t loss = {0.5f * found(self, LODE_COMMISSION_DEAD_V) / i_dead_A, i_dead_A};
+    const lode_abc_t phase =
+        lode_clarke_inverse((lode_ab_t){i_A.d, i_A.q}); // the frame stands at 0
+    return (lode_inverter_error(&loss, phase.b) - lode_inverter_error(&loss, phase.c)) / LODE_SQRT3;
+}
+
+// Current and flux that a half-wave has moved. `sign`: of the half-wave.
+static void note_half_wave(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, float sign) {
+    const lode_dq_t *i1 = &self->before_i_A[0];
+    const lode_dq_t mean_A = {0.5f * (i_A.d + i1->d), 0.5f * (i_A.q + i1->q)};
+    const float drop_V =
+        found(self, LODE_COMMISSION_RS_Ohm) * mean_A.q + dead_q_V(self, u_V, mean_A);
+    self->sums.x += sign * (i_A.q - i1->q);
+    self->sums.y += sign * (u_V.q - drop_V) / self->config.f_pwm_Hz;
+}
+
+// The same at all amplitudes.
+static uint32_t half_wave_periods(const lode_commission_t *self) {
+    const lode_inverter_config_t *inverter = &self->designed.inverter;
+    const float swing_Vs =
+        2.0f * FALL_Q_HIGH * inverter->i_max_A * found(self, LODE_COMMISSION_LQ_H);
+    const float u_V = FALL_VOLTAGE * inverter->v_bus_V / LODE_SQRT3;
+    return HALF_WAVE + periods_in(self, lode_clamp(swing_Vs / u_V, 0.0f, FALL_LONGEST_s));
+}
+
+static float amplitude_A(const lode_commission_t *self) {
+    const float i_max_A = self->designed.inverter.i_max_A;
+    const float small_A = STEP_SHARE * step_hold_A(self);
+    const float large_A = (self->level == 1u ? FALL_Q_MIDDLE : FALL_Q_HIGH) * i_max_A;
+    return self->level == 0u ? small_A : large_A;
+}
+
+static void judge_fall_q(lode_commission_t *self) {
+    (void)judge_fall(self, LODE_COMMISSION_LQ_FALL_1_A, self->fall_A[1], self->fall_1_H[1],
+                     self->designed.inverter.i_max_A);
+    if (falls(self, LODE_COMMISSION_LQ_FALL_1_A)) {
+        const float by = 1.0f + found(self, LODE_COMMISSION_LQ_FALL_1_A) * self->near_A;
+        self->found[LODE_COMMISSION_LQ_H].value *= by * by;
+    }
+    enter(self, STAGE_RETUNE);
+}
+
+// The first half-wave has half the length: the rotor swings about where it lies.
+static void find_Lq_fall(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
+    const uint32_t length = half_wave_periods(self);
+    const uint32_t begin = periods_in(self, NEXT_TIME_s);
+    const uint32_t under_way = self->since + length / 2u;
+    const bool begun = self->since >= begin;
+    const uint32_t half = begun ? (under_way - begin) / length : 0u;
+    const uint32_t seen =
+        self->since >= begin + SEEN_PERIODS ? (under_way - begin - SEEN_PERIODS) / length : 0u;
+    const float step_A = begun ? sign_of_half(half) * amplitude_A(self) : 0.0f;
+    post_vector(self, LODE_MODE_CURRENT, step_hold_A(self), step_A);
+    if (seen > FALL_HALVES) {
+        self->fall_A[1][self->level] = 0.5f * self->sums.x / float_of(FALL_HALVES);
+        self->fall_1_H[1][self->level] = self->sums.x / self->sums.y;
+        self->level++;
+        if (self->level < FALL_POINTS) {
+            enter(self, STAGE_LQ_FALL);
+        } else {
+            judge_fall_q(self);
+        }
+    } else if (seen > 0u) {
+        note_half_wave(self, u_V, i_A, sign_of_half(seen));
+    } else {
+        // the current settles
+    }
 }
 
 // --- With what is known by now ---
@@ -496,6 +672,11 @@ static void take_standstill(lode_commission_t *self) {
     motor->Rs_Ohm = lode_max(found(self, LODE_COMMISSION_RS_Ohm) - inverter->r_on_Ohm, 0.0f);
     motor->Ld_H = found(self, LODE_COMMISSION_LD_H);
     motor->Lq_H = found(self, LODE_COMMISSION_LQ_H);
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+    if (is_sure(self, LODE_COMMISSION_LQ_FALL_1_A)) {
+        self->config.references.Lq_fall = found(self, LODE_COMMISSION_LQ_FALL_1_A);
+    }
+#endif
     inverter->dead_time_s =
         lode_max(lost_V, 0.0f) /
         (self->drive.inverter.v_bus_V * lode_inverter_carrier_Hz(inverter, self->config.f_pwm_Hz));
@@ -654,7 +835,7 @@ static void judge_run(lode_commission_t *self) {
         enter(self, STAGE_RETUNE);
         return;
     }
-    if (self->found[LODE_COMMISSION_B_Nms].confidence >= LODE_COMMISSION_SURE) {
+    if (is_sure(self, LODE_COMMISSION_B_Nms)) {
         motor->B_Nms = friction_Nm / omega;
     }
     finish(self, LODE_COMMISSION_DONE);
@@ -726,10 +907,13 @@ static void proceed(lode_commission_t *self, const lode_counts_t *counts, lode_d
         move_level(self, i_A);
         break;
     case STAGE_LD:
-        wave(self, u_V, i_A, false);
+        find_Ld(self, u_V, i_A);
         break;
     case STAGE_LQ:
-        wave(self, u_V, i_A, true);
+        find_Lq(self, u_V, i_A);
+        break;
+    case STAGE_LQ_FALL:
+        find_Lq_fall(self, u_V, i_A);
         break;
     case STAGE_RETUNE:
         retune(self);

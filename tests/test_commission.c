@@ -9,7 +9,7 @@ void setUp(void) {}
 void tearDown(void) {}
 
 /// Of stages, by the order in commission.c.
-enum { CALIBRATE, PULSES, ACROSS, ALONG, LEVEL, LD, LQ, RETUNE, START, UP, DOWN, OVER };
+enum { CALIBRATE, PULSES, ACROSS, ALONG, LEVEL, LD, LQ, LQ_FALL, RETUNE, START, UP, DOWN, OVER };
 
 /// What stands between the plant and the drive.
 typedef struct rig rig_t;
@@ -208,6 +208,10 @@ static void test_pulses_grow(void) {
     check_found(&c);
 }
 
+static double sure_by(double deviation, double allowed) {
+    return 1.0 / (1.0 + deviation * deviation / (allowed * allowed));
+}
+
 // --- What it asks for ---
 
 /// Vectors asked for in one stage, and the current seen in those periods.
@@ -317,32 +321,69 @@ static void test_the_rotor_is_brought_along(void) {
     }
 }
 
-/// 120 steps up and as many down, of 30 % of what holds, eight periods each, after 0.15 s; the other axis rests. With a
-/// rate of which no time is a whole number of periods.
+/// Of a wave whose steps grow from 36 to 44 % of what holds, that of one half-wave.
+static double grown_A(double hold_A, int half, int halves) {
+    const double share = 0.4 * (1.0 + 0.2 * ((double)half / halves - 0.5));
+    return (half % 2 == 0 ? share : -share) * hold_A;
+}
+
+/// Steps of 40 % of what holds, eight periods each; the other axis rests. In d about three currents, after 0.1 s and then
+/// 0.02 s, in q about one: 68 waves, and 30 about the highest and the lowest in d. With a rate of which no time is a whole
+/// number of periods.
 static void test_steps_of_the_current(void) {
+    static const struct {
+        double hold;
+        int begin, halves, stage;
+    } parts[] = {{1.0, 500, 60, LD}, {0.65, 100, 136, LD}, {0.3, 100, 60, LD}, {0.7, 100, 136, LQ}};
     plant_config_t c = machine();
     lode_drive_config_t config = sheet();
     config.f_pwm_Hz = 4999.9f;
     c.period_s = 1.0 / 4999.9;
-    for (int axis = 0; axis < 2; axis++) {
-        begin_trace(axis == 0 ? LD : LQ, &c, &config);
-        const double hold_A = 0.7 * (double)rig.commission.current_A;
-        TEST_ASSERT_EQUAL(750 + 2 * 8 * 120 + 1, trace.count);
-        for (int n = 0; n < trace.count; n++) {
-            const int half = (n - 750) / 8;
-            const double step_A = n < 750 ? 0.0 : (half % 2 == 0 ? 0.3 : -0.3) * hold_A;
-            CHECK_NEAR(1.0e-4, hold_A + (axis == 0 ? step_A : 0.0), trace.asked[n].d);
-            CHECK_NEAR(1.0e-4, axis == 0 ? 0.0 : step_A, trace.asked[n].q);
+    int n = 0;
+    for (int k = 0; k < COUNT_OF(parts); k++) {
+        if (k == 0 || k == 3) {
+            TEST_ASSERT_EQUAL(n, k == 0 ? 0 : trace.count);
+            begin_trace(parts[k].stage, &c, &config);
+            n = 0;
         }
+        const double hold_A = parts[k].hold * (double)rig.commission.current_A;
+        for (int m = -parts[k].begin; m <= 8 * parts[k].halves; m++, n++) {
+            const double step_A = m < 0 ? 0.0 : grown_A(hold_A, m / 8, parts[k].halves);
+            CHECK_NEAR(1.0e-4, hold_A + (k < 3 ? step_A : 0.0), trace.asked[n].d);
+            CHECK_NEAR(1.0e-4, k < 3 ? 0.0 : step_A, trace.asked[n].q);
+        }
+    }
+    TEST_ASSERT_EQUAL(n, trace.count);
+}
+
+/// Waves in q of three amplitudes, after 0.02 s: half a half-wave first, then 6 that count, and what the currents
+/// need to answer.
+static void test_large_waves(void) {
+    const plant_config_t c = machine();
+    const lode_drive_config_t config = sheet();
+    begin_trace(LQ_FALL, &c, &config);
+    const double hold_A = 0.7 * (double)rig.commission.current_A;
+    const double amplitude_A[] = {0.4 * hold_A, 0.5 * 12.0, 0.75 * 12.0};
+    // As long as the largest needs with half of the voltage, and eight periods more.
+    const double need_s = 2.0 * 9.0 * c.Lq_H / (0.5 * 200.0 / sqrt(3.0));
+    const int half = 8 + (int)(need_s * 5.0e3 + 0.5);
+    const int length = 100 + 3 + 7 * half - half / 2 + 1;
+    TEST_ASSERT_EQUAL(3 * length, trace.count);
+    for (int n = 0; n < trace.count; n++) {
+        const int at = n % length - 100;
+        const double sign = (at + half / 2) / half % 2 == 0 ? 1.0 : -1.0;
+        CHECK_NEAR(1.0e-4, hold_A, trace.asked[n].d);
+        CHECK_NEAR(1.0e-4, at < 0 ? 0.0 : sign * amplitude_A[n / length], trace.asked[n].q);
+        CHECK_AT_MOST(12.0, trace.i_A[n]);
     }
 }
 
 static void quantity_by_stage(rig_t *r) {
     static const lode_commission_quantity_t wanted[] = {
-        LODE_COMMISSION_OFFSET_A, LODE_COMMISSION_SIGNALS, LODE_COMMISSION_RS_Ohm,
-        LODE_COMMISSION_RS_Ohm,   LODE_COMMISSION_RS_Ohm,  LODE_COMMISSION_LD_H,
-        LODE_COMMISSION_LQ_H,     LODE_COMMISSION_LQ_H,    LODE_COMMISSION_PSI_Wb,
-        LODE_COMMISSION_PSI_Wb,   LODE_COMMISSION_PSI_Wb};
+        LODE_COMMISSION_OFFSET_A, LODE_COMMISSION_SIGNALS,     LODE_COMMISSION_RS_Ohm,
+        LODE_COMMISSION_RS_Ohm,   LODE_COMMISSION_RS_Ohm,      LODE_COMMISSION_LD_H,
+        LODE_COMMISSION_LQ_H,     LODE_COMMISSION_LQ_FALL_1_A, LODE_COMMISSION_LQ_FALL_1_A,
+        LODE_COMMISSION_PSI_Wb,   LODE_COMMISSION_PSI_Wb,      LODE_COMMISSION_PSI_Wb};
     const int stage = (int)r->commission.stage;
     if (stage > CALIBRATE && stage < OVER && stage == r->stage && r->commission.runs == 0u) {
         TEST_ASSERT_EQUAL_STRING(lode_commission_name(wanted[stage]),
@@ -534,6 +575,79 @@ static void test_a_sensor_that_reads_too_little(void) {
     gain_of_c = 0.7f;
     begin(&c, &config, weaken_c);
     expect_unsure(LODE_COMMISSION_SIGNALS);
+}
+
+// --- Inductances that fall ---
+
+/// psi_q = Lq iq/(1 + |iq|/20 A), and Ld' that falls by 28 % at 6 A.
+static plant_config_t saturating(void) {
+    plant_config_t c = machine();
+    c.i_sat_A = 20.0;
+    c.Lq_sat_H = 1.0e-6;
+    c.id_sat_A = 9.0;
+    c.Ld_sat_H = 1.75e-3;
+    return c;
+}
+
+static void test_falls_are_found(void) {
+    const plant_config_t c = saturating();
+    lode_drive_config_t config = sheet();
+    config.references.Lq_fall = 0.01f;
+    begin(&c, &config, NULL);
+    expect(LODE_COMMISSION_DONE);
+    const lode_drive_config_t *found = lode_commission_config(&rig.commission);
+    CHECK_CLOSE(0.05, 1.0 / 20.0, value(LODE_COMMISSION_LQ_FALL_1_A));
+    CHECK_NEAR(0.0, value(LODE_COMMISSION_LQ_FALL_1_A), found->references.Lq_fall);
+    CHECK_CLOSE(0.03, c.Lq_H, found->motor.Lq_H); // of no current
+    const double x = 6.0 / 9.0;
+    const double left = 1.0 - 0.5 * x / sqrt(1.0 + x * x);
+    CHECK_CLOSE(0.05, (1.0 / left - 1.0) / 6.0, value(LODE_COMMISSION_LD_FALL_1_A));
+    CHECK_CLOSE(0.03, c.Ld_H, found->motor.Ld_H);
+    for (int k = LODE_COMMISSION_LD_FALL_1_A; k <= LODE_COMMISSION_LQ_FALL_1_A; k++) {
+        CHECK_AT_LEAST(0.9, rig.commission.found[k].confidence);
+    }
+}
+
+/// Iron that does not saturate: what the drive was told of a fall is not so.
+static void test_no_fall(void) {
+    const plant_config_t c = machine();
+    lode_drive_config_t config = sheet();
+    config.references.Lq_fall = 0.01f;
+    begin(&c, &config, NULL);
+    expect(LODE_COMMISSION_DONE);
+    CHECK_NEAR(0.0, 0.0, value(LODE_COMMISSION_LD_FALL_1_A));
+    CHECK_NEAR(0.0, 0.0, value(LODE_COMMISSION_LQ_FALL_1_A));
+    CHECK_NEAR(0.0, 0.0, lode_commission_config(&rig.commission)->references.Lq_fall);
+    CHECK_AT_LEAST(0.9, rig.commission.found[LODE_COMMISSION_LQ_FALL_1_A].confidence);
+}
+
+/// Of three points one is off by 15 % of the inductance.
+static void bend_fall(rig_t *r) {
+    lode_commission_t *k = &r->commission;
+    if (k->stage == LD && k->level == 1u) {
+        k->fall_1_H[0][0] = 1.15f / 3.5e-3f;
+    }
+    if (k->stage == LQ_FALL && k->level == 2u) {
+        k->fall_1_H[1][1] = 1.15f / 9.8e-3f;
+    }
+}
+
+/// Then what was known of it stays, and the inductance is that of the small steps.
+static void test_a_fall_that_bends_is_not_taken_over(void) {
+    const plant_config_t c = machine();
+    lode_drive_config_t config = sheet();
+    config.references.Lq_fall = 0.01f;
+    begin(&c, &config, bend_fall);
+    expect(LODE_COMMISSION_DONE);
+    // The first of three currents at equal steps: the three are off by 1, 2 and 1 sixths of it, and the line has 0.911
+    // at no current.
+    CHECK_NEAR(0.02, sure_by(0.15 / sqrt(6.0) / 0.911, 0.03),
+               rig.commission.found[LODE_COMMISSION_LD_FALL_1_A].confidence);
+    CHECK_AT_MOST(0.5, rig.commission.found[LODE_COMMISSION_LQ_FALL_1_A].confidence);
+    const lode_drive_config_t *found = lode_commission_config(&rig.commission);
+    CHECK_NEAR(0.0, 0.01f, found->references.Lq_fall);
+    CHECK_CLOSE(0.01, c.Ld_H, found->motor.Ld_H);
+    CHECK_CLOSE(0.01, c.Lq_H, found->motor.Lq_H);
 }
 
 // --- What it begins with ---
@@ -945,10 +1059,6 @@ static void note_runs(rig_t *r) {
     s->q += iq;
 }
 
-static double sure_by(double deviation, double allowed) {
-    return 1.0 / (1.0 + deviation * deviation / (allowed * allowed));
-}
-
 /// The flux is the slope of the EMF over speed, the acceleration that of the speed over time. Inertia and friction
 /// explain the torque either way at once, and each is as sure as the two ways agree.
 static void test_the_run_by_another_reckoning(void) {
@@ -1158,19 +1268,19 @@ static void test_next_to_no_current_is_none(void) {
 
 static void scatter_once(rig_t *r) {
     lode_commission_t *k = &r->commission;
-    if (k->stage == LD && k->since == 750u + 2u * 8u * 120u) {
+    if (k->stage == LD && k->level == 1u && k->since == 100u + 2u * 8u * 68u) {
         k->sums.yy *= 1.05f;
     }
 }
 
-/// Of 1920 steps whose scatter explains 5 % of their squares the mean is off by sqrt(0.05/1920), where 1 % is allowed.
+/// Of 1088 steps whose scatter explains 5 % of their squares the mean is off by sqrt(0.05/1088), where 1 % is allowed.
 static void test_how_sure_an_inductance_is(void) {
     const plant_config_t c = machine();
     const lode_drive_config_t config = sheet();
     begin(&c, &config, scatter_once);
     rig.watch = never_more;
     expect(LODE_COMMISSION_DONE);
-    CHECK_NEAR(0.02, sure_by(sqrt(0.05 / 1920.0), 0.01),
+    CHECK_NEAR(0.02, sure_by(sqrt(0.05 / 1088.0), 0.01),
                rig.commission.found[LODE_COMMISSION_LD_H].confidence);
 }
 
@@ -1259,6 +1369,10 @@ int main(void) {
     RUN_TEST(test_pulses_along_each_phase);
     RUN_TEST(test_the_rotor_is_brought_along);
     RUN_TEST(test_steps_of_the_current);
+    RUN_TEST(test_large_waves);
+    RUN_TEST(test_falls_are_found);
+    RUN_TEST(test_no_fall);
+    RUN_TEST(test_a_fall_that_bends_is_not_taken_over);
     RUN_TEST(test_quantity_under_way);
     RUN_TEST(test_speeds_of_the_run);
     RUN_TEST(test_the_run_has_a_span);

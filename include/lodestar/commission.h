@@ -25,8 +25,10 @@ typedef enum {
     LODE_COMMISSION_SIGNALS, ///< phases whose sensor has the right sign and place: 3
     LODE_COMMISSION_RS_Ohm,  ///< winding and switches
     LODE_COMMISSION_DEAD_V,  ///< what a phase loses to dead time and drops at the present bus
-    LODE_COMMISSION_LD_H,    ///< differential, at about half of the start current in d
-    LODE_COMMISSION_LQ_H,    ///< the same
+    LODE_COMMISSION_LD_H, ///< at no current where it falls, else at some 0.6 of the current that holds
+    LODE_COMMISSION_LQ_H, ///< the same
+    LODE_COMMISSION_LD_FALL_1_A, ///< 1/Ld' is (1 + fall id)/Ld (N2); 0: less than 5 % at the current that holds
+    LODE_COMMISSION_LQ_FALL_1_A, ///< Lq is Lq_H/(1 + fall |iq|) (N4); 0: less than 5 % at i_max
     LODE_COMMISSION_PSI_Wb,
     LODE_COMMISSION_J_kgm2, ///< of all that turns
     LODE_COMMISSION_B_Nms,  ///< friction over speed, at the mean speed of the run
@@ -64,7 +66,8 @@ const char *lode_commission_result_name(lode_commission_result_t result);
 typedef struct {
     uint32_t count;
     float
-        t; ///< of the run: time, speed, voltage, and their products; of the steps: voltage and current
+        t; ///< of the run: time, speed, voltage, and their products; of the steps: voltage and current;
+    ///< of the large waves: current and flux
     float x;
     float y;
     float tx;
@@ -105,6 +108,9 @@ typedef struct {
     lode_dq_t before_i_A[2];
     float level_u_V[3];
     float level_i_A[3];
+    float fall_A[2][3]; ///< d, q: a current, and 1/L there
+    float fall_1_H[2][3];
+    float near_A;    ///< mean current of the small steps in q
     float low_rad_s; ///< of the run
     float high_rad_s;
     float torque_Nm;
