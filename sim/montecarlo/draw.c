@@ -142,6 +142,7 @@ static const char *commission(rig_config_t *told, const plant_config_t *truth) {
     const lode_drive_config_t *found = lode_commission_config(&run.commission);
     told->given.motor = found->motor;
     told->given.inverter = found->inverter;
+    told->given.references.Lq_fall = found->references.Lq_fall;
     told->drive = told->given;
     rig_config_design(told);
     return NULL;

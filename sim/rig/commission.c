@@ -10,6 +10,26 @@
 /// Longer than all of its own time-outs together.
 #define LONGEST_s 60.0
 
+/// What 1/L rises by per ampere, of an inductance at no current and one at `i_A`.
+static double fall_1_A(double none_H, double at_H, double i_A) {
+    return (none_H / at_H - 1.0) / i_A;
+}
+
+/// As the drive has them: d differential, to the current that holds; q flux over current, to i_max.
+static void note_falls(commission_run_t *self, const rig_config_t *config) {
+    const double hold_A = (double)self->commission.current_A;
+    const double i_max_A = (double)config->drive.inverter.i_max_A;
+    plant_iron_t iron;
+    if (!plant_iron_saturates(&self->plant)) {
+        return;
+    }
+    plant_iron_init(&iron, &self->plant);
+    const double Ld_H = plant_iron_at(&iron, hold_A, 0.0).Ldd_H;
+    const double Lq_H = plant_iron_at(&iron, 0.0, i_max_A).psi_q_Wb / i_max_A;
+    self->truth[LODE_COMMISSION_LD_FALL_1_A] = fall_1_A(self->plant.Ld_H, Ld_H, hold_A);
+    self->truth[LODE_COMMISSION_LQ_FALL_1_A] = fall_1_A(self->plant.Lq_H, Lq_H, i_max_A);
+}
+
 static void note_truth(commission_run_t *self, const rig_config_t *config) {
     const plant_config_t *plant = &self->plant;
     for (int x = 0; x < PLANT_PHASES; ++x) {
@@ -47,6 +67,7 @@ bool commission_run_on(commission_run_t *self, const rig_config_t *config,
         refusal_report(config, status);
         return false;
     }
+    note_falls(self, config);
     lode_commission_result_t result = LODE_COMMISSION_RUNNING;
     while (result == LODE_COMMISSION_RUNNING && self->took_s < LONGEST_s) {
         plant_counts_t sampled;
@@ -65,20 +86,33 @@ bool commission_run_on(commission_run_t *self, const rig_config_t *config,
     return true;
 }
 
+/// All but what may stay unsure.
+static bool is_taken_over(const lode_commission_t *own, const char *key) {
+    static const lode_commission_quantity_t may_be_unsure[] = {LODE_COMMISSION_B_Nms,
+                                                               LODE_COMMISSION_LQ_FALL_1_A};
+    for (size_t k = 0; k < sizeof may_be_unsure / sizeof may_be_unsure[0]; ++k) {
+        if (strcmp(key, lode_commission_name(may_be_unsure[k])) == 0 &&
+            own->found[may_be_unsure[k]].confidence < LODE_COMMISSION_SURE) {
+            return false;
+        }
+    }
+    return true;
+}
+
 void commission_found(rig_config_t *found, const commission_run_t *self,
                       const rig_config_t *config) {
     static const struct {
         const char *section, *key;
     } measured[] = {
-        {"motor", "Rs_Ohm"}, {"motor", "Ld_H"},  {"motor", "Lq_H"},        {"motor", "psi_Wb"},
-        {"motor", "J_kgm2"}, {"motor", "B_Nms"}, {"drive", "dead_time_s"},
+        {"motor", "Rs_Ohm"},      {"motor", "Ld_H"},         {"motor", "Lq_H"},
+        {"motor", "psi_Wb"},      {"motor", "J_kgm2"},       {"motor", "B_Nms"},
+        {"drive", "dead_time_s"}, {"references", "Lq_fall"},
     };
-    const lode_commission_value_t *friction = &self->commission.found[LODE_COMMISSION_B_Nms];
     *found = *config;
     found->drive = *lode_commission_config(&self->commission);
     found->given = found->drive;
     for (size_t k = 0; k < sizeof measured / sizeof measured[0]; ++k) {
-        if (strcmp(measured[k].key, "B_Nms") == 0 && friction->confidence < LODE_COMMISSION_SURE) {
+        if (!is_taken_over(&self->commission, measured[k].key)) {
             continue; // it stays as it was known
         }
         const int row = rig_schema_find(rig_schema(), measured[k].section, measured[k].key);
