@@ -10,6 +10,8 @@
 #define TELEMETRY_TRIES 3
 // Set 2 is looked at once in a round.
 #define LOOKS_OF_SET_2 2.0f
+#define STILL_MOST 255u
+#define ALL_KEPT ((1u << LODE_PHASES) - 1u)
 
 static lode_active_t active_of(const lode_drive6_t *self) {
     return (lode_active_t)self->active;
@@ -23,6 +25,7 @@ static LODE_NOINLINE void idle_set2(lode_drive6_t *self) {
     lode_inverter_reset(&self->inverter_2);
     lode_plausibility_reset(&self->plausibility_2);
     lode_xy_reset(&self->xy);
+    self->still = 0u;
     lode_open_phase_reset(&self->watch);
 }
 
@@ -242,11 +245,6 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
         x.i_seen_A = of_set(&x.i_A, self->tuning->source == (uint_least16_t)LODE_SOURCE_SET_1);
     }
     x.u_seen_V = lode_inverter_less_drop(&drive->inverter, x.u_seen_V, drive->estimator.emf.i_A);
-    x.watched = both && lode_mode(drive) == LODE_MODE_RUN &&
-                self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE;
-    if (x.watched) {
-        lode_open_phase_note(&self->watch, x.machine.i, x.set_2.i);
-    }
     return x;
 }
 
@@ -278,29 +276,39 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
 }
 
-// `i_A`: of the other set.
 static LODE_NOINLINE void on_open_phase(lode_drive6_t *self, lode_open_phase_t open,
-                                        lode_ab_t i_A) {
+                                        const lode_sets_t *i_A) {
     self->open = open;
-    // One set alone has little saliency of its own: what goes by injection cannot go on.
+    // One set alone has little saliency of its own: what goes by injection cannot go on. Nor does a start.
     if (self->tuning->open_phase == (uint_least16_t)LODE_OPEN_PHASE_TRIP ||
+        lode_mode(&self->drive) != LODE_MODE_RUN ||
         lode_estimator_injects(&self->drive.estimator)) {
         lode_mode_fault(&self->drive, LODE_CHECK_OPEN_PHASE, (float)open, 0.0f);
     } else {
         const bool in_1 = lode_open_phase_set(open) == 0;
-        go_on_alone(self, in_1 ? LODE_SETS_ONLY_2 : LODE_SETS_ONLY_1, i_A);
+        go_on_alone(self, in_1 ? LODE_SETS_ONLY_2 : LODE_SETS_ONLY_1, of_set(i_A, !in_1));
     }
 }
 
-LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x,
-                              const lode_estimate_t *est) {
-    if (!x->watched) {
-        return;
-    }
+static LODE_NOINLINE void look_at_phases(lode_drive6_t *self, const lode_sample6_t *x,
+                                         int32_t set) {
+    const float look_s = (float)LODE_WATCH_PERIODS * self->drive.tuning->estimator.pll.ts_s;
     const lode_open_phase_t open =
-        lode_open_phase_step(&self->watch, &self->tuning->watch, est->rotor.sin);
+        lode_open_phase_look(&self->watch, &self->tuning->watch, set, x->i_A.set[set],
+                             x->machine.i_A, look_s * lode_mode_frame_omega(&self->drive));
     if (open > 0u) {
-        on_open_phase(self, open, of_set(&x->i_A, lode_open_phase_set(open) == 1));
+        on_open_phase(self, open, &x->i_A);
+    }
+}
+
+// Set 1 in SLOT_LOCK and SLOT_GAINS, set 2 in SLOT_DEAD_TIME and SLOT_REFERENCES.
+LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x, lode_slot_t slot) {
+    const uint32_t turn = (uint32_t)slot % LODE_WATCH_PERIODS;
+    const bool second = turn == 3u;
+    if ((turn == 0u || second) && self->active == (uint_least8_t)LODE_SETS_BOTH &&
+        self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE &&
+        lode_open_phase_doubts(&self->watch, &self->tuning->watch, x->machine.i_A, self->i_xy_A)) {
+        look_at_phases(self, x, second ? 1 : 0);
     }
 }
 
@@ -425,11 +433,32 @@ LODE_INLINE bool accept(lode_drive6_t *self, lode_abc6_t duty) {
            lode_drive_accept(drive, &self->omitted_2, &self->duty_2);
 }
 
+// Both sets have kept all of their counts at two looks. Of one set that may be open phases, which keep near zero.
+static LODE_NOINLINE void count_still(lode_drive6_t *self) {
+    lode_drive_t *drive = &self->drive;
+    const lode_drive_tuning_t *tuning = drive->tuning;
+    const float round_s = (float)LODE_SLOW_PERIODS * tuning->estimator.pll.ts_s;
+    const lode_dq_t ref_A = drive->ref_A;
+    const float turn_rad = (float)self->still * round_s * lode_mode_frame_omega(drive);
+    if (lode_mode(drive) == LODE_MODE_RUN &&
+        lode_plausibility_none_flows(&tuning->plausibility, ref_A.d * ref_A.d + ref_A.q * ref_A.q,
+                                     turn_rad, lode_abs(tuning->sense.i_gain))) {
+        lode_mode_fault(drive, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
+    }
+    self->still = (uint_least8_t)(self->still < STILL_MOST ? self->still + 1u : STILL_MOST);
+}
+
 // SLOT_REFERENCES. Set 1 is looked at with the guard.
 LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
-    if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
-        lode_drive_watch(&self->drive, self->drive.tuning, &self->plausibility_2, set_2->i,
-                         LOOKS_OF_SET_2);
+    if (self->active != (uint_least8_t)LODE_SETS_BOTH) {
+        return;
+    }
+    lode_drive_watch(&self->drive, self->drive.tuning, &self->plausibility_2, set_2->i,
+                     LOOKS_OF_SET_2);
+    if ((self->drive.plausibility.kept & self->plausibility_2.kept) == ALL_KEPT) {
+        count_still(self);
+    } else {
+        self->still = 0u;
     }
 }
 
@@ -457,11 +486,10 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
         return end_idle(self);
     }
     const lode_slot_t slot = lode_slot_of(drive->steps);
-    if (slot == SLOT_LAG) { // dear enough: the end of an electrical period is seen in the next one
+    if (slot == SLOT_LAG) {
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
-    } else {
-        watch_phases(self, sample, estimate);
     }
+    watch_phases(self, sample, slot);
     if (slot == SLOT_REFERENCES) {
         watch_set2(self, &sample->set_2);
     }

@@ -1,11 +1,10 @@
 #include "lodestar/drive6.h"
 
 #include "drive_inline.h"
+#include "open_phase_inline.h"
 
 #include <stddef.h>
 
-// Share of i_max, as the mean magnitude of a phase current: below it no open phase is reported.
-#define WATCH_SHARE 0.03f
 // A phase that stays within so many counts of no current is open rather than its converter stuck.
 #define STILL_COUNTS 4
 
@@ -109,8 +108,9 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
         status = tune_signal_check(&t, &complete);
     }
     if (status == LODE_OK) {
-        const float i_min_A = WATCH_SHARE * complete.drive.inverter.i_max_A;
-        t.watch = (lode_open_phase_tuning_t){i_min_A / lode_abs(t.drive.sense.i_gain)};
+        const float xy_rad_s = lode_max(t.xy.bandwidth_rad_s, t.xy.corner_rad_s);
+        t.watch = lode_open_phase_tune(complete.drive.inverter.i_max_A, xy_rad_s,
+                                       (float)LODE_WATCH_PERIODS * ts_s);
         // A set's vector is that of the dq plane and that of the xy plane.
         t.drive.current.free = lode_min(t.drive.current.free, t.drive.inverter.free - t.xy.circle);
 #ifndef LODE_WITHOUT_PLAUSIBILITY

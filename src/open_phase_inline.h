@@ -1,41 +1,35 @@
-// Watching for an open phase, one period.
+// Watching for open phases and dead switches: whether there is anything to look at.
 #ifndef LODE_OPEN_PHASE_INLINE_H
 #define LODE_OPEN_PHASE_INLINE_H
 
 #include "lodestar/open_phase.h"
 
-// Part of lode_open_phase_step(), which alone calls it: an electrical period is over.
-lode_open_phase_t lode_open_phase_judge(lode_open_phase_watch_t *self,
-                                        const lode_open_phase_tuning_t *tuning);
+#define LODE_WATCH_PERIODS                                                                         \
+    4u // from one look at a set's phases to the next: there are two in a round
 
-LODE_INLINE void lode_open_phase_add(lode_abc_t *sum, const int32_t i[3]) {
-    sum->a += lode_abs((float)i[0]);
-    sum->b += lode_abs((float)i[1]);
-    sum->c += lode_abs((float)i[2]);
+// A half-wave is asked of a phase within 70 degrees of its axis, where its share of the alpha-beta current is a third of
+// the vector's length at least. It lacks it with less than a quarter of that, and has it with half (V9).
+#define LODE_WAVE_ASKED (1.0f / 3.0f)
+#define LODE_WAVE_LACKS 0.25f
+#define LODE_WAVE_HAS 0.5f
+// What it lacks then flows in the xy plane: as share of the alpha-beta current (V10).
+#define LODE_WAVE_XY (LODE_WAVE_ASKED * (1.0f - LODE_WAVE_LACKS))
+
+// Currents of the alpha-beta and of the xy plane. False, as of nearly all sound machines: lode_open_phase_look() would
+// find nothing.
+LODE_INLINE bool lode_open_phase_doubts(const lode_open_phase_watch_t *self,
+                                        const lode_open_phase_tuning_t *tuning, lode_ab_t i_A,
+                                        lode_ab_t i_xy_A) {
+    const float i_A2 = i_A.alpha * i_A.alpha + i_A.beta * i_A.beta;
+    const float xy_A2 = i_xy_A.alpha * i_xy_A.alpha + i_xy_A.beta * i_xy_A.beta;
+    return self->doubts || (xy_A2 >= LODE_WAVE_XY * LODE_WAVE_XY * i_A2 &&
+                            i_A2 >= tuning->least_A * tuning->least_A);
 }
 
-// Takes in the phase currents of both sets, one set at a time: half the work.
-LODE_INLINE void lode_open_phase_note(lode_open_phase_watch_t *self, const int32_t set_1[3],
-                                      const int32_t set_2[3]) {
-    if (self->samples % 2u == 0u) {
-        lode_open_phase_add(&self->sum.set[0], set_1);
-    } else {
-        lode_open_phase_add(&self->sum.set[1], set_2);
-    }
-    self->samples = (uint_least16_t)(self->samples + 1u);
-}
-
-// A rotor at rest whose angle is noise about 0 does not turn.
-#define TURNED_SINE 0.5f
-
-// After lode_open_phase_note(), at the rotor angle of sine `rotor_sin`. Returns a phase that has been
-// open for two whole electrical periods: the third since it opened at the latest.
-LODE_INLINE lode_open_phase_t lode_open_phase_step(lode_open_phase_watch_t *self,
-                                                   const lode_open_phase_tuning_t *tuning,
-                                                   float rotor_sin) {
-    const bool before = self->positive;
-    self->positive = rotor_sin >= (before ? -TURNED_SINE : TURNED_SINE);
-    return self->positive && !before ? lode_open_phase_judge(self, tuning) : (lode_open_phase_t)0u;
-}
+// The currents of set `set`, 0 or 1, in stator axes, and that of the alpha-beta plane; the vector turns by `turn_rad` from
+// one look at a set to the next. Returns what is open.
+lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *self,
+                                       const lode_open_phase_tuning_t *tuning, int32_t set,
+                                       lode_ab_t i_set_A, lode_ab_t i_A, float turn_rad);
 
 #endif

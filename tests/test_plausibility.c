@@ -254,25 +254,56 @@ static void test_three_that_keep_still_may_while_the_current_changes(void) {
     }
 }
 
-/// A phase near zero may be open instead: with six phases that is another check.
+/// What is found in half a turn beside phase `held` at `count`, the sum of the three being `share` of the current.
+static lode_check_t beside(bool six, int held, int32_t count, double share) {
+    bench_t self = bench(3.6, 0.0);
+    lode_finding_t found = {.check = LODE_CHECK_NONE};
+    self.tuning.i_still = six ? 4 * LODE_COUNT_FRACTION : 0;
+    self.tuning.i_sum = INT32_MAX;
+    for (double turned = 0.0; turned < 3.1 && found.check == LODE_CHECK_NONE; turned += 0.05) {
+        const int32_t sum = (int32_t)(share * 3.6 / GAIN_A * LODE_COUNT_FRACTION);
+        const int32_t b = LODE_COUNT_FRACTION * (int32_t)lround(3.6 * sin(turned) / GAIN_A);
+        int32_t i[LODE_PHASES];
+        i[held] = count * LODE_COUNT_FRACTION;
+        i[(held + 1) % 3] = b;
+        i[(held + 2) % 3] = sum - b - i[held];
+        found = judge(&self.state, &self.tuning, i, (float)(3.6 * 3.6), 0.05f);
+    }
+    return found.check;
+}
+
+/// A phase near zero may be open instead, where the other two add up to none: with six phases that is another check.
 static void test_a_phase_that_stays_near_zero_may_be_left_out(void) {
     static const int32_t counts[] = {-5, -4, -3, 0, 3, 4, 5};
     for (int n = 0; n < 2 * 3 * COUNT_OF(counts); n++) {
         const bool six = n % 2 == 1;
         const int phase = n / 2 % 3;
         const int32_t count = counts[n / 6];
-        const bool open = six && count > -4 && count < 4;
-        bench_t self = bench(3.6, 300.0);
-        lode_finding_t found;
-        self.tuning.i_still = six ? 4 * LODE_COUNT_FRACTION : 0;
-        expect_none(&self, 200);
-        self.stuck = phase + 1;
-        self.held[phase] = count * LODE_COUNT_FRACTION;
-        self.tuning.i_sum = INT32_MAX;
-        const double found_s = until_found(&self, &found);
-        TEST_ASSERT_EQUAL_INT(open ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK, found.check);
-        TEST_ASSERT_TRUE(open == (found_s > 0.5));
+        const lode_check_t open =
+            six && count > -4 && count < 4 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK;
+        TEST_ASSERT_EQUAL_INT(open, beside(six, phase, count, 0.0));
+        TEST_ASSERT_EQUAL_INT(open, beside(six, phase, count, 0.19));
+        TEST_ASSERT_EQUAL_INT(open, beside(six, phase, count, -0.19));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, beside(six, phase, count, 0.21));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, beside(six, phase, count, -0.21));
     }
+}
+
+/// All six that keep still: 32 counts of the current that is asked for, of 0.05 of i_max at least.
+static void test_no_open_phase_explains_that_nothing_flows(void) {
+    const lode_plausibility_tuning_t t = bench(0.0, 0.0).tuning;
+    const double needed_rad = 32.0 * GAIN_A / (0.5 * sqrt(3.0)); // of an ampere
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (double i_A = 0.61; i_A < 12.0; i_A *= 1.5) {
+            const float i_A2 = (float)(i_A * i_A);
+            const double turn_rad = sign * needed_rad / i_A;
+            TEST_ASSERT_TRUE(
+                lode_plausibility_none_flows(&t, i_A2, (float)(1.01 * turn_rad), A_PER_COUNT));
+            TEST_ASSERT_FALSE(
+                lode_plausibility_none_flows(&t, i_A2, (float)(0.99 * turn_rad), A_PER_COUNT));
+        }
+    }
+    TEST_ASSERT_FALSE(lode_plausibility_none_flows(&t, 0.59f * 0.59f, 3.0f, A_PER_COUNT));
 }
 
 /// Little current asked for: the dead time may hold phases at zero.
@@ -927,6 +958,7 @@ int main(void) {
     RUN_TEST(test_a_phase_beside_one_near_zero_is_stuck);
     RUN_TEST(test_three_that_keep_still_beside_dead_time);
     RUN_TEST(test_a_phase_that_stays_near_zero_may_be_left_out);
+    RUN_TEST(test_no_open_phase_explains_that_nothing_flows);
     RUN_TEST(test_a_phase_that_dead_time_may_hold_has_a_quarter_turn);
     RUN_TEST(test_three_that_keep_still_may_while_the_current_changes);
     RUN_TEST(test_without_current_nothing_is_stuck);

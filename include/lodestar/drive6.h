@@ -79,6 +79,7 @@ typedef struct {
     lode_open_phase_watch_t watch;
     lode_open_phase_t open;  ///< the phase found open, 0: none
     uint_least8_t active;    ///< lode_active_t
+    uint_least8_t still;     ///< rounds since both sets have kept all counts at two looks
     uint_least8_t omitted_2; ///< as in lode_drive_t
 } lode_drive6_t;
 
@@ -89,7 +90,6 @@ typedef struct {
     lode_ab_t u_seen_V; ///< by the estimator: mean voltage over [t_k-1, t_k)
     lode_ab_t i_seen_A;
     lode_sets_t i_A; ///< of each set, stator axes
-    bool watched;    ///< for open phases
 } lode_sample6_t;
 
 /// A consistent snapshot of one period.

@@ -1,5 +1,5 @@
-/// Finds a phase that carries no current while the others of the machine do: a broken wire, a switch
-/// that stays off.
+/// Finds a phase that lacks the current of a half-wave, or of both, which the others of the machine carry in its place: a
+/// switch that stays off, a broken wire.
 #ifndef LODESTAR_OPEN_PHASE_H
 #define LODESTAR_OPEN_PHASE_H
 
@@ -19,17 +19,26 @@ static inline int32_t lode_open_phase_set(lode_open_phase_t open) {
 }
 
 typedef struct {
-    float
-        i_min; ///< mean of a phase current's magnitude below which nothing can be told, in the unit
-               ///< of the currents that are noted
+    float least_A; ///< asked of a phase, with less of which nothing can be told
+    float per_rad; ///< of enough, per radian that the vector turns
+    float most;    ///< of enough, by one look
 } lode_open_phase_tuning_t;
 
+#define LODE_HALF_WAVES 6 // of a set's phases: three positive ones, three negative ones
+
 typedef struct {
-    lode_abc6_t sum;           ///< of the currents' magnitudes, since the electrical period began
-    uint_least16_t samples;    ///< of both sets
-    lode_open_phase_t suspect; ///< found in the last electrical period
-    bool positive;             ///< sine of the rotor angle in the last call
+    uint_least16_t lacks[LODE_HALF_WAVES]; ///< for how much of enough it has been lacking
+    uint_least16_t all;                    ///< for how much the set has had no current
+    uint_least16_t idle;                   ///< for how much there has been too little to tell
+} lode_lacking_t;
+
+typedef struct {
+    lode_lacking_t set[LODE_SETS];
+    bool doubts; ///< one of them has been lacking
 } lode_open_phase_watch_t;
+
+/// The currents of the xy plane die with `xy_rad_s`; a set is looked at every `look_s`.
+lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float look_s);
 
 void lode_open_phase_reset(lode_open_phase_watch_t *self);
 

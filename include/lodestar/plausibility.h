@@ -78,6 +78,11 @@ uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
                                  const lode_plausibility_tuning_t *tuning, uint32_t again,
                                  float i_A2, float turn_rad, float A_per_count);
 
+/// No count of two sets has moved while the vector turned by `turn_rad`, of a current asked for of `i_A2` squared, which
+/// would have moved some: no open phase explains that.
+bool lode_plausibility_none_flows(const lode_plausibility_tuning_t *tuning, float i_A2,
+                                  float turn_rad, float A_per_count);
+
 /// The third, where there is `doubt` or the sum is not good: what nothing explains but a fault. `sum_looks`: debounce
 /// of the sum.
 lode_finding_t lode_plausibility_find(lode_plausibility_t *self,

@@ -259,8 +259,9 @@ BLOCK(xy) {
 }
 
 BLOCK(open_phase) {
-    lode_open_phase_note(&phases, sample.i, sample.i);
-    bench_sink[0] = (float)lode_open_phase_step(&phases, &tuning6.watch, input(call)->theta_rad);
+    const lode_ab_t none = {0.0f, 0.0f};
+    bench_sink[0] =
+        lode_open_phase_doubts(&phases, &tuning6.watch, input(call)->i_A, none) ? 1.0f : 0.0f;
 }
 
 BLOCK(guard) {

@@ -45,7 +45,7 @@ MORE = {
     "slow parts": {"lode_drive_slow_job", "lode_estimator_note_lock", "lode_estimator_adapt_gains",
                    "lode_drive_lead", "lode_inverter_adapt", "lode_xy_adapt"},
     "control of the xy plane": {"lode_xy_step", "voltages"},
-    "watch on open phases": {"watch_phases", "lode_open_phase_note"},
+    "watch on open phases": {"watch_phases", "lode_open_phase_doubts"},
 }
 OTHER = "entry, exit, modes, copies"
 PARTS = [*COMMON, *MORE, OTHER]

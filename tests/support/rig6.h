@@ -62,7 +62,8 @@ typedef struct {
     double load_Nm;
     double fifth; ///< of the EMF, share of the fundamental
     double seventh;
-    int open; ///< phase without connection, 1 .. 6; 0: none
+    int open;    ///< phase without connection, 1 .. 6; 0: none
+    int carries; ///< it still carries currents of this sign, having one dead switch; 0: none
     double offset[6];
     bool trip[2];
     uint32_t stamp;
@@ -144,7 +145,8 @@ static inline void rig6_carry(rig6_t *self, cplx_t v1, cplx_t v2, double h) {
         const double per_V = (creal(axis) * creal(axis) / RIG6_LD +
                               cimag(axis) * cimag(axis) / RIG6_LQ + 1.0 / RIG6_LXY) /
                              3.0;
-        const double floats = -rise / per_V;
+        const bool carries = self->carries * (0.5 * now + rise) > 0.0;
+        const double floats = carries ? 0.0 : -rise / per_V;
         rise_d += floats * creal(axis) / (3.0 * RIG6_LD);
         rise_q += floats * cimag(axis) / (3.0 * RIG6_LQ);
         rise_xy += floats * axis5 / (3.0 * RIG6_LXY);
