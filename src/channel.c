@@ -15,6 +15,17 @@ static inline lode_ab_t seen_V(const lode_drive_t *drive) {
                                    drive->estimator.emf.i_A);
 }
 
+// Of a start, which is rare: not LODE_RAMFUNC. 0 for any other number.
+static LODE_NOINLINE float start_value(const lode_drive_t *drive, lode_channel_t channel) {
+    if (channel == LODE_CHANNEL_START_STAGE) {
+        return (float)lode_drive_start_stage(drive);
+    }
+    if (channel == LODE_CHANNEL_RETRIES) {
+        return (float)lode_drive_retries(drive);
+    }
+    return channel == LODE_CHANNEL_CRITERION ? (float)drive->guard.fault.criterion : 0.0f;
+}
+
 // The one place that knows where a drive keeps its quantities.
 static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) {
     switch (channel) {
@@ -70,9 +81,12 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
         return seen_V(drive).alpha;
     case LODE_CHANNEL_U_BETA:
         return seen_V(drive).beta;
+    case LODE_CHANNEL_START_STAGE:
+    case LODE_CHANNEL_RETRIES:
+    case LODE_CHANNEL_CRITERION:
     case LODE_CHANNEL_COUNT:
     default:
-        return 0.0f;
+        return start_value(drive, channel);
     }
 }
 

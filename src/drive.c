@@ -211,12 +211,11 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
         *telemetry = (lode_telemetry_t){
             .steps = steps,
             .mode = lode_mode(self),
+            .start_stage = lode_drive_start_stage(self),
             .fault = self->guard.fault,
             .torque_limited = speed != NULL && is_limited(speed),
             .speed_raised = speed != NULL && is_raised(self),
-#ifndef LODE_WITHOUT_HANDOVER_RETRY
-            .retries = lode_mode(self) == LODE_MODE_START ? self->state.start.failed : self->losses,
-#endif
+            .retries = lode_drive_retries(self),
             .duty = self->duty,
             .i_A = self->i_A,
             .ref_A = self->ref_A,

@@ -168,7 +168,8 @@ void lode_guard_reset(lode_guard_t *self) {
 LODE_SMALL_CALL void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check,
                                      float measured, float limit) {
     if (self->fault.check == (uint_least8_t)LODE_CHECK_NONE) {
-        self->fault = (lode_fault_t){state, (uint_least8_t)check, measured, limit};
+        self->fault = (lode_fault_t){
+            .state = state, .check = (uint_least8_t)check, .measured = measured, .limit = limit};
     }
 }
 

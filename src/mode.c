@@ -88,12 +88,36 @@ static bool loses_lock(const lode_drive_t *self) {
 
 #endif
 
+// Why the attempt of a start has failed. With no check it is no fault, and the start goes on.
+static LODE_NOINLINE lode_fault_t unmet_now(const lode_drive_t *self) {
+    const lode_start_unmet_t unmet = lode_start_unmet(&self->state.start, &self->tuning->start,
+                                                      &self->estimator, &self->tuning->estimator);
+    return (lode_fault_t){.state = self->mode,
+                          .stage = self->state.start.stage,
+                          .criterion = (uint_least8_t)unmet.criterion,
+                          .measured = unmet.measured,
+                          .limit = unmet.limit};
+}
+
+// What the guard has counted is gone; what the attempt before has not met stays.
+static void reset_guard(lode_drive_t *self) {
+    const lode_fault_t last = self->guard.fault;
+    lode_guard_reset(&self->guard);
+    if (self->losses > 0u) {
+        self->guard.fault = last;
+    }
+}
+
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
 
 LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
     const uint_least8_t losses = self->losses;
     if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u && loses_lock(self) &&
         losses < LODE_START_LOSSES_MAX) {
+        self->guard.fault = (lode_fault_t){.state = self->mode,
+                                           .criterion = (uint_least8_t)LODE_CRITERION_PROOF,
+                                           .measured = self->estimator.lock,
+                                           .limit = LODE_LOCK_LOST};
         lode_mode_switch_off(self); // as the command is RUN, for no longer than the next period
         self->losses = (uint_least8_t)(losses + 1u);
     }
@@ -103,7 +127,12 @@ LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
 
 LODE_NOINLINE void lode_mode_obey_guard(lode_drive_t *self) {
     if (!lode_guard_is_good(&self->guard)) {
+        const uint_least8_t failed = lode_drive_retries(self);
+        if (lode_mode(self) == LODE_MODE_START) {
+            self->guard.fault.stage = self->state.start.stage;
+        }
         open_gates(self, LODE_MODE_FAULT);
+        self->losses = failed; // of the start, as long as there is something to read
     }
 }
 
@@ -267,7 +296,7 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     self->gates = true;
     self->sensored = 0u; // until the next estimate says so
     set_duties(self, LODE_DUTY_IDLE);
-    lode_guard_reset(&self->guard);
+    reset_guard(self);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_reset(&self->plausibility);
 #endif
@@ -491,12 +520,31 @@ static void measure_start(lode_drive_t *self) {
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+
+// As is_astray() has found it.
+static lode_fault_t astray(const lode_drive_t *self) {
+    const lode_start_t *start = &self->state.start;
+    const float omega = self->estimator.pll.omega_rad_s;
+    const bool back = omega * start->omega_target < 0.0f;
+    const float most =
+        MUCH_FASTER * lode_max(lode_abs(start->omega_rad_s), self->tuning->start.omega_ready);
+    return (lode_fault_t){.state = self->mode,
+                          .stage = start->stage,
+                          .criterion = (uint_least8_t)LODE_CRITERION_SPEED,
+                          .measured = omega,
+                          .limit = back ? 0.0f : lode_sign(omega) * most};
+}
+
+#endif
+
 // Of a rotor that the load turns faster than the vector can hold: looks for it anew, as one that turns, or has done so often
 // enough.
 static LODE_NOINLINE void end_attempt(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     const uint_least8_t failed = self->state.start.failed;
     if (failed < LODE_START_LOSSES_MAX && self->tuning->start.catch_rounds > 0u) {
+        self->guard.fault = astray(self);
         lode_mode_switch_off(self); // as the command is RUN, for no longer than the next period
         self->losses = (uint_least8_t)(failed + 1u);
         return;
@@ -538,6 +586,27 @@ static void judge_start(lode_drive_t *self) {
                      lost ? 0.0f : estimator->lock);
 }
 
+static void fail_start(lode_drive_t *self, const lode_fault_t *why) {
+    lode_mode_fault(self, LODE_CHECK_START, why->measured, why->limit);
+    self->guard.fault.stage = why->stage;
+    self->guard.fault.criterion = why->criterion;
+}
+
+// An attempt that is not at speed has nothing to say yet: then it is the one before.
+static LODE_NOINLINE void end_start(lode_drive_t *self) {
+    const lode_fault_t last = self->guard.fault;
+    const lode_fault_t now = unmet_now(self);
+    const bool early = now.criterion < (uint_least8_t)LODE_CRITERION_EMF;
+    const bool tells = last.criterion != (uint_least8_t)LODE_CRITERION_NONE;
+    fail_start(self, early && tells ? &last : &now);
+}
+
+// What the attempt has not met is kept.
+static LODE_NOINLINE void begin_attempt(lode_drive_t *self) {
+    self->guard.fault = unmet_now(self);
+    lode_start_again(&self->state.start, &self->tuning->start);
+}
+
 // SLOT_SPEED: where the vector goes.
 static void aim_start(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
@@ -550,11 +619,13 @@ static void aim_start(lode_drive_t *self) {
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
     self->start_rounds++;
-    lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
+    if (lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A)) {
+        begin_attempt(self);
+    }
     if (stopping && at_rest && !(start->current_A > 0.0f)) {
         lode_mode_switch_off(self);
     } else if (!stopping && self->start_rounds > tuning->timeout_rounds) {
-        lode_mode_fault(self, LODE_CHECK_START, self->estimator.lock, LODE_LOCK_HANDOVER);
+        end_start(self);
     } else {
         // on its way
     }
@@ -634,7 +705,7 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
         .part = (uint_least8_t)(flies ? LODE_PRECHARGE_PULSES : LODE_PRECHARGE_CHARGE)};
     // Those in force when the low sides come: a board may switch them on at once.
     set_duties(self, flies ? 1.0f : lode_min(DUTY_PRECHARGE, tuning->sense.duty_max));
-    lode_guard_reset(&self->guard);
+    reset_guard(self);
     set_mode(self, LODE_MODE_PRECHARGE);
     return true;
 #endif
@@ -928,7 +999,11 @@ static void give_up(lode_drive_t *self) {
     self->estimator.by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
     if (is_stop(self)) { // it would turn the rotor
-        lode_mode_fault(self, LODE_CHECK_START, self->estimator.lock, LODE_LOCK_HANDOVER);
+        const lode_fault_t why = {.stage = self->state.start.stage,
+                                  .criterion = (uint_least8_t)LODE_CRITERION_POLARITY,
+                                  .measured = self->estimator.lock,
+                                  .limit = LODE_LOCK_HANDOVER};
+        fail_start(self, &why);
     }
 }
 

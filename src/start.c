@@ -411,24 +411,26 @@ static float current_share(const lode_start_t *self, const lode_start_tuning_t *
     return 1.0f - CURRENT_FALL * lode_clamp(late / waiting_rounds(tuning, profile), 0.0f, 1.0f);
 }
 
-// A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
-static void try_again(lode_start_t *self, const lode_start_tuning_t *tuning,
-                      float omega_target_rad_s) {
-    const bool starting = lode_abs(omega_target_rad_s) > 0.0f;
+// Counts a round. True: the attempt has had its time.
+static bool is_spent(lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const bool starting = lode_abs(self->omega_target) > 0.0f;
     self->attempt = starting ? self->attempt + 1u : 0u;
     const float rounds = (float)(int32_t)self->attempt;
     if (rounds <= tuning->still_rounds) {
-        return; // the profile alone takes longer; spares a division
+        return false; // the profile alone takes longer; spares a division
     }
     const float profile = profile_rounds(self, tuning);
-    if (rounds > profile + waiting_rounds(tuning, profile)) {
-        self->attempt = 0u;
-        self->at = (lode_sincos_t){0.0f, 1.0f}; // on a phase, for the measurement
-        self->omega_rad_s = 0.0f;
-        self->current_A = 0.0f;
-        self->failed = self->failed == 0u ? 1u : LODE_START_FAILED_MAX;
-        enter(self, first_stage(tuning));
-    }
+    return rounds > profile + waiting_rounds(tuning, profile);
+}
+
+// A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest.
+void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning) {
+    self->attempt = 0u;
+    self->at = (lode_sincos_t){0.0f, 1.0f}; // on a phase, for the measurement
+    self->omega_rad_s = 0.0f;
+    self->current_A = 0.0f;
+    self->failed = self->failed == 0u ? 1u : LODE_START_FAILED_MAX;
+    enter(self, first_stage(tuning));
 }
 
 #ifndef LODE_WITHOUT_START_MEASUREMENT
@@ -529,7 +531,7 @@ static float ramp_share(const lode_start_t *self, const lode_start_tuning_t *tun
 #endif
 }
 
-void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
+bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
     bool last = false;
     self->omega_target = omega_target_rad_s;
@@ -554,7 +556,7 @@ void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     const float speed = self->omega_rad_s / (LODE_START_HOLD * tuning->omega_ready);
     self->by_size = lode_clamp(speed, -1.0f, 1.0f) *
                     lode_max(1.0f - tuning->lost_per_A * self->current_A, BY_SIZE_MIN);
-    try_again(self, tuning, omega_target_rad_s);
+    return is_spent(self, tuning);
 }
 
 // What a round with a lock counts on the vector. A lock that goes again is no worse than none where no attempt is
@@ -595,4 +597,122 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
 bool lode_start_is_ready(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     const uint32_t caught = tuning->catch_rounds / CATCH_PARTS + 1u;
     return self->locked >= (lode_start_catches(self) ? caught : tuning->lock_rounds);
+}
+
+static lode_start_unmet_t unmet(lode_criterion_t criterion, float measured, float limit) {
+    return (lode_start_unmet_t){criterion, measured, limit};
+}
+
+// In how many of the `rounds` that are needed it was so, as times.
+static lode_start_unmet_t unmet_for(lode_criterion_t criterion, uint32_t rounds, uint32_t needed,
+                                    float round_s) {
+    const float measured_s = (float)(int32_t)rounds * round_s;
+    const float limit_s = (float)(int32_t)needed * round_s;
+    return unmet(criterion, measured_s, limit_s);
+}
+
+// While the vector waits with all of its current, for rounds of `round_s`.
+static lode_start_unmet_t unmet_at_rest(const lode_start_t *self, const lode_start_tuning_t *tuning,
+                                        float round_s) {
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    const uint32_t calm = self->seen.rest.calm;
+    const uint32_t least = tuning->patience_rounds / CALM_PART;
+    if (calm < least) {
+        return unmet_for(LODE_CRITERION_REST, calm, least, round_s);
+    }
+#else
+    (void)self;
+    (void)round_s;
+#endif
+    return unmet(LODE_CRITERION_RAMP, 0.0f, tuning->omega_ready);
+}
+
+// At speed, by what lode_start_judge() goes by. Speeds are counted in the direction of the vector.
+static lode_start_unmet_t unmet_at_speed(const lode_start_t *self,
+                                         const lode_start_tuning_t *tuning,
+                                         const lode_estimator_t *estimator, float round_s) {
+    const float sign = lode_sign(self->omega_rad_s);
+    const float vector = lode_abs(self->omega_rad_s);
+    const float omega = sign * estimator->pll.omega_rad_s;
+    const float slack = lode_start_slack(self, tuning);
+    const float off = (float)lock_weight(self, tuning) * slack;
+    const float least = lode_max(vector - off, tuning->omega_ready - slack);
+    const float lost = tuning->lost_per_A * estimator->id_A;
+    if (!(omega >= least)) {
+        return unmet(LODE_CRITERION_SPEED, estimator->pll.omega_rad_s, sign * least);
+    }
+    if (!(omega <= vector + off)) {
+        return unmet(LODE_CRITERION_SPEED, estimator->pll.omega_rad_s, sign * (vector + off));
+    }
+    if (lost > LODE_START_LOST_MAX) {
+        return unmet(LODE_CRITERION_FLUX, lost, LODE_START_LOST_MAX);
+    }
+    if (!(estimator->lock >= LODE_LOCK_HANDOVER)) {
+        return unmet(LODE_CRITERION_LOCK, estimator->lock, LODE_LOCK_HANDOVER);
+    }
+    return unmet_for(LODE_CRITERION_HOLD, self->locked, tuning->lock_rounds, round_s);
+}
+
+LODE_NOINLINE lode_start_unmet_t lode_start_unmet(const lode_start_t *self,
+                                                  const lode_start_tuning_t *tuning,
+                                                  const lode_estimator_t *estimator,
+                                                  const lode_estimator_tuning_t *estimator_tuning) {
+    const float round_s = (float)LODE_SLOW_PERIODS * estimator_tuning->pll.ts_s;
+    if (self->current_A < self->current_target) {
+        return unmet(LODE_CRITERION_CURRENT, self->current_A, self->current_target);
+    }
+    if (self->stage != (uint_least8_t)LODE_START_TURN) {
+        return unmet_at_rest(self, tuning, round_s);
+    }
+    const float vector = lode_sign(self->omega_target) * self->omega_rad_s;
+    if (!(vector >= tuning->omega_ready)) {
+        return unmet(LODE_CRITERION_RAMP, vector, tuning->omega_ready);
+    }
+    const float omega = estimator->pll.omega_rad_s;
+    // (S37), with what the observer takes of the amplitude
+    const float taken = 1.0f + omega * omega * estimator_tuning->droop_s2;
+    const float emf_V = taken * lode_ab_length(estimator->emf.observer.e_V);
+    const float least_V = (1.0f - LODE_START_LOST_MAX) * (1.0f - LODE_START_TOLERANCE) * vector *
+                          estimator_tuning->psi_Wb;
+    if (!(emf_V >= least_V)) {
+        return unmet(LODE_CRITERION_EMF, emf_V, least_V);
+    }
+    return unmet_at_speed(self, tuning, estimator, round_s);
+}
+
+#define NAME(value)                                                                                \
+    case value:                                                                                    \
+        return #value
+
+const char *lode_start_stage_name(lode_start_stage_t stage) {
+    switch (stage) {
+        NAME(LODE_START_NONE);
+        NAME(LODE_START_CATCH);
+        NAME(LODE_START_HALF);
+        NAME(LODE_START_FULL);
+        NAME(LODE_START_ALONE);
+        NAME(LODE_START_FOUND);
+        NAME(LODE_START_TURN);
+    default:
+        return "LODE_START_UNKNOWN";
+    }
+}
+
+const char *lode_criterion_name(lode_criterion_t criterion) {
+    switch (criterion) {
+        NAME(LODE_CRITERION_NONE);
+        NAME(LODE_CRITERION_CURRENT);
+        NAME(LODE_CRITERION_REST);
+        NAME(LODE_CRITERION_RAMP);
+        NAME(LODE_CRITERION_EMF);
+        NAME(LODE_CRITERION_SPEED);
+        NAME(LODE_CRITERION_FLUX);
+        NAME(LODE_CRITERION_LOCK);
+        NAME(LODE_CRITERION_HOLD);
+        NAME(LODE_CRITERION_PROOF);
+        NAME(LODE_CRITERION_POLARITY);
+    case LODE_CRITERION_COUNT:
+    default:
+        return "LODE_CRITERION_UNKNOWN";
+    }
 }

@@ -1098,6 +1098,115 @@ static void test_a_start_has_its_time(void) {
     TEST_ASSERT_EQUAL_UINT32(rig.drive.tuning->start.timeout_rounds + 1u, rig.drive.start_rounds);
 }
 
+/// The start of a rig that comes to no hand-over.
+static lode_telemetry_t failed_start(rig_t *rig) {
+    rig_command(rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(rig, LODE_MODE_FAULT, 40.0));
+    const lode_telemetry_t t = rig_telemetry(rig);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_START", lode_check_name((lode_check_t)t.fault.check));
+    TEST_ASSERT_EQUAL_STRING("LODE_MODE_START", lode_mode_name((lode_mode_t)t.fault.state));
+    TEST_ASSERT_EQUAL_INT(LODE_START_NONE, t.start_stage);
+    return t;
+}
+
+static void check_why(const lode_fault_t *why, const char *stage, const char *criterion) {
+    TEST_ASSERT_EQUAL_STRING(stage, lode_start_stage_name((lode_start_stage_t)why->stage));
+    TEST_ASSERT_EQUAL_STRING(criterion, lode_criterion_name((lode_criterion_t)why->criterion));
+    const bool above = why->criterion == (uint_least8_t)LODE_CRITERION_FLUX;
+    TEST_ASSERT_TRUE(above ? why->measured > why->limit : why->measured < why->limit);
+}
+
+/// A jammed rotor, and one whose load is too large, make no EMF. Each attempt says so as it fails, and the start goes on.
+static void test_a_rotor_that_does_not_follow_is_told_by_its_emf(void) {
+    for (int jams = 0; jams <= 1; jams++) {
+        rig_t rig = fresh();
+        rig.blocked = jams == 1;
+        rig.load_Nm = 10.0;
+        rig_command(&rig, run_at(80.0));
+        for (uint_least8_t failed = 1u; failed <= 2u; failed++) {
+            while (rig_telemetry(&rig).retries < failed) {
+                rig_step(&rig);
+            }
+            const lode_telemetry_t t = rig_telemetry(&rig);
+            rig_expect(&rig, LODE_MODE_START);
+            TEST_ASSERT_EQUAL_INT(LODE_START_HALF, t.start_stage);
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, t.fault.check);
+            check_why(&t.fault, "LODE_START_TURN", "LODE_CRITERION_EMF");
+        }
+        const lode_telemetry_t t = failed_start(&rig);
+        check_why(&t.fault, "LODE_START_TURN", "LODE_CRITERION_EMF");
+        CHECK_CLOSE(1.0e-6, 0.45 * 0.142 * (double)tuning.start.omega_handover, t.fault.limit);
+        TEST_ASSERT_EQUAL_UINT(2u, t.retries);
+        rig_command(&rig, clear);
+        rig_run(&rig, 0.01);
+        TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&rig).retries);
+        TEST_ASSERT_EQUAL_INT(LODE_CRITERION_NONE, rig_telemetry(&rig).fault.criterion);
+    }
+}
+
+/// A psi in the configuration that is half as large again as the magnets' leaves an EMF, but no lock.
+static void test_a_wrong_psi_is_told_by_the_lock(void) {
+    rig_t rig = fresh();
+    rig.motor.psi *= 0.7;
+    const lode_telemetry_t t = failed_start(&rig);
+    check_why(&t.fault, "LODE_START_TURN", "LODE_CRITERION_LOCK");
+    TEST_ASSERT_EQUAL_FLOAT(LODE_LOCK_HANDOVER, t.fault.limit);
+}
+
+/// A time-out that is too short, wherever it falls; and where it falls on an attempt that is not at speed yet, it is the one
+/// before that tells why.
+static void test_a_start_with_too_little_time_tells_where_it_was(void) {
+    static const struct {
+        float timeout_s;
+        const char *stage;
+        const char *criterion;
+    } cases[] = {
+        {0.05f, "LODE_START_HALF", "LODE_CRITERION_CURRENT"},
+        {0.1f, "LODE_START_HALF", "LODE_CRITERION_REST"},
+        {0.2f, "LODE_START_FULL", "LODE_CRITERION_CURRENT"},
+        {0.6f, "LODE_START_TURN", "LODE_CRITERION_RAMP"},
+        {1.5f, "LODE_START_TURN", "LODE_CRITERION_EMF"},
+        {3.0f, "LODE_START_TURN", "LODE_CRITERION_EMF"}, // the second attempt's ramp
+    };
+    for (int k = 0; k < COUNT_OF(cases); k++) {
+        lode_drive_config_t config = rig_config();
+        config.start.timeout_s = cases[k].timeout_s;
+        config.start.lock_s = 0.04f;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        rig.blocked = true;
+        const lode_telemetry_t t = failed_start(&rig);
+        check_why(&t.fault, cases[k].stage, cases[k].criterion);
+        TEST_ASSERT_EQUAL_UINT(k == COUNT_OF(cases) - 1 ? 1u : 0u, t.retries);
+    }
+}
+
+/// Any check that trips in START tells the stage; one that trips in RUN has none.
+static void test_a_trip_in_a_start_tells_the_stage(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(80.0));
+    lode_start_stage_t before = LODE_START_NONE;
+    unsigned seen = 0u;
+    for (int n = 0; n < 100000 && rig_telemetry(&rig).mode != LODE_MODE_RUN; n++) {
+        const lode_start_stage_t stage = rig_telemetry(&rig).start_stage;
+        if (stage != before && stage != LODE_START_NONE) {
+            rig_t tripped = rig;
+            tripped.trip = true;
+            rig_step(&tripped);
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, rig_telemetry(&tripped).fault.check);
+            TEST_ASSERT_EQUAL_INT(stage, rig_telemetry(&tripped).fault.stage);
+            TEST_ASSERT_EQUAL_INT(LODE_CRITERION_NONE, rig_telemetry(&tripped).fault.criterion);
+            seen++;
+        }
+        before = stage;
+        rig_step(&rig);
+    }
+    TEST_ASSERT_EQUAL_UINT(5u, seen); // all but LODE_START_ALONE
+    rig.trip = true;
+    rig_step(&rig);
+    TEST_ASSERT_EQUAL_INT(LODE_START_NONE, rig_telemetry(&rig).fault.stage);
+}
+
 /// Of a mode that has its gates off no period is driven, though it be whole: each of its words has changed.
 static void test_a_driven_mode_that_became_another_trips_at_once(void) {
     rig_t rig = fresh();
@@ -2719,6 +2828,11 @@ static void lose_an_attempt(rig_t *rig, unsigned attempt) {
     TEST_ASSERT_EQUAL_UINT(attempt, rig_telemetry(rig).retries);
     rig->motor.omega = 0.0;
     TEST_ASSERT_TRUE(reach(rig, LODE_MODE_START, 0.1));
+    const lode_fault_t why =
+        rig_telemetry(rig).fault; // of the attempt, while the next one is under way
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, why.state);
+    check_why(&why, "LODE_START_NONE", "LODE_CRITERION_PROOF");
+    TEST_ASSERT_EQUAL_FLOAT(LODE_LOCK_LOST, why.limit);
     TEST_ASSERT_EQUAL_UINT(attempt, rig_telemetry(rig).retries);
     TEST_ASSERT_EQUAL_UINT(attempt, rig->drive.state.start.failed);
 }
@@ -2751,6 +2865,9 @@ static void test_all_attempts_of_a_start_have_one_time(void) {
     late.drive.start_rounds = tuning.start.timeout_rounds - 100u;
     TEST_ASSERT_TRUE(reach(&late, LODE_MODE_FAULT, 0.5));
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&late).fault.check);
+    const lode_fault_t why = rig_telemetry(&late).fault;
+    check_why(&why, "LODE_START_NONE", "LODE_CRITERION_PROOF");
+    TEST_ASSERT_EQUAL_UINT(1u, rig_telemetry(&late).retries);
     rig_t again = rig;
     rig_command(&again, off);
     TEST_ASSERT_TRUE(reach(&again, LODE_MODE_OFF, 0.01));
@@ -2818,11 +2935,14 @@ static void test_a_rotor_that_the_load_turns_ends_the_attempt(void) {
     const struct {
         float omega, vector, lock;
         bool ends;
+        float most; // speed with which it would not have ended
     } table[] = {
-        {-1.3f, 0.0f, 0.9f, true},  {-1.3f, 0.5f, 0.9f, true},   {-1.3f, -0.1f, 0.9f, false},
-        {-0.7f, 0.5f, 0.9f, false}, {-1.3f, 0.5f, 0.5f, false},  {2.3f, 0.5f, 0.9f, true},
-        {1.7f, 0.5f, 0.9f, false},  {3.3f, 1.5f, 0.9f, true},    {2.7f, 1.5f, 0.9f, false},
-        {-2.3f, -0.5f, 0.9f, true}, {-1.7f, -0.5f, 0.9f, false}, // given back, and not held
+        {-1.3f, 0.0f, 0.9f, true, 0.0f},   {-1.3f, 0.5f, 0.9f, true, 0.0f},
+        {-1.3f, -0.1f, 0.9f, false, 0.0f}, {-0.7f, 0.5f, 0.9f, false, 0.0f},
+        {-1.3f, 0.5f, 0.5f, false, 0.0f},  {2.3f, 0.5f, 0.9f, true, 2.0f},
+        {1.7f, 0.5f, 0.9f, false, 0.0f},   {3.3f, 1.5f, 0.9f, true, 3.0f},
+        {2.7f, 1.5f, 0.9f, false, 0.0f},   {-2.3f, -0.5f, 0.9f, true, 0.0f},
+        {-1.7f, -0.5f, 0.9f, false, 0.0f}, // given back, and not held
     };
     const lode_drive_config_t config = rig_config();
     const int rounds = (int)tuning.start.lock_rounds;
@@ -2834,6 +2954,12 @@ static void test_a_rotor_that_the_load_turns_ends_the_attempt(void) {
             CHECK_NEAR(8.0, 8.0 * rounds - 4.0, periods);
             rig_expect(&rig, LODE_MODE_OFF);
             TEST_ASSERT_EQUAL_UINT(2u, rig.drive.losses);
+            const lode_fault_t why = rig_telemetry(&rig).fault;
+            const double ready = (double)tuning.start.omega_ready;
+            TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_SPEED",
+                                     lode_criterion_name((lode_criterion_t)why.criterion));
+            CHECK_NEAR(0.2 * ready, (double)table[n].omega * ready, why.measured);
+            CHECK_NEAR(0.02 * ready, (double)table[n].most * ready, why.limit);
         } else {
             TEST_ASSERT_EQUAL_INT(0, periods);
         }
@@ -2932,6 +3058,7 @@ static void test_a_commanded_off_forgets_the_attempts(void) {
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
     TEST_ASSERT_EQUAL_UINT(0u, rig.drive.state.start.failed);
     TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&rig).retries);
+    TEST_ASSERT_EQUAL_INT(LODE_CRITERION_NONE, rig_telemetry(&rig).fault.criterion);
 }
 
 /// An attempt that fails in START counts as one that fails after it, and a reversal is another start. Where the last
@@ -4237,6 +4364,10 @@ int main(void) {
     RUN_TEST(test_every_bit_of_an_order_counts);
     RUN_TEST(test_duties_of_an_emf_beyond_the_bus_are_at_the_rails);
     RUN_TEST(test_a_start_has_its_time);
+    RUN_TEST(test_a_rotor_that_does_not_follow_is_told_by_its_emf);
+    RUN_TEST(test_a_wrong_psi_is_told_by_the_lock);
+    RUN_TEST(test_a_start_with_too_little_time_tells_where_it_was);
+    RUN_TEST(test_a_trip_in_a_start_tells_the_stage);
     RUN_TEST(test_a_driven_mode_that_became_another_trips_at_once);
     RUN_TEST(test_mail_is_read_once);
     RUN_TEST(test_the_current_of_a_trip_is_told);

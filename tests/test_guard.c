@@ -492,7 +492,8 @@ static void test_the_first_cause_stays(void) {
     b = bench();
     lode_guard_trip(&b.guard, 3, LODE_CHECK_START, 0.25f, 0.7f);
     TEST_ASSERT_FALSE(step(&b));
-    const lode_fault_t expected = {3, LODE_CHECK_START, 0.25f, 0.7f};
+    const lode_fault_t expected = {
+        .state = 3, .check = LODE_CHECK_START, .measured = 0.25f, .limit = 0.7f};
     TEST_ASSERT_EQUAL_UINT(expected.check, b.guard.fault.check);
     TEST_ASSERT_EQUAL_UINT(expected.state, b.guard.fault.state);
     TEST_ASSERT_EQUAL_FLOAT(expected.measured, b.guard.fault.measured);

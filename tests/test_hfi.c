@@ -745,6 +745,7 @@ static void test_no_response_to_the_wave_trips(void) {
     rig_run(&rig, 0.4);
     rig_expect(&rig, LODE_MODE_FAULT); // it is looked for again, and has no axis
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
+    TEST_ASSERT_EQUAL_INT(LODE_CRITERION_POLARITY, rig_telemetry(&rig).fault.criterion);
 }
 
 /// At rest at the angle `theta`, with an Ld that falls by `share` from -4 to 4 A; asked for `speed_rad_s`.
@@ -886,6 +887,7 @@ static void test_iron_that_tells_no_polarity(void) {
     rig_run(&rig, 0.5);
     rig_expect(&rig, LODE_MODE_FAULT); // pushed, it would leave the speed that is asked for
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
+    TEST_ASSERT_EQUAL_INT(LODE_CRITERION_POLARITY, rig_telemetry(&rig).fault.criterion);
     // From any angle, under load and without.
     for (int k = 0; k < 24; k++) {
         const double from = k * 15.0 * CHECK_DEG;
@@ -954,6 +956,7 @@ static void test_a_push_and_its_end(void) {
     rig_run(&rig, 0.01);
     rig_expect(&rig, LODE_MODE_FAULT);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
+    TEST_ASSERT_EQUAL_INT(LODE_CRITERION_POLARITY, rig_telemetry(&rig).fault.criterion);
     CHECK_NEAR(0.0, 0.0, rig.drive.ref_A.d); // nothing is asked for any more
     CHECK_NEAR(0.0, 0.0, rig.drive.ref_A.q);
 }

@@ -52,11 +52,19 @@ static double angle_of(lode_sincos_t vector) {
     return (double)lode_atan2(vector.sin, vector.cos);
 }
 
+/// As a drive in START does it.
+static void aim(lode_start_t *start, const lode_start_tuning_t *tuning, float omega,
+                float current) {
+    if (lode_start_aim(start, tuning, omega, current)) {
+        lode_start_again(start, tuning);
+    }
+}
+
 /// Period `n` of a drive in START; returns the angle of the vector.
 static float step(lode_start_t *start, const lode_start_tuning_t *tuning, int n, float omega,
                   float current, lode_ab_t e) {
     if (n % ROUND == 1) {
-        lode_start_aim(start, tuning, omega, current);
+        aim(start, tuning, omega, current);
     }
     (void)lode_start_step(start, tuning, e, PAPER_TS_s);
     return (float)angle_of(lode_start_vector(start));
@@ -304,7 +312,7 @@ static void test_the_size_of_the_emf_comes_in_with_speed(void) {
         lode_start_t start;
         lode_start_reset(&start, lode_sincos(0.0f), cases[k].omega * tuning.omega_ready,
                          cases[k].current_A);
-        lode_start_aim(&start, &tuning, 47.0f, cases[k].current_A);
+        aim(&start, &tuning, 47.0f, cases[k].current_A);
         CHECK_NEAR(1.0e-4, cases[k].share, start.by_size);
     }
 }
@@ -420,7 +428,7 @@ static void test_hand_over_needs_the_lock_for_its_time(void) {
         // So does a vector that is to stop, or to go the other way.
         const float elsewhere[] = {0.0f, -47.0f * (float)sign};
         for (int k = 0; k < COUNT_OF(elsewhere); k++) {
-            lode_start_aim(&start, &tuning, elsewhere[k], 8.0f);
+            aim(&start, &tuning, elsewhere[k], 8.0f);
             TEST_ASSERT_FALSE(ready(&start, &tuning, &estimate));
         }
     }
@@ -459,7 +467,7 @@ static void test_a_vector_that_turns_does_not_sweep(void) {
     for (int slow = 0; slow < 2; slow++) {
         lode_start_t start;
         lode_start_reset(&start, lode_sincos(0.0f), slow > 0 ? 0.5f : 0.0f, 2.0f);
-        lode_start_aim(&start, &tuning, 47.0f, 8.0f);
+        aim(&start, &tuning, 47.0f, 8.0f);
         const double turned = (double)lode_start_step(&start, &tuning, no_emf, PAPER_TS_s);
         CHECK_NEAR(1.0e-8, slow > 0 ? 0.5 * 2.0e-4 : (double)tuning.sweep_step_rad, turned);
     }
@@ -843,7 +851,7 @@ static void test_each_attempt_is_easier(void) {
         CHECK_NEAR(0.02 * expected_s + 0.01, expected_s, periods * 2.0e-4);
     }
     // Nothing for a stop.
-    lode_start_aim(&start, &tuning, 0.0f, 0.0f);
+    aim(&start, &tuning, 0.0f, 0.0f);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, start.current_target);
     TEST_ASSERT_EQUAL_FLOAT(0.0625f, lode_start_ease(&start));
     lode_start_begin(&start, &tuning);
@@ -886,7 +894,7 @@ static void test_a_default_ramp_begins_gently(void) {
             CHECK_NEAR(0.01 * periods + rounds, periods, n);
             // A rotor that is stopped has followed: no gentle end.
             start.omega_rad_s = 0.0f;
-            lode_start_aim(&start, &tuning, 0.0f, 8.0f);
+            aim(&start, &tuning, 0.0f, 8.0f);
             CHECK_CLOSE(1.0e-6, (double)(ease[k] * tuning.omega_step), start.omega_step);
         }
     }
@@ -920,7 +928,7 @@ static void test_the_current_falls_where_no_lock_comes(void) {
 static double give_at(const lode_start_tuning_t *tuning, float omega, float current_A) {
     lode_start_t start;
     lode_start_reset(&start, lode_sincos(0.0f), omega, current_A);
-    lode_start_aim(&start, tuning, 47.0f, current_A);
+    aim(&start, tuning, 47.0f, current_A);
     start.swing_V = 0.01f;
     return -angle_of(lode_start_vector(&start));
 }
@@ -976,7 +984,7 @@ static int measure(const lode_start_config_t *config, double r_Ohm, double dead_
                 *known = true;
                 *found = now;
             }
-            lode_start_aim(&start, &tuning, 47.0f, config->current_A);
+            aim(&start, &tuning, 47.0f, config->current_A);
             dwelt += start.current_A >= start.current_target ? 1 : 0;
         }
         TEST_ASSERT_TRUE((double)start.current_A >= least_A); // it only rises
@@ -991,7 +999,7 @@ static int measure(const lode_start_config_t *config, double r_Ohm, double dead_
     CHECK_NEAR(0.0, 0.0, start.seen.turn.waves.turn_rad);
     start.seen.turn.waves.turn_rad = 3.0f;
     while (start.stage == LODE_START_TURN && start.failed == 0u) {
-        lode_start_aim(&start, &tuning, 47.0f, config->current_A);
+        aim(&start, &tuning, 47.0f, config->current_A);
     }
     TEST_ASSERT_EQUAL_INT(config->measure == LODE_ON ? LODE_START_HALF : LODE_START_TURN,
                           start.stage);
@@ -1185,7 +1193,7 @@ static void test_one_of_two_means_tells_the_sum(void) {
                 rounds[0] += start.stage == LODE_START_HALF ? 1 : 0;
                 rounds[1] += start.stage > LODE_START_HALF ? 1 : 0;
                 known = lode_start_measure(&start, &tuning, e_V, &found) || known;
-                lode_start_aim(&start, &tuning, 47.0f, config.current_A);
+                aim(&start, &tuning, 47.0f, config.current_A);
             }
             (void)lode_start_step(&start, &tuning, e_V, PAPER_TS_s);
         }
@@ -1215,7 +1223,7 @@ static void test_dead_time_is_measured_with_a_vector_that_gives_way(void) {
         const lode_ab_t e_V = lode_park_inverse(e, start.at);
         if (n % ROUND == 1) {
             known = lode_start_measure(&start, &tuning, e_V, &found);
-            lode_start_aim(&start, &tuning, 47.0f, config.current_A);
+            aim(&start, &tuning, 47.0f, config.current_A);
             moved = moved || (n < 1000 && start.seen.rest.calm > 0u);
         }
         (void)lode_start_step(&start, &tuning, e_V, PAPER_TS_s);
@@ -1252,7 +1260,7 @@ static void test_a_new_attempt_measures_again(void) {
     TEST_ASSERT_EQUAL_INT(1, second);
     // On the way to a stop there is nothing to measure.
     lode_start_begin(&start, &tuning);
-    lode_start_aim(&start, &tuning, 0.0f, 0.0f);
+    aim(&start, &tuning, 0.0f, 0.0f);
     TEST_ASSERT_TRUE(start.current_target == 0.0f);
 }
 
@@ -1275,7 +1283,7 @@ static void test_a_stop_ends_the_measurement(void) {
     CHECK_NEAR(1.0e-6, 0.0, found.r_Ohm);
     TEST_ASSERT_EQUAL_INT(LODE_START_TURN, told.stage);
     found = (lode_start_found_t){7.0f, 8.0f};
-    lode_start_aim(&start, &tuning, 0.0f, 0.0f);
+    aim(&start, &tuning, 0.0f, 0.0f);
     start.current_A = 0.0f;
     TEST_ASSERT_FALSE(lode_start_measure(&start, &tuning, no_emf, &found));
     TEST_ASSERT_TRUE(found.r_Ohm == 7.0f && found.dead_V == 8.0f);
@@ -1395,7 +1403,7 @@ static void test_a_start_of_half_an_ampere(void) {
     lode_start_begin(&start, &tuning);
     start.failed = 2u;
     start.stage = LODE_START_TURN;
-    lode_start_aim(&start, &tuning, 47.0f, 0.5f);
+    aim(&start, &tuning, 47.0f, 0.5f);
     TEST_ASSERT_EQUAL_FLOAT(0.7f, start.current_target);
 }
 
@@ -1454,7 +1462,7 @@ static void test_a_stop_is_no_attempt(void) {
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start = turning(40.0);
     for (int n = 0; n < 5000; n++) {
-        lode_start_aim(&start, &tuning, 0.0f, 8.0f);
+        aim(&start, &tuning, 0.0f, 8.0f);
         TEST_ASSERT_EQUAL_UINT16(0u, start.attempt);
         TEST_ASSERT_EQUAL_UINT(0u, start.failed);
     }
@@ -1529,6 +1537,123 @@ static void test_hand_over_by_half_of_the_base_speed(void) {
     CHECK_CLOSE(1.0e-3, (double)LODE_VOLTAGE_USE * 60.0 / sqrt(3.0), hypot(along_V, across_V));
 }
 
+// --- What an attempt does not meet -------------------------------------------------------------
+
+/// At hand-over speed, with an estimate and an EMF that would do.
+typedef struct {
+    lode_start_t start;
+    lode_start_tuning_t tuning;
+    lode_estimator_t estimator;
+    lode_estimator_tuning_t estimator_tuning;
+} attempt_t;
+
+static attempt_t sound_attempt(void) {
+    const lode_start_config_t config = sound();
+    attempt_t it = {.tuning = tuned(&config), .start = turning(47.0)};
+    it.start.omega_target = 47.0f;
+    it.estimator.pll.omega_rad_s = 47.0f;
+    it.estimator.lock = 0.9f;
+    it.estimator.emf.observer.e_V = (lode_ab_t){0.0f, 47.0f * 0.142f};
+    it.estimator_tuning.psi_Wb = 0.142f;
+    it.estimator_tuning.pll.ts_s = PAPER_TS_s;
+    return it;
+}
+
+static void check_unmet(const attempt_t *it, const char *criterion, double measured, double limit) {
+    const lode_start_unmet_t unmet =
+        lode_start_unmet(&it->start, &it->tuning, &it->estimator, &it->estimator_tuning);
+    TEST_ASSERT_EQUAL_STRING(criterion, lode_criterion_name(unmet.criterion));
+    CHECK_NEAR(1.0e-4, measured, unmet.measured);
+    CHECK_NEAR(1.0e-4, limit, unmet.limit);
+}
+
+static void test_what_a_waiting_vector_does_not_meet_is_told(void) {
+    const double round_s = ROUND * (double)PAPER_TS_s;
+    attempt_t it = sound_attempt();
+    it.start.current_A = 3.0f;
+    it.start.current_target = 8.0f;
+    check_unmet(&it, "LODE_CRITERION_CURRENT", 3.0, 8.0);
+    it = sound_attempt();
+    it.start.stage = LODE_START_HALF;
+    it.start.seen.rest = (lode_start_rest_t){.calm = 4u};
+    check_unmet(&it, "LODE_CRITERION_REST", 4.0 * round_s, 12.0 * round_s); // 20 ms, whole rounds
+    it.start.seen.rest.calm = 12u; // it has rested, and the time was over before the vector turned
+    check_unmet(&it, "LODE_CRITERION_RAMP", 0.0, 47.0);
+    it = sound_attempt();
+    it.start.omega_rad_s = 20.0f;
+    check_unmet(&it, "LODE_CRITERION_RAMP", 20.0, 47.0);
+    it.start.omega_rad_s = -47.0f; // of a drive that has run the other way
+    check_unmet(&it, "LODE_CRITERION_RAMP", -47.0, 47.0);
+}
+
+/// The same either way.
+static void test_what_a_turning_vector_does_not_meet_is_told(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        attempt_t it = sound_attempt();
+        it.start.omega_rad_s *= (float)sign;
+        it.start.omega_target *= (float)sign;
+        it.estimator.pll.omega_rad_s *= (float)sign;
+        const attempt_t met = it;
+        const double lock_s = (double)it.tuning.lock_rounds * ROUND * (double)PAPER_TS_s;
+        check_unmet(&it, "LODE_CRITERION_HOLD", 0.0, lock_s);
+        it.start.locked = 5u;
+        check_unmet(&it, "LODE_CRITERION_HOLD", 5.0 * ROUND * (double)PAPER_TS_s, lock_s);
+        it.estimator.emf.observer.e_V = (lode_ab_t){1.0f, 0.0f};
+        check_unmet(&it, "LODE_CRITERION_EMF", 1.0, 0.45 * 47.0 * 0.142);
+        it.estimator_tuning.droop_s2 = 1.0e-4f; // what the observer takes is given back
+        check_unmet(&it, "LODE_CRITERION_EMF", 1.0 + 0.2209, 0.45 * 47.0 * 0.142);
+        it = met;
+        it.estimator.pll.omega_rad_s = 30.0f * (float)sign;
+        check_unmet(&it, "LODE_CRITERION_SPEED", 30.0 * sign, 0.75 * 47.0 * sign);
+        it.estimator.pll.omega_rad_s = 60.0f * (float)sign;
+        check_unmet(&it, "LODE_CRITERION_SPEED", 60.0 * sign, 1.25 * 47.0 * sign);
+        it.estimator.pll.omega_rad_s = NAN;
+        it.estimator.emf.observer.e_V = (lode_ab_t){NAN, 0.0f};
+        TEST_ASSERT_EQUAL_INT(
+            LODE_CRITERION_EMF,
+            lode_start_unmet(&it.start, &it.tuning, &it.estimator, &it.estimator_tuning).criterion);
+        it = met;
+        it.tuning.lost_per_A = 0.05f;
+        it.estimator.id_A = 9.0f;
+        check_unmet(&it, "LODE_CRITERION_FLUX", 0.45, 0.4);
+        it = met;
+        it.estimator.lock = 0.6f;
+        check_unmet(&it, "LODE_CRITERION_LOCK", 0.6, 0.7);
+    }
+}
+
+/// The last attempt is content with twice the speed's tolerance where it takes no more than the flux (S32), but not below
+/// the least speed.
+static void test_the_last_attempt_tells_its_own_limits(void) {
+    attempt_t it = sound_attempt();
+    it.start.failed = 2u;
+    it.tuning.lost_per_A = 0.01f;
+    it.estimator.pll.omega_rad_s = 65.0f;
+    check_unmet(&it, "LODE_CRITERION_HOLD", 0.0,
+                (double)it.tuning.lock_rounds * ROUND * (double)PAPER_TS_s);
+    it.estimator.pll.omega_rad_s = 75.0f;
+    check_unmet(&it, "LODE_CRITERION_SPEED", 75.0, 1.5 * 47.0);
+    it.estimator.pll.omega_rad_s = 30.0f;
+    check_unmet(&it, "LODE_CRITERION_SPEED", 30.0, 0.75 * 47.0);
+}
+
+static void test_stages_and_criteria_have_names(void) {
+    TEST_ASSERT_EQUAL_STRING("LODE_START_NONE", lode_start_stage_name(LODE_START_NONE));
+    TEST_ASSERT_EQUAL_STRING("LODE_START_CATCH", lode_start_stage_name(LODE_START_CATCH));
+    TEST_ASSERT_EQUAL_STRING("LODE_START_HALF", lode_start_stage_name(LODE_START_HALF));
+    TEST_ASSERT_EQUAL_STRING("LODE_START_FULL", lode_start_stage_name(LODE_START_FULL));
+    TEST_ASSERT_EQUAL_STRING("LODE_START_ALONE", lode_start_stage_name(LODE_START_ALONE));
+    TEST_ASSERT_EQUAL_STRING("LODE_START_FOUND", lode_start_stage_name(LODE_START_FOUND));
+    TEST_ASSERT_EQUAL_STRING("LODE_START_TURN", lode_start_stage_name(LODE_START_TURN));
+    TEST_ASSERT_EQUAL_STRING("LODE_START_UNKNOWN",
+                             lode_start_stage_name((lode_start_stage_t)(LODE_START_TURN + 1)));
+    TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_NONE", lode_criterion_name(LODE_CRITERION_NONE));
+    TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_PROOF", lode_criterion_name(LODE_CRITERION_PROOF));
+    TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_POLARITY",
+                             lode_criterion_name(LODE_CRITERION_POLARITY));
+    TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_UNKNOWN", lode_criterion_name(LODE_CRITERION_COUNT));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_resistance_and_dead_time_are_measured_at_rest);
@@ -1585,5 +1710,9 @@ int main(void) {
     RUN_TEST(test_the_vector_keeps_its_length);
     RUN_TEST(test_an_emf_below_the_drop_is_of_no_use);
     RUN_TEST(test_hand_over_by_half_of_the_base_speed);
+    RUN_TEST(test_what_a_waiting_vector_does_not_meet_is_told);
+    RUN_TEST(test_what_a_turning_vector_does_not_meet_is_told);
+    RUN_TEST(test_the_last_attempt_tells_its_own_limits);
+    RUN_TEST(test_stages_and_criteria_have_names);
     return UNITY_END();
 }

@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 /// The channels: enumerator, number, name in files, unit. Meaning and instant are those of the field in
-/// lode_telemetry_t; the last four, in stator axes, are the estimator's inputs. The numbers are used in files and on
+/// lode_telemetry_t; the four in stator axes are the estimator's inputs. The numbers are used in files and on
 /// the wire: none is ever changed or reused.
 #define LODE_CHANNELS(ROW)                                                                         \
     ROW(MODE, 0, "mode", "")     /* lode_mode_t */                                                 \
@@ -33,12 +33,15 @@ extern "C" {
     ROW(LOCK, 17, "lock", "")          /* 0 .. 1 */                                                \
     ROW(E_ALPHA, 18, "e_alpha_V", "V") /* raw output of the EMF observer */                        \
     ROW(E_BETA, 19, "e_beta_V", "V")                                                               \
-    ROW(FAULT_MEASURED, 20, "fault_measured", "of check") /* 0 without a fault */                  \
+    ROW(FAULT_MEASURED, 20, "fault_measured", "of check") /* or of an attempt that failed */       \
     ROW(FAULT_LIMIT, 21, "fault_limit", "of check")                                                \
     ROW(I_ALPHA, 22, "i_alpha_A", "A") /* what the estimator has seen at t_k; 0: gates off */      \
     ROW(I_BETA, 23, "i_beta_A", "A")                                                               \
     ROW(U_ALPHA, 24, "u_alpha_V", "V") /* mean over [t_k, t_k+1): what it will see next */         \
-    ROW(U_BETA, 25, "u_beta_V", "V")
+    ROW(U_BETA, 25, "u_beta_V", "V")                                                               \
+    ROW(START_STAGE, 26, "start_stage", "") /* lode_start_stage_t, 0 outside START */              \
+    ROW(RETRIES, 27, "retries", "")         /* attempts of the start that have failed */           \
+    ROW(CRITERION, 28, "criterion", "")     /* that the last one did not meet: lode_criterion_t */
 
 #define LODE_CHANNEL_ENUMERATOR(channel, number, name, unit) LODE_CHANNEL_##channel = (number),
 typedef enum {

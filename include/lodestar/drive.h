@@ -261,10 +261,30 @@ static inline float lode_drive_speed_ref_rad_s(const lode_drive_t *self) {
                                                       : 0.0f;
 }
 
+/// How far a start is; LODE_START_NONE in the other modes. Injection looks for the rotor in one of those in which the
+/// vector waits.
+static inline lode_start_stage_t lode_drive_start_stage(const lode_drive_t *self) {
+    return self->mode == (uint_least8_t)LODE_MODE_START
+               ? (lode_start_stage_t)self->state.start.stage
+               : LODE_START_NONE;
+}
+
+/// lode_telemetry_t.retries
+static inline uint_least8_t lode_drive_retries(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_HANDOVER_RETRY
+    (void)self;
+    return 0u;
+#else
+    return self->mode == (uint_least8_t)LODE_MODE_START ? self->state.start.failed : self->losses;
+#endif
+}
+
 /// A consistent snapshot of one period, for logs and displays.
 typedef struct {
     uint32_t steps;
     lode_mode_t mode;
+    lode_start_stage_t start_stage; ///< START: how far it is
+    /// with LODE_CHECK_NONE none, but why the last attempt of the present start, or of the last one, has failed
     lode_fault_t fault;
     /// RUN: the torque reference is at a limit of current, voltage or bus
     bool torque_limited;

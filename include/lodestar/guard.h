@@ -22,8 +22,8 @@ typedef enum {
     LODE_CHECK_OVER_SPEED, ///< electrical, rad/s
     LODE_CHECK_LOST_LOCK,  ///< lock quality while running without a sensor
     LODE_CHECK_WRONG_WAY,  ///< electrical speed against the commanded direction, rad/s
-    LODE_CHECK_START,      ///< no lock before the time-out: lock quality at that moment
-    LODE_CHECK_OFFSET,     ///< deviation of a calibrated current offset, counts
+    LODE_CHECK_START,  ///< no hand-over before the time-out: what the criterion (start.h) measures
+    LODE_CHECK_OFFSET, ///< deviation of a calibrated current offset, counts
     LODE_CHECK_OPEN_PHASE, ///< 1 .. 3: phase of set 1, 4 .. 6: of set 2, 7, 8: a whole set
     LODE_CHECK_CURRENT_STUCK, ///< 1 .. 3, 4 .. 6: phase of set 1, 2 whose converter is stuck; 0: all three
     LODE_CHECK_CURRENT_SUM,       ///< sum of the three phase currents, A
@@ -91,7 +91,12 @@ typedef struct {
 typedef struct {
     uint_least8_t state; ///< lode_mode_t in which it happened
     uint_least8_t check; ///< lode_check_t
-    float measured;      ///< in the unit of the check
+    uint_least8_t stage; ///< lode_start_stage_t in which it happened, in START
+    /// lode_criterion_t that a start did not meet; with LODE_CHECK_NONE its last attempt, and the start goes on, or
+    /// was handed over by another attempt
+    uint_least8_t criterion;
+    float
+        measured; ///< in the unit of the check, of LODE_CHECK_START and of an attempt in that of the criterion
     float limit;
 } lode_fault_t;
 

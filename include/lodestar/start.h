@@ -79,14 +79,46 @@ typedef struct {
 } lode_start_found_t;
 
 /// What lode_start_t.stage may be.
-enum {
+typedef enum {
+    LODE_START_NONE,  ///< there is no start
     LODE_START_CATCH, ///< looks for a rotor that turns already
     LODE_START_HALF,  ///< measures at rest: with half the current,
     LODE_START_FULL,  ///< with all of it,
     LODE_START_ALONE, ///< or with all of it alone, as half of it made nothing known,
     LODE_START_FOUND, ///< and works out what that makes known
     LODE_START_TURN   ///< the vector turns as soon as its current is there
-};
+} lode_start_stage_t;
+
+/// The enumerator's name, for logs.
+const char *lode_start_stage_name(lode_start_stage_t stage);
+
+/// What an attempt has to meet before the estimator may take over, in the order in which it is looked at. An attempt
+/// that has failed tells the first that it did not meet: what was measured, and the limit.
+typedef enum {
+    LODE_CRITERION_NONE,    ///< no attempt has failed
+    LODE_CRITERION_CURRENT, ///< the vector has all of its current, A
+    LODE_CRITERION_REST,    ///< the rotor has rested while the vector waited: for how long, s
+    LODE_CRITERION_RAMP,    ///< the vector has come to speed: electrical, rad/s
+    /// the EMF is that of a rotor which follows the vector, with all of the flux that the current may take, V
+    LODE_CRITERION_EMF,
+    LODE_CRITERION_SPEED,    ///< the estimated speed is the vector's: electrical, rad/s
+    LODE_CRITERION_FLUX,     ///< the d current takes no more than this share of the flux
+    LODE_CRITERION_LOCK,     ///< lock quality
+    LODE_CRITERION_HOLD,     ///< for how long speed, flux and lock have been right, s
+    LODE_CRITERION_PROOF,    ///< lock quality within 0.4 s after the hand-over (S28)
+    LODE_CRITERION_POLARITY, ///< injection has told where north is; measured: lock quality
+    LODE_CRITERION_COUNT
+} lode_criterion_t;
+
+/// The enumerator's name, for logs.
+const char *lode_criterion_name(lode_criterion_t criterion);
+
+/// A criterion that is not met.
+typedef struct {
+    lode_criterion_t criterion;
+    float measured; ///< in the unit of the criterion
+    float limit;
+} lode_start_unmet_t;
 
 /// What is seen while the vector stands.
 typedef struct {
@@ -159,9 +191,17 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
 
 /// Where the vector shall go: electrical speed and amplitude. Once in LODE_SLOW_PERIODS, also where they
-/// stay, because it counts the time that an attempt takes.
-void lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
+/// stay, because it counts the time that an attempt takes. True: the attempt has had its time, and has failed.
+bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A);
+
+/// What the attempt does not meet now, with the vector or while it waits.
+lode_start_unmet_t lode_start_unmet(const lode_start_t *self, const lode_start_tuning_t *tuning,
+                                    const lode_estimator_t *estimator,
+                                    const lode_estimator_tuning_t *estimator_tuning);
+
+/// The next attempt, from rest.
+void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning);
 
 /// Once in LODE_SLOW_PERIODS: measures what the voltage along the current has that is no EMF. True once, when
 /// `found` is known.

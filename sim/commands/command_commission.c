@@ -9,6 +9,7 @@
 #include "config/ini_write.h"
 #include "rig/commission.h"
 #include "support/atomic_file.h"
+#include "support/fault_text.h"
 #include "support/outputs.h"
 
 #define MAIN_SCENARIO "main"
@@ -39,12 +40,11 @@ static void print_table(FILE *file, const commission_run_t *run) {
 static void print_failure(FILE *file, const commission_run_t *run) {
     const lode_commission_t *own = &run->commission;
     const char *name = lode_commission_name(own->quantity);
+    char what[120];
     switch (own->result) {
     case LODE_COMMISSION_FAULT:
-        (void)fprintf(file, "%s, measured %.4g, limit %.4g, while looking for %s\n",
-                      lode_check_name(own->drive.guard.fault.check),
-                      (double)own->drive.guard.fault.measured, (double)own->drive.guard.fault.limit,
-                      name);
+        fault_text(&own->drive.guard.fault, what, sizeof what);
+        (void)fprintf(file, "%s, while looking for %s\n", what, name);
         break;
     case LODE_COMMISSION_REFUSED:
         (void)fprintf(file, "the drive refuses what was found at standstill: %s\n",

@@ -5,7 +5,7 @@
 
 #include "config/config_json.h"
 #include "config/schema.h"
-#include "support/units.h"
+#include "support/fault_text.h"
 
 bool report_run_failed(const runner_result_t *result) {
     const bool faulted = result->fault.check != LODE_CHECK_NONE && !result->fault_expected;
@@ -122,20 +122,24 @@ static void print_log(FILE *file, const runner_result_t *result) {
     (void)fputs("\nthe drive's fault log\n", file);
     for (int k = 0; k < result->faults; ++k) {
         const runner_fault_t *logged = &result->logged[k];
-        (void)fprintf(file, "%9.4f s  %-9s %s, measured %.4g, limit %.4g\n", logged->t_s,
-                      report_mode_name((lode_mode_t)logged->fault.state),
-                      lode_check_name((lode_check_t)logged->fault.check),
-                      (double)logged->fault.measured, (double)logged->fault.limit);
+        char what[120];
+        fault_text(&logged->fault, what, sizeof what);
+        (void)fprintf(file, "%9.4f s  %-9s %s\n", logged->t_s,
+                      report_mode_name((lode_mode_t)logged->fault.state), what);
     }
 }
 
 static void print_verdict(FILE *file, const runner_result_t *result) {
     if (result->fault.check != LODE_CHECK_NONE) {
-        (void)fprintf(file, "\nFAULT at %.4f s in %s: %s, measured %.4g, limit %.4g%s\n",
-                      result->fault_s, report_mode_name((lode_mode_t)result->fault.state),
-                      lode_check_name((lode_check_t)result->fault.check),
-                      (double)result->fault.measured, (double)result->fault.limit,
+        char what[120];
+        fault_text(&result->fault, what, sizeof what);
+        (void)fprintf(file, "\nFAULT at %.4f s in %s: %s%s\n", result->fault_s,
+                      report_mode_name((lode_mode_t)result->fault.state), what,
                       result->fault_expected ? " (as the scenario expects)" : "");
+        if (result->retries > 0) {
+            (void)fprintf(file, "attempts of the start that had failed before: %d\n",
+                          result->retries);
+        }
     }
     (void)fprintf(file,
                   "\n%s: %.2f s of drive simulated in %.2f s on one core: %.0f times real time\n",
@@ -256,6 +260,8 @@ static void describe_fault(cJSON *item, double t_s, const lode_fault_t *fault) {
     (void)cJSON_AddStringToObject(item, "check", lode_check_name((lode_check_t)fault->check));
     config_json_number(item, "measured", (double)fault->measured);
     config_json_number(item, "limit", (double)fault->limit);
+    (void)cJSON_AddStringToObject(item, "stage", fault_text_stage(fault));
+    (void)cJSON_AddStringToObject(item, "criterion", fault_text_criterion(fault));
 }
 
 static void add_fault(cJSON *root, const runner_result_t *result) {
@@ -298,6 +304,7 @@ void report_run_json(FILE *file, const rig_config_t *config, const runner_result
     (void)cJSON_AddBoolToObject(root, "bars_set", result->barred);
     config_json_number(root, "window_s", RUNNER_WINDOW_s);
     config_json_number(root, "handover_s", result->handover_s);
+    config_json_number(root, "retries", result->retries);
     config_json_number(root, "simulated_s", result->simulated_s);
     config_json_number(root, "times_real_time", result->simulated_s / result->processor_s);
     add_fault(root, result);

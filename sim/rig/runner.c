@@ -11,6 +11,7 @@
 #include "rig/capture.h"
 #include "rig/euler_estimate.h"
 #include "support/diag.h"
+#include "support/fault_text.h"
 #include "support/progress.h"
 #include "support/units.h"
 
@@ -185,6 +186,21 @@ static void note_open_phases(run_t *run, const rig_moment_t *now) {
     run->found_open = found;
 }
 
+/// An attempt of a start, as long as another one follows.
+static void note_attempt(run_t *run, double t_s) {
+    const int retries = (int)lode_drive_retries(run->rig.drive);
+    const lode_fault_t *why = &run->rig.drive->guard.fault;
+    if (retries > run->result->retries && why->check == (uint_least8_t)LODE_CHECK_NONE &&
+        why->criterion != (uint_least8_t)LODE_CRITERION_NONE) {
+        char what[120];
+        char text[160];
+        fault_text(why, what, sizeof what);
+        (void)snprintf(text, sizeof text, "attempt %d failed: %s", retries, what);
+        runlog_note(run->log, t_s, text);
+    }
+    run->result->retries = retries;
+}
+
 static void note_changes(run_t *run, const rig_moment_t *now) {
     const double t_s = (double)run->k * run->ts_s;
     const lode_mode_t mode = (lode_mode_t)run->rig.drive->mode;
@@ -199,15 +215,16 @@ static void note_changes(run_t *run, const rig_moment_t *now) {
         }
         run->mode = mode;
     }
+    note_attempt(run, t_s);
     if (now->estimate.reseeded && mode == LODE_MODE_RUN) {
         runlog_note(run->log, t_s, "estimator acquired anew");
     }
     const lode_fault_t *fault = &run->rig.drive->guard.fault;
     if (mode == LODE_MODE_FAULT && !run->faulted) {
-        (void)snprintf(text, sizeof text, "fault in %s: %s, measured %.4g, limit %.4g",
-                       lode_mode_name((lode_mode_t)fault->state) + strlen("LODE_MODE_"),
-                       lode_check_name((lode_check_t)fault->check), (double)fault->measured,
-                       (double)fault->limit);
+        char what[120];
+        fault_text(fault, what, sizeof what);
+        (void)snprintf(text, sizeof text, "fault in %s: %s",
+                       lode_mode_name((lode_mode_t)fault->state) + strlen("LODE_MODE_"), what);
         runlog_note(run->log, t_s, text);
         run->result->fault = *fault;
         run->result->fault_expected = false;

@@ -55,12 +55,13 @@ typedef struct {
     int faults;      ///< that the drive's log has, the oldest first
     runner_fault_t logged[REACTIONS_FAULTS];
     double handover_s; ///< first time in RUN, NaN: never
+    int retries;       ///< attempts of the last start that have failed, as the telemetry has them
     double simulated_s;
     double processor_s;
     bool adapts;
     lode_adaptation_found_t found; ///< at the end, where the drive adapts
-    bool barred;                   ///< the scenario sets a bar, or a mode to end in
-    bool missed;                   ///< a bar
+    bool barred;           ///< the scenario sets a bar, or a mode to end in
+    bool missed;           ///< a bar
 } runner_result_t;
 
 /// The one that [estimator] names.

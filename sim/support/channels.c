@@ -20,22 +20,56 @@ const char *channels_unit(uint32_t number) {
     return number < (uint32_t)LODE_CHANNEL_COUNT ? table[number].unit : "?";
 }
 
+static const char *mode_of(int value) {
+    return lode_mode_name((lode_mode_t)value) + strlen("LODE_MODE_");
+}
+
+static const char *check_of(int value) {
+    return lode_check_name((lode_check_t)value) + strlen("LODE_CHECK_");
+}
+
+static const char *stage_of(int value) {
+    return lode_start_stage_name((lode_start_stage_t)value) + strlen("LODE_START_");
+}
+
+static const char *criterion_of(int value) {
+    return lode_criterion_name((lode_criterion_t)value) + strlen("LODE_CRITERION_");
+}
+
+/// Channels whose values have names, from 0 on.
+typedef struct {
+    uint32_t channel;
+    int values;
+    const char *(*name_of)(int value);
+} named_t;
+
+static const named_t named[] = {
+    {(uint32_t)LODE_CHANNEL_MODE, (int)LODE_MODE_PRECHARGE + 1, mode_of},
+    {(uint32_t)LODE_CHANNEL_CHECK, (int)LODE_CHECK_COUNT, check_of},
+    {(uint32_t)LODE_CHANNEL_START_STAGE, (int)LODE_START_TURN + 1, stage_of},
+    {(uint32_t)LODE_CHANNEL_CRITERION, (int)LODE_CRITERION_COUNT, criterion_of},
+};
+
+static const named_t *find_named(uint32_t number) {
+    for (size_t k = 0; k < sizeof named / sizeof named[0]; ++k) {
+        if (named[k].channel == number) {
+            return &named[k];
+        }
+    }
+    return NULL;
+}
+
 bool channels_is_named(uint32_t number) {
-    return number == (uint32_t)LODE_CHANNEL_MODE || number == (uint32_t)LODE_CHANNEL_CHECK;
+    return find_named(number) != NULL;
 }
 
 const char *channels_value_name(uint32_t number, double value) {
+    const named_t *row = find_named(number);
     const int whole = value >= 0.0 && value < 256.0 ? (int)value : -1;
-    if (!channels_is_named(number) || whole < 0 || value > (double)whole) {
+    if (row == NULL || whole < 0 || whole >= row->values || value > (double)whole) {
         return NULL;
     }
-    const bool is_mode = number == (uint32_t)LODE_CHANNEL_MODE;
-    const int count = is_mode ? (int)LODE_MODE_PRECHARGE + 1 : (int)LODE_CHECK_COUNT;
-    if (whole >= count) {
-        return NULL;
-    }
-    return is_mode ? lode_mode_name((lode_mode_t)whole) + strlen("LODE_MODE_")
-                   : lode_check_name((lode_check_t)whole) + strlen("LODE_CHECK_");
+    return row->name_of(whole);
 }
 
 lode_channel_t channels_find(const char *name) {

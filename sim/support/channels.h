@@ -13,7 +13,7 @@ const char *channels_name(uint32_t number);
 /// Empty for a ratio or an enumerator.
 const char *channels_unit(uint32_t number);
 
-/// True for mode and check, whose values have names.
+/// True for mode, check, a start's stage and its criterion, whose values have names.
 bool channels_is_named(uint32_t number);
 
 /// The enumerator of a value, as RUN or OVER_CURRENT; NULL where the channel has none of that value.

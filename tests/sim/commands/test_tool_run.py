@@ -3,6 +3,7 @@ import csv
 import json
 import math
 import pathlib
+import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
@@ -104,6 +105,39 @@ def exit_codes(checks, folder):
     checks.at_most(abs(fault["t_s"] - 2.0), 1e-3, "time of the fault, off 2 s")
     checks.true("FAULT at 2.0000 s in RUN: LODE_CHECK_HARDWARE_TRIP" in done.stdout, "and in words")
     checks.equal(len(folder.json("j.json")["phases"]), 2, "phases up to the fault")
+
+
+def failed_start(checks, folder):
+    """A rotor that jams: each attempt and the fault tell the criterion and the stage."""
+    folder.write("jam.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
+                 "[phase.jam]\nduration_s = 30\nspeed_rpm = 600\ndyno_rpm = 0\n")
+    done = folder.run("run", "jam.ini", "--json", "jam.json", "--ring", "jam.bin", "--every", "50",
+                      "--channels", "mode,start_stage,retries,criterion,fault_measured,fault_limit")
+    checks.equal(done.returncode, 1, "exit code after a failed start")
+    result = folder.json("jam.json")
+    fault = result["fault"]
+    checks.equal([fault[key] for key in ("state", "check", "stage", "criterion")],
+                 ["START", "LODE_CHECK_START", "TURN", "EMF"], "the fault of a jammed rotor")
+    checks.true(0 <= fault["measured"] < fault["limit"], f"measured and limit: {fault}")
+    checks.equal(result["retries"], 2, "attempts that failed before")
+    for words in (r"attempt 1 failed: EMF in V, stage TURN, measured \S+, limit \S+\n",
+                  r"attempt 2 failed: EMF in V, stage TURN,",
+                  r"FAULT at \S+ s in START: LODE_CHECK_START, measured \S+, limit \S+ \(EMF in V, stage TURN\)\n",
+                  r"attempts of the start that had failed before: 2\n"):
+        checks.true(re.search(words, done.stdout), f"{words}: {done.stdout}")
+    done = folder.run("decode", "jam.bin", "--csv", "jam.csv")
+    for words in (r"start_stage +name +NONE, CATCH, HALF, FULL, \w+, \w+; last NONE\n",
+                  r"criterion +name +NONE, EMF; last EMF\n", r"retries +0 .* 2\n"):
+        checks.true(re.search(words, done.stdout), f"{words}: {done.stdout}")
+    with open(folder.path / "jam.csv", newline="") as file:
+        last = list(csv.DictReader(file))[-1]
+    checks.equal([last[key] for key in ("mode", "start_stage", "retries", "criterion")],
+                 ["FAULT", "NONE", "2", "EMF"], "last frame")
+    checks.at_most(abs(float(last["fault_limit"]) - fault["limit"]), 1e-5, "limit in the frame")
+    # Within a time that is too short even for the current.
+    folder.run("run", "jam.ini", "--json", "jam.json", "--set", "start.timeout_s=0.2")
+    fault = folder.json("jam.json")["fault"]
+    checks.equal([fault["stage"], fault["criterion"]], ["FULL", "CURRENT"], "the fault of a start without time")
 
 
 def warnings(checks, folder):
@@ -334,6 +368,7 @@ def main():
         starts(checks, folder)
         reversal_by_hall_switches(checks, folder)
         exit_codes(checks, folder)
+        failed_start(checks, folder)
         warnings(checks, folder)
         mismatch(checks, folder)
         loads(checks, folder)

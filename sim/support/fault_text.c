@@ -1,0 +1,60 @@
+#include "support/fault_text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/// Of what a criterion measures; empty for a ratio.
+static const char *unit_of(lode_criterion_t criterion) {
+    switch (criterion) {
+    case LODE_CRITERION_CURRENT:
+        return " in A";
+    case LODE_CRITERION_REST:
+    case LODE_CRITERION_HOLD:
+        return " in s";
+    case LODE_CRITERION_RAMP:
+    case LODE_CRITERION_SPEED:
+        return " in electrical rad/s";
+    case LODE_CRITERION_EMF:
+        return " in V";
+    case LODE_CRITERION_NONE:
+    case LODE_CRITERION_FLUX:
+    case LODE_CRITERION_LOCK:
+    case LODE_CRITERION_PROOF:
+    case LODE_CRITERION_POLARITY:
+    case LODE_CRITERION_COUNT:
+    default:
+        return "";
+    }
+}
+
+const char *fault_text_criterion(const lode_fault_t *fault) {
+    return lode_criterion_name((lode_criterion_t)fault->criterion) + strlen("LODE_CRITERION_");
+}
+
+const char *fault_text_stage(const lode_fault_t *fault) {
+    return lode_start_stage_name((lode_start_stage_t)fault->stage) + strlen("LODE_START_");
+}
+
+/// "EMF in V, stage TURN", or one of the two, or nothing.
+static void describe_start(const lode_fault_t *fault, char *text, size_t size) {
+    const bool has_stage = fault->stage != (uint_least8_t)LODE_START_NONE;
+    const bool has_criterion = fault->criterion != (uint_least8_t)LODE_CRITERION_NONE;
+    (void)snprintf(text, size, "%s%s%s%s%s", has_criterion ? fault_text_criterion(fault) : "",
+                   unit_of((lode_criterion_t)fault->criterion),
+                   has_criterion && has_stage ? ", " : "", has_stage ? "stage " : "",
+                   has_stage ? fault_text_stage(fault) : "");
+}
+
+void fault_text(const lode_fault_t *fault, char *text, size_t size) {
+    char start[64];
+    describe_start(fault, start, sizeof start);
+    if (fault->check == (uint_least8_t)LODE_CHECK_NONE) {
+        (void)snprintf(text, size, "%s, measured %.4g, limit %.4g", start, (double)fault->measured,
+                       (double)fault->limit);
+        return;
+    }
+    (void)snprintf(text, size, "%s, measured %.4g, limit %.4g%s%s%s",
+                   lode_check_name((lode_check_t)fault->check), (double)fault->measured,
+                   (double)fault->limit, start[0] != '\0' ? " (" : "", start,
+                   start[0] != '\0' ? ")" : "");
+}
