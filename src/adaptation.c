@@ -500,3 +500,10 @@ bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive) {
     self->quiet_s = lode_min(self->quiet_s + dt_s, QUIET_s);
     return use(self, drive);
 }
+
+void lode_adaptation_tell(const lode_adaptation_t *self, lode_telemetry_t *telemetry) {
+    const lode_adaptation_found_t found = lode_adaptation_found(self);
+    telemetry->motor.J_kgm2 = found.J_kgm2;
+    telemetry->motor.psi_Wb = found.psi_Wb;
+    telemetry->motor.Rs_Ohm = found.Rs_Ohm;
+}

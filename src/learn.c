@@ -157,3 +157,7 @@ lode_status_t lode_learn_tune(lode_learn_t *self, lode_drive_tuning_t *tuning,
     self->used = self->now; // a refused one is not tried again until there is something new
     return lode_drive_tune(tuning, &next);
 }
+
+void lode_learn_tell(const lode_learn_t *self, lode_telemetry_t *telemetry) {
+    telemetry->motor.Lq_H = (lode_adapted_t){self->now.Lq_H, self->now.confidence};
+}

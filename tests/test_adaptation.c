@@ -980,6 +980,34 @@ static void test_a_running_drive_finds_its_motor(void) {
     TEST_ASSERT_TRUE(found.J_kgm2.confidence > 0.5f);
 }
 
+/// Value and confidence of each; the drive's own telemetry has none.
+static void test_what_was_found_is_told(void) {
+    static bench_t bench;
+    bench_init(&bench, &all, NULL);
+    bench.J = 2.0;
+    bench.psi = 0.9;
+    for (int n = 0; n < 4; n++) {
+        bench_run(&bench, HIGH_rad_s, 2.0);
+        bench_run(&bench, LOW_rad_s, 2.0);
+    }
+    lode_telemetry_t now;
+    TEST_ASSERT_TRUE(lode_drive_telemetry(&bench.drive, &now));
+    CHECK_NEAR(0.0, 0.0, now.motor.J_kgm2.value);
+    CHECK_NEAR(0.0, 0.0, now.motor.J_kgm2.confidence);
+    lode_telemetry_t wanted = now;
+    const lode_adaptation_found_t found = lode_adaptation_found(&bench.adaptation);
+    wanted.motor.J_kgm2 = found.J_kgm2;
+    wanted.motor.psi_Wb = found.psi_Wb;
+    wanted.motor.Rs_Ohm = found.Rs_Ohm;
+    lode_adaptation_tell(&bench.adaptation, &now);
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, &now, sizeof now);
+    CHECK_CLOSE(0.1, 2.0 * (double)bench.config.motor.J_kgm2, now.motor.J_kgm2.value);
+    CHECK_CLOSE(0.03, 0.9 * (double)bench.config.motor.psi_Wb, now.motor.psi_Wb.value);
+    CHECK_AT_LEAST(0.5, (double)now.motor.J_kgm2.confidence);
+    CHECK_AT_LEAST(0.5, (double)now.motor.psi_Wb.confidence);
+    CHECK_CLOSE(0.01, (double)bench.config.motor.Rs_Ohm, now.motor.Rs_Ohm.value);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_bad_configurations_are_refused);
@@ -1028,5 +1056,6 @@ int main(void) {
     RUN_TEST(test_an_inertia_below_nothing_is_not_believed);
     RUN_TEST(test_adaptation_does_not_hide_demagnetisation);
     RUN_TEST(test_a_running_drive_finds_its_motor);
+    RUN_TEST(test_what_was_found_is_told);
     return UNITY_END();
 }

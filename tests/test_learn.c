@@ -208,6 +208,24 @@ static void test_looks_converge_and_are_believed(void) {
     CHECK_NEAR(1.0e-6, 0.75 * (double)before, learn.now.confidence);
 }
 
+/// Value and confidence, beside what the adaptation has told and all else that the telemetry has.
+static void test_what_was_learned_is_told(void) {
+    lode_learn_t learn;
+    lode_learn_tuning_t tuning;
+    begin(&learn, &tuning);
+    const lode_telemetry_t off = seen(1.0e-3f, 5.0f);
+    for (int n = 0; n < 20; n++) {
+        (void)look(&learn, &tuning, &off);
+    }
+    lode_telemetry_t now = off;
+    now.motor.psi_Wb = (lode_adapted_t){0.13f, 0.6f};
+    lode_telemetry_t wanted = now;
+    wanted.motor.Lq_H = (lode_adapted_t){learn.now.Lq_H, learn.now.confidence};
+    lode_learn_tell(&learn, &now);
+    TEST_ASSERT_TRUE(learn.now.Lq_H > 9.8e-3f);
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, &now, sizeof now);
+}
+
 static void test_limited(void) {
     lode_learn_t learn;
     lode_learn_tuning_t tuning;
@@ -441,6 +459,7 @@ int main(void) {
     RUN_TEST(test_a_look_with_current_in_d);
     RUN_TEST(test_a_look_at_the_least_of_all);
     RUN_TEST(test_looks_converge_and_are_believed);
+    RUN_TEST(test_what_was_learned_is_told);
     RUN_TEST(test_limited);
     RUN_TEST(test_frozen_where_not_both_tell_the_position);
     RUN_TEST(test_flux);

@@ -23,11 +23,6 @@ typedef struct {
     lode_choice_t Rs;
 } lode_adaptation_config_t;
 
-typedef struct {
-    float value;      ///< as configured, until there is more to say
-    float confidence; ///< 0: nothing was seen .. 1; used from 0.5 on
-} lode_adapted_t;
-
 /// What an application may show, and keep over a reset.
 typedef struct {
     lode_adapted_t J_kgm2; ///< 0.2 .. 5 times the configured one
@@ -101,6 +96,9 @@ bool lode_adaptation_post(lode_adaptation_t *self, lode_drive_t *drive,
                           const lode_drive_tuning_t *tuning);
 
 lode_adaptation_found_t lode_adaptation_found(const lode_adaptation_t *self);
+
+/// The same into `telemetry->motor`, for logs, displays and the fault log: after lode_drive_telemetry().
+void lode_adaptation_tell(const lode_adaptation_t *self, lode_telemetry_t *telemetry);
 
 #ifdef __cplusplus
 }

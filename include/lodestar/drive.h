@@ -261,6 +261,19 @@ static inline float lode_drive_speed_ref_rad_s(const lode_drive_t *self) {
                                                       : 0.0f;
 }
 
+/// A value of the motor's that is found while it runs.
+typedef struct {
+    float value;      ///< as configured, until there is more to say
+    float confidence; ///< 0: nothing was seen .. 1; used from 0.5 on
+} lode_adapted_t;
+
+typedef struct {
+    lode_adapted_t J_kgm2;
+    lode_adapted_t psi_Wb;
+    lode_adapted_t Rs_Ohm;
+    lode_adapted_t Lq_H;
+} lode_adapted_motor_t;
+
 /// How far a start is; LODE_START_NONE in the other modes. Injection looks for the rotor in one of those in which the
 /// vector waits.
 static inline lode_start_stage_t lode_drive_start_stage(const lode_drive_t *self) {
@@ -313,6 +326,9 @@ typedef struct {
     float injected; ///< share of injection in the position error, 0 .. 1; the rest is the EMF's
     float injection_error_rad; ///< position error by injection, not limited; 0: nothing is injected
     float emf_error_rad;       ///< by the EMF
+    /// what the main loop's adaptation knows of the motor: the drive does not, and leaves 0 and no confidence for
+    /// lode_adaptation_tell() (adaptation.h) and lode_learn_tell() (learn.h) to fill in
+    lode_adapted_motor_t motor;
 } lode_telemetry_t;
 
 /// Computes every value that `config` leaves open (0 or LODE_AUTO). Used by lode_drive_init() and by

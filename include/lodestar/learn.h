@@ -67,6 +67,10 @@ void lode_learn_begin(lode_learn_t *self, const lode_learn_tuning_t *tuning,
 bool lode_learn_step(lode_learn_t *self, const lode_learn_tuning_t *tuning,
                      const lode_telemetry_t *telemetry, float dt_s);
 
+/// Lq and the confidence in it into `telemetry->motor`: after lode_drive_telemetry(). (Of psi nothing says how sure it is;
+/// where the adaptation finds it, lode_adaptation_tell() does.)
+void lode_learn_tell(const lode_learn_t *self, lode_telemetry_t *telemetry);
+
 /// The tuning of `config` with what was learned: motor, current control and injection go by it, all else stays. A
 /// refused one leaves `tuning` alone.
 lode_status_t lode_learn_tune(lode_learn_t *self, lode_drive_tuning_t *tuning,

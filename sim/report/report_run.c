@@ -76,24 +76,26 @@ typedef struct {
     double configured;
 } adapted_row_t;
 
-enum { ADAPTED = 3 };
+enum { ADAPTED = 4 };
 
 static void adapted_rows(adapted_row_t row[ADAPTED], const rig_config_t *config,
                          const runner_result_t *result) {
     const lode_motor_t *motor = &config->drive.motor;
     const rig_adaptation_t *wanted = &config->adaptation;
+    const lode_telemetry_t *last = &result->last;
     row[0] =
-        (adapted_row_t){"J", "kgm2", wanted->J == 1, result->found.J_kgm2, (double)motor->J_kgm2};
+        (adapted_row_t){"J", "kgm2", wanted->J == 1, last->motor.J_kgm2, (double)motor->J_kgm2};
     row[1] =
-        (adapted_row_t){"psi", "Wb", wanted->psi == 1, result->found.psi_Wb, (double)motor->psi_Wb};
+        (adapted_row_t){"psi", "Wb", wanted->psi == 1, last->motor.psi_Wb, (double)motor->psi_Wb};
     row[2] =
-        (adapted_row_t){"Rs", "Ohm", wanted->Rs == 1, result->found.Rs_Ohm, (double)motor->Rs_Ohm};
+        (adapted_row_t){"Rs", "Ohm", wanted->Rs == 1, last->motor.Rs_Ohm, (double)motor->Rs_Ohm};
+    row[3] = (adapted_row_t){"Lq", "H", result->learns, last->motor.Lq_H, (double)motor->Lq_H};
 }
 
 static void print_adaptation(FILE *file, const rig_config_t *config,
                              const runner_result_t *result) {
     adapted_row_t row[ADAPTED];
-    if (!result->adapts) {
+    if (!result->adapts && !result->learns) {
         return;
     }
     adapted_rows(row, config, result);
@@ -281,7 +283,7 @@ static void add_log(cJSON *root, const runner_result_t *result) {
 
 static void add_adaptation(cJSON *root, const rig_config_t *config, const runner_result_t *result) {
     adapted_row_t row[ADAPTED];
-    if (!result->adapts) {
+    if (!result->adapts && !result->learns) {
         return;
     }
     adapted_rows(row, config, result);

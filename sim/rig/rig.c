@@ -130,6 +130,16 @@ double rig_true_Lq_H(const rig_t *self) {
     return plant_iron_at(&motor->iron, motor->x.id_A, iq_A).psi_q_Wb / iq_A;
 }
 
+void rig_tell(const rig_t *self, lode_telemetry_t *telemetry) {
+    (void)lode_drive_telemetry(self->drive, telemetry);
+    if (self->adapts) {
+        lode_adaptation_tell(&self->adaptation, telemetry);
+    }
+    if (self->learns) {
+        lode_learn_tell(&self->learn, telemetry);
+    }
+}
+
 // Its tuning is one of the rig's, or of the adaptation's.
 static void copy_three(rig_t *to, const rig_t *from) {
     to->drive = &to->three;

@@ -59,6 +59,9 @@ lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_conf
 /// From the next period on the firmware takes this for its motor. LODE_OK, or why not.
 lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_motor_t *motor);
 
+/// The telemetry as that main loop has it: with what it has found of the motor.
+void rig_tell(const rig_t *self, lode_telemetry_t *telemetry);
+
 /// The firmware's main loop, in every period: limits the supply's current, and learns, where hfi.learn asks for it.
 void rig_main_loop(rig_t *self);
 

@@ -259,22 +259,21 @@ static void log_injection(const rig_t *rig, const lode_telemetry_t *seen, runlog
     row->Lq_H = rig_true_Lq_H(rig);
     row->Lq_est_H = (double)(rig->learns ? rig->learn.now.Lq_H : rig->learning.motor.Lq_H);
     row->psi_est_Wb = (double)(rig->learns ? rig->learn.now.psi_Wb : rig->learning.motor.psi_Wb);
-    row->Lq_confidence = rig->learns ? (double)rig->learn.now.confidence : 0.0;
+    row->Lq_confidence = (double)seen->motor.Lq_H.confidence;
 }
 
-static void log_adaptation(const rig_t *rig, runlog_row_t *row) {
-    const lode_adaptation_found_t found = lode_adaptation_found(&rig->adaptation);
-    row->adapted_J_kgm2 = (double)found.J_kgm2.value;
-    row->adapted_J_confidence = (double)found.J_kgm2.confidence;
-    row->adapted_psi_Wb = (double)found.psi_Wb.value;
-    row->adapted_psi_confidence = (double)found.psi_Wb.confidence;
-    row->adapted_Rs_Ohm = (double)found.Rs_Ohm.value;
-    row->adapted_Rs_confidence = (double)found.Rs_Ohm.confidence;
+static void log_adaptation(const lode_telemetry_t *seen, runlog_row_t *row) {
+    row->adapted_J_kgm2 = (double)seen->motor.J_kgm2.value;
+    row->adapted_J_confidence = (double)seen->motor.J_kgm2.confidence;
+    row->adapted_psi_Wb = (double)seen->motor.psi_Wb.value;
+    row->adapted_psi_confidence = (double)seen->motor.psi_Wb.confidence;
+    row->adapted_Rs_Ohm = (double)seen->motor.Rs_Ohm.value;
+    row->adapted_Rs_confidence = (double)seen->motor.Rs_Ohm.confidence;
 }
 
 static bool log_row(run_t *run, int phase, const moment_t *now) {
     lode_telemetry_t seen;
-    (void)lode_drive_telemetry(run->rig.drive, &seen);
+    rig_tell(&run->rig, &seen);
     const plant_truth_t *truth = &now->at.truth;
     const lode_estimate_t *estimate = &now->at.estimate;
     const lode_abc_t duty_2 = rig_duty_2(&run->rig);
@@ -330,7 +329,7 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
     };
     log_inputs(&run->rig, &row);
     log_injection(&run->rig, &seen, &row);
-    log_adaptation(&run->rig, &row);
+    log_adaptation(&seen, &row);
     return runlog_add(run->log, &row);
 }
 
@@ -833,7 +832,8 @@ bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_
     }
     take_log(&run);
     result->adapts = run.rig.adapts;
-    result->found = lode_adaptation_found(&run.rig.adaptation);
+    result->learns = run.rig.learns;
+    rig_tell(&run.rig, &result->last);
     result->simulated_s = (double)run.k * run.ts_s;
     result->processor_s = progress_end(&run.progress);
     return good;

@@ -59,7 +59,8 @@ typedef struct {
     double simulated_s;
     double processor_s;
     bool adapts;
-    lode_adaptation_found_t found; ///< at the end, where the drive adapts
+    bool learns;
+    lode_telemetry_t last; ///< at the end: with what the drive has adapted and learned
     bool barred;           ///< the scenario sets a bar, or a mode to end in
     bool missed;           ///< a bar
 } runner_result_t;

@@ -96,6 +96,13 @@ def beside_learning(checks, folder):
             checks.at_most(abs(float(row["adapted_psi_Wb"]) / psi - 1), BARS["psi"], "flux")
             checks.true(float(row["adapted_psi_confidence"]) >= SURE, "flux is sure")
             checks.at_most(abs(float(row["Lq_est_H"]) / float(row["Lq_H"]) - 1), 0.05, "Lq of a moment")
+        # The last moment's values, as the telemetry has them.
+        adapted = folder.json("out.json")["adapted"]
+        checks.equal(list(adapted), ["psi", "Rs", "Lq"], "what is told")
+        for name, column in [("psi", "adapted_psi_Wb"), ("Rs", "adapted_Rs_Ohm"), ("Lq", "Lq_est_H")]:
+            checks.at_most(abs(adapted[name]["value"] / float(rows[-1][column]) - 1), 0.01, f"{name} at the end")
+            checks.true(0 <= adapted[name]["confidence"] <= 1, f"{name}: {adapted[name]}")
+        checks.true(adapted["Lq"]["confidence"] >= SURE and "\nLq   H " in done.stdout, f"Lq is told: {done.stdout}")
 
 
 def output(checks, folder):
