@@ -15,15 +15,22 @@ static inline lode_ab_t seen_V(const lode_drive_t *drive) {
                                    drive->estimator.emf.i_A);
 }
 
-// Of a start, which is rare: not LODE_RAMFUNC. 0 for any other number.
-static LODE_NOINLINE float start_value(const lode_drive_t *drive, lode_channel_t channel) {
+// Of starts and faults: not LODE_RAMFUNC. 0 for any other number.
+static LODE_NOINLINE float rare_value(const lode_drive_t *drive, lode_channel_t channel) {
+    const lode_fault_t *fault = &drive->guard.fault;
+    if (channel == LODE_CHANNEL_FAULT_MEASURED) {
+        return fault->measured;
+    }
+    if (channel == LODE_CHANNEL_FAULT_LIMIT) {
+        return fault->limit;
+    }
     if (channel == LODE_CHANNEL_START_STAGE) {
         return (float)lode_drive_start_stage(drive);
     }
     if (channel == LODE_CHANNEL_RETRIES) {
         return (float)lode_drive_retries(drive);
     }
-    return channel == LODE_CHANNEL_CRITERION ? (float)drive->guard.fault.criterion : 0.0f;
+    return channel == LODE_CHANNEL_CRITERION ? (float)fault->criterion : 0.0f;
 }
 
 // The one place that knows where a drive keeps its quantities.
@@ -69,10 +76,6 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
         return drive->estimator.emf.observer.e_V.alpha;
     case LODE_CHANNEL_E_BETA:
         return drive->estimator.emf.observer.e_V.beta;
-    case LODE_CHANNEL_FAULT_MEASURED:
-        return drive->guard.fault.measured;
-    case LODE_CHANNEL_FAULT_LIMIT:
-        return drive->guard.fault.limit;
     case LODE_CHANNEL_I_ALPHA:
         return drive->estimator.emf.i_A.alpha;
     case LODE_CHANNEL_I_BETA:
@@ -81,12 +84,14 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
         return seen_V(drive).alpha;
     case LODE_CHANNEL_U_BETA:
         return seen_V(drive).beta;
+    case LODE_CHANNEL_FAULT_MEASURED:
+    case LODE_CHANNEL_FAULT_LIMIT:
     case LODE_CHANNEL_START_STAGE:
     case LODE_CHANNEL_RETRIES:
     case LODE_CHANNEL_CRITERION:
     case LODE_CHANNEL_COUNT:
     default:
-        return start_value(drive, channel);
+        return rare_value(drive, channel);
     }
 }
 
