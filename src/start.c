@@ -669,7 +669,7 @@ LODE_NOINLINE lode_start_unmet_t lode_start_unmet(const lode_start_t *self,
         return unmet(LODE_CRITERION_RAMP, vector, tuning->omega_ready);
     }
     const float omega = estimator->pll.omega_rad_s;
-    // (S37), with what the observer takes of the amplitude
+    // (S39), with what the observer takes of the amplitude
     const float taken = 1.0f + omega * omega * estimator_tuning->droop_s2;
     const float emf_V = taken * lode_ab_length(estimator->emf.observer.e_V);
     const float least_V = (1.0f - LODE_START_LOST_MAX) * (1.0f - LODE_START_TOLERANCE) * vector *
