@@ -3754,7 +3754,7 @@ static rig_t overloaded(rig_t rig, float way, float sense) {
     return rig;
 }
 
-static lode_check_t check_of(rig_t rig) {
+static lode_check_t trips_by(rig_t rig) {
     const bool on = lode_drive_watch_running(&rig.drive);
     TEST_ASSERT_EQUAL_INT(rig.drive.gates, on);
     return (lode_check_t)rig.drive.guard.fault.check;
@@ -3766,34 +3766,34 @@ static void test_what_may_be_else_than_the_load(void) {
     const rig_t runs = proven(&config, 100.0);
     for (int n = 0; n < 4; n++) {
         const rig_t bad = overloaded(runs, n % 2 == 0 ? 1.0f : -1.0f, n < 2 ? 1.0f : -1.0f);
-        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, check_of(bad));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(bad));
         rig_t rig = bad;
         rig.drive.estimator.lock = 0.99f * LODE_LOCK_HANDOVER;
-        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad; // voltage, temperature or somebody limits the torque
         rig.drive.state.run.speed.limit_Nm = (lode_range_t){-6.5f, 6.5f};
         rig.drive.state.run.speed.torque_Nm = n < 2 ? 6.5f : -6.5f;
-        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad; // the voltage is too little for the current
         rig.drive.i_A.q *= 0.79f;
-        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad;
         rig.drive.state.run.speed.torque_Nm *= 0.89f;
-        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         CHECK_CLOSE(1.0e-6, 300.0, fabs((double)rig.drive.estimator.pll.omega_rad_s));
         rig = bad;
         rig.drive.state.run.fade = 0.1f;
-        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad;
         rig.drive.state.run.proving = 1u;
-        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad;
         rig.drive.command.flags |= (uint_least8_t)LODE_ORDER_TORQUE;
-        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad; // so little may be a large inertia's
         rig.drive.state.run.speed.reference_rad_s = 100.0f * (n % 2 == 0 ? 1.0f : -1.0f);
         rig.drive.state.run.speed.reference_rad_s *= n == 0 || n == 3 ? 1.04f : 0.96f;
-        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, check_of(rig));
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
     }
 }
 
@@ -3812,7 +3812,7 @@ static void test_a_torque_that_the_voltage_limits_is_all_of_it_for_a_brake(void)
         CHECK_AT_MOST(0.85 * ALL_Nm, (double)most_Nm);
         rig.drive.state.run.speed.limit_Nm = (lode_range_t){-most_Nm, most_Nm};
         rig.drive.state.run.speed.torque_Nm = most_Nm * (float)sense;
-        TEST_ASSERT_EQUAL_INT(sense < 0 ? LODE_CHECK_OVERLOAD : LODE_CHECK_NONE, check_of(rig));
+        TEST_ASSERT_EQUAL_INT(sense < 0 ? LODE_CHECK_OVERLOAD : LODE_CHECK_NONE, trips_by(rig));
     }
 }
 
