@@ -37,6 +37,25 @@ static uint_least16_t lacking(uint_least16_t before, float asked_A, float has_A,
     return asked_A >= least_A && has_A <= LODE_WAVE_LACKS * asked_A ? more(before, step) : before;
 }
 
+static lode_abc_t phases_of(int32_t set, lode_ab_t i_A) {
+    return set == 0 ? lode_clarke_inverse(i_A) : lode_set2_clarke_inverse(i_A);
+}
+
+// What is asked of the phases of a set, of a current that is `length_A` long, and what they have.
+static void note_half_waves(lode_lacking_t *set, lode_abc_t asked, lode_abc_t has, float length_A,
+                            float least_A, uint_least16_t step) {
+    const float asked_A[PHASES] = {asked.a, asked.b, asked.c};
+    const float has_A[PHASES] = {has.a, has.b, has.c};
+    for (int32_t n = 0; n < PHASES; n++) {
+        if (lode_abs(asked_A[n]) >= LODE_WAVE_ASKED * length_A) {
+            const bool up = asked_A[n] > 0.0f;
+            const float sign = up ? 1.0f : -1.0f;
+            uint_least16_t *lacks = &set->lacks[up ? n : n + PHASES];
+            *lacks = lacking(*lacks, sign * asked_A[n], sign * has_A[n], least_A, step);
+        }
+    }
+}
+
 static bool is_any(const lode_lacking_t *set) {
     bool any = false;
     for (int32_t n = 0; n < LODE_HALF_WAVES; n++) {
@@ -69,22 +88,11 @@ LODE_NOINLINE lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *se
     if (of_set->idle >= ENOUGH) { // what was lacking is too long ago
         *of_set = (lode_lacking_t){.all = 0u};
     }
-    const bool first = set == 0;
-    const lode_abc_t asked = first ? lode_clarke_inverse(i_A) : lode_set2_clarke_inverse(i_A);
-    const lode_abc_t has = first ? lode_clarke_inverse(i_set_A) : lode_set2_clarke_inverse(i_set_A);
-    const float asked_A[PHASES] = {asked.a, asked.b, asked.c};
-    const float has_A[PHASES] = {has.a, has.b, has.c};
     const float set_A2 = i_set_A.alpha * i_set_A.alpha + i_set_A.beta * i_set_A.beta;
     const float none_A2 = LODE_WAVE_LACKS * LODE_WAVE_LACKS * i_A2;
     of_set->all = set_A2 <= none_A2 ? more(of_set->all, step) : (uint_least16_t)0u;
-    for (int32_t n = 0; n < PHASES; n++) {
-        if (lode_abs(asked_A[n]) >= LODE_WAVE_ASKED * length_A) {
-            const bool up = asked_A[n] > 0.0f;
-            const float sign = up ? 1.0f : -1.0f;
-            uint_least16_t *lacks = &of_set->lacks[up ? n : n + PHASES];
-            *lacks = lacking(*lacks, sign * asked_A[n], sign * has_A[n], tuning->least_A, step);
-        }
-    }
+    note_half_waves(of_set, phases_of(set, i_A), phases_of(set, i_set_A), length_A, tuning->least_A,
+                    step);
     const int32_t phase = found(of_set);
     self->doubts = is_any(&self->set[0]) || is_any(&self->set[1]);
     const int32_t number = phase == WHOLE_SET ? WHOLE_SET + set : phase + PHASES * set;
