@@ -213,6 +213,9 @@ bool lode_mode_is_finite(const lode_drive_tuning_t *tuning) {
         offsetof(lode_drive_tuning_t, start.catch_rounds),
         offsetof(lode_drive_tuning_t, start.timeout_rounds),
         offsetof(lode_drive_tuning_t, start.patience_rounds),
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+        offsetof(lode_drive_tuning_t, signal_check.pulses),
+#endif
         offsetof(lode_drive_tuning_t, guard.bus_periods),
         offsetof(lode_drive_tuning_t, guard.still_rounds),
         offsetof(lode_drive_tuning_t, guard.stamp_min),

@@ -185,7 +185,9 @@
     ROW(FLOAT, float, xy.gain_Ohm_s) \
     ROW(FLOAT, float, xy.omega6_max) \
     ROW(FLOAT, float, xy.circle) \
-    ROW(FLOAT, float, watch.i_min) \
+    ROW(FLOAT, float, watch.least_A) \
+    ROW(FLOAT, float, watch.per_rad) \
+    ROW(FLOAT, float, watch.most) \
     ROW(WHOLE, uint_least16_t, source) \
     ROW(WHOLE, uint_least16_t, open_phase)
 
