@@ -433,6 +433,8 @@ LODE_INLINE bool accept(lode_drive6_t *self, lode_abc6_t duty) {
            lode_drive_accept(drive, &self->omitted_2, &self->duty_2);
 }
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
 // Both sets have kept all of their counts at two looks. Of one set that may be open phases, which keep near zero.
 static LODE_NOINLINE void count_still(lode_drive6_t *self) {
     lode_drive_t *drive = &self->drive;
@@ -448,8 +450,14 @@ static LODE_NOINLINE void count_still(lode_drive6_t *self) {
     self->still = (uint_least8_t)(self->still < STILL_MOST ? self->still + 1u : STILL_MOST);
 }
 
+#endif
+
 // SLOT_REFERENCES. Set 1 is looked at with the guard.
 LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    (void)set_2;
+#else
     if (self->active != (uint_least8_t)LODE_SETS_BOTH) {
         return;
     }
@@ -460,6 +468,7 @@ LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
     } else {
         self->still = 0u;
     }
+#endif
 }
 
 // From angle and speed to duties.
