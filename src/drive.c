@@ -510,11 +510,12 @@ static LODE_NOINLINE void judge_load(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float omega = self->estimator.pll.omega_rad_s;
-    if (lode_mode_is_torque(self) || !is_started(self) || !is_all_torque(self)) {
+    const float way = lode_sign(run->speed.torque_Nm);
+    const bool gives_way = way * (run->held_rad_s - omega) > 0.0f; // first: it spares the rest
+    if (!gives_way || lode_mode_is_torque(self) || !is_started(self) || !is_all_torque(self)) {
         run->held_rad_s = omega;
         return;
     }
-    const float way = lode_sign(run->speed.torque_Nm);
     const float reference = run->speed.reference_rad_s;
     const float off = way * (reference - omega * tuning->speed.inv_pole_pairs);
     if (lode_plausibility_is_overloaded(&run->held_rad_s, &tuning->plausibility, way, omega) &&

@@ -276,8 +276,9 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
 }
 
+// `i_A`: of the other set.
 static LODE_NOINLINE void on_open_phase(lode_drive6_t *self, lode_open_phase_t open,
-                                        const lode_sets_t *i_A) {
+                                        lode_ab_t i_A) {
     self->open = open;
     // One set alone has little saliency of its own: what goes by injection cannot go on. Nor does a start.
     if (self->tuning->open_phase == (uint_least16_t)LODE_OPEN_PHASE_TRIP ||
@@ -286,18 +287,20 @@ static LODE_NOINLINE void on_open_phase(lode_drive6_t *self, lode_open_phase_t o
         lode_mode_fault(&self->drive, LODE_CHECK_OPEN_PHASE, (float)open, 0.0f);
     } else {
         const bool in_1 = lode_open_phase_set(open) == 0;
-        go_on_alone(self, in_1 ? LODE_SETS_ONLY_2 : LODE_SETS_ONLY_1, of_set(i_A, !in_1));
+        go_on_alone(self, in_1 ? LODE_SETS_ONLY_2 : LODE_SETS_ONLY_1, i_A);
     }
 }
 
-static LODE_NOINLINE void look_at_phases(lode_drive6_t *self, const lode_sample6_t *x,
-                                         int32_t set) {
+// `i_set_A`, `i_other_A`: of the set and of the other one, `i_ab_A` of the alpha-beta plane. Values, as a sample handed over by
+// its address would lie in memory in all periods.
+static LODE_NOINLINE void look_at_phases(lode_drive6_t *self, int32_t set, lode_ab_t i_set_A,
+                                         lode_ab_t i_other_A, lode_ab_t i_ab_A) {
     const float look_s = (float)LODE_WATCH_PERIODS * self->drive.tuning->estimator.pll.ts_s;
     const lode_open_phase_t open =
-        lode_open_phase_look(&self->watch, &self->tuning->watch, set, x->i_A.set[set],
-                             x->machine.i_A, look_s * lode_mode_frame_omega(&self->drive));
+        lode_open_phase_look(&self->watch, &self->tuning->watch, set, i_set_A, i_ab_A,
+                             look_s * lode_mode_frame_omega(&self->drive));
     if (open > 0u) {
-        on_open_phase(self, open, &x->i_A);
+        on_open_phase(self, open, i_other_A);
     }
 }
 
@@ -308,7 +311,9 @@ LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x, lode
     if ((turn == 0u || second) && self->active == (uint_least8_t)LODE_SETS_BOTH &&
         self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE &&
         lode_open_phase_doubts(&self->watch, &self->tuning->watch, x->machine.i_A, self->i_xy_A)) {
-        look_at_phases(self, x, second ? 1 : 0);
+        const lode_ab_t i_ab_A = {x->machine.i_A.alpha, x->machine.i_A.beta};
+        look_at_phases(self, second ? 1 : 0, of_set(&x->i_A, !second), of_set(&x->i_A, second),
+                       i_ab_A);
     }
 }
 
