@@ -34,7 +34,8 @@ void board_read(lode_counts_t *counts);
 /// Compare values into the shadow registers, to act from the next period on; with LODE_GATES_OFF all six
 /// switches off at once, before anything else. Interrupt, last thing. Must not switch the gates on while
 /// the trip is latched. LODE_GATES_LOW: the low sides alone, each in its share of the period around t_k; a
-/// board that cannot switches all off, leaves inverter.precharge_s at 0, and start.pulses off.
+/// board that cannot switches all off, leaves inverter.precharge_s at 0, and start.pulses off. On and off may
+/// follow each other from one period to the next: the gates must have followed within a period.
 void board_write(const lode_drive_out_t *out);
 
 /// All six switches off, now. From anywhere, fault handlers included; before board_init() too. Must

@@ -34,8 +34,8 @@ void board_read(lode_counts_t *counts) {
 }
 
 /// With gates off: board_gates_off() first. Then duties to the preload registers. With gates on, and no
-/// trip latched: outputs on. LODE_GATES_LOW: the low sides alone; a board that cannot keeps all off, and
-/// describes itself with start.pulses off.
+/// trip latched: outputs on, within a period. LODE_GATES_LOW: the low sides alone; a board that cannot keeps
+/// all off, and describes itself with start.pulses off.
 void board_write(const lode_drive_out_t *out) {
     if (out->gates != LODE_GATES_ON) {
         board_gates_off();
