@@ -27,6 +27,17 @@ static void at_speed(design_speed_t *at, const lode_drive_config_t *drive,
     at->radius = joint_radius(&joint);
 }
 
+static void pulse_of(design_t *design, const lode_drive_config_t *drive,
+                     const lode_drive_tuning_t *tuning) {
+    const lode_motor_t *motor = &drive->motor;
+    const bool tries = tuning->signal_check.pulses > 0u && !(motor->sets > 1.0f);
+    const double L_H = fmin((double)motor->Ld_H, (double)motor->Lq_H);
+    design->has_low_side_pulses = tuning->fly.share_first > 0.0f;
+    design->signal_check_V =
+        tries ? (double)tuning->signal_check.pulse * (double)drive->inverter.v_bus_V : NAN;
+    design->signal_check_A = design->signal_check_V / ((double)drive->f_pwm_Hz * L_H);
+}
+
 void design_compute(design_t *design, const rig_config_t *config,
                     const lode_drive_tuning_t *tuning) {
     const lode_drive_config_t *drive = &config->drive;
@@ -51,6 +62,7 @@ void design_compute(design_t *design, const rig_config_t *config,
                           (double)drive->f_pwm_Hz * (double)drive->inverter.v_bus_V;
     design->dead_time_equal_rpm =
         rig_rpm_from_rad_s(design->dead_time_V / (double)motor->psi_Wb) / np;
+    pulse_of(design, drive, tuning);
     design->current_bandwidth_rad_s = (double)drive->current.kp_q_V_A / (double)motor->Lq_H;
     design->speed_bandwidth_rad_s = (double)drive->speed.kp_Nms / (double)motor->J_kgm2;
     design->start_current_torque_Nm = kt * (double)drive->start.current_A;

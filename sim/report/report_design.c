@@ -136,6 +136,27 @@ static void print_speeds(FILE *file, const rig_config_t *config, const speed_lim
                 "omega_max_rad_s: what the estimator is made for, not what the voltage allows");
 }
 
+/// Whether bridge and sensors are tried before a start, by what, and else why not.
+static void print_signal_check(FILE *file, const rig_config_t *config, const design_t *design) {
+    const lode_start_config_t *start = &config->drive.start;
+    if (config->drive.motor.sets > 1.0f) { // two sets have pulses of their own
+        return;
+    }
+    (void)fputs("before a start: bridge and sensors are ", file);
+    if (!isnan(design->signal_check_V)) {
+        (void)fprintf(file, "tried by pulses of %.4g V, which drive up to %.3g A\n",
+                      design->signal_check_V, design->signal_check_A);
+    } else if (start->signal_check == LODE_OFF) {
+        (void)fputs("not tried: start.signal_check is off\n", file);
+    } else if (!design->has_low_side_pulses) {
+        (void)fputs("not tried: no pulses of the low sides come first (start.pulses)\n", file);
+    } else {
+        (void)fputs("not tried: dead time takes too much of a pulse, or its current is below "
+                    "64 counts\n",
+                    file);
+    }
+}
+
 static void print_limits(FILE *file, const rig_config_t *config, const design_t *design) {
     print_speeds(file, config, &design->speeds);
     const int dead_time = rig_schema_find(rig_schema(), "drive", "dead_time_s");
@@ -165,6 +186,7 @@ static void print_limits(FILE *file, const rig_config_t *config, const design_t 
     (void)fprintf(file,
                   "Lq: each percent that it is off costs %.2f degrees at i_max (%g A) and id = 0\n",
                   design->angle_per_Lq_percent_deg, (double)config->drive.inverter.i_max_A);
+    print_signal_check(file, config, design);
 }
 
 void report_design_text(FILE *file, const rig_config_t *config, const design_t *design) {
@@ -225,6 +247,8 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
     (void)cJSON_AddBoolToObject(
         root, "usable_emf",
         lode_start_has_emf(&config->drive.start, &config->drive.inverter, &config->drive.motor));
+    config_json_number(root, "signal_check_V", design->signal_check_V);
+    config_json_number(root, "signal_check_A", design->signal_check_A);
     config_json_number(root, "angle_per_Lq_percent_deg", design->angle_per_Lq_percent_deg);
     cJSON *speeds = cJSON_AddArrayToObject(root, "speeds");
     for (int k = 0; k < DESIGN_SPEEDS; ++k) {

@@ -355,6 +355,24 @@ def verdict_numbers(checks, folder):
     checks.equal(verdict["changes"], [], "what to change of it")
 
 
+def signal_check(checks, folder):
+    """Whether bridge and sensors are tried before a start: a quarter of i_max in a period of Ld, or why not."""
+    command = ["design", "--motor", "jiang2022", "--drive", "jiang2022"]
+    found = json.loads(folder.run(*command, "--json").stdout)
+    checks.at_most(abs(found["signal_check_A"] / (0.25 * 12) - 1), 1e-5, f"current {found['signal_check_A']}")
+    checks.at_most(abs(found["signal_check_V"] / (0.25 * 12 * 3.5e-3 * 5000) - 1), 1e-5, f"{found['signal_check_V']} V")
+    for assignment, words in [("start.signal_check=auto", "tried by pulses of 52.5 V, which drive up to 3 A"),
+                              ("start.signal_check=off", "not tried: start.signal_check is off"),
+                              ("start.pulses=off", "not tried: no pulses of the low sides come first (start.pulses)"),
+                              ("drive.dead_time_s=2e-5", "not tried: dead time takes too much of a pulse")]:
+        done = folder.run(*command, "--set", assignment)
+        checks.true(f"before a start: bridge and sensors are {words}" in done.stdout, f"{assignment}: {words}")
+    off = json.loads(folder.run(*command, "--set", "start.pulses=off", "--json").stdout)
+    checks.equal([off["signal_check_V"], off["signal_check_A"]], [None, None], "none")
+    six = folder.run("design", "--motor", "eldeeb2017", "--drive", "eldeeb2017").stdout
+    checks.true("before a start:" not in six, "two sets have pulses of their own")
+
+
 def verdict_steps(checks, folder):
     """The rotor that is simulated stands the step that is printed, and a sensible multiple of it not."""
     found = json.loads(folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--json").stdout)
@@ -416,6 +434,7 @@ def main():
         first_turn(checks, folder)
         full_speed(checks, folder)
         injection(checks, folder)
+        signal_check(checks, folder)
         verdict_numbers(checks, folder)
         verdict_steps(checks, folder)
         verdict_changes(checks, folder)
