@@ -32,7 +32,9 @@ static const char *const part_sections[] = {"motor", "drive", "plant"};
 
 static void complain(source_t *source, const char *section, const char *key, const char *text) {
     if (!source->failed) {
-        rig_error_at(source->path, source->line, "[%s] %s: %s", section, key, text);
+        const bool named = section[0] != '\0';
+        rig_error_at(source->path, source->line, "%s%s%s%s: %s", named ? "[" : "", section,
+                     named ? "] " : "", key, text);
     }
     source->failed = true;
 }
@@ -75,7 +77,9 @@ static void unknown_key(source_t *source, rig_schema_t schema, const char *table
                        schema.row[meant].section, schema.row[meant].key);
     }
     rig_schema_expected(schema, table, list, sizeof list);
-    (void)snprintf(text, sizeof text, "unknown; %sexpected one of %s", guess, list);
+    (void)snprintf(text, sizeof text, "%s; %sexpected one of %s",
+                   section[0] == '\0' ? "stands before the first [section]" : "unknown", guess,
+                   list);
     complain(source, section, key, text);
 }
 

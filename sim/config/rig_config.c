@@ -65,9 +65,9 @@ static bool all_given(const rig_config_t *config, const char *section, const cha
             char others[512];
             conversions_instead_of(section, *key, others, sizeof others);
             rig_error_at(config->files > 0 ? config->file[0] : "command line", 0,
-                         "[%s] %s: missing; expected it in a file, or as --set %s.%s=VALUE%s%s",
-                         section, *key, section, *key, others[0] != '\0' ? "; or one of " : "",
-                         others);
+                         "[%s] %s: missing; expected it in a file%s, or as --set %s.%s=VALUE%s%s",
+                         section, *key, strcmp(section, "drive") == 0 ? " (--drive F.ini)" : "",
+                         section, *key, others[0] != '\0' ? "; or one of " : "", others);
             good = false;
         }
     }
@@ -432,11 +432,26 @@ static bool check_masses(const rig_config_t *config) {
     return true;
 }
 
+/// What a load that may drive does not have.
+static bool check_stiction(const rig_config_t *config) {
+    const rig_plant_t *truth = &config->plant;
+    if (truth->stiction_Nm > 0.0 && truth->load_kind != 0) {
+        const rig_origin_t *origin =
+            &config->origin[rig_schema_find(rig_schema(), "plant", "stiction_Nm")];
+        rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set", origin->line,
+                     "[plant] stiction_Nm = %g: is that of a passive load; expected load_kind = "
+                     "passive as well",
+                     truth->stiction_Nm);
+        return false;
+    }
+    return true;
+}
+
 bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double *extra_load_Nm) {
     uint64_t state = (uint64_t)config->scenario.seed;
     memset(plant, 0, sizeof *plant);
     plant->seed = state;
-    if (!check_masses(config) || !find_map(config, &plant->map)) {
+    if (!check_masses(config) || !check_stiction(config) || !find_map(config, &plant->map)) {
         return false;
     }
     describe_motor(config, plant, &state);

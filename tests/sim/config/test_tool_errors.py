@@ -240,6 +240,10 @@ def others_than_the_library(checks, folder):
     refused(checks, folder, ["run", "main", "--set", "plant.i_cross_A=5", "--set",
                               "plant.Ldq_H=0.01"],
             r"^--set: \[plant\] Ldq_H = 0.01: refused by the plant: Ldq_H, too large")
+    refused(checks, folder, ["run", "main", "--set", "plant.stiction_Nm=1"],
+            r"^--set: \[plant\] stiction_Nm = 1: is that of a passive load; expected load_kind = passive")
+    refused(checks, folder, ["run", "main", "--set", "start.signal_check=on", "--set", "start.pulses=off"],
+            r"^--set: \[start\] signal_check = on: LODE_ERROR_CHOICE: expected .*; here \[start\] pulses = off")
     refused(checks, folder, ["run", "encoder", "--set", "encoder.bandwidth_rad_s=6000"],
             r"\[encoder\] bandwidth_rad_s = 6000: LODE_ERROR_ENCODER_BANDWIDTH: expected 1 .. 5000")
     refused(checks, folder, ["run", "main", "--set", "plant.sample_offset_s=0.5"],
@@ -290,7 +294,8 @@ def ini_files(checks, folder):
         (scenario.replace("[phase.a]\nduration_s = 0.01\n", ""), "no .phase.NAME."),
         (scenario.replace(str(MOTOR), "nowhere.ini"), r"s.ini:2: \[scenario\] motor: expected the path"),
         (scenario.replace(f"motor = {MOTOR}\n", ""), r"\[motor\] pole_pairs: missing"),
-        (scenario.replace(f"drive = {DRIVE}\n", ""), r"\[drive\] f_pwm_Hz: missing"),
+        (scenario.replace(f"drive = {DRIVE}\n", ""), r"\[drive\] f_pwm_Hz: missing; expected it in a file \(--drive F.ini\), or"),
+        ("Rs_Ohm = 1\n" + scenario, r"s.ini:1: Rs_Ohm: stands before the first \[section\]; is \[motor\] Rs_Ohm meant"),
         ("", "missing|no .phase.NAME."),
         (b"\x00\xff\x00\n", "expected"),
     ]:
