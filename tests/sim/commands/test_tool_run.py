@@ -111,7 +111,7 @@ def failed_start(checks, folder):
     """A rotor that jams: each attempt and the fault tell the criterion and the stage."""
     folder.write("jam.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
                  "[phase.jam]\nduration_s = 30\nspeed_rpm = 600\ndyno_rpm = 0\n")
-    done = folder.run("run", "jam.ini", "--json", "jam.json", "--ring", "jam.bin", "--every", "50",
+    done = folder.run("run", "jam.ini", "--json", "jam.json", "--ring", "jam.bin", "--every", "5",
                       "--channels", "mode,start_stage,retries,criterion,fault_measured,fault_limit")
     checks.equal(done.returncode, 1, "exit code after a failed start")
     result = folder.json("jam.json")
