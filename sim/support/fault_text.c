@@ -27,6 +27,37 @@ static const char *unit_of(lode_criterion_t criterion) {
     }
 }
 
+/// Of what a check measures and compares; empty for numbers, ratios, and what goes by the mode or the criterion.
+static const char *unit_of_check(lode_check_t check) {
+    static const struct {
+        lode_check_t check;
+        const char *unit;
+    } units[] = {
+        {LODE_CHECK_OVER_CURRENT, " in A"},
+        {LODE_CHECK_CURRENT_RAIL, " in A"},
+        {LODE_CHECK_CURRENT_SUM, " in A"},
+        {LODE_CHECK_SWITCH_SHORTED, " in A"},
+        {LODE_CHECK_SIGNALS, " in A"},
+        {LODE_CHECK_OVER_VOLTAGE, " in V"},
+        {LODE_CHECK_UNDER_VOLTAGE, " in V"},
+        {LODE_CHECK_OVER_TEMPERATURE, " in degC"},
+        {LODE_CHECK_UNDER_TEMPERATURE, " in degC"},
+        {LODE_CHECK_OVER_SPEED, " in electrical rad/s"},
+        {LODE_CHECK_WRONG_WAY, " in electrical rad/s"},
+        {LODE_CHECK_OVERLOAD, " in electrical rad/s"},
+        {LODE_CHECK_FLUX, " in Wb"},
+        {LODE_CHECK_RESISTANCE, " in Ohm"},
+        {LODE_CHECK_INDUCTANCE, " in H"},
+        {LODE_CHECK_TIMING, " in counts"},
+    };
+    for (size_t k = 0; k < sizeof units / sizeof units[0]; ++k) {
+        if (units[k].check == check) {
+            return units[k].unit;
+        }
+    }
+    return "";
+}
+
 const char *fault_text_criterion(const lode_fault_t *fault) {
     return lode_criterion_name((lode_criterion_t)fault->criterion) + strlen("LODE_CRITERION_");
 }
@@ -53,8 +84,9 @@ void fault_text(const lode_fault_t *fault, char *text, size_t size) {
                        (double)fault->limit);
         return;
     }
-    (void)snprintf(text, size, "%s, measured %.4g, limit %.4g%s%s%s",
-                   lode_check_name((lode_check_t)fault->check), (double)fault->measured,
+    (void)snprintf(text, size, "%s%s, measured %.4g, limit %.4g%s%s%s",
+                   lode_check_name((lode_check_t)fault->check),
+                   unit_of_check((lode_check_t)fault->check), (double)fault->measured,
                    (double)fault->limit, start[0] != '\0' ? " (" : "", start,
                    start[0] != '\0' ? ")" : "");
 }

@@ -138,6 +138,10 @@ def failed_start(checks, folder):
     folder.run("run", "jam.ini", "--json", "jam.json", "--set", "start.timeout_s=0.2")
     fault = folder.json("jam.json")["fault"]
     checks.equal([fault["stage"], fault["criterion"]], ["FULL", "CURRENT"], "the fault of a start without time")
+    # Of another motor than the configured one there is none.
+    done = folder.run("run", "main", "--set", "plant.Ld_H=12e-3", "--set", "plant.Lq_H=25e-3")
+    checks.true(re.search(r"FAULT at \S+ s in PRECHARGE: LODE_CHECK_INDUCTANCE in H, measured 0\.\d+, limit 0\.\d+\n",
+                          done.stdout), f"the inductance of another motor: {done.stdout}")
 
 
 def warnings(checks, folder):
