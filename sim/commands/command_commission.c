@@ -60,6 +60,10 @@ static void print_failure(FILE *file, const commission_run_t *run) {
     case LODE_COMMISSION_UNSETTLED:
     case LODE_COMMISSION_NO_START:
     default:
+        if (own->drive.guard.fault.criterion != (uint_least8_t)LODE_CRITERION_NONE) {
+            fault_text(&own->drive.guard.fault, what, sizeof what);
+            (void)fprintf(file, "%s, ", what); // of the last attempt of its start
+        }
         (void)fprintf(file, "while looking for %s\n", name);
         break;
     }
