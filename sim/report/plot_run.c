@@ -146,7 +146,7 @@ static void send_injection(FILE *script) {
                 "'' using 1:(10*$19) with lines lc rgb red lw 2 title 'w_h (10: alone)'\n"
                 "set yrange [*:*]\n",
                 script);
-    plot_panel(script, "L_q [mH]");
+    plot_panel(script, "Lq [mH]");
     (void)fputs("plot $run using 1:20 with lines lc rgb blue lw 2 title 'true, psi_q/i_q', "
                 "'' using 1:21 with steps lc rgb red lw 1.4 title 'in the drive'\n",
                 script);
