@@ -541,7 +541,9 @@ static LODE_NOINLINE void judge_flux(lode_drive_t *self) {
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     const lode_dq_t i_A = self->i_A;
     const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
-    if (!(i_A2 >= FLUX_CURRENT * self->tuning->plausibility.i_min_A2) || !is_started(self) ||
+    // The angle of a sensor, and its speed, may lag.
+    if (lode_mode_is_sensored(self) ||
+        !(i_A2 >= FLUX_CURRENT * self->tuning->plausibility.i_min_A2) || !is_started(self) ||
         !is_another_flux(flux, unsure_Wb(self, flux))) {
         guard->flux_rounds = 0u;
         return;

@@ -3900,6 +3900,10 @@ static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
     rig_t fast = rig;
     fast.drive.tuning = &quick;
     TEST_ASSERT_EQUAL_UINT32(255u, flux_rounds(fast, 0.77f, none, false));
+    // The speed of a sensor may lag.
+    rig_t sensed = rig;
+    sensed.drive.sensored = 1u;
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(sensed, 0.77f, none, false));
 }
 
 // --- The step as a whole ----------------------------------------------------------------------
