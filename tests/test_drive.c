@@ -2945,9 +2945,9 @@ static void test_a_rotor_that_the_load_turns_ends_the_attempt(void) {
         {-1.7f, -0.5f, 0.9f, false, 0.0f}, // given back, and not held
     };
     const lode_drive_config_t config = rig_config();
-    const int rounds = (int)tuning.start.lock_rounds;
     for (int n = 0; n < COUNT_OF(table); n++) {
         rig_t rig = on_its_way(&config, 1u);
+        const int rounds = (int)tuning.start.lock_rounds;
         const int periods =
             periods_until_it_ends(&rig, table[n].omega, table[n].vector, table[n].lock);
         if (table[n].ends) {
@@ -3003,9 +3003,9 @@ static void test_a_hoist_with_an_open_brake_is_caught_and_started(void) {
 /// A start is proven by a rotor that turns as it is asked to: one that is caught as it turns the other way is still of the same
 /// start when it is given back.
 static void test_a_rotor_that_turns_the_other_way_has_not_started(void) {
-    const double patience = tuning.start.patience_rounds;
     for (int way = -1; way <= 1; way += 2) {
         rig_t rig = fresh();
+        const double patience = tuning.start.patience_rounds;
         rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
         rig_run(&rig, 0.15);
         rig.motor.omega = 200.0;
