@@ -234,6 +234,106 @@ static void test_a_half_wave_that_comes_clears_its_phase(void) {
     TEST_ASSERT_EQUAL_INT(0, after_a_pause(0.3, 1.0, 0.0, 2.0)); // a little is enough to clear it
 }
 
+/// Four looks are enough, and from 2 A on a phase is judged.
+static const lode_open_phase_tuning_t by_looks = {.least_A = 2.0f, .per_rad = 1.0f, .most = 0.25f};
+
+/// The last answer of so many looks at a set that has `has` where `asked` is asked for.
+static lode_open_phase_t after_looks(lode_open_phase_watch_t *watch, int looks, int set,
+                                     lode_ab_t has, lode_ab_t asked) {
+    lode_open_phase_t open = 0u;
+    for (int n = 0; n < looks; n++) {
+        open = lode_open_phase_look(watch, &by_looks, set, has, asked, 1.0f);
+    }
+    return open;
+}
+
+/// Half of what is asked for is had, a quarter is lacking, a third of the vector and the least current are asked for.
+static void test_at_its_limits(void) {
+    const lode_ab_t asked = {4.0f, 0.0f};
+    const lode_ab_t none = {0.0f, 0.0f};
+    for (int set = 0; set < LODE_SETS; set++) {
+        lode_open_phase_watch_t watch;
+        lode_open_phase_reset(&watch);
+        TEST_ASSERT_EQUAL_INT(0, after_looks(&watch, 3, set, (lode_ab_t){1.0f, 0.0f}, asked));
+        TEST_ASSERT_TRUE(watch.doubts);
+        TEST_ASSERT_EQUAL_INT(7 + set, after_looks(&watch, 1, set, (lode_ab_t){1.0f, 0.0f}, asked));
+        lode_open_phase_reset(&watch);
+        (void)after_looks(&watch, 1, set, none, asked);
+        TEST_ASSERT_TRUE(watch.doubts);
+        (void)after_looks(&watch, 1, 1 - set, asked, asked); // says nothing of this one
+        TEST_ASSERT_TRUE(watch.doubts);
+        (void)after_looks(&watch, 1, set, (lode_ab_t){2.0f, 0.0f}, asked);
+        TEST_ASSERT_FALSE(watch.doubts);
+    }
+    const lode_ab_t least = {2.0f, 0.0f};
+    lode_open_phase_watch_t watch;
+    lode_open_phase_reset(&watch);
+    TEST_ASSERT_EQUAL_INT(0, after_looks(&watch, 3, 0, (lode_ab_t){0.5f, 1.0f}, least));
+    TEST_ASSERT_EQUAL_INT(1, after_looks(&watch, 1, 0, (lode_ab_t){0.5f, 1.0f}, least));
+    const lode_ab_t aside = {2.0f, 2.0f * sqrtf(8.0f)};
+    TEST_ASSERT_EQUAL_FLOAT(6.0f, lode_ab_length(aside));
+    lode_open_phase_reset(&watch);
+    (void)after_looks(&watch, 1, 0, (lode_ab_t){0.0f, aside.beta}, aside);
+    TEST_ASSERT_TRUE(watch.doubts); // of phase a alone
+}
+
+/// A vector between two axes that asks less than the least of each of them, whatever the set has.
+static void test_less_than_the_least_of_each_phase_tells_nothing(void) {
+    const lode_ab_t asked = {2.1f * 0.8660254f, 2.1f * 0.5f};
+    lode_open_phase_watch_t watch;
+    lode_open_phase_reset(&watch);
+    TEST_ASSERT_EQUAL_INT(0, after_looks(&watch, 20, 0, (lode_ab_t){0.0f, 0.0f}, asked));
+}
+
+/// A set lacks for half of what is enough, before and after a pause with little current.
+static void test_what_was_lacking_is_forgotten_after_a_sixth_of_a_turn(void) {
+    const lode_ab_t asked = {4.0f, 0.0f};
+    const lode_ab_t none = {0.0f, 0.0f};
+    const lode_ab_t little = {1.0f, 0.0f};
+    for (int looks = 3; looks <= 4; looks++) {
+        lode_open_phase_watch_t watch;
+        lode_open_phase_reset(&watch);
+        (void)after_looks(&watch, 2, 0, none, asked);
+        (void)after_looks(&watch, looks, 0, none, little);
+        TEST_ASSERT_EQUAL_INT(looks < 4, watch.doubts);
+        TEST_ASSERT_EQUAL_INT(looks < 4 ? 7 : 0, after_looks(&watch, 2, 0, none, asked));
+    }
+}
+
+/// A sixth of a turn is 1.047 rad; what is lacking for the least turn that counts is looked at again.
+static void test_enough_is_a_sixth_of_a_turn(void) {
+    const lode_open_phase_tuning_t tuning = lode_open_phase_tune(15.0f, 1000.0f, 0.01f);
+    const lode_ab_t asked = {0.5f, 0.0f}; // of phase a alone as much as the least
+    const lode_ab_t has = {0.0f, 0.3f};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_open_phase_watch_t watch;
+        lode_open_phase_reset(&watch);
+        int looks = 0;
+        lode_open_phase_t open = 0u;
+        while (open == 0u && looks < 1000) {
+            looks++;
+            open = lode_open_phase_look(&watch, &tuning, 0, has, asked, (float)sign * 0.01f);
+        }
+        TEST_ASSERT_EQUAL_INT(1, open);
+        CHECK_NEAR(2.0, 104.7, looks);
+        lode_open_phase_reset(&watch);
+        (void)lode_open_phase_look(&watch, &tuning, 0, has, asked, (float)sign * 7.0e-5f);
+        TEST_ASSERT_TRUE(watch.doubts);
+    }
+}
+
+/// A quarter of the alpha-beta current in the xy plane, and the least current.
+static void test_doubts_at_their_limits(void) {
+    lode_open_phase_watch_t watch;
+    lode_open_phase_reset(&watch);
+    TEST_ASSERT_TRUE(lode_open_phase_doubts(&watch, &by_looks, (lode_ab_t){0.0f, 2.0f},
+                                            (lode_ab_t){0.5f, 0.0f}));
+    TEST_ASSERT_FALSE(lode_open_phase_doubts(&watch, &by_looks, (lode_ab_t){0.0f, 2.0f},
+                                             (lode_ab_t){0.49f, 0.0f}));
+    TEST_ASSERT_FALSE(lode_open_phase_doubts(&watch, &by_looks, (lode_ab_t){0.0f, 1.99f},
+                                             (lode_ab_t){5.0f, 0.0f}));
+}
+
 /// Where there is nothing to doubt, a look would not find a half-wave that is lacking, whatever the currents.
 static void test_without_doubt_nothing_is_lacking(void) {
     random_t random = random_seed(3);
@@ -293,6 +393,11 @@ int main(void) {
     RUN_TEST(test_currents_from_the_least_one_on_are_judged);
     RUN_TEST(test_a_vector_at_rest_tells_nothing);
     RUN_TEST(test_a_half_wave_that_comes_clears_its_phase);
+    RUN_TEST(test_at_its_limits);
+    RUN_TEST(test_less_than_the_least_of_each_phase_tells_nothing);
+    RUN_TEST(test_what_was_lacking_is_forgotten_after_a_sixth_of_a_turn);
+    RUN_TEST(test_enough_is_a_sixth_of_a_turn);
+    RUN_TEST(test_doubts_at_their_limits);
     RUN_TEST(test_without_doubt_nothing_is_lacking);
     RUN_TEST(test_whatever_the_currents_the_answer_is_a_phase);
     RUN_TEST(test_tuning);

@@ -27,13 +27,19 @@ static const lode_sense_tuning_t sense = {.i_gain = (float)COUNT_A,
                                           .alpha_gain = (float)(COUNT_A / 3.0),
                                           .beta_gain = (float)(COUNT_A / 1.7320508)};
 
-static lode_signal_check_tuning_t tuned(void) {
-    const lode_motor_t motor = paper_motor();
+static lode_signal_check_tuning_t tuned_to(double Ld_H, double Lq_H) {
+    lode_motor_t motor = paper_motor();
+    motor.Ld_H = (float)Ld_H;
+    motor.Lq_H = (float)Lq_H;
     lode_signal_check_tuning_t tuning;
     TEST_ASSERT_EQUAL_STRING("LODE_OK",
                              lode_status_name(lode_signal_check_tune(&tuning, &start, &inverter,
                                                                      &motor, &converters, usual)));
     return tuning;
+}
+
+static lode_signal_check_tuning_t tuned(void) {
+    return tuned_to(3.5e-3, 9.8e-3);
 }
 
 /// Bridge and sensors. `see`: which phase each sensor shows, by which gain.
@@ -276,6 +282,29 @@ static void test_sensors_in_the_wrong_place_or_the_wrong_way(void) {
     }
 }
 
+/// Without saliency, and with twice as much of it.
+static void test_sensors_in_the_wrong_place_of_other_motors(void) {
+    static const int places[][3] = {{0, 1, 2}, {1, 0, 2}, {0, 2, 1},
+                                    {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
+    static const double Lq_H[] = {3.5e-3, 17.5e-3};
+    for (int m = 0; m < COUNT_OF(Lq_H); m++) {
+        const lode_signal_check_tuning_t tuning = tuned_to(3.5e-3, Lq_H[m]);
+        for (int k = 0; k < COUNT_OF(places); k++) {
+            for (int n = 0; n < 2 * ANGLES; n++) {
+                board_t self = board_at(angle_of(n));
+                self.motor.Lq = Lq_H[m];
+                memcpy(self.see, places[k], sizeof self.see);
+                self.gain[0] = self.gain[1] = self.gain[2] = n < ANGLES ? 1.0 : -1.0;
+                const lode_check_t right =
+                    k == 0 && n < ANGLES ? LODE_CHECK_NONE : LODE_CHECK_SIGNALS;
+                int periods;
+                TEST_ASSERT_EQUAL_STRING(lode_check_name(right),
+                                         lode_check_name(checked(&self, &tuning, &periods).check));
+            }
+        }
+    }
+}
+
 static void test_sensors_that_are_stuck(void) {
     for (int n = 0; n < ANGLES; n++) {
         board_t one = board_at(angle_of(n));
@@ -291,16 +320,23 @@ static void test_sensors_that_are_stuck(void) {
     }
 }
 
+/// In any phase. As much as may be is in none of the pulses.
 static void test_an_offset_that_came_after_the_calibration(void) {
-    for (int sign = -1; sign <= 1; sign += 2) {
-        board_t self = board_at(1.0);
-        self.offset_A[1] = sign * 0.045 * I_MAX_A;
+    for (int n = 0; n < 6 * ANGLES; n++) {
+        const int x = n / ANGLES % 3;
+        const double sign = n / ANGLES < 3 ? 1.0 : -1.0;
+        board_t self = board_at(angle_of(n));
+        self.offset_A[x] = sign * 0.045 * I_MAX_A;
         expect(LODE_CHECK_NONE, self);
-        self.offset_A[1] = sign * 0.055 * I_MAX_A;
+        self.offset_A[x] = sign * 0.055 * I_MAX_A;
         const lode_finding_t found = once(self);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OFFSET", lode_check_name(found.check));
         CHECK_NEAR(0.01, 0.055 * I_MAX_A, (double)found.measured);
         CHECK_NEAR(1.0e-6, 0.05 * I_MAX_A, (double)found.limit);
+        lode_signal_check_tuning_t just = tuned();
+        just.off_A = found.measured;
+        int periods;
+        TEST_ASSERT_TRUE(checked(&self, &just, &periods).check != LODE_CHECK_OFFSET);
     }
 }
 
@@ -341,6 +377,7 @@ static void test_a_leg_that_keeps_to_a_rail(void) {
         const lode_finding_t found = checked(&self, &tuning, &periods);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_SIGNALS", lode_check_name(found.check));
         TEST_ASSERT_TRUE(found.measured < found.limit);
+        CHECK_NEAR(1.0e-5, -0.5 * V_BUS_V * (double)tuning.mean_A_V, (double)found.limit);
         TEST_ASSERT_EQUAL_INT(3, periods);
         CHECK_AT_MOST(I_MAX_A, self.peak_A);
     }
@@ -375,6 +412,25 @@ static void test_a_rotor_that_turns_after_all_is_passed_over(void) {
     TEST_ASSERT_FALSE(lode_signal_check_drives(&check));
 }
 
+static void test_a_current_before_the_pulse_that_may_be(void) {
+    static const int32_t none[LODE_PHASES] = {0, 0, 0};
+    static const int32_t some[LODE_PHASES] = {20 * 256, -10 * 256, -10 * 256};
+    for (int more = 0; more <= 1; more++) {
+        lode_signal_check_tuning_t tuning = tuned();
+        lode_signal_check_t check;
+        tuning.turns_A = 0.0f;
+        for (int pass = 0; pass < 2; pass++) {
+            lode_signal_check_begin(&check, &tuning, true);
+            for (int n = 0; n < 3; n++) {
+                (void)lode_signal_check_step(&check, &tuning, &sense, n == 2 ? some : none);
+            }
+            CHECK_NEAR(1.0e-4, 0.2, (double)check.before_A);
+            tuning.turns_A = more == 1 ? 0.99f * check.before_A : check.before_A;
+        }
+        TEST_ASSERT_EQUAL_INT(more == 0, lode_signal_check_goes_on(&check, &tuning));
+    }
+}
+
 /// Of six phases the second set comes after the first, and has numbers of its own.
 static void test_the_second_set(void) {
     lode_signal_check_tuning_t tuning = tuned();
@@ -404,6 +460,114 @@ static void test_the_second_set(void) {
     }
 }
 
+#define MEAN_A 4.0f // that a pulse shows
+#define LEAST_A 1.5f
+
+/// What is said after the last pulse of a set, of what the pulses have shown.
+static lode_finding_t said(lode_signal_check_t shown, uint32_t pulses) {
+    const float v_bus_V = 200.0f;
+    const lode_signal_check_tuning_t tuning = {.pulse = 0.25f,
+                                               .mean_A_V = MEAN_A / v_bus_V,
+                                               .least_A_V = LEAST_A / v_bus_V,
+                                               .off_A = 0.5f,
+                                               .sum_most = 0.28f,
+                                               .turns_A = 0.1f,
+                                               .pulses = 12u};
+    shown.pulse = (uint_least8_t)pulses;
+    return lode_signal_check_judge(&shown, &tuning, v_bus_V, 1.0e-4f);
+}
+
+/// Three phases alike, and each pulse along its axis.
+static lode_signal_check_t sound(void) {
+    return (lode_signal_check_t){
+        .along = {6.0f * MEAN_A, 0.0f}, .phase_A = {16.0f, 16.0f, 16.0f}, .least_A = LEAST_A};
+}
+
+static void expect_said(lode_check_t check, double measured, double limit, lode_finding_t found) {
+    TEST_ASSERT_EQUAL_STRING(lode_check_name(check), lode_check_name(found.check));
+    CHECK_CLOSE(1.0e-5, measured, found.measured);
+    CHECK_CLOSE(1.0e-5, limit, found.limit);
+}
+
+/// Of a phase that lacks, of a sum that flows and of currents that do not, whichever phase it is. At a limit nothing is
+/// said.
+static void test_limits_of_the_sensors(void) {
+    for (int x = 0; x < 3; x++) {
+        lode_signal_check_t shown = sound();
+        shown.phase_A[x] = 0.08f * 16.0f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said(shown, 6u).check);
+        shown.phase_A[x] = 0.079f * 16.0f;
+        shown.sum_A = 0.1f * 16.0f;
+        expect_said(LODE_CHECK_OPEN_PHASE, x + 1, 0.0, said(shown, 6u));
+        expect_said(LODE_CHECK_OPEN_PHASE, x + 4, 0.0, said(shown, 12u));
+        shown.sum_A = 0.101f * 16.0f;
+        expect_said(LODE_CHECK_CURRENT_STUCK, x + 1, 0.0, said(shown, 6u));
+        expect_said(LODE_CHECK_CURRENT_STUCK, x + 4, 0.0, said(shown, 12u));
+        shown.phase_A[x] = 8.0f; // shows least
+        shown.sum_A = 0.28f * 8.0f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said(shown, 6u).check);
+        shown.sum_A = 0.281f * 8.0f;
+        expect_said(LODE_CHECK_CURRENT_SUM, 0.281 * 8.0, 0.28 * 8.0, said(shown, 6u));
+        expect_said(LODE_CHECK_CURRENT_SUM, 0.281 * 8.0, 0.28 * 8.0, said(shown, 12u));
+        shown = sound();
+        for (int y = 0; y < 3; y++) {
+            shown.phase_A[y] = 0.5f * MEAN_A;
+        }
+        shown.phase_A[x] = 0.6f * MEAN_A; // shows most, of six pulses
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said(shown, 6u).check);
+        shown.phase_A[x] = 0.59f * MEAN_A;
+        expect_said(LODE_CHECK_CURRENT_STUCK, 0.0, 0.0, said(shown, 6u));
+        expect_said(LODE_CHECK_CURRENT_STUCK, 0.0, 0.0, said(shown, 12u));
+        shown = sound();
+        for (int y = 0; y < 3; y++) {
+            shown.phase_A[y] = 4.0f;
+        }
+        shown.phase_A[x] = 50.0f; // beside the one that shows most the others lack nothing yet
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said(shown, 6u).check);
+        shown.phase_A[x] = 51.0f;
+        expect_said(LODE_CHECK_OPEN_PHASE, x == 0 ? 2.0 : 1.0, 0.0, said(shown, 6u));
+    }
+}
+
+static void test_limits_of_the_bridge(void) {
+    lode_signal_check_t shown = sound();
+    expect_said(LODE_CHECK_NONE, 1.0, 0.0, said(shown, 6u)); // 1: the pulse that shows least
+    shown.before_A = 0.5f * MEAN_A;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said(shown, 6u).check);
+    shown.before_A = 0.501f * MEAN_A;
+    expect_said(LODE_CHECK_SIGNALS, -0.501 * (double)MEAN_A, -0.5 * (double)MEAN_A,
+                said(shown, 6u));
+    shown = sound();
+    shown.mirrored.beta = 6.0f * 0.6f * MEAN_A;
+    shown.along.beta = -6.0f * 0.34f * MEAN_A;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said(shown, 6u).check);
+    shown.along.beta = -6.0f * 0.36f * MEAN_A;
+    expect_said(LODE_CHECK_SIGNALS, 0.04 * (double)MEAN_A, 0.05 * (double)MEAN_A, said(shown, 6u));
+    shown = sound();
+    shown.along.alpha =
+        6.0f * (0.05f * MEAN_A); // far too little of an inductance, but along its axis
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_INDUCTANCE, said(shown, 6u).check);
+    shown = sound();
+    shown.least = 4u; // to the negative side of c
+    shown.least_A = 0.99f * LEAST_A;
+    expect_said(LODE_CHECK_OPEN_PHASE, 3.0, 0.0, said(shown, 6u));
+    expect_said(LODE_CHECK_OPEN_PHASE, 6.0, 0.0, said(shown, 12u));
+}
+
+/// Neither before the first period nor within a pulse.
+static void test_nothing_is_said_before_the_last_pulse(void) {
+    const lode_signal_check_tuning_t tuning = tuned();
+    lode_signal_check_t check;
+    lode_signal_check_begin(&check, &tuning, true);
+    expect_said(LODE_CHECK_NONE, 0.0, 0.0,
+                lode_signal_check_judge(&check, &tuning, (float)V_BUS_V, PAPER_TS_s));
+    lode_signal_check_t shown = {.period = 0u};
+    expect_said(LODE_CHECK_NONE, 0.0, 0.0, said(shown, 5u));
+    expect_said(LODE_CHECK_CURRENT_STUCK, 0.0, 0.0, said(shown, 6u));
+    shown.period = 1u;
+    expect_said(LODE_CHECK_NONE, 0.0, 0.0, said(shown, 6u));
+}
+
 /// Gates on for four periods of six, voltage in the third and the fourth, to both sides of each axis.
 static void test_pulses_in_their_order(void) {
     static const double degrees[] = {0.0, 300.0, 120.0, 180.0, 60.0, 240.0};
@@ -428,6 +592,23 @@ static void test_pulses_in_their_order(void) {
         TEST_ASSERT_TRUE(seen[k]);
     }
     TEST_ASSERT_FALSE(lode_signal_check_goes_on(&check, &tuning));
+}
+
+/// With numbers whose products are exact: 8 A of a pulse are 64 counts of 0.125 A.
+static void test_sixty_four_counts_are_enough(void) {
+    lode_motor_t motor = paper_motor();
+    motor.Ld_H = motor.Lq_H = 1.0f / 256.0f;
+    const lode_inverter_config_t bridge = {.v_bus_V = 1024.0f, .i_max_A = 16.0f};
+    const lode_signal_check_given_t given = {1.0f / 8192.0f, true, true};
+    for (int more = 0; more <= 1; more++) {
+        const lode_sense_config_t seen = {.i_gain_A_count = more == 1 ? 0.1251f : 0.125f,
+                                          .duty_max = 1.0f};
+        lode_signal_check_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(
+            LODE_OK, lode_signal_check_tune(&tuning, &start, &bridge, &motor, &seen, given));
+        CHECK_NEAR(1.0e-6, 0.125, (double)tuning.pulse);
+        TEST_ASSERT_EQUAL_UINT(more == 1 ? 0u : 6u, tuning.pulses);
+    }
 }
 
 static lode_signal_check_tuning_t tuned_with(lode_choice_t choice, lode_inverter_config_t bridge,
@@ -496,6 +677,7 @@ int main(void) {
     RUN_TEST(test_sums_that_are_none_of_its_business);
     RUN_TEST(test_an_inductance_that_is_not_the_motors);
     RUN_TEST(test_sensors_in_the_wrong_place_or_the_wrong_way);
+    RUN_TEST(test_sensors_in_the_wrong_place_of_other_motors);
     RUN_TEST(test_sensors_that_are_stuck);
     RUN_TEST(test_an_offset_that_came_after_the_calibration);
     RUN_TEST(test_a_phase_that_is_open);
@@ -503,8 +685,13 @@ int main(void) {
     RUN_TEST(test_a_leg_that_keeps_to_a_rail);
     RUN_TEST(test_duties_that_act_a_period_late);
     RUN_TEST(test_a_rotor_that_turns_after_all_is_passed_over);
+    RUN_TEST(test_a_current_before_the_pulse_that_may_be);
     RUN_TEST(test_the_second_set);
+    RUN_TEST(test_limits_of_the_sensors);
+    RUN_TEST(test_limits_of_the_bridge);
+    RUN_TEST(test_nothing_is_said_before_the_last_pulse);
     RUN_TEST(test_pulses_in_their_order);
+    RUN_TEST(test_sixty_four_counts_are_enough);
     RUN_TEST(test_where_there_is_no_check);
     RUN_TEST(test_voltage_of_a_pulse);
     return UNITY_END();

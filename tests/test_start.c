@@ -1567,6 +1567,11 @@ static void check_unmet(const attempt_t *it, const char *criterion, double measu
     CHECK_NEAR(1.0e-4, limit, unmet.limit);
 }
 
+static void expect_hold(const attempt_t *it) {
+    check_unmet(it, "LODE_CRITERION_HOLD", 0.0,
+                (double)it->tuning.lock_rounds * ROUND * (double)PAPER_TS_s);
+}
+
 static void test_what_a_waiting_vector_does_not_meet_is_told(void) {
     const double round_s = ROUND * (double)PAPER_TS_s;
     attempt_t it = sound_attempt();
@@ -1620,6 +1625,29 @@ static void test_what_a_turning_vector_does_not_meet_is_told(void) {
         it.estimator.lock = 0.6f;
         check_unmet(&it, "LODE_CRITERION_LOCK", 0.6, 0.7);
     }
+}
+
+/// What is just at a limit meets it.
+static void test_what_is_at_its_limit_is_met(void) {
+    static const float speeds[] = {30.0f, 60.0f}; // below and above what is asked for
+    for (int n = 0; n < COUNT_OF(speeds); n++) {
+        attempt_t it = sound_attempt();
+        it.estimator.pll.omega_rad_s = speeds[n];
+        const lode_start_unmet_t unmet =
+            lode_start_unmet(&it.start, &it.tuning, &it.estimator, &it.estimator_tuning);
+        it.estimator.pll.omega_rad_s = unmet.limit;
+        expect_hold(&it);
+    }
+    attempt_t it = sound_attempt();
+    it.tuning.lost_per_A = 1.0f;
+    it.estimator.id_A = LODE_START_LOST_MAX;
+    it.estimator.lock = LODE_LOCK_HANDOVER;
+    expect_hold(&it);
+    it.estimator.emf.observer.e_V = (lode_ab_t){1.0f, 0.0f};
+    const lode_start_unmet_t unmet =
+        lode_start_unmet(&it.start, &it.tuning, &it.estimator, &it.estimator_tuning);
+    it.estimator.emf.observer.e_V.alpha = unmet.limit;
+    expect_hold(&it);
 }
 
 /// The last attempt is content with twice the speed's tolerance where it takes no more than the flux (S32), but not below
@@ -1712,6 +1740,7 @@ int main(void) {
     RUN_TEST(test_hand_over_by_half_of_the_base_speed);
     RUN_TEST(test_what_a_waiting_vector_does_not_meet_is_told);
     RUN_TEST(test_what_a_turning_vector_does_not_meet_is_told);
+    RUN_TEST(test_what_is_at_its_limit_is_met);
     RUN_TEST(test_the_last_attempt_tells_its_own_limits);
     RUN_TEST(test_stages_and_criteria_have_names);
     return UNITY_END();
