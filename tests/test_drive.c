@@ -3477,6 +3477,8 @@ static void test_the_hand_over_begins_the_counts_of_run(void) {
     rig_command(&rig, run_at(100.0));
     for (int n = 0; n < 20000 && rig.drive.mode != (uint_least8_t)LODE_MODE_RUN; n++) {
         rig.drive.guard.lock = 7u;
+        rig.drive.guard.speed = 1u;
+        rig.drive.guard.flux_rounds = 1u;
         if (offsetof(lode_running_t, waves) >= sizeof(lode_start_t)) { // beyond the start's state
             rig.drive.state.run.waves = (lode_half_waves_t){0xbdu, 0xbdu};
         }
@@ -3484,6 +3486,9 @@ static void test_the_hand_over_begins_the_counts_of_run(void) {
     }
     rig_expect(&rig, LODE_MODE_RUN);
     TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.lock);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.speed);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.flux_rounds);
+    TEST_ASSERT_EQUAL_FLOAT(rig.drive.estimator.pll.omega_rad_s, rig.drive.state.run.held_rad_s);
     TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &rig.drive.state.run.waves, sizeof none_lacking);
 }
 
@@ -3768,7 +3773,12 @@ static void test_what_may_be_else_than_the_load(void) {
         const rig_t bad = overloaded(runs, n % 2 == 0 ? 1.0f : -1.0f, n < 2 ? 1.0f : -1.0f);
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(bad));
         rig_t rig = bad;
+        rig.drive.estimator.lock = LODE_LOCK_HANDOVER; // just enough
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(rig));
         rig.drive.estimator.lock = 0.99f * LODE_LOCK_HANDOVER;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        TEST_ASSERT_TRUE(lode_drive_watch_running(&rig.drive));
+        rig.drive.estimator.lock = 1.0f; // what the speed did before does not count
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad; // voltage, temperature or somebody limits the torque
         rig.drive.state.run.speed.limit_Nm = (lode_range_t){-6.5f, 6.5f};
@@ -3794,6 +3804,22 @@ static void test_what_may_be_else_than_the_load(void) {
         rig.drive.state.run.speed.reference_rad_s = 100.0f * (n % 2 == 0 ? 1.0f : -1.0f);
         rig.drive.state.run.speed.reference_rad_s *= n == 0 || n == 3 ? 1.04f : 0.96f;
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+    }
+}
+
+/// 3 mNm, 0.3 W of a mechanical power.
+static void test_all_torque_of_a_small_motor_is_all_of_it(void) {
+    const lode_drive_config_t config = rig_config();
+    const rig_t runs = proven(&config, 100.0);
+    other_tuning = tuning;
+    other_tuning.references.tau_max *= 0.0004f;
+    for (int sense = -1; sense <= 1; sense += 2) {
+        rig_t rig = overloaded(runs, (float)sense, (float)sense);
+        rig.drive.tuning = &other_tuning;
+        rig.drive.state.run.speed.limit_Nm =
+            (lode_range_t){(float)(-0.0004 * ALL_Nm), (float)(0.0004 * ALL_Nm)};
+        rig.drive.state.run.speed.torque_Nm *= 0.0004f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(rig));
     }
 }
 
@@ -4473,6 +4499,7 @@ int main(void) {
     RUN_TEST(test_a_load_that_can_be_held_is_none_beyond_all_torque);
     RUN_TEST(test_less_than_all_torque_may_slip);
     RUN_TEST(test_what_may_be_else_than_the_load);
+    RUN_TEST(test_all_torque_of_a_small_motor_is_all_of_it);
     RUN_TEST(test_a_torque_that_the_voltage_limits_is_all_of_it_for_a_brake);
     RUN_TEST(test_another_flux_is_named_though_the_lock_holds);
     RUN_TEST(test_another_flux_is_as_large_as_no_error_and_lasts);
