@@ -608,6 +608,8 @@ static void test_a_speed_that_comes_back_was_no_load_too_large(void) {
     TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, NAN));
     TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 5.0f));
     CHECK_CLOSE(1.0e-6, 5.0, held);
+    held = tuning.away_rad_s; // so much may be
+    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 0.0f));
 }
 
 static void test_configuration_of_the_load(void) {
