@@ -512,7 +512,11 @@ static LODE_NOINLINE void judge_load(lode_drive_t *self) {
     const float omega = self->estimator.pll.omega_rad_s;
     const float way = lode_sign(run->speed.torque_Nm);
     const bool gives_way = way * (run->held_rad_s - omega) > 0.0f; // first: it spares the rest
-    if (!gives_way || lode_mode_is_torque(self) || !is_started(self) || !is_all_torque(self)) {
+    // An angle that is wrong makes torque against itself. A sensor's is judged by the EMF (encoder.h), that of injection until
+    // there is one.
+    const bool by_emf = !lode_mode_is_sensored(self) && !lode_estimator_injects(&self->estimator);
+    if (!gives_way || !by_emf || lode_mode_is_torque(self) || !is_started(self) ||
+        !is_all_torque(self)) {
         run->held_rad_s = omega;
         return;
     }

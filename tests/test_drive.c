@@ -3824,6 +3824,12 @@ static void test_what_may_be_else_than_the_load(void) {
         rig = bad;
         rig.drive.command.flags |= (uint_least8_t)LODE_ORDER_TORQUE;
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad; // its angle may be wrong
+        rig.drive.sensored = 1u;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad;
+        rig.drive.estimator.by.hfi.active = true;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad; // so little may be a large inertia's
         rig.drive.state.run.speed.reference_rad_s = 100.0f * (n % 2 == 0 ? 1.0f : -1.0f);
         rig.drive.state.run.speed.reference_rad_s *= n == 0 || n == 3 ? 1.04f : 0.96f;
