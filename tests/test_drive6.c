@@ -1308,6 +1308,22 @@ static void test_an_estimate_of_the_hosts_own_is_driven_by(void) {
     CHECK_CLOSE(0.01, RPM(300.0) * RIG6_NP, rig.omega);
 }
 
+/// A pulse goes to one set, whose 1/L is the mean of both planes'; phases that may be open are not tried.
+static void test_the_signal_check_goes_by_a_set(void) {
+    for (int ignores = 0; ignores <= 1; ignores++) {
+        lode_drive6_config_t config =
+            answering(ignores == 1 ? LODE_OPEN_PHASE_IGNORE : LODE_OPEN_PHASE_TRIP);
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_tune(&other_tuning, &config));
+        const lode_signal_check_tuning_t *check = &other_tuning.drive.signal_check;
+        TEST_ASSERT_EQUAL_UINT(ignores == 1 ? 0u : 12u, check->pulses);
+        TEST_ASSERT_EQUAL_UINT(0u, other_tuning.alone.signal_check.pulses);
+        const double Lxy_H = (double)config.Lxy_H;
+        const double per_Ld = 0.5 * (1.0 / RIG6_LD + 1.0 / Lxy_H);
+        const double per_Lq = 0.5 * (1.0 / RIG6_LQ + 1.0 / Lxy_H);
+        CHECK_CLOSE(1.0e-4, (double)check->pulse * RIG6_TS_s * (per_Ld + per_Lq), check->mean_A_V);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_ripple_is_of_both_planes);
@@ -1365,5 +1381,6 @@ int main(void) {
     RUN_TEST(test_the_step_is_its_three_parts);
     RUN_TEST(test_an_estimate_that_is_no_number_turns_both_sets_off);
     RUN_TEST(test_an_estimate_of_the_hosts_own_is_driven_by);
+    RUN_TEST(test_the_signal_check_goes_by_a_set);
     return UNITY_END();
 }
