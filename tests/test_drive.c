@@ -3013,6 +3013,7 @@ static void test_a_rotor_that_turns_the_other_way_has_not_started(void) {
         config.start.pulses = n < 3 ? LODE_AUTO : LODE_OFF; // else it is caught with currents
         rig_t rig;
         rig_init(&rig, &tuning, &config);
+        TEST_ASSERT_EQUAL_UINT(n < 3 ? 6u : 0u, tuning.signal_check.pulses); // after those alone
         const double patience = tuning.start.patience_rounds;
         rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
         rig_run(&rig, 0.15);
