@@ -123,7 +123,7 @@ static void grow(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     self->periods++;
     if ((enough && fits) || self->periods >= most_periods(given)) {
         self->theta_rad = lode_atan2(i_A.beta, i_A.alpha);
-        self->rests = !seen;
+        self->rests = (uint_least8_t)(seen ? 0u : 1u);
         enter(self, (uint_least8_t)(seen ? LODE_FLY_TURN : LODE_FLY_SLOW));
         return;
     }

@@ -808,7 +808,7 @@ static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t 
     if (precharge->part != (uint_least8_t)LODE_PRECHARGE_CHECK) {
         precharge->part = (uint_least8_t)LODE_PRECHARGE_CHECK;
         lode_signal_check_begin(check, &tuning->signal_check,
-                                precharge->rests && self->losses == 0u);
+                                precharge->rests > 0u && self->losses == 0u);
     }
     if (!lode_signal_check_goes_on(check, &tuning->signal_check)) {
         return false;

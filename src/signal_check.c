@@ -98,14 +98,14 @@ void lode_signal_check_begin(lode_signal_check_t *self, const lode_signal_check_
     forget(self);
 }
 
-static lode_ab_t current_A(const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
-    return (lode_ab_t){(float)(2 * i[0] - i[1] - i[2]) * sense->alpha_gain,
-                       (float)(i[1] - i[2]) * sense->beta_gain};
+static lode_ab_t current_A(const lode_sense_tuning_t *sense, const float i[LODE_PHASES]) {
+    return (lode_ab_t){(2.0f * i[0] - i[1] - i[2]) * sense->alpha_gain,
+                       (i[1] - i[2]) * sense->beta_gain};
 }
 
 // The pulse along `at` is over.
 static void note(lode_signal_check_t *self, const lode_sense_tuning_t *sense, lode_sincos_t at) {
-    const int32_t *i = self->shown;
+    const float *i = self->shown;
     const float gain = lode_abs(sense->i_gain);
     const lode_ab_t i_A = current_A(sense, i);
     const lode_dq_t seen_A = lode_park(i_A, at);
@@ -114,10 +114,10 @@ static void note(lode_signal_check_t *self, const lode_sense_tuning_t *sense, lo
     self->along.beta += seen_A.q;
     self->mirrored.alpha += turned_A.alpha;
     self->mirrored.beta += turned_A.beta;
-    self->sum_A += gain * lode_abs((float)(i[0] + i[1] + i[2]));
+    self->sum_A += gain * lode_abs(i[0] + i[1] + i[2]);
     for (uint32_t x = 0u; x < PHASES; x++) {
-        self->phase_A[x] += gain * lode_abs((float)i[x]);
-        self->shown[x] = 0;
+        self->phase_A[x] += gain * lode_abs(i[x]);
+        self->shown[x] = 0.0f;
     }
 }
 
@@ -136,7 +136,7 @@ static void note_before(lode_signal_check_t *self, const lode_signal_check_tunin
                         const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
     self->before_A = lode_ab_length(current_A(sense, self->shown));
     for (uint32_t x = 0u; x < PHASES; x++) {
-        self->shown[x] = -i[x];
+        self->shown[x] = -(float)i[x];
     }
     if (self->before_A > tuning->turns_A) {
         self->pulse = (uint_least8_t)tuning->pulses; // the last
@@ -152,11 +152,11 @@ lode_ab_t lode_signal_check_step(lode_signal_check_t *self,
         {0.0f, -1.0f}, {-0.5f * LODE_SQRT3, -0.5f}, {-0.5f * LODE_SQRT3, 0.5f}};
     // The first for what flows before the pulse. Then by how much the current rises while the voltage acts forward, less that while
     // it acts back: EMF, offset and, as the current keeps its sign, dead time are in both (S37).
-    static const int32_t weight[PERIODS] = {-1, 0, 1, 2, -1, 0};
+    static const float weight[PERIODS] = {-1.0f, 0.0f, 1.0f, 2.0f, -1.0f, 0.0f};
     const lode_sincos_t at = axis[(uint32_t)self->pulse % LODE_SIGNAL_PULSES];
     const uint32_t period = (uint32_t)self->period % PERIODS;
     for (uint32_t x = 0u; x < PHASES; x++) {
-        self->shown[x] += weight[period] * i[x];
+        self->shown[x] += weight[period] * (float)i[x];
     }
     self->period = (uint_least8_t)(period + 1u);
     float u = 0.0f;

@@ -45,7 +45,7 @@ typedef struct {
     float before_A;             ///< current before the pulse, with all gates on and no voltage
     float off_A;                ///< the largest phase current with the gates off
     float least_A;              ///< of the pulse that shows least by itself, without the way back
-    int32_t shown[LODE_PHASES]; ///< by the present pulse, 1/256 count
+    float shown[LODE_PHASES];   ///< by the present pulse, 1/256 count
     uint_least8_t least;        ///< which pulse that is
     uint_least8_t pulse;        ///< the present one; at the end their number
     uint_least8_t period;       ///< of it
