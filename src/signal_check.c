@@ -20,10 +20,11 @@
 #define UNKNOWN_s 1.0e-6f
 #define COUNTS_LEAST 64.0f // what a pulse shows: the noise of three phases is then a tenth of it
 
-#define NOTHING 0.1f     // of what is expected
-#define OFF_MOST 0.05f   // of i_max: an offset has a calibration behind it
-#define TURNS 0.006f     // of i_max: some six counts, twice what the low-side pulses look for
-#define BEFORE_MOST 0.5f // of what is expected: a leg that keeps to a rail makes more than a pulse
+#define NOTHING 0.1f   // of what is expected
+#define OFF_MOST 0.05f // of i_max: an offset has a calibration behind it
+#define TURNS 0.006f   // of i_max: some six counts, twice what the low-side pulses look for
+#define BEFORE_MOST                                                                                \
+    0.35f // of what is expected: more than a rotor makes that the low-side pulses have not seen
 // Of what is expected at the larger inductance, which may be twice as large before it saturates.
 #define PULSE_LEAST 0.3f
 #define LACKS 0.08f // of the phase that shows most: a salient rotor leaves a sixth

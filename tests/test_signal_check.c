@@ -377,7 +377,7 @@ static void test_a_leg_that_keeps_to_a_rail(void) {
         const lode_finding_t found = checked(&self, &tuning, &periods);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_SIGNALS", lode_check_name(found.check));
         TEST_ASSERT_TRUE(found.measured < found.limit);
-        CHECK_NEAR(1.0e-5, -0.5 * V_BUS_V * (double)tuning.mean_A_V, (double)found.limit);
+        CHECK_NEAR(1.0e-5, -0.35 * V_BUS_V * (double)tuning.mean_A_V, (double)found.limit);
         TEST_ASSERT_EQUAL_INT(3, periods);
         CHECK_AT_MOST(I_MAX_A, self.peak_A);
     }
@@ -532,10 +532,10 @@ static void test_limits_of_the_sensors(void) {
 static void test_limits_of_the_bridge(void) {
     lode_signal_check_t shown = sound();
     expect_said(LODE_CHECK_NONE, 1.0, 0.0, said(shown, 6u)); // 1: the pulse that shows least
-    shown.before_A = 0.5f * MEAN_A;
+    shown.before_A = 0.349f * MEAN_A;
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said(shown, 6u).check);
-    shown.before_A = 0.501f * MEAN_A;
-    expect_said(LODE_CHECK_SIGNALS, -0.501 * (double)MEAN_A, -0.5 * (double)MEAN_A,
+    shown.before_A = 0.351f * MEAN_A;
+    expect_said(LODE_CHECK_SIGNALS, -0.351 * (double)MEAN_A, -0.35 * (double)MEAN_A,
                 said(shown, 6u));
     shown = sound();
     shown.mirrored.beta = 6.0f * 0.6f * MEAN_A;

@@ -107,6 +107,7 @@ def refuses(checks, folder):
 checks = Checks()
 with Folder() as folder:
     finds(checks, folder)
+    tries_bridge_and_sensors_before_a_start(checks, folder)
     finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder)
     same_with_any_number_of_processes(checks, folder)
     leaves_out_where_the_speed_does_not_settle(checks, folder)
