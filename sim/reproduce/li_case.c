@@ -123,6 +123,7 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
     config->six.source = what->source;
     config->six.xy.resonance_rad_s = what->plain_xy ? LODE_NONE : config->six.xy.resonance_rad_s;
     lode_drive_config_t *drive = &config->drive;
+    drive->guard.plausibility = LODE_OFF; // as in case.c
     drive->inverter.dead_time_correction = what->inverter == CASE_COMPENSATED ? LODE_ON : LODE_OFF;
     if (what->k2_rad_s > 0.0) {
         drive->estimator.emf.k2_rad_s = (float)what->k2_rad_s;
