@@ -1,4 +1,4 @@
-#include "lodestar/commission.h"
+#include "commission_machine.h"
 
 #ifndef LODE_WITHOUT_COMMISSIONING
 
@@ -18,11 +18,14 @@
 #define PULSES_MOST 12u
 #define DRIVEN_LEAST                                                                               \
     0.7f // of the largest phase current: saliency turns the vector by up to 35 degrees
-#define SUM_MOST 0.25f   // of the same: what flows in must flow out
+#define SUM_MOST 0.25f // of the same: what flows in must flow out
+#define XY_MOST                                                                                    \
+    0.45f // of the vector: both sets see the same but for dead time, which makes up to 0.3; swapped ones 0.6
 #define NOISE_MOST 0.02f // of full scale, peak to peak
 #define OFFSET_SAMPLES 1024u
 
-// Holding the rotor.
+// Holding the rotor: along phase a, where all phases have current; of six phases halfway from a1 to a2 (N5).
+#define AXIS_SIX_rad (LODE_PI / 12.0f)
 #define CURRENT_SHARE 0.5f // of i_max
 #define SALIENT_SHARE                                                                              \
     0.4f // of the current at which reluctance pulls as much across as the magnet along
@@ -44,14 +47,17 @@
 #define UNKNOWN_R 1.5f // of the configured one: as far as the voltage goes
 #define UNKNOWN_DEAD_s 1.5e-6f
 #define LEVELS 3u
-#define LEVEL_STEP 0.3f              // of the current, from level to level
-#define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along phase a per volt that each phase loses
-#define LINE_DEVIATION 0.03f         // of the middle level's voltage off the line, allowed
+#define LEVEL_STEP 0.3f // of the current, from level to level
+// Voltage along the axis that holds, per volt that each phase loses: two thirds of the sum of the phases' cosines.
+#define DEAD_THREE (4.0f / 3.0f)
+#define DEAD_SIX 1.2879f
+#define LINE_DEVIATION 0.03f // of the middle level's voltage off the line, allowed
 
 // Inductances: steps of the current's reference, on top of a current that holds the rotor and the signs of
 // all phase currents.
 #define HOLD_SHARE 0.7f  // of the current at the first level
 #define STEP_SHARE 0.4f  // of what holds, either way
+#define STEP_SIX 0.2f    // the same in q of six phases, of which two have a quarter of what holds
 #define STEP_SPREAD 0.2f // from the first to the last, of the mean: each rounds to other counts
 #define HALF_WAVE 8u     // periods
 #define WAVES 68u
@@ -59,6 +65,11 @@
 #define HOLD_TIME_s 0.1f
 #define NEXT_TIME_s 0.02f    // to another current
 #define STEP_DEVIATION 0.01f // of the inductance, standard deviation by what it does not explain
+
+// The xy plane, the same way: its control is pushed to and fro, towards so much of the current that holds.
+#define XY_SHARE 0.4f
+#define XY_CIRCLE 0.5f // of the voltage that the plane may use
+#define XY_DEVIATION 0.03f
 
 // Their fall over current: in d about three currents, in q large waves of three amplitudes.
 #define FALL_POINTS 3u
@@ -109,6 +120,7 @@ typedef enum {
     STAGE_LD, // three currents
     STAGE_LQ,
     STAGE_LQ_FALL, // three amplitudes
+    STAGE_LXY,     // of six phases alone
     STAGE_RETUNE,
     STAGE_START,
     STAGE_UP,
@@ -125,6 +137,9 @@ const char *lode_commission_name(lode_commission_quantity_t quantity) {
         NAME(OFFSET_A, "offset_a_count");
         NAME(OFFSET_B, "offset_b_count");
         NAME(OFFSET_C, "offset_c_count");
+        NAME(OFFSET_A2, "offset_a2_count");
+        NAME(OFFSET_B2, "offset_b2_count");
+        NAME(OFFSET_C2, "offset_c2_count");
         NAME(SIGNALS, "signals");
         NAME(RS_Ohm, "Rs_Ohm");
         NAME(DEAD_V, "dead_V");
@@ -132,6 +147,7 @@ const char *lode_commission_name(lode_commission_quantity_t quantity) {
         NAME(LQ_H, "Lq_H");
         NAME(LD_FALL_1_A, "Ld_fall");
         NAME(LQ_FALL_1_A, "Lq_fall");
+        NAME(LXY_H, "Lxy_H");
         NAME(PSI_Wb, "psi_Wb");
         NAME(J_kgm2, "J_kgm2");
         NAME(B_Nms, "B_Nms");
@@ -165,11 +181,11 @@ static float float_of(uint32_t count) {
 }
 
 static void post(lode_commission_t *self, lode_command_t command) {
-    (void)lode_drive_post_command(&self->drive, &command);
+    (void)lode_drive_post_command(self->drive, &command);
 }
 
 static void post_vector(lode_commission_t *self, lode_mode_t mode, float d, float q) {
-    post(self, (lode_command_t){.mode = mode, .vector = {d, q}});
+    post(self, (lode_command_t){.mode = mode, .vector = {d, q}, .theta_rad = self->axis_rad});
 }
 
 // The next period is the stage's first again.
@@ -221,7 +237,20 @@ static float length_of(lode_dq_t x) {
     return lode_ab_length((lode_ab_t){x.d, x.q});
 }
 
+static uint32_t phases_of(const lode_commission_t *self) {
+    return PHASES * self->sets;
+}
+
+// Voltage along the axis that holds, per volt that each phase loses.
+static float dead_along(const lode_commission_t *self) {
+    return self->sets > 1u ? DEAD_SIX : DEAD_THREE;
+}
+
 // --- Offsets ---
+
+static lode_commission_quantity_t offset_of(uint32_t phase) {
+    return (lode_commission_quantity_t)((uint32_t)LODE_COMMISSION_OFFSET_A + phase);
+}
 
 // Extremes of the counts, in the fields of the pulses' peaks.
 static void note_counts(lode_commission_t *self, const lode_counts_t *counts) {
@@ -234,25 +263,38 @@ static void note_counts(lode_commission_t *self, const lode_counts_t *counts) {
     }
 }
 
-static void calibrate(lode_commission_t *self, const lode_counts_t *counts) {
+// False: refused.
+static bool judge_offsets(lode_commission_t *self) {
     const lode_sense_config_t *sense = &self->designed.sense;
-    if (self->since < OFFSET_SAMPLES) {
-        note_counts(self, counts);
-        return;
-    }
-    if (self->since == OFFSET_SAMPLES) {
-        for (uint32_t x = 0u; x < PHASES; x++) {
-            const bool there = x < 2u || sense->shunts == LODE_SHUNTS_THREE;
-            const float span = there ? self->level_i_A[x] - self->level_u_V[x] : 0.0f;
-            self->phase_A[x] /= float_of(OFFSET_SAMPLES);
-            if (!keep(self, (lode_commission_quantity_t)((uint32_t)LODE_COMMISSION_OFFSET_A + x),
-                      self->phase_A[x], span, NOISE_MOST * sense->count_max)) {
-                return;
-            }
+    for (uint32_t x = 0u; x < PHASES; x++) {
+        const bool there = x < 2u || sense->shunts == LODE_SHUNTS_THREE;
+        const float span = there ? self->level_i_A[x] - self->level_u_V[x] : 0.0f;
+        self->phase_A[x] /= float_of(OFFSET_SAMPLES);
+        if (!keep(self, offset_of(PHASES * self->level + x), self->phase_A[x], span,
+                  NOISE_MOST * sense->count_max)) {
+            return false;
         }
-        post(self, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
-    } else if (self->drive.calibrated) {
+    }
+    return true;
+}
+
+// A set after the other, then the drive's own.
+static void calibrate(lode_commission_t *self, const lode_commission_period_t *period) {
+    if (self->since < OFFSET_SAMPLES) {
+        note_counts(self, period->set[self->level]);
+    } else if (self->since == OFFSET_SAMPLES) {
+        if (!judge_offsets(self)) {
+            return;
+        }
+        if (self->level + 1u < self->sets) {
+            self->level++;
+            restart(self);
+        } else {
+            post(self, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+        }
+    } else if (self->drive->calibrated) {
         self->quantity = LODE_COMMISSION_SIGNALS;
+        self->level = 0u;
         enter(self, STAGE_PULSES);
     } else {
         // a fault, if it does not come
@@ -268,17 +310,19 @@ static float dead_known_V(const lode_drive_config_t *config) {
                                     lode_inverter_carrier_Hz(inverter, config->f_pwm_Hz);
 }
 
-// Phase currents at the largest length of the vector.
-static void note_peak(lode_commission_t *self, const lode_counts_t *counts, lode_dq_t i_A) {
+// Phase currents at the largest length of the vector, and the current of the xy plane.
+static void note_peak(lode_commission_t *self, const lode_commission_period_t *period,
+                      lode_dq_t i_A) {
+    const lode_counts_t *counts = period->set[self->level / PHASES];
     const lode_sense_config_t *sense = &self->designed.sense;
     const float length_A = length_of(i_A);
     if (length_A <= self->peak_A) {
         return;
     }
+    self->peak_xy_A = lode_ab_length(period->i_xy_A);
     self->peak_A = length_A;
     for (uint32_t x = 0u; x < PHASES; x++) {
-        const float offset =
-            found(self, (lode_commission_quantity_t)((uint32_t)LODE_COMMISSION_OFFSET_A + x));
+        const float offset = found(self, offset_of(PHASES * (self->level / PHASES) + x));
         self->phase_A[x] = sense->i_gain_A_count * ((float)counts->i[x] - offset);
     }
     if (sense->shunts == LODE_SHUNTS_TWO) {
@@ -286,14 +330,17 @@ static void note_peak(lode_commission_t *self, const lode_counts_t *counts, lode
     }
 }
 
-// A wrong sign or a wrong place makes the driven phase small or negative, a dead one leaves a sum.
+// A wrong sign or a wrong place makes the driven phase small or negative, a dead one leaves a sum; in the wrong set it makes
+// current of the xy plane.
 static bool judge_phase(lode_commission_t *self, uint32_t driven) {
     const float *i = self->phase_A;
     const float largest = lode_max(lode_max(lode_abs(i[0]), lode_abs(i[1])), lode_abs(i[2]));
     const float inv = 1.0f / lode_max(largest, FLT_MIN);
-    const float off = 1.0f - i[driven] * inv;
+    const float off = 1.0f - i[driven % PHASES] * inv;
     const float sum = lode_abs(i[0] + i[1] + i[2]) * inv;
-    const float worst = lode_max(off / (1.0f - DRIVEN_LEAST), sum / SUM_MOST);
+    const float xy = self->peak_xy_A / lode_max(self->peak_A, FLT_MIN);
+    const float worst =
+        lode_max(lode_max(off / (1.0f - DRIVEN_LEAST), sum / SUM_MOST), xy / XY_MOST);
     const float least_A = NOISE_MOST * self->designed.inverter.i_max_A;
     return keep(self, LODE_COMMISSION_SIGNALS, float_of(driven + 1u),
                 self->peak_A > least_A ? worst : 2.0f, 1.0f);
@@ -305,7 +352,7 @@ static float pulse_V(const lode_commission_t *self) {
     const float step_A = PULSE_SHARE * self->designed.inverter.i_max_A;
     const float rise_s = float_of(PULSE_PERIODS) / self->config.f_pwm_Hz;
     const float rise_V = lode_min(motor->Ld_H, motor->Lq_H) * step_A / rise_s;
-    return DEAD_PER_PHASE * dead_known_V(&self->designed) +
+    return dead_along(self) * dead_known_V(&self->designed) +
            rise_V * (1.0f + 0.5f * float_of(self->calm));
 }
 
@@ -318,14 +365,20 @@ static void end_pulse(lode_commission_t *self) {
     } else if (judge_phase(self, self->level)) {
         self->peak_A = 0.0f;
         self->level++;
-        enter(self, self->level < PHASES ? STAGE_PULSES : STAGE_ACROSS);
+        enter(self, self->level < phases_of(self) ? STAGE_PULSES : STAGE_ACROSS);
     } else {
         // refused
     }
 }
 
-static void pulse(lode_commission_t *self, const lode_counts_t *counts, lode_dq_t i_A) {
-    const lode_sincos_t axis = lode_sincos(LODE_TWO_PI / 3.0f * float_of(self->level));
+// Axis of a phase; those of set 2 stand 30 degrees on.
+static float phase_rad(uint32_t phase) {
+    const float set_2_rad = phase < PHASES ? 0.0f : LODE_PI / 6.0f;
+    return set_2_rad + LODE_TWO_PI / 3.0f * float_of(phase % PHASES);
+}
+
+static void pulse(lode_commission_t *self, const lode_commission_period_t *period, lode_dq_t i_A) {
+    const lode_sincos_t axis = lode_sincos(phase_rad(self->level) - self->axis_rad);
     const float pulse_u_V = pulse_V(self);
     float u_V = 0.0f;
     if (self->since < PULSE_PERIODS) {
@@ -337,7 +390,7 @@ static void pulse(lode_commission_t *self, const lode_counts_t *counts, lode_dq_
     }
     post_vector(self, LODE_MODE_VOLTAGE, u_V * axis.cos, u_V * axis.sin);
     if (self->since < PULSE_PERIODS + SEEN_PERIODS) {
-        note_peak(self, counts, i_A);
+        note_peak(self, period, i_A);
     } else if (self->since >= REST_PERIODS) {
         end_pulse(self);
     } else {
@@ -375,7 +428,7 @@ static bool settled(lode_commission_t *self, float *u_V, float *i_A) {
 
 // The first direction: the voltage rises until the current is there, then turns to the other.
 static void across(lode_commission_t *self, lode_dq_t i_A) {
-    if (self->level == PHASES) {
+    if (self->level == phases_of(self)) {
         const float length_A = length_of(i_A);
         // Once is enough: while the rotor turns, its EMF takes the current away.
         self->calm += length_A >= SOME_SHARE * self->current_A ? 1u : 0u;
@@ -403,12 +456,12 @@ static void across(lode_commission_t *self, lode_dq_t i_A) {
 }
 
 // A line through the voltages at three currents: its slope, and what is left without current. Both the drops
-// and the dead time are along phase a, and opposite in b and c.
+// and the dead time go by the signs of the phase currents.
 static bool judge_levels(lode_commission_t *self) {
     const float *u = self->level_u_V;
     const float *i = self->level_i_A;
     const float r_Ohm = (u[0] - u[2]) / (i[0] - i[2]);
-    const float dead_V = (u[0] - r_Ohm * i[0]) / DEAD_PER_PHASE;
+    const float dead_V = (u[0] - r_Ohm * i[0]) / dead_along(self);
     const float off_V = u[1] - (u[0] + r_Ohm * (i[1] - i[0]));
     const float span_V = r_Ohm * (i[0] - i[2]);
     // By the same deviation, of which more is allowed.
@@ -483,11 +536,16 @@ static void note_step(lode_commission_t *self, float u_V, float u1_V, float i_A,
     self->sums.yy += y * y;
 }
 
-static bool judge_steps(lode_commission_t *self, lode_commission_quantity_t quantity) {
+static bool judge_steps(lode_commission_t *self, lode_commission_quantity_t quantity,
+                        float allowed) {
     const lode_commission_sums_t *s = &self->sums;
     const float fit = s->xy * s->xy / (s->xx * s->yy);
     const float deviation = lode_sqrt(lode_max(1.0f / fit - 1.0f, 0.0f) / float_of(s->count));
-    return keep(self, quantity, s->xx / s->xy, deviation, STEP_DEVIATION);
+    return keep(self, quantity, s->xx / s->xy, deviation, allowed);
+}
+
+static float step_share(const lode_commission_t *self, bool q_axis) {
+    return q_axis && self->sets > 1u ? STEP_SIX : STEP_SHARE;
 }
 
 // Steps of the current along one axis on top of `hold_A`, which holds the rotor. True at their end.
@@ -501,7 +559,8 @@ static bool steps(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_
     if (self->since >= begin) {
         const uint32_t half = (self->since - begin) / HALF_WAVE;
         const float part = 0.5f * float_of(half) / float_of(waves) - 0.5f;
-        step_A = sign_of_half(half) * STEP_SHARE * (1.0f + STEP_SPREAD * part) * hold_A;
+        const float share = step_share(self, q_axis) * (1.0f + STEP_SPREAD * part);
+        step_A = sign_of_half(half) * share * hold_A;
         if (q_axis) {
             note_step(self, u_V.q, u1->q, i_A.q, i1->q, i2->q);
         } else {
@@ -564,7 +623,7 @@ static void find_Ld(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     const float wait_s = level == 0u ? HOLD_TIME_s : NEXT_TIME_s;
     const uint32_t waves = level == FALL_D_MIDDLE ? WAVES : WAVES_BESIDE;
     if (!steps(self, u_V, i_A, false, hold_A, wait_s, waves) ||
-        (level == FALL_D_MIDDLE && !judge_steps(self, LODE_COMMISSION_LD_H))) {
+        (level == FALL_D_MIDDLE && !judge_steps(self, LODE_COMMISSION_LD_H, STEP_DEVIATION))) {
         return;
     }
     self->fall_A[0][level] = self->sums.tx / self->sums.xx;
@@ -579,7 +638,7 @@ static void find_Ld(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
 
 static void find_Lq(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     if (steps(self, u_V, i_A, true, step_hold_A(self), NEXT_TIME_s, WAVES) &&
-        judge_steps(self, LODE_COMMISSION_LQ_H)) {
+        judge_steps(self, LODE_COMMISSION_LQ_H, STEP_DEVIATION)) {
         self->near_A = self->sums.tx / self->sums.xx;
         self->quantity = LODE_COMMISSION_LQ_FALL_1_A;
         self->level = 0u;
@@ -587,17 +646,26 @@ static void find_Lq(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     }
 }
 
-// What phases b and c lose, as it shows in q (N3): by the currents in the middle of the period, of which the ripple
+static lode_abc_t lost_V(const lode_dead_time_t *loss, lode_abc_t i_A) {
+    return (lode_abc_t){lode_inverter_error(loss, i_A.a), lode_inverter_error(loss, i_A.b),
+                        lode_inverter_error(loss, i_A.c)};
+}
+
+// What the phases lose, as it shows in q (N3): by the currents in the middle of the period, of which the ripple
 // goes by the voltage (I4).
 static float dead_q_V(const lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
-    const lode_inverter_tuning_t *tuning = &self->drive.tuning->inverter;
+    const lode_inverter_tuning_t *tuning = &self->drive->tuning->inverter;
     const float span =
         lode_min(LODE_SQRT3 * length_of(u_V) / self->designed.inverter.v_bus_V, 1.0f);
     const float i_dead_A = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
     const lode_dead_time_t loss = {0.5f * found(self, LODE_COMMISSION_DEAD_V) / i_dead_A, i_dead_A};
-    const lode_abc_t phase =
-        lode_clarke_inverse((lode_ab_t){i_A.d, i_A.q}); // the frame stands at 0
-    return (lode_inverter_error(&loss, phase.b) - lode_inverter_error(&loss, phase.c)) / LODE_SQRT3;
+    const lode_ab_t at_A = lode_park_inverse(i_A, self->axis);
+    lode_ab_t V = lode_clarke(lost_V(&loss, lode_clarke_inverse(at_A)));
+    if (self->sets > 1u) {
+        const lode_ab_t V_2 = lode_set2_clarke(lost_V(&loss, lode_set2_clarke_inverse(at_A)));
+        V = lode_vsd_ab((lode_sets_t){{V, V_2}});
+    }
+    return lode_park(V, self->axis).q;
 }
 
 // Current and flux that a half-wave has moved. `sign`: of the half-wave.
@@ -621,7 +689,7 @@ static uint32_t half_wave_periods(const lode_commission_t *self) {
 
 static float amplitude_A(const lode_commission_t *self) {
     const float i_max_A = self->designed.inverter.i_max_A;
-    const float small_A = STEP_SHARE * step_hold_A(self);
+    const float small_A = step_share(self, true) * step_hold_A(self);
     const float large_A = (self->level == 1u ? FALL_Q_MIDDLE : FALL_Q_HIGH) * i_max_A;
     return self->level == 0u ? small_A : large_A;
 }
@@ -633,7 +701,12 @@ static void judge_fall_q(lode_commission_t *self) {
         const float by = 1.0f + found(self, LODE_COMMISSION_LQ_FALL_1_A) * self->near_A;
         self->found[LODE_COMMISSION_LQ_H].value *= by * by;
     }
-    enter(self, STAGE_RETUNE);
+    if (self->sets > 1u) {
+        self->quantity = LODE_COMMISSION_LXY_H;
+        enter(self, STAGE_LXY);
+    } else {
+        enter(self, STAGE_RETUNE);
+    }
 }
 
 // The first half-wave has half the length: the rotor swings about where it lies.
@@ -663,9 +736,37 @@ static void find_Lq_fall(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) 
     }
 }
 
+// --- The xy plane ---
+
+// Its control, whose reference is none, is pushed to and fro: current of one sign, then of the other. The rotor, which it
+// does not turn, is held meanwhile.
+static void find_Lxy(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
+    const lode_dq_t *i1 = &self->before_i_A[0];
+    const lode_dq_t *i2 = &self->before_i_A[1];
+    const uint32_t begin = periods_in(self, NEXT_TIME_s);
+    const uint32_t end = begin + 2u * HALF_WAVE * WAVES;
+    const bool moves = self->since >= begin && self->since < end;
+    const float wanted_V =
+        moves ? sign_of_half((self->since - begin) / HALF_WAVE) * self->xy_V : 0.0f;
+    self->push_V = wanted_V - self->pushed_V;
+    self->pushed_V = wanted_V;
+    post_vector(self, LODE_MODE_CURRENT, step_hold_A(self), 0.0f);
+    if (moves) {
+        note_step(self, u_V.d, self->before_u_V.d, i_A.d, i1->d, i2->d);
+    } else if (self->since >= end && judge_steps(self, LODE_COMMISSION_LXY_H, XY_DEVIATION)) {
+        enter(self, STAGE_RETUNE);
+    } else {
+        // the current settles, or it is refused
+    }
+}
+
+void lode_commission_push_by(lode_commission_t *self, float kp_Ohm, float most_V) {
+    self->xy_V = lode_min(kp_Ohm * XY_SHARE * step_hold_A(self), XY_CIRCLE * most_V);
+}
+
 // --- With what is known by now ---
 
-static void take_standstill(lode_commission_t *self) {
+void lode_commission_take_standstill(lode_commission_t *self) {
     lode_motor_t *motor = &self->config.motor;
     lode_inverter_config_t *inverter = &self->config.inverter;
     const float lost_V = found(self, LODE_COMMISSION_DEAD_V) - inverter->v_drop_V;
@@ -679,28 +780,37 @@ static void take_standstill(lode_commission_t *self) {
 #endif
     inverter->dead_time_s =
         lode_max(lost_V, 0.0f) /
-        (self->drive.inverter.v_bus_V * lode_inverter_carrier_Hz(inverter, self->config.f_pwm_Hz));
+        (self->drive->inverter.v_bus_V * lode_inverter_carrier_Hz(inverter, self->config.f_pwm_Hz));
+}
+
+// Flux and inertia are not known yet: the EMF at hand-over has more room than usual.
+lode_drive_config_t lode_commission_for_run(lode_commission_t *self) {
+    const float handover = self->designed.start.omega_handover_rad_s;
+    const float wanted = HANDOVER_SHARE * self->designed.motor.omega_rated_rad_s;
+    lode_drive_config_t config = self->config;
+    config.start.omega_handover_rad_s = lode_clamp(wanted, handover, HANDOVER_MORE * handover);
+    self->designed.start.omega_handover_rad_s = config.start.omega_handover_rad_s;
+    return config;
+}
+
+void lode_commission_go_on(lode_commission_t *self, lode_status_t status) {
+    self->status = status;
+    LODE_SIGNAL_FENCE();
+    self->wants_tuning = false;
 }
 
 lode_commission_result_t lode_commission_work(lode_commission_t *self) {
     if (self->wants_tuning) {
-        take_standstill(self);
+        lode_commission_take_standstill(self);
         self->designed = self->config;
         lode_drive_design(&self->designed);
-        // Flux and inertia are not known yet: the EMF at hand-over has more room than usual.
-        const float handover = self->designed.start.omega_handover_rad_s;
-        const float wanted = HANDOVER_SHARE * self->designed.motor.omega_rated_rad_s;
-        lode_drive_config_t config = self->config;
-        config.start.omega_handover_rad_s = lode_clamp(wanted, handover, HANDOVER_MORE * handover);
-        self->designed.start.omega_handover_rad_s = config.start.omega_handover_rad_s;
-        lode_drive_tuning_t *next = &self->tuning[self->drive.tuning == &self->tuning[0] ? 1 : 0];
+        const lode_drive_config_t config = lode_commission_for_run(self);
+        lode_drive_tuning_t *next = &self->tuning[self->drive->tuning == &self->tuning[0] ? 1 : 0];
         const lode_status_t status = lode_drive_tune(next, &config);
-        self->status = status;
         if (status == LODE_OK) {
-            (void)lode_drive_post_tuning(&self->drive, next);
+            (void)lode_drive_post_tuning(self->drive, next);
         }
-        LODE_SIGNAL_FENCE();
-        self->wants_tuning = false;
+        lode_commission_go_on(self, status);
     }
     return self->result;
 }
@@ -740,13 +850,13 @@ static void retune(lode_commission_t *self) {
 // --- The run ---
 
 static float speed_of(const lode_commission_t *self) {
-    return self->drive.estimator.pll.omega_rad_s / self->config.motor.pole_pairs;
+    return self->drive->estimator.pll.omega_rad_s / self->config.motor.pole_pairs;
 }
 
 static void start(lode_commission_t *self) {
     const float off = lode_abs(speed_of(self) - self->low_rad_s);
     const bool steady =
-        self->drive.mode == (uint_least8_t)LODE_MODE_RUN && off <= REACHED * self->low_rad_s;
+        self->drive->mode == (uint_least8_t)LODE_MODE_RUN && off <= REACHED * self->low_rad_s;
     post(self, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = self->low_rad_s});
     // More often than not: with little EMF the speed ripples by as much.
     self->calm = steady ? self->calm + 1u : self->calm - (self->calm > 0u ? 1u : 0u);
@@ -761,7 +871,7 @@ static void start(lode_commission_t *self) {
 
 // Lines through speed over time and voltage over speed, from the first point on.
 static void note_run(lode_commission_t *self) {
-    const lode_drive_t *drive = &self->drive;
+    const lode_drive_t *drive = self->drive;
     lode_commission_sums_t *s = &self->sums;
     const float omega = drive->estimator.pll.omega_rad_s;
     // The d current fades with speed where the references bias it.
@@ -828,8 +938,11 @@ static void judge_run(lode_commission_t *self) {
                    !keep(self, LODE_COMMISSION_J_kgm2, J, unequal, 1.0f))) {
         return;
     }
-    motor->psi_Wb = mean_Wb;
-    motor->J_kgm2 = J;
+    // Of a run too short for the PLL to settle, which makes the flux too small, the inertia alone is taken.
+    const bool settled = lode_abs(psi[0] - psi[1]) <= PSI_DEVIATION * mean_Wb;
+    const float psi_Wb = settled ? mean_Wb : motor->psi_Wb;
+    motor->J_kgm2 = J * psi_Wb / mean_Wb;
+    motor->psi_Wb = psi_Wb;
     self->runs++;
     if (rough) {
         enter(self, STAGE_RETUNE);
@@ -873,7 +986,7 @@ static void run(lode_commission_t *self, uint32_t way) {
 // A rotor that was lost is looked for once more, with twice the inertia: a slower start, and less of an
 // acceleration that does not come. All other faults end it.
 static void end_by_fault(lode_commission_t *self) {
-    const uint_least8_t check = self->drive.guard.fault.check;
+    const uint_least8_t check = self->drive->guard.fault.check;
     const bool lost = check == (uint_least8_t)LODE_CHECK_LOST_LOCK ||
                       check == (uint_least8_t)LODE_CHECK_WRONG_WAY ||
                       check == (uint_least8_t)LODE_CHECK_START;
@@ -888,14 +1001,14 @@ static void end_by_fault(lode_commission_t *self) {
 
 // --- The whole ---
 
-static void proceed(lode_commission_t *self, const lode_counts_t *counts, lode_dq_t u_V) {
-    const lode_dq_t i_A = self->drive.i_A;
+static void proceed(lode_commission_t *self, const lode_commission_period_t *period, lode_dq_t u_V,
+                    lode_dq_t i_A) {
     switch ((stage_t)self->stage) {
     case STAGE_CALIBRATE:
-        calibrate(self, counts);
+        calibrate(self, period);
         break;
     case STAGE_PULSES:
-        pulse(self, counts, i_A);
+        pulse(self, period, i_A);
         break;
     case STAGE_ACROSS:
         across(self, i_A);
@@ -915,6 +1028,9 @@ static void proceed(lode_commission_t *self, const lode_counts_t *counts, lode_d
     case STAGE_LQ_FALL:
         find_Lq_fall(self, u_V, i_A);
         break;
+    case STAGE_LXY:
+        find_Lxy(self, u_V, i_A);
+        break;
     case STAGE_RETUNE:
         retune(self);
         break;
@@ -933,57 +1049,91 @@ static void proceed(lode_commission_t *self, const lode_counts_t *counts, lode_d
     }
 }
 
-lode_status_t lode_commission_init(lode_commission_t *self, const lode_drive_config_t *config) {
-    if (self == NULL || config == NULL) {
+lode_drive_config_t lode_commission_blind(const lode_drive_config_t *given) {
+    lode_drive_config_t blind = *given;
+    blind.inverter.dead_time_correction = LODE_OFF;
+    blind.inverter.dead_time_model = LODE_OFF;
+    return blind;
+}
+
+void lode_commission_begin(lode_commission_t *self, lode_drive_t *drive,
+                           const lode_drive_config_t *given, const lode_drive_config_t *designed) {
+    const lode_motor_t *motor = &designed->motor;
+    const bool six = motor->sets > 1.0f;
+    const float axis_rad = six ? AXIS_SIX_rad : 0.0f;
+    *self = (lode_commission_t){
+        .drive = drive,
+        .config = *given,
+        .designed = *designed,
+        .sets = six ? (uint32_t)LODE_SETS : 1u,
+        .axis_rad = axis_rad,
+        .axis = lode_sincos(axis_rad),
+    };
+    const float r_Ohm = motor->Rs_Ohm + designed->inverter.r_on_Ohm;
+    const float dead_V =
+        dead_known_V(designed) + UNKNOWN_DEAD_s * given->inverter.v_bus_V *
+                                     lode_inverter_carrier_Hz(&given->inverter, given->f_pwm_Hz);
+    const float most_A =
+        SALIENT_SHARE * motor->psi_Wb / lode_max(motor->Lq_H - motor->Ld_H, FLT_MIN);
+    self->current_A = lode_min(CURRENT_SHARE * designed->inverter.i_max_A, most_A);
+    const float drop_V = r_Ohm * self->current_A;
+    const float rise_s = lode_clamp(RISE_FLUXES * motor->psi_Wb / lode_max(drop_V, FLT_MIN),
+                                    RISE_LEAST_s, RISE_MOST_s);
+    self->u_max_V = UNKNOWN_R * drop_V + dead_along(self) * dead_V;
+    self->quick_V = self->u_max_V / (QUICK_TIME_s * given->f_pwm_Hz);
+    self->slow_V = drop_V / (rise_s * given->f_pwm_Hz);
+}
+
+lode_status_t lode_commission_init(lode_commission_t *self, lode_drive_t *drive,
+                                   lode_drive_tuning_t tuning[2],
+                                   const lode_drive_config_t *config) {
+    if (self == NULL || drive == NULL || tuning == NULL || config == NULL) {
         return LODE_ERROR_NULL;
     }
     if (config->motor.sets > 1.0f) {
         return LODE_ERROR_MOTOR_SETS;
     }
-    *self = (lode_commission_t){.config = *config};
-    // What the inverter loses is to be seen.
-    self->designed = *config;
-    self->designed.inverter.dead_time_correction = LODE_OFF;
-    self->designed.inverter.dead_time_model = LODE_OFF;
-    lode_drive_design(&self->designed);
-    const lode_status_t status = lode_drive_init(&self->drive, &self->tuning[0], &self->designed);
-    const lode_motor_t *motor = &self->designed.motor;
-    const float r_Ohm = motor->Rs_Ohm + self->designed.inverter.r_on_Ohm;
-    const float dead_V = dead_known_V(&self->designed) +
-                         UNKNOWN_DEAD_s * config->inverter.v_bus_V *
-                             lode_inverter_carrier_Hz(&config->inverter, config->f_pwm_Hz);
-    const float most_A =
-        SALIENT_SHARE * motor->psi_Wb / lode_max(motor->Lq_H - motor->Ld_H, FLT_MIN);
-    self->current_A = lode_min(CURRENT_SHARE * self->designed.inverter.i_max_A, most_A);
-    const float drop_V = r_Ohm * self->current_A;
-    const float rise_s = lode_clamp(RISE_FLUXES * motor->psi_Wb / lode_max(drop_V, FLT_MIN),
-                                    RISE_LEAST_s, RISE_MOST_s);
-    self->u_max_V = UNKNOWN_R * drop_V + DEAD_PER_PHASE * dead_V;
-    self->quick_V = self->u_max_V / (QUICK_TIME_s * config->f_pwm_Hz);
-    self->slow_V = drop_V / (rise_s * config->f_pwm_Hz);
+    lode_drive_config_t designed = lode_commission_blind(config);
+    lode_drive_design(&designed);
+    const lode_status_t status = lode_drive_init(drive, &tuning[0], &designed);
+    if (status == LODE_OK) {
+        lode_commission_begin(self, drive, config, &designed);
+        self->tuning = tuning;
+    }
     return status;
 }
 
-lode_drive_out_t lode_commission_step(lode_commission_t *self, const lode_counts_t *counts) {
-    const lode_ab_t u_V = lode_inverter_realised(&self->drive.inverter, self->drive.steps);
-    const lode_drive_out_t out = lode_drive_step(&self->drive, counts);
+void lode_commission_follow(lode_commission_t *self, const lode_commission_period_t *period) {
     const uint32_t stage = self->stage;
     // In these two a fault has been dealt with.
     const bool dealt = stage == (uint32_t)STAGE_RETUNE || stage == (uint32_t)STAGE_OVER;
-    if (!dealt && !lode_guard_is_good(&self->drive.guard)) {
+    self->push_V = 0.0f;
+    if (!dealt && !lode_guard_is_good(&self->drive->guard)) {
         end_by_fault(self);
-        self->since++;
     } else {
-        const lode_dq_t seen_V = {u_V.alpha, u_V.beta}; // the frame stands at 0
-        const lode_dq_t i_A = self->drive.i_A;
-        proceed(self, counts, seen_V);
+        const bool xy = stage == (uint32_t)STAGE_LXY;
+        const lode_ab_t turned_V = lode_ab_rotate(period->u_xy_V, self->axis);
+        const lode_ab_t turned_A = lode_ab_rotate(period->i_xy_A, self->axis);
+        const lode_dq_t u_V =
+            xy ? (lode_dq_t){turned_V.alpha, turned_V.beta} : lode_park(period->u_V, self->axis);
+        const lode_dq_t i_A = xy ? (lode_dq_t){turned_A.alpha, turned_A.beta} : self->drive->i_A;
+        proceed(self, period, u_V, i_A);
         if (stage != (uint32_t)STAGE_UP && stage != (uint32_t)STAGE_DOWN) {
             self->before_i_A[1] = self->before_i_A[0];
             self->before_i_A[0] = i_A;
-            self->before_u_V = seen_V;
+            self->before_u_V = u_V;
         }
-        self->since++;
     }
+    self->since++;
+}
+
+lode_drive_out_t lode_commission_step(lode_commission_t *self, const lode_counts_t *counts) {
+    lode_drive_t *drive = self->drive;
+    const lode_ab_t none = {0.0f, 0.0f};
+    const lode_ab_t u_V = lode_inverter_realised(&drive->inverter, drive->steps);
+    const lode_drive_out_t out = lode_drive_step(drive, counts);
+    const lode_commission_period_t period = {{counts, NULL}, u_V, none, none};
+    lode_commission_follow(self, &period);
     return out;
 }
 

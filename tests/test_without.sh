@@ -153,6 +153,7 @@ refuses -DLODE_WITHOUT_NOTCH "$notch"
 refuses -DLODE_WITHOUT_SHUNT_WINDOW "$phases"
 refuses -DLODE_WITHOUT_COMMISSIONING "$vectors"
 absent lode_commission_step LODE_WITHOUT_COMMISSIONING
+absent lode_commission6_step LODE_WITHOUT_COMMISSIONING
 refuses -DLODE_WITHOUT_PLAUSIBILITY "$plausibility"
 absent lode_drive_suspect LODE_WITHOUT_PLAUSIBILITY
 refuses "-DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT" "$precharge$measurement$pulses"

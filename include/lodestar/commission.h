@@ -3,7 +3,7 @@
 /// Sensors first, by voltage pulses too short to turn a rotor; then resistance, dead-time voltage and
 /// inductances with the rotor held by a current; then flux, inertia and friction from running up and down
 /// on a free shaft. It works by the drive's own commands alone, so all limits and the guard hold.
-/// Three-phase motors; LODE_WITHOUT_COMMISSIONING leaves it out of a build.
+/// Three phases; six: commission6.h. LODE_WITHOUT_COMMISSIONING leaves both out of a build.
 ///
 /// Interrupt: lode_commission_step() in place of lode_drive_step().
 /// Thread:    lode_commission_work() again and again until it returns something else than RUNNING.
@@ -22,13 +22,17 @@ typedef enum {
     LODE_COMMISSION_OFFSET_A, ///< count at zero current; the next two of phases b and c
     LODE_COMMISSION_OFFSET_B,
     LODE_COMMISSION_OFFSET_C,
-    LODE_COMMISSION_SIGNALS, ///< phases whose sensor has the right sign and place: 3
+    LODE_COMMISSION_OFFSET_A2, ///< of set 2, where there are six phases
+    LODE_COMMISSION_OFFSET_B2,
+    LODE_COMMISSION_OFFSET_C2,
+    LODE_COMMISSION_SIGNALS, ///< phases whose sensor has the right sign and place: 3, or 6
     LODE_COMMISSION_RS_Ohm,  ///< winding and switches
     LODE_COMMISSION_DEAD_V,  ///< what a phase loses to dead time and drops at the present bus
     LODE_COMMISSION_LD_H, ///< at no current where it falls, else at some 0.6 of the current that holds
     LODE_COMMISSION_LQ_H, ///< the same
     LODE_COMMISSION_LD_FALL_1_A, ///< 1/Ld' is (1 + fall id)/Ld (N2); 0: less than 5 % at the current that holds
     LODE_COMMISSION_LQ_FALL_1_A, ///< Lq is Lq_H/(1 + fall |iq|) (N4); 0: less than 5 % at i_max
+    LODE_COMMISSION_LXY_H,       ///< of the xy plane, where there are six phases
     LODE_COMMISSION_PSI_Wb,
     LODE_COMMISSION_J_kgm2, ///< of all that turns
     LODE_COMMISSION_B_Nms,  ///< friction over speed, at the mean speed of the run
@@ -79,16 +83,19 @@ typedef struct {
 } lode_commission_sums_t;
 
 typedef struct {
-    lode_drive_t drive;
+    lode_drive_t *drive;
     lode_commission_value_t found[LODE_COMMISSION_QUANTITIES];
     lode_commission_quantity_t quantity; ///< that is being measured, or was refused
     lode_status_t status;
     lode_commission_result_t result;
     // From here on its own.
-    lode_drive_config_t config;    ///< as given, then with what was found
-    lode_drive_config_t designed;  ///< the same, complete
-    lode_drive_tuning_t tuning[2]; ///< before and after
+    lode_drive_config_t config;   ///< as given, then with what was found
+    lode_drive_config_t designed; ///< the same, complete
+    lode_drive_tuning_t *tuning;  ///< two; NULL with six phases
     lode_commission_sums_t sums;
+    uint32_t sets;
+    float axis_rad; ///< along which the rotor is held
+    lode_sincos_t axis;
     uint32_t stage;
     uint32_t since; ///< periods in it
     uint32_t calm;  ///< windows in a row without a change
@@ -103,6 +110,7 @@ typedef struct {
     float u_max_V;
     float current_A;            ///< that holds the rotor
     float peak_A;               ///< largest length of a pulse
+    float peak_xy_A;            ///< at that instant, of the xy plane
     float phase_A[LODE_PHASES]; ///< at that instant
     lode_dq_t before_u_V;       ///< of the last period; in the run the first point
     lode_dq_t before_i_A[2];
@@ -110,6 +118,9 @@ typedef struct {
     float level_i_A[3];
     float fall_A[2][3]; ///< d, q: a current, and 1/L there
     float fall_1_H[2][3];
+    float xy_V;      ///< by which the control of the xy plane is pushed, either way
+    float pushed_V;  ///< by which it is
+    float push_V;    ///< the change of that, in this period
     float near_A;    ///< mean current of the small steps in q
     float low_rad_s; ///< of the run
     float high_rad_s;
@@ -121,8 +132,11 @@ typedef struct {
 } lode_commission_t;
 
 /// `config` is what is known: f_pwm, inverter and sense as for lode_drive_init(), and the motor by its data
-/// sheet: R within 30 %, inductances and flux within 20 %, J within a factor of three.
-lode_status_t lode_commission_init(lode_commission_t *self, const lode_drive_config_t *config);
+/// sheet: R within 30 %, inductances and flux within 20 %, J within a factor of three. Of `drive` and the two
+/// `tuning`, which are of use again afterwards, it makes a drive of its own: one tuning is in use while the next is made.
+lode_status_t lode_commission_init(lode_commission_t *self, lode_drive_t *drive,
+                                   lode_drive_tuning_t tuning[2],
+                                   const lode_drive_config_t *config);
 
 /// One PWM period.
 lode_drive_out_t lode_commission_step(lode_commission_t *self, const lode_counts_t *counts);

@@ -5,6 +5,7 @@
 #include "lodestar/adaptation.h"
 #include "lodestar/chopper.h"
 #include "lodestar/commission.h"
+#include "lodestar/commission6.h"
 #include "lodestar/derate.h"
 #include "lodestar/drive.h"
 #include "lodestar/drive6.h"

@@ -14,11 +14,22 @@
 
 #define MAIN_SCENARIO "main"
 
+/// Not of three phases: what only six have.
+static bool has(const commission_run_t *run, int quantity) {
+    const bool of_six =
+        (quantity >= LODE_COMMISSION_OFFSET_A2 && quantity <= LODE_COMMISSION_OFFSET_C2) ||
+        quantity == LODE_COMMISSION_LXY_H;
+    return run->sets > 1 || !of_six;
+}
+
 static void print_table(FILE *file, const commission_run_t *run) {
-    const lode_commission_t *own = &run->commission;
+    const lode_commission_t *own = commission_of(run);
     (void)fprintf(file, "%-16s %14s %10s %14s %9s\n", "quantity", "value", "confidence", "plant",
                   "off by %");
     for (int k = 0; k < LODE_COMMISSION_QUANTITIES; ++k) {
+        if (!has(run, k)) {
+            continue;
+        }
         const lode_commission_value_t *found = &own->found[k];
         const char *name = lode_commission_name((lode_commission_quantity_t)k);
         if (!(found->confidence > 0.0f)) {
@@ -38,12 +49,12 @@ static void print_table(FILE *file, const commission_run_t *run) {
 
 /// Why it did not come to its end.
 static void print_failure(FILE *file, const commission_run_t *run) {
-    const lode_commission_t *own = &run->commission;
+    const lode_commission_t *own = commission_of(run);
     const char *name = lode_commission_name(own->quantity);
     char what[120];
     switch (own->result) {
     case LODE_COMMISSION_FAULT:
-        fault_text(&own->drive.guard.fault, what, sizeof what);
+        fault_text(&own->drive->guard.fault, what, sizeof what);
         (void)fprintf(file, "%s, while looking for %s\n", what, name);
         break;
     case LODE_COMMISSION_REFUSED:
@@ -60,8 +71,8 @@ static void print_failure(FILE *file, const commission_run_t *run) {
     case LODE_COMMISSION_UNSETTLED:
     case LODE_COMMISSION_NO_START:
     default:
-        if (own->drive.guard.fault.criterion != (uint_least8_t)LODE_CRITERION_NONE) {
-            fault_text(&own->drive.guard.fault, what, sizeof what);
+        if (own->drive->guard.fault.criterion != (uint_least8_t)LODE_CRITERION_NONE) {
+            fault_text(&own->drive->guard.fault, what, sizeof what);
             (void)fprintf(file, "%s, ", what); // of the last attempt of its start
         }
         (void)fprintf(file, "while looking for %s\n", name);
@@ -69,9 +80,13 @@ static void print_failure(FILE *file, const commission_run_t *run) {
     }
 }
 
-static void print_json(FILE *file, const lode_commission_t *own) {
+static void print_json(FILE *file, const commission_run_t *run) {
+    const lode_commission_t *own = commission_of(run);
     cJSON *root = cJSON_CreateObject();
     for (int k = 0; k < LODE_COMMISSION_QUANTITIES; ++k) {
+        if (!has(run, k)) {
+            continue;
+        }
         const bool known = own->found[k].confidence > 0.0f;
         cJSON *item =
             cJSON_AddObjectToObject(root, lode_commission_name((lode_commission_quantity_t)k));
@@ -86,23 +101,24 @@ typedef struct {
     command_source_t source;
 } files_t;
 
-static bool open_files(files_t *self, const options_t *options) {
+static bool open_files(files_t *self, const options_t *options, const rig_config_t *config) {
     return outputs_open(&self->json, options->json) && outputs_open(&self->out, options->out) &&
-           command_source_open(&self->source, options);
+           command_source_open(&self->source, options, config);
 }
 
 /// The drive with what was found, into the files; false where that is not whole, after saying why.
 static bool print_found(const files_t *files, const options_t *options, const char *motor,
                         const commission_run_t *run, const rig_config_t *config) {
-    if (run->commission.result != LODE_COMMISSION_DONE) {
+    if (commission_of(run)->result != LODE_COMMISSION_DONE) {
         (void)printf(": ");
         print_failure(stdout, run);
         return false;
     }
     static rig_config_t found;
-    lode_drive_tuning_t tuning;
+    lode_drive_tuning_t tuning; // of three phases
     commission_found(&found, run, config);
-    const lode_status_t status = lode_drive_tune(&tuning, &found.drive);
+    const lode_status_t status =
+        run->sets > 1 ? rig_config_judge(&found) : lode_drive_tune(&tuning, &found.drive);
     if (status != LODE_OK) { // only standstill was tried by the drive itself
         (void)printf(": the drive refuses what was found: %s\n", lode_status_name(status));
         return false;
@@ -121,10 +137,6 @@ static bool load(rig_config_t *config, const options_t *options, const char *sce
     if (!command_load_run(config, options, scenario)) {
         return false;
     }
-    if (rig_config_is_six(config)) {
-        rig_error("commission: expected a motor with three phases; [motor] sets = 2 has six");
-        return false;
-    }
     return options->source == NULL || rig_config_given(config, RIG_NEED_BOARD);
 }
 
@@ -136,15 +148,16 @@ rig_exit_t command_commission(const options_t *options) {
     if (scenario == NULL && options->motor == NULL) {
         scenario = MAIN_SCENARIO;
     }
-    if (!load(&config, options, scenario) || !open_files(&files, options) ||
+    if (!load(&config, options, scenario) || !open_files(&files, options, &config) ||
         !commission_run(&run, &config)) {
         return RIG_BAD_INPUT;
     }
     print_table(stdout, &run);
     if (files.json != NULL) {
-        print_json(files.json, &run.commission);
+        print_json(files.json, &run);
     }
-    (void)printf("%s after %.2f s", lode_commission_result_name(run.commission.result), run.took_s);
+    (void)printf("%s after %.2f s", lode_commission_result_name(commission_of(&run)->result),
+                 run.took_s);
     const bool whole =
         print_found(&files, options, scenario != NULL ? scenario : options->motor, &run, &config);
     if (!whole && (files.out != NULL || files.source.file != NULL)) {

@@ -6,23 +6,10 @@
 #include "commands/command_source.h"
 #include "config/assumptions.h"
 #include "config/refusal.h"
-#include "config/schema.h"
 #include "design/design.h"
 #include "report/report_design.h"
 #include "support/atomic_file.h"
-#include "support/diag.h"
 #include "support/outputs.h"
-
-/// Says where the two sets stand that the C constant is not for.
-static void refuse_six(const rig_config_t *config, const char *source) {
-    const int row = rig_schema_find(rig_schema(), "motor", "sets");
-    const rig_origin_t *origin = &config->origin[row];
-    rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set",
-                 origin->file >= 0 ? origin->line : 0,
-                 "[motor] sets: --c %s: expected a drive for three phases; one for six is designed "
-                 "on the target, by lode_drive6_init()",
-                 source);
-}
 
 /// The C constant that was asked for, if one was. The configuration is one that passes.
 static bool print_source(const options_t *options, const rig_config_t *config,
@@ -30,12 +17,8 @@ static bool print_source(const options_t *options, const rig_config_t *config,
     if (options->source == NULL) {
         return true;
     }
-    if (rig_config_is_six(config)) {
-        refuse_six(config, options->source);
-        return false;
-    }
     command_source_t source;
-    if (!command_source_open(&source, options)) {
+    if (!command_source_open(&source, options, config)) {
         return false;
     }
     command_source_print(&source, "design", options->motor, options, config, tuning);

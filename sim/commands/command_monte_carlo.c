@@ -70,29 +70,15 @@ static bool describe(mc_campaign_t *campaign, const options_t *options) {
                                     : data_files_pairs(add_motor, campaign));
 }
 
-/// Motors that are not named, and that commissioning does not know, are left out.
 static bool load_machines(monte_carlo_t *self) {
     mc_campaign_t *campaign = &self->results.campaign;
     self->machine = calloc((size_t)campaign->motors, sizeof *self->machine);
     bool good = self->machine != NULL;
-    int kept = 0;
     for (int k = 0; good && k < campaign->motors; ++k) {
-        mc_machine_t *machine = &self->machine[kept];
-        good =
-            mc_machine_load(machine, campaign->motor[k], self->options->sets, self->options->set);
-        const bool fits =
-            campaign->errors != MC_ERRORS_COMMISSIONED || !rig_config_is_six(&machine->given);
-        if (good && !fits && self->options->motors != NULL) {
-            rig_error("--motors %s: expected motors with three phases for --errors commissioned",
-                      campaign->motor[k]);
-            good = false;
-        }
-        if (good && fits) {
-            campaign->named[kept] = !machine->has_emf;
-            memmove(campaign->motor[kept++], campaign->motor[k], sizeof campaign->motor[k]);
-        }
+        good = mc_machine_load(&self->machine[k], campaign->motor[k], self->options->sets,
+                               self->options->set);
+        campaign->named[k] = good && !self->machine[k].has_emf;
     }
-    campaign->motors = kept;
     return good;
 }
 

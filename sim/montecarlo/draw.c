@@ -136,13 +136,20 @@ static const char *commission(rig_config_t *told, const plant_config_t *truth) {
     if (!commission_run_on(&run, told, &plant)) {
         return "refused";
     }
-    if (run.commission.result != LODE_COMMISSION_DONE) {
-        return lode_commission_result_name(run.commission.result);
+    const lode_commission_t *ended = commission_of(&run);
+    if (ended->result != LODE_COMMISSION_DONE) {
+        static char text[48];
+        (void)snprintf(text, sizeof text, "%s, %s", lode_commission_result_name(ended->result),
+                       lode_commission_name(ended->quantity));
+        return text;
     }
-    const lode_drive_config_t *found = lode_commission_config(&run.commission);
+    const lode_drive_config_t *found = lode_commission_config(ended);
     told->given.motor = found->motor;
     told->given.inverter = found->inverter;
     told->given.references.Lq_fall = found->references.Lq_fall;
+    if (run.sets > 1) {
+        told->six.Lxy_H = lode_commission6_config(&run.commission)->Lxy_H;
+    }
     told->drive = told->given;
     rig_config_design(told);
     return NULL;

@@ -17,7 +17,7 @@ static double fall_1_A(double none_H, double at_H, double i_A) {
 
 /// As the drive has them: d differential, to the current that holds; q flux over current, to i_max.
 static void note_falls(commission_run_t *self, const rig_config_t *config) {
-    const double hold_A = (double)self->commission.current_A;
+    const double hold_A = (double)commission_of(self)->current_A;
     const double i_max_A = (double)config->drive.inverter.i_max_A;
     plant_iron_t iron;
     if (!plant_iron_saturates(&self->plant)) {
@@ -32,12 +32,12 @@ static void note_falls(commission_run_t *self, const rig_config_t *config) {
 
 static void note_truth(commission_run_t *self, const rig_config_t *config) {
     const plant_config_t *plant = &self->plant;
-    for (int x = 0; x < PLANT_PHASES; ++x) {
+    for (int x = 0; x < self->sets * PLANT_PHASES; ++x) {
         self->truth[LODE_COMMISSION_OFFSET_A + x] = (double)config->drive.sense.i_offset_count +
                                                     plant->i_offset_A[x] / plant->i_A_per_count;
     }
     const bool real = plant->level == PLANT_SWITCHING;
-    self->truth[LODE_COMMISSION_SIGNALS] = PLANT_PHASES;
+    self->truth[LODE_COMMISSION_SIGNALS] = self->sets * PLANT_PHASES;
     self->truth[LODE_COMMISSION_RS_Ohm] = plant->Rs_Ohm + (real ? plant->r_on_Ohm : 0.0);
     self->truth[LODE_COMMISSION_DEAD_V] =
         real ? plant->v_bus_V * plant->dead_time_s / plant->period_s +
@@ -45,9 +45,14 @@ static void note_truth(commission_run_t *self, const rig_config_t *config) {
              : 0.0;
     self->truth[LODE_COMMISSION_LD_H] = plant->Ld_H;
     self->truth[LODE_COMMISSION_LQ_H] = plant->Lq_H;
+    self->truth[LODE_COMMISSION_LXY_H] = plant->Lxy_H;
     self->truth[LODE_COMMISSION_PSI_Wb] = plant->psi_Wb;
     self->truth[LODE_COMMISSION_J_kgm2] = plant->J_kgm2 + plant->load_J_kgm2;
     self->truth[LODE_COMMISSION_B_Nms] = plant->B_Nms;
+}
+
+const lode_commission_t *commission_of(const commission_run_t *self) {
+    return &self->commission.machine;
 }
 
 bool commission_run(commission_run_t *self, const rig_config_t *config) {
@@ -56,13 +61,37 @@ bool commission_run(commission_run_t *self, const rig_config_t *config) {
     return rig_config_plant(config, &truth, &unused_Nm) && commission_run_on(self, config, &truth);
 }
 
+static lode_status_t init(commission_run_t *self, const rig_config_t *config) {
+    if (self->sets == 1) {
+        return lode_commission_init(&self->commission.machine, &self->three, self->three_tuning,
+                                    &config->given);
+    }
+    lode_drive6_config_t six = rig_config_six(config);
+    six.drive = config->given;
+    return lode_commission6_init(&self->commission, &self->six, self->six_tuning, &six);
+}
+
+static lode_drive6_out_t step(commission_run_t *self, const plant_counts_t sampled[PLANT_SETS]) {
+    const lode_counts_t first = rig_counts(&sampled[0]);
+    if (self->sets == 1) {
+        return (lode_drive6_out_t){{lode_commission_step(&self->commission.machine, &first)}};
+    }
+    const lode_counts6_t counts = {{first, rig_counts(&sampled[1])}};
+    return lode_commission6_step(&self->commission, &counts);
+}
+
+static lode_commission_result_t work(commission_run_t *self) {
+    return self->sets == 1 ? lode_commission_work(&self->commission.machine)
+                           : lode_commission6_work(&self->commission);
+}
+
 bool commission_run_on(commission_run_t *self, const rig_config_t *config,
                        const plant_config_t *truth) {
     plant_t plant;
-    *self = (commission_run_t){.plant = *truth};
+    *self = (commission_run_t){.plant = *truth, .sets = rig_config_is_six(config) ? PLANT_SETS : 1};
     (void)plant_init(&plant, &self->plant); // rig_config_plant() has tried
     note_truth(self, config);
-    const lode_status_t status = lode_commission_init(&self->commission, &config->given);
+    const lode_status_t status = init(self, config);
     if (status != LODE_OK) {
         refusal_report(config, status);
         return false;
@@ -70,26 +99,26 @@ bool commission_run_on(commission_run_t *self, const rig_config_t *config,
     note_falls(self, config);
     lode_commission_result_t result = LODE_COMMISSION_RUNNING;
     while (result == LODE_COMMISSION_RUNNING && self->took_s < LONGEST_s) {
-        plant_counts_t sampled;
+        plant_counts_t sampled[PLANT_SETS];
         plant_truth_t now;
-        plant_sample(&plant, &sampled, &now);
-        const lode_counts_t counts = rig_counts(&sampled);
-        const lode_drive_out_t out = lode_commission_step(&self->commission, &counts);
-        const double duty[PLANT_PHASES] = {(double)out.duty.a, (double)out.duty.b,
-                                           (double)out.duty.c};
-        plant_write(&plant, duty, (plant_gates_t)out.gates); // the same three
+        plant_sample(&plant, sampled, &now);
+        const lode_drive6_out_t out = step(self, sampled);
+        for (int set = 0; set < self->sets; ++set) {
+            rig_write_set(&plant, set, &out.set[set]);
+        }
         plant_advance(&plant);
         self->i_max_A = fmax(self->i_max_A, hypot(now.id_A, now.iq_A));
         self->took_s = now.t_s;
-        result = lode_commission_work(&self->commission);
+        result = work(self);
     }
     return true;
 }
 
-/// All but what may stay unsure.
-static bool is_taken_over(const lode_commission_t *own, const char *key) {
-    static const lode_commission_quantity_t may_be_unsure[] = {LODE_COMMISSION_B_Nms,
-                                                               LODE_COMMISSION_LQ_FALL_1_A};
+/// All but what may stay unsure, and what this machine does not have.
+static bool is_taken_over(const commission_run_t *self, const char *key) {
+    static const lode_commission_quantity_t may_be_unsure[] = {
+        LODE_COMMISSION_B_Nms, LODE_COMMISSION_LQ_FALL_1_A, LODE_COMMISSION_LXY_H};
+    const lode_commission_t *own = commission_of(self);
     for (size_t k = 0; k < sizeof may_be_unsure / sizeof may_be_unsure[0]; ++k) {
         if (strcmp(key, lode_commission_name(may_be_unsure[k])) == 0 &&
             own->found[may_be_unsure[k]].confidence < LODE_COMMISSION_SURE) {
@@ -106,13 +135,16 @@ void commission_found(rig_config_t *found, const commission_run_t *self,
     } measured[] = {
         {"motor", "Rs_Ohm"},      {"motor", "Ld_H"},         {"motor", "Lq_H"},
         {"motor", "psi_Wb"},      {"motor", "J_kgm2"},       {"motor", "B_Nms"},
-        {"drive", "dead_time_s"}, {"references", "Lq_fall"},
+        {"drive", "dead_time_s"}, {"references", "Lq_fall"}, {"motor", "Lxy_H"},
     };
     *found = *config;
-    found->drive = *lode_commission_config(&self->commission);
+    found->drive = *lode_commission_config(commission_of(self));
     found->given = found->drive;
+    if (self->sets == PLANT_SETS) {
+        found->six.Lxy_H = lode_commission6_config(&self->commission)->Lxy_H;
+    }
     for (size_t k = 0; k < sizeof measured / sizeof measured[0]; ++k) {
-        if (!is_taken_over(&self->commission, measured[k].key)) {
+        if (!is_taken_over(self, measured[k].key)) {
             continue; // it stays as it was known
         }
         const int row = rig_schema_find(rig_schema(), measured[k].section, measured[k].key);

@@ -183,7 +183,7 @@ lode_counts_t rig_counts(const plant_counts_t *plant) {
     };
 }
 
-static void write_set(plant_t *plant, int set, const lode_drive_out_t *out) {
+void rig_write_set(plant_t *plant, int set, const lode_drive_out_t *out) {
     const double duty[PLANT_PHASES] = {(double)out->duty.a, (double)out->duty.b,
                                        (double)out->duty.c};
     plant_write_set(plant, set, duty, (plant_gates_t)out->gates); // the same three
@@ -196,7 +196,7 @@ static void step_three(rig_t *self, const plant_counts_t *sampled, runner_estima
     const lode_sample_t sample = lode_drive_sense(&self->three, &counts);
     now->estimate = estimate(&self->three, &sample, &now->truth, memory);
     const lode_drive_out_t out = lode_drive_act(&self->three, &sample, &now->estimate);
-    write_set(&self->plant, 0, &out);
+    rig_write_set(&self->plant, 0, &out);
     if (self->adapts && self->three.steps % self->adapt_every == 0u) {
         (void)lode_adaptation_step(&self->adaptation, &self->three);
     }
@@ -215,8 +215,8 @@ static void step_six(rig_t *self, const plant_counts_t sampled[PLANT_SETS], rig_
         .load_torque_Nm = seen.load_torque_Nm,
         .lock = seen.lock,
     };
-    write_set(&self->plant, 0, &out.set[0]);
-    write_set(&self->plant, 1, &out.set[1]);
+    rig_write_set(&self->plant, 0, &out.set[0]);
+    rig_write_set(&self->plant, 1, &out.set[1]);
 }
 
 void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory,

@@ -74,6 +74,9 @@ void rig_copy(rig_t *to, const rig_t *from);
 /// What the converters have sampled, as the drive takes it.
 lode_counts_t rig_counts(const plant_counts_t *plant);
 
+/// Duties and gates of a set, 0 or 1, to the plant.
+void rig_write_set(plant_t *plant, int set, const lode_drive_out_t *out);
+
 /// One period: samples, the drive's step, duties, and the plant up to the next sample. Six phases have
 /// their own estimator only.
 void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory, rig_moment_t *now);
