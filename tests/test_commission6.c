@@ -126,6 +126,11 @@ static void check_found(const plant_config_t *c) {
     CHECK_CLOSE(0.05, c->Lxy_H, value(LODE_COMMISSION_LXY_H));
     CHECK_CLOSE(0.01, c->psi_Wb, value(LODE_COMMISSION_PSI_Wb));
     CHECK_CLOSE(0.10, c->J_kgm2, value(LODE_COMMISSION_J_kgm2));
+    // What the run was made with: the tuning that was not in use, made of what was found at standstill.
+    const lode_commission_t *machine = &rig.commission.machine;
+    TEST_ASSERT_EQUAL_PTR(&rig.tuning[(machine->runs + machine->lost) % 2u], rig.drive.tuning);
+    CHECK_NEAR(0.0, machine->config.motor.Rs_Ohm, machine->designed.motor.Rs_Ohm);
+    CHECK_CLOSE(1.0e-6, value(LODE_COMMISSION_LQ_H), rig.drive.tuning->drive.references.Lq_H);
     CHECK_AT_MOST(16.0, rig.time_s); // where the run is made again
     CHECK_AT_MOST(12.1, rig.i_max_A);
 }
@@ -135,7 +140,8 @@ static void test_finds_the_machine(void) {
     static const double angles[] = {0.3, 1.9, -1.3, -2.9};
     for (int k = 0; k < COUNT_OF(angles); k++) {
         plant_config_t c = machine();
-        const lode_drive6_config_t config = sheet();
+        lode_drive6_config_t config = sheet();
+        config.open_phase = LODE_OPEN_PHASE_GO_ON;
         c.theta_e_rad = angles[k];
         begin(&c, &config, NULL);
         expect(LODE_COMMISSION_DONE);
@@ -144,9 +150,23 @@ static void test_finds_the_machine(void) {
         CHECK_NEAR(0.0, value(LODE_COMMISSION_RS_Ohm), found->drive.motor.Rs_Ohm);
         CHECK_NEAR(0.0, value(LODE_COMMISSION_J_kgm2), found->drive.motor.J_kgm2);
         CHECK_NEAR(0.0, value(LODE_COMMISSION_LXY_H), found->Lxy_H);
+        TEST_ASSERT_EQUAL(LODE_OPEN_PHASE_GO_ON, found->open_phase);
         lode_drive6_tuning_t tuning;
         TEST_ASSERT_EQUAL(LODE_OK, lode_drive6_tune(&tuning, found));
     }
+}
+
+/// With flux and inertia told right one run is enough.
+static void test_finds_it_in_one_run(void) {
+    const plant_config_t c = machine();
+    lode_drive6_config_t config = sheet();
+    config.drive.motor.psi_Wb = (float)c.psi_Wb;
+    config.drive.motor.J_kgm2 = (float)c.J_kgm2;
+    begin(&c, &config, NULL);
+    expect(LODE_COMMISSION_DONE);
+    TEST_ASSERT_EQUAL(1, rig.commission.machine.runs);
+    check_found(&c);
+    CHECK_AT_MOST(10.0, rig.time_s);
 }
 
 /// Offsets of all six, noise, and a leakage that is told 40 % too small.
@@ -260,6 +280,7 @@ static void test_what_was_found_may_be_refused(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_finds_the_machine);
+    RUN_TEST(test_finds_it_in_one_run);
     RUN_TEST(test_finds_it_through_real_sensors);
     RUN_TEST(test_finds_the_fall);
     RUN_TEST(test_wrong_sensors_are_refused);
