@@ -538,6 +538,12 @@ static void watch_load(lode_drive_t *self) {
     }
 }
 
+// Though the angle is right: that of a sensor, or of a QPLL that a wave holds (P25).
+static bool may_speed_lag(const lode_drive_t *self) {
+    const bool qpll = self->tuning->estimator.pll.third_order == 0u;
+    return lode_mode_is_sensored(self) || (qpll && lode_estimator_injects(&self->estimator));
+}
+
 // Though the lock is not lost: where the current makes most of the flux, less of the magnets' takes it little. With hardly any
 // current, dead time is as large as what is looked for.
 static LODE_NOINLINE void judge_flux(lode_drive_t *self) {
@@ -545,10 +551,8 @@ static LODE_NOINLINE void judge_flux(lode_drive_t *self) {
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     const lode_dq_t i_A = self->i_A;
     const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
-    // The angle of a sensor, and its speed, may lag.
-    if (lode_mode_is_sensored(self) ||
-        !(i_A2 >= FLUX_CURRENT * self->tuning->plausibility.i_min_A2) || !is_started(self) ||
-        !is_another_flux(flux, unsure_Wb(self, flux))) {
+    if (may_speed_lag(self) || !(i_A2 >= FLUX_CURRENT * self->tuning->plausibility.i_min_A2) ||
+        !is_started(self) || !is_another_flux(flux, unsure_Wb(self, flux))) {
         guard->flux_rounds = 0u;
         return;
     }

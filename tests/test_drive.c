@@ -3957,10 +3957,18 @@ static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
     rig_t fast = rig;
     fast.drive.tuning = &quick;
     TEST_ASSERT_EQUAL_UINT32(255u, flux_rounds(fast, 0.77f, none, false));
-    // The speed of a sensor may lag.
+    // The speed of a sensor may lag, and that of a QPLL whose angle comes from injection.
     rig_t sensed = rig;
     sensed.drive.sensored = 1u;
     TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(sensed, 0.77f, none, false));
+    lode_drive_tuning_t qpll = *rig.drive.tuning;
+    qpll.estimator.pll.third_order = 0u;
+    for (int n = 0; n < 4; n++) {
+        rig_t wave = rig;
+        wave.drive.estimator.by.hfi.active = n % 2 == 1;
+        wave.drive.tuning = n < 2 ? rig.drive.tuning : &qpll;
+        TEST_ASSERT_EQUAL_UINT32(n < 3 ? rounds : 0u, flux_rounds(wave, 0.77f, none, false));
+    }
 }
 
 // --- The step as a whole ----------------------------------------------------------------------
