@@ -57,6 +57,21 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
     return LODE_OK;
 }
 
+void lode_current_take(lode_current_t *self, const lode_current_tuning_t *tuning, float Lq_H) {
+    self->kp_q_V_A = tuning->q.kp;
+    self->Lq_H = Lq_H;
+}
+
+void lode_current_saturate(lode_current_t *self, const lode_current_tuning_t *tuning, float Lq_H,
+                           float fall, float iq_A, float ref_A) {
+    const float at = lode_max(1.0f + fall * lode_abs(iq_A), 1.0f); // 1 for a current that is none
+    const float to = lode_max(1.0f + fall * lode_abs(ref_A), 1.0f);
+    const float both = 1.0f / (at * to);
+    const float larger = both * lode_min(at, to);
+    self->kp_q_V_A = tuning->q.kp * (iq_A * ref_A < 0.0f ? larger : both);
+    self->Lq_H = Lq_H * larger;
+}
+
 void lode_current_reset(lode_current_t *self, lode_dq_t u_V, lode_dq_t induced_V) {
     lode_pi_reset(&self->d, u_V.d - induced_V.d);
     lode_pi_reset(&self->q, u_V.q - induced_V.q);

@@ -37,8 +37,9 @@ LODE_INLINE lode_current_out_t lode_current_step(lode_current_t *self,
                                                  lode_dq_t ref_A, lode_dq_t i_A, lode_dq_t ff,
                                                  float v_bus_V) {
     const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
+    const lode_pi_tuning_t q = {self->kp_q_V_A, tuning->q.ki_Ts};
     const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
-                             lode_pi_output(&self->q, &tuning->q, error.q, ff.q)};
+                             lode_pi_output(&self->q, &q, error.q, ff.q)};
     if (lode_current_is_free(tuning, asked, v_bus_V)) {
         lode_pi_integrate(&self->d, &tuning->d, error.d);
         lode_pi_integrate(&self->q, &tuning->q, error.q);

@@ -317,6 +317,26 @@ static bool goes_by_emf(const lode_estimator_tuning_t *tuning) {
 #endif
 }
 
+// Current control with the q axis of the present current and its reference.
+static void saturate_control(lode_drive_t *self) {
+    const lode_references_tuning_t *motor = &self->tuning->references;
+    lode_current_saturate(&self->current, &self->tuning->current, motor->Lq_H, motor->Lq_fall,
+                          self->i_A.q, self->ref_A.q);
+}
+
+LODE_NOINLINE void lode_drive_optimal_references(lode_drive_t *self) {
+    const lode_references_tuning_t *tuning = &self->tuning->references;
+    lode_running_t *run = &self->state.run;
+    const lode_references_out_t out =
+        lode_references_optimal(&run->references, tuning, run->speed.torque_Nm,
+                                self->estimator.pll.omega_rad_s, self->inverter.v_bus_V);
+    self->ref_A = out.i_A;
+    run->speed.limit_Nm = lode_drive_torque_limits(self, out.torque_Nm);
+    if (lode_references_asks(tuning, LODE_REFERENCES_SATURATE)) {
+        saturate_control(self); // before the step of the current
+    }
+}
+
 LODE_NOINLINE void lode_drive_adapt_saturated_lag(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_estimator_t *estimator = &self->estimator;

@@ -32,7 +32,10 @@ static LODE_NOINLINE void idle_set2(lode_drive6_t *self) {
 // Both sets, or the one that is left.
 static void select_sets(lode_drive6_t *self, lode_active_t active) {
     self->active = (uint_least8_t)active;
-    self->drive.tuning = active == LODE_SETS_BOTH ? &self->tuning->drive : &self->tuning->alone;
+    const lode_drive_tuning_t *tuning =
+        active == LODE_SETS_BOTH ? &self->tuning->drive : &self->tuning->alone;
+    self->drive.tuning = tuning;
+    lode_current_take(&self->drive.current, &tuning->current, tuning->references.Lq_H);
 }
 
 static lode_words_t words_of(const lode_drive6_tuning_t *tuning) {
@@ -269,7 +272,8 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
     drive->i_A = lode_park(i_A, rotor);
     const float omega = drive->estimator.pll.omega_rad_s;
     lode_current_reset(&drive->current, drive->u_V,
-                       lode_references_induced_V(&drive->tuning->references, drive->i_A, omega));
+                       lode_references_induced_V(&drive->tuning->references, drive->current.Lq_H,
+                                                 drive->i_A, omega));
     lode_references_reset(&drive->state.run.references, drive->i_A.d);
     drive->ref_A = drive->i_A; // until SLOT_REFERENCES
     lode_xy_reset(&self->xy);

@@ -56,6 +56,8 @@ bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_ab
 // SLOT_GUARD where temperature or bus must move, in drive.c.
 void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+// SLOT_REFERENCES of more than plain id* = 0, in drive.c.
+void lode_drive_optimal_references(lode_drive_t *self);
 // SLOT_LAG where the q axis saturates: with what that turns the observed angle by (R17), in drive.c.
 void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
@@ -88,8 +90,8 @@ LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_
     if (given) {
         return lode_current_is_free(&tuning->current, self->u_V, v_bus_V);
     }
-    const lode_dq_t induced_V =
-        lode_references_induced_V(&tuning->references, frame->i_A, frame->omega_rotor);
+    const lode_dq_t induced_V = lode_references_induced_V(&tuning->references, self->current.Lq_H,
+                                                          frame->i_A, frame->omega_rotor);
     const lode_current_out_t out = lode_current_step(&self->current, &tuning->current, self->ref_A,
                                                      frame->i_A, induced_V, v_bus_V);
     self->u_V = out.u_V;
@@ -193,6 +195,12 @@ LODE_INLINE lode_range_t lode_drive_torque_limits(const lode_drive_t *self, lode
 
 // SLOT_REFERENCES: last part.
 LODE_SHARED void lode_drive_references(lode_drive_t *self) {
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+    if (self->tuning->references.options != 0u) {
+        lode_drive_optimal_references(self);
+        return;
+    }
+#endif
     lode_running_t *run = &self->state.run;
     const lode_references_out_t out = lode_references_finish(
         &run->references, &self->tuning->references, run->speed.torque_Nm,

@@ -294,6 +294,12 @@ static void count_start(lode_drive_t *self) {
 #endif
 }
 
+// At no current.
+static void take_q_axis(lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_current_take(&self->current, &tuning->current, tuning->references.Lq_H);
+}
+
 static void switch_on(lode_drive_t *self, lode_mode_t mode) {
     const lode_drive_tuning_t *tuning = self->tuning;
     self->gates = true;
@@ -305,8 +311,8 @@ static void switch_on(lode_drive_t *self, lode_mode_t mode) {
 #endif
     lode_estimator_reset(&self->estimator, &tuning->estimator);
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
-    lode_pi_reset(&self->current.d, 0.0f);
-    lode_pi_reset(&self->current.q, 0.0f);
+    take_q_axis(self);
+    lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
     lode_start_begin(&self->state.start, &tuning->start);
     count_start(self);
 #ifndef LODE_WITHOUT_COMMISSIONING
@@ -371,6 +377,7 @@ LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
     if (self->posted_tuning != NULL) {
         self->tuning = self->posted_tuning;
         lode_mode_take_check(self);
+        take_q_axis(self);
         LODE_SHARED_STORE(self->posted_tuning, NULL);
         set_omitted(self);
     }
@@ -404,8 +411,9 @@ static void hand_over(lode_drive_t *self) {
     const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
     const lode_sincos_t vector = lode_start_next(&self->state.start, tuning->estimator.pll.ts_s);
     const lode_dq_t u_V = in_frame(self->u_V, lode_angle_subtract(rotor, vector));
-    lode_current_reset(&self->current, u_V,
-                       lode_references_induced_V(&tuning->references, i_A, omega));
+    lode_current_reset(
+        &self->current, u_V,
+        lode_references_induced_V(&tuning->references, self->current.Lq_H, i_A, omega));
     const float torque = lode_references_torque_Nm(&tuning->references, i_A);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     self->losses = self->state.start.failed;
@@ -443,6 +451,7 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
     lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead),
                      self->estimator.pll.omega_rad_s, current_A);
     count_start(self);
+    take_q_axis(self);
     lode_current_reset(&self->current, u_V, (lode_dq_t){0.0f, 0.0f});
     set_mode(self, LODE_MODE_START);
 }
@@ -1089,6 +1098,7 @@ static void find_again(lode_drive_t *self) {
     self->losses++;
     self->guard.lock = 0u;
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
+    take_q_axis(self);
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
     lode_start_begin(&self->state.start, &self->tuning->start);
     self->state.start.failed = self->losses;

@@ -19,10 +19,11 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
 
 #define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi: least active flux that is divided by
 
-// What rotation induces at the currents `i_A`: decoupling and EMF feed-forward of current control (K2).
-LODE_INLINE lode_dq_t lode_references_induced_V(const lode_references_tuning_t *tuning,
+// What rotation induces at the currents `i_A`, with the present `Lq_H`: decoupling and EMF feed-forward of current
+// control (K1).
+LODE_INLINE lode_dq_t lode_references_induced_V(const lode_references_tuning_t *tuning, float Lq_H,
                                                 lode_dq_t i_A, float omega_rad_s) {
-    return (lode_dq_t){-omega_rad_s * tuning->Lq_H * i_A.q,
+    return (lode_dq_t){-omega_rad_s * Lq_H * i_A.q,
                        omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
 }
 

@@ -30,11 +30,13 @@ static lode_dq_t induced_V(lode_dq_t i_A, float omega_rad_s) {
     const lode_motor_t motor = paper_motor();
     const lode_references_tuning_t tuning = {
         .Ld_H = motor.Ld_H, .Lq_H = motor.Lq_H, .psi_Wb = motor.psi_Wb};
-    return lode_references_induced_V(&tuning, i_A, omega_rad_s);
+    return lode_references_induced_V(&tuning, motor.Lq_H, i_A, omega_rad_s);
 }
 
+/// With a q axis that does not saturate.
 static lode_dq_t control(lode_current_t *self, const lode_current_tuning_t *tuning, lode_dq_t ref,
                          lode_dq_t i, float omega_rad_s, float v_bus_V) {
+    lode_current_take(self, tuning, paper_motor().Lq_H);
     return lode_current_step(self, tuning, ref, i, induced_V(i, omega_rad_s), v_bus_V).u_V;
 }
 
@@ -163,6 +165,70 @@ static void test_closed_loop_has_the_bandwidth_asked_for(void) {
         applied = u;
     }
     CHECK_NEAR(2.0e-3, 4.0, plant.iq); // exp(-10)
+}
+
+/// Of 10 A, an overshoot in a step from `from_A` to there, of an Lq that falls to a half at 12 A; `known`: to control.
+static double overshoot_of_a_q_axis_that_saturates(double from_A, bool known) {
+    const lode_motor_t motor = paper_motor();
+    const double fall = 1.0 / 12.0;
+    lode_current_config_t config = {.bandwidth_rad_s = 0.0f};
+    lode_current_design(&config, &motor, PAPER_TS_s);
+    const lode_current_tuning_t tuning = tuned(&config);
+    lode_current_t current;
+    lode_current_take(&current, &tuning, motor.Lq_H);
+    double i = from_A;
+    double psi = 9.8e-3 * i / (1.0 + fall * fabs(i));
+    lode_dq_t applied = {0.0f, 0.75f * (float)i};
+    lode_current_reset(&current, applied, (lode_dq_t){0.0f, 0.0f});
+    double most = 0.0;
+    for (int n = 0; n < 100; n++) {
+        const lode_dq_t ref = {0.0f, 10.0f};
+        if (known && n % 8 == 0) {
+            lode_current_saturate(&current, &tuning, motor.Lq_H, (float)fall, (float)i, ref.q);
+        }
+        const lode_dq_t u = lode_current_step(&current, &tuning, ref, (lode_dq_t){0.0f, (float)i},
+                                              (lode_dq_t){0.0f, 0.0f}, 200.0f)
+                                .u_V;
+        for (int k = 0; k < 20; k++) {
+            psi += (applied.q - 0.75 * i) * PAPER_TS_s / 20.0;
+            i = psi / (9.8e-3 - fall * fabs(psi));
+        }
+        applied = u;
+        most = fmax(most, i);
+    }
+    CHECK_NEAR(0.5, 10.0, i);
+    return most / 10.0 - 1.0;
+}
+
+static void test_a_falling_Lq_that_is_known_makes_no_overshoot(void) {
+    const double from_A[] = {0.0, 6.0, -10.0};
+    for (int n = 0; n < COUNT_OF(from_A); n++) {
+        CHECK_AT_LEAST(0.1, overshoot_of_a_q_axis_that_saturates(from_A[n], false));
+        CHECK_AT_MOST(n == 2 ? 0.1 : 0.04, overshoot_of_a_q_axis_that_saturates(from_A[n], true));
+    }
+}
+
+/// (K20), (K21) against the flux of (R2).
+static void test_gain_and_decoupling_of_a_falling_Lq(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    const double pairs[][2] = {{0.0, 10.0}, {10.0, 0.0}, {4.0, 12.0}, {-4.0, -12.0}, {7.0, 7.5}};
+    lode_current_t current;
+    for (int n = 0; n < COUNT_OF(pairs); n++) {
+        const double a = pairs[n][0];
+        const double b = pairs[n][1];
+        const double secant = (a / (1.0 + 0.05 * fabs(a)) - b / (1.0 + 0.05 * fabs(b))) / (a - b);
+        lode_current_saturate(&current, &tuning, 9.8e-3f, 0.05f, (float)a, (float)b);
+        CHECK_CLOSE(1.0e-5, 9.2 * secant, current.kp_q_V_A);
+        CHECK_CLOSE(1.0e-6, 9.8e-3 / (1.0 + 0.05 * fmax(fabs(a), fabs(b))), current.Lq_H);
+    }
+    // Through zero: exact from one current to its opposite.
+    lode_current_saturate(&current, &tuning, 9.8e-3f, 0.05f, -8.0f, 8.0f);
+    CHECK_CLOSE(1.0e-6, 9.2 / 1.4, current.kp_q_V_A);
+    // A current that is none counts as no current.
+    lode_current_saturate(&current, &tuning, 9.8e-3f, 0.05f, NAN, 0.0f);
+    CHECK_CLOSE(1.0e-6, 9.2, current.kp_q_V_A);
+    CHECK_CLOSE(1.0e-6, 9.8e-3, current.Lq_H);
 }
 
 static void test_no_windup_in_a_second_of_saturation(void) {
@@ -378,7 +444,7 @@ static void test_more_voltage_than_the_hexagon_has_is_not_free(void) {
     const float shares[] = {0.89f, 0.91f, 1.05f};
     for (int n = 0; n < COUNT_OF(shares); n++) {
         const float u_V = shares[n] * 200.0f / LODE_SQRT3;
-        lode_current_t current = {.d = {0.0f}, .q = {u_V}};
+        lode_current_t current = {.d = {0.0f}, .q = {u_V}, .kp_q_V_A = tuning.q.kp};
         const lode_current_out_t out =
             lode_current_step(&current, &tuning, zero, zero, zero, 200.0f);
         TEST_ASSERT_EQUAL_INT(n == 0, out.free);
@@ -434,6 +500,8 @@ int main(void) {
     RUN_TEST(test_circle_with_d_first_and_headroom_for_q);
     RUN_TEST(test_circle_follows_the_bus);
     RUN_TEST(test_closed_loop_has_the_bandwidth_asked_for);
+    RUN_TEST(test_a_falling_Lq_that_is_known_makes_no_overshoot);
+    RUN_TEST(test_gain_and_decoupling_of_a_falling_Lq);
     RUN_TEST(test_no_windup_in_a_second_of_saturation);
     RUN_TEST(test_whatever_gains_are_accepted_are_stable);
     RUN_TEST(test_gains_are_refused_for_their_margin_alone);

@@ -39,12 +39,21 @@ typedef struct {
 typedef struct {
     lode_pi_t d;
     lode_pi_t q;
+    float kp_q_V_A; ///< of the tuning, less where the q axis saturates (K20)
+    float Lq_H;     ///< for what rotation induces: of the motor, less where it saturates (K21)
 } lode_current_t;
 
 void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s);
 
 lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_current_config_t *config,
                                 const lode_motor_t *motor, float ts_s);
+
+/// The q axis as it is at no current: before the first step, and with another tuning. `Lq_H`: of the motor.
+void lode_current_take(lode_current_t *self, const lode_current_tuning_t *tuning, float Lq_H);
+
+/// The same at the current `iq_A` on its way to `ref_A`, for a `Lq_H` that falls by `fall` per ampere, (R2).
+void lode_current_saturate(lode_current_t *self, const lode_current_tuning_t *tuning, float Lq_H,
+                           float fall, float iq_A, float ref_A);
 
 /// Puts the integrators where the output is `u_V` without control error: for a bumpless start of
 /// control, or a change of frame. `induced_V`: what rotation induces (K2); zero in a frame

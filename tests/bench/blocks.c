@@ -87,8 +87,10 @@ bool bench_blocks_setup(void) {
     const lode_dq_t i_A = {0.0f, BENCH_IQ_A};
     lode_sense_reset(&sense, &t->sense);
     rotor = lode_sincos(1.0f);
-    lode_current_reset(&current, (lode_dq_t){-0.5f, 9.9f},
-                       lode_references_induced_V(&t->references, i_A, BENCH_OMEGA_rad_s));
+    lode_current_take(&current, &t->current, t->references.Lq_H);
+    lode_current_reset(
+        &current, (lode_dq_t){-0.5f, 9.9f},
+        lode_references_induced_V(&t->references, current.Lq_H, i_A, BENCH_OMEGA_rad_s));
     lode_speed_reset(&speed, &t->speed, BENCH_OMEGA_rad_s / BENCH_POLE_PAIRS,
                      lode_references_torque_Nm(&t->references, i_A), 0.0f,
                      lode_references_most_Nm(&t->references));
@@ -174,8 +176,8 @@ BLOCK(lag) {
 BLOCK(current) {
     const bench_inputs_t *in = input(call);
     const lode_dq_t i_A = {0.01f * in->i_A.alpha, BENCH_IQ_A};
-    const lode_dq_t induced_V =
-        lode_references_induced_V(&tuning[ENHANCED].references, i_A, BENCH_OMEGA_rad_s);
+    const lode_dq_t induced_V = lode_references_induced_V(&tuning[ENHANCED].references,
+                                                          current.Lq_H, i_A, BENCH_OMEGA_rad_s);
     const lode_current_out_t out =
         lode_current_step(&current, &tuning[ENHANCED].current, (lode_dq_t){0.0f, BENCH_IQ_A}, i_A,
                           induced_V, BENCH_V_BUS_V);
