@@ -66,7 +66,7 @@ void lode_current_saturate(lode_current_t *self, const lode_current_tuning_t *tu
                            float fall, float iq_A, float ref_A) {
     const float at = lode_max(1.0f + fall * lode_abs(iq_A), 1.0f); // 1 for a current that is none
     const float to = lode_max(1.0f + fall * lode_abs(ref_A), 1.0f);
-    const float both = 1.0f / (at * to);
+    const float both = 1.0f / (at * to); // (K20), (K21)
     const float larger = both * lode_min(at, to);
     self->kp_q_V_A = tuning->q.kp * (iq_A * ref_A < 0.0f ? larger : both);
     self->Lq_H = Lq_H * larger;

@@ -397,6 +397,45 @@ static void test_a_falling_Lq_that_is_known_leaves_no_error_of_the_angle(void) {
     CHECK_AT_MOST(0.3, fabs(error_of_a_q_axis_that_saturates(0.05f)));
 }
 
+static void check_q_axis(const rig_t *rig, double Lq_H, double kp_V_A) {
+    CHECK_CLOSE(0.02, Lq_H, rig->drive.current.Lq_H);
+    CHECK_CLOSE(0.02, kp_V_A, rig->drive.current.kp_q_V_A);
+}
+
+/// In RUN as it saturates (K20), (K21), and as it is at no current in what follows.
+static void test_current_control_follows_a_falling_Lq(void) {
+    lode_drive_config_t config = rig_config();
+    config.references.Lq_fall = 0.05f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    const double Lq_H = (double)config.motor.Lq_H;
+    const double kp_V_A = (double)tuning.current.q.kp;
+    run_up(&rig, 100.0, 8.0);
+    for (int n = 0; n < 15000; n++) {
+        rig.load_Nm = fmin(3.0, 3.0e-4 * n);
+        rig.motor.Lq = 9.8e-3 / (1.0 + 0.05 * fabs(rig.motor.iq));
+        rig_step(&rig);
+    }
+    const double share = 1.0 / (1.0 + 0.05 * fabs(rig.motor.iq));
+    CHECK_AT_MOST(0.85, share);
+    check_q_axis(&rig, share * Lq_H, share * share * kp_V_A);
+    lode_mode_hand_back(&rig.drive);
+    check_q_axis(&rig, Lq_H, kp_V_A);
+}
+
+static void test_another_tuning_brings_its_own_q_axis(void) {
+    rig_t rig = fresh();
+    run_up(&rig, 100.0, 8.0);
+    check_q_axis(&rig, 9.8e-3, (double)tuning.current.q.kp);
+    lode_drive_config_t config = rig_config();
+    config.motor.Lq_H = 8.0e-3f;
+    lode_drive_tuning_t other;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other));
+    rig_step(&rig);
+    check_q_axis(&rig, 8.0e-3, (double)other.current.q.kp);
+}
+
 /// With injection, which may have learned the present Lq, the angle is left alone.
 static void test_a_falling_Lq_turns_no_angle_with_injection(void) {
     for (int injects = 0; injects <= 1; injects++) {
@@ -4445,6 +4484,8 @@ int main(void) {
     RUN_TEST(test_a_post_that_is_not_told_is_found);
     RUN_TEST(test_the_guard_counts_anew_from_the_low_sides_on);
     RUN_TEST(test_a_falling_Lq_that_is_known_leaves_no_error_of_the_angle);
+    RUN_TEST(test_current_control_follows_a_falling_Lq);
+    RUN_TEST(test_another_tuning_brings_its_own_q_axis);
     RUN_TEST(test_a_falling_Lq_turns_no_angle_with_injection);
     RUN_TEST(test_reversal);
     RUN_TEST(test_a_rotor_that_turns_already_is_taken_over);
