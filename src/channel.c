@@ -114,7 +114,7 @@ lode_status_t lode_channels_init(lode_channels_t *self, const lode_channels_conf
     if (!lode_in_range(config->f_pwm_Hz, 1.0e3f, 2.0e5f)) {
         return LODE_ERROR_F_PWM;
     }
-    if (config->count < 1u || config->count > LODE_CHANNELS_MAX) {
+    if (config->count < 1u || config->count > (uint16_t)LODE_CHANNELS_MAX) {
         return LODE_ERROR_CHANNELS;
     }
     lode_channels_t channels = {.count = config->count};

@@ -173,7 +173,8 @@ const char *lode_commission_result_name(lode_commission_result_t result) {
 }
 
 static uint32_t periods_in(const lode_commission_t *self, float time_s) {
-    return (uint32_t)(int32_t)(time_s * self->config.f_pwm_Hz + 0.5f);
+    const float periods = time_s * self->config.f_pwm_Hz + 0.5f;
+    return (uint32_t)(int32_t)periods;
 }
 
 static float float_of(uint32_t count) {
@@ -213,6 +214,11 @@ static lode_commission_value_t judged(float value, float deviation, float allowe
     return (lode_commission_value_t){value, lode_is_finite(value + confidence) ? confidence : 0.0f};
 }
 
+static lode_commission_quantity_t offset_of(uint32_t phase) {
+    const uint32_t quantity = (uint32_t)LODE_COMMISSION_OFFSET_A + phase;
+    return (lode_commission_quantity_t)quantity;
+}
+
 // False: refused, and it is over.
 static bool keep(lode_commission_t *self, lode_commission_quantity_t quantity, float value,
                  float deviation, float allowed) {
@@ -247,10 +253,6 @@ static float dead_along(const lode_commission_t *self) {
 }
 
 // --- Offsets ---
-
-static lode_commission_quantity_t offset_of(uint32_t phase) {
-    return (lode_commission_quantity_t)((uint32_t)LODE_COMMISSION_OFFSET_A + phase);
-}
 
 // Extremes of the counts, in the fields of the pulses' peaks.
 static void note_counts(lode_commission_t *self, const lode_counts_t *counts) {
@@ -404,7 +406,10 @@ static void pulse(lode_commission_t *self, const lode_commission_period_t *perio
 static bool window_ends(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     lode_commission_sums_t *s = &self->sums;
     const uint32_t length = periods_in(self, WINDOW_s);
-    const uint32_t half = s->count < length / 2u ? 0u : 1u;
+    uint32_t half = 0u;
+    if (s->count >= length / 2u) {
+        half = 1u;
+    }
     s->u.d += u_V.d;
     s->i[half].d += i_A.d;
     s->i[half].q += i_A.q;
@@ -621,7 +626,10 @@ static void find_Ld(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     const uint32_t level = self->level;
     const float hold_A = self->current_A * (1.0f - FALL_D_STEP * float_of(level));
     const float wait_s = level == 0u ? HOLD_TIME_s : NEXT_TIME_s;
-    const uint32_t waves = level == FALL_D_MIDDLE ? WAVES : WAVES_BESIDE;
+    uint32_t waves = WAVES_BESIDE;
+    if (level == FALL_D_MIDDLE) {
+        waves = WAVES;
+    }
     if (!steps(self, u_V, i_A, false, hold_A, wait_s, waves) ||
         (level == FALL_D_MIDDLE && !judge_steps(self, LODE_COMMISSION_LD_H, STEP_DEVIATION))) {
         return;

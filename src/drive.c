@@ -149,7 +149,8 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
 #ifndef LODE_WITHOUT_TORQUE_LIMITS
 
 static uint_least16_t torque_share(float share) {
-    return (uint_least16_t)((float)LODE_TORQUE_SHARE_ONE * lode_clamp(share, 0.0f, 1.0f) + 0.5f);
+    const float steps = (float)LODE_TORQUE_SHARE_ONE * lode_clamp(share, 0.0f, 1.0f) + 0.5f;
+    return (uint_least16_t)steps;
 }
 
 void lode_drive_limit_torque(lode_drive_t *self, float share) {
@@ -353,7 +354,8 @@ LODE_NOINLINE void lode_drive_adapt_saturated_lag(lode_drive_t *self) {
 
 // In seconds, rounds of the slow jobs.
 static float rounds_s(const lode_drive_t *self, uint32_t rounds) {
-    return (float)(rounds * LODE_SLOW_PERIODS) * self->tuning->estimator.pll.ts_s;
+    const uint32_t periods = rounds * LODE_SLOW_PERIODS;
+    return (float)periods * self->tuning->estimator.pll.ts_s;
 }
 
 // One more round with the same count. True: it has been `limit` of them. 0: it may be any.
@@ -493,8 +495,13 @@ static void note_half_waves(lode_drive_t *self) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_pll_t *pll = &self->estimator.pll;
     lode_half_waves_t *waves = &self->state.run.waves;
-    const uint32_t first = pll->frame.cos < 0.0f ? 1u : 0u;
-    const uint32_t quarter = pll->frame.sin * pll->omega_rad_s < 0.0f ? 3u - first : first;
+    uint32_t quarter = 0u;
+    if (pll->frame.cos < 0.0f) {
+        quarter = 1u;
+    }
+    if (pll->frame.sin * pll->omega_rad_s < 0.0f) {
+        quarter = 3u - quarter;
+    }
     const uint32_t seen = lode_half_waves_turn(waves, quarter);
     if (seen > 0u) {
         lode_drive_end_turn(self, seen);

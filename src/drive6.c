@@ -175,9 +175,10 @@ LODE_INLINE lode_ab_t of_set(const lode_sets_t *sets, bool first) {
 LODE_INLINE lode_sets_t currents(const lode_sense_tuning_t *tuning, lode_ab_t i_1,
                                  const lode_sample_t *set_2) {
     const int32_t *i = set_2->i;
-    return (lode_sets_t){{i_1,
-                          {(float)(i[0] - i[1]) * tuning->beta_gain,
-                           (float)(i[0] + i[1] - 2 * i[2]) * tuning->alpha_gain}}};
+    const int32_t alpha = i[0] - i[1];
+    const int32_t beta = i[0] + i[1] - 2 * i[2];
+    return (lode_sets_t){
+        {i_1, {(float)alpha * tuning->beta_gain, (float)beta * tuning->alpha_gain}}};
 }
 
 // The current that is controlled.

@@ -232,10 +232,13 @@ void lode_drive_design(lode_drive_config_t *config) {
 
 // Speed moves slowly: its control has a slot of the slow jobs, or several.
 static uint32_t speed_periods(const lode_drive_config_t *c) {
+    if (c->speed.every_period == LODE_ON) {
+        return 1u;
+    }
     const float bandwidth = c->speed.kp_Nms * c->speed.gain_rise / c->motor.J_kgm2;
     const float least_Hz =
         lode_max(bandwidth / SPEED_PERIOD_SHARE, c->motor.omega_rated_rad_s / SPEED_ANGLE_MAX_rad);
-    uint32_t periods = c->speed.every_period == LODE_ON ? 1u : LODE_SLOW_PERIODS;
+    uint32_t periods = LODE_SLOW_PERIODS;
     while (periods > 1u && (float)periods * least_Hz > c->f_pwm_Hz) {
         periods /= 2u;
     }

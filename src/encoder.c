@@ -30,7 +30,8 @@ lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encode
         return LODE_ERROR_ENCODER_COUNTS;
     }
     const float ts_s = drive->estimator.pll.ts_s;
-    const uint32_t pole_pairs = (uint32_t)(int32_t)(1.0f / drive->speed.inv_pole_pairs + 0.5f);
+    const float rounded = 1.0f / drive->speed.inv_pole_pairs + 0.5f;
+    const uint32_t pole_pairs = (uint32_t)(int32_t)rounded;
     const float rad_per_count = LODE_TWO_PI * (float)pole_pairs / (float)config->counts_per_turn;
     const float finer = lode_min(1.0f, lode_sqrt(FINE_rad / rad_per_count));
     const float bandwidth = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_SHARE * finer / ts_s);

@@ -211,8 +211,8 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
         lode_guard_trip(self, state, LODE_CHECK_CURRENT_RAIL, i_A, tuning->i_trip);
     }
     if (passed - tuning->stamp_min > tuning->stamp_span) {
-        lode_guard_trip(self, state, LODE_CHECK_TIMING, (float)passed,
-                        (float)(tuning->stamp_min + tuning->stamp_span));
+        const uint32_t latest = tuning->stamp_min + tuning->stamp_span;
+        lode_guard_trip(self, state, LODE_CHECK_TIMING, (float)passed, (float)latest);
     }
 }
 

@@ -92,6 +92,7 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     // Min-max centring leaves each rail half of what the span leaves over; the correction takes of it.
     const float dead_more = DEAD_MORE_MAX_s * carrier_Hz;
     const float most_error = correct ? dead_duty + dead_more + config->v_drop_V / v_min_V : 0.0f;
+    const float precharge = config->precharge_s / ts_s + 0.5f;
     const float headroom = (1.0f - 2.0f * most_error) / LODE_SQRT3;
     *tuning = (lode_inverter_tuning_t){
         .v_min_V = v_min_V,
@@ -103,7 +104,7 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
         .ticks = ticks,
         .inv_ticks = ticks > 0.0f ? 1.0f / ticks : 0.0f,
         .free = model ? -1.0f : ROUNDING * headroom,
-        .precharge_periods = (uint32_t)(int32_t)(config->precharge_s / ts_s + 0.5f),
+        .precharge_periods = (uint32_t)(int32_t)precharge,
         .correct = correct ? 1u : 0u,
         .grid = ticks > 0.0f ? 1u : 0u,
     };

@@ -177,7 +177,7 @@ static inline uint32_t byte_of(const unsigned char *word, uint32_t n) {
 
 // A word of a tuning. Read as bytes: that may be done with any object, and compilers make one load of it.
 static inline uint32_t word_at(lode_words_t tuning, uint32_t n) {
-    const unsigned char *word = tuning.from + n * sizeof(uint32_t);
+    const unsigned char *word = &tuning.from[n * sizeof(uint32_t)];
     return byte_of(word, 0u) | byte_of(word, 1u) | byte_of(word, 2u) | byte_of(word, 3u);
 }
 
@@ -766,8 +766,10 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
 // One period of pulses.
 static LODE_NOINLINE void fly_on(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const lode_ab_t i_A = {(float)(2 * i[0] - i[1] - i[2]) * tuning->sense.alpha_gain,
-                           (float)(i[1] - i[2]) * tuning->sense.beta_gain};
+    const int32_t alpha = 2 * i[0] - i[1] - i[2];
+    const int32_t beta = i[1] - i[2];
+    const lode_ab_t i_A = {(float)alpha * tuning->sense.alpha_gain,
+                           (float)beta * tuning->sense.beta_gain};
     const lode_fly_given_t given = {
         .ts_s = tuning->estimator.pll.ts_s,
         .i_max_A = tuning->references.i_max_A,

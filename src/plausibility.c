@@ -102,13 +102,17 @@ void lode_plausibility_reset(lode_plausibility_t *self) {
     *self = (lode_plausibility_t){.i = {0, 0, 0}};
 }
 
+static int32_t sum_of(const int32_t i[LODE_PHASES]) {
+    return i[0] + i[1] + i[2];
+}
+
 // Dead time may hold the one phase that is near zero, where the current asks for less voltage there than dead time
 // takes. The other two move together then, or not: their current is at its peak.
 static bool is_clamped(const lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
                        uint32_t still, lode_hold_t hold, float A_per_count) {
     const int32_t *i = self->i;
     const float i_A2 = self->i_A2;
-    const float sum_A = (float)(i[0] + i[1] + i[2]) * A_per_count;
+    const float sum_A = (float)sum_of(i) * A_per_count;
     const float near = lode_sqrt(tuning->i_min_A2) / A_per_count;
     const uint32_t at_zero =
         lode_plausibility_phases(lode_abs((float)i[0]) <= near, lode_abs((float)i[1]) <= near,
@@ -124,7 +128,7 @@ static float least_rad(const lode_plausibility_t *self, bool changes, bool clamp
     if (clamped) {
         return QUARTER_rad;
     }
-    const float sum = lode_abs((float)(self->i[0] + self->i[1] + self->i[2]));
+    const float sum = lode_abs((float)sum_of(self->i));
     const bool balanced = sum <= BALANCE_COUNTS * (float)LODE_COUNT_FRACTION;
     const float changed_rad = changes ? EIGHTH_rad : 0.0f;
     return balanced ? SIXTH_rad : changed_rad;
@@ -218,7 +222,7 @@ void lode_half_waves_ask(lode_half_waves_t *self, uint32_t asked) {
 // The other two currents of an open phase add up to none, to within their gains; beside a converter that is stuck they do
 // not.
 static bool is_open_balanced(const int32_t i[LODE_PHASES], float i_A2, float A_per_count) {
-    const float sum_A = (float)(i[0] + i[1] + i[2]) * A_per_count;
+    const float sum_A = (float)sum_of(i) * A_per_count;
     return sum_A * sum_A <= OPEN_SHARE * OPEN_SHARE * i_A2;
 }
 
@@ -271,7 +275,7 @@ lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
     } else {
         self->sum = (uint_least16_t)(self->sum + 1u);
         if (self->sum >= sum_looks) {
-            const float sum = (float)(self->i[0] + self->i[1] + self->i[2]);
+            const float sum = (float)sum_of(self->i);
             return (lode_finding_t){LODE_CHECK_CURRENT_SUM, sum * A_per_count,
                                     (float)tuning->i_sum * A_per_count};
         }

@@ -32,7 +32,8 @@ typedef enum {
 } lode_slot_t;
 
 static inline lode_slot_t lode_slot_of(uint32_t period) {
-    return (lode_slot_t)(period % (uint32_t)SLOT_COUNT);
+    const uint32_t slot = period % (uint32_t)SLOT_COUNT;
+    return (lode_slot_t)slot;
 }
 
 #endif

@@ -75,9 +75,9 @@ lode_status_t lode_scope_init(lode_scope_t *self, const lode_scope_config_t *con
     scope.row = &buffer[LODE_SCOPE_AT_CHANNEL + count];
     const uint32_t rows = (words - LODE_SCOPE_AT_CHANNEL - count) / count;
     scope.rows = rows < ROWS_MAX ? rows : ROWS_MAX;
-    // Of all but the event's own row, to the nearest.
-    const uint32_t before = (uint32_t)(config->pre_share * (float)(scope.rows - 1u) + 0.5f);
-    scope.rows_after = scope.rows - before;
+    const uint32_t others = scope.rows - 1u; // all but the event's own row
+    const float before = config->pre_share * (float)others + 0.5f;
+    scope.rows_after = scope.rows - (uint32_t)before;
     write_header(&scope, config->rows.f_pwm_Hz);
     *self = scope;
     return LODE_OK;
@@ -131,8 +131,11 @@ static void write_row(lode_scope_t *self, const lode_drive_t *drive) {
         self->left = self->rows_after;
         set_state(self, LODE_SCOPE_TRIGGERED);
     }
-    if (self->state == (uint_least8_t)LODE_SCOPE_TRIGGERED && --self->left == 0u) {
-        set_state(self, LODE_SCOPE_DONE);
+    if (self->state == (uint_least8_t)LODE_SCOPE_TRIGGERED) {
+        self->left--;
+        if (self->left == 0u) {
+            set_state(self, LODE_SCOPE_DONE);
+        }
     }
 }
 
@@ -189,8 +192,11 @@ static bool next_word(lode_scope_t *self) {
     if (at == 0u) {
         self->wire.crc = LODE_CRC_START;
     }
-    const uint32_t flag = at == LODE_SCOPE_AT_STATE ? LODE_SCOPE_CHECKED : 0u;
-    lode_wire_load(&self->wire, at == words ? ~self->wire.crc : self->buffer[at] | flag);
+    uint32_t word = at == words ? ~self->wire.crc : self->buffer[at];
+    if (at == LODE_SCOPE_AT_STATE) {
+        word |= LODE_SCOPE_CHECKED;
+    }
+    lode_wire_load(&self->wire, word);
     self->sent++;
     return true;
 }

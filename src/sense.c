@@ -87,13 +87,14 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
     // An offset at the end of the range would pass for no current, and hide that the sensor is railed.
     const float most = headroom_count(config) - HEADROOM_MIN_count;
     const float tol = fraction * lode_min(config->i_offset_tol_count, most);
+    const float alert = fraction * most - tol;
     *tuning = (lode_sense_tuning_t){
         .i_gain = gain,
         .alpha_gain = gain / 3.0f,
         .beta_gain = gain / LODE_SQRT3,
         .offset_nominal = (int32_t)(fraction * config->i_offset_count),
         .offset_tol = (int32_t)tol,
-        .alert = (uint32_t)(int32_t)(fraction * most - tol),
+        .alert = (uint32_t)(int32_t)alert,
         .v_bus_gain = config->v_bus_gain_V_count,
         .temperature_gain = config->temperature_gain_degC_count,
         .temperature_offset = config->temperature_offset_degC,
@@ -177,7 +178,10 @@ static void add_sample(const lode_sense_t *self, lode_sense_sums_t *sums,
 
 // The first without the noise that it should have, from 1; 0: none.
 static int32_t still_phase(const lode_sense_sums_t *sums, const lode_sense_tuning_t *tuning) {
-    const int32_t wired = tuning->two_shunts != 0u ? 2 : LODE_PHASES;
+    int32_t wired = LODE_PHASES;
+    if (tuning->two_shunts != 0u) {
+        wired = 2;
+    }
     for (int32_t n = 0; n < wired; n++) {
         if (sums->steps2[n] < tuning->noise_least) {
             return n + 1;
@@ -200,8 +204,8 @@ lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *s
         // Whole counts and the rest apart: together they would not fit.
         const uint32_t whole = sums->count[n] / sums->samples;
         const uint32_t rest = sums->count[n] % sums->samples;
-        const uint32_t mean =
-            LODE_COUNT_FRACTION * whole + LODE_COUNT_FRACTION * rest / sums->samples;
+        const uint32_t fraction = LODE_COUNT_FRACTION;
+        const uint32_t mean = fraction * whole + fraction * rest / sums->samples;
         // Without a sign there is no overflow, whatever the sums hold.
         const uint32_t beyond = mean - (uint32_t)tuning->offset_nominal;
         off[n] = (int32_t)beyond;

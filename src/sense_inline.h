@@ -19,7 +19,7 @@ uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, lode_abc_t d
 // each, the next one's below.
 #define OMITTED_BITS 2u
 #define OMITTED_MASK 3u
-#define OMITTED_NONE (LODE_PHASES | LODE_PHASES << OMITTED_BITS)
+#define OMITTED_NONE ((uint32_t)LODE_PHASES | (uint32_t)LODE_PHASES << OMITTED_BITS)
 
 // From now on `phase`, and in the next sample too.
 LODE_INLINE uint_least8_t lode_sense_omit_both(uint_least8_t phase) {
@@ -77,9 +77,10 @@ LODE_INLINE lode_sense_currents_t lode_sense_currents(const lode_sense_t *self,
 LODE_INLINE lode_sample_t lode_sense_sample(const lode_sense_tuning_t *tuning,
                                             const lode_counts_t *counts, lode_sense_currents_t i,
                                             uint_least8_t omitted) {
+    const int32_t alpha = 2 * i.a - i.b - i.c;
+    const int32_t beta = i.b - i.c;
     return (lode_sample_t){
-        .i_A = {(float)(2 * i.a - i.b - i.c) * tuning->alpha_gain,
-                (float)(i.b - i.c) * tuning->beta_gain},
+        .i_A = {(float)alpha * tuning->alpha_gain, (float)beta * tuning->beta_gain},
         .u_V = {0.0f, 0.0f},
         .v_bus_V = (float)counts->v_bus * tuning->v_bus_gain,
         .i = {i.a, i.b, i.c},
@@ -98,7 +99,7 @@ LODE_INLINE lode_sense_currents_t lode_sense_without(lode_sense_currents_t i,
     (void)omitted;
     return i;
 #else
-    return omitted != LODE_PHASES ? lode_sense_complete(i, omitted) : i;
+    return omitted != (uint_least8_t)LODE_PHASES ? lode_sense_complete(i, omitted) : i;
 #endif
 }
 

@@ -101,7 +101,8 @@ static lode_single_shunt_plan_t plan_of(const lode_single_shunt_tuning_t *tuning
 }
 
 static uint16_t to_count(float count) {
-    return (uint16_t)(int32_t)(lode_clamp(count, 0.0f, COUNT_MAX) + 0.5f);
+    const float rounded = lode_clamp(count, 0.0f, COUNT_MAX) + 0.5f;
+    return (uint16_t)(int32_t)rounded;
 }
 
 void lode_single_shunt_read(lode_single_shunt_t *self, const lode_single_shunt_tuning_t *tuning,

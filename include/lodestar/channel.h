@@ -80,7 +80,8 @@ lode_status_t lode_channels_init(lode_channels_t *self, const lode_channels_conf
 /// Counts one period. True: a row is due.
 static inline bool lode_channels_due(lode_channels_t *self) {
     const bool due = self->wait == 0u;
-    self->wait = (uint16_t)((due ? self->decimation : self->wait) - 1u);
+    const uint16_t from = due ? self->decimation : self->wait;
+    self->wait = (uint16_t)(from - 1u);
     return due;
 }
 

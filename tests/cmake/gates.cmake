@@ -44,6 +44,7 @@ function(lode_add_gates)
   lode_gate(tidy bash ${tools}/tidy.sh)
   lode_gate(cppcheck bash ${tools}/cppcheck.sh)
   lode_gate(misra ${python} ${tools}/misra.py .)
+  lode_gate(misra_planted ${python} ${tools}/misra.py . planted)
 
   # The tests again, built in other ways.
   lode_gate(sanitize bash ${tools}/preset.sh debug-sanitize test -L unit)

@@ -158,12 +158,19 @@ def changes(node):
         for other in constants(text_of(node)):
             yield "constant", f"{text_of(node)} -> {other}"
     elif node.type == "break_statement":
-        yield "statement", "left out"
+        if not ends_switch(node):
+            yield "statement", "left out"
     elif node.type == "expression_statement" and node.named_children:
         first = node.named_children[0]
         if first.type not in ("cast_expression", "number_literal", "identifier") and not ignored(first) and \
                 not text_of(node).startswith(("(void)", "LODE_SIGNAL_FENCE")):
             yield "statement", "left out"
+
+
+def ends_switch(node):
+    """Whether nothing follows that a clause without this `break` would run into."""
+    clause = node.parent
+    return clause.type == "case_statement" and clause.named_children[-1] == node and clause.next_named_sibling is None
 
 
 def condition_of(node):
