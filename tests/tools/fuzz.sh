@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# usage: fuzz.sh build | fuzz.sh run NAME | fuzz.sh night [INPUTS]
-# build: all libFuzzer programs. run: one of them, for 20 s or 1 000 000 inputs, for five minutes in a
+# usage: fuzz.sh build | fuzz.sh seeds | fuzz.sh run NAME | fuzz.sh night [INPUTS] | fuzz.sh keep NAME
+# build: all libFuzzer programs. seeds: each of them over its seeds, tests/fuzz/corpus/*.hex, once. run: one of them, for 20 s or 1 000 000 inputs, for five minutes in a
 # campaign (LODE_TEST_FULL=1), for LODE_FUZZ_SECONDS where that is given. night: builds all and runs them in
 # turns of a minute, one on each processor, until they have tried INPUTS in all (10^9 unless told); each
-# goes on from what it has found. An input that fails is left beside the program.
+# goes on from what it has found. keep: of what a program has found, the seeds are joined by the inputs that
+# reach branches which no other reaches. An input that fails is left beside the program.
 set -eu -o pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 cd "$root"
 skip() { echo "skipped: $*"; exit 77; }
 case "${1:-}:$#" in
-build:1 | run:2 | night:1 | night:2) ;;
+build:1 | seeds:1 | run:2 | keep:2 | night:1 | night:2) ;;
 *)
     sed -n 's/^# //; 2p' "$0" >&2
     exit 2
@@ -59,9 +60,41 @@ if [ "$1" = night ]; then
     exit
 fi
 
+# Into a folder of their own, whose name is printed.
+unpack_seeds() { # program
+    python3 tests/tools/fuzz_seeds.py unpack "tests/fuzz/corpus/${1#fuzz_}.hex" "$work/seeds-$1" >&2
+    echo "$work/seeds-$1"
+}
+
+# libFuzzer would end with 77 on a finding, which is the code for a skipped test.
+options=(-timeout=10 -error_exitcode=1)
+
+if [ "$1" = seeds ]; then
+    for program in tests/fuzz/fuzz_*.c; do
+        name=$(basename "$program" .c)
+        [ -x "$work/tests/fuzz/$name" ] || skip "$name was not built"
+        seeds=$(unpack_seeds "$name")
+        inputs=("$seeds"/*)
+        "$work/tests/fuzz/$name" "${options[@]}" "${inputs[@]}" >"$work/$name-seeds.log" 2>&1 || {
+            tail -n 60 "$work/$name-seeds.log"
+            exit 1
+        }
+        echo "$name: ${#inputs[@]} seeds"
+    done
+    exit
+fi
+
 name=$2
 program=$work/tests/fuzz/$name
 [ -x "$program" ] || skip "$program was not built"
+seeds=$(unpack_seeds "$name")
+corpus=$work/corpus-$name
+mkdir -p "$corpus"
+if [ "$1" = keep ]; then
+    "$program" "${options[@]}" -merge=1 -use_counters=0 "$seeds" "$corpus" 2>&1 | tail -n 1
+    python3 tests/tools/fuzz_seeds.py pack "$seeds" "tests/fuzz/corpus/${name#fuzz_}.hex"
+    exit
+fi
 budget=(-runs=1000000 -max_total_time=20)
 if [ "${LODE_TEST_FULL:-0}" = 1 ]; then
     budget=(-max_total_time=300)
@@ -69,13 +102,5 @@ fi
 if [ -n "${LODE_FUZZ_SECONDS:-}" ]; then
     budget=(-max_total_time="$LODE_FUZZ_SECONDS")
 fi
-corpus=$work/corpus-$name
-seeds=tests/fuzz/corpus/${name#fuzz_}
-mkdir -p "$corpus"
-folders=("$corpus")
-if [ -d "$seeds" ]; then
-    folders+=("$seeds")
-fi
-# libFuzzer would end with 77 on a finding, which is the code for a skipped test.
-"$program" -seed="${LODE_FUZZ_SEED:-1}" -timeout=10 -error_exitcode=1 -print_final_stats=1 -artifact_prefix="$work/$name-" \
-    "${budget[@]}" "${folders[@]}" 2>&1 | tail -n 60
+"$program" "${options[@]}" -seed="${LODE_FUZZ_SEED:-1}" -print_final_stats=1 -artifact_prefix="$work/$name-" \
+    "${budget[@]}" "$corpus" "$seeds" 2>&1 | tail -n 60
