@@ -86,7 +86,7 @@ static float J_share(const lode_adaptation_t *self) {
 }
 
 static lode_adapted_t adapted(float value, float confidence) {
-    return (lode_adapted_t){value, lode_clamp(confidence, 0.0f, 1.0f)};
+    return (lode_adapted_t){value, lode_max(confidence, 0.0f)};
 }
 
 static lode_adapted_t J_found(const lode_adaptation_t *self) {

@@ -370,7 +370,7 @@ float lode_hfi_quality(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float 
     self->swing_V = 1.0f / (float)LODE_SLOW_PERIODS * self->sum_V;
     self->sum_V = 0.0f;
     const float swing = lode_min(self->swing_V * tuning->inv_full, 1.0f);
-    return swing * lode_clamp(1.0f - 1.0f / OFF_rad * self->off_rad, 0.0f, 1.0f);
+    return swing * lode_max(1.0f - 1.0f / OFF_rad * self->off_rad, 0.0f);
 }
 
 #endif

@@ -212,7 +212,10 @@ static void test_lode_none_is_for_those_that_may_be_done_without(void) {
                              offsetof(lode_drive_config_t, speed.load_feed_forward),
                              offsetof(lode_drive_config_t, speed.inertia_feed_forward),
                              offsetof(lode_drive_config_t, start.damping),
-                             offsetof(lode_drive_config_t, start.catch_s)};
+                             offsetof(lode_drive_config_t, start.catch_s),
+                             offsetof(lode_drive_config_t, references.trim_rad_s),
+                             offsetof(lode_drive_config_t, guard.i_sum_A),
+                             offsetof(lode_drive_config_t, guard.overload_s)};
     for (int i = 0; i < COUNT_OF(fields); i++) {
         TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(try_one(fields[i], LODE_NONE)));
     }
@@ -404,6 +407,19 @@ static void test_what_follows_speed_control_has_its_rate(void) {
     lode_drive_design(&designed);
     CHECK_CLOSE(1.0e-4, 12.0 * 2.0e-4 / (double)designed.references.release_s,
                 tunings[0].references.rise_A);
+}
+
+/// What a start tries before its first vector knows the period, and whether the sum of the currents counts.
+static void test_pulses_know_the_period_and_the_sum(void) {
+    static lode_drive_tuning_t tuning;
+    lode_drive_config_t config = minimal();
+    config.inverter.dead_time_s = 2.0e-6f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+    CHECK_CLOSE(1.0e-6, 2.0 * 2.0e-6 / 2.0e-4, tuning.fly.share_dead);
+    TEST_ASSERT_TRUE(tuning.signal_check.sum_most < 1.0f);
+    config.guard.i_sum_A = LODE_NONE;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+    TEST_ASSERT_EQUAL_FLOAT(FLT_MAX, tuning.signal_check.sum_most);
 }
 
 /// Motor and inverter are looked at before anything is computed of them.
@@ -842,6 +858,7 @@ int main(void) {
     RUN_TEST(test_a_torque_that_fades_with_the_bus_is_gone_before_the_guard_trips);
     RUN_TEST(test_references_know_the_bus_that_the_guard_allows);
     RUN_TEST(test_what_follows_speed_control_has_its_rate);
+    RUN_TEST(test_pulses_know_the_period_and_the_sum);
     RUN_TEST(test_what_is_given_is_checked_by_itself);
     RUN_TEST(test_enumerators);
     RUN_TEST(test_pole_pairs);
