@@ -187,12 +187,20 @@ static char *next_line(char *text, int size, void *user) {
                      size - 3);
         source->failed = true;
     }
+    if (source->failed) {
+        return NULL;
+    }
     char *line = fgets(text, size, source->stream);
     if (line != NULL) {
         source->line += 1;
         source->line_done = strchr(line, '\n') != NULL || feof(source->stream) != 0;
     }
-    return line;
+    if (line != NULL && !source->line_done && strlen(line) + 1u < (size_t)size) {
+        rig_error_at(source->path, source->line,
+                     "a zero octet; expected text in UTF-8 or ASCII (not UTF-16)");
+        source->failed = true;
+    }
+    return source->failed ? NULL : line;
 }
 
 static bool parse(source_t *source) {

@@ -374,15 +374,25 @@ static void describe_board(const rig_config_t *config, plant_config_t *plant, ui
     }
 }
 
+/// Row of the key that somebody has given: the plant's own, or the one that it goes without; -1: none.
+static int given_row(const rig_config_t *config, const char *key) {
+    static const char *const sections[] = {"plant", "motor", "drive", "guard"};
+    for (size_t k = 0; k < sizeof sections / sizeof sections[0]; ++k) {
+        const int row = rig_schema_find(rig_schema(), sections[k], key);
+        if (row >= 0 && is_given(config, sections[k], key)) {
+            return row;
+        }
+    }
+    return -1;
+}
+
 /// `why` begins with the plant's own name of the quantity: that of its key, as a rule.
 static void refuse_plant(const rig_config_t *config, const char *why) {
     char name[RIG_NAME_LENGTH];
     (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(why, " ,"), why);
-    const bool stamp = strcmp(name, "stamp_Hz") == 0;
-    const char *section = stamp ? "guard" : "plant";
-    const char *key = stamp ? "stamp_per_period" : name;
-    const int row = rig_schema_find(rig_schema(), section, key);
-    if (row < 0 || !is_given(config, section, key)) {
+    const char *key = strcmp(name, "stamp_Hz") == 0 ? "stamp_per_period" : name;
+    const int row = given_row(config, key);
+    if (row < 0) {
         rig_error("[plant] %s", why);
         return;
     }
@@ -390,7 +400,8 @@ static void refuse_plant(const rig_config_t *config, const char *why) {
     char value[64];
     rig_key_print(&rig_schema().row[row], config, value, sizeof value);
     rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set", origin->line,
-                 "[%s] %s = %s: refused by the plant: %s", section, key, value, why);
+                 "[%s] %s = %s: refused by the plant: %s", rig_schema().row[row].section, key,
+                 value, why);
 }
 
 /// Relative to the file that names it, or to where the tool was started with --set.

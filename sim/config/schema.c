@@ -239,7 +239,8 @@ bool rig_key_number(const rig_key_t *key, const void *object, double *value) {
         float number = 0.0f;
         memcpy(&number, field, sizeof number);
         *value = (double)number;
-        return !(key->kind == RIG_KEY_FLOAT_OR_NONE && number < 0.0f);
+        // Other negative numbers are no word: what refuses them shows them as they are.
+        return !(key->kind == RIG_KEY_FLOAT_OR_NONE && number == LODE_NONE);
     }
     if (key->kind == RIG_KEY_DOUBLE || key->kind == RIG_KEY_DOUBLE_OR) {
         memcpy(value, field, sizeof *value);

@@ -183,7 +183,7 @@ static const rig_key_t keys[] = {
     FLOAT("guard", "temperature_still_s", guard.temperature_still_s),
     FLOAT("guard", "bus_still_s", guard.bus_still_s),
     FLOAT_OR_NONE("guard", "overload_s", guard.overload_s),
-    FLOAT("guard", "i_sum_A", guard.i_sum_A),
+    FLOAT_OR_NONE("guard", "i_sum_A", guard.i_sum_A),
     CHOICE("guard", "plausibility", drive.guard.plausibility, "auto|on|off", NULL),
     CHOICE("guard", "open_phase", six.open_phase, "trip|go-on|ignore", NULL),
 

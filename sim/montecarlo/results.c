@@ -175,10 +175,12 @@ static bar_t bar_of(mc_errors_t errors) {
 
 /// Of a campaign in which there is nothing to trip for.
 static bool print_quiet(FILE *file, const count_t *all) {
+    const bool ran = all->periods > 0u;
+    const char *missed = all->false_trips > 0u ? "  BAR MISSED: none" : "";
     (void)fprintf(file, "%.3g periods in RUN, %llu false trips%s\n", (double)all->periods,
                   (unsigned long long)all->false_trips,
-                  all->false_trips > 0u ? "  BAR MISSED: none" : "");
-    return all->false_trips == 0u;
+                  ran ? missed : "  BAR MISSED: no drive ran");
+    return ran && all->false_trips == 0u;
 }
 
 /// How many motors are named by design where that spares them the bars: at most one of twelve, in starts and runs

@@ -130,6 +130,9 @@ FILE *atomic_file_open(const char *path) {
         rig_error("%s: too many output files", path);
         return NULL;
     }
+    if (path[0] == '\0') {
+        return refuse(output, path, "the name is empty");
+    }
     struct stat about;
     if (stat(path, &about) == 0) {
         const char *why = own_use(&about);
@@ -164,7 +167,8 @@ static bool finish(output_t *output) {
     if (written && closed) {
         return true;
     }
-    rig_error("%s: cannot write: %s", output->target, strerror(errno));
+    rig_error("%s: cannot write: %s; expected room for the whole file", output->target,
+              strerror(errno));
     return false;
 }
 

@@ -1,6 +1,7 @@
 #include "support/inputs.h"
 
 #include <errno.h>
+#include <unistd.h>
 
 enum { INPUTS_MAX = 1024 };
 
@@ -13,11 +14,21 @@ typedef struct {
 static input_t inputs[INPUTS_MAX];
 static int count;
 
+/// A device that is no terminal: its text may have no end.
+static bool is_device(FILE *file, const struct stat *about) {
+    return S_ISBLK(about->st_mode) || (S_ISCHR(about->st_mode) && isatty(fileno(file)) == 0);
+}
+
 FILE *inputs_open(const char *path) {
     struct stat about;
     FILE *file = fopen(path, "rb");
     if (file == NULL || fstat(fileno(file), &about) != 0) {
         return file;
+    }
+    if (is_device(file, &about)) {
+        (void)fclose(file);
+        errno = EINVAL;
+        return NULL;
     }
     if (!inputs_include(&about)) {
         if (count == INPUTS_MAX) {

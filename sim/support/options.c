@@ -428,7 +428,12 @@ static bool refuse_option(const command_t *command, int answer, const char *give
     return false;
 }
 
+static bool is_repeatable(int letter) {
+    return letter == 's' || letter == 'l';
+}
+
 static bool parse_options(options_t *options, const command_t *command, int argc, char **argv) {
+    bool given[128] = {false}; // by letter
     struct option known[TABLE_ROWS + 1];
     int rows = 0;
     for (int k = 0; k < TABLE_ROWS; ++k) {
@@ -441,7 +446,8 @@ static bool parse_options(options_t *options, const command_t *command, int argc
     opterr = 0;
     optind = 1;
     for (;;) {
-        const int letter = getopt_long(argc, argv, ":h", known, NULL);
+        int row = 0;
+        const int letter = getopt_long(argc, argv, ":h", known, &row);
         if (letter == -1) {
             return true;
         }
@@ -453,6 +459,11 @@ static bool parse_options(options_t *options, const command_t *command, int argc
         if (letter == '?' || letter == ':') {
             return refuse_option(command, letter, argv[optind - 1]);
         }
+        if (given[letter] && !is_repeatable(letter)) {
+            rig_error("--%s: given twice; expected it once", known[row].name);
+            return false;
+        }
+        given[letter] = true;
         if (!take(options, letter, optarg)) {
             return false;
         }

@@ -36,6 +36,12 @@ def command_line(checks, folder):
         (["run", "start", "--seeds", "1-2", "--jobs", "2x"], "--jobs 2x: expected a whole number"),
         (["run", "start", "--jobs", "2"], "--jobs: expected with --seeds only"),
         (["run", "start", "--seeds", "1-2", "--csv", "a.csv"], "expected no --csv"),
+        (["run", "main", "--seed", "1", "--seed", "2"], "--seed: given twice; expected it once"),
+        (["run", "main", "--json", "a.json", "--json", "b.json"], "--json: given twice"),
+        (["faults", "--motors", "jiang2022", "--motors", "eldeeb2017"], "--motors: given twice"),
+        (["run", "/dev/zero"], "^/dev/zero: Invalid argument; expected an INI file"),
+        (["run", "main", "--set", "plant.flux_map=/dev/zero"], "/dev/zero: Invalid argument; expected a CSV"),
+        (["monte-carlo", "merge", "/dev/zero"], "/dev/zero: Invalid argument"),
         (["replay", "--motor", MOTOR], "replay: expected --recording"),
         (["replay", "--recording", STEADY], "replay: expected --motor"),
         (["design"], "design: expected --motor"),
@@ -195,6 +201,35 @@ def refusals(checks, folder):
             refused(checks, folder, ["run", "s.ini"], rf"^s.ini:{len(text.splitlines())}: {said}")
 
 
+# Numbers below zero where a word stands for none: what else makes the library look at the key.
+BELOW_ZERO = {"hfi.id_A": "hfi.mode=on", "xy.resonance_rad_s": "motor.sets=2 motor.Lxy_H=1e-3"}
+
+
+def words_are_not_said_for_numbers(checks, folder):
+    """Every key with a word for a value: a number that is refused is shown as the number that was typed."""
+    keys = (SOURCE / "sim/config/schema_keys.c").read_text()
+    or_none = re.findall(r'FLOAT_OR_NONE\("(\w+)", "(\w+)"', keys)
+    or_none += re.findall(r'PLAIN\("(\w+)", "(\w+)", \S+, RIG_KEY_FLOAT_OR_NONE\)', keys)
+    or_word = re.findall(r'NUMBER_OR\("(\w+)", "(\w+)", \S+, \S+, \S+, "(\w+)"\)', keys)
+    or_word += [("phase.start", *found) for found in re.findall(r'PHASE_NUMBER_OR\("(\w+)", .*"(\w+)"\)', keys)]
+    checks.equal((len(or_none), len(or_word)), (10, 3), "keys with a word")
+    or_none.remove(("references", "id_bias_A")) # any number below zero is none
+    refused(checks, folder, ["run", "main", "--set", "references.id_bias_A=-5", "--set", "references.omega_low_rad_s=300"],
+            r"; here \[references\] id_bias_A = -5, ")
+    for section, key in or_none:
+        more = BELOW_ZERO.get(f"{section}.{key}", "").split()
+        for typed in ("-5", "-2.5", "-1e30"):
+            sets = [word for one in [f"{section}.{key}={typed}", *more] for word in ("--set", one)]
+            refused(checks, folder, ["run", "main", *sets],
+                    rf"^--set: \[{section}\] {key} = {re.escape(typed.replace('1e30', '1e+30'))}: LODE_ERROR_")
+        sets = [word for one in [f"{section}.{key}=none", *more] for word in ("--set", one)]
+        design = folder.run("design", "--motor", MOTOR, "--drive", DRIVE, *sets)
+        checks.equal(design.returncode, 0, f"exit code with {section}.{key} = none: {design.stderr}")
+    for section, key, word in or_word:
+        refused(checks, folder, ["run", "main", "--set", f"{section}.{key}=-2e9"],
+                rf"\[{section}\] {key}: expected a number in .* or {word}, not '-2e9'")
+
+
 def defaults_that_are_refused(checks, folder):
     """Where a default is refused, what it was computed from is named: nobody wrote the default."""
     motor = ("[motor]\npoles = 14\nR_line_line_mOhm = 110\nL_line_line_uH = 60\nJ_gcm2 = 300\n"
@@ -240,6 +275,8 @@ def others_than_the_library(checks, folder):
     refused(checks, folder, ["run", "main", "--set", "plant.i_cross_A=5", "--set",
                               "plant.Ldq_H=0.01"],
             r"^--set: \[plant\] Ldq_H = 0.01: refused by the plant: Ldq_H, too large")
+    refused(checks, folder, ["commission", "--motor", MOTOR, "--drive", DRIVE, "--set", "motor.pole_pairs=1e30"],
+            r"^--set: \[motor\] pole_pairs = 1e\+30: refused by the plant: pole_pairs must be")
     refused(checks, folder, ["run", "main", "--set", "plant.stiction_Nm=1"],
             r"^--set: \[plant\] stiction_Nm = 1: is that of a passive load; expected load_kind = passive")
     refused(checks, folder, ["run", "main", "--set", "start.signal_check=on", "--set", "start.pulses=off"],
@@ -297,7 +334,8 @@ def ini_files(checks, folder):
         (scenario.replace(f"drive = {DRIVE}\n", ""), r"\[drive\] f_pwm_Hz: missing; expected it in a file \(--drive F.ini\), or"),
         ("Rs_Ohm = 1\n" + scenario, r"s.ini:1: Rs_Ohm: stands before the first \[section\]; is \[motor\] Rs_Ohm meant"),
         ("", "missing|no .phase.NAME."),
-        (b"\x00\xff\x00\n", "expected"),
+        (b"\x00\xff\x00\n", "s.ini:1: a zero octet; expected text"),
+        (1000 * b"\x00", "s.ini:1: a zero octet; expected text"),
     ]:
         path = folder.write("s.ini", text)
         refused(checks, folder, ["run", path], pattern)
@@ -365,6 +403,7 @@ def main():
         command_line(checks, folder)
         values(checks, folder)
         refusals(checks, folder)
+        words_are_not_said_for_numbers(checks, folder)
         defaults_that_are_refused(checks, folder)
         others_than_the_library(checks, folder)
         estimator_names(checks, folder)

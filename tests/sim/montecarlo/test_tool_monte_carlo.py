@@ -154,6 +154,9 @@ def quiet(checks, folder):
     checks.true(done.stdout.replace("m.json", "again.json").endswith(again.stdout), f"merged: {again.stdout}{again.stderr}")
     checks.equal((folder.path / "again.json").read_text(), text, "the file, merged")
     # 90 % of rated speed is 424.12 rad/s; a lower limit would refuse the command.
+    none = folder.run("monte-carlo", "quiet", "--motors", "jiang2022", "--n", 1, "--set", "motor.psi_Wb=100")
+    checks.equal(none.returncode, 1, "exit code of drives that were all refused")
+    checks.true("0 periods in RUN, 0 false trips  BAR MISSED: no drive ran" in none.stdout, f"{none.stdout}")
     low = folder.run("monte-carlo", "quiet", "--motors", "jiang2022", "--n", 1, "--set", "guard.omega_max_rad_s=424.13")
     checks.equal(low.returncode, 1, "a trip at a speed that is asked for")
     checks.true("1 false trips  BAR MISSED: none" in low.stdout, f"a false trip is counted: {low.stdout}")

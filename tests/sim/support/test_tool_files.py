@@ -20,13 +20,14 @@ def bad_paths(checks, folder):
         refused(checks, folder, ["run", "main", option, "no/such/folder/a"],
                 "no/such/folder/a: cannot write: No such file or directory; expected a path in")
         refused(checks, folder, ["run", "main", option, "."], "cannot write: it is a folder")
+        refused(checks, folder, ["run", "main", option, ""], "cannot write: the name is empty; expected a path")
     refused(checks, folder, ["run", "main", "--csv", "a", "--json", "a"], "two outputs of that name")
     refused(checks, folder, [*REPLAY, "--out", "no/o.csv", "--json", "o.json"], "cannot write")
     if os.geteuid() != 0:  # root may write anywhere
         (folder.path / "closed").mkdir(mode=0o500)
         refused(checks, folder, ["run", "main", "--csv", "closed/a"], "Permission denied")
     if pathlib.Path("/dev/full").exists():
-        refused(checks, folder, ["run", "main", "--csv", "/dev/full"], "/dev/full: cannot write")
+        refused(checks, folder, ["run", "main", "--csv", "/dev/full"], "/dev/full: cannot write: .*; expected room")
         refused(checks, folder, [*REPLAY, "--out", "/dev/full", "--json", "never.json"],
                 "/dev/full: cannot write")
     done = folder.run(*REPLAY, "--out", "/dev/null")
