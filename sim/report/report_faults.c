@@ -72,6 +72,9 @@ static void print_cell(FILE *file, const fault_result_t *one) {
     if (one->back_deg >= 1.0) {
         (void)fprintf(file, ", back %.3g deg", one->back_deg);
     }
+    if (one->given_up > 0) {
+        (void)fprintf(file, ", given up %d", one->given_up);
+    }
     (void)fprintf(file, " |");
 }
 
@@ -129,8 +132,8 @@ void report_faults_page(FILE *file, const char *tables) {
         "Less of the current that was asked for, or more of it within i_max, is torque that a load "
         "might have taken or given as well: it is judged by the speed. A speed that was off by as "
         "much for 0.1 s and came back is told: `the speed dips`. What was wrong until a start was "
-        "given up for lost right after its hand-over is told too, by the telemetry's `retries`. Of "
-        "a kind that comes in many the worst is told.\n\n"
+        "given up for lost right after its hand-over is told too, by the telemetry's `retries`; "
+        "`given up` says how often that was. Of a kind that comes in many the worst is told.\n\n"
         "The plant switches, with dead time and noise. It has no over-current path in hardware, "
         "which a real bridge must have: where interrupts are missed or a switch is shorted, the "
         "current is what the motor makes of it. Bus and temperature have a count of noise, and "
@@ -165,6 +168,7 @@ void report_faults_json(cJSON *root, const report_faults_t *report) {
         config_json_number(item, "found_s", one->found_s);
         config_json_number(item, "peak_A", one->peak_A);
         config_json_number(item, "back_deg", one->back_deg);
+        config_json_number(item, "given_up", one->given_up);
         config_json_number(item, "tried", one->tried);
         config_json_number(item, "silent_of_tried", one->silent);
     }

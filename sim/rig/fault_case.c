@@ -234,6 +234,7 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *ki
             result.harm |= harm_now(self, &rig, point, &truth, &last);
             if (rig.drive->losses > losses) { // a start given up for lost, which telemetry tells
                 result.harm &= FAULT_HARM_DIP;
+                result.given_up++;
                 last = (lasting_t){.rotor_s = 0.0};
             }
             losses = rig.drive->losses;

@@ -49,8 +49,9 @@ typedef struct {
     double peak_A;      ///< of a phase, in truth
     double back_deg;    ///< largest turn against the commanded direction, mechanical
     int harm;           ///< FAULT_HARM_..., before it was found
-    int tried;          ///< of a kind that comes in many: how many; 0: the state is left out
-    int silent;         ///< ... and how many of them were silent
+    int given_up; ///< starts given up for lost right after their hand-over, before it was found
+    int tried;    ///< of a kind that comes in many: how many; 0: the state is left out
+    int silent;   ///< ... and how many of them were silent
 } fault_result_t;
 
 /// Loads nothing: `config` is designed and accepted. False, after a message, where the drive does not

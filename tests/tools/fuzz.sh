@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # usage: fuzz.sh build | fuzz.sh seeds | fuzz.sh run NAME | fuzz.sh night [INPUTS] | fuzz.sh keep NAME
-# build: all libFuzzer programs. seeds: each of them over its seeds, tests/fuzz/corpus/*.hex, once. run: one of them, for 20 s or 1 000 000 inputs, for five minutes in a
-# campaign (LODE_TEST_FULL=1), for LODE_FUZZ_SECONDS where that is given. night: builds all and runs them in
-# turns of a minute, one on each processor, until they have tried INPUTS in all (10^9 unless told); each
+# build: all libFuzzer programs. seeds: each of them over its seeds, tests/fuzz/corpus/*.hex, once.
+# run: one of them, for 20 s or 1 000 000 inputs, for five minutes in a campaign (LODE_TEST_FULL=1), for
+# LODE_FUZZ_SECONDS where that is given. night: builds all and runs them in turns of a minute, one on each processor, until they have tried INPUTS in all (10^9 unless told); each
 # goes on from what it has found. keep: of what a program has found, the seeds are joined by the inputs that
 # reach branches which no other reaches. An input that fails is left beside the program.
 set -eu -o pipefail
@@ -60,10 +60,9 @@ if [ "$1" = night ]; then
     exit
 fi
 
-# Into a folder of their own, whose name is printed.
-unpack_seeds() { # program
-    python3 tests/tools/fuzz_seeds.py unpack "tests/fuzz/corpus/${1#fuzz_}.hex" "$work/seeds-$1" >&2
-    echo "$work/seeds-$1"
+# The seeds' folder; programs that run at the same time have each their own.
+unpack_seeds() { # program, folder
+    python3 tests/tools/fuzz_seeds.py unpack "tests/fuzz/corpus/${1#fuzz_}.hex" "$2"
 }
 
 # libFuzzer would end with 77 on a finding, which is the code for a skipped test.
@@ -73,8 +72,8 @@ if [ "$1" = seeds ]; then
     for program in tests/fuzz/fuzz_*.c; do
         name=$(basename "$program" .c)
         [ -x "$work/tests/fuzz/$name" ] || skip "$name was not built"
-        seeds=$(unpack_seeds "$name")
-        inputs=("$seeds"/*)
+        unpack_seeds "$name" "$work/replayed-$name"
+        inputs=("$work/replayed-$name"/*)
         "$work/tests/fuzz/$name" "${options[@]}" "${inputs[@]}" >"$work/$name-seeds.log" 2>&1 || {
             tail -n 60 "$work/$name-seeds.log"
             exit 1
@@ -87,7 +86,8 @@ fi
 name=$2
 program=$work/tests/fuzz/$name
 [ -x "$program" ] || skip "$program was not built"
-seeds=$(unpack_seeds "$name")
+seeds=$work/seeds-$name
+unpack_seeds "$name" "$seeds"
 corpus=$work/corpus-$name
 mkdir -p "$corpus"
 if [ "$1" = keep ]; then

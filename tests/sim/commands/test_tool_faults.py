@@ -3,7 +3,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
-from tool import Checks, Folder, refused
+from tool import FULL, Checks, Folder, refused
 
 
 def cases_of(folder, *arguments):
@@ -50,6 +50,21 @@ def tries_bridge_and_sensors_before_a_start(checks, folder):
             checks.at_most(case["peak_A"], 0.5 * i_max_A, f"{kind} of {motor}")
 
 
+# Small and large, with little and much resistance, of much and little saliency, light and heavy, six phases.
+OTHERS = ("servo_48V", "drone_900KV", "traction_400V", "pmsyrm_5kW", "compressor_310V", "ultrazohm6")
+# What docs/evidence.md names of them: sensors that come to show 0.4 of the current in a start.
+SILENT = {(motor, "gains-0.4", "start") for motor in ("servo_48V", "ultrazohm6")}
+
+
+def nothing_is_silent_with_other_motors(checks, folder):
+    """All kinds, with the bits of one seed."""
+    for motor in OTHERS:
+        _, cases = cases_of(folder, "--motors", motor, "--seed", "1")
+        silent = {(motor, *case) for case, one in cases.items() if one["silent"]}
+        checks.equal(silent - SILENT, set(), f"silent with {motor}")
+        checks.true(len(cases) >= 50 * 4, f"{len(cases)} cases of {motor}")
+
+
 def finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder):
     kind = ("--motors", "jiang2022", "--kinds", "ntc-stuck")
     done, cases = cases_of(folder, *kind)
@@ -79,6 +94,13 @@ def leaves_out_where_the_speed_does_not_settle(checks, folder):
     checks.true("-: left out, the speed does not settle there" in done.stdout, "its note")
     refused(checks, folder, ["faults", "--motors", "jiang2022", "--set", "start.timeout_s=0.2"],
             "expected a drive that reaches the state")
+
+
+def tells_starts_that_were_given_up(checks, folder):
+    done, cases = cases_of(folder, "--motors", "jiang2022", "--kinds", "none,gains-0.7")
+    checks.true(all(case["given_up"] >= 0 for case in cases.values()), "counted")
+    given_up = sum(case["given_up"] > 0 for case in cases.values())
+    checks.equal(done.stdout.count(", given up "), given_up, "cells that tell it")
 
 
 def page(checks, folder):
@@ -112,5 +134,7 @@ with Folder() as folder:
     same_with_any_number_of_processes(checks, folder)
     leaves_out_where_the_speed_does_not_settle(checks, folder)
     page(checks, folder)
+    if FULL:
+        nothing_is_silent_with_other_motors(checks, folder)
     refuses(checks, folder)
 checks.done()
