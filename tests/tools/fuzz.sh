@@ -2,9 +2,10 @@
 # usage: fuzz.sh build | fuzz.sh seeds | fuzz.sh run NAME | fuzz.sh night [INPUTS] | fuzz.sh keep NAME
 # build: all libFuzzer programs. seeds: each of them over its seeds, tests/fuzz/corpus/*.hex, once.
 # run: one of them, for 20 s or 1 000 000 inputs, for five minutes in a campaign (LODE_TEST_FULL=1), for
-# LODE_FUZZ_SECONDS where that is given. night: builds all and runs them in turns of a minute, one on each processor, until they have tried INPUTS in all (10^9 unless told); each
-# goes on from what it has found. keep: of what a program has found, the seeds are joined by the inputs that
-# reach branches which no other reaches. An input that fails is left beside the program.
+# LODE_FUZZ_SECONDS where that is given. night: builds all and runs them in turns of a minute, one on each
+# processor, until they have tried INPUTS in all (10^9 unless told); each goes on from what it has found.
+# keep: of what a program has found, the seeds are joined by the inputs that reach branches which no other
+# reaches. An input that fails is left beside the program.
 set -eu -o pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 cd "$root"
