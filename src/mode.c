@@ -177,7 +177,7 @@ static inline uint32_t byte_of(const unsigned char *word, uint32_t n) {
 
 // A word of a tuning. Read as bytes: that may be done with any object, and compilers make one load of it.
 static inline uint32_t word_at(lode_words_t tuning, uint32_t n) {
-    const unsigned char *word = &tuning.from[n * sizeof(uint32_t)];
+    const unsigned char *word = tuning.from + n * sizeof(uint32_t);
     return byte_of(word, 0u) | byte_of(word, 1u) | byte_of(word, 2u) | byte_of(word, 3u);
 }
 
