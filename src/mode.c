@@ -842,6 +842,21 @@ static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t 
 
 #ifndef LODE_WITHOUT_PRECHARGE
 
+// START after the check of a rotor that is told salient: with the vector ahead of its axis, if that is known (S40).
+static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven) {
+#ifdef LODE_WITHOUT_SIGNAL_CHECK
+    switch_on(self, driven);
+#else
+    const lode_references_tuning_t *motor = &self->tuning->references;
+    const lode_sincos_t axis = lode_signal_check_axis(&self->state.precharge.by.check);
+    const bool known = lode_abs(axis.sin) + lode_abs(axis.cos) > 0.0f;
+    switch_on(self, driven); // ends the precharge's state
+    if (driven == LODE_MODE_START && known && motor->Lq_H * motor->inv_Ld > 1.0f) {
+        lode_start_lead(&self->state.start, axis, self->command.speed_rad_s);
+    }
+#endif
+}
+
 static void follow_precharge(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_mode_t driven = driven_mode(self);
     if (driven == LODE_MODE_OFF) {
@@ -865,7 +880,7 @@ static void follow_precharge(lode_drive_t *self, const lode_sample_t *sample) {
         return;
     }
 #endif
-    switch_on(self, driven);
+    switch_on_ahead(self, driven);
 }
 
 #endif

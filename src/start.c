@@ -385,6 +385,12 @@ void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
     enter(self, self->attempt > 0u ? (uint_least8_t)LODE_START_CATCH : first_stage(tuning));
 }
 
+void lode_start_lead(lode_start_t *self, lode_sincos_t axis, float direction) {
+    const lode_sincos_t ahead = {lode_sign(direction) * 0.5f * LODE_SQRT3, -0.5f}; // 120 degrees
+    self->at = lode_angle_add(axis, ahead);
+    self->stands = 1u;
+}
+
 static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     const float step = lode_start_ease(self) * tuning->omega_step;
     return tuning->still_rounds + tuning->omega_handover / ((float)LODE_SLOW_PERIODS * step);
@@ -429,6 +435,7 @@ void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning) {
     self->at = (lode_sincos_t){0.0f, 1.0f}; // on a phase, for the measurement
     self->omega_rad_s = 0.0f;
     self->current_A = 0.0f;
+    self->stands = 0u; // the rotor is anywhere now
     self->failed = self->failed == 0u ? 1u : LODE_START_FAILED_MAX;
     enter(self, first_stage(tuning));
 }
@@ -538,6 +545,7 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     if (current_A > 0.0f) {
         last = self->failed >= LODE_START_FAILED_MAX;
     } else {
+        self->stands = 0u;
 #ifndef LODE_WITHOUT_START_MEASUREMENT
         if (self->stage < (uint_least8_t)LODE_START_TURN) {
             enter(self, (uint_least8_t)LODE_START_TURN); // a stop ends the measurement

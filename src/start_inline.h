@@ -58,7 +58,8 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
         const float most = self->omega_step;
         self->omega_rad_s += lode_clamp(self->omega_target - self->omega_rad_s, -most, most);
         advance_rad = ts_s * self->omega_rad_s;
-    } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f)) {
+    } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f) &&
+               self->stands == 0u) {
         advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
 #ifndef LODE_WITHOUT_START_MEASUREMENT
         if (self->stage == (uint_least8_t)LODE_START_HALF) {
@@ -66,7 +67,7 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
         }
 #endif
     } else {
-        // the vector rests while it is measured, or its current rises on at the speed that there is
+        // the vector rests while it is measured or stands ahead of the rotor, or its current rises on at the speed that there is
     }
     self->current_A += lode_clamp(self->current_target - self->current_A, -tuning->current_step,
                                   tuning->current_step);

@@ -44,6 +44,9 @@ static bool reach(rig_t *rig, lode_mode_t mode, double seconds) {
     return false;
 }
 
+/// From here the first vector of a start (S40) hardly swings the rotor, in either direction.
+#define CALM_rad CHECK_PI
+
 /// Into RUN at a mechanical speed.
 static void run_up(rig_t *rig, double speed, double within_s) {
     rig_command(rig, run_at(speed));
@@ -1288,6 +1291,49 @@ static void test_the_current_of_a_trip_is_told(void) {
     CHECK_NEAR(0.1, hypot(25.0, 3.0),
                hypot((double)lode_channel_read(&rig.drive, LODE_CHANNEL_I_ALPHA),
                      (double)lode_channel_read(&rig.drive, LODE_CHANNEL_I_BETA)));
+}
+
+/// The rotor at `theta`, the vector of a start when its current begins. Until it turns it stands, or sweeps where `sweeps`.
+static double first_vector(lode_drive_config_t config, double theta, float direction, bool sweeps) {
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.motor.theta = theta;
+    rig_command(&rig, run_at(80.0f * direction));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 1.0));
+    const lode_start_t *start = &rig.drive.state.start;
+    while (!(start->current_A > 0.0f)) {
+        rig_step(&rig);
+    }
+    const double first = atan2((double)start->at.sin, (double)start->at.cos);
+    double moved = 0.0;
+    while (start->stage != (uint_least8_t)LODE_START_TURN) {
+        rig_step(&rig);
+        rig_expect(&rig, LODE_MODE_START);
+        const double now = atan2((double)start->at.sin, (double)start->at.cos);
+        moved = fmax(moved, fabs(angle_error(now, first)));
+    }
+    TEST_ASSERT_EQUAL_INT(sweeps, moved > 1.0);
+    TEST_ASSERT_TRUE(sweeps || moved < 1.0e-3);
+    return first;
+}
+
+/// (S40). From every angle, with either polarity and direction: the first vector is 90 to 150 degrees ahead of the rotor's
+/// d axis, or of its opposite. Not so of a rotor that is told round or with the larger Ld, or without the signal check.
+static void test_the_first_vector_leads_the_axis_of_a_salient_rotor(void) {
+    for (int k = 0; k < 24; k++) {
+        const double theta = (k + 0.3) * CHECK_PI / 12.0;
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const double at = first_vector(rig_config(), theta, (float)sign, false);
+            const double lead = remainder(sign * (at - theta) - 2.0 * CHECK_PI / 3.0, CHECK_PI);
+            CHECK_NEAR(31.0 * CHECK_PI / 180.0, 0.0, lead);
+        }
+    }
+    lode_drive_config_t config = rig_config();
+    config.start.signal_check = LODE_OFF;
+    CHECK_NEAR(0.1, 0.0, first_vector(config, 1.5, 1.0f, true));
+    config = rig_config();
+    config.motor.Ld_H = config.motor.Lq_H;
+    CHECK_NEAR(0.1, 0.0, first_vector(config, 1.5, 1.0f, true));
 }
 
 /// A winding of twice the resistance is corrected by as much as one may be warmer, and no more: 0.75 of it. Two rest
@@ -2780,6 +2826,7 @@ static void test_the_row_of_every_fault_keeps_the_values_of_its_step(void) {
     config.inverter.pwm_ticks = 8400.0f;
     rig_t running;
     rig_init(&running, &tuning, &config);
+    running.motor.theta = CALM_rad;
     running.load_Nm = 1.0;
     run_up(&running, 100.0, 8.0);
     rig_run(&running, 1.0);
@@ -2961,6 +3008,7 @@ static int periods_until_it_ends(rig_t *rig, float omega, float vector, float lo
 static rig_t on_its_way(const lode_drive_config_t *config, uint_least8_t failed) {
     rig_t rig;
     rig_init(&rig, &tuning, config);
+    rig.motor.theta = CALM_rad;
     rig_command(&rig, run_at(80.0));
     for (int n = 0; n < 20000 && !(rig.drive.mode == (uint_least8_t)LODE_MODE_START &&
                                    rig.drive.state.start.omega_rad_s > 1.0f);
@@ -3738,6 +3786,7 @@ static void test_a_bus_that_stands_still_trips_where_the_emf_has_moved(void) {
 static rig_t proven(const lode_drive_config_t *config, double speed) {
     rig_t rig;
     rig_init(&rig, &tuning, config);
+    rig.motor.theta = CALM_rad;
     run_up(&rig, speed, 8.0);
     rig_run(&rig, 1.0);
     TEST_ASSERT_EQUAL_UINT(0u, rig.drive.state.run.proving);
@@ -3918,7 +3967,7 @@ static void test_another_flux_is_named_though_the_lock_holds(void) {
     rig_t rig = proven(&config, 100.0);
     rig.load_Nm = 3.0;
     rig_run(&rig, 1.0);
-    const double more[] = {0.25, -0.3};
+    const double more[] = {0.27, -0.3}; // (P25) is 0.24 here
     for (int n = 0; n < COUNT_OF(more); n++) {
         const lode_fault_t fault = with_less_flux(rig, more[n]);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_FLUX", lode_check_name(fault.check));
@@ -4480,6 +4529,7 @@ int main(void) {
     RUN_TEST(test_mail_is_read_once);
     RUN_TEST(test_the_current_of_a_trip_is_told);
     RUN_TEST(test_much_resistance_is_corrected_in_part);
+    RUN_TEST(test_the_first_vector_leads_the_axis_of_a_salient_rotor);
     RUN_TEST(test_after_a_mailbox_that_lies_the_drive_can_be_started_again);
     RUN_TEST(test_a_post_that_is_not_told_is_found);
     RUN_TEST(test_the_guard_counts_anew_from_the_low_sides_on);

@@ -31,9 +31,11 @@ static rig6_t fresh(void) {
     return rig_with(&config);
 }
 
-/// In RUN at `rpm` and settled, with the load.
+/// In RUN at `rpm` and settled, with the load. From this angle the first vector hardly swings the rotor, which would leave some
+/// of its EMF in the resistance measured.
 static rig6_t turning(const lode_drive6_config_t *config, double rpm, double load_Nm) {
     rig6_t rig = rig_with(config);
+    rig.theta = CHECK_PI;
     rig6_command(&rig, run_at(rpm));
     rig6_run(&rig, 2.5);
     rig.load_Nm = load_Nm;

@@ -153,25 +153,31 @@ static void keep(board_t *self, lode_ab_t e) {
 }
 
 /// A whole check, of `sets` that are alike; `periods` that it took.
-static lode_finding_t checked(board_t *self, const lode_signal_check_tuning_t *tuning,
-                              int *periods) {
-    lode_signal_check_t check;
-    lode_signal_check_begin(&check, tuning, true);
+static lode_finding_t checked_by(lode_signal_check_t *check, board_t *self,
+                                 const lode_signal_check_tuning_t *tuning, int *periods) {
+    lode_signal_check_begin(check, tuning, true);
     *periods = 0;
-    while (lode_signal_check_goes_on(&check, tuning)) {
+    while (lode_signal_check_goes_on(check, tuning)) {
         int32_t i[LODE_PHASES];
         sample(self, i);
-        const lode_ab_t e = lode_signal_check_step(&check, tuning, &sense, i);
+        const lode_ab_t e = lode_signal_check_step(check, tuning, &sense, i);
         const lode_finding_t found =
-            lode_signal_check_judge(&check, tuning, (float)V_BUS_V, PAPER_TS_s);
+            lode_signal_check_judge(check, tuning, (float)V_BUS_V, PAPER_TS_s);
         ++*periods;
         if (found.check != LODE_CHECK_NONE) {
             return found;
         }
-        move(self, lode_signal_check_drives(&check));
+        move(self, lode_signal_check_drives(check));
         keep(self, e);
     }
     return (lode_finding_t){LODE_CHECK_NONE, 0.0f, 0.0f};
+}
+
+/// The same, where nothing else of it is looked at.
+static lode_finding_t checked(board_t *self, const lode_signal_check_tuning_t *tuning,
+                              int *periods) {
+    lode_signal_check_t check;
+    return checked_by(&check, self, tuning, periods);
 }
 
 static lode_finding_t once(board_t self) {
@@ -669,8 +675,94 @@ static void test_voltage_of_a_pulse(void) {
                (double)less.least_A_V);
 }
 
+static void expect_nothing(lode_finding_t found) {
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_NONE", lode_check_name(found.check));
+}
+
+/// The axis that a check of `self` finds; no sine and no cosine: none.
+static lode_sincos_t axis_seen(board_t self, const lode_signal_check_tuning_t *tuning) {
+    lode_signal_check_t check;
+    int periods;
+    expect_nothing(checked_by(&check, &self, tuning, &periods));
+    return lode_signal_check_axis(&check);
+}
+
+/// Degrees from the axis to the d axis or its opposite, by size.
+static double off_deg(lode_sincos_t axis, double theta) {
+    CHECK_NEAR(1.0e-6, 1.0, hypot((double)axis.sin, (double)axis.cos));
+    const double at = atan2((double)axis.sin, (double)axis.cos);
+    return fabs(remainder(theta - at, CHECK_PI)) * 180.0 / CHECK_PI;
+}
+
+/// (S40). Of six axes 60 degrees apart the next one is within 30 degrees; gains that differ as sensors' do add little.
+static void test_the_axis_next_to_the_rotor_is_found(void) {
+    const lode_signal_check_tuning_t tuning = tuned();
+    for (int k = 0; k < 72; k++) {
+        const double theta = (double)k * CHECK_PI / 36.0;
+        board_t board = board_at(theta);
+        CHECK_AT_MOST(30.5, off_deg(axis_seen(board, &tuning), theta));
+        board.gain[0] = 1.02;
+        board.gain[1] = board.gain[2] = 0.98;
+        CHECK_AT_MOST(31.5, off_deg(axis_seen(board, &tuning), theta));
+    }
+}
+
+/// As long as there is more of it than of gains that differ: to within 25 degrees, or it is not known.
+static void test_an_axis_is_known_by_enough_saliency(void) {
+    int known[3] = {0, 0, 0};
+    const double Lq_H[] = {3.5e-3, 3.75e-3, 4.6e-3};
+    for (int n = 0; n < COUNT_OF(Lq_H); n++) {
+        const lode_signal_check_tuning_t tuning = tuned_to(3.5e-3, Lq_H[n]);
+        for (int k = 0; k < ANGLES; k++) {
+            for (int x = 0; x < 3; x++) {
+                const double theta = (double)k * 2.0 * CHECK_PI / ANGLES;
+                board_t board = board_at(theta);
+                board.motor.Lq = Lq_H[n];
+                board.gain[0] = board.gain[1] = board.gain[2] = 0.98;
+                board.gain[x] = 1.02;
+                const lode_sincos_t axis = axis_seen(board, &tuning);
+                if (hypot((double)axis.sin, (double)axis.cos) > 0.0) {
+                    known[n]++;
+                    CHECK_AT_MOST(55.0, off_deg(axis, theta));
+                }
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(0, known[0]);
+    TEST_ASSERT_TRUE(known[1] > 0 && known[1] < 3 * ANGLES);
+    TEST_ASSERT_EQUAL_INT(3 * ANGLES, known[2]);
+}
+
+/// Another set, and another check, say nothing of it; a rotor that turns after all has none.
+static void test_the_axis_is_that_of_set_1_at_rest(void) {
+    lode_signal_check_tuning_t tuning = tuned();
+    lode_signal_check_t check;
+    int periods;
+    board_t board = board_at(1.0);
+    tuning.pulses = 12u;
+    expect_nothing(checked_by(&check, &board, &tuning, &periods));
+    TEST_ASSERT_EQUAL_INT(2 * PERIODS, periods);
+    CHECK_AT_MOST(30.5, off_deg(lode_signal_check_axis(&check), 1.0));
+    lode_signal_check_t turns = check;
+    turns.pulse = 6u; // of set 2
+    const int32_t none[LODE_PHASES] = {0, 0, 0};
+    const int32_t some[LODE_PHASES] = {60 * 256, -30 * 256, -30 * 256};
+    for (int n = 0; n < 3; n++) {
+        (void)lode_signal_check_step(&turns, &tuning, &sense, n == 2 ? some : none);
+    }
+    TEST_ASSERT_FALSE(lode_signal_check_goes_on(&turns, &tuning));
+    TEST_ASSERT_EQUAL_UINT(0u, turns.axis);
+    lode_signal_check_begin(&check, &tuning, false);
+    TEST_ASSERT_EQUAL_UINT(0u, check.axis);
+    const lode_sincos_t unknown = lode_signal_check_axis(&check);
+    CHECK_NEAR(0.0, 0.0, hypot((double)unknown.sin, (double)unknown.cos));
+}
+
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_the_axis_next_to_the_rotor_is_found);
+    RUN_TEST(test_an_axis_is_known_by_enough_saliency);
+    RUN_TEST(test_the_axis_is_that_of_set_1_at_rest);
     RUN_TEST(test_what_is_in_order_passes);
     RUN_TEST(test_gains_two_per_cent_apart_pass);
     RUN_TEST(test_one_gain_that_is_off_shows_in_the_sum);

@@ -145,8 +145,42 @@ static void test_a_vector_that_is_measured_sweeps_to_two_axes(void) {
     CHECK_CLOSE(0.02, 5.0 / 3.0 * CHECK_PI, swept);
 }
 
+/// (S40). Ahead of the axis in the direction asked for, and no sweep, with half of the current and with all of it; in the attempt
+/// that follows, and after a stop, nothing is known of the rotor any more.
+static void test_a_vector_that_leads_the_axis_stands(void) {
+    const lode_start_config_t config = measuring();
+    const lode_start_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int k = 0; k < 6; k++) {
+            lode_start_t start;
+            lode_start_begin(&start, &tuning);
+            lode_start_lead(&start, lode_sincos((float)(k * CHECK_PI / 3.0)), 5.0f * (float)sign);
+            const double ahead = k * CHECK_PI / 3.0 + sign * 2.0 * CHECK_PI / 3.0;
+            int n = 1;
+            for (; n <= 5000 && start.stage != LODE_START_TURN; n++) {
+                lode_start_found_t found;
+                if (n % ROUND == 2) {
+                    (void)lode_start_measure(&start, &tuning, no_emf, &found);
+                }
+                const float angle = step(&start, &tuning, n, 47.0f * (float)sign, 8.0f, no_emf);
+                CHECK_NEAR(1.0e-5, 0.0, angle_error(ahead, (double)angle));
+            }
+            TEST_ASSERT_EQUAL_INT(LODE_START_TURN, start.stage);
+            CHECK_NEAR(0.01, 8.0, start.current_A);
+            lode_start_t again = start;
+            lode_start_again(&again, &tuning);
+            TEST_ASSERT_EQUAL_UINT(0u, again.stands);
+            (void)lode_start_aim(&start, &tuning, 0.0f, 8.0f);
+            TEST_ASSERT_EQUAL_UINT(1u, start.stands);
+            (void)lode_start_aim(&start, &tuning, 0.0f, 0.0f);
+            TEST_ASSERT_EQUAL_UINT(0u, start.stands);
+        }
+    }
+}
+
 /// Degrees by which a free rotor turns back until its vector has its speed: `J_kgm2` is told, `error` times it is true.
-static double turned_back_deg(double J_kgm2, double error, double theta0_rad) {
+/// The first vector sweeps, or leads by `lead_rad` of either sign.
+static double turned_back_deg(double J_kgm2, double error, double theta0_rad, double lead_rad) {
     lode_motor_t motor = paper_motor();
     motor.Lq_H = motor.Ld_H;
     motor.J_kgm2 = (float)J_kgm2;
@@ -162,6 +196,10 @@ static double turned_back_deg(double J_kgm2, double error, double theta0_rad) {
                           lode_start_tune(&tuning, &config, &inverter, &motor, 1.0e4f, PAPER_TS_s));
     lode_start_t start;
     lode_start_begin(&start, &tuning);
+    if (fabs(lead_rad) > 0.0) {
+        const double axis = theta0_rad + lead_rad - 2.0 * CHECK_PI / 3.0;
+        lode_start_lead(&start, lode_sincos((float)axis), 1.0f);
+    }
     double theta = theta0_rad;
     double omega = 0.0;
     double lowest = theta0_rad;
@@ -191,7 +229,7 @@ static void test_a_free_rotor_hardly_turns_back_by_more_than_half_a_turn(void) {
         for (double error = 0.5; error <= 2.0; error *= 2.0) {
             for (int k = -18; k < 18; k++) {
                 const double back_deg =
-                    turned_back_deg(0.0174 / lighter, error, (double)k * CHECK_PI / 18.0);
+                    turned_back_deg(0.0174 / lighter, error, (double)k * CHECK_PI / 18.0, 0.0);
                 beyond += back_deg > 200.0 ? 1 : 0;
                 all++;
             }
@@ -199,6 +237,24 @@ static void test_a_free_rotor_hardly_turns_back_by_more_than_half_a_turn(void) {
     }
     TEST_ASSERT_EQUAL_INT(756, all);
     CHECK_AT_MOST(4.0, (double)beyond);
+}
+
+/// (S40): the same rotors, with an axis that is known to 25 degrees. The vector is 65 to 175 degrees ahead of the one polarity, and
+/// 115 to 5 degrees behind the other.
+static void test_a_rotor_whose_axis_is_known_turns_back_by_less(void) {
+    double most_deg = 0.0;
+    for (double lighter = 1.0; lighter <= 26.0; lighter *= 1.71) {
+        for (double error = 0.5; error <= 2.0; error *= 2.0) {
+            for (int lead_deg = 65; lead_deg <= 175; lead_deg += 10) {
+                const double ahead = lead_deg * CHECK_PI / 180.0;
+                const double J = 0.0174 / lighter;
+                CHECK_AT_MOST(20.0, turned_back_deg(J, error, 0.3, ahead));
+                most_deg = fmax(most_deg, turned_back_deg(J, error, 0.3, ahead - CHECK_PI));
+            }
+        }
+    }
+    CHECK_AT_MOST(200.0, most_deg);
+    CHECK_AT_LEAST(115.0, most_deg);
 }
 
 static void test_way_back_takes_up_a_turning_vector(void) {
@@ -1707,6 +1763,8 @@ int main(void) {
     RUN_TEST(test_the_vector_sweeps_while_the_current_rises);
     RUN_TEST(test_a_vector_that_is_measured_sweeps_to_two_axes);
     RUN_TEST(test_a_free_rotor_hardly_turns_back_by_more_than_half_a_turn);
+    RUN_TEST(test_a_rotor_whose_axis_is_known_turns_back_by_less);
+    RUN_TEST(test_a_vector_that_leads_the_axis_stands);
     RUN_TEST(test_way_back_takes_up_a_turning_vector);
     RUN_TEST(test_damping_calms_the_rotor);
     RUN_TEST(test_a_loaded_rotor_at_speed_is_calmed);

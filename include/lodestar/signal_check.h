@@ -1,5 +1,6 @@
 /// Signal check before a start: voltage pulses along each phase axis, out of gates off, one period forward and one back, far
-/// too short to turn a rotor. What the currents make of them tells bridge and sensors that do not belong together (S37).
+/// too short to turn a rotor. What the currents make of them tells bridge and sensors that do not belong together (S37), and the
+/// axis of a salient rotor (S40).
 ///
 /// A part of LODE_MODE_PRECHARGE, after the low-side pulses (fly.h), which know that the rotor is slow enough for it.
 /// LODE_WITHOUT_SIGNAL_CHECK leaves it out of a build, and so does LODE_WITHOUT_FLYING_START.
@@ -49,6 +50,8 @@ typedef struct {
     uint_least8_t least;        ///< which pulse that is
     uint_least8_t pulse;        ///< the present one; at the end their number
     uint_least8_t period;       ///< of it
+    uint_least8_t
+        axis; ///< pulse from 1 whose phase axis is next to the d axis or opposite; 0: not known
 } lode_signal_check_t;
 
 /// No check where `config` says so, without low-side pulses, where dead time takes too much of a pulse, or where its current
@@ -69,6 +72,10 @@ static inline bool lode_signal_check_goes_on(const lode_signal_check_t *self,
                                              const lode_signal_check_tuning_t *tuning) {
     return (uint32_t)self->pulse < tuning->pulses;
 }
+
+/// After the check: the phase axis that is next to the rotor's d axis, at most 45 degrees off it or opposite to it. A sine and a
+/// cosine of 0: it is not known, as the rotor turns or has too little saliency.
+lode_sincos_t lode_signal_check_axis(const lode_signal_check_t *self);
 
 /// One period. `i`: at t_k, 1/256 count. Returns the voltage that acts from t_k+1 on, per bus volt.
 lode_ab_t lode_signal_check_step(lode_signal_check_t *self,

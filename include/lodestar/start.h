@@ -156,6 +156,7 @@ typedef struct {
     uint_least16_t locked; ///< rounds of LODE_SLOW_PERIODS for which the lock has held
     uint_least8_t stage;   ///< LODE_START_...
     uint_least8_t failed;  ///< attempts, up to three
+    uint_least8_t stands;  ///< 1: the vector leads the rotor's axis, and does not sweep (S40)
 } lode_start_t;
 
 /// Of omega_ready: below, the EMF drowns in the inverter's errors, and the estimator is held to the vector.
@@ -189,6 +190,10 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
 /// From rest, but first with zero current for a while: the voltage that this takes shows a rotor that
 /// turns already.
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
+
+/// After that, of a rotor whose `axis` is next to its d axis or opposite: the vector stands ahead of it, in the `direction` asked
+/// for, while the first attempt's current rises (S40).
+void lode_start_lead(lode_start_t *self, lode_sincos_t axis, float direction);
 
 /// Where the vector shall go: electrical speed and amplitude. Once in LODE_SLOW_PERIODS, also where they
 /// stay, because it counts the time that an attempt takes. True: the attempt has had its time, and has failed.
