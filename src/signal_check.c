@@ -269,9 +269,9 @@ static LODE_NOINLINE uint_least8_t next_axis(const lode_signal_check_t *self,
     float most = 0.0f;
     for (uint32_t x = 0u; x < PHASES; x++) {
         const lode_sincos_t twice = lode_angle_double(axis_of[x]);
-        const float near = lode_park(b, twice).d;
-        if (near > most) {
-            most = near;
+        const float along = lode_park(b, twice).d;
+        if (along > most) {
+            most = along;
             next = x + 1u;
         }
     }
