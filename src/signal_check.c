@@ -257,25 +257,19 @@ static lode_finding_t find_in_bridge(const lode_signal_check_t *self, float puls
                    (float)phase_of[(uint32_t)self->least % LODE_SIGNAL_PULSES], 0.0f);
 }
 
-// The angle of what is mirrored is twice the rotor's (S38), so three axes tell all.
+// The angle of what is mirrored is twice the rotor's (S38): within 60 degrees of 0 it lies next to the axis of a, else to that
+// of c or b.
 static LODE_NOINLINE uint_least8_t next_axis(const lode_signal_check_t *self,
                                              const lode_signal_check_tuning_t *tuning) {
-    const lode_ab_t b = self->mirrored;
+    const lode_ab_t twice = self->mirrored;
     const float least_A = SALIENT * self->along.alpha + SALIENT_NOISE * tuning->turns_A;
-    if (!(lode_ab_length(b) >= least_A)) {
+    if (!(lode_ab_length(twice) >= least_A)) {
         return 0u;
     }
-    uint32_t next = 0u;
-    float most = 0.0f;
-    for (uint32_t x = 0u; x < PHASES; x++) {
-        const lode_sincos_t twice = lode_angle_double(axis_of[x]);
-        const float along = lode_park(b, twice).d;
-        if (along > most) {
-            most = along;
-            next = x + 1u;
-        }
+    if (lode_abs(twice.beta) <= LODE_SQRT3 * twice.alpha) {
+        return 1u;
     }
-    return (uint_least8_t)next;
+    return twice.beta > 0.0f ? 2u : 3u;
 }
 
 lode_sincos_t lode_signal_check_axis(const lode_signal_check_t *self) {

@@ -470,7 +470,7 @@ static void test_the_second_set(void) {
 #define LEAST_A 1.5f
 
 /// What is said after the last pulse of a set, of what the pulses have shown.
-static lode_finding_t said(lode_signal_check_t shown, uint32_t pulses) {
+static lode_finding_t said_by(lode_signal_check_t *shown, uint32_t pulses) {
     const float v_bus_V = 200.0f;
     const lode_signal_check_tuning_t tuning = {.pulse = 0.25f,
                                                .mean_A_V = MEAN_A / v_bus_V,
@@ -479,8 +479,12 @@ static lode_finding_t said(lode_signal_check_t shown, uint32_t pulses) {
                                                .sum_most = 0.28f,
                                                .turns_A = 0.1f,
                                                .pulses = 12u};
-    shown.pulse = (uint_least8_t)pulses;
-    return lode_signal_check_judge(&shown, &tuning, v_bus_V, 1.0e-4f);
+    shown->pulse = (uint_least8_t)pulses;
+    return lode_signal_check_judge(shown, &tuning, v_bus_V, 1.0e-4f);
+}
+
+static lode_finding_t said(lode_signal_check_t shown, uint32_t pulses) {
+    return said_by(&shown, pulses);
 }
 
 /// Three phases alike, and each pulse along its axis.
@@ -758,8 +762,36 @@ static void test_the_axis_is_that_of_set_1_at_rest(void) {
     CHECK_NEAR(0.0, 0.0, hypot((double)unknown.sin, (double)unknown.cos));
 }
 
+/// Of what is along the axes 0.03 and 1.6 times 0.1 A of noise; of set 1, in which nothing is wrong.
+static void test_limits_of_the_axis(void) {
+    const double least = 0.03 * 6.0 * (double)MEAN_A + 0.16;
+    const double deg[] = {0.0, 59.0, 61.0, 179.0, 181.0, 299.0, 301.0};
+    const uint32_t wanted[] = {1u, 1u, 2u, 2u, 3u, 3u, 1u};
+    for (int n = 0; n < COUNT_OF(deg); n++) {
+        const double at = deg[n] * CHECK_PI / 180.0;
+        lode_signal_check_t shown = sound();
+        shown.mirrored =
+            (lode_ab_t){(float)(1.01 * least * cos(at)), (float)(1.01 * least * sin(at))};
+        lode_signal_check_t first = shown;
+        expect_nothing(said_by(&first, 6u));
+        TEST_ASSERT_EQUAL_UINT(wanted[n], first.axis);
+        lode_signal_check_t second = shown;
+        expect_nothing(said_by(&second, 12u));
+        TEST_ASSERT_EQUAL_UINT(0u, second.axis);
+        lode_signal_check_t wrong = shown;
+        wrong.off_A = 0.6f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OFFSET, said_by(&wrong, 6u).check);
+        TEST_ASSERT_EQUAL_UINT(0u, wrong.axis);
+        shown.mirrored.alpha *= 0.98f;
+        shown.mirrored.beta *= 0.98f;
+        expect_nothing(said_by(&shown, 6u));
+        TEST_ASSERT_EQUAL_UINT(0u, shown.axis);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_limits_of_the_axis);
     RUN_TEST(test_the_axis_next_to_the_rotor_is_found);
     RUN_TEST(test_an_axis_is_known_by_enough_saliency);
     RUN_TEST(test_the_axis_is_that_of_set_1_at_rest);
