@@ -11,6 +11,8 @@
 // then folds down to twice that frequency or more. Where it fell on the frequency itself, a 400 V machine at
 // 4.7 samples per turn hunted with 9 A.
 #define SPEED_ANGLE_MAX_rad (LODE_TWO_PI / 8.0f)
+// The lightest rotor that speed control is made for, of the configured inertia.
+#define LIGHT_SHARE 0.25f
 
 // Least speed where injection gives the position: none.
 #define ANY_SPEED (-1.0e9f)
@@ -201,6 +203,40 @@ static void design_bus_fade(lode_references_config_t *config, const lode_guard_c
     config->v_bus_min_V = fade_end_V(config->v_bus_min_V, config->v_motor_V, guard->v_bus_min_V);
 }
 
+// Speed moves slowly: its control has a slot of the slow jobs, or several.
+static uint32_t speed_periods(const lode_drive_config_t *c, float bandwidth_rad_s) {
+    if (c->speed.every_period == LODE_ON) {
+        return 1u;
+    }
+    const float least_Hz = lode_max(bandwidth_rad_s / SPEED_PERIOD_SHARE,
+                                    c->motor.omega_rated_rad_s / SPEED_ANGLE_MAX_rad);
+    uint32_t periods = LODE_SLOW_PERIODS;
+    while (periods > 1u && (float)periods * least_Hz > c->f_pwm_Hz) {
+        periods /= 2u;
+    }
+    return periods;
+}
+
+// (K22): position, torque and speed control are late. The EMF of a rotor that is faster than its estimate brakes it, by the
+// current that current control lets pass.
+static lode_speed_loop_t speed_loop(const lode_drive_config_t *c, const lode_motor_t *circuit,
+                                    float ts_s) {
+    const uint32_t periods = speed_periods(c, 0.0f);
+    const float late =
+        periods == LODE_SLOW_PERIODS ? (float)LODE_SLOW_PERIODS : 1.0f + 0.5f * (float)periods;
+    const float sigma = lode_max(c->estimator.pll.sigma_low_rad_s, FLT_MIN);
+    const float r_Ohm = circuit->Rs_Ohm + c->current.kp_q_V_A;
+    const float x_Ohm = sigma * circuit->Lq_H - c->current.ki_q_V_As / sigma;
+    const float z2_Ohm2 = lode_max(r_Ohm * r_Ohm + x_Ohm * x_Ohm, FLT_MIN);
+    const float light_kgm2 = lode_max(LIGHT_SHARE * c->motor.J_kgm2, FLT_MIN);
+    const float Nm_per_V = lode_motor_kt_Nm_A(&c->motor) * r_Ohm / z2_Ohm2;
+    return (lode_speed_loop_t){
+        .delay_s = 2.0f / lode_max(c->estimator.emf.w0_rad_s, FLT_MIN) +
+                   1.0f / lode_max(c->current.bandwidth_rad_s, FLT_MIN) + late * ts_s,
+        .damping_rad_s = Nm_per_V * c->motor.pole_pairs * c->motor.psi_Wb / light_kgm2,
+    };
+}
+
 void lode_drive_design(lode_drive_config_t *config) {
     const float ts_s = 1.0f / lode_max(config->f_pwm_Hz, FLT_MIN);
     lode_motor_t *motor = &config->motor;
@@ -224,25 +260,11 @@ void lode_drive_design(lode_drive_config_t *config) {
     lode_current_design(&config->current, &circuit, ts_s);
     const lode_hfi_system_t injected = injected_into(config);
     lode_hfi_design(&config->hfi, &injected);
-    lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll,
+    const lode_speed_loop_t loop = speed_loop(config, &circuit, ts_s);
+    lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll, &loop,
                       config->start.omega_handover_rad_s, config->hfi.mode == LODE_HFI_ON);
     lode_guard_design(&config->guard, inverter, &config->estimator);
     design_bus_fade(&config->references, &config->guard);
-}
-
-// Speed moves slowly: its control has a slot of the slow jobs, or several.
-static uint32_t speed_periods(const lode_drive_config_t *c) {
-    if (c->speed.every_period == LODE_ON) {
-        return 1u;
-    }
-    const float bandwidth = c->speed.kp_Nms * c->speed.gain_rise / c->motor.J_kgm2;
-    const float least_Hz =
-        lode_max(bandwidth / SPEED_PERIOD_SHARE, c->motor.omega_rated_rad_s / SPEED_ANGLE_MAX_rad);
-    uint32_t periods = LODE_SLOW_PERIODS;
-    while (periods > 1u && (float)periods * least_Hz > c->f_pwm_Hz) {
-        periods /= 2u;
-    }
-    return periods;
 }
 
 // Into what the others have made.
@@ -414,7 +436,8 @@ lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_conf
     lode_drive_config_t complete = *config;
     lode_drive_design(&complete);
     lode_drive_tuning_t t;
-    t.speed_periods = speed_periods(&complete);
+    t.speed_periods = speed_periods(&complete, complete.speed.kp_Nms * complete.speed.gain_rise /
+                                                   complete.motor.J_kgm2);
     t.omega_min = complete.speed.omega_min_rad_s;
 #ifdef LODE_WITHOUT_FAST_SPEED
     if (t.speed_periods != LODE_SLOW_PERIODS) {

@@ -26,6 +26,12 @@
 #define CROSSOVER_PER_SIGMA 3.05f
 #define SWING_MAX 0.8f
 #define FIRM_PER_STOPPED 1.5f
+// With a rotor four times lighter than configured the loop with the PLL is stable up to the bandwidth
+// sigma/(0.75 + 4.9 tau), tau the delay times sigma; with a load fed forward, up to that over 1 + 2.7 tau times its share.
+#define LIGHT_ONE 0.75f
+#define LIGHT_DELAY 4.9f
+#define LIGHT_FED 2.7f
+#define LIGHT_GAIN_MARGIN 1.41f // 3 dB
 
 // (K15): kp with which a rated load takes all of the least speed from a rotor that no load is fed forward to.
 static float stopped_kp_Nms(const lode_speed_config_t *config,
@@ -49,9 +55,21 @@ static float swinging_kp_Nms(const lode_motor_t *motor, float sigma_rad_s) {
     return SWING_MAX * motor->pole_pairs / lode_max(rise_rad_s_Nm, FLT_MIN);
 }
 
+// (K22): bandwidth that leaves a margin to a rotor four times lighter, behind a PLL of bandwidth `sigma_rad_s`.
+static float light_rad_s(const lode_speed_loop_t *loop, float sigma_rad_s) {
+    return (sigma_rad_s + loop->damping_rad_s) /
+           (LIGHT_GAIN_MARGIN * (LIGHT_ONE + LIGHT_DELAY * loop->delay_s * sigma_rad_s));
+}
+
+// (K23): share of a load that leaves it the same margin with the bandwidth `bandwidth_rad_s`.
+static float light_share(const lode_speed_loop_t *loop, float sigma_rad_s, float bandwidth_rad_s) {
+    const float room = light_rad_s(loop, sigma_rad_s) / lode_max(bandwidth_rad_s, FLT_MIN) - 1.0f;
+    return room / lode_max(LIGHT_FED * loop->delay_s * sigma_rad_s, FLT_MIN);
+}
+
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, const lode_pll_config_t *pll,
-                       float omega_handover_rad_s, bool injects) {
+                       const lode_speed_loop_t *loop, float omega_handover_rad_s, bool injects) {
     const float J = lode_max(motor->J_kgm2, FLT_MIN);
     const float sigma_low = lode_max(pll->sigma_low_rad_s, FLT_MIN);
     const bool given = config->kp_Nms > 0.0f;
@@ -61,9 +79,11 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float calm_Nms =
         lode_max(swinging_kp_Nms(motor, sigma_low), FIRM_PER_STOPPED * stopped_Nms);
     const float most = BANDWIDTH_RUN_UP_MAX / run_up_s;
-    const float by_sigma = lode_min(lode_min(BANDWIDTH_PER_SIGMA * sigma_low, most), calm_Nms / J);
+    const float firm = lode_min(BANDWIDTH_PER_SIGMA * sigma_low, light_rad_s(loop, sigma_low));
+    const float by_sigma = lode_min(lode_min(firm, most), calm_Nms / J);
     const float bandwidth = given ? config->kp_Nms / J : by_sigma;
-    const float most_fast = lode_min(most, swinging_kp_Nms(motor, pll->sigma_rad_s) / J);
+    const float calm_fast = lode_min(most, swinging_kp_Nms(motor, pll->sigma_rad_s) / J);
+    const float most_fast = lode_min(calm_fast, light_rad_s(loop, pll->sigma_rad_s));
     const float rise =
         lode_min(pll->sigma_rad_s / sigma_low, most_fast / lode_max(by_sigma, FLT_MIN));
     config->gain_rise =
@@ -77,8 +97,10 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, ramp_share * inverter->i_max_A *
                                                                  lode_motor_kt_Nm_A(motor) / J);
     const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
-    const bool feeds = !noisy && (injects || config->kp_Nms < stopped_Nms);
-    const float share = injects ? LOAD_FEED_FORWARD : fed_share(config->kp_Nms, stopped_Nms);
+    const float fed = lode_min(fed_share(config->kp_Nms, stopped_Nms),
+                               light_share(loop, sigma_low, config->kp_Nms / J));
+    const float share = injects ? LOAD_FEED_FORWARD : fed;
+    const bool feeds = !noisy && share > 0.0f && (injects || config->kp_Nms < stopped_Nms);
     config->load_feed_forward = lode_given_or(config->load_feed_forward, feeds ? share : LODE_NONE);
     config->inertia_feed_forward =
         lode_given_or(config->inertia_feed_forward, INERTIA_FEED_FORWARD);

@@ -619,6 +619,33 @@ static lode_pll_config_t pll_with(double inertia, float Lq_H, lode_references_ki
     return config.estimator.pll;
 }
 
+/// (K22) of paper 1's motor with half of its inertia and a slow observer, whose speed control has one slot in eight
+/// periods and, at `f_pwm_Hz` of a half, one in four.
+static double light_bandwidth(double f_pwm_Hz, double periods) {
+    lode_drive_config_t config = minimal();
+    config.f_pwm_Hz = (float)f_pwm_Hz;
+    config.motor.J_kgm2 *= 0.5f;
+    config.motor.Ld_H = 3.0e-3f;
+    config.motor.Lq_H = 3.0e-3f;
+    config.estimator.emf.w0_rad_s = 600.0f;
+    config.estimator.pll.sigma_rad_s = 120.0f;
+    lode_drive_design(&config);
+    const double kp_Ohm = 0.2 * f_pwm_Hz * 3.0e-3;
+    const double r_Ohm = (double)config.motor.Rs_Ohm + kp_Ohm;
+    const double x_Ohm = 120.0 * 3.0e-3 - (double)config.motor.Rs_Ohm * 0.2 * f_pwm_Hz / 120.0;
+    const double emf_Vs = 3.0 * (double)config.motor.psi_Wb;
+    const double damping = 1.5 * emf_Vs * emf_Vs * r_Ohm / (r_Ohm * r_Ohm + x_Ohm * x_Ohm) /
+                           (0.25 * (double)config.motor.J_kgm2);
+    const double delay_s = 2.0 / 600.0 + (5.0 + periods) / f_pwm_Hz;
+    const double wanted = (120.0 + damping) / (1.41 * (0.75 + 4.9 * 120.0 * delay_s));
+    return (double)config.speed.bandwidth_rad_s / wanted;
+}
+
+static void test_speed_control_knows_its_delays(void) {
+    CHECK_CLOSE(1.0e-4, 1.0, light_bandwidth(5000.0, 8.0));
+    CHECK_CLOSE(1.0e-4, 1.0, light_bandwidth(2500.0, 3.0));
+}
+
 /// (P21), by a hand-over that is given; bounded by the inertia and by the sampling; not where any is given.
 static void test_a_late_hand_over_stretches_the_schedule(void) {
     const double high = 0.2 * PAPER_OMEGA_RATED;
@@ -837,6 +864,7 @@ static void test_free_voltage_leaves_room_for_rounding(void) {
 
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_speed_control_knows_its_delays);
     RUN_TEST(test_only_motor_inverter_sense_and_rate_are_needed);
     RUN_TEST(test_a_light_rotor_raises_sigma);
     RUN_TEST(test_a_qpll_has_more_sigma);

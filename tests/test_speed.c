@@ -1,6 +1,8 @@
 // Speed control: ramped reference, PI in torque, load feed-forward, limits.
 #include "support/fields.h"
 
+#include <string.h>
+
 #include "speed_inline.h"
 
 void setUp(void) {}
@@ -12,6 +14,7 @@ static const lode_pll_config_t pll = {.sigma_rad_s = 150.0f,
                                       .sigma_low_rad_s = 100.0f,
                                       .omega_low_rad_s = 150.0f,
                                       .omega_high_rad_s = 200.0f};
+static const lode_speed_loop_t prompt = {.delay_s = 0.0f, .damping_rad_s = 0.0f};
 #define TORQUE_MAX (12.0 * 0.639) // 1.5 np psi i_max
 
 // To rated speed with all of it.
@@ -412,7 +415,7 @@ static void test_no_feed_forward(void) {
 static void test_design_fills_what_is_open(void) {
     const lode_motor_t motor = paper_motor();
     lode_speed_config_t config = {.kp_Nms = 0.0f};
-    lode_speed_design(&config, &inverter, &motor, &pll, 25.0f, false);
+    lode_speed_design(&config, &inverter, &motor, &pll, &prompt, 25.0f, false);
     // As documented: a quarter of sigma, kp = bandwidth J, ki = kp bandwidth/4.
     CHECK_CLOSE(1.0e-6, 25.0, config.bandwidth_rad_s);
     CHECK_CLOSE(1.0e-6, 25.0 * 0.0174, config.kp_Nms);
@@ -426,10 +429,10 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 25.0, config.omega_min_rad_s);
     const lode_speed_config_t all = sound();
     lode_speed_config_t kept = all;
-    lode_speed_design(&kept, &inverter, &motor, &pll, 30.0f, false);
+    lode_speed_design(&kept, &inverter, &motor, &pll, &prompt, 30.0f, false);
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
     lode_speed_config_t by_gain = {.kp_Nms = 0.5f};
-    lode_speed_design(&by_gain, &inverter, &motor, &pll, 30.0f, false);
+    lode_speed_design(&by_gain, &inverter, &motor, &pll, &prompt, 30.0f, false);
     CHECK_CLOSE(1.0e-6, 0.5 / 0.0174, by_gain.bandwidth_rad_s);
     TEST_ASSERT_EQUAL_FLOAT(0.5f, by_gain.kp_Nms);
     TEST_ASSERT_EQUAL_FLOAT(1.0f, by_gain.gain_rise);
@@ -440,7 +443,7 @@ static lode_speed_config_t designed_with_inertia(double factor) {
     lode_motor_t motor = paper_motor();
     lode_speed_config_t config = {.kp_Nms = 0.0f};
     motor.J_kgm2 *= (float)factor;
-    lode_speed_design(&config, &inverter, &motor, &pll, 25.0f, false);
+    lode_speed_design(&config, &inverter, &motor, &pll, &prompt, 25.0f, false);
     return config;
 }
 
@@ -463,7 +466,7 @@ static lode_speed_config_t designed_with_Lq(double factor, double omega_min) {
     lode_motor_t motor = paper_motor();
     lode_speed_config_t config = {.kp_Nms = 0.0f};
     motor.Lq_H *= (float)factor;
-    lode_speed_design(&config, &inverter, &motor, &pll, (float)omega_min, false);
+    lode_speed_design(&config, &inverter, &motor, &pll, &prompt, (float)omega_min, false);
     return config;
 }
 
@@ -486,11 +489,101 @@ static void test_an_error_of_Lq_bounds_the_gains(void) {
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed_with_Lq(2.0, 50.0).load_feed_forward);
 }
 
+static lode_speed_config_t designed_with_loop(const lode_speed_loop_t *loop, double kp_Nms,
+                                              bool injects) {
+    lode_motor_t motor = paper_motor();
+    lode_speed_config_t config = {.kp_Nms = (float)kp_Nms};
+    motor.Lq_H *= 0.3f;
+    lode_speed_design(&config, &inverter, &motor, &pll, loop, 25.0f, injects);
+    return config;
+}
+
+/// (K22), for the sigmas of `pll`.
+static double light_rad_s(double sigma, double delay_s, double damping_rad_s) {
+    return (sigma + damping_rad_s) / (1.41 * (0.75 + 4.9 * sigma * delay_s));
+}
+
+static void test_a_loop_that_is_late_has_less_gain(void) {
+    const lode_speed_loop_t late = {.delay_s = 7.0e-3f};
+    CHECK_CLOSE(1.0e-5, light_rad_s(100.0, 7.0e-3, 0.0),
+                designed_with_loop(&late, 0.0, false).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, light_rad_s(150.0, 7.0e-3, 0.0) / light_rad_s(100.0, 7.0e-3, 0.0),
+                designed_with_loop(&late, 0.0, false).gain_rise);
+    // What the EMF damps may have more, up to a quarter of sigma.
+    const lode_speed_loop_t damped = {.delay_s = 7.0e-3f, .damping_rad_s = 40.0f};
+    CHECK_CLOSE(1.0e-5, light_rad_s(100.0, 7.0e-3, 40.0),
+                designed_with_loop(&damped, 0.0, false).bandwidth_rad_s);
+    const lode_speed_loop_t braked = {.delay_s = 7.0e-3f, .damping_rad_s = 80.0f};
+    CHECK_CLOSE(1.0e-5, 25.0, designed_with_loop(&braked, 0.0, false).bandwidth_rad_s);
+}
+
+static void test_a_loop_that_is_late_feeds_less_forward(void) {
+    const lode_speed_loop_t late = {.delay_s = 7.0e-3f};
+    const double most_Nms = 0.0174 * light_rad_s(100.0, 7.0e-3, 0.0);
+    CHECK_CLOSE(1.0e-4, (1.0 / 0.8 - 1.0) / (2.7 * 0.7),
+                designed_with_loop(&late, 0.8 * most_Nms, false).load_feed_forward);
+    TEST_ASSERT_EQUAL_FLOAT(
+        0.5f, designed_with_loop(&late, 0.4 * most_Nms, false).load_feed_forward); // (K17)
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed_with_loop(&late, 0.0, false).load_feed_forward);
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, designed_with_loop(&late, 0.0, true).load_feed_forward);
+}
+
+/// How the speed of a rotor `times` as light as the drive believes has changed over the second half of 80/sigma, after a
+/// push. PLL (P4), two poles of an observer, one of current control and a dead time, which share the delay.
+static double swing_of_light(double times, double bandwidth, double fed, double sigma,
+                             double delay_s) {
+    enum { DEAD = 1024 };
+    const double dt = 0.3 * delay_s / DEAD;
+    const int steps = (int)(80.0 / sigma / dt);
+    static double asked[DEAD];
+    memset(asked, 0, sizeof asked);
+    double omega = 1.0, theta = 0.0, one = 0.0, seen = 0.0, acc = 0.0, integral = 0.0;
+    double angle = 0.0, speed = 0.0, load = 0.0;
+    double early = 0.0;
+    double late = 0.0;
+    for (int n = 0; n < steps; n++) {
+        const double error = seen - angle;
+        angle += dt * (speed + 3.0 * sigma * error);
+        speed += dt * (acc + load + 3.0 * sigma * sigma * error);
+        load += dt * sigma * sigma * sigma * error;
+        integral += dt * 0.25 * bandwidth * bandwidth * speed;
+        acc += dt / (0.3 * delay_s) * (asked[n % DEAD] - acc);
+        asked[n % DEAD] = -bandwidth * speed - integral - fed * load;
+        omega += dt * times * acc;
+        theta += dt * omega;
+        one += dt / (0.2 * delay_s) * (theta - one);
+        seen += dt / (0.2 * delay_s) * (one - seen);
+        if (2 * n < steps) {
+            early = fmax(early, 4 * n > steps ? fabs(omega) : 0.0);
+        } else {
+            late = fmax(late, 4 * n > 3 * steps ? fabs(omega) : 0.0);
+        }
+    }
+    return late / early;
+}
+
+static void test_a_rotor_four_times_lighter_is_held(void) {
+    for (int k = 5; k <= 10; k++) {
+        const lode_speed_loop_t late = {.delay_s = 1.0e-3f * (float)k};
+        const double delay_s = (double)late.delay_s;
+        const double most = (double)designed_with_loop(&late, 0.0, false).bandwidth_rad_s;
+        TEST_ASSERT_TRUE(swing_of_light(4.0, 1.2 * most, 0.0, 100.0, delay_s) < 1.0);
+        TEST_ASSERT_TRUE(swing_of_light(4.0, 1.7 * most, 0.0, 100.0, delay_s) > 1.0);
+        // With as much of a load fed forward as its share allows.
+        const double less = 0.75 * most;
+        const double fed =
+            (double)designed_with_loop(&late, 0.0174 * less, false).load_feed_forward;
+        TEST_ASSERT_TRUE(swing_of_light(4.0, 1.2 * less, 1.2 * fed, 100.0, delay_s) < 1.0);
+        // What (K8) alone would give, half of every load fed forward.
+        TEST_ASSERT_TRUE(swing_of_light(4.0, 25.0, 0.5, 100.0, delay_s) > 1.0);
+    }
+}
+
 static float fed_forward(double factor, double omega_min, bool injects) {
     lode_motor_t motor = paper_motor();
     lode_speed_config_t config = {.kp_Nms = 0.0f};
     motor.J_kgm2 *= (float)factor;
-    lode_speed_design(&config, &inverter, &motor, &pll, (float)omega_min, injects);
+    lode_speed_design(&config, &inverter, &motor, &pll, &prompt, (float)omega_min, injects);
     return config.load_feed_forward;
 }
 
@@ -521,6 +614,9 @@ int main(void) {
     RUN_TEST(test_design_follows_the_inertia);
     RUN_TEST(test_an_error_of_Lq_bounds_the_gains);
     RUN_TEST(test_a_load_is_fed_forward_where_it_would_stop_the_rotor);
+    RUN_TEST(test_a_loop_that_is_late_has_less_gain);
+    RUN_TEST(test_a_loop_that_is_late_feeds_less_forward);
+    RUN_TEST(test_a_rotor_four_times_lighter_is_held);
     RUN_TEST(test_reference_is_a_mechanical_ramp);
     RUN_TEST(test_torque_is_pi_and_feed_forward);
     RUN_TEST(test_torque_is_followed_between_two_speeds);

@@ -16,17 +16,17 @@ extern "C" {
 typedef struct {
     float kp_Nms; ///< torque per mechanical rad/s; 0: from the bandwidth
     float ki_Nm;  ///< torque per mechanical rad; 0: kp times bandwidth/4
-    /// crossover; 0: a quarter of the PLL's sigma at low speed, at most 13 over the run-up time, less by (K16)
+    /// crossover; 0: a quarter of the PLL's sigma at low speed, at most 13 over the run-up time, less by (K16) and (K22)
     float bandwidth_rad_s;
-    /// factor by which both gains rise with the PLL's sigma, 1 .. 10; 0: as sigma does, less by (K16), or 1 (not at
-    /// all) where kp_Nms is given
+    /// factor by which both gains rise with the PLL's sigma, 1 .. 10; 0: as sigma does, less by (K16) and (K22), or 1
+    /// (not at all) where kp_Nms is given
     float gain_rise;
     float
         ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: up to half the torque limit over J
     float inertia_feed_forward; ///< share of the torque that the ramp needs for J, 0 .. 1; 0: 1;
                                 ///< LODE_NONE: none
-    /// share of the estimated load torque, 0 .. 1; 0: 0.25 to 0.5 where a rated load would else stop the rotor at its
-    /// least speed, 0.5 with injection, none for all others; LODE_NONE: none
+    /// share of the estimated load torque, 0 .. 1; 0: 0.25 to 0.5, less by (K23), where a rated load would else stop the
+    /// rotor at its least speed, 0.5 with injection, none for all others; LODE_NONE: none
     float load_feed_forward;
     /// least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
     float omega_min_rad_s;
@@ -51,10 +51,16 @@ typedef struct {
     lode_range_t limit_Nm; ///< within which it stays; the drive keeps it up to date
 } lode_speed_t;
 
+/// What else is in the loop that speed control closes (K22).
+typedef struct {
+    float delay_s;       ///< by which observer, current control and speed control itself are late
+    float damping_rad_s; ///< by which the EMF slows down a rotor four times lighter than configured
+} lode_speed_loop_t;
+
 /// `injects`: by injection the rotor is held at standstill too.
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, const lode_pll_config_t *pll,
-                       float omega_handover_rad_s, bool injects);
+                       const lode_speed_loop_t *loop, float omega_handover_rad_s, bool injects);
 
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
                               const lode_motor_t *motor, const lode_pll_config_t *pll, float ts_s);
