@@ -1,4 +1,5 @@
 #include "drive_inline.h"
+#include "open_phase_inline.h"
 #include "start_inline.h"
 
 #define TELEMETRY_TRIES 3
@@ -14,11 +15,8 @@
 #define FLUX_CURRENT 9.0f // times the least current that is judged by, squared: 0.15 of i_max
 #define FLUX_s 0.05f      // longer than a speed that changes fast is behind the EMF
 #define FLUX_ROUNDS_MAX 255u
-#define SOUND_LOCK 0.9f // an EMF that is off by less than 8 %
-// Of a round: faster, a half-wave may fall between two looks.
-#define HALF_WAVE_STEP_rad 1.5f
-#define HALF_WAVE_ASKED 9.0f  // times the least current that is judged by, squared: 0.15 of i_max
-#define HALF_WAVE_MISSED 0.5f // of the current that is asked for, squared
+#define SOUND_LOCK 0.9f   // an EMF that is off by less than 8 %
+#define ALL_VOLTAGE 0.99f // of the circle, on which rounding leaves it
 // Of what limits the torque: the voltage moves that a little in each round.
 #define ALL_TORQUE 0.9f
 #define FOLLOWED 0.8f  // of the current that is asked for
@@ -431,35 +429,15 @@ LODE_NOINLINE void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
     }
 }
 
-LODE_NOINLINE void lode_drive_end_turn(lode_drive_t *self, uint32_t seen) {
-    const lode_drive_tuning_t *tuning = self->tuning;
-    lode_half_waves_t *waves = &self->state.run.waves;
-    const float omega = lode_abs(self->estimator.pll.omega_rad_s);
-    const float round_s = (float)LODE_SLOW_PERIODS * tuning->estimator.pll.ts_s;
-    const uint_least8_t phase = lode_half_waves_end(waves, seen);
-    if (omega < tuning->start.omega_ready || !(omega * round_s <= HALF_WAVE_STEP_rad) ||
-        lode_mode_is_sensored(self) || self->state.run.fade > 0.0f) {
-        lode_half_waves_reset(waves); // what is known of the turn is too little
-    } else if (phase > 0u) {
+static LODE_NOINLINE void judge_half_waves(lode_drive_t *self, lode_half_waves_t *waves) {
+    const lode_estimator_t *estimator = &self->estimator;
+    const float round_s = (float)LODE_SLOW_PERIODS * self->tuning->estimator.pll.ts_s;
+    const lode_ab_t ref_A = lode_park_inverse(self->ref_A, lode_estimator_rotor(estimator));
+    const lode_open_phase_t phase =
+        lode_half_waves_look(waves, &self->tuning->plausibility.waves, ref_A, estimator->emf.i_A,
+                             round_s * estimator->pll.omega_rad_s);
+    if (phase > 0u) {
         lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
-    } else {
-        // once is not enough
-    }
-}
-
-// Whether what was lacking is asked for, and current control has not had it: a current that follows a reference that
-// swings may still come too late for a half-wave.
-static LODE_NOINLINE void ask_half_waves(lode_drive_t *self) {
-    const lode_dq_t ref_A = self->ref_A;
-    const float ref_A2 = ref_A.d * ref_A.d + ref_A.q * ref_A.q;
-    const float d_A = ref_A.d - self->i_A.d;
-    const float q_A = ref_A.q - self->i_A.q;
-    if (ref_A2 >= HALF_WAVE_ASKED * self->tuning->plausibility.i_min_A2 &&
-        d_A * d_A + q_A * q_A >= HALF_WAVE_MISSED * ref_A2) {
-        const lode_abc_t i =
-            lode_clarke_inverse(lode_park_inverse(ref_A, self->estimator.pll.frame));
-        lode_half_waves_ask(&self->state.run.waves,
-                            lode_half_waves_of(i.a > i.b, i.b > i.c, i.c > i.a));
     }
 }
 
@@ -490,26 +468,28 @@ static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
            lode_sqrt(d_Wb * d_Wb + q_Wb * q_Wb + r_Wb * r_Wb);
 }
 
-// By the counts of the guard's last look.
+// Current control has voltage left: it is not behind for want of it.
+static bool has_voltage(const lode_drive_t *self) {
+    const lode_dq_t u_V = self->u_V;
+    const float most_V = ALL_VOLTAGE * self->tuning->current.circle * self->inverter.v_bus_V;
+    return u_V.d * u_V.d + u_V.q * u_V.q < most_V * most_V;
+}
+
+// Of three phases. What current control misses stands for the current of the xy plane (K25).
 static void note_half_waves(lode_drive_t *self) {
-    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
-    const lode_pll_t *pll = &self->estimator.pll;
+    const lode_open_phase_tuning_t *tuning = &self->tuning->plausibility.waves;
+    const lode_estimator_t *estimator = &self->estimator;
     lode_half_waves_t *waves = &self->state.run.waves;
-    uint32_t quarter = 0u;
-    if (pll->frame.cos < 0.0f) {
-        quarter = 1u;
+    const float omega = estimator->pll.omega_rad_s;
+    if (lode_abs(omega) < self->tuning->start.omega_ready || lode_mode_is_sensored(self) ||
+        self->state.run.fade > 0.0f) {
+        *waves = (lode_half_waves_t){.idle = 0u}; // what is known of the turn is too little
+        return;
     }
-    if (pll->frame.sin * pll->omega_rad_s < 0.0f) {
-        quarter = 3u - quarter;
-    }
-    const uint32_t seen = lode_half_waves_turn(waves, quarter);
-    if (seen > 0u) {
-        lode_drive_end_turn(self, seen);
-    }
-    const lode_dq_t i_A = self->i_A;
-    lode_half_waves_note(waves, tuning, self->plausibility.i, i_A.d * i_A.d + i_A.q * i_A.q);
-    if (lode_half_waves_doubts(waves)) {
-        ask_half_waves(self);
+    const lode_dq_t ref_A = self->ref_A;
+    const lode_dq_t missed_A = {ref_A.d - self->i_A.d, ref_A.q - self->i_A.q};
+    if (lode_half_waves_doubt(waves, tuning, ref_A, missed_A) && has_voltage(self)) {
+        judge_half_waves(self, waves);
     }
 }
 

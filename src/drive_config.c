@@ -304,6 +304,11 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
     return status;
 }
 
+// Of current control, in its slower axis.
+static float control_rad_s(const lode_drive_config_t *c) {
+    return lode_min(c->current.kp_d_V_A / c->motor.Ld_H, c->current.kp_q_V_A / c->motor.Lq_H);
+}
+
 static lode_status_t tune_plausibility(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     lode_plausibility_tuning_t plausibility;
     lode_status_t status =
@@ -313,6 +318,8 @@ static lode_status_t tune_plausibility(lode_drive_tuning_t *t, const lode_drive_
         status = lode_plausibility_tune_load(&plausibility, &c->guard,
                                              c->motor.pole_pairs * most_Nm / c->motor.J_kgm2,
                                              1.0f / c->f_pwm_Hz);
+        plausibility.waves = lode_half_waves_tune(c->inverter.i_max_A, control_rad_s(c),
+                                                  (float)LODE_SLOW_PERIODS / c->f_pwm_Hz);
     }
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     if (status == LODE_OK) {

@@ -63,9 +63,8 @@ void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
 // SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive.c.
 void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
-// In RUN, in drive.c: the load, and the same of three phases; at the end of a turn in which one was lacking.
+// In RUN, in drive.c: the load, and the same of three phases.
 bool lode_drive_watch_running(lode_drive_t *self);
-void lode_drive_end_turn(lode_drive_t *self, uint32_t seen);
 // The guard's slow checks have something to count, in drive.c.
 void lode_drive_check_slow(lode_drive_t *self);
 

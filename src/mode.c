@@ -331,7 +331,7 @@ static void begin_counts(lode_drive_t *self) {
     self->guard.lock = 0u;
     self->guard.speed = 0u;
     self->guard.flux_rounds = 0u;
-    lode_half_waves_reset(&self->state.run.waves);
+    self->state.run.waves = (lode_half_waves_t){.idle = 0u};
     self->state.run.held_rad_s = self->estimator.pll.omega_rad_s;
 #endif
 }

@@ -12,12 +12,20 @@
 // ... and for as long as it takes control of the xy plane to bring i_max down to what is doubted of the least current.
 #define TIME_CONSTANTS 4.9f // ln(1/(0.25 0.03))
 #define LOOKS_MIN 3.0f
+// With three phases: a load that throws a light rotor leaves current control behind for so long (K27).
+#define LACKING_s 2.0e-3f
 #define WHOLE_SET 7
 
 lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float look_s) {
     const float looks = lode_max(TIME_CONSTANTS / (xy_rad_s * look_s), LOOKS_MIN);
     return (lode_open_phase_tuning_t){
         .least_A = LEAST_SHARE * i_max_A, .per_rad = PER_rad, .most = 1.0f / looks};
+}
+
+lode_open_phase_tuning_t lode_half_waves_tune(float i_max_A, float control_rad_s, float look_s) {
+    lode_open_phase_tuning_t tuning = lode_open_phase_tune(i_max_A, control_rad_s, look_s);
+    tuning.most = lode_min(tuning.most, look_s / LACKING_s);
+    return tuning;
 }
 
 void lode_open_phase_reset(lode_open_phase_watch_t *self) {
@@ -42,37 +50,52 @@ static lode_abc_t phases_of(int32_t set, lode_ab_t i_A) {
 }
 
 // What is asked of the phases of a set, of a current that is `length_A` long, and what they have.
-static void note_half_waves(lode_lacking_t *set, lode_abc_t asked, lode_abc_t has, float length_A,
-                            float least_A, uint_least16_t step) {
+static void note_half_waves(lode_half_waves_t *waves, lode_abc_t asked, lode_abc_t has,
+                            float length_A, float least_A, uint_least16_t step) {
     const float asked_A[PHASES] = {asked.a, asked.b, asked.c};
     const float has_A[PHASES] = {has.a, has.b, has.c};
     for (int32_t n = 0; n < PHASES; n++) {
         if (lode_abs(asked_A[n]) >= LODE_WAVE_ASKED * length_A) {
             const bool up = asked_A[n] > 0.0f;
             const float sign = up ? 1.0f : -1.0f;
-            uint_least16_t *lacks = &set->lacks[up ? n : n + PHASES];
+            uint_least16_t *lacks = &waves->lacks[up ? n : n + PHASES];
             *lacks = lacking(*lacks, sign * asked_A[n], sign * has_A[n], least_A, step);
         }
     }
 }
 
-static bool is_any(const lode_lacking_t *set) {
+static bool is_any(const lode_half_waves_t *waves) {
     bool any = false;
     for (int32_t n = 0; n < LODE_HALF_WAVES; n++) {
-        any = any || set->lacks[n] > 0u;
+        any = any || waves->lacks[n] > 0u;
     }
     return any;
 }
 
-// The phase, from 1; 0: none. What both half-waves have been lacking counts as one. A set of which all phases are open
-// has had no current at all for as long.
-static int32_t found(const lode_lacking_t *set) {
+// What both half-waves of a phase have been lacking counts as one.
+static uint32_t both_of(const lode_half_waves_t *waves, int32_t phase) {
+    return (uint32_t)waves->lacks[phase] + (uint32_t)waves->lacks[phase + PHASES];
+}
+
+// The phase, from 1; 0: none.
+static int32_t phase_of(const lode_half_waves_t *waves) {
     int32_t phase = 0;
     for (int32_t n = 0; n < PHASES; n++) {
-        const uint32_t both = (uint32_t)set->lacks[n] + (uint32_t)set->lacks[n + PHASES];
-        phase = both >= ENOUGH ? n + 1 : phase;
+        phase = both_of(waves, n) >= ENOUGH ? n + 1 : phase;
     }
-    return phase > 0 && set->all >= ENOUGH ? WHOLE_SET : phase;
+    return phase;
+}
+
+// What one look counts, of enough.
+static uint_least16_t step_of(const lode_open_phase_tuning_t *tuning, float turn_rad) {
+    const float share = lode_clamp(lode_abs(turn_rad) * tuning->per_rad, 0.0f, tuning->most);
+    return (uint_least16_t)((float)ENOUGH * share);
+}
+
+// Too little is asked for, for so long that what was lacking is too long ago.
+static bool is_idle(lode_half_waves_t *waves, bool little, uint_least16_t step) {
+    waves->idle = little ? more(waves->idle, step) : (uint_least16_t)0u;
+    return waves->idle >= ENOUGH;
 }
 
 LODE_NOINLINE lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *self,
@@ -81,20 +104,83 @@ LODE_NOINLINE lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *se
                                                      float turn_rad) {
     const float i_A2 = i_A.alpha * i_A.alpha + i_A.beta * i_A.beta;
     const float length_A = lode_sqrt(i_A2);
-    const float share = lode_clamp(lode_abs(turn_rad) * tuning->per_rad, 0.0f, tuning->most);
-    const uint_least16_t step = (uint_least16_t)((float)ENOUGH * share);
+    const uint_least16_t step = step_of(tuning, turn_rad);
     lode_lacking_t *of_set = &self->set[set];
-    of_set->idle = length_A >= tuning->least_A ? (uint_least16_t)0u : more(of_set->idle, step);
-    if (of_set->idle >= ENOUGH) { // what was lacking is too long ago
+    if (is_idle(&of_set->waves, length_A < tuning->least_A, step)) {
         *of_set = (lode_lacking_t){.all = 0u};
     }
     const float set_A2 = i_set_A.alpha * i_set_A.alpha + i_set_A.beta * i_set_A.beta;
     const float none_A2 = LODE_WAVE_LACKS * LODE_WAVE_LACKS * i_A2;
     of_set->all = set_A2 <= none_A2 ? more(of_set->all, step) : (uint_least16_t)0u;
-    note_half_waves(of_set, phases_of(set, i_A), phases_of(set, i_set_A), length_A, tuning->least_A,
-                    step);
-    const int32_t phase = found(of_set);
-    self->doubts = is_any(&self->set[0]) || is_any(&self->set[1]);
+    note_half_waves(&of_set->waves, phases_of(set, i_A), phases_of(set, i_set_A), length_A,
+                    tuning->least_A, step);
+    const int32_t open = phase_of(&of_set->waves);
+    // A set of which all phases are open has had no current at all for as long.
+    const int32_t phase = open > 0 && of_set->all >= ENOUGH ? WHOLE_SET : open;
+    self->doubts = is_any(&self->set[0].waves) || is_any(&self->set[1].waves);
     const int32_t number = phase == WHOLE_SET ? WHOLE_SET + set : phase + PHASES * set;
     return (lode_open_phase_t)(phase > 0 ? number : 0);
+}
+
+// One look at three phases.
+typedef struct {
+    float asked_A; // least that is asked of a phase that may lack it
+    float flows_A; // of the current
+    float least_A;
+    uint_least16_t step;
+} look_t;
+
+// One half-wave, as lacking(): whoever asks for it, it is there where the current is seen to have it. (A switch that is
+// dead lets none through, whatever the reference does.) Where nothing flows, control is behind in all phases (K26).
+static uint_least16_t lacking_now(uint_least16_t before, const look_t *look, float asked_A,
+                                  float has_A) {
+    if (has_A >= lode_max(LODE_WAVE_HAS * look->least_A, LODE_WAVE_LACKS * look->flows_A)) {
+        return 0u;
+    }
+    const bool lacks = asked_A >= look->asked_A && has_A <= LODE_WAVE_LACKS * asked_A &&
+                       look->flows_A >= look->least_A;
+    return lacks ? more(before, look->step) : before;
+}
+
+// The phase, from 1, of which one half-wave lacks enough, and the other two phases less than half of it: while current
+// control is behind, they lack as much (K27). 0: none.
+static int32_t alone_of(const lode_half_waves_t *waves) {
+    int32_t phase = 0;
+    int32_t doubted = 0;
+    for (int32_t n = 0; n < PHASES; n++) {
+        const uint32_t most =
+            waves->lacks[n] > waves->lacks[n + PHASES] ? waves->lacks[n] : waves->lacks[n + PHASES];
+        phase = most >= ENOUGH ? n + 1 : phase;
+        doubted += both_of(waves, n) >= ENOUGH / 2u ? 1 : 0;
+    }
+    return doubted == 1 ? phase : 0;
+}
+
+static float length_of(lode_ab_t x) {
+    return lode_sqrt(x.alpha * x.alpha + x.beta * x.beta);
+}
+
+LODE_NOINLINE lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
+                                                     const lode_open_phase_tuning_t *tuning,
+                                                     lode_ab_t asked_A, lode_ab_t i_A,
+                                                     float turn_rad) {
+    const float length_A = length_of(asked_A);
+    const look_t look = {.asked_A = lode_max(LODE_WAVE_ASKED * length_A, tuning->least_A),
+                         .flows_A = length_of(i_A),
+                         .least_A = tuning->least_A,
+                         .step = step_of(tuning, turn_rad)};
+    if (is_idle(self, length_A < tuning->least_A, look.step)) {
+        *self = (lode_half_waves_t){.idle = 0u};
+    }
+    const lode_abc_t asked = lode_clarke_inverse(asked_A);
+    const lode_abc_t has = lode_clarke_inverse(i_A);
+    const float up_A[PHASES] = {asked.a, asked.b, asked.c};
+    const float has_A[PHASES] = {has.a, has.b, has.c};
+    for (int32_t n = 0; n < PHASES; n++) {
+        uint_least16_t *lacks = &self->lacks[n];
+        lacks[0] = lacking_now(lacks[0], &look, up_A[n], has_A[n]);
+        lacks[PHASES] = lacking_now(lacks[PHASES], &look, -up_A[n], -has_A[n]);
+    }
+    self->doubts = is_any(self);
+    return (lode_open_phase_t)alone_of(self);
 }

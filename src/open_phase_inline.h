@@ -32,4 +32,21 @@ lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *self,
                                        const lode_open_phase_tuning_t *tuning, int32_t set,
                                        lode_ab_t i_set_A, lode_ab_t i_A, float turn_rad);
 
+// Three phases: the current that is asked for, and what is missed of it, in any axes. False, as nearly always:
+// lode_half_waves_look() would find nothing (K25).
+LODE_INLINE bool lode_half_waves_doubt(const lode_half_waves_t *self,
+                                       const lode_open_phase_tuning_t *tuning, lode_dq_t asked_A,
+                                       lode_dq_t missed_A) {
+    const float asked_A2 = asked_A.d * asked_A.d + asked_A.q * asked_A.q;
+    const float missed_A2 = missed_A.d * missed_A.d + missed_A.q * missed_A.q;
+    return self->doubts || (missed_A2 >= LODE_WAVE_XY * LODE_WAVE_XY * asked_A2 &&
+                            asked_A2 >= tuning->least_A * tuning->least_A);
+}
+
+// The phase, 1 .. 3, that lacks a half-wave or both of what is asked for; 0: none. Currents in stator axes; the vector
+// turns by `turn_rad` from one look to the next.
+lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
+                                       const lode_open_phase_tuning_t *tuning, lode_ab_t asked_A,
+                                       lode_ab_t i_A, float turn_rad);
+
 #endif

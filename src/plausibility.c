@@ -36,8 +36,7 @@
 // Of a round: faster, current control may not hold the current against a rotor that falls out of step.
 #define WAVE_STEP_rad 0.3f
 #define WAVE_TURN_rad 6.9115f // a turn and a tenth
-#define WAVES_ASKED                                                                                \
-    0x80u // beside the half-waves of the turn before: one that was lacking is asked for
+#define WAVES_ALL 0x3fu
 #define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
 
 #define OVERLOAD_MAX_s 10.0f
@@ -192,31 +191,11 @@ uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning
     if (lode_abs(self->turn_rad) < WAVE_TURN_rad) {
         return 0u;
     }
-    const uint32_t lacking = LODE_WAVES_ALL & ~seen;
+    const uint32_t lacking = WAVES_ALL & ~seen;
     const uint32_t twice = lacking & self->lacking;
     *self = (lode_waves_t){.lacking = (uint_least8_t)lacking};
     const uint32_t phases = ALL_PHASES & (twice | twice >> LODE_PHASES);
     return (uint_least8_t)(phases > 0u ? number_of(phases) : 0.0f);
-}
-
-void lode_half_waves_reset(lode_half_waves_t *self) {
-    *self = (lode_half_waves_t){LODE_WAVES_ALL, LODE_WAVES_ALL};
-}
-
-uint_least8_t lode_half_waves_end(lode_half_waves_t *self, uint32_t seen) {
-    const uint32_t either = LODE_WAVES_ALL & ~(seen & self->before);
-    const uint32_t twice = LODE_WAVES_ALL & ~(seen | self->before);
-    const uint32_t phases = ALL_PHASES & (either | either >> LODE_PHASES);
-    const bool asked = (self->before & WAVES_ASKED) != 0u;
-    const bool one = twice != 0u && (phases & (phases - 1u)) == 0u;
-    self->before = (uint_least8_t)seen;
-    return (uint_least8_t)(one && asked ? number_of(phases) : 0.0f);
-}
-
-void lode_half_waves_ask(lode_half_waves_t *self, uint32_t asked) {
-    if ((asked & ~(uint32_t)self->before) != 0u) {
-        self->before |= WAVES_ASKED;
-    }
 }
 
 // The other two currents of an open phase add up to none, to within their gains; beside a converter that is stuck they do

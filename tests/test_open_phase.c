@@ -383,6 +383,224 @@ static void test_tuning(void) {
     CHECK_CLOSE(1.0e-6, 1.0 / 3.0, t.most); // three looks at least
 }
 
+// ---- Three phases -------------------------------------------------------------------------------
+
+/// A current of `i_A` is asked for, and flows but for what a phase cannot carry.
+typedef struct {
+    double i_A;
+    double omega;
+    double angle;
+    double noise_A;
+    cplx_t times; ///< what flows of a sound drive, of what is asked for
+    int phase;    ///< 0: none
+    int lacks;
+    lode_open_phase_tuning_t tuning;
+    lode_half_waves_t waves;
+    random_t random;
+} three_t;
+
+#define ROUND_s (8.0 * TS_s)
+#define CONTROL_rad_s 2000.0
+
+static three_t three(double i_A, double omega) {
+    return (three_t){.i_A = i_A,
+                     .omega = omega,
+                     .times = 1.0,
+                     .lacks = BOTH,
+                     .tuning =
+                         lode_half_waves_tune((float)I_MAX_A, (float)CONTROL_rad_s, (float)ROUND_s),
+                     .random = random_seed(11)};
+}
+
+static float noisy(three_t *s, double x) {
+    return (float)(x + s->noise_A * random_between(&s->random, -1.0, 1.0));
+}
+
+static lode_open_phase_t look_at_three(three_t *s) {
+    const cplx_t asked = s->i_A * cexp(I * s->angle);
+    cplx_t flows = s->times * asked;
+    if (s->phase > 0) {
+        const cplx_t along = cexp(I * axis(s->phase - 1));
+        const double has = creal(flows * conj(along));
+        flows -= (s->lacks & (has > 0.0 ? POSITIVE : NEGATIVE)) != 0 ? has * along : 0.0;
+    }
+    const lode_ab_t asked_A = {(float)creal(asked), (float)cimag(asked)};
+    const lode_ab_t i_A = {noisy(s, creal(flows)), noisy(s, cimag(flows))};
+    const lode_dq_t ref_A = {asked_A.alpha, asked_A.beta}; // any axes will do
+    const lode_dq_t missed_A = {asked_A.alpha - i_A.alpha, asked_A.beta - i_A.beta};
+    s->angle = remainder(s->angle + ROUND_s * s->omega, 2.0 * CHECK_PI);
+    if (!lode_half_waves_doubt(&s->waves, &s->tuning, ref_A, missed_A)) {
+        lode_half_waves_t seen = s->waves;
+        TEST_ASSERT_EQUAL_UINT(
+            0u, lode_half_waves_look(&seen, &s->tuning, asked_A, i_A, (float)(ROUND_s * s->omega)));
+        TEST_ASSERT_FALSE(seen.doubts);
+        return 0u;
+    }
+    return lode_half_waves_look(&s->waves, &s->tuning, asked_A, i_A, (float)(ROUND_s * s->omega));
+}
+
+/// Turns until a phase is found, at most `turns`.
+static double three_found_after(three_t *s, double turns, lode_open_phase_t *open) {
+    const double look = ROUND_s * fabs(s->omega) / (2.0 * CHECK_PI);
+    *open = 0u;
+    for (int n = 1; n <= (int)(turns / look); n++) {
+        *open = look_at_three(s);
+        if (*open > 0u) {
+            return n * look;
+        }
+    }
+    return turns;
+}
+
+static void expect_no_phase(three_t *s, double turns) {
+    lode_open_phase_t open;
+    (void)three_found_after(s, turns, &open);
+    TEST_ASSERT_EQUAL_INT(0, open);
+}
+
+/// From a tenth of i_max on, wherever in the turn, either way round.
+static void test_of_three_phases_one_is_found_within_1_2_turns(void) {
+    static const double omegas[] = {5.0, 60.0, 200.0, -5.0, -60.0, -200.0};
+    for (int n = 0; n < 6 * 3 * 3; n++) {
+        for (int at = 0; at < 36; at++) {
+            three_t s = three(n % 2 == 0 ? 0.1 * I_MAX_A : I_MAX_A, omegas[n % 6]);
+            lode_open_phase_t open;
+            s.angle = at * 10.0 * CHECK_DEG;
+            s.noise_A = 0.002 * I_MAX_A;
+            expect_no_phase(&s, 2.0);
+            s.phase = n / 6 % 3 + 1;
+            s.lacks = n / 18 + 1;
+            CHECK_AT_MOST(1.2, three_found_after(&s, 3.0, &open));
+            TEST_ASSERT_EQUAL_INT(s.phase, open);
+        }
+    }
+}
+
+/// At any speed: looks may lie as far apart as they like, as reference and current are those of the same instant.
+static void test_of_three_phases_one_is_found_at_any_speed(void) {
+    for (int n = 1; n < 40; n++) {
+        three_t s = three(5.0, 0.17 * n / ROUND_s);
+        lode_open_phase_t open;
+        expect_no_phase(&s, 20.0);
+        s.phase = n % 3 + 1;
+        s.lacks = n % 2 + 1;
+        CHECK_AT_MOST(fmax(1.2, 60.0 * ROUND_s * s.omega / (2.0 * CHECK_PI)),
+                      three_found_after(&s, 100.0, &open));
+        TEST_ASSERT_EQUAL_INT(s.phase, open);
+    }
+}
+
+/// All phases have as little, or control is behind by less than two thirds of a right angle.
+static void test_control_that_is_behind_lacks_no_phase(void) {
+    for (int n = -60; n <= 60; n += 5) {
+        for (double length = 0.1; length < 2.0; length += 0.1) {
+            three_t s = three(0.5 * I_MAX_A, 100.0);
+            s.times = length * cexp(I * (double)n * CHECK_DEG);
+            expect_no_phase(&s, 5.0);
+        }
+    }
+    three_t s = three(I_MAX_A, 100.0);
+    s.times = 0.02; // nothing flows
+    expect_no_phase(&s, 5.0);
+}
+
+/// What is lacking for half of a half-wave is forgotten as soon as the phase is seen to have it.
+static void test_a_half_wave_that_is_seen_clears_its_phase(void) {
+    three_t s = three(5.0, 60.0);
+    s.phase = 1;
+    s.angle = -70.0 * CHECK_DEG;
+    while (s.angle < -20.0 * CHECK_DEG) {
+        TEST_ASSERT_EQUAL_INT(0, look_at_three(&s));
+    }
+    TEST_ASSERT_GREATER_THAN_UINT(0u, s.waves.lacks[0]);
+    TEST_ASSERT_TRUE(s.waves.doubts);
+    three_t sound = s;
+    sound.phase = 0;
+    TEST_ASSERT_EQUAL_INT(0, look_at_three(&sound));
+    TEST_ASSERT_EQUAL_UINT(0u, sound.waves.lacks[0]);
+    TEST_ASSERT_FALSE(sound.waves.doubts);
+    sound = s;
+    sound.phase = 0;
+    sound.i_A = 0.0; // nothing is asked for, for a sixth of a turn
+    for (int n = 0; n < 30; n++) {
+        (void)look_at_three(&sound);
+    }
+    TEST_ASSERT_FALSE(sound.waves.doubts);
+}
+
+/// Of both half-waves half of enough each is not enough, nor what two phases lack.
+static void test_one_half_wave_of_one_phase_lacks_enough(void) {
+    const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
+    const lode_ab_t none = {0.0f, 0.0f};
+    lode_half_waves_t waves = {.lacks = {16383u, 0u, 0u, 16383u}};
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    waves = (lode_half_waves_t){.lacks = {0u, 16384u}};
+    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    waves = (lode_half_waves_t){.lacks = {0u, 0u, 0u, 0u, 0u, 16384u}};
+    TEST_ASSERT_EQUAL_UINT(3u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    waves = (lode_half_waves_t){.lacks = {8191u, 16384u}};
+    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    waves = (lode_half_waves_t){.lacks = {8192u, 16384u}};
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    waves = (lode_half_waves_t){.lacks = {4096u, 16384u, 0u, 4096u}};
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+}
+
+/// One look at phase 1 that lacks its positive half-wave, or not: `asked_A` along its axis, `has_A` of it, `across_A` of the
+/// other two.
+static bool lacks_now(float asked_A, float has_A, float across_A) {
+    const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
+    lode_half_waves_t waves = {.lacks = {0u}};
+    (void)lode_half_waves_look(&waves, &t, (lode_ab_t){asked_A, 0.0f}, (lode_ab_t){has_A, across_A},
+                               0.1f);
+    return waves.lacks[0] > 0u;
+}
+
+static bool clears_now(float has_A, float across_A) {
+    const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
+    lode_half_waves_t waves = {.lacks = {100u}};
+    (void)lode_half_waves_look(&waves, &t, (lode_ab_t){0.0f, 9.0f}, (lode_ab_t){has_A, across_A},
+                               0.1f);
+    return waves.lacks[0] == 0u;
+}
+
+static void test_three_phases_at_their_limits(void) {
+    const float least_A = 0.03f * (float)I_MAX_A;
+    TEST_ASSERT_TRUE(lacks_now(1.001f * least_A, 0.0f, 2.0f));
+    TEST_ASSERT_FALSE(lacks_now(0.999f * least_A, 0.0f, 2.0f));
+    TEST_ASSERT_TRUE(lacks_now(4.0f, 0.0f, 1.001f * least_A));
+    TEST_ASSERT_FALSE(lacks_now(4.0f, 0.0f, 0.999f * least_A));
+    TEST_ASSERT_TRUE(lacks_now(4.0f, 0.999f, 9.0f));
+    TEST_ASSERT_FALSE(lacks_now(4.0f, 1.001f, 9.0f));
+    TEST_ASSERT_TRUE(clears_now(0.501f * least_A, 0.0f));
+    TEST_ASSERT_FALSE(clears_now(0.499f * least_A, 0.0f));
+    TEST_ASSERT_TRUE(clears_now(2.6f, 10.0f)); // a quarter of 10.3
+    TEST_ASSERT_FALSE(clears_now(2.55f, 10.0f));
+}
+
+static void test_whatever_three_currents_are_the_answer_is_a_phase(void) {
+    static const float wild[] = {NAN, INFINITY, -INFINITY, 1.0e30f, 0.0f, 5.0f};
+    random_t random = random_seed(9);
+    three_t s = three(5.0, 100.0);
+    for (int n = 0; n < 100000; n++) {
+        float x[5];
+        for (int k = 0; k < 5; k++) {
+            x[k] = wild[random_bits(&random) % (uint32_t)COUNT_OF(wild)];
+        }
+        CHECK_AT_MOST(3.0, lode_half_waves_look(&s.waves, &s.tuning, (lode_ab_t){x[0], x[1]},
+                                                (lode_ab_t){x[2], x[3]}, x[4]));
+    }
+}
+
+static void test_tuning_of_three_phases(void) {
+    lode_open_phase_tuning_t t = lode_half_waves_tune(10.0f, 1000.0f, 4.0e-4f);
+    CHECK_CLOSE(1.0e-6, 0.3, t.least_A);
+    CHECK_CLOSE(1.0e-6, 3.0 / CHECK_PI, t.per_rad);
+    CHECK_CLOSE(1.0e-6, 0.4 / 4.9, t.most);
+    t = lode_half_waves_tune(10.0f, 5000.0f, 4.0e-4f);
+    CHECK_CLOSE(1.0e-6, 0.4 / 2.0, t.most);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_dead_switch_and_an_open_phase_are_found_within_1_2_turns);
@@ -401,5 +619,13 @@ int main(void) {
     RUN_TEST(test_without_doubt_nothing_is_lacking);
     RUN_TEST(test_whatever_the_currents_the_answer_is_a_phase);
     RUN_TEST(test_tuning);
+    RUN_TEST(test_of_three_phases_one_is_found_within_1_2_turns);
+    RUN_TEST(test_of_three_phases_one_is_found_at_any_speed);
+    RUN_TEST(test_control_that_is_behind_lacks_no_phase);
+    RUN_TEST(test_a_half_wave_that_is_seen_clears_its_phase);
+    RUN_TEST(test_one_half_wave_of_one_phase_lacks_enough);
+    RUN_TEST(test_three_phases_at_their_limits);
+    RUN_TEST(test_whatever_three_currents_are_the_answer_is_a_phase);
+    RUN_TEST(test_tuning_of_three_phases);
     return UNITY_END();
 }

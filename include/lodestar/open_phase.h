@@ -1,5 +1,5 @@
-/// Finds a phase that lacks the current of a half-wave, or of both, which the others of the machine carry in its place: a
-/// switch that stays off, a broken wire.
+/// Finds a phase that lacks the current of a half-wave, or of both: a switch that stays off, a broken wire. With six phases
+/// the others of the machine carry it in its place; with three, current control has not got what it asks for.
 #ifndef LODESTAR_OPEN_PHASE_H
 #define LODESTAR_OPEN_PHASE_H
 
@@ -26,10 +26,16 @@ typedef struct {
 
 #define LODE_HALF_WAVES 6 // of a set's phases: three positive ones, three negative ones
 
+/// Of three phases.
 typedef struct {
     uint_least16_t lacks[LODE_HALF_WAVES]; ///< for how much of enough it has been lacking
-    uint_least16_t all;                    ///< for how much the set has had no current
     uint_least16_t idle;                   ///< for how much there has been too little to tell
+    bool doubts;                           ///< one of them has been lacking
+} lode_half_waves_t;
+
+typedef struct {
+    lode_half_waves_t waves;
+    uint_least16_t all; ///< for how much the set has had no current
 } lode_lacking_t;
 
 typedef struct {
@@ -39,6 +45,9 @@ typedef struct {
 
 /// The currents of the xy plane die with `xy_rad_s`; a set is looked at every `look_s`.
 lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float look_s);
+
+/// Three phases: current control brings its error down with `control_rad_s`.
+lode_open_phase_tuning_t lode_half_waves_tune(float i_max_A, float control_rad_s, float look_s);
 
 void lode_open_phase_reset(lode_open_phase_watch_t *self);
 

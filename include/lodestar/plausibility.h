@@ -6,6 +6,7 @@
 #define LODESTAR_PLAUSIBILITY_H
 
 #include "lodestar/guard.h"
+#include "lodestar/open_phase.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,6 +17,7 @@ typedef struct {
     int32_t i_still; ///< 1/256 count: with less a phase is none of this; six phases: it may be open
     int32_t i_sum;   ///< largest sum of the three, 1/256 count; below 0: nothing is looked at
     float per_wave_A; ///< least half-wave per ampere asked for, 1/256 count; 0: not looked at
+    lode_open_phase_tuning_t waves; ///< of RUN
     float away_rad_s; ///< electrical, by which a load may move the speed; 0: not looked at
     float away_step;  ///< of that, what it may in each LODE_SLOW_PERIODS for ever
 } lode_plausibility_tuning_t;
@@ -28,17 +30,6 @@ typedef struct {
     uint_least8_t seen;    ///< half-waves, a bit each: three positive ones, three negative ones
     uint_least8_t lacking; ///< those that the turn before did not have
 } lode_waves_t;
-
-/// The same in RUN, where amplitude and angle of the current may change: over two turns of the rotor, in neither of which
-/// a phase has a half-wave that is asked for and that the others have. (One alone may lack it where the torque changes its
-/// sign.)
-typedef struct {
-    uint_least8_t
-        seen; ///< half-waves in this turn, a bit each; above them the quarter of the turn, 0 .. 3
-    /// those of the turn before; above them whether enough flowed in this quarter, and whether one that was lacking
-    /// was asked for in this turn
-    uint_least8_t before;
-} lode_half_waves_t;
 
 typedef struct {
     int32_t i[LODE_PHASES]; ///< at the last look, 1/256 count
@@ -93,16 +84,6 @@ lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
 /// square of the current that is asked for. The phase without a half-wave, 1 .. 3; 0: none is known to be.
 uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning_t *tuning,
                               const int32_t i[LODE_PHASES], float i_A2, float turn_rad);
-
-/// As if all had been seen.
-void lode_half_waves_reset(lode_half_waves_t *self);
-
-/// A turn has ended in which these were `seen`. The phase, 1 .. 3, that lacked one that was asked for, in this turn and in
-/// the one before, while both others had both of theirs; 0: none.
-uint_least8_t lode_half_waves_end(lode_half_waves_t *self, uint32_t seen);
-
-/// The half-waves that the reference has now, where it is large enough to be seen: asked where something is in doubt.
-void lode_half_waves_ask(lode_half_waves_t *self, uint32_t asked);
 
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
