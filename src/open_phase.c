@@ -14,6 +14,8 @@
 #define LOOKS_MIN 3.0f
 // With three phases: a load that throws a light rotor leaves current control behind for so long (K27).
 #define LACKING_s 2.0e-3f
+// Of the current: with more of it the other way a phase is not dead, control is behind by nearly half a turn (K24).
+#define AGAINST 0.75f
 #define WHOLE_SET 7
 
 lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float look_s) {
@@ -137,8 +139,9 @@ static uint_least16_t lacking_now(uint_least16_t before, const look_t *look, flo
     if (has_A >= lode_max(LODE_WAVE_HAS * look->least_A, LODE_WAVE_LACKS * look->flows_A)) {
         return 0u;
     }
+    const float against_A = lode_max(AGAINST * look->flows_A, look->least_A);
     const bool lacks = asked_A >= look->asked_A && has_A <= LODE_WAVE_LACKS * asked_A &&
-                       look->flows_A >= look->least_A;
+                       has_A >= -against_A && look->flows_A >= look->least_A;
     return lacks ? more(before, look->step) : before;
 }
 

@@ -572,6 +572,9 @@ static void test_three_phases_at_their_limits(void) {
     TEST_ASSERT_FALSE(lacks_now(4.0f, 0.0f, 0.999f * least_A));
     TEST_ASSERT_TRUE(lacks_now(4.0f, 0.999f, 9.0f));
     TEST_ASSERT_FALSE(lacks_now(4.0f, 1.001f, 9.0f));
+    TEST_ASSERT_TRUE(lacks_now(4.0f, -3.0f, 2.7f));                      // 0.743 of it
+    TEST_ASSERT_FALSE(lacks_now(4.0f, -3.0f, 2.6f));                     // 0.756
+    TEST_ASSERT_TRUE(lacks_now(4.0f, -0.99f * least_A, 0.2f * least_A)); // ripple
     TEST_ASSERT_TRUE(clears_now(0.501f * least_A, 0.0f));
     TEST_ASSERT_FALSE(clears_now(0.499f * least_A, 0.0f));
     TEST_ASSERT_TRUE(clears_now(2.6f, 10.0f)); // a quarter of 10.3
