@@ -79,7 +79,7 @@
 #define FALL_Q_MIDDLE 0.5f // of i_max
 #define FALL_Q_HIGH 0.75f  // with the current that holds, and its overshoot, within i_max
 #define FALL_HALVES 6u
-#define FALL_VOLTAGE 0.5f    // of the circle, to get from one end to the other
+#define FALL_VOLTAGE 0.75f   // of the circle, to get from one end to the other
 #define FALL_LONGEST_s 0.05f // of a half-wave that moves no rotor
 #define FALL_LEAST 0.05f     // less is none
 #define FALL_DEVIATION 0.03f // of the inductance, off the line

@@ -381,8 +381,8 @@ static void test_large_waves(void) {
     begin_trace(LQ_FALL, &c, &config);
     const double hold_A = 0.7 * (double)rig.commission.current_A;
     const double amplitude_A[] = {0.4 * hold_A, 0.5 * 12.0, 0.75 * 12.0};
-    // As long as the largest needs with half of the voltage, and eight periods more.
-    const double need_s = 2.0 * 9.0 * c.Lq_H / (0.5 * 200.0 / sqrt(3.0));
+    // As long as the largest needs with three quarters of the voltage, and eight periods more.
+    const double need_s = 2.0 * 9.0 * c.Lq_H / (0.75 * 200.0 / sqrt(3.0));
     const int half = 8 + (int)(need_s * 5.0e3 + 0.5);
     const int length = 100 + 3 + 7 * half - half / 2 + 1;
     TEST_ASSERT_EQUAL(3 * length, trace.count);
