@@ -38,7 +38,7 @@ lode_status_t lode_drive_tune_signal_check(lode_drive_tuning_t *t, const lode_dr
                                            const lode_motor_t *motor, const lode_fly_tuning_t *fly);
 // Tells the interrupt that there is mail, in drive.c.
 void lode_drive_call(lode_drive_t *self);
-// Something is wrong with a sample, in drive.c: a trip switches off at once.
+// Something is wrong with a sample, in drive_watch.c: a trip switches off at once.
 void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                          const lode_sample_t *sample);
 // Speed control where it comes more often than once in a round: before current control; in drive.c.
@@ -47,13 +47,13 @@ void lode_drive_fast_speed(lode_drive_t *self);
 float lode_drive_faded(const lode_drive_t *self);
 // Target of speed control with a sensor, or for torque control; in drive.c.
 float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm);
-// One of a set's currents has kept its count, or their sum is large; in drive.c.
+// One of a set's currents has kept its count, or their sum is large; in drive_watch.c.
 void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                         const int32_t i[LODE_PHASES], float looks);
 // Duties that lode_sense_tuning_t.duty_max does not allow, in drive.c: `omitted` of their set follows.
 // False: they are none, and the drive is in FAULT.
 bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_abc_t *duty);
-// SLOT_GUARD where temperature or bus must move, in drive.c.
+// SLOT_GUARD where temperature or bus must move, in drive_watch.c.
 void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 // SLOT_REFERENCES of more than plain id* = 0, in drive.c.
@@ -61,11 +61,11 @@ void lode_drive_optimal_references(lode_drive_t *self);
 // SLOT_LAG where the q axis saturates: with what that turns the observed angle by (R17), in drive.c.
 void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
-// SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive.c.
+// SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive_watch.c.
 void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
-// In RUN, in drive.c: the load, and the same of three phases.
+// In RUN, in drive_watch.c: the load, and the same of three phases.
 bool lode_drive_watch_running(lode_drive_t *self);
-// The guard's slow checks have something to count, in drive.c.
+// The guard's slow checks have something to count, in drive_watch.c.
 void lode_drive_check_slow(lode_drive_t *self);
 
 // The rotor's frame, and the duties' in it.

@@ -173,6 +173,9 @@
     ROW(INTEGER, int32_t, plausibility.i_still) \
     ROW(INTEGER, int32_t, plausibility.i_sum) \
     ROW(FLOAT, float, plausibility.per_wave_A) \
+    ROW(FLOAT, float, plausibility.waves.least_A) \
+    ROW(FLOAT, float, plausibility.waves.per_rad) \
+    ROW(FLOAT, float, plausibility.waves.most) \
     ROW(FLOAT, float, plausibility.away_rad_s) \
     ROW(FLOAT, float, plausibility.away_step)
 

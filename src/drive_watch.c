@@ -1,0 +1,369 @@
+#include "drive_inline.h"
+#include "open_phase_inline.h"
+#include "start_inline.h"
+
+// Of the voltage circle: with less EMF there is voltage left to drive the current that is asked for.
+#define EMF_SHARE 0.8f
+// Lost lock is that of another flux where the EMF is where it should be, there is half of it at least (a rotor that is
+// stopped has less), and it is off by more than a tuning and a hot magnet explain.
+#define LEAST_FLUX 0.5f
+#define ANOTHER_FLUX 0.2f
+// Of inductances and resistance, as for (S34) and (K16).
+#define L_UNSURE 0.2f
+#define R_UNSURE 0.5f
+#define FLUX_CURRENT 9.0f // times the least current that is judged by, squared: 0.15 of i_max
+#define FLUX_s 0.05f      // longer than a speed that changes fast is behind the EMF
+#define FLUX_ROUNDS_MAX 255u
+#define SOUND_LOCK 0.9f   // an EMF that is off by less than 8 %
+#define ALL_VOLTAGE 0.99f // of the circle, on which rounding leaves it
+// Of what limits the torque: the voltage moves that a little in each round.
+#define ALL_TORQUE 0.9f
+#define FOLLOWED 0.8f  // of the current that is asked for
+#define FAR_OFF 0.05f  // of the speed that is asked for
+#define BUS_SHARE 0.1f // of the flux, by which the EMF is off when the bus is not what is read
+
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+// In FAULT without a short of the drive's own. Where the EMF is above the bus, current flows through the diodes of a
+// sound bridge too.
+static bool is_open(const lode_drive_t *self) {
+    const float emf_V =
+        LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(self->estimator.pll.omega_rad_s);
+    return lode_mode(self) == LODE_MODE_FAULT && !lode_mode_shorts(self) &&
+           emf_V <= self->inverter.v_bus_V;
+}
+
+#endif
+
+LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
+                                       const lode_sample_t *sample) {
+    if (self->gates || lode_mode_precharges(self)) {
+        lode_guard_diagnose(&self->guard, &self->tuning->guard, sense, &self->tuning->sense, sample,
+                            self->mode);
+        lode_mode_obey_guard(self);
+        return;
+    }
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    if (is_open(self)) {
+        lode_guard_suspect(&self->guard, &self->tuning->guard, &self->tuning->sense, sample);
+    }
+#endif
+}
+
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+// The EMF is along the rotor's q axis, and off what the speed induces by `least_Wb` at least.
+static bool is_another_flux(lode_flux_t flux, float least_Wb) {
+    return flux.aligned && flux.seen_Wb >= LEAST_FLUX * flux.expected_Wb &&
+           lode_abs(flux.seen_Wb - flux.expected_Wb) >= least_Wb;
+}
+
+// The lock was lost by the EMF's size alone, at every look since it was first found to be.
+static void name_lost_lock(lode_drive_t *self) {
+    lode_guard_t *guard = &self->guard;
+    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
+    const bool before = guard->flux || guard->lock <= 1u;
+    const bool now = is_another_flux(flux, ANOTHER_FLUX * flux.expected_Wb);
+    guard->flux = guard->lock > 0u && before && now;
+    if (guard->flux && guard->fault.check == (uint_least8_t)LODE_CHECK_LOST_LOCK) {
+        guard->fault.check = (uint_least8_t)LODE_CHECK_FLUX;
+        guard->fault.measured = flux.seen_Wb;
+        guard->fault.limit = flux.expected_Wb;
+    }
+}
+
+#endif
+
+LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self) {
+    const lode_situation_t now = {self->mode, lode_mode(self) == LODE_MODE_RUN};
+    lode_guard_check_slow(&self->guard, &self->tuning->guard, lode_drive_condition(self), now);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    lode_mode_prove_start(self);
+#endif
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    name_lost_lock(self);
+#endif
+    lode_mode_obey_guard(self);
+}
+
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+// In seconds, rounds of the slow jobs.
+static float rounds_s(const lode_drive_t *self, uint32_t rounds) {
+    const uint32_t periods = rounds * LODE_SLOW_PERIODS;
+    return (float)periods * self->tuning->estimator.pll.ts_s;
+}
+
+// One more round with the same count. True: it has been `limit` of them. 0: it may be any.
+static bool is_still(uint_least16_t *rounds, bool same, uint32_t limit) {
+    const bool still = same && limit > 0u;
+    *rounds = still ? (uint_least16_t)(*rounds + 1u) : 0u;
+    return still && *rounds >= limit;
+}
+
+LODE_NOINLINE void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V) {
+    lode_guard_t *guard = &self->guard;
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const uint32_t rounds = tuning->guard.still_rounds;
+    const uint32_t bus_rounds = tuning->guard.bus_still_rounds;
+    const bool same = count == guard->still_count;
+    const bool same_bus = lode_in_range(v_bus_V, guard->still_V, guard->still_V);
+    guard->still_count = count;
+    guard->still_V = v_bus_V;
+    if (is_still(&guard->still, same, rounds)) {
+        lode_mode_fault(self, LODE_CHECK_TEMPERATURE_STUCK,
+                        lode_sense_temperature_degC(&tuning->sense, count), rounds_s(self, rounds));
+    }
+    // Another bus than the one that is read makes another EMF of the same voltage.
+    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &tuning->estimator);
+    const bool off = lode_mode(self) == LODE_MODE_RUN &&
+                     lode_abs(flux.seen_Wb - flux.expected_Wb) > BUS_SHARE * flux.expected_Wb;
+    if (is_still(&guard->bus_still, same_bus && off, bus_rounds)) {
+        lode_mode_fault(self, LODE_CHECK_BUS_STUCK, v_bus_V, rounds_s(self, bus_rounds));
+    }
+}
+
+// Square of the current that the phases should show.
+static float expected_A2(const lode_drive_t *self, float omega_rad_s) {
+    const lode_current_tuning_t *control = &self->tuning->current;
+    // Where the EMF takes the voltage, the current need not follow its reference.
+    const bool follows = self->tuning->references.psi_Wb * omega_rad_s <
+                         EMF_SHARE * control->circle * self->inverter.v_bus_V;
+    const lode_dq_t i_A = follows ? self->ref_A : self->i_A;
+    return i_A.d * i_A.d + i_A.q * i_A.q;
+}
+
+// At its zero a phase's current asks for the voltage of the inductance: where dead time and drops take more, they
+// hold it there.
+static lode_hold_t hold_of(const lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_inverter_tuning_t *inverter = &tuning->inverter;
+    const float dead_duty = inverter->dead_duty + inverter->dead_more_max;
+    const float Lq_H = tuning->estimator.emf.inv_b * tuning->estimator.pll.ts_s;
+    return (lode_hold_t){.taken_V = dead_duty * self->inverter.v_bus_V + 2.0f * inverter->v_drop_V,
+                         .x_Ohm = Lq_H * lode_mode_frame_omega(self)};
+}
+
+static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, uint32_t doubt) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_finding_t found =
+        lode_plausibility_find(watch, &tuning->plausibility, doubt, tuning->guard.lock_looks,
+                               hold_of(self), lode_abs(tuning->sense.i_gain));
+    if (found.check != LODE_CHECK_NONE) {
+        const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;
+        const float before = second ? (float)LODE_PHASES : 0.0f;
+        lode_mode_fault(self, found.check, found.measured + before, found.limit);
+    }
+}
+
+LODE_NOINLINE void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const float round_s = (float)LODE_SLOW_PERIODS * tuning->estimator.pll.ts_s;
+    const uint_least8_t phase =
+        lode_waves_step(&self->state.start.seen.turn.waves, &tuning->plausibility, i,
+                        self->ref_A.d * self->ref_A.d, round_s * self->state.start.omega_rad_s);
+    if (phase > 0u) {
+        lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
+    }
+}
+
+static LODE_NOINLINE void judge_half_waves(lode_drive_t *self, lode_half_waves_t *waves) {
+    const lode_estimator_t *estimator = &self->estimator;
+    const float round_s = (float)LODE_SLOW_PERIODS * self->tuning->estimator.pll.ts_s;
+    const lode_ab_t ref_A = lode_park_inverse(self->ref_A, lode_estimator_rotor(estimator));
+    const lode_open_phase_t phase =
+        lode_half_waves_look(waves, &self->tuning->plausibility.waves, ref_A, estimator->emf.i_A,
+                             round_s * estimator->pll.omega_rad_s);
+    if (phase > 0u) {
+        lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
+    }
+}
+
+// A start that RUN still proves is an attempt that fails by its lock; while its current fades there is less torque.
+static bool is_started(const lode_drive_t *self) {
+    const lode_running_t *run = &self->state.run;
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    if (run->proving > 0u) {
+        return false;
+    }
+#endif
+    return !(run->fade > 0.0f);
+}
+
+// (P25): what a tuning and a hot magnet explain of the magnets' flux, and errors of inductances and resistance, which are
+// independent of each other, of the rest.
+static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
+    const lode_references_tuning_t *motor = &self->tuning->references;
+    const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
+    const lode_dq_t i_A = self->i_A;
+    const float omega = lode_max(lode_abs(self->estimator.pll.omega_rad_s), FLT_MIN);
+    const float L_share = L_UNSURE + motor->Lq_fall * lode_abs(i_A.q);
+    const float turned_A = motor->Lq_H * i_A.q * i_A.q / lode_max(flux.expected_Wb, FLT_MIN);
+    const float d_Wb = L_share * motor->Ld_H * i_A.d;
+    const float q_Wb = L_share * lode_references_salient_H(motor) * turned_A;
+    const float r_Wb = R_UNSURE * (emf->inv_b - emf->a_over_b) * i_A.q / omega;
+    return ANOTHER_FLUX * self->tuning->estimator.psi_Wb +
+           lode_sqrt(d_Wb * d_Wb + q_Wb * q_Wb + r_Wb * r_Wb);
+}
+
+// Current control has voltage left: it is not behind for want of it.
+static bool has_voltage(const lode_drive_t *self) {
+    const lode_dq_t u_V = self->u_V;
+    const float most_V = ALL_VOLTAGE * self->tuning->current.circle * self->inverter.v_bus_V;
+    return u_V.d * u_V.d + u_V.q * u_V.q < most_V * most_V;
+}
+
+// Of three phases. What current control misses stands for the current of the xy plane (K25).
+static void note_half_waves(lode_drive_t *self) {
+    const lode_open_phase_tuning_t *tuning = &self->tuning->plausibility.waves;
+    const lode_estimator_t *estimator = &self->estimator;
+    lode_half_waves_t *waves = &self->state.run.waves;
+    const float omega = estimator->pll.omega_rad_s;
+    if (lode_abs(omega) < self->tuning->start.omega_ready || lode_mode_is_sensored(self) ||
+        self->state.run.fade > 0.0f) {
+        *waves = (lode_half_waves_t){.idle = 0u}; // what is known of the turn is too little
+        return;
+    }
+    const lode_dq_t ref_A = self->ref_A;
+    const lode_dq_t missed_A = {ref_A.d - self->i_A.d, ref_A.q - self->i_A.q};
+    if (lode_half_waves_doubt(waves, tuning, ref_A, missed_A) && has_voltage(self)) {
+        judge_half_waves(self, waves);
+    }
+}
+
+// The most that will be there against the load: all that i_max gives. A speed that falls for want of voltage comes to rest
+// where there is enough of it; one that rises for want of it does not.
+static float most_against_Nm(const lode_drive_t *self) {
+    const lode_references_tuning_t *references = &self->tuning->references;
+    const lode_running_t *run = &self->state.run;
+    const bool brakes = run->speed.torque_Nm * self->estimator.pll.omega_rad_s < 0.0f;
+    return brakes ? lode_references_allowed_Nm(&run->references, references, self->ref_A.d)
+                  : references->torque_factor * references->tau_max;
+}
+
+// The estimate is sure; neither the application nor temperature or bus limits the torque; and its current flows: where the
+// voltage is too little for it, so is the speed.
+static bool is_all_torque(const lode_drive_t *self) {
+    const float iq_A = self->ref_A.q;
+    return self->estimator.lock >= LODE_LOCK_HANDOVER &&
+           lode_abs(self->state.run.speed.torque_Nm) >= ALL_TORQUE * most_against_Nm(self) &&
+           self->i_A.q * iq_A >= FOLLOWED * iq_A * iq_A;
+}
+
+// (K19). With torque control the speed is the load's.
+static LODE_NOINLINE void judge_load(lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_running_t *run = &self->state.run;
+    const float omega = self->estimator.pll.omega_rad_s;
+    const float way = lode_sign(run->speed.torque_Nm);
+    const bool gives_way = way * (run->held_rad_s - omega) > 0.0f; // first: it spares the rest
+    // An angle that is wrong makes torque against itself. A sensor's is judged by the EMF (encoder.h), that of injection until
+    // there is one.
+    const bool by_emf = !lode_mode_is_sensored(self) && !lode_estimator_injects(&self->estimator);
+    if (!gives_way || !by_emf || lode_mode_is_torque(self) || !is_started(self) ||
+        !is_all_torque(self)) {
+        run->held_rad_s = omega;
+        return;
+    }
+    const float reference = run->speed.reference_rad_s;
+    const float off = way * (reference - omega * tuning->speed.inv_pole_pairs);
+    if (lode_plausibility_is_overloaded(&run->held_rad_s, &tuning->plausibility, way, omega) &&
+        off > FAR_OFF * lode_abs(reference)) {
+        lode_mode_fault(self, LODE_CHECK_OVERLOAD, omega, reference / tuning->speed.inv_pole_pairs);
+    }
+}
+
+static void watch_load(lode_drive_t *self) {
+    const lode_speed_t *speed = &self->state.run.speed;
+    const lode_range_t limit = speed->limit_Nm;
+    if (lode_in_range(speed->torque_Nm, ALL_TORQUE * limit.min, ALL_TORQUE * limit.max)) {
+        self->state.run.held_rad_s = self->estimator.pll.omega_rad_s; // as nearly always
+    } else {
+        judge_load(self);
+    }
+}
+
+// Though the angle is right: that of a sensor, or of a QPLL that a wave holds (P25).
+static bool may_speed_lag(const lode_drive_t *self) {
+    const bool qpll = self->tuning->estimator.pll.third_order == 0u;
+    return lode_mode_is_sensored(self) || (qpll && lode_estimator_injects(&self->estimator));
+}
+
+// Though the lock is not lost: where the current makes most of the flux, less of the magnets' takes it little. With hardly any
+// current, dead time is as large as what is looked for.
+static LODE_NOINLINE void judge_flux(lode_drive_t *self) {
+    lode_guard_t *guard = &self->guard;
+    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
+    const lode_dq_t i_A = self->i_A;
+    const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
+    if (may_speed_lag(self) || !(i_A2 >= FLUX_CURRENT * self->tuning->plausibility.i_min_A2) ||
+        !is_started(self) || !is_another_flux(flux, unsure_Wb(self, flux))) {
+        guard->flux_rounds = 0u;
+        return;
+    }
+    const uint32_t rounds = guard->flux_rounds + 1u;
+    guard->flux_rounds = (uint_least8_t)rounds;
+    if (rounds >= FLUX_ROUNDS_MAX || rounds_s(self, rounds) >= FLUX_s) {
+        lode_mode_fault(self, LODE_CHECK_FLUX, flux.seen_Wb, flux.expected_Wb);
+    }
+}
+
+// Not LODE_RAMFUNC: once in a round.
+LODE_NOINLINE bool lode_drive_watch_running(lode_drive_t *self) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+    if (tuning->away_rad_s > 0.0f) {
+        watch_load(self);
+    }
+    if (tuning->i_sum >= 0 && (self->estimator.lock < SOUND_LOCK || self->guard.flux_rounds > 0u)) {
+        judge_flux(self);
+    }
+    if (self->gates && tuning->per_wave_A > 0.0f) {
+        note_half_waves(self);
+    }
+    return self->gates;
+}
+
+// By how much the damping of a start has turned the vector since the last look. It may turn it back as fast as the
+// vector turns on: that rests then, and so do the counts.
+LODE_INLINE float damping_rad(lode_drive_t *self) {
+    return lode_mode(self) == LODE_MODE_START ? lode_start_shifted_rad(&self->state.start) : 0.0f;
+}
+
+// By how much the vector has turned since the last look, `looks` times LODE_GUARD_PERIODS ago. The damping is known
+// at the looks at set 1.
+LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float looks) {
+    if (watch != &self->plausibility && lode_mode(self) == LODE_MODE_START) {
+        return 0.0f;
+    }
+    const uint32_t periods = LODE_GUARD_PERIODS;
+    const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
+    return looks * look_s * lode_mode_frame_omega(self) + damping_rad(self);
+}
+
+LODE_INLINE void judge(lode_drive_t *self, lode_plausibility_t *watch, uint32_t again, float i_A2,
+                       float looks) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const uint32_t doubt =
+        lode_plausibility_doubt(watch, &tuning->plausibility, again, i_A2,
+                                turn_of(self, watch, looks), lode_abs(tuning->sense.i_gain));
+    if (doubt > 0u || watch->sum > 0u ||
+        !lode_plausibility_sum_ok(&tuning->plausibility, watch->i)) {
+        find(self, watch, doubt);
+    }
+}
+
+// Not LODE_RAMFUNC: one call in many, and small fast memories are full without it.
+LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
+                                      const int32_t i[LODE_PHASES], float looks) {
+    const uint32_t again = lode_plausibility_look(watch, i);
+    const float i_A2 = expected_A2(self, lode_abs(lode_mode_frame_omega(self)));
+    if (!lode_plausibility_is_chance(watch, &self->tuning->plausibility, again, i_A2)) {
+        judge(self, watch, again, i_A2, looks);
+    } else if (watch == &self->plausibility) {
+        (void)damping_rad(self); // for the next look
+    } else {
+        // not known of set 2
+    }
+}
+
+#endif
