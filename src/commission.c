@@ -654,7 +654,7 @@ static void find_Lq(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     }
 }
 
-static lode_abc_t lost_V(const lode_dead_time_t *loss, lode_abc_t i_A) {
+static lode_abc_t phase_losses_V(const lode_dead_time_t *loss, lode_abc_t i_A) {
     return (lode_abc_t){lode_inverter_error(loss, i_A.a), lode_inverter_error(loss, i_A.b),
                         lode_inverter_error(loss, i_A.c)};
 }
@@ -668,9 +668,10 @@ static float dead_q_V(const lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_
     const float i_dead_A = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
     const lode_dead_time_t loss = {0.5f * found(self, LODE_COMMISSION_DEAD_V) / i_dead_A, i_dead_A};
     const lode_ab_t at_A = lode_park_inverse(i_A, self->axis);
-    lode_ab_t V = lode_clarke(lost_V(&loss, lode_clarke_inverse(at_A)));
+    lode_ab_t V = lode_clarke(phase_losses_V(&loss, lode_clarke_inverse(at_A)));
     if (self->sets > 1u) {
-        const lode_ab_t V_2 = lode_set2_clarke(lost_V(&loss, lode_set2_clarke_inverse(at_A)));
+        const lode_ab_t V_2 =
+            lode_set2_clarke(phase_losses_V(&loss, lode_set2_clarke_inverse(at_A)));
         V = lode_vsd_ab((lode_sets_t){{V, V_2}});
     }
     return lode_park(V, self->axis).q;
@@ -947,8 +948,8 @@ static void judge_run(lode_commission_t *self) {
         return;
     }
     // Of a run too short for the PLL to settle, which makes the flux too small, the inertia alone is taken.
-    const bool settled = lode_abs(psi[0] - psi[1]) <= PSI_DEVIATION * mean_Wb;
-    const float psi_Wb = settled ? mean_Wb : motor->psi_Wb;
+    const bool agree = lode_abs(psi[0] - psi[1]) <= PSI_DEVIATION * mean_Wb;
+    const float psi_Wb = agree ? mean_Wb : motor->psi_Wb;
     motor->J_kgm2 = J * psi_Wb / mean_Wb;
     motor->psi_Wb = psi_Wb;
     self->runs++;

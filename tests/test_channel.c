@@ -73,7 +73,7 @@ static void test_channels_are_the_fields_of_the_telemetry(void) {
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 60.0f});
     bool used[LODE_CHANNEL_COUNT] = {false};
     for (int n = 0; n < 40000; n++) {
-        rig.blocked = rig.blocked && rig.drive.state.start.failed == 0u;
+        rig.blocked = rig.blocked && rig_telemetry(&rig).retries == 0u;
         rig_step(&rig);
         check_channels(&rig);
         note_used(&rig, used);
