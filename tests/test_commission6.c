@@ -250,6 +250,23 @@ static void test_wrong_sensors_are_refused(void) {
     }
 }
 
+static void scatter(lode_counts6_t *counts) {
+    (void)counts;
+    lode_commission_t *machine = &rig.commission.machine;
+    machine->sums.yy *= machine->quantity == LODE_COMMISSION_LXY_H ? 1.05f : 1.0f;
+}
+
+/// A leakage whose steps do not agree with each other.
+static void test_a_leakage_that_scatters_is_refused(void) {
+    const plant_config_t c = machine();
+    const lode_drive6_config_t config = sheet();
+    begin(&c, &config, scatter);
+    expect(LODE_COMMISSION_UNSURE);
+    TEST_ASSERT_EQUAL(LODE_COMMISSION_LXY_H, rig.commission.machine.quantity);
+    CHECK_AT_MOST(LODE_COMMISSION_SURE,
+                  rig.commission.machine.found[LODE_COMMISSION_LXY_H].confidence);
+}
+
 static void test_configurations_that_are_refused(void) {
     lode_drive6_config_t config = sheet();
     lode_commission6_t *self = &rig.commission;
@@ -284,6 +301,7 @@ int main(void) {
     RUN_TEST(test_finds_it_through_real_sensors);
     RUN_TEST(test_finds_the_fall);
     RUN_TEST(test_wrong_sensors_are_refused);
+    RUN_TEST(test_a_leakage_that_scatters_is_refused);
     RUN_TEST(test_configurations_that_are_refused);
     RUN_TEST(test_what_was_found_may_be_refused);
     return UNITY_END();
