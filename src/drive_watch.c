@@ -213,14 +213,19 @@ static bool has_voltage(const lode_drive_t *self) {
     return u_V.d * u_V.d + u_V.q * u_V.q < most_V * most_V;
 }
 
+// What current control misses tells of phases: the rotor turns fast enough, the start current has gone, and no wave is injected,
+// which the current has besides.
+static bool tells_half_waves(const lode_drive_t *self) {
+    return lode_abs(self->estimator.pll.omega_rad_s) >= self->tuning->start.omega_ready &&
+           !lode_mode_is_sensored(self) && !(self->state.run.fade > 0.0f) &&
+           !lode_estimator_injects(&self->estimator);
+}
+
 // Of three phases. What current control misses stands for the current of the xy plane (K25).
 static void note_half_waves(lode_drive_t *self) {
     const lode_open_phase_tuning_t *tuning = &self->tuning->plausibility.waves;
-    const lode_estimator_t *estimator = &self->estimator;
     lode_half_waves_t *waves = &self->state.run.waves;
-    const float omega = estimator->pll.omega_rad_s;
-    if (lode_abs(omega) < self->tuning->start.omega_ready || lode_mode_is_sensored(self) ||
-        self->state.run.fade > 0.0f) {
+    if (!tells_half_waves(self)) {
         *waves = (lode_half_waves_t){.idle = 0u}; // what is known of the turn is too little
         return;
     }
