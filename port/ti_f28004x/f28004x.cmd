@@ -22,11 +22,11 @@ SECTIONS
 {
    codestart   : > BEGIN
    .reset      : > RESET, TYPE = DSECT
-   .text       : > FLASH0, ALIGN(8)
-   .cinit      : > FLASH0, ALIGN(8)
-   .const      : > FLASH0, ALIGN(8)
-   .switch     : > FLASH0, ALIGN(8)
-   .init_array : > FLASH0, ALIGN(8)
+   .text       : >> FLASH0 | FLASH1, ALIGN(8) /* functions stay whole */
+   .cinit      : > FLASH1, ALIGN(8)
+   .const      : > FLASH1, ALIGN(8)
+   .switch     : > FLASH1, ALIGN(8)
+   .init_array : > FLASH1, ALIGN(8)
 
    .stack      : > RAMM
    .bss        : > RAMGS01

@@ -26,14 +26,18 @@ def memories(text):
 
 
 def placements(text):
-    """Section -> (where it is loaded, where it runs)."""
+    """Section -> the memories that each have it all, or, split over several, a list of those."""
     block = re.search(r"SECTIONS\s*{(.*)}", text, re.S).group(1)
     found = {}
     for name, rest in re.findall(r"([.\w]+)\s*:\s*((?:>|LOAD).*?)(?=\n\s*[.\w]+\s*:|\Z)", block, re.S):
         plain = re.match(r">\s*(\w+)", rest)
+        split = re.match(r">>\s*(\w+(?:\s*\|\s*\w+)*)", rest)
         load = re.search(r"LOAD\s*=\s*(\w+)", rest)
         run = re.search(r"RUN\s*=\s*(\w+)", rest)
-        found[name] = (plain.group(1),) * 2 if plain else (load.group(1), run.group(1))
+        if split:
+            found[name] = re.findall(r"\w+", split.group(1))
+        else:
+            found[name] = (plain.group(1),) * 2 if plain else (load.group(1), run.group(1))
     return found
 
 
@@ -72,11 +76,21 @@ def main(cmd_path, sizes_path):
         if section not in where:
             wrong.append(f"{section} stands nowhere")
     used = dict.fromkeys(ranges, 0)
-    for section, words in wanted.items():
-        for memory in set(where.get(section, ())):
-            used[memory] += words
+    length_of = {name: end - first for name, (first, end) in ranges.items()}
+    # What may be split takes what the others leave.
+    for section, words in sorted(wanted.items(), key=lambda item: isinstance(where.get(item[0]), list)):
+        memories_of = where.get(section, ())
+        if not isinstance(memories_of, list):
+            for memory in set(memories_of):
+                used[memory] += words
+            continue
+        for memory in memories_of[:-1]:
+            part = min(words, length_of[memory] - used[memory])
+            used[memory] += part
+            words -= part
+        used[memories_of[-1]] += words
     for memory, words in used.items():
-        length = ranges[memory][1] - ranges[memory][0]
+        length = length_of[memory]
         if words:
             print(f"f28004x: {memory} {words} of {length} words")
         if words > length:
