@@ -12,7 +12,8 @@
 #define JUDGE_SPEED_BAND 0.002f // 3 rpm
 /// Estimated angle against the true one, at the end and at any time in RUN, hand-over included.
 #define JUDGE_ANGLE_SETTLED_rad 0.00873f // half a degree
-#define JUDGE_ANGLE_RUN_rad 0.0873f      // 5 degrees
+#define JUDGE_ANGLE_RUN_rad                                                                        \
+    0.192f // 11 degrees: nine of ten hand-overs (docs/observer-choice.md, starts)
 
 /// One period: `plant` at its start, `now` what the drive made of it. From where the period runs.
 void judge_note(const plant_t *plant, const lode_telemetry_t *now);

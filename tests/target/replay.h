@@ -6,8 +6,8 @@
 
 /// The drives that are replayed: as designed, and with every option that adds arithmetic.
 #define REPLAY_CASES 2
-/// 1.7 s: offsets, start, hand-over, ramp.
-#define REPLAY_ROWS 8500
+/// 1.8 s: offsets, start, hand-over, ramp.
+#define REPLAY_ROWS 9000
 
 typedef struct {
     uint16_t i[3];
