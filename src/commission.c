@@ -48,7 +48,7 @@
 #define UNKNOWN_DEAD_s 1.5e-6f
 #define LEVELS 3u
 #define LEVEL_STEP 0.3f // of the current, from level to level
-// Voltage along the axis that holds, per volt that each phase loses: two thirds of the sum of the phases' cosines.
+// Voltage along the axis that holds, per volt that each phase loses (N5): two thirds of the sum of the phases' cosines.
 #define DEAD_THREE (4.0f / 3.0f)
 #define DEAD_SIX 1.2879f
 #define LINE_DEVIATION 0.03f // of the middle level's voltage off the line, allowed

@@ -63,8 +63,12 @@ lode_commission_result_t lode_commission6_work(lode_commission6_t *self) {
         }
         lode_commission_go_on(machine, status);
     }
-    self->config.drive = machine->config;
-    return machine->result;
+    const lode_commission_result_t result = machine->result; // the interrupt's last word
+    if (result != LODE_COMMISSION_RUNNING) {
+        LODE_SIGNAL_FENCE();
+        self->config.drive = machine->config;
+    }
+    return result;
 }
 
 const lode_drive6_config_t *lode_commission6_config(const lode_commission6_t *self) {

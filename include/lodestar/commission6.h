@@ -22,7 +22,7 @@ typedef struct {
     lode_drive6_config_t config;  ///< as given, then with what was found
 } lode_commission6_t;
 
-/// As lode_commission_init(); Lxy within 30 %.
+/// As lode_commission_init(); Lxy within 40 %.
 lode_status_t lode_commission6_init(lode_commission6_t *self, lode_drive6_t *drive,
                                     lode_drive6_tuning_t tuning[2],
                                     const lode_drive6_config_t *config);

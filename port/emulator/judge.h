@@ -13,7 +13,7 @@
 /// Estimated angle against the true one, at the end and at any time in RUN, hand-over included.
 #define JUDGE_ANGLE_SETTLED_rad 0.00873f // half a degree
 #define JUDGE_ANGLE_RUN_rad                                                                        \
-    0.192f // 11 degrees: nine of ten hand-overs (docs/observer-choice.md, starts)
+    0.111f // 6.36 degrees: nine of ten hand-overs (docs/observer-choice.md, starts)
 
 /// One period: `plant` at its start, `now` what the drive made of it. From where the period runs.
 void judge_note(const plant_t *plant, const lode_telemetry_t *now);
