@@ -243,7 +243,8 @@ static lode_finding_t find_in_bridge(const lode_signal_check_t *self, float puls
     const float along_A = inv * self->along.alpha;
     const float weakest_A =
         along_A - inv * (lode_ab_length(self->mirrored) + lode_abs(self->along.beta));
-    if (!(weakest_A >= FOLLOWS * mean_A)) {
+    // A bus that reads 0 V lets no current be expected.
+    if (!(mean_A > 0.0f && weakest_A >= FOLLOWS * mean_A)) {
         return finding(LODE_CHECK_SIGNALS, weakest_A, FOLLOWS * mean_A);
     }
     const float seen_H = pulse_Vs / along_A;

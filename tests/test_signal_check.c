@@ -469,18 +469,23 @@ static void test_the_second_set(void) {
 #define MEAN_A 4.0f // that a pulse shows
 #define LEAST_A 1.5f
 
-/// What is said after the last pulse of a set, of what the pulses have shown.
-static lode_finding_t said_by(lode_signal_check_t *shown, uint32_t pulses) {
-    const float v_bus_V = 200.0f;
+#define BUS_V 200.0f
+
+/// What is said after the last pulse of a set, of what the pulses have shown, with a bus that reads `v_bus_V`.
+static lode_finding_t said_at(lode_signal_check_t *shown, uint32_t pulses, float v_bus_V) {
     const lode_signal_check_tuning_t tuning = {.pulse = 0.25f,
-                                               .mean_A_V = MEAN_A / v_bus_V,
-                                               .least_A_V = LEAST_A / v_bus_V,
+                                               .mean_A_V = MEAN_A / BUS_V,
+                                               .least_A_V = LEAST_A / BUS_V,
                                                .off_A = 0.5f,
                                                .sum_most = 0.28f,
                                                .turns_A = 0.1f,
                                                .pulses = 12u};
     shown->pulse = (uint_least8_t)pulses;
     return lode_signal_check_judge(shown, &tuning, v_bus_V, 1.0e-4f);
+}
+
+static lode_finding_t said_by(lode_signal_check_t *shown, uint32_t pulses) {
+    return said_at(shown, pulses, BUS_V);
 }
 
 static lode_finding_t said(lode_signal_check_t shown, uint32_t pulses) {
@@ -562,6 +567,15 @@ static void test_limits_of_the_bridge(void) {
     shown.least_A = 0.99f * LEAST_A;
     expect_said(LODE_CHECK_OPEN_PHASE, 3.0, 0.0, said(shown, 6u));
     expect_said(LODE_CHECK_OPEN_PHASE, 6.0, 0.0, said(shown, 12u));
+}
+
+/// Without a bus there is no current to expect: whatever flowed, nothing is divided by it.
+static void test_a_bus_that_reads_nothing_shows_nothing(void) {
+    lode_signal_check_t shown = sound();
+    expect_said(LODE_CHECK_SIGNALS, (double)MEAN_A, 0.0, said_at(&shown, 6u, 0.0f));
+    shown = sound();
+    shown.along.alpha = 0.0f;
+    expect_said(LODE_CHECK_SIGNALS, 0.0, 0.0, said_at(&shown, 6u, 0.0f));
 }
 
 /// Neither before the first period nor within a pulse.
@@ -813,6 +827,7 @@ int main(void) {
     RUN_TEST(test_the_second_set);
     RUN_TEST(test_limits_of_the_sensors);
     RUN_TEST(test_limits_of_the_bridge);
+    RUN_TEST(test_a_bus_that_reads_nothing_shows_nothing);
     RUN_TEST(test_nothing_is_said_before_the_last_pulse);
     RUN_TEST(test_pulses_in_their_order);
     RUN_TEST(test_sixty_four_counts_are_enough);
