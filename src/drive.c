@@ -4,7 +4,7 @@
 #define MOVED_FLUX_MAX 0.35f // of the flux, that a d current may take or give at once
 
 lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-    if (!lode_mode_is_finite(tuning)) {
+    if (!lode_tuning_is_finite(tuning)) {
         return LODE_ERROR_TUNING;
     }
     *self = (lode_drive_t){.tuning = tuning, .direction = 1.0f};
@@ -12,8 +12,8 @@ lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tu
     lode_drive_limit_torque(self, 1.0f);
 #endif
     self->command.check = lode_mode_order_check(&self->command);
-    lode_mode_post_check(self, lode_mode_words(tuning));
-    lode_mode_take_check(self);
+    lode_tuning_post_check(self, lode_tuning_words(tuning));
+    lode_tuning_take_check(self);
     lode_sense_reset(&self->sense, &tuning->sense);
     lode_guard_reset(&self->guard);
     lode_mode_switch_off(self);
@@ -110,13 +110,13 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
     if (self == NULL || tuning == NULL) {
         return LODE_ERROR_NULL;
     }
-    if (!lode_mode_is_finite(tuning)) {
+    if (!lode_tuning_is_finite(tuning)) {
         return LODE_ERROR_TUNING;
     }
     LODE_SHARED_STORE(self->posted_tuning,
                       NULL); // one not yet taken would come with this one's check
     LODE_SIGNAL_FENCE();
-    lode_mode_post_check(self, lode_mode_words(tuning));
+    lode_tuning_post_check(self, lode_tuning_words(tuning));
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->posted_tuning, tuning);
     lode_drive_call(self);
@@ -404,7 +404,7 @@ LODE_INLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample_t *sampl
     if (self->mail) {
         lode_mode_take_mail(self);
     }
-    lode_mode_idle(self, lode_mode_words(self->tuning), sample, calibration, worst_count);
+    lode_mode_idle(self, lode_tuning_words(self->tuning), sample, calibration, worst_count);
     return end_idle(self);
 }
 
@@ -435,7 +435,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
     }
     const lode_slot_t slot = lode_slot_of(self->steps);
     self->steps++;
-    const bool driven = lode_drive_slow_job(self, tuning, lode_mode_words(tuning), sample,
+    const bool driven = lode_drive_slow_job(self, tuning, lode_tuning_words(tuning), sample,
                                             sample->temperature, slot);
     return driven ? (lode_drive_out_t){duty, LODE_GATES_ON} : idle_out(self);
 }

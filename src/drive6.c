@@ -53,8 +53,8 @@ static bool is_finite(const lode_drive6_tuning_t *tuning) {
     const size_t end = offsetof(lode_drive6_tuning_t, source);
     const lode_words_t own = {&((const unsigned char *)tuning)[from],
                               (uint32_t)((end - from) / sizeof(uint32_t))};
-    return lode_mode_is_finite(&tuning->drive) && lode_mode_is_finite(&tuning->alone) &&
-           lode_mode_are_finite(own);
+    return lode_tuning_is_finite(&tuning->drive) && lode_tuning_is_finite(&tuning->alone) &&
+           lode_words_are_finite(own);
 #endif
 }
 
@@ -64,8 +64,8 @@ lode_status_t lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t 
     }
     *self = (lode_drive6_t){.tuning = tuning};
     (void)lode_drive_begin(&self->drive, &tuning->drive);
-    lode_mode_post_check(&self->drive, words_of(tuning));
-    lode_mode_take_check(&self->drive);
+    lode_tuning_post_check(&self->drive, words_of(tuning));
+    lode_tuning_take_check(&self->drive);
     lode_sense_reset(&self->sense_2, &tuning->drive.sense);
     idle_set2(self);
     return LODE_OK;
@@ -89,7 +89,7 @@ lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tun
     }
     LODE_SHARED_STORE(self->posted_tuning, NULL); // as lode_drive_post_tuning()
     LODE_SIGNAL_FENCE();
-    lode_mode_post_check(&self->drive, words_of(tuning));
+    lode_tuning_post_check(&self->drive, words_of(tuning));
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->posted_tuning, tuning);
     lode_drive_call(&self->drive);
@@ -120,7 +120,7 @@ bool lode_drive6_telemetry(const lode_drive6_t *self, lode_telemetry6_t *telemet
 static LODE_NOINLINE void take_mail(lode_drive6_t *self) {
     if (self->posted_tuning != NULL) {
         self->tuning = self->posted_tuning;
-        lode_mode_take_check(&self->drive);
+        lode_tuning_take_check(&self->drive);
         self->posted_tuning = NULL;
         select_sets(self, active_of(self));
         const lode_sense_tuning_t *tuning = &self->tuning->drive.sense;

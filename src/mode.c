@@ -38,10 +38,6 @@
 // from their zeros; and what share of the flux it takes or gives at most.
 #define ALONG_SHARE 0.33f
 #define ALONG_FLUX 0.5f
-#ifndef LODE_WITHOUT_TUNING_CHECK
-#define WORD_BITS 32u
-#define EXPONENT 0x7f800000u // of a float: all of its bits where it is infinite or no number
-#endif
 
 static void set_mode(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
@@ -156,129 +152,6 @@ LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
     lode_mode_fault(self, LODE_CHECK_MEMORY, !command ? 2.0f : (!mode ? 1.0f : 3.0f), 0.0f);
 }
 
-#ifdef LODE_WITHOUT_TUNING_CHECK
-
-void lode_mode_post_check(lode_drive_t *self, lode_words_t tuning) {
-    (void)self;
-    (void)tuning;
-}
-
-void lode_mode_take_check(lode_drive_t *self) {
-    (void)self;
-}
-
-#else
-
-// One of up to four bytes of a word; a byte may have more than eight bits.
-static inline uint32_t byte_of(const unsigned char *word, uint32_t n) {
-    const uint32_t bytes = (uint32_t)sizeof(uint32_t);
-    return n < bytes ? (uint32_t)word[n] << (WORD_BITS / bytes * n) : 0u;
-}
-
-// A word of a tuning. Read as bytes: that may be done with any object, and compilers make one load of it.
-static inline uint32_t word_at(lode_words_t tuning, uint32_t n) {
-    const unsigned char *word = tuning.from + n * sizeof(uint32_t);
-    return byte_of(word, 0u) | byte_of(word, 1u) | byte_of(word, 2u) | byte_of(word, 3u);
-}
-
-bool lode_mode_are_finite(lode_words_t floats) {
-    for (uint32_t word = 0u; word < floats.words; word++) {
-        if ((word_at(floats, word) & EXPONENT) == EXPONENT) {
-            return false;
-        }
-    }
-    return true;
-}
-
-bool lode_mode_is_finite(const lode_drive_tuning_t *tuning) {
-    // Where an integer is, or a pair of them of which one stands here, in their order. Any other word is a float.
-    static const uint_least16_t integers[] = {
-        offsetof(lode_drive_tuning_t, speed_periods),
-        offsetof(lode_drive_tuning_t, sense.offset_nominal),
-        offsetof(lode_drive_tuning_t, sense.offset_tol),
-        offsetof(lode_drive_tuning_t, sense.alert),
-        offsetof(lode_drive_tuning_t, sense.calibrate_periods),
-        offsetof(lode_drive_tuning_t, sense.noise_least),
-        offsetof(lode_drive_tuning_t, sense.count_max),
-        offsetof(lode_drive_tuning_t, inverter.precharge_periods),
-        offsetof(lode_drive_tuning_t, inverter.correct),
-        offsetof(lode_drive_tuning_t, estimator.options),
-        offsetof(lode_drive_tuning_t, estimator.emf.observer.kind),
-        offsetof(lode_drive_tuning_t, estimator.pll.third_order),
-#ifndef LODE_WITHOUT_HFI
-        offsetof(lode_drive_tuning_t, estimator.hfi.find_rounds),
-#endif
-        offsetof(lode_drive_tuning_t, estimator.settle_rounds),
-        offsetof(lode_drive_tuning_t, references.options),
-        offsetof(lode_drive_tuning_t, start.catch_rounds),
-        offsetof(lode_drive_tuning_t, start.timeout_rounds),
-        offsetof(lode_drive_tuning_t, start.patience_rounds),
-#ifndef LODE_WITHOUT_SIGNAL_CHECK
-        offsetof(lode_drive_tuning_t, signal_check.pulses),
-#endif
-        offsetof(lode_drive_tuning_t, guard.bus_periods),
-        offsetof(lode_drive_tuning_t, guard.still_rounds),
-        offsetof(lode_drive_tuning_t, guard.stamp_min),
-        offsetof(lode_drive_tuning_t, guard.stamp_span),
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-        offsetof(lode_drive_tuning_t, plausibility.i_still),
-        offsetof(lode_drive_tuning_t, plausibility.i_sum),
-#endif
-        sizeof(lode_drive_tuning_t), // the end
-    };
-    const lode_words_t all = lode_mode_words(tuning);
-    uint32_t from = 0u;
-    for (uint32_t n = 0u; n < (uint32_t)(sizeof integers / sizeof integers[0]); n++) {
-        const uint32_t to = integers[n] / (uint32_t)sizeof(uint32_t);
-        const lode_words_t floats = {&all.from[from * sizeof(uint32_t)], to - from};
-        if (!lode_mode_are_finite(floats)) {
-            return false;
-        }
-        from = to + 1u;
-    }
-    return true;
-}
-
-#define CRC_BEGIN 0xffffffffu
-
-// The CRC with one more word, whose least bit comes first. The polynomial is x^32 + x^12 + x^8 + x^4 + x^3 + 1. Its powers
-// are few and small: a remainder times x^32 is itself moved by 12, 8, 4, 3 and 0, and what that pushes out once more.
-// It is x + 1, which finds any odd number of bits, times one that is irreducible. Of all such with six terms and no power
-// from 17 to 31 it is the one that finds any four bits in the longest data, 4856 bits.
-static uint32_t add_word(uint32_t crc, uint32_t word) {
-    const uint32_t left = crc ^ word;
-    const uint32_t all = left ^ left << 20u ^ left << 24u ^ left << 28u ^ left << 29u;
-    return all ^ all >> 3u ^ all >> 4u ^ all >> 8u ^ all >> 12u;
-}
-
-void lode_mode_post_check(lode_drive_t *self, lode_words_t tuning) {
-    uint32_t crc = CRC_BEGIN;
-    for (uint32_t word = 0u; word < tuning.words; word++) {
-        crc = add_word(crc, word_at(tuning, word));
-    }
-    self->posted_check = crc;
-}
-
-void lode_mode_take_check(lode_drive_t *self) {
-    self->watch = (lode_tuning_watch_t){.check = self->posted_check, .crc = CRC_BEGIN};
-}
-
-LODE_NOINLINE bool lode_mode_watch_tuning(lode_drive_t *self, lode_words_t tuning) {
-    lode_tuning_watch_t *watch = &self->watch;
-    const uint32_t word = watch->word;
-    if (word < tuning.words) {
-        watch->crc = add_word(watch->crc, word_at(tuning, word));
-        watch->word = word + 1u;
-        return true;
-    }
-    const bool same = watch->crc == watch->check;
-    watch->crc = CRC_BEGIN;
-    watch->word = 0u;
-    return same;
-}
-
-#endif
-
 LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
     lode_estimator_set_current(&self->estimator, i_A);
     self->i_A = lode_park(i_A, lode_estimator_rotor(&self->estimator));
@@ -376,7 +249,7 @@ LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
     LODE_SIGNAL_FENCE();
     if (self->posted_tuning != NULL) {
         self->tuning = self->posted_tuning;
-        lode_mode_take_check(self);
+        lode_tuning_take_check(self);
         take_q_axis(self);
         LODE_SHARED_STORE(self->posted_tuning, NULL);
         set_omitted(self);

@@ -2,6 +2,8 @@
 #ifndef LODE_MODE_H
 #define LODE_MODE_H
 
+#include "tuning_check.h"
+
 #include "lodestar/drive.h"
 
 // Where VOLTAGE, CURRENT and START control the currents. Four floats are returned in registers.
@@ -100,49 +102,6 @@ static inline bool lode_mode_fits(const lode_drive_t *self) {
 // They are not, or the tuning is not.
 void lode_mode_distrust(lode_drive_t *self);
 
-// A tuning as words: that of three phases, or all of that of six.
-typedef struct {
-    const unsigned char *from;
-    uint32_t words;
-} lode_words_t;
-
-static inline lode_words_t lode_mode_words(const lode_drive_tuning_t *tuning) {
-    return (lode_words_t){(const unsigned char *)tuning,
-                          (uint32_t)(sizeof *tuning / sizeof(uint32_t))};
-}
-
-// Leaves the check of a tuning beside it in the mailbox. For a thread.
-void lode_mode_post_check(lode_drive_t *self, lode_words_t tuning);
-
-// From the next period on the tuning whose check lies in the mailbox is watched.
-void lode_mode_take_check(lode_drive_t *self);
-
-#ifdef LODE_WITHOUT_TUNING_CHECK
-
-static inline bool lode_mode_is_finite(const lode_drive_tuning_t *tuning) {
-    (void)tuning;
-    return true;
-}
-
-static inline bool lode_mode_watch_tuning(lode_drive_t *self, lode_words_t tuning) {
-    (void)self;
-    (void)tuning;
-    return true;
-}
-
-#else
-
-// All of these words are floats, and finite ones. For a thread.
-bool lode_mode_are_finite(lode_words_t floats);
-
-// All floats of the tuning are finite. For a thread.
-bool lode_mode_is_finite(const lode_drive_tuning_t *tuning);
-
-// One more word of the tuning. False: that was all of it, and it is not what it was.
-bool lode_mode_watch_tuning(lode_drive_t *self, lode_words_t tuning);
-
-#endif
-
 // A command lies in the mailbox: it is called for, if the call was lost. False: its flag is none.
 bool lode_mode_mail_ok(lode_drive_t *self);
 
@@ -150,7 +109,7 @@ bool lode_mode_mail_ok(lode_drive_t *self);
 static inline bool lode_mode_memory_ok(lode_drive_t *self, lode_words_t tuning) {
     return lode_mode_is_sound(self) && lode_mode_fits(self) &&
            (self->command_posted == LODE_POST_NONE || lode_mode_mail_ok(self)) &&
-           lode_mode_watch_tuning(self, tuning);
+           lode_tuning_watch_word(self, tuning);
 }
 
 // Takes over what was posted, at the start of a period.

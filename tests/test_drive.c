@@ -2520,7 +2520,7 @@ static void test_a_tuning_posted_twice_is_watched_by_its_own_check(void) {
 
 static uint32_t check_of(const uint32_t words[], size_t count) {
     lode_drive_t drive;
-    lode_mode_post_check(&drive, (lode_words_t){(const unsigned char *)words, (uint32_t)count});
+    lode_tuning_post_check(&drive, (lode_words_t){(const unsigned char *)words, (uint32_t)count});
     return drive.posted_check;
 }
 

@@ -13,7 +13,7 @@ LAYERS = [
     ["sense", "inverter", "modulator", "modulator6", "xy",
      "open_phase", "emf", "pll", "lag", "notch", "hfi"],
     ["estimator", "current", "speed", "references", "start", "fly", "guard", "plausibility", "signal_check"],
-    ["drive", "drive_config", "drive_watch", "mode"],
+    ["drive", "drive_config", "drive_watch", "mode", "tuning_check"],
     ["adaptation", "commission", "commission_machine", "derate", "drive6", "drive6_config", "encoder", "fault_log",
      "learn", "single_shunt", "supervisor", "supply"],
     ["commission6"],
