@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "config/ini_config.h"
+#include "config/plausible.h"
 #include "config/schema.h"
 #include "support/diag.h"
 
@@ -420,7 +421,7 @@ static void describe(message_t *message, const rig_config_t *config, const refus
     append_assumed(message, config, &blame->rows);
 }
 
-void refusal_report(const rig_config_t *config, lode_status_t status) {
+static void report(const rig_config_t *config, lode_status_t status) {
     const refusal_t *refusal = find(status);
     if (refusal == NULL) {
         rig_error("the library refused the configuration: %s", lode_status_name(status));
@@ -436,4 +437,10 @@ void refusal_report(const rig_config_t *config, lode_status_t status) {
     const rig_origin_t *origin = &config->origin[blame.blamed];
     rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set",
                  origin->file >= 0 ? origin->line : 0, "%s", message.text);
+}
+
+void refusal_report(const rig_config_t *config, lode_status_t status) {
+    report(config, status);
+    const plausible_t plausible = plausible_of(&config->drive);
+    (void)plausible_print_doubts(stderr, &plausible);
 }

@@ -5,7 +5,8 @@
 #include "config/rig_config.h"
 
 /// Prints "FILE:LINE: [section] key = value: LODE_ERROR_...: what was expected". The key is one that was
-/// written by hand: where a default was refused, one that it was computed from. `config` is designed.
+/// written by hand: where a default was refused, one that it was computed from. Then a line for each figure of
+/// the motor that is implausible. `config` is designed.
 void refusal_report(const rig_config_t *config, lode_status_t status);
 
 #endif

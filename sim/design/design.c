@@ -56,6 +56,7 @@ void design_compute(design_t *design, const rig_config_t *config,
     design->sigma_accepted_rad_s = margins_sigma_accepted(drive);
     design->rated_rpm = rig_rpm_from_rad_s(rated) / np;
     design->speeds = speed_limits_of(drive);
+    design->plausible = plausible_of(drive);
     verdict_compute(&design->verdict, drive, tuning, &design->speeds);
     design->handover_rpm = rig_rpm_from_rad_s((double)drive->start.omega_handover_rad_s) / np;
     design->dead_time_V = 4.0 / RIG_PI * (double)drive->inverter.dead_time_s *

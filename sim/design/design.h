@@ -3,6 +3,7 @@
 #define RIG_DESIGN_H
 
 #include "analyse/margins.h"
+#include "config/plausible.h"
 #include "config/rig_config.h"
 #include "config/speed_limits.h"
 #include "design/guide.h"
@@ -29,6 +30,7 @@ typedef struct {
     guide_t guide;
     limits_t limits;
     injection_t injection;
+    plausible_t plausible;
     verdict_t verdict;
     double sigma_accepted_rad_s; ///< largest sigma that the library takes
     double rated_rpm, handover_rpm;

@@ -10,6 +10,7 @@
 #include "config/schema.h"
 #include "report/report_guide.h"
 #include "report/report_injection.h"
+#include "report/report_motor.h"
 #include "report/report_verdict.h"
 #include "support/units.h"
 
@@ -31,7 +32,9 @@ static void print_values(FILE *file, const rig_config_t *config) {
             (void)fprintf(file, "\n[%s]\n", section);
         }
         ini_config_where(config, k, where, sizeof where);
-        (void)fprintf(file, "%-22s = %-12s ; %s\n", key->key, value, where);
+        double number = 0.0;
+        const bool is_none = rig_key_number(key, config, &number) && isinf(number); // cannot be
+        (void)fprintf(file, "%-22s = %-12s ; %s\n", key->key, is_none ? "-" : value, where);
     }
 }
 
@@ -57,8 +60,8 @@ static void print_lags(FILE *file, const design_t *design) {
 
 static void print_margins(FILE *file, const design_t *design) {
     (void)fputs(
-        "\nstability of the PLL: alone, and with the observer in its loop: through the speed that "
-        "tunes it;\nC-LESO, which has none: as where the angle acts on the current and so on the "
+        "\nstability of the PLL, alone and with the observer in its loop. That loop closes through "
+        "the\nspeed that tunes the observer; with C-LESO, which needs none, through currents and "
         "EMF\n"
         "     rpm    sigma  crossover  margin alone |  margin  gain up  gain down   sigma at\n"
         "             rad/s      rad/s       deg el. |     deg       dB         dB   no margin\n",
@@ -193,6 +196,7 @@ void report_design_text(FILE *file, const rig_config_t *config, const design_t *
     assumptions_print(file, config, "");
     (void)fputs("every value, and where it came from", file);
     print_values(file, config);
+    report_motor_text(file, &config->drive, design);
     print_bandwidths(file, config, design);
     print_margins(file, design);
     report_guide_text(file, config, design);
@@ -256,6 +260,7 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
     }
     report_guide_json(root, design);
     report_injection_json(root, &design->injection);
+    report_motor_json(root, &config->drive, design);
     report_verdict_json(root, &config->drive, design);
     (void)cJSON_AddItemToObject(root, "assumed", config_json_assumed(config));
     (void)cJSON_AddItemToObject(root, "config", config_json(config));

@@ -32,7 +32,7 @@ static void print_step(FILE *file, const lode_drive_config_t *drive, const verdi
     (void)fprintf(file,
                   "largest load step at %s, %.0f rpm: %.3g Nm, %.0f %% of rated torque (%s)\n",
                   where, rpm_of(drive, step->omega_rad_s), step->torque_Nm, 100.0 * step->share,
-                  step->by_current ? "i_max bounds it" : "the speed that it takes bounds it");
+                  step->by_current ? "limited by i_max" : "limited by the dip in speed");
 }
 
 static void print_loop(FILE *file, const char *name, double rpm, const analyse_loop_t *loop) {
@@ -67,10 +67,11 @@ void report_verdict_text(FILE *file, const lode_drive_config_t *drive, const des
     (void)fprintf(file, "rated torque: %.3g Nm, of i_max/%g and id = 0\n", verdict->rated_torque_Nm,
                   SPEED_LIMITS_CONTROL);
     print_loops(file, drive, verdict);
+    const int doubts = plausible_print_doubts(file, &design->plausible);
     for (int k = 0; k < verdict->changes; ++k) {
         (void)fprintf(file, "change: %s\n", verdict->change[k].text);
     }
-    if (verdict->changes == 0) {
+    if (doubts == 0 && verdict->changes == 0) {
         (void)fputs("nothing to change\n", file);
     }
 }

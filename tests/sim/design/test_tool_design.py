@@ -373,6 +373,57 @@ def signal_check(checks, folder):
     checks.true("before a start:" not in six, "two sets have pulses of their own")
 
 
+def plausible(checks, folder):
+    """The motor in other units, and a line for what no motor has: a figure in the wrong unit."""
+    found = designed(checks, folder, SMALL)
+    sheet = {"poles": 14, "R_line_line_Ohm": 0.1, "Ld_line_line_mH": 0.06, "Lq_line_line_mH": 0.07,
+             "KV_rpm_V": 1 / math.sqrt(3) / 0.003 / 7 / RPM, "ke_Vpk_krpm": 1000 * math.sqrt(3) * 0.003 * 7 * RPM,
+             "ke_Vrms_krpm": 1000 * math.sqrt(1.5) * 0.003 * 7 * RPM, "kt_Nm_A": 1.5 * 7 * 0.003,
+             "kt_Nm_Arms": 1.5 * math.sqrt(2) * 7 * 0.003, "no_load_rpm": found["no_load_limit_rpm"]}
+    checks.equal(set(found["data_sheet"]), set(sheet), "keys of the data sheet")
+    for key, value in sheet.items():
+        checks.at_most(abs(found["data_sheet"][key] / value - 1), 1e-6, f"{key} in the terms of data sheets")
+    rated = found["rated_rpm"] * RPM
+    values = {"time_constant": 0.7, "short_circuit_current": 5, "resistive_drop": 100 * 0.05 * 20 / 36 * math.sqrt(3),
+              "run_up": 1e3 * 3e-5 * rated / (sheet["kt_Nm_A"] * 20),
+              "no_load_speed": found["no_load_limit_rpm"] / found["rated_rpm"]}
+    for ratio in found["plausible"]:
+        checks.at_most(abs(ratio["value"] / values[ratio["key"]] - 1), 1e-6, f"{ratio['key']}: {ratio}")
+        checks.equal(ratio["doubtful"], False, f"{ratio['key']} of a sound motor")
+    rated = SMALL.replace("[drive]", "speed_rated_rpm = 6000\n[drive]")
+    both = "Ld_H = 30e-6\nLq_H = 35e-6"
+    for line, wrong, keys in [  # accepted
+        ("Rs_Ohm = 0.05", "Rs_Ohm = 0.05e-3", {"resistive_drop"}),
+        (both, "Ld_H = 30e-3\nLq_H = 35e-3", {"short_circuit_current"}),
+        ("i_max_A = 20", "i_max_A = 0.02", {"resistive_drop", "short_circuit_current"}),
+        ("speed_rated_rpm = 6000", "speed_rated_rpm = 600", {"no_load_speed"}),  # rad/s for rpm
+    ]:
+        done = designed(checks, folder, rated.replace(line, wrong))
+        doubtful = {r["key"] for r in done.get("plausible", []) if r["doubtful"]}
+        checks.equal(doubtful, keys, f"what is doubtful with {wrong!r}")
+        text = folder.run("design", "--motor", "m.ini").stdout
+        checks.equal(sum(row.startswith("check: ") for row in text.splitlines()), len(keys), f"lines with {wrong!r}")
+    for line, wrong, names in [  # refused, for what was computed from them
+        ("Rs_Ohm = 0.05", "Rs_Ohm = 50", ["time constant", "i_max across Rs"]),
+        (both, "Ld_H = 3\nLq_H = 3.5", ["time constant", "short-circuit current"]),
+        ("psi_Wb = 0.003", "psi_Wb = 3", ["short-circuit current", "run-up"]),
+        ("J_kgm2 = 3e-5", "J_kgm2 = 3e-8", ["run-up"]),
+        ("J_kgm2 = 3e-5", "J_kgm2 = 300", ["run-up"]),
+    ]:
+        folder.write("m.ini", rated.replace(line, wrong))
+        done = folder.run("design", "--motor", "m.ini")
+        checks.equal(done.returncode, 2, f"exit code with {wrong!r}")
+        found = [row for row in done.stderr.splitlines() if row.startswith("check: ")]
+        for name in names:
+            checks.true(any(name in row for row in found), f"{name} of {wrong!r}: {done.stderr}")
+    for motor in sorted(p.stem for p in (SOURCE / "sim/data/drives").glob("*.ini")):
+        done = json.loads(folder.run("design", "--motor", motor, "--drive", motor, "--json").stdout)
+        checks.equal([r for r in done["plausible"] if r["doubtful"]], [], f"nothing is doubtful of {motor}")
+    # A figure that nothing needs is not infinite.
+    text = folder.run("design", "--motor", "ebike_hub", "--drive", "ebike_hub").stdout
+    checks.true("V_h_V                  = -  " in text and " inf" not in text, "no voltage to inject into a round rotor")
+
+
 def verdict_steps(checks, folder):
     """The rotor that is simulated stands the step that is printed, and a sensible multiple of it not."""
     found = json.loads(folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--json").stdout)
@@ -435,6 +486,7 @@ def main():
         full_speed(checks, folder)
         injection(checks, folder)
         signal_check(checks, folder)
+        plausible(checks, folder)
         verdict_numbers(checks, folder)
         verdict_steps(checks, folder)
         verdict_changes(checks, folder)
