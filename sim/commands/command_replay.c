@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "commands/command_load.h"
+#include "config/conversions.h"
 #include "config/ini_config.h"
 #include "config/refusal.h"
 #include "config/schema.h"
@@ -42,7 +43,8 @@ static bool set_choice(rig_config_t *config, const char *option, const char *key
 static bool load(rig_config_t *config, const options_t *options) {
     return command_load_drive(config, options->motor, options->drive, options) &&
            set_choice(config, "--emf", "emf", options->emf) &&
-           set_choice(config, "--pll", "pll", options->pll);
+           set_choice(config, "--pll", "pll", options->pll) &&
+           conversions_apply(config); // a recorded mechanical speed needs the pole pairs
 }
 
 /// Marks a key as taken from the recording. It keeps its place in the list of files.

@@ -69,12 +69,16 @@ void report_replay_table(FILE *file, const rig_config_t *config, const recording
                   electrical_rpm(config, (double)last->omega_rad_s), (double)last->lock,
                   replay->reseeds);
     if (recording->has_theta) {
-        (void)fprintf(file,
-                      "angle error (estimate - truth, electrical degrees)\n"
-                      "  last %.1f s: mean %.4f, pp %.4f\n  %.1f s after a beginning: max %.4f\n",
-                      REPLAY_WINDOW_s, rig_stats_mean(&replay->error_window_deg),
-                      rig_stats_peak_to_peak(&replay->error_window_deg), REPLAY_SETTLE_s,
-                      rig_stats_peak(&replay->error_settled_deg));
+        (void)fprintf(
+            file,
+            "angle error (estimate - truth, electrical degrees)\n"
+            "  last %.1f s: mean %.4f, pp %.4f\n  from %.1f s after a beginning on: max %.4f\n",
+            REPLAY_WINDOW_s, rig_stats_mean(&replay->error_window_deg),
+            rig_stats_peak_to_peak(&replay->error_window_deg), REPLAY_SETTLE_s,
+            rig_stats_peak(&replay->error_settled_deg));
+        (void)fprintf(file, "  while locked (lock at least %g): mean %.4f, max %.4f\n",
+                      (double)LODE_LOCK_LOST, rig_stats_mean(&replay->error_locked_deg),
+                      rig_stats_peak(&replay->error_locked_deg));
         if (isnan(replay->close_after_s)) {
             (void)fprintf(file, "  does not stay below %g degree\n", REPLAY_CLOSE_deg);
         } else {
@@ -88,7 +92,7 @@ void report_replay_table(FILE *file, const rig_config_t *config, const recording
         (void)fprintf(
             file,
             "speed error (estimate - truth, rpm)\n  last %.1f s: mean %.4f\n"
-            "  %.1f s after a beginning: max %.4f\n",
+            "  from %.1f s after a beginning on: max %.4f\n",
             REPLAY_WINDOW_s, electrical_rpm(config, rig_stats_mean(&replay->speed_window_rad_s)),
             REPLAY_SETTLE_s, electrical_rpm(config, rig_stats_peak(&replay->speed_settled_rad_s)));
     }
@@ -119,6 +123,10 @@ void report_replay_json(FILE *file, const rig_config_t *config, const char *reco
     config_json_number(root, "angle_error_pp_deg",
                        rig_stats_peak_to_peak(&replay->error_window_deg));
     config_json_number(root, "angle_error_max_deg", rig_stats_peak(&replay->error_settled_deg));
+    config_json_number(root, "angle_error_locked_mean_deg",
+                       rig_stats_mean(&replay->error_locked_deg));
+    config_json_number(root, "angle_error_locked_max_deg",
+                       rig_stats_peak(&replay->error_locked_deg));
     config_json_number(root, "below_1_deg_after_s", replay->close_after_s);
     config_json_number(root, "speed_error_mean_rad_s", rig_stats_mean(&replay->speed_window_rad_s));
     config_json_number(root, "speed_error_max_rad_s", rig_stats_peak(&replay->speed_settled_rad_s));

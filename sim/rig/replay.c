@@ -108,6 +108,9 @@ static void compare(replay_t *self, const recording_t *recording) {
             rig_stats_add(&self->error_window_deg, error_deg);
             rig_stats_add(&self->speed_window_rad_s, error_rad_s);
         }
+        if (self->row[k].lock >= LODE_LOCK_LOST) {
+            rig_stats_add(&self->error_locked_deg, error_deg);
+        }
         if (k - since >= settle) {
             rig_stats_add(&self->error_settled_deg, error_deg);
             rig_stats_add(&self->speed_settled_rad_s, error_rad_s);
@@ -136,6 +139,7 @@ bool replay_run(replay_t *self, const recording_t *recording, const lode_estimat
     if (!recording->has_theta) {
         rig_stats_reset(&self->error_window_deg);
         rig_stats_reset(&self->error_settled_deg);
+        rig_stats_reset(&self->error_locked_deg);
         self->close_after_s = NAN;
     }
     if (!recording->has_omega) {

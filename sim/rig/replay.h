@@ -22,6 +22,7 @@ typedef struct {
     double *error_deg; ///< estimate - truth; NaN without a true angle or an estimate
     rig_stats_t error_window_deg;
     rig_stats_t error_settled_deg;
+    rig_stats_t error_locked_deg;   ///< lock quality of LODE_LOCK_LOST at least
     rig_stats_t speed_window_rad_s; ///< estimate - truth, electrical
     rig_stats_t speed_settled_rad_s;
     double close_after_s; ///< from here on the error stays below REPLAY_CLOSE_deg; NaN: it does not

@@ -334,6 +334,11 @@ def tables(checks, folder):
           [row[:5] + [row[6]] for row in scaled([1, 1, 1, 1, 1, 1, 10 / math.pi])])
     same("mechanical speed")
     checks.at_most(abs(folder.json("v.json")["speed_error_mean_rad_s"]), 0.1, "mechanical speed")
+    sheet = MOTOR.read_text().replace("pole_pairs = 3", "poles = 6")
+    folder.write("sheet.ini", sheet)
+    done = folder.run("replay", "--motor", "sheet.ini", "--recording", "v.csv", "--json", "sheet.json")
+    checks.equal(("poles = 6" in sheet, done.returncode), (True, 0), f"a count of poles: {done.stderr}")
+    checks.at_most(abs(folder.json("sheet.json")["speed_error_mean_rad_s"]), 0.1, "mechanical speed, and a count of poles")
     # Phases: with any voltage common to all three, and with two currents.
     def phases(alpha, beta, common=0.0):
         a, b = float(alpha), float(beta)
