@@ -47,7 +47,7 @@ static bool check_seeds(const mc_campaign_t *campaign) {
 
 static bool describe(mc_campaign_t *campaign, const options_t *options) {
     campaign->test = MC_START;
-    for (int k = MC_START; k <= MC_QUIET; ++k) {
+    for (int k = MC_START; k <= MC_OPEN_PHASE; ++k) {
         if (strcmp(options->test, mc_test_name((mc_test_t)k)) == 0) {
             campaign->test = (mc_test_t)k;
         }

@@ -19,6 +19,7 @@
 #define PER_HANDOVER 1.5          // clear of the hand-over
 #define START_LOAD_SHARE 0.8      // mean plus ripple of the load at the start, of 100 %
 #define COAST_STEPS 10u           // up to rated speed
+#define LEAST_LOAD_SHARE 0.1      // with which a phase breaks
 #define NOISE_COUNTS 0.5          // rms, of a current
 #define OFFSET_SHARE 0.01         // of the converter's range; calibrated before the start
 #define GAIN_SHARE 0.02
@@ -160,6 +161,18 @@ static double coast_share(uint64_t seed) {
     return (double)(seed % (2u * COAST_STEPS + 1u)) / COAST_STEPS - 1.0;
 }
 
+/// Half of the loads are below a third.
+static mc_break_t draw_break(const mc_case_t *one, const mc_machine_t *machine, uint64_t *state) {
+    const int legs = one->plant.sets * PLANT_PHASES;
+    return (mc_break_t){
+        .what = (mc_breaks_t)(splitmix_uniform(state) * MC_BREAKS),
+        .leg = (int)(splitmix_uniform(state) * legs),
+        .omega_e_rad_s = between(state, one->slow_e_rad_s, machine->full_e_rad_s),
+        .load_share = exp(between(state, log(LEAST_LOAD_SHARE), 0.0)),
+        .turn = splitmix_uniform(state),
+    };
+}
+
 bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_errors_t errors,
              uint64_t seed) {
     const ranges_t ranges = ranges_of(errors);
@@ -189,5 +202,6 @@ bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_err
                              PER_HANDOVER * (double)one->told.drive.start.omega_handover_rad_s);
     one->slow_e_rad_s = fmin(one->slow_e_rad_s, machine->full_e_rad_s);
     one->coast_e_rad_s = test == MC_FLY ? coast_share(seed) * machine->rated_e_rad_s : 0.0;
+    one->breaks = draw_break(one, machine, &state);
     return true;
 }

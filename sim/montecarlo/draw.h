@@ -8,7 +8,19 @@
 
 #include "config/rig_config.h"
 
-typedef enum { MC_START, MC_RUN, MC_FLY, MC_QUIET } mc_test_t;
+typedef enum { MC_START, MC_RUN, MC_FLY, MC_QUIET, MC_OPEN_PHASE } mc_test_t;
+
+/// What breaks while the drive runs.
+typedef enum { MC_BREAKS_HIGH, MC_BREAKS_LOW, MC_BREAKS_WIRE, MC_BREAKS } mc_breaks_t;
+
+/// MC_OPEN_PHASE: what breaks where and when.
+typedef struct {
+    mc_breaks_t what;
+    int leg;
+    double omega_e_rad_s; ///< a size
+    double load_share;    ///< of 100 % torque, passive
+    double turn;          ///< 0 .. 1, of an electrical one, from where speed and load have settled
+} mc_break_t;
 
 /// COMMISSIONED: narrow ones to begin with, which the drive's own commissioning then corrects.
 typedef enum {
@@ -39,7 +51,8 @@ typedef struct {
     double direction;     ///< 1 or -1
     double start_load_Nm; ///< MC_START: mean of the passive load
     double coast_e_rad_s; ///< MC_FLY: at which the rotor turns already
-    const char *unfit;    ///< why commissioning failed; NULL: it did not, or was not asked for
+    mc_break_t breaks;
+    const char *unfit; ///< why commissioning failed; NULL: it did not, or was not asked for
 } mc_case_t;
 
 /// Reads motors/NAME, drives/NAME and, where there is one, plants/NAME, and `set` on top of them. False

@@ -22,7 +22,7 @@ enum { CAUSES_MAX = 64 };
 #define LISTED_COASTS                                                                              \
     "speeds left out: the EMF is above the bus, and drives a current through the diodes"
 
-static const char *const tests[] = {"start", "run", "fly", "quiet"};
+static const char *const tests[] = {"start", "run", "fly", "quiet", "open-phase"};
 static const char *const kinds[] = {"narrow", "wide", "start", "commissioned"};
 enum { TESTS = sizeof tests / sizeof tests[0], KINDS = sizeof kinds / sizeof kinds[0] };
 
@@ -59,6 +59,7 @@ void mc_results_take(mc_results_t *self, uint64_t number, const mc_result_t *res
     row->listed = (uint_least8_t)result->listed;
     row->periods = result->periods;
     row->max_error_deg = (float)(0.01 * round(100.0 * result->max_error_deg));
+    row->found_ms = (float)(0.01 * round(1.0e5 * result->found_s));
     (void)snprintf(row->cause, sizeof row->cause, "%s%s",
                    result->passed || result->noticed ? "" : SILENT,
                    result->passed ? "" : result->cause);
@@ -183,6 +184,29 @@ static bool print_quiet(FILE *file, const count_t *all) {
     return ran && all->false_trips == 0u;
 }
 
+static int by_size(const void *a, const void *b) {
+    const float one = *(const float *)a;
+    const float other = *(const float *)b;
+    return (one > other) - (one < other);
+}
+
+/// Of a campaign in which phases break: how soon what is found was found.
+static void print_found(FILE *file, const mc_results_t *self) {
+    float *found_ms = calloc((size_t)mc_results_size(self), sizeof *found_ms);
+    size_t found = 0u;
+    for (uint64_t n = 0; found_ms != NULL && n < mc_results_size(self); ++n) {
+        if (self->row[n].done != 0u && !isnan(self->row[n].found_ms)) {
+            found_ms[found++] = self->row[n].found_ms;
+        }
+    }
+    if (found > 0u) {
+        qsort(found_ms, found, sizeof found_ms[0], by_size);
+        (void)fprintf(file, "found after %.1f ms in the middle case, %.1f ms at most\n",
+                      (double)found_ms[found / 2u], (double)found_ms[found - 1u]);
+    }
+    free(found_ms);
+}
+
 /// How many motors are named by design where that spares them the bars: at most one of twelve, in starts and runs
 /// whose errors are neither doubled nor taken out by commissioning.
 static int spared(const mc_campaign_t *campaign) {
@@ -253,6 +277,9 @@ bool mc_results_print(FILE *file, const mc_results_t *self) {
                   (unsigned long long)all.cases, (unsigned long long)all.passed,
                   100.0 * share_of(&all), (unsigned long long)all.silent, all.max_error_deg,
                   pooled ? "" : bar.missed, faulted ? "" : "  BAR MISSED: every failure a fault");
+    if (campaign->test == MC_OPEN_PHASE) {
+        print_found(file, self);
+    }
     return (!quiet || print_quiet(file, &all)) && good && pooled && faulted;
 }
 
@@ -269,6 +296,7 @@ static void write_row(FILE *file, const mc_results_t *self, uint64_t number) {
     const mc_campaign_t *campaign = &self->campaign;
     const mc_row_t *row = &self->row[number];
     char error[32];
+    char found[32];
     cJSON *object = cJSON_CreateObject();
     (void)snprintf(error, sizeof error, "%.2f", (double)row->max_error_deg);
     (void)cJSON_AddStringToObject(object, "motor", campaign->motor[number / campaign->cases]);
@@ -281,6 +309,10 @@ static void write_row(FILE *file, const mc_results_t *self, uint64_t number) {
     }
     if (campaign->test == MC_QUIET) {
         (void)cJSON_AddNumberToObject(object, "periods", (double)row->periods);
+    }
+    if (campaign->test == MC_OPEN_PHASE) {
+        (void)snprintf(found, sizeof found, "%.2f", (double)row->found_ms);
+        (void)cJSON_AddRawToObject(object, "found_ms", isnan(row->found_ms) ? "null" : found);
     }
     write_object(file, object);
 }
@@ -428,6 +460,7 @@ static bool read_rows(mc_results_t *self, const cJSON *root, const char *path) {
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(root, "rows")) {
         const int64_t number = number_of(&self->campaign, item);
         const cJSON *error = cJSON_GetObjectItemCaseSensitive(item, "max_error_deg");
+        const cJSON *found = cJSON_GetObjectItemCaseSensitive(item, "found_ms");
         const bool passed = strcmp(text_of(item, "result"), "pass") == 0;
         if (number < 0 || (!passed && strcmp(text_of(item, "result"), "fail") != 0)) {
             rig_error("%s: expected rows {motor, seed, result, cause, max_error_deg} of cases of "
@@ -448,6 +481,7 @@ static bool read_rows(mc_results_t *self, const cJSON *root, const char *path) {
         const int64_t periods = whole_of(item, "periods", WHOLE_MAX);
         row->periods = periods > 0 ? (uint64_t)periods : 0u;
         row->max_error_deg = cJSON_IsNumber(error) ? (float)error->valuedouble : NAN;
+        row->found_ms = cJSON_IsNumber(found) ? (float)found->valuedouble : NAN;
         (void)snprintf(row->cause, sizeof row->cause, "%s", text_of(item, "cause"));
     }
     return true;

@@ -26,6 +26,7 @@ typedef struct {
     uint_least8_t done, passed, listed;
     uint64_t periods;
     float max_error_deg;
+    float found_ms; ///< MC_OPEN_PHASE; NaN: not found
     char cause[112];
 } mc_row_t;
 

@@ -26,6 +26,9 @@
 enum { GLIDE_STEPS = 100 }; // of a gentle change
 #define CATCH_s 0.05        // a rotor that turns already is caught within this time ...
 #define CATCH_TURNS 2.0     // ... or so many electrical turns, whichever is longer
+#define FOUND_s 0.05        // an open phase is found within this time ...
+#define FOUND_TURNS 1.2     // ... or so much of an electrical turn, whichever is longer
+#define LOOKED_s 1.0        // for what is late
 #define KICK_s 5.0e-3       // afterwards, in which its peak current still counts
 #define LISTED_s 0.01
 #define LISTED_SHARE 0.5
@@ -438,12 +441,55 @@ static bool all_quiet(trial_t *trial) {
     return true;
 }
 
+// ---- A switch that stays off, a wire that breaks --------------------------------------------------
+
+static void break_leg(plant_t *plant, const mc_break_t *breaks) {
+    if (breaks->what == MC_BREAKS_WIRE) {
+        plant_open_phase(plant, breaks->leg);
+    } else {
+        plant_fail_switch(plant, breaks->leg, breaks->what == MC_BREAKS_HIGH, false);
+    }
+}
+
+static bool is_found(trial_t *trial, double turn_s) {
+    const double bar_s = fmax(FOUND_s, FOUND_TURNS * turn_s);
+    mc_result_t *result = trial->result;
+    for (double t_s = 0.0; t_s < fmax(LOOKED_s, bar_s) && isnan(result->found_s);
+         t_s += trial->ts_s) {
+        rig_step(&trial->rig, trial->estimate, &trial->memory, &trial->now);
+        result->found_s = mode_of(trial) == LODE_MODE_FAULT ? t_s + trial->ts_s : NAN;
+    }
+    if (isnan(result->found_s)) {
+        fail(trial, false, "not found");
+    } else if (result->found_s > bar_s) {
+        fail(trial, true, "found late");
+    }
+    return result->found_s <= bar_s;
+}
+
+static bool open_phase(trial_t *trial) {
+    static const char *const what[MC_BREAKS] = {"a dead high switch", "a dead low switch",
+                                                "a broken wire"};
+    const mc_break_t *breaks = &trial->one->breaks;
+    const double turn_s = 2.0 * RIG_PI / breaks->omega_e_rad_s;
+    const double share[2] = {0.0, breaks->load_share};
+    trial->what = "before the phase breaks";
+    if (!glide(trial, breaks->omega_e_rad_s, share) || !wait(trial, breaks->turn * turn_s)) {
+        return false;
+    }
+    trial->what = what[breaks->what];
+    break_leg(&trial->rig.plant, breaks);
+    return is_found(trial, turn_s);
+}
+
 static bool after_start(trial_t *trial, mc_test_t test) {
     switch (test) {
     case MC_RUN:
         return all_load_steps(trial) && all_changes(trial);
     case MC_QUIET:
         return all_quiet(trial);
+    case MC_OPEN_PHASE:
+        return open_phase(trial);
     case MC_FLY: // begins otherwise
     case MC_START:
     default:
@@ -454,7 +500,7 @@ static bool after_start(trial_t *trial, mc_test_t test) {
 void mc_trial(mc_result_t *result, const mc_machine_t *machine, const mc_case_t *one,
               mc_test_t test) {
     static trial_t trial; // large; one at a time
-    *result = (mc_result_t){.passed = false, .max_error_deg = NAN};
+    *result = (mc_result_t){.passed = false, .max_error_deg = NAN, .found_s = NAN};
     memset(&trial, 0, sizeof trial);
     trial.machine = machine;
     trial.one = one;

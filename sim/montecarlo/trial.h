@@ -1,5 +1,6 @@
 /// Runs one case: a start under load; a start and all that a drive meets afterwards; or a start and
-/// thousands of periods in which nothing happens that a guard should trip for.
+/// thousands of periods in which nothing happens that a guard should trip for; or a start, a steady load and a phase that
+/// breaks.
 #ifndef MONTECARLO_TRIAL_H
 #define MONTECARLO_TRIAL_H
 
@@ -18,6 +19,7 @@ typedef struct {
     char cause[96];
     double max_error_deg; ///< in RUN; NaN: never in RUN
     uint64_t periods;     ///< in RUN
+    double found_s;       ///< MC_OPEN_PHASE: from the break to a fault; NaN: none
     int listed; ///< load steps left out: unanswered they would halve the speed within 10 ms
 } mc_result_t;
 

@@ -163,9 +163,9 @@ def quiet(checks, folder):
 
 
 def refusals(checks, folder):
-    for arguments, expected in ((["monte-carlo"], "expected start, run, fly, quiet, or merge with files"),
-                                (["monte-carlo", "merge"], "expected start, run, fly, quiet, or merge with files"),
-                                (["monte-carlo", "walk"], "expected start, run, fly, quiet, or merge with files"),
+    for arguments, expected in ((["monte-carlo"], "expected start, run, fly, quiet, open-phase, or merge with files"),
+                                (["monte-carlo", "merge"], "expected start, run, fly, quiet, open-phase, or merge with files"),
+                                (["monte-carlo", "walk"], "expected start, run, fly, quiet, open-phase, or merge with files"),
                                 (["monte-carlo", "start", "x.json"], "expected nothing there"),
                                 (["monte-carlo", "start", "--errors", "huge"], "expected narrow, wide, start or commissioned"),
                                 (["monte-carlo", "start", "--n", "0"], "expected a whole number, 1 .. "),

@@ -1,0 +1,41 @@
+"""`lodestar monte-carlo open-phase`: what breaks in RUN is found, whichever phase, at any moment, speed and load."""
+import json
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
+from tool import FULL, Checks, Folder
+
+
+def campaign(checks, folder):
+    done = folder.run("monte-carlo", "open-phase", "--n", 60 if FULL else 4, "--json", "m.json")
+    print(done.stdout[done.stdout.rindex("all  "):])
+    text = (folder.path / "m.json").read_text()
+    rows = json.loads(text)["rows"]
+    late = [row for row in rows if row["result"] == "fail"]
+    for row in rows:
+        checks.true(row["found_ms"] is not None, f"found within a second: {row}")
+    checks.true(len(late) <= 0.03 * len(rows), f"{len(late)} of {len(rows)} late")
+    longest = max(row["found_ms"] or 0.0 for row in rows)
+    checks.true(f"{longest:.1f} ms at most" in done.stdout, f"{longest} in {done.stdout}")
+    again = folder.run("monte-carlo", "merge", "m.json", "--json", "again.json")
+    checks.true(done.stdout.replace("m.json", "again.json").endswith(again.stdout), f"merged: {again.stdout}{again.stderr}")
+    checks.equal((folder.path / "again.json").read_text(), text, "the file, merged")
+
+
+def nothing_looks(checks, folder):
+    none = folder.run("monte-carlo", "open-phase", "--motors", "jiang2022", "--n", 8, "--set", "guard.plausibility=off")
+    checks.equal(none.returncode, 1, "exit code")
+    for words in ("silent: not found, a dead high switch", "found late, a dead high switch", "at most"):
+        checks.true(words in none.stdout, f"'{words}' in {none.stdout}")
+
+
+def main():
+    checks = Checks()
+    with Folder() as folder:
+        campaign(checks, folder)
+        nothing_looks(checks, folder)
+    checks.done()
+
+
+main()
