@@ -1,4 +1,4 @@
-#include "lodestar/adaptation.h"
+#include "adaptation_machine.h"
 #include "drive_inline.h"
 #include "lag_inline.h"
 
@@ -76,11 +76,11 @@ static float square(float x) {
 }
 
 // Acceleration, mechanical, with all of the torque.
-static float acc_max_rad_s2(const lode_adaptation_t *self) {
+static float acc_max_rad_s2(const lode_adaptation_machine_t *self) {
     return lode_references_most_Nm(&self->base->references) / self->motor.J_kgm2;
 }
 
-static float J_share(const lode_adaptation_t *self) {
+static float J_share(const lode_adaptation_machine_t *self) {
     return lode_clamp((J_PRIOR + self->asked) / (J_PRIOR + lode_max(self->seen, 0.0f)), J_MIN,
                       J_MAX);
 }
@@ -89,24 +89,32 @@ static lode_adapted_t adapted(float value, float confidence) {
     return (lode_adapted_t){value, lode_max(confidence, 0.0f)};
 }
 
-static lode_adapted_t J_found(const lode_adaptation_t *self) {
+static lode_adapted_t J_found(const lode_adaptation_machine_t *self) {
     const float seen = lode_max(self->seen, 0.0f);
     const float agreed = lode_max(1.0f - SPREAD_DOUBT * self->spread, 0.0f);
     return adapted(self->motor.J_kgm2 * J_share(self), agreed * seen / (J_PRIOR + seen));
 }
 
-static lode_adapted_t psi_found(const lode_adaptation_t *self) {
+static lode_adapted_t psi_found(const lode_adaptation_machine_t *self) {
     return adapted(self->motor.psi_Wb * (1.0f + self->psi_share),
                    1.0f - self->variance_psi / square(PSI_SIGMA));
 }
 
-static lode_adapted_t Rs_found(const lode_adaptation_t *self) {
+static lode_adapted_t Rs_found(const lode_adaptation_machine_t *self) {
     return adapted(self->motor.Rs_Ohm * (1.0f + self->Rs_share),
                    1.0f - self->variance_Rs / square(RS_SIGMA));
 }
 
-lode_adaptation_found_t lode_adaptation_found(const lode_adaptation_t *self) {
+lode_adaptation_found_t lode_adaptation_machine_found(const lode_adaptation_machine_t *self) {
     return (lode_adaptation_found_t){J_found(self), psi_found(self), Rs_found(self)};
+}
+
+void lode_adaptation_machine_tell(const lode_adaptation_machine_t *self,
+                                  lode_telemetry_t *telemetry) {
+    const lode_adaptation_found_t found = lode_adaptation_machine_found(self);
+    telemetry->motor.J_kgm2 = found.J_kgm2;
+    telemetry->motor.psi_Wb = found.psi_Wb;
+    telemetry->motor.Rs_Ohm = found.Rs_Ohm;
 }
 
 // Of a stored value, what may be believed of it: none of it where it is beyond its bounds.
@@ -116,7 +124,7 @@ static float stored_confidence(lode_adapted_t stored, float configured, float le
     return good ? stored.confidence : 0.0f;
 }
 
-static void recall(lode_adaptation_t *self, const lode_adaptation_found_t *stored) {
+static void recall(lode_adaptation_machine_t *self, const lode_adaptation_found_t *stored) {
     const lode_motor_t *motor = &self->motor;
     const float J = stored_confidence(stored->J_kgm2, motor->J_kgm2, J_MIN, J_MAX);
     if (self->adapts_J && J > 0.0f) {
@@ -137,12 +145,11 @@ static void recall(lode_adaptation_t *self, const lode_adaptation_found_t *store
     }
 }
 
-lode_status_t lode_adaptation_init(lode_adaptation_t *self, const lode_adaptation_config_t *config,
-                                   const lode_drive_tuning_t *tuning, const lode_motor_t *motor,
-                                   const lode_adaptation_found_t *stored) {
-    if (self == NULL || config == NULL || tuning == NULL) {
-        return LODE_ERROR_NULL;
-    }
+lode_status_t lode_adaptation_machine_init(lode_adaptation_machine_t *self,
+                                           const lode_adaptation_config_t *config,
+                                           const lode_drive_tuning_t *tuning,
+                                           const lode_motor_t *motor,
+                                           const lode_adaptation_found_t *stored) {
     const lode_status_t status = lode_motor_check(motor);
     if (status != LODE_OK) {
         return status;
@@ -156,8 +163,9 @@ lode_status_t lode_adaptation_init(lode_adaptation_t *self, const lode_adaptatio
     if (!is_choice(config->J) || !is_choice(config->psi) || !is_choice(config->Rs)) {
         return LODE_ERROR_CHOICE;
     }
-    *self = (lode_adaptation_t){
+    *self = (lode_adaptation_machine_t){
         .base = tuning,
+        .posted = tuning,
         .motor = *motor,
         .adapts_J = config->J != LODE_OFF,
         .adapts_psi = config->psi != LODE_OFF,
@@ -193,7 +201,7 @@ static washed_t wash(lode_adaptation_filter_t *self, float x, float a, float dt_
     return (washed_t){self->two, (self->two - before) / dt_s};
 }
 
-static float torque_of(const lode_adaptation_t *self, const lode_telemetry_t *now) {
+static float torque_of(const lode_adaptation_machine_t *self, const lode_telemetry_t *now) {
     const float psi_Wb = psi_found(self).value;
     const float salient_H = self->base->estimator.salient_H;
     return self->base->references.torque_factor * (psi_Wb + salient_H * now->i_A.d) * now->i_A.q;
@@ -211,7 +219,7 @@ static bool is_useful(const lode_adaptation_edge_t *edge) {
 }
 
 // (O3): into the mean where it agrees. Two in a row that do not, but agree with each other, are another inertia.
-static void judge_edge(lode_adaptation_t *self) {
+static void judge_edge(lode_adaptation_machine_t *self) {
     const lode_adaptation_edge_t edge = self->edge;
     self->edge = (lode_adaptation_edge_t){.energy = 0.0f};
     if (!is_useful(&edge)) {
@@ -240,7 +248,8 @@ static void judge_edge(lode_adaptation_t *self) {
 }
 
 // (O2): torque and acceleration by what the ramp, which knows nothing of the load, has of either.
-static void follow_inertia(lode_adaptation_t *self, const lode_telemetry_t *now, float dt_s) {
+static void follow_inertia(lode_adaptation_machine_t *self, const lode_telemetry_t *now,
+                           float dt_s) {
     const float torque_Nm = torque_of(self, now);
     // Over the time of the speed's difference.
     const float mean_Nm = 0.5f * (torque_Nm + self->torque_Nm);
@@ -270,7 +279,7 @@ static void follow_inertia(lode_adaptation_t *self, const lode_telemetry_t *now,
 }
 
 // At rest at what there is now: what was before RUN is no ramp.
-static void begin_inertia(lode_adaptation_t *self, const lode_telemetry_t *now) {
+static void begin_inertia(lode_adaptation_machine_t *self, const lode_telemetry_t *now) {
     self->edge = (lode_adaptation_edge_t){.energy = 0.0f};
     self->torque_Nm = torque_of(self, now);
     self->by_torque = (lode_adaptation_filter_t){self->torque_Nm, 0.0f};
@@ -281,7 +290,7 @@ static void begin_inertia(lode_adaptation_t *self, const lode_telemetry_t *now) 
 // ---- Flux and resistance --------------------------------------------------------------------------
 
 // Measured by the start, beyond the tuning's, over the configured one.
-static float measured_share(const lode_adaptation_t *self, const lode_drive_t *drive) {
+static float measured_share(const lode_adaptation_machine_t *self, const lode_drive_t *drive) {
 #ifdef LODE_WITHOUT_START_MEASUREMENT
     (void)self;
     (void)drive;
@@ -291,14 +300,14 @@ static float measured_share(const lode_adaptation_t *self, const lode_drive_t *d
 #endif
 }
 
-static bool is_measured(const lode_adaptation_t *self, const lode_drive_t *drive) {
+static bool is_measured(const lode_adaptation_machine_t *self, const lode_drive_t *drive) {
     return lode_abs(measured_share(self, drive)) > 0.0f;
 }
 
 // (O8): what the EMF has along the q axis, in the direction of the speed, as the observer has it. The PLL alone turns its
 // frame until nothing is left across: that is its size. While the angle is that of injection, something is left,
 // and near no speed the size has no sign.
-static float emf_along(const lode_adaptation_t *self, const lode_telemetry_t *now) {
+static float emf_along(const lode_adaptation_machine_t *self, const lode_telemetry_t *now) {
     if (!(now->injected > 0.0f)) {
         return lode_ab_length(now->e_V);
     }
@@ -308,7 +317,7 @@ static float emf_along(const lode_adaptation_t *self, const lode_telemetry_t *no
 }
 
 // (O4): the EMF's size beyond the one expected with the resistance and flux configured, over the rated EMF.
-static float emf_beyond(const lode_adaptation_t *self, const lode_drive_t *drive,
+static float emf_beyond(const lode_adaptation_machine_t *self, const lode_drive_t *drive,
                         const lode_telemetry_t *now, float ampere_share) {
     const lode_estimator_tuning_t *tuning = &self->base->estimator;
     const float omega = lode_abs(now->omega_rad_s);
@@ -321,7 +330,7 @@ static float emf_beyond(const lode_adaptation_t *self, const lode_drive_t *drive
 
 // Standard deviation of the voltage along the current, V. Below the current at which the dead time has its full
 // effect, nobody knows how much of it there is.
-static float dead_V(const lode_adaptation_t *self, const lode_drive_t *drive,
+static float dead_V(const lode_adaptation_machine_t *self, const lode_drive_t *drive,
                     const lode_telemetry_t *now) {
     const lode_dead_time_t *dead = &drive->inverter.dead_time;
     const float i2 = square(now->i_A.d) + square(now->i_A.q);
@@ -334,7 +343,7 @@ static float dead_V(const lode_adaptation_t *self, const lode_drive_t *drive,
 
 // Variance of the EMF's size over the rated EMF, without the speed's share in it. An error of Lq turns the angle, and
 // passes q-axis current for d-axis current.
-static float flux_variance(const lode_adaptation_t *self, lode_dq_t i_A) {
+static float flux_variance(const lode_adaptation_machine_t *self, lode_dq_t i_A) {
     const lode_motor_t *motor = &self->motor;
     const float per_Wb = 1.0f / motor->psi_Wb;
     const float turned = motor->Lq_H * i_A.q * per_Wb;
@@ -350,7 +359,7 @@ static float grown(float variance, float sigma, float share) {
 
 // (O5): a Kalman filter of two states. One that is not adapted, or has too little speed, keeps its value and
 // its doubt.
-static void follow_emf(lode_adaptation_t *self, const lode_drive_t *drive,
+static void follow_emf(lode_adaptation_machine_t *self, const lode_drive_t *drive,
                        const lode_telemetry_t *now, float dt_s) {
     const lode_motor_t *motor = &self->motor;
     const float rated_V = motor->omega_rated_rad_s * motor->psi_Wb;
@@ -376,7 +385,7 @@ static void follow_emf(lode_adaptation_t *self, const lode_drive_t *drive,
 }
 
 // What the start has measured is the resistance of now.
-static void begin_emf(lode_adaptation_t *self, const lode_drive_t *drive) {
+static void begin_emf(lode_adaptation_machine_t *self, const lode_drive_t *drive) {
     if (self->adapts_Rs && is_measured(self, drive)) {
         self->Rs_share = lode_clamp(self->Rs_used + measured_share(self, drive), -RS_MAX, RS_MAX);
         self->variance_Rs = square(RS_SIGMA_MEASURED);
@@ -397,46 +406,48 @@ static bool is_worth(float used, float next, float dead) {
 
 // (O7). Gains in proportion, but with no more torque for the noise of the speed than a rotor as
 // configured may have, and a ramp that half of the torque is enough for.
-static void use_inertia(lode_drive_tuning_t *t, const lode_adaptation_t *self, float J) {
-    const lode_speed_tuning_t *base = &self->base->speed;
+static void use_inertia(const lode_adaptation_machine_t *self, lode_drive_tuning_t *t) {
+    const float J = self->J_used;
     const lode_motor_t *motor = &self->motor;
-    const float kp = base->pi.kp;
-    const float most_Nm = lode_references_most_Nm(&self->base->references);
+    const float kp = t->speed.pi.kp;
+    const float most_Nm = lode_references_most_Nm(&t->references);
     const float most = BANDWIDTH_RUN_UP_MAX * most_Nm * motor->pole_pairs /
-                       (motor->omega_rated_rad_s * (1.0f + base->rise));
+                       (motor->omega_rated_rad_s * (1.0f + t->speed.rise));
     t->speed.pi.kp = lode_min(kp * J, lode_max(kp, most));
-    t->speed.pi.ki_Ts = base->pi.ki_Ts * square(t->speed.pi.kp / kp) / J;
-    t->speed.inertia_Nm = base->inertia_Nm * J;
-    const float period_s = self->base->estimator.pll.ts_s * (float)self->base->speed_periods;
+    t->speed.pi.ki_Ts = t->speed.pi.ki_Ts * square(t->speed.pi.kp / kp) / J;
+    t->speed.inertia_Nm *= J;
+    const float period_s = t->estimator.pll.ts_s * (float)t->speed_periods;
     const float half = RAMP_TORQUE_SHARE * most_Nm * period_s / motor->J_kgm2;
-    t->speed.ramp_step = lode_min(base->ramp_step, lode_max(base->ramp_step, half) / J);
-    t->estimator.acc_per_torque = self->base->estimator.acc_per_torque / J;
-    t->estimator.acc_per_omega = self->base->estimator.acc_per_omega / J;
-    t->estimator.load_per_f_Nm = self->base->estimator.load_per_f_Nm * J;
+    const float ramp_step = t->speed.ramp_step;
+    t->speed.ramp_step = lode_min(ramp_step, lode_max(ramp_step, half) / J);
+    t->estimator.acc_per_torque /= J;
+    t->estimator.acc_per_omega /= J;
+    t->estimator.load_per_f_Nm *= J;
 }
 
 // The references' flux alone: lock and FLUX go by the one that was commissioned.
-static void use_flux(lode_drive_tuning_t *t, const lode_adaptation_t *self, float share) {
-    const lode_references_tuning_t *base = &self->base->references;
-    t->references.psi_Wb = base->psi_Wb * (1.0f + share);
-    t->references.inv_psi2 = base->inv_psi2 / square(1.0f + share);
-    t->references.tau_max = base->tau_max + lode_min(share, 0.0f) * base->psi_Wb * base->i_max_A;
+static void use_flux(const lode_adaptation_machine_t *self, lode_drive_tuning_t *t) {
+    const float share = self->psi_used;
+    lode_references_tuning_t *references = &t->references;
+    references->tau_max += lode_min(share, 0.0f) * references->psi_Wb * references->i_max_A;
+    references->psi_Wb *= 1.0f + share;
+    references->inv_psi2 /= square(1.0f + share);
 }
 
-// The base, with all that is in use.
-static void post(lode_adaptation_t *self, lode_drive_t *drive) {
-    lode_drive_tuning_t *next = &self->tuning[self->next];
-    *next = *self->base;
-    use_inertia(next, self, self->J_used);
-    use_flux(next, self, self->psi_used);
+void lode_adaptation_machine_use(const lode_adaptation_machine_t *self, lode_drive_tuning_t *t) {
+    use_inertia(self, t);
+    use_flux(self, t);
     // As lode_inverter_less_drop().
-    next->estimator.emf.a_over_b -= self->Rs_used * self->motor.Rs_Ohm;
-    self->next = 1u - self->next;
-    self->quiet_s = 0.0f;
-    (void)lode_drive_post_tuning(drive, next);
+    t->estimator.emf.a_over_b -= self->Rs_used * self->motor.Rs_Ohm;
 }
 
-static bool use(lode_adaptation_t *self, lode_drive_t *drive) {
+void lode_adaptation_machine_posts(lode_adaptation_machine_t *self,
+                                   const lode_drive_tuning_t *tuning) {
+    self->posted = tuning;
+    self->quiet_s = 0.0f;
+}
+
+static bool is_due(lode_adaptation_machine_t *self, const lode_drive_t *drive) {
     const float J = next_of(self->J_used, J_share(self), J_found(self), J_STEP * self->J_used);
     const float psi = next_of(self->psi_used, self->psi_share, psi_found(self), PSI_STEP);
     const float Rs = next_of(self->Rs_used, self->Rs_share - measured_share(self, drive),
@@ -450,23 +461,12 @@ static bool use(lode_adaptation_t *self, lode_drive_t *drive) {
     self->J_used = J;
     self->psi_used = psi;
     self->Rs_used = Rs;
-    post(self, drive);
     return true;
 }
 
-bool lode_adaptation_post(lode_adaptation_t *self, lode_drive_t *drive,
-                          const lode_drive_tuning_t *tuning) {
-    if (!lode_drive_tuning_taken(drive)) {
-        return false; // the drive may still run on the one that would be written
-    }
-    self->base = tuning;
-    post(self, drive);
-    return true;
-}
-
-// Its base, or what it has posted last.
-static bool is_own(const lode_adaptation_t *self, const lode_drive_tuning_t *tuning) {
-    return tuning == self->base || tuning == &self->tuning[1u - self->next];
+// Its base, or what it has posted last; of six phases not that of one set alone.
+static bool is_own(const lode_adaptation_machine_t *self, const lode_drive_tuning_t *tuning) {
+    return tuning == self->base || tuning == self->posted;
 }
 
 // What torque control follows is the speed itself: no ramp.
@@ -474,7 +474,8 @@ static bool follows_ramp(const lode_drive_t *drive) {
     return (drive->command.flags & (uint32_t)LODE_ORDER_TORQUE) == 0u;
 }
 
-bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive) {
+bool lode_adaptation_machine_look(lode_adaptation_machine_t *self, const lode_drive_t *drive,
+                                  bool taken) {
     lode_telemetry_t now;
     (void)lode_drive_telemetry(drive, &now);
     const uint32_t steps = now.steps - self->steps;
@@ -482,13 +483,15 @@ bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive) {
     const bool usable = now.mode == LODE_MODE_RUN && is_own(self, drive->tuning);
     const bool goes_on = self->runs && usable && dt_s <= GAP_MAX_s;
     self->runs = usable;
-    if (goes_on && (steps == 0u || !lode_drive_tuning_taken(drive))) {
+    if (goes_on && (steps == 0u || !taken)) {
         return false; // nothing new, or not known yet by which tuning
     }
     self->steps = now.steps;
     if (!goes_on) {
-        begin_inertia(self, &now);
-        begin_emf(self, drive);
+        if (usable) {
+            begin_inertia(self, &now);
+            begin_emf(self, drive);
+        }
         return false;
     }
     if (self->adapts_J && follows_ramp(drive)) {
@@ -498,12 +501,52 @@ bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive) {
     }
     follow_emf(self, drive, &now, dt_s);
     self->quiet_s = lode_min(self->quiet_s + dt_s, QUIET_s);
-    return use(self, drive);
+    return is_due(self, drive);
+}
+
+// ---- With three phases ------------------------------------------------------------------------------
+
+lode_status_t lode_adaptation_init(lode_adaptation_t *self, const lode_adaptation_config_t *config,
+                                   const lode_drive_tuning_t *tuning, const lode_motor_t *motor,
+                                   const lode_adaptation_found_t *stored) {
+    if (self == NULL || config == NULL || tuning == NULL) {
+        return LODE_ERROR_NULL;
+    }
+    return lode_adaptation_machine_init(&self->machine, config, tuning, motor, stored);
+}
+
+// The base, with all that is in use, into the one of the two that was not posted last.
+static void post(lode_adaptation_t *self, lode_drive_t *drive) {
+    lode_drive_tuning_t *next = &self->tuning[self->machine.posted == &self->tuning[0] ? 1 : 0];
+    *next = *self->machine.base;
+    lode_adaptation_machine_use(&self->machine, next);
+    lode_adaptation_machine_posts(&self->machine, next);
+    (void)lode_drive_post_tuning(drive, next);
+}
+
+bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive) {
+    const bool due =
+        lode_adaptation_machine_look(&self->machine, drive, lode_drive_tuning_taken(drive));
+    if (due) {
+        post(self, drive);
+    }
+    return due;
+}
+
+bool lode_adaptation_post(lode_adaptation_t *self, lode_drive_t *drive,
+                          const lode_drive_tuning_t *tuning) {
+    if (!lode_drive_tuning_taken(drive)) {
+        return false; // the drive may still run on the one that would be written
+    }
+    self->machine.base = tuning;
+    post(self, drive);
+    return true;
+}
+
+lode_adaptation_found_t lode_adaptation_found(const lode_adaptation_t *self) {
+    return lode_adaptation_machine_found(&self->machine);
 }
 
 void lode_adaptation_tell(const lode_adaptation_t *self, lode_telemetry_t *telemetry) {
-    const lode_adaptation_found_t found = lode_adaptation_found(self);
-    telemetry->motor.J_kgm2 = found.J_kgm2;
-    telemetry->motor.psi_Wb = found.psi_Wb;
-    telemetry->motor.Rs_Ohm = found.Rs_Ohm;
+    lode_adaptation_machine_tell(&self->machine, telemetry);
 }

@@ -121,9 +121,9 @@ static void ramps(bench_t *self, int count) {
 static double edge(bench_t *self, double target) {
     double seconds = 0.0;
     bool begun = false;
-    while (seconds < 2.0 && !(begun && self->adaptation.edge.energy <= 0.0f)) {
+    while (seconds < 2.0 && !(begun && self->adaptation.machine.edge.energy <= 0.0f)) {
         (void)bench_call(self, target);
-        begun = begun || self->adaptation.edge.energy > 0.0f;
+        begun = begun || self->adaptation.machine.edge.energy > 0.0f;
         seconds += begun ? call_s(self) : 0.0;
     }
     TEST_ASSERT_TRUE(begun && seconds < 2.0);
@@ -217,7 +217,7 @@ static void test_a_constant_speed_is_no_edge(void) {
         bench.reference = bench.speed = SLOW_rad_s;
         for (int k = 0; k < 1000; k++) {
             (void)bench_call(&bench, SLOW_rad_s);
-            TEST_ASSERT_TRUE(bench.adaptation.edge.energy <= 0.0f);
+            TEST_ASSERT_TRUE(bench.adaptation.machine.edge.energy <= 0.0f);
         }
         // Torque control has taken it elsewhere; there it goes on.
         bench.drive.command.flags = (uint_least8_t)LODE_ORDER_TORQUE;
@@ -226,7 +226,7 @@ static void test_a_constant_speed_is_no_edge(void) {
         bench.drive.command.flags = 0u;
         for (int k = 0; k < 1000; k++) {
             (void)bench_call(&bench, bench.speed);
-            TEST_ASSERT_TRUE(bench.adaptation.edge.energy <= 0.0f);
+            TEST_ASSERT_TRUE(bench.adaptation.machine.edge.energy <= 0.0f);
         }
     }
 }
@@ -681,13 +681,13 @@ static void test_a_measured_resistance_does_not_hang_on_the_flux(void) {
     bench_init(&bench, &all, NULL);
     bench.load_Nm = 5.0;
     bench_run(&bench, HIGH_rad_s, 5.0);
-    TEST_ASSERT_TRUE(lode_abs(bench.adaptation.covariance) > 0.0f);
+    TEST_ASSERT_TRUE(lode_abs(bench.adaptation.machine.covariance) > 0.0f);
     bench.drive.mode = (uint_least8_t)LODE_MODE_OFF;
     bench_run(&bench, HIGH_rad_s, 0.01);
     bench.drive.mode = (uint_least8_t)LODE_MODE_RUN;
     bench.drive.inverter.r_more_Ohm = 0.1f * bench.config.motor.Rs_Ohm;
     (void)bench_call(&bench, HIGH_rad_s);
-    TEST_ASSERT_EQUAL_FLOAT(0.0f, bench.adaptation.covariance);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, bench.adaptation.machine.covariance);
 }
 
 // The EMF along the q axis has a sign at no speed too, where its size has none.
@@ -761,11 +761,11 @@ static void test_another_base_keeps_what_was_found(void) {
     TEST_ASSERT_TRUE(now->references.psi_Wb == before.references.psi_Wb);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4f, bench.tuning.estimator.emf.a_over_b,
                              before.estimator.emf.a_over_b +
-                                 bench.adaptation.Rs_used * config.motor.Rs_Ohm);
+                                 bench.adaptation.machine.Rs_used * config.motor.Rs_Ohm);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4f, learned.estimator.emf.a_over_b,
                              now->estimator.emf.a_over_b +
-                                 bench.adaptation.Rs_used * config.motor.Rs_Ohm);
-    TEST_ASSERT_TRUE(bench.adaptation.Rs_used > 0.05f);
+                                 bench.adaptation.machine.Rs_used * config.motor.Rs_Ohm);
+    TEST_ASSERT_TRUE(bench.adaptation.machine.Rs_used > 0.05f);
     // And it goes on from there.
     const int posted = bench.posted;
     bench.J = 1.0;
@@ -883,7 +883,7 @@ static void test_calls_may_come_as_they_like(void) {
     bench.drive.steps += 5000u;
     bench.reference = bench.speed = HIGH_rad_s;
     (void)bench_call(&bench, HIGH_rad_s);
-    TEST_ASSERT_TRUE(bench.adaptation.edge.energy <= 0.0f);
+    TEST_ASSERT_TRUE(bench.adaptation.machine.edge.energy <= 0.0f);
 }
 
 // A reference that swings all the time has no end of an edge.
@@ -903,7 +903,7 @@ static void test_a_reference_that_never_rests_shows_nothing(void) {
     for (int n = 0; n < 2000; n++) {
         bench.reference = n % 2 == 0 ? 2.0 * HIGH_rad_s : -HIGH_rad_s;
         (void)bench_call(&bench, bench.reference);
-        TEST_ASSERT_TRUE(bench.adaptation.edge.energy < 5.0f);
+        TEST_ASSERT_TRUE(bench.adaptation.machine.edge.energy < 5.0f);
     }
     TEST_ASSERT_TRUE(found_by(&bench).J_kgm2.confidence <= 0.0f);
 }

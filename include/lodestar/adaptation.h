@@ -6,7 +6,7 @@
 /// What is found goes into a copy of the drive's tuning, which is posted. A tuning that learn.h has made goes through
 /// here too, lode_adaptation_post() in place of lode_drive_post_tuning(). J changes speed control and
 /// feed-forward only, psi the torque that the references ask for, Rs the observer's voltage. All else stays as
-/// it was designed, the flux that FLUX and the lock are judged by too (docs/adaptation.md).
+/// it was designed, the flux that FLUX and the lock are judged by too (docs/adaptation.md). Three phases; six: adaptation6.h.
 #ifndef LODESTAR_ADAPTATION_H
 #define LODESTAR_ADAPTATION_H
 
@@ -47,9 +47,10 @@ typedef struct {
     float both;    ///< correlation of the two
 } lode_adaptation_edge_t;
 
-/// Visible for static allocation; written by its functions only.
+/// What is known of the motor, with three phases or six.
 typedef struct {
-    const lode_drive_tuning_t *base; ///< as commissioned, or posted since
+    const lode_drive_tuning_t *base; ///< as commissioned, or posted since; of six phases both sets'
+    const lode_drive_tuning_t *posted; ///< last, the same with what is in use; at first the base
     lode_motor_t motor;
     bool adapts_J;
     bool adapts_psi;
@@ -75,8 +76,12 @@ typedef struct {
     float J_used;   ///< in the posted tuning, over the configured one
     float psi_used; ///< as psi_share
     float Rs_used;  ///< as Rs_share
-    uint32_t next;  ///< which of the two is written next
-    lode_drive_tuning_t tuning[2];
+} lode_adaptation_machine_t;
+
+/// Visible for static allocation; written by its functions only.
+typedef struct {
+    lode_adaptation_machine_t machine;
+    lode_drive_tuning_t tuning[2]; ///< posted in turn
 } lode_adaptation_t;
 
 /// `tuning`: what the drive runs on, made for `motor`, whose omega_rated_rad_s must be given; both of what the

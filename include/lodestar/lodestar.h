@@ -3,6 +3,7 @@
 #define LODESTAR_LODESTAR_H
 
 #include "lodestar/adaptation.h"
+#include "lodestar/adaptation6.h"
 #include "lodestar/chopper.h"
 #include "lodestar/commission.h"
 #include "lodestar/commission6.h"

@@ -21,8 +21,14 @@ static void begin_learning(rig_t *self, const rig_config_t *config) {
 
 /// As the firmware does it: beside the tuning that is in use, or that the adaptation goes by.
 static lode_drive_tuning_t *spare_tuning(rig_t *self) {
-    const lode_drive_tuning_t *used = self->adapts ? self->adaptation.base : self->three.tuning;
+    const lode_drive_tuning_t *used =
+        self->adapts ? self->adaptation.machine.base : self->three.tuning;
     return &self->three_tuning[used == &self->three_tuning[0] ? 1 : 0];
+}
+
+static lode_drive6_tuning_t *spare_tuning6(rig_t *self) {
+    const lode_drive6_tuning_t *used = self->adapts ? self->adaptation6.base : self->six.tuning;
+    return &self->six_tuning[used == &self->six_tuning[0] ? 1 : 0];
 }
 
 static lode_status_t post(rig_t *self, const lode_drive_tuning_t *next) {
@@ -31,6 +37,14 @@ static lode_status_t post(rig_t *self, const lode_drive_tuning_t *next) {
         return LODE_OK;
     }
     return lode_drive_post_tuning(&self->three, next);
+}
+
+static lode_status_t post6(rig_t *self, const lode_drive6_tuning_t *next) {
+    if (self->adapts) {
+        self->posts6 = next;
+        return LODE_OK;
+    }
+    return lode_drive6_post_tuning(&self->six, next);
 }
 
 #define ADAPT_EVERY_s 1e-3 // a main loop
@@ -45,11 +59,17 @@ static lode_status_t init_adaptation(rig_t *self, const rig_config_t *config) {
     if (!self->adapts) {
         return LODE_OK;
     }
-    lode_drive_config_t designed = config->drive;
-    lode_drive_design(&designed);
     const lode_adaptation_config_t choices = {choice(wanted->J), choice(wanted->psi),
                                               choice(wanted->Rs)};
     self->adapt_every = (uint32_t)fmax(1.0, round(ADAPT_EVERY_s * (double)config->drive.f_pwm_Hz));
+    if (self->sets == PLANT_SETS) {
+        lode_drive6_config_t six = rig_config_six(config);
+        lode_drive6_design(&six);
+        return lode_adaptation6_init(&self->adaptation6, &choices, &self->six_tuning[0],
+                                     &six.drive.motor, NULL);
+    }
+    lode_drive_config_t designed = config->drive;
+    lode_drive_design(&designed);
     return lode_adaptation_init(&self->adaptation, &choices, &self->three_tuning[0],
                                 &designed.motor, NULL);
 }
@@ -60,6 +80,7 @@ lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_conf
     self->learns = false;
     self->learning = config->drive;
     self->posts = NULL;
+    self->posts6 = NULL;
     self->bus = (bus_t){.limits = false};
     if (self->sets == 1) {
         self->drive = &self->three;
@@ -68,20 +89,19 @@ lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_conf
             lode_drive_init(&self->three, &self->three_tuning[0], &config->drive);
         return status == LODE_OK ? init_adaptation(self, config) : status;
     }
-    self->adapts = false;
     const lode_drive6_config_t six = rig_config_six(config);
     self->drive = &self->six.drive;
-    return lode_drive6_init(&self->six, &self->six_tuning[0], &six);
+    const lode_status_t status = lode_drive6_init(&self->six, &self->six_tuning[0], &six);
+    return status == LODE_OK ? init_adaptation(self, config) : status;
 }
 
 static lode_status_t retune_six(rig_t *self, const rig_config_t *config,
                                 const lode_motor_t *motor) {
     lode_drive6_config_t six = rig_config_six(config);
     six.drive.motor = *motor;
-    lode_drive6_tuning_t *next =
-        &self->six_tuning[self->six.tuning == &self->six_tuning[0] ? 1 : 0];
+    lode_drive6_tuning_t *next = spare_tuning6(self);
     const lode_status_t status = lode_drive6_tune(next, &six);
-    return status == LODE_OK ? lode_drive6_post_tuning(&self->six, next) : status;
+    return status == LODE_OK ? post6(self, next) : status;
 }
 
 lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_motor_t *motor) {
@@ -110,6 +130,10 @@ void rig_main_loop(rig_t *self) {
     if (self->posts != NULL && lode_adaptation_post(&self->adaptation, &self->three, self->posts)) {
         self->posts = NULL;
     }
+    if (self->posts6 != NULL &&
+        lode_adaptation6_post(&self->adaptation6, &self->six, self->posts6)) {
+        self->posts6 = NULL;
+    }
     if (!self->learns || self->drive->steps % MAIN_LOOP_PERIODS != 0u ||
         !lode_drive_telemetry(self->drive, &now) ||
         !lode_learn_step(&self->learn, &self->learn_tuning, &now, dt_s) || self->posts != NULL) {
@@ -132,45 +156,48 @@ double rig_true_Lq_H(const rig_t *self) {
 
 void rig_tell(const rig_t *self, lode_telemetry_t *telemetry) {
     (void)lode_drive_telemetry(self->drive, telemetry);
-    if (self->adapts) {
+    if (self->adapts && self->sets == PLANT_SETS) {
+        lode_adaptation6_tell(&self->adaptation6, telemetry);
+    } else if (self->adapts) {
         lode_adaptation_tell(&self->adaptation, telemetry);
+    } else {
+        // nothing was found
     }
     if (self->learns) {
         lode_learn_tell(&self->learn, telemetry);
     }
 }
 
-// Its tuning is one of the rig's, or of the adaptation's.
-static void copy_three(rig_t *to, const rig_t *from) {
-    to->drive = &to->three;
-    for (int k = 0; k < 2; ++k) {
-        if (from->adaptation.base == &from->three_tuning[k]) {
-            to->adaptation.base = &to->three_tuning[k];
-        }
-        if (from->posts == &from->three_tuning[k]) {
-            to->posts = &to->three_tuning[k];
-        }
-        if (from->three.tuning == &from->three_tuning[k]) {
-            to->three.tuning = &to->three_tuning[k];
-        } else if (from->three.tuning == &from->adaptation.tuning[k]) {
-            to->three.tuning = &to->adaptation.tuning[k];
-        } else {
-            // the other one
-        }
-    }
+// What points into `from` points to the same place of `to`.
+static const void *moved(rig_t *to, const rig_t *from, const void *pointer) {
+    return pointer != NULL ? (const char *)to + ((const char *)pointer - (const char *)from) : NULL;
 }
 
+static void move_adaptation(lode_adaptation_machine_t *machine, rig_t *to, const rig_t *from) {
+    machine->base = moved(to, from, machine->base);
+    machine->posted = moved(to, from, machine->posted);
+}
+
+// All tunings are the rig's, or its adaptation's.
 void rig_copy(rig_t *to, const rig_t *from) {
     *to = *from;
-    if (from->sets != PLANT_SETS) {
-        copy_three(to, from);
-        return;
+    to->drive = from->sets == PLANT_SETS ? &to->six.drive : &to->three;
+    to->drive->tuning = moved(to, from, from->drive->tuning);
+    to->drive->posted_tuning = moved(to, from, from->drive->posted_tuning);
+    if (from->sets == PLANT_SETS) {
+        to->six.tuning = moved(to, from, from->six.tuning);
+        to->six.posted_tuning = moved(to, from, from->six.posted_tuning);
     }
-    const ptrdiff_t now = from->six.tuning - from->six_tuning;
-    const bool alone = from->six.drive.tuning == &from->six_tuning[now].alone;
-    to->drive = &to->six.drive;
-    to->six.tuning = &to->six_tuning[now];
-    to->six.drive.tuning = alone ? &to->six_tuning[now].alone : &to->six_tuning[now].drive;
+    if (from->adapts && from->sets == PLANT_SETS) {
+        to->adaptation6.base = moved(to, from, from->adaptation6.base);
+        to->posts6 = moved(to, from, from->posts6);
+        move_adaptation(&to->adaptation6.machine, to, from);
+    } else if (from->adapts) {
+        to->posts = moved(to, from, from->posts);
+        move_adaptation(&to->adaptation.machine, to, from);
+    } else {
+        // no more tunings
+    }
 }
 
 lode_counts_t rig_counts(const plant_counts_t *plant) {
@@ -197,9 +224,6 @@ static void step_three(rig_t *self, const plant_counts_t *sampled, runner_estima
     now->estimate = estimate(&self->three, &sample, &now->truth, memory);
     const lode_drive_out_t out = lode_drive_act(&self->three, &sample, &now->estimate);
     rig_write_set(&self->plant, 0, &out);
-    if (self->adapts && self->three.steps % self->adapt_every == 0u) {
-        (void)lode_adaptation_step(&self->adaptation, &self->three);
-    }
 }
 
 static void step_six(rig_t *self, const plant_counts_t sampled[PLANT_SETS], rig_moment_t *now) {
@@ -219,6 +243,17 @@ static void step_six(rig_t *self, const plant_counts_t sampled[PLANT_SETS], rig_
     rig_write_set(&self->plant, 1, &out.set[1]);
 }
 
+static void adapt(rig_t *self) {
+    if (!self->adapts || self->drive->steps % self->adapt_every != 0u) {
+        return;
+    }
+    if (self->sets == PLANT_SETS) {
+        (void)lode_adaptation6_step(&self->adaptation6, &self->six);
+    } else {
+        (void)lode_adaptation_step(&self->adaptation, &self->three);
+    }
+}
+
 void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory,
               rig_moment_t *now) {
     plant_counts_t sampled[PLANT_SETS];
@@ -231,6 +266,7 @@ void rig_step(rig_t *self, runner_estimator_t estimate, runner_memory_t *memory,
     } else {
         step_three(self, sampled, estimate, memory, now);
     }
+    adapt(self);
     plant_advance(&self->plant);
 }
 

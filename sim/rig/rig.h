@@ -6,7 +6,7 @@
 #include "rig/bus.h"
 #include "rig/euler.h"
 
-#include "lodestar/adaptation.h"
+#include "lodestar/adaptation6.h"
 #include "lodestar/encoder.h"
 #include "lodestar/learn.h"
 
@@ -38,17 +38,19 @@ typedef struct {
     lode_drive_t *drive; ///< that of three phases, or the one within that of six
     lode_drive_t three;
     lode_drive_tuning_t three_tuning[2]; ///< in use, and the next one
-    lode_adaptation_t adaptation;        ///< of three phases, where `adapts`
+    lode_adaptation_t adaptation;        ///< where `adapts`
     bool adapts;
     uint32_t adapt_every; ///< periods
     lode_drive6_t six;
     lode_drive6_tuning_t six_tuning[2];
-    lode_drive_config_t learning; ///< what is learned goes into
+    lode_adaptation6_t adaptation6; ///< where `adapts`
+    lode_drive_config_t learning;   ///< what is learned goes into
     lode_learn_tuning_t learn_tuning;
     lode_learn_t learn;
     bool learns; ///< hfi.learn
     const lode_drive_tuning_t
         *posts; ///< what the adaptation shall post as soon as it can; NULL: nothing
+    const lode_drive6_tuning_t *posts6; ///< the same of six phases
     bus_t bus;
 } rig_t;
 

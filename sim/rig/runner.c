@@ -697,10 +697,6 @@ static bool check_drive(const rig_config_t *config) {
 static bool check_adaptation(const rig_config_t *config) {
     const rig_adaptation_t *wanted = &config->adaptation;
     const bool any = wanted->J == 1 || wanted->psi == 1 || wanted->Rs == 1;
-    if (any && rig_config_is_six(config)) {
-        rig_error("[adaptation]: on; expected off, or a motor with three phases");
-        return false;
-    }
     for (int k = 0; any && k < config->scenario.phases; ++k) {
         const rig_phase_t *phase = &config->scenario.phase[k];
         if (!isnan(phase->Rs_factor)) {
