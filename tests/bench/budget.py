@@ -85,6 +85,13 @@ OTHER_CORES = ["m7", "m33", "m3", "m0", "r5f"]
 CORE_NAMES = {"m4f": "Cortex-M4F", "m7": "Cortex-M7", "m33": "Cortex-M33", "m3": "Cortex-M3",
               "m0": "Cortex-M0", "r5f": "Cortex-R5F"}
 
+# Clocks of the ports, MHz; a Cortex-M3 and a Cortex-M0 as they are usual.
+CHIPS = [("STM32G431, G474", "m4f", 170), ("STM32F405", "m4f", 168), ("RP2350", "m33", 150), ("STM32H743", "m7", 400),
+         ("AM263x", "r5f", 400), ("without FPU", "m3", 72), ("without FPU", "m0", 48)]
+RATES_kHz = [10, 20, 40]
+IN_RUN, DEAREST = "board_enhanced", ["board_enhanced", "rise", "start", "saturated", "fault"]
+ENTRY_CYCLES = 24  # of the interrupt, and its exit
+
 
 def measure_steps(machine, names, calls=None, of=None):
     steps = {}
@@ -221,6 +228,42 @@ def object_table(figures):
     return table(["object, bytes", "three phases", "six"], rows)
 
 
+def fit_table(figures):
+    """Shares of a processor: mean in RUN, and the dearest call."""
+    steps = figures["steps"]
+    in_run = steps[IN_RUN]["cycles"]["avg"] + ENTRY_CYCLES
+    dearest = max(steps[name]["cycles"]["max"] for name in DEAREST) + ENTRY_CYCLES
+    basis = {"m4f": "cycles, modelled", "m33": "the same cycles", "m7": "the same, as a bound",
+             "r5f": "the same, as a bound"}
+    rows = []
+    for chip, core, mhz in CHIPS:
+        cells = [chip, CORE_NAMES[core], mhz]
+        for rate in RATES_kHz:
+            share = 100 * rate * 1e3 / (mhz * 1e6)
+            if core in basis:
+                cells.append(f"{share * in_run:.0f}, {share * dearest:.0f} %")
+            else:  # an instruction takes a cycle at least
+                least = share * figures["cores"][core]["enhanced"]["instructions"]["avg"]
+                cells.append(f"over {least:.0f} %")
+        rows.append([*cells, basis.get(core, "instructions")])
+    return table(["chip", "core", "MHz", *(f"{rate} kHz" for rate in RATES_kHz), "by"], rows)
+
+
+def memory_table(figures):
+    firmware, steps = figures["firmware"], figures["steps"]
+    three_phases, six = firmware["m4f -O2"], firmware["m4f -O2, six phases"]
+    rows = [["flash: drive, design and checks", three_phases["text"], firmware["m4f -Os"]["text"], six["text"]],
+            ["flash: the drive on a tuning that lies there", firmware["m4f -O2, tuning in flash"]["text"],
+             firmware["m4f -Os, tuning in flash"]["text"], ""],
+            ["flash: the same, with the fewest options", firmware["m4f -O2, least"]["text"],
+             firmware["m4f -Os, least"]["text"], ""]]
+    for what, name in (("drive", "RAM: drive"), ("tuning", "RAM, or flash: tuning")):
+        rows.append([name, three_phases[what], three_phases[what], six[what]])
+    rows.append(["stack of a step", max(steps[name]["stack"] for name in DEAREST),
+                 figures["levels"]["-Os"]["enhanced"]["stack"], max(f["stack"] for f in figures["steps6"].values())])
+    return table(["Cortex-M4F, bytes", "`-O2`", "`-Os`", "six phases, `-O2`"], rows)
+
+
 def named(which, name):
     return f"`{name}`" + (", six" if which == "steps6" else "")
 
@@ -278,7 +321,8 @@ def peer_table(figures):
                   *(f"by {peer} ({cycles})" for peer, cycles in PEERS.items())], rows)
 
 
-TABLES = {"bars": bar_table, "aims": aim_table, "kinds": kind_table, "parts": part_table, "peers": peer_table,
+TABLES = {"fit": fit_table, "memory": memory_table, "bars": bar_table, "aims": aim_table,
+          "kinds": kind_table, "parts": part_table, "peers": peer_table,
           "steps": step_table, "steps6": step6_table, "phases": phase_table,
           "blocks": block_table, "levels": level_table,
           "cores": core_table, "firmware": firmware_table, "objects": object_table}
