@@ -1,5 +1,5 @@
-/// Adaptation while the drive runs: inertia, flux and resistance, by what speed, current and EMF say of them.
-/// For the main loop, some hundred to a thousand times a second; the interrupt has no part in it:
+/// Adaptation while the drive runs: inertia, flux and resistance, estimated from speed, current and EMF.
+/// For the main loop, called 100 to 1000 times a second; the interrupt has no part in it:
 ///
 ///     (void)lode_adaptation_step(&adaptation, &drive);
 ///
@@ -23,7 +23,7 @@ typedef struct {
     lode_choice_t Rs;
 } lode_adaptation_config_t;
 
-/// What an application may show, and keep over a reset.
+/// What an application may display, and keep over a reset.
 typedef struct {
     lode_adapted_t J_kgm2; ///< 0.2 .. 5 times the configured one
     lode_adapted_t psi_Wb; ///< within 20 % of the configured one
@@ -31,7 +31,7 @@ typedef struct {
     lode_adapted_t Rs_Ohm;
 } lode_adaptation_found_t;
 
-/// A washout of two equal poles (O1).
+/// A high-pass (washout) with two equal poles (O1).
 typedef struct {
     float one;
     float two;
@@ -91,12 +91,12 @@ lode_status_t lode_adaptation_init(lode_adaptation_t *self, const lode_adaptatio
                                    const lode_drive_tuning_t *tuning, const lode_motor_t *motor,
                                    const lode_adaptation_found_t *stored);
 
-/// Looks at the drive; true: a new tuning was posted. Calls may come as they like: the drive's own count of periods
-/// is the time. It rests while the drive is not in RUN, and for as long as the drive runs on somebody else's tuning.
+/// Looks at the drive; true: a new tuning was posted. Calls need not be regular: time is the drive's own count of
+/// periods. It pauses outside RUN, and while the drive runs on a tuning that did not come from here.
 bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive);
 
-/// The drive's next tuning: `tuning`, which must stay, with what was found. It is made for the commissioned motor but
-/// for its Lq. False: the last one is not taken yet, and nothing was done.
+/// Makes `tuning`, which must stay, the drive's next one, with what was found. It must be made for the commissioned
+/// motor; only Lq may differ. False: the last one is not taken yet, and nothing was done.
 bool lode_adaptation_post(lode_adaptation_t *self, lode_drive_t *drive,
                           const lode_drive_tuning_t *tuning);
 

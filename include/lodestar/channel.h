@@ -1,5 +1,5 @@
-/// What can be recorded of a drive: one quantity per channel, each a float. And which of them a recorder
-/// takes, and how often.
+/// What can be recorded of a drive: one quantity per channel, each a float. Which channels a recorder takes, and
+/// how often.
 #ifndef LODESTAR_CHANNEL_H
 #define LODESTAR_CHANNEL_H
 
@@ -49,13 +49,13 @@ typedef enum {
 } lode_channel_t;
 #undef LODE_CHANNEL_ENUMERATOR
 
-/// Most channels of one recorder.
+/// Largest number of channels of one recorder.
 #define LODE_CHANNELS_MAX 16
 
 /// What a row of a recorder holds, and in which periods one is taken.
 typedef struct {
     float f_pwm_Hz;      ///< rate of the step, 1e3 .. 2e5
-    uint16_t decimation; ///< a row in every so many periods; 0: in each
+    uint16_t decimation; ///< periods per row; 0: 1
     uint16_t count;      ///< channels in use, 1 .. LODE_CHANNELS_MAX
     lode_channel_t channel[LODE_CHANNELS_MAX];
 } lode_channels_config_t;

@@ -1,4 +1,4 @@
-/// Self-commissioning: what a motor and an inverter are, measured by the drive itself in under 10 s.
+/// Self-commissioning: the parameters of motor and inverter, measured by the drive itself in under 10 s.
 ///
 /// Sensors first, by voltage pulses too short to turn a rotor; then resistance, dead-time voltage and
 /// inductances with the rotor held by a current; then flux, inertia and friction from running up and down
@@ -6,7 +6,7 @@
 /// Three phases; six: commission6.h. LODE_WITHOUT_COMMISSIONING leaves both out of a build.
 ///
 /// Interrupt: lode_commission_step() in place of lode_drive_step().
-/// Thread:    lode_commission_work() again and again until it returns something else than RUNNING.
+/// Thread:    lode_commission_work() again and again until it no longer returns RUNNING.
 #ifndef LODESTAR_COMMISSION_H
 #define LODESTAR_COMMISSION_H
 
@@ -34,7 +34,7 @@ typedef enum {
     LODE_COMMISSION_LQ_FALL_1_A, ///< Lq is Lq_H/(1 + fall |iq|) (N4); 0: less than 5 % at i_max
     LODE_COMMISSION_LXY_H,       ///< of the xy plane, where there are six phases
     LODE_COMMISSION_PSI_Wb,
-    LODE_COMMISSION_J_kgm2, ///< of all that turns
+    LODE_COMMISSION_J_kgm2, ///< of everything that turns
     LODE_COMMISSION_B_Nms,  ///< friction over speed, at the mean speed of the run
     LODE_COMMISSION_QUANTITIES
 } lode_commission_quantity_t;
@@ -57,10 +57,10 @@ typedef enum {
     LODE_COMMISSION_DONE,
     LODE_COMMISSION_FAULT,      ///< the guard tripped: drive.guard.fault
     LODE_COMMISSION_UNSURE,     ///< `quantity` was measured with too little confidence
-    LODE_COMMISSION_NO_CURRENT, ///< the voltage went to its end and the current did not come
+    LODE_COMMISSION_NO_CURRENT, ///< the voltage reached its limit without the current
     LODE_COMMISSION_UNSETTLED,  ///< the rotor would not come to rest under a current
     LODE_COMMISSION_REFUSED,    ///< the drive refuses what was measured: `status`
-    LODE_COMMISSION_NO_START    ///< the motor did not come to speed
+    LODE_COMMISSION_NO_START    ///< the motor did not reach the speed
 } lode_commission_result_t;
 
 /// The enumerator's name, for logs.
@@ -132,8 +132,8 @@ typedef struct {
 } lode_commission_t;
 
 /// `config` is what is known: f_pwm, inverter and sense as for lode_drive_init(), and the motor by its data
-/// sheet: R within 30 %, inductances and flux within 20 %, J within a factor of three. Of `drive` and the two
-/// `tuning`, which are of use again afterwards, it makes a drive of its own: one tuning is in use while the next is made.
+/// sheet: R within 30 %, inductances and flux within 20 %, J within a factor of three. It runs its
+/// own drive in `drive` and the two `tuning`, which are free again afterwards: one tuning is in use while the next is made.
 lode_status_t lode_commission_init(lode_commission_t *self, lode_drive_t *drive,
                                    lode_drive_tuning_t tuning[2],
                                    const lode_drive_config_t *config);
@@ -141,7 +141,7 @@ lode_status_t lode_commission_init(lode_commission_t *self, lode_drive_t *drive,
 /// One PWM period.
 lode_drive_out_t lode_commission_step(lode_commission_t *self, const lode_counts_t *counts);
 
-/// What is too long for the interrupt, and how it stands.
+/// Does what takes too long for the interrupt. Returns the state.
 lode_commission_result_t lode_commission_work(lode_commission_t *self);
 
 /// The configuration with what was found in it. Only after LODE_COMMISSION_DONE.

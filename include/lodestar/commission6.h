@@ -1,8 +1,8 @@
-/// Self-commissioning with six phases: as commission.h, each set's sensors for themselves, and the inductance of the xy
-/// plane besides.
+/// Self-commissioning with six phases: as commission.h, with the sensors of each set, and the inductance of the xy
+/// plane.
 ///
 /// Interrupt: lode_commission6_step() in place of lode_drive6_step().
-/// Thread:    lode_commission6_work() again and again until it returns something else than RUNNING.
+/// Thread:    lode_commission6_work() again and again until it no longer returns RUNNING.
 #ifndef LODESTAR_COMMISSION6_H
 #define LODESTAR_COMMISSION6_H
 
@@ -30,7 +30,7 @@ lode_status_t lode_commission6_init(lode_commission6_t *self, lode_drive6_t *dri
 /// One PWM period.
 lode_drive6_out_t lode_commission6_step(lode_commission6_t *self, const lode_counts6_t *counts);
 
-/// What is too long for the interrupt, and how it stands.
+/// Does what takes too long for the interrupt. Returns the state.
 lode_commission_result_t lode_commission6_work(lode_commission6_t *self);
 
 /// The configuration with what was found in it. Only after LODE_COMMISSION_DONE.

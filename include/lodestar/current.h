@@ -48,7 +48,7 @@ void lode_current_design(lode_current_config_t *config, const lode_motor_t *moto
 lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_current_config_t *config,
                                 const lode_motor_t *motor, float ts_s);
 
-/// The q axis as it is at no current: before the first step, and with another tuning. `Lq_H`: of the motor.
+/// The q axis as it is at zero current: before the first step, and with another tuning. `Lq_H`: of the motor.
 void lode_current_take(lode_current_t *self, const lode_current_tuning_t *tuning, float Lq_H);
 
 /// The same at the current `iq_A` on its way to `ref_A`, for a `Lq_H` that falls by `fall` per ampere, (R2).

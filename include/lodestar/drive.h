@@ -28,7 +28,7 @@
 extern "C" {
 #endif
 
-/// Every field that may be 0 is then computed from the others by lode_drive_design().
+/// A field that may be 0 is computed from the others by lode_drive_design() where it is 0.
 typedef struct {
     float f_pwm_Hz;                  ///< rate of the step, 1e3 .. 2e5
     lode_motor_t motor;              ///< needed
@@ -78,8 +78,8 @@ typedef enum {
     LODE_MODE_START,     ///< I-f: current vector turned by the start-up, or by the stop
     LODE_MODE_RUN,       ///< speed control without a sensor
     LODE_MODE_FAULT,     ///< gates off, or active short, until the fault is cleared
-    /// before a mode with all gates on: the low sides alone look for a rotor that turns, and charge bootstrap capacitors;
-    /// then pulses of all gates, with pauses, try bridge and sensors
+    /// before a mode with all gates on: the low sides alone, to find a rotor that is already turning and to charge
+    /// bootstrap capacitors; then pulses of all gates, with pauses, to check bridge and sensors
     LODE_MODE_PRECHARGE
 } lode_mode_t;
 
@@ -89,8 +89,8 @@ const char *lode_mode_name(lode_mode_t mode);
 /// What RUN controls.
 typedef enum {
     LODE_CONTROL_SPEED, ///< the speed, along its ramp
-    /// the torque, in Nm at the shaft, between the least speed that can be held without a sensor and the
-    /// commanded one, which give way to no torque
+    /// the torque, in Nm at the shaft; whatever it is, the speed stays between the least one that can be held
+    /// without a sensor and the commanded one
     LODE_CONTROL_TORQUE
 } lode_control_t;
 
@@ -261,10 +261,10 @@ static inline float lode_drive_speed_ref_rad_s(const lode_drive_t *self) {
                                                       : 0.0f;
 }
 
-/// A value of the motor's that is found while it runs.
+/// A motor parameter that is estimated while the motor runs.
 typedef struct {
-    float value;      ///< as configured, until there is more to say
-    float confidence; ///< 0: nothing was seen .. 1; used from 0.5 on
+    float value;      ///< as configured until it is estimated
+    float confidence; ///< 0: nothing was seen, 1: certain; used from 0.5 on
 } lode_adapted_t;
 
 typedef struct {
@@ -274,7 +274,7 @@ typedef struct {
     lode_adapted_t Lq_H;
 } lode_adapted_motor_t;
 
-/// How far a start is; LODE_START_NONE in the other modes. Injection looks for the rotor in one of those in which the
+/// Stage of the start; LODE_START_NONE in the other modes. Injection looks for the rotor in a stage in which the
 /// vector waits.
 static inline lode_start_stage_t lode_drive_start_stage(const lode_drive_t *self) {
     return self->mode == (uint_least8_t)LODE_MODE_START
@@ -296,8 +296,8 @@ static inline uint_least8_t lode_drive_retries(const lode_drive_t *self) {
 typedef struct {
     uint32_t steps;
     lode_mode_t mode;
-    lode_start_stage_t start_stage; ///< START: how far it is
-    /// with LODE_CHECK_NONE none, but why the last attempt of the present start, or of the last one, has failed
+    lode_start_stage_t start_stage; ///< START: its stage
+    /// with LODE_CHECK_NONE no fault, but why the last failed attempt of this start, or of the last one, failed
     lode_fault_t fault;
     /// RUN: the torque reference is at a limit of current, voltage or bus
     bool torque_limited;
@@ -317,8 +317,8 @@ typedef struct {
     float omega_rad_s;     ///< estimated electrical speed
     float speed_ref_rad_s; ///< ramped mechanical reference of RUN, else 0
     float torque_ref_Nm;   ///< reference of RUN, else 0
-    /// RUN: what current and voltage allow, with all of the share; 0 in the other modes, and in a build with
-    /// LODE_WITHOUT_TORQUE_LIMITS
+    /// RUN: largest torque that current and voltage allow, whatever lode_drive_limit_torque() leaves of it; 0 in the
+    /// other modes, and in a build with LODE_WITHOUT_TORQUE_LIMITS
     float torque_most_Nm;
     float load_torque_Nm; ///< estimated; positive against positive speeds, 0 with the QPLL
     float lock;           ///< quality of the estimate, 0 .. 1
@@ -326,13 +326,13 @@ typedef struct {
     float injected; ///< share of injection in the position error, 0 .. 1; the rest is the EMF's
     float injection_error_rad; ///< position error by injection, not limited; 0: nothing is injected
     float emf_error_rad;       ///< by the EMF
-    /// what the main loop's adaptation knows of the motor: the drive does not, and leaves 0 and no confidence for
-    /// lode_adaptation_tell() (adaptation.h) and lode_learn_tell() (learn.h) to fill in
+    /// what the main loop has estimated of the motor. The drive leaves value and confidence 0;
+    /// lode_adaptation_tell() (adaptation.h) and lode_learn_tell() (learn.h) fill them in
     lode_adapted_motor_t motor;
 } lode_telemetry_t;
 
-/// Computes every value that `config` leaves open (0 or LODE_AUTO). Used by lode_drive_init() and by
-/// the host tool alike. It checks nothing: wrong inputs give values that init refuses.
+/// Computes every value that `config` leaves open (0 or LODE_AUTO). lode_drive_init() and the host tool both
+/// use it. It checks nothing: wrong inputs give values that init refuses.
 void lode_drive_design(lode_drive_config_t *config);
 
 /// Completes a copy of `config`, checks every field and derives the tuning. LODE_OK, or which field is out of range
@@ -347,8 +347,8 @@ lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tu
 lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
                               const lode_drive_config_t *config);
 
-/// One PWM period: sense, estimate, act. Whatever goes in, it ends in bounded time, and the duties are in [0, 1]. No
-/// allocation. Cycles, stack and RAM of a call: docs/budget.md.
+/// One PWM period: sense, estimate, act. Any input is allowed: it ends in bounded time, and the duties are in [0, 1].
+/// No allocation. Cycles, stack and RAM of a call: docs/budget.md.
 lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts);
 
 /// The step is these three calls in a row: counts to amperes and volts at t_k, with the guard's check of
@@ -383,7 +383,7 @@ void lode_drive_limit_torques(lode_drive_t *self, float motoring, float braking)
 #endif
 
 /// A snapshot of the last period, for the thread: it computes an arc tangent. False if the interrupt came in between
-/// three times running; the snapshot then mixes fields of different periods, each whole.
+/// three times in a row; the snapshot then mixes fields of different periods, each of them valid.
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry);
 
 #ifdef __cplusplus

@@ -23,14 +23,14 @@ typedef enum {
     LODE_SOURCE_SET_2
 } lode_source_t;
 
-/// What follows when a phase is open.
+/// What follows an open phase.
 typedef enum {
     LODE_OPEN_PHASE_TRIP,  ///< a fault
-    LODE_OPEN_PHASE_GO_ON, ///< the other set drives on alone, with half the torque at most
+    LODE_OPEN_PHASE_GO_ON, ///< the other set continues alone, with half the torque at most
     LODE_OPEN_PHASE_IGNORE
 } lode_open_phase_response_t;
 
-/// Every field that may be 0 is then computed from the others.
+/// A field that may be 0 is computed from the others where it is 0.
 typedef struct {
     lode_drive_config_t
         drive;   ///< as for three phases; motor and inverter of ONE phase; sets counts as 2
@@ -119,7 +119,7 @@ lode_status_t lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t 
 lode_status_t lode_drive6_init(lode_drive6_t *self, lode_drive6_tuning_t *tuning,
                                const lode_drive6_config_t *config);
 
-/// One PWM period. Total, bounded, without allocation.
+/// One PWM period. Any input is allowed: it ends in bounded time. No allocation.
 lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts);
 
 /// The step is these three calls in a row. A host may put an estimate of its own in place of the second,
@@ -129,7 +129,7 @@ lode_estimate_t lode_drive6_estimate(lode_drive6_t *self, const lode_sample6_t *
 lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_sample6_t *sample,
                                   const lode_estimate_t *estimate);
 
-/// Leaves a tuning for the next period, as lode_drive_post_tuning() does; not that one here.
+/// Leaves a tuning for the next period. To be used in place of lode_drive_post_tuning().
 lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tuning_t *tuning);
 bool lode_drive6_tuning_taken(const lode_drive6_t *self);
 

@@ -1,6 +1,6 @@
-/// An angle sensor: encoder, resolver or Hall switches. A tracking loop makes angle and speed of its counts,
-/// which take the place of the drive's own estimate, from standstill on; where there is EMF enough, the
-/// drive's estimator checks them.
+/// An angle sensor: encoder, resolver or Hall switches. A tracking loop turns its counts into angle and speed, which
+/// replace the drive's own estimate from standstill on. Where the EMF is large enough, the drive's estimator
+/// checks them.
 ///
 /// In the interrupt, in place of lode_drive_step():
 ///
@@ -24,7 +24,7 @@ typedef struct {
     float offset_rad;         ///< electrical rotor angle in the middle of count 0, +-pi
     float delay_s;            ///< age of a count at t_k, 0 .. 10 periods
     float bandwidth_rad_s; ///< of the tracking loop, 1 .. 1/Ts; 0: 0.1/Ts, less for coarse counts
-    /// ELECTRICAL speed from which the EMF checks the sensor; 0: the least one that the drive runs at without
+    /// ELECTRICAL speed from which the EMF checks the sensor; 0: the least speed of the drive without a sensor
     float omega_check_rad_s;
     float check_s; ///< for which it must disagree, 1 period .. 10 s; 0: 5 ms
     /// where it disagrees, run without the sensor from then on; else LOST_LOCK trips
@@ -61,7 +61,7 @@ typedef struct {
 lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encoder_config_t *config,
                                 const lode_drive_tuning_t *drive);
 
-/// Knows nothing: the next count is the angle, at rest.
+/// Forgets everything: the next count gives the angle, of a rotor at rest.
 void lode_encoder_reset(lode_encoder_t *self);
 
 /// The estimate to act on in this period: angle and speed at t_k by the sensor, or `own` where the drive

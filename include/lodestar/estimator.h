@@ -25,7 +25,7 @@ typedef struct {
     float w_filter_rad_s;      ///< low-pass on the speed that tunes GI and FA; 0: none
     float notch_k;   ///< width of the notch at 6 w on the position error (paper 1, eq. 34); 0: none
     float notch12_k; ///< the same at 12 w; 0: none
-    float emin_V;    ///< least EMF that is divided by; 0: 0.03 of rated
+    float emin_V;    ///< smallest EMF used as a divisor; 0: 0.03 of rated
     float omega_max_rad_s; ///< highest electrical speed of the application; 0: 2.5 times rated
     float lock_s;          ///< time constant of the lock quality; 0: 5 ms
 } lode_estimator_config_t;
@@ -111,7 +111,7 @@ typedef struct {
 /// Who made an estimate.
 typedef enum {
     LODE_ESTIMATE_OWN,      ///< the drive's estimator
-    LODE_ESTIMATE_EXTERNAL, ///< somebody else: the drive checks it and takes it over
+    LODE_ESTIMATE_EXTERNAL, ///< from outside: the drive checks it and takes it over
     LODE_ESTIMATE_SENSOR    ///< the same, good at any speed: no start, no least speed
 } lode_estimate_source_t;
 
@@ -144,7 +144,7 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
                                   const lode_estimator_config_t *config, const lode_motor_t *motor,
                                   float ts_s);
 
-/// Knows nothing: angle and speed are acquired from the EMF within a few milliseconds of motion.
+/// Forgets everything: angle and speed are acquired from the EMF within a few milliseconds of motion.
 void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 
 /// Puts angle and speed where the caller knows them to be, as in a forced start. The EMF goes on.
@@ -155,8 +155,8 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
 /// one in the new sense. Angle, speed and EMF stay.
 void lode_estimator_set_current(lode_estimator_t *self, lode_ab_t i_A);
 
-/// One period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k. Total: whatever goes
-/// in, what comes out is finite and in range, and `reseeded` says so.
+/// One period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k. Any input
+/// is allowed: the output is finite and in range. `reseeded` tells that the state had to be acquired again.
 lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                     lode_ab_t u_V, lode_ab_t i_A);
 

@@ -29,8 +29,8 @@ typedef struct {
     bool faulted;    ///< at the last step
 } lode_fault_log_t;
 
-/// Takes LODE_FAULT_LOG_ROWS(faults, rows) rows at `buffer`, which belong to the log from then on. Each of both
-/// counts 1 .. 1000. LODE_ERROR_BUFFER otherwise; `self` and the buffer are then left alone.
+/// Takes LODE_FAULT_LOG_ROWS(faults, rows) rows at `buffer`, which belong to the log from then on. Both counts:
+/// 1 .. 1000. LODE_ERROR_BUFFER otherwise; `self` and the buffer are then left alone.
 lode_status_t lode_fault_log_init(lode_fault_log_t *self, lode_telemetry_t *buffer, uint32_t faults,
                                   uint32_t rows);
 

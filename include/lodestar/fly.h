@@ -1,4 +1,4 @@
-/// Flying start: angle and speed of a rotor that turns already, from short zero vectors out of gates off.
+/// Flying start: angle and speed of a rotor that is already turning, by short zero vectors with the gates otherwise off.
 ///
 /// While the low sides alone are on, for a share of the period around t_k, the EMF is short-circuited and
 /// drives a current across the rotor: one vector shows the angle, two the speed with its sign (S21)-(S24).
@@ -24,7 +24,7 @@ typedef struct {
     float share_dead;  ///< of it, that dead time takes
 } lode_fly_tuning_t;
 
-/// What a step goes by that the drive has in other tunings.
+/// What a step needs that the drive has in other tunings.
 typedef struct {
     float ts_s;
     float i_max_A;

@@ -1,4 +1,4 @@
-/// The last word in every period: whether the gates may stay on. The first cause stays latched.
+/// Protection: decides in every period whether the gates may stay on. The first cause is latched.
 #ifndef LODESTAR_GUARD_H
 #define LODESTAR_GUARD_H
 
@@ -31,7 +31,7 @@ typedef enum {
     LODE_CHECK_MEMORY, ///< what changed by itself: 1 the mode, 2 the command, 3 the tuning
     LODE_CHECK_TEMPERATURE_STUCK, ///< power stage, degC: a count that has not moved; the limit is the time, s
     LODE_CHECK_BUS_STUCK, ///< bus, V: a count that has not moved while the EMF says it has; the limit is the time, s
-    LODE_CHECK_FLUX, ///< flux linkage that the EMF tells, Wb, with a sound angle; the limit is the motor's, in START twice that
+    LODE_CHECK_FLUX, ///< flux linkage by the EMF, Wb, with a sound angle; the limit is the motor's, in START twice that
     LODE_CHECK_RESISTANCE, ///< what the start has found above the configured one, Ohm
     /// after HARDWARE_TRIP or OVER_CURRENT, in its place: the current that flows on with the gates off in the one
     /// phase, A; negative: its low side is shorted, positive: its high side
@@ -39,7 +39,7 @@ typedef enum {
     /// before a start: current that follows its voltage at the worst rotor angle, A; negative: another phase, or the wrong way
     LODE_CHECK_SIGNALS,
     LODE_CHECK_INDUCTANCE, ///< before a start: the inductance that voltage and current show, mean of all angles, H
-    LODE_CHECK_OVERLOAD, ///< electrical speed that a load beyond all torque has moved, rad/s; the limit is the one asked for
+    LODE_CHECK_OVERLOAD, ///< electrical speed that a load has moved against all the torque, rad/s; the limit is the one asked for
     LODE_CHECK_COUNT
 } lode_check_t;
 
@@ -52,7 +52,7 @@ typedef struct {
     float v_bus_min_V;          ///< 0: 0.6 times nominal
     float temperature_max_degC; ///< 0: 100
     float omega_max_rad_s;      ///< electrical; 0: 1.3 times the estimator's
-    /// debounce of bus, temperature and rail; 0: 1 ms. Seen every 4 periods, at least twice
+    /// debounce of bus, temperature and rail; 0: 1 ms. Checked every 4 periods, at least twice
     float bus_s;
     float lock_s;               ///< the same of lost lock, wrong way and over-speed; 0: 15 ms
     float stamp_per_period;     ///< counts of the free-running stamp per period; 0: not watched
@@ -61,10 +61,10 @@ typedef struct {
     /// of the currents (plausibility.h); auto: on, and off in a build with LODE_WITHOUT_PLAUSIBILITY, which
     /// has no such check
     lode_choice_t plausibility;
-    /// with the gates on the temperature's count moves within it, by noise alone; 0: it need not
+    /// with the gates on the temperature's count must change within this time, by noise alone; 0: it need not
     float temperature_still_s;
-    /// in RUN, while the EMF is more than a tenth off what the speed induces, the bus's count moves within it; 0:
-    /// it need not
+    /// in RUN, while the EMF is more than a tenth off what the speed induces, the bus's count must change within this
+    /// time; 0: it need not
     float bus_still_s;
     /// in RUN, with speed control: a load against which all the torque of i_max is asked for may move the speed by as
     /// much as that torque would in this time, and by a twentieth; 0: 0.03; LODE_NONE: by any
@@ -124,7 +124,7 @@ typedef struct {
     bool sensorless;     ///< the estimator drives the motor
 } lode_situation_t;
 
-/// What moves slowly.
+/// What changes slowly.
 typedef struct {
     float v_bus_V;
     float temperature_degC;

@@ -1,8 +1,8 @@
 /// Position from signal injection, for zero and low speed: a square wave of voltage along the estimated d
 /// axis, whose current shows where the axis of least inductance is. docs/theory/injection.md.
 ///
-/// Needs a rotor whose q axis has the larger inductance, at load too. Half the call rate is audible up to some
-/// 30 kHz calls. Off by default; LODE_WITHOUT_HFI leaves it out of a build, which then refuses it.
+/// Needs a rotor whose q axis has the larger inductance, at load too. The tone, at half the call rate, is audible up to
+/// about 30 000 calls a second. Off by default; LODE_WITHOUT_HFI leaves it out of a build, which then refuses it.
 #ifndef LODESTAR_HFI_H
 #define LODESTAR_HFI_H
 
@@ -79,10 +79,10 @@ typedef enum {
     LODE_HFI_FIND,     ///< the axis, from any angle
     LODE_HFI_NORTH,    ///< current along it,
     LODE_HFI_SOUTH,    ///< and against it
-    LODE_HFI_PUSH,     ///< the iron tells no difference: current across it, until the rotor moves
+    LODE_HFI_PUSH,     ///< the iron shows no difference: current across it, until the rotor moves
     LODE_HFI_RIGHT,    ///< done: the magnet's north is where the angle is,
     LODE_HFI_WRONG,    ///< or opposite
-    LODE_HFI_UNDECIDED ///< nothing tells
+    LODE_HFI_UNDECIDED ///< nothing shows it
 } lode_hfi_step_t;
 
 /// Responses to the wave, in a start at rest.

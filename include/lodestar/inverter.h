@@ -17,7 +17,7 @@ typedef struct {
     float i_max_A; ///< highest amplitude of the phase current that the drive may command
     /// both switches of a leg off, per edge; turn-on minus turn-off delay included
     float dead_time_s;
-    /// on-state threshold of switch and diode: IGBTs 0.7 to 1.5, 0 of MOSFETs that take over from their body diodes
+    /// on-state threshold of switch and diode: 0.7 to 1.5 for IGBTs; 0 for MOSFETs that take over from their body diodes
     float v_drop_V;
     float r_on_Ohm; ///< on-state slope: counts as winding resistance
     float i_dead_A; ///< below this phase current the effect of dead time fades, proportionally: the
@@ -25,7 +25,7 @@ typedef struct {
                     ///< with the modulation, as the ripple does. 0: v_bus Ts/(4 (Ld + Lq))
     float pwm_ticks;                    ///< timer steps from duty 0 to 1; 0: not quantised
     lode_choice_t dead_time_correction; ///< correct in the duties; auto: where there is a dead time
-    /// without the correction: take the loss out of the observer's voltage; auto: no
+    /// without the correction: subtract the loss from the observer's voltage; auto: off
     lode_choice_t dead_time_model;
     /// low sides alone, a fifth of each period, before all gates go on: charges bootstrap capacitors; 0: none
     float precharge_s;
@@ -42,7 +42,7 @@ static inline float lode_inverter_carrier_Hz(const lode_inverter_config_t *confi
 }
 
 typedef struct {
-    float v_min_V;   ///< least bus voltage that is divided by
+    float v_min_V;   ///< smallest bus voltage used as a divisor
     float dead_duty; ///< share of the period lost to dead time; this and the next 0: not looked at
     float dead_more_max; ///< of what may be measured beyond it
     float v_drop_V;

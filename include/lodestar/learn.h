@@ -1,6 +1,6 @@
-/// Learns Lq and the magnets' flux of a running motor, where signal injection and the EMF both tell the position: what
-/// they differ by is an error of Lq. For the main loop, some 500 times a second, beside a drive whose configuration
-/// has hfi.learn on and no field left open (lode_drive_design()):
+/// Learns Lq and the magnets' flux of a running motor, at speeds where signal injection and the EMF both give the
+/// position: their difference is an error of Lq. For the main loop, about 500 times a second, with a drive whose
+/// configuration has hfi.learn on and no field left open (lode_drive_design()):
 ///
 ///     lode_telemetry_t now;
 ///     if (lode_drive_telemetry(&drive, &now) && lode_learn_step(&learn, &learn_tuning, &now, 0.002f) &&
@@ -9,9 +9,9 @@
 ///         next = 1 - next;
 ///     }
 ///
-/// What it knows is `learn.now`: to be looked at, and to be stored for the next time. docs/theory/injection.md.
+/// The result is `learn.now`. Store it for the next start. docs/theory/injection.md.
 ///
-/// Beside adaptation.h, whose are psi and Rs: lode_learn_design() with `psi` off, and lode_adaptation_post() in place
+/// Together with adaptation.h, which then finds psi and Rs: lode_learn_design() with `psi` off, and lode_adaptation_post() in place
 /// of lode_drive_post_tuning().
 #ifndef LODESTAR_LEARN_H
 #define LODESTAR_LEARN_H

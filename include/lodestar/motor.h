@@ -16,8 +16,8 @@ typedef struct {
     float Ld_H;       ///< d-axis inductance, 1e-7 .. 10
     float Lq_H;       ///< q-axis inductance, 1e-7 .. 10
     float psi_Wb;     ///< peak flux linkage of the magnets per phase, 1e-6 .. 100
-    /// inertia of rotor and load, 1e-9 .. 1e4; in doubt rather too small: a rotor of ten times that starts, one of less
-    /// than half of it may lose the lock in a load step
+    /// inertia of rotor and load, 1e-9 .. 1e4; in doubt enter less: a rotor with ten times this inertia starts, one
+    /// with less than half of it may lose the lock in a load step
     float J_kgm2;
     float B_Nms;             ///< viscous friction, Nm per mechanical rad/s, 0 .. 1e3
     float omega_rated_rad_s; ///< rated ELECTRICAL speed; 0: from bus voltage and current

@@ -1,4 +1,4 @@
-/// What depends on the compiler, and nothing else does.
+/// Everything that depends on the compiler.
 #ifndef LODESTAR_PLATFORM_H
 #define LODESTAR_PLATFORM_H
 
@@ -7,8 +7,8 @@
 #endif
 
 /// Where the code of the interrupt goes. Define it (for instance as
-/// `__attribute__((section(".ccmram")))`) to place every step function in fast memory. It does not stand
-/// before what is large and rare: MTPA, field weakening, and what follows when something is wrong.
+/// `__attribute__((section(".ccmram")))`) to place every step function in fast memory. Large
+/// and rare functions do without it: MTPA, field weakening, and what follows when something is wrong.
 #ifndef LODE_RAMFUNC
 #if defined(__TMS320C28XX__) // TI's section .TI.ramfunc
 #define LODE_RAMFUNC __attribute__((ramfunc))

@@ -1,7 +1,7 @@
-/// Whether the current sensors tell what they should: a converter that keeps its count although the
-/// current vector turns, and three currents whose sum is not zero.
+/// Checks the current sensors: a converter that keeps its count although the current vector turns, and three
+/// currents whose sum is not zero.
 ///
-/// Looked at every LODE_GUARD_PERIODS, while the gates are on. Neither asks for the motor's parameters.
+/// Checked every LODE_GUARD_PERIODS while the gates are on. Neither check needs the motor's parameters.
 #ifndef LODESTAR_PLAUSIBILITY_H
 #define LODESTAR_PLAUSIBILITY_H
 

@@ -14,7 +14,7 @@ extern "C" {
 /// with its bias: MTPA, field weakening, saturation, limits that follow the bus. Init then refuses them
 /// (LODE_ERROR_REFERENCES). A tuning from elsewhere that asks for them runs without.
 typedef enum {
-    LODE_REFERENCES_AUTO, ///< ID0; MTPA where an error of Lq would else turn the angle without end (R15)
+    LODE_REFERENCES_AUTO, ///< ID0; MTPA where an error of Lq would otherwise make the angle error grow without limit (R15)
     LODE_REFERENCES_ID0, ///< id* = 0
     LODE_REFERENCES_MTPA ///< least current for the torque
 } lode_references_kind_t;
@@ -25,7 +25,7 @@ typedef struct {
     float id_bias_A; ///< magnitude of the negative id at low speed, which keeps the phase currents
                      ///< away from the dead band of the inverter; 0: 0.25 i_max; LODE_NONE: none
     float omega_low_rad_s;  ///< electrical speed up to which it is full; 0: 0.2 of rated
-    float omega_high_rad_s; ///< from which it is gone; 0: 0.4 of rated
+    float omega_high_rad_s; ///< from which it is zero; 0: 0.4 of rated
     /// share of the current control's voltage circle at which the field is weakened, 0.1 .. 1;
     /// 0: 0.95. The rest is for control
     float voltage_use;
@@ -111,7 +111,7 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
 /// Starts from `id_A`, without a jump.
 void lode_references_reset(lode_references_t *self, float id_A);
 
-/// The id of a torque and speed while the voltage does not limit it.
+/// The id for a torque and speed while the voltage does not limit it.
 float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
                            float omega_rad_s);
 

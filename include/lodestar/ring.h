@@ -34,8 +34,8 @@ enum {
     LODE_RING_AT_CHANNEL     ///< lode_channel_t of the first one; the others follow
 };
 
-/// Words of buffer for `slots` frames of `channels` channels: as many as cover the longest time that
-/// the thread stays away.
+/// Words of buffer for `slots` frames of `channels` channels: enough for the longest time
+/// between two calls of lode_ring_drain().
 #define LODE_RING_WORDS(channels, slots)                                                           \
     ((uint32_t)LODE_RING_AT_CHANNEL + (uint32_t)(channels) +                                       \
      (uint32_t)(slots) * (1u + (uint32_t)(channels)))
@@ -79,7 +79,7 @@ typedef struct {
 lode_status_t lode_ring_init(lode_ring_t *self, const lode_channels_config_t *config,
                              uint32_t *buffer, uint32_t words);
 
-/// One period. Total and bounded. See docs/telemetry.md for its cost.
+/// One period, in bounded time. Its cost: docs/telemetry.md.
 void lode_ring_step(lode_ring_t *self, const lode_drive_t *drive);
 
 /// Up to `count` octets, values 0 .. 255, one per element (C28x has no 8-bit type); returns how many.

@@ -103,7 +103,7 @@ typedef struct {
 lode_status_t lode_scope_init(lode_scope_t *self, const lode_scope_config_t *config,
                               uint32_t *buffer, uint32_t words);
 
-/// One period. Total and bounded. See docs/telemetry.md for its cost.
+/// One period, in bounded time. Its cost: docs/telemetry.md.
 void lode_scope_step(lode_scope_t *self, const lode_drive_t *drive);
 
 /// Restarts with the next period, in any state.

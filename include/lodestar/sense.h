@@ -20,8 +20,8 @@ typedef enum {
 /// What a board's converters deliver. Gains may be negative where an amplifier inverts.
 typedef struct {
     lode_shunts_t shunts;
-    float i_gain_A_count; ///< current out of the inverter per count
-    float i_offset_count; ///< nominal count at zero current
+    float i_gain_A_count; ///< current into the motor, A per count; low-side shunts: negative
+    float i_offset_count; ///< nominal count at zero current, 0 .. count_max
     /// largest plausible deviation of a calibrated offset; 0: 5 % of full scale
     float i_offset_tol_count;
     float count_max;                   ///< highest count of the converters; 0: 4095
@@ -31,8 +31,8 @@ typedef struct {
     float duty_max; ///< low-side shunts: above this duty a phase has no time to be sampled and is
                     ///< taken from the other two; 1: sampled always. 0: 1
     float calibrate_s; ///< time over which offsets are averaged; 0: 0.1
-    /// rms noise of a sound current sensor, at least: with less than half of it the calibration refuses; 0: it need
-    /// have none
+    /// smallest rms noise of a healthy current sensor: with less than half of it the calibration fails; 0: not
+    /// checked
     float i_noise_count;
 } lode_sense_config_t;
 

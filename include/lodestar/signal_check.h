@@ -1,6 +1,6 @@
 /// Signal check before a start: voltage pulses along each phase axis, out of gates off, one period forward and one back, far
-/// too short to turn a rotor. What the currents make of them tells bridge and sensors that do not belong together (S37), and the
-/// axis of a salient rotor (S40).
+/// too short to turn a rotor. The currents show whether bridge and sensors belong together (S37), and where the
+/// axis of a salient rotor lies (S40).
 ///
 /// A part of LODE_MODE_PRECHARGE, after the low-side pulses (fly.h), which know that the rotor is slow enough for it.
 /// LODE_WITHOUT_SIGNAL_CHECK leaves it out of a build, and so does LODE_WITHOUT_FLYING_START.

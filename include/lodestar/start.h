@@ -1,5 +1,5 @@
-/// I-f start: a current vector that is raised and turned whatever the rotor does, until the
-/// estimator holds (paper 1, Section 5, after its reference 33).
+/// I-f start: a current vector is raised and turned open loop, until the estimator has locked
+/// (paper 1, Section 5, after its reference 33).
 #ifndef LODESTAR_START_H
 #define LODESTAR_START_H
 
@@ -28,15 +28,15 @@ typedef struct {
     float current_rise_s; ///< 0: 0.2
     float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
     float lock_s;         ///< lock quality must have held for this long; 0: 0.1, salient from 0.05
-    float catch_s;   ///< zero current, to see whether the rotor turns already; 0: 0.05; LODE_NONE
-    float timeout_s; ///< from start to hand-over, of all attempts together; 0: three attempts
-    /// what resistance and dead time are beyond the configured ones, by the voltage that half and all of the
+    float catch_s;        ///< zero current, to see whether the rotor is turning; 0: 0.05; LODE_NONE
+    float timeout_s;      ///< from start to hand-over, of all attempts together; 0: three attempts
+    /// measures resistance and dead time beyond the configured ones, by the voltage that half and all of the
     /// start current take at standstill; auto: on
     lode_choice_t measure;
-    /// a rotor that turns already is found by short zero vectors from gates off (fly.h); auto: on. Off for a
-    /// board that sees no current with the low sides alone (one shunt in the DC link), or cannot switch so
+    /// flying start: a rotor that is already turning is found by short zero vectors (fly.h); auto: on. Off for a
+    /// board that sees no current with the low sides alone (one shunt in the DC link), or cannot switch them alone
     lode_choice_t pulses;
-    /// bridge and sensors are tried by short voltage pulses before the first attempt (signal_check.h), where `pulses` have
+    /// bridge and sensors are checked by short voltage pulses before the first attempt (signal_check.h), where `pulses` have
     /// shown that the rotor rests; auto: on where that can be
     lode_choice_t signal_check;
     float
@@ -81,11 +81,11 @@ typedef struct {
 /// What lode_start_t.stage may be.
 typedef enum {
     LODE_START_NONE,  ///< there is no start
-    LODE_START_CATCH, ///< looks for a rotor that turns already
+    LODE_START_CATCH, ///< looks for a rotor that is already turning
     LODE_START_HALF,  ///< measures at rest: with half the current,
     LODE_START_FULL,  ///< with all of it,
-    LODE_START_ALONE, ///< or with all of it alone, as half of it made nothing known,
-    LODE_START_FOUND, ///< and works out what that makes known
+    LODE_START_ALONE, ///< or with all of it alone, as half of it gave no result,
+    LODE_START_FOUND, ///< and computes the result
     LODE_START_TURN   ///< the vector turns as soon as its current is there
 } lode_start_stage_t;
 

@@ -1,5 +1,5 @@
-/// What follows a fault: it stays, or the drive is started again, a few times. For the main loop, some hundred to a
-/// thousand times a second; the interrupt has no part in it:
+/// What follows a fault: it stays, or the drive is started again, a few times. For the main loop, called 100 to
+/// 1000 times a second; the interrupt has no part in it:
 ///
 ///     lode_telemetry_t now;
 ///     (void)lode_drive_telemetry(&drive, &now);
@@ -7,7 +7,7 @@
 ///     (void)lode_drive_post_command(&drive, &command);
 ///
 /// Until it is started again the motor coasts, or is short-circuited where its EMF is above the bus; the start
-/// catches a rotor that still turns (start.h). Which fault wants which reaction: docs/reactions.md.
+/// catches a rotor that still turns (start.h). Which reaction suits which fault: docs/reactions.md.
 #ifndef LODESTAR_SUPERVISOR_H
 #define LODESTAR_SUPERVISOR_H
 
@@ -18,7 +18,7 @@ extern "C" {
 #endif
 
 typedef enum {
-    LODE_REACTION_LATCH,       ///< it stays until somebody clears it
+    LODE_REACTION_LATCH,       ///< it stays until it is cleared
     LODE_REACTION_AGAIN,       ///< started again after wait_s
     LODE_REACTION_RIDE_THROUGH ///< as soon as bus and temperature are within the guard's limits
 } lode_reaction_t;
@@ -59,19 +59,19 @@ typedef struct {
 } lode_supervisor_t;
 
 /// `tuning`: what the drive began with, which must stay. `attempts`: goes on counting where it holds a count, else
-/// begins at 0. `by_reset`: this is the start after a reset that nobody asked for, by a watchdog say, and counts
-/// as an attempt: a fault that comes with a reset is not tried for ever either. LODE_OK, or why not; all is then
+/// begins at 0. `by_reset`: this is the start after a reset by a watchdog or the like, and counts as an attempt:
+/// a fault that comes with a reset is not retried for ever. LODE_OK, or why not; all is then
 /// left alone.
 lode_status_t lode_supervisor_init(lode_supervisor_t *self, const lode_supervisor_config_t *config,
                                    const lode_drive_tuning_t *tuning, lode_attempts_t *attempts,
                                    bool by_reset);
 
 /// `dt_s` after the last time: the command to post. `wanted`, save that after a fault it is OFF until the attempt,
-/// and for good where there is none. A wanted OFF with clear_fault is somebody's, and begins the attempts at 0.
+/// and for good where there is none. A wanted OFF with clear_fault clears the fault and sets the count of attempts to 0.
 lode_command_t lode_supervisor_step(lode_supervisor_t *self, const lode_telemetry_t *telemetry,
                                     lode_command_t wanted, float dt_s);
 
-/// The drive does not run, and will not before somebody clears the fault.
+/// The drive does not run, and will not until the fault is cleared.
 bool lode_supervisor_is_latched(const lode_supervisor_t *self, const lode_telemetry_t *telemetry);
 
 #ifdef __cplusplus

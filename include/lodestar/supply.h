@@ -1,5 +1,5 @@
-/// Battery and regeneration current: less torque before the supply gives, or is given, more than it may. For the
-/// main loop, some 1000 times a second:
+/// Limits of the supply's current, out of the battery and back into it, kept by less torque. For the main loop,
+/// about 1000 times a second:
 ///
 ///     lode_telemetry_t now;
 ///     (void)lode_drive_telemetry(&drive, &now);
@@ -58,12 +58,12 @@ lode_status_t lode_supply_tune(lode_supply_tuning_t *tuning, const lode_supply_c
 
 void lode_supply_reset(lode_supply_t *self);
 
-/// Mean current out of the supply as voltages and currents of the motor tell it, without switching losses;
+/// Mean current out of the supply, A, computed from the motor's voltages and currents, without switching losses;
 /// negative: fed back.
 float lode_supply_current_A(const lode_supply_tuning_t *tuning, const lode_telemetry_t *telemetry);
 
 /// `dt_s` after the last time. `i_A`: the current of lode_supply_current_A(), or one that the board measures. One
-/// that is no number counts as too much.
+/// that is not a number counts as too large.
 lode_shares_t lode_supply_step(lode_supply_t *self, const lode_supply_tuning_t *tuning,
                                const lode_telemetry_t *telemetry, float i_A, float dt_s);
 

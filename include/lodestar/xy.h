@@ -53,7 +53,7 @@ lode_status_t lode_xy_tune(lode_xy_tuning_t *tuning, const lode_xy_config_t *con
 
 void lode_xy_reset(lode_xy_t *self);
 
-/// Follows the speed, now and then.
+/// Follows the speed. Once in LODE_SLOW_PERIODS.
 void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning, float omega_rad_s);
 
 #ifdef __cplusplus

@@ -70,10 +70,10 @@ BARS = [("steps", "c_leso_qpll", "cycles", 608, 640),
         ("steps6", "c_leso_qpll", "cycles", 1090, 1135),
         ("steps6", "fa_leso_leso_qpll", "cycles", None, 1185),
         ("steps6", "enhanced", "cycles", None, 1230)]
-# Running without a fault: the dearest call over the mean, and the stack.
+# Running without a fault: the costliest call over the mean, and the stack.
 RUNNING = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced", "board_c_leso_qpll", "board_enhanced", "board_mtpa",
            "unwatched", "board_unwatched"]
-DEAREST_SHARE, DEAREST_RARE, STACK, LEAST_FLASH = 1.15, 1400, 236, 11500
+COSTLIEST_SHARE, COSTLIEST_RARE, STACK, LEAST_FLASH = 1.15, 1400, 236, 11500
 # 370 and 960, and 60 bytes each for two sets of features that came later.
 STATE, STATE_AND_TUNING = 370 + 2 * 60, 960 + 2 * 60
 BOUND = [("steps", name) for name in STEPS6] + [("steps6", name) for name in STEPS6]
@@ -89,7 +89,7 @@ CORE_NAMES = {"m4f": "Cortex-M4F", "m7": "Cortex-M7", "m33": "Cortex-M33", "m3":
 CHIPS = [("STM32G431, G474", "m4f", 170), ("STM32F405", "m4f", 168), ("RP2350", "m33", 150), ("STM32H743", "m7", 400),
          ("AM263x", "r5f", 400), ("without FPU", "m3", 72), ("without FPU", "m0", 48)]
 RATES_kHz = [10, 20, 40]
-IN_RUN, DEAREST = "board_enhanced", ["board_enhanced", "rise", "start", "saturated", "fault"]
+IN_RUN, COSTLIEST = "board_enhanced", ["board_enhanced", "rise", "start", "saturated", "fault"]
 ENTRY_CYCLES = 24  # of the interrupt, and its exit
 
 
@@ -229,10 +229,10 @@ def object_table(figures):
 
 
 def fit_table(figures):
-    """Shares of a processor: mean in RUN, and the dearest call."""
+    """Shares of a processor: mean in RUN, and the costliest call."""
     steps = figures["steps"]
     in_run = steps[IN_RUN]["cycles"]["avg"] + ENTRY_CYCLES
-    dearest = max(steps[name]["cycles"]["max"] for name in DEAREST) + ENTRY_CYCLES
+    costliest = max(steps[name]["cycles"]["max"] for name in COSTLIEST) + ENTRY_CYCLES
     basis = {"m4f": "cycles, modelled", "m33": "the same cycles", "m7": "the same, as a bound",
              "r5f": "the same, as a bound"}
     rows = []
@@ -241,7 +241,7 @@ def fit_table(figures):
         for rate in RATES_kHz:
             share = 100 * rate * 1e3 / (mhz * 1e6)
             if core in basis:
-                cells.append(f"{share * in_run:.0f}, {share * dearest:.0f} %")
+                cells.append(f"{share * in_run:.0f}, {share * costliest:.0f} %")
             else:  # an instruction takes a cycle at least
                 least = share * figures["cores"][core]["enhanced"]["instructions"]["avg"]
                 cells.append(f"over {least:.0f} %")
@@ -259,7 +259,7 @@ def memory_table(figures):
              firmware["m4f -Os, least"]["text"], ""]]
     for what, name in (("drive", "RAM: drive"), ("tuning", "RAM, or flash: tuning")):
         rows.append([name, three_phases[what], three_phases[what], six[what]])
-    rows.append(["stack of a step", max(steps[name]["stack"] for name in DEAREST),
+    rows.append(["stack of a step", max(steps[name]["stack"] for name in COSTLIEST),
                  figures["levels"]["-Os"]["enhanced"]["stack"], max(f["stack"] for f in figures["steps6"].values())])
     return table(["Cortex-M4F, bytes", "`-O2`", "`-Os`", "six phases, `-O2`"], rows)
 
@@ -280,9 +280,9 @@ def bar_table(figures):
 def aim_table(figures):
     steps, firmware = figures["steps"], figures["firmware"]
     objects = firmware["m4f -O2"]
-    aims = [(f"`{name}`, dearest call by mean", steps[name]["cycles"]["max"] / steps[name]["cycles"]["avg"],
-             DEAREST_SHARE) for name in RUNNING]
-    aims += [(f"`{name}`, dearest call, cycles", steps[name]["cycles"]["max"], DEAREST_RARE)
+    aims = [(f"`{name}`, costliest call by mean", steps[name]["cycles"]["max"] / steps[name]["cycles"]["avg"],
+             COSTLIEST_SHARE) for name in RUNNING]
+    aims += [(f"`{name}`, costliest call, cycles", steps[name]["cycles"]["max"], COSTLIEST_RARE)
              for name in ("rise", "start", "fault")]
     aims += [(f"`{name}`, stack, bytes", steps[name]["stack"], STACK) for name in RUNNING]
     aims += [("least image, bytes", firmware["m4f -Os, least"]["text"], LEAST_FLASH),

@@ -280,11 +280,11 @@ def cost(budget):
     three, dual = budget["firmware"]["m4f -O2"], budget["firmware"]["m4f -O2, six phases"]
     at_170 = 100 * 20e3 / 170e6  # a share of a period of 20 kHz at 170 MHz, per cycle
     entry = 24  # of the interrupt, and its exit: as in tests/bench/budget.py
-    dearest = max(steps[name]["cycles"]["max"] for name in ("board_enhanced", "rise", "start", "saturated", "fault"))
+    costliest = max(steps[name]["cycles"]["max"] for name in ("board_enhanced", "rise", "start", "saturated", "fault"))
     flash = [budget["firmware"][f"m4f {name}"]["text"] / 1e3 for name in ("-O2", "-O2, tuning in flash", "-Os, least")]
     return (f"**Does it fit?** At 20 kHz a Cortex-M4F of 170 MHz is busy with the drive for "
-            f"{at_170 * (steps['board_enhanced']['cycles']['avg'] + entry):.0f} % of the time; its dearest call takes "
-            f"{at_170 * (dearest + entry):.0f} % of a period. Flash: {flash[0]:.0f} kB with design and checks, "
+            f"{at_170 * (steps['board_enhanced']['cycles']['avg'] + entry):.0f} % of the time; its costliest call takes "
+            f"{at_170 * (costliest + entry):.0f} % of a period. Flash: {flash[0]:.0f} kB with design and checks, "
             f"{flash[1]:.0f} kB on a tuning made on the PC, {flash[2]:.0f} kB at the least. Other cores and rates: "
             f"[docs/budget.md](docs/budget.md#does-it-fit). All of it is modelled, nothing measured on a chip.\n\n"
             f"The whole step costs a Cortex-M4F some {words[0]:.0f} (C-LESO, QPLL) to {notch[0]:.0f} "
