@@ -78,8 +78,8 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define GI_WC_RUN_UP 17.0f
 #define GI_WC_MIN_rad_s LODE_TWO_PI
 #define GI_WC_MAX_rad_s 100.0f
-// Of the FA-LESO, times sigma, where the field is weakened: as the multi-mode form.
-#define K2_WEAKENED 10.0f
+// Of the FA-LESO, times sigma, where an error of its speed does more: as the multi-mode form.
+#define K2_FAST 10.0f
 
 static float sigma_of_kind(const lode_drive_config_t *config, float sigma_rad_s) {
     const float most = lode_min(SIGMA_OBSERVER * config->motor.omega_rated_rad_s,
@@ -120,18 +120,23 @@ static bool is_open(float value) {
     return lode_in_range(value, 0.0f, 0.0f);
 }
 
-// By the rotor's own time too: the GI-LESO's resonance forgets within a turn of events that it can make. Where
-// the field is weakened an error of the speed that tunes the FA-LESO moves the d current, and that the angle.
-static void design_observer(lode_drive_config_t *config) {
+// By the rotor's own time too: the GI-LESO's resonance forgets within a turn of events that it can make.
+static void design_gi(lode_drive_config_t *config) {
     lode_emf_config_t *emf = &config->estimator.emf;
     const float run_up_s = lode_motor_run_up_s(&config->motor, config->inverter.i_max_A);
     const float gi_wc =
         lode_clamp(GI_WC_RUN_UP / lode_max(run_up_s, FLT_MIN), GI_WC_MIN_rad_s, GI_WC_MAX_rad_s);
     emf->gi_wc_rad_s = lode_given_or(emf->gi_wc_rad_s, gi_wc);
-    if (emf->kind == LODE_EMF_FA_LESO && config->references.field_weakening == LODE_ON) {
-        const float k2 =
-            lode_min(K2_WEAKENED * config->estimator.pll.sigma_rad_s, config->f_pwm_Hz);
-        emf->k2_rad_s = lode_given_or(emf->k2_rad_s, k2);
+}
+
+// An error of the speed that tunes the FA-LESO turns the EMF: where the field is weakened that moves the d current, and
+// that the angle; where a wave holds a rotor without an EMF, a load may move it that fast (P23).
+static void design_fast_fa(lode_drive_config_t *config) {
+    const bool fast =
+        config->references.field_weakening == LODE_ON || config->hfi.mode == LODE_HFI_ON;
+    if (config->estimator.emf.kind == LODE_EMF_FA_LESO && fast) {
+        config->estimator.emf.k2_rad_s =
+            lode_min(K2_FAST * config->estimator.pll.sigma_rad_s, config->f_pwm_Hz);
     }
 }
 
@@ -252,7 +257,8 @@ void lode_drive_design(lode_drive_config_t *config) {
     }
     lode_start_design(&config->start, inverter, motor, ts_s);
     design_pll(config, ts_s);
-    design_observer(config);
+    design_gi(config);
+    const bool k2_open = is_open(config->estimator.emf.k2_rad_s);
     lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
     config->current.voltage_use =
@@ -260,6 +266,9 @@ void lode_drive_design(lode_drive_config_t *config) {
     lode_current_design(&config->current, &circuit, ts_s);
     const lode_hfi_system_t injected = injected_into(config);
     lode_hfi_design(&config->hfi, &injected);
+    if (k2_open) { // whether a wave is injected has been settled
+        design_fast_fa(config);
+    }
     const lode_speed_loop_t loop = speed_loop(config, &circuit, ts_s);
     lode_speed_design(&config->speed, inverter, motor, &config->estimator.pll, &loop,
                       config->start.omega_handover_rad_s, config->hfi.mode == LODE_HFI_ON);

@@ -45,10 +45,6 @@ CAUSES = {
     "zero_dtp": "the QPLL knows no acceleration $r$. The load turns the rotor up by 5700 rpm/s, which leaves its speed "
                 "$2r/\\sigma$ and its angle $r/\\sigma^2$ behind (P7); where the current passes zero dead time adds "
                 "to that: 4.5 to 6.7 degrees for a bar of 6.5, and 2 with the LESO-QPLL.",
-    "zero_reluctance": "a step from 8 to -8 Nm at rest moves the speed faster than the FA-LESO's filter of $k_2 = "
-                       "3\\sigma$ follows: 17 degrees, 18 with the QPLL, for a bar of 16, and with $5\\sigma$ "
-                       "14 and 18. More of $k_2$ by default would cost what this observer is for: with $10\\sigma$ the "
-                       "traction motor with 3 A of noise no longer starts.",
 }
 ERRORS = ["steps", "servo", "traction", "drone"]  # a scenario of each three-phase motor
 MOTORS = {"steps": "jiang2022", "servo": "servo_48V", "traction": "traction_400V", "drone": "drone_900KV"}

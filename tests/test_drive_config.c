@@ -752,8 +752,8 @@ static void test_a_qpll_has_more_sigma(void) {
     CHECK_CLOSE(1.0e-3, 1.5 * 1.65 * 0.2122 * PAPER_OMEGA_RATED, config.estimator.pll.sigma_rad_s);
 }
 
-/// (E30) and (P23): what the observers have by the rotor's time and by field weakening.
-static void test_observers_by_rotor_and_field_weakening(void) {
+/// (E30): by the rotor's time.
+static void test_resonance_by_rotor(void) {
     const double run_up_s = 0.0174 * PAPER_OMEGA_RATED / 3.0 / (1.5 * 3.0 * 0.142 * 12.0);
     lode_drive_config_t config = minimal();
     lode_drive_design(&config);
@@ -770,14 +770,30 @@ static void test_observers_by_rotor_and_field_weakening(void) {
     config.estimator.emf.gi_wc_rad_s = 3.0f;
     lode_drive_design(&config);
     TEST_ASSERT_EQUAL_FLOAT(3.0f, config.estimator.emf.gi_wc_rad_s);
-    for (int weak = 0; weak < 2; weak++) {
-        config = minimal();
+}
+
+/// (P23): with field weakening, and where a wave is injected; what is given stays.
+static void test_FA_LESO_by_field_weakening_and_injection(void) {
+    const lode_hfi_mode_t modes[] = {LODE_HFI_OFF, LODE_HFI_ON, LODE_HFI_AUTO};
+    for (int n = 0; n < 6; n++) {
+        lode_drive_config_t config = minimal();
         config.estimator.emf.kind = LODE_EMF_FA_LESO;
-        config.references.field_weakening = weak == 1 ? LODE_ON : LODE_OFF;
+        config.references.field_weakening = n % 2 == 1 ? LODE_ON : LODE_OFF;
+        config.hfi.mode = modes[n / 2];
+        lode_drive_config_t given = config;
         lode_drive_design(&config);
-        CHECK_CLOSE(1.0e-5, weak == 1 ? 10.0 : 3.0,
+        CHECK_CLOSE(1.0e-5, n > 0 ? 10.0 : 3.0,
                     config.estimator.emf.k2_rad_s / config.estimator.pll.sigma_rad_s);
+        given.estimator.emf.k2_rad_s = 500.0f;
+        lode_drive_design(&given);
+        TEST_ASSERT_EQUAL_FLOAT(500.0f, given.estimator.emf.k2_rad_s);
     }
+    lode_drive_config_t config = minimal(); // a wave that the machine does not allow
+    config.estimator.emf.kind = LODE_EMF_FA_LESO;
+    config.motor.Lq_H = config.motor.Ld_H;
+    config.hfi.mode = LODE_HFI_AUTO;
+    lode_drive_design(&config);
+    CHECK_CLOSE(1.0e-5, 3.0, config.estimator.emf.k2_rad_s / config.estimator.pll.sigma_rad_s);
     config = minimal();
     config.estimator.emf.kind = LODE_EMF_FA_LESO;
     config.references.field_weakening = LODE_ON;
@@ -868,7 +884,8 @@ int main(void) {
     RUN_TEST(test_only_motor_inverter_sense_and_rate_are_needed);
     RUN_TEST(test_a_light_rotor_raises_sigma);
     RUN_TEST(test_a_qpll_has_more_sigma);
-    RUN_TEST(test_observers_by_rotor_and_field_weakening);
+    RUN_TEST(test_resonance_by_rotor);
+    RUN_TEST(test_FA_LESO_by_field_weakening_and_injection);
     RUN_TEST(test_field_weakening_has_its_estimators);
     RUN_TEST(test_a_late_hand_over_stretches_the_schedule);
     RUN_TEST(test_motors_of_many_kinds_need_no_more);
