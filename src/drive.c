@@ -251,12 +251,37 @@ LODE_NOINLINE void lode_drive_optimal_references(lode_drive_t *self) {
     }
 }
 
+// Of the q axis at the rotor's angle `at`, in the stator's frame.
+static lode_ab_t lacking_Wb(const lode_references_tuning_t *tuning, lode_ab_t i_A,
+                            lode_sincos_t at) {
+    const float flux_Wb = lode_references_lacking_Wb(tuning, lode_park(i_A, at).q);
+    return (lode_ab_t){-flux_Wb * at.sin, flux_Wb * at.cos};
+}
+
+// Moves the observer's last current, whose share of (E3) is a/b: so the step hands nothing over and takes nothing back.
+// Not LODE_RAMFUNC: small fast memories are full without it.
+LODE_NOINLINE void lode_drive_lessen_saturated(lode_drive_t *self, lode_ab_t i_A) {
+    const lode_references_tuning_t *motor = &self->tuning->references;
+    const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
+    lode_estimator_t *estimator = &self->estimator;
+    if (!estimator->aligned || !goes_by_emf(tuning)) {
+        return;
+    }
+    const float angle_rad = lode_pll_predict(&estimator->pll, &tuning->pll).angle_rad;
+    const lode_sincos_t step = lode_angle_double(lode_sincos_small(0.5f * angle_rad));
+    const lode_sincos_t before = lode_estimator_rotor(estimator);
+    const lode_ab_t rise_Wb = lode_ab_subtract(lacking_Wb(motor, i_A, lode_angle_add(before, step)),
+                                               lacking_Wb(motor, estimator->emf.i_A, before));
+    const float per_Wb_A = tuning->pll.inv_ts / tuning->emf.a_over_b;
+    estimator->emf.i_A = lode_ab_add_scaled(estimator->emf.i_A, per_Wb_A, rise_Wb);
+}
+
 LODE_NOINLINE void lode_drive_adapt_saturated_lag(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_estimator_t *estimator = &self->estimator;
     const lode_dq_t i_A = lode_park(estimator->emf.i_A, lode_estimator_rotor(estimator));
     lode_estimator_adapt_lag(estimator, &tuning->estimator);
-    if (goes_by_emf(&tuning->estimator)) {
+    if (goes_by_emf(&tuning->estimator) && !estimator->aligned) {
         estimator->lag.at = lode_references_saturated(&tuning->references, estimator->lag.at, i_A);
     }
 }
@@ -365,7 +390,7 @@ LODE_INLINE lode_sample_t sense(lode_drive_t *self, const lode_drive_tuning_t *t
 // Angle and speed at t_k.
 LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                      const lode_sample_t *sample) {
-    return lode_estimator_fast(&self->estimator, &tuning->estimator, sample->u_V, sample->i_A);
+    return lode_drive_find(self, tuning, sample->u_V, sample->i_A);
 }
 
 // Duties for the voltage, and what the motor will see of it.

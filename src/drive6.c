@@ -255,8 +255,7 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
 // Angle and speed at t_k; the current in the rotor's frame is the one that is controlled.
 LODE_INLINE lode_estimate_t estimate(lode_drive6_t *self, const lode_sample6_t *x) {
     lode_drive_t *drive = &self->drive;
-    lode_estimate_t seen =
-        lode_estimator_fast(&drive->estimator, &drive->tuning->estimator, x->u_seen_V, x->i_seen_A);
+    lode_estimate_t seen = lode_drive_find(drive, drive->tuning, x->u_seen_V, x->i_seen_A);
     if (!lode_estimator_injects(
             &drive->estimator)) { // else it is the machine's, without the ripple
         seen.i_A = lode_park(x->machine.i_A, seen.rotor);

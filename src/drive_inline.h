@@ -58,7 +58,9 @@ void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 // SLOT_REFERENCES of more than plain id* = 0, in drive.c.
 void lode_drive_optimal_references(lode_drive_t *self);
-// SLOT_LAG where the q axis saturates: with what that turns the observed angle by (R17), in drive.c.
+// Where the q axis saturates, in drive.c: takes the EMF of the flux that it lacks out of the period to t_k (E31) ...
+void lode_drive_lessen_saturated(lode_drive_t *self, lode_ab_t i_A);
+// ... and SLOT_LAG: with what the lack turns the observed angle by (R17), as long as (E31) waits for a lock.
 void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
 // SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive_watch.c.
@@ -67,6 +69,17 @@ void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
 bool lode_drive_watch_running(lode_drive_t *self);
 // The guard's slow checks have something to count, in drive_watch.c.
 void lode_drive_check_slow(lode_drive_t *self);
+
+// Angle and speed at t_k. `u_V`: mean voltage over [t_k-1, t_k); `i_A`: current at t_k.
+LODE_INLINE lode_estimate_t lode_drive_find(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                            lode_ab_t u_V, lode_ab_t i_A) {
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+    if (lode_references_asks(&tuning->references, LODE_REFERENCES_SATURATE)) {
+        lode_drive_lessen_saturated(self, (lode_ab_t){i_A.alpha, i_A.beta});
+    }
+#endif
+    return lode_estimator_fast(&self->estimator, &tuning->estimator, u_V, i_A);
+}
 
 // The rotor's frame, and the duties' in it.
 LODE_INLINE lode_frame_t lode_drive_rotor_frame(const lode_drive_t *self,

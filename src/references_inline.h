@@ -108,15 +108,19 @@ LODE_INLINE lode_references_out_t lode_references_finish(lode_references_t *self
                                    {-limit, limit}};
 }
 
+// What the flux of a q axis that saturates lacks of that by the Lq of no current (R2).
+LODE_INLINE float lode_references_lacking_Wb(const lode_references_tuning_t *tuning, float iq_A) {
+    const float less = tuning->Lq_fall * lode_abs(iq_A);
+    return tuning->Lq_H * iq_A * less / (1.0f + less);
+}
+
 // The active flux is observed with the Lq of no current. With that of the present one it stands further ahead, by
 // (R17). `at`: turned by so much.
 LODE_INLINE lode_sincos_t lode_references_saturated(const lode_references_tuning_t *tuning,
                                                     lode_sincos_t at, lode_dq_t i_A) {
-    const float less = tuning->Lq_fall * lode_abs(i_A.q);
-    const float dL_H = tuning->Lq_H * less / (1.0f + less);
     const float psi_a =
         lode_references_active_flux(tuning, lode_references_salient_H(tuning), i_A.d);
-    const float x = lode_clamp(dL_H * i_A.q / psi_a, -1.0f, 1.0f);
+    const float x = lode_clamp(lode_references_lacking_Wb(tuning, i_A.q) / psi_a, -1.0f, 1.0f);
     const float scale = 1.0f / lode_sqrt(1.0f + x * x);
     return lode_angle_add(at, (lode_sincos_t){scale * x, scale});
 }
