@@ -101,6 +101,8 @@ static bool bench_call(bench_t *self, double target) {
     drive->state.run.speed.reference_rad_s = (float)self->reference;
     const bool posted = lode_adaptation_step(&self->adaptation, drive);
     self->posted += posted ? 1 : 0;
+    // The one in use may still be read.
+    TEST_ASSERT_TRUE(!posted || drive->posted_tuning != drive->tuning);
     return posted;
 }
 

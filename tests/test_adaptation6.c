@@ -67,8 +67,9 @@ static void run(double rpm, double load_Nm, double seconds) {
     rig.load_Nm = load_Nm;
     for (int n = 0; n < (int)(seconds / RIG6_TS_s + 0.5); n++) {
         rig6_step(&rig);
-        if (n % CALL_STEPS == 0) {
-            posted += lode_adaptation6_step(&adaptation, &rig.drive) ? 1 : 0;
+        if (n % CALL_STEPS == 0 && lode_adaptation6_step(&adaptation, &rig.drive)) {
+            posted++;
+            TEST_ASSERT_TRUE(rig.drive.posted_tuning != rig.drive.tuning); // it may still be read
         }
     }
     TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN", lode_mode_name(rig6_telemetry(&rig).drive.mode));
