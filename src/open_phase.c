@@ -66,17 +66,13 @@ static void note_half_waves(lode_half_waves_t *waves, lode_abc_t asked, lode_abc
     }
 }
 
-static bool is_any(const lode_half_waves_t *waves) {
-    bool any = false;
-    for (int32_t n = 0; n < LODE_HALF_WAVES; n++) {
-        any = any || waves->lacks[n] > 0u;
-    }
-    return any;
-}
-
 // What both half-waves of a phase have been lacking counts as one.
 static uint32_t both_of(const lode_half_waves_t *waves, int32_t phase) {
     return (uint32_t)waves->lacks[phase] + (uint32_t)waves->lacks[phase + PHASES];
+}
+
+static bool is_any(const lode_half_waves_t *waves) {
+    return both_of(waves, 0) + both_of(waves, 1) + both_of(waves, 2) > 0u;
 }
 
 // The phase, from 1; 0: none.
@@ -126,23 +122,30 @@ LODE_NOINLINE lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *se
 
 // One look at three phases.
 typedef struct {
-    float asked_A; // least that is asked of a phase that may lack it
-    float flows_A; // of the current
-    float least_A;
+    float asked_A;   // least that is asked of a phase that may lack it
+    float seen_A;    // least current of a half-wave that is there
+    float against_A; // most the other way of a phase that may lack it
     uint_least16_t step;
 } look_t;
 
-// One half-wave, as lacking(): whoever asks for it, it is there where the current is seen to have it. (A switch that is
-// dead lets none through, whatever the reference does.) Where nothing flows, control is behind in all phases (K26).
-static uint_least16_t lacking_now(uint_least16_t before, const look_t *look, float asked_A,
-                                  float has_A) {
-    if (has_A >= lode_max(LODE_WAVE_HAS * look->least_A, LODE_WAVE_LACKS * look->flows_A)) {
-        return 0u;
+static uint_least16_t *half_wave_of(lode_half_waves_t *waves, int32_t phase, float i_A) {
+    return &waves->lacks[i_A > 0.0f ? phase : phase + PHASES];
+}
+
+// One phase: the half-wave that is asked for may be lacking (K24). Whoever asks for it, one that the current is seen to have
+// is there: a switch that is dead lets none through, whatever the reference does (K26).
+static void note_phase(lode_half_waves_t *waves, const look_t *look, int32_t phase, float asked_A,
+                       float has_A) {
+    const float most_A = lode_abs(asked_A);
+    const float along_A = lode_sign(asked_A) * has_A;
+    if (most_A >= look->asked_A && along_A <= LODE_WAVE_LACKS * most_A &&
+        along_A >= -look->against_A) {
+        uint_least16_t *lacks = half_wave_of(waves, phase, asked_A);
+        *lacks = more(*lacks, look->step);
     }
-    const float against_A = lode_max(AGAINST * look->flows_A, look->least_A);
-    const bool lacks = asked_A >= look->asked_A && has_A <= LODE_WAVE_LACKS * asked_A &&
-                       has_A >= -against_A && look->flows_A >= look->least_A;
-    return lacks ? more(before, look->step) : before;
+    if (lode_abs(has_A) >= look->seen_A) {
+        *half_wave_of(waves, phase, has_A) = 0u;
+    }
 }
 
 // The phase, from 1, of which one half-wave lacks enough, and the other two phases less than half of it: while current
@@ -167,22 +170,24 @@ LODE_NOINLINE lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
                                                      const lode_open_phase_tuning_t *tuning,
                                                      lode_ab_t asked_A, lode_ab_t i_A,
                                                      float turn_rad) {
+    const float least_A = tuning->least_A;
     const float length_A = length_of(asked_A);
-    const look_t look = {.asked_A = lode_max(LODE_WAVE_ASKED * length_A, tuning->least_A),
-                         .flows_A = length_of(i_A),
-                         .least_A = tuning->least_A,
-                         .step = step_of(tuning, turn_rad)};
-    if (is_idle(self, length_A < tuning->least_A, look.step)) {
+    const float flows_A = length_of(i_A);
+    const uint_least16_t step = step_of(tuning, turn_rad);
+    if (is_idle(self, length_A < least_A, step)) {
         *self = (lode_half_waves_t){.idle = 0u};
     }
+    const look_t look = {.asked_A = lode_max(LODE_WAVE_ASKED * length_A, least_A),
+                         .seen_A = lode_max(LODE_WAVE_HAS * least_A, LODE_WAVE_LACKS * flows_A),
+                         .against_A = lode_max(AGAINST * flows_A, least_A),
+                         // where nothing flows, control is behind in all phases
+                         .step = flows_A >= least_A ? step : (uint_least16_t)0u};
     const lode_abc_t asked = lode_clarke_inverse(asked_A);
     const lode_abc_t has = lode_clarke_inverse(i_A);
-    const float up_A[PHASES] = {asked.a, asked.b, asked.c};
+    const float of_phase_A[PHASES] = {asked.a, asked.b, asked.c};
     const float has_A[PHASES] = {has.a, has.b, has.c};
     for (int32_t n = 0; n < PHASES; n++) {
-        uint_least16_t *lacks = &self->lacks[n];
-        lacks[0] = lacking_now(lacks[0], &look, up_A[n], has_A[n]);
-        lacks[PHASES] = lacking_now(lacks[PHASES], &look, -up_A[n], -has_A[n]);
+        note_phase(self, &look, n, of_phase_A[n], has_A[n]);
     }
     self->doubts = is_any(self);
     return (lode_open_phase_t)alone_of(self);
