@@ -18,6 +18,7 @@
 
 // Sensorless running goes over to the way down from this much above the least speed.
 #define HAND_BACK_SHARE 1.15f
+#define SOUND_LOCK 0.9f // an EMF that is off by less than 8 %
 #define PER_SHARE (1.0f / (float)LODE_TORQUE_SHARE_ONE)
 
 // The frame in which the currents are controlled.
@@ -65,8 +66,11 @@ void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
 // SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive_watch.c.
 void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
-// In RUN, in drive_watch.c: the load, and the same of three phases.
-bool lode_drive_watch_running(lode_drive_t *self);
+// In RUN, each in a slot of its own, in drive_watch.c: a load beyond all the torque, another flux than the magnets',
+// three phases without a half-wave. False: the drive is in FAULT.
+bool lode_drive_watch_load(lode_drive_t *self);
+bool lode_drive_judge_flux(lode_drive_t *self);
+bool lode_drive_watch_half_waves(lode_drive_t *self);
 // The guard's slow checks have something to count, in drive_watch.c.
 void lode_drive_check_slow(lode_drive_t *self);
 
@@ -162,7 +166,7 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_Nm);
 }
 
-// SLOT_LAG, in RUN: first part of the references.
+// First part of the references.
 LODE_INLINE void lode_drive_limit_flux(lode_drive_t *self) {
     const lode_references_voltage_t voltage = {self->inverter.v_bus_V, self->u_V};
     lode_references_limit(&self->state.run.references, &self->tuning->references,
@@ -295,29 +299,27 @@ LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuni
 }
 
 // SLOT_REFERENCES
-LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                        const int32_t i[LODE_PHASES]) {
+LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
-    (void)tuning;
     (void)i;
 #else
     if (lode_mode(self) == LODE_MODE_START &&
-        self->state.start.stage == (uint_least8_t)LODE_START_TURN &&
-        tuning->plausibility.per_wave_A > 0.0f) {
+        self->state.start.stage == (uint_least8_t)LODE_START_TURN) {
         const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]}; // as lode_drive_watch()
         lode_drive_note_waves(self, copy);
     }
 #endif
 }
 
-// In RUN. False: something is wrong, and the drive is in FAULT.
-LODE_INLINE bool lode_drive_watch_run(lode_drive_t *self) {
+// SLOT_LAG in RUN. False: the drive is in FAULT.
+LODE_INLINE bool lode_drive_watch_flux(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
     return true;
 #else
-    return lode_mode(self) != LODE_MODE_RUN || lode_drive_watch_running(self);
+    const bool sound = self->estimator.lock >= SOUND_LOCK && self->guard.flux_rounds == 0u;
+    return sound || lode_drive_judge_flux(self);
 #endif
 }
 
@@ -389,17 +391,6 @@ LODE_INLINE void lode_drive_renew_references(lode_drive_t *self) {
     }
 }
 
-// SLOT_LAG: one dear job. With a limit of the flux the half-waves are looked at in SLOT_GAINS.
-LODE_INLINE bool lode_drive_limit_or_watch(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-    if (!lode_references_weakens(&tuning->references)) {
-        return lode_drive_watch_run(self);
-    }
-    if (lode_drive_speed_once(self) && lode_mode(self) == LODE_MODE_RUN) {
-        lode_drive_limit_flux(self);
-    }
-    return true;
-}
-
 // One of the jobs that follow speed and load slowly. After the duties, which do not wait for it. `words`: of
 // the tuning that is watched, of which `tuning` is all or a part.
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
@@ -409,23 +400,32 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     switch (slot) {
     case SLOT_LOCK:
         lode_estimator_note_lock(estimator, &tuning->estimator);
+        if (lode_mode(self) == LODE_MODE_RUN) {
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-        if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u) {
-            self->state.run.proving--;
-        }
+            if (self->state.run.proving > 0u) {
+                self->state.run.proving--;
+            }
 #endif
+            return lode_drive_watch_load(self);
+        }
         break;
     case SLOT_LAG:
         lode_drive_adapt_lag(self, tuning);
         lode_drive_lead(self, tuning);
-        return lode_drive_limit_or_watch(self, tuning);
+        if (lode_mode(self) == LODE_MODE_RUN) {
+            if (lode_references_weakens(&tuning->references) && lode_drive_speed_once(self)) {
+                lode_drive_limit_flux(self);
+            }
+            return lode_drive_watch_flux(self);
+        }
+        break;
     case SLOT_DEAD_TIME:
         lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
         if (!lode_mode_memory_ok(self, words)) {
             lode_mode_distrust(self);
             return false;
         }
-        break;
+        return lode_mode(self) != LODE_MODE_RUN || lode_drive_watch_half_waves(self);
     case SLOT_GAINS:
         if (!estimator->locked && lode_mode_seed(self)) {
             break; // an angle is acquired, the rest a round later: together 1459 cycles, the dearest call of a start
@@ -433,7 +433,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
         lode_drive_adapt_gains(self, tuning);
         lode_drive_count_sensor(self);
         lode_estimator_adapt_notches(estimator, &tuning->estimator);
-        return !lode_references_weakens(&tuning->references) || lode_drive_watch_run(self);
+        break;
     case SLOT_SPEED:
         if (lode_mode(self) == LODE_MODE_RUN) {
             lode_drive_run(self);
@@ -444,7 +444,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
             lode_drive_renew_references(self);
             return true;
         }
-        lode_drive_watch_waves(self, tuning, sample->i);
+        lode_drive_watch_waves(self, sample->i);
         return self->gates;
     case SLOT_GUARD:
         lode_drive_note_still(self, tuning,

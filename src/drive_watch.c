@@ -14,7 +14,6 @@
 #define FLUX_CURRENT 9.0f // times the least current that is judged by, squared: 0.15 of i_max
 #define FLUX_s 0.05f      // longer than a speed that changes fast is behind the EMF
 #define FLUX_ROUNDS_MAX 255u
-#define SOUND_LOCK 0.9f   // an EMF that is off by less than 8 %
 #define ALL_VOLTAGE 0.99f // of the circle, on which rounding leaves it
 // Of what limits the torque: the voltage moves that a little in each round.
 #define ALL_TORQUE 0.9f
@@ -158,22 +157,13 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
 
 LODE_NOINLINE void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
     const lode_drive_tuning_t *tuning = self->tuning;
+    if (!(tuning->plausibility.per_wave_A > 0.0f)) {
+        return;
+    }
     const float round_s = (float)LODE_SLOW_PERIODS * tuning->estimator.pll.ts_s;
     const uint_least8_t phase =
         lode_waves_step(&self->state.start.seen.turn.waves, &tuning->plausibility, i,
                         self->ref_A.d * self->ref_A.d, round_s * self->state.start.omega_rad_s);
-    if (phase > 0u) {
-        lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
-    }
-}
-
-static LODE_NOINLINE void judge_half_waves(lode_drive_t *self, lode_half_waves_t *waves) {
-    const lode_estimator_t *estimator = &self->estimator;
-    const float round_s = (float)LODE_SLOW_PERIODS * self->tuning->estimator.pll.ts_s;
-    const lode_ab_t ref_A = lode_park_inverse(self->ref_A, lode_estimator_rotor(estimator));
-    const lode_open_phase_t phase =
-        lode_half_waves_look(waves, &self->tuning->plausibility.waves, ref_A, estimator->emf.i_A,
-                             round_s * estimator->pll.omega_rad_s);
     if (phase > 0u) {
         lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
     }
@@ -221,19 +211,35 @@ static bool tells_half_waves(const lode_drive_t *self) {
            !lode_estimator_injects(&self->estimator);
 }
 
-// Of three phases. What current control misses stands for the current of the xy plane (K25).
-static void note_half_waves(lode_drive_t *self) {
-    const lode_open_phase_tuning_t *tuning = &self->tuning->plausibility.waves;
+static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     lode_half_waves_t *waves = &self->state.run.waves;
     if (!tells_half_waves(self)) {
         *waves = (lode_half_waves_t){.idle = 0u}; // what is known of the turn is too little
-        return;
+        return true;
     }
+    if (!has_voltage(self)) {
+        return true; // what was lacking stays
+    }
+    const lode_estimator_t *estimator = &self->estimator;
+    const float round_s = (float)LODE_SLOW_PERIODS * self->tuning->estimator.pll.ts_s;
+    const lode_ab_t ref_A = lode_park_inverse(self->ref_A, lode_estimator_rotor(estimator));
+    const lode_open_phase_t phase =
+        lode_half_waves_look(waves, &self->tuning->plausibility.waves, ref_A, estimator->emf.i_A,
+                             round_s * estimator->pll.omega_rad_s);
+    if (phase > 0u) {
+        lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
+    }
+    return self->gates;
+}
+
+// What current control misses stands for the current of the xy plane (K25).
+LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_dq_t ref_A = self->ref_A;
     const lode_dq_t missed_A = {ref_A.d - self->i_A.d, ref_A.q - self->i_A.q};
-    if (lode_half_waves_doubt(waves, tuning, ref_A, missed_A) && has_voltage(self)) {
-        judge_half_waves(self, waves);
-    }
+    return !(tuning->per_wave_A > 0.0f) ||
+           !lode_half_waves_doubt(&self->state.run.waves, &tuning->waves, ref_A, missed_A) ||
+           judge_half_waves(self);
 }
 
 // The most that will be there against the load: all that i_max gives. A speed that falls for want of voltage comes to rest
@@ -256,7 +262,7 @@ static bool is_all_torque(const lode_drive_t *self) {
 }
 
 // (K19). With torque control the speed is the load's.
-static LODE_NOINLINE void judge_load(lode_drive_t *self) {
+static LODE_NOINLINE bool judge_load(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float omega = self->estimator.pll.omega_rad_s;
@@ -268,7 +274,7 @@ static LODE_NOINLINE void judge_load(lode_drive_t *self) {
     if (!gives_way || !by_emf || lode_mode_is_torque(self) || !is_started(self) ||
         !is_all_torque(self)) {
         run->held_rad_s = omega;
-        return;
+        return true;
     }
     const float reference = run->speed.reference_rad_s;
     const float off = way * (reference - omega * tuning->speed.inv_pole_pairs);
@@ -276,16 +282,17 @@ static LODE_NOINLINE void judge_load(lode_drive_t *self) {
         off > FAR_OFF * lode_abs(reference)) {
         lode_mode_fault(self, LODE_CHECK_OVERLOAD, omega, reference / tuning->speed.inv_pole_pairs);
     }
+    return self->gates;
 }
 
-static void watch_load(lode_drive_t *self) {
-    const lode_speed_t *speed = &self->state.run.speed;
-    const lode_range_t limit = speed->limit_Nm;
-    if (lode_in_range(speed->torque_Nm, ALL_TORQUE * limit.min, ALL_TORQUE * limit.max)) {
-        self->state.run.held_rad_s = self->estimator.pll.omega_rad_s; // as nearly always
-    } else {
-        judge_load(self);
+LODE_NOINLINE bool lode_drive_watch_load(lode_drive_t *self) {
+    lode_running_t *run = &self->state.run;
+    const lode_range_t limit = run->speed.limit_Nm;
+    if (lode_in_range(run->speed.torque_Nm, ALL_TORQUE * limit.min, ALL_TORQUE * limit.max)) {
+        run->held_rad_s = self->estimator.pll.omega_rad_s; // as nearly always
+        return true;
     }
+    return !(self->tuning->plausibility.away_rad_s > 0.0f) || judge_load(self);
 }
 
 // Though the angle is right: that of a sensor, or of a QPLL that a wave holds (P25).
@@ -296,79 +303,67 @@ static bool may_speed_lag(const lode_drive_t *self) {
 
 // Though the lock is not lost: where the current makes most of the flux, less of the magnets' takes it little. With hardly any
 // current, dead time is as large as what is looked for.
-static LODE_NOINLINE void judge_flux(lode_drive_t *self) {
+LODE_NOINLINE bool lode_drive_judge_flux(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     const lode_dq_t i_A = self->i_A;
     const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
-    if (may_speed_lag(self) || !(i_A2 >= FLUX_CURRENT * self->tuning->plausibility.i_min_A2) ||
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+    if (tuning->i_sum < 0 || may_speed_lag(self) || !(i_A2 >= FLUX_CURRENT * tuning->i_min_A2) ||
         !is_started(self) || !is_another_flux(flux, unsure_Wb(self, flux))) {
         guard->flux_rounds = 0u;
-        return;
+        return true;
     }
     const uint32_t rounds = guard->flux_rounds + 1u;
     guard->flux_rounds = (uint_least8_t)rounds;
     if (rounds >= FLUX_ROUNDS_MAX || rounds_s(self, rounds) >= FLUX_s) {
         lode_mode_fault(self, LODE_CHECK_FLUX, flux.seen_Wb, flux.expected_Wb);
     }
-}
-
-// Not LODE_RAMFUNC: once in a round.
-LODE_NOINLINE bool lode_drive_watch_running(lode_drive_t *self) {
-    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
-    if (tuning->away_rad_s > 0.0f) {
-        watch_load(self);
-    }
-    if (tuning->i_sum >= 0 && (self->estimator.lock < SOUND_LOCK || self->guard.flux_rounds > 0u)) {
-        judge_flux(self);
-    }
-    if (self->gates && tuning->per_wave_A > 0.0f) {
-        note_half_waves(self);
-    }
     return self->gates;
 }
 
-// By how much the damping of a start has turned the vector since the last look. It may turn it back as fast as the
-// vector turns on: that rests then, and so do the counts.
-LODE_INLINE float damping_rad(lode_drive_t *self) {
-    return lode_mode(self) == LODE_MODE_START ? lode_start_shifted_rad(&self->state.start) : 0.0f;
-}
-
-// By how much the vector has turned since the last look, `looks` times LODE_GUARD_PERIODS ago. The damping is known
-// at the looks at set 1.
-LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float looks) {
-    if (watch != &self->plausibility && lode_mode(self) == LODE_MODE_START) {
-        return 0.0f;
-    }
+// By how much the vector has turned since the last look, `looks` times LODE_GUARD_PERIODS ago. The damping of a start may
+// turn it back as fast as it turns on: that rests then, and so do the counts. It is known at the looks at set 1.
+LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float omega_rad_s,
+                          float looks) {
     const uint32_t periods = LODE_GUARD_PERIODS;
     const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
-    return looks * look_s * lode_mode_frame_omega(self) + damping_rad(self);
-}
-
-LODE_INLINE void judge(lode_drive_t *self, lode_plausibility_t *watch, uint32_t again, float i_A2,
-                       float looks) {
-    const lode_drive_tuning_t *tuning = self->tuning;
-    const uint32_t doubt =
-        lode_plausibility_doubt(watch, &tuning->plausibility, again, i_A2,
-                                turn_of(self, watch, looks), lode_abs(tuning->sense.i_gain));
-    if (doubt > 0u || watch->sum > 0u ||
-        !lode_plausibility_sum_ok(&tuning->plausibility, watch->i)) {
-        find(self, watch, doubt);
+    const float turn_rad = looks * look_s * omega_rad_s;
+    if (lode_mode(self) != LODE_MODE_START) {
+        return turn_rad;
     }
+    return watch == &self->plausibility ? turn_rad + lode_start_shifted_rad(&self->state.start)
+                                        : 0.0f;
 }
 
 // Not LODE_RAMFUNC: one call in many, and small fast memories are full without it.
 LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                                       const int32_t i[LODE_PHASES], float looks) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+    const float omega = lode_mode_frame_omega(self);
+    const float turn_rad = turn_of(self, watch, omega, looks);
+    const float i_A2 = expected_A2(self, lode_abs(omega));
     const uint32_t again = lode_plausibility_look(watch, i);
-    const float i_A2 = expected_A2(self, lode_abs(lode_mode_frame_omega(self)));
-    if (!lode_plausibility_is_chance(watch, &self->tuning->plausibility, again, i_A2)) {
-        judge(self, watch, again, i_A2, looks);
-    } else if (watch == &self->plausibility) {
-        (void)damping_rad(self); // for the next look
-    } else {
-        // not known of set 2
+    if (lode_plausibility_is_chance(watch, tuning, again, i_A2)) {
+        return;
     }
+    const uint32_t doubt = lode_plausibility_doubt(watch, tuning, again, i_A2, turn_rad,
+                                                   lode_abs(self->tuning->sense.i_gain));
+    if (doubt > 0u || watch->sum > 0u || !lode_plausibility_sum_ok(tuning, watch->i)) {
+        find(self, watch, doubt);
+    }
+}
+
+#else
+
+bool lode_drive_watch_load(lode_drive_t *self) {
+    (void)self;
+    return true;
+}
+
+bool lode_drive_watch_half_waves(lode_drive_t *self) {
+    (void)self;
+    return true;
 }
 
 #endif

@@ -10,15 +10,15 @@
 #include <stdint.h>
 
 typedef enum {
-    // lock quality, amplitude of the EMF, length of the PLL's rotation
+    // lock quality, amplitude of the EMF, length of the PLL's rotation; RUN: load beyond all the torque
     SLOT_LOCK,
     // guard's slow checks, plausibility of the currents
     SLOT_GUARD,
     // lag of the EMF observer, lead of the duties; flux that the voltage leaves room for; resonators of the xy
-    // plane; RUN: half-waves of the currents, in SLOT_GAINS where the flux is limited;
-    // START: resistance and dead time
+    // plane; RUN: flux of the magnets; START: resistance and dead time
     SLOT_LAG,
-    // slope of the dead-time error, 1/v_bus; memory unchanged; START: is the estimate good enough?
+    // slope of the dead-time error, 1/v_bus; memory unchanged; RUN: half-waves of the currents;
+    // START: is the estimate good enough?
     SLOT_DEAD_TIME,
     // without lock acquisition; gains of the PLL, centres of the notches
     SLOT_GAINS,

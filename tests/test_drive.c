@@ -3551,7 +3551,6 @@ static void test_the_hand_over_begins_the_counts_of_run(void) {
     TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &rig.drive.state.run.waves, sizeof none_lacking);
 }
 
-/// With a limit of the flux they are looked at in another slot.
 static void test_half_waves_are_looked_at_with_and_without_field_weakening(void) {
     for (int k = 0; k < 2; k++) {
         lode_drive_config_t config = rig_config();
@@ -3586,7 +3585,7 @@ static void look_without_a_half_wave(lode_drive_t *drive, double angle_rad) {
     current_A.beta -= lost_A * axis.beta;
     drive->estimator.emf.i_A = current_A;
     drive->i_A = lode_park(current_A, rotor);
-    const bool on = lode_drive_watch_running(drive);
+    const bool on = lode_drive_watch_half_waves(drive);
     TEST_ASSERT_EQUAL(drive->gates, on);
 }
 
@@ -3661,7 +3660,7 @@ static void test_a_turn_that_tells_nothing_forgets(void) {
     rig_t rig = running_with_voltage();
     rig.drive.state.run.waves = (lode_half_waves_t){.lacks = {0u, 9000u}, .doubts = true};
     rig.drive.estimator.pll.omega_rad_s = 0.5f * tuning.start.omega_ready;
-    TEST_ASSERT_TRUE(lode_drive_watch_running(&rig.drive));
+    TEST_ASSERT_TRUE(lode_drive_watch_half_waves(&rig.drive));
     TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &rig.drive.state.run.waves, sizeof none_lacking);
 }
 
@@ -3833,7 +3832,7 @@ static rig_t overloaded(rig_t rig, float way, float sense) {
 }
 
 static lode_check_t trips_by(rig_t rig) {
-    const bool on = lode_drive_watch_running(&rig.drive);
+    const bool on = lode_drive_watch_load(&rig.drive);
     TEST_ASSERT_EQUAL_INT(rig.drive.gates, on);
     return (lode_check_t)rig.drive.guard.fault.check;
 }
@@ -3850,7 +3849,7 @@ static void test_what_may_be_else_than_the_load(void) {
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(rig));
         rig.drive.estimator.lock = 0.99f * LODE_LOCK_HANDOVER;
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
-        TEST_ASSERT_TRUE(lode_drive_watch_running(&rig.drive));
+        TEST_ASSERT_TRUE(lode_drive_watch_load(&rig.drive));
         rig.drive.estimator.lock = 1.0f; // what the speed did before does not count
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad; // voltage, temperature or somebody limits the torque
@@ -3961,7 +3960,7 @@ static uint32_t flux_rounds(rig_t rig, float times, lode_dq_t i_A, bool proves) 
     drive->i_A = i_A;
     drive->state.run.proving = proves ? 1u : 0u;
     for (uint32_t n = 1u; n <= 1000u; n++) {
-        if (!lode_drive_watch_running(drive)) {
+        if (!lode_drive_watch_flux(drive)) {
             TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, drive->guard.fault.check);
             return n;
         }
@@ -3997,7 +3996,7 @@ static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
     TEST_ASSERT_EQUAL_UINT32(1u, flux_rounds(again, 0.77f, none, false));
     TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(again, 0.81f, none, false));
     again.drive.estimator.lock = 1.0f;
-    (void)lode_drive_watch_running(&again.drive);
+    (void)lode_drive_watch_flux(&again.drive);
     TEST_ASSERT_EQUAL_UINT32(0u, again.drive.guard.flux_rounds);
     // Where rounds are short, as many as the counter holds.
     lode_drive_tuning_t quick = *rig.drive.tuning;
