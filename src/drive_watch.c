@@ -222,10 +222,17 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     }
     const lode_estimator_t *estimator = &self->estimator;
     const float round_s = (float)LODE_SLOW_PERIODS * self->tuning->estimator.pll.ts_s;
-    const lode_ab_t ref_A = lode_park_inverse(self->ref_A, lode_estimator_rotor(estimator));
+    const lode_sincos_t rotor = lode_estimator_rotor(estimator);
+    const lode_half_waves_seen_t seen = {
+        .asked_A = lode_park_inverse(self->ref_A, rotor),
+        .before_A = lode_park_inverse(waves->asked_A, rotor),
+        .i_A = estimator->emf.i_A,
+        .beyond_V = lode_estimator_beyond_V(estimator, &self->tuning->estimator),
+        .kp_V_A = self->current.kp_q_V_A,
+        .turn_rad = round_s * estimator->pll.omega_rad_s,
+    };
     const lode_open_phase_t phase =
-        lode_half_waves_look(waves, &self->tuning->plausibility.waves, ref_A, estimator->emf.i_A,
-                             round_s * estimator->pll.omega_rad_s);
+        lode_half_waves_look(waves, &self->tuning->plausibility.waves, &seen);
     if (phase > 0u) {
         lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
     }
@@ -237,9 +244,12 @@ LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_dq_t ref_A = self->ref_A;
     const lode_dq_t missed_A = {ref_A.d - self->i_A.d, ref_A.q - self->i_A.q};
-    return !(tuning->per_wave_A > 0.0f) ||
-           !lode_half_waves_doubt(&self->state.run.waves, &tuning->waves, ref_A, missed_A) ||
-           judge_half_waves(self);
+    lode_half_waves_t *waves = &self->state.run.waves;
+    const bool good = !(tuning->per_wave_A > 0.0f) ||
+                      !lode_half_waves_doubt(waves, &tuning->waves, ref_A, missed_A) ||
+                      judge_half_waves(self);
+    waves->asked_A = ref_A;
+    return good;
 }
 
 // The most that will be there against the load: all that i_max gives. A speed that falls for want of voltage comes to rest

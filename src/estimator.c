@@ -273,6 +273,17 @@ lode_flux_t lode_estimator_flux(const lode_estimator_t *self,
                                     ALIGNED_SHARE * length_V};
 }
 
+LODE_NOINLINE lode_ab_t lode_estimator_beyond_V(const lode_estimator_t *self,
+                                                const lode_estimator_tuning_t *tuning) {
+    const float omega = self->pll.omega_rad_s;
+    const float taken = 1.0f + omega * omega * tuning->droop_s2; // as above
+    const float flux_Wb = tuning->psi_Wb + tuning->salient_H * self->id_A;
+    const float expected_V = omega * flux_Wb / taken;
+    const lode_ab_t e_V = self->emf.observer.e_V;
+    const lode_sincos_t frame = self->pll.frame;
+    return (lode_ab_t){e_V.alpha + expected_V * frame.sin, e_V.beta - expected_V * frame.cos};
+}
+
 #endif
 
 #ifndef LODE_WITHOUT_BRAKE_SLIP

@@ -67,6 +67,10 @@ typedef struct {
 
 lode_flux_t lode_estimator_flux(const lode_estimator_t *self,
                                 const lode_estimator_tuning_t *tuning);
+
+// The observer's EMF less that of the active flux where the PLL has it.
+lode_ab_t lode_estimator_beyond_V(const lode_estimator_t *self,
+                                  const lode_estimator_tuning_t *tuning);
 #endif
 
 LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,

@@ -16,6 +16,12 @@
 #define LACKING_s 2.0e-3f
 // Of the current: with more of it the other way a phase is not dead, control is behind by nearly half a turn (K24).
 #define AGAINST 0.75f
+// Of what current control adds for the current that a phase lacks: so much of it makes no current (K28).
+#define UNANSWERED 0.25f
+// With less than three and a half looks in the 140 degrees of a half-wave, what was asked for a round ago is another turn's.
+#define OLD_rad 0.7f
+// What has once been lacking and has not been had since goes on to count, by so much (K27).
+#define NOT_HAD (1.0f / 12.0f)
 #define WHOLE_SET 7
 
 lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float look_s) {
@@ -122,29 +128,55 @@ LODE_NOINLINE lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *se
 
 // One look at three phases.
 typedef struct {
+    float least_A;   // least current that tells anything
     float asked_A;   // least that is asked of a phase that may lack it
     float seen_A;    // least current of a half-wave that is there
     float against_A; // most the other way of a phase that may lack it
+    float kp_V_A;
     uint_least16_t step;
+    uint_least16_t not_had; // as step
 } look_t;
 
-static uint_least16_t *half_wave_of(lode_half_waves_t *waves, int32_t phase, float i_A) {
-    return &waves->lacks[i_A > 0.0f ? phase : phase + PHASES];
+// Of one phase.
+typedef struct {
+    float asked_A;
+    float before_A;
+    float has_A;
+    float beyond_V;
+} phase_t;
+
+static phase_t turned_over(phase_t x) {
+    return (phase_t){-x.asked_A, -x.before_A, -x.has_A, -x.beyond_V};
 }
 
-// One phase: the half-wave that is asked for may be lacking (K24). Whoever asks for it, one that the current is seen to have
-// is there: a switch that is dead lets none through, whatever the reference does (K26).
-static void note_phase(lode_half_waves_t *waves, const look_t *look, int32_t phase, float asked_A,
-                       float has_A) {
-    const float most_A = lode_abs(asked_A);
-    const float along_A = lode_sign(asked_A) * has_A;
-    if (most_A >= look->asked_A && along_A <= LODE_WAVE_LACKS * most_A &&
-        along_A >= -look->against_A) {
-        uint_least16_t *lacks = half_wave_of(waves, phase, asked_A);
-        *lacks = more(*lacks, look->step);
-    }
-    if (lode_abs(has_A) >= look->seen_A) {
-        *half_wave_of(waves, phase, has_A) = 0u;
+// (K24), (K28), counted in the direction of the half-wave that is asked for.
+static bool is_lacking(const look_t *look, phase_t x) {
+    const float asked_A = lode_min(x.asked_A, x.before_A);
+    return x.asked_A >= look->asked_A && asked_A >= look->least_A &&
+           x.has_A <= LODE_WAVE_LACKS * asked_A && x.has_A >= -look->against_A &&
+           x.beyond_V >= UNANSWERED * look->kp_V_A * (asked_A - x.has_A);
+}
+
+static uint_least16_t *half_wave_of(lode_half_waves_t *waves, int32_t phase, bool up) {
+    return &waves->lacks[up ? phase : phase + PHASES];
+}
+
+// What has been lacking once goes on to count until it is had (K27).
+static uint_least16_t go_on(uint_least16_t before, uint_least16_t step) {
+    return before > 0u ? more(before, step) : before;
+}
+
+// One phase: the half-wave that is asked for may be lacking. Whoever asks for it, one that the current is seen to have is
+// there: a switch that is dead lets none through, whatever the reference does (K26).
+static void note_phase(lode_half_waves_t *waves, const look_t *look, int32_t phase, phase_t x) {
+    const bool up = x.asked_A > 0.0f;
+    uint_least16_t *asked = half_wave_of(waves, phase, up);
+    uint_least16_t *other = half_wave_of(waves, phase, !up);
+    const bool lacks = is_lacking(look, up ? x : turned_over(x));
+    *asked = lacks ? more(*asked, look->step) : go_on(*asked, look->not_had);
+    *other = go_on(*other, look->not_had);
+    if (lode_abs(x.has_A) >= look->seen_A) {
+        *half_wave_of(waves, phase, x.has_A > 0.0f) = 0u;
     }
 }
 
@@ -168,26 +200,33 @@ static float length_of(lode_ab_t x) {
 
 LODE_NOINLINE lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
                                                      const lode_open_phase_tuning_t *tuning,
-                                                     lode_ab_t asked_A, lode_ab_t i_A,
-                                                     float turn_rad) {
+                                                     const lode_half_waves_seen_t *seen) {
     const float least_A = tuning->least_A;
-    const float length_A = length_of(asked_A);
-    const float flows_A = length_of(i_A);
-    const uint_least16_t step = step_of(tuning, turn_rad);
+    const float length_A = length_of(seen->asked_A);
+    const float flows_A = length_of(seen->i_A);
+    const uint_least16_t step = step_of(tuning, seen->turn_rad);
     if (is_idle(self, length_A < least_A, step)) {
         *self = (lode_half_waves_t){.idle = 0u};
     }
-    const look_t look = {.asked_A = lode_max(LODE_WAVE_ASKED * length_A, least_A),
+    // Where nothing flows, control is behind in all phases.
+    const uint_least16_t counted = flows_A >= least_A ? step : (uint_least16_t)0u;
+    const look_t look = {.least_A = least_A,
+                         .asked_A = lode_max(LODE_WAVE_ASKED * length_A, least_A),
                          .seen_A = lode_max(LODE_WAVE_HAS * least_A, LODE_WAVE_LACKS * flows_A),
                          .against_A = lode_max(AGAINST * flows_A, least_A),
-                         // where nothing flows, control is behind in all phases
-                         .step = flows_A >= least_A ? step : (uint_least16_t)0u};
-    const lode_abc_t asked = lode_clarke_inverse(asked_A);
-    const lode_abc_t has = lode_clarke_inverse(i_A);
-    const float of_phase_A[PHASES] = {asked.a, asked.b, asked.c};
-    const float has_A[PHASES] = {has.a, has.b, has.c};
+                         .kp_V_A = seen->kp_V_A,
+                         .step = counted,
+                         .not_had = (uint_least16_t)(NOT_HAD * (float)counted)};
+    const bool old = lode_abs(seen->turn_rad) > OLD_rad;
+    const lode_abc_t asked = lode_clarke_inverse(seen->asked_A);
+    const lode_abc_t before = lode_clarke_inverse(old ? seen->asked_A : seen->before_A);
+    const lode_abc_t has = lode_clarke_inverse(seen->i_A);
+    const lode_abc_t beyond = lode_clarke_inverse(seen->beyond_V);
+    const phase_t of[PHASES] = {{asked.a, before.a, has.a, beyond.a},
+                                {asked.b, before.b, has.b, beyond.b},
+                                {asked.c, before.c, has.c, beyond.c}};
     for (int32_t n = 0; n < PHASES; n++) {
-        note_phase(self, &look, n, of_phase_A[n], has_A[n]);
+        note_phase(self, &look, n, of[n]);
     }
     self->doubts = is_any(self);
     return (lode_open_phase_t)alone_of(self);

@@ -43,10 +43,19 @@ LODE_INLINE bool lode_half_waves_doubt(const lode_half_waves_t *self,
                             asked_A2 >= tuning->least_A * tuning->least_A);
 }
 
-// The phase, 1 .. 3, that lacks a half-wave or both of what is asked for; 0: none. Currents in stator axes; the vector
-// turns by `turn_rad` from one look to the next.
+// What a look at three phases sees, in stator axes.
+typedef struct {
+    lode_ab_t asked_A;
+    lode_ab_t before_A; // asked for a round ago, turned with the rotor
+    lode_ab_t i_A;
+    lode_ab_t beyond_V; // EMF that the magnets do not have
+    float kp_V_A;       // of current control
+    float turn_rad;     // of the vector, from one look to the next
+} lode_half_waves_seen_t;
+
+// The phase, 1 .. 3, that lacks a half-wave or both of what is asked for; 0: none.
 lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
-                                       const lode_open_phase_tuning_t *tuning, lode_ab_t asked_A,
-                                       lode_ab_t i_A, float turn_rad);
+                                       const lode_open_phase_tuning_t *tuning,
+                                       const lode_half_waves_seen_t *seen);
 
 #endif

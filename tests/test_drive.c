@@ -3585,6 +3585,12 @@ static void look_without_a_half_wave(lode_drive_t *drive, double angle_rad) {
     current_A.beta -= lost_A * axis.beta;
     drive->estimator.emf.i_A = current_A;
     drive->i_A = lode_park(current_A, rotor);
+    // The voltage that current control adds for it makes no current: the observer takes it for EMF.
+    drive->estimator.emf.observer.e_V = (lode_ab_t){0.0f, 0.0f};
+    const lode_ab_t magnets_V = lode_estimator_beyond_V(&drive->estimator, &tuning.estimator);
+    const float added_V = drive->current.kp_q_V_A * lost_A;
+    drive->estimator.emf.observer.e_V =
+        (lode_ab_t){added_V * axis.alpha - magnets_V.alpha, added_V * axis.beta - magnets_V.beta};
     const bool on = lode_drive_watch_half_waves(drive);
     TEST_ASSERT_EQUAL(drive->gates, on);
 }

@@ -4,6 +4,7 @@
 #include "open_phase_inline.h"
 
 #include <complex.h>
+#include <stdlib.h>
 
 void setUp(void) {}
 
@@ -392,6 +393,7 @@ typedef struct {
     double angle;
     double noise_A;
     cplx_t times; ///< what flows of a sound drive, of what is asked for
+    bool answers; ///< all of the voltage makes current
     int phase;    ///< 0: none
     int lacks;
     lode_open_phase_tuning_t tuning;
@@ -416,6 +418,19 @@ static float noisy(three_t *s, double x) {
     return (float)(x + s->noise_A * random_between(&s->random, -1.0, 1.0));
 }
 
+#define KP_V_A 10.0f
+
+/// What current control adds for what is missing makes no current.
+static lode_half_waves_seen_t seen_of(lode_ab_t asked_A, lode_ab_t i_A, double turn_rad) {
+    return (lode_half_waves_seen_t){
+        .asked_A = asked_A,
+        .before_A = asked_A,
+        .i_A = i_A,
+        .beyond_V = {KP_V_A * (asked_A.alpha - i_A.alpha), KP_V_A * (asked_A.beta - i_A.beta)},
+        .kp_V_A = KP_V_A,
+        .turn_rad = (float)turn_rad};
+}
+
 static lode_open_phase_t look_at_three(three_t *s) {
     const cplx_t asked = s->i_A * cexp(I * s->angle);
     cplx_t flows = s->times * asked;
@@ -429,14 +444,15 @@ static lode_open_phase_t look_at_three(three_t *s) {
     const lode_dq_t ref_A = {asked_A.alpha, asked_A.beta}; // any axes will do
     const lode_dq_t missed_A = {asked_A.alpha - i_A.alpha, asked_A.beta - i_A.beta};
     s->angle = remainder(s->angle + ROUND_s * s->omega, 2.0 * CHECK_PI);
+    lode_half_waves_seen_t seen = seen_of(asked_A, i_A, ROUND_s * s->omega);
+    seen.beyond_V = s->answers ? (lode_ab_t){0.0f, 0.0f} : seen.beyond_V;
     if (!lode_half_waves_doubt(&s->waves, &s->tuning, ref_A, missed_A)) {
-        lode_half_waves_t seen = s->waves;
-        TEST_ASSERT_EQUAL_UINT(
-            0u, lode_half_waves_look(&seen, &s->tuning, asked_A, i_A, (float)(ROUND_s * s->omega)));
-        TEST_ASSERT_FALSE(seen.doubts);
+        lode_half_waves_t waves = s->waves;
+        TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &s->tuning, &seen));
+        TEST_ASSERT_FALSE(waves.doubts);
         return 0u;
     }
-    return lode_half_waves_look(&s->waves, &s->tuning, asked_A, i_A, (float)(ROUND_s * s->omega));
+    return lode_half_waves_look(&s->waves, &s->tuning, &seen);
 }
 
 /// Turns until a phase is found, at most `turns`.
@@ -490,12 +506,14 @@ static void test_of_three_phases_one_is_found_at_any_speed(void) {
     }
 }
 
-/// All phases have as little, or control is behind by less than two thirds of a right angle.
+/// All phases have as little, or control is behind: by any angle where its voltage makes current, and up to 55 degrees
+/// even where it does not.
 static void test_control_that_is_behind_lacks_no_phase(void) {
-    for (int n = -60; n <= 60; n += 5) {
+    for (int n = -180; n <= 180; n += 5) {
         for (double length = 0.1; length < 2.0; length += 0.1) {
             three_t s = three(0.5 * I_MAX_A, 100.0);
             s.times = length * cexp(I * (double)n * CHECK_DEG);
+            s.answers = abs(n) > 55;
             expect_no_phase(&s, 5.0);
         }
     }
@@ -531,19 +549,20 @@ static void test_a_half_wave_that_is_seen_clears_its_phase(void) {
 /// Of both half-waves half of enough each is not enough, nor what two phases lack.
 static void test_one_half_wave_of_one_phase_lacks_enough(void) {
     const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
-    const lode_ab_t none = {0.0f, 0.0f};
+    const lode_half_waves_seen_t none =
+        seen_of((lode_ab_t){0.0f, 0.0f}, (lode_ab_t){0.0f, 0.0f}, 0.0);
     lode_half_waves_t waves = {.lacks = {16383u, 0u, 0u, 16383u}};
-    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {0u, 16384u}};
-    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_look(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {0u, 0u, 0u, 0u, 0u, 16384u}};
-    TEST_ASSERT_EQUAL_UINT(3u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    TEST_ASSERT_EQUAL_UINT(3u, lode_half_waves_look(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {8191u, 16384u}};
-    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_look(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {8192u, 16384u}};
-    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {4096u, 16384u, 0u, 4096u}};
-    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, none, none, 0.0f));
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
 }
 
 /// One look at phase 1 that lacks its positive half-wave, or not: `asked_A` along its axis, `has_A` of it, `across_A` of the
@@ -551,16 +570,18 @@ static void test_one_half_wave_of_one_phase_lacks_enough(void) {
 static bool lacks_now(float asked_A, float has_A, float across_A) {
     const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
     lode_half_waves_t waves = {.lacks = {0u}};
-    (void)lode_half_waves_look(&waves, &t, (lode_ab_t){asked_A, 0.0f}, (lode_ab_t){has_A, across_A},
-                               0.1f);
+    const lode_half_waves_seen_t seen =
+        seen_of((lode_ab_t){asked_A, 0.0f}, (lode_ab_t){has_A, across_A}, 0.1);
+    (void)lode_half_waves_look(&waves, &t, &seen);
     return waves.lacks[0] > 0u;
 }
 
 static bool clears_now(float has_A, float across_A) {
     const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
     lode_half_waves_t waves = {.lacks = {100u}};
-    (void)lode_half_waves_look(&waves, &t, (lode_ab_t){0.0f, 9.0f}, (lode_ab_t){has_A, across_A},
-                               0.1f);
+    const lode_half_waves_seen_t seen =
+        seen_of((lode_ab_t){0.0f, 9.0f}, (lode_ab_t){has_A, across_A}, 0.1);
+    (void)lode_half_waves_look(&waves, &t, &seen);
     return waves.lacks[0] == 0u;
 }
 
@@ -581,17 +602,72 @@ static void test_three_phases_at_their_limits(void) {
     TEST_ASSERT_FALSE(clears_now(2.55f, 10.0f));
 }
 
+/// Either half-wave of phase 1, and whether the look counts for it: `before_A` asked for a round ago, `beyond_V` in its axis.
+static bool counts(float way, float before_A, float beyond_V, float turn_rad) {
+    const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
+    lode_half_waves_t waves = {.lacks = {0u}};
+    lode_half_waves_seen_t seen =
+        seen_of((lode_ab_t){way * 4.0f, 0.0f}, (lode_ab_t){way * 0.5f, 5.0f}, (double)turn_rad);
+    seen.before_A = (lode_ab_t){way * before_A, 0.0f};
+    seen.beyond_V = (lode_ab_t){way * beyond_V, -40.0f};
+    (void)lode_half_waves_look(&waves, &t, &seen);
+    return waves.lacks[way > 0.0f ? 0 : PHASES / 2] > 0u;
+}
+
+/// Control that is behind lacks what it is asked for now, but not what it was asked for a round ago (K24), where a
+/// half-wave lasts for some rounds.
+static void test_what_was_not_asked_for_a_round_ago_is_not_lacking(void) {
+    for (float way = -1.0f; way < 2.0f; way += 2.0f) {
+        TEST_ASSERT_TRUE(counts(way, 2.001f, 30.0f, 0.699f)); // has a quarter of it
+        TEST_ASSERT_FALSE(counts(way, 1.999f, 30.0f, 0.699f));
+        TEST_ASSERT_FALSE(counts(way, 1.999f, 30.0f, -0.699f));
+        TEST_ASSERT_TRUE(counts(way, 1.999f, 30.0f, 0.701f));
+        TEST_ASSERT_TRUE(counts(way, -4.0f, 30.0f, -0.701f));
+        TEST_ASSERT_TRUE(counts(way, 9.0f, 30.0f, 0.1f)); // what is asked for now is less
+    }
+}
+
+/// A voltage that makes current is no sign of a phase that carries none (K28): a quarter of 10 V/A for 3.5 A, or for 2 A.
+static void test_of_a_phase_that_lacks_the_voltage_is_not_answered(void) {
+    for (float way = -1.0f; way < 2.0f; way += 2.0f) {
+        TEST_ASSERT_TRUE(counts(way, 4.0f, 8.76f, 0.1f));
+        TEST_ASSERT_FALSE(counts(way, 4.0f, 8.74f, 0.1f));
+        TEST_ASSERT_FALSE(counts(way, 4.0f, -30.0f, 0.1f));
+        TEST_ASSERT_TRUE(counts(way, 2.5f, 5.01f, 0.1f));
+        TEST_ASSERT_FALSE(counts(way, 2.5f, 4.99f, 0.1f));
+    }
+}
+
+/// What has been lacking goes on to count, by a twelfth, while there is current (K27), but does not begin to.
+static void test_what_is_not_had_again_goes_on_to_count(void) {
+    const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
+    const lode_half_waves_seen_t across =
+        seen_of((lode_ab_t){0.0f, 5.0f}, (lode_ab_t){0.0f, 5.0f}, 0.1);
+    lode_half_waves_t waves = {.lacks = {0u}};
+    (void)lode_half_waves_look(&waves, &t, &across);
+    TEST_ASSERT_FALSE(waves.doubts);
+    waves.lacks[0] = 100u;
+    (void)lode_half_waves_look(&waves, &t, &across);
+    CHECK_NEAR(1.0, 100.0 + 0.1 * 3.0 / CHECK_PI / 12.0 * 16384.0, waves.lacks[0]);
+    const lode_half_waves_seen_t little =
+        seen_of((lode_ab_t){0.0f, 5.0f}, (lode_ab_t){0.0f, 0.999f * t.least_A}, 0.1);
+    const uint_least16_t before = waves.lacks[0];
+    (void)lode_half_waves_look(&waves, &t, &little);
+    TEST_ASSERT_EQUAL_UINT(before, waves.lacks[0]);
+}
+
 static void test_whatever_three_currents_are_the_answer_is_a_phase(void) {
     static const float wild[] = {NAN, INFINITY, -INFINITY, 1.0e30f, 0.0f, 5.0f};
     random_t random = random_seed(9);
     three_t s = three(5.0, 100.0);
     for (int n = 0; n < 100000; n++) {
-        float x[5];
-        for (int k = 0; k < 5; k++) {
+        float x[10];
+        for (int k = 0; k < COUNT_OF(x); k++) {
             x[k] = wild[random_bits(&random) % (uint32_t)COUNT_OF(wild)];
         }
-        CHECK_AT_MOST(3.0, lode_half_waves_look(&s.waves, &s.tuning, (lode_ab_t){x[0], x[1]},
-                                                (lode_ab_t){x[2], x[3]}, x[4]));
+        const lode_half_waves_seen_t seen = {{x[0], x[1]}, {x[2], x[3]}, {x[4], x[5]},
+                                             {x[6], x[7]}, x[8],         x[9]};
+        CHECK_AT_MOST(3.0, lode_half_waves_look(&s.waves, &s.tuning, &seen));
     }
 }
 
@@ -628,6 +704,9 @@ int main(void) {
     RUN_TEST(test_a_half_wave_that_is_seen_clears_its_phase);
     RUN_TEST(test_one_half_wave_of_one_phase_lacks_enough);
     RUN_TEST(test_three_phases_at_their_limits);
+    RUN_TEST(test_what_was_not_asked_for_a_round_ago_is_not_lacking);
+    RUN_TEST(test_of_a_phase_that_lacks_the_voltage_is_not_answered);
+    RUN_TEST(test_what_is_not_had_again_goes_on_to_count);
     RUN_TEST(test_whatever_three_currents_are_the_answer_is_a_phase);
     RUN_TEST(test_tuning_of_three_phases);
     return UNITY_END();

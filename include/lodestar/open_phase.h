@@ -3,6 +3,7 @@
 #ifndef LODESTAR_OPEN_PHASE_H
 #define LODESTAR_OPEN_PHASE_H
 
+#include "lodestar/frames.h"
 #include "lodestar/status.h"
 #include "lodestar/vsd.h"
 
@@ -31,6 +32,7 @@ typedef struct {
     uint_least16_t lacks[LODE_HALF_WAVES]; ///< for how much of enough it has been lacking
     uint_least16_t idle;                   ///< for how much there has been too little to tell
     bool doubts;                           ///< one of them has been lacking
+    lode_dq_t asked_A;                     ///< a round ago
 } lode_half_waves_t;
 
 typedef struct {
