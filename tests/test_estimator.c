@@ -171,6 +171,30 @@ static double steady_lock(const lode_estimator_config_t *config, double omega) {
     return (double)w.last.lock;
 }
 
+/// Of a motor as told there is nothing beyond the magnets' EMF, whatever the speed, the current and the direction; of one with
+/// less flux than told what it lacks is.
+static void test_the_EMF_beyond_that_of_the_magnets(void) {
+    static const double omegas[] = {100.0, 300.0, 470.0, -100.0, -470.0};
+    for (int n = 0; n < 5; n++) {
+        const double omega = omegas[n];
+        const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+        watch_t w = watch(&config, omega, 4.0);
+        for (int k = 0; k < 4000; k++) {
+            (void)watch_step(&w, -2.0, 4.0);
+        }
+        const double e_V = (double)lode_ab_length(w.last.e_V);
+        const lode_ab_t none_V = lode_estimator_beyond_V(&w.estimator, &w.tuning);
+        CHECK_AT_MOST(0.01 * e_V, (double)lode_ab_length(none_V));
+        w.tuning.psi_Wb *= 1.25f;
+        const lode_ab_t less_V = lode_estimator_beyond_V(&w.estimator, &w.tuning);
+        const lode_dq_t seen_V = lode_park(less_V, w.estimator.pll.frame);
+        const double more_V = omega * 0.2 * (double)w.tuning.psi_Wb /
+                              (1.0 + omega * omega * (double)w.tuning.droop_s2);
+        CHECK_NEAR(0.01 * e_V, 0.0, (double)seen_V.d);
+        CHECK_NEAR(0.01 * e_V, -more_V, (double)seen_V.q);
+    }
+}
+
 static void test_sound_running_keeps_its_lock_at_all_speeds(void) {
     // Whatever bandwidth is accepted: an ideal motor within omega_max must never look lost. 0.7 is
     // what a start asks for before it hands over.
@@ -1099,6 +1123,7 @@ int main(void) {
     RUN_TEST(test_without_compensation_the_angle_lags_as_computed);
     RUN_TEST(test_acquisition_from_reset_takes_milliseconds);
     RUN_TEST(test_acquisition_under_load_of_a_light_rotor);
+    RUN_TEST(test_the_EMF_beyond_that_of_the_magnets);
     RUN_TEST(test_sound_running_keeps_its_lock_at_all_speeds);
     RUN_TEST(test_standstill_is_no_lock);
     RUN_TEST(test_ramps_and_load_steps);
