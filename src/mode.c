@@ -23,6 +23,9 @@
 // Times the active flux: errors of 10 % in psi, 20 % in Ld, 50 % in R and a microsecond of dead time add up to 1.6, with
 // 0.4 of the sensors' gain it is 2.3 to 2.5.
 #define WRONG_FLUX 2.0f
+// Of the impedance, by which the same current then takes another voltage: half a dozen rounds turn no rotor so much, and sensors
+// that show 0.6 of what they did make 0.67 of it (S41).
+#define OTHER_VOLTAGE 0.5f
 // Than the vector: a rotor that swings about it is so by half.
 #define MUCH_FASTER 2.0f
 #define PROVING_ENDLESS 0xffffu // rounds: 13 s of 40 kHz, and longer than a rotor takes to stop
@@ -384,9 +387,41 @@ static LODE_NOINLINE void watch_flux(lode_drive_t *self) {
     self->guard.lock = (uint_least16_t)rounds;
 }
 
+static float measured_A2(const lode_drive_t *self) {
+    const lode_ab_t i_A = self->estimator.emf.i_A;
+    return i_A.alpha * i_A.alpha + i_A.beta * i_A.beta;
+}
+
+// The current has fallen and is back, and with it the EMF has changed: the inverter gives another voltage for what passes for the
+// same current (S41).
+static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_emf_tuning_t *emf = &tuning->estimator.emf;
+    const lode_start_t *start = &self->state.start;
+    const float R_Ohm = emf->inv_b - emf->a_over_b + self->inverter.r_more_Ohm;
+    const float X_Ohm =
+        start->omega_rad_s * lode_min(tuning->references.Lq_H, 1.0f / tuning->references.inv_Ld);
+    const float limit_Ohm = OTHER_VOLTAGE * lode_sqrt(R_Ohm * R_Ohm + X_Ohm * X_Ohm);
+    const float change_Ohm = change_V / lode_max(start->current_A, FLT_MIN);
+    if (tuning->plausibility.i_sum >= 0 && change_Ohm > limit_Ohm) {
+        lode_mode_fault(self, LODE_CHECK_RESISTANCE, change_Ohm, limit_Ohm);
+    }
+}
+
+static void watch_drop(lode_drive_t *self) {
+    lode_start_t *start = &self->state.start;
+    const float asked_A2 = start->current_A * start->current_A;
+    const bool flows = asked_A2 >= self->tuning->plausibility.i_min_A2;
+    const lode_dq_t e_V = lode_park(self->estimator.emf.observer.e_V, start->at);
+    float change_V = 0.0f;
+    if (lode_drop_step(&start->drop, measured_A2(self), flows ? asked_A2 : 0.0f, e_V, &change_V)) {
+        judge_drop(self, change_V);
+    }
+}
+
 #endif
 
-// SLOT_LAG: resistance and dead time, while the vector rests; then what the EMF tells of the flux.
+// SLOT_LAG: resistance and dead time, while the vector rests; then what the EMF tells of the flux, and of the current.
 static void measure_start(lode_drive_t *self) {
     if (self->state.start.stage == (uint_least8_t)LODE_START_TURN) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -499,6 +534,9 @@ static void aim_start(lode_drive_t *self) {
     if (lode_start_catches(start) || finds_at_rest(self)) {
         return;
     }
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    lode_drop_look(&start->drop, measured_A2(self));
+#endif
     const bool stopping = is_stop(self);
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target =
@@ -524,6 +562,9 @@ static void follow_start(lode_drive_t *self, lode_slot_t slot) {
         hand_over(self);
         self->state.run.fade = 0.0f;
     } else if (slot == SLOT_LAG) {
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        watch_drop(self);
+#endif
         measure_start(self);
     } else if (slot == SLOT_DEAD_TIME) {
         judge_start(self);

@@ -39,6 +39,16 @@
 #define WAVES_ALL 0x3fu
 #define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
 
+// (S41), squared: a current within a fifth of what is asked for, for so many rounds; one that has fallen by a quarter, and at the
+// next look is away by 0.15 still. Control is as far with sensors that show half of what they did.
+#define LEAST_HELD 0.64f
+#define MOST_HELD 1.44f
+#define HELD_ROUNDS 8u
+#define FALLEN 0.5625f
+#define AWAY 0.7225f
+// Rounds, from 2, in which current control has brought it back, and the EMF's observer has settled.
+#define BACK_ROUNDS 5u
+
 #define OVERLOAD_MAX_s 10.0f
 // Of what all the torque makes of a free rotor: what a load that is hardly larger, or one that ripples, may make of it.
 #define AWAY_SHARE 0.1f
@@ -196,6 +206,37 @@ uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning
     *self = (lode_waves_t){.lacking = (uint_least8_t)lacking};
     const uint32_t phases = ALL_PHASES & (twice | twice >> LODE_PHASES);
     return (uint_least8_t)(phases > 0u ? number_of(phases) : 0.0f);
+}
+
+void lode_drop_look(lode_drop_t *self, float i_A2) {
+    if (self->rounds == 1u) {
+        self->rounds = i_A2 < AWAY * self->i_A2 ? 2u : 0u;
+    } else if (self->rounds == 0u && self->held >= HELD_ROUNDS && i_A2 < FALLEN * self->i_A2) {
+        self->rounds = 1u;
+    } else {
+        // it is there, or it has fallen
+    }
+}
+
+bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V, float *change_V) {
+    lode_drop_look(self, i_A2);
+    const uint32_t since = self->rounds;
+    if (since > 0u && since <= BACK_ROUNDS) {
+        self->rounds = (uint_least8_t)(since > 1u ? since + 1u : since);
+        return false;
+    }
+    const bool held = lode_in_range(i_A2, LEAST_HELD * asked_A2, MOST_HELD * asked_A2);
+    const bool back = since > 0u && i_A2 > AWAY * self->i_A2;
+    const uint32_t rounds = back || !held ? 0u : self->held + 1u;
+    if (back) { // no root in the other rounds
+        const lode_ab_t change = {e_V.d - self->e_V.d, e_V.q - self->e_V.q};
+        *change_V = lode_ab_length(change);
+    }
+    self->e_V = e_V;
+    self->i_A2 = i_A2;
+    self->held = (uint_least8_t)(rounds < HELD_ROUNDS ? rounds : HELD_ROUNDS);
+    self->rounds = 0u;
+    return back;
 }
 
 // The other two currents of an open phase add up to none, to within their gains; beside a converter that is stuck they do

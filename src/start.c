@@ -348,6 +348,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 // What is seen of the stage before is forgotten.
 static void enter(lode_start_t *self, uint_least8_t stage) {
     self->stage = stage;
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    self->drop = (lode_drop_t){.rounds = 0u};
+#endif
     if (stage == (uint_least8_t)LODE_START_TURN) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY // which alone looks at what turns
         self->seen.turn.waves = (lode_waves_t){.turn_rad = 0.0f};

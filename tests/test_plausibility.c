@@ -728,6 +728,95 @@ static void test_a_phase_without_a_half_wave_is_found(void) {
     TEST_ASSERT_EQUAL_UINT(0u, after_turns(1u, 5.0f, 20));
 }
 
+// --- A current that falls and comes back ----------------------------------------------------------
+
+/// A round as a start has it, with a look in its middle. True: the current fell, and is back.
+static bool drop_round(lode_drop_t *drop, double i_A, double asked_A, double e_V,
+                       double *change_V) {
+    const float i_A2 = (float)(i_A * i_A);
+    float change = NAN;
+    const bool back = lode_drop_step(drop, i_A2, (float)(asked_A * asked_A),
+                                     (lode_dq_t){0.6f * (float)e_V, -0.8f * (float)e_V}, &change);
+    *change_V = (double)change;
+    lode_drop_look(drop, i_A2);
+    return back;
+}
+
+/// Rounds until a current of 10 A that has been held for `held` rounds, falls to `fallen_A` in one and is `away_A` at the look
+/// after, is told to be back; 0: not within 20. The EMF is 2 V before and 5 V after.
+static int rounds_until_back(int held, double fallen_A, double away_A, double back_A,
+                             double *change_V) {
+    lode_drop_t drop = {.rounds = 0u};
+    for (int n = 0; n < held; n++) {
+        TEST_ASSERT_FALSE(drop_round(&drop, 10.0, 10.0, 2.0, change_V));
+    }
+    lode_drop_look(&drop, (float)(fallen_A * fallen_A));
+    if (drop_round(&drop, away_A, 10.0, 5.0, change_V)) {
+        return 1;
+    }
+    for (int n = 2; n <= 20; n++) {
+        if (drop_round(&drop, back_A, 10.0, 5.0, change_V)) {
+            return n;
+        }
+    }
+    return 0;
+}
+
+static void test_a_current_that_falls_and_comes_back_tells_the_voltage(void) {
+    double change_V = NAN;
+    TEST_ASSERT_EQUAL_INT(5, rounds_until_back(8, 4.0, 6.0, 10.0, &change_V));
+    CHECK_CLOSE(1.0e-6, 3.0, change_V);
+    // The counter of rounds does not wrap.
+    TEST_ASSERT_EQUAL_INT(5, rounds_until_back(300, 7.4, 8.4, 8.6, &change_V));
+    CHECK_CLOSE(1.0e-6, 3.0, change_V);
+    TEST_ASSERT_EQUAL_INT(0, rounds_until_back(7, 4.0, 6.0, 10.0, &change_V)); // not held for long
+    TEST_ASSERT_EQUAL_INT(0, rounds_until_back(8, 7.6, 8.0, 10.0, &change_V)); // no fall
+    TEST_ASSERT_EQUAL_INT(0, rounds_until_back(8, 4.0, 8.6, 10.0, &change_V)); // back at once
+    TEST_ASSERT_EQUAL_INT(0, rounds_until_back(8, 4.0, 6.0, 8.4, &change_V));  // it stays away
+}
+
+/// At a round's own look: the next look, in its middle, confirms it. The EMF to go by is that of the round before.
+static void test_a_fall_is_confirmed_by_the_next_look(void) {
+    for (int again = 0; again < 2; again++) {
+        lode_drop_t drop = {.rounds = 0u};
+        double change_V = NAN;
+        for (int n = 0; n < 8; n++) {
+            TEST_ASSERT_FALSE(drop_round(&drop, 10.0, 10.0, 2.0, &change_V));
+        }
+        TEST_ASSERT_FALSE(
+            lode_drop_step(&drop, 49.0f, 100.0f, (lode_dq_t){9.0f, 9.0f}, &(float){0.0f}));
+        lode_drop_look(&drop, again == 0 ? 64.0f : 81.0f);
+        for (int n = 0; n < 4; n++) {
+            TEST_ASSERT_FALSE(drop_round(&drop, 9.5, 10.0, 6.0, &change_V));
+        }
+        TEST_ASSERT_EQUAL(again == 0, drop_round(&drop, 9.5, 10.0, 6.0, &change_V));
+        if (again == 0) {
+            CHECK_CLOSE(1.0e-6, 4.0, change_V);
+            // The next one must be held for as long again.
+            TEST_ASSERT_FALSE(drop_round(&drop, 4.0, 10.0, 6.0, &change_V));
+            TEST_ASSERT_EQUAL_UINT(0, drop.rounds);
+        }
+    }
+}
+
+static void test_a_current_that_is_not_asked_for_does_not_fall(void) {
+    double change_V = NAN;
+    const double bad[] = {7.9, 12.1, NAN};
+    for (int k = 0; k < COUNT_OF(bad); k++) {
+        lode_drop_t drop = {.rounds = 0u};
+        for (int n = 0; n < 20; n++) {
+            TEST_ASSERT_FALSE(drop_round(&drop, bad[k], 10.0, 2.0, &change_V));
+        }
+        TEST_ASSERT_FALSE(drop_round(&drop, 1.0, 10.0, 2.0, &change_V));
+        TEST_ASSERT_EQUAL_UINT(0, drop.rounds);
+    }
+    lode_drop_t drop = {.rounds = 0u};
+    for (int n = 0; n < 20; n++) { // nothing is asked for, and noise flows
+        TEST_ASSERT_FALSE(drop_round(&drop, n % 2 == 0 ? 0.1 : 0.01, 0.0, 2.0, &change_V));
+        TEST_ASSERT_EQUAL_UINT(0, drop.rounds);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_sound_converters_are_never_stuck);
@@ -757,5 +846,8 @@ int main(void) {
     RUN_TEST(test_a_half_wave_that_is_missing_once_is_none);
     RUN_TEST(test_a_half_wave_is_more_than_half_of_the_current);
     RUN_TEST(test_little_current_begins_the_half_waves_anew);
+    RUN_TEST(test_a_current_that_falls_and_comes_back_tells_the_voltage);
+    RUN_TEST(test_a_fall_is_confirmed_by_the_next_look);
+    RUN_TEST(test_a_current_that_is_not_asked_for_does_not_fall);
     return UNITY_END();
 }

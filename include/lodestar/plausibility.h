@@ -31,6 +31,15 @@ typedef struct {
     uint_least8_t lacking; ///< those that the turn before did not have
 } lode_waves_t;
 
+/// The current of a start's vector, as measured: it falls at once, and comes back at another voltage (S41).
+typedef struct {
+    lode_dq_t e_V; ///< EMF along and across the vector before it fell
+    float i_A2;    ///< the current then, squared
+    uint_least8_t
+        held; ///< rounds in which it was what was asked for, until there are enough of them
+    uint_least8_t rounds; ///< since it fell, from 2; 1: it fell at the last look; 0: it has not
+} lode_drop_t;
+
 typedef struct {
     int32_t i[LODE_PHASES]; ///< at the last look, 1/256 count
     uint_least8_t kept;     ///< phases that had the same count at the look before, a bit each
@@ -84,6 +93,14 @@ lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
 /// square of the current that is asked for. The phase without a half-wave, 1 .. 3; 0: none is known to be.
 uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning_t *tuning,
                               const int32_t i[LODE_PHASES], float i_A2, float turn_rad);
+
+/// Between two steps: whether the current, squared, has fallen.
+void lode_drop_look(lode_drop_t *self, float i_A2);
+
+/// Once in LODE_SLOW_PERIODS, `asked_A2` being what is asked for, squared (0: too little to tell), and `e_V` along and across
+/// the vector. True: some rounds ago the current fell, and it is back; `change_V` is then by how much the EMF has changed since
+/// before.
+bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V, float *change_V);
 
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,

@@ -151,6 +151,9 @@ typedef struct {
         lode_start_rest_t rest; ///< before LODE_START_TURN
         lode_start_turn_t turn; ///< LODE_START_TURN
     } seen;
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    lode_drop_t drop; ///< in the present stage
+#endif
     float by_size;         ///< share of the EMF's size in the swing, with the sign of the speed
     float give;            ///< rad by which the vector gives way per V of swinging EMF
     uint_least16_t locked; ///< rounds of LODE_SLOW_PERIODS for which the lock has held

@@ -1,0 +1,74 @@
+// Current sensors that come to show another share of the current while a start is under way (S41).
+#include "support/check.h"
+
+#include "support/rig.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static lode_drive_tuning_t tuning;
+
+/// A start whose sensors come to show `gain` of the currents after `rounds` rounds of `stage`, in the period `late` of a round.
+/// Its fault, 20 ms later.
+static lode_fault_t gain_changes(lode_start_stage_t stage, int rounds, int late, double gain,
+                                 lode_choice_t plausibility) {
+    lode_drive_config_t config = rig_config();
+    config.guard.plausibility = plausibility;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 30.0f});
+    const int since = 8 * rounds + late;
+    int seen = 0;
+    for (int n = 0; n < 10000 && seen < since + 100; n++) {
+        const bool starts = rig.drive.mode == (uint_least8_t)LODE_MODE_START;
+        const bool there = starts && rig.drive.state.start.stage == (uint_least8_t)stage;
+        seen += there || seen > 0 ? 1 : 0;
+        lode_counts_t counts = rig_counts(&rig);
+        for (int k = 0; k < LODE_PHASES && seen > since; k++) {
+            counts.i[k] = rig_count(2048.0 + gain * ((double)counts.i[k] - 2048.0));
+        }
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    TEST_ASSERT_EQUAL_INT(since + 100, seen);
+    return rig_telemetry(&rig).fault;
+}
+
+static void test_sensors_that_come_to_show_half_end_the_start(void) {
+    const double gains[] = {0.3, 0.4, 0.5};
+    for (int late = 0; late < 8; late++) {
+        for (int k = 0; k < COUNT_OF(gains); k++) {
+            const lode_fault_t turning =
+                gain_changes(LODE_START_TURN, 150, late, gains[k], LODE_ON);
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_RESISTANCE", lode_check_name(turning.check));
+            TEST_ASSERT_EQUAL_INT(LODE_MODE_START, turning.state);
+            TEST_ASSERT_EQUAL_INT(LODE_START_TURN, turning.stage);
+            CHECK_AT_LEAST((double)turning.limit, (double)turning.measured);
+            // Half of the impedance, with the resistance that this start has measured.
+            CHECK_AT_LEAST(0.9 * 0.5 * 0.75, (double)turning.limit);
+            CHECK_AT_MOST(1.1 * 0.5 * hypot(0.75, 60.0 * 3.5e-3), (double)turning.limit);
+        }
+        const lode_fault_t rising = gain_changes(LODE_START_HALF, 60, late, 0.4, LODE_ON);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_RESISTANCE", lode_check_name(rising.check));
+    }
+}
+
+static void test_sensors_that_come_to_show_most_do_not(void) {
+    for (int late = 0; late < 8; late++) {
+        const double gains[] = {0.85, 1.0, 1.5};
+        for (int k = 0; k < COUNT_OF(gains); k++) {
+            TEST_ASSERT_EQUAL_INT(
+                LODE_CHECK_NONE, gain_changes(LODE_START_TURN, 150, late, gains[k], LODE_ON).check);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE,
+                          gain_changes(LODE_START_TURN, 150, 0, 0.4, LODE_OFF).check);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_sensors_that_come_to_show_half_end_the_start);
+    RUN_TEST(test_sensors_that_come_to_show_most_do_not);
+    return UNITY_END();
+}
