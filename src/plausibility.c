@@ -102,8 +102,9 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
 bool lode_plausibility_is_overloaded(float *held_rad_s, const lode_plausibility_tuning_t *tuning,
                                      float sense, float omega_rad_s) {
     const float away = sense * (*held_rad_s - omega_rad_s);
-    *held_rad_s =
-        away > 0.0f ? *held_rad_s - sense * lode_min(away, tuning->away_step) : omega_rad_s;
+    const bool brakes = sense * omega_rad_s < 0.0f; // and the rotor gets faster all the same
+    const float step = brakes ? 0.0f : lode_min(away, tuning->away_step);
+    *held_rad_s = away > 0.0f ? *held_rad_s - sense * step : omega_rad_s;
     return away > tuning->away_rad_s;
 }
 

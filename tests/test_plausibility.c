@@ -560,10 +560,11 @@ static lode_plausibility_tuning_t load_tuning(float overload_s) {
     return tuning;
 }
 
-/// (K19): with `times` the torque of i_max as a load, the rounds until that is too much; 0: not within 20 000.
-static int overload_rounds(float overload_s, double times, float sense) {
+/// (K19): with `times` the torque of i_max as a load, the rounds until that is too much; 0: not within 20 000. `sense` of
+/// the torque, which drives a rotor that turns on, or brakes it.
+static int overload_rounds(float overload_s, double times, float sense, bool brakes) {
     const lode_plausibility_tuning_t tuning = load_tuning(overload_s);
-    double omega = 5.0;
+    double omega = (brakes ? -200.0 : 200.0) * (double)sense;
     float held = (float)omega;
     for (int n = 1; n <= 20000; n++) {
         omega -= (double)sense * (times - 1.0) * (double)RISE_rad_s2 * ROUND_s;
@@ -578,13 +579,20 @@ static void test_a_load_that_no_torque_holds_is_too_large(void) {
     for (int sense = -1; sense <= 1; sense += 2) {
         const float times_s[] = {0.03f, 0.1f};
         for (int n = 0; n < COUNT_OF(times_s); n++) {
-            const double twice = (double)times_s[n] / (2.0 - 1.0 - 0.1) / ROUND_s;
-            CHECK_NEAR(1.5, twice, overload_rounds(times_s[n], 2.0, (float)sense));
-            const double half = (double)times_s[n] / (1.5 - 1.0 - 0.1) / ROUND_s;
-            CHECK_NEAR(1.5, half, overload_rounds(times_s[n], 1.5, (float)sense));
-            // Hardly more than the torque, or less: the speed goes where it should.
-            TEST_ASSERT_EQUAL_INT(0, overload_rounds(times_s[n], 1.09, (float)sense));
-            TEST_ASSERT_EQUAL_INT(0, overload_rounds(times_s[n], 0.9, (float)sense));
+            const float s = times_s[n];
+            const double twice = (double)s / (2.0 - 1.0 - 0.1) / ROUND_s;
+            CHECK_NEAR(1.5, twice, overload_rounds(s, 2.0, (float)sense, false));
+            const double half = (double)s / (1.5 - 1.0 - 0.1) / ROUND_s;
+            CHECK_NEAR(1.5, half, overload_rounds(s, 1.5, (float)sense, false));
+            // Hardly more than the torque may stop a rotor slowly. One that it makes faster is not waited for.
+            TEST_ASSERT_EQUAL_INT(0, overload_rounds(s, 1.09, (float)sense, false));
+            const double hardly = (double)s / 0.09 / ROUND_s;
+            CHECK_NEAR(1.5, hardly, overload_rounds(s, 1.09, (float)sense, true));
+            const double faster = (double)s / (2.0 - 1.0) / ROUND_s;
+            CHECK_NEAR(1.5, faster, overload_rounds(s, 2.0, (float)sense, true));
+            // Less: the speed goes where it should.
+            TEST_ASSERT_EQUAL_INT(0, overload_rounds(s, 0.9, (float)sense, false));
+            TEST_ASSERT_EQUAL_INT(0, overload_rounds(s, 0.9, (float)sense, true));
         }
     }
 }

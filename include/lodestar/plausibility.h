@@ -19,7 +19,8 @@ typedef struct {
     float per_wave_A; ///< least half-wave per ampere asked for, 1/256 count; 0: not looked at
     lode_open_phase_tuning_t waves; ///< of RUN
     float away_rad_s; ///< electrical, by which a load may move the speed; 0: not looked at
-    float away_step;  ///< of that, what it may in each LODE_SLOW_PERIODS for ever
+    float
+        away_step; ///< of that, what it may in each LODE_SLOW_PERIODS for ever, unless it is faster for it
 } lode_plausibility_tuning_t;
 
 /// Both half-waves of each of three currents, over a turn and a tenth of a vector that is twice as long: a phase
