@@ -24,7 +24,7 @@
 // 0.4 of the sensors' gain it is 2.3 to 2.5.
 #define WRONG_FLUX 2.0f
 // Of the impedance, by which the same current then takes another voltage: half a dozen rounds turn no rotor so much, and sensors
-// that show 0.6 of what they did make 0.67 of it (S41).
+// that show 0.6 of what they did make 0.67 of it (S43).
 #define OTHER_VOLTAGE 0.5f
 // Than the vector: a rotor that swings about it is so by half.
 #define MUCH_FASTER 2.0f
@@ -393,7 +393,7 @@ static float measured_A2(const lode_drive_t *self) {
 }
 
 // The current has fallen and is back, and with it the EMF has changed: the inverter gives another voltage for what passes for the
-// same current (S41).
+// same current (S43).
 static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_emf_tuning_t *emf = &tuning->estimator.emf;

@@ -39,7 +39,7 @@
 #define WAVES_ALL 0x3fu
 #define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
 
-// (S41), squared: a current within a fifth of what is asked for, for so many rounds; one that has fallen by a quarter, and at the
+// (S43), squared: a current within a fifth of what is asked for, for so many rounds; one that has fallen by a quarter, and at the
 // next look is away by 0.15 still. Control is as far with sensors that show half of what they did.
 #define LEAST_HELD 0.64f
 #define MOST_HELD 1.44f

@@ -1,4 +1,4 @@
-// Current sensors that come to show another share of the current while a start is under way (S41).
+// Current sensors that come to show another share of the current while a start is under way (S43).
 #include "support/check.h"
 
 #include "support/rig.h"

@@ -32,7 +32,7 @@ typedef struct {
     uint_least8_t lacking; ///< those that the turn before did not have
 } lode_waves_t;
 
-/// The current of a start's vector, as measured: it falls at once, and comes back at another voltage (S41).
+/// The current of a start's vector, as measured: it falls at once, and comes back at another voltage (S43).
 typedef struct {
     lode_dq_t e_V; ///< EMF along and across the vector before it fell
     float i_A2;    ///< the current then, squared

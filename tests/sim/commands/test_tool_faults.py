@@ -51,7 +51,7 @@ def tries_bridge_and_sensors_before_a_start(checks, folder):
 
 
 def finds_sensors_that_come_to_show_less_in_a_start(checks, folder):
-    """(S41), with little and with much inductance and resistance, and six phases."""
+    """(S43), with little and with much inductance and resistance, and six phases."""
     for motor in ("jiang2022", "eldeeb2017", "servo_48V", "highspeed_100krpm", "ultrazohm6"):
         for seed in ("1", "2"):
             _, cases = cases_of(folder, "--motors", motor, "--kinds", "none,gains-0.4", "--seed", seed)
