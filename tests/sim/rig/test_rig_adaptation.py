@@ -139,7 +139,8 @@ def one_of_six_phases(checks, folder, seed, truth, *more):
         rows = list(csv.DictReader(file))
     of = {name: [row for row in rows if int(row["phase"]) == k] for k, name in enumerate(names)}
     room = SIX_DEAD_TIME_BAR if more else 0.0
-    for phase, name, bar in [("fast", "J", BARS["J"] + room), ("fast", "psi", BARS["psi"] + room), ("held", "Rs", SIX_RS_BAR)]:
+    bars = [("fast", "J", BARS["J"] + room), ("fast", "psi", BARS["psi"] + room), ("held", "Rs", SIX_RS_BAR)]
+    for phase, name, bar in bars:
         row = of[phase][-1]
         found, sure = float(row[COLUMNS[name]]) / (truth[name] * SIX[name]), float(row[f"adapted_{name}_confidence"])
         text = f"{label}: {name} {found:.3f} of the true one ({sure:.2f})"
