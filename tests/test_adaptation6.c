@@ -1,4 +1,4 @@
-// Adaptation with six phases on a dual three-phase machine in double: what is found, what becomes of it, and one set alone.
+// Adaptation with six phases on a dual three-phase machine in double: what is found, what comes of it, one set alone.
 #include "support/rig6.h"
 
 #include "drive_inline.h"

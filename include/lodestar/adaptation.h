@@ -6,7 +6,9 @@
 /// What is found goes into a copy of the drive's tuning, which is posted. A tuning that learn.h has made goes through
 /// here too, lode_adaptation_post() in place of lode_drive_post_tuning(). J changes speed control and
 /// feed-forward only, psi the torque that the references ask for, Rs the observer's voltage. All else stays as
-/// it was designed, the flux that FLUX and the lock are judged by too (docs/adaptation.md). Three phases; six: adaptation6.h.
+/// it was designed, the flux that FLUX and the lock are judged by too (docs/adaptation.md).
+///
+/// Three phases; six: adaptation6.h.
 #ifndef LODESTAR_ADAPTATION_H
 #define LODESTAR_ADAPTATION_H
 
