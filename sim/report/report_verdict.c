@@ -13,10 +13,11 @@ static double rpm_of(const lode_drive_config_t *drive, double omega_rad_s) {
 
 static void print_speeds(FILE *file, const lode_drive_config_t *drive, const design_t *design) {
     const speed_limits_t *speeds = &design->speeds;
-    (void)fprintf(file, "speeds: %.0f .. %.0f rpm; base speed %.0f rpm, by voltage %.0f",
-                  rpm_of(drive, design->verdict.lowest_rad_s),
-                  rpm_of(drive, design->verdict.highest_rad_s), rpm_of(drive, speeds->base_rad_s),
-                  rpm_of(drive, speeds->no_load_rad_s));
+    const verdict_t *verdict = &design->verdict;
+    (void)fprintf(file, "speeds: %s%.0f .. %.0f rpm; base speed %.0f rpm, by voltage %.0f",
+                  verdict->highest_rad_s < verdict->lowest_rad_s ? "none, " : "",
+                  rpm_of(drive, verdict->lowest_rad_s), rpm_of(drive, verdict->highest_rad_s),
+                  rpm_of(drive, speeds->base_rad_s), rpm_of(drive, speeds->no_load_rad_s));
     if (isinf(speeds->weakened_rad_s)) {
         (void)fputs(", with a weakened field any", file);
     } else if (!isnan(speeds->weakened_rad_s)) {

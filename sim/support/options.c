@@ -140,7 +140,9 @@ static const command_t commands[] = {
      "Prints every value that follows from a motor and a drive.\n"
      "Gains, bandwidths and limits, the stability of the PLL, the lag of the observer, and the "
      "limit\n"
-     "at low speed. What the drive leaves out is assumed, and marked so."},
+     "at low speed. What the drive leaves out is assumed, and marked so. Lines at the end say "
+     "what\n"
+     "to change, and which figures are implausible: most often a wrong unit."},
     {"analyse", COMMAND_ANALYSE, ANALYSE, "lodestar analyse [OPTION...]",
      "Compares the papers' Bode diagrams, poles and margins with those of the firmware.\n"
      "Then the loops of your drive: observer, PLL, current, speed. Without a motor and a drive,\n"
