@@ -158,14 +158,18 @@ bool rig_config_is_six(const rig_config_t *config) {
     return config->drive.motor.sets == 2.0f;
 }
 
-lode_drive6_config_t rig_config_six(const rig_config_t *config) {
+static lode_drive6_config_t six_of(const lode_drive_config_t *drive, const rig_six_t *six) {
     return (lode_drive6_config_t){
-        .drive = config->drive,
-        .Lxy_H = config->six.Lxy_H,
-        .source = config->six.source,
-        .xy = config->six.xy,
-        .open_phase = config->six.open_phase,
+        .drive = *drive,
+        .Lxy_H = six->Lxy_H,
+        .source = six->source,
+        .xy = six->xy,
+        .open_phase = six->open_phase,
     };
+}
+
+lode_drive6_config_t rig_config_six(const rig_config_t *config) {
+    return six_of(&config->given, &config->given_six);
 }
 
 void rig_config_design(rig_config_t *config) {
@@ -173,7 +177,7 @@ void rig_config_design(rig_config_t *config) {
         lode_drive_design(&config->drive);
         return;
     }
-    lode_drive6_config_t six = rig_config_six(config);
+    lode_drive6_config_t six = six_of(&config->drive, &config->six);
     lode_drive6_design(&six);
     config->drive = six.drive;
     config->six.xy = six.xy;

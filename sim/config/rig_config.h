@@ -232,6 +232,7 @@ bool rig_config_complete(rig_config_t *config, rig_need_t need);
 /// True for a motor with two sets of windings.
 bool rig_config_is_six(const rig_config_t *config);
 
+/// As firmware gives it to the library: one set alone is designed from what was given, not from the gains of both.
 lode_drive6_config_t rig_config_six(const rig_config_t *config);
 
 /// Lets the library compute every value of the drive that is open.

@@ -66,8 +66,7 @@ static lode_status_t init(commission_run_t *self, const rig_config_t *config) {
         return lode_commission_init(&self->commission.machine, &self->three, self->three_tuning,
                                     &config->given);
     }
-    lode_drive6_config_t six = rig_config_six(config);
-    six.drive = config->given;
+    const lode_drive6_config_t six = rig_config_six(config);
     return lode_commission6_init(&self->commission, &self->six, self->six_tuning, &six);
 }
 
