@@ -296,7 +296,6 @@ static void write_row(FILE *file, const mc_results_t *self, uint64_t number) {
     const mc_campaign_t *campaign = &self->campaign;
     const mc_row_t *row = &self->row[number];
     char error[32];
-    char found[32];
     cJSON *object = cJSON_CreateObject();
     (void)snprintf(error, sizeof error, "%.2f", (double)row->max_error_deg);
     (void)cJSON_AddStringToObject(object, "motor", campaign->motor[number / campaign->cases]);
@@ -311,6 +310,7 @@ static void write_row(FILE *file, const mc_results_t *self, uint64_t number) {
         (void)cJSON_AddNumberToObject(object, "periods", (double)row->periods);
     }
     if (campaign->test == MC_OPEN_PHASE) {
+        char found[32];
         (void)snprintf(found, sizeof found, "%.2f", (double)row->found_ms);
         (void)cJSON_AddRawToObject(object, "found_ms", isnan(row->found_ms) ? "null" : found);
     }
