@@ -23,7 +23,7 @@ typedef struct {
 } lode_emf_tuning_t;
 
 typedef struct {
-    lode_ab_t i_A; ///< current at t_k-1
+    lode_ab_t i_A; ///< current at t_k, of the last step
     lode_observer_t observer;
 } lode_emf_t;
 

@@ -20,12 +20,13 @@ typedef enum {
 
 typedef struct {
     lode_pll_kind_t kind;
-    /// triple (double) pole at and above omega_high; 0: scheduled, 0.21 of rated speed, QPLL 0.35
+    /// triple (double) pole at and above omega_high, 1 .. 0.3/Ts; 0: scheduled, 0.21 of rated speed, QPLL 0.35, at most
+    /// 0.1/Ts; in a drive more for a light rotor (P20)
     float sigma_rad_s;
     float sigma_low_rad_s; ///< the same at and below omega_low; 0: as sigma_rad_s if that is given,
                            ///< else 0.11 of rated speed, QPLL 0.18
-    float omega_low_rad_s; ///< 0: 0.1 of rated speed
-    float omega_high_rad_s; ///< 0: 0.2 of rated speed
+    float omega_low_rad_s; ///< electrical, as all here; 0: 0.1 of rated speed
+    float omega_high_rad_s; ///< above omega_low; 0: 0.2 of rated speed
 } lode_pll_config_t;
 
 typedef struct {
