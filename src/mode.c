@@ -421,9 +421,11 @@ static void watch_drop(lode_drive_t *self) {
 
 #endif
 
-// SLOT_LAG: resistance and dead time, while the vector rests; then what the EMF tells of the flux, and of the current.
+// SLOT_LAG: resistance and dead time, while the vector rests; then what the EMF tells of rotor and flux, and of the current.
 static void measure_start(lode_drive_t *self) {
     if (self->state.start.stage == (uint_least8_t)LODE_START_TURN) {
+        lode_start_note_slip(&self->state.start, &self->tuning->start, &self->estimator,
+                             &self->tuning->estimator);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         watch_flux(self);
 #endif
@@ -542,13 +544,15 @@ static void aim_start(lode_drive_t *self) {
     const float target =
         stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
     self->start_rounds++;
-    if (lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A)) {
-        begin_attempt(self);
-    }
+    const bool failed =
+        lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
     if (stopping && at_rest && !(start->current_A > 0.0f)) {
         lode_mode_switch_off(self);
-    } else if (!stopping && self->start_rounds > tuning->timeout_rounds) {
+    } else if (!stopping && (self->start_rounds > tuning->timeout_rounds ||
+                             (failed && lode_start_is_lost(start, tuning)))) {
         end_start(self);
+    } else if (failed) {
+        begin_attempt(self);
     } else {
         // on its way
     }

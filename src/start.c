@@ -63,6 +63,17 @@
 // lock counts as so many, and the speed may be so many times as far off the vector's (S32).
 #define LOST_LAST 1.01f
 #define WEIGHT_LAST 2u
+// Of the EMF of a rotor that follows: one that is as slow as (S8) allows has 0.75 of it, with magnets and current sensors that are
+// a tenth off each 0.6. The current takes up to SLIP_LOST of what it is told to take of the flux, with both inductances 20 %
+// off; where less than SLIP_FLUX is left a rotor that follows is not known from one that does not (S42).
+#define SLIP_SHARE 0.6f
+#define SLIP_LOST 1.4f
+#define SLIP_FLUX 0.2f
+// A rotor slips that lacks this EMF for so much of the patience, and so many radians of its swing: half of one with ten times
+// the inertia.
+#define SLIP_PART 2u
+#define SLIP_rad 10.0f
+#define SLIPS_MAX 65535u
 
 // Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
 // current settle; of one that does not come to rest in 0.15 s the mean of its swing.
@@ -420,13 +431,55 @@ static float current_share(const lode_start_t *self, const lode_start_tuning_t *
     return 1.0f - CURRENT_FALL * lode_clamp(late / waiting_rounds(tuning, profile), 0.0f, 1.0f);
 }
 
-// Counts a round. True: the attempt has had its time.
+// Radians of the rotor's swing, of the inertia that is told, in so many rounds. The weight of the swing's filter is nearly its
+// corner times a period.
+static float swung_rad(const lode_start_tuning_t *tuning, float rounds) {
+    return rounds * (float)LODE_SLOW_PERIODS / SWING_CORNER * tuning->swing_weight;
+}
+
+static bool slips(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    return SLIP_PART * (uint32_t)self->slips > tuning->patience_rounds &&
+           swung_rad(tuning, (float)(int32_t)self->slips) >= SLIP_rad;
+}
+
+void lode_start_note_slip(lode_start_t *self, const lode_start_tuning_t *tuning,
+                          const lode_estimator_t *estimator,
+                          const lode_estimator_tuning_t *estimator_tuning) {
+    const float vector = lode_sign(self->omega_target) * self->omega_rad_s;
+    const float left = 1.0f - SLIP_LOST * tuning->lost_per_A * self->current_A;
+    if (!(vector >= tuning->omega_ready && left >= SLIP_FLUX)) {
+        return;
+    }
+    // What the observer takes of the amplitude of an EMF that turns with the vector.
+    const float taken = 1.0f + vector * vector * estimator_tuning->droop_s2;
+    const float emf_V = taken * lode_ab_length(estimator->emf.observer.e_V);
+    if (!(emf_V >= SLIP_SHARE * left * vector * estimator_tuning->psi_Wb)) {
+        self->slips = (uint_least16_t)(self->slips < SLIPS_MAX ? self->slips + 1u : SLIPS_MAX);
+    } else if (self->slips > 0u) {
+        self->slips--;
+    } else {
+        // it follows
+    }
+}
+
+bool lode_start_is_lost(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    return self->failed >= LODE_START_FAILED_MAX && slips(self, tuning);
+}
+
+// Counts a round. True: the attempt has had its time, or the rotor slips.
 static bool is_spent(lode_start_t *self, const lode_start_tuning_t *tuning) {
-    const bool starting = lode_abs(self->omega_target) > 0.0f;
-    self->attempt = starting ? self->attempt + 1u : 0u;
+    if (!(lode_abs(self->omega_target) > 0.0f)) {
+        self->attempt = 0u;
+        self->slips = 0u;
+        return false;
+    }
+    self->attempt++;
     const float rounds = (float)(int32_t)self->attempt;
     if (rounds <= tuning->still_rounds) {
         return false; // the profile alone takes longer; spares a division
+    }
+    if (slips(self, tuning)) {
+        return true;
     }
     const float profile = profile_rounds(self, tuning);
     return rounds > profile + waiting_rounds(tuning, profile);
@@ -436,6 +489,7 @@ static bool is_spent(lode_start_t *self, const lode_start_tuning_t *tuning) {
 // the measurement, and 120 degrees back from where the first one began (S41).
 void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning) {
     self->attempt = 0u;
+    self->slips = 0u;
     self->at = (lode_sincos_t){-lode_sign(self->omega_target) * 0.5f * LODE_SQRT3, -0.5f};
     self->omega_rad_s = 0.0f;
     self->current_A = 0.0f;
@@ -492,12 +546,11 @@ static LODE_NOINLINE void end_dwell(lode_start_t *self, bool known) {
     }
 }
 
-// The mean of a swing is known. The weight of the swing's filter is nearly its corner times a period.
+// The mean of a swing is known.
 static bool is_steady(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     const float summed = self->seen.rest.summed;
     const uint32_t least = STEADY_TIMES * (tuning->patience_rounds / CALM_PART);
-    const float swung_rad = summed * (float)LODE_SLOW_PERIODS / SWING_CORNER * tuning->swing_weight;
-    return summed >= (float)least && swung_rad >= STEADY_rad;
+    return summed >= (float)least && swung_rad(tuning, summed) >= STEADY_rad;
 }
 
 // One round with the present current. What it makes known is worked out in the next round, by a call of its own.

@@ -1761,6 +1761,107 @@ static void test_the_last_attempt_tells_its_own_limits(void) {
     check_unmet(&it, "LODE_CRITERION_SPEED", 30.0, 0.75 * 47.0);
 }
 
+// ---- A rotor that slips (S42) --------------------------------------------------------------------
+
+/// Of a rotor that has no saliency.
+static attempt_t round_attempt(void) {
+    attempt_t it = sound_attempt();
+    it.tuning.lost_per_A = 0.0f;
+    return it;
+}
+
+/// Rounds until the attempt has failed, of at most `most`, with an EMF of the share `emf` of the rotor's at the vector's speed.
+static int rounds_until_failed(attempt_t *it, float emf, int most) {
+    const float e_V = emf * lode_abs(it->start.omega_rad_s) * it->estimator_tuning.psi_Wb;
+    it->estimator.emf.observer.e_V = (lode_ab_t){0.6f * e_V, -0.8f * e_V};
+    // As long as the profile takes no attempt ends.
+    it->start.attempt = (uint32_t)it->tuning.still_rounds;
+    for (int n = 1; n <= most; n++) {
+        lode_start_note_slip(&it->start, &it->tuning, &it->estimator, &it->estimator_tuning);
+        if (lode_start_aim(&it->start, &it->tuning, it->start.omega_target, 8.0f)) {
+            return n;
+        }
+        it->start.attempt = (uint32_t)it->tuning.still_rounds;
+    }
+    return most + 1;
+}
+
+/// For half of the patience and 10 radians of the swing; the same either way.
+static void test_a_rotor_that_slips_ends_the_attempt(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        attempt_t it = round_attempt();
+        it.start.omega_rad_s *= (float)sign;
+        it.start.omega_target *= (float)sign;
+        const double swing =
+            sqrt(3.0 / 0.0174 * 8.0 * 0.639); // 29.6 rad/s: 10 radians take longer than 0.2 s
+        const int rounds = rounds_until_failed(&it, 0.59f, 1000);
+        CHECK_NEAR(2.0 * ROUND * (double)PAPER_TS_s + 0.01 * 10.0 / swing, 10.0 / swing,
+                   rounds * ROUND * (double)PAPER_TS_s);
+        lode_start_again(&it.start, &it.tuning);
+        TEST_ASSERT_EQUAL_UINT(0u, it.start.slips);
+        it = round_attempt();
+        it.tuning.swing_weight *= 10.0f; // a light rotor
+        const double patience_s = 0.5 * it.tuning.patience_rounds * ROUND * (double)PAPER_TS_s;
+        CHECK_NEAR(2.0 * ROUND * (double)PAPER_TS_s, patience_s,
+                   rounds_until_failed(&it, 0.59f, 1000) * ROUND * (double)PAPER_TS_s);
+        it = round_attempt();
+        TEST_ASSERT_EQUAL_INT(1001, rounds_until_failed(&it, 0.61f, 1000));
+    }
+}
+
+/// What the current may take of the flux is allowed for; where next to nothing is left, nothing is said.
+static void test_a_slip_is_told_with_flux_that_is_left(void) {
+    attempt_t it = sound_attempt();
+    it.start.current_A = 8.0f;
+    it.tuning.lost_per_A = 0.05f; // 0.4, or 0.56 with inductances that are off
+    const float left = 1.0f - 1.4f * 0.4f;
+    TEST_ASSERT_EQUAL_INT(1001, rounds_until_failed(&it, 0.61f * left, 1000));
+    CHECK_AT_MOST(1000, rounds_until_failed(&it, 0.59f * left, 1000));
+    it.start.slips = 0u;
+    it.tuning.lost_per_A = 0.072f;
+    TEST_ASSERT_EQUAL_INT(1001, rounds_until_failed(&it, 0.0f, 1000));
+    it.tuning.lost_per_A = 0.071f;
+    CHECK_AT_MOST(1000, rounds_until_failed(&it, 0.0f, 1000));
+    it.start.slips = 0u;
+    it.start.omega_rad_s = 46.0f; // too slow for an EMF
+    TEST_ASSERT_EQUAL_INT(1001, rounds_until_failed(&it, 0.0f, 1000));
+    it.start.omega_rad_s = -60.0f; // of a drive that has run the other way
+    TEST_ASSERT_EQUAL_INT(1001, rounds_until_failed(&it, 0.0f, 1000));
+}
+
+/// A rotor that swings lacks the EMF at times, and has it at others; what the observer takes is given back. A stop begins anew.
+static void test_a_swing_is_no_slip(void) {
+    attempt_t it = round_attempt();
+    const lode_ab_t enough_V = it.estimator.emf.observer.e_V;
+    for (int n = 0; n < 3000; n++) {
+        it.estimator.emf.observer.e_V = n / 100 % 2 == 0 ? no_emf : enough_V;
+        lode_start_note_slip(&it.start, &it.tuning, &it.estimator, &it.estimator_tuning);
+        CHECK_AT_MOST(100, it.start.slips);
+    }
+    TEST_ASSERT_EQUAL_UINT(0u, it.start.slips);
+    it.estimator_tuning.droop_s2 = 1.0f / (47.0f * 47.0f);
+    TEST_ASSERT_EQUAL_INT(1001, rounds_until_failed(&it, 0.31f, 1000));
+    CHECK_AT_MOST(1000, rounds_until_failed(&it, 0.29f, 1000));
+    (void)lode_start_aim(&it.start, &it.tuning, 0.0f, 8.0f);
+    TEST_ASSERT_EQUAL_UINT(0u, it.start.slips);
+    it.estimator.emf.observer.e_V = (lode_ab_t){NAN, 0.0f};
+    it.start.omega_target = 47.0f;
+    it.start.slips = 65535u;
+    lode_start_note_slip(&it.start, &it.tuning, &it.estimator, &it.estimator_tuning);
+    TEST_ASSERT_EQUAL_UINT(65535u, it.start.slips);
+}
+
+/// After the last attempt nothing is left to try; one that ends by its time alone is repeated.
+static void test_the_last_attempt_that_slips_is_lost(void) {
+    for (unsigned failed = 0u; failed <= 3u; failed++) {
+        attempt_t it = round_attempt();
+        it.start.failed = (uint_least8_t)failed;
+        TEST_ASSERT_FALSE(lode_start_is_lost(&it.start, &it.tuning));
+        CHECK_AT_MOST(1000, rounds_until_failed(&it, 0.0f, 1000));
+        TEST_ASSERT_EQUAL_INT(failed >= 2u, lode_start_is_lost(&it.start, &it.tuning));
+    }
+}
+
 static void test_stages_and_criteria_have_names(void) {
     TEST_ASSERT_EQUAL_STRING("LODE_START_NONE", lode_start_stage_name(LODE_START_NONE));
     TEST_ASSERT_EQUAL_STRING("LODE_START_CATCH", lode_start_stage_name(LODE_START_CATCH));
@@ -1841,6 +1942,10 @@ int main(void) {
     RUN_TEST(test_what_a_turning_vector_does_not_meet_is_told);
     RUN_TEST(test_what_is_at_its_limit_is_met);
     RUN_TEST(test_the_last_attempt_tells_its_own_limits);
+    RUN_TEST(test_a_rotor_that_slips_ends_the_attempt);
+    RUN_TEST(test_a_slip_is_told_with_flux_that_is_left);
+    RUN_TEST(test_a_swing_is_no_slip);
+    RUN_TEST(test_the_last_attempt_that_slips_is_lost);
     RUN_TEST(test_stages_and_criteria_have_names);
     return UNITY_END();
 }

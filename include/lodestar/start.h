@@ -157,9 +157,11 @@ typedef struct {
     float by_size;         ///< share of the EMF's size in the swing, with the sign of the speed
     float give;            ///< rad by which the vector gives way per V of swinging EMF
     uint_least16_t locked; ///< rounds of LODE_SLOW_PERIODS for which the lock has held
-    uint_least8_t stage;   ///< LODE_START_...
-    uint_least8_t failed;  ///< attempts, up to three
-    uint_least8_t stands;  ///< 1: the vector leads the rotor's axis, and does not sweep (S40)
+    uint_least16_t
+        slips; ///< of those at speed: without the EMF of a rotor that follows, less those with it (S42)
+    uint_least8_t stage;  ///< LODE_START_...
+    uint_least8_t failed; ///< attempts, up to three
+    uint_least8_t stands; ///< 1: the vector leads the rotor's axis, and does not sweep (S40)
 } lode_start_t;
 
 /// Of omega_ready: below, the EMF drowns in the inverter's errors, and the estimator is held to the vector.
@@ -207,6 +209,15 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
 lode_start_unmet_t lode_start_unmet(const lode_start_t *self, const lode_start_tuning_t *tuning,
                                     const lode_estimator_t *estimator,
                                     const lode_estimator_tuning_t *estimator_tuning);
+
+/// Once in LODE_SLOW_PERIODS: whether the EMF is that of a rotor which follows the vector. Of one that does not for long
+/// enough the attempt has failed too (S42).
+void lode_start_note_slip(lode_start_t *self, const lode_start_tuning_t *tuning,
+                          const lode_estimator_t *estimator,
+                          const lode_estimator_tuning_t *estimator_tuning);
+
+/// The attempt that has failed was the last one, and the rotor has not followed: another one like it is of no use.
+bool lode_start_is_lost(const lode_start_t *self, const lode_start_tuning_t *tuning);
 
 /// The next attempt, from rest.
 void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning);
