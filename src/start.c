@@ -486,11 +486,11 @@ static bool is_spent(lode_start_t *self, const lode_start_tuning_t *tuning) {
 }
 
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest, on a phase for
-// the measurement, and 120 degrees back from where the first one began (S41).
+// the measurement, and 120 degrees on from where the first one began (S41).
 void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning) {
     self->attempt = 0u;
     self->slips = 0u;
-    self->at = (lode_sincos_t){-lode_sign(self->omega_target) * 0.5f * LODE_SQRT3, -0.5f};
+    self->at = (lode_sincos_t){lode_sign(self->omega_target) * 0.5f * LODE_SQRT3, -0.5f};
     self->omega_rad_s = 0.0f;
     self->current_A = 0.0f;
     self->stands = 0u; // the rotor is anywhere now
