@@ -417,7 +417,7 @@ static LODE_NOINLINE lode_drive_out_t end_idle(lode_drive_t *self) {
     return idle_out(self);
 }
 
-// A whole one: the voltage at open terminals is not known, so there is nothing to estimate.
+// A whole period with the gates off: the voltage at open terminals is not known, so there is nothing to estimate.
 LODE_INLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample_t *sample) {
     lode_calibration_t calibration = LODE_CALIBRATION_RUNNING;
     float worst_count = 0.0f;

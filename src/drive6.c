@@ -397,7 +397,7 @@ static LODE_NOINLINE lode_drive6_out_t end_idle(lode_drive6_t *self) {
         {lode_mode_idle_out(drive, &drive->duty), lode_mode_idle_out(drive, &self->duty_2)}};
 }
 
-// A whole one: the voltage at open terminals is not known, so there is nothing to estimate.
+// A whole period with the gates off: the voltage at open terminals is not known, so there is nothing to estimate.
 static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_sample6_t *sample) {
     lode_drive_t *drive = &self->drive;
     lode_calibration_t calibration = LODE_CALIBRATION_RUNNING;

@@ -29,50 +29,52 @@ typedef struct {
     float omega_rotor;     // electrical speed where it is the rotor's, else 0
 } lode_frame_t;
 
-// Checks of a configuration that design divides by, in drive_config.c.
+// In drive_config.c. Checks of a configuration that design divides by.
 lode_status_t lode_drive_check_given(const lode_drive_config_t *config);
-// Default of current control's voltage_use, with `sense` designed; in drive_config.c.
+// Default of current control's voltage_use, with `sense` designed.
 float lode_drive_voltage_use(const lode_drive_config_t *config);
-
-// The signal check, with the inductances of `motor`; in drive_config.c.
+// The signal check, with the inductances of `motor`.
 lode_status_t lode_drive_tune_signal_check(lode_drive_tuning_t *t, const lode_drive_config_t *c,
                                            const lode_motor_t *motor, const lode_fly_tuning_t *fly);
-// Tells the interrupt that there is mail, in drive.c.
+
+// In drive.c. Tells the interrupt that there is mail.
 void lode_drive_call(lode_drive_t *self);
-// Something is wrong with a sample, in drive_watch.c: a trip switches off at once.
-void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
-                         const lode_sample_t *sample);
-// Speed control where it comes more often than once in a round: before current control; in drive.c.
-void lode_drive_fast_speed(lode_drive_t *self);
-// The rest of the start current, of what it was at hand-over, a round on; in drive.c.
-float lode_drive_faded(const lode_drive_t *self);
-// Target of speed control with a sensor, or for torque control; in drive.c.
-float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm);
-// One of a set's currents has kept its count, or their sum is large; in drive_watch.c.
-void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
-                        const int32_t i[LODE_PHASES], float looks);
-// Duties that lode_sense_tuning_t.duty_max does not allow, in drive.c: `omitted` of their set follows.
-// False: they are none, and the drive is in FAULT.
+// Duties that lode_sense_tuning_t.duty_max does not allow: `omitted` of their set follows. False: they are none, and the
+// drive is in FAULT.
 bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_abc_t *duty);
-// SLOT_GUARD where temperature or bus must move, in drive_watch.c.
-void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
+// Speed control where it comes more often than once in a round: before current control.
+void lode_drive_fast_speed(lode_drive_t *self);
+// The rest of the start current, of what it was at hand-over, a round on.
+float lode_drive_faded(const lode_drive_t *self);
+// Target of speed control with a sensor, or for torque control.
+float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm);
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-// SLOT_REFERENCES of more than plain id* = 0, in drive.c.
+// References of more than plain id* = 0.
 void lode_drive_optimal_references(lode_drive_t *self);
-// Where the q axis saturates, in drive.c: takes the EMF of the flux that it lacks out of the period to t_k (E31) ...
+// Where the q axis saturates: takes the EMF of the flux that it lacks out of the period to t_k (E31), and the lag with
+// what the lack turns the observed angle by (R17), as long as (E31) waits for a lock.
 void lode_drive_lessen_saturated(lode_drive_t *self, lode_ab_t i_A);
-// ... and SLOT_LAG: with what the lack turns the observed angle by (R17), as long as (E31) waits for a lock.
 void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
-// SLOT_REFERENCES in START with three phases: whether each has both its half-waves, in drive_watch.c.
-void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
-// In RUN, each in a slot of its own, in drive_watch.c: a load beyond all the torque, another flux than the magnets',
-// three phases without a half-wave. False: the drive is in FAULT.
+
+// In drive_watch.c: what is rare. Something is wrong with a sample: a trip switches off at once.
+void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
+                         const lode_sample_t *sample);
+// The guard's slow checks have something to count.
+void lode_drive_check_slow(lode_drive_t *self);
+// Temperature or bus must move.
+void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
+// One of a set's currents has kept its count, or their sum is large.
+void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
+                        const int32_t i[LODE_PHASES], float looks);
+// In START, with three phases: whether each has both its half-waves. False, as of all below: the drive is in FAULT.
+bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
+// In RUN: a load beyond all the torque, another flux than the magnets', three phases without a half-wave.
 bool lode_drive_watch_load(lode_drive_t *self);
 bool lode_drive_judge_flux(lode_drive_t *self);
 bool lode_drive_watch_half_waves(lode_drive_t *self);
-// The guard's slow checks have something to count, in drive_watch.c.
-void lode_drive_check_slow(lode_drive_t *self);
+
+// A period, in the order of its work.
 
 // Angle and speed at t_k. `u_V`: mean voltage over [t_k-1, t_k); `i_A`: current at t_k.
 LODE_INLINE lode_estimate_t lode_drive_find(lode_drive_t *self, const lode_drive_tuning_t *tuning,
@@ -97,21 +99,6 @@ LODE_INLINE lode_frame_t lode_drive_control_frame(lode_drive_t *self, const lode
     const lode_control_frame_t own = lode_mode_control_frame(self);
     self->i_A = lode_park(sample->i_A, own.at);
     return (lode_frame_t){own.at, self->i_A, lode_angle_add(own.at, own.lead), 0.0f};
-}
-
-// Current control of a period with the gates on: the voltage in the frame. `given`: it is the command's.
-// True: no duty can reach a rail.
-LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                    const lode_frame_t *frame, float v_bus_V, bool given) {
-    if (given) {
-        return lode_current_is_free(&tuning->current, self->u_V, v_bus_V);
-    }
-    const lode_dq_t induced_V = lode_references_induced_V(&tuning->references, self->current.Lq_H,
-                                                          frame->i_A, frame->omega_rotor);
-    const lode_current_out_t out = lode_current_step(&self->current, &tuning->current, self->ref_A,
-                                                     frame->i_A, induced_V, v_bus_V);
-    self->u_V = out.u_V;
-    return out.free;
 }
 
 // Speed control and references have a slot of their own.
@@ -142,13 +129,84 @@ LODE_INLINE bool lode_drive_by_mode(lode_drive_t *self, const lode_sample_t *sam
     return lode_mode_is_voltage(self);
 }
 
-// Too slow to run on, and not about to speed up.
-LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
-    return !lode_mode_is_sensored(self) && !(self->command.speed_rad_s * self->direction > 0.0f) &&
-           lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
+// The bus voltage whose circle current control may use.
+LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, float v_bus_V) {
+#ifdef LODE_WITHOUT_HFI
+    (void)self;
+    return v_bus_V;
+#else
+    return v_bus_V - self->estimator.by.hfi.reserve_V;
+#endif
 }
 
-// SLOT_SPEED, by the electrical speed `omega_rad_s`.
+// Current control of a period with the gates on: the voltage in the frame. `given`: it is the command's.
+// True: no duty can reach a rail.
+LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                    const lode_frame_t *frame, float v_bus_V, bool given) {
+    if (given) {
+        return lode_current_is_free(&tuning->current, self->u_V, v_bus_V);
+    }
+    const lode_dq_t induced_V = lode_references_induced_V(&tuning->references, self->current.Lq_H,
+                                                          frame->i_A, frame->omega_rotor);
+    const lode_current_out_t out = lode_current_step(&self->current, &tuning->current, self->ref_A,
+                                                     frame->i_A, induced_V, v_bus_V);
+    self->u_V = out.u_V;
+    return out.free;
+}
+
+// What the modulator goes by, in the frame of control.
+typedef struct {
+    lode_dq_t u_V;
+    lode_dq_t i_A; // tells the dead time's voltage
+} lode_asked_t;
+
+// Of the way to its reference, what the current goes in the one and a half periods from its sample to the middle of
+// the duties' period: 1 - exp(-1.5 * 0.2) with the default bandwidth of current control (I11).
+#define MOVED_SHARE 0.26f
+
+// The voltage of current control, with the wave of injection.
+LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                        const lode_frame_t *frame) {
+#ifndef LODE_WITHOUT_HFI
+    if (lode_estimator_injects(&self->estimator)) {
+        // The measured current is two periods old: near its zero, where the correction moves it along the d axis,
+        // that left 0.25 V of EMF across the rotor (H19).
+        return (lode_asked_t){
+            lode_hfi_add_wave(&self->estimator.by.hfi, &tuning->estimator.hfi, self->u_V),
+            self->ref_A};
+    }
+#else
+    (void)tuning;
+#endif
+    const lode_dq_t i_A = frame->i_A;
+    const lode_dq_t missed_A = {self->ref_A.d - i_A.d, self->ref_A.q - i_A.q};
+    return (lode_asked_t){self->u_V,
+                          {i_A.d + MOVED_SHARE * missed_A.d, i_A.q + MOVED_SHARE * missed_A.q}};
+}
+
+// Speed control and references: in their slots, or more often.
+
+// What is left of the range that the references allow.
+LODE_INLINE lode_range_t lode_drive_torque_limits(const lode_drive_t *self, lode_range_t most) {
+#ifdef LODE_WITHOUT_TORQUE_LIMITS
+    (void)self;
+    return most;
+#else
+    const uint32_t backwards = self->estimator.pll.omega_rad_s < 0.0f ? 1u : 0u;
+    const float up = PER_SHARE * (float)self->torque_share[backwards];
+    const float down = PER_SHARE * (float)self->torque_share[backwards ^ 1u];
+    return (lode_range_t){down * most.min, up * most.max};
+#endif
+}
+
+// First part of the references: what limits the flux.
+LODE_INLINE void lode_drive_limit_flux(lode_drive_t *self) {
+    const lode_references_voltage_t voltage = {self->inverter.v_bus_V, self->u_V};
+    lode_references_limit(&self->state.run.references, &self->tuning->references,
+                          self->estimator.pll.omega_rad_s, voltage);
+}
+
+// By the electrical speed `omega_rad_s`.
 LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
@@ -166,14 +224,7 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_Nm);
 }
 
-// First part of the references.
-LODE_INLINE void lode_drive_limit_flux(lode_drive_t *self) {
-    const lode_references_voltage_t voltage = {self->inverter.v_bus_V, self->u_V};
-    lode_references_limit(&self->state.run.references, &self->tuning->references,
-                          self->estimator.pll.omega_rad_s, voltage);
-}
-
-// SLOT_SPEED, with the torque: second part.
+// With the torque: second part.
 LODE_INLINE void lode_drive_free_id(lode_drive_t *self) {
     lode_running_t *run = &self->state.run;
     lode_references_free(&run->references, &self->tuning->references, run->speed.torque_Nm,
@@ -181,35 +232,7 @@ LODE_INLINE void lode_drive_free_id(lode_drive_t *self) {
                          self->inverter.v_bus_V);
 }
 
-// SLOT_SPEED, in RUN.
-LODE_INLINE void lode_drive_run(lode_drive_t *self) {
-    if (lode_drive_is_too_slow(self)) {
-        lode_mode_hand_back(self);
-    } else if (lode_drive_speed_once(self)) {
-        // The mean of two samples half a round apart, the first that of the lag: the position error's ripple
-        // and noise fold down less.
-        const lode_estimator_t *estimator = &self->estimator;
-        lode_drive_speed(self, 0.5f * (estimator->lag.omega_rad_s + estimator->pll.omega_rad_s));
-        lode_drive_free_id(self);
-    } else {
-        // more than once in a round: lode_drive_fast_speed() does it
-    }
-}
-
-// What is left of the range that the references allow.
-LODE_INLINE lode_range_t lode_drive_torque_limits(const lode_drive_t *self, lode_range_t most) {
-#ifdef LODE_WITHOUT_TORQUE_LIMITS
-    (void)self;
-    return most;
-#else
-    const uint32_t backwards = self->estimator.pll.omega_rad_s < 0.0f ? 1u : 0u;
-    const float up = PER_SHARE * (float)self->torque_share[backwards];
-    const float down = PER_SHARE * (float)self->torque_share[backwards ^ 1u];
-    return (lode_range_t){down * most.min, up * most.max};
-#endif
-}
-
-// SLOT_REFERENCES: last part.
+// Last part.
 LODE_SHARED void lode_drive_references(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
     if (self->tuning->references.options != 0u) {
@@ -225,11 +248,157 @@ LODE_SHARED void lode_drive_references(lode_drive_t *self) {
     run->speed.limit_Nm = lode_drive_torque_limits(self, out.torque_Nm);
 }
 
-// SLOT_LAG
+// What follows speed and load slowly, slot by slot (schedule.h). False: the gates are off.
+
+// RUN proves its start for one round less.
+LODE_INLINE void lode_drive_count_proof(lode_drive_t *self) {
+#ifdef LODE_WITHOUT_HANDOVER_RETRY
+    (void)self;
+#else
+    if (self->state.run.proving > 0u) {
+        self->state.run.proving--;
+    }
+#endif
+}
+
+LODE_INLINE void lode_drive_adapt_lag(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
+    if (lode_references_asks(&tuning->references, LODE_REFERENCES_SATURATE)) {
+        lode_drive_adapt_saturated_lag(self);
+        return;
+    }
+#endif
+    lode_estimator_adapt_lag(&self->estimator, &tuning->estimator);
+}
+
 LODE_INLINE void lode_drive_lead(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     // A third of the time from a sample to the middle of its duties' period, three times.
     const float half_rad = 0.5f * tuning->estimator.pll.ts_s * self->estimator.pll.omega_rad_s;
     self->lead = lode_angle_triple(lode_sincos_small(half_rad));
+}
+
+LODE_INLINE bool lode_drive_watch_flux(lode_drive_t *self) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    return true;
+#else
+    const bool sound = self->estimator.lock >= SOUND_LOCK && self->guard.flux_rounds == 0u;
+    return sound || lode_drive_judge_flux(self);
+#endif
+}
+
+LODE_INLINE bool lode_drive_slot_lag(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+    lode_drive_adapt_lag(self, tuning);
+    lode_drive_lead(self, tuning);
+    if (lode_mode(self) != LODE_MODE_RUN) {
+        return true;
+    }
+    if (lode_references_weakens(&tuning->references) && lode_drive_speed_once(self)) {
+        lode_drive_limit_flux(self);
+    }
+    return lode_drive_watch_flux(self);
+}
+
+LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                           lode_words_t words) {
+    lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
+    if (!lode_mode_memory_ok(self, words)) {
+        lode_mode_distrust(self);
+        return false;
+    }
+    return lode_mode(self) != LODE_MODE_RUN || lode_drive_watch_half_waves(self);
+}
+
+LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+#ifndef LODE_WITHOUT_HFI
+    if (lode_hfi_is_on(&tuning->estimator.hfi) && lode_mode_inject(self)) {
+        return;
+    }
+#endif
+    lode_estimator_adapt_gains(&self->estimator, &tuning->estimator);
+}
+
+// The sensor's next estimate renews what is counted here.
+LODE_INLINE void lode_drive_count_sensor(lode_drive_t *self) {
+    if (lode_mode_is_sensored(self)) {
+        self->sensored--;
+    }
+}
+
+LODE_INLINE void lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+    if (!self->estimator.locked && lode_mode_seed(self)) {
+        return; // an angle is acquired, the rest a round later: together 1459 cycles, the dearest call of a start
+    }
+    lode_drive_adapt_gains(self, tuning);
+    lode_drive_count_sensor(self);
+    lode_estimator_adapt_notches(&self->estimator, &tuning->estimator);
+}
+
+// Too slow to run on, and not about to speed up.
+LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
+    return !lode_mode_is_sensored(self) && !(self->command.speed_rad_s * self->direction > 0.0f) &&
+           lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
+}
+
+LODE_INLINE void lode_drive_run(lode_drive_t *self) {
+    if (lode_drive_is_too_slow(self)) {
+        lode_mode_hand_back(self);
+    } else if (lode_drive_speed_once(self)) {
+        // The mean of two samples half a round apart, the first that of the lag: the position error's ripple
+        // and noise fold down less.
+        const lode_estimator_t *estimator = &self->estimator;
+        lode_drive_speed(self, 0.5f * (estimator->lag.omega_rad_s + estimator->pll.omega_rad_s));
+        lode_drive_free_id(self);
+    } else {
+        // more than once in a round: lode_drive_fast_speed() does it
+    }
+}
+
+// With speed control in every period they are its part.
+LODE_INLINE void lode_drive_renew_references(lode_drive_t *self) {
+    if (lode_drive_speed_once(self)) {
+        lode_drive_references(self);
+    }
+}
+
+LODE_INLINE bool lode_drive_watch_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    (void)i;
+    return true;
+#else
+    if (lode_mode(self) != LODE_MODE_START ||
+        self->state.start.stage != (uint_least8_t)LODE_START_TURN) {
+        return true;
+    }
+    const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]}; // as lode_drive_watch()
+    return lode_drive_note_waves(self, copy);
+#endif
+}
+
+LODE_INLINE bool lode_drive_slot_references(lode_drive_t *self, const lode_sample_t *sample) {
+    if (lode_mode(self) == LODE_MODE_RUN) {
+        lode_drive_renew_references(self);
+        return true;
+    }
+    return lode_drive_watch_waves(self, sample->i);
+}
+
+// Counts of temperature and bus. Live ones move, by noise alone.
+LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                       uint16_t count, float v_bus_V) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    (void)tuning;
+    (void)count;
+    (void)v_bus_V;
+#else
+    const uint32_t watched =
+        (uint32_t)tuning->guard.still_rounds | (uint32_t)tuning->guard.bus_still_rounds;
+    if (watched > 0u) {
+        lode_drive_count_still(self, count, v_bus_V);
+    }
+#endif
 }
 
 // The plausibility of a set's currents (1/256 count), `looks` times LODE_GUARD_PERIODS after the last time.
@@ -264,8 +433,7 @@ LODE_INLINE lode_condition_t lode_drive_condition(const lode_drive_t *self) {
                               self->estimator.lock};
 }
 
-// SLOT_GUARD and SLOT_GUARD_2. `other`: temperature count of a second power stage, or of the same one. False:
-// the gates are off.
+// `other`: temperature count of a second power stage, or of the same one.
 LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                   const lode_sample_t *sample, uint16_t other) {
     const uint16_t count = lode_sense_hotter(&tuning->sense, sample->temperature, other);
@@ -281,185 +449,40 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
     return self->gates;
 }
 
-// SLOT_GUARD: counts of temperature and bus. Live ones move, by noise alone.
-LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                       uint16_t count, float v_bus_V) {
-#ifdef LODE_WITHOUT_PLAUSIBILITY
-    (void)self;
-    (void)tuning;
-    (void)count;
-    (void)v_bus_V;
-#else
-    const uint32_t watched =
-        (uint32_t)tuning->guard.still_rounds | (uint32_t)tuning->guard.bus_still_rounds;
-    if (watched > 0u) {
-        lode_drive_count_still(self, count, v_bus_V);
-    }
-#endif
-}
-
-// SLOT_REFERENCES
-LODE_INLINE void lode_drive_watch_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
-#ifdef LODE_WITHOUT_PLAUSIBILITY
-    (void)self;
-    (void)i;
-#else
-    if (lode_mode(self) == LODE_MODE_START &&
-        self->state.start.stage == (uint_least8_t)LODE_START_TURN) {
-        const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]}; // as lode_drive_watch()
-        lode_drive_note_waves(self, copy);
-    }
-#endif
-}
-
-// SLOT_LAG in RUN. False: the drive is in FAULT.
-LODE_INLINE bool lode_drive_watch_flux(lode_drive_t *self) {
-#ifdef LODE_WITHOUT_PLAUSIBILITY
-    (void)self;
-    return true;
-#else
-    const bool sound = self->estimator.lock >= SOUND_LOCK && self->guard.flux_rounds == 0u;
-    return sound || lode_drive_judge_flux(self);
-#endif
-}
-
-// SLOT_GAINS
-LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-#ifndef LODE_WITHOUT_HFI
-    if (lode_hfi_is_on(&tuning->estimator.hfi) && lode_mode_inject(self)) {
-        return;
-    }
-#endif
-    lode_estimator_adapt_gains(&self->estimator, &tuning->estimator);
-}
-
-// SLOT_GAINS: the sensor's next estimate renews what is counted here.
-LODE_INLINE void lode_drive_count_sensor(lode_drive_t *self) {
-    if (lode_mode_is_sensored(self)) {
-        self->sensored--;
-    }
-}
-
-// The bus voltage whose circle current control may use.
-LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, float v_bus_V) {
-#ifdef LODE_WITHOUT_HFI
-    (void)self;
-    return v_bus_V;
-#else
-    return v_bus_V - self->estimator.by.hfi.reserve_V;
-#endif
-}
-
-// What the modulator goes by, in the frame of control.
-typedef struct {
-    lode_dq_t u_V;
-    lode_dq_t i_A; // tells the dead time's voltage
-} lode_asked_t;
-
-// Of the way to its reference, what the current goes in the one and a half periods from its sample to the middle of
-// the duties' period: 1 - exp(-1.5 * 0.2) with the default bandwidth of current control (I11).
-#define MOVED_SHARE 0.26f
-
-// The voltage of current control, with the wave of injection.
-LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                        const lode_frame_t *frame) {
-#ifndef LODE_WITHOUT_HFI
-    if (lode_estimator_injects(&self->estimator)) {
-        // The measured current is two periods old: near its zero, where the correction moves it along the d axis,
-        // that left 0.25 V of EMF across the rotor (H19).
-        return (lode_asked_t){
-            lode_hfi_add_wave(&self->estimator.by.hfi, &tuning->estimator.hfi, self->u_V),
-            self->ref_A};
-    }
-#else
-    (void)tuning;
-#endif
-    const lode_dq_t i_A = frame->i_A;
-    const lode_dq_t missed_A = {self->ref_A.d - i_A.d, self->ref_A.q - i_A.q};
-    return (lode_asked_t){self->u_V,
-                          {i_A.d + MOVED_SHARE * missed_A.d, i_A.q + MOVED_SHARE * missed_A.q}};
-}
-
-// SLOT_LAG
-LODE_INLINE void lode_drive_adapt_lag(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (lode_references_asks(&tuning->references, LODE_REFERENCES_SATURATE)) {
-        lode_drive_adapt_saturated_lag(self);
-        return;
-    }
-#endif
-    lode_estimator_adapt_lag(&self->estimator, &tuning->estimator);
-}
-
-// SLOT_REFERENCES in RUN. With speed control in every period they are its part.
-LODE_INLINE void lode_drive_renew_references(lode_drive_t *self) {
-    if (lode_drive_speed_once(self)) {
-        lode_drive_references(self);
-    }
-}
-
-// One of the jobs that follow speed and load slowly. After the duties, which do not wait for it. `words`: of
-// the tuning that is watched, of which `tuning` is all or a part.
+// One slot, after the duties, which do not wait for it. `words`: of the tuning that is watched, of which `tuning` is
+// all or a part.
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                      lode_words_t words, const lode_sample_t *sample,
                                      uint16_t other, lode_slot_t slot) {
-    lode_estimator_t *estimator = &self->estimator;
     switch (slot) {
     case SLOT_LOCK:
-        lode_estimator_note_lock(estimator, &tuning->estimator);
+        lode_estimator_note_lock(&self->estimator, &tuning->estimator);
         if (lode_mode(self) == LODE_MODE_RUN) {
-#ifndef LODE_WITHOUT_HANDOVER_RETRY
-            if (self->state.run.proving > 0u) {
-                self->state.run.proving--;
-            }
-#endif
+            lode_drive_count_proof(self);
             return lode_drive_watch_load(self);
         }
         break;
+    case SLOT_GUARD:
+        lode_drive_note_still(self, tuning,
+                              lode_sense_hotter(&tuning->sense, sample->temperature, other),
+                              sample->v_bus_V);
+        return lode_drive_guard(self, tuning, sample, other);
     case SLOT_LAG:
-        lode_drive_adapt_lag(self, tuning);
-        lode_drive_lead(self, tuning);
-        if (lode_mode(self) == LODE_MODE_RUN) {
-            if (lode_references_weakens(&tuning->references) && lode_drive_speed_once(self)) {
-                lode_drive_limit_flux(self);
-            }
-            return lode_drive_watch_flux(self);
-        }
-        break;
+        return lode_drive_slot_lag(self, tuning);
     case SLOT_DEAD_TIME:
-        lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
-        if (!lode_mode_memory_ok(self, words)) {
-            lode_mode_distrust(self);
-            return false;
-        }
-        return lode_mode(self) != LODE_MODE_RUN || lode_drive_watch_half_waves(self);
+        return lode_drive_slot_dead_time(self, tuning, words);
     case SLOT_GAINS:
-        if (!estimator->locked && lode_mode_seed(self)) {
-            break; // an angle is acquired, the rest a round later: together 1459 cycles, the dearest call of a start
-        }
-        lode_drive_adapt_gains(self, tuning);
-        lode_drive_count_sensor(self);
-        lode_estimator_adapt_notches(estimator, &tuning->estimator);
+        lode_drive_slot_gains(self, tuning);
         break;
+    case SLOT_GUARD_2:
+        return lode_drive_guard(self, tuning, sample, other);
     case SLOT_SPEED:
         if (lode_mode(self) == LODE_MODE_RUN) {
             lode_drive_run(self);
         }
         break;
     case SLOT_REFERENCES:
-        if (lode_mode(self) == LODE_MODE_RUN) {
-            lode_drive_renew_references(self);
-            return true;
-        }
-        lode_drive_watch_waves(self, sample->i);
-        return self->gates;
-    case SLOT_GUARD:
-        lode_drive_note_still(self, tuning,
-                              lode_sense_hotter(&tuning->sense, sample->temperature, other),
-                              sample->v_bus_V);
-        return lode_drive_guard(self, tuning, sample, other);
-    case SLOT_GUARD_2:
-        return lode_drive_guard(self, tuning, sample, other);
+        return lode_drive_slot_references(self, sample);
     case SLOT_COUNT:
     default:
         break;

@@ -2,10 +2,19 @@
 #include "open_phase_inline.h"
 #include "start_inline.h"
 
-// Of the voltage circle: with less EMF there is voltage left to drive the current that is asked for.
+// Counts that keep still: share of the flux by which the EMF is off where the bus is not what is read.
+#define BUS_SHARE 0.1f
+// Currents that keep still. Of the voltage circle: with less EMF there is voltage left to drive the current that is
+// asked for.
 #define EMF_SHARE 0.8f
-// Lost lock is that of another flux where the EMF is where it should be, there is half of it at least (a rotor that is
-// stopped has less), and it is off by more than a tuning and a hot magnet explain.
+// Half-waves. Of the voltage circle, on which rounding leaves it.
+#define ALL_VOLTAGE 0.99f
+// Load. Of what limits the torque: the voltage moves that a little in each round.
+#define ALL_TORQUE 0.9f
+#define FOLLOWED 0.8f // of the current that is asked for
+#define FAR_OFF 0.05f // of the speed that is asked for
+// Flux. Another one where the EMF is where it should be, there is half of it at least (a rotor that is stopped has less),
+// and it is off by more than a tuning and a hot magnet explain.
 #define LEAST_FLUX 0.5f
 #define ANOTHER_FLUX 0.2f
 // Of inductances and resistance, as for (S34) and (K16).
@@ -14,12 +23,6 @@
 #define FLUX_CURRENT 9.0f // times the least current that is judged by, squared: 0.15 of i_max
 #define FLUX_s 0.05f      // longer than a speed that changes fast is behind the EMF
 #define FLUX_ROUNDS_MAX 255u
-#define ALL_VOLTAGE 0.99f // of the circle, on which rounding leaves it
-// Of what limits the torque: the voltage moves that a little in each round.
-#define ALL_TORQUE 0.9f
-#define FOLLOWED 0.8f  // of the current that is asked for
-#define FAR_OFF 0.05f  // of the speed that is asked for
-#define BUS_SHARE 0.1f // of the flux, by which the EMF is off when the bus is not what is read
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
@@ -47,42 +50,6 @@ LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *s
         lode_guard_suspect(&self->guard, &self->tuning->guard, &self->tuning->sense, sample);
     }
 #endif
-}
-
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-
-// The EMF is along the rotor's q axis, and off what the speed induces by `least_Wb` at least.
-static bool is_another_flux(lode_flux_t flux, float least_Wb) {
-    return flux.aligned && flux.seen_Wb >= LEAST_FLUX * flux.expected_Wb &&
-           lode_abs(flux.seen_Wb - flux.expected_Wb) >= least_Wb;
-}
-
-// The lock was lost by the EMF's size alone, at every look since it was first found to be.
-static void name_lost_lock(lode_drive_t *self) {
-    lode_guard_t *guard = &self->guard;
-    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
-    const bool before = guard->flux || guard->lock <= 1u;
-    const bool now = is_another_flux(flux, ANOTHER_FLUX * flux.expected_Wb);
-    guard->flux = guard->lock > 0u && before && now;
-    if (guard->flux && guard->fault.check == (uint_least8_t)LODE_CHECK_LOST_LOCK) {
-        guard->fault.check = (uint_least8_t)LODE_CHECK_FLUX;
-        guard->fault.measured = flux.seen_Wb;
-        guard->fault.limit = flux.expected_Wb;
-    }
-}
-
-#endif
-
-LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self) {
-    const lode_situation_t now = {self->mode, lode_mode(self) == LODE_MODE_RUN};
-    lode_guard_check_slow(&self->guard, &self->tuning->guard, lode_drive_condition(self), now);
-#ifndef LODE_WITHOUT_HANDOVER_RETRY
-    lode_mode_prove_start(self);
-#endif
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-    name_lost_lock(self);
-#endif
-    lode_mode_obey_guard(self);
 }
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -155,45 +122,55 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
     }
 }
 
-LODE_NOINLINE void lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
-    const lode_drive_tuning_t *tuning = self->tuning;
-    if (!(tuning->plausibility.per_wave_A > 0.0f)) {
+// By how much the vector has turned since the last look, `looks` times LODE_GUARD_PERIODS ago. The damping of a start may
+// turn it back as fast as it turns on: that rests then, and so do the counts. It is known at the looks at set 1.
+LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float omega_rad_s,
+                          float looks) {
+    const uint32_t periods = LODE_GUARD_PERIODS;
+    const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
+    const float turn_rad = looks * look_s * omega_rad_s;
+    if (lode_mode(self) != LODE_MODE_START) {
+        return turn_rad;
+    }
+    return watch == &self->plausibility ? turn_rad + lode_start_shifted_rad(&self->state.start)
+                                        : 0.0f;
+}
+
+// Not LODE_RAMFUNC: one call in many, and small fast memories are full without it.
+LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
+                                      const int32_t i[LODE_PHASES], float looks) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+    const float omega = lode_mode_frame_omega(self);
+    const float turn_rad = turn_of(self, watch, omega, looks);
+    const float i_A2 = expected_A2(self, lode_abs(omega));
+    const uint32_t again = lode_plausibility_look(watch, i);
+    if (lode_plausibility_is_chance(watch, tuning, again, i_A2)) {
         return;
     }
-    const float round_s = (float)LODE_SLOW_PERIODS * tuning->estimator.pll.ts_s;
-    const uint_least8_t phase =
-        lode_waves_step(&self->state.start.seen.turn.waves, &tuning->plausibility, i,
-                        self->ref_A.d * self->ref_A.d, round_s * self->state.start.omega_rad_s);
+    const uint32_t doubt = lode_plausibility_doubt(watch, tuning, again, i_A2, turn_rad,
+                                                   lode_abs(self->tuning->sense.i_gain));
+    if (doubt > 0u || watch->sum > 0u || !lode_plausibility_sum_ok(tuning, watch->i)) {
+        find(self, watch, doubt);
+    }
+}
+
+// An open phase ends in FAULT; 0: there is none.
+static bool phases_ok(lode_drive_t *self, uint_least8_t phase) {
     if (phase > 0u) {
         lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
     }
+    return phase == 0u;
 }
 
-// A start that RUN still proves is an attempt that fails by its lock; while its current fades there is less torque.
-static bool is_started(const lode_drive_t *self) {
-    const lode_running_t *run = &self->state.run;
-#ifndef LODE_WITHOUT_HANDOVER_RETRY
-    if (run->proving > 0u) {
-        return false;
+LODE_NOINLINE bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    lode_start_t *start = &self->state.start;
+    if (!(tuning->plausibility.per_wave_A > 0.0f)) {
+        return true;
     }
-#endif
-    return !(run->fade > 0.0f);
-}
-
-// (P25): what a tuning and a hot magnet explain of the magnets' flux, and errors of inductances and resistance, which are
-// independent of each other, of the rest.
-static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
-    const lode_references_tuning_t *motor = &self->tuning->references;
-    const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
-    const lode_dq_t i_A = self->i_A;
-    const float omega = lode_max(lode_abs(self->estimator.pll.omega_rad_s), FLT_MIN);
-    const float L_share = L_UNSURE + motor->Lq_fall * lode_abs(i_A.q);
-    const float turned_A = motor->Lq_H * i_A.q * i_A.q / lode_max(flux.expected_Wb, FLT_MIN);
-    const float d_Wb = L_share * motor->Ld_H * i_A.d;
-    const float q_Wb = L_share * lode_references_salient_H(motor) * turned_A;
-    const float r_Wb = R_UNSURE * (emf->inv_b - emf->a_over_b) * i_A.q / omega;
-    return ANOTHER_FLUX * self->tuning->estimator.psi_Wb +
-           lode_sqrt(d_Wb * d_Wb + q_Wb * q_Wb + r_Wb * r_Wb);
+    return phases_ok(self, lode_waves_step(&start->seen.turn.waves, &tuning->plausibility, i,
+                                           self->ref_A.d * self->ref_A.d,
+                                           rounds_s(self, 1u) * start->omega_rad_s));
 }
 
 // Current control has voltage left: it is not behind for want of it.
@@ -221,7 +198,6 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
         return true; // what was lacking stays
     }
     const lode_estimator_t *estimator = &self->estimator;
-    const float round_s = (float)LODE_SLOW_PERIODS * self->tuning->estimator.pll.ts_s;
     const lode_sincos_t rotor = lode_estimator_rotor(estimator);
     const lode_half_waves_seen_t seen = {
         .asked_A = lode_park_inverse(self->ref_A, rotor),
@@ -229,14 +205,9 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
         .i_A = estimator->emf.i_A,
         .beyond_V = lode_estimator_beyond_V(estimator, &self->tuning->estimator),
         .kp_V_A = self->current.kp_q_V_A,
-        .turn_rad = round_s * estimator->pll.omega_rad_s,
+        .turn_rad = rounds_s(self, 1u) * estimator->pll.omega_rad_s,
     };
-    const lode_open_phase_t phase =
-        lode_half_waves_look(waves, &self->tuning->plausibility.waves, &seen);
-    if (phase > 0u) {
-        lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
-    }
-    return self->gates;
+    return phases_ok(self, lode_half_waves_look(waves, &self->tuning->plausibility.waves, &seen));
 }
 
 // What current control misses stands for the current of the xy plane (K25).
@@ -245,11 +216,22 @@ LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
     const lode_dq_t ref_A = self->ref_A;
     const lode_dq_t missed_A = {ref_A.d - self->i_A.d, ref_A.q - self->i_A.q};
     lode_half_waves_t *waves = &self->state.run.waves;
-    const bool good = !(tuning->per_wave_A > 0.0f) ||
-                      !lode_half_waves_doubt(waves, &tuning->waves, ref_A, missed_A) ||
-                      judge_half_waves(self);
+    const bool doubts =
+        tuning->per_wave_A > 0.0f && lode_half_waves_doubt(waves, &tuning->waves, ref_A, missed_A);
+    const bool good = doubts ? judge_half_waves(self) : true;
     waves->asked_A = ref_A;
     return good;
+}
+
+// A start that RUN still proves is an attempt that fails by its lock; while its current fades there is less torque.
+static bool is_started(const lode_drive_t *self) {
+    const lode_running_t *run = &self->state.run;
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    if (run->proving > 0u) {
+        return false;
+    }
+#endif
+    return !(run->fade > 0.0f);
 }
 
 // The most that will be there against the load: all that i_max gives. A speed that falls for want of voltage comes to rest
@@ -302,13 +284,35 @@ LODE_NOINLINE bool lode_drive_watch_load(lode_drive_t *self) {
         run->held_rad_s = self->estimator.pll.omega_rad_s; // as nearly always
         return true;
     }
-    return !(self->tuning->plausibility.away_rad_s > 0.0f) || judge_load(self);
+    return self->tuning->plausibility.away_rad_s > 0.0f ? judge_load(self) : true;
+}
+
+// The EMF is along the rotor's q axis, and off what the speed induces by `least_Wb` at least.
+static bool is_another_flux(lode_flux_t flux, float least_Wb) {
+    return flux.aligned && flux.seen_Wb >= LEAST_FLUX * flux.expected_Wb &&
+           lode_abs(flux.seen_Wb - flux.expected_Wb) >= least_Wb;
 }
 
 // Though the angle is right: that of a sensor, or of a QPLL that a wave holds (P25).
 static bool may_speed_lag(const lode_drive_t *self) {
     const bool qpll = self->tuning->estimator.pll.third_order == 0u;
     return lode_mode_is_sensored(self) || (qpll && lode_estimator_injects(&self->estimator));
+}
+
+// (P25): what a tuning and a hot magnet explain of the magnets' flux, and errors of inductances and resistance, which are
+// independent of each other, of the rest.
+static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
+    const lode_references_tuning_t *motor = &self->tuning->references;
+    const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
+    const lode_dq_t i_A = self->i_A;
+    const float omega = lode_max(lode_abs(self->estimator.pll.omega_rad_s), FLT_MIN);
+    const float L_share = L_UNSURE + motor->Lq_fall * lode_abs(i_A.q);
+    const float turned_A = motor->Lq_H * i_A.q * i_A.q / lode_max(flux.expected_Wb, FLT_MIN);
+    const float d_Wb = L_share * motor->Ld_H * i_A.d;
+    const float q_Wb = L_share * lode_references_salient_H(motor) * turned_A;
+    const float r_Wb = R_UNSURE * (emf->inv_b - emf->a_over_b) * i_A.q / omega;
+    return ANOTHER_FLUX * self->tuning->estimator.psi_Wb +
+           lode_sqrt(d_Wb * d_Wb + q_Wb * q_Wb + r_Wb * r_Wb);
 }
 
 // Though the lock is not lost: where the current makes most of the flux, less of the magnets' takes it little. With hardly any
@@ -332,35 +336,17 @@ LODE_NOINLINE bool lode_drive_judge_flux(lode_drive_t *self) {
     return self->gates;
 }
 
-// By how much the vector has turned since the last look, `looks` times LODE_GUARD_PERIODS ago. The damping of a start may
-// turn it back as fast as it turns on: that rests then, and so do the counts. It is known at the looks at set 1.
-LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float omega_rad_s,
-                          float looks) {
-    const uint32_t periods = LODE_GUARD_PERIODS;
-    const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
-    const float turn_rad = looks * look_s * omega_rad_s;
-    if (lode_mode(self) != LODE_MODE_START) {
-        return turn_rad;
-    }
-    return watch == &self->plausibility ? turn_rad + lode_start_shifted_rad(&self->state.start)
-                                        : 0.0f;
-}
-
-// Not LODE_RAMFUNC: one call in many, and small fast memories are full without it.
-LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
-                                      const int32_t i[LODE_PHASES], float looks) {
-    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
-    const float omega = lode_mode_frame_omega(self);
-    const float turn_rad = turn_of(self, watch, omega, looks);
-    const float i_A2 = expected_A2(self, lode_abs(omega));
-    const uint32_t again = lode_plausibility_look(watch, i);
-    if (lode_plausibility_is_chance(watch, tuning, again, i_A2)) {
-        return;
-    }
-    const uint32_t doubt = lode_plausibility_doubt(watch, tuning, again, i_A2, turn_rad,
-                                                   lode_abs(self->tuning->sense.i_gain));
-    if (doubt > 0u || watch->sum > 0u || !lode_plausibility_sum_ok(tuning, watch->i)) {
-        find(self, watch, doubt);
+// The lock was lost by the EMF's size alone, at every look since it was first found to be.
+static void name_lost_lock(lode_drive_t *self) {
+    lode_guard_t *guard = &self->guard;
+    const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
+    const bool before = guard->flux || guard->lock <= 1u;
+    const bool now = is_another_flux(flux, ANOTHER_FLUX * flux.expected_Wb);
+    guard->flux = guard->lock > 0u && before && now;
+    if (guard->flux && guard->fault.check == (uint_least8_t)LODE_CHECK_LOST_LOCK) {
+        guard->fault.check = (uint_least8_t)LODE_CHECK_FLUX;
+        guard->fault.measured = flux.seen_Wb;
+        guard->fault.limit = flux.expected_Wb;
     }
 }
 
@@ -377,3 +363,15 @@ bool lode_drive_watch_half_waves(lode_drive_t *self) {
 }
 
 #endif
+
+LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self) {
+    const lode_situation_t now = {self->mode, lode_mode(self) == LODE_MODE_RUN};
+    lode_guard_check_slow(&self->guard, &self->tuning->guard, lode_drive_condition(self), now);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    lode_mode_prove_start(self);
+#endif
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    name_lost_lock(self);
+#endif
+    lode_mode_obey_guard(self);
+}

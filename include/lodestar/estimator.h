@@ -26,7 +26,7 @@ typedef struct {
         w_filter_rad_s; ///< low-pass on the speed that tunes all but the C-LESO, 0 .. 1/Ts; 0: none
     float notch_k;   ///< width of the notch at 6 w on the position error (paper 1, eq. 34); 0: none
     float notch12_k; ///< the same at 12 w; 0: none
-    float emin_V;    ///< smallest EMF used as a divisor;by, 1e-4 .. 1e3; 0: 0.03 of that at rated speed
+    float emin_V; ///< smallest EMF used as a divisor, 1e-4 .. 1e3; 0: 0.03 of that at rated speed
     /// Highest electrical speed of the application, 1 .. 0.5/Ts; 0: 2.5 times rated, at most 0.5/Ts; in a drive that
     /// weakens the field more.
     float omega_max_rad_s;
