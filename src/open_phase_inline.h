@@ -49,7 +49,7 @@ typedef struct {
     lode_ab_t before_A; // asked for a round ago, turned with the rotor
     lode_ab_t i_A;
     lode_ab_t beyond_V; // EMF that the magnets do not have
-    float kp_V_A;       // of current control
+    float kp_V_A;       // of current control, in its weaker axis
     float turn_rad;     // of the vector, from one look to the next
 } lode_half_waves_seen_t;
 
