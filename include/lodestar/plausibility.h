@@ -19,8 +19,7 @@ typedef struct {
     float per_wave_A; ///< least half-wave per ampere asked for, 1/256 count; 0: not looked at
     lode_open_phase_tuning_t waves; ///< of RUN
     float away_rad_s; ///< electrical, by which a load may move the speed; 0: not looked at
-    float
-        away_step; ///< of that, what it may in each LODE_SLOW_PERIODS for ever, unless it is faster for it
+    float away_step;  ///< of that, what it may in each LODE_SLOW_PERIODS while it gets slower
 } lode_plausibility_tuning_t;
 
 /// Both half-waves of each of three currents, over a turn and a tenth of a vector that is twice as long: a phase
@@ -34,10 +33,9 @@ typedef struct {
 
 /// The current of a start's vector, as measured: it falls at once, and comes back at another voltage (S43).
 typedef struct {
-    lode_dq_t e_V; ///< EMF along and across the vector before it fell
-    float i_A2;    ///< the current then, squared
-    uint_least8_t
-        held; ///< rounds in which it was what was asked for, until there are enough of them
+    lode_dq_t e_V;        ///< EMF along and across the vector before it fell
+    float i_A2;           ///< the current then, squared
+    uint_least8_t held;   ///< rounds in which it was what is asked for, until they are enough
     uint_least8_t rounds; ///< since it fell, from 2; 1: it fell at the last look; 0: it has not
 } lode_drop_t;
 
