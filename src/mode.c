@@ -398,7 +398,7 @@ static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_emf_tuning_t *emf = &tuning->estimator.emf;
     const lode_start_t *start = &self->state.start;
-    const float R_Ohm = emf->inv_b - emf->a_over_b + self->inverter.r_more_Ohm;
+    const float R_Ohm = emf->inv_b - emf->a_over_b;
     const float X_Ohm =
         start->omega_rad_s * lode_min(tuning->references.Lq_H, 1.0f / tuning->references.inv_Ld);
     const float limit_Ohm = OTHER_VOLTAGE * lode_sqrt(R_Ohm * R_Ohm + X_Ohm * X_Ohm);

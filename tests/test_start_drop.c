@@ -45,9 +45,8 @@ static void test_sensors_that_come_to_show_half_end_the_start(void) {
             TEST_ASSERT_EQUAL_INT(LODE_MODE_START, turning.state);
             TEST_ASSERT_EQUAL_INT(LODE_START_TURN, turning.stage);
             CHECK_AT_LEAST((double)turning.limit, (double)turning.measured);
-            // Half of the impedance, with the resistance that this start has measured.
-            CHECK_AT_LEAST(0.9 * 0.5 * 0.75, (double)turning.limit);
-            CHECK_AT_MOST(1.1 * 0.5 * hypot(0.75, 60.0 * 3.5e-3), (double)turning.limit);
+            CHECK_AT_LEAST(0.5 * 0.75, (double)turning.limit); // half of the impedance
+            CHECK_AT_MOST(0.5 * hypot(0.75, 60.0 * 3.5e-3), (double)turning.limit);
         }
         const lode_fault_t rising = gain_changes(LODE_START_HALF, 60, late, 0.4, LODE_ON);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_RESISTANCE", lode_check_name(rising.check));
