@@ -228,7 +228,8 @@ bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V
     }
     const bool held = lode_in_range(i_A2, LEAST_HELD * asked_A2, MOST_HELD * asked_A2);
     const bool back = since > 0u && i_A2 > AWAY * self->i_A2;
-    const uint32_t rounds = back || !held ? 0u : self->held + 1u;
+    const uint32_t before = self->held;
+    const uint32_t rounds = back || !held ? 0u : before + 1u;
     if (back) { // no root in the other rounds
         const lode_ab_t change = {e_V.d - self->e_V.d, e_V.q - self->e_V.q};
         *change_V = lode_ab_length(change);
