@@ -168,19 +168,6 @@ LODE_NOINLINE bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
     if (!(tuning->plausibility.per_wave_A > 0.0f)) {
         return true;
     }
-}
-
-static LODE_NOINLINE void judge_half_waves(lode_drive_t *self, lode_half_waves_t *waves) {
-    const lode_estimator_t *estimator = &self->estimator;
-    const float round_s = (float)LODE_SLOW_PERIODS * self->tuning->estimator.pll.ts_s;
-    const lode_sincos_t rotor = lode_estimator_rotor(estimator);
-    const lode_half_waves_seen_t seen = {
-        .asked_A = lode_park_inverse(self->ref_A, rotor),
-        .before_A = lode_park_inverse(waves->asked_A, rotor),
-        .i_A = estimator->emf.i_A,
-        .beyond_V = lode_estimator_beyond_V(estimator, &self->tuning->estimator),
-        .kp_V_A = lode_min(self->tuning->current.d.kp, self->current.kp_q_V_A),
-        .turn_rad = round_s * estimator->pll.omega_rad_s,
     return phases_ok(self, lode_waves_step(&start->seen.turn.waves, &tuning->plausibility, i,
                                            self->ref_A.d * self->ref_A.d,
                                            rounds_s(self, 1u) * start->omega_rad_s));
@@ -217,7 +204,7 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
         .before_A = lode_park_inverse(waves->asked_A, rotor),
         .i_A = estimator->emf.i_A,
         .beyond_V = lode_estimator_beyond_V(estimator, &self->tuning->estimator),
-        .kp_V_A = self->current.kp_q_V_A,
+        .kp_V_A = lode_min(self->tuning->current.d.kp, self->current.kp_q_V_A),
         .turn_rad = rounds_s(self, 1u) * estimator->pll.omega_rad_s,
     };
     return phases_ok(self, lode_half_waves_look(waves, &self->tuning->plausibility.waves, &seen));
