@@ -1,0 +1,840 @@
+// What the drive watches for while it runs: converters, half-waves, load, flux, sensors that stand still.
+#include "support/drive_cases.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static lode_drive_tuning_t other_tuning;
+
+/// Runs with the converters of `stuck` (1 to 3, 4: all) at `held` until the gates go off: how long that took, and
+/// the largest current.
+static void run_stuck(rig_t *rig, int stuck, const lode_counts_t *held, double *time_s,
+                      double *most_A) {
+    *time_s = 0.0;
+    *most_A = 0.0;
+    while (rig->out.gates && *time_s < 0.2) {
+        rig->stamp += 1000u;
+        lode_counts_t counts = rig_counts(rig);
+        for (int n = 0; n < 3; n++) {
+            counts.i[n] = stuck == n + 1 || stuck == 4 ? held->i[n] : counts.i[n];
+        }
+        rig->out = lode_drive_step(&rig->drive, &counts);
+        rig_move(rig);
+        *most_A = fmax(*most_A, (double)lode_ab_length(ipmsm_current(&rig->motor)));
+        *time_s += RIG_TS_s;
+    }
+}
+
+/// From any instant of an electrical period, which takes 105 steps.
+static void test_a_stuck_converter_trips_before_the_current_is_large(void) {
+    rig_t running = fresh();
+    running.load_Nm = 1.5;
+    run_up(&running, 100.0, 8.0);
+    rig_run(&running, 1.0);
+    for (int instant = 0; instant < 105; instant += 3) {
+        rig_run(&running, 3.0 * RIG_TS_s);
+        const lode_counts_t held = rig_counts(&running);
+        for (int stuck = 1; stuck <= 4; stuck++) {
+            rig_t rig = running;
+            double time_s;
+            double most_A;
+            run_stuck(&rig, stuck, &held, &time_s, &most_A);
+            TEST_ASSERT_EQUAL_STRING(
+                "LODE_CHECK_CURRENT_STUCK",
+                lode_check_name((lode_check_t)rig_telemetry(&rig).fault.check));
+            // One alone may take the reference down with it, for a while.
+            CHECK_AT_MOST(stuck <= 3 ? 16.0e-3 : 5.0e-3, time_s);
+            CHECK_AT_MOST(0.5 * 12.0, most_A);
+        }
+    }
+}
+
+/// Degrees by which a current of `i_A` that is asked for turns before a phase that rests at zero counts as stuck; the
+/// other two move.
+static double degrees_until_stuck(rig_t rig, double i_A, double omega) {
+    const double look_deg = omega * LODE_GUARD_PERIODS * RIG_TS_s / CHECK_DEG;
+    rig.drive.ref_A = (lode_dq_t){0.0f, (float)i_A};
+    rig.drive.estimator.pll.omega_rad_s = (float)omega;
+    lode_plausibility_reset(&rig.drive.plausibility);
+    int looks = 0;
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && looks * look_deg < 360.0) {
+        const int32_t i[LODE_PHASES] = {0, 20000 + 100 * looks, -20000 - 100 * looks};
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
+        looks++;
+    }
+    return looks * look_deg;
+}
+
+/// Dead time and drops hold a phase at zero where its current asks for less voltage than they take: it may rest longer.
+static void test_what_dead_time_and_drops_hold_is_not_stuck(void) {
+    lode_drive_config_t config = rig_config();
+    config.inverter.dead_time_s = 2.0e-6f;
+    config.inverter.v_drop_V = 0.8f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    run_up(&rig, 100.0, 8.0);
+    const double more_V = 200.0 * (double)tuning.inverter.dead_more_max;
+    TEST_ASSERT_TRUE(more_V > 0.5);
+    const double taken_V = 2.0e-6 * 5.0e3 * 200.0 + more_V + 2.0 * 0.8;
+    const double omegas[] = {60.0, 120.0};
+    for (int n = 0; n < COUNT_OF(omegas); n++) {
+        const double i_A = taken_V / (9.8e-3 * omegas[n]);
+        const double held = degrees_until_stuck(rig, 0.93 * i_A, omegas[n]);
+        const double free = degrees_until_stuck(rig, 1.07 * i_A, omegas[n]);
+        CHECK_NEAR(20.0, 90.0, held);
+        CHECK_NEAR(20.0, 60.0, free);
+        CHECK_AT_LEAST(20.0, held - free);
+    }
+}
+
+/// Sums of the currents that are wrong in one look of `every`, after one that was wrong and `sound` that were not: looks
+/// until it trips, at most 1000.
+static uint32_t looks_of_wrong_sums(rig_t rig, uint32_t every, uint32_t sound) {
+    uint32_t look = 0u;
+    lode_plausibility_reset(&rig.drive.plausibility);
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && look < 1000u) {
+        const bool now = look == 0u || (look > sound && look % every == 0u);
+        const int32_t wrong = now ? 2 * tuning.plausibility.i_sum : 0;
+        const int32_t moves = (int32_t)(look % 2u);
+        const int32_t i[LODE_PHASES] = {20000 + wrong + moves, -10000 - moves, -10000 + moves};
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
+        look++;
+    }
+    return look;
+}
+
+static void test_a_wrong_sum_of_the_currents_trips_where_it_persists(void) {
+    const rig_t rig = running(100.0, 8.0);
+    const uint32_t looks = rig.drive.tuning->guard.lock_looks;
+    TEST_ASSERT_EQUAL_UINT32(looks, looks_of_wrong_sums(rig, 1u, 0u));
+    TEST_ASSERT_EQUAL_UINT32(looks + 11u, looks_of_wrong_sums(rig, 1u, 10u));
+    TEST_ASSERT_EQUAL_UINT32(1000u, looks_of_wrong_sums(rig, 2u, 0u));
+    TEST_ASSERT_EQUAL_UINT32(1000u, looks_of_wrong_sums(rig, 3u, 0u));
+}
+
+/// Looks at currents of a start that stand still until they count as stuck, at most 40. The vector turns by `turn_rad` from
+/// one to the next, its damping takes `back` of that from it. Before, currents that moved while the damping went through
+/// `before_rad` of its range.
+static int looks_until_stuck(rig_t rig, float turn_rad, float back, float before_rad) {
+    lode_start_t *start = &rig.drive.state.start;
+    int32_t i[LODE_PHASES] = {60000, -25000, -35000};
+    start->omega_rad_s = turn_rad / (float)(LODE_GUARD_PERIODS * RIG_TS_s);
+    rig.drive.ref_A = (lode_dq_t){4.0f, 0.0f};
+    lode_plausibility_reset(&rig.drive.plausibility);
+    start->give = 1.0f;
+    start->swing_V = 0.0f;
+    for (int n = 0; n < 8; n++) {
+        start->swing_V += before_rad / 8.0f;
+        i[0] += 100;
+        i[1] -= n % 2 == 0 ? 0 : 30; // now and then one keeps its count
+        i[2] = -i[0] - i[1];
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
+    }
+    int looks = 0;
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_START && looks < 40) {
+        start->swing_V += looks > 0 ? back * turn_rad : 0.0f;
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
+        looks++;
+    }
+    return looks;
+}
+
+/// While its damping turns the vector of a start back as fast as it turns on, the currents rest.
+static void test_currents_that_rest_by_the_damping_are_not_stuck(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
+    for (int n = 0; n < 10000 && rig.drive.state.start.stage != (uint_least8_t)LODE_START_TURN;
+         n++) {
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_START);
+    const float turn_rad = 0.01f;
+    const int without = looks_until_stuck(rig, turn_rad, 0.0f, 0.0f);
+    CHECK_AT_MOST(20, without);
+    CHECK_AT_LEAST(4, without);
+    TEST_ASSERT_EQUAL_INT(40, looks_until_stuck(rig, turn_rad, 1.0f, 0.0f));
+    // What it did before they rested does not count.
+    TEST_ASSERT_EQUAL_INT(without, looks_until_stuck(rig, turn_rad, 0.0f, 0.2f));
+    TEST_ASSERT_EQUAL_INT(without, looks_until_stuck(rig, turn_rad, 0.0f, -0.2f));
+}
+
+/// Where the EMF takes the voltage the current need not follow: that none does is no converter's fault.
+static void test_a_current_that_the_voltage_does_not_allow_is_not_missed(void) {
+    const rig_t running_rig = running(100.0, 8.0);
+    const double circle_V = (double)(tuning.current.circle * 200.0f);
+    for (int above = 0; above <= 1; above++) {
+        rig_t rig = running_rig;
+        rig.drive.i_A = (lode_dq_t){0.0f, 0.0f};
+        rig.drive.estimator.pll.omega_rad_s =
+            (float)((above == 1 ? 0.82 : 0.78) * circle_V / 0.142);
+        lode_plausibility_reset(&rig.drive.plausibility);
+        for (int look = 0; look < 20; look++) {
+            const int32_t none[LODE_PHASES] = {0, 0, 0};
+            rig.drive.ref_A = (lode_dq_t){0.0f, 4.0f + 0.5f * (float)(look % 2)};
+            lode_drive_suspect(&rig.drive, &rig.drive.plausibility, none, 1.0f);
+        }
+        TEST_ASSERT_EQUAL_STRING(above == 1 ? "LODE_CHECK_NONE" : "LODE_CHECK_CURRENT_STUCK",
+                                 lode_check_name((lode_check_t)rig_telemetry(&rig).fault.check));
+    }
+}
+
+/// Magnets that have lost `share` of their flux: the fault, within 100 ms.
+static lode_fault_t with_less_flux(rig_t rig, double share) {
+    rig.motor.psi *= 1.0 - share;
+    rig_run(&rig, 0.1);
+    return rig_telemetry(&rig).fault;
+}
+
+static void test_another_flux_is_named(void) {
+    rig_t rig = fresh();
+    rig.load_Nm = 0.5;
+    run_up(&rig, 100.0, 8.0);
+    rig_run(&rig, 1.0);
+    const lode_fault_t weak = with_less_flux(rig, 0.35);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_FLUX", lode_check_name(weak.check));
+    CHECK_CLOSE(0.05, 0.65 * rig.motor.psi, weak.measured);
+    CHECK_CLOSE(0.05, rig.motor.psi, weak.limit);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(rig, 0.1).check);
+    // Nearly none is no motor's, and a rotor that is stopped has none.
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, with_less_flux(rig, 0.8).check);
+    rig.blocked = true;
+    rig.motor.omega = 0.0;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, with_less_flux(rig, 0.0).check);
+}
+
+/// Loses the lock while the observer's EMF has `size` times what the speed induces. For the first `aside` looks it stands
+/// 45 degrees beside the rotor's q axis, then along it. The check that trips.
+static lode_check_t by_emf_aside(rig_t rig, uint32_t aside, float size) {
+    lode_estimator_t *estimator = &rig.drive.estimator;
+    uint32_t look = 0u;
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && look < 1000u) {
+        const float taken = 1.0f + estimator->pll.omega_rad_s * estimator->pll.omega_rad_s *
+                                       tuning.estimator.droop_s2;
+        const float e_V = size * (float)rig.motor.psi * estimator->pll.omega_rad_s / taken;
+        const float off_rad = look < aside ? 0.7854f : 0.0f;
+        const lode_dq_t at = {-e_V * sinf(off_rad), e_V * cosf(off_rad)};
+        estimator->emf.observer.e_V = lode_park_inverse(at, estimator->pll.frame);
+        estimator->lock = 0.0f;
+        estimator->id_A = 0.0f;
+        lode_drive_check_slow(&rig.drive);
+        look++;
+    }
+    return (lode_check_t)rig_telemetry(&rig).fault.check;
+}
+
+/// Lost lock is that of another flux where the EMF was along the rotor at every look, and off by a fifth at least.
+static void test_another_flux_is_one_at_every_look(void) {
+    rig_t rig = running(100.0, 8.0);
+    rig_run(&rig, 0.5); // the start is over
+    const uint32_t looks = rig.drive.tuning->guard.lock_looks;
+    TEST_ASSERT_TRUE(looks > 6u);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_emf_aside(rig, 0u, 1.5f));
+    for (uint32_t aside = 1u; aside <= 4u; aside++) {
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_emf_aside(rig, aside, 1.5f));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_emf_aside(rig, looks, 1.5f));
+    const float sizes[] = {0.45f, 0.55f, 0.77f, 0.83f, 1.17f, 1.23f};
+    const bool other[] = {false, true, true, false, false, true};
+    for (int n = 0; n < COUNT_OF(sizes); n++) {
+        TEST_ASSERT_EQUAL_INT(other[n] ? LODE_CHECK_FLUX : LODE_CHECK_LOST_LOCK,
+                              by_emf_aside(rig, 0u, sizes[n]));
+    }
+}
+
+/// What the observer's lag takes from the EMF, a fifth of it here, is no flux that is missing.
+static void test_the_observers_lag_is_no_other_flux(void) {
+    lode_drive_config_t config = rig_config();
+    config.estimator.emf.w0_rad_s = 670.0f;
+    config.estimator.omega_max_rad_s = 450.0f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    run_up(&rig, 100.0, 8.0);
+    rig_run(&rig, 1.0);
+    CHECK_CLOSE(0.01, 1.2, 1.0f + 300.0f * 300.0f * tuning.estimator.droop_s2);
+    rig.motor.psi *= 0.65;
+    rig_run(&rig, 0.1);
+    const lode_fault_t weak = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_FLUX", lode_check_name(weak.check));
+    CHECK_CLOSE(0.05, rig.motor.psi, weak.measured);
+}
+
+/// In RUN one phase shows nothing of its current, as if it were open, and the others share what it lacks. Until the drive
+/// trips, or for half a second. The load takes a third of i_max.
+static lode_fault_t with_an_open_phase(int phase, double after_s, lode_choice_t plausibility,
+                                       double *took_s) {
+    lode_drive_config_t config = rig_config();
+    config.guard.i_sum_A = LODE_NONE; // of a real one the sum is zero
+    config.guard.plausibility = plausibility;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.load_Nm = 2.0;
+    rig_command(&rig, run_at(150.0));
+    rig_run(&rig, after_s);
+    rig_expect(&rig, LODE_MODE_RUN);
+    *took_s = 0.0;
+    while (*took_s < 0.5 && rig_telemetry(&rig).mode == LODE_MODE_RUN) {
+        lode_counts_t counts = rig_counts(&rig);
+        if (phase >= 0) {
+            const uint16_t lacks = counts.i[phase];
+            counts.i[phase] = (uint16_t)(2047 + (int)(*took_s / RIG_TS_s) % 3);
+            counts.i[(phase + 1) % 3] = (uint16_t)(counts.i[(phase + 1) % 3] + (lacks - 2048) / 2);
+            counts.i[(phase + 2) % 3] = (uint16_t)(counts.i[(phase + 2) % 3] + (lacks - 2048) / 2);
+        }
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+        *took_s += RIG_TS_s;
+    }
+    return rig_telemetry(&rig).fault;
+}
+
+/// A turn takes 14 ms.
+static void test_a_phase_that_opens_in_run_is_found(void) {
+    double took_s;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_an_open_phase(-1, 4.0, LODE_ON, &took_s).check);
+    for (int n = 0; n < 12; n++) {
+        const int phase = n % LODE_PHASES;
+        const double after_s = 4.0 + 1.2e-3 * n;
+        const lode_fault_t fault = with_an_open_phase(phase, after_s, LODE_ON, &took_s);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(fault.check));
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, fault.state);
+        CHECK_NEAR(0.0, phase + 1, fault.measured);
+        CHECK_AT_MOST(0.05, took_s);
+        TEST_ASSERT_NOT_EQUAL(LODE_CHECK_OPEN_PHASE,
+                              with_an_open_phase(phase, after_s, LODE_OFF, &took_s).check);
+    }
+}
+
+/// What a start or an earlier run has left of the counts is not RUN's.
+static void test_the_hand_over_begins_the_counts_of_run(void) {
+    rig_t rig = fresh();
+    static const lode_half_waves_t lacking = {.lacks = {0u, 9000u}, .idle = 7u, .doubts = true};
+    static const lode_half_waves_t none_lacking = {.idle = 0u};
+    rig_command(&rig, run_at(100.0));
+    for (int n = 0; n < 20000 && rig.drive.mode != (uint_least8_t)LODE_MODE_RUN; n++) {
+        rig.drive.guard.lock = 7u;
+        rig.drive.guard.speed = 1u;
+        rig.drive.guard.flux_rounds = 1u;
+        if (offsetof(lode_running_t, waves) >= sizeof(lode_start_t)) { // beyond the start's state
+            rig.drive.state.run.waves = lacking;
+        }
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_RUN);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.lock);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.speed);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.flux_rounds);
+    TEST_ASSERT_EQUAL_FLOAT(rig.drive.estimator.pll.omega_rad_s, rig.drive.state.run.held_rad_s);
+    lode_half_waves_t waves = rig.drive.state.run.waves;
+    waves.asked_A = (lode_dq_t){0.0f, 0.0f}; // which the next look goes by
+    TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &waves, sizeof none_lacking);
+}
+
+static void test_half_waves_are_looked_at_with_and_without_field_weakening(void) {
+    for (int k = 0; k < 2; k++) {
+        lode_drive_config_t config = rig_config();
+        config.references.field_weakening = k == 0 ? LODE_OFF : LODE_ON;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        run_up(&rig, 100.0, 8.0);
+        rig_run(&rig, 0.5);
+        for (int n = 0; n < 1000 && rig.drive.mode == (uint_least8_t)LODE_MODE_RUN; n++) {
+            // Enough is lacking of the positive half-wave of phase 2, unless it is there now.
+            rig.drive.state.run.waves = (lode_half_waves_t){.lacks = {0u, 16384u}, .doubts = true};
+            rig_step(&rig);
+        }
+        const lode_fault_t fault = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(fault.check));
+        CHECK_NEAR(0.0, 2.0, fault.measured);
+        TEST_ASSERT_EQUAL_INT(LODE_GATES_OFF, rig.out.gates);
+    }
+}
+
+/// One look at half-waves, of half of i_max, with the frame at `angle_rad`. Phase 2 has no positive one.
+static void look_without_a_half_wave(lode_drive_t *drive, double angle_rad) {
+    const float i_A = 0.5f * rig_config().inverter.i_max_A;
+    drive->ref_A = (lode_dq_t){-0.6f * i_A, 0.8f * i_A};
+    drive->estimator.pll.frame =
+        (lode_sincos_t){.sin = (float)sin(angle_rad), .cos = (float)cos(angle_rad)};
+    const lode_sincos_t rotor = lode_estimator_rotor(&drive->estimator);
+    lode_ab_t current_A = lode_park_inverse(drive->ref_A, rotor);
+    const lode_ab_t axis = {-0.5f, 0.8660254f};
+    const float lost_A = fmaxf(axis.alpha * current_A.alpha + axis.beta * current_A.beta, 0.0f);
+    current_A.alpha -= lost_A * axis.alpha;
+    current_A.beta -= lost_A * axis.beta;
+    drive->estimator.emf.i_A = current_A;
+    drive->i_A = lode_park(current_A, rotor);
+    // The voltage that current control adds for it makes no current: the observer takes it for EMF.
+    drive->estimator.emf.observer.e_V = (lode_ab_t){0.0f, 0.0f};
+    const lode_ab_t magnets_V = lode_estimator_beyond_V(&drive->estimator, &tuning.estimator);
+    const float added_V = drive->current.kp_q_V_A * lost_A;
+    drive->estimator.emf.observer.e_V =
+        (lode_ab_t){added_V * axis.alpha - magnets_V.alpha, added_V * axis.beta - magnets_V.beta};
+    const bool on = lode_drive_watch_half_waves(drive);
+    TEST_ASSERT_EQUAL(drive->gates, on);
+}
+
+/// Turns of a rotor at `omega` until the half-wave is found, from `from_rad` on; 4: it is not.
+static double turns_until_found(rig_t rig, float omega, double from_rad) {
+    lode_drive_t *drive = &rig.drive;
+    const double look_rad = 8.0 * RIG_TS_s * (double)omega;
+    double turned_rad = 0.0;
+    drive->estimator.pll.omega_rad_s = omega;
+    drive->estimator.lag.omega_rad_s = omega;
+    while (drive->mode == (uint_least8_t)LODE_MODE_RUN && fabs(turned_rad) < 8.0 * CHECK_PI) {
+        turned_rad += look_rad;
+        look_without_a_half_wave(drive, from_rad + turned_rad);
+    }
+    if (drive->mode == (uint_least8_t)LODE_MODE_RUN) {
+        return 4.0;
+    }
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(fault.check));
+    CHECK_NEAR(0.0, 2.0, fault.measured);
+    CHECK_NEAR(0.0, 0.0, fault.limit);
+    return fabs(turned_rad) / (2.0 * CHECK_PI);
+}
+
+static rig_t running_with_voltage(void) {
+    rig_t rig = running(100.0, 8.0);
+    rig.drive.state.run.fade = 0.0f;
+    rig.drive.state.run.waves = (lode_half_waves_t){.idle = 0u};
+    rig.drive.u_V = (lode_dq_t){0.0f, 0.0f};
+    return rig;
+}
+
+static void test_a_half_wave_is_found_within_1_2_turns_either_way(void) {
+    const rig_t rig = running_with_voltage();
+    const float ready = tuning.start.omega_ready;
+    for (int n = 0; n < 24; n++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const float way = (float)sign;
+            CHECK_AT_MOST(1.2, turns_until_found(rig, way * ready, (double)n));
+            CHECK_AT_MOST(1.2, turns_until_found(rig, 3.0f * way * ready, (double)n));
+        }
+    }
+}
+
+/// What is known of the turn is too little below the speed at which the estimator may take over, of a sensor's angle, and
+/// while the start's current fades; without voltage left current control is behind for that.
+static void test_turns_that_tell_of_no_half_wave(void) {
+    const float ready = tuning.start.omega_ready;
+    const double none = 4.0;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = running_with_voltage();
+        const float omega = 2.0f * ready * (float)sign;
+        CHECK_AT_MOST(1.2, turns_until_found(rig, omega, 0.0));
+        CHECK_NEAR(0.0, none, turns_until_found(rig, 0.499f * omega, 0.0));
+        rig.drive.sensored = 2u;
+        CHECK_NEAR(0.0, none, turns_until_found(rig, omega, 0.0));
+        rig.drive.sensored = 0u;
+        rig.drive.state.run.fade = 0.01f;
+        CHECK_NEAR(0.0, none, turns_until_found(rig, omega, 0.0));
+        rig.drive.state.run.fade = 0.0f;
+        const float circle_V = tuning.current.circle * rig.drive.inverter.v_bus_V;
+        rig.drive.u_V = (lode_dq_t){-0.6f * 0.995f * circle_V, 0.8f * 0.995f * circle_V};
+        CHECK_NEAR(0.0, none, turns_until_found(rig, omega, 0.0));
+        rig.drive.u_V = (lode_dq_t){-0.6f * 0.985f * circle_V, 0.8f * 0.985f * circle_V};
+        CHECK_AT_MOST(1.2, turns_until_found(rig, omega, 0.0));
+    }
+}
+
+/// What was lacking before is forgotten where nothing can be told.
+static void test_a_turn_that_tells_nothing_forgets(void) {
+    static const lode_half_waves_t none_lacking = {.idle = 0u};
+    rig_t rig = running_with_voltage();
+    rig.drive.state.run.waves = (lode_half_waves_t){.lacks = {0u, 9000u}, .doubts = true};
+    rig.drive.estimator.pll.omega_rad_s = 0.5f * tuning.start.omega_ready;
+    TEST_ASSERT_TRUE(lode_drive_watch_half_waves(&rig.drive));
+    lode_half_waves_t waves = rig.drive.state.run.waves;
+    waves.asked_A = (lode_dq_t){0.0f, 0.0f}; // which the next look goes by
+    TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &waves, sizeof none_lacking);
+}
+
+/// 0.3 s with a bus that reads `share` of what it is, and moves by a count every round or not.
+static lode_fault_t with_bus(rig_t rig, double share, bool moves) {
+    for (uint32_t n = 0; n < 1500u; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        const uint32_t noise = moves ? n / LODE_SLOW_PERIODS % 2u : 0u;
+        counts.v_bus = (uint16_t)((uint32_t)rig_count(share * counts.v_bus) + noise);
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    return rig_telemetry(&rig).fault;
+}
+
+static void test_a_bus_that_stands_still_trips_where_the_emf_has_moved(void) {
+    lode_drive_config_t config = rig_config();
+    config.guard.bus_still_s = 0.1f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.load_Nm = 0.5;
+    run_up(&rig, 100.0, 8.0);
+    rig_run(&rig, 1.0);
+    const double shares[] = {1.18, 0.85}; // the bus has sagged, or risen
+    for (int n = 0; n < COUNT_OF(shares); n++) {
+        const lode_fault_t stuck = with_bus(rig, shares[n], false);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_BUS_STUCK", lode_check_name(stuck.check));
+        CHECK_CLOSE(0.2, shares[n] * (double)PAPER_V_BUS, stuck.measured);
+        CHECK_CLOSE(1.0e-4, 62 * 8 * RIG_TS_s, stuck.limit); // whole rounds
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_bus(rig, shares[n], true).check);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_bus(rig, 1.0, false).check);
+}
+
+/// Of i_max, Nm.
+#define ALL_Nm (1.5 * 3.0 * 0.142 * 12.0)
+
+/// One that has run for so long that its start is proven.
+static rig_t proven(const lode_drive_config_t *config, double speed) {
+    rig_t rig;
+    rig_init(&rig, &tuning, config);
+    rig.motor.theta = CALM_rad;
+    run_up(&rig, speed, 8.0);
+    rig_run(&rig, 1.0);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.state.run.proving);
+    return rig;
+}
+
+/// (K19): the load turns it back, or on, while it runs either way. The rotor still turns as it should.
+static void test_a_load_beyond_all_torque_is_named_within_100_ms(void) {
+    const lode_drive_config_t config = rig_config();
+    for (int way = -1; way <= 1; way += 2) {
+        const rig_t runs = proven(&config, 100.0 * way);
+        for (int pull = -1; pull <= 1; pull += 2) {
+            rig_t rig = runs;
+            rig.pull_Nm = 2.0 * ALL_Nm * pull;
+            rig_run(&rig, 0.1);
+            const lode_fault_t fault = rig_telemetry(&rig).fault;
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVERLOAD", lode_check_name(fault.check));
+            TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, fault.state);
+            CHECK_CLOSE(1.0e-3, 300.0 * way, fault.limit);
+            CHECK_AT_LEAST(0.05 * 300.0, (double)((float)pull * (fault.limit - fault.measured)));
+            CHECK_AT_LEAST(0.0, (double)(fault.measured * (float)way));
+        }
+    }
+}
+
+/// A second of it. The check, or none.
+static lode_check_t after_a_second(rig_t rig, double pull_Nm) {
+    rig.pull_Nm = pull_Nm;
+    rig_run(&rig, 1.0);
+    return (lode_check_t)rig_telemetry(&rig).fault.check;
+}
+
+static void test_a_load_that_can_be_held_is_none_beyond_all_torque(void) {
+    lode_drive_config_t config = rig_config();
+    const rig_t rig = proven(&config, 100.0);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_a_second(rig, 0.9 * ALL_Nm));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_a_second(rig, -0.9 * ALL_Nm));
+    // From one end to the other, with all the torque that is left beside such a load.
+    rig_t slams = rig;
+    slams.load_Nm = 0.6 * ALL_Nm;
+    for (int n = 0; n < 4; n++) {
+        rig_command(&slams, run_at(n % 2 == 0 ? 150.0 : 60.0));
+        rig_run(&slams, 0.5);
+        rig_expect(&slams, LODE_MODE_RUN);
+    }
+    // Where nobody wants it to be looked at, it ends as it did.
+    config.guard.overload_s = LODE_NONE;
+    const lode_check_t other = after_a_second(proven(&config, 100.0), 2.0 * ALL_Nm);
+    TEST_ASSERT_NOT_EQUAL(LODE_CHECK_OVERLOAD, other);
+    TEST_ASSERT_NOT_EQUAL(LODE_CHECK_NONE, other);
+}
+
+/// A limit of the application's, and torque control: what the load does then is wanted.
+static void test_less_than_all_torque_may_slip(void) {
+    const lode_drive_config_t config = rig_config();
+    rig_t limited = proven(&config, 100.0);
+    lode_drive_limit_torque(&limited.drive, 0.3f);
+    limited.pull_Nm = 0.6 * ALL_Nm;
+    rig_run(&limited, 0.15);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&limited).fault.check);
+    CHECK_AT_MOST(80.0 * 3.0, limited.motor.omega); // it has
+    rig_t torque = proven(&config, 100.0);
+    rig_command(&torque, torque_of(1.2 * ALL_Nm, 140.0));
+    torque.pull_Nm = 2.0 * ALL_Nm;
+    rig_run(&torque, 0.15);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&torque).fault.check);
+    CHECK_AT_MOST(80.0 * 3.0, torque.motor.omega);
+}
+
+/// A drive of which all torque is asked for, and whose speed has been moved by far. `way`: of the rotor; `sense`: of the torque.
+static rig_t overloaded(rig_t rig, float way, float sense) {
+    lode_drive_t *drive = &rig.drive;
+    lode_running_t *run = &drive->state.run;
+    const float omega = 300.0f * way;
+    drive->estimator.pll.omega_rad_s = omega;
+    drive->estimator.lock = 1.0f;
+    run->held_rad_s = omega + 1000.0f * sense;
+    run->speed.reference_rad_s = 100.0f * way + 50.0f * sense;
+    run->speed.limit_Nm = (lode_range_t){(float)-ALL_Nm, (float)ALL_Nm};
+    run->speed.torque_Nm = (float)ALL_Nm * sense;
+    drive->ref_A = (lode_dq_t){0.0f, 12.0f * sense};
+    drive->i_A = drive->ref_A;
+    return rig;
+}
+
+static lode_check_t trips_by(rig_t rig) {
+    const bool on = lode_drive_watch_load(&rig.drive);
+    TEST_ASSERT_EQUAL_INT(rig.drive.gates, on);
+    return (lode_check_t)rig.drive.guard.fault.check;
+}
+
+/// Each of them alone tells that it may be something else than the load.
+static void test_what_may_be_else_than_the_load(void) {
+    const lode_drive_config_t config = rig_config();
+    const rig_t runs = proven(&config, 100.0);
+    for (int n = 0; n < 4; n++) {
+        const rig_t bad = overloaded(runs, n % 2 == 0 ? 1.0f : -1.0f, n < 2 ? 1.0f : -1.0f);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(bad));
+        rig_t rig = bad;
+        rig.drive.estimator.lock = LODE_LOCK_HANDOVER; // just enough
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(rig));
+        rig.drive.estimator.lock = 0.99f * LODE_LOCK_HANDOVER;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        TEST_ASSERT_TRUE(lode_drive_watch_load(&rig.drive));
+        rig.drive.estimator.lock = 1.0f; // what the speed did before does not count
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad; // voltage, temperature or somebody limits the torque
+        rig.drive.state.run.speed.limit_Nm = (lode_range_t){-6.5f, 6.5f};
+        rig.drive.state.run.speed.torque_Nm = n < 2 ? 6.5f : -6.5f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad; // the voltage is too little for the current
+        rig.drive.i_A.q *= 0.79f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad;
+        rig.drive.state.run.speed.torque_Nm *= 0.89f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        CHECK_CLOSE(1.0e-6, 300.0, fabs((double)rig.drive.estimator.pll.omega_rad_s));
+        rig = bad;
+        rig.drive.state.run.fade = 0.1f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad;
+        rig.drive.state.run.proving = 1u;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad;
+        rig.drive.command.flags |= (uint_least8_t)LODE_ORDER_TORQUE;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad; // its angle may be wrong
+        rig.drive.sensored = 1u;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad;
+        rig.drive.estimator.by.hfi.active = true;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig = bad; // so little may be a large inertia's
+        rig.drive.state.run.speed.reference_rad_s = 100.0f * (n % 2 == 0 ? 1.0f : -1.0f);
+        rig.drive.state.run.speed.reference_rad_s *= n == 0 || n == 3 ? 1.04f : 0.96f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+    }
+}
+
+/// 3 mNm, 0.3 W of a mechanical power.
+static void test_all_torque_of_a_small_motor_is_all_of_it(void) {
+    const lode_drive_config_t config = rig_config();
+    const rig_t runs = proven(&config, 100.0);
+    other_tuning = tuning;
+    other_tuning.references.tau_max *= 0.0004f;
+    for (int sense = -1; sense <= 1; sense += 2) {
+        rig_t rig = overloaded(runs, (float)sense, (float)sense);
+        rig.drive.tuning = &other_tuning;
+        rig.drive.state.run.speed.limit_Nm =
+            (lode_range_t){(float)(-0.0004 * ALL_Nm), (float)(0.0004 * ALL_Nm)};
+        rig.drive.state.run.speed.torque_Nm *= 0.0004f;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(rig));
+    }
+}
+
+/// Where the voltage limits the torque, a rotor that slows down comes to where there is more of it; one that is turned on does
+/// not.
+static void test_a_torque_that_the_voltage_limits_is_all_of_it_for_a_brake(void) {
+    lode_drive_config_t config = rig_config();
+    config.references.field_weakening = LODE_ON;
+    const rig_t runs = proven(&config, 100.0);
+    for (int sense = -1; sense <= 1; sense += 2) {
+        rig_t rig = overloaded(runs, 1.0f, (float)sense);
+        rig.drive.ref_A = (lode_dq_t){-11.0f, 4.0f * (float)sense};
+        rig.drive.i_A = rig.drive.ref_A;
+        const float most_Nm =
+            lode_references_allowed_Nm(&rig.drive.state.run.references, &tuning.references, -11.0f);
+        CHECK_AT_MOST(0.85 * ALL_Nm, (double)most_Nm);
+        rig.drive.state.run.speed.limit_Nm = (lode_range_t){-most_Nm, most_Nm};
+        rig.drive.state.run.speed.torque_Nm = most_Nm * (float)sense;
+        TEST_ASSERT_EQUAL_INT(sense < 0 ? LODE_CHECK_OVERLOAD : LODE_CHECK_NONE, trips_by(rig));
+    }
+}
+
+/// Too little for the lock to be lost, and more than a tuning explains (P25).
+static void test_another_flux_is_named_though_the_lock_holds(void) {
+    lode_drive_config_t config = rig_config();
+    rig_t rig = proven(&config, 100.0);
+    rig.load_Nm = 3.0;
+    rig_run(&rig, 1.0);
+    const double more[] = {0.27, -0.3}; // (P25) is 0.24 here
+    for (int n = 0; n < COUNT_OF(more); n++) {
+        const lode_fault_t fault = with_less_flux(rig, more[n]);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_FLUX", lode_check_name(fault.check));
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, fault.state);
+        CHECK_CLOSE(0.06, (1.0 - more[n]) * rig.motor.psi, fault.measured);
+        CHECK_CLOSE(0.06, rig.motor.psi, fault.limit);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(rig, 0.15).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(rig, -0.15).check);
+    rig_t idle = proven(&config, 100.0); // with as little current it may be the inverter
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(idle, 0.25).check);
+    config.guard.plausibility = LODE_OFF;
+    rig_t unwatched = proven(&config, 100.0);
+    unwatched.load_Nm = 3.0;
+    rig_run(&unwatched, 1.0);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(unwatched, 0.25).check);
+}
+
+/// How many rounds it takes with the observer's EMF at `times` what the speed induces; 0: more than 1000.
+static uint32_t flux_rounds(rig_t rig, float times, lode_dq_t i_A, bool proves) {
+    lode_drive_t *drive = &rig.drive;
+    lode_estimator_t *estimator = &drive->estimator;
+    const lode_estimator_tuning_t *own = &drive->tuning->estimator;
+    const float omega = 300.0f;
+    const float active_Wb = own->psi_Wb + own->salient_H * i_A.d;
+    const float e_V = times * active_Wb * omega / (1.0f + omega * omega * own->droop_s2);
+    estimator->pll.omega_rad_s = omega;
+    estimator->emf.observer.e_V = lode_park_inverse((lode_dq_t){0.0f, e_V}, estimator->pll.frame);
+    estimator->id_A = i_A.d;
+    estimator->lock = 0.6f;
+    drive->i_A = i_A;
+    drive->state.run.proving = proves ? 1u : 0u;
+    for (uint32_t n = 1u; n <= 1000u; n++) {
+        if (!lode_drive_watch_flux(drive)) {
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, drive->guard.fault.check);
+            return n;
+        }
+    }
+    return 0u;
+}
+
+/// (P25)
+static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
+    lode_drive_config_t config = rig_config();
+    const rig_t rig = proven(&config, 100.0);
+    const lode_dq_t none = {0.0f, 1.9f};
+    const uint32_t rounds = (uint32_t)(0.05 / (8.0 * RIG_TS_s)) + 1u;
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, 0.77f, none, false));
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, 1.23f, none, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.81f, none, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.77f, (lode_dq_t){0.0f, 1.7f}, false));
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, 0.77f, (lode_dq_t){-1.9f, 0.0f}, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.77f, none, true));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.45f, none, false));
+    // With i_d = -6 A, i_q = 8 A the current has 0.27 of the flux, and errors of it explain 0.1 of psi.
+    const lode_dq_t much = {-6.0f, 8.0f};
+    const double active = 1.0 + 6.3e-3 * 6.0 / 0.142;
+    const double d = 0.2 * 3.5e-3 * 6.0 / 0.142;
+    const double q = 0.2 * 6.3e-3 * 9.8e-3 * 64.0 / (active * 0.142) / 0.142;
+    const double r = 0.5 * 0.75 * 8.0 / 300.0 / 0.142;
+    const double least = (0.2 + sqrt(d * d + q * q + r * r)) / active;
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, (float)(1.0 - 1.01 * least), much, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, (float)(1.0 - 0.99 * least), much, false));
+    // It begins anew.
+    rig_t again = rig;
+    again.drive.guard.flux_rounds = (uint_least8_t)(rounds - 1u);
+    TEST_ASSERT_EQUAL_UINT32(1u, flux_rounds(again, 0.77f, none, false));
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(again, 0.81f, none, false));
+    again.drive.estimator.lock = 1.0f;
+    (void)lode_drive_watch_flux(&again.drive);
+    TEST_ASSERT_EQUAL_UINT32(0u, again.drive.guard.flux_rounds);
+    // Where rounds are short, as many as the counter holds.
+    lode_drive_tuning_t quick = *rig.drive.tuning;
+    quick.estimator.pll.ts_s = 1.0e-5f;
+    rig_t fast = rig;
+    fast.drive.tuning = &quick;
+    TEST_ASSERT_EQUAL_UINT32(255u, flux_rounds(fast, 0.77f, none, false));
+    // The speed of a sensor may lag, and that of a QPLL whose angle comes from injection.
+    rig_t sensed = rig;
+    sensed.drive.sensored = 1u;
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(sensed, 0.77f, none, false));
+    lode_drive_tuning_t qpll = *rig.drive.tuning;
+    qpll.estimator.pll.third_order = 0u;
+    for (int n = 0; n < 4; n++) {
+        rig_t wave = rig;
+        wave.drive.estimator.by.hfi.active = n % 2 == 1;
+        wave.drive.tuning = n < 2 ? rig.drive.tuning : &qpll;
+        TEST_ASSERT_EQUAL_UINT32(n < 3 ? rounds : 0u, flux_rounds(wave, 0.77f, none, false));
+    }
+}
+
+/// Half a second with a temperature whose count moves once in `every` periods; 0: never.
+static lode_fault_t after_temperature(rig_t rig, uint32_t every) {
+    for (uint32_t n = 0; n < 2500u; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        counts.temperature = (uint16_t)(500u + (every > 0u ? n / every % 2u : 0u));
+        rig.stamp += 1000u;
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    return rig_telemetry(&rig).fault;
+}
+
+static void test_a_temperature_that_stands_still_trips_where_it_should_not(void) {
+    lode_drive_config_t config = rig_config();
+    config.sense.temperature_gain_degC_count = 0.1f;
+    config.guard.temperature_still_s = 0.1f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(100.0));
+    for (uint32_t n = 0; n < 40000u && !rig.drive.steady; n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        counts.temperature = (uint16_t)(500u + n / 8u % 2u);
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig_telemetry(&rig).mode);
+    const lode_fault_t stuck = after_temperature(rig, 0u);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_TEMPERATURE_STUCK", lode_check_name(stuck.check));
+    CHECK_CLOSE(1.0e-3, 50.0, stuck.measured);
+    CHECK_CLOSE(1.0e-4, 62 * 8 * 2.0e-4, stuck.limit); // whole rounds
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_temperature(rig, 8u).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, after_temperature(rig, 400u).check); // 80 ms
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_TEMPERATURE_STUCK, after_temperature(rig, 600u).check);
+    // From the first look at the last count on: within one round, and then so many.
+    (void)after_temperature(rig, 8u);
+    uint32_t periods = 0u;
+    while (rig.out.gates) {
+        lode_counts_t counts = rig_counts(&rig);
+        counts.temperature = 777u;
+        rig.stamp += 1000u;
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        rig_move(&rig);
+        periods++;
+    }
+    TEST_ASSERT_TRUE(periods > 62u * LODE_SLOW_PERIODS && periods <= 63u * LODE_SLOW_PERIODS);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_a_stuck_converter_trips_before_the_current_is_large);
+    RUN_TEST(test_what_dead_time_and_drops_hold_is_not_stuck);
+    RUN_TEST(test_a_wrong_sum_of_the_currents_trips_where_it_persists);
+    RUN_TEST(test_currents_that_rest_by_the_damping_are_not_stuck);
+    RUN_TEST(test_a_current_that_the_voltage_does_not_allow_is_not_missed);
+    RUN_TEST(test_another_flux_is_named);
+    RUN_TEST(test_another_flux_is_one_at_every_look);
+    RUN_TEST(test_the_observers_lag_is_no_other_flux);
+    RUN_TEST(test_a_phase_that_opens_in_run_is_found);
+    RUN_TEST(test_the_hand_over_begins_the_counts_of_run);
+    RUN_TEST(test_half_waves_are_looked_at_with_and_without_field_weakening);
+    RUN_TEST(test_turns_that_tell_of_no_half_wave);
+    RUN_TEST(test_a_half_wave_is_found_within_1_2_turns_either_way);
+    RUN_TEST(test_a_turn_that_tells_nothing_forgets);
+    RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
+    RUN_TEST(test_a_load_beyond_all_torque_is_named_within_100_ms);
+    RUN_TEST(test_a_load_that_can_be_held_is_none_beyond_all_torque);
+    RUN_TEST(test_less_than_all_torque_may_slip);
+    RUN_TEST(test_what_may_be_else_than_the_load);
+    RUN_TEST(test_all_torque_of_a_small_motor_is_all_of_it);
+    RUN_TEST(test_a_torque_that_the_voltage_limits_is_all_of_it_for_a_brake);
+    RUN_TEST(test_another_flux_is_named_though_the_lock_holds);
+    RUN_TEST(test_another_flux_is_as_large_as_no_error_and_lasts);
+    RUN_TEST(test_a_temperature_that_stands_still_trips_where_it_should_not);
+    return UNITY_END();
+}
