@@ -22,8 +22,9 @@ lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k,
     return LODE_OK;
 }
 
-LODE_RAMFUNC void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning, float k,
-                                   float omega_rad_s) {
+// Not LODE_RAMFUNC: once in a round.
+void lode_notch_adapt(lode_notch_t *self, const lode_notch_tuning_t *tuning, float k,
+                      float omega_rad_s) {
     if (!(k > 0.0f)) {
         self->weight = 0.0f;
         return;

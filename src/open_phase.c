@@ -210,13 +210,14 @@ LODE_NOINLINE lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
     }
     // Where nothing flows, control is behind in all phases.
     const uint_least16_t counted = flows_A >= least_A ? step : (uint_least16_t)0u;
+    const float not_had = NOT_HAD * (float)counted;
     const look_t look = {.least_A = least_A,
                          .asked_A = lode_max(LODE_WAVE_ASKED * length_A, least_A),
                          .seen_A = lode_max(LODE_WAVE_HAS * least_A, LODE_WAVE_LACKS * flows_A),
                          .against_A = lode_max(AGAINST * flows_A, least_A),
                          .kp_V_A = seen->kp_V_A,
                          .step = counted,
-                         .not_had = (uint_least16_t)(NOT_HAD * (float)counted)};
+                         .not_had = (uint_least16_t)not_had};
     const bool old = lode_abs(seen->turn_rad) > OLD_rad;
     const lode_abc_t asked = lode_clarke_inverse(seen->asked_A);
     const lode_abc_t before = lode_clarke_inverse(old ? seen->asked_A : seen->before_A);
