@@ -993,13 +993,15 @@ static void run(lode_commission_t *self, uint32_t way) {
 }
 
 // A rotor that was lost is looked for once more, with twice the inertia: a slower start, and less of an
-// acceleration that does not come. All other faults end it.
+// acceleration that does not come. One that does not follow in any attempt of a start, which get slower by themselves, is not,
+// and all other faults end it.
 static void end_by_fault(lode_commission_t *self) {
     const uint_least8_t check = self->drive->guard.fault.check;
     const bool lost = check == (uint_least8_t)LODE_CHECK_LOST_LOCK ||
-                      check == (uint_least8_t)LODE_CHECK_WRONG_WAY ||
-                      check == (uint_least8_t)LODE_CHECK_START;
-    if (lost && self->lost < LOST_MOST) { // these checks are of START and RUN alone
+                      check == (uint_least8_t)LODE_CHECK_WRONG_WAY;
+    if (check == (uint_least8_t)LODE_CHECK_START) {
+        finish(self, LODE_COMMISSION_NO_START);
+    } else if (lost && self->lost < LOST_MOST) { // these checks are of START and RUN alone
         self->lost++;
         self->config.motor.J_kgm2 *= LOST_INERTIA;
         enter(self, STAGE_RETUNE);

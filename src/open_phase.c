@@ -229,6 +229,6 @@ LODE_NOINLINE lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
     for (int32_t n = 0; n < PHASES; n++) {
         note_phase(self, &look, n, of[n]);
     }
-    self->doubts = is_any(self);
+    self->doubts = is_any(self) ? 1u : 0u;
     return (lode_open_phase_t)alone_of(self);
 }

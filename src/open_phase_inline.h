@@ -39,8 +39,8 @@ LODE_INLINE bool lode_half_waves_doubt(const lode_half_waves_t *self,
                                        lode_dq_t missed_A) {
     const float asked_A2 = asked_A.d * asked_A.d + asked_A.q * asked_A.q;
     const float missed_A2 = missed_A.d * missed_A.d + missed_A.q * missed_A.q;
-    return self->doubts || (missed_A2 >= LODE_WAVE_XY * LODE_WAVE_XY * asked_A2 &&
-                            asked_A2 >= tuning->least_A * tuning->least_A);
+    return self->doubts != 0u || (missed_A2 >= LODE_WAVE_XY * LODE_WAVE_XY * asked_A2 &&
+                                  asked_A2 >= tuning->least_A * tuning->least_A);
 }
 
 // What a look at three phases sees, in stator axes.

@@ -309,7 +309,7 @@ static void test_a_phase_that_opens_in_run_is_found(void) {
 /// What a start or an earlier run has left of the counts is not RUN's.
 static void test_the_hand_over_begins_the_counts_of_run(void) {
     rig_t rig = fresh();
-    static const lode_half_waves_t lacking = {.lacks = {0u, 9000u}, .idle = 7u, .doubts = true};
+    static const lode_half_waves_t lacking = {.lacks = {0u, 9000u}, .idle = 7u, .doubts = 1u};
     static const lode_half_waves_t none_lacking = {.idle = 0u};
     rig_command(&rig, run_at(100.0));
     for (int n = 0; n < 20000 && rig.drive.mode != (uint_least8_t)LODE_MODE_RUN; n++) {
@@ -341,7 +341,7 @@ static void test_half_waves_are_looked_at_with_and_without_field_weakening(void)
         rig_run(&rig, 0.5);
         for (int n = 0; n < 1000 && rig.drive.mode == (uint_least8_t)LODE_MODE_RUN; n++) {
             // Enough is lacking of the positive half-wave of phase 2, unless it is there now.
-            rig.drive.state.run.waves = (lode_half_waves_t){.lacks = {0u, 16384u}, .doubts = true};
+            rig.drive.state.run.waves = (lode_half_waves_t){.lacks = {0u, 16384u}, .doubts = 1u};
             rig_step(&rig);
         }
         const lode_fault_t fault = rig_telemetry(&rig).fault;
@@ -444,7 +444,7 @@ static void test_turns_that_tell_of_no_half_wave(void) {
 static void test_a_turn_that_tells_nothing_forgets(void) {
     static const lode_half_waves_t none_lacking = {.idle = 0u};
     rig_t rig = running_with_voltage();
-    rig.drive.state.run.waves = (lode_half_waves_t){.lacks = {0u, 9000u}, .doubts = true};
+    rig.drive.state.run.waves = (lode_half_waves_t){.lacks = {0u, 9000u}, .doubts = 1u};
     rig.drive.estimator.pll.omega_rad_s = 0.5f * tuning.start.omega_ready;
     TEST_ASSERT_TRUE(lode_drive_watch_half_waves(&rig.drive));
     lode_half_waves_t waves = rig.drive.state.run.waves;

@@ -55,7 +55,9 @@ static void test_sensors_that_come_to_show_half_end_the_start(void) {
 
 static void test_sensors_that_come_to_show_most_do_not(void) {
     for (int late = 0; late < 8; late++) {
-        const double gains[] = {0.85, 1.0, 1.5};
+        const double gains[] = {
+            0.7, 0.85, 1.0,
+            1.5}; // 0.7 falls, and is back with less than half as much voltage again
         for (int k = 0; k < COUNT_OF(gains); k++) {
             TEST_ASSERT_EQUAL_INT(
                 LODE_CHECK_NONE, gain_changes(LODE_START_TURN, 150, late, gains[k], LODE_ON).check);

@@ -31,7 +31,7 @@ typedef struct {
 typedef struct {
     uint_least16_t lacks[LODE_HALF_WAVES]; ///< for how much of enough it has been lacking
     uint_least16_t idle;                   ///< for how much there has been too little to tell
-    bool doubts;                           ///< one of them has been lacking
+    uint_least8_t doubts;                  ///< 1: one of them has been lacking
     lode_dq_t asked_A;                     ///< a round ago
 } lode_half_waves_t;
 

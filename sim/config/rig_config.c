@@ -186,7 +186,7 @@ void rig_config_design(rig_config_t *config) {
 lode_status_t rig_config_judge(const rig_config_t *config) {
     if (rig_config_is_six(config)) {
         lode_drive6_tuning_t tuning;
-        const lode_drive6_config_t six = rig_config_six(config);
+        const lode_drive6_config_t six = six_of(&config->drive, &config->six);
         return lode_drive6_tune(&tuning, &six);
     }
     lode_drive_tuning_t tuning;

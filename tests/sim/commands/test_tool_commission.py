@@ -110,7 +110,7 @@ def files_and_refusals(checks, folder):
     held = folder.run("commission", "--set", "plant.load_kind=passive", "--set", "plant.stiction_Nm=1000",
                       "--out", "none.ini", "--c", "none.c", "--json", "none.json")
     checks.equal(held.returncode, 1, "a shaft that is held")
-    checks.true(re.search(r"NO_START after \S+ s: EMF in V, stage TURN, measured \S+, limit \S+, while looking for psi_Wb\n",
+    checks.true(re.search(r"NO_START after \S+ s: LODE_CHECK_START, measured \S+, limit \S+ \(EMF in V, stage TURN\), while looking for psi_Wb\n",
                           held.stdout), held.stdout[-300:])
     checks.equal(folder.names(), before, "nothing is written of what is not whole")
     held = folder.run("commission", "--set", "plant.J_factor=10", "--c", "none.c")

