@@ -46,7 +46,7 @@ def commissioned(checks, folder):
     checks.true(any(rows[key]["max_error_deg"] != before[key]["max_error_deg"] for key in rows), "other parameters")
     lost = folder.run("monte-carlo", "start", "--motors", "servo_48V", "--n", 1, "--errors", "commissioned",
                       "--set", "start.timeout_s=0.2")
-    checks.true("FAULT, psi_Wb, commissioning" in lost.stdout, f"commissioning cannot start the motor: {lost.stdout}")
+    checks.true("NO_START, psi_Wb, commissioning" in lost.stdout, f"commissioning cannot start the motor: {lost.stdout}")
 
 
 def shards(checks, folder):
