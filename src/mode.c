@@ -408,7 +408,13 @@ static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
     }
 }
 
-static void watch_drop(lode_drive_t *self) {
+// SLOT_DEAD_TIME, half a round before and after watch_drop().
+static void look_for_drop(lode_drive_t *self) {
+    lode_drop_look(&self->state.start.drop, measured_A2(self));
+}
+
+// SLOT_REFERENCES. False: the drive is in FAULT.
+static bool watch_drop(lode_drive_t *self) {
     lode_start_t *start = &self->state.start;
     const float asked_A2 = start->current_A * start->current_A;
     const bool flows = asked_A2 >= self->tuning->plausibility.i_min_A2;
@@ -417,11 +423,12 @@ static void watch_drop(lode_drive_t *self) {
     if (lode_drop_step(&start->drop, measured_A2(self), flows ? asked_A2 : 0.0f, e_V, &change_V)) {
         judge_drop(self, change_V);
     }
+    return self->gates;
 }
 
 #endif
 
-// SLOT_LAG: resistance and dead time, while the vector rests; then what the EMF tells of rotor and flux, and of the current.
+// SLOT_LAG: resistance and dead time, while the vector rests; then what the EMF tells of rotor and flux.
 static void measure_start(lode_drive_t *self) {
     if (self->state.start.stage == (uint_least8_t)LODE_START_TURN) {
         lode_start_note_slip(&self->state.start, &self->tuning->start, &self->estimator,
@@ -488,7 +495,7 @@ static bool is_astray(const lode_drive_t *self) {
     return sure && (back || lode_abs(omega) > MUCH_FASTER * lode_max(lode_abs(vector), ready));
 }
 
-// SLOT_REFERENCES, while it does not hand over. For as long as a lock would have to hold.
+// After watch_drop(). For as long as a lock would have to hold.
 static void watch_load(lode_drive_t *self) {
     const uint32_t rounds = is_astray(self) ? self->guard.speed + 1u : 0u;
     self->guard.speed = (uint_least16_t)rounds;
@@ -536,9 +543,6 @@ static void aim_start(lode_drive_t *self) {
     if (lode_start_catches(start) || finds_at_rest(self)) {
         return;
     }
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-    lode_drop_look(&start->drop, measured_A2(self));
-#endif
     const bool stopping = is_stop(self);
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
     const float target =
@@ -566,11 +570,11 @@ static void follow_start(lode_drive_t *self, lode_slot_t slot) {
         hand_over(self);
         self->state.run.fade = 0.0f;
     } else if (slot == SLOT_LAG) {
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-        watch_drop(self);
-#endif
         measure_start(self);
     } else if (slot == SLOT_DEAD_TIME) {
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        look_for_drop(self);
+#endif
         judge_start(self);
     } else if (slot == SLOT_SPEED) {
         aim_start(self);
@@ -579,7 +583,9 @@ static void follow_start(lode_drive_t *self, lode_slot_t slot) {
         hand_over(self);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     } else if (slot == SLOT_REFERENCES) {
-        watch_load(self);
+        if (watch_drop(self)) {
+            watch_load(self);
+        }
 #endif
     } else {
         // nothing to judge in this slot

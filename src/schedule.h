@@ -18,7 +18,7 @@ typedef enum {
     // plane; RUN: flux of the magnets; START: resistance and dead time
     SLOT_LAG,
     // slope of the dead-time error, 1/v_bus; memory unchanged; RUN: half-waves of the currents;
-    // START: is the estimate good enough?
+    // START: has the current fallen; is the estimate good enough?
     SLOT_DEAD_TIME,
     // without lock acquisition; gains of the PLL, centres of the notches
     SLOT_GAINS,
@@ -26,7 +26,8 @@ typedef enum {
     SLOT_GUARD_2,
     // speed control, id for its torque; START: where the vector goes
     SLOT_SPEED,
-    // current references; START: hand-over, half-waves of the currents; plausibility of a second set's currents
+    // current references; START: hand-over, or has the current fallen, does the load turn the rotor, half-waves of
+    // the currents; plausibility of a second set's currents
     SLOT_REFERENCES,
     SLOT_COUNT = LODE_SLOW_PERIODS
 } lode_slot_t;
