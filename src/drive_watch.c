@@ -7,6 +7,11 @@
 // Currents that keep still. Of the voltage circle: with less EMF there is voltage left to drive the current that is
 // asked for.
 #define EMF_SHARE 0.8f
+// Converters that are stuck in a start. Of the resistance that is told; of the current; and what each look counts, of enough.
+#define HOT_WINDING 2.0f
+#define MISSED 0.05f
+#define WOUND_UP 0.34f
+#define ALL_PHASES ((1u << LODE_PHASES) - 1u)
 // Half-waves. Of the voltage circle, on which rounding leaves it.
 #define ALL_VOLTAGE 0.99f
 // Load. Of what limits the torque: the voltage moves that a little in each round.
@@ -89,14 +94,14 @@ LODE_NOINLINE void lode_drive_count_still(lode_drive_t *self, uint16_t count, fl
     }
 }
 
-// Square of the current that the phases should show.
-static float expected_A2(const lode_drive_t *self, float omega_rad_s) {
-    const lode_current_tuning_t *control = &self->tuning->current;
-    // Where the EMF takes the voltage, the current need not follow its reference.
-    const bool follows = self->tuning->references.psi_Wb * omega_rad_s <
-                         EMF_SHARE * control->circle * self->inverter.v_bus_V;
-    const lode_dq_t i_A = follows ? self->ref_A : self->i_A;
-    return i_A.d * i_A.d + i_A.q * i_A.q;
+static float squared(lode_dq_t x) {
+    return x.d * x.d + x.q * x.q;
+}
+
+// Where the EMF takes the voltage, the current need not follow its reference.
+static bool may_follow(const lode_drive_t *self, float omega_rad_s) {
+    return self->tuning->references.psi_Wb * lode_abs(omega_rad_s) <
+           EMF_SHARE * self->tuning->current.circle * self->inverter.v_bus_V;
 }
 
 // At its zero a phase's current asks for the voltage of the inductance: where dead time and drops take more, they
@@ -122,6 +127,26 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
     }
 }
 
+// A current that keeps its counts, though it is not what is asked for, and has more voltage than resistance, dead time and the
+// EMF of a rotor that follows the start's vector take: so it is of converters that are stuck, for which current control asks for
+// ever more, and in a swing for some looks (S44).
+static bool is_wound_up(const lode_drive_t *self) {
+    const lode_start_t *start = &self->state.start;
+    if (lode_mode(self) != LODE_MODE_START || lode_start_catches(start)) {
+        return false;
+    }
+    const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
+    const lode_references_tuning_t *motor = &self->tuning->references;
+    const float current_A = start->current_A;
+    const float R_Ohm = emf->inv_b - emf->a_over_b;
+    const float flux_Wb = motor->psi_Wb + motor->Lq_H * current_A;
+    const float most_V = hold_of(self).taken_V + HOT_WINDING * R_Ohm * current_A +
+                         flux_Wb * lode_abs(start->omega_rad_s);
+    const lode_dq_t missed_A = {self->ref_A.d - self->i_A.d, self->ref_A.q - self->i_A.q};
+    return squared(missed_A) > MISSED * MISSED * current_A * current_A &&
+           squared(self->u_V) > most_V * most_V;
+}
+
 // By how much the vector has turned since the last look, `looks` times LODE_GUARD_PERIODS ago. The damping of a start may
 // turn it back as fast as it turns on: that rests then, and so do the counts. It is known at the looks at set 1.
 LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float omega_rad_s,
@@ -136,19 +161,35 @@ LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, 
                                         : 0.0f;
 }
 
+// Of three that have kept their counts. A current that need not follow may rest at zero for a while, within what dead time
+// takes, but not for a turn.
+static uint32_t doubt_of_all(const lode_drive_t *self, lode_plausibility_t *watch, uint32_t doubt,
+                             bool follows) {
+    if (is_wound_up(self)) {
+        lode_plausibility_add(watch, &self->tuning->plausibility, WOUND_UP);
+    }
+    return follows || lode_abs(watch->turn_rad) >= LODE_TWO_PI ? doubt : 0u;
+}
+
 // Not LODE_RAMFUNC: one call in many, and small fast memories are full without it.
 LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                                       const int32_t i[LODE_PHASES], float looks) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const float omega = lode_mode_frame_omega(self);
     const float turn_rad = turn_of(self, watch, omega, looks);
-    const float i_A2 = expected_A2(self, lode_abs(omega));
     const uint32_t again = lode_plausibility_look(watch, i);
+    const bool none = again == ALL_PHASES;
+    const bool follows = may_follow(self, omega);
+    const float i_A2 =
+        squared(follows || none ? self->ref_A : self->i_A); // what the phases should show
     if (lode_plausibility_is_chance(watch, tuning, again, i_A2)) {
         return;
     }
-    const uint32_t doubt = lode_plausibility_doubt(watch, tuning, again, i_A2, turn_rad,
-                                                   lode_abs(self->tuning->sense.i_gain));
+    uint32_t doubt = lode_plausibility_doubt(watch, tuning, again, i_A2, turn_rad,
+                                             lode_abs(self->tuning->sense.i_gain));
+    if (none) {
+        doubt = doubt_of_all(self, watch, doubt, follows);
+    }
     if (doubt > 0u || watch->sum > 0u || !lode_plausibility_sum_ok(tuning, watch->i)) {
         find(self, watch, doubt);
     }
@@ -175,9 +216,8 @@ LODE_NOINLINE bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
 
 // Current control has voltage left: it is not behind for want of it.
 static bool has_voltage(const lode_drive_t *self) {
-    const lode_dq_t u_V = self->u_V;
     const float most_V = ALL_VOLTAGE * self->tuning->current.circle * self->inverter.v_bus_V;
-    return u_V.d * u_V.d + u_V.q * u_V.q < most_V * most_V;
+    return squared(self->u_V) < most_V * most_V;
 }
 
 // What current control misses tells of phases: the rotor turns fast enough, the start current has gone, and no wave is injected,
@@ -320,8 +360,7 @@ static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
 LODE_NOINLINE bool lode_drive_judge_flux(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
-    const lode_dq_t i_A = self->i_A;
-    const float i_A2 = i_A.d * i_A.d + i_A.q * i_A.q;
+    const float i_A2 = squared(self->i_A);
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     if (tuning->i_sum < 0 || may_speed_lag(self) || !(i_A2 >= FLUX_CURRENT * tuning->i_min_A2) ||
         !is_started(self) || !is_another_flux(flux, unsure_Wb(self, flux))) {

@@ -283,6 +283,11 @@ uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
     return (turned ? still : 0u) + (none_follows ? LODE_NONE_FOLLOWS : 0u);
 }
 
+void lode_plausibility_add(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
+                           float share) {
+    self->moved_A2 += share * ALL_STUCK * tuning->i_min_A2;
+}
+
 lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning, uint32_t doubt,
                                       uint32_t sum_looks, lode_hold_t hold, float A_per_count) {

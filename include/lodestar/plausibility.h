@@ -77,6 +77,11 @@ uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
                                  const lode_plausibility_tuning_t *tuning, uint32_t again,
                                  float i_A2, float turn_rad, float A_per_count);
 
+/// Where something else tells that all three should have moved: counts `share` of what is enough for LODE_NONE_FOLLOWS, until
+/// one of them does.
+void lode_plausibility_add(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
+                           float share);
+
 /// No count of two sets has moved while the vector turned by `turn_rad`, of a current asked for of `i_A2` squared, which
 /// would have moved some: no open phase explains that.
 bool lode_plausibility_none_flows(const lode_plausibility_tuning_t *tuning, float i_A2,
