@@ -22,9 +22,10 @@
 // and it is off by more than a tuning and a hot magnet explain.
 #define LEAST_FLUX 0.5f
 #define ANOTHER_FLUX 0.2f
-// Of inductances and resistance, as for (S34) and (K16).
+// Of inductances and resistance, as for (S34) and (K16). Of the drops as of the resistance.
 #define L_UNSURE 0.2f
 #define R_UNSURE 0.5f
+#define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along a phase axis per volt that each phase loses
 #define FLUX_CURRENT 9.0f // times the least current that is judged by, squared: 0.15 of i_max
 #define FLUX_s 0.05f      // longer than a speed that changes fast is behind the EMF
 #define FLUX_ROUNDS_MAX 255u
@@ -339,8 +340,19 @@ static bool may_speed_lag(const lode_drive_t *self) {
     return lode_mode_is_sensored(self) || (qpll && lode_estimator_injects(&self->estimator));
 }
 
-// (P25): what a tuning and a hot magnet explain of the magnets' flux, and errors of inductances and resistance, which are
-// independent of each other, of the rest.
+// (P26): dead time and drops that nobody knows of. A start by injection does not measure them (S14), and does not need the
+// EMF for its lock; without injection there is no such speed that they matter at.
+static float unsure_dead_V(const lode_drive_t *self) {
+    const lode_inverter_tuning_t *inverter = &self->tuning->inverter;
+    if (!lode_estimator_injects(&self->estimator)) {
+        return 0.0f;
+    }
+    return DEAD_PER_PHASE *
+           (inverter->dead_more_max * self->inverter.v_bus_V + R_UNSURE * inverter->v_drop_V);
+}
+
+// (P25): what a tuning and a hot magnet explain of the magnets' flux, and errors of inductances, resistance and dead time,
+// which are independent of each other, of the rest.
 static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
     const lode_references_tuning_t *motor = &self->tuning->references;
     const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
@@ -351,8 +363,9 @@ static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
     const float d_Wb = L_share * motor->Ld_H * i_A.d;
     const float q_Wb = L_share * lode_references_salient_H(motor) * turned_A;
     const float r_Wb = R_UNSURE * (emf->inv_b - emf->a_over_b) * i_A.q / omega;
+    const float dead_Wb = unsure_dead_V(self) / omega;
     return ANOTHER_FLUX * self->tuning->estimator.psi_Wb +
-           lode_sqrt(d_Wb * d_Wb + q_Wb * q_Wb + r_Wb * r_Wb);
+           lode_sqrt(d_Wb * d_Wb + q_Wb * q_Wb + r_Wb * r_Wb + dead_Wb * dead_Wb);
 }
 
 // Though the lock is not lost: where the current makes most of the flux, less of the magnets' takes it little. With hardly any

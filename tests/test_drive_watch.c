@@ -794,7 +794,27 @@ static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
         rig_t wave = rig;
         wave.drive.estimator.by.hfi.active = n % 2 == 1;
         wave.drive.tuning = n < 2 ? rig.drive.tuning : &qpll;
-        TEST_ASSERT_EQUAL_UINT32(n < 3 ? rounds : 0u, flux_rounds(wave, 0.77f, none, false));
+        TEST_ASSERT_EQUAL_UINT32(n < 3 ? rounds : 0u, flux_rounds(wave, 0.7f, none, false));
+    }
+}
+
+/// (P26): while a wave is injected, 1.5 us of dead time and half of the drops may be unknown.
+static void test_another_flux_is_no_dead_time_that_nobody_knows_of(void) {
+    lode_drive_config_t config = rig_config();
+    config.inverter.v_drop_V = 1.0f;
+    rig_t rig = proven(&config, 100.0);
+    const lode_dq_t i_A = {0.0f, 2.0f};
+    const double dead_V = 4.0 / 3.0 * (1.5e-6 / RIG_TS_s * PAPER_V_BUS + 0.5 * 1.0);
+    const double r_V = 0.5 * 0.75 * 2.0;
+    const double more = hypot(dead_V, r_V) / 300.0 / 0.142;
+    const uint32_t rounds = (uint32_t)(0.05 / (8.0 * RIG_TS_s)) + 1u;
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, (float)(1.2 + 0.95 * more), i_A, false));
+    rig.drive.estimator.by.hfi.active = true;
+    for (int sense = -1; sense <= 1; sense += 2) {
+        const float within = (float)(1.0 + (0.2 + 0.99 * more) * sense);
+        const float beyond = (float)(1.0 + (0.2 + 1.01 * more) * sense);
+        TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, within, i_A, false));
+        TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, beyond, i_A, false));
     }
 }
 
@@ -871,6 +891,7 @@ int main(void) {
     RUN_TEST(test_a_torque_that_the_voltage_limits_is_all_of_it_for_a_brake);
     RUN_TEST(test_another_flux_is_named_though_the_lock_holds);
     RUN_TEST(test_another_flux_is_as_large_as_no_error_and_lasts);
+    RUN_TEST(test_another_flux_is_no_dead_time_that_nobody_knows_of);
     RUN_TEST(test_a_temperature_that_stands_still_trips_where_it_should_not);
     return UNITY_END();
 }
