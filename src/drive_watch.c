@@ -294,24 +294,24 @@ static bool is_all_torque(const lode_drive_t *self) {
            self->i_A.q * iq_A >= FOLLOWED * iq_A * iq_A;
 }
 
-// (K19). With torque control the speed is the load's.
+// (K19), (K29). With torque control the speed is the load's.
 static LODE_NOINLINE bool judge_load(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float omega = self->estimator.pll.omega_rad_s;
     const float way = lode_sign(run->speed.torque_Nm);
-    const bool gives_way = way * (run->held_rad_s - omega) > 0.0f; // first: it spares the rest
+    const bool gives_way = way * (run->load.held_rad_s - omega) > 0.0f; // first: it spares the rest
     // An angle that is wrong makes torque against itself. A sensor's is judged by the EMF (encoder.h), that of injection until
     // there is one.
     const bool by_emf = !lode_mode_is_sensored(self) && !lode_estimator_injects(&self->estimator);
     if (!gives_way || !by_emf || lode_mode_is_torque(self) || !is_started(self) ||
         !is_all_torque(self)) {
-        run->held_rad_s = omega;
+        run->load = (lode_load_t){.held_rad_s = omega};
         return true;
     }
     const float reference = run->speed.reference_rad_s;
     const float off = way * (reference - omega * tuning->speed.inv_pole_pairs);
-    if (lode_plausibility_is_overloaded(&run->held_rad_s, &tuning->plausibility, way, omega) &&
+    if (lode_load_is_too_large(&run->load, &tuning->plausibility, way, omega) &&
         off > FAR_OFF * lode_abs(reference)) {
         lode_mode_fault(self, LODE_CHECK_OVERLOAD, omega, reference / tuning->speed.inv_pole_pairs);
     }
@@ -322,7 +322,8 @@ LODE_NOINLINE bool lode_drive_watch_load(lode_drive_t *self) {
     lode_running_t *run = &self->state.run;
     const lode_range_t limit = run->speed.limit_Nm;
     if (lode_in_range(run->speed.torque_Nm, ALL_TORQUE * limit.min, ALL_TORQUE * limit.max)) {
-        run->held_rad_s = self->estimator.pll.omega_rad_s; // as nearly always
+        // as nearly always
+        run->load = (lode_load_t){.held_rad_s = self->estimator.pll.omega_rad_s};
         return true;
     }
     return self->tuning->plausibility.away_rad_s > 0.0f ? judge_load(self) : true;

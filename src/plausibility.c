@@ -52,6 +52,11 @@
 #define OVERLOAD_MAX_s 10.0f
 // Of what all the torque makes of a free rotor: what a load that is hardly larger, or one that ripples, may make of it.
 #define AWAY_SHARE 0.1f
+// (K29): times overload_s, three time constants of a slow PLL, after which a rotor that all the torque brakes does not seem to
+// get faster any more; and of what (K19) lets a load move it by, beyond noise.
+#define FASTER_TIMES 2.0f
+#define FASTER_SHARE 0.1f
+#define FASTER_MAX 65535u
 
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
@@ -99,13 +104,29 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
     return LODE_OK;
 }
 
-bool lode_plausibility_is_overloaded(float *held_rad_s, const lode_plausibility_tuning_t *tuning,
-                                     float sense, float omega_rad_s) {
-    const float away = sense * (*held_rad_s - omega_rad_s);
-    const bool brakes = sense * omega_rad_s < 0.0f; // and the rotor gets faster all the same
-    const float step = brakes ? 0.0f : lode_min(away, tuning->away_step);
-    *held_rad_s = away > 0.0f ? *held_rad_s - sense * step : omega_rad_s;
-    return away > tuning->away_rad_s;
+// (K29). The steps of (K19) are AWAY_SHARE of what all the torque makes of a free rotor in the same time.
+static bool is_faster_for_long(const lode_load_t *self, const lode_plausibility_tuning_t *tuning) {
+    return (float)self->faster * tuning->away_step >=
+           FASTER_TIMES * AWAY_SHARE * tuning->away_rad_s;
+}
+
+bool lode_load_is_too_large(lode_load_t *self, const lode_plausibility_tuning_t *tuning,
+                            float sense, float omega_rad_s) {
+    const float away = sense * (self->held_rad_s - omega_rad_s);
+    if (!(away > 0.0f)) {
+        *self = (lode_load_t){.held_rad_s = omega_rad_s};
+        return false;
+    }
+    if (!(sense * omega_rad_s < 0.0f)) { // it gets slower
+        self->held_rad_s -= sense * lode_min(away, tuning->away_step);
+        self->faster = 0u;
+        return away > tuning->away_rad_s;
+    }
+    if (self->faster < FASTER_MAX) {
+        self->faster++;
+    }
+    const float share = is_faster_for_long(self, tuning) ? FASTER_SHARE : 1.0f;
+    return away > share * tuning->away_rad_s;
 }
 
 void lode_plausibility_reset(lode_plausibility_t *self) {

@@ -360,7 +360,8 @@ static void test_the_hand_over_begins_the_counts_of_run(void) {
     TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.lock);
     TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.speed);
     TEST_ASSERT_EQUAL_UINT(0u, rig.drive.guard.flux_rounds);
-    TEST_ASSERT_EQUAL_FLOAT(rig.drive.estimator.pll.omega_rad_s, rig.drive.state.run.held_rad_s);
+    TEST_ASSERT_EQUAL_FLOAT(rig.drive.estimator.pll.omega_rad_s,
+                            rig.drive.state.run.load.held_rad_s);
     lode_half_waves_t waves = rig.drive.state.run.waves;
     waves.asked_A = (lode_dq_t){0.0f, 0.0f}; // which the next look goes by
     TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &waves, sizeof none_lacking);
@@ -602,7 +603,7 @@ static rig_t overloaded(rig_t rig, float way, float sense) {
     const float omega = 300.0f * way;
     drive->estimator.pll.omega_rad_s = omega;
     drive->estimator.lock = 1.0f;
-    run->held_rad_s = omega + 1000.0f * sense;
+    run->load.held_rad_s = omega + 1000.0f * sense;
     run->speed.reference_rad_s = 100.0f * way + 50.0f * sense;
     run->speed.limit_Nm = (lode_range_t){(float)-ALL_Nm, (float)ALL_Nm};
     run->speed.torque_Nm = (float)ALL_Nm * sense;

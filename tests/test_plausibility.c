@@ -550,6 +550,7 @@ static void test_configuration(void) {
 
 #define RISE_rad_s2 100.0f
 #define ROUND_s (8.0 * 1.0e-4)
+#define FASTER_TIMES 2.0
 
 static lode_plausibility_tuning_t load_tuning(float overload_s) {
     lode_guard_config_t config = sound_config();
@@ -565,10 +566,10 @@ static lode_plausibility_tuning_t load_tuning(float overload_s) {
 static int overload_rounds(float overload_s, double times, float sense, bool brakes) {
     const lode_plausibility_tuning_t tuning = load_tuning(overload_s);
     double omega = (brakes ? -200.0 : 200.0) * (double)sense;
-    float held = (float)omega;
+    lode_load_t load = {.held_rad_s = (float)omega};
     for (int n = 1; n <= 20000; n++) {
         omega -= (double)sense * (times - 1.0) * (double)RISE_rad_s2 * ROUND_s;
-        if (lode_plausibility_is_overloaded(&held, &tuning, sense, (float)omega)) {
+        if (lode_load_is_too_large(&load, &tuning, sense, (float)omega)) {
             return n;
         }
     }
@@ -584,10 +585,13 @@ static void test_a_load_that_no_torque_holds_is_too_large(void) {
             CHECK_NEAR(1.5, twice, overload_rounds(s, 2.0, (float)sense, false));
             const double half = (double)s / (1.5 - 1.0 - 0.1) / ROUND_s;
             CHECK_NEAR(1.5, half, overload_rounds(s, 1.5, (float)sense, false));
-            // Hardly more than the torque may stop a rotor slowly. One that it makes faster is not waited for.
+            // Hardly more than the torque may stop a rotor slowly. One that it makes faster is not waited for (K29).
             TEST_ASSERT_EQUAL_INT(0, overload_rounds(s, 1.09, (float)sense, false));
-            const double hardly = (double)s / 0.09 / ROUND_s;
-            CHECK_NEAR(1.5, hardly, overload_rounds(s, 1.09, (float)sense, true));
+            const double hardly = FASTER_TIMES * (double)s / ROUND_s;
+            CHECK_NEAR(1.5, hardly, overload_rounds(s, 1.11, (float)sense, true));
+            CHECK_NEAR(1.5, (double)s / 1.5 / ROUND_s, overload_rounds(s, 2.5, (float)sense, true));
+            const double least = 0.1 * (double)s / 0.04 / ROUND_s;
+            CHECK_NEAR(1.5, least, overload_rounds(s, 1.04, (float)sense, true));
             const double faster = (double)s / (2.0 - 1.0) / ROUND_s;
             CHECK_NEAR(1.5, faster, overload_rounds(s, 2.0, (float)sense, true));
             // Less: the speed goes where it should.
@@ -602,22 +606,53 @@ static void test_a_speed_that_comes_back_was_no_load_too_large(void) {
     const lode_plausibility_tuning_t tuning = load_tuning(0.03f);
     CHECK_CLOSE(1.0e-5, 3.0, tuning.away_rad_s);
     CHECK_CLOSE(1.0e-5, 0.1 * 100.0 * ROUND_s, tuning.away_step);
-    float held = 10.0f;
-    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 7.1f));
-    CHECK_CLOSE(1.0e-5, 10.0 - (double)tuning.away_step, held);
-    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 11.0f));
-    CHECK_CLOSE(1.0e-6, 11.0, held);
-    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 10.999f));
-    CHECK_CLOSE(1.0e-6, 10.999, held); // no further than the speed
-    TEST_ASSERT_TRUE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 7.9f));
-    held = 10.0f;
-    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, -1.0f, 7.0f));
-    TEST_ASSERT_TRUE(lode_plausibility_is_overloaded(&held, &tuning, -1.0f, 10.1f));
-    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, NAN));
-    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 5.0f));
-    CHECK_CLOSE(1.0e-6, 5.0, held);
-    held = tuning.away_rad_s; // so much may be
-    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 0.0f));
+    lode_load_t load = {.held_rad_s = 10.0f};
+    TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 7.1f));
+    CHECK_CLOSE(1.0e-5, 10.0 - (double)tuning.away_step, load.held_rad_s);
+    TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 11.0f));
+    CHECK_CLOSE(1.0e-6, 11.0, load.held_rad_s);
+    TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 10.999f));
+    CHECK_CLOSE(1.0e-6, 10.999, load.held_rad_s); // no further than the speed
+    TEST_ASSERT_TRUE(lode_load_is_too_large(&load, &tuning, 1.0f, 7.9f));
+    load = (lode_load_t){.held_rad_s = 10.0f};
+    TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, -1.0f, 7.0f));
+    TEST_ASSERT_TRUE(lode_load_is_too_large(&load, &tuning, -1.0f, 10.1f));
+    TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, NAN));
+    TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 5.0f));
+    CHECK_CLOSE(1.0e-6, 5.0, load.held_rad_s);
+    load.held_rad_s = tuning.away_rad_s; // so much may be
+    TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 0.0f));
+}
+
+/// (K29): by how much a rotor that all the torque brakes is faster, and for how long, running.
+static void test_a_braked_rotor_that_gets_faster_for_long(void) {
+    const lode_plausibility_tuning_t tuning = load_tuning(0.03f);
+    const uint32_t looks = (uint32_t)(FASTER_TIMES * 0.03 / ROUND_s) + 1u;
+    const float more = 0.101f * tuning.away_rad_s;
+    const float less = 0.099f * tuning.away_rad_s;
+    for (int sense = -1; sense <= 1; sense += 2) {
+        const float s = (float)sense;
+        lode_load_t load = {.held_rad_s = -50.0f * s};
+        for (uint32_t n = 1u; n < looks; n++) {
+            TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, s, -(50.0f + more) * s));
+            TEST_ASSERT_EQUAL_UINT(n, load.faster);
+        }
+        lode_load_t late = load;
+        TEST_ASSERT_FALSE(lode_load_is_too_large(&late, &tuning, s, -(50.0f + less) * s));
+        late = load;
+        TEST_ASSERT_TRUE(lode_load_is_too_large(&late, &tuning, s, -(50.0f + more) * s));
+        // It was back, or did not get faster.
+        late = load;
+        TEST_ASSERT_FALSE(lode_load_is_too_large(&late, &tuning, s, -49.0f * s));
+        TEST_ASSERT_EQUAL_UINT(0u, late.faster);
+        load.held_rad_s = 51.0f * s;
+        TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, s, 50.0f * s));
+        TEST_ASSERT_EQUAL_UINT(0u, load.faster);
+        // As many as the counter holds.
+        load = (lode_load_t){.held_rad_s = -50.0f * s, .faster = 65535u};
+        TEST_ASSERT_TRUE(lode_load_is_too_large(&load, &tuning, s, -(50.0f + more) * s));
+        TEST_ASSERT_EQUAL_UINT(65535u, load.faster);
+    }
 }
 
 static void test_configuration_of_the_load(void) {
@@ -849,6 +884,7 @@ int main(void) {
     RUN_TEST(test_configuration);
     RUN_TEST(test_a_load_that_no_torque_holds_is_too_large);
     RUN_TEST(test_a_speed_that_comes_back_was_no_load_too_large);
+    RUN_TEST(test_a_braked_rotor_that_gets_faster_for_long);
     RUN_TEST(test_configuration_of_the_load);
     RUN_TEST(test_a_phase_without_a_half_wave_is_found);
     RUN_TEST(test_a_half_wave_that_is_missing_once_is_none);

@@ -167,7 +167,7 @@ typedef struct {
 #endif
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_half_waves_t waves; ///< of three phases
-    float held_rad_s;        ///< electrical speed from which a load beyond all torque moves it
+    lode_load_t load;        ///< beyond all torque
 #endif
 } lode_running_t;
 

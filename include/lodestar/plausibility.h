@@ -50,6 +50,12 @@ typedef struct {
     float moved_A2;     ///< by how much that has moved since any of the counts changed
 } lode_plausibility_t;
 
+/// What a load does to a rotor against all of the torque (K19).
+typedef struct {
+    float held_rad_s;      ///< electrical speed from which it moves it
+    uint_least16_t faster; ///< looks since it has begun to make a rotor faster that is braked
+} lode_load_t;
+
 /// What was found; check == LODE_CHECK_NONE: nothing.
 typedef struct {
     lode_check_t check;
@@ -118,10 +124,10 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
                                           float ts_s);
 
 /// Once in LODE_SLOW_PERIODS, while all of the torque is asked for, `sense` (1 or -1) its direction: whether a load has
-/// moved the electrical speed `omega_rad_s` against it by more than it may. `held_rad_s`: the speed before that; else,
-/// while less is asked for, the present one (K19).
-bool lode_plausibility_is_overloaded(float *held_rad_s, const lode_plausibility_tuning_t *tuning,
-                                     float sense, float omega_rad_s);
+/// moved the electrical speed `omega_rad_s` against it by more than it may (K19), (K29). While less is asked for, `self`
+/// is held at the present speed.
+bool lode_load_is_too_large(lode_load_t *self, const lode_plausibility_tuning_t *tuning,
+                            float sense, float omega_rad_s);
 
 #ifdef __cplusplus
 }
