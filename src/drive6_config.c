@@ -124,7 +124,7 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
             0.0f; // a set alone has another inductance, and the other one's current flows too
 #endif
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
-        t.alone.signal_check.pulses = 0u; // goes by those pulses
+        t.alone.signal_check.pulses = 0u; // likewise
 #endif
         t.source = (uint_least16_t)complete.source;
         t.open_phase = (uint_least16_t)complete.open_phase;

@@ -629,16 +629,21 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
 #else
     const lode_drive_tuning_t *tuning = self->tuning;
     bool flies = false;
+    bool tries = false; // without pulses of the low sides, which would know a rotor that turns
 #ifndef LODE_WITHOUT_FLYING_START
     flies = driven == LODE_MODE_START && tuning->fly.share_first > 0.0f;
 #else
     (void)driven;
 #endif
-    if (tuning->inverter.precharge_periods == 0u && !flies) {
+#ifndef LODE_WITHOUT_SIGNAL_CHECK
+    tries = driven == LODE_MODE_START && tuning->signal_check.pulses > 0u && !flies;
+#endif
+    if (tuning->inverter.precharge_periods == 0u && !flies && !tries) {
         return false;
     }
     self->state.precharge = (lode_precharge_t){
-        .part = (uint_least8_t)(flies ? LODE_PRECHARGE_PULSES : LODE_PRECHARGE_CHARGE)};
+        .part = (uint_least8_t)(flies ? LODE_PRECHARGE_PULSES : LODE_PRECHARGE_CHARGE),
+        .rests = (uint_least8_t)(tries ? 1u : 0u)};
     // Those in force when the low sides come: a board may switch them on at once.
     set_duties(self, flies ? 1.0f : lode_min(DUTY_PRECHARGE, tuning->sense.duty_max));
     reset_guard(self);

@@ -25,6 +25,9 @@
 #define TURNS 0.006f   // of i_max: some six counts, twice what the low-side pulses look for
 #define BEFORE_MOST                                                                                \
     0.35f // of what is expected: more than a rotor makes that the low-side pulses have not seen
+// Of the same, where there are none: a rotor that makes more of it turns too far while the check lasts. One shunt in the DC link,
+// whose samples are brought to t_k by a mean inductance, shows up to a tenth of a rotor that rests.
+#define TURNS_ALONE 0.15f
 // Of what is expected at the larger inductance, which may be twice as large before it saturates.
 #define PULSE_LEAST 0.3f
 #define LACKS 0.08f // of the phase that shows most: a salient rotor leaves a sixth
@@ -66,8 +69,10 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
     const float ts_s = given.ts_s;
     const float L_H = lode_min(motor->Ld_H, motor->Lq_H);
     const float all_V = inverter->i_max_A * L_H / ts_s; // for i_max in a period
+    const float edge_s = // a call has half of a carrier's dead time with double update (I10)
+        inverter->double_update == LODE_ON ? 2.0f * ts_s : ts_s;
     const float dead_V =
-        inverter->v_drop_V + inverter->v_bus_V * (inverter->dead_time_s + UNKNOWN_s) / ts_s;
+        inverter->v_drop_V + inverter->v_bus_V * (inverter->dead_time_s + UNKNOWN_s) / edge_s;
     const float least_V = PER_DEAD * DEAD_PER_PHASE * dead_V;
     const float room = lode_min(DUTY_MOST, WINDOW * (sense->duty_max - 0.5f));
     const float most_V = lode_min(CURRENT_MOST * all_V, room * inverter->v_bus_V);
@@ -76,7 +81,9 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
     const float weakest_A = 2.0f * u_V * ts_s / lode_max(motor->Ld_H, motor->Lq_H);
     const float mean_A = 0.5f * (weakest_A + 2.0f * u_V * ts_s / L_H);
     const bool seen = weakest_A >= COUNTS_LEAST * lode_abs(sense->i_gain_A_count);
-    const bool can = given.pulses && least_V <= most_V && seen;
+    const bool can = least_V <= most_V && seen;
+    // A board that has none may have gates that take more than a period.
+    const bool wanted = choice == LODE_ON || (choice == LODE_AUTO && config->pulses != LODE_OFF);
     if (choice == LODE_ON && !can) {
         return LODE_ERROR_CHOICE;
     }
@@ -85,9 +92,10 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
         .mean_A_V = mean_A / inverter->v_bus_V,
         .least_A_V = PULSE_LEAST * weakest_A / inverter->v_bus_V,
         .off_A = OFF_MOST * inverter->i_max_A,
+        .before_most = given.pulses ? BEFORE_MOST : FLT_MAX, // else it is a rotor that turns
         .sum_most = given.sums ? SUM_MOST : FLT_MAX,
-        .turns_A = TURNS * inverter->i_max_A,
-        .pulses = can && choice != LODE_OFF ? LODE_SIGNAL_PULSES : 0u,
+        .turns_A = given.pulses ? TURNS * inverter->i_max_A : TURNS_ALONE * mean_A,
+        .pulses = can && wanted ? LODE_SIGNAL_PULSES : 0u,
     };
     return LODE_OK;
 }
@@ -98,19 +106,33 @@ static const lode_sincos_t axis_of[LODE_SIGNAL_PULSES] = {
     {0.0f, -1.0f}, {-0.5f * LODE_SQRT3, -0.5f}, {-0.5f * LODE_SQRT3, 0.5f}};
 
 static void forget(lode_signal_check_t *self) {
-    *self = (lode_signal_check_t){.least_A = FLT_MAX, .pulse = self->pulse, .axis = self->axis};
+    *self = (lode_signal_check_t){
+        .before_A = self->before_A, .least_A = FLT_MAX, .pulse = self->pulse, .axis = self->axis};
 }
 
 void lode_signal_check_begin(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,
                              bool rests) {
     self->pulse = (uint_least8_t)(rests ? 0u : tuning->pulses);
     self->axis = 0u;
+    self->before_A = 0.0f;
     forget(self);
 }
 
 static lode_ab_t current_A(const lode_sense_tuning_t *sense, const float i[LODE_PHASES]) {
     return (lode_ab_t){(2.0f * i[0] - i[1] - i[2]) * sense->alpha_gain,
                        (i[1] - i[2]) * sense->beta_gain};
+}
+
+// Before the first pulse of a set, which other sets may have had theirs before: an EMF has driven twice the current from before by the
+// end of a pulse, some of which may still flow.
+static void note_off(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,
+                     const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
+    if (2.0f * self->before_A > tuning->off_A) {
+        return;
+    }
+    for (uint32_t x = 0u; x < PHASES; x++) {
+        self->off_A = lode_max(self->off_A, lode_abs(sense->i_gain * (float)i[x]));
+    }
 }
 
 // The pulse along `at` is over.
@@ -131,10 +153,10 @@ static void note(lode_signal_check_t *self, const lode_sense_tuning_t *sense, lo
     }
 }
 
-// The voltage along `at` has acted: what has risen of the current, twice, and once what there was before.
+// The voltage along `at` has acted: what has risen of the current, twice, less what an EMF made of it in the two periods before.
 static void note_rise(lode_signal_check_t *self, const lode_sense_tuning_t *sense,
                       lode_sincos_t at) {
-    const float rise_A = lode_park(current_A(sense, self->shown), at).d;
+    const float rise_A = lode_park(current_A(sense, self->shown), at).d - 2.0f * self->emf_A;
     if (rise_A < self->least_A) {
         self->least_A = rise_A;
         self->least = self->pulse;
@@ -143,8 +165,11 @@ static void note_rise(lode_signal_check_t *self, const lode_sense_tuning_t *sens
 
 // All gates were on for two periods: what flows that did not before. The pulse begins.
 static void note_before(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,
-                        const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
-    self->before_A = lode_ab_length(current_A(sense, self->shown));
+                        const lode_sense_tuning_t *sense, lode_sincos_t at,
+                        const int32_t i[LODE_PHASES]) {
+    const lode_ab_t before_A = current_A(sense, self->shown);
+    self->before_A = lode_max(self->before_A, lode_ab_length(before_A));
+    self->emf_A = lode_park(before_A, at).d;
     for (uint32_t x = 0u; x < PHASES; x++) {
         self->shown[x] = -(float)i[x];
     }
@@ -165,19 +190,19 @@ lode_ab_t lode_signal_check_step(lode_signal_check_t *self,
     for (uint32_t x = 0u; x < PHASES; x++) {
         self->shown[x] += weight[period] * (float)i[x];
     }
+    if (period == 0u && (uint32_t)self->pulse % LODE_SIGNAL_PULSES == 0u) {
+        note_off(self, tuning, sense, i);
+    }
     self->period = (uint_least8_t)(period + 1u);
     float u = 0.0f;
     if (period == ON_PERIOD) {
         u = tuning->pulse;
     } else if (period == FORWARD_PERIOD) {
         u = -tuning->pulse;
-        note_before(self, tuning, sense, i);
+        note_before(self, tuning, sense, at, i);
     } else if (period == BACK_PERIOD) {
         note_rise(self, sense, at);
     } else if (period == PERIODS - 1u) {
-        for (uint32_t x = 0u; x < PHASES; x++) {
-            self->off_A = lode_max(self->off_A, lode_abs(sense->i_gain * (float)i[x]));
-        }
         note(self, sense, at);
         self->period = 0u;
         self->pulse++;
@@ -283,7 +308,7 @@ lode_finding_t lode_signal_check_judge(lode_signal_check_t *self,
                                        float ts_s) {
     const uint32_t pulse = self->pulse;
     const float mean_A = tuning->mean_A_V * v_bus_V;
-    const float before_A = BEFORE_MOST * mean_A;
+    const float before_A = tuning->before_most * mean_A;
     if (self->before_A > before_A) {
         return finding(LODE_CHECK_SIGNALS, -self->before_A, -before_A);
     }

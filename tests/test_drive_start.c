@@ -404,6 +404,70 @@ static void test_swapped_sensors_end_the_start_before_it_begins(void) {
     TEST_ASSERT_TRUE(is_idle(rig.out));
 }
 
+/// What sensors in the phases may do: swapped, the other way, one with a share of the current, one that shows none.
+typedef enum { SOUND, SWAPPED, REVERSED, LESS, DEAD } sensors_t;
+
+/// The first attempt of a drive without pulses of the low sides, until START or a fault.
+static lode_check_t tried_alone(const lode_drive_config_t *config, sensors_t sensors, double omega,
+                                int *driven) {
+    rig_t rig;
+    rig_init(&rig, &tuning, config);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.2));
+    rig.motor.omega = omega;
+    rig_command(&rig, run_at(100.0));
+    *driven = 0;
+    for (int n = 0; n < 500 && rig.drive.mode != (uint_least8_t)LODE_MODE_START &&
+                    rig.drive.mode != (uint_least8_t)LODE_MODE_FAULT;
+         n++) {
+        lode_counts_t counts = rig_counts(&rig);
+        const uint16_t a = counts.i[0];
+        const double zero = 2048.0;
+        for (int x = 0; x < 3 && sensors == REVERSED; x++) {
+            counts.i[x] = rig_count(2.0 * zero - (double)counts.i[x]);
+        }
+        counts.i[0] = sensors == SWAPPED ? counts.i[1] : counts.i[0];
+        counts.i[1] = sensors == SWAPPED ? a : counts.i[1];
+        counts.i[2] =
+            sensors == LESS ? rig_count(zero + 0.6 * ((double)counts.i[2] - zero)) : counts.i[2];
+        counts.i[2] = sensors == DEAD ? rig_count(zero) : counts.i[2];
+        rig.out = lode_drive_step(&rig.drive, &counts);
+        TEST_ASSERT_NOT_EQUAL(LODE_GATES_LOW, rig.out.gates);
+        *driven += rig.out.gates == LODE_GATES_ON && rig_telemetry(&rig).mode != LODE_MODE_START;
+        rig_move(&rig);
+        CHECK_AT_MOST(0.5 * 12.0, hypot(rig.motor.id, rig.motor.iq));
+    }
+    return (lode_check_t)rig_telemetry(&rig).fault.check;
+}
+
+/// With double update, and where it is asked for on a board whose low sides cannot come alone.
+static void test_bridge_and_sensors_are_tried_without_low_side_pulses(void) {
+    static const lode_check_t found[] = {LODE_CHECK_NONE, LODE_CHECK_SIGNALS, LODE_CHECK_SIGNALS,
+                                         LODE_CHECK_CURRENT_SUM, LODE_CHECK_CURRENT_STUCK};
+    for (int n = 0; n < 2; n++) {
+        lode_drive_config_t config = rig_config();
+        config.inverter.double_update = n == 0 ? LODE_ON : LODE_AUTO;
+        config.start.pulses = n == 0 ? LODE_AUTO : LODE_OFF;
+        config.start.signal_check = n == 0 ? LODE_AUTO : LODE_ON;
+        int driven;
+        for (int k = 0; k < COUNT_OF(found); k++) {
+            TEST_ASSERT_EQUAL_STRING(
+                lode_check_name(found[k]),
+                lode_check_name(tried_alone(&config, (sensors_t)k, 0.0, &driven)));
+            TEST_ASSERT_EQUAL_INT(6 * PULSE_PERIODS, driven);
+        }
+        // A rotor that turns is left to the start, whatever the sensors.
+        for (int way = -1; way <= 1; way += 2) {
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE,
+                                  tried_alone(&config, SWAPPED, 300.0 * way, &driven));
+            CHECK_AT_MOST(PULSE_PERIODS, driven);
+        }
+        config.start.signal_check = LODE_OFF;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, tried_alone(&config, SWAPPED, 0.0, &driven));
+        TEST_ASSERT_EQUAL_INT(0, driven);
+    }
+}
+
 /// Switched off; of another attempt; and by a bus that is none, which the guard names in START.
 static void test_starts_that_try_nothing(void) {
     lode_drive_config_t config = rig_config();
@@ -1061,6 +1125,7 @@ int main(void) {
     RUN_TEST(test_off_ends_the_pulses);
     RUN_TEST(test_a_start_tries_bridge_and_sensors);
     RUN_TEST(test_swapped_sensors_end_the_start_before_it_begins);
+    RUN_TEST(test_bridge_and_sensors_are_tried_without_low_side_pulses);
     RUN_TEST(test_starts_that_try_nothing);
     RUN_TEST(test_duties_of_pulses_stay_in_range);
     RUN_TEST(test_capacitors_are_charged_by_the_pulses_themselves);

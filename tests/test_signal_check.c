@@ -479,6 +479,7 @@ static lode_finding_t said_at(lode_signal_check_t *shown, uint32_t pulses, float
                                                .off_A = 0.5f,
                                                .sum_most = 0.28f,
                                                .turns_A = 0.1f,
+                                               .before_most = 0.35f,
                                                .pulses = 12u};
     shown->pulse = (uint_least8_t)pulses;
     return lode_signal_check_judge(shown, &tuning, v_bus_V, 1.0e-4f);
@@ -635,12 +636,14 @@ static void test_sixty_four_counts_are_enough(void) {
     }
 }
 
+/// `pulses`: of the low sides.
 static lode_signal_check_tuning_t tuned_with(lode_choice_t choice, lode_inverter_config_t bridge,
                                              lode_sense_config_t seen, bool pulses,
                                              lode_status_t expected) {
     const lode_motor_t motor = paper_motor();
     lode_start_config_t config = start;
     config.signal_check = choice;
+    config.pulses = pulses ? LODE_AUTO : LODE_OFF;
     lode_signal_check_given_t given = usual;
     given.pulses = pulses;
     lode_signal_check_tuning_t tuning = {.pulses = 99u};
@@ -663,11 +666,79 @@ static void test_where_there_is_no_check(void) {
     TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, slow, converters, true, LODE_OK).pulses);
     TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, inverter, coarse, true, LODE_OK).pulses);
     const lode_status_t no = LODE_ERROR_CHOICE;
-    TEST_ASSERT_EQUAL_UINT(99u, tuned_with(LODE_ON, inverter, converters, false, no).pulses);
+    TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_ON, inverter, converters, false, LODE_OK).pulses);
     TEST_ASSERT_EQUAL_UINT(99u, tuned_with(LODE_ON, slow, converters, true, no).pulses);
     TEST_ASSERT_EQUAL_UINT(99u, tuned_with(LODE_ON, inverter, coarse, true, no).pulses);
     TEST_ASSERT_EQUAL_UINT(99u,
                            tuned_with((lode_choice_t)7, inverter, converters, true, no).pulses);
+}
+
+/// Nobody has looked whether the rotor turns. A current before the pulse says so, however large; else all is as ever.
+static void test_a_rotor_that_turns_where_nobody_has_looked(void) {
+    const lode_signal_check_tuning_t alone =
+        tuned_with(LODE_ON, inverter, converters, false, LODE_OK);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        int periods;
+        board_t fast = board_at(0.5);
+        fast.motor.omega = sign * 471.0; // rated
+        const lode_signal_check_tuning_t known = tuned();
+        board_t other = fast;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_SIGNALS, checked(&other, &known, &periods).check);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, checked(&fast, &alone, &periods).check);
+        TEST_ASSERT_EQUAL_INT(3, periods);
+        // One that turns too slowly to be passed over: 0.52 of the 0.61 A that may flow before. Its EMF is in none of the rest.
+        for (int n = 0; n < ANGLES; n++) {
+            board_t slow = board_at(angle_of(n));
+            slow.motor.omega = sign * 90.0;
+            lode_signal_check_t check;
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE,
+                                  checked_by(&check, &slow, &alone, &periods).check);
+            TEST_ASSERT_EQUAL_INT(PERIODS, periods);
+        }
+        board_t rests = board_at(0.5);
+        rests.gain[0] = rests.gain[1] = rests.gain[2] = -1.0;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_SIGNALS, checked(&rests, &alone, &periods).check);
+    }
+}
+
+/// Of another set's pulses a current may still flow that an EMF has driven: twice the one from before.
+static void test_a_current_that_is_left_is_no_offset(void) {
+    static const int32_t some[LODE_PHASES] = {100 * 256, -50 * 256, -50 * 256};
+    lode_signal_check_tuning_t tuning = tuned();
+    tuning.pulses = 12u;
+    lode_signal_check_t check;
+    for (int n = 0; n < 12; n++) {
+        lode_signal_check_begin(&check, &tuning, true);
+        check.pulse = (uint_least8_t)n;
+        (void)lode_signal_check_step(&check, &tuning, &sense, some);
+        CHECK_NEAR(1.0e-5, n % 6 == 0 ? 1.0 : 0.0, (double)check.off_A); // the first of a set
+    }
+    for (int more = 0; more < 2; more++) {
+        lode_signal_check_begin(&check, &tuning, true);
+        check.pulse = 6u;
+        check.before_A = (more == 1 ? 0.51f : 0.49f) * tuning.off_A;
+        (void)lode_signal_check_step(&check, &tuning, &sense, some);
+        CHECK_NEAR(1.0e-5, more == 1 ? 0.0 : 1.0, (double)check.off_A);
+    }
+    check.before_A = 1.0f;
+    lode_signal_check_begin(&check, &tuning, true);
+    CHECK_AT_MOST(0.0, (double)check.before_A);
+}
+
+/// (I10): a call has half of the dead time of a carrier period, and the whole drop.
+static void test_dead_time_of_double_update(void) {
+    lode_inverter_config_t bridge = inverter;
+    bridge.dead_time_s = 1.9e-5f;
+    bridge.v_drop_V = 1.0f;
+    bridge.double_update = LODE_ON;
+    const double least_V =
+        4.0 * 4.0 / 3.0 * (1.0 + V_BUS_V * (1.9e-5 + 1.0e-6) / (2.0 * (double)PAPER_TS_s));
+    const lode_signal_check_tuning_t found =
+        tuned_with(LODE_AUTO, bridge, converters, true, LODE_OK);
+    CHECK_NEAR(1.0e-5, least_V / V_BUS_V, (double)found.pulse);
+    TEST_ASSERT_EQUAL_UINT(6u, found.pulses);
+    bridge.double_update = LODE_OFF;
+    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, bridge, converters, true, LODE_OK).pulses);
 }
 
 /// A quarter of i_max through the smaller inductance; more where dead time takes more than a quarter of that, up to what a
@@ -832,6 +903,9 @@ int main(void) {
     RUN_TEST(test_pulses_in_their_order);
     RUN_TEST(test_sixty_four_counts_are_enough);
     RUN_TEST(test_where_there_is_no_check);
+    RUN_TEST(test_a_rotor_that_turns_where_nobody_has_looked);
+    RUN_TEST(test_a_current_that_is_left_is_no_offset);
+    RUN_TEST(test_dead_time_of_double_update);
     RUN_TEST(test_voltage_of_a_pulse);
     return UNITY_END();
 }

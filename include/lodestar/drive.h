@@ -182,7 +182,7 @@ enum {
 typedef struct {
     uint32_t periods; ///< CHARGE
     uint_least8_t part;
-    uint_least8_t rests; ///< after PULSES, as in lode_fly_t
+    uint_least8_t rests; ///< after PULSES, as in lode_fly_t; without PULSES not known otherwise
 #ifndef LODE_WITHOUT_FLYING_START
     union {
         lode_fly_t fly; ///< PULSES

@@ -2,7 +2,8 @@
 /// too short to turn a rotor. The currents show whether bridge and sensors belong together (S37), and where the
 /// axis of a salient rotor lies (S40).
 ///
-/// A part of LODE_MODE_PRECHARGE, after the low-side pulses (fly.h), which know that the rotor is slow enough for it.
+/// A part of LODE_MODE_PRECHARGE, after the low-side pulses (fly.h), which know that the rotor is slow enough for it. Where there
+/// are none, the current that flows before a pulse has to tell.
 /// LODE_WITHOUT_SIGNAL_CHECK leaves it out of a build, and so does LODE_WITHOUT_FLYING_START.
 #ifndef LODESTAR_SIGNAL_CHECK_H
 #define LODESTAR_SIGNAL_CHECK_H
@@ -21,19 +22,20 @@ extern "C" {
 #define LODE_SIGNAL_PULSES 6u ///< to both sides of each phase axis
 
 typedef struct {
-    float pulse;     ///< volts per bus volt, along the axis
-    float mean_A_V;  ///< what it shows of the current, mean of all rotor angles, per bus volt
-    float least_A_V; ///< the same that it shows at least
-    float off_A;     ///< what the sensors may show with the gates off
-    float sum_most;  ///< of what the phase shows that shows least, that their sum may be
-    float turns_A;   ///< with all gates on and no voltage: of a rotor that turns after all
-    uint32_t pulses; ///< LODE_SIGNAL_PULSES for each set; 0: no check
+    float pulse;       ///< volts per bus volt, along the axis
+    float mean_A_V;    ///< what it shows of the current, mean of all rotor angles, per bus volt
+    float least_A_V;   ///< the same that it shows at least
+    float off_A;       ///< what the sensors may show with the gates off
+    float before_most; ///< of that mean, that may flow before a pulse
+    float sum_most;    ///< of what the phase shows that shows least, that their sum may be
+    float turns_A;     ///< with all gates on and no voltage: of a rotor that turns after all
+    uint32_t pulses;   ///< LODE_SIGNAL_PULSES for each set; 0: no check
 } lode_signal_check_tuning_t;
 
 /// What is known elsewhere.
 typedef struct {
     float ts_s;
-    bool pulses; ///< of the low sides (fly.h) come before
+    bool pulses; ///< of the low sides (fly.h) come before, and know a rotor that turns
     bool sums;   ///< the three currents add up to none
 } lode_signal_check_given_t;
 
@@ -43,20 +45,21 @@ typedef struct {
         mirrored; ///< the same, turned on by the axis' angle instead of back: that is saliency
     float phase_A[LODE_PHASES]; ///< what each phase shows, without sign
     float sum_A;                ///< the same of the sum of all three
-    float before_A;             ///< current before the pulse, with all gates on and no voltage
-    float off_A;                ///< the largest phase current with the gates off
-    float least_A;              ///< of the pulse that shows least by itself, without the way back
-    float shown[LODE_PHASES];   ///< by the present pulse, 1/256 count
-    uint_least8_t least;        ///< which pulse that is
-    uint_least8_t pulse;        ///< the present one; at the end their number
-    uint_least8_t period;       ///< of it
+    float before_A; ///< the largest current before a pulse, with all gates on and no voltage
+    float emf_A;    ///< along the present pulse, before it
+    float off_A;    ///< the largest phase current before the first pulse
+    float least_A;  ///< of the pulse that shows least by itself, without the way back
+    float shown[LODE_PHASES]; ///< by the present pulse, 1/256 count
+    uint_least8_t least;      ///< which pulse that is
+    uint_least8_t pulse;      ///< the present one; at the end their number
+    uint_least8_t period;     ///< of it
     uint_least8_t
         axis; ///< pulse from 1 whose phase axis is next to the d axis or opposite; 0: not known
 } lode_signal_check_t;
 
-/// No check where `config` says so, without low-side pulses, where dead time takes too much of a pulse, or where its current
-/// would be too small to be seen. `motor`: with the inductances of one of `sets`, driven alone. LODE_ERROR_CHOICE where it
-/// is on and none of that can be helped.
+/// No check where `config` says so, where dead time takes too much of a pulse, or where its current would be too small to be
+/// seen: then LODE_ERROR_CHOICE where it is on. Auto: none on a board without low-side pulses. `motor`: with the inductances of
+/// one of `sets`, driven alone.
 lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
                                      const lode_start_config_t *config,
                                      const lode_inverter_config_t *inverter,

@@ -12,7 +12,8 @@
 /// The two samples lie in the second half of the period, as close to t_k as its edges allow: while two legs
 /// are high the link carries minus the current of the third, while one is high that leg's. Needs
 /// LODE_SHUNTS_THREE, duty_max 1, current.voltage_use at or below lode_single_shunt_voltage_use(), and
-/// start.pulses off: a current in the low sides alone is not seen.
+/// start.pulses off: a current in the low sides alone is not seen. With start.signal_check on bridge and sensor are tried before a
+/// start.
 #ifndef LODESTAR_SINGLE_SHUNT_H
 #define LODESTAR_SINGLE_SHUNT_H
 

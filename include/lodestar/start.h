@@ -36,8 +36,8 @@ typedef struct {
     /// flying start: a rotor that is already turning is found by short zero vectors (fly.h); auto: on. Off for a
     /// board that sees no current with the low sides alone (one shunt in the DC link), or cannot switch them alone
     lode_choice_t pulses;
-    /// bridge and sensors are checked by short voltage pulses before the first attempt (signal_check.h), where `pulses` have
-    /// shown that the rotor rests; auto: on where that can be
+    /// bridge and sensors are checked by short voltage pulses before the first attempt (signal_check.h); auto: on where that can
+    /// be, but off where `pulses` is
     lode_choice_t signal_check;
     float
         fade_s; ///< from the start current to the references after hand-over; 0: 0.1, salient 0.05

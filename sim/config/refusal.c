@@ -75,8 +75,9 @@ static const refusal_t refusals[] = {
      "start.signal_check estimator.active_flux drive.dead_time_correction drive.dead_time_model "
      "speed.every_period start.measure start.pulses",
      NULL,
-     "auto or off, or on where it can be: signal_check with pulses (none with double_update), "
-     "dead_time_s of at most a quarter of its longest one, and a current of at least 64 counts"},
+     "auto or off, or on where it can be: signal_check with dead_time_s of at most a quarter of "
+     "its "
+     "longest pulse, and a current of at least 64 counts"},
     {LODE_ERROR_PLL_KIND, "estimator.pll", NULL, "a PLL that is built in"},
     {LODE_ERROR_PLL_SIGMA, "estimator.sigma_rad_s estimator.sigma_low_rad_s",
      "drive.f_pwm_Hz " RATED, "1 .. 0.3/Ts, and sigma_low_rad_s at most sigma_rad_s"},

@@ -32,7 +32,6 @@ static void pulse_of(design_t *design, const lode_drive_config_t *drive,
     const lode_motor_t *motor = &drive->motor;
     const bool tries = tuning->signal_check.pulses > 0u && !(motor->sets > 1.0f);
     const double L_H = fmin((double)motor->Ld_H, (double)motor->Lq_H);
-    design->has_low_side_pulses = tuning->fly.share_first > 0.0f;
     design->signal_check_V =
         tries ? (double)tuning->signal_check.pulse * (double)drive->inverter.v_bus_V : NAN;
     design->signal_check_A = design->signal_check_V / ((double)drive->f_pwm_Hz * L_H);

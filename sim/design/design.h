@@ -41,7 +41,6 @@ typedef struct {
     double start_current_torque_Nm, torque_max_Nm;
     double signal_check_V,
         signal_check_A; ///< a pulse of (S37), and the most it drives; NAN: none, or six phases
-    bool has_low_side_pulses;        ///< (S21), without which there is none
     double angle_per_Lq_percent_deg; ///< error at i_max for each percent that Lq is off
 } design_t;
 

@@ -154,6 +154,7 @@
     ROW(FLOAT, float, signal_check.mean_A_V) \
     ROW(FLOAT, float, signal_check.least_A_V) \
     ROW(FLOAT, float, signal_check.off_A) \
+    ROW(FLOAT, float, signal_check.before_most) \
     ROW(FLOAT, float, signal_check.sum_most) \
     ROW(FLOAT, float, signal_check.turns_A) \
     ROW(WHOLE, uint32_t, signal_check.pulses) \

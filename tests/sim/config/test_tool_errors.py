@@ -279,8 +279,8 @@ def others_than_the_library(checks, folder):
             r"^--set: \[motor\] pole_pairs = 1e\+30: refused by the plant: pole_pairs must be")
     refused(checks, folder, ["run", "main", "--set", "plant.stiction_Nm=1"],
             r"^--set: \[plant\] stiction_Nm = 1: is that of a passive load; expected load_kind = passive")
-    refused(checks, folder, ["run", "main", "--set", "start.signal_check=on", "--set", "start.pulses=off"],
-            r"^--set: \[start\] signal_check = on: LODE_ERROR_CHOICE: expected .*; here \[start\] pulses = off")
+    refused(checks, folder, ["run", "main", "--set", "start.signal_check=on", "--set", "drive.dead_time_s=2e-5"],
+            r"^--set: \[start\] signal_check = on: LODE_ERROR_CHOICE: expected .*dead_time_s of at most a quarter")
     refused(checks, folder, ["run", "encoder", "--set", "encoder.bandwidth_rad_s=6000"],
             r"\[encoder\] bandwidth_rad_s = 6000: LODE_ERROR_ENCODER_BANDWIDTH: expected 1 .. 5000")
     refused(checks, folder, ["run", "main", "--set", "plant.sample_offset_s=0.5"],

@@ -363,10 +363,13 @@ def signal_check(checks, folder):
     checks.at_most(abs(found["signal_check_V"] / (0.25 * 12 * 3.5e-3 * 5000) - 1), 1e-5, f"{found['signal_check_V']} V")
     for assignment, words in [("start.signal_check=auto", "tried by pulses of 52.5 V, which drive up to 3 A"),
                               ("start.signal_check=off", "not tried: start.signal_check is off"),
-                              ("start.pulses=off", "not tried: no pulses of the low sides come first (start.pulses)"),
+                              ("start.pulses=off", "not tried: start.pulses is off, and start.signal_check is not on"),
                               ("drive.dead_time_s=2e-5", "not tried: dead time takes too much of a pulse")]:
         done = folder.run(*command, "--set", assignment)
         checks.true(f"before a start: bridge and sensors are {words}" in done.stdout, f"{assignment}: {words}")
+    for assignments in [["start.pulses=off", "start.signal_check=on"], ["drive.double_update=on"]]:
+        sets = [word for assignment in assignments for word in ("--set", assignment)]
+        checks.true("bridge and sensors are tried by pulses" in folder.run(*command, *sets).stdout, f"{assignments}")
     off = json.loads(folder.run(*command, "--set", "start.pulses=off", "--json").stdout)
     checks.equal([off["signal_check_V"], off["signal_check_A"]], [None, None], "none")
     six = folder.run("design", "--motor", "eldeeb2017", "--drive", "eldeeb2017").stdout

@@ -21,6 +21,9 @@
 
 typedef enum { LOW_THREE, LOW_TWO, IN_LINE, SINGLE, SINGLE_AS_SAMPLED } way_t;
 
+/// What the link's converter may do: show the current the other way, a share of it, none, or its two samples in each other's place.
+typedef enum { LINK_SOUND, LINK_REVERSED, LINK_LESS, LINK_DEAD, LINK_EXCHANGED } link_t;
+
 typedef struct {
     plant_t plant;
     lode_drive_t drive;
@@ -30,6 +33,7 @@ typedef struct {
     way_t way;
     double low_s[3]; // for which each low side has been on before t_k
     double next_low_s[3];
+    link_t link;
 } bench_t;
 
 void setUp(void) {}
@@ -80,10 +84,9 @@ static float voltage_use(const bench_t *bench) {
                : 0.95f;
 }
 
-static void start(bench_t *bench, way_t way, double omega_m) {
+static void start(bench_t *bench, way_t way, const plant_config_t *plant) {
     *bench = (bench_t){.way = way};
-    plant_config_t config = motor;
-    config.omega_m_rad_s = omega_m;
+    const plant_config_t config = *plant;
     TEST_ASSERT_NULL(plant_init(&bench->plant, &config));
     const lode_single_shunt_config_t shunt = shunt_config(way);
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_single_shunt_tune(&bench->shunt_tuning, &shunt));
@@ -94,7 +97,7 @@ static void start(bench_t *bench, way_t way, double omega_m) {
         .motor = {.pole_pairs = 4.0f,
                   .Rs_Ohm = (float)motor.Rs_Ohm,
                   .Ld_H = (float)motor.Ld_H,
-                  .Lq_H = (float)motor.Lq_H,
+                  .Lq_H = (float)config.Lq_H,
                   .psi_Wb = (float)motor.psi_Wb,
                   .J_kgm2 = (float)motor.J_kgm2,
                   .B_Nms = (float)motor.B_Nms},
@@ -105,9 +108,24 @@ static void start(bench_t *bench, way_t way, double omega_m) {
                   .v_bus_gain_V_count = 0.01f,
                   .duty_max = low_side ? (float)DUTY_MAX : 1.0f},
         .current = {.voltage_use = voltage_use(bench)},
+        .start = {.pulses = is_single(way) ? LODE_OFF : LODE_AUTO, .signal_check = LODE_ON},
     };
     TEST_ASSERT_EQUAL_STRING(
         "LODE_OK", lode_status_name(lode_drive_init(&bench->drive, &bench->tuning, &drive)));
+}
+
+static void read_link(link_t link, uint16_t count[2]) {
+    const uint16_t first = count[0];
+    for (int n = 0; n < 2; n++) {
+        const double shown = (double)count[n] - (double)NO_CURRENT;
+        const double gain = link == LINK_REVERSED ? -1.0 : (link == LINK_LESS ? 0.4 : 1.0);
+        count[n] = link == LINK_DEAD ? (uint16_t)NO_CURRENT
+                                     : (uint16_t)lrint((double)NO_CURRENT + gain * shown);
+    }
+    if (link == LINK_EXCHANGED) {
+        count[0] = count[1];
+        count[1] = first;
+    }
 }
 
 // What the converters deliver at t_k. A shunt whose low side has not been on for long shows nothing.
@@ -127,6 +145,7 @@ static lode_counts_t read_board(bench_t *bench) {
         bench->low_s[x] = bench->next_low_s[x];
     }
     if (is_single(bench->way)) {
+        read_link(bench->link, raw.link);
         lode_single_shunt_read(&bench->shunt, &bench->shunt_tuning, raw.link,
                                bench->drive.sense.offset[0], bench->drive.inverter.v_bus_V,
                                counts.i);
@@ -181,7 +200,7 @@ static void note(bench_t *bench, errors_t *worst) {
 // From standstill to a speed, then under load; what was worst over the last 0.2 s.
 static errors_t run_at(way_t way, double omega_m, double load_Nm) {
     static bench_t bench;
-    start(&bench, way, 0.0);
+    start(&bench, way, &motor);
     const lode_command_t go = {.mode = LODE_MODE_RUN, .speed_rad_s = (float)omega_m};
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_command(&bench.drive, &go));
     errors_t worst = {.i_A = 0.0};
@@ -290,6 +309,48 @@ static void test_blind_sectors(void) {
     }
 }
 
+/// A start's check of bridge and sensors by one shunt, until START or a fault; `driven`: periods with all gates on.
+static lode_check_t tried(way_t way, const plant_config_t *plant, link_t link, int *driven) {
+    static bench_t bench;
+    start(&bench, way, plant);
+    const lode_command_t go = {.mode = LODE_MODE_RUN, .speed_rad_s = 150.0f};
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_command(&bench.drive, &go));
+    *driven = 0;
+    lode_telemetry_t t = {.mode = LODE_MODE_OFF};
+    for (int k = 0; k < (int)(0.5 * F_PWM) && t.mode != LODE_MODE_START; k++) {
+        const lode_counts_t counts = read_board(&bench);
+        const lode_drive_out_t out = lode_drive_step(&bench.drive, &counts);
+        (void)lode_drive_telemetry(&bench.drive, &t);
+        bench.link = t.mode == LODE_MODE_PRECHARGE ? link : bench.link; // after the calibration
+        *driven += t.mode == LODE_MODE_PRECHARGE && out.gates == LODE_GATES_ON;
+        write_board(&bench, &out);
+        plant_advance(&bench.plant);
+        if (t.mode == LODE_MODE_FAULT) {
+            break;
+        }
+    }
+    return (lode_check_t)t.fault.check;
+}
+
+// A dead one shows what brings its samples to t_k.
+static void test_one_shunt_is_tried_before_a_start(void) {
+    static const lode_check_t found[] = {LODE_CHECK_NONE, LODE_CHECK_SIGNALS, LODE_CHECK_INDUCTANCE,
+                                         LODE_CHECK_SIGNALS, LODE_CHECK_SIGNALS};
+    for (int salient = 0; salient < 2; salient++) {
+        for (int n = 0; n < 12; n++) {
+            plant_config_t plant = motor;
+            plant.Lq_H = salient == 1 ? 2.5 * motor.Ld_H : motor.Lq_H;
+            plant.theta_e_rad = n * CHECK_PI / 6.0 + 0.1;
+            for (int k = 0; k < COUNT_OF(found); k++) {
+                int driven;
+                const lode_check_t check = tried(SINGLE, &plant, (link_t)k, &driven);
+                TEST_ASSERT_EQUAL_STRING(lode_check_name(found[k]), lode_check_name(check));
+                TEST_ASSERT_EQUAL_INT(6 * 4, driven);
+            }
+        }
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_blind_sectors);
@@ -298,5 +359,6 @@ int main(void) {
     RUN_TEST(test_sensors_in_the_phases);
     RUN_TEST(test_one_shunt_in_the_link);
     RUN_TEST(test_link_as_sampled);
+    RUN_TEST(test_one_shunt_is_tried_before_a_start);
     return UNITY_END();
 }
