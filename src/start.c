@@ -28,6 +28,10 @@
 #define STEEP 64.0f
 #define GENTLE_SHARE 0.46f // (ln 16 - 15/16)/4: what the default adds to a ramp, at most
 #define RISE_TIME_s 0.2f
+// Past a rotor whose axis no pulse shows the vector sweeps while the current rises. It takes so much of the rotor's swing, up to
+// this time: one with ten times its inertia then swings less about the vector (S29).
+#define RISE_rad 35.0f
+#define RISE_TIME_MAX_s 0.4f
 #define DAMPING 0.5f
 #define LOCK_TIME_s 0.1f
 #define CATCH_TIME_s 0.05f // the estimator needs 20 to 30 ms from a reset to a sure lock
@@ -108,6 +112,18 @@ static float stiffness(float current_A, const lode_motor_t *motor) {
 static float default_current_A(const lode_motor_t *motor, float i_max_A) {
     const float lost_A = motor->psi_Wb / lode_max(motor->Lq_H - motor->Ld_H, FLT_MIN);
     return lode_min(CURRENT_SHARE * i_max_A, SALIENT_SHARE * lost_A);
+}
+
+// Rotor and vector make a spring of stiffness K, natural frequency wn = sqrt(np K/J), rad/s.
+static float swing_rad_s(float current_A, const lode_motor_t *motor) {
+    return lode_sqrt(motor->pole_pairs * stiffness(current_A, motor) /
+                     lode_max(motor->J_kgm2, FLT_MIN));
+}
+
+static float default_rise_s(const lode_motor_t *motor, float current_A) {
+    const float swing = lode_max(swing_rad_s(current_A, motor), FLT_MIN);
+    const float most = motor->Lq_H > motor->Ld_H ? RISE_TIME_s : RISE_TIME_MAX_s;
+    return lode_clamp(RISE_rad / swing, RISE_TIME_s, most);
 }
 
 static float ramp_s(const lode_start_config_t *config) {
@@ -259,7 +275,8 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     const float time_share = own_A < CURRENT_SHARE * inverter->i_max_A ? SALIENT_TIME_SHARE : 1.0f;
     config->ramp_rad_s2 =
         lode_given_or(config->ramp_rad_s2, default_ramp_rad_s2(motor, config->current_A));
-    config->current_rise_s = lode_given_or(config->current_rise_s, RISE_TIME_s);
+    config->current_rise_s =
+        lode_given_or(config->current_rise_s, default_rise_s(motor, config->current_A));
     config->damping = lode_given_or(config->damping, DAMPING);
     config->lock_s = lode_given_or(config->lock_s, default_lock_s(config, motor, time_share));
     config->catch_s = lode_given_or(config->catch_s, CATCH_TIME_s);
@@ -315,12 +332,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     if (status != LODE_OK) {
         return status;
     }
-    // Rotor and vector make a spring of stiffness K, natural frequency wn = sqrt(np K/J). A vector that
-    // gives way by 2 zeta/wn per rad/s of the rotor's swing damps it with the ratio zeta: torque K times
+    // A vector that gives way by 2 zeta/wn per rad/s of the rotor's swing damps it with the ratio zeta: torque K times
     // that angle. The swing shows as EMF across the vector, psi volts per rad/s, at standstill too.
-    const float K = stiffness(config->current_A, motor);
-    const float np = motor->pole_pairs;
-    const float swing = lode_sqrt(np * K / motor->J_kgm2);
+    const float swing = swing_rad_s(config->current_A, motor);
     const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
     *tuning = (lode_start_tuning_t){
         .current_A = config->current_A,

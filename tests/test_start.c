@@ -183,6 +183,7 @@ typedef struct {
     double J_kgm2;         ///< told
     double error;          ///< times that is true
     double load;           ///< of the largest torque, against any motion
+    double rise_s;         ///< of the current; 0: 0.2
     unsigned int attempts; ///< that the rotor is given
 } shaft_t;
 
@@ -210,6 +211,7 @@ static double turned_back_deg(const shaft_t *shaft, double theta0_rad, double le
     config.omega_handover_rad_s = (float)(2.0 * swing);
     config.ramp_rad_s2 = (float)(0.1 * swing * swing);
     config.timeout_s = 100.0f;
+    config.current_rise_s = lode_given_or((float)shaft->rise_s, config.current_rise_s);
     lode_start_tuning_t tuning;
     TEST_ASSERT_EQUAL_INT(LODE_OK,
                           lode_start_tune(&tuning, &config, &inverter, &motor, 1.0e4f, PAPER_TS_s));
@@ -257,6 +259,37 @@ static void test_a_free_rotor_hardly_turns_back_by_more_than_half_a_turn(void) {
     }
     TEST_ASSERT_EQUAL_INT(756, all);
     CHECK_AT_MOST(4.0, (double)beyond);
+}
+
+/// Of rotors with 3 to 9 times their inertia and up to a third of the torque as a load, from anywhere, those that turn back by
+/// more than 190 degrees.
+static int rotors_turned_back(double rise_s) {
+    int beyond = 0;
+    for (double lighter = 1.0; lighter <= 13.0; lighter *= 3.5) {
+        for (double error = 3.0; error <= 9.0; error += 2.0) {
+            for (double load = 0.0; load <= 0.31; load += 0.1) {
+                for (int k = -12; k < 12; k++) {
+                    const shaft_t shaft = {.J_kgm2 = 0.0174 / lighter,
+                                           .error = error,
+                                           .load = load,
+                                           .rise_s = rise_s,
+                                           .attempts = 1u};
+                    const double back_deg =
+                        turned_back_deg(&shaft, (double)k * CHECK_PI / 12.0, 0.0);
+                    beyond += back_deg > 190.0 ? 1 : 0;
+                }
+            }
+        }
+    }
+    return beyond;
+}
+
+/// (S29): the current of a heavy round rotor rises in 0.4 s.
+static void test_a_slower_rise_turns_fewer_rotors_back(void) {
+    const int quick = rotors_turned_back(0.2);
+    const int slow = rotors_turned_back(0.4);
+    CHECK_AT_LEAST(20.0, (double)quick);
+    CHECK_AT_MOST(0.25 * (double)quick, (double)slow);
 }
 
 /// (S40): the same rotors, with an axis that is known to 25 degrees. The vector is 65 to 175 degrees ahead of the one polarity, and
@@ -831,6 +864,16 @@ static void test_design_fills_what_is_open(void) {
     // A tenth of the start torque on the inertia, electrical.
     CHECK_CLOSE(1.0e-5, 8.4 * 0.639 * 0.1 / 0.0174 * 3.0, config.ramp_rad_s2);
     CHECK_CLOSE(1.0e-6, 0.2, config.current_rise_s);
+    lode_motor_t round = motor;
+    round.Lq_H = motor.Ld_H;
+    const float lighter[] = {1.0f, 12.0f, 100.0f}; // the first swings with 30.4 rad/s
+    const double rise_s[] = {0.4, 35.0 / (sqrt(12.0 * 3.0 * 8.4 * 0.639 / 0.0174)), 0.2};
+    for (int n = 0; n < 3; n++) {
+        lode_start_config_t rising = {.current_A = 0.0f};
+        round.J_kgm2 = motor.J_kgm2 / lighter[n];
+        lode_start_design(&rising, &inverter, &round, PAPER_TS_s);
+        CHECK_CLOSE(1.0e-5, rise_s[n], rising.current_rise_s);
+    }
     CHECK_CLOSE(1.0e-6, 0.5, config.damping);
     CHECK_CLOSE(1.0e-6, 0.1, config.lock_s);
     CHECK_CLOSE(1.0e-6, 0.05, config.catch_s);
@@ -1903,6 +1946,7 @@ int main(void) {
     RUN_TEST(test_the_vector_sweeps_while_the_current_rises);
     RUN_TEST(test_a_vector_that_is_measured_sweeps_to_two_axes);
     RUN_TEST(test_a_free_rotor_hardly_turns_back_by_more_than_half_a_turn);
+    RUN_TEST(test_a_slower_rise_turns_fewer_rotors_back);
     RUN_TEST(test_a_rotor_whose_axis_is_known_turns_back_by_less);
     RUN_TEST(test_a_rotor_that_was_held_opposite_is_not_pulled_back_twice);
     RUN_TEST(test_a_vector_that_leads_the_axis_stands);

@@ -25,7 +25,7 @@ typedef struct {
     /// electrical, of the first attempt; 0: what a tenth of the start torque gives the inertia, and at rest a
     /// sixteenth of that (S35)
     float ramp_rad_s2;
-    float current_rise_s; ///< 0: 0.2
+    float current_rise_s; ///< 0: 0.2; up to 0.4 of a heavy rotor without saliency
     float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
     float lock_s;         ///< lock quality must have held for this long; 0: 0.1, salient from 0.05
     float catch_s;        ///< zero current, to see whether the rotor is turning; 0: 0.05; LODE_NONE
