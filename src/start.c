@@ -45,9 +45,9 @@
 // Of the start current, in the last attempt; from CURRENT_SHARE of i_max up to i_max. A rotor that needs so much is
 // loaded, and lags by so much that reluctance adds to its torque.
 #define CURRENT_LAST 2.0f
-// Of the current, by the end of an attempt at speed without a lock: what is left of twice a salient rotor's
-// start current then takes less than a third of its flux.
-#define CURRENT_FALL 0.7f
+// Of the current, by the end of an attempt at speed without a lock, and of twice the start current at most: what is left of
+// that takes less than a third of a salient rotor's flux.
+#define CURRENT_LEFT 0.3f
 #define ROUNDS_MAX 2.0e9f // inside an int32
 #define COUNTER_MAX 65535.0f
 // Of the vector while the current rises (S29): all of it, or from half of the current on, where it is measured there.
@@ -78,6 +78,8 @@
 #define SLIP_PART 2u
 #define SLIP_rad 10.0f
 #define SLIPS_MAX 65535u
+// Times the current: beyond the 1/CURRENT_SHARE that the last attempt has of it where no reluctance bounds the start current.
+#define MUCH_MORE 1.5f
 
 // Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
 // current settle; of one that does not come to rest in 0.15 s the mean of its swing.
@@ -429,20 +431,23 @@ static float waiting_rounds(const lode_start_tuning_t *tuning, float profile) {
     return lode_max(profile, (float)tuning->patience_rounds);
 }
 
-// Share of the current that an attempt takes now: the half that is measured with, all of it, and of a vector at speed
+// Of the current of an attempt what it takes now: the half that is measured with, all of it, and of a vector at speed
 // that finds no lock less and less (S17).
-static float current_share(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+static float current_now_A(const lode_start_t *self, const lode_start_tuning_t *tuning,
+                           float most_A) {
 #ifndef LODE_WITHOUT_START_MEASUREMENT
     if (self->stage == (uint_least8_t)LODE_START_HALF) {
-        return LEVEL_SHARE;
+        return LEVEL_SHARE * most_A;
     }
 #endif
     if (lode_abs(self->omega_rad_s) < tuning->omega_handover) {
-        return 1.0f;
+        return most_A;
     }
     const float profile = profile_rounds(self, tuning);
     const float late = (float)(int32_t)self->attempt - profile;
-    return 1.0f - CURRENT_FALL * lode_clamp(late / waiting_rounds(tuning, profile), 0.0f, 1.0f);
+    const float left_A = CURRENT_LEFT * lode_min(most_A, CURRENT_LAST * tuning->current_A);
+    const float fallen = lode_clamp(late / waiting_rounds(tuning, profile), 0.0f, 1.0f);
+    return most_A - fallen * (most_A - left_A);
 }
 
 // Radians of the rotor's swing, of the inertia that is told, in so many rounds. The weight of the swing's filter is nearly its
@@ -500,8 +505,11 @@ static bool is_spent(lode_start_t *self, const lode_start_tuning_t *tuning) {
 }
 
 // A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest, on a phase for
-// the measurement, and 120 degrees on from where the first one began (S41).
+// the measurement, and 120 degrees on from where the first one began (S41). If it slipped, and the last attempt's current is much more,
+// it has that at once (S42).
 void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const bool much = tuning->current_last_A > MUCH_MORE * tuning->current_A;
+    self->more = much && slips(self, tuning) ? 1u : 0u;
     self->attempt = 0u;
     self->slips = 0u;
     self->at = (lode_sincos_t){lode_sign(self->omega_target) * 0.5f * LODE_SQRT3, -0.5f};
@@ -611,10 +619,11 @@ static float ramp_share(const lode_start_t *self, const lode_start_tuning_t *tun
 
 bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
-    bool last = false;
+    float most_A = current_A;
     self->omega_target = omega_target_rad_s;
     if (current_A > 0.0f) {
-        last = self->failed >= LODE_START_FAILED_MAX;
+        const bool more = self->failed >= LODE_START_FAILED_MAX || self->more != 0u;
+        most_A = more ? tuning->current_last_A : current_A;
     } else {
         self->stands = 0u;
 #ifndef LODE_WITHOUT_START_MEASUREMENT
@@ -623,8 +632,7 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
         }
 #endif
     }
-    self->current_target =
-        (last ? tuning->current_last_A : current_A) * current_share(self, tuning);
+    self->current_target = current_now_A(self, tuning, most_A);
     self->omega_step = tuning->omega_step * ramp_share(self, tuning);
     self->at =
         lode_angle_normalise(self->at); // what the periods in between have left of its length

@@ -1059,6 +1059,25 @@ static void test_the_current_falls_where_no_lock_comes(void) {
     }
 }
 
+/// (S17) with three times the start's current: what is left is a share of twice that.
+static void test_the_current_of_the_last_attempt_falls_as_far(void) {
+    const lode_start_config_t config = sound();
+    lode_start_tuning_t tuning = tuned(&config);
+    tuning.current_A = 3.0f;
+    for (int third = 0; third <= 1; third++) {
+        tuning.current_last_A = third > 0 ? 9.0f : 6.0f;
+        lode_start_t start;
+        lode_start_reset(&start, lode_sincos(0.0f), 47.0f, tuning.current_last_A);
+        start.failed = 3u; // 0.2 + 4 * 0.47 + 0.05 s, and as long again
+        start.attempt = (uint32_t)(2.0 * 2.13 / (ROUND * (double)PAPER_TS_s)) - 3u;
+        aim(&start, &tuning, 47.0f, 3.0f);
+        CHECK_NEAR(0.02, 0.3 * 2.0 * 3.0, start.current_target);
+        start.attempt /= 4u; // within the profile
+        aim(&start, &tuning, 47.0f, 3.0f);
+        CHECK_CLOSE(1.0e-6, (double)tuning.current_last_A, start.current_target);
+    }
+}
+
 /// Rad by which the vector gives way to a swing of 0.01 V, at this speed in an attempt with this current.
 static double give_at(const lode_start_tuning_t *tuning, float omega, float current_A) {
     lode_start_t start;
@@ -1893,6 +1912,32 @@ static void test_a_swing_is_no_slip(void) {
     TEST_ASSERT_EQUAL_UINT(65535u, it.start.slips);
 }
 
+/// The attempt after one that slipped has the last one's current at once, where that is much more; one that ended by its time
+/// alone, and a start from the beginning, have not.
+static void test_after_a_slip_the_current_is_the_last_ones(void) {
+    for (int n = 0; n < 3; n++) {
+        static const float last_A[] = {10.0f, 12.0f, 12.1f}; // 12 is 1.5 times the start's
+        attempt_t it = round_attempt();
+        it.tuning.current_last_A = last_A[n];
+        const double more_A = n == 2 ? 12.1 : 8.0;
+        CHECK_AT_MOST(1000, rounds_until_failed(&it, 0.0f, 1000));
+        TEST_ASSERT_EQUAL_UINT(0u, it.start.more);
+        lode_start_again(&it.start, &it.tuning);
+        (void)lode_start_aim(&it.start, &it.tuning, 47.0f, 8.0f);
+        CHECK_CLOSE(1.0e-6, more_A, it.start.current_target);
+        TEST_ASSERT_EQUAL_UINT(1u, it.start.failed);
+        (void)lode_start_aim(&it.start, &it.tuning, 0.0f, 0.0f); // a stop
+        TEST_ASSERT_TRUE(it.start.current_target == 0.0f);
+        it.start.failed = 0u;
+        lode_start_again(&it.start, &it.tuning); // which did not slip
+        (void)lode_start_aim(&it.start, &it.tuning, 47.0f, 8.0f);
+        CHECK_CLOSE(1.0e-6, 8.0, it.start.current_target);
+        it.start.more = 1u;
+        lode_start_begin(&it.start, &it.tuning);
+        TEST_ASSERT_EQUAL_UINT(0u, it.start.more);
+    }
+}
+
 /// After the last attempt nothing is left to try; one that ends by its time alone is repeated.
 static void test_the_last_attempt_that_slips_is_lost(void) {
     for (unsigned failed = 0u; failed <= 3u; failed++) {
@@ -1941,6 +1986,7 @@ int main(void) {
     RUN_TEST(test_each_attempt_is_easier);
     RUN_TEST(test_a_default_ramp_begins_gently);
     RUN_TEST(test_the_current_falls_where_no_lock_comes);
+    RUN_TEST(test_the_current_of_the_last_attempt_falls_as_far);
     RUN_TEST(test_current_rises_first_then_the_vector_turns);
     RUN_TEST(test_angle_is_the_integral_of_the_speed);
     RUN_TEST(test_the_vector_sweeps_while_the_current_rises);
@@ -1988,6 +2034,7 @@ int main(void) {
     RUN_TEST(test_a_rotor_that_slips_ends_the_attempt);
     RUN_TEST(test_a_slip_is_told_with_flux_that_is_left);
     RUN_TEST(test_a_swing_is_no_slip);
+    RUN_TEST(test_after_a_slip_the_current_is_the_last_ones);
     RUN_TEST(test_the_last_attempt_that_slips_is_lost);
     RUN_TEST(test_stages_and_criteria_have_names);
     return UNITY_END();

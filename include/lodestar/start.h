@@ -16,7 +16,7 @@ typedef struct {
     /// amplitude of the vector; 0: 0.7 i_max, at most psi/(2 (Lq - Ld))
     float current_A;
     /// the same in the last attempt, current_A .. i_max; 0: current_A where that is given, else twice it, 0.7
-    /// to 1 i_max
+    /// to 1 i_max. Above 1.5 current_A also after an attempt whose rotor slipped (S42)
     float current_last_A;
     /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm), or up to 0.5 where 1 us of dead
     /// time and 30 % of R leave less than half of the EMF certain, or a load step would stop a light salient rotor;
@@ -162,6 +162,7 @@ typedef struct {
     uint_least8_t stage;  ///< LODE_START_...
     uint_least8_t failed; ///< attempts, up to three
     uint_least8_t stands; ///< 1: the vector leads the rotor's axis, and does not sweep (S40)
+    uint_least8_t more;   ///< 1: this attempt has the current of the last one already (S42)
 } lode_start_t;
 
 /// Of omega_ready: below, the EMF drowns in the inverter's errors, and the estimator is held to the vector.
