@@ -212,7 +212,8 @@ static void test_a_falling_Lq_that_is_known_makes_no_overshoot(void) {
 static void test_gain_and_decoupling_of_a_falling_Lq(void) {
     const lode_current_config_t config = sound();
     const lode_current_tuning_t tuning = tuned(&config);
-    const double pairs[][2] = {{0.0, 10.0}, {10.0, 0.0}, {4.0, 12.0}, {-4.0, -12.0}, {7.0, 7.5}};
+    const double pairs[][2] = {{0.0, 10.0},   {10.0, 0.0}, {4.0, 12.0},
+                               {-4.0, -12.0}, {7.0, 7.5},  {0.5, 1.0}};
     lode_current_t current;
     for (int n = 0; n < COUNT_OF(pairs); n++) {
         const double a = pairs[n][0];
@@ -226,9 +227,12 @@ static void test_gain_and_decoupling_of_a_falling_Lq(void) {
     lode_current_saturate(&current, &tuning, 9.8e-3f, 0.05f, -8.0f, 8.0f);
     CHECK_CLOSE(1.0e-6, 9.2 / 1.4, current.kp_q_V_A);
     // A current that is none counts as no current.
-    lode_current_saturate(&current, &tuning, 9.8e-3f, 0.05f, NAN, 0.0f);
-    CHECK_CLOSE(1.0e-6, 9.2, current.kp_q_V_A);
-    CHECK_CLOSE(1.0e-6, 9.8e-3, current.Lq_H);
+    for (int none = 0; none <= 1; none++) {
+        lode_current_saturate(&current, &tuning, 9.8e-3f, 0.05f, none == 0 ? NAN : 0.0f,
+                              none == 0 ? 0.0f : NAN);
+        CHECK_CLOSE(1.0e-6, 9.2, current.kp_q_V_A);
+        CHECK_CLOSE(1.0e-6, 9.8e-3, current.Lq_H);
+    }
 }
 
 static void test_no_windup_in_a_second_of_saturation(void) {

@@ -446,7 +446,9 @@ static void test_a_half_wave_is_found_within_1_2_turns_either_way(void) {
     for (int n = 0; n < 24; n++) {
         for (int sign = -1; sign <= 1; sign += 2) {
             const float way = (float)sign;
-            CHECK_AT_MOST(1.2, turns_until_found(rig, way * ready, (double)n));
+            const double turns = turns_until_found(rig, way * ready, (double)n);
+            CHECK_AT_MOST(1.2, turns);
+            CHECK_AT_LEAST(0.98 / 6.0, turns); // of which it has to lack it
             CHECK_AT_MOST(1.2, turns_until_found(rig, 3.0f * way * ready, (double)n));
         }
     }
@@ -455,11 +457,10 @@ static void test_a_half_wave_is_found_within_1_2_turns_either_way(void) {
 /// What is known of the turn is too little below the speed at which the estimator may take over, of a sensor's angle, and
 /// while the start's current fades; without voltage left current control is behind for that.
 static void test_turns_that_tell_of_no_half_wave(void) {
-    const float ready = tuning.start.omega_ready;
     const double none = 4.0;
     for (int sign = -1; sign <= 1; sign += 2) {
         rig_t rig = running_with_voltage();
-        const float omega = 2.0f * ready * (float)sign;
+        const float omega = 2.0f * tuning.start.omega_ready * (float)sign;
         CHECK_AT_MOST(1.2, turns_until_found(rig, omega, 0.0));
         CHECK_NEAR(0.0, none, turns_until_found(rig, 0.499f * omega, 0.0));
         rig.drive.sensored = 2u;
@@ -486,6 +487,19 @@ static void test_a_turn_that_tells_nothing_forgets(void) {
     lode_half_waves_t waves = rig.drive.state.run.waves;
     waves.asked_A = (lode_dq_t){0.0f, 0.0f}; // which the next look goes by
     TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &waves, sizeof none_lacking);
+}
+
+/// Where the current is as asked for nothing is looked at, which would begin the count of idle rounds anew: a look is dear.
+static void test_a_current_as_asked_for_spares_the_look(void) {
+    static const lode_dq_t asked_A[] = {{6.0f, 0.0f}, {0.0f, 6.0f}};
+    for (int n = 0; n < COUNT_OF(asked_A); n++) {
+        rig_t rig = running_with_voltage();
+        rig.drive.state.run.waves.idle = 9u;
+        rig.drive.ref_A = asked_A[n];
+        rig.drive.i_A = asked_A[n];
+        TEST_ASSERT_TRUE(lode_drive_watch_half_waves(&rig.drive));
+        TEST_ASSERT_EQUAL_UINT(9u, rig.drive.state.run.waves.idle);
+    }
 }
 
 /// 0.3 s with a bus that reads `share` of what it is, and moves by a count every round or not.
@@ -666,6 +680,28 @@ static void test_what_may_be_else_than_the_load(void) {
     }
 }
 
+/// Heavy: it takes some rounds for less than a radian per second.
+static void test_a_load_that_moves_a_heavy_rotor_is_named(void) {
+    const lode_drive_config_t config = rig_config();
+    const rig_t runs = proven(&config, 100.0);
+    other_tuning = tuning;
+    other_tuning.plausibility.away_rad_s = 0.8f;
+    other_tuning.plausibility.away_step = 0.01f;
+    for (int sense = -1; sense <= 1; sense += 2) {
+        rig_t rig = overloaded(runs, 1.0f, (float)sense);
+        lode_drive_t *drive = &rig.drive;
+        drive->tuning = &other_tuning;
+        drive->state.run.held_rad_s = drive->estimator.pll.omega_rad_s;
+        int rounds = 0;
+        while (rounds < 100 && lode_drive_watch_load(drive)) {
+            rounds++;
+            drive->estimator.pll.omega_rad_s -= 0.1f * (float)sense;
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, drive->guard.fault.check);
+        CHECK_NEAR(1.0, 9.0, rounds);
+    }
+}
+
 /// 3 mNm, 0.3 W of a mechanical power.
 static void test_all_torque_of_a_small_motor_is_all_of_it(void) {
     const lode_drive_config_t config = rig_config();
@@ -762,15 +798,25 @@ static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
     TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, 0.77f, (lode_dq_t){-1.9f, 0.0f}, false));
     TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.77f, none, true));
     TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.45f, none, false));
-    // With i_d = -6 A, i_q = 8 A the current has 0.27 of the flux, and errors of it explain 0.1 of psi.
+    // With i_d = -6 A, i_q = 8 A the current has 0.27 of the flux, and errors of it explain 0.1 of psi; where the q axis
+    // saturates, so much more of the inductances is not known.
     const lode_dq_t much = {-6.0f, 8.0f};
-    const double active = 1.0 + 6.3e-3 * 6.0 / 0.142;
-    const double d = 0.2 * 3.5e-3 * 6.0 / 0.142;
-    const double q = 0.2 * 6.3e-3 * 9.8e-3 * 64.0 / (active * 0.142) / 0.142;
-    const double r = 0.5 * 0.75 * 8.0 / 300.0 / 0.142;
-    const double least = (0.2 + sqrt(d * d + q * q + r * r)) / active;
-    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, (float)(1.0 - 1.01 * least), much, false));
-    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, (float)(1.0 - 0.99 * least), much, false));
+    lode_drive_tuning_t falls = *rig.drive.tuning;
+    rig_t saturates = rig;
+    saturates.drive.tuning = &falls;
+    for (int n = 0; n <= 1; n++) {
+        falls.references.Lq_fall = n == 0 ? 0.0f : 0.02f;
+        const double share = n == 0 ? 0.2 : 0.2 + 0.02 * 8.0;
+        const double active = 1.0 + 6.3e-3 * 6.0 / 0.142;
+        const double d = share * 3.5e-3 * 6.0 / 0.142;
+        const double q = share * 6.3e-3 * 9.8e-3 * 64.0 / (active * 0.142) / 0.142;
+        const double r = 0.5 * 0.75 * 8.0 / 300.0 / 0.142;
+        const double least = (0.2 + sqrt(d * d + q * q + r * r)) / active;
+        const float above = (float)(1.0 - 1.01 * least);
+        const float below = (float)(1.0 - 0.99 * least);
+        TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(saturates, above, much, false));
+        TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(saturates, below, much, false));
+    }
     // It begins anew.
     rig_t again = rig;
     again.drive.guard.flux_rounds = (uint_least8_t)(rounds - 1u);
@@ -883,11 +929,13 @@ int main(void) {
     RUN_TEST(test_turns_that_tell_of_no_half_wave);
     RUN_TEST(test_a_half_wave_is_found_within_1_2_turns_either_way);
     RUN_TEST(test_a_turn_that_tells_nothing_forgets);
+    RUN_TEST(test_a_current_as_asked_for_spares_the_look);
     RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
     RUN_TEST(test_a_load_beyond_all_torque_is_named_within_100_ms);
     RUN_TEST(test_a_load_that_can_be_held_is_none_beyond_all_torque);
     RUN_TEST(test_less_than_all_torque_may_slip);
     RUN_TEST(test_what_may_be_else_than_the_load);
+    RUN_TEST(test_a_load_that_moves_a_heavy_rotor_is_named);
     RUN_TEST(test_all_torque_of_a_small_motor_is_all_of_it);
     RUN_TEST(test_a_torque_that_the_voltage_limits_is_all_of_it_for_a_brake);
     RUN_TEST(test_another_flux_is_named_though_the_lock_holds);
