@@ -256,6 +256,7 @@ static lode_check_t by_emf_aside(rig_t rig, uint32_t aside, float size) {
         lode_drive_check_slow(&rig.drive);
         look++;
     }
+    TEST_ASSERT_EQUAL_UINT32(tuning.guard.lock_looks, look);
     return (lode_check_t)rig_telemetry(&rig).fault.check;
 }
 
@@ -831,6 +832,9 @@ static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
     rig_t fast = rig;
     fast.drive.tuning = &quick;
     TEST_ASSERT_EQUAL_UINT32(255u, flux_rounds(fast, 0.77f, none, false));
+    // Where they are long, one that lasts as long.
+    quick.estimator.pll.ts_s = 0.05f / 8.0f;
+    TEST_ASSERT_EQUAL_UINT32(1u, flux_rounds(fast, 0.77f, none, false));
     // The speed of a sensor may lag, and that of a QPLL whose angle comes from injection.
     rig_t sensed = rig;
     sensed.drive.sensored = 1u;

@@ -563,6 +563,9 @@ static void test_one_half_wave_of_one_phase_lacks_enough(void) {
     TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {4096u, 16384u, 0u, 4096u}};
     TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
+    waves = (lode_half_waves_t){.lacks = {16384u, 0u, 16384u}}; // two phases as much
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
+    TEST_ASSERT_EQUAL_UINT(1u, waves.doubts);
 }
 
 /// One look at phase 1 that lacks its positive half-wave, or not: `asked_A` along its axis, `has_A` of it, `across_A` of the
@@ -602,6 +605,41 @@ static void test_three_phases_at_their_limits(void) {
     TEST_ASSERT_FALSE(clears_now(2.55f, 10.0f));
 }
 
+/// What just is at a limit: the least current that is asked for and that flows, a quarter that is had, as much the other way as
+/// may be, and a quarter of the voltage.
+static void test_three_phases_exactly_at_their_limits(void) {
+    const lode_ab_t least = {2.0f, 0.0f};
+    const lode_ab_t asked = {4.0f, 0.0f};
+    lode_half_waves_seen_t seen[] = {seen_of(least, (lode_ab_t){0.0f, 2.0f}, 1.0),
+                                     seen_of(asked, (lode_ab_t){1.0f, 9.0f}, 0.7),
+                                     seen_of(asked, (lode_ab_t){-2.0f, 0.0f}, 0.7),
+                                     seen_of(asked, (lode_ab_t){0.0f, 9.0f}, 0.7)};
+    seen[3].beyond_V = (lode_ab_t){0.25f * 4.0f * KP_V_A, 0.0f};
+    for (int n = 0; n < COUNT_OF(seen); n++) {
+        lode_half_waves_t waves = {.lacks = {0u}, .idle = 16383u};
+        (void)lode_half_waves_look(&waves, &by_looks, &seen[n]);
+        TEST_ASSERT_GREATER_THAN_UINT(0u, waves.lacks[0]);
+        TEST_ASSERT_EQUAL_UINT(0u, waves.idle);
+    }
+    lode_half_waves_t waves = {.lacks = {100u}, .idle = 16383u};
+    const lode_half_waves_seen_t has = seen_of(least, (lode_ab_t){1.0f, 3.0f}, 0.1);
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &by_looks, &has));
+    TEST_ASSERT_EQUAL_UINT(0u, waves.lacks[0]); // half of the least current is had
+    waves = (lode_half_waves_t){.lacks = {0u, 0u, 0u, 0u, 100u}, .idle = 16383u};
+    (void)lode_half_waves_look(&waves, &by_looks, &has);
+    TEST_ASSERT_EQUAL_UINT(1u, waves.doubts); // nothing is forgotten, as enough is asked for
+}
+
+/// A quarter of what is asked for is missed, and the least current asked for.
+static void test_doubts_of_three_phases_at_their_limits(void) {
+    static const lode_half_waves_t waves = {.lacks = {0u}};
+    const lode_dq_t asked = {0.0f, 2.0f};
+    TEST_ASSERT_TRUE(lode_half_waves_doubt(&waves, &by_looks, asked, (lode_dq_t){0.5f, 0.0f}));
+    TEST_ASSERT_FALSE(lode_half_waves_doubt(&waves, &by_looks, asked, (lode_dq_t){0.49f, 0.0f}));
+    TEST_ASSERT_FALSE(lode_half_waves_doubt(&waves, &by_looks, (lode_dq_t){0.0f, 1.99f},
+                                            (lode_dq_t){5.0f, 0.0f}));
+}
+
 /// Either half-wave of phase 1, and whether the look counts for it: `before_A` asked for a round ago, `beyond_V` in its axis.
 static bool counts(float way, float before_A, float beyond_V, float turn_rad) {
     const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
@@ -621,6 +659,7 @@ static void test_what_was_not_asked_for_a_round_ago_is_not_lacking(void) {
         TEST_ASSERT_TRUE(counts(way, 2.001f, 30.0f, 0.699f)); // has a quarter of it
         TEST_ASSERT_FALSE(counts(way, 1.999f, 30.0f, 0.699f));
         TEST_ASSERT_FALSE(counts(way, 1.999f, 30.0f, -0.699f));
+        TEST_ASSERT_FALSE(counts(way, 1.999f, 30.0f, 0.7f));
         TEST_ASSERT_TRUE(counts(way, 1.999f, 30.0f, 0.701f));
         TEST_ASSERT_TRUE(counts(way, -4.0f, 30.0f, -0.701f));
         TEST_ASSERT_TRUE(counts(way, 9.0f, 30.0f, 0.1f)); // what is asked for now is less
@@ -646,9 +685,11 @@ static void test_what_is_not_had_again_goes_on_to_count(void) {
     lode_half_waves_t waves = {.lacks = {0u}};
     (void)lode_half_waves_look(&waves, &t, &across);
     TEST_ASSERT_FALSE(waves.doubts);
-    waves.lacks[0] = 100u;
-    (void)lode_half_waves_look(&waves, &t, &across);
-    CHECK_NEAR(1.0, 100.0 + 0.1 * 3.0 / CHECK_PI / 12.0 * 16384.0, waves.lacks[0]);
+    for (uint_least16_t lacks = 1u; lacks <= 100u; lacks = (uint_least16_t)(lacks + 99u)) {
+        waves.lacks[0] = lacks;
+        (void)lode_half_waves_look(&waves, &t, &across);
+        CHECK_NEAR(1.0, lacks + 0.1 * 3.0 / CHECK_PI / 12.0 * 16384.0, waves.lacks[0]);
+    }
     const lode_half_waves_seen_t little =
         seen_of((lode_ab_t){0.0f, 5.0f}, (lode_ab_t){0.0f, 0.999f * t.least_A}, 0.1);
     const uint_least16_t before = waves.lacks[0];
@@ -704,6 +745,8 @@ int main(void) {
     RUN_TEST(test_a_half_wave_that_is_seen_clears_its_phase);
     RUN_TEST(test_one_half_wave_of_one_phase_lacks_enough);
     RUN_TEST(test_three_phases_at_their_limits);
+    RUN_TEST(test_three_phases_exactly_at_their_limits);
+    RUN_TEST(test_doubts_of_three_phases_at_their_limits);
     RUN_TEST(test_what_was_not_asked_for_a_round_ago_is_not_lacking);
     RUN_TEST(test_of_a_phase_that_lacks_the_voltage_is_not_answered);
     RUN_TEST(test_what_is_not_had_again_goes_on_to_count);

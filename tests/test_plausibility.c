@@ -620,7 +620,10 @@ static void test_a_speed_that_comes_back_was_no_load_too_large(void) {
     TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, NAN));
     TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 5.0f));
     CHECK_CLOSE(1.0e-6, 5.0, load.held_rad_s);
-    load.held_rad_s = tuning.away_rad_s; // so much may be
+    load.held_rad_s = 0.8f; // a rotor that hardly turns any more does not get faster
+    TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, 1.0f, 0.5f));
+    CHECK_CLOSE(1.0e-6, 0.8 - (double)tuning.away_step, held);
+    held = tuning.away_rad_s; // so much may be
     TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 0.0f));
 }
 
@@ -785,11 +788,12 @@ static bool drop_round(lode_drop_t *drop, double i_A, double asked_A, double e_V
     return back;
 }
 
-/// Rounds until a current of 10 A that has been held for `held` rounds, falls to `fallen_A` in one and is `away_A` at the look
-/// after, is told to be back; 0: not within 20. The EMF is 2 V before and 5 V after.
+/// Rounds until a current of 10 A that has overshot and has then been held for `held` rounds, falls to `fallen_A` in one and is
+/// `away_A` at the look after, is told to be back; 0: not within 20. The EMF is 2 V before and 5 V after.
 static int rounds_until_back(int held, double fallen_A, double away_A, double back_A,
                              double *change_V) {
     lode_drop_t drop = {.rounds = 0u};
+    TEST_ASSERT_FALSE(drop_round(&drop, 13.0, 10.0, 2.0, change_V));
     for (int n = 0; n < held; n++) {
         TEST_ASSERT_FALSE(drop_round(&drop, 10.0, 10.0, 2.0, change_V));
     }
@@ -842,6 +846,20 @@ static void test_a_fall_is_confirmed_by_the_next_look(void) {
     }
 }
 
+/// Three quarters are no fall, and 0.85 are neither away nor back. What is back at the next look may fall anew.
+static void test_a_fall_at_its_limits(void) {
+    lode_drop_t drop = {.held = 8u, .i_A2 = 1.0f};
+    lode_drop_look(&drop, 0.5625f);
+    TEST_ASSERT_EQUAL_UINT(0u, drop.rounds);
+    lode_drop_look(&drop, 0.5624f);
+    TEST_ASSERT_EQUAL_UINT(1u, drop.rounds);
+    lode_drop_look(&drop, 0.7225f);
+    TEST_ASSERT_EQUAL_UINT(0u, drop.rounds);
+    drop = (lode_drop_t){.held = 8u, .i_A2 = 1.0f, .rounds = 6u};
+    float change_V = 0.0f;
+    TEST_ASSERT_FALSE(lode_drop_step(&drop, 0.7225f, 1.0f, (lode_dq_t){5.0f, 0.0f}, &change_V));
+}
+
 static void test_a_current_that_is_not_asked_for_does_not_fall(void) {
     double change_V = NAN;
     const double bad[] = {7.9, 12.1, NAN};
@@ -892,6 +910,7 @@ int main(void) {
     RUN_TEST(test_little_current_begins_the_half_waves_anew);
     RUN_TEST(test_a_current_that_falls_and_comes_back_tells_the_voltage);
     RUN_TEST(test_a_fall_is_confirmed_by_the_next_look);
+    RUN_TEST(test_a_fall_at_its_limits);
     RUN_TEST(test_a_current_that_is_not_asked_for_does_not_fall);
     return UNITY_END();
 }
