@@ -10,9 +10,9 @@ void tearDown(void) {}
 static lode_drive_tuning_t tuning;
 
 /// A start whose sensors come to show `gain` of the currents after `rounds` rounds of `stage`, in the period `late` of a round.
-/// Its fault, 20 ms later.
-static lode_fault_t gain_changes(lode_start_stage_t stage, int rounds, int late, double gain,
-                                 lode_choice_t plausibility) {
+/// 20 ms later.
+static rig_t after_gain_changes(lode_start_stage_t stage, int rounds, int late, double gain,
+                                lode_choice_t plausibility) {
     lode_drive_config_t config = rig_config();
     config.guard.plausibility = plausibility;
     rig_t rig;
@@ -32,6 +32,13 @@ static lode_fault_t gain_changes(lode_start_stage_t stage, int rounds, int late,
         rig_move(&rig);
     }
     TEST_ASSERT_EQUAL_INT(since + 100, seen);
+    return rig;
+}
+
+/// Its fault.
+static lode_fault_t gain_changes(lode_start_stage_t stage, int rounds, int late, double gain,
+                                 lode_choice_t plausibility) {
+    const rig_t rig = after_gain_changes(stage, rounds, late, gain, plausibility);
     return rig_telemetry(&rig).fault;
 }
 
@@ -67,9 +74,20 @@ static void test_sensors_that_come_to_show_most_do_not(void) {
                           gain_changes(LODE_START_TURN, 150, 0, 0.4, LODE_OFF).check);
 }
 
+/// Half of the impedance, with the smaller inductance, at the speed that the vector has by then.
+static void test_reactance_counts_where_the_vector_turns(void) {
+    const rig_t rig = after_gain_changes(LODE_START_TURN, 500, 0, 0.4, LODE_ON);
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_RESISTANCE", lode_check_name(fault.check));
+    const double omega = (double)rig.drive.state.start.omega_rad_s;
+    CHECK_AT_LEAST(45.0, omega);
+    CHECK_CLOSE(1.0e-3, 0.5 * hypot(0.75, omega * 3.5e-3), fault.limit);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_sensors_that_come_to_show_half_end_the_start);
     RUN_TEST(test_sensors_that_come_to_show_most_do_not);
+    RUN_TEST(test_reactance_counts_where_the_vector_turns);
     return UNITY_END();
 }
