@@ -570,6 +570,13 @@ static void test_limits_of_the_bridge(void) {
     expect_said(LODE_CHECK_OPEN_PHASE, 6.0, 0.0, said(shown, 12u));
 }
 
+/// A pulse may show much less than an ampere.
+static void test_a_small_motor_is_in_order(void) {
+    lode_signal_check_t shown = {
+        .along = {0.6f * MEAN_A, 0.0f}, .phase_A = {1.6f, 1.6f, 1.6f}, .least_A = 0.11f * LEAST_A};
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said_at(&shown, 6u, 0.1f * BUS_V).check);
+}
+
 /// Without a bus there is no current to expect: whatever flowed, nothing is divided by it.
 static void test_a_bus_that_reads_nothing_shows_nothing(void) {
     lode_signal_check_t shown = sound();
@@ -898,6 +905,7 @@ int main(void) {
     RUN_TEST(test_the_second_set);
     RUN_TEST(test_limits_of_the_sensors);
     RUN_TEST(test_limits_of_the_bridge);
+    RUN_TEST(test_a_small_motor_is_in_order);
     RUN_TEST(test_a_bus_that_reads_nothing_shows_nothing);
     RUN_TEST(test_nothing_is_said_before_the_last_pulse);
     RUN_TEST(test_pulses_in_their_order);
