@@ -1593,6 +1593,11 @@ static void test_a_stage_begins_anew(void) {
     CHECK_NEAR(1.0e-6, 0.0, lode_start_shifted_rad(&start));
     TEST_ASSERT_EQUAL_UINT(0u, start.seen.turn.waves.seen);
     CHECK_NEAR(0.0, 0.0, start.seen.turn.waves.turn_rad);
+    // An attempt that begins at rest takes the current away: it has not fallen.
+    start.drop = (lode_drop_t){.i_A2 = 64.0f, .held = 8u, .rounds = 2u};
+    lode_start_again(&start, &tuning);
+    TEST_ASSERT_EQUAL_UINT(0u, start.drop.rounds);
+    TEST_ASSERT_EQUAL_UINT(0u, start.drop.held);
 }
 
 /// One round alone to look for a rotor that turns is one. What lock there was at its end does not count for the start.
@@ -1618,6 +1623,7 @@ static void test_a_stop_is_no_attempt(void) {
     const lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
     lode_start_t start = turning(40.0);
+    start.attempt = 500u; // nor does one go on after it
     for (int n = 0; n < 5000; n++) {
         aim(&start, &tuning, 0.0f, 8.0f);
         TEST_ASSERT_EQUAL_UINT16(0u, start.attempt);
@@ -1945,6 +1951,13 @@ static void test_the_last_attempt_that_slips_is_lost(void) {
         it.start.failed = (uint_least8_t)failed;
         TEST_ASSERT_FALSE(lode_start_is_lost(&it.start, &it.tuning));
         CHECK_AT_MOST(1000, rounds_until_failed(&it, 0.0f, 1000));
+        TEST_ASSERT_EQUAL_INT(failed >= 2u, lode_start_is_lost(&it.start, &it.tuning));
+        it.tuning.swing_weight *=
+            10.0f; // a light rotor: half of the patience is not yet more than it
+        it.tuning.patience_rounds = 100u;
+        it.start.slips = 50u;
+        TEST_ASSERT_FALSE(lode_start_is_lost(&it.start, &it.tuning));
+        it.start.slips = 51u;
         TEST_ASSERT_EQUAL_INT(failed >= 2u, lode_start_is_lost(&it.start, &it.tuning));
     }
 }
