@@ -473,6 +473,9 @@ static void test_turns_that_tell_of_no_half_wave(void) {
         const float circle_V = tuning.current.circle * rig.drive.inverter.v_bus_V;
         rig.drive.u_V = (lode_dq_t){-0.6f * 0.995f * circle_V, 0.8f * 0.995f * circle_V};
         CHECK_NEAR(0.0, none, turns_until_found(rig, omega, 0.0));
+        rig.drive.u_V =
+            (lode_dq_t){0.0f, 0.99f * tuning.current.circle * rig.drive.inverter.v_bus_V};
+        CHECK_NEAR(0.0, none, turns_until_found(rig, omega, 0.0));
         rig.drive.u_V = (lode_dq_t){-0.6f * 0.985f * circle_V, 0.8f * 0.985f * circle_V};
         CHECK_AT_MOST(1.2, turns_until_found(rig, omega, 0.0));
     }
@@ -818,6 +821,12 @@ static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
         TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(saturates, above, much, false));
         TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(saturates, below, much, false));
     }
+    // The least current that is looked at, and the least sum that is.
+    falls.plausibility.i_min_A2 = 1.0f;
+    falls.plausibility.i_sum = 0;
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(saturates, 0.6f, (lode_dq_t){0.0f, 3.0f}, false));
+    falls.plausibility.i_sum = -1;
+    TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(saturates, 0.6f, (lode_dq_t){0.0f, 3.0f}, false));
     // It begins anew.
     rig_t again = rig;
     again.drive.guard.flux_rounds = (uint_least8_t)(rounds - 1u);

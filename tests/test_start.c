@@ -1906,6 +1906,9 @@ static void test_a_swing_is_no_slip(void) {
         CHECK_AT_MOST(100, it.start.slips);
     }
     TEST_ASSERT_EQUAL_UINT(0u, it.start.slips);
+    it.estimator.emf.observer.e_V = (lode_ab_t){0.6f * 47.0f * 0.142f, 0.0f}; // just enough
+    lode_start_note_slip(&it.start, &it.tuning, &it.estimator, &it.estimator_tuning);
+    TEST_ASSERT_EQUAL_UINT(0u, it.start.slips);
     it.estimator_tuning.droop_s2 = 1.0f / (47.0f * 47.0f);
     TEST_ASSERT_EQUAL_INT(1001, rounds_until_failed(&it, 0.31f, 1000));
     CHECK_AT_MOST(1000, rounds_until_failed(&it, 0.29f, 1000));
@@ -1958,6 +1961,11 @@ static void test_the_last_attempt_that_slips_is_lost(void) {
         it.start.slips = 50u;
         TEST_ASSERT_FALSE(lode_start_is_lost(&it.start, &it.tuning));
         it.start.slips = 51u;
+        TEST_ASSERT_EQUAL_INT(failed >= 2u, lode_start_is_lost(&it.start, &it.tuning));
+        it.tuning.swing_weight = 0.0625f; // 60 rounds of 8 periods are 10 radians
+        it.start.slips = 59u;
+        TEST_ASSERT_FALSE(lode_start_is_lost(&it.start, &it.tuning));
+        it.start.slips = 60u;
         TEST_ASSERT_EQUAL_INT(failed >= 2u, lode_start_is_lost(&it.start, &it.tuning));
     }
 }
