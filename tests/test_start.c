@@ -509,6 +509,10 @@ static void test_a_slow_target_is_started_to(void) {
     lode_start_reset(&start, lode_sincos(0.0f), 0.5f, 8.0f);
     lode_start_judge(&start, &tuning, 0.5f, 0.9f);
     TEST_ASSERT_EQUAL_UINT(1u, start.locked);
+    tuning.steepens = 4.0f / 47.0f; // and begun as gently as any: with a sixteenth of the ramp
+    lode_start_reset(&start, lode_sincos(0.0f), 0.0f, 8.0f);
+    aim(&start, &tuning, 0.5f, 8.0f);
+    CHECK_CLOSE(1.0e-5, 100.0 * (double)PAPER_TS_s / 16.0, start.omega_step);
 }
 
 /// A vector at hand-over speed and an estimate that agrees with it.
@@ -1282,6 +1286,24 @@ static void test_a_dwell_ends_with_its_mean(void) {
     TEST_ASSERT_EQUAL_INT(LODE_START_ALONE, start.stage);
 }
 
+/// Times that can be parted evenly: 90 rounds have settled after 6, of 240 of patience 12 are calm ones.
+static void test_a_dwell_of_even_parts(void) {
+    const lode_start_config_t config = measuring();
+    lode_start_tuning_t tuning = tuned(&config);
+    tuning.dwell_rounds = 90u;
+    tuning.patience_rounds = 240u;
+    lode_start_t start;
+    lode_start_begin(&start, &tuning);
+    start.current_A = start.current_target = 4.0f;
+    int rounds = 0;
+    while (start.stage == LODE_START_HALF && rounds < 90) {
+        lode_start_found_t found;
+        (void)lode_start_measure(&start, &tuning, no_emf, &found);
+        rounds++;
+    }
+    TEST_ASSERT_EQUAL_INT(6 + 12, rounds);
+}
+
 static int steady_from; // round
 static lode_dq_t becomes_steady(const lode_start_tuning_t *tuning, int n) {
     return (lode_dq_t){n < steady_from ? 99.0f - 9.0f * (float)(n % 2) : 3.0f,
@@ -1470,6 +1492,13 @@ static void test_a_vector_turns_by_its_damping_too(void) {
     CHECK_NEAR(1.0e-6, 0.0, (double)lode_start_shifted_rad(&start));
     start.swing_V = 0.05f;
     CHECK_NEAR(1.0e-6, -0.3, (double)lode_start_shifted_rad(&start));
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    start.swing_V = -0.2f;
+    aim(&start, &tuning, 0.0f, 0.0f); // nor is a stop a stage that begins
+    const double turned = (double)lode_start_shift_rad(&start) + 0.1;
+    CHECK_AT_LEAST(0.11, turned);
+    CHECK_NEAR(1.0e-6, turned, (double)lode_start_shifted_rad(&start));
     start.stage = (uint_least8_t)LODE_START_HALF;
     TEST_ASSERT_TRUE(lode_start_shifted_rad(&start) == 0.0f);
 }
@@ -1994,6 +2023,7 @@ int main(void) {
     RUN_TEST(test_resistance_is_measured_while_the_rotor_swings);
     RUN_TEST(test_a_rotor_that_falls_past_a_right_angle_is_not_at_rest);
     RUN_TEST(test_a_dwell_ends_with_its_mean);
+    RUN_TEST(test_a_dwell_of_even_parts);
     RUN_TEST(test_a_swing_is_watched_to_the_round);
     RUN_TEST(test_one_of_two_means_tells_the_sum);
     RUN_TEST(test_dead_time_is_measured_with_a_vector_that_gives_way);
