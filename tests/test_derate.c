@@ -99,20 +99,24 @@ static void test_what_is_no_number_counts_as_hot(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, lode_derate_step(&derate, &tuning, &back, -0.1f));
 }
 
+/// With plain references, and with those of more than i_d* = 0.
 static void test_a_drive_keeps_to_its_share(void) {
     static lode_drive_tuning_t tuning;
-    const lode_drive_config_t config = rig_config();
+    lode_drive_config_t config = rig_config();
     rig_t rig;
-    rig_init(&rig, &tuning, &config);
-    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 60.0f});
-    rig_run(&rig, 4.0);
-    rig_expect(&rig, LODE_MODE_RUN);
-    lode_drive_limit_torque(&rig.drive, 0.25f);
-    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 150.0f});
-    rig_run(&rig, 0.2);
-    const double most = (double)lode_references_most_Nm(&tuning.references);
-    CHECK_NEAR(0.02 * most, 0.25 * most, (double)rig_telemetry(&rig).torque_ref_Nm);
-    TEST_ASSERT_TRUE(rig_telemetry(&rig).torque_limited);
+    for (int weakens = 0; weakens <= 1; weakens++) {
+        config.references.field_weakening = weakens != 0 ? LODE_ON : LODE_OFF;
+        rig_init(&rig, &tuning, &config);
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 60.0f});
+        rig_run(&rig, 4.0);
+        rig_expect(&rig, LODE_MODE_RUN);
+        lode_drive_limit_torque(&rig.drive, 0.25f);
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 150.0f});
+        rig_run(&rig, 0.2);
+        const double most = (double)lode_references_most_Nm(&tuning.references);
+        CHECK_NEAR(0.02 * most, 0.25 * most, (double)rig_telemetry(&rig).torque_ref_Nm);
+        TEST_ASSERT_TRUE(rig_telemetry(&rig).torque_limited);
+    }
     // Any number will do, to the nearest part.
     const float shares[] = {NAN, -1.0f, 2.0f, 0.3f, 0.7f};
     const uint32_t taken[] = {0u, 0u, LODE_TORQUE_SHARE_ONE, 9830u, 22938u};
