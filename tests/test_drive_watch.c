@@ -342,6 +342,31 @@ static void test_a_phase_that_opens_in_run_is_found(void) {
     }
 }
 
+/// Rounds of a start, 0.16 rad each, until phase 1, which shows nothing of a vector of 6 A, is open; 200: it is not.
+static int rounds_until_open(lode_choice_t plausibility) {
+    lode_drive_config_t config = rig_config();
+    config.guard.plausibility = plausibility;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    lode_start_begin(&rig.drive.state.start, &tuning.start);
+    rig.drive.state.start.omega_rad_s = 100.0f;
+    rig.drive.ref_A = (lode_dq_t){6.0f, 0.0f};
+    const int32_t most = (int32_t)(6.0 / RIG_GAIN_A) * LODE_COUNT_FRACTION;
+    int rounds = 0;
+    bool good = true;
+    while (rounds < 200 && good) {
+        const int32_t other = rounds % 2 == 0 ? most : -most;
+        good = lode_drive_note_waves(&rig.drive, (const int32_t[LODE_PHASES]){0, other, -other});
+        rounds++;
+    }
+    return rounds;
+}
+
+static void test_half_waves_of_a_start_are_looked_at_by_choice(void) {
+    CHECK_NEAR(2.0, 2.0 * 1.1 * 2.0 * CHECK_PI / 0.16, rounds_until_open(LODE_ON));
+    TEST_ASSERT_EQUAL_INT(200, rounds_until_open(LODE_OFF));
+}
+
 /// What a start or an earlier run has left of the counts is not RUN's.
 static void test_the_hand_over_begins_the_counts_of_run(void) {
     rig_t rig = fresh();
@@ -937,6 +962,7 @@ int main(void) {
     RUN_TEST(test_another_flux_is_one_at_every_look);
     RUN_TEST(test_the_observers_lag_is_no_other_flux);
     RUN_TEST(test_a_phase_that_opens_in_run_is_found);
+    RUN_TEST(test_half_waves_of_a_start_are_looked_at_by_choice);
     RUN_TEST(test_the_hand_over_begins_the_counts_of_run);
     RUN_TEST(test_half_waves_are_looked_at_with_and_without_field_weakening);
     RUN_TEST(test_turns_that_tell_of_no_half_wave);
