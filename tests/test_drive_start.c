@@ -961,8 +961,8 @@ typedef struct {
     lode_check_t check;
 } rounds_t;
 
-static rounds_t by_flux(rig_t rig, float times, float off_rad, float share, float left) {
-    lode_drive_t *drive = &rig.drive;
+static rounds_t goes_on_by_flux(rig_t *rig, float times, float off_rad, float share, float left) {
+    lode_drive_t *drive = &rig->drive;
     lode_estimator_t *estimator = &drive->estimator;
     const lode_estimator_tuning_t *own = &drive->tuning->estimator;
     const float lock = estimator->lock;
@@ -980,8 +980,12 @@ static rounds_t by_flux(rig_t rig, float times, float off_rad, float share, floa
         lode_mode_follow(drive);
         seen.rounds++;
     }
-    seen.check = (lode_check_t)rig_telemetry(&rig).fault.check;
+    seen.check = (lode_check_t)rig_telemetry(rig).fault.check;
     return seen;
+}
+
+static rounds_t by_flux(rig_t rig, float times, float off_rad, float share, float left) {
+    return goes_on_by_flux(&rig, times, off_rad, share, left);
 }
 
 /// (S34): twice the active flux, of which 0.6 of the magnets' is expected at least, for as long as a lock would have to
@@ -1013,8 +1017,12 @@ static void test_a_flux_of_no_motor_is_one_for_as_long_as_a_lock(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, by_flux(rig, 2.2f, 0.0f, 1.26f, whole).check);
     // It begins anew.
     rig.drive.guard.lock = (uint_least16_t)(tuning.start.lock_rounds - 1u);
-    (void)by_flux(rig, 1.0f, 0.0f, 1.0f, whole);
     TEST_ASSERT_EQUAL_UINT32(1u, by_flux(rig, 2.2f, 0.0f, 1.0f, whole).rounds);
+    rig_t good = rig;
+    (void)goes_on_by_flux(&good, 1.0f, 0.0f, 1.0f, whole);
+    TEST_ASSERT_EQUAL_UINT32(0u, good.drive.guard.lock);
+    TEST_ASSERT_EQUAL_UINT32(tuning.start.lock_rounds,
+                             by_flux(good, 2.2f, 0.0f, 1.0f, whole).rounds);
     lode_drive_t *drive = &rig.drive;
     drive->state.start.omega_rad_s = 0.9f * tuning.start.omega_ready;
     drive->steps = (uint32_t)SLOT_LAG;
