@@ -847,6 +847,21 @@ static void test_the_bias_of_injection_fades_beyond_it(void) {
     }
 }
 
+/// The wave of injection takes half of the circle at most, of which 0.95 is used by default.
+static void test_a_wave_larger_than_half_of_the_circle_is_refused(void) {
+    const float half_V = 0.5f * 0.95f * 200.0f / LODE_SQRT3;
+    for (int more = 0; more <= 1; more++) {
+        lode_drive_config_t config = minimal();
+        config.hfi.mode = LODE_HFI_ON;
+        config.hfi.V_h_V = (more != 0 ? 1.001f : 0.999f) * half_V;
+        lode_drive_t drive;
+        lode_drive_tuning_t tuning;
+        const lode_status_t status = lode_drive_init(&drive, &tuning, &config);
+        TEST_ASSERT_EQUAL_STRING(more != 0 ? "LODE_ERROR_HFI_VOLTAGE" : "LODE_OK",
+                                 lode_status_name(status));
+    }
+}
+
 /// Each sample from the trip on is looked at, and none that is a count below it.
 static void test_the_alert_lies_at_the_trip(void) {
     lode_drive_config_t config = minimal();
@@ -913,6 +928,7 @@ int main(void) {
     RUN_TEST(test_null_pointers);
     RUN_TEST(test_design_of_the_papers_drive);
     RUN_TEST(test_the_bias_of_injection_fades_beyond_it);
+    RUN_TEST(test_a_wave_larger_than_half_of_the_circle_is_refused);
     RUN_TEST(test_the_alert_lies_at_the_trip);
     RUN_TEST(test_free_voltage_leaves_room_for_rounding);
     RUN_TEST(test_rated_speed_follows_from_bus_and_current);
