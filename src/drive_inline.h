@@ -412,7 +412,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
     (void)i;
     (void)looks;
 #else
-    if (tuning->plausibility.i_sum < 0) {
+    if (!lode_plausibility_is_on(&tuning->plausibility)) {
         return;
     }
     if (lode_plausibility_all_move(watch, &tuning->plausibility, i)) {

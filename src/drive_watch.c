@@ -207,7 +207,7 @@ static bool phases_ok(lode_drive_t *self, uint_least8_t phase) {
 LODE_NOINLINE bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_start_t *start = &self->state.start;
-    if (!(tuning->plausibility.per_wave_A > 0.0f)) {
+    if (!lode_plausibility_has_waves(&tuning->plausibility)) {
         return true;
     }
     return phases_ok(self, lode_waves_step(&start->seen.turn.waves, &tuning->plausibility, i,
@@ -257,8 +257,8 @@ LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
     const lode_dq_t ref_A = self->ref_A;
     const lode_dq_t missed_A = {ref_A.d - self->i_A.d, ref_A.q - self->i_A.q};
     lode_half_waves_t *waves = &self->state.run.waves;
-    const bool doubts =
-        tuning->per_wave_A > 0.0f && lode_half_waves_doubt(waves, &tuning->waves, ref_A, missed_A);
+    const bool doubts = lode_plausibility_has_waves(tuning) &&
+                        lode_half_waves_doubt(waves, &tuning->waves, ref_A, missed_A);
     const bool good = doubts ? judge_half_waves(self) : true;
     waves->asked_A = ref_A;
     return good;
@@ -376,8 +376,9 @@ LODE_NOINLINE bool lode_drive_judge_flux(lode_drive_t *self) {
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     const float i_A2 = squared(self->i_A);
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
-    if (tuning->i_sum < 0 || may_speed_lag(self) || !(i_A2 >= FLUX_CURRENT * tuning->i_min_A2) ||
-        !is_started(self) || !is_another_flux(flux, unsure_Wb(self, flux))) {
+    if (!lode_plausibility_is_on(tuning) || may_speed_lag(self) ||
+        !(i_A2 >= FLUX_CURRENT * tuning->i_min_A2) || !is_started(self) ||
+        !is_another_flux(flux, unsure_Wb(self, flux))) {
         guard->flux_rounds = 0u;
         return true;
     }

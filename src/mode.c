@@ -3,6 +3,7 @@
 #include "current_inline.h"
 #include "estimator_inline.h"
 #include "inverter_inline.h"
+#include "plausibility_inline.h"
 #include "references_inline.h"
 #include "sense_inline.h"
 #include "start_inline.h"
@@ -374,7 +375,7 @@ static LODE_NOINLINE void watch_flux(lode_drive_t *self) {
     const lode_estimator_t *estimator = &self->estimator;
     const float omega = estimator->pll.omega_rad_s;
     uint32_t rounds = 0u;
-    if (self->tuning->plausibility.i_sum >= 0 && estimator->lock < LODE_LOCK_LOST &&
+    if (lode_plausibility_is_on(&self->tuning->plausibility) && estimator->lock < LODE_LOCK_LOST &&
         lode_start_follows(start, tuning, omega, lode_start_slack(start, tuning))) {
         const lode_flux_t flux = lode_estimator_flux(estimator, &self->tuning->estimator);
         const float least_Wb = (1.0f - LODE_START_LOST_MAX) * self->tuning->estimator.psi_Wb;
@@ -403,7 +404,7 @@ static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
         start->omega_rad_s * lode_min(tuning->references.Lq_H, 1.0f / tuning->references.inv_Ld);
     const float limit_Ohm = OTHER_VOLTAGE * lode_sqrt(R_Ohm * R_Ohm + X_Ohm * X_Ohm);
     const float change_Ohm = change_V / lode_max(start->current_A, FLT_MIN);
-    if (tuning->plausibility.i_sum >= 0 && change_Ohm > limit_Ohm) {
+    if (lode_plausibility_is_on(&tuning->plausibility) && change_Ohm > limit_Ohm) {
         lode_mode_fault(self, LODE_CHECK_RESISTANCE, change_Ohm, limit_Ohm);
     }
 }

@@ -4,6 +4,16 @@
 
 #include "lodestar/plausibility.h"
 
+// The currents are looked at.
+LODE_INLINE bool lode_plausibility_is_on(const lode_plausibility_tuning_t *tuning) {
+    return tuning->i_sum >= 0;
+}
+
+// And so are the half-waves of three phases, in START and in RUN.
+LODE_INLINE bool lode_plausibility_has_waves(const lode_plausibility_tuning_t *tuning) {
+    return tuning->per_wave_A > 0.0f;
+}
+
 // Where one was taken from the other two, the sum says nothing.
 LODE_INLINE bool lode_plausibility_sum_ok(const lode_plausibility_tuning_t *tuning,
                                           const int32_t i[LODE_PHASES]) {
