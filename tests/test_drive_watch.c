@@ -903,6 +903,21 @@ static void test_another_flux_is_no_dead_time_that_nobody_knows_of(void) {
     }
 }
 
+/// Of one round in which it does, if that is what is asked for; 0: it may.
+static void test_one_round_may_be_too_long_for_a_temperature(void) {
+    for (uint32_t rounds = 0u; rounds <= 1u; rounds++) {
+        rig_t rig = running(80.0, 8.0);
+        other_tuning = tuning;
+        other_tuning.guard.still_rounds = (uint_least16_t)rounds;
+        rig.drive.tuning = &other_tuning;
+        lode_drive_count_still(&rig.drive, 777u, 200.0f);
+        TEST_ASSERT_TRUE(rig.drive.gates);
+        lode_drive_count_still(&rig.drive, 777u, 200.0f);
+        TEST_ASSERT_EQUAL_INT(rounds == 0u ? LODE_CHECK_NONE : LODE_CHECK_TEMPERATURE_STUCK,
+                              rig.drive.guard.fault.check);
+    }
+}
+
 /// Half a second with a temperature whose count moves once in `every` periods; 0: never.
 static lode_fault_t after_temperature(rig_t rig, uint32_t every) {
     for (uint32_t n = 0; n < 2500u; n++) {
@@ -980,6 +995,7 @@ int main(void) {
     RUN_TEST(test_another_flux_is_named_though_the_lock_holds);
     RUN_TEST(test_another_flux_is_as_large_as_no_error_and_lasts);
     RUN_TEST(test_another_flux_is_no_dead_time_that_nobody_knows_of);
+    RUN_TEST(test_one_round_may_be_too_long_for_a_temperature);
     RUN_TEST(test_a_temperature_that_stands_still_trips_where_it_should_not);
     return UNITY_END();
 }

@@ -297,7 +297,13 @@ static void test_what_was_lacking_is_forgotten_after_a_sixth_of_a_turn(void) {
         (void)after_looks(&watch, 2, 0, none, asked);
         (void)after_looks(&watch, looks, 0, none, little);
         TEST_ASSERT_EQUAL_INT(looks < 4, watch.doubts);
+        // Forgotten is all but this look's, a quarter of enough.
+        TEST_ASSERT_EQUAL_UINT(looks < 4 ? 16384u : 4096u, watch.set[0].all);
+        TEST_ASSERT_EQUAL_UINT(looks < 4 ? 12288u : 0u, watch.set[0].waves.idle);
         TEST_ASSERT_EQUAL_INT(looks < 4 ? 7 : 0, after_looks(&watch, 2, 0, none, asked));
+        TEST_ASSERT_EQUAL_UINT(0u, watch.set[0].waves.idle);
+        (void)after_looks(&watch, 1, 0, asked, asked);
+        TEST_ASSERT_EQUAL_UINT(0u, watch.set[0].all);
     }
 }
 
@@ -628,6 +634,11 @@ static void test_three_phases_exactly_at_their_limits(void) {
     waves = (lode_half_waves_t){.lacks = {0u, 0u, 0u, 0u, 100u}, .idle = 16383u};
     (void)lode_half_waves_look(&waves, &by_looks, &has);
     TEST_ASSERT_EQUAL_UINT(1u, waves.doubts); // nothing is forgotten, as enough is asked for
+    waves.idle = 16383u;
+    const lode_half_waves_seen_t little = seen_of((lode_ab_t){1.99f, 0.0f}, least, 0.1);
+    (void)lode_half_waves_look(&waves, &by_looks, &little);
+    TEST_ASSERT_EQUAL_UINT(0u, waves.doubts);
+    TEST_ASSERT_EQUAL_UINT(0u, waves.idle);
 }
 
 /// A quarter of what is asked for is missed, and the least current asked for.

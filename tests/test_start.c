@@ -1302,6 +1302,9 @@ static void test_a_dwell_of_even_parts(void) {
         rounds++;
     }
     TEST_ASSERT_EQUAL_INT(6 + 12, rounds);
+    tuning.dwell_rounds = 1u; // is one, too
+    lode_start_begin(&start, &tuning);
+    TEST_ASSERT_EQUAL_INT(LODE_START_HALF, start.stage);
 }
 
 static int steady_from; // round
