@@ -720,7 +720,7 @@ static void test_a_load_that_moves_a_heavy_rotor_is_named(void) {
         rig_t rig = overloaded(runs, 1.0f, (float)sense);
         lode_drive_t *drive = &rig.drive;
         drive->tuning = &other_tuning;
-        drive->state.run.held_rad_s = drive->estimator.pll.omega_rad_s;
+        drive->state.run.load.held_rad_s = drive->estimator.pll.omega_rad_s;
         int rounds = 0;
         while (rounds < 100 && lode_drive_watch_load(drive)) {
             rounds++;

@@ -620,14 +620,14 @@ static void test_a_speed_that_comes_back_was_no_load_too_large(void) {
     TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, NAN));
     TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 5.0f));
     CHECK_CLOSE(1.0e-6, 5.0, load.held_rad_s);
-    load.held_rad_sfor (int n = 0; n < 4; n++) { // a rotor that hardly turns any more, or not, does not get faster
+    for (int n = 0; n < 4; n++) { // a rotor that hardly turns any more, or not, does not get faster
         const float sense = n < 2 ? 1.0f : -1.0f;
-        held = 0.8f * sense;
-        TEST_ASSERT_FALSE(lode_plausibility_is_overloaded(&held, &tuning, sense,
-                                                          n % 2 == 0 ? 0.5f * sense : 0.0f));
-        CHECK_CLOSE(1.0e-6, 0.8 - (double)tuning.away_step, held * sense);
+        load = (lode_load_t){.held_rad_s = 0.8f * sense};
+        TEST_ASSERT_FALSE(
+            lode_load_is_too_large(&load, &tuning, sense, n % 2 == 0 ? 0.5f * sense : 0.0f));
+        CHECK_CLOSE(1.0e-6, 0.8 - (double)tuning.away_step, load.held_rad_s * sense);
     }
-    held = tuning.away_rad_s; // so much may be
+    load = (lode_load_t){.held_rad_s = tuning.away_rad_s}; // so much may be
     TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 0.0f));
 }
 
