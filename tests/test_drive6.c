@@ -1188,6 +1188,11 @@ static void test_the_tuning_is_that_of_two_sets_and_of_one(void) {
     one.drive.inverter.r_on_Ohm = 0.0f;
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_tune(&other_tuning, &one));
     CHECK_CLOSE(1.0e-5, (double)other_tuning.xy.pi.ki_Ts, t.xy.pi.ki_Ts);
+    // Where current control may use all of the circle, it shares with the xy plane what the bridge always gives.
+    one.drive.current.voltage_use = 1.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_tune(&other_tuning, &one));
+    CHECK_CLOSE(1.0e-6, (double)(other_tuning.drive.inverter.free - other_tuning.xy.circle),
+                other_tuning.drive.current.free);
 }
 
 /// A design is whole: of the drive, of the sensing and of the xy plane, which takes its share of the voltage.
