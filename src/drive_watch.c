@@ -133,8 +133,9 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
 // ever more, and in a swing for some looks (S44).
 static bool is_wound_up(const lode_drive_t *self) {
     const lode_start_t *start = &self->state.start;
-    if (lode_mode(self) != LODE_MODE_START || lode_start_catches(start)) {
-        return false;
+    if (lode_mode(self) != LODE_MODE_START || lode_start_catches(start) ||
+        lode_estimator_injects(&self->estimator)) {
+        return false; // the vector has no current
     }
     const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
     const lode_references_tuning_t *motor = &self->tuning->references;
