@@ -1,0 +1,172 @@
+#include "mode_parts.h"
+
+#include "estimator_inline.h"
+#include "start_inline.h"
+
+// Up to so many times the speed at which injection ends it looks for a rotor that was lost: the EMF may have pulled the estimate
+// there.
+#define LOST_SPEED 2.0f
+// So often it is looked for again; one loss is forgotten after so many rounds, 3.3 s of 5 kHz.
+#define LOSSES_MAX 3u
+#define FORGET_ROUNDS 2048u
+// Of the largest current of a start that shows polarity by motion: what is along the axis, so that the phases are away
+// from their zeros; and what share of the flux it takes or gives at most.
+#define ALONG_SHARE 0.33f
+#define ALONG_FLUX 0.5f
+
+#ifndef LODE_WITHOUT_HFI
+
+// North is south.
+static void turn_round(lode_drive_t *self) {
+    lode_estimator_t *estimator = &self->estimator;
+    estimator->pll.frame.sin = -estimator->pll.frame.sin;
+    estimator->pll.frame.cos = -estimator->pll.frame.cos;
+    estimator->id_A = -estimator->id_A;
+    lode_hfi_turn_round(&estimator->by.hfi);
+    self->i_A = (lode_dq_t){-self->i_A.d, -self->i_A.q};
+    self->u_V = (lode_dq_t){-self->u_V.d, -self->u_V.q};
+    lode_current_reset(&self->current, self->u_V, (lode_dq_t){0.0f, 0.0f});
+}
+
+// Injection found no axis, or nothing tells polarity: the vector finds it, from where it would have begun.
+static void give_up(lode_drive_t *self) {
+    lode_estimator_restart(&self->estimator, &self->tuning->estimator);
+    self->estimator.by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
+    lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
+    if (lode_mode_is_stop(self)) { // it would turn the rotor
+        const lode_fault_t why = {.stage = self->state.start.stage,
+                                  .criterion = (uint_least8_t)LODE_CRITERION_POLARITY,
+                                  .measured = self->estimator.lock,
+                                  .limit = LODE_LOCK_HANDOVER};
+        lode_mode_fail_start(self, &why);
+    }
+}
+
+// The current of LODE_HFI_PUSH (H25).
+static LODE_NOINLINE lode_dq_t pushing_A(lode_drive_t *self) {
+    const lode_start_tuning_t *start = &self->tuning->start;
+    const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
+    lode_estimator_t *estimator = &self->estimator;
+    if (lode_mode_is_stop(self)) { // which a rotor that is pushed would not
+        estimator->by.hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
+        return (lode_dq_t){0.0f, 0.0f};
+    }
+    const float direction = lode_sign(self->command.speed_rad_s);
+    const float step_rad = self->tuning->estimator.pll.ts_s * estimator->pll.omega_rad_s;
+    const float share = lode_hfi_push(&estimator->by.hfi, tuning, lode_estimator_rotor(estimator),
+                                      direction * step_rad, direction);
+    if (estimator->by.hfi.step != (uint_least8_t)LODE_HFI_PUSH) {
+        estimator->pll.f_rad_s2 = 0.0f; // from now on the torque is known that it stood for
+    }
+    const float most_A = start->current_last_A;
+    const float along_A =
+        lode_min(ALONG_SHARE * most_A, ALONG_FLUX / lode_max(start->lost_per_A, FLT_MIN));
+    const float across_A = lode_sqrt(most_A * most_A - along_A * along_A);
+    return (lode_dq_t){-along_A, direction * share * across_A};
+}
+
+// START, when a rotor that turns has been looked for.
+static void find_at_rest(lode_drive_t *self) {
+    lode_estimator_t *estimator = &self->estimator;
+    lode_hfi_t *hfi = &estimator->by.hfi;
+    const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
+    if (!hfi->active) {
+        lode_estimator_restart(estimator, &self->tuning->estimator);
+        const lode_ab_t i_A = estimator->emf.i_A;
+        lode_hfi_begin(hfi, tuning, (lode_dq_t){i_A.alpha, i_A.beta});
+    }
+    estimator->gains = lode_pll_gains_of(&self->tuning->estimator.pll, tuning->find_gain);
+    if (hfi->step == (uint_least8_t)LODE_HFI_RIGHT) {
+        lode_mode_run_at_once(
+            self); // it stands still, or nearly so, and the currents are in its frame
+        return;
+    }
+    if (hfi->step == (uint_least8_t)LODE_HFI_PUSH) {
+        self->ref_A = pushing_A(self);
+    } else {
+        const float i_max_A = self->tuning->references.i_max_A;
+        self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning, i_max_A), 0.0f};
+    }
+    switch ((lode_hfi_step_t)hfi->step) {
+    case LODE_HFI_FIND: // (H14): of third order the loop would wind up its speed, and slip
+        estimator->gains = (lode_pll_gains_t){tuning->find_gain, 0.0f, 0.0f};
+        estimator->pll.omega_rad_s = 0.0f;
+        estimator->pll.f_rad_s2 = 0.0f;
+        estimator->pll.rise_rad_s = 0.0f;
+        break;
+    case LODE_HFI_WRONG: // RUN comes with the next round, and an angle that is right from its start
+        turn_round(self);
+        hfi->step = (uint_least8_t)LODE_HFI_RIGHT;
+        break;
+    case LODE_HFI_UNDECIDED:
+        give_up(self);
+        break;
+    case LODE_HFI_NORTH:
+    case LODE_HFI_SOUTH:
+    case LODE_HFI_PUSH:
+    case LODE_HFI_RIGHT: // RUN the same
+    default:
+        break;
+    }
+}
+
+// RUN, about to trip for lost lock, at a speed from which injection can find the rotor.
+static bool is_lost(const lode_drive_t *self) {
+    return lode_mode_loses_lock(self) && self->losses < LOSSES_MAX &&
+           lode_abs(self->estimator.pll.omega_rad_s) <
+               LOST_SPEED * self->tuning->estimator.hfi.omega_high;
+}
+
+// As from OFF, with the gates on: by the EMF of a rotor that turns, else by injection.
+static void find_again(lode_drive_t *self) {
+    self->losses++;
+    self->guard.lock = 0u;
+    lode_estimator_restart(&self->estimator, &self->tuning->estimator);
+    lode_mode_take_q_axis(self);
+    lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
+    lode_start_begin(&self->state.start, &self->tuning->start);
+    self->state.start.failed = self->losses;
+    self->start_rounds = 0u;
+    lode_mode_set(self, LODE_MODE_START);
+}
+
+static void inject_running(lode_drive_t *self) {
+    lode_estimator_t *estimator = &self->estimator;
+    const float omega = estimator->pll.omega_rad_s;
+    if (self->losses > 0u && self->steps / LODE_SLOW_PERIODS % FORGET_ROUNDS == 0u) {
+        self->losses--;
+    }
+    if (is_lost(self)) {
+        find_again(self);
+        return;
+    }
+    if (lode_hfi_follow(&estimator->by.hfi, &self->tuning->estimator.hfi, self->i_A, omega)) {
+        const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
+        estimator->gains = lode_pll_gains_of(&tuning->pll, tuning->hfi.find_gain);
+        self->direction = lode_sign(omega); // either is as good
+    } else {
+        lode_estimator_end_injection(estimator, &self->tuning->estimator);
+    }
+}
+
+LODE_NOINLINE bool lode_mode_inject(lode_drive_t *self) {
+    const lode_mode_t mode = lode_mode(self);
+    if (mode == LODE_MODE_START && !lode_start_catches(&self->state.start) &&
+        lode_mode_finds_at_rest(self)) {
+        find_at_rest(self);
+    } else if (mode == LODE_MODE_RUN && !lode_mode_is_sensored(self)) {
+        inject_running(self);
+    } else {
+        lode_estimator_end_injection(&self->estimator, &self->tuning->estimator);
+    }
+    lode_hfi_t *hfi = &self->estimator.by.hfi;
+    if (!hfi->active) {
+        return false;
+    }
+    // Where current control is free beside it, the modulator is with the wave.
+    hfi->reserve_V = self->tuning->estimator.hfi.V_h_V / self->tuning->current.free;
+    lode_estimator_drop_disturbance(&self->estimator, &self->tuning->estimator);
+    return true;
+}
+
+#endif

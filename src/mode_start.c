@@ -1,0 +1,268 @@
+#include "mode_parts.h"
+
+#include "estimator_inline.h"
+#include "plausibility_inline.h"
+#include "start_inline.h"
+
+#define RESISTANCE_MORE_MAX 0.75f // of the configured one
+// Times the most that is corrected, so that it is 2.2 times what was configured, and times the voltage at which the
+// vector counts as calm, so that it stands out of what nobody knows of the voltage. A winding of copper that is
+// 100 K hotter has 1.4 times its resistance; a current sensor with 0.4 of its gain shows 2.5 times.
+#define WRONG_RESISTANCE 1.6f
+#define WRONG_PER_CALM 10.0f
+// Times the active flux: errors of 10 % in psi, 20 % in Ld, 50 % in R and a microsecond of dead time add up to 1.6, with
+// 0.4 of the sensors' gain it is 2.3 to 2.5.
+#define WRONG_FLUX 2.0f
+// Of the impedance, by which the same current then takes another voltage: half a dozen rounds turn no rotor so much, and sensors
+// that show 0.6 of what they did make 0.67 of it (S43).
+#define OTHER_VOLTAGE 0.5f
+// Than the vector: a rotor that swings about it is so by half.
+#define MUCH_FASTER 2.0f
+
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+
+// What the start has found corrects the inverter's model.
+static void take_resistance(lode_drive_t *self, const lode_start_found_t *found) {
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    const float current_A = self->state.start.current_A;
+    lode_inverter_correct(&self->inverter, &self->tuning->inverter, found->r_Ohm, found->dead_V,
+                          current_A);
+    const float more_Ohm = self->inverter.r_more_Ohm;
+    const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
+    const float most_Ohm = RESISTANCE_MORE_MAX * (emf->inv_b - emf->a_over_b);
+    const float limit_V =
+        lode_max(WRONG_RESISTANCE * most_Ohm * current_A, WRONG_PER_CALM * tuning->calm_V);
+    self->inverter.r_more_Ohm = lode_clamp(more_Ohm, -most_Ohm, most_Ohm);
+    if (more_Ohm * current_A > limit_V) { // no winding has so much
+        lode_mode_fault(self, LODE_CHECK_RESISTANCE, more_Ohm, limit_V / current_A);
+    }
+}
+
+#endif
+
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+// An estimate that turns with the vector at speed, and an EMF of a size that no error of the motor's values explains:
+// more current flows than is measured (S34). As long as a lock would have to hold.
+static LODE_NOINLINE void watch_flux(lode_drive_t *self) {
+    const lode_start_t *start = &self->state.start;
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    const lode_estimator_t *estimator = &self->estimator;
+    const float omega = estimator->pll.omega_rad_s;
+    uint32_t rounds = 0u;
+    if (lode_plausibility_is_on(&self->tuning->plausibility) && estimator->lock < LODE_LOCK_LOST &&
+        lode_start_follows(start, tuning, omega, lode_start_slack(start, tuning))) {
+        const lode_flux_t flux = lode_estimator_flux(estimator, &self->tuning->estimator);
+        const float least_Wb = (1.0f - LODE_START_LOST_MAX) * self->tuning->estimator.psi_Wb;
+        const float limit_Wb = WRONG_FLUX * lode_max(flux.expected_Wb, least_Wb);
+        rounds = flux.aligned && flux.seen_Wb > limit_Wb ? self->guard.lock + 1u : 0u;
+        if (rounds >= tuning->lock_rounds) {
+            lode_mode_fault(self, LODE_CHECK_FLUX, flux.seen_Wb, limit_Wb);
+        }
+    }
+    self->guard.lock = (uint_least16_t)rounds;
+}
+
+static float measured_A2(const lode_drive_t *self) {
+    const lode_ab_t i_A = self->estimator.emf.i_A;
+    return i_A.alpha * i_A.alpha + i_A.beta * i_A.beta;
+}
+
+// The current has fallen and is back, and with it the EMF has changed: the inverter gives another voltage for what passes for the
+// same current (S43).
+static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_emf_tuning_t *emf = &tuning->estimator.emf;
+    const lode_start_t *start = &self->state.start;
+    const float R_Ohm = emf->inv_b - emf->a_over_b;
+    const float X_Ohm =
+        start->omega_rad_s * lode_min(tuning->references.Lq_H, 1.0f / tuning->references.inv_Ld);
+    const float limit_Ohm = OTHER_VOLTAGE * lode_sqrt(R_Ohm * R_Ohm + X_Ohm * X_Ohm);
+    const float change_Ohm = change_V / lode_max(start->current_A, FLT_MIN);
+    if (lode_plausibility_is_on(&tuning->plausibility) && change_Ohm > limit_Ohm) {
+        lode_mode_fault(self, LODE_CHECK_RESISTANCE, change_Ohm, limit_Ohm);
+    }
+}
+
+// SLOT_DEAD_TIME, half a round before and after watch_drop().
+static void look_for_drop(lode_drive_t *self) {
+    lode_drop_look(&self->state.start.drop, measured_A2(self));
+}
+
+// SLOT_REFERENCES. False: the drive is in FAULT.
+static bool watch_drop(lode_drive_t *self) {
+    lode_start_t *start = &self->state.start;
+    const float asked_A2 = start->current_A * start->current_A;
+    const bool flows = asked_A2 >= self->tuning->plausibility.i_min_A2;
+    const lode_dq_t e_V = lode_park(self->estimator.emf.observer.e_V, start->at);
+    float change_V = 0.0f;
+    if (lode_drop_step(&start->drop, measured_A2(self), flows ? asked_A2 : 0.0f, e_V, &change_V)) {
+        judge_drop(self, change_V);
+    }
+    return self->gates;
+}
+
+#endif
+
+// SLOT_LAG: resistance and dead time, while the vector rests; then what the EMF tells of rotor and flux.
+static void measure_start(lode_drive_t *self) {
+    if (self->state.start.stage == (uint_least8_t)LODE_START_TURN) {
+        lode_start_note_slip(&self->state.start, &self->tuning->start, &self->estimator,
+                             &self->tuning->estimator);
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        watch_flux(self);
+#endif
+        return;
+    }
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    lode_start_found_t found;
+    if (lode_start_measure(&self->state.start, &self->tuning->start,
+                           self->estimator.emf.observer.e_V, &found)) {
+        take_resistance(self, &found);
+    }
+#endif
+}
+
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+
+// As is_astray() has found it.
+static lode_fault_t astray(const lode_drive_t *self) {
+    const lode_start_t *start = &self->state.start;
+    const float omega = self->estimator.pll.omega_rad_s;
+    const bool back = omega * start->omega_target < 0.0f;
+    const float most =
+        MUCH_FASTER * lode_max(lode_abs(start->omega_rad_s), self->tuning->start.omega_ready);
+    return (lode_fault_t){.state = self->mode,
+                          .stage = start->stage,
+                          .criterion = (uint_least8_t)LODE_CRITERION_SPEED,
+                          .measured = omega,
+                          .limit = back ? 0.0f : lode_sign(omega) * most};
+}
+
+#endif
+
+// Of a rotor that the load turns faster than the vector can hold: looks for it anew, as one that turns, or has done so often
+// enough.
+static LODE_NOINLINE void end_attempt(lode_drive_t *self) {
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    const uint_least8_t failed = self->state.start.failed;
+    if (failed < LODE_START_LOSSES_MAX && self->tuning->start.catch_rounds > 0u) {
+        self->guard.fault = astray(self);
+        lode_mode_switch_off(self); // as the command is RUN, for no longer than the next period
+        self->losses = (uint_least8_t)(failed + 1u);
+        return;
+    }
+#endif
+    lode_mode_fault(self, LODE_CHECK_WRONG_WAY, self->estimator.pll.omega_rad_s, 0.0f);
+}
+
+// A sure estimate of a rotor that the load turns: the other way than asked for while the vector does not, or much faster than
+// the vector (S36).
+static bool is_astray(const lode_drive_t *self) {
+    const lode_start_t *start = &self->state.start;
+    const float ready = self->tuning->start.omega_ready;
+    const float vector = start->omega_rad_s;
+    const float omega = self->estimator.pll.omega_rad_s;
+    const bool sure = !lode_start_catches(start) && self->estimator.lock >= LODE_LOCK_HANDOVER &&
+                      lode_abs(omega) >= ready && lode_abs(start->omega_target) > 0.0f;
+    const bool back = omega * start->omega_target < 0.0f && !(omega * vector > 0.0f);
+    return sure && (back || lode_abs(omega) > MUCH_FASTER * lode_max(lode_abs(vector), ready));
+}
+
+// After watch_drop(). For as long as a lock would have to hold.
+static void watch_load(lode_drive_t *self) {
+    const uint32_t rounds = is_astray(self) ? self->guard.speed + 1u : 0u;
+    self->guard.speed = (uint_least16_t)rounds;
+    if (rounds >= self->tuning->start.lock_rounds) {
+        end_attempt(self);
+    }
+}
+
+#endif
+
+// SLOT_DEAD_TIME: whether the estimate is good enough to run on.
+static void judge_start(lode_drive_t *self) {
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    const lode_estimator_t *estimator = &self->estimator;
+    const bool lost = tuning->lost_per_A * estimator->id_A > LODE_START_LOST_MAX;
+    lode_start_judge(&self->state.start, tuning, estimator->pll.omega_rad_s,
+                     lost ? 0.0f : estimator->lock);
+}
+
+void lode_mode_fail_start(lode_drive_t *self, const lode_fault_t *why) {
+    lode_mode_fault(self, LODE_CHECK_START, why->measured, why->limit);
+    self->guard.fault.stage = why->stage;
+    self->guard.fault.criterion = why->criterion;
+}
+
+// An attempt that is not at speed has nothing to say yet: then it is the one before.
+static LODE_NOINLINE void end_start(lode_drive_t *self) {
+    const lode_fault_t last = self->guard.fault;
+    const lode_fault_t now = lode_mode_unmet(self);
+    const bool early = now.criterion < (uint_least8_t)LODE_CRITERION_EMF;
+    const bool tells = last.criterion != (uint_least8_t)LODE_CRITERION_NONE;
+    lode_mode_fail_start(self, early && tells ? &last : &now);
+}
+
+// What the attempt has not met is kept.
+static LODE_NOINLINE void begin_attempt(lode_drive_t *self) {
+    self->guard.fault = lode_mode_unmet(self);
+    lode_start_again(&self->state.start, &self->tuning->start);
+}
+
+// SLOT_SPEED: where the vector goes.
+static void aim_start(lode_drive_t *self) {
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+    lode_start_t *start = &self->state.start;
+    if (lode_start_catches(start) || lode_mode_finds_at_rest(self)) {
+        return;
+    }
+    const bool stopping = lode_mode_is_stop(self);
+    const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
+    const float target =
+        stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
+    self->start_rounds++;
+    const bool failed =
+        lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);
+    if (stopping && at_rest && !(start->current_A > 0.0f)) {
+        lode_mode_switch_off(self);
+    } else if (!stopping && (self->start_rounds > tuning->timeout_rounds ||
+                             (failed && lode_start_is_lost(start, tuning)))) {
+        end_start(self);
+    } else if (failed) {
+        begin_attempt(self);
+    } else {
+        // on its way
+    }
+}
+
+void lode_mode_follow_start(lode_drive_t *self, lode_slot_t slot) {
+    if (self->command.mode != LODE_MODE_RUN) {
+        lode_mode_switch_off(self);
+    } else if (lode_mode_is_sensored(self)) { // there is nothing to start
+        lode_mode_hand_over(self);
+        self->state.run.fade = 0.0f;
+    } else if (slot == SLOT_LAG) {
+        measure_start(self);
+    } else if (slot == SLOT_DEAD_TIME) {
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        look_for_drop(self);
+#endif
+        judge_start(self);
+    } else if (slot == SLOT_SPEED) {
+        aim_start(self);
+    } else if (slot == SLOT_REFERENCES &&
+               lode_start_is_ready(&self->state.start, &self->tuning->start)) {
+        lode_mode_hand_over(self);
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    } else if (slot == SLOT_REFERENCES) {
+        if (watch_drop(self)) {
+            watch_load(self);
+        }
+#endif
+    } else {
+        // nothing to judge in this slot
+    }
+}
