@@ -732,6 +732,26 @@ static void test_a_current_that_is_left_is_no_offset(void) {
     CHECK_AT_MOST(0.0, (double)check.before_A);
 }
 
+/// A current that an EMF drives by 0.1 A in each period, and 0.5 A by the pulse, of which twice is seen: with no voltage 0.2 A
+/// have flowed, when it ends 0.8 A do.
+static void test_what_rises_is_without_the_emf(void) {
+    static const int32_t shown[] = {0, 10, 20, 80};
+    const lode_signal_check_tuning_t tuning =
+        tuned_with(LODE_ON, inverter, converters, false, LODE_OK);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_signal_check_t check;
+        lode_signal_check_begin(&check, &tuning, true);
+        check.pulse = sign > 0 ? 0u : 3u; // along a, and against it
+        for (int n = 0; n < COUNT_OF(shown); n++) {
+            const int32_t a = shown[n] * sign * LODE_COUNT_FRACTION;
+            const int32_t i[LODE_PHASES] = {a, -a / 2, -a / 2};
+            (void)lode_signal_check_step(&check, &tuning, &sense, i);
+        }
+        CHECK_NEAR(1.0e-5, 0.2, (double)check.before_A);
+        CHECK_NEAR(1.0e-5, 2.0 * 0.5, (double)check.least_A);
+    }
+}
+
 /// (I10): a call has half of the dead time of a carrier period, and the whole drop.
 static void test_dead_time_of_double_update(void) {
     lode_inverter_config_t bridge = inverter;
@@ -913,6 +933,7 @@ int main(void) {
     RUN_TEST(test_where_there_is_no_check);
     RUN_TEST(test_a_rotor_that_turns_where_nobody_has_looked);
     RUN_TEST(test_a_current_that_is_left_is_no_offset);
+    RUN_TEST(test_what_rises_is_without_the_emf);
     RUN_TEST(test_dead_time_of_double_update);
     RUN_TEST(test_voltage_of_a_pulse);
     return UNITY_END();
