@@ -82,8 +82,10 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
     const float mean_A = 0.5f * (weakest_A + 2.0f * u_V * ts_s / L_H);
     const bool seen = weakest_A >= COUNTS_LEAST * lode_abs(sense->i_gain_A_count);
     const bool can = least_V <= most_V && seen;
-    // A board that has none may have gates that take more than a period.
-    const bool wanted = choice == LODE_ON || (choice == LODE_AUTO && config->pulses != LODE_OFF);
+    // A board that has none, for another reason than double update, may have gates that take more than a period.
+    const bool switches =
+        given.pulses || (inverter->double_update == LODE_ON && config->pulses != LODE_OFF);
+    const bool wanted = choice == LODE_ON || (choice == LODE_AUTO && switches);
     if (choice == LODE_ON && !can) {
         return LODE_ERROR_CHOICE;
     }

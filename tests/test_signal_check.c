@@ -670,6 +670,19 @@ static void test_where_there_is_no_check(void) {
     TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_ON, inverter, converters, true, LODE_OK).pulses);
     TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_OFF, inverter, converters, true, LODE_OK).pulses);
     TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, inverter, converters, false, LODE_OK).pulses);
+    lode_inverter_config_t twice = inverter;
+    twice.double_update = LODE_ON;
+    for (int n = 0; n < 4; n++) { // without low-side pulses, whoever says so
+        const bool both = n == 3;
+        const lode_motor_t motor = paper_motor();
+        const lode_start_config_t board = {.pulses = n % 2 == 1 ? LODE_AUTO : LODE_OFF};
+        const lode_signal_check_given_t given = {PAPER_TS_s, false, true};
+        lode_signal_check_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(LODE_OK,
+                              lode_signal_check_tune(&tuning, &board, n < 2 ? &inverter : &twice,
+                                                     &motor, &converters, given));
+        TEST_ASSERT_EQUAL_UINT(both ? 6u : 0u, tuning.pulses);
+    }
     TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, slow, converters, true, LODE_OK).pulses);
     TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, inverter, coarse, true, LODE_OK).pulses);
     const lode_status_t no = LODE_ERROR_CHOICE;

@@ -58,7 +58,7 @@ typedef struct {
 } lode_signal_check_t;
 
 /// No check where `config` says so, where dead time takes too much of a pulse, or where its current would be too small to be
-/// seen: then LODE_ERROR_CHOICE where it is on. Auto: none on a board without low-side pulses. `motor`: with the inductances of
+/// seen: then LODE_ERROR_CHOICE where it is on. Auto: none without low-side pulses, but with double update. `motor`: with the inductances of
 /// one of `sets`, driven alone.
 lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
                                      const lode_start_config_t *config,

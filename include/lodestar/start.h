@@ -37,7 +37,7 @@ typedef struct {
     /// board that sees no current with the low sides alone (one shunt in the DC link), or cannot switch them alone
     lode_choice_t pulses;
     /// bridge and sensors are checked by short voltage pulses before the first attempt (signal_check.h); auto: on where that can
-    /// be, but off where `pulses` is
+    /// be, but off where `pulses` or `catch_s` is
     lode_choice_t signal_check;
     float
         fade_s; ///< from the start current to the references after hand-over; 0: 0.1, salient 0.05

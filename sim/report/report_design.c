@@ -151,8 +151,11 @@ static void print_signal_check(FILE *file, const rig_config_t *config, const des
                       design->signal_check_V, design->signal_check_A);
     } else if (start->signal_check == LODE_OFF) {
         (void)fputs("not tried: start.signal_check is off\n", file);
-    } else if (start->signal_check == LODE_AUTO && start->pulses == LODE_OFF) {
-        (void)fputs("not tried: start.pulses is off, and start.signal_check is not on\n", file);
+    } else if (start->signal_check == LODE_AUTO &&
+               (start->pulses == LODE_OFF || !(start->catch_s > 0.0f))) {
+        (void)fputs(
+            "not tried: start.pulses or start.catch_s is off, and start.signal_check is not on\n",
+            file);
     } else {
         (void)fputs("not tried: dead time takes too much of a pulse, or its current is below "
                     "64 counts\n",

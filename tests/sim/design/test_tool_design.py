@@ -363,7 +363,7 @@ def signal_check(checks, folder):
     checks.at_most(abs(found["signal_check_V"] / (0.25 * 12 * 3.5e-3 * 5000) - 1), 1e-5, f"{found['signal_check_V']} V")
     for assignment, words in [("start.signal_check=auto", "tried by pulses of 52.5 V, which drive up to 3 A"),
                               ("start.signal_check=off", "not tried: start.signal_check is off"),
-                              ("start.pulses=off", "not tried: start.pulses is off, and start.signal_check is not on"),
+                              ("start.pulses=off", "not tried: start.pulses or start.catch_s is off, and start.signal_check is not on"),
                               ("drive.dead_time_s=2e-5", "not tried: dead time takes too much of a pulse")]:
         done = folder.run(*command, "--set", assignment)
         checks.true(f"before a start: bridge and sensors are {words}" in done.stdout, f"{assignment}: {words}")
