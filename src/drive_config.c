@@ -81,6 +81,8 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 // Of the FA-LESO, times sigma, where an error of its speed does more: as the multi-mode form.
 #define K2_FAST 10.0f
 
+#define WARM 1.3f // as for the hand-over (S12)
+
 static float sigma_of_kind(const lode_drive_config_t *config, float sigma_rad_s) {
     const float most = lode_min(SIGMA_OBSERVER * config->motor.omega_rated_rad_s,
                                 SIGMA_TS_OBSERVER * config->f_pwm_Hz);
@@ -155,6 +157,18 @@ static void design_pll(lode_drive_config_t *config, float ts_s) {
         pll->sigma_low_rad_s = lode_max(pll->sigma_low_rad_s, sigma_of_light_rotor(config));
         pll->sigma_rad_s = lode_max(pll->sigma_rad_s, pll->sigma_low_rad_s);
     }
+}
+
+// Gains of the current sensors that differ swing EMF and torque twice per turn, by a share of the current. Of the bias that is
+// too much where its drop across a warm winding is more than the EMF at the hand-over, and all the torque moves the rotor
+// by more than its speed in so short a time (K29).
+static bool bias_swings(const lode_drive_config_t *config) {
+    const lode_motor_t *motor = &config->motor;
+    const float omega = config->start.omega_handover_rad_s;
+    const float R_Ohm = WARM * (motor->Rs_Ohm + config->inverter.r_on_Ohm);
+    const float run_up_s = lode_motor_run_up_s(motor, config->inverter.i_max_A);
+    return R_Ohm * config->references.id_bias_A > motor->psi_Wb * omega &&
+           motor->omega_rated_rad_s > 2.0f * omega * omega * run_up_s;
 }
 
 // Of dead time that a start may find beyond the configured one where there is none: some nanoseconds by the noise of
@@ -250,12 +264,16 @@ void lode_drive_design(lode_drive_config_t *config) {
         lode_given_or(motor->omega_rated_rad_s, rated_omega(motor, inverter));
     lode_sense_design(&config->sense);
     lode_inverter_design(&config->inverter, motor, ts_s);
+    const bool bias_open = is_open(config->references.id_bias_A);
     lode_references_design(&config->references, inverter, motor);
     if (config->references.field_weakening == LODE_ON) {
         config->estimator.omega_max_rad_s =
             lode_given_or(config->estimator.omega_max_rad_s, weakened_omega(config));
     }
     lode_start_design(&config->start, inverter, motor, ts_s);
+    if (bias_open && bias_swings(config)) {
+        config->references.id_bias_A = LODE_NONE;
+    }
     design_pll(config, ts_s);
     design_gi(config);
     const bool k2_open = is_open(config->estimator.emf.k2_rad_s);

@@ -862,6 +862,46 @@ static void test_a_wave_larger_than_half_of_the_circle_is_refused(void) {
     }
 }
 
+static float default_bias_A(const lode_drive_config_t *config) {
+    lode_drive_config_t designed = *config;
+    lode_drive_design(&designed);
+    return designed.references.id_bias_A;
+}
+
+/// (K29): not in a rotor that is light for its speed, where the bias has a larger drop than the EMF of the hand-over.
+static void test_a_bias_above_the_emf_of_a_light_rotor_is_left_out(void) {
+    lode_drive_config_t gimbal = minimal();
+    gimbal.f_pwm_Hz = 2.0e4f;
+    gimbal.motor = (lode_motor_t){.pole_pairs = 11.0f,
+                                  .Rs_Ohm = 5.0f,
+                                  .Ld_H = 2.2e-3f,
+                                  .Lq_H = 2.2e-3f,
+                                  .psi_Wb = 8.0e-3f,
+                                  .J_kgm2 = 1.5e-5f};
+    gimbal.inverter = (lode_inverter_config_t){.v_bus_V = 12.0f, .i_max_A = 1.0f, .r_on_Ohm = 0.1f};
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, default_bias_A(&gimbal));
+    lode_drive_config_t given = gimbal;
+    given.references.id_bias_A = 0.25f;
+    CHECK_NEAR(0.0, 0.25, default_bias_A(&given));
+    // At a hand-over that is given: warm, the drop is 1.3 * 5.1 Ohm * 0.25 A = 1.6575 V, the EMF of 207.2 rad/s.
+    const float at_rad_s[] = {206.0f, 208.0f};
+    for (int n = 0; n < COUNT_OF(at_rad_s); n++) {
+        lode_drive_config_t at = gimbal;
+        at.start.omega_handover_rad_s = at_rad_s[n];
+        at.motor.J_kgm2 = 1.0e-5f;
+        CHECK_NEAR(0.0, n == 0 ? (double)LODE_NONE : 0.25, default_bias_A(&at));
+    }
+    // All the torque, 1.5 * 11 * 8 mWb * 1 A = 0.132 Nm, makes 2 omega^2 of 11 * 0.132 Nm / J: of 111.56 rad/s with
+    // 58.3 mg m^2.
+    const float J_kgm2[] = {5.8e-5f, 5.9e-5f};
+    for (int n = 0; n < COUNT_OF(J_kgm2); n++) {
+        lode_drive_config_t heavier = gimbal;
+        heavier.start.omega_handover_rad_s = 111.56f;
+        heavier.motor.J_kgm2 = J_kgm2[n];
+        CHECK_NEAR(0.0, n == 0 ? (double)LODE_NONE : 0.25, default_bias_A(&heavier));
+    }
+}
+
 /// Each sample from the trip on is looked at, and none that is a count below it.
 static void test_the_alert_lies_at_the_trip(void) {
     lode_drive_config_t config = minimal();
@@ -929,6 +969,7 @@ int main(void) {
     RUN_TEST(test_design_of_the_papers_drive);
     RUN_TEST(test_the_bias_of_injection_fades_beyond_it);
     RUN_TEST(test_a_wave_larger_than_half_of_the_circle_is_refused);
+    RUN_TEST(test_a_bias_above_the_emf_of_a_light_rotor_is_left_out);
     RUN_TEST(test_the_alert_lies_at_the_trip);
     RUN_TEST(test_free_voltage_leaves_room_for_rounding);
     RUN_TEST(test_rated_speed_follows_from_bus_and_current);
