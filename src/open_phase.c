@@ -18,6 +18,8 @@
 #define AGAINST 0.75f
 // Of what current control adds for the current that a phase lacks: so much of it makes no current (K28).
 #define UNANSWERED 0.25f
+// Of the difference of the other two phases, what is at right angles to a phase (K30).
+#define ACROSS (1.0f / LODE_SQRT3)
 // With less than three and a half looks in the 140 degrees of a half-wave, what was asked for a round ago is another turn's.
 #define OLD_rad 0.7f
 // What has once been lacking and has not been had since goes on to count, by so much (K27).
@@ -143,18 +145,20 @@ typedef struct {
     float before_A;
     float has_A;
     float beyond_V;
+    float across_V; // the same at right angles to the phase's axis
 } phase_t;
 
 static phase_t turned_over(phase_t x) {
-    return (phase_t){-x.asked_A, -x.before_A, -x.has_A, -x.beyond_V};
+    return (phase_t){-x.asked_A, -x.before_A, -x.has_A, -x.beyond_V, x.across_V};
 }
 
-// (K24), (K28), counted in the direction of the half-wave that is asked for.
+// (K24), (K28), (K30), counted in the direction of the half-wave that is asked for.
 static bool is_lacking(const look_t *look, phase_t x) {
     const float asked_A = lode_min(x.asked_A, x.before_A);
     return x.asked_A >= look->asked_A && asked_A >= look->least_A &&
            x.has_A <= LODE_WAVE_LACKS * asked_A && x.has_A >= -look->against_A &&
-           x.beyond_V >= UNANSWERED * look->kp_V_A * (asked_A - x.has_A);
+           x.beyond_V >= UNANSWERED * look->kp_V_A * (asked_A - x.has_A) &&
+           x.beyond_V >= lode_abs(x.across_V);
 }
 
 static uint_least16_t *half_wave_of(lode_half_waves_t *waves, int32_t phase, bool up) {
@@ -223,9 +227,11 @@ LODE_NOINLINE lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
     const lode_abc_t before = lode_clarke_inverse(old ? seen->asked_A : seen->before_A);
     const lode_abc_t has = lode_clarke_inverse(seen->i_A);
     const lode_abc_t beyond = lode_clarke_inverse(seen->beyond_V);
-    const phase_t of[PHASES] = {{asked.a, before.a, has.a, beyond.a},
-                                {asked.b, before.b, has.b, beyond.b},
-                                {asked.c, before.c, has.c, beyond.c}};
+    const lode_abc_t across = {ACROSS * (beyond.b - beyond.c), ACROSS * (beyond.c - beyond.a),
+                               ACROSS * (beyond.a - beyond.b)};
+    const phase_t of[PHASES] = {{asked.a, before.a, has.a, beyond.a, across.a},
+                                {asked.b, before.b, has.b, beyond.b, across.b},
+                                {asked.c, before.c, has.c, beyond.c, across.c}};
     for (int32_t n = 0; n < PHASES; n++) {
         note_phase(self, &look, n, of[n]);
     }

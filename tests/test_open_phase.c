@@ -579,8 +579,9 @@ static void test_one_half_wave_of_one_phase_lacks_enough(void) {
 static bool lacks_now(float asked_A, float has_A, float across_A) {
     const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
     lode_half_waves_t waves = {.lacks = {0u}};
-    const lode_half_waves_seen_t seen =
+    lode_half_waves_seen_t seen =
         seen_of((lode_ab_t){asked_A, 0.0f}, (lode_ab_t){has_A, across_A}, 0.1);
+    seen.beyond_V.beta = 0.0f; // the other two carry what flows across
     (void)lode_half_waves_look(&waves, &t, &seen);
     return waves.lacks[0] > 0u;
 }
@@ -651,16 +652,22 @@ static void test_doubts_of_three_phases_at_their_limits(void) {
                                             (lode_dq_t){5.0f, 0.0f}));
 }
 
-/// Either half-wave of phase 1, and whether the look counts for it: `before_A` asked for a round ago, `beyond_V` in its axis.
-static bool counts(float way, float before_A, float beyond_V, float turn_rad) {
+/// Either half-wave of phase 1, and whether the look counts for it: `before_A` asked for a round ago, `beyond_V` in its axis,
+/// `across_V` at right angles to it.
+static bool counts_across(float way, float before_A, float beyond_V, float across_V,
+                          float turn_rad) {
     const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
     lode_half_waves_t waves = {.lacks = {0u}};
     lode_half_waves_seen_t seen =
         seen_of((lode_ab_t){way * 4.0f, 0.0f}, (lode_ab_t){way * 0.5f, 5.0f}, (double)turn_rad);
     seen.before_A = (lode_ab_t){way * before_A, 0.0f};
-    seen.beyond_V = (lode_ab_t){way * beyond_V, -40.0f};
+    seen.beyond_V = (lode_ab_t){way * beyond_V, across_V};
     (void)lode_half_waves_look(&waves, &t, &seen);
     return waves.lacks[way > 0.0f ? 0 : PHASES / 2] > 0u;
+}
+
+static bool counts(float way, float before_A, float beyond_V, float turn_rad) {
+    return counts_across(way, before_A, beyond_V, -0.99f * beyond_V, turn_rad);
 }
 
 /// Control that is behind lacks what it is asked for now, but not what it was asked for a round ago (K24), where a
@@ -685,6 +692,35 @@ static void test_of_a_phase_that_lacks_the_voltage_is_not_answered(void) {
         TEST_ASSERT_FALSE(counts(way, 4.0f, -30.0f, 0.1f));
         TEST_ASSERT_TRUE(counts(way, 2.5f, 5.01f, 0.1f));
         TEST_ASSERT_FALSE(counts(way, 2.5f, 4.99f, 0.1f));
+    }
+}
+
+/// A rotor that is faster than the estimate has EMF along its own q axis, whichever phase carries none at the moment (K30).
+static void test_an_emf_across_a_phase_is_not_of_a_phase_that_lacks(void) {
+    for (float way = -1.0f; way < 2.0f; way += 2.0f) {
+        for (float side = -1.0f; side < 2.0f; side += 2.0f) {
+            TEST_ASSERT_TRUE(counts_across(way, 4.0f, 20.0f, side * 19.99f, 0.1f));
+            TEST_ASSERT_FALSE(counts_across(way, 4.0f, 20.0f, side * 20.01f, 0.1f));
+        }
+    }
+    // Of each phase: along its axis, and 44 and 46 degrees off it.
+    const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
+    for (int n = 0; n < 3; n++) {
+        for (double off = -46.0; off < 47.0; off += 46.0) {
+            for (int k = 0; k < 2; k++) {
+                const double off_rad = (off + (off > 0.0 ? -2.0 : 2.0) * k) * CHECK_PI / 180.0;
+                const cplx_t asked = 4.0 * cexp(I * axis(n));
+                const cplx_t flows = 3.0 * I * cexp(I * axis(n));
+                const cplx_t beyond = 80.0 * cexp(I * (axis(n) + off_rad));
+                lode_half_waves_t waves = {.lacks = {0u}};
+                lode_half_waves_seen_t seen =
+                    seen_of((lode_ab_t){(float)creal(asked), (float)cimag(asked)},
+                            (lode_ab_t){(float)creal(flows), (float)cimag(flows)}, 0.1);
+                seen.beyond_V = (lode_ab_t){(float)creal(beyond), (float)cimag(beyond)};
+                (void)lode_half_waves_look(&waves, &t, &seen);
+                TEST_ASSERT_EQUAL(fabs(off_rad) < 0.25 * CHECK_PI, waves.lacks[n] > 0u);
+            }
+        }
     }
 }
 
@@ -760,6 +796,7 @@ int main(void) {
     RUN_TEST(test_doubts_of_three_phases_at_their_limits);
     RUN_TEST(test_what_was_not_asked_for_a_round_ago_is_not_lacking);
     RUN_TEST(test_of_a_phase_that_lacks_the_voltage_is_not_answered);
+    RUN_TEST(test_an_emf_across_a_phase_is_not_of_a_phase_that_lacks);
     RUN_TEST(test_what_is_not_had_again_goes_on_to_count);
     RUN_TEST(test_whatever_three_currents_are_the_answer_is_a_phase);
     RUN_TEST(test_tuning_of_three_phases);
