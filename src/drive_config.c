@@ -161,7 +161,7 @@ static void design_pll(lode_drive_config_t *config, float ts_s) {
 
 // Gains of the current sensors that differ swing EMF and torque twice per turn, by a share of the current. Of the bias that is
 // too much where its drop across a warm winding is more than the EMF at the hand-over, and all the torque moves the rotor
-// by more than its speed in so short a time (K29).
+// by more than its speed in so short a time (K31).
 static bool bias_swings(const lode_drive_config_t *config) {
     const lode_motor_t *motor = &config->motor;
     const float omega = config->start.omega_handover_rad_s;

@@ -868,7 +868,7 @@ static float default_bias_A(const lode_drive_config_t *config) {
     return designed.references.id_bias_A;
 }
 
-/// (K29): not in a rotor that is light for its speed, where the bias has a larger drop than the EMF of the hand-over.
+/// (K31): not in a rotor that is light for its speed, where the bias has a larger drop than the EMF of the hand-over.
 static void test_a_bias_above_the_emf_of_a_light_rotor_is_left_out(void) {
     lode_drive_config_t gimbal = minimal();
     gimbal.f_pwm_Hz = 2.0e4f;

@@ -23,7 +23,7 @@ typedef struct {
     lode_references_kind_t kind;
     lode_choice_t field_weakening; ///< auto: off
     float id_bias_A; ///< magnitude of the negative id at low speed, which keeps the phase currents
-                     ///< away from the dead band of the inverter; 0: 0.25 i_max, but by (K29) none;
+                     ///< away from the dead band of the inverter; 0: 0.25 i_max, but by (K31) none;
                      ///< LODE_NONE: none
     float omega_low_rad_s;  ///< electrical speed up to which it is full; 0: 0.2 of rated
     float omega_high_rad_s; ///< from which it is zero; 0: 0.4 of rated
