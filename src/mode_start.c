@@ -16,6 +16,7 @@
 // Of the impedance, by which the same current then takes another voltage: half a dozen rounds turn no rotor so much, and sensors
 // that show 0.6 of what they did make 0.67 of it (S43).
 #define OTHER_VOLTAGE 0.5f
+#define SLIPS 8.0f // of that: more than 0.2 of the gain makes, it is of a rotor that slips
 // Than the vector: a rotor that swings about it is so by half.
 #define MUCH_FASTER 2.0f
 
@@ -79,7 +80,8 @@ static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
         start->omega_rad_s * lode_min(tuning->references.Lq_H, 1.0f / tuning->references.inv_Ld);
     const float limit_Ohm = OTHER_VOLTAGE * lode_sqrt(R_Ohm * R_Ohm + X_Ohm * X_Ohm);
     const float change_Ohm = change_V / lode_max(start->current_A, FLT_MIN);
-    if (lode_plausibility_is_on(&tuning->plausibility) && change_Ohm > limit_Ohm) {
+    if (lode_plausibility_is_on(&tuning->plausibility) && change_Ohm > limit_Ohm &&
+        change_Ohm < SLIPS * limit_Ohm) {
         lode_mode_fault(self, LODE_CHECK_RESISTANCE, change_Ohm, limit_Ohm);
     }
 }
