@@ -11,7 +11,6 @@
 #define HOT_WINDING 2.0f
 #define MISSED 0.05f
 #define WOUND_UP 0.34f
-#define ALL_PHASES ((1u << LODE_PHASES) - 1u)
 // Half-waves. Of the voltage circle, on which rounding leaves it.
 #define ALL_VOLTAGE 0.99f
 // Load. Of what limits the torque: the voltage moves that a little in each round.
@@ -180,7 +179,7 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
     const float omega = lode_mode_frame_omega(self);
     const float turn_rad = turn_of(self, watch, omega, looks);
     const uint32_t again = lode_plausibility_look(watch, i);
-    const bool none = again == ALL_PHASES;
+    const bool none = again == LODE_ALL_PHASES;
     const bool follows = may_follow(self, omega);
     const float i_A2 =
         squared(follows || none ? self->ref_A : self->i_A); // what the phases should show

@@ -30,7 +30,6 @@
 // Gains that differ by 4 %, of the 1.7-fold current of a set in which a phase is open, make 0.07.
 #define OPEN_SHARE 0.2f // of the current
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
-#define ALL_PHASES ((1u << LODE_PHASES) - 1u)
 #define WAVE_CURRENT 4.0f // of the same, squared: a tenth of i_max asked for
 #define WAVE_SHARE 0.5f   // of what is asked for
 // Of a round: faster, current control may not hold the current against a rotor that falls out of step.
@@ -149,7 +148,7 @@ static bool is_clamped(const lode_plausibility_t *self, const lode_plausibility_
         lode_plausibility_phases(lode_abs((float)i[0]) <= near, lode_abs((float)i[1]) <= near,
                                  lode_abs((float)i[2]) <= near);
     const bool one = at_zero != 0u && (at_zero & (at_zero - 1u)) == 0u;
-    return one && (still == at_zero || still == ALL_PHASES) &&
+    return one && (still == at_zero || still == LODE_ALL_PHASES) &&
            hold.x_Ohm * hold.x_Ohm * i_A2 <= hold.taken_V * hold.taken_V &&
            sum_A * sum_A <= BALANCE_SHARE * BALANCE_SHARE * i_A2;
 }
@@ -193,7 +192,7 @@ static uint32_t stuck_phases(const lode_plausibility_t *self,
     const float turn_rad = lode_abs(self->turn_rad);
     const bool changes = (self->still & CHANGING) != 0u;
     const bool clamped = is_clamped(self, tuning, still, hold, A_per_count);
-    if (still == ALL_PHASES) {
+    if (still == LODE_ALL_PHASES) {
         const bool waits = changes && turn_rad < EIGHTH_rad;
         return waits || (clamped && !shows_one(self, A_per_count)) ? 0u : still;
     }
@@ -202,7 +201,7 @@ static uint32_t stuck_phases(const lode_plausibility_t *self,
 
 // The first of some phases, from 1; 0: all three.
 static float number_of(uint32_t phases) {
-    if (phases == ALL_PHASES) {
+    if (phases == LODE_ALL_PHASES) {
         return 0.0f;
     }
     return (phases & 1u) != 0u ? 1.0f : ((phases & 2u) != 0u ? 2.0f : 3.0f);
@@ -226,7 +225,7 @@ uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning
     const uint32_t lacking = WAVES_ALL & ~seen;
     const uint32_t twice = lacking & self->lacking;
     *self = (lode_waves_t){.lacking = (uint_least8_t)lacking};
-    const uint32_t phases = ALL_PHASES & (twice | twice >> LODE_PHASES);
+    const uint32_t phases = LODE_ALL_PHASES & (twice | twice >> LODE_PHASES);
     return (uint_least8_t)(phases > 0u ? number_of(phases) : 0.0f);
 }
 
@@ -291,16 +290,16 @@ uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
     const float change_A2 = lode_abs(i_A2 - self->i_A2);
     const uint32_t still = judged_phases(self, tuning, again, i_A2, A_per_count) & self->still;
     const bool changes = (self->still & CHANGING) != 0u || !(change_A2 <= STEADY_SHARE * i_A2);
-    const bool all = again == ALL_PHASES;
+    const bool all = again == LODE_ALL_PHASES;
     const bool none_follows = all && self->moved_A2 > ALL_STUCK * tuning->i_min_A2;
     self->moved_A2 = all ? self->moved_A2 + change_A2 : 0.0f;
     self->i_A2 = i_A2;
     const float look_rad =
-        still == ALL_PHASES ? turn_rad : lode_clamp(turn_rad, -LOOK_rad, LOOK_rad);
+        still == LODE_ALL_PHASES ? turn_rad : lode_clamp(turn_rad, -LOOK_rad, LOOK_rad);
     self->turn_rad = still > 0u ? self->turn_rad + look_rad : 0.0f;
     self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : self->kept);
-    const bool turned = still == ALL_PHASES ? all_turned(i_A2, self->turn_rad, A_per_count)
-                                            : shows_one(self, A_per_count);
+    const bool turned = still == LODE_ALL_PHASES ? all_turned(i_A2, self->turn_rad, A_per_count)
+                                                 : shows_one(self, A_per_count);
     return (turned ? still : 0u) + (none_follows ? LODE_NONE_FOLLOWS : 0u);
 }
 
@@ -312,7 +311,7 @@ void lode_plausibility_add(lode_plausibility_t *self, const lode_plausibility_tu
 lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning, uint32_t doubt,
                                       uint32_t sum_looks, lode_hold_t hold, float A_per_count) {
-    const uint32_t stuck = stuck_phases(self, tuning, doubt & ALL_PHASES, hold, A_per_count);
+    const uint32_t stuck = stuck_phases(self, tuning, doubt & LODE_ALL_PHASES, hold, A_per_count);
     const bool none_follows = (doubt & LODE_NONE_FOLLOWS) != 0u;
     if (none_follows || stuck > 0u) {
         const float which = none_follows ? 0.0f : number_of(stuck);

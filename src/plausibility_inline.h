@@ -38,6 +38,8 @@ LODE_INLINE void lode_plausibility_note(lode_plausibility_t *self, const int32_t
     self->kept = (uint_least8_t)kept;
 }
 
+#define LODE_ALL_PHASES ((1u << LODE_PHASES) - 1u)
+
 // One bit for each phase of which something is true.
 LODE_INLINE uint32_t lode_plausibility_phases(bool a, bool b, bool c) {
     return (a ? 1u : 0u) + (b ? 2u : 0u) + (c ? 4u : 0u);
