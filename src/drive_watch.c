@@ -24,7 +24,6 @@
 // Of inductances and resistance, as for (S34) and (K16). Of the drops as of the resistance.
 #define L_UNSURE 0.2f
 #define R_UNSURE 0.5f
-#define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along a phase axis per volt that each phase loses
 #define FLUX_CURRENT 9.0f // times the least current that is judged by, squared: 0.15 of i_max
 #define FLUX_s 0.05f      // longer than a speed that changes fast is behind the EMF
 #define FLUX_ROUNDS_MAX 255u

@@ -9,6 +9,7 @@
 
 // Of voltage along the current, averaged over its directions, per volt that a phase loses.
 #define FOUR_PER_PI (4.0f / LODE_PI)
+#define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along a phase axis per volt that each phase loses
 
 // Called at t_k before anything is written: the mean voltage over [t_k-1, t_k), V, from the duty that call
 // k-2 wrote, which was of the same parity, and the bus sampled at t_k-1 (C7).

@@ -16,7 +16,8 @@
 // Of the impedance, by which the same current then takes another voltage: half a dozen rounds turn no rotor so much, and sensors
 // that show 0.6 of what they did make 0.67 of it (S43).
 #define OTHER_VOLTAGE 0.5f
-#define SLIPS 8.0f // of that: more than 0.2 of the gain makes, it is of a rotor that slips
+#define SLIPS                                                                                      \
+    8.0f // times that: more than sensors make that show a fifth, so it is a rotor that slips
 // Than the vector: a rotor that swings about it is so by half.
 #define MUCH_FASTER 2.0f
 

@@ -1,5 +1,7 @@
 #include "lodestar/signal_check.h"
 
+#include "inverter_inline.h"
+
 #define PHASES ((uint32_t)LODE_PHASES)
 
 // Periods of a pulse. The gates go on two periods before its voltage, as a board may switch them a period late.
@@ -16,7 +18,6 @@
 #define WINDOW 0.98f   // of what low-side shunts leave
 // Times what dead time takes, and a microsecond nobody knows of: what a pulse shows is then off by an eighth.
 #define PER_DEAD 4.0f
-#define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along a phase axis per volt that each phase loses
 #define UNKNOWN_s 1.0e-6f
 #define COUNTS_LEAST 64.0f // what a pulse shows: the noise of three phases is then a tenth of it
 
