@@ -8,7 +8,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-/// Of stages, by the order in commission.c.
+/// Of stages, by the order in commission_parts.h.
 enum {
     CALIBRATE,
     PULSES,
@@ -320,7 +320,9 @@ static void test_the_rotor_is_brought_along(void) {
         CHECK_NEAR(0.01, 90.0, direction_deg(n));
         const double rise_V = asked_V(n) - asked_V(n - 1);
         const bool quick = some < 0 && trace.i_A[n] < 0.02 * current_A;
-        CHECK_CLOSE(0.01, quick ? (double)rig.commission.quick_V : (double)rig.commission.slow_V,
+        CHECK_CLOSE(0.01,
+                    quick ? (double)rig.commission.vector.quick_V
+                          : (double)rig.commission.vector.slow_V,
                     rise_V);
         some = some < 0 && !quick ? n : some;
         turns = trace.i_A[n] >= 0.4 * current_A ? n : -1;
@@ -331,7 +333,7 @@ static void test_the_rotor_is_brought_along(void) {
         const double lower_V = asked_V(n - 1) - asked_V(n);
         CHECK_NEAR(0.02, 90.0 * (1.0 - (n - turns - 1) / 4000.0), direction_deg(n));
         if (trace.i_A[n] > 0.401 * current_A) {
-            CHECK_CLOSE(0.02, 4.0 * (double)rig.commission.slow_V, lower_V);
+            CHECK_CLOSE(0.02, 4.0 * (double)rig.commission.vector.slow_V, lower_V);
         } else if (trace.i_A[n] < 0.399 * current_A) {
             CHECK_NEAR(1.0e-4, 0.0, lower_V);
         }
@@ -643,10 +645,10 @@ static void test_no_fall(void) {
 static void bend_fall(rig_t *r) {
     lode_commission_t *k = &r->commission;
     if (k->stage == LD && k->level == 1u) {
-        k->fall_1_H[0][0] = 1.15f / 3.5e-3f;
+        k->fall_d.inverse_1_H[0] = 1.15f / 3.5e-3f;
     }
     if (k->stage == LQ_FALL && k->level == 2u) {
-        k->fall_1_H[1][1] = 1.15f / 9.8e-3f;
+        k->fall_q.inverse_1_H[1] = 1.15f / 9.8e-3f;
     }
 }
 
@@ -682,10 +684,10 @@ static void test_currents_and_voltages_of_the_rest(void) {
     // One and a half times the resistance, and 1.5 us of dead time beyond what is known, at 4/3 of what a phase loses.
     const double drop_V = 1.0 * 6.0;
     CHECK_CLOSE(1.0e-5, 1.5 * drop_V + 4.0 / 3.0 * (0.8 + 200.0 * (3.5e-6 + 1.5e-6) * 5.0e3),
-                k->u_max_V);
+                k->vector.most_V);
     // The current's voltage within the time in which it makes forty of the magnet's fluxes.
-    CHECK_CLOSE(1.0e-5, drop_V / (40.0 * 0.155 / drop_V * 5.0e3), k->slow_V);
-    CHECK_CLOSE(1.0e-5, (double)k->u_max_V / 5.0e3, k->quick_V);
+    CHECK_CLOSE(1.0e-5, drop_V / (40.0 * 0.155 / drop_V * 5.0e3), k->vector.slow_V);
+    CHECK_CLOSE(1.0e-5, (double)k->vector.most_V / 5.0e3, k->vector.quick_V);
     // Of a very salient rotor: 0.4 of the current at which reluctance pulls as much as the magnet.
     config.motor.Lq_H = 23.0e-3f;
     TEST_ASSERT_EQUAL(LODE_OK,
@@ -820,7 +822,7 @@ static void never_more(rig_t *r) {
     const lode_commission_t *k = &r->commission;
     const lode_dq_t asked = k->drive->posted.value.vector;
     if (r->stage >= ACROSS && r->stage <= LEVEL && (int)k->stage == r->stage) {
-        CHECK_AT_MOST((double)k->u_max_V, hypot((double)asked.d, (double)asked.q) - 0.01);
+        CHECK_AT_MOST((double)k->vector.most_V, hypot((double)asked.d, (double)asked.q) - 0.01);
     }
     if (r->stage == ALONG) {
         TEST_ASSERT_TRUE(k->calm < 2u); // two windows of the same current are rest
@@ -944,7 +946,7 @@ static void test_runs(void) {
 }
 
 static void no_points(rig_t *r) {
-    r->commission.sums.count = r->commission.stage == UP ? 0u : r->commission.sums.count;
+    r->commission.sums.run.count = r->commission.stage == UP ? 0u : r->commission.sums.run.count;
 }
 static void hold_below(rig_t *r) {
     if (r->commission.stage == START && r->commission.drive->mode == (uint_least8_t)LODE_MODE_RUN) {
@@ -985,30 +987,30 @@ static void turn_line(rig_t *r) {
     }
 }
 static void scatter(rig_t *r) {
-    r->commission.sums.yy *= r->commission.stage == LQ ? 1.01f : 1.0f;
+    r->commission.sums.steps.yy *= r->commission.stage == LQ ? 1.01f : 1.0f;
 }
 static void forget(rig_t *r) {
     if (r->commission.stage == LD) {
-        r->commission.sums.xy = NAN;
+        r->commission.sums.steps.xy = NAN;
     }
 }
 static void other_flux(rig_t *r) {
     if (r->commission.stage == DOWN && r->commission.runs > 0u) { // the first run is rough
-        r->commission.run_psi_Wb[0] = 0.2f;
+        r->commission.way[0].psi_Wb = 0.2f;
     }
 }
 static void drag(rig_t *r) {
     if (r->commission.stage == DOWN && r->commission.runs > 0u) {
-        r->commission.run_torque_Nm[0] = -1.5f;
+        r->commission.way[0].torque_Nm = -1.5f;
     }
 }
 
 static void no_flux(rig_t *r) {
-    r->commission.run_psi_Wb[0] = -0.2f;
+    r->commission.way[0].psi_Wb = -0.2f;
 }
 static void no_inertia(rig_t *r) {
     if (r->commission.stage == DOWN) {
-        r->commission.run_torque_Nm[0] = -20.0f;
+        r->commission.way[0].torque_Nm = -20.0f;
     }
 }
 
@@ -1101,10 +1103,10 @@ static void test_the_run_by_another_reckoning(void) {
         acc[way] = (s->n * s->tx - s->t * s->x) / (s->n * s->tt - s->t * s->t) / 3.0;
         torque[way] = 4.5 * (psi[way] + (Ld - Lq) * s->d / s->n) * s->q / s->n;
         omega[way] = s->x / s->n / 3.0;
-        CHECK_CLOSE(2.0e-4, psi[way], k->run_psi_Wb[way]);
-        CHECK_CLOSE(1.0e-3, acc[way], k->run_acc[way]);
-        CHECK_CLOSE(1.0e-3, torque[way], k->run_torque_Nm[way]);
-        CHECK_CLOSE(1.0e-4, omega[way], k->run_omega[way]);
+        CHECK_CLOSE(2.0e-4, psi[way], k->way[way].psi_Wb);
+        CHECK_CLOSE(1.0e-3, acc[way], k->way[way].acc_rad_s2);
+        CHECK_CLOSE(1.0e-3, torque[way], k->way[way].torque_Nm);
+        CHECK_CLOSE(1.0e-4, omega[way], k->way[way].omega_rad_s);
     }
     const double J = (torque[0] - torque[1]) / (acc[0] - acc[1]);
     const double friction = torque[0] - J * acc[0];
@@ -1123,9 +1125,9 @@ static void test_the_run_by_another_reckoning(void) {
 static void unlike_ways(rig_t *r) {
     lode_commission_t *k = &r->commission;
     if (k->stage == DOWN && k->since == 0u) {
-        k->run_psi_Wb[0] *= 1.02f;
-        k->run_omega[0] *= 1.2f;
-        k->run_torque_Nm[0] *= 1.3f;
+        k->way[0].psi_Wb *= 1.02f;
+        k->way[0].omega_rad_s *= 1.2f;
+        k->way[0].torque_Nm *= 1.3f;
     }
 }
 
@@ -1139,17 +1141,17 @@ static void test_both_ways_count_alike(void) {
     begin(&c, &config, unlike_ways);
     expect(LODE_COMMISSION_DONE);
     const lode_commission_t *k = &rig.commission;
-    const float *torque = k->run_torque_Nm;
-    CHECK_CLOSE(1.0e-6, 0.5 * (double)(k->run_psi_Wb[0] + k->run_psi_Wb[1]),
+    const double up_Nm = k->way[0].torque_Nm;
+    const double down_Nm = k->way[1].torque_Nm;
+    CHECK_CLOSE(1.0e-6, 0.5 * (double)(k->way[0].psi_Wb + k->way[1].psi_Wb),
                 k->found[LODE_COMMISSION_PSI_Wb].value);
     const double J = k->found[LODE_COMMISSION_J_kgm2].value;
-    const double friction = (double)torque[0] - J * (double)k->run_acc[0];
-    CHECK_CLOSE(1.0e-3, friction / (0.5 * (double)(k->run_omega[0] + k->run_omega[1])),
+    const double friction = up_Nm - J * (double)k->way[0].acc_rad_s2;
+    CHECK_CLOSE(1.0e-3, friction / (0.5 * (double)(k->way[0].omega_rad_s + k->way[1].omega_rad_s)),
                 k->found[LODE_COMMISSION_B_Nms].value);
-    CHECK_NEAR(1.0e-3, sure_by(0.02 * (double)torque[0], 0.2 * friction),
+    CHECK_NEAR(1.0e-3, sure_by(0.02 * up_Nm, 0.2 * friction),
                k->found[LODE_COMMISSION_B_Nms].confidence);
-    CHECK_NEAR(1.0e-3,
-               sure_by((double)(torque[0] + torque[1]) / (double)(torque[0] - torque[1]), 1.0),
+    CHECK_NEAR(1.0e-3, sure_by((up_Nm + down_Nm) / (up_Nm - down_Nm), 1.0),
                k->found[LODE_COMMISSION_J_kgm2].confidence);
 }
 
@@ -1174,9 +1176,9 @@ static void test_when_the_run_is_made_again(void) {
 }
 
 static int most_points;
-static lode_commission_sums_t points;
+static lode_commission_line_t points;
 static void few_points(rig_t *r) {
-    lode_commission_sums_t *s = &r->commission.sums;
+    lode_commission_line_t *s = &r->commission.sums.run;
     if (r->commission.stage != UP) {
         return;
     }
@@ -1292,7 +1294,7 @@ static void test_next_to_no_current_is_none(void) {
 static void scatter_once(rig_t *r) {
     lode_commission_t *k = &r->commission;
     if (k->stage == LD && k->level == 1u && k->since == 100u + 2u * 8u * 68u) {
-        k->sums.yy *= 1.05f;
+        k->sums.steps.yy *= 1.05f;
     }
 }
 

@@ -253,7 +253,7 @@ static void test_wrong_sensors_are_refused(void) {
 static void scatter(lode_counts6_t *counts) {
     (void)counts;
     lode_commission_t *machine = &rig.commission.machine;
-    machine->sums.yy *= machine->quantity == LODE_COMMISSION_LXY_H ? 1.05f : 1.0f;
+    machine->sums.steps.yy *= machine->quantity == LODE_COMMISSION_LXY_H ? 1.05f : 1.0f;
 }
 
 /// A leakage whose steps do not agree with each other.

@@ -66,21 +66,89 @@ typedef enum {
 /// The enumerator's name, for logs.
 const char *lode_commission_result_name(lode_commission_result_t result);
 
-/// Sums of a measurement under way.
+/// Counts at no current.
+typedef struct {
+    float least[LODE_PHASES];
+    float most[LODE_PHASES];
+    float sum[LODE_PHASES];
+} lode_commission_counts_t;
+
+/// A pulse, at the instant of the largest current.
+typedef struct {
+    float length_A; ///< of the vector
+    float xy_A;     ///< length in the xy plane
+    float phase_A[LODE_PHASES];
+} lode_commission_peak_t;
+
+/// A vector of voltage that is raised and lowered.
+typedef struct {
+    float now_V;
+    float most_V;
+    float quick_V; ///< change per period until there is some current
+    float slow_V;  ///< and then
+    bool flows;    ///< there has been some current
+    bool rises;    ///< to the next level
+} lode_commission_vector_t;
+
+/// Sums over half-windows of a rotor at rest.
 typedef struct {
     uint32_t count;
-    float
-        t; ///< of the run: time, speed, voltage, and their products; of the steps: voltage and current;
-    ///< of the large waves: current and flux
-    float x;
-    float y;
-    float tx;
+    float u_V; ///< along the vector
+    lode_dq_t i_A[2];
+} lode_commission_window_t;
+
+/// Sums over small steps: x is the voltage that makes y, the change of the current's slope (N1).
+typedef struct {
+    uint32_t count;
     float xx;
     float xy;
     float yy;
-    lode_dq_t u;
-    lode_dq_t i[2];
+    float ixx; ///< weighs the current
+} lode_commission_steps_t;
+
+/// What half-waves have moved.
+typedef struct {
+    float i_A;
+    float flux_Vs;
+} lode_commission_waves_t;
+
+/// Sums over a run: time, electrical speed, voltage that the flux makes, from the first point on, and their products.
+typedef struct {
+    uint32_t count;
+    uint32_t first; ///< period of that point
+    float first_rad_s;
+    float first_V;
+    float t;
+    float w;
+    float u;
+    float tt;
+    float tw;
+    float ww;
+    float wu;
+    lode_dq_t i_A;
+} lode_commission_line_t;
+
+/// Of the measurement under way: a stage begins with all of them at 0.
+typedef struct {
+    lode_commission_window_t window;
+    lode_commission_steps_t steps;
+    lode_commission_waves_t waves;
+    lode_commission_line_t run;
 } lode_commission_sums_t;
+
+/// Currents along an axis, and 1/L there.
+typedef struct {
+    float i_A[3];
+    float inverse_1_H[3];
+} lode_commission_fall_t;
+
+/// What a run one way has given.
+typedef struct {
+    float psi_Wb;
+    float acc_rad_s2; ///< of the shaft, as the speed
+    float torque_Nm;
+    float omega_rad_s;
+} lode_commission_run_t;
 
 typedef struct {
     lode_drive_t *drive;
@@ -92,43 +160,36 @@ typedef struct {
     lode_drive_config_t config;   ///< as given, then with what was found
     lode_drive_config_t designed; ///< the same, complete
     lode_drive_tuning_t *tuning;  ///< two; NULL with six phases
-    lode_commission_sums_t sums;
     uint32_t sets;
     float axis_rad; ///< along which the rotor is held
     lode_sincos_t axis;
+    float current_A; ///< that holds it
     uint32_t stage;
     uint32_t since; ///< periods in it
-    uint32_t calm;  ///< windows in a row without a change
-    uint32_t level;
-    uint32_t runs; ///< up and down
-    uint32_t lost; ///< times that the rotor was lost in one
-    bool rises;    ///< the voltage, to the next level
+    uint32_t level; ///< of those that a stage goes through: phases, currents, amplitudes
+    uint32_t tries; ///< pulses of a phase with too little current
+    uint32_t calm;  ///< windows in a row without a change; before a run, periods at its speed
     bool wants_tuning;
-    float u_V;     ///< of the vector being raised or lowered
-    float quick_V; ///< its change per period until there is some current
-    float slow_V;  ///< and then
-    float u_max_V;
-    float current_A;            ///< that holds the rotor
-    float peak_A;               ///< largest length of a pulse
-    float peak_xy_A;            ///< at that instant, of the xy plane
-    float phase_A[LODE_PHASES]; ///< at that instant
-    lode_dq_t before_u_V;       ///< of the last period; in the run the first point
+    lode_dq_t before_u_V; ///< of the last period
     lode_dq_t before_i_A[2];
+    lode_commission_sums_t sums;
+    lode_commission_counts_t counts;
+    lode_commission_peak_t peak;
+    lode_commission_vector_t vector;
     float level_u_V[3];
     float level_i_A[3];
-    float fall_A[2][3]; ///< d, q: a current, and 1/L there
-    float fall_1_H[2][3];
+    float near_A; ///< mean current of the small steps in q
+    lode_commission_fall_t fall_d;
+    lode_commission_fall_t fall_q;
     float xy_V;      ///< by which the control of the xy plane is pushed, either way
     float pushed_V;  ///< by which it is
     float push_V;    ///< the change of that, in this period
-    float near_A;    ///< mean current of the small steps in q
+    uint32_t runs;   ///< up and down
+    uint32_t lost;   ///< times that the rotor was lost in one
     float low_rad_s; ///< of the run
     float high_rad_s;
     float torque_Nm;
-    float run_psi_Wb[2]; ///< up, down
-    float run_acc[2];
-    float run_torque_Nm[2];
-    float run_omega[2];
+    lode_commission_run_t way[2]; ///< up, down
 } lode_commission_t;
 
 /// `config` is what is known: f_pwm, inverter and sense as for lode_drive_init(), and the motor by its data

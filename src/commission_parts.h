@@ -1,0 +1,133 @@
+// What the parts of self-commissioning have of each other, in the order in which they work: commission_sensors.c, the rotor free;
+// commission_resistance.c and commission_inductances.c, the rotor held; commission_run.c, the rotor turning.
+// commission.c is the whole.
+#ifndef LODE_COMMISSION_PARTS_H
+#define LODE_COMMISSION_PARTS_H
+
+#include "commission_machine.h"
+
+#ifndef LODE_WITHOUT_COMMISSIONING
+
+#include "inverter_inline.h"
+#include "scalar_inline.h"
+
+// From a voltage that is written to the current that it makes.
+#define SEEN_PERIODS 3u
+
+typedef enum {
+    STAGE_CALIBRATE,
+    STAGE_PULSES, // a, b, c
+    STAGE_ACROSS,
+    STAGE_ALONG,
+    STAGE_LEVEL,
+    STAGE_LD, // three currents
+    STAGE_LQ,
+    STAGE_LQ_FALL, // three amplitudes
+    STAGE_LXY,     // of six phases alone
+    STAGE_RETUNE,
+    STAGE_START,
+    STAGE_UP,
+    STAGE_DOWN,
+    STAGE_OVER
+} lode_commission_stage_t;
+
+static inline float lode_commission_float(uint32_t count) {
+    return (float)(int32_t)count;
+}
+
+static inline uint32_t lode_commission_periods(const lode_commission_t *self, float time_s) {
+    const float periods = time_s * self->config.f_pwm_Hz + 0.5f;
+    return (uint32_t)(int32_t)periods;
+}
+
+static inline float lode_commission_length(lode_dq_t x) {
+    return lode_ab_length((lode_ab_t){x.d, x.q});
+}
+
+static inline lode_commission_quantity_t lode_commission_offset_of(uint32_t phase) {
+    const uint32_t quantity = (uint32_t)LODE_COMMISSION_OFFSET_A + phase;
+    return (lode_commission_quantity_t)quantity;
+}
+
+static inline float lode_commission_found(const lode_commission_t *self,
+                                          lode_commission_quantity_t quantity) {
+    return self->found[quantity].value;
+}
+
+static inline bool lode_commission_is_sure(const lode_commission_t *self,
+                                           lode_commission_quantity_t quantity) {
+    return self->found[quantity].confidence >= LODE_COMMISSION_SURE;
+}
+
+// In commission.c.
+
+void lode_commission_post(lode_commission_t *self, lode_command_t command);
+
+// A voltage or a current, in the axes of the rotor that is held.
+void lode_commission_post_vector(lode_commission_t *self, lode_mode_t mode, float d, float q);
+
+// The next period is the stage's first again.
+void lode_commission_restart(lode_commission_t *self);
+
+void lode_commission_enter(lode_commission_t *self, lode_commission_stage_t stage);
+
+void lode_commission_finish(lode_commission_t *self, lode_commission_result_t result);
+
+// How far a value agrees with itself.
+lode_commission_value_t lode_commission_judged(float value, float deviation, float allowed);
+
+// False: refused, and it is over.
+bool lode_commission_keep(lode_commission_t *self, lode_commission_quantity_t quantity, float value,
+                          float deviation, float allowed);
+
+// Voltage along the axis that holds, per volt that each phase loses (N5).
+float lode_commission_dead_along(const lode_commission_t *self);
+
+// What a phase loses, as far as it is known.
+float lode_commission_dead_known_V(const lode_drive_config_t *config);
+
+// Each a period of a stage. Currents and voltages are in the axes of the rotor that is held; of STAGE_LXY those of the xy plane.
+
+// In commission_sensors.c.
+
+void lode_commission_calibrate(lode_commission_t *self, const lode_commission_period_t *period);
+
+void lode_commission_pulse(lode_commission_t *self, const lode_commission_period_t *period,
+                           lode_dq_t i_A);
+
+// In commission_resistance.c.
+
+// The current that holds the rotor, and the voltages on the way to it.
+void lode_commission_choose_vector(lode_commission_t *self);
+
+void lode_commission_across(lode_commission_t *self, lode_dq_t i_A);
+
+void lode_commission_along(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A);
+
+void lode_commission_move_level(lode_commission_t *self, lode_dq_t i_A);
+
+// In commission_inductances.c.
+
+void lode_commission_Ld(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A);
+
+void lode_commission_Lq(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A);
+
+void lode_commission_Lq_fall(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A);
+
+void lode_commission_Lxy(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A);
+
+// In commission_run.c.
+
+void lode_commission_retune(lode_commission_t *self);
+
+void lode_commission_start(lode_commission_t *self);
+
+// `way`: 0 up, 1 down.
+void lode_commission_run(lode_commission_t *self, uint32_t way);
+
+// A rotor that was lost in it is looked for again. All other faults end the whole.
+void lode_commission_end_by_fault(lode_commission_t *self);
+
+#endif
+
+#endif
