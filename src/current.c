@@ -6,6 +6,10 @@
 #define GAIN_MARGIN 2.0f
 #define VOLTAGE_USE_MAX 1.1547f // 2/sqrt(3): the corners of the hexagon
 #define D_SHARE 0.9f            // leaves the q axis 44 % of the circle
+// At the limits of current and voltage nearly all flux may lie on the q axis, which is voltage on the d
+// axis: with 0.9 of the circle a motor with an MTPV range lost its id on the way in.
+#define D_SHARE_WEAKENED 0.97f
+#define Q_SHARE 0.1f // with which the q axis can still move its current while the motor brakes
 
 void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s) {
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_TS / ts_s);
@@ -51,7 +55,6 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
         .d = {config->kp_d_V_A, config->ki_d_V_As * ts_s},
         .q = {config->kp_q_V_A, config->ki_q_V_As * ts_s},
         .circle = config->voltage_use / LODE_SQRT3,
-        .d_share = D_SHARE,
         .free = D_SHARE * lode_min(config->voltage_use, 1.0f) / LODE_SQRT3,
     };
     return LODE_OK;
@@ -77,15 +80,25 @@ void lode_current_reset(lode_current_t *self, lode_dq_t u_V, lode_dq_t induced_V
     lode_pi_reset(&self->q, u_V.q - induced_V.q);
 }
 
+// What `other_V` leaves of the circle.
+static float left_V(float radius_V, float other_V) {
+    return lode_sqrt(lode_max(radius_V * radius_V - other_V * other_V, 0.0f));
+}
+
 LODE_RAMFUNC LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
                                                         const lode_current_tuning_t *tuning,
                                                         const lode_current_case_t *at) {
-    // d first: it holds the flux; q keeps what is left, at least 44 %.
-    const float radius = lode_max(at->radius_V, 0.0f);
-    const float d_max = tuning->d_share * radius;
-    const float ud = lode_clamp(at->asked_V.d, -d_max, d_max);
-    const float q_max = lode_sqrt(radius * radius - ud * ud);
-    const lode_dq_t u_V = {ud, lode_clamp(at->asked_V.q, -q_max, q_max)};
+    // d first: it holds the flux. Where the current brakes it leaves q the EMF, and some more (K32).
+    const float radius_V = lode_max(at->radius_V, 0.0f);
+    const bool weakens = tuning->weakens != 0u;
+    float d_max_V = radius_V * (weakens ? D_SHARE_WEAKENED : D_SHARE);
+    if (!weakens && at->induced_V.d > 0.0f) {
+        const float q_V = lode_abs(at->induced_V.q) + Q_SHARE * radius_V;
+        d_max_V = lode_min(d_max_V, left_V(radius_V, q_V));
+    }
+    const float ud_V = lode_clamp(at->asked_V.d, -d_max_V, d_max_V);
+    const float q_max_V = left_V(radius_V, ud_V);
+    const lode_dq_t u_V = {ud_V, lode_clamp(at->asked_V.q, -q_max_V, q_max_V)};
     lode_pi_settle(&self->d, &tuning->d, at->error_A.d, at->induced_V.d, at->asked_V.d, u_V.d);
     lode_pi_settle(&self->q, &tuning->q, at->error_A.q, at->induced_V.q, at->asked_V.q, u_V.q);
     return u_V;

@@ -37,9 +37,6 @@ static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t
 #define WEAKENED_RATED_MIN 2.5f
 #define WEAKENED_RATED_MAX 5.0f
 #define WEAKENED_TS 0.5f
-// At the limits of current and voltage nearly all flux may lie on the q axis, which is voltage on the d
-// axis: with 0.9 of the circle a motor with an MTPV range lost its id on the way in.
-#define WEAKENED_D_SHARE 0.97f
 // Of what lies between where torque begins to fade with the bus and where the guard trips (R14).
 #define BUS_FADE_SHARE 0.5f
 
@@ -399,7 +396,7 @@ static lode_status_t tune_references(lode_drive_tuning_t *t, const lode_drive_co
     if (status != LODE_OK || c->references.field_weakening != LODE_ON) {
         return status;
     }
-    t->current.d_share = WEAKENED_D_SHARE;
+    t->current.weakens = 1u;
     const bool slow =
         c->estimator.pll.kind == LODE_PLL_QPLL || c->estimator.emf.kind == LODE_EMF_GI_LESO;
     return slow ? LODE_ERROR_WEAKENING_ESTIMATOR : LODE_OK;

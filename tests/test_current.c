@@ -100,13 +100,43 @@ static void test_circle_with_d_first_and_headroom_for_q(void) {
         const lode_dq_t u = control(&current, &tuning, (lode_dq_t){0.0f, 0.0f},
                                     (lode_dq_t){0.0f, 0.0f}, 0.0f, 200.0f);
         CHECK_AT_MOST(RADIUS * (1.0 + 1.0e-6), hypot((double)u.d, (double)u.q));
-        const double d_max = (double)tuning.d_share * RADIUS;
+        const double d_max = 0.9 * RADIUS;
         const double d = fmax(-d_max, fmin(d_max, (double)before.d.integral));
         const double q_max = sqrt(RADIUS * RADIUS - d * d);
         CHECK_NEAR(1.0e-4, d, u.d);
         CHECK_NEAR(1.0e-4, fmax(-q_max, fmin(q_max, (double)before.q.integral)), u.q);
         // However much the d axis asks for, q keeps two fifths of the circle.
         CHECK_AT_LEAST(0.4 * RADIUS, q_max);
+    }
+}
+
+/// Where the current brakes, q keeps the EMF and a tenth of the circle. With field weakening d
+/// is first all the same, and may have more.
+static void test_q_keeps_the_emf_where_the_motor_brakes(void) {
+    const lode_current_config_t config = sound();
+    lode_current_tuning_t tuning = tuned(&config);
+    random_t random = random_seed(3);
+    for (int n = 0; n < CHECK_TRIES(50000); n++) {
+        const float omega = random_float(&random, -1000.0, 1000.0);
+        const double emf = (double)omega * 0.142;
+        lode_current_t current = {.d = {random_float(&random, -200.0, 200.0)},
+                                  .q = {random_float(&random, -200.0, 200.0)}};
+        const double iq = random_between(&random, -5.0, 5.0);
+        const lode_dq_t i = {0.0f, (float)iq};
+        const double asked_d = (double)current.d.integral - (double)omega * 9.8e-3 * iq;
+        const double asked_q = (double)current.q.integral + emf;
+        tuning.weakens = n % 3 == 0 ? 1u : 0u;
+        const lode_dq_t u = control(&current, &tuning, i, i, omega, 200.0f);
+        double d_max = (tuning.weakens != 0u ? 0.97 : 0.9) * RADIUS;
+        if (tuning.weakens == 0u && iq * emf < 0.0) {
+            const double q = fmin(fabs(emf) + 0.1 * RADIUS, RADIUS);
+            d_max = fmin(d_max, sqrt(RADIUS * RADIUS - q * q));
+        }
+        const bool free = hypot(asked_d, asked_q) <= (double)tuning.free * 200.0; // nothing limits
+        const double d = free ? asked_d : fmax(-d_max, fmin(d_max, asked_d));
+        const double q_max = sqrt(RADIUS * RADIUS - d * d);
+        CHECK_NEAR(2.0e-3, d, u.d); // roots of small differences
+        CHECK_NEAR(2.0e-3, fmax(-q_max, fmin(q_max, asked_q)), u.q);
     }
 }
 
@@ -502,6 +532,7 @@ int main(void) {
     RUN_TEST(test_without_speed_there_is_no_feed_forward);
     RUN_TEST(test_reset_is_bumpless);
     RUN_TEST(test_circle_with_d_first_and_headroom_for_q);
+    RUN_TEST(test_q_keeps_the_emf_where_the_motor_brakes);
     RUN_TEST(test_circle_follows_the_bus);
     RUN_TEST(test_closed_loop_has_the_bandwidth_asked_for);
     RUN_TEST(test_a_falling_Lq_that_is_known_makes_no_overshoot);

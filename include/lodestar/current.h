@@ -29,8 +29,8 @@ typedef struct {
 typedef struct {
     lode_pi_tuning_t d;
     lode_pi_tuning_t q;
-    float circle;  ///< radius of the voltage circle per bus volt
-    float d_share; ///< of the circle that the d axis may take, so that q keeps headroom
+    float circle;     ///< radius of the voltage circle per bus volt
+    uint32_t weakens; ///< 1: field weakening holds the EMF back by the d axis
     float
         free; ///< radius per bus volt within which neither circle nor rail limits; the drive lowers it
               ///< to the inverter's

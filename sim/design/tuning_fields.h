@@ -116,7 +116,7 @@
     ROW(FLOAT, float, current.q.kp) \
     ROW(FLOAT, float, current.q.ki_Ts) \
     ROW(FLOAT, float, current.circle) \
-    ROW(FLOAT, float, current.d_share) \
+    ROW(WHOLE, uint32_t, current.weakens) \
     ROW(FLOAT, float, current.free) \
     ROW(FLOAT, float, speed.pi.kp) \
     ROW(FLOAT, float, speed.pi.ki_Ts) \
