@@ -289,7 +289,8 @@ void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t
     const float attempts_s = attempt_s(config, motor, 1.0f) +
                              attempt_s(config, motor, LODE_START_EASE) +
                              attempt_s(config, motor, LODE_START_EASE_LAST);
-    config->timeout_s = lode_given_or(config->timeout_s, lode_min(attempts_s, TIMEOUT_MAX_s));
+    config->timeout_s =
+        lode_given_or(config->timeout_s, lode_min(attempts_s + config->align_s, TIMEOUT_MAX_s));
 }
 
 static lode_status_t check(const lode_start_config_t *config,
@@ -306,6 +307,7 @@ static lode_status_t check(const lode_start_config_t *config,
     if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f) ||
         !lode_in_range(config->current_rise_s, ts_s, 100.0f) ||
         !lode_in_range(config->catch_s, LODE_NONE, longest_s) ||
+        !lode_in_range(config->align_s, 0.0f, longest_s) ||
         !lode_in_range(config->lock_s, ts_s, longest_s) ||
         !lode_in_range(config->fade_s, ts_s, 10.0f) ||
         !lode_in_range(config->timeout_s, config->lock_s, TIMEOUT_MAX_s)) {
@@ -361,6 +363,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .still_rounds =
             (config->current_rise_s + dwell_s(config) + gentle_s(config, motor) + config->lock_s) /
             round_s,
+        .align_rounds = lode_min(config->align_s / round_s, COUNTER_MAX),
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
         .patience_rounds = (uint_least16_t)rounds_in(PATIENCE_s, ts_s),
 #ifndef LODE_WITHOUT_START_MEASUREMENT
@@ -384,9 +387,7 @@ static void enter(lode_start_t *self, uint_least8_t stage) {
         self->seen.turn.shift_rad = lode_start_shift_rad(self);
 #endif
     } else {
-#ifndef LODE_WITHOUT_START_MEASUREMENT
         self->seen.rest = (lode_start_rest_t){.sum_V = 0.0f};
-#endif
     }
 }
 
@@ -399,14 +400,19 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
     enter(self, (uint_least8_t)LODE_START_TURN);
 }
 
+// After the measurement, if there is one (S45).
+static uint_least8_t last_stage(const lode_start_tuning_t *tuning) {
+    return (uint_least8_t)(tuning->align_rounds > 0.0f ? LODE_START_ALIGN : LODE_START_TURN);
+}
+
 // Without looking for a rotor that turns.
 static uint_least8_t first_stage(const lode_start_tuning_t *tuning) {
-#ifdef LODE_WITHOUT_START_MEASUREMENT
-    (void)tuning;
-    return (uint_least8_t)LODE_START_TURN;
-#else
-    return (uint_least8_t)(tuning->dwell_rounds > 0u ? LODE_START_HALF : LODE_START_TURN);
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    if (tuning->dwell_rounds > 0u) {
+        return (uint_least8_t)LODE_START_HALF;
+    }
 #endif
+    return last_stage(tuning);
 }
 
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning) {
@@ -551,7 +557,8 @@ static void add_at_rest(lode_start_rest_t *rest, const lode_start_tuning_t *tuni
 // The voltage with the present current is known, or is not: the rotor has its time to come to rest at both, as it is
 // all of the current that it is to follow. Of the current at which it did not, the voltage follows from that of the
 // other one (S33).
-static LODE_NOINLINE void end_dwell(lode_start_t *self, bool known) {
+static LODE_NOINLINE void end_dwell(lode_start_t *self, const lode_start_tuning_t *tuning,
+                                    bool known) {
     lode_start_rest_t *rest = &self->seen.rest;
     const float mean_V = rest->sum_V / lode_max(rest->summed, 1.0f);
     if (self->stage == (uint_least8_t)LODE_START_HALF) {
@@ -564,7 +571,7 @@ static LODE_NOINLINE void end_dwell(lode_start_t *self, bool known) {
         }
         self->stage = (uint_least8_t)LODE_START_FOUND;
     } else {
-        enter(self, (uint_least8_t)LODE_START_TURN);
+        enter(self, last_stage(tuning));
     }
 }
 
@@ -584,7 +591,7 @@ static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning,
     }
     const bool calm = CALM_PART * (rest->calm + 1u) > tuning->patience_rounds;
     if (calm || rest->dwelt >= tuning->dwell_rounds) {
-        end_dwell(self, calm || is_steady(self, tuning));
+        end_dwell(self, tuning, calm || is_steady(self, tuning));
     }
 }
 
@@ -592,10 +599,10 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
                         lode_start_found_t *found) {
     if (self->stage == (uint_least8_t)LODE_START_FOUND) {
         *found = found_at_rest(self);
-        enter(self, (uint_least8_t)LODE_START_TURN);
+        enter(self, last_stage(tuning));
         return true;
     }
-    if (self->stage < (uint_least8_t)LODE_START_TURN && self->current_A > 0.0f &&
+    if (self->stage < (uint_least8_t)LODE_START_ALIGN && self->current_A > 0.0f &&
         !(self->current_A < self->current_target)) {
         watch_at_rest(self, tuning, e_V);
     }
@@ -617,6 +624,20 @@ static float ramp_share(const lode_start_t *self, const lode_start_tuning_t *tun
 #endif
 }
 
+// Counts a round in which the vector stands at its axis with all of its current, which is none of the attempt's time; of the
+// first attempt alone (S45).
+static bool aligns(lode_start_t *self, const lode_start_tuning_t *tuning) {
+    if (self->stage != (uint_least8_t)LODE_START_ALIGN || self->current_A < self->current_target) {
+        return false;
+    }
+    lode_start_rest_t *rest = &self->seen.rest;
+    rest->dwelt++;
+    if (self->failed > 0u || (float)rest->dwelt >= tuning->align_rounds) {
+        enter(self, (uint_least8_t)LODE_START_TURN);
+    }
+    return true;
+}
+
 bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float omega_target_rad_s,
                     float current_A) {
     float most_A = current_A;
@@ -626,11 +647,9 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
         most_A = more ? tuning->current_last_A : current_A;
     } else {
         self->stands = 0u;
-#ifndef LODE_WITHOUT_START_MEASUREMENT
         if (self->stage < (uint_least8_t)LODE_START_TURN) {
-            enter(self, (uint_least8_t)LODE_START_TURN); // a stop ends the measurement
+            enter(self, (uint_least8_t)LODE_START_TURN); // a stop ends what is done at rest
         }
-#endif
     }
     self->current_target = current_now_A(self, tuning, most_A);
     self->omega_step = tuning->omega_step * ramp_share(self, tuning);
@@ -643,7 +662,7 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     const float speed = self->omega_rad_s / (LODE_START_HOLD * tuning->omega_ready);
     self->by_size = lode_clamp(speed, -1.0f, 1.0f) *
                     lode_max(1.0f - tuning->lost_per_A * self->current_A, BY_SIZE_MIN);
-    return is_spent(self, tuning);
+    return !aligns(self, tuning) && is_spent(self, tuning);
 }
 
 // What a round with a lock counts on the vector. A lock that goes again is no worse than none where no attempt is
@@ -701,6 +720,10 @@ static lode_start_unmet_t unmet_for(lode_criterion_t criterion, uint32_t rounds,
 // While the vector waits with all of its current, for rounds of `round_s`.
 static lode_start_unmet_t unmet_at_rest(const lode_start_t *self, const lode_start_tuning_t *tuning,
                                         float round_s) {
+    if (self->stage == (uint_least8_t)LODE_START_ALIGN) {
+        const float stood_s = (float)self->seen.rest.dwelt * round_s;
+        return unmet(LODE_CRITERION_REST, stood_s, tuning->align_rounds * round_s);
+    }
 #ifndef LODE_WITHOUT_START_MEASUREMENT
     const uint32_t calm = self->seen.rest.calm;
     const uint32_t least = tuning->patience_rounds / CALM_PART;
@@ -779,6 +802,7 @@ const char *lode_start_stage_name(lode_start_stage_t stage) {
         NAME(LODE_START_FULL);
         NAME(LODE_START_ALONE);
         NAME(LODE_START_FOUND);
+        NAME(LODE_START_ALIGN);
         NAME(LODE_START_TURN);
     default:
         return "LODE_START_UNKNOWN";

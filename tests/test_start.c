@@ -2019,6 +2019,128 @@ static void test_stages_and_criteria_have_names(void) {
     TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_UNKNOWN", lode_criterion_name(LODE_CRITERION_COUNT));
 }
 
+/// An attempt up to where the vector turns.
+typedef struct {
+    lode_start_t start;
+    int stood;        ///< rounds with all of the current at LODE_START_ALIGN
+    int rounds;       ///< of all
+    double moved_rad; ///< the vector, while it stood
+} aligned_t;
+
+static aligned_t aligned(lode_start_t start, const lode_start_tuning_t *tuning, float sign) {
+    aligned_t run = {.start = start};
+    double angle = 0.0;
+    for (int n = 1; n <= 20000 && run.start.stage != LODE_START_TURN; n++) {
+        lode_start_found_t found;
+        if (n % ROUND == 2) {
+            (void)lode_start_measure(&run.start, tuning, no_emf, &found);
+        }
+        const bool stands = run.start.stage == LODE_START_ALIGN && run.start.current_A > 0.0f &&
+                            !(run.start.current_A < run.start.current_target);
+        const uint32_t attempt = run.start.attempt;
+        const double now = (double)step(&run.start, tuning, n, 47.0f * sign, 8.0f, no_emf);
+        if (stands && n % ROUND == 1) {
+            TEST_ASSERT_EQUAL_UINT(attempt, run.start.attempt); // none of its time
+            run.stood++;
+        }
+        run.moved_rad = stands ? fmax(run.moved_rad, fabs(angle_error(now, angle))) : 0.0;
+        angle = now;
+        run.rounds = n / ROUND;
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_START_TURN, run.start.stage);
+    CHECK_AT_MOST(0.05, lode_abs(run.start.omega_rad_s)); // it has just begun
+    return run;
+}
+
+/// (S45): with resistance measured and without, in the first attempt alone.
+static void test_the_first_vector_stands_for_the_time_that_is_asked_for(void) {
+    for (int n = 0; n < 4; n++) {
+        lode_start_config_t config = measuring();
+        config.measure = n < 2 ? LODE_ON : LODE_OFF;
+        config.align_s = 0.4005f; // no whole number of rounds
+        const float sign = n % 2 == 0 ? 1.0f : -1.0f;
+        const lode_start_tuning_t tuning = tuned(&config);
+        lode_start_t start;
+        lode_start_begin(&start, &tuning);
+        const aligned_t first = aligned(start, &tuning, sign);
+        TEST_ASSERT_EQUAL_INT((int)ceil(0.4005 / (ROUND * 2.0e-4)), first.stood);
+        CHECK_NEAR(8.0e-3, 8.0, first.start.current_A);
+        CHECK_NEAR(1.0e-5, 0.0, first.moved_rad);
+        start = first.start;
+        lode_start_again(&start, &tuning);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(1, aligned(start, &tuning, sign).stood);
+        // Nor in one that follows on a lock that went in RUN.
+        lode_start_begin(&start, &tuning);
+        start.failed = 1u;
+        const aligned_t next = aligned(start, &tuning, sign);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(1, next.stood);
+        TEST_ASSERT_INT_WITHIN(1, first.stood, first.rounds - next.rounds);
+    }
+}
+
+static void test_a_vector_that_turns_already_is_not_stopped_to_stand(void) {
+    lode_start_config_t config = measuring();
+    config.align_s = 0.4f;
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_reset(&start, lode_sincos(0.5f), 40.0f, 8.0f);
+    for (int n = 1; n <= 10; n++) {
+        aim(&start, &tuning, 47.0f, 8.0f);
+        TEST_ASSERT_EQUAL_INT(LODE_START_TURN, start.stage);
+    }
+    TEST_ASSERT_EQUAL_UINT(10u, start.attempt);
+}
+
+static void test_a_vector_that_stands_ends_with_a_stop_and_tells_where_it_is(void) {
+    lode_start_config_t config = measuring();
+    config.measure = LODE_OFF;
+    config.align_s = 0.4f;
+    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_t start;
+    lode_start_begin(&start, &tuning);
+    TEST_ASSERT_EQUAL_INT(LODE_START_ALIGN, start.stage);
+    for (int n = 1; n <= 2000; n++) {
+        (void)step(&start, &tuning, n, 47.0f, 8.0f, no_emf);
+    }
+    // 0.2 s for the current, then 0.2 s.
+    const lode_estimator_t estimator = {.lock = 0.0f};
+    const lode_estimator_tuning_t estimator_tuning = {.pll.ts_s = PAPER_TS_s};
+    const lode_start_unmet_t unmet =
+        lode_start_unmet(&start, &tuning, &estimator, &estimator_tuning);
+    TEST_ASSERT_EQUAL_INT(LODE_CRITERION_REST, unmet.criterion);
+    CHECK_NEAR(4.0e-3, 0.2, unmet.measured);
+    CHECK_NEAR(1.0e-5, 0.4, unmet.limit);
+    (void)lode_start_aim(&start, &tuning, 0.0f, 0.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_START_TURN, start.stage);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, start.current_target);
+}
+
+static void test_range_of_the_time_to_stand(void) {
+    const size_t align = offsetof(lode_start_config_t, align_s);
+    const float good[] = {0.0f, 1.0e-4f, 10.0f};
+    const float bad[] = {-1.0e-4f, 10.001f, NAN, INFINITY, -INFINITY};
+    for (int n = 0; n < COUNT_OF(good); n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(align, good[n]));
+    }
+    for (int n = 0; n < COUNT_OF(bad); n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_START_RAMP, try_one(align, bad[n]));
+    }
+    // The longest that the counter tells, at whatever rate, comes to an end.
+    lode_start_config_t config = sound();
+    config.align_s = 65535.0f * (float)LODE_SLOW_PERIODS * 1.0e-5f;
+    const lode_motor_t motor = paper_motor();
+    lode_start_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_start_tune(&tuning, &config, &inverter, &motor, OMEGA_MAX, 1.0e-5f));
+    CHECK_AT_MOST(65535.0, tuning.align_rounds);
+    // All attempts have one time-out, which is as much longer.
+    lode_start_config_t without = {.measure = LODE_ON};
+    lode_start_config_t with = {.measure = LODE_ON, .align_s = 2.0f};
+    lode_start_design(&without, &inverter, &motor, PAPER_TS_s);
+    lode_start_design(&with, &inverter, &motor, PAPER_TS_s);
+    CHECK_CLOSE(1.0e-6, (double)without.timeout_s + 2.0, with.timeout_s);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_resistance_and_dead_time_are_measured_at_rest);
@@ -2091,5 +2213,9 @@ int main(void) {
     RUN_TEST(test_after_a_slip_the_current_is_the_last_ones);
     RUN_TEST(test_the_last_attempt_that_slips_is_lost);
     RUN_TEST(test_stages_and_criteria_have_names);
+    RUN_TEST(test_the_first_vector_stands_for_the_time_that_is_asked_for);
+    RUN_TEST(test_a_vector_that_turns_already_is_not_stopped_to_stand);
+    RUN_TEST(test_a_vector_that_stands_ends_with_a_stop_and_tells_where_it_is);
+    RUN_TEST(test_range_of_the_time_to_stand);
     return UNITY_END();
 }

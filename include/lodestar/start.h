@@ -28,8 +28,11 @@ typedef struct {
     float current_rise_s; ///< 0: 0.2; up to 0.4 of a heavy rotor without saliency
     float damping;        ///< ratio of the rotor's swing about the vector; 0: 0.5; LODE_NONE: none
     float lock_s;         ///< lock quality must have held for this long; 0: 0.1, salient from 0.05
-    float catch_s;        ///< zero current, to see whether the rotor is turning; 0: 0.05; LODE_NONE
-    float timeout_s;      ///< from start to hand-over, of all attempts together; 0: three attempts
+    /// in the first attempt of a start from rest the vector stands at its axis with all of its current for this long more
+    /// before it turns; 0: not at all
+    float align_s;
+    float catch_s;   ///< zero current, to see whether the rotor is turning; 0: 0.05; LODE_NONE
+    float timeout_s; ///< from start to hand-over, of all attempts together; 0: three attempts
     /// measures resistance and dead time beyond the configured ones, by the voltage that half and all of the
     /// start current take at standstill; auto: on
     lode_choice_t measure;
@@ -63,6 +66,7 @@ typedef struct {
     uint_least16_t lock_rounds;
     float current_last_A; ///< of the last attempt
     float still_rounds;   ///< of current rise and lock
+    float align_rounds;   ///< of a vector that stands with all of its current, in the first attempt
     uint32_t timeout_rounds;
     uint_least16_t patience_rounds; ///< at least, after the profile
     uint_least16_t
@@ -86,6 +90,7 @@ typedef enum {
     LODE_START_FULL,  ///< with all of it,
     LODE_START_ALONE, ///< or with all of it alone, as half of it gave no result,
     LODE_START_FOUND, ///< and computes the result
+    LODE_START_ALIGN, ///< stands for align_s
     LODE_START_TURN   ///< the vector turns as soon as its current is there
 } lode_start_stage_t;
 
@@ -122,11 +127,12 @@ typedef struct {
 
 /// What is seen while the vector stands.
 typedef struct {
-    float sum_V;          ///< of the voltages along the axis at which the vector waits
-    float summed;         ///< how many
-    float along_V;        ///< their mean at half the current
-    uint_least16_t dwelt; ///< rounds at the present current of the measurement
-    uint_least16_t calm;  ///< of those in the sum that have nothing across the vector
+    float sum_V;   ///< of the voltages along the axis at which the vector waits
+    float summed;  ///< how many
+    float along_V; ///< their mean at half the current
+    uint_least16_t
+        dwelt; ///< rounds at the present current of the measurement, or with all of it for align_s
+    uint_least16_t calm; ///< of those in the sum that have nothing across the vector
 } lode_start_rest_t;
 
 /// What is seen while it turns.

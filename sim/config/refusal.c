@@ -134,11 +134,11 @@ static const refusal_t refusals[] = {
      "estimator.omega_max_rad_s " RATED,
      "omega_handover_rad_s above 0, at most omega_max_rad_s; omega_min_rad_s at least half of it"},
     {LODE_ERROR_START_RAMP,
-     "start.ramp_rad_s2 start.current_rise_s start.catch_s start.lock_s start.timeout_s "
-     "start.fade_s",
+     "start.ramp_rad_s2 start.current_rise_s start.align_s start.catch_s start.lock_s "
+     "start.timeout_s start.fade_s",
      "start.current_A start.omega_handover_rad_s motor.J_kgm2 motor.psi_Wb drive.i_max_A",
      "ramp_rad_s2 1e-3 .. 1e7; current_rise_s 1 period .. 100 s, lock_s and fade_s 1 period .. 10 "
-     "s, catch_s at most 10 s, timeout_s from lock_s to 1000 s"},
+     "s, align_s and catch_s at most 10 s, timeout_s from lock_s to 1000 s"},
     {LODE_ERROR_START_DAMPING, "start.damping", NULL, "0 .. 2 or none"},
     {LODE_ERROR_HFI_MODE, "hfi.mode", NULL, "off, on or auto, in a build that has it"},
     {LODE_ERROR_HFI_SALIENCY, "hfi.Lq_i_max_H",

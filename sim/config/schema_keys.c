@@ -164,6 +164,7 @@ static const rig_key_t keys[] = {
     FLOAT("start", "current_rise_s", start.current_rise_s),
     FLOAT_OR_NONE("start", "damping", start.damping),
     FLOAT("start", "lock_s", start.lock_s),
+    FLOAT("start", "align_s", start.align_s),
     FLOAT_OR_NONE("start", "catch_s", start.catch_s),
     FLOAT("start", "timeout_s", start.timeout_s),
     CHOICE("start", "measure", drive.start.measure, "auto|on|off", NULL),

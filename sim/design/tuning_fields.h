@@ -144,6 +144,7 @@
     ROW(WHOLE, uint_least16_t, start.lock_rounds) \
     ROW(FLOAT, float, start.current_last_A) \
     ROW(FLOAT, float, start.still_rounds) \
+    ROW(FLOAT, float, start.align_rounds) \
     ROW(WHOLE, uint32_t, start.timeout_rounds) \
     ROW(WHOLE, uint_least16_t, start.patience_rounds) \
     ROW(WHOLE, uint_least16_t, start.dwell_rounds) \

@@ -142,7 +142,7 @@ REFUSALS = {
     "START_CURRENT": ["start.current_A=1000"],
     "START_SPEED": ["start.omega_handover_rad_s=1e4", "start.handover_rpm=1e5",
                     "speed.omega_min_rad_s=1"],
-    "START_RAMP": ["start.ramp_rad_s2=1e9 start.lock_s=0.1", "start.lock_s=100",
+    "START_RAMP": ["start.ramp_rad_s2=1e9 start.lock_s=0.1", "start.lock_s=100", "start.align_s=11",
                    "motor.J_kgm2=1e-9 motor.B_Nms=0 start.lock_s=0.1"],
     "START_DAMPING": ["start.damping=3"],
     "HFI_SALIENCY": ["hfi.Lq_i_max_H=4e-3 hfi.mode=on"],
