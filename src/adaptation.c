@@ -404,6 +404,11 @@ static bool is_worth(float used, float next, float dead) {
     return lode_abs(next - used) > dead;
 }
 
+// A step of the ramp that the `half` of the torque is enough for, with `J` times the inertia.
+static float ramp_of_inertia(float step, float half, float J) {
+    return lode_min(step, lode_max(step, half) / J);
+}
+
 // (O7). Gains in proportion, but with no more torque for the noise of the speed than a rotor as
 // configured may have, and a ramp that half of the torque is enough for.
 static void use_inertia(const lode_adaptation_machine_t *self, lode_drive_tuning_t *t) {
@@ -418,8 +423,10 @@ static void use_inertia(const lode_adaptation_machine_t *self, lode_drive_tuning
     t->speed.inertia_Nm *= J;
     const float period_s = t->estimator.pll.ts_s * (float)t->speed_periods;
     const float half = RAMP_TORQUE_SHARE * most_Nm * period_s / motor->J_kgm2;
-    const float ramp_step = t->speed.ramp_step;
-    t->speed.ramp_step = lode_min(ramp_step, lode_max(ramp_step, half) / J);
+    t->speed.ramp_step = ramp_of_inertia(t->speed.ramp_step, half, J);
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+    t->speed.ramp_down_step = ramp_of_inertia(t->speed.ramp_down_step, half, J);
+#endif
     t->estimator.acc_per_torque /= J;
     t->estimator.acc_per_omega /= J;
     t->estimator.load_per_f_Nm *= J;

@@ -33,6 +33,17 @@
 #define LIGHT_FED 2.7f
 #define LIGHT_GAIN_MARGIN 1.41f // 3 dB
 
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+
+// Share of the jerk that the end of a ramp is planned with. The rest takes what rounding does to steps of up to JERK_CALLS_MAX
+// times the jerk, 1.5 of their last bits, which are 2^-7 of the jerk then.
+#define JERK_PLANNED 0.96875f
+#define JERK_CALLS_MAX 65536.0f // in which a slope is reached, at most
+#define JERK_MAX_rad_s3 1.0e12f
+#define JERK_AT_ONCE 1.0e15f // rad/s per period, more than any slope: two slopes without a jerk
+
+#endif
+
 // (K15): kp with which a rated load takes all of the least speed from a rotor that no load is fed forward to.
 static float stopped_kp_Nms(const lode_speed_config_t *config,
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
@@ -109,6 +120,31 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     }
 }
 
+// One slope, reached at once.
+static bool is_plain(const lode_speed_config_t *config) {
+    const float up = config->ramp_rad_s2;
+    const float down = lode_given_or(config->ramp_down_rad_s2, up);
+    return lode_in_range(down, up, up) && lode_in_range(config->jerk_rad_s3, 0.0f, 0.0f);
+}
+
+static bool is_slope(float slope_rad_s2) {
+    return lode_in_range(slope_rad_s2, 1.0e-3f, 1.0e7f);
+}
+
+static bool ramp_is_sound(const lode_speed_config_t *config, float ts_s) {
+#ifdef LODE_WITHOUT_SHAPED_RAMP
+    (void)ts_s;
+    return is_slope(config->ramp_rad_s2) && is_plain(config);
+#else
+    const float up = config->ramp_rad_s2;
+    const float down = lode_given_or(config->ramp_down_rad_s2, up);
+    const float least = lode_max(up, down) / (JERK_CALLS_MAX * ts_s);
+    return is_slope(up) && is_slope(down) &&
+           (is_plain(config) || lode_in_range(config->jerk_rad_s3, 0.0f, 0.0f) ||
+            lode_in_range(config->jerk_rad_s3, least, JERK_MAX_rad_s3));
+#endif
+}
+
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
                               const lode_motor_t *motor, const lode_pll_config_t *pll, float ts_s) {
     if (!lode_in_range(config->kp_Nms, 1.0e-9f, 1.0e6f) ||
@@ -122,7 +158,7 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
           BANDWIDTH_PER_SIGMA_MAX * pll->sigma_rad_s * motor->J_kgm2)) {
         return LODE_ERROR_SPEED_BANDWIDTH;
     }
-    if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f)) {
+    if (!ramp_is_sound(config, ts_s)) {
         return LODE_ERROR_SPEED_RAMP;
     }
     if (!lode_in_range(config->load_feed_forward, LODE_NONE, 1.0f) ||
@@ -142,16 +178,83 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         .load_feed_forward = lode_max(config->load_feed_forward, 0.0f),
         .inertia_Nm = lode_max(config->inertia_feed_forward, 0.0f) * motor->J_kgm2 / ts_s,
     };
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+    tuning->ramp_down_step = lode_given_or(config->ramp_down_rad_s2, config->ramp_rad_s2) * ts_s;
+    if (!is_plain(config)) {
+        const float jerk_step = config->jerk_rad_s3 * ts_s * ts_s;
+        tuning->jerk_step = jerk_step > 0.0f ? jerk_step : JERK_AT_ONCE;
+    }
+#endif
     return LODE_OK;
+}
+
+// The reference is there, and does not move.
+static void set_reference(lode_speed_t *self, float reference_rad_s) {
+    self->reference_rad_s = reference_rad_s;
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+    self->step_rad_s = 0.0f;
+    self->left_rad_s = 0.0f;
+#endif
 }
 
 void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,
                       float torque_Nm, float load_Nm, float most_Nm) {
     lode_pi_reset(&self->pi, torque_Nm - tuning->load_feed_forward * load_Nm);
-    self->reference_rad_s = omega_rad_s;
+    set_reference(self, omega_rad_s);
     self->torque_Nm = torque_Nm;
     self->limit_Nm = (lode_range_t){-most_Nm, most_Nm};
 }
+
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+
+// (K33): the largest step, up to `most_rad_s`, from which steps that get smaller by `less_rad_s` each come to rest `way_rad_s`
+// on at the earliest.
+static float largest_step(float way_rad_s, float most_rad_s, float less_rad_s) {
+    const float whole = most_rad_s + less_rad_s;
+    const float way =
+        lode_min(way_rad_s, whole * whole / less_rad_s); // enough for all of `most_rad_s`
+    const float root = lode_sqrt(1.0f + 8.0f * way / less_rad_s);
+    const float more = (float)(int32_t)(0.5f * (root - 1.0f)); // steps after this one
+    return lode_min(way / (more + 1.0f) + 0.5f * more * less_rad_s, most_rad_s);
+}
+
+// The way that such steps take from `step_rad_s` on.
+static float stopping_way(float step_rad_s, float less_rad_s) {
+    const float more = (float)(int32_t)(step_rad_s / less_rad_s);
+    return (more + 1.0f) * (step_rad_s - 0.5f * more * less_rad_s);
+}
+
+LODE_RAMFUNC LODE_NOINLINE float
+lode_speed_shaped_step(lode_speed_t *self, const lode_speed_tuning_t *tuning, float target_rad_s) {
+    const float before = self->reference_rad_s;
+    const float target = lode_is_finite(target_rad_s) ? target_rad_s : before;
+    const float way = target - before - self->left_rad_s;
+    const float jerk = tuning->jerk_step;
+    const float less = JERK_PLANNED * jerk;
+    float ahead = lode_abs(way);
+    float most = tuning->ramp_step;
+    if (way * before < 0.0f) { // it slows down; through zero with the other slope at most
+        const float through = lode_abs(before) + stopping_way(most, less);
+        ahead = lode_min(ahead, through);
+        most = tuning->ramp_down_step;
+    }
+    const float size = largest_step(ahead, most, less);
+    const float last = self->step_rad_s;
+    const float step = lode_clamp(way < 0.0f ? -size : size, last - jerk, last + jerk);
+    self->step_rad_s = step;
+    if (lode_in_range(step, way, way)) { // the last one
+        self->reference_rad_s = target;
+        self->left_rad_s = 0.0f;
+        return step;
+    }
+    // (K34): what the sum loses is added to the next step.
+    const float moved = self->left_rad_s + step;
+    self->reference_rad_s = before + moved;
+    self->left_rad_s = moved - (self->reference_rad_s - before);
+    return step;
+}
+
+#endif
 
 #ifndef LODE_WITHOUT_TORQUE_CONTROL
 
@@ -191,7 +294,7 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
     if (!holds) {
         lode_pi_reset(&self->pi, held_Nm - tuning->load_feed_forward * load_Nm);
     }
-    self->reference_rad_s = target;
+    set_reference(self, target);
     return target;
 }
 

@@ -12,6 +12,27 @@ float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tu
                                float torque_Nm, lode_range_t between_rad_s, float omega_rad_s,
                                float load_Nm);
 
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+
+// One step of the reference towards the mechanical target, with two slopes and a jerk (K32)-(K34), rad/s.
+float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                             float target_rad_s);
+
+#endif
+
+// One step of the reference towards the mechanical target, rad/s.
+LODE_INLINE float lode_speed_ramp(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                                  float target_rad_s) {
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+    if (tuning->jerk_step > 0.0f) {
+        return lode_speed_shaped_step(self, tuning, target_rad_s);
+    }
+#endif
+    const float before = self->reference_rad_s;
+    self->reference_rad_s = lode_ramp(before, target_rad_s, tuning->ramp_step);
+    return self->reference_rad_s - before;
+}
+
 // Factor of both gains at the electrical speed `omega_rad_s`.
 LODE_INLINE float lode_speed_gain(const lode_speed_tuning_t *tuning, float omega_rad_s) {
     const float up = lode_abs(omega_rad_s) * tuning->inv_span - 1.0f;
@@ -22,13 +43,12 @@ LODE_INLINE float lode_speed_gain(const lode_speed_tuning_t *tuning, float omega
 // `omega_rad_s` and load torque `load_Nm` (K7, K8).
 LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
                                   float target_rad_s, float omega_rad_s, float load_Nm) {
-    const float before = self->reference_rad_s;
-    self->reference_rad_s = lode_ramp(before, target_rad_s, tuning->ramp_step);
+    const float step = lode_speed_ramp(self, tuning, target_rad_s);
     const float gain = lode_speed_gain(tuning, omega_rad_s);
     const float error = gain * (self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs);
     // A rotor that is ahead of its ramp needs no torque to follow it: as much less as the controller
     // asks against it, but not the other way.
-    const float push = tuning->inertia_Nm * (self->reference_rad_s - before);
+    const float push = tuning->inertia_Nm * step;
     const float against = tuning->pi.kp * error;
     const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)
                                    : lode_clamp(push + against, push, 0.0f);

@@ -105,6 +105,8 @@ static const field_t numbers[] = {
     OPEN(speed.kp_Nms, 1.0f, 1.0f, LODE_ERROR_SPEED_GAINS),
     OPEN(speed.ki_Nm, 1.0f, 1.0f, LODE_ERROR_SPEED_GAINS),
     OPEN(speed.ramp_rad_s2, 1.0f, 1.0f, LODE_ERROR_SPEED_RAMP),
+    OPEN(speed.ramp_down_rad_s2, 1.0f, 1.0f, LODE_ERROR_SPEED_RAMP),
+    OPEN(speed.jerk_rad_s3, 1.0f, 1.0f, LODE_ERROR_SPEED_RAMP),
     OPEN(speed.gain_rise, 1.0f, 1.0f, LODE_ERROR_SPEED_GAINS),
     OPEN(start.align_s, 0.0f, 10.0f, LODE_ERROR_START_RAMP),
     OPEN(start.catch_s, 0.0f, 10.0f, LODE_ERROR_START_RAMP),

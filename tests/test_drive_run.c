@@ -664,6 +664,46 @@ static void test_off_at_speed_switches_off_at_once(void) {
     rig_expect(&rig, LODE_MODE_OFF);
 }
 
+/// (K32): from hand-over to hand-back and behind the reversal the reference has no more than its slopes and its jerk, and begins
+/// each time where the rotor is.
+static void test_a_jerk_limits_the_reference_of_a_drive(void) {
+    lode_drive_config_t config = rig_config();
+    config.speed.ramp_rad_s2 = 100.0f;
+    config.speed.ramp_down_rad_s2 = 60.0f;
+    config.speed.jerk_rad_s3 = 400.0f;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    const double speeds[] = {80.0, 120.0, -80.0};
+    const float *const reference = &rig.drive.state.run.speed.reference_rad_s;
+    const float *const step = &rig.drive.state.run.speed.step_rad_s;
+    for (int k = 0; k < COUNT_OF(speeds); k++) {
+        rig_command(&rig, run_at(speeds[k]));
+        float last = 0.0f;
+        float before = *reference;
+        bool runs = false;
+        for (int n = 0; n < 30000; n++) {
+            const bool ran = runs;
+            rig_step(&rig);
+            runs = lode_mode(&rig.drive) == LODE_MODE_RUN;
+            if (runs && !ran && n > 0) {
+                CHECK_NEAR(1.0e-6, 0.0, *step);
+            } else if (runs && ran) {
+                CHECK_AT_MOST(1.001 * (double)tuning.speed.jerk_step, lode_abs(*step - last));
+                CHECK_AT_MOST(1.001 * (double)tuning.speed.ramp_step, lode_abs(*step));
+                CHECK_AT_MOST(1.001 * (double)tuning.speed.ramp_step + 1.0e-5,
+                              lode_abs(*reference - before));
+            } else {
+                // starting, or on the way back
+            }
+            last = *step;
+            before = *reference;
+        }
+        rig_expect(&rig, LODE_MODE_RUN);
+        CHECK_NEAR(1.0e-4, speeds[k], *reference);
+        check_running(&rig, speeds[k]);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_run_calibrates_starts_and_turns_both_ways);
@@ -695,6 +735,7 @@ int main(void) {
     RUN_TEST(test_another_tuning_brings_its_own_q_axis);
     RUN_TEST(test_a_falling_Lq_turns_no_angle_with_injection);
     RUN_TEST(test_reversal);
+    RUN_TEST(test_a_jerk_limits_the_reference_of_a_drive);
     RUN_TEST(test_off_at_speed_switches_off_at_once);
     return UNITY_END();
 }

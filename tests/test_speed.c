@@ -609,6 +609,257 @@ static void test_a_load_is_fed_forward_where_it_would_stop_the_rotor(void) {
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, fed_forward(3.0, 0.1 * dip, true));
 }
 
+// ---- Two slopes and a jerk (K32)-(K34) ------------------------------------------------------------
+
+/// A share of the jerk is left to rounding, as the code has it.
+#define PLANNED 0.96875
+
+/// Of steps that get smaller by `less` each.
+static double stopping_way(double step, double less) {
+    const double more = floor(step / less);
+    return step > 0.0 ? (more + 1.0) * (step - 0.5 * more * less) : 0.0;
+}
+
+/// A call of a reference with two slopes and a jerk, and what is to hold of it.
+typedef struct {
+    lode_speed_t speed;
+    lode_speed_tuning_t tuning;
+    double sum;    ///< of the steps
+    double moved;  ///< of their sizes, since the sum was last exact
+    double last;   ///< step
+    float target;  ///< since aim():
+    double sign;   ///< of the way to it
+    double excess; ///< by which it must be passed, as the step was too large for it
+    bool passed;   ///< it was, and the way is back now
+} shaped_t;
+
+/// At `omega`, at rest.
+static shaped_t shaped(float up, float down, float jerk, float omega) {
+    lode_speed_config_t config = sound();
+    config.ramp_rad_s2 = up;
+    config.ramp_down_rad_s2 = down;
+    config.jerk_rad_s3 = jerk;
+    shaped_t s = {.tuning = tuned(&config), .sum = (double)omega, .target = omega, .sign = 1.0};
+    lode_speed_reset(&s.speed, &s.tuning, omega, 0.0f, 0.0f, (float)TORQUE_MAX);
+    return s;
+}
+
+/// Another target: how far it must be passed where the present step is too large for it.
+static void aim(shaped_t *s, float target) {
+    const double way = (double)target - s->sum;
+    const double sign = way < 0.0 ? -1.0 : 1.0;
+    const double jerk = (double)s->tuning.jerk_step;
+    s->target = target;
+    s->sign = sign;
+    s->passed = false;
+    const double least = stopping_way(sign * s->last - jerk, PLANNED * jerk);
+    s->excess = fmax(0.0, least - sign * way);
+}
+
+/// The float's last bit at `x`.
+static double bit_of(double x) {
+    return fmax(fabs(x), 1.0e-30) * 1.2e-7;
+}
+
+static void shaped_call(shaped_t *s) {
+    const double before = (double)s->speed.reference_rad_s;
+    const double step = (double)lode_speed_ramp(&s->speed, &s->tuning, s->target);
+    const double after = (double)s->speed.reference_rad_s;
+    const double up = (double)s->tuning.ramp_step;
+    const double down = (double)s->tuning.ramp_down_step;
+    CHECK_AT_MOST((double)s->tuning.jerk_step * 1.000001 + bit_of(step), fabs(step - s->last));
+    CHECK_AT_MOST((step * before < 0.0 ? down : up) * 1.000001, fabs(step));
+    s->sum += step;
+    s->moved += fabs(step);
+    s->last = step;
+    // Nothing of a step is lost, however small it is beside the reference.
+    CHECK_NEAR(bit_of(fmax(fabs(after), s->moved)), s->sum, after);
+    if (lode_in_range(s->speed.reference_rad_s, s->target, s->target)) {
+        s->sum = after; // without the roundings of all steps
+        s->moved = 0.0;
+    }
+    const double beyond = s->sign * (after - (double)s->target);
+    CHECK_AT_MOST(s->excess + bit_of(after) * (s->excess > 0.0 ? 1.0 : 0.0), beyond);
+    s->passed = s->passed || beyond > 0.0;
+    if (s->passed) { // and not once more
+        CHECK_AT_MOST(0.0, -beyond);
+    }
+}
+
+static bool is_there(const shaped_t *s) {
+    return lode_in_range(s->speed.reference_rad_s, s->target, s->target) &&
+           lode_in_range(s->speed.step_rad_s, 0.0f, 0.0f);
+}
+
+/// Calls until it is at rest at its target.
+static int calls_to_rest(shaped_t *s, int most) {
+    int calls = 0;
+    while (!is_there(s) && calls <= most) {
+        shaped_call(s);
+        calls++;
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(most, calls);
+    for (int n = 0; n < 5; n++) {
+        shaped_call(s);
+        TEST_ASSERT_TRUE(is_there(s));
+    }
+    return calls;
+}
+
+/// From any state to any target, at whatever speed, also where the target changes on the way.
+static void test_a_shaped_reference_comes_to_rest_at_its_target(void) {
+    random_t random = random_seed(7);
+    for (int n = 0; n < CHECK_TRIES(1000); n++) {
+        const float up = (float)pow(10.0, random_between(&random, 0.0, 4.0));
+        const float down = up * (float)pow(10.0, random_between(&random, -1.0, 1.0));
+        // A slope is reached in 1 to 3000 calls, or in less than one.
+        const double calls = pow(10.0, random_between(&random, -0.5, 3.5));
+        const float jerk = n % 10 == 0 ? 0.0f : (float)((double)up / (calls * 2.0e-4));
+        const double far = (double)up * 2.0e-4 * pow(10.0, random_between(&random, -2.0, 3.5));
+        const double base = pow(10.0, random_between(&random, -1.0, 3.5)); // large beside its steps
+        shaped_t s = shaped(up, down, jerk, random_float(&random, -base, base));
+        for (int k = 0; k < 4; k++) {
+            const double from = (double)s.speed.reference_rad_s;
+            const bool back = fabs(from) < far; // through zero
+            aim(&s, (float)(back ? -from : from + random_between(&random, -far, far)));
+            const int changes = (int)random_between(&random, 0.0, 300.0);
+            for (int m = 0; m < changes; m++) {
+                shaped_call(&s);
+            }
+        }
+        aim(&s, (float)(s.sum + random_between(&random, -far, far)));
+        const double slow = fmin((double)s.tuning.ramp_step, (double)s.tuning.ramp_down_step);
+        const double to_slope =
+            fmax(slow, fmax((double)up, (double)down) * 2.0e-4) / (double)s.tuning.jerk_step;
+        const double way = fabs((double)s.target - s.sum) + s.excess;
+        (void)calls_to_rest(&s, (int)(2.0 * way / slow + 8.0 * to_slope + 20.0));
+    }
+}
+
+/// As long as a ramp with this slope and jerk takes, and what its end is planned with less.
+static void test_a_jerk_takes_no_more_time_than_it_must(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        shaped_t s = shaped(200.0f, 50.0f, 2000.0f, 0.0f);
+        aim(&s, 100.0f * (float)sign);
+        // 100/200 + 200/2000 s of 0.2 ms, half of the second 1/0.96875 times as long.
+        const int up = calls_to_rest(&s, 4000);
+        CHECK_NEAR(3.0, 3000.0 + 250.0 / PLANNED - 250.0, up);
+        aim(&s, 0.0f);
+        const int down = calls_to_rest(&s, 20000); // 100/50 + 50/2000 s
+        CHECK_NEAR(3.0, 10125.0 + 62.5 / PLANNED - 62.5, down);
+    }
+}
+
+static void test_two_slopes_without_a_jerk(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        shaped_t s = shaped(200.0f, 100.0f, 0.0f, 10.0f * (float)sign);
+        aim(&s, 20.0f * (float)sign);
+        CHECK_NEAR(2.0, 250.0, calls_to_rest(&s, 300));
+        aim(&s, -10.0f * (float)sign);
+        CHECK_NEAR(2.0, 1000.0 + 250.0, calls_to_rest(&s, 1300));
+    }
+    // One slope and no jerk: the ramp that there is anyway.
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, shaped(200.0f, 0.0f, 0.0f, 0.0f).tuning.jerk_step);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, shaped(200.0f, 200.0f, 0.0f, 0.0f).tuning.jerk_step);
+    TEST_ASSERT_EQUAL_FLOAT(0.04f, shaped(200.0f, 0.0f, 9.0e3f, 0.0f).tuning.ramp_down_step);
+}
+
+/// A steep way down does not go on past zero.
+static void test_a_reversal_has_the_other_slope_from_zero_on(void) {
+    shaped_t s = shaped(100.0f, 400.0f, 1000.0f, 100.0f);
+    aim(&s, -100.0f);
+    double most = 0.0;
+    double through = 0.0;
+    while (!is_there(&s)) {
+        const float before = s.speed.reference_rad_s;
+        shaped_call(&s);
+        most = fmax(most, -s.last);
+        through = before > 0.0f ? -s.last : through;
+    }
+    CHECK_CLOSE(0.2, 400.0 * 2.0e-4, most); // 100 rad/s are nearly enough for it
+    CHECK_CLOSE(0.01, 100.0 * 2.0e-4, through);
+}
+
+static void test_the_inertia_is_given_its_torque_by_the_limited_slope(void) {
+    lode_speed_config_t config = sound();
+    config.inertia_feed_forward = 1.0f;
+    config.jerk_rad_s3 = 2000.0f;
+    const lode_speed_tuning_t tuning = tuned(&config);
+    lode_speed_t speed;
+    lode_speed_reset(&speed, &tuning, 50.0f, 0.0f, 0.0f, (float)TORQUE_MAX);
+    double reference = 50.0;
+    for (int n = 1; n <= 500; n++) {
+        reference += 2000.0 * 2.0e-4 * 2.0e-4 * n; // a rotor that follows
+        const float torque =
+            lode_speed_step(&speed, &tuning, 200.0f, (float)(3.0 * reference), 0.0f);
+        CHECK_NEAR(1.0e-3, 0.0174 * 2000.0 * 2.0e-4 * n, torque); // up to 200 rad/s^2
+    }
+}
+
+static void test_what_takes_the_reference_along_ends_its_ramp(void) {
+    shaped_t s = shaped(200.0f, 50.0f, 2000.0f, 30.0f);
+    aim(&s, 90.0f);
+    for (int n = 0; n < 200; n++) {
+        shaped_call(&s);
+    }
+    lode_speed_t other = s.speed;
+    TEST_ASSERT_TRUE(other.step_rad_s > 0.0f && lode_abs(other.left_rad_s) > 0.0f);
+    lode_speed_reset(&other, &s.tuning, 40.0f, 0.0f, 0.0f, (float)TORQUE_MAX);
+    (void)lode_speed_ramp(&other, &s.tuning, 40.0f);
+    TEST_ASSERT_EQUAL_FLOAT(40.0f, other.reference_rad_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, other.left_rad_s);
+    other = s.speed;
+    (void)torque_control(&other, &s.tuning, 1.0f, 150.0f, 0.0f); // at 50 rad/s
+    TEST_ASSERT_EQUAL_FLOAT(50.0f, other.reference_rad_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, other.left_rad_s);
+}
+
+static void test_no_target_brings_a_shaped_reference_to_rest(void) {
+    for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
+        shaped_t s = shaped(200.0f, 50.0f, 2000.0f, 30.0f);
+        aim(&s, 90.0f);
+        for (int n = 0; n < 200; n++) {
+            shaped_call(&s);
+        }
+        for (int n = 0; n < 500; n++) {
+            const float step = lode_speed_ramp(&s.speed, &s.tuning, check_not_finite[i]);
+            CHECK_AT_MOST((double)s.tuning.jerk_step * 1.000001 + bit_of((double)step),
+                          fabs((double)step - s.last));
+            s.last = (double)step;
+        }
+        CHECK_NEAR(1.0e-5, 0.0, s.last);
+        CHECK_NEAR(0.01, 33.2, s.speed.reference_rad_s);
+    }
+}
+
+static void test_ranges_of_two_slopes_and_a_jerk(void) {
+    const size_t down = offsetof(lode_speed_config_t, ramp_down_rad_s2);
+    const size_t jerk = offsetof(lode_speed_config_t, jerk_rad_s3);
+    // The steeper slope, 200 rad/s^2, in 65536 calls of 0.2 ms.
+    const float least = 200.0f / (65536.0f * 2.0e-4f);
+    const float good[][2] = {{0.0f, 0.0f}, {1.0e-3f, 1.001f * least}, {1.0e7f, 1.0e12f}};
+    const float bad[][2] = {
+        {0.9e-3f, 0.999f * least}, {1.1e7f, 1.1e12f},     {-1.0f, -1.0f}, {NAN, NAN},
+        {INFINITY, INFINITY},      {-INFINITY, -INFINITY}};
+    for (int n = 0; n < COUNT_OF(good); n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(down, good[n][0]));
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(jerk, good[n][1]));
+    }
+    for (int n = 0; n < COUNT_OF(bad); n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_RAMP, try_one(down, bad[n][0]));
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_RAMP, try_one(jerk, bad[n][1]));
+    }
+    lode_speed_config_t config = sound();
+    config.ramp_down_rad_s2 = 400.0f; // is the steeper one now
+    config.jerk_rad_s3 = 1.5f * least;
+    const lode_motor_t motor = paper_motor();
+    lode_speed_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_RAMP,
+                          lode_speed_tune(&tuning, &config, &motor, &pll, PAPER_TS_s));
+    config.jerk_rad_s3 = 2.01f * least;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_speed_tune(&tuning, &config, &motor, &pll, PAPER_TS_s));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_design_follows_the_inertia);
@@ -638,5 +889,13 @@ int main(void) {
     RUN_TEST(test_bounds_that_are_just_met_are_accepted);
     RUN_TEST(test_no_feed_forward);
     RUN_TEST(test_design_fills_what_is_open);
+    RUN_TEST(test_a_shaped_reference_comes_to_rest_at_its_target);
+    RUN_TEST(test_a_jerk_takes_no_more_time_than_it_must);
+    RUN_TEST(test_two_slopes_without_a_jerk);
+    RUN_TEST(test_a_reversal_has_the_other_slope_from_zero_on);
+    RUN_TEST(test_the_inertia_is_given_its_torque_by_the_limited_slope);
+    RUN_TEST(test_what_takes_the_reference_along_ends_its_ramp);
+    RUN_TEST(test_no_target_brings_a_shaped_reference_to_rest);
+    RUN_TEST(test_ranges_of_two_slopes_and_a_jerk);
     return UNITY_END();
 }

@@ -102,6 +102,12 @@ int main(void) {
     config.speed.every_period = LODE_ON;
     say("fast", config);
     config.speed.every_period = LODE_AUTO;
+    config.speed.ramp_down_rad_s2 = 100.0f;
+    say("down", config);
+    config.speed.ramp_down_rad_s2 = 0.0f;
+    config.speed.jerk_rad_s3 = 1e6f;
+    say("jerk", config);
+    config.speed.jerk_rad_s3 = 0.0f;
     config.hfi.mode = LODE_HFI_ON;
     say("hfi", config);
     const lode_command_t torque = {.mode = LODE_MODE_RUN, .control = LODE_CONTROL_TORQUE};
@@ -126,7 +132,7 @@ refuses() {
     "$object" > "$said"
     refused=$(sed -n '/ LODE_OK$/!p' "$said" | tr '\n' ' ')
     [ "$refused" = "$2" ] || { echo "built with '$1', refused: $refused, expected: $2"; exit 1; }
-    [ "$(grep -c . "$said")" = 21 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
+    [ "$(grep -c . "$said")" = 23 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
 }
 references=LODE_ERROR_REFERENCES
 window=LODE_ERROR_SENSE_WINDOW
@@ -142,6 +148,7 @@ signals="signals LODE_ERROR_CHOICE "
 pulses="pulses LODE_ERROR_CHOICE $signals"
 measurement="measurement LODE_ERROR_CHOICE "
 fast="fast LODE_ERROR_SPEED_BANDWIDTH "
+shaped="down LODE_ERROR_SPEED_RAMP jerk LODE_ERROR_SPEED_RAMP "
 torque="torque $command "
 short="short LODE_ERROR_ACTIVE_SHORT "
 vectors="2 $command 3 $command "
@@ -164,12 +171,14 @@ refuses -DLODE_WITHOUT_SIGNAL_CHECK "$signals"
 absent lode_signal_check_step LODE_WITHOUT_SIGNAL_CHECK
 refuses "-DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR" "$fast$torque"
 absent lode_speed_torque_target LODE_WITHOUT_TORQUE_CONTROL
+refuses -DLODE_WITHOUT_SHAPED_RAMP "$shaped"
+absent lode_speed_shaped_step LODE_WITHOUT_SHAPED_RAMP
 refuses -DLODE_WITHOUT_HFI "$injection"
 absent lode_mode_inject LODE_WITHOUT_HFI
 refuses -DLODE_WITHOUT_TUNING_CHECK ""
 refuses -DLODE_WITHOUT_ACTIVE_SHORT "$short"
-least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING -DLODE_WITHOUT_HFI -DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT -DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR -DLODE_WITHOUT_ACTIVE_SHORT -DLODE_WITHOUT_TORQUE_LIMITS -DLODE_WITHOUT_BRAKE_SLIP -DLODE_WITHOUT_GENTLE_START -DLODE_WITHOUT_HANDOVER_RETRY"
-refuses "$least$all" "$optimal$notch$phases$plausibility$precharge$measurement$pulses$fast$injection$torque$short$vectors"
+least="-DLODE_WITHOUT_OPTIMAL_REFERENCES -DLODE_WITHOUT_NOTCH -DLODE_WITHOUT_SHUNT_WINDOW -DLODE_WITHOUT_PLAUSIBILITY -DLODE_WITHOUT_TUNING_CHECK -DLODE_WITHOUT_COMMISSIONING -DLODE_WITHOUT_HFI -DLODE_WITHOUT_PRECHARGE -DLODE_WITHOUT_START_MEASUREMENT -DLODE_WITHOUT_FAST_SPEED -DLODE_WITHOUT_TORQUE_CONTROL -DLODE_WITHOUT_ANGLE_SENSOR -DLODE_WITHOUT_ACTIVE_SHORT -DLODE_WITHOUT_TORQUE_LIMITS -DLODE_WITHOUT_BRAKE_SLIP -DLODE_WITHOUT_GENTLE_START -DLODE_WITHOUT_SHAPED_RAMP -DLODE_WITHOUT_HANDOVER_RETRY"
+refuses "$least$all" "$optimal$notch$phases$plausibility$precharge$measurement$pulses$fast$shaped$injection$torque$short$vectors"
 
 # LODE_SMALL is a matter of size alone: the same periods to the bit.
 periods() {

@@ -23,6 +23,8 @@ typedef struct {
     float gain_rise;
     float
         ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: up to half the torque limit over J
+    float ramp_down_rad_s2;     ///< the same while it slows down; 0: ramp_rad_s2
+    float jerk_rad_s3;          ///< by which that slope changes, at most; 0: at once
     float inertia_feed_forward; ///< share of the torque that the ramp needs for J, 0 .. 1; 0: 1;
                                 ///< LODE_NONE: none
     /// share of the estimated load torque, 0 .. 1; 0: 0.25 to 0.5, less by (K23), where a rated load would else stop the
@@ -40,6 +42,10 @@ typedef struct {
         inv_span; ///< 1/(electrical speed up to which the gains are not raised; they are in full at twice that)
     float inv_pole_pairs;
     float ramp_step; ///< mechanical rad/s per period
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+    float ramp_down_step; ///< of a reference that slows down
+    float jerk_step; ///< change of a step, per period; 0: any, and ramp_down_step is not looked at
+#endif
     float load_feed_forward;
     float inertia_Nm; ///< torque per mechanical rad/s and period
 } lode_speed_tuning_t;
@@ -47,6 +53,10 @@ typedef struct {
 typedef struct {
     lode_pi_t pi;
     float reference_rad_s; ///< ramped reference, mechanical
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+    float step_rad_s; ///< the last step of a ramp with jerk_step
+    float left_rad_s; ///< what its sum is more than a float can tell
+#endif
     float torque_Nm;       ///< torque reference
     lode_range_t limit_Nm; ///< within which it stays; the drive keeps it up to date
 } lode_speed_t;

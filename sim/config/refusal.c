@@ -104,8 +104,10 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_SPEED_BANDWIDTH, "speed.bandwidth_rad_s speed.kp_Nms",
      "estimator.sigma_low_rad_s motor.J_kgm2 " RATED,
      "a speed loop slower than the PLL that feeds it: kp_Nms at most sigma_low_rad_s times J_kgm2"},
-    {LODE_ERROR_SPEED_RAMP, "speed.ramp_rad_s2", "motor.J_kgm2 motor.psi_Wb drive.i_max_A",
-     "1e-3 .. 1e7 rad/s^2"},
+    {LODE_ERROR_SPEED_RAMP, "speed.ramp_rad_s2 speed.ramp_down_rad_s2 speed.jerk_rad_s3",
+     "motor.J_kgm2 motor.psi_Wb drive.i_max_A drive.f_pwm_Hz",
+     "slopes 1e-3 .. 1e7 rad/s^2; jerk_rad_s3 0, or from the steeper slope over 65536 periods of "
+     "speed control to 1e12"},
     {LODE_ERROR_SPEED_FEED_FORWARD, "speed.load_feed_forward speed.inertia_feed_forward", NULL,
      "0 .. 1 or none"},
     {LODE_ERROR_ID_BIAS,

@@ -150,6 +150,8 @@ static const rig_key_t keys[] = {
     FLOAT("speed", "bandwidth_rad_s", speed.bandwidth_rad_s),
     FLOAT("speed", "gain_rise", speed.gain_rise),
     FLOAT("speed", "ramp_rad_s2", speed.ramp_rad_s2),
+    FLOAT("speed", "ramp_down_rad_s2", speed.ramp_down_rad_s2),
+    FLOAT("speed", "jerk_rad_s3", speed.jerk_rad_s3),
     NUMBER("speed", "ramp_rpm_s", people.ramp_rpm_s, 1e-3, 1e9),
     FLOAT_OR_NONE("speed", "inertia_feed_forward", speed.inertia_feed_forward),
     FLOAT_OR_NONE("speed", "load_feed_forward", speed.load_feed_forward),

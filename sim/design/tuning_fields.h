@@ -124,6 +124,8 @@
     ROW(FLOAT, float, speed.inv_span) \
     ROW(FLOAT, float, speed.inv_pole_pairs) \
     ROW(FLOAT, float, speed.ramp_step) \
+    ROW(FLOAT, float, speed.ramp_down_step) \
+    ROW(FLOAT, float, speed.jerk_step) \
     ROW(FLOAT, float, speed.load_feed_forward) \
     ROW(FLOAT, float, speed.inertia_Nm) \
     ROW(FLOAT, float, start.current_A) \
