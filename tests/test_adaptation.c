@@ -325,6 +325,7 @@ static void test_the_ramp_of_a_heavier_rotor(void) {
         const lode_speed_tuning_t *now = &bench.drive.tuning->speed;
         const float J = now->inertia_Nm / bench.tuning.speed.inertia_Nm;
         TEST_ASSERT_FLOAT_WITHIN(0.1f, 4.0f, J);
+        TEST_ASSERT_EQUAL_FLOAT(now->ramp_step, now->ramp_down_step);
         const float used = J * shares[n] * now->ramp_step / bench.tuning.speed.ramp_step;
         TEST_ASSERT_FLOAT_WITHIN(1.0e-3f, n == 0 ? 0.5f : J * shares[n], used);
     }
