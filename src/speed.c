@@ -207,7 +207,7 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
 
 #ifndef LODE_WITHOUT_SHAPED_RAMP
 
-// (K33): the largest step, up to `most_rad_s`, from which steps that get smaller by `less_rad_s` each come to rest `way_rad_s`
+// (K34): the largest step, up to `most_rad_s`, from which steps that get smaller by `less_rad_s` each come to rest `way_rad_s`
 // on at the earliest.
 static float largest_step(float way_rad_s, float most_rad_s, float less_rad_s) {
     const float whole = most_rad_s + less_rad_s;
@@ -247,7 +247,7 @@ lode_speed_shaped_step(lode_speed_t *self, const lode_speed_tuning_t *tuning, fl
         self->left_rad_s = 0.0f;
         return step;
     }
-    // (K34): what the sum loses is added to the next step.
+    // (K35): what the sum loses is added to the next step.
     const float moved = self->left_rad_s + step;
     self->reference_rad_s = before + moved;
     self->left_rad_s = moved - (self->reference_rad_s - before);

@@ -14,7 +14,7 @@ float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tu
 
 #ifndef LODE_WITHOUT_SHAPED_RAMP
 
-// One step of the reference towards the mechanical target, with two slopes and a jerk (K32)-(K34), rad/s.
+// One step of the reference towards the mechanical target, with two slopes and a jerk (K33)-(K35), rad/s.
 float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
                              float target_rad_s);
 

@@ -400,7 +400,7 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
     enter(self, (uint_least8_t)LODE_START_TURN);
 }
 
-// After the measurement, if there is one (S45).
+// After the measurement, if there is one (S47).
 static uint_least8_t last_stage(const lode_start_tuning_t *tuning) {
     return (uint_least8_t)(tuning->align_rounds > 0.0f ? LODE_START_ALIGN : LODE_START_TURN);
 }
@@ -625,7 +625,7 @@ static float ramp_share(const lode_start_t *self, const lode_start_tuning_t *tun
 }
 
 // Counts a round in which the vector stands at its axis with all of its current, which is none of the attempt's time; of the
-// first attempt alone (S45).
+// first attempt alone (S47).
 static bool aligns(lode_start_t *self, const lode_start_tuning_t *tuning) {
     if (self->stage != (uint_least8_t)LODE_START_ALIGN || self->current_A < self->current_target) {
         return false;

@@ -664,7 +664,7 @@ static void test_off_at_speed_switches_off_at_once(void) {
     rig_expect(&rig, LODE_MODE_OFF);
 }
 
-/// (K32): from hand-over to hand-back and behind the reversal the reference has no more than its slopes and its jerk, and begins
+/// (K33): from hand-over to hand-back and behind the reversal the reference has no more than its slopes and its jerk, and begins
 /// each time where the rotor is.
 static void test_a_jerk_limits_the_reference_of_a_drive(void) {
     lode_drive_config_t config = rig_config();

@@ -609,7 +609,7 @@ static void test_a_load_is_fed_forward_where_it_would_stop_the_rotor(void) {
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, fed_forward(3.0, 0.1 * dip, true));
 }
 
-// ---- Two slopes and a jerk (K32)-(K34) ------------------------------------------------------------
+// ---- Two slopes and a jerk (K33)-(K35) ------------------------------------------------------------
 
 /// A share of the jerk is left to rounding, as the code has it.
 #define PLANNED 0.96875

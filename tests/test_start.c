@@ -2052,7 +2052,7 @@ static aligned_t aligned(lode_start_t start, const lode_start_tuning_t *tuning, 
     return run;
 }
 
-/// (S45): with resistance measured and without, in the first attempt alone.
+/// (S47): with resistance measured and without, in the first attempt alone.
 static void test_the_first_vector_stands_for_the_time_that_is_asked_for(void) {
     for (int n = 0; n < 4; n++) {
         lode_start_config_t config = measuring();
