@@ -123,7 +123,7 @@ static void grow(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     self->periods++;
     if ((enough && fits) || self->periods >= most_periods(given)) {
         self->theta_rad = lode_atan2(i_A.beta, i_A.alpha);
-        self->rests = (uint_least8_t)(seen ? 0u : 1u);
+        self->rests = (uint_least8_t)(seen ? 0u : 1u); // if seen, TURN says
         enter(self, (uint_least8_t)(seen ? LODE_FLY_TURN : LODE_FLY_SLOW));
         return;
     }
@@ -172,6 +172,7 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     const float turned = lode_abs(self->turned_rad);
     const bool charged = self->charged >= given->charge;
     if (i_abs_A < LOST_SHARE * seen_A(given)) {
+        self->rests = 1u;
         enter(self, (uint_least8_t)LODE_FLY_SLOW);
         return;
     }
@@ -181,8 +182,10 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     }
     const line_t line = line_of(self);
     const float omega = line.slope_rad / given->ts_s;
-    if (turned >= TURN_LEAST_rad && line.scatter_rad2 <= SCATTER_MAX_rad * SCATTER_MAX_rad &&
-        is_motor(self, tuning, i_abs_A, omega, given)) {
+    // Noise does not turn, nor an offset: that may be of a rotor at rest (S45).
+    const bool turns =
+        turned >= TURN_LEAST_rad && line.scatter_rad2 <= SCATTER_MAX_rad * SCATTER_MAX_rad;
+    if (turns && is_motor(self, tuning, i_abs_A, omega, given)) {
         // (S21): the current lags the rotor by a quarter turn, and by what the rotor turns meanwhile.
         const float lead_rad = 0.25f * given->Lq_H * given->inv_Ld * self->share * line.slope_rad;
         const float ahead = lode_sign(omega) * LODE_HALF_PI + lead_rad;
@@ -191,6 +194,7 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
         self->share = 0.0f;
         enter(self, (uint_least8_t)LODE_FLY_COAST);
     } else {
+        self->rests = (uint_least8_t)(turns ? 0u : 1u);
         enter(self, (uint_least8_t)LODE_FLY_SLOW);
     }
 }

@@ -23,7 +23,9 @@
 
 #define NOTHING 0.1f   // of what is expected
 #define OFF_MOST 0.05f // of i_max: an offset has a calibration behind it
-#define TURNS 0.006f   // of i_max: some six counts, twice what the low-side pulses look for
+// Of i_max: some six counts, twice what the low-side pulses look for. Three counts of noise are the mean of six pulses off by so
+// much once in ten thousand, and one of them once in five (S46).
+#define MOVES 0.006f
 #define BEFORE_MOST                                                                                \
     0.35f // of what is expected: more than a rotor makes that the low-side pulses have not seen
 // Of the same, where there are none: a rotor that makes more of it turns too far while the check lasts. One shunt in the DC link,
@@ -42,7 +44,7 @@
 #define INDUCTANCE_LOW 0.4f
 // Saliency from which the rotor's axis is known to 25 degrees, beside gains that differ by 2 %, and noise (S40).
 #define SALIENT 0.03f
-#define SALIENT_NOISE 1.6f // of `turns_A`: 9.6 counts
+#define SALIENT_NOISE 1.6f // of `moves_A`: 9.6 counts
 
 #ifdef LODE_WITHOUT_SIGNAL_CHECK
 
@@ -97,7 +99,8 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
         .off_A = OFF_MOST * inverter->i_max_A,
         .before_most = given.pulses ? BEFORE_MOST : FLT_MAX, // else it is a rotor that turns
         .sum_most = given.sums ? SUM_MOST : FLT_MAX,
-        .turns_A = given.pulses ? TURNS * inverter->i_max_A : TURNS_ALONE * mean_A,
+        .turns_A = given.pulses ? FLT_MAX : TURNS_ALONE * mean_A,
+        .moves_A = given.pulses ? MOVES * inverter->i_max_A : TURNS_ALONE * mean_A,
         .pulses = can && wanted ? LODE_SIGNAL_PULSES : 0u,
     };
     return LODE_OK;
@@ -166,6 +169,17 @@ static void note_rise(lode_signal_check_t *self, const lode_sense_tuning_t *sens
     }
 }
 
+// One current before a pulse, or what noise leaves of the pulses up to now (S46).
+static bool is_turning(const lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning) {
+    const lode_ab_t sum_A = self->moves_A;
+    const float pulses = (float)(int32_t)((uint32_t)self->pulse % LODE_SIGNAL_PULSES + 1u);
+    const float most_A2 =
+        (float)(int32_t)LODE_SIGNAL_PULSES * pulses * tuning->moves_A * tuning->moves_A;
+    return self->before_A > tuning->turns_A ||
+           (!(tuning->turns_A < FLT_MAX) &&
+            sum_A.alpha * sum_A.alpha + sum_A.beta * sum_A.beta > most_A2);
+}
+
 // All gates were on for two periods: what flows that did not before. The pulse begins.
 static void note_before(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,
                         const lode_sense_tuning_t *sense, lode_sincos_t at,
@@ -173,10 +187,12 @@ static void note_before(lode_signal_check_t *self, const lode_signal_check_tunin
     const lode_ab_t before_A = current_A(sense, self->shown);
     self->before_A = lode_max(self->before_A, lode_ab_length(before_A));
     self->emf_A = lode_park(before_A, at).d;
+    self->moves_A.alpha += before_A.alpha;
+    self->moves_A.beta += before_A.beta;
     for (uint32_t x = 0u; x < PHASES; x++) {
         self->shown[x] = -(float)i[x];
     }
-    if (self->before_A > tuning->turns_A) {
+    if (is_turning(self, tuning)) {
         self->pulse = (uint_least8_t)tuning->pulses; // the last
         self->axis = 0u;
     }
@@ -291,7 +307,7 @@ static lode_finding_t find_in_bridge(const lode_signal_check_t *self, float puls
 static LODE_NOINLINE uint_least8_t next_axis(const lode_signal_check_t *self,
                                              const lode_signal_check_tuning_t *tuning) {
     const lode_ab_t twice = self->mirrored;
-    const float least_A = SALIENT * self->along.alpha + SALIENT_NOISE * tuning->turns_A;
+    const float least_A = SALIENT * self->along.alpha + SALIENT_NOISE * tuning->moves_A;
     if (!(lode_ab_length(twice) >= least_A)) {
         return 0u;
     }

@@ -244,20 +244,23 @@ static void test_what_is_no_rotor_of_this_motor_is_left_to_the_start(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
     static const struct {
         double omega, psi, noise_A;
+        unsigned rests;
     } cases[] = {
-        {30.0, 0.142, 0.0}, // slower than the start hands over
-        {30.0, 0.40, 0.0},  // the same, seen
-        {15.0, 1.0, 0.0},   // hardly turns while it is looked at
-        {400.0, 0.30, 0.0}, // too large a flux
-        {400.0, 0.05, 0.0}, // too small a one
-        {0.0, 0.142, 0.03}, // noise, in a direction that hops about
-        {900.0, 0.0, 0.02}, // noise too small to be seen
+        {30.0, 0.142, 0.0, 1u}, // slower than the start hands over
+        {30.0, 0.40, 0.0, 0u},  // the same, seen
+        {15.0, 1.0, 0.0, 1u},   // hardly turns while it is looked at
+        {400.0, 0.30, 0.0, 0u}, // too large a flux
+        {400.0, 0.05, 0.0, 0u}, // too small a one
+        {0.0, 0.142, 0.03, 1u}, // noise, in a direction that hops about
+        {900.0, 0.0, 0.02, 1u}, // noise too small to be seen
     };
     for (size_t n = 0; n < sizeof cases / sizeof cases[0]; n++) {
         coaster_t self = rotor(cases[n].omega);
         self.psi = cases[n].psi;
         self.noise_A = cases[n].noise_A;
-        TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, run(&self, &tuning, 0.0f).stage);
+        const lode_fly_t fly = run(&self, &tuning, 0.0f);
+        TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, fly.stage);
+        TEST_ASSERT_EQUAL_UINT(cases[n].rests, fly.rests);
     }
 }
 
@@ -276,6 +279,7 @@ static void test_noise_is_no_rotor(void) {
             fly_on(&fly, &tuning, i, 0.0f);
         }
         TEST_ASSERT_EQUAL_UINT(LODE_FLY_SLOW, fly.stage);
+        TEST_ASSERT_EQUAL_UINT(1u, fly.rests);
     }
 }
 
@@ -291,6 +295,7 @@ static void test_a_current_that_ends_is_no_rotor(void) {
     self.psi = 0.0;
     step(&self, &fly, &tuning, 0.0f);
     TEST_ASSERT_EQUAL_INT(LODE_FLY_SLOW, fly.stage);
+    TEST_ASSERT_EQUAL_UINT(1u, fly.rests);
 }
 
 // With the EMF above the bus the diodes conduct.

@@ -60,7 +60,7 @@ typedef struct {
     uint32_t periods;   ///< of the present stage
     uint_least8_t wait; ///< periods until a new share has been sampled
     uint_least8_t stage;
-    uint_least8_t rests; ///< SLOW, not 0: the longest pulses have shown nothing
+    uint_least8_t rests; ///< SLOW, not 0: the longest pulses have shown nothing that turns
 } lode_fly_t;
 
 /// No pulses where `config` says so, or where a share that is safe at `omega_max_rad_s` is too short for

@@ -28,8 +28,9 @@ typedef struct {
     float off_A;       ///< what the sensors may show with the gates off
     float before_most; ///< of that mean, that may flow before a pulse
     float sum_most;    ///< of what the phase shows that shows least, that their sum may be
-    float turns_A;     ///< with all gates on and no voltage: of a rotor that turns after all
-    uint32_t pulses;   ///< LODE_SIGNAL_PULSES for each set; 0: no check
+    float turns_A;   ///< before one pulse, of a rotor that turns after all; FLT_MAX: by all pulses
+    float moves_A;   ///< the same, mean of a set's pulses
+    uint32_t pulses; ///< LODE_SIGNAL_PULSES for each set; 0: no check
 } lode_signal_check_tuning_t;
 
 /// What is known elsewhere.
@@ -45,6 +46,7 @@ typedef struct {
         mirrored; ///< the same, turned on by the axis' angle instead of back: that is saliency
     float phase_A[LODE_PHASES]; ///< what each phase shows, without sign
     float sum_A;                ///< the same of the sum of all three
+    lode_ab_t moves_A;          ///< sum of the currents before the pulses
     float before_A; ///< the largest current before a pulse, with all gates on and no voltage
     float emf_A;    ///< along the present pulse, before it
     float off_A;    ///< the largest phase current before the first pulse
