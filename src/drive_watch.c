@@ -263,11 +263,13 @@ LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
     return good;
 }
 
-// A start that RUN still proves is an attempt that fails by its lock; while its current fades there is less torque.
+// A start that RUN still proves is an attempt that fails by its lock; while its current fades there is less torque. A rotor that
+// turns against the command has been caught, and is braked for as long as it takes: no attempt ends that, but its faults.
 static bool is_started(const lode_drive_t *self) {
     const lode_running_t *run = &self->state.run;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    if (run->proving > 0u) {
+    const bool back = self->estimator.pll.omega_rad_s * self->command.speed_rad_s < 0.0f;
+    if (run->proving > 0u && !back) {
         return false;
     }
 #endif

@@ -698,7 +698,10 @@ static void test_what_may_be_else_than_the_load(void) {
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
         rig = bad;
         rig.drive.state.run.proving = 1u;
+        rig.drive.command.speed_rad_s = copysignf(10.0f, rig.drive.estimator.pll.omega_rad_s);
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
+        rig.drive.command.speed_rad_s *= -1.0f; // caught, against the command
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(rig));
         rig = bad;
         rig.drive.command.flags |= (uint_least8_t)LODE_ORDER_TORQUE;
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, trips_by(rig));
@@ -832,6 +835,9 @@ static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
     TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.77f, (lode_dq_t){0.0f, 1.7f}, false));
     TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(rig, 0.77f, (lode_dq_t){-1.9f, 0.0f}, false));
     TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.77f, none, true));
+    rig_t back = rig;
+    back.drive.command.speed_rad_s *= -1.0f;
+    TEST_ASSERT_EQUAL_UINT32(rounds, flux_rounds(back, 0.77f, none, true));
     TEST_ASSERT_EQUAL_UINT32(0u, flux_rounds(rig, 0.45f, none, false));
     // With i_d = -6 A, i_q = 8 A the current has 0.27 of the flux, and errors of it explain 0.1 of psi; where the q axis
     // saturates, so much more of the inductances is not known.
