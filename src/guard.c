@@ -203,16 +203,17 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
     if (sample->trip) {
         lode_guard_trip(self, state, LODE_CHECK_HARDWARE_TRIP, 1.0f, 0.0f);
     }
+    // Before the current: duties that nobody has renewed are what makes it.
+    if (passed - tuning->stamp_min > tuning->stamp_span) {
+        const uint32_t latest = tuning->stamp_min + tuning->stamp_span;
+        lode_guard_trip(self, state, LODE_CHECK_TIMING, (float)passed, (float)latest);
+    }
     if (!(lode_abs(i_A) <= tuning->i_trip)) {
         lode_guard_trip(self, state, LODE_CHECK_OVER_CURRENT, i_A, tuning->i_trip);
     }
     self->railed = self->railed || railed; // lode_guard_check_slow() empties it
     if (railed && persists(self, &self->rail, true, tuning->bus_periods)) {
         lode_guard_trip(self, state, LODE_CHECK_CURRENT_RAIL, i_A, tuning->i_trip);
-    }
-    if (passed - tuning->stamp_min > tuning->stamp_span) {
-        const uint32_t latest = tuning->stamp_min + tuning->stamp_span;
-        lode_guard_trip(self, state, LODE_CHECK_TIMING, (float)passed, (float)latest);
     }
 }
 

@@ -403,6 +403,21 @@ static void test_timing_by_the_stamp(void) {
     }
 }
 
+/// Calls that were missed are the cause of a current that is too large; what the hardware has tripped by comes before both.
+static void test_a_missed_call_is_named_before_its_current(void) {
+    for (int n = 0; n < 4; n++) {
+        bench_t b = bench();
+        TEST_ASSERT_TRUE(fast_on_time(&b));
+        b.counts.i[0] = 4095u;
+        b.counts.trip = n >= 2;
+        b.counts.stamp += n % 2 == 0 ? 1000u : 100000u;
+        TEST_ASSERT_FALSE(fast(&b));
+        static const lode_check_t wanted[] = {LODE_CHECK_OVER_CURRENT, LODE_CHECK_TIMING,
+                                              LODE_CHECK_HARDWARE_TRIP, LODE_CHECK_HARDWARE_TRIP};
+        TEST_ASSERT_EQUAL_INT(wanted[n], b.guard.fault.check);
+    }
+}
+
 /// A quarter of a period late is in time, however close the sample is looked at.
 static void test_the_latest_stamp_is_in_time(void) {
     for (uint32_t more = 0u; more <= 1u; more++) {
@@ -744,6 +759,7 @@ int main(void) {
     RUN_TEST(test_over_speed_both_ways);
     RUN_TEST(test_wrong_way);
     RUN_TEST(test_the_latest_stamp_is_in_time);
+    RUN_TEST(test_a_missed_call_is_named_before_its_current);
     RUN_TEST(test_at_the_limits_nothing_is_looked_at);
     RUN_TEST(test_what_was_counted_is_pending);
     RUN_TEST(test_the_trip_itself_is_allowed);
