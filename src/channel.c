@@ -30,6 +30,9 @@ static LODE_NOINLINE float rare_value(const lode_drive_t *drive, lode_channel_t 
     if (channel == LODE_CHANNEL_RETRIES) {
         return (float)lode_drive_retries(drive);
     }
+    if (channel == LODE_CHANNEL_SIGNALS_CHECKED) {
+        return lode_drive_knows(drive, LODE_KNOWN_SIGNALS) ? 1.0f : 0.0f;
+    }
     return channel == LODE_CHANNEL_CRITERION ? (float)fault->criterion : 0.0f;
 }
 
@@ -89,6 +92,7 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
     case LODE_CHANNEL_START_STAGE:
     case LODE_CHANNEL_RETRIES:
     case LODE_CHANNEL_CRITERION:
+    case LODE_CHANNEL_SIGNALS_CHECKED:
     case LODE_CHANNEL_COUNT:
     default:
         return rare_value(drive, channel);

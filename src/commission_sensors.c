@@ -62,7 +62,7 @@ void lode_commission_calibrate(lode_commission_t *self, const lode_commission_pe
         } else {
             lode_commission_post(self, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
         }
-    } else if (self->drive->calibrated) {
+    } else if (lode_drive_knows(self->drive, LODE_KNOWN_OFFSETS)) {
         self->quantity = LODE_COMMISSION_SIGNALS;
         self->level = 0u;
         lode_commission_enter(self, STAGE_PULSES);

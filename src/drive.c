@@ -194,6 +194,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .torque_limited = speed != NULL && is_limited(speed),
             .speed_raised = speed != NULL && is_raised(self),
             .retries = lode_drive_retries(self),
+            .signals_checked = lode_drive_knows(self, LODE_KNOWN_SIGNALS),
             .duty = self->duty,
             .i_A = self->i_A,
             .ref_A = self->ref_A,

@@ -24,6 +24,10 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
     return false;
 #else
     const lode_drive_tuning_t *tuning = self->tuning;
+    if (driven == LODE_MODE_START &&
+        self->losses == 0u) { // another attempt goes by what the first one has found
+        self->known = (uint_least8_t)(self->known & (uint32_t)LODE_KNOWN_OFFSETS);
+    }
     bool flies = false;
     bool tries = false; // without pulses of the low sides, which would know a rotor that turns
 #ifndef LODE_WITHOUT_FLYING_START
@@ -51,7 +55,7 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
 static void follow_off(lode_drive_t *self) {
     const lode_mode_t driven = driven_mode(self);
     if (self->command.mode == LODE_MODE_CALIBRATE ||
-        (driven == LODE_MODE_START && !self->calibrated)) {
+        (driven == LODE_MODE_START && !lode_drive_knows(self, LODE_KNOWN_OFFSETS))) {
         lode_sense_begin(&self->state.sums);
         lode_mode_set(self, LODE_MODE_CALIBRATE);
     } else if (driven != LODE_MODE_OFF && !begins_precharge(self, driven)) {
@@ -159,6 +163,10 @@ static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t 
     const bool bus = lode_in_range(v_bus_V, tuning->guard.v_bus_min, tuning->guard.v_bus_max);
     if (bus && found.check != LODE_CHECK_NONE) {
         lode_mode_fault(self, found.check, found.measured, found.limit);
+    } else if (bus && lode_signal_check_is_through(check, &tuning->signal_check)) {
+        self->known = (uint_least8_t)(self->known | (uint32_t)LODE_KNOWN_SIGNALS);
+    } else {
+        // more pulses are to come, or it is passed over
     }
     return true;
 }
@@ -218,7 +226,7 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
     } else if (calibration == LODE_CALIBRATION_STUCK) {
         lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, offset_count, 0.0f);
     } else if (calibration == LODE_CALIBRATION_DONE) {
-        self->calibrated = true;
+        self->known = (uint_least8_t)(self->known | (uint32_t)LODE_KNOWN_OFFSETS);
         lode_mode_set(self, LODE_MODE_OFF);
         if (self->command.mode == LODE_MODE_CALIBRATE) {
             self->command.mode = LODE_MODE_OFF;

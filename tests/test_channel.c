@@ -37,7 +37,8 @@ static void fields_of(const lode_telemetry_t *t, float value[LODE_CHANNEL_COUNT]
                             NAN,
                             (float)t->start_stage,
                             (float)t->retries,
-                            (float)t->fault.criterion};
+                            (float)t->fault.criterion,
+                            (float)t->signals_checked};
     TEST_ASSERT_EQUAL_INT(LODE_CHANNEL_COUNT, COUNT_OF(fields));
     memcpy(value, fields, sizeof fields);
 }
@@ -163,7 +164,7 @@ static void test_bits_are_ieee_754(void) {
 #define NUMBER(channel, number, name, unit) TEST_ASSERT_EQUAL_INT(number, LODE_CHANNEL_##channel);
 static void test_numbers_are_those_of_the_table_without_gaps(void) {
     LODE_CHANNELS(NUMBER)
-    TEST_ASSERT_EQUAL_INT(29, LODE_CHANNEL_COUNT);
+    TEST_ASSERT_EQUAL_INT(30, LODE_CHANNEL_COUNT);
 }
 #undef NUMBER
 

@@ -390,7 +390,33 @@ static void test_a_start_tries_bridge_and_sensors(void) {
     TEST_ASSERT_EQUAL_INT(6 * PULSE_PERIODS, driven_before(&rig, false, true));
     rig_expect(&rig, LODE_MODE_START);
     CHECK_NEAR(1.0 * CHECK_DEG, theta, rig.motor.theta);
+    TEST_ASSERT_TRUE(rig_telemetry(&rig).signals_checked);
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    TEST_ASSERT_TRUE(rig_telemetry(&rig).signals_checked);
+}
+
+/// Of the start's first attempt it is told whether it was checked, and of one that follows what that has shown.
+static void test_a_start_without_its_signal_check_is_told(void) {
+    for (int n = 0; n < 4; n++) {
+        rig_t rig = fresh();
+        TEST_ASSERT_FALSE(rig_telemetry(&rig).signals_checked);
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.2));
+        TEST_ASSERT_TRUE(lode_drive_knows(&rig.drive, LODE_KNOWN_OFFSETS));
+        rig.drive.known |= (uint_least8_t)LODE_KNOWN_SIGNALS;
+        rig.drive.losses = n == 3 ? 1u : 0u;
+        rig_command(&rig, n == 0 ? (lode_command_t){.mode = LODE_MODE_CURRENT} : run_at(100.0));
+        rig.motor.omega = n == 2 ? 30.0 : 0.0; // slower than a rotor that is caught
+        for (int k = 0; k < 3; k++) {
+            rig_step(&rig);
+        }
+        TEST_ASSERT_EQUAL_INT(n == 0 || n == 3, rig_telemetry(&rig).signals_checked);
+        TEST_ASSERT_TRUE(lode_drive_knows(&rig.drive, LODE_KNOWN_OFFSETS));
+        if (n > 0) {
+            TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.5));
+            TEST_ASSERT_EQUAL_INT(n != 2, rig_telemetry(&rig).signals_checked);
+        }
+    }
 }
 
 static void test_swapped_sensors_end_the_start_before_it_begins(void) {
@@ -401,6 +427,7 @@ static void test_swapped_sensors_end_the_start_before_it_begins(void) {
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_SIGNALS", lode_check_name(fault.check));
     TEST_ASSERT_EQUAL_INT(LODE_MODE_PRECHARGE, fault.state);
     TEST_ASSERT_TRUE(fault.measured < fault.limit);
+    TEST_ASSERT_FALSE(rig_telemetry(&rig).signals_checked);
     TEST_ASSERT_TRUE(is_idle(rig.out));
 }
 
@@ -1132,6 +1159,7 @@ int main(void) {
     RUN_TEST(test_a_flight_begins_with_the_emf);
     RUN_TEST(test_off_ends_the_pulses);
     RUN_TEST(test_a_start_tries_bridge_and_sensors);
+    RUN_TEST(test_a_start_without_its_signal_check_is_told);
     RUN_TEST(test_swapped_sensors_end_the_start_before_it_begins);
     RUN_TEST(test_bridge_and_sensors_are_tried_without_low_side_pulses);
     RUN_TEST(test_starts_that_try_nothing);

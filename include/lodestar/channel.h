@@ -41,7 +41,9 @@ extern "C" {
     ROW(U_BETA, 25, "u_beta_V", "V")                                                               \
     ROW(START_STAGE, 26, "start_stage", "") /* lode_start_stage_t, 0 outside START */              \
     ROW(RETRIES, 27, "retries", "")         /* attempts of the start that have failed */           \
-    ROW(CRITERION, 28, "criterion", "")     /* that the last one did not meet: lode_criterion_t */
+    ROW(CRITERION, 28, "criterion", "")     /* that the last one did not meet: lode_criterion_t */ \
+    ROW(SIGNALS_CHECKED, 29, "signals_checked",                                                    \
+        "") /* 1: the start's signal check has gone through */
 
 #define LODE_CHANNEL_ENUMERATOR(channel, number, name, unit) LODE_CHANNEL_##channel = (number),
 typedef enum {

@@ -202,6 +202,13 @@ typedef struct {
     uint32_t word;
 } lode_tuning_watch_t;
 
+/// What lode_drive_t.known may hold.
+enum {
+    LODE_KNOWN_OFFSETS = 1, ///< calibrated
+    LODE_KNOWN_SIGNALS =
+        2, ///< of the present start, or the last one: the signal check has gone through
+};
+
 #define LODE_TORQUE_SHARE_ONE 0x8000u // two shares in one word
 
 /// A drive. Visible for static allocation; written by its functions only.
@@ -209,11 +216,11 @@ typedef struct {
     const lode_drive_tuning_t *tuning;
     uint32_t steps; ///< periods since init
     uint32_t
-        start_rounds; ///< of the present start, whatever attempts it takes, in LODE_SLOW_PERIODS
-    bool steady;      ///< RUN as commanded, speed control in its slot, nothing in the mail
-    bool gates;       ///< on
-    bool mail;        ///< something is posted
-    bool calibrated;
+        start_rounds;    ///< of the present start, whatever attempts it takes, in LODE_SLOW_PERIODS
+    bool steady;         ///< RUN as commanded, speed control in its slot, nothing in the mail
+    bool gates;          ///< on
+    bool mail;           ///< something is posted
+    uint_least8_t known; ///< LODE_KNOWN_...
     uint_least8_t command_posted; ///< mailbox: LODE_POST_...
     uint_least8_t sensored; ///< slow rounds for which the last LODE_ESTIMATE_SENSOR still counts
     uint_least8_t mode;     ///< lode_mode_t
@@ -282,6 +289,10 @@ static inline lode_start_stage_t lode_drive_start_stage(const lode_drive_t *self
                : LODE_START_NONE;
 }
 
+static inline bool lode_drive_knows(const lode_drive_t *self, uint32_t what) {
+    return ((uint32_t)self->known & what) != 0u;
+}
+
 /// lode_telemetry_t.retries
 static inline uint_least8_t lode_drive_retries(const lode_drive_t *self) {
 #ifdef LODE_WITHOUT_HANDOVER_RETRY
@@ -306,6 +317,9 @@ typedef struct {
     /// attempts of the present start, or the last one, that have failed, up to 2, and 3 while the last one is
     /// repeated; with injection also times that the rotor was looked for again, up to 3. 0 with LODE_WITHOUT_HANDOVER_RETRY
     uint_least8_t retries;
+    /// the present start, or the last one, began with a signal check that has gone through; not so where there is none, or where
+    /// it was passed over for a rotor that turns
+    bool signals_checked;
     lode_abc_t duty; ///< returned by the last call
     lode_dq_t i_A;   ///< in the frame of control: the rotor's in RUN, the vector's in START
     lode_dq_t ref_A; ///< its reference

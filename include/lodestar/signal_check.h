@@ -78,6 +78,12 @@ static inline bool lode_signal_check_goes_on(const lode_signal_check_t *self,
     return (uint32_t)self->pulse < tuning->pulses;
 }
 
+/// After a step: that was the last one of the last pulse. Not so if it was passed over.
+static inline bool lode_signal_check_is_through(const lode_signal_check_t *self,
+                                                const lode_signal_check_tuning_t *tuning) {
+    return !lode_signal_check_goes_on(self, tuning) && self->period == 0u;
+}
+
 /// After the check: the phase axis that is next to the rotor's d axis, at most 45 degrees off it or opposite to it. A sine and a
 /// cosine of 0: it is not known, as the rotor turns or has too little saliency.
 lode_sincos_t lode_signal_check_axis(const lode_signal_check_t *self);

@@ -344,7 +344,8 @@ static bool calibrate(trial_t *trial) {
     plant_set_speed(&trial->rig.plant, 0.0);
     (void)lode_drive_post_command(trial->rig.drive, &calibration);
     for (double left_s = 2.0 * (double)trial->one->told.drive.sense.calibrate_s;
-         !trial->rig.drive->calibrated && left_s > 0.0; left_s -= trial->ts_s) {
+         !lode_drive_knows(trial->rig.drive, LODE_KNOWN_OFFSETS) && left_s > 0.0;
+         left_s -= trial->ts_s) {
         if (!step(trial)) {
             return false;
         }
