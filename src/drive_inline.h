@@ -224,11 +224,20 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     (void)lode_speed_step(&run->speed, &tuning->speed, target, omega_rad_s, load_Nm);
 }
 
+#define NO_BIAS_rad_s 1.0e9f // beyond any fade
+
+// The speed by which the bias of id fades (K10). With the edges of a coarse sensor it is gone: no EMF needs it, and with such an angle
+// a negative id pushes the rotor away from where it stands.
+LODE_INLINE float lode_drive_bias_omega(const lode_drive_t *self) {
+    const float omega = self->estimator.pll.omega_rad_s;
+    return lode_mode_is_sensored(self) && self->edges ? lode_sign(omega) * NO_BIAS_rad_s : omega;
+}
+
 // With the torque: second part.
 LODE_INLINE void lode_drive_free_id(lode_drive_t *self) {
     lode_running_t *run = &self->state.run;
     lode_references_free(&run->references, &self->tuning->references, run->speed.torque_Nm,
-                         self->estimator.pll.omega_rad_s, run->fade * run->id_A,
+                         lode_drive_bias_omega(self), run->fade * run->id_A,
                          self->inverter.v_bus_V);
 }
 
@@ -243,7 +252,7 @@ LODE_SHARED void lode_drive_references(lode_drive_t *self) {
     lode_running_t *run = &self->state.run;
     const lode_references_out_t out = lode_references_finish(
         &run->references, &self->tuning->references, run->speed.torque_Nm,
-        self->estimator.pll.omega_rad_s, run->fade * run->id_A, self->inverter.v_bus_V);
+        lode_drive_bias_omega(self), run->fade * run->id_A, self->inverter.v_bus_V);
     self->ref_A = out.i_A;
     run->speed.limit_Nm = lode_drive_torque_limits(self, out.torque_Nm);
 }
@@ -318,19 +327,12 @@ LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tun
     lode_estimator_adapt_gains(&self->estimator, &tuning->estimator);
 }
 
-// The sensor's next estimate renews what is counted here.
-LODE_INLINE void lode_drive_count_sensor(lode_drive_t *self) {
-    if (lode_mode_is_sensored(self)) {
-        self->sensored--;
-    }
-}
-
 LODE_INLINE void lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     if (!self->estimator.locked && lode_mode_seed(self)) {
         return; // an angle is acquired, the rest a round later: together 1459 cycles, the dearest call of a start
     }
     lode_drive_adapt_gains(self, tuning);
-    lode_drive_count_sensor(self);
+    lode_mode_count_sensor(self);
     lode_estimator_adapt_notches(&self->estimator, &tuning->estimator);
 }
 

@@ -1,5 +1,6 @@
 #include "lodestar/encoder.h"
 
+#include <float.h>
 #include <stddef.h>
 
 #define COUNTS_MIN 6u
@@ -16,10 +17,26 @@
 #define PULL_INSIDE 0.1f
 // From this count on, 31 per electrical turn, the edges between counts are followed, not the counts.
 #define COARSE_rad 0.2f
-// Of what an edge says of angle and of speed: sampled, it comes up to a period late. The speed's share is the least
-// that goes along with a reversal at full torque; with 0.3 the angle lags by 30 degrees and more there.
-#define EDGE_ANGLE_GAIN 0.7f
-#define EDGE_SPEED_GAIN 0.4f
+// Poles of speed and load from edge to edge (A5): of an edge near where it is expected, stable with a rotor four times
+// lighter than configured; of one that is a whole count off, so that the speed becomes the mean since the last edge.
+#define POLE_NEAR 0.8f
+#define POLE_FAR 0.414f
+// Of a count, up to which an edge is near: real edges are a tenth off.
+#define NEAR_SHARE 0.25f
+// A load beyond so many times the drive's own torque is none.
+#define LOAD_MOST 2.0f
+
+// Electrical acceleration per torque over the torque factor. A QPLL has none, then by the inertia that speed control feeds
+// forward; 0 without that.
+static float acc_per_torque(const lode_drive_tuning_t *drive) {
+    const float given = drive->estimator.acc_per_torque;
+    const float call_s = (float)drive->speed_periods * drive->estimator.pll.ts_s;
+    const float J_kgm2 = drive->speed.inertia_Nm * call_s;
+    if (given > 0.0f || !(J_kgm2 > 0.0f)) {
+        return given;
+    }
+    return drive->references.torque_factor / (drive->speed.inv_pole_pairs * J_kgm2);
+}
 
 lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encoder_config_t *config,
                                 const lode_drive_tuning_t *drive) {
@@ -48,6 +65,7 @@ lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encode
         return LODE_ERROR_ENCODER_CHECK;
     }
     const float x = lode_one_minus_exp(bandwidth * ts_s);
+    const float acc = acc_per_torque(drive);
     *tuning = (lode_encoder_tuning_t){
         .counts_per_turn = config->counts_per_turn,
         .pole_pairs = pole_pairs,
@@ -62,6 +80,11 @@ lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encode
         .omega_check = omega_check,
         .falls_back = config->falls_back,
         .coarse = rad_per_count > COARSE_rad,
+        .acc_per_torque = acc,
+        .acc_per_omega = drive->estimator.acc_per_omega,
+        .psi_Wb = drive->estimator.psi_Wb,
+        .salient_H = drive->estimator.salient_H,
+        .load_most = LOAD_MOST * acc * drive->references.tau_max,
     };
     return LODE_OK;
 }
@@ -88,29 +111,73 @@ static void follow_counts(lode_encoder_t *self, const lode_encoder_tuning_t *tun
     self->omega_rad_s += tuning->speed_gain * error;
 }
 
-// (A3) at an edge, (A4) between two. `moved`: from the middle of the last count to that of this one.
+typedef struct {
+    float omega_rad_s, load_rad_s2;
+} correction_t;
+
+// (A5) of an edge that is `error` off where it is expected.
+static correction_t correction(const lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
+                               float error) {
+    const float count_rad = 2.0f * tuning->half_rad;
+    const float far = (lode_abs(error) / count_rad - NEAR_SHARE) / (1.0f - NEAR_SHARE);
+    const float left = 1.0f - POLE_NEAR + (POLE_NEAR - POLE_FAR) * lode_clamp(far, 0.0f, 1.0f);
+    // The interval that the speed makes: the one measured is rounded to periods, with the error.
+    const float made_s = count_rad / lode_max(lode_abs(self->omega_rad_s), FLT_MIN);
+    const float least_s = lode_max(self->since_s - tuning->ts_s, 0.5f * tuning->ts_s);
+    const float tau_s = lode_clamp(made_s, least_s, self->since_s + tuning->ts_s);
+    const float mean = error / tau_s;
+    return (correction_t){left * (2.0f - 0.5f * left) * mean, left * left * mean / tau_s};
+}
+
+// The rotor is at `theta_rad`, `error` from where it was expected.
+static void correct(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, float theta_rad,
+                    float error) {
+    const correction_t by = correction(self, tuning, error);
+    const float load = self->load_rad_s2 + by.load_rad_s2;
+    self->theta_rad = lode_wrap(theta_rad);
+    self->omega_rad_s += by.omega_rad_s;
+    self->load_rad_s2 = lode_clamp(load, -tuning->load_most, tuning->load_most);
+    self->since_s = 0.0f;
+}
+
+// Between two edges the rotor follows torque and load (A3). One that sends no edge a whole count beyond the end of its
+// own is not where it is expected: as if the edge had come, and in the middle.
 static void follow_edges(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, float predicted,
                          float off, float moved) {
     self->since_s += tuning->ts_s;
+    self->omega_rad_s += tuning->ts_s * (self->acc_rad_s2 + self->load_rad_s2);
     if (lode_abs(moved) > tuning->half_rad) {
         // Seen half a period late on average.
         const float late = 0.5f * tuning->ts_s * self->omega_rad_s;
         const float error = off + late - lode_sign(moved) * tuning->half_rad;
-        self->theta_rad = lode_wrap(predicted + EDGE_ANGLE_GAIN * error);
-        // By the interval that the speed makes: the one measured is rounded to periods, with the error.
-        const float rate = lode_abs(self->omega_rad_s) / (2.0f * tuning->half_rad);
-        const float per_s = rate * self->since_s > 0.5f ? rate : 1.0f / self->since_s;
-        self->omega_rad_s += EDGE_SPEED_GAIN * per_s * error;
-        self->since_s = 0.0f;
-        return;
+        correct(self, tuning, predicted + error, error);
+    } else if (lode_abs(off) > 3.0f * tuning->half_rad) {
+        const float made_s =
+            2.0f * tuning->half_rad / lode_max(lode_abs(self->omega_rad_s), FLT_MIN);
+        const float since_s = lode_min(self->since_s, made_s);
+        correct(self, tuning, predicted + off, off - lode_sign(off) * tuning->half_rad);
+        self->since_s = since_s;
+    } else {
+        self->theta_rad = lode_wrap(predicted);
     }
-    // Inside the count, and as far beyond it as an edge may not have been seen yet.
-    const float late_rad = tuning->ts_s * lode_abs(self->omega_rad_s);
-    const float reach = tuning->half_rad + late_rad;
-    self->theta_rad = lode_wrap(predicted + off - lode_clamp(off, -reach, reach));
-    const float shortest_s = lode_max(self->since_s - tuning->ts_s, 0.5f * tuning->ts_s);
-    const float most = 2.0f * tuning->half_rad / shortest_s;
-    self->omega_rad_s = lode_clamp(self->omega_rad_s, -most, most);
+}
+
+typedef struct {
+    float theta_rad, omega_rad_s;
+} shaft_t;
+
+// What is known of the rotor. One whose edge is overdue: by the speed that it would have if the edge came now, and the
+// longer the nearer to the middle of its count (A4).
+static shaft_t shaft(const lode_encoder_t *self, const lode_encoder_tuning_t *tuning) {
+    const float off = lode_wrap(self->seen_rad - self->theta_rad);
+    const float reach = tuning->half_rad + tuning->ts_s * lode_abs(self->omega_rad_s);
+    const float error = off - lode_clamp(off, -reach, reach);
+    if (!tuning->coarse || !(lode_abs(error) > 0.0f)) {
+        return (shaft_t){self->theta_rad, self->omega_rad_s};
+    }
+    const float back = lode_min(0.5f * lode_abs(error) / tuning->half_rad, 1.0f);
+    const float theta_rad = lode_wrap(self->theta_rad + error + lode_sign(error) * back * reach);
+    return (shaft_t){theta_rad, self->omega_rad_s + correction(self, tuning, error).omega_rad_s};
 }
 
 static void track(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, float theta_rad) {
@@ -134,22 +201,29 @@ static void check(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, flo
     self->distrusted = self->distrusted || self->disagreed >= tuning->check_periods;
 }
 
+// By torque and friction, over the period to come.
+static float acceleration(const lode_encoder_tuning_t *tuning, lode_dq_t i_A, float omega_rad_s) {
+    const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_A.d;
+    return tuning->acc_per_torque * flux_Wb * i_A.q - tuning->acc_per_omega * omega_rad_s;
+}
+
 lode_estimate_t lode_encoder_estimate(lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
                                       const lode_estimate_t *own, lode_ab_t i_A, uint32_t count) {
     track(self, tuning, angle_of(tuning, count));
-    const bool checked = lode_abs(self->omega_rad_s) >= tuning->omega_check;
-    check(self, tuning, checked ? own->lock : 1.0f);
     lode_estimate_t estimate = *own;
-    if (self->distrusted && tuning->falls_back) {
-        return estimate;
-    }
-    const float theta = lode_wrap(self->theta_rad + tuning->delay_s * self->omega_rad_s);
-    estimate.rotor = lode_sincos(theta);
-    estimate.omega_rad_s = self->omega_rad_s;
+    const shaft_t rotor = shaft(self, tuning);
+    const bool checked = lode_abs(rotor.omega_rad_s) >= tuning->omega_check;
+    check(self, tuning, checked ? own->lock : 1.0f);
+    estimate.rotor = lode_sincos(lode_wrap(rotor.theta_rad + tuning->delay_s * rotor.omega_rad_s));
+    estimate.omega_rad_s = rotor.omega_rad_s;
     estimate.i_A = lode_park(i_A, estimate.rotor);
+    self->acc_rad_s2 = acceleration(tuning, estimate.i_A, rotor.omega_rad_s);
+    if (self->distrusted && tuning->falls_back) {
+        return *own;
+    }
     estimate.load_torque_Nm = 0.0f; // the estimator's goes with its own angle
     estimate.lock = checked ? own->lock : 1.0f;
-    estimate.source = LODE_ESTIMATE_SENSOR;
+    estimate.source = tuning->coarse ? LODE_ESTIMATE_EDGES : LODE_ESTIMATE_SENSOR;
     return estimate;
 }
 

@@ -364,7 +364,8 @@ bool lode_mode_seed(lode_drive_t *self) {
 }
 
 LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate) {
-    self->sensored = estimate->source == LODE_ESTIMATE_SENSOR ? SENSOR_ROUNDS : 0u;
+    self->edges = estimate->source == LODE_ESTIMATE_EDGES;
+    self->sensored = self->edges || estimate->source == LODE_ESTIMATE_SENSOR ? SENSOR_ROUNDS : 0u;
     if (!self->gates || estimate->source == LODE_ESTIMATE_OWN) {
         return;
     }

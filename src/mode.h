@@ -80,6 +80,13 @@ static inline bool lode_mode_is_sensored(const lode_drive_t *self) {
 #endif
 }
 
+// The sensor's next estimate renews what is counted here.
+static inline void lode_mode_count_sensor(lode_drive_t *self) {
+    if (lode_mode_is_sensored(self)) {
+        self->sensored--;
+    }
+}
+
 static inline bool lode_mode_clears_fault(const lode_drive_t *self) {
     return self->command.mode == LODE_MODE_OFF &&
            ((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_CLEAR_FAULT) != 0u;

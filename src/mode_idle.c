@@ -10,7 +10,8 @@
 // The mode with all gates on that is asked for; OFF: none.
 static lode_mode_t driven_mode(const lode_drive_t *self) {
     const lode_mode_t wanted = self->command.mode;
-    if (wanted == LODE_MODE_RUN && (!lode_mode_is_stop(self) || lode_mode_finds_at_rest(self))) {
+    const bool at_rest = lode_mode_finds_at_rest(self) || lode_mode_is_sensored(self);
+    if (wanted == LODE_MODE_RUN && (!lode_mode_is_stop(self) || at_rest)) {
         return LODE_MODE_START;
     }
     return lode_mode_is_commissioning(wanted) ? wanted : LODE_MODE_OFF;
@@ -273,4 +274,5 @@ void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, const lode_sample_t
         }
         break;
     }
+    lode_mode_count_sensor(self);
 }

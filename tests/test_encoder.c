@@ -3,6 +3,8 @@
 
 #include "lodestar/encoder.h"
 
+#include "mode.h"
+
 #define NP 3.0
 
 static lode_drive_tuning_t drive_tuning;
@@ -85,7 +87,7 @@ static tracked_t track(const lode_encoder_config_t *config, double omega_m, doub
             count_at(sign * (theta_m - omega_m * age_s), config->counts_per_turn);
         const lode_estimate_t e =
             lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, count);
-        TEST_ASSERT_EQUAL_INT(LODE_ESTIMATE_SENSOR, e.source);
+        TEST_ASSERT_EQUAL_INT(tuning.coarse ? LODE_ESTIMATE_EDGES : LODE_ESTIMATE_SENSOR, e.source);
         if (k < periods / 2) {
             continue;
         }
@@ -137,35 +139,139 @@ static void test_hall_switches_are_followed_by_their_edges(void) {
     }
 }
 
-/// An edge changes the speed by 0.4 of its error over the interval: of the one that the speed makes, unless the
-/// rotor took twice as long (A3).
-static void test_an_edge_corrects_the_speed_by_its_interval(void) {
+// A pole of (A5) by the share of a count that an edge is off.
+static double pole_of(double share) {
+    return 0.8 - 0.386 * fmax(0.0, fmin(1.0, (share - 0.25) / 0.75));
+}
+
+/// An edge says where the rotor is, and corrects speed and load by its error over the interval: that which the speed
+/// makes, within a period of the one measured (A3), (A5).
+static void test_an_edge_corrects_speed_and_load_by_its_interval(void) {
     const lode_encoder_config_t config = {.counts_per_turn = 18u, .offset_rad = middle_rad(18u)};
     const lode_encoder_tuning_t tuning = tuned(&config);
     const lode_estimate_t own = {.lock = 1.0f, .rotor = {0.0f, 1.0f}};
     const lode_ab_t i_A = {0.0f, 0.0f};
     const double count_rad = CHECK_PI / 3.0;
-    static const int periods[] = {40, 160, 160}; // from edge to edge
-    static const bool by_speed[] = {false, true, false};
+    static const double shares[] = {0.0, 0.1, -0.2, 0.6, -0.9};
+    for (int n = 0; n < COUNT_OF(shares); n++) {
+        for (int k = -1; k <= 1; k++) { // the speed makes 60, 100, 160 periods of 100
+            const double made_s = (k < 0 ? 60.0 : (k > 0 ? 160.0 : 100.3)) * RIG_TS_s;
+            lode_encoder_t encoder;
+            lode_encoder_reset(&encoder);
+            (void)lode_encoder_estimate(&encoder, &tuning, &own, i_A, 0u);
+            encoder.omega_rad_s = (float)(count_rad / made_s);
+            encoder.since_s = (float)(99.0 * RIG_TS_s);
+            const double late = 0.5 * RIG_TS_s * encoder.omega_rad_s;
+            const double at = (double)encoder.seen_rad + 0.5 * count_rad + late;
+            encoder.theta_rad = (float)(at - shares[n] * count_rad - 2.0 * late);
+            const double before = (double)encoder.omega_rad_s;
+            (void)lode_encoder_estimate(&encoder, &tuning, &own, i_A, 1u);
+            const double error = shares[n] * count_rad;
+            const double since_s = 100.0 * RIG_TS_s;
+            const double tau_s = fmax(since_s - RIG_TS_s, fmin(since_s + RIG_TS_s, made_s));
+            const double p = pole_of(fabs(shares[n]));
+            const double by = (1.5 - p - 0.5 * p * p) * error / tau_s;
+            const double load = (1.0 - p) * (1.0 - p) * error / (tau_s * tau_s);
+            CHECK_NEAR(2.0e-4, 0.0, remainder((double)encoder.theta_rad - at, 2.0 * CHECK_PI));
+            CHECK_NEAR(0.03, by, (double)encoder.omega_rad_s - before);
+            CHECK_NEAR(3.0 + 0.003 * fabs(load), load, encoder.load_rad_s2);
+            CHECK_NEAR(0.0, 0.0, encoder.since_s);
+        }
+    }
+}
+
+/// No load is more than twice the drive's own torque.
+static void test_a_sensor_that_jumps_tells_no_load_beyond_reason(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 18u, .offset_rad = middle_rad(18u)};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const lode_estimate_t own = {.lock = 1.0f, .rotor = {0.0f, 1.0f}};
     lode_encoder_t encoder;
     lode_encoder_reset(&encoder);
-    (void)lode_encoder_estimate(&encoder, &tuning, &own, i_A, 0u);
-    for (uint32_t edge = 0u; edge < 3u; edge++) {
-        if (edge == 2u) {
-            encoder.omega_rad_s *= 0.25f; // much slower than the interval will be
+    (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
+    (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 2u);
+    const double most =
+        2.0 * (double)(drive_tuning.estimator.acc_per_torque * drive_tuning.references.tau_max);
+    TEST_ASSERT_TRUE(most > 0.0);
+    CHECK_CLOSE(1.0e-5, most, encoder.load_rad_s2);
+}
+
+/// Between two edges the rotor follows the torque of the current and the load that is known (A3); the same with a QPLL.
+static void test_between_edges_the_speed_follows_the_torque(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 18u, .offset_rad = middle_rad(18u)};
+    const lode_drive_config_t told = rig_config();
+    for (int qpll = 0; qpll < 2; qpll++) {
+        if (qpll == 1) {
+            drive_tuning.estimator.acc_per_torque = 0.0f;
+            drive_tuning.estimator.acc_per_omega = 0.0f;
         }
-        for (int k = 1; k < periods[edge]; k++) {
-            (void)lode_encoder_estimate(&encoder, &tuning, &own, i_A, edge);
+        const lode_encoder_tuning_t tuning = tuned(&config);
+        const lode_estimate_t own = {.lock = 1.0f, .rotor = {0.0f, 1.0f}};
+        lode_encoder_t encoder;
+        lode_encoder_reset(&encoder);
+        lode_estimate_t e =
+            lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
+        encoder.load_rad_s2 = 100.0f;
+        double omega = 0.0;
+        const double flux =
+            (double)told.motor.psi_Wb - 2.0 * ((double)told.motor.Ld_H - (double)told.motor.Lq_H);
+        for (int k = 0; k < 100; k++) { // id -2 A, iq 1.5 A
+            const lode_ab_t i_A = lode_park_inverse((lode_dq_t){-2.0f, 1.5f}, e.rotor);
+            e = lode_encoder_estimate(&encoder, &tuning, &own, i_A, 0u);
+            const double torque =
+                1.5 * NP * flux * 1.5 - (qpll == 1 ? 0.0 : (double)told.motor.B_Nms * omega / NP);
+            omega += RIG_TS_s * (100.0 + (k == 0 ? 0.0 : NP / (double)told.motor.J_kgm2 * torque));
+            if (lode_abs(lode_wrap(encoder.theta_rad - encoder.seen_rad)) > 0.45f) {
+                break;
+            }
         }
-        const double before = (double)encoder.omega_rad_s;
-        const double predicted = (double)encoder.theta_rad + RIG_TS_s * before;
-        (void)lode_encoder_estimate(&encoder, &tuning, &own, i_A, edge + 1u);
-        const double error = remainder((double)encoder.theta_rad - predicted, 2.0 * CHECK_PI) / 0.7;
-        const double interval_s = periods[edge] * RIG_TS_s;
-        const double per_s = by_speed[edge] ? before / count_rad : 1.0 / interval_s;
-        TEST_ASSERT_EQUAL_INT(by_speed[edge], before * interval_s > 0.5 * count_rad);
-        TEST_ASSERT_TRUE(fabs(error) > 0.02);
-        CHECK_CLOSE(2.0e-3, 0.4 * per_s * error, (double)encoder.omega_rad_s - before);
+        TEST_ASSERT_TRUE(omega > 5.0);
+        CHECK_CLOSE(0.05, omega, e.omega_rad_s);
+    }
+    // A tuning that knows no inertia follows the edges alone.
+    drive_tuning.speed.inertia_Nm = 0.0f;
+    CHECK_NEAR(0.0, 0.0, tuned(&config).acc_per_torque);
+}
+
+/// An edge that is overdue: the speed that the rotor would have if it came now, the angle on its way from the end of the
+/// count to its middle, and from there on as if it had come (A4).
+static void test_an_edge_that_is_overdue_slows_the_rotor_down(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 18u, .offset_rad = middle_rad(18u)};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const lode_estimate_t own = {.lock = 1.0f, .rotor = {0.0f, 1.0f}};
+    const double count_rad = CHECK_PI / 3.0;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        static const double excess[] = {0.0, 0.2, 0.5, 0.9, 1.1};
+        for (int n = 0; n < COUNT_OF(excess); n++) {
+            lode_encoder_t encoder;
+            lode_encoder_reset(&encoder);
+            (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
+            const double omega = 20.0;
+            const double step = omega * RIG_TS_s;
+            const double since_s = (1.0 + excess[n]) * count_rad / omega;
+            const double ahead = (0.5 + excess[n]) * count_rad;
+            encoder.omega_rad_s = (float)(sign * omega);
+            encoder.since_s = (float)(since_s - RIG_TS_s);
+            encoder.theta_rad = (float)((double)encoder.seen_rad + sign * (ahead - step));
+            const lode_estimate_t e =
+                lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
+            const double off =
+                sign * remainder((double)lode_estimate_theta_rad(&e) - (double)encoder.seen_rad,
+                                 2.0 * CHECK_PI);
+            const double share = fmax(0.0, excess[n] - step / count_rad);
+            if (excess[n] > 1.0) {
+                CHECK_NEAR(1.0e-4, 0.0, off);
+                CHECK_NEAR(0.3, omega - 1.1 * count_rad / since_s, sign * (double)e.omega_rad_s);
+                CHECK_NEAR(1.0e-3, count_rad / omega,
+                           encoder.since_s); // not beyond what the speed makes
+                TEST_ASSERT_TRUE((double)sign * (double)encoder.load_rad_s2 < 0.0);
+            } else {
+                const double p = pole_of(share);
+                const double slower = (1.5 - p - 0.5 * p * p) * share * count_rad / since_s;
+                CHECK_NEAR(0.3, omega - slower, sign * (double)e.omega_rad_s);
+                CHECK_NEAR(0.01, (0.5 * count_rad + step) * (1.0 - share), off);
+                CHECK_NEAR(0.0, (float)(sign * omega), encoder.omega_rad_s);
+            }
+        }
     }
 }
 
@@ -182,7 +288,8 @@ static void test_a_rotor_that_stops_between_two_edges_is_seen_to_stop(void) {
         e = lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f},
                                   count_at(theta_m, 18u));
     }
-    CHECK_AT_MOST(1.1, fabs((double)e.omega_rad_s));                  // less than an edge a second
+    CHECK_AT_MOST(5.0 * CHECK_PI / 3.0,
+                  fabs((double)e.omega_rad_s)); // as (A4): some edges over the time
     CHECK_AT_MOST(CHECK_PI / 3.0, fabs(angle_off(&e, NP * theta_m))); // both within the count
 }
 
@@ -293,6 +400,35 @@ static void test_a_drive_holds_zero_speed_and_reverses_through_it(void) {
     rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_OFF});
     shaft_step(&self);
     TEST_ASSERT_FALSE(self.rig.out.gates);
+}
+
+/// With a sensor speed 0 is a speed like any other, from OFF too.
+static void test_speed_0_from_off_holds_the_rotor(void) {
+    shaft_t self = shaft(false);
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 0.0f});
+    shaft_run(&self, 1.0);
+    rig_expect(&self.rig, LODE_MODE_RUN);
+    TEST_ASSERT_TRUE(self.rig.out.gates);
+    check_speed(&self, 0.0);
+    const float bias_A = drive_tuning.references.id_bias_A;
+    TEST_ASSERT_TRUE(bias_A > 0.0f);
+    CHECK_NEAR(1.0e-3, -bias_A, self.rig.drive.ref_A.d);
+    self.tuning.coarse = true; // no bias with edges (K10)
+    shaft_run(&self, 0.01);
+    CHECK_NEAR(1.0e-3, 0.0, self.rig.drive.ref_A.d);
+    self.tuning.coarse = false;
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    shaft_step(&self);
+    TEST_ASSERT_FALSE(self.rig.out.gates);
+    shaft_step(&self);
+    TEST_ASSERT_TRUE(lode_mode_is_sensored(&self.rig.drive));
+    // A sensor that says nothing any more is none in OFF either.
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    rig_run(&self.rig, 3.0 * RIG_TS_s);
+    TEST_ASSERT_FALSE(lode_mode_is_sensored(&self.rig.drive));
+    rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 0.0f});
+    rig_run(&self.rig, 0.1);
+    rig_expect(&self.rig, LODE_MODE_OFF);
 }
 
 static void test_a_sensor_that_sticks_trips(void) {
@@ -471,11 +607,15 @@ int main(void) {
     RUN_TEST(test_a_fine_encoder_is_tracked_to_its_count);
     RUN_TEST(test_the_age_of_a_count_is_made_up_for);
     RUN_TEST(test_hall_switches_are_followed_by_their_edges);
-    RUN_TEST(test_an_edge_corrects_the_speed_by_its_interval);
+    RUN_TEST(test_an_edge_corrects_speed_and_load_by_its_interval);
+    RUN_TEST(test_a_sensor_that_jumps_tells_no_load_beyond_reason);
+    RUN_TEST(test_between_edges_the_speed_follows_the_torque);
+    RUN_TEST(test_an_edge_that_is_overdue_slows_the_rotor_down);
     RUN_TEST(test_a_rotor_that_stops_between_two_edges_is_seen_to_stop);
     RUN_TEST(test_counts_beyond_a_turn_are_reduced);
     RUN_TEST(test_the_offset_is_found_from_the_own_estimate);
     RUN_TEST(test_a_drive_holds_zero_speed_and_reverses_through_it);
+    RUN_TEST(test_speed_0_from_off_holds_the_rotor);
     RUN_TEST(test_a_sensor_that_sticks_trips);
     RUN_TEST(test_a_short_doubt_is_forgotten);
     RUN_TEST(test_a_sensor_that_slips_is_left_for_the_emf);

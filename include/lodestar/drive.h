@@ -95,7 +95,7 @@ typedef enum {
 } lode_control_t;
 
 /// What the drive shall do. RUN calibrates and starts by itself where that is needed, and with speed 0
-/// stops and switches off; with signal injection that is a speed like any other, and OFF stops.
+/// stops and switches off; with signal injection or an angle sensor that is a speed like any other, and OFF stops.
 typedef struct {
     lode_mode_t mode; ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
     /// RUN: MECHANICAL speed, either sign; with torque control the direction in which to run, and the speed
@@ -222,6 +222,7 @@ typedef struct {
     bool mail;           ///< something is posted
     uint_least8_t known; ///< LODE_KNOWN_...
     uint_least8_t command_posted; ///< mailbox: LODE_POST_...
+    bool edges;                   ///< the last of those was LODE_ESTIMATE_EDGES
     uint_least8_t sensored; ///< slow rounds for which the last LODE_ESTIMATE_SENSOR still counts
     uint_least8_t mode;     ///< lode_mode_t
     uint_least8_t mode_not; ///< the same inverted

@@ -44,14 +44,22 @@ typedef struct {
     float speed_gain; ///< rad/s per rad
     float omega_check;
     bool falls_back;
-    bool coarse; ///< edges are followed
+    bool coarse;          ///< edges are followed
+    float acc_per_torque; ///< coarse counts: 1.5 np^2/J
+    float acc_per_omega;  ///< B/J
+    float psi_Wb;
+    float salient_H; ///< Ld - Lq
+    float load_most; ///< electrical acceleration, rad/s^2
 } lode_encoder_tuning_t;
 
 typedef struct {
-    float theta_rad; ///< electrical, at the instant of the count
+    float
+        theta_rad; ///< electrical, at the instant of the count; coarse counts: as if no edge were overdue
     float omega_rad_s;
     float seen_rad;     ///< middle of the last count
     float since_s;      ///< coarse counts: time since the last edge
+    float acc_rad_s2;   ///< by torque and friction, electrical
+    float load_rad_s2;  ///< by the load, from edge to edge
     uint32_t disagreed; ///< periods running
     bool tracks;        ///< a count has been seen
     bool distrusted;    ///< the EMF disagreed for check_s; until the next reset
