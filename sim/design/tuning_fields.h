@@ -160,6 +160,7 @@
     ROW(FLOAT, float, signal_check.before_most) \
     ROW(FLOAT, float, signal_check.sum_most) \
     ROW(FLOAT, float, signal_check.turns_A) \
+    ROW(FLOAT, float, signal_check.moves_A) \
     ROW(WHOLE, uint32_t, signal_check.pulses) \
     ROW(FLOAT, float, guard.i_trip) \
     ROW(FLOAT, float, guard.v_bus_max) \
