@@ -15,6 +15,9 @@
 #define NEXT_TIME_s 0.02f    // to another current
 #define STEP_DEVIATION 0.01f // of the inductance, standard deviation by what it does not explain
 
+// Of the gain of all currents: by so much resistance and inductances would be off together.
+#define GAIN_OFF 0.6f
+
 // The xy plane, the same way: its control is pushed to and fro, towards so much of the current that holds.
 #define XY_SHARE 0.4f
 #define XY_CIRCLE 0.5f // of the voltage that the plane may use
@@ -52,6 +55,48 @@ static void note_step(lode_commission_t *self, float u_V, float u1_V, float i_A,
     s->ixx += lode_abs(i_A) * x * x;
 }
 
+static float step_share(const lode_commission_t *self, bool q_axis) {
+    return q_axis && self->sets > 1u ? STEP_SIX : STEP_SHARE;
+}
+
+static float step_hold_A(const lode_commission_t *self) {
+    return HOLD_SHARE * self->current_A;
+}
+
+// What else makes current change in q: the rotor, which a current turns, so that the EMF changes by it from period to period,
+// and iron that saturates (N6).
+static void note_beside(lode_commission_t *self, float u_V, float u1_V, float i_A, float i1_A,
+                        float i2_A) {
+    const float r_Ohm = lode_commission_found(self, LODE_COMMISSION_RS_Ohm);
+    const float x = u_V - u1_V - 0.5f * r_Ohm * (i_A - i2_A);
+    const float y = (i_A - 2.0f * i1_A + i2_A) * self->config.f_pwm_Hz;
+    const float z = (i_A + 4.0f * i1_A + i2_A) / 6.0f;
+    const float v = x * lode_abs(z);
+    lode_commission_beside_t *s = &self->sums.beside;
+    s->xz += x * z;
+    s->yz += y * z;
+    s->zz += z * z;
+    s->xv += x * v;
+    s->yv += y * v;
+    s->vv += v * v;
+    s->zv += z * v;
+}
+
+// Leaves of the steps what neither of them explains, about the mean current of their voltage, which it returns.
+static float take_beside_out(lode_commission_steps_t *s, const lode_commission_beside_t *beside) {
+    const float near_A = beside->xv / s->xx;
+    const float by_z = 1.0f / lode_max(beside->zz, FLT_MIN);
+    const float zv = beside->zv - near_A * beside->xz;
+    const float vv = beside->vv - near_A * beside->xv - zv * zv * by_z;
+    const float xv = -beside->xz * zv * by_z;
+    const float yv = beside->yv - near_A * s->xy - beside->yz * zv * by_z;
+    const float by_v = 1.0f / lode_max(vv, FLT_MIN);
+    s->xx -= beside->xz * beside->xz * by_z + xv * xv * by_v;
+    s->xy -= beside->xz * beside->yz * by_z + xv * yv * by_v;
+    s->yy -= beside->yz * beside->yz * by_z + yv * yv * by_v;
+    return near_A;
+}
+
 static bool judge_steps(lode_commission_t *self, lode_commission_quantity_t quantity,
                         float allowed) {
     const lode_commission_steps_t *s = &self->sums.steps;
@@ -59,10 +104,6 @@ static bool judge_steps(lode_commission_t *self, lode_commission_quantity_t quan
     const float deviation =
         lode_sqrt(lode_max(1.0f / fit - 1.0f, 0.0f) / lode_commission_float(s->count));
     return lode_commission_keep(self, quantity, s->xx / s->xy, deviation, allowed);
-}
-
-static float step_share(const lode_commission_t *self, bool q_axis) {
-    return q_axis && self->sets > 1u ? STEP_SIX : STEP_SHARE;
 }
 
 // Steps of the current along one axis on top of `hold_A`, which holds the rotor. True at their end.
@@ -80,6 +121,7 @@ static bool steps(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_
         step_A = sign_of_half(half) * share * hold_A;
         if (q_axis) {
             note_step(self, u_V.q, u1->q, i_A.q, i1->q, i2->q);
+            note_beside(self, u_V.q, u1->q, i_A.q, i1->q, i2->q);
         } else {
             note_step(self, u_V.d, u1->d, i_A.d, i1->d, i2->d);
         }
@@ -87,10 +129,6 @@ static bool steps(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_
     lode_commission_post_vector(self, LODE_MODE_CURRENT, hold_A + (q_axis ? 0.0f : step_A),
                                 q_axis ? step_A : 0.0f);
     return self->since >= begin + 2u * HALF_WAVE * waves;
-}
-
-static float step_hold_A(const lode_commission_t *self) {
-    return HOLD_SHARE * self->current_A;
 }
 
 // --- Their fall over current ---
@@ -159,10 +197,35 @@ void lode_commission_Ld(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     }
 }
 
+// Found over known.
+static float times(const lode_commission_t *self, lode_commission_quantity_t quantity,
+                   float known) {
+    return lode_commission_found(self, quantity) / known;
+}
+
+// Currents read with a wrong gain make resistance and inductances too large or too small alike. True: they are not, all three,
+// beyond what a data sheet may be off by; false: refused, before the rotor turns.
+static bool judge_gain(lode_commission_t *self) {
+    const lode_drive_config_t *known = &self->designed;
+    const float r =
+        times(self, LODE_COMMISSION_RS_Ohm, known->motor.Rs_Ohm + known->inverter.r_on_Ohm);
+    const float d = times(self, LODE_COMMISSION_LD_H, known->motor.Ld_H);
+    const float q = times(self, LODE_COMMISSION_LQ_H, known->motor.Lq_H);
+    const float larger = lode_min(r, lode_min(d, q));
+    const float smaller = 1.0f / lode_max(r, lode_max(d, q));
+    const float off = lode_max(larger, smaller) - 1.0f;
+    return off <= GAIN_OFF ||
+           lode_commission_keep(self, LODE_COMMISSION_SIGNALS,
+                                lode_commission_found(self, LODE_COMMISSION_SIGNALS), off,
+                                GAIN_OFF);
+}
+
 void lode_commission_Lq(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
-    if (steps(self, u_V, i_A, true, step_hold_A(self), NEXT_TIME_s, WAVES) &&
-        judge_steps(self, LODE_COMMISSION_LQ_H, STEP_DEVIATION)) {
-        self->near_A = self->sums.steps.ixx / self->sums.steps.xx;
+    if (!steps(self, u_V, i_A, true, step_hold_A(self), NEXT_TIME_s, WAVES)) {
+        return;
+    }
+    self->near_A = take_beside_out(&self->sums.steps, &self->sums.beside);
+    if (judge_steps(self, LODE_COMMISSION_LQ_H, STEP_DEVIATION) && judge_gain(self)) {
         self->quantity = LODE_COMMISSION_LQ_FALL_1_A;
         self->level = 0u;
         lode_commission_enter(self, STAGE_LQ_FALL);

@@ -9,14 +9,25 @@
 #define ABOVE_HANDOVER 1.3f
 #define SPAN_WANTED 2.0f // of the lower speed
 #define SPAN_LEAST 1.3f
-#define HIGH_MOST 0.9f     // of rated speed
-#define HIGH_OF_MOST 0.8f  // of the largest that may be commanded: SPEED_ROOM is left
-#define RUN_TIME_s 0.4f    // from the one speed to the other, by the configured J
-#define TORQUE_LEAST 0.02f // of the torque at i_max
-#define TORQUE_MOST 0.6f
+#define HIGH_MOST 0.9f              // of rated speed
+#define HIGH_OF_MOST 0.8f           // of the largest that may be commanded: SPEED_ROOM is left
+#define RUN_TIME_s 0.4f             // from the one speed to the other, by the configured J
+#define TORQUE_MOST 0.6f            // of the torque at i_max
+#define TORQUE_LEAST (1.0f / 30.0f) // of that
+#define PLL_SETTLES 10.0f           // time constants
+#define BIAS_GONE 2.0f              // of the upper speed
 #define REACHED 0.03f
 #define STEADY_s 0.2f
 #define RUN_WAIT_s 3.0f
+// A way of a run by an inertia so many times the configured one, or with so much less torque than is asked for.
+#define RUN_SLOWEST 10.0f
+#define RUN_LONGEST_s 30.0f
+// A run that after twice its time would need four times as much, or more, is given more torque.
+#define SLOW_TIMES 2.0f
+#define SLOW_MOST 4.0f
+#define GONE_SHARE 0.5f
+#define RAISE_MOST 10.0f // at a time
+#define RAISES_MOST 2u
 #define SPEED_ROOM 1.2f        // below the commanded speed torque does not give way
 #define EDGE_SHARE 0.15f       // of the span at either end that is not looked at
 #define TORQUE_DEVIATION 0.02f // of what the currents say of the torque
@@ -25,7 +36,9 @@
 #define POINTS_LEAST 20u
 #define PSI_ROUGH 0.03f // of what was reckoned with: more, and the run is made again
 #define J_ROUGH 0.2f
-#define LOST_MOST 2u // times that a lost rotor is looked for again
+#define RUNS_MOST 4u      // of which the last must agree with the one before
+#define AGREED_TIMES 2.0f // the roughness that is half sure
+#define LOST_MOST 2u      // times that a lost rotor is looked for again
 #define LOST_INERTIA 2.0f
 
 void lode_commission_take_standstill(lode_commission_t *self) {
@@ -46,13 +59,50 @@ void lode_commission_take_standstill(lode_commission_t *self) {
         (self->drive->inverter.v_bus_V * lode_inverter_carrier_Hz(inverter, self->config.f_pwm_Hz));
 }
 
-// Flux and inertia are not known yet: the EMF at hand-over has more room than usual.
+// Between which the run goes, electrical.
+static lode_range_t run_speeds(const lode_drive_config_t *config) {
+    const float rated = config->motor.omega_rated_rad_s;
+    const float low =
+        lode_max(LOW_SHARE * rated, ABOVE_HANDOVER * config->start.omega_handover_rad_s);
+    const float wanted = lode_max(
+        lode_clamp(SPAN_WANTED * low, HIGH_SHARE * rated, HIGH_MOST * rated), SPAN_LEAST * low);
+    return (lode_range_t){low, lode_min(wanted, HIGH_OF_MOST * config->estimator.omega_max_rad_s)};
+}
+
+static float span_rad_s(const lode_drive_config_t *config) {
+    const lode_range_t speeds = run_speeds(config);
+    return (speeds.max - speeds.min) / config->motor.pole_pairs;
+}
+
+// Of a current that is clear of the dead band.
+static float torque_clear_Nm(const lode_drive_config_t *config) {
+    return lode_motor_kt_Nm_A(&config->motor) * config->inverter.i_dead_A;
+}
+
+// By that torque it would be over before the PLL has settled.
+static bool is_light(const lode_drive_config_t *config) {
+    return config->motor.J_kgm2 * span_rad_s(config) * config->estimator.pll.sigma_rad_s <
+           PLL_SETTLES * torque_clear_Nm(config);
+}
+
+// Flux and inertia are not known yet: the EMF at hand-over has more room than usual, and speed control, whose torque goes by the
+// inertia, is asked for no more acceleration than the run has. Within the dead band of the currents the dead time's loss
+// changes with speed, and stands in the slope: a light rotor, whose torque has a lesser current, has one in d that is clear of it.
 lode_drive_config_t lode_commission_for_run(lode_commission_t *self) {
     const float handover = self->designed.start.omega_handover_rad_s;
     const float wanted = HANDOVER_SHARE * self->designed.motor.omega_rated_rad_s;
     lode_drive_config_t config = self->config;
     config.start.omega_handover_rad_s = lode_clamp(wanted, handover, HANDOVER_MORE * handover);
     self->designed.start.omega_handover_rad_s = config.start.omega_handover_rad_s;
+    config.speed.ramp_rad_s2 =
+        lode_min(self->designed.speed.ramp_rad_s2, span_rad_s(&self->designed) / RUN_TIME_s);
+    if (is_light(&self->designed)) {
+        const float high_rad_s = run_speeds(&self->designed).max;
+        config.references.id_bias_A =
+            lode_max(self->designed.references.id_bias_A, self->designed.inverter.i_dead_A);
+        config.references.omega_low_rad_s = SPEED_ROOM * high_rad_s;
+        config.references.omega_high_rad_s = BIAS_GONE * high_rad_s;
+    }
     return config;
 }
 
@@ -62,8 +112,25 @@ void lode_commission_go_on(lode_commission_t *self, lode_status_t status) {
     self->wants_tuning = false;
 }
 
-void lode_commission_retune(lode_commission_t *self) {
+static float torque_most_Nm(const lode_commission_t *self) {
     const lode_drive_config_t *config = &self->designed;
+    return TORQUE_MOST * lode_motor_kt_Nm_A(&config->motor) * config->inverter.i_max_A;
+}
+
+static void plan_run(lode_commission_t *self) {
+    const lode_drive_config_t *config = &self->designed;
+    const lode_range_t speeds = run_speeds(config);
+    const float inv_np = 1.0f / config->motor.pole_pairs;
+    const float most_Nm = torque_most_Nm(self);
+    self->low_rad_s = speeds.min * inv_np;
+    self->high_rad_s = speeds.max * inv_np;
+    const float least_Nm =
+        lode_max(TORQUE_LEAST * most_Nm, is_light(config) ? 0.0f : torque_clear_Nm(config));
+    self->torque_Nm =
+        lode_clamp(config->motor.J_kgm2 * span_rad_s(config) / RUN_TIME_s, least_Nm, most_Nm);
+}
+
+void lode_commission_retune(lode_commission_t *self) {
     if (self->since == 0u) {
         lode_commission_post(self, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
         self->wants_tuning = true;
@@ -72,23 +139,7 @@ void lode_commission_retune(lode_commission_t *self) {
     } else if (self->status != LODE_OK) {
         lode_commission_finish(self, LODE_COMMISSION_REFUSED);
     } else {
-        const float inv_np = 1.0f / config->motor.pole_pairs;
-        const float rated = config->motor.omega_rated_rad_s;
-        const float low =
-            lode_max(LOW_SHARE * rated, ABOVE_HANDOVER * config->start.omega_handover_rad_s);
-        const float wanted = lode_max(
-            lode_clamp(SPAN_WANTED * low, HIGH_SHARE * rated, HIGH_MOST * rated), SPAN_LEAST * low);
-        const float high = lode_min(wanted, HIGH_OF_MOST * config->estimator.omega_max_rad_s);
-        const float kt_Nm_A = lode_motor_kt_Nm_A(&config->motor);
-        const float most_Nm = kt_Nm_A * config->inverter.i_max_A;
-        // Within the dead band of the currents the dead time's loss changes with speed, and stands in the slope.
-        const float least_Nm =
-            lode_max(TORQUE_LEAST * most_Nm, kt_Nm_A * config->inverter.i_dead_A);
-        self->low_rad_s = low * inv_np;
-        self->high_rad_s = high * inv_np;
-        self->torque_Nm =
-            lode_clamp(config->motor.J_kgm2 * (self->high_rad_s - self->low_rad_s) / RUN_TIME_s,
-                       least_Nm, TORQUE_MOST * most_Nm);
+        plan_run(self);
         self->quantity = LODE_COMMISSION_PSI_Wb;
         lode_commission_enter(self, STAGE_START);
     }
@@ -96,6 +147,20 @@ void lode_commission_retune(lode_commission_t *self) {
 
 static float speed_of(const lode_commission_t *self) {
     return self->drive->estimator.pll.omega_rad_s / self->config.motor.pole_pairs;
+}
+
+// That the inertia which is reckoned with takes from the one speed to the other.
+static float run_time_s(const lode_commission_t *self) {
+    return self->config.motor.J_kgm2 * (self->high_rad_s - self->low_rad_s) / self->torque_Nm;
+}
+
+// It turns, but the speed is not the one that is wanted. Where it does not even turn, that is the start's own matter.
+static void give_up(lode_commission_t *self, float wanted_rad_s) {
+    if (self->drive->mode == (uint_least8_t)LODE_MODE_RUN) {
+        self->reached_rad_s = speed_of(self);
+        self->wanted_rad_s = wanted_rad_s;
+    }
+    lode_commission_finish(self, LODE_COMMISSION_NO_START);
 }
 
 void lode_commission_start(lode_commission_t *self) {
@@ -110,7 +175,7 @@ void lode_commission_start(lode_commission_t *self) {
         lode_commission_enter(self, STAGE_UP);
     } else if (self->since >
                lode_commission_periods(self, self->designed.start.timeout_s + RUN_WAIT_s)) {
-        lode_commission_finish(self, LODE_COMMISSION_NO_START);
+        give_up(self, self->low_rad_s);
     } else {
         // on its way
     }
@@ -161,11 +226,13 @@ static void take_run(lode_commission_t *self, uint32_t way) {
     };
 }
 
-// The run was made with a flux or an inertia so far off that it is made again.
-static bool is_rough(const lode_commission_t *self, float psi_Wb, float J) {
+// The run was made with a flux, an inertia or a torque so far off that it is made again. `unequal`: as for the inertia's
+// confidence; one that does not agree with itself is made again once alone.
+static bool is_rough(const lode_commission_t *self, float psi_Wb, float J, float unequal) {
     const lode_motor_t *motor = &self->config.motor;
-    return self->runs == 0u && psi_Wb > 0.0f && J > 0.0f &&
-           (lode_abs(psi_Wb - motor->psi_Wb) > PSI_ROUGH * motor->psi_Wb ||
+    const bool may = self->runs == 0u || (self->runs + 1u < RUNS_MOST && unequal <= 1.0f);
+    return may && psi_Wb > 0.0f && J > 0.0f &&
+           (self->raises > 0u || lode_abs(psi_Wb - motor->psi_Wb) > PSI_ROUGH * motor->psi_Wb ||
             lode_abs(J - motor->J_kgm2) > J_ROUGH * motor->J_kgm2);
 }
 
@@ -174,15 +241,20 @@ static void judge_run(lode_commission_t *self) {
     const lode_commission_run_t *up = &self->way[0];
     const lode_commission_run_t *down = &self->way[1];
     const float mean_Wb = 0.5f * (up->psi_Wb + down->psi_Wb);
-    const float apart_Wb = lode_abs(up->psi_Wb - down->psi_Wb);
     const float sum_Nm = up->torque_Nm + down->torque_Nm;
     const float between_Nm = up->torque_Nm - down->torque_Nm;
     const float J = between_Nm / (up->acc_rad_s2 - down->acc_rad_s2);
     const float friction_Nm = 0.5f * (sum_Nm - J * (up->acc_rad_s2 + down->acc_rad_s2));
     const float omega = 0.5f * (up->omega_rad_s + down->omega_rad_s);
-    const float unequal = lode_abs(sum_Nm) / lode_abs(between_Nm);
     lode_motor_t *motor = &self->config.motor;
-    const bool rough = is_rough(self, mean_Wb, J);
+    const float apart = lode_abs(sum_Nm) / lode_abs(between_Nm);
+    const bool rough = is_rough(self, mean_Wb, J, apart);
+    // The last one must find what the one before has found.
+    const float last = self->runs + 1u == RUNS_MOST ? 1.0f : 0.0f;
+    const float apart_Wb =
+        lode_max(lode_abs(up->psi_Wb - down->psi_Wb), last * lode_abs(mean_Wb - motor->psi_Wb));
+    const float unequal =
+        lode_max(apart, last * lode_abs(J / motor->J_kgm2 - 1.0f) / (AGREED_TIMES * J_ROUGH));
     self->found[LODE_COMMISSION_B_Nms] =
         lode_commission_judged(friction_Nm / omega, TORQUE_DEVIATION * lode_abs(up->torque_Nm),
                                B_DEVIATION * lode_max(friction_Nm, 0.0f));
@@ -197,18 +269,55 @@ static void judge_run(lode_commission_t *self) {
     motor->J_kgm2 = J * psi_Wb / mean_Wb;
     motor->psi_Wb = psi_Wb;
     self->runs++;
+    const bool loaded = lode_commission_is_sure(self, LODE_COMMISSION_B_Nms);
     if (rough) {
+        const float more = self->high_rad_s / omega;
+        // Where the torque alone would not do, the best guess is better than none.
+        const bool taken = loaded || self->raises > 0u;
+        self->load_Nm = taken ? lode_max(friction_Nm, 0.0f) * more * more : 0.0f;
+        self->raises = 0u;
         lode_commission_enter(self, STAGE_RETUNE);
         return;
     }
-    if (lode_commission_is_sure(self, LODE_COMMISSION_B_Nms)) {
+    if (loaded) {
         motor->B_Nms = friction_Nm / omega;
     }
     lode_commission_finish(self, LODE_COMMISSION_DONE);
 }
 
+static float share_of_span(const lode_commission_t *self, float now_rad_s) {
+    return (now_rad_s - self->low_rad_s) / (self->high_rad_s - self->low_rad_s);
+}
+
+// The torque does not do: the inertia is many times the one that is reckoned with, or there is a load.
+static bool is_slow(const lode_commission_t *self, float now_rad_s) {
+    const float meant_s = lode_max(run_time_s(self), RUN_TIME_s);
+    const float time_s = lode_commission_float(self->since) / self->config.f_pwm_Hz;
+    return self->raises < RAISES_MOST && time_s >= SLOW_TIMES * meant_s &&
+           SLOW_MOST * meant_s * share_of_span(self, now_rad_s) < time_s;
+}
+
+// To as much as brings it over the span in its time. It goes on from where it is, or, if most of the span is gone, from the
+// begin.
+static void raise_torque(lode_commission_t *self, float now_rad_s) {
+    const float time_s = lode_commission_float(self->since) / self->config.f_pwm_Hz;
+    const float share = share_of_span(self, now_rad_s);
+    const float times = time_s / (RUN_TIME_s * lode_max(share, FLT_MIN));
+    self->torque_Nm =
+        lode_min(self->torque_Nm * lode_clamp(times, 1.0f, RAISE_MOST), torque_most_Nm(self));
+    self->raises++;
+    lode_commission_enter(self, share < GONE_SHARE ? STAGE_UP : STAGE_START);
+}
+
+// Its limit of time.
+static float run_limit_s(const lode_commission_t *self) {
+    return lode_min(RUN_WAIT_s + RUN_SLOWEST * run_time_s(self), RUN_LONGEST_s);
+}
+
 void lode_commission_run(lode_commission_t *self, uint32_t way) {
-    const float sign = way == 0u ? 1.0f : -1.0f;
+    const float wanted_Nm = way == 0u
+                                ? lode_min(self->torque_Nm + self->load_Nm, torque_most_Nm(self))
+                                : -self->torque_Nm;
     const float edge = EDGE_SHARE * (self->high_rad_s - self->low_rad_s);
     const float from = self->low_rad_s + edge;
     const float to = self->high_rad_s - edge;
@@ -216,7 +325,7 @@ void lode_commission_run(lode_commission_t *self, uint32_t way) {
     lode_commission_post(self, (lode_command_t){.mode = LODE_MODE_RUN,
                                                 .speed_rad_s = SPEED_ROOM * self->high_rad_s,
                                                 .control = LODE_CONTROL_TORQUE,
-                                                .torque_Nm = sign * self->torque_Nm});
+                                                .torque_Nm = wanted_Nm});
     const bool past = way == 0u ? now > self->high_rad_s : now < from;
     const bool inside = lode_in_range(now, from, to);
     if (inside) {
@@ -229,8 +338,10 @@ void lode_commission_run(lode_commission_t *self, uint32_t way) {
         } else {
             judge_run(self);
         }
-    } else if (self->since > lode_commission_periods(self, RUN_WAIT_s)) {
-        lode_commission_finish(self, LODE_COMMISSION_NO_START);
+    } else if (way == 0u && is_slow(self, now)) {
+        raise_torque(self, now);
+    } else if (self->since > lode_commission_periods(self, run_limit_s(self))) {
+        give_up(self, way == 0u ? self->high_rad_s : from);
     } else {
         // under way
     }

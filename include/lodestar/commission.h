@@ -106,6 +106,17 @@ typedef struct {
     float ixx; ///< weighs the current
 } lode_commission_steps_t;
 
+/// The same with what else makes current change in q: z by the rotor, v by the iron (N6).
+typedef struct {
+    float xz;
+    float yz;
+    float zz;
+    float xv;
+    float yv;
+    float vv;
+    float zv;
+} lode_commission_beside_t;
+
 /// What half-waves have moved.
 typedef struct {
     float i_A;
@@ -132,6 +143,7 @@ typedef struct {
 typedef struct {
     lode_commission_window_t window;
     lode_commission_steps_t steps;
+    lode_commission_beside_t beside;
     lode_commission_waves_t waves;
     lode_commission_line_t run;
 } lode_commission_sums_t;
@@ -156,6 +168,8 @@ typedef struct {
     lode_commission_quantity_t quantity; ///< that is being measured, or was refused
     lode_status_t status;
     lode_commission_result_t result;
+    float reached_rad_s; ///< after NO_START of a motor that turns: its speed
+    float wanted_rad_s;  ///< and the one that it did not come to; 0: it did not start
     // From here on its own.
     lode_drive_config_t config;   ///< as given, then with what was found
     lode_drive_config_t designed; ///< the same, complete
@@ -189,6 +203,8 @@ typedef struct {
     float low_rad_s; ///< of the run
     float high_rad_s;
     float torque_Nm;
+    uint32_t raises;              ///< times that it was raised on the way up
+    float load_Nm;                ///< beside it on the way up, as far as there is a load
     lode_commission_run_t way[2]; ///< up, down
 } lode_commission_t;
 
