@@ -47,6 +47,33 @@ static void print_table(FILE *file, const commission_run_t *run) {
                   (double)own->config.inverter.i_max_A);
 }
 
+/// A start that succeeded leaves the criterion of an attempt before it.
+static void print_no_start(FILE *file, const lode_commission_t *own) {
+    char what[120];
+    if (own->wanted_rad_s > 0.0f) {
+        (void)fprintf(file, "it turns with %.4g rad/s, not with %.4g, by %.4g Nm, ",
+                      (double)own->reached_rad_s, (double)own->wanted_rad_s,
+                      (double)own->torque_Nm);
+    } else if (own->drive->guard.fault.criterion != (uint_least8_t)LODE_CRITERION_NONE) {
+        fault_text(&own->drive->guard.fault, what, sizeof what);
+        (void)fprintf(file, "%s, ", what); // of the last attempt of its start
+    } else {
+        // no attempt has ended
+    }
+}
+
+/// The signals were right at rest: of resistance and inductances.
+static void print_gain(FILE *file, const lode_commission_t *own) {
+    const lode_commission_value_t *Lq_H = &own->found[LODE_COMMISSION_LQ_H];
+    if (own->quantity == LODE_COMMISSION_SIGNALS && Lq_H->confidence > 0.0f) {
+        (void)fprintf(file,
+                      ": resistance, Ld and Lq are all far off the data sheet, Lq %.3g times as "
+                      "large: is it the gain of the current sensors?",
+                      (double)(Lq_H->value / own->config.motor.Lq_H));
+    }
+    (void)fputc('\n', file);
+}
+
 /// Why it did not come to its end.
 static void print_failure(FILE *file, const commission_run_t *run) {
     const lode_commission_t *own = commission_of(run);
@@ -62,19 +89,19 @@ static void print_failure(FILE *file, const commission_run_t *run) {
                       lode_status_name(own->status));
         break;
     case LODE_COMMISSION_UNSURE:
-        (void)fprintf(file, "%s: confidence %.2f, needed %.2f\n", name,
+        (void)fprintf(file, "%s: confidence %.2f, needed %.2f", name,
                       (double)own->found[own->quantity].confidence, (double)LODE_COMMISSION_SURE);
+        print_gain(file, own);
+        break;
+    case LODE_COMMISSION_NO_START:
+        print_no_start(file, own);
+        (void)fprintf(file, "while looking for %s\n", name);
         break;
     case LODE_COMMISSION_RUNNING:
     case LODE_COMMISSION_DONE:
     case LODE_COMMISSION_NO_CURRENT:
     case LODE_COMMISSION_UNSETTLED:
-    case LODE_COMMISSION_NO_START:
     default:
-        if (own->drive->guard.fault.criterion != (uint_least8_t)LODE_CRITERION_NONE) {
-            fault_text(&own->drive->guard.fault, what, sizeof what);
-            (void)fprintf(file, "%s, ", what); // of the last attempt of its start
-        }
         (void)fprintf(file, "while looking for %s\n", name);
         break;
     }
