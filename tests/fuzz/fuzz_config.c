@@ -42,7 +42,7 @@ static void start(lode_drive_t *drive) {
     const float bus = tuning->guard.v_bus_min / tuning->sense.v_bus_gain + 1.0f;
     lode_counts_t counts = {.i = {zero, zero, zero},
                             .v_bus = (uint16_t)(int32_t)lode_clamp(bus, 0.0f, 65535.0f)};
-    drive->calibrated = true;
+    drive->known = (uint_least8_t)LODE_KNOWN_OFFSETS;
     (void)lode_drive_post_command(drive, &go);
     for (uint32_t n = 0; n < START_PERIODS && drive->mode != (uint_least8_t)LODE_MODE_RUN; n++) {
         counts.stamp += tuning->guard.stamp_min + 1u;
