@@ -61,8 +61,7 @@ lode_status_t lode_current_tune(lode_current_tuning_t *tuning, const lode_curren
 }
 
 void lode_current_take(lode_current_t *self, const lode_current_tuning_t *tuning, float Lq_H) {
-    self->kp_q_V_A = tuning->q.kp;
-    self->Lq_H = Lq_H;
+    lode_current_renew(self, tuning, Lq_H);
 }
 
 void lode_current_saturate(lode_current_t *self, const lode_current_tuning_t *tuning, float Lq_H,

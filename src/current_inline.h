@@ -23,6 +23,13 @@ typedef struct {
 lode_dq_t lode_current_limit(lode_current_t *self, const lode_current_tuning_t *tuning,
                              const lode_current_case_t *at);
 
+// The q axis of the tuning, and of the motor.
+LODE_INLINE void lode_current_renew(lode_current_t *self, const lode_current_tuning_t *tuning,
+                                    float Lq_H) {
+    self->kp_q_V_A = tuning->q.kp;
+    self->Lq_H = Lq_H;
+}
+
 LODE_INLINE bool lode_current_is_free(const lode_current_tuning_t *tuning, lode_dq_t u_V,
                                       float v_bus_V) {
     const float radius = tuning->free * v_bus_V;

@@ -86,7 +86,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     lode_order_t order = {
         .speed_rad_s = command->speed_rad_s,
         .value.torque_Nm = command->torque_Nm,
-        .mode = command->mode,
+        .mode = (uint_least8_t)command->mode,
         .flags = (uint_least8_t)((command->clear_fault ? (uint32_t)LODE_ORDER_CLEAR_FAULT : 0u) |
                                  (torque ? (uint32_t)LODE_ORDER_TORQUE : 0u) |
                                  (wants_short(command) ? (uint32_t)LODE_ORDER_SHORT : 0u)),

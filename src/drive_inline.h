@@ -277,6 +277,8 @@ LODE_INLINE void lode_drive_adapt_lag(lode_drive_t *self, const lode_drive_tunin
         return;
     }
 #endif
+    // Anew, as the saturated ones are: one that changes by itself does not last.
+    lode_current_renew(&self->current, &tuning->current, tuning->references.Lq_H);
     lode_estimator_adapt_lag(&self->estimator, &tuning->estimator);
 }
 

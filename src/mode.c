@@ -104,8 +104,9 @@ LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
     if (!posted) {
         LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
     }
-    self->command = (lode_order_t){.mode = LODE_MODE_OFF};
+    self->command = (lode_order_t){.mode = (uint_least8_t)LODE_MODE_OFF};
     self->command.check = lode_mode_order_check(&self->command);
+    self->direction = lode_sign(self->direction);
     lode_mode_fault(self, LODE_CHECK_MEMORY, !command ? 2.0f : (!mode ? 1.0f : 3.0f), 0.0f);
 }
 
@@ -290,7 +291,7 @@ void lode_mode_follow(lode_drive_t *self) {
         lode_mode_distrust(self); // before a wrong mode is followed
     } else if (starts) {
         lode_mode_follow_start(self, slot);
-    } else if (self->command.mode == lode_mode(self)) {
+    } else if (self->command.mode == self->mode) {
         lode_mode_set(self, lode_mode(self)); // steady again
     } else {
         lode_mode_switch_off(self);

@@ -88,7 +88,7 @@ static inline void lode_mode_count_sensor(lode_drive_t *self) {
 }
 
 static inline bool lode_mode_clears_fault(const lode_drive_t *self) {
-    return self->command.mode == LODE_MODE_OFF &&
+    return self->command.mode == (uint_least8_t)LODE_MODE_OFF &&
            ((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_CLEAR_FAULT) != 0u;
 }
 
@@ -98,12 +98,14 @@ static inline bool lode_mode_is_sound(const lode_drive_t *self) {
            self->command.check == lode_mode_order_check(&self->command);
 }
 
-// The flags go with the mode: each alone would keep gates on that are off.
+// The flags go with the mode: each alone would keep gates on that are off. The direction scales the speed that is asked
+// for, and has no other size than 1.
 static inline bool lode_mode_fits(const lode_drive_t *self) {
     const uint32_t mode = self->mode;
     const bool driven =
         mode - (uint32_t)LODE_MODE_VOLTAGE <= (uint32_t)LODE_MODE_RUN - (uint32_t)LODE_MODE_VOLTAGE;
-    return self->gates == driven && (!self->steady || mode == (uint32_t)LODE_MODE_RUN);
+    return self->gates == driven && (!self->steady || mode == (uint32_t)LODE_MODE_RUN) &&
+           lode_in_range(lode_abs(self->direction), 1.0f, 1.0f);
 }
 
 // They are not, or the tuning is not.
@@ -185,7 +187,8 @@ static inline bool lode_mode_shorts(const lode_drive_t *self) {
     // Behind these may be a switch that is shorted itself: who then says OFF has looked at it.
     const bool suspect =
         cause == (uint32_t)LODE_CHECK_HARDWARE_TRIP || cause == (uint32_t)LODE_CHECK_OVER_CURRENT;
-    return lode_mode(self) == LODE_MODE_FAULT && (!suspect || self->command.mode == LODE_MODE_OFF);
+    return lode_mode(self) == LODE_MODE_FAULT &&
+           (!suspect || self->command.mode == (uint_least8_t)LODE_MODE_OFF);
 #endif
 }
 

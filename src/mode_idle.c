@@ -9,7 +9,7 @@
 
 // The mode with all gates on that is asked for; OFF: none.
 static lode_mode_t driven_mode(const lode_drive_t *self) {
-    const lode_mode_t wanted = self->command.mode;
+    const lode_mode_t wanted = (lode_mode_t)self->command.mode;
     const bool at_rest = lode_mode_finds_at_rest(self) || lode_mode_is_sensored(self);
     if (wanted == LODE_MODE_RUN && (!lode_mode_is_stop(self) || at_rest)) {
         return LODE_MODE_START;
@@ -55,7 +55,7 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
 
 static void follow_off(lode_drive_t *self) {
     const lode_mode_t driven = driven_mode(self);
-    if (self->command.mode == LODE_MODE_CALIBRATE ||
+    if (self->command.mode == (uint_least8_t)LODE_MODE_CALIBRATE ||
         (driven == LODE_MODE_START && !lode_drive_knows(self, LODE_KNOWN_OFFSETS))) {
         lode_sense_begin(&self->state.sums);
         lode_mode_set(self, LODE_MODE_CALIBRATE);
@@ -229,11 +229,11 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
     } else if (calibration == LODE_CALIBRATION_DONE) {
         self->known = (uint_least8_t)(self->known | (uint32_t)LODE_KNOWN_OFFSETS);
         lode_mode_set(self, LODE_MODE_OFF);
-        if (self->command.mode == LODE_MODE_CALIBRATE) {
-            self->command.mode = LODE_MODE_OFF;
+        if (self->command.mode == (uint_least8_t)LODE_MODE_CALIBRATE) {
+            self->command.mode = (uint_least8_t)LODE_MODE_OFF;
             self->command.check = lode_mode_order_check(&self->command);
         }
-    } else if (self->command.mode == LODE_MODE_OFF) {
+    } else if (self->command.mode == (uint_least8_t)LODE_MODE_OFF) {
         lode_mode_set(self, LODE_MODE_OFF);
     } else {
         // more samples are to come

@@ -242,7 +242,7 @@ static void aim_start(lode_drive_t *self) {
 }
 
 void lode_mode_follow_start(lode_drive_t *self, lode_slot_t slot) {
-    if (self->command.mode != LODE_MODE_RUN) {
+    if (self->command.mode != (uint_least8_t)LODE_MODE_RUN) {
         lode_mode_switch_off(self);
     } else if (lode_mode_is_sensored(self)) { // there is nothing to start
         lode_mode_hand_over(self);

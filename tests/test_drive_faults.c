@@ -17,9 +17,9 @@ static void test_every_bit_of_an_order_counts(void) {
         for (int k = 0; k < 4; k++) {
             bits[k] = random_bits(&random);
         }
-        for (int bit = -1; bit < 128 + 3 + 3; bit++) { // four floats, the modes, the flags
+        for (int bit = -1; bit < 128 + 8 + 8; bit++) { // four floats, the mode, the flags
             static uint_least16_t check;
-            lode_order_t order = {.mode = (lode_mode_t)(n % 7), .flags = (uint_least8_t)(n % 8)};
+            lode_order_t order = {.mode = (uint_least8_t)(n % 7), .flags = (uint_least8_t)(n % 8)};
             uint32_t flipped[4];
             for (int k = 0; k < 4; k++) {
                 flipped[k] = bits[k] ^ (bit >= 0 && bit / 32 == k ? 1u << bit % 32 : 0u);
@@ -27,9 +27,11 @@ static void test_every_bit_of_an_order_counts(void) {
             memcpy(&order.speed_rad_s, &flipped[0], sizeof flipped[0]);
             memcpy(&order.theta_rad, &flipped[1], sizeof flipped[1]);
             memcpy(&order.value.vector, &flipped[2], 2u * sizeof flipped[2]);
-            order.mode ^= bit >= 128 && bit < 131 ? 1u << (bit - 128) : 0u;
-            if (bit >= 131) {
-                order.flags = (uint_least8_t)(order.flags ^ 1u << (bit - 131));
+            if (bit >= 128 && bit < 136) {
+                order.mode = (uint_least8_t)(order.mode ^ 1u << (bit - 128));
+            }
+            if (bit >= 136) {
+                order.flags = (uint_least8_t)(order.flags ^ 1u << (bit - 136));
             }
             if (bit < 0) {
                 check = lode_mode_order_check(&order);
@@ -432,11 +434,40 @@ static void test_a_mode_or_command_that_changes_by_itself_trips(void) {
         }
         for (int bit = 0; bit < 8; bit++) {
             check_flip(&rigs[n], order + offsetof(lode_order_t, flags), bit, 2.0f);
+            check_flip(&rigs[n], order + offsetof(lode_order_t, mode), bit, 2.0f);
         }
         for (int bit = 0; bit < 8; bit++) {
             check_flip(&rigs[n], offsetof(lode_drive_t, command_posted), bit, 2.0f);
         }
+        for (int bit = 0; bit < 31; bit++) { // without its sign
+            check_flip(&rigs[n], offsetof(lode_drive_t, direction) + (size_t)bit / 8u, bit % 8,
+                       1.0f);
+        }
     }
+}
+
+/// The other direction than that in which the rotor turns: it slows down as for a reversal, and starts anew.
+static void test_a_direction_that_turns_over_starts_anew(void) {
+    rig_t rig = running(80.0, 8.0);
+    rig.drive.direction = -rig.drive.direction;
+    rig_run(&rig, 0.1);
+    rig_expect(&rig, LODE_MODE_START);
+    run_up(&rig, 80.0, 8.0);
+    CHECK_NEAR(0.0, 1.0, rig.drive.direction);
+}
+
+/// What current control has of the q axis, beside the tuning, is renewed in each round.
+static void test_a_q_axis_that_changes_by_itself_does_not_last(void) {
+    rig_t rig = running(80.0, 8.0);
+    const lode_current_t sound = rig.drive.current;
+    rig.drive.current.kp_q_V_A = 1.01f * sound.kp_q_V_A;
+    rig.drive.current.Lq_H = -sound.Lq_H;
+    for (uint32_t n = 0; n < LODE_SLOW_PERIODS; n++) {
+        rig_step(&rig);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(sound.kp_q_V_A, rig.drive.current.kp_q_V_A);
+    TEST_ASSERT_EQUAL_FLOAT(sound.Lq_H, rig.drive.current.Lq_H);
+    TEST_ASSERT_EQUAL_FLOAT(tuning.references.Lq_H, rig.drive.current.Lq_H);
 }
 
 /// A bit of the mailbox flips between a post and the call that takes it: the command is followed, or the drive
@@ -608,6 +639,8 @@ int main(void) {
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_a_mode_or_command_that_changes_by_itself_trips);
+    RUN_TEST(test_a_direction_that_turns_over_starts_anew);
+    RUN_TEST(test_a_q_axis_that_changes_by_itself_does_not_last);
     RUN_TEST(test_a_posted_command_is_not_lost_by_a_flip);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);

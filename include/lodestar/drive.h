@@ -147,7 +147,8 @@ typedef struct {
 #endif
         float torque_Nm; ///< RUN, torque control
     } value;
-    lode_mode_t mode;
+    uint_least8_t
+        mode; ///< lode_mode_t: as an enumeration it has more bits on some targets than `check` tells apart
     uint_least8_t flags;
     uint_least16_t check; ///< of all of the above, bit by bit
 } lode_order_t;
