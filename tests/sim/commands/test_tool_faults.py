@@ -74,6 +74,15 @@ def nothing_is_silent_with_other_motors(checks, folder):
         checks.true(len(cases) >= 50 * 4, f"{len(cases)} cases of {motor}")
 
 
+def bits_of_more_seeds_are_not_silent(checks, folder):
+    """Some of these flip the direction, the upper bits of a mode, or what control has of the q axis."""
+    for motor, seed in (("servo_3kW", "7"), ("jiang2022", "10"), ("servo_48V", "10")):
+        done, cases = cases_of(folder, "--motors", motor, "--kinds", "flip-state,flip-mode,flip-command", "--seed", seed)
+        silent = {case for case, one in cases.items() if one["silent"]}
+        checks.equal(silent, set(), f"silent with {motor}, seed {seed}")
+        checks.equal(done.returncode, 0, f"exit code with {motor}, seed {seed}")
+
+
 def finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder):
     kind = ("--motors", "jiang2022", "--kinds", "ntc-stuck")
     done, cases = cases_of(folder, *kind)
@@ -141,6 +150,7 @@ with Folder() as folder:
     tries_bridge_and_sensors_before_a_start(checks, folder)
     finds_sensors_that_come_to_show_less_in_a_start(checks, folder)
     tells_starts_that_were_given_up(checks, folder)
+    bits_of_more_seeds_are_not_silent(checks, folder)
     finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder)
     same_with_any_number_of_processes(checks, folder)
     leaves_out_where_the_speed_does_not_settle(checks, folder)
