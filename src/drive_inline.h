@@ -69,6 +69,8 @@ void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                         const int32_t i[LODE_PHASES], float looks);
 // In START, with three phases: whether each has both its half-waves. False, as of all below: the drive is in FAULT.
 bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
+// The current has hardly moved since a look before.
+bool lode_drive_doubt_frozen(lode_drive_t *self);
 // In RUN: a load beyond all the torque, another flux than the magnets', three phases without a half-wave.
 bool lode_drive_watch_load(lode_drive_t *self);
 bool lode_drive_judge_flux(lode_drive_t *self);
@@ -429,6 +431,18 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
 #endif
 }
 
+// (K32)
+LODE_INLINE bool lode_drive_watch_frozen(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    (void)tuning;
+    return true;
+#else
+    return lode_frozen_moves(&self->frozen, &tuning->plausibility, self->estimator.emf.i_A) ||
+           lode_drive_doubt_frozen(self);
+#endif
+}
+
 // What the guard's slow checks ask for.
 LODE_INLINE lode_condition_t lode_drive_condition(const lode_drive_t *self) {
     return (lode_condition_t){self->inverter.v_bus_V,
@@ -461,6 +475,9 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     switch (slot) {
     case SLOT_LOCK:
         lode_estimator_note_lock(&self->estimator, &tuning->estimator);
+        if (!lode_drive_watch_frozen(self, tuning)) {
+            return false;
+        }
         if (lode_mode(self) == LODE_MODE_RUN) {
             lode_drive_count_proof(self);
             return lode_drive_watch_load(self);

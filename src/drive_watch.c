@@ -195,6 +195,35 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
     }
 }
 
+// What is asked for, in stator axes.
+static lode_ab_t asked_A(const lode_drive_t *self) {
+#ifndef LODE_WITHOUT_COMMISSIONING
+    if (lode_mode(self) == LODE_MODE_CURRENT) {
+        return lode_park_inverse(self->ref_A, lode_sincos(self->state.theta_rad));
+    }
+#endif
+    const bool vector =
+        lode_mode(self) == LODE_MODE_START && !lode_estimator_injects(&self->estimator);
+    return lode_park_inverse(self->ref_A, vector ? lode_start_vector(&self->state.start)
+                                                 : lode_estimator_rotor(&self->estimator));
+}
+
+LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+    const bool catches =
+        lode_mode(self) == LODE_MODE_START && lode_start_catches(&self->state.start);
+    if (lode_mode_is_voltage(self) || catches) { // nothing is asked for, or it has no current
+        self->frozen.looks = 0u;
+        return true;
+    }
+    const float omega = lode_mode_frame_omega(self);
+    if (lode_frozen_look(&self->frozen, tuning, asked_A(self), rounds_s(self, 1u) * omega,
+                         may_follow(self, omega))) {
+        lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
+    }
+    return self->gates;
+}
+
 // An open phase ends in FAULT; 0: there is none.
 static bool phases_ok(lode_drive_t *self, uint_least8_t phase) {
     if (phase > 0u) {

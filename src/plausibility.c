@@ -29,6 +29,10 @@
 #define BALANCE_SHARE 0.05f // of the current
 // Gains that differ by 4 %, of the 1.7-fold current of a set in which a phase is open, make 0.07.
 #define OPEN_SHARE 0.2f // of the current
+// (K32). Noise of a count in each phase moves the vector of a frozen one by up to 8/3 of a count from where it was noted.
+#define FROZEN_COUNTS 3.0f
+// Of these the phase that moves most has 32.
+#define MOVES_COUNTS 37.0f
 #define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
 #define WAVE_CURRENT 4.0f // of the same, squared: a tenth of i_max asked for
 #define WAVE_SHARE 0.5f   // of what is asked for
@@ -75,7 +79,12 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
     const float i_min_A = STUCK_SHARE * i_max_A;
     const float i_sum =
         sums ? lode_min(config->i_sum_A / lode_abs(sense->i_gain), SUM_MAX) : SUM_MAX;
+    const float count_A = (float)LODE_COUNT_FRACTION * lode_abs(sense->i_gain);
+    const float frozen_A = FROZEN_COUNTS * count_A;
+    const float moves_A = lode_max(MOVES_COUNTS * count_A, i_min_A);
     *tuning = (lode_plausibility_tuning_t){
+        .frozen_A2 = config->plausibility == LODE_ON ? frozen_A * frozen_A : -1.0f,
+        .moves_A2 = moves_A * moves_A,
         .i_min_A2 = i_min_A * i_min_A,
         .i_still = 0,
         .i_sum = config->plausibility == LODE_ON ? (int32_t)i_sum : -1,
@@ -259,6 +268,22 @@ bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V
     self->held = (uint_least8_t)(rounds < HELD_ROUNDS ? rounds : HELD_ROUNDS);
     self->rounds = 0u;
     return back;
+}
+
+bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
+                      lode_ab_t asked_A, float turn_rad, bool follows) {
+    const uint32_t before = self->looks;
+    if (before == 0u) {
+        self->asked_A = asked_A;
+        self->moved = false;
+    }
+    self->looks = (uint_least16_t)(before < LODE_FROZEN_LOOKS ? before + 1u : before);
+    const float alpha = asked_A.alpha - self->asked_A.alpha;
+    const float beta = asked_A.beta - self->asked_A.beta;
+    const bool moved = alpha * alpha + beta * beta >= tuning->moves_A2;
+    const bool twice = moved && self->moved; // from one look to the next control moves the current
+    self->moved = moved;
+    return twice && (follows || (float)before * lode_abs(turn_rad) >= LODE_TWO_PI);
 }
 
 // The other two currents of an open phase add up to none, to within their gains; beside a converter that is stuck they do

@@ -56,6 +56,19 @@ LODE_INLINE uint32_t lode_plausibility_look(lode_plausibility_t *self,
     return again;
 }
 
+// The current vector has moved by more than noise moves one that is frozen: it is noted.
+LODE_INLINE bool lode_frozen_moves(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
+                                   lode_ab_t i_A) {
+    const float alpha = i_A.alpha - self->i_A.alpha;
+    const float beta = i_A.beta - self->i_A.beta;
+    if (alpha * alpha + beta * beta <= tuning->frozen_A2) {
+        return false;
+    }
+    self->i_A = i_A;
+    self->looks = 0u;
+    return true;
+}
+
 // After a look: no phase has kept its count twice in a row, and the sum is good, so there is nothing to doubt. By
 // chance a phase keeps it once in some hundred looks.
 LODE_INLINE bool lode_plausibility_is_chance(lode_plausibility_t *self,

@@ -10,7 +10,8 @@
 #include <stdint.h>
 
 typedef enum {
-    // lock quality, amplitude of the EMF, length of the PLL's rotation; RUN: load beyond all the torque
+    // lock quality, amplitude of the EMF, length of the PLL's rotation; does the current move?; RUN: load beyond all
+    // the torque
     SLOT_LOCK,
     // guard's slow checks, plausibility of the currents
     SLOT_GUARD,

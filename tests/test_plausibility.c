@@ -526,6 +526,7 @@ static void test_configuration(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&tuning, &config));
     TEST_ASSERT_TRUE(tuning.i_sum < 0);
     CHECK_AT_MOST(0.0, tuning.per_wave_A);
+    CHECK_AT_MOST(-1.0, tuning.frozen_A2);
     config.plausibility = LODE_AUTO; // design decides
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, tune(&tuning, &config));
     const float bad[] = {0.0f, 0.0119f, 121.0f, -2.0f, NAN, INFINITY};
@@ -544,6 +545,84 @@ static void test_configuration(void) {
     self.tuning = tuning;
     self.offset_A = 100.0;
     expect_none(&self, 100);
+}
+
+// --- A vector that is frozen ----------------------------------------------------------------------
+
+static void test_noise_does_not_move_a_frozen_vector(void) {
+    bench_t self = bench(3.0, 300.0);
+    CHECK_CLOSE(1.0e-6, 3.0 * GAIN_A, sqrt((double)self.tuning.frozen_A2));
+    CHECK_CLOSE(1.0e-6, 0.05 * (double)I_MAX_A, sqrt((double)self.tuning.moves_A2));
+    const lode_guard_config_t config = sound_config();
+    const lode_sense_tuning_t coarse = {.i_gain = (float)(-0.1 / LODE_COUNT_FRACTION)};
+    lode_plausibility_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_plausibility_tune(&tuning, &config, I_MAX_A, &coarse));
+    CHECK_CLOSE(1.0e-6, 0.3, sqrt((double)tuning.frozen_A2));
+    CHECK_CLOSE(1.0e-6, 3.7, sqrt((double)tuning.moves_A2));
+    // A count of each phase from one end of its noise to the other.
+    for (int ends = 0; ends < 8; ends++) {
+        const double a = (ends & 1) > 0 ? GAIN_A : -GAIN_A;
+        const double b = (ends & 2) > 0 ? GAIN_A : -GAIN_A;
+        const double c = (ends & 4) > 0 ? GAIN_A : -GAIN_A;
+        const lode_ab_t end = {(float)((2.0 * a - b - c) / 3.0), (float)((b - c) / sqrt(3.0))};
+        lode_frozen_t frozen = {.i_A = {-end.alpha, -end.beta}, .looks = 7u};
+        TEST_ASSERT_FALSE(lode_frozen_moves(&frozen, &self.tuning, end));
+        TEST_ASSERT_EQUAL_UINT(7u, frozen.looks);
+        CHECK_NEAR(0.0, -(double)end.alpha, frozen.i_A.alpha);
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        const float beyond = (float)(3.01 * GAIN_A);
+        const lode_ab_t i_A = {axis == 0 ? beyond : 0.0f, axis == 0 ? 0.0f : -beyond};
+        lode_frozen_t frozen = {.looks = 7u};
+        TEST_ASSERT_TRUE(lode_frozen_moves(&frozen, &self.tuning, i_A));
+        TEST_ASSERT_EQUAL_UINT(0u, frozen.looks);
+        CHECK_NEAR(0.0, (double)i_A.alpha, frozen.i_A.alpha);
+        CHECK_NEAR(0.0, (double)i_A.beta, frozen.i_A.beta);
+        TEST_ASSERT_TRUE(lode_frozen_moves(&frozen, &self.tuning, (lode_ab_t){NAN, 0.0f}));
+    }
+    self.tuning.frozen_A2 = -1.0f; // off
+    lode_frozen_t off = {.looks = 0u};
+    TEST_ASSERT_TRUE(lode_frozen_moves(&off, &self.tuning, off.i_A));
+}
+
+/// Looks with a current asked for that turns by `turn_rad` a look, of `i_A`: those until it is frozen, at most `most`.
+static int looks_until_frozen(double i_A, double turn_rad, bool follows, int most) {
+    const bench_t self = bench(3.0, 300.0);
+    lode_frozen_t frozen = {.looks = 0u, .moved = true};
+    for (int look = 1; look < most; look++) {
+        const double theta = turn_rad * look;
+        const lode_ab_t asked_A = {(float)(i_A * cos(theta)), (float)(i_A * sin(theta))};
+        if (lode_frozen_look(&frozen, &self.tuning, asked_A, (float)turn_rad, follows)) {
+            return look;
+        }
+    }
+    return most;
+}
+
+static void test_a_vector_that_does_not_follow_is_frozen(void) {
+    // 0.6 A of 3 are 0.2003 rad: the third look is that far from the first, and the fourth too.
+    TEST_ASSERT_EQUAL_INT(4, looks_until_frozen(3.0, 0.101, true, 100));
+    TEST_ASSERT_EQUAL_INT(4, looks_until_frozen(3.0, -0.101, true, 100));
+    TEST_ASSERT_EQUAL_INT(5, looks_until_frozen(3.0, 0.099, true, 100));
+    TEST_ASSERT_EQUAL_INT(100, looks_until_frozen(3.0, 0.0, true, 100));
+    TEST_ASSERT_EQUAL_INT(100, looks_until_frozen(0.29, 0.3, true, 100)); // too little
+    // Where the EMF takes the voltage: a turn and 0.2003 rad, and a look from there. Either way.
+    TEST_ASSERT_EQUAL_INT(67, looks_until_frozen(3.0, 0.101, false, 100));
+    TEST_ASSERT_EQUAL_INT(67, looks_until_frozen(3.0, -0.101, false, 100));
+}
+
+static void test_a_frozen_vector_is_missed_at_two_looks_in_a_row(void) {
+    const bench_t self = bench(3.0, 300.0);
+    lode_frozen_t frozen = {.looks = 0u};
+    for (int look = 0; look < 20; look++) { // there and back
+        const lode_ab_t asked_A = {look % 2 == 1 ? 2.0f : 0.0f, 0.0f};
+        TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, asked_A, 0.0f, true));
+    }
+    frozen = (lode_frozen_t){.looks = LODE_FROZEN_LOOKS, .moved = true};
+    const lode_ab_t none = {0.0f, 0.0f};
+    TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, none, 0.0f, true));
+    TEST_ASSERT_EQUAL_UINT(LODE_FROZEN_LOOKS, frozen.looks);
+    TEST_ASSERT_FALSE(frozen.moved);
 }
 
 // --- Load -----------------------------------------------------------------------------------------
@@ -904,6 +983,9 @@ int main(void) {
     RUN_TEST(test_what_is_chance_is_noted_as_by_the_long_way);
     RUN_TEST(test_the_short_ways_find_the_same);
     RUN_TEST(test_configuration);
+    RUN_TEST(test_noise_does_not_move_a_frozen_vector);
+    RUN_TEST(test_a_vector_that_does_not_follow_is_frozen);
+    RUN_TEST(test_a_frozen_vector_is_missed_at_two_looks_in_a_row);
     RUN_TEST(test_a_load_that_no_torque_holds_is_too_large);
     RUN_TEST(test_a_speed_that_comes_back_was_no_load_too_large);
     RUN_TEST(test_a_braked_rotor_that_gets_faster_for_long);

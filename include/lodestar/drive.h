@@ -234,6 +234,7 @@ typedef struct {
     lode_guard_t guard;
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_t plausibility; ///< of the currents, of set 1
+    lode_frozen_t frozen;
 #endif
     lode_inverter_t inverter;
     lode_estimator_t estimator;

@@ -17,6 +17,9 @@ typedef struct {
     int32_t i_still; ///< 1/256 count: with less a phase is none of this; six phases: it may be open
     int32_t i_sum;   ///< largest sum of the three, 1/256 count; below 0: nothing is looked at
     float per_wave_A; ///< least half-wave per ampere asked for, 1/256 count; 0: not looked at
+    float
+        frozen_A2; ///< what noise may move a current vector by that is frozen, squared; below 0: not looked at
+    float moves_A2; ///< what has to be asked of it to tell it from one that is not, squared
     lode_open_phase_tuning_t waves; ///< of RUN
     float away_rad_s; ///< electrical, by which a load may move the speed; 0: not looked at
     float away_step;  ///< of that, what it may in each LODE_SLOW_PERIODS while it gets slower
@@ -49,6 +52,16 @@ typedef struct {
     float i_A2;         ///< asked for at the last look at which a count was kept, squared
     float moved_A2;     ///< by how much that has moved since any of the counts changed
 } lode_plausibility_t;
+
+/// A current vector that keeps still, but for noise, while another one is asked for (K32). In stator axes.
+typedef struct {
+    lode_ab_t i_A;        ///< from which it has not moved
+    lode_ab_t asked_A;    ///< at the first look since
+    uint_least16_t looks; ///< since, up to LODE_FROZEN_LOOKS; 0: it moves, `asked_A` is not known
+    bool moved;           ///< at the last look what is asked for had moved by enough
+} lode_frozen_t;
+
+#define LODE_FROZEN_LOOKS 0xffffu
 
 /// What a load does to a rotor against all of the torque (K19).
 typedef struct {
@@ -111,6 +124,11 @@ void lode_drop_look(lode_drop_t *self, float i_A2);
 /// the vector. True: some rounds ago the current fell, and it is back; `change_V` is then by how much the EMF has changed since
 /// before.
 bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V, float *change_V);
+
+/// Once in LODE_SLOW_PERIODS, of a current that has hardly moved (lode_frozen_moves() in plausibility_inline.h), with what is
+/// asked for now and by how much that turns in LODE_SLOW_PERIODS. `follows`: there is voltage for it. True: it is frozen.
+bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
+                      lode_ab_t asked_A, float turn_rad, bool follows);
 
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,

@@ -50,7 +50,7 @@ static bool take_kind(void *user, const char *name) {
             return true;
         }
     }
-    char known[1200] = "";
+    char known[1400] = "";
     for (int k = 0; k < inject_kind_count; ++k) {
         const size_t used = strlen(known);
         (void)snprintf(known + used, sizeof known - used, "%s%s", k > 0 ? ", " : "",

@@ -12,9 +12,13 @@
 const inject_kind_t inject_kinds[] = {
     {"none", "nothing", INJECT_NOTHING, false, 0.0},
     {"adc-frozen", "all current converters keep their last count", INJECT_FREEZE, true, 0.0},
+    {"adc-frozen-noisy", "all keep their last count, with a count of noise", INJECT_FREEZE_NOISY,
+     true, 0.0},
     {"adc-last", "one current converter keeps its last count", INJECT_HOLD, false, 0.0},
     {"adc-mid", "one reads the middle of its range", INJECT_COUNT, false, 0.5},
     {"adc-mid-all", "all read the middle", INJECT_COUNT, true, 0.5},
+    {"adc-mid-all-noisy", "all read the middle, with a count of noise", INJECT_COUNT_NOISY, true,
+     0.5},
     {"adc-high", "one reads its highest count", INJECT_COUNT, false, 1.0},
     {"adc-low", "one reads 0", INJECT_COUNT, false, 0.0},
     {"adc-60", "one reads 60 % of its range", INJECT_COUNT, false, 0.6},
@@ -99,7 +103,22 @@ static uint16_t count_of(const inject_t *self, double x) {
     return (uint16_t)fmax(0.0, fmin(self->full_count, floor(x + 0.5)));
 }
 
+/// splitmix64
+static uint64_t mixed(uint64_t x) {
+    uint64_t z = x * UINT64_C(0x9E3779B97F4A7C15) + UINT64_C(0x632BE59BD9B4E019);
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return z ^ z >> 31;
+}
+
 // ---- What the drive reads -----------------------------------------------------------------------
+
+/// A count up, down, or none: what an amplifier without a signal leaves.
+static double noise(const inject_t *self, int set, int n) {
+    const uint64_t channel = (uint64_t)(set * PLANT_PHASES + n);
+    const uint64_t sample = self->periods * PLANT_LEGS + channel;
+    return (double)(mixed(mixed(self->seed) ^ sample) % 3u) - 1.0;
+}
 
 static void spoil_current(const inject_t *self, int set, int n, uint16_t *count) {
     const double middle = 0.5 * (self->full_count + 1.0);
@@ -111,6 +130,12 @@ static void spoil_current(const inject_t *self, int set, int n, uint16_t *count)
         break;
     case INJECT_COUNT:
         *count = count_of(self, self->kind->value * (self->full_count + 1.0));
+        break;
+    case INJECT_FREEZE_NOISY:
+        *count = count_of(self, (double)self->held[set].i[n] + noise(self, set, n));
+        break;
+    case INJECT_COUNT_NOISY:
+        *count = count_of(self, self->kind->value * (self->full_count + 1.0) + noise(self, set, n));
         break;
     case INJECT_GAIN:
         *count = count_of(self, middle + self->kind->value * x);
@@ -174,11 +199,7 @@ static void spoil_counts(inject_t *self, int sets, plant_counts_t counts[PLANT_S
 // ---- Memory -------------------------------------------------------------------------------------
 
 static void flip(inject_t *self, void *memory, size_t size) {
-    // splitmix64
-    uint64_t z = self->seed * UINT64_C(0x9E3779B97F4A7C15) + UINT64_C(0x632BE59BD9B4E019);
-    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-    z ^= z >> 31;
+    const uint64_t z = mixed(self->seed);
     unsigned char *octet = (unsigned char *)memory + z % size;
     *octet = (unsigned char)(*octet ^ (1u << (z >> 32) % 8u));
 }

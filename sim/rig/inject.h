@@ -5,14 +5,16 @@
 #include "rig/rig.h"
 
 typedef enum {
-    INJECT_NOTHING,   ///< the comparison
-    INJECT_FREEZE,    ///< all converters of current keep their last count
-    INJECT_HOLD,      ///< one keeps its last count
-    INJECT_COUNT,     ///< one, or all, read `value` of full scale
-    INJECT_GAIN,      ///< one, or all, read `value` times the current
-    INJECT_OFFSET,    ///< one, or all, drift by `value` of i_max within 0.1 s
-    INJECT_SWAP,      ///< the sensors of two phases are swapped
-    INJECT_ROTATE,    ///< those of all three, in a ring
+    INJECT_NOTHING,      ///< the comparison
+    INJECT_FREEZE,       ///< all converters of current keep their last count
+    INJECT_HOLD,         ///< one keeps its last count
+    INJECT_COUNT,        ///< one, or all, read `value` of full scale
+    INJECT_FREEZE_NOISY, ///< as INJECT_FREEZE, with a count of noise
+    INJECT_COUNT_NOISY,  ///< as INJECT_COUNT
+    INJECT_GAIN,         ///< one, or all, read `value` times the current
+    INJECT_OFFSET,       ///< one, or all, drift by `value` of i_max within 0.1 s
+    INJECT_SWAP,         ///< the sensors of two phases are swapped
+    INJECT_ROTATE,       ///< those of all three, in a ring
     INJECT_DEAD,      ///< the high (1) or low (0) switch of phase a no longer turns on; 2: neither
     INJECT_SHORT,     ///< it is shorted
     INJECT_OPEN,      ///< phase a breaks
