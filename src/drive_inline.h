@@ -431,7 +431,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
 #endif
 }
 
-// (K32)
+// (K36)
 LODE_INLINE bool lode_drive_watch_frozen(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;

@@ -29,7 +29,7 @@
 #define BALANCE_SHARE 0.05f // of the current
 // Gains that differ by 4 %, of the 1.7-fold current of a set in which a phase is open, make 0.07.
 #define OPEN_SHARE 0.2f // of the current
-// (K32). Noise of a count in each phase moves the vector of a frozen one by up to 8/3 of a count from where it was noted.
+// (K36). Noise of a count in each phase moves the vector of a frozen one by up to 8/3 of a count from where it was noted.
 #define FROZEN_COUNTS 3.0f
 // Of these the phase that moves most has 32.
 #define MOVES_COUNTS 37.0f

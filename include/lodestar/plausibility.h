@@ -53,7 +53,7 @@ typedef struct {
     float moved_A2;     ///< by how much that has moved since any of the counts changed
 } lode_plausibility_t;
 
-/// A current vector that keeps still, but for noise, while another one is asked for (K32). In stator axes.
+/// A current vector that keeps still, but for noise, while another one is asked for (K36). In stator axes.
 typedef struct {
     lode_ab_t i_A;        ///< from which it has not moved
     lode_ab_t asked_A;    ///< at the first look since

@@ -178,6 +178,8 @@
     ROW(INTEGER, int32_t, plausibility.i_still) \
     ROW(INTEGER, int32_t, plausibility.i_sum) \
     ROW(FLOAT, float, plausibility.per_wave_A) \
+    ROW(FLOAT, float, plausibility.frozen_A2) \
+    ROW(FLOAT, float, plausibility.moves_A2) \
     ROW(FLOAT, float, plausibility.waves.least_A) \
     ROW(FLOAT, float, plausibility.waves.per_rad) \
     ROW(FLOAT, float, plausibility.waves.most) \
