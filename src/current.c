@@ -9,6 +9,7 @@
 // At the limits of current and voltage nearly all flux may lie on the q axis, which is voltage on the d
 // axis: with 0.9 of the circle a motor with an MTPV range lost its id on the way in.
 #define D_SHARE_WEAKENED 0.97f
+#define Q_MOST 0.9f  // closer to the edge what is left for d changes too fast with the EMF
 #define Q_SHARE 0.1f // with which the q axis can still move its current while the motor brakes
 
 void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s) {
@@ -90,12 +91,14 @@ LODE_RAMFUNC LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
     // d first: it holds the flux. Where the current brakes it leaves q the EMF, and some more (K32).
     const float radius_V = lode_max(at->radius_V, 0.0f);
     const bool weakens = tuning->weakens != 0u;
-    float d_max_V = radius_V * (weakens ? D_SHARE_WEAKENED : D_SHARE);
+    const float d_share_V = radius_V * (weakens ? D_SHARE_WEAKENED : D_SHARE);
+    float d_max_V = d_share_V;
     if (!weakens && at->induced_V.d > 0.0f) {
-        const float q_V = lode_abs(at->induced_V.q) + Q_SHARE * radius_V;
+        const float q_V =
+            lode_min(lode_abs(at->induced_V.q) + Q_SHARE * radius_V, Q_MOST * radius_V);
         d_max_V = lode_min(d_max_V, left_V(radius_V, q_V));
     }
-    const float ud_V = lode_clamp(at->asked_V.d, -d_max_V, d_max_V);
+    const float ud_V = lode_clamp(at->asked_V.d, -d_share_V, d_max_V);
     const float q_max_V = left_V(radius_V, ud_V);
     const lode_dq_t u_V = {ud_V, lode_clamp(at->asked_V.q, -q_max_V, q_max_V)};
     lode_pi_settle(&self->d, &tuning->d, at->error_A.d, at->induced_V.d, at->asked_V.d, u_V.d);

@@ -60,6 +60,7 @@ bool lode_tuning_is_finite(const lode_drive_tuning_t *tuning) {
 #endif
         offsetof(lode_drive_tuning_t, estimator.settle_rounds),
         offsetof(lode_drive_tuning_t, references.options),
+        offsetof(lode_drive_tuning_t, current.weakens),
         offsetof(lode_drive_tuning_t, start.catch_rounds),
         offsetof(lode_drive_tuning_t, start.timeout_rounds),
         offsetof(lode_drive_tuning_t, start.patience_rounds),

@@ -127,13 +127,14 @@ static void test_q_keeps_the_emf_where_the_motor_brakes(void) {
         const double asked_q = (double)current.q.integral + emf;
         tuning.weakens = n % 3 == 0 ? 1u : 0u;
         const lode_dq_t u = control(&current, &tuning, i, i, omega, 200.0f);
-        double d_max = (tuning.weakens != 0u ? 0.97 : 0.9) * RADIUS;
+        const double d_share = (tuning.weakens != 0u ? 0.97 : 0.9) * RADIUS;
+        double d_max = d_share;
         if (tuning.weakens == 0u && iq * emf < 0.0) {
-            const double q = fmin(fabs(emf) + 0.1 * RADIUS, RADIUS);
+            const double q = fmin(fabs(emf) + 0.1 * RADIUS, 0.9 * RADIUS);
             d_max = fmin(d_max, sqrt(RADIUS * RADIUS - q * q));
         }
         const bool free = hypot(asked_d, asked_q) <= (double)tuning.free * 200.0; // nothing limits
-        const double d = free ? asked_d : fmax(-d_max, fmin(d_max, asked_d));
+        const double d = free ? asked_d : fmax(-d_share, fmin(d_max, asked_d));
         const double q_max = sqrt(RADIUS * RADIUS - d * d);
         CHECK_NEAR(2.0e-3, d, u.d); // roots of small differences
         CHECK_NEAR(2.0e-3, fmax(-q_max, fmin(q_max, asked_q)), u.q);
