@@ -112,7 +112,8 @@ static void follow_counts(lode_encoder_t *self, const lode_encoder_tuning_t *tun
 }
 
 typedef struct {
-    float omega_rad_s, load_rad_s2;
+    float omega_rad_s;
+    float load_rad_s2;
 } correction_t;
 
 // (A5) of an edge that is `error` off where it is expected.
@@ -163,7 +164,8 @@ static void follow_edges(lode_encoder_t *self, const lode_encoder_tuning_t *tuni
 }
 
 typedef struct {
-    float theta_rad, omega_rad_s;
+    float theta_rad;
+    float omega_rad_s;
 } shaft_t;
 
 // What is known of the rotor. One whose edge is overdue: by the speed that it would have if the edge came now, and the

@@ -60,6 +60,13 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
 
 #else
 
+// A board without pulses, for another reason than double update, may have gates that take more than a period.
+static bool switches_in_time(const lode_start_config_t *config,
+                             const lode_inverter_config_t *inverter,
+                             lode_signal_check_given_t given) {
+    return given.pulses || (inverter->double_update == LODE_ON && config->pulses != LODE_OFF);
+}
+
 lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
                                      const lode_start_config_t *config,
                                      const lode_inverter_config_t *inverter,
@@ -85,10 +92,8 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
     const float mean_A = 0.5f * (weakest_A + 2.0f * u_V * ts_s / L_H);
     const bool seen = weakest_A >= COUNTS_LEAST * lode_abs(sense->i_gain_A_count);
     const bool can = least_V <= most_V && seen;
-    // A board that has none, for another reason than double update, may have gates that take more than a period.
-    const bool switches =
-        given.pulses || (inverter->double_update == LODE_ON && config->pulses != LODE_OFF);
-    const bool wanted = choice == LODE_ON || (choice == LODE_AUTO && switches);
+    const bool wanted =
+        choice == LODE_ON || (choice == LODE_AUTO && switches_in_time(config, inverter, given));
     if (choice == LODE_ON && !can) {
         return LODE_ERROR_CHOICE;
     }
@@ -172,7 +177,8 @@ static void note_rise(lode_signal_check_t *self, const lode_sense_tuning_t *sens
 // One current before a pulse, or what noise leaves of the pulses up to now (S46).
 static bool is_turning(const lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning) {
     const lode_ab_t sum_A = self->moves_A;
-    const float pulses = (float)(int32_t)((uint32_t)self->pulse % LODE_SIGNAL_PULSES + 1u);
+    const uint32_t pulse = (uint32_t)self->pulse % LODE_SIGNAL_PULSES + 1u;
+    const float pulses = (float)(int32_t)pulse;
     const float most_A2 =
         (float)(int32_t)LODE_SIGNAL_PULSES * pulses * tuning->moves_A * tuning->moves_A;
     return self->before_A > tuning->turns_A ||

@@ -214,13 +214,15 @@ static float largest_step(float way_rad_s, float most_rad_s, float less_rad_s) {
     const float way =
         lode_min(way_rad_s, whole * whole / less_rad_s); // enough for all of `most_rad_s`
     const float root = lode_sqrt(1.0f + 8.0f * way / less_rad_s);
-    const float more = (float)(int32_t)(0.5f * (root - 1.0f)); // steps after this one
+    const float steps = 0.5f * (root - 1.0f);
+    const float more = (float)(int32_t)steps; // after this one
     return lode_min(way / (more + 1.0f) + 0.5f * more * less_rad_s, most_rad_s);
 }
 
 // The way that such steps take from `step_rad_s` on.
 static float stopping_way(float step_rad_s, float less_rad_s) {
-    const float more = (float)(int32_t)(step_rad_s / less_rad_s);
+    const float steps = step_rad_s / less_rad_s;
+    const float more = (float)(int32_t)steps;
     return (more + 1.0f) * (step_rad_s - 0.5f * more * less_rad_s);
 }
 
