@@ -85,9 +85,10 @@ static float left_V(float radius_V, float other_V) {
     return lode_sqrt(lode_max(radius_V * radius_V - other_V * other_V, 0.0f));
 }
 
-LODE_RAMFUNC LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
-                                                        const lode_current_tuning_t *tuning,
-                                                        const lode_current_case_t *at) {
+// Not LODE_RAMFUNC: with the voltage used up alone, and small fast memories are full without it.
+LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
+                                           const lode_current_tuning_t *tuning,
+                                           const lode_current_case_t *at) {
     // d first: it holds the flux. Where the current brakes it leaves q the EMF, and some more (K32).
     const float radius_V = lode_max(at->radius_V, 0.0f);
     const bool weakens = tuning->weakens != 0u;

@@ -226,8 +226,9 @@ static float stopping_way(float step_rad_s, float less_rad_s) {
     return (more + 1.0f) * (step_rad_s - 0.5f * more * less_rad_s);
 }
 
-LODE_RAMFUNC LODE_NOINLINE float
-lode_speed_shaped_step(lode_speed_t *self, const lode_speed_tuning_t *tuning, float target_rad_s) {
+// Not LODE_RAMFUNC: an option, once in some periods.
+LODE_NOINLINE float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                                           float target_rad_s) {
     const float before = self->reference_rad_s;
     const float target = lode_is_finite(target_rad_s) ? target_rad_s : before;
     const float way = target - before - self->left_rad_s;
