@@ -2007,6 +2007,7 @@ static void test_stages_and_criteria_have_names(void) {
     TEST_ASSERT_EQUAL_STRING("LODE_START_CATCH", lode_start_stage_name(LODE_START_CATCH));
     TEST_ASSERT_EQUAL_STRING("LODE_START_HALF", lode_start_stage_name(LODE_START_HALF));
     TEST_ASSERT_EQUAL_STRING("LODE_START_FULL", lode_start_stage_name(LODE_START_FULL));
+    TEST_ASSERT_EQUAL_STRING("LODE_START_ALIGN", lode_start_stage_name(LODE_START_ALIGN));
     TEST_ASSERT_EQUAL_STRING("LODE_START_ALONE", lode_start_stage_name(LODE_START_ALONE));
     TEST_ASSERT_EQUAL_STRING("LODE_START_FOUND", lode_start_stage_name(LODE_START_FOUND));
     TEST_ASSERT_EQUAL_STRING("LODE_START_TURN", lode_start_stage_name(LODE_START_TURN));
