@@ -40,19 +40,28 @@ static float sign_of_half(uint32_t half) {
     return half % 2u == 0u ? 1.0f : -1.0f;
 }
 
+// What a step makes of the current: y, by the voltage x.
+typedef struct {
+    float x;
+    float y;
+} step_t;
+
 // Second differences of L di = (u - R i) Ts: neither the dead time nor the EMF of a rotor that hardly moves
 // stands in them (N1). The voltage is known, the current has noise: 1/L is what is regressed.
-static void note_step(lode_commission_t *self, float u_V, float u1_V, float i_A, float i1_A,
+static step_t step_of(const lode_commission_t *self, float u_V, float u1_V, float i_A, float i1_A,
                       float i2_A) {
     const float r_Ohm = lode_commission_found(self, LODE_COMMISSION_RS_Ohm);
-    const float x = u_V - u1_V - 0.5f * r_Ohm * (i_A - i2_A);
-    const float y = (i_A - 2.0f * i1_A + i2_A) * self->config.f_pwm_Hz;
+    return (step_t){u_V - u1_V - 0.5f * r_Ohm * (i_A - i2_A),
+                    (i_A - 2.0f * i1_A + i2_A) * self->config.f_pwm_Hz};
+}
+
+static void note_step(lode_commission_t *self, step_t step, float i_A) {
     lode_commission_steps_t *s = &self->sums.steps;
     s->count++;
-    s->xx += x * x;
-    s->xy += x * y;
-    s->yy += y * y;
-    s->ixx += lode_abs(i_A) * x * x;
+    s->xx += step.x * step.x;
+    s->xy += step.x * step.y;
+    s->yy += step.y * step.y;
+    s->ixx += lode_abs(i_A) * step.x * step.x;
 }
 
 static float step_share(const lode_commission_t *self, bool q_axis) {
@@ -65,12 +74,10 @@ static float step_hold_A(const lode_commission_t *self) {
 
 // What else makes current change in q: the rotor, which a current turns, so that the EMF changes by it from period to period,
 // and iron that saturates (N6).
-static void note_beside(lode_commission_t *self, float u_V, float u1_V, float i_A, float i1_A,
-                        float i2_A) {
-    const float r_Ohm = lode_commission_found(self, LODE_COMMISSION_RS_Ohm);
-    const float x = u_V - u1_V - 0.5f * r_Ohm * (i_A - i2_A);
-    const float y = (i_A - 2.0f * i1_A + i2_A) * self->config.f_pwm_Hz;
-    const float z = (i_A + 4.0f * i1_A + i2_A) / 6.0f;
+static void note_beside(lode_commission_t *self, step_t step, float mean_A) {
+    const float x = step.x;
+    const float y = step.y;
+    const float z = mean_A;
     const float v = x * lode_abs(z);
     lode_commission_beside_t *s = &self->sums.beside;
     s->xz += x * z;
@@ -120,10 +127,11 @@ static bool steps(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_
         const float share = step_share(self, q_axis) * (1.0f + STEP_SPREAD * part);
         step_A = sign_of_half(half) * share * hold_A;
         if (q_axis) {
-            note_step(self, u_V.q, u1->q, i_A.q, i1->q, i2->q);
-            note_beside(self, u_V.q, u1->q, i_A.q, i1->q, i2->q);
+            const step_t step = step_of(self, u_V.q, u1->q, i_A.q, i1->q, i2->q);
+            note_step(self, step, i_A.q);
+            note_beside(self, step, (i_A.q + 4.0f * i1->q + i2->q) / 6.0f);
         } else {
-            note_step(self, u_V.d, u1->d, i_A.d, i1->d, i2->d);
+            note_step(self, step_of(self, u_V.d, u1->d, i_A.d, i1->d, i2->d), i_A.d);
         }
     }
     lode_commission_post_vector(self, LODE_MODE_CURRENT, hold_A + (q_axis ? 0.0f : step_A),
@@ -214,10 +222,13 @@ static bool judge_gain(lode_commission_t *self) {
     const float larger = lode_min(r, lode_min(d, q));
     const float smaller = 1.0f / lode_max(r, lode_max(d, q));
     const float off = lode_max(larger, smaller) - 1.0f;
-    return off <= GAIN_OFF ||
-           lode_commission_keep(self, LODE_COMMISSION_SIGNALS,
-                                lode_commission_found(self, LODE_COMMISSION_SIGNALS), off,
-                                GAIN_OFF);
+    if (!(off <= GAIN_OFF)) {
+        (void)lode_commission_keep(self, LODE_COMMISSION_SIGNALS,
+                                   lode_commission_found(self, LODE_COMMISSION_SIGNALS), off,
+                                   GAIN_OFF);
+        return false;
+    }
+    return true;
 }
 
 void lode_commission_Lq(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
@@ -343,7 +354,7 @@ void lode_commission_Lxy(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) 
     self->pushed_V = wanted_V;
     lode_commission_post_vector(self, LODE_MODE_CURRENT, step_hold_A(self), 0.0f);
     if (moves) {
-        note_step(self, u_V.d, self->before_u_V.d, i_A.d, i1->d, i2->d);
+        note_step(self, step_of(self, u_V.d, self->before_u_V.d, i_A.d, i1->d, i2->d), i_A.d);
     } else if (self->since >= end && judge_steps(self, LODE_COMMISSION_LXY_H, XY_DEVIATION)) {
         lode_commission_enter(self, STAGE_RETUNE);
     } else {

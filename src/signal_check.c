@@ -345,6 +345,12 @@ lode_finding_t lode_signal_check_judge(lode_signal_check_t *self,
         found = find_in_bridge(self, 2.0f * tuning->pulse * v_bus_V * ts_s, mean_A,
                                tuning->least_A_V * v_bus_V);
     }
+    if (found.check == LODE_CHECK_CURRENT_SUM && self->again == 0u) {
+        self->pulse = (uint_least8_t)(pulse - LODE_SIGNAL_PULSES);
+        forget(self);
+        self->again = 1u;
+        return finding(LODE_CHECK_NONE, 0.0f, 0.0f);
+    }
     const bool phase = found.check == LODE_CHECK_OPEN_PHASE ||
                        (found.check == LODE_CHECK_CURRENT_STUCK && found.measured > 0.0f);
     if (phase && pulse > LODE_SIGNAL_PULSES) {

@@ -56,6 +56,8 @@ typedef struct {
     uint_least8_t pulse;      ///< the present one; at the end their number
     uint_least8_t period;     ///< of it
     uint_least8_t
+        again; ///< 1: the set's second go, as the sum of the first was beyond its limit (S48)
+    uint_least8_t
         axis; ///< pulse from 1 whose phase axis is next to the d axis or opposite; 0: not known
 } lode_signal_check_t;
 
