@@ -217,8 +217,11 @@ LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
         return true;
     }
     const float omega = lode_mode_frame_omega(self);
+    // Within what dead time takes a current may rest at zero.
+    const float taken_V = hold_of(self).taken_V;
+    const bool follows = may_follow(self, omega) && squared(self->u_V) > taken_V * taken_V;
     if (lode_frozen_look(&self->frozen, tuning, asked_A(self), rounds_s(self, 1u) * omega,
-                         may_follow(self, omega))) {
+                         follows)) {
         lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
     }
     return self->gates;

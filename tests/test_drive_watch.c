@@ -984,6 +984,32 @@ static void test_a_temperature_that_stands_still_trips_where_it_should_not(void)
     TEST_ASSERT_TRUE(periods > 62u * LODE_SLOW_PERIODS && periods <= 63u * LODE_SLOW_PERIODS);
 }
 
+/// Looks at a vector that keeps still while another one is asked for, until it is doubted; at most 10. `share`: of the
+/// voltage that dead time and drops take.
+static int looks_until_doubted(rig_t rig, float share) {
+    const lode_inverter_tuning_t *inverter = &tuning.inverter;
+    const float taken_V =
+        (inverter->dead_duty + inverter->dead_more_max) * rig.drive.inverter.v_bus_V +
+        2.0f * inverter->v_drop_V;
+    CHECK_AT_LEAST(1.0, (double)taken_V);
+    rig.drive.u_V = (lode_dq_t){0.0f, share * taken_V};
+    rig.drive.frozen = (lode_frozen_t){.looks = 0u};
+    int looks = 0;
+    do {
+        rig.drive.ref_A = (lode_dq_t){0.0f, looks == 0 ? 1.0f : 6.0f};
+        looks++;
+    } while (lode_drive_doubt_frozen(&rig.drive) && looks < 10);
+    return looks;
+}
+
+/// Within what dead time takes a current may rest at zero, whatever is asked for: it is doubted after a turn alone (K36).
+static void test_dead_time_may_keep_a_vector_still(void) {
+    const rig_t rig = running(80.0, 8.0);
+    TEST_ASSERT_EQUAL_INT(3, looks_until_doubted(rig, 1.01f));
+    TEST_ASSERT_EQUAL_INT(10, looks_until_doubted(rig, 0.99f));
+    TEST_ASSERT_EQUAL_INT(3, looks_until_doubted(rig, -1.01f));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_stuck_converter_trips_before_the_current_is_large);
@@ -1016,5 +1042,6 @@ int main(void) {
     RUN_TEST(test_another_flux_is_no_dead_time_that_nobody_knows_of);
     RUN_TEST(test_one_round_may_be_too_long_for_a_temperature);
     RUN_TEST(test_a_temperature_that_stands_still_trips_where_it_should_not);
+    RUN_TEST(test_dead_time_may_keep_a_vector_still);
     return UNITY_END();
 }
