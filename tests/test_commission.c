@@ -614,7 +614,7 @@ static void test_a_sensor_that_reads_too_little(void) {
 static plant_config_t saturating(void) {
     plant_config_t c = machine();
     c.i_sat_A = 20.0;
-    c.Lq_sat_H = 1.0e-6;
+    c.Lq_sat_H = 1.0e-4; // less would make the plant's steps short
     c.id_sat_A = 9.0;
     c.Ld_sat_H = 1.75e-3;
     return c;
