@@ -126,12 +126,14 @@ static inline cplx_t rig6_vector(lode_abc_t duty, int set) {
 /// stays zero.
 static inline void rig6_carry(rig6_t *self, cplx_t v1, cplx_t v2, double h) {
     const double w = self->omega;
-    const cplx_t turn = cexp(I * (self->theta + 0.5 * h * w));
+    const double theta = self->theta + 0.5 * h * w;
+    const cplx_t turn = cexp(I * theta);
     const cplx_t u = 0.5 * (v1 + v2) * conj(turn);
     const double ed = -w * RIG6_LQ * cimag(self->i_dq);
     const double eq = w * (RIG6_LD * creal(self->i_dq) + RIG6_PSI);
     const cplx_t harmonic =
-        I * w * RIG6_PSI * (self->fifth * cpow(turn, 5.0) - self->seventh * cpow(conj(turn), 7.0));
+        I * w * RIG6_PSI *
+        (self->fifth * cexp(5.0 * I * theta) - self->seventh * cexp(-7.0 * I * theta));
     double rise_d = (creal(u) - RIG6_R * creal(self->i_dq) - ed) / RIG6_LD;
     double rise_q = (cimag(u) - RIG6_R * cimag(self->i_dq) - eq) / RIG6_LQ;
     cplx_t rise_xy = (0.5 * conj(v1 - v2) - RIG6_R * self->i_xy - harmonic) / RIG6_LXY;
