@@ -67,6 +67,8 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 // largest current that the start takes by default, half of the flux lost, the rule by speed is left. Where the d current
 // moves with the torque such an error turns it twice.
 #define SIGMA_FLUX_LOST 1.2f
+// A light rotor with MTPA, to which this leaves the rule by speed, has so many times that (P27).
+#define SIGMA_MTPA 1.1f
 // These are of the LESO-QPLL. A QPLL has more, up to what the default observer allows: a fifth of w0 (P10).
 #define SIGMA_OBSERVER 0.84f
 #define SIGMA_TS_OBSERVER 0.0999f
@@ -109,10 +111,12 @@ static void stretch_pll(lode_pll_config_t *pll, const lode_drive_config_t *confi
         config->start.omega_handover_rad_s / lode_max(pll->omega_high_rad_s, FLT_MIN);
     const float by_sigma = most / lode_max(pll->sigma_rad_s, FLT_MIN);
     const float stretch = lode_max(lode_min(by_speed, by_sigma), 1.0f);
-    pll->sigma_low_rad_s *= stretch;
-    pll->sigma_rad_s *= stretch;
-    pll->omega_low_rad_s *= stretch;
-    pll->omega_high_rad_s *= stretch;
+    const bool mtpa = config->references.kind == LODE_REFERENCES_MTPA;
+    const float times = mtpa ? lode_clamp(by_sigma, stretch, stretch * SIGMA_MTPA) : stretch;
+    pll->sigma_low_rad_s *= times;
+    pll->sigma_rad_s *= times;
+    pll->omega_low_rad_s *= mtpa ? 1.0f : stretch;
+    pll->omega_high_rad_s *= mtpa ? 1.0f : stretch;
 }
 
 static bool is_open(float value) {

@@ -1,5 +1,10 @@
 #include "speed_inline.h"
 
+// Of (K22): the bandwidth's limit is sigma/(one + delay tau).
+typedef struct {
+    float one, delay;
+} light_t;
+
 // Up to four times lighter an inertia than configured keeps the loop inside the PLL.
 #define BANDWIDTH_PER_SIGMA 0.25f
 #define INTEGRAL_SHARE 0.25f // ki = kp bandwidth/4: the zero two octaves below the crossover
@@ -28,10 +33,14 @@
 #define FIRM_PER_STOPPED 1.5f
 // With a rotor four times lighter than configured the loop with the PLL is stable up to the bandwidth
 // sigma/(0.75 + 4.9 tau), tau the delay times sigma; with a load fed forward, up to that over 1 + 2.7 tau times its share.
-#define LIGHT_ONE 0.75f
-#define LIGHT_DELAY 4.9f
+static const light_t four_times = {0.75f, 4.9f};
 #define LIGHT_FED 2.7f
 #define LIGHT_GAIN_MARGIN 1.41f // 3 dB
+// Three times lighter: enough where else a rated load at hand-over speed would stop the rotor (K37).
+static const light_t three_times = {0.38f, 3.4f};
+#define STOPPED_TIMES 1.2f // of (K18)
+// Of a rotor that a rated load stops in 10 ms: nothing holds that one.
+#define STOPPED_MAX_rad_s 74.0f
 
 #ifndef LODE_WITHOUT_SHAPED_RAMP
 
@@ -66,16 +75,30 @@ static float swinging_kp_Nms(const lode_motor_t *motor, float sigma_rad_s) {
     return SWING_MAX * motor->pole_pairs / lode_max(rise_rad_s_Nm, FLT_MIN);
 }
 
-// (K22): bandwidth that leaves a margin to a rotor four times lighter, behind a PLL of bandwidth `sigma_rad_s`.
-static float light_rad_s(const lode_speed_loop_t *loop, float sigma_rad_s) {
+// (K22), (K37): bandwidth that leaves a margin to such a light rotor, behind a PLL of bandwidth `sigma_rad_s`.
+static float light_rad_s(const light_t *light, const lode_speed_loop_t *loop, float sigma_rad_s) {
     return (sigma_rad_s + loop->damping_rad_s) /
-           (LIGHT_GAIN_MARGIN * (LIGHT_ONE + LIGHT_DELAY * loop->delay_s * sigma_rad_s));
+           (LIGHT_GAIN_MARGIN * (light->one + light->delay * loop->delay_s * sigma_rad_s));
 }
 
 // (K23): share of a load that leaves it the same margin with the bandwidth `bandwidth_rad_s`.
 static float light_share(const lode_speed_loop_t *loop, float sigma_rad_s, float bandwidth_rad_s) {
-    const float room = light_rad_s(loop, sigma_rad_s) / lode_max(bandwidth_rad_s, FLT_MIN) - 1.0f;
+    const float most_rad_s = light_rad_s(&four_times, loop, sigma_rad_s);
+    const float room = most_rad_s / lode_max(bandwidth_rad_s, FLT_MIN) - 1.0f;
     return room / lode_max(LIGHT_FED * loop->delay_s * sigma_rad_s, FLT_MIN);
+}
+
+// At low speed: for a rotor four times lighter; or, where a rated load would stop this one and too little of it may be fed
+// forward, as much more as holds it (K37).
+static float firm_rad_s(const lode_speed_loop_t *loop, float sigma_rad_s, float stopped_rad_s) {
+    const float firm =
+        lode_min(BANDWIDTH_PER_SIGMA * sigma_rad_s, light_rad_s(&four_times, loop, sigma_rad_s));
+    if (stopped_rad_s > STOPPED_MAX_rad_s ||
+        light_share(loop, sigma_rad_s, firm) >= LOAD_FEED_FORWARD) {
+        return firm;
+    }
+    const float most = light_rad_s(&three_times, loop, sigma_rad_s);
+    return lode_max(firm, lode_min(STOPPED_TIMES * stopped_rad_s, most));
 }
 
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
@@ -90,11 +113,11 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float calm_Nms =
         lode_max(swinging_kp_Nms(motor, sigma_low), FIRM_PER_STOPPED * stopped_Nms);
     const float most = BANDWIDTH_RUN_UP_MAX / run_up_s;
-    const float firm = lode_min(BANDWIDTH_PER_SIGMA * sigma_low, light_rad_s(loop, sigma_low));
+    const float firm = firm_rad_s(loop, sigma_low, stopped_Nms / J);
     const float by_sigma = lode_min(lode_min(firm, most), calm_Nms / J);
     const float bandwidth = given ? config->kp_Nms / J : by_sigma;
     const float calm_fast = lode_min(most, swinging_kp_Nms(motor, pll->sigma_rad_s) / J);
-    const float most_fast = lode_min(calm_fast, light_rad_s(loop, pll->sigma_rad_s));
+    const float most_fast = lode_min(calm_fast, light_rad_s(&four_times, loop, pll->sigma_rad_s));
     const float rise =
         lode_min(pll->sigma_rad_s / sigma_low, most_fast / lode_max(by_sigma, FLT_MIN));
     config->gain_rise =

@@ -631,6 +631,7 @@ static double light_bandwidth(double f_pwm_Hz, double periods) {
     config.motor.Lq_H = 3.0e-3f;
     config.estimator.emf.w0_rad_s = 600.0f;
     config.estimator.pll.sigma_rad_s = 120.0f;
+    config.speed.omega_min_rad_s = 1.0e4f; // no load stops a rotor that fast
     lode_drive_design(&config);
     const double kp_Ohm = 0.2 * f_pwm_Hz * 3.0e-3;
     const double r_Ohm = (double)config.motor.Rs_Ohm + kp_Ohm;
@@ -653,8 +654,8 @@ static void test_a_late_hand_over_stretches_the_schedule(void) {
     const double high = 0.2 * PAPER_OMEGA_RATED;
     lode_drive_config_t config = minimal();
     config.motor.J_kgm2 *= 0.1f;
-    config.motor.Lq_H = config.motor.Ld_H + 6.0e-3f; // which leaves sigma_low alone
-    config.references.kind = LODE_REFERENCES_MTPA;
+    config.motor.Lq_H = config.motor.Ld_H + 10.0e-3f; // which leaves sigma_low alone
+    config.references.kind = LODE_REFERENCES_ID0;
     config.start.current_A = 11.0f;
     config.start.omega_handover_rad_s = (float)(1.5 * high);
     lode_drive_config_t late = config;
@@ -686,6 +687,33 @@ static void test_a_late_hand_over_stretches_the_schedule(void) {
         TEST_ASSERT_EQUAL_FLOAT(value[k], *one[k]);
         CHECK_NEAR(1.0, high, pll->omega_high_rad_s);
     }
+}
+
+/// (P27): with MTPA, and only what the inertia asks for; the speeds stay.
+static void test_a_light_rotor_with_mtpa_has_a_tenth_more_sigma(void) {
+    const double rule = 0.2122 * PAPER_OMEGA_RATED;
+    const double run_up_s = 0.0174 * PAPER_OMEGA_RATED / 3.0 / (1.5 * 3.0 * 0.142 * 12.0);
+    lode_drive_config_t config = minimal();
+    config.motor.Lq_H = config.motor.Ld_H + 10.0e-3f; // which leaves sigma_low alone
+    config.references.kind = LODE_REFERENCES_MTPA;
+    config.start.current_A = 11.0f;
+    config.start.omega_handover_rad_s = (float)(0.1 * PAPER_OMEGA_RATED);
+    const double inertia[] = {0.1, 17.0 / (1.05 * rule * run_up_s), 1.0};
+    const double times[] = {1.1, 1.05, 1.0};
+    for (int k = 0; k < 3; k++) {
+        lode_drive_config_t light = config;
+        light.motor.J_kgm2 *= (float)inertia[k];
+        lode_drive_design(&light);
+        CHECK_CLOSE(1.0e-4, times[k] * rule, light.estimator.pll.sigma_rad_s);
+        CHECK_CLOSE(1.0e-4, times[k] * 0.1061 * PAPER_OMEGA_RATED,
+                    light.estimator.pll.sigma_low_rad_s);
+    }
+    config.motor.J_kgm2 *= 0.1f;
+    config.start.omega_handover_rad_s = (float)(0.3 * PAPER_OMEGA_RATED);
+    lode_drive_design(&config);
+    CHECK_CLOSE(1.0e-4, 1.5 * 1.1 * rule, config.estimator.pll.sigma_rad_s);
+    CHECK_CLOSE(1.0e-4, 0.2 * PAPER_OMEGA_RATED, config.estimator.pll.omega_high_rad_s);
+    CHECK_CLOSE(1.0e-4, 0.1 * PAPER_OMEGA_RATED, config.estimator.pll.omega_low_rad_s);
 }
 
 static void test_a_light_rotor_raises_sigma(void) {
@@ -945,6 +973,7 @@ int main(void) {
     RUN_TEST(test_FA_LESO_by_field_weakening_and_injection);
     RUN_TEST(test_field_weakening_has_its_estimators);
     RUN_TEST(test_a_late_hand_over_stretches_the_schedule);
+    RUN_TEST(test_a_light_rotor_with_mtpa_has_a_tenth_more_sigma);
     RUN_TEST(test_motors_of_many_kinds_need_no_more);
     RUN_TEST(test_every_needed_field_at_its_limits);
     RUN_TEST(test_every_open_field_at_its_limits);

@@ -438,6 +438,8 @@ static void test_design_fills_what_is_open(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, by_gain.gain_rise);
 }
 
+#define FAST 10000.0 // no load stops a rotor that fast
+
 /// A rotor of n times the inertia takes n times as long to run up.
 static lode_speed_config_t designed_with_inertia(double factor) {
     lode_motor_t motor = paper_motor();
@@ -477,12 +479,11 @@ static double swinging_rad_s(double factor, double sigma) {
 }
 
 static void test_an_error_of_Lq_bounds_the_gains(void) {
-    const double fast = 10000.0; // no load stops a rotor that fast
-    CHECK_CLOSE(1.0e-5, 13.0 / (RUN_UP_s * 25.0), designed_with_Lq(0.3, fast).gain_rise);
-    CHECK_CLOSE(1.0e-5, swinging_rad_s(0.5, 150.0) / 25.0, designed_with_Lq(0.5, fast).gain_rise);
-    CHECK_CLOSE(1.0e-5, 25.0, designed_with_Lq(0.5, fast).bandwidth_rad_s);
-    CHECK_CLOSE(1.0e-5, swinging_rad_s(2.0, 100.0), designed_with_Lq(2.0, fast).bandwidth_rad_s);
-    CHECK_CLOSE(1.0e-6, 1.0, designed_with_Lq(2.0, fast).gain_rise);
+    CHECK_CLOSE(1.0e-5, 13.0 / (RUN_UP_s * 25.0), designed_with_Lq(0.3, FAST).gain_rise);
+    CHECK_CLOSE(1.0e-5, swinging_rad_s(0.5, 150.0) / 25.0, designed_with_Lq(0.5, FAST).gain_rise);
+    CHECK_CLOSE(1.0e-5, 25.0, designed_with_Lq(0.5, FAST).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, swinging_rad_s(2.0, 100.0), designed_with_Lq(2.0, FAST).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-6, 1.0, designed_with_Lq(2.0, FAST).gain_rise);
     // But a rated load takes two thirds of the least speed at most (K15).
     const double firm = 1.5 * 3.0 * 2.0 * exp(-1.0) * (2.0 / 3.0) * TORQUE_MAX / 50.0 / 0.0174;
     CHECK_CLOSE(1.0e-5, firm, designed_with_Lq(2.0, 50.0).bandwidth_rad_s);
@@ -498,23 +499,61 @@ static lode_speed_config_t designed_with_loop(const lode_speed_loop_t *loop, dou
     return config;
 }
 
+/// The same for a rotor whose least speed is `omega_min`.
+static lode_speed_config_t designed_to_hold(double delay_s, double damping_rad_s,
+                                            double omega_min) {
+    const lode_speed_loop_t loop = {.delay_s = (float)delay_s,
+                                    .damping_rad_s = (float)damping_rad_s};
+    lode_motor_t motor = paper_motor();
+    lode_speed_config_t config = {.kp_Nms = 0.0f};
+    motor.Lq_H *= 0.3f;
+    lode_speed_design(&config, &inverter, &motor, &pll, &loop, (float)omega_min, false);
+    return config;
+}
+
 /// (K22), for the sigmas of `pll`.
 static double light_rad_s(double sigma, double delay_s, double damping_rad_s) {
     return (sigma + damping_rad_s) / (1.41 * (0.75 + 4.9 * sigma * delay_s));
 }
 
 static void test_a_loop_that_is_late_has_less_gain(void) {
-    const lode_speed_loop_t late = {.delay_s = 7.0e-3f};
-    CHECK_CLOSE(1.0e-5, light_rad_s(100.0, 7.0e-3, 0.0),
-                designed_with_loop(&late, 0.0, false).bandwidth_rad_s);
-    CHECK_CLOSE(1.0e-5, light_rad_s(150.0, 7.0e-3, 0.0) / light_rad_s(100.0, 7.0e-3, 0.0),
-                designed_with_loop(&late, 0.0, false).gain_rise);
+    const double held = light_rad_s(100.0, 7.0e-3, 0.0);
+    CHECK_CLOSE(1.0e-5, held, designed_to_hold(7.0e-3, 0.0, FAST).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, light_rad_s(150.0, 7.0e-3, 0.0) / held,
+                designed_to_hold(7.0e-3, 0.0, FAST).gain_rise);
     // What the EMF damps may have more, up to a quarter of sigma.
-    const lode_speed_loop_t damped = {.delay_s = 7.0e-3f, .damping_rad_s = 40.0f};
     CHECK_CLOSE(1.0e-5, light_rad_s(100.0, 7.0e-3, 40.0),
-                designed_with_loop(&damped, 0.0, false).bandwidth_rad_s);
-    const lode_speed_loop_t braked = {.delay_s = 7.0e-3f, .damping_rad_s = 80.0f};
-    CHECK_CLOSE(1.0e-5, 25.0, designed_with_loop(&braked, 0.0, false).bandwidth_rad_s);
+                designed_to_hold(7.0e-3, 40.0, FAST).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, 25.0, designed_to_hold(7.0e-3, 80.0, FAST).bandwidth_rad_s);
+}
+
+/// (K37), for the lower sigma of `pll`.
+static double less_light_rad_s(double delay_s, double damping_rad_s) {
+    return (100.0 + damping_rad_s) / (1.41 * (0.38 + 3.4 * 100.0 * delay_s));
+}
+
+/// A rated load takes all of 25 rad/s with this bandwidth, and of another speed with as much less (K15).
+static const double stopped_rad_s =
+    3.0 * 2.0 / 2.718281828 * (2.0 / 3.0) * TORQUE_MAX / 25.0 / 0.0174;
+
+static void test_a_load_that_would_stop_the_rotor_asks_for_more_gain(void) {
+    const double held = light_rad_s(100.0, 7.0e-3, 0.0);
+    CHECK_CLOSE(1.0e-5, less_light_rad_s(7.0e-3, 0.0),
+                designed_to_hold(7.0e-3, 0.0, 25.0).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, less_light_rad_s(7.0e-3, 10.0),
+                designed_to_hold(7.0e-3, 10.0, 25.0).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, 1.2 * stopped_rad_s * 25.0 / 40.0,
+                designed_to_hold(7.0e-3, 0.0, 40.0).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, held, designed_to_hold(7.0e-3, 0.0, 60.0).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-6, 1.0, designed_to_hold(7.0e-3, 0.0, 25.0).gain_rise);
+    // Not of a rotor that the load stops within 10 ms.
+    CHECK_CLOSE(1.0e-5, less_light_rad_s(7.0e-3, 0.0),
+                designed_to_hold(7.0e-3, 0.0, 1.01 * stopped_rad_s * 25.0 / 74.0).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, held,
+                designed_to_hold(7.0e-3, 0.0, 0.99 * stopped_rad_s * 25.0 / 74.0).bandwidth_rad_s);
+    // Nor where half of the load may be fed forward (K23).
+    CHECK_CLOSE(1.0e-5, 25.0, designed_to_hold(2.6e-3, 0.0, 25.0).bandwidth_rad_s);
+    CHECK_CLOSE(1.0e-5, 1.2 * stopped_rad_s, designed_to_hold(2.8e-3, 0.0, 25.0).bandwidth_rad_s);
 }
 
 static void test_a_loop_that_is_late_feeds_less_forward(void) {
@@ -566,7 +605,7 @@ static void test_a_rotor_four_times_lighter_is_held(void) {
     for (int k = 5; k <= 10; k++) {
         const lode_speed_loop_t late = {.delay_s = 1.0e-3f * (float)k};
         const double delay_s = (double)late.delay_s;
-        const double most = (double)designed_with_loop(&late, 0.0, false).bandwidth_rad_s;
+        const double most = (double)designed_to_hold(delay_s, 0.0, FAST).bandwidth_rad_s;
         TEST_ASSERT_TRUE(swing_of_light(4.0, 1.2 * most, 0.0, 100.0, delay_s) < 1.0);
         TEST_ASSERT_TRUE(swing_of_light(4.0, 1.7 * most, 0.0, 100.0, delay_s) > 1.0);
         // With as much of a load fed forward as its share allows.
@@ -574,6 +613,11 @@ static void test_a_rotor_four_times_lighter_is_held(void) {
         const double fed =
             (double)designed_with_loop(&late, 0.0174 * less, false).load_feed_forward;
         TEST_ASSERT_TRUE(swing_of_light(4.0, 1.2 * less, 1.2 * fed, 100.0, delay_s) < 1.0);
+        // Where a load would stop the rotor it is held if it is three times lighter.
+        const double more = (double)designed_to_hold(delay_s, 0.0, 10.0).bandwidth_rad_s;
+        TEST_ASSERT_TRUE(more > 1.4 * most);
+        TEST_ASSERT_TRUE(swing_of_light(3.0, 1.2 * more, 0.0, 100.0, delay_s) < 1.0);
+        TEST_ASSERT_TRUE(swing_of_light(3.0, 1.7 * more, 0.0, 100.0, delay_s) > 1.0);
         // What (K8) alone would give, half of every load fed forward.
         TEST_ASSERT_TRUE(swing_of_light(4.0, 25.0, 0.5, 100.0, delay_s) > 1.0);
     }
@@ -866,6 +910,7 @@ int main(void) {
     RUN_TEST(test_an_error_of_Lq_bounds_the_gains);
     RUN_TEST(test_a_load_is_fed_forward_where_it_would_stop_the_rotor);
     RUN_TEST(test_a_loop_that_is_late_has_less_gain);
+    RUN_TEST(test_a_load_that_would_stop_the_rotor_asks_for_more_gain);
     RUN_TEST(test_a_loop_that_is_late_feeds_less_forward);
     RUN_TEST(test_a_rotor_four_times_lighter_is_held);
     RUN_TEST(test_reference_is_a_mechanical_ramp);
