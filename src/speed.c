@@ -90,14 +90,16 @@ static float light_share(const lode_speed_loop_t *loop, float sigma_rad_s, float
 
 // At low speed: for a rotor four times lighter; or, where a rated load would stop this one and too little of it may be fed
 // forward, as much more as holds it (K37).
-static float firm_rad_s(const lode_speed_loop_t *loop, float sigma_rad_s, float stopped_rad_s) {
-    const float firm =
-        lode_min(BANDWIDTH_PER_SIGMA * sigma_rad_s, light_rad_s(&four_times, loop, sigma_rad_s));
-    if (stopped_rad_s > STOPPED_MAX_rad_s ||
-        light_share(loop, sigma_rad_s, firm) >= LOAD_FEED_FORWARD) {
+static float firm_rad_s(const lode_speed_loop_t *loop, const lode_pll_config_t *pll,
+                        float stopped_rad_s) {
+    const float sigma = lode_max(pll->sigma_low_rad_s, FLT_MIN);
+    const float firm = lode_min(BANDWIDTH_PER_SIGMA * sigma, light_rad_s(&four_times, loop, sigma));
+    // A QPLL, which does not know the torque, is not what (K37) was read off.
+    if (pll->kind != LODE_PLL_LESO || stopped_rad_s > STOPPED_MAX_rad_s ||
+        light_share(loop, sigma, firm) >= LOAD_FEED_FORWARD) {
         return firm;
     }
-    const float most = light_rad_s(&three_times, loop, sigma_rad_s);
+    const float most = light_rad_s(&three_times, loop, sigma);
     return lode_max(firm, lode_min(STOPPED_TIMES * stopped_rad_s, most));
 }
 
@@ -113,7 +115,7 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float calm_Nms =
         lode_max(swinging_kp_Nms(motor, sigma_low), FIRM_PER_STOPPED * stopped_Nms);
     const float most = BANDWIDTH_RUN_UP_MAX / run_up_s;
-    const float firm = firm_rad_s(loop, sigma_low, stopped_Nms / J);
+    const float firm = firm_rad_s(loop, pll, stopped_Nms / J);
     const float by_sigma = lode_min(lode_min(firm, most), calm_Nms / J);
     const float bandwidth = given ? config->kp_Nms / J : by_sigma;
     const float calm_fast = lode_min(most, swinging_kp_Nms(motor, pll->sigma_rad_s) / J);

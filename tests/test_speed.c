@@ -554,6 +554,14 @@ static void test_a_load_that_would_stop_the_rotor_asks_for_more_gain(void) {
     // Nor where half of the load may be fed forward (K23).
     CHECK_CLOSE(1.0e-5, 25.0, designed_to_hold(2.6e-3, 0.0, 25.0).bandwidth_rad_s);
     CHECK_CLOSE(1.0e-5, 1.2 * stopped_rad_s, designed_to_hold(2.8e-3, 0.0, 25.0).bandwidth_rad_s);
+    // Nor behind a QPLL, which is later by the torque that it does not know.
+    const lode_speed_loop_t loop = {.delay_s = 7.0e-3f};
+    const lode_motor_t motor = paper_motor();
+    lode_speed_config_t config = {.kp_Nms = 0.0f};
+    lode_pll_config_t qpll = pll;
+    qpll.kind = LODE_PLL_QPLL;
+    lode_speed_design(&config, &inverter, &motor, &qpll, &loop, 25.0f, false);
+    CHECK_CLOSE(1.0e-5, held, config.bandwidth_rad_s);
 }
 
 static void test_a_loop_that_is_late_feeds_less_forward(void) {
