@@ -208,6 +208,14 @@ static lode_ab_t asked_A(const lode_drive_t *self) {
                                                  : lode_estimator_rotor(&self->estimator));
 }
 
+// At once where there is voltage for it; within what dead time takes a current may rest at zero, but not for a turn.
+static bool should_have_followed(const lode_drive_t *self) {
+    const float omega = lode_mode_frame_omega(self);
+    const float taken_V = hold_of(self).taken_V;
+    return (may_follow(self, omega) && squared(self->u_V) > taken_V * taken_V) ||
+           lode_frozen_turned(&self->frozen, rounds_s(self, 1u) * omega);
+}
+
 LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const bool catches =
@@ -216,12 +224,7 @@ LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
         self->frozen.looks = 0u;
         return true;
     }
-    const float omega = lode_mode_frame_omega(self);
-    // Within what dead time takes a current may rest at zero.
-    const float taken_V = hold_of(self).taken_V;
-    const bool follows = may_follow(self, omega) && squared(self->u_V) > taken_V * taken_V;
-    if (lode_frozen_look(&self->frozen, tuning, asked_A(self), rounds_s(self, 1u) * omega,
-                         follows)) {
+    if (lode_frozen_look(&self->frozen, tuning, asked_A(self)) && should_have_followed(self)) {
         lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
     }
     return self->gates;

@@ -271,7 +271,7 @@ bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V
 }
 
 bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
-                      lode_ab_t asked_A, float turn_rad, bool follows) {
+                      lode_ab_t asked_A) {
     const uint32_t before = self->looks;
     if (before == 0u) {
         self->asked_A = asked_A;
@@ -283,7 +283,11 @@ bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tun
     const bool moved = alpha * alpha + beta * beta >= tuning->moves_A2;
     const bool twice = moved && self->moved; // from one look to the next control moves the current
     self->moved = moved;
-    return twice && (follows || (float)before * lode_abs(turn_rad) >= LODE_TWO_PI);
+    return twice;
+}
+
+bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad) {
+    return ((float)self->looks - 1.0f) * lode_abs(turn_rad) >= LODE_TWO_PI;
 }
 
 // The other two currents of an open phase add up to none, to within their gains; beside a converter that is stuck they do

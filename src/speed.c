@@ -2,7 +2,8 @@
 
 // Of (K22): the bandwidth's limit is sigma/(one + delay tau).
 typedef struct {
-    float one, delay;
+    float one;
+    float delay;
 } light_t;
 
 // Up to four times lighter an inertia than configured keeps the loop inside the PLL.
@@ -36,9 +37,7 @@ typedef struct {
 static const light_t four_times = {0.75f, 4.9f};
 #define LIGHT_FED 2.7f
 #define LIGHT_GAIN_MARGIN 1.41f // 3 dB
-// Three times lighter: enough where else a rated load at hand-over speed would stop the rotor (K37).
-static const light_t three_times = {0.38f, 3.4f};
-#define STOPPED_TIMES 1.2f // of (K18)
+#define STOPPED_TIMES 1.2f      // of (K18)
 // Of a rotor that a rated load stops in 10 ms: nothing holds that one.
 #define STOPPED_MAX_rad_s 74.0f
 
@@ -89,7 +88,7 @@ static float light_share(const lode_speed_loop_t *loop, float sigma_rad_s, float
 }
 
 // At low speed: for a rotor four times lighter; or, where a rated load would stop this one and too little of it may be fed
-// forward, as much more as holds it (K37).
+// forward, as much more as holds it and a rotor three times lighter stands (K37).
 static float firm_rad_s(const lode_speed_loop_t *loop, const lode_pll_config_t *pll,
                         float stopped_rad_s) {
     const float sigma = lode_max(pll->sigma_low_rad_s, FLT_MIN);
@@ -99,6 +98,7 @@ static float firm_rad_s(const lode_speed_loop_t *loop, const lode_pll_config_t *
         light_share(loop, sigma, firm) >= LOAD_FEED_FORWARD) {
         return firm;
     }
+    static const light_t three_times = {0.38f, 3.4f};
     const float most = light_rad_s(&three_times, loop, sigma);
     return lode_max(firm, lode_min(STOPPED_TIMES * stopped_rad_s, most));
 }

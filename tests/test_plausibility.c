@@ -592,7 +592,8 @@ static int looks_until_frozen(double i_A, double turn_rad, bool follows, int mos
     for (int look = 1; look < most; look++) {
         const double theta = turn_rad * look;
         const lode_ab_t asked_A = {(float)(i_A * cos(theta)), (float)(i_A * sin(theta))};
-        if (lode_frozen_look(&frozen, &self.tuning, asked_A, (float)turn_rad, follows)) {
+        if (lode_frozen_look(&frozen, &self.tuning, asked_A) &&
+            (follows || lode_frozen_turned(&frozen, (float)turn_rad))) {
             return look;
         }
     }
@@ -616,11 +617,11 @@ static void test_a_frozen_vector_is_missed_at_two_looks_in_a_row(void) {
     lode_frozen_t frozen = {.looks = 0u};
     for (int look = 0; look < 20; look++) { // there and back
         const lode_ab_t asked_A = {look % 2 == 1 ? 2.0f : 0.0f, 0.0f};
-        TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, asked_A, 0.0f, true));
+        TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, asked_A));
     }
     frozen = (lode_frozen_t){.looks = LODE_FROZEN_LOOKS, .moved = true};
     const lode_ab_t none = {0.0f, 0.0f};
-    TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, none, 0.0f, true));
+    TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, none));
     TEST_ASSERT_EQUAL_UINT(LODE_FROZEN_LOOKS, frozen.looks);
     TEST_ASSERT_FALSE(frozen.moved);
 }

@@ -126,9 +126,12 @@ void lode_drop_look(lode_drop_t *self, float i_A2);
 bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V, float *change_V);
 
 /// Once in LODE_SLOW_PERIODS, of a current that has hardly moved (lode_frozen_moves() in plausibility_inline.h), with what is
-/// asked for now and by how much that turns in LODE_SLOW_PERIODS. `follows`: there is voltage for it. True: it is frozen.
+/// asked for now. True: it is not where it was asked to go; where there is voltage for it, it is frozen.
 bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
-                      lode_ab_t asked_A, float turn_rad, bool follows);
+                      lode_ab_t asked_A);
+
+/// After a look: whether what is asked for has turned by a whole turn since the first one, at `turn_rad` in LODE_SLOW_PERIODS.
+bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad);
 
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
