@@ -11,6 +11,9 @@
 #define HOT_WINDING 2.0f
 #define MISSED 0.05f
 #define WOUND_UP 0.34f
+// A current that changes at once (K38): of what it is in RUN.
+#define START_JUMP 2.0f
+#define VOLTAGE_JUMP 1.5f // times what the voltage does
 // Half-waves. Of the voltage circle, on which rounding leaves it.
 #define ALL_VOLTAGE 0.99f
 // Load. Of what limits the torque: the voltage moves that a little in each round.
@@ -226,6 +229,67 @@ LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
     }
     if (lode_frozen_look(&self->frozen, tuning, asked_A(self)) && should_have_followed(self)) {
         lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
+    }
+    return self->gates;
+}
+
+// What acts on the current beside the voltage is the EMF where the observer has it. Without a rotor that follows, that is
+// known less. Of the square at which a jump counts; 0: nothing is known.
+static float share_of_jump(const lode_drive_t *self, float more_V2) {
+    const float share = more_V2 / self->tuning->plausibility.jump_V2;
+    if (lode_estimator_injects(&self->estimator)) {
+        return 0.0f; // the wave's current goes by Ld
+    }
+    if (lode_mode(self) == LODE_MODE_RUN) {
+        return self->estimator.lock >= LODE_LOCK_HANDOVER ? share : 0.0f;
+    }
+    const bool vector =
+        lode_mode(self) == LODE_MODE_START && !lode_start_catches(&self->state.start);
+    return vector ? share * (1.0f / (START_JUMP * START_JUMP)) : 0.0f;
+}
+
+static float squared_ab(lode_ab_t x) {
+    return x.alpha * x.alpha + x.beta * x.beta;
+}
+
+// What the voltage changes the current by, through the inductance of the observer, is far less, through that of the d axis too.
+static bool is_beyond_voltage(const lode_estimator_t *self, const lode_drive_tuning_t *tuning,
+                              lode_ab_t i_A, lode_ab_t jump_A) {
+    const lode_emf_tuning_t *emf = &tuning->estimator.emf;
+    const lode_ab_t change_A =
+        lode_ab_subtract(i_A, lode_drive_turned(self, tuning, self->emf.i_A));
+    const float Ld_per_Lq = 1.0f + emf->salient_Ohm / emf->inv_b;
+    const float least = VOLTAGE_JUMP / Ld_per_Lq;
+    return squared_ab(jump_A) > least * least * squared_ab(lode_ab_subtract(change_A, jump_A));
+}
+
+// Moves the observer's last current, whose share of (E3) is a/b, and the salient one: neither takes the jump for an EMF.
+LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_ab_t more_V) {
+    lode_estimator_t *estimator = &self->estimator;
+    const lode_emf_tuning_t *tuning = &self->tuning->estimator.emf;
+    const lode_ab_t jump_A = lode_ab_scale(-1.0f / tuning->inv_b, more_V);
+    const float share = share_of_jump(self, squared_ab(more_V));
+    // One that is gone may be that of an open phase too; a start cannot wait for what tells them apart.
+    const bool starts = lode_mode(self) == LODE_MODE_START;
+    if (share < 1.0f || !is_beyond_voltage(estimator, self->tuning, i_A, jump_A) ||
+        !lode_jump_look(&self->jump, i_A, lode_ab_subtract(i_A, jump_A), share, starts)) {
+        return false;
+    }
+    estimator->emf.i_A = lode_ab_add_scaled(estimator->emf.i_A, -1.0f / tuning->a_over_b, more_V);
+    estimator->id_A += lode_park(jump_A, lode_estimator_rotor(estimator)).d;
+    LODE_SHARED_STORE(self->steady, false);
+    return true;
+}
+
+LODE_NOINLINE bool lode_drive_wait_jump(lode_drive_t *self) {
+    const float factor = lode_jump_wait(&self->jump);
+    LODE_SHARED_STORE(self->steady, false); // until it is over
+    if (factor > 0.0f) {
+        lode_mode_fault(self, LODE_CHECK_CURRENT_GAIN, factor, 1.0f);
+    } else if (factor >= 0.0f) {
+        lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
+    } else {
+        // one sample alone
     }
     return self->gates;
 }

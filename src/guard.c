@@ -50,6 +50,7 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_SIGNALS);
         NAME(LODE_CHECK_INDUCTANCE);
         NAME(LODE_CHECK_OVERLOAD);
+        NAME(LODE_CHECK_CURRENT_GAIN);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";

@@ -52,6 +52,19 @@
 // Rounds, from 2, in which current control has brought it back, and the EMF's observer has settled.
 #define BACK_ROUNDS 5u
 
+// (K38): of i_max; the sine, squared, of the angle by which a factor may turn the vector; of it, squared, what is none;
+// periods until the next one may come; the largest of its numbers; and what of its size, squared, the next sample goes by where
+// it goes back.
+#define JUMP_SHARE 0.1f
+#define JUMP_UNSURE 2.0f
+#define JUMP_SINE2 0.01f
+#define JUMP_NONE 0.01f
+#define JUMP_FACTOR 0.25f
+#define JUMP_REST 64u
+#define JUMP_MAX 255u
+#define JUMP_BACK_SIZE 0.25f
+enum { JUMP_NEW = 1, JUMP_ONE_SAMPLE, JUMP_BACK };
+
 #define OVERLOAD_MAX_s 10.0f
 // Of what all the torque makes of a free rotor: what a load that is hardly larger, or one that ripples, may make of it.
 #define AWAY_SHARE 0.1f
@@ -110,6 +123,12 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
     tuning->away_rad_s = watched ? config->overload_s * rise_rad_s2 : 0.0f;
     tuning->away_step = AWAY_SHARE * round_s * rise_rad_s2;
     return LODE_OK;
+}
+
+void lode_plausibility_tune_jump(lode_plausibility_tuning_t *tuning,
+                                 const lode_guard_config_t *config, float i_max_V, float unsure_V) {
+    const float jump_V = lode_max(JUMP_SHARE * i_max_V, JUMP_UNSURE * unsure_V);
+    tuning->jump_V2 = config->plausibility == LODE_ON ? jump_V * jump_V : FLT_MAX;
 }
 
 // (K29). The steps of (K19) are AWAY_SHARE of what all the torque makes of a free rotor in the same time.
@@ -288,6 +307,48 @@ bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tun
 
 bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad) {
     return ((float)self->looks - 1.0f) * lode_abs(turn_rad) >= LODE_TWO_PI;
+}
+
+// By how much the one is of the other, in the same direction; below 0: it has turned, or is near enough.
+static float factor_of(lode_ab_t i_A, lode_ab_t expected_A) {
+    const float expected_A2 =
+        expected_A.alpha * expected_A.alpha + expected_A.beta * expected_A.beta;
+    const float i_A2 = i_A.alpha * i_A.alpha + i_A.beta * i_A.beta;
+    const float along = i_A.alpha * expected_A.alpha + i_A.beta * expected_A.beta;
+    const float across = i_A.alpha * expected_A.beta - i_A.beta * expected_A.alpha;
+    const bool same = along > 0.0f && across * across <= JUMP_SINE2 * i_A2 * expected_A2;
+    if (i_A2 <= JUMP_NONE * expected_A2) {
+        return 0.0f;
+    }
+    const float factor = along / lode_max(expected_A2, FLT_MIN);
+    return same && lode_abs(factor - 1.0f) >= JUMP_FACTOR ? factor : -1.0f;
+}
+
+bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
+                    bool starts) {
+    if (self->looks == (uint_least8_t)JUMP_ONE_SAMPLE &&
+        size >= JUMP_BACK_SIZE * (float)self->size) {
+        self->looks = (uint_least8_t)JUMP_BACK; // of one sample alone; or nobody knows of a voltage
+        return true;
+    }
+    const float factor = factor_of(i_A, expected_A);
+    if (self->looks > 0u || factor < 0.0f || (starts ? factor > 1.0f : !(factor > 0.0f))) {
+        return false;
+    }
+    const float most = (float)JUMP_MAX / (float)LODE_JUMP_ONE;
+    const float steps = lode_min(factor, most) * (float)LODE_JUMP_ONE;
+    self->factor = (uint_least8_t)steps;
+    self->size = (uint_least8_t)lode_min(size, (float)JUMP_MAX);
+    self->looks = (uint_least8_t)JUMP_NEW;
+    return true;
+}
+
+float lode_jump_wait(lode_jump_t *self) {
+    if (self->looks == (uint_least8_t)JUMP_ONE_SAMPLE) {
+        return (float)self->factor / (float)LODE_JUMP_ONE;
+    }
+    self->looks = (uint_least8_t)(self->looks < JUMP_REST ? self->looks + 1u : 0u);
+    return -1.0f;
 }
 
 // The other two currents of an open phase add up to none, to within their gains; beside a converter that is stuck they do

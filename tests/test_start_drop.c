@@ -3,6 +3,8 @@
 
 #include "support/rig.h"
 
+#include <float.h>
+
 void setUp(void) {}
 
 void tearDown(void) {}
@@ -17,6 +19,8 @@ static rig_t after_gain_changes(lode_start_stage_t stage, int rounds, int late, 
     config.guard.plausibility = plausibility;
     rig_t rig;
     rig_init(&rig, &tuning, &config);
+    tuning.plausibility.jump_V2 = FLT_MAX; // (K38) would come first
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_begin(&rig.drive, &tuning));
     rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 30.0f});
     const int since = 8 * rounds + late;
     int seen = 0;

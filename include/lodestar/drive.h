@@ -235,6 +235,7 @@ typedef struct {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_t plausibility; ///< of the currents, of set 1
     lode_frozen_t frozen;
+    lode_jump_t jump;
 #endif
     lode_inverter_t inverter;
     lode_estimator_t estimator;

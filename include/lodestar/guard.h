@@ -40,6 +40,7 @@ typedef enum {
     LODE_CHECK_SIGNALS,
     LODE_CHECK_INDUCTANCE, ///< before a start: the inductance that voltage and current show, mean of all angles, H
     LODE_CHECK_OVERLOAD, ///< electrical speed that a load has moved against all the torque, rad/s; the limit is the one asked for
+    LODE_CHECK_CURRENT_GAIN, ///< factor by which all currents changed at once, though no voltage did that; the limit is 1
     LODE_CHECK_COUNT
 } lode_check_t;
 

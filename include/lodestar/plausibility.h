@@ -23,6 +23,8 @@ typedef struct {
     lode_open_phase_tuning_t waves; ///< of RUN
     float away_rad_s; ///< electrical, by which a load may move the speed; 0: not looked at
     float away_step;  ///< of that, what it may in each LODE_SLOW_PERIODS while it gets slower
+    float
+        jump_V2; ///< voltage, squared, that it would take to change the current so in one period that it is looked at (K38)
 } lode_plausibility_tuning_t;
 
 /// Both half-waves of each of three currents, over a turn and a tenth of a vector that is twice as long: a phase
@@ -62,6 +64,17 @@ typedef struct {
 } lode_frozen_t;
 
 #define LODE_FROZEN_LOOKS 0xffffu
+
+/// A current vector that changes at once by a factor (K38).
+typedef struct {
+    lode_ab_t
+        beyond_V; ///< what the dead-beat EMF had beyond the observer's in the last period that was none
+    uint_least8_t looks;  ///< periods since, from 1; 0: nothing of the kind
+    uint_least8_t factor; ///< LODE_JUMP_ONE: 1
+    uint_least8_t size;   ///< squared, in those at which it is looked at
+} lode_jump_t;
+
+#define LODE_JUMP_ONE 64u
 
 /// What a load does to a rotor against all of the torque (K19).
 typedef struct {
@@ -133,6 +146,16 @@ bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tun
 /// After a look: whether what is asked for has turned by a whole turn since the first one, at `turn_rad` in LODE_SLOW_PERIODS.
 bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad);
 
+/// A current `i_A` that is far from `expected_A`, which voltage and EMF make of the last one; `size`: how far, squared, of what
+/// it is looked at for, from 1. `starts`: one that has got
+/// less or is gone; else one that has got less or more, but is there. True: this sample tells nothing of the EMF.
+bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
+                    bool starts);
+
+/// In each period with `self->looks` above 0, after lode_jump_look() if it was called: the factor that stays for a second
+/// sample; below 0: none does.
+float lode_jump_wait(lode_jump_t *self);
+
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
@@ -143,6 +166,11 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
 lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
                                           const lode_guard_config_t *config, float rise_rad_s2,
                                           float ts_s);
+
+/// The current's (K38). `i_max_V`: what would change it by i_max in a period; `unsure_V`: what dead time and drops may take
+/// of a phase.
+void lode_plausibility_tune_jump(lode_plausibility_tuning_t *tuning,
+                                 const lode_guard_config_t *config, float i_max_V, float unsure_V);
 
 /// Once in LODE_SLOW_PERIODS, while all of the torque is asked for, `sense` (1 or -1) its direction: whether a load has
 /// moved the electrical speed `omega_rad_s` against it by more than it may (K19), (K29). While less is asked for, `self`

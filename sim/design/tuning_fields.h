@@ -184,7 +184,8 @@
     ROW(FLOAT, float, plausibility.waves.per_rad) \
     ROW(FLOAT, float, plausibility.waves.most) \
     ROW(FLOAT, float, plausibility.away_rad_s) \
-    ROW(FLOAT, float, plausibility.away_step)
+    ROW(FLOAT, float, plausibility.away_step) \
+    ROW(FLOAT, float, plausibility.jump_V2)
 
 #define TUNING6_FIELDS(ROW) \
     ROW(FLOAT, float, xy.pi.kp) \

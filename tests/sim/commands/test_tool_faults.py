@@ -52,13 +52,13 @@ def tries_bridge_and_sensors_before_a_start(checks, folder):
 
 
 def finds_sensors_that_come_to_show_less_in_a_start(checks, folder):
-    """(S43), with little and with much inductance and resistance, and six phases."""
+    """(K38) and (S43), with little and with much inductance and resistance, and six phases."""
     for motor in ("jiang2022", "eldeeb2017", "servo_48V", "highspeed_100krpm", "ultrazohm6"):
         for seed in ("1", "2"):
             _, cases = cases_of(folder, "--motors", motor, "--kinds", "none,gains-0.4", "--seed", seed)
             checks.equal(cases["none", "start"]["found"], "NONE", f"{motor} in order")
             case = cases["gains-0.4", "start"]
-            checks.equal(case["found"], "RESISTANCE", f"{motor}, seed {seed}")
+            checks.true(case["found"] in ("CURRENT_GAIN", "RESISTANCE"), f"{motor}, seed {seed}: {case}")
             checks.at_most(case["found_s"], 0.01, f"{motor}, seed {seed}")
 
 

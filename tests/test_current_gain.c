@@ -1,0 +1,264 @@
+// Current sensors that all come to show another share of the current at once (K38).
+#include "support/check.h"
+#include "support/drive_cases.h"
+
+#include "plausibility_inline.h"
+
+#include <float.h>
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+// --- The looks ------------------------------------------------------------------------------------
+
+static lode_ab_t vector(double length, double angle) {
+    return (lode_ab_t){(float)(length * cos(angle)), (float)(length * sin(angle))};
+}
+
+/// The factor that stays; below 0: none does. `size`: of the next sample, squared; 0: it is not looked at.
+static double factor_of(lode_ab_t i_A, lode_ab_t expected_A, double size, bool starts) {
+    lode_jump_t jump = {.looks = 0u};
+    if (!lode_jump_look(&jump, i_A, expected_A, 9.0f, starts)) {
+        TEST_ASSERT_EQUAL_UINT(0u, jump.looks);
+        return -1.0;
+    }
+    TEST_ASSERT_TRUE(lode_jump_wait(&jump) < 0.0f); // the same period
+    if (size >= 1.0) {
+        (void)lode_jump_look(&jump, expected_A, i_A, (float)size, starts);
+    }
+    return (double)lode_jump_wait(&jump);
+}
+
+static void test_a_factor_that_stays_is_found(void) {
+    const double factors[] = {0.15, 0.3, 0.5, 0.7, 0.74, 1.26, 1.5, 2.5};
+    for (int k = 0; k < COUNT_OF(factors); k++) {
+        for (double angle = -3.0; angle < 3.2; angle += 0.7) {
+            const lode_ab_t expected_A = vector(5.0, angle);
+            const lode_ab_t i_A = vector(5.0 * factors[k], angle + 0.09);
+            CHECK_NEAR(1.0 / 60.0, factors[k], factor_of(i_A, expected_A, 0.0, false));
+            const bool less = factors[k] < 1.0;
+            CHECK_NEAR(1.0 / 60.0, less ? factors[k] : -1.0, factor_of(i_A, expected_A, 0.0, true));
+        }
+    }
+    const lode_ab_t expected_A = vector(5.0, 1.0); // the largest that is told
+    CHECK_NEAR(1.0e-6, 255.0 / 64.0, factor_of(vector(50.0, 1.0), expected_A, 0.0, false));
+}
+
+static void test_what_is_no_factor(void) {
+    const lode_ab_t expected_A = vector(5.0, 2.0);
+    for (int starts = 0; starts <= 1; starts++) {
+        const lode_ab_t others[] = {
+            vector(5.0 * 0.76, 2.0),
+            vector(5.0 * 1.24, 2.0), // near enough
+            vector(2.5, 2.0 + 0.11),
+            vector(2.5, 2.0 - 0.11),     // turned, as of an open phase
+            vector(2.5, 2.0 + CHECK_PI), // back to front
+            {NAN, 1.0f},
+        };
+        for (int k = 0; k < COUNT_OF(others); k++) {
+            TEST_ASSERT_TRUE(factor_of(others[k], expected_A, 0.0, starts > 0) < 0.0);
+        }
+        TEST_ASSERT_TRUE(factor_of(vector(2.5, 2.0), (lode_ab_t){NAN, 0.0f}, 0.0, starts > 0) <
+                         0.0);
+        TEST_ASSERT_TRUE(factor_of(vector(2.5, 2.0), vector(0.0, 0.0), 0.0, starts > 0) < 0.0);
+        // Gone: in a start alone, whichever way what is left of it points.
+        const double gone = starts > 0 ? 0.0 : -1.0;
+        CHECK_NEAR(0.0, gone, factor_of(vector(0.49, -1.0), expected_A, 0.0, starts > 0));
+        TEST_ASSERT_TRUE(factor_of(vector(0.51, -1.0), expected_A, 0.0, starts > 0) < 0.0);
+    }
+}
+
+/// One that goes back by half of it or more is none; and until 64 periods later nothing is.
+static void test_one_sample_is_no_factor(void) {
+    const lode_ab_t expected_A = vector(5.0, 1.0);
+    const lode_ab_t i_A = vector(2.0, 1.0);
+    CHECK_NEAR(0.02, 0.4, factor_of(i_A, expected_A, 2.2, false)); // a quarter of 9 is 2.25
+    TEST_ASSERT_TRUE(factor_of(i_A, expected_A, 2.3, false) < 0.0);
+    lode_jump_t jump = {.looks = 0u};
+    TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
+    (void)lode_jump_wait(&jump);
+    TEST_ASSERT_TRUE(lode_jump_look(&jump, expected_A, i_A, 9.0f, false)); // tells nothing either
+    int rests = 0;
+    while (jump.looks > 0u && rests < 1000) {
+        TEST_ASSERT_TRUE(lode_jump_wait(&jump) < 0.0f);
+        rests++;
+        TEST_ASSERT_TRUE(jump.looks == 0u || !lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
+    }
+    CHECK_NEAR(2.0, 62.0, rests);
+    TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
+}
+
+/// A tenth of i_max, and twice what dead time and drops may take of a phase.
+static void test_how_much_is_looked_at(void) {
+    lode_plausibility_tuning_t of;
+    lode_guard_config_t config = {.plausibility = LODE_ON};
+    lode_plausibility_tune_jump(&of, &config, 400.0f, 5.0f);
+    CHECK_CLOSE(1.0e-6, 40.0 * 40.0, of.jump_V2);
+    lode_plausibility_tune_jump(&of, &config, 400.0f, 30.0f);
+    CHECK_CLOSE(1.0e-6, 60.0 * 60.0, of.jump_V2);
+    config.plausibility = LODE_OFF;
+    lode_plausibility_tune_jump(&of, &config, 400.0f, 5.0f);
+    TEST_ASSERT_TRUE(of.jump_V2 >= FLT_MAX);
+}
+
+// --- The drive ------------------------------------------------------------------------------------
+
+/// Steps with converters that show `gain` of the currents, for `periods`, or until the gates go off; the largest true current.
+static int steps_with_gain(rig_t *rig, double gain, int periods, double *most_A) {
+    int n = 0;
+    for (; n < periods && rig->out.gates; n++) {
+        rig->stamp += 1000u;
+        lode_counts_t counts = rig_counts(rig);
+        for (int k = 0; k < LODE_PHASES; k++) {
+            counts.i[k] = rig_count(2048.0 + gain * ((double)counts.i[k] - 2048.0));
+        }
+        rig->out = lode_drive_step(&rig->drive, &counts);
+        rig_move(rig);
+        *most_A = fmax(*most_A, (double)lode_ab_length(ipmsm_current(&rig->motor)));
+    }
+    return n;
+}
+
+static rig_t loaded(double speed, double load_Nm) {
+    lode_drive_config_t config = rig_config();
+    config.motor.omega_rated_rad_s = 300.0f; // speed control in its slot is enough
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig.load_Nm = load_Nm;
+    run_up(&rig, speed, 8.0);
+    rig_run(&rig, 1.0);
+    TEST_ASSERT_TRUE(rig.drive.steady);
+    return rig;
+}
+
+/// With the next sample, from any instant of a turn, and the current is still what it was.
+static void test_gains_that_change_at_once_trip_in_run(void) {
+    const double gains[] = {0.3, 0.4, 0.5, 0.6, 1.5, 2.0};
+    const double speeds[] = {40.0, 100.0, -100.0};
+    for (int s = 0; s < COUNT_OF(speeds); s++) {
+        rig_t before = loaded(speeds[s], 3.0);
+        for (int instant = 0; instant < 35; instant++) {
+            rig_run(&before, 3.0 * RIG_TS_s);
+            for (int k = 0; k < COUNT_OF(gains); k++) {
+                rig_t rig = before;
+                double most_A = (double)lode_ab_length(ipmsm_current(&rig.motor));
+                const double was_A = most_A;
+                TEST_ASSERT_EQUAL_INT(2, steps_with_gain(&rig, gains[k], 100, &most_A));
+                const lode_fault_t fault = rig_telemetry(&rig).fault;
+                TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_GAIN",
+                                         lode_check_name((lode_check_t)fault.check));
+                CHECK_NEAR(0.06 * gains[k], gains[k], fault.measured);
+                CHECK_NEAR(0.0, 1.0, fault.limit);
+                CHECK_AT_MOST(1.25 * was_A, most_A);
+            }
+        }
+    }
+}
+
+/// Neither a fault nor an angle that is off: the estimator leaves it out.
+static void test_one_bad_sample_of_all_currents_is_let_pass(void) {
+    rig_t before = loaded(100.0, 3.0);
+    const double gains[] = {0.0, 0.4, 2.0};
+    for (int instant = 0; instant < 35; instant++) {
+        rig_run(&before, 3.0 * RIG_TS_s);
+        for (int k = 0; k < COUNT_OF(gains); k++) {
+            rig_t rig = before;
+            double most_A = 0.0;
+            (void)steps_with_gain(&rig, gains[k], 1, &most_A);
+            double worst = 0.0;
+            for (int n = 0; n < 200; n++) {
+                rig_step(&rig);
+                worst = fmax(worst, fabs(rig.angle_error));
+            }
+            rig_expect(&rig, LODE_MODE_RUN);
+            if (gains[k] > 0.0) { // one that is gone may be that of an open phase
+                CHECK_AT_MOST(fabs(before.angle_error) + 1.5 * CHECK_DEG, worst);
+                TEST_ASSERT_TRUE(rig.drive.steady);
+            }
+        }
+    }
+}
+
+/// A bus that is another than the one that is read acts in all periods.
+static void test_a_voltage_that_nobody_knows_of_is_no_gain(void) {
+    rig_t before = loaded(100.0, 3.0);
+    for (int instant = 0; instant < 35; instant++) {
+        rig_run(&before, 3.0 * RIG_TS_s);
+        for (int back = 0; back <= 1; back++) {
+            rig_t rig = before;
+            for (int n = 0; n < 100 && rig.out.gates; n++) {
+                lode_counts_t counts = rig_counts(&rig);
+                rig.stamp += 1000u;
+                counts.v_bus = rig_count((back > 0 ? 1.3 : 0.75) * (double)counts.v_bus);
+                rig.out = lode_drive_step(&rig.drive, &counts);
+                rig_move(&rig);
+            }
+            TEST_ASSERT_TRUE(rig_telemetry(&rig).fault.check != LODE_CHECK_CURRENT_GAIN);
+        }
+    }
+}
+
+/// Not with a lock that is lost, nor off.
+static void test_what_is_not_judged_by_a_gain(void) {
+    const rig_t before = loaded(100.0, 3.0);
+    double most_A = 0.0;
+    rig_t lost = before;
+    lost.drive.estimator.lock = 0.69f;
+    TEST_ASSERT_TRUE(steps_with_gain(&lost, 0.4, 3, &most_A) == 3 && lost.out.gates);
+    rig_t held = before;
+    held.drive.estimator.lock = 0.71f;
+    TEST_ASSERT_EQUAL_INT(2, steps_with_gain(&held, 0.4, 3, &most_A));
+    lode_drive_tuning_t without = *before.drive.tuning;
+    without.plausibility.jump_V2 = FLT_MAX;
+    rig_t off_ = before;
+    off_.drive.tuning = &without;
+    TEST_ASSERT_TRUE(steps_with_gain(&off_, 0.4, 3, &most_A) == 3 && off_.out.gates);
+}
+
+/// The vector of a start; with sensors that show nothing all converters are stuck.
+static void test_gains_that_change_at_once_end_a_start(void) {
+    const lode_start_stage_t stages[] = {LODE_START_FULL, LODE_START_TURN};
+    const double gains[] = {0.0, 0.02, 0.3, 0.5};
+    for (int s = 0; s < COUNT_OF(stages); s++) {
+        rig_t before = fresh();
+        rig_command(&before, run_at(30.0));
+        TEST_ASSERT_TRUE(reach(&before, LODE_MODE_START, 1.0));
+        for (int n = 0; n < 20000 && rig_telemetry(&before).start_stage != stages[s]; n++) {
+            rig_step(&before);
+        }
+        rig_run(&before, 0.05);
+        TEST_ASSERT_EQUAL_INT(stages[s], rig_telemetry(&before).start_stage);
+        for (int instant = 0; instant < 16; instant++) {
+            rig_step(&before);
+            for (int k = 0; k < COUNT_OF(gains); k++) {
+                rig_t rig = before;
+                double most_A = 0.0;
+                const double was_A = (double)lode_ab_length(ipmsm_current(&rig.motor));
+                TEST_ASSERT_EQUAL_INT(2, steps_with_gain(&rig, gains[k], 100, &most_A));
+                const char *expected =
+                    gains[k] < 0.1 ? "LODE_CHECK_CURRENT_STUCK" : "LODE_CHECK_CURRENT_GAIN";
+                const lode_check_t check = (lode_check_t)rig_telemetry(&rig).fault.check;
+                TEST_ASSERT_EQUAL_STRING(expected, lode_check_name(check));
+                CHECK_AT_MOST(1.25 * was_A, most_A);
+            }
+            rig_t more = before;
+            double most_A = 0.0;
+            TEST_ASSERT_EQUAL_INT(20, steps_with_gain(&more, 1.6, 20, &most_A));
+        }
+    }
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_a_factor_that_stays_is_found);
+    RUN_TEST(test_what_is_no_factor);
+    RUN_TEST(test_one_sample_is_no_factor);
+    RUN_TEST(test_how_much_is_looked_at);
+    RUN_TEST(test_gains_that_change_at_once_trip_in_run);
+    RUN_TEST(test_one_bad_sample_of_all_currents_is_let_pass);
+    RUN_TEST(test_a_voltage_that_nobody_knows_of_is_no_gain);
+    RUN_TEST(test_what_is_not_judged_by_a_gain);
+    RUN_TEST(test_gains_that_change_at_once_end_a_start);
+    return UNITY_END();
+}
