@@ -317,7 +317,7 @@ static float factor_of(lode_ab_t i_A, lode_ab_t expected_A) {
     const float along = i_A.alpha * expected_A.alpha + i_A.beta * expected_A.beta;
     const float across = i_A.alpha * expected_A.beta - i_A.beta * expected_A.alpha;
     const bool same = along > 0.0f && across * across <= JUMP_SINE2 * i_A2 * expected_A2;
-    if (i_A2 <= JUMP_NONE * expected_A2) {
+    if (i_A2 < JUMP_NONE * expected_A2) {
         return 0.0f;
     }
     const float factor = along / lode_max(expected_A2, FLT_MIN);

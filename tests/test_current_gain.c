@@ -41,6 +41,13 @@ static void test_a_factor_that_stays_is_found(void) {
             CHECK_NEAR(1.0 / 60.0, less ? factors[k] : -1.0, factor_of(i_A, expected_A, 0.0, true));
         }
     }
+    for (int starts = 0; starts <= 1;
+         starts++) { // and both bounds themselves, of small currents too
+        const lode_ab_t four_A = {0.0f, 0.25f};
+        CHECK_NEAR(1.0e-6, 0.75, factor_of((lode_ab_t){0.0f, 0.1875f}, four_A, 0.0, starts > 0));
+        CHECK_NEAR(1.0e-6, starts > 0 ? -1.0 : 1.25,
+                   factor_of((lode_ab_t){0.0f, 0.3125f}, four_A, 0.0, starts > 0));
+    }
     const lode_ab_t expected_A = vector(5.0, 1.0); // the largest that is told
     CHECK_NEAR(1.0e-6, 255.0 / 64.0, factor_of(vector(50.0, 1.0), expected_A, 0.0, false));
 }
@@ -62,6 +69,7 @@ static void test_what_is_no_factor(void) {
         TEST_ASSERT_TRUE(factor_of(vector(2.5, 2.0), (lode_ab_t){NAN, 0.0f}, 0.0, starts > 0) <
                          0.0);
         TEST_ASSERT_TRUE(factor_of(vector(2.5, 2.0), vector(0.0, 0.0), 0.0, starts > 0) < 0.0);
+        TEST_ASSERT_TRUE(factor_of(vector(0.0, 0.0), vector(0.0, 0.0), 0.0, starts > 0) < 0.0);
         // Gone: in a start alone, whichever way what is left of it points.
         const double gone = starts > 0 ? 0.0 : -1.0;
         CHECK_NEAR(0.0, gone, factor_of(vector(0.49, -1.0), expected_A, 0.0, starts > 0));
@@ -74,9 +82,10 @@ static void test_one_sample_is_no_factor(void) {
     const lode_ab_t expected_A = vector(5.0, 1.0);
     const lode_ab_t i_A = vector(2.0, 1.0);
     CHECK_NEAR(0.02, 0.4, factor_of(i_A, expected_A, 2.2, false)); // a quarter of 9 is 2.25
-    TEST_ASSERT_TRUE(factor_of(i_A, expected_A, 2.3, false) < 0.0);
+    TEST_ASSERT_TRUE(factor_of(i_A, expected_A, 2.25, false) < 0.0);
     lode_jump_t jump = {.looks = 0u};
     TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
+    TEST_ASSERT_FALSE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false)); // in the same period
     (void)lode_jump_wait(&jump);
     TEST_ASSERT_TRUE(lode_jump_look(&jump, expected_A, i_A, 9.0f, false)); // tells nothing either
     int rests = 0;
@@ -85,7 +94,7 @@ static void test_one_sample_is_no_factor(void) {
         rests++;
         TEST_ASSERT_TRUE(jump.looks == 0u || !lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
     }
-    CHECK_NEAR(2.0, 62.0, rests);
+    TEST_ASSERT_EQUAL_INT(62, rests);
     TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
 }
 
@@ -156,27 +165,37 @@ static void test_gains_that_change_at_once_trip_in_run(void) {
     }
 }
 
-/// Neither a fault nor an angle that is off: the estimator leaves it out.
+/// Neither a fault nor an EMF that is off: the estimator leaves it out, of a salient rotor too.
 static void test_one_bad_sample_of_all_currents_is_let_pass(void) {
     rig_t before = loaded(100.0, 3.0);
-    const double gains[] = {0.0, 0.4, 2.0};
+    TEST_ASSERT_TRUE(before.drive.tuning->estimator.emf.salient_Ohm < -1.0f);
+    const double gains[] = {0.4, 2.0};
     for (int instant = 0; instant < 35; instant++) {
         rig_run(&before, 3.0 * RIG_TS_s);
+        rig_t sound = before;
+        double most_A = 0.0;
+        (void)steps_with_gain(&sound, 1.0, 1, &most_A);
+        const lode_ab_t e_V = sound.drive.estimator.emf.observer.e_V;
         for (int k = 0; k < COUNT_OF(gains); k++) {
             rig_t rig = before;
-            double most_A = 0.0;
             (void)steps_with_gain(&rig, gains[k], 1, &most_A);
+            const lode_ab_t seen_V = rig.drive.estimator.emf.observer.e_V;
+            const double E_V = (double)lode_ab_length(e_V);
+            CHECK_NEAR(0.03 * E_V, (double)e_V.alpha, seen_V.alpha);
+            CHECK_NEAR(0.03 * E_V, (double)e_V.beta, seen_V.beta);
             double worst = 0.0;
             for (int n = 0; n < 200; n++) {
                 rig_step(&rig);
                 worst = fmax(worst, fabs(rig.angle_error));
             }
             rig_expect(&rig, LODE_MODE_RUN);
-            if (gains[k] > 0.0) { // one that is gone may be that of an open phase
-                CHECK_AT_MOST(fabs(before.angle_error) + 1.5 * CHECK_DEG, worst);
-                TEST_ASSERT_TRUE(rig.drive.steady);
-            }
+            CHECK_AT_MOST(fabs(before.angle_error) + 1.5 * CHECK_DEG, worst);
+            TEST_ASSERT_TRUE(rig.drive.steady);
         }
+        rig_t gone = before; // that may be of an open phase
+        (void)steps_with_gain(&gone, 0.0, 1, &most_A);
+        rig_run(&gone, 0.02);
+        rig_expect(&gone, LODE_MODE_RUN);
     }
 }
 
@@ -199,7 +218,17 @@ static void test_a_voltage_that_nobody_knows_of_is_no_gain(void) {
     }
 }
 
-/// Not with a lock that is lost, nor off.
+/// Whether a jump to 0.4 of the current is one, as noted by hand: by the voltage that would do it, over what voltage and EMF do.
+static bool is_noted(lode_drive_t drive, double expected_A, double by_voltage_A) {
+    const lode_emf_tuning_t *emf = &drive.tuning->estimator.emf;
+    const float jump_A = (float)(-0.6 * expected_A);
+    const lode_ab_t i_A = {(float)(0.4 * expected_A), 0.0f};
+    drive.estimator.pll.omega_rad_s = 0.0f;
+    drive.estimator.emf.i_A = (lode_ab_t){(float)(expected_A - by_voltage_A), 0.0f};
+    return lode_drive_note_jump(&drive, i_A, (lode_ab_t){-jump_A * emf->inv_b, 0.0f});
+}
+
+/// Not with a lock that is lost, in another mode, while a start looks for a rotor, with a wave, nor off.
 static void test_what_is_not_judged_by_a_gain(void) {
     const rig_t before = loaded(100.0, 3.0);
     double most_A = 0.0;
@@ -207,13 +236,70 @@ static void test_what_is_not_judged_by_a_gain(void) {
     lost.drive.estimator.lock = 0.69f;
     TEST_ASSERT_TRUE(steps_with_gain(&lost, 0.4, 3, &most_A) == 3 && lost.out.gates);
     rig_t held = before;
-    held.drive.estimator.lock = 0.71f;
+    held.drive.estimator.lock = LODE_LOCK_HANDOVER;
     TEST_ASSERT_EQUAL_INT(2, steps_with_gain(&held, 0.4, 3, &most_A));
     lode_drive_tuning_t without = *before.drive.tuning;
     without.plausibility.jump_V2 = FLT_MAX;
     rig_t off_ = before;
     off_.drive.tuning = &without;
     TEST_ASSERT_TRUE(steps_with_gain(&off_, 0.4, 3, &most_A) == 3 && off_.out.gates);
+
+    lode_drive_t drive = before.drive;
+    TEST_ASSERT_TRUE(is_noted(drive, 8.0, 0.0));
+    drive.estimator.by.hfi.active = true;
+    TEST_ASSERT_FALSE(is_noted(drive, 8.0, 0.0));
+    drive = before.drive;
+    const lode_mode_t modes[] = {LODE_MODE_OFF, LODE_MODE_VOLTAGE, LODE_MODE_CURRENT,
+                                 LODE_MODE_CALIBRATE};
+    for (int k = 0; k < COUNT_OF(modes); k++) {
+        drive.mode = (uint_least8_t)modes[k];
+        TEST_ASSERT_FALSE(is_noted(drive, 8.0, 0.0));
+    }
+    drive.mode = (uint_least8_t)LODE_MODE_START;
+    drive.state.start.stage = (uint_least8_t)LODE_START_CATCH;
+    TEST_ASSERT_FALSE(is_noted(drive, 8.0, 0.0));
+    drive.state.start.stage = (uint_least8_t)LODE_START_TURN;
+    TEST_ASSERT_TRUE(is_noted(drive, 8.0, 0.0));
+}
+
+/// The observer's last current, by b/a, and that of the d axis.
+static void test_a_jump_is_taken_out_of_the_last_current(void) {
+    lode_drive_t drive = loaded(100.0, 3.0).drive;
+    const lode_emf_tuning_t *emf = &drive.tuning->estimator.emf;
+    const lode_sincos_t rotor = lode_estimator_rotor(&drive.estimator);
+    const lode_ab_t jump_A = {-1.5f * rotor.cos + 2.0f * rotor.sin,
+                              -1.5f * rotor.sin - 2.0f * rotor.cos};
+    const lode_ab_t i_A = lode_ab_scale(-1.0f, jump_A); // half of what it was
+    const lode_ab_t last_A = lode_ab_scale(-2.0f, jump_A);
+    const float id_A = drive.estimator.id_A;
+    drive.estimator.emf.i_A = last_A;
+    TEST_ASSERT_TRUE(lode_drive_note_jump(&drive, i_A, lode_ab_scale(-emf->inv_b, jump_A)));
+    TEST_ASSERT_FALSE(drive.steady);
+    CHECK_NEAR(1.0e-5, (double)id_A - 1.5, drive.estimator.id_A);
+    const double share = (double)(emf->inv_b / emf->a_over_b);
+    CHECK_NEAR(1.0e-5, (double)last_A.alpha + share * (double)jump_A.alpha,
+               drive.estimator.emf.i_A.alpha);
+    CHECK_NEAR(1.0e-5, (double)last_A.beta + share * (double)jump_A.beta,
+               drive.estimator.emf.i_A.beta);
+}
+
+/// A tenth of i_max of 12 A in RUN, a fifth in START; and 1.5 times what the voltage does through the smaller inductance.
+static void test_how_far_a_current_jumps(void) {
+    lode_drive_t drive = loaded(100.0, 3.0).drive;
+    const lode_emf_tuning_t *emf = &drive.tuning->estimator.emf;
+    TEST_ASSERT_FALSE(is_noted(drive, 1.19 / 0.6, 0.0));
+    TEST_ASSERT_TRUE(is_noted(drive, 1.21 / 0.6, 0.0));
+    const double Ld_per_Lq = 1.0 + (double)(emf->salient_Ohm / emf->inv_b);
+    CHECK_AT_MOST(0.8, Ld_per_Lq);
+    const double most_A = 0.6 * 8.0 * Ld_per_Lq / 1.5;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        TEST_ASSERT_TRUE(is_noted(drive, 8.0, sign * 0.99 * most_A));
+        TEST_ASSERT_FALSE(is_noted(drive, 8.0, sign * 1.01 * most_A));
+    }
+    drive.mode = (uint_least8_t)LODE_MODE_START;
+    drive.state.start.stage = (uint_least8_t)LODE_START_TURN;
+    TEST_ASSERT_FALSE(is_noted(drive, 2.39 / 0.6, 0.0));
+    TEST_ASSERT_TRUE(is_noted(drive, 2.41 / 0.6, 0.0));
 }
 
 /// The vector of a start; with sensors that show nothing all converters are stuck.
@@ -238,8 +324,10 @@ static void test_gains_that_change_at_once_end_a_start(void) {
                 TEST_ASSERT_EQUAL_INT(2, steps_with_gain(&rig, gains[k], 100, &most_A));
                 const char *expected =
                     gains[k] < 0.1 ? "LODE_CHECK_CURRENT_STUCK" : "LODE_CHECK_CURRENT_GAIN";
-                const lode_check_t check = (lode_check_t)rig_telemetry(&rig).fault.check;
-                TEST_ASSERT_EQUAL_STRING(expected, lode_check_name(check));
+                const lode_fault_t fault = rig_telemetry(&rig).fault;
+                TEST_ASSERT_EQUAL_STRING(expected, lode_check_name((lode_check_t)fault.check));
+                CHECK_NEAR(0.0, gains[k] < 0.1 ? 0.0 : 1.0, fault.limit);
+                CHECK_NEAR(0.05, gains[k] < 0.1 ? 0.0 : gains[k], fault.measured);
                 CHECK_AT_MOST(1.25 * was_A, most_A);
             }
             rig_t more = before;
@@ -259,6 +347,8 @@ int main(void) {
     RUN_TEST(test_one_bad_sample_of_all_currents_is_let_pass);
     RUN_TEST(test_a_voltage_that_nobody_knows_of_is_no_gain);
     RUN_TEST(test_what_is_not_judged_by_a_gain);
+    RUN_TEST(test_a_jump_is_taken_out_of_the_last_current);
+    RUN_TEST(test_how_far_a_current_jumps);
     RUN_TEST(test_gains_that_change_at_once_end_a_start);
     return UNITY_END();
 }

@@ -549,6 +549,15 @@ static void test_configuration(void) {
 
 // --- A vector that is frozen ----------------------------------------------------------------------
 
+/// Four times the square of the least current, 0.05 of i_max, are enough.
+static void test_what_is_told_from_elsewhere_counts_in_shares(void) {
+    const bench_t self = bench(3.0, 300.0);
+    lode_plausibility_t watch = {.moved_A2 = 1.0f};
+    lode_plausibility_add(&watch, &self.tuning, 0.25f);
+    const double least_A = 0.05 * (double)I_MAX_A;
+    CHECK_CLOSE(1.0e-5, 1.0 + least_A * least_A, watch.moved_A2);
+}
+
 static void test_noise_does_not_move_a_frozen_vector(void) {
     bench_t self = bench(3.0, 300.0);
     CHECK_CLOSE(1.0e-6, 3.0 * GAIN_A, sqrt((double)self.tuning.frozen_A2));
@@ -984,6 +993,7 @@ int main(void) {
     RUN_TEST(test_what_is_chance_is_noted_as_by_the_long_way);
     RUN_TEST(test_the_short_ways_find_the_same);
     RUN_TEST(test_configuration);
+    RUN_TEST(test_what_is_told_from_elsewhere_counts_in_shares);
     RUN_TEST(test_noise_does_not_move_a_frozen_vector);
     RUN_TEST(test_a_vector_that_does_not_follow_is_frozen);
     RUN_TEST(test_a_frozen_vector_is_missed_at_two_looks_in_a_row);
