@@ -14,6 +14,7 @@
 // A current that changes at once (K38): of what it is in RUN.
 #define START_JUMP 2.0f
 #define VOLTAGE_JUMP 1.5f // times what the voltage does
+#define GONE 0.15f        // of what is asked for
 // Half-waves. Of the voltage circle, on which rounding leaves it.
 #define ALL_VOLTAGE 0.99f
 // Load. Of what limits the torque: the voltage moves that a little in each round.
@@ -269,7 +270,6 @@ LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_
     const lode_emf_tuning_t *tuning = &self->tuning->estimator.emf;
     const lode_ab_t jump_A = lode_ab_scale(-1.0f / tuning->inv_b, more_V);
     const float share = share_of_jump(self, squared_ab(more_V));
-    // One that is gone may be that of an open phase too; a start cannot wait for what tells them apart.
     const bool starts = lode_mode(self) == LODE_MODE_START;
     if (share < 1.0f || !is_beyond_voltage(estimator, self->tuning, i_A, jump_A) ||
         !lode_jump_look(&self->jump, i_A, lode_ab_subtract(i_A, jump_A), share, starts)) {
@@ -281,8 +281,14 @@ LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_
     return true;
 }
 
+// A current that is gone may be that of an open phase too. A start's vector hardly turns, and cannot wait for what tells them
+// apart.
 LODE_NOINLINE bool lode_drive_wait_jump(lode_drive_t *self) {
-    const float factor = lode_jump_wait(&self->jump);
+    const bool starts = lode_mode(self) == LODE_MODE_START;
+    const float step_rad =
+        lode_abs(self->estimator.pll.omega_rad_s) * self->tuning->estimator.pll.ts_s;
+    const bool gone = squared_ab(self->estimator.emf.i_A) < GONE * GONE * squared(self->ref_A);
+    const float factor = lode_jump_wait(&self->jump, starts ? LODE_TWO_PI : step_rad, gone);
     LODE_SHARED_STORE(self->steady, false); // until it is over
     if (factor > 0.0f) {
         lode_mode_fault(self, LODE_CHECK_CURRENT_GAIN, factor, 1.0f);

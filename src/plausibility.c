@@ -63,6 +63,9 @@
 #define JUMP_REST 64u
 #define JUMP_MAX 255u
 #define JUMP_BACK_SIZE 0.25f
+// A turn by which a phase that has opened shows its current again, a quarter of it: sin(0.35 - 0.1).
+#define JUMP_TURN_rad 0.35f
+#define JUMP_GONE 128u // looks of a current that is gone begin here
 enum { JUMP_NEW = 1, JUMP_ONE_SAMPLE, JUMP_BACK };
 
 #define OVERLOAD_MAX_s 10.0f
@@ -332,7 +335,7 @@ bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, floa
         return true;
     }
     const float factor = factor_of(i_A, expected_A);
-    if (self->looks > 0u || factor < 0.0f || (starts ? factor > 1.0f : !(factor > 0.0f))) {
+    if (self->looks > 0u || factor < 0.0f || (starts && factor > 1.0f)) {
         return false;
     }
     const float most = (float)JUMP_MAX / (float)LODE_JUMP_ONE;
@@ -343,9 +346,24 @@ bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, floa
     return true;
 }
 
-float lode_jump_wait(lode_jump_t *self) {
-    if (self->looks == (uint_least8_t)JUMP_ONE_SAMPLE) {
+// A current that is gone, for so many periods.
+static bool is_gone_for_good(lode_jump_t *self, float turn_rad, bool gone) {
+    const uint32_t periods = (uint32_t)self->looks + 1u - JUMP_GONE;
+    const bool waits = gone && periods <= JUMP_MAX - JUMP_GONE;
+    self->looks = (uint_least8_t)(waits ? self->looks + 1u : (uint32_t)JUMP_BACK);
+    return waits && (float)periods * turn_rad >= JUMP_TURN_rad;
+}
+
+float lode_jump_wait(lode_jump_t *self, float turn_rad, bool gone) {
+    const bool stays = self->looks == (uint_least8_t)JUMP_ONE_SAMPLE;
+    if (stays && self->factor > 0u) {
         return (float)self->factor / (float)LODE_JUMP_ONE;
+    }
+    if (stays) {
+        self->looks = (uint_least8_t)JUMP_GONE;
+    }
+    if (self->looks >= JUMP_GONE) {
+        return is_gone_for_good(self, turn_rad, gone) ? 0.0f : -1.0f;
     }
     self->looks = (uint_least8_t)(self->looks < JUMP_REST ? self->looks + 1u : 0u);
     return -1.0f;

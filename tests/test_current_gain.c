@@ -16,6 +16,11 @@ static lode_ab_t vector(double length, double angle) {
     return (lode_ab_t){(float)(length * cos(angle)), (float)(length * sin(angle))};
 }
 
+/// In a period in which a whole turn has told enough.
+static double waited(lode_jump_t *jump) {
+    return (double)lode_jump_wait(jump, 6.3f, true);
+}
+
 /// The factor that stays; below 0: none does. `size`: of the next sample, squared; 0: it is not looked at.
 static double factor_of(lode_ab_t i_A, lode_ab_t expected_A, double size, bool starts) {
     lode_jump_t jump = {.looks = 0u};
@@ -23,11 +28,11 @@ static double factor_of(lode_ab_t i_A, lode_ab_t expected_A, double size, bool s
         TEST_ASSERT_EQUAL_UINT(0u, jump.looks);
         return -1.0;
     }
-    TEST_ASSERT_TRUE(lode_jump_wait(&jump) < 0.0f); // the same period
+    TEST_ASSERT_TRUE(waited(&jump) < 0.0); // the same period
     if (size >= 1.0) {
         (void)lode_jump_look(&jump, expected_A, i_A, (float)size, starts);
     }
-    return (double)lode_jump_wait(&jump);
+    return waited(&jump);
 }
 
 static void test_a_factor_that_stays_is_found(void) {
@@ -70,9 +75,8 @@ static void test_what_is_no_factor(void) {
                          0.0);
         TEST_ASSERT_TRUE(factor_of(vector(2.5, 2.0), vector(0.0, 0.0), 0.0, starts > 0) < 0.0);
         TEST_ASSERT_TRUE(factor_of(vector(0.0, 0.0), vector(0.0, 0.0), 0.0, starts > 0) < 0.0);
-        // Gone: in a start alone, whichever way what is left of it points.
-        const double gone = starts > 0 ? 0.0 : -1.0;
-        CHECK_NEAR(0.0, gone, factor_of(vector(0.49, -1.0), expected_A, 0.0, starts > 0));
+        // Gone, whichever way what is left of it points.
+        CHECK_NEAR(0.0, 0.0, factor_of(vector(0.49, -1.0), expected_A, 0.0, starts > 0));
         TEST_ASSERT_TRUE(factor_of(vector(0.51, -1.0), expected_A, 0.0, starts > 0) < 0.0);
     }
 }
@@ -86,16 +90,44 @@ static void test_one_sample_is_no_factor(void) {
     lode_jump_t jump = {.looks = 0u};
     TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
     TEST_ASSERT_FALSE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false)); // in the same period
-    (void)lode_jump_wait(&jump);
+    (void)waited(&jump);
     TEST_ASSERT_TRUE(lode_jump_look(&jump, expected_A, i_A, 9.0f, false)); // tells nothing either
     int rests = 0;
     while (jump.looks > 0u && rests < 1000) {
-        TEST_ASSERT_TRUE(lode_jump_wait(&jump) < 0.0f);
+        TEST_ASSERT_TRUE(waited(&jump) < 0.0);
         rests++;
         TEST_ASSERT_TRUE(jump.looks == 0u || !lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
     }
     TEST_ASSERT_EQUAL_INT(62, rests);
     TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
+}
+
+/// Periods until a current that is gone counts as one, at `turn_rad` in each, or comes back with `back` of them; 0: it does not
+/// count.
+static int periods_until_gone(double turn_rad, int back) {
+    lode_jump_t jump = {.looks = 0u};
+    TEST_ASSERT_TRUE(lode_jump_look(&jump, vector(0.1, 2.0), vector(5.0, -1.0), 9.0f, false));
+    int periods = 0;
+    (void)lode_jump_wait(&jump, (float)turn_rad, true); // its own
+    while (jump.looks > 0u && periods < 1000) {
+        periods++;
+        if (lode_jump_wait(&jump, (float)turn_rad, periods != back) >= 0.0f) {
+            return periods;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT(0u, jump.looks); // and looks again
+    return 0;
+}
+
+/// By 20 degrees.
+static void test_a_current_is_gone_once_it_should_have_come_back(void) {
+    TEST_ASSERT_EQUAL_INT(1, periods_until_gone(0.36, 0));
+    TEST_ASSERT_EQUAL_INT(2, periods_until_gone(0.34, 0));
+    TEST_ASSERT_EQUAL_INT(8, periods_until_gone(0.35 / 7.5, 0));
+    TEST_ASSERT_EQUAL_INT(0, periods_until_gone(0.35 / 7.5, 8));
+    TEST_ASSERT_EQUAL_INT(8, periods_until_gone(0.35 / 7.5, 9));
+    TEST_ASSERT_EQUAL_INT(127, periods_until_gone(0.35 / 126.5, 0));
+    TEST_ASSERT_EQUAL_INT(0, periods_until_gone(0.35 / 128.5, 0));
 }
 
 /// A tenth of i_max, and twice what dead time and drops may take of a phase.
@@ -161,6 +193,26 @@ static void test_gains_that_change_at_once_trip_in_run(void) {
                 CHECK_NEAR(0.0, 1.0, fault.limit);
                 CHECK_AT_MOST(1.25 * was_A, most_A);
             }
+        }
+    }
+}
+
+/// Without noise too, and before it is large.
+static void test_currents_that_are_gone_trip_in_run(void) {
+    const double speeds[] = {60.0, 100.0, -100.0};
+    for (int s = 0; s < COUNT_OF(speeds); s++) {
+        rig_t before = loaded(speeds[s], 3.0);
+        for (int instant = 0; instant < 35; instant++) {
+            rig_run(&before, 3.0 * RIG_TS_s);
+            rig_t rig = before;
+            double most_A = 0.0;
+            const double step_rad = fabs(speeds[s]) * 3.0 * RIG_TS_s;
+            const int periods = steps_with_gain(&rig, 0.0, 100, &most_A);
+            CHECK_NEAR(1.0 + 0.1 * 0.35 / step_rad, 1.5 + 0.35 / step_rad, periods);
+            const lode_fault_t fault = rig_telemetry(&rig).fault;
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK",
+                                     lode_check_name((lode_check_t)fault.check));
+            CHECK_AT_MOST(s == 0 ? 15.0 : 12.0, most_A); // of 12
         }
     }
 }
@@ -342,8 +394,10 @@ int main(void) {
     RUN_TEST(test_a_factor_that_stays_is_found);
     RUN_TEST(test_what_is_no_factor);
     RUN_TEST(test_one_sample_is_no_factor);
+    RUN_TEST(test_a_current_is_gone_once_it_should_have_come_back);
     RUN_TEST(test_how_much_is_looked_at);
     RUN_TEST(test_gains_that_change_at_once_trip_in_run);
+    RUN_TEST(test_currents_that_are_gone_trip_in_run);
     RUN_TEST(test_one_bad_sample_of_all_currents_is_let_pass);
     RUN_TEST(test_a_voltage_that_nobody_knows_of_is_no_gain);
     RUN_TEST(test_what_is_not_judged_by_a_gain);

@@ -147,14 +147,15 @@ bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tun
 bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad);
 
 /// A current `i_A` that is far from `expected_A`, which voltage and EMF make of the last one; `size`: how far, squared, of what
-/// it is looked at for, from 1. `starts`: one that has got
-/// less or is gone; else one that has got less or more, but is there. True: this sample tells nothing of the EMF.
+/// it is looked at for, from 1. `starts`: not one that has
+/// got more. True: this sample tells nothing of the EMF.
 bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
                     bool starts);
 
 /// In each period with `self->looks` above 0, after lode_jump_look() if it was called: the factor that stays for a second
-/// sample; below 0: none does.
-float lode_jump_wait(lode_jump_t *self);
+/// sample; below 0: none does. `turn_rad`: by how much the vector turns in a period; one that is gone, `gone`, is told from an
+/// open phase by a part of a turn.
+float lode_jump_wait(lode_jump_t *self, float turn_rad, bool gone);
 
 /// `config` is completed by lode_guard_design().
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
