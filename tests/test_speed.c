@@ -816,6 +816,15 @@ static void test_two_slopes_without_a_jerk(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.04f, shaped(200.0f, 0.0f, 9.0e3f, 0.0f).tuning.ramp_down_step);
 }
 
+/// From rest either way is up, and its slope the one up.
+static void test_from_rest_either_way_is_up(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        shaped_t s = shaped(100.0f, 25.0f, 1.0e6f, 0.0f);
+        const float step = lode_speed_ramp(&s.speed, &s.tuning, 50.0f * (float)sign);
+        CHECK_CLOSE(1.0e-5, sign * (double)s.tuning.ramp_step, step);
+    }
+}
+
 /// A steep way down does not go on past zero.
 static void test_a_reversal_has_the_other_slope_from_zero_on(void) {
     shaped_t s = shaped(100.0f, 400.0f, 1000.0f, 100.0f);
@@ -945,6 +954,7 @@ int main(void) {
     RUN_TEST(test_a_shaped_reference_comes_to_rest_at_its_target);
     RUN_TEST(test_a_jerk_takes_no_more_time_than_it_must);
     RUN_TEST(test_two_slopes_without_a_jerk);
+    RUN_TEST(test_from_rest_either_way_is_up);
     RUN_TEST(test_a_reversal_has_the_other_slope_from_zero_on);
     RUN_TEST(test_the_inertia_is_given_its_torque_by_the_limited_slope);
     RUN_TEST(test_what_takes_the_reference_along_ends_its_ramp);
