@@ -12,7 +12,7 @@
 #define MISSED 0.05f
 #define WOUND_UP 0.34f
 // A current that changes at once (K38): of what it is in RUN.
-#define START_JUMP 2.0f
+#define START_JUMP 1.3333333f
 #define VOLTAGE_JUMP 1.5f // times what the voltage does
 #define GONE 0.15f        // of what is asked for
 // Half-waves. Of the voltage circle, on which rounding leaves it.

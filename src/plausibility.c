@@ -55,7 +55,7 @@
 // (K38): of i_max; the sine, squared, of the angle by which a factor may turn the vector; of it, squared, what is none;
 // periods until the next one may come; the largest of its numbers; and what of its size, squared, the next sample goes by where
 // it goes back.
-#define JUMP_SHARE 0.1f
+#define JUMP_SHARE 0.15f
 #define JUMP_UNSURE 2.0f
 #define JUMP_SINE2 0.01f
 #define JUMP_NONE 0.01f

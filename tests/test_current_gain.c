@@ -130,14 +130,14 @@ static void test_a_current_is_gone_once_it_should_have_come_back(void) {
     TEST_ASSERT_EQUAL_INT(0, periods_until_gone(0.35 / 127.5, 0));
 }
 
-/// A tenth of i_max, and twice what dead time and drops may take of a phase.
+/// 0.15 of i_max, and twice what dead time and drops may take of a phase.
 static void test_how_much_is_looked_at(void) {
     lode_plausibility_tuning_t of;
     lode_guard_config_t config = {.plausibility = LODE_ON};
     lode_plausibility_tune_jump(&of, &config, 400.0f, 5.0f);
-    CHECK_CLOSE(1.0e-6, 40.0 * 40.0, of.jump_V2);
-    lode_plausibility_tune_jump(&of, &config, 400.0f, 30.0f);
     CHECK_CLOSE(1.0e-6, 60.0 * 60.0, of.jump_V2);
+    lode_plausibility_tune_jump(&of, &config, 400.0f, 35.0f);
+    CHECK_CLOSE(1.0e-6, 70.0 * 70.0, of.jump_V2);
     config.plausibility = LODE_OFF;
     lode_plausibility_tune_jump(&of, &config, 400.0f, 5.0f);
     TEST_ASSERT_TRUE(of.jump_V2 >= FLT_MAX);
@@ -339,12 +339,12 @@ static void test_a_jump_is_taken_out_of_the_last_current(void) {
                drive.estimator.emf.i_A.beta);
 }
 
-/// A tenth of i_max of 12 A in RUN, a fifth in START; and 1.5 times what the voltage does through the smaller inductance.
+/// 0.15 of i_max of 12 A in RUN, a fifth in START; and 1.5 times what the voltage does through the smaller inductance.
 static void test_how_far_a_current_jumps(void) {
     lode_drive_t drive = loaded(100.0, 3.0).drive;
     const lode_emf_tuning_t *emf = &drive.tuning->estimator.emf;
-    TEST_ASSERT_FALSE(is_noted(drive, 1.19 / 0.6, 0.0));
-    TEST_ASSERT_TRUE(is_noted(drive, 1.21 / 0.6, 0.0));
+    TEST_ASSERT_FALSE(is_noted(drive, 1.79 / 0.6, 0.0));
+    TEST_ASSERT_TRUE(is_noted(drive, 1.81 / 0.6, 0.0));
     const double Ld_per_Lq = 1.0 + (double)(emf->salient_Ohm / emf->inv_b);
     CHECK_AT_MOST(0.8, Ld_per_Lq);
     const double most_A = 0.6 * 8.0 * Ld_per_Lq / 1.5;
