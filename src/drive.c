@@ -446,7 +446,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
             tuning = self->tuning;
         }
         lode_mode_follow(self);
-        if (!self->gates || !lode_drive_no_jump(self)) {
+        if (!self->gates || !lode_drive_jump_ok(self)) {
             return end_idle(self);
         }
         given = lode_drive_by_mode(self, sample, &frame);

@@ -492,7 +492,7 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
             take_mail(self);
         }
         lode_mode_follow(drive);
-        if (!drive->gates || !lode_drive_no_jump(drive)) {
+        if (!drive->gates || !lode_drive_jump_ok(drive)) {
             return end_idle(self);
         }
         given = lode_drive_by_mode(drive, &sample->machine, &frame);

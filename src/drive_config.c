@@ -337,11 +337,6 @@ static float control_rad_s(const lode_drive_config_t *c) {
     return lode_min(c->current.kp_d_V_A / c->motor.Ld_H, c->current.kp_q_V_A / c->motor.Lq_H);
 }
 
-// Of a phase at the zero of its current.
-static float unsure_V(const lode_inverter_tuning_t *inverter, float v_bus_V) {
-    return (inverter->dead_duty + inverter->dead_more_max) * v_bus_V + 2.0f * inverter->v_drop_V;
-}
-
 static lode_status_t tune_plausibility(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     lode_plausibility_tuning_t plausibility;
     lode_status_t status =
@@ -353,7 +348,7 @@ static lode_status_t tune_plausibility(lode_drive_tuning_t *t, const lode_drive_
                                              1.0f / c->f_pwm_Hz);
         lode_plausibility_tune_jump(&plausibility, &c->guard,
                                     c->inverter.i_max_A * t->estimator.emf.inv_b,
-                                    unsure_V(&t->inverter, c->inverter.v_bus_V));
+                                    lode_inverter_unsure_V(&c->inverter, 1.0f / c->f_pwm_Hz));
         plausibility.waves = lode_half_waves_tune(c->inverter.i_max_A, control_rad_s(c),
                                                   (float)LODE_SLOW_PERIODS / c->f_pwm_Hz);
     }

@@ -71,9 +71,9 @@ void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
 bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
 // The current has hardly moved since a look before.
 bool lode_drive_doubt_frozen(lode_drive_t *self);
-// The current has changed by much at once, `more_V` being what would have to act on it. True: this sample tells nothing of the
-// EMF.
-bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_ab_t more_V);
+// The current has changed by much at once: `jump_V` would have to act on it beside voltage and EMF. True: the sample is left out
+// of the EMF.
+bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_ab_t jump_V);
 // In each period after it.
 bool lode_drive_wait_jump(lode_drive_t *self);
 // In RUN: a load beyond all the torque, another flux than the magnets', three phases without a half-wave.
@@ -90,8 +90,8 @@ LODE_INLINE lode_ab_t lode_drive_turned(const lode_estimator_t *estimator,
     return lode_ab_add_scaled(x, turn_rad, (lode_ab_t){-x.beta, x.alpha});
 }
 
-// (K38). After what else moves the observer's last current. Without the turn of the last period's two machines would look at
-// every sample where they are fast.
+// (K38). After what else moves the observer's last current. The innovation of the last period turns with the rotor: without that
+// two machines of the catalogue would look at every sample where they are fast.
 LODE_INLINE void lode_drive_watch_jump(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                        lode_ab_t u_V, lode_ab_t i_A) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
@@ -100,25 +100,25 @@ LODE_INLINE void lode_drive_watch_jump(lode_drive_t *self, const lode_drive_tuni
     (void)u_V;
     (void)i_A;
 #else
-    const lode_ab_t beyond_V =
-        lode_emf_beyond(&self->estimator.emf, &tuning->estimator.emf, u_V, i_A);
-    const lode_ab_t more_V = lode_ab_subtract(
-        beyond_V, lode_drive_turned(&self->estimator, tuning, self->jump.beyond_V));
-    if (more_V.alpha * more_V.alpha + more_V.beta * more_V.beta > tuning->plausibility.jump_V2 &&
-        lode_drive_note_jump(self, (lode_ab_t){i_A.alpha, i_A.beta}, more_V)) {
+    const lode_ab_t innovation_V =
+        lode_emf_innovation(&self->estimator.emf, &tuning->estimator.emf, u_V, i_A);
+    const lode_ab_t jump_V = lode_ab_subtract(
+        innovation_V, lode_drive_turned(&self->estimator, tuning, self->jump.innovation_V));
+    if (lode_ab_length2(jump_V) > tuning->plausibility.jump_V2 &&
+        lode_drive_note_jump(self, (lode_ab_t){i_A.alpha, i_A.beta}, jump_V)) {
         return;
     }
-    self->jump.beyond_V = beyond_V;
+    self->jump.innovation_V = innovation_V;
 #endif
 }
 
-// One that stays. False: the drive is in FAULT.
-LODE_INLINE bool lode_drive_no_jump(lode_drive_t *self) {
+// False: a jump has stayed, and the drive is in FAULT.
+LODE_INLINE bool lode_drive_jump_ok(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
     return true;
 #else
-    return self->jump.looks == 0u || lode_drive_wait_jump(self);
+    return self->jump.stage == (uint_least8_t)LODE_JUMP_NONE || lode_drive_wait_jump(self);
 #endif
 }
 

@@ -234,10 +234,10 @@ LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
     return self->gates;
 }
 
-// What acts on the current beside the voltage is the EMF where the observer has it. Without a rotor that follows, that is
-// known less. Of the square at which a jump counts; 0: nothing is known.
-static float share_of_jump(const lode_drive_t *self, float more_V2) {
-    const float share = more_V2 / self->tuning->plausibility.jump_V2;
+// The square of a jump, of that from which it counts; 0: what acts on the current is not known. With a lock the observer has the
+// EMF; of a start's rotor, which may not follow, it has less.
+static float share_of_jump(const lode_drive_t *self, float jump_V2) {
+    const float share = jump_V2 / self->tuning->plausibility.jump_V2;
     if (lode_estimator_injects(&self->estimator)) {
         return 0.0f; // the wave's current goes by Ld
     }
@@ -249,33 +249,30 @@ static float share_of_jump(const lode_drive_t *self, float more_V2) {
     return vector ? share * (1.0f / (START_JUMP * START_JUMP)) : 0.0f;
 }
 
-static float squared_ab(lode_ab_t x) {
-    return x.alpha * x.alpha + x.beta * x.beta;
-}
-
-// What the voltage changes the current by, through the inductance of the observer, is far less, through that of the d axis too.
+// What the voltage changes the current by, by the observer's inductance, is far less, and so it is by the smaller one.
 static bool is_beyond_voltage(const lode_estimator_t *self, const lode_drive_tuning_t *tuning,
                               lode_ab_t i_A, lode_ab_t jump_A) {
     const lode_emf_tuning_t *emf = &tuning->estimator.emf;
     const lode_ab_t change_A =
         lode_ab_subtract(i_A, lode_drive_turned(self, tuning, self->emf.i_A));
-    const float Ld_per_Lq = 1.0f + emf->salient_Ohm / emf->inv_b;
-    const float least = VOLTAGE_JUMP / Ld_per_Lq;
-    return squared_ab(jump_A) > least * least * squared_ab(lode_ab_subtract(change_A, jump_A));
+    const float smaller = lode_min(1.0f + emf->salient_Ohm / emf->inv_b, 1.0f); // Ld/Lq
+    const float least = VOLTAGE_JUMP / smaller;
+    return lode_ab_length2(jump_A) >
+           least * least * lode_ab_length2(lode_ab_subtract(change_A, jump_A));
 }
 
 // Moves the observer's last current, whose share of (E3) is a/b, and the salient one: neither takes the jump for an EMF.
-LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_ab_t more_V) {
+LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_ab_t jump_V) {
     lode_estimator_t *estimator = &self->estimator;
     const lode_emf_tuning_t *tuning = &self->tuning->estimator.emf;
-    const lode_ab_t jump_A = lode_ab_scale(-1.0f / tuning->inv_b, more_V);
-    const float share = share_of_jump(self, squared_ab(more_V));
+    const lode_ab_t jump_A = lode_ab_scale(-1.0f / tuning->inv_b, jump_V);
+    const float share = share_of_jump(self, lode_ab_length2(jump_V));
     const bool starts = lode_mode(self) == LODE_MODE_START;
     if (share < 1.0f || !is_beyond_voltage(estimator, self->tuning, i_A, jump_A) ||
         !lode_jump_look(&self->jump, i_A, lode_ab_subtract(i_A, jump_A), share, starts)) {
         return false;
     }
-    estimator->emf.i_A = lode_ab_add_scaled(estimator->emf.i_A, -1.0f / tuning->a_over_b, more_V);
+    estimator->emf.i_A = lode_ab_add_scaled(estimator->emf.i_A, -1.0f / tuning->a_over_b, jump_V);
     estimator->id_A += lode_park(jump_A, lode_estimator_rotor(estimator)).d;
     LODE_SHARED_STORE(self->steady, false);
     return true;
@@ -287,7 +284,7 @@ LODE_NOINLINE bool lode_drive_wait_jump(lode_drive_t *self) {
     const bool starts = lode_mode(self) == LODE_MODE_START;
     const float step_rad =
         lode_abs(self->estimator.pll.omega_rad_s) * self->tuning->estimator.pll.ts_s;
-    const bool gone = squared_ab(self->estimator.emf.i_A) < GONE * GONE * squared(self->ref_A);
+    const bool gone = lode_ab_length2(self->estimator.emf.i_A) < GONE * GONE * squared(self->ref_A);
     const float factor = lode_jump_wait(&self->jump, starts ? LODE_TWO_PI : step_rad, gone);
     LODE_SHARED_STORE(self->steady, false); // until it is over
     if (factor > 0.0f) {

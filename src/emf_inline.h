@@ -15,9 +15,10 @@ LODE_INLINE lode_ab_t lode_emf_dead_beat(lode_emf_t *self, const lode_emf_tuning
     return m;
 }
 
-// What the dead-beat EMF of the present period has beyond the estimate of the last one, before either is moved on.
-LODE_INLINE lode_ab_t lode_emf_beyond(const lode_emf_t *self, const lode_emf_tuning_t *tuning,
-                                      lode_ab_t u_V, lode_ab_t i_A) {
+// Innovation of the observer: the dead-beat EMF of the present period less the estimate of the last one, before either is moved
+// on.
+LODE_INLINE lode_ab_t lode_emf_innovation(const lode_emf_t *self, const lode_emf_tuning_t *tuning,
+                                          lode_ab_t u_V, lode_ab_t i_A) {
     const lode_ab_t m = lode_ab_add_scaled(u_V, tuning->a_over_b, self->i_A);
     return lode_ab_subtract(lode_ab_add_scaled(m, -tuning->inv_b, i_A), self->observer.e_V);
 }

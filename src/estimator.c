@@ -152,10 +152,6 @@ static float per_V_of(const lode_estimator_tuning_t *tuning, float e2_V2, float 
     return omega_rad_s < 0.0f ? size : -size;
 }
 
-static float square(lode_ab_t x) {
-    return x.alpha * x.alpha + x.beta * x.beta;
-}
-
 static LODE_NOINLINE LODE_SMALL_CALL void
 renew_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float omega_rad_s) {
     self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
@@ -241,7 +237,7 @@ void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning
 float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                 lode_sincos_t frame) {
     const lode_ab_t e_V = self->emf.observer.e_V;
-    const float e2 = square(e_V);
+    const float e2 = lode_ab_length2(e_V);
     if (!(e2 <= EMF_LIMIT_V * EMF_LIMIT_V) ||
         !(lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit)) {
         return 2.0f * SINE_MAX;
@@ -253,7 +249,7 @@ float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tun
 
 // Beyond SINE_MAX where the EMF is not that of a motor: not finite, or too large to be blended.
 LODE_NOINLINE float lode_estimator_limit(const lode_estimator_t *self, float error) {
-    if (!(square(self->emf.observer.e_V) <= EMF_LIMIT_V * EMF_LIMIT_V)) {
+    if (!(lode_ab_length2(self->emf.observer.e_V) <= EMF_LIMIT_V * EMF_LIMIT_V)) {
         return 2.0f * SINE_MAX;
     }
     return lode_clamp(error, -LODE_HFI_ERROR_MAX_rad, LODE_HFI_ERROR_MAX_rad);

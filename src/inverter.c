@@ -111,6 +111,12 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     return LODE_OK;
 }
 
+float lode_inverter_unsure_V(const lode_inverter_config_t *config, float ts_s) {
+    const float dead_s = config->dead_time_s + DEAD_MORE_MAX_s;
+    return dead_s * lode_inverter_carrier_Hz(config, 1.0f / ts_s) * config->v_bus_V +
+           2.0f * config->v_drop_V;
+}
+
 // In |i + i_dead| - |i - i_dead| both terms round by half a step of a float at 2 i.
 void lode_inverter_bound_current(lode_inverter_tuning_t *tuning, float i_A) {
     const float slope_A =

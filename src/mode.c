@@ -139,7 +139,7 @@ void lode_mode_switch_on(lode_drive_t *self, lode_mode_t mode) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_reset(&self->plausibility);
     self->frozen.looks = 0u;
-    self->jump = (lode_jump_t){.looks = 0u};
+    self->jump = (lode_jump_t){.stage = (uint_least8_t)LODE_JUMP_NONE};
 #endif
     lode_estimator_reset(&self->estimator, &tuning->estimator);
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);

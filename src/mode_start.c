@@ -66,8 +66,7 @@ static LODE_NOINLINE void watch_flux(lode_drive_t *self) {
 }
 
 static float measured_A2(const lode_drive_t *self) {
-    const lode_ab_t i_A = self->estimator.emf.i_A;
-    return i_A.alpha * i_A.alpha + i_A.beta * i_A.beta;
+    return lode_ab_length2(self->estimator.emf.i_A);
 }
 
 // The current has fallen and is back, and with it the EMF has changed: the inverter gives another voltage for what passes for the

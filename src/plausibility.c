@@ -52,21 +52,18 @@
 // Rounds, from 2, in which current control has brought it back, and the EMF's observer has settled.
 #define BACK_ROUNDS 5u
 
-// (K38): of i_max; the sine, squared, of the angle by which a factor may turn the vector; of it, squared, what is none;
-// periods until the next one may come; the largest of its numbers; and what of its size, squared, the next sample goes by where
-// it goes back.
-#define JUMP_SHARE 0.15f
-#define JUMP_UNSURE 2.0f
-#define JUMP_SINE2 0.01f
-#define JUMP_NONE 0.01f
-#define JUMP_FACTOR 0.25f
-#define JUMP_REST 64u
-#define JUMP_MAX 255u
-#define JUMP_BACK_SIZE 0.25f
-// A turn by which a phase that has opened shows its current again, a quarter of it: sin(0.35 - 0.1).
-#define JUMP_TURN_rad 0.35f
-#define JUMP_GONE 128u // looks of a current that is gone begin here
-enum { JUMP_NEW = 1, JUMP_ONE_SAMPLE, JUMP_BACK };
+// (K38)
+#define JUMP_SHARE 0.15f  // of i_max
+#define JUMP_UNSURE 2.0f  // times what dead time and drops may take of a phase
+#define JUMP_SINE2 0.01f  // a factor turns the vector by 5.7 degrees at most: the sine, squared
+#define JUMP_NONE 0.01f   // of what it was, squared: nothing is left
+#define JUMP_FACTOR 0.25f // off 1 by less is none
+#define JUMP_BACK 0.25f   // of the jump, squared: at the next sample it goes back
+#define JUMP_TURN_rad                                                                              \
+    0.35f // a phase that has opened shows a quarter of its current again: sin(0.35 - 0.1)
+#define JUMP_GONE_PERIODS 127u // by which that turn has to be done
+#define JUMP_REST_PERIODS 62u
+#define JUMP_BYTE 255u // the largest of its numbers
 
 #define OVERLOAD_MAX_s 10.0f
 // Of what all the torque makes of a free rotor: what a load that is hardly larger, or one that ripples, may make of it.
@@ -312,61 +309,75 @@ bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad) {
     return ((float)self->looks - 1.0f) * lode_abs(turn_rad) >= LODE_TWO_PI;
 }
 
-// By how much the one is of the other, in the same direction; below 0: it has turned, or is near enough.
+// What is left of the expected current, along it; below 0: it is near enough, or has turned.
 static float factor_of(lode_ab_t i_A, lode_ab_t expected_A) {
-    const float expected_A2 =
-        expected_A.alpha * expected_A.alpha + expected_A.beta * expected_A.beta;
-    const float i_A2 = i_A.alpha * i_A.alpha + i_A.beta * i_A.beta;
-    const float along = i_A.alpha * expected_A.alpha + i_A.beta * expected_A.beta;
-    const float across = i_A.alpha * expected_A.beta - i_A.beta * expected_A.alpha;
-    const bool same = along > 0.0f && across * across <= JUMP_SINE2 * i_A2 * expected_A2;
+    const float i_A2 = lode_ab_length2(i_A);
+    const float expected_A2 = lode_ab_length2(expected_A);
     if (i_A2 < JUMP_NONE * expected_A2) {
         return 0.0f;
     }
+    const float along = i_A.alpha * expected_A.alpha + i_A.beta * expected_A.beta;
+    const float across = i_A.alpha * expected_A.beta - i_A.beta * expected_A.alpha;
+    const bool same = along > 0.0f && across * across <= JUMP_SINE2 * i_A2 * expected_A2;
     const float factor = along / lode_max(expected_A2, FLT_MIN);
     return same && lode_abs(factor - 1.0f) >= JUMP_FACTOR ? factor : -1.0f;
 }
 
+static void enter_jump(lode_jump_t *self, lode_jump_stage_t stage) {
+    self->stage = (uint_least8_t)stage;
+    self->periods = 0u;
+}
+
 bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
                     bool starts) {
-    if (self->looks == (uint_least8_t)JUMP_ONE_SAMPLE &&
-        size >= JUMP_BACK_SIZE * (float)self->size) {
-        self->looks = (uint_least8_t)JUMP_BACK; // of one sample alone; or nobody knows of a voltage
+    if (self->stage == (uint_least8_t)LODE_JUMP_SECOND && size >= JUMP_BACK * (float)self->size) {
+        enter_jump(self, LODE_JUMP_RESTS); // one bad sample, or a voltage that nobody knows of
         return true;
     }
     const float factor = factor_of(i_A, expected_A);
-    if (self->looks > 0u || factor < 0.0f || (starts && factor > 1.0f)) {
+    if (self->stage != (uint_least8_t)LODE_JUMP_NONE || factor < 0.0f ||
+        (starts && factor > 1.0f)) {
         return false;
     }
-    const float most = (float)JUMP_MAX / (float)LODE_JUMP_ONE;
-    const float steps = lode_min(factor, most) * (float)LODE_JUMP_ONE;
+    const float steps = lode_min(factor * (float)LODE_JUMP_ONE, (float)JUMP_BYTE);
     self->factor = (uint_least8_t)steps;
-    self->size = (uint_least8_t)lode_min(size, (float)JUMP_MAX);
-    self->looks = (uint_least8_t)JUMP_NEW;
+    self->size = (uint_least8_t)lode_min(size, (float)JUMP_BYTE);
+    enter_jump(self, LODE_JUMP_NEW);
     return true;
 }
 
-// A current that is gone, for so many periods.
+// Of a current that is gone: it does not come back.
 static bool is_gone_for_good(lode_jump_t *self, float turn_rad, bool gone) {
-    const uint32_t periods = (uint32_t)self->looks + 1u - JUMP_GONE;
-    const bool waits = gone && periods <= JUMP_MAX - JUMP_GONE;
-    self->looks = (uint_least8_t)(waits ? self->looks + 1u : (uint32_t)JUMP_BACK);
-    return waits && (float)periods * turn_rad >= JUMP_TURN_rad;
+    self->periods = (uint_least8_t)(self->periods + 1u);
+    if (!gone || self->periods > JUMP_GONE_PERIODS) {
+        enter_jump(self, LODE_JUMP_RESTS);
+        return false;
+    }
+    return (float)self->periods * turn_rad >= JUMP_TURN_rad;
 }
 
 float lode_jump_wait(lode_jump_t *self, float turn_rad, bool gone) {
-    const bool stays = self->looks == (uint_least8_t)JUMP_ONE_SAMPLE;
-    if (stays && self->factor > 0u) {
-        return (float)self->factor / (float)LODE_JUMP_ONE;
-    }
-    if (stays) {
-        self->looks = (uint_least8_t)JUMP_GONE;
-    }
-    if (self->looks >= JUMP_GONE) {
+    switch ((lode_jump_stage_t)self->stage) {
+    case LODE_JUMP_NEW:
+        enter_jump(self, LODE_JUMP_SECOND);
+        return -1.0f;
+    case LODE_JUMP_SECOND:
+        if (self->factor > 0u) {
+            return (float)self->factor / (float)LODE_JUMP_ONE;
+        }
+        enter_jump(self, LODE_JUMP_GONE);
         return is_gone_for_good(self, turn_rad, gone) ? 0.0f : -1.0f;
+    case LODE_JUMP_GONE:
+        return is_gone_for_good(self, turn_rad, gone) ? 0.0f : -1.0f;
+    case LODE_JUMP_RESTS:
+    case LODE_JUMP_NONE:
+    default:
+        self->periods = (uint_least8_t)(self->periods + 1u);
+        if (self->periods >= JUMP_REST_PERIODS) {
+            enter_jump(self, LODE_JUMP_NONE);
+        }
+        return -1.0f;
     }
-    self->looks = (uint_least8_t)(self->looks < JUMP_REST ? self->looks + 1u : 0u);
-    return -1.0f;
 }
 
 // The other two currents of an open phase add up to none, to within their gains; beside a converter that is stuck they do

@@ -23,9 +23,9 @@ static double waited(lode_jump_t *jump) {
 
 /// The factor that stays; below 0: none does. `size`: of the next sample, squared; 0: it is not looked at.
 static double factor_of(lode_ab_t i_A, lode_ab_t expected_A, double size, bool starts) {
-    lode_jump_t jump = {.looks = 0u};
+    lode_jump_t jump = {.stage = (uint_least8_t)LODE_JUMP_NONE};
     if (!lode_jump_look(&jump, i_A, expected_A, 9.0f, starts)) {
-        TEST_ASSERT_EQUAL_UINT(0u, jump.looks);
+        TEST_ASSERT_EQUAL_UINT(LODE_JUMP_NONE, jump.stage);
         return -1.0;
     }
     TEST_ASSERT_TRUE(waited(&jump) < 0.0); // the same period
@@ -87,16 +87,17 @@ static void test_one_sample_is_no_factor(void) {
     const lode_ab_t i_A = vector(2.0, 1.0);
     CHECK_NEAR(0.02, 0.4, factor_of(i_A, expected_A, 2.2, false)); // a quarter of 9 is 2.25
     TEST_ASSERT_TRUE(factor_of(i_A, expected_A, 2.25, false) < 0.0);
-    lode_jump_t jump = {.looks = 0u};
+    lode_jump_t jump = {.stage = (uint_least8_t)LODE_JUMP_NONE};
     TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
     TEST_ASSERT_FALSE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false)); // in the same period
     (void)waited(&jump);
     TEST_ASSERT_TRUE(lode_jump_look(&jump, expected_A, i_A, 9.0f, false)); // tells nothing either
     int rests = 0;
-    while (jump.looks > 0u && rests < 1000) {
+    while (jump.stage != (uint_least8_t)LODE_JUMP_NONE && rests < 1000) {
         TEST_ASSERT_TRUE(waited(&jump) < 0.0);
         rests++;
-        TEST_ASSERT_TRUE(jump.looks == 0u || !lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
+        TEST_ASSERT_TRUE(jump.stage == (uint_least8_t)LODE_JUMP_NONE ||
+                         !lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
     }
     TEST_ASSERT_EQUAL_INT(62, rests);
     TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
@@ -105,17 +106,17 @@ static void test_one_sample_is_no_factor(void) {
 /// Periods until a current that is gone counts as one, at `turn_rad` in each, or comes back with `back` of them; 0: it does not
 /// count.
 static int periods_until_gone(double turn_rad, int back) {
-    lode_jump_t jump = {.looks = 0u};
+    lode_jump_t jump = {.stage = (uint_least8_t)LODE_JUMP_NONE};
     TEST_ASSERT_TRUE(lode_jump_look(&jump, vector(0.1, 2.0), vector(5.0, -1.0), 9.0f, false));
     int periods = 0;
     (void)lode_jump_wait(&jump, (float)turn_rad, true); // its own
-    while (jump.looks > 0u && periods < 1000) {
+    while (jump.stage != (uint_least8_t)LODE_JUMP_NONE && periods < 1000) {
         periods++;
         if (lode_jump_wait(&jump, (float)turn_rad, periods != back) >= 0.0f) {
             return periods;
         }
     }
-    TEST_ASSERT_EQUAL_UINT(0u, jump.looks); // and looks again
+    TEST_ASSERT_EQUAL_UINT(LODE_JUMP_NONE, jump.stage); // and looks again
     return 0;
 }
 

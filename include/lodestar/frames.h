@@ -130,8 +130,13 @@ LODE_INLINE lode_ab_t lode_ab_scale(float k, lode_ab_t x) {
     return out;
 }
 
+/// Square of the length.
+LODE_INLINE float lode_ab_length2(lode_ab_t x) {
+    return x.alpha * x.alpha + x.beta * x.beta;
+}
+
 LODE_INLINE float lode_ab_length(lode_ab_t x) {
-    return lode_sqrt(x.alpha * x.alpha + x.beta * x.beta);
+    return lode_sqrt(lode_ab_length2(x));
 }
 
 /// Every component within +-limit; false for NaN.

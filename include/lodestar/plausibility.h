@@ -66,12 +66,20 @@ typedef struct {
 #define LODE_FROZEN_LOOKS 0xffffu
 
 /// A current vector that changes at once by a factor (K38).
+typedef enum {
+    LODE_JUMP_NONE,
+    LODE_JUMP_NEW,    ///< in the present sample
+    LODE_JUMP_SECOND, ///< in the last one: the present one says whether it stays
+    LODE_JUMP_GONE,   ///< it stays, and nothing is left: waits for an open phase to come back
+    LODE_JUMP_RESTS   ///< it did not stay: nothing is looked at for a while
+} lode_jump_stage_t;
+
 typedef struct {
-    lode_ab_t
-        beyond_V; ///< what the dead-beat EMF had beyond the observer's in the last period that was none
-    uint_least8_t looks;  ///< periods since, from 1; 0: nothing of the kind
-    uint_least8_t factor; ///< LODE_JUMP_ONE: 1
-    uint_least8_t size;   ///< squared, in those at which it is looked at
+    lode_ab_t innovation_V; ///< of the EMF's observer in the last period without one
+    uint_least8_t stage;    ///< lode_jump_stage_t
+    uint_least8_t periods;  ///< in GONE and RESTS
+    uint_least8_t factor;   ///< in 1/LODE_JUMP_ONE
+    uint_least8_t size;     ///< squared, of the least that is looked at
 } lode_jump_t;
 
 #define LODE_JUMP_ONE 64u
@@ -146,15 +154,13 @@ bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tun
 /// After a look: whether what is asked for has turned by a whole turn since the first one, at `turn_rad` in LODE_SLOW_PERIODS.
 bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad);
 
-/// A current `i_A` that is far from `expected_A`, which voltage and EMF make of the last one; `size`: how far, squared, of what
-/// it is looked at for, from 1. `starts`: not one that has
-/// got more. True: this sample tells nothing of the EMF.
+/// A current `i_A` that is far from `expected_A`, which voltage and EMF make of the last one; `size`: how far, squared, of the
+/// least that is looked at. `starts`: one that has got more is none. True: this sample tells nothing of the EMF.
 bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
                     bool starts);
 
-/// In each period with `self->looks` above 0, after lode_jump_look() if it was called: the factor that stays for a second
-/// sample; below 0: none does. `turn_rad`: by how much the vector turns in a period; one that is gone, `gone`, is told from an
-/// open phase by a part of a turn.
+/// In each period with another stage than NONE, after lode_jump_look() if it was called. The factor that has stayed; below 0:
+/// none has. `turn_rad`: by how much the vector turns in a period; `gone`: nothing is left of the current.
 float lode_jump_wait(lode_jump_t *self, float turn_rad, bool gone);
 
 /// `config` is completed by lode_guard_design().
