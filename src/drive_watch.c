@@ -111,10 +111,8 @@ static bool may_follow(const lode_drive_t *self, float omega_rad_s) {
 // hold it there.
 static lode_hold_t hold_of(const lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const lode_inverter_tuning_t *inverter = &tuning->inverter;
-    const float dead_duty = inverter->dead_duty + inverter->dead_more_max;
     const float Lq_H = tuning->estimator.emf.inv_b * tuning->estimator.pll.ts_s;
-    return (lode_hold_t){.taken_V = dead_duty * self->inverter.v_bus_V + 2.0f * inverter->v_drop_V,
+    return (lode_hold_t){.taken_V = tuning->plausibility.taken_V,
                          .x_Ohm = Lq_H * lode_mode_frame_omega(self)};
 }
 

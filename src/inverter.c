@@ -111,7 +111,7 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     return LODE_OK;
 }
 
-float lode_inverter_unsure_V(const lode_inverter_config_t *config, float ts_s) {
+float lode_inverter_taken_V(const lode_inverter_config_t *config, float ts_s) {
     const float dead_s = config->dead_time_s + DEAD_MORE_MAX_s;
     return dead_s * lode_inverter_carrier_Hz(config, 1.0f / ts_s) * config->v_bus_V +
            2.0f * config->v_drop_V;

@@ -54,7 +54,7 @@
 
 // (K38)
 #define JUMP_SHARE 0.15f  // of i_max
-#define JUMP_UNSURE 2.0f  // times what dead time and drops may take of a phase
+#define JUMP_TAKEN 2.0f   // times what dead time and drops may take of a phase
 #define JUMP_SINE2 0.01f  // a factor turns the vector by 5.7 degrees at most: the sine, squared
 #define JUMP_NONE 0.01f   // of what it was, squared: nothing is left
 #define JUMP_FACTOR 0.25f // off 1 by less is none
@@ -125,9 +125,11 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
     return LODE_OK;
 }
 
-void lode_plausibility_tune_jump(lode_plausibility_tuning_t *tuning,
-                                 const lode_guard_config_t *config, float i_max_V, float unsure_V) {
-    const float jump_V = lode_max(JUMP_SHARE * i_max_V, JUMP_UNSURE * unsure_V);
+void lode_plausibility_tune_voltages(lode_plausibility_tuning_t *tuning,
+                                     const lode_guard_config_t *config, float i_max_V,
+                                     float taken_V) {
+    const float jump_V = lode_max(JUMP_SHARE * i_max_V, JUMP_TAKEN * taken_V);
+    tuning->taken_V = taken_V;
     tuning->jump_V2 = config->plausibility == LODE_ON ? jump_V * jump_V : FLT_MAX;
 }
 

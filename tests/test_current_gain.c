@@ -135,12 +135,12 @@ static void test_a_current_is_gone_once_it_should_have_come_back(void) {
 static void test_how_much_is_looked_at(void) {
     lode_plausibility_tuning_t of;
     lode_guard_config_t config = {.plausibility = LODE_ON};
-    lode_plausibility_tune_jump(&of, &config, 400.0f, 5.0f);
+    lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
     CHECK_CLOSE(1.0e-6, 60.0 * 60.0, of.jump_V2);
-    lode_plausibility_tune_jump(&of, &config, 400.0f, 35.0f);
+    lode_plausibility_tune_voltages(&of, &config, 400.0f, 35.0f);
     CHECK_CLOSE(1.0e-6, 70.0 * 70.0, of.jump_V2);
     config.plausibility = LODE_OFF;
-    lode_plausibility_tune_jump(&of, &config, 400.0f, 5.0f);
+    lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
     TEST_ASSERT_TRUE(of.jump_V2 >= FLT_MAX);
 }
 

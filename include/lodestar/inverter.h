@@ -84,8 +84,8 @@ void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *mo
 /// The fields without default, which others are designed from; part of lode_inverter_tune().
 lode_status_t lode_inverter_check_given(const lode_inverter_config_t *config);
 
-/// What dead time, with another microsecond of it, and drops may take of a phase at the nominal bus, corrected or not.
-float lode_inverter_unsure_V(const lode_inverter_config_t *config, float ts_s);
+/// What dead time, with another 1.5 us of it, and drops may take of a phase at the nominal bus, corrected or not.
+float lode_inverter_taken_V(const lode_inverter_config_t *config, float ts_s);
 
 lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
                                  const lode_inverter_config_t *config, float ts_s);

@@ -23,8 +23,9 @@ typedef struct {
     lode_open_phase_tuning_t waves; ///< of RUN
     float away_rad_s; ///< electrical, by which a load may move the speed; 0: not looked at
     float away_step;  ///< of that, what it may in each LODE_SLOW_PERIODS while it gets slower
+    float taken_V;    ///< of a phase at the zero of its current, by dead time and drops
     float
-        jump_V2; ///< voltage, squared, that it would take to change the current so in one period that it is looked at (K38)
+        jump_V2; ///< squared, that would have to change the current in a period before it is looked at (K38)
 } lode_plausibility_tuning_t;
 
 /// Both half-waves of each of three currents, over a turn and a tenth of a vector that is twice as long: a phase
@@ -174,10 +175,11 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
                                           const lode_guard_config_t *config, float rise_rad_s2,
                                           float ts_s);
 
-/// The current's (K38). `i_max_V`: what would change it by i_max in a period; `unsure_V`: what dead time and drops may take
-/// of a phase.
-void lode_plausibility_tune_jump(lode_plausibility_tuning_t *tuning,
-                                 const lode_guard_config_t *config, float i_max_V, float unsure_V);
+/// What goes by voltages. `i_max_V`: what would change the current by i_max in a period (K38); `taken_V`: what dead time and
+/// drops may take of a phase.
+void lode_plausibility_tune_voltages(lode_plausibility_tuning_t *tuning,
+                                     const lode_guard_config_t *config, float i_max_V,
+                                     float taken_V);
 
 /// Once in LODE_SLOW_PERIODS, while all of the torque is asked for, `sense` (1 or -1) its direction: whether a load has
 /// moved the electrical speed `omega_rad_s` against it by more than it may (K19), (K29). While less is asked for, `self`

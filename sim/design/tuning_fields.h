@@ -185,6 +185,7 @@
     ROW(FLOAT, float, plausibility.waves.most) \
     ROW(FLOAT, float, plausibility.away_rad_s) \
     ROW(FLOAT, float, plausibility.away_step) \
+    ROW(FLOAT, float, plausibility.taken_V) \
     ROW(FLOAT, float, plausibility.jump_V2)
 
 #define TUNING6_FIELDS(ROW) \
