@@ -877,6 +877,29 @@ static void test_converters_that_all_read_the_middle_are_stuck(void) {
     }
 }
 
+/// All six come to show another share of the current (K38): both sets are off two periods later.
+static void test_gains_that_change_at_once_switch_both_sets_off(void) {
+    const lode_drive6_config_t config = rig6_config();
+    rig6_t sound = turning(&config, 900.0, 5.0 * LOAD_Nm);
+    for (int instant = 0; instant < 20; instant++) {
+        rig6_step(&sound);
+        rig6_t rig = sound;
+        for (int n = 0; n < 2; n++) {
+            TEST_ASSERT_TRUE(rig.out.set[0].gates && rig.out.set[1].gates);
+            lode_counts6_t counts = rig6_counts(&rig);
+            for (int k = 0; k < 6; k++) {
+                uint16_t *count = &counts.set[k / 3].i[k % 3];
+                *count = rig6_count(2048.0 + 0.4 * ((double)*count - 2048.0));
+            }
+            rig.out = lode_drive6_step(&rig.drive, &counts);
+            rig6_move(&rig);
+        }
+        TEST_ASSERT_FALSE(rig.out.set[0].gates || rig.out.set[1].gates);
+        expect_fault(&rig, LODE_CHECK_CURRENT_GAIN);
+        CHECK_NEAR(0.04, 0.4, rig6_telemetry(&rig).drive.fault.measured);
+    }
+}
+
 static void test_implausible_currents_of_either_set_trip(void) {
     lode_drive6_config_t config = rig6_config();
     rig6_t sound = turning(&config, 600.0, LOAD_Nm);
@@ -1375,6 +1398,7 @@ int main(void) {
     RUN_TEST(test_ignored_it_stays_unseen);
     RUN_TEST(test_a_mode_that_changes_by_itself_turns_both_sets_off);
     RUN_TEST(test_converters_that_all_read_the_middle_are_stuck);
+    RUN_TEST(test_gains_that_change_at_once_switch_both_sets_off);
     RUN_TEST(test_implausible_currents_of_either_set_trip);
     RUN_TEST(test_the_xy_voltage_ends_with_what_made_it);
     RUN_TEST(test_one_set_stops_and_starts_again);
