@@ -104,7 +104,9 @@ LODE_INLINE void lode_drive_watch_jump(lode_drive_t *self, const lode_drive_tuni
         lode_emf_innovation(&self->estimator.emf, &tuning->estimator.emf, u_V, i_A);
     const lode_ab_t jump_V = lode_ab_subtract(
         innovation_V, lode_drive_turned(&self->estimator, tuning, self->jump.innovation_V));
-    if (lode_ab_length2(jump_V) > tuning->plausibility.jump_V2 &&
+    const float jump_V2 = lode_ab_length2(jump_V);
+    self->jump.jump_V2 = jump_V2;
+    if (jump_V2 > tuning->plausibility.jump_V2 &&
         lode_drive_note_jump(self, (lode_ab_t){i_A.alpha, i_A.beta}, jump_V)) {
         return;
     }
@@ -520,6 +522,9 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     switch (slot) {
     case SLOT_LOCK:
         lode_estimator_note_lock(&self->estimator, &tuning->estimator);
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        lode_jump_note_noise(&self->jump);
+#endif
         if (!lode_drive_watch_frozen(self, tuning)) {
             return false;
         }

@@ -13,7 +13,8 @@
 #define WOUND_UP 0.34f
 // A current that changes at once (K38): of what it is in RUN.
 #define START_JUMP 1.3333333f
-#define VOLTAGE_JUMP 1.5f // times what the voltage does
+#define VOLTAGE_JUMP 2.5f // times what the voltage does
+#define NOISE_JUMP2 16.0f // squared, times the mean square of what noise makes of it (K39)
 #define GONE 0.15f        // of what is asked for
 // Half-waves. Of the voltage circle, on which rounding leaves it.
 #define ALL_VOLTAGE 0.99f
@@ -232,10 +233,12 @@ LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
     return self->gates;
 }
 
-// The square of a jump, of that from which it counts; 0: what acts on the current is not known. With a lock the observer has the
+// The square of a jump, of that from which it counts and stands out of the noise; 0: what acts on the current is not known. With a lock the observer has the
 // EMF; of a start's rotor, which may not follow, it has less.
 static float share_of_jump(const lode_drive_t *self, float jump_V2) {
-    const float share = jump_V2 / self->tuning->plausibility.jump_V2;
+    const float least_V2 =
+        lode_max(self->tuning->plausibility.jump_V2, NOISE_JUMP2 * self->jump.noise_V2);
+    const float share = jump_V2 / least_V2;
     if (lode_estimator_injects(&self->estimator)) {
         return 0.0f; // the wave's current goes by Ld
     }

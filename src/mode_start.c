@@ -18,6 +18,8 @@
 #define OTHER_VOLTAGE 0.5f
 #define SLIPS                                                                                      \
     8.0f // times that: more than sensors make that show a fifth, so it is a rotor that slips
+// Squared, times the mean square of what noise makes of three samples: 24 times that of one, on one axis (K39).
+#define NOISE_HELD2 48.0f
 // Than the vector: a rotor that swings about it is so by half.
 #define MUCH_FASTER 2.0f
 
@@ -95,7 +97,10 @@ static void look_for_drop(lode_drive_t *self) {
 static bool watch_drop(lode_drive_t *self) {
     lode_start_t *start = &self->state.start;
     const float asked_A2 = start->current_A * start->current_A;
-    const bool flows = asked_A2 >= self->tuning->plausibility.i_min_A2;
+    const float inv_b = self->tuning->estimator.emf.inv_b;
+    const float noise_A2 = self->jump.noise_V2 / (inv_b * inv_b);
+    const bool flows =
+        asked_A2 >= lode_max(self->tuning->plausibility.i_min_A2, NOISE_HELD2 * noise_A2);
     const lode_dq_t e_V = lode_park(self->estimator.emf.observer.e_V, start->at);
     float change_V = 0.0f;
     if (lode_drop_step(&start->drop, measured_A2(self), flows ? asked_A2 : 0.0f, e_V, &change_V)) {

@@ -113,11 +113,29 @@ static void test_a_rotor_that_slips_is_no_sensor_that_changes(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_with_change(4.1));
 }
 
+/// What is that small is not looked at: 24 times the noise of an axis, of which the square has a 12th of the mean (K39).
+static void test_a_current_in_the_noise_does_not_fall(void) {
+    rig_t rig = after_gain_changes(LODE_START_TURN, 150, 0, 1.0, LODE_ON);
+    lode_start_t *start = &rig.drive.state.start;
+    const float inv_b = tuning.estimator.emf.inv_b;
+    for (int n = 0; n < 80; n++) {
+        rig.drive.jump.noise_V2 = inv_b * inv_b * start->current_A * start->current_A / 47.0f;
+        rig_step(&rig);
+    }
+    TEST_ASSERT_EQUAL_UINT(0u, start->drop.held);
+    for (int n = 0; n < 80; n++) {
+        rig.drive.jump.noise_V2 = inv_b * inv_b * start->current_A * start->current_A / 49.0f;
+        rig_step(&rig);
+    }
+    TEST_ASSERT_EQUAL_UINT(8u, start->drop.held);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_sensors_that_come_to_show_half_end_the_start);
     RUN_TEST(test_sensors_that_come_to_show_most_do_not);
     RUN_TEST(test_reactance_counts_where_the_vector_turns);
     RUN_TEST(test_a_rotor_that_slips_is_no_sensor_that_changes);
+    RUN_TEST(test_a_current_in_the_noise_does_not_fall);
     return UNITY_END();
 }
