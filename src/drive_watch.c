@@ -11,10 +11,9 @@
 #define HOT_WINDING 2.0f
 #define MISSED 0.05f
 #define WOUND_UP 0.34f
-// A current that changes at once (K38): of what it is in RUN.
-#define START_JUMP 1.3333333f
+// A current that changes at once (K38).
 #define VOLTAGE_JUMP 2.5f // times what the voltage does
-#define NOISE_JUMP2 16.0f // squared, times the mean square of what noise makes of it (K39)
+#define NOISE_JUMP2 25.0f // squared, times the mean square of what noise makes of it (K39)
 #define GONE 0.15f        // of what is asked for
 // Half-waves. Of the voltage circle, on which rounding leaves it.
 #define ALL_VOLTAGE 0.99f
@@ -233,21 +232,19 @@ LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
     return self->gates;
 }
 
-// The square of a jump, of that from which it counts and stands out of the noise; 0: what acts on the current is not known. With a lock the observer has the
-// EMF; of a start's rotor, which may not follow, it has less.
-static float share_of_jump(const lode_drive_t *self, float jump_V2) {
-    const float least_V2 =
-        lode_max(self->tuning->plausibility.jump_V2, NOISE_JUMP2 * self->jump.noise_V2);
-    const float share = jump_V2 / least_V2;
-    if (lode_estimator_injects(&self->estimator)) {
-        return 0.0f; // the wave's current goes by Ld
-    }
-    if (lode_mode(self) == LODE_MODE_RUN) {
-        return self->estimator.lock >= LODE_LOCK_HANDOVER ? share : 0.0f;
-    }
+// What acts on the current is known: with a lock the observer has the EMF; a wave's current goes by Ld.
+static bool tells_jumps(const lode_drive_t *self) {
     const bool vector =
         lode_mode(self) == LODE_MODE_START && !lode_start_catches(&self->state.start);
-    return vector ? share * (1.0f / (START_JUMP * START_JUMP)) : 0.0f;
+    const bool runs =
+        lode_mode(self) == LODE_MODE_RUN && self->estimator.lock >= LODE_LOCK_HANDOVER;
+    return (vector || runs) && !lode_estimator_injects(&self->estimator);
+}
+
+// The square of a jump, of that from which it counts and stands out of the noise.
+static float share_of_jump(const lode_drive_t *self, float jump_V2) {
+    return jump_V2 /
+           lode_max(self->tuning->plausibility.jump_V2, NOISE_JUMP2 * self->jump.noise_V2);
 }
 
 // What the voltage changes the current by, by the observer's inductance, is far less, and so it is by the smaller one.
@@ -269,12 +266,14 @@ LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_
     const lode_ab_t jump_A = lode_ab_scale(-1.0f / tuning->inv_b, jump_V);
     const float share = share_of_jump(self, lode_ab_length2(jump_V));
     const bool starts = lode_mode(self) == LODE_MODE_START;
-    if (share < 1.0f || !is_beyond_voltage(estimator, self->tuning, i_A, jump_A) ||
+    if (!tells_jumps(self) || share < 1.0f ||
+        !is_beyond_voltage(estimator, self->tuning, i_A, jump_A) ||
         !lode_jump_look(&self->jump, i_A, lode_ab_subtract(i_A, jump_A), share, starts)) {
         return false;
     }
     estimator->emf.i_A = lode_ab_add_scaled(estimator->emf.i_A, -1.0f / tuning->a_over_b, jump_V);
     estimator->id_A += lode_park(jump_A, lode_estimator_rotor(estimator)).d;
+    self->jump.jump_V2 = self->jump.noise_V2; // it is no noise
     LODE_SHARED_STORE(self->steady, false);
     return true;
 }

@@ -131,12 +131,12 @@ static void test_a_current_is_gone_once_it_should_have_come_back(void) {
     TEST_ASSERT_EQUAL_INT(0, periods_until_gone(0.35 / 127.5, 0));
 }
 
-/// 0.15 of i_max, and twice what dead time and drops may take of a phase.
+/// 0.05 of i_max, and twice what dead time and drops may take of a phase.
 static void test_how_much_is_looked_at(void) {
     lode_plausibility_tuning_t of;
     lode_guard_config_t config = {.plausibility = LODE_ON};
     lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
-    CHECK_CLOSE(1.0e-6, 60.0 * 60.0, of.jump_V2);
+    CHECK_CLOSE(1.0e-6, 20.0 * 20.0, of.jump_V2);
     lode_plausibility_tune_voltages(&of, &config, 400.0f, 35.0f);
     CHECK_CLOSE(1.0e-6, 70.0 * 70.0, of.jump_V2);
     config.plausibility = LODE_OFF;
@@ -340,12 +340,12 @@ static void test_a_jump_is_taken_out_of_the_last_current(void) {
                drive.estimator.emf.i_A.beta);
 }
 
-/// 0.15 of i_max of 12 A in RUN, a fifth in START; and 2.5 times what the voltage does through the smaller inductance.
+/// 0.05 of i_max of 12 A; and 2.5 times what the voltage does through the smaller inductance.
 static void test_how_far_a_current_jumps(void) {
     lode_drive_t drive = loaded(100.0, 3.0).drive;
     const lode_emf_tuning_t *emf = &drive.tuning->estimator.emf;
-    TEST_ASSERT_FALSE(is_noted(drive, 1.79 / 0.6, 0.0));
-    TEST_ASSERT_TRUE(is_noted(drive, 1.81 / 0.6, 0.0));
+    TEST_ASSERT_FALSE(is_noted(drive, 0.59 / 0.6, 0.0));
+    TEST_ASSERT_TRUE(is_noted(drive, 0.61 / 0.6, 0.0));
     const double Ld_per_Lq = 1.0 + (double)(emf->salient_Ohm / emf->inv_b);
     CHECK_AT_MOST(0.8, Ld_per_Lq);
     const double most_A = 0.6 * 8.0 * Ld_per_Lq / 2.5;
@@ -355,8 +355,8 @@ static void test_how_far_a_current_jumps(void) {
     }
     drive.mode = (uint_least8_t)LODE_MODE_START;
     drive.state.start.stage = (uint_least8_t)LODE_START_TURN;
-    TEST_ASSERT_FALSE(is_noted(drive, 2.39 / 0.6, 0.0));
-    TEST_ASSERT_TRUE(is_noted(drive, 2.41 / 0.6, 0.0));
+    TEST_ASSERT_FALSE(is_noted(drive, 0.59 / 0.6, 0.0));
+    TEST_ASSERT_TRUE(is_noted(drive, 0.61 / 0.6, 0.0));
 }
 
 // --- Noise (K39) ----------------------------------------------------------------------------------
@@ -456,10 +456,10 @@ static void test_gains_are_found_in_noise(void) {
     TEST_ASSERT_EQUAL_INT(2, steps_with_gain(&before, 0.4, 100, &most_A));
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_GAIN",
                              lode_check_name((lode_check_t)rig_telemetry(&before).fault.check));
-    // Four times the root of the mean square, to a hair.
+    // Five times the root of the mean square, to a hair.
     lode_drive_t drive = loaded(100.0, 3.0).drive;
     const double inv_b = (double)tuning.estimator.emf.inv_b;
-    drive.jump.noise_V2 = (float)(inv_b * inv_b * 0.25);
+    drive.jump.noise_V2 = (float)(inv_b * inv_b * 0.16);
     TEST_ASSERT_FALSE(is_noted(drive, 1.99 / 0.6, 0.0));
     TEST_ASSERT_TRUE(is_noted(drive, 2.01 / 0.6, 0.0));
 }
