@@ -54,7 +54,7 @@
 
 // (K38)
 #define JUMP_SHARE 0.05f  // of i_max
-#define JUMP_TAKEN 2.0f   // times what dead time and drops may take of a phase
+#define JUMP_TAKEN 0.5f   // times what dead time and drops may take of a phase
 #define JUMP_SINE2 0.01f  // a factor turns the vector by 5.7 degrees at most: the sine, squared
 #define JUMP_NONE 0.01f   // of what it was, squared: nothing is left
 #define JUMP_FACTOR 0.25f // off 1 by less is none

@@ -131,13 +131,13 @@ static void test_a_current_is_gone_once_it_should_have_come_back(void) {
     TEST_ASSERT_EQUAL_INT(0, periods_until_gone(0.35 / 127.5, 0));
 }
 
-/// 0.05 of i_max, and twice what dead time and drops may take of a phase.
+/// 0.05 of i_max, and half of what dead time and drops may take of a phase.
 static void test_how_much_is_looked_at(void) {
     lode_plausibility_tuning_t of;
     lode_guard_config_t config = {.plausibility = LODE_ON};
     lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
     CHECK_CLOSE(1.0e-6, 20.0 * 20.0, of.jump_V2);
-    lode_plausibility_tune_voltages(&of, &config, 400.0f, 35.0f);
+    lode_plausibility_tune_voltages(&of, &config, 400.0f, 140.0f);
     CHECK_CLOSE(1.0e-6, 70.0 * 70.0, of.jump_V2);
     config.plausibility = LODE_OFF;
     lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
