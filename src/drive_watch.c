@@ -13,6 +13,7 @@
 #define WOUND_UP 0.34f
 // A current that changes at once (K38).
 #define VOLTAGE_JUMP 2.5f // times what the voltage does
+#define TAKEN_JUMP 2.0f   // times what dead time and drops may take of a phase: the least current
 #define NOISE_JUMP2 25.0f // squared, times the mean square of what noise makes of it (K39)
 #define GONE 0.15f        // of what is asked for
 // Half-waves. Of the voltage circle, on which rounding leaves it.
@@ -259,16 +260,24 @@ static bool is_beyond_voltage(const lode_estimator_t *self, const lode_drive_tun
            least * least * lode_ab_length2(lode_ab_subtract(change_A, jump_A));
 }
 
+// Where all of it is less, dead time alone may drive it to and fro; of a larger one, only what is across it.
+static bool is_beyond_dead_time(const lode_drive_tuning_t *tuning, lode_ab_t expected_A) {
+    const float least_A = TAKEN_JUMP * tuning->plausibility.taken_V / tuning->estimator.emf.inv_b;
+    return lode_ab_length2(expected_A) >= least_A * least_A;
+}
+
 // Moves the observer's last current, whose share of (E3) is a/b, and the salient one: neither takes the jump for an EMF.
 LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_ab_t jump_V) {
     lode_estimator_t *estimator = &self->estimator;
     const lode_emf_tuning_t *tuning = &self->tuning->estimator.emf;
     const lode_ab_t jump_A = lode_ab_scale(-1.0f / tuning->inv_b, jump_V);
+    const lode_ab_t expected_A = lode_ab_subtract(i_A, jump_A);
     const float share = share_of_jump(self, lode_ab_length2(jump_V));
+    const bool counts = tells_jumps(self) && share >= 1.0f &&
+                        is_beyond_dead_time(self->tuning, expected_A) &&
+                        is_beyond_voltage(estimator, self->tuning, i_A, jump_A);
     const bool starts = lode_mode(self) == LODE_MODE_START;
-    if (!tells_jumps(self) || share < 1.0f ||
-        !is_beyond_voltage(estimator, self->tuning, i_A, jump_A) ||
-        !lode_jump_look(&self->jump, i_A, lode_ab_subtract(i_A, jump_A), share, starts)) {
+    if (!counts || !lode_jump_look(&self->jump, i_A, expected_A, share, starts)) {
         return false;
     }
     estimator->emf.i_A = lode_ab_add_scaled(estimator->emf.i_A, -1.0f / tuning->a_over_b, jump_V);

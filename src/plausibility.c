@@ -54,7 +54,6 @@
 
 // (K38)
 #define JUMP_SHARE 0.05f  // of i_max
-#define JUMP_TAKEN 0.5f   // times what dead time and drops may take of a phase
 #define JUMP_SINE2 0.01f  // a factor turns the vector by 5.7 degrees at most: the sine, squared
 #define JUMP_NONE 0.01f   // of what it was, squared: nothing is left
 #define JUMP_FACTOR 0.25f // off 1 by less is none
@@ -128,7 +127,7 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
 void lode_plausibility_tune_voltages(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_V,
                                      float taken_V) {
-    const float jump_V = lode_max(JUMP_SHARE * i_max_V, JUMP_TAKEN * taken_V);
+    const float jump_V = JUMP_SHARE * i_max_V;
     tuning->taken_V = taken_V;
     tuning->jump_V2 = config->plausibility == LODE_ON ? jump_V * jump_V : FLT_MAX;
 }

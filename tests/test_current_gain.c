@@ -131,14 +131,12 @@ static void test_a_current_is_gone_once_it_should_have_come_back(void) {
     TEST_ASSERT_EQUAL_INT(0, periods_until_gone(0.35 / 127.5, 0));
 }
 
-/// 0.05 of i_max, and half of what dead time and drops may take of a phase.
 static void test_how_much_is_looked_at(void) {
     lode_plausibility_tuning_t of;
     lode_guard_config_t config = {.plausibility = LODE_ON};
     lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
-    CHECK_CLOSE(1.0e-6, 20.0 * 20.0, of.jump_V2);
-    lode_plausibility_tune_voltages(&of, &config, 400.0f, 140.0f);
-    CHECK_CLOSE(1.0e-6, 70.0 * 70.0, of.jump_V2);
+    CHECK_CLOSE(1.0e-6, 20.0 * 20.0, of.jump_V2); // 0.05 of i_max
+    CHECK_NEAR(0.0, 5.0, of.taken_V);
     config.plausibility = LODE_OFF;
     lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
     TEST_ASSERT_TRUE(of.jump_V2 >= FLT_MAX);
@@ -353,6 +351,12 @@ static void test_how_far_a_current_jumps(void) {
         TEST_ASSERT_TRUE(is_noted(drive, 8.0, sign * 0.99 * most_A));
         TEST_ASSERT_FALSE(is_noted(drive, 8.0, sign * 1.01 * most_A));
     }
+    lode_drive_tuning_t tuned = *drive.tuning; // a current that dead time may drive in a period
+    drive.tuning = &tuned;
+    tuned.plausibility.taken_V = 2.0f * emf->inv_b;
+    TEST_ASSERT_FALSE(is_noted(drive, 3.99, 0.0));
+    TEST_ASSERT_TRUE(is_noted(drive, 4.01, 0.0));
+    tuned.plausibility.taken_V = 0.0f;
     drive.mode = (uint_least8_t)LODE_MODE_START;
     drive.state.start.stage = (uint_least8_t)LODE_START_TURN;
     TEST_ASSERT_FALSE(is_noted(drive, 0.59 / 0.6, 0.0));
