@@ -418,6 +418,23 @@ static void test_noise_is_measured(void) {
     CHECK_CLOSE(0.15, 8.0 * 0.1 * 0.1, sum_A2 / times);
 }
 
+/// Another start begins without it, and without a jump that was under way.
+static void test_noise_is_forgotten_with_the_gates(void) {
+    rig_t rig = loaded(100.0, 3.0);
+    random_t random = random_seed(5u);
+    (void)steps_with_noise(&rig, &random, 0.3, 500, true);
+    CHECK_AT_LEAST(1.0, (double)rig.drive.jump.noise_V2);
+    rig.drive.jump.stage = (uint_least8_t)LODE_JUMP_RESTS;
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF});
+    rig_run(&rig, 3.0);
+    rig_expect(&rig, LODE_MODE_OFF);
+    rig.drive.jump.stage = (uint_least8_t)LODE_JUMP_RESTS;
+    rig_command(&rig, run_at(30.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 1.0));
+    CHECK_NEAR(0.0, 0.0, rig.drive.jump.noise_V2);
+    TEST_ASSERT_EQUAL_UINT(LODE_JUMP_NONE, rig.drive.jump.stage);
+}
+
 /// 5 % of i_max; where it was not known, it passed for a gain.
 static void test_noise_is_no_gain(void) {
     rig_t before = loaded(100.0, 1.0);
@@ -521,6 +538,7 @@ int main(void) {
     RUN_TEST(test_how_far_a_current_jumps);
     RUN_TEST(test_noise_is_a_mean_square);
     RUN_TEST(test_noise_is_measured);
+    RUN_TEST(test_noise_is_forgotten_with_the_gates);
     RUN_TEST(test_noise_is_no_gain);
     RUN_TEST(test_noise_does_not_end_a_start);
     RUN_TEST(test_gains_are_found_in_noise);
