@@ -26,6 +26,18 @@
 
 #ifndef LODE_WITHOUT_START_MEASUREMENT
 
+// What dead time and drops take counts as resistance where it is not corrected.
+static float uncorrected_V(const lode_drive_tuning_t *tuning) {
+    if (tuning->inverter.correct > 0u) {
+        return 0.0f;
+    }
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    return FLT_MAX; // nobody knows
+#else
+    return FOUR_PER_PI * tuning->plausibility.taken_V;
+#endif
+}
+
 // What the start has found corrects the inverter's model.
 static void take_resistance(lode_drive_t *self, const lode_start_found_t *found) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
@@ -35,11 +47,9 @@ static void take_resistance(lode_drive_t *self, const lode_start_found_t *found)
     const float more_Ohm = self->inverter.r_more_Ohm;
     const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
     const float most_Ohm = RESISTANCE_MORE_MAX * (emf->inv_b - emf->a_over_b);
-    // What dead time and drops take counts as resistance where it is not corrected.
-    const bool corrected = self->tuning->inverter.correct > 0u;
-    const float lost_V = corrected ? 0.0f : FOUR_PER_PI * self->tuning->plausibility.taken_V;
     const float limit_V =
-        lode_max(WRONG_RESISTANCE * most_Ohm * current_A, WRONG_PER_CALM * tuning->calm_V) + lost_V;
+        lode_max(WRONG_RESISTANCE * most_Ohm * current_A, WRONG_PER_CALM * tuning->calm_V) +
+        uncorrected_V(self->tuning);
     self->inverter.r_more_Ohm = lode_clamp(more_Ohm, -most_Ohm, most_Ohm);
     if (more_Ohm * current_A > limit_V) { // no winding has so much
         lode_mode_fault(self, LODE_CHECK_RESISTANCE, more_Ohm, limit_V / current_A);

@@ -160,6 +160,34 @@ static int steps_with_gain(rig_t *rig, double gain, int periods, double *most_A)
     return n;
 }
 
+/// Of four uniform deviates.
+static double noise(random_t *random, double sigma) {
+    double sum = 0.0;
+    for (int k = 0; k < 4; k++) {
+        sum += random_between(random, -1.0, 1.0);
+    }
+    return sigma * sqrt(0.75) * sum;
+}
+
+/// Steps with noise of `sigma_A` in each phase, for `periods` or until the gates go off. `measured`: or as if there were none.
+static int steps_with_noise(rig_t *rig, random_t *random, double sigma_A, int periods,
+                            bool measured) {
+    int n = 0;
+    for (; n < periods && rig->out.gates; n++) {
+        rig->stamp += 1000u;
+        lode_counts_t counts = rig_counts(rig);
+        for (int k = 0; k < LODE_PHASES; k++) {
+            counts.i[k] = rig_count((double)counts.i[k] + noise(random, sigma_A / RIG_GAIN_A));
+        }
+        if (!measured) {
+            rig->drive.jump.noise_V2 = 0.0f;
+        }
+        rig->out = lode_drive_step(&rig->drive, &counts);
+        rig_move(rig);
+    }
+    return n;
+}
+
 static rig_t loaded(double speed, double load_Nm) {
     lode_drive_config_t config = rig_config();
     config.motor.omega_rated_rad_s = 300.0f; // speed control in its slot is enough
@@ -252,6 +280,23 @@ static void test_one_bad_sample_of_all_currents_is_let_pass(void) {
         rig_run(&gone, 0.02);
         rig_expect(&gone, LODE_MODE_RUN);
     }
+}
+
+/// Where there is just enough of it to be looked at, too.
+static void test_one_bad_sample_of_little_current_is_let_pass(void) {
+    rig_t before = loaded(100.0, 1.6);
+    random_t random = random_seed(3u);
+    int looked = 0;
+    for (int instant = 0; instant < 400; instant++) {
+        TEST_ASSERT_EQUAL_INT(3, steps_with_noise(&before, &random, 0.015, 3, true));
+        rig_t rig = before;
+        double most_A = 0.0;
+        (void)steps_with_gain(&rig, random_between(&random, 0.6, 0.74), 1, &most_A);
+        looked += rig.drive.jump.stage != (uint_least8_t)LODE_JUMP_NONE ? 1 : 0;
+        (void)steps_with_noise(&rig, &random, 0.015, 100, true);
+        rig_expect(&rig, LODE_MODE_RUN);
+    }
+    CHECK_AT_LEAST(50.0, (double)looked);
 }
 
 /// A bus that is another than the one that is read acts in all periods.
@@ -364,34 +409,6 @@ static void test_how_far_a_current_jumps(void) {
 }
 
 // --- Noise (K39) ----------------------------------------------------------------------------------
-
-/// Of four uniform deviates.
-static double noise(random_t *random, double sigma) {
-    double sum = 0.0;
-    for (int k = 0; k < 4; k++) {
-        sum += random_between(random, -1.0, 1.0);
-    }
-    return sigma * sqrt(0.75) * sum;
-}
-
-/// Steps with noise of `sigma_A` in each phase, for `periods` or until the gates go off. `measured`: or as if there were none.
-static int steps_with_noise(rig_t *rig, random_t *random, double sigma_A, int periods,
-                            bool measured) {
-    int n = 0;
-    for (; n < periods && rig->out.gates; n++) {
-        rig->stamp += 1000u;
-        lode_counts_t counts = rig_counts(rig);
-        for (int k = 0; k < LODE_PHASES; k++) {
-            counts.i[k] = rig_count((double)counts.i[k] + noise(random, sigma_A / RIG_GAIN_A));
-        }
-        if (!measured) {
-            rig->drive.jump.noise_V2 = 0.0f;
-        }
-        rig->out = lode_drive_step(&rig->drive, &counts);
-        rig_move(rig);
-    }
-    return n;
-}
 
 /// A 32nd each time.
 static void test_noise_is_a_mean_square(void) {
@@ -532,6 +549,7 @@ int main(void) {
     RUN_TEST(test_gains_that_change_at_once_trip_in_run);
     RUN_TEST(test_currents_that_are_gone_trip_in_run);
     RUN_TEST(test_one_bad_sample_of_all_currents_is_let_pass);
+    RUN_TEST(test_one_bad_sample_of_little_current_is_let_pass);
     RUN_TEST(test_a_voltage_that_nobody_knows_of_is_no_gain);
     RUN_TEST(test_what_is_not_judged_by_a_gain);
     RUN_TEST(test_a_jump_is_taken_out_of_the_last_current);

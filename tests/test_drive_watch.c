@@ -991,7 +991,7 @@ static void test_a_temperature_that_stands_still_trips_where_it_should_not(void)
     TEST_ASSERT_TRUE(periods > 62u * LODE_SLOW_PERIODS && periods <= 63u * LODE_SLOW_PERIODS);
 }
 
-/// Looks at a vector that keeps still while another one is asked for, until it is doubted; at most 10. `share`: of the
+/// Looks at a vector that keeps still while another one is asked for, until it is doubted; at most 100. `share`: of the
 /// voltage that dead time and drops take.
 static int looks_until_doubted(rig_t rig, float share) {
     const lode_inverter_tuning_t *inverter = &tuning.inverter;
@@ -1005,16 +1005,38 @@ static int looks_until_doubted(rig_t rig, float share) {
     do {
         rig.drive.ref_A = (lode_dq_t){0.0f, looks == 0 ? 1.0f : 6.0f};
         looks++;
-    } while (lode_drive_doubt_frozen(&rig.drive) && looks < 10);
+    } while (lode_drive_doubt_frozen(&rig.drive) && looks < 100);
     return looks;
 }
 
 /// Within what dead time takes a current may rest at zero, whatever is asked for: it is doubted after a turn alone (K36).
 static void test_dead_time_may_keep_a_vector_still(void) {
     const rig_t rig = running(80.0, 8.0);
+    const double round_rad = 8.0 * RIG_TS_s * (double)rig.drive.estimator.pll.omega_rad_s;
+    const int turn = 1 + (int)ceil(2.0 * CHECK_PI / round_rad);
     TEST_ASSERT_EQUAL_INT(3, looks_until_doubted(rig, 1.01f));
-    TEST_ASSERT_EQUAL_INT(10, looks_until_doubted(rig, 0.99f));
+    TEST_ASSERT_EQUAL_INT(turn, looks_until_doubted(rig, 0.99f));
     TEST_ASSERT_EQUAL_INT(3, looks_until_doubted(rig, -1.01f));
+}
+
+/// Nor has it to follow where the EMF takes the voltage.
+static void test_a_vector_need_not_follow_at_the_edge_of_the_voltage(void) {
+    rig_t rig = running(80.0, 8.0);
+    const double round_rad = 8.0 * RIG_TS_s * (double)rig.drive.estimator.pll.omega_rad_s;
+    const float V = (float)(0.8 * (double)tuning.current.circle);
+    const float emf_V = tuning.references.psi_Wb * rig.drive.estimator.pll.omega_rad_s;
+    rig.drive.frozen = (lode_frozen_t){.looks = 0u};
+    for (int k = 0; k <= 1; k++) {
+        rig_t at = rig;
+        at.drive.inverter.v_bus_V = (k > 0 ? 0.99f : 1.01f) * emf_V / V;
+        at.drive.u_V = (lode_dq_t){0.0f, 50.0f}; // more than dead time takes
+        int looks = 0;
+        do {
+            at.drive.ref_A = (lode_dq_t){0.0f, looks == 0 ? 1.0f : 6.0f};
+            looks++;
+        } while (lode_drive_doubt_frozen(&at.drive) && looks < 100);
+        TEST_ASSERT_EQUAL_INT(k > 0 ? 1 + (int)ceil(2.0 * CHECK_PI / round_rad) : 3, looks);
+    }
 }
 
 /// With a voltage commanded nothing is asked for, and while a start catches no current flows: it begins anew.
@@ -1069,6 +1091,7 @@ int main(void) {
     RUN_TEST(test_one_round_may_be_too_long_for_a_temperature);
     RUN_TEST(test_a_temperature_that_stands_still_trips_where_it_should_not);
     RUN_TEST(test_dead_time_may_keep_a_vector_still);
+    RUN_TEST(test_a_vector_need_not_follow_at_the_edge_of_the_voltage);
     RUN_TEST(test_a_vector_without_a_current_is_not_frozen);
     return UNITY_END();
 }
