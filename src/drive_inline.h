@@ -105,7 +105,7 @@ LODE_INLINE void lode_drive_watch_jump(lode_drive_t *self, const lode_drive_tuni
     const lode_ab_t jump_V = lode_ab_subtract(
         innovation_V, lode_drive_turned(&self->estimator, tuning, self->jump.innovation_V));
     const float jump_V2 = lode_ab_length2(jump_V);
-    self->jump.jump_V2 = jump_V2;
+    self->jump.change_V2 = jump_V2;
     if (jump_V2 > tuning->plausibility.jump_V2 &&
         lode_drive_note_jump(self, (lode_ab_t){i_A.alpha, i_A.beta}, jump_V)) {
         return;

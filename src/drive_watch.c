@@ -282,7 +282,7 @@ LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_
     }
     estimator->emf.i_A = lode_ab_add_scaled(estimator->emf.i_A, -1.0f / tuning->a_over_b, jump_V);
     estimator->id_A += lode_park(jump_A, lode_estimator_rotor(estimator)).d;
-    self->jump.jump_V2 = self->jump.noise_V2; // it is no noise
+    self->jump.change_V2 = self->jump.noise_V2; // it is no noise
     LODE_SHARED_STORE(self->steady, false);
     return true;
 }

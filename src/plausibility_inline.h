@@ -56,11 +56,11 @@ LODE_INLINE uint32_t lode_plausibility_look(lode_plausibility_t *self,
     return again;
 }
 
-#define LODE_NOISE_WEIGHT 0.03125f
+#define LODE_NOISE_WEIGHT 0.03125f // of a look: the mean of some 32, 256 periods
 
 // SLOT_LOCK (K39).
 LODE_INLINE void lode_jump_note_noise(lode_jump_t *self) {
-    self->noise_V2 += LODE_NOISE_WEIGHT * (self->jump_V2 - self->noise_V2);
+    self->noise_V2 += LODE_NOISE_WEIGHT * (self->change_V2 - self->noise_V2);
 }
 
 // The current vector has moved by more than noise moves one that is frozen: it is noted.

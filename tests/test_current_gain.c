@@ -412,7 +412,7 @@ static void test_how_far_a_current_jumps(void) {
 
 /// A 32nd each time.
 static void test_noise_is_a_mean_square(void) {
-    lode_jump_t jump = {.jump_V2 = 100.0f};
+    lode_jump_t jump = {.change_V2 = 100.0f};
     lode_jump_note_noise(&jump);
     CHECK_NEAR(1.0e-6, 3.125, jump.noise_V2);
     for (int n = 1; n < 64; n++) {

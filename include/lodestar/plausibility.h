@@ -77,7 +77,7 @@ typedef enum {
 
 typedef struct {
     lode_ab_t innovation_V; ///< of the EMF's observer in the last period without one
-    float jump_V2;          ///< by which it has changed since, turned with the rotor, squared
+    float change_V2;        ///< by which it has changed since, turned with the rotor, squared
     float noise_V2;         ///< mean of that: what noise of the currents comes to (K39)
     uint_least8_t stage;    ///< lode_jump_stage_t
     uint_least8_t periods;  ///< in GONE and RESTS
