@@ -81,6 +81,8 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define K2_FAST 10.0f
 
 #define WARM 1.3f // as for the hand-over (S12)
+// The EMF of the magnets at the end of a start over what noise makes of it (S49).
+#define EMF_PER_NOISE 10.0f
 
 static float sigma_of_kind(const lode_drive_config_t *config, float sigma_rad_s) {
     const float most = lode_min(SIGMA_OBSERVER * config->motor.omega_rated_rad_s,
@@ -409,6 +411,17 @@ static lode_status_t tune_references(lode_drive_tuning_t *t, const lode_drive_co
     return slow ? LODE_ERROR_WEAKENING_ESTIMATOR : LODE_OK;
 }
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+// Noise of the currents makes of the EMF that an observer of the bandwidth w0 finds, with p = exp(-w0 Ts), so much
+// per volt of lode_jump_t's noise on each axis (S49).
+static float omega_per_noise(const lode_drive_config_t *c) {
+    const float one_m_p = lode_one_minus_exp(c->estimator.emf.w0_rad_s / c->f_pwm_Hz);
+    const float filters = one_m_p / (2.0f - one_m_p);
+    const float seen = lode_sqrt(filters * filters * filters * (1.0f / 6.0f));
+    return EMF_PER_NOISE * seen / c->motor.psi_Wb;
+}
+#endif
+
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const float ts_s = 1.0f / c->f_pwm_Hz;
@@ -429,6 +442,9 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
         status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,
                                  c->estimator.omega_max_rad_s, ts_s);
         t->start.fade_step *= (float)t->speed_periods;
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        t->start.omega_per_noise = omega_per_noise(c);
+#endif
     }
     if (status == LODE_OK) {
         status = tune_flight(t, c);

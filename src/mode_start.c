@@ -233,6 +233,20 @@ static LODE_NOINLINE void begin_attempt(lode_drive_t *self) {
     lode_start_again(&self->state.start, &self->tuning->start);
 }
 
+// To which the vector turns: with the noise of this board's sensors the EMF may stand out of it later only (S49).
+static float final_omega(const lode_drive_t *self) {
+    const lode_start_tuning_t *tuning = &self->tuning->start;
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    return tuning->omega_handover;
+#else
+    float omega = tuning->omega_per_noise * lode_sqrt(self->jump.noise_V2);
+    if (2.0f * omega > tuning->omega_handover) {
+        omega *= 1.0f + lode_start_waited(&self->state.start, tuning);
+    }
+    return lode_clamp(omega, tuning->omega_handover, tuning->omega_most);
+#endif
+}
+
 // SLOT_SPEED: where the vector goes.
 static void aim_start(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
@@ -242,8 +256,7 @@ static void aim_start(lode_drive_t *self) {
     }
     const bool stopping = lode_mode_is_stop(self);
     const bool at_rest = lode_abs(start->omega_rad_s) <= tuning->omega_step;
-    const float target =
-        stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * tuning->omega_handover;
+    const float target = stopping ? 0.0f : lode_sign(self->command.speed_rad_s) * final_omega(self);
     self->start_rounds++;
     const bool failed =
         lode_start_aim(start, tuning, target, stopping && at_rest ? 0.0f : tuning->current_A);

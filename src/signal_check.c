@@ -111,6 +111,8 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
     return LODE_OK;
 }
 
+#define AXES (LODE_SIGNAL_PULSES / 2u)
+
 // a, -c, b, -a, c, -b.
 static const lode_sincos_t axis_of[LODE_SIGNAL_PULSES] = {
     {0.0f, 1.0f},  {0.5f * LODE_SQRT3, 0.5f},   {0.5f * LODE_SQRT3, -0.5f},
@@ -157,7 +159,10 @@ static void note(lode_signal_check_t *self, const lode_sense_tuning_t *sense, lo
     self->along.beta += seen_A.q;
     self->mirrored.alpha += turned_A.alpha;
     self->mirrored.beta += turned_A.beta;
-    self->sum_A += gain * lode_abs(i[0] + i[1] + i[2]);
+    // A gain that is off makes sums of either sign, by the way of the pulse, and noise those of any (S48).
+    const uint32_t pulse = (uint32_t)self->pulse % LODE_SIGNAL_PULSES;
+    const float way = pulse < AXES ? 1.0f : -1.0f;
+    self->sum_A[pulse % AXES] += way * gain * (i[0] + i[1] + i[2]);
     for (uint32_t x = 0u; x < PHASES; x++) {
         self->phase_A[x] += gain * lode_abs(i[x]);
         self->shown[x] = 0.0f;
@@ -241,6 +246,10 @@ bool lode_signal_check_drives(const lode_signal_check_t *self) {
     return self->period >= ON_PERIOD && self->period <= OFF_PERIOD;
 }
 
+static float all_sums_A(const lode_signal_check_t *self) {
+    return lode_abs(self->sum_A[0]) + lode_abs(self->sum_A[1]) + lode_abs(self->sum_A[2]);
+}
+
 static float least_phase_A(const lode_signal_check_t *self) {
     return lode_min(lode_min(self->phase_A[0], self->phase_A[1]), self->phase_A[2]);
 }
@@ -268,7 +277,8 @@ static lode_finding_t finding(lode_check_t check, float measured, float limit) {
 static lode_finding_t find_in_sensors(const lode_signal_check_t *self,
                                       const lode_signal_check_tuning_t *tuning, float mean_A) {
     const float most_A = most_phase_A(self);
-    const float sum_A = tuning->sum_most * least_phase_A(self);
+    const float sum_A = all_sums_A(self);
+    const float limit_A = tuning->sum_most * least_phase_A(self);
     const uint32_t lacks = lacking_phase(self);
     if (self->off_A > tuning->off_A) {
         return finding(LODE_CHECK_OFFSET, self->off_A, tuning->off_A);
@@ -277,12 +287,11 @@ static lode_finding_t find_in_sensors(const lode_signal_check_t *self,
         return finding(LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
     }
     if (lacks > 0u) {
-        const bool flows = self->sum_A > FLOWS * most_A; // into the others, out of this one
+        const bool flows = sum_A > FLOWS * most_A; // into the others, out of this one
         return finding(flows ? LODE_CHECK_CURRENT_STUCK : LODE_CHECK_OPEN_PHASE,
                        (float)(int32_t)lacks, 0.0f);
     }
-    return finding(self->sum_A > sum_A ? LODE_CHECK_CURRENT_SUM : LODE_CHECK_NONE, self->sum_A,
-                   sum_A);
+    return finding(sum_A > limit_A ? LODE_CHECK_CURRENT_SUM : LODE_CHECK_NONE, sum_A, limit_A);
 }
 
 // Currents against the voltages that shall have made them. `pulse_Vs`: what acts on an inductance.

@@ -21,6 +21,9 @@
 #define LIGHT_UNSURE 0.36f
 #define HANDOVER_SHARE_MAX                                                                         \
     0.5f // of rated or base speed: beyond, too little of the speed range is left
+// Of the hand-over speed, to which noise of the currents may raise it: a rotor that slips at twice that looks to (S43)
+// like sensors that fail.
+#define NOISE_MOST 2.5f
 #define RAMP_TORQUE_SHARE 0.1f // ten times the inertia takes it all
 // Share of the ramp that the vector has: this, times its speed and a 64th of the hand-over speed, over the hand-over
 // speed (S35). By default a sixteenth at rest; of a ramp that is given all of it.
@@ -239,15 +242,21 @@ static float default_handover(const lode_motor_t *motor, const lode_inverter_con
     return within_speeds(lode_max(by_emf, by_rotor), motor, inverter, current_A);
 }
 
+// A speed that is given is meant.
+static bool is_own_handover(const lode_start_config_t *config,
+                            const lode_inverter_config_t *inverter, const lode_motor_t *motor,
+                            float ts_s) {
+    const float own = default_handover(motor, inverter, config->current_A, ts_s);
+    return lode_in_range(config->omega_handover_rad_s, own, own);
+}
+
 // The angle can be seen from this speed on: a vector on its way to a speed that only load steps ask for need
-// not arrive. A speed that is given is meant.
+// not arrive.
 static float omega_ready(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
                          const lode_motor_t *motor, float ts_s) {
-    const float own = default_handover(motor, inverter, config->current_A, ts_s);
     const float by_emf = within_speeds(omega_of_emf(motor, inverter, config->current_A, ts_s),
                                        motor, inverter, config->current_A);
-    const bool is_own = lode_in_range(config->omega_handover_rad_s, own, own);
-    return is_own ? by_emf : config->omega_handover_rad_s;
+    return is_own_handover(config, inverter, motor, ts_s) ? by_emf : config->omega_handover_rad_s;
 }
 
 // A rotor with too little flux left for (S8) is handed over while its vector gives way, and where the load swings within
@@ -366,6 +375,12 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
         .align_rounds = lode_min(config->align_s / round_s, COUNTER_MAX),
         .timeout_rounds = rounds_in(config->timeout_s, ts_s),
         .patience_rounds = (uint_least16_t)rounds_in(PATIENCE_s, ts_s),
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        .omega_most = is_own_handover(config, inverter, motor, ts_s)
+                          ? lode_clamp(most_omega(motor, inverter), config->omega_handover_rad_s,
+                                       NOISE_MOST * config->omega_handover_rad_s)
+                          : config->omega_handover_rad_s,
+#endif
 #ifndef LODE_WITHOUT_START_MEASUREMENT
         .dwell_rounds =
             config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
@@ -429,12 +444,19 @@ void lode_start_lead(lode_start_t *self, lode_sincos_t axis, float direction) {
 
 static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     const float step = lode_start_ease(self) * tuning->omega_step;
-    return tuning->still_rounds + tuning->omega_handover / ((float)LODE_SLOW_PERIODS * step);
+    const float omega = lode_max(lode_abs(self->omega_target), tuning->omega_handover);
+    return tuning->still_rounds + omega / ((float)LODE_SLOW_PERIODS * step);
 }
 
 // After the profile.
 static float waiting_rounds(const lode_start_tuning_t *tuning, float profile) {
     return lode_max(profile, (float)tuning->patience_rounds);
+}
+
+float lode_start_waited(const lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const float profile = profile_rounds(self, tuning);
+    const float late = (float)(int32_t)self->attempt - profile;
+    return lode_clamp(late / waiting_rounds(tuning, profile), 0.0f, 1.0f);
 }
 
 // Of the current of an attempt what it takes now: the half that is measured with, all of it, and of a vector at speed
@@ -449,11 +471,8 @@ static float current_now_A(const lode_start_t *self, const lode_start_tuning_t *
     if (lode_abs(self->omega_rad_s) < tuning->omega_handover) {
         return most_A;
     }
-    const float profile = profile_rounds(self, tuning);
-    const float late = (float)(int32_t)self->attempt - profile;
     const float left_A = CURRENT_LEFT * lode_min(most_A, CURRENT_LAST * tuning->current_A);
-    const float fallen = lode_clamp(late / waiting_rounds(tuning, profile), 0.0f, 1.0f);
-    return most_A - fallen * (most_A - left_A);
+    return most_A - lode_start_waited(self, tuning) * (most_A - left_A);
 }
 
 // Radians of the rotor's swing, of the inertia that is told, in so many rounds. The weight of the swing's filter is nearly its

@@ -574,16 +574,17 @@ static void test_limits_of_the_sensors(void) {
         shown.phase_A[x] = 0.08f * 16.0f;
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said(shown, 6u).check);
         shown.phase_A[x] = 0.079f * 16.0f;
-        shown.sum_A = 0.1f * 16.0f;
+        shown.sum_A[x] = -0.1f * 16.0f;
         expect_said(LODE_CHECK_OPEN_PHASE, x + 1, 0.0, said(shown, 6u));
         expect_said(LODE_CHECK_OPEN_PHASE, x + 4, 0.0, said(shown, 12u));
-        shown.sum_A = 0.101f * 16.0f;
+        shown.sum_A[x] = -0.101f * 16.0f;
         expect_said(LODE_CHECK_CURRENT_STUCK, x + 1, 0.0, said(shown, 6u));
         expect_said(LODE_CHECK_CURRENT_STUCK, x + 4, 0.0, said(shown, 12u));
         shown.phase_A[x] = 8.0f; // shows least
-        shown.sum_A = 0.28f * 8.0f;
+        shown.sum_A[x] = 0.28f * 8.0f;
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said(shown, 6u).check);
-        shown.sum_A = 0.281f * 8.0f;
+        shown.sum_A[x] = 0.2f * 8.0f;
+        shown.sum_A[(x + 1) % 3] = -0.081f * 8.0f;
         shown.again = 1u;
         expect_said(LODE_CHECK_CURRENT_SUM, 0.281 * 8.0, 0.28 * 8.0, said(shown, 6u));
         expect_said(LODE_CHECK_CURRENT_SUM, 0.281 * 8.0, 0.28 * 8.0, said(shown, 12u));
@@ -607,16 +608,36 @@ static void test_limits_of_the_sensors(void) {
     }
 }
 
+/// Of the three sensors, in the two pulses of each axis: what has the pulse's sign counts, and what does not cancels (S48).
+static void test_sums_have_the_sign_of_their_pulse(void) {
+    const lode_signal_check_tuning_t tuning = tuned();
+    for (int with = 0; with <= 1; with++) {
+        lode_signal_check_t check;
+        lode_signal_check_begin(&check, &tuning, true);
+        for (int n = 0; n < PERIODS; n++) {
+            const int pulse = n / 6;
+            const int32_t way = with == 1 && pulse >= 3 ? -1 : 1;
+            const int32_t some = n % 6 == 3 ? way * 1000 * (pulse % 3 + 1) : 0; // its weight is 2
+            const int32_t i[LODE_PHASES] = {some, some, some};
+            (void)lode_signal_check_step(&check, &tuning, &sense, i);
+        }
+        for (int axis = 0; axis < 3; axis++) {
+            const double each = 2.0 * 3.0 * 1000.0 * (axis + 1) * fabs((double)sense.i_gain);
+            CHECK_NEAR(1.0e-4 * each, with == 1 ? 2.0 * each : 0.0, check.sum_A[axis]);
+        }
+    }
+}
+
 /// A sum beyond its limit may be noise: the set is made once more, and what it has shown is forgotten (S48).
 static void test_a_sum_is_believed_when_it_is_seen_twice(void) {
     for (uint32_t set = 1u; set <= 2u; set++) {
         lode_signal_check_t shown = sound();
-        shown.sum_A = 0.29f * 16.0f;
+        shown.sum_A[set] = 0.29f * 16.0f;
         shown.axis = 2u;
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, said_by(&shown, 6u * set).check);
         TEST_ASSERT_EQUAL_UINT(6u * (set - 1u), shown.pulse);
         TEST_ASSERT_EQUAL_UINT(2u, shown.axis);
-        CHECK_NEAR(0.0, 0.0, shown.sum_A);
+        CHECK_NEAR(0.0, 0.0, shown.sum_A[set]);
         const lode_signal_check_t twice = shown;
         shown = sound();
         shown.again = twice.again;
@@ -625,7 +646,7 @@ static void test_a_sum_is_believed_when_it_is_seen_twice(void) {
         TEST_ASSERT_EQUAL_UINT(0u, shown.again);
         shown = sound();
         shown.again = twice.again;
-        shown.sum_A = 0.29f * 16.0f;
+        shown.sum_A[set] = 0.29f * 16.0f;
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_SUM, said_by(&shown, 6u * set).check);
     }
 }
@@ -1024,6 +1045,7 @@ int main(void) {
     RUN_TEST(test_a_current_before_the_pulse_that_may_be);
     RUN_TEST(test_the_second_set);
     RUN_TEST(test_limits_of_the_sensors);
+    RUN_TEST(test_sums_have_the_sign_of_their_pulse);
     RUN_TEST(test_a_sum_is_believed_when_it_is_seen_twice);
     RUN_TEST(test_limits_of_the_bridge);
     RUN_TEST(test_a_small_motor_is_in_order);

@@ -45,12 +45,13 @@ typedef struct {
     lode_ab_t
         mirrored; ///< the same, turned on by the axis' angle instead of back: that is saliency
     float phase_A[LODE_PHASES]; ///< what each phase shows, without sign
-    float sum_A;                ///< the same of the sum of all three
-    lode_ab_t moves_A;          ///< sum of the currents before the pulses
-    float before_A; ///< the largest current before a pulse, with all gates on and no voltage
-    float emf_A;    ///< along the present pulse, before it
-    float off_A;    ///< the largest phase current before the first pulse
-    float least_A;  ///< of the pulse that shows least by itself, without the way back
+    /// by axis: the sum of all three in the pulse one way, less that in the pulse the other way
+    float sum_A[LODE_SIGNAL_PULSES / 2u];
+    lode_ab_t moves_A; ///< sum of the currents before the pulses
+    float before_A;    ///< the largest current before a pulse, with all gates on and no voltage
+    float emf_A;       ///< along the present pulse, before it
+    float off_A;       ///< the largest phase current before the first pulse
+    float least_A;     ///< of the pulse that shows least by itself, without the way back
     float shown[LODE_PHASES]; ///< by the present pulse, 1/256 count
     uint_least8_t least;      ///< which pulse that is
     uint_least8_t pulse;      ///< the present one; at the end their number

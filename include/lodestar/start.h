@@ -71,6 +71,11 @@ typedef struct {
     uint_least16_t patience_rounds; ///< at least, after the profile
     uint_least16_t
         dwell_rounds; ///< of a vector that stands, at most, for one mean; 0: nothing is measured
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    float
+        omega_per_noise; ///< to which a vector turns that finds no lock, per V of lode_jump_t's noise (S49)
+    float omega_most; ///< at most
+#endif
 #ifndef LODE_WITHOUT_START_MEASUREMENT
     float calm_V; ///< EMF across a vector by which the rotor stands still
 #endif
@@ -206,6 +211,9 @@ void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
 /// After that, of a rotor whose `axis` is next to its d axis or opposite: the vector stands ahead of it, in the `direction` asked
 /// for, while the first attempt's current rises (S40).
 void lode_start_lead(lode_start_t *self, lode_sincos_t axis, float direction);
+
+/// Of the time that an attempt waits for its lock, after the profile, the share that is over: 0 .. 1.
+float lode_start_waited(const lode_start_t *self, const lode_start_tuning_t *tuning);
 
 /// Where the vector shall go: electrical speed and amplitude. Once in LODE_SLOW_PERIODS, also where they
 /// stay, because it counts the time that an attempt takes. True: the attempt has had its time, and has failed.

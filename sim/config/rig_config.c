@@ -366,7 +366,9 @@ static void describe_board(const rig_config_t *config, plant_config_t *plant, ui
     plant->temperature_degC_per_count = TEMPERATURE_SPAN_degC / steps;
     plant->temperature_zero_degC = TEMPERATURE_ZERO_degC;
     plant->temperature_degC = or_else(truth->temperature_degC, AMBIENT_degC);
-    plant->i_noise_A = or_else(truth->i_noise_A, 0.0);
+    plant->i_noise_A =
+        hypot(or_else(truth->i_noise_A, 0.0),
+              or_else(truth->i_noise_share, 0.0) * (double)config->drive.inverter.i_max_A);
     plant->v_bus_noise_V = or_else(truth->v_bus_noise_V, 0.0);
     plant->temperature_noise_degC = or_else(truth->temperature_noise_degC, 0.0);
     plant->sample_offset_s = or_else(truth->sample_offset_s, 0.0);

@@ -63,7 +63,8 @@ typedef struct {
     double load_J_kgm2, shaft_Nm_rad, shaft_Nms_rad, backlash_deg;
     double v_bus_V, bus_C_F, chopper_R_Ohm, dead_time_s, v_drop_V, v_diode_V, r_on_Ohm, pwm_ticks;
     double i_offset_A[PLANT_LEGS], i_gain_error[PLANT_LEGS];
-    double i_noise_A, v_bus_noise_V, temperature_noise_degC, temperature_degC, sample_offset_s;
+    double i_noise_A, i_noise_share; ///< together; the share is of i_max_A
+    double v_bus_noise_V, temperature_noise_degC, temperature_degC, sample_offset_s;
     double theta0_deg; ///< RIG_RANDOM: anywhere
     double speed0_rpm;
     // Half widths of uniform distributions, drawn for each seed.

@@ -288,6 +288,7 @@ static const rig_key_t keys[] = {
     NUMBER("plant", "i_gain_error_b2", plant.i_gain_error[4], -0.5, 0.5),
     NUMBER("plant", "i_gain_error_c2", plant.i_gain_error[5], -0.5, 0.5),
     NUMBER("plant", "i_noise_A", plant.i_noise_A, 0.0, 1e5),
+    NUMBER("plant", "i_noise_share", plant.i_noise_share, 0.0, 1.0),
     NUMBER("plant", "v_bus_noise_V", plant.v_bus_noise_V, 0.0, 1e5),
     NUMBER("plant", "temperature_noise_degC", plant.temperature_noise_degC, 0.0, 100.0),
     NUMBER("plant", "temperature_degC", plant.temperature_degC, -50.0, 150.0),

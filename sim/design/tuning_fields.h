@@ -150,6 +150,8 @@
     ROW(WHOLE, uint32_t, start.timeout_rounds) \
     ROW(WHOLE, uint_least16_t, start.patience_rounds) \
     ROW(WHOLE, uint_least16_t, start.dwell_rounds) \
+    ROW(FLOAT, float, start.omega_per_noise) \
+    ROW(FLOAT, float, start.omega_most) \
     ROW(FLOAT, float, start.calm_V) \
     ROW(FLOAT, float, fly.share_first) \
     ROW(FLOAT, float, fly.share_dead) \
