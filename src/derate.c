@@ -38,11 +38,19 @@ void lode_derate_reset(lode_derate_t *self, float heat) {
     self->heat = lode_clamp(heat, 0.0f, HEAT_MAX);
 }
 
+// In FAULT `i_A` stays what it was at the trip. No current flows then, or with all low sides on at most `i_max`.
+static float load_of(const lode_derate_tuning_t *tuning, const lode_telemetry_t *telemetry) {
+    const lode_dq_t i_A = telemetry->i_A;
+    if (telemetry->mode == LODE_MODE_FAULT) {
+        return telemetry->shorted ? 1.0f / (tuning->least * tuning->least) : 0.0f;
+    }
+    return (i_A.d * i_A.d + i_A.q * i_A.q) * tuning->inv_continuous2;
+}
+
 // (D1), (D2)
 float lode_derate_step(lode_derate_t *self, const lode_derate_tuning_t *tuning,
                        const lode_telemetry_t *telemetry, float dt_s) {
-    const lode_dq_t i_A = telemetry->i_A;
-    const float load = (i_A.d * i_A.d + i_A.q * i_A.q) * tuning->inv_continuous2;
+    const float load = load_of(tuning, telemetry);
     const float x = lode_one_minus_exp(dt_s / tuning->winding_s);
     const float heat = self->heat + x * (load - self->heat);
     self->heat = heat < HEAT_MAX ? lode_max(heat, 0.0f) : HEAT_MAX; // NaN: hot

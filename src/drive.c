@@ -4,6 +4,9 @@
 #define MOVED_FLUX_MAX 0.35f // of the flux, that a d current may take or give at once
 
 lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+    if (self == NULL || tuning == NULL) {
+        return LODE_ERROR_NULL;
+    }
     if (!lode_tuning_is_finite(tuning)) {
         return LODE_ERROR_TUNING;
     }
@@ -63,7 +66,7 @@ static float most_rad_s(const lode_drive_tuning_t *tuning) {
 }
 
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command) {
-    if (self == NULL || command == NULL) {
+    if (self == NULL || command == NULL || self->tuning == NULL) {
         return LODE_ERROR_NULL;
     }
     const bool known = command->mode == LODE_MODE_OFF || command->mode == LODE_MODE_CALIBRATE ||
@@ -74,9 +77,13 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     const bool torque = command->control == LODE_CONTROL_TORQUE;
 #endif
     const bool controlled = command->control == LODE_CONTROL_SPEED || torque;
-    if (!known || !controlled || !is_finite(command)) {
+    const bool off = command->mode == LODE_MODE_OFF;
+    if (!known || !controlled || !is_finite(command) || (command->clear_fault && !off)) {
         return LODE_ERROR_COMMAND;
     }
+    // One that clears a fault, and has not been taken yet, is not lost: this one does what it asks for too.
+    const bool clears = command->clear_fault ||
+                        (self->command_posted == LODE_POST_FULL && lode_mode_clears(&self->posted));
     if (command->mode == LODE_MODE_RUN &&
         lode_abs(command->speed_rad_s) > most_rad_s(self->tuning)) {
         return LODE_ERROR_COMMAND_SPEED;
@@ -85,13 +92,16 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     LODE_SIGNAL_FENCE();
     lode_order_t order = {
         .speed_rad_s = command->speed_rad_s,
-        .value.torque_Nm = command->torque_Nm,
         .mode = (uint_least8_t)command->mode,
-        .flags = (uint_least8_t)((command->clear_fault ? (uint32_t)LODE_ORDER_CLEAR_FAULT : 0u) |
+        .flags = (uint_least8_t)((clears ? (uint32_t)LODE_ORDER_CLEAR_FAULT : 0u) |
                                  (torque ? (uint32_t)LODE_ORDER_TORQUE : 0u) |
                                  (wants_short(command) ? (uint32_t)LODE_ORDER_SHORT : 0u)),
     };
-#ifndef LODE_WITHOUT_COMMISSIONING
+#ifdef LODE_WITHOUT_COMMISSIONING
+    order.value.torque_Nm = command->torque_Nm;
+#else
+    // All of `value` is written: its check reads the bits.
+    order.value.vector = (lode_dq_t){command->torque_Nm, 0.0f};
     if (command->mode != LODE_MODE_RUN) {
         order.speed_rad_s = command->omega_rad_s;
         order.theta_rad = command->theta_rad;
@@ -180,6 +190,9 @@ static void tell_errors(const lode_estimator_t *estimator, lode_telemetry_t *tel
 }
 
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry) {
+    if (self->tuning == NULL) {
+        return false; // of a drive that has not begun
+    }
     for (int32_t i = 0; i < TELEMETRY_TRIES; i++) {
         const uint32_t steps = LODE_SHARED_LOAD(self->steps);
         LODE_SIGNAL_FENCE();
@@ -195,6 +208,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .speed_raised = speed != NULL && is_raised(self),
             .retries = lode_drive_retries(self),
             .signals_checked = lode_drive_knows(self, LODE_KNOWN_SIGNALS),
+            .shorted = lode_mode(self) == LODE_MODE_FAULT && lode_mode_shorts(self),
             .duty = self->duty,
             .i_A = self->i_A,
             .ref_A = self->ref_A,
@@ -428,7 +442,7 @@ LODE_INLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample_t *sampl
     }
     self->temperature = sample->temperature;
     if (self->mail) {
-        lode_mode_take_mail(self);
+        (void)lode_mode_take_mail(self);
     }
     lode_mode_idle(self, lode_tuning_words(self->tuning), sample, calibration, worst_count);
     return end_idle(self);
@@ -442,7 +456,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
     bool given = false;
     if (!lode_drive_is_steady(self)) {
         if (self->mail) {
-            lode_mode_take_mail(self);
+            (void)lode_mode_take_mail(self);
             tuning = self->tuning;
         }
         lode_mode_follow(self);

@@ -59,6 +59,9 @@ static bool is_finite(const lode_drive6_tuning_t *tuning) {
 }
 
 lode_status_t lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning) {
+    if (self == NULL || tuning == NULL) {
+        return LODE_ERROR_NULL;
+    }
     if (!is_finite(tuning)) {
         return LODE_ERROR_TUNING;
     }
@@ -122,14 +125,16 @@ static LODE_NOINLINE void take_mail(lode_drive6_t *self) {
         self->tuning = self->posted_tuning;
         lode_tuning_take_check(&self->drive);
         self->posted_tuning = NULL;
+        const lode_estimator_tuning_t *before = &self->drive.tuning->estimator;
         select_sets(self, active_of(self));
+        lode_mode_retune(&self->drive, before);
         const lode_sense_tuning_t *tuning = &self->tuning->drive.sense;
         self->omitted_2 = lode_sense_omit_both(lode_sense_omitted(tuning, self->duty_2));
         self->drive.omitted = lode_sense_omit_both(lode_sense_omitted(tuning, self->drive.duty));
     }
-    lode_mode_take_mail(&self->drive);
+    const bool cleared = lode_mode_take_mail(&self->drive);
     // A repaired phase is accepted when the drive is at rest and faults are cleared.
-    if (lode_mode_clears_fault(&self->drive) && !self->drive.gates) {
+    if ((cleared || lode_mode_clears_fault(&self->drive)) && !self->drive.gates) {
         self->open = 0u;
         select_sets(self, LODE_SETS_BOTH);
     }
@@ -278,6 +283,9 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
     drive->ref_A = drive->i_A; // until SLOT_REFERENCES
     lode_xy_reset(&self->xy);
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+    lode_plausibility_reset(&drive->plausibility); // it may look at other phases now
+#endif
 }
 
 // `i_A`: of the other set.
@@ -461,6 +469,15 @@ static LODE_NOINLINE void count_still(lode_drive6_t *self) {
 
 #endif
 
+// Of set 2 alone, whose currents were in the place of set 1's.
+static LODE_NOINLINE void name_phase(lode_drive6_t *self) {
+    lode_fault_t *fault = &self->drive.guard.fault;
+    if (self->active == (uint_least8_t)LODE_SETS_ONLY_2 &&
+        fault->check == (uint_least8_t)LODE_CHECK_CURRENT_STUCK && fault->measured > 0.0f) {
+        fault->measured += (float)LODE_PHASES;
+    }
+}
+
 // SLOT_REFERENCES. Set 1 is looked at with the guard.
 LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
@@ -514,6 +531,7 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     (void)lode_drive_slow_job(drive, drive->tuning, words_of(self->tuning), &sample->machine,
                               sample->set_2.temperature, slot);
     if (!drive->gates) {
+        name_phase(self);
         return end_idle(self);
     }
     drive->steps++;

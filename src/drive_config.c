@@ -369,7 +369,7 @@ lode_status_t lode_drive_tune_signal_check(lode_drive_tuning_t *t, const lode_dr
     const lode_signal_check_given_t given = {
         .ts_s = 1.0f / c->f_pwm_Hz,
         .pulses = fly->share_first > 0.0f,
-        .sums = !lode_in_range(c->guard.i_sum_A, LODE_NONE, LODE_NONE),
+        .sums = !lode_is_none(c->guard.i_sum_A),
     };
     const lode_status_t status =
         lode_signal_check_tune(&check, &c->start, &c->inverter, motor, &c->sense, given);
@@ -422,6 +422,18 @@ static float omega_per_noise(const lode_drive_config_t *c) {
 }
 #endif
 
+static lode_status_t tune_start(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    const lode_status_t status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,
+                                                 c->estimator.omega_max_rad_s, 1.0f / c->f_pwm_Hz);
+    if (status == LODE_OK) {
+        t->start.fade_step *= (float)t->speed_periods;
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        t->start.omega_per_noise = omega_per_noise(c);
+#endif
+    }
+    return status;
+}
+
 // References, controllers, start and guard: what is needed to act.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const float ts_s = 1.0f / c->f_pwm_Hz;
@@ -435,16 +447,11 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
             LODE_ERROR_DOUBLE_UPDATE; // low-side shunts show nothing at the upper turning point
     }
     if (status == LODE_OK) {
+        t->current.free = lode_min(t->current.free, t->inverter.free);
         status = tune_references(t, c, &circuit);
     }
-    t->current.free = lode_min(t->current.free, t->inverter.free);
     if (status == LODE_OK) {
-        status = lode_start_tune(&t->start, &c->start, &c->inverter, &c->motor,
-                                 c->estimator.omega_max_rad_s, ts_s);
-        t->start.fade_step *= (float)t->speed_periods;
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-        t->start.omega_per_noise = omega_per_noise(c);
-#endif
+        status = tune_start(t, c);
     }
     if (status == LODE_OK) {
         status = tune_flight(t, c);

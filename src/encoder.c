@@ -52,7 +52,10 @@ lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encode
     const float rad_per_count = LODE_TWO_PI * (float)pole_pairs / (float)config->counts_per_turn;
     const float finer = lode_min(1.0f, lode_sqrt(FINE_rad / rad_per_count));
     const float bandwidth = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_SHARE * finer / ts_s);
-    const float omega_check = lode_given_or(config->omega_check_rad_s, drive->omega_min);
+    // With injection there is no least speed.
+    const float by_default =
+        drive->omega_min > 0.0f ? drive->omega_min : drive->start.omega_handover;
+    const float omega_check = lode_given_or(config->omega_check_rad_s, by_default);
     const float check_s = lode_given_or(config->check_s, CHECK_s);
     if (!lode_in_range(config->offset_rad, -LODE_PI, LODE_PI) ||
         !lode_in_range(config->delay_s, 0.0f, DELAY_MAX_PERIODS * ts_s)) {
@@ -70,6 +73,7 @@ lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encode
         .counts_per_turn = config->counts_per_turn,
         .pole_pairs = pole_pairs,
         .check_periods = (uint32_t)(check_s / ts_s + 0.5f),
+        .settle_periods = (uint32_t)drive->estimator.settle_rounds * LODE_SLOW_PERIODS,
         .rad_per_count = config->reversed ? -rad_per_count : rad_per_count,
         .half_rad = 0.5f * rad_per_count,
         .offset_rad = config->offset_rad,
@@ -198,8 +202,18 @@ static void track(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, flo
     }
 }
 
-static void check(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, float lock) {
-    self->disagreed = lock < LODE_LOCK_LOST ? self->disagreed + 1u : 0u;
+// `own`: with the gates off it has seen nothing, and after that it takes some time to.
+static void check(lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
+                  const lode_estimate_t *own, bool checked) {
+    if (own->source == LODE_ESTIMATE_NONE) {
+        self->unseen = tuning->settle_periods;
+    } else if (self->unseen > 0u) {
+        self->unseen--;
+    } else {
+        // the lock says whether the EMF agrees
+    }
+    const bool disagrees = checked && self->unseen == 0u && own->lock < LODE_LOCK_LOST;
+    self->disagreed = disagrees ? self->disagreed + 1u : 0u;
     self->distrusted = self->distrusted || self->disagreed >= tuning->check_periods;
 }
 
@@ -215,7 +229,7 @@ lode_estimate_t lode_encoder_estimate(lode_encoder_t *self, const lode_encoder_t
     lode_estimate_t estimate = *own;
     const shaft_t rotor = shaft(self, tuning);
     const bool checked = lode_abs(rotor.omega_rad_s) >= tuning->omega_check;
-    check(self, tuning, checked ? own->lock : 1.0f);
+    check(self, tuning, own, checked);
     estimate.rotor = lode_sincos(lode_wrap(rotor.theta_rad + tuning->delay_s * rotor.omega_rad_s));
     estimate.omega_rad_s = rotor.omega_rad_s;
     estimate.i_A = lode_park(i_A, estimate.rotor);
@@ -224,7 +238,7 @@ lode_estimate_t lode_encoder_estimate(lode_encoder_t *self, const lode_encoder_t
         return *own;
     }
     estimate.load_torque_Nm = 0.0f; // the estimator's goes with its own angle
-    estimate.lock = checked ? own->lock : 1.0f;
+    estimate.lock = checked && self->unseen == 0u ? own->lock : 1.0f;
     estimate.source = tuning->coarse ? LODE_ESTIMATE_EDGES : LODE_ESTIMATE_SENSOR;
     return estimate;
 }

@@ -220,8 +220,9 @@ void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning
     const float taken = 1.0f + omega_rad_s * omega_rad_s * tuning->droop_s2;
     const float seen_V = omega_rad_s * tuning->psi_Wb / taken;
     const lode_sincos_t frame = self->pll.frame;
-    self->emf.observer.e_V = (lode_ab_t){-seen_V * frame.sin, seen_V * frame.cos};
-    lode_observer_settle(&self->emf.observer, &tuning->emf.observer);
+    const lode_ab_t e_V = {-seen_V * frame.sin, seen_V * frame.cos};
+    lode_observer_begin(&self->emf.observer, &tuning->emf.observer, e_V,
+                        tuning->pll.ts_s * omega_rad_s);
     self->per_V = per_V_of(tuning, seen_V * seen_V, omega_rad_s);
     self->gains = lode_pll_gains(&tuning->pll, omega_rad_s);
     self->lock = 1.0f;
@@ -230,6 +231,34 @@ void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning
 }
 
 #endif
+
+// The rotor stays where it is: with another lag its EMF is estimated at another angle, and with another size.
+static void change_observer(lode_estimator_t *self, const lode_estimator_tuning_t *before,
+                            const lode_estimator_tuning_t *now) {
+    const float omega = self->pll.omega_rad_s;
+    const lode_sincos_t rotor = lode_estimator_rotor(self);
+    const lode_dq_t e_V = lode_park(self->emf.observer.e_V, self->pll.frame);
+    renew_lag(self, now, omega);
+    self->pll.frame = lode_angle_subtract(rotor, lode_lag_near(&self->lag, omega));
+    const float size =
+        (1.0f + omega * omega * before->droop_s2) / (1.0f + omega * omega * now->droop_s2);
+    const lode_dq_t seen_V = {size * e_V.d, size * e_V.q};
+    lode_observer_begin(&self->emf.observer, &now->emf.observer,
+                        lode_park_inverse(seen_V, self->pll.frame), now->pll.ts_s * omega);
+    self->per_V = per_V_of(now, lode_ab_length2(self->emf.observer.e_V), omega);
+}
+
+void lode_estimator_retune(lode_estimator_t *self, const lode_estimator_tuning_t *before,
+                           const lode_estimator_tuning_t *now) {
+    if (now->emf.observer.kind != before->emf.observer.kind) {
+        change_observer(self, before, now);
+    }
+#ifndef LODE_WITHOUT_HFI
+    if (!lode_hfi_is_on(&now->hfi)) {
+        lode_estimator_end_injection(self, now);
+    }
+#endif
+}
 
 // A large position error: by the present amplitude, and without the notches, which took no part in so large
 // a step. Beyond SINE_MAX where no motor has such a state.

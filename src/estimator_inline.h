@@ -51,6 +51,10 @@ void lode_estimator_move_lag(lode_estimator_t *self, const lode_estimator_tuning
 // With angle and speed at t_k found by other means than the EMF.
 void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              lode_sincos_t rotor, float omega_rad_s);
+// Another tuning takes the place of `before`: another observer begins with the rotor's present EMF, and injection that `now` has
+// not ends.
+void lode_estimator_retune(lode_estimator_t *self, const lode_estimator_tuning_t *before,
+                           const lode_estimator_tuning_t *now);
 void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 // The EMF alone from now on.
 void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);

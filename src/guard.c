@@ -152,7 +152,8 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         .temperature_max = config->temperature_max_degC,
         .temperature_min = config->temperature_min_degC,
         .omega_max = config->omega_max_rad_s,
-        .bus_periods = (uint_least16_t)periods_in(config->bus_s, ts_s),
+        .bus_periods = (uint_least16_t)lode_clamp(
+            config->bus_s / ts_s, 2.0f, COUNTER_MAX - (float)(int32_t)LODE_GUARD_DECAY_PERIODS),
         .lock_looks = (uint_least16_t)periods_in(config->lock_s, look_s),
         .still_rounds = rounds_in(config->temperature_still_s, round_s),
         .bus_still_rounds = rounds_in(config->bus_still_s, round_s),
@@ -250,7 +251,8 @@ LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tunin
     const bool low = i_A < 0.0f;
     self->rail = low == self->railed ? self->rail : 0u;
     self->railed = low;
-    if (persists(self, &self->rail, true, tuning->bus_periods + LODE_GUARD_DECAY_PERIODS)) {
+    if (persists(self, &self->rail, true,
+                 (uint32_t)tuning->bus_periods + LODE_GUARD_DECAY_PERIODS)) {
         self->fault.check = (uint_least8_t)LODE_CHECK_SWITCH_SHORTED;
         self->fault.measured = i_A;
         self->fault.limit = tuning->i_trip;

@@ -70,10 +70,18 @@ static void look_again(lode_learn_t *self) {
     self->psi_looks = 0.0f;
 }
 
+// What was stored, and not what a memory holds that was never written.
+static bool is_sound(const lode_learn_tuning_t *tuning, const lode_learned_t *stored) {
+    return lode_in_range(stored->Lq_H, tuning->Lq_H.min, tuning->Lq_H.max) &&
+           lode_in_range(stored->confidence, FLT_MIN, 1.0f) &&
+           (!tuning->learns_psi ||
+            lode_in_range(stored->psi_Wb, tuning->psi_Wb.min, tuning->psi_Wb.max));
+}
+
 void lode_learn_begin(lode_learn_t *self, const lode_learn_tuning_t *tuning,
                       const lode_drive_config_t *config, const lode_learned_t *stored) {
     const lode_learned_t given = {config->motor.Lq_H, config->motor.psi_Wb, 0.0f};
-    const lode_learned_t *from = stored != NULL ? stored : &given;
+    const lode_learned_t *from = stored != NULL && is_sound(tuning, stored) ? stored : &given;
     const float psi_Wb = tuning->learns_psi
                              ? lode_clamp(from->psi_Wb, tuning->psi_Wb.min, tuning->psi_Wb.max)
                              : given.psi_Wb;

@@ -200,12 +200,41 @@ void lode_mode_run_at_once(lode_drive_t *self) {
 
 #endif
 
-LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
+void lode_mode_retune(lode_drive_t *self, const lode_estimator_tuning_t *before) {
+    lode_estimator_retune(&self->estimator, before, &self->tuning->estimator);
+#ifndef LODE_WITHOUT_SHAPED_RAMP
+    if (lode_mode(self) == LODE_MODE_RUN && !(self->tuning->speed.jerk_step > 0.0f)) {
+        self->state.run.speed.step_rad_s =
+            0.0f; // what a ramp without a limit of the jerk leaves behind
+        self->state.run.speed.left_rad_s = 0.0f;
+    }
+#endif
+}
+
+// Once: another fault that comes while the command lasts stays.
+static bool clear_at_once(lode_drive_t *self) {
+    if (self->command.mode == (uint_least8_t)LODE_MODE_OFF || !lode_mode_clears(&self->command)) {
+        return false;
+    }
+    self->command.flags =
+        (uint_least8_t)((uint32_t)self->command.flags & ~(uint32_t)LODE_ORDER_CLEAR_FAULT);
+    self->command.check = lode_mode_order_check(&self->command);
+    if (lode_mode(self) == LODE_MODE_FAULT) {
+        lode_guard_reset(&self->guard);
+        lode_mode_switch_off(self);
+    }
+    return true;
+}
+
+LODE_NOINLINE bool lode_mode_take_mail(lode_drive_t *self) {
+    bool clears = false;
     LODE_SHARED_STORE(self->mail, false);
     LODE_SIGNAL_FENCE();
     if (self->posted_tuning != NULL) {
+        const lode_estimator_tuning_t *before = &self->tuning->estimator;
         self->tuning = self->posted_tuning;
         lode_tuning_take_check(self);
+        lode_mode_retune(self, before);
         lode_mode_take_q_axis(self);
         LODE_SHARED_STORE(self->posted_tuning, NULL);
         set_omitted(self);
@@ -213,7 +242,9 @@ LODE_NOINLINE void lode_mode_take_mail(lode_drive_t *self) {
     if (self->command_posted == LODE_POST_FULL) {
         self->command = self->posted;
         LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
+        clears = clear_at_once(self);
     }
+    return clears;
 }
 
 LODE_NOINLINE bool lode_mode_mail_ok(lode_drive_t *self) {
@@ -369,7 +400,8 @@ bool lode_mode_seed(lode_drive_t *self) {
 LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate) {
     self->edges = estimate->source == LODE_ESTIMATE_EDGES;
     self->sensored = self->edges || estimate->source == LODE_ESTIMATE_SENSOR ? SENSOR_ROUNDS : 0u;
-    if (!self->gates || estimate->source == LODE_ESTIMATE_OWN) {
+    if (!self->gates || estimate->source == LODE_ESTIMATE_OWN ||
+        estimate->source == LODE_ESTIMATE_NONE) {
         return;
     }
     lode_estimator_t *own = &self->estimator;
@@ -414,6 +446,6 @@ lode_estimate_t lode_mode_estimate(const lode_drive_t *self) {
         .e_V = estimator->emf.observer.e_V,
         .load_torque_Nm = lode_estimator_load_torque_Nm(estimator, &self->tuning->estimator),
         .lock = estimator->lock,
-        .source = LODE_ESTIMATE_OWN,
+        .source = LODE_ESTIMATE_NONE,
     };
 }

@@ -87,9 +87,12 @@ static inline void lode_mode_count_sensor(lode_drive_t *self) {
     }
 }
 
+static inline bool lode_mode_clears(const lode_order_t *order) {
+    return ((uint32_t)order->flags & (uint32_t)LODE_ORDER_CLEAR_FAULT) != 0u;
+}
+
 static inline bool lode_mode_clears_fault(const lode_drive_t *self) {
-    return self->command.mode == (uint_least8_t)LODE_MODE_OFF &&
-           ((uint32_t)self->command.flags & (uint32_t)LODE_ORDER_CLEAR_FAULT) != 0u;
+    return self->command.mode == (uint_least8_t)LODE_MODE_OFF && lode_mode_clears(&self->command);
 }
 
 // Mode and command are what was made of them.
@@ -121,8 +124,11 @@ static inline bool lode_mode_memory_ok(lode_drive_t *self, lode_words_t tuning) 
            lode_tuning_watch_word(self, tuning);
 }
 
-// Takes over what was posted, at the start of a period.
-void lode_mode_take_mail(lode_drive_t *self);
+// The tuning has taken the place of another one, whose estimator was `before`: states that would not fit it.
+void lode_mode_retune(lode_drive_t *self, const lode_estimator_tuning_t *before);
+
+// Takes over what was posted, at the start of a period. True: with it a fault was cleared, by an OFF that it came after.
+bool lode_mode_take_mail(lode_drive_t *self);
 
 // Gates off, nothing on its way. OFF forgets what was estimated and controlled.
 void lode_mode_switch_off(lode_drive_t *self);

@@ -84,6 +84,19 @@ void lode_observer_settle(lode_observer_t *self, const lode_observer_tuning_t *t
 #undef LODE_OBSERVER
 }
 
+void lode_observer_begin(lode_observer_t *self, const lode_observer_tuning_t *tuning, lode_ab_t e_V,
+                         float step_rad) {
+    const lode_sincos_t back = lode_sincos(-step_rad);
+    lode_observer_reset(self);
+    self->e_V = e_V;
+    (void)back; // none that needs it may be built in
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(                                                                              \
+        ID, if (tuning->kind == (uint32_t)LODE_EMF_##ID) { id##_begin(self, tuning->own, back); })
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+}
+
 LODE_RAMFUNC void lode_observer_step_called(lode_observer_t *self,
                                             const lode_observer_tuning_t *tuning, lode_ab_t m_V,
                                             lode_sincos_t step_angle, float omega_rad_s) {

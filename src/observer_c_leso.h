@@ -51,6 +51,13 @@ static void c_leso_settle(lode_observer_t *self) {
     (void)self;
 }
 
+// From e = p rho^-1 e + (1 - p) y.
+static void c_leso_begin(lode_observer_t *self, const float *own, lode_sincos_t back) {
+    const float inv = 1.0f / own[C_LESO_ONE_MINUS_P];
+    const lode_ab_t before = lode_ab_rotate(self->e_V, back);
+    self->own[C_LESO_Y] = lode_ab_add_scaled(before, inv, lode_ab_subtract(self->e_V, before));
+}
+
 // e/m = (1 - p)^2 rho^2/(rho - p)^2 (E11).
 static float c_leso_lag_rad(const lode_observer_config_t *config, float ts_s, float omega_rad_s) {
     const float angle = omega_rad_s * ts_s;

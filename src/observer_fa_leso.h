@@ -119,6 +119,11 @@ static void fa_leso_settle(lode_observer_t *self) {
     self->own[FA_LESO_FAST] = self->e_V;
 }
 
+static void fa_leso_begin(lode_observer_t *self, const float *own, lode_sincos_t back) {
+    (void)own, (void)back;
+    fa_leso_settle(self); // all of the EMF is in the first mode
+}
+
 static float fa_leso_lag_rad(const lode_observer_config_t *config, float ts_s, float omega_rad_s) {
     (void)config, (void)ts_s, (void)omega_rad_s;
     return 0.0f; // tuned to the speed itself

@@ -89,6 +89,11 @@ static void fa_multi_settle(lode_observer_t *self) {
         (lode_ab_t){0.0f, 0.0f};
 }
 
+static void fa_multi_begin(lode_observer_t *self, const float *own, lode_sincos_t back) {
+    (void)own, (void)back;
+    fa_multi_settle(self); // all of the EMF is in the first mode
+}
+
 static float fa_multi_lag_rad(const lode_observer_config_t *config, float ts_s, float omega_rad_s) {
     (void)config, (void)ts_s, (void)omega_rad_s;
     return 0.0f; // tuned to the speed itself

@@ -77,6 +77,18 @@ static void gi_leso_settle(lode_observer_t *self) {
         (lode_ab_t){0.0f, 0.0f};
 }
 
+// From e = rho^-1 e + g (1 + kappa) error: the band-pass has gain 1, its second integrator lags by a right angle (E13).
+static void gi_leso_begin(lode_observer_t *self, const float *own, lode_sincos_t back) {
+    const lode_ab_t moved = lode_ab_subtract(self->e_V, lode_ab_rotate(self->e_V, back));
+    const lode_ab_t error =
+        lode_ab_scale(1.0f / (own[GI_LESO_GAIN] * (1.0f + own[GI_LESO_KAPPA])), moved);
+    const float g = -back.sin / lode_max(1.0f + back.cos, GI_LESO_LOWEST_DIVISOR); // tan(w Ts/2)
+    const lode_ab_t B = {error.alpha - g * error.beta, error.beta + g * error.alpha};
+    self->own[GI_LESO_ERROR] = error;
+    self->own[GI_LESO_B] = B;
+    self->own[GI_LESO_L] = (lode_ab_t){B.beta, -B.alpha};
+}
+
 // e/m = g rho^2/((rho - 1)(rho - p^2) + g rho), g = (1 - p)^2 (1 + kappa) (E15).
 static float gi_leso_lag_rad(const lode_observer_config_t *config, float ts_s, float omega_rad_s) {
     const float angle = omega_rad_s * ts_s;

@@ -53,6 +53,11 @@ static void r_leso_settle(lode_observer_t *self) {
     (void)self; // forgets with w0
 }
 
+static void r_leso_begin(lode_observer_t *self, const float *own, lode_sincos_t back) {
+    (void)own, (void)back;
+    self->own[R_LESO_Y] = self->e_V; // gain 1 at the speed
+}
+
 static float r_leso_lag_rad(const lode_observer_config_t *config, float ts_s, float omega_rad_s) {
     (void)config, (void)ts_s, (void)omega_rad_s;
     return 0.0f; // tuned to the speed itself (E24)

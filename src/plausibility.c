@@ -84,7 +84,7 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
         return LODE_ERROR_CHOICE;
     }
 #endif
-    const bool sums = !lode_in_range(config->i_sum_A, LODE_NONE, LODE_NONE);
+    const bool sums = !lode_is_none(config->i_sum_A);
     if (sums && !lode_in_range(config->i_sum_A, 1.0e-3f * i_max_A, 10.0f * i_max_A)) {
         return LODE_ERROR_GUARD_CURRENT;
     }
@@ -108,7 +108,7 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
 lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
                                           const lode_guard_config_t *config, float rise_rad_s2,
                                           float ts_s) {
-    const bool none = lode_in_range(config->overload_s, LODE_NONE, LODE_NONE);
+    const bool none = lode_is_none(config->overload_s);
     if (!none && !lode_in_range(config->overload_s, ts_s, OVERLOAD_MAX_s)) {
         return LODE_ERROR_GUARD_TIME;
     }

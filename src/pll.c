@@ -25,7 +25,8 @@ void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s, float t
     const float sigma_low = lode_min(SIGMA_LOW_SHARE * per_share, most);
     config->sigma_low_rad_s =
         lode_given_or(config->sigma_low_rad_s, given ? config->sigma_rad_s : sigma_low);
-    config->sigma_rad_s = lode_given_or(config->sigma_rad_s, sigma);
+    config->sigma_rad_s =
+        lode_given_or(config->sigma_rad_s, lode_max(sigma, config->sigma_low_rad_s));
     config->omega_low_rad_s =
         lode_given_or(config->omega_low_rad_s, OMEGA_LOW_SHARE * omega_rated_rad_s);
     config->omega_high_rad_s =

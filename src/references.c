@@ -64,8 +64,7 @@ void lode_references_design(lode_references_config_t *config,
 
 static bool is_weakening_sound(const lode_references_config_t *config, float i_max_A) {
     return lode_in_range(config->voltage_use, 0.1f, 1.0f) &&
-           (lode_in_range(config->trim_rad_s, 0.1f, 1.0e3f) ||
-            lode_in_range(config->trim_rad_s, LODE_NONE, LODE_NONE)) &&
+           (lode_in_range(config->trim_rad_s, 0.1f, 1.0e3f) || lode_is_none(config->trim_rad_s)) &&
            lode_in_range(config->release_s, 1.0e-3f, 10.0f) &&
            lode_in_range(config->id_max_A, 1.0e-3f * i_max_A, i_max_A);
 }
@@ -85,7 +84,8 @@ static bool is_fade_sound(const lode_references_config_t *config, float v_bus_V)
 static lode_status_t check(const lode_references_config_t *config,
                            const lode_inverter_config_t *inverter) {
     const float span = config->omega_high_rad_s - config->omega_low_rad_s;
-    if (!(config->id_bias_A <= inverter->i_max_A) || !lode_is_finite(config->id_bias_A) ||
+    if (!(lode_is_none(config->id_bias_A) ||
+          lode_in_range(config->id_bias_A, 0.0f, inverter->i_max_A)) ||
         !lode_in_range(span, FLT_MIN, FLT_MAX)) {
         return LODE_ERROR_ID_BIAS;
     }
@@ -335,13 +335,27 @@ LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float tau, float
     return psi_q * psi_q <= headroom ? iq : lode_sqrt(headroom) / Lq;
 }
 
-#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-
 // As the iq of the last call saturates it.
 static float present_Lq(const lode_references_t *self, const lode_references_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_OPTIMAL_REFERENCES
+    (void)self;
+    return tuning->Lq_H;
+#else
     const bool falls = lode_references_asks(tuning, LODE_REFERENCES_SATURATE);
     return falls ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
+#endif
 }
+
+// `circle`: what the d current leaves of the largest current. With more torque MTPA would move id too: all of it can be had.
+static float largest_tau(const lode_references_t *self, const lode_references_tuning_t *tuning,
+                         float circle) {
+    const bool opens =
+        lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && !is_weakening(self, tuning);
+    const float most = lode_references_weakens(tuning) ? self->tau_most : FLT_MAX;
+    return lode_min(opens ? lode_max(circle, tuning->tau_max) : circle, most);
+}
+
+#ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 
 // None of the three is LODE_RAMFUNC: once in some periods, and too large for small fast memories.
 
@@ -376,29 +390,22 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
     const lode_range_t bus = bus_limits(tuning, omega_rad_s, v_bus_V);
     const float wanted = wanted_tau(tuning, torque_Nm, bus);
     float tau = lode_abs(wanted);
-    float most = FLT_MAX;
     float flux = FLUX_UNLIMITED;
     float id = self->id_free_A;
     if (lode_references_weakens(tuning)) {
         flux = self->flux;
-        most = self->tau_most;
-        tau = lode_min(tau, most);
+        tau = lode_min(tau, self->tau_most);
         id = weakened_id(self, tuning, Lq, tau);
     }
     const float iq_max = lode_sqrt(i_max * i_max - id * id);
     const float active = lode_references_active_flux(tuning, salient, id);
+    const float limit = largest_tau(self, tuning, active * iq_max);
     const float iq = iq_of(tuning, tau, active, iq_max, id, Lq, flux);
     const float signed_iq = wanted < 0.0f ? -iq : iq;
     self->moved_A = id - self->id_A;
     self->id_A = id;
     self->iq_A = signed_iq;
     self->tau = active * signed_iq;
-    // With more torque MTPA would move id too: all of the circle can be had.
-    const float circle = active * iq_max;
-    const bool opens =
-        lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && !is_weakening(self, tuning);
-    const float open = opens ? lode_max(circle, tuning->tau_max) : circle;
-    const float limit = lode_min(open, most);
     return (lode_references_out_t){{id, signed_iq},
                                    {tuning->torque_factor * lode_max(-limit, bus.min),
                                     tuning->torque_factor * lode_min(limit, bus.max)}};
@@ -417,15 +424,10 @@ float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_
 float lode_references_allowed_Nm(const lode_references_t *self,
                                  const lode_references_tuning_t *tuning, float id_A) {
     const float i_max = tuning->i_max_A;
-    const float salient = lode_references_salient_H(tuning);
+    const float salient = tuning->Ld_H - present_Lq(self, tuning);
     const float circle =
         lode_references_active_flux(tuning, salient, id_A) * lode_sqrt(i_max * i_max - id_A * id_A);
-    // With more torque MTPA would move id too: all of the circle can be had.
-    const bool opens =
-        lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && !is_weakening(self, tuning);
-    const float most = lode_references_weakens(tuning) ? self->tau_most : FLT_MAX;
-    return tuning->torque_factor *
-           lode_min(opens ? lode_max(circle, tuning->tau_max) : circle, most);
+    return tuning->torque_factor * largest_tau(self, tuning, circle);
 }
 
 float lode_references_torque_Nm(const lode_references_tuning_t *tuning, lode_dq_t i_A) {

@@ -105,7 +105,7 @@ static bool generates(const lode_supervisor_t *self, const lode_telemetry_t *tel
 
 // Time enough for the guard to find that a switch is shorted.
 static bool has_looked(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
-    const uint32_t needed = self->tuning->guard.bus_periods + LODE_GUARD_DECAY_PERIODS;
+    const uint32_t needed = (uint32_t)self->tuning->guard.bus_periods + LODE_GUARD_DECAY_PERIODS;
     return telemetry->steps - self->faulted_at > needed;
 }
 

@@ -72,6 +72,23 @@ static void test_the_winding_heats_up_to_its_continuous_current(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, share);
 }
 
+/// In FAULT the current that is told is that of the trip, and none flows; with all low sides on there is one of up to `i_max`.
+static void test_a_trip_heats_no_winding(void) {
+    const lode_derate_tuning_t tuning = tuned();
+    for (int shorted = 0; shorted <= 1; shorted++) {
+        lode_derate_t derate;
+        lode_derate_reset(&derate, 0.3f);
+        lode_telemetry_t tripped = at(36.0f, 25.0f);
+        tripped.mode = LODE_MODE_FAULT;
+        tripped.shorted = shorted == 1;
+        for (int n = 0; n < 3000; n++) {
+            (void)lode_derate_step(&derate, &tuning, &tripped, 0.1f);
+        }
+        // i_max is twice what may flow for good.
+        CHECK_NEAR(0.001, shorted == 1 ? 4.0 : 0.0, (double)derate.heat);
+    }
+}
+
 static void test_a_hot_power_stage_has_less_torque(void) {
     const lode_derate_tuning_t tuning = tuned();
     const float temperatures[] = {25.0f, 80.0f, 90.0f, 100.0f, 140.0f};
@@ -169,6 +186,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_bad_configurations_are_refused);
     RUN_TEST(test_the_winding_heats_up_to_its_continuous_current);
+    RUN_TEST(test_a_trip_heats_no_winding);
     RUN_TEST(test_a_hot_power_stage_has_less_torque);
     RUN_TEST(test_what_is_no_number_counts_as_hot);
     RUN_TEST(test_a_drive_keeps_to_its_share);

@@ -433,6 +433,74 @@ static void test_a_new_tuning_is_taken_at_a_period(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_tuning(NULL, &tuning));
 }
 
+/// With 3 Nm at 1500 rpm, from any observer to any other.
+static void test_another_observer_goes_on_with_the_rotor(void) {
+    for (int from = 0; from < (int)LODE_EMF_KINDS; from++) {
+        lode_drive_config_t config = rig_config();
+        config.estimator.emf.kind = (lode_emf_kind_t)from;
+        rig_t before;
+        rig_init(&before, &tuning, &config);
+        run_up(&before, 157.0, 8.0);
+        before.load_Nm = 3.0;
+        rig_run(&before, 2.0);
+        for (int to = 0; to < (int)LODE_EMF_KINDS; to++) {
+            rig_t rig = before;
+            config.estimator.emf.kind = (lode_emf_kind_t)to;
+            TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+            TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+            double worst = 0.0;
+            for (int n = 0; n < 1000; n++) {
+                rig_step(&rig);
+                worst = fmax(worst, fabs(rig.angle_error));
+            }
+            check_running(&rig, 157.0);
+            CHECK_AT_MOST(1.5 * CHECK_DEG, worst);
+        }
+    }
+}
+
+/// What a ramp with a limit of the jerk was doing is over when a tuning without one comes.
+static void test_a_ramp_without_jerk_leaves_none(void) {
+    lode_drive_config_t config = rig_config();
+    lode_drive_tuning_t shaped;
+    config.speed.ramp_rad_s2 = 40.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    config.speed.jerk_rad_s3 = 40.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&shaped, &config));
+    rig_t rig;
+    rig_init(&rig, &shaped, &config);
+    run_up(&rig, 30.0, 8.0);
+    rig_command(&rig, run_at(110.0));
+    rig_run(&rig, 1.5);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    rig_run(&rig, 3.0);
+    check_running(&rig, 110.0);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &shaped));
+    for (int n = 0; n < 10000; n++) {
+        rig_step(&rig);
+        CHECK_NEAR(1.0e-3, 110.0, rig_telemetry(&rig).speed_ref_rad_s);
+    }
+}
+
+/// Where the EMF alone is enough, injection that is taken away is over, and with it the voltage that it kept.
+static void test_injection_that_a_tuning_has_not_ends(void) {
+    lode_drive_config_t config = rig_config();
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    config.hfi.mode = LODE_HFI_ON;
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(36.0));
+    rig_run(&rig, 6.0);
+    check_running(&rig, 36.0);
+    TEST_ASSERT_TRUE(rig_telemetry(&rig).injected > 0.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    rig_step(&rig);
+    TEST_ASSERT_FALSE(lode_estimator_injects(&rig.drive.estimator));
+    rig_run(&rig, 2.0);
+    check_running(&rig, 36.0);
+    CHECK_NEAR(0.0, 0.0, rig_telemetry(&rig).injected);
+}
+
 /// A call with 18.75 A of 18 A in one phase.
 static bool trips(rig_t *rig, int phase) {
     lode_counts_t counts = rig_counts(rig);
@@ -813,11 +881,12 @@ static void test_any_counts_give_duties_on_the_grid(void) {
                                  LODE_MODE_CURRENT, LODE_MODE_RUN};
     for (int n = 0; n < 200000; n++) {
         if (n % 50 == 0) {
-            rig_command(&rig, (lode_command_t){.mode = modes[random_bits(&random) % 5u],
-                                               .speed_rad_s = random_float(&random, -300.0, 300.0),
-                                               .vector = {random_float(&random, -50.0, 50.0), 3.0f},
-                                               .omega_rad_s = random_float(&random, -2.0e3, 2.0e3),
-                                               .clear_fault = true});
+            rig_command(&rig, clear); // with the next one, which comes before it is taken
+            rig_command(&rig,
+                        (lode_command_t){.mode = modes[random_bits(&random) % 5u],
+                                         .speed_rad_s = random_float(&random, -300.0, 300.0),
+                                         .vector = {random_float(&random, -50.0, 50.0), 3.0f},
+                                         .omega_rad_s = random_float(&random, -2.0e3, 2.0e3)});
         }
         const uint32_t spread = n % 3 == 0 ? 4096u : 512u;
         lode_counts_t counts = {.v_bus = (uint16_t)(1500u + random_bits(&random) % spread),
@@ -942,6 +1011,9 @@ int main(void) {
     RUN_TEST(test_huge_commands_give_duties);
     RUN_TEST(test_the_same_tuning_changes_nothing);
     RUN_TEST(test_a_new_tuning_is_taken_at_a_period);
+    RUN_TEST(test_another_observer_goes_on_with_the_rotor);
+    RUN_TEST(test_a_ramp_without_jerk_leaves_none);
+    RUN_TEST(test_injection_that_a_tuning_has_not_ends);
     RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);
     RUN_TEST(test_a_tuning_with_windows_leaves_out_what_is_not_sampled);
     RUN_TEST(test_a_refused_tuning_leaves_the_one_that_waits);

@@ -930,6 +930,34 @@ static void test_implausible_currents_of_either_set_trip(void) {
     CHECK_AT_LEAST(40.0e-3, until_implausible(&sound, 0) * RIG6_TS_s);
 }
 
+/// Set 2 alone has the numbers of its own phases still.
+static void test_a_stuck_current_of_the_set_that_is_left_is_named(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    for (int opens = 2; opens <= 5; opens += 3) {
+        rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+        rig.open = opens;
+        rig6_run(&rig, 1.0);
+        TEST_ASSERT_EQUAL_INT(opens, rig6_telemetry(&rig).open);
+        const int stuck = opens <= 3 ? 5 : 2;
+        double count = 2048.0;
+        while (fabs(count - 2048.0) < 80.0) {
+            rig6_step(&rig);
+            const lode_counts6_t counts = rig6_counts(&rig);
+            count = (double)counts.set[(stuck - 1) / 3].i[(stuck - 1) % 3];
+        }
+        const lode_counts6_t held = rig6_counts(&rig);
+        for (int n = 0; n < 400 && rig.drive.drive.gates; n++) {
+            lode_counts6_t counts = rig6_counts(&rig);
+            counts.set[(stuck - 1) / 3].i[(stuck - 1) % 3] =
+                held.set[(stuck - 1) / 3].i[(stuck - 1) % 3];
+            rig.out = lode_drive6_step(&rig.drive, &counts);
+            rig6_move(&rig);
+        }
+        expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
+        TEST_ASSERT_EQUAL_FLOAT((float)stuck, rig6_telemetry(&rig).drive.fault.measured);
+    }
+}
+
 /// It belongs to both sets under control: neither with the gates off nor with one set is there one.
 static void test_the_xy_voltage_ends_with_what_made_it(void) {
     const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
@@ -1406,6 +1434,7 @@ int main(void) {
     RUN_TEST(test_converters_that_all_read_the_middle_are_stuck);
     RUN_TEST(test_gains_that_change_at_once_switch_both_sets_off);
     RUN_TEST(test_implausible_currents_of_either_set_trip);
+    RUN_TEST(test_a_stuck_current_of_the_set_that_is_left_is_named);
     RUN_TEST(test_the_xy_voltage_ends_with_what_made_it);
     RUN_TEST(test_one_set_stops_and_starts_again);
     RUN_TEST(test_one_set_alone_still_calibrates_both);

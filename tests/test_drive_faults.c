@@ -358,12 +358,10 @@ static void test_a_fault_stays_until_it_is_cleared(void) {
     rig_step(&rig);
     rig.trip = false;
     const lode_fault_t first = rig_telemetry(&rig).fault;
-    const lode_command_t commands[] = {
-        off,
-        run_at(50.0),
-        {.mode = LODE_MODE_CURRENT, .vector = {1.0f, 0.0f}},
-        {.mode = LODE_MODE_CALIBRATE},
-        {.mode = LODE_MODE_RUN, .speed_rad_s = 50.0f, .clear_fault = true}};
+    const lode_command_t commands[] = {off,
+                                       run_at(50.0),
+                                       {.mode = LODE_MODE_CURRENT, .vector = {1.0f, 0.0f}},
+                                       {.mode = LODE_MODE_CALIBRATE}};
     for (int i = 0; i < COUNT_OF(commands); i++) {
         rig_command(&rig, commands[i]);
         rig_run(&rig, 0.3);
@@ -374,6 +372,8 @@ static void test_a_fault_stays_until_it_is_cleared(void) {
         TEST_ASSERT_EQUAL_INT(first.state, now.state);
         TEST_ASSERT_TRUE(first.measured == now.measured && first.limit == now.limit);
     }
+    const lode_command_t both = {.mode = LODE_MODE_RUN, .speed_rad_s = 50.0f, .clear_fault = true};
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND, lode_drive_post_command(&rig.drive, &both));
     rig_command(&rig, clear);
     rig_step(&rig);
     rig_expect(&rig, LODE_MODE_OFF);
@@ -382,6 +382,31 @@ static void test_a_fault_stays_until_it_is_cleared(void) {
     rig_step(&rig);
     rig_step(&rig);
     TEST_ASSERT_TRUE(rig.out.gates);
+}
+
+/// A command that replaces one which clears a fault, before it is taken, clears it too; but it alone, and no fault after it.
+static void test_a_fault_is_cleared_by_a_command_that_is_replaced(void) {
+    for (int n = 0; n < 3; n++) {
+        rig_t rig = holding();
+        rig.trip = n < 2;
+        rig_step(&rig);
+        rig.trip = false;
+        rig_command(&rig, clear);
+        if (n == 1) {
+            rig_command(&rig, off);
+        }
+        rig_command(&rig, run_at(50.0));
+        rig_step(&rig);
+        rig_run(&rig, 0.3);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
+        TEST_ASSERT_TRUE(rig.out.gates);
+        rig.trip = true; // the command is RUN still
+        rig_step(&rig);
+        rig.trip = false;
+        rig_run(&rig, 0.3);
+        rig_expect(&rig, LODE_MODE_FAULT);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, rig_telemetry(&rig).fault.check);
+    }
 }
 
 /// One bit of the drive flips, `offset` bytes from its beginning. Gates off within a round, and the fault says
@@ -638,6 +663,7 @@ int main(void) {
     RUN_TEST(test_a_call_that_is_late_trips_at_once);
     RUN_TEST(test_bus_out_of_range_trips_after_its_debounce);
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
+    RUN_TEST(test_a_fault_is_cleared_by_a_command_that_is_replaced);
     RUN_TEST(test_a_mode_or_command_that_changes_by_itself_trips);
     RUN_TEST(test_a_direction_that_turns_over_starts_anew);
     RUN_TEST(test_a_q_axis_that_changes_by_itself_does_not_last);

@@ -499,6 +499,57 @@ static void test_a_sensor_that_slips_is_left_for_the_emf(void) {
     }
 }
 
+/// With the gates off the EMF is not seen, and after that it takes a time to be: neither is a sensor that is wrong. But one that is
+/// wrong from then on is found.
+static void test_a_rotor_that_coasts_is_no_sensor_that_is_wrong(void) {
+    for (int wrong = 0; wrong <= 1; wrong++) {
+        shaft_t self = shaft(true);
+        rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 100.0f});
+        shaft_run(&self, 3.0);
+        check_speed(&self, 100.0);
+        rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_OFF});
+        shaft_run(&self, 0.3);
+        CHECK_AT_LEAST(30.0,
+                       self.rig.motor.omega / NP); // it coasts, faster than where it is checked
+        TEST_ASSERT_FALSE(self.encoder.distrusted);
+        self.theta_m += wrong == 1 ? CHECK_PI / 2.0 / NP : 0.0;
+        rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 100.0f});
+        shaft_run(&self, 1.0);
+        TEST_ASSERT_EQUAL_INT(wrong, self.encoder.distrusted);
+    }
+}
+
+static void test_what_is_checked_from_where(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 4096u};
+    lode_drive_config_t drive = rig_config();
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&drive_tuning, &drive));
+    CHECK_NEAR(0.0, (double)drive_tuning.omega_min, (double)tuned(&config).omega_check);
+    drive.hfi.mode = LODE_HFI_ON; // with which there is no least speed
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&drive_tuning, &drive));
+    CHECK_NEAR(0.0, (double)drive_tuning.start.omega_handover, (double)tuned(&config).omega_check);
+}
+
+/// As long as observer and lock take from a reset, to the period.
+static void test_the_emf_is_given_its_time(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 4096u, .check_s = 0.02f};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const int given = 8 * (int)drive_tuning.estimator.settle_rounds + (int)(0.02 / RIG_TS_s + 0.5);
+    CHECK_AT_LEAST(0.015 / RIG_TS_s, 8.0 * (double)drive_tuning.estimator.settle_rounds);
+    lode_encoder_t encoder;
+    lode_encoder_reset(&encoder);
+    double theta = 0.0;
+    int since = 0;
+    for (int n = 0; n < 200 + given; n++) {
+        theta += 100.0 * RIG_TS_s;
+        const bool off = n < 200;
+        const lode_estimate_t own = {.source = off ? LODE_ESTIMATE_NONE : LODE_ESTIMATE_OWN};
+        (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f},
+                                    count_at(theta, 4096u));
+        since += off ? 0 : 1;
+        TEST_ASSERT_EQUAL_INT(since >= given - 1, encoder.distrusted);
+    }
+}
+
 // lode_drive_step() knows no sensor: the drive is sensorless again, at once where it has to start.
 static void test_the_step_alone_is_sensorless(void) {
     shaft_t self = shaft(false);
@@ -619,6 +670,9 @@ int main(void) {
     RUN_TEST(test_a_sensor_that_sticks_trips);
     RUN_TEST(test_a_short_doubt_is_forgotten);
     RUN_TEST(test_a_sensor_that_slips_is_left_for_the_emf);
+    RUN_TEST(test_a_rotor_that_coasts_is_no_sensor_that_is_wrong);
+    RUN_TEST(test_what_is_checked_from_where);
+    RUN_TEST(test_the_emf_is_given_its_time);
     RUN_TEST(test_the_step_alone_is_sensorless);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_pole_pairs_and_the_time_of_the_check_are_whole);

@@ -647,6 +647,15 @@ static void test_times_of_standing_still(void) {
     }
 }
 
+/// The counters of 16 bits come to what is asked for with the periods after it too.
+static void test_the_longest_times_still_end(void) {
+    lode_guard_config_t config = sound();
+    config.bus_s = 10.0f;
+    lode_guard_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_guard_tune(&tuning, &config, &inverter, &board, 1.0e-4f));
+    TEST_ASSERT_EQUAL_UINT(65535u - LODE_GUARD_DECAY_PERIODS, tuning.bus_periods);
+}
+
 static void test_times_become_periods_and_looks(void) {
     // In looks of the slow checks, 0.8 ms, two at least: a single sample passes.
     const float times[] = {2.0e-4f, 4.0e-4f, 6.0e-4f, 1.0e-3f, 3.0e-3f, 15.0e-3f, 0.1f};
@@ -775,6 +784,7 @@ int main(void) {
     RUN_TEST(test_reset_forgets_fault_and_counts);
     RUN_TEST(test_names_are_distinct);
     RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_the_longest_times_still_end);
     RUN_TEST(test_times_become_periods_and_looks);
     RUN_TEST(test_the_fast_part_has_no_eye_on_what_is_slow);
     RUN_TEST(test_counters_come_down_when_all_is_sound_again);

@@ -181,6 +181,7 @@ static void test_refusals(void) {
         {offsetof(lode_hfi_config_t, sigma_rad_s), 501.0f, LODE_ERROR_HFI_SIGMA},
         {offsetof(lode_hfi_config_t, id_A), 12.1f, LODE_ERROR_ID_BIAS},
         {offsetof(lode_hfi_config_t, id_A), -1.1f, LODE_ERROR_ID_BIAS},
+        {offsetof(lode_hfi_config_t, id_A), -0.9f, LODE_ERROR_ID_BIAS},
         {offsetof(lode_hfi_config_t, k_x_rad_A), -0.05f, LODE_ERROR_HFI_AXIS},
         {offsetof(lode_hfi_config_t, k_x_rad_A), NAN, LODE_ERROR_HFI_AXIS},
     };
@@ -193,8 +194,11 @@ static void test_refusals(void) {
         CHECK_STATUS(LODE_OK, tried(&config, &machine));
     }
     lode_hfi_config_t config = good;
-    config.mode = (lode_hfi_mode_t)3;
-    CHECK_STATUS(LODE_ERROR_HFI_MODE, tried(&config, &machine));
+    const int others[] = {LODE_OFF, 4}; // LODE_OFF, taken for LODE_HFI_OFF, must not switch it on
+    for (int n = 0; n < COUNT_OF(others); n++) {
+        config.mode = (lode_hfi_mode_t)others[n];
+        CHECK_STATUS(LODE_ERROR_HFI_MODE, tried(&config, &machine));
+    }
     config = good;
     config.silent = (lode_choice_t)3;
     CHECK_STATUS(LODE_ERROR_CHOICE, tried(&config, &machine));

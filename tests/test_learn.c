@@ -119,14 +119,24 @@ static void test_what_was_stored_is_taken_within_limits(void) {
     CHECK_NEAR(1.0e-6, 0.9, learn.now.confidence);
     const lode_telemetry_t off = {.mode = LODE_MODE_OFF};
     TEST_ASSERT_TRUE(lode_learn_step(&learn, &tuning, &off, DT_s)); // the first tuning has it
-    const lode_learned_t broken = {NAN, 1.0e9f, -3.0f};
-    lode_learn_begin(&learn, &tuning, &config, &broken);
-    TEST_ASSERT_TRUE(learn.now.Lq_H >= tuning.Lq_H.min && learn.now.Lq_H <= tuning.Lq_H.max);
-    CHECK_NEAR(1.0e-6, 1.2 * 0.142, learn.now.psi_Wb);
-    CHECK_NEAR(0.0, 0.0, learn.now.confidence);
-    const lode_learned_t sure = {8.0e-3f, 0.13f, 1.5f};
-    lode_learn_begin(&learn, &tuning, &config, &sure);
-    CHECK_NEAR(0.0, 1.0, learn.now.confidence);
+    // A memory that was never written holds zeros or ones, and a broken one anything: none of it is taken.
+    lode_learned_t erased;
+    memset(&erased, 0xff, sizeof erased);
+    const lode_learned_t unsound[] = {erased,
+                                      {0.0f, 0.0f, 0.0f},
+                                      {8.0e-3f, 0.13f, 0.0f},
+                                      {8.0e-3f, 0.13f, 1.5f},
+                                      {0.99f * tuning.Lq_H.min, 0.13f, 0.9f},
+                                      {1.01f * tuning.Lq_H.max, 0.13f, 0.9f},
+                                      {8.0e-3f, 0.99f * tuning.psi_Wb.min, 0.9f},
+                                      {8.0e-3f, 1.01f * tuning.psi_Wb.max, 0.9f}};
+    for (int n = 0; n < COUNT_OF(unsound); n++) {
+        lode_learn_begin(&learn, &tuning, &config, &unsound[n]);
+        CHECK_NEAR(0.0, (double)config.motor.Lq_H, learn.now.Lq_H);
+        CHECK_NEAR(0.0, (double)config.motor.psi_Wb, learn.now.psi_Wb);
+        CHECK_NEAR(0.0, 0.0, learn.now.confidence);
+        TEST_ASSERT_FALSE(lode_learn_step(&learn, &tuning, &off, DT_s));
+    }
 }
 
 // (H16), (H17): 0.7 of what the errors show, whatever the sign of the current and injection's share.

@@ -650,6 +650,28 @@ static void test_settled_on_no_emf_it_is_silent(void) {
     }
 }
 
+/// Begun at a speed it is what it comes to after long at it, of any of them.
+static void test_begun_at_a_speed_it_goes_on(void) {
+    const double omegas[] = {-900.0, -60.0, 60.0, 900.0};
+    for (int i = 0; i < COUNT_OF(observers); i++) {
+        for (int n = 0; n < COUNT_OF(omegas); n++) {
+            const lode_observer_tuning_t tuning = tuned(&observers[i]);
+            const double turn = omegas[n] * 2.0e-4;
+            const double complex e = expected_response(&observers[i], omegas[n]) * EMF_V;
+            lode_observer_t leso;
+            memset(&leso, 0xff, sizeof leso);
+            lode_observer_begin(&leso, &tuning, (lode_ab_t){(float)creal(e), (float)cimag(e)},
+                                (float)turn);
+            for (int k = 1; k <= 300; k++) {
+                const double complex now = feed(&leso, &tuning, omegas[n], rotating(turn * k));
+                // FA's slow mode is taken for none of it.
+                const double tolerance = &observers[i] == FA_SLOW ? 0.01 * EMF_V : 1.0e-3 * EMF_V;
+                CHECK_NEAR(tolerance, 0.0, cabs(now - e * cexp(I * turn * k)));
+            }
+        }
+    }
+}
+
 static void test_reset_forgets_everything(void) {
     const lode_observer_t expected = {.e_V = {0.0f, 0.0f}};
     lode_observer_t leso;
@@ -775,6 +797,7 @@ int main(void) {
     RUN_TEST(test_calm_keeps_the_estimate);
     RUN_TEST(test_settled_it_goes_on_from_its_emf);
     RUN_TEST(test_settled_on_no_emf_it_is_silent);
+    RUN_TEST(test_begun_at_a_speed_it_goes_on);
     RUN_TEST(test_reset_forgets_everything);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_k1_is_bound_to_k2);

@@ -411,6 +411,13 @@ static void test_design_fills_what_is_open(void) {
     lode_pll_design(&given, 471.239f, 2.0e-4f);
     TEST_ASSERT_EQUAL_FLOAT(150.0f, given.sigma_rad_s);
     TEST_ASSERT_EQUAL_FLOAT(150.0f, given.sigma_low_rad_s);
+    // Each default by itself is a value that is accepted.
+    lode_pll_config_t low = {.sigma_low_rad_s = 1.5f * config.sigma_rad_s};
+    lode_pll_design(&low, 471.239f, 2.0e-4f);
+    TEST_ASSERT_EQUAL_FLOAT(low.sigma_low_rad_s, low.sigma_rad_s);
+    lode_pll_config_t slow = {.sigma_low_rad_s = 20.0f};
+    lode_pll_design(&slow, 471.239f, 2.0e-4f);
+    TEST_ASSERT_EQUAL_FLOAT(config.sigma_rad_s, slow.sigma_rad_s);
     const lode_pll_config_t all = sound_config();
     lode_pll_config_t kept = all;
     lode_pll_design(&kept, 471.239f, 2.0e-4f);

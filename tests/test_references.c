@@ -653,6 +653,10 @@ static void test_most_torque_of_a_saturating_motor(void) {
     }
     rig_step(&rig, 0.1, 0.0);
     CHECK_CLOSE(0.01, 6.0 * best, rig.out.torque_Nm.max);
+    // It is told as it is, with the inductance of the present current.
+    rig_settle(&rig, 0.1, 0.9 * best);
+    CHECK_CLOSE(5.0e-3, (double)rig.out.torque_Nm.max,
+                (double)lode_references_allowed_Nm(&rig.self, &rig.tuning, rig.out.i_A.d));
 }
 
 /// A call much longer than the times that id takes moves it by i_max at most, and the trim by all that it is off.
@@ -889,6 +893,9 @@ static void test_every_field_at_its_limits(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(bias, LODE_NONE));
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(bias, 0.0f));
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(bias, I_MAX_A));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_ID_BIAS,
+                          try_one(bias, -3.0f)); // a bias against the magnets is none
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_ID_BIAS, try_one(bias, -0.5f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_ID_BIAS, try_one(bias, nextafterf(I_MAX_A, INFINITY)));
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(low, 109.0f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_ID_BIAS, try_one(low, 110.0f));

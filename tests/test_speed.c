@@ -268,7 +268,7 @@ static void test_shares_of_the_feed_forwards(void) {
     const size_t fields[] = {offsetof(lode_speed_config_t, load_feed_forward),
                              offsetof(lode_speed_config_t, inertia_feed_forward)};
     const float shares[] = {LODE_NONE, 0.0f, 0.3f, 1.0f};
-    const float wrong[] = {1.00001f, -1.00001f, NAN, INFINITY, -INFINITY};
+    const float wrong[] = {1.00001f, -1.00001f, -0.99999f, -0.1f, NAN, INFINITY, -INFINITY};
     for (int f = 0; f < COUNT_OF(fields); f++) {
         for (int i = 0; i < COUNT_OF(shares); i++) {
             TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(fields[f], shares[i]));

@@ -703,7 +703,7 @@ static void test_a_rotor_that_turns_already_is_caught(void) {
 static void test_range_of_the_time_to_catch(void) {
     const size_t offset = offsetof(lode_start_config_t, catch_s);
     const float good[] = {LODE_NONE, 0.0f, 0.05f, 10.0f};
-    const float bad[] = {-1.001f, 10.01f, NAN, INFINITY, -INFINITY};
+    const float bad[] = {-1.001f, -0.999f, -0.05f, 10.01f, NAN, INFINITY, -INFINITY};
     for (int i = 0; i < COUNT_OF(good); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(offset, good[i]));
     }
@@ -812,7 +812,7 @@ static void test_every_field_at_its_limits(void) {
                  LODE_ERROR_START_RAMP);
     const size_t damping = offsetof(lode_start_config_t, damping);
     const float good[] = {LODE_NONE, 0.0f, 0.7f, 2.0f};
-    const float bad[] = {-1.001f, 2.001f, NAN, INFINITY, -INFINITY};
+    const float bad[] = {-1.001f, -0.999f, -0.5f, -1.0e-6f, 2.001f, NAN, INFINITY, -INFINITY};
     for (int i = 0; i < COUNT_OF(good); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(damping, good[i]));
     }

@@ -231,6 +231,8 @@ static void test_fields(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(rate, 250.0f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_XY_BANDWIDTH, try_one(rate, 251.0f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_XY_BANDWIDTH, try_one(rate, -2.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_XY_BANDWIDTH, try_one(rate, -0.5f));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(rate, 0.0f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_XY_BANDWIDTH, try_one(rate, NAN));
 }
 

@@ -14,6 +14,11 @@ typedef enum { LODE_AUTO = 0, LODE_ON, LODE_OFF } lode_choice_t;
 /// For an optional quantity: none.
 #define LODE_NONE (-1.0f)
 
+/// `value` is LODE_NONE. No other negative value is.
+static inline bool lode_is_none(float value) {
+    return value >= LODE_NONE && value <= LODE_NONE;
+}
+
 /// What follows the speed, which changes slowly, is updated once in so many periods: lag, gains that
 /// depend on the speed, lock quality, slow checks of the guard. Each has a period of its own, so that no call
 /// takes much longer than the others.

@@ -104,7 +104,7 @@ typedef struct {
     lode_dq_t vector;       ///< VOLTAGE: V, CURRENT: A, in a frame at theta_rad
     float theta_rad;        ///< VOLTAGE, CURRENT: angle of that frame when the mode is entered
     float omega_rad_s;      ///< VOLTAGE, CURRENT: electrical speed at which it turns
-    bool clear_fault;       ///< with OFF: leave FAULT
+    bool clear_fault;       ///< with OFF alone: leave FAULT
     lode_control_t control; ///< RUN
     float
         torque_Nm; ///< torque control: positive turns towards positive speeds, whichever way it runs
@@ -145,7 +145,7 @@ typedef struct {
 #ifndef LODE_WITHOUT_COMMISSIONING
         lode_dq_t vector; ///< VOLTAGE, CURRENT
 #endif
-        float torque_Nm; ///< RUN, torque control
+        float torque_Nm; ///< RUN, torque control: in the place of vector.d
     } value;
     uint_least8_t
         mode; ///< lode_mode_t: as an enumeration it has more bits on some targets than `check` tells apart
@@ -324,6 +324,7 @@ typedef struct {
     /// the present start, or the last one, began with a signal check that has gone through; not so where there is none, or where
     /// it was passed over for a rotor that turns
     bool signals_checked;
+    bool shorted;    ///< FAULT: all low sides are on
     lode_abc_t duty; ///< returned by the last call
     lode_dq_t i_A;   ///< in the frame of control: the rotor's in RUN, the vector's in START
     lode_dq_t ref_A; ///< its reference
@@ -357,15 +358,16 @@ void lode_drive_design(lode_drive_config_t *config);
 /// (status.h); `tuning` is then left alone. Not for the interrupt; about 1.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
 
-/// A drive at rest in OFF on a tuning that lode_drive_tune() has made, for this drive or for others too. Error: TUNING,
-/// and the drive is left alone.
+/// A drive at rest in OFF on a tuning that lode_drive_tune() has made, for this drive or for others too. Errors: NULL;
+/// TUNING, and the drive is left alone.
 lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 
 /// lode_drive_tune(), then lode_drive_begin(). On any error both are left alone.
 lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
                               const lode_drive_config_t *config);
 
-/// One PWM period: sense, estimate, act. Any input is allowed: it ends in bounded time, and the duties are in [0, 1].
+/// One PWM period: sense, estimate, act. Of a drive that lode_drive_begin() or lode_drive_init() has begun: until then
+/// do not call it. Any input is allowed: it ends in bounded time, and the duties are in [0, 1].
 /// No allocation. Cycles, stack and RAM of a call: docs/budget.md.
 lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts);
 
@@ -378,11 +380,13 @@ lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_sample_t *sam
 lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
                                 const lode_estimate_t *estimate);
 
-/// Leaves a command for the next period; a later one replaces one not yet taken. Errors, which leave none: NULL;
-/// COMMAND, where a mode or kind of control is unknown or not built in, or a value is not finite; COMMAND_SPEED.
+/// Leaves a command for the next period; a later one replaces one not yet taken, but what that would have cleared is
+/// cleared all the same. Errors, which leave none: NULL, also of a drive that has not begun; COMMAND, where a mode or kind of control
+/// is unknown or not built in, a value is not finite, or `clear_fault` comes with another mode than OFF; COMMAND_SPEED.
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command);
 
-/// Leaves a tuning, checked and derived by lode_drive_tune(), for the next period. All states go on.
+/// Leaves a tuning, checked and derived by lode_drive_tune(), for the next period. All states go on; another EMF observer begins with
+/// the present EMF, and injection that the new one has not ends. Of six phases: lode_drive6_post_tuning() alone.
 /// The old one may be reused once lode_drive_tuning_taken() is true. Goes twice through the tuning, some 150 words.
 /// Errors, which leave none: NULL; TUNING.
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);

@@ -35,8 +35,9 @@ typedef struct {
     uint32_t counts_per_turn;
     uint32_t pole_pairs;
     uint32_t check_periods;
-    float rad_per_count; ///< electrical, negative if reversed
-    float half_rad;      ///< half a count, electrical
+    uint32_t settle_periods; ///< after the gates have come on, in which the EMF is not asked
+    float rad_per_count;     ///< electrical, negative if reversed
+    float half_rad;          ///< half a count, electrical
     float offset_rad;
     float ts_s;
     float delay_s;
@@ -61,8 +62,10 @@ typedef struct {
     float acc_rad_s2;   ///< by torque and friction, electrical
     float load_rad_s2;  ///< by the load, from edge to edge
     uint32_t disagreed; ///< periods running
-    bool tracks;        ///< a count has been seen
-    bool distrusted;    ///< the EMF disagreed for check_s; until the next reset
+    uint32_t
+        unseen; ///< periods that the EMF, of a drive whose gates have come on, is given to be found
+    bool tracks;     ///< a count has been seen
+    bool distrusted; ///< the EMF disagreed for check_s; until the next reset
 } lode_encoder_t;
 
 /// Checks a configuration for the motor and rate of `drive`. On any error `tuning` is left alone.

@@ -116,7 +116,8 @@ typedef enum {
     LODE_ESTIMATE_OWN,      ///< the drive's estimator
     LODE_ESTIMATE_EXTERNAL, ///< from outside: the drive checks it and takes it over
     LODE_ESTIMATE_SENSOR,   ///< the same, good at any speed: no start, no least speed
-    LODE_ESTIMATE_EDGES     ///< the same of a coarse sensor, known at its edges: no bias of id
+    LODE_ESTIMATE_EDGES,    ///< the same of a coarse sensor, known at its edges: no bias of id
+    LODE_ESTIMATE_NONE      ///< of a drive whose gates are off: nothing of it is seen
 } lode_estimate_source_t;
 
 /// All at t_k, the instant of the current sample.

@@ -18,7 +18,8 @@ extern "C" {
 typedef enum {
     LODE_HFI_OFF, ///< nothing is injected
     LODE_HFI_ON,  ///< at low speed; refused where the machine does not allow it
-    LODE_HFI_AUTO ///< on where the machine allows it, else off
+    LODE_HFI_AUTO =
+        3 ///< on where the machine allows it, else off; 2, which LODE_OFF is, is refused
 } lode_hfi_mode_t;
 
 typedef struct {

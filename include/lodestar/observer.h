@@ -83,6 +83,10 @@ void lode_observer_reset(lode_observer_t *self);
 /// Empties the states that forget slowly, as GI's band-pass; the estimate stays.
 void lode_observer_settle(lode_observer_t *self, const lode_observer_tuning_t *tuning);
 
+/// As after a long time in which the estimate, `e_V` now, has turned by `step_rad` per period.
+void lode_observer_begin(lode_observer_t *self, const lode_observer_tuning_t *tuning, lode_ab_t e_V,
+                         float step_rad);
+
 /// Exact phase lag of e against m in steady rotation at `omega_rad_s`, rad, odd. For init and host.
 float lode_observer_lag_rad(const lode_observer_config_t *config, float ts_s, float omega_rad_s);
 

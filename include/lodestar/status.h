@@ -45,12 +45,12 @@ typedef enum {
     LODE_ERROR_PLL_OBSERVER,      ///< sigma above what the EMF observer's w0 allows, C, GI: a fifth
     LODE_ERROR_NOTCH,             ///< width of a notch neither 0 nor 0.01 .. 2, or none built in
     LODE_ERROR_EMF_PLL, ///< k2 below 0.549 sigma (multi: 1.2): FA observer and PLL unstable together
-    LODE_ERROR_W_FILTER,           ///< w_filter_rad_s outside 0 .. 1/Ts
-    LODE_ERROR_PLL_SCHEDULE,       ///< the speeds between which sigma rises are not in order
-    LODE_ERROR_LAG,                ///< the observer's phase cannot be held within 0.01 degree
-    LODE_ERROR_EMIN,               ///< emin_V outside 1e-4 .. 1e3
-    LODE_ERROR_OMEGA_MAX,          ///< omega_max_rad_s outside 1 .. 0.5/Ts
-    LODE_ERROR_CHOICE,             ///< a choice is not LODE_AUTO, LODE_ON or LODE_OFF
+    LODE_ERROR_W_FILTER,     ///< w_filter_rad_s outside 0 .. 1/Ts
+    LODE_ERROR_PLL_SCHEDULE, ///< the speeds between which sigma rises are not in order
+    LODE_ERROR_LAG,          ///< the observer's phase cannot be held within 0.01 degree
+    LODE_ERROR_EMIN,         ///< emin_V outside 1e-4 .. 1e3
+    LODE_ERROR_OMEGA_MAX,    ///< omega_max_rad_s outside 1 .. 0.5/Ts
+    LODE_ERROR_CHOICE, ///< a choice is not LODE_AUTO, LODE_ON or LODE_OFF, or ON is not possible: start.signal_check with so small a pulse
     LODE_ERROR_LOCK_TIME,          ///< lock_s outside 1 period .. 1 s
     LODE_ERROR_CURRENT_BANDWIDTH,  ///< current bandwidth outside 1 .. 0.4/Ts
     LODE_ERROR_CURRENT_GAINS,      ///< current gains not positive, or unstable with the motor's L
@@ -67,8 +67,8 @@ typedef enum {
     LODE_ERROR_LQ_FALL,             ///< Lq_fall outside 0 .. 10/i_max_A
     LODE_ERROR_BUS_FADE, ///< v_bus_V <= v_regen_V < v_bus_max_V or v_bus_min_V < v_motor_V <= v_bus_V
                          ///< does not hold
-    LODE_ERROR_START_CURRENT,     ///< start current outside 0.001 .. 1 times i_max_A
-    LODE_ERROR_START_SPEED,       ///< hand-over speed outside 0 .. omega_max_rad_s
+    LODE_ERROR_START_CURRENT, ///< start current outside 0.001 .. 1 times i_max_A
+    LODE_ERROR_START_SPEED, ///< hand-over speed outside 0 .. omega_max_rad_s, or speed.omega_min_rad_s below half of it
     LODE_ERROR_START_RAMP,        ///< start acceleration or a start time not positive
     LODE_ERROR_START_DAMPING,     ///< damping ratio outside 0 .. 2
     LODE_ERROR_GUARD_CURRENT,     ///< trip current below i_max_A, or beyond the sensor

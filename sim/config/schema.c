@@ -158,7 +158,7 @@ static int index_of(const char *names, const char *name) {
     int index = 0;
     for (const char *at = names; at != NULL; ++index) {
         const size_t span = strcspn(at, "|");
-        if (span == length && strncmp(at, name, length) == 0) {
+        if (length > 0 && span == length && strncmp(at, name, length) == 0) {
             return index;
         }
         at = at[span] == '|' ? at + span + 1 : NULL;
@@ -174,7 +174,9 @@ static void list_names(const char *names, char *text, size_t size) {
         const size_t used = strlen(text);
         const bool last = at[span] == '\0';
         const char *gap = used == 0 ? "" : (last ? " or " : ", ");
-        (void)snprintf(text + used, size - used, "%s%.*s", gap, (int)span, at);
+        if (span > 0) { // else the number has no name
+            (void)snprintf(text + used, size - used, "%s%.*s", gap, (int)span, at);
+        }
         at = last ? NULL : at + span + 1;
     }
 }
