@@ -329,7 +329,7 @@ static float emf_beyond(const lode_adaptation_machine_t *self, const lode_drive_
 }
 
 // Standard deviation of the voltage along the current, V. Below the current at which the dead time has its full
-// effect, nobody knows how much of it there is.
+// effect, how much of it there is cannot be told.
 static float dead_V(const lode_adaptation_machine_t *self, const lode_drive_t *drive,
                     const lode_telemetry_t *now) {
     const lode_dead_time_t *dead = &drive->inverter.dead_time;

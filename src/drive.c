@@ -331,7 +331,7 @@ static lode_range_t allowed_speeds(const lode_drive_t *self) {
     return self->direction < 0.0f ? (lode_range_t){-most, -least} : (lode_range_t){least, most};
 }
 
-// A current on its way through zero leaves all phases where nobody knows what the dead time does: what would be
+// A current on its way through zero leaves all phases where what the dead time does is not known: what would be
 // shorter than the bias that keeps them away from there is left out (S20), unless that moves so much of a salient
 // rotor's flux at once that an error of Lq - Ld takes the EMF along.
 LODE_NOINLINE float lode_drive_faded(const lode_drive_t *self) {

@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-// A phase that stays within so many counts of no current is open rather than its converter stuck.
+// A phase that stays within so many counts of no current is open rather than its ADC channel stuck.
 #define STILL_COUNTS 4
 
 lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H) {

@@ -380,7 +380,7 @@ LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tun
 
 LODE_INLINE void lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     if (!self->estimator.locked && lode_mode_seed(self)) {
-        return; // an angle is acquired, the rest a round later: together 1459 cycles, the dearest call of a start
+        return; // an angle is acquired, the rest a round later: together 1459 cycles, the worst-case call of a start
     }
     lode_drive_adapt_gains(self, tuning);
     lode_mode_count_sensor(self);

@@ -7,7 +7,7 @@
 // Currents that keep still. Of the voltage circle: with less EMF there is voltage left to drive the current that is
 // asked for.
 #define EMF_SHARE 0.8f
-// Converters that are stuck in a start. Of the resistance that is told; of the current; and what each look counts, of enough.
+// ADC channels that are stuck in a start. Of the configured resistance; of the current; and what each look counts, of enough.
 #define HOT_WINDING 2.0f
 #define MISSED 0.05f
 #define WOUND_UP 0.34f
@@ -130,7 +130,7 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
 }
 
 // A current that keeps its counts, though it is not what is asked for, and has more voltage than resistance, dead time and the
-// EMF of a rotor that follows the start's vector take: so it is of converters that are stuck, for which current control asks for
+// EMF of a rotor that follows the start's vector take: so it is of ADC channels that are stuck, for which current control asks for
 // ever more, and in a swing for some looks (S44).
 static bool is_wound_up(const lode_drive_t *self) {
     const lode_start_t *start = &self->state.start;
@@ -453,7 +453,7 @@ static bool may_speed_lag(const lode_drive_t *self) {
     return lode_mode_is_sensored(self) || (qpll && lode_estimator_injects(&self->estimator));
 }
 
-// (P26): dead time and drops that nobody knows of. A start by injection does not measure them (S14), and does not need the
+// (P26): dead time and drops that are not modelled. A start by injection does not measure them (S14), and does not need the
 // EMF for its lock; without injection there is no such speed that they matter at.
 static float unsure_dead_V(const lode_drive_t *self) {
     const lode_inverter_tuning_t *inverter = &self->tuning->inverter;

@@ -374,7 +374,7 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
 }
 
 // SLOT_GAINS. Without lock they stay: a centre far above sigma leaves the loop stable at any speed, and the
-// dearest period of a start takes 110 cycles less.
+// worst-case period of a start takes 110 cycles less.
 LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
                                               const lode_estimator_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_NOTCH

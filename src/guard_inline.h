@@ -33,7 +33,7 @@ LODE_INLINE bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
 
 LODE_INLINE bool lode_guard_motion_ok(const lode_guard_tuning_t *tuning,
                                       const lode_condition_t *condition) {
-    // 7 cycles of the dearest call of c_leso_qpll, 3 of the mean
+    // 7 cycles of the worst-case call of c_leso_qpll, 3 of the mean
     return LODE_USUALLY(condition->lock >= LODE_LOCK_LOST && condition->omega_rad_s >= 0.0f &&
                         condition->omega_rad_s <= tuning->omega_max);
 }

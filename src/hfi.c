@@ -9,7 +9,7 @@
 #define NOISE_rad 0.03f
 // sqrt(6)/2: the second difference of white noise over twice the voltage (H7).
 #define NOISE_GAIN 1.2247f
-// A 12 bit converter and its amplifier: 20 mA of +-25 A.
+// A 12-bit ADC and its amplifier: 20 mA of +-25 A.
 #define NOISE_COUNTS 1.6f
 // Position error by a dead-time voltage that turns with the sign of a current (H9), rad.
 #define DEAD_TIME_rad 0.3f

@@ -317,7 +317,7 @@ void lode_mode_follow(lode_drive_t *self) {
     const lode_slot_t slot = lode_slot_of(self->steps);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     if (starts && (slot == SLOT_GUARD || slot == SLOT_GUARD_2)) {
-        return; // the guard has enough to do: a period later. 17 cycles of a start's dearest call
+        return; // the guard has enough to do: a period later. 17 cycles of a start's worst-case call
     }
 #endif
     if (!lode_mode_is_sound(self) || (!starts && !lode_mode_fits(self))) {

@@ -176,7 +176,7 @@ static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t 
 
 #ifndef LODE_WITHOUT_PRECHARGE
 
-// START after the check of a rotor that is told salient: with the vector ahead of its axis, if that is known (S40).
+// START after the check, with a salient rotor configured: with the vector ahead of its axis, if that is known (S40).
 static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven) {
 #ifdef LODE_WITHOUT_SIGNAL_CHECK
     lode_mode_switch_on(self, driven);

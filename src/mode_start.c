@@ -7,7 +7,7 @@
 
 #define RESISTANCE_MORE_MAX 0.75f // of the configured one
 // Times the most that is corrected, so that it is 2.2 times what was configured, and times the voltage at which the
-// vector counts as calm, so that it stands out of what nobody knows of the voltage. A winding of copper that is
+// vector counts as calm, so that it stands out of the voltage that is not modelled. A winding of copper that is
 // 100 K hotter has 1.4 times its resistance; a current sensor with 0.4 of its gain shows 2.5 times.
 #define WRONG_RESISTANCE 1.6f
 #define WRONG_PER_CALM 10.0f
@@ -32,7 +32,7 @@ static float uncorrected_V(const lode_drive_tuning_t *tuning) {
         return 0.0f;
     }
 #ifdef LODE_WITHOUT_PLAUSIBILITY
-    return FLT_MAX; // nobody knows
+    return FLT_MAX; // not known in this build
 #else
     return FOUR_PER_PI * tuning->plausibility.taken_V;
 #endif

@@ -15,13 +15,13 @@
 // the vector turns; hardly for an eighth of a turn.
 #define STEADY_SHARE 0.5f
 #define EIGHTH_rad 0.7853982f
-// A current that changes by less may, with some luck. Three that are each measured tell it from a converter that
+// A current that changes by less may, with some luck. Three that are each measured tell it from an ADC channel that
 // is stuck: they still add up to none, where the true current of the stuck one has moved by 8 counts. Where one is
 // made of the others it takes a turn that luck does not last for.
 #define BALANCE_COUNTS 4.0f
 #define SIXTH_rad 1.0471976f
 // Dead time may hold a phase near zero for up to a sixth of a turn. The other two then balance, to within their
-// gains; beside a converter that is stuck there they do not. One that is made of them is not known to.
+// gains; beside an ADC channel that is stuck there they do not. One that is made of them is not known to.
 #define QUARTER_rad 1.5707963f
 // What a look adds at most where some of them keep still: at high speed looks lie far apart, and one phase of a
 // current with ripple may happen on the same count at three of them.
@@ -40,7 +40,7 @@
 #define WAVE_STEP_rad 0.3f
 #define WAVE_TURN_rad 6.9115f // a turn and a tenth
 #define WAVES_ALL 0x3fu
-#define SUM_MAX 1.0e9f // 1/256 count: no converter has so many
+#define SUM_MAX 1.0e9f // 1/256 count: no ADC has so many
 
 // (S43), squared: a current within a fifth of what is asked for, for so many rounds; one that has fallen by a quarter, and at the
 // next look is away by 0.15 still. Control is as far with sensors that show half of what they did.
@@ -211,7 +211,7 @@ bool lode_plausibility_none_flows(const lode_plausibility_tuning_t *tuning, floa
     return i_A2 > tuning->i_min_A2 && all_turned(i_A2, turn_rad, A_per_count);
 }
 
-// Of phases that have kept their counts over such a turn, those that nothing but a stuck converter explains.
+// Of phases that have kept their counts over such a turn, those that nothing but a stuck ADC channel explains.
 static uint32_t stuck_phases(const lode_plausibility_t *self,
                              const lode_plausibility_tuning_t *tuning, uint32_t still,
                              lode_hold_t hold, float A_per_count) {
@@ -332,7 +332,7 @@ static void enter_jump(lode_jump_t *self, lode_jump_stage_t stage) {
 bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
                     bool starts) {
     if (self->stage == (uint_least8_t)LODE_JUMP_SECOND && size >= JUMP_BACK * (float)self->size) {
-        enter_jump(self, LODE_JUMP_RESTS); // one bad sample, or a voltage that nobody knows of
+        enter_jump(self, LODE_JUMP_RESTS); // one bad sample, or a voltage that is not modelled
         return true;
     }
     const float factor = factor_of(i_A, expected_A);
@@ -381,7 +381,7 @@ float lode_jump_wait(lode_jump_t *self, float turn_rad, bool gone) {
     }
 }
 
-// The other two currents of an open phase add up to none, to within their gains; beside a converter that is stuck they do
+// The other two currents of an open phase add up to none, to within their gains; beside an ADC channel that is stuck they do
 // not.
 static bool is_open_balanced(const int32_t i[LODE_PHASES], float i_A2, float A_per_count) {
     const float sum_A = (float)sum_of(i) * A_per_count;

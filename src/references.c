@@ -311,7 +311,7 @@ LODE_INLINE float weakened_id(const lode_references_t *self, const lode_referenc
 LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, float omega_rad_s,
                                     float v_bus_V) {
     const float most = tuning->tau_max;
-    // 5 cycles of the dearest call of board_mtpa
+    // 5 cycles of the worst-case call of board_mtpa
     if (LODE_USUALLY(!lode_references_asks(tuning, LODE_REFERENCES_FADE))) {
         return (lode_range_t){-most, most};
     }

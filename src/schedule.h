@@ -1,6 +1,6 @@
 // What follows the speed slowly: one job per period, each once in LODE_SLOW_PERIODS, in the order in which
 // the results are used. The drive's step and the estimator on its own (replay) go by the same slots. The
-// dearest period is what the interrupt's time must allow for: no slot has two dear jobs, and those of the
+// worst-case period is what the interrupt's time must allow for: no slot has two expensive jobs, and those of the
 // guard, which now and then has to look more closely, hardly anything else.
 #ifndef LODE_SCHEDULE_H
 #define LODE_SCHEDULE_H

@@ -146,7 +146,7 @@ LODE_NOINLINE void lode_sense_again(const lode_sense_t *self, const lode_counts_
     sample->trip = counts->trip;
 }
 
-// What the converter delivered.
+// What the ADC delivered.
 static int32_t count_of(const lode_sense_t *self, const lode_sample_t *sample, int32_t phase) {
     return (sample->i[phase] + self->offset[phase]) / LODE_COUNT_FRACTION;
 }

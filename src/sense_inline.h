@@ -1,4 +1,4 @@
-// From converter counts to a sample.
+// From ADC counts to a sample.
 #ifndef LODE_SENSE_INLINE_H
 #define LODE_SENSE_INLINE_H
 
@@ -31,7 +31,7 @@ LODE_INLINE uint_least8_t lode_sense_omit_later(uint_least8_t omitted, uint_leas
     return (uint_least8_t)((omitted & OMITTED_MASK) | (uint32_t)phase << OMITTED_BITS);
 }
 
-// A current in use sits at the end of the converter's range.
+// A current in use sits at an end of the ADC's range.
 bool lode_sense_is_railed(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
                           const lode_sample_t *sample);
 

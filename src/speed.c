@@ -26,7 +26,7 @@ typedef struct {
 // 1/bandwidth by itself.
 #define RATED_LOAD (2.0f / 3.0f)
 #define DIP 0.735759f
-// What nobody knows of Lq, the PLL's crossover, and the gain that is left to the loop of the two (K16); but a rated
+// The uncertainty of Lq, the PLL's crossover, and the gain that is left to the loop of the two (K16); but a rated
 // load takes two thirds of the least speed at most for it.
 #define L_UNSURE 0.2f
 #define CROSSOVER_PER_SIGMA 3.05f

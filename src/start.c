@@ -6,7 +6,7 @@
 #define CURRENT_SHARE 0.7f  // of i_max
 #define SALIENT_SHARE 0.5f  // of the current at which a salient rotor is no longer pulled
 #define HANDOVER_SHARE 0.1f // of rated speed
-// The EMF at hand-over over the voltage that nobody knows: of a microsecond of dead time, which comes to
+// The EMF at hand-over over the voltage that is not modelled: of a microsecond of dead time, which comes to
 // (4/pi) v_bus f_pwm times that along the current, and of 30 % of the resistance.
 #define EMF_PER_UNKNOWN 2.0f
 #define DEAD_TIME_UNKNOWN_s 1.0e-6f
@@ -17,7 +17,7 @@
 // Square of the hand-over speed over the largest acceleration and the share of the flux that is lost.
 #define LIGHT_ROTOR 4.5f
 // Lq - Ld over Lq, at least: where an error of 20 % in Lq is 0.55 of Lq - Ld, it counts as much as in a rotor of that
-// saliency, however little of it is told.
+// saliency, however little is configured.
 #define LIGHT_UNSURE 0.36f
 #define HANDOVER_SHARE_MAX                                                                         \
     0.5f // of rated or base speed: beyond, too little of the speed range is left
@@ -71,7 +71,7 @@
 #define LOST_LAST 1.01f
 #define WEIGHT_LAST 2u
 // Of the EMF of a rotor that follows: one that is as slow as (S8) allows has 0.75 of it, with magnets and current sensors that are
-// a tenth off each 0.6. The current takes up to SLIP_LOST of what it is told to take of the flux, with both inductances 20 %
+// a tenth off each 0.6. The current takes up to SLIP_LOST of what the configured inductances say of the flux, with both inductances 20 %
 // off; where less than SLIP_FLUX is left a rotor that follows is not known from one that does not (S42).
 #define SLIP_SHARE 0.6f
 #define SLIP_LOST 1.4f
@@ -173,7 +173,7 @@ static float drop_V(const lode_motor_t *motor, const lode_inverter_config_t *inv
     return (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
 }
 
-// What nobody knows of the voltage along the start current.
+// Voltage along the start current that no model has.
 static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                        float current_A, float ts_s) {
     const float carrier_Hz = lode_inverter_carrier_Hz(inverter, 1.0f / ts_s);
@@ -205,7 +205,7 @@ static float omega_of_light_rotor(const lode_motor_t *motor, const lode_inverter
     return lode_sqrt(LIGHT_ROTOR * lost * acc_rad_s2);
 }
 
-// Electrical speed from which the EMF stands out of what nobody knows (S12).
+// Electrical speed from which the EMF stands out of the voltage that is not modelled (S12).
 static float omega_of_emf(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                           float current_A, float ts_s) {
     return EMF_PER_UNKNOWN * unknown_V(motor, inverter, current_A, ts_s) /
@@ -274,7 +274,7 @@ static float default_lock_s(const lode_start_config_t *config, const lode_motor_
 
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, float ts_s) {
-    // Whoever gives the current means it in every attempt.
+    // A current that is configured applies to every attempt.
     const float own_A = default_current_A(motor, inverter->i_max_A);
     const float last_A =
         lode_clamp(CURRENT_LAST * own_A, CURRENT_SHARE * inverter->i_max_A, inverter->i_max_A);
@@ -475,7 +475,7 @@ static float current_now_A(const lode_start_t *self, const lode_start_tuning_t *
     return most_A - lode_start_waited(self, tuning) * (most_A - left_A);
 }
 
-// Radians of the rotor's swing, of the inertia that is told, in so many rounds. The weight of the swing's filter is nearly its
+// Radians of the rotor's swing, with the configured inertia, in so many rounds. The weight of the swing's filter is nearly its
 // corner times a period.
 static float swung_rad(const lode_start_tuning_t *tuning, float rounds) {
     return rounds * (float)LODE_SLOW_PERIODS / SWING_CORNER * tuning->swing_weight;

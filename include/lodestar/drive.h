@@ -76,7 +76,7 @@ typedef enum {
     LODE_MODE_VOLTAGE,   ///< voltage vector at a given angle
     LODE_MODE_CURRENT,   ///< current vector at a given angle
     LODE_MODE_START,     ///< I-f: current vector turned by the start-up, or by the stop
-    LODE_MODE_RUN,       ///< speed control without a sensor
+    LODE_MODE_RUN,       ///< speed or torque control, without a sensor or with one
     LODE_MODE_FAULT,     ///< gates off, or active short, until the fault is cleared
     /// before a mode with all gates on: the low sides alone, to find a rotor that is already turning and to charge
     /// bootstrap capacitors; then pulses of all gates, with pauses, to check bridge and sensors
@@ -89,7 +89,7 @@ const char *lode_mode_name(lode_mode_t mode);
 /// What RUN controls.
 typedef enum {
     LODE_CONTROL_SPEED, ///< the speed, along its ramp
-    /// the torque, in Nm at the shaft; whatever it is, the speed stays between the least one that can be held
+    /// the torque, in Nm, of the air gap: friction is not added. Whatever it is, the speed stays between the least one that can be held
     /// without a sensor and the commanded one
     LODE_CONTROL_TORQUE
 } lode_control_t;

@@ -13,19 +13,19 @@ typedef enum {
     LODE_CHECK_NONE = 0,
     LODE_CHECK_HARDWARE_TRIP,    ///< the power stage reported a trip (1, limit 0)
     LODE_CHECK_OVER_CURRENT,     ///< a phase current, A, of either sign
-    LODE_CHECK_CURRENT_RAIL,     ///< a current sample at the end of the converter's range, A
+    LODE_CHECK_CURRENT_RAIL,     ///< a current sample at an end of the ADC's range, A
     LODE_CHECK_OVER_VOLTAGE,     ///< bus, V
     LODE_CHECK_UNDER_VOLTAGE,    ///< bus, V
     LODE_CHECK_OVER_TEMPERATURE, ///< power stage, degC
     LODE_CHECK_TIMING,           ///< stamp between two calls, counts
     LODE_CHECK_NON_FINITE, ///< a duty outside [0, 1], or an external estimate that is not finite
     LODE_CHECK_OVER_SPEED, ///< electrical, rad/s
-    LODE_CHECK_LOST_LOCK,  ///< lock quality while running without a sensor
+    LODE_CHECK_LOST_LOCK,  ///< lock quality in RUN; with a sensor: the EMF contradicts it
     LODE_CHECK_WRONG_WAY,  ///< electrical speed against the commanded direction, rad/s
     LODE_CHECK_START,  ///< no hand-over before the time-out: what the criterion (start.h) measures
     LODE_CHECK_OFFSET, ///< deviation of a calibrated current offset, counts
     LODE_CHECK_OPEN_PHASE, ///< 1 .. 3: phase of set 1, 4 .. 6: of set 2, 7, 8: a whole set
-    LODE_CHECK_CURRENT_STUCK, ///< 1 .. 3, 4 .. 6: phase of set 1, 2 whose converter is stuck; 0: all three
+    LODE_CHECK_CURRENT_STUCK, ///< 1 .. 3, 4 .. 6: phase of set 1, 2 whose ADC channel is stuck; 0: all three
     LODE_CHECK_CURRENT_SUM,       ///< sum of the three phase currents, A
     LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: a sensor that is open or shorted
     LODE_CHECK_MEMORY, ///< what changed by itself: 1 the mode, 2 the command, 3 the tuning

@@ -53,7 +53,7 @@ typedef struct {
     const lode_inverter_config_t *inverter;
     float ts_s;
     float circle_V;    ///< radius of current control's voltage circle
-    float count_A;     ///< one count of the current's converter
+    float count_A;     ///< one count of the current's ADC
     float sigma_rad_s; ///< of the PLL at rated speed
     float omega_max_rad_s;
     float Lq_fall;    ///< of the references

@@ -29,8 +29,7 @@ typedef struct {
     lode_choice_t dead_time_model;
     /// low sides alone, a fifth of each period, before all gates go on: charges bootstrap capacitors; 0: none
     float precharge_s;
-    /// two calls in a carrier period, each with half a pulse: the edges, and so the loss, of one period in two of
-    /// them. Needs currents that are sensed at the upper turning point, too; auto: off
+    /// two calls in a carrier period, each of which sees half of its edges, and so half of the loss by dead time. Needs currents that are sensed at the upper turning point, too; auto: off
     lode_choice_t double_update;
 } lode_inverter_config_t;
 

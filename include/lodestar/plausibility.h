@@ -1,7 +1,9 @@
-/// Checks the current sensors: a converter that keeps its count although the current vector turns, and three
-/// currents whose sum is not zero.
+/// Checks currents, switches and load by what belongs together, docs/theory/control.md: an ADC channel that keeps its count
+/// although the current vector turns, three currents whose sum is not zero, a current vector that is frozen (K36) or changes at
+/// once by a factor (K38), a phase without a half-wave (K24), a load beyond all the torque (K19), another flux than the magnets'
+/// (P26).
 ///
-/// Checked every LODE_GUARD_PERIODS while the gates are on. Neither check needs the motor's parameters.
+/// While the gates are on, counts and sums every LODE_GUARD_PERIODS, the rest once in LODE_SLOW_PERIODS or as it comes.
 #ifndef LODESTAR_PLAUSIBILITY_H
 #define LODESTAR_PLAUSIBILITY_H
 

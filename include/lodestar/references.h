@@ -1,5 +1,5 @@
-/// From torque to current references: id* = 0 or most torque per ampere (MTPA), field weakening up to
-/// most torque per volt (MTPV), and limits that follow the bus. docs/theory/references.md.
+/// From torque to current references: id* = 0 or maximum torque per ampere (MTPA), field weakening up to
+/// maximum torque per volt (MTPV), and limits that follow the bus. docs/theory/references.md.
 #ifndef LODESTAR_REFERENCES_H
 #define LODESTAR_REFERENCES_H
 
@@ -46,7 +46,7 @@ typedef struct {
 enum {
     LODE_REFERENCES_LEAST_CURRENT = 1, ///< MTPA
     LODE_REFERENCES_WEAKEN = 2,
-    LODE_REFERENCES_REACH_MTPV = 4, ///< the speed of most torque per volt can be reached
+    LODE_REFERENCES_REACH_MTPV = 4, ///< the speed of maximum torque per volt can be reached
     LODE_REFERENCES_FADE = 8,       ///< braking or motoring torque follows the bus
     LODE_REFERENCES_SATURATE = 16,  ///< Lq falls
 };

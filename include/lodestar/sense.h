@@ -1,4 +1,4 @@
-/// From converter counts to amperes, volts and degrees, with the calibration of the current offsets.
+/// From ADC counts to amperes, volts and degrees, with the calibration of the current offsets.
 #ifndef LODESTAR_SENSE_H
 #define LODESTAR_SENSE_H
 
@@ -17,14 +17,14 @@ typedef enum {
     LODE_SHUNTS_TWO    ///< phases a and b; c follows from the isolated star point
 } lode_shunts_t;
 
-/// What a board's converters deliver. Gains may be negative where an amplifier inverts.
+/// What a board's ADC delivers. Gains may be negative where an amplifier inverts.
 typedef struct {
     lode_shunts_t shunts;
     float i_gain_A_count; ///< current into the motor, A per count; low-side shunts: negative
     float i_offset_count; ///< nominal count at zero current, 0 .. count_max
     /// largest plausible deviation of a calibrated offset; 0: 5 % of full scale
     float i_offset_tol_count;
-    float count_max;                   ///< highest count of the converters; 0: 4095
+    float count_max;                   ///< highest count of the ADC; 0: 4095
     float v_bus_gain_V_count;          ///< bus voltage per count, from count 0
     float temperature_gain_degC_count; ///< 0: no sensor
     float temperature_offset_degC;     ///< temperature at count 0

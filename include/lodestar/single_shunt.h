@@ -7,7 +7,7 @@
 ///     out = lode_drive_step(&drive, &counts);
 ///     plan = lode_single_shunt_write(&shunt, &tuning, out.duty, out.gates);
 ///     plan.rise and plan.fall into the compare registers of the two halves of the next period,
-///     plan.sample into the converter's triggers
+///     plan.sample into the ADC's triggers
 ///
 /// The two samples lie in the second half of the period, as close to t_k as its edges allow: while two legs
 /// are high the link carries minus the current of the third, while one is high that leg's. Needs
@@ -65,7 +65,7 @@ float lode_single_shunt_voltage_use(const lode_single_shunt_tuning_t *tuning);
 /// Gates off, no current.
 void lode_single_shunt_reset(lode_single_shunt_t *self);
 
-/// The counts at t_k from the samples of the period that ends there. `offset`: of the link's converter, 1/256
+/// The counts at t_k from the samples of the period that ends there. `offset`: of the link's ADC channel, 1/256
 /// count, as calibrated; `v_bus_V`: at t_k-1. Where that period was blind the last counts stay. Interrupt.
 void lode_single_shunt_read(lode_single_shunt_t *self, const lode_single_shunt_tuning_t *tuning,
                             const uint16_t link[2], int32_t offset, float v_bus_V,

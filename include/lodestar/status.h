@@ -32,7 +32,7 @@ typedef enum {
     LODE_ERROR_SENSE_CURRENT,     ///< current gain zero or not finite, or its range below i_max_A
     LODE_ERROR_SENSE_BUS,         ///< bus gain not positive, or its range below v_bus_V
     LODE_ERROR_SENSE_TEMPERATURE, ///< temperature gain or offset not finite
-    LODE_ERROR_SENSE_OFFSET,      ///< offsets or their tolerance outside the converter's range
+    LODE_ERROR_SENSE_OFFSET,      ///< offsets or their tolerance outside the ADC's range
     LODE_ERROR_SENSE_WINDOW,      ///< duty_max outside 0.5 .. 1, or a window that is not built in
     LODE_ERROR_DOUBLE_UPDATE,     ///< double_update with low-side shunts, duty_max below 1
     LODE_ERROR_SENSE_CALIBRATION, ///< calibrate_s outside 1 period .. 10 s
