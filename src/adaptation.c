@@ -67,10 +67,6 @@
 #define BANDWIDTH_RUN_UP_MAX 13.0f
 #define RAMP_TORQUE_SHARE 0.5f
 
-static bool is_choice(lode_choice_t choice) {
-    return choice == LODE_AUTO || choice == LODE_ON || choice == LODE_OFF;
-}
-
 static float square(float x) {
     return x * x;
 }
@@ -160,7 +156,7 @@ lode_status_t lode_adaptation_machine_init(lode_adaptation_machine_t *self,
     if (!(motor->Rs_Ohm > 0.0f)) {
         return LODE_ERROR_MOTOR_RS;
     }
-    if (!is_choice(config->J) || !is_choice(config->psi) || !is_choice(config->Rs)) {
+    if (!lode_is_choice(config->J) || !lode_is_choice(config->psi) || !lode_is_choice(config->Rs)) {
         return LODE_ERROR_CHOICE;
     }
     *self = (lode_adaptation_machine_t){
@@ -321,7 +317,7 @@ static float emf_beyond(const lode_adaptation_machine_t *self, const lode_drive_
                         const lode_telemetry_t *now, float ampere_share) {
     const lode_estimator_tuning_t *tuning = &self->base->estimator;
     const float omega = lode_abs(now->omega_rad_s);
-    const float taken = 1.0f + omega * omega * tuning->droop_s2; // as lode_estimator_note_lock()
+    const float taken = lode_estimator_droop(tuning, omega);
     const float expected_V = omega * (tuning->psi_Wb + tuning->salient_H * now->i_A.d);
     const float rated_V = self->motor.omega_rated_rad_s * self->motor.psi_Wb;
     const float reckoned = self->Rs_used + measured_share(self, drive);

@@ -34,7 +34,7 @@ void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *
 }
 
 static lode_status_t check(const lode_estimator_config_t *config, float ts_s) {
-    if (config->active_flux != LODE_ON && config->active_flux != LODE_OFF) {
+    if (!lode_is_on_or_off(config->active_flux)) {
         return LODE_ERROR_CHOICE;
     }
     if (!lode_in_range(config->emin_V, 1.0e-4f, 1.0e3f)) {
@@ -217,7 +217,7 @@ void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning
                              lode_sincos_t rotor, float omega_rad_s) {
     lode_estimator_reset(self, tuning);
     lode_estimator_hold(self, tuning, rotor, omega_rad_s);
-    const float taken = 1.0f + omega_rad_s * omega_rad_s * tuning->droop_s2;
+    const float taken = lode_estimator_droop(tuning, omega_rad_s);
     const float seen_V = omega_rad_s * tuning->psi_Wb / taken;
     const lode_sincos_t frame = self->pll.frame;
     const lode_ab_t e_V = {-seen_V * frame.sin, seen_V * frame.cos};
@@ -240,8 +240,7 @@ static void change_observer(lode_estimator_t *self, const lode_estimator_tuning_
     const lode_dq_t e_V = lode_park(self->emf.observer.e_V, self->pll.frame);
     renew_lag(self, now, omega);
     self->pll.frame = lode_angle_subtract(rotor, lode_lag_near(&self->lag, omega));
-    const float size =
-        (1.0f + omega * omega * before->droop_s2) / (1.0f + omega * omega * now->droop_s2);
+    const float size = lode_estimator_droop(before, omega) / lode_estimator_droop(now, omega);
     const lode_dq_t seen_V = {size * e_V.d, size * e_V.q};
     lode_observer_begin(&self->emf.observer, &now->emf.observer,
                         lode_park_inverse(seen_V, self->pll.frame), now->pll.ts_s * omega);
@@ -291,7 +290,7 @@ lode_flux_t lode_estimator_flux(const lode_estimator_t *self,
     const lode_ab_t e_V = self->emf.observer.e_V;
     const float length_V = lode_ab_length(e_V);
     const float omega = lode_abs(self->pll.omega_rad_s);
-    const float taken = 1.0f + omega * omega * tuning->droop_s2; // as lode_estimator_note_lock()
+    const float taken = lode_estimator_droop(tuning, omega);
     return (lode_flux_t){.expected_Wb = tuning->psi_Wb + tuning->salient_H * self->id_A,
                          .seen_Wb = length_V * taken / lode_max(omega, FLT_MIN),
                          .aligned = lode_abs(lode_park(e_V, self->pll.frame).q) >=
@@ -301,7 +300,7 @@ lode_flux_t lode_estimator_flux(const lode_estimator_t *self,
 LODE_NOINLINE lode_ab_t lode_estimator_beyond_V(const lode_estimator_t *self,
                                                 const lode_estimator_tuning_t *tuning) {
     const float omega = self->pll.omega_rad_s;
-    const float taken = 1.0f + omega * omega * tuning->droop_s2; // as above
+    const float taken = lode_estimator_droop(tuning, omega);
     const float flux_Wb = tuning->psi_Wb + tuning->salient_H * self->id_A;
     const float expected_V = omega * flux_Wb / taken;
     const lode_ab_t e_V = self->emf.observer.e_V;

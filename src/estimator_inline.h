@@ -77,6 +77,11 @@ lode_ab_t lode_estimator_beyond_V(const lode_estimator_t *self,
                                   const lode_estimator_tuning_t *tuning);
 #endif
 
+// How many times larger the EMF is than the observer's estimate of it, in steady rotation.
+LODE_INLINE float lode_estimator_droop(const lode_estimator_tuning_t *tuning, float omega_rad_s) {
+    return 1.0f + omega_rad_s * omega_rad_s * tuning->droop_s2;
+}
+
 LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
                                                 const lode_estimator_tuning_t *tuning) {
     return tuning->load_per_f_Nm * self->pll.f_rad_s2;
@@ -338,7 +343,7 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     const float omega = self->pll.omega_rad_s;
     const lode_sincos_t frame = lode_angle_normalise(self->pll.frame);
     // The observer takes its part of the amplitude; C-LESO 1 + (w/w0)^2.
-    const float taken = 1.0f + omega * omega * tuning->droop_s2;
+    const float taken = lode_estimator_droop(tuning, omega);
     const float inv_e0 = 1.0f / (lode_max(lode_ab_length(e_V), tuning->emin_V) * taken);
     const float size = inv_e0 * taken;
     const float per_V = omega < 0.0f ? size : -size;

@@ -43,7 +43,7 @@ static float window(float duty_max) {
 lode_status_t lode_fly_tune(lode_fly_tuning_t *tuning, const lode_start_config_t *config,
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor,
                             float omega_max_rad_s, float duty_max, float ts_s) {
-    if (config->pulses != LODE_AUTO && config->pulses != LODE_ON && config->pulses != LODE_OFF) {
+    if (!lode_is_choice(config->pulses)) {
         return LODE_ERROR_CHOICE;
     }
     // (S22): what the largest EMF drives through the smaller inductance.

@@ -190,7 +190,7 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
     if (config->learn != LODE_OFF && (config->learn != LODE_ON || !on)) {
         return LODE_ERROR_HFI_LEARN;
     }
-    if (config->silent != LODE_OFF && config->silent != LODE_ON) {
+    if (!lode_is_on_or_off(config->silent)) {
         return LODE_ERROR_CHOICE;
     }
     *tuning = lode_hfi_none();

@@ -31,10 +31,6 @@ void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *mo
     }
 }
 
-static bool is_decided(lode_choice_t choice) {
-    return choice == LODE_ON || choice == LODE_OFF;
-}
-
 lode_status_t lode_inverter_check_given(const lode_inverter_config_t *config) {
     if (!lode_in_range(config->v_bus_V, 1.0f, 2000.0f)) {
         return LODE_ERROR_V_BUS;
@@ -70,8 +66,8 @@ static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
         return LODE_ERROR_PRECHARGE;
     }
 #endif
-    if (!is_decided(config->dead_time_correction) || !is_decided(config->dead_time_model) ||
-        (!is_decided(config->double_update) && config->double_update != LODE_AUTO)) {
+    if (!lode_is_on_or_off(config->dead_time_correction) || !lode_is_on_or_off(config->dead_time_model) ||
+        (!lode_is_on_or_off(config->double_update) && config->double_update != LODE_AUTO)) {
         return LODE_ERROR_CHOICE;
     }
     return LODE_OK;

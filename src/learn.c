@@ -32,7 +32,7 @@ lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_co
     if (tuning == NULL || config == NULL) {
         return LODE_ERROR_NULL;
     }
-    if (psi != LODE_AUTO && psi != LODE_ON && psi != LODE_OFF) {
+    if (!lode_is_choice(psi)) {
         return LODE_ERROR_CHOICE;
     }
     lode_drive_tuning_t drive;

@@ -76,7 +76,7 @@
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
                                      const lode_sense_tuning_t *sense) {
-    if (config->plausibility != LODE_ON && config->plausibility != LODE_OFF) {
+    if (!lode_is_on_or_off(config->plausibility)) {
         return LODE_ERROR_CHOICE;
     }
 #ifdef LODE_WITHOUT_PLAUSIBILITY

@@ -90,7 +90,7 @@ static lode_status_t check(const lode_references_config_t *config,
         return LODE_ERROR_ID_BIAS;
     }
     if ((config->kind != LODE_REFERENCES_ID0 && config->kind != LODE_REFERENCES_MTPA) ||
-        (config->field_weakening != LODE_ON && config->field_weakening != LODE_OFF)) {
+        !lode_is_on_or_off(config->field_weakening)) {
         return LODE_ERROR_REFERENCES;
     }
     if (!is_weakening_sound(config, inverter->i_max_A)) {

@@ -73,7 +73,7 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
                                      const lode_motor_t *motor, const lode_sense_config_t *sense,
                                      lode_signal_check_given_t given) {
     const lode_choice_t choice = config->signal_check;
-    if (choice != LODE_AUTO && choice != LODE_ON && choice != LODE_OFF) {
+    if (!lode_is_choice(choice)) {
         return LODE_ERROR_CHOICE;
     }
     const float ts_s = given.ts_s;

@@ -192,7 +192,7 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
           lode_in_range(config->inertia_feed_forward, 0.0f, 1.0f))) {
         return LODE_ERROR_SPEED_FEED_FORWARD;
     }
-    if (config->every_period != LODE_ON && config->every_period != LODE_OFF) {
+    if (!lode_is_on_or_off(config->every_period)) {
         return LODE_ERROR_CHOICE;
     }
     *tuning = (lode_speed_tuning_t){

@@ -53,8 +53,7 @@ lode_status_t lode_supervisor_init(lode_supervisor_t *self, const lode_superviso
     const float wait_s = lode_given_or(config->wait_s, WAIT_s);
     const float good_s = lode_given_or(config->good_s, GOOD_s);
     if (!are_reactions(config) || !lode_in_range(wait_s, TIME_MIN_s, WAIT_MAX_s) ||
-        !lode_in_range(good_s, TIME_MIN_s, GOOD_MAX_s) ||
-        (choice != LODE_AUTO && choice != LODE_ON && choice != LODE_OFF)) {
+        !lode_in_range(good_s, TIME_MIN_s, GOOD_MAX_s) || !lode_is_choice(choice)) {
         return LODE_ERROR_SUPERVISOR;
     }
     const bool can = IS_SHORT_BUILT_IN && motor->psi_Wb <= motor->Ld_H * motor->i_max_A;

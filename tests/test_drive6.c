@@ -1117,6 +1117,21 @@ static void test_a_new_tuning_is_taken_while_it_turns(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_post_tuning(NULL, &other_tuning));
 }
 
+static void test_another_observer_goes_on_with_the_rotor(void) {
+    lode_drive6_config_t config = rig6_config();
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    config.drive.estimator.emf.kind = LODE_EMF_FA_LESO; // which has no lag
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_tune(&other_tuning, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_post_tuning(&rig.drive, &other_tuning));
+    double worst = 0.0;
+    for (int n = 0; n < 500; n++) {
+        rig6_step(&rig);
+        worst = fmax(worst, fabs(rig.angle_error));
+    }
+    CHECK_AT_MOST(1.5 * CHECK_DEG, worst);
+    CHECK_CLOSE(0.01, RPM(600.0) * RIG6_NP, rig.omega);
+}
+
 #define PLACE_FLOAT(type, member) offsetof(lode_drive6_tuning_t, member),
 #define PLACE_INTEGER(type, member)
 #define PLACE_WHOLE(type, member)
@@ -1441,6 +1456,7 @@ int main(void) {
     RUN_TEST(test_bad_configurations_are_refused_by_name);
     RUN_TEST(test_two_shunts_in_a_window_leave_the_voltage_that_they_see);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
+    RUN_TEST(test_another_observer_goes_on_with_the_rotor);
     RUN_TEST(test_a_tuning_with_a_float_that_is_no_number_is_refused);
     RUN_TEST(test_a_speed_that_cannot_be_had_is_refused);
     RUN_TEST(test_a_tuning_that_changes_by_itself_trips);

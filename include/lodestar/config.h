@@ -11,6 +11,16 @@ extern "C" {
 /// A three-state choice.
 typedef enum { LODE_AUTO = 0, LODE_ON, LODE_OFF } lode_choice_t;
 
+/// One of the three.
+static inline bool lode_is_choice(lode_choice_t choice) {
+    return choice == LODE_AUTO || choice == LODE_ON || choice == LODE_OFF;
+}
+
+/// One of the two that an AUTO has become.
+static inline bool lode_is_on_or_off(lode_choice_t choice) {
+    return choice == LODE_ON || choice == LODE_OFF;
+}
+
 /// For an optional quantity: none.
 #define LODE_NONE (-1.0f)
 

@@ -12,7 +12,7 @@ LAYERS = [
     ["chopper", "motor", "pi", "ramp", "sogi", "observer", "vsd"],
     ["sense", "inverter", "modulator", "modulator6", "xy",
      "open_phase", "emf", "pll", "lag", "notch", "hfi"],
-    ["estimator", "current", "speed", "references", "start", "fly", "guard", "plausibility", "signal_check"],
+    ["estimator", "current", "speed", "references", "start", "start_design", "start_parts", "fly", "guard", "plausibility", "signal_check"],
     ["drive", "drive_config", "drive_watch", "mode", "mode_parts", "mode_idle", "mode_start",
      "mode_inject", "tuning_check"],
     ["adaptation", "adaptation_machine", "commission", "commission_machine", "commission_parts", "commission_sensors",

@@ -1,0 +1,348 @@
+// What follows from the configuration of a start: defaults, checks, tuning.
+#include "start_parts.h"
+
+#include "inverter_inline.h"
+#include "lodestar/current.h"
+
+#define CURRENT_SHARE 0.7f  // of i_max
+#define SALIENT_SHARE 0.5f  // of the current at which a salient rotor is no longer pulled
+#define HANDOVER_SHARE 0.1f // of rated speed
+// The EMF at hand-over over the voltage that is not modelled: of a microsecond of dead time, which comes to
+// (4/pi) v_bus f_pwm times that along the current, and of 30 % of the resistance.
+#define EMF_PER_UNKNOWN 2.0f
+#define DEAD_TIME_UNKNOWN_s 1.0e-6f
+#define RESISTANCE_UNKNOWN 0.3f
+// The EMF at hand-over over the drop across the resistance, at least: errors of 2 % of a phase current's gain swing
+// the drop, once measured, by as much twice per turn.
+#define EMF_PER_DROP 0.25f
+// Square of the hand-over speed over the largest acceleration and the share of the flux that is lost.
+#define LIGHT_ROTOR 4.5f
+// Lq - Ld over Lq, at least: where an error of 20 % in Lq is 0.55 of Lq - Ld, it counts as much as in a rotor of that
+// saliency, however little is configured.
+#define LIGHT_UNSURE 0.36f
+#define HANDOVER_SHARE_MAX                                                                         \
+    0.5f // of rated or base speed: beyond, too little of the speed range is left
+// Of the hand-over speed, to which noise of the currents may raise it: a rotor that slips at twice that looks to (S43)
+// like sensors that fail.
+#define NOISE_MOST 2.5f
+#define RAMP_TORQUE_SHARE 0.1f // ten times the inertia takes it all
+// Share of the ramp that the vector has: this, times its speed and a 64th of the hand-over speed, over the hand-over
+// speed (S35). By default a sixteenth at rest; of a ramp that is given all of it.
+#define STEEPENS 4.0f
+#define GENTLE_SHARE 0.46f // (ln 16 - 15/16)/4: what the default adds to a ramp, at most
+#define RISE_TIME_s 0.2f
+// Past a rotor whose axis no pulse shows the vector sweeps while the current rises. It takes so much of the rotor's swing, up to
+// this time: one with ten times its inertia then swings less about the vector (S29).
+#define RISE_rad 35.0f
+#define RISE_TIME_MAX_s 0.4f
+#define DAMPING 0.5f
+#define LOCK_TIME_s 0.1f
+#define CATCH_TIME_s 0.05f // the estimator needs 20 to 30 ms from a reset to a sure lock
+#define FADE_TIME_s 0.1f
+#define SALIENT_TIME_SHARE 0.5f // of lock and fade, where reluctance bounds the start current
+#define LOST_UNSURE 1.2f // flux that the current may take of a rotor whose Lq - Ld is 20 % off
+#define LOCK_TURNS 2.0f  // electrical
+#define PATIENCE_s 0.4f
+#define TIMEOUT_MAX_s 1000.0f
+#define ROUNDS_MAX 2.0e9f // inside an int32
+#define COUNTER_MAX 65535.0f
+// Of the vector while the current rises (S29): all of it, or from half of the current on, where it is measured there.
+#define SWEEP_rad (LODE_TWO_PI * 240.0f / 360.0f)
+#define SWEEP_SECOND_rad (LODE_TWO_PI * 60.0f / 360.0f)
+#define MEAN_CORNER 0.3f // of the mean EMF, over the swing's natural frequency
+// Gain that is left to the loop of the shift: a moving vector moves d current, and so active flux, in a salient
+// rotor, which shows as EMF as the swing does (S15).
+#define SHIFT_LOOP 1.0f
+// Gain of the shift by the rotor's angle, which a loaded rotor's EMF shows too, at speed more than its swing (S16).
+#define SHIFT_STIFFENS 2.0f
+// Measuring resistance and dead time: of a rotor that does not come to rest in 0.15 s the mean of its swing.
+#define DWELL_TIME_s 0.15f
+#define MEASUREMENTS 2.0f // with half the current and with all of it
+#define CALM_SHARE 0.1f   // of the voltage that is not known
+#ifdef LODE_WITHOUT_START_MEASUREMENT
+#define MEASURES LODE_OFF
+#else
+#define MEASURES LODE_ON
+#endif
+
+// Torque per electrical radian between rotor and vector, Nm/rad.
+static float stiffness(float current_A, const lode_motor_t *motor) {
+    return current_A * lode_motor_kt_Nm_A(motor);
+}
+
+// Reluctance pulls a rotor with Lq > Ld across the vector, in the end more than the magnets along it.
+static float default_current_A(const lode_motor_t *motor, float i_max_A) {
+    const float lost_A = motor->psi_Wb / lode_max(motor->Lq_H - motor->Ld_H, FLT_MIN);
+    return lode_min(CURRENT_SHARE * i_max_A, SALIENT_SHARE * lost_A);
+}
+
+// Rotor and vector make a spring of stiffness K, natural frequency wn = sqrt(np K/J), rad/s.
+static float swing_rad_s(float current_A, const lode_motor_t *motor) {
+    return lode_sqrt(motor->pole_pairs * stiffness(current_A, motor) /
+                     lode_max(motor->J_kgm2, FLT_MIN));
+}
+
+static float default_rise_s(const lode_motor_t *motor, float current_A) {
+    const float swing = lode_max(swing_rad_s(current_A, motor), FLT_MIN);
+    const float most = motor->Lq_H > motor->Ld_H ? RISE_TIME_s : RISE_TIME_MAX_s;
+    return lode_clamp(RISE_rad / swing, RISE_TIME_s, most);
+}
+
+static float ramp_s(const lode_start_config_t *config) {
+    return config->omega_handover_rad_s / lode_max(config->ramp_rad_s2, FLT_MIN);
+}
+
+// Electrical.
+static float default_ramp_rad_s2(const lode_motor_t *motor, float current_A) {
+    const float torque = RAMP_TORQUE_SHARE * stiffness(current_A, motor);
+    return torque / lode_max(motor->J_kgm2, FLT_MIN) * motor->pole_pairs;
+}
+
+// A ramp that is given is meant from its beginning.
+static bool begins_gently(const lode_start_config_t *config, const lode_motor_t *motor) {
+    const float own = default_ramp_rad_s2(motor, config->current_A);
+    return lode_in_range(config->ramp_rad_s2, own, own);
+}
+
+// What that adds to a ramp, at most.
+static float gentle_s(const lode_start_config_t *config, const lode_motor_t *motor) {
+    return begins_gently(config, motor) ? GENTLE_SHARE * ramp_s(config) : 0.0f;
+}
+
+static float dwell_s(const lode_start_config_t *config) {
+    return config->measure == LODE_ON ? MEASUREMENTS * DWELL_TIME_s : 0.0f;
+}
+
+static float sweep_rad_s(const lode_start_config_t *config) {
+    const float rad = config->measure == LODE_ON ? SWEEP_SECOND_rad / LEVEL_SHARE : SWEEP_rad;
+    return rad / config->current_rise_s;
+}
+
+// What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
+static float attempt_s(const lode_start_config_t *config, const lode_motor_t *motor, float ease) {
+    const float ramps_s = ramp_s(config) / ease + gentle_s(config, motor);
+    const float profile_s = config->current_rise_s + dwell_s(config) + ramps_s + config->lock_s;
+    return profile_s + lode_max(profile_s, PATIENCE_s);
+}
+
+static float drop_V(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                    float current_A) {
+    return (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
+}
+
+// Voltage along the start current that no model has.
+static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                       float current_A, float ts_s) {
+    const float carrier_Hz = lode_inverter_carrier_Hz(inverter, 1.0f / ts_s);
+    const float dead_time_V = FOUR_PER_PI * inverter->v_bus_V * DEAD_TIME_UNKNOWN_s * carrier_Hz;
+    return dead_time_V + RESISTANCE_UNKNOWN * drop_V(motor, inverter, current_A);
+}
+
+// Electrical speed at which the largest current, in a warm winding, and the EMF use up the bus.
+static float base_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
+    const float u_V = LODE_VOLTAGE_USE * inverter->v_bus_V / LODE_SQRT3;
+    const float warm_V = (1.0f + RESISTANCE_UNKNOWN) * drop_V(motor, inverter, inverter->i_max_A);
+    const float psi_q = motor->Lq_H * inverter->i_max_A;
+    const float flux2 = motor->psi_Wb * motor->psi_Wb + psi_q * psi_q;
+    const float half = warm_V * motor->psi_Wb;
+    const float left_V2 = lode_max(u_V * u_V - warm_V * warm_V, 0.0f);
+    return (lode_sqrt(half * half + flux2 * left_V2) - half) / lode_max(flux2, FLT_MIN);
+}
+
+// A load step must not stop the rotor before the PLL has seen it. An error of Lq - Ld turns the angle the more
+// the lower the speed, and holds the PLL's bandwidth to some omega psi/((Lq - Ld) I): so the speed of hand-over
+// must be high where the rotor is light (S18).
+static float omega_of_light_rotor(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                                  float current_A) {
+    const float unsure_H =
+        lode_max(lode_abs(motor->Lq_H - motor->Ld_H), LIGHT_UNSURE * motor->Lq_H);
+    const float lost = unsure_H * current_A / lode_max(motor->psi_Wb, FLT_MIN);
+    const float acc_rad_s2 =
+        motor->omega_rated_rad_s / lode_max(lode_motor_run_up_s(motor, inverter->i_max_A), FLT_MIN);
+    return lode_sqrt(LIGHT_ROTOR * lost * acc_rad_s2);
+}
+
+// Electrical speed from which the EMF stands out of the voltage that is not modelled (S12).
+static float omega_of_emf(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                          float current_A, float ts_s) {
+    return EMF_PER_UNKNOWN * unknown_V(motor, inverter, current_A, ts_s) /
+           lode_max(motor->psi_Wb, FLT_MIN);
+}
+
+// Electrical speed from which the EMF stands out of what the current sensors' errors leave of the drop.
+static float seen_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                        float current_A) {
+    return EMF_PER_DROP * drop_V(motor, inverter, current_A) / lode_max(motor->psi_Wb, FLT_MIN);
+}
+
+// The highest speed of a hand-over.
+static float most_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
+    return HANDOVER_SHARE_MAX * lode_min(motor->omega_rated_rad_s, base_omega(motor, inverter));
+}
+
+static float within_speeds(float omega_rad_s, const lode_motor_t *motor,
+                           const lode_inverter_config_t *inverter, float current_A) {
+    const float least =
+        lode_max(HANDOVER_SHARE * motor->omega_rated_rad_s, seen_omega(motor, inverter, current_A));
+    return lode_clamp(omega_rad_s, least, lode_max(most_omega(motor, inverter), least));
+}
+
+bool lode_start_has_emf(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
+                        const lode_motor_t *motor) {
+    return seen_omega(motor, inverter, config->current_A) <= most_omega(motor, inverter);
+}
+
+static float default_handover(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                              float current_A, float ts_s) {
+    const float by_emf = omega_of_emf(motor, inverter, current_A, ts_s);
+    const float by_rotor = omega_of_light_rotor(motor, inverter, current_A);
+    return within_speeds(lode_max(by_emf, by_rotor), motor, inverter, current_A);
+}
+
+// A speed that is given is meant.
+static bool is_own_handover(const lode_start_config_t *config,
+                            const lode_inverter_config_t *inverter, const lode_motor_t *motor,
+                            float ts_s) {
+    const float own = default_handover(motor, inverter, config->current_A, ts_s);
+    return lode_in_range(config->omega_handover_rad_s, own, own);
+}
+
+// The angle can be seen from this speed on: a vector on its way to a speed that only load steps ask for need
+// not arrive.
+static float omega_ready(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
+                         const lode_motor_t *motor, float ts_s) {
+    const float by_emf = within_speeds(omega_of_emf(motor, inverter, config->current_A, ts_s),
+                                       motor, inverter, config->current_A);
+    return is_own_handover(config, inverter, motor, ts_s) ? by_emf : config->omega_handover_rad_s;
+}
+
+// A rotor with too little flux left for (S8) is handed over while its vector gives way, and where the load swings within
+// every turn of the shaft, in a part of the turn.
+static float default_lock_s(const lode_start_config_t *config, const lode_motor_t *motor,
+                            float time_share) {
+    const float lost = (motor->Lq_H - motor->Ld_H) * config->current_A;
+    const bool waits = LOST_UNSURE * lost > LODE_START_LOST_MAX * motor->psi_Wb;
+    const float turns_s =
+        LOCK_TURNS * LODE_TWO_PI / lode_max(config->omega_handover_rad_s, FLT_MIN);
+    const float by_turns =
+        lode_clamp(turns_s, SALIENT_TIME_SHARE * LOCK_TIME_s, time_share * LOCK_TIME_s);
+    return waits ? by_turns : time_share * LOCK_TIME_s;
+}
+
+void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
+                       const lode_motor_t *motor, float ts_s) {
+    // A current that is configured applies to every attempt.
+    const float own_A = default_current_A(motor, inverter->i_max_A);
+    const float last_A =
+        lode_clamp(CURRENT_LAST * own_A, CURRENT_SHARE * inverter->i_max_A, inverter->i_max_A);
+    config->current_last_A =
+        lode_given_or(config->current_last_A, lode_given_or(config->current_A, last_A));
+    config->current_A = lode_given_or(config->current_A, own_A);
+    config->omega_handover_rad_s = lode_given_or(
+        config->omega_handover_rad_s, default_handover(motor, inverter, config->current_A, ts_s));
+    const float time_share = own_A < CURRENT_SHARE * inverter->i_max_A ? SALIENT_TIME_SHARE : 1.0f;
+    config->ramp_rad_s2 =
+        lode_given_or(config->ramp_rad_s2, default_ramp_rad_s2(motor, config->current_A));
+    config->current_rise_s =
+        lode_given_or(config->current_rise_s, default_rise_s(motor, config->current_A));
+    config->damping = lode_given_or(config->damping, DAMPING);
+    config->lock_s = lode_given_or(config->lock_s, default_lock_s(config, motor, time_share));
+    config->catch_s = lode_given_or(config->catch_s, CATCH_TIME_s);
+    config->fade_s = lode_given_or(config->fade_s, time_share * FADE_TIME_s);
+    if (config->measure == LODE_AUTO) {
+        config->measure = MEASURES;
+    }
+    const float attempts_s = attempt_s(config, motor, 1.0f) +
+                             attempt_s(config, motor, LODE_START_EASE) +
+                             attempt_s(config, motor, LODE_START_EASE_LAST);
+    config->timeout_s =
+        lode_given_or(config->timeout_s, lode_min(attempts_s + config->align_s, TIMEOUT_MAX_s));
+}
+
+static lode_status_t check(const lode_start_config_t *config,
+                           const lode_inverter_config_t *inverter, float omega_max_rad_s,
+                           float ts_s) {
+    if (!lode_in_range(config->current_A, 1.0e-3f * inverter->i_max_A, inverter->i_max_A) ||
+        !lode_in_range(config->current_last_A, config->current_A, inverter->i_max_A)) {
+        return LODE_ERROR_START_CURRENT;
+    }
+    if (!lode_in_range(config->omega_handover_rad_s, 1.0e-3f * omega_max_rad_s, omega_max_rad_s)) {
+        return LODE_ERROR_START_SPEED;
+    }
+    const float longest_s = lode_min(10.0f, COUNTER_MAX * (float)LODE_SLOW_PERIODS * ts_s);
+    if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f) ||
+        !lode_in_range(config->current_rise_s, ts_s, 100.0f) ||
+        !(lode_is_none(config->catch_s) || lode_in_range(config->catch_s, 0.0f, longest_s)) ||
+        !lode_in_range(config->align_s, 0.0f, longest_s) ||
+        !lode_in_range(config->lock_s, ts_s, longest_s) ||
+        !lode_in_range(config->fade_s, ts_s, 10.0f) ||
+        !lode_in_range(config->timeout_s, config->lock_s, TIMEOUT_MAX_s)) {
+        return LODE_ERROR_START_RAMP;
+    }
+    if (config->measure != MEASURES && config->measure != LODE_OFF) {
+        return LODE_ERROR_CHOICE;
+    }
+    if (!(lode_is_none(config->damping) || lode_in_range(config->damping, 0.0f, 2.0f))) {
+        return LODE_ERROR_START_DAMPING;
+    }
+    return LODE_OK;
+}
+
+// To the nearest; 0 only for no time at all.
+static uint32_t rounds_in(float time_s, float ts_s) {
+    const float rounds = time_s / ((float)LODE_SLOW_PERIODS * ts_s);
+    const float least = time_s > 0.0f ? 1.0f : 0.0f;
+    return (uint32_t)(int32_t)lode_clamp(rounds + 0.5f, least, ROUNDS_MAX);
+}
+
+lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_config_t *config,
+                              const lode_inverter_config_t *inverter, const lode_motor_t *motor,
+                              float omega_max_rad_s, float ts_s) {
+    const lode_status_t status = check(config, inverter, omega_max_rad_s, ts_s);
+    if (status != LODE_OK) {
+        return status;
+    }
+    // A vector that gives way by 2 zeta/wn per rad/s of the rotor's swing damps it with the ratio zeta: torque K times
+    // that angle. The swing shows as EMF across the vector, psi volts per rad/s, at standstill too.
+    const float swing = swing_rad_s(config->current_A, motor);
+    const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
+    *tuning = (lode_start_tuning_t){
+        .current_A = config->current_A,
+        .current_step = config->current_A * ts_s / config->current_rise_s,
+        .omega_handover = config->omega_handover_rad_s,
+        .omega_ready = omega_ready(config, inverter, motor, ts_s),
+        .sweep_step_rad = sweep_rad_s(config) * ts_s,
+        .omega_step = config->ramp_rad_s2 * ts_s,
+        .steepens =
+            (begins_gently(config, motor) ? STEEPENS : STEEP) / config->omega_handover_rad_s,
+        .damping = 2.0f * lode_max(config->damping, 0.0f) / (swing * motor->psi_Wb),
+        .damping_A = SHIFT_LOOP / (SWING_CORNER * swing *
+                                   lode_max(lode_abs(motor->Lq_H - motor->Ld_H), FLT_MIN)),
+        .damping_rad_s = SHIFT_STIFFENS / motor->psi_Wb,
+        .lost_per_A = lode_abs(motor->Lq_H - motor->Ld_H) / motor->psi_Wb,
+        .mean_weight = lode_one_minus_exp(MEAN_CORNER * swing * ts_s),
+        .swing_weight = lode_one_minus_exp(SWING_CORNER * swing * ts_s),
+        .fade_step = ts_s / config->fade_s,
+        .catch_rounds = (uint_least16_t)rounds_in(lode_max(config->catch_s, 0.0f), ts_s),
+        .lock_rounds = (uint_least16_t)rounds_in(config->lock_s, ts_s),
+        .current_last_A = config->current_last_A,
+        .still_rounds =
+            (config->current_rise_s + dwell_s(config) + gentle_s(config, motor) + config->lock_s) /
+            round_s,
+        .align_rounds = lode_min(config->align_s / round_s, COUNTER_MAX),
+        .timeout_rounds = rounds_in(config->timeout_s, ts_s),
+        .patience_rounds = (uint_least16_t)rounds_in(PATIENCE_s, ts_s),
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+        .omega_most = is_own_handover(config, inverter, motor, ts_s)
+                          ? lode_clamp(most_omega(motor, inverter), config->omega_handover_rad_s,
+                                       NOISE_MOST * config->omega_handover_rad_s)
+                          : config->omega_handover_rad_s,
+#endif
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+        .dwell_rounds =
+            config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
+        .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
+#endif
+    };
+    return LODE_OK;
+}
