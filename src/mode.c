@@ -211,14 +211,11 @@ void lode_mode_retune(lode_drive_t *self, const lode_estimator_tuning_t *before)
 #endif
 }
 
-// Once: another fault that comes while the command lasts stays.
+// Once: another fault that comes while the command lasts stays, as it is not OFF.
 static bool clear_at_once(lode_drive_t *self) {
     if (self->command.mode == (uint_least8_t)LODE_MODE_OFF || !lode_mode_clears(&self->command)) {
         return false;
     }
-    self->command.flags =
-        (uint_least8_t)((uint32_t)self->command.flags & ~(uint32_t)LODE_ORDER_CLEAR_FAULT);
-    self->command.check = lode_mode_order_check(&self->command);
     if (lode_mode(self) == LODE_MODE_FAULT) {
         lode_guard_reset(&self->guard);
         lode_mode_switch_off(self);

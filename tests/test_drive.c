@@ -448,6 +448,14 @@ static void test_another_observer_goes_on_with_the_rotor(void) {
             config.estimator.emf.kind = (lode_emf_kind_t)to;
             TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
             TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+            rig_step(&rig);
+            const lode_estimator_t *estimator = &rig.drive.estimator;
+            const double e_V = (double)lode_ab_length(estimator->emf.observer.e_V);
+            const double w = (double)estimator->pll.omega_rad_s;
+            const double flux = 0.142 + (3.5e-3 - 9.8e-3) * (double)estimator->id_A;
+            const double droop = 1.0 + w * w * (double)other_tuning.estimator.droop_s2;
+            CHECK_CLOSE(0.02, w * flux / droop, e_V);
+            CHECK_CLOSE(0.02, 1.0, -(double)estimator->per_V * e_V);
             double worst = 0.0;
             for (int n = 0; n < 1000; n++) {
                 rig_step(&rig);
@@ -472,13 +480,45 @@ static void test_a_ramp_without_jerk_leaves_none(void) {
     run_up(&rig, 30.0, 8.0);
     rig_command(&rig, run_at(110.0));
     rig_run(&rig, 1.5);
+    // The same one again leaves the slope.
+    rig_t same = rig;
+    lode_drive_tuning_t again = shaped;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&same.drive, &again));
+    const lode_speed_t *speed = &same.drive.state.run.speed;
+    const lode_speed_t before = *speed;
+    rig_step(&same);
+    CHECK_AT_LEAST(1.0e-3, (double)speed->step_rad_s);
+    CHECK_NEAR(2.0 * (double)shaped.speed.jerk_step, (double)before.step_rad_s, speed->step_rad_s);
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    rig.drive.state.run.speed.left_rad_s = 0.25f;
+    rig_step(&rig);
+    CHECK_NEAR(0.0, 0.0, rig.drive.state.run.speed.step_rad_s);
+    CHECK_NEAR(0.0, 0.0, rig.drive.state.run.speed.left_rad_s);
     rig_run(&rig, 3.0);
     check_running(&rig, 110.0);
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &shaped));
     for (int n = 0; n < 10000; n++) {
         rig_step(&rig);
         CHECK_NEAR(1.0e-3, 110.0, rig_telemetry(&rig).speed_ref_rad_s);
+    }
+}
+
+/// A start has its own states, which a new tuning leaves.
+static void test_a_tuning_leaves_a_start_as_it_is(void) {
+    rig_t one = fresh();
+    rig_command(&one, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&one, LODE_MODE_START, 1.0));
+    for (int n = 0; n < 3000 && one.drive.mode == (uint_least8_t)LODE_MODE_START; n++) {
+        rig_step(&one);
+        if (n % 100 == 0) {
+            rig_t two = one;
+            rig_t three = one;
+            other_tuning = tuning;
+            TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&two.drive, &other_tuning));
+            rig_step(&two);
+            rig_step(&three);
+            TEST_ASSERT_EQUAL_MEMORY(&three.drive.state, &two.drive.state, sizeof two.drive.state);
+        }
     }
 }
 
@@ -1013,6 +1053,7 @@ int main(void) {
     RUN_TEST(test_a_new_tuning_is_taken_at_a_period);
     RUN_TEST(test_another_observer_goes_on_with_the_rotor);
     RUN_TEST(test_a_ramp_without_jerk_leaves_none);
+    RUN_TEST(test_a_tuning_leaves_a_start_as_it_is);
     RUN_TEST(test_injection_that_a_tuning_has_not_ends);
     RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);
     RUN_TEST(test_a_tuning_with_windows_leaves_out_what_is_not_sampled);

@@ -397,6 +397,7 @@ static void test_a_fault_is_cleared_by_a_command_that_is_replaced(void) {
         }
         rig_command(&rig, run_at(50.0));
         rig_step(&rig);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
         rig_run(&rig, 0.3);
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
         TEST_ASSERT_TRUE(rig.out.gates);
