@@ -1,6 +1,7 @@
 // What the steps for three and for six phases share: estimation, current control, the slow jobs and the
 // last check. Sensing and modulation are the windings' own (drive.c, drive6.c).
 #ifndef LODE_DRIVE_INLINE_H
+#define MEMORY_ESTIMATOR 4.0f // LODE_CHECK_MEMORY: its state is not that of a motor
 #define LODE_DRIVE_INLINE_H
 
 #include "current_inline.h"
@@ -366,7 +367,14 @@ LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_
         lode_mode_distrust(self);
         return false;
     }
-    return lode_mode(self) != LODE_MODE_RUN || lode_drive_watch_half_waves(self);
+    if (lode_mode(self) != LODE_MODE_RUN) {
+        return true;
+    }
+    if (!lode_estimator_has_rotor(&self->estimator)) {
+        lode_mode_fault(self, LODE_CHECK_MEMORY, MEMORY_ESTIMATOR, 0.0f);
+        return false;
+    }
+    return lode_drive_watch_half_waves(self);
 }
 
 LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {

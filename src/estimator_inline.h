@@ -97,6 +97,12 @@ LODE_INLINE bool lode_estimator_injects(const lode_estimator_t *self) {
 #endif
 }
 
+// It has an angle, or had one until the lock went. It begins anew without one where its state is not that of a motor, which in RUN
+// nothing but memory that has changed makes of finite counts.
+LODE_INLINE bool lode_estimator_has_rotor(const lode_estimator_t *self) {
+    return self->found > 0u || lode_estimator_injects(self);
+}
+
 // Sine and cosine of the rotor's angle at t_k.
 LODE_SHARED lode_sincos_t lode_estimator_rotor(const lode_estimator_t *self) {
     return lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));

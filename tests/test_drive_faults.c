@@ -102,6 +102,22 @@ static void test_after_a_mailbox_that_lies_the_drive_can_be_started_again(void) 
     run_up(&rig, 80.0, 8.0);
 }
 
+/// No counts make an EMF or a speed of no motor.
+static void test_an_estimator_that_changes_by_itself_trips(void) {
+    const float values[] = {1.8e20f, -1.8e20f, NAN, INFINITY};
+    for (int n = 0; n < 2 * COUNT_OF(values); n++) {
+        rig_t rig = running(80.0, 8.0);
+        lode_estimator_t *estimator = &rig.drive.estimator;
+        float *word = n % 2 == 0 ? &estimator->emf.observer.e_V.alpha : &estimator->pll.omega_rad_s;
+        *word = values[n / 2];
+        rig_run(&rig, ((double)LODE_SLOW_PERIODS + 1.0) * RIG_TS_s);
+        const lode_fault_t fault = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_MEMORY", lode_check_name(fault.check));
+        CHECK_NEAR(0.0, 4.0, fault.measured);
+        CHECK_NEAR(0.0, 0.0, fault.limit);
+    }
+}
+
 /// A post that the flags hide from a steady drive is found within a round.
 static void test_a_post_that_is_not_told_is_found(void) {
     rig_t rig = steady();
@@ -650,6 +666,7 @@ int main(void) {
     RUN_TEST(test_mail_is_read_once);
     RUN_TEST(test_the_current_of_a_trip_is_told);
     RUN_TEST(test_after_a_mailbox_that_lies_the_drive_can_be_started_again);
+    RUN_TEST(test_an_estimator_that_changes_by_itself_trips);
     RUN_TEST(test_a_post_that_is_not_told_is_found);
     RUN_TEST(test_the_guard_counts_anew_from_the_low_sides_on);
     RUN_TEST(test_over_current_of_either_sign_in_the_same_call);
