@@ -108,8 +108,8 @@ def six_correction(tool, share, seeds=5):
     runs = [tool.scenario("dtp_correction", f"scenario.seed={seed}", f"drive.dead_time_s={2e-6 * share:g}",
                           f"drive.v_drop_V={share:g}") for seed in range(1, seeds + 1)]
     ended = [{p["name"]: p for p in run["phases"]} for run in runs]
-    held = [p["300_load"] for p in ended if p.get("300_load", {}).get("mode") == "RUN"]
-    return {"starts": seeds, "started": sum("300_load" in p for p in ended), "held": len(held),
+    held = [p["least_load"] for p in ended if p.get("least_load", {}).get("mode") == "RUN"]
+    return {"starts": seeds, "started": sum("least_load" in p for p in ended), "held": len(held),
             "max": max((p["angle_error_max_deg"] for p in held), default=None)}
 
 
@@ -259,7 +259,8 @@ def table_rows(f):
          "`sim/run run dtp_open_phase`, `dtp_open_phase_300` with `--set phase.broken.open_phase=a1` .. `c2`, "
          "[picture](docs/images/dtp_open_phase.svg)"),
         ("six phases, dead time and drops corrected by " + ", ".join(f"{100 * float(k):.0f}" for k in f["six_correction"]) +
-         " % of the right figure: 5 starts each, then 5 Nm at once at 300 rpm",
+         " % of the right figure: 5 starts each, then 5 Nm at once at the least speed, "
+         "401 rpm",
          corrections(list(f["six_correction"].values())),
          "`sim/run run dtp_correction --set drive.dead_time_s=2.4e-6 --set drive.v_drop_V=1.2`"),
         (f"{f['starts']['cases']} starts: random angle, load 0 .. 2 Nm, $R$ ±20 %, $L_q$ ±15 %, noise, "
