@@ -79,6 +79,15 @@ STATE, STATE_AND_TUNING = 370 + 2 * 60, 960 + 2 * 60
 BOUND = [("steps", name) for name in STEPS6] + [("steps6", name) for name in STEPS6]
 # Mean cycles of whole steps of other projects, by the same method.
 PEERS = {"MESC": 1057, "ODrive 0.5": 1287, "TI eSMO": 1407, "VESC": 2458}
+# What an application places in RAM: type, and what else there is to say.
+OBJECTS = [("lode_drive_t", ""), ("lode_drive_tuning_t", ", may lie in flash"),
+           ("lode_drive_config_t", ", only for init"), ("lode_drive6_t", ""), ("lode_drive6_tuning_t", ""),
+           ("lode_drive6_config_t", ", only for init"), ("lode_telemetry_t", ", a row of the fault log"),
+           ("lode_adaptation_t", ", with two tunings"), ("lode_adaptation6_t", ", with two tunings"),
+           ("lode_commission_t", ", only while it runs"), ("lode_commission6_t", ", only while it runs"),
+           ("lode_learn_t", ""), ("lode_fault_log_t", ", besides its rows"),
+           ("lode_ring_t", ", besides its buffer"), ("lode_scope_t", ", besides its buffer")]
+OBJECT_BUILDS = {"one observer": build.ONE_OBSERVER, "all observers": ()}
 LEVELS = ["-Os", "-O2", "-O3"]
 COMPARED = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced"]
 OTHER_CORES = ["m7", "m33", "m3", "m0", "r5f"]
@@ -119,7 +128,16 @@ def measure_m4f(tables):
     figures["firmware"] = {
         "m4f -O2": sizes.firmware_sizes(build.firmware()),
         "m4f -O2, six phases": sizes.firmware_sizes(build.firmware(phases=6), "lode_drive6_step")}
+    figures["objects"] = measure_objects()
     return figures
+
+
+def measure_objects():
+    types, found = [name for name, _ in OBJECTS], {}
+    for kind, options in OBJECT_BUILDS.items():
+        bytes_of = sizes.object_sizes(build.objects(types, options))
+        found[kind] = {name: bytes_of[name] for name in types}
+    return found
 
 
 def measure_others(figures, tables):
@@ -220,12 +238,9 @@ def firmware_table(figures):
 
 
 def object_table(figures):
-    three_phases, six = (figures["firmware"][name] for name in ("m4f -O2", "m4f -O2, six phases"))
-    kinds = {"drive": "_t`", "tuning": "_tuning_t`, may lie in flash",
-             "config": "_config_t`, only for init"}
-    rows = [[f"`lode_drive{kind}; `lode_drive6{kind.split(',')[0]}", three_phases[what], six[what]]
-            for what, kind in kinds.items()]
-    return table(["object, bytes", "three phases", "six"], rows)
+    rows = [[f"`{name}`{note}", *(figures["objects"][kind][name] for kind in OBJECT_BUILDS)]
+            for name, note in OBJECTS]
+    return table(["object, bytes", *OBJECT_BUILDS], rows)
 
 
 def fit_table(figures):
@@ -362,7 +377,7 @@ def check(figures):
     found = []
     if page_with(documented) != PAGE.read_text():
         found.append("the tables of docs/budget.md are not those of docs/budget.json")
-    gated = {name: documented.get(name, {}) for name in ("steps", "steps6", "blocks")}
+    gated = {name: documented.get(name, {}) for name in ("steps", "steps6", "blocks", "objects")}
     firmware = documented.get("firmware", {})
     gated["firmware"] = {name: firmware.get(name, {}) for name in figures["firmware"]}
     found.extend(differences(figures, gated))

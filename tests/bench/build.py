@@ -102,6 +102,16 @@ def firmware(core="m4f", level="-O2", options=ONE_OBSERVER, phases=3):
                 "-Wl,-u,firmware,-u,firmware_interrupt,--emit-relocs")
 
 
+def objects(types, options=(), core="m4f"):
+    """An object file with an array `size_TYPE` of as many bytes as each type takes."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    source, out = OUT / "objects.c", OUT / "objects.o"
+    arrays = "".join(f"char size_{name}[sizeof({name})];\n" for name in types)
+    source.write_text(f'#include "lodestar/lodestar.h"\n{arrays}')
+    run(GCC, *CORES[core], "-O2", *COMMON, *includes(), *options, "-c", source, "-o", out)
+    return out
+
+
 if __name__ == "__main__":
     if len(sys.argv) > 3 or "-h" in sys.argv or not re.match("|".join(CORES), (sys.argv + ["m4f"])[1]):
         raise SystemExit(__doc__)

@@ -67,3 +67,11 @@ def firmware_sizes(path, step="lode_drive_step"):
     for what in ("drive", "tuning", "config"):
         sizes[what] = image.objects.get(f"{OWN}_{what}", 0)  # 0: not needed
     return sizes
+
+
+def object_sizes(path):
+    """Bytes of each type, from the object file of build.objects()."""
+    with open(path, "rb") as file:
+        symbols = ELFFile(file).get_section_by_name(".symtab").iter_symbols()
+        return {symbol.name.removeprefix("size_"): symbol["st_size"] for symbol in symbols
+                if symbol.name.startswith("size_")}

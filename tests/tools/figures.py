@@ -1,12 +1,13 @@
 """usage: figures.py write TOOL | render | check
 
-The figures of README.md between the marks <!-- figures --> and <!-- /figures -->.
+The figures of README.md between the marks <!-- figures --> and <!-- /figures -->, and the bytes of a type
+in docs/ between <!-- size TYPE, BUILD --> and <!-- /size -->, with a type and a build of docs/budget.json.
 write: runs the commands of the table with the host tool TOOL, notes what they gave in docs/figures.json
 and writes the lines anew from that and from docs/budget.json, and docs/papers.md from the same runs. Takes
 some minutes. How many times real time the tool runs depends on what else the machine does: run it where
 nothing else does.
-render: the lines anew from the two files as they are; nothing is run.
-check: the lines in README.md are those that the two files give; nothing is run.
+render: the lines and sizes anew from the two files as they are; nothing is run.
+check: the lines and sizes are those that the two files give; nothing is run.
 """
 import json
 import math
@@ -24,6 +25,7 @@ FIGURES = ROOT / "docs/figures.json"
 BUDGET = ROOT / "docs/budget.json"
 PAGE = ROOT / "README.md"
 BEGIN, END = "<!-- figures -->", "<!-- /figures -->"
+SIZE = re.compile(r"(<!-- size (\w+), ([\w ]+) -->)(\d+)(?=<!-- /size -->)")
 
 # Names as the table spells them; the built-in kinds of estimator that are not the default have a column.
 EMF = {"c-leso": "C-LESO", "gi-leso": "GI-LESO", "fa-leso": "FA-LESO", "fa-multi": "FA multi",
@@ -33,6 +35,7 @@ SCENARIOS = ["main", "steady_switched", "dynamics", "reversal", "steady_correcti
              "steady_ideal", "drone", "servo", "traction", "field_weakening", "mtpv", "dtp",
              "dtp_open_phase", "dtp_open_phase_300", "dtp_correction", "start"]
 SHARES = (0.7, 0.8, 1.0, 1.1, 1.2)  # of the right correction of dead time and drops
+REMEDY = "`python3 tests/tools/figures.py render` writes it"
 PAPERS = ("jiang2022", "li-fa-leso")
 SPEED_RUNS = 3  # the best of so many: what disturbs only slows down
 
@@ -278,23 +281,28 @@ def cost(budget):
     words = [steps["c_leso_qpll"][what]["avg"] for what in ("instructions", "cycles")]
     notch = [steps["enhanced"][what]["avg"] for what in ("instructions", "cycles")]
     six_cycles = [six[name]["cycles"]["avg"] for name in ("c_leso_qpll", "enhanced")]
-    three, dual = budget["firmware"]["m4f -O2"], budget["firmware"]["m4f -O2, six phases"]
+    ram, least_ram = budget["objects"]["all observers"], budget["objects"]["one observer"]
     at_170 = 100 * 20e3 / 170e6  # a share of a period of 20 kHz at 170 MHz, per cycle
     entry = 24  # of the interrupt, and its exit: as in tests/bench/budget.py
     costliest = max(steps[name]["cycles"]["max"] for name in ("board_enhanced", "rise", "start", "saturated", "fault"))
     flash = [budget["firmware"][f"m4f {name}"]["text"] / 1e3 for name in ("-O2", "-O2, tuning in flash", "-Os, least")]
+    more_flash = budget["firmware"]["m4f -O2, all observers"]["text"] / 1e3 - flash[0]
     return (f"**Does it fit?** At 20 kHz a Cortex-M4F of 170 MHz is busy with the drive for "
             f"{at_170 * (steps['board_enhanced']['cycles']['avg'] + entry):.0f} % of the time; its costliest call takes "
-            f"{at_170 * (costliest + entry):.0f} % of a period. Flash: {flash[0]:.0f} kB with design and checks, "
-            f"{flash[1]:.0f} kB on a tuning made on the PC, {flash[2]:.0f} kB at the least. Other cores and rates: "
+            f"{at_170 * (costliest + entry):.0f} % of a period. Flash, with one EMF observer: {flash[0]:.0f} kB with "
+            f"design and checks, {flash[1]:.0f} kB on a tuning made on the PC, {flash[2]:.0f} kB at the least; all "
+            f"observers take {more_flash:.0f} kB more. Other cores and rates: "
             f"[docs/budget.md](docs/budget.md#does-it-fit). All of it is modelled, nothing measured on a chip.\n\n"
             f"The whole step costs a Cortex-M4F some {words[0]:.0f} (C-LESO, QPLL) to {notch[0]:.0f} "
             f"instructions (with the notch), {words[1]:.0f} to {notch[1]:.0f} cycles by the timing tables; "
             f"with six phases {six_cycles[0]:.0f} to {six_cycles[1]:.0f} cycles. RAM: "
-            f"{three['drive']} bytes of state and {three['tuning']} of tuning, "
-            f"{three['drive'] + three['tuning']} in all as in the example above; with six phases "
-            f"{dual['drive']} and {dual['tuning']}. The tuning may lie in flash instead "
-            "(`sim/run design --c`). [docs/budget.md](docs/budget.md), `tests/run bench`.")
+            f"{ram['lode_drive_t']} bytes of state and {ram['lode_drive_tuning_t']} of tuning, "
+            f"{ram['lode_drive_t'] + ram['lode_drive_tuning_t']} in all as in the example above, built with all EMF "
+            f"observers; with six phases {ram['lode_drive6_t']} and {ram['lode_drive6_tuning_t']}. With one observer "
+            f"alone: {least_ram['lode_drive_t']} and {least_ram['lode_drive_tuning_t']}, six phases "
+            f"{least_ram['lode_drive6_t']} and {least_ram['lode_drive6_tuning_t']}. The tuning for three phases may "
+            "lie in flash instead (`sim/run design --c`). [docs/budget.md](docs/budget.md#flash-and-ram), "
+            "`tests/run bench`.")
 
 
 def pace(f):
@@ -312,6 +320,23 @@ def lines(figures, budget):
     return f"{BEGIN}\n{text}\n\n{cost(budget)}\n\n{pace(figures)}\n{END}"
 
 
+def sized(text, budget):
+    """The text with the bytes of every size in it that docs/budget.json has."""
+    return SIZE.sub(lambda m: f"{m[1]}{budget['objects'][m[3]][m[2]]}", text)
+
+
+def pages_with_sizes():
+    return [page for page in sorted((ROOT / "docs").rglob("*.md")) if SIZE.search(page.read_text())]
+
+
+def wrong_sizes(budget):
+    for page in pages_with_sizes():
+        text = page.read_text()
+        for number, (is_, should) in enumerate(zip(text.splitlines(), sized(text, budget).splitlines()), 1):
+            if is_ != should:
+                yield f"{page.relative_to(ROOT)}:{number}: a size is not that of docs/budget.json ({REMEDY})"
+
+
 def main():
     if len(sys.argv) < 2 or (sys.argv[1], len(sys.argv)) not in (("write", 3), ("render", 2),
                                                                ("check", 2)):
@@ -325,11 +350,15 @@ def main():
         papers_page.write(ROOT, *(tool.json_of("reproduce", paper) for paper in PAPERS))
         FIGURES.write_text(re.sub(r"(\.\d{6})\d+", r"\1", measured) + "\n")
         print(f"written: {FIGURES.relative_to(ROOT)}")
-    wanted = lines(json.loads(FIGURES.read_text()), json.loads(BUDGET.read_text()))
+    budget = json.loads(BUDGET.read_text())
+    wanted = lines(json.loads(FIGURES.read_text()), budget)
     before, rest = page.split(BEGIN)
     has = BEGIN + rest.split(END)[0] + END
     if sys.argv[1] != "check":
         PAGE.write_text(before + wanted + rest.split(END)[1])
+        for sizes in pages_with_sizes():
+            sizes.write_text(sized(sizes.read_text(), budget))
+            print(f"written: {sizes.relative_to(ROOT)}")
         print(f"written: {PAGE.relative_to(ROOT)}")
         return
     first = page.count("\n", 0, page.index(BEGIN)) + 1
@@ -341,7 +370,10 @@ def main():
     if len(has.splitlines()) != len(wanted.splitlines()):
         wrong += 1
         print(f"{PAGE.name}:{first}: expected {len(wanted.splitlines())} lines up to {END}")
-    print(f"{len(wanted.splitlines())} lines, {wrong} wrong")
+    for text in wrong_sizes(budget):
+        wrong += 1
+        print(text)
+    print(f"{len(wanted.splitlines())} lines, {len(pages_with_sizes())} pages with sizes, {wrong} wrong")
     sys.exit(1 if wrong else 0)
 
 
