@@ -16,7 +16,7 @@ def run(*command):
         sys.exit(f"ended with code {code}")
 
 
-PAGES = ["README.md", "docs/theory/dual.md"]
+PAGES = ["README.md", "docs/theory/dual.md", "docs/commissioning.md"]
 
 
 def check(root, folder, compiler, page):
