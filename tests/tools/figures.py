@@ -308,7 +308,7 @@ def cost(budget):
 def pace(f):
     times = f["times_real_time"]
     slow, fast = min(times, key=times.get), max(times, key=times.get)
-    return (f"The simulation runs at {times[slow]:.0f} (`{slow}`) to {times[fast]:.0f} (`{fast}`) times "
+    return (f"These scenarios run at {times[slow]:.0f} (`{slow}`) to {times[fast]:.0f} (`{fast}`) times "
             f"real time, the main job at {times['main']:.0f}: simulated time over processor time of one core, the "
             f"best of {SPEED_RUNS} runs of the tool that `sim/run` builds, on an idle machine. A processor shared "
             "with others shows down to half of it. Each run prints its own figure.")
