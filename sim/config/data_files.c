@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "config/ini_config.h"
@@ -38,16 +39,22 @@ static const char *data_folder(void) {
     return folder != NULL ? folder : RIG_DATA_DIR;
 }
 
-/// What a name stands for, in the order tried: the file of that name; the tool's own file of that
-/// kind; the tool's file by the path it had before sim/data/ (sim/motors/jiang2022.ini).
-static int candidate(int number, const char *kind, const char *name, char *path, size_t size) {
-    if (number == 0) {
-        return snprintf(path, size, "%s", name);
-    }
+static bool ends_in_ini(const char *name) {
+    const size_t length = strlen(name);
+    return length > 4 && strcmp(name + length - 4, ".ini") == 0;
+}
+
+/// A folder is none, nor a device.
+static bool is_file(const char *path) {
+    struct stat about;
+    return stat(path, &about) == 0 && S_ISREG(about.st_mode) && access(path, R_OK) == 0;
+}
+
+/// The tool's own file of that kind; or by the path that it had before sim/data/ (sim/motors/jiang2022.ini).
+static int shipped(const char *kind, const char *name, char *path, size_t size) {
     if (strchr(name, '/') == NULL) {
-        const char *dot = strrchr(name, '.');
-        const char *ending = dot != NULL && strcmp(dot, ".ini") == 0 ? "" : ".ini";
-        return snprintf(path, size, "%s/%s/%s%s", data_folder(), kind, name, ending);
+        return snprintf(path, size, "%s/%s/%s%s", data_folder(), kind, name,
+                        ends_in_ini(name) ? "" : ".ini");
     }
     char folder[32];
     (void)snprintf(folder, sizeof folder, "sim/%s/", kind);
@@ -59,6 +66,13 @@ static int candidate(int number, const char *kind, const char *name, char *path,
     return snprintf(path, size, "%.*sdata/%s", (int)(rest - name), name, rest);
 }
 
+/// What a name stands for: a bare one for a shipped file before a file here, all others the other way round.
+static int candidate(int number, const char *kind, const char *name, char *path, size_t size) {
+    const bool bare = strchr(name, '/') == NULL && !ends_in_ini(name);
+    return (number == 0) == bare ? shipped(kind, name, path, size)
+                                 : snprintf(path, size, "%s", name);
+}
+
 bool data_files_find(const char *kind, const char *name, char *path, size_t size) {
     for (int number = 0; number < 2; ++number) {
         const int length = candidate(number, kind, name, path, size);
@@ -66,7 +80,7 @@ bool data_files_find(const char *kind, const char *name, char *path, size_t size
             rig_error("%s: expected a path of at most %zu characters", name, size - 1);
             return false;
         }
-        if (access(path, R_OK) == 0) {
+        if (is_file(path)) {
             return true;
         }
     }
@@ -81,8 +95,7 @@ bool data_files_load_part(rig_config_t *config, const char *kind, const char *na
 }
 
 static int is_ini(const struct dirent *entry) {
-    const size_t length = strlen(entry->d_name);
-    return length > 4 && strcmp(entry->d_name + length - 4, ".ini") == 0 ? 1 : 0;
+    return ends_in_ini(entry->d_name) ? 1 : 0;
 }
 
 /// The files of one kind, in the order of their names; -1 after a message.

@@ -8,9 +8,10 @@
 
 #include "config/rig_config.h"
 
-/// `name` itself if there is such a file; else the shipped `kind`/`name`.ini if there is one, or the
-/// shipped file whose path before sim/data/ `name` is; else `name` again, so that opening it fails
-/// with its own name. False if the path is too long.
+/// Path of what `name` stands for. A bare name, without / and .ini, is the shipped `kind`/`name`.ini if there is
+/// one, else the file `name`. Any other is first the file `name`, then the shipped one of that name, or the one
+/// whose path before sim/data/ it is. Only regular files count. Where there is none `name` again, so that opening
+/// it fails with its own name. False if the path is too long.
 bool data_files_find(const char *kind, const char *name, char *path, size_t size);
 
 /// Loads a file, or a shipped one by its name, into `config`; nothing for NULL. False after a

@@ -1,4 +1,5 @@
 """What the tool says to bad input: exit code 2, the place, and what was expected."""
+import json
 import pathlib
 import random
 import re
@@ -360,6 +361,38 @@ def names_of_data(checks, folder):
             "sim/motors/none.ini: No such file")
 
 
+def names_beside_files(checks, folder):
+    """A bare name is that of the catalogue, whatever is called so in the current folder; only regular files are read."""
+    design = ["design", "--motor", "servo_48V", "--drive", "servo_48V", "--json"]
+    before = folder.run(*design).stdout
+    run = folder.run("run", "start", "--csv", "a.csv")
+    checks.equal(run.returncode, 0, f"exit code of start: {run.stdout}")
+    for make in (lambda name: folder.write(f"{name}/x", ""), lambda name: folder.write(name, "no INI file\n")):
+        for name in ("servo_48V", "start"):
+            make(name)
+        checks.equal(folder.run(*design).stdout, before, "the catalogue's servo beside a file of its name")
+        checks.equal(folder.run("run", "start", "--csv", "b.csv").returncode, 0, "start beside a file of its name")
+        checks.equal((folder.path / "b.csv").read_bytes(), (folder.path / "a.csv").read_bytes(), "its signals")
+        refused(checks, folder, ["run", "./start"], r"^\./start(:1)?: .*expected ")
+        for name in ("servo_48V", "start"):
+            path = folder.path / name
+            if path.is_dir():
+                (path / "x").unlink()
+                path.rmdir()
+            else:
+                path.unlink()
+    # With .ini or a folder before it, and where the catalogue has none of that name, it is the file.
+    mine = MOTOR.read_text().replace("psi_Wb = 0.142", "psi_Wb = 0.1")
+    for name, given in [("jiang2022.ini", "jiang2022.ini"), ("jiang2022", "./jiang2022"), ("mine", "mine")]:
+        path = folder.write(name, mine)
+        said = json.loads(folder.run("design", "--motor", given, "--drive", DRIVE, "--json").stdout)
+        checks.equal(said["config"]["motor"]["psi_Wb"], 0.1, f"flux of {given}")
+        path.unlink()
+    (folder.path / "jiang2022.ini").mkdir()
+    checks.equal(folder.run("design", "--motor", "jiang2022.ini").returncode, 0, "a folder that ends in .ini")
+    (folder.path / "jiang2022.ini").rmdir()
+
+
 def headers_of_the_drives(name="drive6.h"):
     """That header and those it includes; recorders and other blocks beside the step have no keys."""
     folder = SOURCE / "include/lodestar"
@@ -410,6 +443,7 @@ def main():
         estimator_names(checks, folder)
         ini_files(checks, folder)
         names_of_data(checks, folder)
+        names_beside_files(checks, folder)
         every_key_is_there(checks, folder)
     checks.done()
 
