@@ -32,7 +32,7 @@ typedef struct {
     int kinds;
     const inject_kind_t *kind[INJECT_KINDS_MAX];
     int motors;
-    char motor[MOTORS_MAX][RIG_NAME_LENGTH];
+    char motor[MOTORS_MAX][NAMES_LENGTH];
     fault_bench_t *bench[MOTORS_MAX];
     fault_result_t *result; ///< [motor][kind][point]
     progress_t progress;
@@ -70,16 +70,10 @@ static bool take_kinds(faults_t *self) {
     return true;
 }
 
-/// A shipped motor with the drive of its name, and the plant of its name where there is one.
+/// A motor and a drive, and what the campaign adds.
 static bool load(rig_config_t *config, const char *name, const options_t *options) {
-    char path[RIG_PATH_LENGTH];
     rig_config_init(config);
-    bool good = data_files_load_part(config, "motors", name) &&
-                data_files_load_part(config, "drives", name) &&
-                data_files_find("plants", name, path, sizeof path);
-    if (good && strcmp(path, name) != 0) {
-        good = data_files_load_part(config, "plants", name);
-    }
+    bool good = data_files_load_pair(config, name);
     for (size_t k = 0; good && k < sizeof added / sizeof added[0]; ++k) {
         good = ini_config_set(config, "faults", added[k]);
     }
@@ -102,9 +96,8 @@ static bool load(rig_config_t *config, const char *name, const options_t *option
 
 static bool take_motor(void *user, const char *name) {
     faults_t *self = user;
-    if (self->motors == MOTORS_MAX || strlen(name) >= sizeof self->motor[0]) {
-        rig_error("--motors %s: expected at most %d, with names of less than %zu characters", name,
-                  MOTORS_MAX, sizeof self->motor[0]);
+    if (self->motors == MOTORS_MAX) {
+        rig_error("--motors %s: expected at most %d of them", name, MOTORS_MAX);
         return false;
     }
     const int n = self->motors++;

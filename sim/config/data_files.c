@@ -94,6 +94,26 @@ bool data_files_load_part(rig_config_t *config, const char *kind, const char *na
            (data_files_find(kind, name, path, sizeof path) && ini_config_load_part(config, path));
 }
 
+bool data_files_load_pair(rig_config_t *config, const char *name) {
+    char motor[RIG_PATH_LENGTH];
+    char drive[RIG_PATH_LENGTH];
+    char plant[RIG_PATH_LENGTH];
+    if (!data_files_find("motors", name, motor, sizeof motor) ||
+        !data_files_find("drives", name, drive, sizeof drive) ||
+        !data_files_find("plants", name, plant, sizeof plant)) {
+        return false;
+    }
+    if (!is_file(motor) || !is_file(drive)) {
+        rig_error("--motors %s: not found; expected the name of a motor that has a drive of the "
+                  "same name "
+                  "(see `lodestar list`), or an INI file with [motor] and [drive]",
+                  name);
+        return false;
+    }
+    return ini_config_load_part(config, motor) && ini_config_load_part(config, drive) &&
+           (!is_file(plant) || ini_config_load_part(config, plant));
+}
+
 static int is_ini(const struct dirent *entry) {
     return ends_in_ini(entry->d_name) ? 1 : 0;
 }

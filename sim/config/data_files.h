@@ -18,6 +18,10 @@ bool data_files_find(const char *kind, const char *name, char *path, size_t size
 /// message.
 bool data_files_load_part(rig_config_t *config, const char *kind, const char *name);
 
+/// Loads what a name of --motors stands for: a shipped motor, the drive of its name, and the plant of its name
+/// where there is one; or one file with [motor], [drive] and anything but a scenario. False after a message.
+bool data_files_load_pair(rig_config_t *config, const char *name);
+
 /// Prints the files of one kind with their titles. False after a message.
 bool data_files_list(FILE *file, const char *kind);
 

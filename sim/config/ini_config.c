@@ -248,6 +248,11 @@ static bool load(rig_config_t *config, const char *path, pass_t pass) {
 }
 
 bool ini_config_load_part(rig_config_t *config, const char *path) {
+    for (int k = 0; k < config->files; ++k) {
+        if (strcmp(config->file[k], path) == 0) {
+            return true;
+        }
+    }
     return load(config, path, PASS_PART);
 }
 

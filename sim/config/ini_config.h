@@ -10,7 +10,8 @@
 /// itself over them. False after a message "FILE:LINE: [section] key: ...".
 bool ini_config_load_scenario(rig_config_t *config, const char *path);
 
-/// A file of a motor, a drive or a plant: anything but [scenario] and phases.
+/// A file of a motor, a drive or a plant: anything but [scenario] and phases. One that has been read counts as it
+/// is: motor and drive may be in one file.
 bool ini_config_load_part(rig_config_t *config, const char *path);
 
 /// "section.key=value", overrides the files. `option`: how the command line calls it.

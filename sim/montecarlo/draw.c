@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "config/data_files.h"
 #include "config/ini_config.h"
@@ -46,16 +45,10 @@ static ranges_t ranges_of(mc_errors_t errors) {
 }
 
 bool mc_machine_load(mc_machine_t *machine, const char *name, int sets, const char *const *set) {
-    char path[RIG_PATH_LENGTH];
     rig_config_t *given = &machine->given;
     rig_config_init(given);
     (void)snprintf(machine->name, sizeof machine->name, "%s", name);
-    bool good = data_files_load_part(given, "motors", name) &&
-                data_files_load_part(given, "drives", name) &&
-                data_files_find("plants", name, path, sizeof path);
-    if (good && access(path, R_OK) == 0) {
-        good = ini_config_load_part(given, path);
-    }
+    bool good = data_files_load_pair(given, name);
     for (int k = 0; good && k < sets; ++k) {
         good = ini_config_set(given, "--set", set[k]);
     }

@@ -7,6 +7,7 @@
 #define MONTECARLO_DRAW_H
 
 #include "config/rig_config.h"
+#include "support/names.h"
 
 typedef enum { MC_START, MC_RUN, MC_FLY, MC_QUIET, MC_OPEN_PHASE } mc_test_t;
 
@@ -32,7 +33,7 @@ typedef enum {
 
 /// A machine as it is.
 typedef struct {
-    char name[RIG_NAME_LENGTH];
+    char name[NAMES_LENGTH];
     rig_config_t given;   ///< its files, read and completed; nothing computed yet
     double torque_Nm;     ///< 100 %: at i_max/1.5 with id = 0
     double torque_max_Nm; ///< at i_max

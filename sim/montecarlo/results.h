@@ -16,7 +16,7 @@ typedef struct {
     uint64_t cases; ///< per motor
     uint64_t seed;  ///< the first
     int motors;
-    char motor[MC_MOTORS_MAX][RIG_NAME_LENGTH];
+    char motor[MC_MOTORS_MAX][NAMES_LENGTH];
     bool named[MC_MOTORS_MAX]; ///< as one without usable EMF, by design
     char sets[512];            ///< of --set, for the command that runs a case again
 } mc_campaign_t;

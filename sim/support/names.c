@@ -6,8 +6,6 @@
 
 #include "support/diag.h"
 
-enum { LENGTH_MAX = 256 };
-
 /// The next name, or NULL after the last one.
 static const char *next_of(const char *name) {
     const char *end = name + strcspn(name, ",");
@@ -17,7 +15,7 @@ static const char *next_of(const char *name) {
 /// Whether a name is there, and not once more behind.
 static bool is_good(const char *name) {
     const size_t length = strcspn(name, ",");
-    bool good = length > 0u && length < LENGTH_MAX;
+    bool good = length > 0u && length < NAMES_LENGTH;
     for (const char *other = next_of(name); good && other != NULL; other = next_of(other)) {
         good = strcspn(other, ",") != length || strncmp(other, name, length) != 0;
     }
@@ -34,7 +32,7 @@ bool names_take(const char *option, const char *list, bool (*take)(void *user, c
         rig_error("%s: expected names with commas between them, each of them once", option);
     }
     for (const char *at = list; good && at != NULL; at = next_of(at)) {
-        char name[LENGTH_MAX];
+        char name[NAMES_LENGTH];
         (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
         good = take(user, name);
     }

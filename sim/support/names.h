@@ -4,6 +4,8 @@
 
 #include <stdbool.h>
 
+enum { NAMES_LENGTH = 256 }; ///< of the buffer that holds a name
+
 /// Calls `take` with each name of `list`, in order. False where `take` says so; and, before any is taken, after a
 /// message that begins with `option`, where there is no name, an empty one, or one that comes twice.
 bool names_take(const char *option, const char *list, bool (*take)(void *user, const char *name),

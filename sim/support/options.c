@@ -53,7 +53,8 @@ static const option_t table[] = {
     {"set", required_argument, 's', CONFIGURED, "SECTION.KEY=VALUE",
      "overrides the files; repeatable"},
     {"motors", required_argument, 'M', MONTE_CARLO, "A,B,...",
-     "names of motors that have a drive of the same name; all of them"},
+     "names of motors that have a drive of the same name, or files with [motor] and\n"
+     "                             [drive]; all of the catalogue"},
     {"errors", required_argument, 'X', MONTE_CARLO, "KIND",
      "of the drive's parameters: narrow, wide (twice that), start, or commissioned:\n"
      "                             narrow, then measured by the drive; `start` for starts,\n"
@@ -64,7 +65,8 @@ static const option_t table[] = {
      "every N-th case from the K-th on, for K = 1 .. N; `merge` joins the JSON of all N"},
     {"kinds", required_argument, 'K', FAULTS, "A,B,...", "of fault; all of them"},
     {"motors", required_argument, 'M', FAULTS, "A,B,...",
-     "names of motors that have a drive of the same name; jiang2022,eldeeb2017"},
+     "names of motors that have a drive of the same name, or files with [motor] and\n"
+     "                             [drive]; jiang2022,eldeeb2017"},
     {"seed", required_argument, 'n', MAIN_JOB | RUN | FAULTS | COMMISSION, "S",
      "seed of the noise and of all else that is random"},
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},

@@ -3,7 +3,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
-from tool import FULL, Checks, Folder, refused
+from tool import FULL, SOURCE, Checks, Folder, refused
 
 
 def cases_of(folder, *arguments):
@@ -129,14 +129,31 @@ def page(checks, folder):
     checks.true(text.startswith("# Faults\n") and "| nothing | harmless" in text, "the page")
 
 
+def takes_a_file_with_motor_and_drive(checks, folder):
+    """The same cases as of the names whose files make it up."""
+    def texts(kind):
+        return (SOURCE / f"sim/data/{kind}/servo_48V.ini").read_text()
+    folder.write("sub/a_servo_with_quite_a_long_name.ini", texts("motors") + texts("drives"))
+    arguments = ["--kinds", "none,adc-high", "--seed", "3"]
+    _, named = cases_of(folder, "--motors", "servo_48V", *arguments)
+    done, own = cases_of(folder, "--motors", "sub/a_servo_with_quite_a_long_name.ini", *arguments)
+    checks.equal(done.returncode, 0, f"exit code: {done.stderr}")
+    checks.true("## sub/a_servo_with_quite_a_long_name.ini\n" in done.stdout, "its name in the table")
+    checks.equal([{**case, "motor": ""} for case in own.values()], [{**case, "motor": ""} for case in named.values()],
+                 "cases of the file")
+    folder.write("motor.ini", texts("motors"))
+    refused(checks, folder, ["faults", "--motors", "motor.ini"], r"^motor.ini: \[drive\] f_pwm_Hz: missing")
+
+
 def refuses(checks, folder):
     for arguments, says in [(["--kinds", "none,nonsense"], "--kinds nonsense: expected one of none, adc-frozen"),
                             *((["--kinds", names], "--kinds: expected names with commas between them, each of them once")
                               for names in ("", ",", "none,", ",none", "none,,bus-reads-0", "none,none")),
                             *((["--motors", names], "--motors: expected names with commas between them, each of them once")
                               for names in ("", "jiang2022,", "jiang2022,jiang2022")),
-                            (["--motors", "m" * 32], "with names of less than 32 characters"),
-                            (["--motors", "nobody"], "nobody"),
+                            (["--motors", "m" * 256], "--motors: expected names with commas"),
+                            *((["--motors", name], f"--motors {name}: not found; expected the name of a motor that has a drive of "
+                               "the same name .*, or an INI file with .motor. and .drive.") for name in ("nobody", "nobody.ini")),
                             *(([option, names], f"{option}: expected names with commas between them")
                               for option, name in (("--motors", "jiang2022"), ("--kinds", "none"))
                               for names in ("", ",", f"{name},", f",{name}", f"{name},,{name}")),
@@ -156,6 +173,7 @@ with Folder() as folder:
     same_with_any_number_of_processes(checks, folder)
     leaves_out_where_the_speed_does_not_settle(checks, folder)
     page(checks, folder)
+    takes_a_file_with_motor_and_drive(checks, folder)
     if FULL:
         nothing_is_silent_with_other_motors(checks, folder)
     refuses(checks, folder)

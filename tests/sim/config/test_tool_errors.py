@@ -388,6 +388,12 @@ def names_beside_files(checks, folder):
         said = json.loads(folder.run("design", "--motor", given, "--drive", DRIVE, "--json").stdout)
         checks.equal(said["config"]["motor"]["psi_Wb"], 0.1, f"flux of {given}")
         path.unlink()
+    # Motor and drive in one file may be named as both.
+    both = folder.write("both.ini", mine + DRIVE.read_text())
+    checks.equal(folder.run("design", "--motor", both, "--drive", both, "--json").stdout,
+                 folder.run("design", "--motor", both, "--json").stdout, "one file as motor and drive")
+    folder.write("s.ini", "[scenario]\nmotor = both.ini\ndrive = both.ini\n[phase.a]\nduration_s = 0.01\n")
+    checks.equal(folder.run("run", "s.ini").returncode, 0, "one file as motor and drive of a scenario")
     (folder.path / "jiang2022.ini").mkdir()
     checks.equal(folder.run("design", "--motor", "jiang2022.ini").returncode, 0, "a folder that ends in .ini")
     (folder.path / "jiang2022.ini").rmdir()

@@ -4,7 +4,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
-from tool import FULL, Checks, Folder, refused
+from tool import FULL, SOURCE, Checks, Folder, refused
 
 MOTORS = "jiang2022,highspeed_100krpm,fan_325V"
 
@@ -162,6 +162,24 @@ def quiet(checks, folder):
     checks.true("1 false trips  BAR MISSED: none" in low.stdout, f"a false trip is counted: {low.stdout}")
 
 
+def files(checks, folder):
+    """A file with [motor] and [drive] is a motor of a campaign, in merged shards too; a plant of the catalogue is none of its."""
+    texts = [(SOURCE / f"sim/data/{kind}/jiang2022.ini").read_text() for kind in ("motors", "drives")]
+    name = "sub/a_motor_with_quite_a_long_name.ini"
+    folder.write(name, "".join(texts))
+    (folder.path / "fan_325V").mkdir() # is no plant of that motor
+    arguments = ["start", "--motors", f"{name},fan_325V", "--n", 2]
+    whole, text = run(folder, *arguments)
+    checks.equal(whole.returncode, 0, f"exit code: {whole.stdout}{whole.stderr}")
+    checks.equal(sorted({motor for motor, _ in rows_of(text)}), ["fan_325V", name], "motors")
+    for k in (1, 2):
+        folder.write(f"f{k}.json", run(folder, *arguments, "--shard", f"{k}/2")[1])
+    merged = folder.run("monte-carlo", "merge", "f1.json", "f2.json", "--json", "all.json")
+    checks.equal((folder.path / "all.json").read_text(), text, f"shards joined: {merged.stderr}")
+    bad = folder.run("monte-carlo", "start", "--motors", name, "--n", 1, "--set", "start.timeout_s=0.2")
+    checks.true(f"lodestar monte-carlo start --motors {name} " in bad.stdout, f"how to run it again: {bad.stdout}")
+
+
 def refusals(checks, folder):
     for arguments, expected in ((["monte-carlo"], "expected start, run, fly, quiet, open-phase, or merge with files"),
                                 (["monte-carlo", "merge"], "expected start, run, fly, quiet, open-phase, or merge with files"),
@@ -175,7 +193,8 @@ def refusals(checks, folder):
                                 (["monte-carlo", "start", "--motors", "jiang2022,jiang2022"], "each of them once"),
                                 *((["monte-carlo", "start", "--motors", names], "--motors: expected names with commas")
                                   for names in ("", ",", "jiang2022,", ",jiang2022", "jiang2022,,fan_325V")),
-                                (["monte-carlo", "start", "--motors", "nobody"], "nobody"),
+                                (["monte-carlo", "start", "--motors", "nobody"], "--motors nobody: not found; expected the name of a motor "
+                                 "that has a drive of the same name .*, or an INI file with .motor. and .drive."),
                                 (["monte-carlo", "start", "--set", "drive.volts=1"], "volts"),
                                 (["monte-carlo", "merge", "a.json", "--n", "3"], "expected no option but --json"),
                                 (["monte-carlo", "merge", "nowhere.json"], "nowhere.json")):
@@ -202,6 +221,7 @@ def main():
         told(checks, folder)
         fly(checks, folder)
         quiet(checks, folder)
+        files(checks, folder)
         refusals(checks, folder)
         rules(checks, folder)
     checks.done()
