@@ -1,33 +1,50 @@
 #include "commands/command_load.h"
 
+#include <string.h>
+
 #include "config/data_files.h"
 #include "config/ini_config.h"
 #include "config/trial_scenario.h"
 
-bool command_load_sets(rig_config_t *config, const options_t *options) {
+static bool is_of_phase(const char *set) {
+    return strncmp(set, "phase.", strlen("phase.")) == 0;
+}
+
+/// Each --set of a phase, or each other one.
+static bool take_sets(rig_config_t *config, const options_t *options, bool of_phase) {
     bool good = true;
     for (int k = 0; good && k < options->sets; ++k) {
-        good = ini_config_set(config, "--set", options->set[k]);
+        good = is_of_phase(options->set[k]) != of_phase ||
+               ini_config_set(config, "--set", options->set[k]);
     }
     return good;
 }
 
-bool command_load_drive(rig_config_t *config, const char *motor, const char *drive,
-                        const options_t *options) {
-    rig_config_init(config);
-    return data_files_load_part(config, "motors", motor) &&
-           data_files_load_part(config, "drives", drive) && command_load_sets(config, options);
+bool command_load_sets(rig_config_t *config, const options_t *options) {
+    return take_sets(config, options, false) && take_sets(config, options, true);
 }
 
-/// A motor without a scenario brings its drive with it, or has one assumed, as in `design`.
+static bool load_parts(rig_config_t *config, const char *motor, const char *drive) {
+    rig_config_init(config);
+    return data_files_load_part(config, "motors", motor) &&
+           data_files_load_part(config, "drives", drive);
+}
+
+bool command_load_drive(rig_config_t *config, const char *motor, const char *drive,
+                        const options_t *options) {
+    return load_parts(config, motor, drive) && command_load_sets(config, options);
+}
+
+/// A motor without a scenario brings its drive with it, or has one assumed, as in `design`. The phases are there
+/// when all else is known.
 static bool load_motor(rig_config_t *config, const options_t *options) {
-    if (!command_load_drive(config, options->motor, options->drive, options) ||
+    if (!load_parts(config, options->motor, options->drive) || !take_sets(config, options, false) ||
         !rig_config_complete(config, options->drive == NULL ? RIG_NEED_MOTOR : RIG_NEED_DRIVE)) {
         return false;
     }
     rig_config_design(config);
     trial_scenario(config);
-    return true;
+    return take_sets(config, options, true);
 }
 
 static bool load_scenario(rig_config_t *config, const options_t *options, const char *scenario) {

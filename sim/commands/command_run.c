@@ -6,6 +6,7 @@
 #include "commands/command_load.h"
 #include "config/assumptions.h"
 #include "config/ini_config.h"
+#include "config/trial_scenario.h"
 #include "report/plot_run.h"
 #include "report/report_run.h"
 #include "rig/capture.h"
@@ -59,6 +60,7 @@ static rig_exit_t run_once(const options_t *options, const char *scenario) {
     if (good) {
         if (scenario == NULL) {
             assumptions_print(table.file, &config, "");
+            trial_scenario_print(table.file, &config);
         }
         report_run_table(table.file, &config, &result, &log);
         good = shown_end(&table);

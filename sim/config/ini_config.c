@@ -95,6 +95,26 @@ static bool is_duplicate(source_t *source, const char *section, const char *key,
     return true;
 }
 
+/// A phase that cannot be added, or on the command line one that is not there.
+static void complain_of_phase(source_t *source, const char *section, const char *key) {
+    const rig_scenario_t *scenario = &source->config->scenario;
+    char text[RIG_PHASES_MAX * (RIG_NAME_LENGTH + 2) + 80];
+    if (source->line > 0) {
+        complain(source, section, key,
+                 "expected at most 48 phases, with names of 1 to 31 characters");
+        return;
+    }
+    (void)snprintf(text, sizeof text, "%s",
+                   scenario->phases > 0 ? "expected the name of a phase of the scenario: "
+                                        : "expected no phase, there is no scenario here");
+    for (int k = 0; k < scenario->phases; ++k) {
+        const size_t used = strlen(text);
+        (void)snprintf(text + used, sizeof text - used, "%s%s", k > 0 ? ", " : "",
+                       scenario->phase[k].name);
+    }
+    complain(source, section, key, text);
+}
+
 static void take_phase_value(source_t *source, const char *section, const char *key,
                              const char *value) {
     const rig_schema_t schema = rig_phase_schema();
@@ -105,9 +125,7 @@ static void take_phase_value(source_t *source, const char *section, const char *
         phase = add_phase(scenario, name);
     }
     if (phase == NULL) {
-        complain(source, section, key,
-                 source->line > 0 ? "expected at most 48 phases, with names of 1 to 31 characters"
-                                  : "expected the name of a phase of the scenario");
+        complain_of_phase(source, section, key);
         return;
     }
     const int row = rig_schema_find(schema, "phase", key);

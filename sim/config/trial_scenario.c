@@ -1,8 +1,9 @@
 #include "config/trial_scenario.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <string.h>
 
+#include "config/load_step.h"
 #include "config/speed_limits.h"
 #include "support/units.h"
 
@@ -13,6 +14,7 @@
 #define STEP_SHARE 0.5
 #define HANDOVER_FACTOR 2.0 // clear of the hand-over
 #define RAMP_RESERVE 2.0    // a load and the current limit make ramps longer
+#define ROUNDING 1.0e-3     // of a load that is printed
 #define START_SHARE_s 0.5   // of the start's time-out, which allows for three attempts
 
 static void add(rig_config_t *config, const char *name, double duration_s, double speed_rpm,
@@ -22,6 +24,18 @@ static void add(rig_config_t *config, const char *name, double duration_s, doubl
     phase->duration_s = duration_s;
     phase->speed_rpm = speed_rpm;
     phase->load_Nm = load_Nm;
+}
+
+/// The largest load that may come at once (K18); NaN of a drive that the library refuses.
+static double step_Nm(const lode_drive_config_t *drive, double omega_rad_s) {
+    lode_drive_tuning_t tuning;
+    return lode_drive_tune(&tuning, drive) == LODE_OK
+               ? load_step_largest(drive, &tuning.speed, omega_rad_s).torque_Nm
+               : NAN;
+}
+
+static double most_Nm(const lode_drive_config_t *drive) {
+    return (double)lode_motor_kt_Nm_A(&drive->motor) * (double)drive->inverter.i_max_A;
 }
 
 void trial_scenario(rig_config_t *config) {
@@ -37,15 +51,46 @@ void trial_scenario(rig_config_t *config) {
     const double handover = rig_rpm_from_rad_s((double)drive->start.omega_handover_rad_s) / np;
     const double slow = fmin(HANDOVER_FACTOR * handover, full);
     const double sigma = (double)drive->estimator.pll.sigma_rad_s;
-    const double load_Nm = fmin(LOAD_SHARE * (double)lode_motor_kt_Nm_A(&drive->motor) *
-                                    (double)drive->inverter.i_max_A,
-                                STEP_SHARE * sigma * sigma * (double)drive->motor.J_kgm2 / np);
+    const double followed_Nm = STEP_SHARE * sigma * sigma * (double)drive->motor.J_kgm2 / np;
+    const double load_Nm = fmin(fmin(LOAD_SHARE * most_Nm(drive), followed_Nm),
+                                step_Nm(drive, np * rig_rad_s_from_rpm(full)));
     const double rise_s = SETTLE_s + RAMP_RESERVE * full / ramp_rpm_s;
     add(config, "start", SETTLE_s + START_SHARE_s * (double)drive->start.timeout_s, slow, 0.0);
-    add(config, "half_speed", rise_s, fmax(0.5 * full, slow), 0.0);
+    if (slow < 0.5 * full) {
+        add(config, "half_speed", rise_s, 0.5 * full, 0.0);
+    }
     add(config, "full_speed", rise_s, full, 0.0);
     config->scenario.phase[config->scenario.phases - 1].asked_rpm = asked > most ? asked : 0.0;
     add(config, "load", SETTLE_s, full, load_Nm);
     add(config, "no_load", SETTLE_s, full, 0.0);
     add(config, "stop", rise_s, 0.0, 0.0);
+}
+
+void trial_scenario_print(FILE *file, const rig_config_t *config) {
+    const lode_drive_config_t *drive = &config->drive;
+    const rig_phase_t *load = NULL;
+    for (int k = 0; k < config->scenario.phases; ++k) {
+        if (strcmp(config->scenario.phase[k].name, "load") == 0) {
+            load = &config->scenario.phase[k];
+        }
+    }
+    if (load == NULL) {
+        return;
+    }
+    const double omega = (double)drive->motor.pole_pairs * rig_rad_s_from_rpm(load->speed_rpm);
+    const double step = step_Nm(drive, fabs(omega));
+    const double share = fabs(load->load_Nm) / step;
+    (void)fprintf(file, "load of the trial: %.3g Nm, %.0f %% of the torque at i_max", load->load_Nm,
+                  100.0 * load->load_Nm / most_Nm(drive));
+    if (share > 1.0 + ROUNDING) {
+        (void)fprintf(file,
+                      "; %.3g times the %.3g Nm that may come at once at %.0f rpm (see `design`)\n",
+                      share, step, load->speed_rpm);
+    } else if (share > 1.0 - ROUNDING) {
+        (void)fprintf(file, ": the most that may come at once at %.0f rpm (see `design`)\n",
+                      load->speed_rpm);
+    } else {
+        (void)fprintf(file, "; %.3g Nm may come at once at %.0f rpm (see `design`)\n", step,
+                      load->speed_rpm);
+    }
 }

@@ -4,47 +4,21 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "config/load_step.h"
 #include "support/units.h"
 
-// (K18): what a load at once takes of the speed, the share of the feed-forward that comes in time, and the speed
-// below which the inverter's errors hide the EMF, of the hand-over speed.
-#define DIP 0.735759 // 2/e (K15)
-#define LATE 1.2
-#define FED_IN_TIME 0.5
-#define FLOOR_SHARE 0.5
-#define OVERSHOOT 0.135335    // 1/e^2: of the torque of (K8) after a load step
 #define STEP_SHARE_LEAST 0.35 // drives that are simulated stand 1.3 to 2 times as much: about half
 #define MARGIN_LEAST_deg 30.0
 
 // ---- Load steps ------------------------------------------------------------------------------------
 
-/// The factor by which the gains rise with the speed (K8).
-static double gain_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
-    const double up = omega_rad_s * (double)tuning->inv_span - 1.0;
-    return 1.0 + (double)tuning->rise * fmin(fmax(up, 0.0), 1.0);
-}
-
-/// The load that takes the speed down to the floor; with injection no speed is too low.
-static double by_speed_Nm(const lode_drive_config_t *drive, const lode_drive_tuning_t *tuning,
-                          double omega_rad_s) {
-    const double room = omega_rad_s - FLOOR_SHARE * (double)drive->start.omega_handover_rad_s;
-    const double fed = 1.0 - FED_IN_TIME * fmax((double)drive->speed.load_feed_forward, 0.0);
-    const double kp = gain_at(&tuning->speed, omega_rad_s) * (double)drive->speed.kp_Nms;
-    if (drive->hfi.mode == LODE_HFI_ON) {
-        return HUGE_VAL;
-    }
-    return fmax(room, 0.0) * kp / (LATE * DIP * (double)drive->motor.pole_pairs * fed);
-}
-
 static verdict_step_t step_at(const lode_drive_config_t *drive, const lode_drive_tuning_t *tuning,
                               double omega_rad_s, double rated_Nm) {
-    const double speed_Nm = by_speed_Nm(drive, tuning, omega_rad_s);
-    const double current_Nm = speed_limits_torque_Nm(drive, omega_rad_s) / (1.0 + OVERSHOOT);
-    const double torque_Nm = fmin(speed_Nm, current_Nm);
+    const load_step_t step = load_step_largest(drive, &tuning->speed, omega_rad_s);
     return (verdict_step_t){.omega_rad_s = omega_rad_s,
-                            .torque_Nm = torque_Nm,
-                            .share = torque_Nm / rated_Nm,
-                            .by_current = current_Nm < speed_Nm};
+                            .torque_Nm = step.torque_Nm,
+                            .share = step.torque_Nm / rated_Nm,
+                            .by_current = step.by_current};
 }
 
 // ---- What to change ----------------------------------------------------------------------------------

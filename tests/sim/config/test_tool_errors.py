@@ -70,7 +70,7 @@ def values(checks, folder):
         ("plant.inverter=perfect", "expected ideal or switched, not 'perfect'"),
         ("plant.Rs_Ohm=-1", r"expected a number in 0 \.\. "),
         ("plant.theta0_deg=north", "or random, not 'north'"),
-        ("phase.nowhere.load_Nm=1", "expected the name of a phase of the scenario"),
+        ("phase.nowhere.load_Nm=1", r"expected the name of a phase of the scenario: start, ramp, rated_load, .*, stop$"),
         ("phase.start.lod=1", r"\[phase.start\] lod: unknown; is \[phase\] load_Nm meant\? .*one of duration_s"),
         ("phase.start.end_mode=stop", "expected off, calibrate, voltage"),
         ("scenario.motor=x.ini", "expected in a scenario file only"),

@@ -206,9 +206,13 @@ def first_turn(checks, folder):
         checks.equal(done.returncode, 0, f"exit code of run --motor {motor}: {done.stdout}{done.stderr}")
         result = folder.json("t.json")
         phases = {p["name"]: p for p in result["phases"]}
-        checks.equal(list(phases), ["start", "half_speed", "full_speed", "load", "no_load", "stop"],
+        above = phases["start"]["speed_command_rpm"] >= 0.5 * phases["full_speed"]["speed_command_rpm"]
+        checks.equal(list(phases), ["start", *([] if above else ["half_speed"]), "full_speed", "load", "no_load", "stop"],
                      f"phases of {motor}")
-        checks.equal([p["warning"] for p in phases.values()], [""] * 6, f"warnings of {motor}")
+        if not above:
+            checks.at_most(abs(phases["half_speed"]["speed_command_rpm"] / phases["full_speed"]["speed_command_rpm"] - 0.5),
+                           1e-6, f"half speed of {motor}")
+        checks.true(not any(p["warning"] for p in phases.values()), f"warnings of {motor}: {phases}")
         checks.equal(phases["stop"]["mode"], "OFF", f"{motor} stops")
         checks.true(phases["load"]["load_Nm"] > 0, f"load of {motor}")
         for key in ["f_pwm_Hz", "i_max_A", "v_bus_V", "dead_time_s"]:
@@ -257,7 +261,62 @@ def full_speed(checks, folder):
         checks.true(f"rpm is above 0.95 of the estimator's limit of {limit:.0f} rpm, lowered to {0.95 * limit:.0f} rpm"
                     in said.get("full_speed", ""), f"{motor[0]}: {said}")
     folder.run("run", "--motor", "fast.ini", "--set", "drive.f_pwm_Hz=20000", "--json", "t.json")
-    checks.equal([p["warning"] for p in folder.json("t.json")["phases"]], [""] * 6, "a quicker drive follows")
+    checks.true(not any(p["warning"] for p in folder.json("t.json")["phases"]), "a quicker drive follows")
+
+
+# A rotor so light that half of its torque at once would stop it at any speed it reaches.
+LIGHT = """[motor]
+poles = 10
+R_line_line_Ohm = 0.62
+L_line_line_mH = 0.75
+ke_Vrms_krpm = 3.6
+J_kgcm2 = 0.06
+speed_rated_rpm = 3000
+[drive]
+v_bus_V = 24
+i_max_A = 15
+f_pwm_Hz = 20000
+"""
+
+
+def trial_load(checks, folder):
+    """No more than (K18) allows, and said beside it; --set has the last word on every phase."""
+    folder.write("light.ini", LIGHT)
+    def trial(*arguments):
+        done = folder.run("run", *arguments, "--json", "t.json")
+        said = [line for line in done.stdout.splitlines() if line.startswith("load of the trial: ")]
+        checks.equal(len(said), 1, f"{arguments}: a line with the load: {done.stdout}{done.stderr}")
+        return done, {p["name"]: p for p in folder.json("t.json")["phases"]}, said[0]
+
+    for motor in (["--motor", "light.ini"], ["--motor", "gimbal_12V", "--drive", "gimbal_12V"],
+                  ["--motor", "servo_48V", "--drive", "servo_48V"]):
+        config = json.loads(folder.run("design", *motor, "--json").stdout)["config"]
+        done, phases, said = trial(*motor)
+        checks.equal(done.returncode, 0, f"{motor}: {done.stdout}")
+        load, rpm = phases["load"]["load_Nm"], phases["load"]["speed_command_rpm"]
+        most = 1.5 * config["motor"]["pole_pairs"] * config["motor"]["psi_Wb"] * config["drive"]["i_max_A"]
+        span = config["speed"].get("gain_rise")
+        step = min(step_as_k18(config, rpm, 1.0 if not isinstance(span, float) else span), most / (1 + math.exp(-2)))
+        checks.at_most(abs(load / min(0.5 * most, step) - 1), 1e-3, f"{motor}: load {load} Nm, step {step} Nm")
+        words = (f": the most that may come at once at {rpm:.0f} rpm" if load < 0.499 * most
+                 else f"; {step:.3g} Nm may come at once at {rpm:.0f} rpm")
+        checks.equal(said, f"load of the trial: {load:.3g} Nm, {100 * load / most:.0f} % of the torque at i_max{words} (see `design`)",
+                     f"{motor}")
+        if motor[1] == "light.ini":
+            checks.equal(list(phases), ["start", "full_speed", "load", "no_load", "stop"], "no half speed above full speed's half")
+            allowed = load
+    done, phases, said = trial("--motor", "light.ini", "--set", "phase.load.load_Nm=0.5", "--set", "motor.B_Nms=1e-7",
+                               "--set", "phase.full_speed.duration_s=0.5")
+    checks.equal(phases["load"]["load_Nm"], 0.5, "a load that was set")
+    checks.equal(done.returncode, 1, "more than it stands")
+    checks.true(f"; {0.5 / allowed:.3g} times the {allowed:.3g} Nm that may come at once at " in said, said)
+    checks.at_most(abs(phases["full_speed"]["end_s"] - phases["full_speed"]["start_s"] - 0.5), 1e-3, "a duration that was set")
+    campaign = folder.run("run", "--motor", "light.ini", "--seeds", "1-2", "--set", "phase.load.bar_speed_rpm=20")
+    checks.true("\n2 of 2 passed\n" in campaign.stdout, f"a bar for the trial: {campaign.stdout}{campaign.stderr}")
+    refused(checks, folder, ["run", "--motor", "light.ini", "--set", "phase.foo.duration_s=3"],
+            r"^--set: \[phase.foo\] duration_s: expected the name of a phase of the scenario: start, full_speed, load, no_load, stop$")
+    refused(checks, folder, ["design", "--motor", "light.ini", "--set", "phase.load.load_Nm=3"],
+            r"^--set: \[phase.load\] load_Nm: expected no phase, there is no scenario here$")
 
 
 def injection(checks, folder):
@@ -487,6 +546,7 @@ def main():
         assumed(checks, folder)
         first_turn(checks, folder)
         full_speed(checks, folder)
+        trial_load(checks, folder)
         injection(checks, folder)
         signal_check(checks, folder)
         plausible(checks, folder)

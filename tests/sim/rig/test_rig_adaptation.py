@@ -38,7 +38,8 @@ def scenario_of(folder, machine, checks):
     checks.equal(done.returncode, 0, f"{machine}: {done.stdout[-300:]}{done.stderr}")
     trial = folder.json("trial.json")
     phase = {each["name"]: each for each in trial["phases"]}
-    half, full = (phase[name]["speed_command_rpm"] for name in ("half_speed", "full_speed"))
+    # Where the start ends above half of full speed there is no other phase for it.
+    half, full = (phase[name]["speed_command_rpm"] for name in ("half_speed" if "half_speed" in phase else "start", "full_speed"))
     seconds = phase["full_speed"]["end_s"] - phase["full_speed"]["start_s"]
     load = phase["load"]["load_Nm"]
     text = f"[scenario]\nmotor = {DATA}/motors/{machine}.ini\ndrive = {DATA}/drives/{machine}.ini\n"
