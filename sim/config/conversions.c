@@ -106,21 +106,32 @@ static int earlier_key(const rig_config_t *config, const char *section, int targ
     return origin->instead != NULL ? find(section, origin->instead) : -1;
 }
 
-static bool give(rig_config_t *config, const row_t *row, int from, const char *key) {
-    const rig_schema_t schema = rig_schema();
+/// What became of a key for one of its targets.
+typedef enum { GIVEN, OVERRULED, REFUSED } outcome_t;
+
+/// Of two sources the later one counts; within one there must not be two keys.
+static outcome_t compare(const rig_config_t *config, const row_t *row, int from, const char *key) {
     const int to = find(row->section, key);
     const int earlier = earlier_key(config, row->section, to);
-    if (earlier >= 0) {
-        refuse_both(config, row, from, earlier);
-        return false;
+    if (earlier < 0 || config->origin[to].order < config->origin[from].order) {
+        return GIVEN;
     }
+    if (config->origin[to].order > config->origin[from].order) {
+        return OVERRULED;
+    }
+    refuse_both(config, row, from, earlier);
+    return REFUSED;
+}
+
+static void give(rig_config_t *config, const row_t *row, int from, const char *key) {
+    const rig_schema_t schema = rig_schema();
+    const int to = find(row->section, key);
     double given = NAN;
     (void)rig_key_number(&schema.row[from], config, &given);
     const float value = (float)convert(config, row, given);
     memcpy((char *)config + schema.row[to].offset, &value, sizeof value);
     config->origin[to] = config->origin[from];
     config->origin[to].instead = row->key;
-    return true;
 }
 
 /// A winding's value says nothing before it is known how the windings are connected.
@@ -142,16 +153,37 @@ static void forget_earlier_results(rig_config_t *config) {
     }
 }
 
+/// As if nobody had given it.
+static void forget(rig_config_t *config, int row) {
+    const double unset = RIG_UNSET;
+    memcpy((char *)config + rig_schema().row[row].offset, &unset, sizeof unset);
+    config->origin[row] = (rig_origin_t){.file = -1, .line = -1};
+}
+
+/// False after a message.
+static bool apply(rig_config_t *config, const row_t *row) {
+    const int from = find(row->section, row->key);
+    bool used = false;
+    for (int k = 0; k < 2 && is_typed(config, from) && row->target[k] != NULL; ++k) {
+        const outcome_t outcome = compare(config, row, from, row->target[k]);
+        if (outcome == REFUSED || (outcome == GIVEN && !is_connected(config, row, from))) {
+            return false;
+        }
+        if (outcome == GIVEN) {
+            give(config, row, from, row->target[k]);
+            used = true;
+        }
+    }
+    if (!used) {
+        forget(config, from);
+    }
+    return true;
+}
+
 bool conversions_apply(rig_config_t *config) {
     forget_earlier_results(config);
     for (int k = 0; k < ROWS; ++k) {
-        const row_t *row = &rows[k];
-        const int from = find(row->section, row->key);
-        if (!is_typed(config, from)) {
-            continue;
-        }
-        if (!is_connected(config, row, from) || !give(config, row, from, row->target[0]) ||
-            (row->target[1] != NULL && !give(config, row, from, row->target[1]))) {
+        if (!apply(config, &rows[k])) {
             return false;
         }
     }

@@ -23,6 +23,7 @@ typedef struct {
     const char *path;
     pass_t pass;
     int file;       ///< index into config->file
+    int order;      ///< of rig_origin_t
     int line;       ///< being read
     bool line_done; ///< the last piece read ended its line
     bool failed;    ///< a message is out
@@ -160,7 +161,7 @@ static void take_value(source_t *source, const char *section, const char *key, c
         complain_of_value(source, section, key, value, expected);
         return;
     }
-    *origin = (rig_origin_t){.file = source->file, .line = source->line};
+    *origin = (rig_origin_t){.file = source->file, .line = source->line, .order = source->order};
 }
 
 // ---- Files --------------------------------------------------------------------------------------
@@ -241,7 +242,8 @@ static bool parse(source_t *source) {
 }
 
 static bool open_source(source_t *source, rig_config_t *config, const char *path, pass_t pass) {
-    *source = (source_t){.config = config, .pass = pass, .line_done = true};
+    *source =
+        (source_t){.config = config, .pass = pass, .line_done = true, .order = ++config->readings};
     for (int k = 0; k < config->files; ++k) {
         if (strcmp(config->file[k], path) == 0) {
             source->file = k;
@@ -313,7 +315,11 @@ bool ini_config_load_scenario(rig_config_t *config, const char *path) {
 // ---- Command line -------------------------------------------------------------------------------
 
 bool ini_config_set(rig_config_t *config, const char *option, const char *assignment) {
-    source_t source = {.config = config, .path = option, .pass = PASS_SCENARIO, .file = -1};
+    source_t source = {.config = config,
+                       .path = option,
+                       .pass = PASS_SCENARIO,
+                       .file = -1,
+                       .order = RIG_ORDER_SET};
     char copy[RIG_PATH_LENGTH];
     const int length = snprintf(copy, sizeof copy, "%s", assignment);
     char *equals = strchr(copy, '=');

@@ -15,7 +15,8 @@ enum {
     RIG_FILES_MAX = 8,
     RIG_KEYS_MAX = 320,
     RIG_PHASE_KEYS_MAX = 40,
-    RIG_PHASES_MAX = 48
+    RIG_PHASES_MAX = 48,
+    RIG_ORDER_SET = 1000 ///< of the command line, behind all files
 };
 
 /// A double that no file has set.
@@ -180,6 +181,7 @@ typedef struct {
 typedef struct {
     int file;            ///< index into `files`, -1: nowhere
     int line;            ///< 0: command line
+    int order;           ///< of two sources the one with the last word has the larger one
     const char *instead; ///< key of the section that was given in place of this one; NULL: itself
     const char
         *assumed;  ///< in words, where nobody gave a value that cannot be computed; NULL: not so
@@ -208,6 +210,7 @@ typedef struct {
     bool speed_of_eq14; ///< no key: qpll-euler takes eq. 14 at its word
     bool continuous;    ///< no key: the papers' own forms in continuous time (rig/continuous.h)
     rig_scenario_t scenario;
+    int readings; ///< of files, so far
     int files;
     char file[RIG_FILES_MAX][RIG_PATH_LENGTH];
     rig_origin_t origin[RIG_KEYS_MAX]; ///< one per row of the schema

@@ -111,8 +111,8 @@ def conflicts(checks, folder):
     refused(checks, folder, ["design", "--motor", "m.ini"],
             r"m.ini:8: \[motor\] kt_Nm_A: says the same as ke_V_Hz in m.ini:6; expected one of them")
     folder.write("m.ini", base)
-    refused(checks, folder, ["design", "--motor", "m.ini", "--set", "motor.Rs_mOhm=50"],
-            r"--set: \[motor\] Rs_mOhm: says the same as Rs_Ohm in m.ini:3; expected one of them")
+    refused(checks, folder, ["design", "--motor", "m.ini", "--set", "motor.Rs_mOhm=50", "--set", "motor.Rs_Ohm=0.05"],
+            r"--set: \[motor\] Rs_mOhm: says the same as Rs_Ohm in --set; expected one of them")
     folder.write("m.ini", base.replace("Rs_Ohm = 0.05", "R_winding_Ohm = 0.1"))
     refused(checks, folder, ["design", "--motor", "m.ini"],
             r"m.ini:3: \[motor\] R_winding_Ohm: expected winding = star or winding = delta beside it")
@@ -227,6 +227,47 @@ def first_turn(checks, folder):
     folder.write("both.ini", (folder.path / "sheet.ini").read_text()
                  + "[drive]\nf_pwm_Hz = 20000\nv_bus_V = 12\ni_max_A = 10\n")
     refused(checks, folder, ["run", "both.ini"], "A file with a motor alone goes behind --motor")
+
+
+def later_sources_win(checks, folder):
+    """Of two keys for one quantity in two sources the later one counts: the motor's file, the drive's, --set."""
+    folder.write("m.ini", SMALL.split("[drive]")[0].replace("Rs_Ohm = 0.05", "R_winding_Ohm = 0.1\nwinding = star"))
+    drive = "[drive]" + SMALL.split("[drive]")[1]
+    def found(more, *sets):
+        folder.write("d.ini", drive + "[motor]\n" + more)
+        arguments = ["design", "--motor", "m.ini", "--drive", "d.ini", *[x for s in sets for x in ("--set", s)]]
+        done = folder.run(*arguments, "--json")
+        checks.equal(done.returncode, 0, f"exit code with {more!r} {sets}: {done.stderr}")
+        return json.loads(done.stdout)["config"]["motor"], folder.run(*arguments).stdout
+
+    for more, sets, key, value, place in [
+        ("", [], "Rs_Ohm", 0.1, "m.ini:3: R_winding_Ohm"),
+        ("", ["motor.Rs_Ohm=0.07"], "Rs_Ohm", 0.07, "command line"),
+        ("", ["motor.Rs_mOhm=60"], "Rs_Ohm", 0.06, "command line: Rs_mOhm"),
+        ("Rs_mOhm = 80\n", [], "Rs_Ohm", 0.08, r"d.ini:6: Rs_mOhm"),
+        ("Rs_mOhm = 80\n", ["motor.R_line_line_Ohm=0.18"], "Rs_Ohm", 0.09, "command line: R_line_line_Ohm"),
+        ("Rs_Ohm = 0.08\n", [], "Rs_Ohm", 0.08, "d.ini:6"),
+        ("poles = 10\n", [], "pole_pairs", 5, "d.ini:6: poles"),
+        # One key for both axes, of which a later source gives one.
+        ("L_uH = 40\n", ["motor.Lq_uH=45"], "Lq_H", 45e-6, "command line: Lq_uH"),
+        ("L_uH = 40\n", ["motor.Lq_uH=45"], "Ld_H", 40e-6, "d.ini:6: L_uH"),
+        ("L_uH = 40\n", [], "Lq_H", 40e-6, "d.ini:6: L_uH"),
+    ]:
+        motor, text = found(more, *sets)
+        checks.at_most(abs(motor[key] / value - 1), 1e-6, f"{key} with {more!r} {sets}: {motor[key]}")
+        checks.true(f"; {place}\n" in text, f"{key} with {more!r} {sets}: {place} in {text}")
+    # A winding's value that has lost needs no connection.
+    folder.write("m.ini", (folder.path / "m.ini").read_text().replace("winding = star\n", ""))
+    found("", "motor.Rs_Ohm=0.07")
+    # In a scenario its own keys come after those of the files that it names, and before --set.
+    folder.write("s.ini", "[scenario]\nmotor = m.ini\ndrive = d.ini\n[motor]\nRs_Ohm = 0.06\n[start]\nhandover_rpm = 400\n"
+                          "[phase.a]\nduration_s = 0.01\n")
+    for sets, Rs, omega in ([], 0.06, 400 * RPM * 7), (["motor.Rs_mOhm=65", "start.omega_handover_rad_s=300"], 0.065, 300):
+        done = folder.run("run", "s.ini", "--json", "s.json", *[x for s in sets for x in ("--set", s)])
+        checks.equal(done.returncode, 0, f"scenario with {sets}: {done.stderr}")
+        config = folder.json("s.json")["config"]
+        checks.at_most(abs(config["motor"]["Rs_Ohm"] / Rs - 1), 1e-6, f"Rs of a scenario with {sets}")
+        checks.at_most(abs(config["start"]["omega_handover_rad_s"] / omega - 1), 1e-6, f"hand-over of a scenario with {sets}")
 
 
 # Its rated speed is more than the estimator can follow at 5 kHz, and within what the bus allows.
@@ -542,6 +583,7 @@ def main():
     with Folder() as folder:
         data_sheets(checks, folder)
         conflicts(checks, folder)
+        later_sources_win(checks, folder)
         speeds(checks, folder)
         assumed(checks, folder)
         first_turn(checks, folder)
