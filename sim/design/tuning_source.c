@@ -8,6 +8,76 @@
 #include "lodestar/version.h"
 #include "support/diag.h"
 
+// Keywords of C99, C11 and C23, and what else a program has once.
+static const char *const words[] = {
+    "auto",    "break",  "case",          "char",   "const",    "continue",      "default",
+    "do",      "double", "else",          "enum",   "extern",   "float",         "for",
+    "goto",    "if",     "inline",        "int",    "long",     "register",      "restrict",
+    "return",  "short",  "signed",        "sizeof", "static",   "struct",        "switch",
+    "typedef", "union",  "unsigned",      "void",   "volatile", "while",         "alignas",
+    "alignof", "bool",   "constexpr",     "false",  "nullptr",  "static_assert", "thread_local",
+    "true",    "typeof", "typeof_unqual", "asm",    "main",
+};
+
+// Functions of <math.h>, which the library's headers include; with f and l behind them too.
+static const char *const functions[] = {
+    "acos",        "asin",        "atan",
+    "atan2",       "cos",         "sin",
+    "tan",         "acosh",       "asinh",
+    "atanh",       "cosh",        "sinh",
+    "tanh",        "exp",         "exp2",
+    "expm1",       "frexp",       "ilogb",
+    "ldexp",       "log",         "log10",
+    "log1p",       "log2",        "logb",
+    "modf",        "scalbn",      "scalbln",
+    "cbrt",        "fabs",        "hypot",
+    "pow",         "sqrt",        "erf",
+    "erfc",        "lgamma",      "tgamma",
+    "ceil",        "floor",       "nearbyint",
+    "rint",        "lrint",       "llrint",
+    "round",       "lround",      "llround",
+    "trunc",       "fmod",        "remainder",
+    "remquo",      "copysign",    "nan",
+    "nextafter",   "nexttoward",  "fdim",
+    "fmax",        "fmin",        "fma",
+    "gamma",       "j0",          "j1",
+    "jn",          "y0",          "y1",
+    "yn",          "fpclassify",  "isfinite",
+    "isinf",       "isnan",       "isnormal",
+    "signbit",     "isgreater",   "isgreaterequal",
+    "isless",      "islessequal", "islessgreater",
+    "isunordered",
+};
+
+static bool begins_with(const char *name, const char *with) {
+    return strncmp(name, with, strlen(with)) == 0;
+}
+
+static bool is_of_math(const char *name) {
+    const size_t length = strlen(name);
+    const bool suffixed = length > 1u && (name[length - 1u] == 'f' || name[length - 1u] == 'l');
+    bool found = false;
+    for (size_t k = 0u; k < sizeof functions / sizeof functions[0]; ++k) {
+        const bool same = strlen(functions[k]) == length - 1u && begins_with(name, functions[k]);
+        found = found || strcmp(name, functions[k]) == 0 || (suffixed && same);
+    }
+    return found;
+}
+
+/// A name that C, its library or this one has already.
+static bool is_taken(const char *name) {
+    const size_t length = strlen(name);
+    const bool type = length > 2u && strcmp(name + length - 2u, "_t") == 0;
+    bool taken = name[0] == '_' || begins_with(name, "lode_") || begins_with(name, "LODE_") ||
+                 is_of_math(name);
+    taken = taken || (type && (begins_with(name, "int") || begins_with(name, "uint") ||
+                               strcmp(name, "float_t") == 0 || strcmp(name, "double_t") == 0));
+    for (size_t k = 0u; k < sizeof words / sizeof words[0]; ++k) {
+        taken = taken || strcmp(name, words[k]) == 0;
+    }
+    return taken;
+}
+
 bool tuning_source_name(char *name, size_t size, const char *path) {
     const char *slash = strrchr(path, '/');
     const char *first = slash != NULL ? slash + 1 : path;
@@ -21,6 +91,15 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
         return false;
     }
     (void)snprintf(name, size, "%.*s", (int)length, first);
+    if (is_taken(name)) {
+        rig_error("--c %s: the constant would be called %s; expected a file whose name, without "
+                  "its ending, is free "
+                  "in C: no keyword, not main, nothing of <math.h> or <stdint.h>, nothing that "
+                  "begins with an "
+                  "underscore, lode_ or LODE_",
+                  path, name);
+        return false;
+    }
     return true;
 }
 

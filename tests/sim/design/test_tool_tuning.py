@@ -70,6 +70,17 @@ with Folder() as folder:
         (["--drive", "small.ini", "--c", "x.c"], r"\[drive\] i_range_A: missing"),
     ]:
         refused(checks, folder, ["design", "--motor", MOTOR, *arguments], pattern)
+    # Names that C, its library or this one has already: none of them would compile.
+    for name in ("int", "for", "restrict", "inline", "bool", "true", "alignas", "thread_local", "nullptr", "constexpr",
+                 "typeof", "static_assert", "asm", "main", "LODE_OK", "lode_drive_tuning_t", "lode_mine", "_Bool",
+                 "_mine", "exp", "gamma", "sqrtf", "logl", "y0", "isnan", "uint32_t", "int_fast8_t", "float_t"):
+        refused(checks, folder, ["design", "--motor", MOTOR, "--drive", DRIVE, "--c", f"{name}.c"],
+                f"--c {name}.c: the constant would be called {name}; expected a file whose name, .* is free in C: no keyword")
+    for name in ("integer", "form", "mainly", "lodestar", "expo", "f", "sqrtfl", "my_t", "int8"):
+        run = subprocess.run([TOOL, "design", "--motor", MOTOR, "--drive", DRIVE, "--c", f"{name}.c"],
+                             cwd=folder.path, capture_output=True, text=True)
+        checks.true(run.returncode == 0, f"--c {name}.c: {run.stderr}")
+        compiled(checks, folder.path / f"{name}.c", HOST, [])
     refused(checks, folder, ["design", "--motor", SOURCE / "sim/data/motors/ultrazohm6.ini", *six, "--c",
                              "six.c"], "expected a drive for three phases")
 checks.done()
