@@ -26,6 +26,7 @@ typedef struct {
     int order;      ///< of rig_origin_t
     int line;       ///< being read
     bool line_done; ///< the last piece read ended its line
+    bool has_key;   ///< in the present section: a line that begins with a blank continues its value
     bool failed;    ///< a message is out
 } source_t;
 
@@ -176,6 +177,7 @@ static bool is_part_key(const char *section, const char *key) {
 
 static int on_value(void *user, const char *section, const char *key, const char *value) {
     source_t *source = user;
+    source->has_key = true;
     const bool is_phase = strncmp(section, "phase.", strlen("phase.")) == 0;
     if (source->pass == PASS_PARTS) {
         if (is_part_key(section, key)) {
@@ -198,6 +200,25 @@ static int on_value(void *user, const char *section, const char *key, const char
     return 1;
 }
 
+/// inih goes on after a [section without its end, and then tells of the keys in it alone.
+static void check_section(source_t *source, const char *line) {
+    static const char mark[] = "\xEF\xBB\xBF"; // of UTF-8
+    const size_t marked = source->line == 1 && strncmp(line, mark, strlen(mark)) == 0 ? 3u : 0u;
+    const char *start = line + marked + strspn(line + marked, " \t");
+    if (start[0] != '[' || (start != line + marked && source->has_key)) {
+        return;
+    }
+    const size_t length = strcspn(start, "]\r\n");
+    const char *comment = strstr(start, " ;");
+    source->has_key = false;
+    if (start[length] != ']' || (comment != NULL && comment < start + length)) {
+        rig_error_at(source->path, source->line,
+                     "expected a ] behind the name of the section, not '%.*s'",
+                     (int)(length < 60u ? length : 60u), start);
+        source->failed = true;
+    }
+}
+
 /// Feeds inih line by line and counts; inih itself does not tell a handler where it is.
 static char *next_line(char *text, int size, void *user) {
     source_t *source = user;
@@ -218,6 +239,9 @@ static char *next_line(char *text, int size, void *user) {
         rig_error_at(source->path, source->line,
                      "a zero octet; expected text in UTF-8 or ASCII (not UTF-16)");
         source->failed = true;
+    }
+    if (line != NULL && !source->failed) {
+        check_section(source, line);
     }
     return source->failed ? NULL : line;
 }

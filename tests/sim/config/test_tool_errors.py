@@ -322,6 +322,9 @@ def ini_files(checks, folder):
         (scenario + "[motor]\nRs_Ohm = 1\nRs_Ohm = 2\n", r"s.ini:8: .*given twice, first in line 7"),
         (scenario + "load_Nm = 1\nload_Nm = 2\n", r"s.ini:7: .*given twice, first in line 6"),
         (scenario + "no equals sign\n", r"s.ini:6: expected `\[section\]`"),
+        ("[scenario\nseed = 1\n", r"^s.ini:1: expected a \] behind the name of the section, not '\[scenario'$"),
+        ("\ufeff [scenario ; ]\nseed = 1\n", r"^s.ini:1: expected a \] behind the name of the section, not '\[scenario ; '$"),
+        (scenario + "[motor\nRs_Ohm = 1\n", r"^s.ini:6: expected a \] behind the name of the section, not '\[motor'$"),
         (scenario + "[phase.b]\nload_Nm = 1\n", r"\[phase.b\] duration_s: missing"),
         (scenario + "[estimator]\nemf = fa-leso\nk2_rad_s = 5\n",
          r"s.ini:8: \[estimator\] k2_rad_s = 5: LODE_ERROR_EMF_PLL"),
@@ -339,8 +342,8 @@ def ini_files(checks, folder):
         (b"\x00\xff\x00\n", "s.ini:1: a zero octet; expected text"),
         (1000 * b"\x00", "s.ini:1: a zero octet; expected text"),
     ]:
-        path = folder.write("s.ini", text)
-        refused(checks, folder, ["run", path], pattern)
+        folder.write("s.ini", text)
+        refused(checks, folder, ["run", "s.ini"], pattern)
     # What counts is the place that said it: here the motor's file, not the scenario.
     folder.write("m.ini", MOTOR.read_text().replace("psi_Wb = 0.142", "psi_Wb = 0"))
     folder.write("s.ini", scenario.replace(str(MOTOR), "m.ini"))
