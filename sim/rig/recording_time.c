@@ -196,9 +196,12 @@ bool recording_time(recording_t *self, const char *path, const recording_format_
         rig_error_at(path, 0, "%zu rows; expected at least 3", self->rows);
         return false;
     }
+    if (!check_rising(self, path)) {
+        return false;
+    }
     const double median_s = median_step(self);
-    if (!(median_s > 0.0)) {
-        rig_error_at(path, 0, "t_s does not rise; expected one row per PWM period");
+    if (isnan(median_s)) {
+        rig_error_at(path, 0, "out of memory; expected fewer rows");
         return false;
     }
     if (!check_rate(self, path, format, median_s)) {
@@ -208,5 +211,5 @@ bool recording_time(recording_t *self, const char *path, const recording_format_
         return check_even(self, path, median_s);
     }
     const double period_s = format->f_pwm_Hz > 0.0 ? 1.0 / format->f_pwm_Hz : median_s;
-    return check_rising(self, path) && (find_gaps(self, median_s, period_s) || resample(self));
+    return find_gaps(self, median_s, period_s) || resample(self);
 }

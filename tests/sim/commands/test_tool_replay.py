@@ -184,7 +184,8 @@ def bad_recordings(checks, folder):
         for k in range(200, len(copy)):
             copy[k][0] = repr(float(copy[k][0]) + (late - 1) * step)
         write(folder, "b.csv", header, copy)
-        refused(checks, folder, arguments, r"b.csv:202: t_s: a step of .*within 1 %")
+        refused(checks, folder, arguments,
+                r"b.csv:202: t_s: a step of .*" + ("within 1 %" if late > 0 else "times that rise"))
     write(folder, "b.csv", header, changed(100, 0, repr(float(rows[100][0]) + 0.005 * step)))
     checks.equal(folder.run(*arguments[:-2]).returncode, 0, "0.5 % of jitter: exit code")
     for k, name in enumerate(COLUMNS[:5]):
@@ -414,7 +415,15 @@ def times(checks, folder):
                 r"v.csv:3: t_s: a row every 0.0006 s; .*every 0.0002 s .*record every period")
     # A drive started anew, and times that do not rise.
     write(folder, "v.csv", header, rows[:900] + rows[:900])
-    refused(checks, folder, [*base, "--resample"], "v.csv:902: t_s: a step of .*times that rise")
+    for options in ([], ["--resample"]):
+        refused(checks, folder, [*base, *options], "^v.csv:902: t_s: a step of -.*times that rise")
+        for wrong in (rows[0][0], "0"): # all the same, or from the second row on
+            write(folder, "w.csv", header, [rows[0]] + [[wrong, *row[1:]] for row in rows[1:900]])
+            refused(checks, folder, ["replay", "--motor", "m.ini", "--recording", "w.csv", *options],
+                    "^w.csv:3: t_s: a step of .*times that rise")
+        write(folder, "w.csv", header, rows[899::-1])
+        refused(checks, folder, ["replay", "--motor", "m.ini", "--recording", "w.csv", *options],
+                "^w.csv:3: t_s: a step of -0.0002 s; expected times that rise")
 
 
 def hostile_tables(checks, folder):
