@@ -1,6 +1,7 @@
 #include "commands/command_run.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "commands/campaign.h"
 #include "commands/command_load.h"
@@ -28,6 +29,15 @@ static bool open_files(files_t *files, const options_t *options) {
            plot_open(&files->plot, options->plot);
 }
 
+/// What the first line of a scenario or a motor says of it; its name where that says nothing.
+static void title_of(const char *path, char *title, size_t size) {
+    const char *slash = strrchr(path, '/');
+    ini_config_title(path, title, size);
+    if (title[0] == '\0') {
+        (void)snprintf(title, size, "%s", slash != NULL ? slash + 1 : path);
+    }
+}
+
 /// False after a message.
 static bool write_files(const files_t *files, const rig_config_t *config,
                         const runner_result_t *result, const runlog_t *log) {
@@ -37,8 +47,8 @@ static bool write_files(const files_t *files, const rig_config_t *config,
     if (files->json != NULL) {
         report_run_json(files->json, config, result, log);
     }
-    char title[200];
-    ini_config_title(config->file[0], title, sizeof title);
+    char title[RIG_PATH_LENGTH];
+    title_of(config->file[0], title, sizeof title);
     return files->plot.file == NULL || plot_run(&files->plot, title, result, log);
 }
 

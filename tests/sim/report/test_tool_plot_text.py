@@ -55,6 +55,22 @@ def phases(checks, folder):
         checks.equal(texts.count(name.replace("'", "\u2019")), 2, f"title and phase {name!r}, in {texts[:8]}")
 
 
+def titles(checks, folder):
+    """Of a motor or a scenario without a comment in its first line, or with an empty one: the file's name."""
+    motor = MOTOR.read_text().split("\n", 1)[1] + DRIVE.read_text().split("\n", 1)[1]
+    short = [x for name in ("start", "half_speed", "full_speed", "load", "no_load", "stop")
+             for x in ("--set", f"phase.{name}.duration_s=0.01")]
+    for begin, title in (("", "my servo.ini"), (";\n", "my servo.ini"), ("; Mine\n", "Mine")):
+        folder.write("sub/my servo.ini", begin + motor)
+        texts = drawn(checks, folder, f"a motor that begins {begin!r}", ["run", "--motor", "sub/my servo.ini", *short])
+        checks.equal(texts.count(title), 1, f"title {title!r}, in {texts[:8]}")
+    folder.write("s.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n[phase.a]\nduration_s = 0.01\n")
+    checks.equal(drawn(checks, folder, "a scenario without a title", ["run", "s.ini"]).count("s.ini"), 1, "its name")
+    subprocess.run([TOOL, "run", "s.ini", "--plot", "p.html"], cwd=folder.path, capture_output=True, check=False)
+    checks.true("<title>s.ini</title>" in (folder.path / "p.html").read_text(), "title of a page")
+    (folder.path / "p.html").unlink()
+
+
 def recordings(checks, folder):
     """The title of a replay's picture is its recording's file name: control characters are blanks."""
     lines = (RECORDINGS / "steady-300rpm-5Nm.csv").read_bytes().splitlines(keepends=True)
@@ -107,6 +123,7 @@ def main():
         generated_c(checks, folder)
         if shutil.which("gnuplot"):
             phases(checks, folder)
+            titles(checks, folder)
             recordings(checks, folder)
             records(checks, folder)
             pages(checks, folder)
