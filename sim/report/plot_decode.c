@@ -12,6 +12,8 @@ enum {
     LEGEND = 200,
     FRAME_HEIGHT = 110,
     PANEL_HEIGHT = 150,
+    PANEL_WIDTH = 850,
+    TURN_PIXELS = 3, ///< that an angle needs for a turn, to be drawn as lines
     POINTS = 2400
 };
 
@@ -103,19 +105,44 @@ static void send_point(pen_t *pen, double t_s, const double value[LODE_CHANNELS_
     pen->drawn = true;
 }
 
-/// Whether an angle moves by more than an eighth of a turn in a stretch, which is less than a pixel wide.
-static bool turns_fast(const decode_t *decoded, uint32_t channel, size_t from, size_t to) {
+/// Whether frames are missing before a row, or the drive was started anew.
+static bool is_behind_gap(const decode_t *decoded, size_t row) {
+    const double step_s = (double)decoded->decimation / decoded->f_pwm_Hz;
+    return !(fabs(decoded->t_s[row] - decoded->t_s[row - 1] - step_s) < 0.5 * step_s);
+}
+
+/// From one row to the one before another.
+typedef struct {
+    size_t from, to;
+} rows_t;
+
+/// As wide as TURN_PIXELS, about the middle of a stretch, and not across a gap.
+static rows_t rows_about(const decode_t *decoded, size_t from, size_t to) {
+    const size_t half = decoded->rows * TURN_PIXELS / (2u * PANEL_WIDTH);
+    const size_t middle = from + (to - from) / 2u;
+    rows_t rows = {middle, middle + 1u};
+    while (rows.from > 0u && middle - rows.from < half && !is_behind_gap(decoded, rows.from)) {
+        rows.from--;
+    }
+    while (rows.to < decoded->rows && rows.to - middle < half && !is_behind_gap(decoded, rows.to)) {
+        rows.to++;
+    }
+    return rows;
+}
+
+/// Whether an angle turns once or more in these rows: lines of such turns would run together.
+static bool turns_fast(const decode_t *decoded, uint32_t channel, rows_t rows) {
     double moved_rad = 0.0;
-    for (size_t row = from + 1; row < to; ++row) {
+    for (size_t row = rows.from + 1u; row < rows.to; ++row) {
         const float *value = &decoded->value[row * decoded->channels + channel];
         const double before = (double)*(value - decoded->channels);
         moved_rad += fabs(remainder((double)*value - before, 2.0 * RIG_PI));
     }
-    return moved_rad > 0.25 * RIG_PI;
+    return moved_rad > 2.0 * RIG_PI;
 }
 
 /// Least and largest value of each channel in a stretch, so that no peak gets lost; of an angle the first
-/// and the last.
+/// and the last, or where it turns too fast for lines all that it passes through about there.
 static void send_stretch(pen_t *pen, size_t from, size_t to) {
     const decode_t *decoded = pen->decoded;
     double low[LODE_CHANNELS_MAX];
@@ -123,25 +150,22 @@ static void send_stretch(pen_t *pen, size_t from, size_t to) {
     pen->band = false;
     for (uint32_t k = 0; k < decoded->channels; ++k) {
         const bool angle = decoded->channel[k] == (uint32_t)LODE_CHANNEL_THETA;
-        const bool ends = angle && !turns_fast(decoded, k, from, to);
-        pen->band = pen->band || (angle && !ends);
-        low[k] = high[k] = (double)decoded->value[from * decoded->channels + k];
-        for (size_t row = from + 1; row < to; ++row) {
+        const rows_t about = angle ? rows_about(decoded, from, to) : (rows_t){from, to};
+        const bool band = angle && turns_fast(decoded, k, about);
+        const bool ends = angle && !band;
+        const rows_t rows = band ? about : (rows_t){from, to};
+        pen->band = pen->band || band;
+        low[k] = high[k] = (double)decoded->value[rows.from * decoded->channels + k];
+        for (size_t row = rows.from + 1u; row < rows.to; ++row) {
             const double next = (double)decoded->value[row * decoded->channels + k];
             low[k] = ends ? low[k] : fmin(low[k], next);
             high[k] = ends ? next : fmax(high[k], next);
         }
     }
     send_point(pen, time_of(decoded, from), low);
-    if (to > from + 1) {
+    if (to > from + 1 || pen->band) {
         send_point(pen, time_of(decoded, to - 1), high);
     }
-}
-
-/// Whether frames are missing before a row, or the drive was started anew.
-static bool is_behind_gap(const decode_t *decoded, size_t row) {
-    const double step_s = (double)decoded->decimation / decoded->f_pwm_Hz;
-    return !(fabs(decoded->t_s[row] - decoded->t_s[row - 1] - step_s) < 0.5 * step_s);
 }
 
 static void send_rows(FILE *script, const decode_t *decoded) {

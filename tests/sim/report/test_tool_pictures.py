@@ -146,6 +146,25 @@ def angles_of_a_record(checks, folder):
         checks.true(any(word == t.strip().replace("\u00a0", " ") for t in texts), f"{word} in {texts}")
 
 
+def angles_that_turn_fast(checks, folder):
+    """All of a range is filled where lines of turns would run together: at 600 to 1500 rpm of 13 s, not at 150 to 300 rpm."""
+    folder.run("run", "main", "--ring", "r.bin", "--channels", "theta_rad,omega_rad_s")
+    folder.run("decode", "r.bin", "--plot", "r.svg")
+    found = curves((folder.path / "r.svg").read_bytes())
+    points = [p for line in found["theta_rad"] for p in line]
+    left, right = min(p[0] for p in points), max(p[0] for p in points)
+    low, high = min(p[1] for p in points), max(p[1] for p in points)
+    spans = {}
+    for x, y in points:
+        t = 13.0 * (x - left) / (right - left)
+        if 2.3 < t < 9.9:
+            spans.setdefault(int(x), []).append(y)
+    least = min((max(ys) - min(ys)) / (high - low) for ys in list(spans.values())[1:-1])
+    checks.true(len(spans) > 100 and least > 0.97, f"{len(spans)} columns, the least filled has {least:.3f} of the range")
+    slow = [line for line in found["theta_rad"] if 13.0 * (line[0][0] - left) / (right - left) > 10.2]
+    checks.true(len(slow) > 10 and max(steps(slow, 1), default=high) < 0.5 * (high - low), f"{len(slow)} lines of slow turns")
+
+
 def main():
     if shutil.which("gnuplot") is None:
         print("skipped: no gnuplot")
@@ -158,6 +177,7 @@ def main():
         gaps_of_a_run(checks, folder)
         gaps_of_a_replay(checks, folder)
         angles_of_a_record(checks, folder)
+        angles_that_turn_fast(checks, folder)
     checks.done()
 
 
