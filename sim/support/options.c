@@ -483,13 +483,23 @@ static bool needs(const char *command, const char *what, const char *value) {
     return value != NULL;
 }
 
-static bool check_format(const char *format) {
+/// An option that says how another one is done has no effect without that.
+static bool check_beside(const char *option, const char *value, const char *beside, bool there) {
+    const bool good = value == NULL || there;
+    if (!good) {
+        rig_error("--%s: expected with %s only", option, beside);
+    }
+    return good;
+}
+
+static bool check_format(const options_t *options) {
+    const char *format = options->format;
     const bool good = format == NULL || strcmp(format, "svg") == 0 || strcmp(format, "png") == 0 ||
                       strcmp(format, "html") == 0;
     if (!good) {
         rig_error("--format %s: expected svg, png or html", format);
     }
-    return good;
+    return good && check_beside("format", format, "--plots", options->plots != NULL);
 }
 
 static bool check_either(const char *command, const options_t *options) {
@@ -502,8 +512,16 @@ static bool check_either(const char *command, const options_t *options) {
     return true;
 }
 
+static bool check_recorders(const options_t *options) {
+    const bool any = options->ring != NULL || options->scope != NULL;
+    return check_beside("channels", options->channels, "--ring or --scope", any) &&
+           check_beside("every", options->every, "--ring or --scope", any) &&
+           check_beside("trigger", options->trigger, "--scope", options->scope != NULL);
+}
+
 static bool check_run(const options_t *options) {
-    return (options->scenario != NULL ||
+    return check_recorders(options) &&
+           (options->scenario != NULL ||
             needs("run", "a scenario file, or --motor F.ini", options->motor)) &&
            check_either("run", options);
 }
@@ -545,7 +563,7 @@ static bool check_monte_carlo(const options_t *options) {
 }
 
 static bool check(const options_t *options) {
-    if (!check_format(options->format)) {
+    if (!check_format(options)) {
         return false;
     }
     switch (options->command) {
