@@ -12,3 +12,8 @@ endif()
 lode_port_test(test_port_kept "${CMAKE_CURRENT_SOURCE_DIR}/test_port_kept.c")
 lode_port_test(test_port_template "${CMAKE_CURRENT_SOURCE_DIR}/test_port_template.c" ${application}
                "${LODE_PORT_DIR}/template/board.c")
+if(LODE_BUILD_GATES)
+  add_test(NAME port_options COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/options.sh"
+           WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+  set_tests_properties(port_options PROPERTIES LABELS port TIMEOUT 120)
+endif()
