@@ -46,7 +46,8 @@ static void complain(source_t *source, const char *section, const char *key, con
 static void complain_of_value(source_t *source, const char *section, const char *key,
                               const char *value, const char *expected) {
     char text[768];
-    (void)snprintf(text, sizeof text, "%s, not '%.60s'", expected, value);
+    (void)snprintf(text, sizeof text, "%s, not '%.60s'%s", expected, value,
+                   strchr(value, '#') != NULL ? "; comments begin with ;" : "");
     complain(source, section, key, text);
 }
 

@@ -48,8 +48,9 @@ static const rig_key_t keys[] = {
     PLAIN("motor", "Lxy_H", six.Lxy_H, RIG_KEY_GIVEN),
     NUMBER("motor", "speed_rated_rpm", people.speed_rated_rpm, 1e-3, 1e6),
     CHOICE("motor", "winding", sheet.winding, "star|delta", NULL),
+    NUMBER("motor", "poles", sheet.poles, 2.0, 200.0),
     // clang-format off
-    DATA_SHEET_KEYS(SHEET)
+    DATA_SHEET_VALUES(SHEET)
     // clang-format on
 
     GIVEN("drive", "f_pwm_Hz", f_pwm_Hz),
