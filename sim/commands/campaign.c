@@ -40,6 +40,9 @@ static const char *verdict(const runner_result_t *result) {
     if (result->fault.check != LODE_CHECK_NONE) {
         return lode_check_name((lode_check_t)result->fault.check);
     }
+    if (result->never_ran) {
+        return "RUN was never reached";
+    }
     return result->missed ? "missed a bar" : "passed";
 }
 
@@ -139,9 +142,9 @@ static bool run_cases(campaign_t *self) {
 
 static rig_exit_t finish(const campaign_t *self, FILE *json, cJSON *root) {
     const uint64_t cases = self->options->seed_last - self->options->seed + 1;
-    (void)printf("\n%llu of %llu passed%s\n", (unsigned long long)self->passed,
-                 (unsigned long long)cases,
-                 self->barred ? "" : " (no bars set: without a fault, that is)");
+    (void)printf(
+        "\n%llu of %llu passed%s\n", (unsigned long long)self->passed, (unsigned long long)cases,
+        self->barred ? "" : " (no bars set: in RUN where that was commanded, and without a fault)");
     if (json != NULL) {
         config_json_number(root, "cases", (double)cases);
         config_json_number(root, "passed", (double)self->passed);

@@ -42,7 +42,9 @@ typedef struct {
     lode_mode_t mode;
     bool driven; ///< the gates were on in the period that the estimate looks back at
     bool faulted;
-    bool held; ///< by a dynamometer
+    bool asked;   ///< by a phase, for RUN with a speed
+    bool excused; ///< such a phase says itself that it ends otherwise
+    bool held;    ///< by a dynamometer
     double v_bus_V;
     double drawn_J;  ///< out of the supply, before the period at hand
     double supply_A; ///< filtered
@@ -418,6 +420,15 @@ static bool retune(run_t *run, const rig_phase_t *phase) {
     return true;
 }
 
+/// Without a speed the drive stays OFF in RUN, as it should.
+static void note_asked(run_t *run, const rig_phase_t *phase) {
+    if (run->command.mode == LODE_MODE_RUN && fabs(run->speed_goal_rpm) > 0.0) {
+        run->asked = true;
+        run->excused =
+            run->excused || (phase->end_mode >= 0 && phase->end_mode != (int)LODE_MODE_RUN);
+    }
+}
+
 static void set_if_given(float *field, double value) {
     *field = isnan(value) ? *field : (float)value;
 }
@@ -645,6 +656,7 @@ static bool run_phase(run_t *run, int index) {
         k++;
     }
     apply_to_command(run, phase);
+    note_asked(run, phase);
     for (; good && k < periods; ++k) {
         good = run_period(run, index, out, k >= window_from);
     }
@@ -827,6 +839,8 @@ bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_
         }
     }
     take_log(&run);
+    result->never_ran = run.asked && !run.excused && isnan(result->handover_s) &&
+                        (result->supervised || result->fault.check == LODE_CHECK_NONE);
     result->adapts = run.rig.adapts;
     result->learns = run.rig.learns;
     rig_tell(&run.rig, &result->last);

@@ -63,6 +63,7 @@ typedef struct {
     lode_telemetry_t last; ///< at the end: with what the drive has adapted and learned
     bool barred;           ///< the scenario sets a bar, or a mode to end in
     bool missed;           ///< a bar
+    bool never_ran; ///< RUN was commanded and did not come, nor did a fault that ends the run
 } runner_result_t;
 
 /// The one that [estimator] names.

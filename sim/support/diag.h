@@ -9,8 +9,8 @@
 #endif
 
 typedef enum {
-    RIG_DONE = 0,     ///< did what was asked for
-    RIG_FAILED = 1,   ///< the drive faulted, a bar was missed, or what is decoded is damaged
+    RIG_DONE = 0,   ///< did what was asked for
+    RIG_FAILED = 1, ///< the drive faulted, missed a bar or never ran, or what is decoded is damaged
     RIG_BAD_INPUT = 2 ///< the command line or a file is not usable
 } rig_exit_t;
 

@@ -223,7 +223,7 @@ static void print_tool_help(void) {
     print_options(MAIN_JOB);
     (void)puts("  --version                  version of library and tool\n\n"
                "More: `lodestar COMMAND --help`. Exit code: 0 done, 1 the drive faulted,\n"
-               "missed a bar or what is decoded is damaged, 2 bad input.");
+               "missed a bar or never ran, or what is decoded is damaged, 2 bad input.");
 }
 
 static const command_t *find_command(const char *name) {

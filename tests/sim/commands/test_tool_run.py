@@ -181,6 +181,38 @@ def warnings(checks, folder):
     checks.true("2 of 2 passed (no bars set" in done.stdout, "a campaign without bars")
 
 
+def never_ran(checks, folder):
+    """A drive that is told to run and never does has failed, also without a bar and without a fault."""
+    begin = f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
+    short = "[phase.up]\nduration_s = 0.3\n"
+    for phases, says in [
+        (short + "speed_rpm = 300\n", "START"),
+        (short + "control = torque\ntorque_Nm = 1\nspeed_rpm = 300\n", "START"),
+        (short + "control = torque\ntorque_Nm = 1\n", None),
+        (short + "speed_rpm = 300\n[phase.off]\nduration_s = 0.1\nmode = off\nend_mode = off\n", "OFF"),
+        (short + "speed_rpm = 300\nend_mode = start\n", None),  # says so itself
+        (short + "speed_rpm = 0\n", None),
+        (short + "mode = voltage\nspeed_rpm = 300\nd = 1\n", None),
+        (short + "speed_rpm = 300\ntrip = on\nend_mode = fault\n", None),
+        ("[phase.up]\nduration_s = 3\nspeed_rpm = 300\n[phase.stop]\nduration_s = 0.1\nmode = off\n", None),
+    ]:
+        folder.write("n.ini", begin + phases)
+        done = folder.run("run", "n.ini", "--json", "n.json")
+        checks.equal(done.returncode, 1 if says else 0, f"exit code of {phases!r}: {done.stdout}{done.stderr}")
+        result = folder.json("n.json")
+        checks.equal([result["passed"], result["never_ran"]], [not says, bool(says)], f"JSON of {phases!r}")
+        words = f"\nRUN was commanded and never reached; {says} at the end\n\nFAILED: "
+        checks.equal(words in done.stdout, bool(says), f"{phases!r}: {done.stdout}")
+    folder.write("n.ini", begin + short + "speed_rpm = 300\n")
+    done = folder.run("run", "n.ini", "--seeds", "1-2")
+    checks.equal(done.returncode, 1, "exit code of a campaign")
+    checks.equal(done.stdout.count(", RUN was never reached\n"), 2, f"its verdicts: {done.stdout}")
+    checks.true("\n0 of 2 passed (no bars set: in RUN where that was commanded, and without a fault)\n" in done.stdout, done.stdout)
+    # Noise in which no start comes to its end.
+    noisy = folder.run("run", "--motor", "traction_400V", "--drive", "traction_400V", "--set", "plant.i_noise_A=12", "--seeds", "1-4")
+    checks.true("\n0 of 4 passed " in noisy.stdout, f"a motor that cannot start: {noisy.stdout}")
+
+
 def mismatch(checks, folder):
     """The estimator's parameters are other keys than the plant's."""
     def error(*sets):
@@ -374,6 +406,7 @@ def main():
         exit_codes(checks, folder)
         failed_start(checks, folder)
         warnings(checks, folder)
+        never_ran(checks, folder)
         mismatch(checks, folder)
         loads(checks, folder)
         hoists(checks, folder)

@@ -58,11 +58,9 @@ def phases(checks, folder):
 def titles(checks, folder):
     """Of a motor or a scenario without a comment in its first line, or with an empty one: the file's name."""
     motor = MOTOR.read_text().split("\n", 1)[1] + DRIVE.read_text().split("\n", 1)[1]
-    short = [x for name in ("start", "half_speed", "full_speed", "load", "no_load", "stop")
-             for x in ("--set", f"phase.{name}.duration_s=0.01")]
     for begin, title in (("", "my servo.ini"), (";\n", "my servo.ini"), ("; Mine\n", "Mine")):
         folder.write("sub/my servo.ini", begin + motor)
-        texts = drawn(checks, folder, f"a motor that begins {begin!r}", ["run", "--motor", "sub/my servo.ini", *short])
+        texts = drawn(checks, folder, f"a motor that begins {begin!r}", ["run", "--motor", "sub/my servo.ini"])
         checks.equal(texts.count(title), 1, f"title {title!r}, in {texts[:8]}")
     folder.write("s.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n[phase.a]\nduration_s = 0.01\n")
     checks.equal(drawn(checks, folder, "a scenario without a title", ["run", "s.ini"]).count("s.ini"), 1, "its name")
