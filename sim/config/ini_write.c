@@ -47,6 +47,9 @@ void ini_write(FILE *file, const rig_config_t *config) {
         if (value[0] == '\0' || !is_written(config, k)) {
             continue;
         }
+        if (origin->measured && strcmp(value, "auto") == 0) { // nothing was left open
+            (void)snprintf(value, sizeof value, "0");
+        }
         if (strcmp(section, key->section) != 0) {
             section = key->section;
             (void)fprintf(file, "[%s]\n", section);
