@@ -76,41 +76,61 @@ static void judge_speeds(verdict_t *verdict, const lode_drive_config_t *drive,
     }
 }
 
+static bool is_short(const verdict_t *verdict, int k) {
+    const verdict_step_t *step = &verdict->step[k];
+    const bool below = step->omega_rad_s < verdict->step[VERDICT_LOW].omega_rad_s; // said already
+    return step->share < STEP_SHARE_LEAST && !below;
+}
+
+static bool is_tight(const analyse_loop_t *loop) {
+    return !(loop->phase_deg >= MARGIN_LEAST_deg) && !isnan(loop->crossover_rad_s);
+}
+
+/// A load step would have sigma raised, the PLL's margin would have it lowered: w0 serves both.
+static bool needs_w0(const verdict_t *verdict, int k) {
+    return is_short(verdict, k) && !verdict->step[k].by_current && is_tight(&verdict->loop[k].pll);
+}
+
 static void judge_steps(verdict_t *verdict, const lode_drive_config_t *drive) {
     static const char *const keys[VERDICT_SPEEDS] = {"step_at_handover", "step_at_base"};
-    static const char *const helps[VERDICT_SPEEDS] = {
-        "raise omega_min_rad_s or omega_handover_rad_s (and commands with them), kp_Nms with "
-        "sigma_low_rad_s, or the inertia",
-        "raise kp_Nms or gain_rise with sigma_rad_s, or the inertia"};
+    static const char *const helps[VERDICT_SPEEDS][2] = {
+        {"raise omega_min_rad_s or omega_handover_rad_s (and commands with them), kp_Nms with "
+         "sigma_low_rad_s, or the inertia",
+         "raise w0_rad_s first, then kp_Nms with sigma_low_rad_s; or omega_min_rad_s or "
+         "omega_handover_rad_s (and commands with them), or the inertia"},
+        {"raise kp_Nms or gain_rise with sigma_rad_s, or the inertia",
+         "raise w0_rad_s first, then kp_Nms or gain_rise with sigma_rad_s; or the inertia"}};
     for (int k = 0; k < VERDICT_SPEEDS; ++k) {
         const verdict_step_t *step = &verdict->step[k];
-        const bool below =
-            step->omega_rad_s < verdict->step[VERDICT_LOW].omega_rad_s; // said already
-        if (step->share < STEP_SHARE_LEAST && !below) {
+        if (is_short(verdict, k)) {
             add_change(verdict, keys[k],
                        "a load step at %.0f rpm may be %.0f %% of rated torque at most: %s",
                        rpm_of(drive, step->omega_rad_s), 100.0 * step->share,
-                       step->by_current ? "raise i_max_A" : helps[k]);
+                       step->by_current ? "raise i_max_A" : helps[k][needs_w0(verdict, k) ? 1 : 0]);
         }
     }
 }
 
 static void judge_margin(verdict_t *verdict, const analyse_loop_t *loop, const char *key,
                          const char *help) {
-    if (!(loop->phase_deg >= MARGIN_LEAST_deg) && !isnan(loop->crossover_rad_s)) {
+    if (is_tight(loop)) {
         add_change(verdict, key, "phase margin of %s at %.0f rpm is %.0f degrees: %s", loop->name,
                    loop->speed_rpm, loop->phase_deg, help);
     }
 }
 
 static void judge_margins(verdict_t *verdict) {
+    static const char *const helps[VERDICT_SPEEDS][2] = {
+        {"lower sigma_low_rad_s, or raise w0_rad_s",
+         "raise w0_rad_s first; a lower sigma_low_rad_s would make the load step smaller still"},
+        {"lower [estimator] sigma_rad_s, or raise w0_rad_s",
+         "raise w0_rad_s first; a lower [estimator] sigma_rad_s would make the load step smaller "
+         "still"}};
     judge_margin(verdict, &verdict->loop[VERDICT_LOW].current, "margin_current",
                  "lower [current] bandwidth_rad_s, or raise f_pwm_Hz");
     for (int k = 0; k < VERDICT_SPEEDS; ++k) {
         const own_margins_t *at = &verdict->loop[k];
-        judge_margin(verdict, &at->pll, "margin_pll",
-                     k == VERDICT_LOW ? "lower sigma_low_rad_s, or raise w0_rad_s"
-                                      : "lower [estimator] sigma_rad_s, or raise w0_rad_s");
+        judge_margin(verdict, &at->pll, "margin_pll", helps[k][needs_w0(verdict, k) ? 1 : 0]);
         judge_margin(verdict, &at->speed, "margin_speed",
                      k == VERDICT_LOW ? "lower [speed] bandwidth_rad_s or kp_Nms"
                                       : "lower [speed] gain_rise or kp_Nms");

@@ -567,6 +567,20 @@ def verdict_changes(checks, folder):
         done = folder.run("design", "--motor", "m.ini", *[x for s in sets for x in ("--set", s)])
         checks.true(f"change: {lines.get(key)}\n" in done.stdout, f"{key} is printed")
         checks.true("nothing to change" not in done.stdout, f"something to change with {sets}")
+    # A step that is short and a PLL that is tight would have sigma moved either way: w0 comes first, and it helps both.
+    for motor in (["light.ini"], ["gimbal_12V", "--drive", "gimbal_12V"]):
+        folder.write("light.ini", LIGHT)
+        before = json.loads(folder.run("design", "--motor", *motor, "--json").stdout)
+        lines = {(x["key"], "sigma_low_rad_s" in x["text"]): x["text"] for x in before["verdict"]["changes"]}
+        for key in ("step_at_handover", "margin_pll"):
+            checks.true(": raise w0_rad_s first" in lines.get((key, True), ""), f"{key} of {motor[0]}: {lines}")
+        w0 = 1.3 * before["config"]["estimator"]["w0_rad_s"]
+        after = json.loads(folder.run("design", "--motor", *motor, "--set", f"estimator.w0_rad_s={w0}", "--json").stdout)["verdict"]
+        left = [x["text"] for x in after["changes"] if x["key"] == "margin_pll"]
+        checks.equal(left, [], f"margins of {motor[0]} with that")
+        checks.true(after["step_at_handover"]["share"] >= before["verdict"]["step_at_handover"]["share"] * 0.99, f"step of {motor[0]}")
+        done = folder.run("design", "--motor", *motor, "--set", f"estimator.w0_rad_s={w0}").stdout
+        checks.true("kp_Nms with sigma_low_rad_s, or the inertia\n" in done, f"then the other ways of {motor[0]}: {done[-800:]}")
     done = folder.run("design", "--motor", "fan_325V", "--drive", "fan_325V")
     checks.true(done.stdout.endswith("nothing to change\n"), "a motor without a line")
     checks.equal(done.stdout.count("\nverdict\n"), 1, "one verdict")
