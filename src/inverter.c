@@ -66,7 +66,8 @@ static lode_status_t check(const lode_inverter_config_t *config, float ts_s) {
         return LODE_ERROR_PRECHARGE;
     }
 #endif
-    if (!lode_is_on_or_off(config->dead_time_correction) || !lode_is_on_or_off(config->dead_time_model) ||
+    if (!lode_is_on_or_off(config->dead_time_correction) ||
+        !lode_is_on_or_off(config->dead_time_model) ||
         (!lode_is_on_or_off(config->double_update) && config->double_update != LODE_AUTO)) {
         return LODE_ERROR_CHOICE;
     }
