@@ -503,6 +503,34 @@ static void test_a_ramp_without_jerk_leaves_none(void) {
     }
 }
 
+/// What is called of a drive that has not begun, or whose init has failed, says so; the step is not to be called.
+static void test_a_drive_that_has_not_begun(void) {
+    lode_drive_t drive;
+    memset(&drive, 0, sizeof drive);
+    const lode_drive_config_t nothing = {.f_pwm_Hz = 0.0f};
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_F_PWM, lode_drive_init(&drive, &other_tuning, &nothing));
+    lode_telemetry_t t;
+    TEST_ASSERT_FALSE(lode_drive_telemetry(&drive, &t));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_command(&drive, &off));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_begin(NULL, &tuning));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_begin(&drive, NULL));
+}
+
+/// An estimate of gates that are off says nothing of a rotor that is driven.
+static void test_an_estimate_of_nothing_is_not_taken_over(void) {
+    rig_t one = running(80.0, 8.0);
+    rig_t two = one;
+    const lode_counts_t counts = rig_counts(&one);
+    const lode_sample_t first = lode_drive_sense(&one.drive, &counts);
+    const lode_sample_t second = lode_drive_sense(&two.drive, &counts);
+    lode_estimate_t estimate = lode_drive_estimate(&one.drive, &first);
+    (void)lode_drive_act(&one.drive, &first, &estimate);
+    estimate = lode_drive_estimate(&two.drive, &second);
+    estimate.source = LODE_ESTIMATE_NONE;
+    (void)lode_drive_act(&two.drive, &second, &estimate);
+    TEST_ASSERT_EQUAL_MEMORY(&one.drive, &two.drive, sizeof one.drive);
+}
+
 /// A start has its own states, which a new tuning leaves.
 static void test_a_tuning_leaves_a_start_as_it_is(void) {
     rig_t one = fresh();
@@ -1053,6 +1081,8 @@ int main(void) {
     RUN_TEST(test_a_new_tuning_is_taken_at_a_period);
     RUN_TEST(test_another_observer_goes_on_with_the_rotor);
     RUN_TEST(test_a_ramp_without_jerk_leaves_none);
+    RUN_TEST(test_a_drive_that_has_not_begun);
+    RUN_TEST(test_an_estimate_of_nothing_is_not_taken_over);
     RUN_TEST(test_a_tuning_leaves_a_start_as_it_is);
     RUN_TEST(test_injection_that_a_tuning_has_not_ends);
     RUN_TEST(test_a_tuning_that_samples_all_phases_watches_all);

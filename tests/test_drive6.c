@@ -958,6 +958,50 @@ static void test_a_stuck_current_of_the_set_that_is_left_is_named(void) {
     }
 }
 
+/// What is no phase's has no number of one: all three of set 2, and another fault.
+static void test_faults_of_the_set_that_is_left(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    rig6_t sound = turning(&config, 600.0, LOAD_Nm);
+    sound.open = 2;
+    rig6_run(&sound, 1.0);
+    TEST_ASSERT_EQUAL_INT(LODE_SETS_ONLY_2, rig6_telemetry(&sound).active);
+    rig6_t rig = sound;
+    const lode_counts6_t held = rig6_counts(&rig);
+    for (int n = 0; n < 2000 && rig.drive.drive.gates; n++) {
+        lode_counts6_t counts = rig6_counts(&rig);
+        memcpy(counts.set[1].i, held.set[1].i, sizeof counts.set[1].i);
+        rig.out = lode_drive6_step(&rig.drive, &counts);
+        rig6_move(&rig);
+    }
+    expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
+    CHECK_NEAR(0.0, 0.0, rig6_telemetry(&rig).drive.fault.measured);
+    rig = sound;
+    rig.drive.drive.mode_not = (uint_least8_t)(rig.drive.drive.mode_not ^ 1u);
+    rig6_run(&rig, 0.01);
+    expect_fault(&rig, LODE_CHECK_MEMORY);
+    CHECK_NEAR(0.0, 1.0, rig6_telemetry(&rig).drive.fault.measured);
+}
+
+/// A fault that is cleared by a command which is replaced at once gives the sets back too, but none that is driven.
+static void test_a_clearing_that_is_replaced_gives_the_sets_back(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    rig6_t sound = turning(&config, 600.0, LOAD_Nm);
+    sound.open = 2;
+    rig6_run(&sound, 1.0);
+    for (int tripped = 0; tripped <= 1; tripped++) {
+        rig6_t rig = sound;
+        rig.trip[1] = tripped == 1;
+        rig6_step(&rig);
+        rig.trip[1] = false;
+        rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
+        rig6_command(&rig, run_at(600.0));
+        rig6_step(&rig);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig6_telemetry(&rig).drive.fault.check);
+        TEST_ASSERT_EQUAL_INT(tripped == 1 ? LODE_SETS_BOTH : LODE_SETS_ONLY_2,
+                              rig6_telemetry(&rig).active);
+    }
+}
+
 /// It belongs to both sets under control: neither with the gates off nor with one set is there one.
 static void test_the_xy_voltage_ends_with_what_made_it(void) {
     const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
@@ -1113,6 +1157,8 @@ static void test_a_new_tuning_is_taken_while_it_turns(void) {
     TEST_ASSERT_TRUE(lode_drive6_tuning_taken(&rig.drive));
     CHECK_AT_MOST(0.2, worst_angle(&rig, 0.5));
     CHECK_CLOSE(0.01, RPM(300.0) * RIG6_NP, rig.omega);
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_begin(NULL, &other_tuning));
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_begin(&rig.drive, NULL));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_post_tuning(&rig.drive, NULL));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_post_tuning(NULL, &other_tuning));
 }
@@ -1450,6 +1496,8 @@ int main(void) {
     RUN_TEST(test_gains_that_change_at_once_switch_both_sets_off);
     RUN_TEST(test_implausible_currents_of_either_set_trip);
     RUN_TEST(test_a_stuck_current_of_the_set_that_is_left_is_named);
+    RUN_TEST(test_faults_of_the_set_that_is_left);
+    RUN_TEST(test_a_clearing_that_is_replaced_gives_the_sets_back);
     RUN_TEST(test_the_xy_voltage_ends_with_what_made_it);
     RUN_TEST(test_one_set_stops_and_starts_again);
     RUN_TEST(test_one_set_alone_still_calibrates_both);
