@@ -272,8 +272,10 @@ def memory_table(figures):
              firmware["m4f -Os, tuning in flash"]["text"], ""],
             ["flash: the same, with the fewest options", firmware["m4f -O2, least"]["text"],
              firmware["m4f -Os, least"]["text"], ""]]
-    for what, name in (("drive", "RAM: drive"), ("tuning", "RAM, or flash: tuning")):
-        rows.append([name, three_phases[what], three_phases[what], six[what]])
+    objects = figures["objects"]["one observer"]
+    for what, name in (("", "RAM: drive"), ("_tuning", "RAM, or flash: tuning")):
+        of_three, of_six = (objects[f"lode_drive{phases}{what}_t"] for phases in ("", "6"))
+        rows.append([name, of_three, of_three, of_six])
     rows.append(["stack of a step", max(steps[name]["stack"] for name in COSTLIEST),
                  figures["levels"]["-Os"]["enhanced"]["stack"], max(f["stack"] for f in figures["steps6"].values())])
     return table(["Cortex-M4F, bytes", "`-O2`", "`-Os`", "six phases, `-O2`"], rows)
@@ -294,15 +296,16 @@ def bar_table(figures):
 
 def aim_table(figures):
     steps, firmware = figures["steps"], figures["firmware"]
-    objects = firmware["m4f -O2"]
+    objects = figures["objects"]["one observer"]
+    state, tuning = objects["lode_drive_t"], objects["lode_drive_tuning_t"]
     aims = [(f"`{name}`, costliest call by mean", steps[name]["cycles"]["max"] / steps[name]["cycles"]["avg"],
              COSTLIEST_SHARE) for name in RUNNING]
     aims += [(f"`{name}`, costliest call, cycles", steps[name]["cycles"]["max"], COSTLIEST_RARE)
              for name in ("rise", "start", "fault")]
     aims += [(f"`{name}`, stack, bytes", steps[name]["stack"], STACK) for name in RUNNING]
     aims += [("least image, bytes", firmware["m4f -Os, least"]["text"], LEAST_FLASH),
-             ("drive object, bytes", objects["drive"], STATE),
-             ("the same with its tuning, bytes", objects["drive"] + objects["tuning"], STATE_AND_TUNING)]
+             ("drive object, bytes", state, STATE),
+             ("the same with its tuning, bytes", state + tuning, STATE_AND_TUNING)]
     rows = [[what, f"{value:.2f}" if isinstance(value, float) else value, bar,
              "met" if round(value, 2) <= bar else "missed"] for what, value, bar in aims]
     return table(["what", "measured", "bar", ""], rows)
