@@ -1,7 +1,6 @@
 // What the steps for three and for six phases share: estimation, current control, the slow jobs and the
 // last check. Sensing and modulation are the windings' own (drive.c, drive6.c).
 #ifndef LODE_DRIVE_INLINE_H
-#define MEMORY_ESTIMATOR 4.0f // LODE_CHECK_MEMORY: its state is not that of a motor
 #define LODE_DRIVE_INLINE_H
 
 #include "current_inline.h"
@@ -371,8 +370,7 @@ LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_
         return true;
     }
     if (!lode_estimator_has_rotor(&self->estimator)) {
-        lode_mode_fault(self, LODE_CHECK_MEMORY, MEMORY_ESTIMATOR, 0.0f);
-        return false;
+        lode_mode_lose_rotor(self);
     }
     return lode_drive_watch_half_waves(self);
 }

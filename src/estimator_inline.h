@@ -97,8 +97,8 @@ LODE_INLINE bool lode_estimator_injects(const lode_estimator_t *self) {
 #endif
 }
 
-// It has an angle, or had one until the lock went. It begins anew without one where its state is not that of a motor, which in RUN
-// nothing but memory that has changed makes of finite counts.
+// It has an angle, or had one until the lock went. It begins anew without one where its state is not that of a motor: an estimate
+// that runs away, or memory that has changed.
 LODE_INLINE bool lode_estimator_has_rotor(const lode_estimator_t *self) {
     return self->found > 0u || lode_estimator_injects(self);
 }

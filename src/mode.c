@@ -110,6 +110,12 @@ LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
     lode_mode_fault(self, LODE_CHECK_MEMORY, !command ? 2.0f : (!mode ? 1.0f : 3.0f), 0.0f);
 }
 
+LODE_NOINLINE void lode_mode_lose_rotor(lode_drive_t *self) {
+    const uint32_t looks = self->tuning->guard.lock_looks;
+    const uint32_t least = (LOST_SHARE * looks + LOST_PARTS - 1u) / LOST_PARTS;
+    self->guard.lock = (uint_least16_t)(self->guard.lock < least ? least : self->guard.lock);
+}
+
 LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
     lode_estimator_set_current(&self->estimator, i_A);
     self->i_A = lode_park(i_A, lode_estimator_rotor(&self->estimator));

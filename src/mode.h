@@ -111,6 +111,10 @@ static inline bool lode_mode_fits(const lode_drive_t *self) {
            lode_in_range(lode_abs(self->direction), 1.0f, 1.0f);
 }
 
+// RUN, without an angle since the estimator has begun anew: the lock counts as missing for most of the guard's time, as it may come
+// again, somewhere, before that is over.
+void lode_mode_lose_rotor(lode_drive_t *self);
+
 // They are not, or the tuning is not.
 void lode_mode_distrust(lode_drive_t *self);
 
