@@ -412,8 +412,8 @@ static lode_status_t tune_references(lode_drive_tuning_t *t, const lode_drive_co
 }
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
-// Noise of the currents makes of the EMF that an observer of the bandwidth w0 finds, with p = exp(-w0 Ts), so much
-// per volt of lode_jump_t's noise on each axis (S49).
+// Speed at which the EMF of the magnets is EMF_PER_NOISE times what noise of the currents leaves of it on each axis behind an observer
+// of the bandwidth w0, with p = exp(-w0 Ts); per volt of lode_jump_t's noise (S49).
 static float omega_per_noise(const lode_drive_config_t *c) {
     const float one_m_p = lode_one_minus_exp(c->estimator.emf.w0_rad_s / c->f_pwm_Hz);
     const float filters = one_m_p / (2.0f - one_m_p);

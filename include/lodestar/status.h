@@ -59,7 +59,7 @@ typedef enum {
     LODE_ERROR_SPEED_BANDWIDTH,    ///< the speed loop is faster than the PLL that feeds it
     LODE_ERROR_SPEED_RAMP,         ///< acceleration not positive
     LODE_ERROR_SPEED_FEED_FORWARD, ///< share of a feed-forward outside 0 .. 1
-    LODE_ERROR_ID_BIAS,         ///< id bias or hfi.id_A above i_max_A, or its speeds not in order
+    LODE_ERROR_ID_BIAS, ///< id bias or hfi.id_A neither LODE_NONE nor in 0 .. i_max_A, or its speeds not in order
     LODE_ERROR_REFERENCES,      ///< kind or field_weakening not an enumerator, or not built in
     LODE_ERROR_FIELD_WEAKENING, ///< voltage_use outside 0.1 .. 1, trim_rad_s 0.1 .. 1e3, release_s
                                 ///< 1e-3 .. 10 or id_max_A 0.001 .. 1 times i_max_A

@@ -113,7 +113,7 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_ID_BIAS,
      "references.id_bias_A hfi.id_A references.omega_low_rad_s references.omega_high_rad_s",
      "drive.i_max_A " RATED,
-     "id_bias_A and [hfi] id_A at most i_max_A, and omega_low_rad_s below omega_high_rad_s"},
+     "id_bias_A and [hfi] id_A none or 0 .. i_max_A, and omega_low_rad_s below omega_high_rad_s"},
     {LODE_ERROR_REFERENCES, "references.strategy references.field_weakening", NULL,
      "id0 or mtpa, and auto, on or off"},
     {LODE_ERROR_WEAKENING_ESTIMATOR, "references.field_weakening estimator.pll estimator.emf", NULL,
