@@ -8,7 +8,7 @@
 #define STEP_SHARE 0.4f  // of what holds, either way
 #define STEP_SIX 0.2f    // the same in q of six phases, of which two have a quarter of what holds
 #define STEP_SPREAD 0.2f // from the first to the last, of the mean: each rounds to other counts
-#define HALF_WAVE 8u     // periods
+#define HALF_WAVE (LODE_SLOW_PERIODS + 1u) // not in step with the looks at a frozen vector (K36)
 #define WAVES 68u
 #define WAVES_BESIDE 30u // about the other currents
 #define HOLD_TIME_s 0.1f
@@ -31,6 +31,8 @@
 #define FALL_Q_MIDDLE 0.5f // of i_max
 #define FALL_Q_HIGH 0.75f  // with the current that holds, and its overshoot, within i_max
 #define FALL_HALVES 6u
+// No shorter: half of it, the first one, takes longer than from one such look to the next.
+#define FALL_HALF_WAVE (2u * HALF_WAVE)
 #define FALL_VOLTAGE 0.75f   // of the circle, to get from one end to the other
 #define FALL_LONGEST_s 0.05f // of a half-wave that moves no rotor
 #define FALL_LEAST 0.05f     // less is none
@@ -283,7 +285,7 @@ static uint32_t half_wave_periods(const lode_commission_t *self) {
     const float swing_Vs =
         2.0f * FALL_Q_HIGH * inverter->i_max_A * lode_commission_found(self, LODE_COMMISSION_LQ_H);
     const float u_V = FALL_VOLTAGE * inverter->v_bus_V / LODE_SQRT3;
-    return HALF_WAVE +
+    return FALL_HALF_WAVE +
            lode_commission_periods(self, lode_clamp(swing_Vs / u_V, 0.0f, FALL_LONGEST_s));
 }
 

@@ -16,17 +16,18 @@
 #define STEADY_SHARE 0.5f
 #define EIGHTH_rad 0.7853982f
 // A current that changes by less may, with some luck. Three that are each measured tell it from an ADC channel that
-// is stuck: they still add up to none, where the true current of the stuck one has moved by 8 counts. Where one is
-// made of the others it takes a turn that luck does not last for.
+// is stuck: they still add up to none, to within their gains, until the true current of the stuck one has moved by more.
+// Where one is made of the others it takes a turn that luck does not last for.
 #define BALANCE_COUNTS 4.0f
+#define BALANCE_SHARE 0.02f // of the current: 1.4 times what gains of 2 % make, root mean square
 #define SIXTH_rad 1.0471976f
 // Dead time may hold a phase near zero for up to a sixth of a turn. The other two then balance, to within their
 // gains; beside an ADC channel that is stuck there they do not. One that is made of them is not known to.
 #define QUARTER_rad 1.5707963f
+#define CLAMPED_SHARE 0.05f // of the current
 // What a look adds at most where some of them keep still: at high speed looks lie far apart, and one phase of a
 // current with ripple may happen on the same count at three of them.
 #define LOOK_rad 0.2617994f
-#define BALANCE_SHARE 0.05f // of the current
 // Gains that differ by 4 %, of the 1.7-fold current of a set in which a phase is open, make 0.07.
 #define OPEN_SHARE 0.2f // of the current
 // (K36). Noise of a count in each phase moves the vector of a frozen one by up to 8/3 of a count from where it was noted.
@@ -165,13 +166,20 @@ static int32_t sum_of(const int32_t i[LODE_PHASES]) {
     return i[0] + i[1] + i[2];
 }
 
+// The three currents add up to none, to within their counts and, by their gains, a share of the current.
+static bool is_balanced(const lode_plausibility_t *self, float share, float A_per_count) {
+    const float counts = BALANCE_COUNTS * (float)LODE_COUNT_FRACTION;
+    const float beyond = lode_max(lode_abs((float)sum_of(self->i)) - counts, 0.0f);
+    const float beyond_A = beyond * A_per_count;
+    return beyond_A * beyond_A <= share * share * self->i_A2;
+}
+
 // Dead time may hold the one phase that is near zero, where the current asks for less voltage there than dead time
 // takes. The other two move together then, or not: their current is at its peak.
 static bool is_clamped(const lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
                        uint32_t still, lode_hold_t hold, float A_per_count) {
     const int32_t *i = self->i;
     const float i_A2 = self->i_A2;
-    const float sum_A = (float)sum_of(i) * A_per_count;
     const float near = lode_sqrt(tuning->i_min_A2) / A_per_count;
     const uint32_t at_zero =
         lode_plausibility_phases(lode_abs((float)i[0]) <= near, lode_abs((float)i[1]) <= near,
@@ -179,18 +187,17 @@ static bool is_clamped(const lode_plausibility_t *self, const lode_plausibility_
     const bool one = at_zero != 0u && (at_zero & (at_zero - 1u)) == 0u;
     return one && (still == at_zero || still == LODE_ALL_PHASES) &&
            hold.x_Ohm * hold.x_Ohm * i_A2 <= hold.taken_V * hold.taken_V &&
-           sum_A * sum_A <= BALANCE_SHARE * BALANCE_SHARE * i_A2;
+           is_balanced(self, CLAMPED_SHARE, A_per_count);
 }
 
 // The turn in which a single phase may keep its count.
-static float least_rad(const lode_plausibility_t *self, bool changes, bool clamped) {
+static float least_rad(const lode_plausibility_t *self, bool changes, bool clamped,
+                       float A_per_count) {
     if (clamped) {
         return QUARTER_rad;
     }
-    const float sum = lode_abs((float)sum_of(self->i));
-    const bool balanced = sum <= BALANCE_COUNTS * (float)LODE_COUNT_FRACTION;
     const float changed_rad = changes ? EIGHTH_rad : 0.0f;
-    return balanced ? SIXTH_rad : changed_rad;
+    return is_balanced(self, BALANCE_SHARE, A_per_count) ? SIXTH_rad : changed_rad;
 }
 
 // While some kept their counts the vector has turned by enough to see one of them stuck.
@@ -225,7 +232,7 @@ static uint32_t stuck_phases(const lode_plausibility_t *self,
         const bool waits = changes && turn_rad < EIGHTH_rad;
         return waits || (clamped && !shows_one(self, A_per_count)) ? 0u : still;
     }
-    return turn_rad >= least_rad(self, changes, clamped) ? still : 0u;
+    return turn_rad >= least_rad(self, changes, clamped, A_per_count) ? still : 0u;
 }
 
 // The first of some phases, from 1; 0: all three.

@@ -382,6 +382,35 @@ static void test_three_looks_far_apart_are_luck(void) {
     }
 }
 
+/// Turn in which a phase that keeps its count near its peak is named, where the sum of the three is off by a share of the
+/// current. Two of three looks lie a tenth of a radian apart.
+static double turn_at_a_sum(double share) {
+    bench_t self = bench(3.6, 0.0);
+    lode_finding_t found = {.check = LODE_CHECK_NONE};
+    double turned =
+        -0.2; // the first look says nothing, and the second may lie on the other side of a peak
+    for (; turned < 2.0 && found.check == LODE_CHECK_NONE; turned += 0.1) {
+        const int32_t a = 270 * LODE_COUNT_FRACTION;
+        const int32_t b = LODE_COUNT_FRACTION * (int32_t)lround(100.0 * turned);
+        const int32_t sum = LODE_COUNT_FRACTION * (int32_t)lround(share * 3.6 / GAIN_A);
+        const int32_t i[LODE_PHASES] = {a, b, sum - a - b};
+        found = judge(&self.state, &self.tuning, i, (float)(3.6 * 3.6), 0.1f);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
+    TEST_ASSERT_TRUE(found.measured == 1.0f);
+    return turned;
+}
+
+/// Gains that differ leave a sum where nothing is stuck, here up to 2 % and 4 counts of 288: such a phase may keep its count for a
+/// sixth of a turn by luck. Beside a larger sum it is stuck once it would have moved by 8 counts.
+static void test_gains_that_differ_do_not_make_a_phase_stuck(void) {
+    CHECK_NEAR(0.15, 0.5, turn_at_a_sum(0.045));
+    CHECK_NEAR(0.15, 0.5, turn_at_a_sum(-0.045));
+    CHECK_NEAR(0.15, 1.05, turn_at_a_sum(0.025));
+    CHECK_NEAR(0.15, 1.05, turn_at_a_sum(-0.025));
+    CHECK_NEAR(0.15, 1.05, turn_at_a_sum(0.0));
+}
+
 static void test_a_sum_that_lasts_is_found(void) {
     bench_t self = bench(3.0, 300.0);
     lode_finding_t found;
@@ -987,6 +1016,7 @@ int main(void) {
     RUN_TEST(test_all_that_do_not_follow_a_rising_current_are_stuck);
     RUN_TEST(test_a_phase_that_a_rising_current_holds_is_not_stuck);
     RUN_TEST(test_three_looks_far_apart_are_luck);
+    RUN_TEST(test_gains_that_differ_do_not_make_a_phase_stuck);
     RUN_TEST(test_a_sum_that_lasts_is_found);
     RUN_TEST(test_the_limit_itself_is_no_sum);
     RUN_TEST(test_reset_forgets);
