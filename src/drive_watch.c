@@ -119,11 +119,15 @@ static lode_hold_t hold_of(const lode_drive_t *self) {
 
 static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, uint32_t doubt) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const lode_finding_t found =
-        lode_plausibility_find(watch, &tuning->plausibility, doubt, tuning->guard.lock_looks,
-                               hold_of(self), lode_abs(tuning->sense.i_gain));
+    const float A_per_count = lode_abs(tuning->sense.i_gain);
+    lode_finding_t found = lode_plausibility_find(
+        watch, &tuning->plausibility, doubt, tuning->guard.lock_looks, hold_of(self), A_per_count);
+    if (found.check == LODE_CHECK_CURRENT_STUCK && tuning->sense.two_shunts == 0u &&
+        lode_plausibility_is_open(watch, (uint32_t)found.measured, A_per_count)) {
+        found.check = LODE_CHECK_OPEN_PHASE; // without noise it keeps its count as well
+    }
     if (found.check != LODE_CHECK_NONE) {
-        const bool second = watch != &self->plausibility && found.check == LODE_CHECK_CURRENT_STUCK;
+        const bool second = watch != &self->plausibility && found.check != LODE_CHECK_CURRENT_SUM;
         const float before = second ? (float)LODE_PHASES : 0.0f;
         lode_mode_fault(self, found.check, found.measured + before, found.limit);
     }

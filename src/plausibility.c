@@ -30,6 +30,8 @@
 #define LOOK_rad 0.2617994f
 // Gains that differ by 4 %, of the 1.7-fold current of a set in which a phase is open, make 0.07.
 #define OPEN_SHARE 0.2f // of the current
+// Of a phase without current: what its offset may be off by.
+#define OPEN_COUNTS 4.0f
 // (K36). Noise of a count in each phase moves the vector of a frozen one by up to 8/3 of a count from where it was noted.
 #define FROZEN_COUNTS 3.0f
 // Of these the phase that moves most has 32.
@@ -433,6 +435,14 @@ uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
 void lode_plausibility_add(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
                            float share) {
     self->moved_A2 += share * ALL_STUCK * tuning->i_min_A2;
+}
+
+// Of a channel that is stuck at no current the true one would be missing in the sum.
+bool lode_plausibility_is_open(const lode_plausibility_t *self, uint32_t phase, float A_per_count) {
+    const float most = OPEN_COUNTS * (float)LODE_COUNT_FRACTION;
+    return phase >= 1u && phase <= (uint32_t)LODE_PHASES &&
+           lode_abs((float)self->i[phase - 1u]) <= most &&
+           is_balanced(self, CLAMPED_SHARE, A_per_count);
 }
 
 lode_finding_t lode_plausibility_find(lode_plausibility_t *self,

@@ -317,14 +317,11 @@ static void test_the_observers_lag_is_no_other_flux(void) {
 }
 
 /// In RUN one phase shows nothing of its current, as if it were open, and the others share what it lacks. Until the drive
-/// trips, or for half a second. The load takes a third of i_max.
-static lode_fault_t with_an_open_phase(int phase, double after_s, lode_choice_t plausibility,
-                                       double *took_s) {
-    lode_drive_config_t config = rig_config();
-    config.guard.i_sum_A = LODE_NONE; // of a real one the sum is zero
-    config.guard.plausibility = plausibility;
+/// trips, or for half a second. The load takes a third of i_max. `levels` of counts that noise makes of no current.
+static lode_fault_t without_a_phase(const lode_drive_config_t *config, int phase, double after_s,
+                                    int levels, double *took_s) {
     rig_t rig;
-    rig_init(&rig, &tuning, &config);
+    rig_init(&rig, &tuning, config);
     rig.load_Nm = 2.0;
     rig_command(&rig, run_at(150.0));
     rig_run(&rig, after_s);
@@ -334,7 +331,7 @@ static lode_fault_t with_an_open_phase(int phase, double after_s, lode_choice_t 
         lode_counts_t counts = rig_counts(&rig);
         if (phase >= 0) {
             const uint16_t lacks = counts.i[phase];
-            counts.i[phase] = (uint16_t)(2047 + (int)(*took_s / RIG_TS_s) % 3);
+            counts.i[phase] = (uint16_t)(2048 - levels / 2 + (int)(*took_s / RIG_TS_s) % levels);
             counts.i[(phase + 1) % 3] = (uint16_t)(counts.i[(phase + 1) % 3] + (lacks - 2048) / 2);
             counts.i[(phase + 2) % 3] = (uint16_t)(counts.i[(phase + 2) % 3] + (lacks - 2048) / 2);
         }
@@ -343,6 +340,32 @@ static lode_fault_t with_an_open_phase(int phase, double after_s, lode_choice_t 
         *took_s += RIG_TS_s;
     }
     return rig_telemetry(&rig).fault;
+}
+
+static lode_fault_t with_an_open_phase(int phase, double after_s, lode_choice_t plausibility,
+                                       double *took_s) {
+    lode_drive_config_t config = rig_config();
+    config.guard.i_sum_A = LODE_NONE; // of a real one the sum is zero
+    config.guard.plausibility = plausibility;
+    return without_a_phase(&config, phase, after_s, 3, took_s);
+}
+
+/// Its count rests where there is no noise, as that of a stuck channel does. Where all three are measured the sum tells.
+static void test_an_open_phase_without_noise_is_no_stuck_channel(void) {
+    double took_s;
+    lode_drive_config_t config = rig_config();
+    config.guard.i_sum_A = LODE_NONE;
+    for (int phase = 0; phase < LODE_PHASES; phase++) {
+        config.sense.shunts = LODE_SHUNTS_THREE;
+        const lode_fault_t open = without_a_phase(&config, phase, 4.0, 1, &took_s);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(open.check));
+        CHECK_NEAR(0.0, phase + 1, open.measured);
+        CHECK_AT_MOST(0.01, took_s);
+    }
+    config.sense.shunts = LODE_SHUNTS_TWO; // phase b may be either
+    const lode_fault_t either = without_a_phase(&config, 1, 4.0, 1, &took_s);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK", lode_check_name(either.check));
+    CHECK_NEAR(0.0, 2.0, either.measured);
 }
 
 /// A turn takes 14 ms.
@@ -1070,6 +1093,7 @@ int main(void) {
     RUN_TEST(test_another_flux_is_one_at_every_look);
     RUN_TEST(test_the_observers_lag_is_no_other_flux);
     RUN_TEST(test_a_phase_that_opens_in_run_is_found);
+    RUN_TEST(test_an_open_phase_without_noise_is_no_stuck_channel);
     RUN_TEST(test_half_waves_of_a_start_are_looked_at_by_choice);
     RUN_TEST(test_the_hand_over_begins_the_counts_of_run);
     RUN_TEST(test_half_waves_are_looked_at_with_and_without_field_weakening);

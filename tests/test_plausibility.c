@@ -289,6 +289,32 @@ static void test_a_phase_that_stays_near_zero_may_be_left_out(void) {
     }
 }
 
+/// One of three that is found stuck is open where its count is within 4 of its offset, and the sum is none to within 4 counts and 5 %
+/// of the current.
+static void test_a_phase_without_current_is_open(void) {
+    for (int n = 0; n < LODE_PHASES; n++) {
+        bench_t self = bench(3.6, 0.0); // 288 counts
+        self.state.i_A2 = (float)(3.6 * 3.6);
+        for (int sign = -1; sign <= 1; sign += 2) {
+            static const struct {
+                int count, sum;
+                bool open;
+            } cases[] = {{0, 0, true}, {4, 0, true}, {5, 0, false}, {0, 17, true}, {0, 20, false}};
+            for (int k = 0; k < COUNT_OF(cases); k++) {
+                const int32_t a = sign * cases[k].count;
+                const int32_t sum = sign * cases[k].sum;
+                self.state.i[n] = a * LODE_COUNT_FRACTION;
+                self.state.i[(n + 1) % 3] = 200 * LODE_COUNT_FRACTION;
+                self.state.i[(n + 2) % 3] = (sum - a - 200) * LODE_COUNT_FRACTION;
+                TEST_ASSERT_EQUAL(cases[k].open, lode_plausibility_is_open(
+                                                     &self.state, (uint32_t)n + 1u, A_PER_COUNT));
+                TEST_ASSERT_FALSE(lode_plausibility_is_open(&self.state, 0u, A_PER_COUNT));
+                TEST_ASSERT_FALSE(lode_plausibility_is_open(&self.state, 4u, A_PER_COUNT));
+            }
+        }
+    }
+}
+
 /// All six that keep still: 32 counts of the current that is asked for, of 0.05 of i_max at least.
 static void test_no_open_phase_explains_that_nothing_flows(void) {
     const lode_plausibility_tuning_t t = bench(0.0, 0.0).tuning;
@@ -1008,6 +1034,7 @@ int main(void) {
     RUN_TEST(test_a_phase_beside_one_near_zero_is_stuck);
     RUN_TEST(test_three_that_keep_still_beside_dead_time);
     RUN_TEST(test_a_phase_that_stays_near_zero_may_be_left_out);
+    RUN_TEST(test_a_phase_without_current_is_open);
     RUN_TEST(test_no_open_phase_explains_that_nothing_flows);
     RUN_TEST(test_a_phase_that_dead_time_may_hold_has_a_quarter_turn);
     RUN_TEST(test_three_that_keep_still_may_while_the_current_changes);

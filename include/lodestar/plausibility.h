@@ -138,6 +138,10 @@ lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning, uint32_t doubt,
                                       uint32_t sum_looks, lode_hold_t hold, float A_per_count);
 
+/// Of a phase 1 .. 3 that was found to be stuck, all three being measured: it has no current, and the other two add up to none,
+/// so that it is open.
+bool lode_plausibility_is_open(const lode_plausibility_t *self, uint32_t phase, float A_per_count);
+
 /// One look at the currents, the vector having turned by `turn_rad` since the last one. `i_A2`: the
 /// square of the current that is asked for. The phase without a half-wave, 1 .. 3; 0: none is known to be.
 uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning_t *tuning,
