@@ -43,6 +43,9 @@ static const char *verdict(const runner_result_t *result) {
     if (result->never_ran) {
         return "RUN was never reached";
     }
+    if (result->starts_yet) {
+        return "RUN was lost";
+    }
     return result->missed ? "missed a bar" : "passed";
 }
 

@@ -9,7 +9,7 @@
 
 bool report_run_failed(const runner_result_t *result) {
     const bool faulted = result->fault.check != LODE_CHECK_NONE && !result->fault_expected;
-    return faulted || result->missed || result->never_ran;
+    return faulted || result->missed || result->never_ran || result->starts_yet;
 }
 
 const char *report_mode_name(lode_mode_t mode) {
@@ -146,6 +146,10 @@ static void print_verdict(FILE *file, const runner_result_t *result) {
     if (result->never_ran) {
         (void)fprintf(file, "\nRUN was commanded and never reached; %s at the end\n",
                       report_mode_name(result->phase[result->phases - 1].mode));
+    }
+    if (result->starts_yet) {
+        (void)fprintf(file, "\nRUN was lost; %s at the end, attempts that have failed: %d\n",
+                      report_mode_name(result->phase[result->phases - 1].mode), result->retries);
     }
     (void)fprintf(file,
                   "\n%s: %.2f s of drive simulated in %.2f s on one core: %.0f times real time\n",
@@ -311,6 +315,7 @@ void report_run_json(FILE *file, const rig_config_t *config, const runner_result
     config_json_number(root, "window_s", RUNNER_WINDOW_s);
     config_json_number(root, "handover_s", result->handover_s);
     (void)cJSON_AddBoolToObject(root, "never_ran", result->never_ran);
+    (void)cJSON_AddBoolToObject(root, "starts_yet", result->starts_yet);
     config_json_number(root, "retries", result->retries);
     config_json_number(root, "simulated_s", result->simulated_s);
     config_json_number(root, "times_real_time", result->simulated_s / result->processor_s);

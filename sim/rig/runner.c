@@ -818,6 +818,15 @@ static void take_log(run_t *run) {
     result->fault_expected = result->fault_expected || (result->supervised && !run->faulted);
 }
 
+/// A speed is asked for, and at the end an attempt to start has failed, and another one is under way.
+static bool starts_yet(const run_t *run) {
+    const runner_result_t *result = run->result;
+    const lode_mode_t mode = result->phase[result->phases - 1].mode;
+    const bool asked = run->command.mode == LODE_MODE_RUN && fabs(run->speed_goal_rpm) > 0.0;
+    return asked && !run->excused && !isnan(result->handover_s) && result->retries > 0 &&
+           (mode == LODE_MODE_PRECHARGE || mode == LODE_MODE_START);
+}
+
 bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_result_t *result,
                 runlog_t *log) {
     run_t run = {.config = config,
@@ -841,6 +850,7 @@ bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_
     take_log(&run);
     result->never_ran = run.asked && !run.excused && isnan(result->handover_s) &&
                         (result->supervised || result->fault.check == LODE_CHECK_NONE);
+    result->starts_yet = starts_yet(&run);
     result->adapts = run.rig.adapts;
     result->learns = run.rig.learns;
     rig_tell(&run.rig, &result->last);

@@ -203,6 +203,14 @@ def never_ran(checks, folder):
         checks.equal([result["passed"], result["never_ran"]], [not says, bool(says)], f"JSON of {phases!r}")
         words = f"\nRUN was commanded and never reached; {says} at the end\n\nFAILED: "
         checks.equal(words in done.stdout, bool(says), f"{phases!r}: {done.stdout}")
+    # A motor told with twice its inductances is taken over, lost, and started again and again.
+    told = ["--set", "motor.Ld_H=8e-3", "--set", "motor.Lq_H=34e-3"]
+    true = ["--set", "plant.Ld_H=4e-3", "--set", "plant.Lq_H=17e-3"]
+    done = folder.run("run", "--motor", "pmsyrm_5kW", "--drive", "pmsyrm_5kW", *told, *true, "--json", "n.json")
+    result = folder.json("n.json")
+    checks.equal([done.returncode, result["passed"], result["never_ran"], result["starts_yet"]], [1, False, False, True], done.stdout)
+    words = f"\nRUN was lost; START at the end, attempts that have failed: {result['retries']}\n\nFAILED: "
+    checks.true(words in done.stdout, done.stdout)
     folder.write("n.ini", begin + short + "speed_rpm = 300\n")
     done = folder.run("run", "n.ini", "--seeds", "1-2")
     checks.equal(done.returncode, 1, "exit code of a campaign")
