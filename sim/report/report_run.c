@@ -148,8 +148,8 @@ static void print_verdict(FILE *file, const runner_result_t *result) {
                       report_mode_name(result->phase[result->phases - 1].mode));
     }
     if (result->starts_yet) {
-        (void)fprintf(file, "\nRUN was lost; %s at the end, attempts that have failed: %d\n",
-                      report_mode_name(result->phase[result->phases - 1].mode), result->retries);
+        (void)fprintf(file, "\nRUN was lost and did not come back: %d attempts to start failed\n",
+                      result->retries);
     }
     (void)fprintf(file,
                   "\n%s: %.2f s of drive simulated in %.2f s on one core: %.0f times real time\n",

@@ -421,11 +421,25 @@ static bool retune(run_t *run, const rig_phase_t *phase) {
 }
 
 /// Without a speed the drive stays OFF in RUN, as it should.
+static bool asks_for_speed(const run_t *run) {
+    return run->command.mode == LODE_MODE_RUN && fabs(run->speed_goal_rpm) > 0.0;
+}
+
 static void note_asked(run_t *run, const rig_phase_t *phase) {
-    if (run->command.mode == LODE_MODE_RUN && fabs(run->speed_goal_rpm) > 0.0) {
+    if (asks_for_speed(run)) {
         run->asked = true;
         run->excused =
             run->excused || (phase->end_mode >= 0 && phase->end_mode != (int)LODE_MODE_RUN);
+    }
+}
+
+/// At the end of the last phase that asks for a speed.
+static void note_attempts(run_t *run) {
+    runner_result_t *result = run->result;
+    const bool starts = run->mode == LODE_MODE_PRECHARGE || run->mode == LODE_MODE_START;
+    if (asks_for_speed(run)) {
+        result->starts_yet =
+            starts && !run->excused && !isnan(result->handover_s) && result->retries > 0;
     }
 }
 
@@ -667,6 +681,7 @@ static bool run_phase(run_t *run, int index) {
     out->speed_command_rpm = run->speed_goal_rpm;
     out->load_Nm = run->load_Nm;
     out->mode = run->mode;
+    note_attempts(run);
     out->Lq_off_percent =
         run->rig.learns ? 100.0 * ((double)run->rig.learn.now.Lq_H / rig_true_Lq_H(&run->rig) - 1.0)
                         : NAN;
@@ -818,15 +833,6 @@ static void take_log(run_t *run) {
     result->fault_expected = result->fault_expected || (result->supervised && !run->faulted);
 }
 
-/// A speed is asked for, and at the end an attempt to start has failed, and another one is under way.
-static bool starts_yet(const run_t *run) {
-    const runner_result_t *result = run->result;
-    const lode_mode_t mode = result->phase[result->phases - 1].mode;
-    const bool asked = run->command.mode == LODE_MODE_RUN && fabs(run->speed_goal_rpm) > 0.0;
-    return asked && !run->excused && !isnan(result->handover_s) && result->retries > 0 &&
-           (mode == LODE_MODE_PRECHARGE || mode == LODE_MODE_START);
-}
-
 bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_result_t *result,
                 runlog_t *log) {
     run_t run = {.config = config,
@@ -850,7 +856,6 @@ bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_
     take_log(&run);
     result->never_ran = run.asked && !run.excused && isnan(result->handover_s) &&
                         (result->supervised || result->fault.check == LODE_CHECK_NONE);
-    result->starts_yet = starts_yet(&run);
     result->adapts = run.rig.adapts;
     result->learns = run.rig.learns;
     rig_tell(&run.rig, &result->last);

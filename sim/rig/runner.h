@@ -63,8 +63,9 @@ typedef struct {
     lode_telemetry_t last; ///< at the end: with what the drive has adapted and learned
     bool barred;           ///< the scenario sets a bar, or a mode to end in
     bool missed;           ///< a bar
-    bool never_ran;  ///< RUN was commanded and did not come, nor did a fault that ends the run
-    bool starts_yet; ///< it was lost, and at the end an attempt to start has failed already
+    bool never_ran; ///< RUN was commanded and did not come, nor did a fault that ends the run
+    bool
+        starts_yet; ///< RUN was lost: the last phase with a speed ended in a further attempt to start
 } runner_result_t;
 
 /// The one that [estimator] names.

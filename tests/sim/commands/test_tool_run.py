@@ -209,7 +209,7 @@ def never_ran(checks, folder):
     done = folder.run("run", "--motor", "pmsyrm_5kW", "--drive", "pmsyrm_5kW", *told, *true, "--json", "n.json")
     result = folder.json("n.json")
     checks.equal([done.returncode, result["passed"], result["never_ran"], result["starts_yet"]], [1, False, False, True], done.stdout)
-    words = f"\nRUN was lost; START at the end, attempts that have failed: {result['retries']}\n\nFAILED: "
+    words = f"\nRUN was lost and did not come back: {result['retries']} attempts to start failed\n\nFAILED: "
     checks.true(words in done.stdout, done.stdout)
     folder.write("n.ini", begin + short + "speed_rpm = 300\n")
     done = folder.run("run", "n.ini", "--seeds", "1-2")
