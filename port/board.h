@@ -16,14 +16,14 @@ void board_describe(lode_drive_config_t *config);
 /// True: a watchdog has reset the chip, not power, reset pin or debugger. Thread, once, first of all.
 bool board_reset_by_watchdog(void);
 
-/// Clocks, serial port, PWM timer, converters, comparator or break input. Leaves the gates off, the
+/// Clocks, serial port, PWM timer, ADC, comparator or break input. Leaves the gates off, the
 /// interrupt masked, the trip path armed and the watchdog off. Thread, once. `i_trip_A`: amplitude of a
 /// phase current at which the hardware shall switch off; a board that can set it takes it as far as its own
 /// limits allow. False: the hardware does not answer as expected, and the gates must never go on;
 /// board_send() works as far as that can be.
 bool board_init(float i_trip_A);
 
-/// Lets the PWM count, the converters sample, the interrupt come and the watchdog run. The gates stay
+/// Lets the PWM count, the ADC sample, the interrupt come and the watchdog run. The gates stay
 /// off. Thread, once.
 void board_start(void);
 

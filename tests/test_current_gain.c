@@ -144,7 +144,7 @@ static void test_how_much_is_looked_at(void) {
 
 // --- The drive ------------------------------------------------------------------------------------
 
-/// Steps with converters that show `gain` of the currents, for `periods`, or until the gates go off; the largest true current.
+/// Steps with ADC channels that show `gain` of the currents, for `periods`, or until the gates go off; the largest true current.
 static int steps_with_gain(rig_t *rig, double gain, int periods, double *most_A) {
     int n = 0;
     for (; n < periods && rig->out.gates; n++) {
@@ -504,7 +504,7 @@ static void test_gains_are_found_in_noise(void) {
 
 // --------------------------------------------------------------------------------------------------
 
-/// The vector of a start; with sensors that show nothing all converters are stuck.
+/// The vector of a start; with sensors that show nothing all ADC channels are stuck.
 static void test_gains_that_change_at_once_end_a_start(void) {
     const lode_start_stage_t stages[] = {LODE_START_FULL, LODE_START_TURN};
     const double gains[] = {0.0, 0.02, 0.3, 0.5};

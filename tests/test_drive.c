@@ -257,7 +257,7 @@ static void test_current_vector_at_an_angle(void) {
                                            .theta_rad = (float)theta});
         rig_run(&rig, 0.3);
         const lode_ab_t i = ipmsm_current(&rig.motor);
-        // A converter's step is 12.5 mA.
+        // An ADC count is 12.5 mA.
         CHECK_NEAR(0.03, 4.0 * cos(theta) - sin(theta), i.alpha);
         CHECK_NEAR(0.03, 4.0 * sin(theta) + cos(theta), i.beta);
         const lode_telemetry_t t = rig_telemetry(&rig);

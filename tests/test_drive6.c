@@ -160,7 +160,7 @@ static void test_from_standstill_to_speed_both_ways(void) {
     const lode_drive6_config_t config = rig6_config();
     for (int n = 0; n < COUNT_OF(rpms); n++) {
         rig6_t rig = turning(&config, rpms[n], LOAD_Nm);
-        CHECK_AT_MOST(0.05, worst_angle(&rig, 0.5)); // 12-bit converters
+        CHECK_AT_MOST(0.05, worst_angle(&rig, 0.5)); // 12-bit ADCs
         CHECK_CLOSE(0.005, RPM(rpms[n]) * RIG6_NP, rig.omega);
         CHECK_CLOSE(0.03, LOAD_Nm, fabs(rig6_torque(&rig)) - RIG6_B * fabs(rig.omega) / RIG6_NP);
         CHECK_AT_MOST(0.02, worst_xy(&rig, 0.1));
@@ -363,7 +363,7 @@ static void test_the_worse_offset_of_both_sets_is_told(void) {
     }
 }
 
-/// A calibration with a converter that keeps its count from the beginning, and one (-1: none) that is `astray` by 300
+/// A calibration with an ADC channel that keeps its count from the beginning, and one (-1: none) that is `astray` by 300
 /// counts; all others have noise.
 static lode_fault_t with_a_converter_stuck(lode_command_t command, int stuck, int astray) {
     lode_drive6_config_t config = rig6_config();
@@ -810,7 +810,7 @@ static void test_ignored_it_stays_unseen(void) {
     TEST_ASSERT_TRUE(rig6_telemetry(&from_rest).drive.fault.check != LODE_CHECK_OPEN_PHASE);
 }
 
-/// Periods until the gates are off while a converter (1 .. 6) keeps its count, or (0) one is off by 3 A.
+/// Periods until the gates are off while an ADC channel (1 .. 6) keeps its count, or (0) one is off by 3 A.
 static int until_implausible(rig6_t *rig, int stuck) {
     const lode_counts6_t held = rig6_counts(rig);
     for (int n = 1; n <= 2000; n++) {
@@ -838,7 +838,7 @@ static void test_a_mode_that_changes_by_itself_turns_both_sets_off(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, rig6_telemetry(&rig).drive.fault.measured);
 }
 
-/// Periods until the gates are off while all converters read the middle of their range, with up to `noise` counts. `slowly`: as if
+/// Periods until the gates are off while all ADC channels read the middle of their range, with up to `noise` counts. `slowly`: as if
 /// that had not come at once, (K38) is not there.
 static int until_all_stuck(rig6_t *rig, uint32_t noise, bool slowly, double *most_A) {
     random_t random = random_seed(12);

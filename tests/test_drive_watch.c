@@ -1,4 +1,4 @@
-// What the drive watches for while it runs: converters, half-waves, load, flux, sensors that stand still.
+// What the drive watches for while it runs: ADC channels, half-waves, load, flux, sensors that stand still.
 #include "support/drive_cases.h"
 
 void setUp(void) {}
@@ -9,7 +9,7 @@ static lode_drive_tuning_t other_tuning;
 
 #define NOISY 5 // all, with a count of noise
 
-/// Runs with the converters of `stuck` (1 to 3, 4: all, NOISY) at `held` until the gates go off: how long that took, and
+/// Runs with the ADC channels of `stuck` (1 to 3, 4: all, NOISY) at `held` until the gates go off: how long that took, and
 /// the largest current.
 static void run_stuck(rig_t *rig, int stuck, const lode_counts_t *held, double *time_s,
                       double *most_A) {
@@ -188,7 +188,7 @@ static lode_check_t found_at_rest(rig_t rig, double share, int looks) {
     return rig_telemetry(&rig).fault.check;
 }
 
-/// Where the EMF takes the voltage the current need not follow: that none does is no converter's fault. But it moves within
+/// Where the EMF takes the voltage the current need not follow: that none does is no ADC channel's fault. But it moves within
 /// a turn, of some 12 looks here.
 static void test_a_current_that_the_voltage_does_not_allow_is_not_missed(void) {
     const rig_t rig = running(100.0, 8.0);

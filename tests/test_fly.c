@@ -264,7 +264,7 @@ static void test_what_is_no_rotor_of_this_motor_is_left_to_the_start(void) {
     }
 }
 
-/// Of a converter whose noise is above what is taken for a current.
+/// Of an ADC channel whose noise is above what is taken for a current.
 static void test_noise_is_no_rotor(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
     random_t random = random_seed(11);

@@ -1,4 +1,4 @@
-// Motor parameters: range checks, and converters by hand-computed values and round trips.
+// Motor parameters: range checks, and conversions by hand-computed values and round trips.
 #include "support/fields.h"
 
 #include "lodestar/motor.h"

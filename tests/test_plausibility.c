@@ -1,4 +1,4 @@
-// The currents' plausibility: a converter that is stuck is found before its phase could have stood still,
+// The currents' plausibility: an ADC channel that is stuck is found before its phase could have stood still,
 // a sound one is never; the sum of the three.
 #include "support/check.h"
 
@@ -22,7 +22,7 @@ static lode_status_t tune(lode_plausibility_tuning_t *tuning, const lode_guard_c
     return lode_plausibility_tune(tuning, config, I_MAX_A, &sense);
 }
 
-/// Currents of an amplitude that turn, seen by converters some of which may be stuck.
+/// Currents of an amplitude that turn, seen by ADC channels some of which may be stuck.
 typedef struct {
     lode_plausibility_tuning_t tuning;
     lode_plausibility_t state;

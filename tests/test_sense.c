@@ -83,7 +83,7 @@ static void test_three_shunts(void) {
 static void test_two_shunts(void) {
     lode_sense_config_t config = board();
     config.shunts = LODE_SHUNTS_TWO;
-    // The third converter is not wired: whatever it says does not count.
+    // The third ADC channel is not wired: whatever it says does not count.
     const lode_counts_t counts = {.i = {2148, 2088, 0}, .v_bus = 2000};
     const lode_sample_t s = sampled(&config, counts, half);
     CHECK_NEAR(ROUNDING, 1.25, amperes(&config, s, 0));
@@ -162,7 +162,7 @@ static void test_a_phase_without_a_window_follows_from_the_others(void) {
         const double other_two = currents[0] + currents[1] + currents[2] - currents[phase];
         const lode_sample_t s = sampled(&config, counts, duty_with(phase, 0.93f));
         CHECK_NEAR(ROUNDING, -other_two, amperes(&config, s, phase));
-        // What the blind converter says does not reach the result.
+        // What the blind ADC channel says does not reach the result.
         counts.i[phase] = 3000;
         const lode_sample_t t = sampled(&config, counts, duty_with(phase, 0.93f));
         TEST_ASSERT_EQUAL_MEMORY(s.i, t.i, sizeof s.i);
@@ -706,7 +706,7 @@ static void test_range_of_the_converter(void) {
     for (int i = 0; i < COUNT_OF(bad); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_SENSE_OFFSET, try_one(count, bad[i]));
     }
-    // One of a single count is a converter, but none that could see a current of either sign.
+    // One of a single count is an ADC, but none that could see a current of either sign.
     lode_sense_config_t least = board();
     least.i_offset_count = 0.5f;
     least.i_offset_tol_count = 0.5f;

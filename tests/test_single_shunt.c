@@ -265,7 +265,7 @@ static void test_blind_periods_keep_the_last_counts(void) {
     TEST_ASSERT_EQUAL_UINT16_ARRAY(first, then, 3);
 }
 
-// Counts stay counts, whatever the converter says.
+// Counts stay counts, whatever the ADC delivers.
 static void test_counts_stay_in_range(void) {
     const lode_single_shunt_config_t config = sound();
     const lode_single_shunt_tuning_t tuning = tuned(&config);

@@ -13,7 +13,7 @@
 #define PORT_NTC_ZERO_degC (-100.0f)
 #define PORT_NTC_MISSING 65535u ///< 6453.5 degC
 
-/// Of a 12-bit converter's range, 64 counts each. With 10 kOhm against 4.7 kOhm and points every 10 K what is
+/// Of a 12-bit ADC's range, 64 counts each. With 10 kOhm against 4.7 kOhm and points every 10 K what is
 /// read lies within 0.6 K from 0 to 90 degC and within 1 K from -20 to 110 degC (tests/port/test_port_ntc.c).
 #define PORT_NTC_SPAN 64u
 #define PORT_NTC_SPANS 64u
@@ -28,7 +28,7 @@ typedef struct {
     const port_ntc_point_t *points; ///< coldest first
     uint32_t count;                 ///< at least 2
     float fixed_Ohm;                ///< of the divider's other resistor
-    bool to_ground;                 ///< the NTC lies at ground; else at the converter's reference
+    bool to_ground;                 ///< the NTC lies at ground; else at the ADC's reference
 } port_ntc_config_t;
 
 typedef struct {

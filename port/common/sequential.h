@@ -1,4 +1,4 @@
-/// Currents that one converter samples one after the other, brought to t_k. No hardware in here.
+/// Currents that one ADC samples one after the other, brought to t_k. No hardware in here.
 ///
 /// All samples lie in the zero vector around t_k, with all low sides on. There a phase current moves by two
 /// things: the ripple, whose slope is minus the mean voltage of the phase over the inductance, and the

@@ -1,4 +1,4 @@
-/// Motor, load, ideal inverter and 12-bit converters in single precision, small enough for an image. Only
+/// Motor, load, ideal inverter and 12-bit ADCs in single precision, small enough for an image. Only
 /// sums, products and quotients: it computes the same bits everywhere.
 #ifndef EMULATOR_PLANT_H
 #define EMULATOR_PLANT_H
@@ -21,10 +21,10 @@ typedef struct {
 /// At rest, unloaded, the magnet 17 degrees from phase a.
 void plant_init(plant_t *self);
 
-/// What a drive must know of the inverter and the converters.
+/// What a drive must know of the inverter and the ADCs.
 void plant_describe(lode_drive_config_t *config);
 
-/// What the converters sample at the start of the period. Leaves `stamp` 0.
+/// What the ADCs sample at the start of the period. Leaves `stamp` 0.
 lode_counts_t plant_counts(const plant_t *self);
 
 /// One period. `out` is what the step made of the counts of its start: its gate state acts at once, its

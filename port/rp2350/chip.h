@@ -25,7 +25,7 @@
 #include "calls.h"
 #if VARIANT_DOUBLE_UPDATE
 #error                                                                                             \
-    "This PWM takes compare values over at zero only, and one converter has no time for it: no VARIANT_DOUBLE_UPDATE"
+    "This PWM takes compare values over at zero only, and one ADC has no time for it: no VARIANT_DOUBLE_UPDATE"
 #endif
 
 #define CHIP_PHASES 3u
@@ -39,7 +39,7 @@
 #define CHIP_CONVERSION_ns 2000.0f
 #define CHIP_APERTURE_ns 500.0f
 
-/// Slices of the PWM without pins, in either package: one triggers the converter, one is the deadline.
+/// Slices of the PWM without pins, in either package: one triggers the ADC, one is the deadline.
 #define CHIP_TRIGGER_SLICE 8u
 #define CHIP_DEADLINE_SLICE 9u
 
@@ -54,7 +54,7 @@
 /// Until the end of the last current's sampling.
 #define CHIP_SAMPLE_ns (CHIP_SPREAD_ns + CHIP_APERTURE_ns)
 
-/// Core, PWM and serial port at 150 MHz from the crystal, converter at 48 MHz. The reference clock, and with
+/// Core, PWM and serial port at 150 MHz from the crystal, ADC at 48 MHz. The reference clock, and with
 /// it the watchdog, stays on the ring oscillator. False: crystal or PLL does not come.
 bool chip_clock_init(void);
 /// The system's PLL has been without lock since the last chip_clock_forget().
@@ -73,7 +73,7 @@ void chip_pwm_write(lode_abc_t duty);
 /// The interrupt has come: the deadline moves on.
 void chip_deadline_move(void);
 
-/// Converter and the two DMA channels, not yet enabled.
+/// ADC and the two DMA channels, not yet enabled.
 bool chip_converter_init(void);
 /// From now on the slices' wraps are heard.
 void chip_converter_arm(void);

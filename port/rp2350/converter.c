@@ -1,4 +1,4 @@
-// One converter. A wrap of the trigger slice has the DMA write the word that starts it; it goes through its
+// One ADC. A wrap of the trigger slice has the DMA write the word that starts it; it goes through its
 // inputs one after the other until the interrupt, at the last of them, stops it. By then it has begun one
 // more, which is thrown away.
 #include "chip.h"

@@ -1,6 +1,6 @@
 // Three slices count up and down. Their outputs are inverted, so the high sides are on around the upper
 // turning point and all low sides around zero: there the compare values are taken over. That instant is
-// t_k. Two more slices run as sawtooths: one wraps ahead of t_k by the converter's lead and starts it, one
+// t_k. Two more slices run as sawtooths: one wraps ahead of t_k by the ADC's lead and starts it, one
 // wraps where the interrupt has not come for one and a half periods and takes the gates away.
 #include "chip.h"
 

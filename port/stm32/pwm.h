@@ -3,7 +3,7 @@
 /// It counts up and down. In PWM mode 2 the high sides are on around the upper turning point, so all low
 /// sides are on around the lower one: there the shunts carry the phase currents. The update event comes
 /// there once per period (repetition counter 1), or with double update at both turning points (0). It takes
-/// the compare values over and triggers the converters: that instant is t_k.
+/// the compare values over and triggers the ADCs: that instant is t_k.
 #ifndef LODESTAR_PORT_STM32_PWM_H
 #define LODESTAR_PORT_STM32_PWM_H
 

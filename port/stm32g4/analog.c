@@ -3,7 +3,7 @@
 #include "pwm.h"
 #include "sampling.h"
 
-#define CLOCK_BY_4 3u         // 42.5 MHz of at most 52 with two converters at work
+#define CLOCK_BY_4 3u         // 42.5 MHz of at most 52 with two ADCs at work
 #define DUAL_INJECTED 5u      // ADC2 follows ADC1's trigger
 #define SAMPLE_6_5 1u         // cycles of 23.5 ns
 #define RANKS 3u              // of either: equal lengths end together
@@ -130,7 +130,7 @@ static void sampling(ADC_TypeDef *adc, const uint32_t *channels, uint32_t count)
 
 #ifdef VARIANT_LINK
 
-#define MODE 0u // each converter on its own trigger
+#define MODE 0u // each ADC on its own trigger
 
 static void sequences(void) {
     static const uint32_t link[] = {VARIANT_LINK_CHANNEL};
@@ -172,7 +172,7 @@ bool chip_converters_init(void) {
     if (!enable(ADC1) || !enable(ADC2)) {
         return false;
     }
-    sequences(); // of a converter that is on (RM0440, constraints when writing the ADC control bits)
+    sequences(); // of an ADC that is on (RM0440, constraints when writing the ADC control bits)
     return true;
 }
 

@@ -30,7 +30,7 @@ void chip_protection_init(float i_trip_A);
 bool chip_protection_test(void);
 
 /// ADC1 and ADC2, injected and simultaneous, three ranks each, on TIM1's TRGO. False: no answer, or a chip
-/// of revision Y, whose converters are clocked otherwise.
+/// of revision Y, whose ADCs are clocked otherwise.
 bool chip_converters_init(void);
 
 /// From now on a trigger starts them.

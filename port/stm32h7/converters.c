@@ -1,7 +1,7 @@
 #include "chip.h"
 #include "sampling.h"
 
-#define REVISION_V 0x2003u    // of the chip, the first with the converters' clock halved once more
+#define REVISION_V 0x2003u    // of the chip, the first with the ADC clock halved once more
 #define CLOCK_BY_4 3u         // of the bus, and half of that: 25 MHz
 #define DUAL_INJECTED 5u      // ADC2 follows ADC1's trigger
 #define SAMPLE_8_5 2u         // cycles of 40 ns
@@ -75,7 +75,7 @@ bool chip_converters_init(void) {
     if (!enable(ADC1) || !enable(ADC2)) {
         return false;
     }
-    // Of converters that are on, as the STM32G4's manual has it for the same unit.
+    // Of ADCs that are on, as the STM32G4's manual has it for the same unit.
     sequence(ADC1, ranks1,
              RISING_EDGE << ADC_JSQR_JEXTEN_Pos | TRIGGER_TIM1_TRGO << ADC_JSQR_JEXTSEL_Pos);
     sequence(ADC2, ranks2, 0u);

@@ -18,14 +18,14 @@ bool board_reset_by_watchdog(void) {
     return false;
 }
 
-/// Clocks; timer centre-aligned, compare preloaded, dead time, break input; converters on the timer's
+/// Clocks; timer centre-aligned, compare preloaded, dead time, break input; ADC on the timer's
 /// trigger; serial port as soon as it can be. Gate pins last. False while any of it is missing.
 bool board_init(float i_trip_A) {
     (void)i_trip_A;
     return false;
 }
 
-/// Watchdog; then arm the converters, enable the interrupt, start the timer: in this order.
+/// Watchdog; then arm the ADC, enable the interrupt, start the timer: in this order.
 void board_start(void) {}
 
 /// Read the result registers; trip = the timer's break flag; stamp = board_cycles().

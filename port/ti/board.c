@@ -12,7 +12,7 @@
 #define TRIP_LATCH_us 2u    // a comparator's filter and the crossbar, twice over
 
 // A cycle counter may stand still while a debugger holds the core, so the stamp may not show the gap: the
-// converters do, whose results nobody has taken.
+// ADCs do, whose results nobody has taken.
 static bool missed_periods;
 
 // Of the comparators, in counts of their DACs: a current of either sign.

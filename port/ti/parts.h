@@ -32,7 +32,7 @@ void chip_protection_init(float i_trip_A);
 /// Thresholds of one phase's comparators, in counts of their DACs.
 void chip_comparator_set(uint32_t phase, uint16_t high, uint16_t low);
 
-/// Three converters: a current each on the same trigger, the bus after one of them, a temperature, where there
+/// Three ADCs: a current each on the same trigger, the bus after one of them, a temperature, where there
 /// is one, after another.
 void chip_converters_init(void);
 /// Result of the last period; phase 0 .. 2.

@@ -70,7 +70,7 @@
 #define DCCTL_EVT1_ASYNC 0x0002u
 #define LOCK_TRIP_ZONE_AND_COMPARE 0xA5A50014u // key, groups
 
-// Converters, 16-bit registers but for the SOCs.
+// ADCs, 16-bit registers but for the SOCs.
 #define ADC(n) (0x502C0000u + 0x1000u * (uint32_t)(n))
 #define ADC_RESULT(n, soc) (0x50100000u + 0x1000u * (uint32_t)(n) + 2u * (uint32_t)(soc))
 #define ADC_CTL1 0x000u

@@ -6,7 +6,7 @@
 #define FILTER_CLOCKS (10u - 1u) // the register holds one less
 #define FILTER FILCTL(10u, 8u)
 #define REFERENCES_ON 7u
-#define REFERENCES_COMPARED 0x777u // of all five converters
+#define REFERENCES_COMPARED 0x777u // of all five ADCs
 
 typedef struct {
     uint32_t adc;

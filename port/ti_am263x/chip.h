@@ -19,12 +19,12 @@
 #define CHIP_F_PWM_Hz 200000000u
 #define CHIP_F_STAMP_Hz CHIP_F_CPU_Hz ///< the core's cycle counter
 
-/// Converters' clock 50 MHz. Window 140 ns.
+/// ADC clock 50 MHz. Window 140 ns.
 #define CHIP_WINDOW_cycles 28u
 /// Until the end of the currents' sampling: some cycles from the trigger, then the window.
 #define CHIP_SAMPLE_ns 200.0f
 
-/// Full scale of converters and comparators differ.
+/// Full scale of ADCs and comparators differ.
 #define CHIP_DAC_PER_COUNT (VARIANT_V_REF_V / VARIANT_V_DAC_V)
 
 /// At least so long, by the core's counter.

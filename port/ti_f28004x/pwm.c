@@ -1,6 +1,6 @@
 // The counters run up and down. The high sides are on around the upper turning point, so all low sides
 // are on around zero: there the shunts carry the phase currents, the compare values are taken over and
-// the converters are triggered. That instant is t_k. With double update both happen at the upper one too.
+// the ADCs are triggered. That instant is t_k. With double update both happen at the upper one too.
 #include "chip.h"
 #include "figures.h"
 

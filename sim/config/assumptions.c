@@ -89,7 +89,7 @@ void assumptions_note(rig_config_t *config) {
         {"drive", "r_on_Ohm", "switches without resistance"},
         {"drive", "pwm_ticks", "duties not quantised"},
         {"drive", "shunts", "a current sensor in each phase"},
-        {"drive", "adc_bits", "a common converter"},
+        {"drive", "adc_bits", "a common resolution"},
         {"drive", "i_range_A", "1.3 times the trip current"},
         {"drive", "v_range_V", "1.6 times the bus voltage"},
     };
@@ -112,7 +112,7 @@ void assumptions_disturbances(rig_config_t *config) {
     assume(config, "emf7_ratio", &plant->emf7_ratio, HARMONIC_SHARE, "3 % of the EMF");
     // Quantisation and all that comes with it.
     assume(config, "i_noise_A", &plant->i_noise_A, fabs((double)config->drive.sense.i_gain_A_count),
-           "one count of the converter");
+           "one ADC count");
 }
 
 void assumptions_print(FILE *file, const rig_config_t *config, const char *before) {

@@ -51,7 +51,7 @@ static const refusal_t refusals[] = {
      "at least i_max_A"},
     {LODE_ERROR_SENSE_BUS, "drive.v_range_V", "drive.v_bus_V", "at least v_bus_V"},
     {LODE_ERROR_SENSE_OFFSET, "drive.i_offset_tol_count drive.adc_bits", NULL,
-     "within the converter's range"},
+     "within the ADC's range"},
     {LODE_ERROR_SENSE_WINDOW, "current.voltage_use drive.duty_max", NULL,
      "duty_max 0.5 .. 1, and with two shunts voltage_use at most 2 duty_max - 1, less what the "
      "dead time takes"},

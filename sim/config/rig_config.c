@@ -78,7 +78,7 @@ static void default_to(double *value, double otherwise) {
     *value = isnan(*value) ? otherwise : *value;
 }
 
-/// Gains and offsets of the converters. Currents come as unsigned counts about the middle.
+/// Gains and offsets of the ADC. Currents come as unsigned counts about the middle.
 static void fit_board(rig_config_t *config) {
     lode_drive_config_t *drive = &config->drive;
     rig_board_t *board = &config->board;

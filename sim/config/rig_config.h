@@ -24,10 +24,10 @@ enum {
 /// A value to be drawn at random.
 #define RIG_RANDOM HUGE_VAL
 
-/// The board's converters, from which gains and offsets follow.
+/// The board's ADC, from which gains and offsets follow.
 typedef struct {
     double adc_bits;
-    double i_range_A; ///< current at either end of the converter's range
+    double i_range_A; ///< current at either end of the ADC's range
     double v_range_V; ///< bus voltage at full scale
 } rig_board_t;
 
@@ -223,7 +223,7 @@ void rig_config_init(rig_config_t *config);
 typedef enum {
     RIG_NEED_MOTOR, ///< the motor alone: the rest is assumed, and marked so
     RIG_NEED_DRIVE, ///< f_pwm, bus voltage and current as well
-    RIG_NEED_BOARD  ///< and the ranges of the converters: what goes into firmware is not assumed
+    RIG_NEED_BOARD  ///< and the ADC ranges: what goes into firmware is not assumed
 } rig_need_t;
 
 /// True where that much is given; false after a message for each key that is missing.

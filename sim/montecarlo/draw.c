@@ -20,7 +20,7 @@
 #define COAST_STEPS 10u           // up to rated speed
 #define LEAST_LOAD_SHARE 0.1      // with which a phase breaks
 #define NOISE_COUNTS 0.5          // rms, of a current
-#define OFFSET_SHARE 0.01         // of the converter's range; calibrated before the start
+#define OFFSET_SHARE 0.01         // of the ADC's range; calibrated before the start
 #define GAIN_SHARE 0.02
 
 /// Ranges, of what the drive believes over the truth; of R and J the other way round.

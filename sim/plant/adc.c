@@ -81,7 +81,7 @@ static uint16_t to_count(const plant_adc_t *self, double value) {
                                 : 0.0);
 }
 
-/// No draw where there is no noise: an ideal converter costs nothing.
+/// No draw where there is no noise: an ideal ADC costs nothing.
 static double noise(plant_adc_t *self, double rms) {
     return rms > 0.0 ? rms * plant_noise_next(&self->noise) : 0.0;
 }

@@ -1,4 +1,4 @@
-/// Analogue-to-digital converters with their errors, and their noise generator.
+/// ADC channels with their errors, and their noise generator.
 #ifndef PLANT_ADC_H
 #define PLANT_ADC_H
 
@@ -29,7 +29,7 @@ void plant_adc_init(plant_adc_t *self, const plant_config_t *config);
 void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_LEGS], double v_bus_V,
                        double temperature_degC, plant_counts_t *counts);
 
-/// One sample of a shunt in the DC link, with noise, offset and gain error of phase a's converter.
+/// One sample of a shunt in the DC link, with noise, offset and gain error of phase a's ADC channel.
 uint16_t plant_adc_link(plant_adc_t *self, double i_A);
 
 void plant_noise_init(plant_noise_t *self, uint64_t seed);

@@ -95,7 +95,7 @@ typedef struct {
 /// NULL, or the reason in words; the object is untouched then. Starts with gates off, no current.
 const char *plant_init(plant_t *self, const plant_config_t *config);
 
-/// Reads converters and truth at t_k; either may be NULL. Each conversion draws fresh noise. `counts`
+/// Reads ADC and truth at t_k; either may be NULL. Each conversion draws fresh noise. `counts`
 /// is one per set.
 void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth);
 

@@ -11,10 +11,10 @@
 
 const inject_kind_t inject_kinds[] = {
     {"none", "nothing", INJECT_NOTHING, false, 0.0},
-    {"adc-frozen", "all current converters keep their last count", INJECT_FREEZE, true, 0.0},
+    {"adc-frozen", "all current ADC channels keep their last count", INJECT_FREEZE, true, 0.0},
     {"adc-frozen-noisy", "all keep their last count, with a count of noise", INJECT_FREEZE_NOISY,
      true, 0.0},
-    {"adc-last", "one current converter keeps its last count", INJECT_HOLD, false, 0.0},
+    {"adc-last", "one current ADC channel keeps its last count", INJECT_HOLD, false, 0.0},
     {"adc-mid", "one reads the middle of its range", INJECT_COUNT, false, 0.5},
     {"adc-mid-all", "all read the middle", INJECT_COUNT, true, 0.5},
     {"adc-mid-all-noisy", "all read the middle, with a count of noise", INJECT_COUNT_NOISY, true,

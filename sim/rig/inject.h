@@ -6,7 +6,7 @@
 
 typedef enum {
     INJECT_NOTHING,      ///< the comparison
-    INJECT_FREEZE,       ///< all converters of current keep their last count
+    INJECT_FREEZE,       ///< all current ADC channels keep their last count
     INJECT_HOLD,         ///< one keeps its last count
     INJECT_COUNT,        ///< one, or all, read `value` of full scale
     INJECT_FREEZE_NOISY, ///< as INJECT_FREEZE, with a count of noise

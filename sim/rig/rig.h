@@ -73,7 +73,7 @@ double rig_true_Lq_H(const rig_t *self);
 /// `to` becomes an independent rig in the same state.
 void rig_copy(rig_t *to, const rig_t *from);
 
-/// What the converters have sampled, as the drive takes it.
+/// What the ADC has sampled, as the drive takes it.
 lode_counts_t rig_counts(const plant_counts_t *plant);
 
 /// Duties and gates of a set, 0 or 1, to the plant.

@@ -71,7 +71,7 @@ def includes():
 
 
 def recording():
-    """The converters' results of closed-loop runs on this machine, as C tables."""
+    """The ADC results of closed-loop runs on this machine, as C tables."""
     OUT.mkdir(parents=True, exist_ok=True)
     program, tables = OUT / "record", OUT / "recording.c"
     sources = [HERE / name for name in ("record.c", "record6.c", "motor.c", "drives.c", "drives6.c")]

@@ -20,7 +20,7 @@
 /// Phase current below which the effect of the dead time fades.
 #define BENCH_I_DEAD_A 0.5f
 
-/// The board: converters of 12 bits.
+/// The board: 12-bit ADCs.
 #define BENCH_I_OFFSET_count 2048.0f
 #define BENCH_I_GAIN_A_count 0.02f
 #define BENCH_V_GAIN_V_count 0.02f
@@ -130,7 +130,7 @@ uint32_t bench_digest(lode_drive_out_t out);
 
 /// The estimate of a drive in RUN is good: lock above 0.9, angle within 0.1 rad of the rotor's, and in
 /// the steady cases speed within 1 % of the operating point. BENCH_SATURATED, which changes speed as
-/// fast as it can: 0.7 and 0.3 rad. BENCH_INJECTING, whose lock has the noise of the converters in it: 0.7.
+/// fast as it can: 0.7 and 0.3 rad. BENCH_INJECTING, whose lock has the ADC's noise in it: 0.7.
 bool bench_estimate_is_good(int32_t number, const lode_telemetry_t *telemetry, float theta_rad);
 
 #endif

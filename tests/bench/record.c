@@ -1,6 +1,6 @@
 /// usage: record > recording.c
 /// Runs every drive of the budget in closed loop with a motor and prints, as constant tables, what its
-/// converters deliver in each period and what came of it. Fails where a drive does not do what its
+/// ADC delivers in each period and what came of it. Fails where a drive does not do what its
 /// case is named for.
 #include "record.h"
 
@@ -36,7 +36,7 @@ static shaft_t shaft_of(bench_scene_t scene, lode_mode_t mode) {
     return from_standstill(scene) ? SHAFT_FREE : SHAFT_DRAGGED;
 }
 
-// Between -1 and 1: what a converter adds in counts.
+// Between -1 and 1: what an ADC adds in counts.
 static double noise(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
     return (double)*state / 2147483648.0 - 1.0;

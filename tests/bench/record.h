@@ -5,7 +5,7 @@
 #include "image.h"
 #include "motor.h"
 
-/// What the converters of a set deliver at the start of a period. `dice`: state of their noise.
+/// What the ADC of a set delivers at the start of a period. `dice`: state of their noise.
 lode_counts_t record_counts(const motor_t *motor, int set, uint32_t *dice, double v_bus_V,
                             int32_t period);
 

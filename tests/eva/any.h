@@ -1,4 +1,4 @@
-// Whatever may come from outside: commands and converters' counts, for abstract interpretation.
+// Whatever may come from outside: commands and ADC counts, for abstract interpretation.
 #ifndef EVA_ANY_H
 #define EVA_ANY_H
 

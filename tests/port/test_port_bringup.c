@@ -28,7 +28,7 @@
 
 /// What is wrong with the board.
 typedef struct {
-    int channel[3]; ///< which phase's current converter x reads
+    int channel[3]; ///< which phase's current ADC channel x reads
     double sign[3]; ///< 0: dead
     double offset_count[3];
     double noise_count;
@@ -480,7 +480,7 @@ static void test_signs(void) {
     m.sign[0] = m.sign[1] = m.sign[2] = -1.0;
     signs(&m, BRINGUP_SIGN, 0);
     m = sound;
-    m.channel[1] = 2; // converters of b and c exchanged
+    m.channel[1] = 2; // ADC channels of b and c exchanged
     m.channel[2] = 1;
     signs(&m, BRINGUP_ORDER, 1);
     m = sound;

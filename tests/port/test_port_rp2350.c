@@ -192,7 +192,7 @@ static void test_samples_come_in_their_order(void) {
     }
     TEST_ASSERT_EQUAL_UINT32(fake_get(TIMER0_RAWL), counts_now().stamp);
     TEST_ASSERT_EQUAL_HEX32(ADC_CS_EN, fake_get(ADC_CS) & (ADC_CS_EN | ADC_CS_START_MANY));
-    // Each input is the converter's alone.
+    // Each input is the ADC's alone.
     for (uint32_t n = 0u; n < CHIP_SAMPLES; n++) {
         TEST_ASSERT_EQUAL_HEX32(PAD_ANALOG, fake_get(PAD(26u + n)));
     }
@@ -224,7 +224,7 @@ static void test_missing_or_stale_samples_are_a_trip(void) {
     up();
     TEST_ASSERT_TRUE(fake_trigger());
     fake_put(ADC_CS, fake_get(ADC_CS) | ADC_CS_START_MANY);
-    fake_halt(PERIOD); // nobody has stopped the converter: it goes on until the FIFO runs over
+    fake_halt(PERIOD); // nobody has stopped the ADC: it goes on until the FIFO runs over
     adc_fifo_handler();
     TEST_ASSERT_TRUE(counts_now().trip);
     one_period(); // nothing stale is left

@@ -30,7 +30,7 @@
 #define DUTY_MAX port_duty_max((float)VARIANT_F_PWM_Hz, VARIANT_SETTLE_ns, CHIP_SAMPLE_ns)
 
 #if defined(FAKE_G4) || defined(FAKE_H7)
-#define HAS_SYSTEM_BREAK // and polarities of the break's sources, and one converter after another
+#define HAS_SYSTEM_BREAK // and polarities of the break's sources, and one ADC after another
 #endif
 #ifdef FAKE_G4
 #define SERIAL_PORT USART2
@@ -84,7 +84,7 @@ static bool gates_on(void) {
 // --- turning points ---
 
 // The timer comes to its next turning point. True: with an update event, which takes compare values over (they are
-// preloaded) and triggers the converters. Repetition counter 1, written before the start: the lower one only.
+// preloaded) and triggers the ADCs. Repetition counter 1, written before the start: the lower one only.
 static uint32_t acting[3];
 
 static bool next_turn(void) {
@@ -953,7 +953,7 @@ static void test_failed_init_is_reported_and_stops(void) {
 }
 
 #ifdef FAKE_H7
-// Its converters' clock is not halved, and would be too fast.
+// Its ADC clock is not halved, and would be too fast.
 static void test_revision_y_is_refused(void) {
     DBGMCU->IDCODE = 0x10036450u;
     TEST_ASSERT_FALSE(board_init(TRIP_A));

@@ -396,7 +396,7 @@ static void expect_gates_off_in_one_call(const char *check) {
     TEST_ASSERT_EQUAL_STRING(check, lode_check_name((lode_check_t)app_telemetry().fault.check));
 }
 
-// While a debugger holds the core its cycle counter stands still: without the converters' overflow the
+// While a debugger holds the core its cycle counter stands still: without the ADC's overflow the
 // next period would look like any other, with an angle from before the halt.
 static void test_periods_missed_while_the_counter_stood_still_are_a_fault(void) {
     gates_on_by_the_drive();

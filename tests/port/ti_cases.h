@@ -22,7 +22,7 @@ static void one_period(void);
 // To the counters' next turning point, without an interrupt.
 static void next_turn(void);
 static bool counts_down;
-// By what the port has set: at the turning point that has come the converters are triggered, and ePWM x takes its
+// By what the port has set: at the turning point that has come the ADCs are triggered, and ePWM x takes its
 // compare value over, which is this one.
 static bool is_triggered(void);
 static bool is_taken_over(int x);

@@ -1,4 +1,4 @@
-/// A drive on a motor in double with an ideal inverter and 12-bit converters.
+/// A drive on a motor in double with an ideal inverter and 12-bit ADCs.
 #ifndef SUPPORT_RIG_H
 #define SUPPORT_RIG_H
 
@@ -29,7 +29,7 @@ typedef struct {
     double load_Nm;     ///< friction-like: against the rotation
     double pull_Nm;     ///< constant, whichever way the rotor turns
     bool blocked;       ///< the rotor stands still
-    double offset[3];   ///< of the current converters, counts
+    double offset[3];   ///< of the current ADC channels, counts
     lode_abc_t applied; ///< duties under way
     uint32_t stamp;
     bool trip;

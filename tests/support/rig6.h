@@ -1,5 +1,5 @@
 /// A six-phase drive on a dual three-phase machine in double with an ideal inverter and 12-bit
-/// converters. The machine is Eldeeb's (IEEE PEDS 2017); inertia and bus voltage are assumed.
+/// ADCs. The machine is Eldeeb's (IEEE PEDS 2017); inertia and bus voltage are assumed.
 #ifndef SUPPORT_RIG6_H
 #define SUPPORT_RIG6_H
 

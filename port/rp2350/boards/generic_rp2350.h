@@ -1,5 +1,5 @@
 /// An RP2350 in front of a gate driver with one input per half bridge: PWM in, high side or low side on, never
-/// both. Two low-side shunts with amplifiers around half the range, bus voltage: three converter inputs, as
+/// both. Two low-side shunts with amplifiers around half the range, bus voltage: three ADC inputs, as
 /// many as a Pico 2 brings out. Figures are those of a 24 V, 5 A stage: copy this file and enter yours.
 #ifndef LODESTAR_PORT_BOARD_VARIANT_H
 #define LODESTAR_PORT_BOARD_VARIANT_H

@@ -26,7 +26,7 @@
 #define VARIANT_I_OFFSET_TOL_count 200.0f
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (39.0f + 2.2f) / 2.2f) // 39 kOhm over 2.2 kOhm
-// NTC of 10 kOhm and B = 3435 K between the converter's input and ground, 10 kOhm up to the reference; the
+// NTC of 10 kOhm and B = 3435 K between the ADC's input and ground, 10 kOhm up to the reference; the
 // points are those of the B equation. Enter the table of your data sheet.
 #define VARIANT_NTC_POINTS                                                                         \
     {-40.0f, 248277.0f}, {-30.0f, 135452.0f}, {-20.0f, 77523.0f}, {-10.0f, 46290.0f},              \
@@ -48,7 +48,7 @@
 #endif
 // With sensors in the phases the drive may be called at both turning points: #define VARIANT_DOUBLE_UPDATE true
 
-// The three currents at once: one converter each, rank 1. Rank 2: bus, temperature, anything.
+// The three currents at once: one ADC each, rank 1. Rank 2: bus, temperature, anything.
 #define VARIANT_ADC1_RANKS                                                                         \
     { 10u, 13u } // i_a on PC0, bus on PC3
 #define VARIANT_ADC2_RANKS                                                                         \

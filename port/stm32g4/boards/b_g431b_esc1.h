@@ -45,7 +45,7 @@
 // Dead time, then ten time constants of an amplifier of 13 MHz / 16, which is a typical figure.
 #define VARIANT_SETTLE_ns 2800.0f
 
-// Converters. Rank 1 of both is sampled at t_k, rank 2 some 0.45 us later.
+// ADCs. Rank 1 of both is sampled at t_k, rank 2 some 0.45 us later.
 #define VARIANT_ADC1_RANKS                                                                         \
     { 3u, 12u, 5u } // i_a on PA2, i_c on PB1, NTC on PB14
 #define VARIANT_ADC2_RANKS                                                                         \

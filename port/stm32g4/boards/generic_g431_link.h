@@ -29,7 +29,7 @@
 #define VARIANT_I_OFFSET_TOL_count 200.0f
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (39.0f + 2.2f) / 2.2f) // 39 kOhm over 2.2 kOhm
-// NTC of 10 kOhm and B = 3435 K between the converter's input and ground, 10 kOhm up to the reference; the
+// NTC of 10 kOhm and B = 3435 K between the ADC's input and ground, 10 kOhm up to the reference; the
 // points are those of the B equation. Enter the table of your data sheet.
 #define VARIANT_NTC_POINTS                                                                         \
     {-40.0f, 248277.0f}, {-30.0f, 135452.0f}, {-20.0f, 77523.0f}, {-10.0f, 46290.0f},              \

@@ -15,7 +15,7 @@
 #define VARIANT_R_ON_Ohm 0.0f
 
 // Shunt 5 mOhm, amplifier 20. A current into the motor pulls the low-side shunt below ground.
-#define VARIANT_V_REF_V 3.2f // the converters' full scale with VREFHI of 1.8 V
+#define VARIANT_V_REF_V 3.2f // the ADC's full scale with VREFHI of 1.8 V
 #define VARIANT_V_DAC_V 3.3f // the comparators' full scale: VDDA
 #define VARIANT_COUNTS 4096.0f
 #define VARIANT_SHUNT_Ohm 0.005f
@@ -27,7 +27,7 @@
 #define VARIANT_I_OFFSET_TOL_count 100.0f
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (82.0f + 4.99f) / 4.99f) // 82 kOhm over 4.99 kOhm
-// NTC of 10 kOhm and B = 3435 K between the converter's input and ground, 10 kOhm up to the converters' full
+// NTC of 10 kOhm and B = 3435 K between the ADC's input and ground, 10 kOhm up to the ADC's full
 // scale; the points are those of the B equation. Enter the table of your data sheet.
 #define VARIANT_NTC_POINTS                                                                         \
     {-40.0f, 248277.0f}, {-30.0f, 135452.0f}, {-20.0f, 77523.0f}, {-10.0f, 46290.0f},              \
@@ -46,17 +46,17 @@
 #define VARIANT_TRIP_MAX_A 14.0f // of 16 A that the amplifier can show, either sign
 #define VARIANT_TRIP_MIN_A 2.0f
 
-// Phases a, b, c: ePWM and its pads (A, B); the first one triggers the converters.
+// Phases a, b, c: ePWM and its pads (A, B); the first one triggers the ADCs.
 #define VARIANT_PWM                                                                                \
     { 0u, 1u, 2u }
 #define VARIANT_PWM_PADS                                                                           \
     { 43u, 44u, 45u, 46u, 47u, 48u } // EPWM0_A .. EPWM2_B
-// Converter and channel, and the comparator that has the same pin on both of its inputs.
+// ADC and channel, and the comparator that has the same pin on both of its inputs.
 #define VARIANT_CURRENTS                                                                           \
     {0u, 4u, 0u}, {1u, 4u, 2u}, {                                                                  \
         2u, 4u, 4u                                                                                 \
     } // ADC0_AIN4 with CMPSSB0, ADC1_AIN4 with CMPSSB2, ADC2_AIN4 with CMPSSB4
-// After a current on the same converter, so its end is the end of all.
+// After a current on the same ADC, so its end is the end of all.
 #define VARIANT_BUS_ADC 0u
 #define VARIANT_BUS_CHANNEL 0u // ADC0_AIN0
 

@@ -37,7 +37,7 @@
 #define VARIANT_TRIP_MAX_A 18.0f // of 21.4 A that the amplifier can show, either sign
 #define VARIANT_TRIP_MIN_A 2.0f
 
-// Phases a, b, c. All three ePWM count alike; the first one triggers the converters.
+// Phases a, b, c. All three ePWM count alike; the first one triggers the ADCs.
 #define VARIANT_PWM                                                                                \
     { EPWM6_BASE, EPWM5_BASE, EPWM3_BASE }
 #define VARIANT_PWM_CLOCKS                                                                         \
@@ -49,12 +49,12 @@
         GPIO_5_EPWM3_B, 5u                                                                         \
     }
 
-// Converter, channel and result of phases a, b, c: PGA5_OUT on A14, PGA3_OUT on C7, PGA1_OUT on B7.
+// ADC, channel and result of phases a, b, c: PGA5_OUT on A14, PGA3_OUT on C7, PGA1_OUT on B7.
 #define VARIANT_CURRENTS                                                                           \
     {ADCA_BASE, ADCARESULT_BASE, ADC_CH_ADCIN14}, {ADCC_BASE, ADCCRESULT_BASE, ADC_CH_ADCIN7}, {   \
         ADCB_BASE, ADCBRESULT_BASE, ADC_CH_ADCIN7                                                  \
     }
-// The bus comes after a current on the same converter, so its end is the end of all.
+// The bus comes after a current on the same ADC, so its end is the end of all.
 #define VARIANT_BUS_ADC ADCB_BASE
 #define VARIANT_BUS_RESULT ADCBRESULT_BASE
 #define VARIANT_BUS_CHANNEL ADC_CH_ADCIN1

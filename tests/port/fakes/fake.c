@@ -10,7 +10,7 @@
 #define SERIAL_DATA fake_USART2.TDR
 #define SERIAL_READY USART_ISR_TXE
 #define SYSTEM_BREAK TIM_SR_SBIF
-#define CALIBRATED // its converters
+#define CALIBRATED // its ADCs
 #elif defined(FAKE_H7)
 #include "stm32h7xx.h"
 #define SERIAL fake_USART3

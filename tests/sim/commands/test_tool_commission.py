@@ -185,7 +185,7 @@ def round_trip(checks, folder):
     checks.at_most(abs(float(written["dead_time_s"]) / 3.3e-6 - 1.0), 0.05, "dead time")
     checks.equal(float(written["speed_rated_rpm"]), 1501.23456789, "rated speed")
     checks.true("; measured" in text and "mOhm" not in text, text)
-    # What is assumed stays so: the ranges of the converters do not get into firmware this way.
+    # What is assumed stays so: the ADC ranges do not get into firmware this way.
     done = folder.run("commission", "--motor", sheet, "--out", "assumed.ini")
     checks.equal(done.returncode, 0, "a drive that is assumed: " + done.stdout[-200:] + done.stderr)
     checks.true("\nf_pwm_Hz = 10000 ; assumed: " in (folder.path / "assumed.ini").read_text(), "marked")

@@ -280,7 +280,7 @@ def truth_as_source(checks, folder):
     checks.at_most(worst, 1e-3, "angle error with the true angle")
 
 
-# Converters without noise, whose counts keep still with the current: while the damping of the start holds the
+# ADC channels without noise, whose counts keep still with the current: while the damping of the start holds the
 # vector, and while dead time, here three times what the resistance takes, holds a phase at zero.
 QUIET = {"heavy": """[motor]
 pole_pairs = 2
@@ -321,7 +321,7 @@ def quiet_converters(checks, folder):
         # from 2 of 16 angles at rest, where dead time counts most at that instant.
         overshoot = ("light", "LODE_CHECK_OVER_CURRENT", "stop")
         checks.true(fault is None or (name, fault["check"], result["phases"][-1]["name"]) == overshoot,
-                    f"{name} motor, quiet converters: {fault}\n{done.stdout[-300:]}{done.stderr}")
+                    f"{name} motor, quiet ADCs: {fault}\n{done.stdout[-300:]}{done.stderr}")
 
 
 def six_phases(checks, folder):

@@ -2,7 +2,7 @@
 
 Every motor of the catalogue starts from random angles under a passive load, with the switched inverter. What counts
 is the true torque of the plant for WINDOW_s from the hand-over on: the start current fades for 0.1 s at most by
-default, and whatever answers to that has as long again. A mean over FILTER_s takes away what the converters' noise
+default, and whatever answers to that has as long again. A mean over FILTER_s takes away what the ADC's noise
 does to it: a fiftieth of the shortest fade by default.
 """
 import concurrent.futures

@@ -1,4 +1,4 @@
-/// The simulated motor, inverter and converters against closed forms, against a brute-force
+/// The simulated motor, inverter and ADCs against closed forms, against a brute-force
 /// simulation written another way (below), and against recordings of somebody else's simulator.
 #include "plant/plant.h"
 #include "plant/replay.h"
@@ -22,7 +22,7 @@ void tearDown(void) {}
 // ---------------------------------------------------------------------------------------------
 // Helpers
 
-/// Averaged level, no quantisation, ideal converters, held at standstill.
+/// Averaged level, no quantisation, ideal ADCs, held at standstill.
 static plant_config_t bench_config(void) {
     plant_config_t c = plant_config_jiang2022();
     c.level = PLANT_AVERAGED;
@@ -1382,7 +1382,7 @@ static void test_dynamometer(void) {
 }
 
 // ---------------------------------------------------------------------------------------------
-// Converters
+// ADCs
 
 /// A plant that carries 8, -4, -4 A and stays there.
 static plant_t carrying_8_A(const plant_config_t *c) {

@@ -117,7 +117,7 @@ static bool check_machine(void *user, const char *name) {
         const difference_t worst = run_both(&c, i_ref_A);
         (void)snprintf(text, sizeof text, "%s, %s: %.1e of i_max, %.1e rad", name, at->what,
                        worst.i_A / i_max_A, worst.theta_rad);
-        // A tenth of a count of a 12-bit converter, whose range is 2 i_max or more, and 2e-5 A, to which
+        // A tenth of a count of a 12-bit ADC, whose range is 2 i_max or more, and 2e-5 A, to which
         // instants of zero current are found, in both; a third of the hundredth of a degree that pages give.
         TEST_ASSERT_TRUE_MESSAGE(worst.i_A < 5e-5 * i_max_A + 4e-5, text);
         TEST_ASSERT_TRUE_MESSAGE(worst.theta_rad < 5e-5, text);

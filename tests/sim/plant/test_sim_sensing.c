@@ -21,7 +21,7 @@
 
 typedef enum { LOW_THREE, LOW_TWO, IN_LINE, SINGLE, SINGLE_AS_SAMPLED } way_t;
 
-/// What the link's converter may do: show the current the other way, a share of it, none, or its two samples in each other's place.
+/// What the link's ADC channel may do: show the current the other way, a share of it, none, or its two samples in each other's place.
 typedef enum { LINK_SOUND, LINK_REVERSED, LINK_LESS, LINK_DEAD, LINK_EXCHANGED } link_t;
 
 typedef struct {
@@ -128,7 +128,7 @@ static void read_link(link_t link, uint16_t count[2]) {
     }
 }
 
-// What the converters deliver at t_k. A shunt whose low side has not been on for long shows nothing.
+// What the ADC delivers at t_k. A shunt whose low side has not been on for long shows nothing.
 static lode_counts_t read_board(bench_t *bench) {
     plant_counts_t raw;
     plant_sample(&bench->plant, &raw, NULL);

@@ -112,7 +112,7 @@ bool fake_is_pwm(uint32_t gpio) {
     return fake_get(PAD(gpio)) == PAD_OUTPUT && fake_get(PIN_CTRL(gpio)) == PIN_PWM;
 }
 
-// --- converter and DMA ---
+// --- ADC and DMA ---
 
 void fake_set_input(uint32_t n, uint32_t count) {
     fake.input[n] = count;

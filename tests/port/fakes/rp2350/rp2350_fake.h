@@ -1,5 +1,5 @@
 /// Records every write to a register, in order, and models what the chip and a gate driver behind it do:
-/// resets, clocks, the converter's round and its FIFO, the two DMA channels, pins and the driver's latch.
+/// resets, clocks, the ADC's round and its FIFO, the two DMA channels, pins and the driver's latch.
 #ifndef FAKES_RP2350_FAKE_H
 #define FAKES_RP2350_FAKE_H
 
@@ -14,9 +14,9 @@ int fake_first(uint32_t address, uint32_t mask, uint32_t bits, int from);
 uint32_t fake_get(uint32_t address);
 void fake_put(uint32_t address, uint32_t value);
 
-/// What the converter's inputs 0 .. 3 show.
+/// What the ADC's inputs 0 .. 3 show.
 void fake_set_input(uint32_t n, uint32_t count);
-/// The trigger slice wraps. True: the converter has gone through its round, and the interrupt is there.
+/// The trigger slice wraps. True: the ADC has gone through its round, and the interrupt is there.
 bool fake_trigger(void);
 /// This long without an interrupt, in cycles; a debugger may hold the core.
 void fake_halt(uint32_t cycles);
