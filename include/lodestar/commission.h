@@ -1,8 +1,8 @@
-/// Self-commissioning: the parameters of motor and inverter, measured by the drive itself in under 10 s.
+/// Self-commissioning: parameters of motor and inverter, measured by the drive itself in under 10 s.
 ///
 /// Sensors first, by voltage pulses too short to turn a rotor; then resistance, dead-time voltage and
 /// inductances with the rotor held by a current; then flux, inertia and friction from running up and down
-/// on a free shaft. It works by the drive's own commands alone, so all limits and the guard hold.
+/// with a free shaft. It uses only the drive's own commands, so all limits and the guard stay active.
 /// Three phases; six: commission6.h. LODE_WITHOUT_COMMISSIONING leaves both out of a build.
 ///
 /// Interrupt: lode_commission_step() in place of lode_drive_step().
@@ -19,22 +19,22 @@ extern "C" {
 #ifndef LODE_WITHOUT_COMMISSIONING
 
 typedef enum {
-    LODE_COMMISSION_OFFSET_A, ///< count at zero current; the next two of phases b and c
+    LODE_COMMISSION_OFFSET_A, ///< count at zero current; the next two: phases b and c
     LODE_COMMISSION_OFFSET_B,
     LODE_COMMISSION_OFFSET_C,
-    LODE_COMMISSION_OFFSET_A2, ///< of set 2, where there are six phases
+    LODE_COMMISSION_OFFSET_A2, ///< of set 2, with six phases
     LODE_COMMISSION_OFFSET_B2,
     LODE_COMMISSION_OFFSET_C2,
-    LODE_COMMISSION_SIGNALS, ///< phases whose sensor has the right sign and place: 3, or 6
+    LODE_COMMISSION_SIGNALS, ///< phases whose sensor has the right sign and position: 3, or 6
     LODE_COMMISSION_RS_Ohm,  ///< winding and switches
-    LODE_COMMISSION_DEAD_V,  ///< what a phase loses to dead time and drops at the present bus
-    LODE_COMMISSION_LD_H, ///< at no current where it falls, else at some 0.6 of the current that holds
+    LODE_COMMISSION_DEAD_V, ///< what a phase loses to dead time and drops at the present bus voltage
+    LODE_COMMISSION_LD_H, ///< at zero current where it falls, else at some 0.6 of the holding current
     LODE_COMMISSION_LQ_H, ///< the same
-    LODE_COMMISSION_LD_FALL_1_A, ///< 1/Ld' is (1 + fall id)/Ld (N2); 0: less than 5 % at the current that holds
+    LODE_COMMISSION_LD_FALL_1_A, ///< 1/Ld' is (1 + fall id)/Ld (N2); 0: less than 5 % at the holding current
     LODE_COMMISSION_LQ_FALL_1_A, ///< Lq is Lq_H/(1 + fall |iq|) (N4); 0: less than 5 % at i_max
-    LODE_COMMISSION_LXY_H,       ///< of the xy plane, where there are six phases
+    LODE_COMMISSION_LXY_H,       ///< of the xy plane, with six phases
     LODE_COMMISSION_PSI_Wb,
-    LODE_COMMISSION_J_kgm2, ///< of everything that turns
+    LODE_COMMISSION_J_kgm2, ///< of everything that rotates
     LODE_COMMISSION_B_Nms,  ///< friction over speed, at the mean speed of the run
     LODE_COMMISSION_QUANTITIES
 } lode_commission_quantity_t;
@@ -42,8 +42,8 @@ typedef enum {
 /// Name of a quantity, as in lode_drive_config_t where it is a field of that.
 const char *lode_commission_name(lode_commission_quantity_t quantity);
 
-/// What a measurement gave, and how far it agrees with itself: 1/(1 + (d/l)^2), where d is the deviation that
-/// it shows and l the one that is allowed. 0: not measured.
+/// Result of a measurement, and how far it agrees with itself: 1/(1 + (d/l)^2), where d is the deviation that
+/// it shows and l the allowed one. 0: not measured.
 typedef struct {
     float value;
     float confidence;
@@ -57,8 +57,8 @@ typedef enum {
     LODE_COMMISSION_DONE,
     LODE_COMMISSION_FAULT,      ///< the guard tripped: drive.guard.fault
     LODE_COMMISSION_UNSURE,     ///< `quantity` was measured with too little confidence
-    LODE_COMMISSION_NO_CURRENT, ///< the voltage reached its limit without the current
-    LODE_COMMISSION_UNSETTLED,  ///< the rotor would not come to rest under a current
+    LODE_COMMISSION_NO_CURRENT, ///< the voltage reached its limit before the current was reached
+    LODE_COMMISSION_UNSETTLED,  ///< the rotor did not come to rest with a holding current
     LODE_COMMISSION_REFUSED,    ///< the drive refuses what was measured: `status`
     LODE_COMMISSION_NO_START    ///< the motor did not reach the speed
 } lode_commission_result_t;
@@ -66,7 +66,7 @@ typedef enum {
 /// The enumerator's name, for logs.
 const char *lode_commission_result_name(lode_commission_result_t result);
 
-/// Counts at no current.
+/// Counts at zero current.
 typedef struct {
     float least[LODE_PHASES];
     float most[LODE_PHASES];
@@ -80,13 +80,13 @@ typedef struct {
     float phase_A[LODE_PHASES];
 } lode_commission_peak_t;
 
-/// A vector of voltage that is raised and lowered.
+/// A voltage vector that is raised and lowered.
 typedef struct {
     float now_V;
     float most_V;
     float quick_V; ///< change per period until there is some current
-    float slow_V;  ///< and then
-    bool flows;    ///< there has been some current
+    float slow_V;  ///< and afterwards
+    bool flows;    ///< some current has flowed
     bool rises;    ///< to the next level
 } lode_commission_vector_t;
 
@@ -106,7 +106,7 @@ typedef struct {
     float ixx; ///< weighs the current
 } lode_commission_steps_t;
 
-/// The same with what else makes current change in q: z by the rotor, v by the iron (N6).
+/// The same with what else changes the q current: z by the rotor, v by the iron (N6).
 typedef struct {
     float xz;
     float yz;
@@ -117,13 +117,13 @@ typedef struct {
     float zv;
 } lode_commission_beside_t;
 
-/// What half-waves have moved.
+/// What half-waves have moved: current and flux.
 typedef struct {
     float i_A;
     float flux_Vs;
 } lode_commission_waves_t;
 
-/// Sums over a run: time, electrical speed, voltage that the flux makes, from the first point on, and their products.
+/// Sums over a run: time, electrical speed, voltage induced by the flux, from the first point on, and their products.
 typedef struct {
     uint32_t count;
     uint32_t first; ///< period of that point
@@ -139,7 +139,7 @@ typedef struct {
     lode_dq_t i_A;
 } lode_commission_line_t;
 
-/// Of the measurement under way: a stage begins with all of them at 0.
+/// Sums of the present measurement: each stage begins with all of them at 0.
 typedef struct {
     lode_commission_window_t window;
     lode_commission_steps_t steps;
@@ -154,10 +154,10 @@ typedef struct {
     float inverse_1_H[3];
 } lode_commission_fall_t;
 
-/// What a run one way has given.
+/// Result of a run in one direction, up or down.
 typedef struct {
     float psi_Wb;
-    float acc_rad_s2; ///< of the shaft, as the speed
+    float acc_rad_s2; ///< of the shaft, like the speed
     float torque_Nm;
     float omega_rad_s;
 } lode_commission_run_t;
@@ -165,22 +165,22 @@ typedef struct {
 typedef struct {
     lode_drive_t *drive;
     lode_commission_value_t found[LODE_COMMISSION_QUANTITIES];
-    lode_commission_quantity_t quantity; ///< that is being measured, or was refused
+    lode_commission_quantity_t quantity; ///< being measured, or refused
     lode_status_t status;
     lode_commission_result_t result;
-    float reached_rad_s; ///< after NO_START of a motor that turns: its speed
-    float wanted_rad_s;  ///< and the one that it did not come to; 0: it did not start
-    // From here on its own.
+    float reached_rad_s; ///< after NO_START, if the motor turns: its speed
+    float wanted_rad_s;  ///< and the one that it did not reach; 0: it did not start
+    // Internal from here on.
     lode_drive_config_t config;   ///< as given, then with what was found
     lode_drive_config_t designed; ///< the same, complete
     lode_drive_tuning_t *tuning;  ///< two; NULL with six phases
     uint32_t sets;
-    float axis_rad; ///< along which the rotor is held
+    float axis_rad; ///< axis along which the rotor is held
     lode_sincos_t axis;
-    float current_A; ///< that holds it
+    float current_A; ///< holding current
     uint32_t stage;
-    uint32_t since; ///< periods in it
-    uint32_t level; ///< of those that a stage goes through: phases, currents, amplitudes
+    uint32_t since; ///< periods in that stage
+    uint32_t level; ///< within a stage: phase, current, amplitude
     uint32_t tries; ///< pulses of a phase with too little current
     uint32_t calm;  ///< windows in a row without a change; before a run, periods at its speed
     bool wants_tuning;
@@ -195,22 +195,22 @@ typedef struct {
     float near_A; ///< mean current of the small steps in q
     lode_commission_fall_t fall_d;
     lode_commission_fall_t fall_q;
-    float xy_V;      ///< by which the control of the xy plane is pushed, either way
-    float pushed_V;  ///< by which it is
-    float push_V;    ///< the change of that, in this period
+    float xy_V;      ///< voltage added to the control of the xy plane, of either sign
+    float pushed_V;  ///< as added now
+    float push_V;    ///< its change in this period
     uint32_t runs;   ///< up and down
-    uint32_t lost;   ///< times that the rotor was lost in one
+    uint32_t lost;   ///< times that the rotor was lost in a run
     float low_rad_s; ///< of the run
     float high_rad_s;
     float torque_Nm;
-    uint32_t raises;              ///< times that it was raised on the way up
-    float load_Nm;                ///< beside it on the way up, as far as there is a load
+    uint32_t raises;              ///< times that the torque was raised on the way up
+    float load_Nm;                ///< added to it on the way up, as far as there is a load
     lode_commission_run_t way[2]; ///< up, down
 } lode_commission_t;
 
 /// `config` is what is known: f_pwm, inverter and sense as for lode_drive_init(), and the motor by its data
 /// sheet: R within 30 %, inductances and flux within 20 %, J within a factor of three. It runs its
-/// own drive in `drive` and the two `tuning`, which are free again afterwards: one tuning is in use while the next is made.
+/// own drive in `drive` and the two tunings, which are free again afterwards: one is in use while the next is made.
 lode_status_t lode_commission_init(lode_commission_t *self, lode_drive_t *drive,
                                    lode_drive_tuning_t tuning[2],
                                    const lode_drive_config_t *config);
@@ -218,7 +218,7 @@ lode_status_t lode_commission_init(lode_commission_t *self, lode_drive_t *drive,
 /// One PWM period.
 lode_drive_out_t lode_commission_step(lode_commission_t *self, const lode_counts_t *counts);
 
-/// Does what takes too long for the interrupt. Returns the state.
+/// Does what takes too long for the interrupt. Returns the present state or result.
 lode_commission_result_t lode_commission_work(lode_commission_t *self);
 
 /// The configuration with what was found in it. Only after LODE_COMMISSION_DONE.

@@ -1,11 +1,11 @@
 /// The drive: one call per PWM period, from ADC counts to duties.
 ///
-/// Set up:    lode_drive_init() with a configuration of which only motor, inverter, sense and f_pwm
-///            are needed.
-/// Interrupt: lode_drive_step() in every PWM period, with all that was sampled at its start t_k.
-///            The duties that it returns act from t_k+1 on (shadow registers), its gate state at once.
+/// Set-up:    lode_drive_init() with a configuration of which only motor, inverter, sense and f_pwm
+///            are required.
+/// Interrupt: lode_drive_step() in every PWM period, with everything that was sampled at its start t_k.
+///            The duties that it returns take effect at t_k+1 (shadow registers), the gate state at once.
 /// Elsewhere: lode_drive_post_command(), lode_drive_post_tuning(), lode_drive_telemetry(), from ONE
-///            thread that the interrupt may interrupt, but which never interrupts it.
+///            thread that the interrupt may preempt, but which never preempts the interrupt.
 #ifndef LODESTAR_DRIVE_H
 #define LODESTAR_DRIVE_H
 
@@ -28,12 +28,12 @@
 extern "C" {
 #endif
 
-/// A field that may be 0 is computed from the others by lode_drive_design() where it is 0.
+/// A field that may be 0 is then computed from the others by lode_drive_design().
 typedef struct {
     float f_pwm_Hz;                  ///< rate of the step, 1e3 .. 2e5
-    lode_motor_t motor;              ///< needed
-    lode_inverter_config_t inverter; ///< needed: v_bus_V and i_max_A
-    lode_sense_config_t sense;       ///< needed: gains and offset
+    lode_motor_t motor;              ///< required
+    lode_inverter_config_t inverter; ///< required: v_bus_V and i_max_A
+    lode_sense_config_t sense;       ///< required: gains and offset
     lode_estimator_config_t estimator;
     lode_hfi_config_t hfi;
     lode_references_config_t references;
@@ -44,10 +44,10 @@ typedef struct {
 } lode_drive_config_t;
 
 /// Everything derived from a configuration. Never written by the step: it may serve several drives,
-/// and lie in flash. It must stay as it is while a drive uses it. Made of floats, 32-bit integers and pairs of
-/// 16-bit ones, so that no byte of it is padding.
+/// and lie in flash. It must not change while a drive uses it. Consists of floats, 32-bit integers and pairs of
+/// 16-bit ones, so that it has no padding.
 typedef struct {
-    uint32_t speed_periods; ///< between two calls of speed control and references: 8, 4, 2 or 1
+    uint32_t speed_periods; ///< between two runs of speed control and references: 8, 4, 2 or 1
     float omega_min;        ///< least electrical speed in RUN
     lode_sense_tuning_t sense;
     lode_inverter_tuning_t inverter;
@@ -75,10 +75,10 @@ typedef enum {
     LODE_MODE_CALIBRATE, ///< gates off, current offsets are measured
     LODE_MODE_VOLTAGE,   ///< voltage vector at a given angle
     LODE_MODE_CURRENT,   ///< current vector at a given angle
-    LODE_MODE_START,     ///< I-f: current vector turned by the start-up, or by the stop
+    LODE_MODE_START,     ///< I-f: rotating current vector, to start or to stop
     LODE_MODE_RUN,       ///< speed or torque control, without a sensor or with one
     LODE_MODE_FAULT,     ///< gates off, or active short, until the fault is cleared
-    /// before a mode with all gates on: the low sides alone, to find a rotor that is already turning and to charge
+    /// before a mode with all gates on: low sides only, to find a rotor that is already turning and to charge the
     /// bootstrap capacitors; then pulses of all gates, with pauses, to check bridge and sensors
     LODE_MODE_PRECHARGE
 } lode_mode_t;
@@ -89,27 +89,27 @@ const char *lode_mode_name(lode_mode_t mode);
 /// What RUN controls.
 typedef enum {
     LODE_CONTROL_SPEED, ///< the speed, along its ramp
-    /// the torque, in Nm, of the air gap: friction is not added. Whatever it is, the speed stays between the least one that can be held
+    /// the air-gap torque in Nm: friction is not added. The speed always stays between the least that can be held
     /// without a sensor and the commanded one
     LODE_CONTROL_TORQUE
 } lode_control_t;
 
-/// What the drive shall do. RUN calibrates and starts by itself where that is needed, and with speed 0
-/// stops and switches off; with signal injection or an angle sensor that is a speed like any other, and OFF stops.
+/// What the drive shall do. RUN calibrates and starts by itself where needed, and with speed 0
+/// stops and switches off; with signal injection or an angle sensor, 0 is a speed like any other, and OFF switches off.
 typedef struct {
     lode_mode_t mode; ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
     /// RUN: MECHANICAL speed, either sign; with torque control the direction in which to run, and the speed
-    /// that is not exceeded. At most estimator.omega_max_rad_s and guard.omega_max_rad_s by the pole pairs
+    /// limit. At most estimator.omega_max_rad_s and guard.omega_max_rad_s divided by the pole pairs
     float speed_rad_s;
-    lode_dq_t vector;       ///< VOLTAGE: V, CURRENT: A, in a frame at theta_rad
+    lode_dq_t vector;       ///< VOLTAGE: V, CURRENT: A, in the frame at theta_rad
     float theta_rad;        ///< VOLTAGE, CURRENT: angle of that frame when the mode is entered
-    float omega_rad_s;      ///< VOLTAGE, CURRENT: electrical speed at which it turns
-    bool clear_fault;       ///< with OFF alone: leave FAULT
+    float omega_rad_s;      ///< VOLTAGE, CURRENT: electrical speed of that frame
+    bool clear_fault;       ///< only with OFF: leave FAULT
     lode_control_t control; ///< RUN
     float
-        torque_Nm; ///< torque control: positive turns towards positive speeds, whichever way it runs
+        torque_Nm; ///< torque control: positive drives towards positive speeds, in whichever direction the motor runs
 #ifndef LODE_WITHOUT_ACTIVE_SHORT
-    /// in FAULT the low sides are on, all the time (docs/reactions.md); with any mode but OFF not after a
+    /// in FAULT the low sides are on, all the time (docs/reactions.md); with any mode except OFF not after
     /// HARDWARE_TRIP or OVER_CURRENT. Not in a build with LODE_WITHOUT_ACTIVE_SHORT
     bool active_short;
 #endif
@@ -119,7 +119,7 @@ typedef struct {
 typedef enum {
     LODE_GATES_OFF, ///< none, at once
     LODE_GATES_ON,  ///< all
-    LODE_GATES_LOW ///< the low sides alone, in their share of the period; a board that cannot: none
+    LODE_GATES_LOW  ///< low sides only, in their share of the period; a board that cannot: none
 } lode_gates_t;
 
 typedef struct {
@@ -153,7 +153,7 @@ typedef struct {
     uint_least16_t check; ///< of all of the above, bit by bit
 } lode_order_t;
 
-// What the flag of the command's mailbox may hold; a bit that flips makes neither of it.
+// What the flag of the command's mailbox may hold; a flipped bit gives neither.
 #define LODE_POST_NONE 0u
 #define LODE_POST_FULL 0xa5u
 
@@ -161,9 +161,9 @@ typedef struct {
     lode_speed_t speed;
     lode_references_t references;
     float fade; ///< 1 at hand-over, 0 when the references have taken over
-    float id_A; ///< d-axis current at hand-over, which fades
+    float id_A; ///< d-axis current at hand-over, which is faded out
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    /// more than 0: a lost lock is a start that failed, for as many LODE_SLOW_PERIODS
+    /// while above 0, in LODE_SLOW_PERIODS: a lost lock counts as a failed start
     uint_least16_t proving;
 #endif
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -174,12 +174,12 @@ typedef struct {
 
 /// What lode_precharge_t.part may be, in this order.
 enum {
-    LODE_PRECHARGE_PULSES, ///< of the low sides, in search of a rotor that turns
-    LODE_PRECHARGE_CHARGE, ///< low sides on in a fifth of each period: bootstrap capacitors
+    LODE_PRECHARGE_PULSES, ///< of the low sides, to find a rotor that is already turning
+    LODE_PRECHARGE_CHARGE, ///< low sides on for a fifth of each period: bootstrap capacitors
     LODE_PRECHARGE_CHECK   ///< of bridge and sensors
 };
 
-/// Before all gates are on.
+/// State before all gates are on.
 typedef struct {
     uint32_t periods; ///< CHARGE
     uint_least8_t part;
@@ -194,11 +194,11 @@ typedef struct {
 #endif
 } lode_precharge_t;
 
-/// Whether the tuning in use is still what it was when it came: its CRC-32, a word at a time. That finds any three bits
-/// that have flipped, any odd number of them, and any burst of up to 32. A build with LODE_WITHOUT_TUNING_CHECK has none
-/// of it.
+/// Whether the tuning in use is still what it was when it was taken: its CRC-32, a word at a time. That finds any three
+/// flipped bits, any odd number of them, and any burst of up to 32. Not in a build with
+/// LODE_WITHOUT_TUNING_CHECK.
 typedef struct {
-    uint32_t check; ///< of all words, when it came
+    uint32_t check; ///< of all words, when it was taken
     uint32_t crc;   ///< of the words before `word`
     uint32_t word;
 } lode_tuning_watch_t;
@@ -206,29 +206,27 @@ typedef struct {
 /// What lode_drive_t.known may hold.
 enum {
     LODE_KNOWN_OFFSETS = 1, ///< calibrated
-    LODE_KNOWN_SIGNALS =
-        2, ///< of the present start, or the last one: the signal check has gone through
+    LODE_KNOWN_SIGNALS = 2, ///< of the present start, or the last one: the signal check has passed
 };
 
-#define LODE_TORQUE_SHARE_ONE 0x8000u // two shares in one word
+#define LODE_TORQUE_SHARE_ONE 0x8000u // a share of 1; two shares fit in one word
 
 /// A drive. Visible for static allocation; written by its functions only.
 typedef struct {
     const lode_drive_tuning_t *tuning;
-    uint32_t steps; ///< periods since init
-    uint32_t
-        start_rounds;    ///< of the present start, whatever attempts it takes, in LODE_SLOW_PERIODS
-    bool steady;         ///< RUN as commanded, speed control in its slot, nothing in the mail
-    bool gates;          ///< on
-    bool mail;           ///< something is posted
-    uint_least8_t known; ///< LODE_KNOWN_...
+    uint32_t steps;               ///< periods since init
+    uint32_t start_rounds;        ///< of the present start, all its attempts, in LODE_SLOW_PERIODS
+    bool steady;                  ///< RUN as commanded, speed control in its slot, nothing posted
+    bool gates;                   ///< on
+    bool mail;                    ///< something is posted
+    uint_least8_t known;          ///< LODE_KNOWN_...
     uint_least8_t command_posted; ///< mailbox: LODE_POST_...
-    bool edges;                   ///< the last of those was LODE_ESTIMATE_EDGES
+    bool edges;                   ///< the last estimate from a sensor was LODE_ESTIMATE_EDGES
     uint_least8_t sensored; ///< slow rounds for which the last LODE_ESTIMATE_SENSOR still counts
     uint_least8_t mode;     ///< lode_mode_t
-    uint_least8_t mode_not; ///< the same inverted
+    uint_least8_t mode_not; ///< the same, inverted
     uint_least8_t omitted;  ///< phases whose next two samples cannot be used, two bits each
-    uint_least8_t losses;   ///< of the rotor: as lode_telemetry_t.retries
+    uint_least8_t losses;   ///< times the rotor was lost: as lode_telemetry_t.retries
     uint_least16_t temperature; ///< count, of the hotter power stage
     lode_sense_t sense;
     lode_guard_t guard;
@@ -242,21 +240,21 @@ typedef struct {
     lode_sincos_t lead; ///< angle from a sample to the middle of its duties, at the present speed
     lode_current_t current;
     lode_dq_t ref_A;
-    lode_dq_t i_A; ///< in the frame of control
+    lode_dq_t i_A; ///< in the control frame
     lode_dq_t u_V;
     lode_abc_t duty; ///< written by the last call
 #ifndef LODE_WITHOUT_TORQUE_LIMITS
-    /// of the torque that the references allow, with the speed and against it: 0 .. LODE_TORQUE_SHARE_ONE
+    /// share of the torque that the references allow, with the speed and against it: 0 .. LODE_TORQUE_SHARE_ONE
     uint_least16_t torque_share[2];
 #endif
     float direction; ///< sense of rotation, -1 or +1
     union {
         lode_sense_sums_t sums;     ///< CALIBRATE
         lode_precharge_t precharge; ///< PRECHARGE
-        float theta_rad;            ///< VOLTAGE, CURRENT: of their frame
+        float theta_rad;            ///< VOLTAGE, CURRENT: angle of their frame
         lode_start_t start;         ///< START
         lode_running_t run;         ///< RUN
-    } state;                        ///< that of the present mode, set up when it is entered
+    } state;                        ///< of the present mode, set up when it is entered
     lode_order_t command;           ///< being followed
     lode_order_t posted;            ///< mailbox
 #ifndef LODE_WITHOUT_TUNING_CHECK
@@ -275,7 +273,7 @@ static inline float lode_drive_speed_ref_rad_s(const lode_drive_t *self) {
 /// A motor parameter that is estimated while the motor runs.
 typedef struct {
     float value;      ///< as configured until it is estimated
-    float confidence; ///< 0: nothing was seen, 1: certain; used from 0.5 on
+    float confidence; ///< 0: nothing seen yet, 1: certain; used from 0.5 on
 } lode_adapted_t;
 
 typedef struct {
@@ -285,8 +283,8 @@ typedef struct {
     lode_adapted_t Lq_H;
 } lode_adapted_motor_t;
 
-/// Stage of the start; LODE_START_NONE in the other modes. Injection looks for the rotor in a stage in which the
-/// vector waits.
+/// Stage of the start; LODE_START_NONE in the other modes. With injection the rotor is looked for in a stage in which
+/// the vector waits.
 static inline lode_start_stage_t lode_drive_start_stage(const lode_drive_t *self) {
     return self->mode == (uint_least8_t)LODE_MODE_START
                ? (lode_start_stage_t)self->state.start.stage
@@ -312,23 +310,22 @@ typedef struct {
     uint32_t steps;
     lode_mode_t mode;
     lode_start_stage_t start_stage; ///< START: its stage
-    /// with LODE_CHECK_NONE no fault, but why the last failed attempt of this start, or of the last one, failed
+    /// with LODE_CHECK_NONE not a fault: why the last failed attempt of this start, or of the previous start, failed
     lode_fault_t fault;
     /// RUN: the torque reference is at a limit of current, voltage or bus
     bool torque_limited;
-    bool
-        speed_raised; ///< RUN: the commanded speed is below the least one, which is held in its place
-    /// attempts of the present start, or the last one, that have failed, up to 2, and 3 while the last one is
-    /// repeated; with injection also times that the rotor was looked for again, up to 3. 0 with LODE_WITHOUT_HANDOVER_RETRY
+    bool speed_raised; ///< RUN: the commanded speed is below the least one, which is held instead
+    /// failed attempts of the present start, or the last one, up to 2, and 3 while the last one is
+    /// repeated; with injection also how often the rotor was looked for again, up to 3. 0 with LODE_WITHOUT_HANDOVER_RETRY
     uint_least8_t retries;
-    /// the present start, or the last one, began with a signal check that has gone through; not so where there is none, or where
-    /// it was passed over for a rotor that turns
+    /// the present start, or the last one, began with a signal check that passed; false where there is none, or where it was
+    /// skipped because the rotor was turning
     bool signals_checked;
     bool shorted;    ///< FAULT: all low sides are on
     lode_abc_t duty; ///< returned by the last call
-    lode_dq_t i_A;   ///< in the frame of control: the rotor's in RUN, the vector's in START
+    lode_dq_t i_A;   ///< in the control frame: the rotor's in RUN, the vector's in START
     lode_dq_t ref_A; ///< its reference
-    lode_dq_t u_V;   ///< what current control asks for
+    lode_dq_t u_V;   ///< voltage that current control asks for
     float v_bus_V;
     float temperature_degC; ///< power stage, the hotter one
     /// estimated electrical rotor angle at t_k, [-pi, pi]; START: that of the vector until there is a lock
@@ -336,7 +333,7 @@ typedef struct {
     float omega_rad_s;     ///< estimated electrical speed
     float speed_ref_rad_s; ///< ramped mechanical reference of RUN, else 0
     float torque_ref_Nm;   ///< reference of RUN, else 0
-    /// RUN: largest torque that current and voltage allow, whatever lode_drive_limit_torque() leaves of it; 0 in the
+    /// RUN: largest torque that current and voltage allow, regardless of lode_drive_limit_torque(); 0 in the
     /// other modes, and in a build with LODE_WITHOUT_TORQUE_LIMITS
     float torque_most_Nm;
     float load_torque_Nm; ///< estimated; positive against positive speeds, 0 with the QPLL
@@ -345,58 +342,58 @@ typedef struct {
     float injected; ///< share of injection in the position error, 0 .. 1; the rest is the EMF's
     float injection_error_rad; ///< position error by injection, not limited; 0: nothing is injected
     float emf_error_rad;       ///< by the EMF
-    /// what the main loop has estimated of the motor. The drive leaves value and confidence 0;
+    /// motor parameters estimated by the main loop. The drive leaves value and confidence 0;
     /// lode_adaptation_tell() (adaptation.h) and lode_learn_tell() (learn.h) fill them in
     lode_adapted_motor_t motor;
 } lode_telemetry_t;
 
-/// Computes every value that `config` leaves open (0 or LODE_AUTO). lode_drive_init() and the host tool both
+/// Computes every value that `config` leaves at 0 or LODE_AUTO. lode_drive_init() and the host tool both
 /// use it. It checks nothing: wrong inputs give values that init refuses.
 void lode_drive_design(lode_drive_config_t *config);
 
 /// Completes a copy of `config`, checks every field and derives the tuning. LODE_OK, or which field is out of range
-/// (status.h); `tuning` is then left alone. Not for the interrupt; about 1.7 KB of stack (Cortex-M4F, gcc 12.2).
+/// (status.h); `tuning` is then unchanged. Not for the interrupt; about 1.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
 
-/// A drive at rest in OFF on a tuning that lode_drive_tune() has made, for this drive or for others too. Errors: NULL;
-/// TUNING, and the drive is left alone.
+/// Sets up a drive at rest in OFF on a tuning from lode_drive_tune(), which other drives may share. Errors: NULL;
+/// TUNING, and the drive is unchanged.
 lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 
-/// lode_drive_tune(), then lode_drive_begin(). On any error both are left alone.
+/// lode_drive_tune(), then lode_drive_begin(). On any error both are unchanged.
 lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
                               const lode_drive_config_t *config);
 
-/// One PWM period: sense, estimate, act. Of a drive that lode_drive_begin() or lode_drive_init() has begun: until then
-/// do not call it. Any input is allowed: it ends in bounded time, and the duties are in [0, 1].
+/// One PWM period: sense, estimate, act. Do not call it before lode_drive_begin() or lode_drive_init() has set up the
+/// drive. Any input is allowed: it returns in bounded time, and the duties are in [0, 1].
 /// No allocation. Cycles, stack and RAM of a call: docs/budget.md.
 lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_counts_t *counts);
 
 /// The step is these three calls in a row: counts to amperes and volts at t_k, with the guard's check of
-/// them; angle and speed at t_k; duties and gates. A host may put an estimate of its own in place of the
-/// second: with LODE_ESTIMATE_EXTERNAL for its source it is checked and taken over (all fields but
+/// them; angle and speed at t_k; duties and gates. A host may use an estimate of its own in place of the
+/// second: with LODE_ESTIMATE_EXTERNAL as its source it is checked and used (all fields except
 /// reseeded).
 lode_sample_t lode_drive_sense(lode_drive_t *self, const lode_counts_t *counts);
 lode_estimate_t lode_drive_estimate(lode_drive_t *self, const lode_sample_t *sample);
 lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
                                 const lode_estimate_t *estimate);
 
-/// Leaves a command for the next period; a later one replaces one not yet taken, but what that would have cleared is
-/// cleared all the same. Errors, which leave none: NULL, also of a drive that has not begun; COMMAND, where a mode or kind of control
+/// Posts a command for the next period; a later one replaces one not yet taken, but a `clear_fault` of the replaced one still
+/// counts. Errors, which post nothing: NULL, also for a drive that is not set up; COMMAND, where a mode or kind of control
 /// is unknown or not built in, a value is not finite, or `clear_fault` comes with another mode than OFF; COMMAND_SPEED.
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command);
 
-/// Leaves a tuning, checked and derived by lode_drive_tune(), for the next period. All states go on; another EMF observer begins with
-/// the present EMF, and injection that the new one has not ends. Of six phases: lode_drive6_post_tuning() alone.
+/// Posts a tuning, checked and derived by lode_drive_tune(), for the next period. All states continue; another EMF observer begins
+/// with the present EMF, and injection ends if the new tuning has none. With six phases use lode_drive6_post_tuning() only.
 /// The old one may be reused once lode_drive_tuning_taken() is true. Goes twice through the tuning, some 150 words.
-/// Errors, which leave none: NULL; TUNING.
+/// Errors, which post nothing: NULL; TUNING.
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 bool lode_drive_tuning_taken(const lode_drive_t *self);
 
 #ifndef LODE_WITHOUT_TORQUE_LIMITS
 
 /// From the next round of the slow jobs on, RUN asks for at most this share, 0 .. 1, of the torque that current,
-/// voltage and bus allow, either way: for derating (derate.h), or a limit of the application's. Below 0, above 1
-/// and NaN become 0, 1 and 0. Holds until it is changed. The current that weakens the field is not limited.
+/// voltage and bus allow, in either direction: for derating (derate.h), or an application's own limit. Below 0, above 1
+/// and NaN become 0, 1 and 0. Stays in force until changed. The field-weakening current is not limited.
 void lode_drive_limit_torque(lode_drive_t *self, float share);
 
 /// The same with a share for each direction: with the speed, and against it (supply.h).

@@ -1,4 +1,4 @@
-/// Protection: decides in every period whether the gates may stay on. The first cause is latched.
+/// Protection: decides in every period whether the gates may stay on. The first fault is latched.
 #ifndef LODESTAR_GUARD_H
 #define LODESTAR_GUARD_H
 
@@ -22,25 +22,25 @@ typedef enum {
     LODE_CHECK_OVER_SPEED, ///< electrical, rad/s
     LODE_CHECK_LOST_LOCK,  ///< lock quality in RUN; with a sensor: the EMF contradicts it
     LODE_CHECK_WRONG_WAY,  ///< electrical speed against the commanded direction, rad/s
-    LODE_CHECK_START,  ///< no hand-over before the time-out: what the criterion (start.h) measures
-    LODE_CHECK_OFFSET, ///< deviation of a calibrated current offset, counts
+    LODE_CHECK_START,      ///< no hand-over before the time-out: value of the criterion (start.h)
+    LODE_CHECK_OFFSET,     ///< deviation of a calibrated current offset, counts
     LODE_CHECK_OPEN_PHASE, ///< 1 .. 3: phase of set 1, 4 .. 6: of set 2, 7, 8: a whole set
     LODE_CHECK_CURRENT_STUCK, ///< 1 .. 3, 4 .. 6: phase of set 1, 2 whose ADC channel is stuck; 0: all three
     LODE_CHECK_CURRENT_SUM,       ///< sum of the three phase currents, A
-    LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: a sensor that is open or shorted
-    LODE_CHECK_MEMORY, ///< what changed by itself: 1 the mode, 2 the command, 3 the tuning
-    LODE_CHECK_TEMPERATURE_STUCK, ///< power stage, degC: a count that has not moved; the limit is the time, s
-    LODE_CHECK_BUS_STUCK, ///< bus, V: a count that has not moved while the EMF says it has; the limit is the time, s
+    LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: sensor open or shorted
+    LODE_CHECK_MEMORY,            ///< what was corrupted: 1 the mode, 2 the command, 3 the tuning
+    LODE_CHECK_TEMPERATURE_STUCK, ///< power stage, degC: the count has not moved; the limit is the time, s
+    LODE_CHECK_BUS_STUCK, ///< bus, V: the count has not moved though the EMF says the bus has; the limit is the time, s
     LODE_CHECK_FLUX, ///< flux linkage by the EMF, Wb, with a sound angle; the limit is the motor's, in START twice that
-    LODE_CHECK_RESISTANCE, ///< what the start has found above the configured one, Ohm
-    /// after HARDWARE_TRIP or OVER_CURRENT, in its place: the current that flows on with the gates off in the one
-    /// phase, A; negative: its low side is shorted, positive: its high side
+    LODE_CHECK_RESISTANCE, ///< what the start has measured above the configured one, Ohm
+    /// after HARDWARE_TRIP or OVER_CURRENT, in its place: the current that keeps flowing in one phase with the gates
+    /// off, A; negative: its low side is shorted, positive: its high side
     LODE_CHECK_SWITCH_SHORTED,
     /// before a start: current that follows its voltage at the worst rotor angle, A; negative: another phase, or the wrong way
     LODE_CHECK_SIGNALS,
-    LODE_CHECK_INDUCTANCE, ///< before a start: the inductance that voltage and current show, mean of all angles, H
-    LODE_CHECK_OVERLOAD, ///< electrical speed that a load has moved against all the torque, rad/s; the limit is the one asked for
-    LODE_CHECK_CURRENT_GAIN, ///< factor by which all currents changed at once, though no voltage did that; the limit is 1
+    LODE_CHECK_INDUCTANCE, ///< before a start: inductance from voltage and current, mean over all angles, H
+    LODE_CHECK_OVERLOAD, ///< electrical speed, moved by the load against all the torque, rad/s; the limit is the one asked for
+    LODE_CHECK_CURRENT_GAIN, ///< factor by which all currents changed at once, without a voltage to explain it; the limit is 1
     LODE_CHECK_COUNT
 } lode_check_t;
 
@@ -55,20 +55,21 @@ typedef struct {
     float omega_max_rad_s;      ///< electrical; 0: 1.3 times the estimator's
     /// debounce of bus, temperature and rail; 0: 1 ms. Checked every 4 periods, at least twice
     float bus_s;
-    float lock_s;               ///< the same of lost lock, wrong way and over-speed; 0: 15 ms
+    float lock_s;               ///< the same for lost lock, wrong way and over-speed; 0: 15 ms
     float stamp_per_period;     ///< counts of the free-running stamp per period; 0: not watched
     float temperature_min_degC; ///< 0: -40
-    float i_sum_A; ///< of the three phase currents for lock_s; 0: 0.15 i_max; LODE_NONE: any
-    /// of the currents (plausibility.h); auto: on, and off in a build with LODE_WITHOUT_PLAUSIBILITY, which
-    /// has no such check
+    float
+        i_sum_A; ///< sum of the three phase currents, for lock_s; 0: 0.15 i_max; LODE_NONE: not checked
+    /// checks of the currents (plausibility.h); auto: on, but off in a build with LODE_WITHOUT_PLAUSIBILITY, which
+    /// does not have them
     lode_choice_t plausibility;
-    /// with the gates on the temperature's count must change within this time, by noise alone; 0: it need not
+    /// with the gates on, the temperature count must change within this time, if only by noise; 0: it need not
     float temperature_still_s;
-    /// in RUN, while the EMF is more than a tenth off what the speed induces, the bus's count must change within this
-    /// time; 0: it need not
+    /// in RUN, while the EMF differs by more than a tenth from what the speed induces, the bus count must change within
+    /// this time; 0: it need not
     float bus_still_s;
-    /// in RUN, with speed control: a load against which all the torque of i_max is asked for may move the speed by as
-    /// much as that torque would in this time, and by a twentieth; 0: 0.03; LODE_NONE: by any
+    /// in RUN, with speed control, while all the torque of i_max is asked for: a load may move the speed against it by as
+    /// much as that torque would in this time, and by a twentieth; 0: 0.03; LODE_NONE: by any amount
     float overload_s;
 } lode_guard_config_t;
 
@@ -82,22 +83,23 @@ typedef struct {
     uint_least16_t bus_periods; ///< of bus, temperature and rail
     uint_least16_t
         lock_looks; ///< of lode_guard_check_slow(), which is called every LODE_GUARD_PERIODS
-    uint_least16_t still_rounds; ///< of slow jobs in which the temperature's count moves; 0: any
-    uint_least16_t bus_still_rounds; ///< the same of the bus
+    uint_least16_t
+        still_rounds; ///< of slow jobs within which the temperature count must move; 0: not checked
+    uint_least16_t bus_still_rounds; ///< the same for the bus
     uint32_t stamp_min;
-    /// largest less smallest count between two calls; 2^32 - 1, which any will do for: not watched
+    /// largest minus smallest count between two calls; 2^32 - 1, which every count meets: not watched
     uint32_t stamp_span;
 } lode_guard_tuning_t;
 
 typedef struct {
-    uint_least8_t state; ///< lode_mode_t in which it happened
+    uint_least8_t state; ///< lode_mode_t in which it occurred
     uint_least8_t check; ///< lode_check_t
-    uint_least8_t stage; ///< lode_start_stage_t in which it happened, in START
-    /// lode_criterion_t that a start did not meet; with LODE_CHECK_NONE its last attempt, and the start goes on, or
-    /// was handed over by another attempt
+    uint_least8_t stage; ///< in START: lode_start_stage_t in which it occurred
+    /// lode_criterion_t that a start did not meet; with LODE_CHECK_NONE that of its last failed attempt: the start continues, or
+    /// another attempt succeeded
     uint_least8_t criterion;
     float
-        measured; ///< in the unit of the check, of LODE_CHECK_START and of an attempt in that of the criterion
+        measured; ///< in the unit of the check; for LODE_CHECK_START and for an attempt in that of the criterion
     float limit;
 } lode_fault_t;
 
@@ -107,16 +109,16 @@ typedef struct {
     uint_least16_t bus; ///< debounce counters: up while out of range, down while in range
     uint_least16_t temperature;
     uint_least16_t bus_still;   ///< rounds for which still_V has been the same
-    uint_least16_t still_count; ///< the temperature's, one round before
-    uint_least16_t still;       ///< rounds for which that has been the same
+    uint_least16_t still_count; ///< of the temperature, one round before
+    uint_least16_t still;       ///< rounds for which it has been the same
     uint_least16_t rail;
-    uint_least16_t lock;       ///< in START rounds with an EMF of too large a flux
+    uint_least16_t lock;       ///< in START: rounds with an EMF of too large a flux
     uint_least16_t speed;      ///< and its direction
     float still_V;             ///< bus, one round before
-    bool railed;               ///< a rail was met since the last lode_guard_check_slow()
+    bool railed;               ///< a sample was at a rail since the last lode_guard_check_slow()
     bool pending;              ///< some counter is not 0
-    uint_least8_t flux_rounds; ///< in RUN, of another flux with a lock that is not lost
-    bool flux; ///< while the lock was counted as lost, only the EMF's size was wrong
+    uint_least8_t flux_rounds; ///< in RUN: rounds with a wrong flux but without a lost lock
+    bool flux; ///< while the lock counted as lost, only the EMF's magnitude was wrong
 } lode_guard_t;
 
 /// What the guard needs to know of the drive.
@@ -133,30 +135,30 @@ typedef struct {
     float lock;
 } lode_condition_t;
 
-/// No fault, nothing counted.
+/// No fault, all counters 0.
 void lode_guard_reset(lode_guard_t *self);
 
-/// Latches a fault unless one is latched already.
+/// Latches a fault unless one is already latched.
 void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check, float measured,
                      float limit);
 
 #define LODE_GUARD_PERIODS (LODE_SLOW_PERIODS / 2u)
 
-/// Finds out what is wrong with a sample, and trips. Comparisons are written so that NaN is bad.
+/// Finds out what is wrong with a sample, and trips. NaN fails every comparison.
 void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                          const lode_sense_t *sense, const lode_sense_tuning_t *sense_tuning,
                          const lode_sample_t *sample, uint_least8_t state);
 
-/// With the gates off after a trip: finds out whether the current flows on, which a sound bridge stops. Not in a
-/// build with LODE_WITHOUT_PLAUSIBILITY.
+/// With the gates off after a trip: finds out whether the current keeps flowing, as it does not in a sound bridge. Not
+/// in a build with LODE_WITHOUT_PLAUSIBILITY.
 void lode_guard_suspect(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                         const lode_sense_tuning_t *sense_tuning, const lode_sample_t *sample);
 
-/// Periods after a trip for which the current may flow on: it falls as fast as it rose, in the two periods that
+/// Periods after a trip for which the current may keep flowing: it falls as fast as it rose, in the two periods that
 /// a command takes, and as long again.
 #define LODE_GUARD_DECAY_PERIODS 4u
 
-/// Checks what may last for a while, every LODE_GUARD_PERIODS: bus, temperature, lock, speed,
+/// Debounced checks, every LODE_GUARD_PERIODS: bus, temperature, lock, speed,
 /// direction.
 void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                            lode_condition_t condition, lode_situation_t now);
