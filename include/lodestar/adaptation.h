@@ -3,10 +3,10 @@
 ///
 ///     (void)lode_adaptation_step(&adaptation, &drive);
 ///
-/// What is found goes into a copy of the drive's tuning, which is posted. A tuning that learn.h has made goes through
-/// here too, lode_adaptation_post() in place of lode_drive_post_tuning(). J changes speed control and
+/// The result goes into a copy of the drive's tuning, which is posted. A tuning made by learn.h is posted through
+/// here too, with lode_adaptation_post() in place of lode_drive_post_tuning(). J changes speed control and
 /// feed-forward only, psi the torque that the references ask for, Rs the observer's voltage. All else stays as
-/// it was designed, the flux that FLUX and the lock are judged by too (docs/adaptation.md).
+/// designed, including the flux that FLUX and the lock are judged by (docs/adaptation.md).
 ///
 /// Three phases; six: adaptation6.h.
 #ifndef LODESTAR_ADAPTATION_H
@@ -25,7 +25,7 @@ typedef struct {
     lode_choice_t Rs;
 } lode_adaptation_config_t;
 
-/// What an application may display, and keep over a reset.
+/// What an application may display, and keep across a reset.
 typedef struct {
     lode_adapted_t J_kgm2; ///< 0.2 .. 5 times the configured one
     lode_adapted_t psi_Wb; ///< within 20 % of the configured one
@@ -86,14 +86,14 @@ typedef struct {
     lode_drive_tuning_t tuning[2]; ///< posted in turn
 } lode_adaptation_t;
 
-/// `tuning`: what the drive runs on, made for `motor`, whose omega_rated_rad_s must be given; both of what the
-/// application has commissioned, not of what this has found. `tuning` must stay. `stored`: what
-/// lode_adaptation_found() said at another time, or NULL. LODE_OK, or why not; `self` is then left alone.
+/// `tuning`: what the drive runs on, made for `motor`, whose omega_rated_rad_s must be given; both as
+/// commissioned by the application, not as found here. `tuning` must stay. `stored`: what
+/// lode_adaptation_found() said at another time, or NULL. LODE_OK, or why not; `self` is then unchanged.
 lode_status_t lode_adaptation_init(lode_adaptation_t *self, const lode_adaptation_config_t *config,
                                    const lode_drive_tuning_t *tuning, const lode_motor_t *motor,
                                    const lode_adaptation_found_t *stored);
 
-/// Looks at the drive; true: a new tuning was posted. Calls need not be regular: time is the drive's own count of
+/// Evaluates the drive; true: a new tuning was posted. Calls need not be regular: time is the drive's own count of
 /// periods. It pauses outside RUN, and while the drive runs on a tuning that did not come from here.
 bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive);
 

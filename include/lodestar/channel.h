@@ -76,7 +76,7 @@ float lode_channel_read(const lode_drive_t *drive, lode_channel_t channel);
 /// The bits of an IEEE-754 single: sign, 8 of exponent, 23 of fraction, from the highest bit down.
 uint32_t lode_channel_bits(float value);
 
-/// Checks `config`; on any error (NULL, F_PWM, CHANNELS) `self` is left alone.
+/// Checks `config`; on any error (NULL, F_PWM, CHANNELS) `self` is unchanged.
 lode_status_t lode_channels_init(lode_channels_t *self, const lode_channels_config_t *config);
 
 /// Counts one period. True: a row is due.

@@ -39,7 +39,7 @@ typedef struct {
     float heat; ///< temperature rise of the resistor; 1: that of power_W
 } lode_chopper_t;
 
-/// LODE_ERROR_CHOPPER where a field is out of range; `tuning` is then left alone.
+/// LODE_ERROR_CHOPPER where a field is out of range; `tuning` is then unchanged.
 lode_status_t lode_chopper_tune(lode_chopper_tuning_t *tuning, const lode_chopper_config_t *config);
 
 /// `heat`: 0 for a cold resistor; 1 where it is not known to be cold.

@@ -30,7 +30,7 @@ lode_status_t lode_commission6_init(lode_commission6_t *self, lode_drive6_t *dri
 /// One PWM period.
 lode_drive6_out_t lode_commission6_step(lode_commission6_t *self, const lode_counts6_t *counts);
 
-/// Does what takes too long for the interrupt. Returns the state.
+/// Does what takes too long for the interrupt. Returns the present state or result.
 lode_commission_result_t lode_commission6_work(lode_commission6_t *self);
 
 /// The configuration with what was found in it. Only after LODE_COMMISSION_DONE.

@@ -21,15 +21,15 @@ static inline bool lode_is_on_or_off(lode_choice_t choice) {
     return choice == LODE_ON || choice == LODE_OFF;
 }
 
-/// For an optional quantity: none.
+/// Value of an optional quantity that shall be absent.
 #define LODE_NONE (-1.0f)
 
-/// `value` is LODE_NONE. No other negative value is.
+/// Whether `value` is LODE_NONE; no other negative value is.
 static inline bool lode_is_none(float value) {
     return value >= LODE_NONE && value <= LODE_NONE;
 }
 
-/// What follows the speed, which changes slowly, is updated once in so many periods: lag, gains that
+/// What depends on the speed, which changes slowly, is updated once in this many periods: lag, gains that
 /// depend on the speed, lock quality, slow checks of the guard. Each has a period of its own, so that no call
 /// takes much longer than the others.
 #define LODE_SLOW_PERIODS 8u

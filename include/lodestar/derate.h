@@ -1,4 +1,4 @@
-/// Derating: less torque before something is too hot, by the temperature of the power stage and by the heat of
+/// Derating: less torque before something gets too hot, by the temperature of the power stage and by the heating of
 /// the winding (I2t). For the main loop, about 10 times a second:
 ///
 ///     lode_telemetry_t now;
@@ -35,13 +35,13 @@ typedef struct {
     float heat; ///< temperature rise of the winding; 1: that of i_continuous_A
 } lode_derate_t;
 
-/// LODE_ERROR_DERATE where a field is out of range; `tuning` is then left alone.
+/// LODE_ERROR_DERATE where a field is out of range; `tuning` is then unchanged.
 lode_status_t lode_derate_tune(lode_derate_tuning_t *tuning, const lode_derate_config_t *config);
 
 /// `heat`: 0 for a cold winding; 1 where it is not known to be cold.
 void lode_derate_reset(lode_derate_t *self, float heat);
 
-/// `dt_s` after the last time: the share of the torque that may be asked for, 0 .. 1. A temperature or
+/// Call `dt_s` after the last call. Returns the share of the torque that may be asked for, 0 .. 1. A temperature or
 /// current that is not a number counts as too hot.
 float lode_derate_step(lode_derate_t *self, const lode_derate_tuning_t *tuning,
                        const lode_telemetry_t *telemetry, float dt_s);

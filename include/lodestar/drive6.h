@@ -1,7 +1,7 @@
 /// The drive of a dual three-phase machine (six phases, 30 degrees apart, isolated neutrals): one call per
 /// PWM period, from ADC counts to duties, as in drive.h.
 ///
-/// It holds a lode_drive_t that does what does not depend on the number of phases. Commands go to that
+/// It holds a lode_drive_t for everything that does not depend on the number of phases. Commands go to that
 /// (`lode_drive_post_command(&drive6.drive, ...)`), and lode_drive_telemetry() reads it; its currents and
 /// voltages are those of the alpha-beta plane.
 #ifndef LODESTAR_DRIVE6_H
@@ -23,18 +23,18 @@ typedef enum {
     LODE_SOURCE_SET_2
 } lode_source_t;
 
-/// What follows an open phase.
+/// Reaction to an open phase.
 typedef enum {
     LODE_OPEN_PHASE_TRIP,  ///< a fault
-    LODE_OPEN_PHASE_GO_ON, ///< the other set continues alone, with half the torque at most
+    LODE_OPEN_PHASE_GO_ON, ///< the other set continues alone, with at most half the torque
     LODE_OPEN_PHASE_IGNORE
 } lode_open_phase_response_t;
 
-/// A field that may be 0 is computed from the others where it is 0.
+/// A field that may be 0 is then computed from the others.
 typedef struct {
     lode_drive_config_t
         drive;   ///< as for three phases; motor and inverter of ONE phase; sets counts as 2
-    float Lxy_H; ///< needed: inductance of the xy plane, which is that of the leakage
+    float Lxy_H; ///< required: inductance of the xy plane, i.e. of the leakage
     lode_source_t source;
     lode_xy_config_t xy;
     lode_open_phase_response_t open_phase;
@@ -83,7 +83,7 @@ typedef struct {
     uint_least8_t omitted_2; ///< as in lode_drive_t
 } lode_drive6_t;
 
-/// All that a period starts from.
+/// Inputs of a period.
 typedef struct {
     lode_sample_t machine; ///< alpha-beta plane, or the set that is driven alone; phases of set 1
     lode_sample_t set_2;
@@ -102,24 +102,24 @@ typedef struct {
     lode_open_phase_t open;
 } lode_telemetry6_t;
 
-/// Computes every value that `config` leaves open. Used by lode_drive6_tune() and by the host tool alike.
+/// Computes every value that `config` leaves at 0. Used by lode_drive6_tune() and the host tool alike.
 void lode_drive6_design(lode_drive6_config_t *config);
 
 /// The machine as one set alone sees it, while the other carries no current: it spans both planes (V8).
 lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H);
 
 /// Completes a copy of `config`, checks every field and derives the tuning. On any error `tuning` is
-/// left alone. Not for the interrupt; about 3.7 KB of stack (Cortex-M4F, gcc 12.2).
+/// unchanged. Not for the interrupt; about 3.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_config_t *config);
 
 /// A drive at rest in OFF on a tuning that lode_drive6_tune() has made. Errors as of lode_drive_begin().
 lode_status_t lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning);
 
-/// lode_drive6_tune(), then lode_drive6_begin(). On any error both are left alone.
+/// lode_drive6_tune(), then lode_drive6_begin(). On any error both are unchanged.
 lode_status_t lode_drive6_init(lode_drive6_t *self, lode_drive6_tuning_t *tuning,
                                const lode_drive6_config_t *config);
 
-/// One PWM period. Any input is allowed: it ends in bounded time. No allocation.
+/// One PWM period. Any input is allowed: it returns in bounded time. No allocation.
 lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts);
 
 /// The step is these three calls in a row. A host may put an estimate of its own in place of the second,
@@ -129,7 +129,7 @@ lode_estimate_t lode_drive6_estimate(lode_drive6_t *self, const lode_sample6_t *
 lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_sample6_t *sample,
                                   const lode_estimate_t *estimate);
 
-/// Leaves a tuning for the next period. To be used in place of lode_drive_post_tuning().
+/// Posts a tuning for the next period. Use it in place of lode_drive_post_tuning().
 lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tuning_t *tuning);
 bool lode_drive6_tuning_taken(const lode_drive6_t *self);
 

@@ -20,14 +20,14 @@ extern "C" {
 
 typedef struct {
     uint32_t counts_per_turn; ///< of one MECHANICAL turn, 6 .. 2^20; Hall switches: 6 per pole pair
-    bool reversed;            ///< it counts down where the speed is positive
+    bool reversed;            ///< counts down at positive speed
     float offset_rad;         ///< electrical rotor angle in the middle of count 0, +-pi
     float delay_s;            ///< age of a count at t_k, 0 .. 10 periods
     float bandwidth_rad_s; ///< of the tracking loop, 1 .. 1/Ts; 0: 0.1/Ts, less for coarse counts
     /// ELECTRICAL speed from which the EMF checks the sensor; 0: the least speed of the drive without a sensor
     float omega_check_rad_s;
-    float check_s; ///< for which it must disagree, 1 period .. 10 s; 0: 5 ms
-    /// where it disagrees, run without the sensor from then on; else LOST_LOCK trips
+    float check_s; ///< for which EMF and sensor must disagree, 1 period .. 10 s; 0: 5 ms
+    /// if they disagree, run without the sensor from then on; else LOST_LOCK trips
     bool falls_back;
 } lode_encoder_config_t;
 
@@ -35,7 +35,7 @@ typedef struct {
     uint32_t counts_per_turn;
     uint32_t pole_pairs;
     uint32_t check_periods;
-    uint32_t settle_periods; ///< after the gates have come on, in which the EMF is not asked
+    uint32_t settle_periods; ///< after the gates have come on, in which the EMF is not used
     float rad_per_count;     ///< electrical, negative if reversed
     float half_rad;          ///< half a count, electrical
     float offset_rad;
@@ -68,11 +68,11 @@ typedef struct {
     bool distrusted; ///< the EMF disagreed for check_s; until the next reset
 } lode_encoder_t;
 
-/// Checks a configuration for the motor and rate of `drive`. On any error `tuning` is left alone.
+/// Checks a configuration for the motor and rate of `drive`. On any error `tuning` is unchanged.
 lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encoder_config_t *config,
                                 const lode_drive_tuning_t *drive);
 
-/// Forgets everything: the next count gives the angle, of a rotor at rest.
+/// Resets everything: the next count gives the angle, the rotor being assumed at rest.
 void lode_encoder_reset(lode_encoder_t *self);
 
 /// The estimate to act on in this period: angle and speed at t_k by the sensor, or `own` where the drive
@@ -80,7 +80,7 @@ void lode_encoder_reset(lode_encoder_t *self);
 lode_estimate_t lode_encoder_estimate(lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
                                       const lode_estimate_t *own, lode_ab_t i_A, uint32_t count);
 
-/// What `offset_rad` should have been, by the estimate `own` of a drive that runs without the sensor, with
+/// What `offset_rad` should have been, from the estimate `own` of a drive that runs without the sensor and
 /// the count of the same period. For bring-up: average the differences over some turns.
 float lode_encoder_offset_rad(const lode_encoder_tuning_t *tuning, const lode_estimate_t *own,
                               uint32_t count);

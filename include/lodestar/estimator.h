@@ -21,14 +21,14 @@ typedef struct {
     lode_emf_config_t emf;
     lode_pll_config_t pll;
     lode_lag_kind_t compensation;
-    lode_choice_t active_flux; ///< EMF of a changing active flux, which both papers drop; auto: on
+    lode_choice_t active_flux; ///< EMF of a changing active flux, which both papers omit; auto: on
     float
         w_filter_rad_s; ///< low-pass on the speed that tunes all but the C-LESO, 0 .. 1/Ts; 0: none
     float notch_k;   ///< width of the notch at 6 w on the position error (paper 1, eq. 34); 0: none
     float notch12_k; ///< the same at 12 w; 0: none
     float emin_V; ///< smallest EMF used as a divisor, 1e-4 .. 1e3; 0: 0.03 of that at rated speed
-    /// Highest electrical speed of the application, 1 .. 0.5/Ts; 0: 2.5 times rated, at most 0.5/Ts; in a drive that
-    /// weakens the field more.
+    /// Highest electrical speed of the application, 1 .. 0.5/Ts; 0: 2.5 times rated, at most 0.5/Ts; with
+    /// field weakening more.
     float omega_max_rad_s;
     float lock_s; ///< time constant of the lock quality, Ts .. 1; 0: 5 ms
 } lode_estimator_config_t;
@@ -111,13 +111,13 @@ typedef struct {
     float omega_tune; ///< the speed that tunes the observer, where it is filtered
 } lode_estimator_t;
 
-/// Who made an estimate.
+/// Source of an estimate.
 typedef enum {
     LODE_ESTIMATE_OWN,      ///< the drive's estimator
-    LODE_ESTIMATE_EXTERNAL, ///< from outside: the drive checks it and takes it over
+    LODE_ESTIMATE_EXTERNAL, ///< from outside: the drive checks it and uses it
     LODE_ESTIMATE_SENSOR,   ///< the same, good at any speed: no start, no least speed
-    LODE_ESTIMATE_EDGES,    ///< the same of a coarse sensor, known at its edges: no bias of id
-    LODE_ESTIMATE_NONE      ///< of a drive whose gates are off: nothing of it is seen
+    LODE_ESTIMATE_EDGES,    ///< the same, from a coarse sensor, known at its edges: no id bias
+    LODE_ESTIMATE_NONE      ///< none, as the gates are off
 } lode_estimate_source_t;
 
 /// All at t_k, the instant of the current sample.
@@ -149,19 +149,19 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
                                   const lode_estimator_config_t *config, const lode_motor_t *motor,
                                   float ts_s);
 
-/// Forgets everything: angle and speed are acquired from the EMF within a few milliseconds of motion.
+/// Resets everything: angle and speed are acquired from the EMF within a few milliseconds of motion.
 void lode_estimator_reset(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 
-/// Puts angle and speed where the caller knows them to be, as in a forced start. The EMF goes on.
+/// Sets angle and speed to what the caller knows, as in a forced start. The EMF is kept.
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                          lode_sincos_t rotor, float omega_rad_s);
 
 /// The currents change their meaning, as when one set of a winding continues alone: `i_A` is the present
-/// one in the new sense. Angle, speed and EMF stay.
+/// one in the new sense. Angle, speed and EMF are kept.
 void lode_estimator_set_current(lode_estimator_t *self, lode_ab_t i_A);
 
 /// One period: `u_V` is the mean voltage over [t_k-1, t_k), `i_A` the current at t_k. Any input
-/// is allowed: the output is finite and in range. `reseeded` tells that the state had to be acquired again.
+/// is allowed: the output is finite and in range. `reseeded` means that the state had to be acquired again.
 lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                     lode_ab_t u_V, lode_ab_t i_A);
 

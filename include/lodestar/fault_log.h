@@ -30,7 +30,7 @@ typedef struct {
 } lode_fault_log_t;
 
 /// Takes LODE_FAULT_LOG_ROWS(faults, rows) rows at `buffer`, which belong to the log from then on. Both counts:
-/// 1 .. 1000. LODE_ERROR_BUFFER otherwise; `self` and the buffer are then left alone.
+/// 1 .. 1000. LODE_ERROR_BUFFER otherwise; `self` and the buffer are then unchanged.
 lode_status_t lode_fault_log_init(lode_fault_log_t *self, lode_telemetry_t *buffer, uint32_t faults,
                                   uint32_t rows);
 
@@ -46,7 +46,7 @@ uint32_t lode_fault_log_count(const lode_fault_log_t *self);
 const lode_telemetry_t *lode_fault_log_row(const lode_fault_log_t *self, uint32_t back,
                                            uint32_t row);
 
-/// Forgets them all.
+/// Erases them all.
 void lode_fault_log_erase(lode_fault_log_t *self);
 
 #ifdef __cplusplus

@@ -16,10 +16,9 @@ extern "C" {
 #endif
 
 typedef enum {
-    LODE_HFI_OFF, ///< nothing is injected
-    LODE_HFI_ON,  ///< at low speed; refused where the machine does not allow it
-    LODE_HFI_AUTO =
-        3 ///< on where the machine allows it, else off; 2, which LODE_OFF is, is refused
+    LODE_HFI_OFF,     ///< nothing is injected
+    LODE_HFI_ON,      ///< at low speed; refused where the machine does not allow it
+    LODE_HFI_AUTO = 3 ///< on where the machine allows it, else off; 2 (LODE_OFF) is refused
 } lode_hfi_mode_t;
 
 typedef struct {
@@ -47,7 +46,7 @@ typedef struct {
     lode_choice_t silent;
 } lode_hfi_config_t;
 
-/// What the design goes by.
+/// Inputs of the design.
 typedef struct {
     const lode_motor_t *motor;
     const lode_inverter_config_t *inverter;

@@ -20,14 +20,14 @@ typedef struct {
     /// on-state threshold of switch and diode: 0.7 to 1.5 for IGBTs; 0 for MOSFETs that take over from their body diodes
     float v_drop_V;
     float r_on_Ohm; ///< on-state slope: counts as winding resistance
-    float i_dead_A; ///< below this phase current the effect of dead time fades, proportionally: the
+    float i_dead_A; ///< below this phase current the effect of dead time fades in proportion: the
                     ///< ripple reverses the current within the period. At full modulation; it falls
                     ///< with the modulation, as the ripple does. 0: v_bus Ts/(4 (Ld + Lq))
     float pwm_ticks;                    ///< timer steps from duty 0 to 1; 0: not quantised
     lode_choice_t dead_time_correction; ///< correct in the duties; auto: where there is a dead time
     /// without the correction: subtract the loss from the observer's voltage; auto: off
     lode_choice_t dead_time_model;
-    /// low sides alone, a fifth of each period, before all gates go on: charges bootstrap capacitors; 0: none
+    /// low sides only, for a fifth of each period, before all gates go on: charges bootstrap capacitors; 0: none
     float precharge_s;
     /// two calls in a carrier period, each of which sees half of its edges, and so half of the loss by dead time. Needs currents that are sensed at the upper turning point, too; auto: off
     lode_choice_t double_update;

@@ -12,7 +12,7 @@ extern "C" {
 /// Largest deviation of polynomial from exact lag that init accepts: 0.01 degree.
 #define LODE_LAG_TOLERANCE_rad 1.7e-4f
 
-/// Which correction is added to the angle of the PLL.
+/// Which lag correction is added to the PLL angle.
 typedef enum {
     LODE_LAG_EXACT, ///< the exact lag of the discrete observer
     LODE_LAG_NONE,  ///< none: the angle lags as in paper 1, Fig. 13

@@ -58,7 +58,7 @@ typedef struct {
 lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_config_t *config,
                                 lode_choice_t psi);
 
-/// `stored`: from another time, NULL: none. Then as configured, and not believed. What is out of limits is limited.
+/// `stored`: from another time, NULL: none. Then as configured, and not believed. Values out of limits are clamped.
 void lode_learn_begin(lode_learn_t *self, const lode_learn_tuning_t *tuning,
                       const lode_drive_config_t *config, const lode_learned_t *stored);
 

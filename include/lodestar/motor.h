@@ -1,4 +1,4 @@
-/// Motor parameters, and how to get them from what data sheets and other tools print.
+/// Motor parameters, and conversions from what data sheets and other tools give.
 #ifndef LODESTAR_MOTOR_H
 #define LODESTAR_MOTOR_H
 

@@ -17,7 +17,7 @@
 #endif
 #endif
 
-/// A kernel of the interrupt: small, and part of the function that uses it. With LODE_SMALL the compiler decides.
+/// A kernel of the interrupt: small, and inlined into the function that uses it. With LODE_SMALL the compiler decides.
 #ifndef LODE_INLINE
 #if defined(__GNUC__) && !defined(LODE_SMALL)
 #define LODE_INLINE static inline __attribute__((always_inline))
@@ -36,8 +36,8 @@
 #endif
 #endif
 
-/// Called from many places: with LODE_SMALL a call in each of them, also where link-time optimisation would rather
-/// repeat what is called.
+/// Called from many places: with LODE_SMALL a call in each of them, even where link-time optimisation would rather
+/// inline it.
 #ifndef LODE_SMALL_CALL
 #if defined(LODE_SMALL) && defined(__GNUC__)
 #define LODE_SMALL_CALL __attribute__((noinline))
@@ -47,7 +47,7 @@
 #endif
 
 /// A rare branch of the interrupt: kept out of the code that runs every time, and small. Not with LODE_SMALL: as a
-/// part of the only function that calls it, it takes less.
+/// part of the only function that calls it, it needs less code.
 #ifndef LODE_NOINLINE
 #if defined(__GNUC__) && !defined(LODE_SMALL)
 #define LODE_NOINLINE __attribute__((noinline, cold))

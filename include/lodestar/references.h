@@ -25,8 +25,8 @@ typedef struct {
     float id_bias_A; ///< magnitude of the negative id at low speed, which keeps the phase currents
                      ///< away from the dead band of the inverter; 0: 0.25 i_max, but by (K31) none;
                      ///< LODE_NONE: none
-    float omega_low_rad_s;  ///< electrical speed up to which it is full; 0: 0.2 of rated
-    float omega_high_rad_s; ///< from which it is zero; 0: 0.4 of rated
+    float omega_low_rad_s;  ///< electrical speed up to which the bias is full; 0: 0.2 of rated
+    float omega_high_rad_s; ///< from which the bias is zero; 0: 0.4 of rated
     /// share of the current control's voltage circle at which the field is weakened, 0.1 .. 1;
     /// 0: 0.95. The rest is for control
     float voltage_use;
@@ -35,7 +35,7 @@ typedef struct {
     float trim_rad_s;
     float release_s;   ///< time in which id may rise by i_max, 1e-3 .. 10; 0: 0.1
     float id_max_A;    ///< magnitude of the most negative id: demagnetisation; 0: i_max
-    float Lq_fall;     ///< saturation: Lq is Lq_H/(1 + Lq_fall |iq|), 1/A; 0: does not saturate
+    float Lq_fall;     ///< saturation: Lq is Lq_H/(1 + Lq_fall |iq|), 1/A; 0: no saturation
     float v_regen_V;   ///< bus voltage from which braking torque fades; 0: does not fade
     float v_motor_V;   ///< bus voltage below which motoring torque fades; 0: does not fade
     float v_bus_max_V; ///< where no braking torque is left; 0: halfway to where the guard trips
@@ -63,7 +63,7 @@ typedef struct {
     float inv_psi2;
     float Ld_H;
     float inv_Ld;
-    float Lq_H; ///< at no current
+    float Lq_H; ///< at zero current
     float Lq_fall;
     float circle;     ///< voltage to be used per bus volt
     float trim_gain;  ///< per V^2 and call
@@ -109,15 +109,15 @@ lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
                                    const lode_inverter_config_t *inverter,
                                    const lode_motor_t *motor, float voltage_use, float ts_s);
 
-/// Starts from `id_A`, without a jump.
+/// Starts from `id_A`, without a step.
 void lode_references_reset(lode_references_t *self, float id_A);
 
 /// The id for a torque and speed while the voltage does not limit it.
 float lode_references_id_A(const lode_references_tuning_t *tuning, float torque_Nm,
                            float omega_rad_s);
 
-/// Most torque that current and voltage allow with the last call's `id_A`, Nm, whatever the bus. Not for each
-/// period.
+/// Most torque that current and voltage allow with the last call's `id_A`, Nm, without the fade by the bus. Not for
+/// each period.
 float lode_references_allowed_Nm(const lode_references_t *self,
                                  const lode_references_tuning_t *tuning, float id_A);
 

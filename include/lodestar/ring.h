@@ -1,9 +1,9 @@
 /// Telemetry ring: frames of selected channels from the interrupt to one thread, which sends them.
 ///
-/// Interrupt: lode_ring_step() after lode_drive_step(). It never waits; where the ring is full the frame
-///            is counted as an overrun and left out.
-/// Thread:    lode_ring_drain() gives octets for a UART. One thread, which the interrupt may interrupt
-///            but which never interrupts it, on the same core.
+/// Interrupt: lode_ring_step() after lode_drive_step(). It never waits; if the ring is full the frame
+///            is dropped and counted as an overrun.
+/// Thread:    lode_ring_drain() gives octets for a UART. One thread on the same core, which the interrupt
+///            may preempt but which never preempts it.
 ///
 /// Layout in memory and on the wire, version 1: docs/telemetry.md. Nothing in it depends on the size of
 /// a char or on the order of octets of the machine.
@@ -30,7 +30,7 @@ enum {
     LODE_RING_AT_F_PWM,      ///< Hz, bits of a float
     LODE_RING_AT_DECIMATION, ///< periods from one frame to the next
     LODE_RING_AT_WRITTEN,    ///< frames written since init, modulo 2^32
-    LODE_RING_AT_OVERRUNS,   ///< frames left out since init, modulo 2^32
+    LODE_RING_AT_OVERRUNS,   ///< frames dropped since init, modulo 2^32
     LODE_RING_AT_CHANNEL     ///< lode_channel_t of the first one; the others follow
 };
 
@@ -59,7 +59,7 @@ typedef struct {
     uint32_t slots;
     // Of the interrupt.
     lode_channels_t channels;
-    uint32_t sequence; ///< of the next frame, left out or not
+    uint32_t sequence; ///< of the next frame, dropped or not
     uint32_t written;
     uint32_t write_at; ///< word of the next slot
     uint32_t overruns;
@@ -74,7 +74,7 @@ typedef struct {
 } lode_ring_t;
 
 /// Takes `words` words at `buffer`, which belong to the ring from then on: at least those of two frames.
-/// Errors: NULL, F_PWM, CHANNELS, BUFFER; `self` and the buffer are left alone. Not while the interrupt
+/// Errors: NULL, F_PWM, CHANNELS, BUFFER; `self` and the buffer are unchanged. Not while the interrupt
 /// steps it.
 lode_status_t lode_ring_init(lode_ring_t *self, const lode_channels_config_t *config,
                              uint32_t *buffer, uint32_t words);
@@ -86,7 +86,7 @@ void lode_ring_step(lode_ring_t *self, const lode_drive_t *drive);
 /// 0: nothing to send. A frame may be cut anywhere; the next call continues.
 uint32_t lode_ring_drain(lode_ring_t *self, uint16_t *octets, uint32_t count);
 
-/// Frames left out since init, because the thread did not keep up.
+/// Frames dropped since init, because the thread did not keep up.
 uint32_t lode_ring_overruns(const lode_ring_t *self);
 
 #ifdef __cplusplus

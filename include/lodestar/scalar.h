@@ -1,4 +1,4 @@
-/// Scalar arithmetic that is total: every float in, NaN and Inf included, a finite float out.
+/// Total scalar arithmetic: for every float, NaN and Inf included, the result is a finite float.
 #ifndef LODESTAR_SCALAR_H
 #define LODESTAR_SCALAR_H
 
@@ -81,7 +81,7 @@ lode_sincos_t lode_sincos(float x_rad);
 #ifdef LODE_SINCOS_BOARD
 /// The board's own sine and cosine. Where LODE_SINCOS_BOARD is defined for the library, lode_sincos()
 /// calls it in place of the polynomials, with |x| <= LODE_ANGLE_LIMIT_rad. Error at most 1e-5. Called by
-/// the interrupt and by threads: it must bear to be interrupted by itself.
+/// the interrupt and by threads: it must be reentrant.
 lode_sincos_t lode_sincos_board(float x_rad);
 #endif
 

@@ -2,8 +2,8 @@
 ///
 /// Interrupt: lode_scope_step() after lode_drive_step().
 /// Thread:    lode_scope_arm(), lode_scope_stop(), lode_scope_state(), and in state DONE
-///            lode_scope_drain(). One thread, which the interrupt may interrupt but which never
-///            interrupts it, on the same core. Or a debugger that dumps the buffer, in any state.
+///            lode_scope_drain(). One thread on the same core, which the interrupt may preempt but
+///            which never preempts it. Or a debugger that dumps the buffer, in any state.
 ///
 /// Layout of the buffer, version 1: docs/telemetry.md. Nothing in it depends on the size of a char or
 /// on the order of octets of the machine.
@@ -49,7 +49,7 @@ enum {
 
 typedef enum {
     LODE_SCOPE_IDLE,
-    LODE_SCOPE_ARMED,     ///< rows are written round and round, the trigger is watched
+    LODE_SCOPE_ARMED,     ///< rows are written cyclically, the trigger is watched
     LODE_SCOPE_TRIGGERED, ///< the rows after the event are being written
     LODE_SCOPE_DONE       ///< nothing is written until it is armed again
 } lode_scope_state_t;
@@ -99,7 +99,7 @@ typedef struct {
 
 /// Takes `words` words at `buffer`, which belong to the scope from then on: at least those of two rows.
 /// State IDLE. Errors: NULL, F_PWM, CHANNELS, BUFFER, TRIGGER, PRE_SHARE; `self` and the buffer are
-/// left alone. May be called again in IDLE and DONE.
+/// unchanged. May be called again in IDLE and DONE.
 lode_status_t lode_scope_init(lode_scope_t *self, const lode_scope_config_t *config,
                               uint32_t *buffer, uint32_t words);
 
@@ -109,7 +109,7 @@ void lode_scope_step(lode_scope_t *self, const lode_drive_t *drive);
 /// Restarts with the next period, in any state.
 void lode_scope_arm(lode_scope_t *self);
 
-/// From the next period on: IDLE. What is in the buffer stays.
+/// From the next period on: IDLE. The buffer is kept.
 void lode_scope_stop(lode_scope_t *self);
 
 lode_scope_state_t lode_scope_state(const lode_scope_t *self);

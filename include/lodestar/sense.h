@@ -10,10 +10,10 @@
 extern "C" {
 #endif
 
-/// Where the currents are measured. LODE_WITHOUT_SHUNT_WINDOW leaves out of a build what takes a phase from
+/// Where the currents are measured. LODE_WITHOUT_SHUNT_WINDOW leaves out of a build what computes a phase from
 /// the other two: two shunts, and a duty_max below 1. Init then refuses them (LODE_ERROR_SENSE_WINDOW).
 typedef enum {
-    LODE_SHUNTS_THREE, ///< all three phases, by any sensor; what single_shunt.h makes
+    LODE_SHUNTS_THREE, ///< all three phases, by any sensor; also with single_shunt.h
     LODE_SHUNTS_TWO    ///< phases a and b; c follows from the isolated star point
 } lode_shunts_t;
 
@@ -28,8 +28,8 @@ typedef struct {
     float v_bus_gain_V_count;          ///< bus voltage per count, from count 0
     float temperature_gain_degC_count; ///< 0: no sensor
     float temperature_offset_degC;     ///< temperature at count 0
-    float duty_max; ///< low-side shunts: above this duty a phase has no time to be sampled and is
-                    ///< taken from the other two; 1: sampled always. 0: 1
+    float duty_max; ///< low-side shunts: above this duty a phase cannot be sampled in time and is
+                    ///< computed from the other two; 1: always sampled. 0: 1
     float calibrate_s; ///< time over which offsets are averaged; 0: 0.1
     /// smallest rms noise of a healthy current sensor: with less than half of it the calibration fails; 0: not
     /// checked
@@ -79,7 +79,7 @@ typedef struct {
     uint32_t samples; ///< how many are in the sums
 } lode_sense_sums_t;
 
-/// All that a period starts from, valid at t_k.
+/// Inputs of a period, valid at t_k.
 typedef struct {
     lode_ab_t i_A;         ///< stator current
     lode_ab_t u_V;         ///< mean stator voltage over [t_k-1, t_k)
@@ -96,14 +96,14 @@ typedef enum {
     LODE_CALIBRATION_RUNNING,     ///< wants more samples
     LODE_CALIBRATION_DONE,        ///< the offsets are in use
     LODE_CALIBRATION_IMPLAUSIBLE, ///< an offset is beyond i_offset_tol_count
-    LODE_CALIBRATION_STUCK        ///< a sensor lacks the noise that i_noise_count says it has
+    LODE_CALIBRATION_STUCK        ///< a sensor lacks the noise that i_noise_count specifies
 } lode_calibration_t;
 
 /// Fills every zero field that has a default.
 void lode_sense_design(lode_sense_config_t *config);
 
 /// Checks `config` for currents up to `i_max_A` and a bus of `v_bus_V`, and derives the tuning; `ts_s`: period of the
-/// step. On any error `tuning` is left alone.
+/// step. On any error `tuning` is unchanged.
 lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_config_t *config,
                               float i_max_A, float v_bus_V, float ts_s);
 

@@ -1,9 +1,9 @@
-/// Signal check before a start: voltage pulses along each phase axis, out of gates off, one period forward and one back, far
-/// too short to turn a rotor. The currents show whether bridge and sensors belong together (S37), and where the
+/// Signal check before a start: voltage pulses along each phase axis, between gates off, one period forward and one back, far
+/// too short to turn a rotor. The currents show whether bridge and sensors match (S37), and where the
 /// axis of a salient rotor lies (S40).
 ///
-/// A part of LODE_MODE_PRECHARGE, after the low-side pulses (fly.h), which know that the rotor is slow enough for it. Where there
-/// are none, the current that flows before a pulse has to tell.
+/// A part of LODE_MODE_PRECHARGE, after the low-side pulses (fly.h), which have shown that the rotor is slow enough for it. Without
+/// those, the current that flows before a pulse has to show it.
 /// LODE_WITHOUT_SIGNAL_CHECK leaves it out of a build, and so does LODE_WITHOUT_FLYING_START.
 #ifndef LODESTAR_SIGNAL_CHECK_H
 #define LODESTAR_SIGNAL_CHECK_H
@@ -36,8 +36,8 @@ typedef struct {
 /// What is known elsewhere.
 typedef struct {
     float ts_s;
-    bool pulses; ///< of the low sides (fly.h) come before, and know a rotor that turns
-    bool sums;   ///< the three currents add up to none
+    bool pulses; ///< of the low sides (fly.h) come before, and detect a rotor that turns
+    bool sums;   ///< the three currents sum to zero by construction
 } lode_signal_check_given_t;
 
 typedef struct {

@@ -1,5 +1,5 @@
-/// Three phase currents from one shunt in the DC link: edges shifted so that two phases can be seen in every
-/// period, and the two samples turned into the counts that a drive with three shunts expects.
+/// Three phase currents from one shunt in the DC link: edges are shifted so that two phases can be sampled in every
+/// period, and the two samples are converted into the counts that a drive with three shunts expects.
 ///
 /// Nothing of it runs inside the drive's step, which costs the same as without it. In the interrupt:
 ///
@@ -12,8 +12,8 @@
 /// The two samples lie in the second half of the period, as close to t_k as its edges allow: while two legs
 /// are high the link carries minus the current of the third, while one is high that leg's. Needs
 /// LODE_SHUNTS_THREE, duty_max 1, current.voltage_use at or below lode_single_shunt_voltage_use(), and
-/// start.pulses off: a current in the low sides alone is not seen. With start.signal_check on bridge and sensor are tried before a
-/// start.
+/// start.pulses off: a current in the low sides alone is not seen. With start.signal_check on, bridge and sensor are checked before
+/// a start.
 #ifndef LODESTAR_SINGLE_SHUNT_H
 #define LODESTAR_SINGLE_SHUNT_H
 
@@ -28,7 +28,7 @@ typedef struct {
     float i_gain_A_count; ///< as the drive's: current from the link into the bridge per count
     float window_s;       ///< from an edge to the end of a sample: dead time, settling, sampling
     float sample_s;       ///< from a trigger to the end of the sampling; part of window_s
-    float L_H;            ///< mean of Ld and Lq: brings both samples to t_k; 0: left as they are
+    float L_H; ///< mean of Ld and Lq: extrapolates both samples to t_k; 0: used as they are
 } lode_single_shunt_config_t;
 
 typedef struct {
@@ -71,7 +71,7 @@ void lode_single_shunt_read(lode_single_shunt_t *self, const lode_single_shunt_t
                             const uint16_t link[2], int32_t offset, float v_bus_V,
                             uint16_t count[3]);
 
-/// What the drive's duties become in the next period. Interrupt, after the step.
+/// Turns the drive's duties into the edges of the next period. Interrupt, after the step.
 lode_single_shunt_plan_t lode_single_shunt_write(lode_single_shunt_t *self,
                                                  const lode_single_shunt_tuning_t *tuning,
                                                  lode_abc_t duty, lode_gates_t gates);

@@ -3,7 +3,7 @@
 /// Notch: paper 1, eq. (34), (s^2 + wn^2)/(s^2 + k wn s + wn^2), trapezoidal and prewarped at wn:
 /// gain exactly 0 at wn and 1 at DC, at any sample rate. What the notch takes out is the in-phase
 /// output of the pair. The states are those of the two integrators, so the centre may move from
-/// call to call without a jump (B6-B8).
+/// call to call without a step (B6-B8).
 #ifndef LODESTAR_SOGI_H
 #define LODESTAR_SOGI_H
 

@@ -24,11 +24,11 @@ typedef struct {
     float
         ramp_rad_s2; ///< slope of the MECHANICAL speed reference; 0: up to half the torque limit over J
     float ramp_down_rad_s2;     ///< the same while it slows down; 0: ramp_rad_s2
-    float jerk_rad_s3;          ///< by which that slope changes, at most; 0: at once
+    float jerk_rad_s3;          ///< largest rate of change of that slope; 0: at once
     float inertia_feed_forward; ///< share of the torque that the ramp needs for J, 0 .. 1; 0: 1;
                                 ///< LODE_NONE: none
-    /// share of the estimated load torque, 0 .. 1; 0: 0.25 to 0.5, less by (K23), where a rated load would else stop the
-    /// rotor at its least speed, 0.5 with injection, none for all others; LODE_NONE: none
+    /// share of the estimated load torque, 0 .. 1; 0: 0.25 to 0.5, less by (K23), where a rated load would otherwise stop
+    /// the rotor at its least speed, 0.5 with injection, otherwise none; LODE_NONE: none
     float load_feed_forward;
     /// least ELECTRICAL speed that is controlled without a sensor; 0: hand-over
     float omega_min_rad_s;
@@ -75,7 +75,7 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
 lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_config_t *config,
                               const lode_motor_t *motor, const lode_pll_config_t *pll, float ts_s);
 
-/// Starts from the MECHANICAL speed `omega_rad_s` with the torque `torque_Nm`, without a jump, and within
+/// Starts from the MECHANICAL speed `omega_rad_s` with the torque `torque_Nm`, without a step, and within
 /// `most_Nm` of either sign. `load_Nm`: the present load torque; the share of it that is fed forward is a part of
 /// `torque_Nm`.
 void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,

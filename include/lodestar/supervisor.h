@@ -1,4 +1,4 @@
-/// What follows a fault: it stays, or the drive is started again, a few times. For the main loop, called 100 to
+/// Reaction to a fault: it stays, or the drive is restarted, a few times. For the main loop, called 100 to
 /// 1000 times a second; the interrupt has no part in it:
 ///
 ///     lode_telemetry_t now;
@@ -23,20 +23,20 @@ typedef enum {
     LODE_REACTION_RIDE_THROUGH ///< as soon as bus and temperature are within the guard's limits
 } lode_reaction_t;
 
-/// 0 in all fields: every fault stays. It must stay as it is while a supervisor uses it.
+/// 0 in all fields: every fault stays. It must not change while a supervisor uses it.
 typedef struct {
     lode_reaction_t reaction[LODE_CHECK_COUNT]; ///< by lode_check_t
     uint_least8_t attempts;                     ///< in a row, 0 .. 255
     float wait_s; ///< from the fault to the attempt, 1e-3 .. 1e4; 0: 1
-    /// in RUN in one piece, after which the attempts begin at 0 again, 1e-3 .. 1e5: there are never more than
-    /// `attempts` in a time as long; 0: 10
+    /// of uninterrupted RUN, after which the count of attempts returns to 0, 1e-3 .. 1e5: there are never more than
+    /// `attempts` in such an interval; 0: 10
     float good_s;
-    /// after a fault the low sides are on where else the motor would charge the bus through the diodes; auto: off.
+    /// after a fault the low sides are on where the motor would otherwise charge the bus through the diodes; auto: off.
     /// Refused where the current of the short, psi/Ld, is above i_max
     lode_choice_t active_short;
 } lode_supervisor_config_t;
 
-/// What a port may keep over a reset, in memory that start-up leaves alone.
+/// What a port may keep across a reset, in memory that start-up does not initialise.
 typedef struct {
     uint32_t count; ///< attempts since the last good run
     uint32_t check; ///< of it: memory that was not kept does not match
@@ -58,16 +58,16 @@ typedef struct {
     uint32_t asked_at;   ///< ... so many periods
 } lode_supervisor_t;
 
-/// `tuning`: what the drive began with, which must stay. `attempts`: goes on counting where it holds a count, else
+/// `tuning`: what the drive began with, which must stay. `attempts`: continues where it holds a valid count, else
 /// begins at 0. `by_reset`: this is the start after a reset by a watchdog or the like, and counts as an attempt:
-/// a fault that comes with a reset is not retried for ever. LODE_OK, or why not; all is then
-/// left alone.
+/// a fault that comes with a reset is not retried for ever. LODE_OK, or why not; everything is then
+/// unchanged.
 lode_status_t lode_supervisor_init(lode_supervisor_t *self, const lode_supervisor_config_t *config,
                                    const lode_drive_tuning_t *tuning, lode_attempts_t *attempts,
                                    bool by_reset);
 
-/// `dt_s` after the last time: the command to post. `wanted`, save that after a fault it is OFF until the attempt,
-/// and for good where there is none. A wanted OFF with clear_fault clears the fault and sets the count of attempts to 0.
+/// Call `dt_s` after the last call. Returns the command to post: `wanted`, except that after a fault it is OFF until the
+/// next attempt, and for good where there is none. A wanted OFF with clear_fault clears the fault and sets the count of attempts to 0.
 lode_command_t lode_supervisor_step(lode_supervisor_t *self, const lode_telemetry_t *telemetry,
                                     lode_command_t wanted, float dt_s);
 

@@ -1,4 +1,4 @@
-/// Limits of the supply's current, out of the battery and back into it, kept by less torque. For the main loop,
+/// Limits of the supply current, out of the battery and back into it, kept by reducing torque. For the main loop,
 /// about 1000 times a second:
 ///
 ///     lode_telemetry_t now;
@@ -52,7 +52,7 @@ typedef struct {
 } lode_shares_t;
 
 /// `drive`: the configuration of the drive, of which motor and inverter count. LODE_ERROR_SUPPLY where a field is
-/// out of range; `tuning` is then left alone. The motor is not checked: lode_drive_init() does that.
+/// out of range; `tuning` is then unchanged. The motor is not checked: lode_drive_init() does that.
 lode_status_t lode_supply_tune(lode_supply_tuning_t *tuning, const lode_supply_config_t *config,
                                const lode_drive_config_t *drive);
 
@@ -62,7 +62,7 @@ void lode_supply_reset(lode_supply_t *self);
 /// negative: fed back.
 float lode_supply_current_A(const lode_supply_tuning_t *tuning, const lode_telemetry_t *telemetry);
 
-/// `dt_s` after the last time. `i_A`: the current of lode_supply_current_A(), or one that the board measures. One
+/// Call `dt_s` after the last call. `i_A`: the current of lode_supply_current_A(), or one that the board measures. One
 /// that is not a number counts as too large.
 lode_shares_t lode_supply_step(lode_supply_t *self, const lode_supply_tuning_t *tuning,
                                const lode_telemetry_t *telemetry, float i_A, float dt_s);
