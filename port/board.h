@@ -1,7 +1,7 @@
 /// What a board is to a drive: the functions that a port implements, one board per image.
 ///
 /// Each contract says who calls the function and when. "Interrupt": from the handler of the period
-/// only. "Thread": from main() only, which the interrupt may interrupt.
+/// only. "Thread": from main() only, which the interrupt may preempt.
 ///
 /// The port's handler of the end of conversion clears its flag and calls app_period(), nothing else.
 #ifndef LODESTAR_PORT_BOARD_H
@@ -18,9 +18,9 @@ bool board_reset_by_watchdog(void);
 
 /// Clocks, serial port, PWM timer, ADC, comparator or break input. Leaves the gates off, the
 /// interrupt masked, the trip path armed and the watchdog off. Thread, once. `i_trip_A`: amplitude of a
-/// phase current at which the hardware shall switch off; a board that can set it takes it as far as its own
-/// limits allow. False: the hardware does not answer as expected, and the gates must never go on;
-/// board_send() works as far as that can be.
+/// phase current at which the hardware shall switch off; a board that can set it uses it as far as its own
+/// limits allow. False: the hardware does not respond as expected, and the gates must never go on;
+/// board_send() works as far as possible.
 bool board_init(float i_trip_A);
 
 /// Lets the PWM count, the ADC sample, the interrupt come and the watchdog run. The gates stay
@@ -33,29 +33,29 @@ void board_read(lode_counts_t *counts);
 
 /// Compare values into the shadow registers, to act from the next period on; with LODE_GATES_OFF all six
 /// switches off at once, before anything else. Interrupt, last thing. Must not switch the gates on while
-/// the trip is latched. LODE_GATES_LOW: the low sides alone, each in its share of the period around t_k; a
-/// board that cannot switches all off, leaves inverter.precharge_s at 0, and start.pulses off. On and off may
-/// follow each other from one period to the next: the gates must have followed within a period.
+/// the trip is latched. LODE_GATES_LOW: low sides only, each in its share of the period around t_k; a
+/// board that cannot do this switches all off, leaves inverter.precharge_s at 0, and start.pulses off. On and off may
+/// alternate from one period to the next: the gates must follow within a period.
 void board_write(const lode_drive_out_t *out);
 
 /// All six switches off, now. From anywhere, fault handlers included; before board_init() too. Must
-/// need neither interrupt nor stack to speak of.
+/// need no interrupt and hardly any stack.
 void board_gates_off(void);
 
 /// Clears a latched hardware trip. Thread. False: its cause is still there.
 bool board_clear_trip(void);
 
 /// Switches the gates off and makes every comparator of the trip path act once, by moving its threshold
-/// across the signal of no current. Thread, without current. False: one of them does not reach the gates.
-/// True as well where the board has none that can be moved: the source is then the driver's.
+/// across the zero-current signal. Thread, without current. False: one of them does not reach the gates.
+/// True as well where the board has none that can be moved: the trip source is then the driver.
 bool board_test_trip(void);
 
-/// Restarts the watchdog, whose end switches the gates off. Thread, and only after the period's
+/// Restarts the watchdog, whose time-out switches the gates off. Thread, and only after the period's
 /// interrupt has come again: a stopped interrupt must starve it.
 void board_feed_watchdog(void);
 
-/// A free-running counter, which wraps; guard.stamp_per_period of its counts make a period. One that runs
-/// on while a debugger holds the core, if the chip has one: else the halt is not seen. From anywhere.
+/// A free-running counter, which wraps; guard.stamp_per_period of its counts make a period. Preferably
+/// one that keeps running while a debugger halts the core: else the halt is not seen. From anywhere.
 uint32_t board_cycles(void);
 
 /// Puts up to `count` octets (values 0 .. 255) into the transmitter; returns how many it took. Thread.
@@ -65,11 +65,11 @@ uint32_t board_send(const uint16_t *octets, uint32_t count);
 /// Of the application (port/example/app.c): one period, from board_read() to board_write().
 void app_period(void);
 
-/// Of the application: the motor's data, for a board that brings samples to t_k. From board_init() on.
+/// Of the application: the motor's data, for a board that extrapolates samples to t_k. From board_init() on.
 lode_motor_t app_motor(void);
 
-/// Of the application: the drive, for a board that makes three currents of one shunt's and must know offset and
-/// bus voltage. Interrupt, to read only.
+/// Of the application: the drive, for a board that derives three currents from one shunt and must know offset and
+/// bus voltage. Interrupt, read only.
 const lode_drive_t *app_drive(void);
 
 #endif
