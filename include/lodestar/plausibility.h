@@ -138,8 +138,8 @@ lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning, uint32_t doubt,
                                       uint32_t sum_looks, lode_hold_t hold, float A_per_count);
 
-/// Of a phase 1 .. 3 that was found to be stuck, all three being measured: it has no current, and the other two add up to none,
-/// so that it is open.
+/// For a `phase`, 1 .. 3, that was found to be stuck, all three being measured: whether it has no current and the other two sum
+/// to zero, so that it is open.
 bool lode_plausibility_is_open(const lode_plausibility_t *self, uint32_t phase, float A_per_count);
 
 /// One look at the currents, the vector having turned by `turn_rad` since the last one. `i_A2`: the
