@@ -107,7 +107,9 @@ static inline bool lode_mode_fits(const lode_drive_t *self) {
     const uint32_t mode = self->mode;
     const bool driven =
         mode - (uint32_t)LODE_MODE_VOLTAGE <= (uint32_t)LODE_MODE_RUN - (uint32_t)LODE_MODE_VOLTAGE;
-    return self->gates == driven && (!self->steady || mode == (uint32_t)LODE_MODE_RUN) &&
+    const bool may_be_steady =
+        mode == (uint32_t)LODE_MODE_RUN && self->tuning->speed_periods == LODE_SLOW_PERIODS;
+    return self->gates == driven && (!self->steady || may_be_steady) &&
            lode_in_range(lode_abs(self->direction), 1.0f, 1.0f);
 }
 

@@ -487,6 +487,24 @@ static void test_a_mode_or_command_that_changes_by_itself_trips(void) {
     }
 }
 
+/// Speed control that runs more often than its slot has no steady way, which would leave it out for good.
+static void test_speed_control_that_is_left_out_trips(void) {
+    lode_drive_config_t config = rig_config();
+    config.motor.omega_rated_rad_s = 400.0f;
+    config.speed.bandwidth_rad_s = 70.0f;
+    config.speed.gain_rise = 1.0f;
+    config.estimator.pll.sigma_rad_s = 300.0f;
+    config.start.omega_handover_rad_s = 100.0f; // where there is EMF enough for so wide a PLL
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+    rig_run(&rig, 0.1);
+    TEST_ASSERT_FALSE(rig.drive.steady);
+    check_flip(&rig, offsetof(lode_drive_t, steady), 0, 1.0f);
+    check_flip(&rig, offsetof(lode_drive_t, steady), 1, 1.0f);
+}
+
 /// The other direction than that in which the rotor turns: it slows down as for a reversal, and starts anew.
 static void test_a_direction_that_turns_over_starts_anew(void) {
     rig_t rig = running(80.0, 8.0);
@@ -682,6 +700,7 @@ int main(void) {
     RUN_TEST(test_a_fault_stays_until_it_is_cleared);
     RUN_TEST(test_a_fault_is_cleared_by_a_command_that_is_replaced);
     RUN_TEST(test_a_mode_or_command_that_changes_by_itself_trips);
+    RUN_TEST(test_speed_control_that_is_left_out_trips);
     RUN_TEST(test_a_direction_that_turns_over_starts_anew);
     RUN_TEST(test_a_q_axis_that_changes_by_itself_does_not_last);
     RUN_TEST(test_a_posted_command_is_not_lost_by_a_flip);
