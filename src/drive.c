@@ -1,7 +1,7 @@
 #include "drive_inline.h"
 
 #define TELEMETRY_TRIES 3
-#define MOVED_FLUX_MAX 0.35f // of the flux, that a d current may take or give at once
+#define MOVED_FLUX_MAX 0.35f // share of the flux that a step of the d current may move
 
 lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     if (self == NULL || tuning == NULL) {
@@ -32,7 +32,8 @@ lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
     return status == LODE_OK ? lode_drive_begin(self, tuning) : status;
 }
 
-// Tells the interrupt that there is mail. In this order: it may come in between.
+// Tells the interrupt that something is posted. `mail` first: in the other order, an interrupt in between could set `steady`
+// again.
 void lode_drive_call(lode_drive_t *self) {
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->mail, true);
@@ -59,7 +60,7 @@ static bool wants_short(const lode_command_t *command) {
 #endif
 }
 
-// The largest speed of a command, mechanical: for more the estimator is not made, or the guard trips.
+// Largest mechanical speed that may be commanded: the estimator's omega_max, or the guard's trip limit.
 static float most_rad_s(const lode_drive_tuning_t *tuning) {
     const float estimator = tuning->estimator.omega_limit / LODE_ALIAS_SHARE;
     return lode_min(estimator, tuning->guard.omega_max) * tuning->speed.inv_pole_pairs;
@@ -81,7 +82,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     if (!known || !controlled || !is_finite(command) || (command->clear_fault && !off)) {
         return LODE_ERROR_COMMAND;
     }
-    // One that clears a fault, and has not been taken yet, is not lost: this one does what it asks for too.
+    // A pending command that clears a fault must not be lost: the new one then clears it too.
     const bool clears = command->clear_fault ||
                         (self->command_posted == LODE_POST_FULL && lode_mode_clears(&self->posted));
     if (command->mode == LODE_MODE_RUN &&
@@ -100,7 +101,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
 #ifdef LODE_WITHOUT_COMMISSIONING
     order.value.torque_Nm = command->torque_Nm;
 #else
-    // All of `value` is written: its check reads the bits.
+    // Write all of the union `value`: the check reads its bits.
     order.value.vector = (lode_dq_t){command->torque_Nm, 0.0f};
     if (command->mode != LODE_MODE_RUN) {
         order.speed_rad_s = command->omega_rad_s;
@@ -123,8 +124,8 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
     if (!lode_tuning_is_finite(tuning)) {
         return LODE_ERROR_TUNING;
     }
-    LODE_SHARED_STORE(self->posted_tuning,
-                      NULL); // one not yet taken would come with this one's check
+    // A tuning not yet taken is withdrawn first: it would be taken with the check of this one.
+    LODE_SHARED_STORE(self->posted_tuning, NULL);
     LODE_SIGNAL_FENCE();
     lode_tuning_post_check(self, lode_tuning_words(tuning));
     LODE_SIGNAL_FENCE();
@@ -145,7 +146,7 @@ void lode_drive_limit_torque(lode_drive_t *self, float share) {
 }
 
 void lode_drive_limit_torques(lode_drive_t *self, float motoring, float braking) {
-    self->torque_share[0] = torque_share(motoring); // each is read once in a round, as a whole
+    self->torque_share[0] = torque_share(motoring); // read once per round, in one access
     self->torque_share[1] = torque_share(braking);
 }
 
@@ -170,14 +171,14 @@ static float most_Nm(const lode_drive_t *self) {
 #endif
 }
 
-// The least speed is held in place of the commanded one. (A stop goes through it.)
+// RUN holds its lowest speed because the command is below it. Not for a stop, which passes through that speed.
 static bool is_raised(const lode_drive_t *self) {
     const float commanded = lode_abs(self->command.speed_rad_s);
     return !lode_mode_is_sensored(self) && commanded > 0.0f &&
            commanded < self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
 }
 
-// The position error by either source, and how the loop shares them.
+// Position error by EMF and by injection, and the weight of injection in the PLL.
 static void tell_errors(const lode_estimator_t *estimator, lode_telemetry_t *telemetry) {
     telemetry->emf_error_rad =
         lode_park(estimator->emf.observer.e_V, estimator->pll.frame).d * estimator->per_V;
@@ -191,7 +192,7 @@ static void tell_errors(const lode_estimator_t *estimator, lode_telemetry_t *tel
 
 bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry) {
     if (self->tuning == NULL) {
-        return false; // of a drive that has not begun
+        return false; // the drive has not begun
     }
     for (int32_t i = 0; i < TELEMETRY_TRIES; i++) {
         const uint32_t steps = LODE_SHARED_LOAD(self->steps);
@@ -236,7 +237,8 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
 
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 
-// Not with injection: it goes by the inductances themselves, and learn.h may have found the present Lq.
+// Saturation is corrected for the EMF only. Injection uses the inductances themselves, and learn.h may have found the present
+// Lq.
 static bool goes_by_emf(const lode_estimator_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_HFI
     (void)tuning;
@@ -246,7 +248,7 @@ static bool goes_by_emf(const lode_estimator_tuning_t *tuning) {
 #endif
 }
 
-// Current control with the q axis of the present current and its reference.
+// Gain and inductance of the q axis for the present current and its reference (K20), (K21).
 static void saturate_control(lode_drive_t *self) {
     const lode_references_tuning_t *motor = &self->tuning->references;
     lode_current_saturate(&self->current, &self->tuning->current, motor->Lq_H, motor->Lq_fall,
@@ -262,19 +264,20 @@ LODE_NOINLINE void lode_drive_optimal_references(lode_drive_t *self) {
     self->ref_A = out.i_A;
     run->speed.limit_Nm = lode_drive_torque_limits(self, out.torque_Nm);
     if (lode_references_asks(tuning, LODE_REFERENCES_SATURATE)) {
-        saturate_control(self); // before the step of the current
+        saturate_control(self); // before current control meets the new reference
     }
 }
 
-// Of the q axis at the rotor's angle `at`, in the stator's frame.
+// Flux that the saturated q axis lacks, in stator axes; `at`: rotor angle.
 static lode_ab_t lacking_Wb(const lode_references_tuning_t *tuning, lode_ab_t i_A,
                             lode_sincos_t at) {
     const float flux_Wb = lode_references_lacking_Wb(tuning, lode_park(i_A, at).q);
     return (lode_ab_t){-flux_Wb * at.sin, flux_Wb * at.cos};
 }
 
-// Moves the observer's last current, whose share of (E3) is a/b: so the step hands nothing over and takes nothing back.
-// Not LODE_RAMFUNC: small fast memories are full without it.
+// Applies (E31) as a shift of the observer's last current, which enters (E3) with the factor a/b. So the step needs no
+// additional argument.
+// Not LODE_RAMFUNC: small fast memories have no room for it.
 LODE_NOINLINE void lode_drive_lessen_saturated(lode_drive_t *self, lode_ab_t i_A) {
     const lode_references_tuning_t *motor = &self->tuning->references;
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
@@ -314,13 +317,13 @@ LODE_RAMFUNC LODE_NOINLINE bool lode_drive_accept(lode_drive_t *self, uint_least
     return true;
 }
 
-// Zero speed and both directions: with a sensor, or with injection.
+// Zero speed and reversal are allowed: with a sensor, or with injection.
 static bool is_any_speed(const lode_drive_t *self) {
     return lode_mode_is_sensored(self) || self->tuning->omega_min < 0.0f;
 }
 
-// Mechanical speeds between which RUN stays, as commanded. Without a sensor: in the present direction, and no
-// slower than the least speed; where another is asked for, that one alone.
+// Mechanical speeds that the command allows in RUN. Without a sensor only the present direction, from the lowest speed on; a
+// command for the other direction leaves only the lowest speed.
 static lode_range_t allowed_speeds(const lode_drive_t *self) {
     const float speed = self->command.speed_rad_s;
     if (is_any_speed(self)) {
@@ -331,9 +334,9 @@ static lode_range_t allowed_speeds(const lode_drive_t *self) {
     return self->direction < 0.0f ? (lode_range_t){-most, -least} : (lode_range_t){least, most};
 }
 
-// A current on its way through zero leaves all phases where what the dead time does is not known: what would be
-// shorter than the bias that keeps them away from there is left out (S20), unless that moves so much of a salient
-// rotor's flux at once that an error of Lq - Ld takes the EMF along.
+// Next value of the start current's fade. While the current passes through zero, the dead time's effect on all phases is
+// unknown. So the part in which the current is shorter than the bias is skipped (S20), except in a very salient rotor: there
+// the step moves so much flux that an error of Lq - Ld disturbs the EMF.
 LODE_NOINLINE float lode_drive_faded(const lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float bias_A = tuning->references.id_bias_A;
@@ -384,14 +387,12 @@ static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *coun
     }
 }
 
-// Counts to amperes and volts, the voltage that really acted over the last period, and the guard's check
-// of what must not wait.
+// Converts counts to amperes and volts, adds the voltage that acted over the last period, and makes the guard's fast checks.
 LODE_INLINE lode_sample_t sense(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                 const lode_counts_t *counts) {
     lode_sample_t sample = lode_sense_next(&self->sense, &tuning->sense, counts, &self->omitted);
     if (!lode_guard_all_ok(&self->guard, &tuning->guard, &sample)) {
-        // A copy: for the current of the sample itself the step would keep room for a whole one, 16 bytes of
-        // stack more.
+        // A copy: to pass the current in the sample itself, the step would keep a whole sample, 16 bytes more stack.
         const lode_ab_t i_A = {sample.i_A.alpha, sample.i_A.beta};
         diagnose(self, counts, sample.omitted, i_A);
     }
@@ -408,7 +409,7 @@ LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_drive_tuning
     return lode_drive_find(self, tuning, sample->u_V, sample->i_A);
 }
 
-// Duties for the voltage, and what the motor will see of it.
+// Duties for the requested voltage, and the voltage that the motor will see.
 LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                 const lode_frame_t *frame, bool free) {
     const lode_asked_t asked = lode_drive_ask(self, tuning, frame);
@@ -426,13 +427,13 @@ static LODE_NOINLINE lode_drive_out_t idle_out(const lode_drive_t *self) {
     return lode_mode_idle_out(self, &self->duty);
 }
 
-// The end of a period with the gates off, or the low sides alone.
+// End of a period with all gates off, or with only the low sides on.
 static LODE_NOINLINE lode_drive_out_t end_idle(lode_drive_t *self) {
     self->steps++;
     return idle_out(self);
 }
 
-// A whole period with the gates off: the voltage at open terminals is not known, so there is nothing to estimate.
+// A whole period with the gates off. The voltage at open terminals is unknown, so nothing is estimated.
 LODE_INLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample_t *sample) {
     lode_calibration_t calibration = LODE_CALIBRATION_RUNNING;
     float worst_count = 0.0f;
@@ -468,7 +469,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
     const float left_V = lode_drive_left_V(self, sample->v_bus_V);
     const bool free = lode_drive_control(self, tuning, &frame, left_V, given);
     const lode_abc_t duty = modulate(self, tuning, &frame, free);
-    // Whoever made the duties: the last word.
+    // Last check of the duties, whichever mode made them.
     if (!lode_modulator_is_within(duty, tuning->sense.duty_max) &&
         !lode_drive_accept(self, &self->omitted, &self->duty)) {
         return end_idle(self);

@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 #define TELEMETRY_TRIES 3
-// Set 2 is looked at once in a round.
+// Set 2 is checked once per round, set 1 twice.
 #define LOOKS_OF_SET_2 2.0f
 #define STILL_MOST 255u
 #define ALL_KEPT ((1u << LODE_PHASES) - 1u)
@@ -17,7 +17,7 @@ static lode_active_t active_of(const lode_drive6_t *self) {
     return (lode_active_t)self->active;
 }
 
-// Set 2 and the xy plane with the gates off.
+// State of set 2 and of the xy plane with the gates off.
 static LODE_NOINLINE void idle_set2(lode_drive6_t *self) {
     self->duty_2 = self->drive.duty;
     self->omitted_2 = self->drive.omitted;
@@ -29,7 +29,7 @@ static LODE_NOINLINE void idle_set2(lode_drive6_t *self) {
     lode_open_phase_reset(&self->watch);
 }
 
-// Both sets, or the one that is left.
+// Drives both sets, or only the one that is left.
 static void select_sets(lode_drive6_t *self, lode_active_t active) {
     self->active = (uint_least8_t)active;
     const lode_drive_tuning_t *tuning =
@@ -49,7 +49,7 @@ static bool is_finite(const lode_drive6_tuning_t *tuning) {
     (void)tuning;
     return true;
 #else
-    const size_t from = offsetof(lode_drive6_tuning_t, xy); // from here to `source` all are floats
+    const size_t from = offsetof(lode_drive6_tuning_t, xy); // floats from here to `source`
     const size_t end = offsetof(lode_drive6_tuning_t, source);
     const lode_words_t own = {&((const unsigned char *)tuning)[from],
                               (uint32_t)((end - from) / sizeof(uint32_t))};
@@ -133,14 +133,14 @@ static LODE_NOINLINE void take_mail(lode_drive6_t *self) {
         self->drive.omitted = lode_sense_omit_both(lode_sense_omitted(tuning, self->drive.duty));
     }
     const bool cleared = lode_mode_take_mail(&self->drive);
-    // A repaired phase is accepted when the drive is at rest and faults are cleared.
+    // An open phase is forgotten (it may be repaired) when faults are cleared with the gates off.
     if ((cleared || lode_mode_clears_fault(&self->drive)) && !self->drive.gates) {
         self->open = 0u;
         select_sets(self, LODE_SETS_BOTH);
     }
 }
 
-// Both sets, until both are done.
+// Calibrates both sets until both are done.
 static lode_calibration_t calibrate(lode_drive6_t *self, const lode_sample6_t *sample,
                                     float *worst_count) {
     lode_drive_t *drive = &self->drive;
@@ -161,8 +161,8 @@ static lode_calibration_t calibrate(lode_drive6_t *self, const lode_sample6_t *s
     return of_2 ? second : first;
 }
 
-// The start, which has little EMF to go by, is left to both sets: with 6 % of harmonics in one of them it
-// fails. So is injection, which is in the plane of both.
+// True: the estimator uses one set. Not in a start, which has little EMF and fails with 6 % of harmonics in one set, nor with
+// injection, which acts in the alpha-beta plane of both.
 LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
     return self->tuning->source != (uint_least16_t)LODE_SOURCE_VSD &&
            self->active == (uint_least8_t)LODE_SETS_BOTH &&
@@ -170,13 +170,14 @@ LODE_INLINE bool sees_one_set(const lode_drive6_t *self) {
            !lode_estimator_injects(&self->drive.estimator);
 }
 
-// Without an index, which would put both into memory.
+// Without an array index, which would put both into memory.
 LODE_INLINE lode_ab_t of_set(const lode_sets_t *sets, bool first) {
     return first ? (lode_ab_t){sets->set[0].alpha, sets->set[0].beta}
                  : (lode_ab_t){sets->set[1].alpha, sets->set[1].beta};
 }
 
-// Currents of both sets. Set 2's axes are a quarter turn behind: its phases stand 30 degrees on.
+// Currents of both sets. Set 2's phases are 30 degrees ahead: its phase c lies along -beta, so alpha and beta exchange their
+// gains.
 LODE_INLINE lode_sets_t currents(const lode_sense_tuning_t *tuning, lode_ab_t i_1,
                                  const lode_sample_t *set_2) {
     const int32_t *i = set_2->i;
@@ -194,7 +195,7 @@ LODE_INLINE lode_ab_t controlled(const lode_drive6_t *self, const lode_sets_t *x
     return of_set(x, self->active == (uint_least8_t)LODE_SETS_ONLY_1);
 }
 
-// The guard's check of both sets, each by its own offsets. `i_1`: current of set 1.
+// The guard's diagnosis of both sets, each with its own offsets. `i_1`: current of set 1.
 static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *counts,
                                    uint_least8_t omitted_1, uint_least8_t omitted_2,
                                    lode_ab_t i_1) {
@@ -213,7 +214,7 @@ static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *co
     }
 }
 
-// Counts of both sets to the machine's current and voltage, with the guard's check.
+// Converts the counts of both sets to current and voltage of the machine, and makes the guard's fast checks.
 LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *counts) {
     lode_drive_t *drive = &self->drive;
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
@@ -241,7 +242,7 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
         const bool first_alone = self->active == (uint_least8_t)LODE_SETS_ONLY_1;
         x.machine.i_A = of_set(&x.i_A, first_alone);
         x.machine.u_V = of_set(&u_V, first_alone);
-        // Of the set that is driven. With the gates off its own, for calibration.
+        // Phase currents of the driven set. With the gates off those of set 1, for calibration.
         const bool of_1 = first_alone || !drive->gates;
         x.machine.i[0] = of_1 ? x.machine.i[0] : x.set_2.i[0];
         x.machine.i[1] = of_1 ? x.machine.i[1] : x.set_2.i[1];
@@ -257,18 +258,18 @@ LODE_INLINE lode_sample6_t sense(lode_drive6_t *self, const lode_counts6_t *coun
     return x;
 }
 
-// Angle and speed at t_k; the current in the rotor's frame is the one that is controlled.
+// Angle and speed at t_k, and the controlled current in the rotor's frame.
 LODE_INLINE lode_estimate_t estimate(lode_drive6_t *self, const lode_sample6_t *x) {
     lode_drive_t *drive = &self->drive;
     lode_estimate_t seen = lode_drive_find(drive, drive->tuning, x->u_seen_V, x->i_seen_A);
     if (!lode_estimator_injects(
-            &drive->estimator)) { // else it is the machine's, without the ripple
+            &drive->estimator)) { // with injection it is the machine's already, less the ripple
         seen.i_A = lode_park(x->machine.i_A, seen.rotor);
     }
     return seen;
 }
 
-// One set continues alone: its currents are twice those of both.
+// One set continues alone, with twice the current it had.
 static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active, lode_ab_t i_A) {
     lode_drive_t *drive = &self->drive;
     const lode_sincos_t rotor = lode_estimator_rotor(&drive->estimator);
@@ -284,15 +285,15 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
     lode_xy_reset(&self->xy);
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
 #ifndef LODE_WITHOUT_PLAUSIBILITY
-    lode_plausibility_reset(&drive->plausibility); // it may look at other phases now
+    lode_plausibility_reset(&drive->plausibility);
 #endif
 }
 
-// `i_A`: of the other set.
+// `i_A`: current of the other set.
 static LODE_NOINLINE void on_open_phase(lode_drive6_t *self, lode_open_phase_t open,
                                         lode_ab_t i_A) {
     self->open = open;
-    // One set alone has little saliency of its own: what goes by injection cannot go on. Nor does a start.
+    // One set alone has too little saliency for injection, and cannot start.
     if (self->tuning->open_phase == (uint_least16_t)LODE_OPEN_PHASE_TRIP ||
         lode_mode(&self->drive) != LODE_MODE_RUN ||
         lode_estimator_injects(&self->drive.estimator)) {
@@ -303,8 +304,8 @@ static LODE_NOINLINE void on_open_phase(lode_drive6_t *self, lode_open_phase_t o
     }
 }
 
-// `i_set_A`, `i_other_A`: of the set and of the other one, `i_ab_A` of the alpha-beta plane. Values, as a sample handed over by
-// its address would lie in memory in all periods.
+// Currents of the set, of the other set and of the alpha-beta plane. Passed by value: a sample passed by address would be kept
+// in memory in every period.
 static LODE_NOINLINE void look_at_phases(lode_drive6_t *self, int32_t set, lode_ab_t i_set_A,
                                          lode_ab_t i_other_A, lode_ab_t i_ab_A) {
     const float look_s = (float)LODE_WATCH_PERIODS * self->drive.tuning->estimator.pll.ts_s;
@@ -329,7 +330,7 @@ LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x, lode
     }
 }
 
-// Voltages of both sets per bus volt while the duties act. `u_V`: that of the machine, in the frame of control.
+// Voltages of both sets per bus volt while the duties act. `u_V`: voltage of the machine, in the frame of control.
 LODE_INLINE lode_sets_t voltages(lode_drive6_t *self, const lode_frame_t *frame, lode_dq_t u_V,
                                  float v_bus_V) {
     lode_ab_t xy = {0.0f, 0.0f};
@@ -360,7 +361,7 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
     return out.duty;
 }
 
-// Both sets stand at the same EMF, where a rotor that turns was found; else there is none.
+// Both sets begin at the rotor's EMF if a turning rotor was found, else at zero.
 static LODE_NOINLINE void begin_set2(lode_drive6_t *self) {
     const lode_ab_t *emf = self->drive.inverter.written;
     self->inverter_2.written[0] = emf[0];
@@ -368,7 +369,7 @@ static LODE_NOINLINE void begin_set2(lode_drive6_t *self) {
     self->duty_2 = lode_mode_duties_at(lode_set2_clarke_inverse(emf[self->drive.steps % 2u]));
 }
 
-// The signal check is at set 2.
+// The signal check has reached set 2.
 static bool checks_set2(const lode_drive6_t *self) {
 #ifdef LODE_WITHOUT_SIGNAL_CHECK
     (void)self;
@@ -379,20 +380,20 @@ static bool checks_set2(const lode_drive6_t *self) {
 #endif
 }
 
-// One set is tried at a time, while the other has no voltage.
+// The signal check drives one set at a time; the other one has no voltage.
 static void check_set2(lode_drive6_t *self) {
     lode_drive_t *drive = &self->drive;
     const lode_abc_t none = {LODE_DUTY_IDLE, LODE_DUTY_IDLE, LODE_DUTY_IDLE};
     if (checks_set2(self)) {
-        drive->duty = none; // set 2 has them
+        drive->duty = none; // the pulses are set 2's
     } else if (lode_mode_checks_signals(drive)) {
         self->duty_2 = none;
     } else {
-        // both sets do the same
+        // no check: both sets have the same duties
     }
 }
 
-// The end of a period with the gates off, or the low sides alone.
+// End of a period with all gates off, or with only the low sides on.
 static LODE_NOINLINE lode_drive6_out_t end_idle(lode_drive6_t *self) {
     lode_drive_t *drive = &self->drive;
     idle_set2(self);
@@ -405,7 +406,7 @@ static LODE_NOINLINE lode_drive6_out_t end_idle(lode_drive6_t *self) {
         {lode_mode_idle_out(drive, &drive->duty), lode_mode_idle_out(drive, &self->duty_2)}};
 }
 
-// A whole period with the gates off: the voltage at open terminals is not known, so there is nothing to estimate.
+// A whole period with the gates off. The voltage at open terminals is unknown, so nothing is estimated.
 static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_sample6_t *sample) {
     lode_drive_t *drive = &self->drive;
     lode_calibration_t calibration = LODE_CALIBRATION_RUNNING;
@@ -438,7 +439,7 @@ LODE_INLINE lode_gates_t gates_if(bool driven) {
     return driven ? LODE_GATES_ON : LODE_GATES_OFF;
 }
 
-// Whoever made the duties: the last word.
+// Last check of the duties, whichever mode made them.
 LODE_INLINE bool accept(lode_drive6_t *self, lode_abc6_t duty) {
     lode_drive_t *drive = &self->drive;
     const float most = drive->tuning->sense.duty_max;
@@ -452,7 +453,7 @@ LODE_INLINE bool accept(lode_drive6_t *self, lode_abc6_t duty) {
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-// Both sets have kept all of their counts at two looks. Of one set that may be open phases, which keep near zero.
+// Both sets have kept all their counts at two checks. In one set alone that may be open phases, whose counts stay near zero.
 static LODE_NOINLINE void count_still(lode_drive6_t *self) {
     lode_drive_t *drive = &self->drive;
     const lode_drive_tuning_t *tuning = drive->tuning;
@@ -469,7 +470,7 @@ static LODE_NOINLINE void count_still(lode_drive6_t *self) {
 
 #endif
 
-// Of set 2 alone, whose currents were in the place of set 1's.
+// Numbers a stuck phase 4 .. 6 where set 2 runs alone, with its currents in the place of set 1's.
 static LODE_NOINLINE void name_phase(lode_drive6_t *self) {
     lode_fault_t *fault = &self->drive.guard.fault;
     if (self->active == (uint_least8_t)LODE_SETS_ONLY_2 &&
@@ -478,7 +479,7 @@ static LODE_NOINLINE void name_phase(lode_drive6_t *self) {
     }
 }
 
-// SLOT_REFERENCES. Set 1 is looked at with the guard.
+// In SLOT_REFERENCES. Set 1 is checked with the guard.
 LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;

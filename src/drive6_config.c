@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-// A phase that stays within so many counts of no current is open rather than its ADC channel stuck.
+// A phase within so many counts of zero is open rather than its ADC channel stuck.
 #define STILL_COUNTS 4
 
 lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H) {
@@ -16,7 +16,8 @@ lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H) {
     return alone;
 }
 
-// The ripple of a set's currents is that of both planes, 1/L the mean of theirs: the leakage decides it.
+// Inductance for the ripple of a set's currents, which has parts in both planes: 1/L is the mean of theirs, mostly the
+// leakage's.
 static float ripple_H(float L_H, float Lxy_H) {
     return 2.0f * L_H * Lxy_H / lode_max(L_H + Lxy_H, FLT_MIN);
 }
@@ -29,7 +30,7 @@ void lode_drive6_design(lode_drive6_config_t *config) {
     ripple.Lq_H = ripple_H(ripple.Lq_H, config->Lxy_H);
     lode_inverter_design(&config->drive.inverter, &ripple, ts_s);
     lode_xy_design(&config->xy, ts_s);
-    // A set's voltage is at most the sum of both planes'.
+    // A set's voltage may be the sum of both planes' voltages.
     lode_sense_design(&config->drive.sense);
     const float use = lode_drive_voltage_use(&config->drive) - config->xy.voltage_share;
     config->drive.current.voltage_use = lode_given_or(config->drive.current.voltage_use, use);
@@ -47,10 +48,10 @@ static lode_status_t check(const lode_drive6_config_t *config) {
     if (!known) {
         return LODE_ERROR_OPEN_PHASE;
     }
-    return config->drive.hfi.learn == LODE_ON ? LODE_ERROR_HFI_LEARN : LODE_OK; // of three phases
+    return config->drive.hfi.learn == LODE_ON ? LODE_ERROR_HFI_LEARN : LODE_OK; // three phases only
 }
 
-// A set is tried while the other has no voltage: half of its own lies in each plane.
+// One set is checked while the other has no voltage: half of the voltage acts in each plane.
 static lode_status_t tune_signal_check(lode_drive6_tuning_t *t,
                                        const lode_drive6_config_t *config) {
 #ifdef LODE_WITHOUT_SIGNAL_CHECK
@@ -63,14 +64,14 @@ static lode_status_t tune_signal_check(lode_drive6_tuning_t *t,
     set.Lq_H = ripple_H(set.Lq_H, config->Lxy_H);
     const lode_status_t status =
         lode_drive_tune_signal_check(&t->drive, &config->drive, &set, &t->drive.fly);
-    // Phases that may be open have nothing to show.
+    // Open phases that are to be ignored have no signal to check.
     const bool ignores = config->open_phase == LODE_OPEN_PHASE_IGNORE;
     t->drive.signal_check.pulses *= ignores ? 0u : (uint32_t)LODE_SETS;
     return status;
 #endif
 }
 
-// What was given holds for one set too; what follows from the inductances is designed again.
+// Given values hold for one set too; what follows from the inductances is designed again.
 static lode_status_t tune_alone(lode_drive6_tuning_t *t, const lode_drive6_config_t *given) {
     lode_drive_config_t alone = given->drive;
     alone.hfi.mode = LODE_HFI_OFF;
@@ -89,7 +90,7 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
     if (status != LODE_OK) {
         return status;
     }
-    // The xy plane first: the rest is designed with its inductance.
+    // The xy plane first: it checks Lxy_H, with which the rest is designed.
     lode_drive6_config_t complete = *config;
     lode_drive6_tuning_t t;
     const float ts_s = 1.0f / config->drive.f_pwm_Hz;
@@ -111,20 +112,20 @@ lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_c
         const float xy_rad_s = lode_max(t.xy.bandwidth_rad_s, t.xy.corner_rad_s);
         t.watch = lode_open_phase_tune(complete.drive.inverter.i_max_A, xy_rad_s,
                                        (float)LODE_WATCH_PERIODS * ts_s);
-        // A set's vector is that of the dq plane and that of the xy plane.
+        // A set's voltage vector is the sum of those of the dq and the xy plane.
         t.drive.current.free = lode_min(t.drive.current.free, t.drive.inverter.free - t.xy.circle);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         t.drive.plausibility.i_still = STILL_COUNTS * LODE_COUNT_FRACTION;
         t.alone.plausibility.i_still = t.drive.plausibility.i_still;
-        t.drive.plausibility.per_wave_A = 0.0f; // open_phase.h looks at six
+        t.drive.plausibility.per_wave_A = 0.0f; // open_phase.h watches six phases
         t.alone.plausibility.per_wave_A = 0.0f;
 #endif
 #ifndef LODE_WITHOUT_FLYING_START
-        t.alone.fly.share_first =
-            0.0f; // a set alone has another inductance, and the other one's current flows too
+        // A single set has another inductance, and the other set's current flows too.
+        t.alone.fly.share_first = 0.0f;
 #endif
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
-        t.alone.signal_check.pulses = 0u; // likewise
+        t.alone.signal_check.pulses = 0u; // for the same reason
 #endif
         t.source = (uint_least16_t)complete.source;
         t.open_phase = (uint_least16_t)complete.open_phase;

@@ -5,39 +5,39 @@
 #define F_PWM_MIN_Hz 1.0e3f
 #define F_PWM_MAX_Hz 2.0e5f
 
-// The speed loop's period over the inverse of its bandwidth, at most.
+// Largest period of speed control, times its bandwidth (K12).
 #define SPEED_PERIOD_SHARE 0.1f
-// Of a turn at rated speed, at most: the position error's ripple, at six times the electrical frequency,
-// then folds down to twice that frequency or more. Where it fell on the frequency itself, a 400 V machine at
-// 4.7 samples per turn hunted with 9 A.
+// Largest electrical angle per call of speed control, at rated speed (K12). The position error's ripple, at six times the
+// electrical frequency, then aliases to twice that frequency or more. Where it aliased to the frequency itself, a 400 V
+// machine at 4.7 samples per turn hunted with 9 A.
 #define SPEED_ANGLE_MAX_rad (LODE_TWO_PI / 8.0f)
-// The lightest rotor that speed control is made for, of the configured inertia.
+// Lightest rotor that speed control is designed for, as a share of the configured inertia.
 #define LIGHT_SHARE 0.25f
 
-// Least speed where injection gives the position: none.
+// Lowest speed with injection: none.
 #define ANY_SPEED (-1.0e9f)
 
 #define ROUNDING 1.0e-5f
 
-// Machines are rated at some two thirds of the speed at which the bus is used up: the rest is for
-// control. (Paper 1: 471 of 713 rad/s.)
+// Machines are rated at about two thirds of the speed at which the bus voltage is used up; the rest is for control. (Paper 1:
+// 471 of 713 rad/s.)
 #define RATED_SHARE 0.66f
 
-// From the electrical speed at which EMF and reactance of half the largest current use up the bus.
+// Default of the rated speed, from the electrical speed at which the EMF and the reactance of i_max/2 use up the bus voltage.
 static float rated_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
     const float reactive = motor->Lq_H * 0.5f * inverter->i_max_A;
     const float flux = lode_sqrt(motor->psi_Wb * motor->psi_Wb + reactive * reactive);
     return RATED_SHARE * inverter->v_bus_V / (LODE_SQRT3 * lode_max(flux, FLT_MIN));
 }
 
-// The voltage no longer limits the speed: by default twice the speed at which the magnets' EMF takes all
-// of it, between 2.5 and 5 times rated (the default observer's lag is compensated up to 5.9 times), with
+// With field weakening the voltage no longer limits the speed. Default of omega_max: twice the speed at which the magnets'
+// EMF takes all the voltage, between 2.5 and 5 times rated (the default observer's lag is compensated up to 5.9 times), with
 // at least 12 periods per turn.
 #define WEAKENED_SHARE 2.0f
 #define WEAKENED_RATED_MIN 2.5f
 #define WEAKENED_RATED_MAX 5.0f
 #define WEAKENED_TS 0.5f
-// Of what lies between where torque begins to fade with the bus and where the guard trips (R14).
+// The fade of the torque with the bus ends at this share of the way from its beginning to the guard's limit (R14).
 #define BUS_FADE_SHARE 0.5f
 
 static float weakened_omega(const lode_drive_config_t *config) {
@@ -49,39 +49,39 @@ static float weakened_omega(const lode_drive_config_t *config) {
     return lode_min(omega, WEAKENED_TS * config->f_pwm_Hz);
 }
 
-// What estimator and current control see: the slope resistance of the switches adds to that of the windings.
+// The motor as estimator and current control see it: the switches' slope resistance adds to the winding's.
 static lode_motor_t circuit_of(const lode_drive_config_t *config) {
     lode_motor_t circuit = config->motor;
     circuit.Rs_Ohm += config->inverter.r_on_Ohm;
     return circuit;
 }
 
-// sigma times the time in which the torque at i_max brings the rotor to rated speed. Below some 10 a load
-// step or a slam is over before PLL and speed control have seen it; the motors that need no more than the
-// rule by speed gives them have 18 and up.
+// sigma times the run-up time, in which the torque at i_max brings the rotor to rated speed (P20). Below some 10 a load step
+// or a slam is over before PLL and speed control respond. Motors with 18 and more need only the rule by speed.
 #define SIGMA_RUN_UP 17.0f
-// Not beyond what observer (0.2 w0) and sampling allow ...
+// Upper bounds, for the observer (0.2 w0) and for sampling ...
 #define SIGMA_RATED_MAX 0.66f
 #define SIGMA_TS_MAX 0.07f
-// ... and, where the start current weakens the active flux, less: an error of Lq - Ld turns the angle. At the
-// largest current that the start takes by default, half of the flux lost, the rule by speed is left. Where the d current
-// moves with the torque such an error turns it twice.
+// ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With half
+// of the flux lost (the largest start current by default), only the rule by speed is left. With MTPA the d current moves with
+// the torque, and such an error turns the angle twice.
 #define SIGMA_FLUX_LOST 1.2f
-// A light rotor with MTPA, to which this leaves the rule by speed, has so many times that (P27).
+// Factor on both sigma for a light rotor with MTPA, to which (P20) gives no more than the rule by speed (P27).
 #define SIGMA_MTPA 1.1f
-// These are of the LESO-QPLL. A QPLL has more, up to what the default observer allows: a fifth of w0 (P10).
+// The above is for the LESO-QPLL. A QPLL has more (P22), up to what the default observer allows: a fifth of w0 (P10).
 #define SIGMA_OBSERVER 0.84f
 #define SIGMA_TS_OBSERVER 0.0999f
 
-// Of the GI-LESO's resonance, times the rotor's time, within what it has at least and what is accepted.
+// Bandwidth of the GI-LESO's resonance times the run-up time, within its smallest default and the largest accepted value.
 #define GI_WC_RUN_UP 17.0f
 #define GI_WC_MIN_rad_s LODE_TWO_PI
 #define GI_WC_MAX_rad_s 100.0f
-// Of the FA-LESO, times sigma, where an error of its speed does more: as the multi-mode form.
+// k2 of the FA-LESO over sigma where an error of its speed does more harm (P23); the multi-mode form has it always.
 #define K2_FAST 10.0f
 
-#define WARM 1.3f // as for the hand-over (S12)
-// The EMF of the magnets at the end of a start over what noise makes of it (S49).
+#define WARM                                                                                       \
+    1.3f // resistance of a warm winding over the configured one, as for the hand-over (S12)
+// Magnets' EMF at the end of a start, over the error that noise makes in it (S49).
 #define EMF_PER_NOISE 10.0f
 
 static float sigma_of_kind(const lode_drive_config_t *config, float sigma_rad_s) {
@@ -103,8 +103,8 @@ static float sigma_of_light_rotor(const lode_drive_config_t *config) {
     return sigma_of_kind(config, lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), most));
 }
 
-// Where the rotor has moved the hand-over beyond the speeds at which the bandwidth rises, it rises on up to
-// there: what an error of Lq - Ld does, depends on sigma over the speed.
+// Where a light rotor has moved the hand-over beyond omega_high, sigma rises up to the hand-over speed (P21), (P27): the
+// effect of an error of Lq - Ld depends on sigma over the speed.
 static void stretch_pll(lode_pll_config_t *pll, const lode_drive_config_t *config) {
     const float run_up_s = lode_motor_run_up_s(&config->motor, config->inverter.i_max_A);
     const float most = sigma_of_kind(config, lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN),
@@ -125,7 +125,7 @@ static bool is_open(float value) {
     return lode_in_range(value, 0.0f, 0.0f);
 }
 
-// By the rotor's own time too: the GI-LESO's resonance forgets within a turn of events that it can make.
+// The resonance follows the run-up time: what it has learned must fade as fast as the rotor can change its speed.
 static void design_gi(lode_drive_config_t *config) {
     lode_emf_config_t *emf = &config->estimator.emf;
     const float run_up_s = lode_motor_run_up_s(&config->motor, config->inverter.i_max_A);
@@ -134,8 +134,8 @@ static void design_gi(lode_drive_config_t *config) {
     emf->gi_wc_rad_s = lode_given_or(emf->gi_wc_rad_s, gi_wc);
 }
 
-// An error of the speed that tunes the FA-LESO turns the EMF: where the field is weakened that moves the d current, and
-// that the angle; where a wave holds a rotor without an EMF, a load may move it that fast (P23).
+// (P23). An error of the speed that tunes the FA-LESO turns the EMF. With field weakening that moves the d current, which
+// turns the angle. With injection a load may change the speed this fast even where the rotor has no EMF.
 static void design_fast_fa(lode_drive_config_t *config) {
     const bool fast =
         config->references.field_weakening == LODE_ON || config->hfi.mode == LODE_HFI_ON;
@@ -145,14 +145,14 @@ static void design_fast_fa(lode_drive_config_t *config) {
     }
 }
 
-// By the rated speed, and by the inertia where that asks for more.
+// Bandwidth by the rated speed, and a higher one where the inertia requires it (P20).
 static void design_pll(lode_drive_config_t *config, float ts_s) {
     lode_pll_config_t *pll = &config->estimator.pll;
     const bool open = is_open(pll->sigma_rad_s) && is_open(pll->sigma_low_rad_s);
     const bool all_open = open && is_open(pll->omega_low_rad_s) && is_open(pll->omega_high_rad_s);
     lode_pll_design(pll, config->motor.omega_rated_rad_s, ts_s);
-    // Not where the field is weakened: there the d current moves with the torque, and a quick PLL follows what
-    // an error of Lq - Ld makes of it (7.2 degrees for 3.5 where a motor came back from its MTPV range).
+    // Not with field weakening: there the d current moves with the torque, and a fast PLL follows the angle error that an
+    // error of Lq - Ld makes (7.2 instead of 3.5 degrees where a motor came back from its MTPV range).
     if (all_open && config->references.field_weakening != LODE_ON) {
         stretch_pll(pll, config);
     }
@@ -162,9 +162,9 @@ static void design_pll(lode_drive_config_t *config, float ts_s) {
     }
 }
 
-// Gains of the current sensors that differ swing EMF and torque twice per turn, by a share of the current. Of the bias that is
-// too much where its drop across a warm winding is more than the EMF at the hand-over, and all the torque moves the rotor
-// by more than its speed in so short a time (K31).
+// (K31). Unequal gains of the current sensors make EMF and torque swing twice per turn, by a share of the current. The bias
+// makes this worse, and is left out, where its drop across a warm winding exceeds the EMF at the hand-over and the full
+// torque, swinging this fast, moves the rotor by more than its speed.
 static bool bias_swings(const lode_drive_config_t *config) {
     const lode_motor_t *motor = &config->motor;
     const float omega = config->start.omega_handover_rad_s;
@@ -174,12 +174,11 @@ static bool bias_swings(const lode_drive_config_t *config) {
            motor->omega_rated_rad_s > 2.0f * omega * omega * run_up_s;
 }
 
-// Of dead time that a start may find beyond the configured one where there is none: some nanoseconds by the noise of
-// its measurement.
+// Dead time that a start may find by the noise of its measurement where there is none beyond the configured one.
 #define FOUND_BY_CHANCE_s 5.0e-8f
 
-// With two low-side shunts there is no third to take the place of one that has no time: the voltage with
-// which no duty, dead-time correction included, goes beyond the window.
+// Largest voltage_use with which no duty, dead-time correction included, exceeds the sampling window. With two low-side
+// shunts no third phase can replace one that has no time.
 static float seen_voltage_use(const lode_drive_config_t *c) {
     const float loss =
         c->inverter.dead_time_s * lode_inverter_carrier_Hz(&c->inverter, c->f_pwm_Hz) +
@@ -213,8 +212,8 @@ static lode_hfi_system_t injected_into(const lode_drive_config_t *c) {
     };
 }
 
-// Where a torque that fades with the bus from `from_V` on is gone: before the guard trips at `limit_V`, as the bus goes on
-// for as long as the torque takes to follow (R14).
+// Bus voltage at which a torque that fades from `from_V` on is zero. It lies before the guard's limit, because the bus moves
+// on until the torque has followed (R14).
 static float fade_end_V(float given_V, float from_V, float limit_V) {
     const float own_V = from_V > 0.0f ? from_V + BUS_FADE_SHARE * (limit_V - from_V) : limit_V;
     return lode_given_or(given_V, own_V);
@@ -225,7 +224,7 @@ static void design_bus_fade(lode_references_config_t *config, const lode_guard_c
     config->v_bus_min_V = fade_end_V(config->v_bus_min_V, config->v_motor_V, guard->v_bus_min_V);
 }
 
-// Speed moves slowly: its control has a slot of the slow jobs, or several.
+// Periods per call of speed control: a round of the slow jobs, or a part of it (K12).
 static uint32_t speed_periods(const lode_drive_config_t *c, float bandwidth_rad_s) {
     if (c->speed.every_period == LODE_ON) {
         return 1u;
@@ -239,8 +238,8 @@ static uint32_t speed_periods(const lode_drive_config_t *c, float bandwidth_rad_
     return periods;
 }
 
-// (K22): position, torque and speed control are late. The EMF of a rotor that is faster than its estimate brakes it, by the
-// current that current control lets pass.
+// (K22): the delay of position, torque and speed control, and the damping by the EMF: a rotor faster than its estimate is
+// braked by the current that current control lets pass.
 static lode_speed_loop_t speed_loop(const lode_drive_config_t *c, const lode_motor_t *circuit,
                                     float ts_s) {
     const uint32_t periods = speed_periods(c, 0.0f);
@@ -287,7 +286,8 @@ void lode_drive_design(lode_drive_config_t *config) {
     lode_current_design(&config->current, &circuit, ts_s);
     const lode_hfi_system_t injected = injected_into(config);
     lode_hfi_design(&config->hfi, &injected);
-    if (k2_open) { // whether a wave is injected has been settled
+    // only now is it settled whether a wave is injected
+    if (k2_open) {
         design_fast_fa(config);
     }
     const lode_speed_loop_t loop = speed_loop(config, &circuit, ts_s);
@@ -297,7 +297,7 @@ void lode_drive_design(lode_drive_config_t *config) {
     design_bus_fade(&config->references, &config->guard);
 }
 
-// Into what the others have made.
+// Adds injection to a tuning that is otherwise complete.
 static lode_status_t tune_injection(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const lode_hfi_system_t system = injected_into(c);
     lode_hfi_tuning_t hfi;
@@ -317,12 +317,12 @@ static lode_status_t tune_injection(lode_drive_tuning_t *t, const lode_drive_con
     return status;
 }
 
-// Sensing, inverter and estimator: what is needed to see.
+// Tunes sensing, inverter and estimator.
 static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const float ts_s = 1.0f / c->f_pwm_Hz;
     lode_status_t status = lode_inverter_tune(&t->inverter, &c->inverter, ts_s);
     if (status == LODE_OK) {
-        // Phases up to the trip, whose sum need not be zero, make a vector of up to 1.8 times that.
+        // Phase currents up to the trip limit, whose sum need not be zero, make a vector of up to 1.8 times that.
         lode_inverter_bound_current(&t->inverter, 2.0f * c->guard.i_trip_A);
         status =
             lode_sense_tune(&t->sense, &c->sense, c->inverter.i_max_A, c->inverter.v_bus_V, ts_s);
@@ -334,7 +334,7 @@ static lode_status_t tune_senses(lode_drive_tuning_t *t, const lode_drive_config
     return status;
 }
 
-// Of current control, in its slower axis.
+// Bandwidth of current control, in its slower axis.
 static float control_rad_s(const lode_drive_config_t *c) {
     return lode_min(c->current.kp_d_V_A / c->motor.Ld_H, c->current.kp_q_V_A / c->motor.Lq_H);
 }
@@ -396,7 +396,7 @@ static lode_status_t tune_flight(lode_drive_tuning_t *t, const lode_drive_config
     return status == LODE_OK ? lode_drive_tune_signal_check(t, c, &c->motor, &fly) : status;
 }
 
-// The last check: docs/theory/pll.md and emf.md say what the QPLL and the GI-LESO cannot hold.
+// The last check refuses the QPLL and the GI-LESO with field weakening; docs/theory/pll.md and emf.md tell why.
 static lode_status_t tune_references(lode_drive_tuning_t *t, const lode_drive_config_t *c,
                                      const lode_motor_t *circuit) {
     const float period_s = (float)t->speed_periods * (1.0f / c->f_pwm_Hz);
@@ -412,8 +412,8 @@ static lode_status_t tune_references(lode_drive_tuning_t *t, const lode_drive_co
 }
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
-// Speed at which the EMF of the magnets is EMF_PER_NOISE times what noise of the currents leaves of it on each axis behind an observer
-// of the bandwidth w0, with p = exp(-w0 Ts); per volt of lode_jump_t's noise (S49).
+// Speed at which the magnets' EMF is EMF_PER_NOISE times the error that current noise makes on each axis of an observer with
+// the bandwidth w0, p = exp(-w0 Ts); per volt of lode_jump_t's noise (S49).
 static float omega_per_noise(const lode_drive_config_t *c) {
     const float one_m_p = lode_one_minus_exp(c->estimator.emf.w0_rad_s / c->f_pwm_Hz);
     const float filters = one_m_p / (2.0f - one_m_p);
@@ -434,7 +434,7 @@ static lode_status_t tune_start(lode_drive_tuning_t *t, const lode_drive_config_
     return status;
 }
 
-// References, controllers, start and guard: what is needed to act.
+// Tunes references, controllers, start and guard.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const float ts_s = 1.0f / c->f_pwm_Hz;
     const lode_motor_t circuit = circuit_of(c);
@@ -443,8 +443,8 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
         status = LODE_ERROR_SENSE_WINDOW;
     }
     if (status == LODE_OK && c->inverter.double_update == LODE_ON && c->sense.duty_max < 1.0f) {
-        status =
-            LODE_ERROR_DOUBLE_UPDATE; // low-side shunts show nothing at the upper turning point
+        // low-side shunts show nothing at the upper turning point
+        status = LODE_ERROR_DOUBLE_UPDATE;
     }
     if (status == LODE_OK) {
         t->current.free = lode_min(t->current.free, t->inverter.free);

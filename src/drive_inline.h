@@ -1,5 +1,5 @@
-// What the steps for three and for six phases share: estimation, current control, the slow jobs and the
-// last check. Sensing and modulation are the windings' own (drive.c, drive6.c).
+// Shared by the steps for three and six phases: estimation, current control, the slow jobs and the last check of the duties.
+// Sensing and modulation differ (drive.c, drive6.c).
 #ifndef LODE_DRIVE_INLINE_H
 #define LODE_DRIVE_INLINE_H
 
@@ -16,9 +16,9 @@
 
 #include <stddef.h>
 
-// Sensorless running goes over to the way down from this much above the least speed.
+// Below this multiple of the lowest speed, a sensorless drive that stops or reverses leaves RUN.
 #define HAND_BACK_SHARE 1.15f
-#define SOUND_LOCK 0.9f // an EMF that is off by less than 8 %
+#define SOUND_LOCK 0.9f // the EMF is off by less than 8 %
 #define PER_SHARE (1.0f / (float)LODE_TORQUE_SHARE_ONE)
 
 // The frame in which the currents are controlled.
@@ -26,72 +26,73 @@ typedef struct {
     lode_sincos_t at;      // its angle at t_k
     lode_dq_t i_A;         // current in it at t_k
     lode_sincos_t applied; // its angle in the middle of the period in which the duties act
-    float omega_rotor;     // electrical speed where it is the rotor's, else 0
+    float omega_rotor;     // electrical speed of the rotor's frame; 0 in any other
 } lode_frame_t;
 
-// In drive_config.c. Checks of a configuration that design divides by.
+// In drive_config.c. Checks the values that the design functions divide by.
 lode_status_t lode_drive_check_given(const lode_drive_config_t *config);
-// Default of current control's voltage_use, with `sense` designed.
+// Default of current.voltage_use; `sense` must be designed already.
 float lode_drive_voltage_use(const lode_drive_config_t *config);
-// The signal check, with the inductances of `motor`.
+// Tunes the signal check for the inductances of `motor`.
 lode_status_t lode_drive_tune_signal_check(lode_drive_tuning_t *t, const lode_drive_config_t *c,
                                            const lode_motor_t *motor, const lode_fly_tuning_t *fly);
 
-// In drive.c. Tells the interrupt that there is mail.
+// In drive.c. Tells the interrupt that something is posted.
 void lode_drive_call(lode_drive_t *self);
-// Duties that lode_sense_tuning_t.duty_max does not allow: `omitted` of their set follows. False: they are none, and the
+// For duties beyond lode_sense_tuning_t.duty_max: updates `omitted` of their set. False: the duties are invalid, and the
 // drive is in FAULT.
 bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_abc_t *duty);
-// Speed control where it comes more often than once in a round: before current control.
+// Speed control where it runs more than once per round. Comes before current control.
 void lode_drive_fast_speed(lode_drive_t *self);
-// The rest of the start current, of what it was at hand-over, a round on.
+// Share of the start current of the hand-over that remains at the next call of speed control.
 float lode_drive_faded(const lode_drive_t *self);
 // Target of speed control with a sensor, or for torque control.
 float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm);
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-// References of more than plain id* = 0.
+// References with MTPA, field weakening, a bus fade or a saturating q axis.
 void lode_drive_optimal_references(lode_drive_t *self);
-// Where the q axis saturates: takes the EMF of the flux that it lacks out of the period to t_k (E31), and the lag with
-// what the lack turns the observed angle by (R17), as long as (E31) waits for a lock.
+// With a saturating q axis. The first removes the EMF of the lacking flux from the period up to t_k (E31). The second renews
+// the lag; as long as (E31) waits for a lock, it adds the angle by which that flux turns the observed EMF (R17).
 void lode_drive_lessen_saturated(lode_drive_t *self, lode_ab_t i_A);
 void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
 
-// In drive_watch.c: what is rare. Something is wrong with a sample: a trip switches off at once.
+// In drive_watch.c: rare cases. A sample failed the guard's fast checks; a trip switches off at once.
 void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                          const lode_sample_t *sample);
-// The guard's slow checks have something to count.
+// The guard's slow checks have found something to count.
 void lode_drive_check_slow(lode_drive_t *self);
-// Temperature or bus must move.
+// Counts the rounds in which the readings of temperature and bus do not change.
 void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
-// One of a set's currents has kept its count, or their sum is large.
+// A current of a set has kept its count, or their sum is too large.
 void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                         const int32_t i[LODE_PHASES], float looks);
-// In START, with three phases: whether each has both its half-waves. False, as of all below: the drive is in FAULT.
+// In START with three phases: checks that each phase carries both half-waves. False, as below (except
+// lode_drive_note_jump()): the drive is in FAULT.
 bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
-// The current has hardly moved since a look before.
+// The current vector has hardly moved since an earlier check.
 bool lode_drive_doubt_frozen(lode_drive_t *self);
-// The current has changed by much at once: `jump_V` would have to act on it beside voltage and EMF. True: the sample is left out
-// of the EMF.
+// The current has jumped: `jump_V` would have had to act in addition to voltage and EMF. True: the sample is kept out of the
+// EMF.
 bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_ab_t jump_V);
-// In each period after it.
+// In each period after a jump, until it is decided.
 bool lode_drive_wait_jump(lode_drive_t *self);
-// In RUN: a load beyond all the torque, another flux than the magnets', three phases without a half-wave.
+// In RUN: a load beyond all torque, an EMF that the magnets' flux does not explain, a phase without a half-wave.
 bool lode_drive_watch_load(lode_drive_t *self);
 bool lode_drive_judge_flux(lode_drive_t *self);
 bool lode_drive_watch_half_waves(lode_drive_t *self);
 
-// A period, in the order of its work.
+// One period, in the order of its work.
 
-// A vector of the last period that turns with the rotor, to the first order.
+// A vector of the last period, turned with the rotor to t_k (first order).
 LODE_INLINE lode_ab_t lode_drive_turned(const lode_estimator_t *estimator,
                                         const lode_drive_tuning_t *tuning, lode_ab_t x) {
     const float turn_rad = tuning->estimator.pll.ts_s * estimator->pll.omega_rad_s;
     return lode_ab_add_scaled(x, turn_rad, (lode_ab_t){-x.beta, x.alpha});
 }
 
-// (K38). After what else moves the observer's last current. The innovation of the last period turns with the rotor: without that
-// two machines of the catalogue would look at every sample where they are fast.
+// (K38). Call after everything else that moves the observer's last current. The last innovation is turned with the rotor;
+// without that, two machines of the catalogue would exceed the limit in every period at high speed.
 LODE_INLINE void lode_drive_watch_jump(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                        lode_ab_t u_V, lode_ab_t i_A) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
@@ -114,7 +115,7 @@ LODE_INLINE void lode_drive_watch_jump(lode_drive_t *self, const lode_drive_tuni
 #endif
 }
 
-// False: a jump has stayed, and the drive is in FAULT.
+// False: a jump is confirmed, and the drive is in FAULT.
 LODE_INLINE bool lode_drive_jump_ok(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
@@ -136,21 +137,21 @@ LODE_INLINE lode_estimate_t lode_drive_find(lode_drive_t *self, const lode_drive
     return lode_estimator_fast(&self->estimator, &tuning->estimator, u_V, i_A);
 }
 
-// The rotor's frame, and the duties' in it.
+// The rotor's frame, at t_k and while the duties act.
 LODE_INLINE lode_frame_t lode_drive_rotor_frame(const lode_drive_t *self,
                                                 const lode_estimate_t *estimate) {
     return (lode_frame_t){estimate->rotor, estimate->i_A,
                           lode_angle_add(estimate->rotor, self->lead), estimate->omega_rad_s};
 }
 
-// The frame of a mode that has its own.
+// The frame of a mode that has its own, e.g. the start's vector.
 LODE_INLINE lode_frame_t lode_drive_control_frame(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_control_frame_t own = lode_mode_control_frame(self);
     self->i_A = lode_park(sample->i_A, own.at);
     return (lode_frame_t){own.at, self->i_A, lode_angle_add(own.at, own.lead), 0.0f};
 }
 
-// Speed control and references have a slot of their own.
+// Speed control and references run once per round, in their slots.
 LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
 #ifdef LODE_WITHOUT_FAST_SPEED
     (void)self;
@@ -161,15 +162,15 @@ LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
 }
 
 LODE_INLINE bool lode_drive_is_steady(const lode_drive_t *self) {
-    return LODE_USUALLY(self->steady); // 5 cycles of c_leso_qpll
+    return LODE_USUALLY(self->steady); // the hint saves 5 cycles of c_leso_qpll
 }
 
-// What an unsteady mode has of its own: the frame of control, and speed control in every period. True: it gives the
-// voltage itself.
+// For modes that are not steady: their frame of control, and speed control that runs more than once per round. True: the mode
+// gives the voltage itself.
 LODE_INLINE bool lode_drive_by_mode(lode_drive_t *self, const lode_sample_t *sample,
                                     lode_frame_t *frame) {
     const bool runs = lode_mode(self) == LODE_MODE_RUN;
-    if (!runs && !lode_estimator_injects(&self->estimator)) { // with injection it is the rotor's
+    if (!runs && !lode_estimator_injects(&self->estimator)) { // with injection: the rotor's frame
         *frame = lode_drive_control_frame(self, sample);
     }
     if (runs && !lode_drive_speed_once(self)) {
@@ -178,7 +179,7 @@ LODE_INLINE bool lode_drive_by_mode(lode_drive_t *self, const lode_sample_t *sam
     return lode_mode_is_voltage(self);
 }
 
-// The bus voltage whose circle current control may use.
+// Bus voltage left for current control, after the reserve for injection.
 LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, float v_bus_V) {
 #ifdef LODE_WITHOUT_HFI
     (void)self;
@@ -188,8 +189,7 @@ LODE_INLINE float lode_drive_left_V(const lode_drive_t *self, float v_bus_V) {
 #endif
 }
 
-// Current control of a period with the gates on: the voltage in the frame. `given`: it is the command's.
-// True: no duty can reach a rail.
+// Current control of a period with the gates on. `given`: the command gives the voltage. True: no duty can reach a rail.
 LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                     const lode_frame_t *frame, float v_bus_V, bool given) {
     if (given) {
@@ -203,23 +203,23 @@ LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_
     return out.free;
 }
 
-// What the modulator goes by, in the frame of control.
+// What the modulator has to make, in the frame of control.
 typedef struct {
     lode_dq_t u_V;
-    lode_dq_t i_A; // tells the dead time's voltage
+    lode_dq_t i_A; // expected while the duties act: for the dead-time correction
 } lode_asked_t;
 
-// Of the way to its reference, what the current goes in the one and a half periods from its sample to the middle of
-// the duties' period: 1 - exp(-1.5 * 0.2) with the default bandwidth of current control (I11).
+// Share of its way to the reference that the current covers in the 1.5 periods from its sample to the middle of the duties'
+// period (I11): 1 - exp(-1.5 * 0.2) with the default bandwidth of current control.
 #define MOVED_SHARE 0.26f
 
-// The voltage of current control, with the wave of injection.
+// Voltage of current control, plus the wave of injection.
 LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                         const lode_frame_t *frame) {
 #ifndef LODE_WITHOUT_HFI
     if (lode_estimator_injects(&self->estimator)) {
-        // The measured current is two periods old: near its zero, where the correction moves it along the d axis,
-        // that left 0.25 V of EMF across the rotor (H19).
+        // The reference stands for the mean current: the measured mean is two periods old. Dead-time correction by it
+        // switched late near zero and left 0.25 V of EMF error across the rotor (H19).
         return (lode_asked_t){
             lode_hfi_add_wave(&self->estimator.by.hfi, &tuning->estimator.hfi, self->u_V),
             self->ref_A};
@@ -235,7 +235,7 @@ LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_drive_tun
 
 // Speed control and references: in their slots, or more often.
 
-// What is left of the range that the references allow.
+// The references' torque range, reduced by the application's limits.
 LODE_INLINE lode_range_t lode_drive_torque_limits(const lode_drive_t *self, lode_range_t most) {
 #ifdef LODE_WITHOUT_TORQUE_LIMITS
     (void)self;
@@ -248,21 +248,21 @@ LODE_INLINE lode_range_t lode_drive_torque_limits(const lode_drive_t *self, lode
 #endif
 }
 
-// First part of the references: what limits the flux.
+// First part of the references: the flux limit.
 LODE_INLINE void lode_drive_limit_flux(lode_drive_t *self) {
     const lode_references_voltage_t voltage = {self->inverter.v_bus_V, self->u_V};
     lode_references_limit(&self->state.run.references, &self->tuning->references,
                           self->estimator.pll.omega_rad_s, voltage);
 }
 
-// By the electrical speed `omega_rad_s`.
+// One call of speed control, at the electrical speed `omega_rad_s`.
 LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float load_Nm = lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator);
     const float least = tuning->omega_min * tuning->speed.inv_pole_pairs;
     float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;
-    if (run->fade > 0.0f) { // while the start current fades, its speed is held
+    if (run->fade > 0.0f) { // hold the speed while the start current fades
         target = run->speed.reference_rad_s;
         run->fade = lode_drive_faded(self);
     } else if (lode_mode_is_sensored(self) || lode_mode_is_torque(self)) {
@@ -275,14 +275,14 @@ LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
 
 #define NO_BIAS_rad_s 1.0e9f // beyond any fade
 
-// The speed by which the bias of id fades (K10). With the edges of a coarse sensor it is gone: no EMF needs it, and with such an angle
-// a negative id pushes the rotor away from where it stands.
+// Speed for the fade of the id bias (K10). A coarse sensor with edges removes the bias: no EMF needs it, and with such an
+// angle a negative id pushes the rotor away from its position.
 LODE_INLINE float lode_drive_bias_omega(const lode_drive_t *self) {
     const float omega = self->estimator.pll.omega_rad_s;
     return lode_mode_is_sensored(self) && self->edges ? lode_sign(omega) * NO_BIAS_rad_s : omega;
 }
 
-// With the torque: second part.
+// Second part: id for the torque.
 LODE_INLINE void lode_drive_free_id(lode_drive_t *self) {
     lode_running_t *run = &self->state.run;
     lode_references_free(&run->references, &self->tuning->references, run->speed.torque_Nm,
@@ -290,7 +290,7 @@ LODE_INLINE void lode_drive_free_id(lode_drive_t *self) {
                          self->inverter.v_bus_V);
 }
 
-// Last part.
+// Last part: currents and torque range.
 LODE_SHARED void lode_drive_references(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
     if (self->tuning->references.options != 0u) {
@@ -306,9 +306,9 @@ LODE_SHARED void lode_drive_references(lode_drive_t *self) {
     run->speed.limit_Nm = lode_drive_torque_limits(self, out.torque_Nm);
 }
 
-// What follows speed and load slowly, slot by slot (schedule.h). False: the gates are off.
+// The slow jobs, slot by slot (schedule.h). False: the gates are off.
 
-// RUN proves its start for one round less.
+// One round less until the start counts as proven.
 LODE_INLINE void lode_drive_count_proof(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_HANDOVER_RETRY
     (void)self;
@@ -326,13 +326,13 @@ LODE_INLINE void lode_drive_adapt_lag(lode_drive_t *self, const lode_drive_tunin
         return;
     }
 #endif
-    // Anew, as the saturated ones are: one that changes by itself does not last.
+    // Renewed in each round, as with saturation: a corrupted value does not last.
     lode_current_renew(&self->current, &tuning->current, tuning->references.Lq_H);
     lode_estimator_adapt_lag(&self->estimator, &tuning->estimator);
 }
 
 LODE_INLINE void lode_drive_lead(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-    // A third of the time from a sample to the middle of its duties' period, three times.
+    // Half a period's angle times three: from the sample to the middle of its duties' period.
     const float half_rad = 0.5f * tuning->estimator.pll.ts_s * self->estimator.pll.omega_rad_s;
     self->lead = lode_angle_triple(lode_sincos_small(half_rad));
 }
@@ -386,14 +386,14 @@ LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tun
 
 LODE_INLINE void lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     if (!self->estimator.locked && lode_mode_seed(self)) {
-        return; // an angle is acquired, the rest a round later: together 1459 cycles, the worst-case call of a start
+        return; // acquired; the rest follows a round later: both would take 1459 cycles, the worst-case call of a start
     }
     lode_drive_adapt_gains(self, tuning);
     lode_mode_count_sensor(self);
     lode_estimator_adapt_notches(&self->estimator, &tuning->estimator);
 }
 
-// Too slow to run on, and not about to speed up.
+// Too slow to stay in RUN, and no speed in this direction is commanded.
 LODE_INLINE bool lode_drive_is_too_slow(const lode_drive_t *self) {
     return !lode_mode_is_sensored(self) && !(self->command.speed_rad_s * self->direction > 0.0f) &&
            lode_abs(self->estimator.pll.omega_rad_s) <= HAND_BACK_SHARE * self->tuning->omega_min;
@@ -403,17 +403,17 @@ LODE_INLINE void lode_drive_run(lode_drive_t *self) {
     if (lode_drive_is_too_slow(self)) {
         lode_mode_hand_back(self);
     } else if (lode_drive_speed_once(self)) {
-        // The mean of two samples half a round apart, the first that of the lag: the position error's ripple
-        // and noise fold down less.
+        // Mean of two speeds half a round apart (the first is that of the lag): less ripple and noise of the position error
+        // aliases.
         const lode_estimator_t *estimator = &self->estimator;
         lode_drive_speed(self, 0.5f * (estimator->lag.omega_rad_s + estimator->pll.omega_rad_s));
         lode_drive_free_id(self);
     } else {
-        // more than once in a round: lode_drive_fast_speed() does it
+        // more than once per round: in lode_drive_fast_speed()
     }
 }
 
-// With speed control in every period they are its part.
+// Otherwise they follow speed control in lode_drive_fast_speed().
 LODE_INLINE void lode_drive_renew_references(lode_drive_t *self) {
     if (lode_drive_speed_once(self)) {
         lode_drive_references(self);
@@ -430,7 +430,7 @@ LODE_INLINE bool lode_drive_watch_waves(lode_drive_t *self, const int32_t i[LODE
         self->state.start.stage != (uint_least8_t)LODE_START_TURN) {
         return true;
     }
-    const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]}; // as lode_drive_watch()
+    const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]}; // a copy, as in lode_drive_watch()
     return lode_drive_note_waves(self, copy);
 #endif
 }
@@ -443,7 +443,7 @@ LODE_INLINE bool lode_drive_slot_references(lode_drive_t *self, const lode_sampl
     return lode_drive_watch_waves(self, sample->i);
 }
 
-// Counts of temperature and bus. Live ones move, by noise alone.
+// Checks that the readings of temperature and bus change, as noise alone makes healthy ones do.
 LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                        uint16_t count, float v_bus_V) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
@@ -460,7 +460,7 @@ LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuni
 #endif
 }
 
-// The plausibility of a set's currents (1/256 count), `looks` times LODE_GUARD_PERIODS after the last time.
+// Plausibility of a set's currents (1/256 count). The last check was `looks` times LODE_GUARD_PERIODS ago.
 LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                   lode_plausibility_t *watch, const int32_t i[LODE_PHASES],
                                   float looks) {
@@ -477,7 +477,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
     if (lode_plausibility_all_move(watch, &tuning->plausibility, i)) {
         lode_plausibility_note(watch, i, 0u);
     } else {
-        // A copy: a sample handed over by its address would lie in memory in all periods.
+        // A copy: a sample passed by address would be kept in memory in every period.
         const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]};
         lode_drive_suspect(self, watch, copy, looks);
     }
@@ -496,7 +496,7 @@ LODE_INLINE bool lode_drive_watch_frozen(lode_drive_t *self, const lode_drive_tu
 #endif
 }
 
-// What the guard's slow checks ask for.
+// Input of the guard's slow checks.
 LODE_INLINE lode_condition_t lode_drive_condition(const lode_drive_t *self) {
     return (lode_condition_t){self->inverter.v_bus_V,
                               lode_sense_temperature_degC(&self->tuning->sense, self->temperature),
@@ -520,8 +520,8 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
     return self->gates;
 }
 
-// One slot, after the duties, which do not wait for it. `words`: of the tuning that is watched, of which `tuning` is
-// all or a part.
+// One slot; runs after the duties are made. `words`: the complete tuning, for the memory check; `tuning` is all of it or a
+// part.
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                      lode_words_t words, const lode_sample_t *sample,
                                      uint16_t other, lode_slot_t slot) {

@@ -2,41 +2,40 @@
 #include "open_phase_inline.h"
 #include "start_inline.h"
 
-// Counts that keep still: share of the flux by which the EMF is off where the bus is not what is read.
+// Bus reading that stands still: it is wrong if the EMF is off by this share of the flux.
 #define BUS_SHARE 0.1f
-// Currents that keep still. Of the voltage circle: with less EMF there is voltage left to drive the current that is
-// asked for.
+// Currents that stand still: up to this share of the voltage circle the EMF leaves voltage to drive the reference.
 #define EMF_SHARE 0.8f
-// ADC channels that are stuck in a start. Of the configured resistance; of the current; and what each look counts, of enough.
+// Stuck ADC channels in a start (S44): hot over configured resistance; control error over current; share of a trip per check.
 #define HOT_WINDING 2.0f
 #define MISSED 0.05f
 #define WOUND_UP 0.34f
-// A current that changes at once (K38).
-#define VOLTAGE_JUMP 2.5f // times what the voltage does
-#define TAKEN_JUMP 2.0f   // times what dead time and drops may take of a phase: the least current
-#define NOISE_JUMP2 25.0f // squared, times the mean square of what noise makes of it (K39)
-#define GONE 0.15f        // of what is asked for
-// Half-waves. Of the voltage circle, on which rounding leaves it.
+// A current that jumps (K38).
+#define VOLTAGE_JUMP 2.5f // times the change that the voltage makes
+#define TAKEN_JUMP 2.0f   // least current, times what dead time and drops may take from a phase
+#define NOISE_JUMP2 25.0f // squared: times the mean square of the noise in the jump (K39)
+#define GONE 0.15f        // of the reference
+// Half-waves: beyond this share of the voltage circle the voltage counts as used up (rounding).
 #define ALL_VOLTAGE 0.99f
-// Load. Of what limits the torque: the voltage moves that a little in each round.
+// Load: share of the torque limit, which the voltage moves a little in each round, that counts as all the torque.
 #define ALL_TORQUE 0.9f
-#define FOLLOWED 0.8f // of the current that is asked for
-#define FAR_OFF 0.05f // of the speed that is asked for
-// Flux. Another one where the EMF is where it should be, there is half of it at least (a rotor that is stopped has less),
-// and it is off by more than a tuning and a hot magnet explain.
+#define FOLLOWED 0.8f // of the torque current's reference
+#define FAR_OFF 0.05f // of the speed reference
+// Flux: the EMF is that of another flux where its direction is right, its size at least half (a stopped rotor has less), and
+// its error more than a tuning and a hot magnet explain.
 #define LEAST_FLUX 0.5f
 #define ANOTHER_FLUX 0.2f
-// Of inductances and resistance, as for (S34) and (K16). Of the drops as of the resistance.
+// Uncertainty of the inductances, as for (S34) and (K16), and of the resistance; the drops have that of the resistance.
 #define L_UNSURE 0.2f
 #define R_UNSURE 0.5f
-#define FLUX_CURRENT 9.0f // times the least current that is judged by, squared: 0.15 of i_max
-#define FLUX_s 0.05f      // longer than a speed that changes fast is behind the EMF
+#define FLUX_CURRENT 9.0f // squared: 3 times the least current to be judged, 0.15 of i_max
+#define FLUX_s 0.05f      // longer than a fast speed change makes the estimated speed lag the EMF
 #define FLUX_ROUNDS_MAX 255u
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-// In FAULT without a short of the drive's own. Where the EMF is above the bus, current flows through the diodes of a
-// sound bridge too.
+// In FAULT with an open bridge, i.e. without an active short. Above the bus voltage the EMF drives current through the diodes
+// of a healthy bridge too.
 static bool is_open(const lode_drive_t *self) {
     const float emf_V =
         LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(self->estimator.pll.omega_rad_s);
@@ -63,13 +62,13 @@ LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *s
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-// In seconds, rounds of the slow jobs.
+// Duration of `rounds` rounds of the slow jobs.
 static float rounds_s(const lode_drive_t *self, uint32_t rounds) {
     const uint32_t periods = rounds * LODE_SLOW_PERIODS;
     return (float)periods * self->tuning->estimator.pll.ts_s;
 }
 
-// One more round with the same count. True: it has been `limit` of them. 0: it may be any.
+// Counts rounds with the same reading. True: `limit` of them in a row; a limit of 0 means no check.
 static bool is_still(uint_least16_t *rounds, bool same, uint32_t limit) {
     const bool still = same && limit > 0u;
     *rounds = still ? (uint_least16_t)(*rounds + 1u) : 0u;
@@ -89,7 +88,7 @@ LODE_NOINLINE void lode_drive_count_still(lode_drive_t *self, uint16_t count, fl
         lode_mode_fault(self, LODE_CHECK_TEMPERATURE_STUCK,
                         lode_sense_temperature_degC(&tuning->sense, count), rounds_s(self, rounds));
     }
-    // Another bus than the one that is read makes another EMF of the same voltage.
+    // If the bus reading is wrong, so is the voltage computed with it, and the EMF observed from that.
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &tuning->estimator);
     const bool off = lode_mode(self) == LODE_MODE_RUN &&
                      lode_abs(flux.seen_Wb - flux.expected_Wb) > BUS_SHARE * flux.expected_Wb;
@@ -102,14 +101,14 @@ static float squared(lode_dq_t x) {
     return x.d * x.d + x.q * x.q;
 }
 
-// Where the EMF takes the voltage, the current need not follow its reference.
+// Voltage is left to drive the current: it should follow its reference.
 static bool may_follow(const lode_drive_t *self, float omega_rad_s) {
     return self->tuning->references.psi_Wb * lode_abs(omega_rad_s) <
            EMF_SHARE * self->tuning->current.circle * self->inverter.v_bus_V;
 }
 
-// At its zero a phase's current asks for the voltage of the inductance: where dead time and drops take more, they
-// hold it there.
+// A phase current that crosses zero requires the voltage of the inductance. Where dead time and drops take more, they hold
+// the current at zero.
 static lode_hold_t hold_of(const lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float Lq_H = tuning->estimator.emf.inv_b * tuning->estimator.pll.ts_s;
@@ -124,7 +123,7 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
         watch, &tuning->plausibility, doubt, tuning->guard.lock_looks, hold_of(self), A_per_count);
     if (found.check == LODE_CHECK_CURRENT_STUCK && tuning->sense.two_shunts == 0u &&
         lode_plausibility_is_open(watch, (uint32_t)found.measured, A_per_count)) {
-        found.check = LODE_CHECK_OPEN_PHASE; // without noise it keeps its count as well
+        found.check = LODE_CHECK_OPEN_PHASE; // without noise an open phase keeps its count too
     }
     if (found.check != LODE_CHECK_NONE) {
         const bool second = watch != &self->plausibility && found.check != LODE_CHECK_CURRENT_SUM;
@@ -133,14 +132,14 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
     }
 }
 
-// A current that keeps its counts, though it is not what is asked for, and has more voltage than resistance, dead time and the
-// EMF of a rotor that follows the start's vector take: so it is of ADC channels that are stuck, for which current control asks for
-// ever more, and in a swing for some looks (S44).
+// (S44). The current keeps its counts off its reference, with more voltage than resistance, dead time and the EMF of a rotor
+// that follows the start's vector take: stuck ADC channels, for which current control winds up, or for a few checks a rotor
+// that swings.
 static bool is_wound_up(const lode_drive_t *self) {
     const lode_start_t *start = &self->state.start;
     if (lode_mode(self) != LODE_MODE_START || lode_start_catches(start) ||
         lode_estimator_injects(&self->estimator)) {
-        return false; // the vector has no current
+        return false; // no vector with a current
     }
     const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
     const lode_references_tuning_t *motor = &self->tuning->references;
@@ -154,8 +153,8 @@ static bool is_wound_up(const lode_drive_t *self) {
            squared(self->u_V) > most_V * most_V;
 }
 
-// By how much the vector has turned since the last look, `looks` times LODE_GUARD_PERIODS ago. The damping of a start may
-// turn it back as fast as it turns on: that rests then, and so do the counts. It is known at the looks at set 1.
+// Turn of the vector since the last check, `looks` times LODE_GUARD_PERIODS ago. The damping of a start may turn the vector
+// back as fast as its speed turns it on; vector and counts then rest. This shift is known at the checks of set 1 only.
 LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float omega_rad_s,
                           float looks) {
     const uint32_t periods = LODE_GUARD_PERIODS;
@@ -168,8 +167,8 @@ LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, 
                                         : 0.0f;
 }
 
-// Of three that have kept their counts. A current that need not follow may rest at zero for a while, within what dead time
-// takes, but not for a turn.
+// Decides on three phases that have kept their counts. A current that need not follow may rest at zero for a while, held by
+// dead time, but not for a full turn.
 static uint32_t doubt_of_all(const lode_drive_t *self, lode_plausibility_t *watch, uint32_t doubt,
                              bool follows) {
     if (is_wound_up(self)) {
@@ -178,7 +177,7 @@ static uint32_t doubt_of_all(const lode_drive_t *self, lode_plausibility_t *watc
     return follows || lode_abs(watch->turn_rad) >= LODE_TWO_PI ? doubt : 0u;
 }
 
-// Not LODE_RAMFUNC: one call in many, and small fast memories are full without it.
+// Not LODE_RAMFUNC: rarely called, and small fast memories have no room for it.
 LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                                       const int32_t i[LODE_PHASES], float looks) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
@@ -187,8 +186,8 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
     const uint32_t again = lode_plausibility_look(watch, i);
     const bool none = again == LODE_ALL_PHASES;
     const bool follows = may_follow(self, omega);
-    const float i_A2 =
-        squared(follows || none ? self->ref_A : self->i_A); // what the phases should show
+    // what the phases should show
+    const float i_A2 = squared(follows || none ? self->ref_A : self->i_A);
     if (lode_plausibility_is_chance(watch, tuning, again, i_A2)) {
         return;
     }
@@ -202,7 +201,7 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
     }
 }
 
-// What is asked for, in stator axes.
+// Current reference in stator axes.
 static lode_ab_t asked_A(const lode_drive_t *self) {
 #ifndef LODE_WITHOUT_COMMISSIONING
     if (lode_mode(self) == LODE_MODE_CURRENT) {
@@ -215,7 +214,7 @@ static lode_ab_t asked_A(const lode_drive_t *self) {
                                                  : lode_estimator_rotor(&self->estimator));
 }
 
-// At once where there is voltage for it; within what dead time takes a current may rest at zero, but not for a turn.
+// A current with enough voltage should follow at once. One held by dead time may rest at zero, but not for a full turn.
 static bool should_have_followed(const lode_drive_t *self) {
     const float omega = lode_mode_frame_omega(self);
     const float taken_V = hold_of(self).taken_V;
@@ -227,7 +226,7 @@ LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const bool catches =
         lode_mode(self) == LODE_MODE_START && lode_start_catches(&self->state.start);
-    if (lode_mode_is_voltage(self) || catches) { // nothing is asked for, or it has no current
+    if (lode_mode_is_voltage(self) || catches) { // no reference, or no current
         self->frozen.looks = 0u;
         return true;
     }
@@ -237,7 +236,8 @@ LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
     return self->gates;
 }
 
-// What acts on the current is known: with a lock the observer has the EMF; a wave's current goes by Ld.
+// What acts on the current is known: in RUN a lock is needed, with which the observer knows the EMF. Not with injection, whose
+// current depends on Ld.
 static bool tells_jumps(const lode_drive_t *self) {
     const bool vector =
         lode_mode(self) == LODE_MODE_START && !lode_start_catches(&self->state.start);
@@ -246,13 +246,13 @@ static bool tells_jumps(const lode_drive_t *self) {
     return (vector || runs) && !lode_estimator_injects(&self->estimator);
 }
 
-// The square of a jump, of that from which it counts and stands out of the noise.
+// Squared jump, over the larger of two limits: the fixed one and the one by noise (K39).
 static float share_of_jump(const lode_drive_t *self, float jump_V2) {
     return jump_V2 /
            lode_max(self->tuning->plausibility.jump_V2, NOISE_JUMP2 * self->jump.noise_V2);
 }
 
-// What the voltage changes the current by, by the observer's inductance, is far less, and so it is by the smaller one.
+// The jump is far larger than the voltage's change of the current, be it on the observer's Lq or on a smaller Ld.
 static bool is_beyond_voltage(const lode_estimator_t *self, const lode_drive_tuning_t *tuning,
                               lode_ab_t i_A, lode_ab_t jump_A) {
     const lode_emf_tuning_t *emf = &tuning->estimator.emf;
@@ -264,13 +264,14 @@ static bool is_beyond_voltage(const lode_estimator_t *self, const lode_drive_tun
            least * least * lode_ab_length2(lode_ab_subtract(change_A, jump_A));
 }
 
-// Where all of it is less, dead time alone may drive it to and fro; of a larger one, only what is across it.
+// Dead time alone may drive a smaller current back and forth; of a larger one it moves only the phase across the vector.
 static bool is_beyond_dead_time(const lode_drive_tuning_t *tuning, lode_ab_t expected_A) {
     const float least_A = TAKEN_JUMP * tuning->plausibility.taken_V / tuning->estimator.emf.inv_b;
     return lode_ab_length2(expected_A) >= least_A * least_A;
 }
 
-// Moves the observer's last current, whose share of (E3) is a/b, and the salient one: neither takes the jump for an EMF.
+// Shifts the observer's last current, which enters (E3) with the factor a/b, and id of the active flux, so that neither takes
+// the jump for an EMF.
 LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_ab_t jump_V) {
     lode_estimator_t *estimator = &self->estimator;
     const lode_emf_tuning_t *tuning = &self->tuning->estimator.emf;
@@ -286,13 +287,13 @@ LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_
     }
     estimator->emf.i_A = lode_ab_add_scaled(estimator->emf.i_A, -1.0f / tuning->a_over_b, jump_V);
     estimator->id_A += lode_park(jump_A, lode_estimator_rotor(estimator)).d;
-    self->jump.change_V2 = self->jump.noise_V2; // it is no noise
+    self->jump.change_V2 = self->jump.noise_V2; // a jump is not noise
     LODE_SHARED_STORE(self->steady, false);
     return true;
 }
 
-// A current that is gone may be that of an open phase too. A start's vector hardly turns, and cannot wait for what tells them
-// apart.
+// A lost current may also be that of an open phase. In a start the vector hardly turns and control would wind up, so it does
+// not wait to tell the two apart.
 LODE_NOINLINE bool lode_drive_wait_jump(lode_drive_t *self) {
     const bool starts = lode_mode(self) == LODE_MODE_START;
     const float step_rad =
@@ -310,7 +311,7 @@ LODE_NOINLINE bool lode_drive_wait_jump(lode_drive_t *self) {
     return self->gates;
 }
 
-// An open phase ends in FAULT; 0: there is none.
+// Goes to FAULT if `phase` is open; 0: none is.
 static bool phases_ok(lode_drive_t *self, uint_least8_t phase) {
     if (phase > 0u) {
         lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
@@ -329,14 +330,14 @@ LODE_NOINLINE bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
                                            rounds_s(self, 1u) * start->omega_rad_s));
 }
 
-// Current control has voltage left: it is not behind for want of it.
+// The voltage is not used up, so current control does not lag for want of it.
 static bool has_voltage(const lode_drive_t *self) {
     const float most_V = ALL_VOLTAGE * self->tuning->current.circle * self->inverter.v_bus_V;
     return squared(self->u_V) < most_V * most_V;
 }
 
-// What current control misses tells of phases: the rotor turns fast enough, the start current has gone, and no wave is injected,
-// which the current has besides.
+// The control error tells of open phases: the rotor turns fast enough, the start current has faded, and no wave is injected,
+// whose current would add to the error.
 static bool tells_half_waves(const lode_drive_t *self) {
     return lode_abs(self->estimator.pll.omega_rad_s) >= self->tuning->start.omega_ready &&
            !lode_mode_is_sensored(self) && !(self->state.run.fade > 0.0f) &&
@@ -346,11 +347,11 @@ static bool tells_half_waves(const lode_drive_t *self) {
 static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     lode_half_waves_t *waves = &self->state.run.waves;
     if (!tells_half_waves(self)) {
-        *waves = (lode_half_waves_t){.idle = 0u}; // what is known of the turn is too little
+        *waves = (lode_half_waves_t){.idle = 0u}; // the turn is not known well enough
         return true;
     }
     if (!has_voltage(self)) {
-        return true; // what was lacking stays
+        return true; // the counts stay
     }
     const lode_estimator_t *estimator = &self->estimator;
     const lode_sincos_t rotor = lode_estimator_rotor(estimator);
@@ -365,7 +366,7 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     return phases_ok(self, lode_half_waves_look(waves, &self->tuning->plausibility.waves, &seen));
 }
 
-// What current control misses stands for the current of the xy plane (K25).
+// The control error takes the place of the xy plane's current of six phases (K25).
 LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_dq_t ref_A = self->ref_A;
@@ -378,8 +379,8 @@ LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
     return good;
 }
 
-// A start that RUN still proves is an attempt that fails by its lock; while its current fades there is less torque. A rotor that
-// turns against the command has been caught, and is braked for as long as it takes: no attempt ends that, but its faults.
+// False during a start that RUN has yet to prove (it fails by its lock), and while its current fades and leaves less torque. A
+// caught rotor that turns against the command counts as started: it is braked for as long as that takes.
 static bool is_started(const lode_drive_t *self) {
     const lode_running_t *run = &self->state.run;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
@@ -391,8 +392,8 @@ static bool is_started(const lode_drive_t *self) {
     return !(run->fade > 0.0f);
 }
 
-// The most that will be there against the load: all that i_max gives. A speed that falls for want of voltage comes to rest
-// where there is enough of it; one that rises for want of it does not.
+// Largest torque available against the load. Motoring: all of i_max, as a rotor that slows down for want of voltage settles
+// where there is enough. Braking: what the voltage leaves now, as a rotor that gets faster loses more of it.
 static float most_against_Nm(const lode_drive_t *self) {
     const lode_references_tuning_t *references = &self->tuning->references;
     const lode_running_t *run = &self->state.run;
@@ -401,8 +402,8 @@ static float most_against_Nm(const lode_drive_t *self) {
                   : references->torque_factor * references->tau_max;
 }
 
-// The estimate is sure; neither the application nor temperature or bus limits the torque; and its current flows: where the
-// voltage is too little for it, so is the speed.
+// The estimate is reliable, the torque reference is at its maximum and not limited by application, temperature or bus, and
+// its current flows.
 static bool is_all_torque(const lode_drive_t *self) {
     const float iq_A = self->ref_A.q;
     return self->estimator.lock >= LODE_LOCK_HANDOVER &&
@@ -410,15 +411,15 @@ static bool is_all_torque(const lode_drive_t *self) {
            self->i_A.q * iq_A >= FOLLOWED * iq_A * iq_A;
 }
 
-// (K19), (K29). With torque control the speed is the load's.
+// (K19), (K29). Not with torque control, where the load decides the speed.
 static LODE_NOINLINE bool judge_load(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float omega = self->estimator.pll.omega_rad_s;
     const float way = lode_sign(run->speed.torque_Nm);
-    const bool gives_way = way * (run->load.held_rad_s - omega) > 0.0f; // first: it spares the rest
-    // An angle that is wrong makes torque against itself. A sensor's is judged by the EMF (encoder.h), that of injection until
-    // there is one.
+    const bool gives_way = way * (run->load.held_rad_s - omega) > 0.0f; // first: usually false
+    // A wrong angle makes torque in the wrong direction. The angle of a sensor is checked by the EMF (encoder.h), that of
+    // injection as soon as there is an EMF.
     const bool by_emf = !lode_mode_is_sensored(self) && !lode_estimator_injects(&self->estimator);
     if (!gives_way || !by_emf || lode_mode_is_torque(self) || !is_started(self) ||
         !is_all_torque(self)) {
@@ -445,20 +446,20 @@ LODE_NOINLINE bool lode_drive_watch_load(lode_drive_t *self) {
     return self->tuning->plausibility.away_rad_s > 0.0f ? judge_load(self) : true;
 }
 
-// The EMF is along the rotor's q axis, and off what the speed induces by `least_Wb` at least.
+// The EMF is along the rotor's q axis, and its flux is off the expected one by at least `least_Wb`.
 static bool is_another_flux(lode_flux_t flux, float least_Wb) {
     return flux.aligned && flux.seen_Wb >= LEAST_FLUX * flux.expected_Wb &&
            lode_abs(flux.seen_Wb - flux.expected_Wb) >= least_Wb;
 }
 
-// Though the angle is right: that of a sensor, or of a QPLL that a wave holds (P25).
+// The speed may lag although the angle is right: with a sensor, or with a QPLL held by injection (P25).
 static bool may_speed_lag(const lode_drive_t *self) {
     const bool qpll = self->tuning->estimator.pll.third_order == 0u;
     return lode_mode_is_sensored(self) || (qpll && lode_estimator_injects(&self->estimator));
 }
 
-// (P26): dead time and drops that are not modelled. A start by injection does not measure them (S14), and does not need the
-// EMF for its lock; without injection there is no such speed that they matter at.
+// (P26): unmodelled dead time and drops. Only with injection: its start does not measure them (S14), and its lock at low
+// speed does not depend on the EMF.
 static float unsure_dead_V(const lode_drive_t *self) {
     const lode_inverter_tuning_t *inverter = &self->tuning->inverter;
     if (!lode_estimator_injects(&self->estimator)) {
@@ -468,8 +469,8 @@ static float unsure_dead_V(const lode_drive_t *self) {
            (inverter->dead_more_max * self->inverter.v_bus_V + R_UNSURE * inverter->v_drop_V);
 }
 
-// (P25): what a tuning and a hot magnet explain of the magnets' flux, and errors of inductances, resistance and dead time,
-// which are independent of each other, of the rest.
+// (P25): the part of the magnets' flux that a tuning and a hot magnet explain, plus independent errors of inductances,
+// resistance and dead time.
 static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
     const lode_references_tuning_t *motor = &self->tuning->references;
     const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
@@ -485,8 +486,8 @@ static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
            lode_sqrt(d_Wb * d_Wb + q_Wb * q_Wb + r_Wb * r_Wb + dead_Wb * dead_Wb);
 }
 
-// Though the lock is not lost: where the current makes most of the flux, less of the magnets' takes it little. With hardly any
-// current, dead time is as large as what is looked for.
+// The lock need not be lost: where the current makes most of the flux, weaker magnets change it little. Not with hardly any
+// current, where dead time is as large as the difference in question.
 LODE_NOINLINE bool lode_drive_judge_flux(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
@@ -506,7 +507,7 @@ LODE_NOINLINE bool lode_drive_judge_flux(lode_drive_t *self) {
     return self->gates;
 }
 
-// The lock was lost by the EMF's size alone, at every look since it was first found to be.
+// Renames a lost lock to LODE_CHECK_FLUX if the EMF's size alone was wrong at every check since the lock fell.
 static void name_lost_lock(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
