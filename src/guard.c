@@ -6,16 +6,16 @@
 #define V_BUS_MAX_SHARE 1.25f // of nominal
 #define V_BUS_MIN_SHARE 0.6f
 #define TEMPERATURE_MAX_degC 100.0f
-#define TEMPERATURE_MIN_degC (-40.0f) // where most parts end: below it the sensor is broken
-#define I_SUM_SHARE 0.15f // of i_max: gains off by 5 % each, and an offset of some per cent
+#define TEMPERATURE_MIN_degC (-40.0f) // lower limit of most parts: below it the sensor is broken
+#define I_SUM_SHARE 0.15f // of i_max: gain errors of 5 % each, plus offsets of some per cent
 #define OMEGA_SHARE 1.3f  // of the estimator's highest speed
 #define BUS_TIME_s 1.0e-3f
-#define LOCK_TIME_s 15.0e-3f // with the lock's own 3.5 ms it trips in less than 20 ms
+#define LOCK_TIME_s 15.0e-3f // with the lock's own 3.5 ms: trips within 20 ms
 #define COUNTER_MAX 65535.0f
 #define STAMP_TOLERANCE 0.25f // of a period
-#define OVERLOAD_s                                                                                 \
-    0.03f // with the time in which speed control asks for all the torque, in less than 0.1 s
-#define MIDDLE_SHARE 0.1f // of the largest current: well above offsets, noise and differing gains
+// with the time until all the torque is requested, in less than 0.1 s
+#define OVERLOAD_s 0.03f
+#define MIDDLE_SHARE 0.1f // of the largest current: well above offsets, noise and gain errors
 
 #define NAME(check)                                                                                \
     case check:                                                                                    \
@@ -108,12 +108,12 @@ static lode_status_t check_limits(const lode_guard_config_t *config,
     return LODE_OK;
 }
 
-// Two at least, so that a single sample passes, and as many as the counters hold.
+// At least two, so that a single bad sample passes; at most what the counters hold.
 static uint32_t periods_in(float time_s, float period_s) {
     return (uint32_t)(int32_t)lode_clamp(time_s / period_s, 2.0f, COUNTER_MAX);
 }
 
-// 0: not watched.
+// 0: not checked.
 static uint_least16_t rounds_in(float time_s, float round_s) {
     return (uint_least16_t)(time_s > 0.0f ? periods_in(time_s, round_s) : 0u);
 }
@@ -175,8 +175,8 @@ LODE_SMALL_CALL void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lo
     }
 }
 
-// Counts up to `periods` while something is wrong, down while all is well: single samples pass, what mostly
-// persists trips. True when it gets there.
+// Counts up while something is wrong and down while all is well: single bad samples pass, what mostly persists trips. True when
+// `periods` is reached.
 static bool persists(lode_guard_t *self, uint_least16_t *counter, bool bad, uint32_t periods) {
     const uint32_t before = *counter;
     const uint32_t next = bad ? before + 1u : (before > 0u ? before - 1u : 0u);
@@ -205,7 +205,7 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
     if (sample->trip) {
         lode_guard_trip(self, state, LODE_CHECK_HARDWARE_TRIP, 1.0f, 0.0f);
     }
-    // Before the current: duties that nobody has renewed are what makes it.
+    // Before over-current: duties that were not renewed in time are what causes it.
     if (passed - tuning->stamp_min > tuning->stamp_span) {
         const uint32_t latest = tuning->stamp_min + tuning->stamp_span;
         lode_guard_trip(self, state, LODE_CHECK_TIMING, (float)passed, (float)latest);
@@ -213,7 +213,7 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
     if (!(lode_abs(i_A) <= tuning->i_trip)) {
         lode_guard_trip(self, state, LODE_CHECK_OVER_CURRENT, i_A, tuning->i_trip);
     }
-    self->railed = self->railed || railed; // lode_guard_check_slow() empties it
+    self->railed = self->railed || railed; // lode_guard_check_slow() clears it
     if (railed && persists(self, &self->rail, true, tuning->bus_periods)) {
         lode_guard_trip(self, state, LODE_CHECK_CURRENT_RAIL, i_A, tuning->i_trip);
     }
@@ -221,9 +221,9 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-// With a low side shorted the current leaves the motor by that phase alone, and comes back by the diodes of both
-// others; with a high side the other way round. The phase in the middle tells which: samples of the other two may be
-// at the rails. 0: not now.
+// Current of the phase with a shorted switch; 0: not visible now. With a low side shorted, current leaves the motor through
+// that phase alone and returns through the diodes of both others; with a high side it is the other way round. The phase with
+// the middle current tells which, since samples of the other two may be at the rails.
 static float shorted_A(const lode_sense_tuning_t *sense, const lode_sample_t *sample) {
     const float a = (float)sample->i[0] * sense->i_gain;
     const float b = (float)sample->i[1] * sense->i_gain;
@@ -247,7 +247,7 @@ LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tunin
     if (!suspect || !(lode_abs(i_A) > tuning->i_trip)) {
         return;
     }
-    // With the gates off nobody else counts rails: the same side all the time.
+    // With the gates off `rail` and `railed` are free: they count periods with the same sign of the current.
     const bool low = i_A < 0.0f;
     self->rail = low == self->railed ? self->rail : 0u;
     self->railed = low;
@@ -261,7 +261,7 @@ LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tunin
 
 #endif
 
-// `wrong`: LODE_CHECK_NONE while all is well.
+// `wrong`: LODE_CHECK_NONE if all is well.
 static void count(lode_guard_t *self, uint_least16_t *counter, uint32_t looks, lode_check_t wrong,
                   float measured, float limit) {
     if (persists(self, counter, wrong != LODE_CHECK_NONE, looks)) {

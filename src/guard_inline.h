@@ -1,10 +1,10 @@
-// The guard's fast checks, which usually pass.
+// The guard's checks on their usual path, where all is well.
 #ifndef LODE_GUARD_INLINE_H
 #define LODE_GUARD_INLINE_H
 
 #include "lodestar/guard.h"
 
-// Nothing is wrong with a sample: no current beyond the alert, no trip, and in time. Every period.
+// Every period: no current beyond the alert, no trip, and in time.
 LODE_INLINE bool lode_guard_all_ok(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                    const lode_sample_t *sample) {
     const uint32_t late = sample->stamp - self->stamp - tuning->stamp_min;
@@ -16,8 +16,8 @@ LODE_INLINE void lode_guard_note(lode_guard_t *self, uint32_t stamp) {
     self->stamp = stamp;
 }
 
-// Bus and temperature, then lock, speed and direction, within their limits. NaN is not. A small build does
-// without this, and counts in every look.
+// Bus and temperature (here), lock, speed and direction (below) are within their limits; NaN is not. A small build omits this
+// and counts at every check.
 LODE_INLINE bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
                                      const lode_condition_t *condition) {
 #ifdef LODE_SMALL
@@ -33,7 +33,7 @@ LODE_INLINE bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,
 
 LODE_INLINE bool lode_guard_motion_ok(const lode_guard_tuning_t *tuning,
                                       const lode_condition_t *condition) {
-    // 7 cycles of the worst-case call of c_leso_qpll, 3 of the mean
+    // the hint saves 7 cycles of the worst-case call of c_leso_qpll, 3 of the mean
     return LODE_USUALLY(condition->lock >= LODE_LOCK_LOST && condition->omega_rad_s >= 0.0f &&
                         condition->omega_rad_s <= tuning->omega_max);
 }

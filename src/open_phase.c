@@ -3,26 +3,27 @@
 #include "scalar_inline.h"
 
 #define PHASES 3
-// Asked of a phase, with less of which nothing is told: there are no consequences. Current of a tenth of full load is
-// three times that, but an open phase may make it swing.
+// Least current requested from a phase; with less, nothing can be told. At a tenth of full load the current is three times
+// that, but an open phase may make it swing.
 #define LEAST_SHARE 0.03f // of i_max
-// A sixth of a turn (V11), of a half-wave that is asked for during more than a third.
+// A sixth of a turn (V11), in units of the counters; a half-wave is requested for more than a third of a turn.
 #define ENOUGH 16384u
 #define PER_rad 0.95492966f // 3/pi
-// ... and for as long as it takes control of the xy plane to bring i_max down to what is doubted of the least current.
+// ... and the time in which control of the xy plane brings i_max down to what (V10) detects at the least request.
 #define TIME_CONSTANTS 4.9f // ln(1/(0.25 0.03))
 #define LOOKS_MIN 3.0f
-// With three phases: a load that throws a light rotor leaves current control behind for so long (K27).
+// Three phases: a load that throws a light rotor makes current control lag for this long (K27).
 #define LACKING_s 2.0e-3f
-// Of the current: with more of it the other way a phase is not dead, control is behind by nearly half a turn (K24).
+// Share of the current: if a phase carries more of it in the other direction, it is not dead, and current control lags by
+// nearly half a turn (K24).
 #define AGAINST 0.75f
-// Of what current control adds for the current that a phase lacks: so much of it makes no current (K28).
+// Share of the voltage that current control adds for the missing current: this much of it drives no current (K28).
 #define UNANSWERED 0.25f
-// Of the difference of the other two phases, what is at right angles to a phase (K30).
+// Scales the difference of the other two phases to the component at right angles to a phase (K30).
 #define ACROSS (1.0f / LODE_SQRT3)
-// With less than three and a half looks in the 140 degrees of a half-wave, what was asked for a round ago is another turn's.
+// Turn per look above which the previous reference belongs to another half-wave: fewer than 3.5 looks in its 140 degrees.
 #define OLD_rad 0.7f
-// What has once been lacking and has not been had since goes on to count, by so much (K27).
+// Weight of a look at a half-wave that was missing once and has not flowed since (K27).
 #define NOT_HAD (1.0f / 12.0f)
 #define WHOLE_SET 7
 
@@ -46,7 +47,7 @@ static uint_least16_t more(uint_least16_t before, uint_least16_t step) {
     return before < ENOUGH ? (uint_least16_t)(before + step) : before;
 }
 
-// One half-wave: what is asked of the phase and what it has, both counted in its direction.
+// Counts one half-wave; requested and measured current are positive in its direction.
 static uint_least16_t lacking(uint_least16_t before, float asked_A, float has_A, float least_A,
                               uint_least16_t step) {
     if (has_A >= LODE_WAVE_HAS * lode_max(asked_A, least_A)) {
@@ -59,7 +60,7 @@ static lode_abc_t phases_of(int32_t set, lode_ab_t i_A) {
     return set == 0 ? lode_clarke_inverse(i_A) : lode_set2_clarke_inverse(i_A);
 }
 
-// What is asked of the phases of a set, of a current that is `length_A` long, and what they have.
+// Counts the half-waves of a set; `length_A`: length of the requested current vector.
 static void note_half_waves(lode_half_waves_t *waves, lode_abc_t asked, lode_abc_t has,
                             float length_A, float least_A, uint_least16_t step) {
     const float asked_A[PHASES] = {asked.a, asked.b, asked.c};
@@ -74,7 +75,7 @@ static void note_half_waves(lode_half_waves_t *waves, lode_abc_t asked, lode_abc
     }
 }
 
-// What both half-waves of a phase have been lacking counts as one.
+// Both half-waves of a phase, added up.
 static uint32_t both_of(const lode_half_waves_t *waves, int32_t phase) {
     return (uint32_t)waves->lacks[phase] + (uint32_t)waves->lacks[phase + PHASES];
 }
@@ -92,13 +93,13 @@ static int32_t phase_of(const lode_half_waves_t *waves) {
     return phase;
 }
 
-// What one look counts, of enough.
+// What one look counts, where ENOUGH is a fault.
 static uint_least16_t step_of(const lode_open_phase_tuning_t *tuning, float turn_rad) {
     const float share = lode_clamp(lode_abs(turn_rad) * tuning->per_rad, 0.0f, tuning->most);
     return (uint_least16_t)((float)ENOUGH * share);
 }
 
-// Too little is asked for, for so long that what was lacking is too long ago.
+// True: so little current has been requested for so long that the counts are out of date.
 static bool is_idle(lode_half_waves_t *waves, bool little, uint_least16_t step) {
     waves->idle = little ? more(waves->idle, step) : (uint_least16_t)0u;
     return waves->idle >= ENOUGH;
@@ -121,7 +122,7 @@ LODE_NOINLINE lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *se
     note_half_waves(&of_set->waves, phases_of(set, i_A), phases_of(set, i_set_A), length_A,
                     tuning->least_A, step);
     const int32_t open = phase_of(&of_set->waves);
-    // A set of which all phases are open has had no current at all for as long.
+    // A set is open as a whole if all of it has been without current for as long.
     const int32_t phase = open > 0 && of_set->all >= ENOUGH ? WHOLE_SET : open;
     self->doubts = is_any(&self->set[0].waves) || is_any(&self->set[1].waves);
     const int32_t number = phase == WHOLE_SET ? WHOLE_SET + set : phase + PHASES * set;
@@ -130,16 +131,16 @@ LODE_NOINLINE lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *se
 
 // One look at three phases.
 typedef struct {
-    float least_A;   // least current that tells anything
-    float asked_A;   // least that is asked of a phase that may lack it
-    float seen_A;    // least current of a half-wave that is there
-    float against_A; // most the other way of a phase that may lack it
+    float least_A;   // least request that tells anything
+    float asked_A;   // least request for a phase to be judged
+    float seen_A;    // least current of a half-wave that flows
+    float against_A; // largest current the other way of a dead phase
     float kp_V_A;
     uint_least16_t step;
-    uint_least16_t not_had; // as step
+    uint_least16_t not_had; // weight of a look without the half-wave
 } look_t;
 
-// Of one phase.
+// One phase.
 typedef struct {
     float asked_A;
     float before_A;
@@ -152,7 +153,7 @@ static phase_t turned_over(phase_t x) {
     return (phase_t){-x.asked_A, -x.before_A, -x.has_A, -x.beyond_V, x.across_V};
 }
 
-// (K24), (K28), (K30), counted in the direction of the half-wave that is asked for.
+// (K24), (K28), (K30); all quantities are positive in the direction of the requested half-wave.
 static bool is_lacking(const look_t *look, phase_t x) {
     const float asked_A = lode_min(x.asked_A, x.before_A);
     return x.asked_A >= look->asked_A && asked_A >= look->least_A &&
@@ -165,13 +166,13 @@ static uint_least16_t *half_wave_of(lode_half_waves_t *waves, int32_t phase, boo
     return &waves->lacks[up ? phase : phase + PHASES];
 }
 
-// What has been lacking once goes on to count until it is had (K27).
+// A half-wave that was missing once counts on until it flows (K27).
 static uint_least16_t go_on(uint_least16_t before, uint_least16_t step) {
     return before > 0u ? more(before, step) : before;
 }
 
-// One phase: the half-wave that is asked for may be lacking. Whoever asks for it, one that the current is seen to have is
-// there: a switch that is dead lets none through, whatever the reference does (K26).
+// One phase: the requested half-wave may be missing. A half-wave that flows is not, requested or not: a dead switch lets none
+// through, whatever the reference does (K26).
 static void note_phase(lode_half_waves_t *waves, const look_t *look, int32_t phase, phase_t x) {
     const bool up = x.asked_A > 0.0f;
     uint_least16_t *asked = half_wave_of(waves, phase, up);
@@ -184,8 +185,8 @@ static void note_phase(lode_half_waves_t *waves, const look_t *look, int32_t pha
     }
 }
 
-// The phase, from 1, of which one half-wave lacks enough, and the other two phases less than half of it: while current
-// control is behind, they lack as much (K27). 0: none.
+// The phase, from 1, with one half-wave missing for long enough, if the other two count less than half of it: while current
+// control lags, they count as much (K27). 0: none.
 static int32_t alone_of(const lode_half_waves_t *waves) {
     int32_t phase = 0;
     int32_t doubted = 0;
@@ -212,7 +213,7 @@ LODE_NOINLINE lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
     if (is_idle(self, length_A < least_A, step)) {
         *self = (lode_half_waves_t){.idle = 0u};
     }
-    // Where nothing flows, control is behind in all phases.
+    // If no current flows, control lags in all phases.
     const uint_least16_t counted = flows_A >= least_A ? step : (uint_least16_t)0u;
     const float not_had = NOT_HAD * (float)counted;
     const look_t look = {.least_A = least_A,

@@ -1,77 +1,78 @@
 #include "plausibility_inline.h"
 
-// A phase of amplitude I stays within I (1 - cos(D/2)) of its peak while the vector turns by D: about
-// I D^2/8. It counts as stuck once that would have been so many counts, and yet it moved by none.
+// A phase current of amplitude I stays within I (1 - cos(D/2)) of its peak, about I D^2/8, while the vector turns by D. It
+// counts as stuck where that would have been 8 counts and it has not moved by one.
 #define STUCK_COUNTS 8.0f
-#define STUCK                                                                                      \
-    (8.0f * STUCK_COUNTS * (float)LODE_COUNT_FRACTION) // times the turn squared, 1/256 count
-// Of all three at once one is far from its peak and moves by I D sqrt(3)/2 at least. It would have been 32
-// counts: a current that changes beside it may cancel a few.
+#define STUCK (8.0f * STUCK_COUNTS * (float)LODE_COUNT_FRACTION) // for I D^2, 1/256 count
+// If all three stand still, one of them is far from its peak and should have moved by at least I D sqrt(3)/2. The limit is 32
+// counts, as a change of the amplitude may cancel a few.
 #define ALL_TURN 3.0f // (64/32 sqrt(3)/2)^2
 // Below it dead time may hold a phase at zero for as long.
 #define STUCK_SHARE 0.05f // of i_max
-#define ALL_STUCK 4.0f // of the same, squared: a tenth of i_max asked for, and no count has moved
-// A current that changes by more than this share of its square between two looks can hold a phase still while
-// the vector turns; hardly for an eighth of a turn.
+#define ALL_STUCK 4.0f    // squared: the reference moved by 0.1 i_max, no count did
+// If the current squared changes by more than this share between two checks, that may hold a phase still while the vector
+// turns, but hardly for an eighth of a turn.
 #define STEADY_SHARE 0.5f
 #define EIGHTH_rad 0.7853982f
-// A current that changes by less may, with some luck. Three that are each measured tell it from an ADC channel that
-// is stuck: they still add up to none, to within their gains, until the true current of the stuck one has moved by more.
-// Where one is made of the others it takes a turn that luck does not last for.
+// A smaller change may do so by chance. Three measured phases tell this from a stuck ADC channel: they still sum to zero within
+// their gain errors, until the true current of that channel has moved by more. With one phase computed from the others, a sixth
+// of a turn is required, longer than chance lasts.
 #define BALANCE_COUNTS 4.0f
-#define BALANCE_SHARE 0.02f // of the current: 1.4 times what gains of 2 % make, root mean square
+#define BALANCE_SHARE 0.02f // of the current: 1.4 times the rms sum error of gains that are 2 % off
 #define SIXTH_rad 1.0471976f
-// Dead time may hold a phase near zero for up to a sixth of a turn. The other two then balance, to within their
-// gains; beside an ADC channel that is stuck there they do not. One that is made of them is not known to.
+// Dead time may hold a phase near zero for up to a sixth of a turn. The other two then sum to zero within their gain errors,
+// which they do not if an ADC channel is stuck there. With one phase computed from the others this cannot be told.
 #define QUARTER_rad 1.5707963f
 #define CLAMPED_SHARE 0.05f // of the current
-// What a look adds at most where some of them keep still: at high speed looks lie far apart, and one phase of a
-// current with ripple may happen on the same count at three of them.
+// Turn that one check adds at most while one or two phases stand still: at high speed the checks are far apart, and a current
+// with ripple may have the same count at three of them.
 #define LOOK_rad 0.2617994f
-// Gains that differ by 4 %, of the 1.7-fold current of a set in which a phase is open, make 0.07.
+// Gain errors of 4 %, with the 1.7-fold current of a set with an open phase, make 0.07.
 #define OPEN_SHARE 0.2f // of the current
-// Of a phase without current: what its offset may be off by.
+// Largest offset error of a phase without current.
 #define OPEN_COUNTS 4.0f
-// (K36). Noise of a count in each phase moves the vector of a frozen one by up to 8/3 of a count from where it was noted.
+// (K36). Noise of a count in each phase moves a frozen vector by up to 8/3 of a count from where it was noted.
 #define FROZEN_COUNTS 3.0f
-// Of these the phase that moves most has 32.
+// The phase that moves most has 32 of these.
 #define MOVES_COUNTS 37.0f
-#define CHANGING 8u // beside the phases that keep still: the current has changed so since they do
-#define WAVE_CURRENT 4.0f // of the same, squared: a tenth of i_max asked for
-#define WAVE_SHARE 0.5f   // of what is asked for
-// Of a round: faster, current control may not hold the current against a rotor that falls out of step.
+// Flag next to the bits of the phases that stand still: the amplitude has changed since then.
+#define CHANGING 8u
+#define WAVE_CURRENT 4.0f // squared, times the least current: a reference of 0.1 i_max
+#define WAVE_SHARE 0.5f   // of the reference
+// Turn per round. Faster than that, current control may not hold the current while a rotor falls out of step.
 #define WAVE_STEP_rad 0.3f
-#define WAVE_TURN_rad 6.9115f // a turn and a tenth
+#define WAVE_TURN_rad 6.9115f // 1.1 turns
 #define WAVES_ALL 0x3fu
 #define SUM_MAX 1.0e9f // 1/256 count: no ADC has so many
 
-// (S43), squared: a current within a fifth of what is asked for, for so many rounds; one that has fallen by a quarter, and at the
-// next look is away by 0.15 still. Control is as far with sensors that show half of what they did.
+// (S43), squared: a current held within a fifth of its reference for so many rounds falls by a quarter, and at the next check
+// is still 0.15 low. With gains of one half, current control has brought it back this far by then.
 #define LEAST_HELD 0.64f
 #define MOST_HELD 1.44f
 #define HELD_ROUNDS 8u
 #define FALLEN 0.5625f
 #define AWAY 0.7225f
-// Rounds, from 2, in which current control has brought it back, and the EMF's observer has settled.
+// Rounds, counted from 2, in which current control restores the current and the EMF observer settles.
 #define BACK_ROUNDS 5u
 
 // (K38)
 #define JUMP_SHARE 0.05f  // of i_max
-#define JUMP_SINE2 0.01f  // a factor turns the vector by 5.7 degrees at most: the sine, squared
-#define JUMP_NONE 0.01f   // of what it was, squared: nothing is left
-#define JUMP_FACTOR 0.25f // off 1 by less is none
-#define JUMP_BACK 0.25f   // of the jump, squared: at the next sample it goes back
-#define JUMP_TURN_rad                                                                              \
-    0.35f // a phase that has opened shows a quarter of its current again: sin(0.35 - 0.1)
-#define JUMP_GONE_PERIODS 127u // by which that turn has to be done
+#define JUMP_SINE2 0.01f  // squared sine: a gain turns the vector by 5.7 degrees at most
+#define JUMP_NONE 0.01f   // squared, of the expected current: nothing is left
+#define JUMP_FACTOR 0.25f // a gain closer to 1 does not count
+#define JUMP_BACK 0.25f   // squared, of the jump: at the next sample it goes back
+// A phase that has opened shows a quarter of its current again: sin(0.35 - 0.1).
+#define JUMP_TURN_rad 0.35f
+#define JUMP_GONE_PERIODS 127u // time limit for that turn
 #define JUMP_REST_PERIODS 62u
-#define JUMP_BYTE 255u // the largest of its numbers
+#define JUMP_BYTE 255u // largest value of its byte counters
 
 #define OVERLOAD_MAX_s 10.0f
-// Of what all the torque makes of a free rotor: what a load that is hardly larger, or one that ripples, may make of it.
+// Share of the acceleration of a free rotor by all the torque (K19): a load that is hardly larger than the torque, or one with
+// ripple, may move the speed this fast.
 #define AWAY_SHARE 0.1f
-// (K29): times overload_s, three time constants of a slow PLL, after which a rotor that all the torque brakes does not seem to
-// get faster any more; and of what (K19) lets a load move it by, beyond noise.
+// (K29), braking: multiple of overload_s, three time constants of a slow PLL, after which a rotor under full braking torque no
+// longer seems to get faster; and share of the threshold of (K19), above noise.
 #define FASTER_TIMES 2.0f
 #define FASTER_SHARE 0.1f
 #define FASTER_MAX 65535u
@@ -135,7 +136,7 @@ void lode_plausibility_tune_voltages(lode_plausibility_tuning_t *tuning,
     tuning->jump_V2 = config->plausibility == LODE_ON ? jump_V * jump_V : FLT_MAX;
 }
 
-// (K29). The steps of (K19) are AWAY_SHARE of what all the torque makes of a free rotor in the same time.
+// (K29). The step of (K19) is AWAY_SHARE of a free rotor's change of speed by all the torque in a round.
 static bool is_faster_for_long(const lode_load_t *self, const lode_plausibility_tuning_t *tuning) {
     return (float)self->faster * tuning->away_step >=
            FASTER_TIMES * AWAY_SHARE * tuning->away_rad_s;
@@ -148,7 +149,7 @@ bool lode_load_is_too_large(lode_load_t *self, const lode_plausibility_tuning_t 
         *self = (lode_load_t){.held_rad_s = omega_rad_s};
         return false;
     }
-    if (!(sense * omega_rad_s < 0.0f)) { // it gets slower
+    if (!(sense * omega_rad_s < 0.0f)) { // the rotor slows down
         self->held_rad_s -= sense * lode_min(away, tuning->away_step);
         self->faster = 0u;
         return away > tuning->away_rad_s;
@@ -168,7 +169,7 @@ static int32_t sum_of(const int32_t i[LODE_PHASES]) {
     return i[0] + i[1] + i[2];
 }
 
-// The three currents add up to none, to within their counts and, by their gains, a share of the current.
+// The three currents sum to zero, within counts and, for their gain errors, a share of the current.
 static bool is_balanced(const lode_plausibility_t *self, float share, float A_per_count) {
     const float counts = BALANCE_COUNTS * (float)LODE_COUNT_FRACTION;
     const float beyond = lode_max(lode_abs((float)sum_of(self->i)) - counts, 0.0f);
@@ -176,8 +177,8 @@ static bool is_balanced(const lode_plausibility_t *self, float share, float A_pe
     return beyond_A * beyond_A <= share * share * self->i_A2;
 }
 
-// Dead time may hold the one phase that is near zero, where the current asks for less voltage there than dead time
-// takes. The other two move together then, or not: their current is at its peak.
+// Dead time may be what holds the only phase near zero, if the voltage that the current requires there is less than dead time
+// takes. The other two then change together, or not at all at their peak.
 static bool is_clamped(const lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
                        uint32_t still, lode_hold_t hold, float A_per_count) {
     const int32_t *i = self->i;
@@ -192,7 +193,7 @@ static bool is_clamped(const lode_plausibility_t *self, const lode_plausibility_
            is_balanced(self, CLAMPED_SHARE, A_per_count);
 }
 
-// The turn in which a single phase may keep its count.
+// Turn for which a single phase may keep its count without being stuck.
 static float least_rad(const lode_plausibility_t *self, bool changes, bool clamped,
                        float A_per_count) {
     if (clamped) {
@@ -202,14 +203,14 @@ static float least_rad(const lode_plausibility_t *self, bool changes, bool clamp
     return is_balanced(self, BALANCE_SHARE, A_per_count) ? SIXTH_rad : changed_rad;
 }
 
-// While some kept their counts the vector has turned by enough to see one of them stuck.
+// The vector has turned far enough, while some phases kept their counts, to show one of them as stuck.
 static bool shows_one(const lode_plausibility_t *self, float A_per_count) {
     const float turn2 = self->turn_rad * self->turn_rad;
     const float stuck_A = STUCK * A_per_count;
     return turn2 * turn2 * self->i_A2 > stuck_A * stuck_A;
 }
 
-// The same of all three.
+// The same for all three phases.
 static bool all_turned(float i_A2, float turn_rad, float A_per_count) {
     const float stuck_A = STUCK * A_per_count;
     return ALL_TURN * turn_rad * turn_rad * i_A2 > stuck_A * stuck_A;
@@ -220,7 +221,7 @@ bool lode_plausibility_none_flows(const lode_plausibility_tuning_t *tuning, floa
     return i_A2 > tuning->i_min_A2 && all_turned(i_A2, turn_rad, A_per_count);
 }
 
-// Of phases that have kept their counts over such a turn, those that nothing but a stuck ADC channel explains.
+// Phases that have kept their counts over such a turn and that only a stuck ADC channel explains.
 static uint32_t stuck_phases(const lode_plausibility_t *self,
                              const lode_plausibility_tuning_t *tuning, uint32_t still,
                              lode_hold_t hold, float A_per_count) {
@@ -237,7 +238,7 @@ static uint32_t stuck_phases(const lode_plausibility_t *self,
     return turn_rad >= least_rad(self, changes, clamped, A_per_count) ? still : 0u;
 }
 
-// The first of some phases, from 1; 0: all three.
+// Number of the first of the phases, from 1; 0: all three.
 static float number_of(uint32_t phases) {
     if (phases == LODE_ALL_PHASES) {
         return 0.0f;
@@ -273,7 +274,7 @@ void lode_drop_look(lode_drop_t *self, float i_A2) {
     } else if (self->rounds == 0u && self->held >= HELD_ROUNDS && i_A2 < FALLEN * self->i_A2) {
         self->rounds = 1u;
     } else {
-        // it is there, or it has fallen
+        // the current is there, or its fall is already noted
     }
 }
 
@@ -288,7 +289,7 @@ bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V
     const bool back = since > 0u && i_A2 > AWAY * self->i_A2;
     const uint32_t before = self->held;
     const uint32_t rounds = back || !held ? 0u : before + 1u;
-    if (back) { // no root in the other rounds
+    if (back) { // spares the root otherwise
         const lode_ab_t change = {e_V.d - self->e_V.d, e_V.q - self->e_V.q};
         *change_V = lode_ab_length(change);
     }
@@ -310,7 +311,7 @@ bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tun
     const float alpha = asked_A.alpha - self->asked_A.alpha;
     const float beta = asked_A.beta - self->asked_A.beta;
     const bool moved = alpha * alpha + beta * beta >= tuning->moves_A2;
-    const bool twice = moved && self->moved; // from one look to the next control moves the current
+    const bool twice = moved && self->moved; // control moves the current within one interval
     self->moved = moved;
     return twice;
 }
@@ -319,7 +320,7 @@ bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad) {
     return ((float)self->looks - 1.0f) * lode_abs(turn_rad) >= LODE_TWO_PI;
 }
 
-// What is left of the expected current, along it; below 0: it is near enough, or has turned.
+// Gain: measured over expected current. Negative: close to 1, or the vector has turned.
 static float factor_of(lode_ab_t i_A, lode_ab_t expected_A) {
     const float i_A2 = lode_ab_length2(i_A);
     const float expected_A2 = lode_ab_length2(expected_A);
@@ -341,7 +342,7 @@ static void enter_jump(lode_jump_t *self, lode_jump_stage_t stage) {
 bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
                     bool starts) {
     if (self->stage == (uint_least8_t)LODE_JUMP_SECOND && size >= JUMP_BACK * (float)self->size) {
-        enter_jump(self, LODE_JUMP_RESTS); // one bad sample, or a voltage that is not modelled
+        enter_jump(self, LODE_JUMP_RESTS); // one bad sample, or an unmodelled voltage
         return true;
     }
     const float factor = factor_of(i_A, expected_A);
@@ -356,7 +357,7 @@ bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, floa
     return true;
 }
 
-// Of a current that is gone: it does not come back.
+// A lost current has not come back while the vector turned far enough.
 static bool is_gone_for_good(lode_jump_t *self, float turn_rad, bool gone) {
     self->periods = (uint_least8_t)(self->periods + 1u);
     if (!gone || self->periods > JUMP_GONE_PERIODS) {
@@ -390,15 +391,14 @@ float lode_jump_wait(lode_jump_t *self, float turn_rad, bool gone) {
     }
 }
 
-// The other two currents of an open phase add up to none, to within their gains; beside an ADC channel that is stuck they do
-// not.
+// With an open phase the other two currents sum to zero within their gain errors, with a stuck ADC channel they do not.
 static bool is_open_balanced(const int32_t i[LODE_PHASES], float i_A2, float A_per_count) {
     const float sum_A = (float)sum_of(i) * A_per_count;
     return sum_A * sum_A <= OPEN_SHARE * OPEN_SHARE * i_A2;
 }
 
-// Of those that kept their count `again` the ones that should not have: what is kept without current says nothing
-// when one is asked for (it takes a look to follow), nor does a phase that may be open.
+// Phases that have kept their count `again` and should not have. Without current, or at the check at which the reference
+// appears, an unchanged count says nothing; nor does that of a phase that may be open.
 LODE_INLINE uint32_t judged_phases(const lode_plausibility_t *self,
                                    const lode_plausibility_tuning_t *tuning, uint32_t again,
                                    float i_A2, float A_per_count) {
@@ -412,7 +412,7 @@ LODE_INLINE uint32_t judged_phases(const lode_plausibility_t *self,
     return asked ? again & flows : 0u;
 }
 
-// Three looks at least: two may lie on either side of a peak.
+// At least three checks, as two may lie on either side of a peak.
 uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
                                  const lode_plausibility_tuning_t *tuning, uint32_t again,
                                  float i_A2, float turn_rad, float A_per_count) {
@@ -437,7 +437,7 @@ void lode_plausibility_add(lode_plausibility_t *self, const lode_plausibility_tu
     self->moved_A2 += share * ALL_STUCK * tuning->i_min_A2;
 }
 
-// Of a channel that is stuck at no current the true one would be missing in the sum.
+// With a channel stuck at zero, its true current would be missing in the sum.
 bool lode_plausibility_is_open(const lode_plausibility_t *self, uint32_t phase, float A_per_count) {
     const float most = OPEN_COUNTS * (float)LODE_COUNT_FRACTION;
     return phase >= 1u && phase <= (uint32_t)LODE_PHASES &&

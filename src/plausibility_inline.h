@@ -1,27 +1,27 @@
-// The currents' plausibility where, as nearly always, nothing is conspicuous.
+// Plausibility of the phase currents: the fast part, for periods in which nothing is conspicuous.
 #ifndef LODE_PLAUSIBILITY_INLINE_H
 #define LODE_PLAUSIBILITY_INLINE_H
 
 #include "lodestar/plausibility.h"
 
-// The currents are looked at.
+// The phase currents are checked.
 LODE_INLINE bool lode_plausibility_is_on(const lode_plausibility_tuning_t *tuning) {
     return tuning->i_sum >= 0;
 }
 
-// And so are the half-waves of three phases, in START and in RUN.
+// The half-waves of three phases are checked, in START and in RUN.
 LODE_INLINE bool lode_plausibility_has_waves(const lode_plausibility_tuning_t *tuning) {
     return tuning->per_wave_A > 0.0f;
 }
 
-// Where one was taken from the other two, the sum says nothing.
+// With one phase computed from the other two, the sum is always zero.
 LODE_INLINE bool lode_plausibility_sum_ok(const lode_plausibility_tuning_t *tuning,
                                           const int32_t i[LODE_PHASES]) {
     const int32_t sum = i[0] + i[1] + i[2];
     return sum <= tuning->i_sum && sum >= -tuning->i_sum;
 }
 
-// All three have moved since the last look, and the sum is good: there is nothing but to note them.
+// All three have moved since the last check, and the sum is good: it is enough to note them.
 LODE_INLINE bool lode_plausibility_all_move(const lode_plausibility_t *self,
                                             const lode_plausibility_tuning_t *tuning,
                                             const int32_t i[LODE_PHASES]) {
@@ -29,7 +29,7 @@ LODE_INLINE bool lode_plausibility_all_move(const lode_plausibility_t *self,
            lode_plausibility_sum_ok(tuning, i);
 }
 
-// The counts, and which phases have kept theirs.
+// Notes the counts, and which phases have kept theirs.
 LODE_INLINE void lode_plausibility_note(lode_plausibility_t *self, const int32_t i[LODE_PHASES],
                                         uint32_t kept) {
     self->i[0] = i[0];
@@ -40,13 +40,13 @@ LODE_INLINE void lode_plausibility_note(lode_plausibility_t *self, const int32_t
 
 #define LODE_ALL_PHASES ((1u << LODE_PHASES) - 1u)
 
-// One bit for each phase of which something is true.
+// One bit per phase.
 LODE_INLINE uint32_t lode_plausibility_phases(bool a, bool b, bool c) {
     return (a ? 1u : 0u) + (b ? 2u : 0u) + (c ? 4u : 0u);
 }
 
-// One look at the currents `i`, 1/256 count. The phases that have the same count as at the last look, and had it at
-// the one before, a bit each.
+// One check of the currents `i`, 1/256 count. Returns the phases that had the same count at the last check and at the one
+// before, one bit each.
 LODE_INLINE uint32_t lode_plausibility_look(lode_plausibility_t *self,
                                             const int32_t i[LODE_PHASES]) {
     const uint32_t kept =
@@ -56,14 +56,14 @@ LODE_INLINE uint32_t lode_plausibility_look(lode_plausibility_t *self,
     return again;
 }
 
-#define LODE_NOISE_WEIGHT 0.03125f // of a look: the mean of some 32, 256 periods
+#define LODE_NOISE_WEIGHT 0.03125f // per check: a mean over some 32 checks, 256 periods
 
 // SLOT_LOCK (K39).
 LODE_INLINE void lode_jump_note_noise(lode_jump_t *self) {
     self->noise_V2 += LODE_NOISE_WEIGHT * (self->change_V2 - self->noise_V2);
 }
 
-// The current vector has moved by more than noise moves one that is frozen: it is noted.
+// The current vector has moved by more than noise moves a frozen one; it is noted.
 LODE_INLINE bool lode_frozen_moves(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
                                    lode_ab_t i_A) {
     const float alpha = i_A.alpha - self->i_A.alpha;
@@ -76,8 +76,8 @@ LODE_INLINE bool lode_frozen_moves(lode_frozen_t *self, const lode_plausibility_
     return true;
 }
 
-// After a look: no phase has kept its count twice in a row, and the sum is good, so there is nothing to doubt. By
-// chance a phase keeps it once in some hundred looks.
+// After a check: no phase has kept its count twice in a row, and the sum is good, so nothing is suspected. A phase keeps its
+// count by chance once in some hundred checks.
 LODE_INLINE bool lode_plausibility_is_chance(lode_plausibility_t *self,
                                              const lode_plausibility_tuning_t *tuning,
                                              uint32_t again, float i_A2) {
