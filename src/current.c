@@ -2,15 +2,16 @@
 
 // Crossover of the loop over 1/Ts: 1.5 periods of delay leave 73 degrees of phase margin.
 #define BANDWIDTH_TS 0.2f
-#define BANDWIDTH_TS_MAX 0.4f // 56 degrees
+#define BANDWIDTH_TS_MAX 0.4f // phase margin 56 degrees
 #define GAIN_MARGIN 2.0f
 #define VOLTAGE_USE_MAX 1.1547f // 2/sqrt(3): the corners of the hexagon
 #define D_SHARE 0.9f            // leaves the q axis 44 % of the circle
-// At the limits of current and voltage nearly all flux may lie on the q axis, which is voltage on the d
-// axis: with 0.9 of the circle a motor with an MTPV range lost its id on the way in.
+// At the limits of current and voltage nearly all flux may be on the q axis, which is voltage on the d axis. With 0.9 of the
+// circle a motor with an MTPV range lost control of id on the way into that range.
 #define D_SHARE_WEAKENED 0.97f
-#define Q_MOST 0.9f  // closer to the edge what is left for d changes too fast with the EMF
-#define Q_SHARE 0.1f // with which the q axis can still move its current while the motor brakes
+#define Q_MOST                                                                                     \
+    0.9f // closer to the edge, the voltage left for d changes too fast with the EMF (K32)
+#define Q_SHARE 0.1f // left for the q axis to control its current while braking (K32)
 
 void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s) {
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_TS / ts_s);
@@ -23,9 +24,9 @@ void lode_current_design(lode_current_config_t *config, const lode_motor_t *moto
     config->voltage_use = lode_given_or(config->voltage_use, LODE_VOLTAGE_USE);
 }
 
-// Jury's conditions on z^3 + c2 z^2 + c1 z + c0 = (z - a) z (z - 1) + b (kp (z - 1) + ki Ts): the R-L
-// circuit held over the period, the voltage one period late. Those on c0 alone and at -1 follow from the last one,
-// as 0 < a <= 1 and kp > 0.
+// (K4): Jury's conditions on z^3 + c2 z^2 + c1 z + c0 = (z - a) z (z - 1) + b (kp (z - 1) + ki Ts): the R-L circuit held over
+// the period, the voltage one period late. With 0 < a <= 1 and kp > 0 the conditions on c0 alone and at -1 follow from the last
+// one.
 static bool is_stable(float kp, float ki_Ts, float R, float L, float ts_s) {
     const float rise = lode_one_minus_exp(R * ts_s / L);
     const float b = rise > 0.0f ? rise / R : ts_s / L;
@@ -67,7 +68,8 @@ void lode_current_take(lode_current_t *self, const lode_current_tuning_t *tuning
 
 void lode_current_saturate(lode_current_t *self, const lode_current_tuning_t *tuning, float Lq_H,
                            float fall, float iq_A, float ref_A) {
-    const float at = lode_max(1.0f + fall * lode_abs(iq_A), 1.0f); // 1 for a current that is none
+    const float at =
+        lode_max(1.0f + fall * lode_abs(iq_A), 1.0f); // 1 also for a current that is NaN
     const float to = lode_max(1.0f + fall * lode_abs(ref_A), 1.0f);
     const float both = 1.0f / (at * to); // (K20), (K21)
     const float larger = both * lode_min(at, to);
@@ -80,16 +82,16 @@ void lode_current_reset(lode_current_t *self, lode_dq_t u_V, lode_dq_t induced_V
     lode_pi_reset(&self->q, u_V.q - induced_V.q);
 }
 
-// What `other_V` leaves of the circle.
+// Voltage that `other_V` on the other axis leaves of the circle.
 static float left_V(float radius_V, float other_V) {
     return lode_sqrt(lode_max(radius_V * radius_V - other_V * other_V, 0.0f));
 }
 
-// Not LODE_RAMFUNC: with the voltage used up alone, and small fast memories are full without it.
+// Not LODE_RAMFUNC: only with the voltage used up, and small fast memories have no room for it.
 LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
                                            const lode_current_tuning_t *tuning,
                                            const lode_current_case_t *at) {
-    // d first: it holds the flux. Where the current brakes it leaves q the EMF, and some more (K32).
+    // d first: it holds the flux. When braking, it leaves q the EMF and some more (K32).
     const float radius_V = lode_max(at->radius_V, 0.0f);
     const bool weakens = tuning->weakens != 0u;
     const float d_share_V = radius_V * (weakens ? D_SHARE_WEAKENED : D_SHARE);

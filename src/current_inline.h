@@ -10,8 +10,8 @@ typedef struct {
     bool free; // no duty can reach a rail
 } lode_current_out_t;
 
-// A period whose voltage may lie at the edge of the circle or beyond. Handed over in one piece: by value its
-// parts would take 24 bytes more of the step's stack.
+// A period whose voltage may be at the edge of the circle or beyond. One struct: passed one by one, its parts would take 24
+// bytes more of the step's stack.
 typedef struct {
     lode_dq_t error_A;
     lode_dq_t induced_V;
@@ -19,11 +19,11 @@ typedef struct {
     float radius_V;
 } lode_current_case_t;
 
-// Part of lode_current_step(), which alone calls it.
+// Called by lode_current_step() only.
 lode_dq_t lode_current_limit(lode_current_t *self, const lode_current_tuning_t *tuning,
                              const lode_current_case_t *at);
 
-// The q axis of the tuning, and of the motor.
+// Takes the q axis' gain from the tuning and its inductance from the motor.
 LODE_INLINE void lode_current_renew(lode_current_t *self, const lode_current_tuning_t *tuning,
                                     float Lq_H) {
     self->kp_q_V_A = tuning->q.kp;
@@ -36,9 +36,9 @@ LODE_INLINE bool lode_current_is_free(const lode_current_tuning_t *tuning, lode_
     return u_V.d * u_V.d + u_V.q * u_V.q <= radius * lode_abs(radius);
 }
 
-// Voltage for the references `ref_A` at the currents `i_A`. `ff`: what rotation induces (references_inline.h),
-// nothing in a frame that is not the rotor's. Integrates on the voltage inside the circle: what the modulator
-// clamps beyond that is the dead-time correction's only.
+// Voltage for the references `ref_A` at the currents `i_A`. `ff`: voltage induced by rotation (references_inline.h), zero in a
+// frame that is not the rotor's. The integrators follow the voltage inside the circle: what the modulator clamps beyond that is
+// only part of the dead-time correction.
 LODE_INLINE lode_current_out_t lode_current_step(lode_current_t *self,
                                                  const lode_current_tuning_t *tuning,
                                                  lode_dq_t ref_A, lode_dq_t i_A, lode_dq_t ff,

@@ -1,6 +1,6 @@
 #include "lodestar/emf.h"
 
-// The current may settle to 1 - exp(-1) of its final value within a period, not further.
+// Within a period the current may settle to at most 1 - exp(-1) of its final value.
 #define MU_TS_MAX 1.0f
 
 void lode_emf_design(lode_emf_config_t *config, const lode_motor_t *motor, float sigma_rad_s,
@@ -45,8 +45,8 @@ float lode_emf_lag_rad(const lode_emf_config_t *config, const lode_motor_t *moto
                        float omega_rad_s) {
     const float step_rad = omega_rad_s * ts_s;
     const float mu = motor->Rs_Ohm / motor->Lq_H;
-    // The held voltage sees the R-Lq circuit as Gamma = (rho - a)/((mu + j w) b Lq), and the mean of
-    // the EMF over the period lags a period behind: m = Gamma exp(-j w Ts) e(t_k).
+    // The voltage is held over the period, so the R-Lq circuit appears as Gamma = (rho - a)/((mu + j w) b Lq), and the mean of
+    // the EMF over the period lags by a period: m = Gamma exp(-j w Ts) e(t_k).
     const float half = lode_sincos(0.5f * step_rad).sin;
     const float past_pole = lode_one_minus_exp(mu * ts_s) - 2.0f * half * half;
     const float gamma =

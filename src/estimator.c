@@ -1,8 +1,8 @@
 #include "estimator_inline.h"
 
-#define EMIN_SHARE 0.03f     // of the rated EMF: 2 V for paper 1's motor
+#define EMIN_SHARE 0.03f     // of the EMF at rated speed: 2 V for paper 1's motor
 #define OMEGA_MAX_SHARE 2.5f // of the rated speed
-#define OMEGA_TS_MAX 0.5f    // the EMF observers' lag and the modulator want 12 periods per turn
+#define OMEGA_TS_MAX 0.5f    // EMF observer's lag and modulator need 12 periods per turn
 #define LOCK_TIME_s 5.0e-3f
 #define SETTLE_OBSERVER 8.0f // time constants 1/w0 until the double pole has settled to 0.3 %
 #define SETTLE_ROTATION 3.0f // time constants of the mean rotation until it tells the speed to 5 %
@@ -10,14 +10,14 @@
 #define ROUNDS_MAX 3.0e4f
 // Amplitudes beyond any motor's.
 #define INPUT_LIMIT 1.0e6f
-// Half a sine: beyond it the notch, and an amplitude that is a few periods old, mislead.
+// Sine of the position error above which the notch, and an amplitude some periods old, mislead.
 #define ERROR_SMALL 0.5f
-// Where speed and EMF have parted for good the current says little of the angle.
+// Limits of (P24): where speed and EMF disagree this much, the current tells little about the angle.
 #define SLIP_MAX 0.8f
 #define SLIP_ERROR_MAX_rad 0.5f
-#define ACTIVE_MIN_SHARE 0.2f // of the magnets' flux, that is divided by
+#define ACTIVE_MIN_SHARE 0.2f // of the magnets' flux: least divisor
 #define ALIGNED_SHARE 0.9f    // cosine of 25 degrees
-// A correction up to this leaves the rotation's length within 1 % until it is normalised.
+// Up to this correction the rotation's length stays within 1 % until it is normalised.
 #define CORRECTION_SMALL_rad 0.05f
 
 void lode_estimator_design(lode_estimator_config_t *config, const lode_motor_t *motor, float ts_s) {
@@ -97,7 +97,7 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
     t.hfi = lode_hfi_none();
 #endif
     lode_status_t status = lode_motor_check(motor);
-    // Friction that stops the rotor within a period: the motion predicted from it would swing up.
+    // With friction that stops the rotor within a period, the predicted motion would be unstable.
     if (status == LODE_OK && !(motor->B_Nms * ts_s <= motor->J_kgm2)) {
         status = LODE_ERROR_MOTOR_B;
     }
@@ -157,7 +157,7 @@ renew_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, float o
     self->lag = lode_lag_line(&tuning->lag, omega_rad_s);
 }
 
-// For a speed that has moved too far for the line through the lag, or is set. Not LODE_RAMFUNC: as below.
+// After a speed that is set, or has moved too far for the line through the lag. Not LODE_RAMFUNC: rare.
 LODE_NOINLINE void lode_estimator_move_lag(lode_estimator_t *self,
                                            const lode_estimator_tuning_t *tuning,
                                            float omega_rad_s) {
@@ -181,7 +181,7 @@ void lode_estimator_set_current(lode_estimator_t *self, lode_ab_t i_A) {
     self->id_A = lode_park(i_A, lode_estimator_rotor(self)).d;
 }
 
-// From the present current, taken as zero where it is not finite.
+// Keeps the present current; zero if it is not finite.
 LODE_NOINLINE void lode_estimator_restart(lode_estimator_t *self,
                                           const lode_estimator_tuning_t *tuning) {
     const uint_least8_t slot = self->slot;
@@ -193,7 +193,7 @@ LODE_NOINLINE void lode_estimator_restart(lode_estimator_t *self,
     }
 }
 
-// Gains, notches and the EMF's amplitude follow in their slots.
+// Gains, notches and EMF amplitude follow in their slots.
 void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                          lode_sincos_t rotor, float omega_rad_s) {
     lode_estimator_move_lag(self, tuning, omega_rad_s);
@@ -212,7 +212,7 @@ void lode_estimator_hold(lode_estimator_t *self, const lode_estimator_tuning_t *
 
 #ifndef LODE_WITHOUT_FLYING_START
 
-// EMF, lag and gains too: as if it had run for long.
+// Sets EMF, lag and gains too, as if it had been running for long.
 void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              lode_sincos_t rotor, float omega_rad_s) {
     lode_estimator_reset(self, tuning);
@@ -232,7 +232,7 @@ void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning
 
 #endif
 
-// The rotor stays where it is: with another lag its EMF is estimated at another angle, and with another size.
+// Keeps the rotor's angle: another observer has another lag and droop, so its EMF is at another angle and of another size.
 static void change_observer(lode_estimator_t *self, const lode_estimator_tuning_t *before,
                             const lode_estimator_tuning_t *now) {
     const float omega = self->pll.omega_rad_s;
@@ -259,9 +259,9 @@ void lode_estimator_retune(lode_estimator_t *self, const lode_estimator_tuning_t
 #endif
 }
 
-// A large position error: by the present amplitude, and without the notches, which took no part in so large
-// a step. Beyond SINE_MAX where no motor has such a state.
-// Not LODE_RAMFUNC: rare, and small fast memories are full without it.
+// A large position error is computed again, with the present amplitude and without the notches, which are not tuned for such a
+// step. Returns more than SINE_MAX if the state is not that of a motor.
+// Not LODE_RAMFUNC: rare, and small fast memories have no room for it.
 float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                 lode_sincos_t frame) {
     const lode_ab_t e_V = self->emf.observer.e_V;
@@ -275,7 +275,7 @@ float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tun
     return lode_park(e_V, frame).d * self->per_V;
 }
 
-// Beyond SINE_MAX where the EMF is not that of a motor: not finite, or too large to be blended.
+// Returns more than SINE_MAX if the EMF is not that of a motor: not finite, or too large to be blended.
 LODE_NOINLINE float lode_estimator_limit(const lode_estimator_t *self, float error) {
     if (!(lode_ab_length2(self->emf.observer.e_V) <= EMF_LIMIT_V * EMF_LIMIT_V)) {
         return 2.0f * SINE_MAX;
@@ -312,7 +312,7 @@ LODE_NOINLINE lode_ab_t lode_estimator_beyond_V(const lode_estimator_t *self,
 
 #ifndef LODE_WITHOUT_BRAKE_SLIP
 
-// Of a braked salient rotor the part of the position error that is none (P24), of a whole round at once.
+// Gives back the part of the position error that slip makes in a braked salient rotor (P24), for a whole round at once.
 // Not LODE_RAMFUNC: rare.
 LODE_NOINLINE void lode_estimator_brake_slip(lode_estimator_t *self,
                                              const lode_estimator_tuning_t *tuning, float slip) {
@@ -335,19 +335,18 @@ LODE_NOINLINE void lode_estimator_brake_slip(lode_estimator_t *self,
 
 #endif
 
-// Without lock, and has waited for long enough. The waiting time lets observer and mean rotation settle
-// after a reset, and a new acquisition prove itself. A longer time was
-// never set: a corrupted state must not wait for it.
+// The waiting time is over: it lets observer and mean rotation settle after a reset, and a new acquisition prove itself. A time
+// above the longest one comes from corrupted memory and counts as over.
 static bool is_seed_due(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const uint32_t longest = (uint32_t)tuning->settle_rounds + tuning->patience_rounds;
     return self->by.alone.wait == 0u || self->by.alone.wait > longest;
 }
 
-// Of the speed found, by what a free rotor would move within a time constant of the PLL.
+// Change of speed of a free rotor within a time constant of the PLL, over the speed found; above it the rotor must be loaded.
 #define LOADED_SHARE 2.0f
 
-// What the present torque is taken to be held by, where something is known to hold the rotor, or a free one would run
-// away from the speed found before the PLL can see it: the PLL would never lock under load.
+// Acceleration by the present torque that a load is assumed to cancel: where the rotor is known to be held, or a free one would
+// run away from the speed found before the PLL follows. Otherwise the PLL would never lock under load.
 static float load_acceleration(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                bool held) {
     const lode_pll_t *pll = &self->pll;
@@ -361,13 +360,13 @@ static float load_acceleration(const lode_estimator_t *self, const lode_estimato
     return (held || loaded) ? acc : 0.0f;
 }
 
-// Takes speed, direction and angle from the EMF alone: it turns by w Ts per period, and stands a
-// quarter turn ahead of the PLL's frame in the sense of rotation. False if there is too little of it.
+// Takes speed, direction and angle from the EMF alone (P16): it turns by w Ts per period, and is a quarter turn ahead of the
+// PLL's frame in the direction of rotation. False if the EMF is too small or the speed too high.
 static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, bool held) {
     const lode_ab_t e_V = self->emf.observer.e_V;
     lode_observer_settle(&self->emf.observer, &tuning->emf.observer);
     const float step_rad = lode_atan2(self->by.alone.rotation.beta, self->by.alone.rotation.alpha);
-    if (!(lode_abs(step_rad) > 0.0f)) { // also where the mean is NaN, and would stay so
+    if (!(lode_abs(step_rad) > 0.0f)) { // also where the mean is NaN, which would stay
         self->by.alone.rotation = (lode_ab_t){0.0f, 0.0f};
     }
     const float omega = step_rad * tuning->pll.inv_ts;
@@ -384,7 +383,7 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     self->per_V = -unit;
     self->omega_tune = omega;
     self->by.alone.wait = tuning->patience_rounds;
-    self->found = 1u; // the lag follows in the next period, where the speed is far from its line's
+    self->found = 1u; // the lag follows in the next period if the speed is far from its line's
     return true;
 }
 
@@ -395,8 +394,8 @@ LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
     }
 }
 
-// Mean of e[k] conj(e[k-1]), which turns neither with the rotor nor with its position.
-// Not LODE_RAMFUNC: without lock alone.
+// Mean of e[k] conj(e[k-1]), which is constant at constant speed, whatever the angle (P16).
+// Not LODE_RAMFUNC: only without lock.
 void lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_ab_t e = self->emf.observer.e_V;
     const lode_ab_t before = self->by.alone.before_V;
@@ -415,7 +414,7 @@ LODE_RAMFUNC LODE_NOINLINE lode_sincos_t lode_estimator_filtered_step(
 
 #ifndef LODE_WITHOUT_HFI
 
-// Notches, rotation and waiting begin anew.
+// Notches, rotation and waiting time start anew: they share memory with injection.
 void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     if (self->by.hfi.active) {
         self->by.alone =
@@ -436,7 +435,7 @@ float lode_estimator_theta_rad(const lode_estimator_t *self) {
     return lode_atan2(rotor.sin, rotor.cos);
 }
 
-// Without a drive. True: angle and speed were acquired again.
+// The slow jobs of an estimator without a drive. True: angle and speed were acquired again.
 static bool do_slow_job(lode_estimator_t *self, const lode_estimator_tuning_t *tuning) {
     const lode_slot_t slot = lode_slot_of(self->slot);
     self->slot = (uint_least8_t)lode_slot_of((uint32_t)slot + 1u);
@@ -469,7 +468,7 @@ static bool do_slow_job(lode_estimator_t *self, const lode_estimator_tuning_t *t
 lode_estimate_t lode_estimator_step(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                     lode_ab_t u_V, lode_ab_t i_A) {
     lode_estimate_t estimate = lode_estimator_fast(self, tuning, u_V, i_A);
-    // The drive checks the lock before it uses so large a speed, or such a load; here they would be returned.
+    // The drive checks the lock before it uses such a speed or load; here they would be returned.
     if (!(lode_abs(estimate.omega_rad_s) <= tuning->omega_limit) ||
         !lode_is_finite(estimate.load_torque_Nm)) {
         lode_estimator_restart(self, tuning);

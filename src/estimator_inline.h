@@ -11,29 +11,29 @@
 #include "scalar_inline.h"
 #include "schedule.h"
 
-// Amplitude beyond any motor's EMF: NaN and Inf fall outside.
+// Larger than any motor's EMF; NaN and Inf are outside too.
 #define EMF_LIMIT_V 1.0e6f
-// The EMF of a changing active flux is taken out from this lock quality on: the angle is within some 65
-// degrees. Where that ended with the lock, an angle on its way back was found by an EMF that the rise of the
-// current had turned, at a speed 60 % off. Simulated: 0.3 to 0.4 lose none of 220 starts, 0.25 one; of
-// starts that hand over at 100 of 1500 rpm 193 to 194 of 200 succeed.
+// Lock quality from which on the EMF of a changing active flux is removed: the angle is then within some 65 degrees. When this
+// ended only with the lock, an angle on its way back was replaced by an EMF that the rise of the current had turned, at a speed
+// 60 % off. Simulated: 0.3 to 0.4 lose none of 220 starts, 0.25 one; of starts that hand over at 100 of 1500 rpm 193 to 194 of
+// 200 succeed.
 #define LOCK_ALIGNED 0.4f
 // Beyond this the position error is not the sine of any angle.
 #define SINE_MAX 1.1f
-// Falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off what the speed induces.
+// The quality falls from 1 to LODE_LOCK_LOST where the EMF is 40 % off the one that the speed induces.
 #define LEVEL_SLOPE 1.25f
-// Beyond so many times omega_max a speed is taken for an alias.
+// A speed above this multiple of omega_max is an alias (P15).
 #define LODE_ALIAS_SHARE 2.0f
-// By so much an EMF may be less than the speed induces for want of the true parameters, and no more (P24).
+// Wrong parameters make the EMF this much smaller than the speed induces, and no more; the rest is slip (P24).
 #define SLIP_MIN 0.2f
 
 LODE_INLINE bool lode_estimator_asks(uint32_t options, int option) {
     return (options & (uint32_t)option) != 0u;
 }
 
-// Rare parts, in estimator.c. What they take and give by value is copied where they are called: such copies share
-// one place on the step's stack, while a variable that lives on has 8 bytes of its own in every period. With
-// those of observers and current control, 48 bytes and 8 cycles less.
+// Rare parts, in estimator.c. What they take and return by value is copied at the call: such copies share one place on the
+// step's stack, while a variable whose address is passed has its own 8 bytes in every period. With the copies in observers and
+// current control that saves 48 bytes and 8 cycles.
 void lode_estimator_restart(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 void lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 lode_sincos_t lode_estimator_filtered_step(lode_estimator_t *self,
@@ -41,43 +41,42 @@ lode_sincos_t lode_estimator_filtered_step(lode_estimator_t *self,
                                            float omega_rad_s);
 float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                 lode_sincos_t frame);
-// A large position error of a period that injects.
+// A large position error in a period with injection.
 float lode_estimator_limit(const lode_estimator_t *self, float error);
-// A PLL that is faster by `slip` than the EMF says.
+// The PLL is faster than the EMF says, by the share `slip`.
 void lode_estimator_brake_slip(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                float slip);
 void lode_estimator_move_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              float omega_rad_s);
-// With angle and speed at t_k found by other means than the EMF.
+// Starts with angle and speed at t_k that were not found by the EMF.
 void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              lode_sincos_t rotor, float omega_rad_s);
-// Another tuning takes the place of `before`: another observer begins with the rotor's present EMF, and injection that `now` has
-// not ends.
+// `now` replaces the tuning `before`: a new observer starts with the rotor's present EMF, and injection ends if `now` has none.
 void lode_estimator_retune(lode_estimator_t *self, const lode_estimator_tuning_t *before,
                            const lode_estimator_tuning_t *now);
 void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
-// The EMF alone from now on.
+// From now on the EMF alone gives the position.
 void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
-// `held`: whatever the torque, the rotor keeps the speed that it has.
+// `held`: the rotor is known to keep its present speed, whatever the torque.
 bool lode_estimator_seed(lode_estimator_t *self, const lode_estimator_tuning_t *tuning, bool held);
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
-// Active flux linkage of the motor as configured, and as the EMF's size tells it.
+// Active flux linkage: as configured, and as the EMF's size shows it.
 typedef struct {
     float expected_Wb;
     float seen_Wb;
-    bool aligned; // the EMF is within 25 degrees of where the PLL has it
+    bool aligned; // the EMF is within 25 degrees of the PLL's angle
 } lode_flux_t;
 
 lode_flux_t lode_estimator_flux(const lode_estimator_t *self,
                                 const lode_estimator_tuning_t *tuning);
 
-// The observer's EMF less that of the active flux where the PLL has it.
+// Observed EMF minus the EMF of the active flux at the PLL's angle.
 lode_ab_t lode_estimator_beyond_V(const lode_estimator_t *self,
                                   const lode_estimator_tuning_t *tuning);
 #endif
 
-// How many times larger the EMF is than the observer's estimate of it, in steady rotation.
+// Ratio of the EMF to the observer's estimate, in steady rotation.
 LODE_INLINE float lode_estimator_droop(const lode_estimator_tuning_t *tuning, float omega_rad_s) {
     return 1.0f + omega_rad_s * omega_rad_s * tuning->droop_s2;
 }
@@ -87,7 +86,7 @@ LODE_INLINE float lode_estimator_load_torque_Nm(const lode_estimator_t *self,
     return tuning->load_per_f_Nm * self->pll.f_rad_s2;
 }
 
-// Position by signal injection, wholly or in part.
+// Signal injection gives the position, or a part of it.
 LODE_INLINE bool lode_estimator_injects(const lode_estimator_t *self) {
 #ifdef LODE_WITHOUT_HFI
     (void)self;
@@ -97,8 +96,8 @@ LODE_INLINE bool lode_estimator_injects(const lode_estimator_t *self) {
 #endif
 }
 
-// It has an angle, or had one until the lock went. It begins anew without one where its state is not that of a motor: an estimate
-// that runs away, or memory that has changed.
+// There is an angle, or was one until the lock was lost. There is none after a restart, which a runaway estimate or corrupted
+// memory causes.
 LODE_INLINE bool lode_estimator_has_rotor(const lode_estimator_t *self) {
     return self->found > 0u || lode_estimator_injects(self);
 }
@@ -108,7 +107,7 @@ LODE_SHARED lode_sincos_t lode_estimator_rotor(const lode_estimator_t *self) {
     return lode_angle_add(self->pll.frame, lode_lag_near(&self->lag, self->pll.omega_rad_s));
 }
 
-// The EMF at t_k from the dead-beat one. `step`: rotation by the motion's angle.
+// Observer step: the EMF at t_k from the dead-beat EMF. `step`: rotation by the angle moved.
 LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning, uint32_t options,
                                          lode_ab_t m_V, lode_pll_motion_t motion,
@@ -119,7 +118,7 @@ LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
     lode_sincos_t tuned = step;
     float omega_rad_s = motion.omega_rad_s;
     if (lode_observer_rotates(&tuning->emf.observer)) {
-        // (G1): at the speed predicted, not at the mean of the period.
+        // (G1): at the speed predicted for t_k, not at the mean speed of the period.
         const float more = tuning->pll.ts_s * motion.omega_rad_s - motion.angle_rad;
         tuned = lode_angle_rotate_small(step, more);
         if (lode_estimator_asks(options, LODE_ESTIMATOR_FILTERED)) {
@@ -131,7 +130,7 @@ LODE_INLINE lode_ab_t lode_estimator_emf(lode_estimator_t *self,
     return lode_observer_step(&self->emf.observer, &tuning->emf.observer, m_V, tuned, omega_rad_s);
 }
 
-// From no ripple at all.
+// Clears the notches' states.
 LODE_INLINE void lode_estimator_clear_notches(lode_estimator_t *self) {
 #ifdef LODE_WITHOUT_NOTCH
     (void)self;
@@ -140,7 +139,7 @@ LODE_INLINE void lode_estimator_clear_notches(lode_estimator_t *self) {
 #endif
 }
 
-// The position error without the harmonics of the EMF, which show in it at 6 w and 12 w.
+// The position error without the EMF's harmonics, which appear in it at 6 w and 12 w.
 LODE_INLINE float lode_estimator_notched(lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning, uint32_t options,
                                          float error) {
@@ -159,8 +158,8 @@ LODE_INLINE float lode_estimator_notched(lode_estimator_t *self,
     return error;
 }
 
-// Known acceleration over the period to come (P3), rad/s^2: torque of the measured current, seen from
-// where the rotor is by the position error (P19), and friction.
+// Known acceleration over the next period (P3), rad/s^2: friction, and the torque of the measured current, seen from the
+// rotor's angle by the position error (P19).
 LODE_INLINE float lode_estimator_acceleration(const lode_estimator_tuning_t *tuning, lode_dq_t i_A,
                                               float error, float omega_rad_s) {
     const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_A.d;
@@ -169,7 +168,7 @@ LODE_INLINE float lode_estimator_acceleration(const lode_estimator_tuning_t *tun
            tuning->acc_per_omega * omega_rad_s;
 }
 
-// What is known after lode_estimator_restart(): the current, by an angle of 0.
+// Estimate after lode_estimator_restart(): the current, in a frame at angle 0.
 LODE_INLINE lode_estimate_t lode_estimator_nothing(const lode_estimator_t *self) {
     return (lode_estimate_t){.rotor = self->pll.frame,
                              .i_A = {self->emf.i_A.alpha, self->emf.i_A.beta},
@@ -177,7 +176,7 @@ LODE_INLINE lode_estimate_t lode_estimator_nothing(const lode_estimator_t *self)
                              .source = LODE_ESTIMATE_OWN};
 }
 
-// Of a period that went well.
+// Estimate of a normal period.
 LODE_INLINE lode_estimate_t lode_estimator_estimate(const lode_estimator_t *self,
                                                     const lode_estimator_tuning_t *tuning,
                                                     lode_sincos_t rotor, lode_dq_t i_A) {
@@ -193,8 +192,8 @@ LODE_INLINE lode_estimate_t lode_estimator_estimate(const lode_estimator_t *self
     };
 }
 
-// The dead-beat EMF without that of a changing active flux. `frame`: of the PLL as predicted for t_k; `half`:
-// rotation by half of the motion's angle. `by_wave`: the position error by injection too, in its state.
+// Dead-beat EMF without the EMF of a changing active flux. `frame`: of the PLL, predicted for t_k; `half`: rotation by half of
+// the angle moved. `by_wave`: also demodulates the injection's position error.
 LODE_INLINE lode_ab_t lode_estimator_dead_beat(lode_estimator_t *self,
                                                const lode_estimator_tuning_t *tuning,
                                                uint32_t options, lode_ab_t u_V, lode_ab_t i_A,
@@ -205,7 +204,7 @@ LODE_INLINE lode_ab_t lode_estimator_dead_beat(lode_estimator_t *self,
     if (!by_wave && !seen) {
         return m_V;
     }
-    // By the lag that id_A was seen with: a difference would pass for a rise of the current.
+    // With the lag that id_A was computed with: a difference would look like a rise of the current.
     const lode_sincos_t lag = lode_lag_near(&self->lag, self->pll.omega_rad_s);
     const lode_sincos_t end = lode_angle_add(frame, lag);
     const lode_sincos_t middle = lode_angle_subtract(end, half);
@@ -219,7 +218,7 @@ LODE_INLINE lode_ab_t lode_estimator_dead_beat(lode_estimator_t *self,
     return lode_emf_less_salient(&tuning->emf, m_V, i_end_A.d - self->id_A, middle);
 }
 
-// The position error of a period that injects, `error` by the EMF.
+// Position error of a period with injection; `error` is the one by the EMF.
 LODE_INLINE float lode_estimator_blend(const lode_estimator_t *self, float error) {
 #ifdef LODE_WITHOUT_HFI
     (void)self;
@@ -229,7 +228,7 @@ LODE_INLINE float lode_estimator_blend(const lode_estimator_t *self, float error
 #endif
 }
 
-// The current of control at t_k.
+// Current for current control at t_k.
 LODE_INLINE lode_dq_t lode_estimator_less_ripple(lode_estimator_t *self, lode_dq_t i_A,
                                                  bool by_wave) {
 #ifdef LODE_WITHOUT_HFI
@@ -241,7 +240,7 @@ LODE_INLINE lode_dq_t lode_estimator_less_ripple(lode_estimator_t *self, lode_dq
 #endif
 }
 
-// Of a period that injects: the torque of its current is known, with its sign.
+// In a period with injection: the torque of its current is known, with its sign.
 LODE_INLINE bool lode_estimator_knows_torque(const lode_estimator_t *self) {
 #ifdef LODE_WITHOUT_HFI
     (void)self;
@@ -251,7 +250,7 @@ LODE_INLINE bool lode_estimator_knows_torque(const lode_estimator_t *self) {
 #endif
 }
 
-// The fast part of a period. `by_wave`: it injects.
+// The fast part of a period. `by_wave`: with injection.
 LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
                                                   const lode_estimator_tuning_t *tuning,
                                                   lode_ab_t u_V, lode_ab_t i_A, bool by_wave) {
@@ -264,8 +263,8 @@ LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
         lode_estimator_dead_beat(self, tuning, options, u_V, i_A, frame, half, by_wave);
     const lode_ab_t e_V = lode_estimator_emf(self, tuning, options, m_V, motion, step, by_wave);
 
-    // Phase detector (paper 1, eq. 13; P1) with the sign of speed, or it locks half a turn off. The
-    // amplitude is the one last computed; where the error is large, or not finite, it is computed now.
+    // Phase detector (paper 1, eq. 13; P1), with the sign of the speed: without it the loop would lock half a turn off. It uses
+    // the amplitude computed last; where the error is large or not finite, the amplitude is computed anew.
     const float across_V = lode_park(e_V, frame).d;
     const float by_emf = across_V * self->per_V;
     float error = by_wave ? lode_estimator_blend(self, by_emf)
@@ -282,8 +281,8 @@ LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
         frame = lode_angle_shorten(frame, self->gains.theta * error);
     }
     lode_pll_correct(&self->pll, self->gains, frame, motion.omega_rad_s, error);
-    // In every period: looked at after large errors only (-6 cycles), field weakening took 17.7 A where it takes
-    // 17.3 and was asked for 16.
+    // In every period: after large errors only (6 cycles less), field weakening took 17.7 A instead of 17.3, with 16 A
+    // requested.
     if (lode_lag_is_far(&self->lag, self->pll.omega_rad_s)) {
         lode_estimator_move_lag(self, tuning, self->pll.omega_rad_s);
     }
@@ -301,8 +300,8 @@ LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
     return lode_estimator_estimate(self, tuning, rotor, i_dq);
 }
 
-// The fast part of a period. Twice, and without a test in either; as a call of its own what injects took 68 cycles
-// more.
+// The fast part of a period, compiled twice, each without a test for injection; as a separate call the version with injection
+// took 68 cycles more.
 LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
                                                 const lode_estimator_tuning_t *tuning,
                                                 lode_ab_t u_V, lode_ab_t i_A) {
@@ -314,14 +313,14 @@ LODE_INLINE lode_estimate_t lode_estimator_fast(lode_estimator_t *self,
 #endif
 }
 
-// The state is that of a motor: a rotation of about length 1 and a speed within limits. NaN is not.
+// The state is plausible: a rotation of length 1 (about) and a speed within limits. NaN is not.
 LODE_INLINE bool lode_estimator_is_sound(const lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning, float length2) {
     return lode_abs(self->pll.omega_rad_s) <= tuning->omega_limit &&
            lode_abs(length2 - 1.0f) <= 0.25f;
 }
 
-// That of the source with the larger weight.
+// Lock quality of the source with the larger weight.
 LODE_INLINE float lode_estimator_quality(lode_estimator_t *self,
                                          const lode_estimator_tuning_t *tuning, float by_emf) {
 #ifndef LODE_WITHOUT_HFI
@@ -336,8 +335,8 @@ LODE_INLINE float lode_estimator_quality(lode_estimator_t *self,
     return by_emf;
 }
 
-// SLOT_LOCK. Two independent signs: the EMF's amplitude against what the speed induces, and the cosine
-// of the angle between the EMF and where the PLL has it. The worse one counts.
+// SLOT_LOCK. Two independent criteria (P17): the EMF's amplitude against the one that the speed induces, and the cosine of the
+// EMF's angle against the PLL's. The worse one counts.
 LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
                                           const lode_estimator_tuning_t *tuning) {
     const float length2 = lode_angle_length2(self->pll.frame);
@@ -348,7 +347,7 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     const lode_ab_t e_V = self->emf.observer.e_V;
     const float omega = self->pll.omega_rad_s;
     const lode_sincos_t frame = lode_angle_normalise(self->pll.frame);
-    // The observer takes its part of the amplitude; C-LESO 1 + (w/w0)^2.
+    // The observer reduces the amplitude; C-LESO by 1 + (w/w0)^2.
     const float taken = lode_estimator_droop(tuning, omega);
     const float inv_e0 = 1.0f / (lode_max(lode_ab_length(e_V), tuning->emin_V) * taken);
     const float size = inv_e0 * taken;
@@ -364,7 +363,8 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     self->pll.frame = frame;
     self->per_V = per_V;
     self->lock = lock;
-    // A loop that begins at no speed may seem to lock on its way past a rotor that turns.
+    // A loop that starts at zero speed may seem locked while it passes a turning rotor; so an angle must have been found
+    // before.
     self->locked = lock >= LODE_LOCK_LOST && (self->found > 0u || lode_estimator_injects(self));
     self->aligned = lock >= LOCK_ALIGNED;
     if (lode_estimator_injects(self)) {
@@ -384,8 +384,8 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     }
 }
 
-// SLOT_GAINS. Without lock they stay: a centre far above sigma leaves the loop stable at any speed, and the
-// worst-case period of a start takes 110 cycles less.
+// SLOT_GAINS. Without lock the notches stay: with a centre far above sigma the loop is stable at any speed, and the worst-case
+// period of a start takes 110 cycles less.
 LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
                                               const lode_estimator_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_NOTCH
@@ -413,7 +413,7 @@ LODE_INLINE void lode_estimator_drop_disturbance(lode_estimator_t *self,
     }
 }
 
-// SLOT_GAINS, by the EMF.
+// SLOT_GAINS, without injection.
 LODE_INLINE void lode_estimator_adapt_gains(lode_estimator_t *self,
                                             const lode_estimator_tuning_t *tuning) {
     self->gains = lode_pll_gains(&tuning->pll, self->pll.omega_rad_s);

@@ -1,23 +1,23 @@
 #include "inverter_inline.h"
 
-// Least bus voltage that is divided by, as a share of nominal: below it the guard has tripped.
+// Least bus voltage as a divisor, as a share of nominal: below it the guard has tripped.
 #define V_MIN_SHARE 0.1f
-// Of i_dead at no modulation: there is next to no ripple, but noise in the current.
+// Share of i_dead at zero modulation: there is almost no ripple, but noise in the current.
 #define I_DEAD_MIN_SHARE 0.05f
 
-// Beyond any bootstrap capacitor.
+// Longer than any bootstrap capacitor needs.
 #define PRECHARGE_MAX_s 1.0f
 
-// Of dead time that the start may find beyond the configured one.
+// Dead time that the start may find beyond the configured one.
 #define DEAD_MORE_MAX_s 1.5e-6f
 
-// Room for rounding.
+// Margin for rounding.
 #define ROUNDING 0.999f
 
 void lode_inverter_design(lode_inverter_config_t *config, const lode_motor_t *motor, float ts_s) {
-    // One leg switching against the other two at half duty makes a ripple of v_bus Ts/(6 L) peak to
-    // peak. Three quarters of it, L the mean of both axes: simulated without load, half as much hunts
-    // at 1500 rpm, twice as much leaves 2 degrees at 300 rpm.
+    // One leg switching against the other two at half duty makes a ripple of v_bus Ts/(6 L) peak to peak. The default is three
+    // quarters of that, with L the mean of both axes. Simulated without load: half as much hunts at 1500 rpm, twice as much
+    // leaves 2 degrees at 300 rpm.
     const float L_H = lode_max(motor->Ld_H + motor->Lq_H, FLT_MIN);
     const float carrier_Hz = lode_inverter_carrier_Hz(config, 1.0f / ts_s);
     const float ripple_A = config->v_bus_V / (3.0f * carrier_Hz * L_H);
@@ -86,7 +86,7 @@ lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
     const float v_min_V = V_MIN_SHARE * config->v_bus_V;
     const float carrier_Hz = lode_inverter_carrier_Hz(config, 1.0f / ts_s);
     const float dead_duty = config->dead_time_s * carrier_Hz;
-    // Min-max centring leaves each rail half of what the span leaves over; the correction takes of it.
+    // Min-max centring leaves half of the unused span at each rail; the correction uses a part of it.
     const float dead_more = DEAD_MORE_MAX_s * carrier_Hz;
     const float most_error = correct ? dead_duty + dead_more + config->v_drop_V / v_min_V : 0.0f;
     const float precharge = config->precharge_s / ts_s + 0.5f;
@@ -114,7 +114,7 @@ float lode_inverter_taken_V(const lode_inverter_config_t *config, float ts_s) {
            2.0f * config->v_drop_V;
 }
 
-// In |i + i_dead| - |i - i_dead| both terms round by half a step of a float at 2 i.
+// In |i + i_dead| - |i - i_dead| both terms are rounded by half the spacing of floats at 2 i.
 void lode_inverter_bound_current(lode_inverter_tuning_t *tuning, float i_A) {
     const float slope_A =
         0.5f * (tuning->dead_duty + tuning->dead_more_max + tuning->v_drop_V / tuning->v_min_V) /

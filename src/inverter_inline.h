@@ -1,23 +1,23 @@
-// The voltage that acted, and the duty that dead time and drops take.
+// The voltage that acted, and the duty lost to dead time and drops.
 #ifndef LODE_INVERTER_INLINE_H
 #define LODE_INVERTER_INLINE_H
 
 #include "lodestar/inverter.h"
 
-// After a bus voltage that moves by more than this within a period, 1/v_bus is divided again.
+// After a larger relative change of the bus voltage within a period, 1/v_bus is divided anew.
 #define LODE_BUS_STEP_MAX 0.25f
 
-// Of voltage along the current, averaged over its directions, per volt that a phase loses.
+// Voltage along the current vector, averaged over its directions, per volt that each phase loses.
 #define FOUR_PER_PI (4.0f / LODE_PI)
 #define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along a phase axis per volt that each phase loses
 
-// Called at t_k before anything is written: the mean voltage over [t_k-1, t_k), V, from the duty that call
-// k-2 wrote, which was of the same parity, and the bus sampled at t_k-1 (C7).
+// Call at t_k before lode_inverter_write(): the mean voltage over [t_k-1, t_k), V, from the duty that call k-2 wrote (same
+// parity) and the bus sampled at t_k-1 (C7).
 LODE_INLINE lode_ab_t lode_inverter_realised(const lode_inverter_t *self, uint32_t call) {
     return lode_ab_scale(self->v_bus_V, self->written[call % 2u]);
 }
 
-// The voltage `u_V` without the drop across the resistance beyond the configured one. `i_A`: at t_k-1.
+// `u_V` minus the drop across the resistance that exceeds the configured one. `i_A`: at t_k-1.
 LODE_INLINE lode_ab_t lode_inverter_less_drop(const lode_inverter_t *self, lode_ab_t u_V,
                                               lode_ab_t i_A) {
 #ifdef LODE_WITHOUT_START_MEASUREMENT
@@ -33,8 +33,8 @@ LODE_INLINE void lode_inverter_divide(lode_inverter_t *self, const lode_inverter
     self->per_V = 1.0f / lode_max(self->v_bus_V, tuning->v_min_V);
 }
 
-// Takes in the bus voltage sampled now. Its reciprocal follows by one step of Newton's method, which leaves
-// the square of the relative move: 0.01 % after 1 %.
+// Takes the bus voltage sampled now. Its reciprocal follows by one Newton step, whose error is the square of the relative
+// change: 0.01 % after 1 %.
 LODE_INLINE void lode_inverter_follow_bus(lode_inverter_t *self,
                                           const lode_inverter_tuning_t *tuning, float v_bus_V) {
     const float off = 1.0f - v_bus_V * self->per_V;
@@ -45,13 +45,13 @@ LODE_INLINE void lode_inverter_follow_bus(lode_inverter_t *self,
     }
 }
 
-// Notes what call k has written, per bus volt.
+// Notes the voltage that call k has written, per bus volt.
 LODE_INLINE void lode_inverter_write(lode_inverter_t *self, uint32_t call, lode_ab_t realised) {
     self->written[call % 2u] = realised;
 }
 
-// How the dead-time error follows the current at a modulation: `span`: largest less smallest duty, 0 .. 1
-// (I4). Both move slowly.
+// Course of the dead-time error over the current at a modulation `span`, largest less smallest duty, 0 .. 1 (I4). Both change
+// slowly.
 LODE_INLINE lode_dead_time_t lode_inverter_dead_time(const lode_inverter_tuning_t *tuning,
                                                      float dead_more, float span, float per_V) {
     const float i_dead = tuning->i_dead_min_A + tuning->i_dead_span_A * span;
@@ -59,17 +59,17 @@ LODE_INLINE lode_dead_time_t lode_inverter_dead_time(const lode_inverter_tuning_
         0.5f * (tuning->dead_duty + dead_more + tuning->v_drop_V * per_V) / i_dead, i_dead};
 }
 
-// Duty that a phase loses at the current `i_A` (I3): |i + i_dead| - |i - i_dead| is twice the clamped current.
+// Duty that a phase loses at the current `i_A` (I3): |i + i_dead| - |i - i_dead| is twice the current clamped to i_dead.
 LODE_INLINE float lode_inverter_error(const lode_dead_time_t *dead_time, float i_A) {
     return dead_time->slope_A *
            (lode_abs(i_A + dead_time->i_dead_A) - lode_abs(i_A - dead_time->i_dead_A));
 }
 
-// Follows the modulation by the voltage `u_V`, and divides by the bus again. Once in LODE_SLOW_PERIODS.
+// Adapts to the modulation of the voltage `u_V`, and divides by the bus voltage anew. Once in LODE_SLOW_PERIODS.
 LODE_SHARED void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
                                      lode_dq_t u_V) {
     lode_inverter_divide(self, tuning);
-    // Largest less smallest duty is sqrt(3) times the amplitude, at most.
+    // largest less smallest duty: at most sqrt(3) times the amplitude
     const float u = lode_sqrt(u_V.d * u_V.d + u_V.q * u_V.q);
     const float span = lode_clamp(LODE_SQRT3 * u * self->per_V, 0.0f, 1.0f);
 #ifdef LODE_WITHOUT_START_MEASUREMENT

@@ -2,7 +2,7 @@
 
 #define CHECK_POINTS 48
 
-// What is to be compensated, as a function of speed.
+// The lag to be compensated, as a function of speed.
 typedef struct {
     lode_lag_kind_t kind;
     const lode_emf_config_t *config;
@@ -16,8 +16,7 @@ static float lag_at(const wanted_t *wanted, float omega) {
                : lode_emf_lag_rad(wanted->config, wanted->motor, wanted->ts_s, omega);
 }
 
-// Interpolation at the Chebyshev nodes of [0, 1]: Newton's divided differences, then expanded. The coefficients are 0
-// before.
+// Interpolates at the Chebyshev nodes of [0, 1]: Newton's divided differences, then expanded. Expects coefficients of 0.
 static void fit(lode_lag_t *lag, const wanted_t *wanted, float range) {
     float node[LODE_LAG_TERMS];
     float newton[LODE_LAG_TERMS];
@@ -57,7 +56,7 @@ lode_status_t lode_lag_tune(lode_lag_t *lag, lode_lag_kind_t kind, const lode_em
     } else if (kind != LODE_LAG_NONE) {
         return LODE_ERROR_LAG;
     } else {
-        // no lag is taken out
+        // no compensation
     }
     *lag = fitted;
     return LODE_OK;

@@ -5,7 +5,7 @@
 #include "lodestar/lag.h"
 #include "scalar_inline.h"
 
-// In radians; odd. Beyond the fitted range it continues with the slope at its end.
+// Lag in radians, an odd function. Beyond the fitted range lag over speed stays constant.
 LODE_INLINE float lode_lag_rad(const lode_lag_t *lag, float omega_rad_s) {
     const float v = lode_min(omega_rad_s * omega_rad_s * lag->inv_range2, 1.0f);
     const float *c = lag->coefficient;
@@ -13,7 +13,7 @@ LODE_INLINE float lode_lag_rad(const lode_lag_t *lag, float omega_rad_s) {
     return omega_rad_s * slope;
 }
 
-// The line through the lag at a speed: the polynomial and its slope, by one scheme of Horner's.
+// Tangent to the lag at a speed: the polynomial and its slope in one Horner scheme.
 LODE_SHARED lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad_s) {
     const float v = omega_rad_s * omega_rad_s * lag->inv_range2;
     const float in = lode_min(v, 1.0f);
@@ -30,14 +30,14 @@ LODE_SHARED lode_lag_line_t lode_lag_line(const lode_lag_t *lag, float omega_rad
     return (lode_lag_line_t){at, omega_rad_s, share + twice * rise};
 }
 
-// Sine and cosine of the lag at a speed nearby. What the line leaves of the lag's curve: 4e-5 rad for
-// paper 1's motor and a move of 16 rad/s; of the length d^2/2 for a move of the lag by d. Without the slope,
-// the lag of up to eight periods ago cost a drone's motor twice the error in a step of load.
+// Sine and cosine of the lag at a speed nearby, by the tangent. The angle is off by 4e-5 rad for paper 1's motor and a change
+// of 16 rad/s, the length by d^2/2 for a change of the lag by d. Without the slope, a lag up to eight periods old doubled the
+// error of a drone motor in a load step.
 LODE_INLINE lode_sincos_t lode_lag_near(const lode_lag_line_t *line, float omega_rad_s) {
     return lode_angle_rotate_small(line->at, line->slope_s * (omega_rad_s - line->omega_rad_s));
 }
 
-// A line so far from its point that the length would be off by more than 0.8 %.
+// Change of the lag at which the length would be off by more than 0.8 %.
 #define LAG_MOVE_MAX_rad 0.125f
 
 LODE_INLINE bool lode_lag_is_far(const lode_lag_line_t *line, float omega_rad_s) {

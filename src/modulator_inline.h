@@ -5,25 +5,25 @@
 #include "inverter_inline.h"
 #include "lodestar/modulator.h"
 
-// What becomes of the phases of one set.
+// Result for the phases of one set.
 typedef struct {
     lode_abc_t duty;
-    lode_abc_t seen; // by the motor, where the voltage is not `as_asked`
+    lode_abc_t seen; // seen by the motor if not `as_asked`
     bool as_asked;
 } lode_modulator_phases_t;
 
-// What one set is asked for. In one piece for the same reason as lode_current_case_t.
+// Input of one set. One struct for the same reason as lode_current_case_t.
 typedef struct {
     lode_abc_t v;   // per bus volt
     lode_abc_t i_A; // while it acts
 } lode_modulator_case_t;
 
-// The same as lode_modulator_set() where a duty may reach a rail, or the dead time is modelled.
+// As lode_modulator_set(), if a duty may reach a rail or the dead time is modelled.
 lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inverter,
                                              const lode_dead_time_t *dead_time,
                                              const lode_modulator_case_t *at);
 
-// Added to this, a float holds whole numbers only.
+// Adding this rounds a float to a whole number.
 #define MODULATOR_WHOLE 8388608.0f // 2^23
 
 // To the nearest of at most 65535 ticks. NaN stays NaN.
@@ -41,16 +41,16 @@ LODE_INLINE lode_abc_t lode_modulator_errors(const lode_dead_time_t *dead_time, 
 
 // Duties for the phase voltages `v`, per bus volt, that sum to zero.
 LODE_INLINE lode_abc_t lode_modulator_duties(lode_abc_t v) {
-    // The common mode that centres the three (B9), half of the middle one, equals space-vector
-    // modulation. They sum to zero, so the middle one is the smallest by magnitude.
+    // The common mode that centres the three duties (B9), half of the middle one, equals space-vector modulation. The three sum
+    // to zero, so the middle one is the smallest by magnitude.
     const float ab = lode_abs(v.a) < lode_abs(v.b) ? v.a : v.b;
     const float middle = lode_abs(v.c) < lode_abs(ab) ? v.c : ab;
     const float centre = 0.5f + 0.5f * middle;
     return (lode_abc_t){v.a + centre, v.b + centre, v.c + centre};
 }
 
-// One set, whose phase voltages per bus volt are `v` while its currents are `i_A`. `free`: the voltage lies
-// within lode_inverter_tuning_t.free.
+// One set: `v` phase voltages per bus volt, `i_A` its currents meanwhile. `free`: the voltage lies within
+// lode_inverter_tuning_t.free.
 LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tuning_t *inverter,
                                                        const lode_dead_time_t *dead_time,
                                                        lode_abc_t v, lode_abc_t i_A, bool free) {
@@ -71,9 +71,9 @@ LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tunin
     return (lode_modulator_phases_t){duty, duty, true};
 }
 
-// Set 1, or the only one: duties for the voltage `v` per bus volt, to act while the current is `i_A`.
-// Linear up to 1/sqrt(3). Beyond, and where the correction reaches past the rails, the duties are clamped
-// and `realised` says what is left. The current must be finite.
+// Set 1, or the only one: duties for the voltage `v` per bus volt, to act while the current is `i_A`, which must be finite.
+// Linear up to 1/sqrt(3). Beyond that, and where the correction exceeds the rails, the duties are clamped; `realised` is what
+// remains.
 LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_t *inverter,
                                                      const lode_dead_time_t *dead_time, lode_ab_t v,
                                                      lode_ab_t i_A, bool free) {
@@ -82,8 +82,8 @@ LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_
     return (lode_modulator_out_t){out.duty, out.as_asked ? v : lode_clarke(out.seen)};
 }
 
-// Every duty within [0, most]. As unsigned integers, the floats from 0 to `most` are those up to its own;
-// NaN, Inf and what is negative are larger.
+// Every duty is within [0, most]. Compared as unsigned integers, which order non-negative floats as they are; NaN, Inf and
+// negative values are larger.
 LODE_INLINE bool lode_modulator_is_within(lode_abc_t duty, float most) {
     const union {
         float value;

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-// RMS of a sine to its amplitude, phase to line-line: sqrt(2) / sqrt(3).
+// Line-line RMS of a sine to phase amplitude: sqrt(2) / sqrt(3).
 #define PEAK_PHASE_PER_RMS_LINE 0.816496580927726f
 #define RPM_TO_RAD_S (LODE_TWO_PI / 60.0f)
 

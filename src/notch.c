@@ -1,6 +1,6 @@
 #include "notch_inline.h"
 
-// Of the span over which it fades in, below it.
+// Speed at which the notch begins to fade in, over the span of its fade (P14).
 #define LOW (LODE_NOTCH_LOW_SIGMA / (LODE_NOTCH_HIGH_SIGMA - LODE_NOTCH_LOW_SIGMA))
 
 lode_status_t lode_notch_tune(lode_notch_tuning_t *tuning, float order, float k, float sigma_rad_s,

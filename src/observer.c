@@ -3,7 +3,7 @@
 
 void lode_observer_design(lode_observer_config_t *config, float omega_rated_rad_s,
                           float sigma_rad_s, float ts_s) {
-    // The chosen one first: several share fields, and each has its own default for them.
+    // The chosen observer first: several observers share fields, with different defaults.
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
     LODE_IF_BUILT_IN(                                                                              \
         ID, if (config->kind == LODE_EMF_##ID) {                                                   \
@@ -21,7 +21,7 @@ static lode_status_t first_error(lode_status_t a, lode_status_t b) {
     return a != LODE_OK ? a : b;
 }
 
-// Every field that an observer of this build knows, also while another one is chosen.
+// Checks the fields of all observers of this build, not only those of the chosen one.
 static lode_status_t check(const lode_observer_config_t *config, float ts_s) {
     lode_status_t status = LODE_OK;
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
@@ -89,7 +89,7 @@ void lode_observer_begin(lode_observer_t *self, const lode_observer_tuning_t *tu
     const lode_sincos_t back = lode_sincos(-step_rad);
     lode_observer_reset(self);
     self->e_V = e_V;
-    (void)back; // none that needs it may be built in
+    (void)back; // the observers that need it may not be built in
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
     LODE_IF_BUILT_IN(                                                                              \
         ID, if (tuning->kind == (uint32_t)LODE_EMF_##ID) { id##_begin(self, tuning->own, back); })
@@ -101,7 +101,7 @@ LODE_RAMFUNC void lode_observer_step_called(lode_observer_t *self,
                                             const lode_observer_tuning_t *tuning, lode_ab_t m_V,
                                             lode_sincos_t step_angle, float omega_rad_s) {
     (void)self, (void)tuning, (void)m_V, (void)step_angle,
-        (void)omega_rad_s; // none may be built in
+        (void)omega_rad_s; // such observers may not be built in
 #define STEP_FIXED(ID, id)
 #define STEP_INLINE(ID, id)
 #define STEP_CALLED(ID, id)                                                                        \

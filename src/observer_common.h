@@ -1,10 +1,10 @@
-// What several observers share.
+// Shared by several observers.
 #ifndef LODESTAR_OBSERVER_COMMON_H
 #define LODESTAR_OBSERVER_COMMON_H
 
 #include "lodestar/observer.h"
 
-// Default bandwidth over the rated speed: paper 1 has 2000 rad/s at 471 rad/s. Not less at few periods per turn:
+// Default bandwidth over the rated speed: paper 1 has 2000 rad/s at 471 rad/s. It is not lowered at few periods per turn:
 // (E29).
 #define W0_PER_OMEGA_RATED 4.25f
 #define W0_TS_MAX 2.0f

@@ -1,4 +1,4 @@
-// FA-LESO: a pole that turns with the rotor; with k1 > 0 a slow one beside it (E17), (E18).
+// FA-LESO: a pole that turns with the rotor and, with k1 > 0, a second, slow one (E17), (E18).
 #ifndef LODESTAR_OBSERVER_FA_LESO_H
 #define LODESTAR_OBSERVER_FA_LESO_H
 
@@ -15,7 +15,7 @@ lode_ab_t lode_fa_leso_step_slow(lode_observer_t *self, const lode_observer_tuni
 LODE_INLINE lode_ab_t fa_leso_step(lode_observer_t *self, const lode_observer_tuning_t *tuning,
                                    lode_ab_t m_V, lode_sincos_t step_angle, float omega_rad_s) {
     if (tuning->own[FA_LESO_K1_TS2] > 0.0f) {
-        const lode_ab_t m = {m_V.alpha, m_V.beta}; // copies: they themselves stay in registers
+        const lode_ab_t m = {m_V.alpha, m_V.beta}; // copies: the originals stay in registers
         const lode_sincos_t rho = {step_angle.sin, step_angle.cos};
         const lode_ab_t e_V = lode_fa_leso_step_slow(self, tuning, m, rho, omega_rad_s);
         return (lode_ab_t){e_V.alpha, e_V.beta};
@@ -29,9 +29,9 @@ LODE_INLINE lode_ab_t fa_leso_step(lode_observer_t *self, const lode_observer_tu
 }
 
 #if defined(LODE_OBSERVER_INIT) && !defined(LODE_WITHOUT_FA_LESO)
-// With more k1 the joint model with the PLL is unstable at low speed: docs/theory/fa_guideline.md.
+// With a larger k1 the model of observer and PLL together is unstable at low speed: docs/theory/fa_guideline.md.
 #define FA_LESO_K2_PER_K1 10.0f
-#define FA_LESO_K2_PER_SIGMA 3.0f // a comfortable margin over 0.549: docs/theory/pll.md
+#define FA_LESO_K2_PER_SIGMA 3.0f // a wide margin over 0.549: docs/theory/pll.md
 #define FA_LESO_K2_PER_SIGMA_MIN 0.549f
 
 static void fa_leso_design(lode_observer_config_t *config, float omega_rated_rad_s,

@@ -1,13 +1,12 @@
-// FA-LESO with further modes: a bank of rotating ones that share one error. Offset and the 5th and 7th
-// harmonic of the EMF end up in modes of their own; below omega_low those leak away (E19).
+// FA-LESO with further modes: a bank of rotating modes that share one error. Offset and the 5th and 7th harmonic of the EMF end
+// up in modes of their own, which leak away below omega_low (E19).
 #ifndef LODESTAR_OBSERVER_FA_MULTI_H
 #define LODESTAR_OBSERVER_FA_MULTI_H
 
 #include "observer_common.h"
 
 enum { FA_MULTI_ZERO, FA_MULTI_FIFTH, FA_MULTI_SEVENTH }; // vectors: modes 0, -5 w, 7 w
-// Numbers; the speed up to which the further modes stay out, and 1/(speed from which they are in full
-// less that one).
+// Numbers. The further modes are blended in from OMEGA_LOW on; INV_SPAN is 1/(speed of full effect - OMEGA_LOW).
 enum { FA_MULTI_Q, FA_MULTI_TS_s, FA_MULTI_K2, FA_MULTI_OMEGA_LOW, FA_MULTI_INV_SPAN };
 
 #if defined(LODE_OBSERVER_INIT) && !defined(LODE_WITHOUT_FA_MULTI)
@@ -73,7 +72,7 @@ LODE_RAMFUNC static lode_ab_t fa_multi_step(lode_observer_t *self,
         lode_ab_scale(keep, lode_ab_rotate(self->own[FA_MULTI_SEVENTH], angle7));
     const lode_ab_t error = {m_V.alpha - main.alpha - zero.alpha - fifth.alpha - seventh.alpha,
                              m_V.beta - main.beta - zero.beta - fifth.beta - seventh.beta};
-    // Each further mode turns at wm - w against the first, which answers with lag k2/(wm - w).
+    // Relative to the first mode each further mode turns at wm - w, so the first one answers it with the lag k2/(wm - w).
     const float kh = in * lode_min(FA_MULTI_KH_MAX_rad_s, FA_MULTI_KH_SHARE * speed);
     const float gain = kh * own[FA_MULTI_TS_s];
     const float lead = in > 0.0f ? own[FA_MULTI_K2] / omega_rad_s : 0.0f;

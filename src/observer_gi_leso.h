@@ -1,5 +1,4 @@
-// GI-LESO: a C-LESO whose error passes, on top, a band-pass that has gain 1 exactly at the speed
-// (E13) to (E16).
+// GI-LESO: a C-LESO with a band-pass added to its error, which has gain 1 exactly at the rotor's speed (E13) to (E16).
 #ifndef LODESTAR_OBSERVER_GI_LESO_H
 #define LODESTAR_OBSERVER_GI_LESO_H
 
@@ -11,7 +10,7 @@ enum { GI_LESO_GAIN, GI_LESO_P2, GI_LESO_KAPPA, GI_LESO_WC_TS }; // numbers
 #if defined(LODE_OBSERVER_INIT) && !defined(LODE_WITHOUT_GI_LESO)
 #define GI_LESO_KAPPA_DEFAULT 2.0f // paper 2, Table II
 #define GI_LESO_KAPPA_MAX 7.0f     // stable at every speed below 8
-// Twice paper 2's: with pi the lag that a ramp leaves takes a second to go, 0.9 degrees after 0.4 s.
+// Twice paper 2's pi, with which the lag left by a ramp takes a second to fade: 0.9 degrees after 0.4 s.
 #define GI_LESO_WC_rad_s LODE_TWO_PI
 #define GI_LESO_SIGMA_PER_W0_MAX 0.2f // as C-LESO
 #define GI_LESO_LOWEST_DIVISOR 1.0e-3f
@@ -54,8 +53,8 @@ LODE_RAMFUNC static lode_ab_t gi_leso_step(lode_observer_t *self,
     const float *own = tuning->own;
     const lode_ab_t error = lode_ab_add_scaled(lode_ab_subtract(m_V, self->e_V), own[GI_LESO_P2],
                                                self->own[GI_LESO_ERROR]);
-    // The band-pass as two integrators that exchange their content, trapezoidal and prewarped, as in
-    // the SOGI: B' = 2 wc (error - B) - w L, L' = w B. It loses energy at any course of the speed.
+    // The band-pass is two coupled integrators, trapezoidal and prewarped as in the SOGI: B' = 2 wc (error - B) - w L, L' = w
+    // B. It loses energy whatever the speed does.
     const float g =
         step_angle.sin / lode_max(1.0f + step_angle.cos, GI_LESO_LOWEST_DIVISOR); // tan(w Ts/2)
     const float al = own[GI_LESO_WC_TS] * (1.0f + g * g);
@@ -77,7 +76,7 @@ static void gi_leso_settle(lode_observer_t *self) {
         (lode_ab_t){0.0f, 0.0f};
 }
 
-// From e = rho^-1 e + g (1 + kappa) error: the band-pass has gain 1, its second integrator lags by a right angle (E13).
+// From e = rho^-1 e + g (1 + kappa) error: the band-pass has gain 1, and its second integrator lags by 90 degrees (E13).
 static void gi_leso_begin(lode_observer_t *self, const float *own, lode_sincos_t back) {
     const lode_ab_t moved = lode_ab_subtract(self->e_V, lode_ab_rotate(self->e_V, back));
     const lode_ab_t error =

@@ -12,7 +12,7 @@
 void lode_observer_step_called(lode_observer_t *self, const lode_observer_tuning_t *tuning,
                                lode_ab_t m_V, lode_sincos_t step_angle, float omega_rad_s);
 
-// False for an observer that does not need step angle and speed, and where only such ones are built in.
+// False for an observer that does not need step angle and speed; a constant in a build with only such observers.
 LODE_INLINE bool lode_observer_rotates(const lode_observer_tuning_t *tuning) {
 #define ROTATES_FIXED(ID)
 #define ROTATES_INLINE(ID) ROTATING_##ID,
@@ -41,9 +41,8 @@ LODE_INLINE bool lode_observer_rotates(const lode_observer_tuning_t *tuning) {
 #undef ROTATES_FIXED
 }
 
-// One period of any of them: the estimate from `m_V`. `step_angle`: w Ts at the speed `omega_rad_s` that the
-// observer is tuned to. C-LESO falls straight through:
-// the hint saves 8 cycles of enhanced with six phases.
+// One period of any observer: the estimate from `m_V`. `step_angle`: w Ts at the speed `omega_rad_s` that the observer is tuned
+// to. The hint for C-LESO saves 8 cycles of enhanced with six phases.
 LODE_INLINE lode_ab_t lode_observer_step(lode_observer_t *self,
                                          const lode_observer_tuning_t *tuning, lode_ab_t m_V,
                                          lode_sincos_t step_angle, float omega_rad_s) {
@@ -60,7 +59,7 @@ LODE_INLINE lode_ab_t lode_observer_step(lode_observer_t *self,
 #undef STEP_CALLED
 #undef STEP_FIXED
 #undef STEP_INLINE
-    const lode_ab_t m = {m_V.alpha, m_V.beta}; // copies: they themselves stay in registers
+    const lode_ab_t m = {m_V.alpha, m_V.beta}; // copies: the originals stay in registers
     const lode_sincos_t rho = {step_angle.sin, step_angle.cos};
     lode_observer_step_called(self, tuning, m, rho, omega_rad_s);
     return (lode_ab_t){self->e_V.alpha, self->e_V.beta};

@@ -23,7 +23,7 @@ LODE_INLINE lode_ab_t r_leso_step(lode_observer_t *self, const lode_observer_tun
 }
 
 #if defined(LODE_OBSERVER_INIT) && !defined(LODE_WITHOUT_R_LESO)
-// With the speed fed back, stable above: (E27), (E28).
+// Stability limits with the speed fed back: (E27), (E28).
 #define R_LESO_W0_PER_SIGMA_MIN 1.684f
 #define R_LESO_W0_PER_SIGMA_MIN_QPLL 0.325f
 
@@ -50,7 +50,7 @@ static void r_leso_tune(float *own, const lode_observer_config_t *config, float 
 }
 
 static void r_leso_settle(lode_observer_t *self) {
-    (void)self; // forgets with w0
+    (void)self; // nothing to do: fades with w0
 }
 
 static void r_leso_begin(lode_observer_t *self, const float *own, lode_sincos_t back) {

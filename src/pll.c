@@ -1,16 +1,16 @@
 #include "lodestar/pll.h"
 
-// Shares of the rated electrical speed. At 471 rad/s they give sigma = 50 .. 100 rad/s between 47 and
-// 94 rad/s: 50 for the hand-over, 100 as the most that survives all parameter errors at once.
+// Shares of the rated electrical speed. At 471 rad/s rated, sigma rises from 50 to 100 rad/s between 47 and 94 rad/s: 50 for
+// the hand-over, 100 as the largest value that survives all parameter errors at once.
 #define SIGMA_LOW_SHARE 0.1061f
 #define SIGMA_HIGH_SHARE 0.2122f
 #define OMEGA_LOW_SHARE 0.1f
 #define OMEGA_HIGH_SHARE 0.2f
-// Of a QPLL, times those: the same noise of the angle (H20), and an acceleration that it does not know leaves it
-// 1/2.7 of the error.
+// Factor on both sigma for a QPLL: the angle noise is then the same (H20), and the error by an acceleration, which it does not
+// know, falls to 1/2.7.
 #define QPLL_TIMES 1.65f
 #define SIGMA_TS_MAX 0.3f
-// A fifth (P10) of the largest w0 that an observer has by default, less a rounding.
+// A fifth (P10) of the largest default w0 of an observer, less rounding.
 #define SIGMA_TS_DEFAULT_MAX 0.0999f
 
 float lode_pll_times(lode_pll_kind_t kind) {

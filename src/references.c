@@ -1,34 +1,37 @@
 #include "lodestar/references.h"
 #include "references_inline.h"
 
-// At 471 rad/s rated: full below 94, gone above 188 rad/s. Narrower, a load step from no load at a
-// quarter of rated speed met all three currents in the dead band: 11 degrees of error instead of 4.
+// With 471 rad/s rated: full bias below 94, none above 188 rad/s. With a narrower range, a load step from no load at a quarter
+// of rated speed met all three currents in the dead band: 11 degrees of error instead of 4.
 #define OMEGA_LOW_SHARE 0.2f
 #define OMEGA_HIGH_SHARE 0.4f
 #define BIAS_SHARE 0.25f // of i_max: 3 A of 12 A leaves no phase at zero for long
 
-#define VOLTAGE_USE 0.95f // leaves control 5 % of its circle, some 20 times the bus' noise
+#define VOLTAGE_USE 0.95f // leaves control 5 % of its circle, some 20 times the noise of the bus
 #define TRIM_rad_s 20.0f  // a decade below speed control
 #define TRIM_MAX 0.15f    // dead time, drops and 10 % of psi
 #define RELEASE_s 0.1f
-#define FALL_s 4.0e-3f       // id may fall by i_max in some four time constants of current control
-#define FLUX_MIN_SHARE 0.02f // of psi: some 50 times the speed at which psi alone takes the voltage
-// Near MTPV the flux no longer depends on id: from a tenth of the slope at no current the step is
-// bounded by fall_A.
+#define FALL_s 4.0e-3f // id falls by i_max in some four time constants of current control
+#define FLUX_MIN_SHARE                                                                             \
+    0.02f // of psi: reached at some 50 times the speed at which psi alone takes the voltage
+// Near MTPV the flux no longer depends on id. The slope is kept above a tenth of its value at zero current, and fall_A bounds
+// the step.
 #define SLOPE_MIN_SHARE 0.1f
-#define WEAKENING_SHARE 1.0e-3f // of i_max below what the torque alone would have
-#define SETTLED_SHARE 0.9f      // of the slower rate of id: less is no rate limit
-#define FLUX_UNLIMITED 1.0e9f   // finite when squared, beyond any motor's
-#define FLUX_SLACK 1.02f        // some of what voltage_use leaves: iq is not to follow its noise
+#define WEAKENING_SHARE                                                                            \
+    1.0e-3f                   // of i_max: id this far below that for the torque counts as weakened
+#define SETTLED_SHARE 0.9f    // of the slower rate of id: below that, the rate limit is not active
+#define FLUX_UNLIMITED 1.0e9f // finite when squared, beyond any motor's
+#define FLUX_SLACK                                                                                 \
+    1.02f // uses a part of what voltage_use leaves, so that iq does not follow its noise
 #define SATURATION_STEPS 32
-#define LQ_UNKNOWN 0.1f // of Lq at i_max; as much as 20 % at 0.7 i_max
-// Half of the most that there is an end to. There a change of the current moves the angle 1.7 times as much as at
-// little current; at the end itself any amount, which the PLL shows speed control as a speed.
+#define LQ_UNKNOWN 0.1f // of Lq at i_max; equivalent to 20 % at 0.7 i_max
+// Share of the limit of (R15). There a change of the current moves the angle 1.7 times as much as with little current (R16),
+// and towards the limit without bound; the PLL passes this to speed control as a speed.
 #define ANGLE_SHARE 0.5f
 
-// With id* = 0 an error of Lq turns the angle, and the current, so that some of it strengthens the flux: a salient
-// rotor loses active flux, and the angle turns the more. Beyond (psi/iq)^2 = 4 (Lq - Ld) dLq there is no end to it
-// (R15); with id < 0 there is, and the angle moves less with the current (R16).
+// With id* = 0 an error of Lq turns the angle, so that a part of the current strengthens the d flux; a salient rotor then loses
+// active flux, and the angle turns further. Beyond (psi/iq)^2 = 4 (Lq - Ld) dLq this has no end (R15). With id < 0 it has, and
+// the angle depends less on the current (R16).
 static lode_references_kind_t default_kind(const lode_inverter_config_t *inverter,
                                            const lode_motor_t *motor) {
 #ifdef LODE_WITHOUT_OPTIMAL_REFERENCES
@@ -69,7 +72,7 @@ static bool is_weakening_sound(const lode_references_config_t *config, float i_m
            lode_in_range(config->id_max_A, 1.0e-3f * i_max_A, i_max_A);
 }
 
-// Each fade that is asked for lies between the nominal bus and its end.
+// Each configured fade lies between the nominal bus voltage and the end of the fade.
 static bool is_fade_sound(const lode_references_config_t *config, float v_bus_V) {
     const float above_V = config->v_bus_max_V - config->v_regen_V;
     const float below_V = config->v_motor_V - config->v_bus_min_V;
@@ -106,8 +109,8 @@ LODE_INLINE float Lq_at(const lode_references_tuning_t *tuning, float iq_A) {
     return tuning->Lq_H / (1.0f + tuning->Lq_fall * lode_abs(iq_A));
 }
 
-// Most torque of the circle (R6), over the torque factor: id from the amplitude in closed form, with
-// the Lq of the iq of the step before.
+// Largest torque on the current circle (R6), over the torque factor: id from the amplitude in closed form, with the Lq of the
+// previous step's iq.
 static float most_tau(const lode_references_tuning_t *tuning) {
     const float i_max = tuning->i_max_A;
     float iq = i_max;
@@ -126,7 +129,7 @@ static float most_tau(const lode_references_tuning_t *tuning) {
 
 static uint32_t options_of(const lode_references_config_t *config, const lode_motor_t *motor) {
     const bool weakens = config->field_weakening == LODE_ON;
-    // With Lq >= Ld the point of most torque per volt lies beyond psi/Ld (R13).
+    // With Lq >= Ld the point of maximum torque per volt lies beyond psi/Ld (R13).
     const bool reaches =
         motor->Ld_H > motor->Lq_H || motor->psi_Wb < motor->Ld_H * config->id_max_A;
     const bool fades = config->v_regen_V > 0.0f || config->v_motor_V > 0.0f;
@@ -139,12 +142,12 @@ static uint32_t options_of(const lode_references_config_t *config, const lode_mo
     return options;
 }
 
-// A fade that is never met where none is wanted.
+// If not wanted, a fade that is never reached.
 static lode_fade_t fade_between(float low, float high, bool wanted) {
     return wanted ? (lode_fade_t){high, 1.0f / (high - low)} : (lode_fade_t){FLT_MAX, 1.0f};
 }
 
-// What lode_references_step() can follow in this build.
+// True: this build includes what the options need.
 static bool is_built_in(const lode_references_tuning_t *t) {
 #if defined(LODE_WITHOUT_OPTIMAL_REFERENCES)
     return t->options == 0u;
@@ -214,7 +217,7 @@ void lode_references_reset(lode_references_t *self, float id_A) {
                                 .tau_most = FLT_MAX};
 }
 
-// id of MTPA for the torque `tau` >= 0 over the torque factor: (R3) to (R5).
+// id of MTPA for `tau` >= 0, the torque over the torque factor: (R3) to (R5).
 LODE_INLINE float mtpa_id(const lode_references_tuning_t *tuning, float salient, float tau) {
     const float y = 4.0f * lode_abs(salient) * tau * tuning->inv_psi2;
     const float y2 = y * y;
@@ -242,14 +245,14 @@ LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient,
     return bias;
 }
 
-// The last id is below the one for the torque alone.
+// The last id is below the id for the torque alone.
 LODE_INLINE bool is_weakening(const lode_references_t *self,
                               const lode_references_tuning_t *tuning) {
     return self->id_A < self->id_free_A - WEAKENING_SHARE * tuning->i_max_A;
 }
 
-// Flux that the voltage leaves room for (R8), with the trim (R9) brought up to date. An id that is the least, or
-// moves at a rate limit, does not answer to the trim.
+// Flux that the voltage allows (R8), with the trim (R9) updated. An id at its minimum, or moving at a rate limit, does not
+// respond to the trim.
 LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuning_t *tuning,
                              float omega_rad_s, lode_references_voltage_t voltage) {
     const float use = tuning->circle * voltage.v_bus_V;
@@ -268,7 +271,7 @@ LODE_INLINE float flux_limit(lode_references_t *self, const lode_references_tuni
     return lode_clamp(flux, FLUX_MIN_SHARE * tuning->psi_Wb, most);
 }
 
-// Most torque per volt (R13): the currents at the flux `flux`.
+// Maximum torque per volt (R13): the currents at the flux `flux`.
 LODE_INLINE lode_dq_t mtpv(const lode_references_tuning_t *tuning, float Lq, float flux) {
     const float inv_Lq = 1.0f / Lq;
     const float p = tuning->psi_Wb * tuning->inv_Ld;
@@ -298,7 +301,7 @@ LODE_INLINE float newton_id(const lode_references_tuning_t *tuning, float id, fl
     return id - (excess * active2 + psi_q * psi_q) / lode_max(slope, slope_min * active2);
 }
 
-// The one for the torque alone or, where the voltage asks for it, less: falls fast, rises slowly (R12).
+// id for the torque alone or, where the voltage requires it, less: falls fast, rises slowly (R12).
 LODE_INLINE float weakened_id(const lode_references_t *self, const lode_references_tuning_t *tuning,
                               float Lq, float tau) {
     const float before = self->id_A;
@@ -307,11 +310,11 @@ LODE_INLINE float weakened_id(const lode_references_t *self, const lode_referenc
     return lode_clamp(newton_id(tuning, before, Lq, tau, self->flux), low, high);
 }
 
-// Torques over the torque factor that the bus allows against and with positive iq (R14).
+// Torque range that the bus allows, over the torque factor, by the sign of iq (R14).
 LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, float omega_rad_s,
                                     float v_bus_V) {
     const float most = tuning->tau_max;
-    // 5 cycles of the worst-case call of board_mtpa
+    // the hint saves 5 cycles of the worst-case call of board_mtpa
     if (LODE_USUALLY(!lode_references_asks(tuning, LODE_REFERENCES_FADE))) {
         return (lode_range_t){-most, most};
     }
@@ -325,7 +328,7 @@ LODE_INLINE float wanted_tau(const lode_references_tuning_t *tuning, float torqu
     return lode_clamp(torque_Nm * tuning->inv_torque_factor, bus.min, bus.max);
 }
 
-// iq for the torque, within the circle (K11); it waits until id leaves it the flux (R12).
+// iq for the torque, within the current circle (K11); it waits until id leaves room in the flux limit (R12).
 LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float tau, float active,
                         float iq_max, float id, float Lq, float flux) {
     const float iq = lode_min(tau / active, iq_max);
@@ -335,7 +338,7 @@ LODE_INLINE float iq_of(const lode_references_tuning_t *tuning, float tau, float
     return psi_q * psi_q <= headroom ? iq : lode_sqrt(headroom) / Lq;
 }
 
-// As the iq of the last call saturates it.
+// Lq as saturated by the iq of the last call.
 static float present_Lq(const lode_references_t *self, const lode_references_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_OPTIMAL_REFERENCES
     (void)self;
@@ -346,7 +349,8 @@ static float present_Lq(const lode_references_t *self, const lode_references_tun
 #endif
 }
 
-// `circle`: what the d current leaves of the largest current. With more torque MTPA would move id too: all of it can be had.
+// `circle`: torque that the d current leaves on the current circle. With MTPA and no weakening, id would follow a larger
+// torque, so all of tau_max is available.
 static float largest_tau(const lode_references_t *self, const lode_references_tuning_t *tuning,
                          float circle) {
     const bool opens =
@@ -357,7 +361,7 @@ static float largest_tau(const lode_references_t *self, const lode_references_tu
 
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 
-// None of the three is LODE_RAMFUNC: once in some periods, and too large for small fast memories.
+// The three below are not LODE_RAMFUNC: not called in every period, and too large for small fast memories.
 
 void lode_references_find_flux(lode_references_t *self, const lode_references_tuning_t *tuning,
                                float omega_rad_s, lode_references_voltage_t voltage) {

@@ -1,25 +1,25 @@
-// One call of the current references: plain id* = 0 with its bias here, the rest out of line.
+// One call of the current references: id* = 0 with its bias is inline, the rest is not.
 #ifndef LODE_REFERENCES_INLINE_H
 #define LODE_REFERENCES_INLINE_H
 
 #include "lodestar/references.h"
 #include "ramp_inline.h"
 
-// What is more than plain id* = 0 comes in three parts, since all at once would make one period in a round
-// much dearer than the others. With field weakening: the flux that the voltage leaves room for.
+// All but id* = 0 comes in three parts: in one, it would make one period in a round much longer than the others. First part,
+// for field weakening: the flux that the voltage allows.
 void lode_references_find_flux(lode_references_t *self, const lode_references_tuning_t *tuning,
                                float omega_rad_s, lode_references_voltage_t voltage);
-// id for the torque alone, and what is added to it.
+// Second part: id for the torque alone, plus `id_add_A`.
 void lode_references_find_id(lode_references_t *self, const lode_references_tuning_t *tuning,
                              float torque_Nm, float omega_rad_s, float id_add_A, float v_bus_V);
-// The currents for this torque, that flux and that id.
+// Last part: the currents for the torque, with that flux and that id.
 lode_references_out_t lode_references_optimal(lode_references_t *self,
                                               const lode_references_tuning_t *tuning,
                                               float torque_Nm, float omega_rad_s, float v_bus_V);
 
-#define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi: least active flux that is divided by
+#define ACTIVE_FLUX_MIN_SHARE 0.1f // of psi: least active flux as a divisor
 
-// What rotation induces at the currents `i_A`, with the present `Lq_H`: decoupling and EMF feed-forward of current
+// Voltage induced by rotation at the currents `i_A`, with the present `Lq_H`: decoupling and EMF feed-forward of current
 // control (K1).
 LODE_INLINE lode_dq_t lode_references_induced_V(const lode_references_tuning_t *tuning, float Lq_H,
                                                 lode_dq_t i_A, float omega_rad_s) {
@@ -27,12 +27,12 @@ LODE_INLINE lode_dq_t lode_references_induced_V(const lode_references_tuning_t *
                        omega_rad_s * (tuning->Ld_H * i_A.d + tuning->psi_Wb)};
 }
 
-// At no current.
+// Ld - Lq at zero current.
 LODE_INLINE float lode_references_salient_H(const lode_references_tuning_t *tuning) {
     return tuning->Ld_H - tuning->Lq_H;
 }
 
-// An id so positive that a salient rotor has no torque left is met at the current limit.
+// With an id so positive that a salient rotor has no torque left, the divisor stays positive and the current limit acts.
 LODE_INLINE float lode_references_active_flux(const lode_references_tuning_t *tuning, float salient,
                                               float id_A) {
     return lode_max(tuning->psi_Wb + salient * id_A, ACTIVE_FLUX_MIN_SHARE * tuning->psi_Wb);
@@ -108,14 +108,14 @@ LODE_INLINE lode_references_out_t lode_references_finish(lode_references_t *self
                                    {-limit, limit}};
 }
 
-// What the flux of a q axis that saturates lacks of that by the Lq of no current (R2).
+// Flux that a saturated q axis lacks compared with the Lq at zero current (R2).
 LODE_INLINE float lode_references_lacking_Wb(const lode_references_tuning_t *tuning, float iq_A) {
     const float less = tuning->Lq_fall * lode_abs(iq_A);
     return tuning->Lq_H * iq_A * less / (1.0f + less);
 }
 
-// The active flux is observed with the Lq of no current. With that of the present one it stands further ahead, by
-// (R17). `at`: turned by so much.
+// The observer uses the Lq at zero current. With the present Lq the active flux is further ahead, by (R17): returns `at` turned
+// by that angle.
 LODE_INLINE lode_sincos_t lode_references_saturated(const lode_references_tuning_t *tuning,
                                                     lode_sincos_t at, lode_dq_t i_A) {
     const float psi_a =

@@ -6,10 +6,10 @@ LODE_RAMFUNC lode_sincos_t lode_sincos(float x_rad) {
 #ifdef LODE_SINCOS_BOARD
     return lode_sincos_board(x);
 #else
-    // Quarter turns to the nearest; |x| is bounded, so the cast is defined.
+    // Rounds to quarter turns; |x| is bounded, so the cast is defined.
     const float quarters = x * 0.636619772367581343f;
     const int32_t n = (int32_t)(quarters + (quarters < 0.0f ? -0.5f : 0.5f));
-    // pi/2 in two parts, the first with 15 trailing zero bits: n times it is exact (|n| <= 1304).
+    // pi/2 in two parts. The first has 15 trailing zero bits, so that n times it is exact (|n| <= 1304).
     const float r = (x - (float)n * 1.5703125f) - (float)n * 4.83826794896619231e-4f;
     const lode_sincos_t near = lode_sincos_octant(r);
     const bool swap = (n & 1) != 0;
@@ -59,8 +59,8 @@ float lode_one_minus_exp(float x) {
     if (x > 20.0f) {
         return 1.0f; // exp(-20) is below half an ulp of 1
     }
-    // x/2^7 <= 0.16: four terms leave 5e-6 of it, and nothing that can be seen where the exponential can. Then
-    // 1 - exp(-2x) = y (2 - y) seven times.
+    // With x/2^7 <= 0.16 the relative error of four terms is at most 5e-6, and that only where exp(-x) is too small to show.
+    // Then 1 - exp(-2x) = y (2 - y) seven times.
     const float r = x * (1.0f / 128.0f);
     float y = r * (1.0f - r * (0.5f - r * (1.0f / 6.0f - r * (1.0f / 24.0f))));
     for (int32_t i = 0; i < 7; i++) {

@@ -14,8 +14,7 @@ LODE_SHARED lode_sincos_t lode_sincos_octant(float x_rad) {
                                    x2 * (-1.38875865646e-3f + x2 * 2.44634525345e-5f)))};
 }
 
-// For a frame that is normalised anyway: sine and cosine to within x^4/24 of length and x^5/30 of angle,
-// 3e-5 rad for |x| <= 0.25.
+// For a frame that is normalised later: error at most x^4/24 in length and x^5/30 in angle, 3e-5 rad for |x| <= 0.25.
 LODE_INLINE lode_sincos_t lode_sincos_small(float x_rad) {
     const float half_x2 = 0.5f * x_rad * x_rad;
     return (lode_sincos_t){x_rad - x_rad * half_x2 * (1.0f / 3.0f), 1.0f - half_x2};

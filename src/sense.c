@@ -1,19 +1,20 @@
 #include "sense_inline.h"
 
-// A share of full scale that the offset of a sound amplifier stays within.
+// Largest offset error of a healthy amplifier, as a share of full scale.
 #define OFFSET_TOLERANCE 0.05f
 #define COUNT_MAX_12_BIT 4095.0f
 #define CALIBRATION_TIME_s 0.1f
-// As many 16-bit counts as a sum of 32 bits holds.
+// As many 16-bit counts as a 32-bit sum can hold.
 #define CALIBRATION_SAMPLES_MAX 65536.0f
-// Two samples of noise are off by a square of twice the variance; half the rms is a quarter of that. With less than
-// 0.4 counts a current in the middle between two may keep still by chance, and with less than 256 samples.
+// The squared difference of two noise samples has a mean of twice the variance; with half the rms it is a quarter of that. With
+// less than 0.4 counts a current in the middle between two counts may stand still by chance, and so may one with fewer than 256
+// samples.
 #define NOISE_STEPS2 0.5f
 #define NOISE_LEAST_count 0.4f
 #define NOISE_MOST_count 64.0f
 #define NOISE_SAMPLES 256.0f
 #define STEP_MAX 255u
-// Beyond any board: keeps every sample finite.
+// Larger than on any board; keeps every sample finite.
 #define GAIN_MAX 1.0e4f
 // Between an offset and the end of the range.
 #define HEADROOM_MIN_count 1.0f
@@ -84,7 +85,7 @@ lode_status_t lode_sense_tune(lode_sense_tuning_t *tuning, const lode_sense_conf
     const float steps2 = NOISE_STEPS2 * config->i_noise_count * config->i_noise_count * samples;
     const float fraction = (float)LODE_COUNT_FRACTION;
     const float gain = config->i_gain_A_count / fraction;
-    // An offset at the end of the range would pass for no current, and hide that the sensor is railed.
+    // An offset at the end of the range would look like zero current, and hide a sensor at its rail.
     const float most = headroom_count(config) - HEADROOM_MIN_count;
     const float tol = fraction * lode_min(config->i_offset_tol_count, most);
     const float alert = fraction * most - tol;
@@ -119,8 +120,7 @@ void lode_sense_begin(lode_sense_sums_t *sums) {
 
 #ifndef LODE_WITHOUT_SHUNT_WINDOW
 
-// The third where there are two shunts; else the one with the longest duty, where that leaves its
-// low-side shunt no time.
+// With two shunts the third phase; else the one with the longest duty, if that leaves its low-side shunt no time.
 LODE_RAMFUNC uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, lode_abc_t duty) {
     if (tuning->two_shunts != 0u) {
         return 2u;
@@ -146,7 +146,7 @@ LODE_NOINLINE void lode_sense_again(const lode_sense_t *self, const lode_counts_
     sample->trip = counts->trip;
 }
 
-// What the ADC delivered.
+// Count as the ADC delivered it.
 static int32_t count_of(const lode_sense_t *self, const lode_sample_t *sample, int32_t phase) {
     return (sample->i[phase] + self->offset[phase]) / LODE_COUNT_FRACTION;
 }
@@ -176,7 +176,7 @@ static void add_sample(const lode_sense_t *self, lode_sense_sums_t *sums,
     sums->samples++;
 }
 
-// The first without the noise that it should have, from 1; 0: none.
+// The first phase without the expected noise, from 1; 0: none.
 static int32_t still_phase(const lode_sense_sums_t *sums, const lode_sense_tuning_t *tuning) {
     int32_t wired = LODE_PHASES;
     if (tuning->two_shunts != 0u) {
@@ -201,16 +201,16 @@ lode_calibration_t lode_sense_calibrate(lode_sense_t *self, lode_sense_sums_t *s
     int32_t off[LODE_PHASES];
     int32_t worst = 0;
     for (int32_t n = 0; n < LODE_PHASES; n++) {
-        // Whole counts and the rest apart: together they would not fit.
+        // Whole counts and remainder separately: 256 times the sum would overflow.
         const uint32_t whole = sums->count[n] / sums->samples;
         const uint32_t rest = sums->count[n] % sums->samples;
         const uint32_t fraction = LODE_COUNT_FRACTION;
         const uint32_t mean = fraction * whole + fraction * rest / sums->samples;
-        // Without a sign there is no overflow, whatever the sums hold.
+        // Unsigned arithmetic cannot overflow, whatever the sums hold.
         const uint32_t beyond = mean - (uint32_t)tuning->offset_nominal;
         off[n] = (int32_t)beyond;
         if (tuning->two_shunts != 0u && n == 2) {
-            off[n] = 0; // nothing need be wired there
+            off[n] = 0; // may be unconnected
         }
         worst = lode_abs((float)off[n]) > lode_abs((float)worst) ? off[n] : worst;
     }

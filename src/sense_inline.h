@@ -11,38 +11,38 @@ LODE_INLINE uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, 
     return LODE_PHASES;
 }
 #else
-// The phase that cannot be sampled while the duties are `duty`; LODE_PHASES: all can.
+// The phase that cannot be sampled while `duty` acts; LODE_PHASES: all can be.
 uint_least8_t lode_sense_omitted(const lode_sense_tuning_t *tuning, lode_abc_t duty);
 #endif
 
-// What is missing from the next two samples, for the duties of a period act in the one after it: two bits
-// each, the next one's below.
+// Phases omitted in the next two samples (a period's duties act in the following one): two bits each, the next sample's in the
+// lower ones.
 #define OMITTED_BITS 2u
 #define OMITTED_MASK 3u
 #define OMITTED_NONE ((uint32_t)LODE_PHASES | (uint32_t)LODE_PHASES << OMITTED_BITS)
 
-// From now on `phase`, and in the next sample too.
+// `phase` is omitted in both samples.
 LODE_INLINE uint_least8_t lode_sense_omit_both(uint_least8_t phase) {
     return (uint_least8_t)(phase | (uint32_t)phase << OMITTED_BITS);
 }
 
-// While the duties act that have just been made, `phase`.
+// `phase` is omitted while the newest duties act.
 LODE_INLINE uint_least8_t lode_sense_omit_later(uint_least8_t omitted, uint_least8_t phase) {
     return (uint_least8_t)((omitted & OMITTED_MASK) | (uint32_t)phase << OMITTED_BITS);
 }
 
-// A current in use sits at an end of the ADC's range.
+// A sampled current is at an end of the ADC's range.
 bool lode_sense_is_railed(const lode_sense_t *self, const lode_sense_tuning_t *tuning,
                           const lode_sample_t *sample);
 
-// Phase currents from their offsets, 1/256 count.
+// Phase currents relative to their offsets, 1/256 count.
 typedef struct {
     int32_t a;
     int32_t b;
     int32_t c;
 } lode_sense_currents_t;
 
-// With one phase taken from the other two, whose sum it balances.
+// Computes the omitted phase from the other two.
 LODE_INLINE lode_sense_currents_t lode_sense_complete(lode_sense_currents_t i,
                                                       uint_least8_t omitted) {
     if (omitted == 0u) {
@@ -57,9 +57,9 @@ LODE_INLINE lode_sense_currents_t lode_sense_complete(lode_sense_currents_t i,
     return i;
 }
 
-// A magnitude is beyond `limit`.
+// The magnitude of a current exceeds `limit`.
 LODE_INLINE bool lode_sense_exceeds(lode_sense_currents_t i, uint32_t limit) {
-    // 8 cycles of board_enhanced
+    // the hint saves 8 cycles of board_enhanced
     return LODE_RARELY((uint32_t)i.a + limit > 2u * limit || (uint32_t)i.b + limit > 2u * limit ||
                        (uint32_t)i.c + limit > 2u * limit);
 }
@@ -73,7 +73,7 @@ LODE_INLINE lode_sense_currents_t lode_sense_currents(const lode_sense_t *self,
     };
 }
 
-// The voltage is not known here.
+// The voltage is filled in later.
 LODE_INLINE lode_sample_t lode_sense_sample(const lode_sense_tuning_t *tuning,
                                             const lode_counts_t *counts, lode_sense_currents_t i,
                                             uint_least8_t omitted) {
@@ -92,7 +92,7 @@ LODE_INLINE lode_sample_t lode_sense_sample(const lode_sense_tuning_t *tuning,
     };
 }
 
-// Without the phase `omitted`.
+// Replaces the phase `omitted`.
 LODE_INLINE lode_sense_currents_t lode_sense_without(lode_sense_currents_t i,
                                                      uint_least8_t omitted) {
 #ifdef LODE_WITHOUT_SHUNT_WINDOW
@@ -111,7 +111,7 @@ LODE_INLINE lode_sample_t lode_sense_step(const lode_sense_t *self,
     return lode_sense_sample(tuning, counts, lode_sense_without(i, omitted), omitted);
 }
 
-// The same in a row of periods: takes what is missing now out of `omitted`.
+// The same for consecutive periods: takes the present sample's omitted phase out of `omitted`.
 LODE_INLINE lode_sample_t lode_sense_next(const lode_sense_t *self,
                                           const lode_sense_tuning_t *tuning,
                                           const lode_counts_t *counts, uint_least8_t *omitted) {
@@ -120,7 +120,7 @@ LODE_INLINE lode_sample_t lode_sense_next(const lode_sense_t *self,
 #ifdef LODE_WITHOUT_SHUNT_WINDOW
     (void)omitted;
 #else
-    if (LODE_RARELY(*omitted != OMITTED_NONE)) { // 11 cycles of board_enhanced
+    if (LODE_RARELY(*omitted != OMITTED_NONE)) { // the hint saves 11 cycles of board_enhanced
         now = (uint_least8_t)(*omitted & OMITTED_MASK);
         i = lode_sense_complete(i, now);
         if (tuning->two_shunts == 0u) {
@@ -132,12 +132,12 @@ LODE_INLINE lode_sample_t lode_sense_next(const lode_sense_t *self,
     return lode_sense_sample(tuning, counts, i, now);
 }
 
-// As lode_sense_step(), but current, voltage and bus are left as they are: for what rarely looks at a
-// sample once more, rather than have it kept at hand in all periods.
+// As lode_sense_step(), but leaves current vector, voltage and bus as they are. For rare checks: they compute the sample again,
+// so that it need not be kept in every period.
 void lode_sense_again(const lode_sense_t *self, const lode_counts_t *counts, uint_least8_t omitted,
                       lode_sample_t *sample);
 
-// Of two temperatures.
+// Count of the hotter of two power stages.
 LODE_INLINE uint16_t lode_sense_hotter(const lode_sense_tuning_t *tuning, uint16_t a, uint16_t b) {
     return (a > b) == (tuning->temperature_gain > 0.0f) ? a : b;
 }

@@ -1,72 +1,71 @@
 #include "speed_inline.h"
 
-// Of (K22): the bandwidth's limit is sigma/(one + delay tau).
+// (K22): the largest bandwidth is sigma/(one + delay tau).
 typedef struct {
     float one;
     float delay;
 } light_t;
 
-// Up to four times lighter an inertia than configured keeps the loop inside the PLL.
+// Leaves the loop inside the PLL with an inertia up to four times lighter than configured.
 #define BANDWIDTH_PER_SIGMA 0.25f
 #define INTEGRAL_SHARE 0.25f // ki = kp bandwidth/4: the zero two octaves below the crossover
 #define BANDWIDTH_PER_SIGMA_MAX 1.0f
 #define RISE_MAX 10.0f
-// Times the run-up time (lode_motor_run_up_s): a faster loop answers noise with all of its torque.
+// Limit of the bandwidth times the run-up time (lode_motor_run_up_s): a faster loop answers noise with all of its torque.
 #define BANDWIDTH_RUN_UP_MAX 13.0f
 #define RAMP_TORQUE_SHARE 0.5f
-// Less torque for the ramp where the loop is slow for the rotor: where a ramp ends, half of the ramp's torque,
-// for want of the true inertia, moves the speed by a twentieth of rated at most.
+// The ramp gets less torque where the loop is slow for the rotor: if half of the ramp's torque is wrong because the inertia is,
+// the speed is off by a twentieth of rated at most where the ramp ends.
 #define RAMP_BANDWIDTH_SHARE 0.114f
-#define LOAD_FEED_FORWARD 0.5f // at most: the more, the more an error of J or Lq swings
+#define LOAD_FEED_FORWARD 0.5f // upper limit: with more, errors of J or Lq make the torque swing
 #define LEFT_OF_LEAST 0.75f
-// Where the PLL is this much faster than the rotor, the load that it sees is noise more than load.
+// Where the PLL is this much faster than the rotor, the estimated load is mostly noise.
 #define SIGMA_RUN_UP_NOISY 78.0f
 #define INERTIA_FEED_FORWARD 1.0f
-// Of the largest torque: the rest is for control. Such a load at once takes 2/e of the speed that it would take in
-// 1/bandwidth by itself.
+// Rated load over the largest torque; the rest is for control. Applied as a step, it costs 2/e of the speed that it would take
+// from a free rotor in 1/bandwidth (K15).
 #define RATED_LOAD (2.0f / 3.0f)
 #define DIP 0.735759f
-// The uncertainty of Lq, the PLL's crossover, and the gain that is left to the loop of the two (K16); but a rated
-// load takes two thirds of the least speed at most for it.
+// (K16): uncertainty of Lq, crossover of the PLL, and gain of the loop that the two close; but kp is not lowered so far that a
+// rated load takes more than two thirds of the lowest speed.
 #define L_UNSURE 0.2f
 #define CROSSOVER_PER_SIGMA 3.05f
 #define SWING_MAX 0.8f
 #define FIRM_PER_STOPPED 1.5f
-// With a rotor four times lighter than configured the loop with the PLL is stable up to the bandwidth
-// sigma/(0.75 + 4.9 tau), tau the delay times sigma; with a load fed forward, up to that over 1 + 2.7 tau times its share.
+// With a rotor four times lighter than configured the loop with the PLL is stable up to the bandwidth sigma/(0.75 + 4.9 tau),
+// tau = delay times sigma; a load fed forward divides that by 1 + 2.7 tau times its share.
 static const light_t four_times = {0.75f, 4.9f};
 #define LIGHT_FED 2.7f
 #define LIGHT_GAIN_MARGIN 1.41f // 3 dB
-#define STOPPED_TIMES 1.2f      // of (K18)
-// Of a rotor that a rated load stops in 10 ms: nothing holds that one.
+#define STOPPED_TIMES 1.2f      // margin, as in (K18)
+// A rotor that a rated load stops within 10 ms: no loop holds that one.
 #define STOPPED_MAX_rad_s 74.0f
 
 #ifndef LODE_WITHOUT_SHAPED_RAMP
 
-// Share of the jerk that the end of a ramp is planned with. The rest takes what rounding does to steps of up to JERK_CALLS_MAX
-// times the jerk, 1.5 of their last bits, which are 2^-7 of the jerk then.
+// Share of the jerk that the end of a ramp is planned with. The rest is for the rounding of steps of up to JERK_CALLS_MAX times
+// the jerk: 1.5 of their last bits, each up to 2^-7 of the jerk.
 #define JERK_PLANNED 0.96875f
-#define JERK_CALLS_MAX 65536.0f // in which a slope is reached, at most
+#define JERK_CALLS_MAX 65536.0f // largest number of calls in which a slope builds up
 #define JERK_MAX_rad_s3 1.0e12f
-#define JERK_AT_ONCE 1.0e15f // rad/s per period, more than any slope: two slopes without a jerk
+#define JERK_AT_ONCE 1.0e15f // rad/s per call, more than any slope: two slopes, no jerk limit
 
 #endif
 
-// (K15): kp with which a rated load takes all of the least speed from a rotor that no load is fed forward to.
+// (K15): kp with which a rated load takes all of the lowest speed if no load is fed forward.
 static float stopped_kp_Nms(const lode_speed_config_t *config,
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
     const float load_Nm = RATED_LOAD * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
     return motor->pole_pairs * DIP * load_Nm / lode_max(config->omega_min_rad_s, FLT_MIN);
 }
 
-// (K17): share of a rated load that is fed forward, so that the rest takes LEFT_OF_LEAST of the least speed.
+// (K17): share of the load feed-forward with which the rest of a rated load takes LEFT_OF_LEAST of the lowest speed.
 static float fed_share(float kp_Nms, float stopped_Nms) {
     return lode_min(1.0f - LEFT_OF_LEAST * kp_Nms / lode_max(stopped_Nms, FLT_MIN),
                     LOAD_FEED_FORWARD);
 }
 
-// (K16): kp by which an error of Lq, through the angle and a PLL of bandwidth `sigma_rad_s`, answers a torque with as
-// much as SWING_MAX of it.
+// (K16): kp with which the loop through an error of Lq, the angle and a PLL of bandwidth `sigma_rad_s` has the gain SWING_MAX.
 static float swinging_kp_Nms(const lode_motor_t *motor, float sigma_rad_s) {
     const float turned_rad_A = L_UNSURE * motor->Lq_H / lode_max(motor->psi_Wb, FLT_MIN);
     const float rise_rad_s_Nm = CROSSOVER_PER_SIGMA * sigma_rad_s * turned_rad_A /
@@ -74,26 +73,26 @@ static float swinging_kp_Nms(const lode_motor_t *motor, float sigma_rad_s) {
     return SWING_MAX * motor->pole_pairs / lode_max(rise_rad_s_Nm, FLT_MIN);
 }
 
-// (K22), (K37): bandwidth that leaves a margin to such a light rotor, behind a PLL of bandwidth `sigma_rad_s`.
+// (K22), (K37): bandwidth that leaves a margin with such a light rotor, behind a PLL of bandwidth `sigma_rad_s`.
 static float light_rad_s(const light_t *light, const lode_speed_loop_t *loop, float sigma_rad_s) {
     return (sigma_rad_s + loop->damping_rad_s) /
            (LIGHT_GAIN_MARGIN * (light->one + light->delay * loop->delay_s * sigma_rad_s));
 }
 
-// (K23): share of a load that leaves it the same margin with the bandwidth `bandwidth_rad_s`.
+// (K23): share of the load feed-forward that leaves a light rotor the same margin at the bandwidth `bandwidth_rad_s`.
 static float light_share(const lode_speed_loop_t *loop, float sigma_rad_s, float bandwidth_rad_s) {
     const float most_rad_s = light_rad_s(&four_times, loop, sigma_rad_s);
     const float room = most_rad_s / lode_max(bandwidth_rad_s, FLT_MIN) - 1.0f;
     return room / lode_max(LIGHT_FED * loop->delay_s * sigma_rad_s, FLT_MIN);
 }
 
-// At low speed: for a rotor four times lighter; or, where a rated load would stop this one and too little of it may be fed
-// forward, as much more as holds it and a rotor three times lighter stands (K37).
+// Bandwidth at low speed, with a margin for a rotor four times lighter. Where a rated load would stop the rotor and too little
+// of it may be fed forward: as much more as holds the rotor, with a margin for one three times lighter (K37).
 static float firm_rad_s(const lode_speed_loop_t *loop, const lode_pll_config_t *pll,
                         float stopped_rad_s) {
     const float sigma = lode_max(pll->sigma_low_rad_s, FLT_MIN);
     const float firm = lode_min(BANDWIDTH_PER_SIGMA * sigma, light_rad_s(&four_times, loop, sigma));
-    // A QPLL, which does not know the torque, is not what (K37) was read off.
+    // (K37) was derived for the LESO-QPLL; a QPLL does not know the torque.
     if (pll->kind != LODE_PLL_LESO || stopped_rad_s > STOPPED_MAX_rad_s ||
         light_share(loop, sigma, firm) >= LOAD_FEED_FORWARD) {
         return firm;
@@ -145,7 +144,7 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     }
 }
 
-// One slope, reached at once.
+// The ramp has one slope and no jerk limit.
 static bool is_plain(const lode_speed_config_t *config) {
     const float up = config->ramp_rad_s2;
     const float down = lode_given_or(config->ramp_down_rad_s2, up);
@@ -198,7 +197,7 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
     *tuning = (lode_speed_tuning_t){
         .pi = {config->kp_Nms, config->ki_Nm * ts_s},
         .rise = config->gain_rise - 1.0f,
-        // From where the PLL has its full bandwidth to twice that speed, clear of the dead band's ripple.
+        // from where the PLL has its full bandwidth to twice that speed, clear of the dead band's ripple
         .inv_span = 1.0f / pll->omega_high_rad_s,
         .inv_pole_pairs = 1.0f / motor->pole_pairs,
         .ramp_step = config->ramp_rad_s2 * ts_s,
@@ -215,7 +214,7 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
     return LODE_OK;
 }
 
-// The reference is there, and does not move.
+// Sets the reference, at rest.
 static void set_reference(lode_speed_t *self, float reference_rad_s) {
     self->reference_rad_s = reference_rad_s;
 #ifndef LODE_WITHOUT_SHAPED_RAMP
@@ -234,19 +233,18 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
 
 #ifndef LODE_WITHOUT_SHAPED_RAMP
 
-// (K34): the largest step, up to `most_rad_s`, from which steps that get smaller by `less_rad_s` each come to rest `way_rad_s`
-// on at the earliest.
+// (K34): the largest step, up to `most_rad_s`, after which steps smaller by `less_rad_s` each still stop within `way_rad_s`.
 static float largest_step(float way_rad_s, float most_rad_s, float less_rad_s) {
     const float whole = most_rad_s + less_rad_s;
-    const float way =
-        lode_min(way_rad_s, whole * whole / less_rad_s); // enough for all of `most_rad_s`
+    // a distance long enough for `most_rad_s`
+    const float way = lode_min(way_rad_s, whole * whole / less_rad_s);
     const float root = lode_sqrt(1.0f + 8.0f * way / less_rad_s);
     const float steps = 0.5f * (root - 1.0f);
-    const float more = (float)(int32_t)steps; // after this one
+    const float more = (float)(int32_t)steps; // steps after this one
     return lode_min(way / (more + 1.0f) + 0.5f * more * less_rad_s, most_rad_s);
 }
 
-// The way that such steps take from `step_rad_s` on.
+// The distance that such steps cover, beginning with `step_rad_s`.
 static float stopping_way(float step_rad_s, float less_rad_s) {
     const float steps = step_rad_s / less_rad_s;
     const float more = (float)(int32_t)steps;
@@ -263,7 +261,7 @@ LODE_NOINLINE float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_
     const float less = JERK_PLANNED * jerk;
     float ahead = lode_abs(way);
     float most = tuning->ramp_step;
-    if (way * before < 0.0f) { // it slows down; through zero with the other slope at most
+    if (way * before < 0.0f) { // slowing down; beyond zero the other slope is the limit
         const float through = lode_abs(before) + stopping_way(most, less);
         ahead = lode_min(ahead, through);
         most = tuning->ramp_down_step;
@@ -288,8 +286,8 @@ LODE_NOINLINE float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_
 
 #ifndef LODE_WITHOUT_TORQUE_CONTROL
 
-// What speed control asks for at an end of the range, by its integral where it holds that end already. From a distance
-// the load takes the integral's place (K13).
+// Torque of speed control at an end of the range: with its integral if it holds that end already, else with the load in the
+// integral's place (K13).
 static float torque_at(const lode_speed_t *self, const lode_speed_tuning_t *tuning, float error,
                        float load_Nm, bool holds) {
     const float ff = tuning->load_feed_forward * load_Nm;
@@ -306,7 +304,7 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
     const float torque = lode_clamp(torque_Nm, self->limit_Nm.min, self->limit_Nm.max);
     const bool at_most = !(self->reference_rad_s < between_rad_s.max);
     const bool at_least = !(self->reference_rad_s > between_rad_s.min);
-    float target = speed; // that there is, with this torque
+    float target = speed; // the present speed, at this torque
     float held_Nm = torque;
     bool holds = false;
     if (torque > torque_at(self, tuning, gain * (between_rad_s.max - speed), load_Nm, at_most)) {

@@ -6,8 +6,8 @@
 #include "pi_inline.h"
 #include "ramp_inline.h"
 
-// Torque control (K13): the target with which lode_speed_step() asks for `torque_Nm`, within its limits, or
-// holds the end of `between_rad_s` (mechanical) that the speed (ELECTRICAL `omega_rad_s`) would leave with it.
+// Torque control (K13): the target with which lode_speed_step() makes `torque_Nm`, within its limits, or holds the end of
+// `between_rad_s` (mechanical) that the speed (ELECTRICAL `omega_rad_s`) would leave with this torque.
 float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tuning,
                                float torque_Nm, lode_range_t between_rad_s, float omega_rad_s,
                                float load_Nm);
@@ -46,8 +46,8 @@ LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t 
     const float step = lode_speed_ramp(self, tuning, target_rad_s);
     const float gain = lode_speed_gain(tuning, omega_rad_s);
     const float error = gain * (self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs);
-    // A rotor that is ahead of its ramp needs no torque to follow it: as much less as the controller
-    // asks against it, but not the other way.
+    // A rotor ahead of its ramp needs no torque to follow it: the controller's opposing torque is taken off the ramp's, but not
+    // beyond zero.
     const float push = tuning->inertia_Nm * step;
     const float against = tuning->pi.kp * error;
     const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)

@@ -16,16 +16,16 @@ void lode_tuning_take_check(lode_drive_t *self) {
 #else
 
 #define WORD_BITS 32u
-#define EXPONENT 0x7f800000u // of a float: all of its bits where it is infinite or no number
+#define EXPONENT 0x7f800000u // of a float: all ones for infinity and NaN
 #define CRC_BEGIN 0xffffffffu
 
-// One of up to four bytes of a word; a byte may have more than eight bits.
+// Byte `n` of a word, which has up to four; a byte may have more than eight bits.
 static inline uint32_t byte_of(const unsigned char *word, uint32_t n) {
     const uint32_t bytes = (uint32_t)sizeof(uint32_t);
     return n < bytes ? (uint32_t)word[n] << (WORD_BITS / bytes * n) : 0u;
 }
 
-// A word of a tuning. Read as bytes: that may be done with any object, and compilers make one load of it.
+// A word of a tuning, read as bytes: that is allowed for any object, and compilers make one load of it.
 static inline uint32_t word_at(lode_words_t tuning, uint32_t n) {
     const unsigned char *word = tuning.from + n * sizeof(uint32_t);
     return byte_of(word, 0u) | byte_of(word, 1u) | byte_of(word, 2u) | byte_of(word, 3u);
@@ -41,7 +41,7 @@ bool lode_words_are_finite(lode_words_t floats) {
 }
 
 bool lode_tuning_is_finite(const lode_drive_tuning_t *tuning) {
-    // Where an integer is, or a pair of them of which one stands here, in their order. Any other word is a float.
+    // Offsets of the integers in ascending order; of a pair of integers in one word, only one. All other words are floats.
     static const uint_least16_t integers[] = {
         offsetof(lode_drive_tuning_t, speed_periods),
         offsetof(lode_drive_tuning_t, sense.offset_nominal),
@@ -90,10 +90,10 @@ bool lode_tuning_is_finite(const lode_drive_tuning_t *tuning) {
     return true;
 }
 
-// The CRC with one more word, whose least bit comes first. The polynomial is x^32 + x^12 + x^8 + x^4 + x^3 + 1. Its powers
-// are few and small: a remainder times x^32 is itself moved by 12, 8, 4, 3 and 0, and what that pushes out once more.
-// It is x + 1, which finds any odd number of bits, times one that is irreducible. Of all such with six terms and no power
-// from 17 to 31 it is the one that finds any four bits in the longest data, 4856 bits.
+// Adds a word to the CRC, least significant bit first. The polynomial x^32 + x^12 + x^8 + x^4 + x^3 + 1 has few and low powers:
+// a remainder times x^32 is the remainder shifted by 12, 8, 4, 3 and 0, and the overflow once more. It is x + 1, which detects
+// any odd number of bits, times an irreducible one. Of all such polynomials with six terms and no power from 17 to 31 it
+// detects any four bits in the longest data, 4856 bits.
 static uint32_t add_word(uint32_t crc, uint32_t word) {
     const uint32_t left = crc ^ word;
     const uint32_t all = left ^ left << 20u ^ left << 24u ^ left << 28u ^ left << 29u;

@@ -3,17 +3,17 @@
 #include "pi_inline.h"
 #include "scalar_inline.h"
 
-// Crossover over 1/Ts: half of the dq plane's, for the leakage inductance is known less well.
+// Crossover over 1/Ts: half of the dq plane's, because the leakage inductance is known less well.
 #define BANDWIDTH_TS 0.1f
 #define BANDWIDTH_TS_MAX 0.4f
-// The resonators are slow against the loop that they sit in.
+// The resonators are slow compared with their loop.
 #define RESONANCE_SHARE (1.0f / 30.0f)
 #define RESONANCE_SHARE_MAX 0.25f
-// 6 % of 5th and 7th each, at the speed at which the EMF takes 80 % of the circle.
+// Enough for 6 % of 5th and 7th harmonic each, at the speed at which the EMF takes 80 % of the circle.
 #define VOLTAGE_SHARE 0.1f
-// 6 w Ts up to which a resonance can be placed: a quarter of the sampling rate.
+// Largest 6 w Ts for a resonator: a quarter of the sampling rate.
 #define TURN_MAX_rad 1.57f
-// The PI's integrator at low speed: as far as the resonators follow it.
+// Largest R/(L 6 w), at low speed, to which the resonators' lead follows the PI's integrator.
 #define CORNER_MAX 4.0f
 
 void lode_xy_design(lode_xy_config_t *config, float ts_s) {
@@ -50,7 +50,7 @@ lode_status_t lode_xy_tune(lode_xy_tuning_t *tuning, const lode_xy_config_t *con
 }
 
 void lode_xy_reset(lode_xy_t *self) {
-    *self = (lode_xy_t){.aim.gain_Ohm = 0.0f}; // the first speed places the resonators
+    *self = (lode_xy_t){.aim.gain_Ohm = 0.0f}; // the first adaptation places the resonators
 }
 
 LODE_RAMFUNC void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning,
@@ -66,11 +66,11 @@ LODE_RAMFUNC void lode_xy_adapt(lode_xy_t *self, const lode_xy_tuning_t *tuning,
     const float omega6 = sign * size;
     const lode_sincos_t half = lode_sincos_octant(0.5f * omega6 * tuning->ts_s);
     self->aim.step = lode_angle_double(half);
-    // The PI loop answers a voltage at 6 w with the current 1/(L d), d below: the resonator leads by the
-    // angle of d, and its gain keeps the rate (X3). The voltage is late by 1.5 periods.
+    // The PI loop responds to a voltage at 6 w with the current 1/(L d), d below. So the resonator leads by the angle of d, and
+    // its gain keeps the convergence rate (X3). The voltage is late by 1.5 periods.
     const lode_sincos_t late = lode_angle_add(self->aim.step, half);
     const lode_ab_t loop = {tuning->bandwidth_rad_s - omega6 * late.sin, omega6 * late.cos};
-    // d = (1 - j r) loop with r = corner/omega6, here times `w`: one division for all.
+    // d = (1 - j r) loop with r = corner/omega6, here times `w`, so that one division is enough.
     const float corner = sign * tuning->corner_rad_s;
     const float w = lode_max(size, tuning->corner_rad_s * (1.0f / CORNER_MAX));
     const lode_ab_t d = {w * loop.alpha + corner * loop.beta, w * loop.beta - corner * loop.alpha};

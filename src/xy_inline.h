@@ -5,12 +5,12 @@
 #include "lodestar/xy.h"
 #include "pi_inline.h"
 
-// One axis of a resonator: an undamped pair of poles at exp(+-j 6 w Ts), fed with the error (X2).
+// One axis of a resonator: an undamped pole pair at exp(+-j 6 w Ts), fed with the error (X2).
 LODE_INLINE lode_ab_t lode_xy_resonate(lode_ab_t state, lode_sincos_t step, float input_V) {
     return lode_ab_rotate((lode_ab_t){state.alpha + input_V, state.beta}, step);
 }
 
-// Voltage against the current `i_A`, both in the frame that turns with -theta.
+// Voltage that opposes the current `i_A`, both in the frame that turns with -theta.
 LODE_INLINE lode_ab_t lode_xy_step(lode_xy_t *self, const lode_xy_tuning_t *tuning, lode_ab_t i_A,
                                    float v_bus_V) {
     const lode_sincos_t step = self->aim.step;
@@ -27,7 +27,7 @@ LODE_INLINE lode_ab_t lode_xy_step(lode_xy_t *self, const lode_xy_tuning_t *tuni
     if (length2 <= radius * radius) {
         lode_pi_integrate(&self->x, &tuning->pi, -i_A.alpha);
         lode_pi_integrate(&self->y, &tuning->pi, -i_A.beta);
-    } else { // (X4) at the limit nothing is taken in
+    } else { // (X4) at the limit nothing is integrated
         gain = 0.0f;
         scale = radius / lode_max(lode_sqrt(length2), FLT_MIN);
     }
