@@ -68,8 +68,7 @@ void lode_current_take(lode_current_t *self, const lode_current_tuning_t *tuning
 
 void lode_current_saturate(lode_current_t *self, const lode_current_tuning_t *tuning, float Lq_H,
                            float fall, float iq_A, float ref_A) {
-    const float at =
-        lode_max(1.0f + fall * lode_abs(iq_A), 1.0f); // 1 also for a current that is NaN
+    const float at = lode_max(1.0f + fall * lode_abs(iq_A), 1.0f); // 1 also if the current is NaN
     const float to = lode_max(1.0f + fall * lode_abs(ref_A), 1.0f);
     const float both = 1.0f / (at * to); // (K20), (K21)
     const float larger = both * lode_min(at, to);

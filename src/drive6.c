@@ -43,7 +43,7 @@ static lode_words_t words_of(const lode_drive6_tuning_t *tuning) {
                           (uint32_t)(sizeof *tuning / sizeof(uint32_t))};
 }
 
-// All floats of the tuning.
+// All floats of the tuning are finite.
 static bool is_finite(const lode_drive6_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_TUNING_CHECK
     (void)tuning;
@@ -187,7 +187,7 @@ LODE_INLINE lode_sets_t currents(const lode_sense_tuning_t *tuning, lode_ab_t i_
         {i_1, {(float)alpha * tuning->beta_gain, (float)beta * tuning->alpha_gain}}};
 }
 
-// The current that is controlled.
+// The controlled current.
 LODE_INLINE lode_ab_t controlled(const lode_drive6_t *self, const lode_sets_t *x) {
     if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
         return lode_vsd_ab(*x);

@@ -79,8 +79,7 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 // k2 of the FA-LESO over sigma where an error of its speed does more harm (P23); the multi-mode form has it always.
 #define K2_FAST 10.0f
 
-#define WARM                                                                                       \
-    1.3f // resistance of a warm winding over the configured one, as for the hand-over (S12)
+#define WARM 1.3f // warm over configured resistance, as for the hand-over (S12)
 // Magnets' EMF at the end of a start, over the error that noise makes in it (S49).
 #define EMF_PER_NOISE 10.0f
 

@@ -386,7 +386,7 @@ LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tun
 
 LODE_INLINE void lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     if (!self->estimator.locked && lode_mode_seed(self)) {
-        return; // acquired; the rest follows a round later: both would take 1459 cycles, the worst-case call of a start
+        return; // the rest a round later: together 1459 cycles, the worst-case call of a start
     }
     lode_drive_adapt_gains(self, tuning);
     lode_mode_count_sensor(self);
@@ -484,7 +484,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
 #endif
 }
 
-// (K36)
+// Checks for a frozen current vector (K36).
 LODE_INLINE bool lode_drive_watch_frozen(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;

@@ -306,7 +306,7 @@ LODE_NOINLINE bool lode_drive_wait_jump(lode_drive_t *self) {
     } else if (factor >= 0.0f) {
         lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
     } else {
-        // one sample alone
+        // not decided yet, or no fault
     }
     return self->gates;
 }

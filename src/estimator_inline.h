@@ -404,7 +404,7 @@ LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
 #endif
 }
 
-// The QPLL has no such states.
+// Clears the disturbance states for a QPLL, which does not have them.
 LODE_INLINE void lode_estimator_drop_disturbance(lode_estimator_t *self,
                                                  const lode_estimator_tuning_t *tuning) {
     if (tuning->pll.third_order == 0u) {

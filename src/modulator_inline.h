@@ -26,7 +26,7 @@ lode_modulator_phases_t lode_modulator_limit(const lode_inverter_tuning_t *inver
 // Adding this rounds a float to a whole number.
 #define MODULATOR_WHOLE 8388608.0f // 2^23
 
-// To the nearest of at most 65535 ticks. NaN stays NaN.
+// Rounds to the nearest of at most 65535 ticks. NaN stays NaN.
 LODE_INLINE float lode_modulator_on_grid(const lode_inverter_tuning_t *inverter, float duty) {
     const float beside = duty * inverter->ticks + MODULATOR_WHOLE;
     return (beside - MODULATOR_WHOLE) * inverter->inv_ticks;

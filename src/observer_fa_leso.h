@@ -8,7 +8,7 @@ enum { FA_LESO_SLOW, FA_LESO_FAST }; // vectors, k1 > 0
 // Numbers: k2 and k1 as they enter the recursion.
 enum { FA_LESO_Q, FA_LESO_SQRT_Q, FA_LESO_K1_TS2, FA_LESO_HALF_K2_TS, FA_LESO_HALF_TS_s };
 
-/// k1 > 0.
+/// Step with k1 > 0.
 lode_ab_t lode_fa_leso_step_slow(lode_observer_t *self, const lode_observer_tuning_t *tuning,
                                  lode_ab_t m_V, lode_sincos_t step_angle, float omega_rad_s);
 

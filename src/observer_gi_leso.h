@@ -9,7 +9,7 @@ enum { GI_LESO_GAIN, GI_LESO_P2, GI_LESO_KAPPA, GI_LESO_WC_TS }; // numbers
 
 #if defined(LODE_OBSERVER_INIT) && !defined(LODE_WITHOUT_GI_LESO)
 #define GI_LESO_KAPPA_DEFAULT 2.0f // paper 2, Table II
-#define GI_LESO_KAPPA_MAX 7.0f     // stable at every speed below 8
+#define GI_LESO_KAPPA_MAX 7.0f     // below 8 stable at any speed
 // Twice paper 2's pi, with which the lag left by a ramp takes a second to fade: 0.9 degrees after 0.4 s.
 #define GI_LESO_WC_rad_s LODE_TWO_PI
 #define GI_LESO_SIGMA_PER_W0_MAX 0.2f // as C-LESO

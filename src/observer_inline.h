@@ -8,7 +8,7 @@
 #include "lodestar/observers.def"
 #undef LODE_OBSERVER_CODE
 
-/// An observer of the table whose STEP is CALLED.
+/// Step of an observer whose STEP in the table is CALLED.
 void lode_observer_step_called(lode_observer_t *self, const lode_observer_tuning_t *tuning,
                                lode_ab_t m_V, lode_sincos_t step_angle, float omega_rad_s);
 
@@ -20,7 +20,7 @@ LODE_INLINE bool lode_observer_rotates(const lode_observer_tuning_t *tuning) {
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) LODE_IF_BUILT_IN(ID, ROTATES_##STEP(ID))
     enum {
 #include "lodestar/observers.def"
-        ROTATING // how many are built in that do
+        ROTATING // number of built-in observers that need them
     };
 #undef LODE_OBSERVER
 #undef ROTATES_CALLED

@@ -11,18 +11,15 @@
 #define TRIM_rad_s 20.0f  // a decade below speed control
 #define TRIM_MAX 0.15f    // dead time, drops and 10 % of psi
 #define RELEASE_s 0.1f
-#define FALL_s 4.0e-3f // id falls by i_max in some four time constants of current control
-#define FLUX_MIN_SHARE                                                                             \
-    0.02f // of psi: reached at some 50 times the speed at which psi alone takes the voltage
+#define FALL_s 4.0e-3f       // id falls by i_max in some four time constants of current control
+#define FLUX_MIN_SHARE 0.02f // of psi: at some 50 times the speed at which psi takes the voltage
 // Near MTPV the flux no longer depends on id. The slope is kept above a tenth of its value at zero current, and fall_A bounds
 // the step.
 #define SLOPE_MIN_SHARE 0.1f
-#define WEAKENING_SHARE                                                                            \
-    1.0e-3f                   // of i_max: id this far below that for the torque counts as weakened
-#define SETTLED_SHARE 0.9f    // of the slower rate of id: below that, the rate limit is not active
-#define FLUX_UNLIMITED 1.0e9f // finite when squared, beyond any motor's
-#define FLUX_SLACK                                                                                 \
-    1.02f // uses a part of what voltage_use leaves, so that iq does not follow its noise
+#define WEAKENING_SHARE 1.0e-3f // of i_max: id counts as weakened this far below the free id
+#define SETTLED_SHARE 0.9f      // of the slower rate of id: below it no rate limit acts
+#define FLUX_UNLIMITED 1.0e9f   // finite when squared, beyond any motor's
+#define FLUX_SLACK 1.02f        // part of what voltage_use leaves, against noise on iq
 #define SATURATION_STEPS 32
 #define LQ_UNKNOWN 0.1f // of Lq at i_max; equivalent to 20 % at 0.7 i_max
 // Share of the limit of (R15). There a change of the current moves the angle 1.7 times as much as with little current (R16),

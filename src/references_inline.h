@@ -125,7 +125,7 @@ LODE_INLINE lode_sincos_t lode_references_saturated(const lode_references_tuning
     return lode_angle_add(at, (lode_sincos_t){scale * x, scale});
 }
 
-// All three at once.
+// All three parts in one call.
 LODE_INLINE lode_references_out_t lode_references_step(lode_references_t *self,
                                                        const lode_references_tuning_t *tuning,
                                                        float torque_Nm, float omega_rad_s,

@@ -16,7 +16,7 @@
 #define STEP_MAX 255u
 // Larger than on any board; keeps every sample finite.
 #define GAIN_MAX 1.0e4f
-// Between an offset and the end of the range.
+// Least distance between an offset and the end of the range.
 #define HEADROOM_MIN_count 1.0f
 
 void lode_sense_design(lode_sense_config_t *config) {
@@ -27,7 +27,7 @@ void lode_sense_design(lode_sense_config_t *config) {
     config->calibrate_s = lode_given_or(config->calibrate_s, CALIBRATION_TIME_s);
 }
 
-// From the nominal offset to the nearer rail.
+// Distance from the nominal offset to the nearer rail.
 static float headroom_count(const lode_sense_config_t *config) {
     return lode_min(config->i_offset_count, config->count_max - config->i_offset_count);
 }
