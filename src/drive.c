@@ -60,7 +60,7 @@ static bool wants_short(const lode_command_t *command) {
 #endif
 }
 
-// Largest mechanical speed that may be commanded: the estimator's omega_max, or the guard's trip limit.
+// Largest mechanical speed that may be commanded: the estimator's omega_max or the guard's trip limit, whichever is lower.
 static float most_rad_s(const lode_drive_tuning_t *tuning) {
     const float estimator = tuning->estimator.omega_limit / LODE_ALIAS_SHARE;
     return lode_min(estimator, tuning->guard.omega_max) * tuning->speed.inv_pole_pairs;

@@ -62,9 +62,9 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 // Upper bounds, for the observer (0.2 w0) and for sampling ...
 #define SIGMA_RATED_MAX 0.66f
 #define SIGMA_TS_MAX 0.07f
-// ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With half
-// of the flux lost (the largest start current by default), only the rule by speed is left. With MTPA the d current moves with
-// the torque, and such an error turns the angle twice.
+// ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
+// the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start
+// current by default) only the rule by speed is then left.
 #define SIGMA_FLUX_LOST 1.2f
 // Factor on both sigma for a light rotor with MTPA, to which (P20) gives no more than the rule by speed (P27).
 #define SIGMA_MTPA 1.1f

@@ -11,8 +11,8 @@
 #define FOUR_PER_PI (4.0f / LODE_PI)
 #define DEAD_PER_PHASE (4.0f / 3.0f) // voltage along a phase axis per volt that each phase loses
 
-// Call at t_k before lode_inverter_write(): the mean voltage over [t_k-1, t_k), V, from the duty that call k-2 wrote (same
-// parity) and the bus sampled at t_k-1 (C7).
+// Call at t_k before lode_inverter_follow_bus() and _write(): the mean voltage over [t_k-1, t_k), V, from the duty that call
+// k-2 wrote (same parity) and the bus sampled at t_k-1 (C7).
 LODE_INLINE lode_ab_t lode_inverter_realised(const lode_inverter_t *self, uint32_t call) {
     return lode_ab_scale(self->v_bus_V, self->written[call % 2u]);
 }
