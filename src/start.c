@@ -1,54 +1,55 @@
 #include "estimator_inline.h"
 #include "start_parts.h"
 
-#define CATCH_PARTS 5u // the lock must hold for this part of the time
-// Of the current, by the end of an attempt at speed without a lock, and of twice the start current at most: what is left of
-// that takes less than a third of a salient rotor's flux.
+#define CATCH_PARTS 5u // while catching, the lock must hold for catch_rounds over this
+// Current that is left at the end of an attempt at speed without a lock (S17): share of the attempt's current or of
+// twice the start current, whichever is smaller. It takes less than a third of a salient rotor's flux.
 #define CURRENT_LEFT 0.3f
-// Share of the EMF's size in the swing, at least: at 90 degrees of lag, where a rotor is that needs so much current,
-// what the size and the EMF across the vector show of the angle cancels at 1/(1 + c), with c about 1.
+// Least weight of the EMF's magnitude in the swing signal (S19). A rotor that needs so much current lags by 90 degrees.
+// There the load angle cancels from the weighted mean at the weight 1/(1 + c), with c = (Lq - Ld) I/psi of about 1.
 #define BY_SIZE_MIN 0.5f
-// In the last attempt, of a vector that takes at most all of the flux (a hundredth more is rounding), a round with a
-// lock counts as so many, and the speed may be so many times as far off the vector's (S32).
+// Last attempt (S32): where the vector takes at most all of the flux (plus 1 % for rounding), a round with a lock
+// counts twice, and the speed may differ from the vector's by twice as much.
 #define LOST_LAST 1.01f
 #define WEIGHT_LAST 2u
-// Of the EMF of a rotor that follows: one that is as slow as (S8) allows has 0.75 of it, with magnets and current sensors that are
-// a tenth off each 0.6. The current takes up to SLIP_LOST of what the configured inductances say of the flux, with both inductances 20 %
-// off; where less than SLIP_FLUX is left a rotor that follows is not known from one that does not (S42).
+// (S42). A rotor that follows has at least SLIP_SHARE of its EMF: 0.75 at the lowest speed that (S8) allows, 0.6 if
+// magnets and current sensors are each a tenth off. With both inductances 20 % off the current takes SLIP_LOST times
+// the share of the flux that is calculated. Where less than SLIP_FLUX is left, following and slipping cannot be told
+// apart.
 #define SLIP_SHARE 0.6f
 #define SLIP_LOST 1.4f
 #define SLIP_FLUX 0.2f
-// A rotor slips that lacks this EMF for so much of the patience, and so many radians of its swing: half of one with ten times
-// the inertia.
+// A rotor slips if it lacks this EMF for more than patience_rounds/SLIP_PART and for SLIP_rad radians of its natural
+// swing, which is half a swing with ten times the inertia.
 #define SLIP_PART 2u
 #define SLIP_rad 10.0f
 #define SLIPS_MAX 65535u
-// Times the current: beyond the 1/CURRENT_SHARE that the last attempt has of it where no reluctance bounds the start current.
+// current_last_A over current_A from which a slip makes the next attempt take current_last_A at once (S42). A round
+// rotor's ratio, at most 1/CURRENT_SHARE = 1.43, stays below.
 #define MUCH_MORE 1.5f
 
-// Measuring resistance and dead time: mean of 20 ms in which the rotor rests, after 10 ms in which observer and
-// current settle.
-#define CALM_PART 20u   // of the patience
-#define SETTLE_PART 15u // of the dwell
-// What a voltage along the vector may be off its mean, in the first half of the dwell and in the second, in calm
-// voltages; and the time for which it must be, where the rotor does not come to rest: twice that of a calm mean, and so
-// many radians of the swing, in which a rotor that falls passes the right angle (S30).
+// Measurement at rest: mean of 20 ms in which the rotor rests, after 10 ms in which observer and current settle.
+#define CALM_PART 20u   // patience_rounds over this: 20 ms
+#define SETTLE_PART 15u // dwell_rounds over this: 10 ms
+// Largest deviation of the voltage along the vector from its mean, in calm_V, for the first and second half of the
+// dwell. If the rotor does not come to rest, the voltage must stay within it for STEADY_TIMES the time of a calm mean
+// and STEADY_rad radians of the swing, in which a falling rotor passes 90 degrees (S30).
 #define STEADY_EARLY 0.5f
 #define STEADY_LATE 2.0f
 #define STEADY_TIMES 2u
 #define STEADY_rad 2.0f
-// Where one current alone is measured with, half of its voltage counts as resistance's, the other half as dead time's.
+// If only one current could be measured, half of its voltage counts as resistance, the other half as dead time (S33).
 #define HALF_OF_FULL 0.75f
 #define FULL_OF_HALF 1.5f
 
-// What is seen of the stage before is forgotten.
+// Enters a stage and clears what the previous one measured: both share a union.
 static void enter(lode_start_t *self, uint_least8_t stage) {
     self->stage = stage;
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     self->drop = (lode_drop_t){.rounds = 0u};
 #endif
     if (stage == (uint_least8_t)LODE_START_TURN) {
-#ifndef LODE_WITHOUT_PLAUSIBILITY // which alone looks at what turns
+#ifndef LODE_WITHOUT_PLAUSIBILITY // only the plausibility checks use these
         self->seen.turn.waves = (lode_waves_t){.turn_rad = 0.0f};
         self->seen.turn.shift_rad = lode_start_shift_rad(self);
 #endif
@@ -66,12 +67,12 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
     enter(self, (uint_least8_t)LODE_START_TURN);
 }
 
-// After the measurement, if there is one (S47).
+// Stage that follows the measurement, or begins an attempt without one (S47).
 static uint_least8_t last_stage(const lode_start_tuning_t *tuning) {
     return (uint_least8_t)(tuning->align_rounds > 0.0f ? LODE_START_ALIGN : LODE_START_TURN);
 }
 
-// Without looking for a rotor that turns.
+// First stage of an attempt that does not begin by catching a turning rotor.
 static uint_least8_t first_stage(const lode_start_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_START_MEASUREMENT
     if (tuning->dwell_rounds > 0u) {
@@ -99,7 +100,7 @@ static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t 
     return tuning->still_rounds + omega / ((float)LODE_SLOW_PERIODS * step);
 }
 
-// After the profile.
+// Rounds for which an attempt waits for its lock after the profile (S9).
 static float waiting_rounds(const lode_start_tuning_t *tuning, float profile) {
     return lode_max(profile, (float)tuning->patience_rounds);
 }
@@ -110,8 +111,8 @@ float lode_start_waited(const lode_start_t *self, const lode_start_tuning_t *tun
     return lode_clamp(late / waiting_rounds(tuning, profile), 0.0f, 1.0f);
 }
 
-// Of the current of an attempt what it takes now: the half that is measured with, all of it, and of a vector at speed
-// that finds no lock less and less (S17).
+// Reference of the current in the present stage: half of it for the first measurement, then all of it. At hand-over
+// speed it falls as long as no lock is found (S17).
 static float current_now_A(const lode_start_t *self, const lode_start_tuning_t *tuning,
                            float most_A) {
 #ifndef LODE_WITHOUT_START_MEASUREMENT
@@ -126,8 +127,7 @@ static float current_now_A(const lode_start_t *self, const lode_start_tuning_t *
     return most_A - lode_start_waited(self, tuning) * (most_A - left_A);
 }
 
-// Radians of the rotor's swing, with the configured inertia, in so many rounds. The weight of the swing's filter is nearly its
-// corner times a period.
+// Radians omega_n t of the rotor's swing in so many rounds. swing_weight is nearly SWING_CORNER omega_n Ts.
 static float swung_rad(const lode_start_tuning_t *tuning, float rounds) {
     return rounds * (float)LODE_SLOW_PERIODS / SWING_CORNER * tuning->swing_weight;
 }
@@ -145,7 +145,7 @@ void lode_start_note_slip(lode_start_t *self, const lode_start_tuning_t *tuning,
     if (!(vector >= tuning->omega_ready && left >= SLIP_FLUX)) {
         return;
     }
-    // What the observer takes of the amplitude of an EMF that turns with the vector.
+    // Undoes the observer's attenuation of an EMF that turns with the vector.
     const float taken = lode_estimator_droop(estimator_tuning, vector);
     const float emf_V = taken * lode_ab_length(estimator->emf.observer.e_V);
     if (!(emf_V >= SLIP_SHARE * left * vector * estimator_tuning->psi_Wb)) {
@@ -161,7 +161,7 @@ bool lode_start_is_lost(const lode_start_t *self, const lode_start_tuning_t *tun
     return self->failed >= LODE_START_FAILED_MAX && slips(self, tuning);
 }
 
-// Counts a round. True: the attempt has had its time, or the rotor slips.
+// Counts a round. True: the time of the attempt is over (S9), or the rotor slips (S42).
 static bool is_spent(lode_start_t *self, const lode_start_tuning_t *tuning) {
     if (!(lode_abs(self->omega_target) > 0.0f)) {
         self->attempt = 0u;
@@ -171,7 +171,7 @@ static bool is_spent(lode_start_t *self, const lode_start_tuning_t *tuning) {
     self->attempt++;
     const float rounds = (float)(int32_t)self->attempt;
     if (rounds <= tuning->still_rounds) {
-        return false; // the profile alone takes longer; spares a division
+        return false; // still in the profile; saves a division
     }
     if (slips(self, tuning)) {
         return true;
@@ -180,9 +180,9 @@ static bool is_spent(lode_start_t *self, const lode_start_tuning_t *tuning) {
     return rounds > profile + waiting_rounds(tuning, profile);
 }
 
-// A rotor that fell out of step with the turning vector only shakes: the next attempt begins at rest, on a phase for
-// the measurement, and 120 degrees on from where the first one began (S41). If it slipped, and the last attempt's current is much more,
-// it has that at once (S42).
+// A rotor that fell out of step with the turning vector only shakes. The next attempt begins at rest, on a phase axis
+// for the measurement, 120 degrees ahead of where the first one began (S41). After a slip it takes the last attempt's
+// current at once, if that is much more (S42).
 void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning) {
     const bool much = tuning->current_last_A > MUCH_MORE * tuning->current_A;
     self->more = much && slips(self, tuning) ? 1u : 0u;
@@ -191,14 +191,14 @@ void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning) {
     self->at = (lode_sincos_t){lode_sign(self->omega_target) * 0.5f * LODE_SQRT3, -0.5f};
     self->omega_rad_s = 0.0f;
     self->current_A = 0.0f;
-    self->stands = 0u; // the rotor is anywhere now
+    self->stands = 0u; // the rotor may be at any angle now
     self->failed = self->failed == 0u ? 1u : LODE_START_FAILED_MAX;
     enter(self, first_stage(tuning));
 }
 
 #ifndef LODE_WITHOUT_START_MEASUREMENT
 
-// (S13), (S14): from the voltages along half and all of the current.
+// (S13), (S14): from the voltages at half and at all of the current.
 static lode_start_found_t found_at_rest(const lode_start_t *self) {
     const float mean_V = self->seen.rest.sum_V;
     const float r_Ohm =
@@ -206,10 +206,10 @@ static lode_start_found_t found_at_rest(const lode_start_t *self) {
     return (lode_start_found_t){.r_Ohm = r_Ohm, .dead_V = mean_V - r_Ohm * self->current_A};
 }
 
-// One round's voltage, in the axis at which the vector waits. Resistance shows along the current, dead time along the phase
-// of the axis, whatever the damping adds to that. A rotor that falls past a right angle to the vector shows nothing
-// across it, but along it, and ever more: then the sum begins anew. In the second half of the dwell it takes the ripple of
-// a swing for no such change (S30).
+// Adds the voltage of one round, in the frame of the axis at which the vector waits: dead time acts along this phase
+// axis wherever the damping has turned the vector. A rotor that falls past 90 degrees has its growing EMF along the
+// axis and none across it; then the sum starts again. In the second half of the dwell the limit is wide enough for the
+// ripple of a rotor that swings (S30).
 static void add_at_rest(lode_start_rest_t *rest, const lode_start_tuning_t *tuning,
                         lode_dq_t axis_V) {
     const bool late = rest->dwelt > tuning->dwell_rounds / 2u;
@@ -224,9 +224,9 @@ static void add_at_rest(lode_start_rest_t *rest, const lode_start_tuning_t *tuni
     rest->calm = (uint_least16_t)(rest->calm + (lode_abs(axis_V.q) <= tuning->calm_V ? 1u : 0u));
 }
 
-// The voltage with the present current is known, or is not: the rotor has its time to come to rest at both, as it is
-// all of the current that it is to follow. Of the current at which it did not, the voltage follows from that of the
-// other one (S33).
+// Ends the dwell at the present current, with a mean (`known`) or without. The vector waits at both currents in any
+// case: the rotor has to follow all of the current, and needs time to come to rest. The voltage at a current without a
+// mean follows from that at the other one (S33).
 static LODE_NOINLINE void end_dwell(lode_start_t *self, const lode_start_tuning_t *tuning,
                                     bool known) {
     lode_start_rest_t *rest = &self->seen.rest;
@@ -245,14 +245,14 @@ static LODE_NOINLINE void end_dwell(lode_start_t *self, const lode_start_tuning_
     }
 }
 
-// The mean of a swing is known.
+// The mean is known although the rotor still swings (S30).
 static bool is_steady(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     const float summed = self->seen.rest.summed;
     const uint32_t least = STEADY_TIMES * (tuning->patience_rounds / CALM_PART);
     return summed >= (float)least && swung_rad(tuning, summed) >= STEADY_rad;
 }
 
-// One round with the present current. What it makes known is worked out in the next round, by a call of its own.
+// One round at the present current. The result is computed in the next round, to spread the load.
 static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V) {
     lode_start_rest_t *rest = &self->seen.rest;
     rest->dwelt++;
@@ -281,7 +281,8 @@ bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, l
 
 #endif
 
-// Share of the steepest ramp that the vector has now (S35). A rotor that is stopped has followed it.
+// Share of the steepest ramp for the present speed (S35). To stop, the vector keeps the attempt's ramp: the rotor
+// follows it already.
 static float ramp_share(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     const float ease = lode_start_ease(self);
 #ifdef LODE_WITHOUT_GENTLE_START
@@ -294,8 +295,8 @@ static float ramp_share(const lode_start_t *self, const lode_start_tuning_t *tun
 #endif
 }
 
-// Counts a round in which the vector stands at its axis with all of its current, which is none of the attempt's time; of the
-// first attempt alone (S47).
+// Counts a round in which the vector stands at its axis with all of its current (S47). Such rounds do not count towards
+// the attempt's time, and only the first attempt aligns.
 static bool aligns(lode_start_t *self, const lode_start_tuning_t *tuning) {
     if (self->stage != (uint_least8_t)LODE_START_ALIGN || self->current_A < self->current_target) {
         return false;
@@ -318,13 +319,13 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     } else {
         self->stands = 0u;
         if (self->stage < (uint_least8_t)LODE_START_TURN) {
-            enter(self, (uint_least8_t)LODE_START_TURN); // a stop ends what is done at rest
+            enter(self, (uint_least8_t)LODE_START_TURN); // a stop ends what runs at rest
         }
     }
     self->current_target = current_now_A(self, tuning, most_A);
     self->omega_step = tuning->omega_step * ramp_share(self, tuning);
-    self->at =
-        lode_angle_normalise(self->at); // what the periods in between have left of its length
+    // Removes the rounding error of the rotations since the last call.
+    self->at = lode_angle_normalise(self->at);
     const float most =
         lode_min(tuning->damping_A / lode_max(self->current_A, FLT_MIN),
                  tuning->damping_rad_s / lode_max(lode_abs(self->omega_rad_s), FLT_MIN));
@@ -335,8 +336,8 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     return !aligns(self, tuning) && is_spent(self, tuning);
 }
 
-// What a round with a lock counts on the vector. A lock that goes again is no worse than none where no attempt is
-// left (S32).
+// Weight of a round with a lock on the vector. Where no attempt is left, a lock that is lost again is no worse than
+// none (S32).
 static uint32_t lock_weight(const lode_start_t *self, const lode_start_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     if (self->failed >= LODE_START_FAILED_MAX && !lode_start_catches(self) &&
@@ -361,12 +362,12 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
     self->locked = (uint_least16_t)(sound ? self->locked + weight : 0u);
     if (catching && self->attempt > 1u) {
         self->attempt--;
-    } else if (catching) { // the vector begins
+    } else if (catching) { // no turning rotor found: start with the vector
         self->attempt = 0u;
         self->locked = 0u;
         enter(self, first_stage(tuning));
     } else {
-        // on the vector
+        // the vector turns: lode_start_aim() counts the time
     }
 }
 
@@ -379,7 +380,7 @@ static lode_start_unmet_t unmet(lode_criterion_t criterion, float measured, floa
     return (lode_start_unmet_t){criterion, measured, limit};
 }
 
-// In how many of the `rounds` that are needed it was so, as times.
+// Converts the rounds that met the criterion, and those needed, to times.
 static lode_start_unmet_t unmet_for(lode_criterion_t criterion, uint32_t rounds, uint32_t needed,
                                     float round_s) {
     const float measured_s = (float)(int32_t)rounds * round_s;
@@ -387,7 +388,7 @@ static lode_start_unmet_t unmet_for(lode_criterion_t criterion, uint32_t rounds,
     return unmet(criterion, measured_s, limit_s);
 }
 
-// While the vector waits with all of its current, for rounds of `round_s`.
+// While the vector waits with all of its current.
 static lode_start_unmet_t unmet_at_rest(const lode_start_t *self, const lode_start_tuning_t *tuning,
                                         float round_s) {
     if (self->stage == (uint_least8_t)LODE_START_ALIGN) {
@@ -407,7 +408,7 @@ static lode_start_unmet_t unmet_at_rest(const lode_start_t *self, const lode_sta
     return unmet(LODE_CRITERION_RAMP, 0.0f, tuning->omega_ready);
 }
 
-// At speed, by what lode_start_judge() goes by. Speeds are counted in the direction of the vector.
+// At speed, by the conditions of lode_start_judge(). Speeds are compared in the direction of the vector.
 static lode_start_unmet_t unmet_at_speed(const lode_start_t *self,
                                          const lode_start_tuning_t *tuning,
                                          const lode_estimator_t *estimator, float round_s) {
@@ -449,7 +450,7 @@ LODE_NOINLINE lode_start_unmet_t lode_start_unmet(const lode_start_t *self,
         return unmet(LODE_CRITERION_RAMP, vector, tuning->omega_ready);
     }
     const float omega = estimator->pll.omega_rad_s;
-    // (S39), with what the observer takes of the amplitude
+    // (S39), with the observer's attenuation undone.
     const float taken = lode_estimator_droop(estimator_tuning, omega);
     const float emf_V = taken * lode_ab_length(estimator->emf.observer.e_V);
     const float least_V = (1.0f - LODE_START_LOST_MAX) * (1.0f - LODE_START_TOLERANCE) * vector *

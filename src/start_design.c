@@ -1,38 +1,39 @@
-// What follows from the configuration of a start: defaults, checks, tuning.
+// Defaults, checks and tuning of the start.
 #include "start_parts.h"
 
 #include "inverter_inline.h"
 #include "lodestar/current.h"
 
 #define CURRENT_SHARE 0.7f  // of i_max
-#define SALIENT_SHARE 0.5f  // of the current at which a salient rotor is no longer pulled
+#define SALIENT_SHARE 0.5f  // of psi/(Lq - Ld), at which nothing holds a salient rotor any more
 #define HANDOVER_SHARE 0.1f // of rated speed
-// The EMF at hand-over over the voltage that is not modelled: of a microsecond of dead time, which comes to
-// (4/pi) v_bus f_pwm times that along the current, and of 30 % of the resistance.
+// Least ratio of the EMF at hand-over to the voltage that is not modelled (S12): a microsecond of dead time, which
+// makes (4/pi) v_bus f_pwm times that along the current, and 30 % of the resistance (a warm winding).
 #define EMF_PER_UNKNOWN 2.0f
 #define DEAD_TIME_UNKNOWN_s 1.0e-6f
 #define RESISTANCE_UNKNOWN 0.3f
-// The EMF at hand-over over the drop across the resistance, at least: errors of 2 % of a phase current's gain swing
-// the drop, once measured, by as much twice per turn.
+// Least ratio of the EMF at hand-over to the drop across the resistance: gain errors of 2 % between the phase currents
+// make the measured drop swing by as much, twice per turn.
 #define EMF_PER_DROP 0.25f
-// Square of the hand-over speed over the largest acceleration and the share of the flux that is lost.
+// Factor of (S18): omega_handover^2 over the largest acceleration times the share of the flux that the current takes.
 #define LIGHT_ROTOR 4.5f
-// Lq - Ld over Lq, at least: where an error of 20 % in Lq is 0.55 of Lq - Ld, it counts as much as in a rotor of that
-// saliency, however little is configured.
+// Least (Lq - Ld)/Lq in (S18). An error of 20 % in Lq turns the angle even of a rotor configured without saliency; it
+// counts as in a rotor of this saliency, where it is 0.55 of Lq - Ld.
 #define LIGHT_UNSURE 0.36f
-#define HANDOVER_SHARE_MAX                                                                         \
-    0.5f // of rated or base speed: beyond, too little of the speed range is left
-// Of the hand-over speed, to which noise of the currents may raise it: a rotor that slips at twice that looks to (S43)
-// like sensors that fail.
+// Of rated or base speed: a higher hand-over would leave too little of the speed range.
+#define HANDOVER_SHARE_MAX 0.5f
+// Factor by which noise of the currents may raise the hand-over speed (S49). At much higher speed a rotor that slips
+// makes the current swing in a way that (S43) takes for failing sensors.
 #define NOISE_MOST 2.5f
-#define RAMP_TORQUE_SHARE 0.1f // ten times the inertia takes it all
-// Share of the ramp that the vector has: this, times its speed and a 64th of the hand-over speed, over the hand-over
-// speed (S35). By default a sixteenth at rest; of a ramp that is given all of it.
+#define RAMP_TORQUE_SHARE 0.1f // of the start torque: ten times the inertia takes all of it
+// Gentle ramp (S35): the share STEEPENS (omega + omega_handover/STEEP)/omega_handover of the ramp, a sixteenth at rest.
+// For a configured ramp STEEP takes the place of STEEPENS, and the share is 1 from rest on.
 #define STEEPENS 4.0f
-#define GENTLE_SHARE 0.46f // (ln 16 - 15/16)/4: what the default adds to a ramp, at most
+#define GENTLE_SHARE 0.46f // (ln 16 - 15/16)/4: share of its time that (S35) adds to a ramp
 #define RISE_TIME_s 0.2f
-// Past a rotor whose axis no pulse shows the vector sweeps while the current rises. It takes so much of the rotor's swing, up to
-// this time: one with ten times its inertia then swings less about the vector (S29).
+// Current rise for a rotor without saliency, whose axis no pulse shows: RISE_rad radians of its swing, within these two
+// times. The vector sweeps past such a rotor, and the slower it is the less one with ten times its inertia swings
+// (S29).
 #define RISE_rad 35.0f
 #define RISE_TIME_MAX_s 0.4f
 #define DAMPING 0.5f
@@ -40,25 +41,27 @@
 #define CATCH_TIME_s 0.05f // the estimator needs 20 to 30 ms from a reset to a sure lock
 #define FADE_TIME_s 0.1f
 #define SALIENT_TIME_SHARE 0.5f // of lock and fade, where reluctance bounds the start current
-#define LOST_UNSURE 1.2f // flux that the current may take of a rotor whose Lq - Ld is 20 % off
-#define LOCK_TURNS 2.0f  // electrical
+#define LOST_UNSURE 1.2f        // of the flux taken by the current: Lq - Ld may be 20 % more
+#define LOCK_TURNS 2.0f         // electrical
 #define PATIENCE_s 0.4f
 #define TIMEOUT_MAX_s 1000.0f
 #define ROUNDS_MAX 2.0e9f // inside an int32
 #define COUNTER_MAX 65535.0f
-// Of the vector while the current rises (S29): all of it, or from half of the current on, where it is measured there.
+// Sweep of the vector while the current rises (S29): in total, or with a measurement from half of the current on.
 #define SWEEP_rad (LODE_TWO_PI * 240.0f / 360.0f)
 #define SWEEP_SECOND_rad (LODE_TWO_PI * 60.0f / 360.0f)
-#define MEAN_CORNER 0.3f // of the mean EMF, over the swing's natural frequency
-// Gain that is left to the loop of the shift: a moving vector moves d current, and so active flux, in a salient
-// rotor, which shows as EMF as the swing does (S15).
+#define MEAN_CORNER 0.3f // corner of the mean EMF's filter over the swing's natural frequency
+// Largest gain of the loop through the shift (S15): in a salient rotor a moving vector moves the d current and so the
+// active flux, which appears as EMF just as a swing does.
 #define SHIFT_LOOP 1.0f
-// Gain of the shift by the rotor's angle, which a loaded rotor's EMF shows too, at speed more than its swing (S16).
+// Largest gain from the load angle to the shift (S16): the EMF of a loaded rotor shows its angle as well, at speed more
+// strongly than its swing.
 #define SHIFT_STIFFENS 2.0f
-// Measuring resistance and dead time: of a rotor that does not come to rest in 0.15 s the mean of its swing.
+// Longest wait of the measurement at each current. A rotor that is not at rest by then is measured by the mean of its
+// swing.
 #define DWELL_TIME_s 0.15f
 #define MEASUREMENTS 2.0f // with half the current and with all of it
-#define CALM_SHARE 0.1f   // of the voltage that is not known
+#define CALM_SHARE 0.1f   // of the unknown voltage
 #ifdef LODE_WITHOUT_START_MEASUREMENT
 #define MEASURES LODE_OFF
 #else
@@ -70,7 +73,7 @@ static float stiffness(float current_A, const lode_motor_t *motor) {
     return current_A * lode_motor_kt_Nm_A(motor);
 }
 
-// Reluctance pulls a rotor with Lq > Ld across the vector, in the end more than the magnets along it.
+// Reluctance torque works against the stiffness of the magnets; at psi/(Lq - Ld) nothing holds the rotor any more.
 static float default_current_A(const lode_motor_t *motor, float i_max_A) {
     const float lost_A = motor->psi_Wb / lode_max(motor->Lq_H - motor->Ld_H, FLT_MIN);
     return lode_min(CURRENT_SHARE * i_max_A, SALIENT_SHARE * lost_A);
@@ -92,19 +95,19 @@ static float ramp_s(const lode_start_config_t *config) {
     return config->omega_handover_rad_s / lode_max(config->ramp_rad_s2, FLT_MIN);
 }
 
-// Electrical.
+// Electrical acceleration (S7).
 static float default_ramp_rad_s2(const lode_motor_t *motor, float current_A) {
     const float torque = RAMP_TORQUE_SHARE * stiffness(current_A, motor);
     return torque / lode_max(motor->J_kgm2, FLT_MIN) * motor->pole_pairs;
 }
 
-// A ramp that is given is meant from its beginning.
+// True for the default ramp. A configured ramp applies in full from rest on.
 static bool begins_gently(const lode_start_config_t *config, const lode_motor_t *motor) {
     const float own = default_ramp_rad_s2(motor, config->current_A);
     return lode_in_range(config->ramp_rad_s2, own, own);
 }
 
-// What that adds to a ramp, at most.
+// Time that (S35) adds to a ramp, at most.
 static float gentle_s(const lode_start_config_t *config, const lode_motor_t *motor) {
     return begins_gently(config, motor) ? GENTLE_SHARE * ramp_s(config) : 0.0f;
 }
@@ -118,7 +121,7 @@ static float sweep_rad_s(const lode_start_config_t *config) {
     return rad / config->current_rise_s;
 }
 
-// What the profile takes, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
+// (S9): the profile, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
 static float attempt_s(const lode_start_config_t *config, const lode_motor_t *motor, float ease) {
     const float ramps_s = ramp_s(config) / ease + gentle_s(config, motor);
     const float profile_s = config->current_rise_s + dwell_s(config) + ramps_s + config->lock_s;
@@ -130,7 +133,7 @@ static float drop_V(const lode_motor_t *motor, const lode_inverter_config_t *inv
     return (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
 }
 
-// Voltage along the start current that no model has.
+// Voltage along the start current that is not modelled (S12).
 static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                        float current_A, float ts_s) {
     const float carrier_Hz = lode_inverter_carrier_Hz(inverter, 1.0f / ts_s);
@@ -138,7 +141,7 @@ static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *
     return dead_time_V + RESISTANCE_UNKNOWN * drop_V(motor, inverter, current_A);
 }
 
-// Electrical speed at which the largest current, in a warm winding, and the EMF use up the bus.
+// Electrical speed at which i_max in a warm winding and the EMF use up the bus.
 static float base_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
     const float u_V = LODE_VOLTAGE_USE * inverter->v_bus_V / LODE_SQRT3;
     const float warm_V = (1.0f + RESISTANCE_UNKNOWN) * drop_V(motor, inverter, inverter->i_max_A);
@@ -149,9 +152,9 @@ static float base_omega(const lode_motor_t *motor, const lode_inverter_config_t 
     return (lode_sqrt(half * half + flux2 * left_V2) - half) / lode_max(flux2, FLT_MIN);
 }
 
-// A load step must not stop the rotor before the PLL has seen it. An error of Lq - Ld turns the angle the more
-// the lower the speed, and holds the PLL's bandwidth to some omega psi/((Lq - Ld) I): so the speed of hand-over
-// must be high where the rotor is light (S18).
+// (S18): a load step must not stop the rotor before the PLL has seen it. An error of Lq - Ld turns the angle the more
+// the lower the speed, and limits the PLL's bandwidth to some omega psi/((Lq - Ld) I). So a light rotor needs a high
+// hand-over speed.
 static float omega_of_light_rotor(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                                   float current_A) {
     const float unsure_H =
@@ -162,20 +165,20 @@ static float omega_of_light_rotor(const lode_motor_t *motor, const lode_inverter
     return lode_sqrt(LIGHT_ROTOR * lost * acc_rad_s2);
 }
 
-// Electrical speed from which the EMF stands out of the voltage that is not modelled (S12).
+// Electrical speed from which the EMF exceeds the unmodelled voltage enough (S12).
 static float omega_of_emf(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                           float current_A, float ts_s) {
     return EMF_PER_UNKNOWN * unknown_V(motor, inverter, current_A, ts_s) /
            lode_max(motor->psi_Wb, FLT_MIN);
 }
 
-// Electrical speed from which the EMF stands out of what the current sensors' errors leave of the drop.
+// Electrical speed from which the EMF exceeds the error that the current sensors leave in the measured drop.
 static float seen_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                         float current_A) {
     return EMF_PER_DROP * drop_V(motor, inverter, current_A) / lode_max(motor->psi_Wb, FLT_MIN);
 }
 
-// The highest speed of a hand-over.
+// Highest hand-over speed that is not configured.
 static float most_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter) {
     return HANDOVER_SHARE_MAX * lode_min(motor->omega_rated_rad_s, base_omega(motor, inverter));
 }
@@ -199,7 +202,7 @@ static float default_handover(const lode_motor_t *motor, const lode_inverter_con
     return within_speeds(lode_max(by_emf, by_rotor), motor, inverter, current_A);
 }
 
-// A speed that is given is meant.
+// True for the default hand-over speed. A configured one applies as it is.
 static bool is_own_handover(const lode_start_config_t *config,
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor,
                             float ts_s) {
@@ -207,8 +210,8 @@ static bool is_own_handover(const lode_start_config_t *config,
     return lode_in_range(config->omega_handover_rad_s, own, own);
 }
 
-// The angle can be seen from this speed on: a vector on its way to a speed that only load steps ask for need
-// not arrive.
+// Speed from which the estimator may take over. Where only load steps require the default hand-over speed, the angle is
+// visible earlier and the vector need not reach it. A configured speed applies as it is.
 static float omega_ready(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
                          const lode_motor_t *motor, float ts_s) {
     const float by_emf = within_speeds(omega_of_emf(motor, inverter, config->current_A, ts_s),
@@ -216,8 +219,8 @@ static float omega_ready(const lode_start_config_t *config, const lode_inverter_
     return is_own_handover(config, inverter, motor, ts_s) ? by_emf : config->omega_handover_rad_s;
 }
 
-// A rotor with too little flux left for (S8) is handed over while its vector gives way, and where the load swings within
-// every turn of the shaft, in a part of the turn.
+// (S26): a rotor with too little flux left for (S8) is handed over while its vector gives way (S17), and where the load
+// swings within every turn of the shaft (S8) holds for a part of the turn only. Both need a shorter time.
 static float default_lock_s(const lode_start_config_t *config, const lode_motor_t *motor,
                             float time_share) {
     const float lost = (motor->Lq_H - motor->Ld_H) * config->current_A;
@@ -231,7 +234,7 @@ static float default_lock_s(const lode_start_config_t *config, const lode_motor_
 
 void lode_start_design(lode_start_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, float ts_s) {
-    // A current that is configured applies to every attempt.
+    // A configured current applies to every attempt.
     const float own_A = default_current_A(motor, inverter->i_max_A);
     const float last_A =
         lode_clamp(CURRENT_LAST * own_A, CURRENT_SHARE * inverter->i_max_A, inverter->i_max_A);
@@ -288,7 +291,7 @@ static lode_status_t check(const lode_start_config_t *config,
     return LODE_OK;
 }
 
-// To the nearest; 0 only for no time at all.
+// Rounded to the nearest; 0 only for a time of 0.
 static uint32_t rounds_in(float time_s, float ts_s) {
     const float rounds = time_s / ((float)LODE_SLOW_PERIODS * ts_s);
     const float least = time_s > 0.0f ? 1.0f : 0.0f;
@@ -302,8 +305,8 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     if (status != LODE_OK) {
         return status;
     }
-    // A vector that gives way by 2 zeta/wn per rad/s of the rotor's swing damps it with the ratio zeta: torque K times
-    // that angle. The swing shows as EMF across the vector, psi volts per rad/s, at standstill too.
+    // (S6): a vector that gives way by 2 zeta/wn per rad/s of the rotor's swing damps it with the ratio zeta, as its
+    // torque is K times that angle. The swing appears as EMF across the vector, psi volts per rad/s, at standstill too.
     const float swing = swing_rad_s(config->current_A, motor);
     const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
     *tuning = (lode_start_tuning_t){

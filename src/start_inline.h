@@ -5,39 +5,39 @@
 #include "lodestar/start.h"
 #include "scalar_inline.h"
 
-// Three attempts until the start has failed. A rotor with more on its shaft than configured cannot follow the
-// ramp: each has a quarter of the one before. The last one also takes more current, against a load.
+// Share of the ramp in the second and the third, last attempt. A rotor with more inertia than configured cannot follow
+// the full ramp. The last attempt also takes more current, against a load.
 #define LODE_START_EASE 0.25f
 #define LODE_START_EASE_LAST (LODE_START_EASE * LODE_START_EASE)
 #define LODE_START_FAILED_MAX 2u // attempts before the last one
-// Attempts that may end after the hand-over: these and the last one itself, which nothing gentler follows and which is
-// repeated once (S28).
+// Attempts that may end after the hand-over: those before the last one, and the last one itself, which is repeated once
+// (S28).
 #define LODE_START_LOSSES_MAX (LODE_START_FAILED_MAX + 1u)
 
-// The sweep to half of the current, where it is measured there, over that from there to all of it: to each from phase
-// axis to phase axis, by 240 and by 60 degrees (S29).
+// Ratio of the sweep rates up to half of the current and from there to all of it. Each sweep goes from phase axis to
+// phase axis, by 240 and by 60 degrees (S29).
 #define LODE_START_SWEEP_FIRST 4.0f
 
-// Share of the ramp in the present attempt, by those that failed. The last one, repeated, need not take as long: the rotor
-// has followed it.
+// Share of the ramp in the present attempt. The repeated last attempt is quicker: the rotor has followed the vector
+// before.
 LODE_INLINE float lode_start_ease(const lode_start_t *self) {
     static const float share[] = {1.0f, LODE_START_EASE, LODE_START_EASE_LAST, LODE_START_EASE};
-    return share[self->failed & LODE_START_LOSSES_MAX]; // 3: within the table, whatever flips
+    return share[self->failed & LODE_START_LOSSES_MAX]; // mask: in the table even after a bit flip
 }
 
 LODE_INLINE bool lode_start_catches(const lode_start_t *self) {
     return self->stage == (uint_least8_t)LODE_START_CATCH;
 }
 
-// Between the speeds of estimator and vector. Of the vector's speed: a load that swings within a turn swings the rotor in
-// proportion.
+// Allowed difference of estimated and vector speed, as a share of the latter (S8): a load that swings within a turn
+// swings the rotor in proportion.
 #define LODE_START_TOLERANCE 0.25f
 
 LODE_INLINE float lode_start_slack(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     return LODE_START_TOLERANCE * lode_max(lode_abs(self->omega_rad_s), tuning->omega_ready);
 }
 
-// A speed estimate goes with a vector that turns fast enough for one.
+// The estimated speed is that of the vector, which is fast enough for an estimate and turns as commanded.
 LODE_INLINE bool lode_start_follows(const lode_start_t *self, const lode_start_tuning_t *tuning,
                                     float omega_rad_s, float slack) {
     const float vector = self->omega_rad_s;
@@ -45,13 +45,13 @@ LODE_INLINE bool lode_start_follows(const lode_start_t *self, const lode_start_t
            lode_abs(omega_rad_s - vector) <= slack;
 }
 
-// One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector turns in
-// a period now, rad.
+// One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector turns per period,
+// rad.
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
                                   lode_ab_t e_V, float ts_s) {
-    // Turning at speed begins when the current is there and resistance and dead time are measured. While the
-    // current rises at standstill the vector sweeps, most of it to the first current that is measured with: a rotor
-    // that lies opposite to it would feel no torque, and one that falls back to it is carried along (S29).
+    // The vector turns at speed once its current is reached and resistance and dead time are measured. While the
+    // current rises at standstill the vector sweeps: a rotor that lies opposite to it would feel no torque, and one
+    // that falls back to it is carried along (S29).
     float advance_rad = ts_s * self->omega_rad_s;
     if (!(self->current_A < self->current_target) &&
         !(self->stage < (uint_least8_t)LODE_START_TURN)) {
@@ -67,17 +67,17 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
         }
 #endif
     } else {
-        // the vector rests while it is measured or stands ahead of the rotor, or its current rises on at the speed that there is
+        // the vector rests for the measurement, stands ahead of the rotor, or keeps its speed while the current rises
     }
     self->current_A += lode_clamp(self->current_target - self->current_A, -tuning->current_step,
                                   tuning->current_step);
     const lode_sincos_t half = lode_sincos_small(0.5f * advance_rad);
     self->at = lode_angle_add(self->at, lode_angle_double(half));
-    // Of a swing the EMF across the vector shows speed and angle; its size, which comes in with speed, only the
-    // speed (S19).
+    // The EMF across the vector shows speed and angle of a swing, its magnitude only the speed. The magnitude is
+    // weighted in as the vector gets faster (S19).
     const float by_size = self->by_size;
     float across_V = lode_park(e_V, self->at).q;
-    if (lode_abs(by_size) > 0.0f) { // no root at rest: there the plausibility takes most
+    if (lode_abs(by_size) > 0.0f) { // at rest, where plausibility takes longest, no root
         across_V = (1.0f - lode_abs(by_size)) * across_V + by_size * lode_ab_length(e_V);
     }
     self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
@@ -85,13 +85,13 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
     return advance_rad;
 }
 
-// How far the vector is turned ahead, to damp the rotor's swing.
+// Angle by which the vector is turned ahead to damp the rotor's swing (S6).
 LODE_INLINE float lode_start_shift_rad(const lode_start_t *self) {
     return lode_clamp(-self->give * self->swing_V, -LODE_START_SHIFT_MAX_rad,
                       LODE_START_SHIFT_MAX_rad);
 }
 
-// How far the damping has turned the vector, rad, since the last call.
+// Change of this angle since the last call, rad.
 LODE_INLINE float lode_start_shifted_rad(lode_start_t *self) {
     if (self->stage != (uint_least8_t)LODE_START_TURN) {
         return 0.0f;
@@ -101,13 +101,13 @@ LODE_INLINE float lode_start_shifted_rad(lode_start_t *self) {
     return self->seen.turn.shift_rad - before_rad;
 }
 
-// The vector, with the damping. At the end of the shift's range the angle is off by 1e-3 rad, the length by
-// 0.3 %: the damping does not mind.
+// The vector including the damping. At the end of the shift's range the angle is off by 1e-3 rad and the length by 0.3
+// %, which is harmless.
 LODE_INLINE lode_sincos_t lode_start_vector(const lode_start_t *self) {
     return lode_angle_add(self->at, lode_sincos_small(lode_start_shift_rad(self)));
 }
 
-// Where it will be a period on.
+// The vector one period later.
 LODE_INLINE lode_sincos_t lode_start_next(const lode_start_t *self, float ts_s) {
     const float move_rad = lode_start_shift_rad(self) + ts_s * self->omega_rad_s;
     return lode_angle_add(self->at, lode_sincos_octant(move_rad));
