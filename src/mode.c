@@ -8,9 +8,9 @@
 
 #include <stddef.h>
 
-// A whole round of the slow jobs knows of a sensor that the last period had; the next one does not.
+// A sensor's estimate counts as present in the whole round of slow jobs that follows it.
 #define SENSOR_ROUNDS 2u
-#define PROVING_ENDLESS 0xffffu // rounds: 13 s of 40 kHz, and longer than a rotor takes to stop
+#define PROVING_ENDLESS 0xffffu // in rounds, 13 s at 40 kHz: longer than a rotor takes to stop
 
 void lode_mode_set(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
@@ -19,12 +19,12 @@ void lode_mode_set(lode_drive_t *self, lode_mode_t mode) {
                    self->tuning->speed_periods == LODE_SLOW_PERIODS;
 }
 
-// Which samples are of use once the sensing, or what acts, has changed.
+// The samples to leave out, after a change of the sensing or of the duties that act.
 static void set_omitted(lode_drive_t *self) {
     self->omitted = lode_sense_omit_both(lode_sense_omitted(&self->tuning->sense, self->duty));
 }
 
-// Gates off, with no voltage on its way.
+// Gates off, no voltage pending.
 static LODE_SMALL_CALL void open_gates(lode_drive_t *self, lode_mode_t mode) {
     self->gates = false;
     self->losses = 0u;
@@ -71,7 +71,7 @@ LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
                                            .criterion = (uint_least8_t)LODE_CRITERION_PROOF,
                                            .measured = self->estimator.lock,
                                            .limit = LODE_LOCK_LOST};
-        lode_mode_switch_off(self); // as the command is RUN, for no longer than the next period
+        lode_mode_switch_off(self); // the command is still RUN: lasts for one period
         self->losses = (uint_least8_t)(losses + 1u);
     }
 }
@@ -85,7 +85,7 @@ LODE_NOINLINE void lode_mode_obey_guard(lode_drive_t *self) {
             self->guard.fault.stage = self->state.start.stage;
         }
         open_gates(self, LODE_MODE_FAULT);
-        self->losses = failed; // of the start, as long as there is something to read
+        self->losses = failed; // failed attempts stay readable with the fault
     }
 }
 
@@ -121,7 +121,8 @@ LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
     self->i_A = lode_park(i_A, lode_estimator_rotor(&self->estimator));
 }
 
-// START goes on with the attempt after those that failed, in what is left of the time; after none it is another start.
+// A start goes on with the attempt after those that failed, in the time that is left. Without failed attempts it is a new
+// one.
 static void count_start(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_HANDOVER_RETRY
     self->start_rounds = 0u;
@@ -139,7 +140,7 @@ void lode_mode_take_q_axis(lode_drive_t *self) {
 void lode_mode_switch_on(lode_drive_t *self, lode_mode_t mode) {
     const lode_drive_tuning_t *tuning = self->tuning;
     self->gates = true;
-    self->sensored = 0u; // until the next estimate says so
+    self->sensored = 0u; // until the next external estimate
     lode_mode_set_duties(self, LODE_DUTY_IDLE);
     lode_mode_reset_guard(self);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -155,13 +156,13 @@ void lode_mode_switch_on(lode_drive_t *self, lode_mode_t mode) {
     count_start(self);
 #ifndef LODE_WITHOUT_COMMISSIONING
     if (mode != LODE_MODE_START) {
-        self->state.theta_rad = self->command.theta_rad; // in place of the start's
+        self->state.theta_rad = self->command.theta_rad; // shares its memory with the start
     }
 #endif
     lode_mode_set(self, mode);
 }
 
-// What is counted in RUN: the start has counted with the guard's counter of the lock too (S34).
+// Resets the counters of RUN: the start uses the guard's counter of the lock too (S34).
 static void begin_counts(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
@@ -189,7 +190,7 @@ void lode_mode_run_at_once(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_estimator_t *estimator = &self->estimator;
     const float omega = estimator->pll.omega_rad_s;
-    lode_running_t *run = &self->state.run; // takes the place of the start's
+    lode_running_t *run = &self->state.run; // overwrites the start's state
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
                      lode_estimator_load_torque_Nm(estimator, &tuning->estimator),
                      lode_references_most_Nm(&tuning->references));
@@ -210,14 +211,14 @@ void lode_mode_retune(lode_drive_t *self, const lode_estimator_tuning_t *before)
     lode_estimator_retune(&self->estimator, before, &self->tuning->estimator);
 #ifndef LODE_WITHOUT_SHAPED_RAMP
     if (lode_mode(self) == LODE_MODE_RUN && !(self->tuning->speed.jerk_step > 0.0f)) {
-        self->state.run.speed.step_rad_s =
-            0.0f; // what a ramp without a limit of the jerk leaves behind
+        // Left over from a ramp whose jerk was limited.
+        self->state.run.speed.step_rad_s = 0.0f;
         self->state.run.speed.left_rad_s = 0.0f;
     }
 #endif
 }
 
-// Once: another fault that comes while the command lasts stays, as it is not OFF.
+// Clears a fault once: a later one stays while the same command lasts, as that is not OFF.
 static bool clear_at_once(lode_drive_t *self) {
     if (self->command.mode == (uint_least8_t)LODE_MODE_OFF || !lode_mode_clears(&self->command)) {
         return false;
@@ -251,18 +252,18 @@ LODE_NOINLINE bool lode_mode_take_mail(lode_drive_t *self) {
 }
 
 LODE_NOINLINE bool lode_mode_mail_ok(lode_drive_t *self) {
-    LODE_SHARED_STORE(self->mail, true); // or about to be
+    LODE_SHARED_STORE(self->mail, true); // was lost, or is about to be set
     LODE_SHARED_STORE(self->steady, false);
     return self->command_posted == LODE_POST_FULL;
 }
 
-// A vector as seen from a frame that is `ahead` of the one it was given in.
+// A vector, seen from a frame that is `ahead` of its own.
 static lode_dq_t in_frame(lode_dq_t x, lode_sincos_t ahead) {
     return lode_park((lode_ab_t){x.d, x.q}, ahead);
 }
 
-// From the I-f frame into the rotor's: voltage and current vectors stay, only their names change; then
-// the start current fades from the d axis.
+// From the I-f frame to the rotor's (S10): voltage and current vectors stay, only their components change. Then the start
+// current fades.
 void lode_mode_hand_over(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float omega = self->estimator.pll.omega_rad_s;
@@ -278,7 +279,7 @@ void lode_mode_hand_over(lode_drive_t *self) {
     self->losses = self->state.start.failed;
     const bool caught = lode_start_catches(&self->state.start);
 #endif
-    lode_running_t *run = &self->state.run; // takes the place of the start's
+    lode_running_t *run = &self->state.run; // overwrites the start's state
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
                      lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator),
                      lode_references_most_Nm(&tuning->references));
@@ -294,8 +295,8 @@ void lode_mode_hand_over(lode_drive_t *self) {
     lode_mode_set(self, LODE_MODE_RUN);
 }
 
-// A start current ahead of the rotor by the angle at which it makes the torque that the present one
-// makes. (In the direction of the present one it might be opposed to the rotor.)
+// (S11): the start current is placed ahead of the rotor by the angle at which it makes the present torque. (In the direction
+// of the present current it might oppose the rotor.)
 LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
     const float current_A = self->tuning->start.current_A;
     const float sine = lode_clamp(self->i_A.q / current_A, -1.0f, 1.0f);
@@ -304,7 +305,7 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
     const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     if (self->state.run.proving == 0u) {
-        self->losses = 0u; // else it is the same start
+        self->losses = 0u; // otherwise it is still the same start
     }
 #endif
     lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead),
@@ -320,21 +321,21 @@ void lode_mode_follow(lode_drive_t *self) {
     const lode_slot_t slot = lode_slot_of(self->steps);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     if (starts && (slot == SLOT_GUARD || slot == SLOT_GUARD_2)) {
-        return; // the guard has enough to do: a period later. 17 cycles of a start's worst-case call
+        return; // the guard's slots are long: saves 17 cycles of a start's worst case
     }
 #endif
     if (!lode_mode_is_sound(self) || (!starts && !lode_mode_fits(self))) {
-        lode_mode_distrust(self); // before a wrong mode is followed
+        lode_mode_distrust(self); // before a wrong mode acts
     } else if (starts) {
         lode_mode_follow_start(self, slot);
     } else if (self->command.mode == self->mode) {
-        lode_mode_set(self, lode_mode(self)); // steady again
+        lode_mode_set(self, lode_mode(self)); // sets `steady` again
     } else {
         lode_mode_switch_off(self);
     }
 }
 
-// Rotation of a frame until the middle of its duties, at `step_rad` per period.
+// Rotation of a frame from t_k to the middle of the period in which its duties act, 1.5 periods of `step_rad`.
 static lode_sincos_t lead_of(float step_rad) {
     return lode_angle_triple(lode_sincos_small(0.5f * step_rad));
 }
@@ -363,7 +364,7 @@ static lode_control_frame_t commanded_frame(lode_drive_t *self) {
 
 #endif
 
-// The start's vector one period on.
+// Moves the start's vector on by a period.
 static lode_control_frame_t start_frame(lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     lode_start_t *start = &self->state.start;
@@ -384,14 +385,14 @@ lode_control_frame_t lode_mode_control_frame(lode_drive_t *self) {
     return start_frame(self);
 }
 
-// At low speed in START there is no EMF to go by: from time to time the estimator is set to the vector.
+// At low speed in START the EMF is too small to use: once per round the estimator is set to the vector.
 bool lode_mode_seed(lode_drive_t *self) {
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     const lode_start_t *start = &self->state.start;
     if (lode_estimator_injects(&self->estimator)) {
-        return false; // it goes by injection
+        return false; // injection gives the angle
     }
-    // A vector turns the rotor as fast as it turns itself, whatever the torque.
+    // The rotor turns as fast as the vector, whatever the torque.
     const bool held = lode_mode(self) == LODE_MODE_START && !lode_start_catches(start);
     if (held && lode_abs(start->omega_rad_s) < LODE_START_HOLD * self->tuning->start.omega_ready) {
         lode_estimator_hold(&self->estimator, tuning, start->at, start->omega_rad_s);
@@ -431,7 +432,7 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     own->aligned = own->locked;
     own->found = 1u;
 #ifndef LODE_WITHOUT_HFI
-    lode_estimator_end_injection(own, &self->tuning->estimator); // nothing is to be found by it
+    lode_estimator_end_injection(own, &self->tuning->estimator); // nothing is left to find
     own->by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
 #endif
     if (lode_mode_is_sensored(self)) {

@@ -1,4 +1,4 @@
-// What the drive is doing: the state machine, and the modes that have a frame of their own.
+// The drive's state machine, and the modes that are controlled in a frame of their own.
 #ifndef LODE_MODE_H
 #define LODE_MODE_H
 
@@ -6,7 +6,7 @@
 
 #include "lodestar/drive.h"
 
-// Where VOLTAGE, CURRENT and START control the currents. Four floats are returned in registers.
+// Frame in which VOLTAGE, CURRENT and START are controlled. Four floats are returned in registers.
 typedef struct {
     lode_sincos_t at;   // angle of the frame at t_k
     lode_sincos_t lead; // from there to the middle of the period in which the duties act
@@ -21,7 +21,7 @@ static inline lode_mode_t lode_mode(const lode_drive_t *self) {
     return (lode_mode_t)self->mode;
 }
 
-// A vector in a frame of its own, as commanded.
+// VOLTAGE and CURRENT: a commanded vector in a commanded frame.
 static inline bool lode_mode_is_commissioning(lode_mode_t mode) {
 #ifdef LODE_WITHOUT_COMMISSIONING
     (void)mode;
@@ -31,7 +31,7 @@ static inline bool lode_mode_is_commissioning(lode_mode_t mode) {
 #endif
 }
 
-// No current is controlled.
+// VOLTAGE: no current is controlled.
 static inline bool lode_mode_is_voltage(const lode_drive_t *self) {
 #ifdef LODE_WITHOUT_COMMISSIONING
     (void)self;
@@ -41,7 +41,7 @@ static inline bool lode_mode_is_voltage(const lode_drive_t *self) {
 #endif
 }
 
-// One bit of an order that changes by itself changes one bit of this.
+// Checksum of an order: a single flipped bit of the order flips one bit of it.
 static inline uint_least16_t lode_mode_order_check(const lode_order_t *order) {
 #ifdef LODE_WITHOUT_COMMISSIONING
     const union {
@@ -80,7 +80,7 @@ static inline bool lode_mode_is_sensored(const lode_drive_t *self) {
 #endif
 }
 
-// The sensor's next estimate renews what is counted here.
+// Counts down to the end of the sensor's estimate; the next estimate restarts the count.
 static inline void lode_mode_count_sensor(lode_drive_t *self) {
     if (lode_mode_is_sensored(self)) {
         self->sensored--;
@@ -95,14 +95,14 @@ static inline bool lode_mode_clears_fault(const lode_drive_t *self) {
     return self->command.mode == (uint_least8_t)LODE_MODE_OFF && lode_mode_clears(&self->command);
 }
 
-// Mode and command are what was made of them.
+// Mode and command match their complement and checksum.
 static inline bool lode_mode_is_sound(const lode_drive_t *self) {
     return ((uint32_t)self->mode ^ (uint32_t)self->mode_not) == MODE_BITS &&
            self->command.check == lode_mode_order_check(&self->command);
 }
 
-// The flags go with the mode: each alone would keep gates on that are off. The direction scales the speed that is asked
-// for, and has no other size than 1.
+// The flags fit the mode: a wrong flag alone could keep gates on that are to be off. The direction scales the commanded speed
+// and must be 1 or -1.
 static inline bool lode_mode_fits(const lode_drive_t *self) {
     const uint32_t mode = self->mode;
     const bool driven =
@@ -113,47 +113,48 @@ static inline bool lode_mode_fits(const lode_drive_t *self) {
            lode_in_range(lode_abs(self->direction), 1.0f, 1.0f);
 }
 
-// RUN, without an angle since the estimator has begun anew: the lock counts as missing for most of the guard's time, as it may come
-// again, somewhere, before that is over.
+// RUN, after the estimator has restarted and has no angle: counts the lock as missing for two thirds of the guard's time. It
+// may return, at a wrong angle, before all of that time is over.
 void lode_mode_lose_rotor(lode_drive_t *self);
 
-// They are not, or the tuning is not.
+// Trips because mode, command, mailbox or tuning are corrupt.
 void lode_mode_distrust(lode_drive_t *self);
 
-// A command lies in the mailbox: it is called for, if the call was lost. False: its flag is none.
+// With a command in the mailbox: flags it again, in case the flag was lost. False: `command_posted` has no valid value.
 bool lode_mode_mail_ok(lode_drive_t *self);
 
-// Mode, flags, mailbox and command, and one more word of the tuning.
+// Checks mode, flags, mailbox and command, and the next word of the tuning.
 static inline bool lode_mode_memory_ok(lode_drive_t *self, lode_words_t tuning) {
     return lode_mode_is_sound(self) && lode_mode_fits(self) &&
            (self->command_posted == LODE_POST_NONE || lode_mode_mail_ok(self)) &&
            lode_tuning_watch_word(self, tuning);
 }
 
-// The tuning has taken the place of another one, whose estimator was `before`: states that would not fit it.
+// After a change of the tuning: adapts the states that would not fit it. `before`: the estimator's previous tuning.
 void lode_mode_retune(lode_drive_t *self, const lode_estimator_tuning_t *before);
 
-// Takes over what was posted, at the start of a period. True: with it a fault was cleared, by an OFF that it came after.
+// Takes over what was posted, at the start of a period. True: the command replaced an OFF that was to clear a fault, and has
+// cleared it.
 bool lode_mode_take_mail(lode_drive_t *self);
 
-// Gates off, nothing on its way. OFF forgets what was estimated and controlled.
+// To OFF: gates off, no voltage pending; estimate, currents and references are reset.
 void lode_mode_switch_off(lode_drive_t *self);
 
-// Gates off, the first cause latched. What the period was doing stays to be read.
+// To FAULT: gates off, the first cause latched. The values of the tripping period stay readable.
 void lode_mode_fault(lode_drive_t *self, lode_check_t check, float measured, float limit);
 
-// The guard has tripped: what follows, if it has not yet.
+// To FAULT if the guard has tripped.
 void lode_mode_obey_guard(lode_drive_t *self);
 
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-// Once in LODE_SLOW_PERIODS: a start whose lock goes right after the hand-over has failed, and begins anew.
+// Once in LODE_SLOW_PERIODS: a start whose lock is lost right after the hand-over has failed, and begins again (S28).
 void lode_mode_prove_start(lode_drive_t *self);
 #endif
 
-// Keeps the current `i_A` of a period that has tripped, which goes no further.
+// Stores the current `i_A` of a period that has tripped and is not computed further.
 void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A);
 
-// Low sides alone: the guard is awake, nothing is estimated.
+// PRECHARGE: only the low sides switch; the guard runs, nothing is estimated.
 static inline bool lode_mode_precharges(const lode_drive_t *self) {
 #ifdef LODE_WITHOUT_PRECHARGE
     (void)self;
@@ -163,7 +164,7 @@ static inline bool lode_mode_precharges(const lode_drive_t *self) {
 #endif
 }
 
-// PRECHARGE, while bridge and sensors are tried.
+// PRECHARGE, while bridge and sensors are checked.
 static inline bool lode_mode_checks_signals(const lode_drive_t *self) {
 #ifdef LODE_WITHOUT_SIGNAL_CHECK
     (void)self;
@@ -175,7 +176,7 @@ static inline bool lode_mode_checks_signals(const lode_drive_t *self) {
 #endif
 }
 
-// In PRECHARGE: the pulses have begun.
+// In PRECHARGE: the low sides have begun to switch.
 static inline bool lode_mode_pulses(const lode_drive_t *self) {
     const lode_precharge_t *precharge = &self->state.precharge;
 #ifndef LODE_WITHOUT_FLYING_START
@@ -196,7 +197,7 @@ static inline bool lode_mode_shorts(const lode_drive_t *self) {
         return false;
     }
     const uint32_t cause = self->guard.fault.check;
-    // Behind these may be a switch that is shorted itself: who then says OFF has looked at it.
+    // The cause may be a shorted switch. It takes an OFF command, from someone who has checked, to switch the low sides on.
     const bool suspect =
         cause == (uint32_t)LODE_CHECK_HARDWARE_TRIP || cause == (uint32_t)LODE_CHECK_OVER_CURRENT;
     return lode_mode(self) == LODE_MODE_FAULT &&
@@ -204,7 +205,7 @@ static inline bool lode_mode_shorts(const lode_drive_t *self) {
 #endif
 }
 
-// What switches in the period after lode_mode_idle(), with the duties `duty` or, short-circuited, with none.
+// What switches in the period after lode_mode_idle(), with the duties `duty`, or in a short circuit with none.
 static inline lode_drive_out_t lode_mode_idle_out(const lode_drive_t *self,
                                                   const lode_abc_t *duty) {
     if (lode_mode_shorts(self)) {
@@ -223,42 +224,40 @@ static inline lode_drive_out_t lode_mode_idle_out(const lode_drive_t *self,
 // With every leg at half duty there is no voltage between the phases.
 #define LODE_DUTY_IDLE 0.5f
 
-// Duties that hold the terminals at the voltages `e`, per bus volt.
+// Duties that put the terminals at the voltages `e`, per bus volt.
 static inline lode_abc_t lode_mode_duties_at(lode_abc_t e) {
     return (lode_abc_t){lode_clamp(LODE_DUTY_IDLE + e.a, 0.0f, 1.0f),
                         lode_clamp(LODE_DUTY_IDLE + e.b, 0.0f, 1.0f),
                         lode_clamp(LODE_DUTY_IDLE + e.c, 0.0f, 1.0f)};
 }
 
-// A period with the gates off, or the low sides alone. All may be on after it. Of the `sample` the phase currents
-// are looked at.
+// A period with the gates off, or only the low sides on. All gates may be on after it. Uses the phase currents of `sample`.
 void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, const lode_sample_t *sample,
                     lode_calibration_t calibration, float offset_count);
 
-// A driven period in which there may be something to decide: angle, speed and lock are the estimator's,
-// the current in the rotor's frame is i_A. The gates may be off after it.
+// A driven period in which the mode may change. Uses the estimator's angle, speed and lock, and the current i_A in the
+// rotor's frame. The gates may be off after it.
 void lode_mode_follow(lode_drive_t *self);
 
-// The frame of VOLTAGE, CURRENT or START, and what is asked for in it.
+// The frame of VOLTAGE, CURRENT or START. Sets the references in it.
 lode_control_frame_t lode_mode_control_frame(lode_drive_t *self);
 
-// From RUN to the way down, where the EMF is too small to run by.
+// From RUN back to START, below the speed that the EMF requires (S11).
 void lode_mode_hand_back(lode_drive_t *self);
 
-// SLOT_GAINS where injection is asked for: begins, follows the speed, ends. True: it injects, and the PLL has its
-// gains.
+// SLOT_GAINS with injection configured: begins it, follows the speed, ends it. True: it injects, and the PLL has its gains.
 bool lode_mode_inject(lode_drive_t *self);
 
-// SLOT_GAINS without lock.
+// SLOT_GAINS without lock. True: angle and speed were acquired from the EMF.
 bool lode_mode_seed(lode_drive_t *self);
 
-// Takes over an estimate from outside, with the gates on; one that is not finite is a fault.
+// Takes over an external estimate, with the gates on; one that is not finite is a fault.
 void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *estimate);
 
-// What is known with the gates off: nothing, or after a fault what was known when it came.
+// The estimate with the gates off: none, or after a fault the one at which it tripped.
 lode_estimate_t lode_mode_estimate(const lode_drive_t *self);
 
-// Electrical speed at which the frame of control turns.
+// Electrical speed of the control frame.
 static inline float lode_mode_frame_omega(const lode_drive_t *self) {
     if (lode_mode(self) == LODE_MODE_RUN) {
         return self->estimator.pll.omega_rad_s;

@@ -3,11 +3,11 @@
 #include "estimator_inline.h"
 #include "inverter_inline.h"
 
-// A rotor that turns is short-circuited while the low sides are on: a fifth of a period bounds its current,
-// and is longer than any shunt amplifier takes to settle.
+// The low sides short-circuit a rotor that turns: a fifth of a period limits its current, and is longer than any shunt
+// amplifier takes to settle.
 #define DUTY_PRECHARGE 0.8f
 
-// The mode with all gates on that is asked for; OFF: none.
+// The commanded mode if it has all gates on, else OFF.
 static lode_mode_t driven_mode(const lode_drive_t *self) {
     const lode_mode_t wanted = (lode_mode_t)self->command.mode;
     const bool at_rest = lode_mode_finds_at_rest(self) || lode_mode_is_sensored(self);
@@ -17,7 +17,7 @@ static lode_mode_t driven_mode(const lode_drive_t *self) {
     return lode_mode_is_commissioning(wanted) ? wanted : LODE_MODE_OFF;
 }
 
-// The low sides come with their duties, one period on. False: nothing asks for them.
+// The low sides switch on with their duties, one period later. False: PRECHARGE is not needed.
 static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
 #ifdef LODE_WITHOUT_PRECHARGE
     (void)self;
@@ -25,12 +25,12 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
     return false;
 #else
     const lode_drive_tuning_t *tuning = self->tuning;
-    if (driven == LODE_MODE_START &&
-        self->losses == 0u) { // another attempt goes by what the first one has found
+    // Another attempt relies on what the first one has found.
+    if (driven == LODE_MODE_START && self->losses == 0u) {
         self->known = (uint_least8_t)(self->known & (uint32_t)LODE_KNOWN_OFFSETS);
     }
     bool flies = false;
-    bool tries = false; // without pulses of the low sides, which would know a rotor that turns
+    bool tries = false; // the check without low-side pulses, which would show a rotor that turns
 #ifndef LODE_WITHOUT_FLYING_START
     flies = driven == LODE_MODE_START && tuning->fly.share_first > 0.0f;
 #else
@@ -45,7 +45,7 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
     self->state.precharge = (lode_precharge_t){
         .part = (uint_least8_t)(flies ? LODE_PRECHARGE_PULSES : LODE_PRECHARGE_CHARGE),
         .rests = (uint_least8_t)(tries ? 1u : 0u)};
-    // Those in force when the low sides come: a board may switch them on at once.
+    // These act when the low sides switch on: a board may do so at once.
     lode_mode_set_duties(self, flies ? 1.0f : lode_min(DUTY_PRECHARGE, tuning->sense.duty_max));
     lode_mode_reset_guard(self);
     lode_mode_set(self, LODE_MODE_PRECHARGE);
@@ -62,14 +62,14 @@ static void follow_off(lode_drive_t *self) {
     } else if (driven != LODE_MODE_OFF && !begins_precharge(self, driven)) {
         lode_mode_switch_on(self, driven);
     } else {
-        // it stays off, or the low sides come first
+        // it stays off, or PRECHARGE comes first
     }
 }
 
 #ifndef LODE_WITHOUT_FLYING_START
 
-// RUN by the angle and the speed found. The gates go on two periods from now; until then the terminals are
-// open, and the voltage at them is the EMF.
+// To RUN with the angle and speed found. The gates switch on two periods from now; until then the terminals are open, and
+// their voltage is the EMF.
 static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float omega) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_sincos_t rotor = lode_sincos(theta_rad);
@@ -82,7 +82,7 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
     const lode_sincos_t second = lode_angle_add(first, lode_angle_double(half));
     lode_inverter_write(&self->inverter, self->steps + 1u, lode_park_inverse(emf, first));
     lode_inverter_write(&self->inverter, self->steps, lode_park_inverse(emf, second));
-    // A board may switch on at once, before the first duties of its own.
+    // A board may switch the gates on at once, before the first duties of RUN.
     self->duty = lode_mode_duties_at(lode_clarke_inverse(lode_park_inverse(emf, second)));
     self->i_A = (lode_dq_t){0.0f, 0.0f};
     self->lead = lode_angle_triple(half);
@@ -93,7 +93,7 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
 #endif
 }
 
-// One period of pulses.
+// One period of the low-side pulses.
 static LODE_NOINLINE void fly_on(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const int32_t alpha = 2 * i[0] - i[1] - i[2];
@@ -115,7 +115,7 @@ static LODE_NOINLINE void fly_on(lode_drive_t *self, const int32_t i[LODE_PHASES
     lode_fly_step(&self->state.precharge.by.fly, &tuning->fly, i_A, &given);
 }
 
-// Pulses. False: there is, or was, nothing to look for.
+// The low-side pulses of a flying start. False: they are over, or not needed.
 static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t *sample) {
     lode_precharge_t *precharge = &self->state.precharge;
     const lode_fly_t *fly = &precharge->by.fly;
@@ -123,10 +123,10 @@ static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t 
         return false;
     }
     fly_on(self, sample->i);
-    lode_mode_set_duties(
-        self, lode_clamp(1.0f - fly->share, 0.0f, 1.0f)); // the last word, as in a driven period
+    // The last limit of the duties, as in a driven period.
+    lode_mode_set_duties(self, lode_clamp(1.0f - fly->share, 0.0f, 1.0f));
     if (fly->stage == (uint_least8_t)LODE_FLY_FOUND) {
-        take_flight(self, fly->theta_rad, fly->omega_rad_s); // ends the precharge's state
+        take_flight(self, fly->theta_rad, fly->omega_rad_s); // overwrites state.precharge
         return true;
     }
     if (fly->stage == (uint_least8_t)LODE_FLY_SLOW) {
@@ -141,7 +141,7 @@ static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t 
 
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
 
-// One period of it. False: there is, or was, nothing to check. Another attempt goes by the first one's check.
+// One period of the check of bridge and sensors. False: it is over, or not needed. Another attempt relies on the first one's.
 static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_precharge_t *precharge = &self->state.precharge;
@@ -160,14 +160,14 @@ static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t 
     const float v_bus_V = self->inverter.v_bus_V;
     const lode_finding_t found =
         lode_signal_check_judge(check, &tuning->signal_check, v_bus_V, tuning->estimator.pll.ts_s);
-    // By a bus that is none nothing is known of it: the guard's to say.
+    // With the bus outside of its limits the check says nothing: the guard reports the bus.
     const bool bus = lode_in_range(v_bus_V, tuning->guard.v_bus_min, tuning->guard.v_bus_max);
     if (bus && found.check != LODE_CHECK_NONE) {
         lode_mode_fault(self, found.check, found.measured, found.limit);
     } else if (bus && lode_signal_check_is_through(check, &tuning->signal_check)) {
         self->known = (uint_least8_t)(self->known | (uint32_t)LODE_KNOWN_SIGNALS);
     } else {
-        // more pulses are to come, or it is passed over
+        // more pulses follow, or the check is skipped
     }
     return true;
 }
@@ -176,7 +176,7 @@ static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t 
 
 #ifndef LODE_WITHOUT_PRECHARGE
 
-// START after the check, with a salient rotor configured: with the vector ahead of its axis, if that is known (S40).
+// START after the check: a rotor configured as salient gets the vector ahead of its axis, if that is known (S40).
 static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven) {
 #ifdef LODE_WITHOUT_SIGNAL_CHECK
     lode_mode_switch_on(self, driven);
@@ -184,7 +184,7 @@ static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven
     const lode_references_tuning_t *motor = &self->tuning->references;
     const lode_sincos_t axis = lode_signal_check_axis(&self->state.precharge.by.check);
     const bool known = lode_abs(axis.sin) + lode_abs(axis.cos) > 0.0f;
-    lode_mode_switch_on(self, driven); // ends the precharge's state
+    lode_mode_switch_on(self, driven); // overwrites state.precharge
     if (driven == LODE_MODE_START && known && motor->Lq_H * motor->inv_Ld > 1.0f) {
         lode_start_lead(&self->state.start, axis, self->command.speed_rad_s);
     }
@@ -236,7 +236,7 @@ static void follow_calibrate(lode_drive_t *self, lode_calibration_t calibration,
     } else if (self->command.mode == (uint_least8_t)LODE_MODE_OFF) {
         lode_mode_set(self, LODE_MODE_OFF);
     } else {
-        // more samples are to come
+        // more samples follow
     }
 }
 

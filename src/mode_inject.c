@@ -3,20 +3,20 @@
 #include "estimator_inline.h"
 #include "start_inline.h"
 
-// Up to so many times the speed at which injection ends it looks for a rotor that was lost: the EMF may have pulled the estimate
-// there.
+// A lost rotor is searched for by injection up to this multiple of the speed at which injection ends: the EMF may have pulled
+// the estimate there.
 #define LOST_SPEED 2.0f
-// So often it is looked for again; one loss is forgotten after so many rounds, 3.3 s of 5 kHz.
+// Number of such searches. One of them is forgotten after this many rounds, 3.3 s at 5 kHz.
 #define LOSSES_MAX 3u
 #define FORGET_ROUNDS 2048u
-// Of the largest current of a start that shows polarity by motion: what is along the axis, so that the phases are away
-// from their zeros; and what share of the flux it takes or gives at most.
+// Polarity by motion (H25): share of the largest current along the axis, which keeps the phase currents away from zero, and
+// the largest share of the flux that it takes or adds.
 #define ALONG_SHARE 0.33f
 #define ALONG_FLUX 0.5f
 
 #ifndef LODE_WITHOUT_HFI
 
-// North is south.
+// The axis found points south: turns estimate, currents and voltages by half a turn.
 static void turn_round(lode_drive_t *self) {
     lode_estimator_t *estimator = &self->estimator;
     estimator->pll.frame.sin = -estimator->pll.frame.sin;
@@ -28,12 +28,12 @@ static void turn_round(lode_drive_t *self) {
     lode_current_reset(&self->current, self->u_V, (lode_dq_t){0.0f, 0.0f});
 }
 
-// Injection found no axis, or nothing tells polarity: the vector finds it, from where it would have begun.
+// Injection found no axis, or nothing shows the polarity: the vector starts the rotor, from its first stage.
 static void give_up(lode_drive_t *self) {
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
     self->estimator.by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
-    if (lode_mode_is_stop(self)) { // it would turn the rotor
+    if (lode_mode_is_stop(self)) { // a vector would turn the rotor
         const lode_fault_t why = {.stage = self->state.start.stage,
                                   .criterion = (uint_least8_t)LODE_CRITERION_POLARITY,
                                   .measured = self->estimator.lock,
@@ -47,7 +47,7 @@ static LODE_NOINLINE lode_dq_t pushing_A(lode_drive_t *self) {
     const lode_start_tuning_t *start = &self->tuning->start;
     const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
     lode_estimator_t *estimator = &self->estimator;
-    if (lode_mode_is_stop(self)) { // which a rotor that is pushed would not
+    if (lode_mode_is_stop(self)) { // a push would move the rotor
         estimator->by.hfi.step = (uint_least8_t)LODE_HFI_UNDECIDED;
         return (lode_dq_t){0.0f, 0.0f};
     }
@@ -56,7 +56,7 @@ static LODE_NOINLINE lode_dq_t pushing_A(lode_drive_t *self) {
     const float share = lode_hfi_push(&estimator->by.hfi, tuning, lode_estimator_rotor(estimator),
                                       direction * step_rad, direction);
     if (estimator->by.hfi.step != (uint_least8_t)LODE_HFI_PUSH) {
-        estimator->pll.f_rad_s2 = 0.0f; // from now on the torque is known that it stood for
+        estimator->pll.f_rad_s2 = 0.0f; // stood for the torque, which is known from now on
     }
     const float most_A = start->current_last_A;
     const float along_A =
@@ -65,7 +65,7 @@ static LODE_NOINLINE lode_dq_t pushing_A(lode_drive_t *self) {
     return (lode_dq_t){-along_A, direction * share * across_A};
 }
 
-// START, when a rotor that turns has been looked for.
+// START, when no turning rotor has been caught.
 static void find_at_rest(lode_drive_t *self) {
     lode_estimator_t *estimator = &self->estimator;
     lode_hfi_t *hfi = &estimator->by.hfi;
@@ -77,8 +77,8 @@ static void find_at_rest(lode_drive_t *self) {
     }
     estimator->gains = lode_pll_gains_of(&self->tuning->estimator.pll, tuning->find_gain);
     if (hfi->step == (uint_least8_t)LODE_HFI_RIGHT) {
-        lode_mode_run_at_once(
-            self); // it stands still, or nearly so, and the currents are in its frame
+        // The rotor stands still or nearly so, and the currents are in its frame already.
+        lode_mode_run_at_once(self);
         return;
     }
     if (hfi->step == (uint_least8_t)LODE_HFI_PUSH) {
@@ -88,13 +88,13 @@ static void find_at_rest(lode_drive_t *self) {
         self->ref_A = (lode_dq_t){lode_hfi_find(hfi, tuning, i_max_A), 0.0f};
     }
     switch ((lode_hfi_step_t)hfi->step) {
-    case LODE_HFI_FIND: // (H14): of third order the loop would wind up its speed, and slip
+    case LODE_HFI_FIND: // (H14): a loop of third order would wind up its speed, and slip
         estimator->gains = (lode_pll_gains_t){tuning->find_gain, 0.0f, 0.0f};
         estimator->pll.omega_rad_s = 0.0f;
         estimator->pll.f_rad_s2 = 0.0f;
         estimator->pll.rise_rad_s = 0.0f;
         break;
-    case LODE_HFI_WRONG: // RUN comes with the next round, and an angle that is right from its start
+    case LODE_HFI_WRONG: // RUN begins in the next round, with the right angle
         turn_round(self);
         hfi->step = (uint_least8_t)LODE_HFI_RIGHT;
         break;
@@ -104,20 +104,20 @@ static void find_at_rest(lode_drive_t *self) {
     case LODE_HFI_NORTH:
     case LODE_HFI_SOUTH:
     case LODE_HFI_PUSH:
-    case LODE_HFI_RIGHT: // RUN the same
+    case LODE_HFI_RIGHT: // RUN begins in the next round
     default:
         break;
     }
 }
 
-// RUN, about to trip for lost lock, at a speed from which injection can find the rotor.
+// RUN is about to trip for lost lock, at a speed at which injection can find the rotor.
 static bool is_lost(const lode_drive_t *self) {
     return lode_mode_loses_lock(self) && self->losses < LOSSES_MAX &&
            lode_abs(self->estimator.pll.omega_rad_s) <
                LOST_SPEED * self->tuning->estimator.hfi.omega_high;
 }
 
-// As from OFF, with the gates on: by the EMF of a rotor that turns, else by injection.
+// Starts as from OFF, but with the gates on: a rotor that turns is found by its EMF, another one by injection.
 static void find_again(lode_drive_t *self) {
     self->losses++;
     self->guard.lock = 0u;
@@ -143,7 +143,7 @@ static void inject_running(lode_drive_t *self) {
     if (lode_hfi_follow(&estimator->by.hfi, &self->tuning->estimator.hfi, self->i_A, omega)) {
         const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
         estimator->gains = lode_pll_gains_of(&tuning->pll, tuning->hfi.find_gain);
-        self->direction = lode_sign(omega); // either is as good
+        self->direction = lode_sign(omega); // RUN with injection may have either direction
     } else {
         lode_estimator_end_injection(estimator, &self->tuning->estimator);
     }
@@ -163,7 +163,7 @@ LODE_NOINLINE bool lode_mode_inject(lode_drive_t *self) {
     if (!hfi->active) {
         return false;
     }
-    // Where current control is free beside it, the modulator is with the wave.
+    // Where current control is below its limits with this reserve, the modulator is so with the wave.
     hfi->reserve_V = self->tuning->estimator.hfi.V_h_V / self->tuning->current.free;
     lode_estimator_drop_disturbance(&self->estimator, &self->tuning->estimator);
     return true;

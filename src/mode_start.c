@@ -6,27 +6,27 @@
 #include "start_inline.h"
 
 #define RESISTANCE_MORE_MAX 0.75f // of the configured one
-// Times the most that is corrected, so that it is 2.2 times what was configured, and times the voltage at which the
-// vector counts as calm, so that it stands out of the voltage that is not modelled. A winding of copper that is
-// 100 K hotter has 1.4 times its resistance; a current sensor with 0.4 of its gain shows 2.5 times.
+// Limits of RESISTANCE: WRONG_RESISTANCE times the largest correction makes 2.2 times the configured resistance, and
+// WRONG_PER_CALM times calm_V is the voltage that is not modelled. A copper winding that is 100 K hotter has 1.4 times its
+// resistance; a current sensor with 0.4 of its gain shows 2.5 times.
 #define WRONG_RESISTANCE 1.6f
 #define WRONG_PER_CALM 10.0f
-// Times the active flux: errors of 10 % in psi, 20 % in Ld, 50 % in R and a microsecond of dead time add up to 1.6, with
-// 0.4 of the sensors' gain it is 2.3 to 2.5.
+// Limit of the flux over the active flux (S34): errors of 10 % in psi, 20 % in Ld, 50 % in R and a microsecond of dead time
+// add up to 1.6 times, sensors with 0.4 of their gain make 2.3 to 2.5.
 #define WRONG_FLUX 2.0f
-// Of the impedance, by which the same current then takes another voltage: half a dozen rounds turn no rotor so much, and sensors
-// that show 0.6 of what they did make 0.67 of it (S43).
+// Change of the voltage at the same current over the impedance (S43). Half a dozen rounds turn no rotor so much; sensors
+// whose gain falls to 0.6 make 0.67.
 #define OTHER_VOLTAGE 0.5f
-#define SLIPS                                                                                      \
-    8.0f // times that: more than sensors make that show a fifth, so it is a rotor that slips
-// Squared, times the mean square of what noise makes of three samples: 24 times that of one, on one axis (K39).
+// Times that limit: sensors whose gain falls to a fifth make no more, so it is a rotor that slips.
+#define SLIPS 8.0f
+// Least I^2 over the mean square that noise makes of three samples (K39): I is then 24 times the noise of an axis.
 #define NOISE_HELD2 48.0f
-// Than the vector: a rotor that swings about it is so by half.
+// Speed over the vector's from which the load turns the rotor (S36): a rotor that swings about the vector is faster by half.
 #define MUCH_FASTER 2.0f
 
 #ifndef LODE_WITHOUT_START_MEASUREMENT
 
-// What dead time and drops take counts as resistance where it is not corrected.
+// Voltage of dead time and drops, which counts as resistance where it is not corrected.
 static float uncorrected_V(const lode_drive_tuning_t *tuning) {
     if (tuning->inverter.correct > 0u) {
         return 0.0f;
@@ -38,7 +38,7 @@ static float uncorrected_V(const lode_drive_tuning_t *tuning) {
 #endif
 }
 
-// What the start has found corrects the inverter's model.
+// Corrects the inverter's model by what was measured at rest.
 static void take_resistance(lode_drive_t *self, const lode_start_found_t *found) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
     const float current_A = self->state.start.current_A;
@@ -60,8 +60,8 @@ static void take_resistance(lode_drive_t *self, const lode_start_found_t *found)
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-// An estimate that turns with the vector at speed, and an EMF of a size that no error of the motor's values explains:
-// more current flows than is measured (S34). As long as a lock would have to hold.
+// (S34): the estimate turns with the vector at speed, but with more EMF than any error of the motor's values explains: more
+// current flows than is measured. It must last for as long as a lock.
 static LODE_NOINLINE void watch_flux(lode_drive_t *self) {
     const lode_start_t *start = &self->state.start;
     const lode_start_tuning_t *tuning = &self->tuning->start;
@@ -85,8 +85,8 @@ static float measured_A2(const lode_drive_t *self) {
     return lode_ab_length2(self->estimator.emf.i_A);
 }
 
-// The current has fallen and is back, and with it the EMF has changed: the inverter gives another voltage for what passes for the
-// same current (S43).
+// (S43): the current has fallen and is back, and the EMF has changed: the inverter applies another voltage for the same
+// measured current.
 static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_emf_tuning_t *emf = &tuning->estimator.emf;
@@ -125,7 +125,7 @@ static bool watch_drop(lode_drive_t *self) {
 
 #endif
 
-// SLOT_LAG: resistance and dead time, while the vector rests; then what the EMF tells of rotor and flux.
+// SLOT_LAG: resistance and dead time while the vector rests, then slip and flux by the EMF.
 static void measure_start(lode_drive_t *self) {
     if (self->state.start.stage == (uint_least8_t)LODE_START_TURN) {
         lode_start_note_slip(&self->state.start, &self->tuning->start, &self->estimator,
@@ -148,7 +148,7 @@ static void measure_start(lode_drive_t *self) {
 
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
 
-// As is_astray() has found it.
+// The report of what is_astray() has found.
 static lode_fault_t astray(const lode_drive_t *self) {
     const lode_start_t *start = &self->state.start;
     const float omega = self->estimator.pll.omega_rad_s;
@@ -164,14 +164,14 @@ static lode_fault_t astray(const lode_drive_t *self) {
 
 #endif
 
-// Of a rotor that the load turns faster than the vector can hold: looks for it anew, as one that turns, or has done so often
-// enough.
+// The load turns the rotor faster than the vector can hold: the next attempt catches it as a rotor that turns. With no
+// attempt left the drive trips.
 static LODE_NOINLINE void end_attempt(lode_drive_t *self) {
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     const uint_least8_t failed = self->state.start.failed;
     if (failed < LODE_START_LOSSES_MAX && self->tuning->start.catch_rounds > 0u) {
         self->guard.fault = astray(self);
-        lode_mode_switch_off(self); // as the command is RUN, for no longer than the next period
+        lode_mode_switch_off(self); // the command is still RUN: lasts for one period
         self->losses = (uint_least8_t)(failed + 1u);
         return;
     }
@@ -179,8 +179,8 @@ static LODE_NOINLINE void end_attempt(lode_drive_t *self) {
     lode_mode_fault(self, LODE_CHECK_WRONG_WAY, self->estimator.pll.omega_rad_s, 0.0f);
 }
 
-// A sure estimate of a rotor that the load turns: the other way than asked for while the vector does not, or much faster than
-// the vector (S36).
+// (S36), with the lock quality of a hand-over: the load turns the rotor against the command while the vector does not turn
+// that way, or much faster than the vector.
 static bool is_astray(const lode_drive_t *self) {
     const lode_start_t *start = &self->state.start;
     const float ready = self->tuning->start.omega_ready;
@@ -192,7 +192,7 @@ static bool is_astray(const lode_drive_t *self) {
     return sure && (back || lode_abs(omega) > MUCH_FASTER * lode_max(lode_abs(vector), ready));
 }
 
-// After watch_drop(). For as long as a lock would have to hold.
+// Called after watch_drop(). The state must last for as long as a lock.
 static void watch_load(lode_drive_t *self) {
     const uint32_t rounds = is_astray(self) ? self->guard.speed + 1u : 0u;
     self->guard.speed = (uint_least16_t)rounds;
@@ -218,7 +218,7 @@ void lode_mode_fail_start(lode_drive_t *self, const lode_fault_t *why) {
     self->guard.fault.criterion = why->criterion;
 }
 
-// An attempt that is not at speed has nothing to say yet: then it is the one before.
+// An attempt that is not at speed yet has nothing to report; then the one before is reported.
 static LODE_NOINLINE void end_start(lode_drive_t *self) {
     const lode_fault_t last = self->guard.fault;
     const lode_fault_t now = lode_mode_unmet(self);
@@ -227,13 +227,13 @@ static LODE_NOINLINE void end_start(lode_drive_t *self) {
     lode_mode_fail_start(self, early && tells ? &last : &now);
 }
 
-// What the attempt has not met is kept.
+// Keeps the criterion that the failed attempt has not met.
 static LODE_NOINLINE void begin_attempt(lode_drive_t *self) {
     self->guard.fault = lode_mode_unmet(self);
     lode_start_again(&self->state.start, &self->tuning->start);
 }
 
-// To which the vector turns: with the noise of this board's sensors the EMF may stand out of it later only (S49).
+// Speed to which the vector turns: with noisy sensors the EMF may stand out of the noise at a higher speed only (S49).
 static float final_omega(const lode_drive_t *self) {
     const lode_start_tuning_t *tuning = &self->tuning->start;
 #ifdef LODE_WITHOUT_PLAUSIBILITY
@@ -275,7 +275,7 @@ static void aim_start(lode_drive_t *self) {
 void lode_mode_follow_start(lode_drive_t *self, lode_slot_t slot) {
     if (self->command.mode != (uint_least8_t)LODE_MODE_RUN) {
         lode_mode_switch_off(self);
-    } else if (lode_mode_is_sensored(self)) { // there is nothing to start
+    } else if (lode_mode_is_sensored(self)) { // the sensor gives the angle: nothing to start
         lode_mode_hand_over(self);
         self->state.run.fade = 0.0f;
     } else if (slot == SLOT_LAG) {

@@ -1,7 +1,6 @@
-// What follows the speed slowly: one job per period, each once in LODE_SLOW_PERIODS, in the order in which
-// the results are used. The drive's step and the estimator on its own (replay) go by the same slots. The
-// worst-case period is what the interrupt's time must allow for: no slot has two expensive jobs, and those of the
-// guard, which now and then has to look more closely, hardly anything else.
+// The slow jobs: one per period, each once in LODE_SLOW_PERIODS, in the order in which the results are used. The drive's step
+// and the estimator on its own (replay) have the same slots. The longest period limits the interrupt rate: so no slot has two
+// expensive jobs, and the guard's slots, whose checks sometimes take longer, have hardly anything else.
 #ifndef LODE_SCHEDULE_H
 #define LODE_SCHEDULE_H
 
@@ -10,25 +9,25 @@
 #include <stdint.h>
 
 typedef enum {
-    // lock quality, amplitude of the EMF, length of the PLL's rotation; does the current move?; RUN: load beyond all
-    // the torque
+    // lock quality, amplitude of the EMF, length of the PLL's rotation, currents that do not move; RUN: load beyond the
+    // largest torque
     SLOT_LOCK,
     // guard's slow checks, plausibility of the currents
     SLOT_GUARD,
-    // lag of the EMF observer, lead of the duties; flux that the voltage leaves room for; resonators of the xy
-    // plane; RUN: flux of the magnets; START: resistance and dead time
+    // lag of the EMF observer, lead of the duties; flux that the voltage allows; resonators of the xy plane; RUN: flux of the
+    // magnets; START: resistance and dead time, slip
     SLOT_LAG,
-    // slope of the dead-time error, 1/v_bus; memory unchanged; RUN: half-waves of the currents;
-    // START: has the current fallen; is the estimate good enough?
+    // slope of the dead-time error, 1/v_bus; check of the memory; RUN: half-waves of the currents; START: fall of the
+    // current, quality of the estimate
     SLOT_DEAD_TIME,
-    // without lock acquisition; gains of the PLL, centres of the notches
+    // without lock: acquisition; gains of the PLL, centres of the notches
     SLOT_GAINS,
     // as SLOT_GUARD
     SLOT_GUARD_2,
     // speed control, id for its torque; START: where the vector goes
     SLOT_SPEED,
-    // current references; START: hand-over, or has the current fallen, does the load turn the rotor, half-waves of
-    // the currents; plausibility of a second set's currents
+    // current references; START: hand-over, or fall of the current, rotor turned by the load, half-waves of the currents;
+    // plausibility of a second set's currents
     SLOT_REFERENCES,
     SLOT_COUNT = LODE_SLOW_PERIODS
 } lode_slot_t;
