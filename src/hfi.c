@@ -2,64 +2,64 @@
 #include "inverter_inline.h"
 #include "pll_inline.h"
 
-// Of the largest current, peak to peak: with less ripple the currents stay in the dead band of the inverter.
+// Least ripple, peak to peak, over i_max: with less the currents stay in the dead band of the inverter.
 #define RIPPLE_SHARE 0.08f
-// Position error of one period by the noise of the current, rms: 0.6 degrees behind a PLL of 100 rad/s at
-// 5 kHz (H8).
+// Position error of one period by noise of the current, rms (H7). Behind a PLL of 100 rad/s at 5 kHz it is 0.6 degrees (H8).
 #define NOISE_rad 0.03f
-// sqrt(6)/2: the second difference of white noise over twice the voltage (H7).
+// (H7): sqrt(6)/2, the second difference of white noise over twice the voltage.
 #define NOISE_GAIN 1.2247f
-// A 12-bit ADC and its amplifier: 20 mA of +-25 A.
+// Noise of a 12-bit ADC and its amplifier: 20 mA of +-25 A.
 #define NOISE_COUNTS 1.6f
-// Position error by a dead-time voltage that turns with the sign of a current (H9), rad.
+// Position error, rad, by a dead-time voltage that changes with the sign of a current (H9): by default, and at most.
 #define DEAD_TIME_rad 0.3f
 #define DEAD_TIME_MAX_rad 0.5f
-// Of the voltage circle. The rest is for what drives the load: at w2 the EMF itself is small.
+// Largest share of the voltage circle. The rest drives the load: at w2 the EMF itself is small.
 #define CIRCLE_SHARE 0.5f
-// At w2 the EMF is this many times the fundamental, 4/pi, of a dead-time correction that is 20 % off (H10).
+// (H10): EMF at w2 over the fundamental, 4/pi, of the error of a dead-time correction that is 20 % off.
 #define EMF_TIMES 10.0f
 #define CORRECTION_ERROR 0.2f
-// At least this much of rated speed: twice what the EMF's start hands over at, with room for the blend.
+// Least w2 over rated speed: w1 is then almost twice the speed at which an I-f start hands over. W1_SHARE is of w2.
 #define W2_SHARE 0.275f
 #define W1_SHARE 0.65f
-// To learn Lq: w1 is then at 0.42 of rated speed, where an error of the dead time is small beside the EMF. Less
-// where EMF and reactance at half of i_max would leave the wave too little of the circle.
+// For learning Lq: w1 is then 0.42 of rated speed, where a dead-time error is small compared to the EMF. It is less where EMF
+// and reactance at half of i_max would leave the wave too little of the circle.
 #define W2_LEARN_SHARE 0.65f
 #define CIRCLE_LEARN_SHARE 0.9f
-// By an error at its limit the length of the PLL's rotation grows to 1.07 in a round.
+// Largest sigma Ts: an error at its limit then lengthens the PLL's rotation to 1.07 within a round.
 #define SIGMA_TS_MAX 0.1f
 #define AXIS_MAX_rad 0.5f
-// With less (1.5 but for rounding), positive id: at 1.2 the rotor is lost without it.
+// With less saliency (1.5, less rounding) id is positive by default: at 1.2 the rotor is lost without it.
 #define SALIENCY_ENOUGH 1.49f
 #define ID_SHARE 0.3f
-// Start at rest: time for the axis, 50 rad/s while the error is at its limit; half of it for either current.
+// Start at rest: time for the axis, whose angle turns at 50 rad/s while the error is at its limit. It is extended up to
+// FIND_TIMES; either current for the polarity has half of it.
 #define FIND_s 0.08f
 #define FIND_TIMES 3u
-// Of i_max: enough to move Ld by some percent.
+// Of i_max: enough to change Ld by some percent.
 #define POLAR_SHARE 0.33f
-// Relative difference of the responses: without saturation at most 0.0044 in 100 simulated starts, 0.011 and more
-// where Ld falls by 2.6 % over twice the current.
+// (H15): least relative difference of the responses. Without saturation it was at most 0.0044 in 100 simulated starts, with
+// an Ld that falls by 2.6 % over twice the current 0.011 and more.
 #define POLAR_LEAST 0.008f
-// And at least so many deviations of the difference, as the responses scatter by noise (H21).
+// (H21): the difference must also be this many times its standard deviation by noise.
 #define POLAR_DEVIATIONS 4.0f
-// A rotor has moved that turns at this share of the loop's bandwidth, ten times the noise of its speed, and is so
-// far from where it was (H27).
+// (H27): a rotor has moved if it turns at this share of the loop's bandwidth, ten times the noise of its speed, and is this
+// far from where it was.
 #define MOVES_SHARE 0.1f
 #define MOVED_rad 0.15f
-// Times that of the axis: until the current across it is all there. As long again it waits.
+// Time over that for the axis in which the current across it rises. The push then waits as long again.
 #define PUSH_TIMES 3u
-// Mean error of an axis that is found.
+// Mean error at which the axis counts as found.
 #define FOUND_rad 0.15f
-// Low-pass of the i_q that turns the axis: below current control, above what the load does.
+// Low-pass of the i_q that turns the axis (H6): slower than current control, faster than the load.
 #define IQ_rad_s 500.0f
-// Of H0 (H4).
+// Of H0: the least excitation by which (H4) divides.
 #define LEAST_SHARE 0.3f
 // Injection ends a little above the speed at which it begins.
 #define HYSTERESIS 1.05f
-// Mean error that leaves no trust.
+// Mean error at which the lock quality is 0 (H13).
 #define OFF_rad 0.35f
 
-// d(psi_q)/d(i_q) of a flux Lq i/(1 + k i).
+// d(psi_q)/d(i_q) at i_max, for a flux Lq i/(1 + k i).
 static float differential_Lq(const lode_hfi_system_t *system) {
     const float by = 1.0f + system->Lq_fall * system->inverter->i_max_A;
     return system->motor->Lq_H / (by * by);
@@ -69,14 +69,14 @@ static float saliency(const lode_hfi_config_t *config, const lode_hfi_system_t *
     return config->Lq_i_max_H / lode_max(system->motor->Ld_H, FLT_MIN);
 }
 
-// Of a phase: dead time and drops.
+// Voltage that a phase loses to dead time and drops.
 static float dead_time_V(const lode_hfi_system_t *system) {
     const lode_inverter_config_t *inverter = system->inverter;
     const float carrier_Hz = lode_inverter_carrier_Hz(inverter, 1.0f / system->ts_s);
     return inverter->v_bus_V * inverter->dead_time_s * carrier_Hz + inverter->v_drop_V;
 }
 
-// The largest of what noise (H7), dead time (H9) and the dead band ask for.
+// The largest of the voltages that noise (H7), dead time (H9) and dead band require.
 static float needed_V(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
     const float more = lode_max(saliency(config, system) - 1.0f, FLT_MIN);
     const float per_A = system->motor->Ld_H / system->ts_s;
@@ -141,7 +141,7 @@ static lode_status_t check(const lode_hfi_config_t *config, const lode_hfi_syste
 
 #endif
 
-// Highest w2 at which Lq can be learned, with V_h settled.
+// Highest w2 at which Lq can be learned, for the given V_h.
 static float learning_speed(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
     const lode_motor_t *motor = system->motor;
     const float across_Wb = 0.5f * system->inverter->i_max_A * motor->Lq_H;
@@ -154,7 +154,7 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
     const lode_motor_t *motor = system->motor;
     config->learn = config->learn == LODE_AUTO ? LODE_OFF : config->learn;
     config->silent = config->silent == LODE_AUTO ? LODE_OFF : config->silent;
-    // The machine's current is the mean of its sets'.
+    // The machine's current is the mean of its sets' currents, which averages the noise.
     const float noise_A =
         NOISE_COUNTS * lode_abs(system->count_A) / lode_sqrt(lode_max(motor->sets, 1.0f));
     config->noise_A = lode_given_or(config->noise_A, noise_A);
@@ -222,17 +222,16 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
 #ifndef LODE_WITHOUT_HFI
 
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A) {
-    *self = (lode_hfi_t){.active = true,
-                         .signs = tuning->silent, // a shift register may begin with all but 0
-                         .weight = 1.0f,
-                         .i_A = i_A};
+    // the shift register may begin with anything but 0
+    *self = (lode_hfi_t){.active = true, .signs = tuning->silent, .weight = 1.0f, .i_A = i_A};
 }
 
 static uint32_t polar_rounds(const lode_hfi_tuning_t *tuning) {
     return ((uint32_t)tuning->find_rounds + 1u) / 2u;
 }
 
-// (H15): the iron of a magnet's north saturates with current along it. `start`: of the later half of either.
+// (H15): current along the magnet's north saturates the iron, which makes the response larger. `start` has sums over the
+// later half of each current.
 static lode_hfi_step_t polarity(const lode_hfi_start_t *start, const lode_hfi_tuning_t *tuning) {
     const uint32_t each = polar_rounds(tuning) - polar_rounds(tuning) / 2u;
     const float along_V = start->along_V;
@@ -269,10 +268,10 @@ static lode_hfi_step_t next_step(const lode_hfi_t *self, const lode_hfi_tuning_t
     }
 }
 
-// The step is over.
+// Ends the step and begins the next one.
 static void go_on(lode_hfi_t *self, lode_hfi_step_t next) {
     if (next == LODE_HFI_FIND) {
-        return; // for longer
+        return; // the present step is extended
     }
     self->step = (uint_least8_t)next;
     self->of.start.rounds = 0u;
@@ -304,7 +303,7 @@ float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_m
     return self->step == (uint_least8_t)LODE_HFI_SOUTH ? -polar_A : 0.0f;
 }
 
-// (H27). `share`: of the bandwidth, at which it turns in the direction of the current.
+// (H27). `share`: speed over the bandwidth, positive in the direction of the current.
 static lode_hfi_step_t moved(const lode_hfi_push_t *push, lode_sincos_t rotor, float share,
                              float direction) {
     const float off = direction * lode_angle_subtract(rotor, push->from).sin;

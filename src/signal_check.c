@@ -4,45 +4,47 @@
 
 #define PHASES ((uint32_t)LODE_PHASES)
 
-// Periods of a pulse. The gates go on two periods before its voltage, as a board may switch them a period late.
+// Periods of a pulse. The gates switch on two periods before its voltage acts, as a board may switch them a period late.
 #define ON_PERIOD 1u
 #define FORWARD_PERIOD 2u
 #define BACK_PERIOD 3u
 #define OFF_PERIOD 4u
-// The current is back where it was, and what is left of it is gone at once against all of the bus.
+// Length of a pulse: the current is back where it was, and its rest has decayed against the whole bus voltage.
 #define PERIODS 6u
 
 #define CURRENT_SHARE 0.25f // of i_max, through the smaller inductance
 #define CURRENT_MOST 0.5f
-#define DUTY_MOST 0.4f // beyond the half, so that both switches of a leg have their turn
-#define WINDOW 0.98f   // of what low-side shunts leave
-// Times what dead time takes, and a microsecond nobody knows of: what a pulse shows is then off by an eighth.
+#define DUTY_MOST 0.4f // from half duty, so that both switches of a leg act
+#define WINDOW 0.98f   // of the duty that low-side shunts allow
+// Voltage of a pulse over that of dead time and another unknown microsecond, which make an error of an eighth in the
+// response.
 #define PER_DEAD 4.0f
 #define UNKNOWN_s 1.0e-6f
-#define COUNTS_LEAST 64.0f // what a pulse shows: the noise of three phases is then a tenth of it
+#define COUNTS_LEAST 64.0f // response to a pulse: the noise of three phases is then a tenth of it
 
-#define NOTHING 0.1f   // of what is expected
-#define OFF_MOST 0.05f // of i_max: an offset has a calibration behind it
-// Of i_max: some six counts, twice what the low-side pulses look for. Three counts of noise are the mean of six pulses off by so
-// much once in ten thousand, and one of them once in five (S46).
+#define NOTHING 0.1f   // of the expected response
+#define OFF_MOST 0.05f // of i_max: the offsets have been calibrated
+// Of i_max: some six counts, twice the threshold of the low-side pulses. With three counts of noise the mean of six pulses
+// exceeds it once in ten thousand times, a single pulse once in five (S46).
 #define MOVES 0.006f
-#define BEFORE_MOST                                                                                \
-    0.35f // of what is expected: more than a rotor makes that the low-side pulses have not seen
-// Of the same, where there are none: a rotor that makes more of it turns too far while the check lasts. One shunt in the DC link,
-// whose samples are brought to t_k by a mean inductance, shows up to a tenth of a rotor that rests.
+// Of the expected response: more than a rotor makes which the low-side pulses have not seen.
+#define BEFORE_MOST 0.35f
+// The same without low-side pulses: a rotor that makes more turns too far during the check. With one shunt in the DC link,
+// whose samples are brought to t_k by a mean inductance, a rotor at rest makes up to a tenth.
 #define TURNS_ALONE 0.15f
-// Of what is expected at the larger inductance, which may be twice as large before it saturates.
+// Of the response expected at the larger inductance, which may be twice as large before the iron saturates.
 #define PULSE_LEAST 0.3f
-#define LACKS 0.08f // of the phase that shows most: a salient rotor leaves a sixth
-#define FLOWS 0.1f  // of the same
-// Of the phase that shows least: gains that differ by 2 % make up to 0.2 with much saliency, and 0.7 or 1.5 of one of them 0.33.
+#define LACKS 0.08f // of the largest phase response: a salient rotor leaves a sixth
+#define FLOWS 0.1f  // of the same: the sum of the currents where the phase carries one
+// Of the smallest phase response: gains that differ by 2 % make sums of up to 0.2 in a very salient rotor, a single gain of
+// 0.7 or 1.5 makes 0.33.
 #define SUM_MOST 0.28f
-#define FOLLOWS 0.05f // of what is expected: the weaker axis of a salient rotor leaves a third
-// Of the inductance expected. Its error of 20 %, and another 20 % of iron that is not yet saturated, leave 1.6; current gains
-// of 0.4 make 2.5 of it.
+#define FOLLOWS 0.05f // of the expected response: the weaker axis of a salient rotor leaves a third
+// Over the configured inductance. Its error of 20 %, and another 20 % of iron that is not yet saturated, make up to 1.6
+// times; current gains of 0.4 make 2.5.
 #define INDUCTANCE_HIGH 2.0f
 #define INDUCTANCE_LOW 0.4f
-// Saliency from which the rotor's axis is known to 25 degrees, beside gains that differ by 2 %, and noise (S40).
+// Saliency from which the rotor's axis is known within 25 degrees, in spite of gains that differ by 2 % and noise (S40).
 #define SALIENT 0.03f
 #define SALIENT_NOISE 1.6f // of `moves_A`: 9.6 counts
 
@@ -60,7 +62,7 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
 
 #else
 
-// A board without pulses, for another reason than double update, may have gates that take more than a period.
+// The gates of a board without low-side pulses may take more than a period, unless double update is why it has none.
 static bool switches_in_time(const lode_start_config_t *config,
                              const lode_inverter_config_t *inverter,
                              lode_signal_check_given_t given) {
@@ -78,7 +80,7 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
     }
     const float ts_s = given.ts_s;
     const float L_H = lode_min(motor->Ld_H, motor->Lq_H);
-    const float all_V = inverter->i_max_A * L_H / ts_s; // for i_max in a period
+    const float all_V = inverter->i_max_A * L_H / ts_s; // drives i_max within a period
     const float edge_s = // a call has half of a carrier's dead time with double update (I10)
         inverter->double_update == LODE_ON ? 2.0f * ts_s : ts_s;
     const float dead_V =
@@ -87,7 +89,7 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
     const float room = lode_min(DUTY_MOST, WINDOW * (sense->duty_max - 0.5f));
     const float most_V = lode_min(CURRENT_MOST * all_V, room * inverter->v_bus_V);
     const float u_V = lode_min(lode_max(CURRENT_SHARE * all_V, least_V), most_V);
-    // (S37), of the larger inductance and of both.
+    // (S37): the response at the larger inductance, and the mean of both axes.
     const float weakest_A = 2.0f * u_V * ts_s / lode_max(motor->Ld_H, motor->Lq_H);
     const float mean_A = 0.5f * (weakest_A + 2.0f * u_V * ts_s / L_H);
     const bool seen = weakest_A >= COUNTS_LEAST * lode_abs(sense->i_gain_A_count);
@@ -98,11 +100,12 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
         return LODE_ERROR_CHOICE;
     }
     *tuning = (lode_signal_check_tuning_t){
+        // otherwise a rotor that turns makes it
         .pulse = u_V / inverter->v_bus_V,
         .mean_A_V = mean_A / inverter->v_bus_V,
         .least_A_V = PULSE_LEAST * weakest_A / inverter->v_bus_V,
         .off_A = OFF_MOST * inverter->i_max_A,
-        .before_most = given.pulses ? BEFORE_MOST : FLT_MAX, // else it is a rotor that turns
+        .before_most = given.pulses ? BEFORE_MOST : FLT_MAX,
         .sum_most = given.sums ? SUM_MOST : FLT_MAX,
         .turns_A = given.pulses ? FLT_MAX : TURNS_ALONE * mean_A,
         .moves_A = given.pulses ? MOVES * inverter->i_max_A : TURNS_ALONE * mean_A,
@@ -113,7 +116,7 @@ lode_status_t lode_signal_check_tune(lode_signal_check_tuning_t *tuning,
 
 #define AXES (LODE_SIGNAL_PULSES / 2u)
 
-// a, -c, b, -a, c, -b.
+// The phase axes a, -c, b, -a, c, -b.
 static const lode_sincos_t axis_of[LODE_SIGNAL_PULSES] = {
     {0.0f, 1.0f},  {0.5f * LODE_SQRT3, 0.5f},   {0.5f * LODE_SQRT3, -0.5f},
     {0.0f, -1.0f}, {-0.5f * LODE_SQRT3, -0.5f}, {-0.5f * LODE_SQRT3, 0.5f}};
@@ -136,8 +139,8 @@ static lode_ab_t current_A(const lode_sense_tuning_t *sense, const float i[LODE_
                        (i[1] - i[2]) * sense->beta_gain};
 }
 
-// Before the first pulse of a set, which other sets may have had theirs before: an EMF has driven twice the current from before by the
-// end of a pulse, some of which may still flow.
+// Before the first pulse of a set. Pulses of another set may precede it: by their end an EMF has driven twice the current
+// from before a pulse, part of which may still flow.
 static void note_off(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,
                      const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
     if (2.0f * self->before_A > tuning->off_A) {
@@ -148,7 +151,7 @@ static void note_off(lode_signal_check_t *self, const lode_signal_check_tuning_t
     }
 }
 
-// The pulse along `at` is over.
+// Adds the response to the pulse along `at`.
 static void note(lode_signal_check_t *self, const lode_sense_tuning_t *sense, lode_sincos_t at) {
     const float *i = self->shown;
     const float gain = lode_abs(sense->i_gain);
@@ -159,7 +162,7 @@ static void note(lode_signal_check_t *self, const lode_sense_tuning_t *sense, lo
     self->along.beta += seen_A.q;
     self->mirrored.alpha += turned_A.alpha;
     self->mirrored.beta += turned_A.beta;
-    // A gain that is off makes sums of either sign, by the way of the pulse, and noise those of any (S48).
+    // (S48): a gain error makes sums of opposite signs in the two pulses of an axis, noise sums of any sign.
     const uint32_t pulse = (uint32_t)self->pulse % LODE_SIGNAL_PULSES;
     const float way = pulse < AXES ? 1.0f : -1.0f;
     self->sum_A[pulse % AXES] += way * gain * (i[0] + i[1] + i[2]);
@@ -169,7 +172,7 @@ static void note(lode_signal_check_t *self, const lode_sense_tuning_t *sense, lo
     }
 }
 
-// The voltage along `at` has acted: what has risen of the current, twice, less what an EMF made of it in the two periods before.
+// Response to the forward half alone: twice the rise, less what an EMF has added, as in the two periods before.
 static void note_rise(lode_signal_check_t *self, const lode_sense_tuning_t *sense,
                       lode_sincos_t at) {
     const float rise_A = lode_park(current_A(sense, self->shown), at).d - 2.0f * self->emf_A;
@@ -179,7 +182,7 @@ static void note_rise(lode_signal_check_t *self, const lode_sense_tuning_t *sens
     }
 }
 
-// One current before a pulse, or what noise leaves of the pulses up to now (S46).
+// (S46): by the current before this pulse, or by the sum over the pulses so far, from which noise mostly cancels.
 static bool is_turning(const lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning) {
     const lode_ab_t sum_A = self->moves_A;
     const uint32_t pulse = (uint32_t)self->pulse % LODE_SIGNAL_PULSES + 1u;
@@ -191,7 +194,7 @@ static bool is_turning(const lode_signal_check_t *self, const lode_signal_check_
             sum_A.alpha * sum_A.alpha + sum_A.beta * sum_A.beta > most_A2);
 }
 
-// All gates were on for two periods: what flows that did not before. The pulse begins.
+// All gates have been on for two periods: takes the current that this has made. The pulse begins.
 static void note_before(lode_signal_check_t *self, const lode_signal_check_tuning_t *tuning,
                         const lode_sense_tuning_t *sense, lode_sincos_t at,
                         const int32_t i[LODE_PHASES]) {
@@ -204,7 +207,7 @@ static void note_before(lode_signal_check_t *self, const lode_signal_check_tunin
         self->shown[x] = -(float)i[x];
     }
     if (is_turning(self, tuning)) {
-        self->pulse = (uint_least8_t)tuning->pulses; // the last
+        self->pulse = (uint_least8_t)tuning->pulses; // ends the check
         self->axis = 0u;
     }
 }
@@ -212,8 +215,8 @@ static void note_before(lode_signal_check_t *self, const lode_signal_check_tunin
 lode_ab_t lode_signal_check_step(lode_signal_check_t *self,
                                  const lode_signal_check_tuning_t *tuning,
                                  const lode_sense_tuning_t *sense, const int32_t i[LODE_PHASES]) {
-    // The first for what flows before the pulse. Then by how much the current rises while the voltage acts forward, less that while
-    // it acts back: EMF, offset and, as the current keeps its sign, dead time are in both (S37).
+    // The first weight is for the current before the pulse. The others give the rise while the voltage acts forward, less
+    // that while it acts back: EMF, offset and, as the current keeps its sign, dead time are in both (S37).
     static const float weight[PERIODS] = {-1.0f, 0.0f, 1.0f, 2.0f, -1.0f, 0.0f};
     const lode_sincos_t at = axis_of[(uint32_t)self->pulse % LODE_SIGNAL_PULSES];
     const uint32_t period = (uint32_t)self->period % PERIODS;
@@ -258,7 +261,7 @@ static float most_phase_A(const lode_signal_check_t *self) {
     return lode_max(lode_max(self->phase_A[0], self->phase_A[1]), self->phase_A[2]);
 }
 
-// The phase, from 1, that shows next to nothing beside the others; 0: none.
+// The phase, from 1, with hardly any response compared to the others; 0: none.
 static uint32_t lacking_phase(const lode_signal_check_t *self) {
     const float limit_A = LACKS * most_phase_A(self);
     for (uint32_t x = 0u; x < PHASES; x++) {
@@ -273,7 +276,7 @@ static lode_finding_t finding(lode_check_t check, float measured, float limit) {
     return (lode_finding_t){check, measured, limit};
 }
 
-// Sensors: with the gates off, and against each other.
+// Sensors: offsets with the gates off, then the phases against each other.
 static lode_finding_t find_in_sensors(const lode_signal_check_t *self,
                                       const lode_signal_check_tuning_t *tuning, float mean_A) {
     const float most_A = most_phase_A(self);
@@ -287,14 +290,14 @@ static lode_finding_t find_in_sensors(const lode_signal_check_t *self,
         return finding(LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
     }
     if (lacks > 0u) {
-        const bool flows = sum_A > FLOWS * most_A; // into the others, out of this one
+        const bool flows = sum_A > FLOWS * most_A; // the others do not add up to zero
         return finding(flows ? LODE_CHECK_CURRENT_STUCK : LODE_CHECK_OPEN_PHASE,
                        (float)(int32_t)lacks, 0.0f);
     }
     return finding(sum_A > limit_A ? LODE_CHECK_CURRENT_SUM : LODE_CHECK_NONE, sum_A, limit_A);
 }
 
-// Currents against the voltages that shall have made them. `pulse_Vs`: what acts on an inductance.
+// Currents against the voltages that drive them. `pulse_Vs`: volt-seconds on an inductance.
 static lode_finding_t find_in_bridge(const lode_signal_check_t *self, float pulse_Vs, float mean_A,
                                      float least_A) {
     static const uint_least8_t phase_of[LODE_SIGNAL_PULSES] = {1u, 3u, 2u, 1u, 3u, 2u};
@@ -302,7 +305,7 @@ static lode_finding_t find_in_bridge(const lode_signal_check_t *self, float puls
     const float along_A = inv * self->along.alpha;
     const float weakest_A =
         along_A - inv * (lode_ab_length(self->mirrored) + lode_abs(self->along.beta));
-    // A bus that reads 0 V lets no current be expected.
+    // With a bus that reads 0 V no current is expected.
     if (!(mean_A > 0.0f && weakest_A >= FOLLOWS * mean_A)) {
         return finding(LODE_CHECK_SIGNALS, weakest_A, FOLLOWS * mean_A);
     }
@@ -312,13 +315,13 @@ static lode_finding_t find_in_bridge(const lode_signal_check_t *self, float puls
     if (!lode_in_range(seen_H, low_H, high_H)) {
         return finding(LODE_CHECK_INDUCTANCE, seen_H, seen_H > high_H ? high_H : low_H);
     }
-    const bool whole = self->least_A >= least_A; // of a switch that stays off
+    const bool whole = self->least_A >= least_A; // false: a switch stays off
     return finding(whole ? LODE_CHECK_NONE : LODE_CHECK_OPEN_PHASE,
                    (float)phase_of[(uint32_t)self->least % LODE_SIGNAL_PULSES], 0.0f);
 }
 
-// The angle of what is mirrored is twice the rotor's (S38): within 60 degrees of 0 it lies next to the axis of a, else to that
-// of c or b.
+// (S38): the angle of `mirrored` is twice the rotor's. Within 60 degrees of 0 the rotor lies next to the axis of a, else next
+// to that of c or b.
 static LODE_NOINLINE uint_least8_t next_axis(const lode_signal_check_t *self,
                                              const lode_signal_check_tuning_t *tuning) {
     const lode_ab_t twice = self->mirrored;
@@ -366,7 +369,7 @@ lode_finding_t lode_signal_check_judge(lode_signal_check_t *self,
         found.measured += (float)LODE_PHASES;
     }
     if (pulse <= LODE_SIGNAL_PULSES && found.check == LODE_CHECK_NONE) {
-        self->axis = next_axis(self, tuning); // of set 1, which the angles are counted from
+        self->axis = next_axis(self, tuning); // of set 1, to which the angles refer
     }
     forget(self);
     return found;
