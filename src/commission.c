@@ -4,11 +4,12 @@
 
 #include <stddef.h>
 
-#define BEFORE_FIRST 0xFFFFFFFFu // counts on to 0
+#define BEFORE_FIRST 0xFFFFFFFFu // the next count is 0
 
-// Along which the rotor is held: of three phases along a, where all have current; of six halfway from a1 to a2 (N5).
+// Axis along which the rotor is held: with three phases that of a, where all phases carry current; with six halfway from a1
+// to a2 (N5).
 #define AXIS_SIX_rad (LODE_PI / 12.0f)
-#define DEAD_THREE (4.0f / 3.0f) // two thirds of the sum of the phases' cosines
+#define DEAD_THREE (4.0f / 3.0f) // 2/3 of the sum of the phases' cosines, without signs
 #define DEAD_SIX 1.2879f
 
 #define NAME(enumerator, name)                                                                     \
@@ -199,7 +200,7 @@ lode_status_t lode_commission_init(lode_commission_t *self, lode_drive_t *drive,
 
 void lode_commission_follow(lode_commission_t *self, const lode_commission_period_t *period) {
     const uint32_t stage = self->stage;
-    // In these two a fault has been dealt with.
+    // In these two stages a fault has been handled already.
     const bool dealt = stage == (uint32_t)STAGE_RETUNE || stage == (uint32_t)STAGE_OVER;
     self->push_V = 0.0f;
     if (!dealt && !lode_guard_is_good(&self->drive->guard)) {

@@ -63,7 +63,7 @@ lode_commission_result_t lode_commission6_work(lode_commission6_t *self) {
         }
         lode_commission_go_on(machine, status);
     }
-    const lode_commission_result_t result = machine->result; // the interrupt's last word
+    const lode_commission_result_t result = machine->result; // written last by the interrupt
     if (result != LODE_COMMISSION_RUNNING) {
         LODE_SIGNAL_FENCE();
         self->config.drive = machine->config;

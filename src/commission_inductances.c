@@ -2,54 +2,54 @@
 
 #ifndef LODE_WITHOUT_COMMISSIONING
 
-// Inductances: steps of the current's reference, on top of a current that holds the rotor and the signs of
-// all phase currents.
+// Inductances: steps of the current's reference, on top of a current that holds the rotor and keeps the signs of all phase
+// currents.
 #define HOLD_SHARE 0.7f  // of the current at the first level
-#define STEP_SHARE 0.4f  // of what holds, either way
-#define STEP_SIX 0.2f    // the same in q of six phases, of which two have a quarter of what holds
-#define STEP_SPREAD 0.2f // from the first to the last, of the mean: each rounds to other counts
-#define HALF_WAVE (LODE_SLOW_PERIODS + 1u) // not in step with the looks at a frozen vector (K36)
+#define STEP_SHARE 0.4f  // of the holding current, in both directions
+#define STEP_SIX 0.2f    // in q of six phases, two of which carry a quarter of the holding current
+#define STEP_SPREAD 0.2f // growth over all steps, of their mean: each rounds to other counts
+#define HALF_WAVE (LODE_SLOW_PERIODS + 1u) // out of step with the looks at a frozen vector (K36)
 #define WAVES 68u
-#define WAVES_BESIDE 30u // about the other currents
+#define WAVES_BESIDE 30u // at the other two currents
 #define HOLD_TIME_s 0.1f
-#define NEXT_TIME_s 0.02f    // to another current
-#define STEP_DEVIATION 0.01f // of the inductance, standard deviation by what it does not explain
+#define NEXT_TIME_s 0.02f    // to settle at another current
+#define STEP_DEVIATION 0.01f // of the inductance: allowed standard deviation, by the residuals
 
-// Of the gain of all currents: by so much resistance and inductances would be off together.
+// Largest common gain error of the currents. It would put resistance and inductances off together.
 #define GAIN_OFF 0.6f
 
-// The xy plane, the same way: its control is pushed to and fro, towards so much of the current that holds.
+// The xy plane in the same way: its control is pushed in alternating directions, towards this share of the holding current.
 #define XY_SHARE 0.4f
-#define XY_CIRCLE 0.5f // of the voltage that the plane may use
+#define XY_CIRCLE 0.5f // of the voltage available to the plane
 #define XY_DEVIATION 0.03f
 
-// Their fall over current: in d about three currents, in q large waves of three amplitudes.
+// Fall of the inductances over current: in d steps about three currents (N2), in q large waves of three amplitudes (N4).
 #define FALL_POINTS 3u
-// Of the current that holds, from one to the next: the least is clear of the dead band.
+// Difference of the currents over the holding current: the smallest is clear of the dead band.
 #define FALL_D_STEP 0.35f
-#define FALL_D_MIDDLE 1u   // where Ld is taken, unless it falls
-#define FALL_Q_MIDDLE 0.5f // of i_max
-#define FALL_Q_HIGH 0.75f  // with the current that holds, and its overshoot, within i_max
+#define FALL_D_MIDDLE 1u   // Ld is measured here, unless it falls
+#define FALL_Q_MIDDLE 0.5f // of i_max, as the next
+#define FALL_Q_HIGH 0.75f  // within i_max with the holding current and an overshoot
 #define FALL_HALVES 6u
-// No shorter: half of it, the first one, takes longer than from one such look to the next.
+// Least length: the first half-wave, which has half of it, must be longer than the interval of these looks (K36).
 #define FALL_HALF_WAVE (2u * HALF_WAVE)
-#define FALL_VOLTAGE 0.75f   // of the circle, to get from one end to the other
-#define FALL_LONGEST_s 0.05f // of a half-wave that moves no rotor
-#define FALL_LEAST 0.05f     // less is none
-#define FALL_DEVIATION 0.03f // of the inductance, off the line
+#define FALL_VOLTAGE 0.75f   // of the circle, for the change from one peak to the other
+#define FALL_LONGEST_s 0.05f // a longer half-wave would move the rotor
+#define FALL_LEAST 0.05f     // a smaller fall counts as none
+#define FALL_DEVIATION 0.03f // of the inductance: allowed distance from the line
 
 static float sign_of_half(uint32_t half) {
     return half % 2u == 0u ? 1.0f : -1.0f;
 }
 
-// What a step makes of the current: y, by the voltage x.
+// Response of the current to a step: y, by the voltage x.
 typedef struct {
     float x;
     float y;
 } step_t;
 
-// Second differences of L di = (u - R i) Ts: neither the dead time nor the EMF of a rotor that hardly moves
-// stands in them (N1). The voltage is known, the current has noise: 1/L is what is regressed.
+// (N1): second differences of L di = (u - R i) Ts, from which dead time and the EMF of a rotor that hardly moves cancel. The
+// voltage is known and the current has noise, so 1/L is regressed.
 static step_t step_of(const lode_commission_t *self, float u_V, float u1_V, float i_A, float i1_A,
                       float i2_A) {
     const float r_Ohm = lode_commission_found(self, LODE_COMMISSION_RS_Ohm);
@@ -74,8 +74,8 @@ static float step_hold_A(const lode_commission_t *self) {
     return HOLD_SHARE * self->current_A;
 }
 
-// What else makes current change in q: the rotor, which a current turns, so that the EMF changes by it from period to period,
-// and iron that saturates (N6).
+// (N6): what else changes the current in q. The current turns the rotor, so that the EMF changes with it from period to
+// period; and the iron saturates.
 static void note_beside(lode_commission_t *self, step_t step, float mean_A) {
     const float x = step.x;
     const float y = step.y;
@@ -91,7 +91,7 @@ static void note_beside(lode_commission_t *self, step_t step, float mean_A) {
     s->zv += z * v;
 }
 
-// Leaves of the steps what neither of them explains, about the mean current of their voltage, which it returns.
+// Takes what these two explain out of the sums of the steps. Returns the mean current of the steps, at which 1/L holds.
 static float take_beside_out(lode_commission_steps_t *s, const lode_commission_beside_t *beside) {
     const float near_A = beside->xv / s->xx;
     const float by_z = 1.0f / lode_max(beside->zz, FLT_MIN);
@@ -143,8 +143,8 @@ static bool steps(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_
 
 // --- Their fall over current ---
 
-// By least squares through 1/L over current; returns what the line has without current. `reach_A`: where a fall
-// must show to be one. Without confidence it stays as it was known.
+// Line through 1/L over current by least squares; returns its value at no current. `reach_A`: current at which the fall must
+// exceed FALL_LEAST. Without confidence the configured fall stays.
 static float judge_fall(lode_commission_t *self, lode_commission_quantity_t quantity,
                         const lode_commission_fall_t *points, float reach_A) {
     const float *x_A = points->i_A;
@@ -207,14 +207,14 @@ void lode_commission_Ld(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     }
 }
 
-// Found over known.
+// Ratio of the value found to the known one.
 static float times(const lode_commission_t *self, lode_commission_quantity_t quantity,
                    float known) {
     return lode_commission_found(self, quantity) / known;
 }
 
-// Currents read with a wrong gain make resistance and inductances too large or too small alike. True: they are not, all three,
-// beyond what a data sheet may be off by; false: refused, before the rotor turns.
+// A wrong gain of the currents makes resistance and inductances all too large or all too small. False: all three are off by
+// more than a data sheet may be, and commissioning ends before the rotor turns.
 static bool judge_gain(lode_commission_t *self) {
     const lode_drive_config_t *known = &self->designed;
     const float r =
@@ -250,8 +250,8 @@ static lode_abc_t phase_losses_V(const lode_dead_time_t *loss, lode_abc_t i_A) {
                         lode_inverter_error(loss, i_A.c)};
 }
 
-// What the phases lose, as it shows in q (N3): by the currents in the middle of the period, of which the ripple
-// goes by the voltage (I4).
+// (N3): voltage that the phases lose, along q, by the currents in the middle of the period. Its band follows their ripple,
+// which goes with the voltage (I4).
 static float dead_q_V(const lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     const lode_inverter_tuning_t *tuning = &self->drive->tuning->inverter;
     const float span =
@@ -269,7 +269,7 @@ static float dead_q_V(const lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_
     return lode_park(V, self->axis).q;
 }
 
-// Current and flux that a half-wave has moved. `sign`: of the half-wave.
+// Adds the current and the flux that a half-wave of the sign `sign` moves (N3).
 static void note_half_wave(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, float sign) {
     const lode_dq_t *i1 = &self->before_i_A[0];
     const lode_dq_t mean_A = {0.5f * (i_A.d + i1->d), 0.5f * (i_A.q + i1->q)};
@@ -279,7 +279,7 @@ static void note_half_wave(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A
     self->sums.waves.flux_Vs += sign * (u_V.q - drop_V) / self->config.f_pwm_Hz;
 }
 
-// The same at all amplitudes.
+// Length of a half-wave. It is the same at all amplitudes, so that the motion of the rotor has the same share in each.
 static uint32_t half_wave_periods(const lode_commission_t *self) {
     const lode_inverter_config_t *inverter = &self->designed.inverter;
     const float swing_Vs =
@@ -312,7 +312,7 @@ static void judge_fall_q(lode_commission_t *self) {
     }
 }
 
-// The first half-wave has half the length: the rotor swings about where it lies.
+// The first half-wave has half the length, so that the rotor swings about its position.
 void lode_commission_Lq_fall(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     const uint32_t length = half_wave_periods(self);
     const uint32_t begin = lode_commission_periods(self, NEXT_TIME_s);
@@ -342,8 +342,8 @@ void lode_commission_Lq_fall(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i
 
 // --- The xy plane ---
 
-// Its control, whose reference is none, is pushed to and fro: current of one sign, then of the other. The rotor, which it
-// does not turn, is held meanwhile.
+// With a reference of 0 the control of the xy plane is pushed in alternating directions, which makes current of either sign.
+// This current does not turn the rotor, which is held meanwhile.
 void lode_commission_Lxy(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     const lode_dq_t *i1 = &self->before_i_A[0];
     const lode_dq_t *i2 = &self->before_i_A[1];

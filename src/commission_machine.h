@@ -1,4 +1,4 @@
-// What of commission.h does not depend on the number of phases: what a period shows, and what becomes of it.
+// The part of commissioning that does not depend on the number of phases.
 #ifndef LODE_COMMISSION_MACHINE_H
 #define LODE_COMMISSION_MACHINE_H
 
@@ -7,31 +7,31 @@
 
 #ifndef LODE_WITHOUT_COMMISSIONING
 
-// Counts and currents are those at its begin, voltages the means over the one before.
+// Inputs of a period: counts and currents at its beginning, voltages as means over the period before.
 typedef struct {
-    const lode_counts_t *set[LODE_SETS]; // of three phases the first alone
+    const lode_counts_t *set[LODE_SETS]; // three phases: the first one only
     lode_ab_t u_V;                       // of the machine, stator axes
     lode_ab_t u_xy_V;
     lode_ab_t i_xy_A;
 } lode_commission_period_t;
 
-// `given` is what is known, `designed` the same, complete, with the drive as that of lode_commission_blind().
+// `given`: what is known. `designed`: the same, completed, for the drive of lode_commission_blind().
 void lode_commission_begin(lode_commission_t *self, lode_drive_t *drive,
                            const lode_drive_config_t *given, const lode_drive_config_t *designed);
 
-// By which the control of the xy plane is pushed: its gain and the largest voltage of the plane.
+// Sets the push of the xy control, by its gain and the largest voltage of the plane.
 void lode_commission_push_by(lode_commission_t *self, float kp_Ohm, float most_V);
 
-// Without the correction of dead time: what the inverter loses is to be seen.
+// The configuration without dead-time correction: the loss of the inverter is to be measured.
 lode_drive_config_t lode_commission_blind(const lode_drive_config_t *given);
 
 // After the drive's own step.
 void lode_commission_follow(lode_commission_t *self, const lode_commission_period_t *period);
 
-// What was found at standstill, into `config`.
+// Writes what was found at standstill into `config`.
 void lode_commission_take_standstill(lode_commission_t *self);
 
-// `config` for the run, after `designed` was made anew.
+// `config` for the run, after `designed` has been made again.
 lode_drive_config_t lode_commission_for_run(lode_commission_t *self);
 
 // The tuning for the run was posted, or refused.

@@ -1,6 +1,6 @@
-// What the parts of self-commissioning have of each other, in the order in which they work: commission_sensors.c, the rotor free;
-// commission_resistance.c and commission_inductances.c, the rotor held; commission_run.c, the rotor turning.
-// commission.c is the whole.
+// Shared by the parts of self-commissioning, in the order in which they run: commission_sensors.c with the rotor free,
+// commission_resistance.c and commission_inductances.c with the rotor held, commission_run.c with the rotor turning.
+// commission.c runs them.
 #ifndef LODE_COMMISSION_PARTS_H
 #define LODE_COMMISSION_PARTS_H
 
@@ -11,7 +11,7 @@
 #include "inverter_inline.h"
 #include "scalar_inline.h"
 
-// From a voltage that is written to the current that it makes.
+// Periods from writing a voltage to the current that it makes.
 #define SEEN_PERIODS 3u
 
 typedef enum {
@@ -23,7 +23,7 @@ typedef enum {
     STAGE_LD, // three currents
     STAGE_LQ,
     STAGE_LQ_FALL, // three amplitudes
-    STAGE_LXY,     // of six phases alone
+    STAGE_LXY,     // six phases only
     STAGE_RETUNE,
     STAGE_START,
     STAGE_UP,
@@ -63,30 +63,31 @@ static inline bool lode_commission_is_sure(const lode_commission_t *self,
 
 void lode_commission_post(lode_commission_t *self, lode_command_t command);
 
-// A voltage or a current, in the axes of the rotor that is held.
+// A voltage or a current, in the axes of the held rotor.
 void lode_commission_post_vector(lode_commission_t *self, lode_mode_t mode, float d, float q);
 
-// The next period is the stage's first again.
+// Makes the next period the first of the stage again.
 void lode_commission_restart(lode_commission_t *self);
 
 void lode_commission_enter(lode_commission_t *self, lode_commission_stage_t stage);
 
 void lode_commission_finish(lode_commission_t *self, lode_commission_result_t result);
 
-// How far a value agrees with itself.
+// A value with the confidence that its deviation leaves, compared to the allowed one.
 lode_commission_value_t lode_commission_judged(float value, float deviation, float allowed);
 
-// False: refused, and it is over.
+// Stores a value. False: its confidence is too low, and commissioning has ended.
 bool lode_commission_keep(lode_commission_t *self, lode_commission_quantity_t quantity, float value,
                           float deviation, float allowed);
 
-// Voltage along the axis that holds, per volt that each phase loses (N5).
+// Voltage along the holding axis per volt that each phase loses (N5).
 float lode_commission_dead_along(const lode_commission_t *self);
 
-// What a phase loses, as far as it is known.
+// Voltage that a phase loses by the configuration.
 float lode_commission_dead_known_V(const lode_drive_config_t *config);
 
-// Each a period of a stage. Currents and voltages are in the axes of the rotor that is held; of STAGE_LXY those of the xy plane.
+// The following are one period of a stage each. Currents and voltages are in the axes of the held rotor, in STAGE_LXY in
+// those of the xy plane.
 
 // In commission_sensors.c.
 
@@ -97,7 +98,7 @@ void lode_commission_pulse(lode_commission_t *self, const lode_commission_period
 
 // In commission_resistance.c.
 
-// The current that holds the rotor, and the voltages on the way to it.
+// Chooses the current that holds the rotor, and the rates of the voltage on the way to it.
 void lode_commission_choose_vector(lode_commission_t *self);
 
 void lode_commission_across(lode_commission_t *self, lode_dq_t i_A);
@@ -125,7 +126,7 @@ void lode_commission_start(lode_commission_t *self);
 // `way`: 0 up, 1 down.
 void lode_commission_run(lode_commission_t *self, uint32_t way);
 
-// A rotor that was lost in it is looked for again. All other faults end the whole.
+// Repeats the run after a lost rotor. All other faults end the commissioning.
 void lode_commission_end_by_fault(lode_commission_t *self);
 
 #endif

@@ -3,28 +3,28 @@
 #ifndef LODE_WITHOUT_COMMISSIONING
 
 #define CURRENT_SHARE 0.5f // of i_max
-#define SALIENT_SHARE                                                                              \
-    0.4f // of the current at which reluctance pulls as much across as the magnet along
-#define QUICK_TIME_s 1.0f // of the voltage to its end, until there is some current
-#define SOME_SHARE 0.02f  // of the current
-#define CATCH_SHARE 0.4f  // of it: as far as it rises until the rotor lies along it
-// Then slowly: a winding of little resistance is a short circuit for a rotor that turns. The rotor lies along
-// the vector after some volt seconds per weber, and shall do that with little current.
+// Of psi/(Lq - Ld), where reluctance pulls across as strongly as the magnets pull along.
+#define SALIENT_SHARE 0.4f
+#define QUICK_TIME_s 1.0f // for all of the voltage, until some current flows
+#define SOME_SHARE 0.02f  // of the holding current: counts as some current
+#define CATCH_SHARE 0.4f  // of it: rises to this before the rotor lies along it
+// Then the voltage rises slowly: a winding of little resistance short-circuits a rotor that turns. The rotor lies along the
+// vector after some volt seconds per weber, and should do so with little current.
 #define RISE_LEAST_s 0.6f
 #define RISE_MOST_s 2.0f
 #define RISE_FLUXES 40.0f
-#define QUICKER 4.0f // times as fast where the rotor lies along the vector, or has too much current
-#define TURN_TIME_s                                                                                \
-    0.8f // from the first direction, across, so that no rotor can lie opposite to both
+#define QUICKER 4.0f // times slow_V once the rotor is along the vector, or at too much current
+// Time of the turn from the first direction, across the axis: no rotor can lie opposite to both directions.
+#define TURN_TIME_s 0.8f
 #define WINDOW_s 0.1f
 #define CALM_WINDOWS 2u
-#define CALM_SHARE 0.005f // of the current, between the halves of a window
+#define CALM_SHARE 0.005f // of the holding current: largest change between the halves of a window
 #define SETTLE_TIME_s 4.0f
-#define UNKNOWN_R 1.5f // of the configured one: as far as the voltage goes
+#define UNKNOWN_R 1.5f // of the configured one, for the limit of the voltage
 #define UNKNOWN_DEAD_s 1.5e-6f
 #define LEVELS 3u
-#define LEVEL_STEP 0.3f      // of the current, from level to level
-#define LINE_DEVIATION 0.03f // of the middle level's voltage off the line, allowed
+#define LEVEL_STEP 0.3f      // of the holding current, from level to level
+#define LINE_DEVIATION 0.03f // of the span: allowed distance of the middle level off the line
 
 void lode_commission_choose_vector(lode_commission_t *self) {
     const lode_motor_t *motor = &self->designed.motor;
@@ -47,7 +47,7 @@ void lode_commission_choose_vector(lode_commission_t *self) {
     };
 }
 
-// Means over the halves of a window. True at its end.
+// Sums over the halves of a window. True at its end.
 static bool window_ends(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     lode_commission_window_t *s = &self->sums.window;
     const uint32_t length = lode_commission_periods(self, WINDOW_s);
@@ -62,8 +62,8 @@ static bool window_ends(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     return s->count >= length / 2u * 2u;
 }
 
-// The current has been the same for long enough: the rotor rests. `i_A`: its mean along the vector, `u_V` that of
-// the voltage.
+// True: the current has been constant for long enough, and the rotor rests. Gives the means of voltage and current along the
+// vector.
 static bool settled(lode_commission_t *self, float *u_V, float *i_A) {
     const lode_commission_window_t s = self->sums.window;
     const float inv = 1.0f / lode_commission_float(s.count);
@@ -77,12 +77,12 @@ static bool settled(lode_commission_t *self, float *u_V, float *i_A) {
     return self->calm >= CALM_WINDOWS;
 }
 
-// The first direction: the voltage rises until the current is there, then turns to the other.
+// The first direction: the voltage rises until the current is there, then turns to the holding axis.
 void lode_commission_across(lode_commission_t *self, lode_dq_t i_A) {
     lode_commission_vector_t *vector = &self->vector;
     const float length_A = lode_commission_length(i_A);
     if (self->level == (uint32_t)LODE_PHASES * self->sets) {
-        // Once is enough: while the rotor turns, its EMF takes the current away.
+        // Stays set: while the rotor turns, its EMF may take the current away again.
         vector->flows = vector->flows || length_A >= SOME_SHARE * self->current_A;
         self->quantity = LODE_COMMISSION_RS_Ohm;
         vector->now_V += vector->flows ? vector->slow_V : vector->quick_V;
@@ -109,8 +109,8 @@ void lode_commission_across(lode_commission_t *self, lode_dq_t i_A) {
     }
 }
 
-// A line through the voltages at three currents: its slope, and what is left without current. Both the drops
-// and the dead time go by the signs of the phase currents.
+// Line through the voltages at three currents. Its slope is the resistance, its value at no current the loss: drops and dead
+// time have the signs of the phase currents.
 static bool judge_levels(lode_commission_t *self) {
     const float *u = self->level_u_V;
     const float *i = self->level_i_A;
@@ -118,14 +118,14 @@ static bool judge_levels(lode_commission_t *self) {
     const float dead_V = (u[0] - r_Ohm * i[0]) / lode_commission_dead_along(self);
     const float off_V = u[1] - (u[0] + r_Ohm * (i[1] - i[0]));
     const float span_V = r_Ohm * (i[0] - i[2]);
-    // By the same deviation, of which more is allowed.
+    // By the same deviation, with a wider limit.
     self->found[LODE_COMMISSION_DEAD_V] = lode_commission_judged(
         dead_V, lode_abs(off_V), LINE_DEVIATION * lode_max(lode_abs(dead_V), span_V));
     return r_Ohm > 0.0f && lode_commission_keep(self, LODE_COMMISSION_RS_Ohm, r_Ohm,
                                                 lode_abs(off_V), LINE_DEVIATION * span_V);
 }
 
-// Rest at the present level, then note it.
+// Waits for rest at the present level, then stores voltage and current.
 void lode_commission_along(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     float mean_V;
     float mean_A;
@@ -152,7 +152,7 @@ void lode_commission_along(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A
     }
 }
 
-// To the next level, up or down: a rotor that swung makes more current than the voltage does, or less.
+// To the next level, up or down: while a rotor swings its current may be above or below that of the voltage.
 void lode_commission_move_level(lode_commission_t *self, lode_dq_t i_A) {
     lode_commission_vector_t *vector = &self->vector;
     const float wanted_A =

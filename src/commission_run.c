@@ -5,40 +5,40 @@
 #define LOW_SHARE 0.3f // of rated speed
 #define HIGH_SHARE 0.7f
 #define HANDOVER_SHARE 0.2f // of rated speed
-#define HANDOVER_MORE 2.0f  // of the default
+#define HANDOVER_MORE 2.0f  // of the default, at most
 #define ABOVE_HANDOVER 1.3f
 #define SPAN_WANTED 2.0f // of the lower speed
 #define SPAN_LEAST 1.3f
 #define HIGH_MOST 0.9f              // of rated speed
-#define HIGH_OF_MOST 0.8f           // of the largest that may be commanded: SPEED_ROOM is left
-#define RUN_TIME_s 0.4f             // from the one speed to the other, by the configured J
+#define HIGH_OF_MOST 0.8f           // of the largest speed that may be commanded: leaves SPEED_ROOM
+#define RUN_TIME_s 0.4f             // between the two speeds, with the configured J
 #define TORQUE_MOST 0.6f            // of the torque at i_max
 #define TORQUE_LEAST (1.0f / 30.0f) // of that
-#define PLL_SETTLES 10.0f           // time constants
-#define BIAS_GONE 2.0f              // of the upper speed
+#define PLL_SETTLES 10.0f           // time constants of the PLL
+#define BIAS_GONE 2.0f              // of the upper speed, where the d current has faded
 #define REACHED 0.03f
 #define STEADY_s 0.2f
 #define RUN_WAIT_s 3.0f
-// A way of a run by an inertia so many times the configured one, or with so much less torque than is asked for.
+// Longest time of one way of a run: that of an inertia RUN_SLOWEST times the configured one, or of as much less torque.
 #define RUN_SLOWEST 10.0f
 #define RUN_LONGEST_s 30.0f
-// A run that after twice its time would need four times as much, or more, is given more torque.
+// The torque is raised if after SLOW_TIMES its time a run would need SLOW_MOST times that time or more.
 #define SLOW_TIMES 2.0f
 #define SLOW_MOST 4.0f
 #define GONE_SHARE 0.5f
-#define RAISE_MOST 10.0f // at a time
+#define RAISE_MOST 10.0f // per raise
 #define RAISES_MOST 2u
-#define SPEED_ROOM 1.2f        // below the commanded speed torque does not give way
-#define EDGE_SHARE 0.15f       // of the span at either end that is not looked at
-#define TORQUE_DEVIATION 0.02f // of what the currents say of the torque
+#define SPEED_ROOM 1.2f        // commanded over upper speed: the torque is limited near the former
+#define EDGE_SHARE 0.15f       // of the span, not used at either end
+#define TORQUE_DEVIATION 0.02f // of the torque by the currents
 #define B_DEVIATION 0.2f
 #define PSI_DEVIATION 0.06f // between up and down
 #define POINTS_LEAST 20u
-#define PSI_ROUGH 0.03f // of what was reckoned with: more, and the run is made again
+#define PSI_ROUGH 0.03f // of the assumed value: beyond, the run is made again
 #define J_ROUGH 0.2f
-#define RUNS_MOST 4u      // of which the last must agree with the one before
-#define AGREED_TIMES 2.0f // the roughness that is half sure
-#define LOST_MOST 2u      // times that a lost rotor is looked for again
+#define RUNS_MOST 4u      // the last must agree with the one before
+#define AGREED_TIMES 2.0f // times J_ROUGH: a last run that is off by this is half sure
+#define LOST_MOST 2u      // times that the run is repeated after a lost rotor
 #define LOST_INERTIA 2.0f
 
 void lode_commission_take_standstill(lode_commission_t *self) {
@@ -59,7 +59,7 @@ void lode_commission_take_standstill(lode_commission_t *self) {
         (self->drive->inverter.v_bus_V * lode_inverter_carrier_Hz(inverter, self->config.f_pwm_Hz));
 }
 
-// Between which the run goes, electrical.
+// Electrical speeds between which the run goes.
 static lode_range_t run_speeds(const lode_drive_config_t *config) {
     const float rated = config->motor.omega_rated_rad_s;
     const float low =
@@ -74,20 +74,20 @@ static float span_rad_s(const lode_drive_config_t *config) {
     return (speeds.max - speeds.min) / config->motor.pole_pairs;
 }
 
-// Of a current that is clear of the dead band.
+// Torque of a current that is clear of the dead band.
 static float torque_clear_Nm(const lode_drive_config_t *config) {
     return lode_motor_kt_Nm_A(&config->motor) * config->inverter.i_dead_A;
 }
 
-// By that torque it would be over before the PLL has settled.
+// (N7): with that torque the run would be over before the PLL has settled.
 static bool is_light(const lode_drive_config_t *config) {
     return config->motor.J_kgm2 * span_rad_s(config) * config->estimator.pll.sigma_rad_s <
            PLL_SETTLES * torque_clear_Nm(config);
 }
 
-// Flux and inertia are not known yet: the EMF at hand-over has more room than usual, and speed control, whose torque goes by the
-// inertia, is asked for no more acceleration than the run has. Within the dead band of the currents the dead time's loss
-// changes with speed, and stands in the slope: a light rotor, whose torque has a lesser current, has one in d that is clear of it.
+// Flux and inertia are not known yet. So the EMF at hand-over gets more room than usual, and speed control, whose torque goes
+// with the inertia, no more acceleration than the run has. Within the dead band of the currents the loss by dead time changes
+// with speed and enters the slope: a light rotor, whose torque takes less current, gets a d current that is clear of it.
 lode_drive_config_t lode_commission_for_run(lode_commission_t *self) {
     const float handover = self->designed.start.omega_handover_rad_s;
     const float wanted = HANDOVER_SHARE * self->designed.motor.omega_rated_rad_s;
@@ -135,7 +135,7 @@ void lode_commission_retune(lode_commission_t *self) {
         lode_commission_post(self, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
         self->wants_tuning = true;
     } else if (self->wants_tuning) {
-        // the thread is at it
+        // the thread makes the tuning
     } else if (self->status != LODE_OK) {
         lode_commission_finish(self, LODE_COMMISSION_REFUSED);
     } else {
@@ -149,12 +149,12 @@ static float speed_of(const lode_commission_t *self) {
     return self->drive->estimator.pll.omega_rad_s / self->config.motor.pole_pairs;
 }
 
-// That the inertia which is reckoned with takes from the one speed to the other.
+// Time between the two speeds with the assumed inertia.
 static float run_time_s(const lode_commission_t *self) {
     return self->config.motor.J_kgm2 * (self->high_rad_s - self->low_rad_s) / self->torque_Nm;
 }
 
-// It turns, but the speed is not the one that is wanted. Where it does not even turn, that is the start's own matter.
+// Ends the run. A motor that turns reports the speed reached and the one wanted; otherwise the start has reported.
 static void give_up(lode_commission_t *self, float wanted_rad_s) {
     if (self->drive->mode == (uint_least8_t)LODE_MODE_RUN) {
         self->reached_rad_s = speed_of(self);
@@ -169,7 +169,7 @@ void lode_commission_start(lode_commission_t *self) {
         self->drive->mode == (uint_least8_t)LODE_MODE_RUN && off <= REACHED * self->low_rad_s;
     lode_commission_post(self,
                          (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = self->low_rad_s});
-    // More often than not: with little EMF the speed ripples by as much.
+    // Counts up and down: with little EMF the speed ripples by as much as REACHED.
     self->calm = steady ? self->calm + 1u : self->calm - (self->calm > 0u ? 1u : 0u);
     if (self->calm >= lode_commission_periods(self, STEADY_s)) {
         lode_commission_enter(self, STAGE_UP);
@@ -181,11 +181,11 @@ void lode_commission_start(lode_commission_t *self) {
     }
 }
 
-// Lines through speed over time and voltage over speed, from the first point on.
+// Sums for the lines of speed over time and voltage over speed, relative to the first point.
 static void note_run(lode_commission_t *self) {
     const lode_drive_t *drive = self->drive;
     const float omega = drive->estimator.pll.omega_rad_s;
-    // The d current fades with speed where the references bias it.
+    // Less the part of the d current, which fades with speed where the references bias it.
     const float u_V = drive->u_V.q -
                       lode_commission_found(self, LODE_COMMISSION_RS_Ohm) * drive->i_A.q -
                       omega * self->config.motor.Ld_H * drive->i_A.d;
@@ -226,8 +226,8 @@ static void take_run(lode_commission_t *self, uint32_t way) {
     };
 }
 
-// The run was made with a flux, an inertia or a torque so far off that it is made again. `unequal`: as for the inertia's
-// confidence; one that does not agree with itself is made again once alone.
+// The run was made with a flux, an inertia or a torque so far off that it is made again. `unequal`: as for the confidence of
+// the inertia; a run that does not agree with itself is repeated only once.
 static bool is_rough(const lode_commission_t *self, float psi_Wb, float J, float unequal) {
     const lode_motor_t *motor = &self->config.motor;
     const bool may = self->runs == 0u || (self->runs + 1u < RUNS_MOST && unequal <= 1.0f);
@@ -236,7 +236,7 @@ static bool is_rough(const lode_commission_t *self, float psi_Wb, float J, float
             lode_abs(J - motor->J_kgm2) > J_ROUGH * motor->J_kgm2);
 }
 
-// Friction acts alike up and down through the same speeds.
+// Friction is the same up and down through the same speeds, so that it cancels from the inertia.
 static void judge_run(lode_commission_t *self) {
     const lode_commission_run_t *up = &self->way[0];
     const lode_commission_run_t *down = &self->way[1];
@@ -249,7 +249,7 @@ static void judge_run(lode_commission_t *self) {
     lode_motor_t *motor = &self->config.motor;
     const float apart = lode_abs(sum_Nm) / lode_abs(between_Nm);
     const bool rough = is_rough(self, mean_Wb, J, apart);
-    // The last one must find what the one before has found.
+    // The last run must agree with the one before.
     const float last = self->runs + 1u == RUNS_MOST ? 1.0f : 0.0f;
     const float apart_Wb =
         lode_max(lode_abs(up->psi_Wb - down->psi_Wb), last * lode_abs(mean_Wb - motor->psi_Wb));
@@ -263,7 +263,7 @@ static void judge_run(lode_commission_t *self) {
                    !lode_commission_keep(self, LODE_COMMISSION_J_kgm2, J, unequal, 1.0f))) {
         return;
     }
-    // Of a run too short for the PLL to settle, which makes the flux too small, the inertia alone is taken.
+    // A run too short for the PLL to settle makes the flux too small: only the inertia is taken from it.
     const bool agree = apart_Wb <= PSI_DEVIATION * mean_Wb;
     const float psi_Wb = agree ? mean_Wb : motor->psi_Wb;
     motor->J_kgm2 = J * psi_Wb / mean_Wb;
@@ -272,7 +272,7 @@ static void judge_run(lode_commission_t *self) {
     const bool loaded = lode_commission_is_sure(self, LODE_COMMISSION_B_Nms);
     if (rough) {
         const float more = self->high_rad_s / omega;
-        // Where the torque alone would not do, the best guess is better than none.
+        // Where the torque had to be raised, even an unsure friction is better than none.
         const bool taken = loaded || self->raises > 0u;
         self->load_Nm = taken ? lode_max(friction_Nm, 0.0f) * more * more : 0.0f;
         self->raises = 0u;
@@ -289,7 +289,7 @@ static float share_of_span(const lode_commission_t *self, float now_rad_s) {
     return (now_rad_s - self->low_rad_s) / (self->high_rad_s - self->low_rad_s);
 }
 
-// The torque does not do: the inertia is many times the one that is reckoned with, or there is a load.
+// The torque is too small: the inertia is many times the assumed one, or there is a load.
 static bool is_slow(const lode_commission_t *self, float now_rad_s) {
     const float meant_s = lode_max(run_time_s(self), RUN_TIME_s);
     const float time_s = lode_commission_float(self->since) / self->config.f_pwm_Hz;
@@ -297,8 +297,7 @@ static bool is_slow(const lode_commission_t *self, float now_rad_s) {
            SLOW_MOST * meant_s * share_of_span(self, now_rad_s) < time_s;
 }
 
-// To as much as brings it over the span in its time. It goes on from where it is, or, if most of the span is gone, from the
-// begin.
+// Raises the torque to what covers the span in its time. The run goes on, or begins again if half of the span is covered.
 static void raise_torque(lode_commission_t *self, float now_rad_s) {
     const float time_s = lode_commission_float(self->since) / self->config.f_pwm_Hz;
     const float share = share_of_span(self, now_rad_s);
@@ -309,7 +308,7 @@ static void raise_torque(lode_commission_t *self, float now_rad_s) {
     lode_commission_enter(self, share < GONE_SHARE ? STAGE_UP : STAGE_START);
 }
 
-// Its limit of time.
+// Time limit of one way of the run.
 static float run_limit_s(const lode_commission_t *self) {
     return lode_min(RUN_WAIT_s + RUN_SLOWEST * run_time_s(self), RUN_LONGEST_s);
 }
@@ -347,16 +346,15 @@ void lode_commission_run(lode_commission_t *self, uint32_t way) {
     }
 }
 
-// A rotor that was lost is looked for once more, with twice the inertia: a slower start, and less of an
-// acceleration that does not come. One that does not follow in any attempt of a start, which get slower by themselves, is not,
-// and all other faults end it.
+// A rotor that was lost is started again with twice the inertia: a slower start, and less acceleration expected. A rotor that
+// follows in no attempt of a start is not, because the attempts get slower by themselves. All other faults end it.
 void lode_commission_end_by_fault(lode_commission_t *self) {
     const uint_least8_t check = self->drive->guard.fault.check;
     const bool lost = check == (uint_least8_t)LODE_CHECK_LOST_LOCK ||
                       check == (uint_least8_t)LODE_CHECK_WRONG_WAY;
     if (check == (uint_least8_t)LODE_CHECK_START) {
         lode_commission_finish(self, LODE_COMMISSION_NO_START);
-    } else if (lost && self->lost < LOST_MOST) { // these checks are of START and RUN alone
+    } else if (lost && self->lost < LOST_MOST) { // these checks exist in START and RUN only
         self->lost++;
         self->config.motor.J_kgm2 *= LOST_INERTIA;
         lode_commission_enter(self, STAGE_RETUNE);

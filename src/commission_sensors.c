@@ -10,11 +10,12 @@
 #define PULSE_SHARE 0.15f // of i_max, by the smaller inductance
 #define PULSE_SEEN 0.08f  // the same, by the larger one; with less the voltage is raised
 #define PULSES_MOST 12u
-#define DRIVEN_LEAST                                                                               \
-    0.7f // of the largest phase current: saliency turns the vector by up to 35 degrees
-#define SUM_MOST 0.25f // of the same: what flows in must flow out
-#define XY_MOST                                                                                    \
-    0.45f // of the vector: both sets see the same but for dead time, which makes up to 0.3; swapped ones 0.6
+// Least current of the driven phase over the largest: saliency turns the vector by up to 35 degrees.
+#define DRIVEN_LEAST 0.7f
+#define SUM_MOST 0.25f // of the same: largest sum of the currents
+// Largest current of the xy plane over the vector. Both sets see the same but for dead time, which makes up to 0.3; sensors
+// swapped between the sets make 0.6.
+#define XY_MOST 0.45f
 #define NOISE_MOST 0.02f // of full scale, peak to peak
 #define OFFSET_SAMPLES 1024u
 
@@ -48,7 +49,7 @@ static bool judge_offsets(lode_commission_t *self) {
     return true;
 }
 
-// A set after the other, then the drive's own.
+// Measures one set after the other, then starts the drive's own calibration.
 void lode_commission_calibrate(lode_commission_t *self, const lode_commission_period_t *period) {
     if (self->since < OFFSET_SAMPLES) {
         note_counts(self, period->set[self->level]);
@@ -67,13 +68,13 @@ void lode_commission_calibrate(lode_commission_t *self, const lode_commission_pe
         self->level = 0u;
         lode_commission_enter(self, STAGE_PULSES);
     } else {
-        // a fault, if it does not come
+        // the drive calibrates, or trips
     }
 }
 
 // --- Signals ---
 
-// Phase currents at the largest length of the vector, and the current of the xy plane.
+// Stores phase currents and the current of the xy plane at the largest length of the vector.
 static void note_peak(lode_commission_t *self, const lode_commission_period_t *period,
                       lode_dq_t i_A) {
     const lode_counts_t *counts = period->set[self->level / PHASES];
@@ -95,8 +96,8 @@ static void note_peak(lode_commission_t *self, const lode_commission_period_t *p
     }
 }
 
-// A wrong sign or a wrong place makes the driven phase small or negative, a dead one leaves a sum; in the wrong set it makes
-// current of the xy plane.
+// A wrong sign or place makes the current of the driven phase small or negative, a dead sensor leaves a sum, and a sensor in
+// the wrong set makes current of the xy plane.
 static bool judge_phase(lode_commission_t *self, uint32_t driven) {
     const lode_commission_peak_t *peak = &self->peak;
     const float *i = peak->phase_A;
@@ -112,7 +113,7 @@ static bool judge_phase(lode_commission_t *self, uint32_t driven) {
                                 peak->length_A > least_A ? worst : 2.0f, 1.0f);
 }
 
-// Voltage along the driven phase: by what is known at first, then more, for the dead time may take more.
+// Voltage along the driven phase: by the known values at first, then more, as the dead time may take more.
 static float pulse_V(const lode_commission_t *self) {
     const lode_motor_t *motor = &self->designed.motor;
     const float step_A = PULSE_SHARE * self->designed.inverter.i_max_A;
@@ -122,7 +123,7 @@ static float pulse_V(const lode_commission_t *self) {
            rise_V * (1.0f + 0.5f * lode_commission_float(self->tries));
 }
 
-// Once more with more voltage, or the next phase.
+// Repeats the pulse with more voltage, or goes on to the next phase.
 static void end_pulse(lode_commission_t *self) {
     const float seen_A = PULSE_SEEN * self->designed.inverter.i_max_A;
     if (self->peak.length_A < seen_A && self->tries < PULSES_MOST) {
@@ -139,7 +140,7 @@ static void end_pulse(lode_commission_t *self) {
     }
 }
 
-// Axis of a phase; those of set 2 stand 30 degrees on.
+// Axis of a phase; set 2 is 30 degrees ahead of set 1.
 static float phase_rad(uint32_t phase) {
     const float set_2_rad = phase < PHASES ? 0.0f : LODE_PI / 6.0f;
     return set_2_rad + LODE_TWO_PI / 3.0f * lode_commission_float(phase % PHASES);
@@ -163,7 +164,7 @@ void lode_commission_pulse(lode_commission_t *self, const lode_commission_period
     } else if (self->since >= REST_PERIODS) {
         end_pulse(self);
     } else {
-        // it dies away
+        // the current decays
     }
 }
 
