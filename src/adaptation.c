@@ -6,64 +6,66 @@
 
 #define J_MIN 0.2f
 #define J_MAX 5.0f
-#define PSI_MAX 0.2f // beyond it nothing but a fault explains the flux
+#define PSI_MAX 0.2f // beyond, only a fault explains the flux
 #define RS_MAX 0.5f  // copper: 125 K
 #define CONFIDENT 0.5f
 
-// Both poles of the washout. Slower than the PLL, whose speed lags what it did not expect ...
+// Both poles of the washout (O1). Slower than the PLL, whose speed lags an acceleration that it did not expect ...
 #define WASHOUT_SIGMA 0.125f
-// ... as quick as the rotor, for what changes with the speed ...
+// ... as quick as the run-up, against loads that change with speed ...
 #define WASHOUT_RUN_UP 2.0f
 // ... and slow enough for calls of some 500 Hz.
 #define WASHOUT_MAX_rad_s 100.0f
-// A longer time between two calls begins anew.
+// After a longer time between two calls the filters begin anew.
 #define GAP_MAX_s 0.1f
 
-// Weights of the correlations, in edges of a ramp with all of the torque: of what was configured, a ramp with
-// 7 % of the torque, and of the past, four ramps with half of it.
+// Weights of the correlations (O3), in edges of a ramp with all of the torque: the configured inertia weighs like a ramp with
+// 7 % of the torque, the past like four ramps with half of it.
 #define J_PRIOR 0.005f
 #define J_MEMORY 1.0f
-#define FORGET_MAX 0.5f // the past counts for half at least
+#define FORGET_MAX 0.5f // the past keeps at least half of its weight
 
-// An edge lasts while the ramp's share in the acceleration, of what all of the torque makes, is at least this.
+// An edge lasts while the washed acceleration of the ramp is at least this share of that with all of the torque.
 #define EDGE_MIN 0.02f
-// Square of the correlation of torque and acceleration: less, and the load has moved meanwhile.
+// Least square of the correlation of torque and acceleration: below it the load has moved during the edge.
 #define COHERENCE_MIN 0.8f
-// Two edges that agree are needed: one that comes with a load step tells another inertia.
+// Largest difference of an edge from the mean. Beyond it two edges that agree are needed, as a load step on an edge shows
+// another inertia.
 #define AGREE_MAX 0.3f
 #define SPREAD_BEGIN 0.3f
 #define SPREAD_WEIGHT 0.5f
 #define SPREAD_DOUBT 2.0f
 
-// Standard deviations of what is configured: magnets 10 %; a winding of unknown temperature 30 %, 20 % where the start has
+// Standard deviations of the configured values: magnets 10 %; a winding of unknown temperature 30 %, 20 % where the start has
 // just measured it.
 #define PSI_SIGMA 0.1f
 #define RS_SIGMA 0.3f
 #define RS_SIGMA_MEASURED 0.2f
-// Of the EMF's size: a share of it, what an error of the inductances makes where the rotor is salient, and a
+// Standard deviations of the EMF's size (O5): a share of it, what an error of the inductances makes in a salient rotor, and a
 // quarter of a microsecond of dead time.
 #define EMF_SIGMA 0.02f
 #define INDUCTANCE_SIGMA 0.1f
 #define DEAD_TIME_SIGMA_s 0.25e-6f
-#define DEAD_TIME_CURRENTS 2.0f // of i_dead
-// The same error is seen from call to call for about so long ...
+#define DEAD_TIME_CURRENTS 2.0f // of i_dead: below, all of the dead time is uncertain
+// Time for which an error stays the same from call to call ...
 #define NOISE_s 5.0f
-// ... and so long it takes until a parameter may be any other one: magnets and winding by their heat.
+// ... and time in which a parameter may take any other value: magnets and winding by their heat.
 #define PSI_MEMORY_s 60.0f
 #define RS_MEMORY_s 20.0f
 #define PSI_SPEED_MIN 0.2f // of rated
 
-// Between two tunings posted, and how far each may go: the PLL feels one as a load step of a tenth of the torque.
+// Time between two posted tunings, and the largest step in each: the PLL sees a step of J as a load step of a tenth of the
+// torque.
 #define QUIET_s 0.05f
 #define J_STEP 0.1f
 #define PSI_STEP 0.01f
 #define RS_STEP 0.05f
-// What is not worth a new tuning.
+// Smaller changes are not worth a new tuning.
 #define J_DEAD 0.03f
 #define PSI_DEAD 0.005f
 #define RS_DEAD 0.02f
 
-// As lode_speed_design(): times the run-up time, and of the torque.
+// As in lode_speed_design(): bandwidth times the run-up time, and share of the torque for the ramp.
 #define BANDWIDTH_RUN_UP_MAX 13.0f
 #define RAMP_TORQUE_SHARE 0.5f
 
@@ -71,7 +73,7 @@ static float square(float x) {
     return x * x;
 }
 
-// Acceleration, mechanical, with all of the torque.
+// Mechanical acceleration with all of the torque.
 static float acc_max_rad_s2(const lode_adaptation_machine_t *self) {
     return lode_references_most_Nm(&self->base->references) / self->motor.J_kgm2;
 }
@@ -113,7 +115,7 @@ void lode_adaptation_machine_tell(const lode_adaptation_machine_t *self,
     telemetry->motor.Rs_Ohm = found.Rs_Ohm;
 }
 
-// Of a stored value, what may be believed of it: none of it where it is beyond its bounds.
+// Confidence of a stored value: 0 where it is out of its bounds.
 static float stored_confidence(lode_adapted_t stored, float configured, float least, float most) {
     const bool good = lode_in_range(stored.value, least * configured, most * configured) &&
                       lode_in_range(stored.confidence, 0.0f, 1.0f);
@@ -189,7 +191,8 @@ typedef struct {
     float rate; ///< of the value
 } washed_t;
 
-// (O1) by backward differences: value and rate are those of one filter, so that J is their true ratio.
+// (O1) by backward differences. Value and rate come from one filter, so that their ratio is J without an error of the
+// filters.
 static washed_t wash(lode_adaptation_filter_t *self, float x, float a, float dt_s) {
     self->one += a * (x - self->one);
     const float before = self->two;
@@ -203,18 +206,18 @@ static float torque_of(const lode_adaptation_machine_t *self, const lode_telemet
     return self->base->references.torque_factor * (psi_Wb + salient_H * now->i_A.d) * now->i_A.q;
 }
 
-// By which two inertias differ, over the second.
+// Relative difference of two inertias, at most 1.
 static float difference(float J, float other) {
     return lode_min(lode_abs(J / lode_max(other, FLT_MIN) - 1.0f), 1.0f);
 }
 
-// (O3): an edge with which the load moved is of no use.
+// (O3): an edge on which the load has moved is not used.
 static bool is_useful(const lode_adaptation_edge_t *edge) {
     return edge->seen > J_PRIOR && edge->asked > 0.0f &&
            square(edge->both) >= COHERENCE_MIN * edge->torque2 * edge->acc2;
 }
 
-// (O3): into the mean where it agrees. Two in a row that do not, but agree with each other, are another inertia.
+// (O3): an edge that agrees goes into the mean. Two in a row that do not, but agree with each other, show another inertia.
 static void judge_edge(lode_adaptation_machine_t *self) {
     const lode_adaptation_edge_t edge = self->edge;
     self->edge = (lode_adaptation_edge_t){.energy = 0.0f};
@@ -243,11 +246,11 @@ static void judge_edge(lode_adaptation_machine_t *self) {
     }
 }
 
-// (O2): torque and acceleration by what the ramp, which knows nothing of the load, has of either.
+// (O2): correlates torque and acceleration with the ramp, which knows nothing of the load.
 static void follow_inertia(lode_adaptation_machine_t *self, const lode_telemetry_t *now,
                            float dt_s) {
     const float torque_Nm = torque_of(self, now);
-    // Over the time of the speed's difference.
+    // The mean over the interval of the speed's difference.
     const float mean_Nm = 0.5f * (torque_Nm + self->torque_Nm);
     self->torque_Nm = torque_Nm;
     const float x = self->lambda_rad_s * dt_s;
@@ -274,7 +277,7 @@ static void follow_inertia(lode_adaptation_machine_t *self, const lode_telemetry
     }
 }
 
-// At rest at what there is now: what was before RUN is no ramp.
+// The filters begin at rest at the present values: what came before RUN is no ramp.
 static void begin_inertia(lode_adaptation_machine_t *self, const lode_telemetry_t *now) {
     self->edge = (lode_adaptation_edge_t){.energy = 0.0f};
     self->torque_Nm = torque_of(self, now);
@@ -285,7 +288,7 @@ static void begin_inertia(lode_adaptation_machine_t *self, const lode_telemetry_
 
 // ---- Flux and resistance --------------------------------------------------------------------------
 
-// Measured by the start, beyond the tuning's, over the configured one.
+// Resistance that the start has measured beyond the tuning's, over the configured one.
 static float measured_share(const lode_adaptation_machine_t *self, const lode_drive_t *drive) {
 #ifdef LODE_WITHOUT_START_MEASUREMENT
     (void)self;
@@ -300,9 +303,9 @@ static bool is_measured(const lode_adaptation_machine_t *self, const lode_drive_
     return lode_abs(measured_share(self, drive)) > 0.0f;
 }
 
-// (O8): what the EMF has along the q axis, in the direction of the speed, as the observer has it. The PLL alone turns its
-// frame until nothing is left across: that is its size. While the angle is that of injection, something is left,
-// and near no speed the size has no sign.
+// (O8): the observed EMF along q, in the direction of the speed. The PLL alone turns its frame until nothing is left across,
+// so that this is the EMF's size. While injection gives the angle something is left across, and near standstill the size has
+// no sign.
 static float emf_along(const lode_adaptation_machine_t *self, const lode_telemetry_t *now) {
     if (!(now->injected > 0.0f)) {
         return lode_ab_length(now->e_V);
@@ -312,7 +315,7 @@ static float emf_along(const lode_adaptation_machine_t *self, const lode_telemet
     return lode_sign(now->omega_rad_s) * along_V;
 }
 
-// (O4): the EMF's size beyond the one expected with the resistance and flux configured, over the rated EMF.
+// (O4): the EMF's size less that expected with the configured resistance and flux, over the rated EMF.
 static float emf_beyond(const lode_adaptation_machine_t *self, const lode_drive_t *drive,
                         const lode_telemetry_t *now, float ampere_share) {
     const lode_estimator_tuning_t *tuning = &self->base->estimator;
@@ -324,8 +327,8 @@ static float emf_beyond(const lode_adaptation_machine_t *self, const lode_drive_
     return (emf_along(self, now) * taken - expected_V) / rated_V + reckoned * ampere_share;
 }
 
-// Standard deviation of the voltage along the current, V. Below the current at which the dead time has its full
-// effect, how much of it there is cannot be told.
+// Standard deviation of the voltage along the current, V. Below the current at which the dead time has its full effect, its
+// share is unknown.
 static float dead_V(const lode_adaptation_machine_t *self, const lode_drive_t *drive,
                     const lode_telemetry_t *now) {
     const lode_dead_time_t *dead = &drive->inverter.dead_time;
@@ -337,8 +340,8 @@ static float dead_V(const lode_adaptation_machine_t *self, const lode_drive_t *d
     return FOUR_PER_PI * now->v_bus_V * lode_max(some, all);
 }
 
-// Variance of the EMF's size over the rated EMF, without the speed's share in it. An error of Lq turns the angle, and
-// passes q-axis current for d-axis current.
+// Variance of the EMF's size over the rated EMF, at rated speed. An error of Lq turns the angle, which counts q current as d
+// current.
 static float flux_variance(const lode_adaptation_machine_t *self, lode_dq_t i_A) {
     const lode_motor_t *motor = &self->motor;
     const float per_Wb = 1.0f / motor->psi_Wb;
@@ -348,13 +351,13 @@ static float flux_variance(const lode_adaptation_machine_t *self, lode_dq_t i_A)
     return square(EMF_SIGMA) + square(lost);
 }
 
-// A variance after a share of the time in which everything is forgotten.
+// Growth of a variance after a share of the time in which everything is forgotten.
 static float grown(float variance, float sigma, float share) {
     return lode_min(variance + share * square(sigma), square(sigma));
 }
 
-// (O5): a Kalman filter of two states. One that is not adapted, or has too little speed, keeps its value and
-// its doubt.
+// (O5): a Kalman filter of two states. A state that is not adapted, or the flux at too low a speed, keeps its value and its
+// variance.
 static void follow_emf(lode_adaptation_machine_t *self, const lode_drive_t *drive,
                        const lode_telemetry_t *now, float dt_s) {
     const lode_motor_t *motor = &self->motor;
@@ -380,7 +383,7 @@ static void follow_emf(lode_adaptation_machine_t *self, const lode_drive_t *driv
     self->covariance += k_psi * k_Rs * s - k_psi * v_Rs - k_Rs * v_psi;
 }
 
-// What the start has measured is the resistance of now.
+// The resistance that the start has measured is the present one.
 static void begin_emf(lode_adaptation_machine_t *self, const lode_drive_t *drive) {
     if (self->adapts_Rs && is_measured(self, drive)) {
         self->Rs_share = lode_clamp(self->Rs_used + measured_share(self, drive), -RS_MAX, RS_MAX);
@@ -391,7 +394,7 @@ static void begin_emf(lode_adaptation_machine_t *self, const lode_drive_t *drive
 
 // ---- Use ------------------------------------------------------------------------------------------
 
-// (O6): to what was found, where that is sure; a step at a time.
+// (O6): the next value in use, one step towards the one found, if that is sure.
 static float next_of(float used, float wanted, lode_adapted_t found, float step) {
     return found.confidence >= CONFIDENT ? used + lode_clamp(wanted - used, -step, step) : used;
 }
@@ -400,13 +403,13 @@ static bool is_worth(float used, float next, float dead) {
     return lode_abs(next - used) > dead;
 }
 
-// A step of the ramp that the `half` of the torque is enough for, with `J` times the inertia.
+// Step of the ramp for which `half` of the torque is enough with `J` times the inertia.
 static float ramp_of_inertia(float step, float half, float J) {
     return lode_min(step, lode_max(step, half) / J);
 }
 
-// (O7). Gains in proportion, but with no more torque for the noise of the speed than a rotor as
-// configured may have, and a ramp that half of the torque is enough for.
+// (O7): gains in proportion to J, but no more torque from the noise of the speed than a rotor as configured may have, and a
+// ramp for which half of the torque is enough.
 static void use_inertia(const lode_adaptation_machine_t *self, lode_drive_tuning_t *t) {
     const float J = self->J_used;
     const lode_motor_t *motor = &self->motor;
@@ -428,7 +431,7 @@ static void use_inertia(const lode_adaptation_machine_t *self, lode_drive_tuning
     t->estimator.load_per_f_Nm *= J;
 }
 
-// The references' flux alone: lock and FLUX go by the one that was commissioned.
+// Only the references use this flux: lock and FLUX are judged by the commissioned one.
 static void use_flux(const lode_adaptation_machine_t *self, lode_drive_tuning_t *t) {
     const float share = self->psi_used;
     lode_references_tuning_t *references = &t->references;
@@ -467,12 +470,12 @@ static bool is_due(lode_adaptation_machine_t *self, const lode_drive_t *drive) {
     return true;
 }
 
-// Its base, or what it has posted last; of six phases not that of one set alone.
+// The base, or the tuning posted last; with six phases not that of one set alone.
 static bool is_own(const lode_adaptation_machine_t *self, const lode_drive_tuning_t *tuning) {
     return tuning == self->base || tuning == self->posted;
 }
 
-// What torque control follows is the speed itself: no ramp.
+// In torque control the speed reference follows the speed itself, and is no ramp.
 static bool follows_ramp(const lode_drive_t *drive) {
     return (drive->command.flags & (uint32_t)LODE_ORDER_TORQUE) == 0u;
 }
@@ -518,7 +521,7 @@ lode_status_t lode_adaptation_init(lode_adaptation_t *self, const lode_adaptatio
     return lode_adaptation_machine_init(&self->machine, config, tuning, motor, stored);
 }
 
-// The base, with all that is in use, into the one of the two that was not posted last.
+// Copies the base, with all values in use, to the one of the two tunings that was not posted last.
 static void post(lode_adaptation_t *self, lode_drive_t *drive) {
     lode_drive_tuning_t *next = &self->tuning[self->machine.posted == &self->tuning[0] ? 1 : 0];
     *next = *self->machine.base;

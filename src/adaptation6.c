@@ -18,8 +18,8 @@ lode_status_t lode_adaptation6_init(lode_adaptation6_t *self,
     return status;
 }
 
-// The base, with all that is in use, into the one of the two that was not posted last. R, psi and J are those of one
-// set alone too (O9).
+// Copies the base, with all values in use, to the one of the two tunings that was not posted last. R, psi and J also hold for
+// one set alone (O9).
 static void post(lode_adaptation6_t *self, lode_drive6_t *drive) {
     lode_drive6_tuning_t *next =
         &self->tuning[self->machine.posted == &self->tuning[0].drive ? 1 : 0];

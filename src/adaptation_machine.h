@@ -1,24 +1,24 @@
-// What of adaptation.h does not depend on the number of phases: what is seen, and what becomes of it.
+// The part of the adaptation that does not depend on the number of phases.
 #ifndef LODE_ADAPTATION_MACHINE_H
 #define LODE_ADAPTATION_MACHINE_H
 
 #include "lodestar/adaptation.h"
 
-// As lode_adaptation_init(), which has seen that there are a configuration and a tuning.
+// As lode_adaptation_init(), which has checked that there are a configuration and a tuning.
 lode_status_t lode_adaptation_machine_init(lode_adaptation_machine_t *self,
                                            const lode_adaptation_config_t *config,
                                            const lode_drive_tuning_t *tuning,
                                            const lode_motor_t *motor,
                                            const lode_adaptation_found_t *stored);
 
-// Looks at the drive. `taken`: nothing is posted that it has not taken. True: there is something to post.
+// Evaluates the drive's present state. `taken`: the drive has taken every posted tuning. True: a new one is to be posted.
 bool lode_adaptation_machine_look(lode_adaptation_machine_t *self, const lode_drive_t *drive,
                                   bool taken);
 
-// What is in use, into a copy of a tuning that knows nothing of it.
+// Writes the values in use into a copy of the base.
 void lode_adaptation_machine_use(const lode_adaptation_machine_t *self, lode_drive_tuning_t *t);
 
-// The drive will run on this.
+// `tuning` is posted: the drive will run on it.
 void lode_adaptation_machine_posts(lode_adaptation_machine_t *self,
                                    const lode_drive_tuning_t *tuning);
 

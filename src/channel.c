@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-// What the next period takes to have acted, as lode_drive_sense() will make it of the same.
+// The voltage that the next period assumes to have acted, as lode_drive_sense() will compute it.
 static inline lode_ab_t seen_V(const lode_drive_t *drive) {
     if (!drive->gates) {
         return (lode_ab_t){0.0f, 0.0f};
@@ -15,7 +15,7 @@ static inline lode_ab_t seen_V(const lode_drive_t *drive) {
                                    drive->estimator.emf.i_A);
 }
 
-// Of starts and faults: not LODE_RAMFUNC. 0 for any other number.
+// Channels of starts and faults: rare, so not LODE_RAMFUNC. 0 for any other number.
 static LODE_NOINLINE float rare_value(const lode_drive_t *drive, lode_channel_t channel) {
     const lode_fault_t *fault = &drive->guard.fault;
     if (channel == LODE_CHANNEL_FAULT_MEASURED) {

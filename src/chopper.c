@@ -3,8 +3,8 @@
 
 #include <stddef.h>
 
-#define HEAT_FROM 0.9f // the duty falls over the last tenth of the heat, so that it does not hunt
-#define HEAT_MAX 4.0f  // an end of what an integrator may hold
+#define HEAT_FROM 0.9f // the duty falls over the last tenth of the heat, against oscillation
+#define HEAT_MAX 4.0f  // limits what the integrator may hold
 
 lode_status_t lode_chopper_tune(lode_chopper_tuning_t *tuning,
                                 const lode_chopper_config_t *config) {

@@ -5,9 +5,9 @@
 
 #define WINDING_s 30.0f // small motors: some 10 s; frames of 1 kW: a minute and more
 #define STAGE_SPAN_K 20.0f
-// The winding's share falls over the last tenth of its heat, so that it does not hunt.
+// The winding's share falls over the last tenth of its heat, so that it does not oscillate.
 #define HEAT_FROM 0.9f
-#define HEAT_MAX 4.0f // an end of what an integrator may hold
+#define HEAT_MAX 4.0f // limits what the integrator may hold
 
 lode_status_t lode_derate_tune(lode_derate_tuning_t *tuning, const lode_derate_config_t *config) {
     if (tuning == NULL || config == NULL) {
@@ -38,7 +38,7 @@ void lode_derate_reset(lode_derate_t *self, float heat) {
     self->heat = lode_clamp(heat, 0.0f, HEAT_MAX);
 }
 
-// In FAULT `i_A` stays what it was at the trip. No current flows then, or with all low sides on at most `i_max`.
+// In FAULT `i_A` keeps its value of the trip. No current flows then, or with all low sides on at most `i_max`.
 static float load_of(const lode_derate_tuning_t *tuning, const lode_telemetry_t *telemetry) {
     const lode_dq_t i_A = telemetry->i_A;
     if (telemetry->mode == LODE_MODE_FAULT) {

@@ -8,26 +8,26 @@
 #define DELAY_MAX_PERIODS 10.0f
 #define CHECK_s 5.0e-3f
 #define CHECK_MAX_s 10.0f
-// A tenth of the rate: the loop's own delay costs it some 6 degrees of phase.
+// Of the call rate: the loop's own delay then costs it some 6 degrees of phase.
 #define BANDWIDTH_SHARE 0.1f
-// Up to this count, rad electrical, the steps of a sensor stay small in a loop so fast. With larger ones the
-// bandwidth falls as the root of the count, and the speed's ripple stays the same share of the bandwidth.
+// Largest count, rad electrical, whose steps stay small in so fast a loop. For larger counts the bandwidth falls with the
+// root of the count, so that the speed ripple stays the same share of the bandwidth.
 #define FINE_rad 0.02f
-// Inside a count nothing is known, so the loop holds it there by this share of its gain only, which damps it.
+// (A2): inside a count the sensor knows nothing; this share of the gain acts there to damp the loop.
 #define PULL_INSIDE 0.1f
-// From this count on, 31 per electrical turn, the edges between counts are followed, not the counts.
+// From this count on, 31 counts per electrical turn, the loop follows the edges between counts instead of the counts.
 #define COARSE_rad 0.2f
-// Poles of speed and load from edge to edge (A5): of an edge near where it is expected, stable with a rotor four times
-// lighter than configured; of one that is a whole count off, so that the speed becomes the mean since the last edge.
+// (A5): poles of speed and load from edge to edge. For an edge near where it is expected: stable with a rotor four times
+// lighter than configured. For one that is a whole count off: the speed becomes the mean since the last edge.
 #define POLE_NEAR 0.8f
 #define POLE_FAR 0.414f
-// Of a count, up to which an edge is near: real edges are a tenth off.
+// Of a count: an edge that is less off is near. Real edges are a tenth off.
 #define NEAR_SHARE 0.25f
-// A load beyond so many times the drive's own torque is none.
+// Largest load over the largest torque of the drive.
 #define LOAD_MOST 2.0f
 
-// Electrical acceleration per torque over the torque factor. A QPLL has none, then by the inertia that speed control feeds
-// forward; 0 without that.
+// Electrical acceleration per torque, over the torque factor. A QPLL has none: then by the inertia that speed control feeds
+// forward, 0 without that.
 static float acc_per_torque(const lode_drive_tuning_t *drive) {
     const float given = drive->estimator.acc_per_torque;
     const float call_s = (float)drive->speed_periods * drive->estimator.pll.ts_s;
@@ -52,7 +52,7 @@ lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encode
     const float rad_per_count = LODE_TWO_PI * (float)pole_pairs / (float)config->counts_per_turn;
     const float finer = lode_min(1.0f, lode_sqrt(FINE_rad / rad_per_count));
     const float bandwidth = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_SHARE * finer / ts_s);
-    // With injection there is no least speed.
+    // With injection omega_min is 0.
     const float by_default =
         drive->omega_min > 0.0f ? drive->omega_min : drive->start.omega_handover;
     const float omega_check = lode_given_or(config->omega_check_rad_s, by_default);
@@ -97,7 +97,7 @@ void lode_encoder_reset(lode_encoder_t *self) {
     *self = (lode_encoder_t){.tracks = false};
 }
 
-// Electrical angle in the middle of a count. In integers, which at most 2^20 counts times 100 pole pairs fit.
+// Electrical angle in the middle of a count. Computed in integers, in which 2^20 counts times 100 pole pairs fit.
 static float angle_of(const lode_encoder_tuning_t *tuning, uint32_t count) {
     const uint32_t within = count % tuning->counts_per_turn;
     const uint32_t electrical = within * tuning->pole_pairs % tuning->counts_per_turn;
@@ -120,13 +120,13 @@ typedef struct {
     float load_rad_s2;
 } correction_t;
 
-// (A5) of an edge that is `error` off where it is expected.
+// (A5), for an edge that is `error` away from where it is expected.
 static correction_t correction(const lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
                                float error) {
     const float count_rad = 2.0f * tuning->half_rad;
     const float far = (lode_abs(error) / count_rad - NEAR_SHARE) / (1.0f - NEAR_SHARE);
     const float left = 1.0f - POLE_NEAR + (POLE_NEAR - POLE_FAR) * lode_clamp(far, 0.0f, 1.0f);
-    // The interval that the speed makes: the one measured is rounded to periods, with the error.
+    // The interval by the estimated speed: the measured one is rounded to periods, as the error is.
     const float made_s = count_rad / lode_max(lode_abs(self->omega_rad_s), FLT_MIN);
     const float least_s = lode_max(self->since_s - tuning->ts_s, 0.5f * tuning->ts_s);
     const float tau_s = lode_clamp(made_s, least_s, self->since_s + tuning->ts_s);
@@ -134,7 +134,7 @@ static correction_t correction(const lode_encoder_t *self, const lode_encoder_tu
     return (correction_t){left * (2.0f - 0.5f * left) * mean, left * left * mean / tau_s};
 }
 
-// The rotor is at `theta_rad`, `error` from where it was expected.
+// The rotor is at `theta_rad`, `error` away from where it was expected.
 static void correct(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, float theta_rad,
                     float error) {
     const correction_t by = correction(self, tuning, error);
@@ -145,14 +145,14 @@ static void correct(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, f
     self->since_s = 0.0f;
 }
 
-// Between two edges the rotor follows torque and load (A3). One that sends no edge a whole count beyond the end of its
-// own is not where it is expected: as if the edge had come, and in the middle.
+// (A3): between two edges the rotor follows torque and load. When the prediction is a whole count beyond the present count
+// and no edge has come, the correction is that of an edge, and the angle the middle of the count (A4).
 static void follow_edges(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, float predicted,
                          float off, float moved) {
     self->since_s += tuning->ts_s;
     self->omega_rad_s += tuning->ts_s * (self->acc_rad_s2 + self->load_rad_s2);
     if (lode_abs(moved) > tuning->half_rad) {
-        // Seen half a period late on average.
+        // An edge is seen half a period late on average.
         const float late = 0.5f * tuning->ts_s * self->omega_rad_s;
         const float error = off + late - lode_sign(moved) * tuning->half_rad;
         correct(self, tuning, predicted + error, error);
@@ -172,8 +172,8 @@ typedef struct {
     float omega_rad_s;
 } shaft_t;
 
-// What is known of the rotor. One whose edge is overdue: by the speed that it would have if the edge came now, and the
-// longer the nearer to the middle of its count (A4).
+// Angle and speed for the drive. When an edge is overdue, the speed is the one that the edge would give now, and the angle
+// goes back to the middle of the count with the delay (A4).
 static shaft_t shaft(const lode_encoder_t *self, const lode_encoder_tuning_t *tuning) {
     const float off = lode_wrap(self->seen_rad - self->theta_rad);
     const float reach = tuning->half_rad + tuning->ts_s * lode_abs(self->omega_rad_s);
@@ -202,7 +202,7 @@ static void track(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, flo
     }
 }
 
-// `own`: with the gates off it has seen nothing, and after that it takes some time to.
+// `own`: the drive's own estimate. With the gates off it has no EMF, and after that it needs some time.
 static void check(lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
                   const lode_estimate_t *own, bool checked) {
     if (own->source == LODE_ESTIMATE_NONE) {
@@ -217,7 +217,7 @@ static void check(lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
     self->distrusted = self->distrusted || self->disagreed >= tuning->check_periods;
 }
 
-// By torque and friction, over the period to come.
+// Acceleration by torque and friction, for the coming period.
 static float acceleration(const lode_encoder_tuning_t *tuning, lode_dq_t i_A, float omega_rad_s) {
     const float flux_Wb = tuning->psi_Wb + tuning->salient_H * i_A.d;
     return tuning->acc_per_torque * flux_Wb * i_A.q - tuning->acc_per_omega * omega_rad_s;
@@ -237,7 +237,7 @@ lode_estimate_t lode_encoder_estimate(lode_encoder_t *self, const lode_encoder_t
     if (self->distrusted && tuning->falls_back) {
         return *own;
     }
-    estimate.load_torque_Nm = 0.0f; // the estimator's goes with its own angle
+    estimate.load_torque_Nm = 0.0f; // the estimator's load belongs to its own angle
     estimate.lock = checked && self->unseen == 0u ? own->lock : 1.0f;
     estimate.source = tuning->coarse ? LODE_ESTIMATE_EDGES : LODE_ESTIMATE_SENSOR;
     return estimate;

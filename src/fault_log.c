@@ -2,9 +2,9 @@
 
 #include <stddef.h>
 
-#define COUNT_MAX 1000u // far from where a product of two overflows
+#define COUNT_MAX 1000u // a product of two is far from an overflow
 
-// In a block the newest row comes first. One that was never written has no steps.
+// In a block the newest row comes first. A row that was never written has 0 steps.
 static lode_telemetry_t *row_at(const lode_fault_log_t *self, uint32_t block, uint32_t row) {
     return &self->buffer[block * self->rows + row];
 }
@@ -35,7 +35,7 @@ lode_status_t lode_fault_log_init(lode_fault_log_t *self, lode_telemetry_t *buff
     return LODE_OK;
 }
 
-// Row that tripped, of the fault `back` before the last one.
+// The row of the trip, for the fault `back` before the last one.
 static lode_telemetry_t *tripped_row(const lode_fault_log_t *self, uint32_t back) {
     const uint32_t blocks = self->faults + 1u;
     return row_at(self, (self->block + blocks - 1u - back) % blocks, 0u);
@@ -45,11 +45,11 @@ bool lode_fault_log_step(lode_fault_log_t *self, const lode_telemetry_t *telemet
     const bool fault = telemetry->mode == LODE_MODE_FAULT;
     const bool noted = fault && self->faulted;
     self->faulted = fault;
-    if (noted) {                                         // the same one, by a better name perhaps
-        tripped_row(self, 0u)->fault = telemetry->fault; // erased meanwhile: nobody's row
+    if (noted) { // the same fault, perhaps named more precisely
+        tripped_row(self, 0u)->fault = telemetry->fault; // if erased meanwhile, an unused row
         return false;
     }
-    // One row by the other: of an array that shifts compilers make a call of memmove.
+    // Shifts the rows one by one: compilers would turn the shift of an array into a call of memmove.
     lode_telemetry_t moved = *telemetry;
     for (uint32_t row = 0u; row < self->rows; row++) {
         const lode_telemetry_t older = *row_at(self, self->block, row);

@@ -3,28 +3,28 @@
 
 #include <stddef.h>
 
-// The iron may be far from the data sheet; magnets lose a fifth from 20 to 120 degC.
+// Bounds over the configured values: the iron may be far from the data sheet; magnets lose a fifth from 20 to 120 degC.
 #define LQ_LEAST 0.3f
 #define LQ_MOST 3.0f
 #define PSI_LEAST 0.7f
 #define PSI_MOST 1.2f
-// Of the saliency below which init refuses.
+// Over the least saliency that init accepts.
 #define SALIENCY_ROOM 1.01f
-// Of the speed at which the EMF alone gives the position without learning (H10).
+// Of rated speed: from here on there is EMF enough to learn Lq, and psi.
 #define OMEGA_LEAST 0.13f
 #define OMEGA_PSI 0.32f
 #define I_LEAST 0.15f // of i_max
-// Of the position that injection has a part in.
+// Least weight of injection in the position (H11).
 #define SHARE_LEAST 0.5f
-// After a new tuning, or a change of speed or load: what observer and PLL need.
+// Time that observer and PLL need after a new tuning, or a change of speed or load; then the samples of a look.
 #define SETTLE_s 0.05f
 #define LOOK_s 0.15f
-// Of what a look finds: a steady error falls to 1 % in four.
+// Share of its error that a look corrects: a steady error falls to 1 % in four looks.
 #define GAIN 0.7f
 #define CONFIDENCE_GAIN 0.25f
-// Looks that agree within a tenth are worth something.
+// Relative error of Lq from which a look adds no confidence.
 #define AGREE 0.1f
-// A change that is worth a tuning.
+// Relative change that is worth a new tuning.
 #define WORTH 0.003f
 
 lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_config_t *config,
@@ -70,7 +70,7 @@ static void look_again(lode_learn_t *self) {
     self->psi_looks = 0.0f;
 }
 
-// What was stored, and not what a memory holds that was never written.
+// True: a value that was stored, not the content of a memory that was never written.
 static bool is_sound(const lode_learn_tuning_t *tuning, const lode_learned_t *stored) {
     return lode_in_range(stored->Lq_H, tuning->Lq_H.min, tuning->Lq_H.max) &&
            lode_in_range(stored->confidence, FLT_MIN, 1.0f) &&
@@ -100,7 +100,7 @@ static bool can_look(const lode_learn_tuning_t *tuning, const lode_telemetry_t *
            lode_abs(now->i_A.q) >= tuning->i_least_A;
 }
 
-// (H16), (H18): one more sample. The loop keeps the mean of (H11) at 0, so that both sources differ by e_e/w_h.
+// (H16), (H18): adds a sample. The PLL keeps the mean of (H11) at 0, so that the two angles differ by e_e/w_h.
 static void sum_up(lode_learn_t *self, const lode_learn_tuning_t *tuning,
                    const lode_telemetry_t *now) {
     const float omega = lode_abs(now->omega_rad_s);
@@ -162,7 +162,7 @@ lode_status_t lode_learn_tune(lode_learn_t *self, lode_drive_tuning_t *tuning,
     next.motor.psi_Wb = self->now.psi_Wb;
     next.hfi.Lq_i_max_H *= times;
     next.current.kp_q_V_A *= times;
-    self->used = self->now; // a refused one is not tried again until there is something new
+    self->used = self->now; // a refused tuning is not tried again until a value changes
     return lode_drive_tune(tuning, &next);
 }
 

@@ -46,7 +46,7 @@ LODE_RAMFUNC void lode_ring_step(lode_ring_t *self, const lode_drive_t *drive) {
     uint32_t *slot = &self->slot[self->write_at];
     slot[0] = sequence;
     lode_channels_row(&self->channels, drive, &slot[1]);
-    LODE_SIGNAL_FENCE(); // the frame is whole before it is counted
+    LODE_SIGNAL_FENCE(); // the frame is complete before it is counted
     self->buffer[LODE_RING_AT_WRITTEN] = ++self->written;
     self->write_at += 1u + self->channels.count;
     self->write_at = self->write_at < self->end ? self->write_at : 0u;
@@ -68,7 +68,7 @@ static uint32_t description(const lode_ring_t *self, uint32_t n) {
 }
 
 static bool begin_frame(lode_ring_t *self) {
-    LODE_SIGNAL_FENCE(); // count first, frame afterwards
+    LODE_SIGNAL_FENCE(); // reads the count before the frame
     if (self->written == self->read) {
         return false;
     }
@@ -88,7 +88,7 @@ static bool begin_frame(lode_ring_t *self) {
     return true;
 }
 
-// After the last word but the check, nothing of the slot is needed any more.
+// After the last word before the CRC the slot is no longer needed.
 static void release(lode_ring_t *self) {
     LODE_SIGNAL_FENCE(); // the frame is read before its slot is given back
     self->read++;

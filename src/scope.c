@@ -6,7 +6,7 @@ enum { REQUEST_NONE, REQUEST_ARM, REQUEST_STOP };
 
 // Between LODE_CHECK_NONE and all others.
 #define FAULT_LEVEL 0.5f
-// So many a float counts exactly in halves; what the buffer holds beyond is not used.
+// A float counts this many exactly in halves; the rest of a larger buffer is not used.
 #define ROWS_MAX 0x800000u
 
 static lode_status_t take_trigger(lode_scope_t *self, const lode_scope_config_t *config) {
@@ -93,7 +93,7 @@ static void take_request(lode_scope_t *self) {
     if (self->request == (uint_least8_t)REQUEST_ARM) {
         self->filled = 0u;
         self->next = 0u;
-        self->channels.wait = 0u; // this very period writes a row, and with it the header
+        self->channels.wait = 0u; // this period writes a row, and with it the header
         self->primed = false;
         self->event = false;
         set_state(self, LODE_SCOPE_ARMED);

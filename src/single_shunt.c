@@ -1,8 +1,8 @@
 #include "lodestar/single_shunt.h"
 
 #define WINDOW_MAX 0.25f // of the period
-// With the zero vectors halved, a vector between two legs of equal duty has both at
-// 1/2 + sqrt(3)/4 of its share of the circle.
+// With halved zero vectors and a voltage vector between two legs of equal duty, both have the duty 1/2 + sqrt(3)/4 of its
+// share of the circle.
 #define TWO_LEGS 0.4330127f
 #define THIRD (1.0f / 3.0f)
 #define COUNT_MAX 65535.0f
@@ -57,7 +57,7 @@ static void sort(lode_abc_t duty, uint_least8_t order[3]) {
     order[1] = (uint_least8_t)(3u - order[0] - order[2]);
 }
 
-// A leg's falling edge at `fall`, as far as its duty lets it go; the rising edge makes up for it.
+// Puts a leg's falling edge at `fall`, as far as its duty allows; the rising edge keeps the duty.
 static bool shift(lode_single_shunt_plan_t *plan, uint_least8_t phase, float duty, float fall) {
     const float made =
         lode_clamp(fall, lode_max(2.0f * duty - 1.0f, 0.0f), lode_min(2.0f * duty, 1.0f));
@@ -66,15 +66,15 @@ static bool shift(lode_single_shunt_plan_t *plan, uint_least8_t phase, float dut
     return lode_abs(made - fall) <= 0.0f;
 }
 
-// What a phase's voltage, less its mean over the period, adds to its current from a sample to t_k. The EMF
-// and the drop of the resistance are that mean, as long as the current hardly changes from period to period.
+// What a phase's voltage, less its mean over the period, adds to its current from a sample to t_k. EMF and resistive drop
+// make up that mean, as long as the current hardly changes from period to period.
 static void correct(lode_single_shunt_plan_t *plan, lode_abc_t duty, uint_least8_t middle) {
     const float end[2] = {0.5f * (1.0f + of(plan->fall, middle)),
                           0.5f * (1.0f + of(plan->fall, plan->most))};
     const float centre = THIRD * (duty.a + duty.b + duty.c);
     const float least = of(duty, plan->least) - centre;
     const float most = of(duty, plan->most) - centre;
-    // Two legs high: -2/3 at the third one; one leg high: 2/3 at it, -1/3 at the others.
+    // With two legs high the third one has -2/3 of the bus; with one leg high this has 2/3, the others -1/3.
     plan->correction_V[0] = -2.0f * THIRD * (end[0] - plan->sample[0]) - THIRD * (end[1] - end[0]) -
                             least * (1.0f - plan->sample[0]);
     plan->correction_V[1] =
@@ -93,7 +93,7 @@ static lode_single_shunt_plan_t plan_of(const lode_single_shunt_tuning_t *tuning
     const bool above = shift(&plan, order[0], of(duty, order[0]), most);
     const bool below = shift(&plan, order[2], of(duty, order[2]), least);
     plan.blind = !fits || !above || !below;
-    // The last instant before the edge that ends each: the longest time to settle.
+    // The last instant before the edge that ends each vector: the longest time to settle.
     plan.sample[0] = 0.5f * (1.0f + of(plan.fall, order[1])) - tuning->sample;
     plan.sample[1] = 0.5f * (1.0f + of(plan.fall, order[0])) - tuning->sample;
     correct(&plan, duty, order[1]);
@@ -120,7 +120,7 @@ void lode_single_shunt_read(lode_single_shunt_t *self, const lode_single_shunt_t
         self->count[plan->most] = to_count(zero + most);
         self->count[3u - plan->least - plan->most] = to_count(zero - least - most);
     } else {
-        // blind: the counts of before stay
+        // blind: keeps the previous counts
     }
     for (int32_t n = 0; n < LODE_PHASES; n++) {
         count[n] = self->count[n];
@@ -133,7 +133,7 @@ lode_single_shunt_plan_t lode_single_shunt_write(lode_single_shunt_t *self,
     self->plan[0] = self->plan[1];
     if (gates == LODE_GATES_ON) {
         self->plan[1] = plan_of(tuning, duty);
-    } else { // the link shows nothing; what it would show of the low sides alone is not seen either
+    } else { // the link shows no current: not even that of the low sides alone
         self->plan[0].driven = false;
         self->plan[1] = (lode_single_shunt_plan_t){
             .rise = duty, .fall = duty, .sample = {0.5f, 1.0f - tuning->sample}};

@@ -2,15 +2,15 @@
 
 #include <stddef.h>
 
-// With the count: neither memory of nothing but zeros or ones matches, nor what a power-up leaves, but once in 2^32.
+// Checks the count: memory of zeros or ones does not match, nor the content after power-up, except once in 2^32.
 #define KEPT_MAGIC UINT32_C(0x4C6F5375)
 
-#define WAIT_s 1.0f // lets the cause die down, and most rotors slow down
+#define WAIT_s 1.0f // the cause may vanish, and most rotors slow down
 #define WAIT_MAX_s 1.0e4f
-#define GOOD_s 10.0f // longer than a start and its ramp take
+#define GOOD_s 10.0f // longer than a start with its ramp
 #define GOOD_MAX_s 1.0e5f
 #define TIME_MIN_s 1.0e-3f
-#define LESS_EMF 0.9f // of the bus, at which the short is given up: well below noise and ripple
+#define LESS_EMF 0.9f // of the bus: EMF at which the short ends, clear of noise and ripple
 
 #ifdef LODE_WITHOUT_ACTIVE_SHORT
 #define IS_SHORT_BUILT_IN false
@@ -77,7 +77,7 @@ static lode_reaction_t reaction_to(const lode_supervisor_t *self, lode_fault_t f
     return check < (uint32_t)LODE_CHECK_COUNT ? self->config->reaction[check] : LODE_REACTION_LATCH;
 }
 
-// The bus has recovered, and the power stage has cooled down.
+// Bus and power stage are within their limits again.
 static bool is_over(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
     const lode_guard_tuning_t *limits = &self->tuning->guard;
     return lode_in_range(telemetry->v_bus_V, limits->v_bus_min, limits->v_bus_max) &&
@@ -91,7 +91,7 @@ bool lode_supervisor_is_latched(const lode_supervisor_t *self, const lode_teleme
     if (telemetry->mode == LODE_MODE_FAULT) {
         return count >= most || reaction_to(self, telemetry->fault) == LODE_REACTION_LATCH;
     }
-    return count > most; // resets have used them up
+    return count > most; // used up by resets
 }
 
 // The peak of the line-to-line EMF is above the bus, so that the diodes would conduct.
@@ -102,14 +102,14 @@ static bool generates(const lode_supervisor_t *self, const lode_telemetry_t *tel
     return self->config->active_short == LODE_ON && emf_V > share * telemetry->v_bus_V;
 }
 
-// Time enough for the guard to find that a switch is shorted.
+// The guard has had the time to find a shorted switch.
 static bool has_looked(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
     const uint32_t needed = (uint32_t)self->tuning->guard.bus_periods + LODE_GUARD_DECAY_PERIODS;
     return telemetry->steps - self->faulted_at > needed;
 }
 
-// In FAULT: all low sides on are better than none. Where one is shorted they make a short circuit of one phase one of
-// all three, with less current and no DC; where a high side is, they would short the bus.
+// In FAULT: whether all low sides on are better than none. With a shorted low side they turn the short circuit of one phase
+// into one of all three, with less current and no DC. With a shorted high side they would short the bus.
 static bool shorts_after(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
     const uint32_t check = telemetry->fault.check;
     if (check == (uint32_t)LODE_CHECK_SWITCH_SHORTED) {
@@ -121,7 +121,7 @@ static bool shorts_after(const lode_supervisor_t *self, const lode_telemetry_t *
     return self->shorts && check != (uint32_t)LODE_CHECK_HARDWARE_TRIP;
 }
 
-// The command, with an active short where it has one itself or `shorts` says so.
+// The command, with an active short if it has one itself or `shorts` is set.
 static lode_command_t with_short(lode_command_t command, bool shorts) {
 #ifdef LODE_WITHOUT_ACTIVE_SHORT
     (void)shorts;
@@ -133,14 +133,14 @@ static lode_command_t with_short(lode_command_t command, bool shorts) {
 #endif
 }
 
-// In FAULT, with an attempt left: whether it is time for it.
+// In FAULT, with an attempt left: it is time for that.
 static bool is_time(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
     return reaction_to(self, telemetry->fault) == LODE_REACTION_RIDE_THROUGH
                ? is_over(self, telemetry)
                : self->time_s >= self->wait_s;
 }
 
-// OFF, with which the fault is cleared when it is time for an attempt.
+// OFF; it clears the fault when it is time for an attempt.
 static lode_command_t after_fault(lode_supervisor_t *self, const lode_telemetry_t *telemetry,
                                   float dt_s) {
     if (self->asked && self->asked_at == telemetry->steps) { // a loop faster than the interrupt
@@ -158,7 +158,7 @@ static lode_command_t after_fault(lode_supervisor_t *self, const lode_telemetry_
     return with_short(command, !now && shorts_after(self, telemetry));
 }
 
-// Somebody wants OFF. Without clear_fault a fault stays, and so does what follows it.
+// OFF is commanded. Without clear_fault a fault and its active short stay.
 static lode_command_t off(lode_supervisor_t *self, const lode_telemetry_t *telemetry,
                           lode_command_t wanted) {
     if (wanted.clear_fault) {

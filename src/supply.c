@@ -3,14 +3,14 @@
 #include <stddef.h>
 
 #define CURRENT_MAX_A 1.0e5f
-#define CORRECT_s 0.05f // a decade above the rounds of the main loop and of speed control
+#define CORRECT_s 0.05f // a decade above the periods of the main loop and of speed control
 #define CORRECT_MIN_s 1.0e-3f
 #define CORRECT_MAX_s 100.0f
-#define CORRECTION_MAX 0.25f // psi off by 20 %
-#define FOLLOWED_SHARE 0.05f // of the torque's current: current control has settled
-#define FLUX_MIN_SHARE 0.1f  // of psi: least active flux that is divided by
-#define MEAN_ABS                                                                                   \
-    1.90985932f // 6/pi: sum of the magnitudes of three phases' currents, over their amplitude
+#define CORRECTION_MAX 0.25f // for a psi that is 20 % off
+#define FOLLOWED_SHARE 0.05f // of the q reference: current control has settled
+#define FLUX_MIN_SHARE 0.1f  // of psi: least active flux to divide by
+// 6/pi: mean sum of the magnitudes of three phase currents over their amplitude.
+#define MEAN_ABS 1.90985932f
 
 lode_status_t lode_supply_tune(lode_supply_tuning_t *tuning, const lode_supply_config_t *config,
                                const lode_drive_config_t *drive) {
@@ -67,8 +67,8 @@ float lode_supply_current_A(const lode_supply_tuning_t *tuning, const lode_telem
     return (motor_W + drop_W(tuning, i_A)) / telemetry->v_bus_V;
 }
 
-// Torque at which the supply's power is `power_W`, losses of the q axis included (L2). FLT_MAX: there is none, the
-// winding takes whatever braking gives.
+// (L2): torque at which the supply's power is `power_W`, with the losses of the q axis. FLT_MAX: there is none, as the
+// winding takes more than braking gives.
 static float torque_at(const lode_supply_tuning_t *tuning, const lode_telemetry_t *telemetry,
                        float power_W, float sign) {
     const float omega = lode_abs(telemetry->omega_rad_s) * tuning->inv_pole_pairs;
@@ -81,7 +81,7 @@ static float torque_at(const lode_supply_tuning_t *tuning, const lode_telemetry_
     return square < 0.0f ? FLT_MAX : 2.0f * given_W / lode_max(omega + lode_sqrt(square), FLT_MIN);
 }
 
-// Whether it is this limit that the torque is at, and current control is there.
+// This limit determines the torque, and current control has settled.
 static bool decides(const lode_supply_t *self, const lode_telemetry_t *telemetry, int side,
                     float sign) {
     const float power = sign * telemetry->torque_ref_Nm * telemetry->omega_rad_s;
@@ -90,10 +90,10 @@ static bool decides(const lode_supply_t *self, const lode_telemetry_t *telemetry
            off_A <= FOLLOWED_SHARE * lode_abs(telemetry->ref_A.q);
 }
 
-// What the torque of the model is to be multiplied with (L3): the current tells where the limit decides, or is
-// exceeded. Else it is forgotten. `torque_W`: that torque's power.
+// (L3): change of the factor on the model's torque. The current is a measure where the limit decides, or is exceeded;
+// otherwise the factor returns to 1. `torque_W`: power of the model's torque.
 static float correction(float before, float error_W, float torque_W, bool known) {
-    if (known || !(error_W >= 0.0f)) { // no number: as if exceeded
+    if (known || !(error_W >= 0.0f)) { // NaN: as if exceeded
         return error_W / lode_max(lode_max(torque_W, lode_abs(error_W)), FLT_MIN);
     }
     return 1.0f - before;
