@@ -29,8 +29,7 @@
 #define EDGE_MIN 0.02f
 // Least square of the correlation of torque and acceleration: below it the load has moved during the edge.
 #define COHERENCE_MIN 0.8f
-// Largest difference of an edge from the mean. Beyond it two edges that agree are needed, as a load step on an edge shows
-// another inertia.
+// Largest difference of an edge from the mean. Beyond it two edges must agree, as a load step on one shows another inertia.
 #define AGREE_MAX 0.3f
 #define SPREAD_BEGIN 0.3f
 #define SPREAD_WEIGHT 0.5f
@@ -54,8 +53,7 @@
 #define RS_MEMORY_s 20.0f
 #define PSI_SPEED_MIN 0.2f // of rated
 
-// Time between two posted tunings, and the largest step in each: the PLL sees a step of J as a load step of a tenth of the
-// torque.
+// Time between posted tunings, and the largest step of each: to the PLL a step of J is a load step of a tenth of the torque.
 #define QUIET_s 0.05f
 #define J_STEP 0.1f
 #define PSI_STEP 0.01f
@@ -191,8 +189,7 @@ typedef struct {
     float rate; ///< of the value
 } washed_t;
 
-// (O1) by backward differences. Value and rate come from one filter, so that their ratio is J without an error of the
-// filters.
+// (O1) by backward differences. Value and rate come from one filter, so that their ratio is exactly J.
 static washed_t wash(lode_adaptation_filter_t *self, float x, float a, float dt_s) {
     self->one += a * (x - self->one);
     const float before = self->two;
@@ -303,9 +300,8 @@ static bool is_measured(const lode_adaptation_machine_t *self, const lode_drive_
     return lode_abs(measured_share(self, drive)) > 0.0f;
 }
 
-// (O8): the observed EMF along q, in the direction of the speed. The PLL alone turns its frame until nothing is left across,
-// so that this is the EMF's size. While injection gives the angle something is left across, and near standstill the size has
-// no sign.
+// (O8): the observed EMF along q, in the direction of the speed. The PLL alone leaves nothing across, so that this is the
+// EMF's size. While injection gives the angle something is left across, and near standstill the size has no sign.
 static float emf_along(const lode_adaptation_machine_t *self, const lode_telemetry_t *now) {
     if (!(now->injected > 0.0f)) {
         return lode_ab_length(now->e_V);
@@ -340,7 +336,7 @@ static float dead_V(const lode_adaptation_machine_t *self, const lode_drive_t *d
     return FOUR_PER_PI * now->v_bus_V * lode_max(some, all);
 }
 
-// Variance of the EMF's size over the rated EMF, at rated speed. An error of Lq turns the angle, which counts q current as d
+// Variance of the EMF's size over the rated EMF, at rated speed. An error of Lq turns the angle: q current counts as d
 // current.
 static float flux_variance(const lode_adaptation_machine_t *self, lode_dq_t i_A) {
     const lode_motor_t *motor = &self->motor;
@@ -356,7 +352,7 @@ static float grown(float variance, float sigma, float share) {
     return lode_min(variance + share * square(sigma), square(sigma));
 }
 
-// (O5): a Kalman filter of two states. A state that is not adapted, or the flux at too low a speed, keeps its value and its
+// (O5): a Kalman filter of two states. One that is not adapted, or a flux at too low a speed, keeps its value and its
 // variance.
 static void follow_emf(lode_adaptation_machine_t *self, const lode_drive_t *drive,
                        const lode_telemetry_t *now, float dt_s) {
@@ -490,7 +486,7 @@ bool lode_adaptation_machine_look(lode_adaptation_machine_t *self, const lode_dr
     const bool goes_on = self->runs && usable && dt_s <= GAP_MAX_s;
     self->runs = usable;
     if (goes_on && (steps == 0u || !taken)) {
-        return false; // nothing new, or not known yet by which tuning
+        return false; // nothing new, or the drive has not taken the posted tuning
     }
     self->steps = now.steps;
     if (!goes_on) {

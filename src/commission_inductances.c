@@ -2,8 +2,7 @@
 
 #ifndef LODE_WITHOUT_COMMISSIONING
 
-// Inductances: steps of the current's reference, on top of a current that holds the rotor and keeps the signs of all phase
-// currents.
+// Inductances: steps of the current's reference, on top of a current that holds rotor and signs of all phase currents.
 #define HOLD_SHARE 0.7f  // of the current at the first level
 #define STEP_SHARE 0.4f  // of the holding current, in both directions
 #define STEP_SIX 0.2f    // in q of six phases, two of which carry a quarter of the holding current
@@ -141,7 +140,7 @@ static bool steps(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A, bool q_
     return self->since >= begin + 2u * HALF_WAVE * waves;
 }
 
-// --- Their fall over current ---
+// --- Fall over current ---
 
 // Line through 1/L over current by least squares; returns its value at no current. `reach_A`: current at which the fall must
 // exceed FALL_LEAST. Without confidence the configured fall stays.

@@ -62,8 +62,7 @@ static bool window_ends(lode_commission_t *self, lode_dq_t u_V, lode_dq_t i_A) {
     return s->count >= length / 2u * 2u;
 }
 
-// True: the current has been constant for long enough, and the rotor rests. Gives the means of voltage and current along the
-// vector.
+// True: the current has been constant for long enough, and the rotor rests. Gives the means along the vector.
 static bool settled(lode_commission_t *self, float *u_V, float *i_A) {
     const lode_commission_window_t s = self->sums.window;
     const float inv = 1.0f / lode_commission_float(s.count);

@@ -41,8 +41,7 @@ LODE_INLINE void lode_hfi_demodulate(lode_hfi_t *self, const lode_hfi_tuning_t *
 // `i_A`: current in the frame of its angle. The drive sets the reserve.
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A);
 
-// Once in LODE_SLOW_PERIODS of a start at rest: returns the reference of the d current, by the largest current. `step` shows
-// the progress.
+// Once in LODE_SLOW_PERIODS of a start at rest: reference of the d current, by the largest one. `step` shows the progress.
 float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_max_A);
 
 // Once in LODE_SLOW_PERIODS of LODE_HFI_PUSH: returns the share of the largest current across the axis. `rotor`: its

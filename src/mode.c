@@ -121,8 +121,7 @@ LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
     self->i_A = lode_park(i_A, lode_estimator_rotor(&self->estimator));
 }
 
-// A start goes on with the attempt after those that failed, in the time that is left. Without failed attempts it is a new
-// one.
+// A start goes on with the attempt after those that failed, in the time that is left. Without such attempts it is a new one.
 static void count_start(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_HANDOVER_RETRY
     self->start_rounds = 0u;
@@ -262,8 +261,8 @@ static lode_dq_t in_frame(lode_dq_t x, lode_sincos_t ahead) {
     return lode_park((lode_ab_t){x.d, x.q}, ahead);
 }
 
-// From the I-f frame to the rotor's (S10): voltage and current vectors stay, only their components change. Then the start
-// current fades.
+// From the I-f frame to the rotor's (S10): voltage and current stay, only their components change. The start current then
+// fades.
 void lode_mode_hand_over(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float omega = self->estimator.pll.omega_rad_s;

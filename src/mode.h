@@ -133,8 +133,7 @@ static inline bool lode_mode_memory_ok(lode_drive_t *self, lode_words_t tuning) 
 // After a change of the tuning: adapts the states that would not fit it. `before`: the estimator's previous tuning.
 void lode_mode_retune(lode_drive_t *self, const lode_estimator_tuning_t *before);
 
-// Takes over what was posted, at the start of a period. True: the command replaced an OFF that was to clear a fault, and has
-// cleared it.
+// Takes over what was posted, at the start of a period. True: a fault was cleared, by an OFF that the command has replaced.
 bool lode_mode_take_mail(lode_drive_t *self);
 
 // To OFF: gates off, no voltage pending; estimate, currents and references are reset.

@@ -85,8 +85,7 @@ static float measured_A2(const lode_drive_t *self) {
     return lode_ab_length2(self->estimator.emf.i_A);
 }
 
-// (S43): the current has fallen and is back, and the EMF has changed: the inverter applies another voltage for the same
-// measured current.
+// (S43): the current has fallen and is back, but takes another voltage than before: it is not the current that is measured.
 static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_emf_tuning_t *emf = &tuning->estimator.emf;

@@ -16,8 +16,7 @@
 #define CURRENT_MOST 0.5f
 #define DUTY_MOST 0.4f // from half duty, so that both switches of a leg act
 #define WINDOW 0.98f   // of the duty that low-side shunts allow
-// Voltage of a pulse over that of dead time and another unknown microsecond, which make an error of an eighth in the
-// response.
+// Voltage of a pulse over that of dead time and another microsecond, which then put the response off by an eighth.
 #define PER_DEAD 4.0f
 #define UNKNOWN_s 1.0e-6f
 #define COUNTS_LEAST 64.0f // response to a pulse: the noise of three phases is then a tenth of it

@@ -12,10 +12,9 @@
 // counts twice, and the speed may differ from the vector's by twice as much.
 #define LOST_LAST 1.01f
 #define WEIGHT_LAST 2u
-// (S42). A rotor that follows has at least SLIP_SHARE of its EMF: 0.75 at the lowest speed that (S8) allows, 0.6 if
-// magnets and current sensors are each a tenth off. With both inductances 20 % off the current takes SLIP_LOST times
-// the share of the flux that is calculated. Where less than SLIP_FLUX is left, following and slipping cannot be told
-// apart.
+// (S42): a rotor that follows has at least SLIP_SHARE of its EMF: 0.75 at the lowest speed that (S8) allows, 0.6 if magnets
+// and current sensors are each a tenth off. With both inductances 20 % off the current takes SLIP_LOST times the share of the
+// flux that is calculated. Where less than SLIP_FLUX is left, following cannot be told from slipping.
 #define SLIP_SHARE 0.6f
 #define SLIP_LOST 1.4f
 #define SLIP_FLUX 0.2f
@@ -336,8 +335,7 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     return !aligns(self, tuning) && is_spent(self, tuning);
 }
 
-// Weight of a round with a lock on the vector. Where no attempt is left, a lock that is lost again is no worse than
-// none (S32).
+// Weight of a round with a lock on the vector (S32): with no attempt left, a lock that is lost again is no worse than none.
 static uint32_t lock_weight(const lode_start_t *self, const lode_start_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     if (self->failed >= LODE_START_FAILED_MAX && !lode_start_catches(self) &&

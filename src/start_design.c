@@ -32,8 +32,7 @@
 #define GENTLE_SHARE 0.46f // (ln 16 - 15/16)/4: share of its time that (S35) adds to a ramp
 #define RISE_TIME_s 0.2f
 // Current rise for a rotor without saliency, whose axis no pulse shows: RISE_rad radians of its swing, within these two
-// times. The vector sweeps past such a rotor, and the slower it is the less one with ten times its inertia swings
-// (S29).
+// times. The vector sweeps past it, and the slower the vector the less a rotor with ten times its inertia swings (S29).
 #define RISE_rad 35.0f
 #define RISE_TIME_MAX_s 0.4f
 #define DAMPING 0.5f
@@ -54,8 +53,7 @@
 // Largest gain of the loop through the shift (S15): in a salient rotor a moving vector moves the d current and so the
 // active flux, which appears as EMF just as a swing does.
 #define SHIFT_LOOP 1.0f
-// Largest gain from the load angle to the shift (S16): the EMF of a loaded rotor shows its angle as well, at speed more
-// strongly than its swing.
+// Largest gain from load angle to shift (S16): the EMF of a loaded rotor shows its angle too, at speed more than its swing.
 #define SHIFT_STIFFENS 2.0f
 // Longest wait of the measurement at each current. A rotor that is not at rest by then is measured by the mean of its
 // swing.
@@ -211,7 +209,7 @@ static bool is_own_handover(const lode_start_config_t *config,
 }
 
 // Speed from which the estimator may take over. Where only load steps require the default hand-over speed, the angle is
-// visible earlier and the vector need not reach it. A configured speed applies as it is.
+// visible earlier, and the vector need not reach it. A configured speed applies as it is.
 static float omega_ready(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
                          const lode_motor_t *motor, float ts_s) {
     const float by_emf = within_speeds(omega_of_emf(motor, inverter, config->current_A, ts_s),

@@ -10,16 +10,14 @@
 #define LODE_START_EASE 0.25f
 #define LODE_START_EASE_LAST (LODE_START_EASE * LODE_START_EASE)
 #define LODE_START_FAILED_MAX 2u // attempts before the last one
-// Attempts that may end after the hand-over: those before the last one, and the last one itself, which is repeated once
-// (S28).
+// Attempts that may end after the hand-over: those before the last one, and that itself, which is repeated once (S28).
 #define LODE_START_LOSSES_MAX (LODE_START_FAILED_MAX + 1u)
 
 // Ratio of the sweep rates up to half of the current and from there to all of it. Each sweep goes from phase axis to
 // phase axis, by 240 and by 60 degrees (S29).
 #define LODE_START_SWEEP_FIRST 4.0f
 
-// Share of the ramp in the present attempt. The repeated last attempt is quicker: the rotor has followed the vector
-// before.
+// Share of the ramp in the present attempt. The repeated last attempt is quicker: the rotor has followed the vector once.
 LODE_INLINE float lode_start_ease(const lode_start_t *self) {
     static const float share[] = {1.0f, LODE_START_EASE, LODE_START_EASE_LAST, LODE_START_EASE};
     return share[self->failed & LODE_START_LOSSES_MAX]; // mask: in the table even after a bit flip
@@ -45,8 +43,7 @@ LODE_INLINE bool lode_start_follows(const lode_start_t *self, const lode_start_t
            lode_abs(omega_rad_s - vector) <= slack;
 }
 
-// One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the angle by which the vector turns per period,
-// rad.
+// One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the vector's rotation per period, rad.
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
                                   lode_ab_t e_V, float ts_s) {
     // The vector turns at speed once its current is reached and resistance and dead time are measured. While the
