@@ -336,8 +336,7 @@ static float dead_V(const lode_adaptation_machine_t *self, const lode_drive_t *d
     return FOUR_PER_PI * now->v_bus_V * lode_max(some, all);
 }
 
-// Variance of the EMF's size over the rated EMF, at rated speed. An error of Lq turns the angle: q current counts as d
-// current.
+// Variance of the EMF's size over the rated EMF, at rated speed. An error of Lq turns the angle: iq counts as id.
 static float flux_variance(const lode_adaptation_machine_t *self, lode_dq_t i_A) {
     const lode_motor_t *motor = &self->motor;
     const float per_Wb = 1.0f / motor->psi_Wb;
@@ -352,8 +351,7 @@ static float grown(float variance, float sigma, float share) {
     return lode_min(variance + share * square(sigma), square(sigma));
 }
 
-// (O5): a Kalman filter of two states. One that is not adapted, or a flux at too low a speed, keeps its value and its
-// variance.
+// (O5): a Kalman filter of two states. One that is not adapted, or a flux at low speed, keeps its value and its variance.
 static void follow_emf(lode_adaptation_machine_t *self, const lode_drive_t *drive,
                        const lode_telemetry_t *now, float dt_s) {
     const lode_motor_t *motor = &self->motor;

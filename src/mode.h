@@ -113,8 +113,8 @@ static inline bool lode_mode_fits(const lode_drive_t *self) {
            lode_in_range(lode_abs(self->direction), 1.0f, 1.0f);
 }
 
-// RUN, after the estimator has restarted and has no angle: counts the lock as missing for two thirds of the guard's time. It
-// may return, at a wrong angle, before all of that time is over.
+// RUN, after the estimator has restarted and has no angle: counts the lock as missing for two thirds of the guard's time, as
+// a lock at a wrong angle may come before all of that time is over.
 void lode_mode_lose_rotor(lode_drive_t *self);
 
 // Trips because mode, command, mailbox or tuning are corrupt.
