@@ -1,9 +1,10 @@
-/// Checks currents, switches and load for consistency, docs/theory/control.md: an ADC channel that keeps its count
-/// although the current vector turns, three currents whose sum is not zero, a current vector that is frozen (K36) or changes
-/// at once by a factor (K38), a phase without a half-wave (K24), a load beyond all the torque (K19), a flux that is not the
-/// magnets' (P26).
+/// Plausibility checks of currents, switches and load (docs/theory/control.md): an ADC channel whose count does not change
+/// although the current vector turns; three currents whose sum is not zero; a frozen current vector (K36); a current vector
+/// that changes at once by a factor (K38); a phase without a half-wave (K24); a load beyond all the torque (K19); a flux
+/// that is not that of the magnets (P26).
 ///
-/// While the gates are on: counts and sums every LODE_GUARD_PERIODS, the rest once in LODE_SLOW_PERIODS or on an event.
+/// They run while the gates are on: counts and sums every LODE_GUARD_PERIODS, the others once in LODE_SLOW_PERIODS or when
+/// there is a reason. In the following, a "look" is one such check, and the "reference" is the current reference.
 #ifndef LODESTAR_PLAUSIBILITY_H
 #define LODESTAR_PLAUSIBILITY_H
 
@@ -14,184 +15,200 @@
 extern "C" {
 #endif
 
+/// Limits of the checks.
 typedef struct {
-    float i_min_A2;   ///< least current, squared, at which a phase with a constant count is judged
-    int32_t i_still;  ///< 1/256 count: a phase with less is not judged; six phases: it may be open
-    int32_t i_sum;    ///< largest sum of the three, 1/256 count; below 0: nothing is checked
-    float per_wave_A; ///< least half-wave per ampere asked for, 1/256 count; 0: not checked
+    float i_min_A2; ///< least reference, squared, at which an unchanged phase is judged
+    int32_t
+        i_still; ///< least current of a judged phase, 1/256 count; six phases: below it the phase may be open
+    int32_t
+        i_sum; ///< largest sum of the three currents, 1/256 count; below 0: no checks of the currents
+    float per_wave_A; ///< least half-wave per ampere of reference, 1/256 count; 0: not checked
+    /// largest movement of a frozen vector by noise, squared (K36); below 0: not checked
+    float frozen_A2;
+    float moves_A2;                 ///< least change of the reference for that check, squared
+    lode_open_phase_tuning_t waves; ///< half-waves in RUN (K24)
+    float away_rad_s; ///< electrical speed change that a load may cause; 0: not checked (K19)
     float
-        frozen_A2; ///< by how much noise may move a frozen current vector, squared; below 0: not checked
-    float moves_A2; ///< by how much its reference has to move to tell that it is frozen, squared
-    lode_open_phase_tuning_t waves; ///< of RUN
-    float away_rad_s; ///< electrical, by which a load may move the speed; 0: not checked
-    float away_step;  ///< share of that in each LODE_SLOW_PERIODS while the rotor slows down
-    float taken_V; ///< voltage that dead time and drops take of a phase at the zero of its current
-    float
-        jump_V2; ///< voltage that a change of current in a period must correspond to before it is checked, squared (K38)
+        away_step; ///< part of it that is allowed per LODE_SLOW_PERIODS while the rotor slows down
+    float taken_V; ///< voltage that dead time and drops may take from a phase
+    /// least jump of the current that is judged, as the voltage that would cause it in one period, squared (K38)
+    float jump_V2;
 } lode_plausibility_tuning_t;
 
-/// Both half-waves of each of three currents, over a turn and a tenth of a vector that is twice as large: a phase
-/// that lacks the same one twice in a row has a dead switch, or is open. (Once is not enough: a rotor that falls out
-/// of step may shift the currents for a turn.) In START, where the vector is steady.
+/// Half-wave check in START, where the vector is steady. In 1.1 turns of a vector of at least 2 sqrt(i_min_A2),
+/// each of the three currents must have both half-waves. A phase that lacks the same half-wave in two such turns
+/// running has a dead switch or is open. (In one turn alone a rotor that falls out of step may shift the currents.)
 typedef struct {
-    float turn_rad;        ///< electrical, of the vector, since it began
-    uint_least8_t seen;    ///< half-waves, a bit each: three positive ones, three negative ones
-    uint_least8_t lacking; ///< those that the turn before did not have
+    float turn_rad;        ///< electrical turn of the vector since the check began
+    uint_least8_t seen;    ///< half-waves seen, one bit each: three positive, then three negative
+    uint_least8_t lacking; ///< half-waves missing in the turn before
 } lode_waves_t;
 
-/// The measured current of a start's vector: whether it falls at once, and comes back at another voltage (S43).
+/// The measured current of a start's vector: a gain error makes it fall at once and come back at another voltage
+/// (S43).
 typedef struct {
-    lode_dq_t e_V;        ///< EMF along and across the vector before it fell
-    float i_A2;           ///< the current then, squared
-    uint_least8_t held;   ///< rounds in which it was as asked for, until they are enough
-    uint_least8_t rounds; ///< since it fell, from 2; 1: it fell at the last look; 0: it has not
+    lode_dq_t e_V; ///< EMF along and across the vector before the fall
+    float i_A2;    ///< current before the fall, squared
+    uint_least8_t
+        held; ///< rounds in which the current was at its reference, limited to what is needed
+    uint_least8_t
+        rounds; ///< rounds since the fall, from 2; 1: it fell at the last look; 0: no fall
 } lode_drop_t;
 
+/// State of the checks of counts and sum.
 typedef struct {
-    int32_t i[LODE_PHASES]; ///< at the last look, 1/256 count
-    uint_least8_t kept;     ///< phases that had the same count at the look before, a bit each
-    uint_least8_t
-        still; ///< of these, those that have kept it for the whole of turn_rad; a bit for a changing current
-    uint_least16_t sum; ///< debounce: up while out of range, down while in range
-    float turn_rad;     ///< electrical
-    float i_A2;         ///< current asked for at the last look at which a count was kept, squared
-    float moved_A2;     ///< by how much that has moved since any of the counts changed
+    int32_t i[LODE_PHASES]; ///< phase currents at the last look, 1/256 count
+    uint_least8_t kept;     ///< phases with the same count as at the look before, one bit each
+    /// those that have kept it for the whole of turn_rad; one more bit: the current has changed meanwhile
+    uint_least8_t still;
+    uint_least16_t sum; ///< debounce counter of the sum: up while out of range, down while in range
+    float turn_rad;     ///< electrical turn of the vector while they have kept their counts
+    float i_A2;         ///< reference at the last look with an unchanged count, squared
+    float moved_A2;     ///< total change of that square since any of the counts changed
 } lode_plausibility_t;
 
-/// A current vector that stands still, except for noise, while another one is asked for (K36). In stator axes.
+/// Check for a current vector that moves by no more than noise although its reference changes (K36). Stator axes.
 typedef struct {
-    lode_ab_t i_A;        ///< from which it has not moved
-    lode_ab_t asked_A;    ///< asked for at the first look since
-    uint_least16_t looks; ///< since, up to LODE_FROZEN_LOOKS; 0: it moves, `asked_A` is not known
-    bool moved;           ///< at the last look what is asked for had moved by enough
+    lode_ab_t i_A;     ///< where the current has stopped
+    lode_ab_t asked_A; ///< reference at the first look since then
+    uint_least16_t
+        looks;  ///< looks since then, up to LODE_FROZEN_LOOKS; 0: it moves, `asked_A` is not valid
+    bool moved; ///< at the last look the reference had changed by enough
 } lode_frozen_t;
 
 #define LODE_FROZEN_LOOKS 0xffffu
 
-/// A current vector that changes at once by a factor (K38).
+/// Stage of the check for a current vector that changes at once by a factor (K38).
 typedef enum {
     LODE_JUMP_NONE,
     LODE_JUMP_NEW,    ///< in the present sample
-    LODE_JUMP_SECOND, ///< in the previous one: the present one decides whether it persists
-    LODE_JUMP_GONE,   ///< it persists, and no current is left: waits for an open phase to come back
-    LODE_JUMP_RESTS   ///< it did not persist: nothing is checked for a while
+    LODE_JUMP_SECOND, ///< in the last sample; the present one decides whether it stays
+    LODE_JUMP_GONE, ///< it stays and hardly any current is left: waits whether an open phase conducts again
+    LODE_JUMP_RESTS ///< it did not stay; no checks for a while
 } lode_jump_stage_t;
 
+/// State of that check.
 typedef struct {
-    lode_ab_t innovation_V; ///< of the EMF observer in the last period without a jump
-    float change_V2;        ///< by which it has changed since, turned with the rotor, squared
-    float noise_V2;         ///< mean of that: effect of the current noise (K39)
+    lode_ab_t innovation_V; ///< innovation of the EMF observer in the last period without a jump
+    float change_V2;        ///< its change since then, turned with the rotor, squared
+    float noise_V2;         ///< mean of change_V2: the noise of the currents (K39)
     uint_least8_t stage;    ///< lode_jump_stage_t
-    uint_least8_t periods;  ///< spent in GONE and RESTS
-    uint_least8_t factor;   ///< in 1/LODE_JUMP_ONE
-    uint_least8_t size;     ///< squared, relative to the least that is checked
+    uint_least8_t periods;  ///< periods in GONE and RESTS
+    uint_least8_t factor;   ///< factor of the jump, in 1/LODE_JUMP_ONE
+    uint_least8_t size;     ///< square of the jump over the square of the least one that is judged
 } lode_jump_t;
 
 #define LODE_JUMP_ONE 64u
 
-/// How a load moves the rotor against all the torque (K19).
+/// State of the check for a load beyond all the torque (K19).
 typedef struct {
-    float held_rad_s;      ///< electrical speed from which it moves the rotor
-    uint_least16_t faster; ///< looks since it began to accelerate a rotor that is being braked
+    float held_rad_s;      ///< electrical speed from which the load has moved the rotor
+    uint_least16_t faster; ///< looks for which a braked rotor has become faster
 } lode_load_t;
 
-/// What was found; check == LODE_CHECK_NONE: nothing.
+/// Result of a check. check == LODE_CHECK_NONE: nothing was found.
 typedef struct {
     lode_check_t check;
     float measured;
     float limit;
 } lode_finding_t;
 
-/// Nothing seen yet.
+/// Clears the checks of counts and sum.
 void lode_plausibility_reset(lode_plausibility_t *self);
 
-/// What may hold a phase current at zero.
+/// What may keep a phase current at zero.
 typedef struct {
-    float taken_V; ///< by dead time and drops
-    float x_Ohm;   ///< reactance at the speed at which the vector turns
+    float taken_V; ///< voltage taken by dead time and drops
+    float x_Ohm;   ///< reactance at the speed of the vector
 } lode_hold_t;
 
-#define LODE_NONE_FOLLOWS 8u ///< in addition to a bit for each phase
+#define LODE_NONE_FOLLOWS 8u ///< bit beside the three phase bits
 
-/// The second part of a look, where the first (lode_plausibility_look() in plausibility_inline.h) found the phases
-/// `again` that kept their count twice in a row, a bit each; the vector has turned by `turn_rad` since the last look,
-/// with its sign. `i_A2`: the square of the current that is asked for, or of the measured one where the voltage does not
-/// suffice. `A_per_count`: per 1/256 count. Returns a bit for each phase that has kept its count over a
-/// turn that should have moved it, and LODE_NONE_FOLLOWS where all kept theirs while the current asked for changed.
+/// Second part of a look at the counts. The first part (lode_plausibility_look() in plausibility_inline.h) has
+/// found the phases `again`, a bit each, that have kept their count twice in a row. `turn_rad`: signed turn of the
+/// vector since the last look. `i_A2`: reference squared, or the measured current squared if the voltage does not
+/// suffice for the reference. `A_per_count`: amperes per 1/256 count. Returns a bit for each phase that has kept
+/// its count over a turn that should have changed it, and LODE_NONE_FOLLOWS if all have kept theirs while the
+/// reference changed.
 uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
                                  const lode_plausibility_tuning_t *tuning, uint32_t again,
                                  float i_A2, float turn_rad, float A_per_count);
 
-/// Where something else shows that all three should have moved: counts `share` of what is enough for LODE_NONE_FOLLOWS,
-/// until one of them moves.
+/// Adds the `share` of what is needed for LODE_NONE_FOLLOWS, where another sign shows that all three counts should
+/// have changed (S44). A count that changes clears it.
 void lode_plausibility_add(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
                            float share);
 
-/// No count of two sets has moved while the vector turned by `turn_rad`, though the current asked for, `i_A2` squared,
-/// would have moved some: no open phase explains that.
+/// Six phases, if no count of both sets has changed while the vector turned by `turn_rad` with the reference `i_A2`
+/// (squared): true if some should have. Open phases cannot explain that.
 bool lode_plausibility_none_flows(const lode_plausibility_tuning_t *tuning, float i_A2,
                                   float turn_rad, float A_per_count);
 
-/// The third part, where there is `doubt` or the sum is not good: what only a fault explains. `sum_looks`: debounce
-/// of the sum.
+/// Third part of a look, if there is `doubt` or the sum is out of range: reports what only a fault explains.
+/// `sum_looks`: debounce of the sum.
 lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning, uint32_t doubt,
                                       uint32_t sum_looks, lode_hold_t hold, float A_per_count);
 
-/// For a `phase`, 1 .. 3, that was found to be stuck, all three being measured: whether it has no current and the other two sum
-/// to zero, so that it is open.
+/// For a phase 1 .. 3 that was found stuck while all three are measured: true if it has no current and the other
+/// two add up to zero. Then the phase is open, and the ADC channel healthy.
 bool lode_plausibility_is_open(const lode_plausibility_t *self, uint32_t phase, float A_per_count);
 
-/// One look at the currents, the vector having turned by `turn_rad` since the last one. `i_A2`: the
-/// square of the current that is asked for. Returns the phase without a half-wave, 1 .. 3; 0: none found.
+/// One look at the half-waves in START. `turn_rad`: turn of the vector since the last look. `i_A2`: reference
+/// squared. Returns the phase without a half-wave, 1 .. 3; 0: none found.
 uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning_t *tuning,
                               const int32_t i[LODE_PHASES], float i_A2, float turn_rad);
 
-/// Between two steps: whether the current, squared, has fallen.
+/// Between two calls of lode_drop_step(): notes whether the current has fallen. `i_A2`: current squared.
 void lode_drop_look(lode_drop_t *self, float i_A2);
 
-/// Once in LODE_SLOW_PERIODS, `asked_A2` being the current asked for, squared (0: too little to tell), and `e_V` the EMF
-/// along and across the vector. True: some rounds ago the current fell, and it is back; `change_V` is then the change of the
-/// EMF.
+/// Once in LODE_SLOW_PERIODS. `i_A2`, `asked_A2`: current and reference, squared; asked_A2 = 0: too small to judge.
+/// `e_V`: EMF along and across the vector. True: the current fell some rounds ago and is back; `change_V` is then
+/// the change of the EMF since before the fall.
 bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V, float *change_V);
 
-/// Once in LODE_SLOW_PERIODS, for a current that has hardly moved (lode_frozen_moves() in plausibility_inline.h), with the
-/// current asked for now. True: it is not where it was asked to be; if there is voltage for it, it is frozen.
+/// Once in LODE_SLOW_PERIODS, if the current has hardly moved (lode_frozen_moves() in plausibility_inline.h).
+/// `asked_A`: present reference. True: the current has not followed its reference, so it is frozen if there is
+/// voltage for the reference.
 bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
                       lode_ab_t asked_A);
 
-/// After a look: whether the current asked for has made a whole turn since the first one, at `turn_rad` in LODE_SLOW_PERIODS.
+/// After lode_frozen_look(): true if the reference has made a whole turn since the first look. `turn_rad`: its turn
+/// per LODE_SLOW_PERIODS.
 bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad);
 
-/// A current `i_A` that is far from `expected_A`, which follows from the last one by voltage and EMF; `size`: how far, squared,
-/// relative to the least that is checked. `starts`: an increase does not count. True: this sample says nothing about the EMF.
+/// To be called if the current `i_A` is far from `expected_A`, which follows from the last current, voltage and
+/// EMF. `size`: square of the distance over the square of the least one that is judged. `starts`: START, where an
+/// increase does not count. True: this sample must not be used for the EMF.
 bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
                     bool starts);
 
-/// In each period with a stage other than NONE, after lode_jump_look() if that was called. Returns the factor that has
-/// persisted; below 0: none. `turn_rad`: by how much the vector turns in a period; `gone`: nothing is left of the current.
+/// Once per control period in any stage but NONE, after lode_jump_look() if that was called. Returns the factor
+/// once it is confirmed; below 0: none. `turn_rad`: turn of the vector per period. `gone`: hardly any current is
+/// left.
 float lode_jump_wait(lode_jump_t *self, float turn_rad, bool gone);
 
-/// `config` is completed by lode_guard_design().
+/// Checks `config`, completed by lode_guard_design(), and derives the tuning except for what the next two functions
+/// set.
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
                                      const lode_sense_tuning_t *sense);
 
-/// What a load may do in RUN (K19). `rise_rad_s2`: acceleration of a free rotor by all the torque of i_max, electrical. Call
-/// lode_plausibility_tune() first, which sets the rest.
+/// Sets the limits of a load in RUN (K19). `rise_rad_s2`: electrical acceleration of a free rotor by all the torque
+/// of i_max. Call lode_plausibility_tune() first; it overwrites the whole tuning.
 lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
                                           const lode_guard_config_t *config, float rise_rad_s2,
                                           float ts_s);
 
-/// What depends on voltages. `i_max_V`: what would change the current by i_max in a period (K38); `taken_V`: what dead time
-/// and drops may take of a phase.
+/// Sets the limits in volts. `i_max_V`: voltage that would change the current by i_max in one period (K38).
+/// `taken_V`: what dead time and drops may take from a phase.
 void lode_plausibility_tune_voltages(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_V,
                                      float taken_V);
 
-/// Once in LODE_SLOW_PERIODS, while all of the torque is asked for, `sense` (1 or -1) its direction: whether a load has
-/// moved the electrical speed `omega_rad_s` against it by more than it may (K19), (K29). While less is asked for, `self`
-/// is held at the present speed.
+/// Once in LODE_SLOW_PERIODS, while all the torque is requested in the direction `sense` (1 or -1): true if a load
+/// has moved the electrical speed `omega_rad_s` against it by more than is allowed (K19), (K29). While less is
+/// requested, the caller keeps `self` at the present speed.
 bool lode_load_is_too_large(lode_load_t *self, const lode_plausibility_tuning_t *tuning,
                             float sense, float omega_rad_s);
 
