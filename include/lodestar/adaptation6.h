@@ -1,8 +1,8 @@
-/// Adaptation while the drive runs, with six phases: as adaptation.h, whose choices, bounds and values these are.
+/// Adaptation in operation with six phases. Choices, bounds and results are those of adaptation.h.
 ///
 ///     (void)lode_adaptation6_step(&adaptation, &drive6);
 ///
-/// It rests while one set drives alone; what is in use by then stays in use (docs/adaptation.md).
+/// It pauses while one set drives alone; the values in use remain in use (docs/adaptation.md).
 #ifndef LODESTAR_ADAPTATION6_H
 #define LODESTAR_ADAPTATION6_H
 
@@ -13,14 +13,14 @@
 extern "C" {
 #endif
 
-/// Visible for static allocation; written by its functions only.
+/// The members are visible for static allocation; only the functions below write them.
 typedef struct {
     lode_adaptation_machine_t machine;
-    const lode_drive6_tuning_t *base; ///< as commissioned, or posted since
-    lode_drive6_tuning_t tuning[2];   ///< posted in turn
+    const lode_drive6_tuning_t *base; ///< as commissioned or posted later
+    lode_drive6_tuning_t tuning[2];   ///< used in turn for posting
 } lode_adaptation6_t;
 
-/// As lode_adaptation_init(); `motor`: of both sets, as in lode_drive6_config_t.
+/// As lode_adaptation_init(). `motor`: of both sets, as in lode_drive6_config_t.
 lode_status_t lode_adaptation6_init(lode_adaptation6_t *self,
                                     const lode_adaptation_config_t *config,
                                     const lode_drive6_tuning_t *tuning, const lode_motor_t *motor,
@@ -35,7 +35,7 @@ bool lode_adaptation6_post(lode_adaptation6_t *self, lode_drive6_t *drive,
 
 lode_adaptation_found_t lode_adaptation6_found(const lode_adaptation6_t *self);
 
-/// As lode_adaptation_tell(): after lode_drive6_telemetry() into the `drive` of that.
+/// As lode_adaptation_tell(). After lode_drive6_telemetry(), with the `drive` of its result.
 void lode_adaptation6_tell(const lode_adaptation6_t *self, lode_telemetry_t *telemetry);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/// What can be recorded of a drive: one quantity per channel, each a float. Which channels a recorder takes, and
-/// how often.
+/// Channels: the quantities of a drive that can be recorded, each as a float, and the choice of channels and rate
+/// of a recorder.
 #ifndef LODESTAR_CHANNEL_H
 #define LODESTAR_CHANNEL_H
 
@@ -10,8 +10,8 @@ extern "C" {
 #endif
 
 /// The channels: enumerator, number, name in files, unit. Meaning and instant are those of the field in
-/// lode_telemetry_t; the four in stator axes are the estimator's inputs. The numbers are used in files and on
-/// the wire: none is ever changed or reused.
+/// lode_telemetry_t; the four in stator axes are the inputs of the estimator. The numbers appear in files and on
+/// the wire, so none is ever changed or reused.
 #define LODE_CHANNELS(ROW)                                                                         \
     ROW(MODE, 0, "mode", "")     /* lode_mode_t */                                                 \
     ROW(CHECK, 1, "check", "")   /* of the fault: lode_check_t, 0 none */                          \
@@ -54,14 +54,15 @@ typedef enum {
 /// Largest number of channels of one recorder.
 #define LODE_CHANNELS_MAX 16
 
-/// What a row of a recorder holds, and in which periods one is taken.
+/// Channels of a recorder's row, and how often a row is taken.
 typedef struct {
-    float f_pwm_Hz;      ///< rate of the step, 1e3 .. 2e5
-    uint16_t decimation; ///< periods per row; 0: 1
-    uint16_t count;      ///< channels in use, 1 .. LODE_CHANNELS_MAX
+    float f_pwm_Hz;      ///< rate of the step, Hz, 1e3 .. 2e5
+    uint16_t decimation; ///< control periods per row; 0: 1
+    uint16_t count;      ///< channels used, 1 .. LODE_CHANNELS_MAX
     lode_channel_t channel[LODE_CHANNELS_MAX];
 } lode_channels_config_t;
 
+/// State of that selection.
 typedef struct {
     uint16_t decimation;
     uint16_t wait; ///< periods until the next row
@@ -69,17 +70,18 @@ typedef struct {
     uint_least8_t channel[LODE_CHANNELS_MAX]; ///< lode_channel_t
 } lode_channels_t;
 
-/// The value that `channel` has in the last period of `drive`; 0 for any other number. For the interrupt,
-/// after lode_drive_step().
+/// Value of `channel` in the last control period of `drive`; 0 for an unknown number. For the interrupt, after
+/// lode_drive_step().
 float lode_channel_read(const lode_drive_t *drive, lode_channel_t channel);
 
-/// The bits of an IEEE-754 single: sign, 8 of exponent, 23 of fraction, from the highest bit down.
+/// The bits of `value` as an IEEE-754 single: sign, 8 bits of exponent, 23 bits of fraction, from the highest bit
+/// down.
 uint32_t lode_channel_bits(float value);
 
-/// Checks `config`; on any error (NULL, F_PWM, CHANNELS) `self` is unchanged.
+/// Checks `config` and begins. Errors: NULL, F_PWM, CHANNELS; `self` is then left alone.
 lode_status_t lode_channels_init(lode_channels_t *self, const lode_channels_config_t *config);
 
-/// Counts one period. True: a row is due.
+/// Counts one control period. True: a row is due.
 static inline bool lode_channels_due(lode_channels_t *self) {
     const bool due = self->wait == 0u;
     const uint16_t from = due ? self->decimation : self->wait;
@@ -87,7 +89,7 @@ static inline bool lode_channels_due(lode_channels_t *self) {
     return due;
 }
 
-/// Writes the bits of all channels to `row`, which holds self->count words.
+/// Writes the bits of all channels to `row`, which has room for self->count words.
 void lode_channels_row(const lode_channels_t *self, const lode_drive_t *drive, uint32_t *row);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/// Reference frames. All transforms are amplitude invariant: the length of a vector is the amplitude
-/// of a phase. A vector in alpha-beta is treated as the complex number alpha + j beta.
+/// Reference frames and their transforms. All transforms are amplitude-invariant: the length of a vector is the
+/// amplitude of the phases. A vector in alpha-beta is treated as the complex number alpha + j beta.
 #ifndef LODESTAR_FRAMES_H
 #define LODESTAR_FRAMES_H
 
@@ -9,33 +9,33 @@
 extern "C" {
 #endif
 
-/// Phase quantities.
+/// Values of three phases.
 typedef struct {
     float a;
     float b;
     float c;
 } lode_abc_t;
 
-/// Stationary frame, alpha on phase a.
+/// Vector in the stationary frame; alpha lies on phase a.
 typedef struct {
     float alpha;
     float beta;
 } lode_ab_t;
 
-/// Rotor frame, d on the magnet.
+/// Vector in the rotor frame; d lies along the magnet's flux.
 typedef struct {
     float d;
     float q;
 } lode_dq_t;
 
-/// Clarke transform of three phases; what they have in common drops out.
+/// Clarke transform. The common part of the three phases drops out.
 LODE_INLINE lode_ab_t lode_clarke(lode_abc_t x) {
     const lode_ab_t out = {(2.0f * x.a - x.b - x.c) * (1.0f / 3.0f),
                            (x.b - x.c) * (1.0f / LODE_SQRT3)};
     return out;
 }
 
-/// Phase quantities that sum to zero.
+/// Inverse Clarke transform; the phases add up to zero.
 LODE_INLINE lode_abc_t lode_clarke_inverse(lode_ab_t x) {
     const float half = -0.5f * x.alpha;
     const float side = 0.5f * LODE_SQRT3 * x.beta;
@@ -75,26 +75,26 @@ LODE_INLINE lode_ab_t lode_ab_rotate(lode_ab_t x, lode_sincos_t angle) {
     return out;
 }
 
-/// Square of the length, 1 but for rounding.
+/// Square of the length; 1 except for rounding.
 LODE_INLINE float lode_angle_length2(lode_sincos_t a) {
     return a.sin * a.sin + a.cos * a.cos;
 }
 
-/// Brought to length 1, from nearby.
+/// Normalises a length that is close to 1.
 LODE_INLINE lode_sincos_t lode_angle_normalise(lode_sincos_t a) {
     const float scale = 1.5f - 0.5f * lode_angle_length2(a);
     const lode_sincos_t out = {scale * a.sin, scale * a.cos};
     return out;
 }
 
-/// Those of an angle rotated by a small one: atan(`x_rad`), at most 3 % less than it for 0.3 rad. The
-/// length grows by x^2/2: now and then lode_angle_normalise() takes that away.
+/// Rotates an angle by atan(`x_rad`), which at 0.3 rad is at most 3 % less than x_rad. The length grows by x^2/2,
+/// so lode_angle_normalise() is needed from time to time.
 LODE_INLINE lode_sincos_t lode_angle_rotate_small(lode_sincos_t a, float x_rad) {
     const lode_sincos_t out = {a.sin + x_rad * a.cos, a.cos - x_rad * a.sin};
     return out;
 }
 
-/// Shortened by what lode_angle_rotate_small() by `x_rad` will add, to within 1.3 % for 0.6 rad.
+/// Shortens in advance by what lode_angle_rotate_small() with `x_rad` will add; to within 1.3 % for 0.6 rad.
 LODE_INLINE lode_sincos_t lode_angle_shorten(lode_sincos_t a, float x_rad) {
     const float scale = 1.0f - 0.5f * x_rad * x_rad * (1.0f - 0.75f * x_rad * x_rad);
     const lode_sincos_t out = {scale * a.sin, scale * a.cos};
@@ -139,7 +139,7 @@ LODE_INLINE float lode_ab_length(lode_ab_t x) {
     return lode_sqrt(lode_ab_length2(x));
 }
 
-/// Every component within +-limit; false for NaN.
+/// True if every component is within +-limit; false for NaN.
 LODE_INLINE bool lode_ab_in_range(lode_ab_t x, float limit) {
     return lode_in_range(x.alpha, -limit, limit) && lode_in_range(x.beta, -limit, limit);
 }
