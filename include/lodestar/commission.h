@@ -55,8 +55,8 @@ typedef struct {
 /// A quantity with less confidence is refused.
 #define LODE_COMMISSION_SURE 0.5f
 
+/// State of the commissioning, and how it has ended.
 typedef enum {
-    /// State of the commissioning, and how it has ended.
     LODE_COMMISSION_RUNNING,
     LODE_COMMISSION_DONE,
     LODE_COMMISSION_FAULT,      ///< the guard has tripped: drive.guard.fault

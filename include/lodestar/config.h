@@ -1,4 +1,4 @@
-/// What all configurations have in common: a 0 means "choose for me".
+/// Common conventions of all configurations: 0 means "choose for me".
 #ifndef LODESTAR_CONFIG_H
 #define LODESTAR_CONFIG_H
 
@@ -11,30 +11,30 @@ extern "C" {
 /// A three-state choice.
 typedef enum { LODE_AUTO = 0, LODE_ON, LODE_OFF } lode_choice_t;
 
-/// One of the three.
+/// True for any of the three.
 static inline bool lode_is_choice(lode_choice_t choice) {
     return choice == LODE_AUTO || choice == LODE_ON || choice == LODE_OFF;
 }
 
-/// One of the two that an AUTO has become.
+/// True for ON or OFF, one of which a completed configuration has.
 static inline bool lode_is_on_or_off(lode_choice_t choice) {
     return choice == LODE_ON || choice == LODE_OFF;
 }
 
-/// Value of an optional quantity that shall be absent.
+/// Value of an optional quantity: it shall not exist.
 #define LODE_NONE (-1.0f)
 
-/// Whether `value` is LODE_NONE; no other negative value is.
+/// True if `value` is LODE_NONE. No other negative value is accepted as that.
 static inline bool lode_is_none(float value) {
     return value >= LODE_NONE && value <= LODE_NONE;
 }
 
-/// What depends on the speed, which changes slowly, is updated once in this many periods: lag, gains that
-/// depend on the speed, lock quality, slow checks of the guard. Each has a period of its own, so that no call
-/// takes much longer than the others.
+/// Control periods of a round of slow jobs: everything that follows the speed, which changes slowly, is updated
+/// once per round (lag, gains, lock quality, slow checks of the guard). Each job has its own period of the round,
+/// so that no call takes much longer than the others.
 #define LODE_SLOW_PERIODS 8u
 
-/// `value` unless it is 0. An invalid value counts as given: the check will refuse it.
+/// Returns `value`, or `otherwise` if it is 0. An invalid value is returned too and refused by the check.
 static inline float lode_given_or(float value, float otherwise) {
     const bool zero = value >= 0.0f && value <= 0.0f;
     return zero ? otherwise : value;

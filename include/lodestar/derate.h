@@ -1,5 +1,5 @@
-/// Derating: less torque before something gets too hot, by the temperature of the power stage and by the heating of
-/// the winding (I2t). For the main loop, about 10 times a second:
+/// Derating: reduces the torque before something becomes too hot, by the temperature of the power stage and the
+/// heat of the winding (I2t). For the main loop, about 10 times per second:
 ///
 ///     lode_telemetry_t now;
 ///     (void)lode_drive_telemetry(&drive, &now);
@@ -13,36 +13,40 @@
 extern "C" {
 #endif
 
+/// Configuration of derating.
 typedef struct {
-    float i_max_A; ///< that of the inverter's configuration, peak of a phase
-    float
-        i_continuous_A; ///< continuous current of the winding, peak of a phase, up to i_max_A; 0: i_max_A
-    float
-        winding_s; ///< thermal time constant of the winding, 0.1 .. 1e5; data sheets give it; 0: 30
-    float from_degC; ///< of the power stage: full torque up to here; 0: 20 K below to_degC
-    float to_degC;   ///< none from here on, -40 .. 300: at or below the guard's limit
+    float i_max_A; ///< inverter.i_max_A, peak of a phase current
+    /// continuous current of the winding, peak of a phase current, up to i_max_A; 0: i_max_A
+    float i_continuous_A;
+    /// thermal time constant of the winding, from the data sheet, 0.1 .. 1e5; 0: 30
+    float winding_s;
+    /// temperature of the power stage up to which there is full torque; 0: 20 K below to_degC
+    float from_degC;
+    /// temperature from which there is no torque, -40 .. 300; at or below the guard's limit
+    float to_degC;
 } lode_derate_config_t;
 
+/// All that is derived from the configuration.
 typedef struct {
     float inv_continuous2; ///< 1/A^2
-    float least;           ///< share of the torque that is continuous
+    float least;           ///< share of the torque that is possible continuously
     float winding_s;
-    lode_fade_t winding;
-    lode_fade_t stage;
+    lode_fade_t winding; ///< over the heat of the winding
+    lode_fade_t stage;   ///< over the temperature of the power stage
 } lode_derate_tuning_t;
 
 typedef struct {
-    float heat; ///< temperature rise of the winding; 1: that of i_continuous_A
+    float heat; ///< temperature rise of the winding (D1); 1: that of i_continuous_A
 } lode_derate_t;
 
-/// LODE_ERROR_DERATE where a field is out of range; `tuning` is then unchanged.
+/// Checks `config` and derives the tuning. Errors: NULL, DERATE; `tuning` is then left alone.
 lode_status_t lode_derate_tune(lode_derate_tuning_t *tuning, const lode_derate_config_t *config);
 
-/// `heat`: 0 for a cold winding; 1 where it is not known to be cold.
+/// `heat`: 0 for a cold winding, 1 if its temperature is not known.
 void lode_derate_reset(lode_derate_t *self, float heat);
 
-/// Call `dt_s` after the last call. Returns the share of the torque that may be asked for, 0 .. 1. A temperature or
-/// current that is not a number counts as too hot.
+/// Permitted share of the torque, 0 .. 1 (D2), `dt_s` after the last call. A temperature or current that is NaN
+/// counts as too hot.
 float lode_derate_step(lode_derate_t *self, const lode_derate_tuning_t *tuning,
                        const lode_telemetry_t *telemetry, float dt_s);
 

@@ -97,8 +97,8 @@ typedef struct {
     lode_ab_t before_V; ///< without lock: e[k-1]
 } lode_estimator_alone_t;
 
+/// State of the estimator.
 typedef struct {
-    /// State of the estimator.
     lode_emf_t emf;
     lode_pll_t pll;
     lode_pll_gains_t gains; ///< PLL gains at the present speed

@@ -64,8 +64,8 @@ typedef struct {
     bool active_flux;
 } lode_hfi_system_t;
 
+/// All that is derived from the configuration.
 typedef struct {
-    /// All that is derived from the configuration.
     float V_h_V;
     float omega_high; ///< w2
     float inv_span;   ///< 1/(w2 - w1)

@@ -93,9 +93,9 @@ lode_status_t lode_inverter_check_given(const lode_inverter_config_t *config);
 /// Voltage that dead time plus 1.5 us, and drops, may take from a phase at the nominal bus, whether corrected or
 /// not.
 float lode_inverter_taken_V(const lode_inverter_config_t *config, float ts_s);
+
 /// Checks a completed configuration and derives the tuning. `ts_s`: control period. On any error `tuning` is left
 /// alone.
-
 lode_status_t lode_inverter_tune(lode_inverter_tuning_t *tuning,
                                  const lode_inverter_config_t *config, float ts_s);
 

@@ -1,6 +1,6 @@
-/// Learns Lq and the magnets' flux of a running motor, at speeds where signal injection and the EMF both give the
-/// position: their difference is an error of Lq. For the main loop, about 500 times a second, with a drive whose
-/// configuration has hfi.learn on and no field left open (lode_drive_design()):
+/// Learns Lq and the magnets' flux of a running motor, at speeds at which both signal injection and the EMF give
+/// the position: the difference of the two comes from an error of Lq. For the main loop, about 500 times per
+/// second. The configuration of the drive must have hfi.learn on and every field completed (lode_drive_design()):
 ///
 ///     lode_telemetry_t now;
 ///     if (lode_drive_telemetry(&drive, &now) && lode_learn_step(&learn, &learn_tuning, &now, 0.002f) &&
@@ -9,10 +9,10 @@
 ///         next = 1 - next;
 ///     }
 ///
-/// The result is `learn.now`. Store it for the next start. docs/theory/injection.md.
+/// The result is `learn.now`; store it for the next start. docs/theory/injection.md.
 ///
-/// Together with adaptation.h, which then finds psi and Rs: lode_learn_design() with `psi` off, and lode_adaptation_post() in place
-/// of lode_drive_post_tuning().
+/// Together with adaptation.h, which then estimates psi and Rs: call lode_learn_design() with `psi` off, and
+/// lode_adaptation_post() instead of lode_drive_post_tuning().
 #ifndef LODESTAR_LEARN_H
 #define LODESTAR_LEARN_H
 
@@ -22,57 +22,60 @@
 extern "C" {
 #endif
 
-/// What is worth storing.
+/// Result, to be stored.
 typedef struct {
-    float Lq_H;   ///< at the currents at which it was learned
+    float Lq_H;   ///< valid near the currents at which it was learned
     float psi_Wb; ///< flux linkage of the magnets
-    float
-        confidence; ///< in Lq: 0: nothing was learned; towards 1 as one look after the other agrees
+    /// of Lq, 0: nothing has been learned; approaches 1 while successive results agree
+    float confidence;
 } lode_learned_t;
 
+/// Limits of the learning. Speeds are electrical.
 typedef struct {
     float Ld_H;
-    lode_range_t Lq_H;   ///< what may be learned
-    lode_range_t psi_Wb; ///< the same
-    float omega_least;   ///< electrical speed from which on there is EMF enough for Lq
-    float omega_psi;     ///< and for psi
-    float i_least_A;     ///< q current from which on an error of Lq shows
-    float droop_s2;      ///< by which the observer's amplitude falls with speed
-    bool learns_psi;
+    lode_range_t Lq_H;   ///< permitted range
+    lode_range_t psi_Wb; ///< permitted range
+    float omega_least;   ///< least speed for Lq: below it there is too little EMF
+    float omega_psi;     ///< least speed for psi
+    float i_least_A;     ///< least q current: below it an error of Lq cannot be seen
+    float droop_s2;      ///< fall of the observer's amplitude with speed, as 1/(1 + droop w^2)
+    bool learns_psi;     ///< psi is learned too
 } lode_learn_tuning_t;
 
+/// State of the learning.
 typedef struct {
     lode_learned_t now;
-    lode_learned_t used; ///< by the tuning last made
-    float time_s;        ///< since the look began, its first part of which is waited for
-    float iq2_A2;        ///< sums over the look
+    lode_learned_t used; ///< values in the tuning made last
+    float time_s; ///< time since the present measurement began; the first part is for settling
+    float iq2_A2; ///< sums over the measurement, as the next ones
     float off_VsA;
     float psi_Wb;
     float looks;
     float psi_looks;
 } lode_learn_t;
 
-/// Limits: 0.3 to 3 times the Lq of `config` (more where less would be refused), 0.7 to 1.2 times its psi. Refuses what
-/// lode_drive_tune() refuses, LODE_ERROR_HFI_LEARN where hfi.learn, or injection itself, is off, and LODE_ERROR_CHOICE.
-/// `psi`: auto: on; off where the adaptation finds psi or Rs: it stays as in `config`.
+/// Derives the limits: 0.3 to 3 times the Lq of `config` (a higher lower limit if less would be refused), 0.7 to
+/// 1.2 times its psi. `psi`: auto: on; off if the adaptation estimates psi or Rs: psi then stays as in `config`.
+/// Errors: NULL; CHOICE; HFI_LEARN if hfi.learn or injection is off; those of lode_drive_tune().
 lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_config_t *config,
                                 lode_choice_t psi);
 
-/// `stored`: from another time, NULL: none. Then as configured, and not believed. Values out of limits are clamped.
+/// Begins from `stored`, an earlier result. If that is NULL or outside the limits, it begins from `config` with
+/// confidence 0.
 void lode_learn_begin(lode_learn_t *self, const lode_learn_tuning_t *tuning,
                       const lode_drive_config_t *config, const lode_learned_t *stored);
 
-/// `dt_s` after the last time. True: there is something to make a tuning of. Where not both sources tell the
-/// position, or current, speed or lock are too small, nothing is learned and nothing forgotten.
+/// One call from the main loop, `dt_s` after the last one. True: there are new values for a tuning. While one of
+/// the two sources is missing, or current, speed or lock are too small, nothing is learned and nothing forgotten.
 bool lode_learn_step(lode_learn_t *self, const lode_learn_tuning_t *tuning,
                      const lode_telemetry_t *telemetry, float dt_s);
 
-/// Lq and the confidence in it into `telemetry->motor`: after lode_drive_telemetry(). (Of psi nothing says how sure it is;
-/// where the adaptation finds it, lode_adaptation_tell() does.)
+/// Writes Lq and its confidence to `telemetry->motor`, after lode_drive_telemetry(). (The confidence of psi is not
+/// known; if the adaptation estimates psi, lode_adaptation_tell() writes it.)
 void lode_learn_tell(const lode_learn_t *self, lode_telemetry_t *telemetry);
 
-/// The tuning of `config` with what was learned: motor, current control and injection go by it, all else stays. A
-/// refused one leaves `tuning` alone.
+/// Makes the tuning for `config` with the learned values. They act on motor, current control and injection;
+/// everything else stays. On any error `tuning` is left alone.
 lode_status_t lode_learn_tune(lode_learn_t *self, lode_drive_tuning_t *tuning,
                               const lode_drive_config_t *config);
 

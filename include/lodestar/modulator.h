@@ -1,4 +1,4 @@
-/// Space-vector modulation by the min-max zero sequence, with dead-time correction in the duties.
+/// Space-vector modulation with a min-max zero sequence and dead-time correction in the duties.
 #ifndef LODESTAR_MODULATOR_H
 #define LODESTAR_MODULATOR_H
 
@@ -8,9 +8,10 @@
 extern "C" {
 #endif
 
+/// Result for one period.
 typedef struct {
     lode_abc_t duty;    ///< on-time of the high sides as a share of the period, in [0, 1]
-    lode_ab_t realised; ///< voltage per bus volt that the motor is expected to see of it
+    lode_ab_t realised; ///< expected voltage at the motor per bus volt
 } lode_modulator_out_t;
 
 #ifdef __cplusplus

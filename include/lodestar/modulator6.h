@@ -9,9 +9,10 @@
 extern "C" {
 #endif
 
+/// Result for one period.
 typedef struct {
     lode_abc6_t duty;     ///< on-time of the high sides as a share of the period, in [0, 1]
-    lode_sets_t realised; ///< voltage per bus volt that each set is expected to see, stator axes
+    lode_sets_t realised; ///< expected voltage at each set per bus volt, stator axes
 } lode_modulator6_out_t;
 
 #ifdef __cplusplus

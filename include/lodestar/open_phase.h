@@ -1,5 +1,6 @@
-/// Finds a phase that lacks the current of a half-wave, or of both: a switch that stays off, a broken wire. With six phases
-/// the others of the machine carry it in its place; with three, current control has not got what it asks for.
+/// Detects a phase without one half-wave (a switch that stays off) or without both (a broken wire). With six phases
+/// the others carry that current instead (V9); with three phases the current that the reference requires does not
+/// flow (K24).
 #ifndef LODESTAR_OPEN_PHASE_H
 #define LODESTAR_OPEN_PHASE_H
 
@@ -11,44 +12,48 @@
 extern "C" {
 #endif
 
-/// Open phases by number: 0 none, 1 .. 3 of set 1, 4 .. 6 of set 2, 7 and 8 all of set 1 and of set 2.
+/// Number of an open phase: 0 none, 1 .. 3 set 1, 4 .. 6 set 2, 7 all of set 1, 8 all of set 2.
 typedef uint_least8_t lode_open_phase_t;
 
-/// The set that an open phase belongs to, 0 or 1.
+/// The set of an open phase, 0 or 1.
 static inline int32_t lode_open_phase_set(lode_open_phase_t open) {
     return open <= 3u || open == 7u ? 0 : 1;
 }
 
+/// Limits. A half-wave counts up while it is missing, and its phase is open when the count is full.
 typedef struct {
-    float least_A; ///< asked of a phase, with less of which nothing can be told
-    float per_rad; ///< of enough, per radian that the vector turns
-    float most;    ///< of enough, by one look
+    float least_A; ///< least current required of a phase; below it nothing can be decided
+    float per_rad; ///< share of the full count per radian of the vector's turn
+    float most;    ///< largest share of the full count per check
 } lode_open_phase_tuning_t;
 
-#define LODE_HALF_WAVES 6 // of a set's phases: three positive ones, three negative ones
+#define LODE_HALF_WAVES 6 // of a set: three positive ones, then three negative ones
 
-/// Of three phases.
+/// Counts of a set of three phases.
 typedef struct {
-    uint_least16_t lacks[LODE_HALF_WAVES]; ///< for how much of enough it has been lacking
-    uint_least16_t idle;                   ///< for how much there has been too little to tell
-    uint_least8_t doubts;                  ///< 1: one of them has been lacking
-    lode_dq_t asked_A;                     ///< a round ago
+    uint_least16_t lacks[LODE_HALF_WAVES]; ///< count by half-wave: how long it has been missing
+    uint_least16_t idle;                   ///< count of too little current to decide
+    uint_least8_t doubts;                  ///< 1: a half-wave has been missing
+    lode_dq_t asked_A;                     ///< current reference one round ago
 } lode_half_waves_t;
 
+/// Counts of one of two sets.
 typedef struct {
     lode_half_waves_t waves;
-    uint_least16_t all; ///< for how much the set has had no current
+    uint_least16_t all; ///< count of no current in the whole set
 } lode_lacking_t;
 
+/// State for six phases.
 typedef struct {
     lode_lacking_t set[LODE_SETS];
-    bool doubts; ///< one of them has been lacking
+    bool doubts; ///< a half-wave has been missing
 } lode_open_phase_watch_t;
 
-/// The currents of the xy plane die with `xy_rad_s`; a set is looked at every `look_s`.
+/// Tuning for six phases. `xy_rad_s`: rate at which the currents of the xy plane decay. `look_s`: time between two
+/// checks of a set.
 lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float look_s);
 
-/// Three phases: current control brings its error down with `control_rad_s`.
+/// Tuning for three phases. `control_rad_s`: bandwidth of current control. `look_s`: time between two checks.
 lode_open_phase_tuning_t lode_half_waves_tune(float i_max_A, float control_rad_s, float look_s);
 
 void lode_open_phase_reset(lode_open_phase_watch_t *self);

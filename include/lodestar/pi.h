@@ -1,4 +1,4 @@
-/// PI controller with known feed-forward and anti-windup on the output that was realised.
+/// PI controller with feed-forward, and anti-windup by the output that was realised.
 #ifndef LODESTAR_PI_H
 #define LODESTAR_PI_H
 
@@ -10,7 +10,7 @@ extern "C" {
 
 typedef struct {
     float kp;    ///< output per error
-    float ki_Ts; ///< output per error and period: ki Ts
+    float ki_Ts; ///< ki Ts: output per error and period
 } lode_pi_tuning_t;
 
 typedef struct {

@@ -1,4 +1,4 @@
-/// Ranges, and weights that fade between two values.
+/// A range of values, and a weight that fades between two values.
 #ifndef LODESTAR_RAMP_H
 #define LODESTAR_RAMP_H
 
@@ -14,7 +14,7 @@ typedef struct {
     float max;
 } lode_range_t;
 
-/// The weight of a fade from 1 below `low` to 0 above `high` (low < high), linear between them.
+/// Weight 1 below `low`, 0 above `high` (low < high), and linear in between.
 typedef struct {
     float high;
     float slope; ///< 1 / (high - low)

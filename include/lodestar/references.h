@@ -106,13 +106,12 @@ typedef struct {
     lode_range_t torque_Nm; ///< range that is available at this speed and voltage
 } lode_references_out_t;
 
+/// Fills every zero field that has a default.
 void lode_references_design(lode_references_config_t *config,
-                            /// Fills every zero field that has a default.
                             const lode_inverter_config_t *inverter, const lode_motor_t *motor);
 
 /// Checks a completed configuration and derives the tuning. `voltage_use`: that of current control. `ts_s`: time
 /// between two calls of the references.
-/// `voltage_use`: of current control; `ts_s`: time between two calls of the step.
 lode_status_t lode_references_tune(lode_references_tuning_t *tuning,
                                    const lode_references_config_t *config,
                                    const lode_inverter_config_t *inverter,

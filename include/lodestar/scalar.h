@@ -1,4 +1,4 @@
-/// Total scalar arithmetic: for every float, NaN and Inf included, the result is a finite float.
+/// Scalar arithmetic for any input: every float, NaN and Inf included, gives a finite result.
 #ifndef LODESTAR_SCALAR_H
 #define LODESTAR_SCALAR_H
 
@@ -18,8 +18,8 @@ extern "C" {
 #define LODE_HALF_PI 1.57079632679489662f
 #define LODE_SQRT3 1.73205080756887729f
 
-/// Beyond this the argument of sine and cosine carries too little angle to be worth reducing: a
-/// float there is spaced by more than 1e-4 rad.
+/// Largest argument of sine and cosine, rad. Beyond it floats are more than 1e-4 rad apart, too coarse for an
+/// angle.
 #define LODE_ANGLE_LIMIT_rad 2048.0f
 
 typedef struct {
@@ -65,7 +65,8 @@ LODE_INLINE float lode_sqrt(float x) {
     return x > 0.0f ? sqrtf(x) : 0.0f;
 }
 
-/// One turn at most: x in [-3 pi, 3 pi] comes back in [-pi, pi]. Anything else is left 2 pi nearer.
+/// Takes off one turn at most: x in [-3 pi, 3 pi] gives a result in [-pi, pi]; a larger magnitude becomes 2 pi
+/// smaller.
 LODE_INLINE float lode_wrap_once(float x) {
     const float down = x > LODE_PI ? x - LODE_TWO_PI : x;
     return x < -LODE_PI ? x + LODE_TWO_PI : down;
@@ -74,21 +75,20 @@ LODE_INLINE float lode_wrap_once(float x) {
 /// Angle in [-pi, pi], for any x up to LODE_ANGLE_LIMIT_rad; 0 beyond and for NaN.
 float lode_wrap(float x_rad);
 
-/// Sine and cosine from one range reduction. Error at most 1e-6; beyond LODE_ANGLE_LIMIT_rad and for NaN those of
-/// angle 0.
+/// Sine and cosine. Error at most 1e-6; beyond LODE_ANGLE_LIMIT_rad and for NaN the values of angle 0.
 lode_sincos_t lode_sincos(float x_rad);
 
 #ifdef LODE_SINCOS_BOARD
-/// The board's own sine and cosine. Where LODE_SINCOS_BOARD is defined for the library, lode_sincos()
-/// calls it in place of the polynomials, with |x| <= LODE_ANGLE_LIMIT_rad. Error at most 1e-5. Called by
-/// the interrupt and by threads: it must be reentrant.
+/// The board's own sine and cosine. With LODE_SINCOS_BOARD defined for the library, lode_sincos() calls it instead
+/// of its polynomials, with |x| <= LODE_ANGLE_LIMIT_rad. Required error: at most 1e-5. The interrupt and threads
+/// call it, so it must be reentrant.
 lode_sincos_t lode_sincos_board(float x_rad);
 #endif
 
 /// Angle of the vector (x, y) in [-pi, pi]. Error at most 1e-6 rad; 0 for (0, 0) and for NaN.
 float lode_atan2(float y, float x);
 
-/// 1 - exp(-x), without cancellation, for x >= 0; 0 for negative x and NaN. For init: it iterates.
+/// 1 - exp(-x) without cancellation, for x >= 0; 0 for negative x and NaN. For init: it iterates.
 float lode_one_minus_exp(float x);
 
 #ifdef __cplusplus

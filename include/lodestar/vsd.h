@@ -1,8 +1,8 @@
 /// Vector space decomposition of a dual three-phase winding with isolated neutrals: phases a1 b1 c1
 /// a2 b2 c2 on axes 0, 120, 240, 30, 150, 270 degrees. Amplitude-invariant.
 ///
-/// Fundamental and 11th, 13th harmonics show in alpha-beta, where the torque is made, 5th and 7th in xy,
-/// where there are only losses; the zero sequences o1, o2 cannot flow.
+/// The fundamental and the 11th and 13th harmonics appear in alpha-beta, which makes the torque. The 5th and 7th
+/// appear in xy, which only has losses. The zero sequences o1, o2 cannot flow.
 #ifndef LODESTAR_VSD_H
 #define LODESTAR_VSD_H
 
@@ -12,19 +12,21 @@
 extern "C" {
 #endif
 
-/// Set 1 and set 2 of the winding.
+/// Number of three-phase sets of the winding.
 #define LODE_SETS 2
 
+/// Values of the six phases.
 typedef struct {
     lode_abc_t set[LODE_SETS];
 } lode_abc6_t;
 
-/// The vectors of the two sets, both in stator axes: set 1's alpha axis lies on a1.
+/// Vectors of the two sets, both in stator axes; alpha lies on phase a1.
 typedef struct {
     lode_ab_t set[LODE_SETS];
 } lode_sets_t;
 
-/// Clarke transform of set 2's phases, which stand 30 degrees ahead of set 1's, into stator axes, and back.
+/// Clarke transform of set 2, whose phases lie 30 degrees ahead of those of set 1, into stator axes, and its
+/// inverse.
 LODE_INLINE lode_ab_t lode_set2_clarke(lode_abc_t x) {
     const lode_ab_t out = {(x.a - x.b) * (1.0f / LODE_SQRT3),
                            (x.a + x.b - 2.0f * x.c) * (1.0f / 3.0f)};
@@ -38,7 +40,7 @@ LODE_INLINE lode_abc_t lode_set2_clarke_inverse(lode_ab_t x) {
     return out;
 }
 
-/// alpha-beta is the mean of both sets' vectors, xy half of their difference, mirrored (V1).
+/// alpha-beta is the mean of the two sets' vectors; xy is half of their difference, mirrored (V1).
 LODE_INLINE lode_ab_t lode_vsd_ab(lode_sets_t x) {
     const lode_ab_t out = {0.5f * (x.set[0].alpha + x.set[1].alpha),
                            0.5f * (x.set[0].beta + x.set[1].beta)};
