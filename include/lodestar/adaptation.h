@@ -52,7 +52,7 @@ typedef struct {
 /// Everything that is known about the motor, with three phases or six. "Share": relative to the configured value.
 typedef struct {
     const lode_drive_tuning_t *base; ///< as commissioned or posted later; six phases: of both sets
-    const lode_drive_tuning_t *posted; ///< posted last and with that in use; at first the base
+    const lode_drive_tuning_t *posted; ///< last one posted: the base with the values in use
     lode_motor_t motor;
     bool adapts_J;
     bool adapts_psi;

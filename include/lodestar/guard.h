@@ -37,18 +37,18 @@ typedef enum {
     /// bus voltage, V: its ADC count has not changed for the time `limit`, s, although the EMF shows that the bus
     /// has
     LODE_CHECK_BUS_STUCK,
-    /// flux linkage from the EMF, Wb, with a correct angle; limit: that of the motor, in START twice that
+    /// flux linkage from the EMF, Wb, with a correct angle; limit: the motor's at this current, in START twice that
     LODE_CHECK_FLUX,
     LODE_CHECK_RESISTANCE, ///< resistance that the start has measured beyond the configured one, Ohm
     /// replaces HARDWARE_TRIP or OVER_CURRENT if a current flows on with the gates off: current of that phase, A.
     /// Negative: its low-side switch is shorted, positive: its high-side switch
     LODE_CHECK_SWITCH_SHORTED,
     /// before a start: current response along the applied voltage at the worst rotor angle, A; negative: it appears
-    /// in another phase or with the wrong sign
+    /// in another phase or with the wrong sign, or a current flows before the pulse
     LODE_CHECK_SIGNALS,
     /// before a start: inductance that voltage and current show, mean over all angles, H
     LODE_CHECK_INDUCTANCE,
-    /// electrical speed that a load has reached against all the torque, rad/s; limit: the commanded one
+    /// electrical speed that a load has reached against all the torque, rad/s; limit: the speed reference
     LODE_CHECK_OVERLOAD,
     /// factor by which all currents changed at once without a voltage that explains it; limit: 1
     LODE_CHECK_CURRENT_GAIN,
@@ -83,7 +83,7 @@ typedef struct {
     /// change within this time; 0: not checked
     float bus_still_s;
     /// in RUN with speed control: a load may move the speed against all the torque of i_max by as much as that
-    /// torque would move it in this time, and by at least a twentieth (K19); 0: 0.03; LODE_NONE: not checked
+    /// torque would move it in this time, and by a twentieth of the reference (K19); 0: 0.03; LODE_NONE: not checked
     float overload_s;
 } lode_guard_config_t;
 

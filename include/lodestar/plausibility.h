@@ -122,7 +122,7 @@ typedef struct {
     float x_Ohm;   ///< reactance at the speed of the vector
 } lode_hold_t;
 
-#define LODE_NONE_FOLLOWS 8u ///< bit beside the three phase bits
+#define LODE_NONE_FOLLOWS 8u ///< bit above those of the three phases
 
 /// Second part of a look at the counts. The first part (lode_plausibility_look() in plausibility_inline.h) has
 /// found the phases `again`, a bit each, that have kept their count twice in a row. `turn_rad`: signed turn of the

@@ -77,7 +77,7 @@ typedef struct {
 /// State of a calibration.
 typedef struct {
     uint32_t count[3];  ///< sums of the counts
-    uint32_t steps2[3]; ///< sums of the squared differences of successive counts, each at most 255
+    uint32_t steps2[3]; ///< sums of squared differences of successive counts, taken as at most 255
     uint16_t before[3]; ///< counts of the last sample
     uint32_t samples;   ///< number of samples in the sums
 } lode_sense_sums_t;

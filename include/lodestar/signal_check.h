@@ -41,7 +41,7 @@ typedef struct {
 typedef struct {
     float ts_s;  ///< control period
     bool pulses; ///< low-side pulses (fly.h) come first and detect a turning rotor
-    bool sums;   ///< the three currents are measured separately, so their sum is meaningful
+    bool sums;   ///< the sum of the three currents is checked (guard.i_sum_A)
 } lode_signal_check_given_t;
 
 /// State of the check.

@@ -61,7 +61,7 @@ typedef struct {
     /// sweep per period while the current rises; with a measurement from half of the current on
     float sweep_step_rad;
     float omega_step; ///< largest change of the vector's speed, rad/s per period
-    /// share of omega_step per rad/s of: speed plus a 64th of omega_handover (S35)
+    /// share of omega_step in use = steepens times (speed + omega_handover/64), s/rad (S35)
     float steepens;
     float damping;   ///< angle by which the vector gives way, rad per V of swinging EMF, at most
     float damping_A; ///< upper limit of `damping` times the current (S15)
