@@ -3,9 +3,13 @@
 #define PEAK_SHARE 0.8f   // of i_max: current of a pulse at the highest speed (S22)
 #define TARGET_SHARE 0.1f // of i_max, at t_k: by its end a pulse makes twice that
 #define SEEN_SHARE 0.003f // of i_max: some three counts, which show the angle within 10 degrees
-#define SHARE_MAX 0.5f    // the current must decay before the next pulse
-#define FIRST_MAX 0.05f   // of the period: short enough for an EMF close to the bus voltage
-#define DECAY_SHARE 0.8f  // of the time in which the current just decays (S23)
+// (S50). Of the rms length of the vectors that noise makes: one of it is longer once in 8000.
+#define SEEN_NOISE 3.0f
+#define SEEN_MORE 1.5f   // times, after a row of vectors of noise
+#define NOISE_PERIODS 8u // of BEGIN, in which noise is measured
+#define SHARE_MAX 0.5f   // the current must decay before the next pulse
+#define FIRST_MAX 0.05f  // of the period: short enough for an EMF close to the bus voltage
+#define DECAY_SHARE 0.8f // of the time in which the current just decays (S23)
 #define FITS 1.2f      // of the longest share: tolerance, as it varies with each sample of the EMF
 #define ACTED_MIN 0.3f // share of a pulse that acts at least, whatever dead time takes
 #define GROWTH 2.0f    // of the part of a pulse that acts but shows nothing: this triples
@@ -14,15 +18,24 @@
 #define TURN_LEAST_rad 0.5f  // ... after this one to some 20 %
 #define SCATTER_MAX_rad 0.5f // rms about the line; noise alone has 1.6 and more
 #define TURN_PERIODS 12u     // periods of TURN, at least
+#define SCATTER_PERIODS 24u  // periods of TURN after which a row of vectors of noise ends
 #define TURN_PART (LODE_SLOW_PERIODS / 2u) // half of catch_rounds, in periods
 // Of omega_handover: a slower rotor is left to START.
 #define LEAST_SHARE 0.75f
 // (S24): bounds of the EMF by the vectors' size, over that of the configured flux. The inductance may be 20 % off.
 #define FLUX_LOW 0.5f
 #define FLUX_HIGH 1.6f
-#define LOST_SHARE 0.5f  // of the least current that is used: noise rarely has it, and not for long
+#define NOISY 4.0f     // times noise: vectors as small may leave the line by noise alone
+#define NOISE_TRIES 3u // after so many rows of vectors that did not turn, the rotor may be at rest
 #define GONE_SHARE 0.25f // of the target: the current has decayed
 #define SETTLE 2u        // periods from a new share to its first sample
+// Whole periods with the low sides on (S51), where a pulse within a period shows less than half of the target.
+#define LONG_BELOW 0.5f // of the target
+#define LONG_LEAST                                                                                 \
+    0.2667f // share that (S23) allows: with a line EMF of two thirds of the bus the current decays in twice the time
+#define LONG_MOST 16u   // periods
+#define LONG_SEEN 1.5f  // times the least current that is used
+#define LONG_VECTORS 8u // least number of vectors, each of 3n + 2 periods
 
 #ifdef LODE_WITHOUT_FLYING_START
 
@@ -72,11 +85,6 @@ void lode_fly_begin(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
         .stage = (uint_least8_t)(tuning->share_first > 0.0f ? LODE_FLY_BEGIN : LODE_FLY_SLOW)};
 }
 
-// Current at t_k from which a vector has a usable direction.
-static float seen_A(const lode_fly_given_t *given) {
-    return SEEN_SHARE * given->i_max_A;
-}
-
 // Current at t_k up to which the pulses lengthen.
 static float target_A(const lode_fly_given_t *given) {
     return TARGET_SHARE * given->i_max_A;
@@ -92,6 +100,17 @@ static float emf_V(const lode_fly_given_t *given, float i_abs_A) {
     return 2.0f * given->Lq_H / given->ts_s * i_abs_A;
 }
 
+// Length of a pulse as a share of the period: twice the time in which the EMF has acted, as of one that lies about t_k.
+static float pulse_share(const lode_fly_t *self) {
+    return self->span > 0u ? 2.0f * (float)(int32_t)self->span : self->share;
+}
+
+// Periods from one vector to the next.
+static uint32_t gap_periods(const lode_fly_t *self) {
+    const uint32_t span = self->span;
+    return span > 0u ? 3u * span + 2u : 1u;
+}
+
 // Longest time for which the vectors are watched, in periods.
 static uint32_t most_periods(const lode_fly_given_t *given) {
     const uint32_t part = TURN_PART * given->catch_rounds;
@@ -101,6 +120,12 @@ static uint32_t most_periods(const lode_fly_given_t *given) {
 static void enter(lode_fly_t *self, uint_least8_t stage) {
     self->stage = stage;
     self->periods = 0u;
+}
+
+static void enter_grow(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
+    self->share = tuning->share_first;
+    self->wait = SETTLE;
+    enter(self, (uint_least8_t)LODE_FLY_GROW);
 }
 
 // (S23): longest share after which the current, driven down by the bus less the EMF, is gone before the next pulse.
@@ -113,18 +138,55 @@ static float longest(const lode_fly_t *self, const lode_fly_tuning_t *tuning, fl
     return lode_clamp(DECAY_SHARE * left, window(given->duty_max), SHARE_MAX);
 }
 
+// The rotor's first vector, or none that can be told from noise.
+static void end_grow(lode_fly_t *self, lode_ab_t i_A, bool seen) {
+    self->theta_rad = lode_atan2(i_A.beta, i_A.alpha);
+    self->rests = (uint_least8_t)(seen ? 0u : 1u); // TURN decides, if there is a vector
+    enter(self, (uint_least8_t)(seen ? LODE_FLY_TURN : LODE_FLY_SLOW));
+}
+
+// (S51): periods after which the slowest rotor that is looked for makes a vector.
+static uint32_t longest_span(const lode_fly_t *self, const lode_fly_given_t *given) {
+    const float least_A =
+        given->psi_Wb * LEAST_SHARE * given->omega_handover * given->ts_s / given->Lq_H;
+    const float span = 2.0f * self->seen_A / lode_max(least_A, FLT_MIN);
+    return (uint32_t)(int32_t)lode_clamp(span + 1.0f, 1.0f, (float)LONG_MOST);
+}
+
+static void begin_span(lode_fly_t *self, uint32_t span) {
+    self->span = (uint_least8_t)span;
+    self->cycle = 0u;
+    self->share = 1.0f;
+}
+
+// One vector of a pulse of whole periods.
+static void lengthen(lode_fly_t *self, lode_ab_t i_A, const lode_fly_given_t *given) {
+    const uint32_t most = longest_span(self, given);
+    const uint32_t span = self->span;
+    const float i_abs_A = lode_ab_length(i_A);
+    const bool seen = i_abs_A >= self->seen_A;
+    if (span >= most || i_abs_A >= LONG_SEEN * self->seen_A) {
+        end_grow(self, i_A, seen);
+    } else {
+        const uint32_t twice = 2u * span;
+        self->span = (uint_least8_t)(twice < most ? twice : most);
+    }
+}
+
 static void grow(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
                  const lode_fly_given_t *given) {
     const float i_abs_A = lode_ab_length(i_A);
-    const bool seen = i_abs_A >= seen_A(given);
+    const bool seen = i_abs_A >= self->seen_A;
     const float most = seen ? longest(self, tuning, i_abs_A, given) : SHARE_MAX;
     const bool enough = i_abs_A >= target_A(given) || self->share >= most;
     const bool fits = self->share <= FITS * most;
     self->periods++;
+    if (enough && fits && most >= LONG_LEAST && i_abs_A < LONG_BELOW * target_A(given)) {
+        begin_span(self, 1u);
+        return;
+    }
     if ((enough && fits) || self->periods >= most_periods(given)) {
-        self->theta_rad = lode_atan2(i_A.beta, i_A.alpha);
-        self->rests = (uint_least8_t)(seen ? 0u : 1u); // TURN decides, if there is a vector
-        enter(self, (uint_least8_t)(seen ? LODE_FLY_TURN : LODE_FLY_SLOW));
+        end_grow(self, i_A, seen);
         return;
     }
     float more = lode_max(tuning->share_first, GROWTH * (self->share - share_blind(tuning, given)));
@@ -141,8 +203,8 @@ static bool is_motor(const lode_fly_t *self, const lode_fly_tuning_t *tuning, fl
     const float seen_V = emf_V(given, i_abs_A);
     const float induced_V = given->psi_Wb * lode_abs(omega);
     return lode_abs(omega) >= LEAST_SHARE * given->omega_handover &&
-           seen_V <= FLUX_HIGH * induced_V * self->share &&
-           seen_V >= FLUX_LOW * induced_V * (self->share - share_blind(tuning, given));
+           seen_V <= FLUX_HIGH * induced_V * pulse_share(self) &&
+           seen_V >= FLUX_LOW * induced_V * (pulse_share(self) - share_blind(tuning, given));
 }
 
 // (S25): line through the angles of TURN, by least squares. Noise of the last angle alone would be an error of the angle,
@@ -158,42 +220,76 @@ static line_t line_of(const lode_fly_t *self) {
     return (line_t){mean + 0.5f * last * slope - self->turned_rad, slope, scatter};
 }
 
-static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
-                 const lode_fly_given_t *given) {
-    const float i_abs_A = lode_ab_length(i_A);
+static void note_vector(lode_fly_t *self, lode_ab_t i_A) {
     const float at_rad = lode_atan2(i_A.beta, i_A.alpha);
     self->periods++;
     self->turned_rad += lode_wrap(at_rad - self->theta_rad);
     self->theta_rad = at_rad;
+    self->sum_A += lode_ab_length(i_A);
     self->sum_rad += self->turned_rad;
     self->moment_rad += (float)(int32_t)self->periods * self->turned_rad;
     self->square_rad2 += self->turned_rad * self->turned_rad;
-    const float turned = lode_abs(self->turned_rad);
-    const bool charged = self->charged >= given->charge;
-    if (i_abs_A < LOST_SHARE * seen_A(given)) {
-        self->rests = 1u;
-        enter(self, (uint_least8_t)LODE_FLY_SLOW);
-        return;
+}
+
+// A vector of noise was taken for the rotor's, or its current adds up: with another share it may be seen.
+static void try_again(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
+    const uint32_t tries = self->tries + 1u;
+    *self = (lode_fly_t){.noise_A = self->noise_A,
+                         .seen_A = SEEN_MORE * self->seen_A,
+                         .charged = self->charged,
+                         .tries = (uint_least8_t)tries,
+                         .stage = (uint_least8_t)LODE_FLY_SLOW};
+    if (tries < NOISE_TRIES) {
+        enter_grow(self, tuning);
     }
-    if (!charged || (self->periods < most_periods(given) &&
-                     (self->periods < TURN_PERIODS || turned < TURN_rad))) {
+}
+
+// The rotor is known.
+static void find(lode_fly_t *self, const lode_fly_given_t *given, const line_t *line, float omega) {
+    // (S21): the current lags the rotor by a quarter turn, and by what the rotor turns during the pulse.
+    const float half_rad = 0.25f * pulse_share(self) * given->ts_s * omega;
+    const float lead_rad = lode_atan2(given->Lq_H * given->inv_Ld * half_rad, 1.0f);
+    const float ahead = lode_sign(omega) * LODE_HALF_PI + lead_rad;
+    self->theta_rad = lode_wrap(self->theta_rad + line->more_rad + ahead);
+    self->omega_rad_s = omega;
+    self->share = 0.0f;
+    self->span = 0u;
+    enter(self, (uint_least8_t)LODE_FLY_COAST);
+}
+
+// Enough vectors have been seen.
+static bool is_watched(const lode_fly_t *self, const lode_fly_given_t *given) {
+    const uint32_t least = self->span > 0u ? LONG_VECTORS : TURN_PERIODS;
+    const bool turned = lode_abs(self->turned_rad) >= TURN_rad;
+    const bool late = self->periods * gap_periods(self) >= most_periods(given);
+    return self->charged >= given->charge && self->periods >= LONG_VECTORS &&
+           (late || (self->periods >= least && turned));
+}
+
+static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
+                 const lode_fly_given_t *given) {
+    note_vector(self, i_A);
+    const bool enough = is_watched(self, given);
+    const bool early = self->periods <= SCATTER_PERIODS;
+    if (!enough && self->periods != SCATTER_PERIODS) {
         return;
     }
     const line_t line = line_of(self);
-    const float omega = line.slope_rad / given->ts_s;
-    // (S45): vectors of noise or of an offset do not turn. Then the rotor may be at rest.
-    const bool turns =
-        turned >= TURN_LEAST_rad && line.scatter_rad2 <= SCATTER_MAX_rad * SCATTER_MAX_rad;
-    if (turns && is_motor(self, tuning, i_abs_A, omega, given)) {
-        // (S21): the current lags the rotor by a quarter turn, and by what the rotor turns during the pulse.
-        const float lead_rad = 0.25f * given->Lq_H * given->inv_Ld * self->share * line.slope_rad;
-        const float ahead = lode_sign(omega) * LODE_HALF_PI + lead_rad;
-        self->theta_rad = lode_wrap(at_rad + line.more_rad + ahead);
-        self->omega_rad_s = omega;
-        self->share = 0.0f;
-        enter(self, (uint_least8_t)LODE_FLY_COAST);
+    const bool on_line = line.scatter_rad2 <= SCATTER_MAX_rad * SCATTER_MAX_rad;
+    const float mean_A = self->sum_A / (float)(int32_t)self->periods;
+    if (!enough && on_line) {
+        return;
+    }
+    // (S45): vectors of an offset do not turn, those of a rotor that comes to rest do not stay on a line.
+    const bool turns = lode_abs(self->turned_rad) >= TURN_LEAST_rad && on_line;
+    const float gap_s = given->ts_s * (float)(int32_t)gap_periods(self);
+    const float omega = line.slope_rad / gap_s;
+    if (turns && is_motor(self, tuning, mean_A, omega, given)) {
+        find(self, given, &line, omega);
+    } else if (turns || (early && mean_A < NOISY * self->noise_A)) {
+        try_again(self, tuning);
     } else {
-        self->rests = (uint_least8_t)(turns ? 0u : 1u);
+        self->rests = 1u;
         enter(self, (uint_least8_t)LODE_FLY_SLOW);
     }
 }
@@ -207,19 +303,42 @@ static void coast(lode_fly_t *self, const lode_fly_given_t *given, lode_ab_t i_A
     }
 }
 
-// With the EMF above the bus the diodes conduct, and their current would hide that of the pulses.
+// With the EMF above the bus the diodes conduct, and their current would hide that of the pulses. Else there is noise (S50).
 static void begin(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
                   const lode_fly_given_t *given) {
     self->periods++;
-    if (lode_ab_length(i_A) < seen_A(given)) {
-        self->share = tuning->share_first;
-        self->wait = SETTLE;
-        enter(self, (uint_least8_t)LODE_FLY_GROW);
+    self->sum_A2 += lode_ab_length2(i_A);
+    if (self->periods % NOISE_PERIODS != 0u) {
+        return;
+    }
+    self->noise_A = lode_sqrt(self->sum_A2 * (1.0f / (float)NOISE_PERIODS));
+    self->sum_A2 = 0.0f;
+    self->seen_A = lode_max(SEEN_SHARE * given->i_max_A, SEEN_NOISE * self->noise_A);
+    if (self->seen_A <= target_A(given)) {
+        enter_grow(self, tuning);
     } else if (self->periods >= most_periods(given)) {
         enter(self, (uint_least8_t)LODE_FLY_SLOW);
     } else {
         // the EMF may fall
     }
+}
+
+// (S51): n periods on, the sample at their end, and 2n + 1 off, in which the current decays. True: the sample is `i_A`.
+static bool is_sampled(lode_fly_t *self, const lode_fly_given_t *given) {
+    const uint32_t span = self->span;
+    const uint32_t cycle = self->cycle + 1u;
+    const bool ends = cycle >= gap_periods(self);
+    self->cycle = (uint_least8_t)(ends ? 0u : cycle);
+    if (ends) {
+        self->share = 1.0f;
+    } else if (cycle == span) {
+        self->share = window(given->duty_max); // low-side shunts are sampled with the low sides on
+    } else if (cycle > span) {
+        self->share = 0.0f;
+    } else {
+        // on
+    }
+    return cycle == span + 1u;
 }
 
 void lode_fly_step(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
@@ -229,12 +348,20 @@ void lode_fly_step(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t 
         self->wait--;
         return;
     }
+    const bool spans = self->span > 0u;
+    if (spans && !is_sampled(self, given)) {
+        return;
+    }
     switch (self->stage) {
     case LODE_FLY_BEGIN:
         begin(self, tuning, i_A, given);
         break;
     case LODE_FLY_GROW:
-        grow(self, tuning, i_A, given);
+        if (spans) {
+            lengthen(self, i_A, given);
+        } else {
+            grow(self, tuning, i_A, given);
+        }
         break;
     case LODE_FLY_TURN:
         turn(self, tuning, i_A, given);

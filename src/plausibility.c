@@ -71,6 +71,9 @@
 // Share of the acceleration of a free rotor by all the torque (K19): a load that is hardly larger than the torque, or one with
 // ripple, may move the speed this fast.
 #define AWAY_SHARE 0.1f
+// Of rated speed. Gain errors of the current sensors make the estimated speed swing twice per turn, by more than all the torque
+// changes that of a heavy rotor in overload_s.
+#define AWAY_LEAST 0.05f
 // (K29), braking: multiple of overload_s, three time constants of a slow PLL, after which a rotor under full braking torque no
 // longer seems to get faster; and share of the threshold of (K19), above noise.
 #define FASTER_TIMES 2.0f
@@ -111,7 +114,7 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
 
 lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
                                           const lode_guard_config_t *config, float rise_rad_s2,
-                                          float ts_s) {
+                                          float omega_rated_rad_s, float ts_s) {
     const bool none = lode_is_none(config->overload_s);
     if (!none && !lode_in_range(config->overload_s, ts_s, OVERLOAD_MAX_s)) {
         return LODE_ERROR_GUARD_TIME;
@@ -123,7 +126,9 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
 #endif
     const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
     const bool watched = !none && config->plausibility == LODE_ON;
-    tuning->away_rad_s = watched ? config->overload_s * rise_rad_s2 : 0.0f;
+    const float away_rad_s =
+        lode_max(config->overload_s * rise_rad_s2, AWAY_LEAST * omega_rated_rad_s);
+    tuning->away_rad_s = watched ? away_rad_s : 0.0f;
     tuning->away_step = AWAY_SHARE * round_s * rise_rad_s2;
     return LODE_OK;
 }

@@ -693,6 +693,7 @@ static void test_a_frozen_vector_is_missed_at_two_looks_in_a_row(void) {
 // --- Load -----------------------------------------------------------------------------------------
 
 #define RISE_rad_s2 100.0f
+#define RATED_rad_s 0.001f // so slow that it does not matter
 #define ROUND_s (8.0 * 1.0e-4)
 #define FASTER_TIMES 2.0
 
@@ -700,8 +701,8 @@ static lode_plausibility_tuning_t load_tuning(float overload_s) {
     lode_guard_config_t config = sound_config();
     config.overload_s = overload_s;
     lode_plausibility_tuning_t tuning = {.i_sum = 0};
-    TEST_ASSERT_EQUAL_INT(LODE_OK,
-                          lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, 1.0e-4f));
+    TEST_ASSERT_EQUAL_INT(
+        LODE_OK, lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, RATED_rad_s, 1.0e-4f));
     return tuning;
 }
 
@@ -812,18 +813,27 @@ static void test_configuration_of_the_load(void) {
     const float bad[] = {0.0f, 0.99e-4f, 10.1f, -2.0f, NAN, INFINITY};
     for (int n = 0; n < COUNT_OF(bad); n++) {
         config.overload_s = bad[n];
-        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME,
-                              lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, 1.0e-4f));
+        TEST_ASSERT_EQUAL_INT(
+            LODE_ERROR_GUARD_TIME,
+            lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, RATED_rad_s, 1.0e-4f));
     }
     const float good[] = {1.0e-4f, 10.0f, LODE_NONE};
     for (int n = 0; n < COUNT_OF(good); n++) {
         CHECK_CLOSE(1.0e-5, n == 2 ? 0.0 : 100.0 * (double)good[n],
                     load_tuning(good[n]).away_rad_s);
     }
+    // A heavy rotor: 5 % of rated speed at least.
+    config.overload_s = 0.03f;
+    for (int n = 0; n < 2; n++) {
+        const float rated_rad_s = n == 0 ? 59.0f : 61.0f;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2,
+                                                                   rated_rad_s, 1.0e-4f));
+        CHECK_CLOSE(1.0e-5, n == 0 ? 3.0 : 3.05, tuning.away_rad_s);
+    }
     config.overload_s = 0.1f;
     config.plausibility = LODE_OFF;
-    TEST_ASSERT_EQUAL_INT(LODE_OK,
-                          lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, 1.0e-4f));
+    TEST_ASSERT_EQUAL_INT(
+        LODE_OK, lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, RATED_rad_s, 1.0e-4f));
     CHECK_AT_MOST(0.0, tuning.away_rad_s);
 }
 

@@ -54,14 +54,21 @@ typedef struct {
     float share; ///< share of the period for which the low sides are on, from the next period on
     float theta_rad;     ///< angle of the last current vector; COAST, FOUND: rotor angle at t_k
     float turned_rad;    ///< TURN: angle turned since the stage began
+    float sum_A;         ///< TURN: sum of the vectors' lengths over the periods
     float sum_rad;       ///< sum of turned_rad over the periods (S25)
     float moment_rad;    ///< sum of turned_rad times the number of the period
     float square_rad2;   ///< sum of the squares of turned_rad
     float omega_rad_s;   ///< COAST, FOUND: electrical speed
     float charged;       ///< total length of the pulses, control periods
+    float sum_A2;        ///< BEGIN: sum of the squared currents, gates off
+    float noise_A;       ///< from BEGIN on: rms current with the gates off
+    float seen_A;        ///< from BEGIN on: least current whose direction is used (S50)
     uint32_t periods;    ///< periods in the present stage
     uint_least8_t wait;  ///< periods until a new pulse length has been sampled
     uint_least8_t stage; ///< LODE_FLY_...
+    uint_least8_t span;  ///< pulses of so many whole periods (S51); 0: pulses within each period
+    uint_least8_t cycle; ///< of such a pulse and the pause after it: periods since its beginning
+    uint_least8_t tries; ///< rows of vectors that did not turn
     uint_least8_t rests; ///< SLOW: not 0: the longest pulses have shown no rotation
 } lode_fly_t;
 

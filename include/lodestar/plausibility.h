@@ -195,10 +195,10 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_sense_tuning_t *sense);
 
 /// Sets the limits of a load in RUN (K19). `rise_rad_s2`: electrical acceleration of a free rotor by all the torque
-/// of i_max. Call lode_plausibility_tune() first; it overwrites the whole tuning.
+/// of i_max; `omega_rated_rad_s`: rated electrical speed. Call lode_plausibility_tune() first; it overwrites the whole tuning.
 lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
                                           const lode_guard_config_t *config, float rise_rad_s2,
-                                          float ts_s);
+                                          float omega_rated_rad_s, float ts_s);
 
 /// Sets the limits in volts. `i_max_V`: voltage that would change the current by i_max in one period (K38).
 /// `taken_V`: what dead time and drops may take from a phase.
