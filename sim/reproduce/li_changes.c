@@ -35,11 +35,10 @@ static void worst_of_ramps(row_t *row, const li_runs_t *runs, li_quantity_t what
 static void figure_16(li_work_t *work) {
     figure_t *figure =
         table_figure(work->table, "fig16", "Fig. 16: 300-600-840-600-300 rpm, no load");
-    (void)snprintf(
-        figure->note, sizeof figure->note,
-        "Largest of the four ramps. Their slope, 1000 rpm/s, is ours. The PLL knows J and the "
-        "torque of the measured current, so a ramp is no surprise to it. The GI-LESO's integrator"
-        " needs 1/wc = 0.3 s to follow the speed.");
+    (void)snprintf(figure->note, sizeof figure->note,
+                   "Largest of the four ramps. Their slope, 1000 rpm/s, is our choice. The PLL "
+                   "knows J and the torque of the measured current, so it can follow a ramp at "
+                   "once. The GI-LESO's integrator needs 1/wc = 0.3 s to follow the speed.");
     for (int o = 0; o < LI_OBSERVERS; ++o) {
         const li_runs_t runs =
             li_run_columns(work, li_ramp_case((li_observer_t)o), LI_THREE_COLUMNS);
@@ -128,10 +127,10 @@ static void figure_17(li_work_t *work) {
     const double d = work->theory.euler.pole_pairs * LI_STEP_Nm / work->theory.euler.J_kgm2;
     (void)snprintf(
         figure->note, sizeof figure->note,
-        "Load within 0.2 ms: d = np T/J = %.0f rad/s^2. After a step of d the LESO-QPLL errs by 2 "
-        "exp(-2) d/sigma^2 in angle and 0.840 d/sigma in speed, a QPLL by d/sigma^2 and 2 "
-        "d/sigma. The claimed 3.2 deg and 5 rpm together would need sigma = %.0f or %.0f rad/s, "
-        "whatever d is.",
+        "The load changes within 0.2 ms: d = np T/J = %.0f rad/s^2. After a step of d the error of "
+        "the LESO-QPLL is 2 exp(-2) d/sigma^2 in angle and 0.840 d/sigma in speed; that of a QPLL "
+        "is d/sigma^2 and 2 d/sigma. The claimed 3.2 deg and 5 rpm together would require sigma = "
+        "%.0f rad/s with a LESO-QPLL or %.0f rad/s with a QPLL, whatever d is.",
         d, sigma_of(work, 2.0 * exp(-2.0) / 0.840), sigma_of(work, 0.5));
     for (int o = 0; o < LI_OBSERVERS; ++o) {
         step_rows(work, (li_observer_t)o, 0.0);
@@ -166,7 +165,7 @@ static void emf_row(li_work_t *work, const char *what, double factor, const li_r
     const words_t words = {.claim = CLAIM_AT_MOST,
                            .claimed = LI_HARDLY_pct,
                            .theory = NAN,
-                           .lacks = "the motor: what share of the EMF its Rs I and w Lq I are"};
+                           .lacks = "the motor: its Rs I and w Lq I as shares of the EMF"};
     (void)snprintf(id, sizeof id, "fig18_%s_%.0f_emf", what, 100.0 * factor);
     (void)snprintf(text, sizeof text, "%s at %.0f %%: EMF, change", what, 100.0 * factor);
     const li_place_t at = {"fig18", id, text, "%"};
@@ -224,13 +223,12 @@ static void figure_18(li_work_t *work) {
         table_figure(work->table, "fig18", "Fig. 18: wrong Rs and Lq, FA-LESO, 300 rpm");
     double pull_out_Nm = 0.0;
     (void)li_theory_Lq_deg(&work->theory, 300.0, LI_RATED_Nm, 1.5, &pull_out_Nm);
-    (void)snprintf(
-        figure->note, sizeof figure->note,
-        "Rs: rated load. id* = 0. The paper gives no figures for Lq, and \"does not "
-        "change\" is taken as at most 1 deg. Theory includes that the wrong angle needs "
-        "more current; with Lq x1.50 the drive can hold at most %.1f Nm. \"Hardly changes\" is "
-        "taken as at most %g %%.",
-        pull_out_Nm, LI_HARDLY_pct);
+    (void)snprintf(figure->note, sizeof figure->note,
+                   "Rs: rated load, id* = 0. The paper gives no figures for Lq. \"Does not "
+                   "change\" is taken as at most 1 deg. Theory includes the larger current that "
+                   "the wrong angle requires. With Lq x1.50 the drive can hold at most %.1f Nm. "
+                   "\"Hardly changes\" is taken as at most %g %%.",
+                   pull_out_Nm, LI_HARDLY_pct);
     Rs_rows(work);
     Lq_rows(work, 1.0);
     Lq_rows(work, 0.5);
@@ -254,9 +252,9 @@ static void equations_42_43(li_work_t *work) {
     figure_t *figure =
         table_figure(work->table, "eq42", "Eqs. 42, 43: rated load, 300 rpm, id* = -3 A");
     (void)snprintf(figure->note, sizeof figure->note,
-                   "Theory: the formulas with what the drive of column exact sees. They hold with"
-                   " the ESTIMATED amplitude of the EMF in place of E_ex, and currents in the "
-                   "estimated frame.");
+                   "Theory: the formulas, with what the drive of column \"exact\" sees. They hold "
+                   "with the ESTIMATED amplitude of the EMF in place of E_ex, and with currents in "
+                   "the estimated frame.");
     const li_runs_t runs =
         li_run_columns(work, mismatch_case(factors, 4, LI_RATED_Nm, ID_A), LI_THREE_COLUMNS);
     formula_row(work, "eq42_Rs_50", "eq. 42, Rs x0.50: error", &runs, 0, 0.5 * c->Rs_Ohm, 0.0);
@@ -270,9 +268,10 @@ static void equations_42_43(li_work_t *work) {
 static void xy_plane(li_work_t *work) {
     figure_t *figure =
         table_figure(work->table, "xy", "xy current, 6 % of 5th and of 7th, 80 % load");
-    (void)snprintf(figure->note, sizeof figure->note,
-                   "FA-LESO. Largest |i_xy| at the sampling instants; 3 %% of rated are %.2f A.",
-                   0.03 * LI_RATED_A);
+    (void)snprintf(
+        figure->note, sizeof figure->note,
+        "FA-LESO. Largest |i_xy| at the sampling instants; 3 %% of the rated current is %.2f A.",
+        0.03 * LI_RATED_A);
     for (int plain = 1; plain >= 0; --plain) {
         li_case_t what = li_steady_case(LI_FA, 0.8 * LI_RATED_Nm);
         what.harmonics = LI_HARMONICS;

@@ -101,11 +101,11 @@ static void half_load(li_work_t *work) {
     what.stage[0] =
         (li_stage_t){.duration_s = LI_SETTLES_s, .speed_rpm = 600.0, .load_Nm = 0.5 * LI_RATED_Nm};
     const li_runs_t runs = li_run_columns(work, what, LI_ALL_COLUMNS);
-    const words_t words = {.claim = CLAIM_EXACTLY,
-                           .claimed = 0.0,
-                           .theory = NAN,
-                           .lacks = "the motor and its rated load, against which the C-LESO's lag "
-                                    "weighs"};
+    const words_t words = {
+        .claim = CLAIM_EXACTLY,
+        .claimed = 0.0,
+        .theory = NAN,
+        .lacks = "the motor and its rated load, which decide what the C-LESO's lag costs"};
     const li_place_t at = {"fig14", "fig14_c_half_load", "C-LESO, half load: completed 1, lost 0",
                            ""};
     (void)li_fill(work, &at, &words, &runs, 0, LI_HELD);
@@ -123,12 +123,12 @@ static void figures_13_14(li_work_t *work, li_runs_t runs[LI_OBSERVERS]) {
     for (int n = 0; n < 2; ++n) {
         figure_t *figure = table_figure(work->table, ids[n], titles[n]);
         (void)snprintf(figure->note, sizeof figure->note,
-                       "The paper reads, 5th and 7th in %%: C-LESO %.1f and %.1f, GI-LESO %.1f "
-                       "and %.1f, FA-LESO %.1f and %.1f. The harmonics of its motor are not "
-                       "given; 6 %% each are assumed, so ratios are compared. Spectrum of the "
-                       "estimated alpha EMF over whole turns. Theory assumes a smooth angle; here"
-                       " the angle ripples at 6 w, and with Ld < Lq that changes the EMF itself: "
-                       "compare --set motor.Ld_H=17.3e-3 --set plant.Ld_H=17.3e-3.",
+                       "The paper reads, for the 5th and 7th in %%: C-LESO %.1f and %.1f, GI-LESO "
+                       "%.1f and %.1f, FA-LESO %.1f and %.1f. The harmonics of its motor are not "
+                       "given. We assume 6 %% each and compare ratios. The spectrum is that of the "
+                       "estimated alpha EMF over whole turns. Theory assumes a smooth angle. In "
+                       "the runs the angle ripples at 6 w, and with Ld < Lq the ripple changes the "
+                       "EMF itself. To compare: --set motor.Ld_H=17.3e-3 --set plant.Ld_H=17.3e-3.",
                        claimed[n][LI_C][0], claimed[n][LI_C][1], claimed[n][LI_GI][0],
                        claimed[n][LI_GI][1], claimed[n][LI_FA][0], claimed[n][LI_FA][1]);
         for (int o = 0; o < LI_OBSERVERS; ++o) {
@@ -256,10 +256,9 @@ static void sweep(li_work_t *work, const li_runs_t set_1[LI_OBSERVERS]) {
     figure_t *figure = table_figure(work->table, "k2", "Which k2 would give Fig. 13?");
     (void)snprintf(
         figure->note, sizeof figure->note,
-        "Set 1 alone, half load, 300 rpm, sigma = 150 rad/s but at most k2/2. The "
-        "paper reads 0.8/5.4 = %.1f %% and 0.7/5.9 = %.1f %%; Table II has k2 = 314 "
-        "rad/s. The step rows say what such a k2 does in the load step of Fig. 17, where "
-        "the paper claims 3.2 deg.",
+        "Set 1 alone, half load, 300 rpm; sigma = 150 rad/s, but at most k2/2. The paper reads "
+        "0.8/5.4 = %.1f %% and 0.7/5.9 = %.1f %%. Table II has k2 = 314 rad/s. The rows with 5 Nm "
+        "show what such a k2 does in the load step of Fig. 17, for which the paper claims 3.2 deg.",
         wanted[0], wanted[1]);
     double ratio[2][LI_SWEEP];
     double swing[LI_SWEEP];

@@ -77,10 +77,10 @@ static void figures_10_12(li_work_t *work) {
         (void)snprintf(
             figure->note, sizeof figure->note,
             "Closed forms sampled at 10 kHz: C-LESO %.2f, GI-LESO %.2f, FA-LESO %+.2f deg in "
-            "forward Euler; %.2f, %.2f, %.2f in the library's form before compensation. The sign "
-            "in the paper's figures is not known, so sizes are compared; \"nearly 0\" is taken as "
-            "at most 1 deg. The paper weakens the field here, by a current that it does not give: "
-            "id* = -2.4 A is one of the variants.",
+            "forward Euler; %.2f, %.2f, %.2f deg in the library's form before compensation. The "
+            "sign in the paper's figures is not known, so sizes are compared. \"Nearly 0\" is "
+            "taken as at most 1 deg. The paper weakens the field here with a current that it does "
+            "not give; id* = -2.4 A is one of the variants.",
             li_phase_deg(li_theory_euler(&work->theory, LI_C, w, w)),
             li_phase_deg(li_theory_euler(&work->theory, LI_GI, w, w)),
             li_phase_deg(li_theory_euler(&work->theory, LI_FA, w, w)),
@@ -100,11 +100,12 @@ static void at_load(li_work_t *work) {
     static const char *const titles[] = {"80 % load at three speeds", "20 % load"};
     for (int n = 0; n < 2; ++n) {
         figure_t *figure = table_figure(work->table, ids[n], titles[n]);
-        (void)snprintf(figure->note, sizeof figure->note,
-                       "No claim. Corrected: between its samples the current of a phase swings, as "
-                       "Lxy is small; near the zeros of what the phase carries (%.1f A here) the "
-                       "dead time then acts on another sign than the mean's.",
-                       share[n] * LI_RATED_A);
+        (void)snprintf(
+            figure->note, sizeof figure->note,
+            "No claim. Column \"corrected\": Lxy is small, so a phase current swings widely "
+            "between its samples. Near the zeros of the phase current (%.1f A here) the dead time "
+            "then acts on a sign that is not that of the mean current.",
+            share[n] * LI_RATED_A);
         for (int o = n == 0 ? 0 : LI_FA; o < LI_OBSERVERS; ++o) {
             const li_runs_t runs =
                 li_run_columns(work, li_steady_case((li_observer_t)o, share[n] * LI_RATED_Nm),

@@ -13,10 +13,9 @@ static void table_1(li_work_t *work) {
     figure_t *figure = table_figure(work->table, "table1", "Table I: stability for k1, k2 > 0");
     (void)snprintf(
         figure->note, sizeof figure->note,
-        "The roots of eq. 22 for 8 values of k1 (1e-3 to 1e4), 9 of k2 (1 to 1e4, either sign) "
-        "and 5 speeds (0 to 1e4 rad/s) lie in the left half-plane exactly where eq. 24 says so. In "
-        "forward Euler, "
-        "eqs. 27 and 28 are stable only up to the speed in the second row.");
+        "For 8 values of k1 (1e-3 to 1e4), 9 of k2 (1 to 1e4, either sign) and 5 speeds (0 to 1e4 "
+        "rad/s), the roots of eq. 22 lie in the left half-plane exactly where eq. 24 says so. In "
+        "forward Euler, eqs. 27 and 28 are stable only up to the speed in the second row.");
     int wrong = 0;
     for (int n = 0; n < 8 * 9 * 5 * 2; ++n) {
         const double k1 = pow(10.0, n % 8 - 3.0);
@@ -40,14 +39,14 @@ static void table_2(li_work_t *work) {
     static const double claimed[LI_OBSERVERS] = {1.0, 1.0, 1.0}; // eqs. 36, 37, 38
     const double w = li_theory_rad_s(t, 600.0);
     figure_t *figure = table_figure(work->table, "table2", "Table II: transfer functions at 50 Hz");
-    (void)snprintf(
-        figure->note, sizeof figure->note,
-        "From the EMF at t_k to its estimate at t_k. Theory: eqs. 17, 29, 26; printed: the same "
-        "in forward Euler at 10 kHz; exact raw: the library's form. Eqs. 36 to 38 claim a gain of"
-        " 1 for all three; the C-LESO has %.1f %% less. |G(jw)| in eq. 37 is not infinite but Kr "
-        "= 2 w0^2, so the GI-LESO keeps a lag. The sampled FA-LESO is off by half a period, w "
-        "Ts/2: ahead in forward Euler, behind in the library's form, which compensates it.",
-        100.0 * (1.0 - cabs(li_theory_printed(t, LI_C, w, w))));
+    (void)snprintf(figure->note, sizeof figure->note,
+                   "From the EMF at t_k to its estimate at t_k. Theory: eqs. 17, 29, 26. Printed: "
+                   "the same in forward Euler at 10 kHz. Exact raw: the library's form. Eqs. 36 to "
+                   "38 claim a gain of 1 for all three; that of the C-LESO is %.1f %% smaller. "
+                   "|G(jw)| in eq. 37 is not infinite but Kr = 2 w0^2, so the GI-LESO keeps a lag. "
+                   "The sampled FA-LESO is off by half a period, w Ts/2. It leads in forward Euler "
+                   "and lags in the library's form, which compensates the lag.",
+                   100.0 * (1.0 - cabs(li_theory_printed(t, LI_C, w, w))));
     for (int o = 0; o < LI_OBSERVERS; ++o) {
         const li_observer_t observer = (li_observer_t)o;
         char id[48];
@@ -109,12 +108,13 @@ static void figure_4(li_work_t *work) {
     const double tuned = li_theory_rad_s(t, 600.0);
     const double last_Hz = 0.5 / t->euler.ts_s;
     figure_t *figure = table_figure(work->table, "fig4", "Fig. 4: noise, order; 50 Hz, Table II");
-    (void)snprintf(figure->note, sizeof figure->note,
-                   "\"Better noise immunity than C-LESO and GI-LESO\" is held against white noise "
-                   "of the sampled currents: its effect on the EMF frequency by frequency up to "
-                   "half the PWM frequency, %.0f Hz (from %.0f Hz on: the speed itself is meant to "
-                   "pass), and its variance. \"Continuous\" is the printed transfer function.",
-                   last_Hz, FIRST_Hz);
+    (void)snprintf(
+        figure->note, sizeof figure->note,
+        "\"Better noise immunity than C-LESO and GI-LESO\" is tested with white noise of the "
+        "sampled currents. We compare its effect on the EMF at each frequency up to half the PWM "
+        "frequency, %.0f Hz (from %.0f Hz on, because the speed itself is meant to pass), and the "
+        "variance of this effect. \"Continuous\" is the printed transfer function.",
+        last_Hz, FIRST_Hz);
     double up_to[LI_FORMS], over_C[LI_FORMS], over_GI[LI_FORMS];
     for (int form = 0; form < LI_FORMS; ++form) {
         const double fa = li_theory_noise_variance(t, (li_form_t)form, LI_FA, tuned);

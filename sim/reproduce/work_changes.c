@@ -10,12 +10,11 @@ static void acceleration(work_t *work) {
     const theory_t *t = work->theory;
     figure_t *figure = work_figure(work, "acceleration", "Acceleration, 300 .. 1500 rpm");
     const double d = t->np * rig_rad_s_from_rpm(CASE_RAMP_rpm_s);
-    (void)snprintf(
-        figure->note, sizeof figure->note,
-        "steps of 300 rpm at 2000 rpm/s; largest mean error over the second half of a ramp. The "
-        "slope is ours, the paper gives none;\nthe QPLL lags behind a ramp by r/Ki = %.2f deg "
-        "(Table 1)",
-        rig_deg_from_rad(d / (t->sigma * t->sigma)));
+    (void)snprintf(figure->note, sizeof figure->note,
+                   "Steps of 300 rpm at 2000 rpm/s; largest mean error over the second half of a "
+                   "ramp. The paper gives no slope, so this one is ours.\nThe QPLL lags behind a "
+                   "ramp by r/Ki = %.2f deg (Table 1).",
+                   rig_deg_from_rad(d / (t->sigma * t->sigma)));
     for (int k = 0; k < 2; ++k) {
         const words_t none = table_no_claim(NAN, NULL);
         const words_t words = {.claim = CLAIM_AT_MOST,
@@ -97,12 +96,12 @@ static void figures_16_17(work_t *work) {
     static const claims_t at_1500[METHODS] = {{CLAIM_ABOUT, 8.0, 5.0, 67.0},
                                               {CLAIM_AT_MOST, 5.0, 2.0, 40.0}};
     figure_t *figure = work_figure(work, "fig16", "Fig. 16: load 5 -> 0 Nm at 300 rpm");
-    (void)snprintf(
-        figure->note, sizeof figure->note,
-        "d = np 5 Nm/J = %.0f rad/s^2. While it lasts, the QPLL's speed is behind by up to "
-        "2 d/sigma = %.1f rpm,\nthe LESO-QPLL's by up to 0.840 d/sigma = %.1f rpm",
-        theory_acceleration(t, CASE_RATED_Nm), theory_swing_rpm(t, CASE_RATED_Nm, false),
-        theory_swing_rpm(t, CASE_RATED_Nm, true));
+    (void)snprintf(figure->note, sizeof figure->note,
+                   "d = np 5 Nm/J = %.0f rad/s^2. While the rotor accelerates by d, the speed of "
+                   "the QPLL lags by up to 2 d/sigma = %.1f rpm,\nthat of the LESO-QPLL by up to "
+                   "0.840 d/sigma = %.1f rpm.",
+                   theory_acceleration(t, CASE_RATED_Nm), theory_swing_rpm(t, CASE_RATED_Nm, false),
+                   theory_swing_rpm(t, CASE_RATED_Nm, true));
     for (int m = 0; m < METHODS; ++m) {
         load_step(work, "fig16", 300.0, (case_method_t)m, &at_300[m]);
     }
@@ -268,12 +267,13 @@ void work_mismatch(work_t *work) {
         if (n == 0) {
             (void)snprintf(
                 figure->note, sizeof figure->note,
-                "id* = 0 puts the current I on the estimated q axis, so the observed EMF stands "
-                "there if\n    sin(delta) = (Lq - Lq^) I/psi_a, psi_a = psi - (Ld - Lq) I "
-                "sin(delta), T = 1.5 np psi_a I cos(delta).\nWith Lq^ = 2 Lq the largest T of all "
-                "is %.2f Nm.\nThe figure's sign convention is not known: sizes are compared, and "
-                "whether both sides of Lq^ = Lq have the same sign, as in the paper. \"Almost "
-                "unchanged\" and \"nearly the same\" are taken as at most 1 deg and 1 rpm",
+                "With id* = 0 the current I lies on the estimated q axis. The observed EMF lies on "
+                "it too if\n    sin(delta) = (Lq - Lq^) I/psi_a, psi_a = psi - (Ld - Lq) I "
+                "sin(delta), T = 1.5 np psi_a I cos(delta).\nWith Lq^ = 2 Lq the largest possible "
+                "T is %.2f Nm.\nThe sign convention of the figure is not known. The comparison "
+                "therefore takes sizes, and checks whether both sides of Lq^ = Lq have the same "
+                "sign, as in the paper. \"Almost unchanged\" and \"nearly the same\" are taken as "
+                "at most 1 deg and 1 rpm.",
                 pull_out_Nm);
         }
         for (int k = 0; k < 4; ++k) {
@@ -294,10 +294,10 @@ void work_start(work_t *work) {
     figure_t *figure = work_figure(work, "start", "I-f start, hand-over at 100 rpm");
     (void)snprintf(
         figure->note, sizeof figure->note,
-        "share that reaches 900 rpm within 3 s from a random angle; columns: of %d starts, the "
-        "judged variants: one start per seed. Without load and with the true "
-        "parameters; spread: load 0 .. 2 Nm, Rs +-20 %%, Lq +-15 %%, offsets. Start "
-        "and control are the library's, with the paper's w0 and sigma in all but own gains",
+        "Share of starts from a random angle that reach 900 rpm within 3 s. Each column is of %d "
+        "starts; the judged variants have one start per seed. Without load and with the true "
+        "parameters. Spread: load 0 .. 2 Nm, Rs +-20 %%, Lq +-15 %%, offsets. Start and control "
+        "are the library's; all columns but \"own gains\" use the paper's w0 and sigma.",
         STARTS_SHOWN);
     for (int kind = CASE_START; kind <= CASE_START_SPREAD; ++kind) {
         for (int m = 0; m < METHODS; ++m) {

@@ -80,17 +80,17 @@ static void figures_12_13(work_t *work) {
     const theory_t *t = work->theory;
     figure_t *figure = work_figure(work, "fig12", "Fig. 12: QPLL, no load");
     (void)snprintf(figure->note, sizeof figure->note,
-                   "without load and with id* = 0 the current rests in the dead band of an "
-                   "inverter that is not ideal. The drag of the paper's load machine, which would "
-                   "take it out of there, is not given");
+                   "Without load and with id* = 0, the current stays in the dead band of a "
+                   "non-ideal inverter. The drag of the paper's load machine, which would take the "
+                   "current out of the dead band, is not given.");
     waves(work, &fig12);
     figure = work_figure(work, "fig13", "Fig. 13: QPLL, rated load");
     (void)snprintf(
         figure->note, sizeof figure->note,
-        "lag of the C-LESO in forward Euler, 2 arg(rho - 1 + w0 Ts) - w Ts/2: %.2f deg at "
-        "300 rpm, %.2f at 1500.\nThe voltage lost in the inverter, V = %.1f V + %g Ohm I, "
-        "lies along the current and turns the observed EMF\ntowards the estimate: "
-        "delta = phi + asin(V sin(phi)/(w psi_a)), phi = lag - Rs I Ts/(2 psi_a)",
+        "The C-LESO in forward Euler has a lag of 2 arg(rho - 1 + w0 Ts) - w Ts/2: %.2f deg at 300 "
+        "rpm, %.2f deg at 1500 rpm.\nThe voltage lost in the inverter, V = %.1f V + %g Ohm I, lies "
+        "along the current. It turns the observed EMF\ntowards the estimate: delta = phi + asin(V "
+        "sin(phi)/(w psi_a)), with phi = lag - Rs I Ts/(2 psi_a).",
         theory_euler_lag_deg(t, 300.0), theory_euler_lag_deg(t, 1500.0), t->loss_V, t->r_on_Ohm);
     waves(work, &fig13);
 }
@@ -188,9 +188,9 @@ static void figures_14_15(work_t *work) {
     figure_t *figure = work_figure(work, "fig14", "Fig. 14: 300 .. 1500 rpm, no load");
     (void)snprintf(
         figure->note, sizeof figure->note,
-        "eq. 30 less the lag of the C-LESO in forward Euler: %+.2f deg at 300 rpm, %+.2f at "
-        "1500; with rated load\nRs I Ts/(2 psi) = %+.2f on top. In continuous time eq. 30 is the "
-        "lag",
+        "Theory: eq. 30 minus the lag of the C-LESO in forward Euler, %+.2f deg at 300 rpm and "
+        "%+.2f deg at 1500 rpm. Rated load adds\nRs I Ts/(2 psi) = %+.2f deg. In continuous time "
+        "the lag is eq. 30.",
         theory_eq30_deg(t, 300.0) - theory_euler_lag_deg(t, 300.0),
         theory_eq30_deg(t, 1500.0) - theory_euler_lag_deg(t, 1500.0),
         rig_deg_from_rad(0.5 * t->Rs * t->ts_s / t->psi * CASE_RATED_Nm / (1.5 * t->np * t->psi)));
@@ -209,10 +209,9 @@ static void figures_14_15(work_t *work) {
 static void equation_14(work_t *work) {
     const words_t words = table_no_claim(NAN, NULL);
     figure_t *figure = work_figure(work, "eq14", "Eq. 14: which speed the QPLL reports");
-    (void)snprintf(
-        figure->note, sizeof figure->note,
-        "by eq. 14 the output of the PI controller: here in the column \"printed\". Everywhere "
-        "else here it is the integral part");
+    (void)snprintf(figure->note, sizeof figure->note,
+                   "By eq. 14 the speed is the output of the PI controller: column \"printed\". "
+                   "Everywhere else it is the integral part.");
     for (int k = 0; k < 2; ++k) {
         const place_t at = {"eq14",
                             "speed_pp",

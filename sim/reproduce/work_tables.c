@@ -17,11 +17,10 @@ static void table_1(work_t *work) {
         work_figure(work, "table1", "Table 1: error after 0.5 s behind a moving angle");
     const double r = t->np * rig_rad_s_from_rpm(CASE_RAMP_rpm_s);
     const double lag_deg = -rig_deg_from_rad(r / (t->sigma * t->sigma));
-    (void)snprintf(
-        figure->note, sizeof figure->note,
-        "the PLLs alone on a perfect EMF; steps of 30 deg and 10 rad/s, a ramp of r = %.0f "
-        "rad/s^2 (2000 rpm/s)",
-        r);
+    (void)snprintf(figure->note, sizeof figure->note,
+                   "The PLLs alone, with a perfect EMF: steps of 30 deg and 10 rad/s, and a ramp "
+                   "of r = %.0f rad/s^2 (2000 rpm/s).",
+                   r);
     for (int k = 0; k < 6; ++k) {
         char id[48];
         const double claimed_deg = k == 2 ? lag_deg : 0.0;
@@ -51,8 +50,8 @@ static void table_2(work_t *work) {
     const theory_t *t = work->theory;
     figure_t *figure = work_figure(work, "table2", "Table 2: enhanced PLL, k = 0.1, 600 rad/s");
     (void)snprintf(figure->note, sizeof figure->note,
-                   "printed: eqs. 35 and 36 as they stand. Theory: notch ((s + sigma)^3 - "
-                   "s^3)/s^3, as eq. 21 gives; exact: the sampled form at 5 kHz");
+                   "Printed: eqs. 35 and 36 as they stand. Theory: the notch with ((s + sigma)^3 - "
+                   "s^3)/s^3, as eq. 21 gives. Exact: the sampled form at 5 kHz.");
     for (int s = 0; s < 3; ++s) {
         const double sigma = 80.0 + 40.0 * s;
         const theory_loop_t right = theory_loop(sigma, 0.1, 600.0, false);
@@ -103,9 +102,9 @@ static void figure_7(work_t *work) {
     figure_t *figure = work_figure(work, "fig7", "Fig. 7: observer, notch and PLL as one loop");
     (void)snprintf(
         figure->note, sizeof figure->note,
-        "k = %g, no current, a rotor that turns steadily. The claim is Section 5's: closed loop "
-        "from %.0f rpm on, with the margins \"almost the same\" at every speed (Section 4.4). The "
-        "library's exact form is not in this row: it fades its notch out at such speeds",
+        "k = %g, no current, rotor at constant speed. The claim is Section 5's: closed loop from "
+        "%.0f rpm on, with margins that are \"almost the same\" at every speed (Section 4.4). The "
+        "library's exact form is not in this row, because it fades its notch out at such speeds.",
         NOTCH_K, HANDOVER_rpm);
     const double value[FORMS] = {tables_lowest_stable_rpm(t, NOTCH_K, false),
                                  tables_lowest_stable_rpm(t, NOTCH_K, true), NAN};
