@@ -197,7 +197,7 @@ def phase_table(figures):
         cycles = figures["steps"][name]["cycles"]
         rows.append([phase, f"`{name}`", cycles["min"], f"{cycles['avg']:.0f}", cycles["max"],
                      f"{cycles['max'] / usual:.2f}"])
-    return table(["phase", "step", "least cycles", "mean", "most", "most, by steady"], rows)
+    return table(["phase", "step", "least cycles", "mean", "most", "most / steady"], rows)
 
 
 def block_table(figures):
@@ -261,14 +261,14 @@ def fit_table(figures):
                 least = share * figures["cores"][core]["enhanced"]["instructions"]["avg"]
                 cells.append(f"over {least:.0f} %")
         rows.append([*cells, basis.get(core, "instructions")])
-    return table(["chip", "core", "MHz", *(f"{rate} kHz" for rate in RATES_kHz), "by"], rows)
+    return table(["chip", "core", "MHz", *(f"{rate} kHz" for rate in RATES_kHz), "basis"], rows)
 
 
 def memory_table(figures):
     firmware, steps = figures["firmware"], figures["steps"]
     three_phases, six = firmware["m4f -O2"], firmware["m4f -O2, six phases"]
     rows = [["flash: drive, design and checks", three_phases["text"], firmware["m4f -Os"]["text"], six["text"]],
-            ["flash: the drive on a tuning that lies there", firmware["m4f -O2, tuning in flash"]["text"],
+            ["flash: drive, with the tuning in flash", firmware["m4f -O2, tuning in flash"]["text"],
              firmware["m4f -Os, tuning in flash"]["text"], ""],
             ["flash: the same, with the fewest options", firmware["m4f -O2, least"]["text"],
              firmware["m4f -Os, least"]["text"], ""]]
@@ -291,14 +291,14 @@ def bar_table(figures):
         mean = figures[which][name][what]["avg"]
         rows.append([f"{named(which, name)}, {what}", f"{mean:.0f}", target or "", bar,
                      f"{mean / bar:.2f}"])
-    return table(["step, mean", "measured", "target", "bar", "by bar"], rows)
+    return table(["step, mean", "measured", "target", "bar", "mean / bar"], rows)
 
 
 def aim_table(figures):
     steps, firmware = figures["steps"], figures["firmware"]
     objects = figures["objects"]["one observer"]
     state, tuning = objects["lode_drive_t"], objects["lode_drive_tuning_t"]
-    aims = [(f"`{name}`, costliest call by mean", steps[name]["cycles"]["max"] / steps[name]["cycles"]["avg"],
+    aims = [(f"`{name}`, costliest call / mean", steps[name]["cycles"]["max"] / steps[name]["cycles"]["avg"],
              COSTLIEST_SHARE) for name in RUNNING]
     aims += [(f"`{name}`, costliest call, cycles", steps[name]["cycles"]["max"], COSTLIEST_RARE)
              for name in ("rise", "start", "fault")]
@@ -335,8 +335,8 @@ def peer_table(figures):
         whole = sum(parts.values())
         rows.append([named(which, name), f"{whole:.0f}", f"{more:.0f}", f"{whole - more:.0f}",
                      *(f"{(whole - more) / peer:.2f}" for peer in PEERS.values())])
-    return table(["mean cycles", "whole", "of it the lower parts", "without them",
-                  *(f"by {peer} ({cycles})" for peer, cycles in PEERS.items())], rows)
+    return table(["mean cycles", "whole step", "lower parts", "without them",
+                  *(f"/ {peer} ({cycles})" for peer, cycles in PEERS.items())], rows)
 
 
 TABLES = {"fit": fit_table, "memory": memory_table, "bars": bar_table, "aims": aim_table,
