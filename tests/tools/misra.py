@@ -37,9 +37,9 @@ TEXT = """\
 
 <!-- Written by tests/tools/misra.py from tests/tools/misra_deviations.txt; change that. -->
 
-Statement of compliance for `src/` and `include/`, by the addon of cppcheck 2.10, without the texts of the rules: `tests/run gate_misra`. It finds breaches of the rules that it knows and nothing else; of a line that breaks several rules it tells each; directives, and rules that need a reader, have not been reviewed by anybody. Firmware in `port/`, tests and tools are not in scope.
+This is the statement of compliance for `src/` and `include/`. `tests/run gate_misra` checks them with the addon of cppcheck 2.10, without the texts of the rules. The addon finds only breaches of the rules that it implements. If a line breaks several rules, it reports each of them. Nobody has reviewed the directives and the rules that require a human reader. Firmware in `port/`, tests and tools are not in scope.
 
-No mandatory rule is broken. Of the required ones each finding is explained below, of the advisory ones too; a rule that is not named has no finding. The gate fails for a finding without a line here, and for a line without a finding.
+No mandatory rule is broken. The table explains each finding of a required or advisory rule; a rule that is not listed has no finding. The gate fails for a finding without a line here, and for a line without a finding.
 
 | rule | category | where | why |
 |---|---|---|---|
