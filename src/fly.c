@@ -153,10 +153,11 @@ static uint32_t longest_span(const lode_fly_t *self, const lode_fly_given_t *giv
     return (uint32_t)(int32_t)lode_clamp(span + 1.0f, 1.0f, (float)LONG_MOST);
 }
 
+// With the pause: the current of the pulses before decays first.
 static void begin_span(lode_fly_t *self, uint32_t span) {
     self->span = (uint_least8_t)span;
-    self->cycle = 0u;
-    self->share = 1.0f;
+    self->cycle = (uint_least8_t)(span + 1u);
+    self->share = 0.0f;
 }
 
 // One vector of a pulse of whole periods.
@@ -169,7 +170,7 @@ static void lengthen(lode_fly_t *self, lode_ab_t i_A, const lode_fly_given_t *gi
         end_grow(self, i_A, seen);
     } else {
         const uint32_t twice = 2u * span;
-        self->span = (uint_least8_t)(twice < most ? twice : most);
+        begin_span(self, twice < most ? twice : most);
     }
 }
 
@@ -323,7 +324,7 @@ static void begin(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i
     }
 }
 
-// (S51): n periods on, the sample at their end, and 2n + 1 off, in which the current decays. True: the sample is `i_A`.
+// (S51): n periods on, the sample at their end, and 2n + 1 off while the current decays. True: the sample is `i_A`.
 static bool is_sampled(lode_fly_t *self, const lode_fly_given_t *given) {
     const uint32_t span = self->span;
     const uint32_t cycle = self->cycle + 1u;
